@@ -1,0 +1,55 @@
+# Needs Python 3.11+, make and a C compiler; everything else is set up in $(VENV) on first use.
+VENV ?= .venv
+BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
+ROOMS := symbolic generated tires measurements fitting fmu diagnosis
+
+# The first Python that really runs (version managers leave commands that only print a notice) and can make a venv.
+PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python; do \
+	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
+	&& echo $$python && break; done)
+
+.PHONY: demo test check generate types clean
+.NOTPARALLEL:
+
+demo: $(VENV)/installed  ## the whole circle on the built-in virtual bench
+	$(BIN)/tirefmu demo -o demo-output
+
+test: $(VENV)/installed-dev  ## all tests; the measured recordings' too where TIREFMU_DATA names their folder
+	$(BIN)/pytest $(PYTEST_ARGS)
+
+check: $(VENV)/installed-dev types  ## lint, format, types, and that generated/ is what the book prints
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/tirefmu generate --check
+
+generate: $(VENV)/installed  ## print the book into generated/
+	$(BIN)/tirefmu generate
+
+# The rooms are sub-packages of tirefmu only once installed; type checkers read this tree of links instead.
+types:
+	@rm -rf .types && mkdir -p .types/tirefmu
+	@for entry in $(ROOMS) $(filter-out %/__pycache__,$(wildcard tirefmu/*)); do \
+		ln -s "../../$$entry" ".types/tirefmu/$${entry##*/}" || exit 1; done
+
+clean:
+	rm -rf .types build dist demo-output *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find $(ROOMS) tirefmu tests -name __pycache__ -prune -exec rm -rf {} +
+
+# pip runs without build isolation, so that the one setuptools in $(VENV) builds everything.
+$(VENV)/installed: pyproject.toml | $(VENV)/created
+	@echo "Installing tirefmu into $(VENV) (once, and when pyproject.toml changes)"
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable .
+	@touch $@
+
+$(VENV)/installed-dev: pyproject.toml | $(VENV)/created
+	@echo "Installing tirefmu and its development tools into $(VENV) (once, and when pyproject.toml changes)"
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[dev]"
+	@touch $(VENV)/installed $@
+
+$(VENV)/created:
+	@test -n "$(PYTHON)" || { echo "No Python 3.11+ found: name one with 'make PYTHON=...'" >&2; exit 1; }
+	@echo "Setting up $(VENV) with $$($(PYTHON) --version)"
+	@$(PYTHON) -m venv --clear $(VENV)
+	@$(BIN)/python -m pip install --quiet "setuptools>=77"
+	@touch $@

@@ -1,0 +1,37 @@
+"""The examples in the docstrings run, each module met as tirefmu.<room>.<module>.
+
+(pytest --doctest-modules would import the root folders as top-level packages and meet every class twice.)
+"""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+ROOMS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"][
+    "package-dir"
+]
+
+
+def modules_with_examples() -> list[str]:
+    """Return the import names of all modules whose text holds an example."""
+    names = []
+    for package, folder in ROOMS.items():
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            if ">>> " in path.read_text(encoding="utf-8"):
+                below = path.relative_to(ROOT / folder).with_suffix("").parts
+                names.append(".".join([package, *(part for part in below if part != "__init__")]))
+    return names
+
+
+@pytest.mark.parametrize("name", modules_with_examples())
+def test_examples(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # examples may write files
+    result = doctest.testmod(importlib.import_module(name), optionflags=doctest.ELLIPSIS)
+    assert result.attempted > 0
+    assert result.failed == 0

@@ -1,0 +1,170 @@
+"""Which room may import which: the table of ARCHITECTURE.md, read off every import statement."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+#: The front door's own folder, the only one named like the package.
+DOOR = "tirefmu"
+MAY_IMPORT = {
+    "symbolic": set(),
+    "generated": set(),
+    "tires": {"symbolic", "generated"},
+    "measurements": {"tires"},
+    "fitting": {"symbolic", "generated", "tires", "measurements"},
+    "fmu": {"symbolic", "generated", "tires", "measurements"},
+    "diagnosis": {"symbolic", "generated", "tires", "measurements", "fitting", "fmu"},
+}
+MAY_IMPORT[DOOR] = set(MAY_IMPORT)
+
+#: The kinds of misuse are everybody's words; only machine-made code has no use for them.
+COMMON = "tirefmu.symbolic.errors"
+
+#: Heavy or special packages stay where they are needed.
+ONLY_IN = {
+    "casadi": ("generated/casadi", "fitting"),
+    "fmpy": ("fmu",),
+    "pythonfmu": ("fmu",),
+}
+
+#: The book is mathematics and text; machine-made code needs what it is printed for.
+ONLY_NEEDS = {"symbolic": {"sympy"}, "generated": {"numpy", "casadi"}}
+
+
+def imported(tree: ast.Module, package: str) -> Iterator[tuple[int, str, bool | None]]:
+    """Yield line, absolute name and whether it was written relatively (None: in a call) of every import."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name, False) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            above = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+            source = ".".join([*above, *filter(None, [node.module])])
+            # "from tirefmu import tires" and "from . import tires" name a room only by what they take.
+            for name in [f"{source}.{alias.name}" for alias in node.names] if source == DOOR else [source]:
+                yield node.lineno, name, node.level > 0
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
+            values = [part.value for part in ast.walk(node) if isinstance(part, ast.Constant)]
+            texts = [value for value in values if isinstance(value, str)]
+            # The text, or what an f-string starts with; a name worked out elsewhere cannot be read here.
+            yield from (
+                (node.lineno, text.rstrip("."), None) for text in texts[:1] if not text.startswith(".")
+            )
+
+
+def room_of(name: str) -> str:
+    """Return the room that an absolute name starting with tirefmu leads to."""
+    second = name.split(".")[1] if "." in name else ""
+    return second if second in MAY_IMPORT and second != DOOR else DOOR
+
+
+def complaints(path: str, source: str) -> list[str]:
+    """Return what a file of the given path (relative to the root, with slashes) imports against the rules."""
+    room, *folders, _ = path.split("/")
+    package = ".".join([room, *folders] if room in (DOOR, "tests") else [DOOR, room, *folders])
+    found = []
+    for line, name, relative in imported(ast.parse(source), package):
+        top = name.split(".")[0]
+        if top == DOOR:
+            reached = room_of(name)
+            allowed = MAY_IMPORT.get(room, set(MAY_IMPORT))
+            common = name == COMMON and room != "generated"
+            if reached == room and relative is False:
+                wrong = f"{name} is in this room: import it relatively"
+            elif reached != room and relative:
+                wrong = f"{name} is in another room: import it absolutely"
+            elif reached != room and reached not in allowed and not common:
+                wrong = f"{room} may not import {name}"
+            else:
+                continue
+        elif top in MAY_IMPORT:
+            wrong = f"{name} is met as tirefmu.{name} only"
+        elif room in MAY_IMPORT and not path.startswith(ONLY_IN.get(top, ("",))):
+            wrong = f"{top} is imported in {' and '.join(ONLY_IN[top])} only"
+        elif room in ONLY_NEEDS and top not in ONLY_NEEDS[room] | sys.stdlib_module_names:
+            wrong = f"{room} does without {top}"
+        else:
+            continue
+        found.append(f"{path}:{line}: {wrong}")
+    return found
+
+
+def python_files() -> list[str]:
+    folders = [*MAY_IMPORT, "tests"]
+    return sorted(
+        path.relative_to(ROOT).as_posix() for folder in folders for path in (ROOT / folder).rglob("*.py")
+    )
+
+
+def test_every_room_keeps_to_its_walls():
+    files = python_files()
+    assert {path.split("/")[0] for path in files} == {*MAY_IMPORT, "tests"}
+    found = [line for path in files for line in complaints(path, (ROOT / path).read_text(encoding="utf-8"))]
+    assert not found, "\n".join(found)
+
+
+@pytest.mark.parametrize(
+    ("path", "source", "complaint"),
+    [
+        ("symbolic/model.py", "from tirefmu.tires import Tire", "symbolic may not import tirefmu.tires"),
+        ("symbolic/model.py", "def f():\n    import tirefmu.fmu", "symbolic may not import tirefmu.fmu"),
+        (
+            "generated/numpy/mf96.py",
+            "from tirefmu.symbolic.errors import TireError",
+            "generated may not import",
+        ),
+        ("fmu/build.py", "from tirefmu import fitting", "fmu may not import tirefmu.fitting"),
+        (
+            "fitting/problem.py",
+            "from tirefmu.fmu.check import check",
+            "fitting may not import tirefmu.fmu.check",
+        ),
+        ("tires/tire.py", "from tirefmu import load", "tires may not import tirefmu.load"),
+        ("tires/tire.py", "import tirefmu", "tires may not import tirefmu"),
+        ("fmu/build.py", "import_module(f'tirefmu.fitting.{name}')", "fmu may not import tirefmu.fitting"),
+        ("tires/tire.py", "from tirefmu.tires.signs import flip", "import it relatively"),
+        ("tirefmu/cli.py", "from tirefmu.demo import run", "import it relatively"),
+        ("tires/tire.py", "from ..symbolic.model import Model", "import it absolutely"),
+        ("tirefmu/cli.py", "from . import fmu", "import it absolutely"),
+        ("fmu/build.py", "import symbolic.model", "is met as tirefmu.symbolic.model only"),
+        ("tests/symbolic/test_model.py", "from symbolic import model", "is met as tirefmu.symbolic only"),
+        (
+            "symbolic/printers/casadi.py",
+            "import casadi",
+            "casadi is imported in generated/casadi and fitting only",
+        ),
+        ("diagnosis/what.py", "from fmpy import simulate_fmu", "fmpy is imported in fmu only"),
+        ("symbolic/model.py", "import pandas as pd", "symbolic does without pandas"),
+    ],
+)
+def test_a_planted_import_is_found(path, source, complaint):
+    (found,) = complaints(path, source)
+    assert complaint in found
+
+
+@pytest.mark.parametrize(
+    ("path", "source"),
+    [
+        (
+            "symbolic/mf96/side_force.py",
+            "from ..notation import magic\nfrom .coefficients import Lateral\nimport sympy",
+        ),
+        ("generated/casadi/mf96.py", "import casadi"),
+        (
+            "measurements/table.py",
+            "from tirefmu.symbolic.errors import DataError\nfrom tirefmu.tires import Tire",
+        ),
+        ("fitting/problem.py", "import casadi\nfrom tirefmu.generated.casadi import mf96"),
+        ("tires/code.py", "importlib.import_module(f'tirefmu.generated.numpy.{model}')"),
+        ("tirefmu/__init__.py", "from tirefmu.fmu import export\nfrom .cli import main"),
+        ("tests/fmu/test_check.py", "import fmpy\nimport tirefmu\nfrom tirefmu.fmu import check"),
+    ],
+)
+def test_a_proper_import_is_not(path, source):
+    assert complaints(path, source) == []
