@@ -1,0 +1,1 @@
+"""Machine-made code, printed from the book by "tirefmu generate"; never edited."""

@@ -1,0 +1,81 @@
+"""What can go wrong by misuse: one class per kind, each carrying the facts of its sentence."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class TirefmuError(Exception):
+    """Any misuse that tirefmu reports: one clear line, exit status 2 on the command line."""
+
+
+class UnknownName(TirefmuError):
+    """A name that nobody declared; the sentence offers the nearest known one.
+
+    Parameters
+    ----------
+    kind : str
+        What the name should have been: "model", "effect", "coefficient", ...
+    name : str
+        The name as it was given.
+    known : iterable of str
+        The names that exist.
+
+    Examples
+    --------
+    >>> print(UnknownName("coefficient", "PDYI", ["PDY1", "PKX1"]))
+    unknown coefficient 'PDYI': did you mean PDY1?
+    """
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        self.kind, self.name, self.known = kind, name, tuple(known)
+        super().__init__(f"unknown {kind} {name!r}{nearest(name, self.known)}")
+
+
+class TireError(TirefmuError):
+    """A tire whose coefficients cannot be evaluated."""
+
+
+class TirError(TirefmuError):
+    """A .tir file that cannot be read: file, line and key stand in the sentence."""
+
+
+class DataError(TirefmuError):
+    """A table or recording that cannot be used: file, row and channel stand in the sentence."""
+
+
+class FitError(TirefmuError):
+    """A fit that cannot be set up. (One that does not converge is a result, not an error.)"""
+
+
+class FmuError(TirefmuError):
+    """An FMU that cannot be built or simulated; lists every problem found."""
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Return ': did you mean X?' for the nearest known name, or the list of a few, or ''.
+
+    Parameters
+    ----------
+    name : str
+    known : iterable of str
+
+    Returns
+    -------
+    str
+        The end of a sentence, beginning with a colon; empty when nothing is known.
+
+    Examples
+    --------
+    >>> nearest("gama", ["gamma", "alpha"])
+    ': did you mean gamma?'
+    """
+    names = list(known)
+    folded = {candidate.casefold(): candidate for candidate in names}
+    hits = difflib.get_close_matches(name.casefold(), folded, n=1, cutoff=0.5)
+    if hits:
+        return f": did you mean {folded[hits[0]]}?"
+    if names and len(names) <= 12:
+        return f": known are {', '.join(names)}"
+    return ""

@@ -1,0 +1,114 @@
+"""Everything that is generated: rendered as text, written, or compared with what is committed."""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import json
+from pathlib import Path
+
+from .. import MODELS
+from ..model import Model
+from .c import c_header, c_source
+from .python import CASADI, NUMPY, python_module
+from .routines import routines
+
+
+def render() -> dict[str, str]:
+    """Return every generated file: path relative to the folder, text. Deterministic to the byte.
+
+    Returns
+    -------
+    dict of str to str
+
+    Examples
+    --------
+    >>> sorted(path for path in render() if "mf96" in path)
+    ['c/mf96.c', 'c/mf96.h', 'casadi/mf96.py', 'numpy/mf96.py']
+    """
+    files: dict[str, str] = {}
+    for model in MODELS.values():
+        parts = routines(model)
+        files[f"numpy/{model.name}.py"] = python_module(model, parts, NUMPY)
+        files[f"casadi/{model.name}.py"] = python_module(model, parts, CASADI)
+        files[f"c/{model.name}.c"] = c_source(model, parts)
+        files[f"c/{model.name}.h"] = c_header(model, parts)
+    files["MANIFEST.json"] = _manifest(files)
+    return files
+
+
+def write(folder: Path) -> list[Path]:
+    """Write what `render` returns below a folder and remove generated files that are no longer made.
+
+    Parameters
+    ----------
+    folder : Path
+
+    Returns
+    -------
+    list of Path
+        The files whose text changed, removed ones included.
+    """
+    changed = []
+    files = render()
+    for name, text in files.items():
+        path = folder / name
+        if _text(path) != text:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="ascii", newline="\n")
+            changed.append(path)
+    for path in _strays(folder, files):
+        path.unlink()
+        changed.append(path)
+    return changed
+
+
+def difference(folder: Path) -> str:
+    """Return the unified diff from the files in a folder to what would be generated; empty where equal.
+
+    Parameters
+    ----------
+    folder : Path
+
+    Returns
+    -------
+    str
+    """
+    files = render()
+    stale = {path.relative_to(folder).as_posix(): "" for path in _strays(folder, files)}
+    diffs = []
+    for name, text in {**files, **stale}.items():
+        committed = _text(folder / name) or ""
+        diffs += difflib.unified_diff(
+            committed.splitlines(keepends=True),
+            text.splitlines(keepends=True),
+            f"generated/{name}",
+            f"the book: {name}",
+        )
+    return "".join(diffs)
+
+
+def _text(path: Path) -> str | None:
+    """Return the text as it lies on disk, line ends included, or None."""
+    return path.read_bytes().decode("utf-8") if path.is_file() else None
+
+
+def _strays(folder: Path, files: dict[str, str]) -> list[Path]:
+    """Files that look generated but are not made (any more)."""
+    made = {folder / name for name in files}
+    kinds = ("numpy/*.py", "casadi/*.py", "c/*.c", "c/*.h")
+    found = {path for kind in kinds for path in folder.glob(kind) if path.name != "__init__.py"}
+    return sorted(found - made)
+
+
+def _manifest(files: dict[str, str]) -> str:
+    content = {
+        "lines": {name: _lines_hash(model) for name, model in MODELS.items()},
+        "files": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(files.items())},
+    }
+    return json.dumps(content, indent=2) + "\n"
+
+
+def _lines_hash(model: Model) -> str:
+    text = "\n".join(f"{line.number} {line.symbol} = {line.expression}" for line in model.lines())
+    return hashlib.sha256(text.encode()).hexdigest()
