@@ -1,0 +1,143 @@
+"""The system's C compiler: found, called, its shared libraries kept by content.
+
+A library is built once for its sources, flags and compiler, and found again at the next start. Where there is
+no compiler, everything but C code and native FMUs goes on working.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import os
+import platform
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from importlib.resources import as_file, files
+from pathlib import Path
+
+from tirefmu.symbolic.errors import TirefmuError
+
+SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-fvisibility=hidden", "-shared")
+
+
+class CompilerError(TirefmuError):
+    """There is no C compiler, or it refused a source."""
+
+
+def find_compiler() -> list[str]:
+    """Return the command of the C compiler: $CC, or cc, gcc or clang on the path.
+
+    Raises
+    ------
+    CompilerError
+        If there is none; the message says what to install.
+    """
+    named = os.environ.get("CC")
+    if named:
+        command = shlex.split(named)
+        if shutil.which(command[0]):
+            return command
+        raise CompilerError(f"CC is {named!r}, which cannot be run")
+    for name in ("cc", "gcc", "clang"):
+        path = shutil.which(name)
+        if path:
+            return [path]
+    raise CompilerError("no C compiler found: install gcc or clang, or set CC")
+
+
+def cache_folder() -> Path:
+    """Return the folder of built libraries: TIREFMU_CACHE, or the user's cache folder."""
+    if given := os.environ.get("TIREFMU_CACHE"):
+        return Path(given)
+    if sys.platform == "win32":
+        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "tirefmu"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "tirefmu"
+    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "tirefmu"
+
+
+def shared_library(
+    name: str,
+    sources: Sequence[Path],
+    *,
+    headers: Sequence[Path] = (),
+    include: Sequence[Path] = (),
+    flags: Sequence[str] = (),
+) -> Path:
+    """Return a shared library built from C sources, from the cache where it is there.
+
+    Parameters
+    ----------
+    name : str
+        What the file begins with.
+    sources, headers : sequence of Path
+        Sources to compile and headers that they include; their content decides whether to build anew.
+    include : sequence of Path
+        Folders to search for headers.
+    flags : sequence of str
+        Further compiler flags.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    CompilerError
+        If there is no compiler or it fails; the message has its first lines.
+    """
+    compiler = find_compiler()
+    options = [*FLAGS, *([] if sys.platform == "win32" else ["-fPIC"]), *flags]
+    if sys.platform.startswith("linux"):
+        options.append("-Wl,-z,defs")
+    digest = hashlib.sha256("\0".join([*compiler, *options, platform.machine(), sys.platform]).encode())
+    for path in [*sources, *headers]:
+        digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    built = cache_folder() / f"{name}-{digest.hexdigest()[:24]}{SUFFIX}"
+    if not built.exists():
+        built.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=built.parent) as scratch:
+            target = Path(scratch) / built.name
+            folders = [f"-I{folder}" for folder in include]
+            _run([*compiler, *options, *folders, *map(str, sources), "-o", str(target), "-lm"])
+            os.replace(target, built)  # another process may have built the same meanwhile: equal content
+    return built
+
+
+def compiled_model(model: str) -> ctypes.CDLL:
+    """Return the compiled code of a model.
+
+    Parameters
+    ----------
+    model : str
+        Name of the model.
+
+    Returns
+    -------
+    ctypes.CDLL
+
+    Raises
+    ------
+    CompilerError
+        If it cannot be compiled.
+    """
+    with as_file(files("tirefmu.generated") / "c") as folder:
+        library = shared_library(
+            model,
+            [folder / f"{model}.c"],
+            headers=[folder / f"{model}.h"],
+            flags=["-fvisibility=default"],
+        )
+    return ctypes.CDLL(str(library))
+
+
+def _run(command: list[str]) -> None:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        said = (done.stderr or done.stdout).strip().splitlines()
+        raise CompilerError(f"{Path(command[0]).name} failed: {' / '.join(said[:3])}")

@@ -1,0 +1,42 @@
+"""Tires that were published with their parameters, ready to load."""
+
+from __future__ import annotations
+
+from importlib.resources import as_file, files
+
+from tirefmu.symbolic.errors import UnknownName
+
+from ..tir import read_tir
+from ..tire import Tire
+
+#: The published tires and the signs in which their source writes them.
+PUBLISHED = {"trento_hoosier": "adapted-sae"}
+
+
+def published(name: str) -> Tire:
+    """Return a published tire, in the signs of its source.
+
+    Parameters
+    ----------
+    name : str
+        ``trento_hoosier``: Hoosier 6.0/18.0-10 LCO, MF96, University of Trento, Dynamics of Vehicles, team 6.
+
+    Returns
+    -------
+    Tire
+
+    Raises
+    ------
+    UnknownName
+        If there is no such tire.
+
+    Examples
+    --------
+    >>> tire = published("trento_hoosier")
+    >>> tire.signs, tire.values["PDY1"]
+    ('adapted-sae', 2.7167406877414653)
+    """
+    if name not in PUBLISHED:
+        raise UnknownName("published tire", name, PUBLISHED)
+    with as_file(files(__package__) / f"{name}.tir") as path:
+        return read_tir(path).in_signs(PUBLISHED[name])
