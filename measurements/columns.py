@@ -1,0 +1,227 @@
+"""From the columns of a table to contract channels in SI, with one clear line for what does not fit."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from tirefmu.symbolic.errors import DataError, TirefmuError
+
+from .channels import CHANNELS, INPUTS, channel, intended_channel, unit_in_name
+from .units import to_si
+
+_HEADER = re.compile(r"(?P<name>[^\[\]]*?)\s*\[(?P<unit>[^\[\]]*)\]")
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of a table: its contract name, or the name it came with, and the unit it declares.
+
+    Parameters
+    ----------
+    name : str
+    unit : str, optional
+        As declared in the header, ``alpha [deg]``; None where SI is meant.
+
+    Examples
+    --------
+    >>> Column.parse("alpha [deg]")
+    Column(name='alpha', unit='deg')
+    >>> Column.parse("lap [1]").name
+    'lap [1]'
+    """
+
+    name: str
+    unit: str | None = None
+
+    @classmethod
+    def parse(cls, header: str) -> Column:
+        """Read a header; brackets mean a unit on contract names only.
+
+        Parameters
+        ----------
+        header : str
+
+        Returns
+        -------
+        Column
+        """
+        match = _HEADER.fullmatch(header.strip())
+        if match and match["name"] in CHANNELS:
+            return cls(match["name"], match["unit"])
+        return cls(header.strip())
+
+
+def parse_header(headers: Sequence[str], source: str) -> list[Column]:
+    """Read the headers of a table.
+
+    A column that the contract does not know is passed through, unless it seems to mean an input that the
+    table lacks: evaluating such a table at the nominal value instead would be wrong without a word. Columns
+    that look like outputs pass: a table of inputs may carry any.
+
+    Parameters
+    ----------
+    headers : sequence of str
+    source : str
+        The file, for the message.
+
+    Returns
+    -------
+    list of Column
+
+    Raises
+    ------
+    DataError
+        If a name stands twice, looks like an absent input, or no column is a channel.
+
+    Examples
+    --------
+    >>> [column.name for column in parse_header(["kappa", "Fz [kN]", "remark"], "a.csv")]
+    ['kappa', 'Fz', 'remark']
+    >>> parse_header(["kappa", "Alpha"], "a.csv")
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.DataError: a.csv: column 'Alpha' is not a channel: did you mean alpha?
+    """
+    columns = [
+        Column.parse(header) if header.strip() else Column(f"column {number}")
+        for number, header in enumerate(headers, start=1)
+    ]
+    names = [column.name for column in columns]
+    for column in columns:
+        if names.count(column.name) > 1:
+            raise DataError(f"{source}: column {column.name!r} stands {names.count(column.name)} times")
+    for name in names:
+        intended = None if name in CHANNELS else intended_channel(name)
+        if intended in INPUTS and intended not in names:
+            raise DataError(
+                f"{source}: column {name!r} is not a channel: did you mean {_offer(name, intended)}?"
+            )
+    if not any(name in CHANNELS for name in names):
+        raise DataError(f"{source}: no column is a channel: known are {', '.join(CHANNELS)}")
+    return columns
+
+
+def _offer(name: str, intended: str) -> str:
+    """Return how the header should have been written."""
+    suffixed = unit_in_name(name)
+    if suffixed is not None:
+        return f"'{intended} [{suffixed[1]}]'"
+    bench_degrees = channel(intended).quantity == "angle" and name in channel(intended).bench
+    return (
+        f"{intended} (rad; 'alpha [deg]' declares degrees)".replace("alpha", intended)
+        if bench_degrees
+        else intended
+    )
+
+
+def channels_in_si(
+    table: pd.DataFrame, columns: Sequence[Column], source: str, place: Callable[[int], str]
+) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Return the table with contract names, in SI, with every channel checked.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        As read; one column per entry of ``columns``, in order.
+    columns : sequence of Column
+    source : str
+        The file, for messages.
+    place : callable
+        From a row's number, counted from 0, to "line 12" or "row 12".
+
+    Returns
+    -------
+    table : pandas.DataFrame
+        Channels as floats; other columns untouched.
+    about : dict of str to str
+        ``declared``: the channels whose unit the table states.
+
+    Raises
+    ------
+    DataError
+        If there are no rows, a cell of a channel is no number or infinite, an input is NaN, or a declared
+        unit is unknown or measures something else.
+    """
+    if table.empty:
+        raise DataError(f"{source}: no rows")
+    columns_out: dict[str, pd.Series] = {}
+    for number, column in enumerate(columns):
+        cells = table.iloc[:, number].rename(column.name)
+        if column.name in CHANNELS:
+            values = _numbers(cells, source, place)
+            check_finite(values, column.name, source, place)
+            cells = pd.Series(_converted(values, column, source), name=column.name)
+        columns_out[column.name] = cells.reset_index(drop=True)
+    declared = " ".join(column.name for column in columns if column.unit is not None)
+    return pd.DataFrame(columns_out), {"declared": declared}
+
+
+def check_finite(values: NDArray[np.float64], name: str, source: str, place: Callable[[int], str]) -> None:
+    """Refuse infinities in any channel, and NaN in an input.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+    name : str
+        The contract's name of the channel.
+    source : str
+    place : callable
+        From a row's number, counted from 0, to "line 12" or "row 12".
+
+    Raises
+    ------
+    DataError
+        Names the file, the first place, the channel and how many there are.
+
+    Examples
+    --------
+    >>> check_finite(np.array([0.0, np.nan]), "alpha", "a.csv", lambda row: f"line {row + 2}")
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.DataError: a.csv: line 3: alpha is NaN (1 of 2 rows)
+    """
+    infinite, unknown = np.isinf(values), np.isnan(values) & (name in INPUTS)
+    for bad, kind in ((infinite, "infinite"), (unknown, "NaN")):
+        if bad.any():
+            where = place(int(np.flatnonzero(bad)[0]))
+            raise DataError(f"{source}: {where}: {name} is {kind} ({bad.sum()} of {len(values)} rows)")
+
+
+def _numbers(cells: pd.Series, source: str, place: Callable[[int], str]) -> NDArray[np.float64]:
+    """Return the cells as floats, or report the first that is none."""
+    if pd.api.types.is_bool_dtype(cells):
+        cells = cells.astype(str)  # a truth value is no number
+    if pd.api.types.is_numeric_dtype(cells):
+        return cells.to_numpy(dtype=np.float64, na_value=np.nan)
+    objects = cells.to_numpy(dtype=object, na_value=np.nan)
+    try:
+        return objects.astype(np.float64)  # float(), which reads decimals to the last bit
+    except (TypeError, ValueError):
+        row = next(row for row, cell in enumerate(objects) if not _is_number(cell))
+        shown = str(cells.iloc[row])
+        raise DataError(f"{source}: {place(row)}: column {cells.name}: {shown!r} is not a number") from None
+
+
+def _is_number(cell: Any) -> bool:
+    try:
+        float(cell)
+    except (TypeError, ValueError):
+        return False
+    return True
+
+
+def _converted(values: NDArray[np.float64], column: Column, source: str) -> NDArray[np.float64]:
+    card = channel(column.name)
+    if column.unit is None:
+        return values
+    try:
+        return to_si(values, column.unit, card.quantity)
+    except TirefmuError as error:
+        raise DataError(f"{source}: column {column.name}: {error}") from None

@@ -1,0 +1,109 @@
+"""Tables in CSV: contract column names, SI unless the header declares a unit."""
+
+from __future__ import annotations
+
+import csv
+import warnings
+from collections.abc import Hashable, Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from tirefmu.symbolic.errors import DataError
+
+from .channels import CHANNELS
+from .columns import channels_in_si, parse_header
+from .recording import Recording
+
+_SEPARATORS = ",;\t"
+
+
+def read_csv_table(path: Path, signs: str) -> Recording:
+    """Read a CSV table.
+
+    Lines before the header that begin with ``#`` are skipped; columns may be separated by commas,
+    semicolons or tabs; numbers are read to the last bit.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    signs : str
+        The convention that the table is in.
+
+    Returns
+    -------
+    Recording
+
+    Raises
+    ------
+    DataError
+        With the file, the line and the column of the first thing that cannot be read.
+    """
+    source = str(path)
+    skipped, header, separator = _header(path)
+    columns = parse_header(header, source)
+    # Channels stay text here: their cells become numbers where a wrong one can be named, to the last bit.
+    as_text: dict[Hashable, str] = {
+        number: "str" for number, column in enumerate(columns) if column.name in CHANNELS
+    }
+    table = _body(path, skipped, len(header), separator, as_text)
+    # A separator at the end of each line leaves a column without name and content.
+    empty = [
+        number for number, name in enumerate(header)
+        if not name.strip() and table.iloc[:, number].isna().all()
+    ]  # fmt: skip
+    table = table.drop(columns=empty)
+    columns = [column for number, column in enumerate(columns) if number not in empty]
+    table, about = channels_in_si(table, columns, source, lambda row: f"line {_line(path, skipped, row)}")
+    return Recording(table, signs, path.name, about)
+
+
+def _header(path: Path) -> tuple[int, list[str], str]:
+    """Return the number of lines up to the header's end, the header's cells, and the separator."""
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        for number, line in enumerate(file, start=1):
+            text = line.strip("\r\n")
+            if text.strip() and not text.startswith("#"):
+                separator = max(_SEPARATORS, key=text.count)
+                return number, next(csv.reader([text], delimiter=separator)), separator
+    raise DataError(f"{path}: the file is empty")
+
+
+def _body(
+    path: Path, skipped: int, width: int, separator: str, as_text: Mapping[Hashable, str]
+) -> pd.DataFrame:
+    with warnings.catch_warnings():
+        # pandas only warns where it drops the surplus cells of a row.
+        warnings.simplefilter("error", pd.errors.ParserWarning)
+        # Columns whose cells differ in kind are reported below, with line and column.
+        warnings.simplefilter("ignore", pd.errors.DtypeWarning)
+        try:
+            return pd.read_csv(
+                path, header=None, names=list(range(width)), index_col=False, skiprows=skipped, sep=separator,
+                encoding="utf-8-sig", dtype=as_text, skipinitialspace=True,
+            )  # fmt: skip
+        except pd.errors.EmptyDataError:
+            return pd.DataFrame(columns=list(range(width)))
+        except (pd.errors.ParserError, pd.errors.ParserWarning):
+            line = _first_long_line(path, skipped, width, separator)
+            raise DataError(f"{path}: line {line}: more cells than the header's {width}") from None
+
+
+def _first_long_line(path: Path, skipped: int, width: int, separator: str) -> int:
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        reader = csv.reader(file, delimiter=separator)
+        for cells in reader:
+            if reader.line_num > skipped and len(cells) > width:
+                return reader.line_num
+    return skipped + 1
+
+
+def _line(path: Path, skipped: int, row: int) -> int:
+    """Return the line of a row of the body as editors count; pandas passes over blank lines."""
+    with path.open(encoding="utf-8-sig", newline="") as file:
+        rows = -1
+        for number, line in enumerate(file, start=1):
+            rows += number > skipped and bool(line.strip())
+            if rows == row:
+                return number
+    return skipped + 1 + row

@@ -1,0 +1,45 @@
+"""Tables in Parquet: the columns of the contract as in CSV."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+
+from tirefmu.symbolic.errors import DataError
+
+from .columns import channels_in_si, parse_header
+from .recording import Recording
+
+EXTRA = "Parquet needs pyarrow, which the extra 'parquet' brings: pip install 'tirefmu[parquet]'"
+
+
+def read_parquet_table(path: Path, signs: str) -> Recording:
+    """Read a Parquet table.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    signs : str
+        The convention that the table is in.
+
+    Returns
+    -------
+    Recording
+
+    Raises
+    ------
+    DataError
+        If pyarrow is not installed, the file is no Parquet, or a channel cannot be used; places are counted
+        in rows from 1.
+    """
+    source = str(path)
+    try:
+        table = pd.read_parquet(path)
+    except ImportError:
+        raise DataError(f"{source}: {EXTRA}") from None
+    except ValueError as error:  # pyarrow's ArrowInvalid is one
+        raise DataError(f"{source}: cannot be read as Parquet: {str(error).splitlines()[0]}") from None
+    columns = parse_header([str(name) for name in table.columns], source)
+    table, about = channels_in_si(table, columns, source, lambda row: f"row {row + 1}")
+    return Recording(table, signs, path.name, about)

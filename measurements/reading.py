@@ -1,0 +1,72 @@
+"""Reading a recording from a file, whatever its form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from os import PathLike
+from pathlib import Path
+
+from tirefmu.symbolic.errors import DataError
+from tirefmu.tires.signs import reversed_columns
+
+from .csv_table import read_csv_table
+from .parquet_table import read_parquet_table
+from .recording import Recording
+from .ttc_mat import read_ttc_mat
+
+#: By extension: the reader, and the convention that such files are in when nobody says otherwise.
+READERS: dict[str, tuple[Callable[[Path, str], Recording], str]] = {
+    ".csv": (read_csv_table, "iso"),
+    ".parquet": (read_parquet_table, "iso"),
+    ".mat": (read_ttc_mat, "sae"),
+}
+
+
+def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Recording:
+    r"""Read a recording; the extension tells the form.
+
+    Parameters
+    ----------
+    path : str or path-like
+        ``.csv`` or ``.parquet`` with the contract's columns in SI (a header may declare another unit:
+        ``alpha [deg]``, ``Fz [kN]``, ``p [kPa]``), or an FSAE TTC ``.mat`` file.
+    signs : str, optional
+        The convention that the file is in; default ``sae`` for ``.mat``, ``iso`` for tables.
+
+    Returns
+    -------
+    Recording
+        In the file's own signs.
+
+    Raises
+    ------
+    DataError
+        One line with file, line (or row) and channel: a missing or empty file, an unknown extension, a cell
+        that is no number, an unknown column that looks like a missing input, NaN in an input, ...
+    UnknownName
+        If the signs are not one of the three conventions.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "sweep.csv"
+    ...     _ = file.write_text("alpha [deg],Fz [kN],Fy\n2.0,1.5,-900\n")
+    ...     recording = read_recording(file)
+    >>> recording.signs, recording.table.round(4).iloc[0].to_dict()
+    ('iso', {'alpha': 0.0349, 'Fz': 1500.0, 'Fy': -900.0})
+    """
+    file = Path(path)
+    if file.suffix.lower() not in READERS:
+        raise DataError(f"{file}: unknown kind of recording {file.suffix!r}: known are {', '.join(READERS)}")
+    reader, usual_signs = READERS[file.suffix.lower()]
+    chosen = usual_signs if signs is None else signs
+    reversed_columns(chosen, "iso")  # an unknown convention is refused before a long file is read
+    if not file.exists():
+        raise DataError(f"{file}: no such file")
+    try:
+        return reader(file, chosen)
+    except UnicodeDecodeError:
+        raise DataError(f"{file}: not a text file (UTF-8)") from None
+    except OSError as error:
+        raise DataError(f"{file}: {error.strerror or error}") from None

@@ -1,0 +1,138 @@
+"""A recording of a test bench: the table, and what has to be known to read it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+
+from tirefmu.symbolic.errors import DataError
+from tirefmu.tires.signs import convert_signs, reversed_columns
+
+from .channels import OUTPUTS, intended_channel
+
+#: A step of the clock longer than this many usual steps ends a segment: between two sweeps a bench
+#: stops logging for seconds, while single lost samples belong to the sweep.
+GAP = 5.0
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """What a bench recorded, in SI.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Columns of the public contract (``t kappa alpha gamma Fz p V T phit``, ``Fx Fy Mz Mx My``) in SI,
+        as far as they were recorded; other columns are passed through.
+    signs : str
+        ``iso``, ``sae`` or ``adapted-sae``.
+    source : str
+        The file's name, or "virtual bench: ...".
+    about : mapping of str to str
+        What else is known: tireid, testid, credit, units, declared (channels whose unit the file states).
+
+    Raises
+    ------
+    UnknownName
+        If the signs are not one of the three conventions.
+
+    Examples
+    --------
+    >>> bench = Recording(pd.DataFrame({"alpha": [0.1], "Fz": [-900.0], "Fy": [-800.0]}), "sae", "run.mat")
+    >>> bench.with_signs("iso").table.iloc[0].to_dict()
+    {'alpha': -0.1, 'Fz': 900.0, 'Fy': 800.0}
+    """
+
+    table: pd.DataFrame
+    signs: str
+    source: str
+    about: Mapping[str, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        reversed_columns(self.signs, "iso")  # refuses an unknown convention
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return len(self.table)
+
+    def with_signs(self, target: str) -> Recording:
+        """Return the same recording written in another sign convention.
+
+        Parameters
+        ----------
+        target : str
+            ``iso``, ``sae`` or ``adapted-sae``.
+
+        Returns
+        -------
+        Recording
+
+        Raises
+        ------
+        UnknownName
+            If the convention is not one of the three.
+        """
+        return replace(self, table=convert_signs(self.table, self.signs, target), signs=target)
+
+    def measured(self) -> tuple[str, ...]:
+        """Return the output channels that hold at least one measured value.
+
+        Returns
+        -------
+        tuple of str
+
+        Raises
+        ------
+        DataError
+            If there is none; names the columns that look like outputs.
+
+        Examples
+        --------
+        >>> Recording(pd.DataFrame({"Fz": [900.0], "FX": [1.0]}), "iso", "a.csv").measured()
+        Traceback (most recent call last):
+        ...
+        tirefmu.symbolic.errors.DataError: a.csv: no measured output (Fx, Fy, Mz, Mx, My): is column 'FX' Fx?
+        """
+        found = tuple(name for name in OUTPUTS if name in self.table and self.table[name].notna().any())
+        if not found:
+            similar = [(str(column), intended_channel(str(column))) for column in self.table.columns]
+            hints = [
+                f"is column {column!r} {name}?"
+                for column, name in similar
+                if name in OUTPUTS and column != name
+            ]
+            hint = ": " + " ".join(hints) if hints else ""
+            raise DataError(f"{self.source}: no measured output ({', '.join(OUTPUTS)}){hint}")
+        return found
+
+    def segments(self) -> list[slice]:
+        """Return the stretches of rows that were logged without interruption.
+
+        A gap is a step of ``t`` longer than five usual steps, or one back in time. Without ``t`` the
+        table is one segment.
+
+        Returns
+        -------
+        list of slice
+            In order, together all rows.
+
+        Examples
+        --------
+        >>> rows = pd.DataFrame({"t": [0.0, 0.01, 0.02, 20.0, 20.01]})
+        >>> Recording(rows, "iso", "run.csv").segments()
+        [slice(0, 3, None), slice(3, 5, None)]
+        """
+        if not len(self):
+            return []
+        if "t" not in self.table:
+            return [slice(0, len(self))]
+        steps = np.diff(self.table["t"].to_numpy(dtype=np.float64))
+        forward = steps[steps > 0.0]
+        usual = float(np.median(forward)) if len(forward) else np.inf
+        cuts = np.flatnonzero((steps > GAP * usual) | (steps < 0.0)) + 1
+        edges = [0, *cuts.tolist(), len(self)]
+        return [slice(start, stop) for start, stop in pairwise(edges)]

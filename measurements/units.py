@@ -1,0 +1,138 @@
+"""Units that bench files and table headers declare, and their way to SI."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tirefmu.symbolic.errors import DataError, UnknownName
+
+PSI = 6894.757293168361  # Pa, from the pound-force and the inch
+POUND = 4.4482216152605  # N, exact
+FOOT = 0.3048  # m, exact
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit: what it measures, and how to come from it to SI.
+
+    Parameters
+    ----------
+    quantity : str
+        "angle", "force", "pressure", ...
+    factor, offset : float
+        value_SI = factor * value + offset. Temperatures go to deg C.
+    """
+
+    quantity: str
+    factor: float = 1.0
+    offset: float = 0.0
+
+
+#: Keyed by the folded spelling: lower case, without blanks, dashes, dots, stars and degree signs.
+UNITS: dict[str, Unit] = {
+    **dict.fromkeys(("s", "sec", "second", "seconds"), Unit("time")),
+    "ms": Unit("time", 1e-3),
+    "rad": Unit("angle"),
+    **dict.fromkeys(("deg", "degree", "degrees"), Unit("angle", np.pi / 180.0)),
+    **dict.fromkeys(("", "none", "1", "fraction", "unitless"), Unit("ratio")),
+    **dict.fromkeys(("%", "percent", "pct"), Unit("ratio", 0.01)),
+    "n": Unit("force"),
+    "kn": Unit("force", 1e3),
+    "dan": Unit("force", 10.0),
+    **dict.fromkeys(("lb", "lbs", "lbf"), Unit("force", POUND)),
+    "kgf": Unit("force", 9.80665),
+    "nm": Unit("moment"),
+    "knm": Unit("moment", 1e3),
+    **dict.fromkeys(("ftlb", "lbft", "ftlbf", "lbfft", "ftlbs"), Unit("moment", POUND * FOOT)),
+    **dict.fromkeys(("inlb", "lbin", "inlbf", "lbfin"), Unit("moment", POUND * FOOT / 12.0)),
+    "pa": Unit("pressure"),
+    "kpa": Unit("pressure", 1e3),
+    "mpa": Unit("pressure", 1e6),
+    "bar": Unit("pressure", 1e5),
+    "psi": Unit("pressure", PSI),
+    **dict.fromkeys(("m/s", "mps"), Unit("speed")),
+    **dict.fromkeys(("kph", "km/h", "km/hr", "kmh", "kmph"), Unit("speed", 1.0 / 3.6)),
+    "mph": Unit("speed", 0.44704),
+    **dict.fromkeys(("degc", "c", "celsius"), Unit("temperature")),
+    **dict.fromkeys(("degf", "f", "fahrenheit"), Unit("temperature", 5.0 / 9.0, -160.0 / 9.0)),
+    **dict.fromkeys(("k", "kelvin"), Unit("temperature", 1.0, -273.15)),
+    "m": Unit("length"),
+    "cm": Unit("length", 1e-2),
+    "mm": Unit("length", 1e-3),
+    **dict.fromkeys(("in", "inch"), Unit("length", FOOT / 12.0)),
+    **dict.fromkeys(("1/m", "rad/m"), Unit("curvature")),
+    "rpm": Unit("rotation", np.pi / 30.0),
+    "rad/s": Unit("rotation"),
+}
+_IGNORED = str.maketrans("", "", " -.*_\u00b0\u00b7")
+
+
+def unit_named(spelling: str) -> Unit:
+    """Return the unit that a file means by a spelling.
+
+    Parameters
+    ----------
+    spelling : str
+        "kph", "km/h", "N-m", "deg C", "none", ...; case, blanks and dashes do not matter.
+
+    Returns
+    -------
+    Unit
+
+    Raises
+    ------
+    UnknownName
+        If no unit is spelled so.
+
+    Examples
+    --------
+    >>> unit_named("deg C")
+    Unit(quantity='temperature', factor=1.0, offset=0.0)
+    """
+    unit = UNITS.get(spelling.casefold().translate(_IGNORED))
+    if unit is None:
+        raise UnknownName("unit", spelling.strip(), UNITS)
+    return unit
+
+
+def to_si(values: ArrayLike, spelling: str, quantity: str | None = None) -> NDArray[np.float64]:
+    """Return values in SI (temperatures in deg C).
+
+    Parameters
+    ----------
+    values : array_like, shape (...)
+        In the declared unit.
+    spelling : str
+        The declared unit.
+    quantity : str, optional
+        What the unit must measure; not checked when absent.
+
+    Returns
+    -------
+    ndarray, shape (...)
+
+    Raises
+    ------
+    UnknownName
+        If the unit is not known.
+    DataError
+        If the unit measures something else.
+
+    Examples
+    --------
+    >>> to_si([12.0], "psi").round()
+    array([82737.])
+    >>> to_si(140.0, "deg F").round(6)
+    np.float64(60.0)
+    """
+    unit = unit_named(spelling)
+    if quantity is not None and unit.quantity != quantity:
+        raise DataError(f"unit {spelling.strip()!r} measures {unit.quantity}, not {quantity}")
+    array = np.asarray(values, dtype=np.float64)
+    # SI values pass untouched, bit for bit; the factor alone keeps the sign of a zero.
+    if unit.offset:
+        return np.asarray(array * unit.factor + unit.offset)
+    return np.asarray(array * unit.factor)

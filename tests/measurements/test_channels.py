@@ -1,0 +1,71 @@
+"""The cards agree with the contract; names that seem to mean a channel are recognized, others are not."""
+
+import pytest
+
+from tirefmu.measurements.channels import CHANNELS, INPUTS, OUTPUTS, channel, intended_channel, unit_in_name
+from tirefmu.measurements.units import unit_named
+from tirefmu.symbolic.errors import UnknownName
+from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS
+
+
+def test_cards_are_the_contracts_columns():
+    assert set(INPUTS) == set(TABLE_INPUTS)
+    assert set(OUTPUTS) == set(TABLE_OUTPUTS)
+    assert tuple(CHANNELS) == INPUTS + OUTPUTS
+
+
+@pytest.mark.parametrize("name", CHANNELS)
+def test_card_is_in_si_and_whole(name):
+    card = channel(name)
+    unit = unit_named(card.unit)
+    assert (unit.quantity, unit.factor, unit.offset) == (card.quantity, 1.0, 0.0)
+    assert card.meaning
+    assert card.limits[0] < card.limits[1]
+
+
+def test_no_alias_means_two_channels():
+    aliases = [alias for card in CHANNELS.values() for alias in {*card.bench, *card.words}]
+    assert len(aliases) == len(set(aliases))
+
+
+@pytest.mark.parametrize(
+    ("column", "expected"),
+    [
+        ("ALPHA", "alpha"), ("aplha", "alpha"), ("alphas", "alpha"), ("gama", "gamma"), ("kapa", "kappa"),
+        ("SA", "alpha"), ("SL", "kappa"), ("FZ", "Fz"), ("ET", "t"), ("TSTC", "T"), ("slip angle", "alpha"),
+        ("Camber", "gamma"), ("p_kPa", "p"), ("alpha (deg)", "alpha"), ("slip_angle_deg", "alpha"),
+        ("Fz kN", "Fz"), ("FY", "Fy"),
+    ],
+)  # fmt: skip
+def test_meant(column, expected):
+    assert intended_channel(column) == expected
+
+
+@pytest.mark.parametrize(
+    "column",
+    ["alpha_y", "kappa_x", "alpha__y", "Fz_in", "kappa_in", "p_in", "Et", "Vx", "F_x0", "mu_x", "rho", "2a",
+     "id", "SR", "N", "B_x", "sigma_y", "kind", "remark", "Fz0", "", "_", "Re"],
+)  # fmt: skip
+def test_not_meant(column):
+    assert intended_channel(column) is None
+
+
+def test_every_single_slip_of_the_pen_is_recognized():
+    for name in ("kappa", "alpha", "gamma", "phit"):
+        for at in range(len(name)):
+            assert intended_channel(name[:at] + name[at + 1 :]) == name
+            assert intended_channel(name[:at] + "w" + name[at:]) == name
+            assert intended_channel(name[:at] + "w" + name[at + 1 :]) == name
+        for at in range(len(name) - 1):
+            swapped = name[:at] + name[at + 1] + name[at] + name[at + 2 :]
+            assert intended_channel(swapped) == name
+
+
+def test_unit_has_to_fit_the_channel():
+    assert unit_in_name("gamma_deg") == ("gamma", "deg")
+    assert unit_in_name("gamma_kPa") is None
+
+
+def test_unknown_channel():
+    with pytest.raises(UnknownName, match="unknown channel 'gama': did you mean gamma"):
+        channel("gama")

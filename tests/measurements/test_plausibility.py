@@ -1,0 +1,87 @@
+"""What cannot be meant is refused with one line; what is unusual but possible passes."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.measurements import Recording, check_plausible, convention_notes
+from tirefmu.symbolic.errors import DataError
+
+
+def recording(signs="iso", declared="", **columns) -> Recording:
+    return Recording(pd.DataFrame(columns), signs, "a.csv", {"declared": declared})
+
+
+@pytest.mark.parametrize(
+    ("columns", "expected"),
+    [
+        ({"alpha": [-12.0, 3.0]}, "alpha reaches -12 rad: in degrees? declare it: 'alpha [deg]'"),
+        ({"gamma": [0.0, 4.0]}, "gamma reaches 4 rad: in degrees?"),
+        ({"kappa": [-15.0, 100.0]}, "kappa reaches 100: in percent? declare it: 'kappa [%]'"),
+        ({"Fz": [0.9, 1.1]}, "no |Fz| is above 1.1 N: in kN?"),
+        ({"p": [83.0, 84.0]}, "p is about 83.5 Pa: in kPa?"),
+        ({"p": [2.2, 2.2]}, "p is about 2.2 Pa: in bar?"),
+        ({"p": [12.0, 14.0]}, "p is about 13 Pa: in psi?"),
+        ({"p": [-1e4, 1e5]}, "p reaches -1e+04 Pa: in another unit?"),
+        ({"V": [200.0]}, "V reaches 200 m/s: in km/h?"),
+        ({"T": [330.0]}, "T reaches 330 deg C: in kelvin?"),
+        ({"Fz": [-900.0] * 98 + [10.0] * 2}, "Fz is negative in 98 % of the rows: SAE signs? (--signs sae)"),
+        ({"signs": "adapted-sae", "Fz": [-900.0]}, "Fz is negative in 100 %"),
+        ({"signs": "sae", "Fz": [900.0]}, "Fz is positive in 100 % of the rows: not SAE?"),
+    ],
+)
+def test_refused(columns, expected):
+    with pytest.raises(DataError) as caught:
+        check_plausible(recording(**columns))
+    assert str(caught.value).startswith("a.csv: ")
+    assert expected in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        {"alpha": [-1.4, 1.4], "kappa": [-1.0, 10.0], "gamma": [-0.35, 0.35], "Fz": [1.0, 5000.0]},
+        {"Fz": [60.0, 110.0, 160.0], "p": [206843.0] * 3},
+        {"Fz": [0.0, 0.0]},
+        {"Fz": [60e3], "p": [9e5]},
+        {"signs": "sae", "Fz": [-60.0]},
+        {"Fz": [-5.0, 400.0, 900.0]},
+        {"Fy": [1e7]},
+        {"T": [-20.0, 130.0], "V": [0.0, 90.0]},
+    ],
+)
+def test_possible(columns):
+    check_plausible(recording(**columns))
+
+
+@pytest.mark.parametrize(("name", "value"), [("alpha", 12.0), ("Fz", 1.0), ("p", 5.0)])
+def test_declared_unit_is_believed(name, value):
+    check_plausible(recording(declared=name, **{name: [value]}))
+
+
+def test_declared_unit_does_not_excuse_the_sign():
+    with pytest.raises(DataError, match="SAE signs"):
+        check_plausible(recording(declared="Fz", Fz=[-900.0]))
+
+
+@pytest.mark.parametrize(("signs", "slope"), [("iso", -1.0), ("sae", -1.0), ("adapted-sae", 1.0)])
+def test_notes_on_the_side_force(signs, slope):
+    alpha = np.linspace(-0.2, 0.2, 101)
+    force = 900.0 * np.tanh(15.0 * alpha)
+    assert convention_notes(recording(signs, alpha=alpha, Fy=slope * force)) == []
+    assert len(convention_notes(recording(signs, alpha=alpha, Fy=-slope * force))) == 1
+
+
+def test_no_note_without_a_sweep():
+    rng = np.random.default_rng(1)
+    held = rng.normal(0.0, 3e-4, 500)
+    assert convention_notes(recording(alpha=held, Fy=1e4 * held)) == []
+    assert convention_notes(recording(alpha=np.linspace(-0.2, 0.2, 9), Fy=[np.nan] * 9)) == []
+
+
+def test_note_on_driving_slip():
+    kappa = np.linspace(-0.2, 0.2, 51)
+    notes = convention_notes(recording(kappa=kappa, Fx=-900.0 * np.tanh(20.0 * kappa)))
+    assert len(notes) == 1
+    assert "Fx falls with kappa" in notes[0]

@@ -1,0 +1,64 @@
+"""A recording keeps its rows, turns its signs, and knows where it was interrupted."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tirefmu.measurements import CHANNELS, Recording
+from tirefmu.symbolic.errors import DataError, UnknownName
+from tirefmu.tires.signs import REVERSED, SIGNS
+
+
+def table_of_ones() -> pd.DataFrame:
+    return pd.DataFrame({name: [1.0, 2.0] for name in CHANNELS} | {"remark": ["a", "b"]})
+
+
+@pytest.mark.parametrize("start", SIGNS)
+@pytest.mark.parametrize("target", SIGNS)
+def test_signs_turned_and_back(start, target):
+    recording = Recording(table_of_ones(), start, "a.csv", {"tireid": "x"})
+    turned = recording.with_signs(target)
+    assert turned.signs == target
+    assert turned.about == {"tireid": "x"}
+    flipped = {name for name in CHANNELS if (turned.table[name] < 0).all()}
+    assert flipped == REVERSED[start] ^ REVERSED[target]
+    pd.testing.assert_frame_equal(turned.with_signs(start).table, recording.table)
+
+
+def test_unknown_signs_are_refused():
+    with pytest.raises(UnknownName, match="sign convention"):
+        Recording(table_of_ones(), "din", "a.csv")
+
+
+@given(st.lists(st.integers(4, 40), min_size=1, max_size=8), st.sampled_from([0.01, 0.02]))
+def test_segments_are_the_logged_stretches(lengths, dt):
+    clocks = [start * 100.0 + dt * np.arange(rows) for start, rows in enumerate(lengths)]
+    recording = Recording(pd.DataFrame({"t": np.concatenate(clocks)}), "iso", "a.csv")
+    segments = recording.segments()
+    rows = np.arange(len(recording))
+    assert np.array_equal(np.concatenate([rows[segment] for segment in segments]), rows)
+    assert [segment.stop - segment.start for segment in segments] == lengths
+
+
+def test_clock_that_starts_again_begins_a_segment():
+    clock = np.concatenate([np.arange(5), np.arange(7)]) * 0.01
+    assert Recording(pd.DataFrame({"t": clock}), "iso", "a.csv").segments() == [slice(0, 5), slice(5, 12)]
+
+
+def test_lost_and_repeated_samples_stay_inside():
+    clock = np.array([0.0, 0.01, 0.01, 0.02, 0.05, 0.06, 0.07])
+    assert len(Recording(pd.DataFrame({"t": clock}), "iso", "a.csv").segments()) == 1
+
+
+def test_without_a_clock_one_segment_and_without_rows_none():
+    assert Recording(pd.DataFrame({"Fz": [1.0, 2.0]}), "iso", "a.csv").segments() == [slice(0, 2)]
+    assert Recording(pd.DataFrame({"t": []}), "iso", "a.csv").segments() == []
+
+
+def test_measured_outputs():
+    table = pd.DataFrame({"Fz": [1.0], "Fx": [np.nan], "Mz": [0.0]})
+    assert Recording(table, "iso", "a.csv").measured() == ("Mz",)
+    with pytest.raises(DataError, match=r"a.csv: no measured output .*: is column 'FY' Fy\?$"):
+        Recording(pd.DataFrame({"FY": [1.0], "Fx": [np.nan]}), "iso", "a.csv").measured()

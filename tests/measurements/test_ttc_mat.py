@@ -1,0 +1,172 @@
+"""FSAE TTC files as the field has them: without units, odd fields, missing channels; and real ones."""
+
+from math import radians
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from tirefmu.measurements import check_plausible, convention_notes, levels, near, read_recording, select
+from tirefmu.symbolic.errors import DataError
+
+ROWS = 12
+SI = {"ET": "sec", "V": "kph", "SA": "deg", "IA": "deg", "P": "kPa", "FX": "N", "FY": "N", "FZ": "N",
+      "MX": "N-m", "MZ": "N-m", "TSTC": "deg C", "SL": "none", "SR": "none", "N": "rpm"}  # fmt: skip
+VALUES = {"ET": 0.01, "V": 36.0, "SA": 2.0, "IA": 4.0, "P": 80.0, "FX": 10.0, "FY": -300.0, "FZ": -900.0,
+          "MX": 5.0, "MZ": 7.0, "TSTC": 60.0, "SL": 0.05, "SR": -1.0, "N": 400.0}  # fmt: skip
+
+
+def bench_file(folder, name="run.mat", *, units=SI, drop=(), **fields):
+    """Write a bench file: column vectors, and a channel struct as MATLAB's cell arrays make it."""
+    columns = {key: np.full((ROWS, 1), value) for key, value in VALUES.items() if key not in drop}
+    columns["ET"] = 0.01 * np.arange(ROWS)[:, None] if "ET" in columns else np.empty((0, 0))
+    if units is not None:
+        names = [key for key in units if key not in drop]
+        channel = {
+            "name": np.array(names, dtype=object),
+            "units": np.array([units[key] for key in names], dtype=object),
+        }
+        columns["channel"] = channel
+    columns |= fields
+    columns = {key: value for key, value in columns.items() if key not in drop}
+    savemat(folder / name, columns)
+    return folder / name
+
+
+def test_channels_in_si_and_sae(tmp_path):
+    path = bench_file(tmp_path, tireid="Round 9", testid="Drive", source="FSAE TTC", RUN=np.zeros((3, 1)))
+    recording = read_recording(path)
+    expected = {"t": 0.0, "kappa": 0.05, "alpha": radians(2), "gamma": radians(4), "Fz": -900.0, "p": 80e3,
+                "V": 10.0, "T": 60.0, "Fx": 10.0, "Fy": -300.0, "Mz": 7.0, "Mx": 5.0}  # fmt: skip
+    assert recording.table.iloc[0].to_dict() == pytest.approx(expected)
+    assert recording.signs == "sae"
+    assert recording.about["credit"] == "FSAE TTC"
+    assert recording.about["tireid"] == "Round 9"
+    assert recording.about["units"] == "declared in the file"
+    iso = recording.with_signs("iso").table.iloc[0]
+    assert (iso["Fz"], iso["Fy"], iso["Mz"]) == (900.0, 300.0, -7.0)
+    assert iso["alpha"] == -radians(2)
+
+
+def test_us_customary_units(tmp_path):
+    units = SI | {"V": "mph", "P": "psi", "FZ": "lb", "FX": "lb", "FY": "lb", "MZ": "ft-lb", "TSTC": "deg F"}
+    row = read_recording(bench_file(tmp_path, units=units)).table.iloc[0]
+    assert row["Fz"] == pytest.approx(-900 * 4.4482216)
+    assert row["p"] == pytest.approx(80 * 6894.757)
+    assert row["T"] == pytest.approx(15.5556, rel=1e-4)
+    assert row["Mz"] == pytest.approx(7 * 1.3558179)
+    assert row["Mx"] == 5.0
+
+
+@pytest.mark.parametrize(
+    ("name", "load", "told"), [("B1464run30.mat", -900.0, "SI"), ("A1464run30.mat", -4003.4, "USCS")]
+)
+def test_units_assumed_where_none_are_declared(tmp_path, name, load, told):
+    recording = read_recording(bench_file(tmp_path, name, units=None, tireid=np.empty((0, 0))))
+    assert recording.table["Fz"].iloc[0] == pytest.approx(load, rel=1e-5)
+    assert recording.about["units"].startswith(f"assumed {told}")
+    assert recording.about["declared"] == ""
+    assert recording.about["tireid"] == ""
+
+
+def test_names_in_another_case(tmp_path):
+    path = bench_file(tmp_path, drop=["TSTC"], tstc=np.full((ROWS, 1), 61.0))
+    assert read_recording(path).table["T"].iloc[0] == 61.0
+
+
+@pytest.mark.parametrize("missing", ["P", "V", "TSTC", "MX", "SR", "N"])
+def test_what_may_be_missing(tmp_path, missing):
+    assert len(read_recording(bench_file(tmp_path, drop=[missing]))) == ROWS
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ({"drop": ["SL"]}, r"no channel SL \(kappa\) \(SR is another slip"),
+        ({"drop": ["FZ"], "FZN": np.ones((ROWS, 1))}, r"no channel FZ \(Fz\): did you mean FZN\?"),
+        ({"drop": ["FX", "FY", "MZ", "MX"]}, "nothing was measured"),
+        ({"SA": np.ones((ROWS + 1, 1))}, rf"channel SA has {ROWS + 1} rows, ET has {ROWS}"),
+        (
+            {"SA": np.r_[np.ones(3), np.nan, np.ones(ROWS - 4)][:, None]},
+            r"row 4: SA: alpha is NaN \(1 of 12 rows\)",
+        ),
+        ({"units": SI | {"FZ": "stone"}}, "channel FZ: unknown unit 'stone'"),
+        ({"units": SI | {"FZ": "deg"}}, "channel FZ: unit 'deg' measures angle, not force"),
+    ],
+)
+def test_bad_files(tmp_path, options, expected):
+    path = bench_file(tmp_path, **options)
+    with pytest.raises(DataError, match=expected) as caught:
+        read_recording(path)
+    assert str(caught.value).startswith(str(path))
+
+
+def test_files_that_are_not_matlabs(tmp_path):
+    (tmp_path / "a.mat").write_bytes(b"not a MATLAB file at all" * 20)
+    (tmp_path / "b.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM" + b"\x89HDF" * 50)
+    (tmp_path / "c.mat").write_bytes(b"")
+    whole = bench_file(tmp_path, "d.mat").read_bytes()
+    (tmp_path / "d.mat").write_bytes(whole[: len(whole) // 2])
+    for name in "abcd":
+        with pytest.raises(DataError) as caught:
+            read_recording(tmp_path / f"{name}.mat")
+        assert "\n" not in str(caught.value)
+    with pytest.raises(DataError, match="save with -v7"):
+        read_recording(tmp_path / "b.mat")
+
+
+@pytest.fixture(scope="module", params=["cornering", "drivebrake"])
+def measured(request, data_folder):
+    return read_recording(data_folder / f"{request.param}.mat")
+
+
+def test_real_files_are_plausible_in_every_convention(measured):
+    assert len(measured) == {"cornering.mat": 59965, "drivebrake.mat": 76484}[measured.source]
+    assert "Tire Test" in measured.about["credit"]
+    for signs in ("sae", "iso", "adapted-sae"):
+        turned = measured.with_signs(signs)
+        check_plausible(turned)
+        assert convention_notes(turned) == []
+
+
+def test_real_files_misread_are_noticed(measured):
+    as_iso = type(measured)(measured.table, "iso", measured.source, measured.about)
+    with pytest.raises(DataError, match=r"Fz is negative in 100 % of the rows: SAE signs\? \(--signs sae\)"):
+        check_plausible(as_iso)
+    iso = measured.with_signs("iso")
+    notes = convention_notes(type(iso)(iso.table, "adapted-sae", iso.source))
+    assert len(notes) == 1
+    assert notes[0].endswith("the data look like iso")
+
+
+def test_real_levels(measured):
+    table = measured.with_signs("iso").table
+    cornering = measured.source == "cornering.mat"
+    loads = [530, 1093, 1656, 2190, 2750] if cornering else [515, 1650, 2184, 2740]
+    assert levels(table["Fz"]) == pytest.approx(loads, rel=0.02)
+    assert np.degrees(levels(table["gamma"])) == pytest.approx([0.0, 1.6, 3.2], abs=0.06)
+    assert levels(table["p"]) == pytest.approx([69.5e3, 83.2e3, 97e3], rel=0.01)
+    assert levels(table["V"]) == pytest.approx([11.18], rel=0.01)
+    if cornering:
+        assert levels(table["alpha"]) == []
+    else:
+        assert np.degrees(levels(table["alpha"])) == pytest.approx([0.05, 2.44, 4.84], abs=0.02)
+        assert levels(table["kappa"]) == []
+
+
+def test_real_levels_split_the_file_into_its_conditions(measured):
+    table = measured.with_signs("iso").table
+    conditions = [
+        select(table, Fz=near(load, 250.0), gamma=near(camber, radians(0.5)), p=near(pressure, 3e3))
+        for load in levels(table["Fz"])
+        for camber in levels(table["gamma"])
+        for pressure in levels(table["p"])
+    ]
+    assert all(len(rows) > 300 for rows in conditions)
+    assert sum(map(len, conditions)) > 0.99 * len(table)
+
+
+def test_real_segments_are_single_sweeps(measured):
+    lengths = [segment.stop - segment.start for segment in measured.segments()]
+    assert len(lengths) == {"cornering.mat": 48, "drivebrake.mat": 139}[measured.source]
+    assert sum(lengths) == len(measured)

@@ -1,0 +1,62 @@
+"""Units come to SI, and nothing else passes for one."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tirefmu.measurements.units import UNITS, to_si, unit_named
+from tirefmu.symbolic.errors import DataError, UnknownName
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "expected"),
+    [
+        (180.0, "deg", np.pi),
+        (36.0, "kph", 10.0),
+        (36.0, "km/h", 10.0),
+        (25.0, "mph", 11.176),
+        (14.0, "psi", 96526.6),
+        (2.2, "bar", 2.2e5),
+        (250.0, "lb", 1112.0554),
+        (10.0, "ft-lb", 13.5582),
+        (10.0, "N-m", 10.0),
+        (212.0, "deg F", 100.0),
+        (300.0, "K", 26.85),
+        (12.0, "%", 0.12),
+        (2.54, "cm", 0.0254),
+        (1.0, "in", 0.0254),
+        (7.0, "none", 7.0),
+        (60.0, "rpm", 2.0 * np.pi),
+    ],
+)
+def test_known_values(value, unit, expected):
+    assert to_si(value, unit) == pytest.approx(expected, rel=1e-5)
+
+
+@given(value=st.floats(-1e6, 1e6), spelling=st.sampled_from(sorted(UNITS)))
+def test_conversion_can_be_undone(value, spelling):
+    unit = unit_named(spelling)
+    back = (to_si(value, spelling) - unit.offset) / unit.factor
+    assert back == pytest.approx(value, rel=1e-12, abs=1e-9)
+
+
+@given(value=st.floats(allow_nan=False))
+@pytest.mark.parametrize("spelling", ["N", "rad", "Pa", "m/s", "sec", "none", "deg C", "N-m", "1/m"])
+def test_si_passes_bit_for_bit(value, spelling):
+    assert to_si(value, spelling) == value
+
+
+def test_spelling_does_not_matter():
+    assert unit_named(" FT-LB ") == unit_named("ftlb") == unit_named("lb ft")
+    assert unit_named("\u00b0C") == unit_named("deg C")
+
+
+def test_unknown_unit_offers_the_nearest():
+    with pytest.raises(UnknownName, match="unknown unit 'kPas': did you mean kpa"):
+        unit_named("kPas")
+
+
+def test_unit_of_another_quantity_is_refused():
+    with pytest.raises(DataError, match="'kPa' measures pressure, not angle"):
+        to_si([1.0], "kPa", "angle")
