@@ -1,0 +1,335 @@
+"""An FMU held against a recording, and against the tire that it carries."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from math import isnan, nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+from fmpy.validation import validate_fmu
+
+from tirefmu.measurements.plausibility import check_plausible
+from tirefmu.measurements.reading import read_recording
+from tirefmu.measurements.recording import Recording
+from tirefmu.symbolic.errors import DataError
+from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire, read_tir
+
+from .simulation import loaded
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Largest |difference| / (1 + |direct|) between the FMU and its tire's own code.
+EVALUATION_TOLERANCE = 1e-9
+#: Step of a table without a column t, s.
+STEP = 0.01
+
+
+@dataclass(frozen=True)
+class WorstPoint:
+    """Where a channel is farthest from the data.
+
+    Attributes
+    ----------
+    row : int
+        Of the recording, counted from 0.
+    t : float or None
+        s; None where the recording has no time.
+    condition : mapping of str to float
+        The inputs there, SI, ISO signs.
+    measured, simulated : float
+    """
+
+    row: int
+    t: float | None
+    condition: Mapping[str, float]
+    measured: float
+    simulated: float
+
+
+@dataclass(frozen=True)
+class Channel:
+    """How an output of the FMU compares with the data.
+
+    Attributes
+    ----------
+    name, unit : str
+    measured : int
+        Number of rows that have a measured value.
+    rmse : float
+        Root mean squared error, in the channel's unit.
+    relative_rmse : float
+        The same as a share of the largest measured magnitude.
+    r2, r2_uncentred : float
+        1 - SSE / sum of squares about the mean, about zero; NaN where that sum is 0.
+    worst : WorstPoint
+    """
+
+    name: str
+    unit: str
+    measured: int
+    rmse: float
+    relative_rmse: float
+    r2: float
+    r2_uncentred: float
+    worst: WorstPoint
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """The answer of `check`.
+
+    Attributes
+    ----------
+    fmu, source : str
+        What was checked against what.
+    fmi_version : str
+    rows, segments : int
+        Simulated rows, and the stretches that each began anew.
+    channels : tuple of Channel
+        Outputs of the FMU that were measured.
+    evaluation_difference : float or None
+        Largest |FMU - direct| / (1 + |direct|) over all rows and outputs, where direct is the evaluation of
+        the tire that the FMU carries; None if it carries none.
+    problems : tuple of str
+        What fmpy's validation found wrong with the FMU.
+    tolerance : float or None
+        Largest `Channel.relative_rmse` asked for.
+    simulated : pandas.DataFrame
+        The FMU's outputs by row, ISO signs.
+    """
+
+    fmu: str
+    source: str
+    fmi_version: str
+    rows: int
+    segments: int
+    channels: tuple[Channel, ...]
+    evaluation_difference: float | None
+    problems: tuple[str, ...]
+    tolerance: float | None = None
+    simulated: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False)
+
+    @property
+    def ok(self) -> bool:
+        """True if the FMU is valid, does what its tire says, and keeps the tolerance where one was given."""
+        faithful = self.evaluation_difference is None or self.evaluation_difference <= EVALUATION_TOLERANCE
+        near = self.tolerance is None or all(c.relative_rmse <= self.tolerance for c in self.channels)
+        return not self.problems and faithful and near
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the result as plain values for json.dump; NaN becomes None."""
+        return {
+            "fmu": self.fmu,
+            "source": self.source,
+            "fmi_version": self.fmi_version,
+            "signs": "iso",
+            "rows": self.rows,
+            "segments": self.segments,
+            "ok": self.ok,
+            "tolerance": self.tolerance,
+            "problems": list(self.problems),
+            "evaluation_difference": self.evaluation_difference,
+            "channels": {channel.name: _channel_json(channel) for channel in self.channels},
+        }
+
+    def __str__(self) -> str:
+        lines = [
+            f"{self.fmu} (FMI {self.fmi_version}) against {self.source}: {self.rows} rows, "
+            f"{self.segments} segment{'s'[: self.segments != 1]}, ISO signs",
+            f"{'channel':<8}{'rows':>8}{'RMSE':>14}{'of max':>10}{'R2':>10}{'R2 uncentred':>14}  worst point",
+        ]
+        for channel in self.channels:
+            worst = channel.worst
+            at = ", ".join(f"{name} {value:.4g}" for name, value in worst.condition.items())
+            lines.append(
+                f"{channel.name:<8}{channel.measured:>8}{channel.rmse:>10.4g} {channel.unit:<3}"
+                f"{channel.relative_rmse:>10.2%}{channel.r2:>10.4f}{channel.r2_uncentred:>14.4f}"
+                f"  row {worst.row}: measured {worst.measured:.4g}, FMU {worst.simulated:.4g} at {at}"
+            )
+        if self.evaluation_difference is not None:
+            lines.append(f"largest difference from direct evaluation: {self.evaluation_difference:.1e}")
+        lines += [f"not valid: {problem}" for problem in self.problems] or ["fmpy's validation: no problems"]
+        return "\n".join(lines)
+
+
+def check(
+    fmu_path: str | os.PathLike[str],
+    recording: Recording | pd.DataFrame | str | os.PathLike[str],
+    *,
+    signs: str | None = None,
+    tolerance: float | None = None,
+) -> CheckResult:
+    """Simulate an FMU over a recording and compare it with the data and with its own tire.
+
+    The output at a row belongs to the inputs of that row; inputs are held over the step to the next one.
+    Each segment of the recording begins anew.
+
+    Parameters
+    ----------
+    fmu_path : path-like
+        An FMU for Co-Simulation with inputs and outputs named as in the tables, such as `export` writes.
+    recording : Recording, DataFrame or path-like
+        An input that it lacks keeps the FMU's start value, one that the FMU lacks has no influence. NaN in
+        an output is "not measured".
+    signs : str, optional
+        The convention of the recording, if it does not say (a DataFrame: iso).
+    tolerance : float, optional
+        What `CheckResult.ok` asks of every channel: RMSE as a share of the largest measured magnitude.
+
+    Returns
+    -------
+    CheckResult
+
+    Raises
+    ------
+    FmuError
+        If the FMU cannot be read, loaded or run.
+    DataError
+        If the recording cannot be read, is in units or signs that cannot be meant, has a NaN in an input, or
+        none of the FMU's inputs or outputs.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> from .build import export
+    >>> tire = published("trento_hoosier").in_signs("iso")
+    >>> table = pd.DataFrame({"alpha": [-0.1, 0.0, 0.1], "Fz": 900.0})
+    >>> table["Fy"] = tire.forces(alpha=table["alpha"], Fz=900.0)["Fy"]
+    >>> result = check(export(tire, "tire.fmu"), table)
+    >>> result.ok, round(result.channels[0].r2, 6)
+    (True, 1.0)
+    """
+    given = _recording(recording, signs)
+    check_plausible(given)
+    given = given.with_signs("iso")
+    table, segments = given.table, given.segments()
+    with loaded(fmu_path) as slave:
+        variables = {variable.name: variable for variable in slave.description.modelVariables}
+        inputs, outputs = (
+            _columns(variables, TABLE_INPUTS, "input"),
+            _columns(variables, TABLE_OUTPUTS, "output"),
+        )
+        present = [name for name in inputs if name in table]
+        measured = [name for name in given.measured() if name in outputs]
+        for kind, needed, found in (("input", inputs, present), ("measured output", outputs, measured)):
+            if not found:
+                raise DataError(f"{given.source}: no {kind} of the FMU ({', '.join(needed)})")
+        rows, time = _finite(table, present, given.source), _time(table, given.source)
+        runs = [slave.run(segment, time, rows, present, outputs) for segment in segments]
+        carried = slave.folder / "resources" / "tire.tir"
+        tire = read_tir(carried) if carried.is_file() else None
+        version = slave.description.fmiVersion
+    simulated = pd.DataFrame(np.vstack(runs), columns=outputs, index=table.index)
+    return CheckResult(
+        fmu=Path(fmu_path).name,
+        source=given.source,
+        fmi_version=version,
+        rows=len(table),
+        segments=len(segments),
+        channels=tuple(
+            _channel(name, variables[name].unit or "", table, simulated, present) for name in measured
+        ),
+        evaluation_difference=None if tire is None else _difference(tire, rows, present, simulated),
+        problems=tuple(validate_fmu(str(fmu_path))),
+        tolerance=tolerance,
+        simulated=simulated,
+    )
+
+
+def _recording(given: Recording | pd.DataFrame | str | os.PathLike[str], signs: str | None) -> Recording:
+    """Return what was given as a recording."""
+    if isinstance(given, Recording):
+        return given if signs is None else Recording(given.table, signs, given.source, given.about)
+    if isinstance(given, pd.DataFrame):
+        return Recording(given, signs or "iso", "table")
+    return read_recording(given, signs=signs)
+
+
+def _columns(variables: Mapping[str, Any], names: Iterable[str], causality: str) -> list[str]:
+    """Return the columns of the tables that are variables of the FMU with this causality."""
+    return [name for name in names if name in variables and variables[name].causality == causality]
+
+
+def _finite(table: pd.DataFrame, columns: list[str], source: str) -> FloatArray:
+    """Return columns as an array, shape (n, n_columns), or raise for a value that is not finite."""
+    values = table[columns].to_numpy(dtype=np.float64)
+    for row, column in np.argwhere(~np.isfinite(values)):
+        raise DataError(
+            f"{source}: row {row}: {columns[column]} is {values[row, column]}: it has to be finite"
+        )
+    return values
+
+
+def _time(table: pd.DataFrame, source: str) -> FloatArray:
+    """Return the time of every row, made up where the table has none."""
+    if "t" in table:
+        return _finite(table, ["t"], source)[:, 0]
+    return STEP * np.arange(len(table), dtype=np.float64)
+
+
+def _difference(tire: Tire, rows: FloatArray, inputs: list[str], simulated: pd.DataFrame) -> float:
+    """Return the largest |FMU - direct| / (1 + |direct|)."""
+    direct = tire.forces(**dict(zip(inputs, rows.T, strict=True)))
+    worst = 0.0
+    for name in simulated:
+        expected = np.asarray(direct[str(name)])
+        # Equal where both are not a number or both infinite: then the formula says so.
+        with np.errstate(invalid="ignore"):
+            difference = np.abs(simulated[name].to_numpy() - expected) / (1.0 + np.abs(expected))
+        same = np.isclose(simulated[name].to_numpy(), expected, rtol=0.0, atol=0.0, equal_nan=True)
+        worst = max(worst, float(np.max(np.where(same, 0.0, difference), initial=0.0)))
+    return worst
+
+
+def _channel(
+    name: str, unit: str, table: pd.DataFrame, simulated: pd.DataFrame, inputs: list[str]
+) -> Channel:
+    """Compare one output with the data where it was measured."""
+    data, model = table[name].to_numpy(dtype=np.float64), simulated[name].to_numpy()
+    rows = np.flatnonzero(~np.isnan(data))
+    y, error = data[rows], model[rows] - data[rows]
+    squared = float(error @ error)
+    rmse = float(np.sqrt(squared / len(rows)))
+    about_mean, about_zero = float(((y - y.mean()) ** 2).sum()), float((y**2).sum())
+    largest = float(np.abs(y).max())
+    worst = int(rows[np.argmax(np.abs(error))])  # argmax takes a NaN of the FMU for the largest
+    return Channel(
+        name,
+        unit,
+        len(rows),
+        rmse,
+        rmse / largest if largest else nan,
+        1.0 - squared / about_mean if about_mean else nan,
+        1.0 - squared / about_zero if about_zero else nan,
+        WorstPoint(
+            worst,
+            float(table["t"].iloc[worst]) if "t" in table else None,
+            {column: float(table[column].iloc[worst]) + 0.0 for column in inputs},
+            float(data[worst]),
+            float(model[worst]),
+        ),
+    )
+
+
+def _channel_json(channel: Channel) -> dict[str, Any]:
+    """Return a channel as plain values."""
+    numbers = {name: getattr(channel, name) for name in ("rmse", "relative_rmse", "r2", "r2_uncentred")}
+    worst = channel.worst
+    return {
+        "unit": channel.unit,
+        "measured": channel.measured,
+        **{name: None if isnan(value) else value for name, value in numbers.items()},
+        "worst": {
+            "row": worst.row,
+            "t": worst.t,
+            "condition": dict(worst.condition),
+            "measured": worst.measured,
+            "simulated": None if isnan(worst.simulated) else worst.simulated,
+        },
+    }

@@ -1,0 +1,134 @@
+"""What an FMU says about itself to a reader: documentation/index.html and the licenses."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from html import escape
+from pathlib import Path
+
+from tirefmu.symbolic.errors import FmuError
+
+from .variables import Variable
+
+#: The license of the sources inside an FMU; the same text as the project's LICENSE file.
+LICENSE = """\
+BSD 3-Clause License
+
+Copyright (c) 2026, tirefmu contributors
+
+Redistribution and use in source and binary forms, with or without
+modification, are permitted provided that the following conditions are met:
+
+1. Redistributions of source code must retain the above copyright notice, this
+   list of conditions and the following disclaimer.
+
+2. Redistributions in binary form must reproduce the above copyright notice,
+   this list of conditions and the following disclaimer in the documentation
+   and/or other materials provided with the distribution.
+
+3. Neither the name of the copyright holder nor the names of its
+   contributors may be used to endorse or promote products derived from
+   this software without specific prior written permission.
+
+THIS SOFTWARE IS PROVIDED BY THE COPYRIGHT HOLDERS AND CONTRIBUTORS "AS IS"
+AND ANY EXPRESS OR IMPLIED WARRANTIES, INCLUDING, BUT NOT LIMITED TO, THE
+IMPLIED WARRANTIES OF MERCHANTABILITY AND FITNESS FOR A PARTICULAR PURPOSE ARE
+DISCLAIMED. IN NO EVENT SHALL THE COPYRIGHT HOLDER OR CONTRIBUTORS BE LIABLE
+FOR ANY DIRECT, INDIRECT, INCIDENTAL, SPECIAL, EXEMPLARY, OR CONSEQUENTIAL
+DAMAGES (INCLUDING, BUT NOT LIMITED TO, PROCUREMENT OF SUBSTITUTE GOODS OR
+SERVICES; LOSS OF USE, DATA, OR PROFITS; OR BUSINESS INTERRUPTION) HOWEVER
+CAUSED AND ON ANY THEORY OF LIABILITY, WHETHER IN CONTRACT, STRICT LIABILITY,
+OR TORT (INCLUDING NEGLIGENCE OR OTHERWISE) ARISING IN ANY WAY OUT OF THE USE
+OF THIS SOFTWARE, EVEN IF ADVISED OF THE POSSIBILITY OF SUCH DAMAGE.
+"""
+
+_STYLE = (
+    "body{font-family:sans-serif;max-width:60em;margin:2em auto}"
+    "table{border-collapse:collapse}td,th{padding:.2em .8em;text-align:left;border-bottom:1px solid #ccc}"
+    "td.number{text-align:right;font-variant-numeric:tabular-nums}"
+)
+
+
+def index_html(name: str, description: str, model: str, variables: Sequence[Variable]) -> bytes:
+    """Return documentation/index.html.
+
+    Parameters
+    ----------
+    name, description, model : str
+        The tire's name, the FMU's sentence, the model's title.
+    variables : sequence of Variable
+
+    Returns
+    -------
+    bytes
+
+    Examples
+    --------
+    >>> b"<h1>a &lt; b</h1>" in index_html("a < b", "", "", [])
+    True
+    """
+    by_causality = {
+        causality: [v for v in variables if v.causality == causality]
+        for causality in ("input", "output", "parameter")
+    }
+    lines = [
+        "<!DOCTYPE html>",
+        f'<html lang="en"><head><meta charset="utf-8"><title>{escape(name)}</title>',
+        f"<style>{_STYLE}</style></head><body>",
+        f"<h1>{escape(name)}</h1>",
+        f"<p>{escape(description)}</p>",
+        f"<p>Model: {escape(model)}. Forces act at the contact point, in the TYDEX W axes (z up).",
+        "Fz &gt; 0 is load, kappa &gt; 0 drives. Outputs belong to the inputs as they are set.",
+        "A value that is not finite is refused and leaves the FMU as it was.",
+        "The tire itself lies in resources/tire.tir.</p>",
+        "<h2>Inputs</h2>",
+        *_table(by_causality["input"], "start value"),
+        "<h2>Outputs</h2>",
+        *_table(by_causality["output"], ""),
+        "<h2>Parameters</h2>",
+        "<p>All are tunable: they can be set before and during a simulation.</p>",
+        *_table(by_causality["parameter"], "value"),
+        "</body></html>",
+    ]
+    return ("\n".join(lines) + "\n").encode("utf-8", "replace")
+
+
+def _table(variables: Sequence[Variable], value: str) -> Iterable[str]:
+    """Yield the lines of a table of variables, with a column of start values where that has a heading."""
+    yield f"<table><tr><th>name</th>{f'<th>{value}</th>' if value else ''}<th>unit</th><th>meaning</th></tr>"
+    for variable in variables:
+        number = f'<td class="number">{variable.start!r}</td>' if value else ""
+        yield (
+            f"<tr><td>{escape(variable.name)}</td>{number}<td>{escape(variable.unit)}</td>"
+            f"<td>{escape(variable.description)}</td></tr>"
+        )
+    yield "</table>"
+
+
+def header_license(header: Path) -> bytes:
+    """Return the notice that the FMI standard's header carries, as its license asks of binaries made with it.
+
+    Parameters
+    ----------
+    header : Path
+        One of the standard's C headers.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    FmuError
+        If the header cannot be read or carries no notice.
+    """
+    try:
+        text = header.read_text(encoding="utf-8")
+    except OSError as error:
+        raise FmuError(f"the FMI header {header.name} cannot be read: {error.strerror}") from error
+    notice = re.search(r"Copyright \(C\).*?(?=\*/)", text, re.DOTALL)
+    if notice is None:
+        raise FmuError(f"the FMI header {header.name} carries no license")
+    lines = [line.strip() for line in notice[0].splitlines()]
+    return ("Headers of the FMI standard\n\n" + "\n".join(lines).rstrip() + "\n").encode()

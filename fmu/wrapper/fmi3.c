@@ -1,0 +1,220 @@
+/* FMI 3.0 Co-Simulation: what this FMU offers, each function a translation to instance.h. */
+#include "instance.h"
+
+#include "fmi3Functions.h"
+
+typedef char discards_agree[(int) STATUS_DISCARD == (int) fmi3Discard ? 1 : -1];
+typedef char errors_agree[(int) STATUS_ERROR == (int) fmi3Error ? 1 : -1];
+
+#define LACKS(type) return (fmi3Status) instance_lacks_type(instance, nValueReferences, type)
+
+/* ---------------------------------------------------------------- life */
+
+const char *fmi3GetVersion(void) { return fmi3Version; }
+
+static void tell(const Instance *self, Status status, const char *category, const char *message)
+{
+    ((fmi3LogMessageCallback) self->logger)(self->environment, (fmi3Status) status, category, message);
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String instantiationToken,
+                                         fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
+                                         fmi3Boolean eventModeUsed, fmi3Boolean earlyReturnAllowed,
+                                         const fmi3ValueReference requiredIntermediateVariables[],
+                                         size_t nRequiredIntermediateVariables,
+                                         fmi3InstanceEnvironment instanceEnvironment,
+                                         fmi3LogMessageCallback logMessage,
+                                         fmi3IntermediateUpdateCallback intermediateUpdate)
+{
+    Instance *self =
+        instance_create(instanceName, instantiationToken, tell, (void (*)(void)) logMessage, instanceEnvironment);
+
+    if (self && eventModeUsed) {
+        instance_refuse(self, STATUS_ERROR, "this FMU has no event mode");
+        instance_free(self);
+        return NULL;
+    }
+    return self;
+}
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
+                                          fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
+                                          fmi3InstanceEnvironment instanceEnvironment,
+                                          fmi3LogMessageCallback logMessage)
+{
+    if (logMessage)
+        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is for Co-Simulation");
+    return NULL;
+}
+
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
+                                               fmi3String resourcePath, fmi3Boolean visible,
+                                               fmi3Boolean loggingOn,
+                                               fmi3InstanceEnvironment instanceEnvironment,
+                                               fmi3LogMessageCallback logMessage,
+                                               fmi3ClockUpdateCallback clockUpdate,
+                                               fmi3LockPreemptionCallback lockPreemption,
+                                               fmi3UnlockPreemptionCallback unlockPreemption)
+{
+    if (logMessage)
+        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is for Co-Simulation");
+    return NULL;
+}
+
+void fmi3FreeInstance(fmi3Instance instance) { instance_free(instance); }
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance instance, fmi3Boolean loggingOn, size_t nCategories,
+                               const fmi3String categories[])
+{
+    return (fmi3Status) instance_choose_log(instance, loggingOn, nCategories, categories);
+}
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean toleranceDefined,
+                                       fmi3Float64 tolerance, fmi3Float64 startTime,
+                                       fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
+{
+    Status status = instance_set_experiment(instance, startTime, stopTimeDefined, stopTime);
+
+    return (fmi3Status) (status == STATUS_OK ? instance_enter_initialization(instance) : status);
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
+{
+    return (fmi3Status) instance_exit_initialization(instance);
+}
+
+fmi3Status fmi3Terminate(fmi3Instance instance) { return (fmi3Status) instance_terminate(instance); }
+
+fmi3Status fmi3Reset(fmi3Instance instance) { return (fmi3Status) instance_reset(instance); }
+
+/* ---------------------------------------------------------------- values */
+
+fmi3Status fmi3GetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                          size_t nValueReferences, fmi3Float64 values[], size_t nValues)
+{
+    if (nValues != nValueReferences)
+        return (fmi3Status) instance_refuse(instance, STATUS_ERROR, "all variables are scalar");
+    return (fmi3Status) instance_get(instance, valueReferences, nValueReferences, values);
+}
+
+fmi3Status fmi3SetFloat64(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                          size_t nValueReferences, const fmi3Float64 values[], size_t nValues)
+{
+    if (nValues != nValueReferences)
+        return (fmi3Status) instance_refuse(instance, STATUS_ERROR, "all variables are scalar");
+    return (fmi3Status) instance_set(instance, valueReferences, nValueReferences, values);
+}
+
+#define LACKS_TYPE(Type)                                                                                \
+    fmi3Status fmi3Get##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],         \
+                             size_t nValueReferences, fmi3##Type values[], size_t nValues)              \
+    {                                                                                                   \
+        LACKS(#Type);                                                                                   \
+    }                                                                                                   \
+    fmi3Status fmi3Set##Type(fmi3Instance instance, const fmi3ValueReference valueReferences[],         \
+                             size_t nValueReferences, const fmi3##Type values[], size_t nValues)        \
+    {                                                                                                   \
+        LACKS(#Type);                                                                                   \
+    }
+
+LACKS_TYPE(Float32)
+LACKS_TYPE(Int8)
+LACKS_TYPE(UInt8)
+LACKS_TYPE(Int16)
+LACKS_TYPE(UInt16)
+LACKS_TYPE(Int32)
+LACKS_TYPE(UInt32)
+LACKS_TYPE(Int64)
+LACKS_TYPE(UInt64)
+LACKS_TYPE(Boolean)
+LACKS_TYPE(String)
+
+fmi3Status fmi3GetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                         size_t nValueReferences, size_t valueSizes[], fmi3Binary values[], size_t nValues)
+{
+    LACKS("Binary");
+}
+
+fmi3Status fmi3SetBinary(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                         size_t nValueReferences, const size_t valueSizes[], const fmi3Binary values[],
+                         size_t nValues)
+{
+    LACKS("Binary");
+}
+
+fmi3Status fmi3GetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                        size_t nValueReferences, fmi3Clock values[])
+{
+    LACKS("Clock");
+}
+
+fmi3Status fmi3SetClock(fmi3Instance instance, const fmi3ValueReference valueReferences[],
+                        size_t nValueReferences, const fmi3Clock values[])
+{
+    LACKS("Clock");
+}
+
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[],
+                                        size_t nUnknowns, const fmi3ValueReference knowns[], size_t nKnowns,
+                                        const fmi3Float64 seed[], size_t nSeed, fmi3Float64 sensitivity[],
+                                        size_t nSensitivity)
+{
+    if (nSeed != nKnowns || nSensitivity != nUnknowns)
+        return (fmi3Status) instance_refuse(instance, STATUS_ERROR, "all variables are scalar");
+    return (fmi3Status) instance_derivative(instance, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity);
+}
+
+/* ---------------------------------------------------------------- saved states */
+
+fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
+{
+    return (fmi3Status) instance_save(instance, FMUState);
+}
+
+fmi3Status fmi3SetFMUState(fmi3Instance instance, fmi3FMUState FMUState)
+{
+    return (fmi3Status) instance_restore(instance, FMUState);
+}
+
+fmi3Status fmi3FreeFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
+{
+    return (fmi3Status) instance_drop(instance, FMUState);
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance instance, fmi3FMUState FMUState, size_t *size)
+{
+    return (fmi3Status) instance_serialized_size(instance, FMUState, size);
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance instance, fmi3FMUState FMUState, fmi3Byte serializedState[],
+                                 size_t size)
+{
+    return (fmi3Status) instance_serialize(instance, FMUState, serializedState, size);
+}
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance instance, const fmi3Byte serializedState[], size_t size,
+                                   fmi3FMUState *FMUState)
+{
+    return (fmi3Status) instance_deserialize(instance, serializedState, size, FMUState);
+}
+
+/* ---------------------------------------------------------------- Co-Simulation */
+
+fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoint,
+                      fmi3Float64 communicationStepSize, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+                      fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
+                      fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
+{
+    static const unsigned time = TIME;
+    Status status = instance_step(instance, currentCommunicationPoint, communicationStepSize);
+
+    if (eventHandlingNeeded)
+        *eventHandlingNeeded = fmi3False;
+    if (terminateSimulation)
+        *terminateSimulation = fmi3False;
+    if (earlyReturn)
+        *earlyReturn = fmi3False;
+    if (lastSuccessfulTime && instance)
+        instance_get(instance, &time, 1, lastSuccessfulTime);
+    return (fmi3Status) status;
+}

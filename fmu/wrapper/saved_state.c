@@ -1,0 +1,87 @@
+/* Saving, restoring and serializing an instance's state.  See instance.h. */
+#include "instance.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+Status instance_save(Instance *self, void **slot)
+{
+    State *saved;
+
+    if (!self || !slot)
+        return instance_refuse(self, STATUS_ERROR, "there is no place for the state");
+    saved = *slot ? *slot : malloc(sizeof *saved);
+    if (!saved)
+        return instance_refuse(self, STATUS_ERROR, "no memory for the state");
+    state_compute_outputs(&self->state); /* equal states have equal bytes, asked for outputs or not */
+    memcpy(saved, &self->state, sizeof *saved);
+    *slot = saved;
+    return STATUS_OK;
+}
+
+Status instance_restore(Instance *self, const void *saved)
+{
+    if (!self || !saved)
+        return instance_refuse(self, STATUS_ERROR, "there is no state to restore");
+    memcpy(&self->state, saved, sizeof self->state);
+    return STATUS_OK;
+}
+
+Status instance_drop(Instance *self, void **slot)
+{
+    if (!self)
+        return STATUS_ERROR;
+    if (slot) {
+        free(*slot);
+        *slot = NULL;
+    }
+    return STATUS_OK;
+}
+
+Status instance_serialized_size(Instance *self, const void *saved, size_t *size)
+{
+    if (!self || !saved || !size)
+        return instance_refuse(self, STATUS_ERROR, "there is no state to measure");
+    *size = sizeof(State);
+    return STATUS_OK;
+}
+
+Status instance_serialize(Instance *self, const void *saved, void *bytes, size_t size)
+{
+    if (!self || !saved || !bytes || size < sizeof(State))
+        return instance_refuse(self, STATUS_ERROR, "a state takes %lu bytes", (unsigned long) sizeof(State));
+    memcpy(bytes, saved, sizeof(State));
+    return STATUS_OK;
+}
+
+/* Bytes come from outside: nothing of them is believed that a saved state could not hold. */
+static int is_state(const State *state)
+{
+    size_t i;
+
+    if (memcmp(state->token, INSTANTIATION_TOKEN, sizeof INSTANTIATION_TOKEN) != 0 || state->mode < INSTANTIATED ||
+        state->mode > TERMINATED)
+        return 0;
+    for (i = 0; i < N_VALUES; i++)
+        if ((i < FIRST_OUTPUT || i >= FIRST_PARAMETER) && !isfinite(state->values[i]))
+            return 0;
+    return 1;
+}
+
+Status instance_deserialize(Instance *self, const void *bytes, size_t size, void **slot)
+{
+    State state;
+
+    if (!self || !bytes || !slot || size != sizeof state)
+        return instance_refuse(self, STATUS_ERROR, "a state takes %lu bytes", (unsigned long) sizeof state);
+    memcpy(&state, bytes, sizeof state);
+    if (!is_state(&state))
+        return instance_refuse(self, STATUS_ERROR, "these bytes are no state of this FMU");
+    if (!*slot && !(*slot = malloc(sizeof state)))
+        return instance_refuse(self, STATUS_ERROR, "no memory for the state");
+    state.outputs_known = 0; /* not believed */
+    state_compute_outputs(&state);
+    memcpy(*slot, &state, sizeof state);
+    return STATUS_OK;
+}

@@ -1,0 +1,149 @@
+"""FMUs of two tires in both versions, and a host that calls them one function at a time."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fmpy.fmi1 import FMICallException
+
+from tirefmu.fmu.build import export
+from tirefmu.fmu.simulation import loaded
+from tirefmu.tires import published
+from tirefmu.tires.compiler import CompilerError, find_compiler
+
+OK, DISCARD, ERROR = 0, 2, 3
+
+
+class Host:
+    """A host of one instance: every call returns its status, values go by name."""
+
+    def __init__(self, slave):
+        self.slave, self.fmu, self.log = slave, slave.fmu, slave.log
+        self.version = 3 if slave.version_3 else 2
+        self.variables = {variable.name: variable for variable in slave.description.modelVariables}
+
+    def call(self, function, *arguments):
+        """Call a function of the standard by its name without prefix."""
+        try:
+            status = getattr(self.fmu, f"fmi{self.version}{function}")(self.fmu.component, *arguments)
+        except FMICallException as error:
+            return error.status
+        return status
+
+    def references(self, names):
+        numbers = [name if isinstance(name, int) else self.variables[name].valueReference for name in names]
+        return (ctypes.c_uint * len(numbers))(*numbers)
+
+    def set(self, **values):
+        return self.set_references(list(values), list(values.values()))
+
+    def set_references(self, names, values):
+        array, n = (ctypes.c_double * len(values))(*values), len(values)
+        if self.version == 3:
+            return self.call("SetFloat64", self.references(names), len(names), array, n)
+        return self.call("SetReal", self.references(names), n, array)
+
+    def get(self, *names):
+        return np.array(self.read(names)[1])
+
+    def read(self, names):
+        """Return the status and the values."""
+        values, n = (ctypes.c_double * len(names))(*[np.nan] * len(names)), len(names)
+        if self.version == 3:
+            return self.call("GetFloat64", self.references(names), n, values, n), list(values)
+        return self.call("GetReal", self.references(names), n, values), list(values)
+
+    def forces(self, **inputs):
+        assert self.set(**inputs) == OK
+        return self.get("Fx", "Fy", "Mz")
+
+    def start(self, time=0.0, stop=None):
+        self.initialize(time, stop)
+        assert self.call("ExitInitializationMode") == OK
+        return self
+
+    def initialize(self, time=0.0, stop=None):
+        defined, stop = stop is not None, stop or 0.0
+        if self.version == 3:
+            status = self.call("EnterInitializationMode", False, 0.0, time, defined, stop)
+        else:
+            status = self.call("SetupExperiment", False, 0.0, time, defined, stop)
+            status = status or self.call("EnterInitializationMode")
+        assert status == OK
+
+    def step(self, time, size):
+        if self.version == 2:
+            return self.call("DoStep", time, size, True)
+        flags = [ctypes.byref(ctypes.c_bool()) for _ in range(3)]
+        return self.call("DoStep", time, size, True, *flags, ctypes.byref(ctypes.c_double()))
+
+    def everything(self):
+        """Return the value of every variable."""
+        return self.get(*self.variables)
+
+    def derivative(self, unknowns, knowns, seed):
+        a, b = self.references(unknowns), self.references(knowns)
+        seeds, found = (ctypes.c_double * len(seed))(*seed), (ctypes.c_double * len(unknowns))()
+        if self.version == 3:
+            sizes = (a, len(a), b, len(b), seeds, len(seeds), found, len(found))
+        else:
+            sizes = (a, len(a), b, len(b), seeds, found)
+        return self.call("GetDirectionalDerivative", *sizes), np.array(found)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _own_cache(tmp_path_factory):
+    """Compiled code of the tests does not fill the user's cache."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("TIREFMU_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="session")
+def compiler():
+    """Return the command of the C compiler, without which no FMU can be built."""
+    try:
+        return find_compiler()
+    except CompilerError as error:
+        pytest.skip(str(error))
+
+
+@pytest.fixture(scope="session")
+def tires():
+    """Return two tires in ISO signs: the published one, and one with other values everywhere."""
+    first = published("trento_hoosier").in_signs("iso")
+    values = {name: 1.07 * value for name, value in first.values.items()}
+    return {"first": first, "second": replace(first, values=values, name='a <wide> & "strange" tire, é')}
+
+
+@pytest.fixture(scope="session")
+def fmus(compiler, tires, tmp_path_factory):
+    """Return the paths of the FMUs by tire and version."""
+    folder = tmp_path_factory.mktemp("fmus")
+    return {
+        (name, fmi): export(tire, folder / f"{name}_{fmi}.fmu", fmi=fmi)
+        for name, tire in tires.items()
+        for fmi in (2, 3)
+    }
+
+
+@pytest.fixture
+def hosts(fmus):
+    """Return a function that loads an FMU into a new host."""
+    with contextlib.ExitStack() as stack:
+        yield lambda name, fmi: Host(stack.enter_context(loaded(fmus[name, fmi])))
+
+
+@pytest.fixture(params=[2, 3], ids=["fmi2", "fmi3"])
+def fmi(request):
+    return request.param
+
+
+@pytest.fixture
+def host(hosts, fmi):
+    """Return a host of the first tire, instantiated."""
+    return hosts("first", fmi)

@@ -1,0 +1,223 @@
+"""The FMU against data and against its own tire."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.fmu import check
+from tirefmu.fmu.build import export
+from tirefmu.measurements.recording import Recording
+from tirefmu.symbolic.errors import DataError, FmuError
+from tirefmu.tires.signs import convert_signs
+
+
+@pytest.fixture(scope="module")
+def table(tires):
+    """Return two sweeps in ISO signs, a pause between them, with the first tire's own forces."""
+    n = 120
+    frame = pd.DataFrame(
+        {
+            "t": np.r_[0.01 * np.arange(n), 50.0 + 0.01 * np.arange(n)],
+            "kappa": np.r_[np.zeros(n), np.linspace(-0.15, 0.15, n)],
+            "alpha": np.r_[np.linspace(-0.2, 0.2, n), np.full(n, 0.05)],
+            "gamma": 0.02,
+            "Fz": np.tile([400.0, 700.0, 1000.0], 2 * n // 3),
+            "V": 11.0,  # the model does not read it
+        }
+    )
+    forces = tires["first"].forces(**{name: frame[name] for name in ("kappa", "alpha", "gamma", "Fz")})
+    return frame.assign(**{name: forces[name] for name in forces})
+
+
+@pytest.fixture
+def fmu(fmus, fmi):
+    return fmus["first", fmi]
+
+
+def test_a_tire_agrees_with_its_own_forces(fmu, fmi, table):
+    result = check(fmu, table)
+    assert result.ok
+    assert result.problems == ()
+    assert result.fmi_version == f"{fmi}.0"
+    assert (result.rows, result.segments) == (240, 2)
+    assert [c.name for c in result.channels] == ["Fx", "Fy", "Mz"]
+    assert result.evaluation_difference < 1e-9
+    for channel in result.channels:
+        assert channel.measured == 240
+        assert channel.r2 == pytest.approx(1.0, abs=1e-12)
+
+
+def test_statistics_are_those_of_the_error(fmu, table):
+    error = np.random.default_rng(3).normal(0.0, 20.0, len(table))
+    measured = table["Fy"] + error
+    result = check(fmu, table.drop(columns=["Fx", "Mz"]).assign(Fy=measured))
+    (channel,) = result.channels
+    assert channel.rmse == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-9)
+    assert channel.r2 == pytest.approx(1.0 - np.sum(error**2) / np.sum((measured - measured.mean()) ** 2))
+    assert channel.r2_uncentred == pytest.approx(1.0 - np.sum(error**2) / np.sum(measured**2))
+    assert channel.relative_rmse == pytest.approx(channel.rmse / measured.abs().max())
+    row = int(np.argmax(np.abs(error)))
+    worst = channel.worst
+    assert (worst.row, worst.t, worst.measured) == (row, table["t"][row], measured[row])
+    assert worst.simulated == pytest.approx(table["Fy"][row])
+    assert worst.condition == {name: table[name][row] for name in ("kappa", "alpha", "gamma", "Fz")}
+
+
+@pytest.mark.parametrize("signs", ["iso", "adapted-sae", "sae"])
+def test_conventions_lead_to_the_same_result(fmu, table, signs, tmp_path):
+    reference = check(fmu, table).to_json()
+    written = convert_signs(table, "iso", signs)
+    written.to_csv(tmp_path / "table.csv", index=False)
+    given = [Recording(written, signs, "table"), tmp_path / "table.csv", str(tmp_path / "table.csv")]
+    for recording, named in zip(given, (None, signs, signs), strict=True):
+        found = check(fmu, recording, signs=named).to_json()
+        assert found["channels"] == reference["channels"]
+
+
+def test_nan_in_an_output_is_not_measured(fmu, table):
+    gappy = table.assign(Fy=table["Fy"].where(table.index % 3 == 0), Mz=np.nan)
+    result = check(fmu, gappy)
+    assert {c.name: c.measured for c in result.channels} == {"Fx": 240, "Fy": 80}
+
+
+def test_inputs_that_are_not_there_are_nominal(fmu, table, tires):
+    forces = tires["first"].forces(alpha=table["alpha"])
+    result = check(fmu, pd.DataFrame({"alpha": table["alpha"], "Fy": forces["Fy"], "Fz_set": 1.0}))
+    assert result.ok
+    assert result.segments == 1
+    assert result.channels[0].r2 == pytest.approx(1.0)
+    assert result.channels[0].worst.t is None
+
+
+def test_rows_of_equal_time(fmu, table):
+    assert check(fmu, table.assign(t=np.repeat(np.arange(120) * 0.01, 2))).evaluation_difference < 1e-9
+
+
+def test_a_difference_from_the_carried_tire_is_seen(fmus, tires, table, tmp_path):
+    # The binary of the first tire, the .tir file of one that differs in the ninth digit.
+    almost = replace(tires["first"], values={**tires["first"].values, "LMUY": 1.0 + 3e-9})
+    mixed = tmp_path / "mixed.fmu"
+    other = export(almost, tmp_path / "other.fmu")
+    with (
+        zipfile.ZipFile(fmus["first", 3]) as one,
+        zipfile.ZipFile(other) as two,
+        zipfile.ZipFile(mixed, "w") as out,
+    ):
+        for name in one.namelist():
+            out.writestr(name, (two if name.endswith(".tir") else one).read(name))
+    result = check(mixed, table)
+    assert 1e-9 < result.evaluation_difference < 1e-6
+    assert not result.ok
+
+
+def test_an_fmu_without_a_tire_can_be_checked(fmus, table, tmp_path):
+    with zipfile.ZipFile(fmus["first", 2]) as one, zipfile.ZipFile(tmp_path / "bare.fmu", "w") as out:
+        for name in one.namelist():
+            if not name.startswith(("resources/", "sources/")):
+                out.writestr(name, one.read(name))
+    result = check(tmp_path / "bare.fmu", table)
+    assert result.evaluation_difference is None
+    assert "direct evaluation" not in str(result)
+
+
+def test_tolerance_decides(fmu, table):
+    data = table.assign(Fy=table["Fy"] + 50.0).drop(columns=["Fx", "Mz"])
+    share = 50.0 / data["Fy"].abs().max()
+    assert check(fmu, data).ok
+    assert check(fmu, data, tolerance=1.01 * share).ok
+    assert not check(fmu, data, tolerance=0.99 * share).ok
+
+
+def test_an_invalid_fmu_is_not_ok(fmus, table, tmp_path):
+    path = tmp_path / "odd.fmu"
+    with zipfile.ZipFile(fmus["first", 3]) as one, zipfile.ZipFile(path, "w") as out:
+        for name in one.namelist():
+            content = one.read(name)
+            if name == "modelDescription.xml":
+                content = content.replace(b'<InitialUnknown valueReference="7" />', b"")
+            out.writestr(name, content)
+    result = check(path, table)
+    assert not result.ok
+    assert "InitialUnknown" in result.problems[0]
+    assert "not valid:" in str(result)
+
+
+def test_json_and_text_say_the_same(fmu, table):
+    result = check(fmu, table.assign(Mz=0.0))
+    plain = json.loads(json.dumps(result.to_json(), allow_nan=False))
+    assert plain["channels"]["Mz"]["r2"] is None  # nothing to explain
+    assert plain["channels"]["Fy"]["rmse"] == result.channels[1].rmse
+    text = str(result)
+    for channel in result.channels:
+        assert f"row {channel.worst.row}: " in text
+        assert any(line.startswith(channel.name) for line in text.splitlines())
+    assert list(result.simulated.columns) == ["Fx", "Fy", "Mz"]
+
+
+def test_a_long_recording(fmu, data_folder):
+    result = check(fmu, data_folder / "cornering.mat")
+    assert result.rows > 50_000
+    assert result.evaluation_difference < 1e-9
+
+
+# ------------------------------------------------------------------ bad input
+
+
+def test_nan_in_an_input(fmu, table):
+    with pytest.raises(DataError, match="table: row 7: alpha is nan"):
+        check(fmu, table.assign(alpha=table["alpha"].where(table.index != 7)))
+
+
+def test_degrees_for_radians(fmu, table):
+    with pytest.raises(DataError, match="in degrees"):
+        check(fmu, table.assign(alpha=np.degrees(table["alpha"])))
+
+
+def test_a_table_of_other_things(fmu, table):
+    with pytest.raises(DataError, match="no measured output"):
+        check(fmu, table.drop(columns=["Fx", "Fy", "Mz"]))
+    with pytest.raises(DataError, match=r"no measured output of the FMU \(Fx, Fy, Mz\)"):
+        check(fmu, table.drop(columns=["Fx", "Fy", "Mz"]).assign(Mx=1.0))
+    with pytest.raises(DataError, match=r"no input of the FMU \(kappa, alpha, gamma, Fz\)"):
+        check(fmu, table[["t", "Fy"]])
+
+
+def test_files_that_are_no_fmu(table, tmp_path):
+    (tmp_path / "text.fmu").write_text("hello")
+    with zipfile.ZipFile(tmp_path / "empty.fmu", "w") as archive:
+        archive.writestr("readme", "")
+    for name, message in (
+        ("no.fmu", "no such file"),
+        ("text.fmu", "not an FMU"),
+        ("empty.fmu", "not an FMU"),
+    ):
+        with pytest.raises(FmuError, match=f"{name}: {message}") as caught:
+            check(tmp_path / name, table)
+        assert "\n" not in str(caught.value)
+
+
+def test_an_fmu_without_a_binary_for_this_machine(fmu, table, tmp_path):
+    with zipfile.ZipFile(fmu) as one, zipfile.ZipFile(tmp_path / "bare.fmu", "w") as out:
+        out.writestr("modelDescription.xml", one.read("modelDescription.xml"))
+    with pytest.raises(FmuError, match=r"bare\.fmu: cannot be loaded: Cannot find shared library"):
+        check(tmp_path / "bare.fmu", table)
+
+
+def test_a_refused_row_is_named(fmus, table, tmp_path):
+    # A description that takes the output Fx for the input kappa, and the other way round.
+    swaps = {b'"kappa" valueReference="1"': b'"kappa" valueReference="5"'}
+    swaps[b'"Fx" valueReference="5"'] = b'"Fx" valueReference="1"'
+    with zipfile.ZipFile(fmus["first", 3]) as one, zipfile.ZipFile(tmp_path / "odd.fmu", "w") as out:
+        for name in one.namelist():
+            content = one.read(name)
+            for old, new in swaps.items():
+                content = content.replace(old, new)
+            out.writestr(name, content)
+    with pytest.raises(FmuError, match=r"row 0: fmi3SetFloat64 failed .*: Fx cannot be set"):
+        check(tmp_path / "odd.fmu", table)

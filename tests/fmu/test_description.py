@@ -1,0 +1,146 @@
+"""modelDescription.xml says what the tire is."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fmpy import read_model_description
+from fmpy.validation import validate_fmu
+
+from tirefmu.fmu.build import contents, fmi_headers
+from tirefmu.fmu.description import Header, model_description
+from tirefmu.fmu.variables import TIME, direct_feedthrough, variables
+from tirefmu.symbolic import MODELS
+from tirefmu.tires import published
+
+
+@pytest.fixture(params=["first", "second"])
+def described(request, fmus, fmi, tires):
+    """Return tire and description as fmpy reads it, schema and all."""
+    path = fmus[request.param, fmi]
+    return tires[request.param], read_model_description(str(path), validate=True)
+
+
+def test_fmpy_finds_nothing_to_complain_about(fmus):
+    for path in fmus.values():
+        assert validate_fmu(str(path)) == []
+
+
+def test_start_values_are_the_tire_to_the_last_bit(described):
+    tire, description = described
+    parameters = [v for v in description.modelVariables if v.causality == "parameter"]
+    assert [v.name for v in parameters] == [card.name for card in tire.book.parameters]
+    assert np.array_equal([float(v.start) for v in parameters], tire.parameters())
+    assert {v.variability for v in parameters} == {"tunable"}
+
+
+def test_limits_hold_the_start_values(described):
+    _, description = described
+    for variable in description.modelVariables:
+        if variable.causality == "parameter":
+            low = -np.inf if variable.min is None else float(variable.min)
+            high = np.inf if variable.max is None else float(variable.max)
+            assert low <= float(variable.start) <= high, variable.name
+
+
+def test_limits_are_mirrored_with_the_signs():
+    tire = published("trento_hoosier")
+    listed = {variable.name: variable for variable in variables(tire.in_signs("iso"))}
+    mirrored = [card for card in tire.book.parameters if card.flips and card.lower != -card.upper]
+    inside = [c for c in mirrored if c.lower <= tire.values[c.name] <= c.upper and np.isfinite(c.upper)]
+    assert inside
+    for card in inside:
+        assert (listed[card.name].lower, listed[card.name].upper) == (-card.upper, -card.lower)
+
+
+def test_names_and_units(described):
+    tire, description = described
+    by_cause = {
+        cause: [v.name for v in description.modelVariables if v.causality == cause]
+        for cause in ("input", "output")
+    }
+    assert by_cause == {"input": list(tire.inputs), "output": list(tire.outputs)}
+    units = {v.name: v.unit for v in description.modelVariables}
+    for item in (*tire.book.inputs, *tire.book.outputs, *tire.book.parameters):
+        assert units[item.name] == item.unit
+    assert all(v.description for v in description.modelVariables)
+    assert {u.name for u in description.unitDefinitions} == set(units.values())
+
+
+def test_only_fmi_3_names_the_time(described):
+    _, description = described
+    independent = [v.name for v in description.modelVariables if v.causality == "independent"]
+    assert independent == (["time"] if description.fmiVersion == "3.0" else [])
+    assert "time" in independent or all(v.name != "time" for v in description.modelVariables)
+
+
+def test_value_references_are_the_same_in_both_versions(fmus):
+    two, three = (
+        {v.name: v.valueReference for v in read_model_description(str(fmus["first", fmi])).modelVariables}
+        for fmi in (2, 3)
+    )
+    assert sorted(three.values()) == list(range(len(three)))
+    assert three == {"time": 0, **two}
+
+
+def test_outputs_depend_on_the_inputs_that_reach_them(described):
+    tire, description = described
+    for unknown in description.outputs:
+        reached = direct_feedthrough(tire.book)[unknown.variable.name]
+        assert {known.name for known in unknown.dependencies} == reached
+
+
+@pytest.mark.parametrize("name", sorted(MODELS))
+def test_an_input_that_is_not_listed_has_no_influence(name):
+    book = MODELS[name]
+    tire = published("trento_hoosier").in_signs("iso")
+    if tire.model != name:
+        pytest.skip(f"no published tire of {name}")
+    generator = np.random.default_rng(5)
+    points = {q.name: generator.uniform(0.5, 1.0, 50) * q.typical for q in book.inputs}
+    moved = {key: value * 1.1 for key, value in points.items()}
+    for output, reached in direct_feedthrough(book).items():
+        for key in points:
+            difference = tire.forces(**points | {key: moved[key]})[output] - tire.forces(**points)[output]
+            assert np.any(difference != 0.0) == (key in reached), (output, key)
+
+
+def test_names_of_any_kind_are_escaped(described, tires):
+    tire, description = described
+    assert description.modelName == tire.name
+
+
+def test_what_xml_cannot_hold_is_left_out(fmi):
+    text = model_description(fmi, Header("a\x00\x07b\ud800", "a", "\ufffe", ("a.c",)), [TIME], "{1}")
+    assert ET.fromstring(text).get("modelName") == "a??b?"
+
+
+def test_says_that_a_tire_was_rewritten():
+    tire = published("trento_hoosier")
+    assert tire.signs == "adapted-sae"
+    for given, said in ((tire, True), (tire.in_signs("iso"), False)):
+        text = contents(given, 3, "t")["modelDescription.xml"].decode()
+        assert ("rewritten from adapted-sae signs" in text) == said
+
+
+def test_token_ties_tire_code_and_description(tires):
+    def token(tire, fmi=3, identifier="t"):
+        root = ET.fromstring(contents(tire, fmi, identifier)["modelDescription.xml"])
+        return root.get("instantiationToken") or root.get("guid")
+
+    tire = tires["first"]
+    nudged = np.nextafter(tire.values["PDY1"], np.inf)
+    others = [
+        token(replace(tire, values={**tire.values, "PDY1": nudged})),
+        token(tire, fmi=2),
+        token(tire, identifier="u"),
+    ]
+    assert token(tire) == token(tire)
+    assert len({token(tire), *others}) == 4
+
+
+def test_headers_of_the_standard_are_found():
+    assert (fmi_headers() / "fmi3FunctionTypes.h").is_file()

@@ -1,0 +1,155 @@
+"""Writing the file: its bytes, its contents, and what goes wrong."""
+
+from __future__ import annotations
+
+import re
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from tirefmu.fmu import export
+from tirefmu.fmu.build import c_identifier
+from tirefmu.fmu.documentation import LICENSE
+from tirefmu.symbolic.errors import FmuError
+from tirefmu.tires import published, read_tir
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def tire(tires):
+    return tires["first"]
+
+
+@pytest.fixture
+def fresh_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path / "fresh cache"))
+
+
+def test_equal_tires_give_equal_bytes(fmus, fmi, tire, tmp_path, fresh_cache):
+    # Compiled anew, elsewhere, by another path.
+    again = export(tire, tmp_path / f"first_{fmi}.fmu", fmi=fmi)
+    assert again.read_bytes() == fmus["first", fmi].read_bytes()
+
+
+def test_contents(fmus, fmi, tire):
+    with zipfile.ZipFile(fmus["first", fmi]) as archive:
+        names = archive.namelist()
+        assert archive.testzip() is None
+        page = archive.read("documentation/index.html").decode()
+        notice = archive.read("documentation/licenses/fmi-headers.txt").decode()
+        infos = archive.infolist()
+    assert names == sorted(names)
+    assert {info.date_time for info in infos} == {(1980, 1, 1, 0, 0, 0)}
+    assert {"modelDescription.xml", "resources/tire.tir", "sources/model_config.h", "sources/mf96.c"} <= set(
+        names
+    )
+    assert ("sources/buildDescription.xml" in names) == (fmi == 3)
+    assert not any(Path(name).name.startswith("fmi") and name.endswith(".h") for name in names)
+    assert "Redistributions in binary form must reproduce" in notice
+    for name in (*tire.inputs, *tire.outputs, "PDY1"):
+        assert f"<td>{name}</td>" in page
+    (binary,) = (name for name in names if name.startswith("binaries/"))
+    assert Path(binary).stem == f"first_{fmi}"
+
+
+def test_carries_the_tire(fmus, fmi, tire, tmp_path):
+    with zipfile.ZipFile(fmus["first", fmi]) as archive:
+        carried = read_tir(archive.extract("resources/tire.tir", tmp_path))
+    assert (carried.model, carried.signs, carried.name) == (tire.model, "iso", tire.name)
+    assert carried.parameters().tolist() == tire.parameters().tolist()
+
+
+def test_nothing_in_it_names_this_machine(fmus):
+    for path in fmus.values():
+        with zipfile.ZipFile(path) as archive:
+            for name in archive.namelist():
+                assert str(ROOT).encode() not in archive.read(name), name
+                assert str(Path.home()).encode() + b"/" not in archive.read(name), name
+
+
+def test_the_binary_shows_its_functions_of_the_standard_only(fmus, fmi, tmp_path):
+    if not sys.platform.startswith("linux"):
+        pytest.skip("reads the symbols of a Linux binary")
+    with zipfile.ZipFile(fmus["first", fmi]) as archive:
+        (name,) = (name for name in archive.namelist() if name.startswith("binaries/"))
+        content = archive.read(name)
+    assert f"fmi{fmi}DoStep".encode() in content
+    assert b"mf96_forces" not in content
+    assert b"instance_step" not in content
+
+
+def test_license_is_the_projects():
+    assert (ROOT / "LICENSE").read_text(encoding="utf-8") == LICENSE
+
+
+@pytest.mark.parametrize("name", ["tire", "Tire_2", "2nd", "Ü-Reifen 13''", "double", "", "_x", "a.b.c"])
+def test_identifiers_are_c(name):
+    assert re.fullmatch("[A-Za-z][A-Za-z0-9_]*", c_identifier(name))
+    assert c_identifier(c_identifier(name)) == c_identifier(name)
+    assert c_identifier(name) != "double"
+
+
+# ------------------------------------------------------------------ what goes wrong
+
+
+def fails(tire, path, message, **options):
+    """Assert one line that says it, and no file left behind."""
+    before = sorted(path.parent.iterdir()) if path.parent.is_dir() else []
+    with pytest.raises(FmuError, match=message) as caught:
+        export(tire, path, **options)
+    assert "\n" not in str(caught.value)
+    assert (sorted(path.parent.iterdir()) if path.parent.is_dir() else []) == before
+
+
+def test_unknown_version(tire, tmp_path):
+    fails(tire, tmp_path / "t.fmu", "FMI 1 is not known: known are 2 and 3", fmi=1)
+
+
+def test_unknown_inputs(tire, tmp_path):
+    fails(tire, tmp_path / "t.fmu", "known are slip", inputs="wheel")
+
+
+def test_folder_that_is_not_there(compiler, tire, tmp_path):
+    fails(tire, tmp_path / "no" / "t.fmu", "cannot be written: No such file")
+
+
+def test_folder_in_the_way(compiler, tire, tmp_path):
+    (tmp_path / "t.fmu").mkdir()
+    fails(tire, tmp_path / "t.fmu", "cannot be written")
+
+
+def test_no_compiler(tire, tmp_path, monkeypatch, fresh_cache):
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    fails(tire, tmp_path / "t.fmu", "install gcc or clang")
+
+
+def test_a_compiler_that_is_not_there(tire, tmp_path, monkeypatch, fresh_cache):
+    monkeypatch.setenv("CC", "no-such-compiler -m64")
+    fails(tire, tmp_path / "t.fmu", "no-such-compiler")
+
+
+def test_a_compiler_that_fails_is_quoted(tire, tmp_path, monkeypatch, compiler):
+    monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path / "cache"))
+    (tmp_path / "cache").mkdir()
+    monkeypatch.setenv("CC", f"{compiler[0]} --no-such-option")
+    fails(tire, tmp_path / "t.fmu", "no-such-option")
+
+
+def test_an_existing_file_stays_when_export_fails(tire, tmp_path, monkeypatch, fresh_cache):
+    path = tmp_path / "t.fmu"
+    path.write_bytes(b"precious")
+    monkeypatch.setenv("CC", "no-such-compiler")
+    fails(tire, path, "no-such-compiler")
+    assert path.read_bytes() == b"precious"
+
+
+def test_a_tire_in_other_signs_is_rewritten(hosts, compiler, tire, tmp_path):
+    given = published("trento_hoosier")
+    assert given.signs != "iso"
+    path = export(given, tmp_path / "t.fmu")
+    with zipfile.ZipFile(path) as archive:
+        assert read_tir(archive.extract("resources/tire.tir", tmp_path)).signs == "iso"

@@ -1,0 +1,351 @@
+"""What an instance of the FMU does and what it refuses, in both versions."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+OK, DISCARD, ERROR = 0, 2, 3
+INPUTS = ("kappa", "alpha", "gamma", "Fz")
+OUTPUTS = ("Fx", "Fy", "Mz")
+#: A point in the middle of a combined sweep, used where any point would do.
+POINT = {"kappa": 0.05, "alpha": -0.08, "gamma": 0.03, "Fz": 900.0}
+
+
+def direct(tire, **inputs):
+    forces = tire.forces(**inputs)
+    return np.array([float(forces[name]) for name in OUTPUTS])
+
+
+def distance(found, expected):
+    return np.max(np.abs(found - expected) / (1.0 + np.abs(expected)))
+
+
+@pytest.fixture
+def running(host):
+    return host.start()
+
+
+# ------------------------------------------------------------------ values
+
+#: Far beyond any tire's range, on both sides of standstill of the load.
+ANY_INPUTS = st.fixed_dictionaries(
+    {
+        "kappa": st.floats(-10.0, 10.0),
+        "alpha": st.floats(-1.57, 1.57),
+        "gamma": st.floats(-1.0, 1.0),
+        "Fz": st.floats(-2000.0, 20000.0),
+    }
+)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_output_is_the_direct_evaluation(hosts, tires, fmi):
+    host = hosts("first", fmi).start()
+
+    @given(ANY_INPUTS)
+    def holds(inputs):
+        assert distance(host.forces(**inputs), direct(tires["first"], **inputs)) < 1e-9
+
+    holds()
+
+
+def test_both_versions_give_the_same_digits(hosts):
+    hosts_of_both = [hosts("first", fmi).start() for fmi in (2, 3)]
+    draws = np.random.default_rng(1).uniform([-0.5, -0.5, -0.1, -100.0], [0.5, 0.5, 0.1, 3000.0], (500, 4))
+    two, three = ([h.forces(**dict(zip(INPUTS, row, strict=True))) for row in draws] for h in hosts_of_both)
+    assert np.array_equal(two, three)
+
+
+def test_starts_at_the_nominal_point(host, tires):
+    host.start(time=3.0)
+    assert host.get(*INPUTS).tolist() == [0.0, 0.0, 0.0, tires["first"].values["FNOMIN"]]
+    assert distance(host.get(*OUTPUTS), direct(tires["first"])) < 1e-9
+
+
+def test_outputs_follow_inputs_before_any_step(host, tires):
+    host.initialize()
+    assert distance(host.forces(**POINT), direct(tires["first"], **POINT)) < 1e-9
+    host.call("ExitInitializationMode")
+    at_zero = POINT | {"kappa": 0.0}
+    assert distance(host.forces(kappa=0.0), direct(tires["first"], **at_zero)) < 1e-9
+
+
+def test_a_lifted_wheel_has_no_forces(running):
+    for load in (0.0, -0.0, -500.0):
+        assert not np.any(running.forces(**POINT | {"Fz": load}))
+
+
+@pytest.mark.parametrize("name", ["PDY1", "LMUX", "FNOMIN", "QDZ1"])
+def test_coefficients_are_tunable_at_any_time(host, tires, name):
+    tire = tires["first"]
+    for moment in ("instantiated", "initializing", "stepping"):
+        if moment == "initializing":
+            host.initialize()
+        elif moment == "stepping":
+            host.call("ExitInitializationMode")
+            assert host.step(0.0, 0.1) == OK
+        before = host.forces(**POINT)
+        value = host.get(name)[0] * 1.1
+        assert host.set(**{name: value}) == OK
+        tire = replace(tire, values={**tire.values, name: value})
+        assert distance(host.get(*OUTPUTS), direct(tire, **POINT)) < 1e-9
+        assert np.any(host.get(*OUTPUTS) != before)
+
+
+def test_two_tires_keep_their_own_results(hosts, tires, fmi):
+    first, second = hosts("first", fmi).start(), hosts("second", fmi).start()
+    for load in (300.0, 800.0, 1200.0):  # turn by turn
+        point = POINT | {"Fz": load}
+        found = [first.forces(**point), second.forces(**point)]
+        assert distance(found[0], direct(tires["first"], **point)) < 1e-9
+        assert distance(found[1], direct(tires["second"], **point)) < 1e-9
+        assert np.all(found[0] != found[1])
+
+
+# ------------------------------------------------------------------ refusals
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("name", ["alpha", "Fz", "PKY1"])
+def test_a_value_that_is_not_finite_changes_nothing(running, name, bad):
+    running.set(**POINT)
+    before = running.everything()
+    assert running.set(kappa=0.2, **{name: bad}) == DISCARD
+    assert np.array_equal(running.everything(), before)
+    assert running.log[-1].startswith(f"{name} has to be finite")
+
+
+def test_a_coefficient_outside_its_limits_changes_nothing(running):
+    bounded = [v for v in running.variables.values() if v.causality == "parameter" and v.max is not None]
+    assert bounded
+    before = running.everything()
+    for variable in bounded:
+        assert running.set(kappa=0.2, **{variable.name: 2.0 * abs(float(variable.max)) + 1.0}) == DISCARD
+        assert running.set(**{variable.name: float(variable.max)}) == OK
+        assert running.set(**{variable.name: float(variable.start)}) == OK
+    assert np.array_equal(running.everything(), before)
+    assert " is outside " in running.log[-1]
+
+
+@pytest.mark.parametrize("size", [0.0, -0.0, -0.1, np.nan, np.inf, -np.inf])
+def test_a_step_has_a_size(running, size):
+    before = running.everything()
+    assert running.step(0.0, size) == ERROR
+    assert running.log[-1].startswith("a step size has to be positive and finite")
+    assert np.array_equal(running.everything(), before)
+    assert running.step(0.0, 0.1) == OK
+
+
+@pytest.mark.parametrize("point", [0.2, 0.0, -0.1, 0.11, np.nan, np.inf])
+def test_a_step_starts_where_the_last_one_ended(running, point):
+    assert running.step(0.0, 0.1) == OK
+    assert running.step(point, 0.1) == ERROR
+    assert "the last one ended at" in running.log[-1]
+    assert running.step(0.1, 0.1) == OK
+
+
+def test_the_hosts_rounding_is_no_gap(running):
+    for i in range(1000):
+        assert running.step(i / 1000, 1 / 1000) == OK
+
+
+def test_no_step_leads_past_the_stop_time(host):
+    host.start(1.0, stop=2.0)
+    assert host.step(1.0, 1.5) == ERROR
+    assert "stop time" in host.log[-1]
+    assert host.step(1.0, 1.0) == OK
+
+
+def test_unknown_references_and_outputs_cannot_be_set(running):
+    before = running.everything()
+    for reference in (len(running.variables) + 1, 4_000_000_000):
+        assert running.set_references(["kappa", reference], [0.1, 1.0]) == ERROR
+        assert running.read([reference])[0] == ERROR
+        assert running.log[-1] == f"there is no value reference {reference}"
+    for name in ("Fx", "Mz", 0):
+        assert running.set_references(["kappa", name], [0.1, 1.0]) == ERROR
+        assert running.log[-1].endswith(" cannot be set")
+    assert np.array_equal(running.everything(), before)
+
+
+def test_calls_out_of_order_are_refused(host):
+    assert host.step(0.0, 0.1) == ERROR
+    assert host.call("ExitInitializationMode") == ERROR
+    assert host.call("Terminate") == ERROR
+    host.initialize()
+    assert host.step(0.0, 0.1) == ERROR
+    assert host.log[-1] == "a step is allowed while stepping, not while initializing"
+    host.call("ExitInitializationMode")
+    assert host.call("Terminate") == OK
+    assert host.step(0.0, 0.1) == ERROR
+    assert host.set(kappa=0.1) == ERROR
+    assert np.all(np.isfinite(host.get(*OUTPUTS)))  # results can still be read
+
+
+def test_types_that_the_fmu_lacks(running):
+    kind, extra = ("Int32", (1,)) if running.version == 3 else ("Integer", ())
+    one, value = running.references(["kappa"]), (ctypes.c_int * 1)(1)
+    for access in ("Get", "Set"):
+        assert running.call(f"{access}{kind}", one, 1, value, *extra) == ERROR
+        assert running.log[-1] == f"this FMU has no variables of type {kind}"
+        assert running.call(f"{access}{kind}", one, 0, value, *[0 for _ in extra]) == OK
+
+
+def test_the_log_can_be_chosen(running):
+    def choose(on, *categories):
+        names = (ctypes.c_char_p * len(categories))(*[name.encode() for name in categories])
+        return running.call("SetDebugLogging", on, len(categories), names)
+
+    assert choose(False, "logStatusDiscard") == OK
+    running.set(kappa=np.nan)
+    assert running.log == []
+    running.step(0.0, -1.0)
+    assert len(running.log) == 1
+    assert choose(True, "logStatusDiscard", "no such category") == ERROR
+    running.set(kappa=np.nan)
+    assert running.log[1:] == ["unknown log category"]
+    assert choose(True) == OK
+    running.set(kappa=np.nan)
+    assert len(running.log) == 3
+
+
+# ------------------------------------------------------------------ reset, saved states
+
+
+def play(host):
+    """Return what a run gives: sweep with a coefficient changed midway."""
+    host.start(0.5)
+    found = []
+    for i, alpha in enumerate(np.linspace(-0.2, 0.2, 21)):
+        if i == 10:
+            assert host.set(PDY1=host.get("PDY1")[0] * 1.05) == OK
+        found.append(host.forces(kappa=0.1 * alpha, alpha=alpha, gamma=0.02, Fz=600.0 + 20.0 * i))
+        assert host.step(0.5 + 0.1 * i, 0.1) == OK
+    return np.array(found)
+
+
+def test_reset_runs_again_identically(host):
+    once = play(host)
+    assert host.step(99.0, 0.1) == ERROR
+    assert host.set(alpha=np.nan) == DISCARD
+    assert host.call("Reset") == OK
+    assert np.array_equal(play(host), once)
+
+
+def saved(host):
+    state = ctypes.c_void_p()
+    name = "GetFMUState" if host.version == 3 else "GetFMUstate"
+    assert host.call(name, ctypes.byref(state)) == OK
+    return state
+
+
+def restore(host, state):
+    return host.call("SetFMUState" if host.version == 3 else "SetFMUstate", state)
+
+
+def free(host, state):
+    name = "FreeFMUState" if host.version == 3 else "FreeFMUstate"
+    assert host.call(name, ctypes.byref(state)) == OK
+    assert state.value is None
+
+
+def test_a_saved_state_brings_everything_back(running):
+    running.set(PDY1=running.get("PDY1")[0] * 1.02, **POINT)
+    assert running.step(0.0, 0.25) == OK
+    before = running.everything()
+    state = saved(running)
+    running.set(PKX1=running.get("PKX1")[0] * 0.9, kappa=-0.3, Fz=100.0)
+    assert running.step(0.25, 0.25) == OK
+    assert np.any(running.everything() != before)
+    assert restore(running, state) == OK
+    assert np.array_equal(running.everything(), before)
+    assert running.step(0.25, 0.1) == OK  # time too
+    free(running, state)
+    assert restore(running, ctypes.c_void_p()) == ERROR
+
+
+def test_a_serialized_state_moves_to_another_instance(hosts, fmi):
+    one, other = hosts("first", fmi).start(), hosts("first", fmi)
+    one.set(PDX1=one.get("PDX1")[0] * 1.02, **POINT)
+    assert one.step(0.0, 0.25) == OK
+    state = saved(one)
+    content = one.fmu.serializeFMUState(state)
+    copy = other.fmu.deserializeFMUState(content)
+    assert restore(other, copy) == OK
+    assert np.array_equal(other.everything(), one.everything())
+    assert other.step(0.25, 0.25) == OK
+    again = saved(one)
+    assert one.fmu.serializeFMUState(again) == content
+    for owner, kept in ((one, state), (one, again), (other, copy)):
+        free(owner, kept)
+
+
+def test_foreign_bytes_are_no_state(hosts, fmi):
+    one, stranger = hosts("first", fmi).start(), hosts("second", fmi).start()
+    state = saved(one)
+    content = one.fmu.serializeFMUState(state)
+    free(one, state)
+    before = stranger.everything()
+    name = "DeserializeFMUState" if fmi == 3 else "DeSerializeFMUstate"
+    kind = ctypes.c_uint8 if fmi == 3 else ctypes.c_char
+    for bad in (content, content[:-1], b"", b"\xff" * len(content)):
+        buffer = ctypes.cast(ctypes.create_string_buffer(bad, len(bad) + 1), ctypes.POINTER(kind))
+        slot = ctypes.c_void_p()
+        assert stranger.call(name, buffer, len(bad), ctypes.byref(slot)) == ERROR
+        assert slot.value is None
+    assert np.array_equal(stranger.everything(), before)
+
+
+# ------------------------------------------------------------------ derivatives
+
+
+def finite_difference(host, output, name, step):
+    middle = host.get(name)[0]
+    values = []
+    for side in (1.0, -1.0):
+        assert host.set(**{name: middle + side * step}) == OK
+        values.append(host.get(output)[0])
+    host.set(**{name: middle})
+    return (values[0] - values[1]) / (2.0 * step)
+
+
+@pytest.mark.parametrize("output", OUTPUTS)
+def test_directional_derivatives_are_finite_differences(running, output):
+    running.set(**POINT)
+    steps = {
+        "kappa": 1e-6,
+        "alpha": 1e-6,
+        "gamma": 1e-6,
+        "Fz": 1e-2,
+        "PDY1": 1e-6,
+        "PDX1": 1e-6,
+        "QDZ1": 1e-6,
+    }
+    for name, step in steps.items():
+        status, (found,) = running.derivative([output], [name], [1.0])
+        assert status == OK
+        assert found == pytest.approx(finite_difference(running, output, name, step), rel=1e-5, abs=1e-4)
+
+
+def test_directional_derivatives_are_linear_in_the_seed(running):
+    running.set(**POINT)
+    knowns, seed = ["Fz", "PDY1", "alpha", "RBX1"], [3.0, -0.5, 0.25, 2.0]
+    status, together = running.derivative(OUTPUTS, knowns, seed)
+    assert status == OK
+    alone = [running.derivative(OUTPUTS, [k], [s])[1] for k, s in zip(knowns, seed, strict=True)]
+    np.testing.assert_allclose(together, np.sum(alone, axis=0), rtol=1e-12)
+    assert np.all(together != 0.0)
+
+
+@pytest.mark.parametrize(
+    ("unknowns", "knowns"), [(["kappa"], ["kappa"]), (["Fx"], ["Fy"]), (["Fx"], [4_000_000_000])]
+)
+def test_derivatives_are_of_outputs_by_what_can_be_set(running, unknowns, knowns):
+    assert running.derivative(unknowns, knowns, [1.0])[0] == ERROR
+    assert running.log

@@ -1,0 +1,151 @@
+"""The hand-written C: clean, complete, and at home in a host without Python."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from fmpy import simulate_fmu
+from fmpy.fmi2 import FMU2Model, FMU2Slave
+from fmpy.fmi3 import FMU3Model, FMU3ScheduledExecution, FMU3Slave
+
+from tirefmu.fmu.build import fmi_headers
+from tirefmu.fmu.simulation import loaded, read_description
+from tirefmu.fmu.sources import c_files, sources
+from tirefmu.fmu.variables import variables
+
+OUTPUTS = ("Fx", "Fy", "Mz")
+
+
+@pytest.mark.parametrize("optimization", ["-O0", "-O2"])
+def test_compiles_without_a_warning(compiler, tires, fmi, tmp_path, optimization):
+    for name, content in sources(fmi, "mf96", variables(tires["second"]), "{1}").items():
+        (tmp_path / name).write_bytes(content)
+    # Arguments that the standard's functions have and this FMU does not need are no fault.
+    warnings = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wshadow", "-Wno-unused-parameter", "-Werror"]
+    for file in c_files(fmi, "mf96"):
+        command = [
+            *compiler,
+            *warnings,
+            optimization,
+            "-isystem",
+            str(fmi_headers()),
+            "-c",
+            file,
+            "-o",
+            "out.o",
+        ]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        assert done.stderr == ""
+
+
+KINDS = {2: (FMU2Slave, FMU2Model), 3: (FMU3Slave, FMU3Model, FMU3ScheduledExecution)}
+
+
+def test_every_function_of_the_standard_is_there(fmus, fmi):
+    with loaded(fmus["first", fmi]) as slave:
+        for kind in KINDS[fmi]:
+            # fmpy looks every function up when it loads a library.
+            library = kind(
+                guid="",
+                unzipDirectory=str(slave.folder),
+                modelIdentifier=slave.description.coSimulation.modelIdentifier,
+                instanceName="look",
+            )
+            library.freeLibrary()
+
+
+def test_only_co_simulation_is_offered(fmus, fmi, capfd):
+    with loaded(fmus["first", fmi]) as slave:
+        for kind in KINDS[fmi][1:]:
+            library = kind(
+                guid=slave.description.guid,
+                unzipDirectory=str(slave.folder),
+                modelIdentifier=slave.description.coSimulation.modelIdentifier,
+                instanceName="other",
+            )
+            with pytest.raises(Exception, match="Failed to instantiate"):
+                library.instantiate()
+            library.freeLibrary()
+    assert capfd.readouterr().out.count("this FMU is for Co-Simulation") == len(KINDS[fmi]) - 1
+
+
+def test_another_token_is_refused(fmus, fmi, capfd):
+    with loaded(fmus["first", fmi]) as slave:
+        library = KINDS[fmi][0](
+            guid="{00000000-0000-0000-0000-000000000000}",
+            unzipDirectory=str(slave.folder),
+            modelIdentifier=slave.description.coSimulation.modelIdentifier,
+            instanceName="other",
+        )
+        with pytest.raises(Exception, match="Failed to instantiate"):
+            library.instantiate()
+        library.freeLibrary()
+    assert "the token of the model description is not that of this binary" in capfd.readouterr().out
+
+
+def test_what_is_not_supported_says_so(host):
+    host.start()
+    names = {2: ["CancelStep"], 3: ["EnterEventMode", "EnterConfigurationMode"]}[host.version]
+    for name in names:
+        assert host.call(name) == 3
+        assert host.log[-1] == f"fmi{host.version}{name} is not supported by this FMU"
+
+
+def test_fmpys_own_simulation(fmus, fmi, tires):
+    time = np.linspace(0.0, 1.0, 11)
+    signal = np.zeros(11, dtype=[("time", float), ("alpha", float), ("Fz", float)])
+    signal["time"], signal["alpha"], signal["Fz"] = time, 0.15 * time, 700.0
+    result = simulate_fmu(
+        str(fmus["second", fmi]),
+        stop_time=1.0,
+        output_interval=0.1,
+        start_values={"kappa": 0.03, "LMUY": 0.9},
+        input=signal,
+        output=["alpha", "Fz", *OUTPUTS],
+    )
+    tire = replace(tires["second"], values={**tires["second"].values, "LMUY": 0.9})
+    forces = tire.forces(kappa=0.03, alpha=result["alpha"], Fz=result["Fz"])
+    assert len(result) == 11
+    for name in OUTPUTS:
+        np.testing.assert_allclose(result[name], forces[name], rtol=1e-9, atol=1e-9)
+
+
+def unpacked_binary(fmu: Path, folder: Path) -> Path:
+    with zipfile.ZipFile(fmu) as archive:
+        (name,) = (name for name in archive.namelist() if name.startswith("binaries/"))
+        return Path(archive.extract(name, folder / fmu.stem))
+
+
+def test_a_host_without_python(compiler, fmus, fmi, tires, tmp_path):
+    if not sys.platform.startswith("linux"):
+        pytest.skip("the host uses dlopen as Linux has it")
+    source, program = Path(__file__).with_name("host.c"), tmp_path / "host"
+    build = [*compiler, f"-DFMI={fmi}", f"-I{fmi_headers()}", str(source), "-o", str(program), "-ldl"]
+    subprocess.run(build, check=True, capture_output=True)
+    arguments = []
+    for name in ("first", "second"):
+        fmu = fmus[name, fmi]
+        arguments += [str(unpacked_binary(fmu, tmp_path)), read_description(fmu).guid]
+    done = subprocess.run(
+        [str(program), *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={key: value for key, value in os.environ.items() if not key.startswith("PYTHON")},
+    )
+    assert done.returncode == 0, done.stderr
+    found = np.array([[float(number) for number in line.split()] for line in done.stdout.splitlines()])
+    points = [(name, 0.05 * k) for k in range(3) for name in ("first", "second")]
+    expected = [
+        [float(f) for f in tires[name].forces(kappa=0.04, alpha=alpha, gamma=0.02, Fz=850.0).values()]
+        for name, alpha in points
+    ]
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
