@@ -38,9 +38,7 @@ trail_shift = Effect("trail_shift", "the trail has its top beside zero slip")
 Mz_from_Fx = Effect("Mz_from_Fx", "the longitudinal force acts beside the wheel plane")
 
 #: Every effect of the book by its public name.
-EFFECTS: dict[str, Effect] = {
-    effect.name: effect for effect in vars().copy().values() if isinstance(effect, Effect)
-}
+EFFECTS: dict[str, Effect] = {effect.name: effect for effect in vars().copy().values() if isinstance(effect, Effect)}
 
 
 def named_effect(name: str) -> Effect:

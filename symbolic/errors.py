@@ -46,7 +46,7 @@ class DataError(TirefmuError):
 
 
 class FitError(TirefmuError):
-    """A fit that cannot be set up. (One that does not converge is a result, not an error.)"""
+    """A fit that cannot be set up; one that does not converge is a result, not an error."""
 
 
 class FmuError(TirefmuError):

@@ -109,9 +109,7 @@ class Model:
     def live(self, effects: Collection[str] | None = None) -> frozenset[str]:
         """Return the coefficients that reach an output with these effects."""
         outputs = {quantity.name for quantity in self.outputs}
-        symbols = {
-            str(s) for line in reaching(self.lines(effects), outputs) for s in line.expression.free_symbols
-        }
+        symbols = {str(s) for line in reaching(self.lines(effects), outputs) for s in line.expression.free_symbols}
         return frozenset(symbols & self.coefficients.keys())
 
     @lru_cache(maxsize=256)  # noqa: B019  (models live as long as the program)

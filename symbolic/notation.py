@@ -215,9 +215,7 @@ class Chapter:
     ) -> sp.Symbol:
         """File a line and return its symbol."""
         symbol = sp.Symbol(name, real=True)
-        self.equations.append(
-            Equation(number, symbol, sp.sympify(expression), unit, description, self.title, named)
-        )
+        self.equations.append(Equation(number, symbol, sp.sympify(expression), unit, description, self.title, named))
         return symbol
 
 

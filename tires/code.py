@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Callable
 from functools import lru_cache
 from importlib import import_module
 from types import ModuleType
@@ -57,7 +58,7 @@ def code_for(model: str, language: str) -> Code:
     >>> code_for("mf96", "numpy").quantities_names[-2:]
     ('M_zr', 's')
     """
-    kinds = {"numpy": _NumpyCode, "c": _CCode, "casadi": _CasadiCode}
+    kinds: dict[str, Callable[[str], Code]] = {"numpy": _NumpyCode, "c": _CCode, "casadi": _CasadiCode}
     if language not in kinds:
         raise UnknownName("language of the generated code", language, LANGUAGES)
     return kinds[language](model)
@@ -143,5 +144,8 @@ class _CasadiCode:
         return np.stack([np.array(function(column, parameters)) for column in inputs.T])
 
     def _columns(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        function = self._module.function(getattr(self._module, routine)).map(inputs.shape[1])
-        return np.array(function(inputs, np.repeat(parameters[:, None], inputs.shape[1], axis=1)))
+        function = self._module.function(getattr(self._module, routine))
+        n = inputs.shape[1]
+        if n == 0:  # CasADi maps over one column at least
+            return np.empty((function.size1_out(0), 0))
+        return np.array(function.map(n)(inputs, np.repeat(parameters[:, None], n, axis=1)))

@@ -37,9 +37,12 @@ def find_compiler() -> list[str]:
     CompilerError
         If there is none; the message says what to install.
     """
-    named = os.environ.get("CC")
+    named = os.environ.get("CC", "").strip()
     if named:
-        command = shlex.split(named)
+        try:
+            command = shlex.split(named)
+        except ValueError:  # a quote that is not closed
+            command = [named]
         if shutil.which(command[0]):
             return command
         raise CompilerError(f"CC is {named!r}, which cannot be run")
@@ -89,7 +92,7 @@ def shared_library(
     Raises
     ------
     CompilerError
-        If there is no compiler or it fails; the message has its first lines.
+        If there is no compiler, it fails (the message has its first lines), or the cache cannot be written.
     """
     compiler = find_compiler()
     options = [*FLAGS, *([] if sys.platform == "win32" else ["-fPIC"]), *flags]
@@ -99,13 +102,17 @@ def shared_library(
     for path in [*sources, *headers]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     built = cache_folder() / f"{name}-{digest.hexdigest()[:24]}{SUFFIX}"
-    if not built.exists():
+    if built.exists():
+        return built
+    folders = [f"-I{folder}" for folder in include]
+    try:
         built.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=built.parent) as scratch:
             target = Path(scratch) / built.name
-            folders = [f"-I{folder}" for folder in include]
             _run([*compiler, *options, *folders, *map(str, sources), "-o", str(target), "-lm"])
             os.replace(target, built)  # another process may have built the same meanwhile: equal content
+    except OSError as error:
+        raise CompilerError(f"{built.parent}: cannot be written ({error.strerror or error})") from error
     return built
 
 

@@ -160,13 +160,13 @@ void mf96_quantities(const double inputs[], const double parameters[], double re
     const double F_y0_slope = B_y*C_y*D_y*(1.0 - E_y + E_y/(1.0 + square(F_y0_u)))*cos(F_y0_w)/(1.0 + square(F_y0_v)); /* [Trento] slope of F_y0 at this slip angle, E_y held constant */
 
     /* Forces, combined slip */
-    const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xalpha */
+    const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xa */
     const double G_xa_w = RCX1*atan(B_xalpha*(RHX1 + alpha)); /* [4.E51] angle of the weighting function */
-    const double G_xa_w0 = RCX1*atan(B_xalpha*RHX1); /* [4.E51] the same at zero slip */
+    const double G_xa_w0 = RCX1*atan(B_xalpha*RHX1); /* [4.E52] the same at zero slip */
     const double G_xa = cos(G_xa_w)/cos(G_xa_w0); /* [4.E51] what side slip leaves of Fx */
     const double B_ykappa = LYK*RBY1/sqrt(1.0 + square(RBY2)*square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
-    const double G_yk_w = RCY1*atan(B_ykappa*(RHY1 + kappa)); /* [4.E51] angle of the weighting function */
-    const double G_yk_w0 = RCY1*atan(B_ykappa*RHY1); /* [4.E51] the same at zero slip */
+    const double G_yk_w = RCY1*atan(B_ykappa*(RHY1 + kappa)); /* [4.E59] angle of the weighting function */
+    const double G_yk_w0 = RCY1*atan(B_ykappa*RHY1); /* [4.E60] the same at zero slip */
     const double G_yk = cos(G_yk_w)/cos(G_yk_w0); /* [4.E59] what longitudinal slip leaves of Fy */
     const double D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/sqrt(1.0 + square(RVY4)*square(alpha)); /* [4.E67] peak of S_Vyk */
     const double S_Vyk = D_Vyk*LVYK*sin(RVY5*atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
@@ -399,13 +399,13 @@ void mf96_forces(const double inputs[], const double parameters[], double result
     const double F_y0 = S_Vy + D_y*sin(F_y0_w); /* [4.E19] side force in pure slip */
 
     /* Forces, combined slip */
-    const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xalpha */
+    const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xa */
     const double G_xa_w = RCX1*atan(B_xalpha*(RHX1 + alpha)); /* [4.E51] angle of the weighting function */
-    const double G_xa_w0 = RCX1*atan(B_xalpha*RHX1); /* [4.E51] the same at zero slip */
+    const double G_xa_w0 = RCX1*atan(B_xalpha*RHX1); /* [4.E52] the same at zero slip */
     const double G_xa = cos(G_xa_w)/cos(G_xa_w0); /* [4.E51] what side slip leaves of Fx */
     const double B_ykappa = LYK*RBY1/sqrt(1.0 + square(RBY2)*square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
-    const double G_yk_w = RCY1*atan(B_ykappa*(RHY1 + kappa)); /* [4.E51] angle of the weighting function */
-    const double G_yk_w0 = RCY1*atan(B_ykappa*RHY1); /* [4.E51] the same at zero slip */
+    const double G_yk_w = RCY1*atan(B_ykappa*(RHY1 + kappa)); /* [4.E59] angle of the weighting function */
+    const double G_yk_w0 = RCY1*atan(B_ykappa*RHY1); /* [4.E60] the same at zero slip */
     const double G_yk = cos(G_yk_w)/cos(G_yk_w0); /* [4.E59] what longitudinal slip leaves of Fy */
     const double D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/sqrt(1.0 + square(RVY4)*square(alpha)); /* [4.E67] peak of S_Vyk */
     const double S_Vyk = D_Vyk*LVYK*sin(RVY5*atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
@@ -588,13 +588,13 @@ void mf96_slip_stiffnesses(const double inputs[], const double parameters[], dou
     const double F_y0 = S_Vy + D_y*sin(F_y0_w); /* [4.E19] side force in pure slip */
 
     /* Forces, combined slip */
-    const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xalpha */
+    const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xa */
     const double G_xa_w = RCX1*atan(B_xalpha*(RHX1 + alpha)); /* [4.E51] angle of the weighting function */
-    const double G_xa_w0 = RCX1*atan(B_xalpha*RHX1); /* [4.E51] the same at zero slip */
+    const double G_xa_w0 = RCX1*atan(B_xalpha*RHX1); /* [4.E52] the same at zero slip */
     const double G_xa = cos(G_xa_w)/cos(G_xa_w0); /* [4.E51] what side slip leaves of Fx */
     const double B_ykappa = LYK*RBY1/sqrt(1.0 + square(RBY2)*square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
-    const double G_yk_w = RCY1*atan(B_ykappa*(RHY1 + kappa)); /* [4.E51] angle of the weighting function */
-    const double G_yk_w0 = RCY1*atan(B_ykappa*RHY1); /* [4.E51] the same at zero slip */
+    const double G_yk_w = RCY1*atan(B_ykappa*(RHY1 + kappa)); /* [4.E59] angle of the weighting function */
+    const double G_yk_w0 = RCY1*atan(B_ykappa*RHY1); /* [4.E60] the same at zero slip */
     const double G_yk = cos(G_yk_w)/cos(G_yk_w0); /* [4.E59] what longitudinal slip leaves of Fy */
     const double D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/sqrt(1.0 + square(RVY4)*square(alpha)); /* [4.E67] peak of S_Vyk */
     const double S_Vyk = D_Vyk*LVYK*sin(RVY5*atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
@@ -655,9 +655,9 @@ void mf96_slip_stiffnesses(const double inputs[], const double parameters[], dou
     const double E_t_by_alpha_t = B_t*C_t*(QEZ4 + QEZ5*gamma_s)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))/(1.0 + square(B_t)*square(C_t)*square(alpha_t));
     const double kappa_share_by_kappa = 2.0*kappa*square(K_xkappa)/square(K_yalpha);
     const double alpha_teq_by_alpha_t = sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t))) - kappa_share*square(alpha_t)/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t)))*square(1e-06 + square(alpha_t)));
-    const double alpha_teq_by_kappa_share = (0.5)*alpha_t/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t)))*(1e-06 + square(alpha_t)));
+    const double alpha_teq_by_kappa_share = 0.5*alpha_t/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t)))*(1e-06 + square(alpha_t)));
     const double alpha_req_by_alpha_r = sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r))) - kappa_share*square(alpha_r)/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r)))*square(1e-06 + square(alpha_r)));
-    const double alpha_req_by_kappa_share = (0.5)*alpha_r/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r)))*(1e-06 + square(alpha_r)));
+    const double alpha_req_by_kappa_share = 0.5*alpha_r/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r)))*(1e-06 + square(alpha_r)));
     const double trail_v_by_E_t = -trail_u + atan(trail_u);
     const double trail_v_by_trail_u = 1.0 - E_t*(1.0 - 1.0/(1.0 + square(trail_u)));
     const double trail_w_by_trail_v = C_t/(1.0 + square(trail_v));
@@ -869,13 +869,13 @@ void mf96_jacobian_inputs(const double inputs[], const double parameters[], doub
     const double F_y0 = S_Vy + D_y*sin(F_y0_w); /* [4.E19] side force in pure slip */
 
     /* Forces, combined slip */
-    const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xalpha */
+    const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xa */
     const double G_xa_w = RCX1*atan(B_xalpha*(RHX1 + alpha)); /* [4.E51] angle of the weighting function */
-    const double G_xa_w0 = RCX1*atan(B_xalpha*RHX1); /* [4.E51] the same at zero slip */
+    const double G_xa_w0 = RCX1*atan(B_xalpha*RHX1); /* [4.E52] the same at zero slip */
     const double G_xa = cos(G_xa_w)/cos(G_xa_w0); /* [4.E51] what side slip leaves of Fx */
     const double B_ykappa = LYK*RBY1/sqrt(1.0 + square(RBY2)*square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
-    const double G_yk_w = RCY1*atan(B_ykappa*(RHY1 + kappa)); /* [4.E51] angle of the weighting function */
-    const double G_yk_w0 = RCY1*atan(B_ykappa*RHY1); /* [4.E51] the same at zero slip */
+    const double G_yk_w = RCY1*atan(B_ykappa*(RHY1 + kappa)); /* [4.E59] angle of the weighting function */
+    const double G_yk_w0 = RCY1*atan(B_ykappa*RHY1); /* [4.E60] the same at zero slip */
     const double G_yk = cos(G_yk_w)/cos(G_yk_w0); /* [4.E59] what longitudinal slip leaves of Fy */
     const double D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/sqrt(1.0 + square(RVY4)*square(alpha)); /* [4.E67] peak of S_Vyk */
     const double S_Vyk = D_Vyk*LVYK*sin(RVY5*atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
@@ -990,9 +990,9 @@ void mf96_jacobian_inputs(const double inputs[], const double parameters[], doub
     const double kappa_share_by_K_yalpha = -2.0*square(K_xkappa)*square(kappa)/cube(K_yalpha);
     const double kappa_share_by_kappa = 2.0*kappa*square(K_xkappa)/square(K_yalpha);
     const double alpha_teq_by_alpha_t = sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t))) - kappa_share*square(alpha_t)/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t)))*square(1e-06 + square(alpha_t)));
-    const double alpha_teq_by_kappa_share = (0.5)*alpha_t/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t)))*(1e-06 + square(alpha_t)));
+    const double alpha_teq_by_kappa_share = 0.5*alpha_t/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t)))*(1e-06 + square(alpha_t)));
     const double alpha_req_by_alpha_r = sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r))) - kappa_share*square(alpha_r)/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r)))*square(1e-06 + square(alpha_r)));
-    const double alpha_req_by_kappa_share = (0.5)*alpha_r/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r)))*(1e-06 + square(alpha_r)));
+    const double alpha_req_by_kappa_share = 0.5*alpha_r/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r)))*(1e-06 + square(alpha_r)));
     const double trail_v_by_E_t = -trail_u + atan(trail_u);
     const double trail_v_by_trail_u = 1.0 - E_t*(1.0 - 1.0/(1.0 + square(trail_u)));
     const double trail_w_by_trail_v = C_t/(1.0 + square(trail_v));
@@ -1303,13 +1303,13 @@ void mf96_jacobian_parameters(const double inputs[], const double parameters[], 
     const double F_y0 = S_Vy + D_y*sin(F_y0_w); /* [4.E19] side force in pure slip */
 
     /* Forces, combined slip */
-    const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xalpha */
+    const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xa */
     const double G_xa_w = RCX1*atan(B_xalpha*(RHX1 + alpha)); /* [4.E51] angle of the weighting function */
-    const double G_xa_w0 = RCX1*atan(B_xalpha*RHX1); /* [4.E51] the same at zero slip */
+    const double G_xa_w0 = RCX1*atan(B_xalpha*RHX1); /* [4.E52] the same at zero slip */
     const double G_xa = cos(G_xa_w)/cos(G_xa_w0); /* [4.E51] what side slip leaves of Fx */
     const double B_ykappa = LYK*RBY1/sqrt(1.0 + square(RBY2)*square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
-    const double G_yk_w = RCY1*atan(B_ykappa*(RHY1 + kappa)); /* [4.E51] angle of the weighting function */
-    const double G_yk_w0 = RCY1*atan(B_ykappa*RHY1); /* [4.E51] the same at zero slip */
+    const double G_yk_w = RCY1*atan(B_ykappa*(RHY1 + kappa)); /* [4.E59] angle of the weighting function */
+    const double G_yk_w0 = RCY1*atan(B_ykappa*RHY1); /* [4.E60] the same at zero slip */
     const double G_yk = cos(G_yk_w)/cos(G_yk_w0); /* [4.E59] what longitudinal slip leaves of Fy */
     const double D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/sqrt(1.0 + square(RVY4)*square(alpha)); /* [4.E67] peak of S_Vyk */
     const double S_Vyk = D_Vyk*LVYK*sin(RVY5*atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
@@ -1509,9 +1509,9 @@ void mf96_jacobian_parameters(const double inputs[], const double parameters[], 
     const double kappa_share_by_K_xkappa = 2.0*K_xkappa*square(kappa)/square(K_yalpha);
     const double kappa_share_by_K_yalpha = -2.0*square(K_xkappa)*square(kappa)/cube(K_yalpha);
     const double alpha_teq_by_alpha_t = sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t))) - kappa_share*square(alpha_t)/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t)))*square(1e-06 + square(alpha_t)));
-    const double alpha_teq_by_kappa_share = (0.5)*alpha_t/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t)))*(1e-06 + square(alpha_t)));
+    const double alpha_teq_by_kappa_share = 0.5*alpha_t/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t)))*(1e-06 + square(alpha_t)));
     const double alpha_req_by_alpha_r = sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r))) - kappa_share*square(alpha_r)/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r)))*square(1e-06 + square(alpha_r)));
-    const double alpha_req_by_kappa_share = (0.5)*alpha_r/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r)))*(1e-06 + square(alpha_r)));
+    const double alpha_req_by_kappa_share = 0.5*alpha_r/(sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r)))*(1e-06 + square(alpha_r)));
     const double trail_v_by_E_t = -trail_u + atan(trail_u);
     const double trail_v_by_trail_u = 1.0 - E_t*(1.0 - 1.0/(1.0 + square(trail_u)));
     const double trail_w_by_C_t = atan(trail_v);

@@ -1,5 +1,6 @@
-"""The coefficients of MF96 by .tir section. Bounds and starts are in adapted SAE signs (Fy > 0 for alpha > 0).
+"""The coefficients of MF96 by .tir section.
 
+Bounds and starts are in adapted SAE signs (Fy > 0 for alpha > 0).
 Names follow the keys of the Trento parameter set in upper case, which are the .tir names but for a few
 scaling factors (LFZ0, LKXK, LKA, LXA, LYK, LVYK, LT, LMR, LGAMMAY).
 """
@@ -38,9 +39,7 @@ class Scaling(Section, title="SCALING_COEFFICIENTS"):
     LHY = Coefficient("scale of the Fy horizontal shift", lower=-10.0, upper=10.0, neutral=1.0)
     LVY = Coefficient("scale of the Fy vertical shift", lower=-10.0, upper=10.0, neutral=1.0)
     LGAMMAY = Coefficient("scale of the inclination angle", lower=-10.0, upper=10.0, neutral=1.0)
-    LKY = Coefficient(
-        "scale of the slip stiffness in the aligning moment", lower=0.1, upper=10.0, neutral=1.0
-    )
+    LKY = Coefficient("scale of the slip stiffness in the aligning moment", lower=0.1, upper=10.0, neutral=1.0)
     LT = Coefficient("scale of the pneumatic trail", lower=-10.0, upper=10.0, neutral=1.0)
     LMR = Coefficient("scale of the residual moment", lower=-10.0, upper=10.0, neutral=1.0)
     LXA = Coefficient("scale of alpha's influence on Fx", lower=0.1, upper=10.0, neutral=1.0)
@@ -70,7 +69,7 @@ class Longitudinal(Section, title="LONGITUDINAL_COEFFICIENTS"):
     PVX1 = Coefficient("vertical shift S_Vx per load at nominal load", lower=-0.5, upper=0.5)
     PVX2 = Coefficient("vertical shift S_Vx per load, change with load", lower=-0.5, upper=0.5)
     RBX1 = Coefficient("combined stiffness B_xalpha", lower=0.0, upper=100.0, start=10.0)
-    RBX2 = Coefficient("combined stiffness B_xalpha, fall with kappa", lower=0.0, upper=100.0, start=8.0)
+    RBX2 = Coefficient("combined stiffness B_xalpha, fall with kappa", lower=-100.0, upper=100.0, start=8.0)
     RCX1 = Coefficient("combined shape C_xalpha", lower=0.1, upper=1.5, neutral=1.0)
     RHX1 = Coefficient("combined shift S_Hxalpha", "rad", -0.1, 0.1)
 
@@ -95,9 +94,7 @@ class Lateral(Section, title="LATERAL_COEFFICIENTS"):
         30.0,
         flips=True,
     )
-    PKY2 = Coefficient(
-        "load of the highest K_yalpha, in nominal loads", lower=0.1, upper=1e6, neutral=1e6, start=2.0
-    )
+    PKY2 = Coefficient("load of the highest K_yalpha, in nominal loads", lower=0.1, upper=50.0, neutral=1e6, start=2.0)
     PKY3 = Coefficient("cornering stiffness, change with the side of inclination", lower=-0.9, upper=0.9)
     PHY1 = Coefficient("horizontal shift S_Hy at nominal load", "rad", -0.1, 0.1)
     PHY2 = Coefficient("horizontal shift S_Hy, change with load", "rad", -0.1, 0.1)
@@ -107,14 +104,14 @@ class Lateral(Section, title="LATERAL_COEFFICIENTS"):
     PVY3 = Coefficient("vertical shift S_Vy per load and inclination", "1/rad", -10.0, 10.0, flips=True)
     PVY4 = Coefficient("the same, change with load", "1/rad", -10.0, 10.0, flips=True)
     RBY1 = Coefficient("combined stiffness B_ykappa", lower=0.0, upper=100.0, start=10.0)
-    RBY2 = Coefficient("combined stiffness B_ykappa, fall with alpha", lower=0.0, upper=100.0, start=8.0)
+    RBY2 = Coefficient("combined stiffness B_ykappa, fall with alpha", lower=-100.0, upper=100.0, start=8.0)
     RBY3 = Coefficient("alpha of the highest B_ykappa", "rad", -0.2, 0.2)
     RCY1 = Coefficient("combined shape C_ykappa", lower=0.1, upper=1.5, neutral=1.0)
     RHY1 = Coefficient("combined shift S_Hykappa", lower=-0.1, upper=0.1)
     RVY1 = Coefficient("side force made by kappa, per mu_y Fz", lower=-1.0, upper=1.0, flips=True)
     RVY2 = Coefficient("the same, change with load", lower=-1.0, upper=1.0, flips=True)
     RVY3 = Coefficient("the same, change with inclination", "1/rad", -20.0, 20.0, flips=True)
-    RVY4 = Coefficient("the same, fall with alpha", "1/rad", 0.0, 100.0, start=10.0)
+    RVY4 = Coefficient("the same, fall with alpha", "1/rad", -100.0, 100.0, start=10.0)
     RVY5 = Coefficient("the same, shape over kappa", lower=0.0, upper=5.0, start=1.5)
     RVY6 = Coefficient("the same, stiffness over kappa", lower=0.0, upper=100.0, start=15.0)
 

@@ -20,15 +20,21 @@ LIFT_OFF = Float("1e-6")
 
 
 def on_ground(expression: Expr) -> Expr:
-    """Return the expression, 0 where no load presses the tire to the ground (NaN stays NaN)."""
+    """Return the expression, 0 where no load presses the tire to the ground (a load of NaN stays NaN)."""
     return Piecewise((0, FZ.symbol <= LIFT_OFF), (expression, True))
 
 
-Fz = eq(
-    "tirefmu", "F_z", Piecewise((LIFT_OFF, FZ.symbol <= LIFT_OFF), (FZ.symbol, True)), "N", "load, kept above 0",
-    named=False,
-)  # fmt: skip
-Fz01 = eq("4.E1", "F_z01", s.LFZ0 * v.FNOMIN, "N", "nominal load, scaled")
-dfz = eq("4.E2a", "dfz", Fz / Fz01 - 1, description="normalized change in load")
-gamma = eq("4.E4", "gamma_s", GAMMA.symbol * s.LGAMMAY, "rad", "inclination, scaled")
+# fmt: off
+Fz    = eq("tirefmu", "F_z",
+           Piecewise((LIFT_OFF, FZ.symbol <= LIFT_OFF), (FZ.symbol, True)),
+           "N", "load, kept above 0", named=False)
+Fz01  = eq("4.E1", "F_z01",
+           s.LFZ0 * v.FNOMIN,
+           "N", "nominal load, scaled")
+dfz   = eq("4.E2a", "dfz",
+           Fz / Fz01 - 1,
+           "1", "normalized change in load")
+gamma = eq("4.E4", "gamma_s",
+           GAMMA.symbol * s.LGAMMAY,
+           "rad", "inclination, scaled")
 sign_gamma = smooth_sign(eq, "sign_gamma", gamma)

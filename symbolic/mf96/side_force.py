@@ -28,41 +28,46 @@ from .normalized import Fz, Fz01, dfz, gamma, sign_gamma
 
 eq = Chapter("Side force, pure slip")
 
-SHy = eq(
-    "4.E27", "S_Hy",
-    (plysteer.term(p.PHY1 + p.PHY2 * dfz) + camber_thrust.term(p.PHY3 * gamma)) * s.LHY,
-    "rad", "horizontal shift",
-)  # fmt: skip
-SVy = eq(
-    "4.E29", "S_Vy",
-    Fz * (conicity.term(p.PVY1 + p.PVY2 * dfz) + camber_thrust.term((p.PVY3 + p.PVY4 * dfz) * gamma)) * s.LVY * s.LMUY,
-    "N", "vertical shift",
-)  # fmt: skip
-alphay = eq("4.E20", "alpha_y", ALPHA.symbol + SHy, "rad", "slip angle, shifted")
+# fmt: off
+SHy    = eq("4.E27", "S_Hy",
+            (plysteer.term(p.PHY1 + p.PHY2*dfz) + camber_thrust.term(p.PHY3*gamma)) * s.LHY,
+            "rad", "horizontal shift")
+SVy    = eq("4.E29", "S_Vy",
+            Fz * (conicity.term(p.PVY1 + p.PVY2*dfz)
+                  + camber_thrust.term((p.PVY3 + p.PVY4*dfz) * gamma)) * s.LVY * s.LMUY,
+            "N", "vertical shift")
+alphay = eq("4.E20", "alpha_y",
+            ALPHA.symbol + SHy,
+            "rad", "slip angle, shifted")
 sign_alphay = smooth_sign(eq, "sign_alpha_y", alphay)
-Cy = eq("4.E21", "C_y", p.PCY1 * s.LCY, "1", "shape factor")
-muy = eq(
-    "4.E23", "mu_y",
-    (p.PDY1 + load_friction.term(p.PDY2 * dfz)) * camber_friction.factor(1 - p.PDY3 * gamma**2) * s.LMUY,
-    "1", "peak friction",
-)  # fmt: skip
-Dy = eq("4.E22", "D_y", muy * Fz, "N", "peak factor")
-Ey = eq(
-    "4.E24", "E_y",
-    (p.PEY1 + load_curvature.term(p.PEY2 * dfz))
-    * (1 - (curvature_asym.term(p.PEY3) + camber_curvature.term(p.PEY4 * gamma)) * sign_alphay) * s.LEY,
-    "1", "curvature factor",
-)  # fmt: skip
-saturation = eq(
-    "4.E25", "K_yalpha_w", 2 * atan(Fz / (Fz01 * p.PKY2)), "rad", "how far K_yalpha is up", named=False
-)
-Kya = eq(
-    "4.E25", "K_yalpha",
-    load_stiffness.either(Fz01 * p.PKY1 * sin(saturation), p.PKY1 * Fz)
-    * camber_stiffness.factor(1 - p.PKY3 * sign_gamma) * s.LFZ0 * s.LKA,
-    "N/rad", "cornering stiffness",
-)  # fmt: skip
-By = eq("4.E26", "B_y", Kya / (Cy * Dy), "1/rad", "stiffness factor")
-curve = magic(eq, "F_y0", By, Cy, Dy, Ey, alphay)
-Fy0 = eq("4.E19", "F_y0", curve.sine + SVy, "N", "side force in pure slip")
-eq("Trento", "F_y0_slope", curve.slope, "N/rad", "slope of F_y0 at this slip angle, E_y held constant")
+Cy     = eq("4.E21", "C_y",
+            p.PCY1 * s.LCY,
+            "1", "shape factor")
+muy    = eq("4.E23", "mu_y",
+            (p.PDY1 + load_friction.term(p.PDY2*dfz)) * s.LMUY
+            * camber_friction.factor(1 - p.PDY3*gamma**2),
+            "1", "peak friction")
+Dy     = eq("4.E22", "D_y",
+            muy * Fz,
+            "N", "peak factor")
+Ey     = eq("4.E24", "E_y",
+            (p.PEY1 + load_curvature.term(p.PEY2*dfz)) * s.LEY
+            * (1 - (curvature_asym.term(p.PEY3) + camber_curvature.term(p.PEY4*gamma)) * sign_alphay),
+            "1", "curvature factor")
+full   = eq("4.E25", "K_yalpha_w",
+            2 * atan(Fz / (Fz01*p.PKY2)),
+            "rad", "how far K_yalpha is up", named=False)
+Kya    = eq("4.E25", "K_yalpha",
+            load_stiffness.either(Fz01 * p.PKY1 * sin(full), p.PKY1 * Fz) * s.LFZ0 * s.LKA
+            * camber_stiffness.factor(1 - p.PKY3*sign_gamma),
+            "N/rad", "cornering stiffness")
+By     = eq("4.E26", "B_y",
+            Kya / (Cy*Dy),
+            "1/rad", "stiffness factor")
+curve  = magic(eq, "F_y0", By, Cy, Dy, Ey, alphay)
+Fy0    = eq("4.E19", "F_y0",
+            curve.sine + SVy,
+            "N", "side force in pure slip")
+slope  = eq("Trento", "F_y0_slope",
+            curve.slope,
+            "N/rad", "slope of F_y0 at this slip angle, E_y held constant")

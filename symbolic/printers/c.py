@@ -15,6 +15,9 @@ INLINES = {
     "cubed_sqrt": "static inline double cubed_sqrt(double x) { return x*sqrt(x); }",
 }
 
+#: What every routine takes.
+ARRAYS = "const double inputs[], const double parameters[], double results[]"
+
 
 def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
     """Return the header: sizes, places of inputs, parameters and results, prototypes.
@@ -28,15 +31,13 @@ def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
     -------
     str
     """
-    quantities, forces, slips, *_ = routines
+    quantities, _, slips, *_ = routines
     prefix = model.name.upper()
     parts = [
         _heading(model),
         f"#ifndef TIREFMU_{prefix}_H\n#define TIREFMU_{prefix}_H\n\n#include <stddef.h>",
         _enumeration(prefix, "INPUTS", [(q.name, f"{q.description} [{q.unit}]") for q in model.inputs]),
-        _enumeration(
-            prefix, "PARAMETERS", [(c.name, f"{c.description} [{c.unit}]") for c in model.parameters]
-        ),
+        _enumeration(prefix, "PARAMETERS", [(c.name, f"{c.description} [{c.unit}]") for c in model.parameters]),
         _enumeration(prefix, "FORCES", [(q.name, f"{q.description} [{q.unit}]") for q in model.outputs]),
         _enumeration(prefix, "QUANTITIES", [(name, "") for name in quantities.labels]),
         f"#define {prefix}_N_SLIPS {len(slips.labels)}",
@@ -62,9 +63,7 @@ def c_source(model: Model, routines: tuple[Routine, ...]) -> str:
     """
     functions = "\n\n".join([*(_function(model, routine) for routine in routines), _rows(model)])
     inlines = "\n".join(text for name, text in INLINES.items() if re.search(rf"\b{name}\(", functions))
-    return (
-        f'{_heading(model)}\n\n#include "{model.name}.h"\n\n#include <math.h>\n\n{inlines}\n\n{functions}\n'
-    )
+    return f'{_heading(model)}\n\n#include "{model.name}.h"\n\n#include <math.h>\n\n{inlines}\n\n{functions}\n'
 
 
 def _heading(model: Model) -> str:
@@ -81,13 +80,12 @@ def _enumeration(prefix: str, kind: str, names: list[tuple[str, str]]) -> str:
 
 
 def _prototype(model: Model, routine: Routine) -> str:
-    return f"void {model.name}_{routine.name}(const double inputs[], const double parameters[], double results[])"
+    return f"void {model.name}_{routine.name}({ARRAYS})"
 
 
 def _rows_prototype(model: Model) -> str:
     routine = "void (*routine)(const double[], const double[], double[])"
-    arrays = "const double inputs[], const double parameters[], double results[]"
-    return f"void {model.name}_rows({routine}, size_t n, size_t n_results,\n               {arrays})"
+    return f"void {model.name}_rows({routine}, size_t n, size_t n_results,\n               {ARRAYS})"
 
 
 def _rows(model: Model) -> str:

@@ -6,10 +6,28 @@ from typing import Any
 
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
+from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.pycode import PythonCodePrinter
+from sympy.printing.str import StrPrinter
 
 
-class ArrayPrinter(PythonCodePrinter):
+class NumberPrinter(StrPrinter):
+    """Numbers as both languages write them: a fraction is one decimal number, which needs no brackets."""
+
+    def parenthesize(self, item: Any, level: int, strict: bool = False) -> str:
+        """Return the text of an operand; a fraction, printed as one number, needs no brackets."""
+        if item.is_Rational and item > 0:
+            return str(self._print(item))
+        return str(super().parenthesize(item, level, strict))
+
+    def _print_Rational(self, expr: Any) -> str:
+        return repr(expr.p / expr.q)
+
+    def _print_Float(self, expr: Any) -> str:
+        return repr(float(expr))
+
+
+class ArrayPrinter(NumberPrinter, PythonCodePrinter):
     """Python text calling the elementary functions of a module such as NumPy or CasADi.
 
     Parameters
@@ -23,6 +41,9 @@ class ArrayPrinter(PythonCodePrinter):
     --------
     >>> ArrayPrinter("np", "np.where").doprint(sp.sin(sp.Symbol("F_x0_w")) ** 2)
     'np.sin(F_x0_w)**2'
+    >>> loaded = sp.Piecewise((0, sp.Symbol("Fz") <= 0), (sp.Symbol("F_x0"), True))
+    >>> ArrayPrinter("np", "np.where").doprint(loaded)
+    'np.where(Fz <= 0, 0, F_x0)'
     """
 
     def __init__(self, module: str, where: str) -> None:
@@ -39,13 +60,12 @@ class ArrayPrinter(PythonCodePrinter):
             return f"{self._module}.sqrt({self._print(expr.base)})"
         if expr.exp == -sp.Rational(1, 2):
             return f"1/{self._module}.sqrt({self._print(expr.base)})"
+        if expr.exp == sp.Rational(3, 2):
+            return f"{self.parenthesize(expr.base, PRECEDENCE['Pow'])}**1.5"
         return str(super()._hprint_Pow(expr, rational=rational, sqrt=f"{self._module}.sqrt"))
 
-    def _print_Rational(self, expr: Any) -> str:
-        return repr(expr.p / expr.q)
-
-    def _print_Float(self, expr: Any) -> str:
-        return repr(float(expr))
+    def _print_Relational(self, expr: Any) -> str:
+        return f"{self._print(expr.lhs)} {expr.rel_op} {self._print(expr.rhs)}"
 
     def _print_Piecewise(self, expr: Any) -> str:
         (value, condition), (otherwise, _) = expr.args
@@ -61,7 +81,7 @@ CALLED_POWERS = {
 }
 
 
-class PlainCPrinter(C99CodePrinter):
+class PlainCPrinter(NumberPrinter, C99CodePrinter):
     """C99 text in double precision; squares are written as calls of an inline function, never with pow.
 
     Examples
@@ -81,14 +101,8 @@ class PlainCPrinter(C99CodePrinter):
         text = f"{called}({self._print(expr.base)})"
         return text if expr.exp > 0 else f"1.0/{text}"
 
-    def _print_Float(self, expr: Any) -> str:
-        return repr(float(expr))
-
     def _print_Integer(self, expr: Any) -> str:
         return f"{expr.p}.0"
-
-    def _print_Rational(self, expr: Any) -> str:
-        return repr(expr.p / expr.q)
 
     def _print_Piecewise(self, expr: Any) -> str:
         (value, condition), (otherwise, _) = expr.args

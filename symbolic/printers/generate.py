@@ -76,7 +76,7 @@ def difference(folder: Path) -> str:
     """
     files = render()
     stale = {path.relative_to(folder).as_posix(): "" for path in _strays(folder, files)}
-    diffs = []
+    diffs: list[str] = []
     for name, text in {**files, **stale}.items():
         committed = _text(folder / name) or ""
         diffs += difflib.unified_diff(

@@ -48,8 +48,8 @@ NUMPY = PythonFlavor(
     "{}",
     "({})",
     "({})",
-    "`inputs` is a sequence of scalars or arrays of one shape, `parameters` one of scalars (or arrays of that shape).\n"
-    "Vectors come back as tuples, matrices as tuples of rows, one row a force.",
+    "`inputs` is a sequence of scalars or arrays of one shape, `parameters` one of scalars (or arrays of\n"
+    "that shape). Vectors come back as tuples, matrices as tuples of rows, one row a force.",
 )
 CASADI = PythonFlavor(
     "CasADi",
@@ -58,15 +58,16 @@ CASADI = PythonFlavor(
     "ca.vertsplit({})",
     "ca.vertcat({})",
     "ca.blockcat([{}])",
-    "`inputs` and `parameters` are columns of type SX, MX or DM. Vectors come back as columns, matrices with one\n"
-    "row a force.",
+    "`inputs` and `parameters` are columns of type SX, MX or DM. Vectors come back as columns, matrices\n"
+    "with one row a force.",
     epilogue='''
 
 def function(routine):
     """Return a routine of this module as a casadi.Function of the columns `inputs` and `parameters`."""
     inputs, parameters = ca.SX.sym("inputs", len(INPUTS)), ca.SX.sym("parameters", len(PARAMETERS))
     results = routine(inputs, parameters)
-    return ca.Function(routine.__name__, [inputs, parameters], [results], ["inputs", "parameters"], ["results"])
+    names = ["inputs", "parameters"], ["results"]
+    return ca.Function(routine.__name__, [inputs, parameters], [results], *names)
 ''',
 )
 
@@ -94,9 +95,7 @@ def python_module(model: Model, routines: tuple[Routine, ...], flavor: PythonFla
         "SLIPS": list(slips.labels),
     }
     tables = "\n".join(f"{name} = {_tuple(values)}" for name, values in names.items())
-    head = (
-        f'"""{model.title}, in {flavor.title}.\n\n{HEADER.format(name=model.name)}\n\n{flavor.shapes}\n"""\n'
-    )
+    head = f'"""{model.title}, in {flavor.title}.\n\n{HEADER.format(name=model.name)}\n\n{flavor.shapes}\n"""\n'
     functions = "\n\n\n".join(_function(model, routine, flavor) for routine in routines)
     return f"{head}\n{flavor.imports}\n\n{tables}\n\n\n{functions}\n{flavor.epilogue}"
 

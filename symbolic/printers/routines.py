@@ -80,9 +80,7 @@ def routines(model: Model) -> tuple[Routine, ...]:
     return (
         _values("quantities", "Every named quantity of the book.", list(lines), named),
         _values("forces", "Forces and moments.", force_lines, outputs),
-        _forward(
-            "slip_stiffnesses", "Derivatives of the forces by the slips.", force_lines, outputs, inputs[:2]
-        ),
+        _forward("slip_stiffnesses", "Derivatives of the forces by the slips.", force_lines, outputs, inputs[:2]),
         _forward("jacobian_inputs", "Derivatives of the forces by the inputs.", force_lines, outputs, inputs),
         _backward(
             "jacobian_parameters",
@@ -141,9 +139,7 @@ def _forward(
     for line in lines:
         for x in by:
             through = [
-                arg
-                for arg in _arguments(line)
-                if (line.symbol.name, arg) in partials and (arg, x.name) in totals
+                arg for arg in _arguments(line) if (line.symbol.name, arg) in partials and (arg, x.name) in totals
             ]
             total = sp.Add(*(partials[line.symbol.name, arg] * totals[arg, x.name] for arg in through))
             if total == 0:

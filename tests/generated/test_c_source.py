@@ -1,0 +1,55 @@
+"""The C source by itself: it compiles without a warning, stands alone, and keeps to its memory."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import tirefmu.generated
+from tirefmu.tires.compiler import CompilerError, find_compiler
+
+FOLDER = Path(tirefmu.generated.__file__).parent / "c"
+MODELS = sorted(path.stem for path in FOLDER.glob("*.c"))
+STRICT = ["-Wall", "-Wextra", "-Wshadow", "-Wpedantic", "-Wconversion", "-Wstrict-prototypes", "-Werror"]
+
+
+def compilers():
+    """Return the machine's own C compiler and the other well-known ones that it has."""
+    try:
+        found = {Path(shutil.which(find_compiler()[0]) or "").resolve(): find_compiler()}
+    except CompilerError:
+        found = {}
+    for name in ("gcc", "clang"):
+        if path := shutil.which(name):
+            found.setdefault(Path(path).resolve(), [path])
+    return [pytest.param(command, id=Path(command[0]).name) for command in found.values()]
+
+
+@pytest.mark.parametrize("standard", ["c99", "gnu17"])
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("compiler", compilers())
+def test_no_warning(compiler, model, standard, tmp_path):
+    command = [*compiler, f"-std={standard}", "-O0", *STRICT, "-c", str(FOLDER / f"{model}.c")]
+    done = subprocess.run([*command, "-o", str(tmp_path / "model.o")], capture_output=True, text=True, check=False)
+    assert done.stderr == ""
+    assert done.returncode == 0
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_header_stands_alone_and_may_come_twice(model, tmp_path):
+    source = tmp_path / "use.c"
+    source.write_text(f'#include "{model}.h"\n#include "{model}.h"\nint main(void) {{ return 0; }}\n', encoding="ascii")
+    command = [*find_compiler(), "-std=c99", *STRICT, f"-I{FOLDER}", "-c", str(source)]
+    subprocess.run([*command, "-o", str(tmp_path / "use.o")], check=True)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_no_slow_power_no_state_no_allocation(model):
+    text = (FOLDER / f"{model}.c").read_text(encoding="ascii")
+    assert not re.search(r"\b(pow|malloc|calloc|free)\(", text)
+    assert not re.search(r"^static (?!inline)", text, re.MULTILINE)
+    assert set(re.findall(r"\n    (\w+ \w+|\w+)", text)) <= {"const double", "results", "for"}

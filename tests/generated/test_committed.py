@@ -1,0 +1,102 @@
+"""What lies in generated/ is what the book prints, to the byte."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import tirefmu.generated
+from tirefmu.symbolic.printers.generate import difference, render, write
+
+COMMITTED = Path(tirefmu.generated.__file__).parent
+PROGRAM = """
+import sys
+from tirefmu.symbolic.printers.generate import render
+sys.stdout.buffer.write("".join(f"{name}:{text}" for name, text in render().items()).encode())
+"""
+
+
+@pytest.fixture
+def copy(tmp_path) -> Path:
+    """Return a copy of what is committed."""
+    return Path(shutil.copytree(COMMITTED, tmp_path / "generated", ignore=shutil.ignore_patterns("__pycache__")))
+
+
+def made_files(folder: Path) -> set[str]:
+    """Return the machine-made files of a folder; the packages' empty __init__.py are not."""
+    return {
+        path.relative_to(folder).as_posix()
+        for path in folder.rglob("*")
+        if path.is_file() and path.name != "__init__.py" and "__pycache__" not in path.parts
+    }
+
+
+def test_the_committed_files_are_what_the_book_prints(tmp_path):
+    write(tmp_path)
+    assert made_files(tmp_path) == made_files(COMMITTED), 'run "make generate"'
+    for name in sorted(made_files(tmp_path)):
+        assert (tmp_path / name).read_bytes() == (COMMITTED / name).read_bytes(), f'{name}: run "make generate"'
+    assert difference(COMMITTED) == ""
+
+
+def test_writing_again_changes_nothing(copy):
+    assert write(copy) == []
+
+
+def test_an_edit_by_hand_shows(copy):
+    path = copy / "c" / "mf96.c"
+    path.write_text(path.read_text(encoding="ascii").replace("D_x*sin", "D_x*cos", 1), encoding="ascii")
+    shown = difference(copy).splitlines()
+    assert shown[:2] == ["--- generated/c/mf96.c", "+++ the book: c/mf96.c"]
+    changed = [line for line in shown[2:] if line.startswith(("-", "+"))]
+    assert [line[0] for line in changed] == ["-", "+"]
+    assert "D_x*cos" in changed[0]
+    assert "D_x*sin" in changed[1]
+    assert write(copy) == [path]
+    assert difference(copy) == ""
+
+
+def test_other_line_ends_show(copy):
+    path = copy / "numpy" / "mf96.py"
+    path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
+    assert "generated/numpy/mf96.py" in difference(copy)
+
+
+@pytest.mark.parametrize("name", ["numpy/mf96.py", "c/mf96.h", "casadi/mf96.py", "MANIFEST.json"])
+def test_a_missing_file_shows_and_is_written(copy, name):
+    (copy / name).unlink()
+    assert f"generated/{name}" in difference(copy)
+    assert write(copy) == [copy / name]
+
+
+@pytest.mark.parametrize("name", ["numpy/mf95.py", "casadi/mf95.py", "c/mf95.c", "c/mf95.h"])
+def test_a_file_of_no_model_shows_and_is_removed(copy, name):
+    (copy / name).write_text("left over\n", encoding="ascii")
+    assert f"generated/{name}" in difference(copy)
+    assert write(copy) == [copy / name]
+    assert not (copy / name).exists()
+
+
+def test_the_text_does_not_depend_on_the_hash_seed():
+    def printed(seed):
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
+        return subprocess.run([sys.executable, "-c", PROGRAM], env=environment, capture_output=True, check=True).stdout
+
+    expected = "".join(f"{name}:{text}" for name, text in render().items()).encode()
+    assert printed("1") == expected
+    assert printed("2") == expected
+
+
+def test_every_file_says_where_it_comes_from():
+    for name, text in render().items():
+        if name != "MANIFEST.json":
+            assert 'Do not edit: run "make generate"' in text[:300], name
+        assert text.endswith("\n")
+        assert text.isascii()
+        assert "\t" not in text
+        assert not [line for line in text.splitlines() if line != line.rstrip()], name

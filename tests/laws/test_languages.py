@@ -1,0 +1,73 @@
+"""The same numbers from NumPy, C and CasADi, for every routine."""
+
+from __future__ import annotations
+
+import ctypes
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+from tirefmu.symbolic import MODELS
+from tirefmu.tires.code import code_for
+from tirefmu.tires.compiler import compiled_model
+
+ROUTINES = ("quantities", "forces", "slip_stiffnesses", "jacobian_inputs", "jacobian_parameters")
+
+
+def from_numpy(model, routine, rows, parameters):
+    """Return results as (n, n_results)."""
+    module = import_module(f"tirefmu.generated.numpy.{model}")
+    result = getattr(module, routine)(rows, parameters)
+    values = [value for row in result for value in row] if isinstance(result[0], tuple) else result
+    return np.stack([np.broadcast_to(value, rows.shape[1]) for value in values], axis=1)
+
+
+def from_c(model, routine, rows, parameters, size):
+    library = compiled_model(model)
+    function = getattr(library, f"{model}_{routine}")
+    results = np.full((rows.shape[1], size), np.nan)
+    for point, row in zip(np.ascontiguousarray(rows.T), results, strict=True):
+        function(*(array.ctypes.data_as(ctypes.c_void_p) for array in (point, parameters, row)))
+    return results
+
+
+def from_casadi(model, routine, rows, parameters):
+    module = import_module(f"tirefmu.generated.casadi.{model}")
+    function = module.function(getattr(module, routine))
+    return np.stack([np.array(function(point, parameters)).ravel() for point in rows.T])
+
+
+@pytest.mark.parametrize("routine", ROUTINES)
+def test_three_languages_one_number(tire, points, routine):
+    rows, parameters = points(tire, n=60), tire.parameters()
+    expected = from_numpy(tire.model, routine, rows, parameters)
+    assert np.isfinite(expected).all()
+    size = np.maximum(np.abs(expected).max(axis=0), 1e-12)  # a result's rounding is relative to what it is made of
+    compiled = from_c(tire.model, routine, rows, parameters, expected.shape[1])
+    assert np.max(np.abs(compiled - expected) / size) < 1e-12
+    assert np.max(np.abs(from_casadi(tire.model, routine, rows, parameters) - expected) / size) < 1e-12
+
+
+@pytest.mark.parametrize("routine", ["forces", "quantities", "jacobian_parameters"])
+def test_whole_tables_go_through_the_same_code(tire, points, routine):
+    rows, parameters = points(tire, n=20), tire.parameters()
+    expected = getattr(code_for(tire.model, "numpy"), routine)(rows, parameters)
+    for language in ("c", "casadi"):
+        answer = getattr(code_for(tire.model, language), routine)(rows, parameters)
+        assert answer.shape == expected.shape
+        np.testing.assert_allclose(answer, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_the_modules_name_what_the_book_names(model):
+    book = MODELS[model]
+    for language in ("numpy", "casadi"):
+        module = import_module(f"tirefmu.generated.{language}.{model}")
+        assert tuple(quantity.name for quantity in book.inputs) == module.INPUTS
+        assert tuple(book.coefficients) == module.PARAMETERS
+        assert tuple(quantity.name for quantity in book.outputs) == module.FORCES
+        assert set(module.QUANTITIES) | set(module.FORCES) == {
+            str(line.symbol) for line in book.equations if line.named
+        }
+        assert module.SLIPS == ("kappa", "alpha")

@@ -1,0 +1,75 @@
+"""Where the tire leaves the ground, and across zero slip: zero, finite, without a jump; NaN stays NaN."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+from tirefmu.tires.code import code_for
+
+LANGUAGES = ("numpy", "c", "casadi")
+
+
+def with_load(tire, rows, load):
+    rows = rows.copy()
+    rows[tire.inputs.index("Fz")] = load
+    return rows
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+@pytest.mark.parametrize("load", [0.0, -0.0, -1e-300, -1.0, -5000.0])
+def test_no_force_without_load(tire, points, code, load):
+    rows = with_load(tire, points(tire, n=20), load)
+    assert (code_for(tire.model, code).forces(rows, tire.parameters()) == 0).all()
+    assert np.isfinite(code_for(tire.model, code).quantities(rows, tire.parameters())).all()
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+@pytest.mark.parametrize("load", [0.0, -5000.0, 1e-9, 1e-6, 2e-6])
+def test_jacobians_stay_finite(tire, points, code, load):
+    rows, parameters = with_load(tire, points(tire, n=10), load), tire.parameters()
+    assert np.isfinite(code_for(tire.model, code).jacobian_parameters(rows, parameters)).all()
+    module = import_module(f"tirefmu.generated.numpy.{tire.model}")
+    assert all(np.isfinite(value).all() for row in module.jacobian_inputs(rows, parameters) for value in row)
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_an_unknown_load_is_no_lifted_tire(tire, points, code):
+    rows = with_load(tire, points(tire, n=5), np.nan)
+    assert np.isnan(code_for(tire.model, code).forces(rows, tire.parameters())).all()
+
+
+def test_forces_come_up_from_zero(tire, points, forces_of):
+    """Friction is far below 100: the forces at a small load are small, on both sides of the threshold."""
+    assert (forces_of(tire, with_load(tire, points(tire), 1e-6)) == 0).all()
+    for load in (1.001e-6, 1e-5, 1e-3):
+        forces = np.abs(forces_of(tire, with_load(tire, points(tire), load)))
+        assert (forces > 0).all()
+        assert np.max(forces) < 100 * load
+
+
+def test_forces_are_proportional_to_a_vanishing_load(tire, points, forces_of):
+    rows = points(tire)
+    small, smaller = (forces_of(tire, with_load(tire, rows, load)) / load for load in (1e-3, 1e-4))
+    np.testing.assert_allclose(small, smaller, rtol=1e-4, atol=1e-4)
+
+
+@pytest.mark.parametrize("name", ["kappa", "alpha", "gamma"])
+def test_no_jump_across_zero(tire, points, forces_of, scale_of, name):
+    """No derivative in these tires exceeds 1e5 loads (K is below 1e2, a smoothed sign has a slope of 1e3)."""
+    rows, place = points(tire), tire.inputs.index(name)
+    for other in ("kappa", "alpha", "gamma"):
+        at_zero = rows.copy()
+        at_zero[tire.inputs.index(other)] = 0.0
+        left, right = at_zero.copy(), at_zero.copy()
+        left[place], right[place] = -1e-10, 1e-10
+        assert np.max(np.abs(forces_of(tire, right) - forces_of(tire, left)) / scale_of(tire)) < 2e-5
+
+
+def test_zero_slip_is_finite_to_the_last_derivative(tire):
+    rows = np.zeros((len(tire.inputs), 3))
+    rows[tire.inputs.index("Fz")] = np.array([0.5, 1.0, 2.0]) * tire.values["FNOMIN"]
+    assert np.isfinite(code_for(tire.model, "numpy").quantities(rows, tire.parameters())).all()
+    assert np.isfinite(code_for(tire.model, "numpy").jacobian_parameters(rows, tire.parameters())).all()

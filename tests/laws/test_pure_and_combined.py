@@ -1,0 +1,43 @@
+"""In pure slip the combined formulas are the pure ones."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pandas as pd
+import pytest
+
+
+def evaluated(tire, rows, **fixed):
+    table = pd.DataFrame(dict(zip(tire.inputs, rows, strict=True))).assign(**fixed)
+    return tire.evaluate(table, signs=tire.signs)
+
+
+def without_moment_arm(tire):
+    return replace(tire, values={**tire.values, "SSZ1": 0.0, "SSZ2": 0.0, "SSZ3": 0.0, "SSZ4": 0.0})
+
+
+def test_without_longitudinal_slip_the_side_force_is_pure(tire, points):
+    answer = evaluated(tire, points(tire), kappa=0.0)
+    assert answer["Fy"].to_numpy() == pytest.approx(answer["F_y0"].to_numpy(), rel=1e-13)
+    assert (answer["G_yk"] == 1).all()
+    assert (answer["S_Vyk"] == 0).all()
+
+
+def test_without_longitudinal_slip_and_moment_arm_the_moment_is_pure(tire, points):
+    answer = evaluated(without_moment_arm(tire), points(tire), kappa=0.0)
+    assert answer["Mz"].to_numpy() == pytest.approx(answer["M_z0"].to_numpy(), rel=1e-12)
+    assert answer["trail"].to_numpy() == pytest.approx(answer["trail_0"].to_numpy(), rel=1e-12)
+
+
+def test_without_side_slip_the_longitudinal_force_is_pure(tire, points):
+    answer = evaluated(tire, points(tire), alpha=0.0)
+    assert answer["Fx"].to_numpy() == pytest.approx(answer["F_x0"].to_numpy(), rel=1e-13)
+
+
+def test_combined_slip_takes_from_both_forces(tire, points):
+    """Else the laws above say nothing."""
+    answer = evaluated(tire, points(tire))
+    assert (abs(answer["G_xa"] - 1) > 1e-3).mean() > 0.9
+    assert (abs(answer["G_yk"] - 1) > 1e-3).mean() > 0.9
+    assert (abs(answer["Mz"] - answer["M_z0"]) > 1e-6 * answer["Fz"]).mean() > 0.9

@@ -1,0 +1,34 @@
+"""Sentences of errors."""
+
+from __future__ import annotations
+
+import pytest
+
+from tirefmu.symbolic import errors
+from tirefmu.symbolic.errors import TirefmuError, UnknownName, nearest
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "end"),
+    [
+        ("PDYI", ["PDY1", "PKX1"], ": did you mean PDY1?"),
+        ("fz", ["Fx", "Fz"], ": did you mean Fz?"),
+        ("nothing like it", ["a", "b"], ": known are a, b"),
+        ("zz", [f"name_{i}" for i in range(13)], ""),
+        ("anything", [], ""),
+    ],
+)
+def test_nearest_names(name, known, end):
+    assert nearest(name, known) == end
+
+
+def test_unknown_name_carries_its_facts():
+    error = UnknownName("effect", "cambr", iter(["camber"]))
+    assert (error.kind, error.name, error.known) == ("effect", "cambr", ("camber",))
+    assert str(error) == "unknown effect 'cambr': did you mean camber?"
+
+
+def test_every_error_is_a_misuse_of_tirefmu():
+    kinds = [kind for kind in vars(errors).values() if isinstance(kind, type) and issubclass(kind, Exception)]
+    assert len(kinds) >= 7
+    assert all(issubclass(kind, TirefmuError) for kind in kinds)

@@ -1,0 +1,124 @@
+"""MF96 as declared: every coefficient with its card, every line with its number, each using earlier ones only."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from tirefmu.symbolic import EFFECTS, MODELS, model
+from tirefmu.symbolic.errors import UnknownName
+from tirefmu.symbolic.model import reaching
+from tirefmu.symbolic.notation import Switch
+
+UNITS = {"1", "rad", "rad^2", "N", "m", "N m", "N/rad", "1/rad", "1/rad^2"}
+
+
+@pytest.fixture(scope="module", params=MODELS)
+def book(request):
+    return MODELS[request.param]
+
+
+def test_every_coefficient_has_a_complete_card(book):
+    for name, card in book.coefficients.items():
+        assert card.name == name == name.upper()
+        assert card.description[0].islower() or card.description.startswith("F"), name
+        assert card.unit in UNITS, name
+        assert card.lower < card.upper, name
+        assert math.isfinite(card.lower), name
+        assert math.isfinite(card.upper), name
+        assert card.lower <= card.generic <= card.upper, name
+        assert card.section in {section.title for section in book.sections}
+        if card.neutral is None:
+            assert card.start is not None, f"{name} has neither a neutral value nor a start"
+
+
+def test_every_coefficient_is_declared_once(book):
+    assert len(book.parameters) == sum(len(section.coefficients) for section in book.sections)
+
+
+def test_every_line_has_number_unit_and_description(book):
+    for line in book.equations:
+        assert line.number
+        assert line.description, line.symbol
+        assert line.unit in UNITS, line.symbol
+        assert line.chapter
+
+
+def test_every_line_uses_only_what_stands_before_it(book):
+    known = {quantity.name for quantity in book.inputs} | set(book.coefficients) | set(book.effects)
+    for line in book.equations:
+        assert {symbol.name for symbol in line.expression.free_symbols} <= known, line.symbol
+        assert line.symbol.name not in known, f"{line.symbol} is filed twice"
+        known.add(line.symbol.name)
+    assert {quantity.name for quantity in book.outputs} <= known
+
+
+def test_lines_stay_short(book):
+    """A line that swells into others would be many times as long."""
+    assert max(line.expression.count_ops() for line in book.lines()) <= 30
+
+
+@pytest.mark.parametrize("effects", [None, [], ["camber_thrust"]])
+def test_no_switch_is_left_in_the_lines(book, effects):
+    assert not any(line.expression.has(Switch) for line in book.lines(effects))
+
+
+def test_inner_steps_reach_a_named_quantity(book):
+    """No line is written for nothing."""
+    targets = {line.symbol.name for line in book.equations if line.named}
+    assert reaching(book.equations, targets) == list(book.equations)
+
+
+def test_effects_of_the_book_are_those_in_its_lines():
+    assert set().union(*(book.effects for book in MODELS.values())) == set(EFFECTS)
+    for name, effect in EFFECTS.items():
+        assert effect.name == name
+        assert effect.physics
+
+
+@pytest.mark.parametrize(
+    ("effect", "owned"),
+    [
+        ("camber_thrust", {"PHY3", "PVY3", "PVY4"}),
+        ("camber_stiffness", {"PKY3"}),
+        ("camber_friction", {"PDX3", "PDY3"}),
+        ("load_friction", {"PDX2", "PDY2"}),
+        ("load_stiffness", {"PKX2", "PKX3", "PKY2"}),
+        ("load_curvature", {"PEX2", "PEX3", "PEY2"}),
+        ("combined_Gxa", {"RBX1", "RBX2", "RCX1", "RHX1", "LXA"}),
+        ("combined_Gyk", {"RBY1", "RBY2", "RBY3", "RCY1", "RHY1", "LYK"}),
+        ("kappa_sideforce_SVyk", {"RVY1", "RVY2", "RVY3", "RVY4", "RVY5", "RVY6", "LVYK"}),
+        ("plysteer", {"PHY1", "PHY2"}),
+        ("conicity", {"PVY1", "PVY2"}),
+        ("curvature_asym", {"PEX4", "PEY3"}),
+        ("residual_torque_Mzr", {"QBZ9", "QBZ10", "QDZ6", "QDZ7", "QDZ8", "QDZ9", "LMR"}),
+        ("trail_load", {"QBZ2", "QBZ3", "QDZ2", "QEZ2", "QEZ3"}),
+        ("Mz_from_Fx", {"SSZ1", "SSZ2", "SSZ3", "SSZ4", "LS"}),
+    ],
+)
+def test_what_the_effects_of_the_contract_own(effect, owned):
+    assert model("mf96").owned(effect) == owned
+
+
+def test_a_coefficient_of_two_effects_goes_with_both():
+    book = model("mf96")
+    assert "LHY" not in book.owned("plysteer") | book.owned("camber_thrust")
+    assert "LHY" in book.owned("plysteer", "camber_thrust")
+    assert "PEX2" not in book.owned("curvature_asym")
+
+
+def test_the_core_is_what_the_book_cannot_do_without():
+    assert model("mf96").core == {
+        "UNLOADED_RADIUS", "FNOMIN", "PCX1", "PDX1", "PEX1", "PKX1", "PCY1", "PDY1", "PEY1", "PKY1",
+        "QBZ1", "QCZ1", "QDZ1",
+    }  # fmt: skip
+
+
+def test_unknown_names_offer_the_nearest():
+    with pytest.raises(UnknownName, match=r"unknown model 'mf69': did you mean mf96\?"):
+        model("mf69")
+    with pytest.raises(UnknownName, match=r"effect of mf96 'camber_trust': did you mean camber_thrust\?"):
+        model("mf96").lines(["camber_trust"])
+    with pytest.raises(UnknownName, match="camber"):
+        model("mf96").owned("camber")

@@ -1,0 +1,134 @@
+"""The C compiler: found or missed in one line, its libraries built once."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tirefmu.tires import compiler
+from tirefmu.tires.compiler import CompilerError, cache_folder, find_compiler, shared_library
+
+needs_compiler = pytest.mark.skipif(
+    not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="no C compiler on this machine"
+)
+
+
+@pytest.fixture
+def empty_cache(tmp_path, monkeypatch):
+    folder = tmp_path / "cache" / "below"
+    monkeypatch.setenv("TIREFMU_CACHE", str(folder))
+    return folder
+
+
+@pytest.fixture
+def source(tmp_path):
+    path = tmp_path / "answer.c"
+    path.write_text('#include "answer.h"\nEXPORT int answer(void) { return ANSWER; }\n', encoding="ascii")
+    write_header(path, 42)
+    return path
+
+
+def write_header(source, number):
+    text = f'#define EXPORT __attribute__((visibility("default")))\n#define ANSWER {number}\nint answer(void);\n'
+    source.with_suffix(".h").write_text(text, encoding="ascii")
+
+
+def built(source, **options):
+    return shared_library("answer", [source], headers=[source.with_suffix(".h")], **options)
+
+
+@pytest.mark.parametrize("name", ["no-such-compiler", "no-such-compiler -O3", "'unclosed"])
+def test_a_compiler_that_does_not_exist(monkeypatch, name):
+    monkeypatch.setenv("CC", name)
+    with pytest.raises(CompilerError) as caught:
+        find_compiler()
+    assert str(caught.value) == f"CC is {name!r}, which cannot be run"
+
+
+@pytest.mark.parametrize("blank", ["", "  "])
+@needs_compiler
+def test_a_blank_name_is_none(monkeypatch, blank):
+    monkeypatch.setenv("CC", blank)
+    assert shutil.which(find_compiler()[0])
+
+
+def test_no_compiler_at_all(monkeypatch, tmp_path):
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(CompilerError, match=r"^no C compiler found: install gcc or clang, or set CC$"):
+        find_compiler()
+
+
+@needs_compiler
+def test_a_compiler_named_with_options(monkeypatch, empty_cache, source):
+    monkeypatch.setenv("CC", f"{find_compiler()[0]} -DUNUSED=1")
+    assert find_compiler()[1:] == ["-DUNUSED=1"]
+    assert ctypes.CDLL(str(built(source))).answer() == 42
+
+
+@needs_compiler
+def test_a_library_is_built_once(empty_cache, source, monkeypatch):
+    path = built(source)
+    assert path.parent == empty_cache
+
+    def never(*_):
+        raise AssertionError("compiled again")
+
+    monkeypatch.setattr(subprocess, "run", never)
+    assert built(source) == path
+    assert [entry.name for entry in empty_cache.iterdir()] == [path.name]
+
+
+@needs_compiler
+def test_another_content_compiler_or_flag_is_another_library(empty_cache, source, monkeypatch):
+    first = built(source)
+    write_header(source, 43)
+    second = built(source)
+    assert first != second
+    assert [ctypes.CDLL(str(path)).answer() for path in (first, second)] == [42, 43]
+    third = built(source, flags=["-DUNUSED=1"])
+    monkeypatch.setenv("CC", f"{find_compiler()[0]} -DUNUSED=2")
+    assert len({first, second, third, built(source)}) == 4
+
+
+@needs_compiler
+def test_what_the_compiler_refuses(empty_cache, source):
+    source.write_text("int answer(void) { return }\n", encoding="ascii")
+    with pytest.raises(CompilerError) as caught:
+        built(source)
+    assert "answer.c" in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert list(empty_cache.iterdir()) == []
+
+
+@needs_compiler
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only the linker of Linux is told to look")
+def test_an_undefined_function_is_found_when_linking(empty_cache, source):
+    source.write_text("double missing(double); double answer(void) { return missing(1.0); }\n", encoding="ascii")
+    with pytest.raises(CompilerError, match="missing"):
+        built(source)
+
+
+@needs_compiler
+def test_a_cache_that_cannot_be_written(tmp_path, source, monkeypatch):
+    (tmp_path / "a_file").write_text("", encoding="ascii")
+    monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path / "a_file"))
+    with pytest.raises(CompilerError, match=r"a_file: cannot be written"):
+        built(source)
+
+
+def test_the_cache_is_the_users_unless_told(monkeypatch, tmp_path):
+    monkeypatch.delenv("TIREFMU_CACHE")
+    monkeypatch.setattr(compiler.sys, "platform", "linux")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    assert cache_folder() == tmp_path / "tirefmu"
+    monkeypatch.setattr(compiler.sys, "platform", "darwin")
+    assert cache_folder() == Path.home() / "Library" / "Caches" / "tirefmu"
+    monkeypatch.setattr(compiler.sys, "platform", "win32")
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path))
+    assert cache_folder() == tmp_path / "tirefmu"

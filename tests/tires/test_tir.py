@@ -1,0 +1,261 @@
+"""Tire files: what is written is read back to the last bit; what is broken is said in one line."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.errors import TirError
+from tirefmu.tires import Tire, published, read_tir, write_tir
+from tirefmu.tires.tir import tir_text
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+positive = st.floats(1e-3, 1e6)
+words = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True)
+texts = st.text(alphabet=st.one_of(st.characters(), st.sampled_from("'\"\\$!=[]\n\r\t \x85\u2028#{}")))
+
+
+@st.composite
+def tires(draw):
+    """Any tire whatever: the file does not ask whether it is plausible."""
+    book = MODELS[draw(st.sampled_from(sorted(MODELS)))]
+    values = draw(st.dictionaries(st.sampled_from(sorted(book.coefficients)), finite))
+    values |= {"FNOMIN": draw(positive), "UNLOADED_RADIUS": draw(positive)}
+    effects = draw(st.none() | st.sets(st.sampled_from(sorted(book.effects))))
+    ranges = {}
+    for name in draw(st.sets(st.sampled_from(["kappa", "alpha", "gamma", "Fz"]))):
+        ranges[name] = tuple(sorted((draw(finite), draw(finite))))
+    return Tire(
+        book.name,
+        values,
+        effects=effects,
+        signs=draw(st.sampled_from(["iso", "adapted-sae"])),
+        name=draw(texts),
+        about=draw(st.dictionaries(words, texts, max_size=4)),
+        ranges=ranges,
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("tires")
+
+
+@given(tire=tires())
+def test_written_and_read_is_the_same_tire(folder, tire):
+    write_tir(tire, folder / "made.tir")
+    again, iso = read_tir(folder / "made.tir"), tire.in_signs("iso")
+    assert again == iso
+    assert {name: value.hex() for name, value in again.values.items()} == {
+        name: value.hex() for name, value in iso.values.items()
+    }
+    assert tir_text(again) == tir_text(tire)
+    assert [path.name for path in folder.iterdir()] == ["made.tir"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "it's 5 $ a piece",
+        "'quoted'",
+        '"quoted"',
+        "'",
+        "it's $ 'odd'",
+        "a\\nb \\",
+        "two\nlines",
+        " blanks ",
+        "",
+        "50 % ! = [x]",
+    ],
+)
+def test_a_text_is_read_back_to_the_letter(tmp_path, text):
+    tire = replace(published("trento_hoosier"), name=text, about={"source": text, "after": "the next line"})
+    tire.save(tmp_path / "told.tir")
+    again = read_tir(tmp_path / "told.tir")
+    assert again.name == again.about["source"] == text
+    assert again.about["after"] == "the next line"
+    # What another reader takes for a comment, or for a second line, is not there.
+    line = next(line for line in tir_text(tire).splitlines() if line.startswith("NAME = "))
+    assert not set("$!") & set(line)
+
+
+@pytest.mark.parametrize("key", ["name", "effects", "fittyp", "pky1", "length", "fzmin", "tirefmu_model", "core_pky1"])
+def test_what_is_told_about_a_tire_is_never_taken_for_its_values(tmp_path, key):
+    tire = replace(published("trento_hoosier"), about={key: "7"}, effects=["camber_thrust"])
+    tire.save(tmp_path / "told.tir")
+    assert read_tir(tmp_path / "told.tir") == tire.in_signs("iso")
+
+
+def test_numbers_of_numpy_are_written_as_numbers(tmp_path):
+    values = {"FNOMIN": np.float64(1000), "UNLOADED_RADIUS": np.float32(0.25), "PKY1": np.int64(-20)}
+    tire = Tire("mf96", values, ranges={"Fz": (np.float64(100), np.float64(2000))})
+    tire.save(tmp_path / "numpy.tir")
+    assert "np." not in (tmp_path / "numpy.tir").read_text(encoding="utf-8")
+    assert read_tir(tmp_path / "numpy.tir") == tire
+
+
+def test_a_written_tire_is_iso_and_its_forces_are_mirrored(tmp_path):
+    tire = published("trento_hoosier")
+    tire.save(tmp_path / "hoosier.tir")
+    again = read_tir(tmp_path / "hoosier.tir")
+    inputs = {"kappa": 0.05, "alpha": np.linspace(-0.2, 0.2, 9), "gamma": 0.03, "Fz": 900.0}
+    assert again.signs == "iso"
+    np.testing.assert_allclose(again.forces(**inputs).Fy, -tire.forces(**inputs).Fy, rtol=1e-13)
+
+
+def test_a_core_tire_is_written_for_readers_without_switches(tmp_path):
+    """PKY2 = 1e6 and PKY1 scaled: without our own section the file is the same tire with all effects on."""
+    core = replace(published("trento_hoosier"), effects=[])
+    text = tir_text(core)
+    (tmp_path / "others.tir").write_text(text[: text.index("[TIREFMU]")], encoding="utf-8")
+    others = read_tir(tmp_path / "others.tir")
+    assert others.values["PKY2"] == 1e6
+    assert others.values["PKY1"] == -core.values["PKY1"] * 5e5
+    assert others.has == set(core.book.effects)
+    inputs = {"kappa": 0.05, "alpha": np.linspace(-0.2, 0.2, 9), "gamma": 0.03, "Fz": 900.0}
+    ours, theirs = core.in_signs("iso").forces(**inputs), others.forces(**inputs)
+    for name in ("Fx", "Fy", "Mz"):
+        np.testing.assert_allclose(ours[name], theirs[name], rtol=1e-9)
+
+
+def test_a_file_of_another_hand(tmp_path):
+    """Comments, cases, blanks, a table of shapes, sections that nobody knows, numbers of Fortran."""
+    (tmp_path / "other.tir").write_text(
+        """! a comment
+        [MDI_HEADER]
+        FILE_TYPE = 'tir'   $ with a comment
+        [units]
+        Length = 'METER'
+        [MODEL]
+        fittyp = 96  ! the model
+        [DIMENSION]
+        UNLOADED_RADIUS=0.25
+        [SHAPE]
+        {radial width}
+        1.0 0.0
+        [VERTICAL]
+        FNOMIN = 1.0D+3
+        [NOBODY_KNOWS]
+        PRICE = 'high $ and higher ! still'
+        [LATERAL_COEFFICIENTS]
+        PKY1 = -2.5e1 $ a slope
+        """,
+        encoding="latin-1",
+    )
+    tire = read_tir(tmp_path / "other.tir")
+    assert (tire.values["FNOMIN"], tire.values["UNLOADED_RADIUS"], tire.values["PKY1"]) == (1000.0, 0.25, -25.0)
+    assert tire.name == "other"
+    assert "PKY1" not in tire.defaulted
+    assert "PDY1" in tire.defaulted
+
+
+@pytest.mark.parametrize(
+    ("replaced", "by", "said"),
+    [
+        ("PCY1 = 1", "PCY1 1", "'PCY1 1.1348519668471597' in [LATERAL_COEFFICIENTS] is not 'KEY = value'"),
+        ("[VERTICAL]", "[VERTICAL", "section '[VERTICAL' is not closed by ']'"),
+        ("FNOMIN = 220.0", "FNOMIN = heavy", "FNOMIN = 'heavy' is not a number"),
+        ("FNOMIN = 220.0", "FNOMIN = nan", "FNOMIN = 'nan' is not a number"),
+        ("FNOMIN = 220.0", "FNOMIN = ", "FNOMIN = '' is not a number"),
+        ("PCY1 = ", "PCYI = ", "unknown key PCYI of mf96: did you mean PCY1?"),
+        ("LENGTH = 'meter'", "LENGTH = 'mm'", "LENGTH in mm: only SI (meter) is read"),
+        ("ANGLE = 'radians'", "ANGLE = 'degrees'", "ANGLE in degrees: only SI (radians) is read"),
+        ("KPUMIN = -0.3", "KPUMIN = 0.4", "KPUMIN = 0.4 lies above KPUMAX = 0.3"),
+        ("FZMAX = 1220.0", "FZMAX = inf", "FZMAX = 'inf' is not a number"),
+        ("FITTYP = 96", "FITTYP = 96\nTIREFMU", "'TIREFMU' in [MODEL] is not 'KEY = value'"),
+        ("TIREFMU_MODEL = 'mf96'", "TIREFMU_MODEL = 'mf69'", "unknown model 'mf69': did you mean mf96?"),
+        ("NAME = 'Hoosier", 'NAME = "Hoosier', 'NAME is not a quoted text: "Hoosier'),
+        ("NAME = ", "EFFECTS = 'camber_trust' $", "effect of mf96 'camber_trust': did you mean camber_thrust?"),
+        ("NAME = ", "EFFECTS = ''\nCORE_PKYI = 1 $", "unknown key CORE_PKYI of mf96: did you mean "),
+    ],
+)
+def test_a_broken_line_is_named(tmp_path, replaced, by, said):
+    text = tir_text(published("trento_hoosier"))
+    before, found, after = text.partition(replaced)
+    assert found
+    line = (before + by).count("\n") + 1
+    path = tmp_path / "broken.tir"
+    path.write_text(before + by + after, encoding="utf-8")
+    with pytest.raises(TirError) as caught:
+        read_tir(path)
+    message = str(caught.value)
+    assert message.startswith(f"{path}:{line}: ")
+    assert said in message
+    assert "\n" not in message
+
+
+def test_a_missing_coefficient_is_named(tmp_path):
+    path = tmp_path / "light.tir"
+    path.write_text(tir_text(published("trento_hoosier")).replace("FNOMIN = 220.0", ""), encoding="utf-8")
+    with pytest.raises(TirError) as caught:
+        read_tir(path)
+    assert str(caught.value) == f"{path}: a tire needs FNOMIN (nominal load F_z0, N)"
+
+
+@pytest.mark.parametrize(
+    ("model", "said"),
+    [
+        ("FITTYP = 97", "FITTYP 97 is not a model of this version: known are 96 (mf96)"),
+        ("", "no FITTYP in [MODEL]: which model is it?"),
+        ("FITTYP = 'PAC'", "FITTYP = \"'PAC'\" is not a number"),
+    ],
+)
+def test_a_model_that_is_not_ours(tmp_path, model, said):
+    path = tmp_path / "model.tir"
+    path.write_text(f"[MODEL]\nOTHER = 1\n{model}\n[VERTICAL]\nFNOMIN = 1000\n", encoding="utf-8")
+    with pytest.raises(TirError) as caught:
+        read_tir(path)
+    assert said in str(caught.value)
+
+
+@pytest.mark.parametrize("content", ["", "\n\n", "a letter to somebody\n", "[MODEL]\n"])
+def test_no_tire_file_at_all(tmp_path, content):
+    path = tmp_path / "letter.tir"
+    path.write_text(content, encoding="utf-8")
+    with pytest.raises(TirError, match=r"letter\.tir: no line 'KEY = value' found: not a \.tir file"):
+        read_tir(path)
+
+
+def test_a_missing_file_and_a_folder(tmp_path):
+    with pytest.raises(TirError, match=r"none\.tir: cannot be read \(No such file or directory\)"):
+        read_tir(tmp_path / "none.tir")
+    with pytest.raises(TirError, match="cannot be read"):
+        read_tir(tmp_path)
+
+
+def test_nothing_is_left_behind_where_writing_fails(tmp_path):
+    tire = published("trento_hoosier")
+    (tmp_path / "a_folder.tir").mkdir()
+    with pytest.raises(TirError, match=r"a_folder\.tir: cannot be written"):
+        tire.save(tmp_path / "a_folder.tir")
+    with pytest.raises(TirError, match="cannot be written"):
+        tire.save(tmp_path / "no_such_folder" / "tire.tir")
+    assert [path.name for path in tmp_path.rglob("*")] == ["a_folder.tir"]
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="no folder is read-only for this user")
+def test_nothing_is_left_behind_in_a_read_only_folder(tmp_path):
+    tmp_path.chmod(0o500)
+    with pytest.raises(TirError, match="cannot be written"):
+        published("trento_hoosier").save(tmp_path / "tire.tir")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
+    path = tmp_path / "tire.tir"
+    path.write_text("the old one", encoding="utf-8")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("tirefmu.tires.tir.os.replace", full)
+    with pytest.raises(TirError, match=r"tire\.tir: cannot be written \(No space left on device\)"):
+        published("trento_hoosier").save(path)
+    assert path.read_text(encoding="utf-8") == "the old one"
+    assert list(tmp_path.iterdir()) == [path]
