@@ -1,0 +1,277 @@
+"""Where a tire and a recording disagree: the mean residual over two inputs. A missing effect has a pattern there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from tirefmu.fitting.panels import LETTER, drawn_unit, per_si, png, write_footnote, write_whole
+from tirefmu.measurements import Recording, levels
+from tirefmu.symbolic.errors import DataError, nearest
+from tirefmu.tires.tire import Tire
+
+FloatArray = npt.NDArray[np.float64]
+
+FEWEST = 10  # rows of a bin whose mean says something
+_MOST_NUMBERS = 200  # cells that are written into; more would be too small to read
+
+
+@dataclass(frozen=True)
+class Bin:
+    """One cell of a map.
+
+    Attributes
+    ----------
+    at : dict of str to float
+        Its middle (of a stepped channel: the level), SI.
+    mean, rms, standard_error : float
+        Of the residuals in it, SI. The error is that of independent rows: ripple and drift make it larger.
+    count : int
+    """
+
+    at: dict[str, float]
+    mean: float
+    rms: float
+    standard_error: float
+    count: int
+
+
+@dataclass(frozen=True, eq=False)
+class ResidualMap:
+    """Residuals, data less tire, in bins over two inputs.
+
+    Attributes
+    ----------
+    channel, signs : str
+        What the residual is of, and the convention of the recording.
+    over : tuple of (str, str)
+    edges : tuple of ndarray, shapes (n0 + 1,), (n1 + 1,)
+        Ascending, SI.
+    steps : tuple of ndarray, shapes (n0,) or (0,), (n1,) or (0,)
+        The levels of a stepped channel; none of a swept one.
+    mean, rms, standard_error : ndarray, shape (n0, n1)
+        SI; NaN where there is no data (the error: fewer than two rows).
+    counts : ndarray of int, shape (n0, n1)
+    """
+
+    channel: str
+    signs: str
+    over: tuple[str, str]
+    edges: tuple[FloatArray, FloatArray]
+    steps: tuple[FloatArray, FloatArray]
+    mean: FloatArray
+    rms: FloatArray
+    standard_error: FloatArray
+    counts: npt.NDArray[np.int64]
+
+    @property
+    def middles(self) -> tuple[FloatArray, FloatArray]:
+        """The levels of a stepped channel, the middles of a swept channel's bins."""
+        first, second = (
+            steps if len(steps) else 0.5 * (edges[1:] + edges[:-1])
+            for edges, steps in zip(self.edges, self.steps, strict=True)
+        )
+        return first, second
+
+    @property
+    def worst(self) -> Bin:
+        """The bin with the largest mean by magnitude, of those with at least ten rows (if any have)."""
+        i, j = self._worst
+        at = {name: float(middles[k]) for name, middles, k in zip(self.over, self.middles, (i, j), strict=True)}
+        error = float(self.standard_error[i, j])
+        return Bin(at, float(self.mean[i, j]), float(self.rms[i, j]), error, int(self.counts[i, j]))
+
+    @property
+    def largest_mean(self) -> float:
+        """The magnitude of the worst bin's mean."""
+        return abs(self.worst.mean)
+
+    @property
+    def total_rms(self) -> float:
+        """The root mean square of all residuals."""
+        return float(np.sqrt(np.nansum(self.rms**2 * self.counts) / self.counts.sum()))
+
+    @property
+    def _worst(self) -> tuple[int, int]:
+        enough = self.counts >= min(FEWEST, int(self.counts.max()))
+        i, j = np.unravel_index(np.argmax(np.where(enough, np.abs(self.mean), -1.0)), self.mean.shape)
+        return int(i), int(j)
+
+
+def residual_map(
+    tire: Tire,
+    recording: Recording,
+    channel: str,
+    over: tuple[str, str] = ("alpha", "gamma"),
+    bins: int | Mapping[str, npt.ArrayLike] = 12,
+) -> ResidualMap:
+    """Average what the tire leaves unexplained in bins over two inputs.
+
+    Parameters
+    ----------
+    tire : Tire
+    recording : Recording
+        In any signs; the map is in them.
+    channel : str
+        A measured output that the tire computes.
+    over : tuple of (str, str)
+        Columns of the recording.
+    bins : int or mapping of str to array_like
+        How many bins a swept channel gets, or the ascending edges by channel. A stepped channel without
+        edges gets one bin for each level. Rows outside given edges are left out.
+
+    Returns
+    -------
+    ResidualMap
+
+    Raises
+    ------
+    DataError
+        If a column is missing, the tire does not compute the channel, or bins do not make sense.
+
+    Examples
+    --------
+    >>> from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps
+    >>> from tirefmu.tires import published
+    >>> tire = published("trento_hoosier")
+    >>> recording = VirtualBench(tire, Noise.none()).run(alpha_sweeps([700.0], [0.0, 0.05]))
+    >>> flat = residual_map(tire, recording, "Fy")
+    >>> flat.counts.shape, int(flat.counts.sum()) == len(recording), flat.largest_mean < 1e-9
+    ((12, 2), True, True)
+    """
+    table = _usable_rows(tire, recording, channel, over)
+    computed = tire.evaluate(table, signs=recording.signs)[channel]
+    residual = (table[channel] - computed).to_numpy(dtype=float)
+    first, second = (_edges(table[name], name, bins) for name in over)
+    edges, steps = (first[0], second[0]), (first[1], second[1])
+    x, y = (table[name].to_numpy(dtype=float) for name in over)
+
+    def total(weights: FloatArray | None = None) -> FloatArray:
+        return np.asarray(np.histogram2d(x, y, edges, weights=weights)[0])
+
+    counts = total()
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean, square = total(residual) / counts, total(residual**2) / counts
+        variance = np.maximum(square - mean**2, 0.0) * counts / (counts - 1.0)
+        error = np.where(counts > 1, np.sqrt(variance / counts), np.nan)
+    if not counts.any():
+        raise DataError(f"residual map of {channel}: no row lies within the bins")
+    whole = counts.astype(np.int64)
+    return ResidualMap(channel, recording.signs, over, edges, steps, mean, np.sqrt(square), error, whole)
+
+
+def _usable_rows(tire: Tire, recording: Recording, channel: str, over: tuple[str, str]) -> pd.DataFrame:
+    if channel not in tire.outputs:
+        hint = nearest(channel, tire.outputs)
+        raise DataError(f"residual map: {tire.model} computes {', '.join(tire.outputs)}, not {channel!r}{hint}")
+    if len(set(over)) != 2:
+        raise DataError(f"residual map: it lies over two different channels, not {' and '.join(over)}")
+    table = recording.table
+    for name in (channel, *over):
+        if name not in table:
+            hint = nearest(name, [str(column) for column in table.columns])
+            raise DataError(f"{recording.source}: no column {name!r} for the residual map{hint}")
+    table = table[table[[channel, *over]].notna().all(axis=1)]
+    if table.empty:
+        raise DataError(f"{recording.source}: no row holds {channel}, {over[0]} and {over[1]}")
+    return table
+
+
+def _edges(values: pd.Series, name: str, bins: int | Mapping[str, npt.ArrayLike]) -> tuple[FloatArray, FloatArray]:
+    """Return the bins' edges and, of a stepped channel, the levels; all values lie within, if no edges are given."""
+    none = np.empty(0)
+    if not isinstance(bins, int) and name in bins:
+        edges = np.asarray(bins[name], dtype=np.float64)
+        if edges.ndim != 1 or len(edges) < 2 or not (np.diff(edges) > 0.0).all():
+            raise DataError(f"residual map: the edges for {name} have to ascend, at least two of them")
+        return edges, none
+    number = bins if isinstance(bins, int) else 12
+    if number < 1:
+        raise DataError(f"residual map: {number} bins for {name}: at least one is needed")
+    low, high = float(values.min()), float(values.max())
+    found = np.array(levels(values)) if low < high else np.array([low])
+    if len(found):
+        between = 0.5 * (found[1:] + found[:-1])
+        # The outer bins reach as far beyond their level as inward, or as the data do.
+        reach = float(np.diff(found).min()) / 2.0 if len(found) > 1 else 1e-9 + 1e-3 * abs(low)
+        return np.array([min(low, found[0] - reach), *between, max(high, found[-1] + reach)]), found
+    return np.linspace(low, high, number + 1), none
+
+
+def draw_residual_maps(maps: Sequence[tuple[str, ResidualMap]], path: str | Path) -> Path:
+    """Draw maps side by side on one color scale: mean residual in color, rows in each bin as numbers.
+
+    Parameters
+    ----------
+    maps : sequence of (str, ResidualMap)
+        Titles and maps, all of one channel and convention.
+    path : str or Path
+        The PNG; it is written whole or not at all.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    DataError
+        If there is no map, their channels or conventions differ, or the file cannot be written.
+    """
+    if len({(shown.channel, shown.signs) for _, shown in maps}) != 1:
+        raise DataError("residual maps on one scale need one channel and one sign convention")
+    channel, signs = maps[0][1].channel, maps[0][1].signs
+    limit = max(shown.largest_mean for _, shown in maps) or 1.0
+    norm, colors = Normalize(-limit, limit), colormaps["RdBu_r"].with_extremes(bad="0.8")
+    figure = Figure(figsize=(1.2 + 6.0 * len(maps), 4.8), layout="constrained")
+    axes = figure.subplots(1, len(maps), squeeze=False)[0]
+    for ax, (title, shown) in zip(axes, maps, strict=True):
+        _draw_map(ax, title, shown, norm)
+        x, y = (edges * per_si(name) for edges, name in zip(shown.edges, shown.over, strict=True))
+        ax.pcolormesh(x, y, np.ma.masked_invalid(shown.mean.T), cmap=colors, norm=norm, ec="white", lw=0.3)
+    beyond = any(np.nanmax(np.abs(shown.mean)) > limit for _, shown in maps)  # a bin of few rows
+    extend, unit = "both" if beyond else "neither", drawn_unit(channel)
+    label = f"mean residual of {LETTER[channel]}, data less tire ({unit})"
+    figure.colorbar(ScalarMappable(norm, colors), ax=list(axes), label=label, extend=extend, pad=0.01)
+    figure.suptitle(f"What the tire leaves of {LETTER[channel]}", fontweight="bold")
+    note = f"numbers: rows in the bin; gray: no data; frame: largest mean of the bins with {FEWEST} rows or more"
+    write_footnote(figure, signs, note)
+    try:
+        return write_whole(Path(path), png(figure))
+    except OSError as error:
+        raise DataError(f"{path}: cannot be written: {error.strerror or error}") from None
+
+
+def _draw_map(ax: Axes, title: str, shown: ResidualMap, norm: Normalize) -> None:
+    worst, unit = shown.worst, drawn_unit(shown.channel)
+    score = f"largest mean {worst.mean:.3g} {unit}, RMS of all rows {shown.total_rms:.3g} {unit}"
+    ax.set_title(f"{title}\n{score}", fontsize=9)
+    ax.set_facecolor("0.8")
+    scales = [per_si(name) for name in shown.over]
+    x, y = (edges * scale for edges, scale in zip(shown.edges, scales, strict=True))
+    labels = [f"{LETTER.get(name, name)} ({drawn_unit(name)})" for name in shown.over]
+    ax.set(xlabel=labels[0], ylabel=labels[1], xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
+    for axis, steps, scale in zip((ax.xaxis, ax.yaxis), shown.steps, scales, strict=True):
+        if len(steps):
+            axis.set_ticks(steps * scale, [_tick(step) for step in steps * scale])
+    for i, j in np.argwhere(shown.counts > 0) if shown.counts.size <= _MOST_NUMBERS else ():
+        dark = abs(shown.mean[i, j]) > 0.6 * float(norm.vmax or 1.0)
+        middle = 0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1])
+        ax.text(*middle, str(shown.counts[i, j]), ha="center", va="center", fontsize=6.5, color="w" if dark else "k")
+    i, j = shown._worst
+    frame = Rectangle((x[i], y[j]), x[i + 1] - x[i], y[j + 1] - y[j], fill=False, ec="k", lw=1.6, zorder=3)
+    ax.add_patch(frame)
+
+
+def _tick(level: float) -> str:
+    return f"{level:.0f}" if abs(level) >= 100.0 else f"{round(level, 1) + 0.0:g}"  # + 0.0: no -0
