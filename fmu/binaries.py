@@ -89,9 +89,7 @@ def binary(sources: Mapping[str, bytes], names: Iterable[str], include: Path) ->
             library = shared_library(
                 "fmu",
                 sorted(folder / file for file in compiled),
-                headers=sorted(
-                    [*(folder / file for file in sources.keys() - compiled), *include.glob("fmi*.h")]
-                ),
+                headers=sorted([*(folder / file for file in sources.keys() - compiled), *include.glob("fmi*.h")]),
                 include=[folder, include],
                 flags=[*FLAGS, *LINK[sys.platform]],
             )

@@ -76,9 +76,7 @@ def export(tire: Tire, path: str | os.PathLike[str], *, fmi: int = 3, inputs: st
     target = Path(path)
     identifier = c_identifier(target.stem)
     files = contents(tire, fmi, identifier)
-    code = {
-        name.removeprefix("sources/"): text for name, text in files.items() if name.endswith((".c", ".h"))
-    }
+    code = {name.removeprefix("sources/"): text for name, text in files.items() if name.endswith((".c", ".h"))}
     library = binary(code, c_files(fmi, tire.model), fmi_headers())
     _write_zip(target, {**files, binary_path(fmi, identifier): library})
     return target

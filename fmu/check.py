@@ -232,9 +232,7 @@ def check(
         fmi_version=version,
         rows=len(table),
         segments=len(segments),
-        channels=tuple(
-            _channel(name, variables[name].unit or "", table, simulated, present) for name in measured
-        ),
+        channels=tuple(_channel(name, variables[name].unit or "", table, simulated, present) for name in measured),
         evaluation_difference=None if tire is None else _difference(tire, rows, present, simulated),
         problems=tuple(validate_fmu(str(fmu_path))),
         tolerance=tolerance,
@@ -260,9 +258,7 @@ def _finite(table: pd.DataFrame, columns: list[str], source: str) -> FloatArray:
     """Return columns as an array, shape (n, n_columns), or raise for a value that is not finite."""
     values = table[columns].to_numpy(dtype=np.float64)
     for row, column in np.argwhere(~np.isfinite(values)):
-        raise DataError(
-            f"{source}: row {row}: {columns[column]} is {values[row, column]}: it has to be finite"
-        )
+        raise DataError(f"{source}: row {row}: {columns[column]} is {values[row, column]}: it has to be finite")
     return values
 
 
@@ -287,9 +283,7 @@ def _difference(tire: Tire, rows: FloatArray, inputs: list[str], simulated: pd.D
     return worst
 
 
-def _channel(
-    name: str, unit: str, table: pd.DataFrame, simulated: pd.DataFrame, inputs: list[str]
-) -> Channel:
+def _channel(name: str, unit: str, table: pd.DataFrame, simulated: pd.DataFrame, inputs: list[str]) -> Channel:
     """Compare one output with the data where it was measured."""
     data, model = table[name].to_numpy(dtype=np.float64), simulated[name].to_numpy()
     rows = np.flatnonzero(~np.isnan(data))

@@ -121,9 +121,7 @@ def _text(text: str) -> str:
 def _co_simulation(root: ET.Element, fmi: int, header: Header) -> None:
     """Append what the FMU can do in Co-Simulation."""
     states, derivatives = (
-        ("FMUstate", "providesDirectionalDerivative")
-        if fmi == 2
-        else ("FMUState", "providesDirectionalDerivatives")
+        ("FMUstate", "providesDirectionalDerivative") if fmi == 2 else ("FMUState", "providesDirectionalDerivatives")
     )
     element = ET.SubElement(
         root,

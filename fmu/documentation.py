@@ -69,8 +69,7 @@ def index_html(name: str, description: str, model: str, variables: Sequence[Vari
     True
     """
     by_causality = {
-        causality: [v for v in variables if v.causality == causality]
-        for causality in ("input", "output", "parameter")
+        causality: [v for v in variables if v.causality == causality] for causality in ("input", "output", "parameter")
     }
     lines = [
         "<!DOCTYPE html>",

@@ -78,9 +78,7 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
                 quantity.unit,
                 quantity.description,
                 nominal=quantity.typical,
-                depends=tuple(
-                    1 + i for i, known in enumerate(book.inputs) if known.name in feedthrough[quantity.name]
-                ),
+                depends=tuple(1 + i for i, known in enumerate(book.inputs) if known.name in feedthrough[quantity.name]),
             )
             for quantity in book.outputs
         ),
@@ -108,9 +106,7 @@ def direct_feedthrough(book: Model) -> dict[str, set[str]]:
     lines, inputs = book.lines(), {quantity.name for quantity in book.inputs}
     return {
         quantity.name: {
-            symbol.name
-            for line in reaching(lines, [quantity.name])
-            for symbol in line.expression.free_symbols
+            symbol.name for line in reaching(lines, [quantity.name]) for symbol in line.expression.free_symbols
         }
         & inputs
         for quantity in book.outputs
@@ -120,9 +116,7 @@ def direct_feedthrough(book: Model) -> dict[str, set[str]]:
 def _input(quantity: Quantity, tire: Tire) -> Variable:
     """Return an input, which starts at the tire's nominal value."""
     start = tire.nominal(quantity.name)
-    return Variable(
-        quantity.name, "input", quantity.unit, quantity.description, start=start, nominal=quantity.typical
-    )
+    return Variable(quantity.name, "input", quantity.unit, quantity.description, start=start, nominal=quantity.typical)
 
 
 def _parameter(card: Coefficient, value: float) -> Variable:
@@ -132,6 +126,4 @@ def _parameter(card: Coefficient, value: float) -> Variable:
     if not lower <= value <= upper:
         lower, upper = -inf, inf
     # + 0.0: a mirrored zero is an ordinary one.
-    return Variable(
-        card.name, "parameter", card.unit, card.description, value + 0.0, lower + 0.0, upper + 0.0
-    )
+    return Variable(card.name, "parameter", card.unit, card.description, value + 0.0, lower + 0.0, upper + 0.0)

@@ -111,9 +111,7 @@ class VirtualBench:
             If the tire answers with no output of the contract.
         """
         imposed = convert_signs(program.table, "iso", self.tire.signs)
-        inputs = {
-            name: imposed[name].to_numpy(dtype=np.float64) for name in self.tire.inputs if name in imposed
-        }
+        inputs = {name: imposed[name].to_numpy(dtype=np.float64) for name in self.tire.inputs if name in imposed}
         answer = self.tire.forces(**inputs)
         outputs = {
             name: np.broadcast_to(np.asarray(answer[name], dtype=np.float64), len(imposed))

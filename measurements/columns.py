@@ -100,9 +100,7 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     for name in names:
         intended = None if name in CHANNELS else intended_channel(name)
         if intended in INPUTS and intended not in names:
-            raise DataError(
-                f"{source}: column {name!r} is not a channel: did you mean {_offer(name, intended)}?"
-            )
+            raise DataError(f"{source}: column {name!r} is not a channel: did you mean {_offer(name, intended)}?")
     if not any(name in CHANNELS for name in names):
         raise DataError(f"{source}: no column is a channel: known are {', '.join(CHANNELS)}")
     return columns
@@ -114,11 +112,7 @@ def _offer(name: str, intended: str) -> str:
     if suffixed is not None:
         return f"'{intended} [{suffixed[1]}]'"
     bench_degrees = channel(intended).quantity == "angle" and name in channel(intended).bench
-    return (
-        f"{intended} (rad; 'alpha [deg]' declares degrees)".replace("alpha", intended)
-        if bench_degrees
-        else intended
-    )
+    return f"{intended} (rad; 'alpha [deg]' declares degrees)".replace("alpha", intended) if bench_degrees else intended
 
 
 def channels_in_si(

@@ -43,9 +43,7 @@ def read_csv_table(path: Path, signs: str) -> Recording:
     skipped, header, separator = _header(path)
     columns = parse_header(header, source)
     # Channels stay text here: their cells become numbers where a wrong one can be named, to the last bit.
-    as_text: dict[Hashable, str] = {
-        number: "str" for number, column in enumerate(columns) if column.name in CHANNELS
-    }
+    as_text: dict[Hashable, str] = {number: "str" for number, column in enumerate(columns) if column.name in CHANNELS}
     table = _body(path, skipped, len(header), separator, as_text)
     # A separator at the end of each line leaves a column without name and content.
     empty = [
@@ -69,9 +67,7 @@ def _header(path: Path) -> tuple[int, list[str], str]:
     raise DataError(f"{path}: the file is empty")
 
 
-def _body(
-    path: Path, skipped: int, width: int, separator: str, as_text: Mapping[Hashable, str]
-) -> pd.DataFrame:
+def _body(path: Path, skipped: int, width: int, separator: str, as_text: Mapping[Hashable, str]) -> pd.DataFrame:
     with warnings.catch_warnings():
         # pandas only warns where it drops the surplus cells of a row.
         warnings.simplefilter("error", pd.errors.ParserWarning)

@@ -181,9 +181,7 @@ class Noise:
         return np.asarray(np.round(recorded / part.step) * part.step if part.step else recorded)
 
 
-def correlated(
-    t: NDArray[np.float64], correlation_time: float, rng: np.random.Generator
-) -> NDArray[np.float64]:
+def correlated(t: NDArray[np.float64], correlation_time: float, rng: np.random.Generator) -> NDArray[np.float64]:
     """Return first-order autoregressive noise of standard deviation 1 at the given times.
 
     Parameters

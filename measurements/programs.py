@@ -59,9 +59,7 @@ class Program:
             raise DataError(f"program {self.name}: no rows, or no column t")
         strangers = [str(name) for name in self.table if name not in INPUTS]
         if strangers:
-            raise DataError(
-                f"program {self.name}: {strangers[0]!r} is no input: known are {', '.join(INPUTS)}"
-            )
+            raise DataError(f"program {self.name}: {strangers[0]!r} is no input: known are {', '.join(INPUTS)}")
         if not np.isfinite(self.table.to_numpy(dtype=np.float64)).all():
             raise DataError(f"program {self.name}: an input is NaN or infinite")
         if not (np.diff(self.table["t"]) > 0.0).all():
@@ -307,9 +305,7 @@ def _triangle(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Clock and values of one sweep 0, high, low, 0."""
     if not (low <= 0.0 <= high and low < high and rate > 0.0 and sample_rate > 0.0):
-        raise DataError(
-            f"a sweep needs lowest <= 0 <= highest, a rate and a sample rate: {low}, {high}, {rate}"
-        )
+        raise DataError(f"a sweep needs lowest <= 0 <= highest, a rate and a sample rate: {low}, {high}, {rate}")
     corners = np.array([0.0, high, low, 0.0])
     times = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(corners)))]) / rate
     # Rounded, for the last row is wanted though the division ends an ulp short of a whole number.
@@ -321,8 +317,7 @@ def _triangle(
 def _in_sequence(name: str, clock: NDArray[np.float64], sweeps: Iterable[_Imposed]) -> Program:
     """Return the sweeps one after the other, with pauses that are not logged."""
     tables = [
-        pd.DataFrame({"t": clock + number * (clock[-1] + PAUSE), **imposed})
-        for number, imposed in enumerate(sweeps)
+        pd.DataFrame({"t": clock + number * (clock[-1] + PAUSE), **imposed}) for number, imposed in enumerate(sweeps)
     ]
     if not tables:
         raise DataError(f"program {name}: no loads, no cambers or no slip angles")

@@ -100,11 +100,7 @@ class Recording:
         found = tuple(name for name in OUTPUTS if name in self.table and self.table[name].notna().any())
         if not found:
             similar = [(str(column), intended_channel(str(column))) for column in self.table.columns]
-            hints = [
-                f"is column {column!r} {name}?"
-                for column, name in similar
-                if name in OUTPUTS and column != name
-            ]
+            hints = [f"is column {column!r} {name}?" for column, name in similar if name in OUTPUTS and column != name]
             hint = ": " + " ".join(hints) if hints else ""
             raise DataError(f"{self.source}: no measured output ({', '.join(OUTPUTS)}){hint}")
         return found

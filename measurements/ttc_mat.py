@@ -57,9 +57,7 @@ def read_ttc_mat(path: Path, signs: str) -> Recording:
     vectors = {
         name.casefold(): np.ravel(value).astype(np.float64)
         for name, value in fields.items()
-        if isinstance(value, np.ndarray)
-        and value.dtype.kind in "fiu"
-        and value.size == max(value.shape, default=1)
+        if isinstance(value, np.ndarray) and value.dtype.kind in "fiu" and value.size == max(value.shape, default=1)
     }
     _check_present(vectors, list(fields), source)
     units, about = _units(path, fields)
@@ -91,9 +89,7 @@ def _check_present(vectors: Mapping[str, np.ndarray], fields: list[str], source:
             hint = " (SR is another slip, not zero where FX is)" if name == "SL" and "SR" in fields else ""
             # A channel that was found as itself is no misspelling of the missing one.
             others = [field for field in fields if field not in by_bench_name and field != "SR"]
-            raise DataError(
-                f"{source}: no channel {name} ({by_bench_name[name].name}){hint or nearest(name, others)}"
-            )
+            raise DataError(f"{source}: no channel {name} ({by_bench_name[name].name}){hint or nearest(name, others)}")
     if not any(name.casefold() in vectors for output in OUTPUTS for name in CHANNELS[output].bench):
         raise DataError(f"{source}: no channel FX, FY, MZ, MX or MY: nothing was measured")
 
@@ -105,9 +101,7 @@ def _units(path: Path, fields: Mapping[str, Any]) -> tuple[dict[str, str], dict[
         names, spelled = (np.ravel(getattr(cell, part, np.empty(0))) for part in ("name", "units"))
         units |= {_text(name).casefold(): _text(unit) for name, unit in zip(names, spelled, strict=False)}
     if units:
-        declared = " ".join(
-            card.name for card in CHANNELS.values() if {b.casefold() for b in card.bench} & set(units)
-        )
+        declared = " ".join(card.name for card in CHANNELS.values() if {b.casefold() for b in card.bench} & set(units))
         return units, {"units": "declared in the file", "declared": declared}
     uscs = re.match(r"[Aa]\d", path.name) is not None
     assumed = _USCS if uscs else _SI

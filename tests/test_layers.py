@@ -53,9 +53,7 @@ def imported(tree: ast.Module, package: str) -> Iterator[tuple[int, str, bool | 
             values = [part.value for part in ast.walk(node) if isinstance(part, ast.Constant)]
             texts = [value for value in values if isinstance(value, str)]
             # The text, or what an f-string starts with; a name worked out elsewhere cannot be read here.
-            yield from (
-                (node.lineno, text.rstrip("."), None) for text in texts[:1] if not text.startswith(".")
-            )
+            yield from ((node.lineno, text.rstrip("."), None) for text in texts[:1] if not text.startswith("."))
 
 
 def room_of(name: str) -> str:
@@ -97,9 +95,7 @@ def complaints(path: str, source: str) -> list[str]:
 
 def python_files() -> list[str]:
     folders = [*MAY_IMPORT, "tests"]
-    return sorted(
-        path.relative_to(ROOT).as_posix() for folder in folders for path in (ROOT / folder).rglob("*.py")
-    )
+    return sorted(path.relative_to(ROOT).as_posix() for folder in folders for path in (ROOT / folder).rglob("*.py"))
 
 
 def test_every_room_keeps_to_its_walls():

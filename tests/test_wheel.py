@@ -22,11 +22,7 @@ ROOMS = PROJECT["tool"]["setuptools"]["package-dir"]
 def on_disk(folder: Path) -> set[Path]:
     """Return the files below a folder, relative to it, without what running and editing leave behind."""
     found = {path.relative_to(folder) for path in folder.rglob("*") if path.is_file()}
-    return {
-        path
-        for path in found
-        if not any(part == "__pycache__" or part.startswith(".") for part in path.parts)
-    }
+    return {path for path in found if not any(part == "__pycache__" or part.startswith(".") for part in path.parts)}
 
 
 def test_wheel_is_what_lies_in_the_rooms(tmp_path):
@@ -37,9 +33,7 @@ def test_wheel_is_what_lies_in_the_rooms(tmp_path):
     for name in ("pyproject.toml", PROJECT["project"]["readme"], *PROJECT["project"]["license-files"]):
         shutil.copy(ROOT / name, source / name)
     command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--no-index"]
-    built = subprocess.run(
-        [*command, "--wheel-dir", tmp_path, source], capture_output=True, text=True, check=False
-    )
+    built = subprocess.run([*command, "--wheel-dir", tmp_path, source], capture_output=True, text=True, check=False)
     assert built.returncode == 0, built.stdout + built.stderr
 
     (wheel,) = tmp_path.glob("*.whl")
@@ -49,7 +43,5 @@ def test_wheel_is_what_lies_in_the_rooms(tmp_path):
         for package, folder in ROOMS.items()
         for path in on_disk(ROOT / folder)
     }
-    assert sorted(expected - packed) == [], (
-        "lies in a room, but is not in the wheel: list it in pyproject.toml"
-    )
+    assert sorted(expected - packed) == [], "lies in a room, but is not in the wheel: list it in pyproject.toml"
     assert sorted(packed - expected) == [], "is in the wheel, but lies in no room"

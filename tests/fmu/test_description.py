@@ -59,8 +59,7 @@ def test_limits_are_mirrored_with_the_signs():
 def test_names_and_units(described):
     tire, description = described
     by_cause = {
-        cause: [v.name for v in description.modelVariables if v.causality == cause]
-        for cause in ("input", "output")
+        cause: [v.name for v in description.modelVariables if v.causality == cause] for cause in ("input", "output")
     }
     assert by_cause == {"input": list(tire.inputs), "output": list(tire.outputs)}
     units = {v.name: v.unit for v in description.modelVariables}

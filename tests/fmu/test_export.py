@@ -43,9 +43,7 @@ def test_contents(fmus, fmi, tire):
         infos = archive.infolist()
     assert names == sorted(names)
     assert {info.date_time for info in infos} == {(1980, 1, 1, 0, 0, 0)}
-    assert {"modelDescription.xml", "resources/tire.tir", "sources/model_config.h", "sources/mf96.c"} <= set(
-        names
-    )
+    assert {"modelDescription.xml", "resources/tire.tir", "sources/model_config.h", "sources/mf96.c"} <= set(names)
     assert ("sources/buildDescription.xml" in names) == (fmi == 3)
     assert not any(Path(name).name.startswith("fmi") and name.endswith(".h") for name in names)
     assert "Redistributions in binary form must reproduce" in notice

@@ -343,9 +343,7 @@ def test_directional_derivatives_are_linear_in_the_seed(running):
     assert np.all(together != 0.0)
 
 
-@pytest.mark.parametrize(
-    ("unknowns", "knowns"), [(["kappa"], ["kappa"]), (["Fx"], ["Fy"]), (["Fx"], [4_000_000_000])]
-)
+@pytest.mark.parametrize(("unknowns", "knowns"), [(["kappa"], ["kappa"]), (["Fx"], ["Fy"]), (["Fx"], [4_000_000_000])])
 def test_derivatives_are_of_outputs_by_what_can_be_set(running, unknowns, knowns):
     assert running.derivative(unknowns, knowns, [1.0])[0] == ERROR
     assert running.log

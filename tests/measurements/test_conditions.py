@@ -64,9 +64,7 @@ def test_levels_do_not_depend_on_order_and_move_with_the_data(order, shift):
     found = levels(values, tolerance=4.0)
     assert len(found) == 2
     assert levels(values[list(order)], tolerance=4.0) == found
-    assert levels(values + shift, tolerance=4.0) == pytest.approx(
-        [level + shift for level in found], abs=1e-6
-    )
+    assert levels(values + shift, tolerance=4.0) == pytest.approx([level + shift for level in found], abs=1e-6)
 
 
 def test_the_way_between_two_levels_is_none():

@@ -52,9 +52,7 @@ def test_separators_comments_blank_lines_and_marks(written, separator):
 
 
 def test_declared_units(written):
-    path = written(
-        "alpha [deg],Fz [kN],p [kPa],V [km/h],T [deg F],kappa [%],lap [m]\n90,1.5,83,36,212,10,7\n"
-    )
+    path = written("alpha [deg],Fz [kN],p [kPa],V [km/h],T [deg F],kappa [%],lap [m]\n90,1.5,83,36,212,10,7\n")
     recording = read_recording(path)
     expected = {
         "alpha": np.pi / 2,
@@ -150,9 +148,7 @@ def test_parquet_is_checked_like_csv(tmp_path):
     assert "row 2: column alpha: 'x' is not a number" in complaint(str(path))
     pd.DataFrame({"alpha": [True, False]}).to_parquet(path)
     assert "row 1: column alpha: 'True' is not a number" in complaint(str(path))
-    pd.DataFrame(
-        {"Fz": pd.array([900, 901], dtype="Int64"), "Fy": pd.array([1, None], dtype="Int64")}
-    ).to_parquet(path)
+    pd.DataFrame({"Fz": pd.array([900, 901], dtype="Int64"), "Fy": pd.array([1, None], dtype="Int64")}).to_parquet(path)
     assert np.isnan(read_recording(path).table["Fy"].iloc[1])
 
 

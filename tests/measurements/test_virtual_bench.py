@@ -42,9 +42,7 @@ class BrushedTire:
         inputs = pd.DataFrame({"kappa": kappa, "alpha": alpha, "gamma": gamma, "Fz": Fz})
         iso = convert_signs(inputs, self.signs, "iso")
         side = -1.4 * iso["Fz"] * np.tanh(12.0 * (iso["alpha"] + 0.05 * iso["gamma"]))
-        outputs = pd.DataFrame(
-            {"Fx": 1.5 * iso["Fz"] * np.tanh(15.0 * iso["kappa"]), "Fy": side, "Mz": -0.02 * side}
-        )
+        outputs = pd.DataFrame({"Fx": 1.5 * iso["Fz"] * np.tanh(15.0 * iso["kappa"]), "Fy": side, "Mz": -0.02 * side})
         turned = convert_signs(outputs, "iso", self.signs)
         return {name: turned[name].to_numpy() for name in turned}
 
@@ -128,9 +126,7 @@ def test_offset_and_drift_over_many_recordings():
     t = np.linspace(0.0, 900.0, 400)
     noise = Noise({"Mz": ChannelNoise(offset=2.0, drift=0.5)}, drift_period=900.0)
     errors = np.array([noise.record("Mz", 0.0 * t, t, np.random.default_rng(seed)) for seed in range(3000)])
-    assert errors.mean(axis=1).std() == pytest.approx(
-        2.0, rel=0.05
-    )  # the swing's mean is zero over its period
+    assert errors.mean(axis=1).std() == pytest.approx(2.0, rel=0.05)  # the swing's mean is zero over its period
     swings = errors - errors.mean(axis=1, keepdims=True)
     assert np.sqrt((swings**2).mean()) == pytest.approx(0.5, rel=0.05)
 
@@ -171,9 +167,7 @@ def test_bad_noise_and_tires():
 def test_trento_levels_are_found_in_a_noisy_recording():
     table = VirtualBench(BrushedTire()).run(trento_program()).table
     assert levels(table["Fz"]) == pytest.approx([220, 440, 700, 900, 1120], rel=0.03)
-    assert np.degrees(levels(table["gamma"], tolerance=radians(0.2))) == pytest.approx(
-        [0, 1, 2, 3, 4], abs=0.1
-    )
+    assert np.degrees(levels(table["gamma"], tolerance=radians(0.2))) == pytest.approx([0, 1, 2, 3, 4], abs=0.1)
     braking = table[table["kappa"].abs() > 0.05]
     assert np.degrees(levels(braking["alpha"])) == pytest.approx([0, 3, 6], abs=0.1)
 

@@ -1,0 +1,8 @@
+"""Fitting a tire to measurements under physical constraints, by CasADi and IPOPT."""
+
+from .figures import draw_figures
+from .fit import fit
+from .recipe import RECIPES, load_recipe
+from .result import FitResult
+
+__all__ = ["RECIPES", "FitResult", "draw_figures", "fit", "load_recipe"]

@@ -1,0 +1,308 @@
+"""Data and tire side by side: rows grouped by the levels that a bench held, and the tire's curve through each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import radians
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.measurements import OUTPUTS, Recording, levels, usual_tolerance
+from tirefmu.symbolic.errors import FitError
+from tirefmu.tires.signs import convert_signs
+from tirefmu.tires.tire import Tire
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Half the width of the window in which a slope at zero slip is read: wide enough to average ripple and the
+#: jitter of the slip, narrow enough for a cubic to follow the curve.
+SLOPE_WINDOW = {"kappa": 0.04, "alpha": radians(2.0)}
+_FEWEST = 12  # rows from which a slope is read
+_POINTS = 301  # of a curve
+_UPRIGHT = 0.2  # of a tolerance: a held camber nearer to zero than this was meant to be zero
+
+
+@dataclass(frozen=True)
+class Group:
+    """Rows at one level of a held channel (its median in them), with measured and computed columns."""
+
+    level: float
+    rows: pd.DataFrame
+
+
+@dataclass(frozen=True)
+class Family:
+    """Groups whose curves belong into one picture.
+
+    Attributes
+    ----------
+    channel, slip, by : str
+        What is drawn over which slip, with one curve for each level of which channel.
+    groups : tuple of Group
+        From the smallest level to the largest, by magnitude.
+    held : dict of str to float
+        The levels that all groups share.
+    """
+
+    channel: str
+    slip: str
+    by: str
+    groups: tuple[Group, ...]
+    held: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Recordings and a tire, row by row in one convention.
+
+    Attributes
+    ----------
+    tire : Tire
+    signs : str
+        That of the recordings, or iso where they differ.
+    sources : tuple of str
+    table : pandas.DataFrame
+        Inputs (nominal where not recorded), measured outputs, the tire's as ``Fx_fit`` and so on,
+        ``recording`` (its number), ``lateral`` (row of a sweep of alpha at kappa 0) and ``longitudinal``
+        (row of a sweep of kappa).
+    """
+
+    tire: Tire
+    signs: str
+    sources: tuple[str, ...]
+    table: pd.DataFrame
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """The measured outputs that the tire computes."""
+        return tuple(name for name in OUTPUTS if f"{name}_fit" in self.table)
+
+    def tolerance(self, channel: str) -> float:
+        """Return how far a held channel wanders."""
+        return usual_tolerance(self.table[channel], channel)
+
+    def pure(self, channel: str, slip: str) -> list[Family]:
+        """Return the families of a pure slip: per load without camber, per camber next to the nominal load."""
+        rows = self._measured(channel, "lateral" if slip == "alpha" else "longitudinal")
+        if slip == "kappa":
+            rows = self._near(rows, "alpha", 0.0)
+        if rows.empty:
+            return []
+        camber, load = self._smallest(rows, "gamma"), self._reference_load(rows)
+        upright, loaded = self._near(rows, "gamma", camber), self._near(rows, "Fz", load)
+        per_load = Family(channel, slip, "Fz", self.groups(upright, "Fz"), {"gamma": camber})
+        per_camber = Family(channel, slip, "gamma", self.groups(loaded, "gamma"), {"Fz": load})
+        return [per_load, per_camber] if len(per_camber.groups) > 1 else [per_load]
+
+    def combined(self) -> list[Family]:
+        """Return the families of combined slip over kappa; none without a held slip angle other than zero.
+
+        Fx and Fy per slip angle at one load, without camber; Fy per load and per camber at the largest angle.
+        """
+        families = []
+        for channel in [name for name in ("Fx", "Fy") if name in self.channels]:
+            rows = self._measured(channel, "longitudinal")
+            if rows.empty:
+                continue
+            camber, load, angle = (
+                self._smallest(rows, "gamma"),
+                self._reference_load(rows),
+                max(self._levels(rows, "alpha"), key=abs),
+            )
+            upright, loaded = self._near(rows, "gamma", camber), self._near(rows, "Fz", load)
+            angles = self.groups(self._near(upright, "Fz", load), "alpha")
+            if abs(angle) <= self.tolerance("alpha"):
+                continue
+            families.append(Family(channel, "kappa", "alpha", angles, {"Fz": load, "gamma": camber}))
+            if channel == "Fy":
+                loads = self.groups(self._near(upright, "alpha", angle), "Fz")
+                cambers = self.groups(self._near(loaded, "alpha", angle), "gamma")
+                families.append(Family(channel, "kappa", "Fz", loads, {"alpha": angle, "gamma": camber}))
+                if len(cambers) > 1:
+                    families.append(Family(channel, "kappa", "gamma", cambers, {"alpha": angle, "Fz": load}))
+        return [family for family in families if family.groups]
+
+    def groups(self, rows: pd.DataFrame, channel: str) -> tuple[Group, ...]:
+        """Return the rows near each level of a channel, from the smallest magnitude to the largest."""
+        found = np.array(sorted(self._levels(rows, channel), key=abs))
+        if not len(found):
+            return ()
+        distance = np.abs(rows[channel].to_numpy()[:, None] - found)
+        nearest, near = distance.argmin(axis=1), distance.min(axis=1) <= self.tolerance(channel)
+        parts = [(level, rows[near & (nearest == number)]) for number, level in enumerate(found.tolist())]
+        return tuple(Group(level, part) for level, part in parts if len(part))
+
+    def curve(self, group: Group, slip: str, tire: Tire | None = None) -> pd.DataFrame:
+        """Return the tire evaluated over a slip, the other inputs at their medians in the group.
+
+        Parameters
+        ----------
+        group : Group
+        slip : {"kappa", "alpha"}
+            Runs over the group's range, on a grid that holds zero where the group does.
+        tire : Tire, optional
+            Another than the compared one.
+
+        Returns
+        -------
+        pandas.DataFrame
+            As `Tire.evaluate`, in the comparison's signs.
+        """
+        low, high = float(group.rows[slip].min()), float(group.rows[slip].max())
+        grid = np.linspace(low, high, _POINTS)
+        if low < 0.0 < high:
+            grid = np.unique(np.append(grid, 0.0))
+        return self.along(group.rows, slip, grid, tire)
+
+    def along(self, rows: pd.DataFrame, channel: str, values: FloatArray, tire: Tire | None = None) -> pd.DataFrame:
+        """Return the tire evaluated at values of one input, the others at their medians in the rows.
+
+        A camber that differs from zero by no more than a sensor's offset is taken for zero: formulas with
+        sign(gamma) jump there.
+        """
+        names = [name for name in ("kappa", "alpha", "gamma", "Fz", *self.tire.inputs) if name != channel]
+        held = {name: float(rows[name].median()) for name in dict.fromkeys(names)}
+        if "gamma" in held and abs(held["gamma"]) <= _UPRIGHT * self.tolerance("gamma"):
+            held["gamma"] = 0.0
+        table = pd.DataFrame({channel: values}).assign(**held)
+        return (tire or self.tire).evaluate(table, signs=self.signs)
+
+    def slopes_at_zero(self, family: Family) -> list[tuple[float, float]]:
+        """Return magnitudes of load and of the measured rows' slope at zero slip, group by group."""
+        read = []
+        for group in family.groups:
+            slip, force = (group.rows[name].to_numpy(dtype=float) for name in (family.slip, family.channel))
+            slope = slope_at_zero(slip, force, SLOPE_WINDOW[family.slip])
+            if np.isfinite(slope):
+                read.append((abs(group.level), abs(slope)))
+        return read
+
+    def _measured(self, channel: str, sweep: str) -> pd.DataFrame:
+        """Rows of a kind of sweep in which a channel was measured."""
+        if channel not in self.channels:
+            return self.table[:0]
+        return self.table[self.table[sweep] & self.table[channel].notna()]
+
+    def _near(self, rows: pd.DataFrame, channel: str, value: float) -> pd.DataFrame:
+        return rows[(rows[channel] - value).abs() <= self.tolerance(channel)]
+
+    def _levels(self, rows: pd.DataFrame, channel: str) -> list[float]:
+        """Levels of a channel; where it was swept, five of its quantiles stand for them."""
+        # A sweep of alpha passes every slip angle while kappa rests at zero; it must not hide the held ones.
+        moving = rows[rows["kappa"].abs() > self.tolerance("kappa")] if channel == "alpha" else rows
+        values = (moving if len(moving) else rows)[channel]
+        found = levels(values, tolerance=self.tolerance(channel) or None)
+        return found or np.quantile(values, (0.1, 0.3, 0.5, 0.7, 0.9)).tolist()
+
+    def _smallest(self, rows: pd.DataFrame, channel: str) -> float:
+        return min(self._levels(rows, channel), key=abs)
+
+    def _reference_load(self, rows: pd.DataFrame) -> float:
+        return min(self._levels(rows, "Fz"), key=lambda load: abs(abs(load) - self.tire.values["FNOMIN"]))
+
+
+def compare(tire: Tire, recordings: Sequence[Recording]) -> Comparison:
+    """Put recordings into one table and the tire's outputs beside the measured ones.
+
+    Parameters
+    ----------
+    tire : Tire
+    recordings : sequence of Recording
+        Of any signs.
+
+    Returns
+    -------
+    Comparison
+        In the signs of the recordings, or in iso where they differ.
+
+    Raises
+    ------
+    FitError
+        If there is no recording.
+    DataError
+        If one has no measured output.
+
+    Examples
+    --------
+    >>> from tirefmu.measurements import VirtualBench, alpha_sweeps
+    >>> from tirefmu.tires import published
+    >>> tire = published("trento_hoosier")
+    >>> comparison = compare(tire, [VirtualBench(tire).run(alpha_sweeps([220.0, 700.0]))])
+    >>> [(family.by, len(family.groups)) for family in comparison.pure("Fy", "alpha")]
+    [('Fz', 2)]
+    """
+    if not recordings:
+        raise FitError("no recording to compare the tire with")
+    conventions = {recording.signs for recording in recordings}
+    signs = conventions.pop() if len(conventions) == 1 else "iso"
+    tables = []
+    for number, recording in enumerate(recordings):
+        recording.measured()  # refuses a recording without outputs
+        table = recording.with_signs("iso").table
+        absent = {name: tire.nominal(name) for name in tire.inputs if name not in table}
+        table = convert_signs(table.assign(**absent), "iso", signs)
+        tables.append(table.assign(recording=number, **_sweeps(recording, table)))
+    data = pd.concat(tables, ignore_index=True)
+    computed = tire.evaluate(data, signs=signs)
+    fits = {
+        f"{name}_fit": computed[name]
+        for name in OUTPUTS
+        if name in tire.outputs and name in data and data[name].notna().any()
+    }
+    return Comparison(tire, signs, tuple(recording.source for recording in recordings), data.assign(**fits))
+
+
+def _sweeps(recording: Recording, table: pd.DataFrame) -> dict[str, npt.NDArray[np.bool_]]:
+    """Tell for each row whether alpha, and whether kappa, was swept there."""
+    swept = {name: np.zeros(len(table), dtype=np.bool_) for name in ("alpha", "kappa")}
+    for rows in recording.segments():
+        for name, marks in swept.items():
+            values = table[name].to_numpy(dtype=float)[rows]
+            marks[rows] = np.ptp(values) > 4.0 * usual_tolerance(values, name)
+    rolling = table["kappa"].abs().to_numpy() <= usual_tolerance(table["kappa"], "kappa")
+    return {"lateral": swept["alpha"] & rolling, "longitudinal": swept["kappa"]}
+
+
+def slope_at_zero(slip: FloatArray, force: FloatArray, window: float) -> float:
+    """Read the slope of measured points at zero slip, without a tire model.
+
+    A cubic is fitted to the points in the window, those near zero counting more (tricube) and outliers less
+    (Huber): local regression after Cleveland, J. Am. Stat. Assoc. 74 (1979).
+
+    Parameters
+    ----------
+    slip, force : ndarray, shape (n,)
+        NaN is left out.
+    window : float
+        Half width, in the unit of the slip.
+
+    Returns
+    -------
+    float
+        NaN where the points do not surround zero, or are fewer than 12.
+
+    Examples
+    --------
+    >>> slip = np.linspace(-1.0, 1.0, 201)
+    >>> round(slope_at_zero(slip, np.sin(3.0 * slip), 0.3), 2)
+    3.0
+    """
+    inside = np.isfinite(slip) & np.isfinite(force) & (np.abs(slip) < window)
+    x, y = slip[inside] / window, force[inside]
+    if len(x) < _FEWEST or x.min() > -0.5 or x.max() < 0.5:
+        return float("nan")
+    powers = x[:, None] ** np.arange(4)
+    tricube = (1.0 - np.abs(x) ** 3) ** 3
+    weight = tricube
+    slope = 0.0
+    for _ in range(20):
+        root = np.sqrt(weight)
+        coefficients = np.linalg.lstsq(powers * root[:, None], y * root, rcond=None)[0]
+        slope, residual = float(coefficients[1]), np.abs(y - powers @ coefficients)
+        knee = 1.345 * 1.4826 * float(np.median(residual))
+        # Where half of the points are met exactly there is nothing left to weigh down.
+        weight = tricube * np.minimum(1.0, knee / np.maximum(residual, knee)) if knee > 0.0 else tricube
+    return slope / window

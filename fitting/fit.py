@@ -1,0 +1,162 @@
+"""From recordings to a tire: the data made ready, the recipe's stages solved one after another, the result told."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Collection, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from tirefmu.measurements import INPUTS, OUTPUTS, Recording, check_plausible, read_recording
+from tirefmu.symbolic import model as book_of
+from tirefmu.symbolic.errors import DataError, FitError, UnknownName
+from tirefmu.symbolic.model import Model
+from tirefmu.tires.tire import Tire
+
+from .recipe import load_recipe
+from .result import FitResult
+from .session import Progress, Session
+
+#: What --nominal may name, and the coefficient that it sets.
+NOMINAL = {"Fz0": "FNOMIN", "R0": "UNLOADED_RADIUS", "p0": "NOMPRES", "V0": "LONGVL"}
+#: The slip without whose variation a force channel tells nothing of the tire, and how much it has to vary.
+EXCITED_BY = {"Fx": ("kappa", 0.01), "Fy": ("alpha", 0.01), "Mz": ("alpha", 0.01)}
+
+
+def fit(
+    tables: Sequence[str | Path | Recording],
+    model: str = "mf96",
+    *,
+    start: Tire | None = None,
+    effects: Collection[str] | None = None,
+    without: Collection[str] = (),
+    recipe: str = "joint",
+    nominal: Mapping[str, float] | None = None,
+    signs: str | None = None,
+    progress: Progress | None = None,
+) -> FitResult:
+    """Fit a tire to recordings of a test bench.
+
+    Parameters
+    ----------
+    tables : sequence of path or Recording
+        Together they are the data; each may have its own signs.
+    model : str
+    start : Tire, optional
+        Values to start from; generic ones where None.
+    effects : collection of str, optional
+        Exactly these effects on top of the model's core; all of the model where None.
+    without : collection of str
+        Effects to leave out.
+    recipe : str
+        "joint", "trento" or the path of a TOML file.
+    nominal : mapping of str to float, optional
+        Fz0 (N), R0 (m), p0 (Pa), V0 (m/s), as far as the model has them; the median load and 0.3 m where not
+        given.
+    signs : str, optional
+        Convention of the files, where it is not the format's default.
+    progress : callable, optional
+        Called with stage, iteration and cost.
+
+    Returns
+    -------
+    FitResult
+        Also where the solver did not converge: `FitResult.ok` says so.
+
+    Raises
+    ------
+    UnknownName, DataError, FitError
+        If something that was asked for does not exist or does not fit together.
+    """
+    began = time.perf_counter()
+    book = book_of(model)
+    plan = load_recipe(recipe, model)
+    recordings = [_ready(table, signs) for table in tables]
+    if not recordings:
+        raise FitError("no table to fit")
+    present = _effects(book, start, effects, without)
+    data, notes = _together(recordings, book)
+    tire = _starting_tire(book, present, start, data, nominal or {}, notes)
+    session = Session(book, tire, data, plan, progress, notes, given=start is not None)
+    for stage in plan.stages:
+        session.run(stage)
+    told = "iso" if all(recording.signs == "iso" for recording in recordings) else "adapted-sae"
+    return session.result(recordings, told, time.perf_counter() - began)
+
+
+def _ready(table: str | Path | Recording, signs: str | None) -> Recording:
+    recording = table if isinstance(table, Recording) else read_recording(table, signs=signs)
+    _check_numbers(recording)
+    check_plausible(recording)
+    recording.measured()  # says which column a misnamed channel may be
+    return recording
+
+
+def _check_numbers(recording: Recording) -> None:
+    """Refuse what only a table made in memory can have; files are checked when they are read."""
+    if not len(recording):
+        raise DataError(f"{recording.source}: no rows")
+    for name in (*INPUTS, *OUTPUTS):
+        values = recording.table[name].to_numpy(dtype=float) if name in recording.table else np.zeros(0)
+        bad = np.flatnonzero(np.isinf(values) if name in OUTPUTS else ~np.isfinite(values))
+        if bad.size:
+            raise DataError(f"{recording.source}: row {bad[0] + 1}: {name} is {values[bad[0]]}")
+
+
+def _effects(
+    book: Model, start: Tire | None, effects: Collection[str] | None, without: Collection[str]
+) -> frozenset[str]:
+    given = start.has if effects is None and start is not None else effects
+    return (frozenset(book.effects) if given is None else book.known_effects(given)) - book.known_effects(without)
+
+
+def _together(recordings: Sequence[Recording], book: Model) -> tuple[pd.DataFrame, list[str]]:
+    """Put the recordings into one table in adapted SAE; take out channels whose slip a recording does not vary."""
+    tables, notes = [], []
+    outputs = [quantity.name for quantity in book.outputs]
+    for number, recording in enumerate(recordings):
+        table = recording.with_signs("adapted-sae").table
+        for channel in (name for name in outputs if name in table):
+            slip, least = EXCITED_BY[channel]
+            if slip not in table or np.ptp(table[slip].to_numpy()) < least:
+                table = table.assign(**{channel: np.nan})
+                notes.append(f"{recording.source}: {channel} is not fitted, {slip} does not vary there")
+        tables.append(table.assign(recording=number))
+    data = pd.concat(tables, ignore_index=True)
+    if not any(name in data and data[name].notna().any() for name in outputs):
+        raise FitError(f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit")
+    return data, notes
+
+
+def _starting_tire(
+    book: Model,
+    present: frozenset[str],
+    start: Tire | None,
+    data: pd.DataFrame,
+    nominal: Mapping[str, float],
+    notes: list[str],
+) -> Tire:
+    for name in nominal:
+        if name not in NOMINAL:
+            raise UnknownName("nominal value", name, NOMINAL)
+        if not nominal[name] > 0:
+            raise FitError(f"nominal {name} = {nominal[name]:g} is not positive")
+        if NOMINAL[name] not in book.coefficients:
+            notes.append(f"nominal {name} has no place in {book.name}")
+    given = {NOMINAL[name]: value for name, value in nominal.items() if NOMINAL[name] in book.coefficients}
+    if start is not None:
+        if start.model != book.name:
+            raise FitError(f"the start tire is {start.model}, not {book.name}")
+        values = {**start.in_signs("adapted-sae").values, **given}
+        return Tire(book.name, values, effects=present, signs="adapted-sae", name=start.name, about=start.about)
+    load = float(f"{data['Fz'].median():.2g}") if "Fz" in data else float("nan")
+    if "FNOMIN" not in given and not load > 0:
+        raise FitError("no load Fz in the data: say --nominal Fz0=...")
+    if "FNOMIN" not in given:
+        notes.append(f"nominal load not given: the median load, {load:g} N")
+    if "UNLOADED_RADIUS" not in given:
+        notes.append("radius R0 not given: 0.3 m (it only scales the moment coefficients)")
+    values = {"FNOMIN": load, "UNLOADED_RADIUS": 0.3, **given}
+    return Tire(book.name, values, effects=present, signs="adapted-sae")

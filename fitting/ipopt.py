@@ -1,0 +1,264 @@
+"""IPOPT through CasADi: our cost with exact gradient and Gauss-Newton Hessian, the book's constraints with AD.
+
+The cost comes from compiled code over all rows, so CasADi sees it as a callback; the constraints are
+expressions of the generated CasADi functions, differentiated exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+from threadpoolctl import threadpool_limits
+
+from .constraints import Constraint
+from .problem import Problem
+
+FloatArray = npt.NDArray[np.float64]
+#: The cost is about 1 at the start and 0.001 at the end; IPOPT's barrier is made for larger numbers.
+OBJECTIVE_SCALE = 1e3
+#: Levenberg-Marquardt: what is added to the Gauss-Newton matrix, in scaled coefficients, and how it follows success.
+DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-5, 1.0
+DAMPING_UP, DAMPING_DOWN = 10.0, 0.5
+#: A fit has converged when this many iterations have brought the best cost within the constraints down by less than
+#: this share of it, and how far a constrained quantity may miss its bound at a point that counts.
+PATIENCE, LEAST_GAIN, FEASIBLE = 10, 1e-5, 1e-6
+#: Called with (iteration, cost) as the solver goes on.
+Progress = Callable[[int, float], None]
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What IPOPT came back with.
+
+    Attributes
+    ----------
+    x : ndarray, shape (n_free,)
+        Scaled free values.
+    cost : float
+    iterations : int
+    converged : bool
+    reason : str
+        IPOPT's own word for why it stopped.
+    """
+
+    x: FloatArray
+    cost: float
+    iterations: int
+    converged: bool
+    reason: str
+
+
+class _Numeric(ca.Callback):  # type: ignore[misc]
+    """A CasADi function whose values a Python function computes."""
+
+    def __init__(self, name: str, compute: Callable[..., list[Any]], into: list[Any], out: list[Any]) -> None:
+        ca.Callback.__init__(self)
+        self._compute, self._into, self._out = compute, into, out
+        self.construct(name, {})
+
+    def get_n_in(self) -> int:
+        return len(self._into)
+
+    def get_n_out(self) -> int:
+        return len(self._out)
+
+    def get_sparsity_in(self, i: int) -> Any:
+        return self._into[i]
+
+    def get_sparsity_out(self, i: int) -> Any:
+        return self._out[i]
+
+    def eval(self, arguments: list[Any]) -> list[Any]:
+        return self._compute(*(np.array(argument, dtype=float) for argument in arguments))
+
+
+class _Watch(ca.Callback):  # type: ignore[misc]
+    """Keep the best point within the constraints, and stop when there is nothing more to gain."""
+
+    def __init__(self, n: int, low: FloatArray, high: FloatArray) -> None:
+        ca.Callback.__init__(self)
+        self._n, self._low, self._high = n, low, high
+        self._costs: list[float] = []  # the best cost after each iteration
+        self.x: FloatArray | None = None
+        self.settled = False
+        self.construct("watch", {})
+
+    def get_n_in(self) -> int:
+        return int(ca.nlpsol_n_out())
+
+    def get_n_out(self) -> int:
+        return 1
+
+    def get_name_in(self, i: int) -> str:
+        return str(ca.nlpsol_out(i))
+
+    def get_sparsity_in(self, i: int) -> Any:
+        sizes = {"f": 1, "x": self._n, "lam_x": self._n, "g": len(self._low), "lam_g": len(self._low)}
+        name = ca.nlpsol_out(i)
+        return ca.Sparsity.dense(sizes[name], 1) if name in sizes else ca.Sparsity.dense(0, 0)
+
+    def eval(self, arguments: list[Any]) -> list[Any]:
+        told = dict(zip((ca.nlpsol_out(i) for i in range(self.get_n_in())), arguments, strict=True))
+        g, cost = np.array(told["g"]).ravel(), float(told["f"])
+        kept = bool(np.all(g >= self._low - FEASIBLE) and np.all(g <= self._high + FEASIBLE))
+        if kept and (self.x is None or cost < self._costs[-1]):
+            self.x = np.array(told["x"]).ravel()
+            self._costs.append(cost)
+        elif self.x is not None:
+            self._costs.append(self._costs[-1])
+        if len(self._costs) > PATIENCE:
+            gain = self._costs[-1 - PATIENCE] - self._costs[-1]
+            self.settled = gain < LEAST_GAIN * abs(self._costs[-1])
+        return [int(self.settled)]
+
+
+def solve(
+    problem: Problem,
+    start: FloatArray,
+    lower: FloatArray,
+    upper: FloatArray,
+    constraints: list[tuple[Constraint, FloatArray]],
+    *,
+    ridge: float = 1e-9,
+    max_iterations: int = 300,
+    progress: Progress | None = None,
+) -> Solution:
+    """Minimize the cost within bounds and constraints.
+
+    Parameters
+    ----------
+    problem : Problem
+    start, lower, upper : ndarray, shape (n_free,)
+        Scaled free values.
+    constraints : list of (Constraint, ndarray of shape (n_inputs, n_points))
+        Conditions and the points at which they hold.
+    ridge : float
+        Pull of every scaled value towards its start, against directions that the data leave open.
+    max_iterations : int
+    progress : callable, optional
+
+    Returns
+    -------
+    Solution
+        Also where IPOPT did not converge: then `converged` is False and `reason` says why.
+    """
+    n = len(start)
+    dense, none = ca.Sparsity.dense, ca.Sparsity.dense(0, 0)
+    triangle = ca.Sparsity.upper(n)
+    memory = _Memory(problem, start, ridge, progress)
+    z, p = ca.MX.sym("x", n), ca.MX.sym("p", 0, 0)
+    g, low, high = _constraint_expressions(problem, constraints, z)
+    cost = _Numeric("f", lambda x: [memory.cost(x)], [dense(n, 1)], [dense(1, 1)])
+    gradient = _Numeric("grad_f", lambda x, p: list(memory.at(x)[:2]), [dense(n, 1), none], [dense(1, 1), dense(n, 1)])
+    hessian = _Numeric(
+        "hess_lag",
+        lambda x, p, of_cost, of_g: [ca.project(ca.DM(of_cost.item() * memory.matrix(x)), triangle)],
+        [dense(n, 1), none, dense(1, 1), dense(*g.shape)],
+        [triangle],
+    )
+    jacobian = ca.Function("jac_g", [z, p], [g, ca.densify(ca.jacobian(g, z))])
+    watch = _Watch(n, low, high)
+    options = {
+        "grad_f": gradient,
+        "hess_lag": hessian,
+        "jac_g": jacobian,
+        "iteration_callback": watch,
+        "no_nlp_grad": True,
+        "calc_lam_p": False,
+        "print_time": False,
+        "error_on_fail": False,
+        "ipopt": {
+            "print_level": 0,
+            "sb": "yes",
+            "max_iter": max_iterations,
+            # Far from a perfect model Gauss-Newton steps close in linearly, and IPOPT's own criterion would take
+            # hundreds of iterations that gain nothing; what stops a fit then is the watch.
+            "tol": 1e-6,
+            "acceptable_iter": 0,
+            # Starting values are good ones: do not push them far into the interior.
+            "mu_init": 1e-4,
+            "bound_push": 1e-4,
+            "bound_frac": 1e-4,
+            # Second-order corrections step far away where the constraints bend, which our Hessian leaves out.
+            "max_soc": 0,
+            "nlp_scaling_method": "none",
+            "obj_scaling_factor": OBJECTIVE_SCALE,
+            "bound_relax_factor": 0.0,
+        },
+    }
+    solver = ca.nlpsol("solver", "ipopt", {"x": z, "f": cost(z), "g": g}, options)
+    # Matrices of a few thousand rows by a hundred columns: BLAS threads would spend their time waiting.
+    with threadpool_limits(limits=1, user_api="blas"):
+        result = solver(x0=start, lbx=lower, ubx=upper, lbg=low, ubg=high)
+    stats = solver.stats()
+    reason = "No_Further_Gain" if watch.settled else str(stats["return_status"])
+    found = np.array(result["x"]).ravel() if stats["success"] or watch.x is None else watch.x
+    x = np.clip(found, lower, upper) if np.isfinite(found).all() else start
+    return Solution(x, problem.cost(x), int(stats["iter_count"]), bool(stats["success"]) or watch.settled, reason)
+
+
+class _Memory:
+    """Cost and derivatives with the ridge, kept for the point at which IPOPT asks again, and the damping."""
+
+    def __init__(self, problem: Problem, start: FloatArray, ridge: float, progress: Progress | None) -> None:
+        self._problem, self._start, self._ridge, self._progress = problem, start.copy(), ridge, progress
+        self._x: FloatArray | None = None
+        self._kept: tuple[float, FloatArray, FloatArray] = (np.inf, start, start)
+        self._damping = DAMPING
+        self._count = 0
+
+    def cost(self, x: FloatArray) -> float:
+        away = x.ravel() - self._start
+        return self._problem.cost(x.ravel()) + 0.5 * self._ridge * float(away @ away)
+
+    def at(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        """Return cost, gradient and Gauss-Newton matrix."""
+        x = x.ravel()
+        if self._x is None or not np.array_equal(x, self._x):
+            before = self._kept[0]
+            cost, gradient, matrix = self._problem.derivatives(x)
+            away = x - self._start
+            cost += 0.5 * self._ridge * float(away @ away)
+            self._kept = (cost, gradient + self._ridge * away, matrix + self._ridge * np.eye(len(x)))
+            self._x = x.copy()
+            self._count += 1
+            if np.isfinite(before):
+                factor = DAMPING_UP if cost > before * (1 + 1e-9) else DAMPING_DOWN
+                self._damping = min(max(self._damping * factor, LEAST_DAMPING), MOST_DAMPING)
+            if self._progress is not None:
+                self._progress(self._count, cost)
+        return self._kept
+
+    def matrix(self, x: FloatArray) -> FloatArray:
+        """Return the damped Gauss-Newton matrix."""
+        return self.at(x)[2] + self._damping * np.eye(x.size)
+
+
+def _constraint_expressions(
+    problem: Problem, constraints: list[tuple[Constraint, FloatArray]], z: Any
+) -> tuple[Any, FloatArray, FloatArray]:
+    """Return the constrained quantities at their points as one CasADi column of z, and its bounds."""
+    generated = import_module(f"tirefmu.generated.casadi.{problem.tire.model}")
+    names = list(generated.QUANTITIES)
+    quantities = generated.function(generated.quantities)
+    fixed = ca.DM(problem.parameters(np.zeros(len(problem.free))))
+    place = ca.DM(len(generated.PARAMETERS), len(problem.free))
+    for column, (row, reach) in enumerate(zip(problem.columns, problem.reach, strict=True)):
+        place[int(row), column] = reach
+    parameters = fixed + place @ z
+    columns, low, high = [ca.MX(0, 1)], [np.zeros(0)], [np.zeros(0)]
+    for constraint, points in constraints:
+        m = points.shape[1]
+        values = quantities.map(m)(points, ca.repmat(parameters, 1, m))[names.index(constraint.quantity), :].T
+        moved = np.array(ca.DM(ca.sum2(ca.jacobian_sparsity(values, z))).nonzeros()) if m else np.zeros(0)
+        if moved.size:  # a quantity that no free coefficient reaches cannot be constrained
+            columns.append(values)
+            low.append(np.full(m, constraint.lower))
+            high.append(np.full(m, constraint.upper))
+    return ca.vertcat(*columns), np.concatenate(low), np.concatenate(high)

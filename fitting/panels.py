@@ -1,0 +1,161 @@
+"""What the figures are made of: axes, points, lines, legends, footnotes, and the words and units on them."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Mapping
+from io import BytesIO
+from math import ceil, degrees
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patheffects import Normal, Stroke
+from numpy.typing import ArrayLike
+
+from tirefmu.measurements import CHANNELS, levels
+
+from .curves import Comparison
+
+RGB = tuple[float, float, float]
+
+DPI = 120
+SHOWN = 3000  # points of a group; more would only cover each other
+LETTER = {"kappa": r"$\kappa$", "alpha": r"$\alpha$", "gamma": r"$\gamma$", "Fz": "$F_z$"}
+LETTER |= {"t": "$t$", "p": "$p$", "V": "$V$", "T": "$T$", "phit": r"$\varphi_t$"}
+LETTER |= {"Fx": "$F_x$", "Fy": "$F_y$", "Mz": "$M_z$", "Mx": "$M_x$", "My": "$M_y$"}
+LEVEL = {"Fz": "load", "gamma": "camber", "alpha": "slip angle"}
+_DRAWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3)}
+_CONVENTION = {
+    "iso": r"ISO-W signs ($F_z$ > 0; $F_y$ < 0 at $\alpha$ > 0)",
+    "adapted-sae": r"adapted SAE signs ($F_z$ > 0; $F_y$ > 0 at $\alpha$ > 0)",
+    "sae": r"SAE signs as recorded ($F_z$ < 0; $F_y$ < 0 at $\alpha$ > 0)",
+}
+
+
+def drawn_unit(channel: str) -> str:
+    """Return the unit in which a channel is drawn: its SI unit, but degrees and kPa."""
+    unit = CHANNELS[channel].unit
+    return _DRAWN[unit][0] if unit in _DRAWN else unit
+
+
+def per_si(channel: str) -> float:
+    """Return what turns a channel's SI value into the drawn one."""
+    unit = CHANNELS[channel].unit
+    return _DRAWN[unit][1] if unit in _DRAWN else 1.0
+
+
+def stiffness_unit(slip: str) -> str:
+    """Return the unit of a force's slope over a slip, as drawn."""
+    return "N/deg" if drawn_unit(slip) == "deg" else "N"
+
+
+def level_text(channel: str, level: float) -> str:
+    """Return a level in its drawn unit; loads by magnitude."""
+    if channel == "Fz":
+        return f"{abs(level):.0f} N"
+    return f"{round(degrees(level), 1) + 0.0:.3g} deg"  # + 0.0: no -0
+
+
+def letter(signs: str, channel: str) -> str:
+    """Return a channel's letter, that of a load so that a loaded tire's is positive."""
+    return "$-F_z$" if channel == "Fz" and signs == "sae" else LETTER[channel]
+
+
+def held_text(signs: str, held: Mapping[str, float]) -> str:
+    """Return what is held at which level."""
+    return ", ".join(f"{letter(signs, name)} = {level_text(name, level)}" for name, level in held.items())
+
+
+def data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
+    """Tell which recordings the rows come from, and at which inflation pressures."""
+    numbers = sorted(set(rows["recording"].tolist()))
+    text = "data: " + ", ".join(dict.fromkeys(comparison.sources[number] for number in numbers))
+    if "p" not in rows or rows["p"].isna().all():
+        return text
+    held = [f"{level / 1000.0:.0f}" for level in levels(rows["p"])]
+    span = " to ".join(f"{value / 1000.0:.0f}" for value in (rows["p"].min(), rows["p"].max()))
+    together = "" if len(held) == 1 else ", drawn together"
+    return f"{text}; inflation pressure {', '.join(held) or span} kPa{together}"
+
+
+def panels(count: int, title: str) -> tuple[Figure, list[Axes]]:
+    """Return a titled figure with so many axes, two in a row."""
+    columns, rows = min(count, 2), ceil(count / 2)
+    figure = Figure(figsize=(6.0 * columns if columns > 1 else 7.0, 0.9 + 3.9 * rows), layout="constrained")
+    figure.suptitle(title, fontweight="bold")
+    axes = list(figure.subplots(rows, columns, squeeze=False).ravel())
+    for unused in axes[count:]:
+        unused.remove()
+    return figure, axes[:count]
+
+
+def level_colors(count: int, by: str) -> list[RGB]:
+    """Return colors ordered like the levels: one map for loads, another for angles."""
+    colormap = colormaps["viridis" if by == "Fz" else "plasma"]
+    # The light end of the maps is left out: it does not stand out from white.
+    rows = [colormap(value) for value in np.linspace(0.0, 0.85, max(count, 2))[:count]]
+    return [(red, green, blue) for red, green, blue, _ in rows]
+
+
+def some_of(rows: pd.DataFrame, most: int = SHOWN) -> pd.DataFrame:
+    """Return so many random rows, the same each time; every n-th one would alias with the sweeps."""
+    return rows.sample(most, random_state=0) if len(rows) > most else rows
+
+
+def draw_points(ax: Axes, rows: pd.DataFrame, slip: str, channel: str, color: RGB) -> None:
+    """Draw measured points, lighter than the line of their level."""
+    rows = some_of(rows)
+    red, green, blue = (0.55 * part + 0.45 for part in color)
+    size = 2.5 if len(rows) > 1000 else 4.0
+    x = rows[slip] * per_si(slip)
+    ax.plot(x, rows[channel], ".", color=(red, green, blue), ms=size, mew=0.0, zorder=1)
+
+
+def draw_line(ax: Axes, x: ArrayLike, y: ArrayLike, color: RGB, label: str) -> None:
+    """Draw a curve; a white rim keeps it readable on points of its own color."""
+    rim = [Stroke(linewidth=2.4, foreground="white"), Normal()]
+    ax.plot(x, y, color=color, lw=1.5, label=label, zorder=3, path_effects=rim)
+
+
+def finish(ax: Axes, slip: str, ylabel: str) -> None:
+    """Put labels, grid and zero lines on axes over a slip."""
+    ax.set(xlabel=f"{LETTER[slip]} ({drawn_unit(slip)})", ylabel=ylabel)
+    ax.grid(alpha=0.3)
+    ax.axhline(0.0, color="0.3", lw=0.8)
+    ax.axvline(0.0, color="0.3", lw=0.8)
+
+
+def place_legend(ax: Axes, title: str | None = None) -> None:
+    """Put the legend beside the axes, where it covers nothing."""
+    corner = (1.0, 1.0)
+    ax.legend(title=title, loc="upper left", bbox_to_anchor=corner, fontsize=8, title_fontsize=8, frameon=False)
+
+
+def write_footnote(figure: Figure, signs: str, *notes: str) -> None:
+    """Write the sign convention and notes below the axes."""
+    lines = textwrap.wrap("; ".join([_CONVENTION[signs], *notes]), int(19 * figure.get_figwidth()))
+    figure.supxlabel("\n".join(lines), x=0.01, ha="left", fontsize=7.5, color="0.3")
+
+
+def png(figure: Figure) -> bytes:
+    """Return the figure as PNG."""
+    buffer = BytesIO()
+    FigureCanvasAgg(figure)
+    figure.savefig(buffer, format="png", dpi=DPI)
+    return buffer.getvalue()
+
+
+def write_whole(path: Path, content: bytes) -> Path:
+    """Write a file so that nothing half-written is ever seen under its name; return its path."""
+    part = path.with_name(f".{path.name}.part")
+    try:
+        part.write_bytes(content)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+    return path

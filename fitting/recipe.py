@@ -1,0 +1,216 @@
+"""Recipes: how a fit proceeds, stage by stage, as readable TOML files."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from importlib.resources import files
+from math import inf, isfinite, isnan, radians
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.errors import FitError, UnknownName
+from tirefmu.symbolic.model import Model
+
+#: The recipes that come with the package.
+RECIPES = ("joint", "trento")
+UNITS = {"": 1.0, "rad": 1.0, "deg": radians(1.0), "N": 1.0, "kN": 1e3, "%": 0.01}
+#: The keys of a recipe and of a stage, and of what kind their values are.
+RECIPE_KEYS: dict[str, type] = {"name": str, "description": str, "models": list, "stage": list}
+STAGE_KEYS: dict[str, type] = {
+    "name": str, "channels": list, "where": dict, "free": dict, "effects": list, "rows": int, "weights": str,
+}  # fmt: skip
+KINDS = {str: "a text", list: "a list", dict: "a table", int: "a whole number", float: "a number"}
+NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+CONDITION = re.compile(rf"^\s*(?P<value>[-+]?{NUMBER})\s*\+-\s*(?P<tolerance>{NUMBER})\s*(?P<unit>\S*)\s*$")
+
+
+@dataclass(frozen=True)
+class Freed:
+    """A coefficient that a stage frees: where it starts and its bounds, in adapted SAE."""
+
+    guess: float
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage of a recipe.
+
+    Attributes
+    ----------
+    name : str
+    channels : tuple of str
+        The channels that it fits; all measured ones where empty.
+    where : dict of str to list of (float, float)
+        Conditions: an input within tolerance of one of some values, SI units, adapted SAE.
+    free : dict of str to Freed
+        What it frees; every coefficient of the core and of its effects where empty.
+    effects : tuple of str or None
+        The effects whose coefficients it frees, of those that the tire has; all of them where None.
+    rows : int or None
+        How many random rows it uses; all where None.
+    weights : str
+        "equal": every channel by its mean square; "noise": by the residual that the stage before left.
+    """
+
+    name: str
+    channels: tuple[str, ...]
+    where: dict[str, list[tuple[float, float]]]
+    free: dict[str, Freed]
+    effects: tuple[str, ...] | None
+    rows: int | None
+    weights: str
+
+    def select(self, table: pd.DataFrame) -> pd.DataFrame:
+        """Return the rows of a table (adapted SAE) that meet every condition."""
+        chosen = np.ones(len(table), dtype=bool)
+        for channel, levels in self.where.items():
+            values = table[channel].to_numpy() if channel in table else np.zeros(len(table))
+            chosen &= np.any([np.abs(values - value) <= tolerance for value, tolerance in levels], axis=0)
+        return table[chosen]
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How a fit proceeds.
+
+    Attributes
+    ----------
+    name, description : str
+    stages : tuple of Stage
+    """
+
+    name: str
+    description: str
+    stages: tuple[Stage, ...]
+
+
+def load_recipe(name: str, model: str) -> Recipe:
+    """Return a recipe by name or from a TOML file.
+
+    Parameters
+    ----------
+    name : str
+        "joint", "trento", or the path of a file ending in .toml.
+    model : str
+        The model that it is for.
+
+    Returns
+    -------
+    Recipe
+
+    Raises
+    ------
+    UnknownName
+        If there is no such recipe.
+    FitError
+        If the file is broken, or not for this model; file, stage and key stand in the message.
+
+    Examples
+    --------
+    >>> len(load_recipe("trento", "mf96").stages)
+    13
+    """
+    if name in RECIPES:
+        text, where = (
+            (files("tirefmu.fitting") / "recipes" / f"{name}.toml").read_text(encoding="utf-8"),
+            f"recipe {name}",
+        )
+    elif name.endswith(".toml"):
+        where = name
+        try:
+            text = Path(name).read_text(encoding="utf-8")
+        except OSError as error:
+            raise FitError(f"{name}: cannot be read ({error.strerror or error})") from error
+        except UnicodeDecodeError as error:
+            raise FitError(f"{name}: not a text file (UTF-8)") from error
+    else:
+        raise UnknownName("recipe", name, RECIPES)
+    try:
+        content = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise FitError(f"{where}: {error}") from error
+    _check_keys(content, RECIPE_KEYS, where)
+    models = content.get("models", list(MODELS))
+    if model not in models:
+        raise FitError(f"{where} is for {', '.join(models)}, not for {model}")
+    stages = tuple(_stage(item, MODELS[model], where) for item in content.get("stage", []))
+    if not stages:
+        raise FitError(f"{where}: no [[stage]]")
+    return Recipe(content.get("name", Path(name).stem), content.get("description", ""), stages)
+
+
+def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
+    _check_kind(item, dict, f"{where}, stage")
+    place = f"{where}, stage {item.get('name', '?')!r}"
+    _check_keys(item, STAGE_KEYS, place)
+    inputs, outputs = ([q.name for q in quantities] for quantities in (book.inputs, book.outputs))
+    channels, effects, rows = item.get("channels", []), item.get("effects"), item.get("rows")
+    for channel in channels:
+        _check_name(f"channel in {place}", channel, outputs)
+    for coefficient in item.get("free", {}):
+        _check_name(f"coefficient in {place}", coefficient, book.coefficients)
+    for channel in item.get("where", {}):
+        _check_name(f"input in {place}", channel, inputs)
+    for effect in effects or ():
+        _check_name(f"effect in {place}", effect, book.effects)
+    weights = item.get("weights", "equal")
+    _check_name(f"weights in {place}", weights, ("equal", "noise"))
+    if rows is not None and rows < 1:
+        raise FitError(f"{place}: rows = {rows} is not a number of rows")
+    return Stage(
+        name=item.get("name", "?"),
+        channels=tuple(channels),
+        where={
+            channel: [_condition(level, place) for level in (levels if isinstance(levels, list) else [levels])]
+            for channel, levels in item.get("where", {}).items()
+        },
+        free={name: _freed(given, f"{place}, {name}") for name, given in item.get("free", {}).items()},
+        effects=None if effects is None else tuple(sorted(effects)),
+        rows=rows,
+        weights=weights,
+    )
+
+
+def _freed(given: dict[str, float], place: str) -> Freed:
+    _check_kind(given, dict, place)
+    _check_keys(given, {"guess": float, "lower": float, "upper": float}, place)
+    lower, upper, guess = given.get("lower", -inf), given.get("upper", inf), given.get("guess", 0.0)
+    if lower > upper:
+        raise FitError(f"{place}: bounds cross: lower {lower:g} is above upper {upper:g}")
+    if isnan(lower) or isnan(upper) or not isfinite(guess):
+        raise FitError(f"{place}: a guess is a finite number, a bound is not nan")
+    return Freed(float(guess), float(lower), float(upper))
+
+
+def _condition(text: object, place: str) -> tuple[float, float]:
+    match = CONDITION.match(text) if isinstance(text, str) else None
+    if not match or match["unit"] not in UNITS:
+        raise FitError(f"{place}: {text!r} is not like '220 +- 100 N' (units: {', '.join(filter(None, UNITS))})")
+    factor = UNITS[match["unit"]]
+    return float(match["value"]) * factor, float(match["tolerance"]) * factor
+
+
+def _check_keys(table: dict[str, Any], keys: dict[str, type], place: str) -> None:
+    for key, value in table.items():
+        _check_name(f"key in {place}", key, keys)
+        _check_kind(value, keys[key], f"{place}, {key}")
+
+
+def _check_name(kind: str, name: object, known: Iterable[str]) -> None:
+    names = list(known)
+    if name not in names:
+        raise UnknownName(kind, name if isinstance(name, str) else repr(name), names)
+
+
+def _check_kind(value: object, kind: type, place: str) -> None:
+    if not isinstance(value, (int, float) if kind is float else kind) or isinstance(value, bool):
+        raise FitError(f"{place}: {value!r} is not {KINDS[kind]}")

@@ -1,0 +1,212 @@
+"""What a fit tells: values with guess and bounds, quality per channel, margins of the constraints, stages."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.tires.tire import Tire
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FittedCoefficient:
+    """A coefficient after a fit, in the signs of `FitResult.signs`.
+
+    Attributes
+    ----------
+    name, unit : str
+    guess, lower, upper, value : float
+        The guess is the first one: what the fit started from.
+    at_bound : bool
+        The value lies on one of its bounds.
+    determined : bool
+        False where the data do not change with it; it then stays at its default, or at what the start tire or
+        the recipe says.
+    stage : str
+        The last stage that freed and saw it.
+    """
+
+    name: str
+    unit: str
+    guess: float
+    lower: float
+    upper: float
+    value: float
+    at_bound: bool
+    determined: bool
+    stage: str
+
+
+@dataclass(frozen=True)
+class ChannelFit:
+    """How well a channel of a recording is met.
+
+    Attributes
+    ----------
+    recording, channel, unit : str
+    rows : int
+    rmse : float
+        In the channel's unit.
+    r2 : float
+        1 - residual variance over variance about the mean: the usual, centred.
+    r2_uncentred : float
+        1 - sum of squared residuals over sum of squares: the Trento report's.
+    """
+
+    recording: str
+    channel: str
+    unit: str
+    rows: int
+    rmse: float
+    r2: float
+    r2_uncentred: float
+
+
+@dataclass(frozen=True)
+class StageFit:
+    """How a stage ended: `cost` is half the weighted sum of squares, `r2_uncentred` of its rows and channels."""
+
+    name: str
+    rows: int
+    free: int
+    iterations: int
+    converged: bool
+    reason: str
+    cost: float
+    r2_uncentred: float
+
+
+@dataclass(frozen=True)
+class Margin:
+    """The tightest place of a constraint, verified on a denser grid than it was imposed on.
+
+    Attributes
+    ----------
+    constraint : str
+    worst : float
+        Value of the quantity there.
+    margin : float
+        Distance to the bound; negative where it is broken.
+    at : dict of str to float
+        The inputs there.
+    """
+
+    constraint: str
+    worst: float
+    margin: float
+    at: dict[str, float]
+
+
+@dataclass(frozen=True)
+class FitResult:
+    """A finished fit.
+
+    Attributes
+    ----------
+    tire : Tire
+        In ISO-W.
+    signs : str
+        The formula's convention in which coefficients and bounds are told: that of the data.
+    coefficients : tuple of FittedCoefficient
+    channels : tuple of ChannelFit
+    stages : tuple of StageFit
+    margins : tuple of Margin
+    notes : tuple of str
+        What a reader should know: what was left aside, assumed or not determined.
+    seconds : float
+    """
+
+    tire: Tire
+    signs: str
+    coefficients: tuple[FittedCoefficient, ...]
+    channels: tuple[ChannelFit, ...]
+    stages: tuple[StageFit, ...]
+    margins: tuple[Margin, ...] = ()
+    notes: tuple[str, ...] = ()
+    seconds: float = 0.0
+    recipe: str = field(default="")
+
+    @property
+    def ok(self) -> bool:
+        """Whether every stage converged and every constraint holds."""
+        return all(stage.converged for stage in self.stages) and all(m.margin >= -1e-6 for m in self.margins)
+
+    @property
+    def status(self) -> str:
+        """One line: how the fit ended."""
+        failed = [stage for stage in self.stages if not stage.converged]
+        broken = [margin for margin in self.margins if margin.margin < -1e-6]
+        if failed:
+            return f"not converged: stage {failed[0].name!r} ended with {failed[0].reason}"
+        if broken:
+            return f"constraint {broken[0].constraint} broken by {-broken[0].margin:.3g}"
+        return "converged"
+
+    def channel(self, recording: str, channel: str) -> ChannelFit:
+        """Return how well a channel of a recording is met."""
+        (found,) = (c for c in self.channels if c.recording == recording and c.channel == channel)
+        return found
+
+    def table(self) -> pd.DataFrame:
+        """Return the coefficients as a table, one row each."""
+        return pd.DataFrame([vars(coefficient) for coefficient in self.coefficients])
+
+    def to_json(self) -> dict[str, Any]:
+        """Return everything as plain JSON values; a missing bound is null."""
+        plain = {
+            "ok": self.ok,
+            "status": self.status,
+            "recipe": self.recipe,
+            "seconds": self.seconds,
+            "model": self.tire.model,
+            "effects": sorted(self.tire.has),
+            "signs": self.signs,
+            "values": dict(self.tire.values),
+        }
+        for name in ("coefficients", "channels", "stages", "margins"):
+            plain[name] = [vars(item) for item in getattr(self, name)]
+        plain["notes"] = list(self.notes)
+        return _plain(plain)  # type: ignore[no-any-return]
+
+
+def quality(measured: FloatArray, computed: FloatArray) -> tuple[int, float, float, float]:
+    """Return rows, RMSE, centred and uncentred R2 where both are numbers.
+
+    Parameters
+    ----------
+    measured, computed : ndarray, shape (n,)
+
+    Returns
+    -------
+    tuple of (int, float, float, float)
+        NaN where a channel has no variation.
+
+    Examples
+    --------
+    >>> quality(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0]))[2]
+    0.5
+    """
+    there = np.isfinite(measured) & np.isfinite(computed)
+    y, residual = measured[there], (computed - measured)[there]
+    if not len(y):
+        return 0, float("nan"), float("nan"), float("nan")
+    squares, about, total = (float(np.sum(v**2)) for v in (residual, y - y.mean(), y))
+    centred = 1 - squares / about if about > 0 else float("nan")
+    uncentred = 1 - squares / total if total > 0 else float("nan")
+    return len(y), (squares / len(y)) ** 0.5, centred, uncentred
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, (float, np.floating)):
+        return float(value) if np.isfinite(value) else None
+    return value.item() if isinstance(value, np.generic) else value

@@ -1,0 +1,87 @@
+"""A tire with known coefficients on a small virtual bench without noise, and its fit."""
+
+from __future__ import annotations
+
+from math import radians
+
+import numpy as np
+import pytest
+
+from tirefmu.fitting import fit
+from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps
+from tirefmu.tires import Tire
+
+EFFECTS = (
+    "load_friction", "load_stiffness", "load_curvature", "camber_thrust", "camber_friction", "plysteer",
+    "conicity", "combined_Gxa", "combined_Gyk", "residual_torque_Mzr", "trail_load",
+)  # fmt: skip
+#: A tire of no special kind, in adapted SAE.
+KNOWN = {
+    "FNOMIN": 700.0, "UNLOADED_RADIUS": 0.23,
+    "PCX1": 1.6, "PDX1": 1.8, "PDX2": -0.15, "PDX3": 2.0, "PEX1": 0.2, "PEX2": 0.1, "PEX3": -0.05,
+    "PKX1": 35.0, "PKX2": 2.0, "PKX3": 0.2, "RBX1": 12.0, "RBX2": 9.0, "RCX1": 1.05, "RHX1": 0.002,
+    "PCY1": 1.4, "PDY1": 1.9, "PDY2": -0.2, "PDY3": 3.0, "PEY1": -0.2, "PEY2": -0.3, "PKY1": 45.0, "PKY2": 2.2,
+    "PHY1": 0.003, "PHY2": 0.001, "PHY3": 0.03, "PVY1": 0.02, "PVY2": 0.01, "PVY3": 0.3, "PVY4": 0.1,
+    "RBY1": 11.0, "RBY2": 7.0, "RBY3": 0.01, "RCY1": 1.03, "RHY1": 0.01,
+    "QBZ1": 7.0, "QBZ2": -1.0, "QBZ3": -0.2, "QBZ9": 12.0, "QBZ10": 0.1, "QCZ1": 1.2, "QDZ1": 0.11, "QDZ2": -0.01,
+    "QDZ6": 0.003, "QDZ7": 0.001, "QDZ8": 0.2, "QDZ9": 0.05,
+}  # fmt: skip
+NOMINAL = {"Fz0": 700.0, "R0": 0.23}
+
+
+def bench(tire, loads=(220.0, 500.0, 800.0, 1120.0), cambers=(0.0, 2.0, 4.0), *, kappa=True, noise=None):
+    """Return a recording of few rows; without noise where none is given."""
+    inclined = [radians(angle) for angle in cambers]
+    programs = [alpha_sweeps(loads, inclined, sample_rate=3.0)]
+    if kappa:
+        slip_angles = [radians(angle) for angle in (0, 3, 6)]
+        programs.append(kappa_sweeps(loads, slip_angles, inclined[::2], sample_rate=3.0))
+    return VirtualBench(tire, noise or Noise.none(), seed=1).run(concatenate(programs))
+
+
+def sideways(tire, **program):
+    """Return a recording of the side force alone: a fit of a second."""
+    recording = bench(tire, kappa=False, **program)
+    return Recording(recording.table.drop(columns=["Fx", "Mz"]), recording.signs, "sideways")
+
+
+def anywhere(n=4000, seed=1):
+    """Return inputs all over the range of the bench."""
+    rng = np.random.default_rng(seed)
+    return {
+        "kappa": rng.uniform(-0.3, 0.3, n),
+        "alpha": rng.uniform(-0.2, 0.2, n),
+        "gamma": rng.uniform(0.0, 0.07, n),
+        "Fz": rng.uniform(220.0, 1120.0, n),
+    }
+
+
+def other_tire(seed):
+    """Return the known tire with every coefficient elsewhere."""
+    rng = np.random.default_rng(seed)
+    kept = ("FNOMIN", "UNLOADED_RADIUS", "PCY1", "RCX1", "RCY1")  # these lie near their bounds
+    values = {name: value * (1.0 if name in kept else rng.uniform(0.6, 1.4)) for name, value in KNOWN.items()}
+    return Tire("mf96", values, effects=EFFECTS, signs="adapted-sae")
+
+
+@pytest.fixture(scope="session")
+def known():
+    return Tire("mf96", KNOWN, effects=EFFECTS, signs="adapted-sae", name="known")
+
+
+@pytest.fixture(scope="session")
+def make():
+    """Return what the tests make of tires: recordings, other tires, inputs."""
+
+    class Make:
+        bench, sideways, anywhere, other_tire = map(staticmethod, (bench, sideways, anywhere, other_tire))
+        effects, nominal = EFFECTS, NOMINAL
+
+    return Make
+
+
+@pytest.fixture(scope="session")
+def side_fit(known):
+    """Return a fit of the side force alone, camber and load in it, and its recording."""
+    recording = sideways(known)
+    return fit([recording], effects=EFFECTS, nominal=NOMINAL), recording

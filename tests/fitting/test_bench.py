@@ -1,0 +1,61 @@
+"""The virtual Hoosier on the report's program: the report's way and everything at once, against the truth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.demo import SEED, bench_tire
+from tirefmu.fitting import fit
+from tirefmu.measurements import Noise, VirtualBench, trento_program
+
+LOADS = np.array([220.0, 440.0, 700.0, 900.0, 1120.0])
+
+
+@pytest.fixture(scope="module")
+def fits():
+    """Return the result of either recipe: about 20 s."""
+    truth = bench_tire()
+    recording = VirtualBench(truth, Noise(), seed=SEED).run(trento_program())
+    nominal = {"Fz0": truth.values["FNOMIN"], "R0": truth.values["UNLOADED_RADIUS"]}
+    return {recipe: fit([recording], recipe=recipe, nominal=nominal) for recipe in ("trento", "joint")}
+
+
+def stiffness_errors(tire, quantity):
+    """Return how far a stiffness lies above the true one, by load."""
+    table = pd.DataFrame({"Fz": LOADS})
+    found, true = (t.evaluate(table, signs="adapted-sae")[quantity].to_numpy() for t in (tire, bench_tire()))
+    return found / true - 1
+
+
+def test_both_converge_and_keep_every_constraint(fits):
+    for recipe, result in fits.items():
+        assert result.status == "converged", recipe
+        assert len(result.stages) == {"trento": 13, "joint": 3}[recipe]
+
+
+def test_the_reports_way_ends_at_the_reports_kind_of_result(fits):
+    coefficients = {coefficient.name: coefficient for coefficient in fits["trento"].coefficients}
+    assert coefficients["PKY2"].at_bound
+    assert coefficients["PKY2"].value == pytest.approx(4.9, abs=1e-3)  # the tire has 3.9
+    # Bounds that the report ended at, too.
+    assert {"QCZ1", "QEZ1", "RVY3"} <= {name for name, coefficient in coefficients.items() if coefficient.at_bound}
+    assert stiffness_errors(fits["trento"].tire, "K_yalpha")[-1] > 0.15
+    # The nominal slices are met as well as the report met its own.
+    stages = {stage.name: stage.r2_uncentred for stage in fits["trento"].stages}
+    for name in ("FX0 pure", "FX0(Fz)", "FX0(gamma)", "FY0 pure", "FY0(Fz)", "FY0(gamma)", "FX combined"):
+        assert stages[name] > 0.99, name
+
+
+def test_joint_beats_it_on_every_channel(fits):
+    staged = {channel.channel: channel.rmse for channel in fits["trento"].channels}
+    joint = {channel.channel: channel.rmse for channel in fits["joint"].channels}
+    assert set(joint) == {"Fx", "Fy", "Mz"}
+    for name, rmse in joint.items():
+        assert rmse < staged[name], name
+
+
+@pytest.mark.parametrize("quantity", ["K_yalpha", "K_xkappa"])
+def test_joint_finds_the_true_stiffness_at_every_load(fits, quantity):
+    assert np.abs(stiffness_errors(fits["joint"].tire, quantity)).max() < 0.05

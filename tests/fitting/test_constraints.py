@@ -1,0 +1,108 @@
+"""The conditions of a fitted tire: where they are imposed, and that they miss nothing."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from math import inf
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tirefmu.fitting.constraints import VALIDITY, Constraint, grid, operating_range
+from tirefmu.symbolic import MODELS
+from tirefmu.tires.code import code_for
+
+INPUTS = ("kappa", "alpha", "gamma", "Fz")
+NOMINAL = {"kappa": 0.0, "alpha": 0.0, "gamma": 0.0, "Fz": 700.0}
+ALL = [(model, output, c) for model in VALIDITY for output in VALIDITY[model] for c in VALIDITY[model][output]]
+
+
+def label(case):
+    return f"{case[0]}-{case[2].name}"
+
+
+def interval(low, high):
+    return st.tuples(st.floats(low, high), st.floats(low, high)).map(lambda pair: tuple(sorted(pair)))
+
+
+RANGES = st.tuples(interval(-1, 1), interval(-0.5, 0.5), interval(-0.1, 0.1), interval(10, 5000)).map(
+    lambda bounds: dict(zip(INPUTS, bounds, strict=True))
+)
+
+
+@given(ranges=RANGES, over=st.sets(st.sampled_from(INPUTS)), density=st.sampled_from([1, 4]))
+def test_the_grid_has_the_ends_of_every_range_and_zero_slip(ranges, over, density):
+    points = grid(Constraint("E_y", -inf, 1.0, tuple(over)), ranges, NOMINAL, density=density)
+    assert points.shape[0] == 4
+    for i, name in enumerate(INPUTS):
+        if name not in over:
+            assert set(points[i]) == {NOMINAL[name]}
+            continue
+        assert {*ranges[name]} <= set(points[i])
+        if name in ("kappa", "alpha"):
+            size = 0.02 * max(map(abs, ranges[name]))
+            assert {-size, 0.0, size} <= set(points[i])
+        else:
+            assert points[i].min() == ranges[name][0]
+            assert points[i].max() == ranges[name][1]
+    # Every combination, once.
+    assert points.shape[1] == np.prod([len(set(row)) for row in points])
+    assert len(np.unique(points, axis=1).T) == points.shape[1]
+
+
+@settings(max_examples=25)
+@given(ranges=RANGES, over=st.sets(st.sampled_from(INPUTS), min_size=1))
+def test_the_verifying_grid_contains_the_imposed_one(ranges, over):
+    constraint = Constraint("E_y", -inf, 1.0, tuple(over))
+    imposed, verified = (grid(constraint, ranges, NOMINAL, density=density) for density in (1, 4))
+    size = np.array([max(abs(v) for v in ranges[name]) for name in INPUTS])[:, None] + 1e-12
+    for point in imposed.T:
+        assert (np.abs(verified - point[:, None]) / size).max(axis=0).min() < 1e-9
+    assert verified.shape[1] >= imposed.shape[1]
+
+
+@pytest.mark.parametrize("case", ALL, ids=label)
+def test_a_condition_names_a_quantity_of_the_model(case):
+    model, output, constraint = case
+    assert constraint.quantity in import_module(f"tirefmu.generated.numpy.{model}").QUANTITIES
+    assert output in {quantity.name for quantity in MODELS[model].outputs}
+    assert constraint.lower < constraint.upper
+
+
+@pytest.mark.parametrize("case", ALL, ids=label)
+def test_a_condition_varies_every_input_on_which_its_quantity_depends(case):
+    """What is left out of `over` must have no influence, or the condition would be checked at one place of many."""
+    model, _, constraint = case
+    code, book = code_for(model, "numpy"), MODELS[model]
+    rng = np.random.default_rng(0)
+    values = []
+    for card in book.parameters:  # a tire with every effect
+        bound = card.upper if rng.random() < 0.5 else card.lower
+        values.append(card.generic + 0.1 * (bound - card.generic))
+    parameters = np.array(values)
+    place = code.quantities_names.index(constraint.quantity)
+    free = {"kappa": (-0.3, 0.3), "alpha": (-0.2, 0.2), "gamma": (-0.1, 0.1), "Fz": (500.0, 3000.0)}
+    names = [quantity.name for quantity in book.inputs]
+    here = {name: rng.uniform(*free[name]) for name in names}
+    moved = np.array(
+        [np.full(50, here[name]) if name in constraint.over else rng.uniform(*free[name], 50) for name in names]
+    )
+    values = code.quantities(moved, parameters)[place]
+    np.testing.assert_allclose(values, values[0], rtol=1e-9)
+
+
+def test_distance_and_name():
+    curvature, friction = Constraint("E_x", -inf, 1.0, ("Fz",)), Constraint("mu_x", 0.01, inf, ())
+    assert (curvature.name, friction.name) == ("E_x <= 1", "mu_x > 0")
+    np.testing.assert_allclose(curvature.distance(np.array([-3.0, 1.0, 1.5])), [4.0, 0.0, -0.5])
+    np.testing.assert_allclose(friction.distance(np.array([1.01, 0.01, 0.0])), [1.0, 0.0, -0.01])
+
+
+def test_operating_range(known, make):
+    table = make.sideways(known).table.drop(columns="kappa")
+    ranges = operating_range(table, known.inputs)
+    assert list(ranges) == list(known.inputs)
+    assert ranges["kappa"] == (0.0, 0.0)
+    assert ranges["Fz"] == (220.0, 1120.0)

@@ -1,0 +1,223 @@
+"""Figures show what the data hold, in the data's own convention; what is read from the data is what the tire does."""
+
+from dataclasses import replace
+from importlib import import_module
+from math import radians
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tirefmu.fitting.curves import compare, slope_at_zero
+from tirefmu.fitting.figures import draw_figures
+from tirefmu.measurements import (
+    Noise,
+    Recording,
+    VirtualBench,
+    alpha_sweeps,
+    concatenate,
+    kappa_sweeps,
+    read_recording,
+    small_tire_program,
+    trento_program,
+)
+from tirefmu.symbolic.errors import DataError, FitError
+from tirefmu.tires import SIGNS, published
+
+TIRE = published("trento_hoosier")
+ALL = ["pure_Fx", "pure_Fy", "pure_Mz", "combined", "weighting", "stiffness", "residuals"]
+LATERAL = alpha_sweeps([220.0, 700.0, 1120.0], [0.0, radians(2.0)], sample_rate=50.0)
+DRIVEN = kappa_sweeps([220.0, 700.0], [0.0, radians(6.0)], [0.0, radians(2.0)], sample_rate=50.0)
+
+
+def run(program, noise=None, seed=1):
+    return VirtualBench(TIRE, Noise.none() if noise is None else noise, seed=seed).run(program)
+
+
+def per_load(comparison, channel, slip):
+    family = comparison.pure(channel, slip)[0]
+    assert family.by == "Fz"
+    return family
+
+
+@pytest.fixture(scope="module")
+def bench():
+    """Return a noisy recording of everything."""
+    return run(concatenate([LATERAL, DRIVEN]), Noise())
+
+
+@pytest.fixture(scope="module")
+def trento():
+    """Return the report's program without noise."""
+    return compare(TIRE, [run(trento_program())])
+
+
+def test_every_figure_is_written_whole_and_repeatably(bench, tmp_path):
+    first = draw_figures(TIRE, [bench], tmp_path / "a", prefix="fit_", truth=TIRE)
+    second = draw_figures(TIRE, [bench], tmp_path / "b", prefix="fit_", truth=TIRE)
+    assert [path.name for path in first] == [f"fit_{name}.png" for name in ALL]
+    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == sorted(path.name for path in first)
+    assert all(path.read_bytes().endswith(b"IEND\xaeB`\x82") for path in first)
+    assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
+
+
+@pytest.mark.parametrize(
+    ("program", "drawn"),
+    [
+        (LATERAL, ["pure_Fy", "pure_Mz", "stiffness", "residuals"]),
+        (kappa_sweeps([220.0, 700.0], sample_rate=50.0), ["pure_Fx", "stiffness", "residuals"]),
+        (kappa_sweeps([220.0], [radians(6.0)], sample_rate=50.0), ["combined", "weighting", "residuals"]),
+    ],
+    ids=["cornering only", "driving only", "combined only"],
+)
+def test_figures_without_data_are_left_out(program, drawn, tmp_path):
+    paths = draw_figures(TIRE, [run(program)], tmp_path)
+    assert [path.stem for path in paths] == drawn
+
+
+def test_a_channel_that_was_not_measured_is_left_out(bench, tmp_path):
+    blind = replace(bench, table=bench.table.drop(columns="Mz").assign(Fy=np.nan))
+    assert [path.stem for path in draw_figures(TIRE, [blind], tmp_path)] == [
+        "pure_Fx", "combined", "weighting", "stiffness", "residuals",
+    ]  # fmt: skip
+
+
+def test_nothing_is_written_where_something_is_wrong(bench, tmp_path):
+    blocked = tmp_path / "file"
+    blocked.write_text("mine")
+    with pytest.raises(FitError, match="figures cannot be written"):
+        draw_figures(TIRE, [bench], blocked)
+    with pytest.raises(FitError, match="no recording"):
+        draw_figures(TIRE, [], tmp_path / "new")
+    with pytest.raises(DataError, match="no measured output"):
+        draw_figures(TIRE, [bench, Recording(bench.table[["alpha", "Fz"]], "iso", "a.csv")], tmp_path / "new")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+    assert blocked.read_text() == "mine"
+
+
+def test_levels_of_the_report_are_found(trento):
+    lateral, drive = trento.pure("Fy", "alpha"), trento.pure("Fx", "kappa")
+    assert [group.level for group in lateral[0].groups] == pytest.approx([220, 440, 700, 900, 1120])
+    assert np.degrees([group.level for group in lateral[1].groups]) == pytest.approx([0, 1, 2, 3, 4], abs=0.01)
+    assert lateral[1].held["Fz"] == pytest.approx(TIRE.values["FNOMIN"])
+    assert [group.level for group in drive[0].groups] == pytest.approx([220, 700, 900, 1120])
+    combined = {(family.channel, family.by): family for family in trento.combined()}
+    assert set(combined) == {("Fx", "alpha"), ("Fy", "alpha"), ("Fy", "Fz"), ("Fy", "gamma")}
+    angles = [group.level for group in combined["Fx", "alpha"].groups]
+    assert np.degrees(angles) == pytest.approx([0, 3, 6], abs=0.01)
+    assert combined["Fy", "Fz"].held["alpha"] == pytest.approx(radians(6.0))
+
+
+def test_steady_points_in_one_segment_are_found():
+    comparison = compare(TIRE, [run(small_tire_program())])
+    assert [group.level for group in per_load(comparison, "Fy", "alpha").groups] == [60.0, 110.0, 160.0]
+    (angles,) = (f.groups for f in comparison.combined() if (f.channel, f.by) == ("Fx", "alpha"))
+    assert sorted(np.degrees([group.level for group in angles])) == pytest.approx(range(-20, 21, 5))
+    assert {len(group.rows) for group in angles} == {11}
+
+
+def test_one_segment_without_a_clock_still_shows_its_levels():
+    recording = run(concatenate([LATERAL, DRIVEN]))
+    comparison = compare(TIRE, [replace(recording, table=recording.table.drop(columns="t"))])
+    (angles,) = (f.groups for f in comparison.combined() if (f.channel, f.by) == ("Fx", "alpha"))
+    assert np.degrees([group.level for group in angles]) == pytest.approx([0.0, 6.0], abs=0.01)
+
+
+def test_groups_share_no_row_and_keep_their_conditions(bench):
+    comparison = compare(TIRE, [bench])
+    families = comparison.pure("Fy", "alpha") + comparison.pure("Fx", "kappa") + comparison.combined()
+    assert len(families) == 8
+    for family in families:
+        labels = np.concatenate([group.rows.index for group in family.groups])
+        assert len(labels) == len(set(labels))
+        for group in family.groups:
+            for name, level in {**family.held, family.by: group.level}.items():
+                assert (abs(group.rows[name] - level) <= comparison.tolerance(name)).all()
+    rolling = comparison.pure("Fy", "alpha")[0].groups[0].rows["kappa"]
+    assert (abs(rolling) <= comparison.tolerance("kappa")).all()
+
+
+@pytest.mark.parametrize("signs", SIGNS)
+def test_the_convention_of_the_data_changes_signs_only(bench, signs):
+    native, other = compare(TIRE, [bench]), compare(TIRE, [bench.with_signs(signs)])
+    assert other.signs == signs
+    for channel, slip in (("Fy", "alpha"), ("Mz", "alpha"), ("Fx", "kappa")):
+        one, two = per_load(native, channel, slip), per_load(other, channel, slip)
+        assert [abs(g.level) for g in two.groups] == [abs(g.level) for g in one.groups]
+        assert np.array(other.slopes_at_zero(two)) == pytest.approx(np.array(native.slopes_at_zero(one)))
+    for channel in native.channels:
+        there, here = (c.table[f"{channel}_fit"] - c.table[channel] for c in (native, other))
+        assert abs(here).to_numpy() == pytest.approx(abs(there).to_numpy(), abs=1e-9)
+
+
+def test_recordings_of_different_conventions_meet_in_iso(bench):
+    sae = bench.with_signs("sae")
+    comparison = compare(TIRE, [bench, sae])
+    assert comparison.signs == "iso"
+    half = comparison.table[["Fy", "Fy_fit", "alpha"]].to_numpy()
+    assert half[: len(bench)] == pytest.approx(half[len(bench) :])
+
+
+def test_absent_inputs_take_the_tires_nominal_value(bench):
+    upright = replace(bench.with_signs("sae"), table=bench.with_signs("sae").table.drop(columns=["Fz", "gamma"]))
+    comparison = compare(TIRE, [upright])
+    assert (comparison.table["Fz"] == -TIRE.values["FNOMIN"]).all()
+    assert (comparison.table["gamma"] == 0.0).all()
+
+
+def test_a_curve_goes_through_noiseless_data(trento):
+    for channel, slip in (("Fy", "alpha"), ("Mz", "alpha"), ("Fx", "kappa")):
+        for group in per_load(trento, channel, slip).groups:
+            rows, curve = group.rows.sort_values(slip), trento.curve(group, slip)
+            there = np.interp(rows[slip], curve[slip], curve[channel])
+            peak = abs(rows[channel]).max()
+            assert there == pytest.approx(rows[channel].to_numpy(), abs=2e-3 * peak)
+
+
+@pytest.mark.parametrize(("channel", "slip", "row", "column"), [("Fx", "kappa", 0, 0), ("Fy", "alpha", 1, 1)])
+def test_slopes_read_from_noiseless_data_are_the_derivatives(trento, channel, slip, row, column):
+    derivatives = import_module("tirefmu.generated.numpy.mf96").slip_stiffnesses
+    family = per_load(trento, channel, slip)
+    read = trento.slopes_at_zero(family)
+    assert len(read) == len(family.groups)
+    for load, slope in read:
+        true = derivatives((0.0, 0.0, 0.0, load), TIRE.parameters())[row][column]
+        assert slope == pytest.approx(abs(true), rel=0.02)
+
+
+@given(st.lists(st.floats(-10.0, 10.0), min_size=4, max_size=4), st.floats(0.01, 10.0))
+def test_the_slope_of_a_cubic_is_read_exactly(coefficients, window):
+    slip = np.linspace(-2.0, 2.0, 301) * window
+    assert slope_at_zero(slip, np.polyval(coefficients, slip), window) == pytest.approx(
+        coefficients[2], rel=1e-6, abs=1e-6 * (1.0 + max(map(abs, coefficients)) * (1.0 + window) ** 3 / window)
+    )
+
+
+@given(st.lists(st.integers(0, 200), min_size=1, max_size=15, unique=True))
+def test_outliers_hardly_move_the_slope(spoiled):
+    rng = np.random.default_rng(0)
+    slip = np.linspace(-1.0, 1.0, 201)
+    force = 100.0 * slip + rng.normal(0.0, 1.0, len(slip))
+    clean = slope_at_zero(slip, force, 1.0)
+    force[spoiled] += 1000.0
+    assert slope_at_zero(slip, force, 1.0) == pytest.approx(clean, abs=5.0)
+
+
+def test_no_slope_is_read_from_one_side_or_from_few_points():
+    slip = np.linspace(0.0, 1.0, 100)
+    assert np.isnan(slope_at_zero(slip, slip, 1.0))
+    assert np.isnan(slope_at_zero(np.linspace(-1.0, 1.0, 11), np.ones(11), 1.0))
+
+
+def test_measured_recordings(data_folder, tmp_path):
+    recordings = [read_recording(data_folder / name) for name in ("cornering.mat", "drivebrake.mat")]
+    comparison = compare(TIRE, recordings)
+    assert comparison.signs == "sae"
+    lateral, drive = comparison.pure("Fy", "alpha"), comparison.pure("Fx", "kappa")
+    assert [len(family.groups) for family in (*lateral, *drive)] == [5, 3, 4, 3]
+    assert [len(family.groups) for family in comparison.combined()] == [3, 3, 4, 3]
+    for family in (lateral[0], drive[0]):
+        stiffness = [slope for _, slope in comparison.slopes_at_zero(family)]
+        assert stiffness == sorted(stiffness)  # heavier loaded, stiffer
+    assert [path.stem for path in draw_figures(TIRE, recordings, tmp_path)] == ALL

@@ -1,0 +1,162 @@
+"""The solver: its optimum, its bounds and constraints, and how it says that it did not get there."""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+import pytest
+from scipy.optimize import least_squares
+
+from tirefmu.fitting.constraints import VALIDITY, Constraint, grid, operating_range
+from tirefmu.fitting.ipopt import solve
+from tirefmu.fitting.problem import Problem, Rows, equal_weights
+from tirefmu.tires.code import code_for
+
+FREE = ("PCY1", "PDY1", "PDY2", "PEY1", "PKY1", "PKY2", "PHY1", "PVY1", "PVY3")
+START = {"PCY1": 1.2, "PDY1": 1.5, "PKY1": 30.0, "PKY2": 1.5}
+
+
+@pytest.fixture(scope="module")
+def table(known, make):
+    """Return a side force that the tire cannot meet in full: it has noise of 20 N."""
+    recording = make.sideways(known)
+    noise = np.random.default_rng(3).normal(0.0, 20.0, len(recording))
+    return recording.table.assign(Fy=recording.table["Fy"] + noise)
+
+
+@pytest.fixture(scope="module")
+def problem(known, table):
+    rows = Rows.of(table, known, ["Fy"])
+    scale = np.array([max(abs(known.values[name]), 0.1) for name in FREE])
+    return Problem(known, rows, FREE, equal_weights(rows), scale)
+
+
+@pytest.fixture
+def start(problem, known):
+    values = {**known.values, "PEY1": 0.0, "PHY1": 0.0, "PVY1": 0.0, "PVY3": 0.0, "PDY2": 0.0, **START}
+    return np.array([values[name] for name in FREE]) / problem.scale
+
+
+@pytest.fixture
+def bounds():
+    """Return a function that writes bounds of some coefficients in the solver's scale."""
+
+    def write(problem, **given):
+        lower = np.array([given.get(name, (-inf, inf))[0] for name in FREE]) / problem.scale
+        upper = np.array([given.get(name, (-inf, inf))[1] for name in FREE]) / problem.scale
+        return lower, upper
+
+    return write
+
+
+@pytest.fixture(scope="module")
+def curvature(known, table):
+    """Return the condition E_y <= 1 with its points, and E_y at points for scaled values."""
+    (condition,) = (c for c in VALIDITY["mf96"]["Fy"] if c.quantity == "E_y")
+    ranges = operating_range(table, known.inputs)
+    nominal = {name: known.nominal(name) for name in known.inputs}
+    code = code_for("mf96", "numpy")
+
+    def values(problem, x, density):
+        points = grid(condition, ranges, nominal, density=density)
+        return code.quantities(points, problem.parameters(x))[code.quantities_names.index("E_y")]
+
+    return (condition, grid(condition, ranges, nominal)), values
+
+
+def test_it_finds_the_least_squares(problem, start, bounds):
+    solution = solve(problem, start, *bounds(problem), [])
+
+    def residual(x):
+        forces = code_for("mf96", "numpy").forces(problem.rows.inputs, problem.parameters(x))
+        measured = problem.rows.measured[:, 1]
+        return (forces[1] - measured) / np.sqrt(np.sum(measured**2))
+
+    oracle = least_squares(residual, start, xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    assert solution.converged
+    assert solution.cost == pytest.approx(oracle.cost, rel=1e-5)
+    assert solution.cost == problem.cost(solution.x)
+    np.testing.assert_allclose(solution.x, oracle.x, atol=0.02)
+
+
+def test_bounds_are_kept(problem, start, bounds, known):
+    lower, upper = bounds(problem, PDY1=(0.1, 1.7), PKY2=(2.6, 5.0), PCY1=(1.0, 2.0))
+    solution = solve(problem, np.clip(start, lower, upper), lower, upper, [])
+    assert solution.converged
+    assert (solution.x >= lower).all()
+    assert (solution.x <= upper).all()
+    values = dict(zip(FREE, solution.x * problem.scale, strict=True))
+    assert values["PDY1"] == pytest.approx(1.7, abs=1e-3)  # the data want 1.9
+    assert values["PKY2"] == pytest.approx(2.6, abs=1e-3)  # and 2.2
+    free = solve(problem, start, *bounds(problem), [])
+    assert free.cost < solution.cost
+
+
+def test_equal_bounds_hold_a_coefficient(problem, start, bounds):
+    lower, upper = bounds(problem, PDY1=(1.5, 1.5))
+    solution = solve(problem, start, lower, upper, [])
+    assert solution.x[FREE.index("PDY1")] * problem.scale[FREE.index("PDY1")] == pytest.approx(1.5, rel=1e-12)
+
+
+def test_a_constraint_is_kept_where_the_optimum_breaks_it(problem, start, bounds, curvature):
+    (condition, points), curvature_at = curvature
+    free = solve(problem, start, *bounds(problem), [])
+    # The known tire's E_y is below 1: hold it below what the free fit finds.
+    highest = float(curvature_at(problem, free.x, 1).max())
+    ceiling = highest - 0.3
+    tight = Constraint(condition.quantity, -inf, ceiling, condition.over)
+    kept = solve(problem, start, *bounds(problem), [(tight, points)])
+    assert kept.converged
+    assert curvature_at(problem, kept.x, 4).max() == pytest.approx(ceiling, abs=1e-3)
+    assert kept.cost > free.cost
+
+
+def test_a_constraint_that_nothing_free_reaches_does_not_stop_the_fit(problem, start, bounds, known, table):
+    impossible = Constraint("mu_x", 10.0, inf, ())
+    points = np.array([[0.0], [0.0], [0.0], [700.0]])
+    solution = solve(problem, start, *bounds(problem), [(impossible, points)])
+    assert solution.converged
+
+
+def test_too_few_iterations_are_a_result(problem, start, bounds):
+    solution = solve(problem, start, *bounds(problem), [], max_iterations=1)
+    assert not solution.converged
+    assert solution.reason == "Maximum_Iterations_Exceeded"
+    assert solution.iterations == 1
+    assert np.isfinite(solution.x).all()
+    assert np.isfinite(solution.cost)
+
+
+def test_impossible_constraints_are_a_result(problem, start, bounds):
+    points = np.array([[0.0], [0.0], [0.0], [700.0]])
+    pair = [(Constraint("mu_y", 3.0, inf, ()), points), (Constraint("mu_y", -inf, 1.0, ()), points)]
+    solution = solve(problem, start, *bounds(problem), pair, max_iterations=50)
+    assert not solution.converged
+    assert solution.reason
+    assert np.isfinite(solution.x).all()
+
+
+def test_progress_is_told(problem, start, bounds):
+    told = []
+    solution = solve(problem, start, *bounds(problem), [], progress=lambda count, cost: told.append((count, cost)))
+    counts, costs = zip(*told, strict=True)
+    assert counts == tuple(range(1, len(told) + 1))
+    assert len(told) >= solution.iterations
+    assert costs[0] == pytest.approx(problem.cost(start), rel=0.01)  # the start is moved a little off its bounds
+    assert costs[-1] == pytest.approx(solution.cost, rel=1e-3)
+
+
+def test_what_the_data_leave_open_stays_where_it_was(known, table, bounds):
+    rows = Rows.of(table[table["Fz"] == 500.0], known, ["Fy"])
+    open_pair = Problem(known, rows, ("PDY1", "PDY2"), equal_weights(rows), np.array([1.9, 0.2]))
+    start = np.array([1.7, -0.5]) / open_pair.scale
+    wide = np.full(2, 50.0)
+    solution = solve(open_pair, start, -wide, wide, [])
+    dfz = (500.0 - 700.0) / 700.0
+    value = solution.x * open_pair.scale
+    assert solution.converged
+    assert value[0] + value[1] * dfz == pytest.approx(1.9 - 0.2 * dfz, rel=0.01)  # this the data tell
+    # Along the direction that they leave open, it stays where it was.
+    along = np.array([-dfz, 1.0]) / open_pair.scale
+    assert (solution.x - start) @ along == pytest.approx(0.0, abs=0.05)

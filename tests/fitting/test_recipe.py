@@ -1,0 +1,200 @@
+"""Recipes: the report's stages as printed, and files that say what is wrong with them."""
+
+from __future__ import annotations
+
+from math import inf, radians
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.fitting import RECIPES, load_recipe
+from tirefmu.fitting.recipe import Freed
+from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.errors import FitError, TirefmuError, UnknownName
+
+DEG = radians(1.0)
+PURE_LOAD, ALL_ANGLES = (220.0, 100.0), [0.0, 3.0, -3.0, 6.0, -6.0]
+#: The report's stages: what they free in its own spelling, guess and bounds as printed (None: no bound).
+TRENTO = [
+    ("FX0 pure", "Fx", "pCx1 1 1 2, pDx1 2 .1 4, pEx1 1 0 1, pEx4 0 0 1, pHx1 0 -10 10, pKx1 1 0 100, pVx1 0 -10 10"),
+    ("FX0(Fz)", "Fx", "pDx2 0, pEx2 0, pEx3 0, pHx2 0, pKx2 0, pKx3 0, pVx2 0"),
+    ("FX0(gamma)", "Fx", "pDx3 0"),
+    ("FY0 pure", "Fy",
+     "pCy1 1.3 1.1 -, pDy1 2.7 2.5 -, pEy1 -1 - 1, pHy1 .0038, pKy1 170 0 175, pKy2 5.05 4.9 5.1, pVy1 -.0792"),
+    ("FY0(Fz)", "Fy", "pDy2 -.05 -.2 0, pEy2 -1, pHy2 0, pVy2 0"),
+    ("FY0(gamma)", "Fy", "pDy3 -2, pEy3 0, pEy4 -2 -3 -, pHy3 0, pKy3 0, pVy3 .15, pVy4 0"),
+    ("MZ0 pure", "Mz",
+     "qBz1 6 -10 10, qBz9 0 -1 1, qBz10 .7 -5 5, qCz1 1 -5 5, qDz1 0 -10 10, qDz6 0 -10 10, qEz1 -1 -.8 .8, qEz4 -.5 -.8 .8, "
+     "qHz1 0 -1 1"),
+    ("MZ0(Fz)", "Mz",
+     "qBz2 0 -4 4, qBz3 0 -4 4, qDz2 0 -5 5, qDz7 0 -5 5, qEz2 0 -2 2, qEz3 0 -1 1, qHz2 0 -5 5"),
+    ("MZ0(gamma)", "Mz",
+     "qBz4 0, qBz5 0, qDz3 0, qDz4 -1, qEz5 0, qDz8 .6, qDz9 .2, qHz3 0, qHz4 0"),
+    ("FX combined", "Fx", "rBx1 17 0 20, rBx2 -11 -16.5 20, rCx1 1 -.5 10, rHx1 0 -.015 .015"),
+    ("FY combined", "Fy",
+     "rBy1 7, rBy2 2.5, rBy3 .1, rCy1 1, rHy1 .02, rVy1 0, rVy4 30, rVy5 1.9, rVy6 10"),
+    ("FY(Fz)", "Fy", "rVy2 -.01"),
+    ("FY(gamma)", "Fy", "rVy3 1 .7 -"),
+]  # fmt: skip
+
+
+def printed(text):
+    """Read a line of the table above."""
+    freed = {}
+    for part in text.split(", "):
+        name, guess, *bounds = part.split()
+        lower, upper = bounds or ("-", "-")
+        freed[name.upper()] = (
+            float(guess),
+            -inf if lower == "-" else float(lower),
+            inf if upper == "-" else float(upper),
+        )
+    return freed
+
+
+@pytest.mark.parametrize(("place", "row"), list(enumerate(TRENTO)), ids=[row[0] for row in TRENTO])
+def test_trento_is_the_report(place, row):
+    name, channel, text = row
+    stage = load_recipe("trento", "mf96").stages[place]
+    assert (stage.name, stage.channels, stage.weights, stage.rows) == (name, (channel,), "equal", None)
+    told = {n: (f.guess, f.lower, f.upper) for n, f in stage.free.items()}
+    assert told == printed(text)
+
+
+def test_trento_slices_are_those_of_the_report():
+    stages = {stage.name: stage.where for stage in load_recipe("trento", "mf96").stages}
+    assert len(stages) == 13
+    for name, where in stages.items():
+        over_load, over_camber, combined = "(Fz)" in name, "(gamma)" in name, "combined" in name
+        assert ("Fz" not in where) == over_load, name
+        assert ("gamma" not in where) == over_camber, name
+        if "Fz" in where:
+            assert where["Fz"] == [PURE_LOAD]
+        if "gamma" in where:
+            assert where["gamma"] == [(0.0, pytest.approx(0.5 * DEG))]
+        swept = "kappa" if name.startswith("FX") or combined or name in ("FY(Fz)", "FY(gamma)") else "alpha"
+        assert swept not in where, name
+        if swept == "kappa":
+            angles = [0.0] if name.startswith("FX0") else ALL_ANGLES
+            assert [value for value, _ in where["alpha"]] == pytest.approx([angle * DEG for angle in angles])
+        else:
+            assert where["kappa"] == [(0.0, 0.005)]
+
+
+@pytest.mark.parametrize("name", RECIPES)
+def test_recipes_know_the_models_that_they_are_for(name):
+    for model in MODELS:
+        recipe = load_recipe(name, model)
+        assert recipe.name == name
+        assert recipe.description
+        for stage in recipe.stages:
+            assert stage.free.keys() <= MODELS[model].coefficients.keys()
+
+
+def test_joint_frees_everything_at_last():
+    *_, last = load_recipe("joint", "mf96").stages
+    assert (last.channels, last.where, last.free, last.effects, last.rows) == ((), {}, {}, None, None)
+
+
+# ------------------------------------------------------------------ files
+
+
+def written(folder, text, name="own.toml"):
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def test_a_recipe_of_ones_own(tmp_path):
+    path = written(
+        tmp_path,
+        """
+        [[stage]]
+        name = "sides"
+        channels = ["Fy"]
+        rows = 100
+        weights = "noise"
+        [stage.where]
+        Fz = ["0.2 +- 0.1 kN", "1e3 +- 50 N"]
+        kappa = "-1.5 +- .5 %"
+        [stage.free]
+        PDY1 = { guess = 2, lower = 1 }
+        """,
+    )
+    recipe = load_recipe(path, "mf96")
+    (stage,) = recipe.stages
+    assert recipe.name == "own"
+    assert stage.where == {"Fz": [(200.0, 100.0), (1000.0, 50.0)], "kappa": [(-0.015, 0.005)]}
+    assert stage.free == {"PDY1": Freed(2.0, 1.0, inf)}
+    assert (stage.channels, stage.rows, stage.weights) == (("Fy",), 100, "noise")
+    table = pd.DataFrame({"Fz": [200.0, 200.0, 600.0, 980.0, 310.0], "kappa": [-0.012, 0.0, -0.015, -0.019, -0.015]})
+    assert list(stage.select(table).index) == [0, 3]
+    assert stage.select(table[["Fz"]]).empty  # a slip that was not recorded was 0
+
+
+def test_a_row_is_selected_once(known, make):
+    table = make.bench(known).table
+    for stage in load_recipe("trento", "mf96").stages:
+        chosen = stage.select(table)
+        assert chosen.index.is_unique
+        assert np.array_equal(chosen.index, sorted(chosen.index))
+        assert 0 < len(chosen) < len(table)
+
+
+def stage(*lines):
+    return "\n".join(["[[stage]]", 'name = "one"', *lines])
+
+
+BROKEN = {
+    "name =": "Invalid value",
+    "name = 'x'": "no [[stage]]",
+    "nam = 'x'": "unknown key in {file} 'nam': did you mean name?",
+    "[stage]\nname = 'one'": "stage: {'name': 'one'} is not a list",
+    stage("chanels = ['Fx']"): "unknown key in {file}, stage 'one' 'chanels': did you mean channels?",
+    stage("channels = ['FX']"): "unknown channel in {file}, stage 'one' 'FX': did you mean Fx?",
+    stage("channels = 'Fx'"): "stage 'one', channels: 'Fx' is not a list",
+    stage("effects = ['camber_trust']"): "'camber_trust': did you mean camber_thrust?",
+    stage("rows = 'many'"): "stage 'one', rows: 'many' is not a whole number",
+    stage("rows = 0"): "stage 'one': rows = 0 is not a number of rows",
+    stage("weights = 'noisy'"): "unknown weights in {file}, stage 'one' 'noisy': did you mean noise?",
+    stage("[stage.where]", "FZ = '220 +- 100 N'"): "unknown input in {file}, stage 'one' 'FZ': did you mean Fz?",
+    stage("[stage.where]", "Fz = '220 N'"): "stage 'one': '220 N' is not like '220 +- 100 N'",
+    stage("[stage.where]", "Fz = '1-2 +- 3 N'"): "stage 'one': '1-2 +- 3 N' is not like '220 +- 100 N'",
+    stage("[stage.where]", "Fz = '220 +- 100 lbf'"): "(units: rad, deg, N, kN, %)",
+    stage("[stage.where]", "Fz = 220"): "stage 'one': 220 is not like '220 +- 100 N'",
+    stage("[stage.free]", "PDYI = { guess = 1 }"): "unknown coefficient in {file}, stage 'one' 'PDYI'",
+    stage("[stage.free]", "PDY1 = 1"): "stage 'one', PDY1: 1 is not a table",
+    stage("[stage.free]", "PDY1 = { gess = 1 }"): "unknown key in {file}, stage 'one', PDY1 'gess': did you mean guess?",
+    stage("[stage.free]", "PDY1 = { guess = 'two' }"): "stage 'one', PDY1, guess: 'two' is not a number",
+    stage("[stage.free]", "PDY1 = { guess = nan }"): "stage 'one', PDY1: a guess is a finite number",
+    stage("[stage.free]", "PDY1 = { lower = 2, upper = 1 }"):
+        "stage 'one', PDY1: bounds cross: lower 2 is above upper 1",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("text", BROKEN)
+def test_a_broken_file_is_told_in_one_line(tmp_path, text):
+    path = written(tmp_path, text)
+    with pytest.raises(TirefmuError) as caught:
+        load_recipe(path, "mf96")
+    message = str(caught.value)
+    assert path in message
+    assert BROKEN[text].replace("{file}", path) in message
+    assert "\n" not in message
+
+
+def test_a_recipe_for_another_model(tmp_path):
+    path = written(tmp_path, "models = ['mf52', 'mf61']\n" + stage())
+    with pytest.raises(FitError, match=r"own\.toml is for mf52, mf61, not for mf96"):
+        load_recipe(path, "mf96")
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe")
+    (tmp_path / "folder.toml").mkdir()
+    for name, message in (("no", "cannot be read"), ("bytes", "not a text file"), ("folder", "cannot be read")):
+        with pytest.raises(FitError, match=rf"{name}\.toml: {message}"):
+            load_recipe(str(tmp_path / f"{name}.toml"), "mf96")
+    with pytest.raises(UnknownName, match="unknown recipe 'jiont': did you mean joint"):
+        load_recipe("jiont", "mf96")

@@ -1,0 +1,98 @@
+"""The report is one file that says what the fit says."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+
+from tirefmu.fitting.report import report_page, write_report
+from tirefmu.fitting.result import Margin
+from tirefmu.symbolic.errors import FitError
+
+VOID = {"meta", "img", "br", "hr", "link", "input", "col"}
+
+
+class Page(HTMLParser):
+    """The text and the attributes of a page; fails where a tag is not closed."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.words, self.attributes = [], [], []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.attributes += [(tag, name, value) for name, value in attrs]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if not set(self.open) & {"style", "script"}:
+            self.words.append(data)
+
+    @property
+    def text(self):
+        return " ".join(" ".join(self.words).split())
+
+
+def test_the_page_says_what_the_fit_says(side_fit):
+    result, recording = side_fit
+    text = Page(report_page(result, [])).text
+    assert result.status in text
+    assert recording.source in text
+    for coefficient in result.coefficients:
+        assert re.search(rf"\b{coefficient.name}\b", text), coefficient.name
+        if coefficient.determined:
+            assert f"{coefficient.value:.5g}" in text, coefficient.name
+    for stage in result.stages:
+        assert stage.name in text
+    for margin in result.margins:
+        assert margin.constraint in text
+    for note in result.notes:
+        assert " ".join(note.split()) in text
+
+
+def test_what_went_wrong_stands_in_the_page(side_fit):
+    result, _ = side_fit
+    broken = replace(result, margins=(Margin("E_y <= 1", 1.25, -0.25, {"Fz": 1120.0}),))
+    assert "constraint E_y <= 1 broken by 0.25" in Page(report_page(broken, [])).text
+
+
+def test_names_cannot_break_the_page(side_fit):
+    result, _ = side_fit
+    odd = "<script>alert(1)</script> & Co.mat"
+    told = replace(result, channels=(replace(result.channels[0], recording=odd),), notes=(odd,))
+    page = report_page(told, [])
+    assert "<script>alert" not in page
+    assert odd in Page(page).text
+
+
+def test_the_file_needs_nothing_outside_it(side_fit, tmp_path):
+    result, recording = side_fit
+    path = tmp_path / "report.html"
+    write_report(result, [recording], path)
+    assert [file.name for file in tmp_path.iterdir()] == ["report.html"]
+    page = Page(path.read_text(encoding="utf-8"))
+    images = [value for tag, name, value in page.attributes if (tag, name) == ("img", "src")]
+    assert images
+    for _, name, value in page.attributes:
+        if name in ("src", "href"):
+            assert value.startswith(("data:image/png;base64,", "#")), value[:60]
+
+
+def test_a_report_that_cannot_be_written(side_fit, tmp_path):
+    result, recording = side_fit
+    with pytest.raises(FitError, match=r"no/report\.html: cannot be written"):
+        write_report(result, [recording], tmp_path / "no" / "report.html")
+    taken = tmp_path / "taken.html"
+    taken.mkdir()
+    with pytest.raises(FitError, match="cannot be written"):
+        write_report(result, [recording], taken)
+    assert [file.name for file in tmp_path.iterdir()] == ["taken.html"]

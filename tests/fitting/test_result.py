@@ -1,0 +1,108 @@
+"""What a fit tells: quality by its definition, status, strict JSON."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from math import inf, nan
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from tirefmu.fitting.result import Margin, StageFit, quality
+
+NUMBERS = arrays(np.float64, st.integers(2, 30), elements=st.floats(-1e4, 1e4))
+
+
+@given(measured=NUMBERS, data=st.data())
+def test_quality_is_its_definition(measured, data):
+    computed = data.draw(arrays(np.float64, len(measured), elements=st.floats(-1e4, 1e4)))
+    gaps = data.draw(arrays(np.bool_, len(measured)))
+    y = np.where(gaps, np.nan, measured)
+    n, rmse, centred, uncentred = quality(y, computed)
+    assert n == np.sum(~gaps)
+    if not n:
+        assert np.isnan([rmse, centred, uncentred]).all()
+        return
+    residual = (computed - measured)[~gaps]
+    assert rmse == pytest.approx(np.sqrt(np.mean(residual**2)), rel=1e-9, abs=1e-12)
+    variance = np.var(measured[~gaps])
+    if variance > 1e-12:
+        assert 1 - centred == pytest.approx(np.mean(residual**2) / variance, rel=1e-6)
+    # The data's mean explains nothing in the one and something in the other.
+    if np.isfinite(centred) and np.isfinite(uncentred):
+        assert centred <= uncentred + 1e-9 * abs(centred)
+
+
+def test_quality_of_a_perfect_fit_and_of_the_mean():
+    measured = np.array([1.0, 2.0, 4.0, 7.0])
+    assert quality(measured, measured) == (4, 0.0, 1.0, 1.0)
+    assert quality(measured, np.full(4, 3.5))[2] == 0.0
+    assert quality(measured, np.zeros(4))[3] == 0.0
+    assert np.isnan(quality(np.full(4, 3.0), np.zeros(4))[2])  # no variation: nothing to explain
+    assert np.isnan(quality(np.zeros(4), np.zeros(4))[3])
+
+
+def test_ok_asks_for_converged_stages_and_kept_constraints(side_fit):
+    result, _ = side_fit
+    assert result.ok
+    assert result.status == "converged"
+    failed = StageFit("late", 10, 2, 300, False, "Maximum_Iterations_Exceeded", 1.0, 0.5)
+    late = replace(result, stages=(*result.stages, failed))
+    assert not late.ok
+    assert late.status == "not converged: stage 'late' ended with Maximum_Iterations_Exceeded"
+    broken = replace(result, margins=(*result.margins, Margin("E_y <= 1", 1.25, -0.25, {"Fz": 1120.0})))
+    assert not broken.ok
+    assert broken.status == "constraint E_y <= 1 broken by 0.25"
+    hairline = replace(result, margins=(Margin("E_y <= 1", 1.0, -1e-9, {}),))
+    assert hairline.ok
+
+
+def test_json_is_strict_and_complete(side_fit):
+    result, recording = side_fit
+    unbounded = replace(result.coefficients[0], lower=-inf, upper=inf)
+    odd = replace(
+        result,
+        coefficients=(unbounded, *result.coefficients[1:]),
+        channels=(replace(result.channels[0], r2=nan),),
+    )
+    plain = json.loads(json.dumps(odd.to_json(), allow_nan=False))
+    assert (plain["coefficients"][0]["lower"], plain["coefficients"][0]["upper"]) == (None, None)
+    assert plain["channels"][0]["r2"] is None
+    assert plain["values"] == dict(result.tire.values)
+    assert plain["effects"] == sorted(result.tire.has)
+    assert (plain["ok"], plain["model"], plain["signs"], plain["recipe"]) == (True, "mf96", "adapted-sae", "joint")
+    assert [stage["name"] for stage in plain["stages"]] == [stage.name for stage in result.stages]
+    assert {margin["constraint"] for margin in plain["margins"]} == {margin.constraint for margin in result.margins}
+    assert plain["channels"][0]["recording"] == recording.source
+    assert plain["notes"] == list(result.notes)
+
+
+def test_the_table_has_a_row_per_coefficient(side_fit):
+    result, _ = side_fit
+    table = result.table().set_index("name")
+    assert list(table.index) == [coefficient.name for coefficient in result.coefficients]
+    assert table.loc["PDY1", "value"] == result.tire.values["PDY1"]
+    assert table.loc["PKY1", "value"] == -result.tire.values["PKY1"]  # told in adapted SAE, the tire is in ISO
+    assert table.loc["PKY1", "unit"] == "1/rad"
+    order = list(result.tire.book.coefficients)
+    assert [order.index(name) for name in table.index] == sorted(order.index(name) for name in table.index)
+
+
+def test_a_channel_is_asked_for_by_recording_and_name(side_fit):
+    result, recording = side_fit
+    assert result.channel(recording.source, "Fy") is result.channels[0]
+    assert result.channels[0].unit == "N"
+    assert result.channels[0].rows == len(recording)
+
+
+def test_the_stages_tell_what_they_used(side_fit):
+    result, recording = side_fit
+    first, *_, last = result.stages
+    assert last.rows == len(recording)
+    assert first.free <= last.free == sum(coefficient.determined for coefficient in result.coefficients)
+    assert all(stage.iterations > 0 for stage in result.stages)
+    assert last.r2_uncentred == pytest.approx(result.channels[0].r2_uncentred, abs=1e-9)

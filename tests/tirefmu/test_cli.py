@@ -1,0 +1,458 @@
+"""The command line: what it writes, what it says, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import tirefmu
+import tirefmu.generated
+from tirefmu.fitting import session
+from tirefmu.measurements import read_recording
+from tirefmu.tires import read_tir
+
+COMMANDS = ("generate", "evaluate", "fit", "export", "check", "info", "demo")
+
+
+def strict(text):
+    """Read JSON that has no NaN and no Infinity."""
+
+    def refuse(constant):
+        raise AssertionError(f"{constant} is not JSON")
+
+    return json.loads(text, parse_constant=refuse)
+
+
+# ------------------------------------------------------------------ the whole way
+
+
+def test_every_step_of_the_way_succeeds(chain):
+    _, outcomes = chain
+    for step, outcome in outcomes.items():
+        assert outcome.status == 0, (step, outcome.err)
+        assert outcome.err == "", step
+
+
+def test_nothing_is_left_but_what_was_asked_for(chain):
+    folder, _ = chain
+    files = {path.name for path in folder.iterdir()}
+    asked = {"fitted.tir", "fit.json", "report.html", "figures"}
+    assert files == asked | {f"fmi{fmi}.fmu" for fmi in "23"} | {f"check{fmi}.json" for fmi in "23"}
+    assert {path.suffix for path in (folder / "figures").iterdir()} == {".png"}
+
+
+def test_the_fit_says_the_same_everywhere(chain):
+    folder, outcomes = chain
+    told = strict((folder / "fit.json").read_text(encoding="utf-8"))
+    tire = read_tir(folder / "fitted.tir")
+    assert told["ok"] is True
+    assert told["values"] == dict(tire.values)
+    assert told["effects"] == sorted(tire.has)
+    assert tire.values["FNOMIN"] == 220.0
+    out, page = outcomes["fit"].out, (folder / "report.html").read_text(encoding="utf-8")
+    assert "fit converged" in out
+    for channel in told["channels"]:
+        assert f"{channel['r2']:.5f}" in out
+        assert channel["channel"] == "Mz" or channel["r2"] > 0.99  # the fit leaves out what makes Mz
+    for coefficient in told["coefficients"]:
+        assert coefficient["name"] in out
+        assert coefficient["name"] in page
+
+
+def test_the_check_says_how_far_the_tire_is_from_the_data(chain):
+    folder, outcomes = chain
+    fitted = {c["channel"]: c["rmse"] for c in strict((folder / "fit.json").read_text())["channels"]}
+    for fmi in "23":
+        told = strict((folder / f"check{fmi}.json").read_text(encoding="utf-8"))
+        assert told["ok"] is True
+        assert told["evaluation_difference"] < 1e-9
+        for name, rmse in fitted.items():
+            assert told["channels"][name]["rmse"] == pytest.approx(rmse, rel=1e-6)
+            assert name in outcomes[f"check {fmi}"].out
+
+
+def test_a_check_that_does_not_hold_exits_with_1(chain, command, bench_csv):
+    folder, _ = chain
+    assert command("check", folder / "fmi3.fmu", bench_csv, "--tolerance", "1e-6").status == 1
+    assert command("check", folder / "fmi3.fmu", bench_csv, "--tolerance", "0.5").status == 0
+
+
+def test_a_fit_that_does_not_converge_exits_with_1(command, bench_csv, tmp_path, monkeypatch):
+    monkeypatch.setattr(session, "solve", partial(session.solve, max_iterations=1))
+    outcome = command("fit", bench_csv, "--effects", "none", "-o", tmp_path / "poor.tir")
+    assert outcome.status == 1
+    assert "fit not converged: stage" in outcome.out
+    assert read_tir(tmp_path / "poor.tir").has == frozenset()
+
+
+def test_a_fit_from_a_tire_and_a_recipe_of_ones_own(chain, command, bench_csv, tmp_path):
+    folder, _ = chain
+    recipe = tmp_path / "friction [only].toml"
+    recipe.write_text('[[stage]]\nname = "[friction]"\n[stage.free]\nPDY1 = { guess = 2, lower = 1, upper = 4 }\n')
+    outcome = command(
+        "fit", bench_csv, "--start", folder / "fitted.tir", "--recipe", recipe, "-o", tmp_path / "[new].tir"
+    )
+    assert outcome.status == 0, outcome.err
+    before, after = read_tir(folder / "fitted.tir"), read_tir(tmp_path / "[new].tir")
+    assert after.has == before.has
+    assert {n for n in after.values if after.values[n] != before.values[n]} == {"PDY1"}
+    assert "[friction]" in outcome.out  # brackets in names are no markup
+    assert f"tire: {tmp_path / '[new].tir'}" in outcome.out
+
+
+def test_without_leaves_effects_out(command, bench_csv, tmp_path):
+    outcome = command(
+        "fit", bench_csv, "--effects", "load_stiffness, camber_thrust", "--without", "camber_thrust",
+        "-o", tmp_path / "tire.tir",
+    )  # fmt: skip
+    assert outcome.status == 0, outcome.err
+    assert read_tir(tmp_path / "tire.tir").has == {"load_stiffness"}
+
+
+def test_a_note_names_data_that_look_like_another_convention(command, bench_csv, tmp_path):
+    outcome = command("fit", bench_csv, "--signs", "adapted-sae", "--effects", "none", "-o", tmp_path / "odd.tir")
+    assert outcome.out.count("bench.csv: Fy falls with alpha") == 1
+    assert "look like iso" in outcome.out
+
+
+# ------------------------------------------------------------------ evaluate
+
+
+@pytest.mark.parametrize("code", ["numpy", "c", "casadi"])
+def test_evaluate_gives_the_golden_numbers(command, golden, published_tir, code, tmp_path):
+    out = tmp_path / "out.csv"
+    outcome = command(
+        "evaluate", published_tir, golden / "mf96_trento.csv", "--signs", "adapted-sae", "--code", code, "-o", out
+    )
+    assert outcome.status == 0, outcome.err
+    found, reference = pd.read_csv(out), pd.read_csv(golden / "mf96_trento.csv")
+    pairs = {
+        "FX": "Fx", "FY": "Fy", "FX0": "F_x0", "FY0": "F_y0", "MZ0": "M_z0", "Kya": "K_yalpha", "Kxk": "K_xkappa",
+        "Gxa": "G_xa", "Gyk": "G_yk", "SVyk": "S_Vyk", "Bt": "B_t", "Dr": "D_r", "Ey": "E_y",
+        "CorneringStiffness_x": "F_x0_slope", "CorneringStiffness_y": "F_y0_slope",
+    }  # fmt: skip
+    for theirs, ours in pairs.items():
+        there = reference[theirs].notna()
+        error = (found[ours] - reference[theirs]).abs() / (1 + reference[theirs].abs())
+        assert there.any(), theirs
+        assert error[there].max() < 1e-9, theirs
+    for name in ("kappa", "alpha", "gamma", "Fz"):
+        np.testing.assert_array_equal(found[name], reference[name])
+
+
+def test_evaluate_takes_nominal_values_and_clamps_where_asked(command, chain, tmp_path):
+    tire, table = chain[0] / "fitted.tir", tmp_path / "in.csv"
+    table.write_text("alpha [deg],Fz [kN]\n3,0.7\n30,0.7\n", encoding="utf-8")
+    outcomes = {
+        name: command("evaluate", tire, table, "-o", tmp_path / f"{name}.csv", *options)
+        for name, options in (("free", []), ("clamped", ["--limits"]))
+    }
+    assert all(outcome.status == 0 for outcome in outcomes.values())
+    assert "at nominal: kappa, gamma" in outcomes["free"].out
+    free, clamped = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("free", "clamped"))
+    known = read_tir(tire)
+    highest = known.ranges["alpha"][1]
+    assert highest < np.radians(30.0)
+    expected = known.forces(alpha=[np.radians(3.0), np.radians(30.0), highest], Fz=700.0)["Fy"]
+    np.testing.assert_allclose(free["Fy"], expected[:2], rtol=1e-12)
+    np.testing.assert_allclose(clamped["Fy"], expected[[0, 2]], rtol=1e-12)
+    assert clamped.loc[1, "alpha"] == free.loc[1, "alpha"]  # the input comes back as it was given
+
+
+def test_evaluate_answers_in_the_convention_of_the_table(command, chain, bench_csv, tmp_path):
+    folder, _ = chain
+    recording = read_recording(bench_csv)
+    results = {}
+    for signs in ("iso", "adapted-sae", "sae"):
+        path = tmp_path / f"{signs}.csv"
+        recording.with_signs(signs).table.to_csv(path, index=False)
+        out = tmp_path / f"{signs}_out.csv"
+        assert command("evaluate", folder / "fitted.tir", path, "--signs", signs, "-o", out).status == 0
+        results[signs] = pd.read_csv(out)
+    for name in ("Fx", "Fy", "Mz"):
+        flips = -1.0 if name != "Fx" else 1.0
+        for signs in ("adapted-sae", "sae"):
+            np.testing.assert_allclose(results[signs][name], flips * results["iso"][name], rtol=1e-9, atol=1e-9)
+
+
+# ------------------------------------------------------------------ what is printed
+
+
+def test_json_on_standard_output_is_alone_there(chain, command, bench_csv, published_tir, tmp_path):
+    folder, _ = chain
+    calls = [
+        ("generate", "--check"),
+        ("evaluate", published_tir, bench_csv, "-o", tmp_path / "o.csv"),
+        ("fit", bench_csv, "--effects", "none", "-o", tmp_path / "t.tir"),
+        ("export", published_tir, "-o", tmp_path / "t.fmu"),
+        ("check", folder / "fmi3.fmu", bench_csv),
+        ("info", published_tir),
+    ]
+    for call in calls:
+        outcome = command(*call, "--quiet", "--json", "-")
+        assert outcome.status == 0, (call, outcome.err)
+        assert strict(outcome.out)["ok"] is True, call
+        assert outcome.err == ""
+
+
+def test_quiet_prints_nothing(chain, bench_csv, published_tir, tmp_path, capfd):
+    folder, _ = chain
+    calls = [
+        ["generate", "--check"],
+        ["evaluate", published_tir, bench_csv, "-o", tmp_path / "o.csv"],
+        ["fit", bench_csv, "--effects", "none", "-o", tmp_path / "t.tir", "--figures", tmp_path / "figures"],
+        ["export", published_tir, "-o", tmp_path / "t.fmu"],
+        ["check", folder / "fmi2.fmu", bench_csv],
+        ["info", published_tir],
+    ]
+    for call in calls:
+        assert tirefmu.cli.main([*map(str, call), "--quiet"]) == 0
+        assert capfd.readouterr() == ("", ""), call  # also what libraries write past Python
+
+
+def test_info_tells_what_is_in_a_tire(command, published_tir):
+    outcome = command("info", published_tir)
+    assert outcome.status == 0
+    for word in ("Hoosier", "mf96", "PDY1", "camber_thrust", "FNOMIN", "220"):
+        assert word in outcome.out
+    told = strict(command("info", published_tir, "--quiet", "--json", "-").out)
+    assert told["values"] == dict(read_tir(published_tir).values)
+    assert set(told["effects"]) | set(told["effects_at_neutral"]) == read_tir(published_tir).has
+
+
+def test_help_names_every_command(command):
+    for outcome in (command("--help"), command()):
+        assert outcome.status == 0
+        assert "Usage: tirefmu " in outcome.out
+        for name in COMMANDS:
+            assert f"\n  {name} " in outcome.out
+    for name in COMMANDS:
+        outcome = command(name, "--help")
+        assert outcome.status == 0
+        assert "--json" in outcome.out
+        assert "--quiet" in outcome.out
+    assert tirefmu.__version__ in command("--version").out
+
+
+# ------------------------------------------------------------------ generate
+
+
+@pytest.fixture
+def generated(tmp_path, monkeypatch):
+    """Return a copy of the generated code that the command takes for the real one."""
+    folder = tmp_path / "generated"
+    shutil.copytree(Path(tirefmu.generated.__file__).parent, folder, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(tirefmu.generated, "__file__", str(folder / "__init__.py"))
+    return folder
+
+
+def test_what_is_committed_is_what_the_book_prints(command):
+    outcome = command("generate", "--check")
+    assert outcome.status == 0, outcome.out
+
+
+def test_a_planted_edit_is_found_shown_and_mended(command, generated):
+    source = generated / "c" / "mf96.c"
+    right = source.read_text(encoding="utf-8")
+    source.write_text(right.replace("sin(", "cos(", 1), encoding="utf-8")
+    planted = source.read_bytes()
+    outcome = command("generate", "--check")
+    assert outcome.status == 1
+    removed = [line for line in outcome.out.splitlines() if line.startswith("-") and "cos(" in line]
+    added = [line for line in outcome.out.splitlines() if line.startswith("+") and "sin(" in line]
+    assert len(removed) == len(added) == 1
+    assert "generated/c/mf96.c" in outcome.out
+    assert source.read_bytes() == planted  # looked at, not touched
+    told = strict(command("generate", "--check", "--quiet", "--json", "-").out)
+    assert told["ok"] is False
+    assert "generated/c/mf96.c" in told["diff"]
+    written = command("generate")
+    assert written.status == 0
+    assert "written: generated/c/mf96.c" in written.out
+    assert source.read_text(encoding="utf-8") == right
+    assert command("generate", "--check").status == 0
+    assert "up to date" in command("generate").out
+
+
+def test_a_missing_and_a_stray_file_are_found(command, generated):
+    (generated / "numpy" / "mf96.py").unlink()
+    (generated / "casadi" / "mf00.py").write_text("old = 1\n", encoding="utf-8")
+    outcome = command("generate", "--check")
+    assert outcome.status == 1
+    assert "generated/numpy/mf96.py" in outcome.out
+    assert "-old = 1" in outcome.out
+
+
+# ------------------------------------------------------------------ bad input
+
+
+@pytest.fixture
+def folder(tmp_path, bench_csv, published_tir, chain, monkeypatch):
+    """Return a working folder with one file of each kind, and odd ones."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(bench_csv, "good.csv")
+    shutil.copy(published_tir, "good.tir")
+    shutil.copy(chain[0] / "fmi3.fmu", "good.fmu")
+    table = pd.read_csv(bench_csv)
+    odd = {
+        "names.csv": table.rename(columns={"alpha": "slip_angle", "Fz": "load"}),
+        "upper.csv": table.rename(columns={"Fx": "FX", "Fy": "FY", "Mz": "MZ"}),
+        "nan.csv": table.assign(alpha=table["alpha"].where(table.index != 7)),
+        "degrees.csv": table.assign(alpha=np.degrees(table["alpha"])),
+        "percent.csv": table.assign(kappa=100 * table["kappa"]),
+        "negative.csv": table.assign(Fz=-table["Fz"]),
+        "still.csv": table.assign(alpha=0.0, kappa=0.0),
+    }
+    for name, content in odd.items():
+        content.to_csv(name, index=False)
+    Path("empty.csv").write_text("", encoding="utf-8")
+    Path("rows.csv").write_text("alpha,Fz,Fy\n", encoding="utf-8")
+    Path("text.csv").write_text("alpha,Fz,Fy\n0.1,high,-800\n", encoding="utf-8")
+    Path("notes.txt").write_text("nothing\n", encoding="utf-8")
+    lines = Path("good.tir").read_text(encoding="utf-8").splitlines()
+    (place,) = (i for i, line in enumerate(lines) if line.startswith("PDY1 "))
+    for name, line in (("broken.tir", "PDY1 2.7"), ("word.tir", "PDY1 = much"), ("unknown.tir", "PDYI = 2.7")):
+        Path(name).write_text("\n".join([*lines[:place], line, *lines[place + 1 :]]), encoding="utf-8")
+    Path("cross.toml").write_text(
+        '[[stage]]\nname = "one"\n[stage.free]\nPDY1 = { lower = 3, upper = 2 }\n', encoding="utf-8"
+    )
+    Path("broken.toml").write_text("[[stage]\n", encoding="utf-8")
+    Path("taken").mkdir()
+    return tmp_path
+
+
+FIT = ("-o", "new.tir", "--report", "new.html", "--figures", "new", "--json", "new.json")
+BAD = {
+    "fit missing.csv {fit}": "missing.csv: no such file",
+    "fit notes.txt {fit}": "notes.txt: unknown kind of recording '.txt'",
+    "fit empty.csv {fit}": "empty.csv: the file is empty",
+    "fit rows.csv {fit}": "rows.csv: no rows",
+    "fit text.csv {fit}": "text.csv: line 2:",
+    "fit names.csv {fit}": "column 'slip_angle' is not a channel: did you mean alpha?",
+    "fit upper.csv {fit}": "upper.csv: no measured output (Fx, Fy, Mz, Mx, My): is column 'FX' Fx?",
+    "fit nan.csv {fit}": "nan.csv: line 9: alpha",
+    "fit degrees.csv {fit}": "degrees.csv: alpha reaches",
+    "fit percent.csv {fit}": "percent.csv: kappa reaches",
+    "fit negative.csv {fit}": "negative.csv: Fz is negative in 100 % of the rows: SAE signs? (--signs sae)",
+    "fit good.csv --signs sae {fit}": "good.csv: Fz is positive in 100 % of the rows: not SAE?",
+    "fit still.csv {fit}": "nothing to fit",
+    "fit good.csv good.csv missing.mat {fit}": "missing.mat: no such file",
+    "fit good.csv --model mf69 {fit}": "unknown model 'mf69': did you mean mf96?",
+    "fit good.csv --effects camber_trust {fit}": "unknown effect of mf96 'camber_trust': did you mean camber_thrust?",
+    "fit good.csv --without camber_trust {fit}": "unknown effect of mf96 'camber_trust': did you mean camber_thrust?",
+    "fit good.csv --recipe jiont {fit}": "unknown recipe 'jiont': did you mean joint?",
+    "fit good.csv --recipe missing.toml {fit}": "missing.toml: cannot be read",
+    "fit good.csv --recipe broken.toml {fit}": "broken.toml: ",
+    "fit good.csv --recipe cross.toml {fit}":
+        "cross.toml, stage 'one', PDY1: bounds cross: lower 3 is above upper 2",
+    "fit good.csv --start missing.tir {fit}": "missing.tir: cannot be read",
+    "fit good.csv --start broken.tir {fit}": "broken.tir:",
+    "fit good.csv --nominal Fz0 {fit}": "'Fz0' is not like Fz0=1000",
+    "fit good.csv --nominal Fz=220 {fit}": "unknown nominal value 'Fz': did you mean Fz0?",
+    "fit good.csv --nominal Fz0=-220 {fit}": "nominal Fz0 = -220 is not positive",
+    "fit good.csv --signs din {fit}": "'din' is not one of 'iso', 'sae', 'adapted-sae'",
+    "fit good.csv --colour red {fit}": "No such option",
+    "fit {fit}": "Missing argument 'TABLES...'",
+    "fit good.csv": "Missing option '-o'",
+    "fit good.csv -o no/new.tir": "no/new.tir: no folder no",
+    "fit good.csv -o taken": "taken: is a folder, not a file",
+    "fit good.csv -o new.tir --json no/new.json": "no/new.json: no folder no",
+    "fit good.csv -o new.tir --report no/new.html": "no/new.html: no folder no",
+    "fit good.csv -o new.tir --figures good.csv": "good.csv: is a file, not a folder",
+    "evaluate missing.tir good.csv -o new.csv": "missing.tir: cannot be read",
+    "evaluate broken.tir good.csv -o new.csv": "'PDY1 2.7' in [LATERAL_COEFFICIENTS] is not 'KEY = value'",
+    "evaluate word.tir good.csv -o new.csv": "PDY1 = 'much' is not a number",
+    "evaluate unknown.tir good.csv -o new.csv": "unknown key PDYI of mf96: did you mean PDY",
+    "evaluate good.csv good.csv -o new.csv": "not a .tir file",
+    "evaluate good.tir missing.csv -o new.csv": "missing.csv: no such file",
+    "evaluate good.tir names.csv -o new.csv": "column 'slip_angle' is not a channel: did you mean alpha?",
+    "evaluate good.tir nan.csv -o new.csv": "nan.csv: line 9: alpha",
+    "evaluate good.tir degrees.csv -o new.csv": "degrees.csv: alpha reaches",
+    "evaluate good.tir negative.csv -o new.csv": "negative.csv: Fz is negative in 100 % of the rows",
+    "evaluate good.tir good.csv -o new.txt": "new.txt: unknown kind of table '.txt'",
+    "evaluate good.tir good.csv -o no/new.csv": "no/new.csv: no folder no",
+    "evaluate good.tir good.csv -o new.csv --json no/new.json": "no/new.json: no folder no",
+    "evaluate good.tir good.csv -o new.csv --code fortran": "'fortran' is not one of 'numpy', 'c', 'casadi'",
+    "export missing.tir -o new.fmu": "missing.tir: cannot be read",
+    "export broken.tir -o new.fmu": "broken.tir:",
+    "export good.tir -o no/new.fmu": "no/new.fmu: no folder no",
+    "export good.tir -o new.fmu --json no/new.json": "no/new.json: no folder no",
+    "export good.tir -o new.fmu --fmi 4": "'4' is not one of '2', '3'",
+    "export good.tir -o new.fmu --inputs wheels": "inputs 'wheels' are not known",
+    "check missing.fmu good.csv --json new.json": "missing.fmu: no such file",
+    "check good.csv good.csv --json new.json": "good.csv: not an FMU",
+    "check good.fmu missing.csv --json new.json": "missing.csv: no such file",
+    "check good.fmu degrees.csv --json new.json": "degrees.csv: alpha reaches",
+    "check good.fmu negative.csv --json new.json": "negative.csv: Fz is negative in 100 % of the rows",
+    "check good.fmu nan.csv --json new.json": "nan.csv: line 9: alpha",
+    "check good.fmu upper.csv --json new.json": "no measured output",
+    "check good.fmu good.csv --json no/new.json": "no/new.json: no folder no",
+    "check good.fmu good.csv --tolerance -1": "Invalid value for '--tolerance'",
+    "info missing.tir": "missing.tir: cannot be read",
+    "info broken.tir": "broken.tir:",
+    "info taken": "taken: cannot be read",
+    "demo -o good.csv": "good.csv: is a file, not a folder",
+    "generate --check --json no/new.json": "no/new.json: no folder no",
+    "fitt good.csv": "No such command 'fitt'",
+    "--fit good.csv": "No such option",
+}  # fmt: skip
+
+
+def everything(folder):
+    """Return every file below a folder with its content."""
+    return {path: path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
+
+
+@pytest.mark.parametrize("line", BAD)
+def test_bad_input_is_told_in_one_line_and_leaves_nothing(folder, command, line):
+    arguments = [word for part in line.split() for word in (FIT if part == "{fit}" else [part])]
+    before = everything(folder)
+    outcome = command(*arguments)
+    assert outcome.status == 2
+    (message,) = outcome.err.splitlines()
+    assert message.startswith("tirefmu: error: ")
+    assert BAD[line] in message
+    assert "Traceback" not in outcome.out
+    assert everything(folder) == before
+
+
+def test_a_broken_tire_file_is_named_with_its_line(folder, command):
+    number = Path("broken.tir").read_text(encoding="utf-8").splitlines().index("PDY1 2.7") + 1
+    for call in ("evaluate broken.tir good.csv -o new.csv", "export broken.tir -o new.fmu", "info broken.tir"):
+        assert f"broken.tir:{number}: " in command(*call.split()).err
+
+
+def test_a_file_that_is_there_survives_a_failure(folder, command):
+    old = Path("good.tir").read_bytes()
+    assert command("fit", "degrees.csv", "-o", "good.tir").status == 2
+    assert command("export", "broken.tir", "-o", "good.fmu").status == 2
+    assert Path("good.tir").read_bytes() == old
+    assert command("check", "good.fmu", "good.csv").status == 0
+
+
+# ------------------------------------------------------------------ as a process
+
+
+def test_python_m_tirefmu(folder):
+    environment = {**os.environ, "PYTHONWARNINGS": "error"}
+    told = subprocess.run(
+        [sys.executable, "-m", "tirefmu", "info", "good.tir", "--json", "-", "--quiet"],
+        capture_output=True, text=True, env=environment, cwd=folder,
+    )  # fmt: skip
+    assert (told.returncode, told.stderr) == (0, "")
+    assert strict(told.stdout)["model"] == "mf96"
+    refused = subprocess.run(
+        [sys.executable, "-m", "tirefmu", "info", "missing.tir"], capture_output=True, text=True, cwd=folder
+    )
+    assert refused.returncode == 2
+    assert refused.stdout == ""
+    assert len(refused.stderr.splitlines()) == 1

@@ -1,0 +1,49 @@
+"""The demo: the whole circle on the built-in bench, as a user runs it."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from tirefmu.demo import BENCH_TIRE, bench_tire
+from tirefmu.tires import published, read_tir
+
+
+def test_the_whole_circle(command, tmp_path):
+    folder = tmp_path / "made for it" / "demo"
+    outcome = command("demo", "-o", folder, "--json", tmp_path / "demo.json")
+    assert outcome.status == 0, outcome.out + outcome.err
+    told = json.loads((tmp_path / "demo.json").read_text(encoding="utf-8"))
+    assert told["ok"] is True
+    assert told["checks"] == {"tire_fmi3.fmu": True, "tire_fmi2.fmu": True}
+    # Both recipes, against each other.
+    rmse = {r: {c["channel"]: c["rmse"] for c in told[r]["channels"]} for r in ("trento", "joint")}
+    assert all(rmse["joint"][name] < rmse["trento"][name] for name in ("Fx", "Fy", "Mz"))
+    # A missing effect shows in the residuals, and no longer when it is there.
+    missing = told["missing_effect"]
+    assert (missing["effect"], missing["channel"]) == ("camber_thrust", "Fy")
+    assert missing["rmse_without"] > 1.2 * missing["rmse_with"]
+    assert missing["largest_mean_residual_with"] < 0.5 * missing["largest_mean_residual_without"]
+    # What it says that it wrote is there.
+    files = {"bench.csv", "truth.tir", "trento.tir", "joint.tir", "without_camber_thrust.tir", "missing_effect.png"}
+    assert files | {"figures", "tire_fmi2.fmu", "tire_fmi3.fmu"} == {path.name for path in folder.iterdir()}
+    for name in files | {"figures", "tire_fmi2.fmu", "tire_fmi3.fmu"}:
+        assert str(folder / name) in outcome.out or name.endswith(".tir"), name
+    figures = {path.name for path in (folder / "figures").iterdir()}
+    assert {name.removeprefix("joint_") for name in figures if name.startswith("joint_")} == {
+        name.removeprefix("trento_") for name in figures if name.startswith("trento_")
+    }
+    assert "camber_thrust" not in read_tir(folder / "without_camber_thrust.tir").has
+    truth = read_tir(folder / "truth.tir").in_signs("adapted-sae")
+    assert truth.parameters() == pytest.approx(bench_tire().parameters(), rel=1e-15)
+    for step in ("1 Bench.", "2 Fit.", "3 FMU.", "4 A missing effect."):
+        assert step in outcome.out
+
+
+def test_the_bench_tire_is_the_published_one_but_for_what_is_said():
+    tire, trento = bench_tire(), published("trento_hoosier")
+    changed = {name for name, value in trento.values.items() if tire.values[name] != value}
+    assert changed == {name for name, value in BENCH_TIRE.items() if trento.values[name] != value}
+    assert "camber_thrust" in tire.has
+    assert any(tire.values[name] for name in tire.book.owned("camber_thrust"))

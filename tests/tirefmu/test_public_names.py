@@ -1,0 +1,70 @@
+"""What ``import tirefmu`` offers, and what it does not load."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from importlib.metadata import version
+
+import pytest
+
+import tirefmu
+from tirefmu import fitting, fmu, measurements, tires
+
+#: The public contract: where each name comes from.
+NAMES = {
+    "Tire": tires, "published": tires, "fit": fitting, "FitResult": fitting, "export": fmu, "check": fmu,
+    "CheckResult": fmu, "read_recording": measurements, "Recording": measurements, "VirtualBench": measurements,
+}  # fmt: skip
+
+
+def test_every_name_is_that_of_its_room():
+    for name, room in NAMES.items():
+        assert getattr(tirefmu, name) is getattr(room, name), name
+    assert set(tirefmu.__all__) == NAMES.keys() | {"TirefmuError", "load"}
+    assert tirefmu.__all__ == sorted(tirefmu.__all__)
+
+
+def test_a_star_import_brings_them_all():
+    names = {}
+    exec("from tirefmu import *", names)
+    assert set(tirefmu.__all__) <= set(names)
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="'tirefmu' has no attribute 'fitt'"):
+        _ = tirefmu.fitt
+    assert not hasattr(tirefmu, "undeclared")
+
+
+def test_the_version_is_the_packages():
+    assert tirefmu.__version__ == version("tirefmu")
+
+
+def test_load_reads_what_a_tire_saved(tmp_path):
+    tire = tirefmu.published("trento_hoosier")
+    tire.save(tmp_path / "tire.tir")
+    loaded = tirefmu.load(tmp_path / "tire.tir")
+    assert loaded.signs == "iso"
+    assert dict(loaded.in_signs("adapted-sae").values) == dict(tire.values)
+    with pytest.raises(tirefmu.TirefmuError, match="missing.tir"):
+        tirefmu.load(tmp_path / "missing.tir")
+
+
+LARGE = ("casadi", "fmpy", "matplotlib", "scipy", "pythonfmu")
+
+
+@pytest.mark.parametrize("statement", ["import tirefmu", "import tirefmu.cli"])
+def test_importing_brings_no_large_library_along(statement):
+    code = f"import sys; {statement}; print(*[name for name in {LARGE!r} if name in sys.modules])"
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout.split() == []
+
+
+def test_a_tire_is_evaluated_without_them():
+    code = (
+        "import sys, tirefmu; tirefmu.published('trento_hoosier').forces(alpha=0.1, Fz=700.0); "
+        f"print(*[name for name in {LARGE!r} if name in sys.modules])"
+    )
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert told.stdout.split() == []

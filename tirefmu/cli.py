@@ -1,0 +1,311 @@
+"""The command line: ``tirefmu COMMAND``. Exit status 0: what was asked holds; 1: it ran and does not; 2: bad input."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tirefmu.symbolic.errors import TirefmuError
+
+from .terminal import Terminal
+
+SIGNS = click.Choice(["iso", "sae", "adapted-sae"])
+FILE = click.Path(path_type=Path)
+
+
+class Pairs(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # generic since click 8.4
+    """``name=number,name=number``."""
+
+    name = "NAME=VALUE,..."
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[str, float]:
+        """Return the pairs as a mapping."""
+        pairs = {}
+        for part in value.split(","):
+            key, _, number = part.partition("=")
+            try:
+                pairs[key.strip()] = float(number)
+            except ValueError:
+                self.fail(f"{part!r} is not like Fz0=1000", param, ctx)
+        return pairs
+
+
+def names(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...] | None:
+    """Split a comma-separated list; "none" is the empty one."""
+    if value is None:
+        return None
+    return () if value == "none" else tuple(part.strip() for part in value.split(",") if part.strip())
+
+
+def common(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the options that all have: --json and --quiet."""
+    command = click.option("--json", "json_file", type=FILE, help="Write the result as JSON ('-': standard output).")(
+        command
+    )
+    return click.option("--quiet", is_flag=True, help="Print nothing but errors.")(command)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(package_name="tirefmu")
+def cli() -> None:
+    """From tire bench data to a fitted Magic Formula tire, packed as an FMU and checked against the data."""
+
+
+@cli.command()
+@click.option(
+    "--check", "only_check", is_flag=True, help="Change nothing; exit 1 with a diff where generated/ is stale."
+)
+@common
+def generate(only_check: bool, quiet: bool, json_file: Path | None) -> int:
+    """Print the book as code: NumPy, CasADi and C, into generated/."""
+    import tirefmu.generated
+    from tirefmu.symbolic.printers import generate as printers
+
+    terminal = Terminal(quiet)
+    _check_places(json_file)
+    folder = Path(tirefmu.generated.__file__).parent
+    if only_check:
+        diff = printers.difference(folder)
+        _write_json(json_file, {"ok": not diff, "diff": diff})
+        terminal.print(diff.rstrip() if diff else "generated/ is what the book prints")
+        if diff:
+            terminal.print('generated/ is stale: run "tirefmu generate"')
+        return 1 if diff else 0
+    with terminal.working("printing the book"):
+        changed = printers.write(folder)
+    _write_json(json_file, {"ok": True, "changed": [path.relative_to(folder).as_posix() for path in changed]})
+    for path in changed:
+        terminal.print(f"written: generated/{path.relative_to(folder).as_posix()}")
+    if not changed:
+        terminal.print("generated/ was up to date")
+    return 0
+
+
+@cli.command()
+@click.argument("tire", type=FILE)
+@click.argument("table", type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="CSV or Parquet to write.")
+@click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat, iso for tables).")
+@click.option("--limits", is_flag=True, help="Clamp the inputs to the range in which the tire is known.")
+@click.option("--code", type=click.Choice(["numpy", "c", "casadi"]), default="numpy", show_default=True,
+              help="Which of the generated codes evaluates.")  # fmt: skip
+@common
+def evaluate(
+    tire: Path, table: Path, output: Path, signs: str | None, limits: bool, code: str, quiet: bool,
+    json_file: Path | None,
+) -> int:  # fmt: skip
+    """Evaluate TIRE for every row of TABLE: forces, moments and every named quantity."""
+    from tirefmu.measurements import check_plausible, read_recording, write_table
+    from tirefmu.tires import read_tir
+
+    terminal = Terminal(quiet)
+    _check_places(output, json_file)
+    loaded = read_tir(tire)
+    recording = read_recording(table, signs=signs)
+    check_plausible(recording)
+    with terminal.working(f"evaluating {len(recording)} rows"):
+        result = loaded.evaluate(recording.table, signs=recording.signs, limits=limits, code=code)
+        write_table(result, output)
+    absent = [name for name in loaded.inputs if name not in recording.table]
+    summary = {"ok": True, "rows": len(result), "signs": recording.signs, "code": code, "nominal": absent}
+    _write_json(json_file, {**summary, "output": str(output), "columns": list(result.columns)})
+    terminal.print(f"{len(result)} rows, {len(result.columns)} columns, signs {recording.signs}: {output}")
+    if absent:
+        terminal.print(f"not in the table, at nominal: {', '.join(absent)}")
+    return 0
+
+
+@cli.command()
+@click.argument("tables", type=FILE, nargs=-1, required=True)
+@click.option("--model", default="mf96", show_default=True, help="Model to fit.")
+@click.option("-o", "--output", type=FILE, required=True, help="Tire file (.tir) to write.")
+@click.option("--start", type=FILE, help="Tire to start from (default: generic values).")
+@click.option("--effects", callback=names, help="Exactly these effects on top of the core, or 'none'.")
+@click.option("--without", callback=names, default="none", help="All effects but these.")
+@click.option("--recipe", default="joint", show_default=True, help="joint, trento, or a TOML file.")
+@click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
+@click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat, iso for tables).")
+@click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
+@click.option("--report", type=FILE, help="HTML report with tables and figures.")
+@common
+def fit(
+    tables: tuple[Path, ...], model: str, output: Path, start: Path | None, effects: tuple[str, ...] | None,
+    without: tuple[str, ...], recipe: str, nominal: dict[str, float] | None, signs: str | None, figures: Path | None,
+    report: Path | None, quiet: bool, json_file: Path | None,
+) -> int:  # fmt: skip
+    """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints."""
+    from tirefmu.fitting import fit as run
+    from tirefmu.fitting.figures import draw_figures
+    from tirefmu.measurements import convention_notes, read_recording
+    from tirefmu.tires import read_tir
+
+    terminal = Terminal(quiet)
+    _check_places(output, json_file, report, folder=figures)
+    recordings = [read_recording(table, signs=signs) for table in tables]
+    for recording in recordings:
+        for note in convention_notes(recording):
+            terminal.print(f"note: {note}")
+    with terminal.fitting() as progress:
+        result = run(
+            recordings, model, start=read_tir(start) if start else None, effects=effects, without=without,
+            recipe=recipe, nominal=nominal, progress=progress,
+        )  # fmt: skip
+    result.tire.save(output)
+    _write_json(json_file, result.to_json())
+    terminal.fit_result(result)
+    terminal.print(f"tire: {output}")
+    if figures:
+        with terminal.working("drawing figures"):
+            drawn = draw_figures(result.tire, recordings, figures)
+        terminal.print(f"figures: {len(drawn)} in {figures}")
+    if report:
+        from tirefmu.fitting.report import write_report
+
+        with terminal.working("writing the report"):
+            write_report(result, recordings, report)
+        terminal.print(f"report: {report}")
+    return 0 if result.ok else 1
+
+
+@cli.command()
+@click.argument("tire", type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="FMU to write.")
+@click.option("--fmi", type=click.Choice(["2", "3"]), default="3", show_default=True, help="Version of FMI.")
+@click.option("--inputs", default="slip", show_default=True, help="What the FMU takes as inputs.")
+@common
+def export(tire: Path, output: Path, fmi: str, inputs: str, quiet: bool, json_file: Path | None) -> int:
+    """Pack TIRE as a native FMU for Co-Simulation that runs without Python."""
+    from tirefmu.fmu import export as run
+    from tirefmu.tires import read_tir
+
+    terminal = Terminal(quiet)
+    _check_places(output, json_file)
+    loaded = read_tir(tire)
+    with terminal.working("compiling"):
+        written = run(loaded, output, fmi=int(fmi), inputs=inputs)
+    size = written.stat().st_size
+    _write_json(json_file, {"ok": True, "fmu": str(written), "fmi": int(fmi), "inputs": inputs, "bytes": size})
+    terminal.print(f"FMI {fmi}.0 Co-Simulation, {inputs} inputs, {size / 1024:.0f} KB: {written}")
+    return 0
+
+
+@cli.command()
+@click.argument("fmu", type=FILE)
+@click.argument("table", type=FILE)
+@click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat, iso for tables).")
+@click.option(
+    "--tolerance",
+    type=click.FloatRange(min=0.0),
+    help="Exit 1 where a channel's RMSE exceeds this share of its largest value.",
+)
+@common
+def check(
+    fmu: Path, table: Path, signs: str | None, tolerance: float | None, quiet: bool, json_file: Path | None
+) -> int:
+    """Simulate FMU with fmpy over TABLE and compare with the data and with direct evaluation."""
+    from tirefmu.fmu import check as run
+
+    terminal = Terminal(quiet)
+    _check_places(json_file)
+    with terminal.working(f"simulating {fmu.name} over {table.name}"):
+        result = run(fmu, table, signs=signs, tolerance=tolerance)
+    _write_json(json_file, result.to_json())
+    terminal.print(str(result))
+    return 0 if result.ok else 1
+
+
+@cli.command()
+@click.argument("tire", type=FILE)
+@common
+def info(tire: Path, quiet: bool, json_file: Path | None) -> int:
+    """Tell what is in TIRE: model, ranges, effects, coefficients."""
+    from tirefmu.tires import read_tir
+
+    from .description import describe
+
+    _check_places(json_file)
+    loaded = read_tir(tire)
+    _write_json(json_file, describe(loaded))
+    Terminal(quiet).tire(loaded)
+    return 0
+
+
+@cli.command()
+@click.option("-o", "--output", type=FILE, default=Path("demo-output"), show_default=True, help="Folder to write.")
+@common
+def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
+    """Run the whole circle on the built-in virtual bench: bench, fit, tire, FMU, check, a missing effect."""
+    from .demo import run
+
+    terminal = Terminal(quiet)
+    _check_places(json_file, folder=output)
+    summary = run(output, terminal)
+    _write_json(json_file, summary)
+    return 0 if summary["ok"] else 1
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the command line and return its exit status.
+
+    Parameters
+    ----------
+    arguments : list of str, optional
+        Those of the process where None.
+
+    Returns
+    -------
+    int
+        0: what was asked holds; 1: it ran and does not hold; 2: bad input.
+
+    Examples
+    --------
+    >>> main(["info", "missing.tir", "--quiet"])
+    2
+    """
+    try:
+        given = sys.argv[1:] if arguments is None else arguments
+        status = cli.main(args=given or ["--help"], prog_name="tirefmu", standalone_mode=False)
+    except TirefmuError as error:
+        return _refused(str(error))
+    except click.ClickException as error:
+        return _refused(error.format_message())
+    except (click.Abort, KeyboardInterrupt):
+        print("tirefmu: interrupted", file=sys.stderr)
+        return 130
+    return int(status or 0)
+
+
+def _refused(message: str) -> int:
+    print(f"tirefmu: error: {' '.join(message.split())}", file=sys.stderr)
+    return 2
+
+
+def _check_places(*files: Path | None, folder: Path | None = None) -> None:
+    """Refuse what cannot be written before work begins, so that nothing is left of half of it."""
+    for path in files:
+        if path is None or str(path) == "-":
+            continue
+        if not path.absolute().parent.is_dir():
+            raise TirefmuError(f"{path}: no folder {path.parent}")
+        if path.is_dir():
+            raise TirefmuError(f"{path}: is a folder, not a file")
+    if folder is not None and folder.exists() and not folder.is_dir():
+        raise TirefmuError(f"{folder}: is a file, not a folder")
+
+
+def _write_json(path: Path | None, content: dict[str, Any]) -> None:
+    if path is None:
+        return
+    text = json.dumps(content, indent=2, allow_nan=False, default=str)
+    if str(path) == "-":
+        print(text)
+        return
+    try:
+        path.write_text(text + "\n", encoding="utf-8")
+    except OSError as error:
+        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from error
