@@ -28,6 +28,8 @@ DAMPING_UP, DAMPING_DOWN = 10.0, 0.5
 #: A fit has converged when this many iterations have brought the best cost within the constraints down by less than
 #: this share of it, and how far a constrained quantity may miss its bound at a point that counts.
 PATIENCE, LEAST_GAIN, FEASIBLE = 10, 1e-5, 1e-6
+#: Reasons to stop within the constraints that count as converged: the watch's, and steps below machine precision.
+AT_REST = ("No_Further_Gain", "Search_Direction_Becomes_Too_Small")
 #: Called with (iteration, cost) as the solver goes on.
 Progress = Callable[[int, float], None]
 
@@ -198,9 +200,10 @@ def solve(
         result = solver(x0=start, lbx=lower, ubx=upper, lbg=low, ubg=high)
     stats = solver.stats()
     reason = "No_Further_Gain" if watch.settled else str(stats["return_status"])
+    converged = bool(stats["success"]) or (watch.x is not None and reason in AT_REST)
     found = np.array(result["x"]).ravel() if stats["success"] or watch.x is None else watch.x
     x = np.clip(found, lower, upper) if np.isfinite(found).all() else start
-    return Solution(x, problem.cost(x), int(stats["iter_count"]), bool(stats["success"]) or watch.settled, reason)
+    return Solution(x, problem.cost(x), int(stats["iter_count"]), converged, reason)
 
 
 class _Memory:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import radians
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -64,6 +65,18 @@ def other_tire(seed):
     return Tire("mf96", values, effects=EFFECTS, signs="adapted-sae")
 
 
+def told(result):
+    """Return the coefficients of a result by name."""
+    return {coefficient.name: coefficient for coefficient in result.coefficients}
+
+
+def recipe(folder, text):
+    """Write a recipe and return its path."""
+    path = folder / "own.toml"
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
 @pytest.fixture(scope="session")
 def known():
     return Tire("mf96", KNOWN, effects=EFFECTS, signs="adapted-sae", name="known")
@@ -71,13 +84,11 @@ def known():
 
 @pytest.fixture(scope="session")
 def make():
-    """Return what the tests make of tires: recordings, other tires, inputs."""
-
-    class Make:
-        bench, sideways, anywhere, other_tire = map(staticmethod, (bench, sideways, anywhere, other_tire))
-        effects, nominal = EFFECTS, NOMINAL
-
-    return Make
+    """Return what the tests make of tires and results."""
+    return SimpleNamespace(
+        bench=bench, sideways=sideways, anywhere=anywhere, other_tire=other_tire, told=told, recipe=recipe,
+        effects=EFFECTS, nominal=NOMINAL,
+    )  # fmt: skip
 
 
 @pytest.fixture(scope="session")

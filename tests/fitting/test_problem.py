@@ -180,7 +180,7 @@ def test_a_sample_is_random_but_always_the_same(problem):
     np.testing.assert_array_equal(one.inputs, two.inputs)
     np.testing.assert_array_equal(one.measured, two.measured)
     assert not np.array_equal(one.inputs, other.inputs)
-    places = [int(np.flatnonzero((rows.inputs.T == row).all(axis=1))[0]) for row in one.inputs.T]
+    places = [int(np.flatnonzero((row == rows.inputs.T).all(axis=1))[0]) for row in one.inputs.T]
     assert places == sorted(set(places))
     assert len(one) == 25
     assert len(set(np.diff(places))) > 1  # not every k-th row

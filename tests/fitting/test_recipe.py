@@ -25,8 +25,8 @@ TRENTO = [
     ("FY0(Fz)", "Fy", "pDy2 -.05 -.2 0, pEy2 -1, pHy2 0, pVy2 0"),
     ("FY0(gamma)", "Fy", "pDy3 -2, pEy3 0, pEy4 -2 -3 -, pHy3 0, pKy3 0, pVy3 .15, pVy4 0"),
     ("MZ0 pure", "Mz",
-     "qBz1 6 -10 10, qBz9 0 -1 1, qBz10 .7 -5 5, qCz1 1 -5 5, qDz1 0 -10 10, qDz6 0 -10 10, qEz1 -1 -.8 .8, qEz4 -.5 -.8 .8, "
-     "qHz1 0 -1 1"),
+     "qBz1 6 -10 10, qBz9 0 -1 1, qBz10 .7 -5 5, qCz1 1 -5 5, qDz1 0 -10 10, qDz6 0 -10 10, qEz1 -1 -.8 .8, "
+     "qEz4 -.5 -.8 .8, qHz1 0 -1 1"),
     ("MZ0(Fz)", "Mz",
      "qBz2 0 -4 4, qBz3 0 -4 4, qDz2 0 -5 5, qDz7 0 -5 5, qEz2 0 -2 2, qEz3 0 -1 1, qHz2 0 -5 5"),
     ("MZ0(gamma)", "Mz",
@@ -165,7 +165,7 @@ BROKEN = {
     stage("[stage.where]", "Fz = 220"): "stage 'one': 220 is not like '220 +- 100 N'",
     stage("[stage.free]", "PDYI = { guess = 1 }"): "unknown coefficient in {file}, stage 'one' 'PDYI'",
     stage("[stage.free]", "PDY1 = 1"): "stage 'one', PDY1: 1 is not a table",
-    stage("[stage.free]", "PDY1 = { gess = 1 }"): "unknown key in {file}, stage 'one', PDY1 'gess': did you mean guess?",
+    stage("[stage.free]", "PDY1 = { gess = 1 }"): "stage 'one', PDY1 'gess': did you mean guess?",
     stage("[stage.free]", "PDY1 = { guess = 'two' }"): "stage 'one', PDY1, guess: 'two' is not a number",
     stage("[stage.free]", "PDY1 = { guess = nan }"): "stage 'one', PDY1: a guess is a finite number",
     stage("[stage.free]", "PDY1 = { lower = 2, upper = 1 }"):

@@ -47,7 +47,7 @@ def test_load_reads_what_a_tire_saved(tmp_path):
     loaded = tirefmu.load(tmp_path / "tire.tir")
     assert loaded.signs == "iso"
     assert dict(loaded.in_signs("adapted-sae").values) == dict(tire.values)
-    with pytest.raises(tirefmu.TirefmuError, match="missing.tir"):
+    with pytest.raises(tirefmu.TirefmuError, match=r"missing\.tir"):
         tirefmu.load(tmp_path / "missing.tir")
 
 
