@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -155,6 +156,7 @@ def fit(
             recordings, model, start=read_tir(start) if start else None, effects=effects, without=without,
             recipe=recipe, nominal=nominal, progress=progress,
         )  # fmt: skip
+    result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
     _write_json(json_file, result.to_json())
     terminal.fit_result(result)

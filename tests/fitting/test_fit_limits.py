@@ -1,0 +1,133 @@
+"""What data cannot tell is named; what cannot be fitted is refused in one line."""
+
+from __future__ import annotations
+
+import json
+from math import inf
+
+import numpy as np
+import pytest
+
+from tirefmu.fitting import fit
+from tirefmu.measurements import Recording
+from tirefmu.symbolic import model
+from tirefmu.symbolic.errors import DataError, FitError, TirefmuError, UnknownName
+
+BOOK = model("mf96")
+
+
+def test_cornering_alone_leaves_drive_and_brake_undetermined(known, make):
+    result = fit([make.bench(known, kappa=False)], effects=make.effects, nominal=make.nominal)
+    coefficients = make.told(result)
+    for name in ("RBY1", "RBY2", "RBY3", "RCY1", "RHY1"):
+        assert not coefficients[name].determined, name
+        assert not coefficients[name].at_bound
+        assert result.tire.values[name] == BOOK.coefficients[name].default
+    assert any("Fx is not fitted, kappa does not vary" in note for note in result.notes)
+    assert [channel.channel for channel in result.channels] == ["Fy", "Mz"]
+    # Mz lies on Fy alone where kappa does not vary, so that nothing tells of Fx.
+    for name in ("PCX1", "PDX1", "PKX1", "RBX1"):
+        assert name not in coefficients or not coefficients[name].determined
+        assert result.tire.values[name] == BOOK.coefficients[name].default
+    named = next(note for note in result.notes if note.startswith("not determined"))
+    for coefficient in coefficients.values():
+        assert (coefficient.name in named.partition(": ")[2].split(", ")) == (not coefficient.determined)
+
+
+def test_one_load_and_no_camber_leave_their_coefficients_undetermined(known, make):
+    recording = make.sideways(known, loads=(700.0,), cambers=(0.0,))
+    result = fit([recording], effects=make.effects, nominal=make.nominal)
+    coefficients = make.told(result)
+    for name in ("PDY2", "PEY2", "PHY2", "PVY2", "PHY3", "PVY3", "PVY4", "PDY3"):
+        assert not coefficients[name].determined, name
+        assert result.tire.values[name] == 0.0
+    for name in ("PCY1", "PDY1", "PEY1", "PKY1", "PHY1", "PVY1"):
+        assert coefficients[name].determined, name
+    assert result.channels[0].r2 > 0.99999
+    assert result.tire.ranges.keys() == {"alpha"}  # what did not vary has no range
+
+
+def test_a_later_stage_does_not_forget_what_an_earlier_one_measured(known, make, tmp_path):
+    path = make.recipe(
+        tmp_path,
+        """
+        [[stage]]
+        name = "all loads"
+        [[stage]]
+        name = "one load"
+        [stage.where]
+        Fz = "700 +- 1 N"
+        """,
+    )
+    recording = make.sideways(known, loads=(220.0, 700.0, 1120.0))
+    result = fit([recording], effects=make.effects, nominal=make.nominal, recipe=path)
+    coefficients = make.told(result)
+    assert result.tire.values["PDY2"] == pytest.approx(known.values["PDY2"], rel=1e-3)
+    assert coefficients["PDY2"].determined
+    assert coefficients["PDY2"].stage == "all loads"  # the last that saw it
+    assert coefficients["PDY1"].stage == "one load"
+    for name, coefficient in coefficients.items():  # told is what the fit started from
+        if coefficient.determined:
+            assert coefficient.guess == BOOK.coefficients[name].generic
+
+
+# ------------------------------------------------------------------ bad input
+
+
+def test_bad_requests_are_told_in_one_line(known, make):
+    recording = make.sideways(known)
+    cases = [
+        (UnknownName, "unknown model 'mf69': did you mean mf96", {"model": "mf69"}),
+        (UnknownName, "'camber_trust': did you mean camber_thrust", {"effects": ["camber_trust"]}),
+        (UnknownName, "'camber_trust': did you mean camber_thrust", {"without": ["camber_trust"]}),
+        (UnknownName, "unknown recipe 'jiont': did you mean joint", {"recipe": "jiont"}),
+        (UnknownName, "unknown nominal value 'Fz': did you mean Fz0", {"nominal": {"Fz": 700.0}}),
+        (FitError, "nominal Fz0 = -1 is not positive", {"nominal": {"Fz0": -1.0}}),
+        (FitError, "nominal Fz0 = nan is not positive", {"nominal": {"Fz0": float("nan")}}),
+        (TirefmuError, "FNOMIN is inf", {"nominal": {"Fz0": inf}}),
+    ]
+    for kind, message, options in cases:
+        with pytest.raises(kind) as caught:
+            fit([recording], **options)
+        assert message in str(caught.value)
+        assert "\n" not in str(caught.value)
+
+
+def test_tables_that_cannot_be_fitted(known, make):
+    whole = make.sideways(known)
+    table = whole.table
+    cases = [
+        (DataError, r"row 6: alpha is nan", table.assign(alpha=table["alpha"].where(table.index != 5))),
+        (DataError, r"row 6: Fz is inf", table.assign(Fz=table["Fz"].where(table.index != 5, inf))),
+        (DataError, r"row 6: Fy is inf", table.assign(Fy=table["Fy"].where(table.index != 5, inf))),
+        (DataError, "in degrees", table.assign(alpha=np.degrees(table["alpha"]))),
+        (DataError, "Fz is negative in 100 %", table.assign(Fz=-table["Fz"])),
+        (DataError, "no rows", table[:0]),
+        (DataError, "no measured output", table.drop(columns="Fy")),
+        (FitError, "nothing to fit", table.assign(alpha=0.0)),
+        (FitError, "say --nominal Fz0", table.drop(columns="Fz")),
+    ]
+    for kind, message, odd in cases:
+        with pytest.raises(kind, match=message) as caught:
+            fit([Recording(odd, whole.signs, "odd")])
+        assert "\n" not in str(caught.value)
+    with pytest.raises(FitError, match="no table"):
+        fit([])
+
+
+def test_a_recipe_that_finds_no_rows(known, make, tmp_path):
+    path = make.recipe(tmp_path, '[[stage]]\nname = "far"\n[stage.where]\nFz = "9 +- 1 kN"\n')
+    with pytest.raises(FitError, match=r"no stage of the recipe found rows.*'far' skipped: no row of the data"):
+        fit([make.sideways(known)], recipe=path, effects=())
+
+
+def test_rows_at_lift_off_do_not_disturb(known, make):
+    whole = make.sideways(known)
+    lifted = whole.table.assign(
+        Fz=whole.table["Fz"].where(whole.table.index % 50 != 0, 0.0),
+        Fy=whole.table["Fy"].where(whole.table.index % 50 != 0, 0.0),
+    )
+    result = fit([Recording(lifted, whole.signs, "lifted")], effects=make.effects, nominal=make.nominal)
+    assert result.ok
+    assert result.channels[0].r2 > 0.9999
+    json.dumps(result.to_json(), allow_nan=False)

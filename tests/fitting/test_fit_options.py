@@ -1,0 +1,124 @@
+"""What can be asked of a fit: effects, a start, nominal values, progress; and that failing is a result."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+from math import radians
+
+import numpy as np
+import pytest
+
+from tirefmu.fitting import fit, session
+from tirefmu.symbolic import model
+from tirefmu.tires import Tire, read_tir
+
+BOOK = model("mf96")
+
+
+def test_the_coefficients_of_absent_effects_stay_neutral(known, make):
+    result = fit([make.sideways(known)], without=["camber_thrust", "plysteer"], nominal=make.nominal)
+    assert result.tire.has == frozenset(BOOK.effects) - {"camber_thrust", "plysteer"}
+    absent = BOOK.owned("camber_thrust", "plysteer")
+    assert {"PHY3", "PVY3", "PVY4", "PHY1", "PHY2"} <= absent
+    for name in absent:
+        assert result.tire.values[name] == BOOK.coefficients[name].neutral
+    assert not absent & set(make.told(result))
+
+
+def test_the_core_alone_and_other_tools_read_the_same_tire(known, make, tmp_path):
+    """Without load_stiffness the file has another PKY1 and PKY2, for readers that know no effects."""
+    core = Tire("mf96", known.values, effects=(), signs="adapted-sae")
+    result = fit([make.sideways(core)], effects=(), nominal=make.nominal)
+    assert result.status == "converged"
+    assert result.tire.has == frozenset()
+    assert result.channels[0].r2 > 0.99999
+    assert -result.tire.values["PKY1"] == pytest.approx(core.values["PKY1"], rel=1e-4)
+    assert make.told(result)["PKY1"].value == pytest.approx(core.values["PKY1"], rel=1e-4)
+    path = tmp_path / "core.tir"
+    result.tire.save(path)
+    lines = path.read_text(encoding="utf-8").splitlines()
+    assert "PKY2 = 1000000.0" in [line.partition("  $")[0] for line in lines]
+    bare = tmp_path / "bare.tir"
+    bare.write_text("\n".join(lines[: lines.index("[TIREFMU]")]), encoding="utf-8")
+    inputs = make.anywhere(200)
+    forces = result.tire.forces(**inputs)
+    for read in (read_tir(path), read_tir(bare)):
+        for name, values in read.forces(**inputs).items():
+            np.testing.assert_allclose(values, forces[name], rtol=1e-9, atol=1e-9)
+    assert read_tir(path).has == frozenset()
+
+
+@pytest.mark.parametrize("stiffness", [(), ("load_stiffness",)], ids=["proportional", "saturating"])
+def test_constraints_and_influence_know_what_an_absent_effect_rescales(make, known, stiffness):
+    effects = ("camber_thrust", "load_friction", *stiffness)
+    truth = Tire("mf96", known.values, effects=effects, signs="adapted-sae")
+    result = fit([make.sideways(truth)], effects=effects, nominal=make.nominal)
+    assert result.ok
+    assert result.channels[0].r2 > 0.99999
+    (stiff,) = (margin for margin in result.margins if margin.constraint == "B_y > 0")
+    assert 1.0 < stiff.worst < 100.0
+    assert make.told(result)["PKY1"].determined
+
+
+# ------------------------------------------------------------------ start, nominal, progress
+
+
+def test_a_start_tire_gives_values_and_effects(known, make):
+    recording = make.sideways(known)
+    result = fit([recording], start=known.in_signs("iso"))
+    assert result.tire.has == known.has
+    assert result.tire.name == "known"
+    assert result.tire.values["FNOMIN"] == 700.0
+    assert result.channels[0].rmse < 1e-3
+    assert make.told(result)["PDY1"].guess == known.values["PDY1"]
+    # What these data cannot see is still the start's.
+    assert not make.told(result)["RBY1"].determined
+    for name in ("PCX1", "PKX1", "QBZ1", "RBY1"):
+        assert result.tire.values[name] == known.values[name]
+    less = fit([recording], start=known, without=["camber_thrust"])
+    assert less.tire.has == known.has - {"camber_thrust"}
+    assert less.channels[0].rmse > 10.0
+
+
+def test_nominal_values(known, make):
+    recording = make.sideways(known)
+    result = fit([recording], effects=make.effects, nominal={"Fz0": 900.0, "R0": 0.25, "p0": 1e5})
+    assert result.tire.values["FNOMIN"] == 900.0
+    assert result.tire.values["UNLOADED_RADIUS"] == 0.25
+    assert any("nominal p0 has no place in mf96" in note for note in result.notes)
+    assert result.channels[0].r2 > 0.9999  # the same curve, told about another load
+    generic = fit([recording], effects=())
+    assert generic.tire.values["FNOMIN"] == float(f"{np.median(recording.table['Fz']):.2g}")
+    assert sum("not given" in note for note in generic.notes) == 2
+
+
+def test_progress_is_told_stage_by_stage(known, make):
+    calls = []
+    result = fit([make.sideways(known)], effects=(), nominal=make.nominal, progress=lambda *call: calls.append(call))
+    stages = [stage.name for stage in result.stages]
+    assert list(dict.fromkeys(stage for stage, _, _ in calls)) == stages
+    for stage in stages:
+        assert next(count for name, count, _ in calls if name == stage) == 1
+    assert all(np.isfinite(cost) for _, _, cost in calls)
+
+
+def test_a_fit_that_does_not_converge_is_a_result(known, make, monkeypatch):
+    monkeypatch.setattr(session, "solve", partial(session.solve, max_iterations=1))
+    result = fit([make.sideways(known)], effects=make.effects, nominal=make.nominal)
+    assert not result.ok
+    assert result.status.startswith("not converged: stage 'core")
+    assert result.status.endswith("Maximum_Iterations_Exceeded")
+    assert not any(stage.converged for stage in result.stages)
+    plain = json.loads(json.dumps(result.to_json(), allow_nan=False))
+    assert plain["ok"] is False
+    assert np.isfinite(list(result.tire.values.values())).all()
+
+
+def test_the_operating_range_is_kept_with_the_tire(side_fit):
+    result, recording = side_fit
+    ranges = result.tire.ranges
+    assert ranges["Fz"] == (220.0, 1120.0)
+    assert ranges["gamma"] == pytest.approx((0.0, radians(4.0)))
+    assert ranges["alpha"] == (recording.table["alpha"].min(), recording.table["alpha"].max())
+    assert "kappa" not in ranges

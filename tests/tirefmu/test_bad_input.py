@@ -1,0 +1,154 @@
+"""Bad input: one clear line, exit status 2, nothing left behind."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+
+@pytest.fixture
+def folder(tmp_path, bench_csv, published_tir, chain, monkeypatch):
+    """Return a working folder with one file of each kind, and odd ones."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(bench_csv, "good.csv")
+    shutil.copy(published_tir, "good.tir")
+    shutil.copy(chain[0] / "fmi3.fmu", "good.fmu")
+    table = pd.read_csv(bench_csv)
+    odd = {
+        "names.csv": table.rename(columns={"alpha": "slip_angle", "Fz": "load"}),
+        "upper.csv": table.rename(columns={"Fx": "FX", "Fy": "FY", "Mz": "MZ"}),
+        "nan.csv": table.assign(alpha=table["alpha"].where(table.index != 7)),
+        "degrees.csv": table.assign(alpha=np.degrees(table["alpha"])),
+        "percent.csv": table.assign(kappa=100 * table["kappa"]),
+        "negative.csv": table.assign(Fz=-table["Fz"]),
+        "still.csv": table.assign(alpha=0.0, kappa=0.0),
+    }
+    for name, content in odd.items():
+        content.to_csv(name, index=False)
+    Path("empty.csv").write_text("", encoding="utf-8")
+    Path("rows.csv").write_text("alpha,Fz,Fy\n", encoding="utf-8")
+    Path("text.csv").write_text("alpha,Fz,Fy\n0.1,high,-800\n", encoding="utf-8")
+    Path("notes.txt").write_text("nothing\n", encoding="utf-8")
+    lines = Path("good.tir").read_text(encoding="utf-8").splitlines()
+    (place,) = (i for i, line in enumerate(lines) if line.startswith("PDY1 "))
+    for name, line in (("broken.tir", "PDY1 2.7"), ("word.tir", "PDY1 = much"), ("unknown.tir", "PDYI = 2.7")):
+        Path(name).write_text("\n".join([*lines[:place], line, *lines[place + 1 :]]), encoding="utf-8")
+    Path("cross.toml").write_text(
+        '[[stage]]\nname = "one"\n[stage.free]\nPDY1 = { lower = 3, upper = 2 }\n', encoding="utf-8"
+    )
+    Path("broken.toml").write_text("[[stage]\n", encoding="utf-8")
+    Path("taken").mkdir()
+    return tmp_path
+
+
+FIT = ("-o", "new.tir", "--report", "new.html", "--figures", "new", "--json", "new.json")
+BAD = {
+    "fit missing.csv {fit}": "missing.csv: no such file",
+    "fit notes.txt {fit}": "notes.txt: unknown kind of recording '.txt'",
+    "fit empty.csv {fit}": "empty.csv: the file is empty",
+    "fit rows.csv {fit}": "rows.csv: no rows",
+    "fit text.csv {fit}": "text.csv: line 2:",
+    "fit names.csv {fit}": "column 'slip_angle' is not a channel: did you mean alpha?",
+    "fit upper.csv {fit}": "upper.csv: no measured output (Fx, Fy, Mz, Mx, My): is column 'FX' Fx?",
+    "fit nan.csv {fit}": "nan.csv: line 9: alpha",
+    "fit degrees.csv {fit}": "degrees.csv: alpha reaches",
+    "fit percent.csv {fit}": "percent.csv: kappa reaches",
+    "fit negative.csv {fit}": "negative.csv: Fz is negative in 100 % of the rows: SAE signs? (--signs sae)",
+    "fit good.csv --signs sae {fit}": "good.csv: Fz is positive in 100 % of the rows: not SAE?",
+    "fit still.csv {fit}": "nothing to fit",
+    "fit good.csv good.csv missing.mat {fit}": "missing.mat: no such file",
+    "fit good.csv --model mf69 {fit}": "unknown model 'mf69': did you mean mf96?",
+    "fit good.csv --effects camber_trust {fit}": "unknown effect of mf96 'camber_trust': did you mean camber_thrust?",
+    "fit good.csv --without camber_trust {fit}": "unknown effect of mf96 'camber_trust': did you mean camber_thrust?",
+    "fit good.csv --recipe jiont {fit}": "unknown recipe 'jiont': did you mean joint?",
+    "fit good.csv --recipe missing.toml {fit}": "missing.toml: cannot be read",
+    "fit good.csv --recipe broken.toml {fit}": "broken.toml: ",
+    "fit good.csv --recipe cross.toml {fit}":
+        "cross.toml, stage 'one', PDY1: bounds cross: lower 3 is above upper 2",
+    "fit good.csv --start missing.tir {fit}": "missing.tir: cannot be read",
+    "fit good.csv --start broken.tir {fit}": "broken.tir:",
+    "fit good.csv --nominal Fz0 {fit}": "'Fz0' is not like Fz0=1000",
+    "fit good.csv --nominal Fz=220 {fit}": "unknown nominal value 'Fz': did you mean Fz0?",
+    "fit good.csv --nominal Fz0=-220 {fit}": "nominal Fz0 = -220 is not positive",
+    "fit good.csv --signs din {fit}": "'din' is not one of 'iso', 'sae', 'adapted-sae'",
+    "fit good.csv --colour red {fit}": "No such option",
+    "fit {fit}": "Missing argument 'TABLES...'",
+    "fit good.csv": "Missing option '-o'",
+    "fit good.csv -o no/new.tir": "no/new.tir: no folder no",
+    "fit good.csv -o taken": "taken: is a folder, not a file",
+    "fit good.csv -o new.tir --json no/new.json": "no/new.json: no folder no",
+    "fit good.csv -o new.tir --report no/new.html": "no/new.html: no folder no",
+    "fit good.csv -o new.tir --figures good.csv": "good.csv: is a file, not a folder",
+    "evaluate missing.tir good.csv -o new.csv": "missing.tir: cannot be read",
+    "evaluate broken.tir good.csv -o new.csv": "'PDY1 2.7' in [LATERAL_COEFFICIENTS] is not 'KEY = value'",
+    "evaluate word.tir good.csv -o new.csv": "PDY1 = 'much' is not a number",
+    "evaluate unknown.tir good.csv -o new.csv": "unknown key PDYI of mf96: did you mean PDY",
+    "evaluate good.csv good.csv -o new.csv": "not a .tir file",
+    "evaluate good.tir missing.csv -o new.csv": "missing.csv: no such file",
+    "evaluate good.tir names.csv -o new.csv": "column 'slip_angle' is not a channel: did you mean alpha?",
+    "evaluate good.tir nan.csv -o new.csv": "nan.csv: line 9: alpha",
+    "evaluate good.tir degrees.csv -o new.csv": "degrees.csv: alpha reaches",
+    "evaluate good.tir negative.csv -o new.csv": "negative.csv: Fz is negative in 100 % of the rows",
+    "evaluate good.tir good.csv -o new.txt": "new.txt: unknown kind of table '.txt'",
+    "evaluate good.tir good.csv -o no/new.csv": "no/new.csv: no folder no",
+    "evaluate good.tir good.csv -o new.csv --json no/new.json": "no/new.json: no folder no",
+    "evaluate good.tir good.csv -o new.csv --code fortran": "'fortran' is not one of 'numpy', 'c', 'casadi'",
+    "export missing.tir -o new.fmu": "missing.tir: cannot be read",
+    "export broken.tir -o new.fmu": "broken.tir:",
+    "export good.tir -o no/new.fmu": "no/new.fmu: no folder no",
+    "export good.tir -o new.fmu --json no/new.json": "no/new.json: no folder no",
+    "export good.tir -o new.fmu --fmi 4": "'4' is not one of '2', '3'",
+    "export good.tir -o new.fmu --inputs wheels": "inputs 'wheels' are not known",
+    "check missing.fmu good.csv --json new.json": "missing.fmu: no such file",
+    "check good.csv good.csv --json new.json": "good.csv: not an FMU",
+    "check good.fmu missing.csv --json new.json": "missing.csv: no such file",
+    "check good.fmu degrees.csv --json new.json": "degrees.csv: alpha reaches",
+    "check good.fmu negative.csv --json new.json": "negative.csv: Fz is negative in 100 % of the rows",
+    "check good.fmu nan.csv --json new.json": "nan.csv: line 9: alpha",
+    "check good.fmu upper.csv --json new.json": "no measured output",
+    "check good.fmu good.csv --json no/new.json": "no/new.json: no folder no",
+    "check good.fmu good.csv --tolerance -1": "Invalid value for '--tolerance'",
+    "info missing.tir": "missing.tir: cannot be read",
+    "info broken.tir": "broken.tir:",
+    "info taken": "taken: cannot be read",
+    "demo -o good.csv": "good.csv: is a file, not a folder",
+    "generate --check --json no/new.json": "no/new.json: no folder no",
+    "fitt good.csv": "No such command 'fitt'",
+    "--fit good.csv": "No such option",
+}  # fmt: skip
+
+
+def everything(folder):
+    """Return every file below a folder with its content."""
+    return {path: path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
+
+
+@pytest.mark.parametrize("line", BAD)
+def test_bad_input_is_told_in_one_line_and_leaves_nothing(folder, command, line):
+    arguments = [word for part in line.split() for word in (FIT if part == "{fit}" else [part])]
+    before = everything(folder)
+    outcome = command(*arguments)
+    assert outcome.status == 2
+    (message,) = outcome.err.splitlines()
+    assert message.startswith("tirefmu: error: ")
+    assert BAD[line] in message
+    assert "Traceback" not in outcome.out
+    assert everything(folder) == before
+
+
+def test_a_broken_tire_file_is_named_with_its_line(folder, command):
+    number = Path("broken.tir").read_text(encoding="utf-8").splitlines().index("PDY1 2.7") + 1
+    for call in ("evaluate broken.tir good.csv -o new.csv", "export broken.tir -o new.fmu", "info broken.tir"):
+        assert f"broken.tir:{number}: " in command(*call.split()).err
+
+
+def test_a_file_that_is_there_survives_a_failure(folder, command):
+    old = Path("good.tir").read_bytes()
+    assert command("fit", "degrees.csv", "-o", "good.tir").status == 2
+    assert command("export", "broken.tir", "-o", "good.fmu").status == 2
+    assert Path("good.tir").read_bytes() == old
+    assert command("check", "good.fmu", "good.csv").status == 0
