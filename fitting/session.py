@@ -220,14 +220,14 @@ class Session:
     def _channels(self, recordings: Sequence[Recording], tire: Tire) -> tuple[ChannelFit, ...]:
         units = {quantity.name: quantity.unit for quantity in self._book.outputs}
         told = []
-        for number, recording in enumerate(recordings):
+        for number, name in enumerate(_distinct([recording.source for recording in recordings])):
             table = self._data[self._data["recording"] == number]
             rows = Rows.of(table, tire, self._fitted)
             computed = fastest_code(tire.model).forces(rows.inputs, tire.parameters())
             for index, channel in enumerate(tire.outputs):
                 n, rmse, r2, uncentred = quality(rows.measured[:, index], computed[index])
                 if n:
-                    told.append(ChannelFit(recording.source, channel, units[channel], n, rmse, r2, uncentred))
+                    told.append(ChannelFit(name, channel, units[channel], n, rmse, r2, uncentred))
         return tuple(told)
 
     def _margins(self) -> tuple[Margin, ...]:
@@ -240,6 +240,11 @@ class Session:
             at = {name: float(points[i, worst]) for i, name in enumerate(self._tire.inputs) if name in constraint.over}
             margins.append(Margin(constraint.name, float(values[worst]), float(distance[worst]), at))
         return tuple(margins)
+
+
+def _distinct(names: Sequence[str]) -> list[str]:
+    """Return the names, those that were there before numbered: two folders may hold files of one name."""
+    return [name if name not in names[:i] else f"{name} ({names[:i].count(name) + 1})" for i, name in enumerate(names)]
 
 
 def _size(lower: float, upper: float, guess: float) -> float:

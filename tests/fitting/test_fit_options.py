@@ -122,3 +122,10 @@ def test_the_operating_range_is_kept_with_the_tire(side_fit):
     assert ranges["gamma"] == pytest.approx((0.0, radians(4.0)))
     assert ranges["alpha"] == (recording.table["alpha"].min(), recording.table["alpha"].max())
     assert "kappa" not in ranges
+
+
+def test_two_recordings_of_one_name_are_told_apart(known, make):
+    result = fit([make.sideways(known), make.sideways(known)], nominal=make.nominal)
+    told = {channel.recording for channel in result.channels}
+    assert len(told) == 2
+    assert all(result.channel(name, "Fy").rows for name in told)
