@@ -24,7 +24,8 @@ UNITS = {"": 1.0, "rad": 1.0, "deg": radians(1.0), "N": 1.0, "kN": 1e3, "%": 0.0
 #: The keys of a recipe and of a stage, and of what kind their values are.
 RECIPE_KEYS: dict[str, type] = {"name": str, "description": str, "models": list, "stage": list}
 STAGE_KEYS: dict[str, type] = {
-    "name": str, "channels": list, "where": dict, "free": dict, "effects": list, "rows": int, "weights": str,
+    "name": str, "channels": list, "where": dict, "hold": list, "free": dict, "effects": list, "rows": int,
+    "weights": str,
 }  # fmt: skip
 KINDS = {str: "a text", list: "a list", dict: "a table", int: "a whole number", float: "a number"}
 NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
@@ -51,6 +52,8 @@ class Stage:
         The channels that it fits; all measured ones where empty.
     where : dict of str to list of (float, float)
         Conditions: an input within tolerance of one of some values, SI units, adapted SAE.
+    hold : tuple of str
+        Inputs that count as exactly at the level of their condition, not as measured around it.
     free : dict of str to Freed
         What it frees; every coefficient of the core and of its effects where empty.
     effects : tuple of str or None
@@ -64,18 +67,25 @@ class Stage:
     name: str
     channels: tuple[str, ...]
     where: dict[str, list[tuple[float, float]]]
+    hold: tuple[str, ...]
     free: dict[str, Freed]
     effects: tuple[str, ...] | None
     rows: int | None
     weights: str
 
     def select(self, table: pd.DataFrame) -> pd.DataFrame:
-        """Return the rows of a table (adapted SAE) that meet every condition."""
+        """Return the rows of a table (adapted SAE) that meet every condition, held inputs at their level."""
         chosen = np.ones(len(table), dtype=bool)
         for channel, levels in self.where.items():
             values = table[channel].to_numpy() if channel in table else np.zeros(len(table))
             chosen &= np.any([np.abs(values - value) <= tolerance for value, tolerance in levels], axis=0)
-        return table[chosen]
+        rows = table[chosen]
+        for channel in self.hold:
+            held = np.array([value for value, _ in self.where[channel]])
+            values = rows[channel].to_numpy() if channel in rows else np.zeros(len(rows))
+            nearest = np.abs(values[:, None] - held).argmin(axis=1)
+            rows = rows.assign(**{channel: held[nearest]})
+        return rows
 
 
 @dataclass(frozen=True)
@@ -162,6 +172,8 @@ def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
         _check_name(f"input in {place}", channel, inputs)
     for effect in effects or ():
         _check_name(f"effect in {place}", effect, book.effects)
+    for channel in item.get("hold", []):
+        _check_name(f"held input without a condition in {place}", channel, item.get("where", {}))
     weights = item.get("weights", "equal")
     _check_name(f"weights in {place}", weights, ("equal", "noise"))
     if rows is not None and rows < 1:
@@ -173,6 +185,7 @@ def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
             channel: [_condition(level, place) for level in (levels if isinstance(levels, list) else [levels])]
             for channel, levels in item.get("where", {}).items()
         },
+        hold=tuple(item.get("hold", [])),
         free={name: _freed(given, f"{place}, {name}") for name, given in item.get("free", {}).items()},
         effects=None if effects is None else tuple(sorted(effects)),
         rows=rows,

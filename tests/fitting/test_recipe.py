@@ -133,6 +133,25 @@ def test_a_recipe_of_ones_own(tmp_path):
     assert stage.select(table[["Fz"]]).empty  # a slip that was not recorded was 0
 
 
+def test_a_held_input_lies_at_the_level_of_its_condition(tmp_path):
+    path = written(
+        tmp_path,
+        """
+        [[stage]]
+        name = "at two loads"
+        hold = ["Fz", "kappa"]
+        [stage.where]
+        Fz = ["200 +- 100 N", "1000 +- 50 N"]
+        kappa = "0 +- 0.1"
+        """,
+    )
+    (stage,) = load_recipe(path, "mf96").stages
+    table = pd.DataFrame({"Fz": [150.0, 1030.0, 600.0], "alpha": [0.1, 0.2, 0.3]})
+    rows = stage.select(table)
+    assert rows.to_dict("list") == {"Fz": [200.0, 1000.0], "alpha": [0.1, 0.2], "kappa": [0.0, 0.0]}
+    assert table["Fz"].tolist() == [150.0, 1030.0, 600.0]
+
+
 def test_a_row_is_selected_once(known, make):
     table = make.bench(known).table
     for stage in load_recipe("trento", "mf96").stages:
@@ -158,6 +177,7 @@ BROKEN = {
     stage("rows = 'many'"): "stage 'one', rows: 'many' is not a whole number",
     stage("rows = 0"): "stage 'one': rows = 0 is not a number of rows",
     stage("weights = 'noisy'"): "unknown weights in {file}, stage 'one' 'noisy': did you mean noise?",
+    stage("hold = ['Fz']"): "unknown held input without a condition in {file}, stage 'one' 'Fz'",
     stage("[stage.where]", "FZ = '220 +- 100 N'"): "unknown input in {file}, stage 'one' 'FZ': did you mean Fz?",
     stage("[stage.where]", "Fz = '220 N'"): "stage 'one': '220 N' is not like '220 +- 100 N'",
     stage("[stage.where]", "Fz = '1-2 +- 3 N'"): "stage 'one': '1-2 +- 3 N' is not like '220 +- 100 N'",
