@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from importlib import import_module
 from importlib.metadata import version
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from tirefmu.symbolic.errors import TirefmuError
-from tirefmu.tires import Tire, published, read_tir
+from tirefmu.tires import Tire, published
+from tirefmu.tires import read_tir as load
 
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult, fit
@@ -43,26 +43,6 @@ __all__ = [
     "published",
     "read_recording",
 ]
-
-
-def load(path: str | Path) -> Tire:
-    """Return the tire in a .tir file.
-
-    Parameters
-    ----------
-    path : str or Path
-
-    Returns
-    -------
-    Tire
-        In ISO-W.
-
-    Raises
-    ------
-    TirError
-        If the file is missing or broken; file, line and key stand in the message.
-    """
-    return read_tir(path)
 
 
 def __getattr__(name: str) -> Any:

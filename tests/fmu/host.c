@@ -24,11 +24,11 @@ static void log_3(void *e, fmi3Status s, const char *c, const char *message) { p
 enum { FX = 5, LIMIT = 8 };
 
 typedef struct {
-    void *library, *instance;
+    void *handle, *instance;
 } Loaded;
 
 /* dlsym gives a data pointer; POSIX lets it be a function. */
-#define CALL(loaded, function) ((TYPE(function) *) dlsym((loaded).library, NAME(function)))
+#define CALL(loaded, function) ((TYPE(function) *) dlsym((loaded).handle, NAME(function)))
 
 static void *start(Loaded loaded, const char *token)
 {
@@ -70,8 +70,8 @@ int main(int argc, char **argv)
     int i, k, n = 0;
 
     for (i = 1; i + 1 < argc && n < LIMIT; i += 2, n++) {
-        loaded[n].library = dlopen(argv[i], RTLD_NOW | RTLD_GLOBAL); /* each sees the others' symbols */
-        if (!loaded[n].library) {
+        loaded[n].handle = dlopen(argv[i], RTLD_NOW | RTLD_GLOBAL); /* each sees the others' symbols */
+        if (!loaded[n].handle) {
             fprintf(stderr, "%s\n", dlerror());
             return 1;
         }
