@@ -16,6 +16,8 @@ import numpy.typing as npt
 import pandas as pd
 
 FloatArray = npt.NDArray[np.float64]
+#: By how much a quantity may miss its bound before the constraint counts as broken.
+TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,9 @@ class Constraint:
         return f"{self.quantity} <= {self.upper:g}" if self.upper < inf else f"{self.quantity} > 0"
 
     def distance(self, values: FloatArray) -> FloatArray:
-        """Return how far values lie inside the bounds; negative outside."""
-        return np.minimum(values - self.lower, self.upper - values)
+        """Return how far values lie inside the bounds; negative outside, minus infinity where there is no value."""
+        distance = np.minimum(values - self.lower, self.upper - values)
+        return np.where(np.isnan(distance), -inf, distance)
 
 
 def _positive(quantity: str, floor: float, *over: str) -> Constraint:

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
-from .constraints import Constraint
+from .constraints import TOLERANCE, Constraint
 from .problem import Problem
 
 FloatArray = npt.NDArray[np.float64]
@@ -26,8 +26,8 @@ OBJECTIVE_SCALE = 1e3
 DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-5, 1.0
 DAMPING_UP, DAMPING_DOWN = 10.0, 0.5
 #: A fit has converged when this many iterations have brought the best cost within the constraints down by less than
-#: this share of it, and how far a constrained quantity may miss its bound at a point that counts.
-PATIENCE, LEAST_GAIN, FEASIBLE = 10, 1e-5, 1e-6
+#: this share of it.
+PATIENCE, LEAST_GAIN = 10, 1e-5
 #: Reasons to stop within the constraints that count as converged: the watch's, and steps below machine precision.
 AT_REST = ("No_Further_Gain", "Search_Direction_Becomes_Too_Small")
 #: Called with (iteration, cost) as the solver goes on.
@@ -108,7 +108,7 @@ class _Watch(ca.Callback):  # type: ignore[misc]
     def eval(self, arguments: list[Any]) -> list[Any]:
         told = dict(zip((ca.nlpsol_out(i) for i in range(self.get_n_in())), arguments, strict=True))
         g, cost = np.array(told["g"]).ravel(), float(told["f"])
-        kept = bool(np.all(g >= self._low - FEASIBLE) and np.all(g <= self._high + FEASIBLE))
+        kept = bool(np.all(g >= self._low - TOLERANCE) and np.all(g <= self._high + TOLERANCE))
         if kept and (self.x is None or cost < self._costs[-1]):
             self.x = np.array(told["x"]).ravel()
             self._costs.append(cost)

@@ -11,6 +11,8 @@ import pandas as pd
 
 from tirefmu.tires.tire import Tire
 
+from .constraints import TOLERANCE
+
 FloatArray = npt.NDArray[np.float64]
 
 
@@ -135,13 +137,13 @@ class FitResult:
     @property
     def ok(self) -> bool:
         """Whether every stage converged and every constraint holds."""
-        return all(stage.converged for stage in self.stages) and all(m.margin >= -1e-6 for m in self.margins)
+        return all(stage.converged for stage in self.stages) and all(m.margin >= -TOLERANCE for m in self.margins)
 
     @property
     def status(self) -> str:
         """One line: how the fit ended."""
         failed = [stage for stage in self.stages if not stage.converged]
-        broken = [margin for margin in self.margins if margin.margin < -1e-6]
+        broken = [margin for margin in self.margins if not margin.margin >= -TOLERANCE]
         if failed:
             return f"not converged: stage {failed[0].name!r} ended with {failed[0].reason}"
         if broken:
@@ -176,7 +178,7 @@ class FitResult:
 
 
 def quality(measured: FloatArray, computed: FloatArray) -> tuple[int, float, float, float]:
-    """Return rows, RMSE, centred and uncentred R2 where both are numbers.
+    """Return measured rows, RMSE, centred and uncentred R2.
 
     Parameters
     ----------
@@ -185,14 +187,14 @@ def quality(measured: FloatArray, computed: FloatArray) -> tuple[int, float, flo
     Returns
     -------
     tuple of (int, float, float, float)
-        NaN where a channel has no variation.
+        NaN where a channel has no variation, or where a measured row has no computed number.
 
     Examples
     --------
     >>> quality(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0]))[2]
     0.5
     """
-    there = np.isfinite(measured) & np.isfinite(computed)
+    there = np.isfinite(measured)
     y, residual = measured[there], (computed - measured)[there]
     if not len(y):
         return 0, float("nan"), float("nan"), float("nan")

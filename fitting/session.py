@@ -15,7 +15,7 @@ from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.tire import Tire
 
-from .constraints import VALIDITY, Constraint, grid, operating_range
+from .constraints import TOLERANCE, VALIDITY, Constraint, grid, operating_range
 from .ipopt import Solution, solve
 from .problem import Problem, Rows, equal_weights, fastest_code, noise_weights
 from .recipe import Freed, Recipe, Stage
@@ -26,8 +26,9 @@ FloatArray = npt.NDArray[np.float64]
 Progress = Callable[[str, int, float], None]
 
 #: How many times denser the grid is on which constraints are verified, how often what breaks them is added, and
-#: by how much a quantity may miss its bound before it counts as broken.
-VERIFIED, ROUNDS, TOLERANCE = 4, 8, 1e-6
+#: the sections of the .tir file that say what the coefficients refer to: they are given, not fitted.
+VERIFIED, ROUNDS = 4, 8
+GIVEN_SECTIONS = ("DIMENSION", "VERTICAL", "SCALING_COEFFICIENTS")
 
 
 @dataclass(frozen=True)
@@ -87,8 +88,8 @@ class Session:
             return [name for name in stage.free if name in live]
         if stage.effects is not None:
             live = self._book.live(self._tire.has.intersection(stage.effects))
-        scaling = {c for s in self._book.sections if s.title == "SCALING_COEFFICIENTS" for c in s.coefficients}
-        return [name for name in self._book.coefficients if name in live - scaling - {"FNOMIN", "UNLOADED_RADIUS"}]
+        cards = self._book.coefficients
+        return [name for name, card in cards.items() if name in live and card.section not in GIVEN_SECTIONS]
 
     def _bounds(self, name: str, stage: Stage) -> Freed:
         card = self._book.coefficients[name]
@@ -190,13 +191,12 @@ class Session:
         if not self._stages:
             raise FitError("no stage of the recipe found rows to fit: " + "; ".join(self._notes))
         ranges = {name: bounds for name, bounds in self._ranges.items() if name in self._data and bounds[0] < bounds[1]}
-        iso_ranges = ranges  # the inputs of adapted SAE and ISO are the same
         about = {
             **self._tire.about,
             "recipe": self._plan.name,
             "data": ", ".join(r.source for r in recordings),
         }
-        tire = replace(self._tire, ranges=iso_ranges, about=about)
+        tire = replace(self._tire, ranges=ranges, about=about)  # the same inputs in ISO
         coefficients = tuple(self._told(name, signs) for name in self._book.coefficients if name in self._freed)
         undetermined = [c.name for c in coefficients if not c.determined]
         if undetermined:
@@ -236,7 +236,7 @@ class Session:
         for constraint, points in self._constraints(self._fitted, VERIFIED):
             values = self._quantity(constraint, points, self._tire.parameters())
             distance = constraint.distance(values)
-            worst = int(np.nanargmin(distance))
+            worst = int(np.argmin(distance))
             at = {name: float(points[i, worst]) for i, name in enumerate(self._tire.inputs) if name in constraint.over}
             margins.append(Margin(constraint.name, float(values[worst]), float(distance[worst]), at))
         return tuple(margins)

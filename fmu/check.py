@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from math import isnan, nan
+from math import isfinite, isnan, nan
 from pathlib import Path
 from typing import Any
 
@@ -123,7 +123,7 @@ class CheckResult:
         return not self.problems and faithful and near
 
     def to_json(self) -> dict[str, Any]:
-        """Return the result as plain values for json.dump; NaN becomes None."""
+        """Return the result as plain values for json.dump; NaN and infinity become None."""
         return {
             "fmu": self.fmu,
             "source": self.source,
@@ -134,7 +134,9 @@ class CheckResult:
             "ok": self.ok,
             "tolerance": self.tolerance,
             "problems": list(self.problems),
-            "evaluation_difference": self.evaluation_difference,
+            "evaluation_difference": self.evaluation_difference
+            if isfinite(self.evaluation_difference or 0.0)
+            else None,
             "channels": {channel.name: _channel_json(channel) for channel in self.channels},
         }
 
@@ -279,7 +281,9 @@ def _difference(tire: Tire, rows: FloatArray, inputs: list[str], simulated: pd.D
         with np.errstate(invalid="ignore"):
             difference = np.abs(simulated[name].to_numpy() - expected) / (1.0 + np.abs(expected))
         same = np.isclose(simulated[name].to_numpy(), expected, rtol=0.0, atol=0.0, equal_nan=True)
-        worst = max(worst, float(np.max(np.where(same, 0.0, difference), initial=0.0)))
+        # Where only one of them is a number they differ without measure.
+        told = np.where(same, 0.0, np.where(np.isnan(difference), np.inf, difference))
+        worst = max(worst, float(np.max(told, initial=0.0)))
     return worst
 
 

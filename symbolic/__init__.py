@@ -1,6 +1,6 @@
 """The book: the Magic Formula as named, numbered lines, and the passes over them."""
 
-from .effects import EFFECTS, named_effect
+from .effects import EFFECTS
 from .errors import UnknownName
 from .mf96 import MF96
 from .model import Model
@@ -26,4 +26,4 @@ def model(name: str) -> Model:
     return MODELS[name]
 
 
-__all__ = ["EFFECTS", "MF96", "MODELS", "Model", "model", "named_effect"]
+__all__ = ["EFFECTS", "MF96", "MODELS", "Model", "model"]

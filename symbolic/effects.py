@@ -5,7 +5,6 @@ Where an effect acts stands in the chapters (``effect.term``, ``effect.factor``,
 
 from __future__ import annotations
 
-from .errors import UnknownName
 from .notation import Effect
 
 #: PKY2 of a tire whose cornering stiffness is proportional to load, in a file for readers without switches:
@@ -39,21 +38,3 @@ Mz_from_Fx = Effect("Mz_from_Fx", "the longitudinal force acts beside the wheel 
 
 #: Every effect of the book by its public name.
 EFFECTS: dict[str, Effect] = {effect.name: effect for effect in vars().copy().values() if isinstance(effect, Effect)}
-
-
-def named_effect(name: str) -> Effect:
-    """Return the effect with a public name.
-
-    Raises
-    ------
-    UnknownName
-        If there is none; the message offers the nearest.
-
-    Examples
-    --------
-    >>> named_effect("camber_thrust").physics
-    'inclination makes a side force without slip'
-    """
-    if name not in EFFECTS:
-        raise UnknownName("effect", name, EFFECTS)
-    return EFFECTS[name]

@@ -1,4 +1,7 @@
-"""The command line: ``tirefmu COMMAND``. Exit status 0: what was asked holds; 1: it ran and does not; 2: bad input."""
+"""The command line: ``tirefmu COMMAND``. Exit status 0: what was asked holds; 1: it ran and does not; 2: bad input.
+
+A command imports what it needs when it runs: casadi, fmpy and matplotlib would delay every ``--help``.
+"""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ BENCH_TIRE = {
     # The report bound PKY2 to 4.9 .. 5.1 and so overestimated the measured cornering stiffness by 36 % at 250 lbf.
     "PKY1": 127.5,
     "PKY2": 3.9,
-    # Its E_t exceeds 1 far beyond its own validity conditions at higher load and with inclination.
+    # Trento's E_t breaks the report's own condition E_t <= 1 at higher load and with inclination.
     "QEZ2": 1.0,
     "QEZ5": 0.0,
     # Camber thrust that stands out of the bench's noise: 4 deg of camber are worth 0.2 deg of slip angle more.

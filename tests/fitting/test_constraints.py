@@ -106,3 +106,8 @@ def test_operating_range(known, make):
     assert list(ranges) == list(known.inputs)
     assert ranges["kappa"] == (0.0, 0.0)
     assert ranges["Fz"] == (220.0, 1120.0)
+
+
+def test_no_value_is_outside_every_bound():
+    distance = Constraint("E_y", -inf, 1.0, ()).distance(np.array([0.25, 3.0, np.nan]))
+    assert distance.tolist() == [0.75, -2.0, -inf]

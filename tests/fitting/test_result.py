@@ -46,6 +46,13 @@ def test_quality_of_a_perfect_fit_and_of_the_mean():
     assert np.isnan(quality(np.zeros(4), np.zeros(4))[3])
 
 
+def test_a_computed_nan_is_not_left_out():
+    """A tire without a value at a measured row does not meet that row."""
+    n, rmse, centred, uncentred = quality(np.array([1.0, 2.0, 4.0, nan]), np.array([1.0, nan, 4.0, 5.0]))
+    assert n == 3
+    assert np.isnan([rmse, centred, uncentred]).all()
+
+
 def test_ok_asks_for_converged_stages_and_kept_constraints(side_fit):
     result, _ = side_fit
     assert result.ok
