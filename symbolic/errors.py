@@ -37,6 +37,10 @@ class TireError(TirefmuError):
     """A tire whose coefficients cannot be evaluated."""
 
 
+class EffectError(TirefmuError):
+    """A file of an added effect that cannot be read, or one that has no place in a model."""
+
+
 class TirError(TirefmuError):
     """A .tir file that cannot be read: file, line and key stand in the sentence."""
 

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
+from types import new_class
 
 import sympy as sp
 
+from .added import AddedEffect
 from .effects import EFFECTS
-from .errors import UnknownName
-from .notation import Chapter, Coefficient, Effect, Equation, Quantity, Section, Switch
+from .errors import EffectError, UnknownName, nearest
+from .functions import where
+from .notation import Chapter, Choice, Coefficient, Effect, Equation, Option, Quantity, Section, Switch, Variant
+from .options import OPTIONS
+from .quantities import BEYOND
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +33,13 @@ class Model:
         The coefficients, by .tir section.
     chapters : tuple of Chapter
         The lines, in an order in which each uses only earlier ones.
+    results : tuple of str
+        Named quantities that users take as results beside the outputs, such as radii: what reaches one of
+        them is no idle coefficient.
+    on_demand : tuple of (str, str)
+        Effects that act only in rows whose input asks for it, and the input's name (turn_slip: phit).
+    added : tuple of AddedEffect
+        Effects beyond the book; see `extended`.
 
     Examples
     --------
@@ -44,40 +57,108 @@ class Model:
     outputs: tuple[Quantity, ...]
     sections: tuple[type[Section], ...]
     chapters: tuple[Chapter, ...]
+    results: tuple[str, ...] = ()
+    on_demand: tuple[tuple[str, str], ...] = ()
+    added: tuple[AddedEffect, ...] = ()
 
     @cached_property
     def coefficients(self) -> dict[str, Coefficient]:
-        """Every coefficient's card by its .tir name, in the order of the parameter vector."""
-        return {name: card for section in self.sections for name, card in section.coefficients.items()}
+        """The card of every coefficient that a line reads, by .tir name, in the order of the parameter vector."""
+        read = {str(symbol) for line in self.equations for symbol in line.expression.free_symbols}
+        read |= {str(quantity.nominal) for quantity in self.inputs}
+        cards = {name: card for section in self.sections for name, card in section.coefficients.items()}
+        return {name: card for name, card in cards.items() if name in read}
 
-    @property
-    def parameters(self) -> tuple[Coefficient, ...]:
-        """The cards in the order of the parameter vector of all generated code."""
-        return tuple(self.coefficients.values())
+    @cached_property
+    def options(self) -> tuple[Option, ...]:
+        """The conventions that the lines leave to whoever evaluates them."""
+        read = {str(place.args[0]) for line in self.equations for place in line.expression.atoms(Choice)}
+        return tuple(option for option in OPTIONS.values() if option.parameter in read)
+
+    @cached_property
+    def parameters(self) -> tuple[str, ...]:
+        """The parameter vector of all generated code: the coefficients, then the options."""
+        return (*self.coefficients, *(option.parameter for option in self.options))
 
     @cached_property
     def equations(self) -> tuple[Equation, ...]:
-        """Every line as written, effects standing in it as switches."""
-        return tuple(equation for chapter in self.chapters for equation in chapter.equations)
+        """Every line as written, effects standing in it as switches, options as choices."""
+        written = (equation for chapter in self.chapters for equation in chapter.equations)
+        lines = [replace(line, expression=self._own(line.expression)) for line in written]
+        for effect in self.added:
+            lines = _acted_on(lines, effect)
+        return tuple(reaching(lines, self._targets(lines)))
 
     @cached_property
     def effects(self) -> dict[str, Effect]:
         """The effects that stand in the lines, in the order of their first place."""
         names = (str(switch.args[0]) for line in self.equations for switch in _switches(line.expression))
-        return {name: EFFECTS[name] for name in dict.fromkeys(names)}
+        beyond = {effect.name: Effect(effect.name, effect.physics, optional=True) for effect in self.added}
+        return {name: beyond.get(name) or EFFECTS[name] for name in dict.fromkeys(names)}
+
+    def extended(self, effects: Sequence[AddedEffect]) -> Model:
+        """Return this model with effects beyond the book standing in its lines.
+
+        Parameters
+        ----------
+        effects : sequence of AddedEffect
+
+        Returns
+        -------
+        Model
+            Of the same name. The effects are optional ones; inputs that they read come last.
+
+        Raises
+        ------
+        EffectError
+            If one acts on a quantity or reads a name that this model has not, or two disagree on a coefficient.
+
+        Examples
+        --------
+        >>> from tirefmu.symbolic import model
+        >>> from tirefmu.symbolic.added import library
+        >>> warm = model("mf61").extended([library()["temp_friction"]])
+        >>> warm.inputs[-1].name, sorted(warm.owned("temp_friction"))
+        ('T', ['TMU1', 'TMU2', 'TREF'])
+        """
+        read = {s.name for effect in effects for act in effect.acts for s in act.expression.free_symbols}
+        inputs = (*self.inputs, *(quantity for name, quantity in BEYOND.items() if name in read))
+        extended = replace(self, inputs=inputs, sections=(*self.sections, *_sections(effects)), added=tuple(effects))
+        extended._check_added(read)
+        return extended
+
+    def _check_added(self, read: Collection[str]) -> None:
+        """Raise `EffectError` where an added effect reads what does not stand before the line that it acts on."""
+        cards = {name for section in self.sections for name in section.coefficients}
+        known = {quantity.name for quantity in self.inputs} | cards
+        for line in self.equations:
+            reads = {s.name for s in line.expression.free_symbols}
+            names = known | {option.parameter for option in OPTIONS.values()} | EFFECTS.keys()
+            for name in sorted(reads - names - {effect.name for effect in self.added}):
+                raise EffectError(f"an effect on {line.symbol} reads {name!r}, which {self.name} has not"
+                                  f" before it{nearest(name, known)}")  # fmt: skip
+            known.add(line.symbol.name)
+
+    @cached_property
+    def usual_effects(self) -> frozenset[str]:
+        """The effects that a tire has where nobody names them."""
+        return frozenset(name for name, effect in self.effects.items() if not effect.optional)
 
     @cached_property
     def core(self) -> frozenset[str]:
         """Coefficients that the model cannot do without."""
         return frozenset(name for name, card in self.coefficients.items() if card.neutral is None)
 
-    def lines(self, effects: Collection[str] | None = None) -> tuple[Equation, ...]:
+    def lines(self, effects: Collection[str] | None = None, *, straight: bool = False) -> tuple[Equation, ...]:
         """Return the lines with effects switched.
 
         Parameters
         ----------
         effects : collection of str, optional
             The effects that the tire has; all of the model where None.
+        straight : bool
+            Leave out what most rows do not ask for: effects on demand are off, options have their first
+            value. Otherwise an option is read from the parameter vector, row by row.
 
         Returns
         -------
@@ -89,14 +170,25 @@ class Model:
         UnknownName
             If an effect is not one of this model.
         """
-        present = self.effects.keys() if effects is None else self.known_effects(effects)
+        present = set(self.effects if effects is None else self.known_effects(effects))
+        if straight:
+            present -= {effect for effect, _ in self.on_demand}
         lines: list[Equation] = []
-        constants: dict[sp.Symbol, sp.Expr] = {}  # a line that is 0 or 1 now makes later terms vanish
+        known: dict[sp.Symbol, sp.Expr] = {}  # a line that is 0 or 1 now makes later terms vanish
         for line in self.equations:
-            expression = _switched(line.expression, present).xreplace(constants)
-            if expression.is_Number:
-                constants[line.symbol] = expression
-            lines.append(replace(line, expression=expression))
+            expression = _decided(_switched(line.expression, present), straight).xreplace(known)
+            symbol = line.symbol
+            if expression.is_Number or (expression.is_Symbol and not line.named):
+                known[symbol] = expression
+            if expression.is_Symbol and not line.named:
+                continue
+            step = next((i for i, e in enumerate(lines) if e.symbol == expression and not e.named), None)
+            if step is None:
+                lines.append(replace(line, expression=expression))
+                continue
+            known[expression] = symbol  # a step that is now the whole of this line takes its name
+            lines[step] = replace(line, expression=lines[step].expression)
+            lines[step + 1 :] = [replace(e, expression=e.expression.xreplace(known)) for e in lines[step + 1 :]]
         return tuple(lines)
 
     def known_effects(self, names: Iterable[str]) -> frozenset[str]:
@@ -106,9 +198,17 @@ class Model:
             raise UnknownName(f"effect of {self.name}", name, self.effects)
         return chosen
 
+    def _own(self, expression: sp.Expr) -> sp.Expr:
+        """Take this model's side wherever models that share a line differ."""
+        return expression.replace(Variant, lambda name, own, others: own if str(name) == self.name else others)
+
+    def _targets(self, lines: Iterable[Equation]) -> set[str]:
+        """Return outputs and named quantities: a step that none of them uses belongs to another model."""
+        return {quantity.name for quantity in self.outputs} | {line.symbol.name for line in lines if line.named}
+
     def live(self, effects: Collection[str] | None = None) -> frozenset[str]:
         """Return the coefficients that reach an output with these effects."""
-        outputs = {quantity.name for quantity in self.outputs}
+        outputs = {quantity.name for quantity in self.outputs} | set(self.results)
         symbols = {str(s) for line in reaching(self.lines(effects), outputs) for s in line.expression.free_symbols}
         return frozenset(symbols & self.coefficients.keys())
 
@@ -149,9 +249,65 @@ def reaching(lines: Iterable[Equation], targets: Collection[str]) -> list[Equati
     return kept[::-1]
 
 
+def _sections(effects: Sequence[AddedEffect]) -> list[type[Section]]:
+    """Return a .tir section for each effect; a coefficient that two share stands in the first."""
+    seen: dict[str, Coefficient] = {}
+    sections = []
+    for effect in effects:
+        for card in effect.cards:
+            if card.name in seen and seen[card.name] != card:
+                raise EffectError(f"{card.name} of {effect.name} is another coefficient elsewhere")
+        own = {card.name: copy(card) for card in effect.cards if card.name not in seen}
+        seen |= own
+        if own:
+            keywords = {"title": effect.section}
+            sections.append(new_class(effect.name, (Section,), keywords, partial(_filled, own)))
+    return sections
+
+
+def _filled(cards: dict[str, Coefficient], space: dict[str, object]) -> None:
+    """Put cards into a class body."""
+    space.update(cards)
+
+
+def _acted_on(lines: list[Equation], effect: AddedEffect) -> list[Equation]:
+    """Put an added effect into the lines of the quantities that it acts on."""
+    places = {act.on: _stands(act.on, lines, effect) for act in effect.acts}
+    switch = Effect(effect.name, effect.physics, optional=True)
+    changed = []
+    for line in lines:
+        expression = line.expression
+        for act in effect.acts:
+            if line.symbol.name in places[act.on]:
+                acted = expression * act.expression if act.how == "factor" else expression + act.expression
+                expression = switch.either(acted, expression)
+        changed.append(replace(line, expression=expression))
+    return changed
+
+
+def _stands(name: str, lines: list[Equation], effect: AddedEffect) -> set[str]:
+    """Return the lines in which a named quantity stands: also without inclination and without turn slip."""
+    symbols = {line.symbol.name for line in lines}
+    named = [line.symbol.name for line in lines if line.named]
+    if name not in named:
+        raise EffectError(f"{effect.name} acts on {name!r}, which is no named quantity{nearest(name, named)}")
+    stem = f"{name}_loaded" if f"{name}_loaded" in symbols else name
+    return {stem, f"{stem}_g0", f"{stem}_00"} & symbols
+
+
 def _switches(expression: sp.Expr) -> list[sp.Expr]:
     """Every switch of an expression in the order of a walk through it."""
     return [node for node in sp.preorder_traversal(expression) if isinstance(node, Switch)]
+
+
+def _decided(expression: sp.Expr, straight: bool) -> sp.Expr:
+    """Give options their first value, or leave them to the parameter vector."""
+    if straight:
+        return expression.replace(Choice, lambda option, first, second: first)
+    return expression.replace(
+        Choice,
+        lambda option, first, second: first if first == second else where(option > sp.Rational(1, 2), second, first),
+    )
 
 
 def _switched(expression: sp.Expr, present: Collection[str]) -> sp.Expr:

@@ -32,6 +32,8 @@ class Coefficient:
         A generic value to start a fit from, in adapted SAE signs; the neutral value where None.
     flips : bool
         True if its sign changes between adapted SAE and ISO (the same tire, written in the other axes).
+    assumed : float or None
+        What the field's readers take, in ISO-W, where a .tir file lacks the key; the default where None.
     name, section : str
         The .tir name and the .tir section, filled in by the class that declares it.
     """
@@ -43,8 +45,9 @@ class Coefficient:
     neutral: float | None = 0.0
     start: float | None = None
     flips: bool = False
+    assumed: float | None = None
     name: str = field(default="", init=False)
-    section: str = field(default="", init=False)
+    section: str = field(default="", init=False, compare=False)
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
@@ -120,6 +123,64 @@ class Switch(sp.Function):
     nargs = 3
 
 
+class Choice(sp.Function):
+    """A place in a line that an option decides: ``Choice(option, first, second)``."""
+
+    nargs = 3
+
+
+class Variant(sp.Function):
+    """A place where the models that share a line differ: ``Variant(model, its own, the others')``."""
+
+    nargs = 3
+
+
+@dataclass(frozen=True)
+class Option:
+    """A named convention that whoever evaluates a tire may choose.
+
+    It is no property of the tire. In generated code it is an entry of the parameter vector behind the
+    coefficients, in upper case: 0 for the first value, 1 for the second.
+
+    Attributes
+    ----------
+    name : str
+    values : (str, str)
+        The default first.
+    description : str
+
+    Examples
+    --------
+    >>> slip_angle = Option("slip_angle", ("tan", "angle"), "what alpha* is")
+    >>> slip_angle.either(sp.tan(sp.Symbol("alpha")), sp.Symbol("alpha"))
+    Choice(SLIP_ANGLE, tan(alpha), alpha)
+    """
+
+    name: str
+    values: tuple[str, str]
+    description: str
+
+    @property
+    def parameter(self) -> str:
+        """Its name in the parameter vector."""
+        return self.name.upper()
+
+    def either(self, first: Any, second: Any) -> sp.Expr:
+        """Return the place where the lines have `first` by default and `second` with the other value."""
+        return Choice(sp.Symbol(self.parameter, real=True), sp.sympify(first), sp.sympify(second))
+
+
+def only(model: str, own: Any, others: Any) -> sp.Expr:
+    """Return the place where a model has `own` and the others that share the line have `others`.
+
+    Examples
+    --------
+    >>> only("mf52", sp.Symbol("PHY3"), 0)
+    Variant(mf52, PHY3, 0)
+    """
+    return Variant(sp.Symbol(model), sp.sympify(own), sp.sympify(others))
+
+
 @dataclass(frozen=True)
 class Effect:
     """A named physical thing that a model has or lacks, wherever it stands in the lines.
@@ -136,6 +197,8 @@ class Effect:
     rescales : tuple of (str, float)
         Coefficients whose meaning changes when the effect is off, and the factor by which a file written
         for readers without switches multiplies them (all owned coefficients at neutral).
+    optional : bool
+        True for one that a tire has only where it is asked for by name.
 
     Examples
     --------
@@ -147,6 +210,7 @@ class Effect:
     name: str
     physics: str
     rescales: tuple[tuple[str, float], ...] = ()
+    optional: bool = False
 
     def either(self, on: Any, off: Any) -> sp.Expr:
         """Return the place where the lines have `on` with this effect and `off` without it."""

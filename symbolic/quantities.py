@@ -8,7 +8,16 @@ KAPPA = Quantity("kappa", "1", "longitudinal slip (omega R_e - V_x)/|V_x|; posit
 ALPHA = Quantity("alpha", "rad", "side slip angle", typical=0.1)
 GAMMA = Quantity("gamma", "rad", "inclination (camber) angle", typical=0.05)
 FZ = Quantity("Fz", "N", "vertical load; positive presses the tire to the ground", "FNOMIN", 1000.0)
+P = Quantity("p", "Pa", "inflation pressure", "INFLPRES", 2e5)
+V = Quantity("V", "m/s", "forward speed V_x of the contact point", "LONGVL", 15.0)
+PHIT = Quantity("phit", "1/m", "turn slip: curvature of the path that the contact point turns along", typical=0.1)
+#: Inputs that only added effects read.
+TEMPERATURE = Quantity("T", "degC", "temperature of the tread", "TREF", 50.0)
+DISTANCE = Quantity("distance", "m", "distance rolled since the recording began", 0.0, 1000.0)
+BEYOND = {quantity.name: quantity for quantity in (TEMPERATURE, DISTANCE)}
 
 FX = Quantity("Fx", "N", "longitudinal force", typical=1000.0)
 FY = Quantity("Fy", "N", "side force", typical=1000.0)
 MZ = Quantity("Mz", "N m", "aligning moment", typical=30.0)
+MX = Quantity("Mx", "N m", "overturning moment", typical=100.0)
+MY = Quantity("My", "N m", "rolling resistance moment", typical=10.0)

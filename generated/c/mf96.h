@@ -118,6 +118,8 @@ enum {
     MF96_SSZ4, /* the same, change with load [1/rad] */
 };
 
+#define MF96_N_COEFFICIENTS 100
+
 #define MF96_N_FORCES 3
 enum {
     MF96_Fx, /* longitudinal force [N] */

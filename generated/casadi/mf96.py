@@ -11,7 +11,7 @@ import casadi as ca
 INPUTS = (
     "kappa", "alpha", "gamma", "Fz",
 )
-PARAMETERS = (
+COEFFICIENTS = (
     "UNLOADED_RADIUS", "FNOMIN", "LFZ0", "LCX", "LMUX", "LEX", "LKXK", "LHX", "LVX", "LCY", "LMUY",
     "LEY", "LKA", "LHY", "LVY", "LGAMMAY", "LKY", "LT", "LMR", "LXA", "LYK", "LVYK", "LS", "PCX1",
     "PDX1", "PDX2", "PDX3", "PEX1", "PEX2", "PEX3", "PEX4", "PKX1", "PKX2", "PKX3", "PHX1", "PHX2",
@@ -22,6 +22,7 @@ PARAMETERS = (
     "QDZ7", "QDZ8", "QDZ9", "QEZ1", "QEZ2", "QEZ3", "QEZ4", "QEZ5", "QHZ1", "QHZ2", "QHZ3", "QHZ4",
     "SSZ1", "SSZ2", "SSZ3", "SSZ4",
 )
+OPTIONS = ()
 QUANTITIES = (
     "F_z01", "dfz", "gamma_s", "S_Hx", "kappa_x", "C_x", "mu_x", "D_x", "E_x", "K_xkappa", "B_x",
     "S_Vx", "F_x0", "F_x0_slope", "S_Hy", "S_Vy", "alpha_y", "C_y", "mu_y", "D_y", "E_y",
@@ -35,6 +36,7 @@ FORCES = (
 SLIPS = (
     "kappa", "alpha",
 )
+PARAMETERS = COEFFICIENTS + OPTIONS
 
 
 def quantities(inputs, parameters):
@@ -297,167 +299,368 @@ def slip_stiffnesses(inputs, parameters):
     # Normalized inputs
     F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, kept above 0
     F_z01 = FNOMIN*LFZ0  # [4.E1] nominal load, scaled
-    dfz = -1 + F_z/F_z01  # [4.E2a] normalized change in load
+    dfz_part1 = 1/F_z01
+    dfz = -1 + F_z*dfz_part1  # [4.E2a] normalized change in load
     gamma_s = LGAMMAY*gamma  # [4.E4] inclination, scaled
-    sign_gamma = gamma_s/ca.sqrt(1e-06 + gamma_s**2)  # [Trento] smoothed sign
+    sign_gamma_part1 = 1e-06 + gamma_s**2
+    sign_gamma_part2 = ca.sqrt(sign_gamma_part1)
+    sign_gamma_part3 = 1/sign_gamma_part2
+    sign_gamma = gamma_s*sign_gamma_part3  # [Trento] smoothed sign
 
     # Longitudinal force, pure slip
-    S_Hx = LHX*(PHX1 + PHX2*dfz)  # [4.E17] horizontal shift
+    S_Hx_part1 = PHX1 + PHX2*dfz
+    S_Hx = LHX*S_Hx_part1  # [4.E17] horizontal shift
     kappa_x = S_Hx + kappa  # [4.E10] longitudinal slip, shifted
-    sign_kappa_x = kappa_x/ca.sqrt(1e-06 + kappa_x**2)  # [Trento] smoothed sign
+    sign_kappa_x_part1 = 1e-06 + kappa_x**2
+    sign_kappa_x_part2 = ca.sqrt(sign_kappa_x_part1)
+    sign_kappa_x_part3 = 1/sign_kappa_x_part2
+    sign_kappa_x = kappa_x*sign_kappa_x_part3  # [Trento] smoothed sign
     C_x = LCX*PCX1  # [4.E11] shape factor
-    mu_x = LMUX*(1 - PDX3*gamma_s**2)*(PDX1 + PDX2*dfz)  # [4.E13] peak friction
+    mu_x_part1 = 1 - PDX3*gamma_s**2
+    mu_x_part2 = PDX1 + PDX2*dfz
+    mu_x = LMUX*mu_x_part1*mu_x_part2  # [4.E13] peak friction
     D_x = F_z*mu_x  # [4.E12] peak factor
-    E_x = LEX*(1 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*dfz**2)  # [4.E14] curvature factor
-    K_xkappa = F_z*LKXK*(PKX1 + PKX2*dfz)*ca.exp(-PKX3*dfz)  # [4.E15] longitudinal slip stiffness
-    B_x = K_xkappa/(C_x*D_x)  # [4.E16] stiffness factor
-    S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz)  # [4.E18] vertical shift
+    E_x_part1 = 1 - PEX4*sign_kappa_x
+    E_x_part2 = PEX1 + PEX2*dfz + PEX3*dfz**2
+    E_x = E_x_part1*E_x_part2*LEX  # [4.E14] curvature factor
+    K_xkappa_part1 = PKX1 + PKX2*dfz
+    K_xkappa_part2 = -PKX3*dfz
+    K_xkappa_part3 = ca.exp(K_xkappa_part2)
+    K_xkappa = F_z*K_xkappa_part1*K_xkappa_part3*LKXK  # [4.E15] longitudinal slip stiffness
+    B_x_part1 = 1/C_x
+    B_x_part2 = 1/D_x
+    B_x = B_x_part1*B_x_part2*K_xkappa  # [4.E16] stiffness factor
+    S_Vx_part1 = PVX1 + PVX2*dfz
+    S_Vx = F_z*LMUX*LVX*S_Vx_part1  # [4.E18] vertical shift
     F_x0_u = B_x*kappa_x  # [4.1] B x
-    F_x0_v = F_x0_u - E_x*(F_x0_u - ca.atan(F_x0_u))  # [4.1] B x bent by E
-    F_x0_w = C_x*ca.atan(F_x0_v)  # [4.1] angle of the Magic Formula
-    F_x0 = S_Vx + D_x*ca.sin(F_x0_w)  # [4.E9] longitudinal force in pure slip
+    F_x0_v_part1 = ca.atan(F_x0_u)
+    F_x0_v_part2 = F_x0_u - F_x0_v_part1
+    F_x0_v = F_x0_u - E_x*F_x0_v_part2  # [4.1] B x bent by E
+    F_x0_w_part1 = ca.atan(F_x0_v)
+    F_x0_w = C_x*F_x0_w_part1  # [4.1] angle of the Magic Formula
+    F_x0_part1 = ca.sin(F_x0_w)
+    F_x0 = S_Vx + D_x*F_x0_part1  # [4.E9] longitudinal force in pure slip
 
     # Side force, pure slip
-    S_Hy = LHY*(PHY1 + PHY2*dfz + PHY3*gamma_s)  # [4.E27] horizontal shift
-    S_Vy = F_z*LMUY*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz))  # [4.E29] vertical shift
+    S_Hy_part1 = PHY1 + PHY2*dfz + PHY3*gamma_s
+    S_Hy = LHY*S_Hy_part1  # [4.E27] horizontal shift
+    S_Vy_part1 = PVY3 + PVY4*dfz
+    S_Vy_part2 = PVY1 + PVY2*dfz + S_Vy_part1*gamma_s
+    S_Vy = F_z*LMUY*LVY*S_Vy_part2  # [4.E29] vertical shift
     alpha_y = S_Hy + alpha  # [4.E20] slip angle, shifted
-    sign_alpha_y = alpha_y/ca.sqrt(1e-06 + alpha_y**2)  # [Trento] smoothed sign
+    sign_alpha_y_part1 = 1e-06 + alpha_y**2
+    sign_alpha_y_part2 = ca.sqrt(sign_alpha_y_part1)
+    sign_alpha_y_part3 = 1/sign_alpha_y_part2
+    sign_alpha_y = alpha_y*sign_alpha_y_part3  # [Trento] smoothed sign
     C_y = LCY*PCY1  # [4.E21] shape factor
-    mu_y = LMUY*(1 - PDY3*gamma_s**2)*(PDY1 + PDY2*dfz)  # [4.E23] peak friction
+    mu_y_part1 = 1 - PDY3*gamma_s**2
+    mu_y_part2 = PDY1 + PDY2*dfz
+    mu_y = LMUY*mu_y_part1*mu_y_part2  # [4.E23] peak friction
     D_y = F_z*mu_y  # [4.E22] peak factor
-    E_y = LEY*(1 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz)  # [4.E24] curvature factor
-    K_yalpha_w = 2*ca.atan(F_z/(F_z01*PKY2))  # [4.E25] how far K_yalpha is up
-    K_yalpha = F_z01*LFZ0*LKA*PKY1*(1 - PKY3*sign_gamma)*ca.sin(K_yalpha_w)  # [4.E25] cornering stiffness
-    B_y = K_yalpha/(C_y*D_y)  # [4.E26] stiffness factor
+    E_y_part1 = PEY3 + PEY4*gamma_s
+    E_y_part2 = 1 - E_y_part1*sign_alpha_y
+    E_y_part3 = PEY1 + PEY2*dfz
+    E_y = E_y_part2*E_y_part3*LEY  # [4.E24] curvature factor
+    K_yalpha_w_part1 = 1/F_z01
+    K_yalpha_w_part2 = 1/PKY2
+    K_yalpha_w_part3 = F_z*K_yalpha_w_part1*K_yalpha_w_part2
+    K_yalpha_w_part4 = ca.atan(K_yalpha_w_part3)
+    K_yalpha_w = 2*K_yalpha_w_part4  # [4.E25] how far K_yalpha is up
+    K_yalpha_part1 = 1 - PKY3*sign_gamma
+    K_yalpha_part2 = ca.sin(K_yalpha_w)
+    K_yalpha = F_z01*K_yalpha_part1*K_yalpha_part2*LFZ0*LKA*PKY1  # [4.E25] cornering stiffness
+    B_y_part1 = 1/C_y
+    B_y_part2 = 1/D_y
+    B_y = B_y_part1*B_y_part2*K_yalpha  # [4.E26] stiffness factor
     F_y0_u = B_y*alpha_y  # [4.1] B x
-    F_y0_v = F_y0_u - E_y*(F_y0_u - ca.atan(F_y0_u))  # [4.1] B x bent by E
-    F_y0_w = C_y*ca.atan(F_y0_v)  # [4.1] angle of the Magic Formula
-    F_y0 = S_Vy + D_y*ca.sin(F_y0_w)  # [4.E19] side force in pure slip
+    F_y0_v_part1 = ca.atan(F_y0_u)
+    F_y0_v_part2 = F_y0_u - F_y0_v_part1
+    F_y0_v = F_y0_u - E_y*F_y0_v_part2  # [4.1] B x bent by E
+    F_y0_w_part1 = ca.atan(F_y0_v)
+    F_y0_w = C_y*F_y0_w_part1  # [4.1] angle of the Magic Formula
+    F_y0_part1 = ca.sin(F_y0_w)
+    F_y0 = S_Vy + D_y*F_y0_part1  # [4.E19] side force in pure slip
 
     # Forces, combined slip
-    B_xalpha = LXA*RBX1/ca.sqrt(1 + RBX2**2*kappa**2)  # [4.E54] stiffness of G_xa
-    G_xa_w = RCX1*ca.atan(B_xalpha*(RHX1 + alpha))  # [4.E51] angle of the weighting function
-    G_xa_w0 = RCX1*ca.atan(B_xalpha*RHX1)  # [4.E52] the same at zero slip
-    G_xa = ca.cos(G_xa_w)/ca.cos(G_xa_w0)  # [4.E51] what side slip leaves of Fx
-    B_ykappa = LYK*RBY1/ca.sqrt(1 + RBY2**2*(alpha - RBY3)**2)  # [4.E62] stiffness of G_yk
-    G_yk_w = RCY1*ca.atan(B_ykappa*(RHY1 + kappa))  # [4.E59] angle of the weighting function
-    G_yk_w0 = RCY1*ca.atan(B_ykappa*RHY1)  # [4.E60] the same at zero slip
-    G_yk = ca.cos(G_yk_w)/ca.cos(G_yk_w0)  # [4.E59] what longitudinal slip leaves of Fy
-    D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/ca.sqrt(1 + RVY4**2*alpha**2)  # [4.E67] peak of S_Vyk
-    S_Vyk = D_Vyk*LVYK*ca.sin(RVY5*ca.atan(RVY6*kappa))  # [4.E66] side force made by longitudinal slip
-    Fx = ca.if_else(Fz <= 1e-06, 0, F_x0*G_xa)  # [4.E50] longitudinal force
-    Fy = ca.if_else(Fz <= 1e-06, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
+    B_xalpha_part1 = 1 + RBX2**2*kappa**2
+    B_xalpha_part2 = ca.sqrt(B_xalpha_part1)
+    B_xalpha_part3 = 1/B_xalpha_part2
+    B_xalpha = B_xalpha_part3*LXA*RBX1  # [4.E54] stiffness of G_xa
+    G_xa_w_part1 = RHX1 + alpha
+    G_xa_w_part2 = B_xalpha*G_xa_w_part1
+    G_xa_w_part3 = ca.atan(G_xa_w_part2)
+    G_xa_w = G_xa_w_part3*RCX1  # [4.E51] angle of the weighting function
+    G_xa_w0_part1 = B_xalpha*RHX1
+    G_xa_w0_part2 = ca.atan(G_xa_w0_part1)
+    G_xa_w0 = G_xa_w0_part2*RCX1  # [4.E52] the same at zero slip
+    G_xa_part1 = ca.cos(G_xa_w0)
+    G_xa_part2 = 1/G_xa_part1
+    G_xa_part3 = ca.cos(G_xa_w)
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    B_ykappa_part1 = alpha - RBY3
+    B_ykappa_part2 = 1 + B_ykappa_part1**2*RBY2**2
+    B_ykappa_part3 = ca.sqrt(B_ykappa_part2)
+    B_ykappa_part4 = 1/B_ykappa_part3
+    B_ykappa = B_ykappa_part4*LYK*RBY1  # [4.E62] stiffness of G_yk
+    G_yk_w_part1 = RHY1 + kappa
+    G_yk_w_part2 = B_ykappa*G_yk_w_part1
+    G_yk_w_part3 = ca.atan(G_yk_w_part2)
+    G_yk_w = G_yk_w_part3*RCY1  # [4.E59] angle of the weighting function
+    G_yk_w0_part1 = B_ykappa*RHY1
+    G_yk_w0_part2 = ca.atan(G_yk_w0_part1)
+    G_yk_w0 = G_yk_w0_part2*RCY1  # [4.E60] the same at zero slip
+    G_yk_part1 = ca.cos(G_yk_w0)
+    G_yk_part2 = 1/G_yk_part1
+    G_yk_part3 = ca.cos(G_yk_w)
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    D_Vyk_part1 = 1 + RVY4**2*alpha**2
+    D_Vyk_part2 = ca.sqrt(D_Vyk_part1)
+    D_Vyk_part3 = 1/D_Vyk_part2
+    D_Vyk_part4 = RVY1 + RVY2*dfz + RVY3*gamma
+    D_Vyk = D_Vyk_part3*D_Vyk_part4*F_z*mu_y  # [4.E67] peak of S_Vyk
+    S_Vyk_part1 = RVY6*kappa
+    S_Vyk_part2 = ca.atan(S_Vyk_part1)
+    S_Vyk_part3 = RVY5*S_Vyk_part2
+    S_Vyk_part4 = ca.sin(S_Vyk_part3)
+    S_Vyk = D_Vyk*LVYK*S_Vyk_part4  # [4.E66] side force made by longitudinal slip
+    Fx_part1 = F_x0*G_xa
+    Fx = ca.if_else(Fz <= 1e-06, 0, Fx_part1)  # [4.E50] longitudinal force
+    Fy_part1 = S_Vyk + F_y0*G_yk
+    Fy = ca.if_else(Fz <= 1e-06, 0, Fy_part1)  # [4.E58] side force
 
     # Aligning moment
-    S_Hf = S_Hy + S_Vy/K_yalpha  # [4.E38] shift of the residual moment
-    S_Ht = QHZ1 + QHZ2*dfz + gamma_s*(QHZ3 + QHZ4*dfz)  # [4.E35] shift of the trail
+    S_Hf_part1 = 1/K_yalpha
+    S_Hf = S_Hy + S_Hf_part1*S_Vy  # [4.E38] shift of the residual moment
+    S_Ht_part1 = QHZ3 + QHZ4*dfz
+    S_Ht = QHZ1 + QHZ2*dfz + S_Ht_part1*gamma_s  # [4.E35] shift of the trail
     alpha_t = S_Ht + alpha  # [4.E34] slip angle of the trail
     alpha_r = S_Hf + alpha  # [4.E37] slip angle of the residual moment
-    B_t = LKY*(1 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*dfz**2)/LMUY  # [4.E40] stiffness factor of the trail
+    B_t_part1 = 1/LMUY
+    B_t_part2 = 1 + QBZ4*gamma_s + QBZ5*sign_gamma
+    B_t_part3 = QBZ1 + QBZ2*dfz + QBZ3*dfz**2
+    B_t = B_t_part1*B_t_part2*B_t_part3*LKY  # [4.E40] stiffness factor of the trail
     C_t = QCZ1  # [4.E41] shape factor of the trail
-    D_t = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1 + QDZ3*gamma_s + QDZ4*gamma_s**2)/FNOMIN  # [4.E43] peak factor of the trail
-    E_t = (1 + (QEZ4 + QEZ5*gamma_s)*ca.atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)  # [4.E44] curvature factor of the trail
-    B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY  # [4.E45] stiffness factor of the residual moment
-    D_r = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz))  # [4.E47] peak factor of the residual moment
-    kappa_share = K_xkappa**2*kappa**2/K_yalpha**2  # [4.E77] slip angle that kappa is worth, squared
-    alpha_teq = alpha_t*ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2))  # [4.E77] equivalent slip of the trail
-    alpha_req = alpha_r*ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2))  # [4.E78] equivalent slip of the residual moment
+    D_t_part1 = 1/FNOMIN
+    D_t_part2 = QDZ1 + QDZ2*dfz
+    D_t_part3 = 1 + QDZ3*gamma_s + QDZ4*gamma_s**2
+    D_t = D_t_part1*D_t_part2*D_t_part3*F_z*LT*UNLOADED_RADIUS  # [4.E43] peak factor of the trail
+    E_t_part1 = QEZ4 + QEZ5*gamma_s
+    E_t_part2 = B_t*C_t*alpha_t
+    E_t_part3 = ca.atan(E_t_part2)
+    E_t_part4 = 1 + E_t_part1*E_t_part3
+    E_t_part5 = QEZ1 + QEZ2*dfz + QEZ3*dfz**2
+    E_t = E_t_part4*E_t_part5  # [4.E44] curvature factor of the trail
+    B_r_part1 = 1/LMUY
+    B_r = B_r_part1*LKY*QBZ9 + B_y*C_y*QBZ10  # [4.E45] stiffness factor of the residual moment
+    D_r_part1 = QDZ8 + QDZ9*dfz
+    D_r_part2 = QDZ6 + D_r_part1*gamma_s + QDZ7*dfz
+    D_r = D_r_part2*F_z*LMR*LMUY*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
+    kappa_share_part1 = 1/K_yalpha
+    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    alpha_teq_part1 = 1e-06 + alpha_t**2
+    alpha_teq_part2 = 1/alpha_teq_part1
+    alpha_teq_part3 = 1 + alpha_teq_part2*kappa_share
+    alpha_teq_part4 = ca.sqrt(alpha_teq_part3)
+    alpha_teq = alpha_t*alpha_teq_part4  # [4.E77] equivalent slip of the trail
+    alpha_req_part1 = 1e-06 + alpha_r**2
+    alpha_req_part2 = 1/alpha_req_part1
+    alpha_req_part3 = 1 + alpha_req_part2*kappa_share
+    alpha_req_part4 = ca.sqrt(alpha_req_part3)
+    alpha_req = alpha_r*alpha_req_part4  # [4.E78] equivalent slip of the residual moment
     trail_u = B_t*alpha_teq  # [4.1] B x
-    trail_v = trail_u - E_t*(trail_u - ca.atan(trail_u))  # [4.1] B x bent by E
-    trail_w = C_t*ca.atan(trail_v)  # [4.1] angle of the Magic Formula
-    trail = D_t*ca.cos(alpha)*ca.cos(trail_w)  # [4.E73] pneumatic trail
-    s = LS*UNLOADED_RADIUS*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)  # [4.E76] moment arm of Fx
-    sign_kappa_x_by_kappa_x = 1/ca.sqrt(1e-06 + kappa_x**2) - kappa_x**2/(1e-06 + kappa_x**2)**1.5
-    E_x_by_sign_kappa_x = -LEX*PEX4*(PEX1 + PEX2*dfz + PEX3*dfz**2)
-    F_x0_v_by_E_x = -F_x0_u + ca.atan(F_x0_u)
-    F_x0_v_by_F_x0_u = 1 - E_x*(1 - 1/(1 + F_x0_u**2))
-    F_x0_w_by_F_x0_v = C_x/(1 + F_x0_v**2)
-    F_x0_by_F_x0_w = D_x*ca.cos(F_x0_w)
-    sign_alpha_y_by_alpha_y = 1/ca.sqrt(1e-06 + alpha_y**2) - alpha_y**2/(1e-06 + alpha_y**2)**1.5
-    E_y_by_sign_alpha_y = LEY*(PEY1 + PEY2*dfz)*(-PEY3 - PEY4*gamma_s)
-    F_y0_v_by_E_y = -F_y0_u + ca.atan(F_y0_u)
-    F_y0_v_by_F_y0_u = 1 - E_y*(1 - 1/(1 + F_y0_u**2))
-    F_y0_w_by_F_y0_v = C_y/(1 + F_y0_v**2)
-    F_y0_by_F_y0_w = D_y*ca.cos(F_y0_w)
-    B_xalpha_by_kappa = -LXA*RBX1*kappa*RBX2**2/(1 + RBX2**2*kappa**2)**1.5
-    G_xa_w_by_B_xalpha = RCX1*(RHX1 + alpha)/(1 + B_xalpha**2*(RHX1 + alpha)**2)
-    G_xa_w_by_alpha = B_xalpha*RCX1/(1 + B_xalpha**2*(RHX1 + alpha)**2)
-    G_xa_w0_by_B_xalpha = RCX1*RHX1/(1 + B_xalpha**2*RHX1**2)
-    G_xa_by_G_xa_w = -ca.sin(G_xa_w)/ca.cos(G_xa_w0)
-    G_xa_by_G_xa_w0 = ca.cos(G_xa_w)*ca.sin(G_xa_w0)/ca.cos(G_xa_w0)**2
-    B_ykappa_by_alpha = -0.5*LYK*RBY1*RBY2**2*(-2*RBY3 + 2*alpha)/(1 + RBY2**2*(alpha - RBY3)**2)**1.5
-    G_yk_w_by_B_ykappa = RCY1*(RHY1 + kappa)/(1 + B_ykappa**2*(RHY1 + kappa)**2)
-    G_yk_w_by_kappa = B_ykappa*RCY1/(1 + B_ykappa**2*(RHY1 + kappa)**2)
-    G_yk_w0_by_B_ykappa = RCY1*RHY1/(1 + B_ykappa**2*RHY1**2)
-    G_yk_by_G_yk_w = -ca.sin(G_yk_w)/ca.cos(G_yk_w0)
-    G_yk_by_G_yk_w0 = ca.cos(G_yk_w)*ca.sin(G_yk_w0)/ca.cos(G_yk_w0)**2
-    D_Vyk_by_alpha = -F_z*alpha*mu_y*RVY4**2*(RVY1 + RVY2*dfz + RVY3*gamma)/(1 + RVY4**2*alpha**2)**1.5
-    S_Vyk_by_D_Vyk = LVYK*ca.sin(RVY5*ca.atan(RVY6*kappa))
-    S_Vyk_by_kappa = D_Vyk*LVYK*RVY5*RVY6*ca.cos(RVY5*ca.atan(RVY6*kappa))/(1 + RVY6**2*kappa**2)
-    Fx_by_F_x0 = ca.if_else(Fz <= 1e-06, 0, G_xa)
-    Fx_by_G_xa = ca.if_else(Fz <= 1e-06, 0, F_x0)
-    Fy_by_F_y0 = ca.if_else(Fz <= 1e-06, 0, G_yk)
-    Fy_by_G_yk = ca.if_else(Fz <= 1e-06, 0, F_y0)
-    Fy_by_S_Vyk = ca.if_else(Fz <= 1e-06, 0, 1)
-    E_t_by_alpha_t = B_t*C_t*(QEZ4 + QEZ5*gamma_s)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)/(1 + B_t**2*C_t**2*alpha_t**2)
-    kappa_share_by_kappa = 2*kappa*K_xkappa**2/K_yalpha**2
-    alpha_teq_by_alpha_t = ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2)) - kappa_share*alpha_t**2/(ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2))*(1e-06 + alpha_t**2)**2)
-    alpha_teq_by_kappa_share = 0.5*alpha_t/(ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2))*(1e-06 + alpha_t**2))
-    alpha_req_by_alpha_r = ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2)) - kappa_share*alpha_r**2/(ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2))*(1e-06 + alpha_r**2)**2)
-    alpha_req_by_kappa_share = 0.5*alpha_r/(ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2))*(1e-06 + alpha_r**2))
-    trail_v_by_E_t = -trail_u + ca.atan(trail_u)
-    trail_v_by_trail_u = 1 - E_t*(1 - 1/(1 + trail_u**2))
-    trail_w_by_trail_v = C_t/(1 + trail_v**2)
-    trail_by_alpha = -D_t*ca.cos(trail_w)*ca.sin(alpha)
-    trail_by_trail_w = -D_t*ca.cos(alpha)*ca.sin(trail_w)
-    M_zr_by_alpha = -D_r*ca.sin(alpha)/ca.sqrt(1 + B_r**2*alpha_req**2)
-    M_zr_by_alpha_req = -D_r*alpha_req*B_r**2*ca.cos(alpha)/(1 + B_r**2*alpha_req**2)**1.5
-    s_by_Fy = LS*SSZ2*UNLOADED_RADIUS/FNOMIN
-    Mz_by_Fx = ca.if_else(Fz <= 1e-06, 0, s)
-    Mz_by_Fy = ca.if_else(Fz <= 1e-06, 0, -trail)
-    Mz_by_M_zr = ca.if_else(Fz <= 1e-06, 0, 1)
-    Mz_by_S_Vyk = ca.if_else(Fz <= 1e-06, 0, trail)
-    Mz_by_s = ca.if_else(Fz <= 1e-06, 0, Fx)
-    Mz_by_trail = ca.if_else(Fz <= 1e-06, 0, S_Vyk - Fy)
+    trail_v_part1 = ca.atan(trail_u)
+    trail_v_part2 = trail_u - trail_v_part1
+    trail_v = trail_u - E_t*trail_v_part2  # [4.1] B x bent by E
+    trail_w_part1 = ca.atan(trail_v)
+    trail_w = C_t*trail_w_part1  # [4.1] angle of the Magic Formula
+    trail_part1 = ca.cos(alpha)
+    trail_part2 = ca.cos(trail_w)
+    trail = D_t*trail_part1*trail_part2  # [4.E73] pneumatic trail
+    M_zr_part1 = 1 + B_r**2*alpha_req**2
+    M_zr_part2 = ca.sqrt(M_zr_part1)
+    M_zr_part3 = 1/M_zr_part2
+    M_zr_part4 = ca.cos(alpha)
+    s_part1 = SSZ3 + SSZ4*dfz
+    s_part2 = 1/FNOMIN
+    s_part3 = SSZ1 + gamma_s*s_part1 + Fy*SSZ2*s_part2
+    s = LS*UNLOADED_RADIUS*s_part3  # [4.E76] moment arm of Fx
+    Mz_part1 = Fy - S_Vyk
+
+    # Partial derivatives of each line
+    sign_kappa_x_part1_by_kappa_x = 2*kappa_x
+    sign_kappa_x_part2_by_sign_kappa_x_part1 = 0.5/sign_kappa_x_part2
+    sign_kappa_x_part3_by_sign_kappa_x_part2 = -sign_kappa_x_part3**2
+    E_x_by_E_x_part1 = E_x_part2*LEX
+    F_x0_v_part1_by_F_x0_u = 1/(1 + F_x0_u**2)
+    F_x0_w_part1_by_F_x0_v = 1/(1 + F_x0_v**2)
+    F_x0_part1_by_F_x0_w = ca.cos(F_x0_w)
+    sign_alpha_y_part1_by_alpha_y = 2*alpha_y
+    sign_alpha_y_part2_by_sign_alpha_y_part1 = 0.5/sign_alpha_y_part2
+    sign_alpha_y_part3_by_sign_alpha_y_part2 = -sign_alpha_y_part3**2
+    E_y_by_E_y_part2 = E_y_part3*LEY
+    F_y0_v_part1_by_F_y0_u = 1/(1 + F_y0_u**2)
+    F_y0_w_part1_by_F_y0_v = 1/(1 + F_y0_v**2)
+    F_y0_part1_by_F_y0_w = ca.cos(F_y0_w)
+    B_xalpha_part1_by_kappa = 2*kappa*RBX2**2
+    B_xalpha_part2_by_B_xalpha_part1 = 0.5/B_xalpha_part2
+    B_xalpha_part3_by_B_xalpha_part2 = -B_xalpha_part3**2
+    B_xalpha_by_B_xalpha_part3 = LXA*RBX1
+    G_xa_w_part3_by_G_xa_w_part2 = 1/(1 + G_xa_w_part2**2)
+    G_xa_w0_part2_by_G_xa_w0_part1 = 1/(1 + G_xa_w0_part1**2)
+    G_xa_part1_by_G_xa_w0 = -ca.sin(G_xa_w0)
+    G_xa_part2_by_G_xa_part1 = -G_xa_part2**2
+    G_xa_part3_by_G_xa_w = -ca.sin(G_xa_w)
+    B_ykappa_part2_by_B_ykappa_part1 = 2*B_ykappa_part1*RBY2**2
+    B_ykappa_part3_by_B_ykappa_part2 = 0.5/B_ykappa_part3
+    B_ykappa_part4_by_B_ykappa_part3 = -B_ykappa_part4**2
+    B_ykappa_by_B_ykappa_part4 = LYK*RBY1
+    G_yk_w_part3_by_G_yk_w_part2 = 1/(1 + G_yk_w_part2**2)
+    G_yk_w0_part2_by_G_yk_w0_part1 = 1/(1 + G_yk_w0_part1**2)
+    G_yk_part1_by_G_yk_w0 = -ca.sin(G_yk_w0)
+    G_yk_part2_by_G_yk_part1 = -G_yk_part2**2
+    G_yk_part3_by_G_yk_w = -ca.sin(G_yk_w)
+    D_Vyk_shared1 = F_z*mu_y
+    D_Vyk_part1_by_alpha = 2*alpha*RVY4**2
+    D_Vyk_part2_by_D_Vyk_part1 = 0.5/D_Vyk_part2
+    D_Vyk_part3_by_D_Vyk_part2 = -D_Vyk_part3**2
+    D_Vyk_by_D_Vyk_part3 = D_Vyk_part4*D_Vyk_shared1
+    S_Vyk_part2_by_S_Vyk_part1 = 1/(1 + S_Vyk_part1**2)
+    S_Vyk_part4_by_S_Vyk_part3 = ca.cos(S_Vyk_part3)
+    S_Vyk_by_D_Vyk = LVYK*S_Vyk_part4
+    S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYK
+    Fx_by_Fx_part1 = ca.if_else(Fz <= 1e-06, 0, 1)
+    Fy_by_Fy_part1 = ca.if_else(Fz <= 1e-06, 0, 1)
+    E_t_part2_by_alpha_t = B_t*C_t
+    E_t_part3_by_E_t_part2 = 1/(1 + E_t_part2**2)
+    kappa_share_shared1 = kappa_share_part1**2
+    kappa_share_shared3 = 2*kappa_share_shared1
+    kappa_share_shared4 = K_xkappa**2
+    kappa_share_by_kappa = kappa*kappa_share_shared3*kappa_share_shared4
+    alpha_teq_part1_by_alpha_t = 2*alpha_t
+    alpha_teq_part2_by_alpha_teq_part1 = -alpha_teq_part2**2
+    alpha_teq_part4_by_alpha_teq_part3 = 0.5/alpha_teq_part4
+    alpha_req_part1_by_alpha_r = 2*alpha_r
+    alpha_req_part2_by_alpha_req_part1 = -alpha_req_part2**2
+    alpha_req_part4_by_alpha_req_part3 = 0.5/alpha_req_part4
+    trail_v_part1_by_trail_u = 1/(1 + trail_u**2)
+    trail_w_part1_by_trail_v = 1/(1 + trail_v**2)
+    trail_part1_by_alpha = -ca.sin(alpha)
+    trail_part2_by_trail_w = -ca.sin(trail_w)
+    trail_by_trail_part1 = D_t*trail_part2
+    trail_by_trail_part2 = D_t*trail_part1
+    M_zr_part1_by_alpha_req = 2*alpha_req*B_r**2
+    M_zr_part2_by_M_zr_part1 = 0.5/M_zr_part2
+    M_zr_part3_by_M_zr_part2 = -M_zr_part3**2
+    M_zr_part4_by_alpha = -ca.sin(alpha)
+    M_zr_by_M_zr_part3 = D_r*M_zr_part4
+    M_zr_by_M_zr_part4 = D_r*M_zr_part3
+    s_part3_by_Fy = SSZ2*s_part2
+    s_by_s_part3 = LS*UNLOADED_RADIUS
+    Mz_by_Mz_part2 = ca.if_else(Fz <= 1e-06, 0, 1)
 
     # Chain rule
-    dE_x_dkappa = E_x_by_sign_kappa_x*sign_kappa_x_by_kappa_x
-    dF_x0_v_dkappa = B_x*F_x0_v_by_F_x0_u + F_x0_v_by_E_x*dE_x_dkappa
-    dF_x0_w_dkappa = F_x0_w_by_F_x0_v*dF_x0_v_dkappa
-    dF_x0_dkappa = F_x0_by_F_x0_w*dF_x0_w_dkappa
-    dE_y_dalpha = E_y_by_sign_alpha_y*sign_alpha_y_by_alpha_y
-    dF_y0_v_dalpha = B_y*F_y0_v_by_F_y0_u + F_y0_v_by_E_y*dE_y_dalpha
-    dF_y0_w_dalpha = F_y0_w_by_F_y0_v*dF_y0_v_dalpha
-    dF_y0_dalpha = F_y0_by_F_y0_w*dF_y0_w_dalpha
-    dG_xa_w_dkappa = B_xalpha_by_kappa*G_xa_w_by_B_xalpha
-    dG_xa_w0_dkappa = B_xalpha_by_kappa*G_xa_w0_by_B_xalpha
-    dG_xa_dkappa = G_xa_by_G_xa_w*dG_xa_w_dkappa + G_xa_by_G_xa_w0*dG_xa_w0_dkappa
-    dG_xa_dalpha = G_xa_by_G_xa_w*G_xa_w_by_alpha
-    dG_yk_w_dalpha = B_ykappa_by_alpha*G_yk_w_by_B_ykappa
-    dG_yk_w0_dalpha = B_ykappa_by_alpha*G_yk_w0_by_B_ykappa
-    dG_yk_dkappa = G_yk_by_G_yk_w*G_yk_w_by_kappa
-    dG_yk_dalpha = G_yk_by_G_yk_w*dG_yk_w_dalpha + G_yk_by_G_yk_w0*dG_yk_w0_dalpha
-    dS_Vyk_dalpha = D_Vyk_by_alpha*S_Vyk_by_D_Vyk
-    dFx_dkappa = Fx_by_F_x0*dF_x0_dkappa + Fx_by_G_xa*dG_xa_dkappa
-    dFx_dalpha = Fx_by_G_xa*dG_xa_dalpha
-    dFy_dkappa = Fy_by_G_yk*dG_yk_dkappa + Fy_by_S_Vyk*S_Vyk_by_kappa
-    dFy_dalpha = Fy_by_F_y0*dF_y0_dalpha + Fy_by_G_yk*dG_yk_dalpha + Fy_by_S_Vyk*dS_Vyk_dalpha
-    dalpha_teq_dkappa = alpha_teq_by_kappa_share*kappa_share_by_kappa
-    dalpha_req_dkappa = alpha_req_by_kappa_share*kappa_share_by_kappa
-    dtrail_u_dkappa = B_t*dalpha_teq_dkappa
-    dtrail_u_dalpha = B_t*alpha_teq_by_alpha_t
-    dtrail_v_dkappa = dtrail_u_dkappa*trail_v_by_trail_u
-    dtrail_v_dalpha = E_t_by_alpha_t*trail_v_by_E_t + dtrail_u_dalpha*trail_v_by_trail_u
-    dtrail_w_dkappa = dtrail_v_dkappa*trail_w_by_trail_v
-    dtrail_w_dalpha = dtrail_v_dalpha*trail_w_by_trail_v
-    dtrail_dkappa = dtrail_w_dkappa*trail_by_trail_w
-    dtrail_dalpha = trail_by_alpha + dtrail_w_dalpha*trail_by_trail_w
-    dM_zr_dkappa = M_zr_by_alpha_req*dalpha_req_dkappa
-    dM_zr_dalpha = M_zr_by_alpha + M_zr_by_alpha_req*alpha_req_by_alpha_r
-    ds_dkappa = dFy_dkappa*s_by_Fy
-    ds_dalpha = dFy_dalpha*s_by_Fy
-    dMz_dkappa = Mz_by_Fx*dFx_dkappa + Mz_by_Fy*dFy_dkappa + Mz_by_M_zr*dM_zr_dkappa + Mz_by_S_Vyk*S_Vyk_by_kappa + Mz_by_s*ds_dkappa + Mz_by_trail*dtrail_dkappa
-    dMz_dalpha = Mz_by_Fx*dFx_dalpha + Mz_by_Fy*dFy_dalpha + Mz_by_M_zr*dM_zr_dalpha + Mz_by_S_Vyk*dS_Vyk_dalpha + Mz_by_s*ds_dalpha + Mz_by_trail*dtrail_dalpha
+    dsign_kappa_x_part2_dkappa = sign_kappa_x_part1_by_kappa_x*sign_kappa_x_part2_by_sign_kappa_x_part1
+    dsign_kappa_x_part3_dkappa = dsign_kappa_x_part2_dkappa*sign_kappa_x_part3_by_sign_kappa_x_part2
+    dsign_kappa_x_dkappa = sign_kappa_x_part3 + dsign_kappa_x_part3_dkappa*kappa_x
+    dE_x_part1_dkappa = -PEX4*dsign_kappa_x_dkappa
+    dE_x_dkappa = E_x_by_E_x_part1*dE_x_part1_dkappa
+    dF_x0_v_part2_dF_x0_u = 1 - F_x0_v_part1_by_F_x0_u
+    dF_x0_v_part2_dkappa = B_x*dF_x0_v_part2_dF_x0_u
+    dF_x0_v_dkappa = B_x - E_x*dF_x0_v_part2_dkappa - F_x0_v_part2*dE_x_dkappa
+    dF_x0_w_part1_dkappa = F_x0_w_part1_by_F_x0_v*dF_x0_v_dkappa
+    dF_x0_w_dkappa = C_x*dF_x0_w_part1_dkappa
+    dF_x0_part1_dkappa = F_x0_part1_by_F_x0_w*dF_x0_w_dkappa
+    dF_x0_dkappa = D_x*dF_x0_part1_dkappa
+    dsign_alpha_y_part2_dalpha = sign_alpha_y_part1_by_alpha_y*sign_alpha_y_part2_by_sign_alpha_y_part1
+    dsign_alpha_y_part3_dalpha = dsign_alpha_y_part2_dalpha*sign_alpha_y_part3_by_sign_alpha_y_part2
+    dsign_alpha_y_dalpha = sign_alpha_y_part3 + alpha_y*dsign_alpha_y_part3_dalpha
+    dE_y_part2_dalpha = -E_y_part1*dsign_alpha_y_dalpha
+    dE_y_dalpha = E_y_by_E_y_part2*dE_y_part2_dalpha
+    dF_y0_v_part2_dF_y0_u = 1 - F_y0_v_part1_by_F_y0_u
+    dF_y0_v_part2_dalpha = B_y*dF_y0_v_part2_dF_y0_u
+    dF_y0_v_dalpha = B_y - E_y*dF_y0_v_part2_dalpha - F_y0_v_part2*dE_y_dalpha
+    dF_y0_w_part1_dalpha = F_y0_w_part1_by_F_y0_v*dF_y0_v_dalpha
+    dF_y0_w_dalpha = C_y*dF_y0_w_part1_dalpha
+    dF_y0_part1_dalpha = F_y0_part1_by_F_y0_w*dF_y0_w_dalpha
+    dF_y0_dalpha = D_y*dF_y0_part1_dalpha
+    dB_xalpha_part2_dkappa = B_xalpha_part1_by_kappa*B_xalpha_part2_by_B_xalpha_part1
+    dB_xalpha_part3_dkappa = B_xalpha_part3_by_B_xalpha_part2*dB_xalpha_part2_dkappa
+    dG_xa_w_dG_xa_w_part2 = G_xa_w_part3_by_G_xa_w_part2*RCX1
+    dG_xa_w0_part2_dB_xalpha = G_xa_w0_part2_by_G_xa_w0_part1*RHX1
+    dG_xa_w0_dB_xalpha = RCX1*dG_xa_w0_part2_dB_xalpha
+    dG_xa_part1_dB_xalpha = G_xa_part1_by_G_xa_w0*dG_xa_w0_dB_xalpha
+    dG_xa_part2_dB_xalpha = G_xa_part2_by_G_xa_part1*dG_xa_part1_dB_xalpha
+    dG_xa_part3_dG_xa_w_part2 = G_xa_part3_by_G_xa_w*dG_xa_w_dG_xa_w_part2
+    dB_ykappa_part3_dalpha = B_ykappa_part2_by_B_ykappa_part1*B_ykappa_part3_by_B_ykappa_part2
+    dB_ykappa_part4_dalpha = B_ykappa_part4_by_B_ykappa_part3*dB_ykappa_part3_dalpha
+    dG_yk_w_dG_yk_w_part2 = G_yk_w_part3_by_G_yk_w_part2*RCY1
+    dG_yk_w0_part2_dB_ykappa = G_yk_w0_part2_by_G_yk_w0_part1*RHY1
+    dG_yk_w0_dB_ykappa = RCY1*dG_yk_w0_part2_dB_ykappa
+    dG_yk_part1_dB_ykappa = G_yk_part1_by_G_yk_w0*dG_yk_w0_dB_ykappa
+    dG_yk_part2_dB_ykappa = G_yk_part2_by_G_yk_part1*dG_yk_part1_dB_ykappa
+    dG_yk_part3_dG_yk_w_part2 = G_yk_part3_by_G_yk_w*dG_yk_w_dG_yk_w_part2
+    dD_Vyk_part2_dalpha = D_Vyk_part1_by_alpha*D_Vyk_part2_by_D_Vyk_part1
+    dD_Vyk_part3_dalpha = D_Vyk_part3_by_D_Vyk_part2*dD_Vyk_part2_dalpha
+    dS_Vyk_part2_dkappa = RVY6*S_Vyk_part2_by_S_Vyk_part1
+    dS_Vyk_part3_dkappa = RVY5*dS_Vyk_part2_dkappa
+    dE_t_part3_dalpha = E_t_part2_by_alpha_t*E_t_part3_by_E_t_part2
+    dE_t_part4_dalpha = E_t_part1*dE_t_part3_dalpha
+    dE_t_dalpha = E_t_part5*dE_t_part4_dalpha
+    dalpha_teq_part2_dalpha = alpha_teq_part1_by_alpha_t*alpha_teq_part2_by_alpha_teq_part1
+    dalpha_req_part2_dalpha = alpha_req_part1_by_alpha_r*alpha_req_part2_by_alpha_req_part1
+    dtrail_v_part2_dtrail_u = 1 - trail_v_part1_by_trail_u
+    dtrail_v_part2_dalpha_teq = B_t*dtrail_v_part2_dtrail_u
+    dtrail_w_dtrail_v = C_t*trail_w_part1_by_trail_v
+    dtrail_part2_dtrail_v = dtrail_w_dtrail_v*trail_part2_by_trail_w
+    dM_zr_part2_dalpha_req = M_zr_part1_by_alpha_req*M_zr_part2_by_M_zr_part1
+    dM_zr_part3_dalpha_req = M_zr_part3_by_M_zr_part2*dM_zr_part2_dalpha_req
+    ds_dFy = s_by_s_part3*s_part3_by_Fy
+    dB_xalpha_dkappa = B_xalpha_by_B_xalpha_part3*dB_xalpha_part3_dkappa
+    dG_xa_dB_xalpha = G_xa_part3*dG_xa_part2_dB_xalpha
+    dG_xa_w_part2_dkappa = G_xa_w_part1*dB_xalpha_dkappa
+    dG_xa_dG_xa_w_part2 = G_xa_part2*dG_xa_part3_dG_xa_w_part2
+    dG_xa_dkappa = dB_xalpha_dkappa*dG_xa_dB_xalpha + dG_xa_dG_xa_w_part2*dG_xa_w_part2_dkappa
+    dG_xa_dalpha = B_xalpha*dG_xa_dG_xa_w_part2
+    dB_ykappa_dalpha = B_ykappa_by_B_ykappa_part4*dB_ykappa_part4_dalpha
+    dG_yk_dB_ykappa = G_yk_part3*dG_yk_part2_dB_ykappa
+    dG_yk_w_part2_dalpha = G_yk_w_part1*dB_ykappa_dalpha
+    dG_yk_dG_yk_w_part2 = G_yk_part2*dG_yk_part3_dG_yk_w_part2
+    dG_yk_dalpha = dB_ykappa_dalpha*dG_yk_dB_ykappa + dG_yk_dG_yk_w_part2*dG_yk_w_part2_dalpha
+    dG_yk_dkappa = B_ykappa*dG_yk_dG_yk_w_part2
+    dD_Vyk_dalpha = D_Vyk_by_D_Vyk_part3*dD_Vyk_part3_dalpha
+    dS_Vyk_part4_dkappa = S_Vyk_part4_by_S_Vyk_part3*dS_Vyk_part3_dkappa
+    dFx_part1_dkappa = F_x0*dG_xa_dkappa + G_xa*dF_x0_dkappa
+    dFx_part1_dalpha = F_x0*dG_xa_dalpha
+    dFy_part1_dalpha = F_y0*dG_yk_dalpha + G_yk*dF_y0_dalpha + S_Vyk_by_D_Vyk*dD_Vyk_dalpha
+    dFy_part1_dkappa = F_y0*dG_yk_dkappa + S_Vyk_by_S_Vyk_part4*dS_Vyk_part4_dkappa
+    dalpha_teq_part3_dalpha = dalpha_teq_part2_dalpha*kappa_share
+    dalpha_teq_part3_dkappa = alpha_teq_part2*kappa_share_by_kappa
+    dalpha_teq_dalpha_teq_part3 = alpha_t*alpha_teq_part4_by_alpha_teq_part3
+    dalpha_teq_dalpha = alpha_teq_part4 + dalpha_teq_dalpha_teq_part3*dalpha_teq_part3_dalpha
+    dalpha_teq_dkappa = dalpha_teq_dalpha_teq_part3*dalpha_teq_part3_dkappa
+    dtrail_v_dalpha_teq = B_t - E_t*dtrail_v_part2_dalpha_teq
+    dalpha_req_part3_dalpha = dalpha_req_part2_dalpha*kappa_share
+    dalpha_req_part3_dkappa = alpha_req_part2*kappa_share_by_kappa
+    dalpha_req_dalpha_req_part3 = alpha_r*alpha_req_part4_by_alpha_req_part3
+    dalpha_req_dalpha = alpha_req_part4 + dalpha_req_dalpha_req_part3*dalpha_req_part3_dalpha
+    dalpha_req_dkappa = dalpha_req_dalpha_req_part3*dalpha_req_part3_dkappa
+    dMz_part2_dalpha_req = M_zr_by_M_zr_part3*dM_zr_part3_dalpha_req
+    dtrail_v_dalpha = dalpha_teq_dalpha*dtrail_v_dalpha_teq - dE_t_dalpha*trail_v_part2
+    dtrail_v_dkappa = dalpha_teq_dkappa*dtrail_v_dalpha_teq
+    dtrail_dtrail_v = dtrail_part2_dtrail_v*trail_by_trail_part2
+    dtrail_dalpha = dtrail_dtrail_v*dtrail_v_dalpha + trail_by_trail_part1*trail_part1_by_alpha
+    dtrail_dkappa = dtrail_dtrail_v*dtrail_v_dkappa
+    dMz_part1_dalpha = -S_Vyk_by_D_Vyk*dD_Vyk_dalpha
+    dMz_part1_dkappa = -S_Vyk_by_S_Vyk_part4*dS_Vyk_part4_dkappa
+    dMz_part2_dalpha = M_zr_by_M_zr_part4*M_zr_part4_by_alpha + dMz_part2_dalpha_req*dalpha_req_dalpha - Mz_part1*dtrail_dalpha - dMz_part1_dalpha*trail
+    dMz_part2_dFy = -trail + Fx*ds_dFy
+    dMz_part2_dkappa = dMz_part2_dalpha_req*dalpha_req_dkappa - Mz_part1*dtrail_dkappa - dMz_part1_dkappa*trail
+    dFx_dkappa = Fx_by_Fx_part1*dFx_part1_dkappa
+    dFx_dalpha = Fx_by_Fx_part1*dFx_part1_dalpha
+    dMz_dFx = Mz_by_Mz_part2*s
+    dFy_dalpha = Fy_by_Fy_part1*dFy_part1_dalpha
+    dFy_dkappa = Fy_by_Fy_part1*dFy_part1_dkappa
+    dMz_dFy = Mz_by_Mz_part2*dMz_part2_dFy
 
     return ca.blockcat([
     [
@@ -469,8 +672,8 @@ def slip_stiffnesses(inputs, parameters):
         dFy_dalpha,
     ],
     [
-        dMz_dkappa,
-        dMz_dalpha,
+        Mz_by_Mz_part2*dMz_part2_dkappa + dFx_dkappa*dMz_dFx + dFy_dkappa*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dalpha + dFx_dalpha*dMz_dFx + dFy_dalpha*dMz_dFy,
     ],
     ])
 
@@ -491,314 +694,540 @@ def jacobian_inputs(inputs, parameters):
     # Normalized inputs
     F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, kept above 0
     F_z01 = FNOMIN*LFZ0  # [4.E1] nominal load, scaled
-    dfz = -1 + F_z/F_z01  # [4.E2a] normalized change in load
+    dfz_part1 = 1/F_z01
+    dfz = -1 + F_z*dfz_part1  # [4.E2a] normalized change in load
     gamma_s = LGAMMAY*gamma  # [4.E4] inclination, scaled
-    sign_gamma = gamma_s/ca.sqrt(1e-06 + gamma_s**2)  # [Trento] smoothed sign
+    sign_gamma_part1 = 1e-06 + gamma_s**2
+    sign_gamma_part2 = ca.sqrt(sign_gamma_part1)
+    sign_gamma_part3 = 1/sign_gamma_part2
+    sign_gamma = gamma_s*sign_gamma_part3  # [Trento] smoothed sign
 
     # Longitudinal force, pure slip
-    S_Hx = LHX*(PHX1 + PHX2*dfz)  # [4.E17] horizontal shift
+    S_Hx_part1 = PHX1 + PHX2*dfz
+    S_Hx = LHX*S_Hx_part1  # [4.E17] horizontal shift
     kappa_x = S_Hx + kappa  # [4.E10] longitudinal slip, shifted
-    sign_kappa_x = kappa_x/ca.sqrt(1e-06 + kappa_x**2)  # [Trento] smoothed sign
+    sign_kappa_x_part1 = 1e-06 + kappa_x**2
+    sign_kappa_x_part2 = ca.sqrt(sign_kappa_x_part1)
+    sign_kappa_x_part3 = 1/sign_kappa_x_part2
+    sign_kappa_x = kappa_x*sign_kappa_x_part3  # [Trento] smoothed sign
     C_x = LCX*PCX1  # [4.E11] shape factor
-    mu_x = LMUX*(1 - PDX3*gamma_s**2)*(PDX1 + PDX2*dfz)  # [4.E13] peak friction
+    mu_x_part1 = 1 - PDX3*gamma_s**2
+    mu_x_part2 = PDX1 + PDX2*dfz
+    mu_x = LMUX*mu_x_part1*mu_x_part2  # [4.E13] peak friction
     D_x = F_z*mu_x  # [4.E12] peak factor
-    E_x = LEX*(1 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*dfz**2)  # [4.E14] curvature factor
-    K_xkappa = F_z*LKXK*(PKX1 + PKX2*dfz)*ca.exp(-PKX3*dfz)  # [4.E15] longitudinal slip stiffness
-    B_x = K_xkappa/(C_x*D_x)  # [4.E16] stiffness factor
-    S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz)  # [4.E18] vertical shift
+    E_x_part1 = 1 - PEX4*sign_kappa_x
+    E_x_part2 = PEX1 + PEX2*dfz + PEX3*dfz**2
+    E_x = E_x_part1*E_x_part2*LEX  # [4.E14] curvature factor
+    K_xkappa_part1 = PKX1 + PKX2*dfz
+    K_xkappa_part2 = -PKX3*dfz
+    K_xkappa_part3 = ca.exp(K_xkappa_part2)
+    K_xkappa = F_z*K_xkappa_part1*K_xkappa_part3*LKXK  # [4.E15] longitudinal slip stiffness
+    B_x_part1 = 1/C_x
+    B_x_part2 = 1/D_x
+    B_x = B_x_part1*B_x_part2*K_xkappa  # [4.E16] stiffness factor
+    S_Vx_part1 = PVX1 + PVX2*dfz
+    S_Vx = F_z*LMUX*LVX*S_Vx_part1  # [4.E18] vertical shift
     F_x0_u = B_x*kappa_x  # [4.1] B x
-    F_x0_v = F_x0_u - E_x*(F_x0_u - ca.atan(F_x0_u))  # [4.1] B x bent by E
-    F_x0_w = C_x*ca.atan(F_x0_v)  # [4.1] angle of the Magic Formula
-    F_x0 = S_Vx + D_x*ca.sin(F_x0_w)  # [4.E9] longitudinal force in pure slip
+    F_x0_v_part1 = ca.atan(F_x0_u)
+    F_x0_v_part2 = F_x0_u - F_x0_v_part1
+    F_x0_v = F_x0_u - E_x*F_x0_v_part2  # [4.1] B x bent by E
+    F_x0_w_part1 = ca.atan(F_x0_v)
+    F_x0_w = C_x*F_x0_w_part1  # [4.1] angle of the Magic Formula
+    F_x0_part1 = ca.sin(F_x0_w)
+    F_x0 = S_Vx + D_x*F_x0_part1  # [4.E9] longitudinal force in pure slip
 
     # Side force, pure slip
-    S_Hy = LHY*(PHY1 + PHY2*dfz + PHY3*gamma_s)  # [4.E27] horizontal shift
-    S_Vy = F_z*LMUY*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz))  # [4.E29] vertical shift
+    S_Hy_part1 = PHY1 + PHY2*dfz + PHY3*gamma_s
+    S_Hy = LHY*S_Hy_part1  # [4.E27] horizontal shift
+    S_Vy_part1 = PVY3 + PVY4*dfz
+    S_Vy_part2 = PVY1 + PVY2*dfz + S_Vy_part1*gamma_s
+    S_Vy = F_z*LMUY*LVY*S_Vy_part2  # [4.E29] vertical shift
     alpha_y = S_Hy + alpha  # [4.E20] slip angle, shifted
-    sign_alpha_y = alpha_y/ca.sqrt(1e-06 + alpha_y**2)  # [Trento] smoothed sign
+    sign_alpha_y_part1 = 1e-06 + alpha_y**2
+    sign_alpha_y_part2 = ca.sqrt(sign_alpha_y_part1)
+    sign_alpha_y_part3 = 1/sign_alpha_y_part2
+    sign_alpha_y = alpha_y*sign_alpha_y_part3  # [Trento] smoothed sign
     C_y = LCY*PCY1  # [4.E21] shape factor
-    mu_y = LMUY*(1 - PDY3*gamma_s**2)*(PDY1 + PDY2*dfz)  # [4.E23] peak friction
+    mu_y_part1 = 1 - PDY3*gamma_s**2
+    mu_y_part2 = PDY1 + PDY2*dfz
+    mu_y = LMUY*mu_y_part1*mu_y_part2  # [4.E23] peak friction
     D_y = F_z*mu_y  # [4.E22] peak factor
-    E_y = LEY*(1 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz)  # [4.E24] curvature factor
-    K_yalpha_w = 2*ca.atan(F_z/(F_z01*PKY2))  # [4.E25] how far K_yalpha is up
-    K_yalpha = F_z01*LFZ0*LKA*PKY1*(1 - PKY3*sign_gamma)*ca.sin(K_yalpha_w)  # [4.E25] cornering stiffness
-    B_y = K_yalpha/(C_y*D_y)  # [4.E26] stiffness factor
+    E_y_part1 = PEY3 + PEY4*gamma_s
+    E_y_part2 = 1 - E_y_part1*sign_alpha_y
+    E_y_part3 = PEY1 + PEY2*dfz
+    E_y = E_y_part2*E_y_part3*LEY  # [4.E24] curvature factor
+    K_yalpha_w_part1 = 1/F_z01
+    K_yalpha_w_part2 = 1/PKY2
+    K_yalpha_w_part3 = F_z*K_yalpha_w_part1*K_yalpha_w_part2
+    K_yalpha_w_part4 = ca.atan(K_yalpha_w_part3)
+    K_yalpha_w = 2*K_yalpha_w_part4  # [4.E25] how far K_yalpha is up
+    K_yalpha_part1 = 1 - PKY3*sign_gamma
+    K_yalpha_part2 = ca.sin(K_yalpha_w)
+    K_yalpha = F_z01*K_yalpha_part1*K_yalpha_part2*LFZ0*LKA*PKY1  # [4.E25] cornering stiffness
+    B_y_part1 = 1/C_y
+    B_y_part2 = 1/D_y
+    B_y = B_y_part1*B_y_part2*K_yalpha  # [4.E26] stiffness factor
     F_y0_u = B_y*alpha_y  # [4.1] B x
-    F_y0_v = F_y0_u - E_y*(F_y0_u - ca.atan(F_y0_u))  # [4.1] B x bent by E
-    F_y0_w = C_y*ca.atan(F_y0_v)  # [4.1] angle of the Magic Formula
-    F_y0 = S_Vy + D_y*ca.sin(F_y0_w)  # [4.E19] side force in pure slip
+    F_y0_v_part1 = ca.atan(F_y0_u)
+    F_y0_v_part2 = F_y0_u - F_y0_v_part1
+    F_y0_v = F_y0_u - E_y*F_y0_v_part2  # [4.1] B x bent by E
+    F_y0_w_part1 = ca.atan(F_y0_v)
+    F_y0_w = C_y*F_y0_w_part1  # [4.1] angle of the Magic Formula
+    F_y0_part1 = ca.sin(F_y0_w)
+    F_y0 = S_Vy + D_y*F_y0_part1  # [4.E19] side force in pure slip
 
     # Forces, combined slip
-    B_xalpha = LXA*RBX1/ca.sqrt(1 + RBX2**2*kappa**2)  # [4.E54] stiffness of G_xa
-    G_xa_w = RCX1*ca.atan(B_xalpha*(RHX1 + alpha))  # [4.E51] angle of the weighting function
-    G_xa_w0 = RCX1*ca.atan(B_xalpha*RHX1)  # [4.E52] the same at zero slip
-    G_xa = ca.cos(G_xa_w)/ca.cos(G_xa_w0)  # [4.E51] what side slip leaves of Fx
-    B_ykappa = LYK*RBY1/ca.sqrt(1 + RBY2**2*(alpha - RBY3)**2)  # [4.E62] stiffness of G_yk
-    G_yk_w = RCY1*ca.atan(B_ykappa*(RHY1 + kappa))  # [4.E59] angle of the weighting function
-    G_yk_w0 = RCY1*ca.atan(B_ykappa*RHY1)  # [4.E60] the same at zero slip
-    G_yk = ca.cos(G_yk_w)/ca.cos(G_yk_w0)  # [4.E59] what longitudinal slip leaves of Fy
-    D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/ca.sqrt(1 + RVY4**2*alpha**2)  # [4.E67] peak of S_Vyk
-    S_Vyk = D_Vyk*LVYK*ca.sin(RVY5*ca.atan(RVY6*kappa))  # [4.E66] side force made by longitudinal slip
-    Fx = ca.if_else(Fz <= 1e-06, 0, F_x0*G_xa)  # [4.E50] longitudinal force
-    Fy = ca.if_else(Fz <= 1e-06, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
+    B_xalpha_part1 = 1 + RBX2**2*kappa**2
+    B_xalpha_part2 = ca.sqrt(B_xalpha_part1)
+    B_xalpha_part3 = 1/B_xalpha_part2
+    B_xalpha = B_xalpha_part3*LXA*RBX1  # [4.E54] stiffness of G_xa
+    G_xa_w_part1 = RHX1 + alpha
+    G_xa_w_part2 = B_xalpha*G_xa_w_part1
+    G_xa_w_part3 = ca.atan(G_xa_w_part2)
+    G_xa_w = G_xa_w_part3*RCX1  # [4.E51] angle of the weighting function
+    G_xa_w0_part1 = B_xalpha*RHX1
+    G_xa_w0_part2 = ca.atan(G_xa_w0_part1)
+    G_xa_w0 = G_xa_w0_part2*RCX1  # [4.E52] the same at zero slip
+    G_xa_part1 = ca.cos(G_xa_w0)
+    G_xa_part2 = 1/G_xa_part1
+    G_xa_part3 = ca.cos(G_xa_w)
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    B_ykappa_part1 = alpha - RBY3
+    B_ykappa_part2 = 1 + B_ykappa_part1**2*RBY2**2
+    B_ykappa_part3 = ca.sqrt(B_ykappa_part2)
+    B_ykappa_part4 = 1/B_ykappa_part3
+    B_ykappa = B_ykappa_part4*LYK*RBY1  # [4.E62] stiffness of G_yk
+    G_yk_w_part1 = RHY1 + kappa
+    G_yk_w_part2 = B_ykappa*G_yk_w_part1
+    G_yk_w_part3 = ca.atan(G_yk_w_part2)
+    G_yk_w = G_yk_w_part3*RCY1  # [4.E59] angle of the weighting function
+    G_yk_w0_part1 = B_ykappa*RHY1
+    G_yk_w0_part2 = ca.atan(G_yk_w0_part1)
+    G_yk_w0 = G_yk_w0_part2*RCY1  # [4.E60] the same at zero slip
+    G_yk_part1 = ca.cos(G_yk_w0)
+    G_yk_part2 = 1/G_yk_part1
+    G_yk_part3 = ca.cos(G_yk_w)
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    D_Vyk_part1 = 1 + RVY4**2*alpha**2
+    D_Vyk_part2 = ca.sqrt(D_Vyk_part1)
+    D_Vyk_part3 = 1/D_Vyk_part2
+    D_Vyk_part4 = RVY1 + RVY2*dfz + RVY3*gamma
+    D_Vyk = D_Vyk_part3*D_Vyk_part4*F_z*mu_y  # [4.E67] peak of S_Vyk
+    S_Vyk_part1 = RVY6*kappa
+    S_Vyk_part2 = ca.atan(S_Vyk_part1)
+    S_Vyk_part3 = RVY5*S_Vyk_part2
+    S_Vyk_part4 = ca.sin(S_Vyk_part3)
+    S_Vyk = D_Vyk*LVYK*S_Vyk_part4  # [4.E66] side force made by longitudinal slip
+    Fx_part1 = F_x0*G_xa
+    Fx = ca.if_else(Fz <= 1e-06, 0, Fx_part1)  # [4.E50] longitudinal force
+    Fy_part1 = S_Vyk + F_y0*G_yk
+    Fy = ca.if_else(Fz <= 1e-06, 0, Fy_part1)  # [4.E58] side force
 
     # Aligning moment
-    S_Hf = S_Hy + S_Vy/K_yalpha  # [4.E38] shift of the residual moment
-    S_Ht = QHZ1 + QHZ2*dfz + gamma_s*(QHZ3 + QHZ4*dfz)  # [4.E35] shift of the trail
+    S_Hf_part1 = 1/K_yalpha
+    S_Hf = S_Hy + S_Hf_part1*S_Vy  # [4.E38] shift of the residual moment
+    S_Ht_part1 = QHZ3 + QHZ4*dfz
+    S_Ht = QHZ1 + QHZ2*dfz + S_Ht_part1*gamma_s  # [4.E35] shift of the trail
     alpha_t = S_Ht + alpha  # [4.E34] slip angle of the trail
     alpha_r = S_Hf + alpha  # [4.E37] slip angle of the residual moment
-    B_t = LKY*(1 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*dfz**2)/LMUY  # [4.E40] stiffness factor of the trail
+    B_t_part1 = 1/LMUY
+    B_t_part2 = 1 + QBZ4*gamma_s + QBZ5*sign_gamma
+    B_t_part3 = QBZ1 + QBZ2*dfz + QBZ3*dfz**2
+    B_t = B_t_part1*B_t_part2*B_t_part3*LKY  # [4.E40] stiffness factor of the trail
     C_t = QCZ1  # [4.E41] shape factor of the trail
-    D_t = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1 + QDZ3*gamma_s + QDZ4*gamma_s**2)/FNOMIN  # [4.E43] peak factor of the trail
-    E_t = (1 + (QEZ4 + QEZ5*gamma_s)*ca.atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)  # [4.E44] curvature factor of the trail
-    B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY  # [4.E45] stiffness factor of the residual moment
-    D_r = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz))  # [4.E47] peak factor of the residual moment
-    kappa_share = K_xkappa**2*kappa**2/K_yalpha**2  # [4.E77] slip angle that kappa is worth, squared
-    alpha_teq = alpha_t*ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2))  # [4.E77] equivalent slip of the trail
-    alpha_req = alpha_r*ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2))  # [4.E78] equivalent slip of the residual moment
+    D_t_part1 = 1/FNOMIN
+    D_t_part2 = QDZ1 + QDZ2*dfz
+    D_t_part3 = 1 + QDZ3*gamma_s + QDZ4*gamma_s**2
+    D_t = D_t_part1*D_t_part2*D_t_part3*F_z*LT*UNLOADED_RADIUS  # [4.E43] peak factor of the trail
+    E_t_part1 = QEZ4 + QEZ5*gamma_s
+    E_t_part2 = B_t*C_t*alpha_t
+    E_t_part3 = ca.atan(E_t_part2)
+    E_t_part4 = 1 + E_t_part1*E_t_part3
+    E_t_part5 = QEZ1 + QEZ2*dfz + QEZ3*dfz**2
+    E_t = E_t_part4*E_t_part5  # [4.E44] curvature factor of the trail
+    B_r_part1 = 1/LMUY
+    B_r = B_r_part1*LKY*QBZ9 + B_y*C_y*QBZ10  # [4.E45] stiffness factor of the residual moment
+    D_r_part1 = QDZ8 + QDZ9*dfz
+    D_r_part2 = QDZ6 + D_r_part1*gamma_s + QDZ7*dfz
+    D_r = D_r_part2*F_z*LMR*LMUY*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
+    kappa_share_part1 = 1/K_yalpha
+    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    alpha_teq_part1 = 1e-06 + alpha_t**2
+    alpha_teq_part2 = 1/alpha_teq_part1
+    alpha_teq_part3 = 1 + alpha_teq_part2*kappa_share
+    alpha_teq_part4 = ca.sqrt(alpha_teq_part3)
+    alpha_teq = alpha_t*alpha_teq_part4  # [4.E77] equivalent slip of the trail
+    alpha_req_part1 = 1e-06 + alpha_r**2
+    alpha_req_part2 = 1/alpha_req_part1
+    alpha_req_part3 = 1 + alpha_req_part2*kappa_share
+    alpha_req_part4 = ca.sqrt(alpha_req_part3)
+    alpha_req = alpha_r*alpha_req_part4  # [4.E78] equivalent slip of the residual moment
     trail_u = B_t*alpha_teq  # [4.1] B x
-    trail_v = trail_u - E_t*(trail_u - ca.atan(trail_u))  # [4.1] B x bent by E
-    trail_w = C_t*ca.atan(trail_v)  # [4.1] angle of the Magic Formula
-    trail = D_t*ca.cos(alpha)*ca.cos(trail_w)  # [4.E73] pneumatic trail
-    s = LS*UNLOADED_RADIUS*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)  # [4.E76] moment arm of Fx
+    trail_v_part1 = ca.atan(trail_u)
+    trail_v_part2 = trail_u - trail_v_part1
+    trail_v = trail_u - E_t*trail_v_part2  # [4.1] B x bent by E
+    trail_w_part1 = ca.atan(trail_v)
+    trail_w = C_t*trail_w_part1  # [4.1] angle of the Magic Formula
+    trail_part1 = ca.cos(alpha)
+    trail_part2 = ca.cos(trail_w)
+    trail = D_t*trail_part1*trail_part2  # [4.E73] pneumatic trail
+    M_zr_part1 = 1 + B_r**2*alpha_req**2
+    M_zr_part2 = ca.sqrt(M_zr_part1)
+    M_zr_part3 = 1/M_zr_part2
+    M_zr_part4 = ca.cos(alpha)
+    s_part1 = SSZ3 + SSZ4*dfz
+    s_part2 = 1/FNOMIN
+    s_part3 = SSZ1 + gamma_s*s_part1 + Fy*SSZ2*s_part2
+    s = LS*UNLOADED_RADIUS*s_part3  # [4.E76] moment arm of Fx
+    Mz_part1 = Fy - S_Vyk
 
     # Partial derivatives of each line
     F_z_by_Fz = ca.if_else(Fz <= 1e-06, 0, 1)
-    dfz_by_F_z = 1/F_z01
-    sign_gamma_by_gamma_s = 1/ca.sqrt(1e-06 + gamma_s**2) - gamma_s**2/(1e-06 + gamma_s**2)**1.5
-    S_Hx_by_dfz = LHX*PHX2
-    sign_kappa_x_by_kappa_x = 1/ca.sqrt(1e-06 + kappa_x**2) - kappa_x**2/(1e-06 + kappa_x**2)**1.5
-    mu_x_by_dfz = LMUX*PDX2*(1 - PDX3*gamma_s**2)
-    mu_x_by_gamma_s = -2*LMUX*PDX3*gamma_s*(PDX1 + PDX2*dfz)
-    E_x_by_dfz = LEX*(1 - PEX4*sign_kappa_x)*(PEX2 + 2*PEX3*dfz)
-    E_x_by_sign_kappa_x = -LEX*PEX4*(PEX1 + PEX2*dfz + PEX3*dfz**2)
-    K_xkappa_by_F_z = LKXK*(PKX1 + PKX2*dfz)*ca.exp(-PKX3*dfz)
-    K_xkappa_by_dfz = F_z*LKXK*PKX2*ca.exp(-PKX3*dfz) - F_z*LKXK*PKX3*(PKX1 + PKX2*dfz)*ca.exp(-PKX3*dfz)
-    B_x_by_D_x = -K_xkappa/(C_x*D_x**2)
-    B_x_by_K_xkappa = 1/(C_x*D_x)
-    S_Vx_by_F_z = LMUX*LVX*(PVX1 + PVX2*dfz)
-    S_Vx_by_dfz = F_z*LMUX*LVX*PVX2
-    F_x0_v_by_E_x = -F_x0_u + ca.atan(F_x0_u)
-    F_x0_v_by_F_x0_u = 1 - E_x*(1 - 1/(1 + F_x0_u**2))
-    F_x0_w_by_F_x0_v = C_x/(1 + F_x0_v**2)
-    F_x0_by_D_x = ca.sin(F_x0_w)
-    F_x0_by_F_x0_w = D_x*ca.cos(F_x0_w)
-    S_Hy_by_dfz = LHY*PHY2
-    S_Hy_by_gamma_s = LHY*PHY3
-    S_Vy_by_F_z = LMUY*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz))
-    S_Vy_by_dfz = F_z*LMUY*LVY*(PVY2 + PVY4*gamma_s)
-    S_Vy_by_gamma_s = F_z*LMUY*LVY*(PVY3 + PVY4*dfz)
-    sign_alpha_y_by_alpha_y = 1/ca.sqrt(1e-06 + alpha_y**2) - alpha_y**2/(1e-06 + alpha_y**2)**1.5
-    mu_y_by_dfz = LMUY*PDY2*(1 - PDY3*gamma_s**2)
-    mu_y_by_gamma_s = -2*LMUY*PDY3*gamma_s*(PDY1 + PDY2*dfz)
-    E_y_by_dfz = LEY*PEY2*(1 - sign_alpha_y*(PEY3 + PEY4*gamma_s))
-    E_y_by_gamma_s = -LEY*PEY4*sign_alpha_y*(PEY1 + PEY2*dfz)
-    E_y_by_sign_alpha_y = LEY*(PEY1 + PEY2*dfz)*(-PEY3 - PEY4*gamma_s)
-    K_yalpha_w_by_F_z = 2/(F_z01*PKY2*(1 + F_z**2/(F_z01**2*PKY2**2)))
-    K_yalpha_by_K_yalpha_w = F_z01*LFZ0*LKA*PKY1*(1 - PKY3*sign_gamma)*ca.cos(K_yalpha_w)
-    K_yalpha_by_sign_gamma = -F_z01*LFZ0*LKA*PKY1*PKY3*ca.sin(K_yalpha_w)
-    B_y_by_D_y = -K_yalpha/(C_y*D_y**2)
-    B_y_by_K_yalpha = 1/(C_y*D_y)
-    F_y0_v_by_E_y = -F_y0_u + ca.atan(F_y0_u)
-    F_y0_v_by_F_y0_u = 1 - E_y*(1 - 1/(1 + F_y0_u**2))
-    F_y0_w_by_F_y0_v = C_y/(1 + F_y0_v**2)
-    F_y0_by_D_y = ca.sin(F_y0_w)
-    F_y0_by_F_y0_w = D_y*ca.cos(F_y0_w)
-    B_xalpha_by_kappa = -LXA*RBX1*kappa*RBX2**2/(1 + RBX2**2*kappa**2)**1.5
-    G_xa_w_by_B_xalpha = RCX1*(RHX1 + alpha)/(1 + B_xalpha**2*(RHX1 + alpha)**2)
-    G_xa_w_by_alpha = B_xalpha*RCX1/(1 + B_xalpha**2*(RHX1 + alpha)**2)
-    G_xa_w0_by_B_xalpha = RCX1*RHX1/(1 + B_xalpha**2*RHX1**2)
-    G_xa_by_G_xa_w = -ca.sin(G_xa_w)/ca.cos(G_xa_w0)
-    G_xa_by_G_xa_w0 = ca.cos(G_xa_w)*ca.sin(G_xa_w0)/ca.cos(G_xa_w0)**2
-    B_ykappa_by_alpha = -0.5*LYK*RBY1*RBY2**2*(-2*RBY3 + 2*alpha)/(1 + RBY2**2*(alpha - RBY3)**2)**1.5
-    G_yk_w_by_B_ykappa = RCY1*(RHY1 + kappa)/(1 + B_ykappa**2*(RHY1 + kappa)**2)
-    G_yk_w_by_kappa = B_ykappa*RCY1/(1 + B_ykappa**2*(RHY1 + kappa)**2)
-    G_yk_w0_by_B_ykappa = RCY1*RHY1/(1 + B_ykappa**2*RHY1**2)
-    G_yk_by_G_yk_w = -ca.sin(G_yk_w)/ca.cos(G_yk_w0)
-    G_yk_by_G_yk_w0 = ca.cos(G_yk_w)*ca.sin(G_yk_w0)/ca.cos(G_yk_w0)**2
-    D_Vyk_by_F_z = mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/ca.sqrt(1 + RVY4**2*alpha**2)
-    D_Vyk_by_alpha = -F_z*alpha*mu_y*RVY4**2*(RVY1 + RVY2*dfz + RVY3*gamma)/(1 + RVY4**2*alpha**2)**1.5
-    D_Vyk_by_dfz = F_z*RVY2*mu_y/ca.sqrt(1 + RVY4**2*alpha**2)
-    D_Vyk_by_gamma = F_z*RVY3*mu_y/ca.sqrt(1 + RVY4**2*alpha**2)
-    D_Vyk_by_mu_y = F_z*(RVY1 + RVY2*dfz + RVY3*gamma)/ca.sqrt(1 + RVY4**2*alpha**2)
-    S_Vyk_by_D_Vyk = LVYK*ca.sin(RVY5*ca.atan(RVY6*kappa))
-    S_Vyk_by_kappa = D_Vyk*LVYK*RVY5*RVY6*ca.cos(RVY5*ca.atan(RVY6*kappa))/(1 + RVY6**2*kappa**2)
-    Fx_by_F_x0 = ca.if_else(Fz <= 1e-06, 0, G_xa)
-    Fx_by_G_xa = ca.if_else(Fz <= 1e-06, 0, F_x0)
-    Fy_by_F_y0 = ca.if_else(Fz <= 1e-06, 0, G_yk)
-    Fy_by_G_yk = ca.if_else(Fz <= 1e-06, 0, F_y0)
-    Fy_by_S_Vyk = ca.if_else(Fz <= 1e-06, 0, 1)
-    S_Hf_by_K_yalpha = -S_Vy/K_yalpha**2
-    S_Hf_by_S_Vy = 1/K_yalpha
-    S_Ht_by_dfz = QHZ2 + QHZ4*gamma_s
-    S_Ht_by_gamma_s = QHZ3 + QHZ4*dfz
-    B_t_by_dfz = LKY*(QBZ2 + 2*QBZ3*dfz)*(1 + QBZ4*gamma_s + QBZ5*sign_gamma)/LMUY
-    B_t_by_gamma_s = LKY*QBZ4*(QBZ1 + QBZ2*dfz + QBZ3*dfz**2)/LMUY
-    B_t_by_sign_gamma = LKY*QBZ5*(QBZ1 + QBZ2*dfz + QBZ3*dfz**2)/LMUY
-    D_t_by_F_z = LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1 + QDZ3*gamma_s + QDZ4*gamma_s**2)/FNOMIN
-    D_t_by_dfz = F_z*LT*QDZ2*UNLOADED_RADIUS*(1 + QDZ3*gamma_s + QDZ4*gamma_s**2)/FNOMIN
-    D_t_by_gamma_s = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(QDZ3 + 2*QDZ4*gamma_s)/FNOMIN
-    E_t_by_B_t = C_t*alpha_t*(QEZ4 + QEZ5*gamma_s)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)/(1 + B_t**2*C_t**2*alpha_t**2)
-    E_t_by_alpha_t = B_t*C_t*(QEZ4 + QEZ5*gamma_s)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)/(1 + B_t**2*C_t**2*alpha_t**2)
-    E_t_by_dfz = (1 + (QEZ4 + QEZ5*gamma_s)*ca.atan(B_t*C_t*alpha_t))*(QEZ2 + 2*QEZ3*dfz)
-    E_t_by_gamma_s = QEZ5*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)*ca.atan(B_t*C_t*alpha_t)
+    sign_gamma_part1_by_gamma_s = 2*gamma_s
+    sign_gamma_part2_by_sign_gamma_part1 = 0.5/sign_gamma_part2
+    sign_gamma_part3_by_sign_gamma_part2 = -sign_gamma_part3**2
+    sign_kappa_x_part1_by_kappa_x = 2*kappa_x
+    sign_kappa_x_part2_by_sign_kappa_x_part1 = 0.5/sign_kappa_x_part2
+    sign_kappa_x_part3_by_sign_kappa_x_part2 = -sign_kappa_x_part3**2
+    mu_x_part1_by_gamma_s = -2*PDX3*gamma_s
+    mu_x_by_mu_x_part1 = LMUX*mu_x_part2
+    mu_x_by_mu_x_part2 = LMUX*mu_x_part1
+    E_x_part2_by_dfz = PEX2 + 2*PEX3*dfz
+    E_x_by_E_x_part1 = E_x_part2*LEX
+    E_x_by_E_x_part2 = E_x_part1*LEX
+    K_xkappa_shared1 = K_xkappa_part3*LKXK
+    K_xkappa_shared2 = F_z*K_xkappa_part1
+    K_xkappa_by_F_z = K_xkappa_part1*K_xkappa_shared1
+    K_xkappa_by_K_xkappa_part1 = F_z*K_xkappa_shared1
+    K_xkappa_by_K_xkappa_part3 = K_xkappa_shared2*LKXK
+    B_x_part2_by_D_x = -B_x_part2**2
+    B_x_by_B_x_part2 = B_x_part1*K_xkappa
+    B_x_by_K_xkappa = B_x_part1*B_x_part2
+    S_Vx_shared1 = LVX*S_Vx_part1
+    S_Vx_shared2 = F_z*LMUX
+    S_Vx_by_F_z = LMUX*S_Vx_shared1
+    S_Vx_by_S_Vx_part1 = LVX*S_Vx_shared2
+    F_x0_v_part1_by_F_x0_u = 1/(1 + F_x0_u**2)
+    F_x0_w_part1_by_F_x0_v = 1/(1 + F_x0_v**2)
+    F_x0_part1_by_F_x0_w = ca.cos(F_x0_w)
+    S_Vy_shared1 = LVY*S_Vy_part2
+    S_Vy_shared2 = F_z*LMUY
+    S_Vy_by_F_z = LMUY*S_Vy_shared1
+    S_Vy_by_S_Vy_part2 = LVY*S_Vy_shared2
+    sign_alpha_y_part1_by_alpha_y = 2*alpha_y
+    sign_alpha_y_part2_by_sign_alpha_y_part1 = 0.5/sign_alpha_y_part2
+    sign_alpha_y_part3_by_sign_alpha_y_part2 = -sign_alpha_y_part3**2
+    mu_y_part1_by_gamma_s = -2*PDY3*gamma_s
+    mu_y_by_mu_y_part1 = LMUY*mu_y_part2
+    mu_y_by_mu_y_part2 = LMUY*mu_y_part1
+    E_y_by_E_y_part2 = E_y_part3*LEY
+    E_y_by_E_y_part3 = E_y_part2*LEY
+    K_yalpha_w_part3_by_F_z = K_yalpha_w_part1*K_yalpha_w_part2
+    K_yalpha_w_part4_by_K_yalpha_w_part3 = 1/(1 + K_yalpha_w_part3**2)
+    K_yalpha_shared1 = K_yalpha_part2*LFZ0*LKA*PKY1
+    K_yalpha_shared2 = F_z01*K_yalpha_part1*LKA*PKY1
+    K_yalpha_part2_by_K_yalpha_w = ca.cos(K_yalpha_w)
+    K_yalpha_by_K_yalpha_part1 = F_z01*K_yalpha_shared1
+    K_yalpha_by_K_yalpha_part2 = K_yalpha_shared2*LFZ0
+    B_y_part2_by_D_y = -B_y_part2**2
+    B_y_by_B_y_part2 = B_y_part1*K_yalpha
+    B_y_by_K_yalpha = B_y_part1*B_y_part2
+    F_y0_v_part1_by_F_y0_u = 1/(1 + F_y0_u**2)
+    F_y0_w_part1_by_F_y0_v = 1/(1 + F_y0_v**2)
+    F_y0_part1_by_F_y0_w = ca.cos(F_y0_w)
+    B_xalpha_part1_by_kappa = 2*kappa*RBX2**2
+    B_xalpha_part2_by_B_xalpha_part1 = 0.5/B_xalpha_part2
+    B_xalpha_part3_by_B_xalpha_part2 = -B_xalpha_part3**2
+    B_xalpha_by_B_xalpha_part3 = LXA*RBX1
+    G_xa_w_part3_by_G_xa_w_part2 = 1/(1 + G_xa_w_part2**2)
+    G_xa_w0_part2_by_G_xa_w0_part1 = 1/(1 + G_xa_w0_part1**2)
+    G_xa_part1_by_G_xa_w0 = -ca.sin(G_xa_w0)
+    G_xa_part2_by_G_xa_part1 = -G_xa_part2**2
+    G_xa_part3_by_G_xa_w = -ca.sin(G_xa_w)
+    B_ykappa_part2_by_B_ykappa_part1 = 2*B_ykappa_part1*RBY2**2
+    B_ykappa_part3_by_B_ykappa_part2 = 0.5/B_ykappa_part3
+    B_ykappa_part4_by_B_ykappa_part3 = -B_ykappa_part4**2
+    B_ykappa_by_B_ykappa_part4 = LYK*RBY1
+    G_yk_w_part3_by_G_yk_w_part2 = 1/(1 + G_yk_w_part2**2)
+    G_yk_w0_part2_by_G_yk_w0_part1 = 1/(1 + G_yk_w0_part1**2)
+    G_yk_part1_by_G_yk_w0 = -ca.sin(G_yk_w0)
+    G_yk_part2_by_G_yk_part1 = -G_yk_part2**2
+    G_yk_part3_by_G_yk_w = -ca.sin(G_yk_w)
+    D_Vyk_shared1 = F_z*mu_y
+    D_Vyk_shared2 = D_Vyk_part3*D_Vyk_part4
+    D_Vyk_part1_by_alpha = 2*alpha*RVY4**2
+    D_Vyk_part2_by_D_Vyk_part1 = 0.5/D_Vyk_part2
+    D_Vyk_part3_by_D_Vyk_part2 = -D_Vyk_part3**2
+    D_Vyk_by_D_Vyk_part3 = D_Vyk_part4*D_Vyk_shared1
+    D_Vyk_by_D_Vyk_part4 = D_Vyk_part3*D_Vyk_shared1
+    D_Vyk_by_F_z = D_Vyk_shared2*mu_y
+    D_Vyk_by_mu_y = D_Vyk_shared2*F_z
+    S_Vyk_part2_by_S_Vyk_part1 = 1/(1 + S_Vyk_part1**2)
+    S_Vyk_part4_by_S_Vyk_part3 = ca.cos(S_Vyk_part3)
+    S_Vyk_by_D_Vyk = LVYK*S_Vyk_part4
+    S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYK
+    Fx_by_Fx_part1 = ca.if_else(Fz <= 1e-06, 0, 1)
+    Fy_by_Fy_part1 = ca.if_else(Fz <= 1e-06, 0, 1)
+    S_Hf_part1_by_K_yalpha = -S_Hf_part1**2
+    B_t_shared1 = B_t_part3*LKY
+    B_t_shared2 = B_t_part1*B_t_part2
+    B_t_part3_by_dfz = QBZ2 + 2*QBZ3*dfz
+    B_t_by_B_t_part2 = B_t_part1*B_t_shared1
+    B_t_by_B_t_part3 = B_t_shared2*LKY
+    D_t_shared1 = D_t_part3*F_z*LT*UNLOADED_RADIUS
+    D_t_shared2 = D_t_part1*D_t_part2*LT*UNLOADED_RADIUS
+    D_t_part3_by_gamma_s = QDZ3 + 2*QDZ4*gamma_s
+    D_t_by_D_t_part2 = D_t_part1*D_t_shared1
+    D_t_by_D_t_part3 = D_t_shared2*F_z
+    D_t_by_F_z = D_t_part3*D_t_shared2
+    E_t_part2_by_B_t = C_t*alpha_t
+    E_t_part2_by_alpha_t = B_t*C_t
+    E_t_part3_by_E_t_part2 = 1/(1 + E_t_part2**2)
+    E_t_part5_by_dfz = QEZ2 + 2*QEZ3*dfz
     B_r_by_B_y = C_y*QBZ10
-    D_r_by_F_z = LMR*LMUY*UNLOADED_RADIUS*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz))
-    D_r_by_dfz = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ7 + QDZ9*gamma_s)
-    D_r_by_gamma_s = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ8 + QDZ9*dfz)
-    kappa_share_by_K_xkappa = 2*K_xkappa*kappa**2/K_yalpha**2
-    kappa_share_by_K_yalpha = -2*K_xkappa**2*kappa**2/K_yalpha**3
-    kappa_share_by_kappa = 2*kappa*K_xkappa**2/K_yalpha**2
-    alpha_teq_by_alpha_t = ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2)) - kappa_share*alpha_t**2/(ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2))*(1e-06 + alpha_t**2)**2)
-    alpha_teq_by_kappa_share = 0.5*alpha_t/(ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2))*(1e-06 + alpha_t**2))
-    alpha_req_by_alpha_r = ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2)) - kappa_share*alpha_r**2/(ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2))*(1e-06 + alpha_r**2)**2)
-    alpha_req_by_kappa_share = 0.5*alpha_r/(ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2))*(1e-06 + alpha_r**2))
-    trail_v_by_E_t = -trail_u + ca.atan(trail_u)
-    trail_v_by_trail_u = 1 - E_t*(1 - 1/(1 + trail_u**2))
-    trail_w_by_trail_v = C_t/(1 + trail_v**2)
-    trail_by_D_t = ca.cos(alpha)*ca.cos(trail_w)
-    trail_by_alpha = -D_t*ca.cos(trail_w)*ca.sin(alpha)
-    trail_by_trail_w = -D_t*ca.cos(alpha)*ca.sin(trail_w)
-    M_zr_by_B_r = -B_r*D_r*alpha_req**2*ca.cos(alpha)/(1 + B_r**2*alpha_req**2)**1.5
-    M_zr_by_D_r = ca.cos(alpha)/ca.sqrt(1 + B_r**2*alpha_req**2)
-    M_zr_by_alpha = -D_r*ca.sin(alpha)/ca.sqrt(1 + B_r**2*alpha_req**2)
-    M_zr_by_alpha_req = -D_r*alpha_req*B_r**2*ca.cos(alpha)/(1 + B_r**2*alpha_req**2)**1.5
-    s_by_Fy = LS*SSZ2*UNLOADED_RADIUS/FNOMIN
-    s_by_dfz = LS*SSZ4*UNLOADED_RADIUS*gamma_s
-    s_by_gamma_s = LS*UNLOADED_RADIUS*(SSZ3 + SSZ4*dfz)
-    Mz_by_Fx = ca.if_else(Fz <= 1e-06, 0, s)
-    Mz_by_Fy = ca.if_else(Fz <= 1e-06, 0, -trail)
-    Mz_by_M_zr = ca.if_else(Fz <= 1e-06, 0, 1)
-    Mz_by_S_Vyk = ca.if_else(Fz <= 1e-06, 0, trail)
-    Mz_by_s = ca.if_else(Fz <= 1e-06, 0, Fx)
-    Mz_by_trail = ca.if_else(Fz <= 1e-06, 0, S_Vyk - Fy)
+    D_r_shared1 = LMR*LMUY*UNLOADED_RADIUS
+    D_r_by_D_r_part2 = D_r_shared1*F_z
+    D_r_by_F_z = D_r_part2*D_r_shared1
+    kappa_share_shared1 = kappa_share_part1**2
+    kappa_share_shared2 = kappa**2
+    kappa_share_shared3 = 2*kappa_share_shared1
+    kappa_share_shared4 = K_xkappa**2
+    kappa_share_by_K_xkappa = K_xkappa*kappa_share_shared2*kappa_share_shared3
+    kappa_share_by_kappa = kappa*kappa_share_shared3*kappa_share_shared4
+    kappa_share_by_kappa_share_part1 = 2*kappa_share_part1*kappa_share_shared2*kappa_share_shared4
+    alpha_teq_part1_by_alpha_t = 2*alpha_t
+    alpha_teq_part2_by_alpha_teq_part1 = -alpha_teq_part2**2
+    alpha_teq_part4_by_alpha_teq_part3 = 0.5/alpha_teq_part4
+    alpha_req_part1_by_alpha_r = 2*alpha_r
+    alpha_req_part2_by_alpha_req_part1 = -alpha_req_part2**2
+    alpha_req_part4_by_alpha_req_part3 = 0.5/alpha_req_part4
+    trail_v_part1_by_trail_u = 1/(1 + trail_u**2)
+    trail_w_part1_by_trail_v = 1/(1 + trail_v**2)
+    trail_part1_by_alpha = -ca.sin(alpha)
+    trail_part2_by_trail_w = -ca.sin(trail_w)
+    trail_by_D_t = trail_part1*trail_part2
+    trail_by_trail_part1 = D_t*trail_part2
+    trail_by_trail_part2 = D_t*trail_part1
+    M_zr_part1_by_B_r = 2*B_r*alpha_req**2
+    M_zr_part1_by_alpha_req = 2*alpha_req*B_r**2
+    M_zr_part2_by_M_zr_part1 = 0.5/M_zr_part2
+    M_zr_part3_by_M_zr_part2 = -M_zr_part3**2
+    M_zr_part4_by_alpha = -ca.sin(alpha)
+    M_zr_by_D_r = M_zr_part3*M_zr_part4
+    M_zr_by_M_zr_part3 = D_r*M_zr_part4
+    M_zr_by_M_zr_part4 = D_r*M_zr_part3
+    s_part3_by_Fy = SSZ2*s_part2
+    s_by_s_part3 = LS*UNLOADED_RADIUS
+    Mz_by_Mz_part2 = ca.if_else(Fz <= 1e-06, 0, 1)
 
     # Chain rule
-    ddfz_dFz = F_z_by_Fz*dfz_by_F_z
-    dsign_gamma_dgamma = LGAMMAY*sign_gamma_by_gamma_s
-    dS_Hx_dFz = S_Hx_by_dfz*ddfz_dFz
-    dsign_kappa_x_dFz = dS_Hx_dFz*sign_kappa_x_by_kappa_x
-    dmu_x_dgamma = LGAMMAY*mu_x_by_gamma_s
-    dmu_x_dFz = ddfz_dFz*mu_x_by_dfz
-    dD_x_dgamma = F_z*dmu_x_dgamma
-    dD_x_dFz = F_z*dmu_x_dFz + F_z_by_Fz*mu_x
-    dE_x_dkappa = E_x_by_sign_kappa_x*sign_kappa_x_by_kappa_x
-    dE_x_dFz = E_x_by_dfz*ddfz_dFz + E_x_by_sign_kappa_x*dsign_kappa_x_dFz
-    dK_xkappa_dFz = F_z_by_Fz*K_xkappa_by_F_z + K_xkappa_by_dfz*ddfz_dFz
-    dB_x_dgamma = B_x_by_D_x*dD_x_dgamma
-    dB_x_dFz = B_x_by_D_x*dD_x_dFz + B_x_by_K_xkappa*dK_xkappa_dFz
-    dS_Vx_dFz = F_z_by_Fz*S_Vx_by_F_z + S_Vx_by_dfz*ddfz_dFz
-    dF_x0_u_dgamma = dB_x_dgamma*kappa_x
-    dF_x0_u_dFz = B_x*dS_Hx_dFz + dB_x_dFz*kappa_x
-    dF_x0_v_dkappa = B_x*F_x0_v_by_F_x0_u + F_x0_v_by_E_x*dE_x_dkappa
-    dF_x0_v_dgamma = F_x0_v_by_F_x0_u*dF_x0_u_dgamma
-    dF_x0_v_dFz = F_x0_v_by_E_x*dE_x_dFz + F_x0_v_by_F_x0_u*dF_x0_u_dFz
-    dF_x0_w_dkappa = F_x0_w_by_F_x0_v*dF_x0_v_dkappa
-    dF_x0_w_dgamma = F_x0_w_by_F_x0_v*dF_x0_v_dgamma
-    dF_x0_w_dFz = F_x0_w_by_F_x0_v*dF_x0_v_dFz
-    dF_x0_dkappa = F_x0_by_F_x0_w*dF_x0_w_dkappa
-    dF_x0_dgamma = F_x0_by_D_x*dD_x_dgamma + F_x0_by_F_x0_w*dF_x0_w_dgamma
-    dF_x0_dFz = dS_Vx_dFz + F_x0_by_D_x*dD_x_dFz + F_x0_by_F_x0_w*dF_x0_w_dFz
-    dS_Hy_dgamma = LGAMMAY*S_Hy_by_gamma_s
-    dS_Hy_dFz = S_Hy_by_dfz*ddfz_dFz
-    dS_Vy_dgamma = LGAMMAY*S_Vy_by_gamma_s
-    dS_Vy_dFz = F_z_by_Fz*S_Vy_by_F_z + S_Vy_by_dfz*ddfz_dFz
-    dsign_alpha_y_dgamma = dS_Hy_dgamma*sign_alpha_y_by_alpha_y
-    dsign_alpha_y_dFz = dS_Hy_dFz*sign_alpha_y_by_alpha_y
-    dmu_y_dgamma = LGAMMAY*mu_y_by_gamma_s
-    dmu_y_dFz = ddfz_dFz*mu_y_by_dfz
-    dD_y_dgamma = F_z*dmu_y_dgamma
-    dD_y_dFz = F_z*dmu_y_dFz + F_z_by_Fz*mu_y
-    dE_y_dalpha = E_y_by_sign_alpha_y*sign_alpha_y_by_alpha_y
-    dE_y_dgamma = E_y_by_gamma_s*LGAMMAY + E_y_by_sign_alpha_y*dsign_alpha_y_dgamma
-    dE_y_dFz = E_y_by_dfz*ddfz_dFz + E_y_by_sign_alpha_y*dsign_alpha_y_dFz
-    dK_yalpha_w_dFz = F_z_by_Fz*K_yalpha_w_by_F_z
-    dK_yalpha_dgamma = K_yalpha_by_sign_gamma*dsign_gamma_dgamma
-    dK_yalpha_dFz = K_yalpha_by_K_yalpha_w*dK_yalpha_w_dFz
-    dB_y_dgamma = B_y_by_D_y*dD_y_dgamma + B_y_by_K_yalpha*dK_yalpha_dgamma
-    dB_y_dFz = B_y_by_D_y*dD_y_dFz + B_y_by_K_yalpha*dK_yalpha_dFz
-    dF_y0_u_dgamma = B_y*dS_Hy_dgamma + alpha_y*dB_y_dgamma
-    dF_y0_u_dFz = B_y*dS_Hy_dFz + alpha_y*dB_y_dFz
-    dF_y0_v_dalpha = B_y*F_y0_v_by_F_y0_u + F_y0_v_by_E_y*dE_y_dalpha
-    dF_y0_v_dgamma = F_y0_v_by_E_y*dE_y_dgamma + F_y0_v_by_F_y0_u*dF_y0_u_dgamma
-    dF_y0_v_dFz = F_y0_v_by_E_y*dE_y_dFz + F_y0_v_by_F_y0_u*dF_y0_u_dFz
-    dF_y0_w_dalpha = F_y0_w_by_F_y0_v*dF_y0_v_dalpha
-    dF_y0_w_dgamma = F_y0_w_by_F_y0_v*dF_y0_v_dgamma
-    dF_y0_w_dFz = F_y0_w_by_F_y0_v*dF_y0_v_dFz
-    dF_y0_dalpha = F_y0_by_F_y0_w*dF_y0_w_dalpha
-    dF_y0_dgamma = dS_Vy_dgamma + F_y0_by_D_y*dD_y_dgamma + F_y0_by_F_y0_w*dF_y0_w_dgamma
-    dF_y0_dFz = dS_Vy_dFz + F_y0_by_D_y*dD_y_dFz + F_y0_by_F_y0_w*dF_y0_w_dFz
-    dG_xa_w_dkappa = B_xalpha_by_kappa*G_xa_w_by_B_xalpha
-    dG_xa_w0_dkappa = B_xalpha_by_kappa*G_xa_w0_by_B_xalpha
-    dG_xa_dkappa = G_xa_by_G_xa_w*dG_xa_w_dkappa + G_xa_by_G_xa_w0*dG_xa_w0_dkappa
-    dG_xa_dalpha = G_xa_by_G_xa_w*G_xa_w_by_alpha
-    dG_yk_w_dalpha = B_ykappa_by_alpha*G_yk_w_by_B_ykappa
-    dG_yk_w0_dalpha = B_ykappa_by_alpha*G_yk_w0_by_B_ykappa
-    dG_yk_dkappa = G_yk_by_G_yk_w*G_yk_w_by_kappa
-    dG_yk_dalpha = G_yk_by_G_yk_w*dG_yk_w_dalpha + G_yk_by_G_yk_w0*dG_yk_w0_dalpha
-    dD_Vyk_dgamma = D_Vyk_by_gamma + D_Vyk_by_mu_y*dmu_y_dgamma
-    dD_Vyk_dFz = D_Vyk_by_F_z*F_z_by_Fz + D_Vyk_by_dfz*ddfz_dFz + D_Vyk_by_mu_y*dmu_y_dFz
-    dS_Vyk_dalpha = D_Vyk_by_alpha*S_Vyk_by_D_Vyk
-    dS_Vyk_dgamma = S_Vyk_by_D_Vyk*dD_Vyk_dgamma
-    dS_Vyk_dFz = S_Vyk_by_D_Vyk*dD_Vyk_dFz
-    dFx_dkappa = Fx_by_F_x0*dF_x0_dkappa + Fx_by_G_xa*dG_xa_dkappa
-    dFx_dalpha = Fx_by_G_xa*dG_xa_dalpha
-    dFx_dgamma = Fx_by_F_x0*dF_x0_dgamma
-    dFx_dFz = Fx_by_F_x0*dF_x0_dFz
-    dFy_dkappa = Fy_by_G_yk*dG_yk_dkappa + Fy_by_S_Vyk*S_Vyk_by_kappa
-    dFy_dalpha = Fy_by_F_y0*dF_y0_dalpha + Fy_by_G_yk*dG_yk_dalpha + Fy_by_S_Vyk*dS_Vyk_dalpha
-    dFy_dgamma = Fy_by_F_y0*dF_y0_dgamma + Fy_by_S_Vyk*dS_Vyk_dgamma
-    dFy_dFz = Fy_by_F_y0*dF_y0_dFz + Fy_by_S_Vyk*dS_Vyk_dFz
-    dS_Hf_dgamma = dS_Hy_dgamma + S_Hf_by_K_yalpha*dK_yalpha_dgamma + S_Hf_by_S_Vy*dS_Vy_dgamma
-    dS_Hf_dFz = dS_Hy_dFz + S_Hf_by_K_yalpha*dK_yalpha_dFz + S_Hf_by_S_Vy*dS_Vy_dFz
-    dS_Ht_dgamma = LGAMMAY*S_Ht_by_gamma_s
-    dS_Ht_dFz = S_Ht_by_dfz*ddfz_dFz
-    dB_t_dgamma = B_t_by_gamma_s*LGAMMAY + B_t_by_sign_gamma*dsign_gamma_dgamma
-    dB_t_dFz = B_t_by_dfz*ddfz_dFz
-    dD_t_dgamma = D_t_by_gamma_s*LGAMMAY
-    dD_t_dFz = D_t_by_F_z*F_z_by_Fz + D_t_by_dfz*ddfz_dFz
-    dE_t_dgamma = E_t_by_B_t*dB_t_dgamma + E_t_by_alpha_t*dS_Ht_dgamma + E_t_by_gamma_s*LGAMMAY
-    dE_t_dFz = E_t_by_B_t*dB_t_dFz + E_t_by_alpha_t*dS_Ht_dFz + E_t_by_dfz*ddfz_dFz
-    dB_r_dgamma = B_r_by_B_y*dB_y_dgamma
-    dB_r_dFz = B_r_by_B_y*dB_y_dFz
-    dD_r_dgamma = D_r_by_gamma_s*LGAMMAY
-    dD_r_dFz = D_r_by_F_z*F_z_by_Fz + D_r_by_dfz*ddfz_dFz
-    dkappa_share_dgamma = dK_yalpha_dgamma*kappa_share_by_K_yalpha
-    dkappa_share_dFz = dK_xkappa_dFz*kappa_share_by_K_xkappa + dK_yalpha_dFz*kappa_share_by_K_yalpha
-    dalpha_teq_dkappa = alpha_teq_by_kappa_share*kappa_share_by_kappa
-    dalpha_teq_dgamma = alpha_teq_by_alpha_t*dS_Ht_dgamma + alpha_teq_by_kappa_share*dkappa_share_dgamma
-    dalpha_teq_dFz = alpha_teq_by_alpha_t*dS_Ht_dFz + alpha_teq_by_kappa_share*dkappa_share_dFz
-    dalpha_req_dkappa = alpha_req_by_kappa_share*kappa_share_by_kappa
-    dalpha_req_dgamma = alpha_req_by_alpha_r*dS_Hf_dgamma + alpha_req_by_kappa_share*dkappa_share_dgamma
-    dalpha_req_dFz = alpha_req_by_alpha_r*dS_Hf_dFz + alpha_req_by_kappa_share*dkappa_share_dFz
-    dtrail_u_dkappa = B_t*dalpha_teq_dkappa
-    dtrail_u_dalpha = B_t*alpha_teq_by_alpha_t
-    dtrail_u_dgamma = B_t*dalpha_teq_dgamma + alpha_teq*dB_t_dgamma
-    dtrail_u_dFz = B_t*dalpha_teq_dFz + alpha_teq*dB_t_dFz
-    dtrail_v_dkappa = dtrail_u_dkappa*trail_v_by_trail_u
-    dtrail_v_dalpha = E_t_by_alpha_t*trail_v_by_E_t + dtrail_u_dalpha*trail_v_by_trail_u
-    dtrail_v_dgamma = dE_t_dgamma*trail_v_by_E_t + dtrail_u_dgamma*trail_v_by_trail_u
-    dtrail_v_dFz = dE_t_dFz*trail_v_by_E_t + dtrail_u_dFz*trail_v_by_trail_u
-    dtrail_w_dkappa = dtrail_v_dkappa*trail_w_by_trail_v
-    dtrail_w_dalpha = dtrail_v_dalpha*trail_w_by_trail_v
-    dtrail_w_dgamma = dtrail_v_dgamma*trail_w_by_trail_v
-    dtrail_w_dFz = dtrail_v_dFz*trail_w_by_trail_v
-    dtrail_dkappa = dtrail_w_dkappa*trail_by_trail_w
-    dtrail_dalpha = trail_by_alpha + dtrail_w_dalpha*trail_by_trail_w
-    dtrail_dgamma = dD_t_dgamma*trail_by_D_t + dtrail_w_dgamma*trail_by_trail_w
-    dtrail_dFz = dD_t_dFz*trail_by_D_t + dtrail_w_dFz*trail_by_trail_w
-    dM_zr_dkappa = M_zr_by_alpha_req*dalpha_req_dkappa
-    dM_zr_dalpha = M_zr_by_alpha + M_zr_by_alpha_req*alpha_req_by_alpha_r
-    dM_zr_dgamma = M_zr_by_B_r*dB_r_dgamma + M_zr_by_D_r*dD_r_dgamma + M_zr_by_alpha_req*dalpha_req_dgamma
-    dM_zr_dFz = M_zr_by_B_r*dB_r_dFz + M_zr_by_D_r*dD_r_dFz + M_zr_by_alpha_req*dalpha_req_dFz
-    ds_dkappa = dFy_dkappa*s_by_Fy
-    ds_dalpha = dFy_dalpha*s_by_Fy
-    ds_dgamma = LGAMMAY*s_by_gamma_s + dFy_dgamma*s_by_Fy
-    ds_dFz = dFy_dFz*s_by_Fy + ddfz_dFz*s_by_dfz
-    dMz_dkappa = Mz_by_Fx*dFx_dkappa + Mz_by_Fy*dFy_dkappa + Mz_by_M_zr*dM_zr_dkappa + Mz_by_S_Vyk*S_Vyk_by_kappa + Mz_by_s*ds_dkappa + Mz_by_trail*dtrail_dkappa
-    dMz_dalpha = Mz_by_Fx*dFx_dalpha + Mz_by_Fy*dFy_dalpha + Mz_by_M_zr*dM_zr_dalpha + Mz_by_S_Vyk*dS_Vyk_dalpha + Mz_by_s*ds_dalpha + Mz_by_trail*dtrail_dalpha
-    dMz_dgamma = Mz_by_Fx*dFx_dgamma + Mz_by_Fy*dFy_dgamma + Mz_by_M_zr*dM_zr_dgamma + Mz_by_S_Vyk*dS_Vyk_dgamma + Mz_by_s*ds_dgamma + Mz_by_trail*dtrail_dgamma
-    dMz_dFz = Mz_by_Fx*dFx_dFz + Mz_by_Fy*dFy_dFz + Mz_by_M_zr*dM_zr_dFz + Mz_by_S_Vyk*dS_Vyk_dFz + Mz_by_s*ds_dFz + Mz_by_trail*dtrail_dFz
+    dsign_gamma_part2_dgamma_s = sign_gamma_part1_by_gamma_s*sign_gamma_part2_by_sign_gamma_part1
+    dsign_gamma_part3_dgamma_s = dsign_gamma_part2_dgamma_s*sign_gamma_part3_by_sign_gamma_part2
+    dsign_kappa_x_part2_dkappa_x = sign_kappa_x_part1_by_kappa_x*sign_kappa_x_part2_by_sign_kappa_x_part1
+    dsign_kappa_x_part3_dkappa_x = dsign_kappa_x_part2_dkappa_x*sign_kappa_x_part3_by_sign_kappa_x_part2
+    dsign_kappa_x_dkappa_x = sign_kappa_x_part3 + dsign_kappa_x_part3_dkappa_x*kappa_x
+    dE_x_part1_dkappa_x = -PEX4*dsign_kappa_x_dkappa_x
+    dK_xkappa_part3_ddfz = -K_xkappa_part3*PKX3
+    dF_x0_v_part2_dF_x0_u = 1 - F_x0_v_part1_by_F_x0_u
+    dF_x0_w_dF_x0_v = C_x*F_x0_w_part1_by_F_x0_v
+    dF_x0_part1_dF_x0_v = F_x0_part1_by_F_x0_w*dF_x0_w_dF_x0_v
+    dsign_alpha_y_part2_dalpha_y = sign_alpha_y_part1_by_alpha_y*sign_alpha_y_part2_by_sign_alpha_y_part1
+    dsign_alpha_y_part3_dalpha_y = dsign_alpha_y_part2_dalpha_y*sign_alpha_y_part3_by_sign_alpha_y_part2
+    dsign_alpha_y_dalpha_y = sign_alpha_y_part3 + alpha_y*dsign_alpha_y_part3_dalpha_y
+    dK_yalpha_w_part4_dF_z = K_yalpha_w_part3_by_F_z*K_yalpha_w_part4_by_K_yalpha_w_part3
+    dK_yalpha_w_dF_z = 2*dK_yalpha_w_part4_dF_z
+    dK_yalpha_part2_dF_z = K_yalpha_part2_by_K_yalpha_w*dK_yalpha_w_dF_z
+    dF_y0_v_part2_dF_y0_u = 1 - F_y0_v_part1_by_F_y0_u
+    dF_y0_w_dF_y0_v = C_y*F_y0_w_part1_by_F_y0_v
+    dF_y0_part1_dF_y0_v = F_y0_part1_by_F_y0_w*dF_y0_w_dF_y0_v
+    dB_xalpha_part2_dkappa = B_xalpha_part1_by_kappa*B_xalpha_part2_by_B_xalpha_part1
+    dB_xalpha_part3_dkappa = B_xalpha_part3_by_B_xalpha_part2*dB_xalpha_part2_dkappa
+    dG_xa_w_dG_xa_w_part2 = G_xa_w_part3_by_G_xa_w_part2*RCX1
+    dG_xa_w0_part2_dB_xalpha = G_xa_w0_part2_by_G_xa_w0_part1*RHX1
+    dG_xa_w0_dB_xalpha = RCX1*dG_xa_w0_part2_dB_xalpha
+    dG_xa_part1_dB_xalpha = G_xa_part1_by_G_xa_w0*dG_xa_w0_dB_xalpha
+    dG_xa_part2_dB_xalpha = G_xa_part2_by_G_xa_part1*dG_xa_part1_dB_xalpha
+    dG_xa_part3_dG_xa_w_part2 = G_xa_part3_by_G_xa_w*dG_xa_w_dG_xa_w_part2
+    dB_ykappa_part3_dalpha = B_ykappa_part2_by_B_ykappa_part1*B_ykappa_part3_by_B_ykappa_part2
+    dB_ykappa_part4_dalpha = B_ykappa_part4_by_B_ykappa_part3*dB_ykappa_part3_dalpha
+    dG_yk_w_dG_yk_w_part2 = G_yk_w_part3_by_G_yk_w_part2*RCY1
+    dG_yk_w0_part2_dB_ykappa = G_yk_w0_part2_by_G_yk_w0_part1*RHY1
+    dG_yk_w0_dB_ykappa = RCY1*dG_yk_w0_part2_dB_ykappa
+    dG_yk_part1_dB_ykappa = G_yk_part1_by_G_yk_w0*dG_yk_w0_dB_ykappa
+    dG_yk_part2_dB_ykappa = G_yk_part2_by_G_yk_part1*dG_yk_part1_dB_ykappa
+    dG_yk_part3_dG_yk_w_part2 = G_yk_part3_by_G_yk_w*dG_yk_w_dG_yk_w_part2
+    dD_Vyk_part2_dalpha = D_Vyk_part1_by_alpha*D_Vyk_part2_by_D_Vyk_part1
+    dD_Vyk_part3_dalpha = D_Vyk_part3_by_D_Vyk_part2*dD_Vyk_part2_dalpha
+    dS_Vyk_part2_dkappa = RVY6*S_Vyk_part2_by_S_Vyk_part1
+    dS_Vyk_part3_dkappa = RVY5*dS_Vyk_part2_dkappa
+    dalpha_teq_part2_dalpha_t = alpha_teq_part1_by_alpha_t*alpha_teq_part2_by_alpha_teq_part1
+    dalpha_req_part2_dalpha_r = alpha_req_part1_by_alpha_r*alpha_req_part2_by_alpha_req_part1
+    dtrail_v_part2_dtrail_u = 1 - trail_v_part1_by_trail_u
+    dtrail_w_dtrail_v = C_t*trail_w_part1_by_trail_v
+    dtrail_part2_dtrail_v = dtrail_w_dtrail_v*trail_part2_by_trail_w
+    dM_zr_part3_dM_zr_part1 = M_zr_part2_by_M_zr_part1*M_zr_part3_by_M_zr_part2
+    dsign_gamma_dgamma_s = sign_gamma_part3 + dsign_gamma_part3_dgamma_s*gamma_s
+    dK_yalpha_dsign_gamma = -K_yalpha_by_K_yalpha_part1*PKY3
+    dB_t_part2_dgamma_s = QBZ4 + QBZ5*dsign_gamma_dgamma_s
+    dkappa_x_ddfz = LHX*PHX2
+    dE_x_dkappa_x = E_x_by_E_x_part1*dE_x_part1_dkappa_x
+    dmu_x_dgamma_s = mu_x_by_mu_x_part1*mu_x_part1_by_gamma_s
+    dmu_x_ddfz = PDX2*mu_x_by_mu_x_part2
+    dE_x_ddfz = E_x_by_E_x_part2*E_x_part2_by_dfz + dE_x_dkappa_x*dkappa_x_ddfz
+    dB_x_dD_x = B_x_by_B_x_part2*B_x_part2_by_D_x
+    dS_Vy_part2_ddfz = PVY2 + PVY4*gamma_s
+    dE_y_part2_dalpha_y = -E_y_part1*dsign_alpha_y_dalpha_y
+    dE_y_ddfz = E_y_by_E_y_part3*PEY2
+    dF_y0_dF_y0_v = D_y*dF_y0_part1_dF_y0_v
+    dB_xalpha_dkappa = B_xalpha_by_B_xalpha_part3*dB_xalpha_part3_dkappa
+    dG_xa_dB_xalpha = G_xa_part3*dG_xa_part2_dB_xalpha
+    dG_xa_w_part2_dkappa = G_xa_w_part1*dB_xalpha_dkappa
+    dG_xa_dG_xa_w_part2 = G_xa_part2*dG_xa_part3_dG_xa_w_part2
+    dG_xa_dkappa = dB_xalpha_dkappa*dG_xa_dB_xalpha + dG_xa_dG_xa_w_part2*dG_xa_w_part2_dkappa
+    dG_xa_dalpha = B_xalpha*dG_xa_dG_xa_w_part2
+    dB_ykappa_dalpha = B_ykappa_by_B_ykappa_part4*dB_ykappa_part4_dalpha
+    dG_yk_dB_ykappa = G_yk_part3*dG_yk_part2_dB_ykappa
+    dG_yk_w_part2_dalpha = G_yk_w_part1*dB_ykappa_dalpha
+    dG_yk_dG_yk_w_part2 = G_yk_part2*dG_yk_part3_dG_yk_w_part2
+    dG_yk_dalpha = dB_ykappa_dalpha*dG_yk_dB_ykappa + dG_yk_dG_yk_w_part2*dG_yk_w_part2_dalpha
+    dG_yk_dkappa = B_ykappa*dG_yk_dG_yk_w_part2
+    dS_Vyk_part4_dkappa = S_Vyk_part4_by_S_Vyk_part3*dS_Vyk_part3_dkappa
+    dE_t_part4_dE_t_part2 = E_t_part1*E_t_part3_by_E_t_part2
+    dE_t_ddfz = E_t_part4*E_t_part5_by_dfz
+    dD_r_part2_ddfz = QDZ7 + QDZ9*gamma_s
+    dalpha_teq_part3_dalpha_t = dalpha_teq_part2_dalpha_t*kappa_share
+    dalpha_teq_dalpha_teq_part3 = alpha_t*alpha_teq_part4_by_alpha_teq_part3
+    dalpha_teq_dalpha_t = alpha_teq_part4 + dalpha_teq_dalpha_teq_part3*dalpha_teq_part3_dalpha_t
+    dalpha_teq_dkappa_share = alpha_teq_part2*dalpha_teq_dalpha_teq_part3
+    dalpha_req_part3_dalpha_r = dalpha_req_part2_dalpha_r*kappa_share
+    dalpha_req_dalpha_req_part3 = alpha_r*alpha_req_part4_by_alpha_req_part3
+    dalpha_req_dalpha_r = alpha_req_part4 + dalpha_req_dalpha_req_part3*dalpha_req_part3_dalpha_r
+    dalpha_req_dkappa_share = alpha_req_part2*dalpha_req_dalpha_req_part3
+    dMz_part1_dkappa = -S_Vyk_by_S_Vyk_part4*dS_Vyk_part4_dkappa
+    dF_x0_v_dF_x0_u = 1 - E_x*dF_x0_v_part2_dF_x0_u
+    dF_x0_v_ddfz = -F_x0_v_part2*dE_x_ddfz
+    dF_x0_v_dkappa = -F_x0_v_part2*dE_x_dkappa_x
+    dF_x0_dF_x0_v = D_x*dF_x0_part1_dF_x0_v
+    dE_y_part2_dgamma_s = -PEY4*sign_alpha_y
+    dE_y_part2_dS_Hy_part1 = LHY*dE_y_part2_dalpha_y
+    dF_y0_v_dE_y_part2 = -E_y_by_E_y_part2*F_y0_v_part2
+    dF_y0_u_dS_Hy_part1 = B_y*LHY
+    dF_y0_v_dF_y0_u = 1 - E_y*dF_y0_v_part2_dF_y0_u
+    dFx_part1_dkappa = F_x0*dG_xa_dkappa
+    dFx_part1_dalpha = F_x0*dG_xa_dalpha
+    dalpha_r_dK_yalpha = S_Hf_part1_by_K_yalpha*S_Vy
+    dM_zr_part1_dalpha_r = M_zr_part1_by_alpha_req*dalpha_req_dalpha_r
+    dD_t_ddfz = D_t_by_D_t_part2*QDZ2
+    dD_t_dgamma_s = D_t_by_D_t_part3*D_t_part3_by_gamma_s
+    dE_t_part4_dgamma_s = E_t_part3*QEZ5
+    dE_t_part4_dB_t = E_t_part2_by_B_t*dE_t_part4_dE_t_part2
+    dE_t_part4_dalpha_t = E_t_part2_by_alpha_t*dE_t_part4_dE_t_part2
+    dtrail_v_dE_t_part4 = -E_t_part5*trail_v_part2
+    dD_r_ddfz = D_r_by_D_r_part2*dD_r_part2_ddfz
+    dD_r_dgamma_s = D_r_by_D_r_part2*D_r_part1
+    dtrail_u_dalpha_t = B_t*dalpha_teq_dalpha_t
+    dtrail_u_dkappa_share = B_t*dalpha_teq_dkappa_share
+    dtrail_v_dtrail_u = 1 - E_t*dtrail_v_part2_dtrail_u
+    dalpha_t_ddfz = QHZ2 + QHZ4*gamma_s
+    dtrail_v_dalpha_t = dE_t_part4_dalpha_t*dtrail_v_dE_t_part4 + dtrail_u_dalpha_t*dtrail_v_dtrail_u
+    dB_t_ddfz = B_t_by_B_t_part3*B_t_part3_by_dfz
+    dB_t_dgamma_s = B_t_by_B_t_part2*dB_t_part2_dgamma_s
+    dtrail_v_dB_t = alpha_teq*dtrail_v_dtrail_u + dE_t_part4_dB_t*dtrail_v_dE_t_part4
+    ds_part3_ddfz = SSZ4*gamma_s
+    dMz_part2_ds_part3 = Fx*s_by_s_part3
+    dK_xkappa_ddfz = K_xkappa_by_K_xkappa_part1*PKX2 + K_xkappa_by_K_xkappa_part3*dK_xkappa_part3_ddfz
+    dF_x0_u_dK_xkappa = B_x_by_K_xkappa*kappa_x
+    dF_x0_u_ddfz = B_x*dkappa_x_ddfz + dF_x0_u_dK_xkappa*dK_xkappa_ddfz
+    dF_x0_u_dD_x = dB_x_dD_x*kappa_x
+    dF_x0_u_dF_z = K_xkappa_by_F_z*dF_x0_u_dK_xkappa
+    dF_x0_dF_x0_u = dF_x0_dF_x0_v*dF_x0_v_dF_x0_u
+    dD_x_dgamma_s = F_z*dmu_x_dgamma_s
+    dD_x_ddfz = F_z*dmu_x_ddfz
+    dF_x0_dD_x = F_x0_part1 + dF_x0_dF_x0_u*dF_x0_u_dD_x
+    dF_x0_dF_z = S_Vx_by_F_z + dF_x0_dD_x*mu_x + dF_x0_dF_x0_u*dF_x0_u_dF_z
+    dF_x0_ddfz = PVX2*S_Vx_by_S_Vx_part1 + dD_x_ddfz*dF_x0_dD_x + dF_x0_dF_x0_u*dF_x0_u_ddfz + dF_x0_dF_x0_v*dF_x0_v_ddfz
+    dF_x0_dkappa = B_x*dF_x0_dF_x0_u + dF_x0_dF_x0_v*dF_x0_v_dkappa
+    dF_x0_dgamma_s = dD_x_dgamma_s*dF_x0_dD_x
+    dFx_dF_x0 = Fx_by_Fx_part1*G_xa
+    dF_y0_v_dS_Hy_part1 = dE_y_part2_dS_Hy_part1*dF_y0_v_dE_y_part2 + dF_y0_u_dS_Hy_part1*dF_y0_v_dF_y0_u
+    dM_zr_part1_dS_Hy_part1 = LHY*dM_zr_part1_dalpha_r
+    dmu_y_dgamma_s = mu_y_by_mu_y_part1*mu_y_part1_by_gamma_s
+    dmu_y_ddfz = PDY2*mu_y_by_mu_y_part2
+    dB_y_dD_y = B_y_by_B_y_part2*B_y_part2_by_D_y
+    dM_zr_part1_dB_y = B_r_by_B_y*M_zr_part1_by_B_r
+    dF_y0_v_dB_y = alpha_y*dF_y0_v_dF_y0_u
+    dtrail_v_ddfz = dB_t_ddfz*dtrail_v_dB_t + dalpha_t_ddfz*dtrail_v_dalpha_t - dE_t_ddfz*trail_v_part2
+    dtrail_v_dgamma_s = S_Ht_part1*dtrail_v_dalpha_t + dB_t_dgamma_s*dtrail_v_dB_t + dE_t_part4_dgamma_s*dtrail_v_dE_t_part4
+    dtrail_v_dkappa_share = dtrail_u_dkappa_share*dtrail_v_dtrail_u
+    dtrail_dtrail_v = dtrail_part2_dtrail_v*trail_by_trail_part2
+    dF_y0_v_ddfz = PHY2*dF_y0_v_dS_Hy_part1 - F_y0_v_part2*dE_y_ddfz
+    dF_y0_v_dgamma_s = PHY3*dF_y0_v_dS_Hy_part1 + dE_y_part2_dgamma_s*dF_y0_v_dE_y_part2
+    dF_y0_v_dalpha = B_y*dF_y0_v_dF_y0_u + dE_y_part2_dalpha_y*dF_y0_v_dE_y_part2
+    dF_y0_v_dK_yalpha = B_y_by_K_yalpha*dF_y0_v_dB_y
+    dF_y0_v_dD_y = dB_y_dD_y*dF_y0_v_dB_y
+    dFy_part1_dF_y0_v = G_yk*dF_y0_dF_y0_v
+    dtrail_dalpha = dtrail_dtrail_v*dtrail_v_dalpha_t + trail_by_trail_part1*trail_part1_by_alpha
+    dtrail_dF_z = D_t_by_F_z*trail_by_D_t
+    dtrail_ddfz = dD_t_ddfz*trail_by_D_t + dtrail_dtrail_v*dtrail_v_ddfz
+    dtrail_dgamma_s = dD_t_dgamma_s*trail_by_D_t + dtrail_dtrail_v*dtrail_v_dgamma_s
+    dtrail_dkappa_share = dtrail_dtrail_v*dtrail_v_dkappa_share
+    dS_Vy_ddfz = S_Vy_by_S_Vy_part2*dS_Vy_part2_ddfz
+    dS_Vy_dgamma_s = S_Vy_by_S_Vy_part2*S_Vy_part1
+    dM_zr_part1_dS_Vy = S_Hf_part1*dM_zr_part1_dalpha_r
+    dD_y_dgamma_s = F_z*dmu_y_dgamma_s
+    dD_y_ddfz = F_z*dmu_y_ddfz
+    dFy_part1_dD_y = F_y0_part1*G_yk + dF_y0_v_dD_y*dFy_part1_dF_y0_v
+    dM_zr_part1_dD_y = dB_y_dD_y*dM_zr_part1_dB_y
+    dD_Vyk_ddfz = D_Vyk_by_D_Vyk_part4*RVY2 + D_Vyk_by_mu_y*dmu_y_ddfz
+    dMz_part2_ddfz = M_zr_by_D_r*dD_r_ddfz + dMz_part2_ds_part3*ds_part3_ddfz - Mz_part1*dtrail_ddfz
+    dkappa_share_ddfz = dK_xkappa_ddfz*kappa_share_by_K_xkappa
+    dFx_ddfz = dF_x0_ddfz*dFx_dF_x0
+    dM_zr_part1_ddfz = PHY2*dM_zr_part1_dS_Hy_part1 + dD_y_ddfz*dM_zr_part1_dD_y + dM_zr_part1_dS_Vy*dS_Vy_ddfz
+    dFy_part1_ddfz = G_yk*dS_Vy_ddfz + dD_y_ddfz*dFy_part1_dD_y + dF_y0_v_ddfz*dFy_part1_dF_y0_v
+    dM_zr_part1_dkappa_share = M_zr_part1_by_alpha_req*dalpha_req_dkappa_share
+    dM_zr_part1_dK_yalpha = B_y_by_K_yalpha*dM_zr_part1_dB_y + dM_zr_part1_dalpha_r*dalpha_r_dK_yalpha
+    dM_zr_part1_dgamma_s = PHY3*dM_zr_part1_dS_Hy_part1 + dD_y_dgamma_s*dM_zr_part1_dD_y + dM_zr_part1_dS_Vy*dS_Vy_dgamma_s
+    dM_zr_part1_dF_z = S_Vy_by_F_z*dM_zr_part1_dS_Vy + dM_zr_part1_dD_y*mu_y + dM_zr_part1_ddfz*dfz_part1
+    dMz_part2_dM_zr_part1 = M_zr_by_M_zr_part3*dM_zr_part3_dM_zr_part1
+    dkappa_share_dK_yalpha = -kappa_share_by_kappa_share_part1*kappa_share_shared1
+    dkappa_share_dF_z = K_xkappa_by_F_z*kappa_share_by_K_xkappa + dfz_part1*dkappa_share_ddfz
+    dMz_part2_dkappa_share = dM_zr_part1_dkappa_share*dMz_part2_dM_zr_part1 - Mz_part1*dtrail_dkappa_share
+    dK_yalpha_dF_z = K_yalpha_by_K_yalpha_part2*dK_yalpha_part2_dF_z
+    dK_yalpha_dgamma_s = dK_yalpha_dsign_gamma*dsign_gamma_dgamma_s
+    dFy_part1_dK_yalpha = dF_y0_v_dK_yalpha*dFy_part1_dF_y0_v
+    dMz_part2_dK_yalpha = dM_zr_part1_dK_yalpha*dMz_part2_dM_zr_part1 + dMz_part2_dkappa_share*dkappa_share_dK_yalpha
+    dD_Vyk_dF_z = D_Vyk_by_F_z + dD_Vyk_ddfz*dfz_part1
+    dMz_part2_dF_z = D_r_by_F_z*M_zr_by_D_r + dK_yalpha_dF_z*dMz_part2_dK_yalpha + dM_zr_part1_dF_z*dMz_part2_dM_zr_part1 + dMz_part2_ddfz*dfz_part1 + dMz_part2_dkappa_share*dkappa_share_dF_z - Mz_part1*dtrail_dF_z
+    dFx_dF_z = dF_x0_dF_z*dFx_dF_x0 + dFx_ddfz*dfz_part1
+    dFy_part1_dF_z = G_yk*S_Vy_by_F_z + dFy_part1_dD_y*mu_y + dFy_part1_dK_yalpha*dK_yalpha_dF_z + dFy_part1_ddfz*dfz_part1
+    dMz_part2_dgamma_s = M_zr_by_D_r*dD_r_dgamma_s + dK_yalpha_dgamma_s*dMz_part2_dK_yalpha + dM_zr_part1_dgamma_s*dMz_part2_dM_zr_part1 + dMz_part2_ds_part3*s_part1 - Mz_part1*dtrail_dgamma_s
+    dFx_dgamma_s = dF_x0_dgamma_s*dFx_dF_x0
+    dD_Vyk_dgamma_s = D_Vyk_by_mu_y*dmu_y_dgamma_s
+    dFy_part1_dgamma_s = G_yk*dS_Vy_dgamma_s + dD_y_dgamma_s*dFy_part1_dD_y + dF_y0_v_dgamma_s*dFy_part1_dF_y0_v + dFy_part1_dK_yalpha*dK_yalpha_dgamma_s
+    dFy_part1_dalpha = F_y0*dG_yk_dalpha + dF_y0_v_dalpha*dFy_part1_dF_y0_v
+    dFy_part1_dkappa = F_y0*dG_yk_dkappa + S_Vyk_by_S_Vyk_part4*dS_Vyk_part4_dkappa
+    dFy_part1_dFz = F_z_by_Fz*dFy_part1_dF_z
+    dFy_part1_dgamma = LGAMMAY*dFy_part1_dgamma_s
+    dD_Vyk_dalpha = D_Vyk_by_D_Vyk_part3*dD_Vyk_part3_dalpha
+    dD_Vyk_dgamma = D_Vyk_by_D_Vyk_part4*RVY3 + LGAMMAY*dD_Vyk_dgamma_s
+    dD_Vyk_dFz = F_z_by_Fz*dD_Vyk_dF_z
+    dMz_part2_dD_Vyk = S_Vyk_by_D_Vyk*trail
+    dFy_dD_Vyk = Fy_by_Fy_part1*S_Vyk_by_D_Vyk
+    dMz_part2_dalpha = M_zr_by_M_zr_part4*M_zr_part4_by_alpha + dD_Vyk_dalpha*dMz_part2_dD_Vyk + dM_zr_part1_dalpha_r*dMz_part2_dM_zr_part1 - Mz_part1*dtrail_dalpha
+    dMz_part2_dFy = -trail + dMz_part2_ds_part3*s_part3_by_Fy
+    dMz_part2_dkappa = dMz_part2_dkappa_share*kappa_share_by_kappa - dMz_part1_dkappa*trail
+    dMz_part2_dFz = F_z_by_Fz*dMz_part2_dF_z + dD_Vyk_dFz*dMz_part2_dD_Vyk
+    dMz_part2_dgamma = LGAMMAY*dMz_part2_dgamma_s + dD_Vyk_dgamma*dMz_part2_dD_Vyk
+    dFx_dkappa = Fx_by_Fx_part1*dFx_part1_dkappa + dF_x0_dkappa*dFx_dF_x0
+    dFx_dalpha = Fx_by_Fx_part1*dFx_part1_dalpha
+    dFx_dFz = F_z_by_Fz*dFx_dF_z
+    dFx_dgamma = LGAMMAY*dFx_dgamma_s
+    dMz_dFx = Mz_by_Mz_part2*s
+    dFy_dalpha = Fy_by_Fy_part1*dFy_part1_dalpha + dD_Vyk_dalpha*dFy_dD_Vyk
+    dFy_dkappa = Fy_by_Fy_part1*dFy_part1_dkappa
+    dFy_dFz = Fy_by_Fy_part1*dFy_part1_dFz + dD_Vyk_dFz*dFy_dD_Vyk
+    dFy_dgamma = Fy_by_Fy_part1*dFy_part1_dgamma + dD_Vyk_dgamma*dFy_dD_Vyk
+    dMz_dFy = Mz_by_Mz_part2*dMz_part2_dFy
 
     return ca.blockcat([
     [
@@ -814,16 +1243,16 @@ def jacobian_inputs(inputs, parameters):
         dFy_dFz,
     ],
     [
-        dMz_dkappa,
-        dMz_dalpha,
-        dMz_dgamma,
-        dMz_dFz,
+        Mz_by_Mz_part2*dMz_part2_dkappa + dFx_dkappa*dMz_dFx + dFy_dkappa*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dalpha + dFx_dalpha*dMz_dFx + dFy_dalpha*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dgamma + dFx_dgamma*dMz_dFx + dFy_dgamma*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dFz + dFx_dFz*dMz_dFx + dFy_dFz*dMz_dFy,
     ],
     ])
 
 
 def jacobian_parameters(inputs, parameters):
-    """Derivatives of the forces by the parameters: a row for each force, a column for every parameter."""
+    """Derivatives of the forces by the coefficients: a row for each force, a column for every coefficient."""
     kappa, alpha, gamma, Fz = ca.vertsplit(inputs)
     (
         UNLOADED_RADIUS, FNOMIN, LFZ0, LCX, LMUX, LEX, LKXK, LHX, LVX, LCY, LMUY, LEY, LKA, LHY, LVY,
@@ -838,418 +1267,883 @@ def jacobian_parameters(inputs, parameters):
     # Normalized inputs
     F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, kept above 0
     F_z01 = FNOMIN*LFZ0  # [4.E1] nominal load, scaled
-    dfz = -1 + F_z/F_z01  # [4.E2a] normalized change in load
+    dfz_part1 = 1/F_z01
+    dfz = -1 + F_z*dfz_part1  # [4.E2a] normalized change in load
     gamma_s = LGAMMAY*gamma  # [4.E4] inclination, scaled
-    sign_gamma = gamma_s/ca.sqrt(1e-06 + gamma_s**2)  # [Trento] smoothed sign
+    sign_gamma_part1 = 1e-06 + gamma_s**2
+    sign_gamma_part2 = ca.sqrt(sign_gamma_part1)
+    sign_gamma_part3 = 1/sign_gamma_part2
+    sign_gamma = gamma_s*sign_gamma_part3  # [Trento] smoothed sign
 
     # Longitudinal force, pure slip
-    S_Hx = LHX*(PHX1 + PHX2*dfz)  # [4.E17] horizontal shift
+    S_Hx_part1 = PHX1 + PHX2*dfz
+    S_Hx = LHX*S_Hx_part1  # [4.E17] horizontal shift
     kappa_x = S_Hx + kappa  # [4.E10] longitudinal slip, shifted
-    sign_kappa_x = kappa_x/ca.sqrt(1e-06 + kappa_x**2)  # [Trento] smoothed sign
+    sign_kappa_x_part1 = 1e-06 + kappa_x**2
+    sign_kappa_x_part2 = ca.sqrt(sign_kappa_x_part1)
+    sign_kappa_x_part3 = 1/sign_kappa_x_part2
+    sign_kappa_x = kappa_x*sign_kappa_x_part3  # [Trento] smoothed sign
     C_x = LCX*PCX1  # [4.E11] shape factor
-    mu_x = LMUX*(1 - PDX3*gamma_s**2)*(PDX1 + PDX2*dfz)  # [4.E13] peak friction
+    mu_x_part1 = 1 - PDX3*gamma_s**2
+    mu_x_part2 = PDX1 + PDX2*dfz
+    mu_x = LMUX*mu_x_part1*mu_x_part2  # [4.E13] peak friction
     D_x = F_z*mu_x  # [4.E12] peak factor
-    E_x = LEX*(1 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*dfz**2)  # [4.E14] curvature factor
-    K_xkappa = F_z*LKXK*(PKX1 + PKX2*dfz)*ca.exp(-PKX3*dfz)  # [4.E15] longitudinal slip stiffness
-    B_x = K_xkappa/(C_x*D_x)  # [4.E16] stiffness factor
-    S_Vx = F_z*LMUX*LVX*(PVX1 + PVX2*dfz)  # [4.E18] vertical shift
+    E_x_part1 = 1 - PEX4*sign_kappa_x
+    E_x_part2 = PEX1 + PEX2*dfz + PEX3*dfz**2
+    E_x = E_x_part1*E_x_part2*LEX  # [4.E14] curvature factor
+    K_xkappa_part1 = PKX1 + PKX2*dfz
+    K_xkappa_part2 = -PKX3*dfz
+    K_xkappa_part3 = ca.exp(K_xkappa_part2)
+    K_xkappa = F_z*K_xkappa_part1*K_xkappa_part3*LKXK  # [4.E15] longitudinal slip stiffness
+    B_x_part1 = 1/C_x
+    B_x_part2 = 1/D_x
+    B_x = B_x_part1*B_x_part2*K_xkappa  # [4.E16] stiffness factor
+    S_Vx_part1 = PVX1 + PVX2*dfz
+    S_Vx = F_z*LMUX*LVX*S_Vx_part1  # [4.E18] vertical shift
     F_x0_u = B_x*kappa_x  # [4.1] B x
-    F_x0_v = F_x0_u - E_x*(F_x0_u - ca.atan(F_x0_u))  # [4.1] B x bent by E
-    F_x0_w = C_x*ca.atan(F_x0_v)  # [4.1] angle of the Magic Formula
-    F_x0 = S_Vx + D_x*ca.sin(F_x0_w)  # [4.E9] longitudinal force in pure slip
+    F_x0_v_part1 = ca.atan(F_x0_u)
+    F_x0_v_part2 = F_x0_u - F_x0_v_part1
+    F_x0_v = F_x0_u - E_x*F_x0_v_part2  # [4.1] B x bent by E
+    F_x0_w_part1 = ca.atan(F_x0_v)
+    F_x0_w = C_x*F_x0_w_part1  # [4.1] angle of the Magic Formula
+    F_x0_part1 = ca.sin(F_x0_w)
+    F_x0 = S_Vx + D_x*F_x0_part1  # [4.E9] longitudinal force in pure slip
 
     # Side force, pure slip
-    S_Hy = LHY*(PHY1 + PHY2*dfz + PHY3*gamma_s)  # [4.E27] horizontal shift
-    S_Vy = F_z*LMUY*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz))  # [4.E29] vertical shift
+    S_Hy_part1 = PHY1 + PHY2*dfz + PHY3*gamma_s
+    S_Hy = LHY*S_Hy_part1  # [4.E27] horizontal shift
+    S_Vy_part1 = PVY3 + PVY4*dfz
+    S_Vy_part2 = PVY1 + PVY2*dfz + S_Vy_part1*gamma_s
+    S_Vy = F_z*LMUY*LVY*S_Vy_part2  # [4.E29] vertical shift
     alpha_y = S_Hy + alpha  # [4.E20] slip angle, shifted
-    sign_alpha_y = alpha_y/ca.sqrt(1e-06 + alpha_y**2)  # [Trento] smoothed sign
+    sign_alpha_y_part1 = 1e-06 + alpha_y**2
+    sign_alpha_y_part2 = ca.sqrt(sign_alpha_y_part1)
+    sign_alpha_y_part3 = 1/sign_alpha_y_part2
+    sign_alpha_y = alpha_y*sign_alpha_y_part3  # [Trento] smoothed sign
     C_y = LCY*PCY1  # [4.E21] shape factor
-    mu_y = LMUY*(1 - PDY3*gamma_s**2)*(PDY1 + PDY2*dfz)  # [4.E23] peak friction
+    mu_y_part1 = 1 - PDY3*gamma_s**2
+    mu_y_part2 = PDY1 + PDY2*dfz
+    mu_y = LMUY*mu_y_part1*mu_y_part2  # [4.E23] peak friction
     D_y = F_z*mu_y  # [4.E22] peak factor
-    E_y = LEY*(1 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz)  # [4.E24] curvature factor
-    K_yalpha_w = 2*ca.atan(F_z/(F_z01*PKY2))  # [4.E25] how far K_yalpha is up
-    K_yalpha = F_z01*LFZ0*LKA*PKY1*(1 - PKY3*sign_gamma)*ca.sin(K_yalpha_w)  # [4.E25] cornering stiffness
-    B_y = K_yalpha/(C_y*D_y)  # [4.E26] stiffness factor
+    E_y_part1 = PEY3 + PEY4*gamma_s
+    E_y_part2 = 1 - E_y_part1*sign_alpha_y
+    E_y_part3 = PEY1 + PEY2*dfz
+    E_y = E_y_part2*E_y_part3*LEY  # [4.E24] curvature factor
+    K_yalpha_w_part1 = 1/F_z01
+    K_yalpha_w_part2 = 1/PKY2
+    K_yalpha_w_part3 = F_z*K_yalpha_w_part1*K_yalpha_w_part2
+    K_yalpha_w_part4 = ca.atan(K_yalpha_w_part3)
+    K_yalpha_w = 2*K_yalpha_w_part4  # [4.E25] how far K_yalpha is up
+    K_yalpha_part1 = 1 - PKY3*sign_gamma
+    K_yalpha_part2 = ca.sin(K_yalpha_w)
+    K_yalpha = F_z01*K_yalpha_part1*K_yalpha_part2*LFZ0*LKA*PKY1  # [4.E25] cornering stiffness
+    B_y_part1 = 1/C_y
+    B_y_part2 = 1/D_y
+    B_y = B_y_part1*B_y_part2*K_yalpha  # [4.E26] stiffness factor
     F_y0_u = B_y*alpha_y  # [4.1] B x
-    F_y0_v = F_y0_u - E_y*(F_y0_u - ca.atan(F_y0_u))  # [4.1] B x bent by E
-    F_y0_w = C_y*ca.atan(F_y0_v)  # [4.1] angle of the Magic Formula
-    F_y0 = S_Vy + D_y*ca.sin(F_y0_w)  # [4.E19] side force in pure slip
+    F_y0_v_part1 = ca.atan(F_y0_u)
+    F_y0_v_part2 = F_y0_u - F_y0_v_part1
+    F_y0_v = F_y0_u - E_y*F_y0_v_part2  # [4.1] B x bent by E
+    F_y0_w_part1 = ca.atan(F_y0_v)
+    F_y0_w = C_y*F_y0_w_part1  # [4.1] angle of the Magic Formula
+    F_y0_part1 = ca.sin(F_y0_w)
+    F_y0 = S_Vy + D_y*F_y0_part1  # [4.E19] side force in pure slip
 
     # Forces, combined slip
-    B_xalpha = LXA*RBX1/ca.sqrt(1 + RBX2**2*kappa**2)  # [4.E54] stiffness of G_xa
-    G_xa_w = RCX1*ca.atan(B_xalpha*(RHX1 + alpha))  # [4.E51] angle of the weighting function
-    G_xa_w0 = RCX1*ca.atan(B_xalpha*RHX1)  # [4.E52] the same at zero slip
-    G_xa = ca.cos(G_xa_w)/ca.cos(G_xa_w0)  # [4.E51] what side slip leaves of Fx
-    B_ykappa = LYK*RBY1/ca.sqrt(1 + RBY2**2*(alpha - RBY3)**2)  # [4.E62] stiffness of G_yk
-    G_yk_w = RCY1*ca.atan(B_ykappa*(RHY1 + kappa))  # [4.E59] angle of the weighting function
-    G_yk_w0 = RCY1*ca.atan(B_ykappa*RHY1)  # [4.E60] the same at zero slip
-    G_yk = ca.cos(G_yk_w)/ca.cos(G_yk_w0)  # [4.E59] what longitudinal slip leaves of Fy
-    D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/ca.sqrt(1 + RVY4**2*alpha**2)  # [4.E67] peak of S_Vyk
-    S_Vyk = D_Vyk*LVYK*ca.sin(RVY5*ca.atan(RVY6*kappa))  # [4.E66] side force made by longitudinal slip
-    Fx = ca.if_else(Fz <= 1e-06, 0, F_x0*G_xa)  # [4.E50] longitudinal force
-    Fy = ca.if_else(Fz <= 1e-06, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
+    B_xalpha_part1 = 1 + RBX2**2*kappa**2
+    B_xalpha_part2 = ca.sqrt(B_xalpha_part1)
+    B_xalpha_part3 = 1/B_xalpha_part2
+    B_xalpha = B_xalpha_part3*LXA*RBX1  # [4.E54] stiffness of G_xa
+    G_xa_w_part1 = RHX1 + alpha
+    G_xa_w_part2 = B_xalpha*G_xa_w_part1
+    G_xa_w_part3 = ca.atan(G_xa_w_part2)
+    G_xa_w = G_xa_w_part3*RCX1  # [4.E51] angle of the weighting function
+    G_xa_w0_part1 = B_xalpha*RHX1
+    G_xa_w0_part2 = ca.atan(G_xa_w0_part1)
+    G_xa_w0 = G_xa_w0_part2*RCX1  # [4.E52] the same at zero slip
+    G_xa_part1 = ca.cos(G_xa_w0)
+    G_xa_part2 = 1/G_xa_part1
+    G_xa_part3 = ca.cos(G_xa_w)
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    B_ykappa_part1 = alpha - RBY3
+    B_ykappa_part2 = 1 + B_ykappa_part1**2*RBY2**2
+    B_ykappa_part3 = ca.sqrt(B_ykappa_part2)
+    B_ykappa_part4 = 1/B_ykappa_part3
+    B_ykappa = B_ykappa_part4*LYK*RBY1  # [4.E62] stiffness of G_yk
+    G_yk_w_part1 = RHY1 + kappa
+    G_yk_w_part2 = B_ykappa*G_yk_w_part1
+    G_yk_w_part3 = ca.atan(G_yk_w_part2)
+    G_yk_w = G_yk_w_part3*RCY1  # [4.E59] angle of the weighting function
+    G_yk_w0_part1 = B_ykappa*RHY1
+    G_yk_w0_part2 = ca.atan(G_yk_w0_part1)
+    G_yk_w0 = G_yk_w0_part2*RCY1  # [4.E60] the same at zero slip
+    G_yk_part1 = ca.cos(G_yk_w0)
+    G_yk_part2 = 1/G_yk_part1
+    G_yk_part3 = ca.cos(G_yk_w)
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    D_Vyk_part1 = 1 + RVY4**2*alpha**2
+    D_Vyk_part2 = ca.sqrt(D_Vyk_part1)
+    D_Vyk_part3 = 1/D_Vyk_part2
+    D_Vyk_part4 = RVY1 + RVY2*dfz + RVY3*gamma
+    D_Vyk = D_Vyk_part3*D_Vyk_part4*F_z*mu_y  # [4.E67] peak of S_Vyk
+    S_Vyk_part1 = RVY6*kappa
+    S_Vyk_part2 = ca.atan(S_Vyk_part1)
+    S_Vyk_part3 = RVY5*S_Vyk_part2
+    S_Vyk_part4 = ca.sin(S_Vyk_part3)
+    S_Vyk = D_Vyk*LVYK*S_Vyk_part4  # [4.E66] side force made by longitudinal slip
+    Fx_part1 = F_x0*G_xa
+    Fx = ca.if_else(Fz <= 1e-06, 0, Fx_part1)  # [4.E50] longitudinal force
+    Fy_part1 = S_Vyk + F_y0*G_yk
+    Fy = ca.if_else(Fz <= 1e-06, 0, Fy_part1)  # [4.E58] side force
 
     # Aligning moment
-    S_Hf = S_Hy + S_Vy/K_yalpha  # [4.E38] shift of the residual moment
-    S_Ht = QHZ1 + QHZ2*dfz + gamma_s*(QHZ3 + QHZ4*dfz)  # [4.E35] shift of the trail
+    S_Hf_part1 = 1/K_yalpha
+    S_Hf = S_Hy + S_Hf_part1*S_Vy  # [4.E38] shift of the residual moment
+    S_Ht_part1 = QHZ3 + QHZ4*dfz
+    S_Ht = QHZ1 + QHZ2*dfz + S_Ht_part1*gamma_s  # [4.E35] shift of the trail
     alpha_t = S_Ht + alpha  # [4.E34] slip angle of the trail
     alpha_r = S_Hf + alpha  # [4.E37] slip angle of the residual moment
-    B_t = LKY*(1 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*dfz**2)/LMUY  # [4.E40] stiffness factor of the trail
+    B_t_part1 = 1/LMUY
+    B_t_part2 = 1 + QBZ4*gamma_s + QBZ5*sign_gamma
+    B_t_part3 = QBZ1 + QBZ2*dfz + QBZ3*dfz**2
+    B_t = B_t_part1*B_t_part2*B_t_part3*LKY  # [4.E40] stiffness factor of the trail
     C_t = QCZ1  # [4.E41] shape factor of the trail
-    D_t = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1 + QDZ3*gamma_s + QDZ4*gamma_s**2)/FNOMIN  # [4.E43] peak factor of the trail
-    E_t = (1 + (QEZ4 + QEZ5*gamma_s)*ca.atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)  # [4.E44] curvature factor of the trail
-    B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY  # [4.E45] stiffness factor of the residual moment
-    D_r = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz))  # [4.E47] peak factor of the residual moment
-    kappa_share = K_xkappa**2*kappa**2/K_yalpha**2  # [4.E77] slip angle that kappa is worth, squared
-    alpha_teq = alpha_t*ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2))  # [4.E77] equivalent slip of the trail
-    alpha_req = alpha_r*ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2))  # [4.E78] equivalent slip of the residual moment
+    D_t_part1 = 1/FNOMIN
+    D_t_part2 = QDZ1 + QDZ2*dfz
+    D_t_part3 = 1 + QDZ3*gamma_s + QDZ4*gamma_s**2
+    D_t = D_t_part1*D_t_part2*D_t_part3*F_z*LT*UNLOADED_RADIUS  # [4.E43] peak factor of the trail
+    E_t_part1 = QEZ4 + QEZ5*gamma_s
+    E_t_part2 = B_t*C_t*alpha_t
+    E_t_part3 = ca.atan(E_t_part2)
+    E_t_part4 = 1 + E_t_part1*E_t_part3
+    E_t_part5 = QEZ1 + QEZ2*dfz + QEZ3*dfz**2
+    E_t = E_t_part4*E_t_part5  # [4.E44] curvature factor of the trail
+    B_r_part1 = 1/LMUY
+    B_r = B_r_part1*LKY*QBZ9 + B_y*C_y*QBZ10  # [4.E45] stiffness factor of the residual moment
+    D_r_part1 = QDZ8 + QDZ9*dfz
+    D_r_part2 = QDZ6 + D_r_part1*gamma_s + QDZ7*dfz
+    D_r = D_r_part2*F_z*LMR*LMUY*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
+    kappa_share_part1 = 1/K_yalpha
+    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    alpha_teq_part1 = 1e-06 + alpha_t**2
+    alpha_teq_part2 = 1/alpha_teq_part1
+    alpha_teq_part3 = 1 + alpha_teq_part2*kappa_share
+    alpha_teq_part4 = ca.sqrt(alpha_teq_part3)
+    alpha_teq = alpha_t*alpha_teq_part4  # [4.E77] equivalent slip of the trail
+    alpha_req_part1 = 1e-06 + alpha_r**2
+    alpha_req_part2 = 1/alpha_req_part1
+    alpha_req_part3 = 1 + alpha_req_part2*kappa_share
+    alpha_req_part4 = ca.sqrt(alpha_req_part3)
+    alpha_req = alpha_r*alpha_req_part4  # [4.E78] equivalent slip of the residual moment
     trail_u = B_t*alpha_teq  # [4.1] B x
-    trail_v = trail_u - E_t*(trail_u - ca.atan(trail_u))  # [4.1] B x bent by E
-    trail_w = C_t*ca.atan(trail_v)  # [4.1] angle of the Magic Formula
-    trail = D_t*ca.cos(alpha)*ca.cos(trail_w)  # [4.E73] pneumatic trail
-    s = LS*UNLOADED_RADIUS*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)  # [4.E76] moment arm of Fx
-    dfz_by_F_z01 = -F_z/F_z01**2
-    sign_gamma_by_gamma_s = 1/ca.sqrt(1e-06 + gamma_s**2) - gamma_s**2/(1e-06 + gamma_s**2)**1.5
-    S_Hx_by_LHX = PHX1 + PHX2*dfz
-    S_Hx_by_PHX2 = LHX*dfz
-    S_Hx_by_dfz = LHX*PHX2
-    sign_kappa_x_by_kappa_x = 1/ca.sqrt(1e-06 + kappa_x**2) - kappa_x**2/(1e-06 + kappa_x**2)**1.5
-    mu_x_by_LMUX = (1 - PDX3*gamma_s**2)*(PDX1 + PDX2*dfz)
-    mu_x_by_PDX1 = LMUX*(1 - PDX3*gamma_s**2)
-    mu_x_by_PDX2 = LMUX*dfz*(1 - PDX3*gamma_s**2)
-    mu_x_by_PDX3 = -LMUX*gamma_s**2*(PDX1 + PDX2*dfz)
-    mu_x_by_dfz = LMUX*PDX2*(1 - PDX3*gamma_s**2)
-    mu_x_by_gamma_s = -2*LMUX*PDX3*gamma_s*(PDX1 + PDX2*dfz)
-    E_x_by_LEX = (1 - PEX4*sign_kappa_x)*(PEX1 + PEX2*dfz + PEX3*dfz**2)
-    E_x_by_PEX1 = LEX*(1 - PEX4*sign_kappa_x)
-    E_x_by_PEX2 = LEX*dfz*(1 - PEX4*sign_kappa_x)
-    E_x_by_PEX3 = LEX*dfz**2*(1 - PEX4*sign_kappa_x)
-    E_x_by_PEX4 = -LEX*sign_kappa_x*(PEX1 + PEX2*dfz + PEX3*dfz**2)
-    E_x_by_dfz = LEX*(1 - PEX4*sign_kappa_x)*(PEX2 + 2*PEX3*dfz)
-    E_x_by_sign_kappa_x = -LEX*PEX4*(PEX1 + PEX2*dfz + PEX3*dfz**2)
-    K_xkappa_by_LKXK = F_z*(PKX1 + PKX2*dfz)*ca.exp(-PKX3*dfz)
-    K_xkappa_by_PKX1 = F_z*LKXK*ca.exp(-PKX3*dfz)
-    K_xkappa_by_PKX2 = F_z*LKXK*dfz*ca.exp(-PKX3*dfz)
-    K_xkappa_by_PKX3 = -F_z*LKXK*dfz*(PKX1 + PKX2*dfz)*ca.exp(-PKX3*dfz)
-    K_xkappa_by_dfz = F_z*LKXK*PKX2*ca.exp(-PKX3*dfz) - F_z*LKXK*PKX3*(PKX1 + PKX2*dfz)*ca.exp(-PKX3*dfz)
-    B_x_by_C_x = -K_xkappa/(C_x**2*D_x)
-    B_x_by_D_x = -K_xkappa/(C_x*D_x**2)
-    B_x_by_K_xkappa = 1/(C_x*D_x)
-    S_Vx_by_LMUX = F_z*LVX*(PVX1 + PVX2*dfz)
-    S_Vx_by_LVX = F_z*LMUX*(PVX1 + PVX2*dfz)
-    S_Vx_by_PVX1 = F_z*LMUX*LVX
-    S_Vx_by_PVX2 = F_z*LMUX*LVX*dfz
-    S_Vx_by_dfz = F_z*LMUX*LVX*PVX2
-    F_x0_v_by_E_x = -F_x0_u + ca.atan(F_x0_u)
-    F_x0_v_by_F_x0_u = 1 - E_x*(1 - 1/(1 + F_x0_u**2))
-    F_x0_w_by_C_x = ca.atan(F_x0_v)
-    F_x0_w_by_F_x0_v = C_x/(1 + F_x0_v**2)
-    F_x0_by_D_x = ca.sin(F_x0_w)
-    F_x0_by_F_x0_w = D_x*ca.cos(F_x0_w)
-    S_Hy_by_LHY = PHY1 + PHY2*dfz + PHY3*gamma_s
-    S_Hy_by_PHY2 = LHY*dfz
-    S_Hy_by_PHY3 = LHY*gamma_s
-    S_Hy_by_dfz = LHY*PHY2
-    S_Hy_by_gamma_s = LHY*PHY3
-    S_Vy_by_LMUY = F_z*LVY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz))
-    S_Vy_by_LVY = F_z*LMUY*(PVY1 + PVY2*dfz + gamma_s*(PVY3 + PVY4*dfz))
-    S_Vy_by_PVY1 = F_z*LMUY*LVY
-    S_Vy_by_PVY2 = F_z*LMUY*LVY*dfz
-    S_Vy_by_PVY3 = F_z*LMUY*LVY*gamma_s
-    S_Vy_by_PVY4 = F_z*LMUY*LVY*dfz*gamma_s
-    S_Vy_by_dfz = F_z*LMUY*LVY*(PVY2 + PVY4*gamma_s)
-    S_Vy_by_gamma_s = F_z*LMUY*LVY*(PVY3 + PVY4*dfz)
-    sign_alpha_y_by_alpha_y = 1/ca.sqrt(1e-06 + alpha_y**2) - alpha_y**2/(1e-06 + alpha_y**2)**1.5
-    mu_y_by_LMUY = (1 - PDY3*gamma_s**2)*(PDY1 + PDY2*dfz)
-    mu_y_by_PDY1 = LMUY*(1 - PDY3*gamma_s**2)
-    mu_y_by_PDY2 = LMUY*dfz*(1 - PDY3*gamma_s**2)
-    mu_y_by_PDY3 = -LMUY*gamma_s**2*(PDY1 + PDY2*dfz)
-    mu_y_by_dfz = LMUY*PDY2*(1 - PDY3*gamma_s**2)
-    mu_y_by_gamma_s = -2*LMUY*PDY3*gamma_s*(PDY1 + PDY2*dfz)
-    E_y_by_LEY = (1 - sign_alpha_y*(PEY3 + PEY4*gamma_s))*(PEY1 + PEY2*dfz)
-    E_y_by_PEY1 = LEY*(1 - sign_alpha_y*(PEY3 + PEY4*gamma_s))
-    E_y_by_PEY2 = LEY*dfz*(1 - sign_alpha_y*(PEY3 + PEY4*gamma_s))
-    E_y_by_PEY3 = -LEY*sign_alpha_y*(PEY1 + PEY2*dfz)
-    E_y_by_PEY4 = -LEY*gamma_s*sign_alpha_y*(PEY1 + PEY2*dfz)
-    E_y_by_dfz = LEY*PEY2*(1 - sign_alpha_y*(PEY3 + PEY4*gamma_s))
-    E_y_by_gamma_s = -LEY*PEY4*sign_alpha_y*(PEY1 + PEY2*dfz)
-    E_y_by_sign_alpha_y = LEY*(PEY1 + PEY2*dfz)*(-PEY3 - PEY4*gamma_s)
-    K_yalpha_w_by_F_z01 = -2*F_z/(F_z01**2*PKY2*(1 + F_z**2/(F_z01**2*PKY2**2)))
-    K_yalpha_w_by_PKY2 = -2*F_z/(F_z01*PKY2**2*(1 + F_z**2/(F_z01**2*PKY2**2)))
-    K_yalpha_by_F_z01 = LFZ0*LKA*PKY1*(1 - PKY3*sign_gamma)*ca.sin(K_yalpha_w)
-    K_yalpha_by_K_yalpha_w = F_z01*LFZ0*LKA*PKY1*(1 - PKY3*sign_gamma)*ca.cos(K_yalpha_w)
-    K_yalpha_by_LFZ0 = F_z01*LKA*PKY1*(1 - PKY3*sign_gamma)*ca.sin(K_yalpha_w)
-    K_yalpha_by_LKA = F_z01*LFZ0*PKY1*(1 - PKY3*sign_gamma)*ca.sin(K_yalpha_w)
-    K_yalpha_by_PKY1 = F_z01*LFZ0*LKA*(1 - PKY3*sign_gamma)*ca.sin(K_yalpha_w)
-    K_yalpha_by_PKY3 = -F_z01*LFZ0*LKA*PKY1*sign_gamma*ca.sin(K_yalpha_w)
-    K_yalpha_by_sign_gamma = -F_z01*LFZ0*LKA*PKY1*PKY3*ca.sin(K_yalpha_w)
-    B_y_by_C_y = -K_yalpha/(C_y**2*D_y)
-    B_y_by_D_y = -K_yalpha/(C_y*D_y**2)
-    B_y_by_K_yalpha = 1/(C_y*D_y)
-    F_y0_v_by_E_y = -F_y0_u + ca.atan(F_y0_u)
-    F_y0_v_by_F_y0_u = 1 - E_y*(1 - 1/(1 + F_y0_u**2))
-    F_y0_w_by_C_y = ca.atan(F_y0_v)
-    F_y0_w_by_F_y0_v = C_y/(1 + F_y0_v**2)
-    F_y0_by_D_y = ca.sin(F_y0_w)
-    F_y0_by_F_y0_w = D_y*ca.cos(F_y0_w)
-    B_xalpha_by_LXA = RBX1/ca.sqrt(1 + RBX2**2*kappa**2)
-    B_xalpha_by_RBX1 = LXA/ca.sqrt(1 + RBX2**2*kappa**2)
-    B_xalpha_by_RBX2 = -LXA*RBX1*RBX2*kappa**2/(1 + RBX2**2*kappa**2)**1.5
-    G_xa_w_by_B_xalpha = RCX1*(RHX1 + alpha)/(1 + B_xalpha**2*(RHX1 + alpha)**2)
-    G_xa_w_by_RCX1 = ca.atan(B_xalpha*(RHX1 + alpha))
-    G_xa_w_by_RHX1 = B_xalpha*RCX1/(1 + B_xalpha**2*(RHX1 + alpha)**2)
-    G_xa_w0_by_B_xalpha = RCX1*RHX1/(1 + B_xalpha**2*RHX1**2)
-    G_xa_w0_by_RCX1 = ca.atan(B_xalpha*RHX1)
-    G_xa_w0_by_RHX1 = B_xalpha*RCX1/(1 + B_xalpha**2*RHX1**2)
-    G_xa_by_G_xa_w = -ca.sin(G_xa_w)/ca.cos(G_xa_w0)
-    G_xa_by_G_xa_w0 = ca.cos(G_xa_w)*ca.sin(G_xa_w0)/ca.cos(G_xa_w0)**2
-    B_ykappa_by_LYK = RBY1/ca.sqrt(1 + RBY2**2*(alpha - RBY3)**2)
-    B_ykappa_by_RBY1 = LYK/ca.sqrt(1 + RBY2**2*(alpha - RBY3)**2)
-    B_ykappa_by_RBY2 = -LYK*RBY1*RBY2*(alpha - RBY3)**2/(1 + RBY2**2*(alpha - RBY3)**2)**1.5
-    B_ykappa_by_RBY3 = -0.5*LYK*RBY1*RBY2**2*(-2*alpha + 2*RBY3)/(1 + RBY2**2*(alpha - RBY3)**2)**1.5
-    G_yk_w_by_B_ykappa = RCY1*(RHY1 + kappa)/(1 + B_ykappa**2*(RHY1 + kappa)**2)
-    G_yk_w_by_RCY1 = ca.atan(B_ykappa*(RHY1 + kappa))
-    G_yk_w_by_RHY1 = B_ykappa*RCY1/(1 + B_ykappa**2*(RHY1 + kappa)**2)
-    G_yk_w0_by_B_ykappa = RCY1*RHY1/(1 + B_ykappa**2*RHY1**2)
-    G_yk_w0_by_RCY1 = ca.atan(B_ykappa*RHY1)
-    G_yk_w0_by_RHY1 = B_ykappa*RCY1/(1 + B_ykappa**2*RHY1**2)
-    G_yk_by_G_yk_w = -ca.sin(G_yk_w)/ca.cos(G_yk_w0)
-    G_yk_by_G_yk_w0 = ca.cos(G_yk_w)*ca.sin(G_yk_w0)/ca.cos(G_yk_w0)**2
-    D_Vyk_by_RVY1 = F_z*mu_y/ca.sqrt(1 + RVY4**2*alpha**2)
-    D_Vyk_by_RVY2 = F_z*dfz*mu_y/ca.sqrt(1 + RVY4**2*alpha**2)
-    D_Vyk_by_RVY3 = F_z*gamma*mu_y/ca.sqrt(1 + RVY4**2*alpha**2)
-    D_Vyk_by_RVY4 = -F_z*RVY4*mu_y*alpha**2*(RVY1 + RVY2*dfz + RVY3*gamma)/(1 + RVY4**2*alpha**2)**1.5
-    D_Vyk_by_dfz = F_z*RVY2*mu_y/ca.sqrt(1 + RVY4**2*alpha**2)
-    D_Vyk_by_mu_y = F_z*(RVY1 + RVY2*dfz + RVY3*gamma)/ca.sqrt(1 + RVY4**2*alpha**2)
-    S_Vyk_by_D_Vyk = LVYK*ca.sin(RVY5*ca.atan(RVY6*kappa))
-    S_Vyk_by_LVYK = D_Vyk*ca.sin(RVY5*ca.atan(RVY6*kappa))
-    S_Vyk_by_RVY5 = D_Vyk*LVYK*ca.atan(RVY6*kappa)*ca.cos(RVY5*ca.atan(RVY6*kappa))
-    S_Vyk_by_RVY6 = D_Vyk*LVYK*RVY5*kappa*ca.cos(RVY5*ca.atan(RVY6*kappa))/(1 + RVY6**2*kappa**2)
-    Fx_by_F_x0 = ca.if_else(Fz <= 1e-06, 0, G_xa)
-    Fx_by_G_xa = ca.if_else(Fz <= 1e-06, 0, F_x0)
-    Fy_by_F_y0 = ca.if_else(Fz <= 1e-06, 0, G_yk)
-    Fy_by_G_yk = ca.if_else(Fz <= 1e-06, 0, F_y0)
-    Fy_by_S_Vyk = ca.if_else(Fz <= 1e-06, 0, 1)
-    S_Hf_by_K_yalpha = -S_Vy/K_yalpha**2
-    S_Hf_by_S_Vy = 1/K_yalpha
-    S_Ht_by_QHZ4 = dfz*gamma_s
-    S_Ht_by_dfz = QHZ2 + QHZ4*gamma_s
-    S_Ht_by_gamma_s = QHZ3 + QHZ4*dfz
-    B_t_by_LKY = (1 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*dfz**2)/LMUY
-    B_t_by_LMUY = -LKY*(1 + QBZ4*gamma_s + QBZ5*sign_gamma)*(QBZ1 + QBZ2*dfz + QBZ3*dfz**2)/LMUY**2
-    B_t_by_QBZ1 = LKY*(1 + QBZ4*gamma_s + QBZ5*sign_gamma)/LMUY
-    B_t_by_QBZ2 = LKY*dfz*(1 + QBZ4*gamma_s + QBZ5*sign_gamma)/LMUY
-    B_t_by_QBZ3 = LKY*dfz**2*(1 + QBZ4*gamma_s + QBZ5*sign_gamma)/LMUY
-    B_t_by_QBZ4 = LKY*gamma_s*(QBZ1 + QBZ2*dfz + QBZ3*dfz**2)/LMUY
-    B_t_by_QBZ5 = LKY*sign_gamma*(QBZ1 + QBZ2*dfz + QBZ3*dfz**2)/LMUY
-    B_t_by_dfz = LKY*(QBZ2 + 2*QBZ3*dfz)*(1 + QBZ4*gamma_s + QBZ5*sign_gamma)/LMUY
-    B_t_by_gamma_s = LKY*QBZ4*(QBZ1 + QBZ2*dfz + QBZ3*dfz**2)/LMUY
-    B_t_by_sign_gamma = LKY*QBZ5*(QBZ1 + QBZ2*dfz + QBZ3*dfz**2)/LMUY
-    D_t_by_FNOMIN = -F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1 + QDZ3*gamma_s + QDZ4*gamma_s**2)/FNOMIN**2
-    D_t_by_LT = F_z*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(1 + QDZ3*gamma_s + QDZ4*gamma_s**2)/FNOMIN
-    D_t_by_QDZ1 = F_z*LT*UNLOADED_RADIUS*(1 + QDZ3*gamma_s + QDZ4*gamma_s**2)/FNOMIN
-    D_t_by_QDZ2 = F_z*LT*UNLOADED_RADIUS*dfz*(1 + QDZ3*gamma_s + QDZ4*gamma_s**2)/FNOMIN
-    D_t_by_QDZ3 = F_z*LT*UNLOADED_RADIUS*gamma_s*(QDZ1 + QDZ2*dfz)/FNOMIN
-    D_t_by_QDZ4 = F_z*LT*UNLOADED_RADIUS*gamma_s**2*(QDZ1 + QDZ2*dfz)/FNOMIN
-    D_t_by_UNLOADED_RADIUS = F_z*LT*(QDZ1 + QDZ2*dfz)*(1 + QDZ3*gamma_s + QDZ4*gamma_s**2)/FNOMIN
-    D_t_by_dfz = F_z*LT*QDZ2*UNLOADED_RADIUS*(1 + QDZ3*gamma_s + QDZ4*gamma_s**2)/FNOMIN
-    D_t_by_gamma_s = F_z*LT*UNLOADED_RADIUS*(QDZ1 + QDZ2*dfz)*(QDZ3 + 2*QDZ4*gamma_s)/FNOMIN
-    E_t_by_B_t = C_t*alpha_t*(QEZ4 + QEZ5*gamma_s)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)/(1 + B_t**2*C_t**2*alpha_t**2)
-    E_t_by_C_t = B_t*alpha_t*(QEZ4 + QEZ5*gamma_s)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)/(1 + B_t**2*C_t**2*alpha_t**2)
-    E_t_by_QEZ1 = 1 + (QEZ4 + QEZ5*gamma_s)*ca.atan(B_t*C_t*alpha_t)
-    E_t_by_QEZ2 = dfz*(1 + (QEZ4 + QEZ5*gamma_s)*ca.atan(B_t*C_t*alpha_t))
-    E_t_by_QEZ3 = dfz**2*(1 + (QEZ4 + QEZ5*gamma_s)*ca.atan(B_t*C_t*alpha_t))
-    E_t_by_QEZ4 = (QEZ1 + QEZ2*dfz + QEZ3*dfz**2)*ca.atan(B_t*C_t*alpha_t)
-    E_t_by_QEZ5 = gamma_s*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)*ca.atan(B_t*C_t*alpha_t)
-    E_t_by_alpha_t = B_t*C_t*(QEZ4 + QEZ5*gamma_s)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)/(1 + B_t**2*C_t**2*alpha_t**2)
-    E_t_by_dfz = (1 + (QEZ4 + QEZ5*gamma_s)*ca.atan(B_t*C_t*alpha_t))*(QEZ2 + 2*QEZ3*dfz)
-    E_t_by_gamma_s = QEZ5*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)*ca.atan(B_t*C_t*alpha_t)
+    trail_v_part1 = ca.atan(trail_u)
+    trail_v_part2 = trail_u - trail_v_part1
+    trail_v = trail_u - E_t*trail_v_part2  # [4.1] B x bent by E
+    trail_w_part1 = ca.atan(trail_v)
+    trail_w = C_t*trail_w_part1  # [4.1] angle of the Magic Formula
+    trail_part1 = ca.cos(alpha)
+    trail_part2 = ca.cos(trail_w)
+    trail = D_t*trail_part1*trail_part2  # [4.E73] pneumatic trail
+    M_zr_part1 = 1 + B_r**2*alpha_req**2
+    M_zr_part2 = ca.sqrt(M_zr_part1)
+    M_zr_part3 = 1/M_zr_part2
+    M_zr_part4 = ca.cos(alpha)
+    s_part1 = SSZ3 + SSZ4*dfz
+    s_part2 = 1/FNOMIN
+    s_part3 = SSZ1 + gamma_s*s_part1 + Fy*SSZ2*s_part2
+    s = LS*UNLOADED_RADIUS*s_part3  # [4.E76] moment arm of Fx
+    Mz_part1 = Fy - S_Vyk
+
+    # Partial derivatives of each line
+    dfz_part1_by_F_z01 = -dfz_part1**2
+    sign_gamma_part1_by_gamma_s = 2*gamma_s
+    sign_gamma_part2_by_sign_gamma_part1 = 0.5/sign_gamma_part2
+    sign_gamma_part3_by_sign_gamma_part2 = -sign_gamma_part3**2
+    sign_kappa_x_part1_by_kappa_x = 2*kappa_x
+    sign_kappa_x_part2_by_sign_kappa_x_part1 = 0.5/sign_kappa_x_part2
+    sign_kappa_x_part3_by_sign_kappa_x_part2 = -sign_kappa_x_part3**2
+    mu_x_part1_by_PDX3 = -gamma_s**2
+    mu_x_part1_by_gamma_s = -2*PDX3*gamma_s
+    mu_x_by_LMUX = mu_x_part1*mu_x_part2
+    mu_x_by_mu_x_part1 = LMUX*mu_x_part2
+    mu_x_by_mu_x_part2 = LMUX*mu_x_part1
+    E_x_part2_by_PEX3 = dfz**2
+    E_x_part2_by_dfz = PEX2 + 2*PEX3*dfz
+    E_x_by_E_x_part1 = E_x_part2*LEX
+    E_x_by_E_x_part2 = E_x_part1*LEX
+    E_x_by_LEX = E_x_part1*E_x_part2
+    K_xkappa_shared1 = K_xkappa_part3*LKXK
+    K_xkappa_shared2 = F_z*K_xkappa_part1
+    K_xkappa_by_K_xkappa_part1 = F_z*K_xkappa_shared1
+    K_xkappa_by_K_xkappa_part3 = K_xkappa_shared2*LKXK
+    K_xkappa_by_LKXK = K_xkappa_part3*K_xkappa_shared2
+    B_x_part1_by_C_x = -B_x_part1**2
+    B_x_part2_by_D_x = -B_x_part2**2
+    B_x_by_B_x_part1 = B_x_part2*K_xkappa
+    B_x_by_B_x_part2 = B_x_part1*K_xkappa
+    B_x_by_K_xkappa = B_x_part1*B_x_part2
+    S_Vx_shared1 = LVX*S_Vx_part1
+    S_Vx_shared2 = F_z*LMUX
+    S_Vx_by_LMUX = F_z*S_Vx_shared1
+    S_Vx_by_LVX = S_Vx_part1*S_Vx_shared2
+    S_Vx_by_S_Vx_part1 = LVX*S_Vx_shared2
+    F_x0_v_part1_by_F_x0_u = 1/(1 + F_x0_u**2)
+    F_x0_w_part1_by_F_x0_v = 1/(1 + F_x0_v**2)
+    F_x0_part1_by_F_x0_w = ca.cos(F_x0_w)
+    S_Vy_shared1 = LVY*S_Vy_part2
+    S_Vy_shared2 = F_z*LMUY
+    S_Vy_by_LMUY = F_z*S_Vy_shared1
+    S_Vy_by_LVY = S_Vy_part2*S_Vy_shared2
+    S_Vy_by_S_Vy_part2 = LVY*S_Vy_shared2
+    sign_alpha_y_part1_by_alpha_y = 2*alpha_y
+    sign_alpha_y_part2_by_sign_alpha_y_part1 = 0.5/sign_alpha_y_part2
+    sign_alpha_y_part3_by_sign_alpha_y_part2 = -sign_alpha_y_part3**2
+    mu_y_part1_by_PDY3 = -gamma_s**2
+    mu_y_part1_by_gamma_s = -2*PDY3*gamma_s
+    mu_y_by_LMUY = mu_y_part1*mu_y_part2
+    mu_y_by_mu_y_part1 = LMUY*mu_y_part2
+    mu_y_by_mu_y_part2 = LMUY*mu_y_part1
+    E_y_by_E_y_part2 = E_y_part3*LEY
+    E_y_by_E_y_part3 = E_y_part2*LEY
+    E_y_by_LEY = E_y_part2*E_y_part3
+    K_yalpha_w_part1_by_F_z01 = -K_yalpha_w_part1**2
+    K_yalpha_w_part2_by_PKY2 = -K_yalpha_w_part2**2
+    K_yalpha_w_part3_by_K_yalpha_w_part1 = F_z*K_yalpha_w_part2
+    K_yalpha_w_part3_by_K_yalpha_w_part2 = F_z*K_yalpha_w_part1
+    K_yalpha_w_part4_by_K_yalpha_w_part3 = 1/(1 + K_yalpha_w_part3**2)
+    K_yalpha_shared1 = K_yalpha_part2*LFZ0*LKA*PKY1
+    K_yalpha_shared2 = F_z01*K_yalpha_part1*LKA*PKY1
+    K_yalpha_shared3 = F_z01*K_yalpha_part1*K_yalpha_part2*LFZ0
+    K_yalpha_part2_by_K_yalpha_w = ca.cos(K_yalpha_w)
+    K_yalpha_by_F_z01 = K_yalpha_part1*K_yalpha_shared1
+    K_yalpha_by_K_yalpha_part1 = F_z01*K_yalpha_shared1
+    K_yalpha_by_K_yalpha_part2 = K_yalpha_shared2*LFZ0
+    K_yalpha_by_LFZ0 = K_yalpha_part2*K_yalpha_shared2
+    K_yalpha_by_LKA = K_yalpha_shared3*PKY1
+    K_yalpha_by_PKY1 = K_yalpha_shared3*LKA
+    B_y_part1_by_C_y = -B_y_part1**2
+    B_y_part2_by_D_y = -B_y_part2**2
+    B_y_by_B_y_part1 = B_y_part2*K_yalpha
+    B_y_by_B_y_part2 = B_y_part1*K_yalpha
+    B_y_by_K_yalpha = B_y_part1*B_y_part2
+    F_y0_v_part1_by_F_y0_u = 1/(1 + F_y0_u**2)
+    F_y0_w_part1_by_F_y0_v = 1/(1 + F_y0_v**2)
+    F_y0_part1_by_F_y0_w = ca.cos(F_y0_w)
+    B_xalpha_part1_by_RBX2 = 2*RBX2*kappa**2
+    B_xalpha_part2_by_B_xalpha_part1 = 0.5/B_xalpha_part2
+    B_xalpha_part3_by_B_xalpha_part2 = -B_xalpha_part3**2
+    B_xalpha_by_B_xalpha_part3 = LXA*RBX1
+    B_xalpha_by_LXA = B_xalpha_part3*RBX1
+    B_xalpha_by_RBX1 = B_xalpha_part3*LXA
+    G_xa_w_part3_by_G_xa_w_part2 = 1/(1 + G_xa_w_part2**2)
+    G_xa_w0_part2_by_G_xa_w0_part1 = 1/(1 + G_xa_w0_part1**2)
+    G_xa_part1_by_G_xa_w0 = -ca.sin(G_xa_w0)
+    G_xa_part2_by_G_xa_part1 = -G_xa_part2**2
+    G_xa_part3_by_G_xa_w = -ca.sin(G_xa_w)
+    B_ykappa_part2_by_B_ykappa_part1 = 2*B_ykappa_part1*RBY2**2
+    B_ykappa_part2_by_RBY2 = 2*RBY2*B_ykappa_part1**2
+    B_ykappa_part3_by_B_ykappa_part2 = 0.5/B_ykappa_part3
+    B_ykappa_part4_by_B_ykappa_part3 = -B_ykappa_part4**2
+    B_ykappa_by_B_ykappa_part4 = LYK*RBY1
+    B_ykappa_by_LYK = B_ykappa_part4*RBY1
+    B_ykappa_by_RBY1 = B_ykappa_part4*LYK
+    G_yk_w_part3_by_G_yk_w_part2 = 1/(1 + G_yk_w_part2**2)
+    G_yk_w0_part2_by_G_yk_w0_part1 = 1/(1 + G_yk_w0_part1**2)
+    G_yk_part1_by_G_yk_w0 = -ca.sin(G_yk_w0)
+    G_yk_part2_by_G_yk_part1 = -G_yk_part2**2
+    G_yk_part3_by_G_yk_w = -ca.sin(G_yk_w)
+    D_Vyk_shared1 = F_z*mu_y
+    D_Vyk_shared2 = D_Vyk_part3*D_Vyk_part4
+    D_Vyk_part1_by_RVY4 = 2*RVY4*alpha**2
+    D_Vyk_part2_by_D_Vyk_part1 = 0.5/D_Vyk_part2
+    D_Vyk_part3_by_D_Vyk_part2 = -D_Vyk_part3**2
+    D_Vyk_by_D_Vyk_part3 = D_Vyk_part4*D_Vyk_shared1
+    D_Vyk_by_D_Vyk_part4 = D_Vyk_part3*D_Vyk_shared1
+    D_Vyk_by_mu_y = D_Vyk_shared2*F_z
+    S_Vyk_part2_by_S_Vyk_part1 = 1/(1 + S_Vyk_part1**2)
+    S_Vyk_part4_by_S_Vyk_part3 = ca.cos(S_Vyk_part3)
+    S_Vyk_by_D_Vyk = LVYK*S_Vyk_part4
+    S_Vyk_by_LVYK = D_Vyk*S_Vyk_part4
+    S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYK
+    Fx_by_Fx_part1 = ca.if_else(Fz <= 1e-06, 0, 1)
+    Fy_by_Fy_part1 = ca.if_else(Fz <= 1e-06, 0, 1)
+    S_Hf_part1_by_K_yalpha = -S_Hf_part1**2
+    B_t_shared1 = B_t_part3*LKY
+    B_t_shared2 = B_t_part1*B_t_part2
+    B_t_part1_by_LMUY = -B_t_part1**2
+    B_t_part3_by_QBZ3 = dfz**2
+    B_t_part3_by_dfz = QBZ2 + 2*QBZ3*dfz
+    B_t_by_B_t_part1 = B_t_part2*B_t_shared1
+    B_t_by_B_t_part2 = B_t_part1*B_t_shared1
+    B_t_by_B_t_part3 = B_t_shared2*LKY
+    B_t_by_LKY = B_t_part3*B_t_shared2
+    D_t_shared1 = D_t_part3*F_z*LT*UNLOADED_RADIUS
+    D_t_shared2 = D_t_part1*D_t_part2*LT*UNLOADED_RADIUS
+    D_t_shared3 = D_t_part1*D_t_part2*D_t_part3*F_z
+    D_t_part1_by_FNOMIN = -D_t_part1**2
+    D_t_part3_by_QDZ4 = gamma_s**2
+    D_t_part3_by_gamma_s = QDZ3 + 2*QDZ4*gamma_s
+    D_t_by_D_t_part1 = D_t_part2*D_t_shared1
+    D_t_by_D_t_part2 = D_t_part1*D_t_shared1
+    D_t_by_D_t_part3 = D_t_shared2*F_z
+    D_t_by_LT = D_t_shared3*UNLOADED_RADIUS
+    D_t_by_UNLOADED_RADIUS = D_t_shared3*LT
+    E_t_part2_by_B_t = C_t*alpha_t
+    E_t_part2_by_C_t = B_t*alpha_t
+    E_t_part2_by_alpha_t = B_t*C_t
+    E_t_part3_by_E_t_part2 = 1/(1 + E_t_part2**2)
+    E_t_part5_by_QEZ3 = dfz**2
+    E_t_part5_by_dfz = QEZ2 + 2*QEZ3*dfz
+    B_r_part1_by_LMUY = -B_r_part1**2
+    B_r_by_B_r_part1 = LKY*QBZ9
     B_r_by_B_y = C_y*QBZ10
     B_r_by_C_y = B_y*QBZ10
-    B_r_by_LKY = QBZ9/LMUY
-    B_r_by_LMUY = -LKY*QBZ9/LMUY**2
+    B_r_by_LKY = B_r_part1*QBZ9
     B_r_by_QBZ10 = B_y*C_y
-    B_r_by_QBZ9 = LKY/LMUY
-    D_r_by_LMR = F_z*LMUY*UNLOADED_RADIUS*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz))
-    D_r_by_LMUY = F_z*LMR*UNLOADED_RADIUS*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz))
-    D_r_by_QDZ6 = F_z*LMR*LMUY*UNLOADED_RADIUS
-    D_r_by_QDZ7 = F_z*LMR*LMUY*UNLOADED_RADIUS*dfz
-    D_r_by_QDZ8 = F_z*LMR*LMUY*UNLOADED_RADIUS*gamma_s
-    D_r_by_QDZ9 = F_z*LMR*LMUY*UNLOADED_RADIUS*dfz*gamma_s
-    D_r_by_UNLOADED_RADIUS = F_z*LMR*LMUY*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz))
-    D_r_by_dfz = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ7 + QDZ9*gamma_s)
-    D_r_by_gamma_s = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ8 + QDZ9*dfz)
-    kappa_share_by_K_xkappa = 2*K_xkappa*kappa**2/K_yalpha**2
-    kappa_share_by_K_yalpha = -2*K_xkappa**2*kappa**2/K_yalpha**3
-    alpha_teq_by_alpha_t = ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2)) - kappa_share*alpha_t**2/(ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2))*(1e-06 + alpha_t**2)**2)
-    alpha_teq_by_kappa_share = 0.5*alpha_t/(ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2))*(1e-06 + alpha_t**2))
-    alpha_req_by_alpha_r = ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2)) - kappa_share*alpha_r**2/(ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2))*(1e-06 + alpha_r**2)**2)
-    alpha_req_by_kappa_share = 0.5*alpha_r/(ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2))*(1e-06 + alpha_r**2))
-    trail_v_by_E_t = -trail_u + ca.atan(trail_u)
-    trail_v_by_trail_u = 1 - E_t*(1 - 1/(1 + trail_u**2))
-    trail_w_by_C_t = ca.atan(trail_v)
-    trail_w_by_trail_v = C_t/(1 + trail_v**2)
-    trail_by_D_t = ca.cos(alpha)*ca.cos(trail_w)
-    trail_by_trail_w = -D_t*ca.cos(alpha)*ca.sin(trail_w)
-    M_zr_by_B_r = -B_r*D_r*alpha_req**2*ca.cos(alpha)/(1 + B_r**2*alpha_req**2)**1.5
-    M_zr_by_D_r = ca.cos(alpha)/ca.sqrt(1 + B_r**2*alpha_req**2)
-    M_zr_by_alpha_req = -D_r*alpha_req*B_r**2*ca.cos(alpha)/(1 + B_r**2*alpha_req**2)**1.5
-    s_by_FNOMIN = -Fy*LS*SSZ2*UNLOADED_RADIUS/FNOMIN**2
-    s_by_Fy = LS*SSZ2*UNLOADED_RADIUS/FNOMIN
-    s_by_LS = UNLOADED_RADIUS*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)
-    s_by_SSZ1 = LS*UNLOADED_RADIUS
-    s_by_SSZ2 = Fy*LS*UNLOADED_RADIUS/FNOMIN
-    s_by_SSZ3 = LS*UNLOADED_RADIUS*gamma_s
-    s_by_SSZ4 = LS*UNLOADED_RADIUS*dfz*gamma_s
-    s_by_UNLOADED_RADIUS = LS*(SSZ1 + gamma_s*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)
-    s_by_dfz = LS*SSZ4*UNLOADED_RADIUS*gamma_s
-    s_by_gamma_s = LS*UNLOADED_RADIUS*(SSZ3 + SSZ4*dfz)
-    Mz_by_Fx = ca.if_else(Fz <= 1e-06, 0, s)
-    Mz_by_Fy = ca.if_else(Fz <= 1e-06, 0, -trail)
-    Mz_by_M_zr = ca.if_else(Fz <= 1e-06, 0, 1)
-    Mz_by_S_Vyk = ca.if_else(Fz <= 1e-06, 0, trail)
-    Mz_by_s = ca.if_else(Fz <= 1e-06, 0, Fx)
-    Mz_by_trail = ca.if_else(Fz <= 1e-06, 0, S_Vyk - Fy)
+    B_r_by_QBZ9 = B_r_part1*LKY
+    D_r_shared1 = LMR*LMUY*UNLOADED_RADIUS
+    D_r_shared2 = D_r_part2*F_z*UNLOADED_RADIUS
+    D_r_by_D_r_part2 = D_r_shared1*F_z
+    D_r_by_LMR = D_r_shared2*LMUY
+    D_r_by_LMUY = D_r_shared2*LMR
+    D_r_by_UNLOADED_RADIUS = D_r_part2*F_z*LMR*LMUY
+    kappa_share_shared1 = kappa_share_part1**2
+    kappa_share_shared2 = kappa**2
+    kappa_share_shared3 = 2*kappa_share_shared1
+    kappa_share_shared4 = K_xkappa**2
+    kappa_share_by_K_xkappa = K_xkappa*kappa_share_shared2*kappa_share_shared3
+    kappa_share_by_kappa_share_part1 = 2*kappa_share_part1*kappa_share_shared2*kappa_share_shared4
+    alpha_teq_part1_by_alpha_t = 2*alpha_t
+    alpha_teq_part2_by_alpha_teq_part1 = -alpha_teq_part2**2
+    alpha_teq_part4_by_alpha_teq_part3 = 0.5/alpha_teq_part4
+    alpha_req_part1_by_alpha_r = 2*alpha_r
+    alpha_req_part2_by_alpha_req_part1 = -alpha_req_part2**2
+    alpha_req_part4_by_alpha_req_part3 = 0.5/alpha_req_part4
+    trail_v_part1_by_trail_u = 1/(1 + trail_u**2)
+    trail_w_part1_by_trail_v = 1/(1 + trail_v**2)
+    trail_part2_by_trail_w = -ca.sin(trail_w)
+    trail_by_D_t = trail_part1*trail_part2
+    trail_by_trail_part2 = D_t*trail_part1
+    M_zr_part1_by_B_r = 2*B_r*alpha_req**2
+    M_zr_part1_by_alpha_req = 2*alpha_req*B_r**2
+    M_zr_part2_by_M_zr_part1 = 0.5/M_zr_part2
+    M_zr_part3_by_M_zr_part2 = -M_zr_part3**2
+    M_zr_by_D_r = M_zr_part3*M_zr_part4
+    M_zr_by_M_zr_part3 = D_r*M_zr_part4
+    s_part2_by_FNOMIN = -s_part2**2
+    s_part3_by_Fy = SSZ2*s_part2
+    s_part3_by_SSZ2 = Fy*s_part2
+    s_part3_by_s_part2 = Fy*SSZ2
+    s_by_LS = UNLOADED_RADIUS*s_part3
+    s_by_UNLOADED_RADIUS = LS*s_part3
+    s_by_s_part3 = LS*UNLOADED_RADIUS
+    Mz_by_Mz_part2 = ca.if_else(Fz <= 1e-06, 0, 1)
 
     # Chain rule
-    dFx_dG_xa_w0 = Fx_by_G_xa*G_xa_by_G_xa_w0
-    dFx_dG_xa_w = Fx_by_G_xa*G_xa_by_G_xa_w
-    dFx_dB_xalpha = G_xa_w0_by_B_xalpha*dFx_dG_xa_w0 + G_xa_w_by_B_xalpha*dFx_dG_xa_w
-    dFx_dF_x0_w = F_x0_by_F_x0_w*Fx_by_F_x0
-    dFx_dF_x0_v = F_x0_w_by_F_x0_v*dFx_dF_x0_w
-    dFx_dF_x0_u = F_x0_v_by_F_x0_u*dFx_dF_x0_v
-    dFx_dB_x = dFx_dF_x0_u*kappa_x
-    dFx_dK_xkappa = B_x_by_K_xkappa*dFx_dB_x
-    dFx_dE_x = F_x0_v_by_E_x*dFx_dF_x0_v
-    dFx_dD_x = B_x_by_D_x*dFx_dB_x + F_x0_by_D_x*Fx_by_F_x0
-    dFx_dmu_x = F_z*dFx_dD_x
-    dFx_dC_x = B_x_by_C_x*dFx_dB_x + F_x0_w_by_C_x*dFx_dF_x0_w
-    dFx_dsign_kappa_x = E_x_by_sign_kappa_x*dFx_dE_x
-    dFx_dkappa_x = B_x*dFx_dF_x0_u + dFx_dsign_kappa_x*sign_kappa_x_by_kappa_x
-    dFx_dgamma_s = dFx_dmu_x*mu_x_by_gamma_s
-    dFx_ddfz = E_x_by_dfz*dFx_dE_x + Fx_by_F_x0*S_Vx_by_dfz + K_xkappa_by_dfz*dFx_dK_xkappa + S_Hx_by_dfz*dFx_dkappa_x + dFx_dmu_x*mu_x_by_dfz
-    dFx_dF_z01 = dFx_ddfz*dfz_by_F_z01
-    dFy_dD_Vyk = Fy_by_S_Vyk*S_Vyk_by_D_Vyk
-    dFy_dG_yk_w0 = Fy_by_G_yk*G_yk_by_G_yk_w0
-    dFy_dG_yk_w = Fy_by_G_yk*G_yk_by_G_yk_w
-    dFy_dB_ykappa = G_yk_w0_by_B_ykappa*dFy_dG_yk_w0 + G_yk_w_by_B_ykappa*dFy_dG_yk_w
-    dFy_dF_y0_w = F_y0_by_F_y0_w*Fy_by_F_y0
-    dFy_dF_y0_v = F_y0_w_by_F_y0_v*dFy_dF_y0_w
-    dFy_dF_y0_u = F_y0_v_by_F_y0_u*dFy_dF_y0_v
-    dFy_dB_y = alpha_y*dFy_dF_y0_u
-    dFy_dK_yalpha = B_y_by_K_yalpha*dFy_dB_y
-    dFy_dK_yalpha_w = K_yalpha_by_K_yalpha_w*dFy_dK_yalpha
-    dFy_dE_y = F_y0_v_by_E_y*dFy_dF_y0_v
-    dFy_dD_y = B_y_by_D_y*dFy_dB_y + F_y0_by_D_y*Fy_by_F_y0
-    dFy_dmu_y = D_Vyk_by_mu_y*dFy_dD_Vyk + F_z*dFy_dD_y
-    dFy_dC_y = B_y_by_C_y*dFy_dB_y + F_y0_w_by_C_y*dFy_dF_y0_w
-    dFy_dsign_alpha_y = E_y_by_sign_alpha_y*dFy_dE_y
-    dFy_dalpha_y = B_y*dFy_dF_y0_u + dFy_dsign_alpha_y*sign_alpha_y_by_alpha_y
-    dFy_dsign_gamma = K_yalpha_by_sign_gamma*dFy_dK_yalpha
-    dFy_dgamma_s = E_y_by_gamma_s*dFy_dE_y + Fy_by_F_y0*S_Vy_by_gamma_s + S_Hy_by_gamma_s*dFy_dalpha_y + dFy_dmu_y*mu_y_by_gamma_s + dFy_dsign_gamma*sign_gamma_by_gamma_s
-    dFy_ddfz = D_Vyk_by_dfz*dFy_dD_Vyk + E_y_by_dfz*dFy_dE_y + Fy_by_F_y0*S_Vy_by_dfz + S_Hy_by_dfz*dFy_dalpha_y + dFy_dmu_y*mu_y_by_dfz
-    dFy_dF_z01 = K_yalpha_by_F_z01*dFy_dK_yalpha + K_yalpha_w_by_F_z01*dFy_dK_yalpha_w + dFy_ddfz*dfz_by_F_z01
-    dMz_dtrail_w = Mz_by_trail*trail_by_trail_w
-    dMz_dtrail_v = dMz_dtrail_w*trail_w_by_trail_v
-    dMz_dtrail_u = dMz_dtrail_v*trail_v_by_trail_u
-    dMz_dalpha_req = M_zr_by_alpha_req*Mz_by_M_zr
-    dMz_dalpha_teq = B_t*dMz_dtrail_u
-    dMz_dkappa_share = alpha_req_by_kappa_share*dMz_dalpha_req + alpha_teq_by_kappa_share*dMz_dalpha_teq
-    dMz_dD_r = M_zr_by_D_r*Mz_by_M_zr
-    dMz_dB_r = M_zr_by_B_r*Mz_by_M_zr
-    dMz_dE_t = dMz_dtrail_v*trail_v_by_E_t
-    dMz_dD_t = Mz_by_trail*trail_by_D_t
-    dMz_dC_t = E_t_by_C_t*dMz_dE_t + dMz_dtrail_w*trail_w_by_C_t
-    dMz_dB_t = E_t_by_B_t*dMz_dE_t + alpha_teq*dMz_dtrail_u
-    dMz_dalpha_r = alpha_req_by_alpha_r*dMz_dalpha_req
-    dMz_dalpha_t = E_t_by_alpha_t*dMz_dE_t + alpha_teq_by_alpha_t*dMz_dalpha_teq
-    dMz_dFy = Mz_by_Fy + Mz_by_s*s_by_Fy
-    dMz_dS_Vyk = Mz_by_S_Vyk + Fy_by_S_Vyk*dMz_dFy
-    dMz_dD_Vyk = S_Vyk_by_D_Vyk*dMz_dS_Vyk
-    dMz_dG_yk = Fy_by_G_yk*dMz_dFy
-    dMz_dG_yk_w0 = G_yk_by_G_yk_w0*dMz_dG_yk
-    dMz_dG_yk_w = G_yk_by_G_yk_w*dMz_dG_yk
-    dMz_dB_ykappa = G_yk_w0_by_B_ykappa*dMz_dG_yk_w0 + G_yk_w_by_B_ykappa*dMz_dG_yk_w
-    dMz_dG_xa = Fx_by_G_xa*Mz_by_Fx
-    dMz_dG_xa_w0 = G_xa_by_G_xa_w0*dMz_dG_xa
-    dMz_dG_xa_w = G_xa_by_G_xa_w*dMz_dG_xa
-    dMz_dB_xalpha = G_xa_w0_by_B_xalpha*dMz_dG_xa_w0 + G_xa_w_by_B_xalpha*dMz_dG_xa_w
-    dMz_dF_y0 = Fy_by_F_y0*dMz_dFy
-    dMz_dF_y0_w = F_y0_by_F_y0_w*dMz_dF_y0
-    dMz_dF_y0_v = F_y0_w_by_F_y0_v*dMz_dF_y0_w
-    dMz_dF_y0_u = F_y0_v_by_F_y0_u*dMz_dF_y0_v
-    dMz_dB_y = B_r_by_B_y*dMz_dB_r + alpha_y*dMz_dF_y0_u
-    dMz_dK_yalpha = B_y_by_K_yalpha*dMz_dB_y + S_Hf_by_K_yalpha*dMz_dalpha_r + dMz_dkappa_share*kappa_share_by_K_yalpha
-    dMz_dK_yalpha_w = K_yalpha_by_K_yalpha_w*dMz_dK_yalpha
-    dMz_dE_y = F_y0_v_by_E_y*dMz_dF_y0_v
-    dMz_dD_y = B_y_by_D_y*dMz_dB_y + F_y0_by_D_y*dMz_dF_y0
-    dMz_dmu_y = D_Vyk_by_mu_y*dMz_dD_Vyk + F_z*dMz_dD_y
-    dMz_dC_y = B_r_by_C_y*dMz_dB_r + B_y_by_C_y*dMz_dB_y + F_y0_w_by_C_y*dMz_dF_y0_w
-    dMz_dsign_alpha_y = E_y_by_sign_alpha_y*dMz_dE_y
-    dMz_dalpha_y = B_y*dMz_dF_y0_u + dMz_dsign_alpha_y*sign_alpha_y_by_alpha_y
-    dMz_dS_Vy = dMz_dF_y0 + S_Hf_by_S_Vy*dMz_dalpha_r
-    dMz_dS_Hy = dMz_dalpha_r + dMz_dalpha_y
-    dMz_dF_x0 = Fx_by_F_x0*Mz_by_Fx
-    dMz_dF_x0_w = F_x0_by_F_x0_w*dMz_dF_x0
-    dMz_dF_x0_v = F_x0_w_by_F_x0_v*dMz_dF_x0_w
-    dMz_dF_x0_u = F_x0_v_by_F_x0_u*dMz_dF_x0_v
-    dMz_dB_x = dMz_dF_x0_u*kappa_x
-    dMz_dK_xkappa = B_x_by_K_xkappa*dMz_dB_x + dMz_dkappa_share*kappa_share_by_K_xkappa
-    dMz_dE_x = F_x0_v_by_E_x*dMz_dF_x0_v
-    dMz_dD_x = B_x_by_D_x*dMz_dB_x + F_x0_by_D_x*dMz_dF_x0
-    dMz_dmu_x = F_z*dMz_dD_x
-    dMz_dC_x = B_x_by_C_x*dMz_dB_x + F_x0_w_by_C_x*dMz_dF_x0_w
-    dMz_dsign_kappa_x = E_x_by_sign_kappa_x*dMz_dE_x
-    dMz_dkappa_x = B_x*dMz_dF_x0_u + dMz_dsign_kappa_x*sign_kappa_x_by_kappa_x
-    dMz_dsign_gamma = B_t_by_sign_gamma*dMz_dB_t + K_yalpha_by_sign_gamma*dMz_dK_yalpha
-    dMz_dgamma_s = B_t_by_gamma_s*dMz_dB_t + D_r_by_gamma_s*dMz_dD_r + D_t_by_gamma_s*dMz_dD_t + E_t_by_gamma_s*dMz_dE_t + E_y_by_gamma_s*dMz_dE_y + Mz_by_s*s_by_gamma_s + S_Ht_by_gamma_s*dMz_dalpha_t + S_Hy_by_gamma_s*dMz_dS_Hy + S_Vy_by_gamma_s*dMz_dS_Vy + dMz_dmu_x*mu_x_by_gamma_s + dMz_dmu_y*mu_y_by_gamma_s + dMz_dsign_gamma*sign_gamma_by_gamma_s
-    dMz_ddfz = B_t_by_dfz*dMz_dB_t + D_Vyk_by_dfz*dMz_dD_Vyk + D_r_by_dfz*dMz_dD_r + D_t_by_dfz*dMz_dD_t + E_t_by_dfz*dMz_dE_t + E_x_by_dfz*dMz_dE_x + E_y_by_dfz*dMz_dE_y + K_xkappa_by_dfz*dMz_dK_xkappa + Mz_by_s*s_by_dfz + S_Ht_by_dfz*dMz_dalpha_t + S_Hx_by_dfz*dMz_dkappa_x + S_Hy_by_dfz*dMz_dS_Hy + S_Vx_by_dfz*dMz_dF_x0 + S_Vy_by_dfz*dMz_dS_Vy + dMz_dmu_x*mu_x_by_dfz + dMz_dmu_y*mu_y_by_dfz
-    dMz_dF_z01 = K_yalpha_by_F_z01*dMz_dK_yalpha + K_yalpha_w_by_F_z01*dMz_dK_yalpha_w + dMz_ddfz*dfz_by_F_z01
+    dsign_gamma_part2_dgamma_s = sign_gamma_part1_by_gamma_s*sign_gamma_part2_by_sign_gamma_part1
+    dsign_gamma_part3_dgamma_s = dsign_gamma_part2_dgamma_s*sign_gamma_part3_by_sign_gamma_part2
+    dsign_kappa_x_part2_dkappa_x = sign_kappa_x_part1_by_kappa_x*sign_kappa_x_part2_by_sign_kappa_x_part1
+    dsign_kappa_x_part3_dkappa_x = dsign_kappa_x_part2_dkappa_x*sign_kappa_x_part3_by_sign_kappa_x_part2
+    dsign_kappa_x_dkappa_x = sign_kappa_x_part3 + dsign_kappa_x_part3_dkappa_x*kappa_x
+    dF_x0_v_part2_dF_x0_u = 1 - F_x0_v_part1_by_F_x0_u
+    dsign_alpha_y_part2_dalpha_y = sign_alpha_y_part1_by_alpha_y*sign_alpha_y_part2_by_sign_alpha_y_part1
+    dsign_alpha_y_part3_dalpha_y = dsign_alpha_y_part2_dalpha_y*sign_alpha_y_part3_by_sign_alpha_y_part2
+    dsign_alpha_y_dalpha_y = sign_alpha_y_part3 + alpha_y*dsign_alpha_y_part3_dalpha_y
+    dK_yalpha_w_dK_yalpha_w_part3 = 2*K_yalpha_w_part4_by_K_yalpha_w_part3
+    dK_yalpha_part2_dK_yalpha_w_part3 = K_yalpha_part2_by_K_yalpha_w*dK_yalpha_w_dK_yalpha_w_part3
+    dF_y0_v_part2_dF_y0_u = 1 - F_y0_v_part1_by_F_y0_u
+    dB_xalpha_part2_dRBX2 = B_xalpha_part1_by_RBX2*B_xalpha_part2_by_B_xalpha_part1
+    dB_xalpha_part3_dRBX2 = B_xalpha_part3_by_B_xalpha_part2*dB_xalpha_part2_dRBX2
+    dG_xa_part2_dG_xa_w0 = G_xa_part1_by_G_xa_w0*G_xa_part2_by_G_xa_part1
+    dB_ykappa_part4_dB_ykappa_part2 = B_ykappa_part3_by_B_ykappa_part2*B_ykappa_part4_by_B_ykappa_part3
+    dG_yk_part2_dG_yk_w0 = G_yk_part1_by_G_yk_w0*G_yk_part2_by_G_yk_part1
+    dD_Vyk_part2_dRVY4 = D_Vyk_part1_by_RVY4*D_Vyk_part2_by_D_Vyk_part1
+    dD_Vyk_part3_dRVY4 = D_Vyk_part3_by_D_Vyk_part2*dD_Vyk_part2_dRVY4
+    dS_Vyk_part2_dRVY6 = S_Vyk_part2_by_S_Vyk_part1*kappa
+    dalpha_teq_part2_dalpha_t = alpha_teq_part1_by_alpha_t*alpha_teq_part2_by_alpha_teq_part1
+    dalpha_req_part2_dalpha_r = alpha_req_part1_by_alpha_r*alpha_req_part2_by_alpha_req_part1
+    dtrail_v_part2_dtrail_u = 1 - trail_v_part1_by_trail_u
+    dM_zr_part3_dM_zr_part1 = M_zr_part2_by_M_zr_part1*M_zr_part3_by_M_zr_part2
+    dsign_gamma_dgamma_s = sign_gamma_part3 + dsign_gamma_part3_dgamma_s*gamma_s
+    dB_x_dD_x = B_x_by_B_x_part2*B_x_part2_by_D_x
+    dE_x_part1_dkappa_x = -PEX4*dsign_kappa_x_dkappa_x
+    dK_xkappa_dK_xkappa_part2 = K_xkappa_by_K_xkappa_part3*K_xkappa_part3
+    dF_x0_v_dF_x0_u = 1 - E_x*dF_x0_v_part2_dF_x0_u
+    dF_x0_w_dF_x0_v = C_x*F_x0_w_part1_by_F_x0_v
+    dF_x0_dF_x0_w = D_x*F_x0_part1_by_F_x0_w
+    dB_y_dD_y = B_y_by_B_y_part2*B_y_part2_by_D_y
+    dK_yalpha_w_part3_dF_z01 = K_yalpha_w_part1_by_F_z01*K_yalpha_w_part3_by_K_yalpha_w_part1
+    dK_yalpha_w_part3_dPKY2 = K_yalpha_w_part2_by_PKY2*K_yalpha_w_part3_by_K_yalpha_w_part2
+    dK_yalpha_dK_yalpha_w_part3 = K_yalpha_by_K_yalpha_part2*dK_yalpha_part2_dK_yalpha_w_part3
+    dK_yalpha_part1_dgamma_s = -PKY3*dsign_gamma_dgamma_s
+    dF_y0_v_dF_y0_u = 1 - E_y*dF_y0_v_part2_dF_y0_u
+    dF_y0_w_dF_y0_v = C_y*F_y0_w_part1_by_F_y0_v
+    dF_y0_dF_y0_w = D_y*F_y0_part1_by_F_y0_w
+    dG_xa_w_dG_xa_w_part2 = G_xa_w_part3_by_G_xa_w_part2*RCX1
+    dG_xa_w0_dG_xa_w0_part1 = G_xa_w0_part2_by_G_xa_w0_part1*RCX1
+    dG_xa_dG_xa_w0 = G_xa_part3*dG_xa_part2_dG_xa_w0
+    dG_xa_dG_xa_w = G_xa_part2*G_xa_part3_by_G_xa_w
+    dB_ykappa_dB_ykappa_part2 = B_ykappa_by_B_ykappa_part4*dB_ykappa_part4_dB_ykappa_part2
+    dG_yk_w_dG_yk_w_part2 = G_yk_w_part3_by_G_yk_w_part2*RCY1
+    dG_yk_w0_dG_yk_w0_part1 = G_yk_w0_part2_by_G_yk_w0_part1*RCY1
+    dG_yk_dG_yk_w0 = G_yk_part3*dG_yk_part2_dG_yk_w0
+    dG_yk_dG_yk_w = G_yk_part2*G_yk_part3_by_G_yk_w
+    dS_Vyk_part3_dRVY6 = RVY5*dS_Vyk_part2_dRVY6
+    dalpha_teq_part3_dalpha_t = dalpha_teq_part2_dalpha_t*kappa_share
+    dalpha_teq_dalpha_teq_part3 = alpha_t*alpha_teq_part4_by_alpha_teq_part3
+    dalpha_teq_dalpha_t = alpha_teq_part4 + dalpha_teq_dalpha_teq_part3*dalpha_teq_part3_dalpha_t
+    dalpha_teq_dkappa_share = alpha_teq_part2*dalpha_teq_dalpha_teq_part3
+    dalpha_req_part3_dalpha_r = dalpha_req_part2_dalpha_r*kappa_share
+    dalpha_req_dalpha_req_part3 = alpha_r*alpha_req_part4_by_alpha_req_part3
+    dalpha_req_dalpha_r = alpha_req_part4 + dalpha_req_dalpha_req_part3*dalpha_req_part3_dalpha_r
+    dalpha_req_dkappa_share = alpha_req_part2*dalpha_req_dalpha_req_part3
+    dtrail_w_dtrail_v = C_t*trail_w_part1_by_trail_v
+    dtrail_dtrail_w = trail_by_trail_part2*trail_part2_by_trail_w
+    dB_x_dC_x = B_x_by_B_x_part1*B_x_part1_by_C_x
+    dB_x_dmu_x = F_z*dB_x_dD_x
+    dF_x0_v_dB_x = dF_x0_v_dF_x0_u*kappa_x
+    dF_y0_v_dB_y = alpha_y*dF_y0_v_dF_y0_u
+    dF_y0_v_dalpha_y = B_y*dF_y0_v_dF_y0_u
+    dF_y0_dF_y0_v = dF_y0_dF_y0_w*dF_y0_w_dF_y0_v
+    dG_xa_w_dB_xalpha = G_xa_w_part1*dG_xa_w_dG_xa_w_part2
+    dG_xa_w_dRHX1 = B_xalpha*dG_xa_w_dG_xa_w_part2
+    dFx_part1_dG_xa_w = F_x0*dG_xa_dG_xa_w
+    dG_xa_w0_dB_xalpha = RHX1*dG_xa_w0_dG_xa_w0_part1
+    dG_xa_w0_dRHX1 = B_xalpha*dG_xa_w0_dG_xa_w0_part1
+    dFx_part1_dG_xa_w0 = F_x0*dG_xa_dG_xa_w0
+    dB_xalpha_dRBX2 = B_xalpha_by_B_xalpha_part3*dB_xalpha_part3_dRBX2
+    dFx_part1_dB_xalpha = dFx_part1_dG_xa_w*dG_xa_w_dB_xalpha + dFx_part1_dG_xa_w0*dG_xa_w0_dB_xalpha
+    dG_yk_w_dB_ykappa = G_yk_w_part1*dG_yk_w_dG_yk_w_part2
+    dG_yk_w_dRHY1 = B_ykappa*dG_yk_w_dG_yk_w_part2
+    dFy_part1_dG_yk_w = F_y0*dG_yk_dG_yk_w
+    dG_yk_w0_dB_ykappa = RHY1*dG_yk_w0_dG_yk_w0_part1
+    dG_yk_w0_dRHY1 = B_ykappa*dG_yk_w0_dG_yk_w0_part1
+    dFy_part1_dG_yk_w0 = F_y0*dG_yk_dG_yk_w0
+    dB_t_part2_dgamma_s = QBZ4 + QBZ5*dsign_gamma_dgamma_s
+    dE_t_part4_dE_t_part2 = E_t_part1*E_t_part3_by_E_t_part2
+    dtrail_v_dE_t_part5 = -E_t_part4*trail_v_part2
+    dtrail_u_dalpha_t = B_t*dalpha_teq_dalpha_t
+    dtrail_u_dkappa_share = B_t*dalpha_teq_dkappa_share
+    dtrail_v_dtrail_u = 1 - E_t*dtrail_v_part2_dtrail_u
+    dtrail_dQCZ1 = dtrail_dtrail_w*trail_w_part1
+    dtrail_dtrail_v = dtrail_dtrail_w*dtrail_w_dtrail_v
+    dM_zr_part1_dalpha_r = M_zr_part1_by_alpha_req*dalpha_req_dalpha_r
+    dM_zr_part1_dkappa_share = M_zr_part1_by_alpha_req*dalpha_req_dkappa_share
+    dMz_part2_dM_zr_part1 = M_zr_by_M_zr_part3*dM_zr_part3_dM_zr_part1
+    dK_yalpha_dF_z01 = K_yalpha_by_F_z01 + dK_yalpha_dK_yalpha_w_part3*dK_yalpha_w_part3_dF_z01
+    ddfz_dF_z01 = F_z*dfz_part1_by_F_z01
+    dF_x0_dC_x = F_x0_w_part1*dF_x0_dF_x0_w
+    dF_x0_v_dC_x = dB_x_dC_x*dF_x0_v_dB_x
+    dE_y_part2_dalpha_y = -E_y_part1*dsign_alpha_y_dalpha_y
+    dF_y0_dalpha_y = dF_y0_dF_y0_v*dF_y0_v_dalpha_y
+    dB_ykappa_dRBY2 = B_ykappa_part2_by_RBY2*dB_ykappa_dB_ykappa_part2
+    dB_ykappa_dRBY3 = -B_ykappa_part2_by_B_ykappa_part1*dB_ykappa_dB_ykappa_part2
+    dFy_part1_dB_ykappa = dFy_part1_dG_yk_w*dG_yk_w_dB_ykappa + dFy_part1_dG_yk_w0*dG_yk_w0_dB_ykappa
+    dS_Vyk_part4_dRVY5 = S_Vyk_part2*S_Vyk_part4_by_S_Vyk_part3
+    dS_Vyk_part4_dRVY6 = S_Vyk_part4_by_S_Vyk_part3*dS_Vyk_part3_dRVY6
+    dMz_part2_dS_Vyk_part4 = S_Vyk_by_S_Vyk_part4*trail
+    dkappa_share_dK_yalpha = -kappa_share_by_kappa_share_part1*kappa_share_shared1
+    dtrail_v_dkappa_share = dtrail_u_dkappa_share*dtrail_v_dtrail_u
+    dMz_part2_dkappa_share = dM_zr_part1_dkappa_share*dMz_part2_dM_zr_part1
+    dE_y_part2_dPEY4 = -gamma_s*sign_alpha_y
+    dE_y_part2_dgamma_s = -PEY4*sign_alpha_y
+    dE_y_part2_dLHY = S_Hy_part1*dE_y_part2_dalpha_y
+    dE_y_part2_dS_Hy_part1 = LHY*dE_y_part2_dalpha_y
+    dD_r_part2_ddfz = QDZ7 + QDZ9*gamma_s
+    dD_r_part2_dQDZ9 = dfz*gamma_s
+    dMz_part2_dD_r_part2 = D_r_by_D_r_part2*M_zr_by_D_r
+    dF_x0_v_dkappa_x = B_x*dF_x0_v_dF_x0_u
+    dF_x0_v_dK_xkappa = B_x_by_K_xkappa*dF_x0_v_dB_x
+    dF_x0_v_dmu_x = dB_x_dmu_x*dF_x0_v_dB_x
+    dF_x0_v_dLCX = PCX1*dF_x0_v_dC_x
+    dF_x0_v_dPCX1 = LCX*dF_x0_v_dC_x
+    dF_x0_dF_x0_v = dF_x0_dF_x0_w*dF_x0_w_dF_x0_v
+    dmu_x_dPDX3 = mu_x_by_mu_x_part1*mu_x_part1_by_PDX3
+    dmu_x_dgamma_s = mu_x_by_mu_x_part1*mu_x_part1_by_gamma_s
+    dmu_x_dPDX2 = dfz*mu_x_by_mu_x_part2
+    dmu_x_ddfz = PDX2*mu_x_by_mu_x_part2
+    dF_x0_dmu_x = F_x0_part1*F_z + dF_x0_dF_x0_v*dF_x0_v_dmu_x
+    dB_y_dC_y = B_y_by_B_y_part1*B_y_part1_by_C_y
+    dF_y0_dC_y = F_y0_w_part1*dF_y0_dF_y0_w
+    dFx_part1_dRCX1 = G_xa_w0_part2*dFx_part1_dG_xa_w0 + G_xa_w_part3*dFx_part1_dG_xa_w
+    dFx_part1_dRHX1 = dFx_part1_dG_xa_w*dG_xa_w_dRHX1 + dFx_part1_dG_xa_w0*dG_xa_w0_dRHX1
+    dFx_part1_dLXA = B_xalpha_by_LXA*dFx_part1_dB_xalpha
+    dFx_part1_dRBX1 = B_xalpha_by_RBX1*dFx_part1_dB_xalpha
+    dFx_part1_dRBX2 = dB_xalpha_dRBX2*dFx_part1_dB_xalpha
+    dalpha_r_dK_yalpha = S_Hf_part1_by_K_yalpha*S_Vy
+    dalpha_r_dLMUY = S_Hf_part1*S_Vy_by_LMUY
+    dalpha_r_dLVY = S_Hf_part1*S_Vy_by_LVY
+    dalpha_r_dS_Vy_part2 = S_Hf_part1*S_Vy_by_S_Vy_part2
+    dMz_part2_dalpha_r = dM_zr_part1_dalpha_r*dMz_part2_dM_zr_part1
+    dE_t_part4_dQEZ5 = E_t_part3*gamma_s
+    dE_t_part4_dgamma_s = E_t_part3*QEZ5
+    dE_t_part4_dB_t = E_t_part2_by_B_t*dE_t_part4_dE_t_part2
+    dE_t_part4_dalpha_t = E_t_part2_by_alpha_t*dE_t_part4_dE_t_part2
+    dE_t_part4_dQCZ1 = E_t_part2_by_C_t*dE_t_part4_dE_t_part2
+    dtrail_v_dE_t_part4 = -E_t_part5*trail_v_part2
+    dalpha_t_ddfz = QHZ2 + QHZ4*gamma_s
+    dalpha_t_dQHZ4 = dfz*gamma_s
+    dtrail_v_dalpha_t = dE_t_part4_dalpha_t*dtrail_v_dE_t_part4 + dtrail_u_dalpha_t*dtrail_v_dtrail_u
+    dE_x_dPEX4 = -E_x_by_E_x_part1*sign_kappa_x
+    dE_x_dkappa_x = E_x_by_E_x_part1*dE_x_part1_dkappa_x
+    dE_x_dPEX2 = E_x_by_E_x_part2*dfz
+    dE_x_dPEX3 = E_x_by_E_x_part2*E_x_part2_by_PEX3
+    dE_x_ddfz = E_x_by_E_x_part2*E_x_part2_by_dfz
+    dF_x0_dE_x = -F_x0_v_part2*dF_x0_dF_x0_v
+    dkappa_x_dPHX2 = LHX*dfz
+    dkappa_x_ddfz = LHX*PHX2
+    dF_x0_dkappa_x = dE_x_dkappa_x*dF_x0_dE_x + dF_x0_dF_x0_v*dF_x0_v_dkappa_x
+    dB_r_dLMUY = B_r_by_B_r_part1*B_r_part1_by_LMUY
+    dB_r_dLCY = B_r_by_C_y*PCY1
+    dB_r_dPCY1 = B_r_by_C_y*LCY
+    dMz_part2_dB_r = M_zr_part1_by_B_r*dMz_part2_dM_zr_part1
+    ds_part3_dFNOMIN = s_part2_by_FNOMIN*s_part3_by_s_part2
+    ds_part3_dSSZ4 = dfz*gamma_s
+    ds_part3_ddfz = SSZ4*gamma_s
+    dMz_part2_ds_part3 = Fx*s_by_s_part3
+    dB_y_dmu_y = F_z*dB_y_dD_y
+    dB_y_dLCY = PCY1*dB_y_dC_y
+    dB_y_dPCY1 = LCY*dB_y_dC_y
+    dF_y0_dB_y = dF_y0_dF_y0_v*dF_y0_v_dB_y
+    dMz_part2_dB_y = B_r_by_B_y*dMz_part2_dB_r
+    dE_y_dPEY2 = E_y_by_E_y_part3*dfz
+    dE_y_ddfz = E_y_by_E_y_part3*PEY2
+    dE_y_dPEY3 = -E_y_by_E_y_part2*sign_alpha_y
+    dE_y_dPEY4 = E_y_by_E_y_part2*dE_y_part2_dPEY4
+    dE_y_dgamma_s = E_y_by_E_y_part2*dE_y_part2_dgamma_s
+    dE_y_dLHY = E_y_by_E_y_part2*dE_y_part2_dLHY
+    dE_y_dS_Hy_part1 = E_y_by_E_y_part2*dE_y_part2_dS_Hy_part1
+    dF_y0_dE_y = -F_y0_v_part2*dF_y0_dF_y0_v
+    dF_y0_dS_Hy_part1 = LHY*dF_y0_dalpha_y + dE_y_dS_Hy_part1*dF_y0_dE_y
+    dMz_part2_dS_Hy_part1 = LHY*dMz_part2_dalpha_r
+    dmu_y_dgamma_s = mu_y_by_mu_y_part1*mu_y_part1_by_gamma_s
+    dK_yalpha_dgamma_s = K_yalpha_by_K_yalpha_part1*dK_yalpha_part1_dgamma_s
+    dB_t_dgamma_s = B_t_by_B_t_part2*dB_t_part2_dgamma_s
+    dD_t_dgamma_s = D_t_by_D_t_part3*D_t_part3_by_gamma_s
+    dMz_part2_dgamma_s = D_r_part1*dMz_part2_dD_r_part2 + PHY3*dMz_part2_dS_Hy_part1 + dMz_part2_ds_part3*s_part1
+    dF_x0_dgamma_s = dF_x0_dmu_x*dmu_x_dgamma_s
+    dtrail_v_dgamma_s = S_Ht_part1*dtrail_v_dalpha_t + dE_t_part4_dgamma_s*dtrail_v_dE_t_part4
+    dF_y0_dgamma_s = PHY3*dF_y0_dS_Hy_part1 + dE_y_dgamma_s*dF_y0_dE_y
+    dB_t_dLMUY = B_t_by_B_t_part1*B_t_part1_by_LMUY
+    dB_t_dQBZ4 = B_t_by_B_t_part2*gamma_s
+    dB_t_dQBZ5 = B_t_by_B_t_part2*sign_gamma
+    dB_t_dQBZ2 = B_t_by_B_t_part3*dfz
+    dB_t_dQBZ3 = B_t_by_B_t_part3*B_t_part3_by_QBZ3
+    dB_t_ddfz = B_t_by_B_t_part3*B_t_part3_by_dfz
+    dB_t_dLGAMMAY = dB_t_dgamma_s*gamma
+    dtrail_v_dB_t = alpha_teq*dtrail_v_dtrail_u + dE_t_part4_dB_t*dtrail_v_dE_t_part4
+    dD_t_dFNOMIN = D_t_by_D_t_part1*D_t_part1_by_FNOMIN
+    dD_t_dQDZ2 = D_t_by_D_t_part2*dfz
+    dD_t_ddfz = D_t_by_D_t_part2*QDZ2
+    dD_t_dQDZ3 = D_t_by_D_t_part3*gamma_s
+    dD_t_dQDZ4 = D_t_by_D_t_part3*D_t_part3_by_QDZ4
+    dD_t_dLGAMMAY = dD_t_dgamma_s*gamma
+    dMz_part2_dD_t = -Mz_part1*trail_by_D_t
+    dS_Vy_part2_ddfz = PVY2 + PVY4*gamma_s
+    dS_Vy_part2_dPVY4 = dfz*gamma_s
+    dS_Vy_part2_dLGAMMAY = S_Vy_part1*gamma
+    dMz_part2_dS_Vy_part2 = dMz_part2_dalpha_r*dalpha_r_dS_Vy_part2
+    dFy_part1_dRCY1 = G_yk_w0_part2*dFy_part1_dG_yk_w0 + G_yk_w_part3*dFy_part1_dG_yk_w
+    dFy_part1_dRHY1 = dFy_part1_dG_yk_w*dG_yk_w_dRHY1 + dFy_part1_dG_yk_w0*dG_yk_w0_dRHY1
+    dFy_part1_dLYK = B_ykappa_by_LYK*dFy_part1_dB_ykappa
+    dFy_part1_dRBY1 = B_ykappa_by_RBY1*dFy_part1_dB_ykappa
+    dFy_part1_dRBY2 = dB_ykappa_dRBY2*dFy_part1_dB_ykappa
+    dFy_part1_dRBY3 = dB_ykappa_dRBY3*dFy_part1_dB_ykappa
+    dFy_part1_dRVY5 = S_Vyk_by_S_Vyk_part4*dS_Vyk_part4_dRVY5
+    dFy_part1_dRVY6 = S_Vyk_by_S_Vyk_part4*dS_Vyk_part4_dRVY6
+    dD_Vyk_dRVY4 = D_Vyk_by_D_Vyk_part3*dD_Vyk_part3_dRVY4
+    dD_Vyk_dRVY2 = D_Vyk_by_D_Vyk_part4*dfz
+    dD_Vyk_dRVY3 = D_Vyk_by_D_Vyk_part4*gamma
+    dD_Vyk_ddfz = D_Vyk_by_D_Vyk_part4*RVY2
+    dMz_part2_dD_Vyk = S_Vyk_by_D_Vyk*trail
+    dFy_dD_Vyk = Fy_by_Fy_part1*S_Vyk_by_D_Vyk
+    ddfz_dFNOMIN = LFZ0*ddfz_dF_z01
+    ddfz_dLFZ0 = FNOMIN*ddfz_dF_z01
+    dK_xkappa_ddfz = K_xkappa_by_K_xkappa_part1*PKX2 - PKX3*dK_xkappa_dK_xkappa_part2
+    dF_x0_ddfz = PVX2*S_Vx_by_S_Vx_part1 + dE_x_ddfz*dF_x0_dE_x + dF_x0_dkappa_x*dkappa_x_ddfz + dF_x0_dmu_x*dmu_x_ddfz
+    dmu_y_ddfz = PDY2*mu_y_by_mu_y_part2
+    dtrail_v_ddfz = E_t_part5_by_dfz*dtrail_v_dE_t_part5 + dB_t_ddfz*dtrail_v_dB_t + dalpha_t_ddfz*dtrail_v_dalpha_t
+    dMz_part2_ddfz = PHY2*dMz_part2_dS_Hy_part1 + dD_Vyk_ddfz*dMz_part2_dD_Vyk + dD_r_part2_ddfz*dMz_part2_dD_r_part2 + dD_t_ddfz*dMz_part2_dD_t + dMz_part2_dS_Vy_part2*dS_Vy_part2_ddfz + dMz_part2_ds_part3*ds_part3_ddfz
+    dF_y0_ddfz = PHY2*dF_y0_dS_Hy_part1 + S_Vy_by_S_Vy_part2*dS_Vy_part2_ddfz + dE_y_ddfz*dF_y0_dE_y
+    dFy_ddfz = dD_Vyk_ddfz*dFy_dD_Vyk
+    dK_xkappa_dPKX2 = K_xkappa_by_K_xkappa_part1*dfz
+    dK_xkappa_dPKX3 = -dK_xkappa_dK_xkappa_part2*dfz
+    dK_xkappa_dFNOMIN = dK_xkappa_ddfz*ddfz_dFNOMIN
+    dK_xkappa_dLFZ0 = dK_xkappa_ddfz*ddfz_dLFZ0
+    dtrail_v_dK_xkappa = dtrail_v_dkappa_share*kappa_share_by_K_xkappa
+    dMz_part2_dK_xkappa = dMz_part2_dkappa_share*kappa_share_by_K_xkappa
+    dF_x0_dK_xkappa = dF_x0_dF_x0_v*dF_x0_v_dK_xkappa
+    dmu_y_dPDY3 = mu_y_by_mu_y_part1*mu_y_part1_by_PDY3
+    dmu_y_dPDY2 = dfz*mu_y_by_mu_y_part2
+    dmu_y_dLGAMMAY = dmu_y_dgamma_s*gamma
+    dmu_y_dFNOMIN = ddfz_dFNOMIN*dmu_y_ddfz
+    dmu_y_dLFZ0 = ddfz_dLFZ0*dmu_y_ddfz
+    dF_y0_dmu_y = F_y0_part1*F_z + dB_y_dmu_y*dF_y0_dB_y
+    dMz_part2_dmu_y = D_Vyk_by_mu_y*dMz_part2_dD_Vyk + dB_y_dmu_y*dMz_part2_dB_y
+    dFy_dmu_y = D_Vyk_by_mu_y*dFy_dD_Vyk
+    dK_yalpha_dLFZ0 = K_yalpha_by_LFZ0 + FNOMIN*dK_yalpha_dF_z01
+    dK_yalpha_dPKY2 = dK_yalpha_dK_yalpha_w_part3*dK_yalpha_w_part3_dPKY2
+    dK_yalpha_dPKY3 = -K_yalpha_by_K_yalpha_part1*sign_gamma
+    dK_yalpha_dFNOMIN = LFZ0*dK_yalpha_dF_z01
+    dK_yalpha_dLGAMMAY = dK_yalpha_dgamma_s*gamma
+    dtrail_v_dK_yalpha = dkappa_share_dK_yalpha*dtrail_v_dkappa_share
+    dMz_part2_dK_yalpha = B_y_by_K_yalpha*dMz_part2_dB_y + dMz_part2_dalpha_r*dalpha_r_dK_yalpha + dMz_part2_dkappa_share*dkappa_share_dK_yalpha
+    dF_y0_dK_yalpha = B_y_by_K_yalpha*dF_y0_dB_y
+    dF_x0_dLMUX = S_Vx_by_LMUX + dF_x0_dmu_x*mu_x_by_LMUX
+    dF_x0_dPVX2 = S_Vx_by_S_Vx_part1*dfz
+    dF_x0_dLCX = PCX1*dF_x0_dC_x + dF_x0_dF_x0_v*dF_x0_v_dLCX
+    dF_x0_dPCX1 = LCX*dF_x0_dC_x + dF_x0_dF_x0_v*dF_x0_v_dPCX1
+    dF_x0_dPDX3 = dF_x0_dmu_x*dmu_x_dPDX3
+    dF_x0_dPDX1 = dF_x0_dmu_x*mu_x_by_mu_x_part2
+    dF_x0_dPDX2 = dF_x0_dmu_x*dmu_x_dPDX2
+    dF_x0_dLEX = E_x_by_LEX*dF_x0_dE_x
+    dF_x0_dPEX4 = dE_x_dPEX4*dF_x0_dE_x
+    dF_x0_dPEX1 = E_x_by_E_x_part2*dF_x0_dE_x
+    dF_x0_dPEX2 = dE_x_dPEX2*dF_x0_dE_x
+    dF_x0_dPEX3 = dE_x_dPEX3*dF_x0_dE_x
+    dF_x0_dLHX = S_Hx_part1*dF_x0_dkappa_x
+    dF_x0_dPHX1 = LHX*dF_x0_dkappa_x
+    dF_x0_dPHX2 = dF_x0_dkappa_x*dkappa_x_dPHX2
+    dF_x0_dLGAMMAY = dF_x0_dgamma_s*gamma
+    dF_x0_dFNOMIN = dF_x0_dK_xkappa*dK_xkappa_dFNOMIN + dF_x0_ddfz*ddfz_dFNOMIN
+    dF_x0_dLFZ0 = dF_x0_dK_xkappa*dK_xkappa_dLFZ0 + dF_x0_ddfz*ddfz_dLFZ0
+    dF_x0_dLKXK = K_xkappa_by_LKXK*dF_x0_dK_xkappa
+    dF_x0_dPKX1 = K_xkappa_by_K_xkappa_part1*dF_x0_dK_xkappa
+    dF_x0_dPKX2 = dF_x0_dK_xkappa*dK_xkappa_dPKX2
+    dF_x0_dPKX3 = dF_x0_dK_xkappa*dK_xkappa_dPKX3
+    dFx_dF_x0 = Fx_by_Fx_part1*G_xa
+    dF_y0_dLMUY = S_Vy_by_LMUY + dF_y0_dmu_y*mu_y_by_LMUY
+    dF_y0_dLHY = S_Hy_part1*dF_y0_dalpha_y + dE_y_dLHY*dF_y0_dE_y
+    dF_y0_dLCY = PCY1*dF_y0_dC_y + dB_y_dLCY*dF_y0_dB_y
+    dF_y0_dPCY1 = LCY*dF_y0_dC_y + dB_y_dPCY1*dF_y0_dB_y
+    dF_y0_dLEY = E_y_by_LEY*dF_y0_dE_y
+    dF_y0_dPEY1 = E_y_by_E_y_part3*dF_y0_dE_y
+    dF_y0_dPEY2 = dE_y_dPEY2*dF_y0_dE_y
+    dF_y0_dPEY3 = dE_y_dPEY3*dF_y0_dE_y
+    dF_y0_dPEY4 = dE_y_dPEY4*dF_y0_dE_y
+    dF_y0_dPHY2 = dF_y0_dS_Hy_part1*dfz
+    dF_y0_dPHY3 = dF_y0_dS_Hy_part1*gamma_s
+    dF_y0_dLGAMMAY = S_Vy_by_S_Vy_part2*dS_Vy_part2_dLGAMMAY + dF_y0_dK_yalpha*dK_yalpha_dLGAMMAY + dF_y0_dgamma_s*gamma + dF_y0_dmu_y*dmu_y_dLGAMMAY
+    dF_y0_dPVY2 = S_Vy_by_S_Vy_part2*dfz
+    dF_y0_dPVY3 = S_Vy_by_S_Vy_part2*gamma_s
+    dF_y0_dPVY4 = S_Vy_by_S_Vy_part2*dS_Vy_part2_dPVY4
+    dF_y0_dFNOMIN = dF_y0_dK_yalpha*dK_yalpha_dFNOMIN + dF_y0_ddfz*ddfz_dFNOMIN + dF_y0_dmu_y*dmu_y_dFNOMIN
+    dF_y0_dLFZ0 = dF_y0_dK_yalpha*dK_yalpha_dLFZ0 + dF_y0_ddfz*ddfz_dLFZ0 + dF_y0_dmu_y*dmu_y_dLFZ0
+    dF_y0_dPDY3 = dF_y0_dmu_y*dmu_y_dPDY3
+    dF_y0_dPDY1 = dF_y0_dmu_y*mu_y_by_mu_y_part2
+    dF_y0_dPDY2 = dF_y0_dmu_y*dmu_y_dPDY2
+    dF_y0_dLKA = K_yalpha_by_LKA*dF_y0_dK_yalpha
+    dF_y0_dPKY1 = K_yalpha_by_PKY1*dF_y0_dK_yalpha
+    dF_y0_dPKY2 = dF_y0_dK_yalpha*dK_yalpha_dPKY2
+    dF_y0_dPKY3 = dF_y0_dK_yalpha*dK_yalpha_dPKY3
+    dFy_dF_y0 = Fy_by_Fy_part1*G_yk
+    dtrail_v_dQEZ2 = dfz*dtrail_v_dE_t_part5
+    dtrail_v_dQEZ3 = E_t_part5_by_QEZ3*dtrail_v_dE_t_part5
+    dtrail_v_dQEZ4 = E_t_part3*dtrail_v_dE_t_part4
+    dtrail_v_dQEZ5 = dE_t_part4_dQEZ5*dtrail_v_dE_t_part4
+    dtrail_v_dQCZ1 = dE_t_part4_dQCZ1*dtrail_v_dE_t_part4
+    dtrail_v_dQHZ2 = dfz*dtrail_v_dalpha_t
+    dtrail_v_dQHZ3 = dtrail_v_dalpha_t*gamma_s
+    dtrail_v_dQHZ4 = dalpha_t_dQHZ4*dtrail_v_dalpha_t
+    dtrail_v_dLGAMMAY = dB_t_dLGAMMAY*dtrail_v_dB_t + dK_yalpha_dLGAMMAY*dtrail_v_dK_yalpha + dtrail_v_dgamma_s*gamma
+    dtrail_v_dLKY = B_t_by_LKY*dtrail_v_dB_t
+    dtrail_v_dLMUY = dB_t_dLMUY*dtrail_v_dB_t
+    dtrail_v_dQBZ4 = dB_t_dQBZ4*dtrail_v_dB_t
+    dtrail_v_dQBZ5 = dB_t_dQBZ5*dtrail_v_dB_t
+    dtrail_v_dQBZ1 = B_t_by_B_t_part3*dtrail_v_dB_t
+    dtrail_v_dQBZ2 = dB_t_dQBZ2*dtrail_v_dB_t
+    dtrail_v_dQBZ3 = dB_t_dQBZ3*dtrail_v_dB_t
+    dtrail_v_dFNOMIN = dK_xkappa_dFNOMIN*dtrail_v_dK_xkappa + dK_yalpha_dFNOMIN*dtrail_v_dK_yalpha + ddfz_dFNOMIN*dtrail_v_ddfz
+    dtrail_v_dLFZ0 = dK_xkappa_dLFZ0*dtrail_v_dK_xkappa + dK_yalpha_dLFZ0*dtrail_v_dK_yalpha + ddfz_dLFZ0*dtrail_v_ddfz
+    dtrail_v_dLKXK = K_xkappa_by_LKXK*dtrail_v_dK_xkappa
+    dtrail_v_dPKX1 = K_xkappa_by_K_xkappa_part1*dtrail_v_dK_xkappa
+    dtrail_v_dPKX2 = dK_xkappa_dPKX2*dtrail_v_dK_xkappa
+    dtrail_v_dPKX3 = dK_xkappa_dPKX3*dtrail_v_dK_xkappa
+    dtrail_v_dLKA = K_yalpha_by_LKA*dtrail_v_dK_yalpha
+    dtrail_v_dPKY1 = K_yalpha_by_PKY1*dtrail_v_dK_yalpha
+    dtrail_v_dPKY2 = dK_yalpha_dPKY2*dtrail_v_dK_yalpha
+    dtrail_v_dPKY3 = dK_yalpha_dPKY3*dtrail_v_dK_yalpha
+    dMz_part2_dtrail_v = -Mz_part1*dtrail_dtrail_v
+    dMz_part2_dQCZ1 = dMz_part2_dtrail_v*dtrail_v_dQCZ1 - Mz_part1*dtrail_dQCZ1
+    dMz_part2_dLS = Fx*s_by_LS
+    dMz_part2_dUNLOADED_RADIUS = D_r_by_UNLOADED_RADIUS*M_zr_by_D_r + D_t_by_UNLOADED_RADIUS*dMz_part2_dD_t + Fx*s_by_UNLOADED_RADIUS
+    dMz_part2_dFy = -trail + dMz_part2_ds_part3*s_part3_by_Fy
+    dMz_part2_dLVYK = S_Vyk_by_LVYK*trail
+    dMz_part2_dRVY5 = dMz_part2_dS_Vyk_part4*dS_Vyk_part4_dRVY5
+    dMz_part2_dRVY6 = dMz_part2_dS_Vyk_part4*dS_Vyk_part4_dRVY6
+    dMz_part2_dLMR = D_r_by_LMR*M_zr_by_D_r
+    dMz_part2_dLMUY = D_r_by_LMUY*M_zr_by_D_r + dB_r_dLMUY*dMz_part2_dB_r + dMz_part2_dalpha_r*dalpha_r_dLMUY + dMz_part2_dmu_y*mu_y_by_LMUY + dMz_part2_dtrail_v*dtrail_v_dLMUY
+    dMz_part2_dQDZ7 = dMz_part2_dD_r_part2*dfz
+    dMz_part2_dQDZ8 = dMz_part2_dD_r_part2*gamma_s
+    dMz_part2_dQDZ9 = dD_r_part2_dQDZ9*dMz_part2_dD_r_part2
+    dMz_part2_dLHY = S_Hy_part1*dMz_part2_dalpha_r
+    dMz_part2_dLVY = dMz_part2_dalpha_r*dalpha_r_dLVY
+    dMz_part2_dLKY = B_r_by_LKY*dMz_part2_dB_r + dMz_part2_dtrail_v*dtrail_v_dLKY
+    dMz_part2_dQBZ10 = B_r_by_QBZ10*dMz_part2_dB_r
+    dMz_part2_dQBZ9 = B_r_by_QBZ9*dMz_part2_dB_r
+    dMz_part2_dLCY = dB_r_dLCY*dMz_part2_dB_r + dB_y_dLCY*dMz_part2_dB_y
+    dMz_part2_dPCY1 = dB_r_dPCY1*dMz_part2_dB_r + dB_y_dPCY1*dMz_part2_dB_y
+    dMz_part2_dSSZ2 = dMz_part2_ds_part3*s_part3_by_SSZ2
+    dMz_part2_dFNOMIN = dD_t_dFNOMIN*dMz_part2_dD_t + dK_xkappa_dFNOMIN*dMz_part2_dK_xkappa + dK_yalpha_dFNOMIN*dMz_part2_dK_yalpha + dMz_part2_ddfz*ddfz_dFNOMIN + dMz_part2_dmu_y*dmu_y_dFNOMIN + dMz_part2_ds_part3*ds_part3_dFNOMIN + dMz_part2_dtrail_v*dtrail_v_dFNOMIN
+    dMz_part2_dSSZ3 = dMz_part2_ds_part3*gamma_s
+    dMz_part2_dSSZ4 = dMz_part2_ds_part3*ds_part3_dSSZ4
+    dMz_part2_dPHY2 = dMz_part2_dS_Hy_part1*dfz
+    dMz_part2_dPHY3 = dMz_part2_dS_Hy_part1*gamma_s
+    dMz_part2_dLGAMMAY = dD_t_dLGAMMAY*dMz_part2_dD_t + dK_yalpha_dLGAMMAY*dMz_part2_dK_yalpha + dMz_part2_dS_Vy_part2*dS_Vy_part2_dLGAMMAY + dMz_part2_dgamma_s*gamma + dMz_part2_dmu_y*dmu_y_dLGAMMAY + dMz_part2_dtrail_v*dtrail_v_dLGAMMAY
+    dMz_part2_dLT = D_t_by_LT*dMz_part2_dD_t
+    dMz_part2_dQDZ1 = D_t_by_D_t_part2*dMz_part2_dD_t
+    dMz_part2_dQDZ2 = dD_t_dQDZ2*dMz_part2_dD_t
+    dMz_part2_dQDZ3 = dD_t_dQDZ3*dMz_part2_dD_t
+    dMz_part2_dQDZ4 = dD_t_dQDZ4*dMz_part2_dD_t
+    dMz_part2_dPVY2 = dMz_part2_dS_Vy_part2*dfz
+    dMz_part2_dPVY3 = dMz_part2_dS_Vy_part2*gamma_s
+    dMz_part2_dPVY4 = dMz_part2_dS_Vy_part2*dS_Vy_part2_dPVY4
+    dMz_part2_dRVY4 = dD_Vyk_dRVY4*dMz_part2_dD_Vyk
+    dMz_part2_dRVY1 = D_Vyk_by_D_Vyk_part4*dMz_part2_dD_Vyk
+    dMz_part2_dRVY2 = dD_Vyk_dRVY2*dMz_part2_dD_Vyk
+    dMz_part2_dRVY3 = dD_Vyk_dRVY3*dMz_part2_dD_Vyk
+    dMz_part2_dLFZ0 = dK_xkappa_dLFZ0*dMz_part2_dK_xkappa + dK_yalpha_dLFZ0*dMz_part2_dK_yalpha + dMz_part2_ddfz*ddfz_dLFZ0 + dMz_part2_dmu_y*dmu_y_dLFZ0 + dMz_part2_dtrail_v*dtrail_v_dLFZ0
+    dMz_part2_dLKXK = K_xkappa_by_LKXK*dMz_part2_dK_xkappa + dMz_part2_dtrail_v*dtrail_v_dLKXK
+    dMz_part2_dPKX1 = K_xkappa_by_K_xkappa_part1*dMz_part2_dK_xkappa + dMz_part2_dtrail_v*dtrail_v_dPKX1
+    dMz_part2_dPKX2 = dK_xkappa_dPKX2*dMz_part2_dK_xkappa + dMz_part2_dtrail_v*dtrail_v_dPKX2
+    dMz_part2_dPKX3 = dK_xkappa_dPKX3*dMz_part2_dK_xkappa + dMz_part2_dtrail_v*dtrail_v_dPKX3
+    dMz_part2_dPDY3 = dMz_part2_dmu_y*dmu_y_dPDY3
+    dMz_part2_dPDY1 = dMz_part2_dmu_y*mu_y_by_mu_y_part2
+    dMz_part2_dPDY2 = dMz_part2_dmu_y*dmu_y_dPDY2
+    dMz_part2_dLKA = K_yalpha_by_LKA*dMz_part2_dK_yalpha + dMz_part2_dtrail_v*dtrail_v_dLKA
+    dMz_part2_dPKY1 = K_yalpha_by_PKY1*dMz_part2_dK_yalpha + dMz_part2_dtrail_v*dtrail_v_dPKY1
+    dMz_part2_dPKY2 = dK_yalpha_dPKY2*dMz_part2_dK_yalpha + dMz_part2_dtrail_v*dtrail_v_dPKY2
+    dMz_part2_dPKY3 = dK_yalpha_dPKY3*dMz_part2_dK_yalpha + dMz_part2_dtrail_v*dtrail_v_dPKY3
+    dMz_part2_dQEZ1 = dMz_part2_dtrail_v*dtrail_v_dE_t_part5
+    dMz_part2_dQEZ2 = dMz_part2_dtrail_v*dtrail_v_dQEZ2
+    dMz_part2_dQEZ3 = dMz_part2_dtrail_v*dtrail_v_dQEZ3
+    dMz_part2_dQEZ4 = dMz_part2_dtrail_v*dtrail_v_dQEZ4
+    dMz_part2_dQEZ5 = dMz_part2_dtrail_v*dtrail_v_dQEZ5
+    dMz_part2_dQHZ1 = dMz_part2_dtrail_v*dtrail_v_dalpha_t
+    dMz_part2_dQHZ2 = dMz_part2_dtrail_v*dtrail_v_dQHZ2
+    dMz_part2_dQHZ3 = dMz_part2_dtrail_v*dtrail_v_dQHZ3
+    dMz_part2_dQHZ4 = dMz_part2_dtrail_v*dtrail_v_dQHZ4
+    dMz_part2_dQBZ4 = dMz_part2_dtrail_v*dtrail_v_dQBZ4
+    dMz_part2_dQBZ5 = dMz_part2_dtrail_v*dtrail_v_dQBZ5
+    dMz_part2_dQBZ1 = dMz_part2_dtrail_v*dtrail_v_dQBZ1
+    dMz_part2_dQBZ2 = dMz_part2_dtrail_v*dtrail_v_dQBZ2
+    dMz_part2_dQBZ3 = dMz_part2_dtrail_v*dtrail_v_dQBZ3
+    dFx_dRCX1 = Fx_by_Fx_part1*dFx_part1_dRCX1
+    dFx_dRHX1 = Fx_by_Fx_part1*dFx_part1_dRHX1
+    dFx_dLXA = Fx_by_Fx_part1*dFx_part1_dLXA
+    dFx_dRBX1 = Fx_by_Fx_part1*dFx_part1_dRBX1
+    dFx_dRBX2 = Fx_by_Fx_part1*dFx_part1_dRBX2
+    dFx_dLMUX = dF_x0_dLMUX*dFx_dF_x0
+    dFx_dLVX = S_Vx_by_LVX*dFx_dF_x0
+    dFx_dPVX1 = S_Vx_by_S_Vx_part1*dFx_dF_x0
+    dFx_dPVX2 = dF_x0_dPVX2*dFx_dF_x0
+    dFx_dLCX = dF_x0_dLCX*dFx_dF_x0
+    dFx_dPCX1 = dF_x0_dPCX1*dFx_dF_x0
+    dFx_dPDX3 = dF_x0_dPDX3*dFx_dF_x0
+    dFx_dPDX1 = dF_x0_dPDX1*dFx_dF_x0
+    dFx_dPDX2 = dF_x0_dPDX2*dFx_dF_x0
+    dFx_dLEX = dF_x0_dLEX*dFx_dF_x0
+    dFx_dPEX4 = dF_x0_dPEX4*dFx_dF_x0
+    dFx_dPEX1 = dF_x0_dPEX1*dFx_dF_x0
+    dFx_dPEX2 = dF_x0_dPEX2*dFx_dF_x0
+    dFx_dPEX3 = dF_x0_dPEX3*dFx_dF_x0
+    dFx_dLHX = dF_x0_dLHX*dFx_dF_x0
+    dFx_dPHX1 = dF_x0_dPHX1*dFx_dF_x0
+    dFx_dPHX2 = dF_x0_dPHX2*dFx_dF_x0
+    dFx_dLGAMMAY = dF_x0_dLGAMMAY*dFx_dF_x0
+    dFx_dFNOMIN = dF_x0_dFNOMIN*dFx_dF_x0
+    dFx_dLFZ0 = dF_x0_dLFZ0*dFx_dF_x0
+    dFx_dLKXK = dF_x0_dLKXK*dFx_dF_x0
+    dFx_dPKX1 = dF_x0_dPKX1*dFx_dF_x0
+    dFx_dPKX2 = dF_x0_dPKX2*dFx_dF_x0
+    dFx_dPKX3 = dF_x0_dPKX3*dFx_dF_x0
+    dMz_dFx = Mz_by_Mz_part2*s
+    dFy_dLVYK = Fy_by_Fy_part1*S_Vyk_by_LVYK
+    dFy_dRCY1 = Fy_by_Fy_part1*dFy_part1_dRCY1
+    dFy_dRHY1 = Fy_by_Fy_part1*dFy_part1_dRHY1
+    dFy_dLYK = Fy_by_Fy_part1*dFy_part1_dLYK
+    dFy_dRBY1 = Fy_by_Fy_part1*dFy_part1_dRBY1
+    dFy_dRBY2 = Fy_by_Fy_part1*dFy_part1_dRBY2
+    dFy_dRBY3 = Fy_by_Fy_part1*dFy_part1_dRBY3
+    dFy_dRVY5 = Fy_by_Fy_part1*dFy_part1_dRVY5
+    dFy_dRVY6 = Fy_by_Fy_part1*dFy_part1_dRVY6
+    dFy_dRVY4 = dD_Vyk_dRVY4*dFy_dD_Vyk
+    dFy_dRVY1 = D_Vyk_by_D_Vyk_part4*dFy_dD_Vyk
+    dFy_dRVY2 = dD_Vyk_dRVY2*dFy_dD_Vyk
+    dFy_dRVY3 = dD_Vyk_dRVY3*dFy_dD_Vyk
+    dFy_dFNOMIN = dF_y0_dFNOMIN*dFy_dF_y0 + dFy_ddfz*ddfz_dFNOMIN + dFy_dmu_y*dmu_y_dFNOMIN
+    dFy_dLFZ0 = dF_y0_dLFZ0*dFy_dF_y0 + dFy_ddfz*ddfz_dLFZ0 + dFy_dmu_y*dmu_y_dLFZ0
+    dFy_dLMUY = dF_y0_dLMUY*dFy_dF_y0 + dFy_dmu_y*mu_y_by_LMUY
+    dFy_dPDY3 = dF_y0_dPDY3*dFy_dF_y0 + dFy_dmu_y*dmu_y_dPDY3
+    dFy_dPDY1 = dF_y0_dPDY1*dFy_dF_y0 + dFy_dmu_y*mu_y_by_mu_y_part2
+    dFy_dPDY2 = dF_y0_dPDY2*dFy_dF_y0 + dFy_dmu_y*dmu_y_dPDY2
+    dFy_dLGAMMAY = dF_y0_dLGAMMAY*dFy_dF_y0 + dFy_dmu_y*dmu_y_dLGAMMAY
+    dFy_dLVY = S_Vy_by_LVY*dFy_dF_y0
+    dFy_dLHY = dF_y0_dLHY*dFy_dF_y0
+    dFy_dLCY = dF_y0_dLCY*dFy_dF_y0
+    dFy_dPCY1 = dF_y0_dPCY1*dFy_dF_y0
+    dFy_dLEY = dF_y0_dLEY*dFy_dF_y0
+    dFy_dPEY1 = dF_y0_dPEY1*dFy_dF_y0
+    dFy_dPEY2 = dF_y0_dPEY2*dFy_dF_y0
+    dFy_dPEY3 = dF_y0_dPEY3*dFy_dF_y0
+    dFy_dPEY4 = dF_y0_dPEY4*dFy_dF_y0
+    dFy_dPHY1 = dF_y0_dS_Hy_part1*dFy_dF_y0
+    dFy_dPHY2 = dF_y0_dPHY2*dFy_dF_y0
+    dFy_dPHY3 = dF_y0_dPHY3*dFy_dF_y0
+    dFy_dPVY1 = S_Vy_by_S_Vy_part2*dFy_dF_y0
+    dFy_dPVY2 = dF_y0_dPVY2*dFy_dF_y0
+    dFy_dPVY3 = dF_y0_dPVY3*dFy_dF_y0
+    dFy_dPVY4 = dF_y0_dPVY4*dFy_dF_y0
+    dFy_dLKA = dF_y0_dLKA*dFy_dF_y0
+    dFy_dPKY1 = dF_y0_dPKY1*dFy_dF_y0
+    dFy_dPKY2 = dF_y0_dPKY2*dFy_dF_y0
+    dFy_dPKY3 = dF_y0_dPKY3*dFy_dF_y0
+    dMz_dFy = Mz_by_Mz_part2*dMz_part2_dFy
 
     return ca.blockcat([
     [
         0,
-        LFZ0*dFx_dF_z01,
-        FNOMIN*dFx_dF_z01,
-        PCX1*dFx_dC_x,
-        Fx_by_F_x0*S_Vx_by_LMUX + dFx_dmu_x*mu_x_by_LMUX,
-        E_x_by_LEX*dFx_dE_x,
-        K_xkappa_by_LKXK*dFx_dK_xkappa,
-        S_Hx_by_LHX*dFx_dkappa_x,
-        Fx_by_F_x0*S_Vx_by_LVX,
+        dFx_dFNOMIN,
+        dFx_dLFZ0,
+        dFx_dLCX,
+        dFx_dLMUX,
+        dFx_dLEX,
+        dFx_dLKXK,
+        dFx_dLHX,
+        dFx_dLVX,
         0,
         0,
         0,
         0,
         0,
         0,
-        dFx_dgamma_s*gamma,
+        dFx_dLGAMMAY,
         0,
         0,
         0,
-        B_xalpha_by_LXA*dFx_dB_xalpha,
+        dFx_dLXA,
         0,
         0,
         0,
-        LCX*dFx_dC_x,
-        dFx_dmu_x*mu_x_by_PDX1,
-        dFx_dmu_x*mu_x_by_PDX2,
-        dFx_dmu_x*mu_x_by_PDX3,
-        E_x_by_PEX1*dFx_dE_x,
-        E_x_by_PEX2*dFx_dE_x,
-        E_x_by_PEX3*dFx_dE_x,
-        E_x_by_PEX4*dFx_dE_x,
-        K_xkappa_by_PKX1*dFx_dK_xkappa,
-        K_xkappa_by_PKX2*dFx_dK_xkappa,
-        K_xkappa_by_PKX3*dFx_dK_xkappa,
-        LHX*dFx_dkappa_x,
-        S_Hx_by_PHX2*dFx_dkappa_x,
-        Fx_by_F_x0*S_Vx_by_PVX1,
-        Fx_by_F_x0*S_Vx_by_PVX2,
-        B_xalpha_by_RBX1*dFx_dB_xalpha,
-        B_xalpha_by_RBX2*dFx_dB_xalpha,
-        G_xa_w0_by_RCX1*dFx_dG_xa_w0 + G_xa_w_by_RCX1*dFx_dG_xa_w,
-        G_xa_w0_by_RHX1*dFx_dG_xa_w0 + G_xa_w_by_RHX1*dFx_dG_xa_w,
+        dFx_dPCX1,
+        dFx_dPDX1,
+        dFx_dPDX2,
+        dFx_dPDX3,
+        dFx_dPEX1,
+        dFx_dPEX2,
+        dFx_dPEX3,
+        dFx_dPEX4,
+        dFx_dPKX1,
+        dFx_dPKX2,
+        dFx_dPKX3,
+        dFx_dPHX1,
+        dFx_dPHX2,
+        dFx_dPVX1,
+        dFx_dPVX2,
+        dFx_dRBX1,
+        dFx_dRBX2,
+        dFx_dRCX1,
+        dFx_dRHX1,
         0,
         0,
         0,
@@ -1311,34 +2205,27 @@ def jacobian_parameters(inputs, parameters):
     ],
     [
         0,
-        LFZ0*dFy_dF_z01,
-        FNOMIN*dFy_dF_z01 + K_yalpha_by_LFZ0*dFy_dK_yalpha,
+        dFy_dFNOMIN,
+        dFy_dLFZ0,
         0,
         0,
         0,
         0,
         0,
         0,
-        PCY1*dFy_dC_y,
-        Fy_by_F_y0*S_Vy_by_LMUY + dFy_dmu_y*mu_y_by_LMUY,
-        E_y_by_LEY*dFy_dE_y,
-        K_yalpha_by_LKA*dFy_dK_yalpha,
-        S_Hy_by_LHY*dFy_dalpha_y,
-        Fy_by_F_y0*S_Vy_by_LVY,
-        dFy_dgamma_s*gamma,
+        dFy_dLCY,
+        dFy_dLMUY,
+        dFy_dLEY,
+        dFy_dLKA,
+        dFy_dLHY,
+        dFy_dLVY,
+        dFy_dLGAMMAY,
         0,
         0,
         0,
         0,
-        B_ykappa_by_LYK*dFy_dB_ykappa,
-        Fy_by_S_Vyk*S_Vyk_by_LVYK,
-        0,
-        0,
-        0,
-        0,
-        0,
-        0,
-        0,
+        dFy_dLYK,
+        dFy_dLVYK,
         0,
         0,
         0,
@@ -1352,35 +2239,42 @@ def jacobian_parameters(inputs, parameters):
         0,
         0,
         0,
-        LCY*dFy_dC_y,
-        dFy_dmu_y*mu_y_by_PDY1,
-        dFy_dmu_y*mu_y_by_PDY2,
-        dFy_dmu_y*mu_y_by_PDY3,
-        E_y_by_PEY1*dFy_dE_y,
-        E_y_by_PEY2*dFy_dE_y,
-        E_y_by_PEY3*dFy_dE_y,
-        E_y_by_PEY4*dFy_dE_y,
-        K_yalpha_by_PKY1*dFy_dK_yalpha,
-        K_yalpha_w_by_PKY2*dFy_dK_yalpha_w,
-        K_yalpha_by_PKY3*dFy_dK_yalpha,
-        LHY*dFy_dalpha_y,
-        S_Hy_by_PHY2*dFy_dalpha_y,
-        S_Hy_by_PHY3*dFy_dalpha_y,
-        Fy_by_F_y0*S_Vy_by_PVY1,
-        Fy_by_F_y0*S_Vy_by_PVY2,
-        Fy_by_F_y0*S_Vy_by_PVY3,
-        Fy_by_F_y0*S_Vy_by_PVY4,
-        B_ykappa_by_RBY1*dFy_dB_ykappa,
-        B_ykappa_by_RBY2*dFy_dB_ykappa,
-        B_ykappa_by_RBY3*dFy_dB_ykappa,
-        G_yk_w0_by_RCY1*dFy_dG_yk_w0 + G_yk_w_by_RCY1*dFy_dG_yk_w,
-        G_yk_w0_by_RHY1*dFy_dG_yk_w0 + G_yk_w_by_RHY1*dFy_dG_yk_w,
-        D_Vyk_by_RVY1*dFy_dD_Vyk,
-        D_Vyk_by_RVY2*dFy_dD_Vyk,
-        D_Vyk_by_RVY3*dFy_dD_Vyk,
-        D_Vyk_by_RVY4*dFy_dD_Vyk,
-        Fy_by_S_Vyk*S_Vyk_by_RVY5,
-        Fy_by_S_Vyk*S_Vyk_by_RVY6,
+        0,
+        0,
+        0,
+        0,
+        0,
+        0,
+        0,
+        dFy_dPCY1,
+        dFy_dPDY1,
+        dFy_dPDY2,
+        dFy_dPDY3,
+        dFy_dPEY1,
+        dFy_dPEY2,
+        dFy_dPEY3,
+        dFy_dPEY4,
+        dFy_dPKY1,
+        dFy_dPKY2,
+        dFy_dPKY3,
+        dFy_dPHY1,
+        dFy_dPHY2,
+        dFy_dPHY3,
+        dFy_dPVY1,
+        dFy_dPVY2,
+        dFy_dPVY3,
+        dFy_dPVY4,
+        dFy_dRBY1,
+        dFy_dRBY2,
+        dFy_dRBY3,
+        dFy_dRCY1,
+        dFy_dRHY1,
+        dFy_dRVY1,
+        dFy_dRVY2,
+        dFy_dRVY3,
+        dFy_dRVY4,
+        dFy_dRVY5,
+        dFy_dRVY6,
         0,
         0,
         0,
@@ -1412,106 +2306,106 @@ def jacobian_parameters(inputs, parameters):
         0,
     ],
     [
-        D_r_by_UNLOADED_RADIUS*dMz_dD_r + D_t_by_UNLOADED_RADIUS*dMz_dD_t + Mz_by_s*s_by_UNLOADED_RADIUS,
-        D_t_by_FNOMIN*dMz_dD_t + LFZ0*dMz_dF_z01 + Mz_by_s*s_by_FNOMIN,
-        FNOMIN*dMz_dF_z01 + K_yalpha_by_LFZ0*dMz_dK_yalpha,
-        PCX1*dMz_dC_x,
-        S_Vx_by_LMUX*dMz_dF_x0 + dMz_dmu_x*mu_x_by_LMUX,
-        E_x_by_LEX*dMz_dE_x,
-        K_xkappa_by_LKXK*dMz_dK_xkappa,
-        S_Hx_by_LHX*dMz_dkappa_x,
-        S_Vx_by_LVX*dMz_dF_x0,
-        PCY1*dMz_dC_y,
-        B_r_by_LMUY*dMz_dB_r + B_t_by_LMUY*dMz_dB_t + D_r_by_LMUY*dMz_dD_r + S_Vy_by_LMUY*dMz_dS_Vy + dMz_dmu_y*mu_y_by_LMUY,
-        E_y_by_LEY*dMz_dE_y,
-        K_yalpha_by_LKA*dMz_dK_yalpha,
-        S_Hy_by_LHY*dMz_dS_Hy,
-        S_Vy_by_LVY*dMz_dS_Vy,
-        dMz_dgamma_s*gamma,
-        B_r_by_LKY*dMz_dB_r + B_t_by_LKY*dMz_dB_t,
-        D_t_by_LT*dMz_dD_t,
-        D_r_by_LMR*dMz_dD_r,
-        B_xalpha_by_LXA*dMz_dB_xalpha,
-        B_ykappa_by_LYK*dMz_dB_ykappa,
-        S_Vyk_by_LVYK*dMz_dS_Vyk,
-        Mz_by_s*s_by_LS,
-        LCX*dMz_dC_x,
-        dMz_dmu_x*mu_x_by_PDX1,
-        dMz_dmu_x*mu_x_by_PDX2,
-        dMz_dmu_x*mu_x_by_PDX3,
-        E_x_by_PEX1*dMz_dE_x,
-        E_x_by_PEX2*dMz_dE_x,
-        E_x_by_PEX3*dMz_dE_x,
-        E_x_by_PEX4*dMz_dE_x,
-        K_xkappa_by_PKX1*dMz_dK_xkappa,
-        K_xkappa_by_PKX2*dMz_dK_xkappa,
-        K_xkappa_by_PKX3*dMz_dK_xkappa,
-        LHX*dMz_dkappa_x,
-        S_Hx_by_PHX2*dMz_dkappa_x,
-        S_Vx_by_PVX1*dMz_dF_x0,
-        S_Vx_by_PVX2*dMz_dF_x0,
-        B_xalpha_by_RBX1*dMz_dB_xalpha,
-        B_xalpha_by_RBX2*dMz_dB_xalpha,
-        G_xa_w0_by_RCX1*dMz_dG_xa_w0 + G_xa_w_by_RCX1*dMz_dG_xa_w,
-        G_xa_w0_by_RHX1*dMz_dG_xa_w0 + G_xa_w_by_RHX1*dMz_dG_xa_w,
-        LCY*dMz_dC_y,
-        dMz_dmu_y*mu_y_by_PDY1,
-        dMz_dmu_y*mu_y_by_PDY2,
-        dMz_dmu_y*mu_y_by_PDY3,
-        E_y_by_PEY1*dMz_dE_y,
-        E_y_by_PEY2*dMz_dE_y,
-        E_y_by_PEY3*dMz_dE_y,
-        E_y_by_PEY4*dMz_dE_y,
-        K_yalpha_by_PKY1*dMz_dK_yalpha,
-        K_yalpha_w_by_PKY2*dMz_dK_yalpha_w,
-        K_yalpha_by_PKY3*dMz_dK_yalpha,
-        LHY*dMz_dS_Hy,
-        S_Hy_by_PHY2*dMz_dS_Hy,
-        S_Hy_by_PHY3*dMz_dS_Hy,
-        S_Vy_by_PVY1*dMz_dS_Vy,
-        S_Vy_by_PVY2*dMz_dS_Vy,
-        S_Vy_by_PVY3*dMz_dS_Vy,
-        S_Vy_by_PVY4*dMz_dS_Vy,
-        B_ykappa_by_RBY1*dMz_dB_ykappa,
-        B_ykappa_by_RBY2*dMz_dB_ykappa,
-        B_ykappa_by_RBY3*dMz_dB_ykappa,
-        G_yk_w0_by_RCY1*dMz_dG_yk_w0 + G_yk_w_by_RCY1*dMz_dG_yk_w,
-        G_yk_w0_by_RHY1*dMz_dG_yk_w0 + G_yk_w_by_RHY1*dMz_dG_yk_w,
-        D_Vyk_by_RVY1*dMz_dD_Vyk,
-        D_Vyk_by_RVY2*dMz_dD_Vyk,
-        D_Vyk_by_RVY3*dMz_dD_Vyk,
-        D_Vyk_by_RVY4*dMz_dD_Vyk,
-        S_Vyk_by_RVY5*dMz_dS_Vyk,
-        S_Vyk_by_RVY6*dMz_dS_Vyk,
-        B_t_by_QBZ1*dMz_dB_t,
-        B_t_by_QBZ2*dMz_dB_t,
-        B_t_by_QBZ3*dMz_dB_t,
-        B_t_by_QBZ4*dMz_dB_t,
-        B_t_by_QBZ5*dMz_dB_t,
-        B_r_by_QBZ9*dMz_dB_r,
-        B_r_by_QBZ10*dMz_dB_r,
-        dMz_dC_t,
-        D_t_by_QDZ1*dMz_dD_t,
-        D_t_by_QDZ2*dMz_dD_t,
-        D_t_by_QDZ3*dMz_dD_t,
-        D_t_by_QDZ4*dMz_dD_t,
-        D_r_by_QDZ6*dMz_dD_r,
-        D_r_by_QDZ7*dMz_dD_r,
-        D_r_by_QDZ8*dMz_dD_r,
-        D_r_by_QDZ9*dMz_dD_r,
-        E_t_by_QEZ1*dMz_dE_t,
-        E_t_by_QEZ2*dMz_dE_t,
-        E_t_by_QEZ3*dMz_dE_t,
-        E_t_by_QEZ4*dMz_dE_t,
-        E_t_by_QEZ5*dMz_dE_t,
-        dMz_dalpha_t,
-        dMz_dalpha_t*dfz,
-        dMz_dalpha_t*gamma_s,
-        S_Ht_by_QHZ4*dMz_dalpha_t,
-        Mz_by_s*s_by_SSZ1,
-        Mz_by_s*s_by_SSZ2,
-        Mz_by_s*s_by_SSZ3,
-        Mz_by_s*s_by_SSZ4,
+        Mz_by_Mz_part2*dMz_part2_dUNLOADED_RADIUS,
+        Mz_by_Mz_part2*dMz_part2_dFNOMIN + dFx_dFNOMIN*dMz_dFx + dFy_dFNOMIN*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dLFZ0 + dFx_dLFZ0*dMz_dFx + dFy_dLFZ0*dMz_dFy,
+        dFx_dLCX*dMz_dFx,
+        dFx_dLMUX*dMz_dFx,
+        dFx_dLEX*dMz_dFx,
+        Mz_by_Mz_part2*dMz_part2_dLKXK + dFx_dLKXK*dMz_dFx,
+        dFx_dLHX*dMz_dFx,
+        dFx_dLVX*dMz_dFx,
+        Mz_by_Mz_part2*dMz_part2_dLCY + dFy_dLCY*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dLMUY + dFy_dLMUY*dMz_dFy,
+        dFy_dLEY*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dLKA + dFy_dLKA*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dLHY + dFy_dLHY*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dLVY + dFy_dLVY*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dLGAMMAY + dFx_dLGAMMAY*dMz_dFx + dFy_dLGAMMAY*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dLKY,
+        Mz_by_Mz_part2*dMz_part2_dLT,
+        Mz_by_Mz_part2*dMz_part2_dLMR,
+        dFx_dLXA*dMz_dFx,
+        dFy_dLYK*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dLVYK + dFy_dLVYK*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dLS,
+        dFx_dPCX1*dMz_dFx,
+        dFx_dPDX1*dMz_dFx,
+        dFx_dPDX2*dMz_dFx,
+        dFx_dPDX3*dMz_dFx,
+        dFx_dPEX1*dMz_dFx,
+        dFx_dPEX2*dMz_dFx,
+        dFx_dPEX3*dMz_dFx,
+        dFx_dPEX4*dMz_dFx,
+        Mz_by_Mz_part2*dMz_part2_dPKX1 + dFx_dPKX1*dMz_dFx,
+        Mz_by_Mz_part2*dMz_part2_dPKX2 + dFx_dPKX2*dMz_dFx,
+        Mz_by_Mz_part2*dMz_part2_dPKX3 + dFx_dPKX3*dMz_dFx,
+        dFx_dPHX1*dMz_dFx,
+        dFx_dPHX2*dMz_dFx,
+        dFx_dPVX1*dMz_dFx,
+        dFx_dPVX2*dMz_dFx,
+        dFx_dRBX1*dMz_dFx,
+        dFx_dRBX2*dMz_dFx,
+        dFx_dRCX1*dMz_dFx,
+        dFx_dRHX1*dMz_dFx,
+        Mz_by_Mz_part2*dMz_part2_dPCY1 + dFy_dPCY1*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dPDY1 + dFy_dPDY1*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dPDY2 + dFy_dPDY2*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dPDY3 + dFy_dPDY3*dMz_dFy,
+        dFy_dPEY1*dMz_dFy,
+        dFy_dPEY2*dMz_dFy,
+        dFy_dPEY3*dMz_dFy,
+        dFy_dPEY4*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dPKY1 + dFy_dPKY1*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dPKY2 + dFy_dPKY2*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dPKY3 + dFy_dPKY3*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dS_Hy_part1 + dFy_dPHY1*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dPHY2 + dFy_dPHY2*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dPHY3 + dFy_dPHY3*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dS_Vy_part2 + dFy_dPVY1*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dPVY2 + dFy_dPVY2*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dPVY3 + dFy_dPVY3*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dPVY4 + dFy_dPVY4*dMz_dFy,
+        dFy_dRBY1*dMz_dFy,
+        dFy_dRBY2*dMz_dFy,
+        dFy_dRBY3*dMz_dFy,
+        dFy_dRCY1*dMz_dFy,
+        dFy_dRHY1*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dRVY1 + dFy_dRVY1*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dRVY2 + dFy_dRVY2*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dRVY3 + dFy_dRVY3*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dRVY4 + dFy_dRVY4*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dRVY5 + dFy_dRVY5*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dRVY6 + dFy_dRVY6*dMz_dFy,
+        Mz_by_Mz_part2*dMz_part2_dQBZ1,
+        Mz_by_Mz_part2*dMz_part2_dQBZ2,
+        Mz_by_Mz_part2*dMz_part2_dQBZ3,
+        Mz_by_Mz_part2*dMz_part2_dQBZ4,
+        Mz_by_Mz_part2*dMz_part2_dQBZ5,
+        Mz_by_Mz_part2*dMz_part2_dQBZ9,
+        Mz_by_Mz_part2*dMz_part2_dQBZ10,
+        Mz_by_Mz_part2*dMz_part2_dQCZ1,
+        Mz_by_Mz_part2*dMz_part2_dQDZ1,
+        Mz_by_Mz_part2*dMz_part2_dQDZ2,
+        Mz_by_Mz_part2*dMz_part2_dQDZ3,
+        Mz_by_Mz_part2*dMz_part2_dQDZ4,
+        Mz_by_Mz_part2*dMz_part2_dD_r_part2,
+        Mz_by_Mz_part2*dMz_part2_dQDZ7,
+        Mz_by_Mz_part2*dMz_part2_dQDZ8,
+        Mz_by_Mz_part2*dMz_part2_dQDZ9,
+        Mz_by_Mz_part2*dMz_part2_dQEZ1,
+        Mz_by_Mz_part2*dMz_part2_dQEZ2,
+        Mz_by_Mz_part2*dMz_part2_dQEZ3,
+        Mz_by_Mz_part2*dMz_part2_dQEZ4,
+        Mz_by_Mz_part2*dMz_part2_dQEZ5,
+        Mz_by_Mz_part2*dMz_part2_dQHZ1,
+        Mz_by_Mz_part2*dMz_part2_dQHZ2,
+        Mz_by_Mz_part2*dMz_part2_dQHZ3,
+        Mz_by_Mz_part2*dMz_part2_dQHZ4,
+        Mz_by_Mz_part2*dMz_part2_ds_part3,
+        Mz_by_Mz_part2*dMz_part2_dSSZ2,
+        Mz_by_Mz_part2*dMz_part2_dSSZ3,
+        Mz_by_Mz_part2*dMz_part2_dSSZ4,
     ],
     ])
 

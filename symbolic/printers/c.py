@@ -1,20 +1,38 @@
-"""A model as a C99 source and its header: plain doubles, math.h, no state, no allocation."""
+"""A model as a C99 source and its header: plain doubles, no state, no allocation, one file that stands alone."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from dataclasses import replace
+from importlib.resources import files
 
 from ..model import Model
+from ..notation import Option
 from .expressions import PlainCPrinter
-from .python import HEADER
-from .routines import Routine
+from .python import HEADER, STRAIGHT_ROWS
+from .routines import STRAIGHT, Assignment, Routine
 
 INLINES = {
     "square": "static inline double square(double x) { return x*x; }",
     "cube": "static inline double cube(double x) { return x*x*x; }",
+    "fourth": "static inline double fourth(double x) { return (x*x)*(x*x); }",
     "cubed_sqrt": "static inline double cubed_sqrt(double x) { return x*sqrt(x); }",
+    # No branches, which nobody could predict; NaN stays NaN (the second operand of a comparison that fails).
+    "sgn": """static inline double sgn(double x)
+{
+    const double y = x*1e300*1e300, above = -1.0 > y ? -1.0 : y;
+    return 1.0 < above ? 1.0 : above;
+}""",
+    "sgn1": """static inline double sgn1(double x)
+{
+    const double sign = sgn(x);
+    return sign + (double)(sign == 0.0);
+}""",
 }
+PI = "#define PI 3.14159265358979323846"
 
+PRINTER = PlainCPrinter()
 #: What every routine takes.
 ARRAYS = "const double inputs[], const double parameters[], double results[]"
 
@@ -33,16 +51,19 @@ def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
     """
     quantities, _, slips, *_ = routines
     prefix = model.name.upper()
+    remarks = {name: f"{card.description} [{card.unit}]" for name, card in model.coefficients.items()}
+    remarks |= {option.parameter: _meaning(option) for option in model.options}
     parts = [
-        _heading(model),
+        heading(model, "C99"),
         f"#ifndef TIREFMU_{prefix}_H\n#define TIREFMU_{prefix}_H\n\n#include <stddef.h>",
         _enumeration(prefix, "INPUTS", [(q.name, f"{q.description} [{q.unit}]") for q in model.inputs]),
-        _enumeration(prefix, "PARAMETERS", [(c.name, f"{c.description} [{c.unit}]") for c in model.parameters]),
+        _enumeration(prefix, "PARAMETERS", [(name, remarks[name]) for name in model.parameters]),
+        f"#define {prefix}_N_COEFFICIENTS {len(model.coefficients)}",
         _enumeration(prefix, "FORCES", [(q.name, f"{q.description} [{q.unit}]") for q in model.outputs]),
         _enumeration(prefix, "QUANTITIES", [(name, "") for name in quantities.labels]),
         f"#define {prefix}_N_SLIPS {len(slips.labels)}",
-        "/* Matrices are written row by row, one row a force. */\n"
-        + "\n".join(f"{_prototype(model, routine)};" for routine in routines),
+        "/* Matrices are written row by row, one row a force. */\n" + _prototypes(model, routines, ""),
+        *_straight_prototypes(model, routines),
         f"/* Apply a routine to n rows of inputs, each giving n_results numbers. */\n{_rows_prototype(model)};",
         "#endif",
     ]
@@ -61,13 +82,29 @@ def c_source(model: Model, routines: tuple[Routine, ...]) -> str:
     -------
     str
     """
-    functions = "\n\n".join([*(_function(model, routine) for routine in routines), _rows(model)])
-    inlines = "\n".join(text for name, text in INLINES.items() if re.search(rf"\b{name}\(", functions))
-    return f'{_heading(model)}\n\n#include "{model.name}.h"\n\n#include <math.h>\n\n{inlines}\n\n{functions}\n'
+    parts = [_function(model, routine, routines) for routine in routines]
+    doubled = [routine for routine in routines if routine.variant == STRAIGHT]
+    if doubled:
+        parts += [_is_straight(model), *(_chooser(model, routine) for routine in doubled)]
+    functions = "\n\n".join([*parts, _rows(model)])
+    includes = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
+    parts = [heading(model, "C99"), f'#include "{model.name}.h"', includes, functions_of_math(functions), functions]
+    return "\n\n".join(parts) + "\n"
 
 
-def _heading(model: Model) -> str:
-    return f"/* {model.title}, in C99.\n   {HEADER.format(name=model.name)} */"
+def functions_of_math(code: str) -> str:
+    """Return the elementary functions, and the inline functions and constants that some code uses."""
+    elementary = (files(__package__) / "elementary.h").read_text(encoding="ascii").rstrip()
+    used = {name for name in INLINES if re.search(rf"\b{name}\(", code)} | ({"sgn"} if "sgn1(" in code else set())
+    inlines = [text for name, text in INLINES.items() if name in used]
+    if re.search(r"\bPI\b", code):
+        inlines = [PI, "", *inlines]
+    return "\n".join([elementary, "", *inlines])
+
+
+def heading(model: Model, what: str) -> str:
+    """Return the comment at the head of a file."""
+    return f"/* {model.title}, in {what}.\n   {HEADER.format(name=model.name)} */"
 
 
 def _enumeration(prefix: str, kind: str, names: list[tuple[str, str]]) -> str:
@@ -79,8 +116,44 @@ def _enumeration(prefix: str, kind: str, names: list[tuple[str, str]]) -> str:
     return f"#define {prefix}_N_{kind} {len(names)}\nenum {{\n" + "\n".join(lines) + "\n};"
 
 
+def _meaning(option: Option) -> str:
+    first, second = option.values
+    return f"{option.description}: 0 {first}, 1 {second}"
+
+
+def _prototypes(model: Model, routines: tuple[Routine, ...], variant: str) -> str:
+    return "\n".join(f"{_prototype(model, routine)};" for routine in routines if routine.variant == variant)
+
+
+def _straight_prototypes(model: Model, routines: tuple[Routine, ...]) -> list[str]:
+    prototypes = _prototypes(model, routines, STRAIGHT)
+    return [f"/* {STRAIGHT_ROWS}\n   The routines above find out by themselves. */\n{prototypes}"] if prototypes else []
+
+
 def _prototype(model: Model, routine: Routine) -> str:
-    return f"void {model.name}_{routine.name}({ARRAYS})"
+    return f"void {model.name}_{routine.full_name}({ARRAYS})"
+
+
+def _is_straight(model: Model) -> str:
+    prefix = model.name.upper()
+    zeros = [f"inputs[{prefix}_{name}] == 0.0" for _, name in model.on_demand]
+    zeros += [f"parameters[{prefix}_{option.parameter}] == 0.0" for option in model.options]
+    condition = "\n        && ".join(zeros)
+    return (
+        f"/* {STRAIGHT_ROWS} */\n"
+        "static inline int is_straight(const double inputs[], const double parameters[])\n"
+        f"{{\n    return {condition};\n}}"
+    )
+
+
+def _chooser(model: Model, straight: Routine) -> str:
+    """Print the routine that hands its row to the straight variant or to the general one."""
+    general, arguments = replace(straight, variant=""), "(inputs, parameters, results)"
+    return (
+        f"{_prototype(model, general)}\n{{\n"
+        f"    if (is_straight(inputs, parameters))\n        {model.name}_{straight.full_name}{arguments};\n"
+        f"    else\n        {general.name}_general{arguments};\n}}"
+    )
 
 
 def _rows_prototype(model: Model) -> str:
@@ -93,22 +166,33 @@ def _rows(model: Model) -> str:
     return f"{_rows_prototype(model)}\n{{\n    for (size_t i = 0; i < n; i++)\n        {step}\n}}"
 
 
-def _function(model: Model, routine: Routine) -> str:
-    printer = PlainCPrinter()
+def parameters_read(model: Model, routine: Routine) -> list[str]:
+    """Return the declarations of the parameters that a routine reads."""
     prefix = model.name.upper()
-    names = {"inputs": [q.name for q in model.inputs], "parameters": [c.name for c in model.parameters]}
-    lines = [
-        f"const double {name} = {array}[{prefix}_{name}];"
-        for array, order in names.items()
-        for name in routine.uses(order)
-    ]
-    for assignment in routine.body:
+    return [f"const double {name} = parameters[{prefix}_{name}];" for name in routine.uses(model.parameters)]
+
+
+def statements(body: Sequence[Assignment], printer: PlainCPrinter = PRINTER, kind: str = "double") -> list[str]:
+    """Return lines of a routine, chapter by chapter, each with its number and meaning."""
+    lines = []
+    for assignment in body:
         if assignment.heading:
             lines += ["", f"/* {assignment.heading} */"]
         remark = f" /* {assignment.remark} */" if assignment.remark else ""
-        lines.append(f"const double {assignment.symbol} = {printer.doprint(assignment.expression)};{remark}")
-    lines.append("")
+        lines.append(f"const {kind} {assignment.symbol} = {printer.doprint(assignment.expression)};{remark}")
+    return lines
+
+
+def _function(model: Model, routine: Routine, routines: tuple[Routine, ...]) -> str:
+    prefix = model.name.upper()
+    inputs = routine.uses([quantity.name for quantity in model.inputs])
+    lines = [f"const double {name} = inputs[{prefix}_{name}];" for name in inputs]
+    lines += [*parameters_read(model, routine), *statements(routine.body), ""]
     for i, value in enumerate(value for row in routine.results for value in row):
-        lines.append(f"results[{i}] = {printer.doprint(value)};")
+        lines.append(f"results[{i}] = {PRINTER.doprint(value)};")
     body = "\n".join(f"    {line}" if line else "" for line in lines)
-    return f"/* {routine.summary} */\n{_prototype(model, routine)}\n{{\n{body}\n}}"
+    head = _prototype(model, routine)
+    if replace(routine, variant=STRAIGHT).full_name in {other.full_name for other in routines} - {routine.full_name}:
+        head = f"static void {routine.name}_general({ARRAYS})"
+    summary = f"{routine.summary}\n   {STRAIGHT_ROWS}" if routine.variant == STRAIGHT else routine.summary
+    return f"/* {summary} */\n{head}\n{{\n{body}\n}}"

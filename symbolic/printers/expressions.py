@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Collection
+from typing import Any, ClassVar
 
 import sympy as sp
 from sympy.printing.c import C99CodePrinter
@@ -28,48 +29,96 @@ class NumberPrinter(StrPrinter):
 
 
 class ArrayPrinter(NumberPrinter, PythonCodePrinter):
-    """Python text calling the elementary functions of a module such as NumPy or CasADi.
+    """Python text calling the elementary functions of a module; `NumpyPrinter` and `CasadiPrinter` say which."""
 
-    Parameters
-    ----------
-    module : str
-        The name that the module goes by in the printed text.
-    where : str
-        The function of three arguments that chooses between two values.
+    module = ""
+    where = ""
+    #: Functions that go by another name there.
+    other_names: ClassVar[dict[str, str]] = {}
 
-    Examples
-    --------
-    >>> ArrayPrinter("np", "np.where").doprint(sp.sin(sp.Symbol("F_x0_w")) ** 2)
-    'np.sin(F_x0_w)**2'
-    >>> loaded = sp.Piecewise((0, sp.Symbol("Fz") <= 0), (sp.Symbol("F_x0"), True))
-    >>> ArrayPrinter("np", "np.where").doprint(loaded)
-    'np.where(Fz <= 0, 0, F_x0)'
-    """
-
-    def __init__(self, module: str, where: str) -> None:
+    def __init__(self) -> None:
         super().__init__({"fully_qualified_modules": False, "strict": True, "order": "none"})
-        self._module, self._where = module, where
 
     def _print_Function(self, expr: Any) -> str:
-        return f"{self._module}.{expr.func.__name__}({', '.join(self._print(arg) for arg in expr.args)})"
+        name = expr.func.__name__
+        return f"{self.module}.{self.other_names.get(name, name)}({', '.join(self._print(arg) for arg in expr.args)})"
 
-    _print_sin = _print_cos = _print_atan = _print_exp = _print_Function
+    _print_sin = _print_cos = _print_tan = _print_atan = _print_acos = _print_Function
+    _print_exp = _print_log = _print_sgn = _print_absolute = _print_Function
+
+    def _print_sgn1(self, expr: Any) -> str:
+        x = self._print(expr.args[0])
+        # A comparison alone would turn NaN into a sign.
+        return f"{self.where}({x} >= 0, 1, {self.module}.sign({x}))"
+
+    def _print_Pi(self, expr: Any) -> str:
+        return f"{self.module}.pi"
 
     def _print_Pow(self, expr: Any, rational: bool = False, sqrt: str = "sqrt") -> str:
         if expr.exp == sp.Rational(1, 2):
-            return f"{self._module}.sqrt({self._print(expr.base)})"
+            return f"{self.module}.sqrt({self._print(expr.base)})"
         if expr.exp == -sp.Rational(1, 2):
-            return f"1/{self._module}.sqrt({self._print(expr.base)})"
+            return f"1/{self.module}.sqrt({self._print(expr.base)})"
         if expr.exp == sp.Rational(3, 2):
             return f"{self.parenthesize(expr.base, PRECEDENCE['Pow'])}**1.5"
-        return str(super()._hprint_Pow(expr, rational=rational, sqrt=f"{self._module}.sqrt"))
+        return str(super()._hprint_Pow(expr, rational=rational, sqrt=f"{self.module}.sqrt"))
 
     def _print_Relational(self, expr: Any) -> str:
         return f"{self._print(expr.lhs)} {expr.rel_op} {self._print(expr.rhs)}"
 
     def _print_Piecewise(self, expr: Any) -> str:
         (value, condition), (otherwise, _) = expr.args
-        return f"{self._where}({self._print(condition)}, {self._print(value)}, {self._print(otherwise)})"
+        return f"{self.where}({self._print(condition)}, {self._print(value)}, {self._print(otherwise)})"
+
+
+class NumpyPrinter(ArrayPrinter):
+    """Python text calling NumPy.
+
+    Examples
+    --------
+    >>> NumpyPrinter().doprint(sp.sin(sp.Symbol("F_x0_w")) ** 2)
+    'np.sin(F_x0_w)**2'
+    >>> loaded = sp.Piecewise((0, sp.Symbol("Fz") <= 0), (sp.Symbol("F_x0"), True))
+    >>> NumpyPrinter().doprint(loaded)
+    'np.where(Fz <= 0, 0, F_x0)'
+    """
+
+    module = "np"
+    where = "np.where"
+    other_names: ClassVar[dict[str, str]] = {"sgn": "sign", "absolute": "abs"}
+
+    def _print_And(self, expr: Any) -> str:
+        return " & ".join(f"({self._print(arg)})" for arg in expr.args)
+
+    def _print_Or(self, expr: Any) -> str:
+        return " | ".join(f"({self._print(arg)})" for arg in expr.args)
+
+
+class CasadiPrinter(ArrayPrinter):
+    """Python text calling CasADi.
+
+    Examples
+    --------
+    >>> light, fast = sp.Symbol("Fz") <= 0, sp.Symbol("V") > 1
+    >>> CasadiPrinter().doprint(sp.Piecewise((0, sp.And(light, fast)), (sp.pi, True)))
+    'ca.if_else(ca.logic_and(Fz <= 0, V > 1), 0, ca.pi)'
+    """
+
+    module = "ca"
+    where = "ca.if_else"
+    other_names: ClassVar[dict[str, str]] = {"sgn": "sign", "absolute": "fabs"}
+
+    def _print_And(self, expr: Any) -> str:
+        return self._joined("ca.logic_and", expr)
+
+    def _print_Or(self, expr: Any) -> str:
+        return self._joined("ca.logic_or", expr)
+
+    def _joined(self, function: str, expr: Any) -> str:
+        first, *others = (self._print(arg) for arg in expr.args)
+        for other in others:
+            first = f"{function}({first}, {other})"
+        return first
 
 
 #: Powers that C code writes as a call; the inline functions stand in `tirefmu.symbolic.printers.c`.
@@ -78,6 +127,7 @@ CALLED_POWERS = {
     sp.Rational(3, 2): "cubed_sqrt",
     sp.Integer(2): "square",
     sp.Integer(3): "cube",
+    sp.Integer(4): "fourth",
 }
 
 
@@ -91,7 +141,8 @@ class PlainCPrinter(NumberPrinter, C99CodePrinter):
     """
 
     def __init__(self) -> None:
-        super().__init__({"order": "none"})
+        # M_PI and its kin are not in C99.
+        super().__init__({"order": "none", "math_macros": {}})
 
     def _print_Pow(self, expr: Any) -> str:
         # Calls, not products: SymPy prints a denominator without asking whether it needs brackets.
@@ -101,9 +152,96 @@ class PlainCPrinter(NumberPrinter, C99CodePrinter):
         text = f"{called}({self._print(expr.base)})"
         return text if expr.exp > 0 else f"1.0/{text}"
 
+    def _print_fast(self, expr: Any) -> str:
+        """Write a call of one of the functions of elementary.h."""
+        return f"fast_{expr.func.__name__}({self._print(expr.args[0])})"
+
+    _print_sin = _print_cos = _print_tan = _print_atan = _print_fast
+
+    def _print_sgn(self, expr: Any) -> str:
+        return f"sgn({self._print(expr.args[0])})"
+
+    def _print_sgn1(self, expr: Any) -> str:
+        return f"sgn1({self._print(expr.args[0])})"
+
+    def _print_absolute(self, expr: Any) -> str:
+        return f"fabs({self._print(expr.args[0])})"
+
+    def _print_Pi(self, expr: Any) -> str:
+        return "PI"
+
     def _print_Integer(self, expr: Any) -> str:
         return f"{expr.p}.0"
+
+    def _print_And(self, expr: Any) -> str:
+        return " && ".join(f"({self._print(arg)})" for arg in expr.args)
+
+    def _print_Or(self, expr: Any) -> str:
+        return " || ".join(f"({self._print(arg)})" for arg in expr.args)
 
     def _print_Piecewise(self, expr: Any) -> str:
         (value, condition), (otherwise, _) = expr.args
         return f"({self._print(condition)} ? {self._print(value)} : {self._print(otherwise)})"
+
+
+class LanesPrinter(PlainCPrinter):
+    """C text in which some symbols stand for several rows at a time, see lanes.h.
+
+    Parameters
+    ----------
+    varying : collection of str
+        The symbols that differ from row to row.
+
+    Examples
+    --------
+    >>> B, x = sp.symbols("B x")
+    >>> LanesPrinter({"x"}).doprint(B**2 + sp.atan(B * x) ** 2)
+    'square(B) + lanes_square(lanes_atan(B*x))'
+    >>> LanesPrinter({"x"}).doprint(sp.Piecewise((B, x > 0), (x, True)))
+    'choose(x > 0.0, each(B), x)'
+    """
+
+    def __init__(self, varying: Collection[str]) -> None:
+        super().__init__()
+        self._varying = varying
+
+    def varies(self, expr: Any) -> bool:
+        """Tell whether an expression differs from row to row."""
+        return any(symbol.name in self._varying for symbol in expr.free_symbols)
+
+    def in_lanes(self, expr: Any) -> str:
+        """Return the text of an expression as a value for several rows."""
+        text = str(self.doprint(expr))
+        return text if self.varies(expr) else f"each({text})"
+
+    def _print_called(self, expr: Any) -> str:
+        if not self.varies(expr):
+            return str(getattr(super(), f"_print_{expr.func.__name__}")(expr))
+        return f"lanes_{expr.func.__name__}({self._print(expr.args[0])})"
+
+    _print_sin = _print_cos = _print_tan = _print_atan = _print_exp = _print_log = _print_called
+    _print_sgn = _print_sgn1 = _print_absolute = _print_called
+
+    def _print_Pow(self, expr: Any) -> str:
+        if not self.varies(expr) or expr.exp == -1:
+            return super()._print_Pow(expr)
+        called = CALLED_POWERS.get(abs(expr.exp))
+        if called is None:
+            return f"lanes_pow({self.in_lanes(expr.base)}, {self.in_lanes(expr.exp)})"
+        text = f"lanes_{called}({self._print(expr.base)})"
+        return text if expr.exp > 0 else f"1.0/{text}"
+
+    def _print_And(self, expr: Any) -> str:
+        return " & ".join(f"({self._print(arg)})" for arg in expr.args)
+
+    def _print_Or(self, expr: Any) -> str:
+        return " | ".join(f"({self._print(arg)})" for arg in expr.args)
+
+    def _print_Piecewise(self, expr: Any) -> str:
+        if not self.varies(expr):
+            return super()._print_Piecewise(expr)
+        (value, condition), (otherwise, _) = expr.args
+        then, other = self.in_lanes(value), self.in_lanes(otherwise)
+        if not self.varies(condition):
+            return f"({super()._print(condition)} ? {then} : {other})"
+        return f"choose({self._print(condition)}, {then}, {other})"

@@ -23,18 +23,36 @@ def render() -> dict[str, str]:
 
     Examples
     --------
-    >>> sorted(path for path in render() if "mf96" in path)
-    ['c/mf96.c', 'c/mf96.h', 'casadi/mf96.py', 'numpy/mf96.py']
+    >>> sorted(path for path in render() if path.startswith("c/mf96"))[:3]
+    ['c/mf96.c', 'c/mf96.h', 'c/mf96_batch_forces.c']
     """
     files: dict[str, str] = {}
     for model in MODELS.values():
-        parts = routines(model)
-        files[f"numpy/{model.name}.py"] = python_module(model, parts, NUMPY)
-        files[f"casadi/{model.name}.py"] = python_module(model, parts, CASADI)
-        files[f"c/{model.name}.c"] = c_source(model, parts)
-        files[f"c/{model.name}.h"] = c_header(model, parts)
+        files |= render_model(model)
     files["MANIFEST.json"] = _manifest(files)
     return files
+
+
+def render_model(model: Model) -> dict[str, str]:
+    """Return the files of one model: path relative to the folder, text.
+
+    Parameters
+    ----------
+    model : Model
+        Also one with added effects, which no committed file holds.
+
+    Returns
+    -------
+    dict of str to str
+    """
+    parts = routines(model)
+    return {
+        f"numpy/{model.name}.py": python_module(model, parts, NUMPY),
+        f"casadi/{model.name}.py": python_module(model, parts, CASADI),
+        f"c/{model.name}.c": c_source(model, parts),
+        f"c/{model.name}.h": c_header(model, parts),
+        f"c/{model.name}_batch.c": batch_source(model, parts),
+    }
 
 
 def write(folder: Path) -> list[Path]:

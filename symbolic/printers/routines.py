@@ -7,12 +7,19 @@ forward (by few inputs) or backward (by many parameters). No line is ever substi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sympy as sp
 
 from ..model import Model, reaching
 from ..notation import Equation
+from .derivatives import ChainRule, is_short, split
+
+LOCAL, CARRIED = "Partial derivatives of each line", "Chain rule"
+#: The variant for rows without turn slip under default options.
+STRAIGHT = "straight"
+#: The named quantities that say how far a tire rolls until a slip acts.
+LENGTHS = ("sigma_kappa", "sigma_alpha")
 
 
 @dataclass(frozen=True)
@@ -37,6 +44,8 @@ class Routine:
         One row for a vector, several for a matrix (row per output).
     labels : tuple of str
         What the results are called, in the same order; columns of a matrix.
+    variant : str
+        "" where the routine holds for every row, `STRAIGHT` where it holds for most of them only.
     """
 
     name: str
@@ -44,6 +53,12 @@ class Routine:
     body: tuple[Assignment, ...]
     results: tuple[tuple[sp.Expr, ...], ...]
     labels: tuple[str, ...]
+    variant: str = ""
+
+    @property
+    def full_name(self) -> str:
+        """The name that tells it from its variants."""
+        return f"{self.name}_{self.variant}" if self.variant else self.name
 
     def uses(self, names: Sequence[str]) -> list[str]:
         """Return those of the names that the routine reads, in the given order."""
@@ -62,7 +77,8 @@ def routines(model: Model) -> tuple[Routine, ...]:
     Returns
     -------
     tuple of Routine
-        quantities, forces, slip_stiffnesses, jacobian_inputs, jacobian_parameters.
+        quantities, forces, slip_stiffnesses, jacobian_inputs, jacobian_parameters; relaxation, where slips can lag;
+        where options and turn slip stand in the lines, all but the first once more, straight.
 
     Examples
     --------
@@ -70,142 +86,98 @@ def routines(model: Model) -> tuple[Routine, ...]:
     >>> [routine.name for routine in routines(model("mf96"))]
     ['quantities', 'forces', 'slip_stiffnesses', 'jacobian_inputs', 'jacobian_parameters']
     """
-    lines = model.lines()
+    general, straight = model.lines(), model.lines(straight=True)
+    printed = [_values("quantities", "Every named quantity of the book.", general, _named(model, general))]
+    printed += _forces_and_derivatives(model, general)
+    if [line.expression for line in general] != [line.expression for line in straight]:
+        printed += _forces_and_derivatives(model, straight, STRAIGHT)
+    return tuple(printed)
+
+
+def entries(jacobian: Routine) -> list[int]:
+    """Return the places in a Jacobian, counted row by row, of the entries that are not 0 everywhere."""
+    values = [value for row in jacobian.results for value in row]
+    return [place for place, value in enumerate(values) if value != 0]
+
+
+def _named(model: Model, lines: Sequence[Equation]) -> list[sp.Symbol]:
+    outputs = {quantity.symbol for quantity in model.outputs}
+    return [line.symbol for line in lines if line.named and line.symbol not in outputs]
+
+
+def _forces_and_derivatives(model: Model, lines: Sequence[Equation], variant: str = "") -> list[Routine]:
     outputs = [quantity.symbol for quantity in model.outputs]
-    names = tuple(str(output) for output in outputs)
     inputs = [quantity.symbol for quantity in model.inputs]
-    parameters = [sp.Symbol(card.name, real=True) for card in model.parameters]
-    named = [line.symbol for line in lines if line.named and line.symbol not in outputs]
-    force_lines = reaching(lines, names)
-    return (
-        _values("quantities", "Every named quantity of the book.", list(lines), named),
+    coefficients = [sp.Symbol(name, real=True) for name in model.coefficients]
+    force_lines = reaching(lines, [str(output) for output in outputs])
+    printed = [
         _values("forces", "Forces and moments.", force_lines, outputs),
-        _forward("slip_stiffnesses", "Derivatives of the forces by the slips.", force_lines, outputs, inputs[:2]),
-        _forward("jacobian_inputs", "Derivatives of the forces by the inputs.", force_lines, outputs, inputs),
-        _backward(
+        _derivatives("slip_stiffnesses", "Derivatives of the forces by the slips.", force_lines, outputs, inputs[:2]),
+        _derivatives("jacobian_inputs", "Derivatives of the forces by the inputs.", force_lines, outputs, inputs),
+        _derivatives(
             "jacobian_parameters",
-            "Derivatives of the forces by the parameters.",
+            "Derivatives of the forces by the coefficients.",
             force_lines,
             outputs,
-            parameters,
+            coefficients,
         ),
+    ]
+    lengths = [line.symbol for line in lines if line.symbol.name in LENGTHS]
+    if lengths:
+        printed.append(_values("relaxation", "Relaxation lengths that act on kappa and tan(alpha).", lines, lengths))
+    return [replace(routine, variant=variant) for routine in printed]
+
+
+def _values(name: str, summary: str, lines: Sequence[Equation], targets: list[sp.Symbol]) -> Routine:
+    kept = reaching(lines, [target.name for target in targets])
+    return Routine(name, summary, tuple(_printed(kept)), (tuple(targets),), tuple(t.name for t in targets))
+
+
+def _printed(lines: Sequence[Equation]) -> list[Assignment]:
+    """Value lines with the book's number beside them and the chapter's title above the first of each."""
+    return _headed(
+        [Assignment(e.symbol, e.expression, f"[{e.number}] {e.description}".rstrip(), e.chapter) for e in lines]
     )
 
 
-def _values(name: str, summary: str, lines: list[Equation], targets: list[sp.Symbol]) -> Routine:
-    kept = reaching(lines, [target.name for target in targets])
-    return Routine(name, summary, _printed(kept), (tuple(targets),), tuple(t.name for t in targets))
-
-
-def _printed(lines: Sequence[Equation]) -> tuple[Assignment, ...]:
-    """Value lines with the book's number beside them and the chapter's title above the first of each."""
-    body, title = [], ""
-    for line in lines:
-        heading = line.chapter if line.chapter != title else ""
-        title = line.chapter
-        body.append(Assignment(line.symbol, line.expression, f"[{line.number}] {line.description}", heading))
-    return tuple(body)
-
-
-def _partials(
-    lines: Sequence[Equation], by: Sequence[sp.Symbol]
-) -> tuple[list[Assignment], dict[tuple[str, str], sp.Expr]]:
-    """Local partial derivatives of every line, by earlier lines and by the asked symbols.
-
-    Those that are more than a number or a symbol get an assignment ``F_x0_by_B_x`` of their own.
-    """
-    asked = {line.symbol for line in lines} | set(by)
-    assignments, partials = [], {}
-    for line in lines:
-        for symbol in sorted(line.expression.free_symbols & asked, key=str):
-            partial = sp.diff(line.expression, symbol)
-            if partial == 0:
-                continue
-            if not (partial.is_Number or partial.is_Symbol):
-                local = sp.Symbol(f"{line.symbol}_by_{symbol}", real=True)
-                assignments.append(Assignment(local, partial))
-                partial = local
-            partials[line.symbol.name, symbol.name] = partial
-    return assignments, partials
-
-
-def _forward(
-    name: str, summary: str, lines: list[Equation], outputs: Sequence[sp.Symbol], by: Sequence[sp.Symbol]
+def _derivatives(
+    name: str, summary: str, lines: Sequence[Equation], outputs: Sequence[sp.Symbol], by: Sequence[sp.Symbol]
 ) -> Routine:
-    """Carry total derivatives forward along the lines: cheap for a few inputs."""
-    local, partials = _partials(lines, by)
-    totals: dict[tuple[str, str], sp.Expr] = {(x.name, x.name): sp.Integer(1) for x in by}
-    carried = []
+    """Values, the partial derivatives of each line, the chain rule; nothing that no result needs."""
+    values: list[Assignment] = []
+    local: list[Assignment] = []
+    chain = ChainRule()
     for line in lines:
-        for x in by:
-            through = [
-                arg for arg in _arguments(line) if (line.symbol.name, arg) in partials and (arg, x.name) in totals
-            ]
-            total = sp.Add(*(partials[line.symbol.name, arg] * totals[arg, x.name] for arg in through))
-            if total == 0:
-                continue
-            if not (total.is_Number or total.is_Symbol):
-                symbol = sp.Symbol(f"d{line.symbol}_d{x}", real=True)
-                carried.append(Assignment(symbol, total))
-                total = symbol
-            totals[line.symbol.name, x.name] = total
-    results = tuple(tuple(totals.get((y.name, x.name), sp.Integer(0)) for x in by) for y in outputs)
-    return _derivative(name, summary, lines, local, carried, results, by)
-
-
-def _backward(
-    name: str, summary: str, lines: list[Equation], outputs: Sequence[sp.Symbol], by: Sequence[sp.Symbol]
-) -> Routine:
-    """Carry total derivatives backward from each output: cheap for many parameters."""
-    local, partials = _partials(lines, by)
-    carried, results = [], []
-    for output in outputs:
-        adjoint: dict[str, sp.Expr] = {output.name: sp.Integer(1)}
-        for line in reversed(lines):
-            total = adjoint.get(line.symbol.name, sp.Integer(0))
-            if total == 0:
-                continue
-            if not (total.is_Number or total.is_Symbol):
-                symbol = sp.Symbol(f"d{output}_d{line.symbol}", real=True)
-                carried.append(Assignment(symbol, total))
-                total = symbol
-            for arg in _arguments(line):
-                if (line.symbol.name, arg) in partials:
-                    adjoint[arg] = adjoint.get(arg, sp.Integer(0)) + total * partials[line.symbol.name, arg]
-        results.append(tuple(adjoint.get(p.name, sp.Integer(0)) for p in by))
-    return _derivative(name, summary, lines, local, carried, tuple(results), by)
-
-
-def _arguments(line: Equation) -> list[str]:
-    return sorted(symbol.name for symbol in line.expression.free_symbols)
-
-
-def _derivative(
-    name: str,
-    summary: str,
-    lines: list[Equation],
-    local: list[Assignment],
-    carried: list[Assignment],
-    results: tuple[tuple[sp.Expr, ...], ...],
-    by: Sequence[sp.Symbol],
-) -> Routine:
-    """Put values, local partials and totals together and drop what no result needs."""
-    statements = [
-        *_printed(lines),
-        *_headed(local, "Partial derivatives of each line"),
-        *_headed(carried, "Chain rule"),
-    ]
+        parts = split(line)
+        *inner, last = parts.steps
+        values += [Assignment(step.symbol, step.expression, "", line.chapter) for step in inner]
+        remark = f"[{line.number}] {line.description}".rstrip()
+        values.append(Assignment(line.symbol, last.expression, remark, line.chapter))
+        local += [Assignment(symbol, expression, "", LOCAL) for symbol, expression in parts.shared]
+        for step in parts.steps:
+            for symbol, partial in step.partials:
+                if not is_short(partial):
+                    local.append(Assignment(sp.Symbol(f"{step.symbol}_by_{symbol}", real=True), partial, "", LOCAL))
+                    partial = local[-1].symbol
+                chain.add(step.symbol, symbol, partial)
+    results = chain.total(outputs, by)
+    carried = [Assignment(symbol, expression, "", CARRIED) for symbol, expression in chain.assignments]
     needed = {symbol for row in results for value in row for symbol in value.free_symbols}
+    body = tuple(_headed(_needed([*values, *local, *carried], needed)))
+    return Routine(name, summary, body, results, tuple(x.name for x in by))
+
+
+def _needed(statements: Sequence[Assignment], needed: set[sp.Symbol]) -> list[Assignment]:
+    """Return the statements that something needs; what they need in turn goes into `needed`."""
     kept = []
     for statement in reversed(statements):
         if statement.symbol in needed:
             kept.append(statement)
             needed |= statement.expression.free_symbols
-    return Routine(name, summary, tuple(kept[::-1]), results, tuple(x.name for x in by))
+    return kept[::-1]
 
 
-def _headed(assignments: list[Assignment], heading: str) -> list[Assignment]:
-    if not assignments:
-        return []
-    first = assignments[0]
-    return [Assignment(first.symbol, first.expression, first.remark, heading), *assignments[1:]]
+def _headed(assignments: Sequence[Assignment]) -> list[Assignment]:
+    """Keep a heading above the first of the statements that it stands for."""
+    above = ["", *(assignment.heading for assignment in assignments)]
+    return [replace(a, heading="" if a.heading == last else a.heading) for a, last in zip(assignments, above)]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from tirefmu.symbolic.printers.expressions import ArrayPrinter, PlainCPrinter
+from tirefmu.symbolic.printers.expressions import NumpyPrinter, PlainCPrinter
 
 x, y, z = sp.symbols("x y z", real=True)
 HALF = sp.Rational(1, 2)
@@ -37,14 +37,14 @@ POINT = {"x": 0.7, "y": 1.3, "z": -0.4}
 @pytest.mark.parametrize("expression", EXPRESSIONS, ids=str)
 def test_text(expression):
     python, c = EXPRESSIONS[expression]
-    assert ArrayPrinter("np", "np.where").doprint(expression) == python
+    assert NumpyPrinter().doprint(expression) == python
     assert PlainCPrinter().doprint(expression) == c
 
 
 @pytest.mark.parametrize("expression", EXPRESSIONS, ids=str)
 def test_meaning(expression):
     expected = float(expression.subs({sp.Symbol(name, real=True): value for name, value in POINT.items()}))
-    python = ArrayPrinter("np", "np.where").doprint(expression)
+    python = NumpyPrinter().doprint(expression)
     assert float(eval(python, {"np": np, **POINT})) == pytest.approx(expected, rel=1e-14)
     if "?" not in PlainCPrinter().doprint(expression):  # the rest of C's expressions reads as Python
         powers = {"square": lambda a: a * a, "cube": lambda a: a**3, "cubed_sqrt": lambda a: a * math.sqrt(a)}
@@ -54,5 +54,5 @@ def test_meaning(expression):
 
 @pytest.mark.parametrize("power", [-3, 4, sp.Rational(5, 2)])
 def test_other_powers_are_still_right_in_python(power):
-    text = ArrayPrinter("np", "np.where").doprint((x + 1) ** power * y)
+    text = NumpyPrinter().doprint((x + 1) ** power * y)
     assert float(eval(text, {"np": np, **POINT})) == pytest.approx(1.7 ** float(power) * 1.3, rel=1e-14)

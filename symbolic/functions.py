@@ -1,0 +1,77 @@
+"""Functions of the lines that SymPy lacks, or has with other derivatives: signs, size, a choice by condition."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import sympy as sp
+
+
+class sgn(sp.Function):
+    """The sign of x, 0 at 0; its derivative is 0 everywhere.
+
+    Examples
+    --------
+    >>> sgn(sp.Integer(0)), sgn(sp.Symbol("V")).diff(sp.Symbol("V"))
+    (0, 0)
+    """
+
+    nargs = 1
+    is_real = True
+
+    @classmethod
+    def eval(cls, x: Any) -> Any:
+        """Return the sign of a number; leave a symbol alone."""
+        return sp.sign(x) if x.is_Number else None
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """Return 0."""
+        return sp.Integer(0)
+
+
+class sgn1(sgn):
+    """The sign of x, +1 at 0; its derivative is 0 everywhere.
+
+    Examples
+    --------
+    >>> sgn1(sp.Integer(0)), sgn1(sp.Integer(-2))
+    (1, -1)
+    """
+
+    @classmethod
+    def eval(cls, x: Any) -> Any:
+        """Return the sign of a number; leave a symbol alone."""
+        return (sp.Integer(1) if x >= 0 else sp.Integer(-1)) if x.is_Number else None
+
+
+class absolute(sp.Function):
+    """The size of x; its derivative is `sgn`, 0 at 0.
+
+    Examples
+    --------
+    >>> absolute(sp.Symbol("gamma")).diff(sp.Symbol("gamma"))
+    sgn(gamma)
+    """
+
+    nargs = 1
+    is_real = True
+
+    @classmethod
+    def eval(cls, x: Any) -> Any:
+        """Return the size of a number; leave a symbol alone."""
+        return sp.Abs(x) if x.is_Number else None
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """Return the sign."""
+        return sgn(self.args[0])
+
+
+def where(condition: Any, then: Any, otherwise: Any) -> sp.Expr:
+    """Return `then` where the condition holds, `otherwise` elsewhere (also where something is NaN).
+
+    Examples
+    --------
+    >>> where(sp.Symbol("Fz") < 0, 0, sp.Symbol("Fz"))
+    Piecewise((0, Fz < 0), (Fz, True))
+    """
+    return sp.Piecewise((then, condition), (otherwise, True))

@@ -1,0 +1,23 @@
+"""Transient slip: how far the tire rolls until a slip acts, d x/dt = |V| / sigma (u - x) on tan(alpha) and kappa.
+
+The lagged x takes the place of the slip in every other line. A constant sigma, one that changes with load, or
+the Magic Formula's own lengths; 0 means at once. The update over a step stands in `tirefmu.tires.transient`.
+"""
+
+from __future__ import annotations
+
+from ..effects import relax_lat, relax_load, relax_lon, relax_mf
+from ..notation import Chapter
+from .coefficients.body import Transient as c
+from .normalized import dfz
+from .relaxation import sigmax, sigmay
+
+eq = Chapter("Transient slip")
+
+# fmt: off
+sigma_lon = eq("tirefmu", "sigma_kappa",
+               relax_lon.term(c.SIGX) + relax_mf.term(c.SIGK * sigmax),
+               "m", "relaxation length that acts on kappa")
+sigma_lat = eq("tirefmu", "sigma_alpha",
+               relax_load.either(c.SIGY * (1 + c.SIGC*dfz), relax_lat.term(c.SIGY)) + relax_mf.term(c.SIGK * sigmay),
+               "m", "relaxation length that acts on tan(alpha)")

@@ -1,0 +1,32 @@
+"""The conventions that whoever evaluates a tire may choose, by their public names.
+
+Where an option acts stands in the chapters (``option.either(default, other)``).
+"""
+
+from __future__ import annotations
+
+from .notation import Option
+
+convention = Option(
+    "convention",
+    ("tno", "book"),
+    "tno: as the industry's solvers compute (TNO MF-Tyre, MFeval); book: as Pacejka (2012), section 4.E, prints",
+)
+slip_angle = Option(
+    "slip_angle",
+    ("tan", "angle"),
+    "tan: alpha* = tan(alpha) sgn(V) and gamma* = sin(gamma), eqs. (4.E3), (4.E4); angle: alpha and gamma themselves",
+)
+limits = Option(
+    "limits",
+    ("off", "on"),
+    "on: inputs are kept within the tire's ranges, slips fade out below VXLOW, curvature factors are 1 at most",
+)
+signs = Option(
+    "signs",
+    ("iso", "adapted-sae"),
+    "how the coefficients are written; only a product that MFeval has in place of a sum needs to know",
+)
+
+#: Every option by its public name, in the order of the parameter vector.
+OPTIONS: dict[str, Option] = {option.name: option for option in (convention, slip_angle, limits, signs)}

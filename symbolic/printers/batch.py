@@ -1,0 +1,109 @@
+"""A model as kernels for tables in C: blocks of rows, as many at a time as fit into a vector register."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+
+from ..model import Model
+from .c import functions_of_math, heading, parameters_read, statements
+from .expressions import LanesPrinter
+from .routines import STRAIGHT, Routine, entries
+
+#: The routines that have a kernel.
+KERNELS = ("forces", "jacobian_inputs", "jacobian_parameters")
+INCLUDES = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
+
+
+def batch_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]:
+    """Return the sources of a model's kernels by routine, one library each.
+
+    The exported ``<model>_batch_<routine>`` takes n rows whose columns lie `stride` numbers apart, inputs and results
+    alike. It holds for rows without turn slip under default options, and marks the rows for which it gave no finite
+    result: whoever calls it computes them one by one. Of `jacobian_parameters` it gives the entries that are not 0
+    everywhere, row by row (`tirefmu.symbolic.printers.routines.entries`).
+
+    Parameters
+    ----------
+    model : Model
+    routines : tuple of Routine
+
+    Returns
+    -------
+    dict of str to str
+    """
+    by_name = {routine.full_name: routine for routine in routines}
+    sources = {}
+    for name in KERNELS:
+        general = by_name[name]
+        routine = by_name.get(f"{name}_{STRAIGHT}", general)
+        values = [value for row in routine.results for value in row]
+        places = entries(general) if name == "jacobian_parameters" else range(len(values))
+        sources[name] = _source(model, routine, [values[place] for place in places])
+    return sources
+
+
+def _source(model: Model, routine: Routine, values: list[object]) -> str:
+    code = f"{_kernel(model, routine, values)}\n\n{_exported(model, routine)}"
+    sizes = f"#define N_INPUTS {model.name.upper()}_N_INPUTS\n#define N_RESULTS {len(values)}"
+    parts = [
+        heading(model, "a kernel in C with vector types"),
+        f'#include "{model.name}.h"\n\n{INCLUDES}',
+        functions_of_math(code),
+        _text("lanes.h"),
+        sizes,
+        _text("blocks.h"),
+        code,
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _text(name: str) -> str:
+    return (files(__package__) / name).read_text(encoding="ascii").rstrip()
+
+
+def _kernel(model: Model, routine: Routine, values: list[object]) -> str:
+    """Print the loop over a block; what depends on parameters only stands before it."""
+    prefix = model.name.upper()
+    inputs = routine.uses([quantity.name for quantity in model.inputs])
+    printer = LanesPrinter(_varying(inputs, routine))
+    fixed = [assignment for assignment in routine.body if not printer.varies(assignment.expression)]
+    rows = [assignment for assignment in routine.body if printer.varies(assignment.expression)]
+    before = [*parameters_read(model, routine), *statements(fixed)]
+    loop = [f"const lanes {name} = *(const lanes_in_array *)(inputs + {prefix}_{name}*BLOCK + i);" for name in inputs]
+    loop += [*statements(rows, printer, "lanes"), ""]
+    loop += [f"*(lanes_in_array *)(results + {k}*BLOCK + i) = {printer.in_lanes(v)};" for k, v in enumerate(values)]
+    return (
+        f"/* {routine.summary} */\n"
+        f"static void {routine.name}_kernel(const double inputs[], const double parameters[], double results[])\n{{\n"
+        f"{_indented(before, 4)}\n\n    for (size_t i = 0; i < BLOCK; i += LANES) {{\n{_indented(loop, 8)}\n    }}\n}}"
+    )
+
+
+def _varying(inputs: list[str], routine: Routine) -> set[str]:
+    """Return the names that differ from row to row."""
+    varying = set(inputs)
+    for assignment in routine.body:
+        if any(symbol.name in varying for symbol in assignment.expression.free_symbols):
+            varying.add(assignment.symbol.name)
+    return varying
+
+
+def _indented(lines: list[str], by: int) -> str:
+    return "\n".join(" " * by + line if line else "" for line in lines)
+
+
+def _exported(model: Model, routine: Routine) -> str:
+    head = (
+        f"void {model.name}_batch_{routine.name}(size_t n, size_t stride, const double inputs[],\n"
+        "    const double parameters[], double results[], unsigned char undone[])"
+    )
+    return (
+        f"{head};\n\n{head}\n{{\n"
+        "    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*BLOCK + 8];\n"
+        "    for (size_t start = 0; start < n; start += BLOCK) {\n"
+        "        const size_t m = n - start < BLOCK ? n - start : BLOCK;\n"
+        "        take_block(m, stride, inputs + start, aligned(columns));\n"
+        f"        {routine.name}_kernel(aligned(columns), parameters, aligned(block));\n"
+        "        put_block(m, stride, aligned(block), results + start, undone + start);\n"
+        "    }\n}"
+    )

@@ -1,0 +1,128 @@
+"""Effects beyond the book: their files, what they act on, and that a model with them is the model without."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.symbolic import model
+from tirefmu.symbolic.added import LIBRARY, effect_text, library, read_effect
+from tirefmu.symbolic.added.formula import formula, formula_text
+from tirefmu.symbolic.errors import EffectError, UnknownName
+from tirefmu.tires import Tire
+
+OWN = """
+name = "grip_by_humidity"
+physics = "a wet morning"
+[coefficients]
+HMU1 = {description = "friction, change with pressure in bar", unit = "1/Pa", lower = -1.0, upper = 1.0}
+[[acts]]
+on = "mu_y"
+factor = "1 + HMU1*(p - NOMPRES)"
+"""
+VALUES = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+TABLE = pd.DataFrame(
+    {"t": np.arange(6) * 0.1, "alpha": 0.1, "kappa": 0.05, "Fz": 3000.0, "V": 20.0, "T": np.linspace(30, 80, 6)}
+)
+
+
+@pytest.mark.parametrize("name", LIBRARY)
+def test_a_file_written_and_read_is_the_same_effect(name):
+    effect = library()[name]
+    assert effect.name == name
+    assert effect.source
+    assert read_effect(effect_text(effect), "again.toml") == effect
+    assert effect_text(read_effect(effect_text(effect), "again.toml")) == effect_text(effect)
+
+
+@pytest.mark.parametrize("name", LIBRARY)
+def test_an_effect_owns_its_coefficients(name):
+    book = model("mf61", tuple(library().values()))
+    own = {card.name for card in library()[name].cards}
+    assert book.owned(name) <= own
+    assert book.owned(*LIBRARY) == {card.name for effect in library().values() for card in effect.cards}
+    assert book.effects[name].optional
+
+
+def test_with_every_added_effect_at_neutral_a_model_is_itself():
+    plain = Tire("mf61", VALUES).evaluate(TABLE)
+    added = Tire("mf61", VALUES, effects=[*model("mf61").usual_effects, *LIBRARY]).evaluate(TABLE)
+    for name in ("Fx", "Fy", "Mz", "Mx", "My", "mu_y", "K_yalpha"):
+        np.testing.assert_array_equal(added[name], plain[name])
+
+
+@pytest.mark.parametrize("code", ["numpy", "c", "casadi"])
+def test_each_does_what_its_file_says(code):
+    values = VALUES | {"TMU1": -2e-3, "TMU2": 1e-5, "TREF": 50.0, "TK1": -1e-3, "VMU1": -0.1, "WMU1": -1e-3}
+    tire = Tire("mf61", values, effects=LIBRARY)
+    answer, plain = tire.evaluate(TABLE, code=code), Tire("mf61", VALUES, effects=()).evaluate(TABLE, code=code)
+    warm, rolled, faster = TABLE["T"] - 50.0, TABLE["t"] * 20.0, (20.0 - 16.7) / 16.7
+    grip = (1 - 2e-3 * warm + 1e-5 * warm**2) * (1 - 1e-3 * rolled) * (1 - 0.1 * faster)
+    for name in ("mu_x", "mu_y"):
+        np.testing.assert_allclose(answer[name], plain[name] * grip, rtol=1e-12)
+    for name in ("K_xkappa", "K_yalpha"):
+        np.testing.assert_allclose(answer[name], plain[name] * (1 - 1e-3 * warm), rtol=1e-12)
+    np.testing.assert_allclose(answer["distance"], rolled, rtol=1e-12)
+
+
+def test_a_users_own_effect_acts():
+    effect = read_effect(OWN, "own.toml")
+    tire = Tire("mf61", VALUES | {"HMU1": 1e-6}, effects=["grip_by_humidity"], added=(effect,))
+    pressed = TABLE.assign(p=3e5)
+    ratio = tire.evaluate(pressed)["mu_y"] / Tire("mf61", VALUES, effects=()).evaluate(pressed)["mu_y"]
+    np.testing.assert_allclose(ratio, 1 + 1e-6 * (3e5 - 2.2e5), rtol=1e-12)
+
+
+def test_an_absent_added_effect_is_silent():
+    tire = Tire("mf61", VALUES | {"TMU1": 0.04}, effects=["temp_stiffness"])
+    assert tire.values["TMU1"] == 0.0
+    assert tire.has == {"temp_stiffness"}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (OWN.replace("mu_y", "mu_yy"), "grip_by_humidity acts on 'mu_yy', which is no named quantity: did you mean"),
+        (OWN.replace("NOMPRES", "NOMPRESS"), "reads 'NOMPRESS', which mf61 has not before it: did you mean NOMPRES"),
+        (OWN.replace("NOMPRES", "Fy"), "reads 'Fy', which mf61 has not before it"),
+    ],
+)
+def test_an_effect_without_a_place_is_named(text, message):
+    with pytest.raises(EffectError, match=message):
+        model("mf61").extended([read_effect(text, "own.toml")])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("name = ", "own.toml"),
+        (OWN.replace("physics", "phisics"), "unknown key 'phisics': did you mean physics"),
+        (OWN.replace("[[acts]]", "[[act]]"), "unknown key 'act': did you mean acts"),
+        (OWN.replace("factor", "faktor"), "unknown key 'faktor': did you mean factor"),
+        (OWN.replace("1 + HMU1*(p", "__import__('os').remove(p"), "has no place in a formula"),
+        (OWN.replace("1 + HMU1*", "1 + HMU1**9999*"), "too high"),
+        (OWN.replace("1 + HMU1*(p", "1 + HMU1*sine(p"), "unknown function 'sine': did you mean sin"),
+        (OWN.replace("1 + HMU1*(p - NOMPRES)", "1 + p"), "HMU1 is declared but acts on nothing"),
+        (OWN.replace("lower = -1.0", "lower = 2.0"), "lower 2.0 is not below upper 1.0"),
+        (OWN.replace("lower = -1.0", "lower = true"), "lower = True is not a float"),
+        (OWN.replace("HMU1 =", "hmu1 ="), "a word of capital letters"),
+        (OWN.replace('"1 + HMU1*(p - NOMPRES)"', '"1 +"'), "is not a formula"),
+    ],
+)
+def test_a_broken_file_is_told_in_a_line(text, message):
+    with pytest.raises(EffectError, match=message) as caught:
+        read_effect(text, "own.toml")
+    assert str(caught.value).startswith("own.toml")
+    assert "\n" not in str(caught.value)
+
+
+def test_unknown_effects_offer_those_of_the_library_too():
+    with pytest.raises(UnknownName, match="did you mean temp_friction"):
+        Tire("mf61", VALUES, effects=["temp_frictoin"])
+
+
+@pytest.mark.parametrize("text", ["1 + 2*T**2", "A*exp(-T/B)", "abs(V)/LONGVL - 1", "sqrt(T)*tanh(A*p)", "-A*sgn1(V)"])
+def test_formulas_survive_their_text(text):
+    once = formula(text, "here")
+    assert formula(formula_text(once), "here") == once
