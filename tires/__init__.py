@@ -1,9 +1,10 @@
 """Tires: values for a model's coefficients, .tir files, published tires, sign conventions."""
 
+from .forces import Forces
 from .published import PUBLISHED, published
-from .signs import SIGNS, convert_signs
+from .signs import SIGNS, TABLE_INPUTS, TABLE_OUTPUTS, convert_signs
 from .tir import read_tir, write_tir
-from .tire import TABLE_INPUTS, TABLE_OUTPUTS, Forces, Tire
+from .tire import Tire
 
 __all__ = [
     "PUBLISHED",

@@ -5,16 +5,18 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from functools import lru_cache
-from importlib import import_module
 from types import ModuleType
 from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.symbolic import model as model_of
 from tirefmu.symbolic.errors import UnknownName
+from tirefmu.symbolic.model import Model
 
 from .compiler import compiled_model
+from .printed import c_folder, casadi_module, numpy_module
 
 FloatArray = npt.NDArray[np.float64]
 LANGUAGES = ("numpy", "c", "casadi")
@@ -32,16 +34,16 @@ class Code(Protocol):
         """Return named quantities, shape (n_quantities, n), at inputs of shape (n_inputs, n)."""
 
     def jacobian_parameters(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        """Return derivatives of the forces, shape (n, n_forces, n_parameters)."""
+        """Return derivatives of the forces, shape (n, n_forces, n_coefficients)."""
 
 
-@lru_cache(maxsize=32)
-def code_for(model: str, language: str) -> Code:
+def code_for(model: str | Model, language: str) -> Code:
     """Return the code of a model in a language.
 
     Parameters
     ----------
-    model : str
+    model : str or Model
+        Its name, or the model itself where it has added effects.
     language : {"numpy", "c", "casadi"}
 
     Returns
@@ -58,17 +60,22 @@ def code_for(model: str, language: str) -> Code:
     >>> code_for("mf96", "numpy").quantities_names[-2:]
     ('M_zr', 's')
     """
-    kinds: dict[str, Callable[[str], Code]] = {"numpy": _NumpyCode, "c": _CCode, "casadi": _CasadiCode}
+    return _code_for(model_of(model) if isinstance(model, str) else model, language)
+
+
+@lru_cache(maxsize=64)
+def _code_for(book: Model, language: str) -> Code:
+    kinds: dict[str, Callable[[Model], Code]] = {"numpy": _NumpyCode, "c": _CCode, "casadi": _CasadiCode}
     if language not in kinds:
         raise UnknownName("language of the generated code", language, LANGUAGES)
-    return kinds[language](model)
+    return kinds[language](book)
 
 
 class _NumpyCode:
     """The NumPy module, whole arrays at a time."""
 
-    def __init__(self, model: str) -> None:
-        self._module: ModuleType = import_module(f"tirefmu.generated.numpy.{model}")
+    def __init__(self, book: Model) -> None:
+        self._module: ModuleType = numpy_module(book)
         self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
 
     def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
@@ -93,14 +100,14 @@ class _NumpyCode:
 class _CCode:
     """The C source, compiled once on this machine."""
 
-    def __init__(self, model: str) -> None:
-        self._model, self._library = model, compiled_model(model)
-        metadata = import_module(f"tirefmu.generated.numpy.{model}")
+    def __init__(self, book: Model) -> None:
+        self._model, self._library = book.name, compiled_model(book.name, c_folder(book))
+        metadata = numpy_module(book)
         self.quantities_names: tuple[str, ...] = metadata.QUANTITIES
         self._sizes = {
             "forces": (len(metadata.FORCES),),
             "quantities": (len(metadata.QUANTITIES),),
-            "jacobian_parameters": (len(metadata.FORCES), len(metadata.PARAMETERS)),
+            "jacobian_parameters": (len(metadata.FORCES), len(metadata.COEFFICIENTS)),
         }
 
     def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
@@ -129,8 +136,8 @@ class _CCode:
 class _CasadiCode:
     """The CasADi module, a casadi.Function over columns."""
 
-    def __init__(self, model: str) -> None:
-        self._module: ModuleType = import_module(f"tirefmu.generated.casadi.{model}")
+    def __init__(self, book: Model) -> None:
+        self._module: ModuleType = casadi_module(book)
         self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
 
     def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:

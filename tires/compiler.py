@@ -22,7 +22,7 @@ from pathlib import Path
 from tirefmu.symbolic.errors import TirefmuError
 
 SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
-FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-fvisibility=hidden", "-shared")
+FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-fvisibility=hidden")
 
 
 class CompilerError(TirefmuError):
@@ -72,7 +72,7 @@ def shared_library(
     include: Sequence[Path] = (),
     flags: Sequence[str] = (),
 ) -> Path:
-    """Return a shared library built from C sources, from the cache where it is there.
+    """Return a shared library built from C sources or object files, from the cache where it is there.
 
     Parameters
     ----------
@@ -94,14 +94,58 @@ def shared_library(
     CompilerError
         If there is no compiler, it fails (the message has its first lines), or the cache cannot be written.
     """
+    defined = ["-Wl,-z,defs"] if sys.platform.startswith("linux") else []
+    return _built(name, SUFFIX, sources, headers, include, ["-shared", *flags, *defined], ["-lm"])
+
+
+def compiled_object(
+    name: str,
+    source: Path,
+    *,
+    headers: Sequence[Path] = (),
+    include: Sequence[Path] = (),
+    flags: Sequence[str] = (),
+) -> Path:
+    """Return the object file of a C source, from the cache where it is there, for `shared_library` to link.
+
+    What is long to compile and stays the same in many libraries is compiled once.
+
+    Parameters
+    ----------
+    name : str
+        What the file begins with.
+    source : Path
+    headers, include, flags
+        As for `shared_library`.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    CompilerError
+        As `shared_library`.
+    """
+    return _built(name, ".o", [source], headers, include, ["-c", *flags], [])
+
+
+def _built(
+    name: str,
+    suffix: str,
+    sources: Sequence[Path],
+    headers: Sequence[Path],
+    include: Sequence[Path],
+    flags: Sequence[str],
+    libraries: Sequence[str],
+) -> Path:
+    """Return what the compiler makes of the sources, from the cache where it is there."""
     compiler = find_compiler()
     options = [*FLAGS, *([] if sys.platform == "win32" else ["-fPIC"]), *flags]
-    if sys.platform.startswith("linux"):
-        options.append("-Wl,-z,defs")
     digest = hashlib.sha256("\0".join([*compiler, *options, platform.machine(), sys.platform]).encode())
     for path in [*sources, *headers]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    built = cache_folder() / f"{name}-{digest.hexdigest()[:24]}{SUFFIX}"
+    built = cache_folder() / f"{name}-{digest.hexdigest()[:24]}{suffix}"
     if built.exists():
         return built
     folders = [f"-I{folder}" for folder in include]
@@ -109,20 +153,22 @@ def shared_library(
         built.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=built.parent) as scratch:
             target = Path(scratch) / built.name
-            _run([*compiler, *options, *folders, *map(str, sources), "-o", str(target), "-lm"])
+            _run([*compiler, *options, *folders, *map(str, sources), "-o", str(target), *libraries])
             os.replace(target, built)  # another process may have built the same meanwhile: equal content
     except OSError as error:
         raise CompilerError(f"{built.parent}: cannot be written ({error.strerror or error})") from error
     return built
 
 
-def compiled_model(model: str) -> ctypes.CDLL:
+def compiled_model(model: str, folder: Path | None = None) -> ctypes.CDLL:
     """Return the compiled code of a model.
 
     Parameters
     ----------
     model : str
         Name of the model.
+    folder : Path, optional
+        Where its C files are; those that the package brings where None.
 
     Returns
     -------
@@ -133,11 +179,12 @@ def compiled_model(model: str) -> ctypes.CDLL:
     CompilerError
         If it cannot be compiled.
     """
-    with as_file(files("tirefmu.generated") / "c") as folder:
+    with as_file(files("tirefmu.generated") / "c") as generated:
+        place = folder or generated
         library = shared_library(
             model,
-            [folder / f"{model}.c"],
-            headers=[folder / f"{model}.h"],
+            [place / f"{model}.c"],
+            headers=[place / f"{model}.h"],
             flags=["-fvisibility=default"],
         )
     return ctypes.CDLL(str(library))

@@ -17,6 +17,10 @@ import pandas as pd
 
 from tirefmu.symbolic.errors import UnknownName
 
+#: The input columns of the public tables; a model reads those that it knows.
+TABLE_INPUTS = ("t", "kappa", "alpha", "gamma", "Fz", "p", "V", "T", "phit")
+#: The output columns of the public tables.
+TABLE_OUTPUTS = ("Fx", "Fy", "Mz", "Mx", "My")
 #: The columns that each convention writes with the opposite sign of ``iso``.
 REVERSED: dict[str, frozenset[str]] = {
     "iso": frozenset(),
@@ -77,3 +81,7 @@ def convert_signs(table: pd.DataFrame, source: str, target: str) -> pd.DataFrame
     """
     columns = [name for name in table.columns if name in reversed_columns(source, target)]
     return table.assign(**{name: -table[name] for name in columns})
+
+
+#: What a mirror in the wheel plane reverses.
+MIRRORED = frozenset({"alpha", "gamma", "phit", "Fy", "Mx", "Mz"})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -13,51 +13,27 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.symbolic import model as book
-from tirefmu.symbolic.errors import DataError, TireError, UnknownName
+from tirefmu.symbolic.added import AddedEffect, library
+from tirefmu.symbolic.errors import TireError, UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.notation import Coefficient
+from tirefmu.symbolic.options import OPTIONS
 
 from .code import Code, code_for
-from .signs import convert_signs, reversed_columns
+from .evaluation import Conventions, evaluate
+from .forces import Forces
+from .signs import TABLE_INPUTS
 
 FloatArray = npt.NDArray[np.float64]
 
-#: The input columns of the public tables; a model reads those that it knows.
-TABLE_INPUTS = ("t", "kappa", "alpha", "gamma", "Fz", "p", "V", "T", "phit")
-#: The output columns of the public tables.
-TABLE_OUTPUTS = ("Fx", "Fy", "Mz", "Mx", "My")
-
-
-class Forces(Mapping[str, FloatArray]):
-    """Forces and moments by name: ``forces["Fy"]`` and ``forces.Fy`` are the same.
-
-    Examples
-    --------
-    >>> forces = Forces({"Fx": np.array(1.0), "Fy": np.array(2.0)})
-    >>> float(forces.Fy), list(forces)
-    (2.0, ['Fx', 'Fy'])
-    """
-
-    def __init__(self, values: Mapping[str, FloatArray]) -> None:
-        self._values = dict(values)
-
-    def __getitem__(self, name: str) -> FloatArray:
-        return self._values[name]
-
-    def __getattr__(self, name: str) -> FloatArray:
-        values = self.__dict__.get("_values", {})
-        if name not in values:
-            raise AttributeError(f"this model has no output {name}")
-        return values[name]  # type: ignore[no-any-return]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._values)
-
-    def __len__(self) -> int:
-        return len(self._values)
-
-    def __repr__(self) -> str:
-        return f"Forces({', '.join(f'{name}={value}' for name, value in self._values.items())})"
+#: Keys of the ranges in which a tire is known, by input.
+RANGES = {
+    "kappa": ("KPUMIN", "KPUMAX"),
+    "alpha": ("ALPMIN", "ALPMAX"),
+    "gamma": ("CAMMIN", "CAMMAX"),
+    "Fz": ("FZMIN", "FZMAX"),
+    "p": ("PRESMIN", "PRESMAX"),
+}
 
 
 @dataclass(frozen=True)
@@ -80,7 +56,15 @@ class Tire:
     about : mapping of str to str
         Where the tire comes from: source, fit, remarks; the keys are lower-case words.
     ranges : mapping of str to (float, float)
-        The inputs' range in which the tire is known, by input name.
+        The inputs' range in which the tire is known, by input name. Where the model has coefficients for a
+        range (KPUMIN, KPUMAX, ...) the two are one.
+    side : str
+        The side of the vehicle that the coefficients stand for, TYRESIDE of the file: "left", "right" or "".
+        It changes nothing by itself; see `mirror` of `evaluate`.
+    added : tuple of AddedEffect
+        Effects beyond the book. Those of the library are added by their names in `effects`.
+    kept : tuple of (str, str, str)
+        Section, key and text of what a file said beyond the model, written again when the tire is saved.
 
     Raises
     ------
@@ -104,33 +88,64 @@ class Tire:
     name: str = ""
     about: Mapping[str, str] = field(default_factory=dict)
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    side: str = ""
+    added: tuple[AddedEffect, ...] = ()
+    kept: tuple[tuple[str, str, str], ...] = ()
     defaulted: tuple[str, ...] = field(init=False, default=(), compare=False)
 
     def __post_init__(self) -> None:
         if self.signs not in ("iso", "adapted-sae"):
             raise UnknownName("sign convention of a tire", self.signs, ("iso", "adapted-sae"))
+        if self.side not in ("left", "right", ""):
+            raise UnknownName("side of the vehicle", self.side, ("left", "right"))
+        self._add_from_library()
         cards = self.book.coefficients
-        present = frozenset(self.book.effects) if self.effects is None else self.book.known_effects(self.effects)
-        for name in self.values:
+        present = self._present()
+        given = {**self._range_values(), **self.values}
+        for name in given:
             if name not in cards:
                 raise UnknownName(f"coefficient of {self.model}", name, cards)
         for name in ("FNOMIN", "UNLOADED_RADIUS"):
-            if name not in self.values:
+            if name not in given:
                 raise TireError(f"a tire needs {name} ({cards[name].description}, {cards[name].unit})")
         absent = self.book.owned(*sorted(self.book.effects.keys() - present))
         defaults = {name: card.default for name, card in cards.items()}
         values = defaults if self.signs == "adapted-sae" else _mirrored(cards, defaults)
-        values |= {name: _number(name, value) for name, value in self.values.items() if name not in absent}
-        object.__setattr__(self, "defaulted", tuple(name for name in cards if name not in self.values))
+        values |= {name: _number(name, value) for name, value in given.items() if name not in absent}
+        object.__setattr__(self, "defaulted", tuple(name for name in cards if name not in given))
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "effects", present)
         object.__setattr__(self, "about", {_word(key): str(text) for key, text in self.about.items()})
-        object.__setattr__(self, "ranges", {name: _range(name, *r) for name, r in self.ranges.items()})
+        known = {name: pair for name, pair in RANGES.items() if set(pair) <= given.keys()}
+        ranges = {**self.ranges, **{name: (values[low], values[high]) for name, (low, high) in known.items()}}
+        object.__setattr__(self, "ranges", {name: _range(name, *r) for name, r in ranges.items()})
+
+    def _add_from_library(self) -> None:
+        """Add the library where one of its effects is named: whole, so that few models have to be printed."""
+        there = {effect.name for effect in self.added} | book(self.model).effects.keys()
+        named = [name for name in library() if name in (self.effects or ()) and name not in there]
+        wanted = library() if book(self.model).results else named  # MF96 lacks what some of them read
+        more = [effect for name, effect in library().items() if named and name in wanted and name not in there]
+        object.__setattr__(self, "added", (*self.added, *more))
+
+    def _present(self) -> frozenset[str]:
+        if self.effects is None:
+            return self.book.usual_effects | {effect.name for effect in self.added if effect.name not in library()}
+        for name in self.effects:
+            if name not in self.book.effects:
+                raise UnknownName(f"effect of {self.model}", name, [*self.book.effects, *library()])
+        return frozenset(self.effects)
+
+    def _range_values(self) -> dict[str, float]:
+        """Return the given ranges as coefficients of the model, where it has them."""
+        cards = self.book.coefficients
+        pairs = ((RANGES[name], ends) for name, ends in self.ranges.items() if name in RANGES)
+        return {key: end for keys, ends in pairs for key, end in zip(keys, ends, strict=True) if key in cards}
 
     @property
     def book(self) -> Model:
-        """The model of the book."""
-        return book(self.model)
+        """The model of the book, the added effects in its lines."""
+        return book(self.model, self.added)
 
     @property
     def inputs(self) -> tuple[str, ...]:
@@ -160,17 +175,35 @@ class Tire:
         absent = (effect for name, effect in self.book.effects.items() if name not in self.has)
         return {name: factor for effect in absent for name, factor in effect.rescales}
 
-    def parameters(self) -> FloatArray:
+    def parameters(self, **options: str) -> FloatArray:
         """Return the parameter vector of the generated code, absent effects at neutral.
+
+        Parameters
+        ----------
+        **options : str
+            Conventions by name (`tirefmu.symbolic.options`), the default where left out; those that the model
+            does not have are left aside.
 
         Returns
         -------
         ndarray, shape (n_parameters,)
             In the order of ``PARAMETERS`` of the generated modules.
+
+        Raises
+        ------
+        UnknownName
+            If an option or its value does not exist.
         """
         factors = self.rescaled
-        values = [self.values[card.name] * factors.get(card.name, 1.0) for card in self.book.parameters]
-        return np.array(values, dtype=np.float64)
+        values = [self.values[name] * factors.get(name, 1.0) for name in self.book.coefficients]
+        chosen = {"signs": self.signs, **options}
+        for name, value in chosen.items():
+            if name not in OPTIONS:
+                raise UnknownName("option", name, OPTIONS)
+            if value not in OPTIONS[name].values:
+                raise UnknownName(f"value of {name}", value, OPTIONS[name].values)
+        places = [option.values.index(chosen.get(option.name, option.values[0])) for option in self.book.options]
+        return np.array([*values, *places], dtype=np.float64)
 
     def in_signs(self, signs: str) -> Tire:
         """Return the same tire written in another convention.
@@ -196,16 +229,16 @@ class Tire:
         return self.values[quantity.nominal] if isinstance(quantity.nominal, str) else quantity.nominal
 
     def forces(self, *, code: str = "numpy", **inputs: npt.ArrayLike) -> Forces:
-        """Return forces and moments in the tire's own signs.
+        """Return forces and moments in the tire's own signs, in steady state.
 
         Parameters
         ----------
         code : {"numpy", "c", "casadi"}
             Which generated code evaluates.
         **inputs : array_like
-            kappa (fraction), alpha, gamma (rad), Fz (N) and what else the model reads, of shapes that
+            kappa (fraction), alpha, gamma (rad), Fz (N), p (Pa), V (m/s), phit (1/m), of shapes that
             broadcast; one left out takes its nominal value, one that the model does not read has no
-            influence.
+            influence. The conventions of `evaluate` are at their defaults.
 
         Returns
         -------
@@ -223,11 +256,21 @@ class Tire:
         columns = [np.asarray(inputs.get(name, self.nominal(name)), dtype=np.float64) for name in self.inputs]
         shape = np.broadcast_shapes(*(column.shape for column in columns))
         rows = np.stack([np.broadcast_to(column, shape).ravel() for column in columns])
-        results = self._code(code).forces(rows, self.parameters())
+        results = self._code(code).forces(self.asked(rows), self.parameters())
         return Forces({name: row.reshape(shape) for name, row in zip(self.outputs, results, strict=True)})
 
     def evaluate(
-        self, table: pd.DataFrame, *, signs: str = "iso", limits: bool = False, code: str = "numpy"
+        self,
+        table: pd.DataFrame,
+        *,
+        signs: str = "iso",
+        convention: str = "tno",
+        slip_angle: str = "tan",
+        limits: bool = False,
+        mirror: bool = False,
+        steady: bool = False,
+        hold: bool = False,
+        code: str = "numpy",
     ) -> pd.DataFrame:
         """Evaluate forces and every named quantity for each row of a table.
 
@@ -239,8 +282,22 @@ class Tire:
         signs : {"iso", "adapted-sae", "sae"}
             The table's convention; the result comes back in it. Named quantities are those of the formula
             written in it ("sae": in adapted SAE).
+        convention : {"tno", "book"}
+            As the industry's solvers compute, or as Pacejka (2012), section 4.E, prints. MF96 has one form.
+        slip_angle : {"tan", "angle"}
+            alpha* and gamma*: tangent and sine, or the angles themselves. MF96 has the angles.
         limits : bool
-            Clamp the inputs to the ranges in which the tire is known.
+            Keep the inputs within the ranges in which the tire is known; in MF5.2 to 6.2 slips also fade out
+            below VXLOW and curvature factors are 1 at most.
+        mirror : bool
+            Evaluate the tire as mounted on the other side of the vehicle than the one it was measured for.
+            Named quantities are those of the tire as measured, at mirrored inputs.
+        steady : bool
+            Evaluate each row for itself. Otherwise, where the table has a column t and the tire a relax_*
+            effect, slips lag behind the inputs from row to row; the columns ``kappa_lagged`` and
+            ``alpha_lagged`` are those that act.
+        hold : bool
+            Inputs are held over each step, as in a co-simulation; otherwise they are linear between rows.
         code : {"numpy", "c", "casadi"}
             Which generated code evaluates.
 
@@ -253,23 +310,11 @@ class Tire:
         ------
         DataError
             If an input is NaN or infinite.
+        UnknownName
+            If a convention does not exist.
         """
-        formula = "iso" if signs == "iso" else "adapted-sae"
-        reversed_columns(signs, formula)  # an unknown convention is an error before anything is computed
-        tire = self.in_signs(formula)
-        given = convert_signs(table, signs, formula)
-        columns = {name: given.get(name, pd.Series(self.nominal(name), table.index)) for name in self.inputs}
-        rows = np.stack([_finite(column, name) for name, column in columns.items()])
-        if limits:
-            bounds = np.array([self.ranges.get(name, (-np.inf, np.inf)) for name in self.inputs])
-            rows = np.clip(rows, bounds[:, :1], bounds[:, 1:])
-        generated, parameters = self._code(code), tire.parameters()
-        forces = dict(zip(self.outputs, generated.forces(rows, parameters), strict=True))
-        quantities = dict(zip(generated.quantities_names, generated.quantities(rows, parameters), strict=True))
-        kept = table[[name for name in TABLE_INPUTS if name in table]]
-        absent = pd.DataFrame({name: columns[name] for name in self.inputs if name not in table}, table.index)
-        told = [convert_signs(part, formula, signs) for part in (absent, pd.DataFrame(forces, table.index))]
-        return pd.concat([kept, *told, pd.DataFrame(quantities, table.index)], axis=1)
+        conventions = Conventions(signs, convention, slip_angle, limits, mirror, steady, hold)
+        return evaluate(self, table, conventions, self._code(code))
 
     def save(self, path: str | Path) -> None:
         """Write the tire as a .tir file, in ISO-W.
@@ -283,7 +328,17 @@ class Tire:
         write_tir(self, path)
 
     def _code(self, language: str) -> Code:
-        return code_for(self.model, language)
+        return code_for(self.book, language)
+
+    @property
+    def lags(self) -> bool:
+        """True if slips lag behind their inputs: the tire has a relax_* effect."""
+        return any(effect.optional for name, effect in self.book.effects.items() if name in self.has)
+
+    def asked(self, rows: FloatArray) -> FloatArray:
+        """Return the rows of inputs without what would ask for an effect that the tire has not."""
+        silent = [place for effect, place in self.book.on_demand if effect not in self.has]
+        return np.where(np.isin(self.inputs, silent)[:, None], 0.0, rows) if silent else rows
 
 
 def _number(name: str, value: float) -> float:
@@ -313,13 +368,3 @@ def _range(name: str, lower: float, upper: float) -> tuple[float, float]:
     if not lower <= upper:
         raise TireError(f"the range of {name} is crossed: {lower} to {upper}")
     return float(lower), float(upper)
-
-
-def _finite(column: pd.Series[float], name: str) -> FloatArray:
-    """Return an input column as an array, or report its first row that is no finite number."""
-    values = np.asarray(column, dtype=np.float64)
-    bad = np.flatnonzero(~np.isfinite(values))
-    if bad.size:
-        what = "NaN" if np.isnan(values[bad[0]]) else "infinite"
-        raise DataError(f"row {bad[0] + 1}: {name} is {what} ({bad.size} of {len(values)} rows)")
-    return values

@@ -10,7 +10,7 @@ from ..tir import read_tir
 from ..tire import Tire
 
 #: The published tires and the signs in which their source writes them.
-PUBLISHED = {"trento_hoosier": "adapted-sae"}
+PUBLISHED = {"trento_hoosier": "adapted-sae", "unicamp_small_tire": "adapted-sae"}
 
 
 def published(name: str) -> Tire:
@@ -20,6 +20,8 @@ def published(name: str) -> Tire:
     ----------
     name : str
         ``trento_hoosier``: Hoosier 6.0/18.0-10 LCO, MF96, University of Trento, Dynamics of Vehicles, team 6.
+        ``unicamp_small_tire``: 4PR Imsa, 152.4 x 50.8 mm, MF6.1, University of Campinas. Its ``about`` says what
+        was printed, and what had to be inferred, replaced and left out.
 
     Returns
     -------

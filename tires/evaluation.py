@@ -1,0 +1,138 @@
+"""A tire evaluated for the rows of a table: conventions, transient slip, forces and every named quantity."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.symbolic.errors import DataError
+
+from .code import Code
+from .signs import MIRRORED, TABLE_INPUTS, convert_signs, reversed_columns
+from .transient import lagged, rolled_distance
+
+if TYPE_CHECKING:
+    from .tire import Tire
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Conventions:
+    """How a table is written and how the lines are read; `Tire.evaluate` says what each means."""
+
+    signs: str = "iso"
+    convention: str = "tno"
+    slip_angle: str = "tan"
+    limits: bool = False
+    mirror: bool = False
+    steady: bool = False
+    hold: bool = False
+
+    @property
+    def formula(self) -> str:
+        """The convention in which the plain formula is evaluated."""
+        reversed_columns(self.signs, "iso")  # an unknown one is an error before anything is computed
+        return "iso" if self.signs == "iso" else "adapted-sae"
+
+    @property
+    def options(self) -> dict[str, str]:
+        """What the lines leave open."""
+        return {
+            "convention": self.convention,
+            "slip_angle": self.slip_angle,
+            "limits": "on" if self.limits else "off",
+        }
+
+
+def evaluate(tire: Tire, table: pd.DataFrame, conventions: Conventions, code: Code) -> pd.DataFrame:
+    """Return forces and named quantities for each row of a table, beside its input columns.
+
+    Parameters
+    ----------
+    tire : Tire
+    table : pandas.DataFrame
+        Input columns in SI units.
+    conventions : Conventions
+    code : Code
+        Which generated code evaluates.
+
+    Returns
+    -------
+    pandas.DataFrame
+        With the table's index.
+
+    Raises
+    ------
+    DataError
+        If an input is NaN or infinite.
+    """
+    tire = tire.in_signs(conventions.formula)
+    parameters = tire.parameters(**conventions.options)
+    columns, rows = _inputs(tire, table, conventions)
+    acting, lag = _acting(tire, table, rows, parameters, conventions, code)
+    seen = _turned(acting, tire.inputs, conventions.mirror)
+    forces = _turned(code.forces(seen, parameters), tire.outputs, conventions.mirror)
+    quantities = dict(zip(code.quantities_names, code.quantities(seen, parameters), strict=True))
+    kept = table[[name for name in TABLE_INPUTS if name in table]]
+    absent = {name: columns[name] for name in tire.inputs if name not in table}
+    lag = {f"{name}_lagged": convert_signs(pd.DataFrame({name: slip}), conventions.formula, conventions.signs)[name]
+           .to_numpy() for name, slip in lag.items()}  # fmt: skip
+    told = {**absent, **dict(zip(tire.outputs, forces, strict=True))}
+    written = convert_signs(pd.DataFrame(told, table.index), conventions.formula, conventions.signs)
+    return pd.concat([kept, written, pd.DataFrame({**lag, **quantities}, table.index)], axis=1)
+
+
+def _inputs(
+    tire: Tire, table: pd.DataFrame, conventions: Conventions
+) -> tuple[dict[str, pd.Series[float]], FloatArray]:
+    """Return the model's inputs by name, and as rows: finite, and what the tire has no effect for left out."""
+    given = convert_signs(table, conventions.signs, conventions.formula)
+    if "distance" in tire.inputs and "distance" not in given and {"t", "V"} <= set(given):
+        given = given.assign(distance=rolled_distance(_finite(given["t"], "t"), _finite(given["V"], "V")))
+    columns = {name: given.get(name, pd.Series(tire.nominal(name), table.index)) for name in tire.inputs}
+    rows = tire.asked(np.stack([_finite(column, name) for name, column in columns.items()]))
+    in_the_lines = any(option.name == "limits" for option in tire.book.options)
+    if conventions.limits and not in_the_lines:
+        bounds = np.array([tire.ranges.get(name, (-np.inf, np.inf)) for name in tire.inputs])
+        rows = np.clip(rows, bounds[:, :1], bounds[:, 1:])
+    return columns, rows
+
+
+def _acting(
+    tire: Tire, table: pd.DataFrame, rows: FloatArray, parameters: FloatArray, conventions: Conventions, code: Code
+) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Return the inputs that act, slips lagging behind where the tire has that, and the lagged slips by name."""
+    if "t" not in table or conventions.steady or not tire.lags:
+        return rows, {}
+    t = _finite(table["t"], "t")
+    named = dict(zip(tire.inputs, rows, strict=True))
+    sigma = dict(zip(code.quantities_names, code.quantities(rows, parameters), strict=True))
+    hold = conventions.hold
+    lateral = lagged(t, np.tan(named["alpha"]), named["V"], sigma["sigma_alpha"], hold=hold)
+    lag = {
+        "kappa": lagged(t, named["kappa"], named["V"], sigma["sigma_kappa"], hold=hold),
+        "alpha": np.arctan(lateral),
+    }
+    return np.stack([lag.get(name, row) for name, row in named.items()]), lag
+
+
+def _turned(rows: FloatArray, names: Collection[str], mirror: bool) -> FloatArray:
+    """Return rows of inputs or outputs as seen in a mirror in the wheel plane, or as they are."""
+    sign = np.array([-1.0 if mirror and name in MIRRORED else 1.0 for name in names])
+    return sign[:, None] * rows
+
+
+def _finite(column: pd.Series[float], name: str) -> FloatArray:
+    """Return an input column as an array, or report its first row that is no finite number."""
+    values = np.asarray(column, dtype=np.float64)
+    bad = np.flatnonzero(~np.isfinite(values))
+    if bad.size:
+        what = "NaN" if np.isnan(values[bad[0]]) else "infinite"
+        raise DataError(f"row {bad[0] + 1}: {name} is {what} ({bad.size} of {len(values)} rows)")
+    return values

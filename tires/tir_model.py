@@ -1,0 +1,82 @@
+"""Which model a .tir file is for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.errors import TirError, nearest
+
+from .tir_names import FITTYP, FORMATS, VAGUE_FORMATS, told_by_coefficients
+from .tir_text import Entry, number_and_rest, unquoted
+
+
+def model_of(
+    entries: Mapping[tuple[str, str], Entry], own: Mapping[str, Entry], path: Path
+) -> tuple[str, tuple[str, ...]]:
+    """Return the model of a file, and what to tell where the file does not say it plainly.
+
+    Parameters
+    ----------
+    entries : mapping of (section, key) to Entry
+    own : mapping of str to Entry
+        The entries of [TIREFMU].
+    path : pathlib.Path
+        For messages.
+
+    Returns
+    -------
+    (str, tuple of str)
+
+    Raises
+    ------
+    TirError
+        If the file is for no model of this version, or tells none.
+    """
+    if "TIREFMU_MODEL" in own:
+        return _named(own["TIREFMU_MODEL"], path), ()
+    fittyp = _last("FITTYP", entries)
+    if fittyp and unquoted(fittyp.value):
+        return _numbered(fittyp, path), ()
+    format_ = _last("PROPERTY_FILE_FORMAT", entries)
+    if format_ is None or not unquoted(format_.value):
+        raise TirError(f"{path}: no FITTYP in [MODEL]: which model is it?")
+    spelled = unquoted(format_.value).upper()
+    folded = spelled.replace("-", "").replace("_", "").replace(" ", "").replace(".", "")
+    if folded in FORMATS:
+        return FORMATS[folded], (f"no FITTYP: {FORMATS[folded]} by PROPERTY_FILE_FORMAT '{spelled}'",)
+    if folded not in VAGUE_FORMATS:
+        raise TirError(
+            f"{path}:{format_.line}: PROPERTY_FILE_FORMAT {spelled!r} is not a model of this version"
+            f"{nearest(spelled, ['PAC2002', 'MF_05', 'MF-TYRE', 'USER'])}"
+        )
+    told = told_by_coefficients({key for _, key in entries})
+    if told is None:
+        raise TirError(f"{path}: no FITTYP in [MODEL], and {spelled!r} does not tell the model")
+    return told, (f"no FITTYP: {told} by the coefficients in the file",)
+
+
+def _named(entry: Entry, path: Path) -> str:
+    name = unquoted(entry.value)
+    if name not in MODELS:
+        raise TirError(f"{path}:{entry.line}: unknown model {name!r}{nearest(name, MODELS)}")
+    return name
+
+
+def _numbered(entry: Entry, path: Path) -> str:
+    number, _ = number_and_rest(entry.value)
+    if math.isnan(number):
+        raise TirError(f"{path}:{entry.line}: FITTYP = {entry.value!r} is not a number")
+    for name, numbers in FITTYP.items():
+        if number in numbers:
+            return name
+    known = ", ".join(f"{' '.join(map(str, sorted(numbers)))} ({name})" for name, numbers in FITTYP.items())
+    raise TirError(f"{path}:{entry.line}: FITTYP {entry.value} is not a model of this version: known are {known}")
+
+
+def _last(key: str, entries: Mapping[tuple[str, str], Entry]) -> Entry | None:
+    """Return an entry of [MODEL], else the last one of another section with this key."""
+    found = [entry for (_, known), entry in entries.items() if known == key]
+    return entries.get(("MODEL", key)) or (found[-1] if found else None)

@@ -1,0 +1,211 @@
+"""The names of .tir files: which number is which model, which keys mean a coefficient, which keys the field knows.
+
+Sources: files of Delft-Tyre's MF-Tool, Goodyear, Adams/Tire (PAC2002) and OptimumT that are public; the readers of
+MFeval 4.3 and Project Chrono; the Adams/Tire and MF-Tyre/MF-Swift manuals.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Collection, Iterable
+
+from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.model import Model
+
+from .tir_text import unquoted
+from .tire import Tire
+
+#: FITTYP of the models, the written number first. 96 is ours: the field has no number for the Trento form.
+#: 5 stands in MF-Tyre 5.0 to 5.2 sets (PROPERTY_FILE_FORMAT 'MF_05', 'MF-TYRE'), 6 and 21 in MF-Tyre 5.2 sets.
+#: MFeval takes 5, 51, 52 for MF6.1, whose lines do without PHY3, the camber shift of such sets.
+FITTYP: dict[str, tuple[int, ...]] = {"mf96": (96,), "mf52": (6, 5, 21, 51, 52), "mf61": (61, 60), "mf62": (62,)}
+#: What PROPERTY_FILE_FORMAT tells of the model where there is no FITTYP, spelled without blanks, - and _.
+FORMATS = {"PAC2002": "mf52", "MF05": "mf52", "MFTYRE": "mf52", "MF52": "mf52", "MF61": "mf61", "MF62": "mf62"}
+#: Formats of several models: the coefficients in the file tell which.
+VAGUE_FORMATS = ("USER", "MFSWIFT", "SWIFT")
+
+#: Other spellings of a coefficient. PAC2002 (Adams/Tire) has the pressure terms under names of its own; its
+#: equations with them are those of MF-Tyre. LFZ0 is LFZO with a digit.
+ALIASES = {
+    "LFZ0": "LFZO",
+    "IP": "INFLPRES",
+    "IP_NOM": "NOMPRES",
+    "QPX1": "PPMX1",
+    "QPZ1": "PPZ1",
+    "QPZ2": "PPZ2",
+    "LKYG": "LKYC",
+}
+
+#: Keys of the field that no model here reads and that have no unit.
+_PLAIN_KEYS = (
+    "FILE_VERSION", "PROPERTY_FILE_FORMAT", "TYRESIDE", "TYPE", "FUNCTION_NAME", "CONTACT_MODEL", "FE_METHOD",
+    "VENDER_TIRE_TYPE", "FITTYP", "USE_MODE", "USER_SUB_ID", "N_TIRE_STATES", "ROAD_DIRECTION", "MFSAFE1", "MFSAFE2",
+    "MFSAFE3", "Q_CAM", "MC_CONTOUR_A", "MC_CONTOUR_B", "DAMP_LONG", "DAMP_LAT", "DAMP_YAW", "DAMP_WINDUP",
+    "DAMP_RESIDUAL", "DAMP_VLOW", "Q_BVX", "Q_BVT", "PCMZ1", "ELLIPS_SHIFT", "ELLIPS_LENGTH", "ELLIPS_HEIGHT",
+    "ELLIPS_ORDER", "ELLIPS_NWIDTH", "ELLIPS_NLENGTH", "ENV_C1", "ENV_C2", "Q_CFG1", "LGAX", "LGAY", "LGAZ", "LGYR",
+    "LCZ", "LIP", "QTZ1", "QFZ1", "QFZ2", "QFZ3", "QPFZ1", "QREO", "QV1", "QV2", "QFCX1", "QFCY1", "QFCG1",
+)  # fmt: skip
+#: Keys of the field that no model here reads, with their SI unit: kept, and converted with the file's units.
+OTHER_KEYS: dict[str, str] = {
+    **dict.fromkeys(("IXX", "IYY", "BELT_IXX", "BELT_IYY"), "kg m^2"),
+    **dict.fromkeys(("MASS", "BELT_MASS", "TIRE_MASS", "MBELT"), "kg"),
+    **dict.fromkeys(("RIM_WIDTH", "ROAD_INCREMENT", "ELLIPS_MAX_STEP", "BOTTOMING_RADIUS"), "m"),
+    **dict.fromkeys(("HMAX_LOCAL", "TIME_SWITCH_INTEG"), "s"),
+    **dict.fromkeys(("FREQ_LONG", "FREQ_LAT", "FREQ_YAW", "FREQ_WINDUP"), "1/s"),
+    "GRAVITY": "m/s^2",
+    "VERTICAL_DAMPING": "N s/m",
+    "BOTTOM_STIFF": "N/m",
+    "YAW_STIFFNESS": "N m/rad",
+    **dict.fromkeys(_PLAIN_KEYS, "1"),
+}
+#: Keys of [UNITS] that concern nothing that a tire file holds.
+IDLE_UNITS = ("TEMPERATURE", "CURRENT", "VOLTAGE")
+#: What every written file says of itself; a file's own words replace them.
+HEADER = {"FILE_TYPE": "'tir'", "FILE_VERSION": "3.0", "FILE_FORMAT": "'ASCII'"}
+
+#: Section and unit of an input's range.
+RANGE_SECTIONS = {
+    "kappa": ("LONG_SLIP_RANGE", "1"),
+    "alpha": ("SLIP_ANGLE_RANGE", "rad"),
+    "gamma": ("INCLINATION_ANGLE_RANGE", "rad"),
+    "Fz": ("VERTICAL_FORCE_RANGE", "N"),
+    "p": ("INFLATION_PRESSURE_RANGE", "Pa"),
+}
+
+#: The inputs whose range no section of the field holds, by their key in [TIREFMU_RANGES].
+OWN_RANGES = {"V": "V", "phit": "PHIT", "T": "TEMPERATURE", "t": "TIME"}
+#: The section that names the coefficients that nobody gave.
+ASSUMED = "TIREFMU_ASSUMED"
+#: The section that names the units of what was kept without a known unit.
+KEPT_UNITS = "TIREFMU_KEPT_UNITS"
+#: Sections of ours that hold no coefficients.
+OWN_SECTIONS = ("TIREFMU", "TIREFMU_ABOUT", "TIREFMU_RANGES", ASSUMED, KEPT_UNITS)
+
+Kept = tuple[str, str, str]
+
+
+def unit_of(key: str) -> str | None:
+    """Return the SI unit of a key of the field, or None where nobody knows it.
+
+    Examples
+    --------
+    >>> unit_of("WIDTH"), unit_of("BELT_IYY"), unit_of("PRICE")
+    ('m', 'kg m^2', None)
+    """
+    for book in MODELS.values():
+        for section in book.sections:
+            if key in section.coefficients:
+                return section.coefficients[key].unit
+    return OTHER_KEYS.get(key)
+
+
+def near_miss(key: str, names: Iterable[str]) -> str | None:
+    """Return the name that a key almost is, or None; I for 1 and O for 0 count as the same.
+
+    Examples
+    --------
+    >>> near_miss("PDYI", ["PDY3", "PDY1"]), near_miss("PRICE", ["PDY3", "PDY1"])
+    ('PDY1', None)
+    """
+    digits = str.maketrans("IO", "10")
+    matcher = difflib.SequenceMatcher(b=key.translate(digits), autojunk=False)
+    best, score = None, 0.7
+    for name in names:
+        matcher.set_seq1(name.translate(digits))
+        if matcher.real_quick_ratio() >= score and matcher.ratio() > score:
+            best, score = name, matcher.ratio()
+    return best
+
+
+def told_by_coefficients(keys: Collection[str]) -> str | None:
+    """Return the Magic Formula that alone, of the field's three, has some of the coefficients, or None.
+
+    Parameters
+    ----------
+    keys : collection of str
+        The keys of a file.
+
+    Examples
+    --------
+    >>> told_by_coefficients({"PKY6", "Q_CAM3"}), told_by_coefficients({"PCX1"})
+    ('mf62', None)
+    """
+    own = [MODELS[name].coefficients.keys() & keys for name in ("mf52", "mf61", "mf62")]
+    if own[2] - own[1]:
+        return "mf62"
+    if own[1] - own[0]:
+        return "mf61"
+    return "mf52" if own[0] - own[1] else None
+
+
+def written_sections(book: Model) -> tuple[str, ...]:
+    """Return the titles of the sections that are written for any tire of a model, in their order.
+
+    Examples
+    --------
+    >>> written_sections(MODELS["mf96"])[:4]
+    ('MDI_HEADER', 'UNITS', 'MODEL', 'DIMENSION')
+    """
+    ranges = (title for title, _ in RANGE_SECTIONS.values())
+    titles = ["MDI_HEADER", "UNITS", "MODEL", *(section.title for section in book.sections), *ranges]
+    return tuple(dict.fromkeys(titles))
+
+
+def not_given(tire: Tire) -> tuple[str, ...]:
+    """Return the coefficients that nobody gave: at their default, or as the field's readers assume them.
+
+    Parameters
+    ----------
+    tire : Tire
+        Read from a file, or made from values.
+
+    Returns
+    -------
+    tuple of str
+        In the model's order.
+
+    Examples
+    --------
+    >>> not_given(Tire("mf96", {name: 1.0 for name in MODELS["mf96"].coefficients if name != "PKY2"}))
+    ('PKY2',)
+    """
+    assumed = {name for section, _, text in tire.kept if section == ASSUMED for name in listed(text)}
+    return tuple(name for name in tire.book.coefficients if name in assumed or name in tire.defaulted)
+
+
+def assumed_lines(names: Collection[str], book: Model) -> tuple[Kept, ...]:
+    """Return the lines of [TIREFMU_ASSUMED] that name coefficients, one for each section.
+
+    Examples
+    --------
+    >>> assumed_lines({"PKY2", "PKY1"}, MODELS["mf96"])
+    (('TIREFMU_ASSUMED', 'LATERAL_COEFFICIENTS', "'PKY1,PKY2'"),)
+    """
+    found = {section.title: [name for name in section.coefficients if name in names] for section in book.sections}
+    return tuple((ASSUMED, title, f"'{','.join(those)}'") for title, those in found.items() if those)
+
+
+def listed(text: str) -> tuple[str, ...]:
+    """Return the names of a list such as a file of ours has.
+
+    Examples
+    --------
+    >>> listed("'PKY1, PKY2'")
+    ('PKY1', 'PKY2')
+    """
+    return tuple(name for name in (part.strip() for part in unquoted(text).split(",")) if name)
+
+
+def in_written_order(kept: Iterable[Kept], book: Model) -> tuple[Kept, ...]:
+    """Return what was kept in the order of a written file: by section, each in its own order.
+
+    Examples
+    --------
+    >>> kept = [("SHAPE", "", "1 0"), ("MODEL", "USE_MODE", "14"), ("SHAPE", "", "1 1")]
+    >>> in_written_order(kept, MODELS["mf96"])
+    (('MODEL', 'USE_MODE', '14'), ('SHAPE', '', '1 0'), ('SHAPE', '', '1 1'))
+    """
+    kept = list(kept)
+    order = dict.fromkeys(["", *written_sections(book), *(section for section, _, _ in kept)])
+    place = {title: i for i, title in enumerate(order)}
+    return tuple(sorted(kept, key=lambda line: place[line[0]]))

@@ -1,0 +1,337 @@
+"""Reading .tir files: which model, which values in SI, what to keep, and what a reader should be told.
+
+Where a key stands twice the last one counts; a coefficient is taken from its own section before any other. A missing
+or empty coefficient takes what the field's readers assume (the card's `assumed`), else its default, and is named in
+`Tire.defaulted`. All other keys and tables are kept and written again. What MF5.2 to 6.2 files hold beyond a model is
+no error, as the field's files always hold more than one reader wants; in mf96, whose files are ours, a key that almost
+is a coefficient is refused.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.errors import TirefmuError, TirError, UnknownName, nearest
+from tirefmu.symbolic.model import Model
+
+from .tir_model import model_of
+from .tir_names import (
+    ALIASES,
+    ASSUMED,
+    HEADER,
+    KEPT_UNITS,
+    OWN_RANGES,
+    OWN_SECTIONS,
+    RANGE_SECTIONS,
+    Kept,
+    assumed_lines,
+    in_written_order,
+    listed,
+    near_miss,
+    unit_of,
+)
+from .tir_text import Entry, Row, number_and_rest, read_lines, unquoted, without_comment
+from .tir_unit_system import unit_system
+from .tir_units import unit_contradicts
+from .tire import RANGES, Tire
+
+#: Sections that only hold ``KEY = value``, beside those of the coefficients.
+_STRICT = ("UNITS", "MODEL", *OWN_SECTIONS)
+
+
+@dataclass(frozen=True)
+class TirReading:
+    """A tire as read from a file, and what its user should know about the reading.
+
+    Attributes
+    ----------
+    tire : Tire
+    notes : tuple of str
+        What the file left open and how it was taken, a sentence each: units converted, keys that almost are
+        coefficients, keys given twice, ...
+    """
+
+    tire: Tire
+    notes: tuple[str, ...]
+
+
+def read_tir(path: str | Path) -> Tire:
+    """Read a tire from a .tir file.
+
+    Parameters
+    ----------
+    path : str or Path
+        FITTYP 5, 6, 21, 51, 52 (mf52), 60, 61 (mf61), 62 (mf62), 96 (mf96), or a PROPERTY_FILE_FORMAT such as
+        'PAC2002'; in any units that [UNITS] can declare.
+
+    Returns
+    -------
+    Tire
+        In ISO-W and SI.
+
+    Raises
+    ------
+    TirError
+        If the file is missing or broken; file, line and key stand in the message.
+    """
+    return read_tir_with_notes(path).tire
+
+
+def read_tir_with_notes(path: str | Path) -> TirReading:
+    """Read a tire from a .tir file, and tell what the file left open.
+
+    Parameters
+    ----------
+    path : str or Path
+
+    Returns
+    -------
+    TirReading
+
+    Raises
+    ------
+    TirError
+        As `read_tir` does.
+    """
+    return _Reader(Path(path)).reading()
+
+
+class _Reader:
+    """One file on its way to a tire: lines are taken out of `left`, what remains is kept."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.notes: list[str] = []
+        self.given: dict[str, Entry] = {}
+        lines = read_lines(path)
+        self.rows = [line for line in lines if isinstance(line, Row)]
+        self.left: dict[tuple[str, str], Entry] = {}
+        for entry in lines:
+            if isinstance(entry, Entry):
+                self._file(entry)
+        if not self.left:
+            raise TirError(f"{path}: no line 'KEY = value' found: not a .tir file")
+
+    def reading(self) -> TirReading:
+        """Return the tire and the notes."""
+        own = {key: self.left.pop(("TIREFMU", key)) for key in self._keys_of("TIREFMU")}
+        self.units, said = unit_system(self.left, self.path)
+        name, why = model_of(self.left, own, self.path)
+        self.notes += [*why, *said]
+        book = MODELS[name]
+        self._refuse_rows(book)
+        self._refuse_own(own, book)
+        values = dict(self._values(book))
+        values |= {key.removeprefix("CORE_"): self._number(own[key], 1.0) for key in own if key.startswith("CORE_")}
+        self._refuse_crossed(values)
+        effects = self._effects(own, book)
+        assumed = self._assume(values, book, book.usual_effects if effects is None else effects)
+        ranges = {**dict(self._ranges(book)), **dict(self._own_ranges())}
+        about = [self._take("TIREFMU_ABOUT", key) for key in self._keys_of("TIREFMU_ABOUT")]
+        told = {entry.key.lower(): _text(entry, self.path) for entry in about}
+        title = _text(own["NAME"], self.path) if "NAME" in own else self.path.stem
+        side = self._side()
+        kept = in_written_order([*self._kept(book), *assumed], book)
+        try:
+            tire = Tire(name, values, effects, name=title, about=told, ranges=ranges, side=side, kept=kept)
+        except TirefmuError as error:
+            raise TirError(f"{self.path}: {error}") from error
+        return TirReading(tire, tuple(self.notes))
+
+    def _file(self, entry: Entry) -> None:
+        earlier = self.left.pop((entry.section, entry.key), None)
+        self.left[entry.section, entry.key] = entry
+        if earlier and earlier.value != entry.value:
+            self.notes.append(f"line {earlier.line}: {entry.key} = {earlier.value} is given again in line {entry.line}")
+
+    def _keys_of(self, section: str) -> list[str]:
+        return [key for title, key in self.left if title == section]
+
+    def _take(self, section: str, key: str) -> Entry:
+        return self.left.pop((section, key))
+
+    def _place(self, entry: Entry) -> str:
+        return f"{self.path}:{entry.line}"
+
+    def _find(self, key: str, section: str) -> Entry | None:
+        """Take a key out of its own section, or out of the last other one that has it."""
+        found = [place for place in self.left if place[1] == key and place[0] not in ("UNITS", *OWN_SECTIONS)]
+        home = (section, key)
+        entry = self.left[home if home in found else found[-1]] if found else None
+        for place in found:
+            del self.left[place]
+        return entry
+
+    def _values(self, book: Model) -> Iterator[tuple[str, float]]:
+        spellings = {known: alias for alias, known in ALIASES.items() if alias not in book.coefficients}
+        for name, card in book.coefficients.items():
+            entry = self._find(name, card.section)
+            if (entry is None or not entry.value) and name in spellings:
+                entry = self._find(spellings[name], card.section) or entry
+            if entry is None:
+                continue
+            if not unquoted(entry.value):
+                if name in ("FNOMIN", "UNLOADED_RADIUS"):
+                    raise TirError(f"{self._place(entry)}: {entry.key} has no value: a tire needs it")
+                continue
+            self.given[name] = entry
+            yield name, self._number(entry, self.units.factor(card.unit, card.section))
+
+    def _ranges(self, book: Model) -> Iterator[tuple[str, tuple[float, float]]]:
+        """Yield the ranges of a model that has no coefficients for them."""
+        for name, (section, unit) in RANGE_SECTIONS.items():
+            ends = [self._find(key, section) for key in RANGES[name] if key not in book.coefficients]
+            given = [entry for entry in ends if entry is not None and unquoted(entry.value)]
+            numbers = [self._number(entry, self.units.factor(unit, section)) for entry in given]
+            if len(numbers) == 2:
+                self.given |= dict(zip(RANGES[name], given, strict=True))
+                self._refuse_crossed(dict(zip(RANGES[name], numbers, strict=True)))
+                yield name, (numbers[0], numbers[1])
+
+    def _refuse_crossed(self, values: Mapping[str, float]) -> None:
+        for low, high in RANGES.values():
+            if low in self.given and high in self.given and values.get(low, 0.0) > values.get(high, math.inf):
+                place = self._place(self.given[low])
+                raise TirError(f"{place}: {low} = {values[low]} lies above {high} = {values[high]}")
+
+    def _own_ranges(self) -> Iterator[tuple[str, tuple[float, float]]]:
+        """Yield the ranges that only a file of ours holds."""
+        inputs = {key: name for name, key in OWN_RANGES.items()}
+        for key in self._keys_of("TIREFMU_RANGES"):
+            entry = self._take("TIREFMU_RANGES", key)
+            ends = [number_and_rest(part)[0] for part in listed(entry.value)]
+            if key not in inputs:
+                raise TirError(f"{self._place(entry)}: unknown key {key}{nearest(key, inputs)}")
+            if len(ends) != 2 or not ends[0] <= ends[1]:
+                raise TirError(f"{self._place(entry)}: {key} = {entry.value} is not a range 'lower,upper'")
+            yield inputs[key], (ends[0], ends[1])
+
+    def _number(self, entry: Entry, factor: float) -> float:
+        number, rest = number_and_rest(entry.value)
+        if math.isnan(number) or not math.isnan(number_and_rest(rest)[0]):
+            raise TirError(f"{self._place(entry)}: {entry.key} = {entry.value!r} is not a number")
+        word = rest.partition(" ")[0]
+        if unit_contradicts(word, factor):
+            raise TirError(f"{self._place(entry)}: {entry.key} = {entry.value!r}: units are declared in [UNITS] only")
+        if rest:
+            self.notes.append(f"line {entry.line}: text behind {entry.key} is not read: {rest!r}")
+        scaled = number * factor if factor != 1.0 else number
+        if not math.isfinite(scaled):
+            raise TirError(f"{self._place(entry)}: {entry.key} = {entry.value!r} is too large")
+        return scaled
+
+    def _effects(self, own: dict[str, Entry], book: Model) -> frozenset[str] | None:
+        if "EFFECTS" not in own:
+            return None
+        try:
+            return book.known_effects(listed(own["EFFECTS"].value))
+        except UnknownName as error:
+            raise TirError(f"{self._place(own['EFFECTS'])}: {error}") from None
+
+    def _assume(self, values: dict[str, float], book: Model, effects: frozenset[str]) -> tuple[Kept, ...]:
+        """Fill in what nobody gave, as the field's readers do, and return the lines that name it.
+
+        What they take as the model's default, or what only an absent effect reads, is left to the tire.
+        """
+        named = self._named_as_assumed(book)
+        for name, card in book.coefficients.items():
+            if name not in values and card.assumed is not None:
+                named.add(name)
+                values[name] = card.assumed
+        defaults = Tire(book.name, {"FNOMIN": 1.0, "UNLOADED_RADIUS": 1.0}).values
+        idle = book.owned(*sorted(book.effects.keys() - effects))
+        for name in named & values.keys():
+            if name in idle or repr(values[name]) == repr(defaults[name]):
+                del values[name]
+        return assumed_lines(named & values.keys(), book)
+
+    def _named_as_assumed(self, book: Model) -> set[str]:
+        """Return the coefficients of which a file of ours says that nobody gave them."""
+        names: set[str] = set()
+        for key in self._keys_of(ASSUMED):
+            entry = self._take(ASSUMED, key)
+            for name in listed(entry.value):
+                if name not in book.coefficients:
+                    known = nearest(name, book.coefficients)
+                    raise TirError(f"{self._place(entry)}: unknown coefficient {name} of {book.name}{known}")
+                names.add(name)
+        return names - {"FNOMIN", "UNLOADED_RADIUS"}
+
+    def _side(self) -> str:
+        entry = self.left.get(("MODEL", "TYRESIDE"))
+        side = unquoted(entry.value).lower() if entry else ""
+        if side in ("left", "right"):
+            self._take("MODEL", "TYRESIDE")
+            return side
+        return ""
+
+    def _kept(self, book: Model) -> tuple[Kept, ...]:
+        """Return the lines that are left, numbers with a known unit in SI, and look at the keys among them."""
+        lines: list[Entry | Row] = [*self.rows, *self.left.values()]
+        kept = []
+        for line in sorted(lines, key=lambda line: line.line):
+            if isinstance(line, Row):
+                kept.append((line.section, "", line.text))
+            elif self._says_more(line):
+                kept.append((line.section, line.key, self._in_si(line)))
+                self._look_at(line, book)
+        if self.units.foreign and any(self._is_open(line) for line in lines):
+            kept += [(KEPT_UNITS, key, unit) for key, unit in self.units.foreign.items()]
+            self.notes.append("kept keys and tables without a known unit stay in the file's units")
+        return tuple(kept)
+
+    def _says_more(self, entry: Entry) -> bool:
+        usual = {"MDI_HEADER": HEADER, "MODEL": {"PROPERTY_FILE_FORMAT": "'USER'"}}.get(entry.section, {})
+        return usual.get(entry.key, "").casefold() != entry.value.casefold() and entry.key != "FITTYP"
+
+    def _in_si(self, entry: Entry) -> str:
+        unit = unit_of(entry.key)
+        factor = self.units.factor(unit, "") if unit else 1.0
+        number, rest = number_and_rest(entry.value)
+        return entry.value if factor == 1.0 or math.isnan(number) or rest else repr(number * factor)
+
+    def _is_open(self, line: Entry | Row) -> bool:
+        """Return whether a line holds numbers of which nobody knows the unit."""
+        if isinstance(line, Row):
+            return line.section != "SHAPE" and any(not math.isnan(number_and_rest(w)[0]) for w in line.text.split())
+        return unit_of(line.key) is None and not math.isnan(number_and_rest(line.value)[0])
+
+    def _look_at(self, entry: Entry, book: Model) -> None:
+        """Refuse or note a key that almost is a coefficient."""
+        titles = {section.title for section in book.sections}
+        if entry.section not in titles or unit_of(entry.key) is not None or entry.key in ALIASES:
+            return
+        near = near_miss(entry.key, book.coefficients)
+        if near and (book.name == "mf96" or entry.section.startswith("TIREFMU")):
+            raise TirError(f"{self._place(entry)}: unknown key {entry.key} of {book.name}: did you mean {near}?")
+        if near:
+            self.notes.append(f"line {entry.line}: unknown key {entry.key} (near {near}) is kept, not used")
+
+    def _refuse_rows(self, book: Model) -> None:
+        strict = {*_STRICT, *(section.title for section in book.sections)}
+        for row in self.rows:
+            if row.section in strict and not row.in_table:
+                line = without_comment(row.text).strip()
+                raise TirError(f"{self.path}:{row.line}: {line!r} in [{row.section}] is not 'KEY = value'")
+
+    def _refuse_own(self, own: dict[str, Entry], book: Model) -> None:
+        known = ["TIREFMU_MODEL", "NAME", "EFFECTS", *(f"CORE_{name}" for name in book.coefficients)]
+        for key, entry in own.items():
+            if key not in known:
+                raise TirError(f"{self._place(entry)}: unknown key {key} of {book.name}{nearest(key, known)}")
+
+
+def _text(entry: Entry, path: Path) -> str:
+    """Return what was written as a text of ours; also a plain text that somebody typed without quotes."""
+    if entry.value.startswith('"'):
+        try:
+            return str(json.loads(entry.value))
+        except json.JSONDecodeError:
+            raise TirError(f"{path}:{entry.line}: {entry.key} is not a quoted text: {entry.value}") from None
+    single = len(entry.value) > 1 and entry.value[0] == entry.value[-1] == "'"
+    return entry.value[1:-1] if single else entry.value

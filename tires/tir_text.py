@@ -1,0 +1,176 @@
+"""The text of a .tir file as sections, entries and rows of tables; nothing here knows what a key means.
+
+The form is the field's (TeimOrbit): ``[SECTION]``, ``KEY = value``, comments after ``$`` or ``!`` outside quotes,
+tables of plain lines below a heading in braces. Files come with line ends of any system, also mixed, in UTF-8,
+Latin-1 or UTF-16 with a mark; keys and sections in any case; numbers in Fortran's notation.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from tirefmu.symbolic.errors import TirError
+
+_LINE_END = re.compile(r"\r\n|\n|\r")
+_SECTION = re.compile(r"\[([^\[\]]*)\](.*)")
+_KEY = re.compile(r"[A-Za-z]\w*", re.ASCII)
+_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eEdD]([+-]?\d+))?", re.ASCII)
+_BARE_EXPONENT = re.compile(r"([+-]?(?:\d+\.\d*|\.\d+))([+-]\d+)", re.ASCII)  # Fortran's 1.5+3
+_QUOTED = re.compile(r"(['\"])([^'\"]*)\1([^'\"]*)")
+_BYTE_ORDER_MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A line ``KEY = value``: section and key in upper case, the value as written but for its comment."""
+
+    section: str
+    key: str
+    value: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Row:
+    """A line that is no entry, as it stands: of a table where a heading in braces stands above it."""
+
+    section: str
+    text: str
+    line: int
+    in_table: bool
+
+
+def read_lines(path: Path) -> list[Entry | Row]:
+    """Read the lines of a .tir file that say something.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+
+    Returns
+    -------
+    list of Entry or Row
+        In the file's order; comments, blank lines and prose before the first section are left out.
+
+    Raises
+    ------
+    TirError
+        If the file cannot be read or a section's name is broken.
+    """
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise TirError(f"{path}: cannot be read ({error.strerror or error})") from error
+    return parse_lines(_decoded(content), path)
+
+
+def parse_lines(text: str, path: Path) -> list[Entry | Row]:
+    r"""Return the lines of a text that say something, as `read_lines` does.
+
+    Examples
+    --------
+    >>> parse_lines("[vertical] $ comment\r\nfnomin=4.D3 ! N", Path("tire.tir"))
+    [Entry(section='VERTICAL', key='FNOMIN', value='4.D3', line=2)]
+    """
+    lines: list[Entry | Row] = []
+    section, in_table = "", False
+    for number, raw in enumerate(_LINE_END.split(text), start=1):
+        line = without_comment(raw).strip()
+        if not line:
+            continue
+        if line.startswith("["):
+            section, in_table = _section(line, f"{path}:{number}"), False
+            continue
+        key, equals, value = (part.strip() for part in line.partition("="))
+        if equals and _KEY.fullmatch(key):
+            in_table = False
+            lines.append(Entry(section, key.upper(), value, number))
+        elif section:
+            in_table = in_table or line[0] in "{("
+            lines.append(Row(section, raw, number, in_table))
+    return lines
+
+
+def without_comment(line: str) -> str:
+    """Return a line up to its comment; a quote that nobody closes is an apostrophe.
+
+    Examples
+    --------
+    >>> without_comment("NAME = 'Q$' $ quick"), without_comment("AREA = driver's ! side")
+    ("NAME = 'Q$' ", "AREA = driver's ")
+    """
+    i = 0
+    while i < len(line):
+        if line[i] in "'\"":
+            closing = line.find(line[i], i + 1)
+            i = max(i, closing)
+        elif line[i] in "$!":
+            return line[:i]
+        i += 1
+    return line
+
+
+def unquoted(value: str) -> str:
+    """Return a value without the quotes around it and without text behind them.
+
+    Examples
+    --------
+    >>> unquoted("'PAC2002'"), unquoted("kg"), unquoted("'LEFT' mounted")
+    ('PAC2002', 'kg', 'LEFT')
+    """
+    return _opened(value)[0]
+
+
+def number_and_rest(value: str) -> tuple[float, str]:
+    """Return the number that a value begins with, and the text behind it.
+
+    Parameters
+    ----------
+    value : str
+        Also ``.5``, ``5.``, and Fortran's ``1.5D+03`` and ``1.5+3``; in quotes or not.
+
+    Returns
+    -------
+    (float, str)
+        NaN where there is no finite number, or a blank does not end it.
+
+    Examples
+    --------
+    >>> number_and_rest("1.5D+03"), number_and_rest("'.5'"), number_and_rest("4 per cent"), number_and_rest("'4' kN")
+    ((1500.0, ''), (0.5, ''), (4.0, 'per cent'), (4.0, 'kN'))
+    >>> number_and_rest("1,5")[0]
+    nan
+    """
+    inner, behind = _opened(value)
+    word, _, rest = inner.partition(" ")
+    match = _NUMBER.fullmatch(word) or _BARE_EXPONENT.fullmatch(word)
+    number = float(f"{match[1]}e{match[2] or 0}") if match else math.nan
+    return (number if math.isfinite(number) else math.nan), " ".join(f"{rest} {behind}".split())
+
+
+def _opened(value: str) -> tuple[str, str]:
+    """Return what stands in a value's quotes, and the text behind them; a value without quotes as it is."""
+    match = _QUOTED.fullmatch(value.strip())
+    return (match[2].strip(), match[3].strip()) if match else (" ".join(value.split()), "")
+
+
+def _decoded(content: bytes) -> str:
+    for mark, encoding in _BYTE_ORDER_MARKS.items():
+        if content.startswith(mark):
+            return content.decode(encoding, errors="replace")
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")  # what the field's own tools wrote: a degree sign, an umlaut
+
+
+def _section(line: str, place: str) -> str:
+    match = _SECTION.fullmatch(line)
+    if match is None:
+        raise TirError(f"{place}: section {line!r} is not closed by ']'")
+    if match[2].strip():
+        raise TirError(f"{place}: text behind section [{match[1].strip()}]: {match[2].strip()!r}")
+    return match[1].strip().upper()

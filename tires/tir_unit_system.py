@@ -1,0 +1,92 @@
+"""The units that one .tir file declares."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, MutableMapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from tirefmu.symbolic.errors import TirError, nearest
+
+from .tir_names import IDLE_UNITS
+from .tir_text import Entry, unquoted
+from .tir_units import UNITS, factor_of, unit_factor
+
+
+@dataclass(frozen=True)
+class UnitSystem:
+    """The units of a file.
+
+    Attributes
+    ----------
+    factors : mapping of str to float
+        To SI, by LENGTH, FORCE, ...; what is absent is SI.
+    foreign : mapping of str to str
+        Those that are not SI, as the file writes them.
+
+    Examples
+    --------
+    >>> inches = UnitSystem({"LENGTH": 0.0254}, {"LENGTH": "'inch'"})
+    >>> inches.factor("m", "DIMENSION"), inches.factor("m", "LATERAL_COEFFICIENTS")
+    (0.0254, 1.0)
+    """
+
+    factors: Mapping[str, float]
+    foreign: Mapping[str, str]
+
+    def factor(self, unit: str, section: str) -> float:
+        """Return the factor to SI of a value with an SI unit that stands in a section."""
+        return 1.0 if section.endswith("_COEFFICIENTS") else factor_of(unit, self.factors)
+
+
+def unit_system(entries: MutableMapping[tuple[str, str], Entry], path: Path) -> tuple[UnitSystem, list[str]]:
+    """Take the units out of a file's entries.
+
+    Parameters
+    ----------
+    entries : mutable mapping of (section, key) to Entry
+        Those that declare units are removed.
+    path : pathlib.Path
+        For messages.
+
+    Returns
+    -------
+    (UnitSystem, list of str)
+        The units, and what to tell about them.
+
+    Raises
+    ------
+    TirError
+        If a unit, or a key of [UNITS], is not known.
+    """
+    declared = [place for place in entries if place[0] == "UNITS" or _names_unit(entries[place])]
+    declared.sort(key=lambda place: place[0] == "UNITS")  # [UNITS] has the last word over a header
+    factors: dict[str, float] = {}
+    foreign: dict[str, str] = {}
+    notes: list[str] = []
+    for place in declared:
+        entry = entries.pop(place)
+        where = f"{path}:{entry.line}"
+        if entry.key not in UNITS:
+            if entry.key in IDLE_UNITS:
+                continue
+            raise TirError(f"{where}: unknown key {entry.key} in [UNITS]{nearest(entry.key, UNITS)}")
+        spelling = unquoted(entry.value)
+        factor = unit_factor(entry.key, spelling)
+        if factor is None:
+            said = f"{entry.key} in {spelling!r}" if spelling else f"{entry.key} in [UNITS] has no value"
+            raise TirError(f"{where}: {said}{nearest(spelling, UNITS[entry.key])}")
+        factors[entry.key] = factor
+        foreign.pop(entry.key, None)
+        if factor != 1.0:
+            foreign[entry.key] = entry.value
+    notes += [f"{key} is in {unquoted(unit)}: converted to SI" for key, unit in foreign.items()]
+    if not factors:
+        notes.append("the file declares no units: SI is taken")
+    return UnitSystem(factors, foreign), notes
+
+
+def _names_unit(entry: Entry) -> bool:
+    """Return whether an entry outside [UNITS], such as in a [HEADER], is a unit all the same."""
+    named = entry.key in UNITS and unit_factor(entry.key, unquoted(entry.value)) is not None
+    return named and not entry.section.startswith("TIREFMU")

@@ -1,0 +1,139 @@
+"""Tires as .tir files: complete, in ISO-W and SI, every digit of every value."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+from tirefmu.symbolic.errors import TirError
+
+from .tir_names import (
+    ASSUMED,
+    FITTYP,
+    HEADER,
+    OWN_RANGES,
+    RANGE_SECTIONS,
+    assumed_lines,
+    in_written_order,
+    not_given,
+    written_sections,
+)
+from .tir_units import WRITTEN
+from .tire import RANGES, Tire
+
+
+def write_tir(tire: Tire, path: str | Path) -> None:
+    """Write a tire as a .tir file: complete or not at all.
+
+    Parameters
+    ----------
+    tire : Tire
+        Written in ISO-W, whatever its own signs.
+    path : str or Path
+
+    Raises
+    ------
+    TirError
+        If the file cannot be written.
+    """
+    path = Path(path)
+    text = tir_text(tire)
+    try:
+        with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:
+            written = Path(scratch) / path.name
+            written.write_text(text, encoding="utf-8", newline="\n")
+            os.replace(written, path)
+    except OSError as error:
+        raise TirError(f"{path}: cannot be written ({error.strerror or error})") from error
+
+
+def tir_text(tire: Tire) -> str:
+    """Return the text of a tire's .tir file.
+
+    Parameters
+    ----------
+    tire : Tire
+
+    Returns
+    -------
+    str
+        What the file that the tire was read from said beside the coefficients stands where it stood, by
+        section; what only tirefmu knows stands at the end in sections [TIREFMU...], which other readers skip.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> tir_text(published("trento_hoosier")).splitlines()[0]
+    '[MDI_HEADER]'
+    """
+    tire = tire.in_signs("iso")
+    kept = [line for line in in_written_order(tire.kept, tire.book) if line[0] != ASSUMED]
+    replaced = {(section, key) for section, key, _ in kept if key}
+    sections: dict[str, list[str]] = {title: [] for title in ("", *written_sections(tire.book))}
+    for section, key, line in _own_lines(tire):
+        if (section, key) not in replaced:
+            sections[section].append(line)
+    for section, key, value in kept:
+        sections.setdefault(section, []).append(f"{key} = {value}" if key else value)
+    lines = sections.pop("")
+    for title, content in sections.items():
+        lines += ["", f"[{title}]", *content] if content else []
+    lines += ["", "$ What follows is tirefmu's own; other readers skip it.", *_only_here(tire)]
+    return "\n".join(lines[not lines[0] :]) + "\n"
+
+
+def _own_lines(tire: Tire) -> Iterable[tuple[str, str, str]]:
+    """Yield section, key and line of all that the field's readers look for."""
+    book = tire.book
+    yield from (("MDI_HEADER", key, f"{key} = {value}") for key, value in HEADER.items())
+    yield from (("UNITS", key, f"{key} = '{unit}'") for key, unit in WRITTEN.items())
+    yield "MODEL", "FITTYP", f"FITTYP = {FITTYP[tire.model][0]}"
+    yield "MODEL", "PROPERTY_FILE_FORMAT", "PROPERTY_FILE_FORMAT = 'USER'"
+    if tire.side:
+        yield "MODEL", "TYRESIDE", f"TYRESIDE = '{tire.side.upper()}'"
+    values = tire.parameters()[: len(book.coefficients)].tolist()  # options are no property of a tire
+    written = dict(zip(book.coefficients, values, strict=True))
+    for section in book.sections:
+        for name, card in section.coefficients.items():
+            if name in written:
+                yield section.title, name, f"{name} = {written[name]!r}  $ {card.description} [{card.unit}]"
+    for name, (title, _) in RANGE_SECTIONS.items():
+        for key, bound in zip(RANGES[name], tire.ranges.get(name, ()), strict=False):
+            if key not in written:
+                yield title, key, f"{key} = {bound!r}"
+
+
+def _only_here(tire: Tire) -> list[str]:
+    """Return the lines of what a .tir file cannot say otherwise."""
+    own = {"TIREFMU_MODEL": f"'{tire.model}'", "NAME": _quoted(tire.name)}
+    absent = [effect for name, effect in tire.book.effects.items() if name not in tire.has]
+    if tire.has != tire.book.usual_effects:
+        own["EFFECTS"] = f"'{','.join(name for name in tire.book.effects if name in tire.has)}'"
+    # An absent effect may rescale a coefficient for other readers; its own value is kept here, every digit.
+    own |= {f"CORE_{name}": repr(tire.values[name]) for effect in absent for name, _ in effect.rescales}
+    ranges = {key: tire.ranges[name] for name, key in OWN_RANGES.items() if name in tire.ranges}
+    assumed = {key: text for _, key, text in assumed_lines(not_given(tire), tire.book)}
+    return [
+        "[TIREFMU]",
+        *(f"{key} = {value}" for key, value in own.items()),
+        *_section("TIREFMU_ABOUT", {key.upper(): _quoted(str(value)) for key, value in tire.about.items()}),
+        *_section("TIREFMU_RANGES", {key: f"'{low!r},{high!r}'" for key, (low, high) in ranges.items()}),
+        *_section(ASSUMED, assumed),
+    ]
+
+
+def _section(title: str, values: dict[str, str]) -> list[str]:
+    return ["", f"[{title}]", *(f"{key} = {value}" for key, value in values.items())] if values else []
+
+
+def _quoted(text: str) -> str:
+    """Return a text of our own sections on one line, without a sign that starts a comment or ends a quote."""
+    if text.isprintable() and not set(text) & set("'\"$!\\"):
+        return f"'{text}'"
+    inner = json.dumps(text)[1:-1].replace('\\"', "\\u0022")
+    for sign in "'$!":
+        inner = inner.replace(sign, f"\\u{ord(sign):04x}")
+    return f'"{inner}"'

@@ -1,0 +1,90 @@
+"""Transient slip: tan(alpha) and kappa lag behind their inputs by a rolled distance.
+
+d x/dt = |V| / sigma (u - x): the exact solution over each step, whatever its length; nothing moves while the
+wheel stands. Pacejka, Tire and Vehicle Dynamics (2012), section 7.2.1 has the single contact point model; here
+the lag acts on the slip itself.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Below this relaxation length a slip acts at once, m.
+AT_ONCE = 1e-6
+
+
+def lagged(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray, *, hold: bool) -> FloatArray:
+    """Return the slip that acts in each row of a recording.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time, s. Where it goes backward, a new recording begins in steady state, as at the first row.
+    slip : ndarray, shape (n,)
+        tan(alpha) or kappa as an input.
+    speed : ndarray, shape (n,)
+        V, m/s; its sign does not matter.
+    sigma : ndarray, shape (n,)
+        Relaxation length, m; where it is 0 the slip acts at once.
+    hold : bool
+        Inputs are held from each row to the next, as in a co-simulation; otherwise the slip is linear and
+        |V| / sigma the mean between rows.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Examples
+    --------
+    >>> t = np.array([0.0, 0.1, 0.2])
+    >>> step, ones = np.array([0.0, 1.0, 1.0]), np.ones(3)
+    >>> lagged(t, step, 10 * ones, ones, hold=True).round(4).tolist()
+    [0.0, 0.0, 0.6321]
+    """
+    if not (sigma > AT_ONCE).any():
+        return slip
+    with np.errstate(divide="ignore"):
+        rate = np.where(sigma > AT_ONCE, np.abs(speed) / np.maximum(sigma, AT_ONCE), np.inf)
+    h = np.diff(t)
+    held, following = slip[:-1], slip[1:]
+    with np.errstate(invalid="ignore"):
+        rolled = np.where(h > 0, h * (rate[:-1] if hold else (rate[:-1] + rate[1:]) / 2), 0.0)
+    kept = np.exp(-rolled)
+    if hold:
+        gained = held * -np.expm1(-rolled)
+    else:
+        some = (rolled > 0) & np.isfinite(rolled)
+        mean_lag = np.where(some, -np.expm1(-rolled) / np.where(some, rolled, 1.0), np.where(rolled > 0, 0.0, 1.0))
+        gained = following - (following - held) * mean_lag - held * kept
+    kept, gained = np.where(h < 0, 0.0, kept), np.where(h < 0, following, gained)
+    acts = np.empty_like(slip)
+    x = acts[0] = slip[0]
+    for i in range(len(h)):
+        x = acts[i + 1] = kept[i] * x + gained[i]
+    return np.where(sigma > AT_ONCE, acts, slip)
+
+
+def rolled_distance(t: FloatArray, speed: FloatArray) -> FloatArray:
+    """Return the distance rolled since the recording began, m; a step back in time counts nothing.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time, s.
+    speed : ndarray, shape (n,)
+        V, m/s, linear between rows.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+
+    Examples
+    --------
+    >>> rolled_distance(np.array([0.0, 1.0, 3.0]), np.array([10.0, 10.0, 20.0])).tolist()
+    [0.0, 10.0, 40.0]
+    """
+    mean = (np.abs(speed[1:]) + np.abs(speed[:-1])) / 2
+    return np.concatenate([[0.0], np.cumsum(mean * np.maximum(np.diff(t), 0.0))])
