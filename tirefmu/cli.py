@@ -1,6 +1,7 @@
 """The command line: ``tirefmu COMMAND``. Exit status 0: what was asked holds; 1: it ran and does not; 2: bad input.
 
-A command imports what it needs when it runs: casadi, fmpy and matplotlib would delay every ``--help``.
+A command imports what it needs when it runs: casadi, fmpy and matplotlib would delay every ``--help``. Where it takes
+a TIRE, that is a .tir file or the name of a published one.
 """
 
 from __future__ import annotations
@@ -10,13 +11,16 @@ import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.symbolic.errors import TirefmuError, UnknownName
 
 from .terminal import Terminal
+
+if TYPE_CHECKING:
+    from tirefmu.tires import Tire
 
 SIGNS = click.Choice(["iso", "sae", "adapted-sae"])
 FILE = click.Path(path_type=Path)
@@ -37,6 +41,19 @@ class Pairs(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # generic
             except ValueError:
                 self.fail(f"{part!r} is not like Fz0=1000", param, ctx)
         return pairs
+
+
+class Numbers(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as above
+    """``number,number``."""
+
+    name = "NUMBER,..."
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, ...]:
+        """Return the numbers."""
+        try:
+            return tuple(float(part) for part in value.split(","))
+        except ValueError:
+            self.fail(f"{value!r} is not like 60,110,160", param, ctx)
 
 
 def names(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...] | None:
@@ -95,28 +112,53 @@ def generate(only_check: bool, quiet: bool, json_file: Path | None) -> int:
 @click.argument("table", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="CSV or Parquet to write.")
 @click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat, iso for tables).")
+@click.option(
+    "--convention",
+    type=click.Choice(["tno", "book"]),
+    default="tno",
+    show_default=True,
+    help="MF5.2 to 6.2: as the industry's solvers compute, or as Pacejka (2012) prints.",
+)
+@click.option(
+    "--slip-angle",
+    type=click.Choice(["tan", "angle"]),
+    default="tan",
+    show_default=True,
+    help="MF5.2 to 6.2: alpha* and gamma* are tangent and sine, or the angles themselves.",
+)
 @click.option("--limits", is_flag=True, help="Clamp the inputs to the range in which the tire is known.")
-@click.option("--code", type=click.Choice(["numpy", "c", "casadi"]), default="numpy", show_default=True,
-              help="Which of the generated codes evaluates.")  # fmt: skip
+@click.option("--mirror", is_flag=True, help="The tire as mounted on the other side of the vehicle.")
+@click.option("--steady", is_flag=True, help="No transient slip: each row for itself.")
+@click.option("--hold", is_flag=True, help="Inputs held over each step, as in a co-simulation (default: linear).")
+@click.option("--code", type=click.Choice(["auto", "numpy", "c", "casadi", "batch"]), default="auto",
+              show_default=True, help="Which of the generated codes evaluates.")  # fmt: skip
 @common
 def evaluate(
-    tire: Path, table: Path, output: Path, signs: str | None, limits: bool, code: str, quiet: bool,
+    tire: Path,
+    table: Path,
+    output: Path,
+    signs: str | None,
+    code: str,
+    quiet: bool,
     json_file: Path | None,
-) -> int:  # fmt: skip
-    """Evaluate TIRE for every row of TABLE: forces, moments and every named quantity."""
+    **conventions: Any,
+) -> int:
+    """Evaluate TIRE for every row of TABLE: forces, moments and every named quantity.
+
+    Where TABLE has a column t and TIRE a relax_* effect, slips lag behind the inputs.
+    """
     from tirefmu.measurements import check_plausible, read_recording, write_table
-    from tirefmu.tires import read_tir
 
     terminal = Terminal(quiet)
     _check_places(output, json_file)
-    loaded = read_tir(tire)
+    loaded = _tire(tire)
     recording = read_recording(table, signs=signs)
     check_plausible(recording)
     with terminal.working(f"evaluating {len(recording)} rows"):
-        result = loaded.evaluate(recording.table, signs=recording.signs, limits=limits, code=code)
+        result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
         write_table(result, output)
     absent = [name for name in loaded.inputs if name not in recording.table]
-    summary = {"ok": True, "rows": len(result), "signs": recording.signs, "code": code, "nominal": absent}
+    summary = {"ok": True, "rows": len(result), "signs": recording.signs, **conventions, "nominal": absent}
     _write_json(json_file, {**summary, "output": str(output), "columns": list(result.columns)})
     terminal.print(f"{len(result)} rows, {len(result.columns)} columns, signs {recording.signs}: {output}")
     if absent:
@@ -146,7 +188,6 @@ def fit(
     from tirefmu.fitting import fit as run
     from tirefmu.fitting.figures import draw_figures
     from tirefmu.measurements import convention_notes, read_recording
-    from tirefmu.tires import read_tir
 
     terminal = Terminal(quiet)
     _check_places(output, json_file, report, folder=figures)
@@ -156,7 +197,7 @@ def fit(
             terminal.print(f"note: {note}")
     with terminal.fitting() as progress:
         result = run(
-            recordings, model, start=read_tir(start) if start else None, effects=effects, without=without,
+            recordings, model, start=_tire(start) if start else None, effects=effects, without=without,
             recipe=recipe, nominal=nominal, progress=progress,
         )  # fmt: skip
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
@@ -186,11 +227,10 @@ def fit(
 def export(tire: Path, output: Path, fmi: str, inputs: str, quiet: bool, json_file: Path | None) -> int:
     """Pack TIRE as a native FMU for Co-Simulation that runs without Python."""
     from tirefmu.fmu import export as run
-    from tirefmu.tires import read_tir
 
     terminal = Terminal(quiet)
     _check_places(output, json_file)
-    loaded = read_tir(tire)
+    loaded = _tire(tire)
     with terminal.working("compiling"):
         written = run(loaded, output, fmi=int(fmi), inputs=inputs)
     size = written.stat().st_size
@@ -226,17 +266,47 @@ def check(
 
 @cli.command()
 @click.argument("tire", type=FILE)
+@click.option("--all", "every", is_flag=True, help="Every coefficient, what was assumed, and what else the file holds.")
 @common
-def info(tire: Path, quiet: bool, json_file: Path | None) -> int:
-    """Tell what is in TIRE: model, ranges, effects, coefficients."""
-    from tirefmu.tires import read_tir
+def info(tire: Path, every: bool, quiet: bool, json_file: Path | None) -> int:
+    """Tell what is in TIRE: model, ranges, effects, coefficients, what is missing, what looks implausible."""
+    from tirefmu.tires.tir import read_tir_with_notes
 
     from .description import describe
 
     _check_places(json_file)
-    loaded = read_tir(tire)
-    _write_json(json_file, describe(loaded))
-    Terminal(quiet).tire(loaded)
+    loaded = _tire(tire)
+    told = describe(loaded, read_tir_with_notes(tire).notes if tire.exists() else ())
+    _write_json(json_file, told)
+    Terminal(quiet).tire(loaded, told, every)
+    return 0
+
+
+@cli.command()
+@click.argument("tire", type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="Folder to write.")
+@click.option("--loads", type=Numbers(), help="Loads in N (default: three over the tire's range).")
+@click.option("--signs", type=SIGNS, default="iso", show_default=True, help="Convention to draw in.")
+@click.option("--format", "suffix", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
+@common
+def draw(
+    tire: Path, output: Path, loads: tuple[float, ...] | None, signs: str, suffix: str, quiet: bool,
+    json_file: Path | None,
+) -> int:  # fmt: skip
+    """Draw TIRE: pure curves, surfaces of Fx and Fy over both slips, Fy against Fx; per load."""
+    from .drawing import draw as run
+    from .drawing import usual_loads
+
+    terminal = Terminal(quiet)
+    _check_places(json_file, folder=output)
+    loaded = _tire(tire)
+    loads = usual_loads(loaded) if loads is None else loads
+    with terminal.working("drawing"):
+        drawn = run(loaded, output, loads=loads, signs=signs, suffix=suffix)
+    _write_json(json_file, {"ok": True, "loads": list(loads), "signs": signs, "figures": [str(p) for p in drawn]})
+    terminal.print(f"figures at {', '.join(f'{load:g}' for load in loads)} N, signs {signs}:")
+    for path in drawn:
+        terminal.print(f"  {path}")
     return 0
 
 
@@ -288,6 +358,18 @@ def main(arguments: list[str] | None = None) -> int:
 def _refused(message: str) -> int:
     print(f"tirefmu: error: {' '.join(message.split())}", file=sys.stderr)
     return 2
+
+
+def _tire(given: Path) -> Tire:
+    """Return the tire of a .tir file, or the published one of that name where there is no such file."""
+    from tirefmu.tires import PUBLISHED, published, read_tir
+
+    name = str(given)
+    if given.exists() or (name not in PUBLISHED and given.suffix):
+        return read_tir(given)
+    if name not in PUBLISHED:
+        raise UnknownName("tire file or published tire", name, PUBLISHED)
+    return published(name)
 
 
 def _check_places(*files: Path | None, folder: Path | None = None) -> None:

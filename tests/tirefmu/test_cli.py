@@ -20,7 +20,7 @@ from tirefmu.fitting import session
 from tirefmu.measurements import read_recording
 from tirefmu.tires import read_tir
 
-COMMANDS = ("generate", "evaluate", "fit", "export", "check", "info", "demo")
+COMMANDS = ("generate", "evaluate", "fit", "export", "check", "info", "draw", "demo")
 
 
 def strict(text):

@@ -1,0 +1,209 @@
+"""Figures of a tire by itself: what they show is what the tire computes, for every model and convention."""
+
+from __future__ import annotations
+
+import json
+from math import isfinite, nan
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.image import imread
+
+from tirefmu import drawing
+from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.errors import TirefmuError, UnknownName
+from tirefmu.tires import PUBLISHED, Tire, published
+
+SIZE = {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.25}
+
+
+def generic(model, **values):
+    return Tire(model, {**SIZE, **values}, ranges={"kappa": (-0.3, 0.3), "Fz": (300.0, 1900.0)})
+
+
+def lines(ax):
+    """Return the drawn curves by their legend: x and y."""
+    return {line.get_label(): line.get_xydata().T for line in ax.get_lines() if not line.get_label().startswith("_")}
+
+
+@pytest.fixture(scope="module")
+def small():
+    return published("unicamp_small_tire")
+
+
+@pytest.fixture(autouse=True)
+def coarse(monkeypatch):
+    """Draw with fewer pixels: what is looked at here is not their number."""
+    monkeypatch.setattr(drawing, "DPI", 40)
+
+
+@pytest.mark.parametrize(
+    ("tire", "loads"),
+    [(published("unicamp_small_tire"), None), (published("trento_hoosier"), [500.0])]
+    + [(generic(model), [1000.0]) for model in MODELS],
+    ids=["unicamp_small_tire", "trento_hoosier", *MODELS],
+)
+def test_every_model_and_published_tire_is_drawn(tire, loads, tmp_path):
+    drawn = drawing.draw(tire, tmp_path / "new" / "folder", loads=loads)
+    loads = loads or drawing.usual_loads(tire)
+    names = ["pure.png", *(f"surfaces_{load:g}N.png" for load in loads), "combined.png"]
+    assert [path.name for path in drawn] == names
+    assert sorted(path.name for path in (tmp_path / "new" / "folder").iterdir()) == sorted(names)
+    for path in drawn:
+        assert len(np.unique(imread(path)[..., 0])) > 100
+
+
+@pytest.mark.parametrize("suffix", drawing.FORMATS)
+def test_the_same_tire_gives_the_same_bytes(small, suffix, tmp_path):
+    first, second = (
+        drawing.draw(small, tmp_path / folder, loads=[60.0], suffix=suffix) for folder in ("first", "second")
+    )
+    assert [path.suffix for path in first] == [f".{suffix}"] * 3
+    assert [path.read_bytes() for path in first] == [path.read_bytes() for path in second]
+
+
+@pytest.mark.parametrize("signs", ["iso", "adapted-sae", "sae"])
+@pytest.mark.parametrize("model", MODELS)
+def test_the_curves_are_the_tires(model, signs):
+    tire = generic(model)
+    figure = drawing._pure(drawing._Sketch(tire, signs, (500.0, 1500.0)))
+    for ax, (channel, slip) in zip(figure.axes, drawing.PURE, strict=True):
+        curves = lines(ax)
+        assert list(curves) == ["500 N", "1500 N"]
+        for load, (x, y) in zip((500.0, 1500.0), curves.values(), strict=True):
+            assert x[0] < 0.0 < x[-1]
+            assert 0.0 in x
+            values = np.radians(x) if slip == "alpha" else x
+            loaded = -load if signs == "sae" else load
+            table = pd.DataFrame({slip: values}).assign(Fz=loaded, **{"alpha" if slip == "kappa" else "kappa": 0.0})
+            np.testing.assert_allclose(y, tire.evaluate(table, signs=signs)[channel], rtol=1e-9, atol=1e-9)
+
+
+def test_the_side_force_over_the_longitudinal_force_is_the_tires(small):
+    sketch = drawing._Sketch(small, "adapted-sae", (110.0,))
+    (ax,) = drawing._combined(sketch).axes
+    curves = lines(ax)
+    assert list(curves) == [f"{angle} deg" for angle in range(-20, 21, 5)]
+    kappa = sketch.grid("kappa", 301)
+    for label, (x, y) in curves.items():
+        forces = small.forces(kappa=kappa, alpha=np.radians(float(label.split()[0])), Fz=110.0)
+        np.testing.assert_allclose(x, forces["Fx"], rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(y, forces["Fy"], rtol=1e-9, atol=1e-9)
+
+
+def test_what_is_zero_is_not_drawn_and_said(small):
+    figure = drawing._pure(drawing._Sketch(small, "iso", (60.0,)))
+    assert [ax.get_ylabel() for ax in figure.axes] == ["$F_x$ (N)", "$F_y$ (N)"]
+    assert "$M_z$ 0 everywhere" in figure.get_supxlabel()
+
+
+def test_a_load_beyond_the_range_is_said(small):
+    for loads, said in (((60.0, 160.0), False), ((60.0, 300.0), True)):
+        text = drawing._pure(drawing._Sketch(small, "iso", loads)).get_supxlabel()
+        assert ("300 N: outside 60 to 160 N" in text.replace("\n", " ")) is said
+
+
+def test_the_small_tires_loads_are_the_papers(small):
+    assert drawing.usual_loads(small) == (60.0, 110.0, 160.0)
+
+
+@given(st.floats(0.0, 1e4), st.floats(0.0, 1e4), st.floats(10.0, 1e4))
+def test_the_usual_loads_lie_in_the_range(first, second, nominal):
+    low, high = sorted((first, second))
+    loads = drawing.usual_loads(Tire("mf96", {**SIZE, "FNOMIN": nominal}, ranges={"Fz": (low, high)}))
+    assert list(loads) == sorted(set(loads))
+    assert 1 <= len(loads) <= 3
+    assert all(isfinite(load) and load > 0.0 for load in loads)
+    if 0.25 * nominal <= high <= 3.0 * nominal:
+        assert all(low <= load <= high for load in loads)
+
+
+@pytest.mark.parametrize("loads", [[], [0.0], [-60.0], [nan], [float("inf")], [60.0, -1.0]])
+def test_what_is_no_load_is_refused(small, loads, tmp_path):
+    with pytest.raises(TirefmuError, match="load"):
+        drawing.draw(small, tmp_path / "figures", loads=loads)
+    assert not (tmp_path / "figures").exists()
+
+
+def test_names_are_checked(small, tmp_path):
+    with pytest.raises(UnknownName, match="did you mean png"):
+        drawing.draw(small, tmp_path, suffix="pgn")
+    with pytest.raises(UnknownName, match="did you mean iso"):
+        drawing.draw(small, tmp_path, signs="iso8855")
+
+
+def test_a_tire_without_force_is_refused(tmp_path):
+    dead = dict.fromkeys(("PDX1", "PDX2", "PDY1", "PDY2", "PKX1", "PKX2", "PKY1", "QDZ1"), 0.0)
+    tire = Tire("mf61", {**SIZE, **dead}, effects=())
+    with pytest.raises(TirefmuError, match="makes no force at 500 N"):
+        drawing.draw(tire, tmp_path / "figures", loads=[500.0])
+    assert not (tmp_path / "figures").exists()
+
+
+def test_a_force_that_is_not_finite_is_refused_with_its_place(small, tmp_path, monkeypatch):
+    evaluate = Tire.evaluate
+
+    def broken(tire, table, **options):
+        return evaluate(tire, table, **options).assign(Fy=nan)
+
+    monkeypatch.setattr(Tire, "evaluate", broken)
+    with pytest.raises(TirefmuError, match=r"Fy is not finite at kappa = -0.5, alpha = -0.349066, Fz = 60"):
+        drawing.draw(small, tmp_path / "figures")
+    assert not (tmp_path / "figures").exists()
+
+
+def test_a_folder_that_cannot_be_made_is_one_line(small, tmp_path):
+    (tmp_path / "taken").write_text("", encoding="utf-8")
+    with pytest.raises(TirefmuError, match="figures cannot be written"):
+        drawing.draw(small, tmp_path / "taken" / "figures", loads=[60.0])
+
+
+# ------------------------------------------------------------------ the command
+
+
+def test_the_command_draws_a_published_tire_by_name(command, tmp_path):
+    outcome = command("draw", "unicamp_small_tire", "-o", tmp_path / "figures", "--loads", "60,110")
+    assert outcome.status == 0, outcome.err
+    assert "figures at 60, 110 N, signs iso" in outcome.out
+    files = {path.name for path in (tmp_path / "figures").iterdir()}
+    assert files == {"pure.png", "surfaces_60N.png", "surfaces_110N.png", "combined.png"}
+
+
+def test_the_command_draws_a_file_and_tells_it_as_json(command, published_tir, tmp_path):
+    outcome = command(
+        "draw", published_tir, "-o", tmp_path / "figures", "--loads", "500", "--format", "svg", "--quiet", "--json", "-"
+    )
+    assert outcome.status == 0, outcome.err
+    told = json.loads(outcome.out)
+    assert told["ok"] is True
+    assert told["loads"] == [500.0]
+    assert sorted(told["figures"]) == sorted(str(path) for path in (tmp_path / "figures").iterdir())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (("unicamp_small_tyre",), "did you mean unicamp_small_tire?"),
+        (("missing.tir",), "missing.tir"),
+        (("unicamp_small_tire", "--loads", "60,heavy"), "'60,heavy' is not like 60,110,160"),
+        (("unicamp_small_tire", "--loads", "0"), "a load is above 0"),
+        (("unicamp_small_tire", "--signs", "din"), "'din' is not one of"),
+    ],
+)
+def test_bad_input_is_one_line(command, arguments, said, tmp_path):
+    outcome = command("draw", *arguments, "-o", tmp_path / "figures")
+    assert outcome.status == 2
+    assert outcome.out == ""
+    assert said in outcome.err
+    assert len(outcome.err.splitlines()) == 1
+    assert not (tmp_path / "figures").exists()
+
+
+@pytest.mark.parametrize("name", sorted(PUBLISHED))
+def test_other_commands_take_a_published_name_too(command, name):
+    outcome = command("info", name, "--quiet", "--json", "-")
+    assert outcome.status == 0, outcome.err
+    assert json.loads(outcome.out)["about"] == published(name).about

@@ -1,0 +1,349 @@
+"""Figures of a tire by itself: pure slip, surfaces over both slips, and how Fx and Fy share the friction.
+
+In the manner of figures 6 to 10 of the UNICAMP paper behind the published tire ``unicamp_small_tire``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from io import BytesIO
+from math import ceil, isfinite, radians
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+from matplotlib import colormaps, rc_context
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from tirefmu.fitting.panels import (
+    DPI,
+    LETTER,
+    draw_line,
+    drawn_unit,
+    finish,
+    held_text,
+    letter,
+    level_colors,
+    level_text,
+    per_si,
+    write_footnote,
+    write_whole,
+)
+from tirefmu.symbolic.errors import TirefmuError, UnknownName
+from tirefmu.tires import Tire
+from tirefmu.tires.signs import REVERSED
+
+FloatArray = npt.NDArray[np.float64]
+
+FORMATS = ("png", "svg", "pdf")
+#: Slips beyond these are not drawn, however far the tire is known.
+WIDEST = {"kappa": (-1.0, 1.0), "alpha": (-radians(20.0), radians(20.0))}
+#: What is drawn over which slip, the other slip being 0.
+PURE = (("Fx", "kappa"), ("Fy", "alpha"), ("Mz", "alpha"))
+#: Longitudinal slips that are marked where Fy is drawn against Fx.
+MARKED = (-0.5, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.5)
+#: Blue below 0, red above, without the dark ends on which no number can be read.
+_COLORS = LinearSegmentedColormap.from_list("forces", colormaps["RdBu_r"](np.linspace(0.1, 0.9, 256)))
+_POINTS = 301  # of a curve
+_MESH = 81  # points of a surface along each slip
+_DATELESS = {"png": None, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
+
+
+def draw(
+    tire: Tire,
+    folder: str | Path,
+    *,
+    loads: Sequence[float] | None = None,
+    signs: str = "iso",
+    suffix: str = "png",
+) -> list[Path]:
+    """Draw a tire: one file of its pure curves, one of surfaces per load, one of Fy against Fx.
+
+    Parameters
+    ----------
+    tire : Tire
+        Upright and, but for load and slips, at its nominal inputs.
+    folder : str or Path
+        Made where it is not there.
+    loads : sequence of float, N, optional
+        `usual_loads` where left out.
+    signs : {"iso", "adapted-sae", "sae"}
+        Convention in which the figures are drawn.
+    suffix : {"png", "svg", "pdf"}
+
+    Returns
+    -------
+    list of Path
+        ``pure``, ``surfaces_<load>N`` and ``combined``; the same bytes for the same tire.
+
+    Raises
+    ------
+    UnknownName
+        If the convention or the format does not exist.
+    TirefmuError
+        If a load is not above 0, the tire makes no force or one that is not finite, or a file cannot be
+        written. No file is left half-written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from tirefmu.tires import published
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.name for path in draw(published("unicamp_small_tire"), folder, loads=[60.0])]
+    ['pure.png', 'surfaces_60N.png', 'combined.png']
+    """
+    if suffix not in FORMATS:
+        raise UnknownName("format of figures", suffix, FORMATS)
+    if signs not in REVERSED:
+        raise UnknownName("sign convention", signs, REVERSED)
+    sketch = _Sketch(tire, signs, usual_loads(tire) if loads is None else _checked(loads))
+    figures = {"pure": _pure(sketch)}
+    figures |= {f"surfaces_{load:g}N": _surfaces(sketch, load) for load in sketch.loads}
+    figures["combined"] = _combined(sketch)
+    # All are rendered before the first is written: a failure leaves the folder as it was.
+    images = {f"{name}.{suffix}": _rendered(figure, suffix) for name, figure in figures.items()}
+    target = Path(folder)
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        return [write_whole(target / name, image) for name, image in images.items()]
+    except OSError as error:
+        raise TirefmuError(f"{target}: figures cannot be written ({error.strerror or error})") from None
+
+
+def usual_loads(tire: Tire) -> tuple[float, ...]:
+    """Return three loads over the range in which a tire is known, as round as the range allows.
+
+    Parameters
+    ----------
+    tire : Tire
+        Of a range, the part from a quarter of the nominal load to three times it; up to twice where the tire
+        says nothing.
+
+    Returns
+    -------
+    tuple of float
+        In N; fewer where the range is a single load.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> usual_loads(published("unicamp_small_tire"))
+    (60.0, 110.0, 160.0)
+    """
+    nominal = tire.values["FNOMIN"]
+    low, high = tire.ranges.get("Fz", (0.0, 2.0 * nominal))
+    high = min(high, 3.0 * nominal) if high > 0.0 else 2.0 * nominal
+    low = min(max(low, 0.25 * nominal), high)
+    even = np.linspace(low, high, 3).tolist()
+    rounded = (float(f"{load:.2g}") for load in even)
+    loads = (near if low <= near <= high else load for near, load in zip(rounded, even, strict=True))
+    return tuple(dict.fromkeys(loads))
+
+
+class _Sketch:
+    """A tire, loads and a convention: evaluates what the figures show."""
+
+    def __init__(self, tire: Tire, signs: str, loads: Sequence[float]) -> None:
+        self.tire, self.signs, self.loads = tire, signs, tuple(loads)
+        self.title = tire.name or tire.model
+        sample = pd.concat([self.over(load, kappa, alpha) for load in loads for kappa, alpha in [self.mesh(9)]])
+        self.channels = [name for name in ("Fx", "Fy", "Mz") if name in tire.outputs and sample[name].any()]
+        if not self.channels:
+            raise TirefmuError(f"{self.title} makes no force at {', '.join(f'{load:g}' for load in loads)} N")
+
+    def span(self, slip: str) -> tuple[float, float]:
+        """Return the slips at which the tire is known, as far as they are worth drawing."""
+        widest = WIDEST[slip]
+        known = self.tire.ranges.get(slip, widest)
+        low, high = max(known[0], widest[0]), min(known[1], widest[1])
+        return (low, high) if low < high else widest
+
+    def grid(self, slip: str, count: int) -> FloatArray:
+        """Return so many slips, denser towards zero, where the forces turn; zero among them."""
+        low, high = self.span(slip)
+        if not low < 0.0 < high:
+            return np.linspace(low, high, count)
+        spread = np.linspace(0.0, 1.0, count // 2 + 1) ** 1.5
+        return np.concatenate([low * spread[:0:-1], high * spread])
+
+    def mesh(self, count: int) -> tuple[FloatArray, FloatArray]:
+        """Return kappa and alpha of a surface, each of shape (count, count)."""
+        kappa, alpha = np.meshgrid(self.grid("kappa", count), self.grid("alpha", count))
+        return kappa, alpha
+
+    def over(self, load: float, kappa: npt.ArrayLike, alpha: npt.ArrayLike) -> pd.DataFrame:
+        """Return the forces at a load over slips that broadcast, row by row."""
+        kappa, alpha = np.broadcast_arrays(np.asarray(kappa, dtype=float), np.asarray(alpha, dtype=float))
+        signed = -load if "Fz" in REVERSED[self.signs] else load
+        table = pd.DataFrame({"kappa": kappa.ravel(), "alpha": alpha.ravel(), "gamma": 0.0, "Fz": signed})
+        forces = self.tire.evaluate(table, signs=self.signs)[list(self.tire.outputs)]
+        for name in ("Fx", "Fy", "Mz"):
+            bad = np.flatnonzero(~np.isfinite(forces[name])) if name in forces else np.array([], dtype=int)
+            if bad.size:
+                row = table.iloc[bad[0]]
+                where = f"kappa = {row['kappa']:g}, alpha = {row['alpha']:g}, Fz = {load:g}"
+                raise TirefmuError(f"{self.title}: {name} is not finite at {where}")
+        return forces
+
+    def footnotes(self) -> list[str]:
+        """Tell what all figures have in common, and which loads are beyond the tire's range."""
+        held = [f"$p$ = {self.tire.nominal('p') / 1000.0:.0f} kPa"] if "p" in self.tire.inputs else []
+        notes = [f"model {self.tire.model}", ", ".join([r"$\gamma$ = 0", *held])]
+        low, high = self.tire.ranges.get("Fz", (0.0, float("inf")))
+        beyond = [f"{load:g}" for load in self.loads if not low <= load <= high]
+        if beyond:
+            notes.append(f"{', '.join(beyond)} N: outside {low:g} to {high:g} N, for which the tire is known")
+        return notes
+
+    def angles(self) -> FloatArray:
+        """Return up to nine round slip angles over the span, in rad."""
+        low, high = (end * per_si("alpha") for end in self.span("alpha"))
+        steps = [step * decade for decade in (0.01, 0.1, 1.0, 10.0) for step in (1.0, 2.0, 2.5, 5.0)]
+        step = next(step for step in steps if (high - low) / step <= 8.0 + 1e-9)
+        first, last = ceil(low / step - 1e-9), int(np.floor(high / step + 1e-9))
+        angles: FloatArray = np.radians(np.arange(first, last + 1) * step)
+        return angles
+
+
+def _checked(loads: Sequence[float]) -> tuple[float, ...]:
+    for load in loads:
+        if not (isfinite(load) and load > 0.0):
+            raise TirefmuError(f"load {load:g} N: a load is above 0")
+    if not loads:
+        raise TirefmuError("no load to draw the tire at")
+    # To the digits of the files' names, which tell them apart.
+    return tuple(dict.fromkeys(float(f"{load:g}") for load in sorted(loads)))
+
+
+def _pure(sketch: _Sketch) -> Figure:
+    """Fx over kappa, Fy and Mz over alpha, one curve for each load."""
+    shown = [(channel, slip) for channel, slip in PURE if channel in sketch.channels]
+    figure = Figure(figsize=(4.9 * len(shown) + 1.2, 4.9), layout="constrained")
+    figure.suptitle(f"{sketch.title}: pure slip", fontweight="bold")
+    for ax, (channel, slip) in zip(figure.subplots(1, len(shown), squeeze=False)[0], shown, strict=True):
+        grid, other = sketch.grid(slip, _POINTS), "alpha" if slip == "kappa" else "kappa"
+        kappa, alpha = (grid, 0.0) if slip == "kappa" else (0.0, grid)
+        for load, color in zip(sketch.loads, level_colors(len(sketch.loads), "Fz"), strict=True):
+            curve = sketch.over(load, kappa, alpha)[channel]
+            draw_line(ax, grid * per_si(slip), curve, color, level_text("Fz", load))
+        finish(ax, slip, f"{LETTER[channel]} ({drawn_unit(channel)})")
+        ax.set_title(f"{LETTER[channel]} over {LETTER[slip]} at {LETTER[other]} = 0", fontsize=10)
+        ax.margins(x=0.0)
+    _shared_legend(figure, ax, f"load {letter(sketch.signs, 'Fz')}")
+    write_footnote(figure, sketch.signs, *sketch.footnotes(), *_left_out(sketch))
+    return figure
+
+
+def _left_out(sketch: _Sketch) -> list[str]:
+    zero = [LETTER[name] for name, _ in PURE if name in sketch.tire.outputs and name not in sketch.channels]
+    return [f"{' and '.join(zero)} 0 everywhere and not drawn"] if zero else []
+
+
+def _shared_legend(figure: Figure, ax: Axes, title: str) -> None:
+    """Put one legend for all axes beside them."""
+    handles, labels = ax.get_legend_handles_labels()
+    figure.legend(handles, labels, title=title, loc="outside right center", fontsize=9, frameon=False)
+
+
+def _surfaces(sketch: _Sketch, load: float) -> Figure:
+    """Fx and Fy over both slips at one load: as surfaces, and below as maps to read values from."""
+    shown = [name for name in ("Fx", "Fy") if name in sketch.channels] or sketch.channels
+    kappa, alpha = sketch.mesh(_MESH)
+    forces = sketch.over(load, kappa, alpha)
+    figure = Figure(figsize=(6.2 * len(shown), 10.2), layout="constrained")
+    loaded = f"{letter(sketch.signs, 'Fz')} = {level_text('Fz', load)}"
+    figure.suptitle(f"{sketch.title}: forces in combined slip at {loaded}", fontweight="bold")
+    for column, channel in enumerate(shown, start=1):
+        force = forces[channel].to_numpy().reshape(kappa.shape)
+        top = float(np.abs(force).max())
+        norm = Normalize(-top, top)
+        solid = figure.add_subplot(2, len(shown), column, projection="3d")
+        _draw_solid(solid, kappa, alpha, force, norm, channel)
+        flat = figure.add_subplot(2, len(shown), len(shown) + column)
+        _draw_map(flat, kappa, alpha, force, norm)
+        bar = figure.colorbar(ScalarMappable(norm, _COLORS), ax=flat, shrink=0.9, pad=0.02)
+        bar.set_label(f"{LETTER[channel]} ({drawn_unit(channel)})")
+    write_footnote(figure, sketch.signs, *sketch.footnotes())
+    return figure
+
+
+def _draw_solid(
+    ax: Any, kappa: FloatArray, alpha: FloatArray, force: FloatArray, norm: Normalize, channel: str
+) -> None:
+    x, y = kappa * per_si("kappa"), alpha * per_si("alpha")
+    ax.plot_surface(x, y, force, cmap=_COLORS, norm=norm, rcount=41, ccount=41, edgecolor="0.25", linewidth=0.2)
+    ax.set(xlabel=f"{LETTER['kappa']} ({drawn_unit('kappa')})", ylabel=f"{LETTER['alpha']} ({drawn_unit('alpha')})")
+    ax.zaxis.set_rotate_label(False)
+    ax.set_zlabel(f"{LETTER[channel]} ({drawn_unit(channel)})", rotation=90.0)
+    ax.set_title(f"{LETTER[channel]} over {LETTER['kappa']} and {LETTER['alpha']}", fontsize=10, y=0.98)
+    # Seen from the low side: no valley hides behind a hill.
+    azimuth = -128.0 if channel == "Fx" else -55.0 if np.sum(force * alpha) > 0.0 else 55.0
+    ax.view_init(elev=24.0, azim=azimuth)
+    ax.set_box_aspect((1.0, 1.0, 0.8), zoom=1.0)
+    ax.tick_params(labelsize=8)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(5))
+
+
+def _draw_map(ax: Axes, kappa: FloatArray, alpha: FloatArray, force: FloatArray, norm: Normalize) -> None:
+    x, y = kappa * per_si("kappa"), alpha * per_si("alpha")
+    ax.contourf(x, y, force, levels=41, cmap=_COLORS, norm=norm)
+    if np.ptp(force) > 0.0:
+        lines = ax.contour(x, y, force, levels=11, colors="0.15", linewidths=0.7)
+        ax.clabel(lines, fontsize=7, fmt="%g")
+    ax.set(xlabel=f"{LETTER['kappa']} ({drawn_unit('kappa')})", ylabel=f"{LETTER['alpha']} ({drawn_unit('alpha')})")
+
+
+def _combined(sketch: _Sketch) -> Figure:
+    """Fy against Fx at constant slip angle, kappa running: one panel for each load."""
+    columns = 2 if len(sketch.loads) == 4 else min(len(sketch.loads), 3)
+    rows = ceil(len(sketch.loads) / columns)
+    figure = Figure(figsize=(4.9 * columns + 1.2, 0.9 + 4.8 * rows), layout="constrained")
+    figure.suptitle(f"{sketch.title}: side force against longitudinal force", fontweight="bold")
+    axes = figure.subplots(rows, columns, squeeze=False).ravel()
+    for unused in axes[len(sketch.loads) :]:
+        unused.remove()
+    for ax, load in zip(axes, sketch.loads, strict=False):
+        _draw_shared(ax, sketch, load)
+    _shared_legend(figure, axes[0], f"slip angle {LETTER['alpha']}")
+    marked = ", ".join(f"{kappa:g}" for kappa in _marked(sketch))
+    low, high = sketch.span("kappa")
+    note = f"lines: {LETTER['kappa']} from {low:g} to {high:g}; grey: constant {LETTER['kappa']} = {marked}"
+    write_footnote(figure, sketch.signs, note, *sketch.footnotes())
+    return figure
+
+
+def _marked(sketch: _Sketch) -> list[float]:
+    low, high = sketch.span("kappa")
+    return [kappa for kappa in MARKED if low <= kappa <= high]
+
+
+def _draw_shared(ax: Axes, sketch: _Sketch, load: float) -> None:
+    angles, kappa = sketch.angles(), sketch.grid("kappa", _POINTS)
+    for slip in _marked(sketch):
+        across = sketch.over(load, slip, sketch.grid("alpha", _POINTS))
+        ax.plot(across["Fx"], across["Fy"], color="0.75", lw=0.8, zorder=1)
+    for angle, color in zip(angles, level_colors(len(angles), "alpha"), strict=True):
+        along = sketch.over(load, kappa, angle)
+        draw_line(ax, along["Fx"], along["Fy"], color, level_text("alpha", angle))
+    ax.set_title(held_text(sketch.signs, {"Fz": load}), fontsize=10)
+    ax.set(xlabel=f"{LETTER['Fx']} ({drawn_unit('Fx')})", ylabel=f"{LETTER['Fy']} ({drawn_unit('Fy')})")
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.xaxis.set_major_locator(MaxNLocator(6))
+    ax.grid(alpha=0.3)
+    ax.axhline(0.0, color="0.3", lw=0.8)
+    ax.axvline(0.0, color="0.3", lw=0.8)
+
+
+def _rendered(figure: Figure, suffix: str) -> bytes:
+    """Return the figure as a file's bytes, the same each time."""
+    buffer = BytesIO()
+    with rc_context({"svg.hashsalt": "tirefmu"}):
+        figure.savefig(buffer, format=suffix, dpi=DPI, metadata=_DATELESS[suffix])
+    return buffer.getvalue()
