@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import sys
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from platform import machine
 
 from tirefmu.symbolic.errors import FmuError
-from tirefmu.tires.compiler import SUFFIX, CompilerError, shared_library
+from tirefmu.tires.compiler import SUFFIX, CompilerError, compiled_object, shared_library
 
 #: By sys.platform: FMI 3's name of the system, and FMI 2's.
 SYSTEMS = {"linux": ("linux", "linux"), "darwin": ("darwin", "darwin"), "win32": ("windows", "win")}
@@ -58,15 +58,15 @@ def binary_path(fmi: int, identifier: str) -> str:
     return f"binaries/{folder}/{identifier}{SUFFIX}"
 
 
-def binary(sources: Mapping[str, bytes], names: Iterable[str], include: Path) -> bytes:
+def binary(sources: Mapping[str, bytes], model: str, include: Path) -> bytes:
     """Return the bytes of a shared library for this machine.
 
     Parameters
     ----------
     sources : mapping of str to bytes
         C files and their headers by name.
-    names : iterable of str
-        Those to compile.
+    model : str
+        Name of the model. Its generated code is most of the work, and is kept for the model's next tire.
     include : Path
         Folder of the FMI standard's headers.
 
@@ -80,16 +80,18 @@ def binary(sources: Mapping[str, bytes], names: Iterable[str], include: Path) ->
     FmuError
         If there is no compiler, or it fails; carries its first lines.
     """
-    compiled = set(names)
+    own = sorted(file for file in sources if file.endswith(".c") and file != f"{model}.c")
     with tempfile.TemporaryDirectory(prefix="tirefmu-") as name:
         folder = Path(name)
         for file, content in sources.items():
             (folder / file).write_bytes(content)
+        code, header = folder / f"{model}.c", folder / f"{model}.h"
         try:
+            compiled = compiled_object(f"fmu-{model}", code, headers=[header], include=[folder], flags=FLAGS)
             library = shared_library(
                 "fmu",
-                sorted(folder / file for file in compiled),
-                headers=sorted([*(folder / file for file in sources.keys() - compiled), *include.glob("fmi*.h")]),
+                [*(folder / file for file in own), compiled],
+                headers=sorted([*(folder / file for file in sources if file.endswith(".h")), *include.glob("fmi*.h")]),
                 include=[folder, include],
                 flags=[*FLAGS, *LINK[sys.platform]],
             )

@@ -35,8 +35,11 @@ def export(tire: Tire, path: str | os.PathLike[str], *, fmi: int = 3, inputs: st
     """Write a tire as a native FMU for Co-Simulation.
 
     The FMU runs without Python. Inputs and outputs carry the names of the tables, every coefficient is a
-    tunable parameter, outputs follow the inputs without delay. It speaks ISO-W: a tire written in other
-    signs is rewritten. Equal tires give equal bytes from the same compiler.
+    tunable parameter, and so are the conventions of `Tire.evaluate` (0 for the first value, 1 for the
+    second). Outputs follow the inputs without delay; where the tire has a relax_* effect, slips lag behind from
+    step to step, as `evaluate` with inputs held has it, from steady state at the end of initialization. It
+    speaks ISO-W: a tire written in other signs is rewritten. Equal tires give equal bytes from the same
+    compiler.
 
     Parameters
     ----------
@@ -77,7 +80,7 @@ def export(tire: Tire, path: str | os.PathLike[str], *, fmi: int = 3, inputs: st
     identifier = c_identifier(target.stem)
     files = contents(tire, fmi, identifier)
     code = {name.removeprefix("sources/"): text for name, text in files.items() if name.endswith((".c", ".h"))}
-    library = binary(code, c_files(fmi, tire.model), fmi_headers())
+    library = binary(code, tire.model, fmi_headers())
     _write_zip(target, {**files, binary_path(fmi, identifier): library})
     return target
 
@@ -110,10 +113,11 @@ def contents(tire: Tire, fmi: int, identifier: str) -> dict[str, bytes]:
     """
     written_in, tire = tire.signs, tire.in_signs("iso")
     book, listed = tire.book, variables(tire)
-    compiled = c_files(fmi, book.name)
+    compiled = c_files(fmi, book.name, listed)
     name = tire.name or identifier
     rewritten = "" if written_in == "iso" else f", rewritten from {written_in} signs"
-    sentence = f"Steady-state tire {name}: {book.title}; slip inputs; ISO-W axes{rewritten}"
+    kind = "Tire with relaxation" if tire.lags else "Steady-state tire"
+    sentence = f"{kind} {name}: {book.title}; slip inputs; ISO-W axes{rewritten}"
     header = Header(name, identifier, sentence, compiled)
 
     blank = sources(fmi, book.name, listed, "")

@@ -87,7 +87,8 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
     )
     _co_simulation(root, fmi, header)
     # FMI 2 may do without the time, and some of its hosts stumble over a variable of that name.
-    _units(root, variables if fmi == 3 else [v for v in variables if v.causality != "independent"])
+    unseen = ("hidden",) if fmi == 3 else ("hidden", "independent")
+    _units(root, [variable for variable in variables if variable.causality not in unseen])
     categories = ET.SubElement(root, "LogCategories")
     for name, meaning in LOG_CATEGORIES.items():
         ET.SubElement(categories, "Category", {"name": name, "description": meaning})
@@ -171,7 +172,7 @@ def _character(variable: Variable) -> dict[str, str]:
         "causality": variable.causality,
         "variability": "tunable" if variable.causality == "parameter" else "continuous",
     }
-    initial = {"parameter": "exact", "output": "calculated"}.get(variable.causality)
+    initial = {"parameter": "exact", "output": "calculated", "local": "calculated"}.get(variable.causality)
     return character if initial is None else {**character, "initial": initial}
 
 
@@ -180,7 +181,7 @@ def _variables_and_structure_2(root: ET.Element, variables: Sequence[Variable]) 
     listed = ET.SubElement(root, "ModelVariables")
     indices: dict[int, int] = {}
     for reference, variable in enumerate(variables):
-        if variable.causality == "independent":
+        if variable.causality in ("independent", "hidden"):
             continue
         indices[reference] = len(indices) + 1
         scalar = ET.SubElement(
@@ -208,6 +209,8 @@ def _variables_and_structure_3(root: ET.Element, variables: Sequence[Variable]) 
     """Append variables and structure in the manner of FMI 3, which names them by value reference."""
     listed = ET.SubElement(root, "ModelVariables")
     for reference, variable in enumerate(variables):
+        if variable.causality == "hidden":
+            continue
         ET.SubElement(
             listed,
             "Float64",

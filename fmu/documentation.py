@@ -69,7 +69,8 @@ def index_html(name: str, description: str, model: str, variables: Sequence[Vari
     True
     """
     by_causality = {
-        causality: [v for v in variables if v.causality == causality] for causality in ("input", "output", "parameter")
+        causality: [v for v in variables if v.causality == causality]
+        for causality in ("input", "output", "parameter", "local")
     }
     lines = [
         "<!DOCTYPE html>",
@@ -85,12 +86,24 @@ def index_html(name: str, description: str, model: str, variables: Sequence[Vari
         *_table(by_causality["input"], "start value"),
         "<h2>Outputs</h2>",
         *_table(by_causality["output"], ""),
+        *(_transient(by_causality["local"]) if by_causality["local"] else ()),
         "<h2>Parameters</h2>",
-        "<p>All are tunable: they can be set before and during a simulation.</p>",
+        "<p>All are tunable: they can be set before and during a simulation. An effect that the tire lacks has its",
+        "coefficients at neutral and acts once they are set; relaxation and turn slip act only in the FMU of a tire",
+        "that has them.</p>",
         *_table(by_causality["parameter"], "value"),
         "</body></html>",
     ]
     return ("\n".join(lines) + "\n").encode("utf-8", "replace")
+
+
+def _transient(lagged: Sequence[Variable]) -> Iterable[str]:
+    """Yield the lines about slips that lag."""
+    yield "<h2>Transient slip</h2>"
+    yield "<p>Slips lag behind the inputs: d x/dt = |V|/sigma (u - x) on kappa and tan(alpha), solved exactly for"
+    yield "inputs held over a step, whatever its size. They begin in steady state, with the inputs as they are at"
+    yield "the end of initialization: set them before.</p>"
+    yield from _table(lagged, "")
 
 
 def _table(variables: Sequence[Variable], value: str) -> Iterable[str]:

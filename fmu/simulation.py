@@ -77,20 +77,21 @@ class Slave:
         known = {variable.name: variable.valueReference for variable in self.description.modelVariables}
         return [known[name] for name in names]
 
-    def start(self, time: float) -> None:
-        """Begin anew at a time."""
+    def begin(self, time: float) -> None:
+        """Begin anew: initialize at a time."""
         self.fmu.reset()
         if self.version_3:
             self.fmu.enterInitializationMode(startTime=time)
         else:
             self.fmu.setupExperiment(startTime=time)
             self.fmu.enterInitializationMode()
-        self.fmu.exitInitializationMode()
 
     def run(
         self, rows: slice, time: FloatArray, inputs: FloatArray, known: Sequence[str], asked: Sequence[str]
     ) -> FloatArray:
         """Return the outputs that belong to each row of inputs, holding each row over the step to the next.
+
+        The first row is there when initialization ends: what has a state begins in steady state.
 
         Parameters
         ----------
@@ -123,17 +124,21 @@ class Slave:
         outputs = np.empty((len(times), n_out))
         i = 0
         try:
-            self.start(float(times[0]))
+            self.begin(float(times[0]))
             table = zip(times.tolist(), steps.tolist(), inputs[rows].tolist(), strict=True)
             for i, (now, step, row) in enumerate(table):
                 given[:] = row
                 if self.version_3:
                     fmu.fmi3SetFloat64(instance, in_refs, n_in, given, n_in)
+                    if i == 0:
+                        fmu.exitInitializationMode()
                     fmu.fmi3GetFloat64(instance, out_refs, n_out, found, n_out)
                     if step > 0.0:
                         fmu.fmi3DoStep(instance, now, step, True, *flags, reached)
                 else:
                     fmu.fmi2SetReal(instance, in_refs, n_in, given)
+                    if i == 0:
+                        fmu.exitInitializationMode()
                     fmu.fmi2GetReal(instance, out_refs, n_out, found)
                     if step > 0.0:
                         fmu.fmi2DoStep(instance, now, step, True)

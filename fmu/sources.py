@@ -8,25 +8,41 @@ from importlib.resources import files
 from math import isfinite
 
 from .description import xml_bytes
-from .variables import Variable
+from .variables import LAGGED, Variable
 
 #: The translation units of the wrapper, by FMI version.
 WRAPPER = {
     2: ("fmi2.c", "instance.c", "saved_state.c"),
     3: ("fmi3.c", "fmi3_not_offered.c", "instance.c", "saved_state.c"),
 }
+#: How slips act, by whether they lag behind.
+SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
+HEADERS = ("instance.h", "slips.h")
 CONFIG = "model_config.h"
 
 
-def c_files(fmi: int, model: str) -> tuple[str, ...]:
+def c_files(fmi: int, model: str, variables: Sequence[Variable]) -> tuple[str, ...]:
     """Return the names of the files to compile.
+
+    Parameters
+    ----------
+    fmi : int
+        2 or 3.
+    model : str
+    variables : sequence of Variable
+
+    Returns
+    -------
+    tuple of str
+        The model's generated code last.
 
     Examples
     --------
-    >>> c_files(2, "mf96")
-    ('fmi2.c', 'instance.c', 'saved_state.c', 'mf96.c')
+    >>> from .variables import TIME
+    >>> c_files(2, "mf96", [TIME])
+    ('fmi2.c', 'instance.c', 'saved_state.c', 'direct_slips.c', 'mf96.c')
     """
-    return (*WRAPPER[fmi], f"{model}.c")
+    return (*WRAPPER[fmi], SLIPS[_lags(variables)], f"{model}.c")
 
 
 def sources(fmi: int, model: str, variables: Sequence[Variable], token: str) -> dict[str, bytes]:
@@ -51,12 +67,13 @@ def sources(fmi: int, model: str, variables: Sequence[Variable], token: str) -> 
     Examples
     --------
     >>> from .variables import TIME
-    >>> sorted(sources(2, "mf96", [TIME], "{1}"))
-    ['fmi2.c', 'instance.c', 'instance.h', 'mf96.c', 'mf96.h', 'model_config.h', 'saved_state.c']
+    >>> sorted(sources(2, "mf96", [TIME], "{1}"))[:5]
+    ['direct_slips.c', 'fmi2.c', 'instance.c', 'instance.h', 'mf96.c']
     """
     wrapper, generated = files("tirefmu.fmu") / "wrapper", files("tirefmu.generated") / "c"
-    found = {name: (wrapper / name).read_bytes() for name in (*WRAPPER[fmi], "instance.h")}
-    found |= {name: (generated / name).read_bytes() for name in (f"{model}.c", f"{model}.h")}
+    *own, code = c_files(fmi, model, variables)
+    found = {name: (wrapper / name).read_bytes() for name in (*own, *HEADERS)}
+    found |= {name: (generated / name).read_bytes() for name in (code, f"{model}.h")}
     return {**found, CONFIG: model_config(model, variables, token).encode()}
 
 
@@ -79,11 +96,12 @@ def model_config(model: str, variables: Sequence[Variable], token: str) -> str:
     >>> print(model_config("mf96", [TIME], "{1}").splitlines()[5])
     #define INSTANTIATION_TOKEN "{1}"
     """
-    prefix = model.upper()
+    prefix, lags = model.upper(), _lags(variables)
     names = [f'"{variable.name}"' for variable in variables]
     starts = [repr(float(variable.start or 0.0)) for variable in variables]
     lower = [repr(float(v.lower)) if isfinite(v.lower) else "-DBL_MAX" for v in variables]
     upper = [repr(float(v.upper)) if isfinite(v.upper) else "DBL_MAX" for v in variables]
+    kinds = [variable.causality.upper() for variable in variables]
     lines = [
         "/* Written by tirefmu for one tire. */",
         "#include <float.h>",
@@ -94,17 +112,33 @@ def model_config(model: str, variables: Sequence[Variable], token: str) -> str:
         f"#define N_INPUTS {prefix}_N_INPUTS",
         f"#define N_OUTPUTS {prefix}_N_FORCES",
         f"#define N_PARAMETERS {prefix}_N_PARAMETERS",
+        f"#define N_COEFFICIENTS {prefix}_N_COEFFICIENTS",
+        f"#define N_LOCALS {len(LAGGED) if lags else 0}",
         f"#define model_forces {model}_forces",
         f"#define model_jacobian_inputs {model}_jacobian_inputs",
         f"#define model_jacobian_parameters {model}_jacobian_parameters",
+        *(_relaxation(model) if lags else ()),
         "",
         "/* By value reference. */",
         *_table("VALUE_NAMES", names),
+        *_table("VALUE_KINDS", kinds),
         *_table("START_VALUES", starts),
         *_table("LOWER_LIMITS", lower),
         *_table("UPPER_LIMITS", upper),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _relaxation(model: str) -> Iterable[str]:
+    """Yield what lagging slips need of the generated code."""
+    yield f"#define model_relaxation {model}_relaxation"
+    for name, place in (("KAPPA", "kappa"), ("ALPHA", "alpha"), ("SPEED", "V")):
+        yield f"#define {name} {model.upper()}_{place}"
+
+
+def _lags(variables: Iterable[Variable]) -> bool:
+    """Return whether the slips that act are variables of their own."""
+    return any(variable in LAGGED for variable in variables)
 
 
 def _table(name: str, entries: Sequence[str]) -> Iterable[str]:

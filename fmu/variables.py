@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from math import inf
 
 from tirefmu.symbolic.model import Model, reaching
-from tirefmu.symbolic.notation import Coefficient, Quantity
+from tirefmu.symbolic.notation import Coefficient, Option, Quantity
+from tirefmu.symbolic.options import signs
 from tirefmu.tires import Tire
 
 
@@ -19,7 +20,8 @@ class Variable:
     name : str
         As in the tables and in the .tir file.
     causality : str
-        ``independent``, ``input``, ``output`` or ``parameter``, as FMI calls them.
+        ``independent``, ``input``, ``output``, ``parameter`` or ``local``, as FMI calls them; ``hidden`` what
+        the model's code reads and a host neither sees nor sets.
     unit, description : str
         SI unit, "1" where it has none.
     start : float or None
@@ -44,6 +46,11 @@ class Variable:
 
 
 TIME = Variable("time", "independent", "s", "simulation time")
+#: What a tire with relaxation adds, named as in the result of `Tire.evaluate`.
+LAGGED = (
+    Variable("kappa_lagged", "local", "1", "longitudinal slip that acts, lagging behind kappa"),
+    Variable("alpha_lagged", "local", "rad", "side slip angle that acts, its tangent lagging behind that of alpha"),
+)
 
 
 def variables(tire: Tire) -> tuple[Variable, ...]:
@@ -57,7 +64,9 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
     Returns
     -------
     tuple of Variable
-        ``time``, then the inputs, the outputs, and every coefficient as a parameter.
+        ``time``, the inputs, the outputs, every coefficient and option as a parameter, and the lagged slips of
+        a tire with relaxation. Inputs and parameters stand as in the arrays of the generated code: an input
+        that the tire has no effect for is hidden at 0.
 
     Examples
     --------
@@ -66,11 +75,12 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
     ['time', 'kappa', 'alpha', 'gamma', 'Fz', 'Fx', 'Fy', 'Mz']
     """
     book = tire.book
-    values = dict(zip((card.name for card in book.parameters), tire.parameters().tolist(), strict=True))
+    values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
     feedthrough = direct_feedthrough(book)
+    silent = {name for effect, name in book.on_demand if effect not in tire.has}
     return (
         TIME,
-        *(_input(quantity, tire) for quantity in book.inputs),
+        *(_hidden(quantity) if quantity.name in silent else _input(quantity, tire) for quantity in book.inputs),
         *(
             Variable(
                 quantity.name,
@@ -78,11 +88,15 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
                 quantity.unit,
                 quantity.description,
                 nominal=quantity.typical,
-                depends=tuple(1 + i for i, known in enumerate(book.inputs) if known.name in feedthrough[quantity.name]),
+                depends=tuple(
+                    1 + i for i, known in enumerate(book.inputs) if known.name in feedthrough[quantity.name] - silent
+                ),
             )
             for quantity in book.outputs
         ),
-        *(_parameter(card, values[card.name]) for card in book.parameters),
+        *(_parameter(card, values[name]) for name, card in book.coefficients.items()),
+        *(_option(option, values[option.parameter]) for option in book.options),
+        *(LAGGED if tire.lags else ()),
     )
 
 
@@ -117,6 +131,18 @@ def _input(quantity: Quantity, tire: Tire) -> Variable:
     """Return an input, which starts at the tire's nominal value."""
     start = tire.nominal(quantity.name)
     return Variable(quantity.name, "input", quantity.unit, quantity.description, start=start, nominal=quantity.typical)
+
+
+def _hidden(quantity: Quantity) -> Variable:
+    """Return an input that this tire does not react to, at 0."""
+    return Variable(quantity.name, "hidden", quantity.unit, quantity.description, start=0.0)
+
+
+def _option(option: Option, value: float) -> Variable:
+    """Return a convention as a tunable parameter; the one that says how the FMU is written is hidden."""
+    first, second = option.values
+    causality = "hidden" if option == signs else "parameter"
+    return Variable(option.parameter, causality, "1", f"{option.description} (0 {first}, 1 {second})", value, 0.0, 1.0)
 
 
 def _parameter(card: Coefficient, value: float) -> Variable:

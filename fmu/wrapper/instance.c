@@ -1,6 +1,8 @@
 /* See instance.h. */
 #include "instance.h"
 
+#include "slips.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -11,16 +13,14 @@ static const char *const NAMES[] = VALUE_NAMES;
 static const double START[] = START_VALUES;
 static const double LOWER[] = LOWER_LIMITS;
 static const double UPPER[] = UPPER_LIMITS;
+static const unsigned char KINDS[] = VALUE_KINDS;
 
 /* The generated header and the model's code have to agree on the number of values. */
 #define HAS_ALL_VALUES(table) (sizeof(table) / sizeof *(table) == N_VALUES ? 1 : -1)
 typedef char names_are_complete[HAS_ALL_VALUES(NAMES)];
 typedef char starts_are_complete[HAS_ALL_VALUES(START)];
 typedef char limits_are_complete[HAS_ALL_VALUES(LOWER) + HAS_ALL_VALUES(UPPER) - 1];
-
-static int is_input(unsigned reference) { return reference >= FIRST_INPUT && reference < FIRST_OUTPUT; }
-static int is_output(unsigned reference) { return reference >= FIRST_OUTPUT && reference < FIRST_PARAMETER; }
-static int is_parameter(unsigned reference) { return reference >= FIRST_PARAMETER && reference < N_VALUES; }
+typedef char kinds_are_complete[HAS_ALL_VALUES(KINDS)];
 
 /* Two points of time that differ by a host's rounding only. */
 static int same_time(double a, double b) { return fabs(a - b) <= 1e-9 * (1.0 + fabs(b)); }
@@ -160,6 +160,7 @@ Status instance_exit_initialization(Instance *self)
 {
     if (expect_mode(self, INITIALIZATION, "the end of initialization") != STATUS_OK)
         return STATUS_ERROR;
+    slips_begin(&self->state);
     self->state.mode = STEPPING;
     return STATUS_OK;
 }
@@ -179,6 +180,7 @@ Status instance_step(Instance *self, double point, double size)
         !same_time(point + size, self->state.stop_time))
         return instance_refuse(self, STATUS_ERROR, "the step ends at t = %.17g, after the stop time %.17g",
                                point + size, self->state.stop_time);
+    slips_advance(&self->state, size);
     self->state.values[TIME] = point + size; /* the host's own clock: no error adds up */
     return STATUS_OK;
 }
@@ -208,15 +210,19 @@ static Status expect_known(const Instance *self, const unsigned references[], si
     if (!self)
         return STATUS_ERROR;
     for (i = 0; i < n; i++)
-        if (references[i] >= N_VALUES)
+        if (references[i] >= N_VALUES || KINDS[references[i]] == HIDDEN)
             return instance_refuse(self, STATUS_ERROR, "there is no value reference %u", references[i]);
     return STATUS_OK;
 }
 
 void state_compute_outputs(State *state)
 {
-    if (!state->outputs_known)
-        model_forces(state->values + FIRST_INPUT, state->values + FIRST_PARAMETER, state->values + FIRST_OUTPUT);
+    double inputs[N_INPUTS];
+
+    if (state->outputs_known)
+        return;
+    slips_acting(state, inputs);
+    model_forces(inputs, state->values + FIRST_PARAMETER, state->values + FIRST_OUTPUT);
     state->outputs_known = 1;
 }
 
@@ -227,7 +233,7 @@ Status instance_get(Instance *self, const unsigned references[], size_t n, doubl
     if (expect_known(self, references, n) != STATUS_OK)
         return STATUS_ERROR;
     for (i = 0; i < n; i++) {
-        if (is_output(references[i]))
+        if (KINDS[references[i]] == OUTPUT || KINDS[references[i]] == LOCAL)
             state_compute_outputs(&self->state);
         values[i] = self->state.values[references[i]];
     }
@@ -245,7 +251,7 @@ Status instance_set(Instance *self, const unsigned references[], size_t n, const
         return instance_refuse(self, STATUS_ERROR, "values cannot be set while terminated");
     for (i = 0; i < n; i++) {
         r = references[i];
-        if (!is_input(r) && !is_parameter(r))
+        if (KINDS[r] != INPUT && KINDS[r] != PARAMETER)
             return instance_refuse(self, STATUS_ERROR, "%s cannot be set", NAMES[r]);
         if (!isfinite(values[i]))
             return instance_refuse(self, STATUS_DISCARD, "%s has to be finite, not %g", NAMES[r], values[i]);
@@ -255,29 +261,31 @@ Status instance_set(Instance *self, const unsigned references[], size_t n, const
     }
     for (i = 0; i < n; i++)
         self->state.values[references[i]] = values[i];
-    self->state.outputs_known = 0;
+    self->state.outputs_known = self->state.lengths_known = 0;
     return STATUS_OK;
 }
 
 /* Fill in the Jacobians that the knowns need, or refuse what is no output by input or parameter. */
-static Status jacobians(const Instance *self, const unsigned unknowns[], size_t n_unknowns,
+static Status jacobians(Instance *self, const unsigned unknowns[], size_t n_unknowns,
                         const unsigned knowns[], size_t n_knowns, double by_inputs[], double by_parameters[])
 {
-    const double *inputs = self->state.values + FIRST_INPUT, *parameters = self->state.values + FIRST_PARAMETER;
+    const double *parameters = self->state.values + FIRST_PARAMETER;
+    double inputs[N_INPUTS];
     int needs_inputs = 0, needs_parameters = 0;
     size_t i;
 
     for (i = 0; i < n_unknowns; i++)
-        if (!is_output(unknowns[i]))
+        if (KINDS[unknowns[i]] != OUTPUT)
             return instance_refuse(self, STATUS_ERROR, "%s is no output", NAMES[unknowns[i]]);
     for (i = 0; i < n_knowns; i++) {
-        if (is_input(knowns[i]))
+        if (KINDS[knowns[i]] == INPUT)
             needs_inputs = 1;
-        else if (is_parameter(knowns[i]))
+        else if (KINDS[knowns[i]] == PARAMETER)
             needs_parameters = 1;
         else
             return instance_refuse(self, STATUS_ERROR, "%s is no input or parameter", NAMES[knowns[i]]);
     }
+    slips_acting(&self->state, inputs);
     if (needs_inputs)
         model_jacobian_inputs(inputs, parameters, by_inputs);
     if (needs_parameters)
@@ -285,24 +293,34 @@ static Status jacobians(const Instance *self, const unsigned unknowns[], size_t 
     return STATUS_OK;
 }
 
+/* The derivative of an output by one input or parameter. */
+static double partial(const State *state, unsigned unknown, unsigned known, const double by_inputs[],
+                      const double by_parameters[])
+{
+    size_t row = unknown - FIRST_OUTPUT, column = known - FIRST_INPUT;
+
+    if (known < FIRST_PARAMETER)
+        return slips_follow(state, column) ? by_inputs[row * N_INPUTS + column] : 0.0;
+    column = known - FIRST_PARAMETER;
+    /* Behind the coefficients stand options, between whose values nothing changes. */
+    return column < N_COEFFICIENTS ? by_parameters[row * N_COEFFICIENTS + column] : 0.0;
+}
+
 Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_unknowns,
                            const unsigned knowns[], size_t n_knowns, const double seed[],
                            double sensitivity[])
 {
-    double by_inputs[N_OUTPUTS * N_INPUTS], by_parameters[N_OUTPUTS * N_PARAMETERS];
-    size_t i, j, row;
+    double by_inputs[N_OUTPUTS * N_INPUTS], by_parameters[N_OUTPUTS * N_COEFFICIENTS];
+    size_t i, j;
 
     if (expect_known(self, unknowns, n_unknowns) != STATUS_OK || expect_known(self, knowns, n_knowns) != STATUS_OK)
         return STATUS_ERROR;
     if (jacobians(self, unknowns, n_unknowns, knowns, n_knowns, by_inputs, by_parameters) != STATUS_OK)
         return STATUS_ERROR;
     for (i = 0; i < n_unknowns; i++) {
-        row = unknowns[i] - FIRST_OUTPUT;
         sensitivity[i] = 0.0;
         for (j = 0; j < n_knowns; j++)
-            sensitivity[i] += seed[j] * (is_input(knowns[j])
-                                             ? by_inputs[row * N_INPUTS + (knowns[j] - FIRST_INPUT)]
-                                             : by_parameters[row * N_PARAMETERS + (knowns[j] - FIRST_PARAMETER)]);
+            sensitivity[i] += seed[j] * partial(&self->state, unknowns[i], knowns[j], by_inputs, by_parameters);
     }
     return STATUS_OK;
 }

@@ -20,21 +20,31 @@ enum {
     FIRST_INPUT = 1,
     FIRST_OUTPUT = FIRST_INPUT + N_INPUTS,
     FIRST_PARAMETER = FIRST_OUTPUT + N_OUTPUTS,
-    N_VALUES = FIRST_PARAMETER + N_PARAMETERS
+    FIRST_LOCAL = FIRST_PARAMETER + N_PARAMETERS,
+    N_VALUES = FIRST_LOCAL + N_LOCALS
 };
+
+/* What a value is to the host; a hidden one is read by the model only and keeps its start value. */
+enum { INDEPENDENT, INPUT, OUTPUT, PARAMETER, LOCAL, HIDDEN };
 
 /* The same numbers in FMI 2 and FMI 3. */
 typedef enum { STATUS_OK = 0, STATUS_DISCARD = 2, STATUS_ERROR = 3 } Status;
 
 typedef enum { INSTANTIATED, INITIALIZATION, STEPPING, TERMINATED } Mode;
 
+/* kappa and tan(alpha) */
+enum { LONGITUDINAL, LATERAL, N_SLIPS };
+
 /* All that can change in an instance.  No pointers: a copy is a saved state, its bytes a serialized one. */
 typedef struct {
     char token[sizeof INSTANTIATION_TOKEN]; /* tells a serialized state of another FMU */
     int mode;
-    int outputs_known; /* the outputs in `values` belong to the inputs and parameters there */
+    int outputs_known; /* the outputs in `values` belong to the inputs, parameters and lagging slips there */
+    int lengths_known; /* the relaxation lengths belong to the inputs and parameters */
     int stop_defined;
     double stop_time;
+    double lagging[N_SLIPS]; /* since the end of initialization; see slips.h */
+    double lengths[N_SLIPS];
     double values[N_VALUES];
 } State;
 
@@ -75,7 +85,7 @@ void state_compute_outputs(State *state);
 
 Status instance_get(Instance *self, const unsigned references[], size_t n, double values[]);
 Status instance_set(Instance *self, const unsigned references[], size_t n, const double values[]);
-/* sensitivity = (d unknowns / d knowns) seed, for outputs by inputs and parameters. */
+/* sensitivity = (d unknowns / d knowns) seed, for outputs by inputs and parameters, lagging slips held. */
 Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_unknowns,
                            const unsigned knowns[], size_t n_knowns, const double seed[],
                            double sensitivity[]);

@@ -63,8 +63,11 @@ static int is_state(const State *state)
     if (memcmp(state->token, INSTANTIATION_TOKEN, sizeof INSTANTIATION_TOKEN) != 0 || state->mode < INSTANTIATED ||
         state->mode > TERMINATED)
         return 0;
-    for (i = 0; i < N_VALUES; i++)
+    for (i = 0; i < FIRST_LOCAL; i++)
         if ((i < FIRST_OUTPUT || i >= FIRST_PARAMETER) && !isfinite(state->values[i]))
+            return 0;
+    for (i = 0; i < N_SLIPS; i++)
+        if (!isfinite(state->lagging[i]))
             return 0;
     return 1;
 }
@@ -80,7 +83,7 @@ Status instance_deserialize(Instance *self, const void *bytes, size_t size, void
         return instance_refuse(self, STATUS_ERROR, "these bytes are no state of this FMU");
     if (!*slot && !(*slot = malloc(sizeof state)))
         return instance_refuse(self, STATUS_ERROR, "no memory for the state");
-    state.outputs_known = 0; /* not believed */
+    state.outputs_known = state.lengths_known = 0; /* not believed */
     state_compute_outputs(&state);
     memcpy(*slot, &state, sizeof state);
     return STATUS_OK;

@@ -1,9 +1,10 @@
-"""FMUs of two tires in both versions, and a host that calls them one function at a time."""
+"""FMUs of tires of every model in both versions, and a host that calls them one function at a time."""
 
 from __future__ import annotations
 
 import contextlib
 import ctypes
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -12,10 +13,22 @@ from fmpy.fmi1 import FMICallException
 
 from tirefmu.fmu.build import export
 from tirefmu.fmu.simulation import loaded
-from tirefmu.tires import published
+from tirefmu.symbolic import MODELS
+from tirefmu.tires import Tire, published
 from tirefmu.tires.compiler import CompilerError, find_compiler
 
 OK, DISCARD, ERROR = 0, 2, 3
+
+#: Tires of the golden coefficients: model, effects beside the model's usual ones, effects that they lack, values.
+GOLDEN = {
+    "mf52": ("mf52", set(), {"turn_slip"}, {}),
+    "mf61": ("mf61", set(), set(), {}),
+    # Lags by the Magic Formula's own lengths, and by given ones, that of the side slip changing with load.
+    "mf62": ("mf62", {"relax_mf"}, {"turn_slip"}, {"SIGK": 1.0}),
+    "rolling": ("mf61", {"relax_lon", "relax_load"}, set(), {"SIGX": 0.2, "SIGY": 0.5, "SIGC": 0.4}),
+}
+TIRES = ("first", "second", *GOLDEN)
+LAGGING = ("mf62", "rolling")
 
 
 class Host:
@@ -25,6 +38,10 @@ class Host:
         self.slave, self.fmu, self.log = slave, slave.fmu, slave.log
         self.version = 3 if slave.version_3 else 2
         self.variables = {variable.name: variable for variable in slave.description.modelVariables}
+        self.inputs, self.outputs = (
+            [name for name, variable in self.variables.items() if variable.causality == causality]
+            for causality in ("input", "output")
+        )
 
     def call(self, function, *arguments):
         """Call a function of the standard by its name without prefix."""
@@ -59,7 +76,7 @@ class Host:
 
     def forces(self, **inputs):
         assert self.set(**inputs) == OK
-        return self.get("Fx", "Fy", "Mz")
+        return self.get(*self.outputs)
 
     def start(self, time=0.0, stop=None):
         self.initialize(time, stop)
@@ -95,14 +112,6 @@ class Host:
         return self.call("GetDirectionalDerivative", *sizes), np.array(found)
 
 
-@pytest.fixture(scope="session", autouse=True)
-def _own_cache(tmp_path_factory):
-    """Compiled code of the tests does not fill the user's cache."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("TIREFMU_CACHE", str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
 @pytest.fixture(scope="session")
 def compiler():
     """Return the command of the C compiler, without which no FMU can be built."""
@@ -113,22 +122,34 @@ def compiler():
 
 
 @pytest.fixture(scope="session")
-def tires():
-    """Return two tires in ISO signs: the published one, and one with other values everywhere."""
+def tires(golden):
+    """Return tires in ISO signs: the published one, one with other values everywhere, and those of `GOLDEN`."""
     first = published("trento_hoosier").in_signs("iso")
     values = {name: 1.07 * value for name, value in first.values.items()}
-    return {"first": first, "second": replace(first, values=values, name='a <wide> & "strange" tire, é')}
+    second = replace(first, values=values, name='a <wide> & "strange" tire, é')
+    others = {name: golden_tire(golden, name, *told) for name, told in GOLDEN.items()}
+    return {"first": first, "second": second, **others}
+
+
+def golden_tire(folder, name, model, more, without, values):
+    (path,) = folder.glob(f"{model}_*_params.json")
+    told, book = json.loads(path.read_text(encoding="utf-8")), MODELS[model]
+    known = {key: value for key, value in told.items() if key in book.coefficients}
+    return Tire(model, {**known, **values}, effects=(book.usual_effects | more) - without, name=name)
 
 
 @pytest.fixture(scope="session")
 def fmus(compiler, tires, tmp_path_factory):
-    """Return the paths of the FMUs by tire and version."""
+    """Return the paths of the FMUs by tire and version; each is built when it is first asked for."""
     folder = tmp_path_factory.mktemp("fmus")
-    return {
-        (name, fmi): export(tire, folder / f"{name}_{fmi}.fmu", fmi=fmi)
-        for name, tire in tires.items()
-        for fmi in (2, 3)
-    }
+
+    class Fmus(dict):
+        def __missing__(self, key):
+            name, fmi = key
+            self[key] = export(tires[name], folder / f"{name}_{fmi}.fmu", fmi=fmi)
+            return self[key]
+
+    return Fmus()
 
 
 @pytest.fixture
@@ -136,6 +157,18 @@ def hosts(fmus):
     """Return a function that loads an FMU into a new host."""
     with contextlib.ExitStack() as stack:
         yield lambda name, fmi: Host(stack.enter_context(loaded(fmus[name, fmi])))
+
+
+@pytest.fixture(params=TIRES)
+def name(request):
+    """Name each tire."""
+    return request.param
+
+
+@pytest.fixture(params=LAGGING)
+def lagging(request):
+    """Name each tire whose slips lag."""
+    return request.param
 
 
 @pytest.fixture(params=[2, 3], ids=["fmi2", "fmi3"])

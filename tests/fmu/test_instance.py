@@ -6,6 +6,7 @@ import ctypes
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -15,11 +16,12 @@ INPUTS = ("kappa", "alpha", "gamma", "Fz")
 OUTPUTS = ("Fx", "Fy", "Mz")
 #: A point in the middle of a combined sweep, used where any point would do.
 POINT = {"kappa": 0.05, "alpha": -0.08, "gamma": 0.03, "Fz": 900.0}
+#: The same for a model that reads more.
+FULL_POINT = POINT | {"p": 2.1e5, "V": 21.0}
 
 
 def direct(tire, **inputs):
-    forces = tire.forces(**inputs)
-    return np.array([float(forces[name]) for name in OUTPUTS])
+    return np.array([float(force) for force in tire.forces(**inputs).values()])
 
 
 def distance(found, expected):
@@ -33,24 +35,25 @@ def running(host):
 
 # ------------------------------------------------------------------ values
 
-#: Far beyond any tire's range, on both sides of standstill of the load.
-ANY_INPUTS = st.fixed_dictionaries(
-    {
-        "kappa": st.floats(-10.0, 10.0),
-        "alpha": st.floats(-1.57, 1.57),
-        "gamma": st.floats(-1.0, 1.0),
-        "Fz": st.floats(-2000.0, 20000.0),
-    }
-)
+#: Far beyond any tire's range, on both sides of standstill and of the load that lifts the wheel.
+ANY_INPUTS = {
+    "kappa": st.floats(-10.0, 10.0),
+    "alpha": st.floats(-1.57, 1.57),
+    "gamma": st.floats(-1.0, 1.0),
+    "Fz": st.floats(-2000.0, 20000.0),
+    "p": st.floats(1e4, 1e6),
+    "V": st.floats(-80.0, 80.0),
+    "phit": st.floats(-1.0, 1.0),
+}
 
 
-@pytest.mark.parametrize("fmi", [2, 3])
-def test_output_is_the_direct_evaluation(hosts, tires, fmi):
-    host = hosts("first", fmi).start()
+def test_output_is_the_direct_evaluation(hosts, tires, name, fmi):
+    host = hosts(name, fmi)
+    host.initialize()  # until its end every tire is in steady state
 
-    @given(ANY_INPUTS)
+    @given(st.fixed_dictionaries({key: ANY_INPUTS[key] for key in host.inputs}))
     def holds(inputs):
-        assert distance(host.forces(**inputs), direct(tires["first"], **inputs)) < 1e-9
+        assert distance(host.forces(**inputs), direct(tires[name], **inputs)) < 1e-9
 
     holds()
 
@@ -62,10 +65,10 @@ def test_both_versions_give_the_same_digits(hosts):
     assert np.array_equal(two, three)
 
 
-def test_starts_at_the_nominal_point(host, tires):
-    host.start(time=3.0)
-    assert host.get(*INPUTS).tolist() == [0.0, 0.0, 0.0, tires["first"].values["FNOMIN"]]
-    assert distance(host.get(*OUTPUTS), direct(tires["first"])) < 1e-9
+def test_starts_at_the_nominal_point(hosts, tires, name, fmi):
+    host, tire = hosts(name, fmi).start(time=3.0), tires[name]
+    assert host.get(*host.inputs).tolist() == [tire.nominal(key) for key in host.inputs]
+    assert distance(host.get(*host.outputs), direct(tire)) < 1e-9
 
 
 def test_outputs_follow_inputs_before_any_step(host, tires):
@@ -76,26 +79,80 @@ def test_outputs_follow_inputs_before_any_step(host, tires):
     assert distance(host.forces(kappa=0.0), direct(tires["first"], **at_zero)) < 1e-9
 
 
-def test_a_lifted_wheel_has_no_forces(running):
+def test_a_lifted_wheel_has_no_forces(hosts, name):
+    running = hosts(name, 3).start()
     for load in (0.0, -0.0, -500.0):
         assert not np.any(running.forces(**POINT | {"Fz": load}))
 
 
-@pytest.mark.parametrize("name", ["PDY1", "LMUX", "FNOMIN", "QDZ1"])
-def test_coefficients_are_tunable_at_any_time(host, tires, name):
-    tire = tires["first"]
+def test_standstill_and_reverse(hosts, tires):
+    host = hosts("mf61", 3).start()
+    for speed in (0.0, -0.0, 1e-300, -1e-300, 0.3, -0.3, -20.0):
+        for turn in (0.0, 0.2):
+            point = FULL_POINT | {"V": speed, "phit": turn}
+            found = host.forces(**point)
+            assert np.all(np.isfinite(found))
+            assert distance(found, direct(tires["mf61"], **point)) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("name", "coefficient"),
+    [
+        ("first", "PDY1"),
+        ("first", "LMUX"),
+        ("first", "FNOMIN"),
+        ("first", "QDZ1"),
+        ("mf52", "PKY1"),
+        ("mf61", "LMUY"),
+        ("mf61", "PDXP1"),
+        ("mf62", "NOMPRES"),
+    ],
+)
+def test_coefficients_are_tunable_at_any_time(hosts, tires, fmi, name, coefficient):
+    host, tire = hosts(name, fmi), tires[name]
+    point = POINT if name == "first" else FULL_POINT | ({"phit": 0.05} if name == "mf61" else {})
     for moment in ("instantiated", "initializing", "stepping"):
         if moment == "initializing":
             host.initialize()
         elif moment == "stepping":
             host.call("ExitInitializationMode")
             assert host.step(0.0, 0.1) == OK
-        before = host.forces(**POINT)
-        value = host.get(name)[0] * 1.1
-        assert host.set(**{name: value}) == OK
-        tire = replace(tire, values={**tire.values, name: value})
-        assert distance(host.get(*OUTPUTS), direct(tire, **POINT)) < 1e-9
-        assert np.any(host.get(*OUTPUTS) != before)
+        before = host.forces(**point)
+        value = host.get(coefficient)[0] * 1.1
+        assert host.set(**{coefficient: value}) == OK
+        tire = replace(tire, values={**tire.values, coefficient: value})
+        assert distance(host.get(*host.outputs), direct(tire, **point)) < 1e-9
+        assert np.any(host.get(*host.outputs) != before)
+
+
+@pytest.mark.parametrize(
+    ("parameter", "options"),
+    [("CONVENTION", {"convention": "book"}), ("SLIP_ANGLE", {"slip_angle": "angle"}), ("LIMITS", {"limits": True})],
+)
+def test_conventions_are_parameters(hosts, tires, parameter, options):
+    host = hosts("mf61", 3).start()
+    tire = replace(tires["mf61"], values={**tires["mf61"].values, "LMUY": 0.8})
+    point = FULL_POINT | {"alpha": 0.4, "gamma": 0.3, "kappa": -0.2}
+    host.set(LMUY=0.8)
+    for value, told in ((0.0, {}), (1.0, options), (0.0, {})):
+        assert host.set(**{parameter: value}) == OK
+        row = tire.evaluate(pd.DataFrame([point]), **told).iloc[0]
+        assert distance(host.forces(**point), row[host.outputs].to_numpy()) < 1e-9
+    assert host.set(**{parameter: 2.0}) == DISCARD
+    plain, other = (tire.evaluate(pd.DataFrame([point]), **told)["Fy"][0] for told in ({}, options))
+    assert plain != other
+
+
+def test_what_is_hidden_cannot_be_reached(hosts, tires, fmi):
+    host = hosts("mf52", fmi).start()
+    book = tires["mf52"].book
+    hidden = [1 + len(host.inputs), 1 + len(book.inputs) + len(book.outputs) + len(book.parameters) - 1]
+    assert not {"phit", "SIGNS"} & host.variables.keys()
+    for reference in hidden:
+        assert reference not in {variable.valueReference for variable in host.variables.values()}
+        assert host.set_references([reference], [1.0]) == ERROR
+        assert host.read([reference])[0] == ERROR
+        assert host.log[-1] == f"there is no value reference {reference}"
 
 
 def test_two_tires_keep_their_own_results(hosts, tires, fmi):
@@ -315,22 +372,26 @@ def finite_difference(host, output, name, step):
     return (values[0] - values[1]) / (2.0 * step)
 
 
-@pytest.mark.parametrize("output", OUTPUTS)
-def test_directional_derivatives_are_finite_differences(running, output):
-    running.set(**POINT)
-    steps = {
-        "kappa": 1e-6,
-        "alpha": 1e-6,
-        "gamma": 1e-6,
-        "Fz": 1e-2,
-        "PDY1": 1e-6,
-        "PDX1": 1e-6,
-        "QDZ1": 1e-6,
-    }
-    for name, step in steps.items():
-        status, (found,) = running.derivative([output], [name], [1.0])
-        assert status == OK
-        assert found == pytest.approx(finite_difference(running, output, name, step), rel=1e-5, abs=1e-4)
+@pytest.mark.parametrize("name", ["first", "mf61"])
+def test_directional_derivatives_are_finite_differences(hosts, fmi, name):
+    running = hosts(name, fmi).start()
+    running.set(**POINT if name == "first" else FULL_POINT | {"phit": 0.05})
+    steps = {"kappa": 1e-6, "alpha": 1e-6, "gamma": 1e-6, "Fz": 1e-2, "PDY1": 1e-6, "PDX1": 1e-6, "QDZ1": 1e-6}
+    if name == "mf61":
+        steps |= {"p": 1.0, "V": 1e-4, "phit": 1e-6, "QSX3": 1e-6, "QDRP1": 1e-6}
+    for known, step in steps.items():
+        for output in running.outputs:
+            status, (found,) = running.derivative([output], [known], [1.0])
+            assert status == OK
+            assert found == pytest.approx(finite_difference(running, output, known, step), rel=1e-5, abs=1e-4)
+
+
+def test_options_have_no_derivative(hosts, fmi):
+    running = hosts("mf61", fmi).start()
+    assert running.set(**FULL_POINT) == OK
+    status, found = running.derivative(running.outputs, ["CONVENTION", "SLIP_ANGLE", "LIMITS"], [1.0, 1.0, 1.0])
+    assert status == OK
+    assert not np.any(found)
 
 
 def test_directional_derivatives_are_linear_in_the_seed(running):

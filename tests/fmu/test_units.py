@@ -47,5 +47,5 @@ def test_unknown_factors_are_named(unit):
 @pytest.mark.parametrize("name", sorted(MODELS))
 def test_every_unit_of_every_model_is_known(name):
     model = MODELS[name]
-    for item in (*model.inputs, *model.outputs, *model.parameters):
+    for item in (*model.inputs, *model.outputs, *model.coefficients.values()):
         base_unit(item.unit)
