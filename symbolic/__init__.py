@@ -1,8 +1,8 @@
 """The book: the Magic Formula as named, numbered lines, and the passes over them."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
-from .added import AddedEffect, effect_text
+from .added import AddedEffect, effect_text, library
 from .effects import EFFECTS
 from .errors import UnknownName
 from .mf6 import MF52, MF61, MF62
@@ -51,4 +51,33 @@ def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
     return _EXTENDED[key]
 
 
-__all__ = ["EFFECTS", "MF52", "MF61", "MF62", "MF96", "MODELS", "Model", "model"]
+def with_library(name: str, effects: Collection[str], added: Sequence[AddedEffect] = ()) -> tuple[AddedEffect, ...]:
+    """Return the added effects of a tire: those given, and the library where one of its effects is named.
+
+    The library comes whole, so that few models have to be printed; MF96, which lacks what some of it reads, gets
+    what is named.
+
+    Parameters
+    ----------
+    name : str
+        The model.
+    effects : collection of str
+        Names of effects, those of the book among them.
+    added : sequence of AddedEffect
+
+    Returns
+    -------
+    tuple of AddedEffect
+
+    Examples
+    --------
+    >>> [effect.name for effect in with_library("mf96", ["camber_thrust", "temp_friction"])]
+    ['temp_friction']
+    """
+    there = {effect.name for effect in added} | model(name).effects.keys()
+    named = [effect for effect in library() if effect in effects and effect not in there]
+    wanted = library() if model(name).results else named
+    return (*added, *(library()[effect] for effect in wanted if named and effect not in there))
+
+
+__all__ = ["EFFECTS", "MF52", "MF61", "MF62", "MF96", "MODELS", "Model", "model", "with_library"]

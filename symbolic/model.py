@@ -207,10 +207,11 @@ class Model:
         return {quantity.name for quantity in self.outputs} | {line.symbol.name for line in lines if line.named}
 
     def live(self, effects: Collection[str] | None = None) -> frozenset[str]:
-        """Return the coefficients that reach an output with these effects."""
+        """Return the coefficients that reach an output with these effects; the ranges of inputs always do."""
         outputs = {quantity.name for quantity in self.outputs} | set(self.results)
         symbols = {str(s) for line in reaching(self.lines(effects), outputs) for s in line.expression.free_symbols}
-        return frozenset(symbols & self.coefficients.keys())
+        ranges = {name for name, card in self.coefficients.items() if card.section.endswith("_RANGE")}
+        return frozenset(symbols & self.coefficients.keys()) | ranges
 
     @lru_cache(maxsize=256)  # noqa: B019  (models live as long as the program)
     def owned(self, *effects: str) -> frozenset[str]:

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 from tirefmu.tires import Tire
-
-from .description import describe
 
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
@@ -72,36 +70,67 @@ class Terminal:
             self.print(f"note: {note}")
         self.print(f"fit {result.status}, {result.seconds:.1f} s")
 
-    def tire(self, tire: Tire) -> None:
-        """Print what is in a tire."""
-        told = describe(tire)
-        lines = [f"{told['name']}: {told['title']} ({told['model']}), coefficients in {told['signs']}"]
+    def tire(self, tire: Tire, told: Mapping[str, Any], every: bool = False) -> None:
+        """Print what is in a tire, as `describe` told it; every coefficient and every kept key on request."""
+        side = f", {told['side']} side" if told["side"] else ""
+        lines = [f"{told['name']}: {told['title']} ({told['model']}), coefficients in {told['signs']}{side}"]
         lines += [f"  {key}: {text}" for key, text in told["about"].items()]
-        lines += [
-            f"  known for {name}: {low:g} .. {high:g} {_unit(tire, name)}"
-            for name, (low, high) in told["ranges"].items()
-        ]
+        for name, value in told["nominal"].items():
+            low, high = told["ranges"].get(name, (None, None))
+            known = f", known for {low:g} .. {high:g}" if low is not None else ""
+            unit = _unit(tire, name)
+            lines.append(f"  {name}: nominal {value:g}{'' if unit == '1' else ' ' + unit}{known}")
         for key, title in (
             ("effects", "effects"),
             ("effects_at_neutral", "effects whose coefficients are all at neutral"),
             ("effects_absent", "effects left out"),
-            ("defaulted", "coefficients that the file does not give, at their default"),
         ):
             if told[key]:
                 lines.append(f"  {title}: {', '.join(told[key])}")
-        lines += [
-            f"  implausible: {c['name']} = {c['value']:g} is outside {c['lower']:g} .. {c['upper']:g} (adapted SAE)"
-            for c in told["implausible"]
-        ]
+        lines += _about_the_file(told, every)
         self.print("\n".join(lines))
-        table = _table("coefficient", "value", "unit", "what it is")
-        for name, card in tire.book.coefficients.items():
-            table.add_row(name, f"{tire.values[name]:.6g}", card.unit, card.description)
-        self._out.print(table)
+        if told["implausible"]:
+            self._out.print(_doubts(told))
+        self._out.print(_values(tire, told, every))
+        if not every:
+            self.print("--all lists every coefficient, what was assumed for missing ones, and what else the file holds")
 
 
 def _unit(tire: Tire, name: str) -> str:
     return next(quantity.unit for quantity in tire.book.inputs if quantity.name == name)
+
+
+def _about_the_file(told: Mapping[str, Any], every: bool) -> list[str]:
+    lines = [f"  {note}" for note in told["notes"]]
+    names = ", ".join(told["missing"]) if every else f"{len(told['missing'])} coefficients"
+    lines += [f"  missing in the file, as its readers assume: {names}"] if told["missing"] else []
+    unknown = [f"{e['key']} (near {e['near']})" if e["near"] else e["key"] for e in told["unknown"]]
+    lines += [f"  unknown keys: {', '.join(unknown)}"] if unknown else []
+    if every:
+        unused = ", ".join(f"{entry['key']} = {entry['value']}" for entry in told["unused"])
+        lines += [f"  kept, not read by this model: {unused}"] if unused else []
+        lines += [f"  kept tables: {', '.join(told['tables'])}"] if told["tables"] else []
+    return lines
+
+
+def _doubts(told: Mapping[str, Any]) -> Table:
+    table = _table("", "value", "what is wrong", title="Implausible")
+    for doubt in told["implausible"]:
+        value = "nan" if doubt["value"] is None else f"{doubt['value']:.6g}"
+        table.add_row(doubt["name"], value, doubt["reason"])
+    return table
+
+
+def _values(tire: Tire, told: Mapping[str, Any], every: bool) -> Table:
+    """Return the coefficients: those that somebody gave and that do something, or all."""
+    table = _table("coefficient", "value", "unit", "", "what it is")
+    for name, card in tire.book.coefficients.items():
+        origin = "missing" if name in told["missing"] else ""
+        if name in told["coefficients_at_neutral"]:
+            origin = " ".join([origin, "neutral"]).strip()
+        if every or not origin:
+            table.add_row(name, f"{tire.values[name]:.6g}", card.unit, origin, card.description)
+    return table
 
 
 def _table(*columns: str, title: str = "") -> Table:
@@ -111,6 +140,7 @@ def _table(*columns: str, title: str = "") -> Table:
             "coefficient",
             "unit",
             "what it is",
+            "what is wrong",
             "stage",
             "recording",
             "channel",

@@ -71,6 +71,7 @@ def shared_library(
     headers: Sequence[Path] = (),
     include: Sequence[Path] = (),
     flags: Sequence[str] = (),
+    machine: str = "",
 ) -> Path:
     """Return a shared library built from C sources or object files, from the cache where it is there.
 
@@ -84,6 +85,8 @@ def shared_library(
         Folders to search for headers.
     flags : sequence of str
         Further compiler flags.
+    machine : str
+        What the flags depend on beside the compiler, such as the processor where it is asked for its own.
 
     Returns
     -------
@@ -95,7 +98,7 @@ def shared_library(
         If there is no compiler, it fails (the message has its first lines), or the cache cannot be written.
     """
     defined = ["-Wl,-z,defs"] if sys.platform.startswith("linux") else []
-    return _built(name, SUFFIX, sources, headers, include, ["-shared", *flags, *defined], ["-lm"])
+    return _built(name, SUFFIX, sources, headers, include, ["-shared", *flags, *defined], ["-lm"], machine)
 
 
 def compiled_object(
@@ -138,11 +141,12 @@ def _built(
     include: Sequence[Path],
     flags: Sequence[str],
     libraries: Sequence[str],
+    machine: str = "",
 ) -> Path:
     """Return what the compiler makes of the sources, from the cache where it is there."""
     compiler = find_compiler()
     options = [*FLAGS, *([] if sys.platform == "win32" else ["-fPIC"]), *flags]
-    digest = hashlib.sha256("\0".join([*compiler, *options, platform.machine(), sys.platform]).encode())
+    digest = hashlib.sha256("\0".join([*compiler, *options, platform.machine(), sys.platform, machine]).encode())
     for path in [*sources, *headers]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     built = cache_folder() / f"{name}-{digest.hexdigest()[:24]}{suffix}"

@@ -78,8 +78,10 @@ OWN_RANGES = {"V": "V", "phit": "PHIT", "T": "TEMPERATURE", "t": "TIME"}
 ASSUMED = "TIREFMU_ASSUMED"
 #: The section that names the units of what was kept without a known unit.
 KEPT_UNITS = "TIREFMU_KEPT_UNITS"
+#: The section that holds the files of added effects which no library has.
+ADDED = "TIREFMU_ADDED"
 #: Sections of ours that hold no coefficients.
-OWN_SECTIONS = ("TIREFMU", "TIREFMU_ABOUT", "TIREFMU_RANGES", ASSUMED, KEPT_UNITS)
+OWN_SECTIONS = ("TIREFMU", ADDED, "TIREFMU_ABOUT", "TIREFMU_RANGES", ASSUMED, KEPT_UNITS)
 
 Kept = tuple[str, str, str]
 

@@ -15,12 +15,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from tirefmu.symbolic import MODELS
+from tirefmu.symbolic import model, with_library
+from tirefmu.symbolic.added import AddedEffect, read_effect
 from tirefmu.symbolic.errors import TirefmuError, TirError, UnknownName, nearest
 from tirefmu.symbolic.model import Model
 
 from .tir_model import model_of
 from .tir_names import (
+    ADDED,
     ALIASES,
     ASSUMED,
     HEADER,
@@ -123,7 +125,12 @@ class _Reader:
         self.units, said = unit_system(self.left, self.path)
         name, why = model_of(self.left, own, self.path)
         self.notes += [*why, *said]
-        book = MODELS[name]
+        added = tuple(self._added(self._take(ADDED, key)) for key in self._keys_of(ADDED))
+        named = listed(own["EFFECTS"].value) if "EFFECTS" in own else ()
+        try:
+            book = model(name, with_library(name, named, added))
+        except TirefmuError as error:
+            raise TirError(f"{self.path}: {error}") from error
         self._refuse_rows(book)
         self._refuse_own(own, book)
         values = dict(self._values(book))
@@ -138,7 +145,8 @@ class _Reader:
         side = self._side()
         kept = in_written_order([*self._kept(book), *assumed], book)
         try:
-            tire = Tire(name, values, effects, name=title, about=told, ranges=ranges, side=side, kept=kept)
+            tire = Tire(name, values, effects, name=title, about=told, ranges=ranges, side=side, added=added,
+                        kept=kept)  # fmt: skip
         except TirefmuError as error:
             raise TirError(f"{self.path}: {error}") from error
         return TirReading(tire, tuple(self.notes))
@@ -225,6 +233,10 @@ class _Reader:
             raise TirError(f"{self._place(entry)}: {entry.key} = {entry.value!r} is too large")
         return scaled
 
+    def _added(self, entry: Entry) -> AddedEffect:
+        """Return the effect whose file stands in a line of ours."""
+        return read_effect(_text(entry, self.path), self._place(entry))
+
     def _effects(self, own: dict[str, Entry], book: Model) -> frozenset[str] | None:
         if "EFFECTS" not in own:
             return None
@@ -246,7 +258,7 @@ class _Reader:
         defaults = Tire(book.name, {"FNOMIN": 1.0, "UNLOADED_RADIUS": 1.0}).values
         idle = book.owned(*sorted(book.effects.keys() - effects))
         for name in named & values.keys():
-            if name in idle or repr(values[name]) == repr(defaults[name]):
+            if name in idle or repr(values[name]) == repr(defaults.get(name, book.coefficients[name].default)):
                 del values[name]
         return assumed_lines(named & values.keys(), book)
 

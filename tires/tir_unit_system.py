@@ -36,7 +36,9 @@ class UnitSystem:
 
     def factor(self, unit: str, section: str) -> float:
         """Return the factor to SI of a value with an SI unit that stands in a section."""
-        return 1.0 if section.endswith("_COEFFICIENTS") else factor_of(unit, self.factors)
+        if section.endswith("_COEFFICIENTS") or section.startswith("TIREFMU"):  # ours are in SI whatever the rest is
+            return 1.0
+        return factor_of(unit, self.factors)
 
 
 def unit_system(entries: MutableMapping[tuple[str, str], Entry], path: Path) -> tuple[UnitSystem, list[str]]:

@@ -8,9 +8,11 @@ import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
+from tirefmu.symbolic.added import effect_text, library
 from tirefmu.symbolic.errors import TirError
 
 from .tir_names import (
+    ADDED,
     ASSUMED,
     FITTYP,
     HEADER,
@@ -96,9 +98,11 @@ def _own_lines(tire: Tire) -> Iterable[tuple[str, str, str]]:
         yield "MODEL", "TYRESIDE", f"TYRESIDE = '{tire.side.upper()}'"
     values = tire.parameters()[: len(book.coefficients)].tolist()  # options are no property of a tire
     written = dict(zip(book.coefficients, values, strict=True))
+    beyond = {effect.name for effect in book.added} - tire.has
+    silent = book.owned(*sorted(beyond)) if beyond else frozenset()
     for section in book.sections:
         for name, card in section.coefficients.items():
-            if name in written:
+            if name in written and name not in silent:
                 yield section.title, name, f"{name} = {written[name]!r}  $ {card.description} [{card.unit}]"
     for name, (title, _) in RANGE_SECTIONS.items():
         for key, bound in zip(RANGES[name], tire.ranges.get(name, ()), strict=False):
@@ -114,11 +118,13 @@ def _only_here(tire: Tire) -> list[str]:
         own["EFFECTS"] = f"'{','.join(name for name in tire.book.effects if name in tire.has)}'"
     # An absent effect may rescale a coefficient for other readers; its own value is kept here, every digit.
     own |= {f"CORE_{name}": repr(tire.values[name]) for effect in absent for name, _ in effect.rescales}
+    own_files = [effect for effect in tire.added if library().get(effect.name) != effect]
     ranges = {key: tire.ranges[name] for name, key in OWN_RANGES.items() if name in tire.ranges}
     assumed = {key: text for _, key, text in assumed_lines(not_given(tire), tire.book)}
     return [
         "[TIREFMU]",
         *(f"{key} = {value}" for key, value in own.items()),
+        *_section(ADDED, {effect.name.upper(): _quoted(effect_text(effect)) for effect in own_files}),
         *_section("TIREFMU_ABOUT", {key.upper(): _quoted(str(value)) for key, value in tire.about.items()}),
         *_section("TIREFMU_RANGES", {key: f"'{low!r},{high!r}'" for key, (low, high) in ranges.items()}),
         *_section(ASSUMED, assumed),

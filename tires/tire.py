@@ -13,13 +13,14 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.symbolic import model as book
+from tirefmu.symbolic import with_library
 from tirefmu.symbolic.added import AddedEffect, library
 from tirefmu.symbolic.errors import TireError, UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.notation import Coefficient
 from tirefmu.symbolic.options import OPTIONS
 
-from .code import Code, code_for
+from .code import Code, code_for, fastest_code
 from .evaluation import Conventions, evaluate
 from .forces import Forces
 from .signs import TABLE_INPUTS
@@ -98,7 +99,7 @@ class Tire:
             raise UnknownName("sign convention of a tire", self.signs, ("iso", "adapted-sae"))
         if self.side not in ("left", "right", ""):
             raise UnknownName("side of the vehicle", self.side, ("left", "right"))
-        self._add_from_library()
+        object.__setattr__(self, "added", with_library(self.model, self.effects or (), self.added))
         cards = self.book.coefficients
         present = self._present()
         given = {**self._range_values(), **self.values}
@@ -119,14 +120,6 @@ class Tire:
         known = {name: pair for name, pair in RANGES.items() if set(pair) <= given.keys()}
         ranges = {**self.ranges, **{name: (values[low], values[high]) for name, (low, high) in known.items()}}
         object.__setattr__(self, "ranges", {name: _range(name, *r) for name, r in ranges.items()})
-
-    def _add_from_library(self) -> None:
-        """Add the library where one of its effects is named: whole, so that few models have to be printed."""
-        there = {effect.name for effect in self.added} | book(self.model).effects.keys()
-        named = [name for name in library() if name in (self.effects or ()) and name not in there]
-        wanted = library() if book(self.model).results else named  # MF96 lacks what some of them read
-        more = [effect for name, effect in library().items() if named and name in wanted and name not in there]
-        object.__setattr__(self, "added", (*self.added, *more))
 
     def _present(self) -> frozenset[str]:
         if self.effects is None:
@@ -228,13 +221,14 @@ class Tire:
         (quantity,) = (quantity for quantity in self.book.inputs if quantity.name == name)
         return self.values[quantity.nominal] if isinstance(quantity.nominal, str) else quantity.nominal
 
-    def forces(self, *, code: str = "numpy", **inputs: npt.ArrayLike) -> Forces:
+    def forces(self, *, code: str = "auto", **inputs: npt.ArrayLike) -> Forces:
         """Return forces and moments in the tire's own signs, in steady state.
 
         Parameters
         ----------
-        code : {"numpy", "c", "casadi"}
-            Which generated code evaluates.
+        code : {"auto", "numpy", "c", "casadi", "batch"}
+            Which generated code evaluates; "auto": NumPy for few rows, the batch kernel for many where there is
+            a compiler.
         **inputs : array_like
             kappa (fraction), alpha, gamma (rad), Fz (N), p (Pa), V (m/s), phit (1/m), of shapes that
             broadcast; one left out takes its nominal value, one that the model does not read has no
@@ -256,7 +250,7 @@ class Tire:
         columns = [np.asarray(inputs.get(name, self.nominal(name)), dtype=np.float64) for name in self.inputs]
         shape = np.broadcast_shapes(*(column.shape for column in columns))
         rows = np.stack([np.broadcast_to(column, shape).ravel() for column in columns])
-        results = self._code(code).forces(self.asked(rows), self.parameters())
+        results = self._code(code, rows.shape[1]).forces(self.asked(rows), self.parameters())
         return Forces({name: row.reshape(shape) for name, row in zip(self.outputs, results, strict=True)})
 
     def evaluate(
@@ -270,7 +264,7 @@ class Tire:
         mirror: bool = False,
         steady: bool = False,
         hold: bool = False,
-        code: str = "numpy",
+        code: str = "auto",
     ) -> pd.DataFrame:
         """Evaluate forces and every named quantity for each row of a table.
 
@@ -298,8 +292,9 @@ class Tire:
             ``alpha_lagged`` are those that act.
         hold : bool
             Inputs are held over each step, as in a co-simulation; otherwise they are linear between rows.
-        code : {"numpy", "c", "casadi"}
-            Which generated code evaluates.
+        code : {"auto", "numpy", "c", "casadi", "batch"}
+            Which generated code evaluates; "auto": NumPy for few rows, the batch kernel for many where there is
+            a compiler.
 
         Returns
         -------
@@ -314,7 +309,7 @@ class Tire:
             If a convention does not exist.
         """
         conventions = Conventions(signs, convention, slip_angle, limits, mirror, steady, hold)
-        return evaluate(self, table, conventions, self._code(code))
+        return evaluate(self, table, conventions, self._code(code, len(table)))
 
     def save(self, path: str | Path) -> None:
         """Write the tire as a .tir file, in ISO-W.
@@ -327,8 +322,8 @@ class Tire:
 
         write_tir(self, path)
 
-    def _code(self, language: str) -> Code:
-        return code_for(self.book, language)
+    def _code(self, language: str, n_rows: int) -> Code:
+        return fastest_code(self.book, n_rows) if language == "auto" else code_for(self.book, language)
 
     @property
     def lags(self) -> bool:

@@ -11,7 +11,7 @@ from ..model import Model
 from ..notation import Option
 from .expressions import PlainCPrinter
 from .python import HEADER, STRAIGHT_ROWS
-from .routines import STRAIGHT, Assignment, Routine
+from .routines import LOCAL, STRAIGHT, Assignment, Routine, side_by_side
 
 INLINES = {
     "square": "static inline double square(double x) { return x*x; }",
@@ -32,6 +32,8 @@ INLINES = {
 }
 PI = "#define PI 3.14159265358979323846"
 
+#: Above lines that are not in the book's order.
+SIDE_BY_SIDE = "What can be computed side by side stands together; quantities has the book's order"
 PRINTER = PlainCPrinter()
 #: What every routine takes.
 ARRAYS = "const double inputs[], const double parameters[], double results[]"
@@ -183,11 +185,23 @@ def statements(body: Sequence[Assignment], printer: PlainCPrinter = PRINTER, kin
     return lines
 
 
+def _in_order(routine: Routine) -> Sequence[Assignment]:
+    """Return the body with its values side by side; `quantities` shows them in the book's order."""
+    if routine.name == "quantities":
+        return routine.body
+    headings = [assignment.heading for assignment in routine.body]
+    end = headings.index(LOCAL) if LOCAL in headings else len(headings)
+    values = side_by_side(routine.body[:end])
+    if values:
+        values[0] = replace(values[0], heading=SIDE_BY_SIDE)
+    return [*values, *routine.body[end:]]
+
+
 def _function(model: Model, routine: Routine, routines: tuple[Routine, ...]) -> str:
     prefix = model.name.upper()
     inputs = routine.uses([quantity.name for quantity in model.inputs])
     lines = [f"const double {name} = inputs[{prefix}_{name}];" for name in inputs]
-    lines += [*parameters_read(model, routine), *statements(routine.body), ""]
+    lines += [*parameters_read(model, routine), *statements(_in_order(routine)), ""]
     for i, value in enumerate(value for row in routine.results for value in row):
         lines.append(f"results[{i}] = {PRINTER.doprint(value)};")
     body = "\n".join(f"    {line}" if line else "" for line in lines)

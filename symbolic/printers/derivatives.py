@@ -103,7 +103,7 @@ class _Splitter:
         return expression.func(*(part if keep(part) else self._step(part) for part in inner))
 
     def _branch(self, value: sp.Expr) -> sp.Expr:
-        """A branch that is not taken may be singular: only one that cannot be becomes a step, lest 0 * inf gets out."""
+        """Return a branch as a step, unless it may be singular where it is not taken: 0 * inf would get out."""
         return self._named(value) if all(_is_smooth(node) for node in sp.preorder_traversal(value)) else value
 
     def _root(self, base: sp.Expr, power: sp.Rational) -> sp.Expr:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from .. import MODELS
 from ..model import Model
+from .batch import batch_sources
 from .c import c_header, c_source
 from .python import CASADI, NUMPY, python_module
 from .routines import routines
@@ -46,12 +47,12 @@ def render_model(model: Model) -> dict[str, str]:
     dict of str to str
     """
     parts = routines(model)
-    return {
+    kernels = {f"c/{model.name}_batch_{name}.c": text for name, text in batch_sources(model, parts).items()}
+    return kernels | {
         f"numpy/{model.name}.py": python_module(model, parts, NUMPY),
         f"casadi/{model.name}.py": python_module(model, parts, CASADI),
         f"c/{model.name}.c": c_source(model, parts),
         f"c/{model.name}.h": c_header(model, parts),
-        f"c/{model.name}_batch.c": batch_source(model, parts),
     }
 
 

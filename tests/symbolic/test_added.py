@@ -10,7 +10,7 @@ from tirefmu.symbolic import model
 from tirefmu.symbolic.added import LIBRARY, effect_text, library, read_effect
 from tirefmu.symbolic.added.formula import formula, formula_text
 from tirefmu.symbolic.errors import EffectError, UnknownName
-from tirefmu.tires import Tire
+from tirefmu.tires import Tire, read_tir
 
 OWN = """
 name = "grip_by_humidity"
@@ -126,3 +126,13 @@ def test_unknown_effects_offer_those_of_the_library_too():
 def test_formulas_survive_their_text(text):
     once = formula(text, "here")
     assert formula(formula_text(once), "here") == once
+
+
+def test_a_tire_with_added_effects_survives_its_file(tmp_path):
+    values = VALUES | {"HMU1": 1e-6, "TMU1": -1e-3, "SIGY": 0.4}
+    effects = ["grip_by_humidity", "temp_friction", "relax_lat", "load_friction"]
+    tire = Tire("mf61", values, effects=effects, added=(read_effect(OWN, "own.toml"),), name="added")
+    tire.save(tmp_path / "added.tir")
+    again = read_tir(tmp_path / "added.tir")
+    assert again == tire
+    pd.testing.assert_frame_equal(again.evaluate(TABLE), tire.evaluate(TABLE), rtol=0, atol=0)

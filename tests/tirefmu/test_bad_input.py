@@ -96,7 +96,7 @@ BAD = {
     "evaluate good.tir good.csv -o new.txt": "new.txt: unknown kind of table '.txt'",
     "evaluate good.tir good.csv -o no/new.csv": "no/new.csv: no folder no",
     "evaluate good.tir good.csv -o new.csv --json no/new.json": "no/new.json: no folder no",
-    "evaluate good.tir good.csv -o new.csv --code fortran": "'fortran' is not one of 'numpy', 'c', 'casadi'",
+    "evaluate good.tir good.csv -o new.csv --code fortran": "'fortran' is not one of 'auto', 'numpy'",
     "export missing.tir -o new.fmu": "missing.tir: cannot be read",
     "export broken.tir -o new.fmu": "broken.tir:",
     "export good.tir -o no/new.fmu": "no/new.fmu: no folder no",

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError
-from tirefmu.tires import Tire, published, read_tir, write_tir
-from tirefmu.tires.tir import tir_text
+from tirefmu.tires import PUBLISHED, Tire, published, read_tir, write_tir
+from tirefmu.tires.tir import not_given, tir_text
+from tirefmu.tires.tire import RANGES
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 positive = st.floats(1e-3, 1e6)
@@ -25,11 +26,12 @@ texts = st.text(alphabet=st.one_of(st.characters(), st.sampled_from("'\"\\$!=[]\
 def tires(draw):
     """Any tire whatever: the file does not ask whether it is plausible."""
     book = MODELS[draw(st.sampled_from(sorted(MODELS)))]
-    values = draw(st.dictionaries(st.sampled_from(sorted(book.coefficients)), finite))
+    ends = {key for pair in RANGES.values() for key in pair}  # drawn as ranges, which are never crossed
+    values = draw(st.dictionaries(st.sampled_from(sorted(book.coefficients.keys() - ends)), finite))
     values |= {"FNOMIN": draw(positive), "UNLOADED_RADIUS": draw(positive)}
     effects = draw(st.none() | st.sets(st.sampled_from(sorted(book.effects))))
     ranges = {}
-    for name in draw(st.sets(st.sampled_from(["kappa", "alpha", "gamma", "Fz"]))):
+    for name in draw(st.sets(st.sampled_from([*RANGES, "V", "T"]))):
         ranges[name] = tuple(sorted((draw(finite), draw(finite))))
     return Tire(
         book.name,
@@ -39,6 +41,7 @@ def tires(draw):
         name=draw(texts),
         about=draw(st.dictionaries(words, texts, max_size=4)),
         ranges=ranges,
+        side=draw(st.sampled_from(["left", "right", ""])),
     )
 
 
@@ -52,11 +55,21 @@ def test_written_and_read_is_the_same_tire(folder, tire):
     write_tir(tire, folder / "made.tir")
     again, iso = read_tir(folder / "made.tir"), tire.in_signs("iso")
     assert again == iso
+    assert not_given(again) == not_given(iso)
     assert {name: value.hex() for name, value in again.values.items()} == {
         name: value.hex() for name, value in iso.values.items()
     }
     assert tir_text(again) == tir_text(tire)
     assert [path.name for path in folder.iterdir()] == ["made.tir"]
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_a_published_tire_is_written_as_it_was_read(tmp_path, name):
+    tire = published(name).in_signs("iso")
+    tire.save(tmp_path / "published.tir")
+    again = read_tir(tmp_path / "published.tir")
+    assert again == tire
+    assert not_given(again) == not_given(tire)
 
 
 @pytest.mark.parametrize(
@@ -162,17 +175,25 @@ def test_a_file_of_another_hand(tmp_path):
         ("[VERTICAL]", "[VERTICAL", "section '[VERTICAL' is not closed by ']'"),
         ("FNOMIN = 220.0", "FNOMIN = heavy", "FNOMIN = 'heavy' is not a number"),
         ("FNOMIN = 220.0", "FNOMIN = nan", "FNOMIN = 'nan' is not a number"),
-        ("FNOMIN = 220.0", "FNOMIN = ", "FNOMIN = '' is not a number"),
+        ("FNOMIN = 220.0", "FNOMIN = $", "FNOMIN has no value: a tire needs it"),
+        ("PDX1 = ", "PDX1 = 1,5 $", "PDX1 = '1,5' is not a number"),
+        ("PDX1 = ", "PDX1 = 1.5 2.5 $", "PDX1 = '1.5 2.5' is not a number"),
+        ("PDX1 = ", "PDX1 = 1e999 $", "PDX1 = '1e999' is not a number"),
         ("PCY1 = ", "PCYI = ", "unknown key PCYI of mf96: did you mean PCY1?"),
-        ("LENGTH = 'meter'", "LENGTH = 'mm'", "LENGTH in mm: only SI (meter) is read"),
-        ("ANGLE = 'radians'", "ANGLE = 'degrees'", "ANGLE in degrees: only SI (radians) is read"),
+        ("LENGTH = 'meter'", "LENGTH = 'meterz'", "LENGTH in 'meterz': did you mean meter"),
+        ("ANGLE = 'radians'", "ANGLE = 'degress'", "ANGLE in 'degress': did you mean degrees?"),
+        ("ANGLE = 'radians'", "ANGEL = 'degrees'", "unknown key ANGEL in [UNITS]: did you mean ANGLE?"),
+        ("FORCE = 'newton'", "FORCE =", "FORCE in [UNITS] has no value"),
+        ("FNOMIN = 220.0", "FNOMIN = 0.22 kN", "FNOMIN = '0.22 kN': units are declared in [UNITS] only"),
+        ("[VERTICAL]", "[VERTICAL] FNOMIN = 3", "text behind section [VERTICAL]: 'FNOMIN = 3'"),
         ("KPUMIN = -0.3", "KPUMIN = 0.4", "KPUMIN = 0.4 lies above KPUMAX = 0.3"),
         ("FZMAX = 1220.0", "FZMAX = inf", "FZMAX = 'inf' is not a number"),
         ("FITTYP = 96", "FITTYP = 96\nTIREFMU", "'TIREFMU' in [MODEL] is not 'KEY = value'"),
         ("TIREFMU_MODEL = 'mf96'", "TIREFMU_MODEL = 'mf69'", "unknown model 'mf69': did you mean mf96?"),
         ("NAME = 'Hoosier", 'NAME = "Hoosier', 'NAME is not a quoted text: "Hoosier'),
         ("NAME = ", "EFFECTS = 'camber_trust' $", "effect of mf96 'camber_trust': did you mean camber_thrust?"),
-        ("NAME = ", "EFFECTS = ''\nCORE_PKYI = 1 $", "unknown key CORE_PKYI of mf96: did you mean "),
+        ("NAME = ", "EFFECTS = ''\nCORE_PKYI = 1 $", "unknown key CORE_PKYI of mf96: did you mean CORE_PKY"),
+        ("NAME = ", "EFECTS = 'none' $", "unknown key EFECTS of mf96: did you mean EFFECTS?"),
     ],
 )
 def test_a_broken_line_is_named(tmp_path, replaced, by, said):
@@ -201,7 +222,10 @@ def test_a_missing_coefficient_is_named(tmp_path):
 @pytest.mark.parametrize(
     ("model", "said"),
     [
-        ("FITTYP = 97", "FITTYP 97 is not a model of this version: known are 96 (mf96)"),
+        (
+            "FITTYP = 97",
+            "FITTYP 97 is not a model of this version: known are 96 (mf96), 5 6 21 51 52 (mf52), 60 61 (mf61)",
+        ),
         ("", "no FITTYP in [MODEL]: which model is it?"),
         ("FITTYP = 'PAC'", "FITTYP = \"'PAC'\" is not a number"),
     ],
@@ -254,7 +278,7 @@ def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("tirefmu.tires.tir.os.replace", full)
+    monkeypatch.setattr("tirefmu.tires.tir_writing.os.replace", full)
     with pytest.raises(TirError, match=r"tire\.tir: cannot be written \(No space left on device\)"):
         published("trento_hoosier").save(path)
     assert path.read_text(encoding="utf-8") == "the old one"

@@ -1,0 +1,272 @@
+""".tir files as the field has them: every model number, every way to write a line, what is missing, what is more."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+
+import pytest
+
+from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.errors import TirError
+from tirefmu.tires import read_tir, write_tir
+from tirefmu.tires.tir import not_given, read_tir_with_notes, tir_text
+
+FILES = {"mf52": "MagicFormula52", "mf61": "MagicFormula61", "mf62": "MagicFormula62"}
+
+
+@pytest.fixture(params=FILES)
+def field_file(request, golden):
+    """Return the model and the path of a file of the field."""
+    return request.param, golden / f"{FILES[request.param]}_Parameters.tir"
+
+
+def bits(tire):
+    return {name: value.hex() for name, value in tire.values.items()}
+
+
+def written(path, content, **how):
+    how = how or {"encoding": "utf-8", "newline": ""}
+    path.write_text(content, **how)
+    return path
+
+
+def small(lines, model="FITTYP = 61"):
+    """Return the text of a small file with some lines more."""
+    return f"[MODEL]\n{model}\n[DIMENSION]\nUNLOADED_RADIUS = 0.3\n[VERTICAL]\nFNOMIN = 4000\n{lines}\n"
+
+
+def test_values_are_those_that_the_reference_reader_has(field_file, golden):
+    """Given or missing: every coefficient is what MFeval evaluated its golden rows with."""
+    model, path = field_file
+    tire = read_tir(path)
+    reference = json.loads((golden / f"{model}_{FILES[model]}_params.json").read_text(encoding="utf-8"))
+    assert tire.model == model
+    compared = {name: value for name, value in tire.values.items() if name in reference}
+    # Ours alone: what MFeval does not read, and the relaxation of the transient model.
+    assert tire.values.keys() - compared.keys() <= {"QBZ6", "LMUV", "Q_A1", "Q_A2", "SIGX", "SIGY", "SIGC", "SIGK"}
+    assert compared == {name: reference[name] for name in compared}
+
+
+def test_what_the_file_lacks_is_listed(field_file):
+    model, path = field_file
+    keys = set(re.findall(r"^(\w+)\s*=", path.read_text(encoding="utf-8"), re.MULTILINE))
+    assert set(not_given(read_tir(path))) == MODELS[model].coefficients.keys() - keys
+
+
+def test_a_file_written_again_is_the_same_tire_with_all_that_it_held(field_file, tmp_path):
+    _, path = field_file
+    tire = read_tir(path)
+    again = tmp_path / path.name
+    write_tir(tire, again)
+    read = read_tir(again)
+    assert read == tire
+    assert bits(read) == bits(tire)
+    assert not_given(read) == not_given(tire)
+    assert tir_text(read) == tir_text(tire)
+    before = re.findall(r"^(\w+)\s*=", path.read_text(encoding="utf-8"), re.MULTILINE)
+    after = re.findall(r"^(\w+)\s*=", again.read_text(encoding="utf-8"), re.MULTILINE)
+    assert set(before) <= set(after)
+
+
+@pytest.mark.parametrize("effects", ["'load_friction,camber_stiffness'", "''"])
+def test_what_is_assumed_for_an_absent_effect_is_left_to_the_tire(effects, tmp_path):
+    tire = read_tir(written(tmp_path / "t.tir", small(f"[TIREFMU]\nEFFECTS = {effects}")))
+    write_tir(tire, tmp_path / "t.tir")
+    assert read_tir(tmp_path / "t.tir") == tire
+    assert tire.values["QSX4"] == MODELS["mf61"].coefficients["QSX4"].neutral
+    assert "QSX4" in tire.defaulted
+
+
+def test_what_a_file_lacks_is_the_same_in_other_signs(field_file):
+    """What readers assume is in ISO: it is mirrored with the rest, not taken anew."""
+    _, path = field_file
+    tire = read_tir(path)
+    assert bits(tire.in_signs("adapted-sae").in_signs("iso")) == bits(tire)
+
+
+WAYS = {
+    "lines of Windows": lambda text: text.replace("\n", "\r\n").encode(),
+    "lines of old Macs": lambda text: text.replace("\n", "\r").encode(),
+    "mixed line ends": lambda text: re.sub("\n", lambda m: "\r\n" if m.start() % 2 else "\r", text).encode(),
+    "no last line end": lambda text: text.rstrip("\n").encode(),
+    "a byte order mark": lambda text: text.encode("utf-8-sig"),
+    "UTF-16": lambda text: text.encode("utf-16"),
+    "Latin-1": lambda text: ("! 20\u00b0 Schr\u00e4glauf\n" + text).encode("latin-1"),
+    "tabs": lambda text: re.sub(" +", "\t", text.replace(" 1.0 ", "@").replace(" 0.9 ", "#")).replace("@", " 1.0 ")
+    .replace("#", " 0.9 ").replace("\t0.", "    0.").replace("\t1.0", "    1.0").encode(),
+    "no blanks": lambda text: re.sub(r" *= *", "=", text).encode(),
+    "lower case": lambda text: text.replace("{radial", "@").lower().replace("@", "{radial").encode(),
+    "other comments": lambda text: text.replace("$", "!").encode(),
+    "Fortran's exponents": lambda text: re.sub(r"(\d)[eE]([+-]\d)", r"\1D\2", text).encode(),
+    "numbers in quotes": lambda text: re.sub(r"(?m)^(P\w+ *= *)([-+.\deE]+)", r"\1'\2'", text).encode(),
+    "blank lines": lambda text: text.replace("\n", "\n \t \n").encode(),
+    "indented": lambda text: re.sub(r"(?m)^(?=[\[A-Z$])", "   ", text).encode(),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_way_of_writing_does_not_matter(field_file, way, tmp_path):
+    _, path = field_file
+    text = path.read_text(encoding="utf-8")
+    (tmp_path / path.name).write_bytes(WAYS[way](text))
+    tire, other = read_tir(path), read_tir(tmp_path / path.name)
+    assert bits(other) == bits(tire)
+    assert (other.model, other.side, other.ranges) == (tire.model, tire.side, tire.ranges)
+    assert [line[:2] for line in other.kept] == [line[:2] for line in tire.kept]
+
+
+@pytest.mark.parametrize(
+    ("fittyp", "model"),
+    [*((n, "mf52") for n in (5, 6, 21, 51, 52)), (60, "mf61"), (61, "mf61"), (62, "mf62"), ("6.0", "mf52"),
+     ("'61'", "mf61"), ("62  Magic Formula", "mf62")],
+)  # fmt: skip
+def test_the_number_of_a_model(fittyp, model, tmp_path):
+    path = written(tmp_path / "t.tir", small("", f"FITTYP = {fittyp}"))
+    assert read_tir(path).model == model
+
+
+@pytest.mark.parametrize(
+    ("form", "lines", "model"),
+    [
+        ("PAC2002", "", "mf52"),
+        ("pac2002", "FITTYP = ", "mf52"),
+        ("MF_05", "", "mf52"),
+        ("MF-TYRE", "", "mf52"),
+        ("MF-Tyre 6.1", None, "PROPERTY_FILE_FORMAT 'MF-TYRE 6.1' is not a model of this version"),
+        ("USER", "PKY6 = -1", "mf61"),
+        ("USER", "PHY3 = 0.1", "mf52"),
+        ("USER", "Q_CAM3 = 0.1\nPKY6 = -1", "mf62"),
+        ("USER", None, "no FITTYP in [MODEL], and 'USER' does not tell the model"),
+        ("FIALA", None, "PROPERTY_FILE_FORMAT 'FIALA' is not a model of this version: known are PAC2002"),
+        ("PAC2003", None, "did you mean PAC2002?"),
+    ],
+)
+def test_a_file_without_number(form, lines, model, tmp_path):
+    path = written(tmp_path / "t.tir", small(lines or "", f"PROPERTY_FILE_FORMAT = '{form}'"))
+    if lines is None:
+        with pytest.raises(TirError) as caught:
+            read_tir(path)
+        assert model in str(caught.value)
+        return
+    reading = read_tir_with_notes(path)
+    assert reading.tire.model == model
+    assert any(note.startswith(f"no FITTYP: {model} by ") for note in reading.notes)
+    # The name of the format comes back, beside a FITTYP that all readers understand.
+    text = tir_text(reading.tire)
+    assert f"PROPERTY_FILE_FORMAT = '{form}'" in text
+    assert re.search(r"^FITTYP = (6|61|62)$", text, re.MULTILINE)
+
+
+@pytest.mark.parametrize(("side", "read"), [("LEFT", "left"), ("Right", "right"), ("UNKNOWN", ""), ("", "")])
+def test_the_side_of_the_vehicle(side, read, tmp_path):
+    tire = read_tir(written(tmp_path / "t.tir", small("", f"FITTYP = 61\nTYRESIDE = '{side}'")))
+    assert tire.side == read
+    assert f"TYRESIDE = '{side if read == '' else side.upper()}'" in tir_text(tire)
+
+
+def test_keys_belong_to_their_section(tmp_path):
+    lines = "[UNITS]\nMASS = 'kg'\n[INERTIA]\nMASS = 9.3\nMASS = 8.1\n[SOMEWHERE]\nPCX1 = 1.5\nPDX1 = 1\n"
+    lines += "[LONGITUDINAL_COEFFICIENTS]\nPDX1 = 1.1\nPDX1 = 1.2\n[ELSEWHERE]\nPDX1 = 3"
+    reading = read_tir_with_notes(written(tmp_path / "t.tir", small(lines)))
+    assert (reading.tire.values["PCX1"], reading.tire.values["PDX1"]) == (1.5, 1.2)
+    assert reading.tire.kept[0] == ("INERTIA", "MASS", "8.1")
+    assert "line 16: PDX1 = 1.1 is given again in line 17" in reading.notes
+
+
+@pytest.mark.parametrize(
+    ("alias", "name"),
+    [("LFZ0", "LFZO"), ("QPZ1", "PPZ1"), ("QPZ2", "PPZ2"), ("QPX1", "PPMX1"), ("IP", "INFLPRES"), ("IP_NOM", "NOMPRES"),
+     ("LKYG", "LKYC")],
+)  # fmt: skip
+def test_other_spellings(alias, name, tmp_path):
+    tire = read_tir(written(tmp_path / "t.tir", small(f"{alias} = 0.7")))
+    assert tire.values[name] == 0.7
+    assert name not in not_given(tire)
+    both = read_tir(written(tmp_path / "t.tir", small(f"{alias} = 0.7\n{name} = 0.9")))
+    assert both.values[name] == 0.9
+    assert ("VERTICAL", alias, "0.7") in both.kept
+
+
+def test_an_empty_value_is_a_missing_one(tmp_path):
+    tire = read_tir(written(tmp_path / "t.tir", small("[LATERAL_COEFFICIENTS]\nPDY1 =\nPKY1 = ''\nPKY2= $ none")))
+    none = read_tir(written(tmp_path / "t.tir", small("")))
+    assert bits(tire) == bits(none)
+    assert {"PDY1", "PKY1", "PKY2"} <= set(not_given(tire))
+    assert tire.values["PKY1"] == MODELS["mf61"].coefficients["PKY1"].assumed == -20.0
+
+
+@pytest.mark.parametrize(
+    ("value", "number"),
+    [(".5", 0.5), ("5.", 5.0), ("+5", 5.0), ("1.5D+03", 1500.0), ("1.5d3", 1500.0), ("1.5+3", 1500.0),
+     ("-1.5-3", -1.5e-3), ("'2.5'", 2.5), ('"2.5"', 2.5), ("2.5 [-]", 2.5), ("2.5 nominal", 2.5),
+     ("'2.5' nominal", 2.5), ("1e-400", 0.0)],
+)  # fmt: skip
+def test_numbers(value, number, tmp_path):
+    assert read_tir(written(tmp_path / "t.tir", small(f"PDX1 = {value}"))).values["PDX1"] == number
+
+
+@pytest.mark.parametrize(
+    "value", ["1,5", "1.5.2", "1e", "0x10", "1_000", "inf", "NaN", "1e999", "1 2", "'1", "--1", "1.5kN"]
+)
+def test_what_is_no_number_is_named(value, tmp_path):
+    path = written(tmp_path / "t.tir", small(f"PDX1 = {value}"))
+    with pytest.raises(TirError) as caught:
+        read_tir(path)
+    assert str(caught.value) == f"{path}:7: PDX1 = {value!r} is not a number"
+
+
+def test_a_key_that_almost_is_a_coefficient_is_noted_and_kept(tmp_path):
+    lines = "[LATERAL_COEFFICIENTS]\nPDYI = 1.2\nLGAY = 1\n[SHOP]\nPDYI = 3"
+    reading = read_tir_with_notes(written(tmp_path / "t.tir", small(lines)))
+    (note,) = (note for note in reading.notes if "unknown" in note)
+    assert note == "line 8: unknown key PDYI (near PDY1) is kept, not used"
+    assert ("LATERAL_COEFFICIENTS", "PDYI", "1.2") in reading.tire.kept
+
+
+def test_tables_headers_and_sections_of_others_are_kept_to_the_letter(tmp_path):
+    lines = (
+        "[MDI_HEADER]\n(COMMENTS)\n{comment_string}\n'Tire = x'\n[SHAPE]\n{radial width}\n 1.0\t0.0 $ a\n[VERTICAL]\n"
+    )
+    lines += "{pen fz}\n0 0\nMORE = 'a $ b'\n[SHOP]\nPRICE = it's 5\nno equals sign"
+    tire = read_tir(written(tmp_path / "t.tir", small(lines)))
+    assert tire.kept[:10] == (
+        ("MDI_HEADER", "", "(COMMENTS)"),
+        ("MDI_HEADER", "", "{comment_string}"),
+        ("MDI_HEADER", "", "'Tire = x'"),
+        ("VERTICAL", "", "{pen fz}"),
+        ("VERTICAL", "", "0 0"),
+        ("VERTICAL", "MORE", "'a $ b'"),
+        ("SHAPE", "", "{radial width}"),
+        ("SHAPE", "", " 1.0\t0.0 $ a"),
+        ("SHOP", "PRICE", "it's 5"),
+        ("SHOP", "", "no equals sign"),
+    )
+    write_tir(tire, tmp_path / "t.tir")
+    assert read_tir(tmp_path / "t.tir") == tire
+
+
+def test_ranges_that_only_our_sections_hold(tmp_path):
+    tire = replace(read_tir(written(tmp_path / "t.tir", small(""))), ranges={"V": (0.5, 30.0), "T": (-5.0, 80.0)})
+    write_tir(tire, tmp_path / "t.tir")
+    assert read_tir(tmp_path / "t.tir") == tire
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ("[TIREFMU]\nEFECTS = ''", "unknown key EFECTS of mf61: did you mean EFFECTS?"),
+        ("[TIREFMU_ASSUMED]\nVERTICAL = 'Q_RE9'", "unknown coefficient Q_RE9 of mf61: did you mean Q_RE0?"),
+        ("[TIREFMU_RANGES]\nV = '30,1'", "V = '30,1' is not a range 'lower,upper'"),
+        ("[TIREFMU_RANGES]\nVV = '1,2'", "unknown key VV"),
+        ("[TIREFMU_TRANSIENT]\nSIGZ = 1", "unknown key SIGZ of mf61: did you mean SIG"),
+        ("[LONG_SLIP_RANGE]\nKPUMIN = 1\nKPUMAX = -1", "KPUMIN = 1.0 lies above KPUMAX = -1.0"),
+    ],
+)
+def test_what_is_broken_in_our_own_sections_is_named(lines, said, tmp_path):
+    path = written(tmp_path / "t.tir", small(lines))
+    with pytest.raises(TirError) as caught:
+        read_tir(path)
+    assert str(caught.value).startswith(f"{path}:8: ")
+    assert said in str(caught.value)

@@ -1,0 +1,124 @@
+"""The batch kernels of a model, built for this machine's vector registers on first use."""
+
+from __future__ import annotations
+
+import ctypes
+import platform
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.symbolic.model import Model
+
+from .compiler import CompilerError, shared_library
+from .printed import c_folder
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+#: Rows of a block in the kernels: where one thread's share ends.
+BLOCK = 64
+#: Fused multiplications round once instead of twice; the order of operations stays, and NaN with it.
+FUSED = ("-ffp-contract=fast", "-fno-trapping-math")
+#: What is tried in turn: all that GCC offers on x86, what every compiler for its own machine knows, the plain machine.
+FLAGS = (
+    (*FUSED, "-march=native", "-mprefer-vector-width=512", "-fschedule-insns", "-fsched-pressure"),
+    (*FUSED, "-march=native"),
+    FUSED,
+)
+
+
+class Kernel:
+    """One routine of a model for whole tables: rows without turn slip, under default options.
+
+    Parameters
+    ----------
+    book : Model
+    routine : str
+        "forces", "jacobian_inputs" or "jacobian_parameters".
+    n_results : int
+        Numbers that it gives for a row.
+
+    Raises
+    ------
+    CompilerError
+        If there is no compiler, or none of the flags suits it.
+    """
+
+    def __init__(self, book: Model, routine: str, n_results: int) -> None:
+        self._n_results = n_results
+        name = f"{book.name}_batch_{routine}"
+        folder = c_folder(book)
+        library = ctypes.CDLL(str(_built(name, folder / f"{name}.c", folder / f"{book.name}.h")))
+        self._call = getattr(library, name)
+        self._call.restype = None
+        self._call.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 4]
+
+    def __call__(self, inputs: FloatArray, parameters: FloatArray, threads: int = 1) -> tuple[FloatArray, BoolArray]:
+        """Return results and which rows have none.
+
+        Parameters
+        ----------
+        inputs : ndarray, shape (n_inputs, n)
+        parameters : ndarray, shape (n_parameters,)
+        threads : int
+            Each takes an equal share of the rows.
+
+        Returns
+        -------
+        results : ndarray, shape (n_results, n)
+        undone : ndarray of bool, shape (n,)
+            Rows in which a result is not finite, be it by the inputs or because a kernel's functions end there.
+        """
+        columns = np.ascontiguousarray(inputs, dtype=np.float64)
+        values = np.ascontiguousarray(parameters, dtype=np.float64)
+        n = columns.shape[1]
+        results, undone = np.empty((self._n_results, n)), np.empty(n, dtype=np.bool_)
+        share = -(-n // (BLOCK * max(threads, 1))) * BLOCK
+
+        def run(start: int) -> None:
+            places = (array.ctypes.data + start * array.itemsize for array in (columns, results, undone))
+            into, out, marks = places
+            self._call(min(share, n - start), n, into, values.ctypes.data, out, marks)
+
+        starts = range(0, n, share) if n else range(0)
+        if len(starts) <= 1:
+            for start in starts:
+                run(start)
+        else:
+            with ThreadPoolExecutor(len(starts)) as pool:  # a call through ctypes lets the other threads run
+                list(pool.map(run, starts))
+        return results, undone
+
+
+def _built(name: str, source: Path, header: Path) -> Path:
+    """Return the library of a kernel by the first flags that the compiler takes."""
+    refused = CompilerError(f"{name}: no compiler")
+    for flags in FLAGS:
+        try:
+            return shared_library(
+                name, [source], headers=[header], flags=["-fvisibility=default", *flags], machine=processor()
+            )
+        except CompilerError as error:
+            refused = error
+    raise refused
+
+
+@lru_cache(maxsize=1)
+def processor() -> str:
+    """Return what tells this processor's instructions from another's: code for one may not run on the other.
+
+    Examples
+    --------
+    >>> processor() == processor()
+    True
+    """
+    if sys.platform.startswith("linux"):
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+        told = {line.split(":")[0].strip(): line for line in reversed(lines) if ":" in line}
+        return "\n".join(told.get(key, "") for key in ("vendor_id", "model name", "flags", "Features", "CPU part"))
+    return f"{platform.machine()} {platform.processor()}"
