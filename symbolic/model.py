@@ -208,6 +208,10 @@ class Model:
 
     def live(self, effects: Collection[str] | None = None) -> frozenset[str]:
         """Return the coefficients that reach an output with these effects; the ranges of inputs always do."""
+        return self._live(frozenset(self.effects if effects is None else effects))
+
+    @lru_cache(maxsize=256)  # noqa: B019  (models live as long as the program)
+    def _live(self, effects: frozenset[str]) -> frozenset[str]:
         outputs = {quantity.name for quantity in self.outputs} | set(self.results)
         symbols = {str(s) for line in reaching(self.lines(effects), outputs) for s in line.expression.free_symbols}
         ranges = {name for name, card in self.coefficients.items() if card.section.endswith("_RANGE")}

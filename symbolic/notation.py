@@ -57,8 +57,12 @@ class Coefficient:
 
     @property
     def default(self) -> float:
-        """The value that a tire has where nobody gave one: neutral, else the generic start."""
-        value = self.start if self.neutral is None else self.neutral
+        """The value that a tire has where nobody gave one: neutral, else the generic start.
+
+        A neutral value beyond the bounds is a limit (PKY2: stiffness proportional to load), no default.
+        """
+        lasting = self.neutral is not None and (self.start is None or self.lower <= self.neutral <= self.upper)
+        value = self.neutral if lasting else self.start
         return float("nan") if value is None else value
 
     @property

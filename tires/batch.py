@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-import platform
-import sys
 from concurrent.futures import ThreadPoolExecutor
-from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +11,7 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.model import Model
 
-from .compiler import CompilerError, shared_library
+from .compiler import CompilerError, processor, shared_library
 from .printed import c_folder
 
 FloatArray = npt.NDArray[np.float64]
@@ -106,19 +103,3 @@ def _built(name: str, source: Path, header: Path) -> Path:
         except CompilerError as error:
             refused = error
     raise refused
-
-
-@lru_cache(maxsize=1)
-def processor() -> str:
-    """Return what tells this processor's instructions from another's: code for one may not run on the other.
-
-    Examples
-    --------
-    >>> processor() == processor()
-    True
-    """
-    if sys.platform.startswith("linux"):
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
-        told = {line.split(":")[0].strip(): line for line in reversed(lines) if ":" in line}
-        return "\n".join(told.get(key, "") for key in ("vendor_id", "model name", "flags", "Features", "CPU part"))
-    return f"{platform.machine()} {platform.processor()}"

@@ -168,9 +168,9 @@ class _NumpyCode:
 
     def jacobian_entries(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         force, coefficient = self.entries
-        return self._rows("jacobian_parameters", inputs, parameters)[
-            force * len(self._module.COEFFICIENTS) + coefficient
-        ]
+        table = self._rows("jacobian_parameters", inputs, parameters)
+        chosen: FloatArray = table[force * len(self._module.COEFFICIENTS) + coefficient]
+        return chosen
 
     def _rows(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Results, row by row of a matrix, shape (n_results, n)."""

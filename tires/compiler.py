@@ -16,17 +16,52 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
 from importlib.resources import as_file, files
 from pathlib import Path
 
 from tirefmu.symbolic.errors import TirefmuError
 
-SUFFIX = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
 FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-fvisibility=hidden")
 
 
 class CompilerError(TirefmuError):
     """There is no C compiler, or it refused a source."""
+
+
+class NoCompilerError(CompilerError):
+    """There is no C compiler."""
+
+
+def suffix(system: str = sys.platform) -> str:
+    """Return how shared libraries end on a system named as by sys.platform.
+
+    Examples
+    --------
+    >>> suffix("linux"), suffix("win32")
+    ('.so', '.dll')
+    """
+    return {"win32": ".dll", "darwin": ".dylib"}.get(system, ".so")
+
+
+@dataclass(frozen=True)
+class CrossCompiler:
+    """A C compiler for another machine than this one.
+
+    Attributes
+    ----------
+    command : tuple of str
+        The compiler with what makes it build for that machine.
+    system : str
+        That machine's, named as by sys.platform.
+    version : str
+        Another one builds anew.
+    """
+
+    command: tuple[str, ...]
+    system: str
+    version: str
 
 
 def find_compiler() -> list[str]:
@@ -50,7 +85,7 @@ def find_compiler() -> list[str]:
         path = shutil.which(name)
         if path:
             return [path]
-    raise CompilerError("no C compiler found: install gcc or clang, or set CC")
+    raise NoCompilerError("no C compiler found: install gcc or clang, or set CC")
 
 
 def cache_folder() -> Path:
@@ -72,6 +107,7 @@ def shared_library(
     include: Sequence[Path] = (),
     flags: Sequence[str] = (),
     machine: str = "",
+    cross: CrossCompiler | None = None,
 ) -> Path:
     """Return a shared library built from C sources or object files, from the cache where it is there.
 
@@ -87,6 +123,8 @@ def shared_library(
         Further compiler flags.
     machine : str
         What the flags depend on beside the compiler, such as the processor where it is asked for its own.
+    cross : CrossCompiler, optional
+        Build for another machine.
 
     Returns
     -------
@@ -97,8 +135,10 @@ def shared_library(
     CompilerError
         If there is no compiler, it fails (the message has its first lines), or the cache cannot be written.
     """
-    defined = ["-Wl,-z,defs"] if sys.platform.startswith("linux") else []
-    return _built(name, SUFFIX, sources, headers, include, ["-shared", *flags, *defined], ["-lm"], machine)
+    system = cross.system if cross else sys.platform
+    defined = ["-Wl,-z,defs"] if system.startswith("linux") else []
+    options = ["-shared", *flags, *defined]
+    return _built(name, suffix(system), sources, headers, include, options, ["-lm"], machine, cross)
 
 
 def compiled_object(
@@ -108,6 +148,7 @@ def compiled_object(
     headers: Sequence[Path] = (),
     include: Sequence[Path] = (),
     flags: Sequence[str] = (),
+    cross: CrossCompiler | None = None,
 ) -> Path:
     """Return the object file of a C source, from the cache where it is there, for `shared_library` to link.
 
@@ -118,7 +159,7 @@ def compiled_object(
     name : str
         What the file begins with.
     source : Path
-    headers, include, flags
+    headers, include, flags, cross
         As for `shared_library`.
 
     Returns
@@ -130,33 +171,36 @@ def compiled_object(
     CompilerError
         As `shared_library`.
     """
-    return _built(name, ".o", [source], headers, include, ["-c", *flags], [])
+    return _built(name, ".o", [source], headers, include, ["-c", *flags], [], cross=cross)
 
 
 def _built(
     name: str,
-    suffix: str,
+    ending: str,
     sources: Sequence[Path],
     headers: Sequence[Path],
     include: Sequence[Path],
     flags: Sequence[str],
     libraries: Sequence[str],
     machine: str = "",
+    cross: CrossCompiler | None = None,
 ) -> Path:
     """Return what the compiler makes of the sources, from the cache where it is there."""
-    compiler = find_compiler()
-    options = [*FLAGS, *([] if sys.platform == "win32" else ["-fPIC"]), *flags]
-    digest = hashlib.sha256("\0".join([*compiler, *options, platform.machine(), sys.platform, machine]).encode())
+    compiler = list(cross.command) if cross else find_compiler()
+    system = cross.system if cross else sys.platform
+    built_by = cross.version if cross else platform.machine()
+    options = [*FLAGS, *([] if system == "win32" else ["-fPIC"]), *flags]
+    digest = hashlib.sha256("\0".join([*compiler, *options, built_by, system, machine]).encode())
     for path in [*sources, *headers]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    built = cache_folder() / f"{name}-{digest.hexdigest()[:24]}{suffix}"
+    built = cache_folder() / f"{name}-{digest.hexdigest()[:24]}{ending}"
     if built.exists():
         return built
     folders = [f"-I{folder}" for folder in include]
     try:
         built.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=built.parent) as scratch:
-            target = Path(scratch) / built.name
+            target = Path(scratch) / f"{name}{ending}"  # Macs' linkers write it into the library
             _run([*compiler, *options, *folders, *map(str, sources), "-o", str(target), *libraries])
             os.replace(target, built)  # another process may have built the same meanwhile: equal content
     except OSError as error:
@@ -185,12 +229,12 @@ def compiled_model(model: str, folder: Path | None = None) -> ctypes.CDLL:
     """
     with as_file(files("tirefmu.generated") / "c") as generated:
         place = folder or generated
-        library = shared_library(
-            model,
-            [place / f"{model}.c"],
-            headers=[place / f"{model}.h"],
-            flags=["-fvisibility=default"],
-        )
+        source, header = place / f"{model}.c", place / f"{model}.h"
+        own = ["-fvisibility=default", "-ffp-contract=fast", "-march=native"]
+        try:
+            library = shared_library(model, [source], headers=[header], flags=own, machine=processor())
+        except CompilerError:  # not every compiler can ask for its own machine
+            library = shared_library(model, [source], headers=[header], flags=own[:2])
     return ctypes.CDLL(str(library))
 
 
@@ -199,3 +243,20 @@ def _run(command: list[str]) -> None:
     if done.returncode != 0:
         said = (done.stderr or done.stdout).strip().splitlines()
         raise CompilerError(f"{Path(command[0]).name} failed: {' / '.join(said[:3])}")
+
+
+@lru_cache(maxsize=1)
+def processor() -> str:
+    """Return what tells this processor's instructions from another's: code for one may not run on the other.
+
+    Examples
+    --------
+    >>> processor() == processor()
+    True
+    """
+    described = Path("/proc/cpuinfo")
+    if described.is_file():
+        lines = described.read_text(encoding="utf-8", errors="replace").splitlines()
+        told = {line.split(":")[0].strip(): line for line in reversed(lines) if ":" in line}
+        return "\n".join(told.get(key, "") for key in ("vendor_id", "model name", "flags", "Features", "CPU part"))
+    return f"{platform.machine()} {platform.processor()}"

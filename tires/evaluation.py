@@ -94,13 +94,17 @@ def _inputs(
     """Return the model's inputs by name, and as rows: finite, and what the tire has no effect for left out."""
     given = convert_signs(table, conventions.signs, conventions.formula)
     if "distance" in tire.inputs and "distance" not in given and {"t", "V"} <= set(given):
-        given = given.assign(distance=rolled_distance(_finite(given["t"], "t"), _finite(given["V"], "V")))
+        t, speed = _finite(given["t"], "t"), _finite(given["V"], "V")
+        given = given.assign(distance=rolled_distance(t, speed, hold=conventions.hold))
     columns = {name: given.get(name, pd.Series(tire.nominal(name), table.index)) for name in tire.inputs}
     rows = tire.asked(np.stack([_finite(column, name) for name, column in columns.items()]))
     in_the_lines = any(option.name == "limits" for option in tire.book.options)
     if conventions.limits and not in_the_lines:
         bounds = np.array([tire.ranges.get(name, (-np.inf, np.inf)) for name in tire.inputs])
+        load = tire.inputs.index("Fz")
+        lifted = rows[load] <= 0  # and stays so
         rows = np.clip(rows, bounds[:, :1], bounds[:, 1:])
+        rows[load, lifted] = 0.0
     return columns, rows
 
 

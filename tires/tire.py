@@ -112,6 +112,8 @@ class Tire:
         absent = self.book.owned(*sorted(self.book.effects.keys() - present))
         defaults = {name: card.default for name, card in cards.items()}
         values = defaults if self.signs == "adapted-sae" else _mirrored(cards, defaults)
+        neutral = {name: cards[name].neutral for name in absent}
+        values |= {name: value for name, value in neutral.items() if value is not None}
         values |= {name: _number(name, value) for name, value in given.items() if name not in absent}
         object.__setattr__(self, "defaulted", tuple(name for name in cards if name not in given))
         object.__setattr__(self, "values", values)

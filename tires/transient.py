@@ -58,7 +58,7 @@ def lagged(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray
     else:
         some = (rolled > 0) & np.isfinite(rolled)
         mean_lag = np.where(some, -np.expm1(-rolled) / np.where(some, rolled, 1.0), np.where(rolled > 0, 0.0, 1.0))
-        gained = following - (following - held) * mean_lag - held * kept
+        gained = (following - held) * (1 - mean_lag) - held * np.expm1(-rolled)
     kept, gained = np.where(h < 0, 0.0, kept), np.where(h < 0, following, gained)
     acts = np.empty_like(slip)
     x = acts[0] = slip[0]
@@ -67,7 +67,7 @@ def lagged(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray
     return np.where(sigma > AT_ONCE, acts, slip)
 
 
-def rolled_distance(t: FloatArray, speed: FloatArray) -> FloatArray:
+def rolled_distance(t: FloatArray, speed: FloatArray, *, hold: bool = False) -> FloatArray:
     """Return the distance rolled since the recording began, m; a step back in time counts nothing.
 
     Parameters
@@ -75,7 +75,9 @@ def rolled_distance(t: FloatArray, speed: FloatArray) -> FloatArray:
     t : ndarray, shape (n,)
         Time, s.
     speed : ndarray, shape (n,)
-        V, m/s, linear between rows.
+        V, m/s; its sign does not matter.
+    hold : bool
+        V is held from each row to the next, as in a co-simulation; otherwise it is linear between rows.
 
     Returns
     -------
@@ -86,5 +88,6 @@ def rolled_distance(t: FloatArray, speed: FloatArray) -> FloatArray:
     >>> rolled_distance(np.array([0.0, 1.0, 3.0]), np.array([10.0, 10.0, 20.0])).tolist()
     [0.0, 10.0, 40.0]
     """
-    mean = (np.abs(speed[1:]) + np.abs(speed[:-1])) / 2
+    held, following = np.abs(speed[:-1]), np.abs(speed[1:])
+    mean = held if hold else (held + following) / 2
     return np.concatenate([[0.0], np.cumsum(mean * np.maximum(np.diff(t), 0.0))])

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import Tire
+from tirefmu.tires.tire import RANGES
+
+#: What a body, its ranges and its nominal conditions are like; a tenth of the way to a bound would be no tire.
+BODY = ("MODEL", "DIMENSION", "OPERATING_CONDITIONS", "VERTICAL", "STRUCTURAL", "CONTACT_PATCH")
+#: Deflection of MF6.2: sizes that a contour of 0.2 m has.
+CONTOUR = {"Q_V1": 1e-3, "Q_V2": 0.05, "Q_FZ2": 10.0, "Q_FCX": 0.1, "Q_FCY": 0.1, "Q_FCY2": -0.4, "Q_CAM1": 80.0,
+           "Q_CAM2": 250.0, "Q_CAM3": 0.5, "Q_FYS1": 2e3, "Q_FYS2": 3e3, "Q_FYS3": -4e3, "PFZ1": 0.7}  # fmt: skip
+#: Bounds that are far from what a tire has, because they are there for the strange.
+SMALL = {"QSY3": 0.1, "QSY4": 0.01, "PEY5": 0.1, "PKY5": 0.1, "RBX3": 0.1, "RBY4": 0.1, "PDYP4": 0.1}
 
 
 def made_tire(model, seed):
@@ -18,15 +29,39 @@ def made_tire(model, seed):
     rng = np.random.default_rng(seed)
     values = {}
     for name, card in MODELS[model].coefficients.items():
-        bound = card.upper if rng.random() < 0.5 else card.lower
+        bound = card.upper if rng.random() < 0.5 or card.lower == card.generic else card.lower
         values[name] = card.generic + rng.uniform(0.03, 0.1) * (bound - card.generic)
-    values |= {"FNOMIN": rng.uniform(500, 6000), "UNLOADED_RADIUS": rng.uniform(0.2, 0.5)}
-    return Tire(model, values, signs="adapted-sae", name=f"made tire {seed}")
+        if card.section in BODY:
+            values[name] = (CONTOUR.get(name, card.generic) or 0.1) * rng.uniform(0.9, 1.1)
+        if card.section.endswith("_RANGE"):
+            values[name] = card.generic
+    load = rng.uniform(500, 6000)
+    values |= {"FNOMIN": load, "UNLOADED_RADIUS": rng.uniform(0.25, 0.5)}
+    values |= {name: values[name] * share for name, share in SMALL.items() if name in values}
+    if "LMP" in values:  # a parking moment below 0 counts as none
+        values["LMP"] = 0.5 + abs(values["LMP"])
+    if "LMUV" in values:  # friction that grows with slip speed grows without bounds
+        values["LMUV"] = abs(values["LMUV"])
+    if "FZMIN" in values:
+        values |= {"FZMIN": 0.2 * load, "FZMAX": 1.8 * load, "VERTICAL_STIFFNESS": load * rng.uniform(40, 60)}
+    return Tire(model, values, effects=MODELS[model].effects, signs="adapted-sae", name=f"made tire {seed}")
 
 
-@pytest.fixture(params=[(model, seed) for model in MODELS for seed in range(4)], ids=lambda p: f"{p[0]}-{p[1]}")
+#: Ranges that many of the drawn points lie beyond; loads and pressures in nominal ones.
+NARROW = {"kappa": (-0.2, 0.4), "alpha": (-0.2, 0.1), "gamma": (-0.05, 0.08), "Fz": (0.3, 1.2), "p": (0.9, 1.1)}
+#: Two of each that share their lines are four of them.
+MADE = [(model, seed) for model in MODELS for seed in range(4 if model == "mf96" else 2)]
+
+
+@pytest.fixture(params=MADE, ids=lambda p: f"{p[0]}-{p[1]}")
 def tire(request):
     return made_tire(*request.param)
+
+
+@pytest.fixture(scope="session")
+def made():
+    """Return the function that makes a tire of a model from a seed."""
+    return made_tire
 
 
 @pytest.fixture(scope="session")
@@ -40,6 +75,9 @@ def points():
             "alpha": rng.uniform(-0.5, 0.5, n),
             "gamma": rng.uniform(-0.15, 0.15, n),
             "Fz": rng.uniform(0.1, 2.0, n) * tire.values["FNOMIN"],
+            "p": rng.uniform(0.7, 1.3, n) * tire.values.get("NOMPRES", 1.0),
+            "V": rng.uniform(2.0, 40.0, n),
+            "phit": rng.uniform(-0.3, 0.3, n) * (rng.random(n) < 0.5),
         }
         return np.stack([columns[name] for name in tire.inputs])
 
@@ -62,7 +100,22 @@ def scale_of():
 
     def scale(tire):
         load = tire.values["FNOMIN"]
-        sizes = {"Fx": load, "Fy": load, "Mz": load * tire.values["UNLOADED_RADIUS"]}
+        sizes = dict.fromkeys(tire.outputs, load * tire.values["UNLOADED_RADIUS"]) | {"Fx": load, "Fy": load}
         return np.array([[sizes[name]] for name in tire.outputs])
 
     return scale
+
+
+@pytest.fixture(scope="session")
+def narrowed():
+    """Return a function that gives a tire known within narrow ranges only."""
+
+    def narrow(tire):
+        nominal = {"Fz": tire.values["FNOMIN"], "p": tire.values.get("NOMPRES", 1.0)}
+        ranges = {name: tuple(nominal.get(name, 1.0) * end for end in NARROW[name]) for name in NARROW}
+        ranges = {name: ends for name, ends in ranges.items() if name in tire.inputs}
+        keys = {key: end for name, ends in ranges.items() for key, end in zip(RANGES[name], ends, strict=True)}
+        values = {**tire.values, **{key: end for key, end in keys.items() if key in tire.values}}
+        return replace(tire, values=values, ranges=ranges)
+
+    return narrow

@@ -8,13 +8,16 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from tirefmu.symbolic.model import reaching
+
 ROUTINES = ("jacobian_inputs", "jacobian_parameters")
 
 
 def printed(tire, routine, rows, parameters):
     """Return derivatives as (n, n_forces, n_by)."""
     module = import_module(f"tirefmu.generated.numpy.{tire.model}")
-    matrix = getattr(module, routine)(rows, parameters)
+    with np.errstate(all="ignore"):  # a branch that is not taken may divide by zero
+        matrix = getattr(module, routine)(rows, parameters)
     return np.array([[np.broadcast_to(value, rows.shape[1]) for value in row] for row in matrix]).transpose(2, 0, 1)
 
 
@@ -23,53 +26,86 @@ def by_casadi(tire, routine, rows, parameters):
     x, p = ca.SX.sym("x", len(rows)), ca.SX.sym("p", len(parameters))
     jacobian = ca.jacobian(module.forces(x, p), x if routine == "jacobian_inputs" else p)
     function = ca.Function("jacobian", [x, p], [jacobian])
-    return np.stack([np.array(function(point, parameters)) for point in rows.T])
+    full = np.stack([np.array(function(point, parameters)) for point in rows.T])
+    return full if routine == "jacobian_inputs" else full[:, :, : len(tire.book.coefficients)]
+
+
+#: Relative step of a difference; the smoothed signs of MF96 turn within 1e-3 of slip, and this is 1e-5 of the slip.
+STEP = 1e-5
+#: Weights of a difference of the fourth order, by steps.
+WEIGHTS = {1: 8 / 12, -1: -8 / 12, 2: -1 / 12, -2: 1 / 12}
+#: A force is rounded to 1e-16 of its size, some ten times over a hundred lines.
+ROUNDING = 1e-14
+
+
+def forces_at(tire, rows, parameters):
+    module = import_module(f"tirefmu.generated.numpy.{tire.model}")
+    with np.errstate(all="ignore"):
+        return np.stack([np.broadcast_to(force, rows.shape[1]) for force in module.forces(rows, parameters)])
 
 
 def by_differences(tire, routine, rows, parameters):
-    module = import_module(f"tirefmu.generated.numpy.{tire.model}")
-    moved = rows if routine == "jacobian_inputs" else np.repeat(parameters[:, None], rows.shape[1], axis=1)
+    by_inputs = routine == "jacobian_inputs"
+    moved = rows if by_inputs else parameters[: len(tire.book.coefficients), None]
     columns = []
     for i, size in enumerate(np.abs(moved).max(axis=1)):
-        step = np.zeros_like(moved)
-        step[i] = 1e-6 * size
-        ends = [
-            module.forces(moved + way * step, parameters) if moved is rows else module.forces(rows, moved + way * step)
-            for way in (1, -1)
-        ]
-        columns.append((np.stack(ends[0]) - np.stack(ends[1])) / (2e-6 * size))
+        slope = 0.0
+        for steps, weight in WEIGHTS.items():
+            r, p = rows.copy(), parameters.copy()
+            (r if by_inputs else p)[i] += steps * STEP * size
+            slope = slope + weight * forces_at(tire, r, p) / (STEP * size)
+        columns.append(slope)
     return np.stack(columns, axis=-1).transpose(1, 0, 2)
+
+
+def rounding_of(tire, routine, rows, parameters, n_by):
+    """Return what a derivative cannot tell from 0, by force and argument: the rounding of the force per argument.
+
+    A derivative may be the small rest of large parts (Mz by PHYP1: the trail and the arm of Fx share it out), so
+    that its own size says nothing about its rounding.
+    """
+    moved = rows if routine == "jacobian_inputs" else parameters[:n_by, None]
+    forces = np.abs(forces_at(tire, rows, parameters)).max(axis=1)
+    return ROUNDING * forces[:, None] / np.abs(moved).max(axis=1)
 
 
 @pytest.mark.parametrize("routine", ROUTINES)
 def test_the_chain_rule_is_casadis(tire, points, routine):
     rows, parameters = points(tire, n=60), tire.parameters()
     ours, theirs = (f(tire, routine, rows, parameters) for f in (printed, by_casadi))
-    size = np.abs(theirs).max(axis=0)
-    assert (np.abs(ours - theirs) <= 1e-13 * size).all()
+    rounding = rounding_of(tire, routine, rows, parameters, ours.shape[2])
+    # The same numbers in another order: rounding over some hundred products.
+    assert (np.abs(ours - theirs) <= 1e-11 * np.abs(theirs).max(axis=0) + rounding).all()
 
 
 @pytest.mark.parametrize("routine", ROUTINES)
 def test_the_chain_rule_is_the_slope_of_the_forces(tire, points, routine):
     rows, parameters = points(tire, n=100), tire.parameters()
+    if "phit" in tire.inputs:  # turn slip sets in with a jump: a difference across it is no slope
+        rows = rows[:, rows[tire.inputs.index("phit")] != 0]
     ours, theirs = (f(tire, routine, rows, parameters) for f in (printed, by_differences))
-    size = np.abs(theirs).max(axis=0)
-    # A force is rounded at 1e-16 of its size, a few ten times over its lines; a difference over 2e-6 of the
-    # argument makes 1e-9 of that. The smoothed signs bend within 1e-3 of slip: 1e-7 is their third derivative.
-    inputs = dict(zip(tire.inputs, rows, strict=True))
-    noise = 1e-9 * np.abs(np.stack(list(tire.forces(**inputs).values()))).max(axis=1)
-    moved = np.abs(rows if routine == "jacobian_inputs" else parameters[:, None]).max(axis=1)
-    assert (np.abs(ours - theirs) <= 1e-7 * size + noise[:, None] / moved).all()
+    noise = rounding_of(tire, routine, rows, parameters, ours.shape[2]) / STEP
+    # What the fifth derivative leaves: a bend within 1e-3 of slip over steps of 1e-5, to the fourth, is 1e-8.
+    assert (np.abs(ours - theirs) <= 1e-7 * np.abs(theirs).max(axis=0) + noise).all()
 
 
 def test_slip_stiffnesses_are_the_first_columns_of_the_jacobian(tire, points):
     rows, parameters = points(tire), tire.parameters()
     stiffnesses = printed(tire, "slip_stiffnesses", rows, parameters)
-    np.testing.assert_array_equal(stiffnesses, printed(tire, "jacobian_inputs", rows, parameters)[:, :, :2])
+    columns = printed(tire, "jacobian_inputs", rows, parameters)[:, :, :2]
+    assert (np.abs(stiffnesses - columns) <= 1e-11 * np.abs(columns).max(axis=0)).all()
 
 
-def test_every_coefficient_moves_an_output(tire, points):
-    """The derivative by no coefficient is zero everywhere."""
-    jacobian = printed(tire, "jacobian_parameters", points(tire), tire.parameters())
-    still = np.abs(jacobian).max(axis=(0, 1)) == 0
-    assert [name for name, zero in zip(tire.book.coefficients, still, strict=True) if zero] == []
+def test_every_coefficient_that_leads_to_a_force_moves_one(tire, points):
+    """The derivative by none of them is zero everywhere, whatever the convention; limits act beyond them only."""
+    moved = np.zeros(len(tire.book.coefficients))
+    crawling = np.array([[0.02 if name == "V" else 1.0] for name in tire.inputs])
+    for convention in ("tno", "book"):
+        for speed in (1.0, crawling):
+            parameters = tire.parameters(convention=convention)
+            jacobian = printed(tire, "jacobian_parameters", points(tire) * speed, parameters)
+            moved = np.maximum(moved, np.abs(jacobian).max(axis=(0, 1)))
+    leading = {str(s) for line in reaching(tire.book.lines(), tire.outputs) for s in line.expression.free_symbols}
+    cards = tire.book.coefficients
+    asked = [name in leading and not cards[name].section.endswith("_RANGE") for name in cards]
+    assert [name for name, zero, it_is in zip(cards, moved == 0, asked, strict=True) if it_is and zero] == []

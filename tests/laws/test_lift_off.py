@@ -18,18 +18,24 @@ def with_load(tire, rows, load):
     return rows
 
 
-@pytest.mark.parametrize("code", LANGUAGES)
-@pytest.mark.parametrize("load", [0.0, -0.0, -1e-300, -1.0, -5000.0])
-def test_no_force_without_load(tire, points, code, load):
-    rows = with_load(tire, points(tire, n=20), load)
-    assert (code_for(tire.model, code).forces(rows, tire.parameters()) == 0).all()
-    assert np.isfinite(code_for(tire.model, code).quantities(rows, tire.parameters())).all()
+def with_each_load(tire, rows, loads):
+    return np.hstack([with_load(tire, rows, load) for load in loads])
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
-@pytest.mark.parametrize("load", [0.0, -5000.0, 1e-9, 1e-6, 2e-6])
-def test_jacobians_stay_finite(tire, points, code, load):
-    rows, parameters = with_load(tire, points(tire, n=10), load), tire.parameters()
+def test_no_force_without_load(tire, points, code):
+    rows = with_each_load(tire, points(tire, n=20), [0.0, -0.0, -1e-300, -1.0, -5000.0])
+    language, parameters = code_for(tire.model, code), tire.parameters()
+    assert (language.forces(rows, parameters) == 0).all()
+    quantities = dict(zip(language.quantities_names, language.quantities(rows, parameters), strict=True))
+    quantities.pop("c_z", None)  # load per deflection: 0 by nothing
+    assert all(np.isfinite(values).all() for values in quantities.values())
+
+
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_jacobians_stay_finite(tire, points, code):
+    rows, parameters = points(tire, n=8), tire.parameters()
+    rows = with_each_load(tire, rows, [0.0, -5000.0, 1e-9, 1e-6, 2e-6])
     assert np.isfinite(code_for(tire.model, code).jacobian_parameters(rows, parameters)).all()
     module = import_module(f"tirefmu.generated.numpy.{tire.model}")
     assert all(np.isfinite(value).all() for row in module.jacobian_inputs(rows, parameters) for value in row)
@@ -42,18 +48,24 @@ def test_an_unknown_load_is_no_lifted_tire(tire, points, code):
 
 
 def test_forces_come_up_from_zero(tire, points, forces_of):
-    """Friction is far below 100: the forces at a small load are small, on both sides of the threshold."""
-    assert (forces_of(tire, with_load(tire, points(tire), 1e-6)) == 0).all()
-    for load in (1.001e-6, 1e-5, 1e-3):
+    """Friction is far below 100: the forces at a small load are small, and there from the first load on."""
+    first = 1e-6 if tire.model == "mf96" else 0.0  # MF96 counts 1e-6 N as none
+    assert (forces_of(tire, with_load(tire, points(tire), first)) == 0).all()
+    for load in (1.001 * first + 1e-12, 1e-5, 1e-3, 1.0):
         forces = np.abs(forces_of(tire, with_load(tire, points(tire), load)))
         assert (forces > 0).all()
         assert np.max(forces) < 100 * load
 
 
 def test_forces_are_proportional_to_a_vanishing_load(tire, points, forces_of):
-    rows = points(tire)
-    small, smaller = (forces_of(tire, with_load(tire, rows, load)) / load for load in (1e-3, 1e-4))
-    np.testing.assert_allclose(small, smaller, rtol=1e-4, atol=1e-4)
+    """But M_y, which falls faster. MF5.2 to 6.2 add 1e-6 N to what stiffness is divided by: 1e-4 at these loads."""
+    rows, loads, error = (
+        (points(tire), (1e-3, 1e-4), 1e-4) if tire.model == "mf96" else (points(tire), (0.1, 0.05), 1e-3)
+    )
+    big, small = (forces_of(tire, with_load(tire, rows, load)) / load for load in loads)
+    proportional = [name != "My" for name in tire.outputs]
+    np.testing.assert_allclose(big[proportional], small[proportional], rtol=error, atol=error)
+    assert all((np.abs(small[i]) < np.abs(big[i])).all() for i, it_is in enumerate(proportional) if not it_is)
 
 
 @pytest.mark.parametrize("name", ["kappa", "alpha", "gamma"])
@@ -68,8 +80,11 @@ def test_no_jump_across_zero(tire, points, forces_of, scale_of, name):
         assert np.max(np.abs(forces_of(tire, right) - forces_of(tire, left)) / scale_of(tire)) < 2e-5
 
 
-def test_zero_slip_is_finite_to_the_last_derivative(tire):
-    rows = np.zeros((len(tire.inputs), 3))
+@pytest.mark.parametrize("code", LANGUAGES)
+def test_zero_slip_is_finite_to_the_last_derivative(tire, code):
+    nominal = np.array([tire.nominal(name) for name in tire.inputs])
+    rows = np.repeat(nominal[:, None], 3, axis=1)
     rows[tire.inputs.index("Fz")] = np.array([0.5, 1.0, 2.0]) * tire.values["FNOMIN"]
-    assert np.isfinite(code_for(tire.model, "numpy").quantities(rows, tire.parameters())).all()
-    assert np.isfinite(code_for(tire.model, "numpy").jacobian_parameters(rows, tire.parameters())).all()
+    assert (rows[[tire.inputs.index(name) for name in ("kappa", "alpha", "gamma")]] == 0).all()
+    assert np.isfinite(code_for(tire.model, code).quantities(rows, tire.parameters())).all()
+    assert np.isfinite(code_for(tire.model, code).jacobian_parameters(rows, tire.parameters())).all()

@@ -1,7 +1,8 @@
-"""Dimensions: a tire told in other units of force and length is the same tire.
+"""Dimensions: a tire told in other units of force, length and time is the same tire.
 
-Every coefficient, input and line carries a unit. With forces counted in units of a newton and lengths in units
-of b metres, each number changes by its own power of a and b; a wrong unit or formula does not follow.
+Every coefficient, input and line carries a unit. With forces counted in units of a newton, lengths in units of b
+metres and time in units of c seconds, each number changes by its own power of a, b and c; a wrong unit or formula
+does not follow.
 """
 
 from __future__ import annotations
@@ -12,26 +13,52 @@ import numpy as np
 import pandas as pd
 import pytest
 
-A, B = 1 / 4.448, 1 / 0.3048  # pounds-force and feet
+#: Pounds-force, feet and minutes.
+POWERS = {"1": 1.0, "": 1.0, "rad": 1.0, "N": 1 / 4.448, "m": 1 / 0.3048, "s": 1 / 60.0}
+POWERS["Pa"] = POWERS["N"] / POWERS["m"] ** 2
+#: zeta_8 is 1 + a moment in the book, of which D_r takes 1 off again: no one factor changes it.
+MIXED = {"zeta_8"}
+#: MF5.2 to 6.2 add 1e-6 of whatever unit to divisors: to a speed (2 m/s at least here, 5e-7 of it), to forces, and
+#: in the book's (4.104) to the moment by spin. MF96 has nothing of the kind.
+ERRORS = {"mf96": 1e-9, "mf52": 2e-6, "mf61": 2e-6, "mf62": 2e-6}
+OPTIONS = ({}, {"convention": "book"}, {"slip_angle": "angle"}, {"limits": True})
 
 
 def factor(unit):
     """Return by what a number changes; an angle has no dimension."""
     over, _, under = unit.partition("/")
-    powers = {"1": 1.0, "rad": 1.0, "rad^2": 1.0, "": 1.0, "N": A, "m": B, "N m": A * B}
-    return powers[over] / powers[under]
+    return product(over) / product(under)
 
 
-def test_other_units_of_force_and_length(tire, points):
+def product(unit):
+    bases = [base.partition("^") for base in unit.split(" ")]
+    return np.prod([POWERS[base] ** int(power or 1) for base, _, power in bases])
+
+
+def slow_and_flat(tire):
+    """Return the tire with many of the rows below VXLOW, and bottoming."""
+    hard = {"VXLOW": 5.0, "RIM_RADIUS": 0.95 * tire.values["UNLOADED_RADIUS"]}
+    return replace(tire, values={**tire.values, **{name: hard[name] for name in hard if name in tire.values}})
+
+
+@pytest.mark.parametrize("options", OPTIONS, ids=lambda options: "-".join(map(str, options.values())) or "usual")
+def test_other_units_of_force_length_and_time(tire, points, narrowed, options):
+    if "limits" in options:
+        tire = slow_and_flat(narrowed(tire))
     rows = points(tire)
     table = pd.DataFrame(dict(zip(tire.inputs, rows, strict=True)))
     units = {quantity.name: quantity.unit for quantity in tire.book.inputs}
     units |= {line.symbol.name: line.unit for line in tire.book.equations}
     values = {name: tire.values[name] * factor(card.unit) for name, card in tire.book.coefficients.items()}
-    told = replace(tire, values=values).evaluate(
-        table.assign(**{name: table[name] * factor(units[name]) for name in table}), signs=tire.signs
+    ranges = {name: tuple(end * factor(units[name]) for end in ends) for name, ends in tire.ranges.items()}
+    told = replace(tire, values=values, ranges=ranges).evaluate(
+        table.assign(**{name: table[name] * factor(units[name]) for name in table}), signs=tire.signs, **options
     )
-    for name, column in tire.evaluate(table, signs=tire.signs).items():
-        expected = column.to_numpy() * factor(units[name])
-        # relative to the column: a sum of large parts may be small
-        assert told[name].to_numpy() == pytest.approx(expected, rel=1e-9, abs=1e-11 * np.abs(expected).max()), name
+    error = ERRORS[tire.model]
+    for name, column in tire.evaluate(table, signs=tire.signs, **options).items():
+        if name not in MIXED:
+            expected = column.to_numpy() * factor(units[name])
+            # relative to the column: a sum of large parts may be small
+            size = np.abs(expected).max()
+            assert np.isfinite(size), name
+            np.testing.assert_allclose(told[name], expected, rtol=error, atol=error * size, err_msg=name)

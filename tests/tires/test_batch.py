@@ -1,0 +1,151 @@
+"""The batch kernels: the same numbers as NumPy, whatever the rows, the threads and the machine."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tirefmu.symbolic import MODELS
+from tirefmu.tires import batch, code
+from tirefmu.tires.batch import BLOCK
+from tirefmu.tires.code import MANY_ROWS, code_for, fastest_code
+from tirefmu.tires.compiler import CompilerError
+
+#: Rounding of what a force is made of, as a share of the largest force.
+ROUNDING = 1e-12
+
+
+@pytest.fixture(params=MODELS)
+def model(request):
+    return request.param
+
+
+@pytest.fixture
+def parameters(model):
+    book = MODELS[model]
+    values = [card.generic if card.generic else 0.01 for card in book.coefficients.values()]
+    given = dict(zip(book.coefficients, values, strict=True)) | {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    return np.array([given.get(name, 0.0) for name in book.parameters])
+
+
+def rows_of(model, n, seed=1):
+    """Return n rows without turn slip."""
+    rng = np.random.default_rng(seed)
+    ranges = {"kappa": (-0.4, 0.4), "alpha": (-0.4, 0.4), "gamma": (-0.1, 0.1), "Fz": (100.0, 8000.0)}
+    ranges |= {"p": (1.5e5, 3e5), "V": (5.0, 40.0), "phit": (0.0, 0.0)}
+    return np.stack([rng.uniform(*ranges[quantity.name], n) for quantity in MODELS[model].inputs])
+
+
+def row_of(model, name):
+    return [quantity.name for quantity in MODELS[model].inputs].index(name)
+
+
+def by_force(model, result):
+    """Return a result as (n_forces, ...), rows last."""
+    return result.reshape(len(MODELS[model].outputs), -1)
+
+
+def assert_same(model, answer, expected):
+    assert np.array_equal(np.isnan(answer), np.isnan(expected))
+    for mine, theirs in zip(by_force(model, answer), by_force(model, expected), strict=True):
+        there = np.isfinite(theirs)
+        assert np.array_equal(mine[~there], theirs[~there], equal_nan=True)
+        error = np.abs(mine[there] - theirs[there])
+        assert np.max(error, initial=0.0) <= ROUNDING * np.max(np.abs(theirs[there]), initial=0.0)
+
+
+@pytest.mark.parametrize("n", [0, 1, BLOCK - 1, BLOCK, BLOCK + 1, 1000])
+def test_forces_of_any_number_of_rows(model, parameters, n):
+    rows = rows_of(model, n)
+    expected = code_for(model, "numpy").forces(rows, parameters)
+    assert code_for(model, "batch").forces(rows, parameters).shape == expected.shape == (len(MODELS[model].outputs), n)
+    assert_same(model, code_for(model, "batch").forces(rows, parameters), expected)
+
+
+@pytest.mark.parametrize("routine", ["jacobian_inputs", "jacobian_parameters"])
+def test_jacobians(model, parameters, routine):
+    rows = rows_of(model, 300)
+    answer = getattr(code_for(model, "batch"), routine)(rows, parameters)
+    expected = getattr(code_for(model, "numpy"), routine)(rows, parameters)
+    assert answer.shape == expected.shape
+    assert np.isfinite(expected).all()
+    # A derivative's rounding is that of the force by the size of what it is derived by.
+    inputs = np.maximum(np.abs(rows).max(axis=1), 1e-3)
+    sizes = inputs if routine == "jacobian_inputs" else np.maximum(np.abs(parameters[: expected.shape[2]]), 1e-3)
+    forces = np.abs(code_for(model, "numpy").forces(rows, parameters)).max(axis=1)
+    terms = np.maximum(np.abs(expected).max(axis=0) * sizes, forces[:, None])
+    assert np.max(np.abs(answer - expected) * sizes / terms) < ROUNDING
+
+
+def test_the_entries_are_all_that_is_not_zero(model, parameters):
+    rows = rows_of(model, 200)
+    kernels, numpy = code_for(model, "batch"), code_for(model, "numpy")
+    dense, (force, coefficient) = kernels.jacobian_parameters(rows, parameters), kernels.entries
+    np.testing.assert_array_equal(kernels.jacobian_entries(rows, parameters), dense[:, force, coefficient].T)
+    elsewhere = np.ones(dense.shape[1:], dtype=bool)
+    elsewhere[force, coefficient] = False
+    assert not dense[:, elsewhere].any()
+    assert not numpy.jacobian_parameters(rows, parameters)[:, elsewhere].any()
+    np.testing.assert_array_equal(numpy.entries, kernels.entries)
+
+
+def test_rows_that_no_kernel_covers(model, parameters):
+    rows = rows_of(model, 3 * BLOCK)
+    strange = [np.nan, np.inf, -np.inf, 0.0, -0.0, 1e-310]  # a huge angle would show its own rounding only
+    for place, value in enumerate(strange):
+        for k in range(len(rows)):
+            rows[k, 7 * place + k] = value
+    if MODELS[model].on_demand:
+        rows[row_of(model, "phit"), -5:] = 0.1
+    assert_same(
+        model, code_for(model, "batch").forces(rows, parameters), code_for(model, "numpy").forces(rows, parameters)
+    )
+
+
+@pytest.mark.parametrize("name", [name for name in MODELS if MODELS[name].options])
+def test_options_and_turn_slip_everywhere(name):
+    book = MODELS[name]
+    rows = rows_of(name, 100)
+    cards = {key: card.generic for key, card in book.coefficients.items()} | {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    for option in book.options:
+        values = np.array([cards.get(key, float(key == option.parameter)) for key in book.parameters])
+        assert_same(name, code_for(name, "batch").forces(rows, values), code_for(name, "numpy").forces(rows, values))
+
+
+def test_threads_change_nothing(model, parameters):
+    rows = rows_of(model, 10 * BLOCK + 3)
+    for routine in ("forces", "jacobian_entries"):
+        alone = getattr(code_for(model, "batch"), routine)(rows, parameters)
+        for threads in (2, 3, 100):
+            together = getattr(code_for(model, "batch", threads), routine)(rows, parameters)
+            np.testing.assert_array_equal(together, alone)
+
+
+def test_numpy_in_chunks_is_numpy(model, parameters, monkeypatch):
+    rows = rows_of(model, 100)
+    whole = code_for(model, "numpy").forces(rows, parameters)
+    monkeypatch.setattr(code, "CHUNK", 7)
+    np.testing.assert_array_equal(code_for(model, "numpy").forces(rows, parameters), whole)
+
+
+def test_the_fastest_code(monkeypatch):
+    assert fastest_code("mf96", 10) is code_for("mf96", "numpy")
+    assert fastest_code("mf96", MANY_ROWS) is code_for("mf96", "batch")
+
+    def none(*arguments):
+        raise CompilerError("no C compiler found")
+
+    monkeypatch.setattr(code, "_BatchCode", none)
+    code._code_for.cache_clear()
+    assert fastest_code("mf96", MANY_ROWS) is code_for("mf96", "numpy")
+    code._code_for.cache_clear()
+
+
+def test_flags_that_the_compiler_refuses_are_left_out(monkeypatch, tmp_path, parameters, model):
+    monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path))
+    monkeypatch.setattr(batch, "FLAGS", (("-no-such-flag-as-this",), batch.FUSED))
+    kernel = batch.Kernel(MODELS[model], "forces", len(MODELS[model].outputs))
+    rows = rows_of(model, 70)
+    results, undone = kernel(rows, parameters)
+    assert not undone.any()
+    assert_same(model, results, code_for(model, "numpy").forces(rows, parameters))
