@@ -8,7 +8,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test fuzz check generate types clean
+.PHONY: demo test fuzz wine examples check generate types bench clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the whole circle on the built-in virtual bench
@@ -20,6 +20,14 @@ test: $(VENV)/installed-dev  ## all tests; the measured recordings' too where TI
 fuzz: $(VENV)/installed-dev  ## 10,000 mutated .tir and CSV files; a hang is shown after a minute, where it hangs
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)
 
+wine: $(VENV)/installed-dev  ## the FMU's Windows binary under wine64 gives the digits of the Linux one
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cross]"
+	TIREFMU_WINE=1 $(BIN)/pytest tests/fmu/test_wine.py $(PYTEST_ARGS)
+
+examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, and under a vehicle
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cosimulation]"
+	$(BIN)/pytest tests/examples $(PYTEST_ARGS)
+
 check: $(VENV)/installed-dev types  ## lint, format, types, and that generated/ is what the book prints
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -28,6 +36,9 @@ check: $(VENV)/installed-dev types  ## lint, format, types, and that generated/ 
 
 generate: $(VENV)/installed  ## print the book into generated/
 	$(BIN)/tirefmu generate
+
+bench: $(VENV)/installed  ## how long a point takes: CasADi, SymPy, NumPy, C and the batch kernels in one run
+	$(BIN)/python benchmarks/evaluation.py $(BENCH_ARGS)
 
 # The rooms are sub-packages of tirefmu only once installed; type checkers read this tree of links instead.
 types:

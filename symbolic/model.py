@@ -76,6 +76,14 @@ class Model:
         return tuple(option for option in OPTIONS.values() if option.parameter in read)
 
     @cached_property
+    def straight_options(self) -> tuple[Option, ...]:
+        """The options that act where no effect on demand does."""
+        rest = self.effects.keys() - {effect for effect, _ in self.on_demand}
+        lines = reaching(self.lines(rest), [quantity.name for quantity in self.outputs])
+        read = {symbol.name for line in lines for symbol in line.expression.free_symbols}
+        return tuple(option for option in self.options if option.parameter in read)
+
+    @cached_property
     def parameters(self) -> tuple[str, ...]:
         """The parameter vector of all generated code: the coefficients, then the options."""
         return (*self.coefficients, *(option.parameter for option in self.options))
@@ -190,6 +198,14 @@ class Model:
             lines[step] = replace(line, expression=lines[step].expression)
             lines[step + 1 :] = [replace(e, expression=e.expression.xreplace(known)) for e in lines[step + 1 :]]
         return tuple(lines)
+
+    def as_written(self, effects: Collection[str]) -> dict[str, sp.Expr]:
+        """Return every line's right-hand side with effects switched and options at their first value, no line gone.
+
+        For reading; `lines` is what is printed as code.
+        """
+        present = self.known_effects(effects)
+        return {line.symbol.name: _decided(_switched(line.expression, present), True) for line in self.equations}
 
     def known_effects(self, names: Iterable[str]) -> frozenset[str]:
         """Return the names as a set, or raise `UnknownName` for one that this model has not."""

@@ -121,7 +121,7 @@ def _code_for(book: Model, language: str, threads: int) -> Code:
 
 
 def straight_rows(book: Model, inputs: FloatArray, parameters: FloatArray) -> npt.NDArray[np.bool_]:
-    """Tell in which rows nothing on demand acts and every option has its first value.
+    """Tell in which rows nothing on demand acts and every option that matters there has its first value.
 
     Parameters
     ----------
@@ -133,7 +133,8 @@ def straight_rows(book: Model, inputs: FloatArray, parameters: FloatArray) -> np
     -------
     ndarray of bool, shape (n,)
     """
-    if np.any(parameters[len(book.coefficients) :] != 0):
+    chosen = dict(zip(book.parameters, parameters, strict=True))
+    if any(chosen[option.parameter] != 0 for option in book.straight_options):
         return np.zeros(inputs.shape[1], dtype=np.bool_)
     names = [quantity.name for quantity in book.inputs]
     asked = [names.index(name) for _, name in book.on_demand]

@@ -330,7 +330,8 @@ class Tire:
     @property
     def lags(self) -> bool:
         """True if slips lag behind their inputs: the tire has a relax_* effect."""
-        return any(effect.optional for name, effect in self.book.effects.items() if name in self.has)
+        own = self.has - {effect.name for effect in self.added}
+        return any(effect.optional for name, effect in self.book.effects.items() if name in own)
 
     def asked(self, rows: FloatArray) -> FloatArray:
         """Return the rows of inputs without what would ask for an effect that the tire has not."""

@@ -51,6 +51,65 @@ SLIPS = (
     "kappa", "alpha",
 )
 PARAMETERS = COEFFICIENTS + OPTIONS
+# The coefficients that each force depends on.
+REACH = (
+    (
+        "LONGVL", "VXLOW", "UNLOADED_RADIUS", "NOMPRES", "FNOMIN", "VERTICAL_STIFFNESS", "BREFF",
+        "DREFF", "FREFF", "Q_RE0", "Q_V1", "PFZ1", "PRESMIN", "PRESMAX", "FZMAX", "KPUMIN", "KPUMAX",
+        "ALPMIN", "ALPMAX", "CAMMIN", "CAMMAX", "LFZO", "LCX", "LMUX", "LEX", "LKX", "LHX", "LVX",
+        "LXAL", "LMUV", "PCX1", "PDX1", "PDX2", "PDX3", "PEX1", "PEX2", "PEX3", "PEX4", "PKX1", "PKX2",
+        "PKX3", "PHX1", "PHX2", "PVX1", "PVX2", "PPX1", "PPX2", "PPX3", "PPX4", "RBX1", "RBX2", "RBX3",
+        "RCX1", "REX1", "REX2", "RHX1", "PDXP1", "PDXP2", "PDXP3", "PECP1", "PECP2",
+    ),
+    (
+        "LONGVL", "VXLOW", "UNLOADED_RADIUS", "NOMPRES", "FNOMIN", "VERTICAL_STIFFNESS", "BREFF",
+        "DREFF", "FREFF", "Q_RE0", "Q_V1", "PFZ1", "PRESMIN", "PRESMAX", "FZMAX", "KPUMIN", "KPUMAX",
+        "ALPMIN", "ALPMAX", "CAMMIN", "CAMMAX", "LFZO", "LCY", "LMUY", "LEY", "LKY", "LKYC", "LHY",
+        "LVY", "LYKA", "LVYKA", "LMUV", "PCY1", "PDY1", "PDY2", "PDY3", "PEY1", "PEY2", "PEY3", "PEY4",
+        "PEY5", "PKY1", "PKY2", "PKY3", "PKY4", "PKY5", "PKY6", "PKY7", "PHY1", "PHY2", "PVY1", "PVY2",
+        "PVY3", "PVY4", "PPY1", "PPY2", "PPY3", "PPY4", "PPY5", "RBY1", "RBY2", "RBY3", "RBY4", "RCY1",
+        "REY1", "REY2", "RHY1", "RHY2", "RVY1", "RVY2", "RVY3", "RVY4", "RVY5", "RVY6", "PKYP1",
+        "PDYP1", "PDYP2", "PDYP3", "PDYP4", "PHYP1", "PHYP2", "PHYP3", "PHYP4", "PECP1", "PECP2",
+    ),
+    (
+        "LONGVL", "VXLOW", "UNLOADED_RADIUS", "NOMPRES", "FNOMIN", "VERTICAL_STIFFNESS", "BREFF",
+        "DREFF", "FREFF", "Q_RE0", "Q_V1", "PFZ1", "PRESMIN", "PRESMAX", "FZMIN", "FZMAX", "KPUMIN",
+        "KPUMAX", "ALPMIN", "ALPMAX", "CAMMIN", "CAMMAX", "LFZO", "LCX", "LMUX", "LEX", "LKX", "LHX",
+        "LVX", "LCY", "LMUY", "LEY", "LKY", "LKYC", "LKZC", "LHY", "LVY", "LTR", "LRES", "LXAL", "LYKA",
+        "LVYKA", "LS", "LMP", "LMUV", "PCX1", "PDX1", "PDX2", "PDX3", "PEX1", "PEX2", "PEX3", "PEX4",
+        "PKX1", "PKX2", "PKX3", "PHX1", "PHX2", "PVX1", "PVX2", "PPX1", "PPX2", "PPX3", "PPX4", "RBX1",
+        "RBX2", "RBX3", "RCX1", "REX1", "REX2", "RHX1", "PCY1", "PDY1", "PDY2", "PDY3", "PEY1", "PEY2",
+        "PEY3", "PEY4", "PEY5", "PKY1", "PKY2", "PKY3", "PKY4", "PKY5", "PKY6", "PKY7", "PHY1", "PHY2",
+        "PVY1", "PVY2", "PVY3", "PVY4", "PPY1", "PPY2", "PPY3", "PPY4", "PPY5", "RBY1", "RBY2", "RBY3",
+        "RBY4", "RCY1", "REY1", "REY2", "RHY1", "RHY2", "RVY1", "RVY2", "RVY3", "RVY4", "RVY5", "RVY6",
+        "QBZ1", "QBZ2", "QBZ3", "QBZ4", "QBZ5", "QBZ6", "QBZ9", "QBZ10", "QCZ1", "QDZ1", "QDZ2", "QDZ3",
+        "QDZ4", "QDZ6", "QDZ7", "QDZ8", "QDZ9", "QDZ10", "QDZ11", "QEZ1", "QEZ2", "QEZ3", "QEZ4",
+        "QEZ5", "QHZ1", "QHZ2", "QHZ3", "QHZ4", "PPZ1", "PPZ2", "SSZ1", "SSZ2", "SSZ3", "SSZ4", "PDXP1",
+        "PDXP2", "PDXP3", "PKYP1", "PDYP1", "PDYP2", "PDYP3", "PDYP4", "PHYP1", "PHYP2", "PHYP3",
+        "PHYP4", "PECP1", "PECP2", "QDTP1", "QCRP1", "QCRP2", "QBRP1", "QDRP1",
+    ),
+    (
+        "LONGVL", "VXLOW", "UNLOADED_RADIUS", "NOMPRES", "FNOMIN", "VERTICAL_STIFFNESS", "BREFF",
+        "DREFF", "FREFF", "Q_RE0", "Q_V1", "PFZ1", "PRESMIN", "PRESMAX", "FZMIN", "FZMAX", "KPUMIN",
+        "KPUMAX", "ALPMIN", "ALPMAX", "CAMMIN", "CAMMAX", "LFZO", "LCY", "LMUY", "LEY", "LKY", "LKYC",
+        "LHY", "LVY", "LYKA", "LVYKA", "LMX", "LVMX", "LMUV", "QSX1", "QSX2", "QSX3", "QSX4", "QSX5",
+        "QSX6", "QSX7", "QSX8", "QSX9", "QSX10", "QSX11", "QSX12", "QSX13", "QSX14", "PPMX1", "PCY1",
+        "PDY1", "PDY2", "PDY3", "PEY1", "PEY2", "PEY3", "PEY4", "PEY5", "PKY1", "PKY2", "PKY3", "PKY4",
+        "PKY5", "PKY6", "PKY7", "PHY1", "PHY2", "PVY1", "PVY2", "PVY3", "PVY4", "PPY1", "PPY2", "PPY3",
+        "PPY4", "PPY5", "RBY1", "RBY2", "RBY3", "RBY4", "RCY1", "REY1", "REY2", "RHY1", "RHY2", "RVY1",
+        "RVY2", "RVY3", "RVY4", "RVY5", "RVY6", "PKYP1", "PDYP1", "PDYP2", "PDYP3", "PDYP4", "PHYP1",
+        "PHYP2", "PHYP3", "PHYP4", "PECP1", "PECP2",
+    ),
+    (
+        "LONGVL", "VXLOW", "UNLOADED_RADIUS", "NOMPRES", "FNOMIN", "VERTICAL_STIFFNESS", "BREFF",
+        "DREFF", "FREFF", "Q_RE0", "Q_V1", "PFZ1", "PRESMIN", "PRESMAX", "FZMIN", "FZMAX", "KPUMIN",
+        "KPUMAX", "ALPMIN", "ALPMAX", "CAMMIN", "CAMMAX", "LFZO", "LCX", "LMUX", "LEX", "LKX", "LHX",
+        "LVX", "LXAL", "LMY", "LMUV", "PCX1", "PDX1", "PDX2", "PDX3", "PEX1", "PEX2", "PEX3", "PEX4",
+        "PKX1", "PKX2", "PKX3", "PHX1", "PHX2", "PVX1", "PVX2", "PPX1", "PPX2", "PPX3", "PPX4", "RBX1",
+        "RBX2", "RBX3", "RCX1", "REX1", "REX2", "RHX1", "QSY1", "QSY2", "QSY3", "QSY4", "QSY5", "QSY6",
+        "QSY7", "QSY8", "PDXP1", "PDXP2", "PDXP3", "PECP1", "PECP2",
+    ),
+)
 
 
 def quantities(inputs, parameters):
@@ -669,8 +728,11 @@ def slip_stiffnesses(inputs, parameters):
     cos_alpha_part1 = 1e-06 + V_c
     cos_alpha_part2 = 1/cos_alpha_part1
     cos_alpha = V*cos_alpha_part2  # [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed
-    alpha_star = ca.if_else(SLIP_ANGLE > 0.5, alpha_in, tan_alpha*ca.sign(V))  # [4.E3] lateral slip alpha*
-    gamma_star = ca.if_else(SLIP_ANGLE > 0.5, gamma_in, ca.sin(gamma_in))  # [4.E4] inclination gamma*
+    alpha_star_part1 = ca.sign(V)
+    alpha_star_part2 = alpha_star_part1*tan_alpha
+    alpha_star = ca.if_else(SLIP_ANGLE > 0.5, alpha_in, alpha_star_part2)  # [4.E3] lateral slip alpha*
+    gamma_star_part1 = ca.sin(gamma_in)
+    gamma_star = ca.if_else(SLIP_ANGLE > 0.5, gamma_in, gamma_star_part1)  # [4.E4] inclination gamma*
     slide = ca.if_else(CONVENTION > 0.5, 1 + LMUV*ca.sqrt(1e-60 + kappa_in**2 + tan_alpha**2)*ca.fabs(V)/LONGVL, 1)  # [4.E7] by how much slip speed lowers friction
     LMUX_star = ca.if_else(CONVENTION > 0.5, LMUX/slide, LMUX)  # [4.E7] friction scale of Fx
     LMUY_star = ca.if_else(CONVENTION > 0.5, LMUY/slide, LMUY)  # [4.E7] friction scale of Fy
@@ -707,7 +769,9 @@ def slip_stiffnesses(inputs, parameters):
     # Turn slip
     eps_gamma_part1 = 1 + PECP2*dfz
     eps_gamma = PECP1*eps_gamma_part1  # [4.90] what camber is worth as spin
-    V_spin = ca.if_else(VXLOW > ca.fabs(V), VXLOW*ca.if_else(V >= 0, 1, ca.sign(V)), ca.if_else(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
+    V_spin_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
+    V_spin_part2 = VXLOW*V_spin_part1
+    V_spin = ca.if_else(VXLOW > ca.fabs(V), V_spin_part2, ca.if_else(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
     phi_part1 = 1/V_spin
     phi_part2 = 1 - eps_gamma
     phi_part3 = ca.sin(gamma_in)
@@ -743,7 +807,11 @@ def slip_stiffnesses(inputs, parameters):
     mu_x_loaded = LMUX_star*mu_x_loaded_part1*mu_x_loaded_part2*mu_x_loaded_part3  # [4.E13] peak friction
     mu_x = ca.if_else(F_z_limited <= 0, 0, mu_x_loaded)  # [4.E13] peak friction; 0 off the ground, as MFeval prints it
     D_x = F_z_limited*mu_x*zeta_1  # [4.E12] peak factor
-    E_x = ca.if_else(LIMITS > 0.5, ca.if_else(LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2) > 1, 1, LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2)), LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2))  # [4.E14] curvature factor
+    E_x_part1 = ca.sign(kappa_x)
+    E_x_part2 = 1 - E_x_part1*PEX4
+    E_x_part3 = PEX1 + PEX2*dfz + PEX3*dfz**2
+    E_x_part4 = E_x_part2*E_x_part3*LEX
+    E_x = ca.if_else(LIMITS > 0.5, ca.if_else(LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2) > 1, 1, LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2)), E_x_part4)  # [4.E14] curvature factor
     K_xkappa_part1 = PKX1 + PKX2*dfz
     K_xkappa_part2 = 1 + PPX1*dpi + PPX2*dpi**2
     K_xkappa_part3 = PKX3*dfz
@@ -831,7 +899,12 @@ def slip_stiffnesses(inputs, parameters):
     mu_y_loaded_part3 = 1 + PPY3*dpi + PPY4*dpi**2
     mu_y_loaded = LMUY_star*mu_y_loaded_part1*mu_y_loaded_part2*mu_y_loaded_part3  # [4.E23] peak friction
     D_y = F_z_limited*mu_y_loaded*zeta_2  # [4.E22] peak factor
-    E_y = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))) > 1, 1, LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y)))), LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))))  # [4.E24] curvature factor
+    E_y_part1 = PEY1 + PEY2*dfz
+    E_y_part2 = PEY3 + PEY4*gamma_star
+    E_y_part3 = ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))
+    E_y_part4 = 1 + PEY5*gamma_star**2 - E_y_part2*E_y_part3
+    E_y_part5 = E_y_part1*E_y_part4*LEY
+    E_y = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))) > 1, 1, LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y)))), E_y_part5)  # [4.E24] curvature factor
     B_y_part1 = ca.if_else(D_y >= 0, 1, ca.sign(D_y))
     B_y_part2 = 1e-06*B_y_part1 + C_y*D_y
     B_y_part3 = 1/B_y_part2
@@ -847,8 +920,9 @@ def slip_stiffnesses(inputs, parameters):
     F_y0_w = C_y*F_y0_w_part1  # [4.1] angle of the Magic Formula
     F_y0_part1 = ca.sin(F_y0_w)
     F_y0_part2 = S_Vy + D_y*F_y0_part1
-    F_y0_part3 = ca.if_else(SLIP_ANGLE > 0.5, 1, ca.if_else(V >= 0, 1, ca.sign(V)))
-    F_y0 = F_y0_part2*F_y0_part3  # [4.E19] side force in pure slip
+    F_y0_part3 = ca.if_else(V >= 0, 1, ca.sign(V))
+    F_y0_part4 = ca.if_else(SLIP_ANGLE > 0.5, 1, F_y0_part3)
+    F_y0 = F_y0_part2*F_y0_part4  # [4.E19] side force in pure slip
     zeta_4_g0_part1 = 1 + S_Hyphi
     zeta_4_g0 = ca.if_else(phit_in == 0, 1, zeta_4_g0_part1)  # [4.84] shift by spin
     S_Hy_g0_part1 = PHY1 + PHY2*dfz
@@ -860,7 +934,11 @@ def slip_stiffnesses(inputs, parameters):
     mu_y_loaded_g0_part2 = 1 + PPY3*dpi + PPY4*dpi**2
     mu_y_loaded_g0 = LMUY_star*mu_y_loaded_g0_part1*mu_y_loaded_g0_part2  # [4.E23] peak friction
     D_y_g0 = F_z_limited*mu_y_loaded_g0*zeta_2  # [4.E22] peak factor
-    E_y_g0 = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz) > 1, 1, LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz)), LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz))  # [4.E24] curvature factor
+    E_y_g0_part1 = ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0))
+    E_y_g0_part2 = 1 - E_y_g0_part1*PEY3
+    E_y_g0_part3 = PEY1 + PEY2*dfz
+    E_y_g0_part4 = E_y_g0_part2*E_y_g0_part3*LEY
+    E_y_g0 = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz) > 1, 1, LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz)), E_y_g0_part4)  # [4.E24] curvature factor
     B_y_g0_part1 = ca.if_else(D_y_g0 >= 0, 1, ca.sign(D_y_g0))
     B_y_g0_part2 = 1e-06*B_y_g0_part1 + C_y_g0*D_y_g0
     B_y_g0_part3 = 1/B_y_g0_part2
@@ -875,8 +953,9 @@ def slip_stiffnesses(inputs, parameters):
     F_y0_g0_w = C_y_g0*F_y0_g0_w_part1  # [4.1] angle of the Magic Formula
     F_y0_g0_part1 = ca.sin(F_y0_g0_w)
     F_y0_g0_part2 = S_Vy_g0 + D_y_g0*F_y0_g0_part1
-    F_y0_g0_part3 = ca.if_else(SLIP_ANGLE > 0.5, 1, ca.if_else(V >= 0, 1, ca.sign(V)))
-    F_y0_g0 = F_y0_g0_part2*F_y0_g0_part3  # [4.E19] side force in pure slip
+    F_y0_g0_part3 = ca.if_else(V >= 0, 1, ca.sign(V))
+    F_y0_g0_part4 = ca.if_else(SLIP_ANGLE > 0.5, 1, F_y0_g0_part3)
+    F_y0_g0 = F_y0_g0_part2*F_y0_g0_part4  # [4.E19] side force in pure slip
     mu_y_pressed = ca.if_else(F_z_limited <= 0, 0, mu_y_loaded)  # [4.E23] peak friction, 0 off the ground
 
     # Forces, combined slip
@@ -971,16 +1050,23 @@ def slip_stiffnesses(inputs, parameters):
     alpha_r = S_Hy + alpha_star + S_Vy*alpha_r_part1  # [4.E37] slip angle of the residual moment
     B_t_part1 = 1/LMUY_star
     B_t_part2 = QBZ1 + QBZ2*dfz + QBZ3*dfz**2
-    B_t_part3 = ca.if_else(CONVENTION > 0.5, 1 + QBZ5*ca.fabs(gamma_star) + QBZ6*gamma_star**2, 1 + QBZ4*gamma_in + QBZ5*ca.fabs(gamma_in))
-    B_t = B_t_part1*B_t_part2*B_t_part3*LKY  # [4.E40] stiffness factor of the trail
+    B_t_part3 = ca.fabs(gamma_star)
+    B_t_part4 = 1 + B_t_part3*QBZ5 + QBZ6*gamma_star**2
+    B_t_part5 = ca.fabs(gamma_in)
+    B_t_part6 = 1 + B_t_part5*QBZ5 + QBZ4*gamma_in
+    B_t_part7 = ca.if_else(CONVENTION > 0.5, B_t_part4, B_t_part6)
+    B_t = B_t_part1*B_t_part2*B_t_part7*LKY  # [4.E40] stiffness factor of the trail
     C_t = QCZ1  # [4.E41] shape factor of the trail
     D_t_part1 = 1/F_z01
     D_t_part2 = 1 - PPZ1*dpi
     D_t_part3 = QDZ1 + QDZ2*dfz
-    D_t_part4 = 1 + QDZ3*gamma_in + QDZ4*gamma_in**2
-    D_t_part5 = ca.if_else(CONVENTION > 0.5, 1 + QDZ3*ca.fabs(gamma_star) + QDZ4*gamma_star**2, D_t_part4)
-    D_t_part6 = ca.if_else(CONVENTION > 0.5, ca.sign(V), 1)
-    D_t = D_t_part1*D_t_part2*D_t_part3*D_t_part5*D_t_part6*F_zm*LTR*UNLOADED_RADIUS*zeta_5  # [4.E43] peak factor of the trail
+    D_t_part4 = ca.fabs(gamma_star)
+    D_t_part5 = 1 + D_t_part4*QDZ3 + QDZ4*gamma_star**2
+    D_t_part6 = 1 + QDZ3*gamma_in + QDZ4*gamma_in**2
+    D_t_part7 = ca.if_else(CONVENTION > 0.5, D_t_part5, D_t_part6)
+    D_t_part8 = ca.sign(V)
+    D_t_part9 = ca.if_else(CONVENTION > 0.5, D_t_part8, 1)
+    D_t = D_t_part1*D_t_part2*D_t_part3*D_t_part7*D_t_part9*F_zm*LTR*UNLOADED_RADIUS*zeta_5  # [4.E43] peak factor of the trail
     E_t = ca.if_else(LIMITS > 0.5, ca.if_else((1 + (2*QEZ4 + 2*QEZ5*gamma_star)*ca.atan(B_t*C_t*alpha_t)/ca.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2) > 1, 1, (1 + (2*QEZ4 + 2*QEZ5*gamma_star)*ca.atan(B_t*C_t*alpha_t)/ca.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)), (1 + (2*QEZ4 + 2*QEZ5*gamma_star)*ca.atan(B_t*C_t*alpha_t)/ca.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2))  # [4.E44] curvature factor of the trail
     B_r_part1 = 1/LMUY_star
     B_r_part2 = B_r_part1*LKY*QBZ9 + B_y*C_y*QBZ10
@@ -995,8 +1081,11 @@ def slip_stiffnesses(inputs, parameters):
     D_Drphi_part2 = ca.sin(D_Drphi_part1)
     D_Drphi_part3 = 1/D_Drphi_part2
     D_Drphi = D_Drphi_part3*M_zphi_inf  # [4.94] peak of the moment by spin
-    K_zgammar0_part1 = ca.if_else(CONVENTION > 0.5, QDZ8 + QDZ9*dfz + (QDZ10 + QDZ11*dfz)*ca.fabs(gamma_star), QDZ10 + dfz*ca.if_else(SIGNS > 0.5, -QDZ8*QDZ9, QDZ8*QDZ9) + QDZ11*dfz*ca.fabs(gamma_in))
-    K_zgammar0 = F_zm*K_zgammar0_part1*LKZC*UNLOADED_RADIUS  # [4.99] camber torque stiffness
+    K_zgammar0_part1 = QDZ10 + QDZ11*dfz
+    K_zgammar0_part2 = ca.fabs(gamma_star)
+    K_zgammar0_part3 = QDZ8 + K_zgammar0_part1*K_zgammar0_part2 + QDZ9*dfz
+    K_zgammar0_part4 = ca.if_else(CONVENTION > 0.5, K_zgammar0_part3, QDZ10 + dfz*ca.if_else(SIGNS > 0.5, -QDZ8*QDZ9, QDZ8*QDZ9) + QDZ11*dfz*ca.fabs(gamma_in))
+    K_zgammar0 = F_zm*K_zgammar0_part4*LKZC*UNLOADED_RADIUS  # [4.99] camber torque stiffness
     B_Drphi_part1 = 1/D_Drphi
     B_Drphi_part2 = 1/QDRP1
     B_Drphi_part3 = 1 - eps_gamma
@@ -1041,16 +1130,18 @@ def slip_stiffnesses(inputs, parameters):
     slip_alpha_teq_part1 = 1e-60 + kappa_share + tan_alpha_teq**2
     slip_alpha_teq_part2 = ca.sqrt(slip_alpha_teq_part1)
     slip_alpha_teq = slip_alpha_teq_part2  # [4.E77] size of the equivalent slip
-    alpha_teq_part1 = ca.if_else(CONVENTION > 0.5, slip_alpha_teq, ca.atan(slip_alpha_teq))
-    alpha_teq_part2 = ca.sign(alpha_t)
-    alpha_teq = alpha_teq_part1*alpha_teq_part2  # [4.E77] equivalent slip of the trail
+    alpha_teq_part1 = ca.atan(slip_alpha_teq)
+    alpha_teq_part2 = ca.if_else(CONVENTION > 0.5, slip_alpha_teq, alpha_teq_part1)
+    alpha_teq_part3 = ca.sign(alpha_t)
+    alpha_teq = alpha_teq_part2*alpha_teq_part3  # [4.E77] equivalent slip of the trail
     tan_alpha_req = ca.if_else(CONVENTION > 0.5, alpha_r, ca.tan(alpha_r))  # [4.E78] the same as a slip
     slip_alpha_req_part1 = 1e-60 + kappa_share + tan_alpha_req**2
     slip_alpha_req_part2 = ca.sqrt(slip_alpha_req_part1)
     slip_alpha_req = slip_alpha_req_part2  # [4.E78] size of the equivalent slip
-    alpha_req_part1 = ca.if_else(CONVENTION > 0.5, slip_alpha_req, ca.atan(slip_alpha_req))
-    alpha_req_part2 = ca.sign(alpha_r)
-    alpha_req = alpha_req_part1*alpha_req_part2  # [4.E78] equivalent slip of the residual moment
+    alpha_req_part1 = ca.atan(slip_alpha_req)
+    alpha_req_part2 = ca.if_else(CONVENTION > 0.5, slip_alpha_req, alpha_req_part1)
+    alpha_req_part3 = ca.sign(alpha_r)
+    alpha_req = alpha_req_part2*alpha_req_part3  # [4.E78] equivalent slip of the residual moment
     trail_u = B_t*alpha_teq  # [4.1] B x
     trail_v_part1 = ca.atan(trail_u)
     trail_v_part2 = trail_u - trail_v_part1
@@ -1112,52 +1203,37 @@ def slip_stiffnesses(inputs, parameters):
     M_y_full_part6 = M_y_speed + M_y_full_part5*gamma_in**2
     M_y_full_part7 = ca.if_else(CONVENTION > 0.5, F_z_limited, FNOMIN)
     M_y_full = -LMY*M_y_full_part1*M_y_full_part4*M_y_full_part6*M_y_full_part7*UNLOADED_RADIUS  # [4.E70] rolling resistance moment of the rolling wheel
+    M_y_rolling_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
 
     # Partial derivatives of each line
     phit_in_shared1 = ca.if_else(V < 0, -1, 1)
-    phit_in_shared2 = LIMITS > 0.5
-    phit_in_by_alpha = ca.if_else(phit_in_shared2, -fade*phit*phit_in_shared1*ca.sin(alpha), 0)
+    phit_in_by_alpha = ca.if_else(LIMITS > 0.5, -fade*phit*phit_in_shared1*ca.sin(alpha), 0)
     speed_sum_shared1 = ca.tan(alpha)
     speed_sum_shared2 = ca.sign(V*speed_sum_shared1)
-    speed_sum_shared3 = LIMITS > 0.5
-    speed_sum_by_alpha = ca.if_else(speed_sum_shared3, V*speed_sum_shared2*(1 + speed_sum_shared1**2), 0)
-    alpha_low_shared1 = VXLOW > speed_sum
-    alpha_low_shared2 = LIMITS > 0.5
+    speed_sum_by_alpha = ca.if_else(LIMITS > 0.5, V*speed_sum_shared2*(1 + speed_sum_shared1**2), 0)
     alpha_low_shared3 = 1/VXLOW
-    alpha_low_by_alpha = ca.if_else(alpha_low_shared2, ca.if_else(alpha_low_shared1, alpha_low_shared3*speed_sum, 1), 1)
-    alpha_low_by_speed_sum = ca.if_else(alpha_low_shared2, ca.if_else(alpha_low_shared1, alpha*alpha_low_shared3, 0), 0)
-    kappa_raised_shared1 = KPUMIN > fade*kappa
-    kappa_raised_shared2 = LIMITS > 0.5
-    kappa_raised_by_kappa = ca.if_else(kappa_raised_shared2, ca.if_else(kappa_raised_shared1, 0, fade), 0)
-    kappa_raised_by_kappa_raised_part1 = ca.if_else(kappa_raised_shared2, 0, 1)
-    kappa_in_shared1 = KPUMAX < kappa_raised
-    kappa_in_shared2 = LIMITS > 0.5
-    kappa_in_by_kappa_raised = ca.if_else(kappa_in_shared2, ca.if_else(kappa_in_shared1, 0, 1), 1)
-    alpha_raised_shared1 = ALPMIN > alpha_low
-    alpha_raised_shared2 = LIMITS > 0.5
-    alpha_raised_by_alpha_low = ca.if_else(alpha_raised_shared2, ca.if_else(alpha_raised_shared1, 0, 1), 1)
-    alpha_in_shared1 = ALPMAX < alpha_raised
-    alpha_in_shared2 = LIMITS > 0.5
-    alpha_in_by_alpha_raised = ca.if_else(alpha_in_shared2, ca.if_else(alpha_in_shared1, 0, 1), 1)
+    alpha_low_by_alpha = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW > speed_sum, alpha_low_shared3*speed_sum, 1), 1)
+    alpha_low_by_speed_sum = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW > speed_sum, alpha*alpha_low_shared3, 0), 0)
+    kappa_raised_by_kappa = ca.if_else(LIMITS > 0.5, ca.if_else(KPUMIN > fade*kappa, 0, fade), 0)
+    kappa_raised_by_kappa_raised_part1 = ca.if_else(LIMITS > 0.5, 0, 1)
+    kappa_in_by_kappa_raised = ca.if_else(LIMITS > 0.5, ca.if_else(KPUMAX < kappa_raised, 0, 1), 1)
+    alpha_raised_by_alpha_low = ca.if_else(LIMITS > 0.5, ca.if_else(ALPMIN > alpha_low, 0, 1), 1)
+    alpha_in_by_alpha_raised = ca.if_else(LIMITS > 0.5, ca.if_else(ALPMAX < alpha_raised, 0, 1), 1)
     tan_alpha_by_alpha_in = 1 + tan_alpha**2
     V_c_part1_by_tan_alpha = 2*tan_alpha
     V_c_part2_by_V_c_part1 = 0.5/V_c_part2
     cos_alpha_part2_by_cos_alpha_part1 = -cos_alpha_part2**2
-    alpha_star_shared1 = SLIP_ANGLE > 0.5
-    alpha_star_by_alpha_in = ca.if_else(alpha_star_shared1, 1, 0)
-    alpha_star_by_tan_alpha = ca.if_else(alpha_star_shared1, 0, ca.sign(V))
+    alpha_star_by_alpha_in = ca.if_else(SLIP_ANGLE > 0.5, 1, 0)
+    alpha_star_by_alpha_star_part2 = ca.if_else(SLIP_ANGLE > 0.5, 0, 1)
     slide_shared1 = 1/LONGVL
     slide_shared2 = ca.sqrt(1e-60 + kappa_in**2 + tan_alpha**2)
     slide_shared3 = ca.fabs(V)
-    slide_shared5 = CONVENTION > 0.5
     slide_shared6 = LMUV*slide_shared1
     slide_shared7 = slide_shared3*slide_shared6/slide_shared2
-    slide_by_kappa_in = ca.if_else(slide_shared5, kappa_in*slide_shared7, 0)
-    slide_by_tan_alpha = ca.if_else(slide_shared5, slide_shared7*tan_alpha, 0)
-    LMUX_star_shared1 = CONVENTION > 0.5
-    LMUX_star_by_slide = ca.if_else(LMUX_star_shared1, -LMUX/slide**2, 0)
-    LMUY_star_shared1 = CONVENTION > 0.5
-    LMUY_star_by_slide = ca.if_else(LMUY_star_shared1, -LMUY/slide**2, 0)
+    slide_by_kappa_in = ca.if_else(CONVENTION > 0.5, kappa_in*slide_shared7, 0)
+    slide_by_tan_alpha = ca.if_else(CONVENTION > 0.5, slide_shared7*tan_alpha, 0)
+    LMUX_star_by_slide = ca.if_else(CONVENTION > 0.5, -LMUX/slide**2, 0)
+    LMUY_star_by_slide = ca.if_else(CONVENTION > 0.5, -LMUY/slide**2, 0)
     LMUX_shift_by_LMUX_star = ca.if_else(CONVENTION > 0.5, 10/(1 + 9*LMUX_star) - 90*LMUX_star/(1 + 9*LMUX_star)**2, 1)
     LMUY_shift_by_LMUY_star = ca.if_else(CONVENTION > 0.5, 10/(1 + 9*LMUY_star) - 90*LMUY_star/(1 + 9*LMUY_star)**2, 1)
     omega_1_by_omega_1_part2 = 1.0362694300518136*V*omega_1_part1
@@ -1177,9 +1253,7 @@ def slip_stiffnesses(inputs, parameters):
     omega_part1_by_R_e_2 = -omega_part1**2
     omega_by_omega_part1 = V*omega_part2
     omega_by_omega_part2 = V*omega_part1
-    V_spin_shared1 = VXLOW > ca.fabs(V)
-    V_spin_shared2 = CONVENTION > 0.5
-    V_spin_by_V_c = ca.if_else(V_spin_shared1, 0, ca.if_else(V_spin_shared2, 0, 1))
+    V_spin_by_V_c = ca.if_else(VXLOW > ca.fabs(V), 0, ca.if_else(CONVENTION > 0.5, 0, 1))
     phi_shared1 = phi_part2*phi_part3
     phi_part1_by_V_spin = -phi_part1**2
     phi_part4_by_omega = phi_part1*phi_shared1
@@ -1188,17 +1262,15 @@ def slip_stiffnesses(inputs, parameters):
     B_xphi_part2_by_B_xphi_part1 = 0.5/B_xphi_part2
     B_xphi_part3_by_B_xphi_part2 = -B_xphi_part3**2
     B_xphi_by_B_xphi_part3 = B_xphi_part4*PDXP1
-    zeta_1_shared1 = phit_in == 0
     zeta_1_shared2 = R_0_phi**2
     zeta_1_shared3 = B_xphi**2
     zeta_1_shared4 = (1 + zeta_1_shared2*zeta_1_shared3)**(-1.5)
-    zeta_1_by_B_xphi = ca.if_else(zeta_1_shared1, 0, -B_xphi*zeta_1_shared2*zeta_1_shared4)
-    zeta_1_by_R_0_phi = ca.if_else(zeta_1_shared1, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared4)
+    zeta_1_by_B_xphi = ca.if_else(phit_in == 0, 0, -B_xphi*zeta_1_shared2*zeta_1_shared4)
+    zeta_1_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared4)
     B_yphi_part1_by_tan_alpha = 2*tan_alpha*PDYP3**2
     B_yphi_part2_by_B_yphi_part1 = 0.5/B_yphi_part2
     B_yphi_part3_by_B_yphi_part2 = -B_yphi_part3**2
     B_yphi_by_B_yphi_part3 = B_yphi_part4*PDYP1
-    zeta_2_shared1 = phit_in == 0
     zeta_2_shared2 = ca.fabs(R_0_phi)
     zeta_2_shared3 = ca.sqrt(1e-60 + zeta_2_shared2)
     zeta_2_shared4 = zeta_2_shared2 + PDYP4*zeta_2_shared3
@@ -1207,23 +1279,20 @@ def slip_stiffnesses(inputs, parameters):
     zeta_2_shared7 = (1 + zeta_2_shared5*zeta_2_shared6)**(-1.5)
     zeta_2_shared8 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared7
     zeta_2_shared9 = ca.sign(R_0_phi)
-    zeta_2_by_B_yphi = ca.if_else(zeta_2_shared1, 0, -B_yphi*zeta_2_shared5*zeta_2_shared7)
-    zeta_2_by_R_0_phi = ca.if_else(zeta_2_shared1, 0, -0.5*zeta_2_shared8*(2*zeta_2_shared9 + PDYP4*zeta_2_shared9/zeta_2_shared3))
-    zeta_3_shared1 = phit_in == 0
+    zeta_2_by_B_yphi = ca.if_else(phit_in == 0, 0, -B_yphi*zeta_2_shared5*zeta_2_shared7)
+    zeta_2_by_R_0_phi = ca.if_else(phit_in == 0, 0, -0.5*zeta_2_shared8*(2*zeta_2_shared9 + PDYP4*zeta_2_shared9/zeta_2_shared3))
     zeta_3_shared2 = R_0_phi**4
     zeta_3_shared3 = PKYP1**2
     zeta_3_shared4 = (1 + zeta_3_shared2*zeta_3_shared3)**(-1.5)
-    zeta_3_by_R_0_phi = ca.if_else(zeta_3_shared1, 0, -2*zeta_3_shared3*zeta_3_shared4*R_0_phi**3)
-    zeta_5_shared1 = phit_in == 0
+    zeta_3_by_R_0_phi = ca.if_else(phit_in == 0, 0, -2*zeta_3_shared3*zeta_3_shared4*R_0_phi**3)
     zeta_5_shared2 = R_0_phi**2
     zeta_5_shared3 = QDTP1**2
     zeta_5_shared4 = (1 + zeta_5_shared2*zeta_5_shared3)**(-1.5)
-    zeta_5_by_R_0_phi = ca.if_else(zeta_5_shared1, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared4)
-    zeta_6_shared1 = phit_in == 0
+    zeta_5_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared4)
     zeta_6_shared2 = R_0_phi**2
     zeta_6_shared3 = QBRP1**2
     zeta_6_shared4 = (1 + zeta_6_shared2*zeta_6_shared3)**(-1.5)
-    zeta_6_by_R_0_phi = ca.if_else(zeta_6_shared1, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared4)
+    zeta_6_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared4)
     mu_x_loaded_shared1 = mu_x_loaded_part2*mu_x_loaded_part3
     mu_x_loaded_by_LMUX_star = mu_x_loaded_part1*mu_x_loaded_shared1
     mu_x_by_mu_x_loaded = ca.if_else(F_z_limited <= 0, 0, 1)
@@ -1253,10 +1322,9 @@ def slip_stiffnesses(inputs, parameters):
     S_Vygamma_shared3 = F_z_limited*LKYC*LMUY_shift*S_Vygamma_part1
     S_Vygamma_by_LMUY_shift = S_Vygamma_part1*S_Vygamma_shared2
     S_Vygamma_by_zeta_2 = S_Vygamma_shared3*gamma_star
-    zeta_4_shared1 = phit_in == 0
-    zeta_4_by_K_yalpha1 = ca.if_else(zeta_4_shared1, 0, S_Vygamma/K_yalpha1**2)
-    zeta_4_by_S_Hyphi = ca.if_else(zeta_4_shared1, 0, 1)
-    zeta_4_by_S_Vygamma = ca.if_else(zeta_4_shared1, 0, -1/K_yalpha1)
+    zeta_4_by_K_yalpha1 = ca.if_else(phit_in == 0, 0, S_Vygamma/K_yalpha1**2)
+    zeta_4_by_S_Hyphi = ca.if_else(phit_in == 0, 0, 1)
+    zeta_4_by_S_Vygamma = ca.if_else(phit_in == 0, 0, -1/K_yalpha1)
     S_Hy_part2_by_K_yalpha1 = -S_Hy_part2**2
     S_Hy_part4_by_S_Hy_part2 = S_Hy_part3*zeta_0
     S_Hy_part4_by_S_Hy_part3 = S_Hy_part2*zeta_0
@@ -1331,10 +1399,10 @@ def slip_stiffnesses(inputs, parameters):
     G_yk_g00_v_part1_by_G_yk_g00_u = 1/(1 + G_yk_g00_u**2)
     G_yk_g00_w_part1_by_G_yk_g00_v = 1/(1 + G_yk_g00_v**2)
     alpha_r_part1_by_K_yalpha1 = -alpha_r_part1**2
-    B_t_shared2 = B_t_part3*LKY
+    B_t_shared2 = B_t_part7*LKY
     B_t_part1_by_LMUY_star = -B_t_part1**2
     B_t_by_B_t_part1 = B_t_part2*B_t_shared2
-    D_t_by_zeta_5 = D_t_part1*D_t_part2*D_t_part3*D_t_part5*D_t_part6*F_zm*LTR*UNLOADED_RADIUS
+    D_t_by_zeta_5 = D_t_part1*D_t_part2*D_t_part3*D_t_part7*D_t_part9*F_zm*LTR*UNLOADED_RADIUS
     E_t_shared1 = dfz**2
     E_t_shared2 = QEZ1 + E_t_shared1*QEZ3 + QEZ2*dfz
     E_t_shared3 = 2*gamma_star
@@ -1342,14 +1410,12 @@ def slip_stiffnesses(inputs, parameters):
     E_t_shared6 = C_t*alpha_t
     E_t_shared7 = ca.atan(B_t*E_t_shared6)/ca.pi
     E_t_shared8 = 1 + E_t_shared4*E_t_shared7
-    E_t_shared9 = E_t_shared2*E_t_shared8 > 1
     E_t_shared10 = E_t_shared2*E_t_shared4/(ca.pi*(1 + B_t**2*C_t**2*alpha_t**2))
     E_t_shared11 = E_t_shared10*E_t_shared6
-    E_t_shared12 = LIMITS > 0.5
     E_t_shared13 = B_t*E_t_shared10
     E_t_shared20 = C_t*E_t_shared13
-    E_t_by_B_t = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared11), E_t_shared11)
-    E_t_by_alpha_t = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared20), E_t_shared20)
+    E_t_by_B_t = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared11), E_t_shared11)
+    E_t_by_alpha_t = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared20), E_t_shared20)
     B_r_part1_by_LMUY_star = -B_r_part1**2
     B_r_part2_by_B_r_part1 = LKY*QBZ9
     B_r_part2_by_B_y = C_y*QBZ10
@@ -1372,14 +1438,12 @@ def slip_stiffnesses(inputs, parameters):
     M_zphi90_by_M_zphi90_part3 = G_yk*M_zphi90_shared2
     M_zphi90_by_M_zphi_inf = 2*G_yk*M_zphi90_part3/ca.pi
     D_rphi_size_by_D_rphi = ca.if_else(D_rphi == 0, 0, ca.sign(D_rphi))
-    zeta_7_cosine_shared1 = D_rphi == 0
-    zeta_7_cosine_by_D_rphi_size = ca.if_else(zeta_7_cosine_shared1, 0, -M_zphi90/D_rphi_size**2)
-    zeta_7_cosine_by_M_zphi90 = ca.if_else(zeta_7_cosine_shared1, 0, 1/D_rphi_size)
+    zeta_7_cosine_by_D_rphi_size = ca.if_else(D_rphi == 0, 0, -M_zphi90/D_rphi_size**2)
+    zeta_7_cosine_by_M_zphi90 = ca.if_else(D_rphi == 0, 0, 1/D_rphi_size)
     zeta_7_cosine_size_by_zeta_7_cosine = ca.sign(zeta_7_cosine)
     zeta_7_below_1_by_zeta_7_cosine = ca.if_else(zeta_7_cosine_size >= 1, 0, 1)
     zeta_7_above_1_by_zeta_7_cosine_size = ca.if_else(zeta_7_cosine_size > 1, 1, 0)
-    zeta_7_shared1 = zeta_7_cosine_size >= 1
-    zeta_7_by_zeta_7_below_1 = ca.if_else(zeta_7_shared1, 0, -2/(ca.pi*ca.sqrt(1 - zeta_7_below_1**2)))
+    zeta_7_by_zeta_7_below_1 = ca.if_else(zeta_7_cosine_size >= 1, 0, -2/(ca.pi*ca.sqrt(1 - zeta_7_below_1**2)))
     zeta_7_imaginary_part1_by_zeta_7_above_1 = 2*zeta_7_above_1
     zeta_7_imaginary_part2_by_zeta_7_imaginary_part1 = 0.5/zeta_7_imaginary_part2
     zeta_7_imaginary_part4_by_zeta_7_imaginary_part3 = 1/zeta_7_imaginary_part3
@@ -1400,11 +1464,15 @@ def slip_stiffnesses(inputs, parameters):
     tan_alpha_teq_by_alpha_t = ca.if_else(CONVENTION > 0.5, 1, 1 + ca.tan(alpha_t)**2)
     slip_alpha_teq_part1_by_tan_alpha_teq = 2*tan_alpha_teq
     slip_alpha_teq_part2_by_slip_alpha_teq_part1 = 0.5/slip_alpha_teq_part2
-    alpha_teq_part1_by_slip_alpha_teq = ca.if_else(CONVENTION > 0.5, 1, 1/(1 + slip_alpha_teq**2))
+    alpha_teq_part1_by_slip_alpha_teq = 1/(1 + slip_alpha_teq**2)
+    alpha_teq_part2_by_alpha_teq_part1 = ca.if_else(CONVENTION > 0.5, 0, 1)
+    alpha_teq_part2_by_slip_alpha_teq = ca.if_else(CONVENTION > 0.5, 1, 0)
     tan_alpha_req_by_alpha_r = ca.if_else(CONVENTION > 0.5, 1, 1 + ca.tan(alpha_r)**2)
     slip_alpha_req_part1_by_tan_alpha_req = 2*tan_alpha_req
     slip_alpha_req_part2_by_slip_alpha_req_part1 = 0.5/slip_alpha_req_part2
-    alpha_req_part1_by_slip_alpha_req = ca.if_else(CONVENTION > 0.5, 1, 1/(1 + slip_alpha_req**2))
+    alpha_req_part1_by_slip_alpha_req = 1/(1 + slip_alpha_req**2)
+    alpha_req_part2_by_alpha_req_part1 = ca.if_else(CONVENTION > 0.5, 0, 1)
+    alpha_req_part2_by_slip_alpha_req = ca.if_else(CONVENTION > 0.5, 1, 0)
     trail_v_part1_by_trail_u = 1/(1 + trail_u**2)
     trail_w_part1_by_trail_v = 1/(1 + trail_v**2)
     trail_shared1 = fade_smooth*trail_part1*trail_part2
@@ -1418,37 +1486,33 @@ def slip_stiffnesses(inputs, parameters):
     M_zr_shared1 = alpha_req**2
     M_zr_shared2 = B_r**2
     M_zr_shared3 = (1 + M_zr_shared1*M_zr_shared2)**(-1.5)
-    M_zr_shared4 = phit_in == 0
-    M_zr_part1_by_B_r = ca.if_else(M_zr_shared4, -B_r*M_zr_shared1*M_zr_shared3, 0)
-    M_zr_part1_by_M_zr_spun = ca.if_else(M_zr_shared4, 0, 1)
-    M_zr_part1_by_alpha_req = ca.if_else(M_zr_shared4, -M_zr_shared2*M_zr_shared3*alpha_req, 0)
+    M_zr_part1_by_B_r = ca.if_else(phit_in == 0, -B_r*M_zr_shared1*M_zr_shared3, 0)
+    M_zr_part1_by_M_zr_spun = ca.if_else(phit_in == 0, 0, 1)
+    M_zr_part1_by_alpha_req = ca.if_else(phit_in == 0, -M_zr_shared2*M_zr_shared3*alpha_req, 0)
     M_zr_by_D_r = M_zr_part1*fade_smooth
     M_zr_by_M_zr_part1 = D_r*fade_smooth
-    s_shared1 = CONVENTION > 0.5
     s_shared3 = 1/F_z01
     s_shared4 = 1/FNOMIN
-    s_part1_by_Fy = ca.if_else(s_shared1, SSZ2*s_shared3, SSZ2*s_shared4)
+    s_part1_by_Fy = ca.if_else(CONVENTION > 0.5, SSZ2*s_shared3, SSZ2*s_shared4)
     s_by_s_part1 = LS*UNLOADED_RADIUS
     G_yk_g0_part1_by_G_yk_g00_w = -ca.sin(G_yk_g00_w)
     G_yk_g0_part2_by_G_yk_g0_part1 = -G_yk_g0_part2**2
     G_yk_g0_part3_by_G_yk_g0_w = -ca.sin(G_yk_g0_w)
-    F_y1_shared1 = CONVENTION > 0.5
-    F_y1_part1_by_G_yk = ca.if_else(F_y1_shared1, 0, 1)
-    F_y1_part1_by_G_yk_g0 = ca.if_else(F_y1_shared1, 1, 0)
+    F_y1_part1_by_G_yk = ca.if_else(CONVENTION > 0.5, 0, 1)
+    F_y1_part1_by_G_yk_g0 = ca.if_else(CONVENTION > 0.5, 1, 0)
     Mz_by_Mz_part1 = ca.if_else(Fz <= 0, 0, 1)
     M_x_hump_part6_by_Fy = M_x_hump_part1*QSX9
     M_x_hump_part7_by_M_x_hump_part6 = 1/(1 + M_x_hump_part6**2)
     M_x_hump_part9_by_M_x_hump_part8 = ca.cos(M_x_hump_part8)
     M_x_hump_by_M_x_hump_part9 = M_x_hump_part5*QSX4
-    Mx_shared1 = Fz <= 0
     Mx_shared6 = LMX*UNLOADED_RADIUS
     Mx_shared7 = F_zx*Mx_shared6
     Mx_shared8 = 1/FNOMIN
     Mx_shared9 = F_zx*Mx_shared8
     Mx_shared11 = ca.fabs(gamma_in)
     Mx_shared17 = QSX13 + Mx_shared11*QSX14
-    Mx_by_Fy = ca.if_else(Mx_shared1, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_M_x_hump = ca.if_else(Mx_shared1, 0, Mx_shared7)
+    Mx_by_Fy = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_M_x_hump = ca.if_else(Fz <= 0, 0, Mx_shared7)
     M_y_speed_by_Fx = M_y_speed_part4*QSY2
     M_y_near_locked_shared1 = 0.5*ca.pi*M_y_near_locked_part3
     M_y_near_locked_part4_by_M_y_near_locked_part2 = M_y_near_locked_part1*M_y_near_locked_shared1
@@ -1457,10 +1521,9 @@ def slip_stiffnesses(inputs, parameters):
     M_y_taper_by_M_y_backward = ca.if_else(CONVENTION > 0.5, 0, ca.if_else(kappa <= -1 + VXLOW/ca.fabs(V), 1, 0))
     M_y_full_shared3 = LMY*M_y_full_part1*M_y_full_part7*UNLOADED_RADIUS
     M_y_full_by_M_y_full_part6 = -M_y_full_part4*M_y_full_shared3
-    M_y_rolling_shared1 = V == 0
-    M_y_rolling_shared2 = ca.if_else(V >= 0, 1, ca.sign(V))
-    M_y_rolling_by_M_y_full = ca.if_else(M_y_rolling_shared1, 0, M_y_rolling_shared2*M_y_taper)
-    M_y_rolling_by_M_y_taper = ca.if_else(M_y_rolling_shared1, 0, M_y_full*M_y_rolling_shared2)
+    M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
+    M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
+    M_y_rolling_by_M_y_rolling_part2 = ca.if_else(V == 0, 0, 1)
     My_by_M_y_rolling = ca.if_else(Fz <= 0, 0, 1)
 
     # Chain rule
@@ -1570,9 +1633,11 @@ def slip_stiffnesses(inputs, parameters):
     dzeta_7_imaginary_part3_dzeta_7_cosine = dzeta_7_above_1_dzeta_7_cosine + dzeta_7_imaginary_part1_dzeta_7_cosine*zeta_7_imaginary_part2_by_zeta_7_imaginary_part1
     dzeta_7_imaginary_part4_dzeta_7_cosine = dzeta_7_imaginary_part3_dzeta_7_cosine*zeta_7_imaginary_part4_by_zeta_7_imaginary_part3
     dzeta_7_imaginary_dzeta_7_cosine = 2*dzeta_7_imaginary_part4_dzeta_7_cosine/ca.pi
-    dalpha_teq_part1_dslip_alpha_teq_part1 = alpha_teq_part1_by_slip_alpha_teq*slip_alpha_teq_part2_by_slip_alpha_teq_part1
-    dalpha_teq_dslip_alpha_teq_part1 = alpha_teq_part2*dalpha_teq_part1_dslip_alpha_teq_part1
-    dalpha_req_part1_dslip_alpha_req_part1 = alpha_req_part1_by_slip_alpha_req*slip_alpha_req_part2_by_slip_alpha_req_part1
+    dalpha_teq_part2_dslip_alpha_teq = alpha_teq_part2_by_slip_alpha_teq + alpha_teq_part1_by_slip_alpha_teq*alpha_teq_part2_by_alpha_teq_part1
+    dalpha_teq_part2_dslip_alpha_teq_part1 = dalpha_teq_part2_dslip_alpha_teq*slip_alpha_teq_part2_by_slip_alpha_teq_part1
+    dalpha_teq_dslip_alpha_teq_part1 = alpha_teq_part3*dalpha_teq_part2_dslip_alpha_teq_part1
+    dalpha_req_part2_dslip_alpha_req = alpha_req_part2_by_slip_alpha_req + alpha_req_part1_by_slip_alpha_req*alpha_req_part2_by_alpha_req_part1
+    dalpha_req_part2_dslip_alpha_req_part1 = dalpha_req_part2_dslip_alpha_req*slip_alpha_req_part2_by_slip_alpha_req_part1
     dtrail_v_part2_dtrail_u = 1 - trail_v_part1_by_trail_u
     dtrail_w_dtrail_v = C_t*trail_w_part1_by_trail_v
     dtrail_part2_dtrail_v = dtrail_w_dtrail_v*trail_part2_by_trail_w
@@ -1636,7 +1701,7 @@ def slip_stiffnesses(inputs, parameters):
     dD_rphi_part1_dalpha = D_rphi_part1_by_phit_in*phit_in_by_alpha
     dD_rphi_part1_dLMUY_star = dD_Drphi_dLMUY_star*dD_rphi_part1_dD_Drphi
     dD_rphi_dD_rphi_part1 = D_Drphi*dD_rphi_part4_dD_rphi_part1
-    dalpha_req_dslip_alpha_req_part1 = alpha_req_part2*dalpha_req_part1_dslip_alpha_req_part1
+    dalpha_req_dslip_alpha_req_part1 = alpha_req_part3*dalpha_req_part2_dslip_alpha_req_part1
     dtrail_u_dslip_alpha_teq_part1 = B_t*dalpha_teq_dslip_alpha_teq_part1
     dtrail_u_dLMUY_star = alpha_teq*dB_t_dLMUY_star
     dtrail_v_dtrail_u = 1 - E_t*dtrail_v_part2_dtrail_u
@@ -1652,9 +1717,10 @@ def slip_stiffnesses(inputs, parameters):
     dM_zr_spun_dM_zr_w = dM_zr_spun_dM_zr_grown_part1*zeta_7_imaginary + dM_zr_spun_dM_zr_spun_part2*zeta_7
     dG_yk_g0_dalpha_star = dB_ykappa_g0_dalpha_star*dG_yk_g0_dB_ykappa_g0 + dG_yk_g0_dG_yk_g0_u*dG_yk_g0_u_dalpha_star
     dG_yk_g0_dkappa_in = B_ykappa_g0*dG_yk_g0_dG_yk_g0_u
-    dF_y1_dF_y0_g0_part2 = F_y0_g0_part3*F_y1_part1
-    dM_y_rolling_dkappa = M_y_rolling_by_M_y_taper*dM_y_taper_dkappa
-    dM_y_rolling_dFx = M_y_rolling_by_M_y_full*dM_y_full_dFx
+    dF_y1_dF_y0_g0_part2 = F_y0_g0_part4*F_y1_part1
+    dM_y_rolling_part2_dkappa = M_y_rolling_part2_by_M_y_taper*dM_y_taper_dkappa
+    dM_y_rolling_part2_dFx = M_y_rolling_part2_by_M_y_full*dM_y_full_dFx
+    dMy_dM_y_rolling_part2 = M_y_rolling_by_M_y_rolling_part2*My_by_M_y_rolling
     dS_Vy_part2_dLMUY_shift = S_Vy_part2_by_LMUY_shift + S_Vygamma_by_LMUY_shift
     dS_Hy_part4_dLMUY_shift = S_Vygamma_by_LMUY_shift*dS_Hy_part4_dS_Vygamma
     dphi_part4_dkappa = domega_dkappa*phi_part4_by_omega
@@ -1725,7 +1791,7 @@ def slip_stiffnesses(inputs, parameters):
     dF_y0_part2_dS_Hy_part4 = dF_y0_part2_dF_y0_u*dF_y0_u_dS_Hy_part4
     dF_y0_part2_dzeta_2 = D_y_by_zeta_2*F_y0_part1 + dS_Vy_part2_dzeta_2*fade_smooth
     dF_y0_part2_dLMUY_star = F_y0_part1*dD_y_dLMUY_star + dS_Vy_part2_dLMUY_star*fade_smooth
-    dFy_part1_dF_y0_part2 = F_y0_part3*G_yk
+    dFy_part1_dF_y0_part2 = F_y0_part4*G_yk
     dM_zr_spun_dB_r = dM_zr_spun_dM_zr_w*dM_zr_w_dB_r
     dM_zr_spun_dslip_alpha_req_part1 = dM_zr_spun_dM_zr_w*dM_zr_w_dslip_alpha_req_part1
     dM_zr_spun_dG_yk = M_zphi90_by_G_yk*dM_zr_spun_dM_zphi90
@@ -1745,12 +1811,13 @@ def slip_stiffnesses(inputs, parameters):
     dLMUY_star_dkappa_in = LMUY_star_by_slide*slide_by_kappa_in
     dFx_dkappa_in = Fx_by_Fx_part1*dFx_part1_dkappa_in
     dtan_alpha_dalpha = dalpha_in_dalpha*tan_alpha_by_alpha_in
+    dalpha_star_dtan_alpha = alpha_star_by_alpha_star_part2*alpha_star_part1
     dzeta_2_dtan_alpha = dB_yphi_dtan_alpha*zeta_2_by_B_yphi
     dR_0_phi_dtan_alpha = dR_0_phi_dphi_part4*dphi_part4_dtan_alpha
     dMz_part1_dtan_alpha = -F_y1*dtrail_dtan_alpha
     dLMUY_star_dtan_alpha = LMUY_star_by_slide*slide_by_tan_alpha
     dFx_dtan_alpha = Fx_by_Fx_part1*dFx_part1_dtan_alpha
-    dalpha_star_dalpha = alpha_star_by_alpha_in*dalpha_in_dalpha + alpha_star_by_tan_alpha*dtan_alpha_dalpha
+    dalpha_star_dalpha = alpha_star_by_alpha_in*dalpha_in_dalpha + dalpha_star_dtan_alpha*dtan_alpha_dalpha
     dFy_part1_dalpha_star = F_y0*dG_yk_dalpha_star + S_Vyk_by_D_Vyk*dD_Vyk_dalpha_star + dF_y0_part2_dalpha_star*dFy_part1_dF_y0_part2
     dMz_part1_dalpha_star = M_zr_by_D_r*dD_r_dalpha_star + dF_y0_g0_part2_dalpha_star*dMz_part1_dF_y0_g0_part2 + dF_y1_part1_dalpha_star*dMz_part1_dF_y1_part1 + dG_yk_dalpha_star*dMz_part1_dG_yk + dMz_part1_dtrail_v*dtrail_v_dalpha_star
     dFx_dalpha_star = Fx_by_Fx_part1*dFx_part1_dalpha_star
@@ -1795,7 +1862,7 @@ def slip_stiffnesses(inputs, parameters):
     dMz_dR_0_phi = Mz_by_Mz_part1*dMz_part1_dR_0_phi
     dFx_dkappa = dFx_dR_0_phi*dR_0_phi_dkappa + dFx_dkappa_in*dkappa_in_dkappa
     dFx_dalpha = dFx_dR_0_phi*dR_0_phi_dalpha + dFx_dalpha_star*dalpha_star_dalpha + dFx_dtan_alpha*dtan_alpha_dalpha
-    dMy_dFx = My_by_M_y_rolling*dM_y_rolling_dFx
+    dMy_dFx = dM_y_rolling_part2_dFx*dMy_dM_y_rolling_part2
     dMz_dFx = Mz_by_Mz_part1*s
     dFy_dkappa = Fy_by_Fy_part1*dFy_part1_dkappa + dB_y_dkappa*dFy_dB_y + dFy_dR_0_phi*dR_0_phi_dkappa
     dFy_dalpha = Fy_by_Fy_part1*dFy_part1_dalpha + dB_y_dalpha*dFy_dB_y + dFy_dR_0_phi*dR_0_phi_dalpha + dFy_dzeta_2*dzeta_2_dalpha
@@ -1820,7 +1887,7 @@ def slip_stiffnesses(inputs, parameters):
         dFy_dalpha*dMx_dFy,
     ],
     [
-        My_by_M_y_rolling*dM_y_rolling_dkappa + dFx_dkappa*dMy_dFx,
+        dFx_dkappa*dMy_dFx + dM_y_rolling_part2_dkappa*dMy_dM_y_rolling_part2,
         dFx_dalpha*dMy_dFx,
     ],
     ])
@@ -1884,8 +1951,11 @@ def jacobian_inputs(inputs, parameters):
     cos_alpha_part1 = 1e-06 + V_c
     cos_alpha_part2 = 1/cos_alpha_part1
     cos_alpha = V*cos_alpha_part2  # [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed
-    alpha_star = ca.if_else(SLIP_ANGLE > 0.5, alpha_in, tan_alpha*ca.sign(V))  # [4.E3] lateral slip alpha*
-    gamma_star = ca.if_else(SLIP_ANGLE > 0.5, gamma_in, ca.sin(gamma_in))  # [4.E4] inclination gamma*
+    alpha_star_part1 = ca.sign(V)
+    alpha_star_part2 = alpha_star_part1*tan_alpha
+    alpha_star = ca.if_else(SLIP_ANGLE > 0.5, alpha_in, alpha_star_part2)  # [4.E3] lateral slip alpha*
+    gamma_star_part1 = ca.sin(gamma_in)
+    gamma_star = ca.if_else(SLIP_ANGLE > 0.5, gamma_in, gamma_star_part1)  # [4.E4] inclination gamma*
     slide = ca.if_else(CONVENTION > 0.5, 1 + LMUV*ca.sqrt(1e-60 + kappa_in**2 + tan_alpha**2)*ca.fabs(V)/LONGVL, 1)  # [4.E7] by how much slip speed lowers friction
     LMUX_star = ca.if_else(CONVENTION > 0.5, LMUX/slide, LMUX)  # [4.E7] friction scale of Fx
     LMUY_star = ca.if_else(CONVENTION > 0.5, LMUY/slide, LMUY)  # [4.E7] friction scale of Fy
@@ -1922,7 +1992,9 @@ def jacobian_inputs(inputs, parameters):
     # Turn slip
     eps_gamma_part1 = 1 + PECP2*dfz
     eps_gamma = PECP1*eps_gamma_part1  # [4.90] what camber is worth as spin
-    V_spin = ca.if_else(VXLOW > ca.fabs(V), VXLOW*ca.if_else(V >= 0, 1, ca.sign(V)), ca.if_else(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
+    V_spin_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
+    V_spin_part2 = VXLOW*V_spin_part1
+    V_spin = ca.if_else(VXLOW > ca.fabs(V), V_spin_part2, ca.if_else(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
     phi_part1 = 1/V_spin
     phi_part2 = 1 - eps_gamma
     phi_part3 = ca.sin(gamma_in)
@@ -1958,7 +2030,11 @@ def jacobian_inputs(inputs, parameters):
     mu_x_loaded = LMUX_star*mu_x_loaded_part1*mu_x_loaded_part2*mu_x_loaded_part3  # [4.E13] peak friction
     mu_x = ca.if_else(F_z_limited <= 0, 0, mu_x_loaded)  # [4.E13] peak friction; 0 off the ground, as MFeval prints it
     D_x = F_z_limited*mu_x*zeta_1  # [4.E12] peak factor
-    E_x = ca.if_else(LIMITS > 0.5, ca.if_else(LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2) > 1, 1, LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2)), LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2))  # [4.E14] curvature factor
+    E_x_part1 = ca.sign(kappa_x)
+    E_x_part2 = 1 - E_x_part1*PEX4
+    E_x_part3 = PEX1 + PEX2*dfz + PEX3*dfz**2
+    E_x_part4 = E_x_part2*E_x_part3*LEX
+    E_x = ca.if_else(LIMITS > 0.5, ca.if_else(LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2) > 1, 1, LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2)), E_x_part4)  # [4.E14] curvature factor
     K_xkappa_part1 = PKX1 + PKX2*dfz
     K_xkappa_part2 = 1 + PPX1*dpi + PPX2*dpi**2
     K_xkappa_part3 = PKX3*dfz
@@ -2046,7 +2122,12 @@ def jacobian_inputs(inputs, parameters):
     mu_y_loaded_part3 = 1 + PPY3*dpi + PPY4*dpi**2
     mu_y_loaded = LMUY_star*mu_y_loaded_part1*mu_y_loaded_part2*mu_y_loaded_part3  # [4.E23] peak friction
     D_y = F_z_limited*mu_y_loaded*zeta_2  # [4.E22] peak factor
-    E_y = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))) > 1, 1, LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y)))), LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))))  # [4.E24] curvature factor
+    E_y_part1 = PEY1 + PEY2*dfz
+    E_y_part2 = PEY3 + PEY4*gamma_star
+    E_y_part3 = ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))
+    E_y_part4 = 1 + PEY5*gamma_star**2 - E_y_part2*E_y_part3
+    E_y_part5 = E_y_part1*E_y_part4*LEY
+    E_y = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))) > 1, 1, LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y)))), E_y_part5)  # [4.E24] curvature factor
     B_y_part1 = ca.if_else(D_y >= 0, 1, ca.sign(D_y))
     B_y_part2 = 1e-06*B_y_part1 + C_y*D_y
     B_y_part3 = 1/B_y_part2
@@ -2062,8 +2143,9 @@ def jacobian_inputs(inputs, parameters):
     F_y0_w = C_y*F_y0_w_part1  # [4.1] angle of the Magic Formula
     F_y0_part1 = ca.sin(F_y0_w)
     F_y0_part2 = S_Vy + D_y*F_y0_part1
-    F_y0_part3 = ca.if_else(SLIP_ANGLE > 0.5, 1, ca.if_else(V >= 0, 1, ca.sign(V)))
-    F_y0 = F_y0_part2*F_y0_part3  # [4.E19] side force in pure slip
+    F_y0_part3 = ca.if_else(V >= 0, 1, ca.sign(V))
+    F_y0_part4 = ca.if_else(SLIP_ANGLE > 0.5, 1, F_y0_part3)
+    F_y0 = F_y0_part2*F_y0_part4  # [4.E19] side force in pure slip
     zeta_4_g0_part1 = 1 + S_Hyphi
     zeta_4_g0 = ca.if_else(phit_in == 0, 1, zeta_4_g0_part1)  # [4.84] shift by spin
     S_Hy_g0_part1 = PHY1 + PHY2*dfz
@@ -2075,7 +2157,11 @@ def jacobian_inputs(inputs, parameters):
     mu_y_loaded_g0_part2 = 1 + PPY3*dpi + PPY4*dpi**2
     mu_y_loaded_g0 = LMUY_star*mu_y_loaded_g0_part1*mu_y_loaded_g0_part2  # [4.E23] peak friction
     D_y_g0 = F_z_limited*mu_y_loaded_g0*zeta_2  # [4.E22] peak factor
-    E_y_g0 = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz) > 1, 1, LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz)), LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz))  # [4.E24] curvature factor
+    E_y_g0_part1 = ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0))
+    E_y_g0_part2 = 1 - E_y_g0_part1*PEY3
+    E_y_g0_part3 = PEY1 + PEY2*dfz
+    E_y_g0_part4 = E_y_g0_part2*E_y_g0_part3*LEY
+    E_y_g0 = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz) > 1, 1, LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz)), E_y_g0_part4)  # [4.E24] curvature factor
     B_y_g0_part1 = ca.if_else(D_y_g0 >= 0, 1, ca.sign(D_y_g0))
     B_y_g0_part2 = 1e-06*B_y_g0_part1 + C_y_g0*D_y_g0
     B_y_g0_part3 = 1/B_y_g0_part2
@@ -2090,8 +2176,9 @@ def jacobian_inputs(inputs, parameters):
     F_y0_g0_w = C_y_g0*F_y0_g0_w_part1  # [4.1] angle of the Magic Formula
     F_y0_g0_part1 = ca.sin(F_y0_g0_w)
     F_y0_g0_part2 = S_Vy_g0 + D_y_g0*F_y0_g0_part1
-    F_y0_g0_part3 = ca.if_else(SLIP_ANGLE > 0.5, 1, ca.if_else(V >= 0, 1, ca.sign(V)))
-    F_y0_g0 = F_y0_g0_part2*F_y0_g0_part3  # [4.E19] side force in pure slip
+    F_y0_g0_part3 = ca.if_else(V >= 0, 1, ca.sign(V))
+    F_y0_g0_part4 = ca.if_else(SLIP_ANGLE > 0.5, 1, F_y0_g0_part3)
+    F_y0_g0 = F_y0_g0_part2*F_y0_g0_part4  # [4.E19] side force in pure slip
     mu_y_pressed = ca.if_else(F_z_limited <= 0, 0, mu_y_loaded)  # [4.E23] peak friction, 0 off the ground
 
     # Forces, combined slip
@@ -2186,16 +2273,23 @@ def jacobian_inputs(inputs, parameters):
     alpha_r = S_Hy + alpha_star + S_Vy*alpha_r_part1  # [4.E37] slip angle of the residual moment
     B_t_part1 = 1/LMUY_star
     B_t_part2 = QBZ1 + QBZ2*dfz + QBZ3*dfz**2
-    B_t_part3 = ca.if_else(CONVENTION > 0.5, 1 + QBZ5*ca.fabs(gamma_star) + QBZ6*gamma_star**2, 1 + QBZ4*gamma_in + QBZ5*ca.fabs(gamma_in))
-    B_t = B_t_part1*B_t_part2*B_t_part3*LKY  # [4.E40] stiffness factor of the trail
+    B_t_part3 = ca.fabs(gamma_star)
+    B_t_part4 = 1 + B_t_part3*QBZ5 + QBZ6*gamma_star**2
+    B_t_part5 = ca.fabs(gamma_in)
+    B_t_part6 = 1 + B_t_part5*QBZ5 + QBZ4*gamma_in
+    B_t_part7 = ca.if_else(CONVENTION > 0.5, B_t_part4, B_t_part6)
+    B_t = B_t_part1*B_t_part2*B_t_part7*LKY  # [4.E40] stiffness factor of the trail
     C_t = QCZ1  # [4.E41] shape factor of the trail
     D_t_part1 = 1/F_z01
     D_t_part2 = 1 - PPZ1*dpi
     D_t_part3 = QDZ1 + QDZ2*dfz
-    D_t_part4 = 1 + QDZ3*gamma_in + QDZ4*gamma_in**2
-    D_t_part5 = ca.if_else(CONVENTION > 0.5, 1 + QDZ3*ca.fabs(gamma_star) + QDZ4*gamma_star**2, D_t_part4)
-    D_t_part6 = ca.if_else(CONVENTION > 0.5, ca.sign(V), 1)
-    D_t = D_t_part1*D_t_part2*D_t_part3*D_t_part5*D_t_part6*F_zm*LTR*UNLOADED_RADIUS*zeta_5  # [4.E43] peak factor of the trail
+    D_t_part4 = ca.fabs(gamma_star)
+    D_t_part5 = 1 + D_t_part4*QDZ3 + QDZ4*gamma_star**2
+    D_t_part6 = 1 + QDZ3*gamma_in + QDZ4*gamma_in**2
+    D_t_part7 = ca.if_else(CONVENTION > 0.5, D_t_part5, D_t_part6)
+    D_t_part8 = ca.sign(V)
+    D_t_part9 = ca.if_else(CONVENTION > 0.5, D_t_part8, 1)
+    D_t = D_t_part1*D_t_part2*D_t_part3*D_t_part7*D_t_part9*F_zm*LTR*UNLOADED_RADIUS*zeta_5  # [4.E43] peak factor of the trail
     E_t = ca.if_else(LIMITS > 0.5, ca.if_else((1 + (2*QEZ4 + 2*QEZ5*gamma_star)*ca.atan(B_t*C_t*alpha_t)/ca.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2) > 1, 1, (1 + (2*QEZ4 + 2*QEZ5*gamma_star)*ca.atan(B_t*C_t*alpha_t)/ca.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)), (1 + (2*QEZ4 + 2*QEZ5*gamma_star)*ca.atan(B_t*C_t*alpha_t)/ca.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2))  # [4.E44] curvature factor of the trail
     B_r_part1 = 1/LMUY_star
     B_r_part2 = B_r_part1*LKY*QBZ9 + B_y*C_y*QBZ10
@@ -2210,8 +2304,11 @@ def jacobian_inputs(inputs, parameters):
     D_Drphi_part2 = ca.sin(D_Drphi_part1)
     D_Drphi_part3 = 1/D_Drphi_part2
     D_Drphi = D_Drphi_part3*M_zphi_inf  # [4.94] peak of the moment by spin
-    K_zgammar0_part1 = ca.if_else(CONVENTION > 0.5, QDZ8 + QDZ9*dfz + (QDZ10 + QDZ11*dfz)*ca.fabs(gamma_star), QDZ10 + dfz*ca.if_else(SIGNS > 0.5, -QDZ8*QDZ9, QDZ8*QDZ9) + QDZ11*dfz*ca.fabs(gamma_in))
-    K_zgammar0 = F_zm*K_zgammar0_part1*LKZC*UNLOADED_RADIUS  # [4.99] camber torque stiffness
+    K_zgammar0_part1 = QDZ10 + QDZ11*dfz
+    K_zgammar0_part2 = ca.fabs(gamma_star)
+    K_zgammar0_part3 = QDZ8 + K_zgammar0_part1*K_zgammar0_part2 + QDZ9*dfz
+    K_zgammar0_part4 = ca.if_else(CONVENTION > 0.5, K_zgammar0_part3, QDZ10 + dfz*ca.if_else(SIGNS > 0.5, -QDZ8*QDZ9, QDZ8*QDZ9) + QDZ11*dfz*ca.fabs(gamma_in))
+    K_zgammar0 = F_zm*K_zgammar0_part4*LKZC*UNLOADED_RADIUS  # [4.99] camber torque stiffness
     B_Drphi_part1 = 1/D_Drphi
     B_Drphi_part2 = 1/QDRP1
     B_Drphi_part3 = 1 - eps_gamma
@@ -2256,16 +2353,18 @@ def jacobian_inputs(inputs, parameters):
     slip_alpha_teq_part1 = 1e-60 + kappa_share + tan_alpha_teq**2
     slip_alpha_teq_part2 = ca.sqrt(slip_alpha_teq_part1)
     slip_alpha_teq = slip_alpha_teq_part2  # [4.E77] size of the equivalent slip
-    alpha_teq_part1 = ca.if_else(CONVENTION > 0.5, slip_alpha_teq, ca.atan(slip_alpha_teq))
-    alpha_teq_part2 = ca.sign(alpha_t)
-    alpha_teq = alpha_teq_part1*alpha_teq_part2  # [4.E77] equivalent slip of the trail
+    alpha_teq_part1 = ca.atan(slip_alpha_teq)
+    alpha_teq_part2 = ca.if_else(CONVENTION > 0.5, slip_alpha_teq, alpha_teq_part1)
+    alpha_teq_part3 = ca.sign(alpha_t)
+    alpha_teq = alpha_teq_part2*alpha_teq_part3  # [4.E77] equivalent slip of the trail
     tan_alpha_req = ca.if_else(CONVENTION > 0.5, alpha_r, ca.tan(alpha_r))  # [4.E78] the same as a slip
     slip_alpha_req_part1 = 1e-60 + kappa_share + tan_alpha_req**2
     slip_alpha_req_part2 = ca.sqrt(slip_alpha_req_part1)
     slip_alpha_req = slip_alpha_req_part2  # [4.E78] size of the equivalent slip
-    alpha_req_part1 = ca.if_else(CONVENTION > 0.5, slip_alpha_req, ca.atan(slip_alpha_req))
-    alpha_req_part2 = ca.sign(alpha_r)
-    alpha_req = alpha_req_part1*alpha_req_part2  # [4.E78] equivalent slip of the residual moment
+    alpha_req_part1 = ca.atan(slip_alpha_req)
+    alpha_req_part2 = ca.if_else(CONVENTION > 0.5, slip_alpha_req, alpha_req_part1)
+    alpha_req_part3 = ca.sign(alpha_r)
+    alpha_req = alpha_req_part2*alpha_req_part3  # [4.E78] equivalent slip of the residual moment
     trail_u = B_t*alpha_teq  # [4.1] B x
     trail_v_part1 = ca.atan(trail_u)
     trail_v_part2 = trail_u - trail_v_part1
@@ -2329,91 +2428,61 @@ def jacobian_inputs(inputs, parameters):
     M_y_full_part6 = M_y_speed + M_y_full_part5*gamma_in**2
     M_y_full_part7 = ca.if_else(CONVENTION > 0.5, F_z_limited, FNOMIN)
     M_y_full = -LMY*M_y_full_part1*M_y_full_part4*M_y_full_part6*M_y_full_part7*UNLOADED_RADIUS  # [4.E70] rolling resistance moment of the rolling wheel
+    M_y_rolling_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
 
     # Partial derivatives of each line
     fade_shared1 = ca.fabs(V)
-    fade_shared2 = VXLOW >= fade_shared1
-    fade_shared3 = LIMITS > 0.5
-    fade_by_V = ca.if_else(fade_shared3, ca.if_else(fade_shared2, ca.sign(V)/VXLOW, 0), 0)
+    fade_by_V = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW >= fade_shared1, ca.sign(V)/VXLOW, 0), 0)
     fade_smooth_shared1 = ca.pi/VXLOW
     fade_smooth_shared2 = 0.5*ca.sin(V*fade_smooth_shared1)
-    fade_smooth_shared3 = VXLOW >= ca.fabs(V)
-    fade_smooth_shared4 = LIMITS > 0.5
-    fade_smooth_by_V = ca.if_else(fade_smooth_shared4, ca.if_else(fade_smooth_shared3, fade_smooth_shared1*fade_smooth_shared2, 0), 0)
+    fade_smooth_by_V = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW >= ca.fabs(V), fade_smooth_shared1*fade_smooth_shared2, 0), 0)
     phit_in_shared1 = ca.if_else(V < 0, -1, 1)
-    phit_in_shared2 = LIMITS > 0.5
     phit_in_shared3 = phit_in_shared1*ca.cos(alpha)
-    phit_in_by_alpha = ca.if_else(phit_in_shared2, -fade*phit*phit_in_shared1*ca.sin(alpha), 0)
-    phit_in_by_fade = ca.if_else(phit_in_shared2, phit*phit_in_shared3, 0)
-    phit_in_by_phit = ca.if_else(phit_in_shared2, fade*phit_in_shared3, 1)
+    phit_in_by_alpha = ca.if_else(LIMITS > 0.5, -fade*phit*phit_in_shared1*ca.sin(alpha), 0)
+    phit_in_by_fade = ca.if_else(LIMITS > 0.5, phit*phit_in_shared3, 0)
+    phit_in_by_phit = ca.if_else(LIMITS > 0.5, fade*phit_in_shared3, 1)
     speed_sum_shared1 = ca.tan(alpha)
     speed_sum_shared2 = ca.sign(V*speed_sum_shared1)
-    speed_sum_shared3 = LIMITS > 0.5
-    speed_sum_by_V = ca.if_else(speed_sum_shared3, speed_sum_shared1*speed_sum_shared2 + ca.sign(V), 0)
-    speed_sum_by_alpha = ca.if_else(speed_sum_shared3, V*speed_sum_shared2*(1 + speed_sum_shared1**2), 0)
-    alpha_low_shared1 = VXLOW > speed_sum
-    alpha_low_shared2 = LIMITS > 0.5
+    speed_sum_by_V = ca.if_else(LIMITS > 0.5, speed_sum_shared1*speed_sum_shared2 + ca.sign(V), 0)
+    speed_sum_by_alpha = ca.if_else(LIMITS > 0.5, V*speed_sum_shared2*(1 + speed_sum_shared1**2), 0)
     alpha_low_shared3 = 1/VXLOW
-    alpha_low_by_alpha = ca.if_else(alpha_low_shared2, ca.if_else(alpha_low_shared1, alpha_low_shared3*speed_sum, 1), 1)
-    alpha_low_by_speed_sum = ca.if_else(alpha_low_shared2, ca.if_else(alpha_low_shared1, alpha*alpha_low_shared3, 0), 0)
-    kappa_raised_shared1 = KPUMIN > fade*kappa
-    kappa_raised_shared2 = LIMITS > 0.5
-    kappa_raised_by_fade = ca.if_else(kappa_raised_shared2, ca.if_else(kappa_raised_shared1, 0, kappa), 0)
-    kappa_raised_by_kappa = ca.if_else(kappa_raised_shared2, ca.if_else(kappa_raised_shared1, 0, fade), 0)
-    kappa_raised_by_kappa_raised_part1 = ca.if_else(kappa_raised_shared2, 0, 1)
-    kappa_in_shared1 = KPUMAX < kappa_raised
-    kappa_in_shared2 = LIMITS > 0.5
-    kappa_in_by_kappa_raised = ca.if_else(kappa_in_shared2, ca.if_else(kappa_in_shared1, 0, 1), 1)
-    alpha_raised_shared1 = ALPMIN > alpha_low
-    alpha_raised_shared2 = LIMITS > 0.5
-    alpha_raised_by_alpha_low = ca.if_else(alpha_raised_shared2, ca.if_else(alpha_raised_shared1, 0, 1), 1)
-    alpha_in_shared1 = ALPMAX < alpha_raised
-    alpha_in_shared2 = LIMITS > 0.5
-    alpha_in_by_alpha_raised = ca.if_else(alpha_in_shared2, ca.if_else(alpha_in_shared1, 0, 1), 1)
-    gamma_raised_shared1 = CAMMIN > gamma
-    gamma_raised_shared2 = LIMITS > 0.5
-    gamma_raised_by_gamma = ca.if_else(gamma_raised_shared2, ca.if_else(gamma_raised_shared1, 0, 1), 1)
-    gamma_in_shared1 = CAMMAX < gamma_raised
-    gamma_in_shared2 = LIMITS > 0.5
-    gamma_in_by_gamma_raised = ca.if_else(gamma_in_shared2, ca.if_else(gamma_in_shared1, 0, 1), 1)
-    p_raised_shared1 = PRESMIN > p
-    p_raised_shared2 = LIMITS > 0.5
-    p_raised_by_p = ca.if_else(p_raised_shared2, ca.if_else(p_raised_shared1, 0, 1), 1)
-    p_in_shared1 = PRESMAX < p_raised
-    p_in_shared2 = LIMITS > 0.5
-    p_in_by_p_raised = ca.if_else(p_in_shared2, ca.if_else(p_in_shared1, 0, 1), 1)
+    alpha_low_by_alpha = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW > speed_sum, alpha_low_shared3*speed_sum, 1), 1)
+    alpha_low_by_speed_sum = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW > speed_sum, alpha*alpha_low_shared3, 0), 0)
+    kappa_raised_by_fade = ca.if_else(LIMITS > 0.5, ca.if_else(KPUMIN > fade*kappa, 0, kappa), 0)
+    kappa_raised_by_kappa = ca.if_else(LIMITS > 0.5, ca.if_else(KPUMIN > fade*kappa, 0, fade), 0)
+    kappa_raised_by_kappa_raised_part1 = ca.if_else(LIMITS > 0.5, 0, 1)
+    kappa_in_by_kappa_raised = ca.if_else(LIMITS > 0.5, ca.if_else(KPUMAX < kappa_raised, 0, 1), 1)
+    alpha_raised_by_alpha_low = ca.if_else(LIMITS > 0.5, ca.if_else(ALPMIN > alpha_low, 0, 1), 1)
+    alpha_in_by_alpha_raised = ca.if_else(LIMITS > 0.5, ca.if_else(ALPMAX < alpha_raised, 0, 1), 1)
+    gamma_raised_by_gamma = ca.if_else(LIMITS > 0.5, ca.if_else(CAMMIN > gamma, 0, 1), 1)
+    gamma_in_by_gamma_raised = ca.if_else(LIMITS > 0.5, ca.if_else(CAMMAX < gamma_raised, 0, 1), 1)
+    p_raised_by_p = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMIN > p, 0, 1), 1)
+    p_in_by_p_raised = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMAX < p_raised, 0, 1), 1)
     F_z_by_Fz = ca.if_else(Fz < 0, 0, 1)
-    F_z_limited_shared1 = FZMAX < F_z
-    F_z_limited_shared2 = LIMITS > 0.5
-    F_z_limited_by_F_z = ca.if_else(F_z_limited_shared2, ca.if_else(F_z_limited_shared1, 0, 1), 1)
-    F_zl_shared1 = FZMIN > F_z_limited
-    F_zl_shared2 = LIMITS > 0.5
-    F_zl_by_F_z_limited = ca.if_else(F_zl_shared2, ca.if_else(F_zl_shared1, 0, 1), 1)
-    F_zm_shared1 = LIMITS > 0.5
-    F_zm_by_F_z_limited = ca.if_else(F_zm_shared1, 0, 1)
-    F_zm_by_F_zl = ca.if_else(F_zm_shared1, ca.if_else(F_z_limited <= 0, 0, 1), 0)
+    F_z_limited_by_F_z = ca.if_else(LIMITS > 0.5, ca.if_else(FZMAX < F_z, 0, 1), 1)
+    F_zl_by_F_z_limited = ca.if_else(LIMITS > 0.5, ca.if_else(FZMIN > F_z_limited, 0, 1), 1)
+    F_zm_by_F_z_limited = ca.if_else(LIMITS > 0.5, 0, 1)
+    F_zm_by_F_zl = ca.if_else(LIMITS > 0.5, ca.if_else(F_z_limited <= 0, 0, 1), 0)
     tan_alpha_by_alpha_in = 1 + tan_alpha**2
     V_c_part1_by_tan_alpha = 2*tan_alpha
     V_c_part2_by_V_c_part1 = 0.5/V_c_part2
     V_c_part3_by_V = ca.sign(V)
     cos_alpha_part2_by_cos_alpha_part1 = -cos_alpha_part2**2
-    alpha_star_shared1 = SLIP_ANGLE > 0.5
-    alpha_star_by_alpha_in = ca.if_else(alpha_star_shared1, 1, 0)
-    alpha_star_by_tan_alpha = ca.if_else(alpha_star_shared1, 0, ca.sign(V))
-    gamma_star_by_gamma_in = ca.if_else(SLIP_ANGLE > 0.5, 1, ca.cos(gamma_in))
+    alpha_star_by_alpha_in = ca.if_else(SLIP_ANGLE > 0.5, 1, 0)
+    alpha_star_by_alpha_star_part2 = ca.if_else(SLIP_ANGLE > 0.5, 0, 1)
+    gamma_star_part1_by_gamma_in = ca.cos(gamma_in)
+    gamma_star_by_gamma_in = ca.if_else(SLIP_ANGLE > 0.5, 1, 0)
+    gamma_star_by_gamma_star_part1 = ca.if_else(SLIP_ANGLE > 0.5, 0, 1)
     slide_shared1 = 1/LONGVL
     slide_shared2 = ca.sqrt(1e-60 + kappa_in**2 + tan_alpha**2)
     slide_shared3 = ca.fabs(V)
-    slide_shared5 = CONVENTION > 0.5
     slide_shared6 = LMUV*slide_shared1
     slide_shared7 = slide_shared3*slide_shared6/slide_shared2
-    slide_by_V = ca.if_else(slide_shared5, slide_shared2*slide_shared6*ca.sign(V), 0)
-    slide_by_kappa_in = ca.if_else(slide_shared5, kappa_in*slide_shared7, 0)
-    slide_by_tan_alpha = ca.if_else(slide_shared5, slide_shared7*tan_alpha, 0)
-    LMUX_star_shared1 = CONVENTION > 0.5
-    LMUX_star_by_slide = ca.if_else(LMUX_star_shared1, -LMUX/slide**2, 0)
-    LMUY_star_shared1 = CONVENTION > 0.5
-    LMUY_star_by_slide = ca.if_else(LMUY_star_shared1, -LMUY/slide**2, 0)
+    slide_by_V = ca.if_else(CONVENTION > 0.5, slide_shared2*slide_shared6*ca.sign(V), 0)
+    slide_by_kappa_in = ca.if_else(CONVENTION > 0.5, kappa_in*slide_shared7, 0)
+    slide_by_tan_alpha = ca.if_else(CONVENTION > 0.5, slide_shared7*tan_alpha, 0)
+    LMUX_star_by_slide = ca.if_else(CONVENTION > 0.5, -LMUX/slide**2, 0)
+    LMUY_star_by_slide = ca.if_else(CONVENTION > 0.5, -LMUY/slide**2, 0)
     LMUX_shift_by_LMUX_star = ca.if_else(CONVENTION > 0.5, 10/(1 + 9*LMUX_star) - 90*LMUX_star/(1 + 9*LMUX_star)**2, 1)
     LMUY_shift_by_LMUY_star = ca.if_else(CONVENTION > 0.5, 10/(1 + 9*LMUY_star) - 90*LMUY_star/(1 + 9*LMUY_star)**2, 1)
     sink_part1_by_c_zn = -sink_part1**2
@@ -2443,10 +2512,8 @@ def jacobian_inputs(inputs, parameters):
     omega_by_V = omega_part1*omega_part2
     omega_by_omega_part1 = V*omega_part2
     omega_by_omega_part2 = V*omega_part1
-    V_spin_shared1 = VXLOW > ca.fabs(V)
-    V_spin_shared2 = CONVENTION > 0.5
-    V_spin_by_V = ca.if_else(V_spin_shared1, 0, ca.if_else(V_spin_shared2, 1, 0))
-    V_spin_by_V_c = ca.if_else(V_spin_shared1, 0, ca.if_else(V_spin_shared2, 0, 1))
+    V_spin_by_V = ca.if_else(VXLOW > ca.fabs(V), 0, ca.if_else(CONVENTION > 0.5, 1, 0))
+    V_spin_by_V_c = ca.if_else(VXLOW > ca.fabs(V), 0, ca.if_else(CONVENTION > 0.5, 0, 1))
     phi_shared1 = phi_part2*phi_part3
     phi_shared2 = omega*phi_part1
     phi_part1_by_V_spin = -phi_part1**2
@@ -2460,18 +2527,16 @@ def jacobian_inputs(inputs, parameters):
     B_xphi_part3_by_B_xphi_part2 = -B_xphi_part3**2
     B_xphi_by_B_xphi_part3 = B_xphi_part4*PDXP1
     B_xphi_by_B_xphi_part4 = B_xphi_part3*PDXP1
-    zeta_1_shared1 = phit_in == 0
     zeta_1_shared2 = R_0_phi**2
     zeta_1_shared3 = B_xphi**2
     zeta_1_shared4 = (1 + zeta_1_shared2*zeta_1_shared3)**(-1.5)
-    zeta_1_by_B_xphi = ca.if_else(zeta_1_shared1, 0, -B_xphi*zeta_1_shared2*zeta_1_shared4)
-    zeta_1_by_R_0_phi = ca.if_else(zeta_1_shared1, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared4)
+    zeta_1_by_B_xphi = ca.if_else(phit_in == 0, 0, -B_xphi*zeta_1_shared2*zeta_1_shared4)
+    zeta_1_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared4)
     B_yphi_part1_by_tan_alpha = 2*tan_alpha*PDYP3**2
     B_yphi_part2_by_B_yphi_part1 = 0.5/B_yphi_part2
     B_yphi_part3_by_B_yphi_part2 = -B_yphi_part3**2
     B_yphi_by_B_yphi_part3 = B_yphi_part4*PDYP1
     B_yphi_by_B_yphi_part4 = B_yphi_part3*PDYP1
-    zeta_2_shared1 = phit_in == 0
     zeta_2_shared2 = ca.fabs(R_0_phi)
     zeta_2_shared3 = ca.sqrt(1e-60 + zeta_2_shared2)
     zeta_2_shared4 = zeta_2_shared2 + PDYP4*zeta_2_shared3
@@ -2480,23 +2545,20 @@ def jacobian_inputs(inputs, parameters):
     zeta_2_shared7 = (1 + zeta_2_shared5*zeta_2_shared6)**(-1.5)
     zeta_2_shared8 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared7
     zeta_2_shared9 = ca.sign(R_0_phi)
-    zeta_2_by_B_yphi = ca.if_else(zeta_2_shared1, 0, -B_yphi*zeta_2_shared5*zeta_2_shared7)
-    zeta_2_by_R_0_phi = ca.if_else(zeta_2_shared1, 0, -0.5*zeta_2_shared8*(2*zeta_2_shared9 + PDYP4*zeta_2_shared9/zeta_2_shared3))
-    zeta_3_shared1 = phit_in == 0
+    zeta_2_by_B_yphi = ca.if_else(phit_in == 0, 0, -B_yphi*zeta_2_shared5*zeta_2_shared7)
+    zeta_2_by_R_0_phi = ca.if_else(phit_in == 0, 0, -0.5*zeta_2_shared8*(2*zeta_2_shared9 + PDYP4*zeta_2_shared9/zeta_2_shared3))
     zeta_3_shared2 = R_0_phi**4
     zeta_3_shared3 = PKYP1**2
     zeta_3_shared4 = (1 + zeta_3_shared2*zeta_3_shared3)**(-1.5)
-    zeta_3_by_R_0_phi = ca.if_else(zeta_3_shared1, 0, -2*zeta_3_shared3*zeta_3_shared4*R_0_phi**3)
-    zeta_5_shared1 = phit_in == 0
+    zeta_3_by_R_0_phi = ca.if_else(phit_in == 0, 0, -2*zeta_3_shared3*zeta_3_shared4*R_0_phi**3)
     zeta_5_shared2 = R_0_phi**2
     zeta_5_shared3 = QDTP1**2
     zeta_5_shared4 = (1 + zeta_5_shared2*zeta_5_shared3)**(-1.5)
-    zeta_5_by_R_0_phi = ca.if_else(zeta_5_shared1, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared4)
-    zeta_6_shared1 = phit_in == 0
+    zeta_5_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared4)
     zeta_6_shared2 = R_0_phi**2
     zeta_6_shared3 = QBRP1**2
     zeta_6_shared4 = (1 + zeta_6_shared2*zeta_6_shared3)**(-1.5)
-    zeta_6_by_R_0_phi = ca.if_else(zeta_6_shared1, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared4)
+    zeta_6_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared4)
     S_Hx_by_S_Hx_part1 = LHX*fade_smooth
     S_Hx_by_fade_smooth = LHX*S_Hx_part1
     mu_x_loaded_shared1 = mu_x_loaded_part2*mu_x_loaded_part3
@@ -2511,16 +2573,16 @@ def jacobian_inputs(inputs, parameters):
     D_x_by_F_z_limited = mu_x*zeta_1
     D_x_by_mu_x = F_z_limited*zeta_1
     D_x_by_zeta_1 = F_z_limited*mu_x
-    E_x_shared1 = ca.sign(kappa_x)
-    E_x_shared2 = 1 - E_x_shared1*PEX4
-    E_x_shared3 = dfz**2
-    E_x_shared4 = PEX1 + E_x_shared3*PEX3 + PEX2*dfz
-    E_x_shared5 = E_x_shared2*E_x_shared4
-    E_x_shared6 = E_x_shared5*LEX > 1
-    E_x_shared7 = LIMITS > 0.5
-    E_x_shared8 = E_x_shared2*LEX
-    E_x_shared12 = E_x_shared8*(PEX2 + 2*PEX3*dfz)
-    E_x_by_dfz = ca.if_else(E_x_shared7, ca.if_else(E_x_shared6, 0, E_x_shared12), E_x_shared12)
+    E_x_shared1 = dfz**2
+    E_x_shared2 = PEX2 + 2*PEX3*dfz
+    E_x_shared4 = ca.sign(kappa_x)
+    E_x_shared5 = 1 - E_x_shared4*PEX4
+    E_x_shared6 = PEX1 + E_x_shared1*PEX3 + PEX2*dfz
+    E_x_shared7 = E_x_shared5*E_x_shared6
+    E_x_shared9 = E_x_shared5*LEX
+    E_x_part4_by_E_x_part3 = E_x_part2*LEX
+    E_x_by_E_x_part4 = ca.if_else(LIMITS > 0.5, 0, 1)
+    E_x_by_dfz = ca.if_else(LIMITS > 0.5, ca.if_else(E_x_shared7*LEX > 1, 0, E_x_shared2*E_x_shared9), 0)
     K_xkappa_shared1 = K_xkappa_part2*K_xkappa_part4*LKX
     K_xkappa_shared2 = F_z_limited*K_xkappa_part1*LKX
     K_xkappa_part2_by_dpi = PPX1 + 2*PPX2*dpi
@@ -2597,10 +2659,9 @@ def jacobian_inputs(inputs, parameters):
     S_Vygamma_by_S_Vygamma_part1 = LMUY_shift*S_Vygamma_shared2
     S_Vygamma_by_gamma_star = S_Vygamma_shared3*zeta_2
     S_Vygamma_by_zeta_2 = S_Vygamma_shared3*gamma_star
-    zeta_4_shared1 = phit_in == 0
-    zeta_4_by_K_yalpha1 = ca.if_else(zeta_4_shared1, 0, S_Vygamma/K_yalpha1**2)
-    zeta_4_by_S_Hyphi = ca.if_else(zeta_4_shared1, 0, 1)
-    zeta_4_by_S_Vygamma = ca.if_else(zeta_4_shared1, 0, -1/K_yalpha1)
+    zeta_4_by_K_yalpha1 = ca.if_else(phit_in == 0, 0, S_Vygamma/K_yalpha1**2)
+    zeta_4_by_S_Hyphi = ca.if_else(phit_in == 0, 0, 1)
+    zeta_4_by_S_Vygamma = ca.if_else(phit_in == 0, 0, -1/K_yalpha1)
     S_Hy_part2_by_K_yalpha1 = -S_Hy_part2**2
     S_Hy_part4_by_S_Hy_part2 = S_Hy_part3*zeta_0
     S_Hy_part4_by_S_Hy_part3 = S_Hy_part2*zeta_0
@@ -2615,19 +2676,19 @@ def jacobian_inputs(inputs, parameters):
     D_y_by_F_z_limited = mu_y_loaded*zeta_2
     D_y_by_mu_y_loaded = F_z_limited*zeta_2
     D_y_by_zeta_2 = F_z_limited*mu_y_loaded
-    E_y_shared1 = PEY1 + PEY2*dfz
-    E_y_shared2 = gamma_star**2
-    E_y_shared3 = ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))
-    E_y_shared4 = 1 + E_y_shared2*PEY5 - E_y_shared3*(PEY3 + PEY4*gamma_star)
-    E_y_shared5 = E_y_shared1*E_y_shared4
-    E_y_shared6 = E_y_shared5*LEY > 1
-    E_y_shared7 = LIMITS > 0.5
-    E_y_shared8 = E_y_shared4*LEY
-    E_y_shared10 = E_y_shared1*LEY
-    E_y_shared15 = E_y_shared8*PEY2
-    E_y_shared16 = E_y_shared10*(-E_y_shared3*PEY4 + 2*PEY5*gamma_star)
-    E_y_by_dfz = ca.if_else(E_y_shared7, ca.if_else(E_y_shared6, 0, E_y_shared15), E_y_shared15)
-    E_y_by_gamma_star = ca.if_else(E_y_shared7, ca.if_else(E_y_shared6, 0, E_y_shared16), E_y_shared16)
+    E_y_shared1 = gamma_star**2
+    E_y_shared3 = PEY1 + PEY2*dfz
+    E_y_shared4 = ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))
+    E_y_shared5 = 1 + E_y_shared1*PEY5 - E_y_shared4*(PEY3 + PEY4*gamma_star)
+    E_y_shared6 = E_y_shared3*E_y_shared5
+    E_y_shared8 = E_y_shared5*LEY
+    E_y_shared9 = E_y_shared3*LEY
+    E_y_part4_by_gamma_star = 2*PEY5*gamma_star
+    E_y_part5_by_E_y_part1 = E_y_part4*LEY
+    E_y_part5_by_E_y_part4 = E_y_part1*LEY
+    E_y_by_E_y_part5 = ca.if_else(LIMITS > 0.5, 0, 1)
+    E_y_by_dfz = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_shared6*LEY > 1, 0, E_y_shared8*PEY2), 0)
+    E_y_by_gamma_star = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_shared6*LEY > 1, 0, E_y_shared9*(-E_y_shared4*PEY4 + 2*PEY5*gamma_star)), 0)
     B_y_part3_by_B_y_part2 = -B_y_part3**2
     S_Vy_shared1 = LVY*S_Vy_part1*zeta_2
     S_Vy_shared2 = F_z_limited*LMUY_shift*zeta_2
@@ -2646,15 +2707,14 @@ def jacobian_inputs(inputs, parameters):
     D_y_g0_by_F_z_limited = mu_y_loaded_g0*zeta_2
     D_y_g0_by_mu_y_loaded_g0 = F_z_limited*zeta_2
     D_y_g0_by_zeta_2 = F_z_limited*mu_y_loaded_g0
-    E_y_g0_shared1 = PEY1 + PEY2*dfz
-    E_y_g0_shared2 = ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0))
-    E_y_g0_shared3 = 1 - E_y_g0_shared2*PEY3
-    E_y_g0_shared4 = E_y_g0_shared1*E_y_g0_shared3
-    E_y_g0_shared5 = E_y_g0_shared4*LEY > 1
-    E_y_g0_shared6 = LIMITS > 0.5
-    E_y_g0_shared7 = E_y_g0_shared3*LEY
-    E_y_g0_shared10 = E_y_g0_shared7*PEY2
-    E_y_g0_by_dfz = ca.if_else(E_y_g0_shared6, ca.if_else(E_y_g0_shared5, 0, E_y_g0_shared10), E_y_g0_shared10)
+    E_y_g0_shared2 = PEY1 + PEY2*dfz
+    E_y_g0_shared3 = ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0))
+    E_y_g0_shared4 = 1 - E_y_g0_shared3*PEY3
+    E_y_g0_shared5 = E_y_g0_shared2*E_y_g0_shared4
+    E_y_g0_shared7 = E_y_g0_shared4*LEY
+    E_y_g0_part4_by_E_y_g0_part3 = E_y_g0_part2*LEY
+    E_y_g0_by_E_y_g0_part4 = ca.if_else(LIMITS > 0.5, 0, 1)
+    E_y_g0_by_dfz = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_g0_shared5*LEY > 1, 0, E_y_g0_shared7*PEY2), 0)
     B_y_g0_part3_by_B_y_g0_part2 = -B_y_g0_part3**2
     S_Vy_g0_shared1 = LVY*S_Vy_g0_part1*fade_smooth*zeta_2
     S_Vy_g0_shared2 = F_z_limited*LMUY_shift*fade_smooth*zeta_2
@@ -2674,10 +2734,8 @@ def jacobian_inputs(inputs, parameters):
     B_xalpha_part4_by_gamma_star = 2*RBX3*gamma_star
     B_xalpha_by_B_xalpha_part3 = B_xalpha_part4*LXAL
     B_xalpha_by_B_xalpha_part4 = B_xalpha_part3*LXAL
-    E_xalpha_shared1 = LIMITS > 0.5
-    E_xalpha_shared2 = REX1 + REX2*dfz > 1
-    E_xalpha_by_E_xalpha_part1 = ca.if_else(E_xalpha_shared1, 0, 1)
-    E_xalpha_by_dfz = ca.if_else(E_xalpha_shared1, ca.if_else(E_xalpha_shared2, 0, REX2), 0)
+    E_xalpha_by_E_xalpha_part1 = ca.if_else(LIMITS > 0.5, 0, 1)
+    E_xalpha_by_dfz = ca.if_else(LIMITS > 0.5, ca.if_else(REX1 + REX2*dfz > 1, 0, REX2), 0)
     G_xa_v_part1_by_G_xa_u = 1/(1 + G_xa_u**2)
     G_xa_w_part1_by_G_xa_v = 1/(1 + G_xa_v**2)
     G_xa0_v_part1_by_G_xa0_u = 1/(1 + G_xa0_u**2)
@@ -2685,10 +2743,8 @@ def jacobian_inputs(inputs, parameters):
     G_xa_part1_by_G_xa0_w = -ca.sin(G_xa0_w)
     G_xa_part2_by_G_xa_part1 = -G_xa_part2**2
     G_xa_part3_by_G_xa_w = -ca.sin(G_xa_w)
-    E_ykappa_shared1 = LIMITS > 0.5
-    E_ykappa_shared2 = REY1 + REY2*dfz > 1
-    E_ykappa_by_E_ykappa_part1 = ca.if_else(E_ykappa_shared1, 0, 1)
-    E_ykappa_by_dfz = ca.if_else(E_ykappa_shared1, ca.if_else(E_ykappa_shared2, 0, REY2), 0)
+    E_ykappa_by_E_ykappa_part1 = ca.if_else(LIMITS > 0.5, 0, 1)
+    E_ykappa_by_dfz = ca.if_else(LIMITS > 0.5, ca.if_else(REY1 + REY2*dfz > 1, 0, REY2), 0)
     B_ykappa_part2_by_B_ykappa_part1 = 2*B_ykappa_part1*RBY2**2
     B_ykappa_part3_by_B_ykappa_part2 = 0.5/B_ykappa_part3
     B_ykappa_part4_by_B_ykappa_part3 = -B_ykappa_part4**2
@@ -2730,29 +2786,32 @@ def jacobian_inputs(inputs, parameters):
     G_yk_g00_v_part1_by_G_yk_g00_u = 1/(1 + G_yk_g00_u**2)
     G_yk_g00_w_part1_by_G_yk_g00_v = 1/(1 + G_yk_g00_v**2)
     alpha_r_part1_by_K_yalpha1 = -alpha_r_part1**2
-    B_t_shared1 = CONVENTION > 0.5
-    B_t_shared2 = B_t_part3*LKY
+    B_t_shared2 = B_t_part7*LKY
     B_t_shared3 = B_t_part1*B_t_part2
     B_t_part1_by_LMUY_star = -B_t_part1**2
     B_t_part2_by_dfz = QBZ2 + 2*QBZ3*dfz
-    B_t_part3_by_gamma_in = ca.if_else(B_t_shared1, 0, QBZ4 + QBZ5*ca.sign(gamma_in))
-    B_t_part3_by_gamma_star = ca.if_else(B_t_shared1, QBZ5*ca.sign(gamma_star) + 2*QBZ6*gamma_star, 0)
+    B_t_part3_by_gamma_star = ca.sign(gamma_star)
+    B_t_part4_by_gamma_star = 2*QBZ6*gamma_star
+    B_t_part5_by_gamma_in = ca.sign(gamma_in)
+    B_t_part7_by_B_t_part4 = ca.if_else(CONVENTION > 0.5, 1, 0)
+    B_t_part7_by_B_t_part6 = ca.if_else(CONVENTION > 0.5, 0, 1)
     B_t_by_B_t_part1 = B_t_part2*B_t_shared2
     B_t_by_B_t_part2 = B_t_part1*B_t_shared2
-    B_t_by_B_t_part3 = B_t_shared3*LKY
+    B_t_by_B_t_part7 = B_t_shared3*LKY
     D_t_shared1 = 2*QDZ4
-    D_t_shared2 = CONVENTION > 0.5
-    D_t_shared3 = D_t_part3*D_t_part5*D_t_part6*F_zm*LTR*UNLOADED_RADIUS*zeta_5
-    D_t_shared4 = D_t_part1*D_t_part2*D_t_part6*F_zm*LTR*UNLOADED_RADIUS*zeta_5
-    D_t_shared5 = D_t_part1*D_t_part2*D_t_part3*D_t_part5*LTR*UNLOADED_RADIUS*zeta_5
-    D_t_part4_by_gamma_in = QDZ3 + D_t_shared1*gamma_in
-    D_t_part5_by_D_t_part4 = ca.if_else(D_t_shared2, 0, 1)
-    D_t_part5_by_gamma_star = ca.if_else(D_t_shared2, D_t_shared1*gamma_star + QDZ3*ca.sign(gamma_star), 0)
-    D_t_by_D_t_part2 = D_t_part1*D_t_shared3
-    D_t_by_D_t_part3 = D_t_part5*D_t_shared4
-    D_t_by_D_t_part5 = D_t_part3*D_t_shared4
-    D_t_by_F_zm = D_t_part6*D_t_shared5
-    D_t_by_zeta_5 = D_t_part1*D_t_part2*D_t_part3*D_t_part5*D_t_part6*F_zm*LTR*UNLOADED_RADIUS
+    D_t_shared3 = ca.if_else(CONVENTION > 0.5, 1, 0)
+    D_t_shared4 = D_t_part3*D_t_part7*D_t_part9*F_zm*LTR*UNLOADED_RADIUS*zeta_5
+    D_t_shared5 = D_t_part1*D_t_part2*D_t_part9*F_zm*LTR*UNLOADED_RADIUS*zeta_5
+    D_t_shared6 = D_t_part1*D_t_part2*D_t_part3*D_t_part7*LTR*UNLOADED_RADIUS*zeta_5
+    D_t_part4_by_gamma_star = ca.sign(gamma_star)
+    D_t_part5_by_gamma_star = D_t_shared1*gamma_star
+    D_t_part6_by_gamma_in = QDZ3 + D_t_shared1*gamma_in
+    D_t_part7_by_D_t_part6 = ca.if_else(CONVENTION > 0.5, 0, 1)
+    D_t_by_D_t_part2 = D_t_part1*D_t_shared4
+    D_t_by_D_t_part3 = D_t_part7*D_t_shared5
+    D_t_by_D_t_part7 = D_t_part3*D_t_shared5
+    D_t_by_F_zm = D_t_part9*D_t_shared6
+    D_t_by_zeta_5 = D_t_part1*D_t_part2*D_t_part3*D_t_part7*D_t_part9*F_zm*LTR*UNLOADED_RADIUS
     E_t_shared1 = dfz**2
     E_t_shared2 = QEZ1 + E_t_shared1*QEZ3 + QEZ2*dfz
     E_t_shared3 = 2*gamma_star
@@ -2760,20 +2819,18 @@ def jacobian_inputs(inputs, parameters):
     E_t_shared6 = C_t*alpha_t
     E_t_shared7 = ca.atan(B_t*E_t_shared6)/ca.pi
     E_t_shared8 = 1 + E_t_shared4*E_t_shared7
-    E_t_shared9 = E_t_shared2*E_t_shared8 > 1
     E_t_shared10 = E_t_shared2*E_t_shared4/(ca.pi*(1 + B_t**2*C_t**2*alpha_t**2))
     E_t_shared11 = E_t_shared10*E_t_shared6
-    E_t_shared12 = LIMITS > 0.5
     E_t_shared13 = B_t*E_t_shared10
     E_t_shared17 = E_t_shared2*E_t_shared7
     E_t_shared18 = 2*E_t_shared17
     E_t_shared20 = C_t*E_t_shared13
     E_t_shared21 = E_t_shared8*(QEZ2 + 2*QEZ3*dfz)
     E_t_shared22 = E_t_shared18*QEZ5
-    E_t_by_B_t = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared11), E_t_shared11)
-    E_t_by_alpha_t = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared20), E_t_shared20)
-    E_t_by_dfz = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared21), E_t_shared21)
-    E_t_by_gamma_star = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared22), E_t_shared22)
+    E_t_by_B_t = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared11), E_t_shared11)
+    E_t_by_alpha_t = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared20), E_t_shared20)
+    E_t_by_dfz = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared21), E_t_shared21)
+    E_t_by_gamma_star = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared22), E_t_shared22)
     B_r_part1_by_LMUY_star = -B_r_part1**2
     B_r_part2_by_B_r_part1 = LKY*QBZ9
     B_r_part2_by_B_y = C_y*QBZ10
@@ -2785,18 +2842,15 @@ def jacobian_inputs(inputs, parameters):
     M_zphi_inf_signed_by_M_zphi_inf_signed_part3 = M_zphi_inf_signed_part4*M_zphi_inf_signed_shared2
     M_zphi_inf_signed_by_M_zphi_inf_signed_part4 = M_zphi_inf_signed_part3*M_zphi_inf_signed_shared2
     M_zphi_inf_by_M_zphi_inf_signed = ca.if_else(M_zphi_inf_signed <= 0, 0, 1)
-    K_zgammar0_shared1 = ca.fabs(gamma_star)
-    K_zgammar0_shared2 = CONVENTION > 0.5
-    K_zgammar0_shared3 = ca.fabs(gamma_in)
-    K_zgammar0_shared4 = SIGNS > 0.5
-    K_zgammar0_shared5 = QDZ8*QDZ9
-    K_zgammar0_shared6 = QDZ11*dfz
-    K_zgammar0_shared7 = LKZC*UNLOADED_RADIUS
-    K_zgammar0_part1_by_dfz = ca.if_else(K_zgammar0_shared2, QDZ9 + K_zgammar0_shared1*QDZ11, K_zgammar0_shared3*QDZ11 + ca.if_else(K_zgammar0_shared4, -K_zgammar0_shared5, K_zgammar0_shared5))
-    K_zgammar0_part1_by_gamma_in = ca.if_else(K_zgammar0_shared2, 0, K_zgammar0_shared6*ca.sign(gamma_in))
-    K_zgammar0_part1_by_gamma_star = ca.if_else(K_zgammar0_shared2, (K_zgammar0_shared6 + QDZ10)*ca.sign(gamma_star), 0)
-    K_zgammar0_by_F_zm = K_zgammar0_part1*K_zgammar0_shared7
-    K_zgammar0_by_K_zgammar0_part1 = F_zm*K_zgammar0_shared7
+    K_zgammar0_shared2 = ca.fabs(gamma_in)
+    K_zgammar0_shared4 = QDZ8*QDZ9
+    K_zgammar0_shared5 = LKZC*UNLOADED_RADIUS
+    K_zgammar0_part2_by_gamma_star = ca.sign(gamma_star)
+    K_zgammar0_part4_by_K_zgammar0_part3 = ca.if_else(CONVENTION > 0.5, 1, 0)
+    K_zgammar0_part4_by_dfz = ca.if_else(CONVENTION > 0.5, 0, K_zgammar0_shared2*QDZ11 + ca.if_else(SIGNS > 0.5, -K_zgammar0_shared4, K_zgammar0_shared4))
+    K_zgammar0_part4_by_gamma_in = ca.if_else(CONVENTION > 0.5, 0, QDZ11*dfz*ca.sign(gamma_in))
+    K_zgammar0_by_F_zm = K_zgammar0_part4*K_zgammar0_shared5
+    K_zgammar0_by_K_zgammar0_part4 = F_zm*K_zgammar0_shared5
     B_Drphi_shared1 = B_Drphi_part4*K_zgammar0
     B_Drphi_shared2 = B_Drphi_part1*B_Drphi_part2
     B_Drphi_part1_by_D_Drphi = -B_Drphi_part1**2
@@ -2816,14 +2870,12 @@ def jacobian_inputs(inputs, parameters):
     M_zphi90_by_M_zphi90_part3 = G_yk*M_zphi90_shared2
     M_zphi90_by_M_zphi_inf = 2*G_yk*M_zphi90_part3/ca.pi
     D_rphi_size_by_D_rphi = ca.if_else(D_rphi == 0, 0, ca.sign(D_rphi))
-    zeta_7_cosine_shared1 = D_rphi == 0
-    zeta_7_cosine_by_D_rphi_size = ca.if_else(zeta_7_cosine_shared1, 0, -M_zphi90/D_rphi_size**2)
-    zeta_7_cosine_by_M_zphi90 = ca.if_else(zeta_7_cosine_shared1, 0, 1/D_rphi_size)
+    zeta_7_cosine_by_D_rphi_size = ca.if_else(D_rphi == 0, 0, -M_zphi90/D_rphi_size**2)
+    zeta_7_cosine_by_M_zphi90 = ca.if_else(D_rphi == 0, 0, 1/D_rphi_size)
     zeta_7_cosine_size_by_zeta_7_cosine = ca.sign(zeta_7_cosine)
     zeta_7_below_1_by_zeta_7_cosine = ca.if_else(zeta_7_cosine_size >= 1, 0, 1)
     zeta_7_above_1_by_zeta_7_cosine_size = ca.if_else(zeta_7_cosine_size > 1, 1, 0)
-    zeta_7_shared1 = zeta_7_cosine_size >= 1
-    zeta_7_by_zeta_7_below_1 = ca.if_else(zeta_7_shared1, 0, -2/(ca.pi*ca.sqrt(1 - zeta_7_below_1**2)))
+    zeta_7_by_zeta_7_below_1 = ca.if_else(zeta_7_cosine_size >= 1, 0, -2/(ca.pi*ca.sqrt(1 - zeta_7_below_1**2)))
     zeta_7_imaginary_part1_by_zeta_7_above_1 = 2*zeta_7_above_1
     zeta_7_imaginary_part2_by_zeta_7_imaginary_part1 = 0.5/zeta_7_imaginary_part2
     zeta_7_imaginary_part4_by_zeta_7_imaginary_part3 = 1/zeta_7_imaginary_part3
@@ -2853,11 +2905,15 @@ def jacobian_inputs(inputs, parameters):
     tan_alpha_teq_by_alpha_t = ca.if_else(CONVENTION > 0.5, 1, 1 + ca.tan(alpha_t)**2)
     slip_alpha_teq_part1_by_tan_alpha_teq = 2*tan_alpha_teq
     slip_alpha_teq_part2_by_slip_alpha_teq_part1 = 0.5/slip_alpha_teq_part2
-    alpha_teq_part1_by_slip_alpha_teq = ca.if_else(CONVENTION > 0.5, 1, 1/(1 + slip_alpha_teq**2))
+    alpha_teq_part1_by_slip_alpha_teq = 1/(1 + slip_alpha_teq**2)
+    alpha_teq_part2_by_alpha_teq_part1 = ca.if_else(CONVENTION > 0.5, 0, 1)
+    alpha_teq_part2_by_slip_alpha_teq = ca.if_else(CONVENTION > 0.5, 1, 0)
     tan_alpha_req_by_alpha_r = ca.if_else(CONVENTION > 0.5, 1, 1 + ca.tan(alpha_r)**2)
     slip_alpha_req_part1_by_tan_alpha_req = 2*tan_alpha_req
     slip_alpha_req_part2_by_slip_alpha_req_part1 = 0.5/slip_alpha_req_part2
-    alpha_req_part1_by_slip_alpha_req = ca.if_else(CONVENTION > 0.5, 1, 1/(1 + slip_alpha_req**2))
+    alpha_req_part1_by_slip_alpha_req = 1/(1 + slip_alpha_req**2)
+    alpha_req_part2_by_alpha_req_part1 = ca.if_else(CONVENTION > 0.5, 0, 1)
+    alpha_req_part2_by_slip_alpha_req = ca.if_else(CONVENTION > 0.5, 1, 0)
     trail_v_part1_by_trail_u = 1/(1 + trail_u**2)
     trail_w_part1_by_trail_v = 1/(1 + trail_v**2)
     trail_shared1 = fade_smooth*trail_part1*trail_part2
@@ -2873,32 +2929,27 @@ def jacobian_inputs(inputs, parameters):
     M_zr_shared1 = alpha_req**2
     M_zr_shared2 = B_r**2
     M_zr_shared3 = (1 + M_zr_shared1*M_zr_shared2)**(-1.5)
-    M_zr_shared4 = phit_in == 0
-    M_zr_part1_by_B_r = ca.if_else(M_zr_shared4, -B_r*M_zr_shared1*M_zr_shared3, 0)
-    M_zr_part1_by_M_zr_spun = ca.if_else(M_zr_shared4, 0, 1)
-    M_zr_part1_by_alpha_req = ca.if_else(M_zr_shared4, -M_zr_shared2*M_zr_shared3*alpha_req, 0)
+    M_zr_part1_by_B_r = ca.if_else(phit_in == 0, -B_r*M_zr_shared1*M_zr_shared3, 0)
+    M_zr_part1_by_M_zr_spun = ca.if_else(phit_in == 0, 0, 1)
+    M_zr_part1_by_alpha_req = ca.if_else(phit_in == 0, -M_zr_shared2*M_zr_shared3*alpha_req, 0)
     M_zr_by_D_r = M_zr_part1*fade_smooth
     M_zr_by_M_zr_part1 = D_r*fade_smooth
     M_zr_by_fade_smooth = D_r*M_zr_part1
-    s_shared1 = CONVENTION > 0.5
     s_shared3 = 1/F_z01
     s_shared4 = 1/FNOMIN
     s_shared5 = SSZ3 + SSZ4*dfz
-    s_part1_by_Fy = ca.if_else(s_shared1, SSZ2*s_shared3, SSZ2*s_shared4)
-    s_part1_by_dfz = ca.if_else(s_shared1, SSZ4*gamma_star, SSZ4*gamma_in)
-    s_part1_by_gamma_in = ca.if_else(s_shared1, 0, s_shared5)
-    s_part1_by_gamma_star = ca.if_else(s_shared1, s_shared5, 0)
+    s_part1_by_Fy = ca.if_else(CONVENTION > 0.5, SSZ2*s_shared3, SSZ2*s_shared4)
+    s_part1_by_dfz = ca.if_else(CONVENTION > 0.5, SSZ4*gamma_star, SSZ4*gamma_in)
+    s_part1_by_gamma_in = ca.if_else(CONVENTION > 0.5, 0, s_shared5)
+    s_part1_by_gamma_star = ca.if_else(CONVENTION > 0.5, s_shared5, 0)
     s_by_s_part1 = LS*UNLOADED_RADIUS
     G_yk_g0_part1_by_G_yk_g00_w = -ca.sin(G_yk_g00_w)
     G_yk_g0_part2_by_G_yk_g0_part1 = -G_yk_g0_part2**2
     G_yk_g0_part3_by_G_yk_g0_w = -ca.sin(G_yk_g0_w)
-    F_y1_shared1 = CONVENTION > 0.5
-    F_y1_part1_by_G_yk = ca.if_else(F_y1_shared1, 0, 1)
-    F_y1_part1_by_G_yk_g0 = ca.if_else(F_y1_shared1, 1, 0)
+    F_y1_part1_by_G_yk = ca.if_else(CONVENTION > 0.5, 0, 1)
+    F_y1_part1_by_G_yk_g0 = ca.if_else(CONVENTION > 0.5, 1, 0)
     Mz_by_Mz_part1 = ca.if_else(Fz <= 0, 0, 1)
-    F_zx_shared1 = CONVENTION > 0.5
-    F_zx_shared2 = FZMIN > F_z_limited
-    F_zx_by_F_z_limited = ca.if_else(F_zx_shared1, 1, ca.if_else(F_zx_shared2, 3*F_z_limited**2/FZMIN**2, 1))
+    F_zx_by_F_z_limited = ca.if_else(CONVENTION > 0.5, 1, ca.if_else(FZMIN > F_z_limited, 3*F_z_limited**2/FZMIN**2, 1))
     M_x_hump_shared1 = M_x_hump_part1**2
     M_x_hump_shared2 = 2*QSX6**2
     M_x_hump_part2_by_F_zx = F_zx*M_x_hump_shared1*M_x_hump_shared2
@@ -2909,7 +2960,6 @@ def jacobian_inputs(inputs, parameters):
     M_x_hump_part9_by_M_x_hump_part8 = ca.cos(M_x_hump_part8)
     M_x_hump_by_M_x_hump_part5 = M_x_hump_part9*QSX4
     M_x_hump_by_M_x_hump_part9 = M_x_hump_part5*QSX4
-    Mx_shared1 = Fz <= 0
     Mx_shared2 = FNOMIN**(-2)
     Mx_shared3 = Fy*QSX3
     Mx_shared4 = F_zx**2
@@ -2929,17 +2979,14 @@ def jacobian_inputs(inputs, parameters):
     Mx_shared19 = Mx_shared7*gamma_in
     Mx_shared20 = Mx_shared19*QSX2
     Mx_shared22 = ca.sign(gamma_in)
-    Mx_by_F_zx = ca.if_else(Mx_shared1, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
-    Mx_by_Fy = ca.if_else(Mx_shared1, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_M_x_hump = ca.if_else(Mx_shared1, 0, Mx_shared7)
-    Mx_by_dpi = ca.if_else(Mx_shared1, 0, -Mx_shared20*PPMX1)
-    Mx_by_gamma_in = ca.if_else(Mx_shared1, 0, Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma_in) + Fy*Mx_shared22*QSX14))
-    F_zy_shared1 = CONVENTION > 0.5
-    F_zy_shared2 = FZMIN > F_z
-    F_zy_by_F_z = ca.if_else(F_zy_shared1, 0, ca.if_else(F_zy_shared2, 2*F_z/FZMIN, 1))
-    F_zy_by_F_z_limited = ca.if_else(F_zy_shared1, 1, 0)
-    F_zy_share_shared1 = F_zy <= 0
-    F_zy_share_by_F_zy = ca.if_else(F_zy_share_shared1, 0, 1/FNOMIN)
+    Mx_by_F_zx = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
+    Mx_by_Fy = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_M_x_hump = ca.if_else(Fz <= 0, 0, Mx_shared7)
+    Mx_by_dpi = ca.if_else(Fz <= 0, 0, -Mx_shared20*PPMX1)
+    Mx_by_gamma_in = ca.if_else(Fz <= 0, 0, Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma_in) + Fy*Mx_shared22*QSX14))
+    F_zy_by_F_z = ca.if_else(CONVENTION > 0.5, 0, ca.if_else(FZMIN > F_z, 2*F_z/FZMIN, 1))
+    F_zy_by_F_z_limited = ca.if_else(CONVENTION > 0.5, 1, 0)
+    F_zy_share_by_F_zy = ca.if_else(F_zy <= 0, 0, 1/FNOMIN)
     M_y_speed_part3_by_M_y_speed_part2 = ca.sign(M_y_speed_part2)
     M_y_speed_part6_by_V = 4*V**3
     M_y_speed_by_Fx = M_y_speed_part4*QSY2
@@ -2951,7 +2998,6 @@ def jacobian_inputs(inputs, parameters):
     M_y_near_locked_by_M_y_near_locked_part4 = ca.cos(M_y_near_locked_part4)
     M_y_backward_by_M_y_near_locked = ca.if_else(kappa >= -VXLOW - VXLOW/ca.fabs(V), 1, 0)
     M_y_taper_by_M_y_backward = ca.if_else(CONVENTION > 0.5, 0, ca.if_else(kappa <= -1 + VXLOW/ca.fabs(V), 1, 0))
-    M_y_full_shared1 = CONVENTION > 0.5
     M_y_full_shared2 = M_y_full_part4*M_y_full_part6*M_y_full_part7*UNLOADED_RADIUS
     M_y_full_shared3 = LMY*M_y_full_part1*M_y_full_part7*UNLOADED_RADIUS
     M_y_full_shared4 = LMY*M_y_full_part1*M_y_full_part4*M_y_full_part6
@@ -2959,15 +3005,14 @@ def jacobian_inputs(inputs, parameters):
     M_y_full_part4_by_M_y_full_part3 = QSY8*M_y_full_part3**(-1 + QSY8)
     M_y_full_part6_by_M_y_full_part5 = gamma_in**2
     M_y_full_part6_by_gamma_in = 2*M_y_full_part5*gamma_in
-    M_y_full_part7_by_F_z_limited = ca.if_else(M_y_full_shared1, 1, 0)
+    M_y_full_part7_by_F_z_limited = ca.if_else(CONVENTION > 0.5, 1, 0)
     M_y_full_by_M_y_full_part1 = -LMY*M_y_full_shared2
     M_y_full_by_M_y_full_part4 = -M_y_full_part6*M_y_full_shared3
     M_y_full_by_M_y_full_part6 = -M_y_full_part4*M_y_full_shared3
     M_y_full_by_M_y_full_part7 = -M_y_full_shared4*UNLOADED_RADIUS
-    M_y_rolling_shared1 = V == 0
-    M_y_rolling_shared2 = ca.if_else(V >= 0, 1, ca.sign(V))
-    M_y_rolling_by_M_y_full = ca.if_else(M_y_rolling_shared1, 0, M_y_rolling_shared2*M_y_taper)
-    M_y_rolling_by_M_y_taper = ca.if_else(M_y_rolling_shared1, 0, M_y_full*M_y_rolling_shared2)
+    M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
+    M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
+    M_y_rolling_by_M_y_rolling_part2 = ca.if_else(V == 0, 0, 1)
     My_by_M_y_rolling = ca.if_else(Fz <= 0, 0, 1)
 
     # Chain rule
@@ -2978,6 +3023,8 @@ def jacobian_inputs(inputs, parameters):
     dB_xphi_part3_dkappa_in = B_xphi_part3_by_B_xphi_part2*dB_xphi_part2_dkappa_in
     dB_yphi_part2_dtan_alpha = B_yphi_part1_by_tan_alpha*B_yphi_part2_by_B_yphi_part1
     dB_yphi_part3_dtan_alpha = B_yphi_part3_by_B_yphi_part2*dB_yphi_part2_dtan_alpha
+    dE_x_part4_ddfz = E_x_part4_by_E_x_part3*E_x_shared2
+    dE_x_ddfz = E_x_by_dfz + E_x_by_E_x_part4*dE_x_part4_ddfz
     dK_xkappa_part4_ddfz = K_xkappa_part4*PKX3
     dB_x_part3_dD_x = B_x_part3_by_B_x_part2*C_x
     dF_x0_v_part2_dF_x0_u = 1 - F_x0_v_part1_by_F_x0_u
@@ -2998,10 +3045,13 @@ def jacobian_inputs(inputs, parameters):
     dS_Hyphi_w_part1_dS_Hyphi_u = S_Hyphi_w_part1_by_S_Hyphi_v*dS_Hyphi_v_dS_Hyphi_u
     dS_Hyphi_w_dS_Hyphi_u = PHYP1*dS_Hyphi_w_part1_dS_Hyphi_u
     dS_Hyphi_part2_dS_Hyphi_u = S_Hyphi_part2_by_S_Hyphi_w*dS_Hyphi_w_dS_Hyphi_u
+    dE_y_part4_dgamma_star = E_y_part4_by_gamma_star - E_y_part3*PEY4
     dB_y_part3_dD_y = B_y_part3_by_B_y_part2*C_y
     dF_y0_v_part2_dF_y0_u = 1 - F_y0_v_part1_by_F_y0_u
     dF_y0_w_dF_y0_v = C_y*F_y0_w_part1_by_F_y0_v
     dF_y0_part1_dF_y0_v = F_y0_part1_by_F_y0_w*dF_y0_w_dF_y0_v
+    dE_y_g0_part4_ddfz = E_y_g0_part4_by_E_y_g0_part3*PEY2
+    dE_y_g0_ddfz = E_y_g0_by_dfz + E_y_g0_by_E_y_g0_part4*dE_y_g0_part4_ddfz
     dB_y_g0_part3_dD_y_g0 = B_y_g0_part3_by_B_y_g0_part2*C_y_g0
     dF_y0_g0_v_part2_dF_y0_g0_u = 1 - F_y0_g0_v_part1_by_F_y0_g0_u
     dF_y0_g0_w_dF_y0_g0_v = C_y_g0*F_y0_g0_w_part1_by_F_y0_g0_v
@@ -3036,6 +3086,9 @@ def jacobian_inputs(inputs, parameters):
     dG_yk_g0_w_dG_yk_g0_v = G_yk_g0_w_part1_by_G_yk_g0_v*RCY1
     dG_yk_g00_v_part2_dG_yk_g00_u = 1 - G_yk_g00_v_part1_by_G_yk_g00_u
     dG_yk_g00_w_dG_yk_g00_v = G_yk_g00_w_part1_by_G_yk_g00_v*RCY1
+    dB_t_part4_dgamma_star = B_t_part4_by_gamma_star + B_t_part3_by_gamma_star*QBZ5
+    dB_t_part6_dgamma_in = QBZ4 + B_t_part5_by_gamma_in*QBZ5
+    dD_t_part5_dgamma_star = D_t_part5_by_gamma_star + D_t_part4_by_gamma_star*QDZ3
     dM_zphi_inf_signed_part3_dF_zm = M_zphi_inf_signed_part1*M_zphi_inf_signed_part3_by_M_zphi_inf_signed_part2
     dB_Drphi_part4_deps_gamma_part1 = -B_Drphi_part4_by_B_Drphi_part3*PECP1
     dD_rphi_part3_dD_rphi_part1 = D_rphi_part2_by_D_rphi_part1*QDRP1
@@ -3048,9 +3101,11 @@ def jacobian_inputs(inputs, parameters):
     dzeta_7_imaginary_part3_dzeta_7_cosine = dzeta_7_above_1_dzeta_7_cosine + dzeta_7_imaginary_part1_dzeta_7_cosine*zeta_7_imaginary_part2_by_zeta_7_imaginary_part1
     dzeta_7_imaginary_part4_dzeta_7_cosine = dzeta_7_imaginary_part3_dzeta_7_cosine*zeta_7_imaginary_part4_by_zeta_7_imaginary_part3
     dzeta_7_imaginary_dzeta_7_cosine = 2*dzeta_7_imaginary_part4_dzeta_7_cosine/ca.pi
-    dalpha_teq_part1_dslip_alpha_teq_part1 = alpha_teq_part1_by_slip_alpha_teq*slip_alpha_teq_part2_by_slip_alpha_teq_part1
-    dalpha_teq_dslip_alpha_teq_part1 = alpha_teq_part2*dalpha_teq_part1_dslip_alpha_teq_part1
-    dalpha_req_part1_dslip_alpha_req_part1 = alpha_req_part1_by_slip_alpha_req*slip_alpha_req_part2_by_slip_alpha_req_part1
+    dalpha_teq_part2_dslip_alpha_teq = alpha_teq_part2_by_slip_alpha_teq + alpha_teq_part1_by_slip_alpha_teq*alpha_teq_part2_by_alpha_teq_part1
+    dalpha_teq_part2_dslip_alpha_teq_part1 = dalpha_teq_part2_dslip_alpha_teq*slip_alpha_teq_part2_by_slip_alpha_teq_part1
+    dalpha_teq_dslip_alpha_teq_part1 = alpha_teq_part3*dalpha_teq_part2_dslip_alpha_teq_part1
+    dalpha_req_part2_dslip_alpha_req = alpha_req_part2_by_slip_alpha_req + alpha_req_part1_by_slip_alpha_req*alpha_req_part2_by_alpha_req_part1
+    dalpha_req_part2_dslip_alpha_req_part1 = dalpha_req_part2_dslip_alpha_req*slip_alpha_req_part2_by_slip_alpha_req_part1
     dtrail_v_part2_dtrail_u = 1 - trail_v_part1_by_trail_u
     dtrail_w_dtrail_v = C_t*trail_w_part1_by_trail_v
     dtrail_part2_dtrail_v = dtrail_w_dtrail_v*trail_part2_by_trail_w
@@ -3087,7 +3142,7 @@ def jacobian_inputs(inputs, parameters):
     dkappa_x_ddfz = PHX2*S_Hx_by_S_Hx_part1
     dB_x_dD_x = K_xkappa*dB_x_part3_dD_x
     dF_x0_v_dF_x0_u = 1 - E_x*dF_x0_v_part2_dF_x0_u
-    dF_x0_v_ddfz = -E_x_by_dfz*F_x0_v_part2
+    dF_x0_v_ddfz = -F_x0_v_part2*dE_x_ddfz
     dF_x0_part2_dF_x0_v = D_x*dF_x0_part1_dF_x0_v
     dK_yalpha_g0_part6_ddpi = K_yalpha_g0_part6_by_K_yalpha_g0_part5*dK_yalpha_g0_part5_ddpi
     dK_yalpha_g0_dK_yalpha_g0_part6 = K_yalpha_g0_by_K_yalpha_g0_part9*dK_yalpha_g0_part9_dK_yalpha_g0_part6
@@ -3095,10 +3150,14 @@ def jacobian_inputs(inputs, parameters):
     dK_Hyphi_part1_ddfz = K_Hyphi_part1_by_D_Hyphi*dD_Hyphi_ddfz
     dB_Hyphi_dK_Hyphi_part1 = B_Hyphi_by_B_Hyphi_part1*dB_Hyphi_part1_dK_Hyphi_part1
     dS_Hyphi_dS_Hyphi_u = S_Hyphi_by_S_Hyphi_part2*dS_Hyphi_part2_dS_Hyphi_u
+    dE_y_part5_ddfz = E_y_part5_by_E_y_part1*PEY2
+    dE_y_part5_dgamma_star = E_y_part5_by_E_y_part4*dE_y_part4_dgamma_star
+    dE_y_ddfz = E_y_by_dfz + E_y_by_E_y_part5*dE_y_part5_ddfz
+    dE_y_dgamma_star = E_y_by_gamma_star + E_y_by_E_y_part5*dE_y_part5_dgamma_star
     dS_Hy_g0_part2_ddfz = LHY*PHY2
     dB_y_g0_dD_y_g0 = K_yalpha_g0*dB_y_g0_part3_dD_y_g0
     dF_y0_g0_v_dF_y0_g0_u = 1 - E_y_g0*dF_y0_g0_v_part2_dF_y0_g0_u
-    dF_y0_g0_v_ddfz = -E_y_g0_by_dfz*F_y0_g0_v_part2
+    dF_y0_g0_v_ddfz = -F_y0_g0_v_part2*dE_y_g0_ddfz
     dF_y0_g0_part2_dF_y0_g0_v = D_y_g0*dF_y0_g0_part1_dF_y0_g0_v
     dM_zphi_inf_signed_dmu_y_pressed = M_zphi_inf_signed_by_M_zphi_inf_signed_part4*M_zphi_inf_signed_part4_by_mu_y_pressed
     dE_xalpha_ddfz = E_xalpha_by_dfz + E_xalpha_by_E_xalpha_part1*REX2
@@ -3115,13 +3174,18 @@ def jacobian_inputs(inputs, parameters):
     dG_yk_g0_dG_yk_g0_v = G_yk_g0_part2*dG_yk_g0_part3_dG_yk_g0_v
     dG_yk_g00_u_dalpha_star = S_Hyk*dB_ykappa_g0_dalpha_star
     dG_yk_g00_v_dG_yk_g00_u = 1 - E_ykappa*dG_yk_g00_v_part2_dG_yk_g00_u
-    dD_t_part5_dgamma_in = D_t_part4_by_gamma_in*D_t_part5_by_D_t_part4
+    dB_t_part7_dgamma_star = B_t_part7_by_B_t_part4*dB_t_part4_dgamma_star
+    dB_t_part7_dgamma_in = B_t_part7_by_B_t_part6*dB_t_part6_dgamma_in
+    dD_t_part7_dgamma_star = D_t_shared3*dD_t_part5_dgamma_star
+    dD_t_part7_dgamma_in = D_t_part6_by_gamma_in*D_t_part7_by_D_t_part6
     dB_r_part2_dLMUY_star = B_r_part1_by_LMUY_star*B_r_part2_by_B_r_part1
     dM_zphi_inf_signed_dF_zm = M_zphi_inf_signed_by_F_zm + M_zphi_inf_signed_by_M_zphi_inf_signed_part3*dM_zphi_inf_signed_part3_dF_zm
     dM_zphi_inf_signed_dmu_y_loaded = dM_zphi_inf_signed_dmu_y_pressed*mu_y_pressed_by_mu_y_loaded
     dB_Drphi_dD_Drphi = B_Drphi_by_B_Drphi_part1*B_Drphi_part1_by_D_Drphi
+    dK_zgammar0_part3_ddfz = QDZ9 + K_zgammar0_part2*QDZ11
+    dK_zgammar0_part3_dgamma_star = K_zgammar0_part1*K_zgammar0_part2_by_gamma_star
     dD_rphi_dD_rphi_part1 = D_Drphi*dD_rphi_part4_dD_rphi_part1
-    dalpha_req_dslip_alpha_req_part1 = alpha_req_part2*dalpha_req_part1_dslip_alpha_req_part1
+    dalpha_req_dslip_alpha_req_part1 = alpha_req_part3*dalpha_req_part2_dslip_alpha_req_part1
     dtrail_u_dslip_alpha_teq_part1 = B_t*dalpha_teq_dslip_alpha_teq_part1
     dtrail_v_dtrail_u = 1 - E_t*dtrail_v_part2_dtrail_u
     dM_zr_w_part1_dslip_alpha_req_part1 = B_r*dalpha_req_dslip_alpha_req_part1
@@ -3138,7 +3202,7 @@ def jacobian_inputs(inputs, parameters):
     dM_x_hump_part8_dFy = QSX8*dM_x_hump_part7_dFy
     dM_x_hump_dM_x_hump_part8 = M_x_hump_by_M_x_hump_part9*M_x_hump_part9_by_M_x_hump_part8
     dM_y_near_locked_part4_dV = M_y_near_locked_part3_by_V*M_y_near_locked_part4_by_M_y_near_locked_part3
-    dM_y_rolling_dM_y_near_locked_part4 = M_y_rolling_by_M_y_taper*dM_y_taper_dM_y_near_locked_part4
+    dM_y_rolling_part2_dM_y_near_locked_part4 = M_y_rolling_part2_by_M_y_taper*dM_y_taper_dM_y_near_locked_part4
     domega_2_dR_e_1 = omega_2_by_omega_2_part1*omega_2_part1_by_R_e_1
     dR_e_2_domega_2 = R_omega_2_part2_by_omega_2*UNLOADED_RADIUS
     domega_dR_e_2 = omega_by_omega_part1*omega_part1_by_R_e_2
@@ -3152,8 +3216,8 @@ def jacobian_inputs(inputs, parameters):
     dB_Hyphi_ddfz = PECP2*dB_Hyphi_deps_gamma_part1 + dB_Hyphi_dK_Hyphi_part1*dK_Hyphi_part1_ddfz
     dS_Hyphi_dB_Hyphi = R_0_phi*dS_Hyphi_dS_Hyphi_u
     dF_y0_v_dF_y0_u = 1 - E_y*dF_y0_v_part2_dF_y0_u
-    dF_y0_v_ddfz = -E_y_by_dfz*F_y0_v_part2
-    dF_y0_v_dgamma_star = -E_y_by_gamma_star*F_y0_v_part2
+    dF_y0_v_ddfz = -F_y0_v_part2*dE_y_ddfz
+    dF_y0_v_dgamma_star = -F_y0_v_part2*dE_y_dgamma_star
     dF_y0_part2_dF_y0_v = D_y*dF_y0_part1_dF_y0_v
     dalpha_y_g0_dS_Hyphi = fade_smooth*zeta_4_g0_by_zeta_4_g0_part1
     dalpha_y_g0_ddfz = dS_Hy_g0_part2_ddfz*fade_smooth
@@ -3184,7 +3248,9 @@ def jacobian_inputs(inputs, parameters):
     dG_yk_g0_u_dalpha_star = G_yk_g0_u_part1*dB_ykappa_g0_dalpha_star
     dG_yk_g0_u_ddfz = B_ykappa_g0*RHY2
     dG_yk_g0_dG_yk_g0_u = dG_yk_g0_dG_yk_g0_v*dG_yk_g0_v_dG_yk_g0_u
-    dB_Drphi_dK_zgammar0_part1 = B_Drphi_by_K_zgammar0*K_zgammar0_by_K_zgammar0_part1
+    dK_zgammar0_part4_ddfz = K_zgammar0_part4_by_dfz + K_zgammar0_part4_by_K_zgammar0_part3*dK_zgammar0_part3_ddfz
+    dK_zgammar0_part4_dgamma_star = K_zgammar0_part4_by_K_zgammar0_part3*dK_zgammar0_part3_dgamma_star
+    dB_Drphi_dK_zgammar0_part4 = B_Drphi_by_K_zgammar0*K_zgammar0_by_K_zgammar0_part4
     dM_zphi90_dphit_in = M_zphi90_by_M_zphi90_part3*dM_zphi90_part3_dphit_in
     dM_zr_spun_dM_zphi90 = dM_zr_spun_dzeta_7_cosine*zeta_7_cosine_by_M_zphi90
     dD_r_part6_ddpi = D_r_part3*PPZ2
@@ -3201,8 +3267,9 @@ def jacobian_inputs(inputs, parameters):
     dM_x_hump_dF_z_limited = F_zx_by_F_z_limited*dM_x_hump_dF_zx
     dM_x_hump_dgamma_in = QSX7*dM_x_hump_dM_x_hump_part8
     dM_x_hump_dFy = dM_x_hump_dM_x_hump_part8*dM_x_hump_part8_dFy
-    dM_y_rolling_dkappa = M_y_near_locked_part4_by_M_y_near_locked_part2*dM_y_rolling_dM_y_near_locked_part4
-    dM_y_rolling_dV = dM_y_near_locked_part4_dV*dM_y_rolling_dM_y_near_locked_part4
+    dM_y_rolling_part2_dkappa = M_y_near_locked_part4_by_M_y_near_locked_part2*dM_y_rolling_part2_dM_y_near_locked_part4
+    dM_y_rolling_part2_dV = dM_y_near_locked_part4_dV*dM_y_rolling_part2_dM_y_near_locked_part4
+    dMy_dM_y_rolling_part2 = M_y_rolling_by_M_y_rolling_part2*My_by_M_y_rolling
     dalpha_in_dalpha = dalpha_in_dalpha_low*dalpha_low_dalpha
     dalpha_in_dV = dalpha_in_dalpha_low*dalpha_low_dV
     dR_e_1_dF_z = -dsink_part5_dF_z*sink_by_sink_part5
@@ -3248,8 +3315,8 @@ def jacobian_inputs(inputs, parameters):
     dtrail_dE_t = -dtrail_dtrail_v*trail_v_part2
     dB_t_dLMUY_star = B_t_by_B_t_part1*B_t_part1_by_LMUY_star
     dB_t_ddfz = B_t_by_B_t_part2*B_t_part2_by_dfz
-    dB_t_dgamma_in = B_t_by_B_t_part3*B_t_part3_by_gamma_in
-    dB_t_dgamma_star = B_t_by_B_t_part3*B_t_part3_by_gamma_star
+    dB_t_dgamma_star = B_t_by_B_t_part7*dB_t_part7_dgamma_star
+    dB_t_dgamma_in = B_t_by_B_t_part7*dB_t_part7_dgamma_in
     dtrail_dB_t = E_t_by_B_t*dtrail_dE_t + dtrail_dtrail_v*dtrail_v_dB_t
     dD_r_part7_dgamma_star = D_r_part7_by_gamma_star + D_r_part7_by_D_r_part6*dD_r_part6_dgamma_star
     dD_r_part7_ddfz = D_r_part7_by_D_r_part1*QDZ7 + D_r_part7_by_D_r_part6*dD_r_part6_ddfz
@@ -3262,7 +3329,7 @@ def jacobian_inputs(inputs, parameters):
     dM_y_full_dF_z_limited = M_y_full_by_M_y_full_part7*M_y_full_part7_by_F_z_limited + dF_zy_share_dF_z_limited*dM_y_full_dF_zy_share
     dM_y_full_dp = dM_y_full_dp_in*dp_in_dp
     dM_y_full_dFz = dF_zy_share_dFz*dM_y_full_dF_zy_share
-    dMy_dM_y_full = M_y_rolling_by_M_y_full*My_by_M_y_rolling
+    dMy_dM_y_full = M_y_rolling_part2_by_M_y_full*dMy_dM_y_rolling_part2
     dF_x0_u_dfade_smooth = B_x*S_Hx_by_fade_smooth
     dF_x0_u_ddfz = B_x*dkappa_x_ddfz
     dF_x0_u_dK_xkappa = B_x_part3*kappa_x
@@ -3276,19 +3343,19 @@ def jacobian_inputs(inputs, parameters):
     dF_y0_u_dK_yalpha = B_y_part3*alpha_y
     dF_y0_u_dD_y = alpha_y*dB_y_dD_y
     dF_y0_part2_dF_y0_u = dF_y0_part2_dF_y0_v*dF_y0_v_dF_y0_u
-    dFy_part1_dF_y0_part2 = F_y0_part3*G_yk
+    dFy_part1_dF_y0_part2 = F_y0_part4*G_yk
     dFy_part1_dkappa_in = S_Vyk_by_S_Vyk_part4*dS_Vyk_part4_dkappa_in
     dB_Drphi_dM_zphi_inf = D_Drphi_part3*dB_Drphi_dD_Drphi
-    dB_Drphi_ddfz = K_zgammar0_part1_by_dfz*dB_Drphi_dK_zgammar0_part1 + PECP2*dB_Drphi_deps_gamma_part1
-    dB_Drphi_dgamma_in = K_zgammar0_part1_by_gamma_in*dB_Drphi_dK_zgammar0_part1
-    dB_Drphi_dgamma_star = K_zgammar0_part1_by_gamma_star*dB_Drphi_dK_zgammar0_part1
+    dB_Drphi_ddfz = PECP2*dB_Drphi_deps_gamma_part1 + dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_ddfz
+    dB_Drphi_dgamma_in = K_zgammar0_part4_by_gamma_in*dB_Drphi_dK_zgammar0_part4
+    dB_Drphi_dgamma_star = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dgamma_star
     dB_Drphi_dF_z_limited = dB_Drphi_dF_zm*dF_zm_dF_z_limited
     dD_rphi_dB_Drphi = D_rphi_part1_by_B_Drphi*dD_rphi_dD_rphi_part1
     dM_zphi_inf_dmu_y_loaded = M_zphi_inf_by_M_zphi_inf_signed*dM_zphi_inf_signed_dmu_y_loaded
     dM_zphi_inf_dF_z_limited = dF_zm_dF_z_limited*dM_zphi_inf_dF_zm
     dD_rphi_dM_zphi_inf = D_Drphi_part3*D_rphi_part4 + dB_Drphi_dM_zphi_inf*dD_rphi_dB_Drphi
     dM_zr_spun_dM_zphi_inf = M_zphi90_by_M_zphi_inf*dM_zr_spun_dM_zphi90
-    dF_y1_dF_y0_g0_part2 = F_y0_g0_part3*F_y1_part1
+    dF_y1_dF_y0_g0_part2 = F_y0_g0_part4*F_y1_part1
     dF_y1_dG_yk = F_y0_g0*F_y1_part1_by_G_yk
     dF_y1_ddfz = dF_y1_dG_yk_g0*dG_yk_g0_ddfz
     dF_y1_dalpha_star = dF_y1_dG_yk_g0*dG_yk_g0_dalpha_star
@@ -3321,8 +3388,8 @@ def jacobian_inputs(inputs, parameters):
     dD_t_dR_0_phi = D_t_by_zeta_5*zeta_5_by_R_0_phi
     dD_t_ddpi = -D_t_by_D_t_part2*PPZ1
     dD_t_ddfz = D_t_by_D_t_part3*QDZ2
-    dD_t_dgamma_star = D_t_by_D_t_part5*D_t_part5_by_gamma_star
-    dD_t_dgamma_in = D_t_by_D_t_part5*dD_t_part5_dgamma_in
+    dD_t_dgamma_star = D_t_by_D_t_part7*dD_t_part7_dgamma_star
+    dD_t_dgamma_in = D_t_by_D_t_part7*dD_t_part7_dgamma_in
     dD_t_dF_z_limited = D_t_by_F_zm*dF_zm_dF_z_limited
     dslip_alpha_teq_part1_dK_yalpha = -kappa_share_by_kappa_share_part1*kappa_share_shared1
     dslip_alpha_teq_part1_ddfz = dalpha_t_ddfz*dslip_alpha_teq_part1_dalpha_t
@@ -3354,6 +3421,7 @@ def jacobian_inputs(inputs, parameters):
     dslip_alpha_req_part1_dfade_smooth = dalpha_r_dfade_smooth*dslip_alpha_req_part1_dalpha_r
     dFy_dfade_smooth = Fy_by_Fy_part1*S_Vyk_by_fade_smooth
     dgamma_in_dgamma = gamma_in_by_gamma_raised*gamma_raised_by_gamma
+    dgamma_star_dgamma_in = gamma_star_by_gamma_in + gamma_star_by_gamma_star_part1*gamma_star_part1_by_gamma_in
     dMx_dgamma_in = Mx_by_gamma_in + Mx_by_M_x_hump*dM_x_hump_dgamma_in
     dphi_part4_dgamma_in = phi_part3_by_gamma_in*phi_part4_by_phi_part3
     dtrail_dgamma_in = dB_t_dgamma_in*dtrail_dB_t + dD_t_dgamma_in*trail_by_D_t
@@ -3437,7 +3505,7 @@ def jacobian_inputs(inputs, parameters):
     dD_rphi_dV = dD_rphi_dphit_in*dphit_in_dV
     dD_rphi_dgamma = dD_rphi_dgamma_in*dgamma_in_dgamma
     dMz_part1_dD_rphi = M_zr_by_D_r*zeta_8_by_zeta_8_part1 + dM_zr_spun_dD_rphi*dMz_part1_dM_zr_spun
-    dgamma_star_dgamma = dgamma_in_dgamma*gamma_star_by_gamma_in
+    dgamma_star_dgamma = dgamma_in_dgamma*dgamma_star_dgamma_in
     dK_yalpha_dgamma_star = K_yalpha_by_K_yalpha_part3*dK_yalpha_part3_dgamma_star + dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_dgamma_star
     dmu_y_loaded_dgamma_star = mu_y_loaded_by_mu_y_loaded_part1*mu_y_loaded_part1_by_gamma_star
     dS_Hy_part4_dgamma_star = K_ygamma0*S_Hy_part4_by_S_Hy_part3 + S_Vygamma_by_gamma_star*dS_Hy_part4_dS_Vygamma
@@ -3517,6 +3585,7 @@ def jacobian_inputs(inputs, parameters):
     dtrail_dp = dK_xkappa_dp*dtrail_dK_xkappa + ddpi_dp*dtrail_ddpi
     dtrail_dkappa = dkappa_in_dkappa*dtrail_dkappa_in
     dtrail_dFz = dF_z_limited_dFz*dtrail_dF_z_limited
+    dalpha_star_dtan_alpha = alpha_star_by_alpha_star_part2*alpha_star_part1
     dalpha_star_dalpha = alpha_star_by_alpha_in*dalpha_in_dalpha
     dalpha_star_dV = alpha_star_by_alpha_in*dalpha_in_dV
     dFx_dalpha_star = dFx_dG_xa*dG_xa_dalpha_star
@@ -3531,10 +3600,10 @@ def jacobian_inputs(inputs, parameters):
     dtan_alpha_dalpha = dalpha_in_dalpha*tan_alpha_by_alpha_in
     dtan_alpha_dV = dalpha_in_dV*tan_alpha_by_alpha_in
     dphi_part4_dtan_alpha = dV_c_dtan_alpha*dphi_part4_dV_c
-    dFx_dtan_alpha = alpha_star_by_tan_alpha*dFx_dalpha_star + dF_x0_part2_dtan_alpha*dFx_dF_x0_part2
+    dFx_dtan_alpha = dF_x0_part2_dtan_alpha*dFx_dF_x0_part2 + dFx_dalpha_star*dalpha_star_dtan_alpha
     dS_Hy_part4_dtan_alpha = dLMUY_star_dtan_alpha*dS_Hy_part4_dLMUY_star + dS_Hy_part4_dzeta_2*dzeta_2_dtan_alpha
-    dFy_dtan_alpha = alpha_star_by_tan_alpha*dFy_dalpha_star + dFy_dLMUY_star*dLMUY_star_dtan_alpha + dFy_dzeta_2*dzeta_2_dtan_alpha
-    dMz_part1_dtan_alpha = alpha_star_by_tan_alpha*dMz_part1_dalpha_star + dLMUY_star_dtan_alpha*dMz_part1_dLMUY_star + dMz_part1_dzeta_2*dzeta_2_dtan_alpha - F_y1*dtrail_dtan_alpha
+    dFy_dtan_alpha = dFy_dLMUY_star*dLMUY_star_dtan_alpha + dFy_dalpha_star*dalpha_star_dtan_alpha + dFy_dzeta_2*dzeta_2_dtan_alpha
+    dMz_part1_dtan_alpha = dLMUY_star_dtan_alpha*dMz_part1_dLMUY_star + dMz_part1_dalpha_star*dalpha_star_dtan_alpha + dMz_part1_dzeta_2*dzeta_2_dtan_alpha - F_y1*dtrail_dtan_alpha
     dK_yalpha_dphi_part4 = dK_yalpha_dR_0_phi*dR_0_phi_dphi_part4
     dK_yalpha_dp = dK_yalpha_ddpi*ddpi_dp
     dK_yalpha_dgamma = dK_yalpha_dgamma_star*dgamma_star_dgamma
@@ -3627,12 +3696,12 @@ def jacobian_inputs(inputs, parameters):
         dFy_dphit*dMx_dFy,
     ],
     [
-        My_by_M_y_rolling*dM_y_rolling_dkappa + dFx_dkappa*dMy_dFx,
+        dFx_dkappa*dMy_dFx + dM_y_rolling_part2_dkappa*dMy_dM_y_rolling_part2,
         dFx_dalpha*dMy_dFx,
         dFx_dgamma*dMy_dFx + dMy_dgamma_in*dgamma_in_dgamma,
         dF_z_limited_dFz*dMy_dF_z_limited + dFx_dFz*dMy_dFx + dM_y_full_dFz*dMy_dM_y_full + dM_y_full_part6_dFz*dMy_dM_y_full_part6,
         dFx_dp*dMy_dFx + dM_y_full_dp*dMy_dM_y_full,
-        My_by_M_y_rolling*dM_y_rolling_dV + dFx_dV*dMy_dFx + dM_y_full_part6_dV*dMy_dM_y_full_part6,
+        dFx_dV*dMy_dFx + dM_y_full_part6_dV*dMy_dM_y_full_part6 + dM_y_rolling_part2_dV*dMy_dM_y_rolling_part2,
         dFx_dphit*dMy_dFx,
     ],
     ])
@@ -3696,8 +3765,11 @@ def jacobian_parameters(inputs, parameters):
     cos_alpha_part1 = 1e-06 + V_c
     cos_alpha_part2 = 1/cos_alpha_part1
     cos_alpha = V*cos_alpha_part2  # [4.E6] cos(alpha'): the cosine of the slip angle, with the sign of the speed
-    alpha_star = ca.if_else(SLIP_ANGLE > 0.5, alpha_in, tan_alpha*ca.sign(V))  # [4.E3] lateral slip alpha*
-    gamma_star = ca.if_else(SLIP_ANGLE > 0.5, gamma_in, ca.sin(gamma_in))  # [4.E4] inclination gamma*
+    alpha_star_part1 = ca.sign(V)
+    alpha_star_part2 = alpha_star_part1*tan_alpha
+    alpha_star = ca.if_else(SLIP_ANGLE > 0.5, alpha_in, alpha_star_part2)  # [4.E3] lateral slip alpha*
+    gamma_star_part1 = ca.sin(gamma_in)
+    gamma_star = ca.if_else(SLIP_ANGLE > 0.5, gamma_in, gamma_star_part1)  # [4.E4] inclination gamma*
     slide = ca.if_else(CONVENTION > 0.5, 1 + LMUV*ca.sqrt(1e-60 + kappa_in**2 + tan_alpha**2)*ca.fabs(V)/LONGVL, 1)  # [4.E7] by how much slip speed lowers friction
     LMUX_star = ca.if_else(CONVENTION > 0.5, LMUX/slide, LMUX)  # [4.E7] friction scale of Fx
     LMUY_star = ca.if_else(CONVENTION > 0.5, LMUY/slide, LMUY)  # [4.E7] friction scale of Fy
@@ -3734,7 +3806,9 @@ def jacobian_parameters(inputs, parameters):
     # Turn slip
     eps_gamma_part1 = 1 + PECP2*dfz
     eps_gamma = PECP1*eps_gamma_part1  # [4.90] what camber is worth as spin
-    V_spin = ca.if_else(VXLOW > ca.fabs(V), VXLOW*ca.if_else(V >= 0, 1, ca.sign(V)), ca.if_else(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
+    V_spin_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
+    V_spin_part2 = VXLOW*V_spin_part1
+    V_spin = ca.if_else(VXLOW > ca.fabs(V), V_spin_part2, ca.if_else(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
     phi_part1 = 1/V_spin
     phi_part2 = 1 - eps_gamma
     phi_part3 = ca.sin(gamma_in)
@@ -3770,7 +3844,11 @@ def jacobian_parameters(inputs, parameters):
     mu_x_loaded = LMUX_star*mu_x_loaded_part1*mu_x_loaded_part2*mu_x_loaded_part3  # [4.E13] peak friction
     mu_x = ca.if_else(F_z_limited <= 0, 0, mu_x_loaded)  # [4.E13] peak friction; 0 off the ground, as MFeval prints it
     D_x = F_z_limited*mu_x*zeta_1  # [4.E12] peak factor
-    E_x = ca.if_else(LIMITS > 0.5, ca.if_else(LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2) > 1, 1, LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2)), LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2))  # [4.E14] curvature factor
+    E_x_part1 = ca.sign(kappa_x)
+    E_x_part2 = 1 - E_x_part1*PEX4
+    E_x_part3 = PEX1 + PEX2*dfz + PEX3*dfz**2
+    E_x_part4 = E_x_part2*E_x_part3*LEX
+    E_x = ca.if_else(LIMITS > 0.5, ca.if_else(LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2) > 1, 1, LEX*(1 - PEX4*ca.sign(kappa_x))*(PEX1 + PEX2*dfz + PEX3*dfz**2)), E_x_part4)  # [4.E14] curvature factor
     K_xkappa_part1 = PKX1 + PKX2*dfz
     K_xkappa_part2 = 1 + PPX1*dpi + PPX2*dpi**2
     K_xkappa_part3 = PKX3*dfz
@@ -3858,7 +3936,12 @@ def jacobian_parameters(inputs, parameters):
     mu_y_loaded_part3 = 1 + PPY3*dpi + PPY4*dpi**2
     mu_y_loaded = LMUY_star*mu_y_loaded_part1*mu_y_loaded_part2*mu_y_loaded_part3  # [4.E23] peak friction
     D_y = F_z_limited*mu_y_loaded*zeta_2  # [4.E22] peak factor
-    E_y = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))) > 1, 1, LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y)))), LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))))  # [4.E24] curvature factor
+    E_y_part1 = PEY1 + PEY2*dfz
+    E_y_part2 = PEY3 + PEY4*gamma_star
+    E_y_part3 = ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))
+    E_y_part4 = 1 + PEY5*gamma_star**2 - E_y_part2*E_y_part3
+    E_y_part5 = E_y_part1*E_y_part4*LEY
+    E_y = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))) > 1, 1, LEY*(PEY1 + PEY2*dfz)*(1 + PEY5*gamma_star**2 - (PEY3 + PEY4*gamma_star)*ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y)))), E_y_part5)  # [4.E24] curvature factor
     B_y_part1 = ca.if_else(D_y >= 0, 1, ca.sign(D_y))
     B_y_part2 = 1e-06*B_y_part1 + C_y*D_y
     B_y_part3 = 1/B_y_part2
@@ -3874,8 +3957,9 @@ def jacobian_parameters(inputs, parameters):
     F_y0_w = C_y*F_y0_w_part1  # [4.1] angle of the Magic Formula
     F_y0_part1 = ca.sin(F_y0_w)
     F_y0_part2 = S_Vy + D_y*F_y0_part1
-    F_y0_part3 = ca.if_else(SLIP_ANGLE > 0.5, 1, ca.if_else(V >= 0, 1, ca.sign(V)))
-    F_y0 = F_y0_part2*F_y0_part3  # [4.E19] side force in pure slip
+    F_y0_part3 = ca.if_else(V >= 0, 1, ca.sign(V))
+    F_y0_part4 = ca.if_else(SLIP_ANGLE > 0.5, 1, F_y0_part3)
+    F_y0 = F_y0_part2*F_y0_part4  # [4.E19] side force in pure slip
     zeta_4_g0_part1 = 1 + S_Hyphi
     zeta_4_g0 = ca.if_else(phit_in == 0, 1, zeta_4_g0_part1)  # [4.84] shift by spin
     S_Hy_g0_part1 = PHY1 + PHY2*dfz
@@ -3887,7 +3971,11 @@ def jacobian_parameters(inputs, parameters):
     mu_y_loaded_g0_part2 = 1 + PPY3*dpi + PPY4*dpi**2
     mu_y_loaded_g0 = LMUY_star*mu_y_loaded_g0_part1*mu_y_loaded_g0_part2  # [4.E23] peak friction
     D_y_g0 = F_z_limited*mu_y_loaded_g0*zeta_2  # [4.E22] peak factor
-    E_y_g0 = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz) > 1, 1, LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz)), LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz))  # [4.E24] curvature factor
+    E_y_g0_part1 = ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0))
+    E_y_g0_part2 = 1 - E_y_g0_part1*PEY3
+    E_y_g0_part3 = PEY1 + PEY2*dfz
+    E_y_g0_part4 = E_y_g0_part2*E_y_g0_part3*LEY
+    E_y_g0 = ca.if_else(LIMITS > 0.5, ca.if_else(LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz) > 1, 1, LEY*(1 - PEY3*ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0)))*(PEY1 + PEY2*dfz)), E_y_g0_part4)  # [4.E24] curvature factor
     B_y_g0_part1 = ca.if_else(D_y_g0 >= 0, 1, ca.sign(D_y_g0))
     B_y_g0_part2 = 1e-06*B_y_g0_part1 + C_y_g0*D_y_g0
     B_y_g0_part3 = 1/B_y_g0_part2
@@ -3902,8 +3990,9 @@ def jacobian_parameters(inputs, parameters):
     F_y0_g0_w = C_y_g0*F_y0_g0_w_part1  # [4.1] angle of the Magic Formula
     F_y0_g0_part1 = ca.sin(F_y0_g0_w)
     F_y0_g0_part2 = S_Vy_g0 + D_y_g0*F_y0_g0_part1
-    F_y0_g0_part3 = ca.if_else(SLIP_ANGLE > 0.5, 1, ca.if_else(V >= 0, 1, ca.sign(V)))
-    F_y0_g0 = F_y0_g0_part2*F_y0_g0_part3  # [4.E19] side force in pure slip
+    F_y0_g0_part3 = ca.if_else(V >= 0, 1, ca.sign(V))
+    F_y0_g0_part4 = ca.if_else(SLIP_ANGLE > 0.5, 1, F_y0_g0_part3)
+    F_y0_g0 = F_y0_g0_part2*F_y0_g0_part4  # [4.E19] side force in pure slip
     mu_y_pressed = ca.if_else(F_z_limited <= 0, 0, mu_y_loaded)  # [4.E23] peak friction, 0 off the ground
 
     # Forces, combined slip
@@ -3998,16 +4087,23 @@ def jacobian_parameters(inputs, parameters):
     alpha_r = S_Hy + alpha_star + S_Vy*alpha_r_part1  # [4.E37] slip angle of the residual moment
     B_t_part1 = 1/LMUY_star
     B_t_part2 = QBZ1 + QBZ2*dfz + QBZ3*dfz**2
-    B_t_part3 = ca.if_else(CONVENTION > 0.5, 1 + QBZ5*ca.fabs(gamma_star) + QBZ6*gamma_star**2, 1 + QBZ4*gamma_in + QBZ5*ca.fabs(gamma_in))
-    B_t = B_t_part1*B_t_part2*B_t_part3*LKY  # [4.E40] stiffness factor of the trail
+    B_t_part3 = ca.fabs(gamma_star)
+    B_t_part4 = 1 + B_t_part3*QBZ5 + QBZ6*gamma_star**2
+    B_t_part5 = ca.fabs(gamma_in)
+    B_t_part6 = 1 + B_t_part5*QBZ5 + QBZ4*gamma_in
+    B_t_part7 = ca.if_else(CONVENTION > 0.5, B_t_part4, B_t_part6)
+    B_t = B_t_part1*B_t_part2*B_t_part7*LKY  # [4.E40] stiffness factor of the trail
     C_t = QCZ1  # [4.E41] shape factor of the trail
     D_t_part1 = 1/F_z01
     D_t_part2 = 1 - PPZ1*dpi
     D_t_part3 = QDZ1 + QDZ2*dfz
-    D_t_part4 = 1 + QDZ3*gamma_in + QDZ4*gamma_in**2
-    D_t_part5 = ca.if_else(CONVENTION > 0.5, 1 + QDZ3*ca.fabs(gamma_star) + QDZ4*gamma_star**2, D_t_part4)
-    D_t_part6 = ca.if_else(CONVENTION > 0.5, ca.sign(V), 1)
-    D_t = D_t_part1*D_t_part2*D_t_part3*D_t_part5*D_t_part6*F_zm*LTR*UNLOADED_RADIUS*zeta_5  # [4.E43] peak factor of the trail
+    D_t_part4 = ca.fabs(gamma_star)
+    D_t_part5 = 1 + D_t_part4*QDZ3 + QDZ4*gamma_star**2
+    D_t_part6 = 1 + QDZ3*gamma_in + QDZ4*gamma_in**2
+    D_t_part7 = ca.if_else(CONVENTION > 0.5, D_t_part5, D_t_part6)
+    D_t_part8 = ca.sign(V)
+    D_t_part9 = ca.if_else(CONVENTION > 0.5, D_t_part8, 1)
+    D_t = D_t_part1*D_t_part2*D_t_part3*D_t_part7*D_t_part9*F_zm*LTR*UNLOADED_RADIUS*zeta_5  # [4.E43] peak factor of the trail
     E_t = ca.if_else(LIMITS > 0.5, ca.if_else((1 + (2*QEZ4 + 2*QEZ5*gamma_star)*ca.atan(B_t*C_t*alpha_t)/ca.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2) > 1, 1, (1 + (2*QEZ4 + 2*QEZ5*gamma_star)*ca.atan(B_t*C_t*alpha_t)/ca.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)), (1 + (2*QEZ4 + 2*QEZ5*gamma_star)*ca.atan(B_t*C_t*alpha_t)/ca.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2))  # [4.E44] curvature factor of the trail
     B_r_part1 = 1/LMUY_star
     B_r_part2 = B_r_part1*LKY*QBZ9 + B_y*C_y*QBZ10
@@ -4022,8 +4118,11 @@ def jacobian_parameters(inputs, parameters):
     D_Drphi_part2 = ca.sin(D_Drphi_part1)
     D_Drphi_part3 = 1/D_Drphi_part2
     D_Drphi = D_Drphi_part3*M_zphi_inf  # [4.94] peak of the moment by spin
-    K_zgammar0_part1 = ca.if_else(CONVENTION > 0.5, QDZ8 + QDZ9*dfz + (QDZ10 + QDZ11*dfz)*ca.fabs(gamma_star), QDZ10 + dfz*ca.if_else(SIGNS > 0.5, -QDZ8*QDZ9, QDZ8*QDZ9) + QDZ11*dfz*ca.fabs(gamma_in))
-    K_zgammar0 = F_zm*K_zgammar0_part1*LKZC*UNLOADED_RADIUS  # [4.99] camber torque stiffness
+    K_zgammar0_part1 = QDZ10 + QDZ11*dfz
+    K_zgammar0_part2 = ca.fabs(gamma_star)
+    K_zgammar0_part3 = QDZ8 + K_zgammar0_part1*K_zgammar0_part2 + QDZ9*dfz
+    K_zgammar0_part4 = ca.if_else(CONVENTION > 0.5, K_zgammar0_part3, QDZ10 + dfz*ca.if_else(SIGNS > 0.5, -QDZ8*QDZ9, QDZ8*QDZ9) + QDZ11*dfz*ca.fabs(gamma_in))
+    K_zgammar0 = F_zm*K_zgammar0_part4*LKZC*UNLOADED_RADIUS  # [4.99] camber torque stiffness
     B_Drphi_part1 = 1/D_Drphi
     B_Drphi_part2 = 1/QDRP1
     B_Drphi_part3 = 1 - eps_gamma
@@ -4068,16 +4167,18 @@ def jacobian_parameters(inputs, parameters):
     slip_alpha_teq_part1 = 1e-60 + kappa_share + tan_alpha_teq**2
     slip_alpha_teq_part2 = ca.sqrt(slip_alpha_teq_part1)
     slip_alpha_teq = slip_alpha_teq_part2  # [4.E77] size of the equivalent slip
-    alpha_teq_part1 = ca.if_else(CONVENTION > 0.5, slip_alpha_teq, ca.atan(slip_alpha_teq))
-    alpha_teq_part2 = ca.sign(alpha_t)
-    alpha_teq = alpha_teq_part1*alpha_teq_part2  # [4.E77] equivalent slip of the trail
+    alpha_teq_part1 = ca.atan(slip_alpha_teq)
+    alpha_teq_part2 = ca.if_else(CONVENTION > 0.5, slip_alpha_teq, alpha_teq_part1)
+    alpha_teq_part3 = ca.sign(alpha_t)
+    alpha_teq = alpha_teq_part2*alpha_teq_part3  # [4.E77] equivalent slip of the trail
     tan_alpha_req = ca.if_else(CONVENTION > 0.5, alpha_r, ca.tan(alpha_r))  # [4.E78] the same as a slip
     slip_alpha_req_part1 = 1e-60 + kappa_share + tan_alpha_req**2
     slip_alpha_req_part2 = ca.sqrt(slip_alpha_req_part1)
     slip_alpha_req = slip_alpha_req_part2  # [4.E78] size of the equivalent slip
-    alpha_req_part1 = ca.if_else(CONVENTION > 0.5, slip_alpha_req, ca.atan(slip_alpha_req))
-    alpha_req_part2 = ca.sign(alpha_r)
-    alpha_req = alpha_req_part1*alpha_req_part2  # [4.E78] equivalent slip of the residual moment
+    alpha_req_part1 = ca.atan(slip_alpha_req)
+    alpha_req_part2 = ca.if_else(CONVENTION > 0.5, slip_alpha_req, alpha_req_part1)
+    alpha_req_part3 = ca.sign(alpha_r)
+    alpha_req = alpha_req_part2*alpha_req_part3  # [4.E78] equivalent slip of the residual moment
     trail_u = B_t*alpha_teq  # [4.1] B x
     trail_v_part1 = ca.atan(trail_u)
     trail_v_part2 = trail_u - trail_v_part1
@@ -4141,92 +4242,63 @@ def jacobian_parameters(inputs, parameters):
     M_y_full_part6 = M_y_speed + M_y_full_part5*gamma_in**2
     M_y_full_part7 = ca.if_else(CONVENTION > 0.5, F_z_limited, FNOMIN)
     M_y_full = -LMY*M_y_full_part1*M_y_full_part4*M_y_full_part6*M_y_full_part7*UNLOADED_RADIUS  # [4.E70] rolling resistance moment of the rolling wheel
+    M_y_rolling_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
 
     # Partial derivatives of each line
     fade_shared1 = ca.fabs(V)
-    fade_shared2 = VXLOW >= fade_shared1
-    fade_shared3 = LIMITS > 0.5
-    fade_by_VXLOW = ca.if_else(fade_shared3, ca.if_else(fade_shared2, -fade_shared1/VXLOW**2, 0), 0)
+    fade_by_VXLOW = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW >= fade_shared1, -fade_shared1/VXLOW**2, 0), 0)
     fade_smooth_shared1 = ca.pi/VXLOW
     fade_smooth_shared2 = 0.5*ca.sin(V*fade_smooth_shared1)
-    fade_smooth_shared3 = VXLOW >= ca.fabs(V)
-    fade_smooth_shared4 = LIMITS > 0.5
-    fade_smooth_by_VXLOW = ca.if_else(fade_smooth_shared4, ca.if_else(fade_smooth_shared3, -ca.pi*V*fade_smooth_shared2/VXLOW**2, 0), 0)
+    fade_smooth_by_VXLOW = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW >= ca.fabs(V), -ca.pi*V*fade_smooth_shared2/VXLOW**2, 0), 0)
     phit_in_shared1 = ca.if_else(V < 0, -1, 1)
-    phit_in_shared2 = LIMITS > 0.5
     phit_in_shared3 = phit_in_shared1*ca.cos(alpha)
-    phit_in_by_fade = ca.if_else(phit_in_shared2, phit*phit_in_shared3, 0)
-    alpha_low_shared1 = VXLOW > speed_sum
-    alpha_low_shared2 = LIMITS > 0.5
-    alpha_low_by_VXLOW = ca.if_else(alpha_low_shared2, ca.if_else(alpha_low_shared1, -alpha*speed_sum/VXLOW**2, 0), 0)
-    kappa_raised_shared1 = KPUMIN > fade*kappa
-    kappa_raised_shared2 = LIMITS > 0.5
-    kappa_raised_by_KPUMIN = ca.if_else(kappa_raised_shared2, ca.if_else(kappa_raised_shared1, 1, 0), 0)
-    kappa_raised_by_fade = ca.if_else(kappa_raised_shared2, ca.if_else(kappa_raised_shared1, 0, kappa), 0)
-    kappa_raised_by_kappa_raised_part1 = ca.if_else(kappa_raised_shared2, 0, 1)
-    kappa_in_shared1 = KPUMAX < kappa_raised
-    kappa_in_shared2 = LIMITS > 0.5
-    kappa_in_by_KPUMAX = ca.if_else(kappa_in_shared2, ca.if_else(kappa_in_shared1, 1, 0), 0)
-    kappa_in_by_kappa_raised = ca.if_else(kappa_in_shared2, ca.if_else(kappa_in_shared1, 0, 1), 1)
-    alpha_raised_shared1 = ALPMIN > alpha_low
-    alpha_raised_shared2 = LIMITS > 0.5
-    alpha_raised_by_ALPMIN = ca.if_else(alpha_raised_shared2, ca.if_else(alpha_raised_shared1, 1, 0), 0)
-    alpha_raised_by_alpha_low = ca.if_else(alpha_raised_shared2, ca.if_else(alpha_raised_shared1, 0, 1), 1)
-    alpha_in_shared1 = ALPMAX < alpha_raised
-    alpha_in_shared2 = LIMITS > 0.5
-    alpha_in_by_ALPMAX = ca.if_else(alpha_in_shared2, ca.if_else(alpha_in_shared1, 1, 0), 0)
-    alpha_in_by_alpha_raised = ca.if_else(alpha_in_shared2, ca.if_else(alpha_in_shared1, 0, 1), 1)
-    gamma_raised_shared1 = CAMMIN > gamma
-    gamma_raised_shared2 = LIMITS > 0.5
-    gamma_raised_by_CAMMIN = ca.if_else(gamma_raised_shared2, ca.if_else(gamma_raised_shared1, 1, 0), 0)
-    gamma_in_shared1 = CAMMAX < gamma_raised
-    gamma_in_shared2 = LIMITS > 0.5
-    gamma_in_by_CAMMAX = ca.if_else(gamma_in_shared2, ca.if_else(gamma_in_shared1, 1, 0), 0)
-    gamma_in_by_gamma_raised = ca.if_else(gamma_in_shared2, ca.if_else(gamma_in_shared1, 0, 1), 1)
-    p_raised_shared1 = PRESMIN > p
-    p_raised_shared2 = LIMITS > 0.5
-    p_raised_by_PRESMIN = ca.if_else(p_raised_shared2, ca.if_else(p_raised_shared1, 1, 0), 0)
-    p_in_shared1 = PRESMAX < p_raised
-    p_in_shared2 = LIMITS > 0.5
-    p_in_by_PRESMAX = ca.if_else(p_in_shared2, ca.if_else(p_in_shared1, 1, 0), 0)
-    p_in_by_p_raised = ca.if_else(p_in_shared2, ca.if_else(p_in_shared1, 0, 1), 1)
-    F_z_limited_shared1 = FZMAX < F_z
-    F_z_limited_shared2 = LIMITS > 0.5
-    F_z_limited_by_FZMAX = ca.if_else(F_z_limited_shared2, ca.if_else(F_z_limited_shared1, 1, 0), 0)
-    F_zl_shared1 = FZMIN > F_z_limited
-    F_zl_shared2 = LIMITS > 0.5
-    F_zl_by_FZMIN = ca.if_else(F_zl_shared2, ca.if_else(F_zl_shared1, 1, 0), 0)
-    F_zl_by_F_z_limited = ca.if_else(F_zl_shared2, ca.if_else(F_zl_shared1, 0, 1), 1)
-    F_zm_shared1 = LIMITS > 0.5
-    F_zm_by_F_z_limited = ca.if_else(F_zm_shared1, 0, 1)
-    F_zm_by_F_zl = ca.if_else(F_zm_shared1, ca.if_else(F_z_limited <= 0, 0, 1), 0)
+    phit_in_by_fade = ca.if_else(LIMITS > 0.5, phit*phit_in_shared3, 0)
+    alpha_low_by_VXLOW = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW > speed_sum, -alpha*speed_sum/VXLOW**2, 0), 0)
+    kappa_raised_by_KPUMIN = ca.if_else(LIMITS > 0.5, ca.if_else(KPUMIN > fade*kappa, 1, 0), 0)
+    kappa_raised_by_fade = ca.if_else(LIMITS > 0.5, ca.if_else(KPUMIN > fade*kappa, 0, kappa), 0)
+    kappa_raised_by_kappa_raised_part1 = ca.if_else(LIMITS > 0.5, 0, 1)
+    kappa_in_by_KPUMAX = ca.if_else(LIMITS > 0.5, ca.if_else(KPUMAX < kappa_raised, 1, 0), 0)
+    kappa_in_by_kappa_raised = ca.if_else(LIMITS > 0.5, ca.if_else(KPUMAX < kappa_raised, 0, 1), 1)
+    alpha_raised_by_ALPMIN = ca.if_else(LIMITS > 0.5, ca.if_else(ALPMIN > alpha_low, 1, 0), 0)
+    alpha_raised_by_alpha_low = ca.if_else(LIMITS > 0.5, ca.if_else(ALPMIN > alpha_low, 0, 1), 1)
+    alpha_in_by_ALPMAX = ca.if_else(LIMITS > 0.5, ca.if_else(ALPMAX < alpha_raised, 1, 0), 0)
+    alpha_in_by_alpha_raised = ca.if_else(LIMITS > 0.5, ca.if_else(ALPMAX < alpha_raised, 0, 1), 1)
+    gamma_raised_by_CAMMIN = ca.if_else(LIMITS > 0.5, ca.if_else(CAMMIN > gamma, 1, 0), 0)
+    gamma_in_by_CAMMAX = ca.if_else(LIMITS > 0.5, ca.if_else(CAMMAX < gamma_raised, 1, 0), 0)
+    gamma_in_by_gamma_raised = ca.if_else(LIMITS > 0.5, ca.if_else(CAMMAX < gamma_raised, 0, 1), 1)
+    p_raised_by_PRESMIN = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMIN > p, 1, 0), 0)
+    p_in_by_PRESMAX = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMAX < p_raised, 1, 0), 0)
+    p_in_by_p_raised = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMAX < p_raised, 0, 1), 1)
+    F_z_limited_by_FZMAX = ca.if_else(LIMITS > 0.5, ca.if_else(FZMAX < F_z, 1, 0), 0)
+    F_zl_by_FZMIN = ca.if_else(LIMITS > 0.5, ca.if_else(FZMIN > F_z_limited, 1, 0), 0)
+    F_zl_by_F_z_limited = ca.if_else(LIMITS > 0.5, ca.if_else(FZMIN > F_z_limited, 0, 1), 1)
+    F_zm_by_F_z_limited = ca.if_else(LIMITS > 0.5, 0, 1)
+    F_zm_by_F_zl = ca.if_else(LIMITS > 0.5, ca.if_else(F_z_limited <= 0, 0, 1), 0)
     dfz_part1_by_F_z01 = -dfz_part1**2
     dpi_part1_by_NOMPRES = -dpi_part1**2
     tan_alpha_by_alpha_in = 1 + tan_alpha**2
     V_c_part1_by_tan_alpha = 2*tan_alpha
     V_c_part2_by_V_c_part1 = 0.5/V_c_part2
     cos_alpha_part2_by_cos_alpha_part1 = -cos_alpha_part2**2
-    alpha_star_shared1 = SLIP_ANGLE > 0.5
-    alpha_star_by_alpha_in = ca.if_else(alpha_star_shared1, 1, 0)
-    alpha_star_by_tan_alpha = ca.if_else(alpha_star_shared1, 0, ca.sign(V))
-    gamma_star_by_gamma_in = ca.if_else(SLIP_ANGLE > 0.5, 1, ca.cos(gamma_in))
+    alpha_star_by_alpha_in = ca.if_else(SLIP_ANGLE > 0.5, 1, 0)
+    alpha_star_by_alpha_star_part2 = ca.if_else(SLIP_ANGLE > 0.5, 0, 1)
+    gamma_star_part1_by_gamma_in = ca.cos(gamma_in)
+    gamma_star_by_gamma_in = ca.if_else(SLIP_ANGLE > 0.5, 1, 0)
+    gamma_star_by_gamma_star_part1 = ca.if_else(SLIP_ANGLE > 0.5, 0, 1)
     slide_shared1 = 1/LONGVL
     slide_shared2 = ca.sqrt(1e-60 + kappa_in**2 + tan_alpha**2)
     slide_shared3 = ca.fabs(V)
     slide_shared4 = slide_shared2*slide_shared3
-    slide_shared5 = CONVENTION > 0.5
     slide_shared6 = LMUV*slide_shared1
     slide_shared7 = slide_shared3*slide_shared6/slide_shared2
-    slide_by_LMUV = ca.if_else(slide_shared5, slide_shared1*slide_shared4, 0)
-    slide_by_LONGVL = ca.if_else(slide_shared5, -LMUV*slide_shared4/LONGVL**2, 0)
-    slide_by_kappa_in = ca.if_else(slide_shared5, kappa_in*slide_shared7, 0)
-    slide_by_tan_alpha = ca.if_else(slide_shared5, slide_shared7*tan_alpha, 0)
-    LMUX_star_shared1 = CONVENTION > 0.5
-    LMUX_star_by_LMUX = ca.if_else(LMUX_star_shared1, 1/slide, 1)
-    LMUX_star_by_slide = ca.if_else(LMUX_star_shared1, -LMUX/slide**2, 0)
-    LMUY_star_shared1 = CONVENTION > 0.5
-    LMUY_star_by_LMUY = ca.if_else(LMUY_star_shared1, 1/slide, 1)
-    LMUY_star_by_slide = ca.if_else(LMUY_star_shared1, -LMUY/slide**2, 0)
+    slide_by_LMUV = ca.if_else(CONVENTION > 0.5, slide_shared1*slide_shared4, 0)
+    slide_by_LONGVL = ca.if_else(CONVENTION > 0.5, -LMUV*slide_shared4/LONGVL**2, 0)
+    slide_by_kappa_in = ca.if_else(CONVENTION > 0.5, kappa_in*slide_shared7, 0)
+    slide_by_tan_alpha = ca.if_else(CONVENTION > 0.5, slide_shared7*tan_alpha, 0)
+    LMUX_star_by_LMUX = ca.if_else(CONVENTION > 0.5, 1/slide, 1)
+    LMUX_star_by_slide = ca.if_else(CONVENTION > 0.5, -LMUX/slide**2, 0)
+    LMUY_star_by_LMUY = ca.if_else(CONVENTION > 0.5, 1/slide, 1)
+    LMUY_star_by_slide = ca.if_else(CONVENTION > 0.5, -LMUY/slide**2, 0)
     LMUX_shift_by_LMUX_star = ca.if_else(CONVENTION > 0.5, 10/(1 + 9*LMUX_star) - 90*LMUX_star/(1 + 9*LMUX_star)**2, 1)
     LMUY_shift_by_LMUY_star = ca.if_else(CONVENTION > 0.5, 10/(1 + 9*LMUY_star) - 90*LMUY_star/(1 + 9*LMUY_star)**2, 1)
     sink_shared1 = F_z*sink_part2
@@ -4265,10 +4337,8 @@ def jacobian_parameters(inputs, parameters):
     R_omega_2_part2_by_omega_2 = R_omega_2_shared2*R_omega_2_shared6*omega_2
     omega_part1_by_R_e_2 = -omega_part1**2
     omega_by_omega_part1 = V*omega_part2
-    V_spin_shared1 = VXLOW > ca.fabs(V)
-    V_spin_shared2 = CONVENTION > 0.5
-    V_spin_by_VXLOW = ca.if_else(V_spin_shared1, ca.if_else(V >= 0, 1, ca.sign(V)), 0)
-    V_spin_by_V_c = ca.if_else(V_spin_shared1, 0, ca.if_else(V_spin_shared2, 0, 1))
+    V_spin_by_V_c = ca.if_else(VXLOW > ca.fabs(V), 0, ca.if_else(CONVENTION > 0.5, 0, 1))
+    V_spin_by_V_spin_part2 = ca.if_else(VXLOW > ca.fabs(V), 1, 0)
     phi_shared1 = phi_part2*phi_part3
     phi_shared2 = omega*phi_part1
     phi_part1_by_V_spin = -phi_part1**2
@@ -4284,12 +4354,11 @@ def jacobian_parameters(inputs, parameters):
     B_xphi_by_B_xphi_part3 = B_xphi_part4*PDXP1
     B_xphi_by_B_xphi_part4 = B_xphi_part3*PDXP1
     B_xphi_by_PDXP1 = B_xphi_part3*B_xphi_part4
-    zeta_1_shared1 = phit_in == 0
     zeta_1_shared2 = R_0_phi**2
     zeta_1_shared3 = B_xphi**2
     zeta_1_shared4 = (1 + zeta_1_shared2*zeta_1_shared3)**(-1.5)
-    zeta_1_by_B_xphi = ca.if_else(zeta_1_shared1, 0, -B_xphi*zeta_1_shared2*zeta_1_shared4)
-    zeta_1_by_R_0_phi = ca.if_else(zeta_1_shared1, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared4)
+    zeta_1_by_B_xphi = ca.if_else(phit_in == 0, 0, -B_xphi*zeta_1_shared2*zeta_1_shared4)
+    zeta_1_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared4)
     B_yphi_part1_by_PDYP3 = 2*PDYP3*tan_alpha**2
     B_yphi_part1_by_tan_alpha = 2*tan_alpha*PDYP3**2
     B_yphi_part2_by_B_yphi_part1 = 0.5/B_yphi_part2
@@ -4297,7 +4366,6 @@ def jacobian_parameters(inputs, parameters):
     B_yphi_by_B_yphi_part3 = B_yphi_part4*PDYP1
     B_yphi_by_B_yphi_part4 = B_yphi_part3*PDYP1
     B_yphi_by_PDYP1 = B_yphi_part3*B_yphi_part4
-    zeta_2_shared1 = phit_in == 0
     zeta_2_shared2 = ca.fabs(R_0_phi)
     zeta_2_shared3 = ca.sqrt(1e-60 + zeta_2_shared2)
     zeta_2_shared4 = zeta_2_shared2 + PDYP4*zeta_2_shared3
@@ -4306,27 +4374,24 @@ def jacobian_parameters(inputs, parameters):
     zeta_2_shared7 = (1 + zeta_2_shared5*zeta_2_shared6)**(-1.5)
     zeta_2_shared8 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared7
     zeta_2_shared9 = ca.sign(R_0_phi)
-    zeta_2_by_B_yphi = ca.if_else(zeta_2_shared1, 0, -B_yphi*zeta_2_shared5*zeta_2_shared7)
-    zeta_2_by_PDYP4 = ca.if_else(zeta_2_shared1, 0, -zeta_2_shared3*zeta_2_shared8)
-    zeta_2_by_R_0_phi = ca.if_else(zeta_2_shared1, 0, -0.5*zeta_2_shared8*(2*zeta_2_shared9 + PDYP4*zeta_2_shared9/zeta_2_shared3))
-    zeta_3_shared1 = phit_in == 0
+    zeta_2_by_B_yphi = ca.if_else(phit_in == 0, 0, -B_yphi*zeta_2_shared5*zeta_2_shared7)
+    zeta_2_by_PDYP4 = ca.if_else(phit_in == 0, 0, -zeta_2_shared3*zeta_2_shared8)
+    zeta_2_by_R_0_phi = ca.if_else(phit_in == 0, 0, -0.5*zeta_2_shared8*(2*zeta_2_shared9 + PDYP4*zeta_2_shared9/zeta_2_shared3))
     zeta_3_shared2 = R_0_phi**4
     zeta_3_shared3 = PKYP1**2
     zeta_3_shared4 = (1 + zeta_3_shared2*zeta_3_shared3)**(-1.5)
-    zeta_3_by_PKYP1 = ca.if_else(zeta_3_shared1, 0, -PKYP1*zeta_3_shared2*zeta_3_shared4)
-    zeta_3_by_R_0_phi = ca.if_else(zeta_3_shared1, 0, -2*zeta_3_shared3*zeta_3_shared4*R_0_phi**3)
-    zeta_5_shared1 = phit_in == 0
+    zeta_3_by_PKYP1 = ca.if_else(phit_in == 0, 0, -PKYP1*zeta_3_shared2*zeta_3_shared4)
+    zeta_3_by_R_0_phi = ca.if_else(phit_in == 0, 0, -2*zeta_3_shared3*zeta_3_shared4*R_0_phi**3)
     zeta_5_shared2 = R_0_phi**2
     zeta_5_shared3 = QDTP1**2
     zeta_5_shared4 = (1 + zeta_5_shared2*zeta_5_shared3)**(-1.5)
-    zeta_5_by_QDTP1 = ca.if_else(zeta_5_shared1, 0, -QDTP1*zeta_5_shared2*zeta_5_shared4)
-    zeta_5_by_R_0_phi = ca.if_else(zeta_5_shared1, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared4)
-    zeta_6_shared1 = phit_in == 0
+    zeta_5_by_QDTP1 = ca.if_else(phit_in == 0, 0, -QDTP1*zeta_5_shared2*zeta_5_shared4)
+    zeta_5_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared4)
     zeta_6_shared2 = R_0_phi**2
     zeta_6_shared3 = QBRP1**2
     zeta_6_shared4 = (1 + zeta_6_shared2*zeta_6_shared3)**(-1.5)
-    zeta_6_by_QBRP1 = ca.if_else(zeta_6_shared1, 0, -QBRP1*zeta_6_shared2*zeta_6_shared4)
-    zeta_6_by_R_0_phi = ca.if_else(zeta_6_shared1, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared4)
+    zeta_6_by_QBRP1 = ca.if_else(phit_in == 0, 0, -QBRP1*zeta_6_shared2*zeta_6_shared4)
+    zeta_6_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared4)
     S_Hx_by_LHX = S_Hx_part1*fade_smooth
     S_Hx_by_S_Hx_part1 = LHX*fade_smooth
     S_Hx_by_fade_smooth = LHX*S_Hx_part1
@@ -4344,24 +4409,23 @@ def jacobian_parameters(inputs, parameters):
     D_x_by_F_z_limited = mu_x*zeta_1
     D_x_by_mu_x = F_z_limited*zeta_1
     D_x_by_zeta_1 = F_z_limited*mu_x
-    E_x_shared1 = ca.sign(kappa_x)
-    E_x_shared2 = 1 - E_x_shared1*PEX4
-    E_x_shared3 = dfz**2
-    E_x_shared4 = PEX1 + E_x_shared3*PEX3 + PEX2*dfz
-    E_x_shared5 = E_x_shared2*E_x_shared4
-    E_x_shared6 = E_x_shared5*LEX > 1
-    E_x_shared7 = LIMITS > 0.5
-    E_x_shared8 = E_x_shared2*LEX
-    E_x_shared9 = E_x_shared8*dfz
-    E_x_shared10 = E_x_shared3*E_x_shared8
-    E_x_shared11 = -E_x_shared1*E_x_shared4*LEX
-    E_x_shared12 = E_x_shared8*(PEX2 + 2*PEX3*dfz)
-    E_x_by_LEX = ca.if_else(E_x_shared7, ca.if_else(E_x_shared6, 0, E_x_shared5), E_x_shared5)
-    E_x_by_PEX1 = ca.if_else(E_x_shared7, ca.if_else(E_x_shared6, 0, E_x_shared8), E_x_shared8)
-    E_x_by_PEX2 = ca.if_else(E_x_shared7, ca.if_else(E_x_shared6, 0, E_x_shared9), E_x_shared9)
-    E_x_by_PEX3 = ca.if_else(E_x_shared7, ca.if_else(E_x_shared6, 0, E_x_shared10), E_x_shared10)
-    E_x_by_PEX4 = ca.if_else(E_x_shared7, ca.if_else(E_x_shared6, 0, E_x_shared11), E_x_shared11)
-    E_x_by_dfz = ca.if_else(E_x_shared7, ca.if_else(E_x_shared6, 0, E_x_shared12), E_x_shared12)
+    E_x_shared1 = dfz**2
+    E_x_shared2 = PEX2 + 2*PEX3*dfz
+    E_x_shared4 = ca.sign(kappa_x)
+    E_x_shared5 = 1 - E_x_shared4*PEX4
+    E_x_shared6 = PEX1 + E_x_shared1*PEX3 + PEX2*dfz
+    E_x_shared7 = E_x_shared5*E_x_shared6
+    E_x_shared9 = E_x_shared5*LEX
+    E_x_part4_by_E_x_part2 = E_x_part3*LEX
+    E_x_part4_by_E_x_part3 = E_x_part2*LEX
+    E_x_part4_by_LEX = E_x_part2*E_x_part3
+    E_x_by_E_x_part4 = ca.if_else(LIMITS > 0.5, 0, 1)
+    E_x_by_LEX = ca.if_else(LIMITS > 0.5, ca.if_else(E_x_shared7*LEX > 1, 0, E_x_shared7), 0)
+    E_x_by_PEX1 = ca.if_else(LIMITS > 0.5, ca.if_else(E_x_shared7*LEX > 1, 0, E_x_shared9), 0)
+    E_x_by_PEX2 = ca.if_else(LIMITS > 0.5, ca.if_else(E_x_shared7*LEX > 1, 0, E_x_shared9*dfz), 0)
+    E_x_by_PEX3 = ca.if_else(LIMITS > 0.5, ca.if_else(E_x_shared7*LEX > 1, 0, E_x_shared1*E_x_shared9), 0)
+    E_x_by_PEX4 = ca.if_else(LIMITS > 0.5, ca.if_else(E_x_shared7*LEX > 1, 0, -E_x_shared4*E_x_shared6*LEX), 0)
+    E_x_by_dfz = ca.if_else(LIMITS > 0.5, ca.if_else(E_x_shared7*LEX > 1, 0, E_x_shared2*E_x_shared9), 0)
     K_xkappa_shared1 = K_xkappa_part2*K_xkappa_part4*LKX
     K_xkappa_shared2 = F_z_limited*K_xkappa_part1*LKX
     K_xkappa_part2_by_PPX2 = dpi**2
@@ -4458,10 +4522,9 @@ def jacobian_parameters(inputs, parameters):
     S_Vygamma_by_S_Vygamma_part1 = LMUY_shift*S_Vygamma_shared2
     S_Vygamma_by_gamma_star = S_Vygamma_shared3*zeta_2
     S_Vygamma_by_zeta_2 = S_Vygamma_shared3*gamma_star
-    zeta_4_shared1 = phit_in == 0
-    zeta_4_by_K_yalpha1 = ca.if_else(zeta_4_shared1, 0, S_Vygamma/K_yalpha1**2)
-    zeta_4_by_S_Hyphi = ca.if_else(zeta_4_shared1, 0, 1)
-    zeta_4_by_S_Vygamma = ca.if_else(zeta_4_shared1, 0, -1/K_yalpha1)
+    zeta_4_by_K_yalpha1 = ca.if_else(phit_in == 0, 0, S_Vygamma/K_yalpha1**2)
+    zeta_4_by_S_Hyphi = ca.if_else(phit_in == 0, 0, 1)
+    zeta_4_by_S_Vygamma = ca.if_else(phit_in == 0, 0, -1/K_yalpha1)
     S_Hy_part2_by_K_yalpha1 = -S_Hy_part2**2
     S_Hy_part4_by_S_Hy_part2 = S_Hy_part3*zeta_0
     S_Hy_part4_by_S_Hy_part3 = S_Hy_part2*zeta_0
@@ -4478,30 +4541,27 @@ def jacobian_parameters(inputs, parameters):
     D_y_by_F_z_limited = mu_y_loaded*zeta_2
     D_y_by_mu_y_loaded = F_z_limited*zeta_2
     D_y_by_zeta_2 = F_z_limited*mu_y_loaded
-    E_y_shared1 = PEY1 + PEY2*dfz
-    E_y_shared2 = gamma_star**2
-    E_y_shared3 = ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))
-    E_y_shared4 = 1 + E_y_shared2*PEY5 - E_y_shared3*(PEY3 + PEY4*gamma_star)
-    E_y_shared5 = E_y_shared1*E_y_shared4
-    E_y_shared6 = E_y_shared5*LEY > 1
-    E_y_shared7 = LIMITS > 0.5
-    E_y_shared8 = E_y_shared4*LEY
-    E_y_shared9 = E_y_shared8*dfz
-    E_y_shared10 = E_y_shared1*LEY
-    E_y_shared11 = E_y_shared10*E_y_shared3
-    E_y_shared12 = -E_y_shared11
-    E_y_shared13 = -E_y_shared11*gamma_star
-    E_y_shared14 = E_y_shared10*E_y_shared2
-    E_y_shared15 = E_y_shared8*PEY2
-    E_y_shared16 = E_y_shared10*(-E_y_shared3*PEY4 + 2*PEY5*gamma_star)
-    E_y_by_LEY = ca.if_else(E_y_shared7, ca.if_else(E_y_shared6, 0, E_y_shared5), E_y_shared5)
-    E_y_by_PEY1 = ca.if_else(E_y_shared7, ca.if_else(E_y_shared6, 0, E_y_shared8), E_y_shared8)
-    E_y_by_PEY2 = ca.if_else(E_y_shared7, ca.if_else(E_y_shared6, 0, E_y_shared9), E_y_shared9)
-    E_y_by_PEY3 = ca.if_else(E_y_shared7, ca.if_else(E_y_shared6, 0, E_y_shared12), E_y_shared12)
-    E_y_by_PEY4 = ca.if_else(E_y_shared7, ca.if_else(E_y_shared6, 0, E_y_shared13), E_y_shared13)
-    E_y_by_PEY5 = ca.if_else(E_y_shared7, ca.if_else(E_y_shared6, 0, E_y_shared14), E_y_shared14)
-    E_y_by_dfz = ca.if_else(E_y_shared7, ca.if_else(E_y_shared6, 0, E_y_shared15), E_y_shared15)
-    E_y_by_gamma_star = ca.if_else(E_y_shared7, ca.if_else(E_y_shared6, 0, E_y_shared16), E_y_shared16)
+    E_y_shared1 = gamma_star**2
+    E_y_shared3 = PEY1 + PEY2*dfz
+    E_y_shared4 = ca.if_else(alpha_y >= 0, 1, ca.sign(alpha_y))
+    E_y_shared5 = 1 + E_y_shared1*PEY5 - E_y_shared4*(PEY3 + PEY4*gamma_star)
+    E_y_shared6 = E_y_shared3*E_y_shared5
+    E_y_shared8 = E_y_shared5*LEY
+    E_y_shared9 = E_y_shared3*LEY
+    E_y_shared10 = E_y_shared4*E_y_shared9
+    E_y_part4_by_gamma_star = 2*PEY5*gamma_star
+    E_y_part5_by_E_y_part1 = E_y_part4*LEY
+    E_y_part5_by_E_y_part4 = E_y_part1*LEY
+    E_y_part5_by_LEY = E_y_part1*E_y_part4
+    E_y_by_E_y_part5 = ca.if_else(LIMITS > 0.5, 0, 1)
+    E_y_by_LEY = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_shared6*LEY > 1, 0, E_y_shared6), 0)
+    E_y_by_PEY1 = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_shared6*LEY > 1, 0, E_y_shared8), 0)
+    E_y_by_PEY2 = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_shared6*LEY > 1, 0, E_y_shared8*dfz), 0)
+    E_y_by_PEY3 = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_shared6*LEY > 1, 0, -E_y_shared10), 0)
+    E_y_by_PEY4 = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_shared6*LEY > 1, 0, -E_y_shared10*gamma_star), 0)
+    E_y_by_PEY5 = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_shared6*LEY > 1, 0, E_y_shared1*E_y_shared9), 0)
+    E_y_by_dfz = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_shared6*LEY > 1, 0, E_y_shared8*PEY2), 0)
+    E_y_by_gamma_star = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_shared6*LEY > 1, 0, E_y_shared9*(-E_y_shared4*PEY4 + 2*PEY5*gamma_star)), 0)
     B_y_part3_by_B_y_part2 = -B_y_part3**2
     S_Vy_shared1 = LVY*S_Vy_part1*zeta_2
     S_Vy_shared2 = F_z_limited*LMUY_shift*zeta_2
@@ -4522,21 +4582,20 @@ def jacobian_parameters(inputs, parameters):
     D_y_g0_by_F_z_limited = mu_y_loaded_g0*zeta_2
     D_y_g0_by_mu_y_loaded_g0 = F_z_limited*zeta_2
     D_y_g0_by_zeta_2 = F_z_limited*mu_y_loaded_g0
-    E_y_g0_shared1 = PEY1 + PEY2*dfz
-    E_y_g0_shared2 = ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0))
-    E_y_g0_shared3 = 1 - E_y_g0_shared2*PEY3
-    E_y_g0_shared4 = E_y_g0_shared1*E_y_g0_shared3
-    E_y_g0_shared5 = E_y_g0_shared4*LEY > 1
-    E_y_g0_shared6 = LIMITS > 0.5
-    E_y_g0_shared7 = E_y_g0_shared3*LEY
-    E_y_g0_shared8 = E_y_g0_shared7*dfz
-    E_y_g0_shared9 = -E_y_g0_shared1*E_y_g0_shared2*LEY
-    E_y_g0_shared10 = E_y_g0_shared7*PEY2
-    E_y_g0_by_LEY = ca.if_else(E_y_g0_shared6, ca.if_else(E_y_g0_shared5, 0, E_y_g0_shared4), E_y_g0_shared4)
-    E_y_g0_by_PEY1 = ca.if_else(E_y_g0_shared6, ca.if_else(E_y_g0_shared5, 0, E_y_g0_shared7), E_y_g0_shared7)
-    E_y_g0_by_PEY2 = ca.if_else(E_y_g0_shared6, ca.if_else(E_y_g0_shared5, 0, E_y_g0_shared8), E_y_g0_shared8)
-    E_y_g0_by_PEY3 = ca.if_else(E_y_g0_shared6, ca.if_else(E_y_g0_shared5, 0, E_y_g0_shared9), E_y_g0_shared9)
-    E_y_g0_by_dfz = ca.if_else(E_y_g0_shared6, ca.if_else(E_y_g0_shared5, 0, E_y_g0_shared10), E_y_g0_shared10)
+    E_y_g0_shared2 = PEY1 + PEY2*dfz
+    E_y_g0_shared3 = ca.if_else(alpha_y_g0 >= 0, 1, ca.sign(alpha_y_g0))
+    E_y_g0_shared4 = 1 - E_y_g0_shared3*PEY3
+    E_y_g0_shared5 = E_y_g0_shared2*E_y_g0_shared4
+    E_y_g0_shared7 = E_y_g0_shared4*LEY
+    E_y_g0_part4_by_E_y_g0_part2 = E_y_g0_part3*LEY
+    E_y_g0_part4_by_E_y_g0_part3 = E_y_g0_part2*LEY
+    E_y_g0_part4_by_LEY = E_y_g0_part2*E_y_g0_part3
+    E_y_g0_by_E_y_g0_part4 = ca.if_else(LIMITS > 0.5, 0, 1)
+    E_y_g0_by_LEY = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_g0_shared5*LEY > 1, 0, E_y_g0_shared5), 0)
+    E_y_g0_by_PEY1 = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_g0_shared5*LEY > 1, 0, E_y_g0_shared7), 0)
+    E_y_g0_by_PEY2 = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_g0_shared5*LEY > 1, 0, E_y_g0_shared7*dfz), 0)
+    E_y_g0_by_PEY3 = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_g0_shared5*LEY > 1, 0, -E_y_g0_shared2*E_y_g0_shared3*LEY), 0)
+    E_y_g0_by_dfz = ca.if_else(LIMITS > 0.5, ca.if_else(E_y_g0_shared5*LEY > 1, 0, E_y_g0_shared7*PEY2), 0)
     B_y_g0_part3_by_B_y_g0_part2 = -B_y_g0_part3**2
     S_Vy_g0_shared1 = LVY*S_Vy_g0_part1*fade_smooth*zeta_2
     S_Vy_g0_shared2 = F_z_limited*LMUY_shift*fade_smooth*zeta_2
@@ -4560,12 +4619,10 @@ def jacobian_parameters(inputs, parameters):
     B_xalpha_by_B_xalpha_part3 = B_xalpha_part4*LXAL
     B_xalpha_by_B_xalpha_part4 = B_xalpha_part3*LXAL
     B_xalpha_by_LXAL = B_xalpha_part3*B_xalpha_part4
-    E_xalpha_shared1 = LIMITS > 0.5
-    E_xalpha_shared2 = REX1 + REX2*dfz > 1
-    E_xalpha_by_E_xalpha_part1 = ca.if_else(E_xalpha_shared1, 0, 1)
-    E_xalpha_by_REX1 = ca.if_else(E_xalpha_shared1, ca.if_else(E_xalpha_shared2, 0, 1), 0)
-    E_xalpha_by_REX2 = ca.if_else(E_xalpha_shared1, ca.if_else(E_xalpha_shared2, 0, dfz), 0)
-    E_xalpha_by_dfz = ca.if_else(E_xalpha_shared1, ca.if_else(E_xalpha_shared2, 0, REX2), 0)
+    E_xalpha_by_E_xalpha_part1 = ca.if_else(LIMITS > 0.5, 0, 1)
+    E_xalpha_by_REX1 = ca.if_else(LIMITS > 0.5, ca.if_else(REX1 + REX2*dfz > 1, 0, 1), 0)
+    E_xalpha_by_REX2 = ca.if_else(LIMITS > 0.5, ca.if_else(REX1 + REX2*dfz > 1, 0, dfz), 0)
+    E_xalpha_by_dfz = ca.if_else(LIMITS > 0.5, ca.if_else(REX1 + REX2*dfz > 1, 0, REX2), 0)
     G_xa_v_part1_by_G_xa_u = 1/(1 + G_xa_u**2)
     G_xa_w_part1_by_G_xa_v = 1/(1 + G_xa_v**2)
     G_xa0_v_part1_by_G_xa0_u = 1/(1 + G_xa0_u**2)
@@ -4573,12 +4630,10 @@ def jacobian_parameters(inputs, parameters):
     G_xa_part1_by_G_xa0_w = -ca.sin(G_xa0_w)
     G_xa_part2_by_G_xa_part1 = -G_xa_part2**2
     G_xa_part3_by_G_xa_w = -ca.sin(G_xa_w)
-    E_ykappa_shared1 = LIMITS > 0.5
-    E_ykappa_shared2 = REY1 + REY2*dfz > 1
-    E_ykappa_by_E_ykappa_part1 = ca.if_else(E_ykappa_shared1, 0, 1)
-    E_ykappa_by_REY1 = ca.if_else(E_ykappa_shared1, ca.if_else(E_ykappa_shared2, 0, 1), 0)
-    E_ykappa_by_REY2 = ca.if_else(E_ykappa_shared1, ca.if_else(E_ykappa_shared2, 0, dfz), 0)
-    E_ykappa_by_dfz = ca.if_else(E_ykappa_shared1, ca.if_else(E_ykappa_shared2, 0, REY2), 0)
+    E_ykappa_by_E_ykappa_part1 = ca.if_else(LIMITS > 0.5, 0, 1)
+    E_ykappa_by_REY1 = ca.if_else(LIMITS > 0.5, ca.if_else(REY1 + REY2*dfz > 1, 0, 1), 0)
+    E_ykappa_by_REY2 = ca.if_else(LIMITS > 0.5, ca.if_else(REY1 + REY2*dfz > 1, 0, dfz), 0)
+    E_ykappa_by_dfz = ca.if_else(LIMITS > 0.5, ca.if_else(REY1 + REY2*dfz > 1, 0, REY2), 0)
     B_ykappa_part2_by_B_ykappa_part1 = 2*B_ykappa_part1*RBY2**2
     B_ykappa_part2_by_RBY2 = 2*RBY2*B_ykappa_part1**2
     B_ykappa_part3_by_B_ykappa_part2 = 0.5/B_ykappa_part3
@@ -4628,42 +4683,42 @@ def jacobian_parameters(inputs, parameters):
     G_yk_g00_v_part1_by_G_yk_g00_u = 1/(1 + G_yk_g00_u**2)
     G_yk_g00_w_part1_by_G_yk_g00_v = 1/(1 + G_yk_g00_v**2)
     alpha_r_part1_by_K_yalpha1 = -alpha_r_part1**2
-    B_t_shared1 = CONVENTION > 0.5
-    B_t_shared2 = B_t_part3*LKY
+    B_t_shared2 = B_t_part7*LKY
     B_t_shared3 = B_t_part1*B_t_part2
     B_t_part1_by_LMUY_star = -B_t_part1**2
     B_t_part2_by_QBZ3 = dfz**2
     B_t_part2_by_dfz = QBZ2 + 2*QBZ3*dfz
-    B_t_part3_by_QBZ4 = ca.if_else(B_t_shared1, 0, gamma_in)
-    B_t_part3_by_QBZ5 = ca.if_else(B_t_shared1, ca.fabs(gamma_star), ca.fabs(gamma_in))
-    B_t_part3_by_QBZ6 = ca.if_else(B_t_shared1, gamma_star**2, 0)
-    B_t_part3_by_gamma_in = ca.if_else(B_t_shared1, 0, QBZ4 + QBZ5*ca.sign(gamma_in))
-    B_t_part3_by_gamma_star = ca.if_else(B_t_shared1, QBZ5*ca.sign(gamma_star) + 2*QBZ6*gamma_star, 0)
+    B_t_part3_by_gamma_star = ca.sign(gamma_star)
+    B_t_part4_by_QBZ6 = gamma_star**2
+    B_t_part4_by_gamma_star = 2*QBZ6*gamma_star
+    B_t_part5_by_gamma_in = ca.sign(gamma_in)
+    B_t_part7_by_B_t_part4 = ca.if_else(CONVENTION > 0.5, 1, 0)
+    B_t_part7_by_B_t_part6 = ca.if_else(CONVENTION > 0.5, 0, 1)
     B_t_by_B_t_part1 = B_t_part2*B_t_shared2
     B_t_by_B_t_part2 = B_t_part1*B_t_shared2
-    B_t_by_B_t_part3 = B_t_shared3*LKY
-    B_t_by_LKY = B_t_part3*B_t_shared3
+    B_t_by_B_t_part7 = B_t_shared3*LKY
+    B_t_by_LKY = B_t_part7*B_t_shared3
     D_t_shared1 = 2*QDZ4
-    D_t_shared2 = CONVENTION > 0.5
-    D_t_shared3 = D_t_part3*D_t_part5*D_t_part6*F_zm*LTR*UNLOADED_RADIUS*zeta_5
-    D_t_shared4 = D_t_part1*D_t_part2*D_t_part6*F_zm*LTR*UNLOADED_RADIUS*zeta_5
-    D_t_shared5 = D_t_part1*D_t_part2*D_t_part3*D_t_part5*LTR*UNLOADED_RADIUS*zeta_5
-    D_t_shared6 = D_t_part1*D_t_part2*D_t_part3*D_t_part5*D_t_part6*F_zm*zeta_5
+    D_t_shared3 = ca.if_else(CONVENTION > 0.5, 1, 0)
+    D_t_shared4 = D_t_part3*D_t_part7*D_t_part9*F_zm*LTR*UNLOADED_RADIUS*zeta_5
+    D_t_shared5 = D_t_part1*D_t_part2*D_t_part9*F_zm*LTR*UNLOADED_RADIUS*zeta_5
+    D_t_shared6 = D_t_part1*D_t_part2*D_t_part3*D_t_part7*LTR*UNLOADED_RADIUS*zeta_5
+    D_t_shared7 = D_t_part1*D_t_part2*D_t_part3*D_t_part7*D_t_part9*F_zm*zeta_5
     D_t_part1_by_F_z01 = -D_t_part1**2
-    D_t_part4_by_QDZ4 = gamma_in**2
-    D_t_part4_by_gamma_in = QDZ3 + D_t_shared1*gamma_in
-    D_t_part5_by_D_t_part4 = ca.if_else(D_t_shared2, 0, 1)
-    D_t_part5_by_QDZ3 = ca.if_else(D_t_shared2, ca.fabs(gamma_star), 0)
-    D_t_part5_by_QDZ4 = ca.if_else(D_t_shared2, gamma_star**2, 0)
-    D_t_part5_by_gamma_star = ca.if_else(D_t_shared2, D_t_shared1*gamma_star + QDZ3*ca.sign(gamma_star), 0)
-    D_t_by_D_t_part1 = D_t_part2*D_t_shared3
-    D_t_by_D_t_part2 = D_t_part1*D_t_shared3
-    D_t_by_D_t_part3 = D_t_part5*D_t_shared4
-    D_t_by_D_t_part5 = D_t_part3*D_t_shared4
-    D_t_by_F_zm = D_t_part6*D_t_shared5
-    D_t_by_LTR = D_t_shared6*UNLOADED_RADIUS
-    D_t_by_UNLOADED_RADIUS = D_t_shared6*LTR
-    D_t_by_zeta_5 = D_t_part1*D_t_part2*D_t_part3*D_t_part5*D_t_part6*F_zm*LTR*UNLOADED_RADIUS
+    D_t_part4_by_gamma_star = ca.sign(gamma_star)
+    D_t_part5_by_QDZ4 = gamma_star**2
+    D_t_part5_by_gamma_star = D_t_shared1*gamma_star
+    D_t_part6_by_QDZ4 = gamma_in**2
+    D_t_part6_by_gamma_in = QDZ3 + D_t_shared1*gamma_in
+    D_t_part7_by_D_t_part6 = ca.if_else(CONVENTION > 0.5, 0, 1)
+    D_t_by_D_t_part1 = D_t_part2*D_t_shared4
+    D_t_by_D_t_part2 = D_t_part1*D_t_shared4
+    D_t_by_D_t_part3 = D_t_part7*D_t_shared5
+    D_t_by_D_t_part7 = D_t_part3*D_t_shared5
+    D_t_by_F_zm = D_t_part9*D_t_shared6
+    D_t_by_LTR = D_t_shared7*UNLOADED_RADIUS
+    D_t_by_UNLOADED_RADIUS = D_t_shared7*LTR
+    D_t_by_zeta_5 = D_t_part1*D_t_part2*D_t_part3*D_t_part7*D_t_part9*F_zm*LTR*UNLOADED_RADIUS
     E_t_shared1 = dfz**2
     E_t_shared2 = QEZ1 + E_t_shared1*QEZ3 + QEZ2*dfz
     E_t_shared3 = 2*gamma_star
@@ -4671,10 +4726,8 @@ def jacobian_parameters(inputs, parameters):
     E_t_shared6 = C_t*alpha_t
     E_t_shared7 = ca.atan(B_t*E_t_shared6)/ca.pi
     E_t_shared8 = 1 + E_t_shared4*E_t_shared7
-    E_t_shared9 = E_t_shared2*E_t_shared8 > 1
     E_t_shared10 = E_t_shared2*E_t_shared4/(ca.pi*(1 + B_t**2*C_t**2*alpha_t**2))
     E_t_shared11 = E_t_shared10*E_t_shared6
-    E_t_shared12 = LIMITS > 0.5
     E_t_shared13 = B_t*E_t_shared10
     E_t_shared14 = E_t_shared13*alpha_t
     E_t_shared15 = E_t_shared8*dfz
@@ -4685,16 +4738,16 @@ def jacobian_parameters(inputs, parameters):
     E_t_shared20 = C_t*E_t_shared13
     E_t_shared21 = E_t_shared8*(QEZ2 + 2*QEZ3*dfz)
     E_t_shared22 = E_t_shared18*QEZ5
-    E_t_by_B_t = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared11), E_t_shared11)
-    E_t_by_C_t = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared14), E_t_shared14)
-    E_t_by_QEZ1 = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared8), E_t_shared8)
-    E_t_by_QEZ2 = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared15), E_t_shared15)
-    E_t_by_QEZ3 = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared16), E_t_shared16)
-    E_t_by_QEZ4 = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared18), E_t_shared18)
-    E_t_by_QEZ5 = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared19), E_t_shared19)
-    E_t_by_alpha_t = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared20), E_t_shared20)
-    E_t_by_dfz = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared21), E_t_shared21)
-    E_t_by_gamma_star = ca.if_else(E_t_shared12, ca.if_else(E_t_shared9, 0, E_t_shared22), E_t_shared22)
+    E_t_by_B_t = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared11), E_t_shared11)
+    E_t_by_C_t = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared14), E_t_shared14)
+    E_t_by_QEZ1 = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared8), E_t_shared8)
+    E_t_by_QEZ2 = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared15), E_t_shared15)
+    E_t_by_QEZ3 = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared16), E_t_shared16)
+    E_t_by_QEZ4 = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared18), E_t_shared18)
+    E_t_by_QEZ5 = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared19), E_t_shared19)
+    E_t_by_alpha_t = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared20), E_t_shared20)
+    E_t_by_dfz = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared21), E_t_shared21)
+    E_t_by_gamma_star = ca.if_else(LIMITS > 0.5, ca.if_else(E_t_shared2*E_t_shared8 > 1, 0, E_t_shared22), E_t_shared22)
     B_r_part1_by_LMUY_star = -B_r_part1**2
     B_r_part2_by_B_r_part1 = LKY*QBZ9
     B_r_part2_by_B_y = C_y*QBZ10
@@ -4717,25 +4770,22 @@ def jacobian_parameters(inputs, parameters):
     M_zphi_inf_by_M_zphi_inf_signed = ca.if_else(M_zphi_inf_signed <= 0, 0, 1)
     D_Drphi_part2_by_D_Drphi_part1 = ca.cos(D_Drphi_part1)
     D_Drphi_part3_by_D_Drphi_part2 = -D_Drphi_part3**2
-    K_zgammar0_shared1 = ca.fabs(gamma_star)
-    K_zgammar0_shared2 = CONVENTION > 0.5
-    K_zgammar0_shared3 = ca.fabs(gamma_in)
-    K_zgammar0_shared4 = SIGNS > 0.5
-    K_zgammar0_shared5 = QDZ8*QDZ9
-    K_zgammar0_shared6 = QDZ11*dfz
-    K_zgammar0_shared7 = LKZC*UNLOADED_RADIUS
-    K_zgammar0_shared8 = F_zm*K_zgammar0_part1
-    K_zgammar0_part1_by_QDZ10 = ca.if_else(K_zgammar0_shared2, K_zgammar0_shared1, 1)
-    K_zgammar0_part1_by_QDZ11 = ca.if_else(K_zgammar0_shared2, K_zgammar0_shared1*dfz, K_zgammar0_shared3*dfz)
-    K_zgammar0_part1_by_QDZ8 = ca.if_else(K_zgammar0_shared2, 1, dfz*ca.if_else(K_zgammar0_shared4, -QDZ9, QDZ9))
-    K_zgammar0_part1_by_QDZ9 = ca.if_else(K_zgammar0_shared2, dfz, dfz*ca.if_else(K_zgammar0_shared4, -QDZ8, QDZ8))
-    K_zgammar0_part1_by_dfz = ca.if_else(K_zgammar0_shared2, QDZ9 + K_zgammar0_shared1*QDZ11, K_zgammar0_shared3*QDZ11 + ca.if_else(K_zgammar0_shared4, -K_zgammar0_shared5, K_zgammar0_shared5))
-    K_zgammar0_part1_by_gamma_in = ca.if_else(K_zgammar0_shared2, 0, K_zgammar0_shared6*ca.sign(gamma_in))
-    K_zgammar0_part1_by_gamma_star = ca.if_else(K_zgammar0_shared2, (K_zgammar0_shared6 + QDZ10)*ca.sign(gamma_star), 0)
-    K_zgammar0_by_F_zm = K_zgammar0_part1*K_zgammar0_shared7
-    K_zgammar0_by_K_zgammar0_part1 = F_zm*K_zgammar0_shared7
-    K_zgammar0_by_LKZC = K_zgammar0_shared8*UNLOADED_RADIUS
-    K_zgammar0_by_UNLOADED_RADIUS = K_zgammar0_shared8*LKZC
+    K_zgammar0_shared2 = ca.fabs(gamma_in)
+    K_zgammar0_shared4 = QDZ8*QDZ9
+    K_zgammar0_shared5 = LKZC*UNLOADED_RADIUS
+    K_zgammar0_shared6 = F_zm*K_zgammar0_part4
+    K_zgammar0_part2_by_gamma_star = ca.sign(gamma_star)
+    K_zgammar0_part4_by_K_zgammar0_part3 = ca.if_else(CONVENTION > 0.5, 1, 0)
+    K_zgammar0_part4_by_QDZ10 = ca.if_else(CONVENTION > 0.5, 0, 1)
+    K_zgammar0_part4_by_QDZ11 = ca.if_else(CONVENTION > 0.5, 0, K_zgammar0_shared2*dfz)
+    K_zgammar0_part4_by_QDZ8 = ca.if_else(CONVENTION > 0.5, 0, dfz*ca.if_else(SIGNS > 0.5, -QDZ9, QDZ9))
+    K_zgammar0_part4_by_QDZ9 = ca.if_else(CONVENTION > 0.5, 0, dfz*ca.if_else(SIGNS > 0.5, -QDZ8, QDZ8))
+    K_zgammar0_part4_by_dfz = ca.if_else(CONVENTION > 0.5, 0, K_zgammar0_shared2*QDZ11 + ca.if_else(SIGNS > 0.5, -K_zgammar0_shared4, K_zgammar0_shared4))
+    K_zgammar0_part4_by_gamma_in = ca.if_else(CONVENTION > 0.5, 0, QDZ11*dfz*ca.sign(gamma_in))
+    K_zgammar0_by_F_zm = K_zgammar0_part4*K_zgammar0_shared5
+    K_zgammar0_by_K_zgammar0_part4 = F_zm*K_zgammar0_shared5
+    K_zgammar0_by_LKZC = K_zgammar0_shared6*UNLOADED_RADIUS
+    K_zgammar0_by_UNLOADED_RADIUS = K_zgammar0_shared6*LKZC
     B_Drphi_shared1 = B_Drphi_part4*K_zgammar0
     B_Drphi_shared2 = B_Drphi_part1*B_Drphi_part2
     B_Drphi_part1_by_D_Drphi = -B_Drphi_part1**2
@@ -4760,14 +4810,12 @@ def jacobian_parameters(inputs, parameters):
     M_zphi90_by_M_zphi90_part3 = G_yk*M_zphi90_shared2
     M_zphi90_by_M_zphi_inf = 2*G_yk*M_zphi90_part3/ca.pi
     D_rphi_size_by_D_rphi = ca.if_else(D_rphi == 0, 0, ca.sign(D_rphi))
-    zeta_7_cosine_shared1 = D_rphi == 0
-    zeta_7_cosine_by_D_rphi_size = ca.if_else(zeta_7_cosine_shared1, 0, -M_zphi90/D_rphi_size**2)
-    zeta_7_cosine_by_M_zphi90 = ca.if_else(zeta_7_cosine_shared1, 0, 1/D_rphi_size)
+    zeta_7_cosine_by_D_rphi_size = ca.if_else(D_rphi == 0, 0, -M_zphi90/D_rphi_size**2)
+    zeta_7_cosine_by_M_zphi90 = ca.if_else(D_rphi == 0, 0, 1/D_rphi_size)
     zeta_7_cosine_size_by_zeta_7_cosine = ca.sign(zeta_7_cosine)
     zeta_7_below_1_by_zeta_7_cosine = ca.if_else(zeta_7_cosine_size >= 1, 0, 1)
     zeta_7_above_1_by_zeta_7_cosine_size = ca.if_else(zeta_7_cosine_size > 1, 1, 0)
-    zeta_7_shared1 = zeta_7_cosine_size >= 1
-    zeta_7_by_zeta_7_below_1 = ca.if_else(zeta_7_shared1, 0, -2/(ca.pi*ca.sqrt(1 - zeta_7_below_1**2)))
+    zeta_7_by_zeta_7_below_1 = ca.if_else(zeta_7_cosine_size >= 1, 0, -2/(ca.pi*ca.sqrt(1 - zeta_7_below_1**2)))
     zeta_7_imaginary_part1_by_zeta_7_above_1 = 2*zeta_7_above_1
     zeta_7_imaginary_part2_by_zeta_7_imaginary_part1 = 0.5/zeta_7_imaginary_part2
     zeta_7_imaginary_part4_by_zeta_7_imaginary_part3 = 1/zeta_7_imaginary_part3
@@ -4800,11 +4848,15 @@ def jacobian_parameters(inputs, parameters):
     tan_alpha_teq_by_alpha_t = ca.if_else(CONVENTION > 0.5, 1, 1 + ca.tan(alpha_t)**2)
     slip_alpha_teq_part1_by_tan_alpha_teq = 2*tan_alpha_teq
     slip_alpha_teq_part2_by_slip_alpha_teq_part1 = 0.5/slip_alpha_teq_part2
-    alpha_teq_part1_by_slip_alpha_teq = ca.if_else(CONVENTION > 0.5, 1, 1/(1 + slip_alpha_teq**2))
+    alpha_teq_part1_by_slip_alpha_teq = 1/(1 + slip_alpha_teq**2)
+    alpha_teq_part2_by_alpha_teq_part1 = ca.if_else(CONVENTION > 0.5, 0, 1)
+    alpha_teq_part2_by_slip_alpha_teq = ca.if_else(CONVENTION > 0.5, 1, 0)
     tan_alpha_req_by_alpha_r = ca.if_else(CONVENTION > 0.5, 1, 1 + ca.tan(alpha_r)**2)
     slip_alpha_req_part1_by_tan_alpha_req = 2*tan_alpha_req
     slip_alpha_req_part2_by_slip_alpha_req_part1 = 0.5/slip_alpha_req_part2
-    alpha_req_part1_by_slip_alpha_req = ca.if_else(CONVENTION > 0.5, 1, 1/(1 + slip_alpha_req**2))
+    alpha_req_part1_by_slip_alpha_req = 1/(1 + slip_alpha_req**2)
+    alpha_req_part2_by_alpha_req_part1 = ca.if_else(CONVENTION > 0.5, 0, 1)
+    alpha_req_part2_by_slip_alpha_req = ca.if_else(CONVENTION > 0.5, 1, 0)
     trail_v_part1_by_trail_u = 1/(1 + trail_u**2)
     trail_w_part1_by_trail_v = 1/(1 + trail_v**2)
     trail_shared1 = fade_smooth*trail_part1*trail_part2
@@ -4822,41 +4874,36 @@ def jacobian_parameters(inputs, parameters):
     M_zr_shared1 = alpha_req**2
     M_zr_shared2 = B_r**2
     M_zr_shared3 = (1 + M_zr_shared1*M_zr_shared2)**(-1.5)
-    M_zr_shared4 = phit_in == 0
-    M_zr_part1_by_B_r = ca.if_else(M_zr_shared4, -B_r*M_zr_shared1*M_zr_shared3, 0)
-    M_zr_part1_by_M_zr_spun = ca.if_else(M_zr_shared4, 0, 1)
-    M_zr_part1_by_alpha_req = ca.if_else(M_zr_shared4, -M_zr_shared2*M_zr_shared3*alpha_req, 0)
+    M_zr_part1_by_B_r = ca.if_else(phit_in == 0, -B_r*M_zr_shared1*M_zr_shared3, 0)
+    M_zr_part1_by_M_zr_spun = ca.if_else(phit_in == 0, 0, 1)
+    M_zr_part1_by_alpha_req = ca.if_else(phit_in == 0, -M_zr_shared2*M_zr_shared3*alpha_req, 0)
     M_zr_by_D_r = M_zr_part1*fade_smooth
     M_zr_by_M_zr_part1 = D_r*fade_smooth
     M_zr_by_fade_smooth = D_r*M_zr_part1
-    s_shared1 = CONVENTION > 0.5
     s_shared2 = Fy*SSZ2
     s_shared3 = 1/F_z01
     s_shared4 = 1/FNOMIN
     s_shared5 = SSZ3 + SSZ4*dfz
-    s_part1_by_FNOMIN = ca.if_else(s_shared1, 0, -s_shared2/FNOMIN**2)
-    s_part1_by_F_z01 = ca.if_else(s_shared1, -s_shared2/F_z01**2, 0)
-    s_part1_by_Fy = ca.if_else(s_shared1, SSZ2*s_shared3, SSZ2*s_shared4)
-    s_part1_by_SSZ2 = ca.if_else(s_shared1, Fy*s_shared3, Fy*s_shared4)
-    s_part1_by_SSZ3 = ca.if_else(s_shared1, gamma_star, gamma_in)
-    s_part1_by_SSZ4 = ca.if_else(s_shared1, dfz*gamma_star, dfz*gamma_in)
-    s_part1_by_dfz = ca.if_else(s_shared1, SSZ4*gamma_star, SSZ4*gamma_in)
-    s_part1_by_gamma_in = ca.if_else(s_shared1, 0, s_shared5)
-    s_part1_by_gamma_star = ca.if_else(s_shared1, s_shared5, 0)
+    s_part1_by_FNOMIN = ca.if_else(CONVENTION > 0.5, 0, -s_shared2/FNOMIN**2)
+    s_part1_by_F_z01 = ca.if_else(CONVENTION > 0.5, -s_shared2/F_z01**2, 0)
+    s_part1_by_Fy = ca.if_else(CONVENTION > 0.5, SSZ2*s_shared3, SSZ2*s_shared4)
+    s_part1_by_SSZ2 = ca.if_else(CONVENTION > 0.5, Fy*s_shared3, Fy*s_shared4)
+    s_part1_by_SSZ3 = ca.if_else(CONVENTION > 0.5, gamma_star, gamma_in)
+    s_part1_by_SSZ4 = ca.if_else(CONVENTION > 0.5, dfz*gamma_star, dfz*gamma_in)
+    s_part1_by_dfz = ca.if_else(CONVENTION > 0.5, SSZ4*gamma_star, SSZ4*gamma_in)
+    s_part1_by_gamma_in = ca.if_else(CONVENTION > 0.5, 0, s_shared5)
+    s_part1_by_gamma_star = ca.if_else(CONVENTION > 0.5, s_shared5, 0)
     s_by_LS = UNLOADED_RADIUS*s_part1
     s_by_UNLOADED_RADIUS = LS*s_part1
     s_by_s_part1 = LS*UNLOADED_RADIUS
     G_yk_g0_part1_by_G_yk_g00_w = -ca.sin(G_yk_g00_w)
     G_yk_g0_part2_by_G_yk_g0_part1 = -G_yk_g0_part2**2
     G_yk_g0_part3_by_G_yk_g0_w = -ca.sin(G_yk_g0_w)
-    F_y1_shared1 = CONVENTION > 0.5
-    F_y1_part1_by_G_yk = ca.if_else(F_y1_shared1, 0, 1)
-    F_y1_part1_by_G_yk_g0 = ca.if_else(F_y1_shared1, 1, 0)
+    F_y1_part1_by_G_yk = ca.if_else(CONVENTION > 0.5, 0, 1)
+    F_y1_part1_by_G_yk_g0 = ca.if_else(CONVENTION > 0.5, 1, 0)
     Mz_by_Mz_part1 = ca.if_else(Fz <= 0, 0, 1)
-    F_zx_shared1 = CONVENTION > 0.5
-    F_zx_shared2 = FZMIN > F_z_limited
-    F_zx_by_FZMIN = ca.if_else(F_zx_shared1, 0, ca.if_else(F_zx_shared2, -2*F_z_limited**3/FZMIN**3, 0))
-    F_zx_by_F_z_limited = ca.if_else(F_zx_shared1, 1, ca.if_else(F_zx_shared2, 3*F_z_limited**2/FZMIN**2, 1))
+    F_zx_by_FZMIN = ca.if_else(CONVENTION > 0.5, 0, ca.if_else(FZMIN > F_z_limited, -2*F_z_limited**3/FZMIN**3, 0))
+    F_zx_by_F_z_limited = ca.if_else(CONVENTION > 0.5, 1, ca.if_else(FZMIN > F_z_limited, 3*F_z_limited**2/FZMIN**2, 1))
     M_x_hump_shared1 = M_x_hump_part1**2
     M_x_hump_shared2 = 2*QSX6**2
     M_x_hump_shared3 = F_zx**2
@@ -4873,7 +4920,6 @@ def jacobian_parameters(inputs, parameters):
     M_x_hump_by_M_x_hump_part5 = M_x_hump_part9*QSX4
     M_x_hump_by_M_x_hump_part9 = M_x_hump_part5*QSX4
     M_x_hump_by_QSX4 = M_x_hump_part5*M_x_hump_part9
-    Mx_shared1 = Fz <= 0
     Mx_shared2 = FNOMIN**(-2)
     Mx_shared3 = Fy*QSX3
     Mx_shared4 = F_zx**2
@@ -4895,31 +4941,28 @@ def jacobian_parameters(inputs, parameters):
     Mx_shared20 = Mx_shared19*QSX2
     Mx_shared21 = Fy*Mx_shared6
     Mx_shared22 = ca.sign(gamma_in)
-    Mx_by_FNOMIN = ca.if_else(Mx_shared1, 0, Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11))
-    Mx_by_F_zx = ca.if_else(Mx_shared1, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
-    Mx_by_Fy = ca.if_else(Mx_shared1, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_LMX = ca.if_else(Mx_shared1, 0, Mx_shared18*UNLOADED_RADIUS)
-    Mx_by_LVMX = ca.if_else(Mx_shared1, 0, Mx_shared7*QSX1)
-    Mx_by_M_x_hump = ca.if_else(Mx_shared1, 0, Mx_shared7)
-    Mx_by_PPMX1 = ca.if_else(Mx_shared1, 0, -Mx_shared20*dpi)
-    Mx_by_QSX1 = ca.if_else(Mx_shared1, 0, LVMX*Mx_shared7)
-    Mx_by_QSX10 = ca.if_else(Mx_shared1, 0, Mx_shared15*Mx_shared19)
-    Mx_by_QSX11 = ca.if_else(Mx_shared1, 0, Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8)
-    Mx_by_QSX12 = ca.if_else(Mx_shared1, 0, -Mx_shared11*Mx_shared19)
-    Mx_by_QSX13 = ca.if_else(Mx_shared1, 0, Mx_shared21)
-    Mx_by_QSX14 = ca.if_else(Mx_shared1, 0, Mx_shared11*Mx_shared21)
-    Mx_by_QSX2 = ca.if_else(Mx_shared1, 0, -Mx_shared13*Mx_shared19)
-    Mx_by_QSX3 = ca.if_else(Mx_shared1, 0, Mx_shared21*Mx_shared9)
-    Mx_by_UNLOADED_RADIUS = ca.if_else(Mx_shared1, 0, LMX*Mx_shared18)
-    Mx_by_dpi = ca.if_else(Mx_shared1, 0, -Mx_shared20*PPMX1)
-    Mx_by_gamma_in = ca.if_else(Mx_shared1, 0, Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma_in) + Fy*Mx_shared22*QSX14))
-    F_zy_shared1 = CONVENTION > 0.5
-    F_zy_shared2 = FZMIN > F_z
-    F_zy_by_FZMIN = ca.if_else(F_zy_shared1, 0, ca.if_else(F_zy_shared2, -F_z**2/FZMIN**2, 0))
-    F_zy_by_F_z_limited = ca.if_else(F_zy_shared1, 1, 0)
-    F_zy_share_shared1 = F_zy <= 0
-    F_zy_share_by_FNOMIN = ca.if_else(F_zy_share_shared1, 0, -F_zy/FNOMIN**2)
-    F_zy_share_by_F_zy = ca.if_else(F_zy_share_shared1, 0, 1/FNOMIN)
+    Mx_by_FNOMIN = ca.if_else(Fz <= 0, 0, Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11))
+    Mx_by_F_zx = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
+    Mx_by_Fy = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_LMX = ca.if_else(Fz <= 0, 0, Mx_shared18*UNLOADED_RADIUS)
+    Mx_by_LVMX = ca.if_else(Fz <= 0, 0, Mx_shared7*QSX1)
+    Mx_by_M_x_hump = ca.if_else(Fz <= 0, 0, Mx_shared7)
+    Mx_by_PPMX1 = ca.if_else(Fz <= 0, 0, -Mx_shared20*dpi)
+    Mx_by_QSX1 = ca.if_else(Fz <= 0, 0, LVMX*Mx_shared7)
+    Mx_by_QSX10 = ca.if_else(Fz <= 0, 0, Mx_shared15*Mx_shared19)
+    Mx_by_QSX11 = ca.if_else(Fz <= 0, 0, Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8)
+    Mx_by_QSX12 = ca.if_else(Fz <= 0, 0, -Mx_shared11*Mx_shared19)
+    Mx_by_QSX13 = ca.if_else(Fz <= 0, 0, Mx_shared21)
+    Mx_by_QSX14 = ca.if_else(Fz <= 0, 0, Mx_shared11*Mx_shared21)
+    Mx_by_QSX2 = ca.if_else(Fz <= 0, 0, -Mx_shared13*Mx_shared19)
+    Mx_by_QSX3 = ca.if_else(Fz <= 0, 0, Mx_shared21*Mx_shared9)
+    Mx_by_UNLOADED_RADIUS = ca.if_else(Fz <= 0, 0, LMX*Mx_shared18)
+    Mx_by_dpi = ca.if_else(Fz <= 0, 0, -Mx_shared20*PPMX1)
+    Mx_by_gamma_in = ca.if_else(Fz <= 0, 0, Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma_in) + Fy*Mx_shared22*QSX14))
+    F_zy_by_FZMIN = ca.if_else(CONVENTION > 0.5, 0, ca.if_else(FZMIN > F_z, -F_z**2/FZMIN**2, 0))
+    F_zy_by_F_z_limited = ca.if_else(CONVENTION > 0.5, 1, 0)
+    F_zy_share_by_FNOMIN = ca.if_else(F_zy <= 0, 0, -F_zy/FNOMIN**2)
+    F_zy_share_by_F_zy = ca.if_else(F_zy <= 0, 0, 1/FNOMIN)
     M_y_speed_part1_by_LONGVL = -M_y_speed_part1**2
     M_y_speed_part3_by_M_y_speed_part2 = ca.sign(M_y_speed_part2)
     M_y_speed_part4_by_FNOMIN = -M_y_speed_part4**2
@@ -4935,7 +4978,6 @@ def jacobian_parameters(inputs, parameters):
     M_y_near_locked_by_M_y_near_locked_part4 = ca.cos(M_y_near_locked_part4)
     M_y_backward_by_M_y_near_locked = ca.if_else(kappa >= -VXLOW - VXLOW/ca.fabs(V), 1, 0)
     M_y_taper_by_M_y_backward = ca.if_else(CONVENTION > 0.5, 0, ca.if_else(kappa <= -1 + VXLOW/ca.fabs(V), 1, 0))
-    M_y_full_shared1 = CONVENTION > 0.5
     M_y_full_shared2 = M_y_full_part4*M_y_full_part6*M_y_full_part7*UNLOADED_RADIUS
     M_y_full_shared3 = LMY*M_y_full_part1*M_y_full_part7*UNLOADED_RADIUS
     M_y_full_shared4 = LMY*M_y_full_part1*M_y_full_part4*M_y_full_part6
@@ -4946,18 +4988,17 @@ def jacobian_parameters(inputs, parameters):
     M_y_full_part4_by_QSY8 = M_y_full_part4*ca.log(M_y_full_part3)
     M_y_full_part6_by_M_y_full_part5 = gamma_in**2
     M_y_full_part6_by_gamma_in = 2*M_y_full_part5*gamma_in
-    M_y_full_part7_by_FNOMIN = ca.if_else(M_y_full_shared1, 0, 1)
-    M_y_full_part7_by_F_z_limited = ca.if_else(M_y_full_shared1, 1, 0)
+    M_y_full_part7_by_FNOMIN = ca.if_else(CONVENTION > 0.5, 0, 1)
+    M_y_full_part7_by_F_z_limited = ca.if_else(CONVENTION > 0.5, 1, 0)
     M_y_full_by_LMY = -M_y_full_part1*M_y_full_shared2
     M_y_full_by_M_y_full_part1 = -LMY*M_y_full_shared2
     M_y_full_by_M_y_full_part4 = -M_y_full_part6*M_y_full_shared3
     M_y_full_by_M_y_full_part6 = -M_y_full_part4*M_y_full_shared3
     M_y_full_by_M_y_full_part7 = -M_y_full_shared4*UNLOADED_RADIUS
     M_y_full_by_UNLOADED_RADIUS = -M_y_full_part7*M_y_full_shared4
-    M_y_rolling_shared1 = V == 0
-    M_y_rolling_shared2 = ca.if_else(V >= 0, 1, ca.sign(V))
-    M_y_rolling_by_M_y_full = ca.if_else(M_y_rolling_shared1, 0, M_y_rolling_shared2*M_y_taper)
-    M_y_rolling_by_M_y_taper = ca.if_else(M_y_rolling_shared1, 0, M_y_full*M_y_rolling_shared2)
+    M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
+    M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
+    M_y_rolling_by_M_y_rolling_part2 = ca.if_else(V == 0, 0, 1)
     My_by_M_y_rolling = ca.if_else(Fz <= 0, 0, 1)
 
     # Chain rule
@@ -4993,9 +5034,11 @@ def jacobian_parameters(inputs, parameters):
     dzeta_7_imaginary_part3_dzeta_7_cosine = dzeta_7_above_1_dzeta_7_cosine + dzeta_7_imaginary_part1_dzeta_7_cosine*zeta_7_imaginary_part2_by_zeta_7_imaginary_part1
     dzeta_7_imaginary_part4_dzeta_7_cosine = dzeta_7_imaginary_part3_dzeta_7_cosine*zeta_7_imaginary_part4_by_zeta_7_imaginary_part3
     dzeta_7_imaginary_dzeta_7_cosine = 2*dzeta_7_imaginary_part4_dzeta_7_cosine/ca.pi
-    dalpha_teq_part1_dslip_alpha_teq_part1 = alpha_teq_part1_by_slip_alpha_teq*slip_alpha_teq_part2_by_slip_alpha_teq_part1
-    dalpha_teq_dslip_alpha_teq_part1 = alpha_teq_part2*dalpha_teq_part1_dslip_alpha_teq_part1
-    dalpha_req_part1_dslip_alpha_req_part1 = alpha_req_part1_by_slip_alpha_req*slip_alpha_req_part2_by_slip_alpha_req_part1
+    dalpha_teq_part2_dslip_alpha_teq = alpha_teq_part2_by_slip_alpha_teq + alpha_teq_part1_by_slip_alpha_teq*alpha_teq_part2_by_alpha_teq_part1
+    dalpha_teq_part2_dslip_alpha_teq_part1 = dalpha_teq_part2_dslip_alpha_teq*slip_alpha_teq_part2_by_slip_alpha_teq_part1
+    dalpha_teq_dslip_alpha_teq_part1 = alpha_teq_part3*dalpha_teq_part2_dslip_alpha_teq_part1
+    dalpha_req_part2_dslip_alpha_req = alpha_req_part2_by_slip_alpha_req + alpha_req_part1_by_slip_alpha_req*alpha_req_part2_by_alpha_req_part1
+    dalpha_req_part2_dslip_alpha_req_part1 = dalpha_req_part2_dslip_alpha_req*slip_alpha_req_part2_by_slip_alpha_req_part1
     dtrail_v_part2_dtrail_u = 1 - trail_v_part1_by_trail_u
     dM_zr_spun_part1_dM_zr_grown_part1 = M_zr_grown*M_zr_spun_part1_by_M_zr_grown
     dG_yk_g0_part2_dG_yk_g00_w = G_yk_g0_part1_by_G_yk_g00_w*G_yk_g0_part2_by_G_yk_g0_part1
@@ -5014,6 +5057,7 @@ def jacobian_parameters(inputs, parameters):
     dtrail_dV_c = dcos_alpha_dV_c*trail_by_cos_alpha
     dsink_part3_dFNOMIN = sink_part2_by_FNOMIN*sink_part3_by_sink_part2
     dsink_part5_dsink_part3 = DREFF*sink_part4_by_sink_part3
+    dV_spin_dVXLOW = V_spin_by_V_spin_part2*V_spin_part1
     dV_spin_dtan_alpha = V_spin_by_V_c*dV_c_dtan_alpha
     dphi_part4_dV_spin = phi_part1_by_V_spin*phi_part4_by_phi_part1
     dB_xphi_dB_xphi_part1 = B_xphi_by_B_xphi_part3*dB_xphi_part3_dB_xphi_part1
@@ -5066,7 +5110,7 @@ def jacobian_parameters(inputs, parameters):
     dB_Drphi_dB_Drphi_part3 = B_Drphi_by_B_Drphi_part4*B_Drphi_part4_by_B_Drphi_part3
     dD_rphi_part3_dD_rphi_part1 = D_rphi_part2_by_D_rphi_part1*QDRP1
     dD_rphi_dD_rphi_part3 = D_Drphi*D_rphi_part4_by_D_rphi_part3
-    dalpha_req_dslip_alpha_req_part1 = alpha_req_part2*dalpha_req_part1_dslip_alpha_req_part1
+    dalpha_req_dslip_alpha_req_part1 = alpha_req_part3*dalpha_req_part2_dslip_alpha_req_part1
     dtrail_u_dslip_alpha_teq_part1 = B_t*dalpha_teq_dslip_alpha_teq_part1
     dtrail_v_dtrail_u = 1 - E_t*dtrail_v_part2_dtrail_u
     dtrail_w_dtrail_v = C_t*trail_w_part1_by_trail_v
@@ -5084,7 +5128,8 @@ def jacobian_parameters(inputs, parameters):
     dM_x_hump_part4_dM_x_hump_part2 = M_x_hump_part3_by_M_x_hump_part2*QSX5
     dM_x_hump_dM_x_hump_part4 = M_x_hump_by_M_x_hump_part5*M_x_hump_part5_by_M_x_hump_part4
     dM_y_full_part3_dNOMPRES = M_y_full_part2_by_NOMPRES*p_in
-    dM_y_rolling_dVXLOW = M_y_rolling_by_M_y_taper*dM_y_taper_dVXLOW
+    dM_y_rolling_part2_dVXLOW = M_y_rolling_part2_by_M_y_taper*dM_y_taper_dVXLOW
+    dMy_dM_y_rolling_part2 = M_y_rolling_by_M_y_rolling_part2*My_by_M_y_rolling
     dR_omega_1_part2_dUNLOADED_RADIUS = R_omega_1_part2_by_UNLOADED_RADIUS + R_omega_1_part2_by_omega_1*domega_1_dUNLOADED_RADIUS
     dR_omega_1_part2_dLONGVL = -R_omega_1_part2_by_R_omega_1_part1*R_omega_1_shared1
     dB_x_dC_x = D_x*dB_x_dB_x_part2
@@ -5120,6 +5165,13 @@ def jacobian_parameters(inputs, parameters):
     dG_yk_g00_v_dB_ykappa_g0 = S_Hyk*dG_yk_g00_v_dG_yk_g00_u
     dG_yk_g00_v_dS_Hyk = B_ykappa_g0*dG_yk_g00_v_dG_yk_g00_u
     dG_yk_g0_dG_yk_g00_v = dG_yk_g00_w_dG_yk_g00_v*dG_yk_g0_dG_yk_g00_w
+    dB_t_part4_dgamma_star = B_t_part4_by_gamma_star + B_t_part3_by_gamma_star*QBZ5
+    dB_t_dB_t_part4 = B_t_by_B_t_part7*B_t_part7_by_B_t_part4
+    dB_t_part6_dgamma_in = QBZ4 + B_t_part5_by_gamma_in*QBZ5
+    dB_t_dB_t_part6 = B_t_by_B_t_part7*B_t_part7_by_B_t_part6
+    dD_t_part5_dgamma_star = D_t_part5_by_gamma_star + D_t_part4_by_gamma_star*QDZ3
+    dD_t_dD_t_part5 = D_t_by_D_t_part7*D_t_shared3
+    dD_t_dD_t_part6 = D_t_by_D_t_part7*D_t_part7_by_D_t_part6
     dD_rphi_part1_dVXLOW = D_rphi_part1_by_phit_in*dphit_in_dVXLOW
     dD_rphi_dD_rphi_part1 = dD_rphi_dD_rphi_part3*dD_rphi_part3_dD_rphi_part1
     dM_zphi90_part2_dVXLOW = dM_zphi90_part2_dphit_in*dphit_in_dVXLOW
@@ -5128,7 +5180,7 @@ def jacobian_parameters(inputs, parameters):
     dtrail_v_dslip_alpha_teq_part1 = dtrail_u_dslip_alpha_teq_part1*dtrail_v_dtrail_u
     dtrail_dtrail_v = dtrail_dtrail_w*dtrail_w_dtrail_v
     dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1
-    dF_y1_dF_y0_g0_part2 = F_y0_g0_part3*F_y1_part1
+    dF_y1_dF_y0_g0_part2 = F_y0_g0_part4*F_y1_part1
     dF_y1_dG_yk = F_y0_g0*F_y1_part1_by_G_yk
     dF_y1_dG_yk_g0 = F_y0_g0*F_y1_part1_by_G_yk_g0
     dM_x_hump_part2_dFNOMIN = -M_x_hump_part2_by_M_x_hump_part1*M_x_hump_shared1
@@ -5144,6 +5196,8 @@ def jacobian_parameters(inputs, parameters):
     dR_omega_2_part2_dLONGVL = -R_omega_2_part2_by_R_omega_2_part1*R_omega_2_shared1
     dF_x0_part2_dC_x = F_x0_w_part1*dF_x0_part2_dF_x0_w
     dF_x0_v_dC_x = dB_x_dC_x*dF_x0_v_dB_x
+    dE_y_part4_dgamma_star = E_y_part4_by_gamma_star - E_y_part3*PEY4
+    dE_y_part4_dPEY4 = -E_y_part3*gamma_star
     dF_y0_u_dS_Hy_part4 = B_y*fade_smooth
     dF_y0_u_dfade_smooth = B_y*S_Hy_part4
     dF_y0_part2_dF_y0_u = dF_y0_part2_dF_y0_w*dF_y0_w_dF_y0_u
@@ -5153,9 +5207,6 @@ def jacobian_parameters(inputs, parameters):
     dalpha_r_dK_yalpha = S_Vy*alpha_r_part1_by_K_yalpha1
     dalpha_r_dS_Vy_part2 = alpha_r_part1*fade_smooth
     dslip_alpha_req_part1_dalpha_r = slip_alpha_req_part1_by_tan_alpha_req*tan_alpha_req_by_alpha_r
-    dD_t_part5_dQDZ3 = D_t_part5_by_QDZ3 + D_t_part5_by_D_t_part4*gamma_in
-    dD_t_part5_dQDZ4 = D_t_part5_by_QDZ4 + D_t_part4_by_QDZ4*D_t_part5_by_D_t_part4
-    dD_t_part5_dgamma_in = D_t_part4_by_gamma_in*D_t_part5_by_D_t_part4
     dD_Drphi_dQDRP1 = M_zphi_inf*dD_Drphi_part3_dQDRP1
     dD_Drphi_dM_zphi_inf_signed = D_Drphi_part3*M_zphi_inf_by_M_zphi_inf_signed
     dB_Drphi_dD_Drphi = B_Drphi_by_B_Drphi_part1*B_Drphi_part1_by_D_Drphi
@@ -5171,6 +5222,7 @@ def jacobian_parameters(inputs, parameters):
     dB_r_dR_0_phi = B_r_part2*zeta_6_by_R_0_phi
     dMz_part1_dB_r = M_zr_by_M_zr_part1*M_zr_part1_by_B_r + dM_zr_spun_dB_r*dMz_part1_dM_zr_spun
     dM_x_hump_dF_zx = M_x_hump_part2_by_F_zx*dM_x_hump_dM_x_hump_part2
+    dalpha_star_dtan_alpha = alpha_star_by_alpha_star_part2*alpha_star_part1
     dtrail_dtan_alpha = dV_c_dtan_alpha*dtrail_dV_c
     dphi_part4_dtan_alpha = dV_spin_dtan_alpha*dphi_part4_dV_spin
     dB_yphi_dtan_alpha = B_yphi_part1_by_tan_alpha*dB_yphi_dB_yphi_part1
@@ -5189,6 +5241,14 @@ def jacobian_parameters(inputs, parameters):
     dS_Hy_g0_part2_dPHY2 = LHY*dfz
     dS_Hy_g0_part2_ddfz = LHY*PHY2
     dF_y0_g0_u_dS_Hy_g0_part2 = B_y_g0*fade_smooth
+    dE_y_g0_part4_dPEY3 = -E_y_g0_part1*E_y_g0_part4_by_E_y_g0_part2
+    dE_y_g0_part4_dPEY2 = E_y_g0_part4_by_E_y_g0_part3*dfz
+    dE_y_g0_part4_ddfz = E_y_g0_part4_by_E_y_g0_part3*PEY2
+    dE_y_g0_dLEY = E_y_g0_by_LEY + E_y_g0_by_E_y_g0_part4*E_y_g0_part4_by_LEY
+    dE_y_g0_dPEY1 = E_y_g0_by_PEY1 + E_y_g0_by_E_y_g0_part4*E_y_g0_part4_by_E_y_g0_part3
+    dE_y_g0_dPEY2 = E_y_g0_by_PEY2 + E_y_g0_by_E_y_g0_part4*dE_y_g0_part4_dPEY2
+    dE_y_g0_dPEY3 = E_y_g0_by_PEY3 + E_y_g0_by_E_y_g0_part4*dE_y_g0_part4_dPEY3
+    dE_y_g0_ddfz = E_y_g0_by_dfz + E_y_g0_by_E_y_g0_part4*dE_y_g0_part4_ddfz
     dF_y0_g0_part2_dE_y_g0 = dF_y0_g0_part2_dF_y0_g0_w*dF_y0_g0_w_dE_y_g0
     dG_xa_w_dE_xalpha = -G_xa_v_part2*dG_xa_w_dG_xa_v
     dG_xa_w_dB_xalpha = G_xa_u_part1*dG_xa_w_dG_xa_u
@@ -5215,6 +5275,9 @@ def jacobian_parameters(inputs, parameters):
     dB_ykappa_g0_dRBY3 = -B_ykappa_g0_part2_by_B_ykappa_g0_part1*dB_ykappa_g0_dB_ykappa_g0_part2
     dB_ykappa_g0_dalpha_star = B_ykappa_g0_part2_by_B_ykappa_g0_part1*dB_ykappa_g0_dB_ykappa_g0_part2
     dG_yk_g0_dB_ykappa_g0 = dG_yk_g00_v_dB_ykappa_g0*dG_yk_g0_dG_yk_g00_v + dG_yk_g0_dG_yk_g0_w*dG_yk_g0_w_dB_ykappa_g0
+    dK_zgammar0_part3_ddfz = QDZ9 + K_zgammar0_part2*QDZ11
+    dK_zgammar0_part3_dgamma_star = K_zgammar0_part1*K_zgammar0_part2_by_gamma_star
+    dK_zgammar0_part3_dQDZ11 = K_zgammar0_part2*dfz
     dM_zphi90_dM_zphi_inf_signed = M_zphi90_by_M_zphi_inf*M_zphi_inf_by_M_zphi_inf_signed
     dM_zphi90_dQCRP2 = M_zphi90_part2_by_QCRP2*dM_zphi90_dM_zphi90_part2
     dM_zphi90_dUNLOADED_RADIUS = M_zphi90_part2_by_UNLOADED_RADIUS*dM_zphi90_dM_zphi90_part2
@@ -5227,6 +5290,16 @@ def jacobian_parameters(inputs, parameters):
     dphi_part4_deps_gamma_part1 = -PECP1*phi_part4_by_phi_part2
     dB_Hyphi_deps_gamma_part1 = -PECP1*dB_Hyphi_dB_Hyphi_part2
     dB_Drphi_deps_gamma_part1 = -PECP1*dB_Drphi_dB_Drphi_part3
+    dE_x_part4_dPEX4 = -E_x_part1*E_x_part4_by_E_x_part2
+    dE_x_part4_dPEX2 = E_x_part4_by_E_x_part3*dfz
+    dE_x_part4_dPEX3 = E_x_part4_by_E_x_part3*E_x_shared1
+    dE_x_part4_ddfz = E_x_part4_by_E_x_part3*E_x_shared2
+    dE_x_dLEX = E_x_by_LEX + E_x_by_E_x_part4*E_x_part4_by_LEX
+    dE_x_dPEX1 = E_x_by_PEX1 + E_x_by_E_x_part4*E_x_part4_by_E_x_part3
+    dE_x_dPEX2 = E_x_by_PEX2 + E_x_by_E_x_part4*dE_x_part4_dPEX2
+    dE_x_dPEX3 = E_x_by_PEX3 + E_x_by_E_x_part4*dE_x_part4_dPEX3
+    dE_x_dPEX4 = E_x_by_PEX4 + E_x_by_E_x_part4*dE_x_part4_dPEX4
+    dE_x_ddfz = E_x_by_dfz + E_x_by_E_x_part4*dE_x_part4_ddfz
     dD_Hyphi_dPHYP3 = D_Hyphi_part2*dfz
     dD_Hyphi_ddfz = D_Hyphi_part2*PHYP3
     dB_Hyphi_dD_Hyphi = K_Hyphi_part1_by_D_Hyphi*dB_Hyphi_dK_Hyphi_part1
@@ -5261,7 +5334,7 @@ def jacobian_parameters(inputs, parameters):
     dM_y_full_part6_dF_zy_share = M_y_full_part6_by_M_y_full_part5*QSY6
     dphi_part4_dR_e_2 = domega_dR_e_2*phi_part4_by_omega
     dphi_part4_dgamma_in = phi_part3_by_gamma_in*phi_part4_by_phi_part3
-    dphi_part4_dVXLOW = dphit_in_dVXLOW + V_spin_by_VXLOW*dphi_part4_dV_spin
+    dphi_part4_dVXLOW = dphit_in_dVXLOW + dV_spin_dVXLOW*dphi_part4_dV_spin
     dphi_part4_dPECP1 = -eps_gamma_part1*phi_part4_by_phi_part2
     dphi_part4_dalpha_in = dphi_part4_dtan_alpha*tan_alpha_by_alpha_in
     dphi_part4_dPECP2 = dfz*dphi_part4_deps_gamma_part1
@@ -5283,13 +5356,19 @@ def jacobian_parameters(inputs, parameters):
     dB_r_part2_dLCY = B_r_part2_by_C_y*PCY1
     dB_r_part2_dPCY1 = B_r_part2_by_C_y*LCY
     dMz_part1_dB_r_part2 = dMz_part1_dB_r*zeta_6
-    dB_Drphi_dK_zgammar0_part1 = B_Drphi_by_K_zgammar0*K_zgammar0_by_K_zgammar0_part1
+    dK_zgammar0_part4_dQDZ10 = K_zgammar0_part4_by_QDZ10 + K_zgammar0_part2*K_zgammar0_part4_by_K_zgammar0_part3
+    dK_zgammar0_part4_dQDZ11 = K_zgammar0_part4_by_QDZ11 + K_zgammar0_part4_by_K_zgammar0_part3*dK_zgammar0_part3_dQDZ11
+    dK_zgammar0_part4_dQDZ8 = K_zgammar0_part4_by_K_zgammar0_part3 + K_zgammar0_part4_by_QDZ8
+    dK_zgammar0_part4_dQDZ9 = K_zgammar0_part4_by_QDZ9 + K_zgammar0_part4_by_K_zgammar0_part3*dfz
+    dK_zgammar0_part4_ddfz = K_zgammar0_part4_by_dfz + K_zgammar0_part4_by_K_zgammar0_part3*dK_zgammar0_part3_ddfz
+    dK_zgammar0_part4_dgamma_star = K_zgammar0_part4_by_K_zgammar0_part3*dK_zgammar0_part3_dgamma_star
+    dB_Drphi_dK_zgammar0_part4 = B_Drphi_by_K_zgammar0*K_zgammar0_by_K_zgammar0_part4
     dslip_alpha_req_part1_dK_yalpha = dalpha_r_dK_yalpha*dslip_alpha_req_part1_dalpha_r - kappa_share_by_kappa_share_part1*kappa_share_shared1
     dslip_alpha_req_part1_dS_Hy_part4 = dslip_alpha_req_part1_dalpha_r*fade_smooth
     dslip_alpha_req_part1_dfade_smooth = dalpha_r_dfade_smooth*dslip_alpha_req_part1_dalpha_r
     dslip_alpha_req_part1_dS_Vy_part2 = dalpha_r_dS_Vy_part2*dslip_alpha_req_part1_dalpha_r
     dMz_part1_dslip_alpha_req_part1 = M_zr_by_M_zr_part1*dM_zr_part1_dslip_alpha_req_part1 + dM_zr_spun_dslip_alpha_req_part1*dMz_part1_dM_zr_spun
-    dalpha_star_dalpha_in = alpha_star_by_alpha_in + alpha_star_by_tan_alpha*tan_alpha_by_alpha_in
+    dalpha_star_dalpha_in = alpha_star_by_alpha_in + dalpha_star_dtan_alpha*tan_alpha_by_alpha_in
     dD_Vyk_dalpha_star = D_Vyk_part1_by_alpha_star*dD_Vyk_dD_Vyk_part1
     dF_y0_part2_dalpha_star = B_y*dF_y0_part2_dF_y0_u
     dG_xa_dalpha_star = dG_xa_dG_xa_w*dG_xa_w_dalpha_star
@@ -5323,8 +5402,22 @@ def jacobian_parameters(inputs, parameters):
     dS_Vygamma_ddfz = PVY4*S_Vygamma_by_S_Vygamma_part1
     dS_Vygamma_dLMUY_star = LMUY_shift_by_LMUY_star*S_Vygamma_by_LMUY_shift
     dS_Hy_part4_dS_Vygamma = zeta_4_by_S_Vygamma - S_Hy_part4_by_S_Hy_part3
+    dE_y_part5_dPEY2 = E_y_part5_by_E_y_part1*dfz
+    dE_y_part5_ddfz = E_y_part5_by_E_y_part1*PEY2
+    dE_y_part5_dPEY5 = E_y_part5_by_E_y_part4*E_y_shared1
+    dE_y_part5_dgamma_star = E_y_part5_by_E_y_part4*dE_y_part4_dgamma_star
+    dE_y_part5_dPEY3 = -E_y_part3*E_y_part5_by_E_y_part4
+    dE_y_part5_dPEY4 = E_y_part5_by_E_y_part4*dE_y_part4_dPEY4
+    dE_y_dLEY = E_y_by_LEY + E_y_by_E_y_part5*E_y_part5_by_LEY
+    dE_y_dPEY1 = E_y_by_PEY1 + E_y_by_E_y_part5*E_y_part5_by_E_y_part1
+    dE_y_dPEY2 = E_y_by_PEY2 + E_y_by_E_y_part5*dE_y_part5_dPEY2
+    dE_y_dPEY3 = E_y_by_PEY3 + E_y_by_E_y_part5*dE_y_part5_dPEY3
+    dE_y_dPEY4 = E_y_by_PEY4 + E_y_by_E_y_part5*dE_y_part5_dPEY4
+    dE_y_dPEY5 = E_y_by_PEY5 + E_y_by_E_y_part5*dE_y_part5_dPEY5
+    dE_y_ddfz = E_y_by_dfz + E_y_by_E_y_part5*dE_y_part5_ddfz
+    dE_y_dgamma_star = E_y_by_gamma_star + E_y_by_E_y_part5*dE_y_part5_dgamma_star
     dF_y0_part2_dE_y = dF_y0_part2_dF_y0_w*dF_y0_w_dE_y
-    dFy_part1_dF_y0_part2 = F_y0_part3*G_yk
+    dFy_part1_dF_y0_part2 = F_y0_part4*G_yk
     dFy_part1_dRVY5 = S_Vyk_part2*dFy_part1_dS_Vyk_part3
     dFy_part1_dRVY6 = dFy_part1_dS_Vyk_part3*dS_Vyk_part3_dRVY6
     dFy_part1_dkappa_in = dFy_part1_dS_Vyk_part3*dS_Vyk_part3_dkappa_in
@@ -5381,11 +5474,11 @@ def jacobian_parameters(inputs, parameters):
     dB_t_dQBZ2 = B_t_by_B_t_part2*dfz
     dB_t_dQBZ3 = B_t_by_B_t_part2*B_t_part2_by_QBZ3
     dB_t_ddfz = B_t_by_B_t_part2*B_t_part2_by_dfz
-    dB_t_dQBZ4 = B_t_by_B_t_part3*B_t_part3_by_QBZ4
-    dB_t_dQBZ5 = B_t_by_B_t_part3*B_t_part3_by_QBZ5
-    dB_t_dQBZ6 = B_t_by_B_t_part3*B_t_part3_by_QBZ6
-    dB_t_dgamma_in = B_t_by_B_t_part3*B_t_part3_by_gamma_in
-    dB_t_dgamma_star = B_t_by_B_t_part3*B_t_part3_by_gamma_star
+    dB_t_dQBZ5 = B_t_part3*dB_t_dB_t_part4 + B_t_part5*dB_t_dB_t_part6
+    dB_t_dQBZ6 = B_t_part4_by_QBZ6*dB_t_dB_t_part4
+    dB_t_dgamma_star = dB_t_dB_t_part4*dB_t_part4_dgamma_star
+    dB_t_dQBZ4 = dB_t_dB_t_part6*gamma_in
+    dB_t_dgamma_in = dB_t_dB_t_part6*dB_t_part6_dgamma_in
     dtrail_dB_t = E_t_by_B_t*dtrail_dE_t + dtrail_dtrail_v*dtrail_v_dB_t
     dM_x_hump_dQSX5 = M_x_hump_part3*dM_x_hump_dM_x_hump_part4
     dM_x_hump_dQSX6 = M_x_hump_part2_by_QSX6*dM_x_hump_dM_x_hump_part2
@@ -5443,14 +5536,15 @@ def jacobian_parameters(inputs, parameters):
     dG_yk_g0_dREY2 = dE_ykappa_dREY2*dG_yk_g0_dE_ykappa
     dG_yk_g0_dalpha_in = dG_yk_g0_dalpha_star*dalpha_star_dalpha_in
     dMz_part1_dG_yk_g0 = -dF_y1_dG_yk_g0*trail
+    dgamma_star_dgamma_in = gamma_star_by_gamma_in + gamma_star_by_gamma_star_part1*gamma_star_part1_by_gamma_in
     dD_r_part7_dgamma_star = D_r_part7_by_gamma_star + D_r_part7_by_D_r_part6*dD_r_part6_dgamma_star
     dK_yalpha_dgamma_star = K_yalpha_by_K_yalpha_part3*dK_yalpha_part3_dgamma_star + dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_dgamma_star
     dS_Hy_part4_dgamma_star = K_ygamma0*S_Hy_part4_by_S_Hy_part3 + S_Vygamma_by_gamma_star*dS_Hy_part4_dS_Vygamma
     dmu_y_loaded_dgamma_star = mu_y_loaded_by_mu_y_loaded_part1*mu_y_loaded_part1_by_gamma_star
-    dD_t_dgamma_star = D_t_by_D_t_part5*D_t_part5_by_gamma_star
+    dD_t_dgamma_star = dD_t_dD_t_part5*dD_t_part5_dgamma_star
     dG_yk_dgamma_star = dB_ykappa_dgamma_star*dG_yk_dB_ykappa
-    dB_Drphi_dgamma_star = K_zgammar0_part1_by_gamma_star*dB_Drphi_dK_zgammar0_part1
-    dF_y0_part2_dgamma_star = E_y_by_gamma_star*dF_y0_part2_dE_y
+    dB_Drphi_dgamma_star = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dgamma_star
+    dF_y0_part2_dgamma_star = dE_y_dgamma_star*dF_y0_part2_dE_y
     dMz_part1_dgamma_star = dMz_part1_ds_part1*s_part1_by_gamma_star
     dFy_dgamma_star = dD_Vyk_dgamma_star*dFy_dD_Vyk
     dtrail_dgamma_star = E_t_by_gamma_star*dtrail_dE_t + S_Ht_part1*dtrail_dalpha_t + dB_t_dgamma_star*dtrail_dB_t
@@ -5483,7 +5577,7 @@ def jacobian_parameters(inputs, parameters):
     dD_r_part7_dQDZ9 = D_r_part7_by_D_r_part6*dD_r_part6_dQDZ9
     dD_r_part7_dQDZ10 = D_r_part5*D_r_part7_by_D_r_part6
     dD_r_part7_dQDZ11 = D_r_part7_by_D_r_part6*dD_r_part6_dQDZ11
-    dD_r_part7_dgamma_in = dD_r_part7_dgamma_star*gamma_star_by_gamma_in
+    dD_r_part7_dgamma_in = dD_r_part7_dgamma_star*dgamma_star_dgamma_in
     dMz_part1_dD_r_part7 = D_r_by_D_r_part7*M_zr_by_D_r
     dK_ygamma0_dPPY5 = K_ygamma0_by_K_ygamma0_part1*dpi
     dK_ygamma0_ddpi = K_ygamma0_by_K_ygamma0_part1*PPY5
@@ -5497,12 +5591,12 @@ def jacobian_parameters(inputs, parameters):
     dB_Drphi_dLKZC = B_Drphi_by_K_zgammar0*K_zgammar0_by_LKZC
     dB_Drphi_dUNLOADED_RADIUS = B_Drphi_by_K_zgammar0*K_zgammar0_by_UNLOADED_RADIUS
     dB_Drphi_dPECP2 = dB_Drphi_deps_gamma_part1*dfz
-    dB_Drphi_ddfz = K_zgammar0_part1_by_dfz*dB_Drphi_dK_zgammar0_part1 + PECP2*dB_Drphi_deps_gamma_part1
-    dB_Drphi_dQDZ10 = K_zgammar0_part1_by_QDZ10*dB_Drphi_dK_zgammar0_part1
-    dB_Drphi_dQDZ11 = K_zgammar0_part1_by_QDZ11*dB_Drphi_dK_zgammar0_part1
-    dB_Drphi_dQDZ8 = K_zgammar0_part1_by_QDZ8*dB_Drphi_dK_zgammar0_part1
-    dB_Drphi_dQDZ9 = K_zgammar0_part1_by_QDZ9*dB_Drphi_dK_zgammar0_part1
-    dB_Drphi_dgamma_in = K_zgammar0_part1_by_gamma_in*dB_Drphi_dK_zgammar0_part1 + dB_Drphi_dgamma_star*gamma_star_by_gamma_in
+    dB_Drphi_ddfz = PECP2*dB_Drphi_deps_gamma_part1 + dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_ddfz
+    dB_Drphi_dQDZ10 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ10
+    dB_Drphi_dQDZ11 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ11
+    dB_Drphi_dQDZ8 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ8
+    dB_Drphi_dQDZ9 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ9
+    dB_Drphi_dgamma_in = K_zgammar0_part4_by_gamma_in*dB_Drphi_dK_zgammar0_part4 + dB_Drphi_dgamma_star*dgamma_star_dgamma_in
     dB_Drphi_dF_z_limited = dB_Drphi_dF_zm*dF_zm_dF_z_limited
     dB_Drphi_dFZMIN = dB_Drphi_dF_zm*dF_zm_dFZMIN
     dMz_part1_dB_Drphi = dD_rphi_dB_Drphi*dMz_part1_dD_rphi
@@ -5532,9 +5626,9 @@ def jacobian_parameters(inputs, parameters):
     dD_t_ddpi = -D_t_by_D_t_part2*PPZ1
     dD_t_dQDZ2 = D_t_by_D_t_part3*dfz
     dD_t_ddfz = D_t_by_D_t_part3*QDZ2
-    dD_t_dQDZ3 = D_t_by_D_t_part5*dD_t_part5_dQDZ3
-    dD_t_dQDZ4 = D_t_by_D_t_part5*dD_t_part5_dQDZ4
-    dD_t_dgamma_in = D_t_by_D_t_part5*dD_t_part5_dgamma_in + dD_t_dgamma_star*gamma_star_by_gamma_in
+    dD_t_dQDZ3 = D_t_part4*dD_t_dD_t_part5 + dD_t_dD_t_part6*gamma_in
+    dD_t_dQDZ4 = D_t_part5_by_QDZ4*dD_t_dD_t_part5 + D_t_part6_by_QDZ4*dD_t_dD_t_part6
+    dD_t_dgamma_in = D_t_part6_by_gamma_in*dD_t_dD_t_part6 + dD_t_dgamma_star*dgamma_star_dgamma_in
     dD_t_dFZMIN = D_t_by_F_zm*dF_zm_dFZMIN
     dD_t_dFNOMIN = LFZO*dD_t_dF_z01
     dD_t_dLFZO = FNOMIN*dD_t_dF_z01
@@ -5546,15 +5640,15 @@ def jacobian_parameters(inputs, parameters):
     dF_y0_part2_dzeta_2 = D_y_by_zeta_2*F_y0_part1 + dB_y_dzeta_2*dF_y0_part2_dB_y
     dF_y0_part2_dalpha_in = dF_y0_part2_dalpha_star*dalpha_star_dalpha_in
     dF_y0_part2_dVXLOW = dF_y0_part2_dfade_smooth*fade_smooth_by_VXLOW
-    dF_y0_part2_dLEY = E_y_by_LEY*dF_y0_part2_dE_y
-    dF_y0_part2_dPEY1 = E_y_by_PEY1*dF_y0_part2_dE_y
-    dF_y0_part2_dPEY2 = E_y_by_PEY2*dF_y0_part2_dE_y
-    dF_y0_part2_dPEY3 = E_y_by_PEY3*dF_y0_part2_dE_y
-    dF_y0_part2_dPEY4 = E_y_by_PEY4*dF_y0_part2_dE_y
-    dF_y0_part2_dPEY5 = E_y_by_PEY5*dF_y0_part2_dE_y
-    dF_y0_part2_ddfz = E_y_by_dfz*dF_y0_part2_dE_y
+    dF_y0_part2_dLEY = dE_y_dLEY*dF_y0_part2_dE_y
+    dF_y0_part2_dPEY1 = dE_y_dPEY1*dF_y0_part2_dE_y
+    dF_y0_part2_dPEY2 = dE_y_dPEY2*dF_y0_part2_dE_y
+    dF_y0_part2_dPEY3 = dE_y_dPEY3*dF_y0_part2_dE_y
+    dF_y0_part2_dPEY4 = dE_y_dPEY4*dF_y0_part2_dE_y
+    dF_y0_part2_dPEY5 = dE_y_dPEY5*dF_y0_part2_dE_y
+    dF_y0_part2_ddfz = dE_y_ddfz*dF_y0_part2_dE_y
     dF_y0_part2_dK_yalpha = B_y_part3*dF_y0_part2_dB_y
-    dF_y0_part2_dgamma_in = dF_y0_part2_dgamma_star*gamma_star_by_gamma_in
+    dF_y0_part2_dgamma_in = dF_y0_part2_dgamma_star*dgamma_star_dgamma_in
     dF_y0_part2_dFZMAX = F_z_limited_by_FZMAX*dF_y0_part2_dF_z_limited
     dFy_dF_y0_part2 = Fy_by_Fy_part1*dFy_part1_dF_y0_part2
     dmu_y_loaded_dPDY3 = mu_y_loaded_by_mu_y_loaded_part1*mu_y_loaded_part1_by_PDY3
@@ -5563,7 +5657,7 @@ def jacobian_parameters(inputs, parameters):
     dmu_y_loaded_dPPY3 = dpi*mu_y_loaded_by_mu_y_loaded_part3
     dmu_y_loaded_dPPY4 = mu_y_loaded_by_mu_y_loaded_part3*mu_y_loaded_part3_by_PPY4
     dmu_y_loaded_ddpi = mu_y_loaded_by_mu_y_loaded_part3*mu_y_loaded_part3_by_dpi
-    dmu_y_loaded_dgamma_in = dmu_y_loaded_dgamma_star*gamma_star_by_gamma_in
+    dmu_y_loaded_dgamma_in = dgamma_star_dgamma_in*dmu_y_loaded_dgamma_star
     dFy_dmu_y_loaded = dD_Vyk_dmu_y_loaded*dFy_dD_Vyk + dF_y0_part2_dmu_y_loaded*dFy_dF_y0_part2
     dMz_part1_dmu_y_loaded = dB_y_dmu_y_loaded*dMz_part1_dB_y + dM_zphi_inf_signed_dmu_y_loaded*dMz_part1_dM_zphi_inf_signed
     dF_x0_part2_dPVX2 = S_Vx_by_S_Vx_part1*dfz
@@ -5600,7 +5694,7 @@ def jacobian_parameters(inputs, parameters):
     dM_y_full_dQSY5 = M_y_full_by_M_y_full_part6*M_y_full_part6_by_M_y_full_part5
     dM_y_full_dQSY6 = M_y_full_by_M_y_full_part6*dM_y_full_part6_dQSY6
     dM_y_full_dFZMAX = F_z_limited_by_FZMAX*dM_y_full_dF_z_limited
-    dMy_dM_y_full = M_y_rolling_by_M_y_full*My_by_M_y_rolling
+    dMy_dM_y_full = M_y_rolling_part2_by_M_y_full*dMy_dM_y_rolling_part2
     dF_x0_v_dK_xkappa = B_x_part3*dF_x0_v_dB_x
     dF_x0_v_dLCX = PCX1*dF_x0_v_dC_x
     dF_x0_v_dPCX1 = LCX*dF_x0_v_dC_x
@@ -5608,12 +5702,12 @@ def jacobian_parameters(inputs, parameters):
     dF_x0_v_dLHX = S_Hx_by_LHX*dF_x0_v_dkappa_x
     dF_x0_v_dPHX1 = S_Hx_by_S_Hx_part1*dF_x0_v_dkappa_x
     dF_x0_v_dPHX2 = dF_x0_v_dkappa_x*dkappa_x_dPHX2
-    dF_x0_v_ddfz = dB_xphi_ddfz*dF_x0_v_dB_xphi + dF_x0_v_dkappa_x*dkappa_x_ddfz - E_x_by_dfz*F_x0_v_part2
-    dF_x0_v_dLEX = -E_x_by_LEX*F_x0_v_part2
-    dF_x0_v_dPEX1 = -E_x_by_PEX1*F_x0_v_part2
-    dF_x0_v_dPEX2 = -E_x_by_PEX2*F_x0_v_part2
-    dF_x0_v_dPEX3 = -E_x_by_PEX3*F_x0_v_part2
-    dF_x0_v_dPEX4 = -E_x_by_PEX4*F_x0_v_part2
+    dF_x0_v_ddfz = dB_xphi_ddfz*dF_x0_v_dB_xphi + dF_x0_v_dkappa_x*dkappa_x_ddfz - F_x0_v_part2*dE_x_ddfz
+    dF_x0_v_dLEX = -F_x0_v_part2*dE_x_dLEX
+    dF_x0_v_dPEX1 = -F_x0_v_part2*dE_x_dPEX1
+    dF_x0_v_dPEX2 = -F_x0_v_part2*dE_x_dPEX2
+    dF_x0_v_dPEX3 = -F_x0_v_part2*dE_x_dPEX3
+    dF_x0_v_dPEX4 = -F_x0_v_part2*dE_x_dPEX4
     dF_x0_v_dVXLOW = dF_x0_v_dfade_smooth*fade_smooth_by_VXLOW
     dF_x0_v_dmu_x_loaded = dD_x_dmu_x_loaded*dF_x0_v_dD_x
     dF_x0_v_dR_0_phi = dD_x_dR_0_phi*dF_x0_v_dD_x
@@ -5646,14 +5740,14 @@ def jacobian_parameters(inputs, parameters):
     dgamma_in_dCAMMIN = gamma_in_by_gamma_raised*gamma_raised_by_CAMMIN
     dMx_dgamma_in = Mx_by_gamma_in + Mx_by_M_x_hump*dM_x_hump_dgamma_in
     dR_0_phi_dgamma_in = dR_0_phi_dphi_part4*dphi_part4_dgamma_in
-    dMz_part1_dgamma_in = dB_Drphi_dgamma_in*dMz_part1_dB_Drphi + dD_r_part7_dgamma_in*dMz_part1_dD_r_part7 + dMz_part1_dgamma_star*gamma_star_by_gamma_in + dMz_part1_dmu_y_loaded*dmu_y_loaded_dgamma_in + dMz_part1_ds_part1*s_part1_by_gamma_in
-    dtrail_dgamma_in = dB_t_dgamma_in*dtrail_dB_t + dD_t_dgamma_in*trail_by_D_t + dtrail_dgamma_star*gamma_star_by_gamma_in
-    dK_yalpha_dgamma_in = dK_yalpha_dgamma_star*gamma_star_by_gamma_in
-    dS_Hy_part4_dgamma_in = dS_Hy_part4_dgamma_star*gamma_star_by_gamma_in
-    dG_yk_dgamma_in = dG_yk_dgamma_star*gamma_star_by_gamma_in
-    dS_Vy_part2_dgamma_in = S_Vygamma_by_gamma_star*gamma_star_by_gamma_in
-    dFy_dgamma_in = dF_y0_part2_dgamma_in*dFy_dF_y0_part2 + dFy_dgamma_star*gamma_star_by_gamma_in + dFy_dmu_y_loaded*dmu_y_loaded_dgamma_in
-    dFx_dgamma_in = dFx_dgamma_star*gamma_star_by_gamma_in + dFx_dmu_x_loaded*dmu_x_loaded_dgamma_in
+    dMz_part1_dgamma_in = dB_Drphi_dgamma_in*dMz_part1_dB_Drphi + dD_r_part7_dgamma_in*dMz_part1_dD_r_part7 + dMz_part1_dgamma_star*dgamma_star_dgamma_in + dMz_part1_dmu_y_loaded*dmu_y_loaded_dgamma_in + dMz_part1_ds_part1*s_part1_by_gamma_in
+    dtrail_dgamma_in = dB_t_dgamma_in*dtrail_dB_t + dD_t_dgamma_in*trail_by_D_t + dgamma_star_dgamma_in*dtrail_dgamma_star
+    dK_yalpha_dgamma_in = dK_yalpha_dgamma_star*dgamma_star_dgamma_in
+    dS_Hy_part4_dgamma_in = dS_Hy_part4_dgamma_star*dgamma_star_dgamma_in
+    dG_yk_dgamma_in = dG_yk_dgamma_star*dgamma_star_dgamma_in
+    dS_Vy_part2_dgamma_in = S_Vygamma_by_gamma_star*dgamma_star_dgamma_in
+    dFy_dgamma_in = dF_y0_part2_dgamma_in*dFy_dF_y0_part2 + dFy_dgamma_star*dgamma_star_dgamma_in + dFy_dmu_y_loaded*dmu_y_loaded_dgamma_in
+    dFx_dgamma_in = dFx_dgamma_star*dgamma_star_dgamma_in + dFx_dmu_x_loaded*dmu_x_loaded_dgamma_in
     dMy_dgamma_in = dM_y_full_dgamma_in*dMy_dM_y_full
     dK_yalpha_g0_dPPY1 = K_yalpha_g0_by_K_yalpha_g0_part1*dpi
     dK_yalpha_g0_ddpi = K_yalpha_g0_by_K_yalpha_g0_part1*PPY1 + dK_yalpha_g0_dK_yalpha_g0_part6*dK_yalpha_g0_part6_ddpi
@@ -5701,7 +5795,7 @@ def jacobian_parameters(inputs, parameters):
     ddfz_dLFZO = FNOMIN*ddfz_dF_z01
     ddfz_dFZMAX = F_z_limited_by_FZMAX*dfz_part1
     dS_Hy_part4_ddfz = LHY*PHY2 + dK_ygamma0_ddfz*dS_Hy_part4_dK_ygamma0 + dS_Hy_part4_dS_Vygamma*dS_Vygamma_ddfz
-    dF_y0_g0_part2_ddfz = E_y_g0_by_dfz*dF_y0_g0_part2_dE_y_g0 + PVY2*S_Vy_g0_by_S_Vy_g0_part1 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_ddfz + dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_ddfz
+    dF_y0_g0_part2_ddfz = PVY2*S_Vy_g0_by_S_Vy_g0_part1 + dE_y_g0_ddfz*dF_y0_g0_part2_dE_y_g0 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_ddfz + dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_ddfz
     dzeta_2_ddfz = dB_yphi_ddfz*zeta_2_by_B_yphi
     dG_yk_ddfz = RHY2*dG_yk_dS_Hyk + dE_ykappa_ddfz*dG_yk_dE_ykappa
     dS_Hyphi_ddfz = S_Hyphi_by_D_Hyphi*dD_Hyphi_ddfz + dB_Hyphi_ddfz*dS_Hyphi_dB_Hyphi + dK_ygamma0_ddfz*dS_Hyphi_dK_ygamma0
@@ -5727,10 +5821,10 @@ def jacobian_parameters(inputs, parameters):
     dF_y0_g0_part2_dLMUY_star = LMUY_shift_by_LMUY_star*S_Vy_g0_by_LMUY_shift + dF_y0_g0_part2_dmu_y_loaded_g0*mu_y_loaded_g0_by_LMUY_star
     dF_y0_g0_part2_dLCY = PCY1*dF_y0_g0_part2_dC_y_g0 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dLCY
     dF_y0_g0_part2_dPCY1 = LCY*dF_y0_g0_part2_dC_y_g0 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dPCY1
-    dF_y0_g0_part2_dLEY = E_y_g0_by_LEY*dF_y0_g0_part2_dE_y_g0
-    dF_y0_g0_part2_dPEY1 = E_y_g0_by_PEY1*dF_y0_g0_part2_dE_y_g0
-    dF_y0_g0_part2_dPEY2 = E_y_g0_by_PEY2*dF_y0_g0_part2_dE_y_g0
-    dF_y0_g0_part2_dPEY3 = E_y_g0_by_PEY3*dF_y0_g0_part2_dE_y_g0
+    dF_y0_g0_part2_dLEY = dE_y_g0_dLEY*dF_y0_g0_part2_dE_y_g0
+    dF_y0_g0_part2_dPEY1 = dE_y_g0_dPEY1*dF_y0_g0_part2_dE_y_g0
+    dF_y0_g0_part2_dPEY2 = dE_y_g0_dPEY2*dF_y0_g0_part2_dE_y_g0
+    dF_y0_g0_part2_dPEY3 = dE_y_g0_dPEY3*dF_y0_g0_part2_dE_y_g0
     dF_y0_g0_part2_dVXLOW = S_Vy_g0_by_fade_smooth*fade_smooth_by_VXLOW + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dVXLOW + dF_y0_g0_part2_dalpha_in*dalpha_in_dVXLOW
     dF_y0_g0_part2_dLHY = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dLHY
     dF_y0_g0_part2_dS_Hyphi = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dS_Hyphi
@@ -5842,9 +5936,9 @@ def jacobian_parameters(inputs, parameters):
     dtrail_dQBZ1 = B_t_by_B_t_part2*dtrail_dB_t
     dtrail_dQBZ2 = dB_t_dQBZ2*dtrail_dB_t
     dtrail_dQBZ3 = dB_t_dQBZ3*dtrail_dB_t
-    dtrail_dQBZ4 = dB_t_dQBZ4*dtrail_dB_t
     dtrail_dQBZ5 = dB_t_dQBZ5*dtrail_dB_t
     dtrail_dQBZ6 = dB_t_dQBZ6*dtrail_dB_t
+    dtrail_dQBZ4 = dB_t_dQBZ4*dtrail_dB_t
     dtrail_dLTR = D_t_by_LTR*trail_by_D_t
     dtrail_dUNLOADED_RADIUS = D_t_by_UNLOADED_RADIUS*trail_by_D_t
     dtrail_dQDTP1 = dD_t_dQDTP1*trail_by_D_t
@@ -6080,9 +6174,9 @@ def jacobian_parameters(inputs, parameters):
     dMz_part1_dQBZ1 = -F_y1*dtrail_dQBZ1
     dMz_part1_dQBZ2 = -F_y1*dtrail_dQBZ2
     dMz_part1_dQBZ3 = -F_y1*dtrail_dQBZ3
-    dMz_part1_dQBZ4 = -F_y1*dtrail_dQBZ4
     dMz_part1_dQBZ5 = -F_y1*dtrail_dQBZ5
     dMz_part1_dQBZ6 = -F_y1*dtrail_dQBZ6
+    dMz_part1_dQBZ4 = -F_y1*dtrail_dQBZ4
     dMz_part1_dLTR = -F_y1*dtrail_dLTR
     dMz_part1_dQDTP1 = -F_y1*dtrail_dQDTP1
     dMz_part1_dPPZ1 = -F_y1*dtrail_dPPZ1
@@ -7125,7 +7219,7 @@ def jacobian_parameters(inputs, parameters):
     ],
     [
         dFx_dLONGVL*dMy_dFx + dM_y_full_dLONGVL*dMy_dM_y_full,
-        My_by_M_y_rolling*dM_y_rolling_dVXLOW + dFx_dVXLOW*dMy_dFx,
+        dFx_dVXLOW*dMy_dFx + dM_y_rolling_part2_dVXLOW*dMy_dM_y_rolling_part2,
         M_y_full_by_UNLOADED_RADIUS*dMy_dM_y_full + dFx_dUNLOADED_RADIUS*dMy_dFx,
         0,
         0,
@@ -7931,6 +8025,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     M_y_full_part5 = QSY5 + F_zy_share*QSY6
     M_y_full_part6 = M_y_speed + M_y_full_part5*gamma**2
     M_y_full = -FNOMIN*LMY*M_y_full_part1*M_y_full_part4*M_y_full_part6*UNLOADED_RADIUS  # [4.E70] rolling resistance moment of the rolling wheel
+    M_y_rolling_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
 
     # Partial derivatives of each line
     tan_alpha_by_alpha = 1 + tan_alpha**2
@@ -8013,15 +8108,14 @@ def slip_stiffnesses_straight(inputs, parameters):
     M_x_hump_part7_by_M_x_hump_part6 = 1/(1 + M_x_hump_part6**2)
     M_x_hump_part9_by_M_x_hump_part8 = ca.cos(M_x_hump_part8)
     M_x_hump_by_M_x_hump_part9 = M_x_hump_part5*QSX4
-    Mx_shared1 = Fz <= 0
     Mx_shared6 = LMX*UNLOADED_RADIUS
     Mx_shared7 = F_zx*Mx_shared6
     Mx_shared8 = 1/FNOMIN
     Mx_shared9 = F_zx*Mx_shared8
     Mx_shared11 = ca.fabs(gamma)
     Mx_shared17 = QSX13 + Mx_shared11*QSX14
-    Mx_by_Fy = ca.if_else(Mx_shared1, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_M_x_hump = ca.if_else(Mx_shared1, 0, Mx_shared7)
+    Mx_by_Fy = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_M_x_hump = ca.if_else(Fz <= 0, 0, Mx_shared7)
     M_y_speed_by_Fx = M_y_speed_part4*QSY2
     M_y_near_locked_shared1 = 0.5*ca.pi*M_y_near_locked_part3
     M_y_near_locked_part4_by_M_y_near_locked_part2 = M_y_near_locked_part1*M_y_near_locked_shared1
@@ -8030,10 +8124,9 @@ def slip_stiffnesses_straight(inputs, parameters):
     M_y_taper_by_M_y_backward = ca.if_else(kappa <= -1 + VXLOW/ca.fabs(V), 1, 0)
     M_y_full_shared3 = FNOMIN*LMY*M_y_full_part1*M_y_full_part4
     M_y_full_by_M_y_full_part6 = -M_y_full_shared3*UNLOADED_RADIUS
-    M_y_rolling_shared1 = V == 0
-    M_y_rolling_shared2 = ca.if_else(V >= 0, 1, ca.sign(V))
-    M_y_rolling_by_M_y_full = ca.if_else(M_y_rolling_shared1, 0, M_y_rolling_shared2*M_y_taper)
-    M_y_rolling_by_M_y_taper = ca.if_else(M_y_rolling_shared1, 0, M_y_full*M_y_rolling_shared2)
+    M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
+    M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
+    M_y_rolling_by_M_y_rolling_part2 = ca.if_else(V == 0, 0, 1)
     My_by_M_y_rolling = ca.if_else(Fz <= 0, 0, 1)
 
     # Chain rule
@@ -8145,8 +8238,9 @@ def slip_stiffnesses_straight(inputs, parameters):
     dtrail_v_dkappa = dtrail_v_dslip_alpha_teq_part1*kappa_share_by_kappa
     dtrail_dtrail_v = dtrail_part1_dtrail_v*trail_by_trail_part1
     dF_y1_dalpha_star = G_yk*dF_y0_g0_dalpha_star
-    dM_y_rolling_dkappa = M_y_rolling_by_M_y_taper*dM_y_taper_dkappa
-    dM_y_rolling_dFx = M_y_rolling_by_M_y_full*dM_y_full_dFx
+    dM_y_rolling_part2_dkappa = M_y_rolling_part2_by_M_y_taper*dM_y_taper_dkappa
+    dM_y_rolling_part2_dFx = M_y_rolling_part2_by_M_y_full*dM_y_full_dFx
+    dMy_dM_y_rolling_part2 = M_y_rolling_by_M_y_rolling_part2*My_by_M_y_rolling
     dFy_part1_dalpha_star = G_yk*dF_y0_dalpha_star + S_Vyk_by_D_Vyk*dD_Vyk_dalpha_star
     dFy_part1_dkappa = S_Vyk_by_S_Vyk_part4*dS_Vyk_part4_dkappa
     dtrail_dalpha = dtrail_dtan_alpha*tan_alpha_by_alpha
@@ -8166,7 +8260,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     dMz_part1_dalpha = dG_yk_dalpha*dMz_part1_dG_yk + dMz_part1_dalpha_star*dalpha_star_dalpha - F_y1*dtrail_dalpha
     dFx_dkappa = Fx_by_Fx_part1*dFx_part1_dkappa
     dFx_dalpha = dFx_dalpha_star*dalpha_star_dalpha
-    dMy_dFx = My_by_M_y_rolling*dM_y_rolling_dFx
+    dMy_dFx = dM_y_rolling_part2_dFx*dMy_dM_y_rolling_part2
     dMz_dFx = Mz_by_Mz_part1*s
     dFy_dkappa = Fy_by_Fy_part1*dFy_part1_dkappa + dFy_dG_yk*dG_yk_dkappa
     dFy_dalpha = dFy_dG_yk*dG_yk_dalpha + dFy_dalpha_star*dalpha_star_dalpha
@@ -8191,7 +8285,7 @@ def slip_stiffnesses_straight(inputs, parameters):
         dFy_dalpha*dMx_dFy,
     ],
     [
-        My_by_M_y_rolling*dM_y_rolling_dkappa + dFx_dkappa*dMy_dFx,
+        dFx_dkappa*dMy_dFx + dM_y_rolling_part2_dkappa*dMy_dM_y_rolling_part2,
         dFx_dalpha*dMy_dFx,
     ],
     ])
@@ -8542,6 +8636,7 @@ def jacobian_inputs_straight(inputs, parameters):
     M_y_full_part5 = QSY5 + F_zy_share*QSY6
     M_y_full_part6 = M_y_speed + M_y_full_part5*gamma**2
     M_y_full = -FNOMIN*LMY*M_y_full_part1*M_y_full_part4*M_y_full_part6*UNLOADED_RADIUS  # [4.E70] rolling resistance moment of the rolling wheel
+    M_y_rolling_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
 
     # Partial derivatives of each line
     F_z_by_Fz = ca.if_else(Fz < 0, 0, 1)
@@ -8748,8 +8843,7 @@ def jacobian_inputs_straight(inputs, parameters):
     s_part3_by_Fy = SSZ2*s_part2
     s_by_s_part3 = LS*UNLOADED_RADIUS
     Mz_by_Mz_part1 = ca.if_else(Fz <= 0, 0, 1)
-    F_zx_shared1 = FZMIN > F_z
-    F_zx_by_F_z = ca.if_else(F_zx_shared1, 3*F_z**2/FZMIN**2, 1)
+    F_zx_by_F_z = ca.if_else(FZMIN > F_z, 3*F_z**2/FZMIN**2, 1)
     M_x_hump_shared1 = M_x_hump_part1**2
     M_x_hump_shared2 = 2*QSX6**2
     M_x_hump_part2_by_F_zx = F_zx*M_x_hump_shared1*M_x_hump_shared2
@@ -8760,7 +8854,6 @@ def jacobian_inputs_straight(inputs, parameters):
     M_x_hump_part9_by_M_x_hump_part8 = ca.cos(M_x_hump_part8)
     M_x_hump_by_M_x_hump_part5 = M_x_hump_part9*QSX4
     M_x_hump_by_M_x_hump_part9 = M_x_hump_part5*QSX4
-    Mx_shared1 = Fz <= 0
     Mx_shared2 = FNOMIN**(-2)
     Mx_shared3 = Fy*QSX3
     Mx_shared4 = F_zx**2
@@ -8780,15 +8873,13 @@ def jacobian_inputs_straight(inputs, parameters):
     Mx_shared19 = Mx_shared7*gamma
     Mx_shared20 = Mx_shared19*QSX2
     Mx_shared22 = ca.sign(gamma)
-    Mx_by_F_zx = ca.if_else(Mx_shared1, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
-    Mx_by_Fy = ca.if_else(Mx_shared1, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_M_x_hump = ca.if_else(Mx_shared1, 0, Mx_shared7)
-    Mx_by_dpi = ca.if_else(Mx_shared1, 0, -Mx_shared20*PPMX1)
-    Mx_by_gamma = ca.if_else(Mx_shared1, 0, Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma) + Fy*Mx_shared22*QSX14))
-    F_zy_shared1 = FZMIN > F_z
-    F_zy_by_F_z = ca.if_else(F_zy_shared1, 2*F_z/FZMIN, 1)
-    F_zy_share_shared1 = F_zy <= 0
-    F_zy_share_by_F_zy = ca.if_else(F_zy_share_shared1, 0, 1/FNOMIN)
+    Mx_by_F_zx = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
+    Mx_by_Fy = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_M_x_hump = ca.if_else(Fz <= 0, 0, Mx_shared7)
+    Mx_by_dpi = ca.if_else(Fz <= 0, 0, -Mx_shared20*PPMX1)
+    Mx_by_gamma = ca.if_else(Fz <= 0, 0, Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma) + Fy*Mx_shared22*QSX14))
+    F_zy_by_F_z = ca.if_else(FZMIN > F_z, 2*F_z/FZMIN, 1)
+    F_zy_share_by_F_zy = ca.if_else(F_zy <= 0, 0, 1/FNOMIN)
     M_y_speed_part3_by_M_y_speed_part2 = ca.sign(M_y_speed_part2)
     M_y_speed_part6_by_V = 4*V**3
     M_y_speed_by_Fx = M_y_speed_part4*QSY2
@@ -8809,10 +8900,9 @@ def jacobian_inputs_straight(inputs, parameters):
     M_y_full_by_M_y_full_part1 = -M_y_full_part4*M_y_full_shared2
     M_y_full_by_M_y_full_part4 = -M_y_full_part1*M_y_full_shared2
     M_y_full_by_M_y_full_part6 = -M_y_full_shared3*UNLOADED_RADIUS
-    M_y_rolling_shared1 = V == 0
-    M_y_rolling_shared2 = ca.if_else(V >= 0, 1, ca.sign(V))
-    M_y_rolling_by_M_y_full = ca.if_else(M_y_rolling_shared1, 0, M_y_rolling_shared2*M_y_taper)
-    M_y_rolling_by_M_y_taper = ca.if_else(M_y_rolling_shared1, 0, M_y_full*M_y_rolling_shared2)
+    M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
+    M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
+    M_y_rolling_by_M_y_rolling_part2 = ca.if_else(V == 0, 0, 1)
     My_by_M_y_rolling = ca.if_else(Fz <= 0, 0, 1)
 
     # Chain rule
@@ -8936,7 +9026,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dM_y_full_dF_zy_share = M_y_full_by_M_y_full_part1*M_y_full_part1_by_F_zy_share
     dM_y_full_part6_dF_zy_share = M_y_full_part6_by_M_y_full_part5*QSY6
     dM_y_near_locked_part4_dV = M_y_near_locked_part3_by_V*M_y_near_locked_part4_by_M_y_near_locked_part3
-    dM_y_rolling_dM_y_near_locked_part4 = M_y_rolling_by_M_y_taper*dM_y_taper_dM_y_near_locked_part4
+    dM_y_rolling_part2_dM_y_near_locked_part4 = M_y_rolling_part2_by_M_y_taper*dM_y_taper_dM_y_near_locked_part4
     dmu_x_loaded_dgamma = mu_x_loaded_by_mu_x_loaded_part1*mu_x_loaded_part1_by_gamma
     dmu_x_loaded_ddfz = PDX2*mu_x_loaded_by_mu_x_loaded_part2
     dmu_x_loaded_ddpi = mu_x_loaded_by_mu_x_loaded_part3*mu_x_loaded_part3_by_dpi
@@ -9013,7 +9103,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dD_t_dgamma = D_t_by_D_t_part4*D_t_part4_by_gamma
     dM_y_full_part6_dV = M_y_speed_by_M_y_speed_part6*M_y_speed_part6_by_V + QSY3*dM_y_speed_part3_dV
     dM_y_full_part6_dF_z = dF_zy_share_dF_z*dM_y_full_part6_dF_zy_share
-    dM_y_rolling_dM_y_full_part6 = M_y_full_by_M_y_full_part6*M_y_rolling_by_M_y_full
+    dM_y_rolling_part2_dM_y_full_part6 = M_y_full_by_M_y_full_part6*M_y_rolling_part2_by_M_y_full
     dF_y0_g0_u_ddfz = B_y_g0*dalpha_y_g0_ddfz
     dF_y0_g0_u_dD_y_g0 = alpha_y_g0*dB_y_g0_dD_y_g0
     dF_y0_g0_u_ddpi = alpha_y_g0*dB_y_g0_ddpi
@@ -9066,12 +9156,13 @@ def jacobian_inputs_straight(inputs, parameters):
     dMz_part1_dalpha_star = B_y_g0*dMz_part1_dF_y0_g0_u + M_zr_part3*dD_r_dalpha_star
     dFy_part1_dalpha_star = S_Vyk_by_D_Vyk*dD_Vyk_dalpha_star + dF_y0_v_dalpha_y*dFy_part1_dF_y0_v
     dtrail_dalpha_star = dslip_alpha_teq_part1_dalpha_t*dtrail_dslip_alpha_teq_part1 + dtrail_dtrail_v*dtrail_v_dalpha_t
-    dM_y_rolling_dkappa = M_y_near_locked_part4_by_M_y_near_locked_part2*dM_y_rolling_dM_y_near_locked_part4
-    dM_y_rolling_dV = dM_y_full_part6_dV*dM_y_rolling_dM_y_full_part6 + dM_y_near_locked_part4_dV*dM_y_rolling_dM_y_near_locked_part4
-    dM_y_rolling_dp = M_y_rolling_by_M_y_full*dM_y_full_dp
-    dM_y_rolling_dF_z = M_y_rolling_by_M_y_full*dM_y_full_dF_z + dM_y_full_part6_dF_z*dM_y_rolling_dM_y_full_part6
-    dM_y_rolling_dgamma = M_y_full_part6_by_gamma*dM_y_rolling_dM_y_full_part6
-    dM_y_rolling_dFx = M_y_speed_by_Fx*dM_y_rolling_dM_y_full_part6
+    dM_y_rolling_part2_dkappa = M_y_near_locked_part4_by_M_y_near_locked_part2*dM_y_rolling_part2_dM_y_near_locked_part4
+    dM_y_rolling_part2_dV = dM_y_full_part6_dV*dM_y_rolling_part2_dM_y_full_part6 + dM_y_near_locked_part4_dV*dM_y_rolling_part2_dM_y_near_locked_part4
+    dM_y_rolling_part2_dp = M_y_rolling_part2_by_M_y_full*dM_y_full_dp
+    dM_y_rolling_part2_dF_z = M_y_rolling_part2_by_M_y_full*dM_y_full_dF_z + dM_y_full_part6_dF_z*dM_y_rolling_part2_dM_y_full_part6
+    dM_y_rolling_part2_dgamma = M_y_full_part6_by_gamma*dM_y_rolling_part2_dM_y_full_part6
+    dM_y_rolling_part2_dFx = M_y_speed_by_Fx*dM_y_rolling_part2_dM_y_full_part6
+    dMy_dM_y_rolling_part2 = M_y_rolling_by_M_y_rolling_part2*My_by_M_y_rolling
     dS_Hy_part3_dgamma_star = K_ygamma0 - S_Vygamma_by_gamma_star
     dS_Hy_part3_dF_z = -S_Vygamma_by_F_z + K_ygamma0_by_F_z*gamma_star
     dS_Hy_part3_ddfz = dK_ygamma0_ddfz*gamma_star - PVY4*S_Vygamma_by_S_Vygamma_part1
@@ -9122,7 +9213,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dFy_part1_dF_z = D_Vyk_by_F_z*S_Vyk_by_D_Vyk + dFy_part1_dD_y*mu_y_loaded + dFy_part1_dF_y0_part2*dS_Vy_dF_z + dFy_part1_dS_Hy_part3*dS_Hy_part3_dF_z + dFy_part1_ddfz*dfz_part1
     dMz_part1_dF_z = D_r_by_F_z*M_zr_part3 + S_Vy_g0_by_F_z*dMz_part1_dF_y0_g0_part2 + dF_y0_g0_u_dF_z*dMz_part1_dF_y0_g0_u + dMz_part1_dD_y_g0*mu_y_loaded_g0 + dMz_part1_ddfz*dfz_part1 + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dF_z - F_y1*dtrail_dF_z
     dFx_dF_z = dF_x0_part2_dF_z*dFx_dF_x0_part2 + dFx_dK_xkappa*dK_xkappa_dF_z + dFx_ddfz*dfz_part1
-    dMy_dF_z = My_by_M_y_rolling*dM_y_rolling_dF_z
+    dMy_dF_z = dM_y_rolling_part2_dF_z*dMy_dM_y_rolling_part2
     dG_yk_dF_z = dG_yk_ddfz*dfz_part1
     dB_y_dp = dB_y_ddpi*dpi_part1
     dB_y_dgamma = dB_y_dgamma_star*gamma_star_by_gamma
@@ -9157,7 +9248,7 @@ def jacobian_inputs_straight(inputs, parameters):
     dFx_dalpha = dFx_dalpha_star*dalpha_star_dalpha
     dFx_dp = dFx_ddpi*dpi_part1
     dFx_dFz = F_z_by_Fz*dFx_dF_z
-    dMy_dFx = My_by_M_y_rolling*dM_y_rolling_dFx
+    dMy_dFx = dM_y_rolling_part2_dFx*dMy_dM_y_rolling_part2
     dMz_dFx = Mz_by_Mz_part1*s
     dFy_dkappa = Fy_by_Fy_part1*dFy_part1_dkappa + dFy_dG_yk*dG_yk_dkappa
     dFy_dalpha = Fy_by_Fy_part1*dFy_part1_dalpha + dFy_dG_yk*dG_yk_dalpha
@@ -9205,12 +9296,12 @@ def jacobian_inputs_straight(inputs, parameters):
         0,
     ],
     [
-        My_by_M_y_rolling*dM_y_rolling_dkappa + dFx_dkappa*dMy_dFx,
+        dFx_dkappa*dMy_dFx + dM_y_rolling_part2_dkappa*dMy_dM_y_rolling_part2,
         dFx_dalpha*dMy_dFx,
-        My_by_M_y_rolling*dM_y_rolling_dgamma + dFx_dgamma*dMy_dFx,
+        dFx_dgamma*dMy_dFx + dM_y_rolling_part2_dgamma*dMy_dM_y_rolling_part2,
         F_z_by_Fz*dMy_dF_z + dFx_dFz*dMy_dFx,
-        My_by_M_y_rolling*dM_y_rolling_dp + dFx_dp*dMy_dFx,
-        My_by_M_y_rolling*dM_y_rolling_dV,
+        dFx_dp*dMy_dFx + dM_y_rolling_part2_dp*dMy_dM_y_rolling_part2,
+        dM_y_rolling_part2_dV*dMy_dM_y_rolling_part2,
         0,
     ],
     ])
@@ -9561,6 +9652,7 @@ def jacobian_parameters_straight(inputs, parameters):
     M_y_full_part5 = QSY5 + F_zy_share*QSY6
     M_y_full_part6 = M_y_speed + M_y_full_part5*gamma**2
     M_y_full = -FNOMIN*LMY*M_y_full_part1*M_y_full_part4*M_y_full_part6*UNLOADED_RADIUS  # [4.E70] rolling resistance moment of the rolling wheel
+    M_y_rolling_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
 
     # Partial derivatives of each line
     dfz_part1_by_F_z01 = -dfz_part1**2
@@ -9807,8 +9899,7 @@ def jacobian_parameters_straight(inputs, parameters):
     s_by_UNLOADED_RADIUS = LS*s_part3
     s_by_s_part3 = LS*UNLOADED_RADIUS
     Mz_by_Mz_part1 = ca.if_else(Fz <= 0, 0, 1)
-    F_zx_shared1 = FZMIN > F_z
-    F_zx_by_FZMIN = ca.if_else(F_zx_shared1, -2*F_z**3/FZMIN**3, 0)
+    F_zx_by_FZMIN = ca.if_else(FZMIN > F_z, -2*F_z**3/FZMIN**3, 0)
     M_x_hump_shared1 = M_x_hump_part1**2
     M_x_hump_shared2 = 2*QSX6**2
     M_x_hump_shared3 = F_zx**2
@@ -9825,7 +9916,6 @@ def jacobian_parameters_straight(inputs, parameters):
     M_x_hump_by_M_x_hump_part5 = M_x_hump_part9*QSX4
     M_x_hump_by_M_x_hump_part9 = M_x_hump_part5*QSX4
     M_x_hump_by_QSX4 = M_x_hump_part5*M_x_hump_part9
-    Mx_shared1 = Fz <= 0
     Mx_shared2 = FNOMIN**(-2)
     Mx_shared3 = Fy*QSX3
     Mx_shared4 = F_zx**2
@@ -9846,28 +9936,26 @@ def jacobian_parameters_straight(inputs, parameters):
     Mx_shared19 = Mx_shared7*gamma
     Mx_shared20 = Mx_shared19*QSX2
     Mx_shared21 = Fy*Mx_shared6
-    Mx_by_FNOMIN = ca.if_else(Mx_shared1, 0, Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11))
-    Mx_by_F_zx = ca.if_else(Mx_shared1, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
-    Mx_by_Fy = ca.if_else(Mx_shared1, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_LMX = ca.if_else(Mx_shared1, 0, Mx_shared18*UNLOADED_RADIUS)
-    Mx_by_LVMX = ca.if_else(Mx_shared1, 0, Mx_shared7*QSX1)
-    Mx_by_M_x_hump = ca.if_else(Mx_shared1, 0, Mx_shared7)
-    Mx_by_PPMX1 = ca.if_else(Mx_shared1, 0, -Mx_shared20*dpi)
-    Mx_by_QSX1 = ca.if_else(Mx_shared1, 0, LVMX*Mx_shared7)
-    Mx_by_QSX10 = ca.if_else(Mx_shared1, 0, Mx_shared15*Mx_shared19)
-    Mx_by_QSX11 = ca.if_else(Mx_shared1, 0, Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8)
-    Mx_by_QSX12 = ca.if_else(Mx_shared1, 0, -Mx_shared11*Mx_shared19)
-    Mx_by_QSX13 = ca.if_else(Mx_shared1, 0, Mx_shared21)
-    Mx_by_QSX14 = ca.if_else(Mx_shared1, 0, Mx_shared11*Mx_shared21)
-    Mx_by_QSX2 = ca.if_else(Mx_shared1, 0, -Mx_shared13*Mx_shared19)
-    Mx_by_QSX3 = ca.if_else(Mx_shared1, 0, Mx_shared21*Mx_shared9)
-    Mx_by_UNLOADED_RADIUS = ca.if_else(Mx_shared1, 0, LMX*Mx_shared18)
-    Mx_by_dpi = ca.if_else(Mx_shared1, 0, -Mx_shared20*PPMX1)
-    F_zy_shared1 = FZMIN > F_z
-    F_zy_by_FZMIN = ca.if_else(F_zy_shared1, -F_z**2/FZMIN**2, 0)
-    F_zy_share_shared1 = F_zy <= 0
-    F_zy_share_by_FNOMIN = ca.if_else(F_zy_share_shared1, 0, -F_zy/FNOMIN**2)
-    F_zy_share_by_F_zy = ca.if_else(F_zy_share_shared1, 0, 1/FNOMIN)
+    Mx_by_FNOMIN = ca.if_else(Fz <= 0, 0, Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11))
+    Mx_by_F_zx = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
+    Mx_by_Fy = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_LMX = ca.if_else(Fz <= 0, 0, Mx_shared18*UNLOADED_RADIUS)
+    Mx_by_LVMX = ca.if_else(Fz <= 0, 0, Mx_shared7*QSX1)
+    Mx_by_M_x_hump = ca.if_else(Fz <= 0, 0, Mx_shared7)
+    Mx_by_PPMX1 = ca.if_else(Fz <= 0, 0, -Mx_shared20*dpi)
+    Mx_by_QSX1 = ca.if_else(Fz <= 0, 0, LVMX*Mx_shared7)
+    Mx_by_QSX10 = ca.if_else(Fz <= 0, 0, Mx_shared15*Mx_shared19)
+    Mx_by_QSX11 = ca.if_else(Fz <= 0, 0, Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8)
+    Mx_by_QSX12 = ca.if_else(Fz <= 0, 0, -Mx_shared11*Mx_shared19)
+    Mx_by_QSX13 = ca.if_else(Fz <= 0, 0, Mx_shared21)
+    Mx_by_QSX14 = ca.if_else(Fz <= 0, 0, Mx_shared11*Mx_shared21)
+    Mx_by_QSX2 = ca.if_else(Fz <= 0, 0, -Mx_shared13*Mx_shared19)
+    Mx_by_QSX3 = ca.if_else(Fz <= 0, 0, Mx_shared21*Mx_shared9)
+    Mx_by_UNLOADED_RADIUS = ca.if_else(Fz <= 0, 0, LMX*Mx_shared18)
+    Mx_by_dpi = ca.if_else(Fz <= 0, 0, -Mx_shared20*PPMX1)
+    F_zy_by_FZMIN = ca.if_else(FZMIN > F_z, -F_z**2/FZMIN**2, 0)
+    F_zy_share_by_FNOMIN = ca.if_else(F_zy <= 0, 0, -F_zy/FNOMIN**2)
+    F_zy_share_by_F_zy = ca.if_else(F_zy <= 0, 0, 1/FNOMIN)
     M_y_speed_part1_by_LONGVL = -M_y_speed_part1**2
     M_y_speed_part3_by_M_y_speed_part2 = ca.sign(M_y_speed_part2)
     M_y_speed_part4_by_FNOMIN = -M_y_speed_part4**2
@@ -9898,10 +9986,9 @@ def jacobian_parameters_straight(inputs, parameters):
     M_y_full_by_M_y_full_part4 = -M_y_full_part1*M_y_full_shared2
     M_y_full_by_M_y_full_part6 = -M_y_full_shared3*UNLOADED_RADIUS
     M_y_full_by_UNLOADED_RADIUS = -M_y_full_part6*M_y_full_shared3
-    M_y_rolling_shared1 = V == 0
-    M_y_rolling_shared2 = ca.if_else(V >= 0, 1, ca.sign(V))
-    M_y_rolling_by_M_y_full = ca.if_else(M_y_rolling_shared1, 0, M_y_rolling_shared2*M_y_taper)
-    M_y_rolling_by_M_y_taper = ca.if_else(M_y_rolling_shared1, 0, M_y_full*M_y_rolling_shared2)
+    M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
+    M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
+    M_y_rolling_by_M_y_rolling_part2 = ca.if_else(V == 0, 0, 1)
     My_by_M_y_rolling = ca.if_else(Fz <= 0, 0, 1)
 
     # Chain rule
@@ -9983,7 +10070,8 @@ def jacobian_parameters_straight(inputs, parameters):
     dM_x_hump_part4_dM_x_hump_part2 = M_x_hump_part3_by_M_x_hump_part2*QSX5
     dM_x_hump_dM_x_hump_part4 = M_x_hump_by_M_x_hump_part5*M_x_hump_part5_by_M_x_hump_part4
     dM_y_full_part4_dNOMPRES = M_y_full_part4_by_M_y_full_part3*dM_y_full_part3_dNOMPRES
-    dM_y_rolling_dVXLOW = M_y_rolling_by_M_y_taper*dM_y_taper_dVXLOW
+    dM_y_rolling_part2_dVXLOW = M_y_rolling_part2_by_M_y_taper*dM_y_taper_dVXLOW
+    dMy_dM_y_rolling_part2 = M_y_rolling_by_M_y_rolling_part2*My_by_M_y_rolling
     dB_x_dC_x = D_x*dB_x_dB_x_part2
     dB_x_dmu_x_loaded = dB_x_dB_x_part2*dB_x_part2_dmu_x_loaded
     dF_x0_v_dB_x = dF_x0_v_dF_x0_u*kappa_x
@@ -10144,7 +10232,7 @@ def jacobian_parameters_straight(inputs, parameters):
     dM_y_full_dQSY8 = M_y_full_by_M_y_full_part4*M_y_full_part4_by_QSY8
     dM_y_full_dNOMPRES = M_y_full_by_M_y_full_part4*dM_y_full_part4_dNOMPRES
     dM_y_full_dFZMIN = dF_zy_share_dFZMIN*dM_y_full_dF_zy_share
-    dMy_dM_y_full = M_y_rolling_by_M_y_full*My_by_M_y_rolling
+    dMy_dM_y_full = M_y_rolling_part2_by_M_y_full*dMy_dM_y_rolling_part2
     dF_x0_part2_dmu_x_loaded = F_x0_part1*dD_x_dmu_x_loaded
     dF_x0_part2_dPVX2 = S_Vx_by_S_Vx_part1*dfz
     dF_x0_part2_ddfz = PVX2*S_Vx_by_S_Vx_part1
@@ -11456,7 +11544,7 @@ def jacobian_parameters_straight(inputs, parameters):
     ],
     [
         dM_y_full_part6_dLONGVL*dMy_dM_y_full_part6,
-        My_by_M_y_rolling*dM_y_rolling_dVXLOW,
+        dM_y_rolling_part2_dVXLOW*dMy_dM_y_rolling_part2,
         M_y_full_by_UNLOADED_RADIUS*dMy_dM_y_full,
         0,
         0,

@@ -37,6 +37,31 @@ SLIPS = (
     "kappa", "alpha",
 )
 PARAMETERS = COEFFICIENTS + OPTIONS
+# The coefficients that each force depends on.
+REACH = (
+    (
+        "FNOMIN", "LFZ0", "LCX", "LMUX", "LEX", "LKXK", "LHX", "LVX", "LGAMMAY", "LXA", "PCX1", "PDX1",
+        "PDX2", "PDX3", "PEX1", "PEX2", "PEX3", "PEX4", "PKX1", "PKX2", "PKX3", "PHX1", "PHX2", "PVX1",
+        "PVX2", "RBX1", "RBX2", "RCX1", "RHX1",
+    ),
+    (
+        "FNOMIN", "LFZ0", "LCY", "LMUY", "LEY", "LKA", "LHY", "LVY", "LGAMMAY", "LYK", "LVYK", "PCY1",
+        "PDY1", "PDY2", "PDY3", "PEY1", "PEY2", "PEY3", "PEY4", "PKY1", "PKY2", "PKY3", "PHY1", "PHY2",
+        "PHY3", "PVY1", "PVY2", "PVY3", "PVY4", "RBY1", "RBY2", "RBY3", "RCY1", "RHY1", "RVY1", "RVY2",
+        "RVY3", "RVY4", "RVY5", "RVY6",
+    ),
+    (
+        "UNLOADED_RADIUS", "FNOMIN", "LFZ0", "LCX", "LMUX", "LEX", "LKXK", "LHX", "LVX", "LCY", "LMUY",
+        "LEY", "LKA", "LHY", "LVY", "LGAMMAY", "LKY", "LT", "LMR", "LXA", "LYK", "LVYK", "LS", "PCX1",
+        "PDX1", "PDX2", "PDX3", "PEX1", "PEX2", "PEX3", "PEX4", "PKX1", "PKX2", "PKX3", "PHX1", "PHX2",
+        "PVX1", "PVX2", "RBX1", "RBX2", "RCX1", "RHX1", "PCY1", "PDY1", "PDY2", "PDY3", "PEY1", "PEY2",
+        "PEY3", "PEY4", "PKY1", "PKY2", "PKY3", "PHY1", "PHY2", "PHY3", "PVY1", "PVY2", "PVY3", "PVY4",
+        "RBY1", "RBY2", "RBY3", "RCY1", "RHY1", "RVY1", "RVY2", "RVY3", "RVY4", "RVY5", "RVY6", "QBZ1",
+        "QBZ2", "QBZ3", "QBZ4", "QBZ5", "QBZ9", "QBZ10", "QCZ1", "QDZ1", "QDZ2", "QDZ3", "QDZ4", "QDZ6",
+        "QDZ7", "QDZ8", "QDZ9", "QEZ1", "QEZ2", "QEZ3", "QEZ4", "QEZ5", "QHZ1", "QHZ2", "QHZ3", "QHZ4",
+        "SSZ1", "SSZ2", "SSZ3", "SSZ4",
+    ),
+)
 
 
 def quantities(inputs, parameters):

@@ -5,13 +5,12 @@ from __future__ import annotations
 from importlib.resources import files
 
 from ..model import Model
-from .c import functions_of_math, heading, parameters_read, statements
+from .c import INCLUDES, functions_of_math, heading, in_order, parameters_read, statements
 from .expressions import LanesPrinter
 from .routines import STRAIGHT, Routine, entries
 
 #: The routines that have a kernel.
 KERNELS = ("forces", "jacobian_inputs", "jacobian_parameters")
-INCLUDES = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
 
 
 def batch_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]:
@@ -67,7 +66,7 @@ def _kernel(model: Model, routine: Routine, values: list[object]) -> str:
     inputs = routine.uses([quantity.name for quantity in model.inputs])
     printer = LanesPrinter(_varying(inputs, routine))
     fixed = [assignment for assignment in routine.body if not printer.varies(assignment.expression)]
-    rows = [assignment for assignment in routine.body if printer.varies(assignment.expression)]
+    rows = [assignment for assignment in in_order(routine) if printer.varies(assignment.expression)]
     before = [*parameters_read(model, routine), *statements(fixed)]
     loop = [f"const lanes {name} = *(const lanes_in_array *)(inputs + {prefix}_{name}*BLOCK + i);" for name in inputs]
     loop += [*statements(rows, printer, "lanes"), ""]

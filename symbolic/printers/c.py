@@ -32,6 +32,7 @@ INLINES = {
 }
 PI = "#define PI 3.14159265358979323846"
 
+INCLUDES = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
 #: Above lines that are not in the book's order.
 SIDE_BY_SIDE = "What can be computed side by side stands together; quantities has the book's order"
 PRINTER = PlainCPrinter()
@@ -89,8 +90,7 @@ def c_source(model: Model, routines: tuple[Routine, ...]) -> str:
     if doubled:
         parts += [_is_straight(model), *(_chooser(model, routine) for routine in doubled)]
     functions = "\n\n".join([*parts, _rows(model)])
-    includes = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
-    parts = [heading(model, "C99"), f'#include "{model.name}.h"', includes, functions_of_math(functions), functions]
+    parts = [heading(model, "C99"), f'#include "{model.name}.h"', INCLUDES, functions_of_math(functions), functions]
     return "\n\n".join(parts) + "\n"
 
 
@@ -139,7 +139,7 @@ def _prototype(model: Model, routine: Routine) -> str:
 def _is_straight(model: Model) -> str:
     prefix = model.name.upper()
     zeros = [f"inputs[{prefix}_{name}] == 0.0" for _, name in model.on_demand]
-    zeros += [f"parameters[{prefix}_{option.parameter}] == 0.0" for option in model.options]
+    zeros += [f"parameters[{prefix}_{option.parameter}] == 0.0" for option in model.straight_options]
     condition = "\n        && ".join(zeros)
     return (
         f"/* {STRAIGHT_ROWS} */\n"
@@ -185,8 +185,8 @@ def statements(body: Sequence[Assignment], printer: PlainCPrinter = PRINTER, kin
     return lines
 
 
-def _in_order(routine: Routine) -> Sequence[Assignment]:
-    """Return the body with its values side by side; `quantities` shows them in the book's order."""
+def in_order(routine: Routine) -> Sequence[Assignment]:
+    """Return the body with its values side by side; that of `quantities` shows them in the book's order."""
     if routine.name == "quantities":
         return routine.body
     headings = [assignment.heading for assignment in routine.body]
@@ -201,9 +201,12 @@ def _function(model: Model, routine: Routine, routines: tuple[Routine, ...]) -> 
     prefix = model.name.upper()
     inputs = routine.uses([quantity.name for quantity in model.inputs])
     lines = [f"const double {name} = inputs[{prefix}_{name}];" for name in inputs]
-    lines += [*parameters_read(model, routine), *statements(_in_order(routine)), ""]
-    for i, value in enumerate(value for row in routine.results for value in row):
-        lines.append(f"results[{i}] = {PRINTER.doprint(value)};")
+    lines += [*parameters_read(model, routine), *statements(in_order(routine)), ""]
+    values = [value for row in routine.results for value in row]
+    sparse = 2 * values.count(0) > len(values)
+    if sparse:
+        lines.append(f"memset(results, 0, {len(values)}*sizeof(double));")
+    lines += [f"results[{i}] = {PRINTER.doprint(v)};" for i, v in enumerate(values) if not sparse or v != 0]
     body = "\n".join(f"    {line}" if line else "" for line in lines)
     head = _prototype(model, routine)
     if replace(routine, variant=STRAIGHT).full_name in {other.full_name for other in routines} - {routine.full_name}:

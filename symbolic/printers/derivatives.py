@@ -10,7 +10,7 @@ and backward by many coefficients are special cases of that order.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -272,7 +272,7 @@ def _is_unit(derivative: sp.Expr) -> bool:
     return derivative in (ONE, -ONE)
 
 
-def _reached(start: Iterable[sp.Symbol], along: dict[sp.Symbol, dict[sp.Symbol, object]]) -> set[sp.Symbol]:
+def _reached(start: Iterable[sp.Symbol], along: Mapping[sp.Symbol, Mapping[sp.Symbol, object]]) -> set[sp.Symbol]:
     """Return everything that can be reached from some vertices."""
     found, waiting = set(), list(start)
     while waiting:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from functools import reduce
 from typing import Any, ClassVar
 
 import sympy as sp
@@ -115,10 +116,7 @@ class CasadiPrinter(ArrayPrinter):
         return self._joined("ca.logic_or", expr)
 
     def _joined(self, function: str, expr: Any) -> str:
-        first, *others = (self._print(arg) for arg in expr.args)
-        for other in others:
-            first = f"{function}({first}, {other})"
-        return first
+        return reduce(lambda joined, arg: f"{function}({joined}, {arg})", [str(self._print(arg)) for arg in expr.args])
 
 
 #: Powers that C code writes as a call; the inline functions stand in `tirefmu.symbolic.printers.c`.
