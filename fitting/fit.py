@@ -21,8 +21,9 @@ from .session import Progress, Session
 
 #: What --nominal may name, and the coefficient that it sets.
 NOMINAL = {"Fz0": "FNOMIN", "R0": "UNLOADED_RADIUS", "p0": "NOMPRES", "V0": "LONGVL"}
-#: The slip without whose variation a force channel tells nothing of the tire, and how much it has to vary.
-EXCITED_BY = {"Fx": ("kappa", 0.01), "Fy": ("alpha", 0.01), "Mz": ("alpha", 0.01)}
+#: The inputs of which one has to vary by 0.01 for a channel to tell something of the tire; none for My.
+EXCITED_BY = {"Fx": ("kappa",), "Fy": ("alpha",), "Mz": ("alpha",), "Mx": ("alpha", "gamma"), "My": ()}
+LEAST_VARIATION = 0.01
 
 
 def fit(
@@ -32,7 +33,7 @@ def fit(
     start: Tire | None = None,
     effects: Collection[str] | None = None,
     without: Collection[str] = (),
-    recipe: str = "joint",
+    recipe: str = "progressive",
     nominal: Mapping[str, float] | None = None,
     signs: str | None = None,
     progress: Progress | None = None,
@@ -51,10 +52,10 @@ def fit(
     without : collection of str
         Effects to leave out.
     recipe : str
-        "joint", "trento" or the path of a TOML file.
+        "progressive", "joint", "trento", "scaling" (of the start tire) or the path of a TOML file.
     nominal : mapping of str to float, optional
-        Fz0 (N), R0 (m), p0 (Pa), V0 (m/s), as far as the model has them; the median load and 0.3 m where not
-        given.
+        Fz0 (N), R0 (m), p0 (Pa), V0 (m/s), as far as the model has them; the medians of the data and 0.3 m where
+        not given.
     signs : str, optional
         Convention of the files, where it is not the format's default.
     progress : callable, optional
@@ -73,6 +74,8 @@ def fit(
     began = time.perf_counter()
     book = book_of(model)
     plan = load_recipe(recipe, model)
+    if plan.scales and start is None:
+        raise FitError(f"recipe {plan.name} scales a given tire: say which to start from (--start)")
     recordings = [_ready(table, signs) for table in tables]
     if not recordings:
         raise FitError("no table to fit")
@@ -109,21 +112,24 @@ def _effects(
     book: Model, start: Tire | None, effects: Collection[str] | None, without: Collection[str]
 ) -> frozenset[str]:
     given = start.has if effects is None and start is not None else effects
-    return (frozenset(book.effects) if given is None else book.known_effects(given)) - book.known_effects(without)
+    return (book.usual_effects if given is None else book.known_effects(given)) - book.known_effects(without)
 
 
 def _together(recordings: Sequence[Recording], book: Model) -> tuple[pd.DataFrame, list[str]]:
     """Put the recordings into one table in adapted SAE; take out channels whose slip a recording does not vary."""
-    tables, notes = [], []
+    tables, notes, segments = [], [], 0
     outputs = [quantity.name for quantity in book.outputs]
     for number, recording in enumerate(recordings):
         table = recording.with_signs("adapted-sae").table
         for channel in (name for name in outputs if name in table):
-            slip, least = EXCITED_BY[channel]
-            if slip not in table or np.ptp(table[slip].to_numpy()) < least:
+            by = EXCITED_BY[channel]
+            if by and not any(slip in table and np.ptp(table[slip].to_numpy()) >= LEAST_VARIATION for slip in by):
                 table = table.assign(**{channel: np.nan})
-                notes.append(f"{recording.source}: {channel} is not fitted, {slip} does not vary there")
-        tables.append(table.assign(recording=number))
+                notes.append(f"{recording.source}: {channel} is not fitted, {' or '.join(by)} does not vary there")
+        pieces = recording.segments()
+        segment = np.repeat(np.arange(segments, segments + len(pieces)), [piece.stop - piece.start for piece in pieces])
+        segments += len(pieces)
+        tables.append(table.assign(recording=number, segment=segment))
     data = pd.concat(tables, ignore_index=True)
     if not any(name in data and data[name].notna().any() for name in outputs):
         raise FitError(f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit")
@@ -151,12 +157,29 @@ def _starting_tire(
             raise FitError(f"the start tire is {start.model}, not {book.name}")
         values = {**start.in_signs("adapted-sae").values, **given}
         return Tire(book.name, values, effects=present, signs="adapted-sae", name=start.name, about=start.about)
-    load = float(f"{data['Fz'].median():.2g}") if "Fz" in data else float("nan")
-    if "FNOMIN" not in given and not load > 0:
-        raise FitError("no load Fz in the data: say --nominal Fz0=...")
-    if "FNOMIN" not in given:
-        notes.append(f"nominal load not given: the median load, {load:g} N")
+    values = {"UNLOADED_RADIUS": 0.3, **_medians(book, data, given, notes), **given}
     if "UNLOADED_RADIUS" not in given:
         notes.append("radius R0 not given: 0.3 m (it only scales the moment coefficients)")
-    values = {"FNOMIN": load, "UNLOADED_RADIUS": 0.3, **given}
+    if "FNOMIN" not in values:
+        raise FitError("no load Fz in the data: say --nominal Fz0=...")
     return Tire(book.name, values, effects=present, signs="adapted-sae")
+
+
+def _medians(book: Model, data: pd.DataFrame, given: Mapping[str, float], notes: list[str]) -> dict[str, float]:
+    """Return the nominal values that nobody gave, from the data: medians of two digits, noted."""
+    values = {}
+    for name, coefficient, text, unit in (
+        ("Fz", "FNOMIN", "load", "N"),
+        ("p", "NOMPRES", "pressure p0", "Pa"),
+        ("V", "LONGVL", "speed V0", "m/s"),
+    ):
+        if coefficient not in book.coefficients or coefficient in given or name not in data:
+            continue
+        median = float(f"{data[name].median():.2g}")
+        if median > 0:
+            values[coefficient] = median
+            notes.append(f"nominal {text} not given: the median, {median:g} {unit}")
+    if "INFLPRES" in book.coefficients and {"NOMPRES"} & {*values, *given.keys()}:
+        # Where a user of the tire says nothing of pressure, it has the nominal one.
+        values["INFLPRES"] = given.get("NOMPRES", values.get("NOMPRES", 0.0))
+    return values

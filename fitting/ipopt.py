@@ -1,14 +1,13 @@
 """IPOPT through CasADi: our cost with exact gradient and Gauss-Newton Hessian, the book's constraints with AD.
 
-The cost comes from compiled code over all rows, so CasADi sees it as a callback; the constraints are
-expressions of the generated CasADi functions, differentiated exactly.
+The cost comes from compiled code over all rows, so CasADi sees it as a callback; so do the constraints, which
+the generated CasADi functions give with exact derivatives.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 
 import casadi as ca
@@ -16,18 +15,20 @@ import numpy as np
 import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
-from .constraints import TOLERANCE, Constraint
+from .constraints import Constraint
+from .imposed import Imposed
 from .problem import Problem
 
 FloatArray = npt.NDArray[np.float64]
 #: The cost is about 1 at the start and 0.001 at the end; IPOPT's barrier is made for larger numbers.
 OBJECTIVE_SCALE = 1e3
 #: Levenberg-Marquardt: what is added to the Gauss-Newton matrix, in scaled coefficients, and how it follows success.
-DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-5, 1.0
+DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-7, 1.0
 DAMPING_UP, DAMPING_DOWN = 10.0, 0.5
 #: A fit has converged when this many iterations have brought the best cost within the constraints down by less than
-#: this share of it.
+#: this share of it; a first approach, from which another fit goes on, needs less.
 PATIENCE, LEAST_GAIN = 10, 1e-5
+APPROACH_PATIENCE, APPROACH_GAIN = 5, 1e-3
 #: Reasons to stop within the constraints that count as converged: the watch's, and steps below machine precision.
 AT_REST = ("No_Further_Gain", "Search_Direction_Becomes_Too_Small")
 #: Called with (iteration, cost) as the solver goes on.
@@ -83,9 +84,10 @@ class _Numeric(ca.Callback):  # type: ignore[misc]
 class _Watch(ca.Callback):  # type: ignore[misc]
     """Keep the best point within the constraints, and stop when there is nothing more to gain."""
 
-    def __init__(self, n: int, low: FloatArray, high: FloatArray) -> None:
+    def __init__(self, n: int, imposed: Imposed, *, approach: bool) -> None:
         ca.Callback.__init__(self)
-        self._n, self._low, self._high = n, low, high
+        self._n, self._imposed = n, imposed
+        self._patience, self._least = (APPROACH_PATIENCE, APPROACH_GAIN) if approach else (PATIENCE, LEAST_GAIN)
         self._costs: list[float] = []  # the best cost after each iteration
         self.x: FloatArray | None = None
         self.settled = False
@@ -101,22 +103,21 @@ class _Watch(ca.Callback):  # type: ignore[misc]
         return str(ca.nlpsol_out(i))
 
     def get_sparsity_in(self, i: int) -> Any:
-        sizes = {"f": 1, "x": self._n, "lam_x": self._n, "g": len(self._low), "lam_g": len(self._low)}
+        sizes = {"f": 1, "x": self._n, "lam_x": self._n, "g": len(self._imposed), "lam_g": len(self._imposed)}
         name = ca.nlpsol_out(i)
         return ca.Sparsity.dense(sizes[name], 1) if name in sizes else ca.Sparsity.dense(0, 0)
 
     def eval(self, arguments: list[Any]) -> list[Any]:
         told = dict(zip((ca.nlpsol_out(i) for i in range(self.get_n_in())), arguments, strict=True))
         g, cost = np.array(told["g"]).ravel(), float(told["f"])
-        kept = bool(np.all(g >= self._low - TOLERANCE) and np.all(g <= self._high + TOLERANCE))
-        if kept and (self.x is None or cost < self._costs[-1]):
+        if self._imposed.kept(g) and (self.x is None or cost < self._costs[-1]):
             self.x = np.array(told["x"]).ravel()
             self._costs.append(cost)
         elif self.x is not None:
             self._costs.append(self._costs[-1])
-        if len(self._costs) > PATIENCE:
-            gain = self._costs[-1 - PATIENCE] - self._costs[-1]
-            self.settled = gain < LEAST_GAIN * abs(self._costs[-1])
+        if len(self._costs) > self._patience:
+            gain = self._costs[-1 - self._patience] - self._costs[-1]
+            self.settled = gain < self._least * abs(self._costs[-1])
         return [int(self.settled)]
 
 
@@ -128,6 +129,7 @@ def solve(
     constraints: list[tuple[Constraint, FloatArray]],
     *,
     ridge: float = 1e-9,
+    approach: bool = False,
     max_iterations: int = 300,
     progress: Progress | None = None,
 ) -> Solution:
@@ -142,6 +144,8 @@ def solve(
         Conditions and the points at which they hold.
     ridge : float
         Pull of every scaled value towards its start, against directions that the data leave open.
+    approach : bool
+        Stop where little more is gained: another fit goes on from there.
     max_iterations : int
     progress : callable, optional
 
@@ -154,18 +158,25 @@ def solve(
     dense, none = ca.Sparsity.dense, ca.Sparsity.dense(0, 0)
     triangle = ca.Sparsity.upper(n)
     memory = _Memory(problem, start, ridge, progress)
-    z, p = ca.MX.sym("x", n), ca.MX.sym("p", 0, 0)
-    g, low, high = _constraint_expressions(problem, constraints, z)
+    z = ca.MX.sym("x", n)
+    imposed = Imposed(problem, constraints)
+    low, high, m = imposed.low, imposed.high, len(imposed)
     cost = _Numeric("f", lambda x: [memory.cost(x)], [dense(n, 1)], [dense(1, 1)])
     gradient = _Numeric("grad_f", lambda x, p: list(memory.at(x)[:2]), [dense(n, 1), none], [dense(1, 1), dense(n, 1)])
     hessian = _Numeric(
         "hess_lag",
         lambda x, p, of_cost, of_g: [ca.project(ca.DM(of_cost.item() * memory.matrix(x)), triangle)],
-        [dense(n, 1), none, dense(1, 1), dense(*g.shape)],
+        [dense(n, 1), none, dense(1, 1), dense(m, 1)],
         [triangle],
     )
-    jacobian = ca.Function("jac_g", [z, p], [g, ca.densify(ca.jacobian(g, z))])
-    watch = _Watch(n, low, high)
+    conditions = _Numeric("g", lambda x: [imposed.values(x.ravel())], [dense(n, 1)], [dense(m, 1)])
+    jacobian = _Numeric(
+        "jac_g",
+        lambda x, p: [imposed.values(x.ravel()), imposed.jacobian(x.ravel())],
+        [dense(n, 1), none],
+        [dense(m, 1), imposed.sparsity],
+    )
+    watch = _Watch(n, imposed, approach=approach)
     options = {
         "grad_f": gradient,
         "hess_lag": hessian,
@@ -189,11 +200,14 @@ def solve(
             "bound_frac": 1e-4,
             # Second-order corrections step far away where the constraints bend, which our Hessian leaves out.
             "max_soc": 0,
+            # Shortened steps are the damping's business; a watchdog's full ones leave the valley.
+            "watchdog_shortened_iter_trigger": 0,
             "nlp_scaling_method": "none",
             "obj_scaling_factor": OBJECTIVE_SCALE,
             "bound_relax_factor": 0.0,
         },
     }
+    g = conditions(z) if m else ca.MX(0, 1)
     solver = ca.nlpsol("solver", "ipopt", {"x": z, "f": cost(z), "g": g}, options)
     # Matrices of a few thousand rows by a hundred columns: BLAS threads would spend their time waiting.
     with threadpool_limits(limits=1, user_api="blas"):
@@ -241,27 +255,3 @@ class _Memory:
     def matrix(self, x: FloatArray) -> FloatArray:
         """Return the damped Gauss-Newton matrix."""
         return self.at(x)[2] + self._damping * np.eye(x.size)
-
-
-def _constraint_expressions(
-    problem: Problem, constraints: list[tuple[Constraint, FloatArray]], z: Any
-) -> tuple[Any, FloatArray, FloatArray]:
-    """Return the constrained quantities at their points as one CasADi column of z, and its bounds."""
-    generated = import_module(f"tirefmu.generated.casadi.{problem.tire.model}")
-    names = list(generated.QUANTITIES)
-    quantities = generated.function(generated.quantities)
-    fixed = ca.DM(problem.parameters(np.zeros(len(problem.free))))
-    place = ca.DM(len(generated.PARAMETERS), len(problem.free))
-    for column, (row, reach) in enumerate(zip(problem.columns, problem.reach, strict=True)):
-        place[int(row), column] = reach
-    parameters = fixed + place @ z
-    columns, low, high = [ca.MX(0, 1)], [np.zeros(0)], [np.zeros(0)]
-    for constraint, points in constraints:
-        m = points.shape[1]
-        values = quantities.map(m)(points, ca.repmat(parameters, 1, m))[names.index(constraint.quantity), :].T
-        moved = np.array(ca.DM(ca.sum2(ca.jacobian_sparsity(values, z))).nonzeros()) if m else np.zeros(0)
-        if moved.size:  # a quantity that no free coefficient reaches cannot be constrained
-            columns.append(values)
-            low.append(np.full(m, constraint.lower))
-            high.append(np.full(m, constraint.upper))
-    return ca.vertcat(*columns), np.concatenate(low), np.concatenate(high)

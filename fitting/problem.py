@@ -7,21 +7,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.symbolic.errors import TirefmuError
-from tirefmu.tires.code import Code, code_for
+from tirefmu.symbolic.model import Model, reaching
+from tirefmu.tires.code import Code, fastest_code
 from tirefmu.tires.tire import Tire
+
+from .noise_floor import held_levels
 
 FloatArray = npt.NDArray[np.float64]
 
 #: Rows evaluated at a time: their Jacobian stays in the processor's cache.
-CHUNK = 4096
+CHUNK = 2048
 #: The least noise of a channel, as a share of its root mean square.
 LEAST_NOISE = 1e-4
+#: The slip that a channel is a curve over, and how much more it counts where that is swept.
+OWN_SLIP = {"Fx": "kappa", "Fy": "alpha", "Mz": "alpha"}
+SWEPT = 1.75
 
 
 @dataclass(frozen=True)
@@ -36,11 +42,18 @@ class Rows:
         NaN where a channel was not measured or is not to be fitted.
     group : ndarray of int, shape (n,)
         The recording that each row comes from.
+    segment : ndarray of int, shape (n,)
+        What was logged without a gap; a recording is one where nobody says.
     """
 
     inputs: FloatArray
     measured: FloatArray
     group: npt.NDArray[np.int64]
+    segment: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+
+    def __post_init__(self) -> None:
+        if len(self.segment) != len(self.group):
+            object.__setattr__(self, "segment", self.group)
 
     @classmethod
     def of(cls, table: pd.DataFrame, tire: Tire, channels: Sequence[str]) -> Rows:
@@ -49,10 +62,12 @@ class Rows:
         inputs = [table.get(name, pd.Series(tire.nominal(name), table.index)) for name in tire.inputs]
         measured = [table.get(name, absent) if name in channels else absent for name in tire.outputs]
         group = table["recording"] if "recording" in table else pd.Series(0, table.index)
+        segment = table.get("segment", group)
         return cls(
             np.stack([column.to_numpy(dtype=float) for column in inputs]),
             np.stack([column.to_numpy(dtype=float) for column in measured], axis=1),
             np.asarray(group, dtype=np.int64),
+            np.asarray(segment, dtype=np.int64),
         )
 
     def __len__(self) -> int:
@@ -66,7 +81,7 @@ class Rows:
         if n >= len(self):
             return self
         chosen = np.sort(np.random.default_rng(seed).choice(len(self), n, replace=False))
-        return Rows(self.inputs[:, chosen], self.measured[chosen], self.group[chosen])
+        return Rows(self.inputs[:, chosen], self.measured[chosen], self.group[chosen], self.segment[chosen])
 
 
 @dataclass
@@ -100,12 +115,26 @@ class Problem:
     _code: Code = field(init=False)
 
     def __post_init__(self) -> None:
-        self._code = fastest_code(self.tire.model)
-        names = [card.name for card in self.tire.book.parameters]
+        self._code = fastest_code(self.tire.book)
+        names = list(self.tire.book.parameters)
         factors = self.tire.rescaled
         self.columns = np.array([names.index(name) for name in self.free])
         self.reach = self.scale * np.array([factors.get(name, 1.0) for name in self.free])
+        force, coefficient = self._code.entries
+        place = {int(column): i for i, column in enumerate(self.columns)}
+        freed = np.array([place.get(int(column), -1) for column in coefficient], dtype=int)
+        #: By output: which entries of the Jacobian are by free coefficients, and by which of them.
+        self._entries = [
+            (chosen, freed[chosen])
+            for chosen in (np.flatnonzero((force == i) & (freed >= 0)) for i in range(len(self.tire.outputs)))
+        ]
+        self._inputs = np.ascontiguousarray(self.tire.asked(self.rows.inputs))
         self._parameters = self.tire.parameters()
+        self._measured = np.ascontiguousarray(np.nan_to_num(self.rows.measured.T))
+        self._weighed: FloatArray | None = None  # the weights to which the next two belong
+        self._root = np.zeros_like(self._measured)
+        self._there: list[tuple[int, npt.NDArray[np.int64]]] = []
+        self._latest: tuple[FloatArray, FloatArray] | None = None
 
     def parameters(self, x: FloatArray) -> FloatArray:
         """Return the whole parameter vector for scaled free values x."""
@@ -115,31 +144,64 @@ class Problem:
 
     def cost(self, x: FloatArray) -> float:
         """Return half the weighted sum of squares."""
-        residual, weight = self._residual(x, slice(None))
-        return 0.5 * float(np.sum(weight * residual**2))
+        return 0.5 * float(np.sum(self._weighted_residual(x) ** 2))
 
     def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
         """Return cost, gradient (n_free,) and the Gauss-Newton matrix J^T W J (n_free, n_free)."""
-        parameters, n = self.parameters(x), len(self.free)
-        cost, gradient, matrix = 0.0, np.zeros(n), np.zeros((n, n))
-        for start in range(0, len(self.rows), CHUNK):
+        parameters, n, rows = self.parameters(x), len(self.free), len(self.rows)
+        residual = self._weighted_residual(x)
+        gradient, matrix = np.zeros(n), np.zeros((n, n))
+        for start in range(0, rows, CHUNK):
             chunk = slice(start, start + CHUNK)
-            residual, weight = self._residual(x, chunk)
-            jacobian = self._code.jacobian_parameters(self.rows.inputs[:, chunk], parameters)
-            root = np.sqrt(weight)
-            weighted = (jacobian[:, :, self.columns] * root[:, :, None]).reshape(-1, n) * self.reach
-            cost += 0.5 * float(np.sum(weight * residual**2))
-            gradient += weighted.T @ (root * residual).ravel()
-            matrix += weighted.T @ weighted
-        return cost, gradient, matrix
+            jacobian = self._code.jacobian_entries(self._inputs[:, chunk], parameters)
+            for output, there in self._there:
+                entries, free = self._entries[output]
+                here = there[slice(*np.searchsorted(there, (start, start + CHUNK)))]
+                if not here.size or not free.size:
+                    continue
+                every = len(here) == jacobian.shape[1]
+                weighted = jacobian[entries] if every else jacobian[np.ix_(entries, here - start)]
+                weighted *= self.reach[free, None]
+                weighted *= self._root[output, here]
+                gradient[free] += weighted @ residual[output, here]
+                matrix[np.ix_(free, free)] += weighted @ weighted.T
+        return 0.5 * float(np.sum(residual**2)), gradient, matrix
 
-    def _residual(self, x: FloatArray, chunk: slice) -> tuple[FloatArray, FloatArray]:
-        """Residuals, 0 where not measured, and their weights; both of shape (n, n_forces)."""
-        forces = self._code.forces(self.rows.inputs[:, chunk], self.parameters(x)).T
-        measured = self.rows.measured[chunk]
-        there = np.isfinite(measured)
-        residual = np.where(there, forces - measured, 0.0)
-        return residual, np.where(there, self.weights[self.rows.group[chunk]], 0.0)
+    def residual(self, x: FloatArray) -> FloatArray:
+        """Return computed minus measured, shape (n_forces, n); 0 where a channel was not measured or has no weight."""
+        self._weigh()
+        forces = self._code.forces(self._inputs, self.parameters(x))
+        return np.where(self._root > 0, forces - self._measured, 0.0)
+
+    def _weighted_residual(self, x: FloatArray) -> FloatArray:
+        """Return residuals times the root of their weights; kept for the point at which a solver asks again."""
+        self._weigh()
+        if self._latest is None or not np.array_equal(self._latest[0], x):
+            self._latest = x.copy(), self._root * self.residual(x)
+        return self._latest[1]
+
+    def _weigh(self) -> None:
+        """Spread the weights over the rows."""
+        if self._weighed is self.weights:
+            return
+        root = np.sqrt(self.weights)[self.rows.group].T
+        self._root = np.ascontiguousarray(np.where(np.isfinite(self.rows.measured.T), root, 0.0))
+        rows = [np.flatnonzero(channel) for channel in self._root]
+        self._there = [(output, there) for output, there in enumerate(rows) if there.size]
+        self._weighed, self._latest = self.weights, None
+
+
+@lru_cache(maxsize=16)
+def coefficients_by_output(book: Model, *, straight: bool = False) -> dict[str, frozenset[str]]:
+    """Return the coefficients that each output of a model depends on in some row, or in a straight one."""
+    lines = book.lines(straight=straight)
+    return {
+        output.name: frozenset(
+            str(symbol) for line in reaching(lines, {output.name}) for symbol in line.expression.free_symbols
+        )
+        & book.coefficients.keys()
+        for output in book.outputs
+    }
 
 
 def equal_weights(rows: Rows) -> FloatArray:
@@ -149,28 +211,47 @@ def equal_weights(rows: Rows) -> FloatArray:
     return np.broadcast_to(1.0 / np.where(squares > 0, squares, 1.0), (groups, rows.measured.shape[1])).copy()
 
 
-def noise_weights(problem: Problem, x: FloatArray) -> FloatArray:
+def emphasis(data: pd.DataFrame, outputs: Sequence[str]) -> FloatArray:
+    """Return how much each recording's channel counts beside its noise: double where its own slip is swept.
+
+    Where files disagree, a whole curve tells more of the tire than rows at the few slips that a bench held: the
+    pure side force belongs to the cornering test, to drive and brake what is left of it.
+
+    Parameters
+    ----------
+    data : pandas.DataFrame
+        With the column ``recording``.
+    outputs : sequence of str
+
+    Returns
+    -------
+    ndarray, shape (n_recordings, n_outputs)
+    """
+    factors = np.ones((int(data["recording"].max()) + 1, len(outputs)))
+    for number in range(len(factors)):
+        table = data[data["recording"] == number]
+        for column, output in enumerate(outputs):
+            slip = OWN_SLIP.get(output)
+            if slip in table and np.ptp(table[slip]) > 0 and not held_levels(table[slip]):
+                factors[number, column] = SWEPT
+    return factors
+
+
+def noise_weights(problem: Problem, x: FloatArray, factors: FloatArray | None = None) -> FloatArray:
     """Return weights by the residual variance that each recording's channel has at x, one mean square for all.
 
     Residuals below a ten thousandth of the channel count as that: numbers without noise leave only rounding.
+    The factors, shape (n_groups, n_forces), say what counts more than its noise tells.
     """
-    residual, weight = problem._residual(x, slice(None))
-    measured = np.nan_to_num(problem.rows.measured)
+    residual, measured = problem.residual(x), problem.rows.measured.T
+    weighed = np.isfinite(measured) & (problem.weights > 0)[problem.rows.group].T
     weights = np.zeros_like(problem.weights)
     for group in range(len(weights)):
         rows = problem.rows.group == group
         for channel in range(weights.shape[1]):
-            there = rows & (weight[:, channel] > 0)
+            there = rows & weighed[channel]
             if there.any():
-                least = LEAST_NOISE**2 * np.mean(measured[there, channel] ** 2)
-                variance = max(np.mean(residual[there, channel] ** 2), least)
-                weights[group, channel] = 1.0 / (variance * np.sum(weight > 0))
-    return weights
-
-
-def fastest_code(model: str) -> Code:
-    """Return the C code of a model, or the NumPy code on a machine without a compiler."""
-    try:
-        return code_for(model, "c")
-    except TirefmuError:
-        return code_for(model, "numpy")
+                least = LEAST_NOISE**2 * np.mean(measured[channel, there] ** 2)
+                variance = max(np.mean(residual[channel, there] ** 2), least)
+                weights[group, channel] = 1.0 / (variance * np.sum(weighed))
+    return weights if factors is None else weights * factors[: len(weights)]

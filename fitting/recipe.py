@@ -15,19 +15,27 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.errors import FitError, UnknownName
 from tirefmu.symbolic.model import Model
 
 #: The recipes that come with the package.
-RECIPES = ("joint", "trento")
+RECIPES = ("progressive", "joint", "trento", "scaling")
 UNITS = {"": 1.0, "rad": 1.0, "deg": radians(1.0), "N": 1.0, "kN": 1e3, "%": 0.01}
 #: The keys of a recipe and of a stage, and of what kind their values are.
-RECIPE_KEYS: dict[str, type] = {"name": str, "description": str, "models": list, "stage": list}
+RECIPE_KEYS: dict[str, type] = {"name": str, "description": str, "models": list, "scales": bool, "stage": list}
 STAGE_KEYS: dict[str, type] = {
-    "name": str, "channels": list, "where": dict, "hold": list, "free": dict, "effects": list, "rows": int,
-    "weights": str,
+    "name": str, "channels": list, "where": dict, "hold": list, "free": dict, "sections": list, "effects": list,
+    "rows": int, "weights": str,
 }  # fmt: skip
-KINDS = {str: "a text", list: "a list", dict: "a table", int: "a whole number", float: "a number"}
+KINDS = {
+    bool: "true or false",
+    str: "a text",
+    list: "a list",
+    dict: "a table",
+    int: "a whole number",
+    float: "a number",
+}
 NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 CONDITION = re.compile(rf"^\s*(?P<value>[-+]?{NUMBER})\s*\+-\s*(?P<tolerance>{NUMBER})\s*(?P<unit>\S*)\s*$")
 
@@ -56,12 +64,16 @@ class Stage:
         Inputs that count as exactly at the level of their condition, not as measured around it.
     free : dict of str to Freed
         What it frees; every coefficient of the core and of its effects where empty.
+    sections : tuple of str
+        Only coefficients of these sections of the .tir file; of all where empty.
     effects : tuple of str or None
-        The effects whose coefficients it frees, of those that the tire has; all of them where None.
+        The effects whose coefficients it frees, of those that the tire has; all of them where None. A recipe is
+        written for several models: channels, sections and effects that one of them lacks are left out there.
     rows : int or None
         How many random rows it uses; all where None.
     weights : str
-        "equal": every channel by its mean square; "noise": by the residual that the stage before left.
+        "equal": every channel by its mean square; "noise": every recording's channel by the residual that the
+        stage before left, doubled where the channel's own slip is swept there.
     """
 
     name: str
@@ -69,6 +81,7 @@ class Stage:
     where: dict[str, list[tuple[float, float]]]
     hold: tuple[str, ...]
     free: dict[str, Freed]
+    sections: tuple[str, ...]
     effects: tuple[str, ...] | None
     rows: int | None
     weights: str
@@ -96,11 +109,14 @@ class Recipe:
     ----------
     name, description : str
     stages : tuple of Stage
+    scales : bool
+        It scales a given tire, and needs one to start from.
     """
 
     name: str
     description: str
     stages: tuple[Stage, ...]
+    scales: bool = False
 
 
 def load_recipe(name: str, model: str) -> Recipe:
@@ -109,7 +125,7 @@ def load_recipe(name: str, model: str) -> Recipe:
     Parameters
     ----------
     name : str
-        "joint", "trento", or the path of a file ending in .toml.
+        One of `RECIPES`, or the path of a file ending in .toml.
     model : str
         The model that it is for.
 
@@ -155,23 +171,27 @@ def load_recipe(name: str, model: str) -> Recipe:
     stages = tuple(_stage(item, MODELS[model], where) for item in content.get("stage", []))
     if not stages:
         raise FitError(f"{where}: no [[stage]]")
-    return Recipe(content.get("name", Path(name).stem), content.get("description", ""), stages)
+    own = content.get("name", Path(name).stem), content.get("description", "")
+    return Recipe(*own, stages, content.get("scales", False))
 
 
 def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
     _check_kind(item, dict, f"{where}, stage")
     place = f"{where}, stage {item.get('name', '?')!r}"
     _check_keys(item, STAGE_KEYS, place)
-    inputs, outputs = ([q.name for q in quantities] for quantities in (book.inputs, book.outputs))
+    inputs = [quantity.name for quantity in book.inputs]
     channels, effects, rows = item.get("channels", []), item.get("effects"), item.get("rows")
+    sections = item.get("sections", [])
     for channel in channels:
-        _check_name(f"channel in {place}", channel, outputs)
+        _check_name(f"channel in {place}", channel, {q.name: q for known in MODELS.values() for q in known.outputs})
+    for section in sections:
+        _check_name(f"section in {place}", section, {s.title: s for known in MODELS.values() for s in known.sections})
     for coefficient in item.get("free", {}):
         _check_name(f"coefficient in {place}", coefficient, book.coefficients)
     for channel in item.get("where", {}):
         _check_name(f"input in {place}", channel, inputs)
     for effect in effects or ():
-        _check_name(f"effect in {place}", effect, book.effects)
+        _check_name(f"effect in {place}", effect, EFFECTS)
     for channel in item.get("hold", []):
         _check_name(f"held input without a condition in {place}", channel, item.get("where", {}))
     weights = item.get("weights", "equal")
@@ -187,7 +207,8 @@ def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
         },
         hold=tuple(item.get("hold", [])),
         free={name: _freed(given, f"{place}, {name}") for name, given in item.get("free", {}).items()},
-        effects=None if effects is None else tuple(sorted(effects)),
+        sections=tuple(sections),
+        effects=None if effects is None else tuple(sorted(set(effects) & book.effects.keys())),
         rows=rows,
         weights=weights,
     )
@@ -225,5 +246,5 @@ def _check_name(kind: str, name: object, known: Iterable[str]) -> None:
 
 
 def _check_kind(value: object, kind: type, place: str) -> None:
-    if not isinstance(value, (int, float) if kind is float else kind) or isinstance(value, bool):
+    if not isinstance(value, (int, float) if kind is float else kind) or isinstance(value, bool) != (kind is bool):
         raise FitError(f"{place}: {value!r} is not {KINDS[kind]}")

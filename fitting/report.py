@@ -7,6 +7,7 @@ import os
 import tempfile
 from collections.abc import Sequence
 from importlib.resources import files
+from math import isinf, isnan
 from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
@@ -62,5 +63,6 @@ def report_page(result: FitResult, images: Sequence[tuple[str, str]]) -> str:
     """
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["number"] = lambda value: f"{value:.5g}"
+    environment.filters["known"] = lambda half: "open" if isinf(half) else "" if isnan(half) else f"{half:.3g}"
     template = environment.from_string((files("tirefmu.fitting") / "report.html").read_text(encoding="utf-8"))
     return template.render(result=result, images=images)

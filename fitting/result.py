@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import pandas as pd
 from tirefmu.tires.tire import Tire
 
 from .constraints import TOLERANCE
+from .uncertainty import Direction
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -32,6 +34,9 @@ class FittedCoefficient:
         the recipe says.
     stage : str
         The last stage that freed and saw it.
+    interval : float
+        Half the width of its 95 % interval under time-correlated noise; infinite where the data determine it only
+        together with others, NaN on a bound, or where no stage with all its rows freed it.
     """
 
     name: str
@@ -43,6 +48,7 @@ class FittedCoefficient:
     at_bound: bool
     determined: bool
     stage: str
+    interval: float = nan
 
 
 @dataclass(frozen=True)
@@ -59,6 +65,10 @@ class ChannelFit:
         1 - residual variance over variance about the mean: the usual, centred.
     r2_uncentred : float
         1 - sum of squared residuals over sum of squares: the Trento report's.
+    noise_floor : float
+        What no function of the inputs can follow (`tirefmu.fitting.noise_floor`); NaN where no condition repeats.
+    effective_rows : float
+        How many independent rows these are worth, as the residuals of the last stage are correlated in time.
     """
 
     recording: str
@@ -68,6 +78,8 @@ class ChannelFit:
     rmse: float
     r2: float
     r2_uncentred: float
+    noise_floor: float = nan
+    effective_rows: float = nan
 
 
 @dataclass(frozen=True)
@@ -122,6 +134,9 @@ class FitResult:
     notes : tuple of str
         What a reader should know: what was left aside, assumed or not determined.
     seconds : float
+    recipe : str
+    directions : tuple of Direction
+        Combinations of coefficients that the data leave open.
     """
 
     tire: Tire
@@ -132,7 +147,8 @@ class FitResult:
     margins: tuple[Margin, ...] = ()
     notes: tuple[str, ...] = ()
     seconds: float = 0.0
-    recipe: str = field(default="")
+    recipe: str = ""
+    directions: tuple[Direction, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -171,7 +187,7 @@ class FitResult:
             "signs": self.signs,
             "values": dict(self.tire.values),
         }
-        for name in ("coefficients", "channels", "stages", "margins"):
+        for name in ("coefficients", "channels", "stages", "margins", "directions"):
             plain[name] = [vars(item) for item in getattr(self, name)]
         plain["notes"] = list(self.notes)
         return _plain(plain)  # type: ignore[no-any-return]

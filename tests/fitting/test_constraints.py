@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tirefmu.fitting.constraints import VALIDITY, Constraint, grid, operating_range
+from tirefmu.fitting.session import GIVEN_SECTIONS
 from tirefmu.symbolic import MODELS
 from tirefmu.tires.code import code_for
 
@@ -78,12 +79,15 @@ def test_a_condition_varies_every_input_on_which_its_quantity_depends(case):
     code, book = code_for(model, "numpy"), MODELS[model]
     rng = np.random.default_rng(0)
     values = []
-    for card in book.parameters:  # a tire with every effect
+    for card in book.coefficients.values():  # a tire with every effect
         bound = card.upper if rng.random() < 0.5 else card.lower
-        values.append(card.generic + 0.1 * (bound - card.generic))
-    parameters = np.array(values)
+        values.append(card.generic + (0.1 * (bound - card.generic) if card.section not in GIVEN_SECTIONS else 0.0))
+    parameters = np.array([*values, *(0.0 for _ in book.options)])
     place = code.quantities_names.index(constraint.quantity)
-    free = {"kappa": (-0.3, 0.3), "alpha": (-0.2, 0.2), "gamma": (-0.1, 0.1), "Fz": (500.0, 3000.0)}
+    free = {
+        "kappa": (-0.3, 0.3), "alpha": (-0.2, 0.2), "gamma": (-0.1, 0.1), "Fz": (500.0, 3000.0), "p": (1.8e5, 2.6e5),
+        "V": (10.0, 30.0), "phit": (0.0, 0.0),
+    }  # fmt: skip
     names = [quantity.name for quantity in book.inputs]
     here = {name: rng.uniform(*free[name]) for name in names}
     moved = np.array(

@@ -107,7 +107,7 @@ def test_a_fit_that_does_not_converge_is_a_result(known, make, monkeypatch):
     monkeypatch.setattr(session, "solve", partial(session.solve, max_iterations=1))
     result = fit([make.sideways(known)], effects=make.effects, nominal=make.nominal)
     assert not result.ok
-    assert result.status.startswith("not converged: stage 'core")
+    assert result.status.startswith("not converged: stage 'Fy: core")
     assert result.status.endswith("Maximum_Iterations_Exceeded")
     assert not any(stage.converged for stage in result.stages)
     plain = json.loads(json.dumps(result.to_json(), allow_nan=False))

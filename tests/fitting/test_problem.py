@@ -9,9 +9,8 @@ import pandas as pd
 import pytest
 
 from tirefmu.fitting import problem as module
-from tirefmu.fitting.problem import LEAST_NOISE, Problem, Rows, equal_weights, fastest_code, noise_weights
-from tirefmu.tires.code import code_for
-from tirefmu.tires.compiler import CompilerError
+from tirefmu.fitting.problem import LEAST_NOISE, Problem, Rows, equal_weights, noise_weights
+from tirefmu.tires.code import code_for, fastest_code
 
 FREE = ("PCX1", "PDX2", "PKX1", "RBX1", "PCY1", "PKY1", "PKY2", "PVY3", "PHY1", "RBY2", "QBZ1", "QDZ8", "QBZ9")
 
@@ -188,13 +187,3 @@ def test_a_sample_is_random_but_always_the_same(problem):
     np.testing.assert_array_equal(one.group, rows.group[places])
     assert rows.sample(60) is rows
     assert rows.sample(99) is rows
-
-
-def test_without_a_compiler_numpy_does_it(monkeypatch):
-    def no_compiler(model, language):
-        if language == "c":
-            raise CompilerError("no C compiler found")
-        return code_for(model, language)
-
-    monkeypatch.setattr(module, "code_for", no_compiler)
-    assert fastest_code("mf96") is code_for("mf96", "numpy")

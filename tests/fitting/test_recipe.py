@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tomllib
+from importlib.resources import files
 from math import inf, radians
 
 import numpy as np
@@ -84,7 +86,12 @@ def test_trento_slices_are_those_of_the_report():
 
 @pytest.mark.parametrize("name", RECIPES)
 def test_recipes_know_the_models_that_they_are_for(name):
-    for model in MODELS:
+    text = (files("tirefmu.fitting") / "recipes" / f"{name}.toml").read_text(encoding="utf-8")
+    models = tomllib.loads(text).get("models", list(MODELS))
+    for model in MODELS.keys() - models:
+        with pytest.raises(FitError, match=f"is for .*, not for {model}"):
+            load_recipe(name, model)
+    for model in models:
         recipe = load_recipe(name, model)
         assert recipe.name == name
         assert recipe.description

@@ -1,0 +1,124 @@
+"""What no tire model can follow: how much rows differ that were measured under the same conditions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.measurements import levels
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Inputs that make a condition.
+CONDITIONS = ("kappa", "alpha", "gamma", "Fz", "p", "V")
+#: Into how many parts the range of a swept channel is divided.
+PARTS = 20
+#: A channel that stood at more levels than these was swept in steps.
+MOST_LEVELS = 12
+#: Rows per unknown of the plane through a cell, at least.
+ROWS_PER_UNKNOWN = 3
+
+
+def held_levels(column: pd.Series) -> list[float]:
+    """Return the levels at which a channel was held; none for one that was swept.
+
+    Parameters
+    ----------
+    column : pandas.Series
+        Its name gives the tolerance.
+
+    Returns
+    -------
+    list of float
+    """
+    found = levels(column)
+    return found if len(found) <= MOST_LEVELS else []
+
+
+def held_conditions(table: pd.DataFrame) -> npt.NDArray[np.int64]:
+    """Return the number of the held condition of each row: the nearest level of every channel that was held.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+
+    Returns
+    -------
+    ndarray of int, shape (n,)
+        Rows of a sweep at one load, inclination, pressure and so on have one number.
+
+    Examples
+    --------
+    >>> table = pd.DataFrame({"Fz": [220.0, 221.0, 700.0] * 4, "alpha": np.linspace(-0.2, 0.2, 12)})
+    >>> held_conditions(table).tolist()[:3]
+    [0, 0, 1]
+    """
+    return _numbered([place for place, held in _places(table) if held], len(table))
+
+
+def noise_floor(table: pd.DataFrame, channels: Sequence[str]) -> dict[str, tuple[float, float]]:
+    """Return the scatter of each channel about its own local mean, and the share of rows that tell of it.
+
+    Rows within a cell, held channels at one level and swept ones within a twentieth of their range, come from up and
+    down sweeps and from repeats. A plane over the inputs follows what differs between them; what is left is noise,
+    hysteresis, temperature and ripple: no function of the inputs can follow it.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Of one recording.
+    channels : sequence of str
+
+    Returns
+    -------
+    dict of str to (float, float)
+        Root mean square in the channel's unit, NaN where no cell has rows enough, and a share between 0 and 1.
+    """
+    inputs = [name for name in CONDITIONS if name in table and np.ptp(table[name].to_numpy()) > 0]
+    cells = _numbered([place for place, _ in _places(table)], len(table))
+    order = np.argsort(cells, kind="stable")
+    groups = np.split(order, np.flatnonzero(np.diff(cells[order])) + 1)
+    at = table[inputs].to_numpy(dtype=float)
+    at = (at - at.mean(axis=0)) / at.std(axis=0)
+    return {name: _scatter(at, table[name].to_numpy(dtype=float), groups) for name in channels}
+
+
+def _scatter(at: FloatArray, measured: FloatArray, groups: Sequence[npt.NDArray[np.int64]]) -> tuple[float, float]:
+    squares, freedom, used = 0.0, 0, 0
+    for group in groups:
+        rows = group[np.isfinite(measured[group])]
+        if len(rows) < ROWS_PER_UNKNOWN * (at.shape[1] + 1):
+            continue
+        plane = np.column_stack([np.ones(len(rows)), at[rows]])
+        solution, _, rank, _ = np.linalg.lstsq(plane, measured[rows], rcond=1e-6)
+        squares += float(np.sum((measured[rows] - plane @ solution) ** 2))
+        freedom += len(rows) - int(rank)
+        used += len(rows)
+    there = int(np.isfinite(measured).sum())
+    return ((squares / freedom) ** 0.5 if freedom else float("nan")), used / there if there else 0.0
+
+
+def _places(table: pd.DataFrame) -> list[tuple[npt.NDArray[np.int64], bool]]:
+    """Return for every condition where each row lies in it, and whether it was held."""
+    places = []
+    for name in CONDITIONS:
+        if name not in table or not np.ptp(table[name].to_numpy()) > 0:
+            continue
+        values = table[name].to_numpy(dtype=float)
+        found = np.array(held_levels(table[name]))
+        if found.size:
+            places.append((np.abs(values[:, None] - found).argmin(axis=1), True))
+        else:
+            part = ((values - values.min()) / np.ptp(values) * PARTS).astype(np.int64)
+            places.append((np.minimum(part, PARTS - 1), False))
+    return places
+
+
+def _numbered(places: Sequence[npt.NDArray[np.int64]], n: int) -> npt.NDArray[np.int64]:
+    """Return one number for each combination of places."""
+    if not places:
+        return np.zeros(n, dtype=np.int64)
+    return np.unique(np.stack(places), axis=1, return_inverse=True)[1].ravel().astype(np.int64)

@@ -1,0 +1,91 @@
+"""Conditions as the solver sees them: exact derivatives, nothing but what a free coefficient reaches."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tirefmu.fitting.constraints import VALIDITY, Constraint, grid
+from tirefmu.fitting.imposed import Imposed
+from tirefmu.fitting.problem import Problem, Rows
+from tirefmu.symbolic import MODELS
+from tirefmu.tires import Tire
+from tirefmu.tires.code import code_for
+
+RANGES = {
+    "kappa": (-0.2, 0.2), "alpha": (-0.15, 0.15), "gamma": (0.0, 0.06), "Fz": (500.0, 2500.0), "p": (7e4, 1e5),
+    "V": (11.0, 11.0), "phit": (0.0, 0.0),
+}  # fmt: skip
+SECTIONS = ("LONGITUDINAL_COEFFICIENTS", "LATERAL_COEFFICIENTS", "ALIGNING_COEFFICIENTS")
+
+
+def problem_of(model, free=None):
+    book = MODELS[model]
+    rng = np.random.default_rng(4)
+    values = {"FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, "NOMPRES": 8.5e4}
+    for name, card in book.coefficients.items():
+        if card.section in SECTIONS:
+            bound = card.upper if rng.random() < 0.5 else card.lower
+            values[name] = card.generic + 0.05 * rng.random() * (bound - card.generic)
+    values = {name: value for name, value in values.items() if name in book.coefficients}
+    tire = Tire(model, values, signs="adapted-sae")
+    free = tuple(free or (name for name in book.coefficients if book.coefficients[name].section in SECTIONS))
+    outputs = len(book.outputs)
+    rows = Rows(np.ones((len(book.inputs), 1)), np.ones((1, outputs)), np.zeros(1, dtype=int))
+    return Problem(tire, rows, free, np.ones((1, outputs)), rng.uniform(0.1, 3.0, len(free)))
+
+
+def conditions(model):
+    ranges = {quantity.name: RANGES[quantity.name] for quantity in MODELS[model].inputs}
+    nominal = {"Fz": 1500.0, "p": 8.5e4, "V": 11.0}
+    every = [constraint for channel in VALIDITY[model].values() for constraint in channel]
+    return [(constraint, grid(constraint, ranges, nominal, density=0)) for constraint in every]
+
+
+@pytest.mark.parametrize("model", VALIDITY)
+def test_values_are_the_quantities_of_the_book(model):
+    problem, every = problem_of(model), conditions(model)
+    imposed, x = Imposed(problem, every), np.array([problem.tire.values[n] for n in problem.free]) / problem.scale
+    code = code_for(model, "numpy")
+    expected = [
+        code.quantities(points, problem.parameters(x))[code.quantities_names.index(c.quantity)] / c.size
+        for c, points in every
+    ]
+    np.testing.assert_allclose(imposed.values(x), np.concatenate(expected), rtol=1e-9, atol=1e-12)
+    assert len(imposed) == sum(points.shape[1] for _, points in every)
+
+
+@pytest.mark.parametrize("model", VALIDITY)
+def test_the_jacobian_is_that_of_the_values(model):
+    problem = problem_of(model)
+    imposed, x = Imposed(problem, conditions(model)), np.array([problem.tire.values[n] for n in problem.free])
+    x = x / problem.scale
+    jacobian = np.array(imposed.jacobian(x).full())
+    assert jacobian.shape == (len(imposed), len(x))
+    step = 1e-6
+    for column in range(len(x)):
+        away = np.zeros(len(x))
+        away[column] = step * max(1.0, abs(x[column]))
+        slope = (imposed.values(x + away) - imposed.values(x - away)) / (2 * away[column])
+        size = 1e-5 * (1.0 + np.abs(slope).max())
+        np.testing.assert_allclose(jacobian[:, column], slope, rtol=1e-4, atol=size, err_msg=problem.free[column])
+
+
+def test_what_no_free_coefficient_reaches_is_left_out():
+    problem = problem_of("mf61", free=("PDX1", "PDX2"))
+    every = conditions("mf61")
+    imposed = Imposed(problem, every)
+    reached = [points.shape[1] for c, points in every if c.quantity in ("mu_x", "B_x")]
+    assert len(imposed) == sum(reached)
+    assert imposed.sparsity.nnz() == 2 * sum(reached)
+    assert len(Imposed(problem, [])) == 0
+
+
+def test_bounds_are_told_in_the_usual_size_and_nan_is_not_kept():
+    problem = problem_of("mf61", free=("PKX1",))
+    stiff = Constraint("K_xkappa", 1.0, np.inf, ("Fz",), 1e4)
+    imposed = Imposed(problem, [(stiff, grid(stiff, RANGES, {}, density=0))])
+    assert 1e-4 < imposed.low[0] < 1.1e-4
+    assert imposed.kept(imposed.low)
+    assert not imposed.kept(imposed.low - 1e-3)
+    assert not imposed.kept(np.full(len(imposed), np.nan))

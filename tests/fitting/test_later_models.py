@@ -1,0 +1,131 @@
+"""MF5.2, MF6.1 and MF6.2: known tires recovered from data with pressure, under the conditions of the later models."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.fitting import fit
+from tirefmu.fitting.constraints import VALIDITY
+from tirefmu.fitting.session import GIVEN_SECTIONS
+from tirefmu.measurements import Recording
+from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.errors import FitError
+from tirefmu.tires import Tire
+
+LATER = ("mf52", "mf61", "mf62")
+#: A tire of no special kind, in adapted SAE; what a model lacks is left out.
+VALUES = {
+    "FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, "NOMPRES": 8.3e4, "INFLPRES": 8.3e4, "LONGVL": 11.0,
+    "PCX1": 1.5, "PDX1": 1.5, "PDX2": -0.2, "PEX1": 0.2, "PEX2": 0.1, "PKX1": 28.0, "PKX2": 1.0, "PKX3": 0.1,
+    "PPX1": -0.5, "PPX3": -0.2, "RBX1": 14.0, "RBX2": 10.0, "RCX1": 1.05,
+    "PCY1": 1.4, "PDY1": 1.4, "PDY2": -0.2, "PDY3": 3.0, "PEY1": -0.2, "PKY1": 40.0, "PKY2": 1.5, "PKY4": 1.6,
+    "PKY6": 1.5, "PKY7": 0.3, "PHY1": 0.002, "PHY3": 0.02, "PVY1": 0.02, "PVY3": 0.3, "PPY1": -0.3, "PPY2": 0.5,
+    "PPY3": -0.3, "RBY1": 11.0, "RBY2": 9.0, "RBY3": 0.01, "RCY1": 1.03,
+    "QBZ1": 8.0, "QBZ2": -1.0, "QCZ1": 1.2, "QDZ1": 0.1, "QDZ2": -0.01, "QDZ6": 0.002, "QDZ8": 0.3, "QBZ9": 12.0,
+    "PPZ1": 0.5,
+}  # fmt: skip
+PRESSURES = (7e4, 8.3e4, 9.7e4)
+
+
+def inputs(seed, n):
+    """Return sweeps of slip angle and of slip at held loads, inclinations and pressures, shuffled."""
+    rng = np.random.default_rng(seed)
+    combined = np.arange(n) % 2 == 1
+    return pd.DataFrame(
+        {
+            "kappa": np.where(combined, rng.uniform(-0.2, 0.2, n), 0.0),
+            "alpha": np.where(combined, rng.choice([0.0, -0.04, 0.08], n), rng.uniform(-0.2, 0.2, n)),
+            "gamma": rng.choice([0.0, 0.03, 0.06], n),
+            "Fz": rng.choice([600.0, 1200.0, 1800.0, 2600.0], n),
+            "p": rng.choice(PRESSURES, n),
+            "V": np.full(n, 11.2),
+        }
+    )
+
+
+def tire_of(model):
+    values = {name: value for name, value in VALUES.items() if name in MODELS[model].coefficients}
+    return Tire(model, values, signs="adapted-sae")
+
+
+def measured(tire, seed=0, n=3000, noise=0.0):
+    table = inputs(seed, n)
+    rng = np.random.default_rng(seed + 1)
+    forces = tire.forces(**{name: table[name].to_numpy() for name in table})
+    sizes = {"Fx": 1500.0, "Fy": 1500.0, "Mz": 30.0}
+    outputs = {name: forces[name] + noise * size * rng.normal(size=n) for name, size in sizes.items()}
+    return Recording(table.assign(**outputs), "adapted-sae", "made")
+
+
+@pytest.fixture(scope="module", params=LATER)
+def fitted(request):
+    return tire_of(request.param), fit([measured(tire_of(request.param), noise=0.01)], request.param)
+
+
+def test_the_tire_is_found_again_from_generic_values(fitted):
+    truth, result = fitted
+    assert result.ok, result.status
+    elsewhere = inputs(7, 2000)
+    arguments = {name: elsewhere[name].to_numpy() for name in elsewhere}
+    found, true = result.tire.in_signs("adapted-sae").forces(**arguments), truth.forces(**arguments)
+    for name in ("Fx", "Fy", "Mz"):
+        error = np.sqrt(np.mean((found[name] - true[name]) ** 2) / np.mean(true[name] ** 2))
+        assert error < 0.015, name  # the noise is 1 % of a typical force
+
+
+def test_what_coefficients_refer_to_is_given_and_noted(fitted):
+    truth, result = fitted
+    # The data's medians, not the true tire's: 1200 or 1800 N, of two digits.
+    assert result.tire.values["FNOMIN"] in (1200.0, 1800.0, 1500.0)
+    assert (result.tire.values["NOMPRES"], result.tire.values["INFLPRES"]) == (8.3e4, 8.3e4)
+    assert result.tire.values["LONGVL"] == 11.0
+    notes = "\n".join(result.notes)
+    for text in ("nominal load not given", "nominal pressure p0 not given: the median, 83000 Pa", "radius R0"):
+        assert text in notes
+    cards = truth.book.coefficients
+    assert not [c.name for c in result.coefficients if cards[c.name].section in GIVEN_SECTIONS]
+    # No row turns: of turn slip there is nothing to tell.
+    assert not [c.name for c in result.coefficients if cards[c.name].section == "TURNSLIP_COEFFICIENTS"]
+    assert set(result.tire.ranges) == {"kappa", "alpha", "gamma", "Fz", "p"}
+    assert result.tire.ranges["p"] == (7e4, 9.7e4)
+
+
+def test_pressure_is_found_and_conditions_are_verified_over_it(fitted):
+    truth, result = fitted
+    told = {c.name: c for c in result.coefficients}
+    if "PPY3" in truth.book.coefficients and "pressure_friction" in truth.book.effects:
+        assert told["PPY3"].value == pytest.approx(-0.3, abs=0.02)
+        assert told["PPY3"].interval < 0.05
+    margins = {margin.constraint: margin for margin in result.margins}
+    expected = [c.name for channel in VALIDITY[truth.model].values() for c in channel]
+    assert list(margins) == expected
+    assert {"K_xkappa > 0", "K_yalpha > 0", "D_t > 0", "E_y <= 1"} <= set(expected)
+    assert set(margins["mu_y > 0"].at) == {"Fz", "gamma", "p"}
+
+
+def test_given_nominal_values_are_kept():
+    nominal = {"Fz0": 1000.0, "R0": 0.2, "p0": 9e4, "V0": 20.0}
+    result = fit([measured(tire_of("mf61"), n=800, noise=0.01)], "mf61", nominal=nominal)
+    values = result.tire.values
+    assert [values[n] for n in ("FNOMIN", "UNLOADED_RADIUS", "NOMPRES", "LONGVL")] == [1000.0, 0.2, 9e4, 20.0]
+    assert values["INFLPRES"] == 9e4
+    assert not [note for note in result.notes if "not given" in note]
+
+
+def test_a_recipe_of_one_stage_scales_a_tire_to_another_ground():
+    truth = tire_of("mf61")
+    icy = Tire("mf61", {**truth.values, "LMUX": 0.6, "LMUY": 0.55, "LKY": 0.8}, signs="adapted-sae")
+    result = fit([measured(icy)], "mf61", start=truth, recipe="scaling")
+    assert result.ok, result.status
+    values = result.tire.in_signs("adapted-sae").values
+    assert [values[n] for n in ("LMUX", "LMUY", "LKY")] == pytest.approx([0.6, 0.55, 0.8], rel=0.01)
+    unscaled = [n for n, c in truth.book.coefficients.items() if c.section in ("LATERAL_COEFFICIENTS", "VERTICAL")]
+    assert [values[n] for n in unscaled] == [truth.values[n] for n in unscaled]
+    assert {truth.book.coefficients[c.name].section for c in result.coefficients} == {"SCALING_COEFFICIENTS"}
+
+
+def test_scaling_needs_a_tire():
+    with pytest.raises(FitError, match="recipe scaling scales a given tire"):
+        fit([measured(tire_of("mf61"), n=100)], "mf61", recipe="scaling")

@@ -1,0 +1,133 @@
+"""Intervals that hold under noise that stays alike for many rows, and directions that data leave open."""
+
+from __future__ import annotations
+
+from math import inf
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.signal import lfilter
+
+from tirefmu.fitting.problem import Problem, Rows
+from tirefmu.fitting.uncertainty import correlation_rows, uncertainty
+from tirefmu.tires import Tire
+
+N, SEGMENTS = 12_000, 6
+SEGMENT = np.repeat(np.arange(SEGMENTS), N // SEGMENTS)
+FREE = ("PCY1", "PDY1", "PDY2", "PEY1", "PKY1", "PKY2", "PHY1", "PVY1")
+
+
+def correlated(rng, stays, n=N):
+    """Return noise of variance 1 whose autocorrelation falls by `stays` from row to row."""
+    return lfilter([np.sqrt(1 - stays**2)], [1.0, -stays], rng.normal(size=n + 500))[500:]
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_white_noise_is_alike_for_one_row(seed):
+    assert 1.0 <= correlation_rows(np.random.default_rng(seed).normal(size=N), SEGMENT) < 1.9
+
+
+@pytest.mark.parametrize("stays", [0.5, 0.9, 0.95])
+def test_correlated_noise_is_alike_for_its_correlation_time(stays):
+    found = [correlation_rows(correlated(np.random.default_rng(seed), stays), SEGMENT) for seed in range(20)]
+    assert np.mean(found) == pytest.approx((1 + stays) / (1 - stays), rel=0.25)
+
+
+def test_what_repeats_with_the_wheel_averages_out():
+    rng = np.random.default_rng(1)
+    ripple = 3.0 * np.sin(2 * np.pi * 0.087 * np.arange(N)) + rng.normal(size=N)
+    slow = correlated(rng, 0.98)
+    assert correlation_rows(ripple, SEGMENT) < 6.0  # half a revolution's rows
+    assert correlation_rows(slow, SEGMENT) > 50.0
+
+
+@given(scale=st.floats(1e-6, 1e6), seed=st.integers(0, 100))
+def test_it_has_no_unit_and_no_sign(scale, seed):
+    noise = correlated(np.random.default_rng(seed), 0.8, 3000)
+    segment = np.zeros(3000, dtype=int)
+    assert correlation_rows(-scale * noise, segment) == pytest.approx(correlation_rows(noise, segment), rel=1e-9)
+
+
+def test_nothing_is_alike_to_nothing():
+    assert correlation_rows(np.zeros(500), np.zeros(500, dtype=int)) == 1.0
+    assert correlation_rows(np.zeros(0), np.zeros(0, dtype=int)) == 1.0
+
+
+def sweeps(tire, noise, free=FREE, loads=(300.0, 700.0, 1100.0)):
+    """Return the problem of six slow sweeps with noise of 20 N added to the true side force."""
+    alpha = np.tile(np.linspace(-0.2, 0.2, N // SEGMENTS), SEGMENTS)
+    load = np.repeat(np.resize(loads, SEGMENTS), N // SEGMENTS)
+    inputs = np.stack([np.zeros(N), alpha, np.zeros(N), load])
+    measured = np.full((N, 3), np.nan)
+    measured[:, 1] = tire.forces(kappa=0.0, alpha=alpha, gamma=0.0, Fz=load)["Fy"] + 20.0 * noise
+    rows = Rows(inputs, measured, np.zeros(N, dtype=int), SEGMENT)
+    scale = np.array([max(abs(tire.values[name]), 0.1) for name in free])
+    return Problem(tire, rows, free, np.array([[0.0, 1.0 / (N * 400.0), 0.0]]), scale)
+
+
+@pytest.mark.parametrize("stays", [0.0, 0.95])
+def test_intervals_cover_what_they_say(known, stays):
+    """One Gauss-Newton step from the truth is the fit: so near to it the model is linear."""
+    inside, white = [], []
+    for seed in range(100):
+        problem = sweeps(known, correlated(np.random.default_rng(seed), stays))
+        truth = np.array([known.values[name] for name in FREE]) / problem.scale
+        _, gradient, matrix = problem.derivatives(truth)
+        missed = np.abs(np.linalg.solve(matrix, gradient)) * problem.scale
+        half = np.array(list(uncertainty(problem, truth).intervals.values()))
+        inside.append(missed <= half)
+        white.append(missed <= 1.96 * np.sqrt(np.diag(np.linalg.inv(matrix)) / N) * problem.scale)
+    assert 0.91 <= np.mean(inside) <= 0.985
+    if stays:
+        assert np.mean(white) < 0.6  # as if rows were independent: far too sure
+    assert list(uncertainty(problem, truth).intervals) == list(FREE)
+
+
+def test_effective_rows_are_rows_over_what_is_alike(known):
+    problem = sweeps(known, correlated(np.random.default_rng(3), 0.9))
+    truth = np.array([known.values[name] for name in FREE]) / problem.scale
+    rows = uncertainty(problem, truth).effective_rows
+    assert rows.shape == (1, 3)
+    assert rows[0, 1] == pytest.approx(N * 0.1 / 1.9, rel=0.4)
+    assert (rows[0, 0], rows[0, 2]) == (0.0, 0.0)
+
+
+def test_one_load_leaves_its_change_open_and_the_rest_sure(known):
+    problem = sweeps(known, np.random.default_rng(0).normal(size=N), free=("PDY1", "PDY2", "PHY1"), loads=(300.0,))
+    truth = np.array([known.values[name] for name in problem.free]) / problem.scale
+    found = uncertainty(problem, truth)
+    assert found.intervals["PDY2"] == inf
+    # At 300 N friction is PDY1 - 0.57 PDY2: PDY1 is as sure as PDY2 is plausible (one size: 0.2).
+    assert found.intervals["PDY1"] == pytest.approx(1.96 * 0.2 * 4 / 7, rel=0.1)
+    assert 0 < found.intervals["PHY1"] < 1e-3
+    (direction,) = found.directions
+    assert direction.coefficients == ("PDY2",)
+    assert direction.sd > 1.0
+
+
+def test_two_loads_close_it(known):
+    problem = sweeps(known, np.random.default_rng(0).normal(size=N), free=("PDY1", "PDY2"), loads=(300.0, 1100.0))
+    found = uncertainty(problem, np.array([1.9, -0.2]) / problem.scale)
+    assert found.directions == ()
+    assert max(found.intervals.values()) < 0.05
+
+
+def test_what_nothing_responds_to_is_open_without_end(known):
+    upright = Tire("mf96", known.values, effects=known.effects, signs="adapted-sae")
+    problem = sweeps(upright, np.random.default_rng(0).normal(size=N), free=("PDY1", "PDY3"))  # PDY3: camber
+    found = uncertainty(problem, np.array([1.9, 3.0]) / problem.scale)
+    assert found.intervals["PDY3"] == inf
+    assert 0 < found.intervals["PDY1"] < 0.1
+    assert [(d.coefficients, d.sd) for d in found.directions] == [(("PDY3",), inf)]
+
+
+def test_what_lies_on_a_bound_is_taken_as_known(known):
+    problem = sweeps(known, np.random.default_rng(0).normal(size=N))
+    truth = np.array([known.values[name] for name in FREE]) / problem.scale
+    free, fixed = uncertainty(problem, truth), uncertainty(problem, truth, fixed=("PCY1",))
+    assert set(fixed.intervals) == set(FREE) - {"PCY1"}
+    assert fixed.intervals["PEY1"] < free.intervals["PEY1"]
+    assert uncertainty(problem, truth, fixed=FREE).intervals == {}
