@@ -1,9 +1,13 @@
-"""Recordings of tire test benches, measured and virtual: reading, checking, slicing, making."""
+"""Recordings of tire test benches, measured and virtual: reading, checking, screening, slicing, making."""
 
 from .bench import TestedTire, VirtualBench
 from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
 from .conditions import Condition, Near, levels, near, select, usual_tolerance
+from .coverage import Coverage, coverage, coverage_notes, identity_notes
+from .independence import Grouping, correlation_length, effective_sample_size, group_by_condition
 from .noise import ChannelNoise, Noise
+from .outliers import Outlier, outliers
+from .phases import Phase, phases, transitions
 from .plausibility import check_plausible, convention_notes
 from .programs import (
     Program,
@@ -16,6 +20,7 @@ from .programs import (
 )
 from .reading import READERS, read_recording
 from .recording import Recording
+from .screening import REASONS, Screening, screen
 from .units import to_si
 from .writing import write_table
 
@@ -24,13 +29,19 @@ __all__ = [
     "INPUTS",
     "OUTPUTS",
     "READERS",
+    "REASONS",
     "Channel",
     "ChannelNoise",
     "Condition",
+    "Coverage",
+    "Grouping",
     "Near",
     "Noise",
+    "Outlier",
+    "Phase",
     "Program",
     "Recording",
+    "Screening",
     "TestedTire",
     "VirtualBench",
     "alpha_sweeps",
@@ -38,14 +49,24 @@ __all__ = [
     "check_plausible",
     "concatenate",
     "convention_notes",
+    "correlation_length",
+    "coverage",
+    "coverage_notes",
+    "effective_sample_size",
+    "group_by_condition",
+    "identity_notes",
     "kappa_sweeps",
     "levels",
     "near",
+    "outliers",
+    "phases",
     "read_recording",
+    "screen",
     "select",
     "small_tire_program",
     "steady_points",
     "to_si",
+    "transitions",
     "trento_program",
     "usual_tolerance",
     "write_table",

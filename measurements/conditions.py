@@ -163,7 +163,8 @@ def usual_tolerance(values: ArrayLike, channel: str | None = None) -> float:
     card = CHANNELS.get(channel or "")
     if card is not None and card.tolerance is not None:
         return card.tolerance
-    return LOAD_WANDER * float(np.nanmax(np.abs(np.asarray(values, dtype=np.float64))))
+    magnitudes = np.abs(np.asarray(values, dtype=np.float64))
+    return LOAD_WANDER * float(np.nanmax(magnitudes, initial=0.0))
 
 
 def levels(values: ArrayLike, *, tolerance: float | None = None) -> list[float]:
@@ -218,10 +219,14 @@ def _density_peaks(numbers: NDArray[np.float64], tolerance: float) -> NDArray[np
     """Where the smoothed density of the numbers has peaks that stand out."""
     bin_width = tolerance / 8.0
     # Room on both sides, so that a level at the edge is a peak like the others.
-    low, high = numbers.min() - 2.0 * tolerance, numbers.max() + 2.0 * tolerance
-    counts, edges = np.histogram(numbers, bins=int(np.ceil((high - low) / bin_width)), range=(low, high))
-    density = gaussian_filter1d(counts.astype(np.float64), sigma=4.0, mode="constant")
+    lowest = numbers.min() - 2.0 * tolerance
+    bins = int(np.ceil((numbers.max() - numbers.min() + 4.0 * tolerance) / bin_width)) + 1
+    # Each number is shared by the two nearest bins: whole numbers in bins would beat with an even sweep's spacing.
+    place = (numbers - lowest) / bin_width
+    left = np.floor(place).astype(np.intp)
+    right_share = place - left
+    counts = np.bincount(left, 1.0 - right_share, bins + 1) + np.bincount(left + 1, right_share, bins + 1)
+    density = gaussian_filter1d(counts, sigma=4.0, mode="constant")
     peaks, about = find_peaks(density, prominence=0.0)
     standing_out = about["prominences"] >= _CONTRAST * density[peaks]
-    middles = 0.5 * (edges[:-1] + edges[1:])
-    return np.asarray(middles[peaks[standing_out]])
+    return np.asarray(lowest + bin_width * peaks[standing_out])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
@@ -12,13 +13,17 @@ from tirefmu.tires.signs import reversed_columns
 from .csv_table import read_csv_table
 from .parquet_table import read_parquet_table
 from .recording import Recording
+from .ttc_dat import read_ttc_dat
 from .ttc_mat import read_ttc_mat
+from .tydex import read_tydex
 
 #: By extension: the reader, and the convention that such files are in when nobody says otherwise.
 READERS: dict[str, tuple[Callable[[Path, str], Recording], str]] = {
     ".csv": (read_csv_table, "iso"),
     ".parquet": (read_parquet_table, "iso"),
     ".mat": (read_ttc_mat, "sae"),
+    ".dat": (read_ttc_dat, "sae"),
+    ".tdx": (read_tydex, "iso"),
 }
 
 
@@ -29,9 +34,11 @@ def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Re
     ----------
     path : str or path-like
         ``.csv`` or ``.parquet`` with the contract's columns in SI (a header may declare another unit:
-        ``alpha [deg]``, ``Fz [kN]``, ``p [kPa]``), or an FSAE TTC ``.mat`` file.
+        ``alpha [deg]``, ``Fz [kN]``, ``p [kPa]``), an FSAE TTC file (``.mat``, ``.dat``), or TYDEX
+        (``.tdx``).
     signs : str, optional
-        The convention that the file is in; default ``sae`` for ``.mat``, ``iso`` for tables.
+        The convention that the file is in; default what the file says, or else ``sae`` for FSAE TTC files,
+        ``iso`` for tables and TYDEX.
 
     Returns
     -------
@@ -65,8 +72,9 @@ def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Re
     if not file.exists():
         raise DataError(f"{file}: no such file")
     try:
-        return reader(file, chosen)
+        recording = reader(file, chosen)
     except UnicodeDecodeError:
         raise DataError(f"{file}: not a text file (UTF-8)") from None
     except OSError as error:
         raise DataError(f"{file}: {error.strerror or error}") from None
+    return recording if signs is not None else replace(recording, signs=recording.about.get("signs", chosen))

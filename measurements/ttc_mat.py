@@ -1,39 +1,36 @@
-"""Bench files of the FSAE Tire Test Consortium (Calspan), MATLAB form."""
+"""Bench files of the FSAE Tire Test Consortium (Calspan), MATLAB form; MATLAB tables of the same channels."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping
+import warnings
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.io import loadmat
-from scipy.io.matlab import MatReadError
+from scipy.io.matlab import MatlabOpaque, MatReadError
 
-from tirefmu.symbolic.errors import DataError, TirefmuError, nearest
+from tirefmu.symbolic.errors import DataError
 
-from .channels import CHANNELS, OUTPUTS, Channel
-from .columns import check_finite
+from .channels import CHANNELS
+from .columns import channels_in_si, parse_header
 from .recording import Recording
-from .units import to_si
+from .ttc import bench_recording, has_bench_names
 
-#: SL, the slip that is zero where FX is, gives kappa; SR never does. N is unusable in many runs, and ignored.
-MANDATORY = ("ET", "SL", "SA", "IA", "FZ")
-_SI = {
-    "time": "sec", "ratio": "none", "angle": "deg", "force": "N", "pressure": "kPa", "speed": "kph",
-    "temperature": "deg C", "moment": "N-m",
-}  # fmt: skip
-_USCS = _SI | {"force": "lb", "pressure": "psi", "speed": "mph", "temperature": "deg F", "moment": "lb-ft"}
+EXTRA = "mat-io, which the extra 'matlab' brings: pip install 'tirefmu[matlab]'"
 
 
 def read_ttc_mat(path: Path, signs: str) -> Recording:
-    """Read a ``.mat`` file of the FSAE TTC.
+    """Read a ``.mat`` file of the FSAE TTC, or a MATLAB table.
 
-    Units are those of its ``channel`` table. Older files have none: SI is assumed then, or USCS where the
-    file's name says so (``A1464run30``), and ``about`` tells. Fields that are known to be unreliable (RUN of
-    the wrong length, an empty tireid) are not needed.
+    The channels may be variables of the file, or stand together in a struct or a table. Units are those of
+    the ``channel`` struct, or the table's own. Older files have none: SI is assumed then, or USCS where the
+    file's name or its pressure says so (``A1464run30``), and ``about`` tells. Fields that are known to be
+    unreliable (RUN of the wrong length, an empty tireid) are not needed. A table with the contract's column
+    names is read like a CSV.
 
     Parameters
     ----------
@@ -50,85 +47,116 @@ def read_ttc_mat(path: Path, signs: str) -> Recording:
     ------
     DataError
         If the file is no MATLAB file, a mandatory channel or every output is missing, lengths differ, a unit
-        is not known, or an input holds NaN.
+        is not known, or an input holds NaN; for tables and files of version 7.3, if mat-io is not installed.
     """
-    source = str(path)
     fields = _load(path)
-    vectors = {
-        name.casefold(): np.ravel(value).astype(np.float64)
-        for name, value in fields.items()
-        if isinstance(value, np.ndarray) and value.dtype.kind in "fiu" and value.size == max(value.shape, default=1)
-    }
-    _check_present(vectors, list(fields), source)
-    units, about = _units(path, fields)
-    columns: dict[str, np.ndarray] = {}
-    for card in CHANNELS.values():
-        bench = next((name for name in card.bench if name.casefold() in vectors), None)
-        if bench is not None:
-            columns[card.name] = _channel(card, bench, vectors, units, source)
-    for key in ("tireid", "testid", "source"):
-        about["credit" if key == "source" else key] = _text(fields.get(key))
-    return Recording(pd.DataFrame(columns), signs, path.name, about)
+    for value in fields.values():
+        if isinstance(value, pd.DataFrame) and not has_bench_names([str(name) for name in value]):
+            return _contract_table(path, value, signs)
+    units = dict(_declared(fields))
+    members = _members(fields)
+    vectors = {name: values for name, value in members.items() if (values := _vector(value)) is not None}
+    about = {("credit" if key == "source" else key): _text(members.get(key)) for key in ("tireid", "testid", "source")}
+    return bench_recording(path, vectors, units, signs, about, lambda row: f"row {row + 1}")
 
 
 def _load(path: Path) -> Mapping[str, Any]:
+    """Return the file's variables; MATLAB's newer forms need a package of their own."""
     try:
         loaded: dict[str, Any] = loadmat(path, struct_as_record=False)
     except NotImplementedError:
-        raise DataError(f"{path}: MATLAB 7.3 (HDF5) files are not read: save with -v7") from None
+        return _load_newer(path, "MATLAB 7.3 (HDF5) files")
     except (ValueError, TypeError, EOFError, IndexError, KeyError, MatReadError) as error:
-        reason = (str(error).splitlines() or [type(error).__name__])[0]
-        raise DataError(f"{path}: cannot be read as a MATLAB file: {reason}") from None
+        raise _unreadable(path, error) from None
+    if any(isinstance(value, MatlabOpaque) for value in loaded.values()):
+        return _load_newer(path, "MATLAB tables")
     return {name: value for name, value in loaded.items() if not name.startswith("__")}
 
 
-def _check_present(vectors: Mapping[str, np.ndarray], fields: list[str], source: str) -> None:
-    by_bench_name = {name: card for card in CHANNELS.values() for name in card.bench}
-    for name in MANDATORY:
-        if name.casefold() not in vectors:
-            hint = " (SR is another slip, not zero where FX is)" if name == "SL" and "SR" in fields else ""
-            # A channel that was found as itself is no misspelling of the missing one.
-            others = [field for field in fields if field not in by_bench_name and field != "SR"]
-            raise DataError(f"{source}: no channel {name} ({by_bench_name[name].name}){hint or nearest(name, others)}")
-    if not any(name.casefold() in vectors for output in OUTPUTS for name in CHANNELS[output].bench):
-        raise DataError(f"{source}: no channel FX, FY, MZ, MX or MY: nothing was measured")
+def _load_newer(path: Path, what: str) -> Mapping[str, Any]:
+    # Importing mat-io sets an option of pandas for the whole process, and warns of it: both end with the block.
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        option = "future.infer_string"
+        with pd.option_context(option, pd.get_option(option)):
+            try:
+                from matio import load_from_mat
+            except ImportError:
+                raise DataError(f"{path}: {what} need {EXTRA}") from None
+            try:
+                loaded: dict[str, Any] = load_from_mat(str(path), add_table_attrs=True)
+            except Exception as error:  # it passes on whatever its two readers and HDF5 raise
+                raise _unreadable(path, error) from None
+    return {name: value for name, value in loaded.items() if not name.startswith("__")}
 
 
-def _units(path: Path, fields: Mapping[str, Any]) -> tuple[dict[str, str], dict[str, str]]:
-    """Units by folded bench name, and what to tell about them."""
-    units: dict[str, str] = {}
-    for cell in np.ravel(fields.get("channel", np.empty(0))):
-        names, spelled = (np.ravel(getattr(cell, part, np.empty(0))) for part in ("name", "units"))
-        units |= {_text(name).casefold(): _text(unit) for name, unit in zip(names, spelled, strict=False)}
-    if units:
-        declared = " ".join(card.name for card in CHANNELS.values() if {b.casefold() for b in card.bench} & set(units))
-        return units, {"units": "declared in the file", "declared": declared}
-    uscs = re.match(r"[Aa]\d", path.name) is not None
-    assumed = _USCS if uscs else _SI
-    units = {name.casefold(): assumed[card.quantity] for card in CHANNELS.values() for name in card.bench}
-    reason = "the file's name begins with A" if uscs else "the file declares none"
-    return units, {"units": f"assumed {'USCS' if uscs else 'SI'}: {reason}", "declared": ""}
+def _unreadable(path: Path, error: Exception) -> DataError:
+    reason = (str(error).splitlines() or [type(error).__name__])[0]
+    return DataError(f"{path}: cannot be read as a MATLAB file: {reason}")
 
 
-def _channel(
-    card: Channel, bench: str, vectors: Mapping[str, np.ndarray], units: Mapping[str, str], source: str
-) -> np.ndarray:
-    values, rows = vectors[bench.casefold()], len(vectors["et"])
-    if len(values) != rows:
-        raise DataError(f"{source}: channel {bench} has {len(values)} rows, ET has {rows}")
-    if not rows:
-        raise DataError(f"{source}: no rows")
-    check_finite(values, card.name, source, lambda row: f"row {row + 1}: {bench}")
-    try:
-        return to_si(values, units.get(bench.casefold(), _SI[card.quantity]), card.quantity)
-    except TirefmuError as error:
-        raise DataError(f"{source}: channel {bench}: {error}") from None
+def _contract_table(path: Path, table: pd.DataFrame, signs: str) -> Recording:
+    """Read a table with columns like alpha and Fz; its units, where declared, stand as in a CSV's header."""
+    source = str(path)
+    units = dict(_table_units(table))
+    headers = [f"{name} [{units[name]}]" if units.get(name) and name in CHANNELS else name for name in map(str, table)]
+    columns = parse_header(headers, source)
+    in_si, about = channels_in_si(table, columns, source, lambda row: f"row {row + 1}")
+    # Where nobody says otherwise, contract names mean contract signs, not the bench's.
+    return Recording(in_si, signs, path.name, {**about, "signs": "iso"})
+
+
+def _members(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the variables, with what stands in a struct or a table of channels lifted beside them."""
+    members = dict(fields)
+    for value in fields.values():
+        inside = _struct(value)
+        if has_bench_names(list(inside)):
+            members |= inside
+    return members
+
+
+def _struct(value: Any) -> dict[str, Any]:
+    """Return the fields of a table or of a struct of one element; none of anything else."""
+    if isinstance(value, pd.DataFrame):
+        return {str(name): value[name].to_numpy() for name in value}
+    cell = value.flat[0] if isinstance(value, np.ndarray) and value.size == 1 else value
+    names = getattr(cell, "_fieldnames", None) or getattr(getattr(cell, "dtype", None), "names", None) or ()
+    return {name: getattr(cell, name) if hasattr(cell, "_fieldnames") else cell[name] for name in names}
+
+
+def _vector(value: Any) -> NDArray[np.float64] | None:
+    """Return a variable's numbers if it is a column or row of them."""
+    if not isinstance(value, np.ndarray) or value.dtype.kind not in "fiu":
+        return None
+    return np.ravel(value).astype(np.float64) if value.size == max(value.shape, default=1) else None
+
+
+def _declared(fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Yield name and unit of the channels for which the file declares one."""
+    for value in fields.values():
+        if isinstance(value, pd.DataFrame):
+            yield from _table_units(value)
+    channel = _struct(fields.get("channel"))
+    names, spelled = (np.ravel(channel.get(part, np.empty(0))) for part in ("name", "units"))
+    for name, unit in zip(names, spelled, strict=False):
+        yield _text(name), _text(unit)
+
+
+def _table_units(table: pd.DataFrame) -> Iterator[tuple[str, str]]:
+    units = np.ravel(np.asarray(table.attrs.get("VariableUnits", ()), dtype=object))
+    for name, unit in zip(table, units, strict=False):
+        if _text(unit):
+            yield str(name), _text(unit)
 
 
 def _text(value: Any) -> str:
-    """Return the text in MATLAB's nested cells; empty where there is none."""
-    while isinstance(value, np.ndarray):
+    """Return the text in MATLAB's nested cells and structs; empty where there is none."""
+    while isinstance(value, np.ndarray) and value.dtype.names is None:
         if not value.size:
             return ""
         value = value.flat[0]
+    inside = _struct(value)
+    if inside:
+        return ", ".join(text for text in map(_text, inside.values()) if text)
     return "" if value is None else str(value)

@@ -80,6 +80,12 @@ def test_swept_channels_have_no_levels():
     assert levels(pd.Series(noisy, name="alpha")) == []
 
 
+@given(rows=st.integers(40, 3000), width=st.floats(0.2, 3.0))
+def test_an_even_sweep_has_no_levels_however_its_steps_fall(rows, width):
+    tolerance = width / 20.0
+    assert levels(np.linspace(-width, width, rows), tolerance=tolerance) == []
+
+
 def test_little_data():
     assert levels([]) == []
     assert levels([np.nan]) == []

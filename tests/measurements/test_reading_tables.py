@@ -132,7 +132,7 @@ def test_bad_tables(written, text, expected):
 
 def test_files_that_are_no_tables(tmp_path, written):
     assert complaint(str(tmp_path / "none.csv")).endswith("none.csv: no such file")
-    assert "unknown kind of recording '.xlsx': known are .csv, .parquet, .mat" in complaint("a.xlsx")
+    assert "unknown kind of recording '.xlsx': known are .csv, .parquet, .mat, .dat, .tdx" in complaint("a.xlsx")
     (tmp_path / "binary.csv").write_bytes(b"alpha\n\xff\xfe\x00")
     assert "not a text file" in complaint(str(tmp_path / "binary.csv"))
     (tmp_path / "folder.csv").mkdir()

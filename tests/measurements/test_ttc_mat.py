@@ -1,8 +1,11 @@
 """FSAE TTC files as the field has them: without units, odd fields, missing channels; and real ones."""
 
+import sys
+import warnings
 from math import radians
 
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.io import savemat
 
@@ -74,6 +77,40 @@ def test_names_in_another_case(tmp_path):
     assert read_recording(path).table["T"].iloc[0] == 61.0
 
 
+def test_without_slip_the_wheel_rolls_freely(tmp_path):
+    recording = read_recording(bench_file(tmp_path, drop=["SL"]))
+    assert (recording.table["kappa"] == 0.0).all()
+    assert "rolls freely" in recording.about["kappa"]
+
+
+def test_pressure_that_is_no_kpa_means_us_customary_units(tmp_path):
+    recording = read_recording(bench_file(tmp_path, units=None, P=np.full((ROWS, 1), 12.0)))
+    assert recording.table["p"].iloc[0] == pytest.approx(12 * 6894.757)
+    assert recording.about["units"].startswith("assumed USCS: the file declares none, and P is about 12")
+
+
+@pytest.mark.parametrize("name", ["tireid", "testid"])
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [
+        ("Round 9", "Round 9"),
+        (np.array(["Round 9"], dtype=object), "Round 9"),
+        ({"maker": "Hoosier", "size": "16x7.5-10", "rim": ""}, "Hoosier, 16x7.5-10"),
+        (np.empty((0, 0)), ""),
+    ],
+)
+def test_identities_in_every_form(tmp_path, name, value, expected):
+    assert read_recording(bench_file(tmp_path, **{name: value})).about[name] == expected
+
+
+def test_channels_within_a_struct(tmp_path):
+    columns = {key: np.full((ROWS, 1), value) for key, value in VALUES.items()}
+    savemat(tmp_path / "a.mat", {"data": columns | {"tireid": "inside"}, "note": "made by hand"})
+    recording = read_recording(tmp_path / "a.mat")
+    assert len(recording) == ROWS
+    assert recording.about["tireid"] == "inside"
+
+
 @pytest.mark.parametrize("missing", ["P", "V", "TSTC", "MX", "SR", "N"])
 def test_what_may_be_missing(tmp_path, missing):
     assert len(read_recording(bench_file(tmp_path, drop=[missing]))) == ROWS
@@ -82,7 +119,10 @@ def test_what_may_be_missing(tmp_path, missing):
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        ({"drop": ["SL"]}, r"no channel SL \(kappa\) \(SR is another slip"),
+        (
+            {"drop": ["SL"], "FX": np.full((ROWS, 1), 800.0)},
+            r"no channel SL \(kappa\), and FX says .*SR is another slip",
+        ),
         ({"drop": ["FZ"], "FZN": np.ones((ROWS, 1))}, r"no channel FZ \(Fz\): did you mean FZN\?"),
         ({"drop": ["FX", "FY", "MZ", "MX"]}, "nothing was measured"),
         ({"SA": np.ones((ROWS + 1, 1))}, rf"channel SA has {ROWS + 1} rows, ET has {ROWS}"),
@@ -107,11 +147,56 @@ def test_files_that_are_not_matlabs(tmp_path):
     (tmp_path / "c.mat").write_bytes(b"")
     whole = bench_file(tmp_path, "d.mat").read_bytes()
     (tmp_path / "d.mat").write_bytes(whole[: len(whole) // 2])
-    for name in "abcd":
+    for name in "acd":
         with pytest.raises(DataError) as caught:
             read_recording(tmp_path / f"{name}.mat")
         assert "\n" not in str(caught.value)
-    with pytest.raises(DataError, match="save with -v7"):
+
+
+@pytest.fixture(scope="session")
+def matio():
+    """Return the optional package; importing it warns of an option of pandas."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return pytest.importorskip("matio")
+
+
+@pytest.mark.parametrize("version", ["v7", "v7.3"])
+@pytest.mark.parametrize("form", ["vectors", "table"])
+def test_newer_forms_hold_the_same_recording(tmp_path, matio, version, form):
+    plain = bench_file(tmp_path, "plain.mat", tireid="Round 9")
+    columns = {key: np.full((ROWS, 1), value) for key, value in VALUES.items()}
+    columns["ET"] = 0.01 * np.arange(ROWS)[:, None]
+    channel = {"name": np.array(list(SI), dtype=object), "units": np.array(list(SI.values()), dtype=object)}
+    table = pd.DataFrame({key: value[:, 0] for key, value in columns.items()})
+    content = {"data": table} if form == "table" else columns
+    path = tmp_path / f"{form}.mat"
+    matio.save_to_mat(str(path), {**content, "channel": channel, "tireid": "Round 9"}, version=version)
+    newer, older = read_recording(path), read_recording(plain)
+    pd.testing.assert_frame_equal(newer.table, older.table)
+    assert newer.signs == older.signs
+    assert newer.about == older.about
+
+
+def test_a_table_with_contract_names_is_read_like_a_csv(tmp_path, matio):
+    table = pd.DataFrame({"alpha": [0.1, 0.2], "Fz": [900.0, 901.0], "Fy": [-800.0, -900.0]})
+    matio.save_to_mat(str(tmp_path / "a.mat"), {"sweep": table}, version="v7")
+    recording = read_recording(tmp_path / "a.mat")
+    pd.testing.assert_frame_equal(recording.table, table)
+    assert recording.signs == "iso"
+
+
+def test_broken_newer_file(tmp_path, matio):
+    (tmp_path / "b.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM" + b"\x89HDF" * 50)
+    with pytest.raises(DataError, match="cannot be read as a MATLAB file") as caught:
+        read_recording(tmp_path / "b.mat")
+    assert "\n" not in str(caught.value)
+
+
+def test_missing_mat_io_names_the_extra(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matio", None)
+    (tmp_path / "b.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM" + b"\x89HDF" * 50)
+    with pytest.raises(DataError, match=r"MATLAB 7.3 \(HDF5\) files need mat-io, .*'tirefmu\[matlab\]'"):
         read_recording(tmp_path / "b.mat")
 
 

@@ -1,0 +1,144 @@
+"""Conditions count alike however often they were logged; rows that repeat their neighbors count as few."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.signal import lfilter
+
+from tirefmu.measurements import (
+    Grouping,
+    Recording,
+    VirtualBench,
+    alpha_sweeps,
+    concatenate,
+    correlation_length,
+    effective_sample_size,
+    group_by_condition,
+)
+from tirefmu.symbolic.errors import DataError
+from tirefmu.tires import published
+
+
+def autoregressive(rho, rows, seed):
+    """Return noise of deviation 1 whose neighbors correlate by rho; stationary from the first row."""
+    fresh = np.random.default_rng(seed).standard_normal(rows)
+    fresh[1:] *= np.sqrt(1.0 - rho**2)
+    return lfilter([1.0], [1.0, -rho], fresh)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.5, 0.8, 0.95])
+def test_correlation_length_of_autoregressive_noise(rho):
+    true = (1.0 + rho) / (1.0 - rho)
+    rows = 200_000
+    # Madras and Sokal (1988): relative deviation sqrt(2 (2 M + 1)/rows), the sums being cut at about M = 5 lengths.
+    deviation = np.sqrt(2.0 * (10.0 * true + 1.0) / rows)
+    assert correlation_length(autoregressive(rho, rows, 7)) == pytest.approx(true, rel=4.0 * deviation)
+
+
+def test_the_mean_of_correlated_rows_scatters_as_the_effective_size_says():
+    rows, rho, seeds = 4000, 0.9, 300
+    noise = [autoregressive(rho, rows, seed) for seed in range(seeds)]
+    scatter = np.var([values.mean() for values in noise])
+    told = np.mean([1.0 / effective_sample_size(values) for values in noise])
+    # A variance of 300 draws deviates by sqrt(2/300) = 8 %.
+    assert told == pytest.approx(scatter, rel=4.0 * np.sqrt(2.0 / seeds))
+
+
+@pytest.mark.parametrize("times", [2, 5, 20])
+def test_repeated_rows_count_once(times):
+    noise = np.random.default_rng(3).standard_normal(50_000)
+    assert effective_sample_size(np.repeat(noise, times)) == pytest.approx(len(noise), rel=0.1)
+
+
+@given(
+    values=st.lists(st.floats(-1e3, 1e3).filter(lambda value: abs(value) > 1e-3), min_size=1, max_size=60),
+    scale=st.sampled_from([-4.0, 0.25, 1024.0]),
+)
+def test_scale_and_sign_do_not_matter_and_sizes_stay_in_bounds(values, scale):
+    length = correlation_length(values)
+    assert length >= 1.0
+    assert effective_sample_size(values) <= len(values)
+    assert correlation_length(scale * np.array(values)) == pytest.approx(length, rel=1e-9)
+
+
+def test_pairs_do_not_span_segments():
+    sweeps = np.repeat(np.random.default_rng(1).standard_normal(400), 25)
+    single = [slice(row, row + 1) for row in range(len(sweeps))]
+    assert correlation_length(sweeps, single) == 1.0
+    assert correlation_length(sweeps, [slice(k, k + 25) for k in range(0, len(sweeps), 25)]) > 20.0
+
+
+def test_rows_that_were_not_measured_do_not_count():
+    noise = autoregressive(0.8, 100_000, 5)
+    holes = np.where(np.random.default_rng(6).random(len(noise)) < 0.3, np.nan, noise)
+    assert correlation_length(holes) == pytest.approx(correlation_length(noise), rel=0.1)
+    assert effective_sample_size(holes) < 0.8 * effective_sample_size(noise)
+
+
+def test_an_error_that_stays_for_a_sweep_makes_it_one_row():
+    offsets = np.repeat([1.0, -1.0, 1.0, -1.0], 500)
+    segments = [slice(500 * k, 500 * (k + 1)) for k in range(4)]
+    assert effective_sample_size(offsets, segments) < 8.0
+
+
+def test_nothing_finite():
+    with pytest.raises(DataError, match="no residual is finite"):
+        correlation_length([np.nan])
+
+
+@given(st.lists(st.integers(20, 90), min_size=1, max_size=6))
+def test_every_condition_weighs_the_same(counts):
+    labels = np.repeat(np.arange(len(counts)), counts)
+    weights = Grouping(labels, ((),) * len(counts)).weights()
+    assert weights.mean() == pytest.approx(1.0)
+    sums = np.bincount(labels, weights)
+    # None is below a fifth of the usual count, so none is held back.
+    assert sums == pytest.approx(np.full(len(counts), sums.mean()))
+
+
+def test_conditions_met_in_passing_are_not_blown_up():
+    labels = np.repeat([0, 1, 2], [1000, 1000, 2])
+    weights = Grouping(labels, ((),) * 3).weights()
+    assert weights[-1] == pytest.approx(5.0 * weights[0])
+
+
+def test_rows_that_do_not_count_weigh_nothing():
+    labels = np.repeat([0, 1], [30, 90])
+    rows = np.arange(120) < 60
+    weights = Grouping(labels, ((),) * 2).weights(rows)
+    assert (weights[~rows] == 0.0).all()
+    assert weights[rows].mean() == pytest.approx(1.0)
+    assert weights[0] == pytest.approx(weights[30])
+    assert (Grouping(labels, ((),) * 2).weights(~(labels >= 0)) == 0.0).all()
+
+
+@pytest.mark.parametrize("signs", ["iso", "sae"])
+def test_a_load_logged_five_times_as_often_does_not_outweigh_the_others(signs):
+    program = concatenate([alpha_sweeps([300.0, 600.0, 900.0], [0.0, 0.05]), *[alpha_sweeps([900.0], [0.0])] * 4])
+    recording = VirtualBench(published("trento_hoosier"), seed=3).run(program).with_signs(signs)
+    groups = group_by_condition(recording)
+    assert len(groups.conditions) == 6
+    assert sorted(groups.counts) == [1201] * 5 + [5 * 1201]
+    assert np.bincount(groups.labels, groups.weights()) == pytest.approx(np.full(6, len(recording) / 6))
+    for number, condition in enumerate(groups.conditions):
+        rows = recording.table[groups.labels == number]
+        for name, level in condition:
+            assert rows[name].median() == pytest.approx(level, abs=0.02 * abs(recording.table[name]).max())
+
+
+def test_swept_inputs_make_no_conditions():
+    table = pd.DataFrame({"alpha": np.linspace(-0.2, 0.2, 500)})
+    groups = group_by_condition(Recording(table, "iso", "a.csv"))
+    assert groups.conditions == ((),)
+    assert groups.counts.tolist() == [500]
+
+
+def test_measured_files_fall_into_their_conditions(data_folder):
+    from tirefmu.measurements import read_recording
+
+    for name, conditions, fewest in (("cornering", 5 * 3 * 3, 1200), ("drivebrake", 4 * 3 * 3 * 3, 600)):
+        groups = group_by_condition(read_recording(data_folder / f"{name}.mat"))
+        assert len(groups.conditions) == conditions
+        assert groups.counts.min() > fewest

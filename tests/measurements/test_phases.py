@@ -1,0 +1,154 @@
+"""What the bench did is found from the inputs alone: sweeps, plateaus, and the ways between them."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.ndimage import binary_dilation, binary_erosion
+
+from tirefmu.measurements import Recording, VirtualBench, alpha_sweeps, kappa_sweeps, phases, steady_points, transitions
+from tirefmu.tires import published
+
+SLACK = 25  # rows: a level is reached once it is within the channel's tolerance, after the median of 0.2 s
+
+
+def rows_of(found, kind):
+    rows = np.zeros(found[-1].rows.stop, dtype=bool)
+    for phase in found:
+        rows[phase.rows] = phase.kind == kind
+    return rows
+
+
+@settings(max_examples=20)
+@given(
+    loads=st.lists(st.sampled_from([250.0, 500.0, 700.0, 1100.0, 1550.0]), min_size=1, max_size=4, unique=True),
+    cambers=st.lists(st.sampled_from([0.0, 2.0, 4.0]), min_size=1, max_size=3, unique=True),
+    seed=st.integers(0, 9),
+)
+def test_ways_between_conditions_are_found_and_nothing_else(make_raw, loads, cambers, seed):
+    run = make_raw(loads, cambers, seed=seed)
+    found = transitions(run.recording) != ""
+    assert found[binary_erosion(run.between, iterations=SLACK + 15)].all()
+    assert not found[~binary_dilation(run.between, iterations=SLACK)].any()
+
+
+def test_each_transition_names_the_input_that_moved(raw):
+    names = transitions(raw.recording)
+    assert set(names) == {"", "Fz", "gamma"}
+    camber = np.degrees(raw.recording.table["gamma"].to_numpy())
+    assert (np.abs(camber - 2.0 * np.round(camber / 2.0))[names == ""] < 0.6).all()
+
+
+def test_settling_prolongs_each_transition_and_starts_none(raw):
+    at_once, settled = transitions(raw.recording) != "", transitions(raw.recording, settling=0.5) != ""
+    assert (settled >= at_once).all()
+    ends = np.flatnonzero(at_once[:-1] & ~at_once[1:])
+    assert settled.sum() == at_once.sum() + 50 * len(ends)
+    assert all(settled[end + 1 : end + 51].all() for end in ends)
+
+
+def test_sweeps_between_the_transitions(raw):
+    found = phases(raw.recording)
+    sweeps = [phase for phase in found if phase.kind == "sweep"]
+    assert len(sweeps) == 12
+    assert {phase.moving for phase in sweeps} == {("alpha",)}
+    held = [(round(phase.held["Fz"], -1), round(np.degrees(phase.held["gamma"]))) for phase in sweeps]
+    assert held == [(load, camber) for camber in (0, 2, 4) for load in (250.0, 700.0, 1100.0, 1550.0)]
+
+
+@settings(max_examples=20)
+@given(
+    stretches=st.lists(
+        st.tuples(st.sampled_from(["hold", "sweep", "jump", "gap"]), st.integers(1, 300)), min_size=1, max_size=6
+    )
+)
+def test_phases_are_all_rows_once_and_in_order(stretches):
+    clock, angle, load = [0.0], [0.0], [900.0]
+    for kind, rows in stretches:
+        for row in range(rows):
+            clock.append(clock[-1] + (9.0 if kind == "gap" and not row else 0.01))
+            angle.append(angle[-1] + (1e-3 if kind == "sweep" else 0.0))
+            load.append(1800.0 if kind == "jump" else 900.0)
+    recording = Recording(pd.DataFrame({"t": clock, "alpha": angle, "Fz": load}), "iso", "a.csv")
+    found = phases(recording)
+    rows = np.arange(len(recording))
+    assert np.array_equal(np.concatenate([rows[phase.rows] for phase in found]), rows)
+    assert {phase.kind for phase in found} <= {"sweep", "plateau", "transition", "points"}
+    starts = {phase.rows.start for phase in found}
+    assert {segment.start for segment in recording.segments()} <= starts
+
+
+@pytest.mark.parametrize("signs", ["sae", "adapted-sae"])
+def test_signs_make_no_difference(raw, signs):
+    def told(recording):
+        return [(phase.rows, phase.kind, phase.moving) for phase in phases(recording)]
+
+    assert told(raw.recording.with_signs(signs)) == told(raw.recording)
+
+
+def test_a_plateau_is_one():
+    table = pd.DataFrame({"t": np.arange(500) / 100.0, "alpha": 0.05, "Fz": 900.0})
+    (phase,) = phases(Recording(table, "iso", "a.csv"))
+    assert (phase.kind, phase.moving, phase.held) == ("plateau", (), {"alpha": 0.05, "Fz": 900.0})
+
+
+@pytest.mark.parametrize("slip", ["alpha", "kappa", "phit"])
+@pytest.mark.parametrize("still", [500, 6000])
+def test_a_sweep_from_a_level_and_back_to_it_is_no_transition(slip, still):
+    rest = np.zeros(still)
+    values = np.concatenate([rest, 0.2 * np.sin(np.linspace(0.0, 2.0 * np.pi, 1200)), rest])
+    table = pd.DataFrame({"t": np.arange(len(values)) / 100.0, slip: values, "Fz": 900.0})
+    recording = Recording(table, "iso", "a.csv")
+    assert (transitions(recording) == "").all()
+    found = phases(recording)
+    assert [phase.kind for phase in found] == ["plateau", "sweep", "plateau"]
+    sweep = found[1].rows
+    # It begins and ends where the slip leaves the tolerance, or a second's window tells that it moves.
+    assert abs(sweep.start - still) < 60
+    assert abs(sweep.stop - still - 1200) < 60
+
+
+def test_a_slip_on_its_way_to_another_level_is_in_transition():
+    angle = np.radians(np.interp(np.arange(2000), [0, 900, 1000, 2000], [0.0, 0.0, 6.0, 6.0]))
+    recording = Recording(pd.DataFrame({"t": np.arange(2000) / 100.0, "alpha": angle}), "iso", "a.csv")
+    rows = np.flatnonzero(transitions(recording) == "alpha")
+    assert (rows[0], rows[-1]) == pytest.approx((909, 991), abs=3)
+    assert [phase.kind for phase in phases(recording)] == ["plateau", "transition", "plateau"]
+
+
+def test_steps_of_the_slip_angle_part_plateaus():
+    angle = np.repeat(np.radians([0.0, 4.0, 8.0, 2.0]), 400)
+    table = pd.DataFrame({"t": np.arange(len(angle)) / 100.0, "alpha": angle, "Fz": 900.0})
+    found = phases(Recording(table, "iso", "a.csv"))
+    assert [round(np.degrees(phase.held["alpha"])) for phase in found] == [0, 4, 8, 2]
+    assert [phase.rows.start for phase in found] == [0, 400, 800, 1200]
+    assert {phase.kind for phase in found} == {"plateau"}
+
+
+@pytest.mark.parametrize(
+    ("program", "moving"),
+    [
+        (alpha_sweeps([300.0, 900.0], [0.0, 0.05]), ("alpha",)),
+        (kappa_sweeps([300.0, 900.0], [0.0, 0.05]), ("kappa",)),
+    ],
+)
+def test_programs_of_the_virtual_bench_are_sweeps(program, moving):
+    recording = VirtualBench(published("trento_hoosier"), seed=1).run(program)
+    found = phases(recording)
+    assert [(phase.rows, phase.kind, phase.moving) for phase in found] == [
+        (segment, "sweep", moving) for segment in recording.segments()
+    ]
+
+
+def test_steady_points_are_no_course_in_time():
+    program = steady_points([-0.1, 0.0, 0.1], np.radians([-5.0, 0.0, 5.0]), [300.0, 600.0, 900.0])
+    recording = VirtualBench(published("trento_hoosier")).run(program)
+    assert {phase.kind for phase in phases(recording)} == {"points"}
+    assert (transitions(recording) == "").all()
+
+
+def test_few_or_no_rows():
+    for rows in (0, 1, 10):
+        recording = Recording(pd.DataFrame({"alpha": np.zeros(rows), "Fz": np.full(rows, 900.0)}), "iso", "a.csv")
+        assert sum(phase.rows.stop - phase.rows.start for phase in phases(recording)) == rows
