@@ -11,6 +11,7 @@ from tirefmu.tires import Tire, published
 from tirefmu.tires import read_tir as load
 
 if TYPE_CHECKING:
+    from tirefmu.diagnosis import Diagnosis, diagnose
     from tirefmu.fitting import FitResult, fit
     from tirefmu.fmu import CheckResult, check, export
     from tirefmu.measurements import Recording, VirtualBench, read_recording
@@ -19,6 +20,8 @@ __version__ = version("tirefmu")
 
 #: Names of rooms that bring large libraries along: imported when first asked for.
 _ON_DEMAND = {
+    "diagnose": "diagnosis",
+    "Diagnosis": "diagnosis",
     "fit": "fitting",
     "FitResult": "fitting",
     "export": "fmu",
@@ -31,12 +34,14 @@ _ON_DEMAND = {
 
 __all__ = [
     "CheckResult",
+    "Diagnosis",
     "FitResult",
     "Recording",
     "Tire",
     "TirefmuError",
     "VirtualBench",
     "check",
+    "diagnose",
     "export",
     "fit",
     "load",

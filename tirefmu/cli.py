@@ -6,69 +6,18 @@ a TIRE, that is a .tir file or the name of a published one.
 
 from __future__ import annotations
 
-import json
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from tirefmu.symbolic.errors import TirefmuError, UnknownName
+from tirefmu.symbolic.errors import TirefmuError
 
+from .arguments import FILE, SIGNS, Numbers, Pairs, check_places, common, names, tire_named, write_json
+from .diagnose_command import diagnose
 from .terminal import Terminal
-
-if TYPE_CHECKING:
-    from tirefmu.tires import Tire
-
-SIGNS = click.Choice(["iso", "sae", "adapted-sae"])
-FILE = click.Path(path_type=Path)
-
-
-class Pairs(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # generic since click 8.4
-    """``name=number,name=number``."""
-
-    name = "NAME=VALUE,..."
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[str, float]:
-        """Return the pairs as a mapping."""
-        pairs = {}
-        for part in value.split(","):
-            key, _, number = part.partition("=")
-            try:
-                pairs[key.strip()] = float(number)
-            except ValueError:
-                self.fail(f"{part!r} is not like Fz0=1000", param, ctx)
-        return pairs
-
-
-class Numbers(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as above
-    """``number,number``."""
-
-    name = "NUMBER,..."
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, ...]:
-        """Return the numbers."""
-        try:
-            return tuple(float(part) for part in value.split(","))
-        except ValueError:
-            self.fail(f"{value!r} is not like 60,110,160", param, ctx)
-
-
-def names(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...] | None:
-    """Split a comma-separated list; "none" is the empty one."""
-    if value is None:
-        return None
-    return () if value == "none" else tuple(part.strip() for part in value.split(",") if part.strip())
-
-
-def common(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command the options that all have: --json and --quiet."""
-    command = click.option("--json", "json_file", type=FILE, help="Write the result as JSON ('-': standard output).")(
-        command
-    )
-    return click.option("--quiet", is_flag=True, help="Print nothing but errors.")(command)
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -88,18 +37,18 @@ def generate(only_check: bool, quiet: bool, json_file: Path | None) -> int:
     from tirefmu.symbolic.printers import generate as printers
 
     terminal = Terminal(quiet)
-    _check_places(json_file)
+    check_places(json_file)
     folder = Path(tirefmu.generated.__file__).parent
     if only_check:
         diff = printers.difference(folder)
-        _write_json(json_file, {"ok": not diff, "diff": diff})
+        write_json(json_file, {"ok": not diff, "diff": diff})
         terminal.print(diff.rstrip() if diff else "generated/ is what the book prints")
         if diff:
             terminal.print('generated/ is stale: run "tirefmu generate"')
         return 1 if diff else 0
     with terminal.working("printing the book"):
         changed = printers.write(folder)
-    _write_json(json_file, {"ok": True, "changed": [path.relative_to(folder).as_posix() for path in changed]})
+    write_json(json_file, {"ok": True, "changed": [path.relative_to(folder).as_posix() for path in changed]})
     for path in changed:
         terminal.print(f"written: generated/{path.relative_to(folder).as_posix()}")
     if not changed:
@@ -150,8 +99,8 @@ def evaluate(
     from tirefmu.measurements import check_plausible, read_recording, write_table
 
     terminal = Terminal(quiet)
-    _check_places(output, json_file)
-    loaded = _tire(tire)
+    check_places(output, json_file)
+    loaded = tire_named(tire)
     recording = read_recording(table, signs=signs)
     check_plausible(recording)
     with terminal.working(f"evaluating {len(recording)} rows"):
@@ -159,7 +108,7 @@ def evaluate(
         write_table(result, output)
     absent = [name for name in loaded.inputs if name not in recording.table]
     summary = {"ok": True, "rows": len(result), "signs": recording.signs, **conventions, "nominal": absent}
-    _write_json(json_file, {**summary, "output": str(output), "columns": list(result.columns)})
+    write_json(json_file, {**summary, "output": str(output), "columns": list(result.columns)})
     terminal.print(f"{len(result)} rows, {len(result.columns)} columns, signs {recording.signs}: {output}")
     if absent:
         terminal.print(f"not in the table, at nominal: {', '.join(absent)}")
@@ -173,7 +122,8 @@ def evaluate(
 @click.option("--start", type=FILE, help="Tire to start from (default: generic values).")
 @click.option("--effects", callback=names, help="Exactly these effects on top of the core, or 'none'.")
 @click.option("--without", callback=names, default="none", help="All effects but these.")
-@click.option("--recipe", default="joint", show_default=True, help="joint, trento, or a TOML file.")
+@click.option("--recipe", default="progressive", show_default=True,
+              help="progressive, joint, trento, scaling (of --start), or a TOML file.")  # fmt: skip
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat, iso for tables).")
 @click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
@@ -187,22 +137,22 @@ def fit(
     """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints."""
     from tirefmu.fitting import fit as run
     from tirefmu.fitting.figures import draw_figures
-    from tirefmu.measurements import convention_notes, read_recording
+    from tirefmu.measurements import convention_notes, coverage_notes, identity_notes, read_recording
 
     terminal = Terminal(quiet)
-    _check_places(output, json_file, report, folder=figures)
+    check_places(output, json_file, report, folder=figures)
     recordings = [read_recording(table, signs=signs) for table in tables]
-    for recording in recordings:
-        for note in convention_notes(recording):
-            terminal.print(f"note: {note}")
+    told = [note for recording in recordings for note in (*convention_notes(recording), *coverage_notes(recording))]
+    for note in (*told, *identity_notes(recordings)):
+        terminal.print(f"note: {note}")
     with terminal.fitting() as progress:
         result = run(
-            recordings, model, start=_tire(start) if start else None, effects=effects, without=without,
+            recordings, model, start=tire_named(start) if start else None, effects=effects, without=without,
             recipe=recipe, nominal=nominal, progress=progress,
         )  # fmt: skip
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
-    _write_json(json_file, result.to_json())
+    write_json(json_file, result.to_json())
     terminal.fit_result(result)
     terminal.print(f"tire: {output}")
     if figures:
@@ -221,21 +171,45 @@ def fit(
 @cli.command()
 @click.argument("tire", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="FMU to write.")
-@click.option("--fmi", type=click.Choice(["2", "3"]), default="3", show_default=True, help="Version of FMI.")
+@click.option("--fmi", type=click.Choice(["2", "3"]), help="Version of FMI  [default: 3; pythonfmu: 2]")
 @click.option("--inputs", default="slip", show_default=True, help="What the FMU takes as inputs.")
+@click.option(
+    "--kind",
+    type=click.Choice(["native", "pythonfmu"]),
+    default="native",
+    show_default=True,
+    help="C, or Python to be changed at will.",
+)
+@click.option(
+    "--platforms",
+    default="host",
+    show_default=True,
+    help="host, all, or FMI 3's names with commas between (x86_64-windows, ...); others than host need ziglang.",
+)
 @common
-def export(tire: Path, output: Path, fmi: str, inputs: str, quiet: bool, json_file: Path | None) -> int:
-    """Pack TIRE as a native FMU for Co-Simulation that runs without Python."""
+def export(
+    tire: Path,
+    output: Path,
+    fmi: str | None,
+    inputs: str,
+    kind: str,
+    platforms: str,
+    quiet: bool,
+    json_file: Path | None,
+) -> int:
+    """Pack TIRE as an FMU for Co-Simulation; a native one runs without Python."""
     from tirefmu.fmu import export as run
 
     terminal = Terminal(quiet)
-    _check_places(output, json_file)
-    loaded = _tire(tire)
-    with terminal.working("compiling"):
-        written = run(loaded, output, fmi=int(fmi), inputs=inputs)
+    check_places(output, json_file)
+    loaded = tire_named(tire)
+    version = int(fmi) if fmi else 3 if kind == "native" else 2
+    with terminal.working("compiling" if kind == "native" else "packing"):
+        written = run(loaded, output, fmi=version, inputs=inputs, kind=kind, platforms=platforms)
     size = written.stat().st_size
-    _write_json(json_file, {"ok": True, "fmu": str(written), "fmi": int(fmi), "inputs": inputs, "bytes": size})
-    terminal.print(f"FMI {fmi}.0 Co-Simulation, {inputs} inputs, {size / 1024:.0f} KB: {written}")
+    told = {"ok": True, "fmu": str(written), "fmi": version, "inputs": inputs, "kind": kind, "bytes": size}
+    write_json(json_file, told)
+    terminal.print(f"FMI {version}.0 Co-Simulation, {kind}, {inputs} inputs, {size / 1024:.0f} KB: {written}")
     return 0
 
 
@@ -256,10 +230,10 @@ def check(
     from tirefmu.fmu import check as run
 
     terminal = Terminal(quiet)
-    _check_places(json_file)
+    check_places(json_file)
     with terminal.working(f"simulating {fmu.name} over {table.name}"):
         result = run(fmu, table, signs=signs, tolerance=tolerance)
-    _write_json(json_file, result.to_json())
+    write_json(json_file, result.to_json())
     terminal.print(str(result))
     return 0 if result.ok else 1
 
@@ -274,10 +248,10 @@ def info(tire: Path, every: bool, quiet: bool, json_file: Path | None) -> int:
 
     from .description import describe
 
-    _check_places(json_file)
-    loaded = _tire(tire)
+    check_places(json_file)
+    loaded = tire_named(tire)
     told = describe(loaded, read_tir_with_notes(tire).notes if tire.exists() else ())
-    _write_json(json_file, told)
+    write_json(json_file, told)
     Terminal(quiet).tire(loaded, told, every)
     return 0
 
@@ -298,12 +272,12 @@ def draw(
     from .drawing import usual_loads
 
     terminal = Terminal(quiet)
-    _check_places(json_file, folder=output)
-    loaded = _tire(tire)
+    check_places(json_file, folder=output)
+    loaded = tire_named(tire)
     loads = usual_loads(loaded) if loads is None else loads
     with terminal.working("drawing"):
         drawn = run(loaded, output, loads=loads, signs=signs, suffix=suffix)
-    _write_json(json_file, {"ok": True, "loads": list(loads), "signs": signs, "figures": [str(p) for p in drawn]})
+    write_json(json_file, {"ok": True, "loads": list(loads), "signs": signs, "figures": [str(p) for p in drawn]})
     terminal.print(f"figures at {', '.join(f'{load:g}' for load in loads)} N, signs {signs}:")
     for path in drawn:
         terminal.print(f"  {path}")
@@ -318,10 +292,13 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
     from .demo import run
 
     terminal = Terminal(quiet)
-    _check_places(json_file, folder=output)
+    check_places(json_file, folder=output)
     summary = run(output, terminal)
-    _write_json(json_file, summary)
+    write_json(json_file, summary)
     return 0 if summary["ok"] else 1
+
+
+cli.add_command(diagnose)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -358,41 +335,3 @@ def main(arguments: list[str] | None = None) -> int:
 def _refused(message: str) -> int:
     print(f"tirefmu: error: {' '.join(message.split())}", file=sys.stderr)
     return 2
-
-
-def _tire(given: Path) -> Tire:
-    """Return the tire of a .tir file, or the published one of that name where there is no such file."""
-    from tirefmu.tires import PUBLISHED, published, read_tir
-
-    name = str(given)
-    if given.exists() or (name not in PUBLISHED and given.suffix):
-        return read_tir(given)
-    if name not in PUBLISHED:
-        raise UnknownName("tire file or published tire", name, PUBLISHED)
-    return published(name)
-
-
-def _check_places(*files: Path | None, folder: Path | None = None) -> None:
-    """Refuse what cannot be written before work begins, so that nothing is left of half of it."""
-    for path in files:
-        if path is None or str(path) == "-":
-            continue
-        if not path.absolute().parent.is_dir():
-            raise TirefmuError(f"{path}: no folder {path.parent}")
-        if path.is_dir():
-            raise TirefmuError(f"{path}: is a folder, not a file")
-    if folder is not None and folder.exists() and not folder.is_dir():
-        raise TirefmuError(f"{folder}: is a file, not a folder")
-
-
-def _write_json(path: Path | None, content: dict[str, Any]) -> None:
-    if path is None:
-        return
-    text = json.dumps(content, indent=2, allow_nan=False, default=str)
-    if str(path) == "-":
-        print(text)
-        return
-    try:
-        path.write_text(text + "\n", encoding="utf-8")
-    except OSError as error:
-        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from error

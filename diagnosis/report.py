@@ -1,0 +1,137 @@
+"""The diagnosis as one HTML page: verdict, where, what, alternatives, how much, next measurement, the equation."""
+
+from __future__ import annotations
+
+import base64
+import os
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+
+import pandas as pd
+from jinja2 import Environment, StrictUndefined
+
+from tirefmu.measurements import Recording
+from tirefmu.symbolic.errors import DataError
+from tirefmu.symbolic.notation import Switch
+from tirefmu.tires.tire import Tire
+
+from .residual_map import draw_residual_maps, residual_map
+from .verdict import Diagnosis
+
+#: The pairs of inputs over which residuals are shown, where a recording varies both.
+PAIRS = (("alpha", "kappa"), ("alpha", "gamma"), ("alpha", "Fz"), ("kappa", "Fz"), ("p", "T"), ("V", "Fz"))
+#: An input varies if its spread is this share of its size, or this in SI.
+VARIES, VARIES_SI = 0.02, 2e-3
+
+
+@dataclass(frozen=True)
+class ChangedLine:
+    """A line of the book before and after an effect was added."""
+
+    number: str
+    description: str
+    before: str
+    after: str
+
+
+def write_report(diagnosis: Diagnosis, recording: Recording, path: str | Path) -> Path:
+    """Write the page of a diagnosis.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    recording : Recording
+        What was diagnosed, for the maps of where.
+    path : str or Path
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    DataError
+        If the file cannot be written.
+    """
+    path = Path(path)
+    with tempfile.TemporaryDirectory() as folder:
+        images = _maps(diagnosis, recording, Path(folder))
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.filters["number"] = lambda value: "-" if value is None or value != value else f"{value:.4g}"
+    template = environment.from_string((files("tirefmu.diagnosis") / "report.html").read_text(encoding="utf-8"))
+    page = template.render(
+        diagnosis=diagnosis,
+        images=images,
+        changes=changed_lines(diagnosis.base_tire, diagnosis.tire),
+        recording=recording,
+    )
+    scratch = path.with_name(f".{path.name}.part")
+    try:
+        scratch.write_text(page, encoding="utf-8")
+        os.replace(scratch, path)
+    except OSError as error:
+        scratch.unlink(missing_ok=True)
+        raise DataError(f"{path}: cannot be written ({error.strerror or error})") from error
+    return path
+
+
+def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
+    """Return the lines of the book in which effects stand that one tire has and the other lacks.
+
+    Parameters
+    ----------
+    before, after : Tire
+
+    Returns
+    -------
+    tuple of ChangedLine
+
+    Examples
+    --------
+    >>> small = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    >>> plain = Tire("mf61", small, effects=["load_friction"])
+    >>> richer = Tire("mf61", small, effects=["load_friction", "camber_friction"])
+    >>> [line.after for line in changed_lines(plain, richer)][0]
+    'mu_x = LMUX_star*(PDX1 + PDX2*dfz)*(-PDX3*gamma_in**2 + 1)'
+    """
+    more = after.has - before.has
+    old = after.book.as_written(before.has & after.book.effects.keys())
+    new = after.book.as_written(after.has)
+    changed = []
+    for line in after.book.equations:
+        stands = {str(place.args[0]) for place in line.expression.atoms(Switch)}
+        name = line.symbol.name
+        if stands & more and old[name] != new[name] and not name.endswith(("_g0", "_00")):
+            told = [f"{name.removesuffix('_loaded')} = {lines[name]}" for lines in (old, new)]
+            changed.append(ChangedLine(line.number, line.description, *told))
+    return tuple(changed)
+
+
+def _maps(diagnosis: Diagnosis, recording: Recording, folder: Path) -> list[tuple[str, str]]:
+    """Draw what the start model and the improved one leave over, channel by channel, and return titles and images."""
+    images = []
+    for channel in (name for name in diagnosis.tire.outputs if name in recording.table):
+        for pair in _varied(recording.table):
+            maps = [
+                (f"{when} over {pair[0]}, {pair[1]}", residual_map(tire, recording, channel, pair))
+                for when, tire in (("start model", diagnosis.base_tire), ("improved", diagnosis.tire))
+            ]
+            drawn = draw_residual_maps(maps, folder / f"{channel}_{pair[0]}_{pair[1]}.png")
+            images.append(
+                (f"{channel} over {pair[0]} and {pair[1]}", base64.b64encode(drawn.read_bytes()).decode("ascii"))
+            )
+    return images
+
+
+def _varied(table: pd.DataFrame) -> Sequence[tuple[str, str]]:
+    def varies(name: str) -> bool:
+        values = table[name].to_numpy(dtype=float) if name in table else None
+        if values is None:
+            return False
+        spread = float(values.std())
+        return spread > max(VARIES * float(abs(values).max()), VARIES_SI)
+
+    return [pair for pair in PAIRS if all(varies(name) for name in pair)][:4]

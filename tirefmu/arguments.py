@@ -1,0 +1,102 @@
+"""What the commands' arguments have in common: kinds of values, files that are there, JSON that is written."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from tirefmu.symbolic.errors import TirefmuError, UnknownName
+
+if TYPE_CHECKING:
+    from tirefmu.tires import Tire
+
+SIGNS = click.Choice(["iso", "sae", "adapted-sae"])
+FILE = click.Path(path_type=Path)
+
+
+class Pairs(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # generic since click 8.4
+    """``name=number,name=number``."""
+
+    name = "NAME=VALUE,..."
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> dict[str, float]:
+        """Return the pairs as a mapping."""
+        pairs = {}
+        for part in value.split(","):
+            key, _, number = part.partition("=")
+            try:
+                pairs[key.strip()] = float(number)
+            except ValueError:
+                self.fail(f"{part!r} is not like Fz0=1000", param, ctx)
+        return pairs
+
+
+class Numbers(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as above
+    """``number,number``."""
+
+    name = "NUMBER,..."
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, ...]:
+        """Return the numbers."""
+        try:
+            return tuple(float(part) for part in value.split(","))
+        except ValueError:
+            self.fail(f"{value!r} is not like 60,110,160", param, ctx)
+
+
+def names(ctx: click.Context, param: click.Parameter, value: str | None) -> tuple[str, ...] | None:
+    """Split a comma-separated list; "none" is the empty one."""
+    if value is None:
+        return None
+    return () if value == "none" else tuple(part.strip() for part in value.split(",") if part.strip())
+
+
+def common(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the options that all have: --json and --quiet."""
+    command = click.option("--json", "json_file", type=FILE, help="Write the result as JSON ('-': standard output).")(
+        command
+    )
+    return click.option("--quiet", is_flag=True, help="Print nothing but errors.")(command)
+
+
+def tire_named(given: Path) -> Tire:
+    """Return the tire of a .tir file, or the published one of that name where there is no such file."""
+    from tirefmu.tires import PUBLISHED, published, read_tir
+
+    name = str(given)
+    if given.exists() or (name not in PUBLISHED and given.suffix):
+        return read_tir(given)
+    if name not in PUBLISHED:
+        raise UnknownName("tire file or published tire", name, PUBLISHED)
+    return published(name)
+
+
+def check_places(*files: Path | None, folder: Path | None = None) -> None:
+    """Refuse what cannot be written before work begins, so that nothing is left of half of it."""
+    for path in files:
+        if path is None or str(path) == "-":
+            continue
+        if not path.absolute().parent.is_dir():
+            raise TirefmuError(f"{path}: no folder {path.parent}")
+        if path.is_dir():
+            raise TirefmuError(f"{path}: is a folder, not a file")
+    if folder is not None and folder.exists() and not folder.is_dir():
+        raise TirefmuError(f"{folder}: is a file, not a folder")
+
+
+def write_json(path: Path | None, content: dict[str, Any]) -> None:
+    """Write a result as JSON to a file, or to standard output for "-"; nothing where no file was asked for."""
+    if path is None:
+        return
+    text = json.dumps(content, indent=2, allow_nan=False, default=str)
+    if str(path) == "-":
+        print(text)
+        return
+    try:
+        path.write_text(text + "\n", encoding="utf-8")
+    except OSError as error:
+        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from error
