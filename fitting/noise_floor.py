@@ -52,7 +52,7 @@ def held_conditions(table: pd.DataFrame) -> npt.NDArray[np.int64]:
 
     Examples
     --------
-    >>> table = pd.DataFrame({"Fz": [220.0, 221.0, 700.0] * 4, "alpha": np.linspace(-0.2, 0.2, 12)})
+    >>> table = pd.DataFrame({"Fz": [220.0, 221.0, 700.0] * 40, "alpha": np.linspace(-0.2, 0.2, 120)})
     >>> held_conditions(table).tolist()[:3]
     [0, 0, 1]
     """

@@ -1,0 +1,81 @@
+"""Four tires at the corners of a vehicle: what the clients here run, and what they have to find."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+import tirefmu
+from tirefmu.tires import Tire, published
+
+FloatArray = npt.NDArray[np.float64]
+
+CORNERS = ("front_left", "front_right", "rear_left", "rear_right")
+INPUTS = ("kappa", "alpha", "Fz", "V")
+OUTPUTS = ("Fx", "Fy", "Mz")
+STEP = 0.01
+STEPS = 150
+
+#: How near a client's result has to come to the tire's own: |difference| <= TOLERANCE (1 + |value|).
+TOLERANCE = 1e-9
+
+
+def relaxing_tire() -> Tire:
+    """Return the published tire, its slips lagging behind by a rolled distance."""
+    tire = published("unicamp_small_tire").in_signs("iso")
+    lengths = {"SIGX": 0.04, "SIGY": 0.08}
+    effects = {*tire.effects, "relax_lon", "relax_lat"}
+    return replace(tire, values={**tire.values, **lengths}, effects=effects, name="four tires")
+
+
+def manoeuvre(corner: int) -> pd.DataFrame:
+    """Return what one corner goes through: a slalom with a brake at its end, inputs held over each step."""
+    t = STEP * np.arange(STEPS)
+    swing = np.sin(2 * np.pi * t)
+    left, front = corner % 2 == 0, corner < 2
+    side = 1.0 if left else -1.0
+    return pd.DataFrame(
+        {
+            "t": t,
+            "kappa": np.where(t > 1.0, -0.04, 0.0) * (1.0 if front else 0.6),
+            "alpha": (0.08 if front else 0.06) * swing,
+            "Fz": 95.0 + side * 25.0 * swing + (8.0 if front else -8.0) * (t > 1.0),
+            "V": 5.0 - 3.0 * np.maximum(t - 1.0, 0.0),
+        }
+    )
+
+
+def expected(tire: Tire) -> FloatArray:
+    """Return the forces at the end of each step, shape (STEPS, corners, outputs), by the tire's own code."""
+    corners = []
+    for corner in range(len(CORNERS)):
+        held = manoeuvre(corner)
+        # After a step the slips have rolled on, with the inputs as they were over it: one more row for each.
+        ends = held.assign(t=STEP * np.arange(1, STEPS + 1))
+        rows = pd.concat([held, ends]).sort_index(kind="stable")
+        corners.append(tire.evaluate(rows, hold=True)[list(OUTPUTS)].to_numpy()[1::2])
+    return np.stack(corners, axis=1)
+
+
+def export(folder: Path, fmi: int) -> Path:
+    """Write the tire's FMU into a folder."""
+    return tirefmu.export(relaxing_tire(), folder / f"tire_fmi{fmi}.fmu", fmi=fmi)
+
+
+def report(client: str, found: FloatArray) -> int:
+    """Print how near a client came, and return the process's exit status."""
+    wanted = expected(relaxing_tire())
+    difference = np.abs(found - wanted) / (1.0 + np.abs(wanted))
+    worst = float(difference.max())  # NaN stays NaN and is no success
+    print(f"{client}: {len(CORNERS)} tires, {STEPS} steps, largest difference from direct evaluation {worst:.1e}")
+    return 0 if worst <= TOLERANCE else 1
+
+
+def asked_version(default: int = 2) -> int:
+    """Return the FMI version named on the command line."""
+    return int(sys.argv[1]) if len(sys.argv) > 1 else default

@@ -1,0 +1,207 @@
+"""Four tires and a vehicle, co-simulated and compared with one simulation of the same equations.
+
+    python vehicle.py [step-steer|brake-in-turn]
+
+The tires are native FMUs, the vehicle is one by pythonfmu; fmpy makes the calls. Forces and slips are exchanged at
+the communication points and held in between, so that the error falls with the first power of the step.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+
+import fmpy
+import numpy as np
+import numpy.typing as npt
+import vehicle_equations as equations
+from fmpy.fmi2 import FMU2Slave
+from scipy.integrate import solve_ivp
+
+import tirefmu
+from tirefmu.tires import Tire, published
+
+FloatArray = npt.NDArray[np.float64]
+Controls = Callable[[float], tuple[float, float, float]]
+
+SPEED = 15.0
+END = 1.5
+#: When the driver begins and ends to turn a wheel or press a pedal, s.
+RAMPS = (0.1, 0.2, 0.7, 0.9)
+
+
+def _ramp(t: float, start: float, end: float) -> float:
+    return min(max((t - start) / (end - start), 0.0), 1.0)
+
+
+def step_steer(t: float) -> tuple[float, float, float]:
+    """Return the controls of a step steer, the step as steep as a driver can."""
+    return 0.05 * _ramp(t, RAMPS[0], RAMPS[1]), 0.0, 0.0
+
+
+def brake_in_turn(t: float) -> tuple[float, float, float]:
+    """Return the controls of a brake in a turn."""
+    pressed = _ramp(t, RAMPS[2], RAMPS[3])
+    return 0.04 * _ramp(t, RAMPS[0], RAMPS[1]), 110.0 * pressed, 60.0 * pressed
+
+
+MANOEUVRES: dict[str, Controls] = {"step-steer": step_steer, "brake-in-turn": brake_in_turn}
+
+
+def tire() -> Tire:
+    """Return the tire at all four corners."""
+    return published("trento_hoosier").in_signs("iso")
+
+
+def write_equations(folder: Path) -> Path:
+    """Print the vehicle's equations as a Python module into a folder."""
+    path = folder / "printed_vehicle.py"
+    path.write_text(equations.printed(), encoding="ascii")
+    return path
+
+
+def export(folder: Path) -> tuple[Path, Path]:
+    """Write the FMUs of the tire and of the vehicle into a folder."""
+    script = shutil.copy(Path(__file__).with_name("vehicle_slave.py"), folder)
+    # In a process of its own: pythonfmu runs the script to see its variables, and leaves its folder on the path.
+    build = [sys.executable, "-m", "pythonfmu", "build", "-f", script, "-d", folder, write_equations(folder)]
+    subprocess.run(build, check=True)
+    vehicle = folder / "Vehicle.fmu"
+    return tirefmu.export(tire(), folder / "tire.fmu", fmi=2), vehicle
+
+
+# ------------------------------------------------------------------ co-simulation
+
+
+class Instance:
+    """An FMU's instance, its variables by name."""
+
+    def __init__(self, description: fmpy.model_description.ModelDescription, folder: str, name: str) -> None:
+        self.references = {variable.name: variable.valueReference for variable in description.modelVariables}
+        identifier = description.coSimulation.modelIdentifier
+        self.fmu = FMU2Slave(
+            guid=description.guid, unzipDirectory=folder, modelIdentifier=identifier, instanceName=name
+        )
+        self.fmu.instantiate()
+        self.fmu.setupExperiment(startTime=0.0)
+        self.fmu.enterInitializationMode()
+
+    def set(self, names: Sequence[str], values: Sequence[float]) -> None:
+        """Set variables."""
+        self.fmu.setReal([self.references[name] for name in names], list(values))
+
+    def get(self, names: Sequence[str]) -> list[float]:
+        """Return the values of variables."""
+        return list(self.fmu.getReal([self.references[name] for name in names]))
+
+
+@contextmanager
+def instances(path: Path, names: Sequence[str]) -> Iterator[list[Instance]]:
+    """Unpack an FMU, instantiate it under several names, and tidy up afterwards."""
+    description = fmpy.read_model_description(str(path))
+    with tempfile.TemporaryDirectory() as folder:
+        fmpy.extract(str(path), folder)
+        made = [Instance(description, folder, name) for name in names]
+        try:
+            yield made
+        finally:
+            for instance in made:
+                instance.fmu.freeInstance()
+
+
+def cosimulate(tire_fmu: Path, vehicle_fmu: Path, controls: Controls, step: float) -> tuple[FloatArray, FloatArray]:
+    """Return communication times, shape (n,), and the vehicle's states there, shape (n, n_states)."""
+    n = round(END / step)
+    states = np.empty((n + 1, len(equations.STATES)))
+    needs, gives = ("kappa", "alpha", "gamma", "Fz"), ("Fx", "Fy", "Mz")
+    with instances(vehicle_fmu, ["vehicle"]) as (vehicle,), instances(tire_fmu, equations.CORNERS) as tires:
+        vehicle.set(["v_start"], [SPEED])
+        for instance in (vehicle, *tires):
+            instance.fmu.exitInitializationMode()
+        for i in range(n + 1):
+            t = i * step
+            vehicle.set(equations.CONTROLS, controls(t))
+            slips, forces = vehicle.get(equations.SLIPS), []
+            for corner, tire_here in enumerate(tires):
+                tire_here.set(needs, slips[4 * corner : 4 * corner + 4])
+                forces += tire_here.get(gives)
+            vehicle.set(equations.FORCES, forces)
+            states[i] = vehicle.get(equations.STATES)
+            if i < n:
+                for instance in (vehicle, *tires):
+                    instance.fmu.doStep(t, step)
+    return step * np.arange(n + 1), states
+
+
+# ------------------------------------------------------------------ one simulation of all
+
+
+def load(path: Path) -> ModuleType:
+    """Return a module from a file."""
+    spec = spec_from_file_location("printed_vehicle_alone", path)
+    if spec is None or spec.loader is None:
+        raise ImportError(str(path))
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def monolithic(controls: Controls, times: FloatArray) -> FloatArray:
+    """Return the states at given times, tire forces and vehicle in one right-hand side."""
+    with tempfile.TemporaryDirectory() as folder:
+        vehicle = load(write_equations(Path(folder)))
+    rubber = tire()
+
+    def slope(t: float, state: FloatArray) -> FloatArray:
+        drive = controls(t)
+        kappa, alpha, gamma, Fz = np.reshape(vehicle.slips(state, drive), (4, 4)).T
+        forces = rubber.forces(kappa=kappa, alpha=alpha, gamma=gamma, Fz=Fz)
+        per_corner = np.stack([forces["Fx"], forces["Fy"], forces["Mz"]], axis=1)
+        return np.array(vehicle.derivatives(state, drive, per_corner.ravel()))
+
+    state = np.array([SPEED, *[0.0] * 6, *[SPEED / vehicle.RADIUS] * 4])
+    found = np.empty((len(times), len(state)))
+    # From kink to kink of the controls: in between everything is smooth.
+    for start, end in zip((0.0, *RAMPS), (*RAMPS, END), strict=True):
+        inside = (times >= start - 1e-9) & (times < end - 1e-9)
+        asked = np.maximum(times[inside], start)
+        run = solve_ivp(slope, (start, end), state, t_eval=[*asked, end], rtol=1e-8, atol=1e-9)
+        if not run.success:
+            raise RuntimeError(run.message)
+        found[inside], state = run.y[:, :-1].T, run.y[:, -1]
+    found[times >= END - 1e-9] = state
+    return found
+
+
+def errors(found: FloatArray, exact: FloatArray) -> FloatArray:
+    """Return the largest error of each state as a share of its largest value, shape (n_states,)."""
+    return np.asarray(np.abs(found - exact).max(axis=0) / np.abs(exact).max(axis=0))
+
+
+def main() -> int:
+    """Compare one manoeuvre at several communication steps; 0 if the error is below 1 % at 1 ms."""
+    name = sys.argv[1] if len(sys.argv) > 1 else "step-steer"
+    if name not in MANOEUVRES:
+        print(f"unknown manoeuvre {name}: known are {', '.join(MANOEUVRES)}", file=sys.stderr)
+        return 2
+    with tempfile.TemporaryDirectory() as folder:
+        tire_fmu, vehicle_fmu = export(Path(folder))
+        steps = (0.004, 0.002, 0.001)
+        worst = []
+        for step in steps:
+            times, found = cosimulate(tire_fmu, vehicle_fmu, MANOEUVRES[name], step)
+            each = errors(found, monolithic(MANOEUVRES[name], times))
+            worst.append(float(each.max()))
+            print(f"{name}, {1e3 * step:g} ms: {each.max():.3%} of {equations.STATES[int(each.argmax())]}")
+    return 0 if worst[-1] < 0.01 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

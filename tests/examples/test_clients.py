@@ -1,0 +1,50 @@
+"""The examples of other tools run and agree, each in a process of its own as a user would start it."""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tirefmu.tires.compiler import CompilerError, find_compiler
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+CLIENTS = [
+    ("run_fmpy.py", "fmpy", 2),
+    ("run_fmpy.py", "fmpy", 3),
+    ("run_libcosimpy.py", "libcosimpy", 2),
+    ("run_ecospy.py", "ecospy", 2),
+    ("run_ecospy.py", "ecospy", 3),
+    ("check_fmutool.py", "fmu_manipulation_toolbox", 2),
+    ("check_fmutool.py", "fmu_manipulation_toolbox", 3),
+]
+
+
+@pytest.mark.parametrize(("script", "package", "fmi"), CLIENTS)
+def test_client(script, package, fmi):
+    try:
+        find_compiler()
+    except CompilerError as error:
+        pytest.skip(str(error))
+    if importlib.util.find_spec(package) is None:
+        pytest.skip("needs the extra cosimulation")
+    command = [sys.executable, EXAMPLES / script, str(fmi)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    said = done.stdout + done.stderr
+    assert ("No semantic error" if package.startswith("fmu_") else "largest difference") in said
+
+
+def test_a_client_that_is_wrong_says_so(monkeypatch, capsys):
+    monkeypatch.syspath_prepend(EXAMPLES)
+    four = importlib.import_module("four_tires")
+    right = four.expected(four.relaxing_tire())
+    assert four.report("right", right) == 0
+    right[70, 2, 1] += 1e-6 * (1.0 + abs(right[70, 2, 1]))
+    assert four.report("wrong", right) == 1
+    right[70, 2, 1] = float("nan")
+    assert four.report("not a number", right) == 1
