@@ -1,5 +1,7 @@
 # Needs Python 3.11+, make and a C compiler; everything else is set up in $(VENV) on first use.
 VENV ?= .venv
+# Tests run on every processor; PYTEST_ARGS=... replaces this.
+PYTEST_ARGS ?= -n auto
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 ROOMS := symbolic generated tires measurements fitting fmu diagnosis
 
@@ -8,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test fuzz wine examples check generate types bench clean
+.PHONY: demo test fuzz wine sanitize examples check generate types bench clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the whole circle on the built-in virtual bench
@@ -23,6 +25,9 @@ fuzz: $(VENV)/installed-dev  ## 10,000 mutated .tir and CSV files; a hang is sho
 wine: $(VENV)/installed-dev  ## the FMU's Windows binary under wine64 gives the digits of the Linux one
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cross]"
 	TIREFMU_WINE=1 $(BIN)/pytest tests/fmu/test_wine.py $(PYTEST_ARGS)
+
+sanitize: $(VENV)/installed-dev  ## the FMU's C code under AddressSanitizer and UBSan, mistreated by a host in C
+	TIREFMU_SANITIZE=1 $(BIN)/pytest tests/fmu/test_robustness.py $(PYTEST_ARGS)
 
 examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, and under a vehicle
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cosimulation]"

@@ -1,5 +1,8 @@
 """Where a fitted tire and its data disagree, and which effect is missing."""
 
+from .diagnose import diagnose
+from .report import write_report
 from .residual_map import Bin, ResidualMap, draw_residual_maps, residual_map
+from .verdict import Diagnosis
 
-__all__ = ["Bin", "ResidualMap", "draw_residual_maps", "residual_map"]
+__all__ = ["Bin", "Diagnosis", "ResidualMap", "diagnose", "draw_residual_maps", "residual_map", "write_report"]

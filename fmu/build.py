@@ -4,26 +4,31 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import json
 import os
 import re
 import tempfile
 import uuid
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import Tire, write_tir
 
-from .binaries import binary, binary_path
+from .binaries import binaries, chosen_platforms
 from .description import Header, model_description
 from .documentation import LICENSE, header_license, index_html
+from .interface import AXES, INPUTS, interface
+from .pictures import pictures
+from .python_variant import python_contents
 from .sources import build_description, c_files, sources
 from .variables import variables
 
-#: What an FMU can take as inputs.
-INPUTS = ("slip",)
 VERSIONS = (2, 3)
+AXES_NAMES = {"iso": "ISO-W", "sae": "SAE"}
+#: The versions that a kind of FMU speaks.
+KINDS = {"native": VERSIONS, "pythonfmu": (2,)}
 
 _C_KEYWORD = re.compile(
     "auto|break|case|char|const|continue|default|do|double|else|enum|extern|float|for|goto|if|inline|int|long|"
@@ -31,14 +36,24 @@ _C_KEYWORD = re.compile(
 )
 
 
-def export(tire: Tire, path: str | os.PathLike[str], *, fmi: int = 3, inputs: str = "slip") -> Path:
-    """Write a tire as a native FMU for Co-Simulation.
+def export(
+    tire: Tire,
+    path: str | os.PathLike[str],
+    *,
+    fmi: int | None = None,
+    inputs: str = "slip",
+    axes: str = "iso",
+    quantities: bool = False,
+    kind: str = "native",
+    platforms: str | Iterable[str] = "host",
+) -> Path:
+    """Write a tire as a native FMU for Co-Simulation and Model Exchange.
 
     The FMU runs without Python. Inputs and outputs carry the names of the tables, every coefficient is a
     tunable parameter, and so are the conventions of `Tire.evaluate` (0 for the first value, 1 for the
     second). Outputs follow the inputs without delay; where the tire has a relax_* effect, slips lag behind from
-    step to step, as `evaluate` with inputs held has it, from steady state at the end of initialization. It
-    speaks ISO-W: a tire written in other signs is rewritten. Equal tires give equal bytes from the same
+    step to step, as `evaluate` with inputs held has it, from steady state at the end of initialization. A tire
+    written in other signs than those of the axes is rewritten. Equal tires give equal bytes from the same
     compiler.
 
     Parameters
@@ -47,9 +62,22 @@ def export(tire: Tire, path: str | os.PathLike[str], *, fmi: int = 3, inputs: st
     path : path-like
         The file to write. Its name is the model identifier as far as C allows.
     fmi : {3, 2}
-        Version of the standard.
-    inputs : {"slip"}
-        kappa, alpha, gamma, Fz as the model reads them.
+        Version of the standard; the latest that the kind speaks where None.
+    inputs : {"slip", "wheel"}
+        ``slip``: kappa, alpha, gamma, Fz and so on, as the model reads them. ``wheel``: velocities V_x and V_y of
+        the contact point and the turning speed omega in their place; slips and rolling radius are found inside,
+        also at standstill and in reverse.
+    axes : {"iso", "sae"}
+        TYDEX W (z up), or SAE (z down, y to the right), as `signs` of `Tire.evaluate`.
+    quantities : bool
+        Show every named quantity as an output.
+    kind : {"native", "pythonfmu"}
+        ``pythonfmu`` (FMI 2) packs Python in place of C: it runs where Python with NumPy does, and its files in
+        ``resources`` may be changed. It brings pythonfmu's own binaries and gives no derivatives.
+    platforms : str or iterable of str
+        Of native FMUs. ``host``: this machine, by its own compiler. ``all``, or names of FMI 3 (x86_64-linux,
+        aarch64-linux, x86_64-windows, x86_64-darwin, aarch64-darwin): by ziglang, the package's extra `cross`,
+        with a C library of 2012 on Linux.
 
     Returns
     -------
@@ -59,8 +87,8 @@ def export(tire: Tire, path: str | os.PathLike[str], *, fmi: int = 3, inputs: st
     Raises
     ------
     FmuError
-        If the version or the inputs are unknown, there is no C compiler or it fails, or the file cannot be
-        written. No half-written file is left.
+        If the version, the inputs or a platform are unknown, there is no C compiler or it fails, or the file
+        cannot be written. No half-written file is left.
 
     References
     ----------
@@ -72,21 +100,43 @@ def export(tire: Tire, path: str | os.PathLike[str], *, fmi: int = 3, inputs: st
     >>> export(published("trento_hoosier"), "tire.fmu").name
     'tire.fmu'
     """
+    if kind not in KINDS:
+        raise FmuError(f"kind {kind!r} is not known: known are {', '.join(KINDS)}")
+    if fmi is None:
+        fmi = max(KINDS[kind])
     if fmi not in VERSIONS:
         raise FmuError(f"FMI {fmi} is not known: known are 2 and 3")
-    if inputs not in INPUTS:
-        raise FmuError(f"inputs {inputs!r} are not known: known are {', '.join(INPUTS)}")
+    if fmi not in KINDS[kind]:
+        raise FmuError(f"the {kind} variant speaks FMI {KINDS[kind][0]} only, not FMI {fmi}")
+    for what, given, known in (("inputs", inputs, INPUTS), ("axes", axes, AXES)):
+        if given not in known:
+            raise FmuError(f"{what} {given!r} are not known: known are {', '.join(known)}")
+    if kind == "pythonfmu" and (inputs, axes, quantities) != ("slip", "iso", False):
+        raise FmuError("the pythonfmu variant has slip inputs, ISO axes and the forces only")
+    wanted = chosen_platforms(platforms)
     target = Path(path)
     identifier = c_identifier(target.stem)
-    files = contents(tire, fmi, identifier)
+    files = contents(tire, fmi, identifier, kind, inputs=inputs, axes=axes, quantities=quantities)
+    if kind == "pythonfmu":
+        _write_zip(target, files)
+        return target
     code = {name.removeprefix("sources/"): text for name, text in files.items() if name.endswith((".c", ".h"))}
-    library = binary(code, tire.model, fmi_headers())
-    _write_zip(target, {**files, binary_path(fmi, identifier): library})
+    libraries = binaries(code, tire.model, fmi_headers(), fmi, identifier, wanted)
+    _write_zip(target, {**files, **libraries})
     return target
 
 
-def contents(tire: Tire, fmi: int, identifier: str) -> dict[str, bytes]:
-    """Return the files of a tire's FMU by their paths inside it, all but the binaries.
+def contents(
+    tire: Tire,
+    fmi: int,
+    identifier: str,
+    kind: str = "native",
+    *,
+    inputs: str = "slip",
+    axes: str = "iso",
+    quantities: bool = False,
+) -> dict[str, bytes]:
+    """Return the files of a tire's FMU by their paths inside it, all but binaries to be compiled.
 
     Parameters
     ----------
@@ -95,6 +145,8 @@ def contents(tire: Tire, fmi: int, identifier: str) -> dict[str, bytes]:
         2 or 3.
     identifier : str
         The model identifier, see `c_identifier`.
+    kind, inputs, axes, quantities
+        As for `export`.
 
     Returns
     -------
@@ -111,28 +163,33 @@ def contents(tire: Tire, fmi: int, identifier: str) -> dict[str, bytes]:
     >>> sorted(contents(published("trento_hoosier"), 2, "tire"))[:2]
     ['documentation/index.html', 'documentation/licenses/fmi-headers.txt']
     """
-    written_in, tire = tire.signs, tire.in_signs("iso")
-    book, listed = tire.book, variables(tire)
-    compiled = c_files(fmi, book.name, listed)
-    name = tire.name or identifier
-    rewritten = "" if written_in == "iso" else f", rewritten from {written_in} signs"
-    kind = "Tire with relaxation" if tire.lags else "Steady-state tire"
-    sentence = f"{kind} {name}: {book.title}; slip inputs; ISO-W axes{rewritten}"
-    header = Header(name, identifier, sentence, compiled)
+    native, written_in = kind == "native", tire.signs
+    shown = interface(tire, inputs=inputs, axes=axes, quantities=quantities)
+    name, iso = tire.name or identifier, tire.in_signs("iso")
+    listed = shown.variables if native else variables(iso)
+    rewritten = "" if written_in == shown.tire.signs else f", rewritten from {written_in} signs"
+    what = "Tire with relaxation" if tire.lags else "Steady-state tire"
+    sentence = f"{what} {name}: {tire.book.title}; {inputs} inputs; {AXES_NAMES[axes]} axes{rewritten}"
+    header = Header(name, identifier, sentence, c_files(fmi, shown), model_exchange=native)
 
-    blank = sources(fmi, book.name, listed, "")
+    # What decides what the FMU does decides the token that ties description and binary.
+    blank = sources(fmi, shown, "") if native else {}
     token = fingerprint({**blank, "modelDescription.xml": model_description(fmi, header, listed, "")})
-    code = sources(fmi, book.name, listed, token)
+    description = model_description(fmi, header, listed, token)
     packed = {
-        "modelDescription.xml": model_description(fmi, header, listed, token),
-        "documentation/index.html": index_html(name, sentence, book.title, listed),
+        "modelDescription.xml": description,
+        "documentation/index.html": index_html(iso, header, listed),
         "documentation/licenses/license.txt": LICENSE.encode(),
         "documentation/licenses/fmi-headers.txt": header_license(fmi_headers() / f"fmi{fmi}Functions.h"),
-        "resources/tire.tir": _tir(tire),
-        **{f"sources/{file}": text for file, text in code.items()},
+        "resources/tire.tir": _tir(iso),
     }
+    if not native:
+        return packed | python_contents(iso, identifier, token, description, listed)
+    packed |= {f"sources/{file}": text for file, text in sources(fmi, shown, token).items()}
+    packed["resources/interface.json"] = (json.dumps({"inputs": inputs, "axes": axes}) + "\n").encode()
+    packed |= pictures(fmi, listed)
     if fmi == 3:
-        packed["sources/buildDescription.xml"] = build_description(identifier, compiled)
+        packed["sources/buildDescription.xml"] = build_description(identifier, header.sources)
     return packed
 
 

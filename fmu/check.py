@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -17,8 +18,9 @@ from fmpy.validation import validate_fmu
 from tirefmu.measurements.plausibility import check_plausible
 from tirefmu.measurements.reading import read_recording
 from tirefmu.measurements.recording import Recording
-from tirefmu.symbolic.errors import DataError
+from tirefmu.symbolic.errors import DataError, FmuError
 from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire, read_tir
+from tirefmu.tires.signs import convert_signs
 
 from .simulation import loaded
 
@@ -222,14 +224,16 @@ def check(
         for kind, needed, found in (("input", inputs, present), ("measured output", outputs, measured)):
             if not found:
                 raise DataError(f"{given.source}: no {kind} of the FMU ({', '.join(needed)})")
-        rows, time = _finite(table, present, given.source), _time(table, given.source)
+        time = _time(table, given.source)
+        axes = _axes(slave.folder, fmu_path)
+        rows = _finite(convert_signs(table, "iso", axes), present, given.source)
         runs = [slave.run(segment, time, rows, present, outputs) for segment in segments]
-        seen = pd.DataFrame(rows, columns=present).assign(t=time)
+        seen = table[present].assign(t=time)
         inputs_of_runs = [seen.iloc[segment] for segment in segments]
         carried = slave.folder / "resources" / "tire.tir"
         tire = read_tir(carried) if carried.is_file() else None
         version = slave.description.fmiVersion
-    simulated = pd.DataFrame(np.vstack(runs), columns=outputs, index=table.index)
+    simulated = convert_signs(pd.DataFrame(np.vstack(runs), columns=outputs, index=table.index), axes, "iso")
     return CheckResult(
         fmu=Path(fmu_path).name,
         source=given.source,
@@ -242,6 +246,17 @@ def check(
         tolerance=tolerance,
         simulated=simulated,
     )
+
+
+def _axes(folder: Path, fmu_path: str | os.PathLike[str]) -> str:
+    """Return the convention of the FMU's inputs and outputs, or raise where it takes no slips."""
+    path = folder / "resources" / "interface.json"
+    told = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    if told.get("inputs", "slip") != "slip":
+        raise FmuError(
+            f"{fmu_path}: it takes velocities of the wheel, and tables have slips: export it with slip inputs"
+        )
+    return str(told.get("axes", "iso"))
 
 
 def _recording(given: Recording | pd.DataFrame | str | os.PathLike[str], signs: str | None) -> Recording:

@@ -13,6 +13,7 @@ from .variables import Variable
 
 #: What both versions call the categories of their log.
 LOG_CATEGORIES = {
+    "logStatusWarning": "an input has left the range in which the tire is known",
     "logStatusDiscard": "a value was refused: not finite, or outside its limits",
     "logStatusError": "a call was refused: not allowed, or not supported",
 }
@@ -35,12 +36,15 @@ class Header:
         One sentence.
     sources : tuple of str
         The C files to compile, for hosts that compile them.
+    model_exchange : bool
+        Offer Model Exchange beside Co-Simulation.
     """
 
     name: str
     identifier: str
     description: str
     sources: tuple[str, ...]
+    model_exchange: bool = False
 
 
 def model_description(fmi: int, header: Header, variables: Sequence[Variable], token: str) -> bytes:
@@ -85,7 +89,11 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
             "variableNamingConvention": "flat",
         },
     )
-    _co_simulation(root, fmi, header)
+    if fmi == 2:
+        root.set("numberOfEventIndicators", "0")
+    if header.model_exchange:
+        _offered(root, "ModelExchange", fmi, header)
+    _offered(root, "CoSimulation", fmi, header)
     # FMI 2 may do without the time, and some of its hosts stumble over a variable of that name.
     unseen = ("hidden",) if fmi == 3 else ("hidden", "independent")
     _units(root, [variable for variable in variables if variable.causality not in unseen])
@@ -119,27 +127,23 @@ def _text(text: str) -> str:
     return _UNPRINTABLE.sub("?", text)
 
 
-def _co_simulation(root: ET.Element, fmi: int, header: Header) -> None:
-    """Append what the FMU can do in Co-Simulation."""
+def _offered(root: ET.Element, kind: str, fmi: int, header: Header) -> None:
+    """Append what the FMU can do in Model Exchange or Co-Simulation."""
     states, derivatives = (
         ("FMUstate", "providesDirectionalDerivative") if fmi == 2 else ("FMUState", "providesDirectionalDerivatives")
     )
-    element = ET.SubElement(
-        root,
-        "CoSimulation",
-        {
-            "modelIdentifier": header.identifier,
-            "canHandleVariableCommunicationStepSize": "true",
-            f"canGetAndSet{states}": "true",
-            f"canSerialize{states}": "true",
-            derivatives: "true",
-        },
-    )
-    if fmi == 2:  # FMI 3 lists them in sources/buildDescription.xml
-        element.set("canNotUseMemoryManagementFunctions", "true")
-        files = ET.SubElement(element, "SourceFiles")
-        for name in header.sources:
-            ET.SubElement(files, "File", {"name": name})
+    element = ET.SubElement(root, kind, {"modelIdentifier": header.identifier})
+    if kind == "CoSimulation":
+        element.set("canHandleVariableCommunicationStepSize", "true")
+    for name in (f"canGetAndSet{states}", f"canSerialize{states}", derivatives):
+        element.set(name, "true")
+    if fmi == 3:  # which lists the sources in sources/buildDescription.xml
+        element.set("providesAdjointDerivatives", "true")
+        return
+    element.set("canNotUseMemoryManagementFunctions", "true")
+    files = ET.SubElement(element, "SourceFiles")
+    for name in header.sources:
+        ET.SubElement(files, "File", {"name": name})
 
 
 def _units(root: ET.Element, variables: Sequence[Variable]) -> None:
@@ -172,18 +176,33 @@ def _character(variable: Variable) -> dict[str, str]:
         "causality": variable.causality,
         "variability": "tunable" if variable.causality == "parameter" else "continuous",
     }
-    initial = {"parameter": "exact", "output": "calculated", "local": "calculated"}.get(variable.causality)
-    return character if initial is None else {**character, "initial": initial}
+    if variable.causality in ("input", "independent"):
+        return character
+    # What has a start value keeps it until the host sets another.
+    return {**character, "initial": "calculated" if variable.start is None else "exact"}
+
+
+def _by_group(variables: Sequence[Variable]) -> tuple[list[int], list[int], list[int]]:
+    """Return the value references of outputs, of derivatives, and of what initialization computes."""
+    outputs = [reference for reference, v in enumerate(variables) if v.causality == "output"]
+    derivatives = [reference for reference, v in enumerate(variables) if v.derivative_of is not None]
+    states = {v.derivative_of for v in variables} - {None}
+    computed = [
+        reference
+        for reference, v in enumerate(variables)
+        if reference in (*outputs, *derivatives) or (reference in states and v.start is None)
+    ]
+    return outputs, derivatives, computed
 
 
 def _variables_and_structure_2(root: ET.Element, variables: Sequence[Variable]) -> None:
     """Append variables and structure in the manner of FMI 2, which counts variables from 1."""
     listed = ET.SubElement(root, "ModelVariables")
-    indices: dict[int, int] = {}
-    for reference, variable in enumerate(variables):
-        if variable.causality in ("independent", "hidden"):
-            continue
-        indices[reference] = len(indices) + 1
+    unseen = ("independent", "hidden")
+    seen = [reference for reference, variable in enumerate(variables) if variable.causality not in unseen]
+    indices = {reference: index for index, reference in enumerate(seen, start=1)}
+    for reference in indices:
+        variable = variables[reference]
         scalar = ET.SubElement(
             listed,
             "ScalarVariable",
@@ -194,15 +213,20 @@ def _variables_and_structure_2(root: ET.Element, variables: Sequence[Variable]) 
                 **_character(variable),
             },
         )
-        ET.SubElement(scalar, "Real", _numbers(variable))
+        real = ET.SubElement(scalar, "Real", _numbers(variable))
+        if variable.derivative_of is not None:
+            real.set("derivative", str(indices[variable.derivative_of]))
     structure = ET.SubElement(root, "ModelStructure")
-    outputs, unknowns = ET.SubElement(structure, "Outputs"), ET.SubElement(structure, "InitialUnknowns")
-    for reference, variable in enumerate(variables):
-        if variable.causality == "output":
-            known = " ".join(str(indices[depends]) for depends in variable.depends)
-            ET.SubElement(outputs, "Unknown", {"index": str(indices[reference]), "dependencies": known})
-            # Without a list of dependencies: on all that is known, inputs and parameters.
-            ET.SubElement(unknowns, "Unknown", {"index": str(indices[reference])})
+    outputs, derivatives, computed = _by_group(variables)
+    for name, references in (("Outputs", outputs), ("Derivatives", derivatives)):
+        element = ET.SubElement(structure, name) if references else structure
+        for reference in references:
+            known = " ".join(str(indices[depends]) for depends in variables[reference].depends)
+            ET.SubElement(element, "Unknown", {"index": str(indices[reference]), "dependencies": known})
+    unknowns = ET.SubElement(structure, "InitialUnknowns")
+    for reference in computed:
+        # Without a list of dependencies: on all that is known, inputs and parameters.
+        ET.SubElement(unknowns, "Unknown", {"index": str(indices[reference])})
 
 
 def _variables_and_structure_3(root: ET.Element, variables: Sequence[Variable]) -> None:
@@ -211,7 +235,7 @@ def _variables_and_structure_3(root: ET.Element, variables: Sequence[Variable]) 
     for reference, variable in enumerate(variables):
         if variable.causality == "hidden":
             continue
-        ET.SubElement(
+        element = ET.SubElement(
             listed,
             "Float64",
             {
@@ -222,10 +246,13 @@ def _variables_and_structure_3(root: ET.Element, variables: Sequence[Variable]) 
                 **_numbers(variable),
             },
         )
+        if variable.derivative_of is not None:
+            element.set("derivative", str(variable.derivative_of))
     structure = ET.SubElement(root, "ModelStructure")
-    outputs = [(reference, v) for reference, v in enumerate(variables) if v.causality == "output"]
-    for reference, variable in outputs:
-        known = " ".join(map(str, variable.depends))
-        ET.SubElement(structure, "Output", {"valueReference": str(reference), "dependencies": known})
-    for reference, _ in outputs:
+    outputs, derivatives, computed = _by_group(variables)
+    for name, references in (("Output", outputs), ("ContinuousStateDerivative", derivatives)):
+        for reference in references:
+            known = " ".join(map(str, variables[reference].depends))
+            ET.SubElement(structure, name, {"valueReference": str(reference), "dependencies": known})
+    for reference in computed:
         ET.SubElement(structure, "InitialUnknown", {"valueReference": str(reference)})

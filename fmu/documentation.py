@@ -8,7 +8,9 @@ from html import escape
 from pathlib import Path
 
 from tirefmu.symbolic.errors import FmuError
+from tirefmu.tires import Tire
 
+from .description import Header
 from .variables import Variable
 
 #: The license of the sources inside an FMU; the same text as the project's LICENSE file.
@@ -50,13 +52,14 @@ _STYLE = (
 )
 
 
-def index_html(name: str, description: str, model: str, variables: Sequence[Variable]) -> bytes:
+def index_html(tire: Tire, header: Header, variables: Sequence[Variable]) -> bytes:
     """Return documentation/index.html.
 
     Parameters
     ----------
-    name, description, model : str
-        The tire's name, the FMU's sentence, the model's title.
+    tire : Tire
+    header : Header
+        Of the model description.
     variables : sequence of Variable
 
     Returns
@@ -65,7 +68,8 @@ def index_html(name: str, description: str, model: str, variables: Sequence[Vari
 
     Examples
     --------
-    >>> b"<h1>a &lt; b</h1>" in index_html("a < b", "", "", [])
+    >>> from tirefmu.tires import published
+    >>> b"<h1>a &lt; b</h1>" in index_html(published("trento_hoosier"), Header("a < b", "a", "", ()), [])
     True
     """
     by_causality = {
@@ -74,14 +78,14 @@ def index_html(name: str, description: str, model: str, variables: Sequence[Vari
     }
     lines = [
         "<!DOCTYPE html>",
-        f'<html lang="en"><head><meta charset="utf-8"><title>{escape(name)}</title>',
+        f'<html lang="en"><head><meta charset="utf-8"><title>{escape(header.name)}</title>',
         f"<style>{_STYLE}</style></head><body>",
-        f"<h1>{escape(name)}</h1>",
-        f"<p>{escape(description)}</p>",
-        f"<p>Model: {escape(model)}. Forces act at the contact point, in the TYDEX W axes (z up).",
-        "Fz &gt; 0 is load, kappa &gt; 0 drives. Outputs belong to the inputs as they are set.",
-        "A value that is not finite is refused and leaves the FMU as it was.",
-        "The tire itself lies in resources/tire.tir.</p>",
+        f"<h1>{escape(header.name)}</h1>",
+        f"<p>{escape(header.description)}</p>",
+        f"<p>Model: {escape(tire.book.title)}. Effects: {escape(', '.join(sorted(tire.has)) or 'none')}.",
+        "The tire itself lies in resources/tire.tir. License: licenses/license.txt.</p>",
+        *_about(tire),
+        *_how_to_connect(by_causality["input"]),
         "<h2>Inputs</h2>",
         *_table(by_causality["input"], "start value"),
         "<h2>Outputs</h2>",
@@ -89,21 +93,49 @@ def index_html(name: str, description: str, model: str, variables: Sequence[Vari
         *(_transient(by_causality["local"]) if by_causality["local"] else ()),
         "<h2>Parameters</h2>",
         "<p>All are tunable: they can be set before and during a simulation. An effect that the tire lacks has its",
-        "coefficients at neutral and acts once they are set; relaxation and turn slip act only in the FMU of a tire",
-        "that has them.</p>",
+        "coefficients at neutral and acts once they are set; relaxation, turn slip and effects beyond the book act",
+        "only in the FMU of a tire that has them.</p>",
         *_table(by_causality["parameter"], "value"),
         "</body></html>",
     ]
     return ("\n".join(lines) + "\n").encode("utf-8", "replace")
 
 
-def _transient(lagged: Sequence[Variable]) -> Iterable[str]:
-    """Yield the lines about slips that lag."""
-    yield "<h2>Transient slip</h2>"
-    yield "<p>Slips lag behind the inputs: d x/dt = |V|/sigma (u - x) on kappa and tan(alpha), solved exactly for"
-    yield "inputs held over a step, whatever its size. They begin in steady state, with the inputs as they are at"
-    yield "the end of initialization: set them before.</p>"
-    yield from _table(lagged, "")
+def _about(tire: Tire) -> Iterable[str]:
+    """Yield where the tire comes from and in which ranges it is known."""
+    rows = [(key, text) for key, text in tire.about.items()]
+    rows += [(f"range of {name}", f"{low:g} ... {high:g}") for name, (low, high) in tire.ranges.items()]
+    if rows:
+        yield "<h2>The tire</h2><table>"
+        for key, text in rows:
+            yield f"<tr><th>{escape(key)}</th><td>{escape(text)}</td></tr>"
+        yield "</table>"
+
+
+def _how_to_connect(inputs: Sequence[Variable]) -> Iterable[str]:
+    """Yield what a host has to connect to what."""
+    names = {variable.name for variable in inputs}
+    yield "<h2>How to connect</h2>"
+    yield "<p>One instance is one wheel. Outputs belong to the inputs as they are set: set inputs, read forces,"
+    yield "step. Forces and moments act on the wheel at its contact point, in the wheel's own axes (TYDEX W where the"
+    yield "sentence above says ISO). A value that is not finite is refused and leaves the FMU as it was. Inputs that"
+    yield "are left alone keep their start values. Fz is load, positive in ISO axes; at Fz = 0 there are no forces.</p>"
+    if "V_x" in names:
+        yield "<p>V_x and V_y are the velocity of the contact point, carried along with the wheel's centre, in the"
+        yield "plane of the road: along the wheel plane and across it. omega turns the wheel; a locked wheel has 0."
+        yield "Apply Fx at the radius R_l (where there is one) to the wheel's own equation of motion. Below LOW_SPEED a"
+        yield "tire with relaxation is a spring with a damper, held within friction; one without is damped.</p>"
+    else:
+        yield "<p>kappa = (omega R_e - V_x)/|V_x|, tan(alpha) = V_y/|V_x|.</p>"
+
+
+def _transient(local: Sequence[Variable]) -> Iterable[str]:
+    """Yield the lines about states."""
+    yield "<h2>States</h2>"
+    yield "<p>Slips lag behind the inputs: d x/dt = |V|/sigma (u - x) on kappa and tan(alpha). In Co-Simulation that"
+    yield "is solved exactly for inputs held over a step, whatever its size. They begin in steady state, with the"
+    yield "inputs as they are at the end of initialization: set them before. A distance begins at its start value.</p>"
+    yield from _table(local, "")
 
 
 def _table(variables: Sequence[Variable], value: str) -> Iterable[str]:

@@ -5,57 +5,59 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Sequence
 from importlib.resources import files
-from math import isfinite
+from math import inf, isfinite
+
+from tirefmu.symbolic.model import Model, reaching
+from tirefmu.symbolic.printers.expressions import PlainCPrinter
+from tirefmu.tires.printed import c_folder
 
 from .description import xml_bytes
-from .variables import LAGGED, Variable
+from .interface import Interface, passed_on
+from .model_code import model_files, split_code
+from .variables import Variable
 
 #: The translation units of the wrapper, by FMI version.
-WRAPPER = {
-    2: ("fmi2.c", "instance.c", "saved_state.c"),
-    3: ("fmi3.c", "fmi3_not_offered.c", "instance.c", "saved_state.c"),
-}
-#: How slips act, by whether they lag behind.
+WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c")}
+COMMON = ("instance.c", "values.c", "derivatives.c", "continuous.c", "saved_state.c")
+#: What the host gives, by whether velocities; how slips act, by whether they lag behind.
+CONTACT = {False: "slip_inputs.c", True: "wheel_inputs.c"}
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
-HEADERS = ("instance.h", "slips.h")
-CONFIG = "model_config.h"
+HEADERS = ("instance.h", "contact.h", "slips.h")
+CONFIG, RADIUS = "model_config.h", "rolling_radius.h"
 
 
-def c_files(fmi: int, model: str, variables: Sequence[Variable]) -> tuple[str, ...]:
+def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     """Return the names of the files to compile.
 
     Parameters
     ----------
     fmi : int
         2 or 3.
-    model : str
-    variables : sequence of Variable
+    shown : Interface
 
     Returns
     -------
     tuple of str
-        The model's generated code last.
+        The model's generated code last, in two files.
 
     Examples
     --------
-    >>> from .variables import TIME
-    >>> c_files(2, "mf96", [TIME])
-    ('fmi2.c', 'instance.c', 'saved_state.c', 'direct_slips.c', 'mf96.c')
+    >>> from tirefmu.tires import published
+    >>> from .interface import interface
+    >>> c_files(2, interface(published("trento_hoosier")))[-4:]
+    ('slip_inputs.c', 'direct_slips.c', 'mf96.c', 'mf96_derivatives.c')
     """
-    return (*WRAPPER[fmi], SLIPS[_lags(variables)], f"{model}.c")
+    return (*WRAPPER[fmi], *COMMON, CONTACT[shown.wheel], SLIPS[shown.tire.lags], *model_files(shown.tire.model))
 
 
-def sources(fmi: int, model: str, variables: Sequence[Variable], token: str) -> dict[str, bytes]:
+def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
     """Return every source file of an FMU, without the standard's own headers.
 
     Parameters
     ----------
     fmi : int
         2 or 3.
-    model : str
-        Name of the model, which is the name of its generated code.
-    variables : sequence of Variable
-        In the order of their value references.
+    shown : Interface
     token : str
         As in the model description.
 
@@ -66,24 +68,27 @@ def sources(fmi: int, model: str, variables: Sequence[Variable], token: str) -> 
 
     Examples
     --------
-    >>> from .variables import TIME
-    >>> sorted(sources(2, "mf96", [TIME], "{1}"))[:5]
-    ['direct_slips.c', 'fmi2.c', 'instance.c', 'instance.h', 'mf96.c']
+    >>> from tirefmu.tires import published
+    >>> from .interface import interface
+    >>> sorted(sources(2, interface(published("trento_hoosier")), "{1}"))[:5]
+    ['contact.h', 'continuous.c', 'derivatives.c', 'direct_slips.c', 'fmi2.c']
     """
-    wrapper, generated = files("tirefmu.fmu") / "wrapper", files("tirefmu.generated") / "c"
-    *own, code = c_files(fmi, model, variables)
+    wrapper, generated, model = files("tirefmu.fmu") / "wrapper", c_folder(shown.tire.book), shown.tire.model
+    own = [name for name in c_files(fmi, shown) if name not in model_files(model)]
     found = {name: (wrapper / name).read_bytes() for name in (*own, *HEADERS)}
-    found |= {name: (generated / name).read_bytes() for name in (code, f"{model}.h")}
-    return {**found, CONFIG: model_config(model, variables, token).encode()}
+    found |= split_code(model, (generated / f"{model}.c").read_text(encoding="ascii"))
+    found[f"{model}.h"] = (generated / f"{model}.h").read_bytes()
+    if shown.wheel:
+        found[RADIUS] = rolling_radius(shown.tire.book).encode()
+    return {**found, CONFIG: model_config(shown, token).encode()}
 
 
-def model_config(model: str, variables: Sequence[Variable], token: str) -> str:
+def model_config(shown: Interface, token: str) -> str:
     """Return the header that ties the wrapper to a model and a tire.
 
     Parameters
     ----------
-    model : str
-    variables : sequence of Variable
+    shown : Interface
     token : str
 
     Returns
@@ -92,53 +97,165 @@ def model_config(model: str, variables: Sequence[Variable], token: str) -> str:
 
     Examples
     --------
-    >>> from .variables import TIME
-    >>> print(model_config("mf96", [TIME], "{1}").splitlines()[5])
+    >>> from tirefmu.tires import published
+    >>> from .interface import interface
+    >>> print(model_config(interface(published("trento_hoosier")), "{1}").splitlines()[6])
     #define INSTANTIATION_TOKEN "{1}"
     """
-    prefix, lags = model.upper(), _lags(variables)
-    names = [f'"{variable.name}"' for variable in variables]
-    starts = [repr(float(variable.start or 0.0)) for variable in variables]
-    lower = [repr(float(v.lower)) if isfinite(v.lower) else "-DBL_MAX" for v in variables]
-    upper = [repr(float(v.upper)) if isfinite(v.upper) else "DBL_MAX" for v in variables]
-    kinds = [variable.causality.upper() for variable in variables]
+    listed, model = shown.variables, shown.tire.model
+    tables = {
+        "VALUE_NAMES": [f'"{variable.name}"' for variable in listed],
+        "VALUE_KINDS": [_kind(variable) for variable in listed],
+        "VALUE_DIRECTIONS": ["-1" if variable.reversed else "1" for variable in listed],
+        "START_VALUES": [repr(float(variable.start or 0.0)) for variable in listed],
+        "LOWER_LIMITS": [repr(float(v.lower)) if isfinite(v.lower) else "-DBL_MAX" for v in listed],
+        "UPPER_LIMITS": [repr(float(v.upper)) if isfinite(v.upper) else "DBL_MAX" for v in listed],
+        "NOMINAL_VALUES": [repr(float(variable.nominal)) for variable in listed],
+    }
     lines = [
         "/* Written by tirefmu for one tire. */",
         "#include <float.h>",
+        "#include <math.h>",
         "",
         f'#include "{model}.h"',
         "",
         f'#define INSTANTIATION_TOKEN "{token}"',
-        f"#define N_INPUTS {prefix}_N_INPUTS",
-        f"#define N_OUTPUTS {prefix}_N_FORCES",
-        f"#define N_PARAMETERS {prefix}_N_PARAMETERS",
-        f"#define N_COEFFICIENTS {prefix}_N_COEFFICIENTS",
-        f"#define N_LOCALS {len(LAGGED) if lags else 0}",
-        f"#define model_forces {model}_forces",
-        f"#define model_jacobian_inputs {model}_jacobian_inputs",
-        f"#define model_jacobian_parameters {model}_jacobian_parameters",
-        *(_relaxation(model) if lags else ()),
+        *_sizes(shown),
+        *_places(shown),
+        "",
+        "/* By input of the model. */",
+        *_inputs(shown),
         "",
         "/* By value reference. */",
-        *_table("VALUE_NAMES", names),
-        *_table("VALUE_KINDS", kinds),
-        *_table("START_VALUES", starts),
-        *_table("LOWER_LIMITS", lower),
-        *_table("UPPER_LIMITS", upper),
+        *(line for name, entries in tables.items() for line in _table(name, entries)),
+        "",
+        "/* By extra output, by state. */",
+        *_table("EXTRAS", [_extra(variable, model) for variable in shown.group("extra")]),
+        *_table("STATE_NOMINALS", [repr(v.nominal) for v in shown.group("state")] or ["0.0"]),
     ]
     return "\n".join(lines) + "\n"
 
 
-def _relaxation(model: str) -> Iterable[str]:
-    """Yield what lagging slips need of the generated code."""
-    yield f"#define model_relaxation {model}_relaxation"
-    for name, place in (("KAPPA", "kappa"), ("ALPHA", "alpha"), ("SPEED", "V")):
-        yield f"#define {name} {model.upper()}_{place}"
+def _sizes(shown: Interface) -> Iterable[str]:
+    """Yield how many values of each kind there are, and the generated code's names."""
+    model = shown.tire.model
+    prefix = model.upper()
+    yield f"#define N_INPUTS {prefix}_N_INPUTS"
+    yield f"#define N_OUTPUTS {prefix}_N_FORCES"
+    yield f"#define N_PARAMETERS {prefix}_N_PARAMETERS"
+    yield f"#define N_COEFFICIENTS {prefix}_N_COEFFICIENTS"
+    yield f"#define N_QUANTITIES {prefix}_N_QUANTITIES"
+    yield f"#define N_HOST_INPUTS {len(shown.group('input'))}"
+    yield f"#define N_HOST_PARAMETERS {len(shown.group('parameter'))}"
+    yield f"#define N_STATES {len(shown.group('state'))}"
+    yield f"#define N_EXTRAS {len(shown.group('extra'))}"
+    yield f"#define LAGS {int(shown.tire.lags)}"
+    yield f"#define WHEEL {int(shown.wheel)}"
+    routines = ["forces", "quantities", "jacobian_inputs", "jacobian_parameters"]
+    for routine in [*routines, "relaxation"] if shown.tire.lags else routines:
+        yield f"#define model_{routine} {model}_{routine}"
 
 
-def _lags(variables: Iterable[Variable]) -> bool:
-    """Return whether the slips that act are variables of their own."""
-    return any(variable in LAGGED for variable in variables)
+def _places(shown: Interface) -> Iterable[str]:
+    """Yield where the wrapper finds what it has to know by name."""
+    tire, prefix = shown.tire, shown.tire.model.upper()
+    known = {"KAPPA": "kappa", "ALPHA": "alpha", "LOAD": "Fz", "SPEED": "V"}
+    known |= {"LONGITUDINAL_FORCE": "Fx", "SIDE_FORCE": "Fy"}
+    known |= {"DISTANCE": "distance"} if shown.has_distance else {}
+    for name, place in known.items():
+        if place in (*tire.inputs, *tire.outputs):
+            yield f"#define {name} {prefix}_{place}"
+    yield f"#define QUANTITY(name) {prefix}_##name"
+    yield f"#define SIDE_FORCE_SENSE {-1.0 if tire.signs == 'iso' else 1.0}"
+    inputs = [variable.name for variable in shown.group("input")]
+    if "psi_dot" in inputs:
+        yield f"#define TURN {prefix}_phit"
+    hosts = {"HOST_SPEED": ("V", "V_x"), "HOST_SIDEWAYS": ("V_y",), "HOST_TURNING": ("omega",)}
+    hosts["HOST_YAWING"] = ("psi_dot",)
+    for name, places in hosts.items():
+        for place in set(places) & set(inputs):
+            yield f"#define {name} {inputs.index(place)}"
+    if shown.wheel:
+        own = [variable.name for variable in shown.group("parameter")]
+        for name in ("LOW_SPEED", "LOW_SPEED_DAMPING"):
+            yield f"#define {name} {own.index(name)}"
+
+
+def _inputs(shown: Interface) -> Iterable[str]:
+    """Yield what the wrapper knows of the model's inputs: where the host gives them, or what they are, and ranges."""
+    tire = shown.tire
+    asked = {name for _, name in tire.book.on_demand}
+    else_ = [0.0 if name in asked else tire.nominal(name) for name in tire.inputs]
+    ranges = [tire.ranges.get(name, (-inf, inf)) for name in tire.inputs]
+    yield from _table("MODEL_INPUT_NAMES", [f'"{name}"' for name in tire.inputs])
+    yield from _table("PASSED_ON", [str(place) for place in passed_on(shown)])
+    yield from _table("UNCONNECTED_INPUTS", [repr(float(value)) for value in else_])
+    yield from _table("INPUT_RANGES", [f"{{{_limit(low)}, {_limit(high)}}}" for low, high in ranges])
+
+
+def _limit(value: float) -> str:
+    return repr(float(value)) if isfinite(value) else "-HUGE_VAL" if value < 0 else "HUGE_VAL"
+
+
+def _kind(variable: Variable) -> str:
+    """Return what a variable is to the host, as the C code calls it."""
+    return "STORED" if variable.causality == "local" and variable.start is not None else variable.causality.upper()
+
+
+def _extra(variable: Variable, model: str) -> str:
+    """Return how the C code finds an extra output."""
+    kind, _, name = variable.shows.partition(" + ")
+    return f"{kind} + {model.upper()}_{name}" if name else kind
+
+
+def rolling_radius(book: Model) -> str:
+    """Return a header with the rolling radius of a wheel that turns at a given speed.
+
+    In the book the radius stands in a ring with kappa, by which the turning speed is found; here that is given.
+
+    Parameters
+    ----------
+    book : Model
+
+    Returns
+    -------
+    str
+        The free radius where the model has no other.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic import model
+    >>> print(rolling_radius(model("mf96")).splitlines()[-2].strip())
+    return UNLOADED_RADIUS;
+    """
+    prefix = book.name.upper()
+    lines = [line for line in book.lines((), straight=True) if line.symbol.name != "omega"]
+    needed = reaching(lines, ["R_e"])
+    read = {symbol.name for line in needed for symbol in line.expression.free_symbols} or {"UNLOADED_RADIUS"}
+    printer = PlainCPrinter()
+    return (
+        "\n".join(
+            [
+                "/* The effective rolling radius by load, pressure and turning speed, from the lines of the book. */",
+                "#define fast_atan atan",
+                "static inline double square(double x) { return x * x; }",
+                "",
+                "static double rolling_radius(const double inputs[], double omega, const double parameters[])",
+                "{",
+                *(
+                    f"    const double {name} = parameters[{prefix}_{name}];"
+                    for name in book.parameters
+                    if name in read
+                ),
+                *(f"    const double {q.name} = inputs[{prefix}_{q.name}];" for q in book.inputs if q.name in read),
+                *(f"    const double {line.symbol} = {printer.doprint(line.expression)};" for line in needed),
+                *(() if needed else ("    (void) inputs;", "    (void) omega;")),
+                f"    return {'R_e' if needed else 'UNLOADED_RADIUS'};",
+                "}",
+            ]
+        )
+        + "\n"
+    )
 
 
 def _table(name: str, entries: Sequence[str]) -> Iterable[str]:

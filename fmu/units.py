@@ -15,6 +15,7 @@ FACTORS: dict[str, dict[str, int]] = {
     "m": {"m": 1},
     "s": {"s": 1},
     "K": {"K": 1},
+    "degC": {"K": 1},  # in products and quotients a difference
     "rad": {"rad": 1},
     "N": {"kg": 1, "m": 1, "s": -2},
     "Pa": {"kg": 1, "m": -1, "s": -2},
@@ -22,7 +23,7 @@ FACTORS: dict[str, dict[str, int]] = {
     "W": {"kg": 1, "m": 2, "s": -3},
 }
 #: Units with a shifted zero: as themselves only.
-SHIFTED: dict[str, dict[str, int | float]] = {"deg C": {"K": 1, "offset": 273.15}}
+SHIFTED: dict[str, dict[str, int | float]] = {name: {"K": 1, "offset": 273.15} for name in ("deg C", "degC")}
 
 _FACTOR = re.compile(r"(1|[A-Za-z]+)(?:\^(-?\d+))?")
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import inf
 
 from tirefmu.symbolic.model import Model, reaching
 from tirefmu.symbolic.notation import Coefficient, Option, Quantity
 from tirefmu.symbolic.options import signs
+from tirefmu.symbolic.quantities import BEYOND
 from tirefmu.tires import Tire
 
 
@@ -31,7 +33,15 @@ class Variable:
     nominal : float
         The usual size; 0 where it is not known.
     depends : tuple of int
-        Of an output: the value references of the inputs that reach it without delay.
+        Of an output or a derivative: the value references of the inputs and states that reach it without delay.
+    group : str
+        Of a native FMU: where the C code keeps it; see `tirefmu.fmu.interface`.
+    reversed : bool
+        Of a native FMU: host and formula write it with opposite signs.
+    derivative_of : int or None
+        Value reference of the state whose derivative it is.
+    shows : str
+        Of an extra output: how the C code finds it.
     """
 
     name: str
@@ -43,6 +53,10 @@ class Variable:
     upper: float = inf
     nominal: float = 0.0
     depends: tuple[int, ...] = ()
+    group: str = ""
+    reversed: bool = False
+    derivative_of: int | None = None
+    shows: str = ""
 
 
 TIME = Variable("time", "independent", "s", "simulation time")
@@ -77,7 +91,7 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
     book = tire.book
     values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
     feedthrough = direct_feedthrough(book)
-    silent = {name for effect, name in book.on_demand if effect not in tire.has}
+    silent = (set(tire.inputs) - read_inputs(tire)) | {"distance"}  # which the FMU finds itself
     return (
         TIME,
         *(_hidden(quantity) if quantity.name in silent else _input(quantity, tire) for quantity in book.inputs),
@@ -94,10 +108,36 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
             )
             for quantity in book.outputs
         ),
-        *(_parameter(card, values[name]) for name, card in book.coefficients.items()),
-        *(_option(option, values[option.parameter]) for option in book.options),
+        *(parameter_variable(card, values[name], tire.signs) for name, card in book.coefficients.items()),
+        *(option_variable(option, values[option.parameter]) for option in book.options),
         *(LAGGED if tire.lags else ()),
     )
+
+
+def read_inputs(tire: Tire) -> set[str]:
+    """Return the model's inputs that the FMU of a tire needs to know.
+
+    Parameters
+    ----------
+    tire : Tire
+
+    Returns
+    -------
+    set of str
+        Inputs of effects on demand (phit) and beyond the book (T, distance) where the tire has an effect that
+        reads them; all others for every tire of a model, so that one can take another's place.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import Tire
+    >>> values = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    >>> sorted(read_inputs(Tire("mf61", values, effects=["turn_slip"])) - read_inputs(Tire("mf61", values, effects=[])))
+    ['phit']
+    """
+    lines = reaching(tire.book.lines(tire.has), {*tire.outputs, "sigma_kappa", "sigma_alpha"})
+    reached = {symbol.name for line in lines for symbol in line.expression.free_symbols}
+    idle = {name for name in BEYOND if name not in reached}
+    return set(tire.inputs) - idle - {name for effect, name in tire.book.on_demand if effect not in tire.has}
 
 
 def direct_feedthrough(book: Model) -> dict[str, set[str]]:
@@ -117,13 +157,25 @@ def direct_feedthrough(book: Model) -> dict[str, set[str]]:
     >>> sorted(direct_feedthrough(model("mf96"))["Fx"])
     ['Fz', 'alpha', 'gamma', 'kappa']
     """
+    return feedthrough(book, [quantity.name for quantity in book.outputs])
+
+
+def feedthrough(book: Model, names: Iterable[str]) -> dict[str, set[str]]:
+    """Return for named quantities and outputs of a model the inputs that stand in the lines which lead to them.
+
+    Parameters
+    ----------
+    book : Model
+    names : iterable of str
+
+    Returns
+    -------
+    dict of str to set of str
+    """
     lines, inputs = book.lines(), {quantity.name for quantity in book.inputs}
     return {
-        quantity.name: {
-            symbol.name for line in reaching(lines, [quantity.name]) for symbol in line.expression.free_symbols
-        }
-        & inputs
-        for quantity in book.outputs
+        name: {symbol.name for line in reaching(lines, [name]) for symbol in line.expression.free_symbols} & inputs
+        for name in names
     }
 
 
@@ -138,17 +190,18 @@ def _hidden(quantity: Quantity) -> Variable:
     return Variable(quantity.name, "hidden", quantity.unit, quantity.description, start=0.0)
 
 
-def _option(option: Option, value: float) -> Variable:
+def option_variable(option: Option, value: float) -> Variable:
     """Return a convention as a tunable parameter; the one that says how the FMU is written is hidden."""
     first, second = option.values
     causality = "hidden" if option == signs else "parameter"
     return Variable(option.parameter, causality, "1", f"{option.description} (0 {first}, 1 {second})", value, 0.0, 1.0)
 
 
-def _parameter(card: Coefficient, value: float) -> Variable:
-    """Return a tunable coefficient, with its limits in ISO signs if the tire's own value keeps them."""
+def parameter_variable(card: Coefficient, value: float, written: str) -> Variable:
+    """Return a tunable coefficient, with its limits in the tire's signs if its own value keeps them."""
     # The book states bounds in adapted SAE.
-    lower, upper = (-card.upper, -card.lower) if card.flips else (card.lower, card.upper)
+    mirrored = card.flips and written == "iso"
+    lower, upper = (-card.upper, -card.lower) if mirrored else (card.lower, card.upper)
     if not lower <= value <= upper:
         lower, upper = -inf, inf
     # + 0.0: a mirrored zero is an ordinary one.

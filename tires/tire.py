@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -137,7 +138,7 @@ class Tire:
         pairs = ((RANGES[name], ends) for name, ends in self.ranges.items() if name in RANGES)
         return {key: end for keys, ends in pairs for key, end in zip(keys, ends, strict=True) if key in cards}
 
-    @property
+    @cached_property
     def book(self) -> Model:
         """The model of the book, the added effects in its lines."""
         return book(self.model, self.added)
@@ -221,7 +222,9 @@ class Tire:
     def nominal(self, name: str) -> float:
         """Return the value of an input that nobody gave."""
         (quantity,) = (quantity for quantity in self.book.inputs if quantity.name == name)
-        return self.values[quantity.nominal] if isinstance(quantity.nominal, str) else quantity.nominal
+        if isinstance(quantity.nominal, str):  # a formula may read T without a card for its reference
+            return self.values.get(quantity.nominal, quantity.typical)
+        return quantity.nominal
 
     def forces(self, *, code: str = "auto", **inputs: npt.ArrayLike) -> Forces:
         """Return forces and moments in the tire's own signs, in steady state.

@@ -5,20 +5,33 @@
 
 void slips_acting(State *state, double inputs[N_INPUTS])
 {
-    memcpy(inputs, state->values + FIRST_INPUT, N_INPUTS * sizeof *inputs);
+    memcpy(inputs, state->contact.inputs, N_INPUTS * sizeof *inputs);
 }
 
-int slips_follow(const State *state, size_t input)
+int slips_lag(State *state, size_t slip)
 {
     (void) state;
-    (void) input;
-    return 1;
+    (void) slip;
+    return 0;
 }
 
 void slips_begin(State *state) { (void) state; }
+
+int slips_settle(State *state)
+{
+    (void) state;
+    return 0;
+}
 
 void slips_advance(State *state, double h)
 {
     (void) state;
     (void) h;
+}
+
+void slips_show(State *state, double slips[], double rates[])
+{
+    (void) state;
+    (void) slips;
+    (void) rates;
 }

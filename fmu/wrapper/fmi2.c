@@ -1,4 +1,4 @@
-/* FMI 2.0 Co-Simulation: every function of the standard, each one a translation to instance.h. */
+/* FMI 2.0: every function of the standard, each one a translation to instance.h. */
 #include "instance.h"
 
 #include "fmi2Functions.h"
@@ -24,16 +24,11 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
                               fmi2String fmuResourceLocation, const fmi2CallbackFunctions *functions,
                               fmi2Boolean visible, fmi2Boolean loggingOn)
 {
-    Instance *self = instance_create(instanceName, fmuGUID, tell,
-                                     functions ? (void (*)(void)) functions->logger : NULL,
-                                     functions ? functions->componentEnvironment : NULL);
+    const Kind kind = fmuType == fmi2ModelExchange ? MODEL_EXCHANGE : CO_SIMULATION;
 
-    if (self && fmuType != fmi2CoSimulation) {
-        instance_refuse(self, STATUS_ERROR, "this FMU is for Co-Simulation");
-        instance_free(self);
-        return NULL;
-    }
-    return self;
+    return instance_create(instanceName, fmuGUID, kind, tell,
+                           functions ? (void (*)(void)) functions->logger : NULL,
+                           functions ? functions->componentEnvironment : NULL);
 }
 
 void fmi2FreeInstance(fmi2Component c) { instance_free(c); }
@@ -183,43 +178,59 @@ fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReferenc
     UNSUPPORTED(fmi2GetRealOutputDerivatives);
 }
 
-/* ---------------------------------------------------------------- Model Exchange: not offered */
+/* ---------------------------------------------------------------- Model Exchange */
 
-fmi2Status fmi2EnterEventMode(fmi2Component c) { UNSUPPORTED(fmi2EnterEventMode); }
+fmi2Status fmi2EnterEventMode(fmi2Component c) { return (fmi2Status) instance_enter_event(c); }
 
-fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo) { UNSUPPORTED(fmi2NewDiscreteStates); }
+fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo)
+{
+    int changed = 0;
+    Status status = instance_update_discrete(c, &changed);
 
-fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { UNSUPPORTED(fmi2EnterContinuousTimeMode); }
+    if (status != STATUS_OK)
+        return (fmi2Status) status;
+    eventInfo->newDiscreteStatesNeeded = fmi2False;
+    eventInfo->terminateSimulation = fmi2False;
+    eventInfo->nominalsOfContinuousStatesChanged = fmi2False;
+    eventInfo->valuesOfContinuousStatesChanged = changed ? fmi2True : fmi2False;
+    eventInfo->nextEventTimeDefined = fmi2False;
+    eventInfo->nextEventTime = 0.0;
+    return fmi2OK;
+}
+
+fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return (fmi2Status) instance_enter_continuous(c); }
 
 fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
                                        fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation)
 {
-    UNSUPPORTED(fmi2CompletedIntegratorStep);
+    *enterEventMode = fmi2False;
+    *terminateSimulation = fmi2False;
+    return (fmi2Status) instance_complete_step(c);
 }
 
-fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) { UNSUPPORTED(fmi2SetTime); }
+fmi2Status fmi2SetTime(fmi2Component c, fmi2Real time) { return (fmi2Status) instance_set_time(c, time); }
 
 fmi2Status fmi2SetContinuousStates(fmi2Component c, const fmi2Real x[], size_t nx)
 {
-    UNSUPPORTED(fmi2SetContinuousStates);
+    return (fmi2Status) instance_set_states(c, x, nx);
 }
 
 fmi2Status fmi2GetDerivatives(fmi2Component c, fmi2Real derivatives[], size_t nx)
 {
-    UNSUPPORTED(fmi2GetDerivatives);
+    return (fmi2Status) instance_get_rates(c, derivatives, nx);
 }
 
 fmi2Status fmi2GetEventIndicators(fmi2Component c, fmi2Real eventIndicators[], size_t ni)
 {
-    UNSUPPORTED(fmi2GetEventIndicators);
+    return (fmi2Status) instance_get_indicators(c, ni);
 }
 
 fmi2Status fmi2GetContinuousStates(fmi2Component c, fmi2Real x[], size_t nx)
 {
-    UNSUPPORTED(fmi2GetContinuousStates);
+    return (fmi2Status) instance_get_states(c, x, nx);
 }
 
 fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component c, fmi2Real x_nominal[], size_t nx)
 {
-    UNSUPPORTED(fmi2GetNominalsOfContinuousStates);
+    return (fmi2Status) instance_get_nominals(c, x_nominal, nx);
 }

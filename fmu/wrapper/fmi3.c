@@ -1,4 +1,4 @@
-/* FMI 3.0 Co-Simulation: what this FMU offers, each function a translation to instance.h. */
+/* FMI 3.0: what this FMU offers, each function a translation to instance.h. */
 #include "instance.h"
 
 #include "fmi3Functions.h"
@@ -27,7 +27,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3IntermediateUpdateCallback intermediateUpdate)
 {
     Instance *self =
-        instance_create(instanceName, instantiationToken, tell, (void (*)(void)) logMessage, instanceEnvironment);
+        instance_create(instanceName, instantiationToken, CO_SIMULATION, tell, (void (*)(void)) logMessage,
+                        instanceEnvironment);
 
     if (self && eventModeUsed) {
         instance_refuse(self, STATUS_ERROR, "this FMU has no event mode");
@@ -42,9 +43,8 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage)
 {
-    if (logMessage)
-        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is for Co-Simulation");
-    return NULL;
+    return instance_create(instanceName, instantiationToken, MODEL_EXCHANGE, tell, (void (*)(void)) logMessage,
+                           instanceEnvironment);
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,
@@ -57,7 +57,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3UnlockPreemptionCallback unlockPreemption)
 {
     if (logMessage)
-        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is for Co-Simulation");
+        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is not for scheduled execution");
     return NULL;
 }
 
@@ -164,6 +164,15 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance instance, const fmi3ValueRe
     return (fmi3Status) instance_derivative(instance, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity);
 }
 
+fmi3Status fmi3GetAdjointDerivative(fmi3Instance instance, const fmi3ValueReference unknowns[], size_t nUnknowns,
+                                    const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[],
+                                    size_t nSeed, fmi3Float64 sensitivity[], size_t nSensitivity)
+{
+    if (nSeed != nUnknowns || nSensitivity != nKnowns)
+        return (fmi3Status) instance_refuse(instance, STATUS_ERROR, "all variables are scalar");
+    return (fmi3Status) instance_adjoint(instance, unknowns, nUnknowns, knowns, nKnowns, seed, sensitivity);
+}
+
 /* ---------------------------------------------------------------- saved states */
 
 fmi3Status fmi3GetFMUState(fmi3Instance instance, fmi3FMUState *FMUState)
@@ -217,4 +226,91 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     if (lastSuccessfulTime && instance)
         instance_get(instance, &time, 1, lastSuccessfulTime);
     return (fmi3Status) status;
+}
+
+/* ---------------------------------------------------------------- Model Exchange */
+
+fmi3Status fmi3EnterEventMode(fmi3Instance instance) { return (fmi3Status) instance_enter_event(instance); }
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discreteStatesNeedUpdate,
+                                    fmi3Boolean *terminateSimulation,
+                                    fmi3Boolean *nominalsOfContinuousStatesChanged,
+                                    fmi3Boolean *valuesOfContinuousStatesChanged,
+                                    fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime)
+{
+    int changed = 0;
+    Status status = instance_update_discrete(instance, &changed);
+
+    if (status != STATUS_OK)
+        return (fmi3Status) status;
+    *discreteStatesNeedUpdate = fmi3False;
+    *terminateSimulation = fmi3False;
+    *nominalsOfContinuousStatesChanged = fmi3False;
+    *valuesOfContinuousStatesChanged = changed != 0;
+    *nextEventTimeDefined = fmi3False;
+    *nextEventTime = 0.0;
+    return fmi3OK;
+}
+
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance)
+{
+    return (fmi3Status) instance_enter_continuous(instance);
+}
+
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+                                       fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
+{
+    *enterEventMode = fmi3False;
+    *terminateSimulation = fmi3False;
+    return (fmi3Status) instance_complete_step(instance);
+}
+
+fmi3Status fmi3SetTime(fmi3Instance instance, fmi3Float64 time)
+{
+    return (fmi3Status) instance_set_time(instance, time);
+}
+
+fmi3Status fmi3SetContinuousStates(fmi3Instance instance, const fmi3Float64 continuousStates[],
+                                   size_t nContinuousStates)
+{
+    return (fmi3Status) instance_set_states(instance, continuousStates, nContinuousStates);
+}
+
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 derivatives[],
+                                             size_t nContinuousStates)
+{
+    return (fmi3Status) instance_get_rates(instance, derivatives, nContinuousStates);
+}
+
+fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[], size_t nEventIndicators)
+{
+    return (fmi3Status) instance_get_indicators(instance, nEventIndicators);
+}
+
+fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[],
+                                   size_t nContinuousStates)
+{
+    return (fmi3Status) instance_get_states(instance, continuousStates, nContinuousStates);
+}
+
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 nominals[],
+                                             size_t nContinuousStates)
+{
+    return (fmi3Status) instance_get_nominals(instance, nominals, nContinuousStates);
+}
+
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventIndicators)
+{
+    if (!instance)
+        return fmi3Error;
+    *nEventIndicators = 0;
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates)
+{
+    if (!instance)
+        return fmi3Error;
+    *nContinuousStates = N_STATES;
+    return fmi3OK;
 }

@@ -18,33 +18,55 @@
 enum {
     TIME = 0,
     FIRST_INPUT = 1,
-    FIRST_OUTPUT = FIRST_INPUT + N_INPUTS,
+    FIRST_OUTPUT = FIRST_INPUT + N_HOST_INPUTS,
     FIRST_PARAMETER = FIRST_OUTPUT + N_OUTPUTS,
-    FIRST_LOCAL = FIRST_PARAMETER + N_PARAMETERS,
-    N_VALUES = FIRST_LOCAL + N_LOCALS
+    FIRST_STATE = FIRST_PARAMETER + N_HOST_PARAMETERS,
+    FIRST_DERIVATIVE = FIRST_STATE + N_STATES,
+    FIRST_EXTRA = FIRST_DERIVATIVE + N_STATES,
+    N_VALUES = FIRST_EXTRA + N_EXTRAS
 };
 
-/* What a value is to the host; a hidden one is read by the model only and keeps its start value. */
-enum { INDEPENDENT, INPUT, OUTPUT, PARAMETER, LOCAL, HIDDEN };
+/* What a value is to the host: a stored one can be set until initialization ends, a hidden one is read by the model
+   only and keeps its start value. */
+enum { INDEPENDENT, INPUT, OUTPUT, PARAMETER, LOCAL, STORED, HIDDEN };
+
+/* What an extra output shows; see EXTRAS in model_config.h. */
+enum { FRICTION_USE, KAPPA_GIVEN, ALPHA_GIVEN, ALPHA_LAGGED, FIRST_QUANTITY };
 
 /* The same numbers in FMI 2 and FMI 3. */
-typedef enum { STATUS_OK = 0, STATUS_DISCARD = 2, STATUS_ERROR = 3 } Status;
+typedef enum { STATUS_OK = 0, STATUS_WARNING = 1, STATUS_DISCARD = 2, STATUS_ERROR = 3 } Status;
 
-typedef enum { INSTANTIATED, INITIALIZATION, STEPPING, TERMINATED } Mode;
+typedef enum { CO_SIMULATION, MODEL_EXCHANGE } Kind;
+
+/* Co-Simulation goes from initialization to stepping, Model Exchange to events and continuous time. */
+typedef enum { INSTANTIATED, INITIALIZATION, STEPPING, EVENT, CONTINUOUS, TERMINATED } Mode;
 
 /* kappa and tan(alpha) */
 enum { LONGITUDINAL, LATERAL, N_SLIPS };
 
+/* What the host's inputs mean at the contact point; see contact.h. */
+typedef struct {
+    double inputs[N_INPUTS];
+    double toward[N_SLIPS];
+    double sliding[N_SLIPS];
+    double bounds[N_SLIPS];
+    double friction[N_SLIPS], stiffness[N_SLIPS];
+    double sense;
+    double speed;
+} Contact;
+
 /* All that can change in an instance.  No pointers: a copy is a saved state, its bytes a serialized one. */
 typedef struct {
     char token[sizeof INSTANTIATION_TOKEN]; /* tells a serialized state of another FMU */
-    int mode;
-    int outputs_known; /* the outputs in `values` belong to the inputs, parameters and lagging slips there */
-    int lengths_known; /* the relaxation lengths belong to the inputs and parameters */
+    int kind, mode;
+    /* What belongs to the inputs, parameters, states and mode as they are. */
+    int contact_known, lengths_known, outputs_known, extras_known;
     int stop_defined;
     double stop_time;
     double lagging[N_SLIPS]; /* since the end of initialization; see slips.h */
+    double distance;         /* rolled so far, m */
     double lengths[N_SLIPS];
+    Contact contact;
     double values[N_VALUES];
 } State;
 
@@ -59,10 +81,11 @@ struct Instance {
     void (*logger)(void); /* the host's own function, of the type that `tell` knows */
     void *environment;
     char *name;
-    int tells_discards, tells_errors;
+    int tells_warnings, tells_discards, tells_errors;
+    int warned;
 };
 
-Instance *instance_create(const char *name, const char *token, Tell *tell, void (*logger)(void),
+Instance *instance_create(const char *name, const char *token, Kind kind, Tell *tell, void (*logger)(void),
                           void *environment);
 void instance_free(Instance *self);
 
@@ -73,6 +96,13 @@ Status instance_unsupported(const Instance *self, const char *function);
 Status instance_lacks_type(const Instance *self, size_t n, const char *type);
 Status instance_choose_log(Instance *self, int on, size_t n, const char *const categories[]);
 
+/* Refuse unless the instance is in this mode, or in one of two. */
+Status instance_expect(const Instance *self, Mode mode, Mode other, const char *what);
+/* Have slips begun to lag? */
+int state_has_begun(const State *state);
+/* Inputs, parameters, states or the mode have changed. */
+void state_changed(State *state);
+
 Status instance_set_experiment(Instance *self, double start, int stop_defined, double stop);
 Status instance_enter_initialization(Instance *self);
 Status instance_exit_initialization(Instance *self);
@@ -80,15 +110,37 @@ Status instance_step(Instance *self, double point, double size);
 Status instance_terminate(Instance *self);
 Status instance_reset(Instance *self);
 
-/* Direct feedthrough: outputs are computed when they are asked for, once after inputs or parameters changed. */
+/* Model Exchange: continuous.c. */
+Status instance_enter_event(Instance *self);
+Status instance_enter_continuous(Instance *self);
+Status instance_update_discrete(Instance *self, int *states_changed);
+Status instance_complete_step(Instance *self);
+Status instance_set_time(Instance *self, double time);
+Status instance_get_states(Instance *self, double states[], size_t n);
+Status instance_set_states(Instance *self, const double states[], size_t n);
+Status instance_get_rates(Instance *self, double rates[], size_t n);
+Status instance_get_nominals(Instance *self, double nominals[], size_t n);
+Status instance_get_indicators(Instance *self, size_t n);
+
+/* Direct feedthrough: outputs are computed when they are asked for, once after something changed.  Extra outputs take
+   the model's named quantities, which are computed for a host that reads them only. */
 void state_compute_outputs(State *state);
+void state_compute_extras(State *state);
+
+Status instance_expect_known(const Instance *self, const unsigned references[], size_t n);
+const char *value_name(unsigned reference);
+int value_kind(unsigned reference);
+/* The size of a value as far as it is known, else 1. */
+double value_scale(const State *state, unsigned reference);
 
 Status instance_get(Instance *self, const unsigned references[], size_t n, double values[]);
 Status instance_set(Instance *self, const unsigned references[], size_t n, const double values[]);
-/* sensitivity = (d unknowns / d knowns) seed, for outputs by inputs and parameters, lagging slips held. */
+/* sensitivity = (d unknowns / d knowns) seed; adjoint: sensitivity = seed (d unknowns / d knowns). */
 Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_unknowns,
                            const unsigned knowns[], size_t n_knowns, const double seed[],
                            double sensitivity[]);
+Status instance_adjoint(Instance *self, const unsigned unknowns[], size_t n_unknowns, const unsigned knowns[],
+                        size_t n_knowns, const double seed[], double sensitivity[]);
 
 /* Saved states.  `*slot` is NULL or a state saved before, which is then reused. */
 Status instance_save(Instance *self, void **slot);

@@ -5,62 +5,121 @@
  */
 #include "slips.h"
 
+#include "contact.h"
+
 #include <math.h>
 #include <string.h>
 
 /* Below this relaxation length a slip acts at once, m. */
 #define AT_ONCE 1e-6
-
-static void given(const State *state, double slips[N_SLIPS])
-{
-    slips[LONGITUDINAL] = state->values[FIRST_INPUT + KAPPA];
-    slips[LATERAL] = tan(state->values[FIRST_INPUT + ALPHA]);
-}
+/* In Model Exchange the state of a slip that acts at once follows within this length: short, and not stiff, m. */
+#define FOLLOWING 0.1
+/* Below this speed a slip is not what the wheel slides over it, m/s. */
+#define STANDING 1e-12
 
 static void find_lengths(State *state)
 {
+    contact_find(state);
     if (!state->lengths_known)
-        model_relaxation(state->values + FIRST_INPUT, state->values + FIRST_PARAMETER, state->lengths);
+        model_relaxation(state->contact.inputs, state->values + FIRST_PARAMETER, state->lengths);
     state->lengths_known = 1;
 }
 
 /* So written that a length of NaN does not lag. */
-static int lags(const State *state, size_t slip) { return state->lengths[slip] > AT_ONCE; }
+int slips_lag(State *state, size_t slip)
+{
+    find_lengths(state);
+    return state->lengths[slip] > AT_ONCE;
+}
+
+static double given(const State *state, size_t slip)
+{
+    const Contact *contact = &state->contact;
+    return slip == LATERAL ? tan(contact->inputs[ALPHA]) : contact->sense * contact->inputs[KAPPA];
+}
+
+static double bounded(const State *state, size_t slip)
+{
+    const double bound = state->contact.bounds[slip], x = state->lagging[slip];
+    return x > bound ? bound : x < -bound ? -bound : x;
+}
+
+static double acting(State *state, size_t slip)
+{
+    return state_has_begun(state) && slips_lag(state, slip) ? bounded(state, slip) : given(state, slip);
+}
 
 void slips_acting(State *state, double inputs[N_INPUTS])
 {
-    double slips[N_SLIPS];
+    find_lengths(state);
+    memcpy(inputs, state->contact.inputs, N_INPUTS * sizeof *inputs);
+    inputs[KAPPA] = state->contact.sense * acting(state, LONGITUDINAL);
+    inputs[ALPHA] = atan(acting(state, LATERAL));
+}
+
+void slips_begin(State *state)
+{
     size_t i;
 
-    find_lengths(state);
-    given(state, slips);
+    contact_find(state);
     for (i = 0; i < N_SLIPS; i++)
-        if (state->mode >= STEPPING && lags(state, i))
-            slips[i] = state->lagging[i];
-    memcpy(inputs, state->values + FIRST_INPUT, N_INPUTS * sizeof *inputs);
-    inputs[KAPPA] = state->values[FIRST_LOCAL + LONGITUDINAL] = slips[LONGITUDINAL];
-    inputs[ALPHA] = state->values[FIRST_LOCAL + LATERAL] = atan(slips[LATERAL]);
+        state->lagging[i] = given(state, i);
 }
 
-int slips_follow(const State *state, size_t input)
+int slips_settle(State *state)
 {
-    if (state->mode < STEPPING || (input != KAPPA && input != ALPHA))
-        return 1;
-    return !lags(state, input == KAPPA ? LONGITUDINAL : LATERAL);
-}
+    double settled;
+    size_t i;
+    int moved = 0;
 
-void slips_begin(State *state) { given(state, state->lagging); }
+    for (i = 0; i < N_SLIPS; i++) {
+        settled = acting(state, i);
+        moved |= settled != state->lagging[i];
+        state->lagging[i] = settled;
+    }
+    return moved;
+}
 
 void slips_advance(State *state, double h)
 {
-    double slips[N_SLIPS], rolled;
+    const Contact *contact = &state->contact;
+    double rolled;
     size_t i;
 
-    find_lengths(state);
-    given(state, slips);
     for (i = 0; i < N_SLIPS; i++) {
-        rolled = lags(state, i) ? h * (fabs(state->values[FIRST_INPUT + SPEED]) / state->lengths[i]) : HUGE_VAL;
-        state->lagging[i] = exp(-rolled) * state->lagging[i] - expm1(-rolled) * slips[i];
+        if (!slips_lag(state, i)) {
+            state->lagging[i] = given(state, i);
+            continue;
+        }
+        state->lagging[i] = bounded(state, i);
+        if (contact->speed > STANDING) {
+            rolled = h * (contact->speed / state->lengths[i]);
+            state->lagging[i] = exp(-rolled) * state->lagging[i] - expm1(-rolled) * contact->toward[i];
+        } else {
+            state->lagging[i] += contact->sliding[i] * (h / state->lengths[i]);
+        }
+        state->lagging[i] = bounded(state, i);
     }
-    state->outputs_known = 0;
+}
+
+/* A slip at its bound does not go on outward. */
+static double rate(State *state, size_t slip)
+{
+    const Contact *contact = &state->contact;
+    const double x = state->lagging[slip];
+    const double length = slips_lag(state, slip) ? state->lengths[slip] : FOLLOWING;
+    const double found = (contact->sliding[slip] - contact->speed * x) / length;
+
+    return fabs(x) >= contact->bounds[slip] && found * x > 0.0 ? 0.0 : found;
+}
+
+void slips_show(State *state, double slips[], double rates[])
+{
+    size_t i;
+
+    for (i = 0; i < N_SLIPS; i++) {
+        /* A solver's state is what the solver set. */
+        slips[i] = state->kind == MODEL_EXCHANGE && state_has_begun(state) ? state->lagging[i] : acting(state, i);
+        rates[i] = state_has_begun(state) ? rate(state, i) : 0.0;
+    }
 }

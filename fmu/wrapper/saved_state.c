@@ -14,7 +14,7 @@ Status instance_save(Instance *self, void **slot)
     saved = *slot ? *slot : malloc(sizeof *saved);
     if (!saved)
         return instance_refuse(self, STATUS_ERROR, "no memory for the state");
-    state_compute_outputs(&self->state); /* equal states have equal bytes, asked for outputs or not */
+    state_compute_extras(&self->state); /* equal states have equal bytes, asked for outputs or not */
     memcpy(saved, &self->state, sizeof *saved);
     *slot = saved;
     return STATUS_OK;
@@ -24,6 +24,8 @@ Status instance_restore(Instance *self, const void *saved)
 {
     if (!self || !saved)
         return instance_refuse(self, STATUS_ERROR, "there is no state to restore");
+    if (((const State *) saved)->kind != self->state.kind)
+        return instance_refuse(self, STATUS_ERROR, "a state of Co-Simulation is none of Model Exchange");
     memcpy(&self->state, saved, sizeof self->state);
     return STATUS_OK;
 }
@@ -61,9 +63,10 @@ static int is_state(const State *state)
     size_t i;
 
     if (memcmp(state->token, INSTANTIATION_TOKEN, sizeof INSTANTIATION_TOKEN) != 0 || state->mode < INSTANTIATED ||
-        state->mode > TERMINATED)
+        state->mode > TERMINATED || (state->kind != CO_SIMULATION && state->kind != MODEL_EXCHANGE) ||
+        state->stop_time != state->stop_time || !isfinite(state->distance))
         return 0;
-    for (i = 0; i < FIRST_LOCAL; i++)
+    for (i = 0; i < FIRST_STATE; i++)
         if ((i < FIRST_OUTPUT || i >= FIRST_PARAMETER) && !isfinite(state->values[i]))
             return 0;
     for (i = 0; i < N_SLIPS; i++)
@@ -83,8 +86,8 @@ Status instance_deserialize(Instance *self, const void *bytes, size_t size, void
         return instance_refuse(self, STATUS_ERROR, "these bytes are no state of this FMU");
     if (!*slot && !(*slot = malloc(sizeof state)))
         return instance_refuse(self, STATUS_ERROR, "no memory for the state");
-    state.outputs_known = state.lengths_known = 0; /* not believed */
-    state_compute_outputs(&state);
+    state_changed(&state); /* what can be computed is not believed */
+    state_compute_extras(&state);
     memcpy(*slot, &state, sizeof state);
     return STATUS_OK;
 }

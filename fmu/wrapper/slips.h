@@ -8,16 +8,22 @@
 
 #include "instance.h"
 
-/* Fill in the inputs that the model sees, and the local variables, which say the same to the host. */
+/* Fill in the inputs that the model sees; after contact_find. */
 void slips_acting(State *state, double inputs[N_INPUTS]);
 
-/* Does this input act as it is given?  After slips_acting for the same inputs and parameters. */
-int slips_follow(const State *state, size_t input);
+/* Does this slip lag behind here and now? */
+int slips_lag(State *state, size_t slip);
 
 /* The end of initialization: slips lag from here on, and begin in steady state. */
 void slips_begin(State *state);
 
+/* At an event: slips that act at once are where they act.  Returns whether one has moved. */
+int slips_settle(State *state);
+
 /* Roll on for h > 0 seconds with the inputs held. */
 void slips_advance(State *state, double h);
+
+/* Fill in slips and their rates as the host sees them. */
+void slips_show(State *state, double slips[], double rates[]);
 
 #endif

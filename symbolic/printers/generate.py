@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import hashlib
 import json
+from functools import lru_cache
 from pathlib import Path
 
 from .. import MODELS
@@ -34,6 +35,7 @@ def render() -> dict[str, str]:
     return files
 
 
+@lru_cache(maxsize=16)
 def render_model(model: Model) -> dict[str, str]:
     """Return the files of one model: path relative to the folder, text.
 

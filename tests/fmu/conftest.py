@@ -14,7 +14,7 @@ from fmpy.fmi1 import FMICallException
 from tirefmu.fmu.build import export
 from tirefmu.fmu.simulation import loaded
 from tirefmu.symbolic import MODELS
-from tirefmu.tires import Tire, published
+from tirefmu.tires import TABLE_OUTPUTS, Tire, published
 from tirefmu.tires.compiler import CompilerError, find_compiler
 
 OK, DISCARD, ERROR = 0, 2, 3
@@ -38,10 +38,12 @@ class Host:
         self.slave, self.fmu, self.log = slave, slave.fmu, slave.log
         self.version = 3 if slave.version_3 else 2
         self.variables = {variable.name: variable for variable in slave.description.modelVariables}
-        self.inputs, self.outputs = (
+        self.inputs, shown = (
             [name for name, variable in self.variables.items() if variable.causality == causality]
             for causality in ("input", "output")
         )
+        self.outputs = [name for name in shown if name in TABLE_OUTPUTS]
+        self.extras = [name for name in shown if name not in TABLE_OUTPUTS]
 
     def call(self, function, *arguments):
         """Call a function of the standard by its name without prefix."""

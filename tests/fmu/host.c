@@ -4,7 +4,16 @@
  *
  * FMI is 2 or 3.  Not linked with the math library: an FMU has to bring what it needs.
  */
+#ifdef _WIN32
+#include <windows.h>
+#define RTLD_NOW 0
+#define RTLD_GLOBAL 0
+#define dlopen(path, flags) ((void *) LoadLibraryA(path))
+#define dlsym(handle, name) ((void *) GetProcAddress((HMODULE) (handle), name))
+#define dlerror() "the library cannot be loaded"
+#else
 #include <dlfcn.h>
+#endif
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -49,7 +49,7 @@ def recording(n, seed):
     return pd.DataFrame(
         {
             "t": np.cumsum(np.where(rng.random(n) < 0.1, 0.0, rng.uniform(1e-4, 0.05, n))),
-            "kappa": rng.uniform(-1.5, 1.5, n),
+            "kappa": rng.uniform(-1.0, 1.5, n),
             "alpha": rng.uniform(-1.5, 1.5, n),
             "gamma": rng.uniform(-0.2, 0.2, n),
             "Fz": np.where(rng.random(n) < 0.1, rng.choice([0.0, -300.0, 1e-9], n), rng.uniform(50.0, 9000.0, n)),
@@ -109,7 +109,7 @@ def test_fmpys_own_simulation(fmus, tires, fmi):
 
 def test_every_segment_begins_in_steady_state(fmus, tires):
     runs = recording(300, 12)
-    runs = pd.concat([runs, runs.assign(t=runs["t"] + 500.0, kappa=-runs["kappa"])], ignore_index=True)
+    runs = pd.concat([runs, runs.assign(t=runs["t"] + 500.0, kappa=-0.6 * runs["kappa"])], ignore_index=True)
     result = check(fmus["rolling", 3], runs.assign(Fx=0.0))
     assert result.segments == 2
     assert result.evaluation_difference < 1e-9

@@ -1,0 +1,210 @@
+"""Bounded Levenberg-Marquardt in coefficients of a tire and linear disturbances of its recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from .disturbances import Disturbances
+from .simulation import Simulator
+
+FloatArray = npt.NDArray[np.float64]
+
+#: A card's range is this many standard deviations of the weak belief that a coefficient is about its start.
+RANGE_IN_DEVIATIONS = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Where a fit ended.
+
+    Attributes
+    ----------
+    parameters : ndarray, shape (n_parameters,)
+        Of the generated code.
+    free : tuple of str
+    disturbance : ndarray, shape (n_disturbances,)
+        Coefficients of the recording's disturbances.
+    cost : float
+        Half the weighted sum of squares, beliefs included.
+    residual : ndarray, shape (n_channels, n)
+        Measured less simulated and disturbances, in N and N m.
+    """
+
+    parameters: FloatArray
+    free: tuple[str, ...]
+    disturbance: FloatArray
+    cost: float
+    residual: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class LeastSquares:
+    """The problem: signals, weights, disturbances, and the belief about each coefficient.
+
+    Attributes
+    ----------
+    simulator : Simulator
+    root : ndarray, shape (n_channels, n)
+        One over each row's noise; 0 where a row takes no part.
+    disturbances : Disturbances
+    center : mapping of str to float
+        Where a coefficient is believed to lie, of those not at their card's start.
+    """
+
+    simulator: Simulator
+    root: FloatArray
+    disturbances: Disturbances
+    center: Mapping[str, float]
+
+    def bounds(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
+        """Return the lower and upper bounds of coefficients."""
+        cards = self.simulator.book.coefficients
+        lower = np.array([cards[name].lower for name in free])
+        upper = np.array([cards[name].upper for name in free])
+        factor = self._factors(free)
+        return lower * factor, upper * factor
+
+    def belief(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
+        """Return centers and standard deviations of the weak belief about coefficients."""
+        cards = self.simulator.book.coefficients
+        lower, upper = self.bounds(free)
+        center = np.array([self.center.get(name, cards[name].default) for name in free]) * self._factors(free)
+        return center, (upper - lower) / RANGE_IN_DEVIATIONS
+
+    def _factors(self, free: Sequence[str]) -> FloatArray:
+        """Return what the generated code's coefficients are per value of their cards.
+
+        An absent load_stiffness stands there as an enormous PKY2, with PKY1 to match.
+        """
+        factors = {} if "PKY2" in free else self.simulator.rescaled
+        return np.array([factors.get(name, 1.0) for name in free])
+
+    def solve(
+        self, start: FloatArray, free: Sequence[str], *, rows: slice | None = None, iterations: int = 30,
+        tolerance: float = 1e-5,
+    ) -> Solution:  # fmt: skip
+        """Return the fit from a start.
+
+        Parameters
+        ----------
+        start : ndarray, shape (n_parameters,)
+        free : sequence of str
+        rows : slice, optional
+            Of the compared rows; all where None.
+        iterations : int
+        tolerance : float
+            Relative gain in cost below which an iteration is the last.
+        """
+        thin = self._thinned(rows)
+        lower, upper = thin.bounds(free)
+        places = [self.simulator.place[name] for name in free]
+        parameters = start.copy()
+        parameters[places] = np.clip(parameters[places], lower, upper)
+        disturbance = thin.best_disturbance(thin.misfit(parameters))
+        cost, damping = thin._cost(parameters, free, disturbance), 1e-3
+        for _ in range(iterations):
+            matrix, gradient = thin._normal(parameters, free, disturbance)
+            accepted = False
+            for _ in range(6):
+                step = _bounded_step(matrix, gradient, damping, parameters[places], lower, upper)
+                trial = parameters.copy()
+                trial[places] = np.clip(parameters[places] + step, lower, upper)
+                moved = thin.best_disturbance(thin.misfit(trial))
+                new = thin._cost(trial, free, moved)
+                if np.isfinite(new) and new < cost:
+                    accepted = True
+                    break
+                damping = max(damping, 1e-6) * 8.0
+            if not accepted:
+                break
+            gain, parameters, disturbance, cost = cost - new, trial, moved, new
+            damping /= 10.0
+            if gain < tolerance * cost:
+                break
+        return self.at(parameters, free)
+
+    def at(self, parameters: FloatArray, free: Sequence[str]) -> Solution:
+        """Return the solution that parameters are, with the disturbances that fit best."""
+        misfit = self.misfit(parameters)
+        disturbance = self.best_disturbance(misfit)
+        residual = misfit - self.disturbances.columns @ disturbance
+        return Solution(parameters, tuple(free), disturbance, self._cost(parameters, free, disturbance), residual)
+
+    def misfit(self, parameters: FloatArray) -> FloatArray:
+        """Return measured less simulated forces, shape (n_channels, n)."""
+        return self.simulator.signals.measured - self.simulator.forces(parameters)
+
+    def best_disturbance(self, misfit: FloatArray) -> FloatArray:
+        """Return the disturbances that explain a misfit best."""
+        weighted, matrix = self._disturbance_system
+        target = np.einsum("cn,cnq->q", self.root * misfit, weighted)
+        return np.asarray(np.linalg.solve(matrix, target))
+
+    @cached_property
+    def _disturbance_system(self) -> tuple[FloatArray, FloatArray]:
+        weighted = self.root[:, :, None] * self.disturbances.columns
+        flat = weighted.reshape(-1, weighted.shape[-1])
+        return weighted, flat.T @ flat + np.diag(self.disturbances.deviation**-2)
+
+    def _cost(self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray) -> float:
+        residual = self.misfit(parameters) - self.disturbances.columns @ disturbance
+        center, deviation = self.belief(free)
+        values = parameters[[self.simulator.place[name] for name in free]]
+        beliefs = np.sum(((values - center) / deviation) ** 2) + np.sum(
+            (disturbance / self.disturbances.deviation) ** 2
+        )
+        return 0.5 * float(np.sum((self.root * residual) ** 2) + beliefs)
+
+    def tangent(self, parameters: FloatArray, free: Sequence[str]) -> FloatArray:
+        """Return weighted derivatives by coefficients and disturbances, shape (n_channels * n, n_free + n_dist)."""
+        jacobian = self.root[:, :, None] * self.simulator.jacobian(parameters, free)
+        weighted, _ = self._disturbance_system
+        return np.concatenate([jacobian, weighted], axis=-1).reshape(-1, len(free) + weighted.shape[-1])
+
+    def _normal(
+        self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return matrix and gradient in the coefficients, the disturbances eliminated."""
+        tangent = self.tangent(parameters, free)
+        residual = self.root * (self.misfit(parameters) - self.disturbances.columns @ disturbance)
+        n, (center, deviation) = len(free), self.belief(free)
+        full, slope = tangent.T @ tangent, tangent.T @ residual.ravel()
+        full += np.diag(np.concatenate([deviation, self.disturbances.deviation]) ** -2)
+        values = parameters[[self.simulator.place[name] for name in free]]
+        slope -= np.concatenate([(values - center) / deviation**2, disturbance / self.disturbances.deviation**2])
+        inner = np.linalg.solve(full[n:, n:], np.column_stack([full[n:, :n], slope[n:]]))
+        return full[:n, :n] - full[:n, n:] @ inner[:, :n], slope[:n] - full[:n, n:] @ inner[:, n]
+
+    def _thinned(self, rows: slice | None) -> LeastSquares:
+        if rows is None:
+            return self
+        signals = self.simulator.signals
+        thin = replace(
+            signals, rows=signals.rows[rows], measured=signals.measured[:, rows], present=signals.present[:, rows],
+            block=signals.block[rows], holdout=signals.holdout[rows],
+        )  # fmt: skip
+        simulator = self.simulator.over(thin)
+        return replace(self, simulator=simulator, root=self.root[:, rows], disturbances=self.disturbances.thinned(rows))
+
+
+def _bounded_step(
+    matrix: FloatArray, gradient: FloatArray, damping: float, values: FloatArray, lower: FloatArray, upper: FloatArray
+) -> FloatArray:
+    """Return a damped step in which coefficients at a bound, pushed against it, stay."""
+    step = np.zeros(len(gradient))
+    moving = ~(((values <= lower) & (gradient < 0)) | ((values >= upper) & (gradient > 0)))
+    for _ in range(4):
+        part = matrix[np.ix_(moving, moving)]
+        damped = part + np.diag(damping * np.diag(part))
+        step[:] = 0.0
+        step[moving] = np.linalg.solve(damped, gradient[moving])
+        over = moving & ((values + step < lower) & (values <= lower) | (values + step > upper) & (values >= upper))
+        if not over.any():
+            break
+        moving &= ~over
+    return step

@@ -1,0 +1,185 @@
+"""Linear regression on traces with noise that is correlated in time: estimates, covariances, cross-validation.
+
+Blocks of time are left out one at a time (the jackknife, which is the variance CR3 of clusters: Bell and McCaffrey,
+Bias reduction in standard errors for linear regression with multi-stage samples, 2002), and, beside that, the noise's
+own autocovariance is carried through the estimate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+from scipy import fft, stats
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class BlockSums:
+    """Cross products of columns and a residual, block by block.
+
+    Attributes
+    ----------
+    matrix : ndarray, shape (n_blocks, m, m)
+    target : ndarray, shape (n_blocks, m)
+    power : ndarray, shape (n_blocks,)
+        Sum of squares of the residual.
+    """
+
+    matrix: FloatArray
+    target: FloatArray
+    power: FloatArray
+
+
+def block_sums(columns: FloatArray, residual: FloatArray, edges: IntArray) -> BlockSums:
+    """Return cross products by block.
+
+    Parameters
+    ----------
+    columns : ndarray, shape (n_channels, n, m)
+        Weighted.
+    residual : ndarray, shape (n_channels, n)
+        Weighted.
+    edges : ndarray of int, shape (n_blocks + 1,)
+        First row of each block, and the number of rows.
+    """
+    m = columns.shape[-1]
+    matrix, target, power = [], [], []
+    for first, last in pairwise(edges.tolist()):
+        part = columns[:, first:last].reshape(-1, m)
+        rest = residual[:, first:last].ravel()
+        matrix.append(part.T @ part)
+        target.append(part.T @ rest)
+        power.append(rest @ rest)
+    return BlockSums(np.array(matrix), np.array(target), np.array(power))
+
+
+@dataclass(frozen=True, eq=False)
+class Regression:
+    """A residual's regression on columns.
+
+    Attributes
+    ----------
+    estimate : ndarray, shape (m,)
+    jackknife : ndarray, shape (m, m)
+        Covariance of the estimate by leaving out blocks.
+    loss : ndarray, shape (n_blocks,)
+        Sum of squares in each block of what the other blocks' estimate leaves.
+    inverse : ndarray, shape (m, m)
+        Of the normal matrix with the beliefs.
+    others : ndarray, shape (n_blocks, m)
+        The estimate without each block.
+    """
+
+    estimate: FloatArray
+    jackknife: FloatArray
+    loss: FloatArray
+    inverse: FloatArray
+    others: FloatArray
+
+
+def regression(sums: BlockSums, belief: FloatArray, pull: FloatArray | None = None) -> Regression:
+    """Return the regression with each block left out in turn.
+
+    Parameters
+    ----------
+    sums : BlockSums
+    belief : ndarray, shape (m,)
+        One over the variance of the belief that each coefficient is 0.
+    pull : ndarray, shape (m,), optional
+        The beliefs' share of the target, where the residual belongs to coefficients off their centers.
+    """
+    matrix, target = sums.matrix.sum(axis=0) + np.diag(belief), sums.target.sum(axis=0)
+    if pull is not None:
+        target = target + pull
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-300))
+    ridge = 1e-11 * np.eye(len(scale))
+    whole = scale[:, None] * matrix * scale + ridge
+    inverse = scale[:, None] * np.linalg.inv(whole) * scale
+    estimate = inverse @ target
+    without = scale[:, None] * (matrix - sums.matrix) * scale + ridge
+    others = scale * np.linalg.solve(without, (scale * (target - sums.target))[:, :, None])[:, :, 0]
+    loss = (
+        sums.power
+        - 2.0 * np.einsum("gm,gm->g", others, sums.target)
+        + np.einsum("gm,gmk,gk->g", others, sums.matrix, others)
+    )
+    n = len(sums.power)
+    spread = others - others.mean(axis=0)
+    return Regression(estimate, (n - 1) / n * spread.T @ spread, loss, inverse, others)
+
+
+def autocovariance(residual: FloatArray, present: npt.NDArray[np.bool_], lags: int) -> FloatArray:
+    """Return covariances of channels over time, tapered, shape (n_channels, n_channels, lags + 1).
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n_channels, n)
+        Weighted, 0 where not present.
+    present : ndarray of bool, shape (n_channels, n)
+    lags : int
+        The longest; Parzen's taper keeps the spectrum positive.
+    """
+    size = fft.next_fast_len(residual.shape[1] + lags + 1)
+    waves, there = fft.rfft(residual, size), fft.rfft(present.astype(np.float64), size)
+
+    def products(x: npt.NDArray[np.complex128]) -> FloatArray:
+        return np.asarray(fft.irfft(x.conj()[:, None] * x[None, :], size)[:, :, : lags + 1])
+
+    count = np.maximum(products(there), 1.0)
+    place = np.arange(lags + 1) / (lags + 1)
+    taper = np.where(place <= 0.5, 1.0 - 6.0 * place**2 + 6.0 * place**3, 2.0 * (1.0 - place) ** 3)
+    return np.asarray(products(waves) / count * taper)
+
+
+def coloured_covariance(traces: FloatArray, covariance: FloatArray) -> FloatArray:
+    """Return the covariance of the traces' products with coloured noise, shape (m, m).
+
+    Parameters
+    ----------
+    traces : ndarray, shape (n_channels, n, m)
+        0 where a row takes no part.
+    covariance : ndarray, shape (n_channels, n_channels, lags + 1)
+        From `autocovariance`.
+    """
+    _, n, m = traces.shape
+    lags = covariance.shape[-1] - 1
+    size = fft.next_fast_len(n + lags + 1)
+    waves = fft.rfft(traces, size, axis=1)
+    kernel = np.zeros((*covariance.shape[:2], size))
+    kernel[:, :, : lags + 1] = covariance
+    if lags:
+        kernel[:, :, -lags:] = covariance.transpose(1, 0, 2)[:, :, :0:-1]
+    spectrum = fft.rfft(kernel, axis=-1)
+    coloured = fft.irfft(np.einsum("cdf,cfm->dfm", spectrum, waves), size, axis=1)[:, :n]
+    return np.asarray(np.einsum("cnm,cnk->mk", traces, coloured).reshape(m, m))
+
+
+def wald_p(estimate: FloatArray, covariance: FloatArray, n_blocks: int | None = None) -> float:
+    """Return the probability of an estimate at least this far from 0 by chance.
+
+    Parameters
+    ----------
+    estimate : ndarray, shape (k,)
+    covariance : ndarray, shape (k, k)
+    n_blocks : int, optional
+        The blocks that the covariance comes from (Hotelling's distribution); known where None.
+
+    Examples
+    --------
+    >>> round(wald_p(np.array([1.96]), np.eye(1)), 3)
+    0.05
+    """
+    k = len(estimate)
+    scale = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
+    shape = covariance / np.outer(scale, scale) + 1e-9 * np.eye(k)
+    size = float(estimate / scale @ np.linalg.solve(shape, estimate / scale))
+    if n_blocks is None:
+        return float(stats.chi2.sf(size, k))
+    if n_blocks <= k + 1:
+        return 1.0
+    return float(stats.f.sf(size * (n_blocks - k) / (k * (n_blocks - 1)), k, n_blocks - k))

@@ -1,0 +1,143 @@
+"""Unknown structure as an effect of the book: its file, and the test on rows that no decision has seen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.symbolic.added import AddedEffect, read_effect
+from tirefmu.symbolic.errors import EffectError
+from tirefmu.tires.tire import Tire
+
+from .least_squares import LeastSquares, Solution
+from .leftover import Structure
+from .simulation import Simulator
+
+FloatArray = npt.NDArray[np.float64]
+
+#: What the squared misfit of the hold-out has to lose for a formula to be added.
+LEAST_IMPROVEMENT = 0.02
+#: What a term in a quantity is multiplied by, so that its coefficient is a pure number.
+CARRIED = {"S_Vy": "Fz*", "D_r": "Fz*UNLOADED_RADIUS*"}
+#: How many times its estimate a coefficient may become.
+REACH = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Added:
+    """A formula that stands in the model now.
+
+    Attributes
+    ----------
+    effect : AddedEffect
+    tire : Tire
+        The start model with the formula's effect beside its own.
+    problem : LeastSquares
+    solution : Solution
+    """
+
+    effect: AddedEffect
+    tire: Tire
+    problem: LeastSquares
+    solution: Solution
+
+
+def effect_of(structure: Structure) -> AddedEffect | None:
+    """Return structure as an effect file would have it, or None where no file can say it.
+
+    Parameters
+    ----------
+    structure : Structure
+
+    Returns
+    -------
+    AddedEffect or None
+    """
+    if not structure.written:
+        return None
+    sizes = structure.trace.estimate
+    names = [f"FOUND{i + 1}" for i in range(len(sizes))]
+    cards = "\n".join(
+        f'{name} = {{description = "found: {_plain(term.text)}", unit = "1", lower = {-_reach(size)!r}, '
+        f"upper = {_reach(size)!r}}}"
+        for name, term, size in zip(names, structure.terms, sizes, strict=True)
+    )
+    total = " + ".join(f"{name}*({term.text})" for name, term in zip(names, structure.terms, strict=True))
+    acts = "\n".join(
+        f'[[acts]]\non = "{quantity}"\n{structure.place.how} = '
+        + (f'"1 + {total}"' if structure.place.how == "factor" else f'"{CARRIED.get(quantity, "")}({total})"')
+        for quantity in structure.place.quantities
+    )
+    name = "found_" + "_".join(structure.depends_on).lower()
+    text = (
+        f'name = "{name}"\nphysics = "{structure.place.name} changes with {", ".join(structure.depends_on)}"\n'
+        f'source = "proposed by the diagnosis of a recording"\n[coefficients]\n{cards}\n{acts}\n'
+    )
+    return read_effect(text, f"{name}.toml")
+
+
+def _reach(size: float) -> float:
+    return max(abs(float(size)), 1e-4) * REACH
+
+
+def _plain(text: str) -> str:
+    return text.replace('"', "")
+
+
+def added_if_better(
+    structure: Structure, effect: AddedEffect, start: Tire, problem: LeastSquares, solution: Solution
+) -> Added | None:
+    """Put a formula into the model and keep it if the untouched hold-out improves.
+
+    Parameters
+    ----------
+    structure : Structure
+    effect : AddedEffect
+        What `effect_of` made of it.
+    start : Tire
+    problem : LeastSquares
+    solution : Solution
+        Before the formula.
+
+    Returns
+    -------
+    Added or None
+        None where the hold-out does not improve, or the book has no place for the formula.
+    """
+    beside = problem.disturbances.extended(
+        tuple(card.name for card in effect.cards), structure.columns, np.abs(structure.trace.estimate) * REACH + 1e-6
+    )
+    tried = replace(problem, disturbances=beside).solve(solution.parameters, solution.free, iterations=3)
+    if not _better(problem, solution, tried):
+        return None
+    try:
+        tire = replace(start, added=(*start.added, effect))
+        simulator = Simulator(tire, problem.simulator.signals)
+    except EffectError:
+        return None
+    parameters = tire.parameters()
+    for name in problem.simulator.names:
+        parameters[simulator.place[name]] = solution.parameters[problem.simulator.place[name]]
+    for card, size in zip(effect.cards, structure.trace.estimate, strict=True):
+        parameters[simulator.place[card.name]] = size
+    whole = replace(problem, simulator=simulator)
+    free = (*solution.free, *(card.name for card in effect.cards))
+    fitted = whole.solve(parameters, free, iterations=8)
+    return Added(effect, tire, whole, fitted) if _better(problem, solution, fitted) else None
+
+
+def _better(problem: LeastSquares, before: Solution, after: Solution) -> bool:
+    """Return whether the hold-out's squared misfit, in the training rows' own, falls."""
+    signals = problem.simulator.signals
+    kept = signals.present & signals.holdout
+    learns = problem.root > 0.0
+    sums = []
+    for solution in (before, after):
+        total = 0.0
+        for i in range(len(signals.channels)):
+            scale = float(np.mean(before.residual[i][learns[i]] ** 2)) if learns[i].any() else np.inf
+            total += float(np.sum(solution.residual[i][kept[i]] ** 2)) / scale
+        sums.append(total)
+    return sums[1] < (1.0 - LEAST_IMPROVEMENT) * sums[0]

@@ -1,0 +1,191 @@
+"""Which missing effects a residual shows traces of: finite probes, the base's own freedom projected out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from .candidates import Probe, Shape
+from .least_squares import LeastSquares, Solution
+from .linear import (
+    BlockSums,
+    autocovariance,
+    block_sums,
+    coloured_covariance,
+    regression,
+    wald_p,
+)
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+#: A probe's belief: this many probes' sizes.
+PROBE_BELIEF = 20.0
+#: The longest correlation of noise that is carried through, s.
+MEMORY = 1.0
+#: A trace that keeps less than this share of itself beside the base's freedom cannot be seen.
+ABSORBED = 0.02
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """What a shape's probes do to the forces, and what the residual says about them.
+
+    Attributes
+    ----------
+    columns : ndarray, shape (n_channels, n, k)
+        Weighted.
+    estimate : ndarray, shape (k,)
+        In probes.
+    p_coloured, p_blocks : float
+        Probability of an estimate at least this far from 0 by chance: by the noise's autocovariance, by blocks.
+    error : ndarray, shape (k,)
+        Standard errors of the estimate, the larger of the two.
+    loss : ndarray, shape (n_blocks,)
+        Of blocks left out, with the trace.
+    kept : float
+        Share of the traces' size that the base's freedom leaves.
+    size : float
+        Root mean square of the largest trace, in noise deviations.
+    """
+
+    columns: FloatArray
+    estimate: FloatArray
+    p_coloured: float
+    p_blocks: float
+    error: FloatArray
+    loss: FloatArray
+    kept: float
+    size: float
+
+    @property
+    def p(self) -> float:
+        """The larger of the two probabilities."""
+        return max(self.p_coloured, self.p_blocks)
+
+
+class Screen:
+    """A solution's residual, its freedom, and traces tried against both.
+
+    Parameters
+    ----------
+    problem : LeastSquares
+    solution : Solution
+    """
+
+    def __init__(self, problem: LeastSquares, solution: Solution) -> None:
+        self.problem, self.solution = problem, solution
+        self.signals = problem.simulator.signals
+        shape = problem.root.shape
+        self.tangent = problem.tangent(solution.parameters, solution.free).reshape(*shape, -1)
+        self.residual = problem.root * solution.residual
+        center, deviation = problem.belief(solution.free)
+        values = solution.parameters[[problem.simulator.place[name] for name in solution.free]]
+        self.belief = np.concatenate([deviation, problem.disturbances.deviation]) ** -2.0
+        self.pull = np.concatenate(
+            [-(values - center) / deviation**2, -solution.disturbance / problem.disturbances.deviation**2]
+        )
+        self.edges = _edges(self.signals.block, problem.root)
+        self.sums = block_sums(self.tangent, self.residual, self.edges)
+        self.base = regression(self.sums, self.belief, self.pull)
+        self._noise = self.residual
+        self._at_base = problem.simulator.forces(solution.parameters)
+
+    @property
+    def n_blocks(self) -> int:
+        """The number of blocks that take part."""
+        return len(self.edges) - 1
+
+    def columns(self, shape: Shape) -> FloatArray:
+        """Return what a shape's probes do to the forces, weighted, shape (n_channels, n, k)."""
+        return np.stack([self._column(probe) for probe in shape.probes], axis=-1)
+
+    def probed(self, probe: Probe) -> FloatArray:
+        """Return the parameters with a probe's coefficients, those of present effects moved by it."""
+        simulator, parameters = self.problem.simulator, self.solution.parameters.copy()
+        for name, value in probe.items():
+            place = simulator.place[name]
+            if name == "PKY2" and "PKY2" not in self.solution.free:
+                stiffness = simulator.place["PKY1"]
+                parameters[stiffness] *= 2.0 / parameters[place] / float(np.sin(2.0 * np.arctan(1.0 / value)))
+            fitted = name in self.solution.free or name in _NOT_AT_ZERO
+            parameters[place] = parameters[place] + value if fitted and name not in _REPLACED else value
+        return parameters
+
+    def _column(self, probe: Probe) -> FloatArray:
+        moved = self.problem.simulator.forces(self.probed(probe))
+        return np.asarray(self.problem.root * np.nan_to_num(moved - self._at_base))
+
+    def project(self, columns: FloatArray) -> FloatArray:
+        """Return columns without what the base's freedom can do."""
+        cross = np.einsum("cnq,cnk->qk", self.tangent, columns)
+        return np.asarray(columns - self.tangent @ (self.base.inverse @ cross))
+
+    def learn_noise(self, traces: Mapping[int, FloatArray]) -> None:
+        """Take for noise what all traces together leave of the residual."""
+        every = np.concatenate([self.project(columns) for columns in traces.values()], axis=-1)
+        flat = every.reshape(-1, every.shape[-1])
+        matrix = flat.T @ flat
+        matrix += np.diag(1e-3 * np.diag(matrix) + 1e-9)
+        self._noise = self.residual - (every @ np.linalg.solve(matrix, flat.T @ self.residual.ravel()))
+        t = self.signals.t[self.signals.rows]
+        step = float(np.median(np.diff(t))) if self.signals.timed else MEMORY / 25.0
+        lags = int(np.clip(MEMORY / max(step, 1e-6), 5, 200))
+        self._noise = np.where(self.problem.root > 0.0, self._noise, 0.0)
+        self.covariance = autocovariance(self._noise, self.problem.root > 0.0, lags)
+
+    def trace(self, columns: FloatArray) -> Trace:
+        """Return what the residual says about columns of traces."""
+        k = columns.shape[-1]
+        free = self.project(columns)
+        own, size = np.sqrt(np.sum(free**2, axis=(0, 1))), np.sqrt(np.sum(columns**2, axis=(0, 1)))
+        there = own > np.maximum(ABSORBED * size, 1e-6)
+        rows = max(int((self.problem.root > 0.0).sum()), 1)
+        kept = float(np.max(own / np.maximum(size, 1e-300)))
+        if not there.any():
+            nothing = np.zeros(k)
+            return Trace(
+                columns, nothing, 1.0, 1.0, nothing + np.inf, self.base.loss, kept, float(size.max() / rows**0.5)
+            )
+        whole = np.concatenate([self.tangent, columns], axis=-1)
+        sums = self._extended(columns, whole)
+        q = self.tangent.shape[-1]
+        belief = np.concatenate([self.belief, np.full(k, PROBE_BELIEF**-2.0)])
+        fit = regression(sums, belief, np.concatenate([self.pull, np.zeros(k)]))
+        inner = fit.inverse[q:, q:]
+        coloured = inner @ coloured_covariance(free, self.covariance) @ inner
+        jackknife = fit.jackknife[q:, q:]
+        estimate = fit.estimate[q:]
+        use = np.ix_(there, there)
+        p_coloured = wald_p(estimate[there], coloured[use])
+        p_blocks = wald_p(estimate[there], jackknife[use], self.n_blocks)
+        error = np.sqrt(np.maximum(np.diag(coloured), np.diag(jackknife)))
+        return Trace(columns, estimate, p_coloured, p_blocks, error, fit.loss, kept, float(size.max() / rows**0.5))
+
+    def _extended(self, columns: FloatArray, whole: FloatArray) -> BlockSums:
+        q, m = self.tangent.shape[-1], whole.shape[-1]
+        matrix = np.empty((self.n_blocks, m, m))
+        matrix[:, :q, :q] = self.sums.matrix
+        target = np.empty((self.n_blocks, m))
+        target[:, :q] = self.sums.target
+        for g, (first, last) in enumerate(zip(self.edges[:-1], self.edges[1:], strict=True)):
+            part = columns[:, first:last].reshape(-1, m - q)
+            cross = whole[:, first:last].reshape(-1, m).T @ part
+            matrix[g, :, q:], matrix[g, q:, :] = cross, cross.T
+            target[g, q:] = part.T @ self.residual[:, first:last].ravel()
+        return BlockSums(matrix, target, self.sums.power)
+
+
+#: Coefficients whose neutral value is not 0: a probe adds to them; and those that a probe sets.
+_NOT_AT_ZERO = ("PKY4",)
+_REPLACED = ("PKY2",)
+
+
+def _edges(block: IntArray, root: FloatArray) -> IntArray:
+    """Return the first row of each block that takes part, and the last; rows kept apart lie in their neighbours."""
+    first = np.flatnonzero(np.diff(block, prepend=-1))
+    counts = np.add.reduceat((root > 0.0).any(axis=0), first)
+    return np.concatenate([first[counts > 20], [len(block)]]).astype(np.int64)

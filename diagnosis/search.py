@@ -1,0 +1,254 @@
+"""The search: probe every effect that is missing, refit the best, rank by blocked cross-validation, gate, repeat."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from .base import readable
+from .candidates import FINER, Candidate, Shape, varies
+from .confounding import CONFOUNDED, correlations
+from .least_squares import LeastSquares, Solution
+from .leftover import CORE_INPUTS, Structure, structure_of
+from .screening import Screen, Trace
+
+FloatArray = npt.NDArray[np.float64]
+
+#: What a finding has to pass: probability under coloured noise after Bonferroni, probability by blocks of time (few
+#: and unequal, so less is asked of them), gain in standard errors, and gain as a share of the squared misfit.
+LARGEST_P = 0.001
+LARGEST_P_OF_BLOCKS = 0.01
+LEAST_ERRORS = 1.0
+LEAST_GAIN = 0.008
+#: How many candidates are refitted in a round, and how many rounds there are.
+REFITTED = 5
+ROUNDS = 6
+#: A named effect is taken where it explains at least this share of what any structure could.
+ENOUGH = 0.6
+#: Rows of a search's fits.
+SEARCH_ROWS = 2500
+
+
+@dataclass(frozen=True, eq=False)
+class Refit:
+    """A candidate fitted jointly with the base.
+
+    Attributes
+    ----------
+    name : str
+    shape : Shape
+    solution : Solution
+    screen : Screen
+        Of its solution.
+    p : float
+        Adjusted for all shapes tried.
+    gain, gain_error : float
+        Of cross-validation, as a share of the base's squared misfit.
+    gains : ndarray, shape (n_blocks,)
+        Gain by block of time, in squared noise deviations.
+    trace : Trace
+    """
+
+    name: str
+    shape: Shape
+    solution: Solution
+    screen: Screen
+    p: float
+    gain: float
+    gain_error: float
+    gains: FloatArray
+    trace: Trace
+
+    @property
+    def passes(self) -> bool:
+        """Whether it is more than noise."""
+        significant = self.p < LARGEST_P and self.trace.p_blocks < LARGEST_P_OF_BLOCKS
+        return significant and self.gain > max(LEAST_ERRORS * self.gain_error, LEAST_GAIN)
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """A shape of a candidate with its trace in the residual."""
+
+    name: str
+    shape: Shape
+    trace: Trace
+
+
+@dataclass(eq=False)
+class Search:
+    """The state of a search.
+
+    Attributes
+    ----------
+    problem : LeastSquares
+    solution : Solution
+        Of the base and all that was found.
+    candidates : mapping of str to Candidate
+    found : list of Refit
+    finer : list of Refit
+        Finer forms of effects that were there before.
+    structures, forms : list of Structure
+        What no known effect explains; and the same where it is another form of what the model has.
+    last : list of Tried
+        The last round's traces.
+    screen : Screen
+        Of the present solution.
+    tests : int
+        How many shapes a round tries.
+    progress : callable
+        Takes a sentence.
+    """
+
+    problem: LeastSquares
+    solution: Solution
+    candidates: Mapping[str, Candidate]
+    progress: Callable[[str], None]
+    found: list[Refit] = field(default_factory=list)
+    finer: list[Refit] = field(default_factory=list)
+    structures: list[Structure] = field(default_factory=list)
+    forms: list[Structure] = field(default_factory=list)
+    last: list[Tried] = field(default_factory=list)
+    screen: Screen = field(init=False)
+    tests: int = 0
+
+    def run(self) -> None:
+        """Search until nothing passes."""
+        for _ in range(ROUNDS):
+            best = self.round()
+            if best is None:
+                break
+            if isinstance(best, Structure):
+                if not self._take(best):
+                    break
+            else:
+                known = best.name.startswith("finer ")
+                (self.finer if known else self.found).append(best)
+                self.progress(f"{'a finer form' if known else 'found'}: {best.name} (gain {100 * best.gain:.2f} %)")
+                self.solution = best.solution
+        self.screen = Screen(self.problem, self.solution)
+        self.last = self.probe()
+
+    def round(self) -> Refit | Structure | None:
+        """Try every candidate on what is left; return the best that passes, or structure that far exceeds it."""
+        self.screen = Screen(self.problem, self.solution)
+        self.last = self.probe()
+        self.tests = len(self.last)
+        ordered = sorted(self.last, key=lambda tried: float(tried.trace.loss.sum()))
+        own = [tried for tried in ordered if not tried.name.startswith("finer ")]
+        chosen = _distinct(own)[:REFITTED] + _distinct([t for t in ordered if t.name.startswith("finer ")])[:2]
+        promising = [t for t in chosen if t.trace.p_coloured * self.tests < 10.0 * LARGEST_P]
+        refits = [refit for tried in promising if (refit := self.refit(tried)) is not None]
+        passing = [refit for refit in refits if refit.passes and not self._is_ghost(refit)]
+        best = preferred(passing, self.candidates) if passing else None
+        structure = structure_of(self.screen)
+        if structure is None or not structure.passes or (best and best.gain > ENOUGH * structure.gain):
+            return best
+        return structure
+
+    def _take(self, structure: Structure) -> bool:
+        """Carry structure beside the tire where it is another form of what it has; return whether that is so."""
+        varied = {name for refit in self.found for name in self.candidates[refit.name].varies}
+        if {"distance", "T"} & varied:
+            varied |= {"T", "distance"}
+        if not set(structure.depends_on) <= CORE_INPUTS | varied:
+            self.structures.append(structure)
+            self.progress(f"unknown structure: {structure.formula}")
+            return False
+        self.forms.append(structure)
+        self.progress(f"another form of the base: {structure.formula}")
+        sizes = np.maximum(np.abs(structure.trace.estimate), 1e-6) * 20.0
+        names = tuple(f"form_{len(self.forms)}_{i}" for i in range(len(sizes)))
+        disturbances = self.problem.disturbances.extended(names, structure.columns, sizes)
+        self.problem = replace(self.problem, disturbances=disturbances)
+        self.solution = self.problem.solve(self.solution.parameters, self.solution.free, iterations=4)
+        return True
+
+    def _is_ghost(self, refit: Refit) -> bool:
+        """Return whether a candidate only mends the form of a finding that it can hardly be told from."""
+        columns = {refit.name: self.screen.columns(refit.shape)}
+        return any(
+            correlations(self.screen, one.shape.free, columns, {}).get(refit.name, 0.0) > CONFOUNDED
+            for one in self.found
+        )  # fmt: skip
+
+    def probe(self) -> list[Tried]:
+        """Learn the noise and return every shape that could show, with its trace."""
+        signals, tire = self.problem.simulator.signals, self.problem.simulator.tire
+        gone = {refit.name for refit in self.found}
+        shapes: list[tuple[str, Shape]] = []
+        for name, candidate in self.candidates.items():
+            if name in gone or not all(varies(signals, tire, needed) for needed in candidate.varies):
+                continue
+            shapes += [(name, shape) for shape in map(self._readable, candidate.shapes) if shape]
+        for parent, finer in FINER.items():
+            if not parent or parent in tire.has or parent in gone:
+                shapes += [(f"finer {parent or 'core'}", shape) for shape in map(self._readable, finer) if shape]
+        columns = {i: self.screen.columns(shape) for i, (_, shape) in enumerate(shapes)}
+        self.screen.learn_noise(columns)
+        return [Tried(name, shape, self.screen.trace(columns[i])) for i, (name, shape) in enumerate(shapes)]
+
+    def _readable(self, shape: Shape) -> Shape | None:
+        """Return a shape with the coefficients that the channels show and that are not free already."""
+        taken = self.solution.free
+        names = [n for n in readable(shape.free, self.problem.simulator.signals) if n not in taken]
+        names = [name for name in names if name in self.problem.simulator.place]
+        probes = tuple(probe for probe in shape.probes if set(probe) & set(names))
+        return replace(shape, free=tuple(names), probes=probes) if names and probes else None
+
+    def refit(self, tried: Tried) -> Refit | None:
+        """Fit a shape jointly with what is there, from its starts."""
+        shape, trace = tried.shape, tried.trace
+        order = self.problem.simulator.names
+        free = tuple(sorted({*self.solution.free, *shape.free}, key=order.index))
+        thin = slice(None, None, max(1, len(self.problem.simulator.signals.rows) // SEARCH_ROWS))
+        tries = [self.problem.solve(start, free, rows=thin, iterations=8) for start in self._starts(shape, trace)]
+        best = min(tries, key=lambda solution: solution.cost)
+        solution = self.problem.solve(best.parameters, free, iterations=4)
+        screen = Screen(self.problem, solution)
+        gains = self.screen.base.loss - screen.base.loss
+        total = float(self.screen.base.loss.sum())
+        error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
+        p = min(1.0, trace.p_coloured * self.tests)
+        return Refit(
+            tried.name, shape, solution, screen, p, float(gains.sum()) / total, error / total, gains, trace
+        )  # fmt: skip
+
+    def _starts(self, shape: Shape, trace: Trace) -> list[FloatArray]:
+        if not shape.scalable:
+            return [self.screen.probed(probe) for probe in shape.probes]
+        start = self.solution.parameters.copy()
+        for probe, times in zip(shape.probes, trace.estimate, strict=True):
+            for name, value in probe.items():
+                start[self.problem.simulator.place[name]] += float(np.clip(times, -3.0, 3.0)) * value
+        return [start]
+
+
+def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit:
+    """Return the best of several refits that pass.
+
+    The largest gain wins; a finer form of the base, an effect that contains another and a richer shape have to be
+    better by more than the standard error of the difference, twice of it for a finer form.
+    """
+    best = max(refits, key=lambda refit: refit.gain)
+    for other in sorted(refits, key=lambda refit: -refit.gain):
+        if other is best:
+            continue
+        difference = best.gains - other.gains
+        error = float(np.sqrt(len(difference)) * np.std(difference, ddof=1))
+        contains = candidates[best.name].part_of == other.name if best.name in candidates else False
+        finer = best.name.startswith("finer ") and not other.name.startswith("finer ")
+        if (contains or finer) and difference.sum() < 2.0 * error:
+            best = other
+    return best
+
+
+def _distinct(tried: list[Tried]) -> list[Tried]:
+    """Return the first shape of each name, in order."""
+    seen: dict[str, Tried] = {}
+    for one in tried:
+        seen.setdefault(one.name if not one.name.startswith("finer ") else f"{one.name}{one.shape.free}", one)
+    return list(seen.values())

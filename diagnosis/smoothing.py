@@ -1,0 +1,85 @@
+"""Noise in measured inputs taken out by local parabolas, each row with the widest window that the data allow.
+
+Noise in a slip imitates relaxation and a loss of stiffness; a window across a step is worse than none. Windows grow
+around each row for as long as their estimates agree (intersection of confidence intervals: Goldenshluger and
+Nemirovski, On spatially adaptive estimation of nonparametric regression, 1997; Katkovnik, 1999).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from scipy.signal import savgol_coeffs, savgol_filter
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Half widths of the windows, in rows.
+HALF_WIDTHS = (2, 3, 4, 6, 9, 13, 18)
+#: Rows of the local parabola about which noise is measured.
+WINDOW = 11
+#: How far estimates may differ, in their standard deviations.
+AGREEMENT = 1.0
+
+
+def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
+    """Return a channel without its short-range noise, and that noise's standard deviation.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        At about equal steps of time.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    float
+        0 where nothing was smoothed.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> ramp = np.concatenate([np.linspace(0.0, 1.0, 300), np.ones(300)])
+    >>> clean, noise = smoothed(ramp + 0.01 * rng.standard_normal(600))
+    >>> bool(np.sqrt(np.mean((clean - ramp) ** 2)) < 0.005), abs(noise - 0.01) < 0.002
+    (True, True)
+    """
+    n = len(values)
+    if n < 4 * HALF_WIDTHS[-1] or np.ptp(values) == 0.0:
+        return values, 0.0
+    deviation, correlation = noise_of(values)
+    if deviation == 0.0:
+        return values, 0.0
+    lower, upper = values - 3.0 * deviation, values + 3.0 * deviation  # a row beside a step stays as it is
+    best, going = values.copy(), np.ones(n, dtype=bool)
+    for half in HALF_WIDTHS:
+        width = 2 * half + 1
+        line = savgol_filter(values, width, 2)
+        spread = deviation * np.sqrt(_variance_factor(width, correlation))
+        lower, upper = np.maximum(lower, line - AGREEMENT * spread), np.minimum(upper, line + AGREEMENT * spread)
+        going &= lower <= upper
+        best[going] = line[going]
+    return best, deviation
+
+
+def noise_of(values: FloatArray) -> tuple[float, float]:
+    """Return the noise's standard deviation, and its correlation from one row to the next."""
+    away = -savgol_coeffs(WINDOW, 2)
+    away[WINDOW // 2] += 1.0
+    rest = values - savgol_filter(values, WINDOW, 2)
+    typical = 1.4826 * float(np.median(np.abs(rest)))
+    if typical == 0.0:  # exact, but for steps
+        return 0.0, 0.0
+    calm = np.where(np.abs(rest) < 2.5 * typical, rest, 0.0)
+    lag = float(np.sum(calm[1:] * calm[:-1])) / float(np.sum(calm**2))
+    of_white = float(away[1:] @ away[:-1]) / float(away @ away)
+    correlation = float(np.clip(lag - of_white, 0.0, 0.9))
+    rows = np.arange(WINDOW)
+    kept = float(away @ correlation ** np.abs(rows[:, None] - rows) @ away)
+    return typical / float(np.sqrt(kept)), correlation
+
+
+def _variance_factor(width: int, correlation: float) -> float:
+    """Return the variance in the middle of a local parabola, of noise with variance 1 that fades geometrically."""
+    weights = savgol_coeffs(width, 2)
+    rows = np.arange(width)
+    return float(weights @ correlation ** np.abs(rows[:, None] - rows) @ weights)

@@ -1,0 +1,128 @@
+"""Compilers for other machines than this one: ziglang, the package's extra `cross`."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import importlib.util
+import struct
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from tirefmu.symbolic.errors import FmuError
+from tirefmu.tires.compiler import CrossCompiler
+
+
+@dataclass(frozen=True)
+class Platform:
+    """A machine that FMUs have a name for.
+
+    Attributes
+    ----------
+    target : str
+        What zig calls it. The C library of Linux is that of 2012, so that every distribution since then
+        loads the binary.
+    system : str
+        As by sys.platform.
+    """
+
+    target: str
+    system: str
+
+
+#: By FMI 3's names.
+PLATFORMS = {
+    "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "linux"),
+    "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "linux"),
+    "x86_64-windows": Platform("x86_64-windows-gnu", "win32"),
+    "x86_64-darwin": Platform("x86_64-macos", "darwin"),
+    "aarch64-darwin": Platform("aarch64-macos", "darwin"),
+}
+#: FMI 2's own names; the others are called as in FMI 3.
+FOLDERS_2 = {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwin": "darwin64"}
+
+
+def has_ziglang() -> bool:
+    """Return whether the extra is installed.
+
+    Examples
+    --------
+    >>> has_ziglang() in (True, False)
+    True
+    """
+    return importlib.util.find_spec("ziglang") is not None
+
+
+def ziglang(platform: str) -> CrossCompiler:
+    """Return the compiler for a platform.
+
+    Parameters
+    ----------
+    platform : str
+        A name of `PLATFORMS`.
+
+    Returns
+    -------
+    CrossCompiler
+
+    Raises
+    ------
+    FmuError
+        If the extra is not installed.
+    """
+    found = importlib.util.find_spec("ziglang")
+    if found is None or found.origin is None:
+        raise FmuError(f"binaries for {platform} need the package's extra cross: pip install 'tirefmu[cross]'")
+    zig = Path(found.origin).with_name("zig.exe" if sys.platform == "win32" else "zig")
+    there = PLATFORMS[platform]
+    return CrossCompiler(
+        # Without the traps that zig puts where C leaves the behaviour open: the same code as everywhere else.
+        (str(zig), "cc", "-target", there.target, "-fno-sanitize=undefined"),
+        there.system,
+        importlib.metadata.version("ziglang"),
+    )
+
+
+#: Slices of a universal binary start at multiples of 2^14 bytes, the larger of both processors' pages.
+_ALIGNMENT = 14
+
+
+def universal(binaries: Sequence[bytes]) -> bytes:
+    """Return binaries for the processors of Macs as one file.
+
+    Parameters
+    ----------
+    binaries : sequence of bytes
+        64-bit Mach-O files, each for another processor.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    FmuError
+        If one is no such file.
+
+    References
+    ----------
+    Apple's header mach-o/fat.h: big-endian, a header of magic and count, then type, subtype, offset, size and
+    alignment of each.
+
+    Examples
+    --------
+    >>> universal([bytes.fromhex("cffaedfe 07000001 03000000"), bytes.fromhex("cffaedfe 0c000001 00000000")])[:8].hex()
+    'cafebabe00000002'
+    """
+    page = 1 << _ALIGNMENT
+    header = [struct.pack(">II", 0xCAFEBABE, len(binaries))]
+    body = b""
+    for content in binaries:
+        magic, processor, subtype = struct.unpack("<III", content[:12])
+        if magic != 0xFEEDFACF:
+            raise FmuError("a binary for macOS is no 64-bit Mach-O file")
+        body += bytes(-len(body) % page)
+        header.append(struct.pack(">IIIII", processor, subtype, page + len(body), len(content), _ALIGNMENT))
+        body += content
+    return b"".join(header).ljust(page, b"\0") + body

@@ -1,0 +1,261 @@
+"""What a native FMU shows of a tire: its variables, in the order in which the C code keeps them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import inf
+
+import pandas as pd
+
+from tirefmu.symbolic.errors import UnknownName
+from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.notation import Quantity
+from tirefmu.tires import Tire
+
+from .variables import TIME, Variable, feedthrough, option_variable, parameter_variable, read_inputs
+
+#: What an FMU can take as inputs, and the axes in which it can speak.
+INPUTS = ("slip", "wheel")
+AXES = ("iso", "sae")
+#: Axes of the FMU and the signs in which the tire is evaluated there.
+FORMULA = {"iso": "iso", "sae": "adapted-sae"}
+#: What SAE axes reverse beside the formula's own signs: z points down, y to the right.
+REVERSED_IN_SAE = frozenset({"alpha", "Fz", "V_y", "psi_dot", "tan_alpha_lagged", "alpha_lagged"})
+
+#: The motion of the wheel at its contact point, in the wheel's axes.
+MOTION = (
+    Quantity("V_x", "m/s", "velocity of the contact point along the wheel plane", typical=15.0),
+    Quantity("V_y", "m/s", "velocity of the contact point across the wheel plane", typical=1.0),
+    Quantity("omega", "rad/s", "speed at which the wheel turns; positive rolls forward", typical=50.0),
+)
+YAWING = Quantity("psi_dot", "rad/s", "turn rate of the wheel about the vertical axis", typical=1.0)
+#: Where nobody says how fast the wheel moves at the start, m/s.
+SPEED = 15.0
+LOW_SPEED = Variable(
+    "LOW_SPEED", "parameter", "m/s", "speed below which slips are those of a standing wheel", 1.0, 1e-3, inf
+)
+LOW_SPEED_DAMPING = Variable(
+    "LOW_SPEED_DAMPING", "parameter", "1", "damping of the standing tire, as a share of the critical one", 0.3, 0.0, inf
+)
+
+KAPPA_LAGGED = Quantity("kappa_lagged", "1", "longitudinal slip that acts, lagging behind kappa", typical=0.1)
+TAN_ALPHA_LAGGED = Quantity("tan_alpha_lagged", "1", "tangent of the side slip angle that acts", typical=0.1)
+DISTANCE = Quantity("distance", "m", "distance rolled", typical=1000.0)
+
+
+@dataclass(frozen=True)
+class Interface:
+    """A tire as a native FMU shows it.
+
+    Attributes
+    ----------
+    tire : Tire
+        In the signs in which the FMU evaluates it.
+    inputs : str
+        One of `INPUTS`.
+    axes : str
+        One of `AXES`.
+    variables : tuple of Variable
+        In the order of their value references: ``time``, inputs, forces, parameters, states, their derivatives,
+        extra outputs.
+    """
+
+    tire: Tire
+    inputs: str
+    axes: str
+    variables: tuple[Variable, ...]
+
+    def group(self, name: str) -> list[Variable]:
+        """Return the variables of a group: input, force, parameter, state, derivative or extra."""
+        return [variable for variable in self.variables if variable.group == name]
+
+    @property
+    def wheel(self) -> bool:
+        """True if slips are found from velocities."""
+        return self.inputs == "wheel"
+
+    @property
+    def has_distance(self) -> bool:
+        """True if the distance rolled is a state."""
+        return any(variable.name == DISTANCE.name for variable in self.group("state"))
+
+
+def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities: bool = False) -> Interface:
+    """Return what a native FMU of a tire shows.
+
+    Parameters
+    ----------
+    tire : Tire
+        In any signs.
+    inputs : {"slip", "wheel"}
+        Slips as the model reads them, or velocities from which they follow.
+    axes : {"iso", "sae"}
+        TYDEX W (z up), or SAE (z down, y to the right).
+    quantities : bool
+        Show every named quantity of the model as an output.
+
+    Returns
+    -------
+    Interface
+        An input of an effect on demand or beyond the book is there where the tire has an effect that reads it.
+
+    Raises
+    ------
+    UnknownName
+        If inputs or axes do not exist.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> [variable.name for variable in interface(published("trento_hoosier"), inputs="wheel").group("input")]
+    ['V_x', 'V_y', 'omega', 'gamma', 'Fz']
+    """
+    for what, given, known in (("kind of inputs", inputs, INPUTS), ("kind of axes", axes, AXES)):
+        if given not in known:
+            raise UnknownName(what, given, known)
+    tire = tire.in_signs(FORMULA[axes])
+    book, wheel = tire.book, inputs == "wheel"
+    read = read_inputs(tire)
+    states = [*((KAPPA_LAGGED, TAN_ALPHA_LAGGED) if tire.lags else ()), *((DISTANCE,) if "distance" in read else ())]
+    hosts = _wheel_inputs(tire, read) if wheel else _slip_inputs(tire, read, bool(states))
+    values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
+    extras = _extras(tire, wheel, quantities)
+    parameters = [
+        *(parameter_variable(card, values[name], tire.signs) for name, card in book.coefficients.items()),
+        *(option_variable(option, values[option.parameter]) for option in book.options),
+        *(_low_speed(tire) if wheel else ()),
+    ]
+    plain = (
+        TIME,
+        *hosts,
+        *(Variable(q.name, "output", q.unit, q.description, nominal=q.typical, group="force") for q in book.outputs),
+        *(replace(parameter, group="parameter") for parameter in parameters),
+        *(_state(state) for state in states),
+        *(_derivative(state) for state in states),
+        *extras,
+    )
+    reverse = REVERSED_IN_SAE if axes == "sae" else frozenset()
+    turned = tuple(
+        replace(v, reversed=True, start=None if v.start is None else -v.start) if _stem(v.name) in reverse else v
+        for v in plain
+    )
+    return Interface(tire, inputs, axes, _with_structure(turned, book, wheel))
+
+
+def _slip_inputs(tire: Tire, read: set[str], rolls: bool) -> list[Variable]:
+    """Return the model's own inputs; the speed too where a state needs it and the model does not."""
+    shown = [_input(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - {"distance"}]
+    if rolls and "V" not in tire.inputs:
+        shown.append(_input(Quantity("V", "m/s", "forward speed of the contact point", typical=SPEED), 0.0))
+    return shown
+
+
+def _wheel_inputs(tire: Tire, read: set[str]) -> list[Variable]:
+    """Return the wheel's motion, rolling freely at the start, and what else the model reads."""
+    nominal = tire.evaluate(pd.DataFrame({"kappa": [0.0]}), steady=True).iloc[0]
+    speed = tire.nominal("V") if "V" in tire.inputs else SPEED
+    radius = float(nominal.get("R_e", tire.values["UNLOADED_RADIUS"]))
+    starts = {"V_x": speed, "V_y": 0.0, "omega": speed / radius}
+    moved = {"kappa", "alpha", "V", "phit", "distance"}
+    return [
+        *(_input(quantity, starts[quantity.name]) for quantity in MOTION),
+        *((_input(YAWING, 0.0),) if "phit" in read else ()),
+        *(_input(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - moved),
+    ]
+
+
+def _input(quantity: Quantity, start: float) -> Variable:
+    described = (quantity.name, "input", quantity.unit, quantity.description)
+    return Variable(*described, start=start, nominal=quantity.typical, group="input")
+
+
+def _low_speed(tire: Tire) -> tuple[Variable, Variable]:
+    """Return how a standing wheel is treated; models with a low speed of their own begin with that."""
+    own = tire.values.get("VXLOW", 0.0)
+    return replace(LOW_SPEED, start=own if own >= LOW_SPEED.lower else LOW_SPEED.start), LOW_SPEED_DAMPING
+
+
+def _state(state: Quantity) -> Variable:
+    """Return a state: slips begin in steady state, the distance where the host says."""
+    start = 0.0 if state is DISTANCE else None
+    return Variable(
+        state.name, "local", state.unit, state.description, start=start, nominal=state.typical, group="state"
+    )
+
+
+def _derivative(state: Quantity) -> Variable:
+    unit = "m/s" if state is DISTANCE else "1/s"
+    return Variable(f"der({state.name})", "local", unit, f"rate of {state.name}", group="derivative")
+
+
+def _stem(name: str) -> str:
+    """Return the state's name of a derivative, or the name itself."""
+    return name.removeprefix("der(").removesuffix(")")
+
+
+def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
+    """Return the outputs beside the forces; `shows` is how the C code finds them."""
+    book = tire.book
+    named = {line.symbol.name: line for line in book.equations if line.named}
+    taken = {*book.parameters, *(q.name for q in (*book.inputs, *book.outputs, *(MOTION if wheel else ())))}
+    chosen = named if quantities else [name for name in ("R_e", "R_l") if name in named]
+    found = [Variable("friction_use", "output", "1", "share of the friction ellipse that the forces take",
+                      nominal=1.0, group="extra", shows="FRICTION_USE")]  # fmt: skip
+    if wheel:
+        found += [
+            Variable("kappa", "output", "1", "longitudinal slip of the wheel's motion", nominal=0.1, group="extra",
+                     shows="KAPPA_GIVEN"),
+            Variable("alpha", "output", "rad", "side slip angle of the wheel's motion", nominal=0.1, group="extra",
+                     shows="ALPHA_GIVEN"),
+        ]  # fmt: skip
+    if tire.lags:
+        found.append(Variable("alpha_lagged", "local", "rad", "side slip angle that acts, lagging behind alpha",
+                              group="extra", shows="ALPHA_LAGGED"))  # fmt: skip
+    return found + [
+        Variable(
+            name, "output", named[name].unit, named[name].description, group="extra", shows=f"FIRST_QUANTITY + {name}"
+        )
+        for name in chosen
+        if name not in taken
+    ]
+
+
+def _with_structure(listed: tuple[Variable, ...], book: Model, wheel: bool) -> tuple[Variable, ...]:
+    """Return the variables with what each output and each derivative depends on, and whose derivative it is."""
+    places = {variable.name: reference for reference, variable in enumerate(listed)}
+    inputs = tuple(reference for reference, v in enumerate(listed) if v.group == "input")
+    states = tuple(reference for reference, v in enumerate(listed) if v.group == "state")
+    asked = [v.name for v in listed if v.group in ("force", "extra")]
+    reached = feedthrough(book, [name for name in asked if name not in ("kappa", "alpha", "alpha_lagged")])
+    reached["friction_use"] = {name for known in ("Fx", "Fy", "mu_x", "mu_y") for name in reached_by(book, known)}
+
+    def depends(variable: Variable) -> tuple[int, ...]:
+        if variable.group == "derivative":
+            rolled = [places[name] for name in ("V", "V_x") if name in places and listed[places[name]].group == "input"]
+            own = places[_stem(variable.name)]
+            return tuple(rolled) if variable.name == "der(distance)" else (*inputs, own)
+        known = reached.get(variable.name, {"kappa", "alpha"})
+        lag = [r for r in states if listed[r].name == "distance" and "distance" in known]
+        lag += [r for r in states if listed[r].name != "distance" and known & {"kappa", "alpha"}]
+        given = inputs if wheel else [r for r in inputs if listed[r].name in known]
+        return tuple(sorted({*given, *lag}))
+
+    return tuple(
+        replace(v, depends=depends(v), derivative_of=places[_stem(v.name)] if v.group == "derivative" else None)
+        if v.group in ("force", "extra", "derivative") and v.causality != "hidden"
+        else v
+        for v in listed
+    )
+
+
+def reached_by(book: Model, name: str) -> set[str]:
+    """Return the inputs that stand in the lines which lead to a named quantity."""
+    return feedthrough(book, [name])[name]
+
+
+def passed_on(shown: Interface) -> list[int]:
+    """Return for every input of the model the place of the host's input that it is; -1 for one that is none."""
+    places: Mapping[str, int] = {variable.name: i for i, variable in enumerate(shown.group("input"))}
+    own = {"omega"} if shown.wheel else set()
+    return [places[name] if name in places.keys() - own else -1 for name in shown.tire.inputs]

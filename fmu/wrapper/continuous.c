@@ -1,0 +1,140 @@
+/* Model Exchange: a solver outside integrates the states.  See instance.h. */
+#include "instance.h"
+
+#include "contact.h"
+#include "slips.h"
+
+#include <math.h>
+
+static const double NOMINAL[] = STATE_NOMINALS;
+
+static Status expect_count(const Instance *self, size_t n, size_t expected, const char *what)
+{
+    if (n == expected)
+        return STATUS_OK;
+    return instance_refuse(self, STATUS_ERROR, "this FMU has %lu %s, not %lu", (unsigned long) expected, what,
+                           (unsigned long) n);
+}
+
+static Status expect_kind(const Instance *self, const char *what)
+{
+    if (!self)
+        return STATUS_ERROR;
+    if (self->state.kind != MODEL_EXCHANGE)
+        return instance_refuse(self, STATUS_ERROR, "%s is for Model Exchange", what);
+    return STATUS_OK;
+}
+
+Status instance_enter_event(Instance *self)
+{
+    if (expect_kind(self, "event mode") != STATUS_OK ||
+        instance_expect(self, CONTINUOUS, CONTINUOUS, "event mode") != STATUS_OK)
+        return STATUS_ERROR;
+    self->state.mode = EVENT;
+    return STATUS_OK;
+}
+
+Status instance_enter_continuous(Instance *self)
+{
+    if (expect_kind(self, "continuous time") != STATUS_OK ||
+        instance_expect(self, EVENT, EVENT, "continuous time") != STATUS_OK)
+        return STATUS_ERROR;
+    self->state.mode = CONTINUOUS;
+    return STATUS_OK;
+}
+
+Status instance_update_discrete(Instance *self, int *states_changed)
+{
+    if (expect_kind(self, "an update of discrete states") != STATUS_OK ||
+        instance_expect(self, EVENT, EVENT, "an update of discrete states") != STATUS_OK)
+        return STATUS_ERROR;
+    *states_changed = slips_settle(&self->state);
+    if (*states_changed)
+        state_changed(&self->state);
+    return STATUS_OK;
+}
+
+Status instance_complete_step(Instance *self)
+{
+    if (expect_kind(self, "a solver's step") != STATUS_OK)
+        return STATUS_ERROR;
+    return instance_expect(self, CONTINUOUS, CONTINUOUS, "a solver's step");
+}
+
+Status instance_set_time(Instance *self, double time)
+{
+    if (expect_kind(self, "setting the time") != STATUS_OK ||
+        instance_expect(self, CONTINUOUS, EVENT, "setting the time") != STATUS_OK)
+        return STATUS_ERROR;
+    if (!isfinite(time))
+        return instance_refuse(self, STATUS_DISCARD, "the time has to be finite, not %g", time);
+    self->state.values[TIME] = time;
+    return STATUS_OK;
+}
+
+/* What the host sees of states and rates stands among the values. */
+static Status copy_shown(Instance *self, size_t first, double shown[], size_t n, const char *what)
+{
+    size_t i;
+
+    if (expect_kind(self, what) != STATUS_OK || expect_count(self, n, N_STATES, "states") != STATUS_OK)
+        return STATUS_ERROR;
+    if (self->state.mode == INSTANTIATED)
+        return instance_refuse(self, STATUS_ERROR, "there are no %s while instantiated", what);
+    state_compute_outputs(&self->state);
+    for (i = 0; i < n; i++)
+        shown[i] = self->state.values[first + i];
+    return STATUS_OK;
+}
+
+Status instance_get_states(Instance *self, double states[], size_t n)
+{
+    return copy_shown(self, FIRST_STATE, states, n, "states");
+}
+
+Status instance_get_rates(Instance *self, double rates[], size_t n)
+{
+    return copy_shown(self, FIRST_DERIVATIVE, rates, n, "derivatives");
+}
+
+Status instance_set_states(Instance *self, const double states[], size_t n)
+{
+    size_t i;
+
+    if (expect_kind(self, "setting states") != STATUS_OK || expect_count(self, n, N_STATES, "states") != STATUS_OK ||
+        instance_expect(self, CONTINUOUS, CONTINUOUS, "setting states") != STATUS_OK)
+        return STATUS_ERROR;
+    for (i = 0; i < n; i++)
+        if (!isfinite(states[i]))
+            return instance_refuse(self, STATUS_DISCARD, "%s has to be finite, not %g",
+                                   value_name((unsigned) (FIRST_STATE + i)), states[i]);
+    for (i = 0; i < n; i++) {
+#ifdef DISTANCE
+        if (i == N_STATES - 1)
+            self->state.distance = states[i];
+        else
+#endif
+            self->state.lagging[i] = states[i] * value_direction((unsigned) (FIRST_STATE + i));
+    }
+    state_changed(&self->state);
+    return STATUS_OK;
+}
+
+Status instance_get_nominals(Instance *self, double nominals[], size_t n)
+{
+    size_t i;
+
+    if (expect_kind(self, "nominal values of states") != STATUS_OK ||
+        expect_count(self, n, N_STATES, "states") != STATUS_OK)
+        return STATUS_ERROR;
+    for (i = 0; i < n; i++)
+        nominals[i] = NOMINAL[i];
+    return STATUS_OK;
+}
+
+Status instance_get_indicators(Instance *self, size_t n)
+{
+    if (expect_kind(self, "event indicators") != STATUS_OK)
+        return STATUS_ERROR;
+    return expect_count(self, n, 0, "event indicators");
+}

@@ -1,0 +1,221 @@
+/* Values: reading, setting, and what is computed for it.  See instance.h. */
+#include "instance.h"
+
+#include "contact.h"
+#include "slips.h"
+
+#include <math.h>
+
+static const char *const NAMES[] = VALUE_NAMES;
+static const double LOWER[] = LOWER_LIMITS;
+static const double UPPER[] = UPPER_LIMITS;
+static const double NOMINAL[] = NOMINAL_VALUES;
+static const unsigned char KINDS[] = VALUE_KINDS;
+static const int EXTRA[] = EXTRAS;
+/* By which host and model differ in sign. */
+static const signed char DIRECTIONS[] = VALUE_DIRECTIONS;
+static const double RANGES[][2] = INPUT_RANGES;
+static const char *const MODEL_INPUTS[] = MODEL_INPUT_NAMES;
+
+/* The generated header and the model's code have to agree on the number of values. */
+#define HAS(table, n) (sizeof(table) / sizeof *(table) == (n) ? 1 : -1)
+typedef char names_are_complete[HAS(NAMES, N_VALUES)];
+typedef char limits_are_complete[HAS(LOWER, N_VALUES) + HAS(UPPER, N_VALUES) - 1];
+typedef char sizes_are_complete[HAS(NOMINAL, N_VALUES)];
+typedef char kinds_are_complete[HAS(KINDS, N_VALUES)];
+typedef char directions_are_complete[HAS(DIRECTIONS, N_VALUES)];
+typedef char extras_are_complete[HAS(EXTRA, N_EXTRAS)];
+typedef char ranges_are_complete[HAS(RANGES, N_INPUTS)];
+
+const char *value_name(unsigned reference) { return NAMES[reference]; }
+
+int value_kind(unsigned reference) { return KINDS[reference]; }
+
+double value_scale(const State *state, unsigned reference)
+{
+    const double size = fabs(state->values[reference]);
+    const double nominal = NOMINAL[reference] > 0.0 ? NOMINAL[reference] : 1.0;
+
+    return size > nominal || KINDS[reference] == PARAMETER ? (size > 0.0 ? size : 1.0) : nominal;
+}
+
+double value_direction(unsigned reference) { return DIRECTIONS[reference]; }
+
+double host_value(const State *state, size_t reference)
+{
+    return state->values[reference] * DIRECTIONS[reference];
+}
+
+Status instance_expect_known(const Instance *self, const unsigned references[], size_t n)
+{
+    size_t i;
+
+    if (!self)
+        return STATUS_ERROR;
+    for (i = 0; i < n; i++)
+        if (references[i] >= N_VALUES || KINDS[references[i]] == HIDDEN)
+            return instance_refuse(self, STATUS_ERROR, "there is no value reference %u", references[i]);
+    return STATUS_OK;
+}
+
+/* ---------------------------------------------------------------- computing */
+
+/* States and their rates as the host sees them. */
+static void show_states(State *state)
+{
+#if N_STATES > 0
+    double *states = state->values + FIRST_STATE, *rates = state->values + FIRST_DERIVATIVE;
+    size_t i;
+
+    slips_show(state, states, rates);
+#ifdef DISTANCE
+    states[N_STATES - 1] = state->distance;
+    rates[N_STATES - 1] = state->contact.speed;
+#endif
+    for (i = 0; i < N_STATES; i++) {
+        states[i] *= DIRECTIONS[FIRST_STATE + i];
+        rates[i] *= DIRECTIONS[FIRST_DERIVATIVE + i];
+    }
+#else
+    (void) state;
+#endif
+}
+
+void state_compute_outputs(State *state)
+{
+    double inputs[N_INPUTS], *forces = state->values + FIRST_OUTPUT;
+    size_t i;
+
+    if (state->outputs_known)
+        return;
+    contact_find(state);
+    slips_acting(state, inputs);
+    model_forces(inputs, state->values + FIRST_PARAMETER, forces);
+    contact_settle(state, inputs, forces);
+    for (i = 0; i < N_OUTPUTS; i++)
+        forces[i] *= DIRECTIONS[FIRST_OUTPUT + i];
+    show_states(state);
+    state->outputs_known = 1;
+}
+
+static double share(double force, double limit) { return limit != 0.0 ? force / limit : 0.0; }
+
+/* How much of the friction ellipse the forces take: 1 at its edge. */
+static double friction_use(const State *state, const double quantities[])
+{
+    const double *forces = state->values + FIRST_OUTPUT, load = state->contact.inputs[LOAD];
+    const double x = share(forces[LONGITUDINAL_FORCE], quantities[QUANTITY(mu_x)] * load);
+    const double y = share(forces[SIDE_FORCE], quantities[QUANTITY(mu_y)] * load);
+
+    return load > 0.0 ? sqrt(x * x + y * y) : 0.0;
+}
+
+void state_compute_extras(State *state)
+{
+    double inputs[N_INPUTS], quantities[N_QUANTITIES], found;
+    size_t i;
+
+    if (state->extras_known)
+        return;
+    state_compute_outputs(state);
+    slips_acting(state, inputs);
+    model_quantities(inputs, state->values + FIRST_PARAMETER, quantities);
+    for (i = 0; i < N_EXTRAS; i++) {
+        if (EXTRA[i] == FRICTION_USE)
+            found = friction_use(state, quantities);
+        else if (EXTRA[i] == KAPPA_GIVEN)
+            found = state->contact.sense * state->contact.inputs[KAPPA];
+        else if (EXTRA[i] == ALPHA_GIVEN)
+            found = state->contact.inputs[ALPHA];
+        else if (EXTRA[i] == ALPHA_LAGGED)
+            found = inputs[ALPHA];
+        else
+            found = quantities[EXTRA[i] - FIRST_QUANTITY];
+        state->values[FIRST_EXTRA + i] = found * DIRECTIONS[FIRST_EXTRA + i];
+    }
+    state->extras_known = 1;
+}
+
+/* Tell once that an input has left the range in which the tire is known. */
+static void watch_range(Instance *self)
+{
+    size_t i;
+    double x;
+
+    if (self->warned)
+        return;
+    for (i = 0; i < N_INPUTS; i++) {
+        x = self->state.contact.inputs[i];
+        if (x < RANGES[i][0] || x > RANGES[i][1]) {
+            self->warned = 1;
+            instance_refuse(self, STATUS_WARNING, "%s = %g is outside %g ... %g, where the tire is known",
+                            MODEL_INPUTS[i], x, RANGES[i][0], RANGES[i][1]);
+            return;
+        }
+    }
+}
+
+/* ---------------------------------------------------------------- reading and setting */
+
+Status instance_get(Instance *self, const unsigned references[], size_t n, double values[])
+{
+    size_t i;
+
+    if (instance_expect_known(self, references, n) != STATUS_OK)
+        return STATUS_ERROR;
+    for (i = 0; i < n; i++) {
+        if (KINDS[references[i]] == OUTPUT || KINDS[references[i]] == LOCAL || KINDS[references[i]] == STORED) {
+            if (!self->state.outputs_known) {
+                state_compute_outputs(&self->state);
+                watch_range(self);
+            }
+            if (references[i] >= FIRST_EXTRA)
+                state_compute_extras(&self->state);
+        }
+        values[i] = self->state.values[references[i]];
+    }
+    return STATUS_OK;
+}
+
+/* May the host set this value here and now? */
+static Status expect_settable(const Instance *self, unsigned reference)
+{
+    const int kind = KINDS[reference], mode = self->state.mode;
+
+    if (kind == INPUT || (kind == STORED && mode <= INITIALIZATION))
+        return STATUS_OK;
+    if (kind == PARAMETER && mode != CONTINUOUS)
+        return STATUS_OK;
+    if (kind == PARAMETER)
+        return instance_refuse(self, STATUS_ERROR, "%s can be set at an event, not in continuous time",
+                               NAMES[reference]);
+    return instance_refuse(self, STATUS_ERROR, "%s cannot be set", NAMES[reference]);
+}
+
+Status instance_set(Instance *self, const unsigned references[], size_t n, const double values[])
+{
+    size_t i;
+    unsigned r;
+
+    if (instance_expect_known(self, references, n) != STATUS_OK)
+        return STATUS_ERROR;
+    if (self->state.mode == TERMINATED)
+        return instance_refuse(self, STATUS_ERROR, "values cannot be set while terminated");
+    for (i = 0; i < n; i++) {
+        r = references[i];
+        if (expect_settable(self, r) != STATUS_OK)
+            return STATUS_ERROR;
+        if (!isfinite(values[i]))
+            return instance_refuse(self, STATUS_DISCARD, "%s has to be finite, not %g", NAMES[r], values[i]);
+        if (values[i] < LOWER[r] || values[i] > UPPER[r])
+            return instance_refuse(self, STATUS_DISCARD, "%s = %g is outside %g ... %g", NAMES[r], values[i],
+                                   LOWER[r], UPPER[r]);
+    }
+    for (i = 0; i < n; i++) {
+        self->state.values[references[i]] = values[i];
+        if (KINDS[references[i]] == STORED)
+            self->state.distance = values[i];
+    }
+    state_changed(&self->state);
+    return STATUS_OK;
+}

@@ -1,0 +1,152 @@
+/* Slips from the velocities of the wheel's contact point and the speed at which it turns.  See contact.h.
+ *
+ * Slip is sliding over rolling speed, which at standstill is 0/0.  Two things keep it regular below the parameter
+ * LOW_SPEED:
+ * - A slip that acts at once is taken over a reference speed that goes no lower than half of LOW_SPEED: there sliding
+ *   is damped, and the formula itself keeps the force within friction.
+ * - A slip that lags is a deflection over a length, d x/dt = (sliding - |V| x) / sigma, which needs no quotient: a
+ *   standing tire is a spring.  It does not go on beyond thrice the slip of the peak while the tire slides on the
+ *   spot, and a damper stands beside it, which fades out up to LOW_SPEED and never takes the force beyond friction.
+ * After Pacejka, Tire and Vehicle Dynamics (2012), section 8.6; limits and reference speed are tirefmu's own.
+ */
+#include "contact.h"
+
+#include "rolling_radius.h"
+#include "slips.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The model does not see a lower speed, at which it would have no direction, m/s. */
+#define LOWEST_SPEED 0.01
+#define STANDING 1e-12
+#define PI 3.14159265358979323846
+/* What turns load into mass, for damping as a share of the critical one, m/s^2. */
+#define GRAVITY 9.81
+
+static const int PASSED[] = PASSED_ON;
+static const double UNCONNECTED[] = UNCONNECTED_INPUTS;
+
+#if LAGS
+static double low_speed(const State *state) { return state->values[FIRST_PARAMETER + LOW_SPEED]; }
+
+/* Near standstill: friction, slip stiffness, and from them how far a slip goes. */
+static void find_bounds(State *state, double reference)
+{
+    static const int stiffness[] = {QUANTITY(K_xkappa), QUANTITY(K_yalpha)};
+    static const int friction[] = {QUANTITY(mu_x), QUANTITY(mu_y)};
+    Contact *contact = &state->contact;
+    const double load = contact->inputs[LOAD] > 0.0 ? contact->inputs[LOAD] : 0.0;
+    const double near = 1.0 - contact->speed / low_speed(state);
+    double found[N_QUANTITIES], bound, given;
+    size_t i;
+
+    for (i = 0; i < N_SLIPS; i++)
+        contact->bounds[i] = HUGE_VAL;
+    if (near <= 0.0)
+        return;
+    model_quantities(contact->inputs, state->values + FIRST_PARAMETER, found);
+    for (i = 0; i < N_SLIPS; i++) {
+        contact->friction[i] = fabs(found[friction[i]]) * load;
+        contact->stiffness[i] = fabs(found[stiffness[i]]);
+        given = fabs(contact->sliding[i] / reference);
+        bound = 3.0 * contact->friction[i] / (contact->stiffness[i] * near);
+        contact->bounds[i] = bound > given ? bound : given;
+        if (!(contact->stiffness[i] > 0.0))
+            contact->bounds[i] = given;
+    }
+}
+#endif
+
+void contact_find(State *state)
+{
+    Contact *contact = &state->contact;
+    const double *parameters = state->values + FIRST_PARAMETER;
+    double forward, turning, reference;
+    size_t i;
+
+    if (state->contact_known)
+        return;
+    for (i = 0; i < N_INPUTS; i++)
+        contact->inputs[i] = PASSED[i] < 0 ? UNCONNECTED[i] : host_value(state, FIRST_INPUT + (size_t) PASSED[i]);
+#ifdef DISTANCE
+    contact->inputs[DISTANCE] = state->distance;
+#endif
+    forward = host_value(state, FIRST_INPUT + HOST_SPEED);
+    turning = host_value(state, FIRST_INPUT + HOST_TURNING);
+    contact->speed = fabs(forward);
+    contact->sense = 1.0;
+    reference = contact->speed;
+    if (reference < parameters[LOW_SPEED])
+        reference = 0.5 * (reference * reference / parameters[LOW_SPEED] + parameters[LOW_SPEED]);
+#ifdef SPEED
+    if (forward < 0.0)
+        contact->sense = -1.0;
+    contact->inputs[SPEED] = contact->speed < LOWEST_SPEED ? contact->sense * LOWEST_SPEED : forward;
+#endif
+    contact->sliding[LONGITUDINAL] = turning * rolling_radius(contact->inputs, turning, parameters) - forward;
+    contact->sliding[LATERAL] = host_value(state, FIRST_INPUT + HOST_SIDEWAYS);
+    for (i = 0; i < N_SLIPS; i++)
+        contact->toward[i] = contact->sliding[i] / (contact->speed > STANDING ? contact->speed : STANDING);
+    contact->inputs[KAPPA] = contact->sense * contact->sliding[LONGITUDINAL] / reference;
+    contact->inputs[ALPHA] = atan(contact->sliding[LATERAL] / reference);
+#ifdef TURN
+    contact->inputs[TURN] = host_value(state, FIRST_INPUT + HOST_YAWING) / reference;
+#endif
+#if LAGS
+    find_bounds(state, reference);
+#endif
+    state->contact_known = 1;
+}
+
+#if LAGS
+/* The damper beside the spring that a standing tire is. */
+static double damped(const State *state, size_t slip, double sense, double force)
+{
+    const Contact *contact = &state->contact;
+    const double *parameters = state->values + FIRST_PARAMETER;
+    const double spring = contact->stiffness[slip] / state->lengths[slip];
+    const double critical = 2.0 * sqrt(spring * (contact->inputs[LOAD] > 0.0 ? contact->inputs[LOAD] : 0.0) / GRAVITY);
+    const double fade = 0.5 * (1.0 + cos(PI * contact->speed / low_speed(state)));
+    const double limit = fabs(force) > contact->friction[slip] ? fabs(force) : contact->friction[slip];
+    const double sum = force + sense * fade * parameters[LOW_SPEED_DAMPING] * critical * contact->sliding[slip];
+
+    return sum > limit ? limit : sum < -limit ? -limit : sum;
+}
+#endif
+
+/* Some lines of a model turn round with the direction: between the two lowest speeds they pass through their mean. */
+static void blend(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
+{
+#ifdef SPEED
+    const double share = 0.5 * (1.0 + state->contact.speed / LOWEST_SPEED);
+    double turned[N_INPUTS], other[N_OUTPUTS];
+    size_t i;
+
+    if (share >= 1.0)
+        return;
+    memcpy(turned, inputs, sizeof turned);
+    turned[SPEED] = -inputs[SPEED];
+    turned[KAPPA] = -inputs[KAPPA];
+    model_forces(turned, state->values + FIRST_PARAMETER, other);
+    for (i = 0; i < N_OUTPUTS; i++)
+        forces[i] = share * forces[i] + (1.0 - share) * other[i];
+#else
+    (void) state;
+    (void) inputs;
+    (void) forces;
+#endif
+}
+
+void contact_settle(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
+{
+    blend(state, inputs, forces);
+#if LAGS
+    if (state->contact.speed < low_speed(state)) {
+        if (slips_lag(state, LONGITUDINAL))
+            forces[LONGITUDINAL_FORCE] = damped(state, LONGITUDINAL, 1.0, forces[LONGITUDINAL_FORCE]);
+        if (slips_lag(state, LATERAL))
+            forces[SIDE_FORCE] = damped(state, LATERAL, SIDE_FORCE_SENSE, forces[SIDE_FORCE]);
+    }
+#endif
+}

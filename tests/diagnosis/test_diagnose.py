@@ -1,0 +1,107 @@
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import tirefmu
+from tirefmu.diagnosis.diagnose import diagnose
+from tirefmu.symbolic.errors import DataError, UnknownName
+
+from .suite import make_case
+
+
+def answer(case, **more):
+    return diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal, **more)
+
+
+def squared_gap(tire, case, diagnosis):
+    computed = tire.evaluate(case.test.drop(columns=["Fx", "Fy", "Mz"]), signs="adapted-sae", code="c")
+    return sum(
+        np.mean((computed[name] - case.test[name]) ** 2) / part["floor"] ** 2
+        for name, part in diagnosis.gap["train"].items()
+    )
+
+
+@pytest.fixture(scope="module")
+def thrust():
+    case = make_case(1, ("camber_thrust",))
+    return case, answer(case)
+
+
+def test_the_hidden_effect_is_named_and_closes_the_gap(thrust):
+    case, diagnosis = thrust
+    assert [one.effect for one in diagnosis.found] == ["camber_thrust"]
+    assert diagnosis.verdict.startswith("Missing: camber_thrust")
+    before, after = (squared_gap(tire, case, diagnosis) for tire in (diagnosis.base_tire, diagnosis.tire))
+    assert after < 0.1 * before
+    assert diagnosis.found[0].channels == ("Fy",)
+
+
+def test_the_folder_holds_what_the_result_says(thrust, tmp_path):
+    case, diagnosis = thrust
+    told = json.loads(diagnosis.save(tmp_path).read_text())
+    assert told["found"][0]["effect"] == "camber_thrust"
+    assert {"verdict", "confounded_with", "unknown", "not_identifiable", "gap", "fmu"} <= told.keys()
+    assert set(told["gap"]) == {"train", "cv", "holdout"}
+    for key, tire in (("tire", diagnosis.tire), ("base_tire", diagnosis.base_tire)):
+        read = tirefmu.load(tmp_path / told[key])
+        expected, computed = (x.evaluate(case.truth, signs="adapted-sae", code="c") for x in (tire, read))
+        pd.testing.assert_frame_equal(computed[["Fx", "Fy", "Mz"]], expected[["Fx", "Fy", "Mz"]], rtol=1e-9)
+
+
+def test_signs_of_the_recording_change_the_words_only(thrust):
+    case, diagnosis = thrust
+    turned = case.table.assign(Fy=-case.table["Fy"], Mz=-case.table["Mz"])
+    other = diagnose(turned, signs="iso", effects=case.effects, nominal=case.nominal)
+    assert [one.effect for one in other.found] == ["camber_thrust"]
+    here, there = diagnosis.found[0].coefficients["PKY6"], other.found[0].coefficients["PKY6"]
+    assert there.value == pytest.approx(-here.value, rel=1e-6)
+    assert there.lower < there.value < there.upper
+
+
+@pytest.mark.parametrize(("seed", "trouble"), [(11, ()), (12, ("outliers",)), (13, ("ripple", "drift"))])
+def test_nothing_is_found_where_nothing_is_missing(seed, trouble):
+    diagnosis = answer(make_case(seed, extra=("camber_thrust",), trouble=trouble))
+    assert diagnosis.found == ()
+    assert diagnosis.verdict.startswith("Nothing material is missing")
+    assert diagnosis.detectable["temp_friction"]["Fy"] > 0.0
+
+
+def test_sensor_aliases_are_told_and_never_found():
+    diagnosis = answer(make_case(21, ("plysteer",)))
+    assert [one.effect for one in diagnosis.found] == ["plysteer"]
+    assert "slip_angle_zero_offset" in diagnosis.confounded_with["plysteer"]
+    assert any("turn the tire on the rim" in text for text in diagnosis.next_measurement)
+
+
+def test_what_was_not_recorded_is_not_identifiable():
+    diagnosis = answer(make_case(31, ("relax_lat",), without=("T", "Fx")))
+    assert [one.effect for one in diagnosis.found] == ["relax_lat"]
+    assert {"temp_friction", "temp_stiffness", "relax_lon"} <= set(diagnosis.not_identifiable)
+    assert "T" in diagnosis.not_identifiable["temp_friction"]
+
+
+def test_structure_that_no_effect_explains_is_unknown():
+    case = make_case(41, unknown="hysteresis")
+    diagnosis = answer(case)
+    assert [one.effect for one in diagnosis.found] == ["UNKNOWN"]
+    assert "dalpha/dt" in diagnosis.unknown[0].depends_on
+    assert not diagnosis.unknown[0].added
+    assert squared_gap(diagnosis.tire, case, diagnosis) <= 1.001 * squared_gap(diagnosis.base_tire, case, diagnosis)
+
+
+def test_bad_input_is_one_clear_line():
+    case = make_case(1)
+    with pytest.raises(UnknownName, match="camber_thrust"):
+        diagnose(case.table, signs=case.signs, effects=("camber_trust",), nominal=case.nominal)
+    with pytest.raises(UnknownName, match="Fz0"):
+        diagnose(case.table, signs=case.signs, nominal={"FZ": 4000.0})
+    with pytest.raises(DataError, match="200"):
+        diagnose(case.table.head(50), signs=case.signs, nominal=case.nominal)
+    broken = case.table.copy()
+    broken.loc[7, "alpha"] = np.nan
+    with pytest.raises(DataError, match="row 8: alpha"):
+        diagnose(broken, signs=case.signs, nominal=case.nominal)
+    with pytest.raises(DataError, match="no measured output"):
+        diagnose(case.table.drop(columns=["Fx", "Fy", "Mz"]), signs=case.signs, nominal=case.nominal)

@@ -1,0 +1,209 @@
+"""The FMU with Python inside: valid, equal to the native one, safe against what hosts do, and hackable."""
+
+from __future__ import annotations
+
+import zipfile
+
+import numpy as np
+import pandas as pd
+import pytest
+from fmpy.validation import validate_fmu
+
+from tirefmu.cli import main
+from tirefmu.fmu import check, export
+from tirefmu.fmu.binaries import host_platform
+from tirefmu.symbolic.errors import FmuError
+from tirefmu.tires import read_tir
+
+OK, DISCARD = 0, 2
+
+pytestmark = pytest.mark.skipif(
+    host_platform() not in ("x86_64-linux", "x86_64-windows"), reason="pythonfmu brings no binary for this machine"
+)
+
+
+@pytest.fixture(scope="module")
+def python_fmus(tires, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("python fmus")
+    return {name: export(tire, folder / f"{name}.fmu", kind="pythonfmu") for name, tire in tires.items()}
+
+
+@pytest.fixture
+def python_host(hosts, fmus, python_fmus):
+    """Return a function that loads the Python variant of a tire."""
+    for name, path in python_fmus.items():
+        fmus[f"python {name}", 2] = path
+    return lambda name: hosts(f"python {name}", 2)
+
+
+def drive(tire, n=120):
+    """Return a recording that moves every input, in uneven steps."""
+    draw = np.random.default_rng(2)
+    t = np.cumsum(draw.uniform(0.001, 0.05, n))
+    spans = {"kappa": 0.2, "alpha": 0.25, "gamma": 0.1, "phit": 0.05}
+    table = pd.DataFrame({name: draw.uniform(-a, a, n) for name, a in spans.items() if name in tire.inputs})
+    table["Fz"] = tire.values["FNOMIN"] * draw.uniform(0.2, 1.3, n)
+    if "V" in tire.inputs:
+        table["V"] = draw.uniform(-2.0, 30.0, n)
+    table = table.assign(t=t)
+    return table.assign(**tire.evaluate(table, hold=True)[list(tire.outputs)])
+
+
+def test_is_valid(python_fmus, name):
+    assert validate_fmu(str(python_fmus[name])) == []
+
+
+def test_does_what_the_tire_does(python_fmus, tires, name):
+    result = check(python_fmus[name], drive(tires[name]))
+    assert result.ok
+    assert result.evaluation_difference < 1e-9
+
+
+@pytest.mark.parametrize("name", ["first", "rolling"])
+def test_equals_the_native_one(python_host, hosts, name):
+    python, native = python_host(name), hosts(name, 2)
+    assert python.inputs == native.inputs
+    shown = [*python.outputs, *(name for name in ("kappa_lagged",) if name in python.variables)]
+    assert set(python.outputs) <= set(native.outputs)
+    draw = np.random.default_rng(3)
+    for host in (python, native):
+        host.start()
+    for step in range(20):
+        given = {"alpha": draw.uniform(-0.2, 0.2), "kappa": draw.uniform(-0.1, 0.1), "Fz": draw.uniform(200, 5000)}
+        for host in (python, native):
+            assert host.set(**given) == OK
+        assert python.get(*shown) == pytest.approx(native.get(*shown), rel=1e-10, abs=1e-8)
+        for host in (python, native):
+            assert host.step(0.01 * step, 0.01) == OK
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+@pytest.mark.parametrize("variable", ["alpha", "PCY1"])
+def test_what_is_not_finite_is_not_taken_over(python_host, variable, value):
+    host = python_host("first").start()
+    before = host.forces(alpha=0.1, Fz=900.0)
+    kept = host.get(variable)
+    host.set(Fz=500.0, **{variable: value})
+    assert host.get(variable) == kept
+    assert host.get(*host.outputs).tolist() == before.tolist()
+    assert host.step(0.0, 0.1) == DISCARD
+    assert host.set(Fz=900.0) == OK
+    assert host.step(0.0, 0.1) == OK
+
+
+def test_what_cannot_be_set_makes_no_step(python_host):
+    host = python_host("first").start()
+    before = host.everything()
+    host.set(Fy=1.0)
+    assert host.step(0.0, 0.1) == DISCARD
+    host.set_references([9999], [1.0])
+    assert host.step(0.0, 0.1) == DISCARD
+    assert host.everything().tolist() == before.tolist()
+    assert np.isnan(host.get(9999)).all()
+
+
+@pytest.mark.parametrize("size", [0.0, -0.1, np.nan, np.inf])
+def test_no_step_of_a_size_that_cannot_be(python_host, lagging, size):
+    host = python_host(lagging).start()
+    host.forces(alpha=0.1)
+    before = host.everything()
+    assert host.step(0.0, size) == DISCARD
+    assert host.everything().tolist() == before.tolist()
+
+
+def test_steps_do_not_depend_on_their_size(python_host, lagging):
+    one, many = python_host(lagging), python_host(lagging)
+    for host in (one, many):
+        host.start()
+        host.set(alpha=0.1, kappa=0.03, V=10.0)
+    assert one.step(0.0, 0.05) == OK
+    for i in range(50):
+        assert many.step(0.001 * i, 0.001) == OK
+    assert many.get(*many.outputs) == pytest.approx(one.get(*one.outputs), rel=1e-9)
+
+
+def test_reset_begins_anew(python_host, lagging):
+    host = python_host(lagging)
+    runs = []
+    for _ in range(2):
+        host.start()
+        host.set(alpha=0.1, V=15.0)
+        assert host.step(0.0, 0.01) == OK
+        runs.append(host.everything())
+        assert host.call("Reset") == OK
+    assert runs[0].tolist() == runs[1].tolist()
+
+
+def test_a_saved_state_brings_back_the_run(python_host, lagging):
+    host = python_host(lagging).start()
+    host.set(alpha=0.1, V=15.0)
+    assert host.step(0.0, 0.01) == OK
+    state, before = host.fmu.getFMUstate(), host.everything()
+    host.set(alpha=-0.1)
+    assert host.step(0.01, 0.01) == OK
+    assert host.everything().tolist() != before.tolist()
+    again = host.fmu.deSerializeFMUstate(host.fmu.serializeFMUstate(state))
+    host.fmu.setFMUstate(again)
+    assert host.everything().tolist() == before.tolist()
+
+
+def test_two_tires_in_one_process_keep_their_own(python_host, tires):
+    one, other = python_host("first").start(), python_host("mf61").start()
+    for host, tire in ((one, tires["first"]), (other, tires["mf61"])):
+        expected = tire.forces(alpha=0.1, Fz=800.0)["Fy"].item()
+        host.set(alpha=0.1, Fz=800.0)
+        assert host.get("Fy")[0] == pytest.approx(expected, rel=1e-12)
+
+
+def test_its_files_can_be_changed(python_fmus, tires, tmp_path):
+    changed = tmp_path / "changed.fmu"
+    with zipfile.ZipFile(python_fmus["first"]) as given, zipfile.ZipFile(changed, "w") as written:
+        slave = given.read("resources/slavemodule.txt").decode()
+        for name in given.namelist():
+            content = given.read(name)
+            if name == f"resources/{slave}.py":
+                assert content.count(b"map(float, forces)") == 1
+                content = content.replace(b"map(float, forces)", b"(0.5 * float(force) for force in forces)")
+            # Python, which has loaded the file by its name before, is given another one.
+            if name == "resources/slavemodule.txt":
+                content = b"changed_tire"
+            place = name.replace(slave, "changed_tire").replace("/first.", "/changed.")
+            content = content.replace(b'modelIdentifier="first"', b'modelIdentifier="changed"')
+            written.writestr(place, content)
+    table = pd.DataFrame({"alpha": [0.1, 0.2], "Fz": 900.0})
+    table["Fy"] = 0.5 * tires["first"].forces(alpha=table["alpha"], Fz=900.0)["Fy"]
+    assert check(changed, table).channels[0].rmse < 1e-9
+
+
+def test_contents(python_fmus, tires, tmp_path):
+    with zipfile.ZipFile(python_fmus["first"]) as archive:
+        names = set(archive.namelist())
+        assert read_tir(archive.extract("resources/tire.tir", tmp_path)).values == tires["first"].values
+        assert b"MIT" in archive.read("documentation/licenses/pythonfmu.txt")
+        description = archive.read("modelDescription.xml").decode()
+    assert {"resources/mf96.py", "resources/variables.json", "resources/slavemodule.txt"} <= names
+    assert not any(name.startswith("sources/") for name in names)
+    assert 'needsExecutionTool="true"' in description
+    assert "DirectionalDerivative" not in description
+
+
+def test_equal_tires_give_equal_bytes(python_host, python_fmus, tires, tmp_path):
+    python_host("first").start()  # which brings a pythonfmu of its own into this process
+    again = export(tires["rolling"], tmp_path / "rolling.fmu", kind="pythonfmu")
+    assert again.read_bytes() == python_fmus["rolling"].read_bytes()
+
+
+# ------------------------------------------------------------------ what goes wrong
+
+
+def test_fmi_3_is_refused(tires, tmp_path):
+    with pytest.raises(FmuError, match="the pythonfmu variant speaks FMI 2 only, not FMI 3"):
+        export(tires["first"], tmp_path / "t.fmu", fmi=3, kind="pythonfmu")
+    call = ["export", "trento_hoosier", "-o", str(tmp_path / "t.fmu"), "--kind", "pythonfmu", "--fmi", "3"]
+    assert main(call) == 2
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_unknown_kind(tires, tmp_path):
+    with pytest.raises(FmuError, match="kind 'julia' is not known: known are native, pythonfmu"):
+        export(tires["first"], tmp_path / "t.fmu", kind="julia")

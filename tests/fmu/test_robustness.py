@@ -1,0 +1,79 @@
+"""A careless host in C, linked with the FMU's own sources; with sanitizers where TIREFMU_SANITIZE is set."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tirefmu.fmu.binaries import FLAGS, SMALL
+from tirefmu.fmu.build import contents, fmi_headers
+from tirefmu.fmu.interface import interface
+from tirefmu.fmu.model_code import model_files
+from tirefmu.tires.compiler import compiled_object
+
+SOURCE = Path(__file__).with_name("robust.c")
+CASES = re.findall(r"CASE\((\w+)\)", SOURCE.read_text(encoding="ascii").split("CASES[] =")[1])
+SANITIZERS = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer"]
+
+
+@pytest.fixture(scope="module", params=[2, 3], ids=["fmi2", "fmi3"])
+def said(request, tires, compiler, tmp_path_factory):
+    """Return what the program says of each case."""
+    fmi, folder = request.param, tmp_path_factory.mktemp("robust")
+    files = contents(tires["rolling"], fmi, "tire")
+    sources = {name.removeprefix("sources/"): text for name, text in files.items() if name.startswith("sources/")}
+    for name, text in sources.items():
+        (folder / name).write_bytes(text)
+    (token,) = re.findall(rb'(?:guid|instantiationToken)="([^"]+)"', files["modelDescription.xml"])
+    shown = [variable.name for variable in interface(tires["rolling"]).variables]
+    assert shown[1:13] == [*tires["rolling"].inputs, *tires["rolling"].outputs]
+    sanitized = bool(os.environ.get("TIREFMU_SANITIZE"))
+    models = [folder / name for name in model_files("mf61")]
+    if not sanitized:  # the model's code is compiled once for both versions
+        header = [folder / "mf61.h"]
+        models = [
+            compiled_object("robust", model, headers=header, include=[folder], flags=[*FLAGS, *SMALL])
+            for model in models
+        ]
+    program = folder / "robust"
+    command = [
+        *compiler,
+        "-std=gnu99",
+        "-O1",
+        *(SANITIZERS if sanitized else ()),
+        f"-DFMI={fmi}",
+        f"-DLMUX_REFERENCE={shown.index('LMUX')}",
+        f"-I{folder}",
+        f"-I{fmi_headers()}",
+        str(SOURCE),
+        *(str(folder / name) for name in sources if name.endswith(".c") and name not in model_files("mf61")),
+        *map(str, models),
+        "-o",
+        str(program),
+        "-lm",
+        "-lpthread",
+    ]
+    built = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert built.returncode == 0, built.stderr
+    done = subprocess.run([str(program), token.decode()], capture_output=True, text=True, check=False)
+    return done.stdout.splitlines(), done.stderr, done.returncode
+
+
+def test_there_are_enough_cases():
+    assert len(CASES) == len(set(CASES)) >= 30
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_case(said, case):
+    lines, _, _ = said
+    assert [line for line in lines if line.startswith(case)] == [f"{case} ok"]
+
+
+def test_nothing_else_is_reported(said):
+    _, errors, status = said
+    assert errors == ""
+    assert status == 0

@@ -1,0 +1,59 @@
+"""The Windows binary under wine: `make wine` runs this, the main suite does not, for zig's first time is long."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from tirefmu.fmu import cross, export
+from tirefmu.fmu.binaries import binary_path
+from tirefmu.fmu.build import fmi_headers
+from tirefmu.fmu.simulation import read_description
+
+pytestmark = pytest.mark.skipif("TIREFMU_WINE" not in os.environ, reason="runs by make wine")
+
+PLATFORMS = ("x86_64-linux", "x86_64-windows")
+
+
+@pytest.fixture(scope="module")
+def wine():
+    found = shutil.which("wine64") or shutil.which("wine") or shutil.which("wine64", path="/usr/lib/wine")
+    assert found, "wine64 is not installed"
+    assert cross.has_ziglang(), "the extra cross is not installed"
+    return found
+
+
+def host(folder, platform, fmi):
+    """Return the program of the host, compiled for a platform."""
+    program = folder / f"host-{platform}.exe"
+    source = Path(__file__).with_name("host.c")
+    libraries = ["-ldl"] if platform.endswith("linux") else []
+    # Optimized as the FMU is: zig builds what Windows needs once for both.
+    command = [*cross.ziglang(platform).command, "-O2", f"-DFMI={fmi}", f"-I{fmi_headers()}"]
+    subprocess.run([*command, str(source), "-o", str(program), *libraries], check=True, capture_output=True)
+    return program
+
+
+@pytest.mark.parametrize("name", ["first", "mf61"])
+def test_windows_computes_the_same_digits(wine, tires, fmi, name, tmp_path):
+    fmu = export(tires[name], tmp_path / "tire.fmu", fmi=fmi, platforms=PLATFORMS)
+    printed = {}
+    for platform in PLATFORMS:
+        with zipfile.ZipFile(fmu) as archive:
+            library = archive.extract(binary_path(fmi, "tire", platform), tmp_path)
+        runner = [wine] if platform.endswith("windows") else []
+        command = [*runner, str(host(tmp_path, platform, fmi)), str(library), read_description(fmu).guid]
+        environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")}
+        done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
+        assert done.returncode == 0, done.stdout + done.stderr
+        printed[platform] = [[float(word) for word in line.split()] for line in done.stdout.splitlines()]
+    linux, windows = printed["x86_64-linux"], printed["x86_64-windows"]
+    assert len(linux) == 3
+    # The systems' libraries may round sin and atan differently in the last digit.
+    for ours, theirs in zip(linux, windows, strict=True):
+        assert theirs == pytest.approx(ours, rel=1e-12, abs=1e-9)
