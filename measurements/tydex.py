@@ -116,7 +116,7 @@ def _quantity(line: int, text: str, most: int) -> _Quantity:
     """Read name, description, unit and up to ``most`` numbers; only the unit tells where the description ends."""
     name, *words = text.split()
     numbers: list[float] = []
-    while words and len(numbers) < most and _is_number(words[-1]):
+    while words and len(numbers) < most and _is_number(words[-1]) and np.isfinite(float(words[-1])):
         numbers.insert(0, float(words.pop()))
     # A description may end in a word like "N"; a unit of two words is one of temperature.
     two = " ".join(words[-2:])

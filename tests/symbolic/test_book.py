@@ -1,4 +1,4 @@
-"""Every model as declared: every coefficient with its card, every line with its number, each using earlier ones only."""
+"""Every model as declared: each coefficient with its card, each line with its number, using earlier ones only."""
 
 from __future__ import annotations
 

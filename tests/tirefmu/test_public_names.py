@@ -14,7 +14,8 @@ from tirefmu import diagnosis, fitting, fmu, measurements, tires
 #: The public contract: where each name comes from.
 NAMES = {
     "Tire": tires, "published": tires, "fit": fitting, "FitResult": fitting, "export": fmu, "check": fmu,
-    "CheckResult": fmu, "diagnose": diagnosis, "Diagnosis": diagnosis, "read_recording": measurements, "Recording": measurements, "VirtualBench": measurements,
+    "CheckResult": fmu, "diagnose": diagnosis, "Diagnosis": diagnosis, "read_recording": measurements,
+    "Recording": measurements, "VirtualBench": measurements,
 }  # fmt: skip
 
 
