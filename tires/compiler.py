@@ -230,7 +230,7 @@ def compiled_model(model: str, folder: Path | None = None) -> ctypes.CDLL:
     with as_file(files("tirefmu.generated") / "c") as generated:
         place = folder or generated
         source, header = place / f"{model}.c", place / f"{model}.h"
-        own = ["-fvisibility=default", "-ffp-contract=off", "-march=native"]  # the same digits on every machine
+        own = ["-fvisibility=default", "-ffp-contract=fast", "-march=native"]
         try:
             library = shared_library(model, [source], headers=[header], flags=own, machine=processor())
         except CompilerError:  # not every compiler can ask for its own machine
