@@ -133,8 +133,9 @@ def straight_rows(book: Model, inputs: FloatArray, parameters: FloatArray) -> np
     -------
     ndarray of bool, shape (n,)
     """
-    chosen = dict(zip(book.parameters, parameters, strict=True))
-    if any(chosen[option.parameter] != 0 for option in book.straight_options):
+    module = numpy_module(book)  # it knows without a walk through the lines
+    chosen = dict(zip(module.PARAMETERS, parameters, strict=True))
+    if any(chosen[name] != 0 for name in module.STRAIGHT_OPTIONS):
         return np.zeros(inputs.shape[1], dtype=np.bool_)
     names = [quantity.name for quantity in book.inputs]
     asked = [names.index(name) for _, name in book.on_demand]

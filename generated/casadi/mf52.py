@@ -36,6 +36,9 @@ COEFFICIENTS = (
 OPTIONS = (
     "CONVENTION", "SLIP_ANGLE", "LIMITS", "SIGNS",
 )
+STRAIGHT_OPTIONS = (
+    "CONVENTION", "SLIP_ANGLE", "LIMITS",
+)
 QUANTITIES = (
     "dfz", "dpi", "alpha_star", "gamma_star", "omega", "R_omega", "R_e", "S_Hx", "kappa_x", "C_x",
     "mu_x", "D_x", "E_x", "K_xkappa", "B_x", "S_Vx", "F_x0", "K_yalpha", "K_ygamma0", "S_Hy",

@@ -93,6 +93,7 @@ def python_module(model: Model, routines: tuple[Routine, ...], flavor: PythonFla
         "INPUTS": [quantity.name for quantity in model.inputs],
         "COEFFICIENTS": list(model.coefficients),
         "OPTIONS": [option.parameter for option in model.options],
+        "STRAIGHT_OPTIONS": [option.parameter for option in model.straight_options],
         "QUANTITIES": list(quantities.labels),
         "FORCES": list(forces.labels),
         "SLIPS": list(slips.labels),
