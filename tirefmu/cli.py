@@ -172,7 +172,10 @@ def fit(
 @click.argument("tire", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="FMU to write.")
 @click.option("--fmi", type=click.Choice(["2", "3"]), help="Version of FMI  [default: 3; pythonfmu: 2]")
-@click.option("--inputs", default="slip", show_default=True, help="What the FMU takes as inputs.")
+@click.option("--inputs", default="slip", show_default=True,
+              help="slip: kappa, alpha, ...; wheel: contact point velocities and wheel speed.")  # fmt: skip
+@click.option("--axes", type=click.Choice(["iso", "sae"]), default="iso", show_default=True, help="Axes of the FMU.")
+@click.option("--quantities", is_flag=True, help="Every named quantity as an output, too.")
 @click.option(
     "--kind",
     type=click.Choice(["native", "pythonfmu"]),
@@ -192,12 +195,14 @@ def export(
     output: Path,
     fmi: str | None,
     inputs: str,
+    axes: str,
+    quantities: bool,
     kind: str,
     platforms: str,
     quiet: bool,
     json_file: Path | None,
 ) -> int:
-    """Pack TIRE as an FMU for Co-Simulation; a native one runs without Python."""
+    """Pack TIRE as an FMU: native for Co-Simulation and Model Exchange, without Python, or one to be changed."""
     from tirefmu.fmu import export as run
 
     terminal = Terminal(quiet)
@@ -205,11 +210,14 @@ def export(
     loaded = tire_named(tire)
     version = int(fmi) if fmi else 3 if kind == "native" else 2
     with terminal.working("compiling" if kind == "native" else "packing"):
-        written = run(loaded, output, fmi=version, inputs=inputs, kind=kind, platforms=platforms)
+        written = run(
+            loaded, output, fmi=version, inputs=inputs, axes=axes, quantities=quantities, kind=kind, platforms=platforms
+        )
     size = written.stat().st_size
     told = {"ok": True, "fmu": str(written), "fmi": version, "inputs": inputs, "kind": kind, "bytes": size}
     write_json(json_file, told)
-    terminal.print(f"FMI {version}.0 Co-Simulation, {kind}, {inputs} inputs, {size / 1024:.0f} KB: {written}")
+    offers = "Co-Simulation and Model Exchange" if kind == "native" else "Co-Simulation"
+    terminal.print(f"FMI {version}.0 {offers}, {kind}, {inputs} inputs, {size / 1024:.0f} KB: {written}")
     return 0
 
 
