@@ -60,7 +60,7 @@ def generate(only_check: bool, quiet: bool, json_file: Path | None) -> int:
 @click.argument("tire", type=FILE)
 @click.argument("table", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="CSV or Parquet to write.")
-@click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat, iso for tables).")
+@click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat and .dat, iso for tables).")
 @click.option(
     "--convention",
     type=click.Choice(["tno", "book"]),
@@ -125,7 +125,7 @@ def evaluate(
 @click.option("--recipe", default="progressive", show_default=True,
               help="progressive, joint, trento, scaling (of --start), or a TOML file.")  # fmt: skip
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
-@click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat, iso for tables).")
+@click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
 @click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @common
@@ -224,7 +224,7 @@ def export(
 @cli.command()
 @click.argument("fmu", type=FILE)
 @click.argument("table", type=FILE)
-@click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat, iso for tables).")
+@click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat and .dat, iso for tables).")
 @click.option(
     "--tolerance",
     type=click.FloatRange(min=0.0),

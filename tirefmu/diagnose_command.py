@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @click.option("--model", default="mf61", show_default=True, help="Model of the start tire.")
 @click.option("--effects", callback=names, help="What the start model has on top of its core, or 'none'.")
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
-@click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat, iso for tables).")
+@click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat and .dat, iso for tables).")
 @click.option("--candidates", callback=names, help="Try only these effects.")
 @click.option("--effect", "own", type=FILE, multiple=True, help="File of an effect of your own, tried too.")
 @click.option("--fmu/--no-fmu", "fmus", default=True, show_default=True, help="Export and simulate both tires.")
