@@ -4,26 +4,26 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection, Mapping, Sequence
+from importlib.metadata import version
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
-from tirefmu.measurements import INPUTS, OUTPUTS, Recording, check_plausible, read_recording
+from tirefmu.measurements import Recording
 from tirefmu.symbolic import model as book_of
-from tirefmu.symbolic.errors import DataError, FitError, UnknownName
+from tirefmu.symbolic.errors import FitError, UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.tire import Tire
 
-from .recipe import load_recipe
+from .checkpoint import Checkpoint, fingerprint
+from .interruption import Interruption, Progress
+from .preparation import Prepared, prepare, recording_of
+from .recipe import Recipe, load_recipe
 from .result import FitResult
-from .session import Progress, Session
+from .session import Session
 
 #: What --nominal may name, and the coefficient that it sets.
 NOMINAL = {"Fz0": "FNOMIN", "R0": "UNLOADED_RADIUS", "p0": "NOMPRES", "V0": "LONGVL"}
-#: The inputs of which one has to vary by 0.01 for a channel to tell something of the tire; none for My.
-EXCITED_BY = {"Fx": ("kappa",), "Fy": ("alpha",), "Mz": ("alpha",), "Mx": ("alpha", "gamma"), "My": ()}
-LEAST_VARIATION = 0.01
 
 
 def fit(
@@ -36,7 +36,11 @@ def fit(
     recipe: str = "progressive",
     nominal: Mapping[str, float] | None = None,
     signs: str | None = None,
+    screening: bool = True,
+    rows: str = "condition",
     progress: Progress | None = None,
+    checkpoint: str | Path | None = None,
+    resume: bool = False,
 ) -> FitResult:
     """Fit a tire to recordings of a test bench.
 
@@ -58,13 +62,25 @@ def fit(
         not given.
     signs : str, optional
         Convention of the files, where it is not the format's default.
+    screening : bool
+        Whether to set aside rows of a cold tread, of transitions between levels, of a lifted or standing wheel, and
+        outliers; `FitResult.set_aside` tells which. Scores count every row.
+    rows : str
+        How rows count: "condition" (every load, inclination, pressure, ... that a recording held counts the same,
+        however often or slowly it was logged), "equal" (every row the same), or "independent" (as "condition", and
+        each recording's channel by how many independent rows it is worth).
     progress : callable, optional
         Called with stage, iteration and cost.
+    checkpoint : path, optional
+        File for the finished stages; removed when all of them are done.
+    resume : bool
+        Go on after the stages in that file.
 
     Returns
     -------
     FitResult
-        Also where the solver did not converge: `FitResult.ok` says so.
+        Also where the solver did not converge, or the fit was interrupted (Ctrl-C, or a `KeyboardInterrupt` of
+        ``progress``) and kept the best values so far: `FitResult.ok` and `FitResult.status` say so.
 
     Raises
     ------
@@ -74,38 +90,43 @@ def fit(
     began = time.perf_counter()
     book = book_of(model)
     plan = load_recipe(recipe, model)
+    if resume and checkpoint is None:
+        raise FitError("to go on takes the file of the finished stages (checkpoint)")
     if plan.scales and start is None:
         raise FitError(f"recipe {plan.name} scales a given tire: say which to start from (--start)")
-    recordings = [_ready(table, signs) for table in tables]
+    recordings = [recording_of(table, signs) for table in tables]
     if not recordings:
         raise FitError("no table to fit")
     present = _effects(book, start, effects, without)
-    data, notes = _together(recordings, book)
-    tire = _starting_tire(book, present, start, data, nominal or {}, notes)
-    session = Session(book, tire, data, plan, progress, notes, given=start is not None)
-    for stage in plan.stages:
-        session.run(stage)
+    data = prepare(recordings, book, screening=screening, rows=rows)
+    notes = list(data.notes)
+    tire = _starting_tire(book, present, start, data.fitted, nominal or {}, notes)
+    options = {"rows": rows, "screening": str(screening), "given start": str(start is not None)}
+    saved = Checkpoint(Path(checkpoint), _identity(data, tire, plan, options)) if checkpoint else None
+    with Interruption(progress) as interruption:
+        session = Session(book, tire, data, plan, interruption, notes, given=start is not None)
+        if resume and saved:
+            session.restore(saved.load())
+        session.run(saved)
+    interruption.settle()
     told = "iso" if all(recording.signs == "iso" for recording in recordings) else "adapted-sae"
-    return session.result(recordings, told, time.perf_counter() - began)
+    result = session.result(recordings, told, time.perf_counter() - began)
+    if saved and not result.interrupted:
+        saved.remove()
+    return result
 
 
-def _ready(table: str | Path | Recording, signs: str | None) -> Recording:
-    recording = table if isinstance(table, Recording) else read_recording(table, signs=signs)
-    _check_numbers(recording)
-    check_plausible(recording)
-    recording.measured()  # says which column a misnamed channel may be
-    return recording
-
-
-def _check_numbers(recording: Recording) -> None:
-    """Refuse what only a table made in memory can have; files are checked when they are read."""
-    if not len(recording):
-        raise DataError(f"{recording.source}: no rows")
-    for name in (*INPUTS, *OUTPUTS):
-        values = recording.table[name].to_numpy(dtype=float) if name in recording.table else np.zeros(0)
-        bad = np.flatnonzero(np.isinf(values) if name in OUTPUTS else ~np.isfinite(values))
-        if bad.size:
-            raise DataError(f"{recording.source}: row {bad[0] + 1}: {name} is {values[bad[0]]}")
+def _identity(data: Prepared, tire: Tire, plan: Recipe, options: Mapping[str, str]) -> dict[str, str]:
+    """Return what a fit depends on, by what a user calls it."""
+    return {
+        "version of tirefmu": version("tirefmu"),
+        "data": fingerprint(data.table.drop(columns=["kept", "weight"])),
+        "model": tire.model,
+        "effects": ",".join(sorted(tire.has)),
+        "recipe": repr(plan),
+        "values to start from": repr(sorted(tire.values.items())),
+        **options,
+    }
 
 
 def _effects(
@@ -113,27 +134,6 @@ def _effects(
 ) -> frozenset[str]:
     given = start.has if effects is None and start is not None else effects
     return (book.usual_effects if given is None else book.known_effects(given)) - book.known_effects(without)
-
-
-def _together(recordings: Sequence[Recording], book: Model) -> tuple[pd.DataFrame, list[str]]:
-    """Put the recordings into one table in adapted SAE; take out channels whose slip a recording does not vary."""
-    tables, notes, segments = [], [], 0
-    outputs = [quantity.name for quantity in book.outputs]
-    for number, recording in enumerate(recordings):
-        table = recording.with_signs("adapted-sae").table
-        for channel in (name for name in outputs if name in table):
-            by = EXCITED_BY[channel]
-            if by and not any(slip in table and np.ptp(table[slip].to_numpy()) >= LEAST_VARIATION for slip in by):
-                table = table.assign(**{channel: np.nan})
-                notes.append(f"{recording.source}: {channel} is not fitted, {' or '.join(by)} does not vary there")
-        pieces = recording.segments()
-        segment = np.repeat(np.arange(segments, segments + len(pieces)), [piece.stop - piece.start for piece in pieces])
-        segments += len(pieces)
-        tables.append(table.assign(recording=number, segment=segment))
-    data = pd.concat(tables, ignore_index=True)
-    if not any(name in data and data[name].notna().any() for name in outputs):
-        raise FitError(f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit")
-    return data, notes
 
 
 def _starting_tire(

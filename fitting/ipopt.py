@@ -31,6 +31,8 @@ PATIENCE, LEAST_GAIN = 10, 1e-5
 APPROACH_PATIENCE, APPROACH_GAIN = 5, 1e-3
 #: Reasons to stop within the constraints that count as converged: the watch's, and steps below machine precision.
 AT_REST = ("No_Further_Gain", "Search_Direction_Becomes_Too_Small")
+#: The reason of a solution that somebody asked to end.
+INTERRUPTED = "Interrupted"
 #: Called with (iteration, cost) as the solver goes on.
 Progress = Callable[[int, float], None]
 
@@ -47,7 +49,7 @@ class Solution:
     iterations : int
     converged : bool
     reason : str
-        IPOPT's own word for why it stopped.
+        IPOPT's own word for why it stopped, or ours: nothing more to gain, interrupted.
     """
 
     x: FloatArray
@@ -84,13 +86,13 @@ class _Numeric(ca.Callback):  # type: ignore[misc]
 class _Watch(ca.Callback):  # type: ignore[misc]
     """Keep the best point within the constraints, and stop when there is nothing more to gain."""
 
-    def __init__(self, n: int, imposed: Imposed, *, approach: bool) -> None:
+    def __init__(self, n: int, imposed: Imposed, stop: Callable[[], bool], *, approach: bool) -> None:
         ca.Callback.__init__(self)
-        self._n, self._imposed = n, imposed
+        self._n, self._imposed, self._stop = n, imposed, stop
         self._patience, self._least = (APPROACH_PATIENCE, APPROACH_GAIN) if approach else (PATIENCE, LEAST_GAIN)
         self._costs: list[float] = []  # the best cost after each iteration
         self.x: FloatArray | None = None
-        self.settled = False
+        self.settled = self.stopped = False
         self.construct("watch", {})
 
     def get_n_in(self) -> int:
@@ -118,7 +120,8 @@ class _Watch(ca.Callback):  # type: ignore[misc]
         if len(self._costs) > self._patience:
             gain = self._costs[-1 - self._patience] - self._costs[-1]
             self.settled = gain < self._least * abs(self._costs[-1])
-        return [int(self.settled)]
+        self.stopped = not self.settled and self._stop()
+        return [int(self.settled or self.stopped)]
 
 
 def solve(
@@ -132,6 +135,7 @@ def solve(
     approach: bool = False,
     max_iterations: int = 300,
     progress: Progress | None = None,
+    stop: Callable[[], bool] = lambda: False,
 ) -> Solution:
     """Minimize the cost within bounds and constraints.
 
@@ -148,6 +152,9 @@ def solve(
         Stop where little more is gained: another fit goes on from there.
     max_iterations : int
     progress : callable, optional
+    stop : callable
+        Asked after every iteration whether to end there, with the best point within the constraints, or the start
+        where there was none.
 
     Returns
     -------
@@ -176,7 +183,7 @@ def solve(
         [dense(n, 1), none],
         [dense(m, 1), imposed.sparsity],
     )
-    watch = _Watch(n, imposed, approach=approach)
+    watch = _Watch(n, imposed, stop, approach=approach)
     options = {
         "grad_f": gradient,
         "hess_lag": hessian,
@@ -213,9 +220,11 @@ def solve(
     with threadpool_limits(limits=1, user_api="blas"):
         result = solver(x0=start, lbx=lower, ubx=upper, lbg=low, ubg=high)
     stats = solver.stats()
-    reason = "No_Further_Gain" if watch.settled else str(stats["return_status"])
+    ended = "No_Further_Gain" if watch.settled else INTERRUPTED if watch.stopped else ""
+    reason = ended or str(stats["return_status"])
     converged = bool(stats["success"]) or (watch.x is not None and reason in AT_REST)
-    found = np.array(result["x"]).ravel() if stats["success"] or watch.x is None else watch.x
+    last = start if watch.stopped else np.array(result["x"]).ravel()
+    found = last if stats["success"] or watch.x is None else watch.x
     x = np.clip(found, lower, upper) if np.isfinite(found).all() else start
     return Solution(x, problem.cost(x), int(stats["iter_count"]), converged, reason)
 

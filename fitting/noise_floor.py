@@ -38,27 +38,6 @@ def held_levels(column: pd.Series) -> list[float]:
     return found if len(found) <= MOST_LEVELS else []
 
 
-def held_conditions(table: pd.DataFrame) -> npt.NDArray[np.int64]:
-    """Return the number of the held condition of each row: the nearest level of every channel that was held.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-
-    Returns
-    -------
-    ndarray of int, shape (n,)
-        Rows of a sweep at one load, inclination, pressure and so on have one number.
-
-    Examples
-    --------
-    >>> table = pd.DataFrame({"Fz": [220.0, 221.0, 700.0] * 40, "alpha": np.linspace(-0.2, 0.2, 120)})
-    >>> held_conditions(table).tolist()[:3]
-    [0, 0, 1]
-    """
-    return _numbered([place for place, held in _places(table) if held], len(table))
-
-
 def noise_floor(table: pd.DataFrame, channels: Sequence[str]) -> dict[str, tuple[float, float]]:
     """Return the scatter of each channel about its own local mean, and the share of rows that tell of it.
 

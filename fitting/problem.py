@@ -44,16 +44,21 @@ class Rows:
         The recording that each row comes from.
     segment : ndarray of int, shape (n,)
         What was logged without a gap; a recording is one where nobody says.
+    weight : ndarray, shape (n,)
+        How much each row counts beside the others of its recording; 1 where nobody says.
     """
 
     inputs: FloatArray
     measured: FloatArray
     group: npt.NDArray[np.int64]
     segment: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    weight: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         if len(self.segment) != len(self.group):
             object.__setattr__(self, "segment", self.group)
+        if len(self.weight) != len(self.group):
+            object.__setattr__(self, "weight", np.ones(len(self.group)))
 
     @classmethod
     def of(cls, table: pd.DataFrame, tire: Tire, channels: Sequence[str]) -> Rows:
@@ -62,12 +67,13 @@ class Rows:
         inputs = [table.get(name, pd.Series(tire.nominal(name), table.index)) for name in tire.inputs]
         measured = [table.get(name, absent) if name in channels else absent for name in tire.outputs]
         group = table["recording"] if "recording" in table else pd.Series(0, table.index)
-        segment = table.get("segment", group)
+        segment, weight = table.get("segment", group), table.get("weight", pd.Series(1.0, table.index))
         return cls(
             np.stack([column.to_numpy(dtype=float) for column in inputs]),
             np.stack([column.to_numpy(dtype=float) for column in measured], axis=1),
             np.asarray(group, dtype=np.int64),
             np.asarray(segment, dtype=np.int64),
+            np.asarray(weight, dtype=float),
         )
 
     def __len__(self) -> int:
@@ -81,7 +87,10 @@ class Rows:
         if n >= len(self):
             return self
         chosen = np.sort(np.random.default_rng(seed).choice(len(self), n, replace=False))
-        return Rows(self.inputs[:, chosen], self.measured[chosen], self.group[chosen], self.segment[chosen])
+        return Rows(
+            self.inputs[:, chosen], self.measured[chosen], self.group[chosen], self.segment[chosen],
+            self.weight[chosen],
+        )  # fmt: skip
 
 
 @dataclass
@@ -184,7 +193,7 @@ class Problem:
         """Spread the weights over the rows."""
         if self._weighed is self.weights:
             return
-        root = np.sqrt(self.weights)[self.rows.group].T
+        root = np.sqrt(self.weights[self.rows.group].T * self.rows.weight)
         self._root = np.ascontiguousarray(np.where(np.isfinite(self.rows.measured.T), root, 0.0))
         rows = [np.flatnonzero(channel) for channel in self._root]
         self._there = [(output, there) for output, there in enumerate(rows) if there.size]
@@ -206,7 +215,7 @@ def coefficients_by_output(book: Model, *, straight: bool = False) -> dict[str, 
 
 def equal_weights(rows: Rows) -> FloatArray:
     """Return weights that make the cost half the sum of 1 - R2 (uncentred) over the channels: the report's cost."""
-    squares = np.nansum(rows.measured**2, axis=0)
+    squares = np.nansum(rows.measured**2 * rows.weight[:, None], axis=0)
     groups = int(rows.group.max(initial=0)) + 1
     return np.broadcast_to(1.0 / np.where(squares > 0, squares, 1.0), (groups, rows.measured.shape[1])).copy()
 

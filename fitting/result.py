@@ -13,6 +13,7 @@ import pandas as pd
 from tirefmu.tires.tire import Tire
 
 from .constraints import TOLERANCE
+from .preparation import SetAside
 from .uncertainty import Direction
 
 FloatArray = npt.NDArray[np.float64]
@@ -137,6 +138,10 @@ class FitResult:
     recipe : str
     directions : tuple of Direction
         Combinations of coefficients that the data leave open.
+    set_aside : tuple of SetAside
+        Rows that were not fitted, and why.
+    interrupted : str
+        Where the fit was asked to stop; empty where it went all the way.
     """
 
     tire: Tire
@@ -149,17 +154,25 @@ class FitResult:
     seconds: float = 0.0
     recipe: str = ""
     directions: tuple[Direction, ...] = ()
+    set_aside: tuple[SetAside, ...] = ()
+    interrupted: str = ""
 
     @property
     def ok(self) -> bool:
-        """Whether every stage converged and every constraint holds."""
-        return all(stage.converged for stage in self.stages) and all(m.margin >= -TOLERANCE for m in self.margins)
+        """Whether every stage ran and converged and every constraint holds."""
+        return (
+            not self.interrupted
+            and all(stage.converged for stage in self.stages)
+            and all(m.margin >= -TOLERANCE for m in self.margins)
+        )
 
     @property
     def status(self) -> str:
         """One line: how the fit ended."""
         failed = [stage for stage in self.stages if not stage.converged]
         broken = [margin for margin in self.margins if not margin.margin >= -TOLERANCE]
+        if self.interrupted:
+            return f"interrupted in {self.interrupted}: the values are the best so far"
         if failed:
             return f"not converged: stage {failed[0].name!r} ended with {failed[0].reason}"
         if broken:
@@ -187,7 +200,7 @@ class FitResult:
             "signs": self.signs,
             "values": dict(self.tire.values),
         }
-        for name in ("coefficients", "channels", "stages", "margins", "directions"):
+        for name in ("coefficients", "channels", "stages", "margins", "directions", "set_aside"):
             plain[name] = [vars(item) for item in getattr(self, name)]
         plain["notes"] = list(self.notes)
         return _plain(plain)  # type: ignore[no-any-return]

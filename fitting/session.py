@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from math import nan
 
@@ -14,22 +14,22 @@ import pandas as pd
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.notation import Coefficient
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
+from .checkpoint import Checkpoint, Ended, Release, State
 from .constraints import TOLERANCE, VALIDITY, Constraint, grid, operating_range
+from .influence import generic, influence, size
+from .interruption import Interruption
 from .ipopt import Solution, solve
 from .noise_floor import noise_floor
+from .preparation import Prepared
 from .problem import Problem, Rows, coefficients_by_output, emphasis, equal_weights, noise_weights
 from .recipe import Freed, Recipe, Stage
 from .result import ChannelFit, FitResult, FittedCoefficient, Margin, StageFit, quality
 from .uncertainty import Direction, uncertainty
 
 FloatArray = npt.NDArray[np.float64]
-#: Called with (stage, iteration, cost).
-Progress = Callable[[str, int, float], None]
-
 #: How much denser the grid is on which constraints are verified, how often what breaks them is added, and how much
 #: of it at a time.
 VERIFIED, ROUNDS, MOST_ADDED = 4, 12, 12
@@ -45,15 +45,6 @@ GIVEN_SECTIONS = frozenset({
 })  # fmt: skip
 
 
-@dataclass(frozen=True)
-class _Release:
-    """A coefficient freed: its first guess with its last bounds, the last stage that saw it, and whether one did."""
-
-    bounds: Freed
-    stage: str
-    determined: bool
-
-
 class Session:
     """A fit on its way: the tire so far and what the stages said."""
 
@@ -61,35 +52,76 @@ class Session:
         self,
         book: Model,
         tire: Tire,
-        data: pd.DataFrame,
+        data: Prepared,
         plan: Recipe,
-        progress: Progress | None,
+        interruption: Interruption,
         notes: list[str],
         *,
         given: bool,
     ) -> None:
         self._given = given  # the tire's values are somebody's, not to be replaced by generic ones
-        self._book, self._tire, self._data, self._plan = book, tire, data, plan
-        self._progress: Progress = progress or (lambda stage, iteration, cost: None)
+        self._book, self._tire, self._plan = book, tire, plan
+        self._prepared, self._data = data, data.fitted
+        self._interruption = interruption
         self._notes = notes
-        self._emphasis = emphasis(data, tire.outputs)
-        self._ranges = operating_range(data, tire.inputs)
+        self._emphasis = emphasis(self._data, tire.outputs)
+        self._ranges = operating_range(self._data, tire.inputs)
         self._broken: list[tuple[Constraint, FloatArray]] = []  # what verifying added, for later stages too
         self._grids: dict[tuple[tuple[str, ...], int], FloatArray] = {}
         self._stages: list[StageFit] = []
-        self._ends: list[tuple[str, Problem, FloatArray]] = []
-        self._freed: dict[str, _Release] = {}
-        asked = [data[name].any() for _, name in book.on_demand if name in data]
+        self._ends: list[tuple[Ended, Problem]] = []
+        self._freed: dict[str, Release] = {}
+        asked = [self._data[name].any() for _, name in book.on_demand if name in self._data]
         self._straight = not any(asked)  # no row turns: what acts in a turn alone reaches no channel
-        self._fitted = [q.name for q in book.outputs if q.name in data and data[q.name].notna().any()]
+        measured = self._data.notna().any()
+        self._fitted = [quantity.name for quantity in book.outputs if measured.get(quantity.name, False)]
+        self._done = 0  # stages of the recipe that are behind
 
-    def run(self, stage: Stage) -> None:
-        """Solve one stage and keep its values."""
+    def run(self, checkpoint: Checkpoint | None = None) -> None:
+        """Solve stage after stage, until somebody asks to stop; write down what is behind."""
+        for stage in self._plan.stages[self._done :]:
+            if self._stop():
+                break
+            self._run(stage)
+            if self._stop():
+                break
+            self._done += 1
+            if checkpoint:
+                checkpoint.save(self.state())
+
+    def _stop(self) -> bool:
+        return self._interruption.asked
+
+    def state(self) -> State:
+        """Return what the next stage goes on from."""
+        broken = [(constraint.name, points) for constraint, points in self._broken]
+        ended = [end for end, _ in self._ends]
+        return State(self._done, dict(self._tire.values), self._freed, broken, self._stages, ended, self._notes)
+
+    def restore(self, state: State) -> None:
+        """Go on from there."""
+        known = {constraint.name: constraint for constraint, _ in self._constraints(self._fitted, 0)}
+        self._broken = [(known[name], points) for name, points in state.broken]
+        for end in state.ended:
+            stage = self._plan.stages[end.stage]
+            table, channels = self._table(stage)
+            tire = replace(self._tire, values=end.values)
+            rows = Rows.of(table, tire, channels)
+            self._ends.append((end, self._posed(stage, tire, rows.sample(stage.rows or len(rows)), end.free)))
+        self._tire = replace(self._tire, values=state.values)
+        self._done, self._freed, self._stages, self._notes = state.done, state.freed, state.stages, state.notes
+
+    def _table(self, stage: Stage) -> tuple[pd.DataFrame, list[str]]:
+        """Return the rows of a stage, all of them, and its channels."""
         channels = self._chosen(stage)
+        table = stage.select(self._data)
+        return (table[table[channels].notna().any(axis=1)] if channels else table[:0]), channels
+
+    def _run(self, stage: Stage) -> None:
+        """Solve one stage and keep its values."""
+        table, channels = self._table(stage)
         if not channels and not stage.free:
             return  # a recipe for all channels, of which these were not measured
-        table = stage.select(self._data)
-        table = table[table[channels].notna().any(axis=1)] if channels else table[:0]
         if table.empty:
             asked = ", ".join(stage.channels) or "the data"
             self._notes.append(f"stage {stage.name!r} skipped: no row of {asked} meets its conditions")
@@ -135,32 +167,30 @@ class Session:
             guesses = {}
         else:
             known = {name for name, release in self._freed.items() if release.determined}
-            guesses = {n: _generic(cards[n]) for n in self._candidates(stage) if n not in known}
+            guesses = {n: generic(cards[n]) for n in self._candidates(stage) if n not in known}
         self._tire = replace(self._tire, values={**self._tire.values, **guesses})
 
     def _determined(self, every: dict[str, Freed], rows: Rows, stage: Stage) -> dict[str, Freed]:
         """Leave out what the rows cannot see; undo its generic start value, which nobody measured."""
-        seen = _influence(self._tire, rows.sample(2000), list(every))
+        seen = influence(self._tire, rows.sample(2000), list(every))
         for name, freed in every.items():
             before = self._freed.get(name)
             if before is None or name in seen or not before.determined:
                 first = freed.guess if before is None else before.bounds.guess
-                self._freed[name] = _Release(replace(freed, guess=first), stage.name, name in seen)
+                self._freed[name] = Release(replace(freed, guess=first), stage.name, name in seen)
         unseen = {n: self._book.coefficients[n].default for n in every if not self._freed[n].determined}
         if not stage.free and not self._given:
             self._tire = replace(self._tire, values={**self._tire.values, **unseen})
         return {name: freed for name, freed in every.items() if name in seen}
 
     def _solve(self, stage: Stage, rows: Rows, free: dict[str, Freed], channels: Sequence[str]) -> None:
-        cards = self._book.coefficients
-        scale = np.array([_size(cards[name].lower, cards[name].upper, f.guess) for name, f in free.items()])
-        problem = Problem(self._tire, rows, tuple(free), equal_weights(rows), scale)
+        before = dict(self._tire.values)
+        problem = self._posed(stage, self._tire, rows, free)
+        scale = problem.scale
         start = np.array([f.guess for f in free.values()]) / scale
-        if stage.weights == "noise":
-            problem.weights = noise_weights(problem, start, self._emphasis)
         lower = np.array([f.lower for f in free.values()]) / scale
         upper = np.array([f.upper for f in free.values()]) / scale
-        report = partial(self._progress, stage.name)
+        report = partial(self._interruption.report, stage.name)
         solution = self._solved(
             problem, np.clip(start, lower, upper), lower, upper, channels, report,
             ridge=RIDGE[stage.weights], approach=self._is_approach(stage),
@@ -168,13 +198,23 @@ class Session:
         values = dict(zip(free, (solution.x * scale).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})
         if stage.rows is None or len(rows) < stage.rows:  # rows drawn at random tell nothing of time
-            self._ends.append((stage.name, problem, solution.x))
+            self._ends.append((Ended(self._plan.stages.index(stage), before, free, solution.x), problem))
         self._stages.append(
             StageFit(
                 stage.name, len(rows), len(free), solution.iterations, solution.converged, solution.reason,
                 solution.cost, self._stage_r2(rows),
             )
         )  # fmt: skip
+
+    def _posed(self, stage: Stage, tire: Tire, rows: Rows, free: Mapping[str, Freed]) -> Problem:
+        """Return the problem of a stage, weighed by what its start leaves."""
+        cards = self._book.coefficients
+        scale = np.array([size(cards[name].lower, cards[name].upper, f.guess) for name, f in free.items()])
+        problem = Problem(tire, rows, tuple(free), equal_weights(rows), scale)
+        if stage.weights == "noise":
+            start = np.array([f.guess for f in free.values()]) / scale
+            problem.weights = noise_weights(problem, start, self._emphasis)
+        return problem
 
     def _is_approach(self, stage: Stage) -> bool:
         """Return whether a stage and the next one take random rows: the next goes on with no more effort per step."""
@@ -196,9 +236,14 @@ class Session:
         """Solve, verify the constraints on the dense grid, and solve again with the points that broke them."""
         known = self._constraints(channels, 0) + self._broken
         dense = self._constraints(channels, VERIFIED)
-        settle = partial(solve, problem, lower=lower, upper=upper, ridge=ridge, approach=approach, progress=report)
+        settle = partial(
+            solve, problem, lower=lower, upper=upper, ridge=ridge, approach=approach, progress=report,
+            stop=self._stop,
+        )  # fmt: skip
         solution = settle(start, constraints=known)
         for _ in range(1 if approach else ROUNDS):
+            if self._stop():
+                break
             broken = self._breaking(dense, problem.parameters(solution.x))
             if not broken:
                 break
@@ -230,8 +275,8 @@ class Session:
     def _stage_r2(self, rows: Rows) -> float:
         computed = fastest_code(self._tire.book).forces(rows.inputs, self._tire.parameters()).T
         there = np.isfinite(rows.measured)
-        weights = equal_weights(rows)[0]
-        squares = np.sum(np.where(there, computed - rows.measured, 0.0) ** 2, axis=0) * weights
+        weighed = np.where(there, computed - rows.measured, 0.0) ** 2 * rows.weight[:, None]
+        squares = np.sum(weighed, axis=0) * equal_weights(rows)[0]
         return 1 - float(np.mean(squares[there.any(axis=0)]))
 
     def _constraints(self, channels: Sequence[str], density: int) -> list[tuple[Constraint, FloatArray]]:
@@ -246,6 +291,8 @@ class Session:
 
     def result(self, recordings: Sequence[Recording], signs: str, seconds: float) -> FitResult:
         """Tell the whole fit, coefficients in the given signs."""
+        if not self._stages and self._stop():
+            raise KeyboardInterrupt  # there is nothing yet to keep
         if not self._stages:
             raise FitError("no stage of the recipe found rows to fit: " + "; ".join(self._notes))
         ranges = {name: bounds for name, bounds in self._ranges.items() if name in self._data and bounds[0] < bounds[1]}
@@ -268,7 +315,15 @@ class Session:
         return FitResult(
             tire.in_signs("iso"), signs, coefficients, self._channels(recordings, tire, effective),
             tuple(self._stages), self._margins(), tuple(self._notes), seconds, self._plan.name, directions,
+            self._prepared.set_aside, self._interrupted(),
         )  # fmt: skip
+
+    def _interrupted(self) -> str:
+        """Return where the fit was asked to stop and what it left undone; nothing where it went all the way."""
+        left = len(self._plan.stages) - self._done
+        if not self._stop() or not left:
+            return ""
+        return f"{self._interruption.where}, {self._done} of {len(self._plan.stages)} stages done"
 
     def _uncertainty(
         self, told: Mapping[str, FittedCoefficient]
@@ -277,11 +332,12 @@ class Session:
         intervals: dict[str, float] = {}
         directions: tuple[Direction, ...] = ()
         effective = np.full((int(self._data["recording"].max()) + 1, len(self._tire.outputs)), nan)
-        for stage, problem, x in self._ends:
+        for end, problem in self._ends:
+            stage = self._plan.stages[end.stage].name
             if not any(told[name].stage == stage for name in problem.free):
                 continue
             fixed = [name for name in problem.free if told[name].at_bound]
-            known = uncertainty(problem, x, fixed)
+            known = uncertainty(problem, end.x, fixed)
             last = {name for name in problem.free if told[name].stage == stage}
             intervals.update({name: half for name, half in known.intervals.items() if name in last})
             directions += tuple(d for d in known.directions if last.intersection(d.coefficients))
@@ -302,9 +358,10 @@ class Session:
 
     def _channels(self, recordings: Sequence[Recording], tire: Tire, effective: FloatArray) -> tuple[ChannelFit, ...]:
         units = {quantity.name: quantity.unit for quantity in self._book.outputs}
+        every = self._prepared.table
         told = []
         for number, name in enumerate(_distinct([recording.source for recording in recordings])):
-            table = self._data[self._data["recording"] == number]
+            table = every[every["recording"] == number]
             rows = Rows.of(table, tire, self._fitted)
             computed = fastest_code(tire.book).forces(rows.inputs, tire.parameters())
             floors = noise_floor(table, [name for name in self._fitted if table[name].notna().any()])
@@ -330,41 +387,3 @@ class Session:
 def _distinct(names: Sequence[str]) -> list[str]:
     """Return the names, those that were there before numbered: two folders may hold files of one name."""
     return [name if name not in names[:i] else f"{name} ({names[:i].count(name) + 1})" for i, name in enumerate(names)]
-
-
-def _generic(card: Coefficient) -> float:
-    """Return where a coefficient starts: its card's start, else what readers assume, else its default."""
-    if card.start is not None or card.assumed is None:
-        return card.generic
-    assumed = -card.assumed if card.flips else card.assumed  # cards tell that in ISO-W
-    return min(max(assumed, card.lower), card.upper)
-
-
-def _size(lower: float, upper: float, guess: float) -> float:
-    """Return the size of a coefficient for the solver: a quarter of its card's range, not less than its guess."""
-    span = upper - lower
-    return max(abs(guess), 0.25 * span if np.isfinite(span) else 1.0, 1e-3)
-
-
-def _influence(tire: Tire, rows: Rows, names: Sequence[str]) -> set[str]:
-    """Return the coefficients that change some measured force at these rows.
-
-    Looked at from the present values and from two random points beside them: where a factor is at neutral,
-    what it multiplies shows nothing, though it may once the factor moves.
-    """
-    book, code = tire.book, fastest_code(tire.book)
-    order = list(book.parameters)
-    cards = [book.coefficients[name] for name in names]
-    columns, factors = np.array([order.index(name) for name in names]), tire.rescaled
-    sizes = np.array([_size(c.lower, c.upper, tire.values[c.name]) * factors.get(c.name, 1.0) for c in cards])
-    there = np.isfinite(rows.measured)
-    forces = np.sqrt(np.sum(np.where(there, rows.measured, 0.0) ** 2, axis=0) / np.maximum(there.sum(axis=0), 1))
-    random = np.random.default_rng(0)
-    seen = np.zeros(len(names), dtype=bool)
-    for reach in (0.0, 0.1, 0.1):
-        parameters = tire.parameters()
-        parameters[columns] += reach * sizes * random.uniform(-1.0, 1.0, len(names))
-        jacobian = code.jacobian_parameters(rows.inputs, parameters)[:, :, columns]
-        change = np.where(there[:, :, None], np.nan_to_num(jacobian), 0.0) * sizes
-        seen |= np.max(np.abs(change) / np.where(forces > 0, forces, np.inf)[:, None], axis=(0, 1)) > 1e-6
-    return {name for name, it_is in zip(names, seen, strict=True) if it_is}

@@ -164,8 +164,17 @@ def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, 
         variance = float(np.mean(residual[channel, rows] ** 2))
         effective[group, channel] = np.sum(rows) / alike
         curvature += part
-        middle += alike * variance * problem.weights[group, channel] * part
+        middle += alike * variance * problem.weights[group, channel] * _twice_weighed(part, problem, alone, x)
     return curvature, middle, effective
+
+
+def _twice_weighed(part: FloatArray, problem: Problem, weights: FloatArray, x: FloatArray) -> FloatArray:
+    """Return J^T W J with the square of each row's own weight: the same matrix where every row counts alike."""
+    weight = problem.rows.weight
+    if (weight == 1.0).all():
+        return part
+    rows = replace(problem.rows, weight=weight**2)
+    return replace(problem, weights=weights, rows=rows).derivatives(x)[2]
 
 
 def _taking_part(vector: FloatArray, names: Sequence[str]) -> tuple[str, ...]:

@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.measurements import Recording, read_recording
+from tirefmu.measurements import Recording, group_by_condition, read_recording
 from tirefmu.symbolic.errors import FitError
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
 from .fit import NOMINAL, fit
-from .noise_floor import held_conditions
+from .noise_floor import MOST_LEVELS
 from .problem import Rows
 
 FloatArray = npt.NDArray[np.float64]
@@ -100,7 +100,7 @@ def cross_validate(
 
 def _dealt(recording: Recording, folds: int, random: np.random.Generator) -> npt.NDArray[np.int64]:
     """Return the fold of each row: conditions shuffled and dealt like cards."""
-    conditions = held_conditions(recording.with_signs("adapted-sae").table)
+    conditions = group_by_condition(recording, most_levels=MOST_LEVELS).labels
     places = random.permutation(int(conditions.max(initial=0)) + 1)
     return np.asarray(places[conditions] % folds, dtype=np.int64)
 

@@ -126,15 +126,23 @@ def evaluate(
               help="progressive, joint, trento, scaling (of --start), or a TOML file.")  # fmt: skip
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
+@click.option("--all-rows", is_flag=True, help="Fit what would be set aside, too: warm-up, transitions, outliers.")
+@click.option("--rows", default="condition", show_default=True,
+              help="How rows count: condition (repeats do not outweigh), equal, or independent.")  # fmt: skip
+@click.option("--resume", is_flag=True, help="Go on with an interrupted fit.")
 @click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @common
 def fit(
     tables: tuple[Path, ...], model: str, output: Path, start: Path | None, effects: tuple[str, ...] | None,
-    without: tuple[str, ...], recipe: str, nominal: dict[str, float] | None, signs: str | None, figures: Path | None,
-    report: Path | None, quiet: bool, json_file: Path | None,
+    without: tuple[str, ...], recipe: str, nominal: dict[str, float] | None, signs: str | None, all_rows: bool,
+    rows: str, resume: bool, figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints."""
+    """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
+
+    Ctrl-C ends a fit with the best values so far, exit status 1. Its finished stages stay beside the tire, in
+    NAME.progress.json, and --resume goes on after them; the file goes when the fit is done.
+    """
     from tirefmu.fitting import fit as run
     from tirefmu.fitting.figures import draw_figures
     from tirefmu.measurements import convention_notes, coverage_notes, identity_notes, read_recording
@@ -148,7 +156,8 @@ def fit(
     with terminal.fitting() as progress:
         result = run(
             recordings, model, start=tire_named(start) if start else None, effects=effects, without=without,
-            recipe=recipe, nominal=nominal, progress=progress,
+            recipe=recipe, nominal=nominal, screening=not all_rows, rows=rows, progress=progress,
+            checkpoint=output.with_name(f"{output.stem}.progress.json"), resume=resume,
         )  # fmt: skip
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)

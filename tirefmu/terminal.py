@@ -15,7 +15,7 @@ from tirefmu.tires import Tire
 
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
-    from tirefmu.fitting.session import Progress
+    from tirefmu.fitting.interruption import Progress
 
 
 class Terminal:
@@ -66,6 +66,8 @@ class Terminal:
         self._out.print(_channels(result))
         self._out.print(_stages(result))
         self._out.print(_margins(result))
+        for rows in result.set_aside:
+            self.print(f"note: {rows}")
         for note in result.notes:
             self.print(f"note: {note}")
         self.print(f"fit {result.status}, {result.seconds:.1f} s")

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tirefmu.fitting.noise_floor import held_conditions, noise_floor
+from tirefmu.fitting.noise_floor import noise_floor
 
 
 def sweeps(seed, noise, *, hysteresis=0.0, n=6000):
@@ -53,9 +53,3 @@ def test_missing_values_are_left_out():
     floor, share = noise_floor(holes, ["Fy"])["Fy"]
     assert floor == pytest.approx(50.0, rel=0.1)
     assert 0.5 < share <= 1.0
-
-
-def test_conditions_are_the_levels_that_were_held():
-    conditions = held_conditions(sweeps(0, 1.0))
-    np.testing.assert_array_equal(conditions, np.repeat([0, 1, 2], 2000))
-    assert not held_conditions(pd.DataFrame({"alpha": np.linspace(-0.2, 0.2, 50)})).any()

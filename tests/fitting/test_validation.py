@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import cross_validate, validation
-from tirefmu.fitting.noise_floor import held_conditions
-from tirefmu.measurements import Noise
+from tirefmu.fitting.noise_floor import MOST_LEVELS
+from tirefmu.measurements import Noise, group_by_condition
 from tirefmu.symbolic.errors import FitError
 
 LOADS, CAMBERS = (220.0, 400.0, 600.0, 800.0, 1000.0, 1120.0), (0.0, 2.0, 4.0)
@@ -22,7 +22,7 @@ def test_a_true_model_foretells_what_it_has_not_seen(known, make):
 
 def test_each_condition_is_left_out_once_and_whole(known, make, monkeypatch):
     recording = make.sideways(known, loads=LOADS, cambers=CAMBERS)
-    conditions = held_conditions(recording.with_signs("adapted-sae").table)
+    conditions = group_by_condition(recording, most_levels=MOST_LEVELS).labels
     assert len(set(conditions)) == 18
     seen, run = [], validation.fit
 

@@ -88,20 +88,27 @@ def test_nothing_finite():
         correlation_length([np.nan])
 
 
-@given(st.lists(st.integers(20, 90), min_size=1, max_size=6))
-def test_every_condition_weighs_the_same(counts):
+@given(st.lists(st.integers(20, 900), min_size=1, max_size=6))
+def test_no_condition_outweighs_the_usual_one(counts):
     labels = np.repeat(np.arange(len(counts)), counts)
     weights = Grouping(labels, ((),) * len(counts)).weights()
     assert weights.mean() == pytest.approx(1.0)
-    sums = np.bincount(labels, weights)
-    # None is below a fifth of the usual count, so none is held back.
-    assert sums == pytest.approx(np.full(len(counts), sums.mean()))
+    share = weights / weights.max()
+    usual = sorted(counts)[(len(counts) - 1) // 2]
+    for number, count in enumerate(counts):
+        (mine,) = set(share[labels == number])
+        assert mine == pytest.approx(1.0 if count <= 1.25 * usual else usual / count)
 
 
 def test_conditions_met_in_passing_are_not_blown_up():
     labels = np.repeat([0, 1, 2], [1000, 1000, 2])
-    weights = Grouping(labels, ((),) * 3).weights()
-    assert weights[-1] == pytest.approx(5.0 * weights[0])
+    assert (Grouping(labels, ((),) * 3).weights() == 1.0).all()
+
+
+def test_sweeps_of_one_input_are_not_weighed_against_those_of_another():
+    labels = np.repeat([0, 1, 2, 3], [600, 600, 300, 300])
+    kinds = (("alpha",), ("alpha",), ("kappa",), ("kappa",))
+    assert (Grouping(labels, ((),) * 4, kinds).weights() == 1.0).all()
 
 
 def test_rows_that_do_not_count_weigh_nothing():
@@ -121,24 +128,60 @@ def test_a_load_logged_five_times_as_often_does_not_outweigh_the_others(signs):
     groups = group_by_condition(recording)
     assert len(groups.conditions) == 6
     assert sorted(groups.counts) == [1201] * 5 + [5 * 1201]
-    assert np.bincount(groups.labels, groups.weights()) == pytest.approx(np.full(6, len(recording) / 6))
+    assert np.bincount(groups.labels, groups.weights()) == pytest.approx(np.full(6, len(recording) / 6), rel=0.01)
+    assert set(groups.moving) == {("alpha",)}
     for number, condition in enumerate(groups.conditions):
         rows = recording.table[groups.labels == number]
         for name, level in condition:
             assert rows[name].median() == pytest.approx(level, abs=0.02 * abs(recording.table[name]).max())
 
 
+def test_a_slow_sweep_does_not_outweigh_quick_ones_and_a_wide_one_is_not_slow():
+    def sweep(number, rows, reach, load):
+        angle = np.interp(np.arange(rows) / rows, [0.0, 0.25, 0.75, 1.0], [0.0, reach, -reach, 0.0])
+        return pd.DataFrame({"t": 100.0 * number + np.arange(rows) / 100.0, "alpha": angle, "Fz": load})
+
+    parts = [(300, 0.1, 300.0), (300, 0.1, 450.0), (1200, 0.1, 600.0), (600, 0.2, 900.0)]  # the third is slow
+    table = pd.concat([sweep(number, *part) for number, part in enumerate(parts)], ignore_index=True)
+    groups = group_by_condition(Recording(table, "iso", "a.csv"))
+    weights = groups.weights()
+    assert len(groups.conditions) == 4
+    share = {float(table["Fz"][row]): weights[row] / weights.max() for row in np.flatnonzero(table["t"] % 100 == 0)}
+    assert share == pytest.approx({300.0: 1.0, 450.0: 1.0, 600.0: 0.25, 900.0: 1.0}, rel=0.05)
+
+
+def test_steady_points_that_repeat_count_once_and_swept_ones_as_they_are():
+    points = pd.DataFrame({"alpha": np.tile([0.0, 0.1, 0.2], 20), "Fz": np.repeat([300.0, 600.0], 30)})
+    repeated = pd.concat([points, *[points[points["alpha"] == 0.2]] * 4], ignore_index=True)
+    groups = group_by_condition(Recording(repeated, "iso", "a.csv"))
+    assert len(groups.conditions) == 6
+    assert np.bincount(groups.labels, groups.weights()) == pytest.approx(np.full(6, len(repeated) / 6))
+    swept = points.assign(alpha=np.random.default_rng(0).uniform(-0.2, 0.2, 60))
+    assert (group_by_condition(Recording(swept, "iso", "a.csv")).weights() == 1.0).all()
+
+
+def test_an_input_held_at_many_levels_was_swept_in_steps():
+    table = pd.DataFrame({"alpha": np.repeat(np.linspace(-0.3, 0.3, 15), 40), "Fz": np.tile([300.0, 600.0], 300)})
+    recording = Recording(table, "iso", "a.csv")
+    assert len(group_by_condition(recording).conditions) == 30
+    assert group_by_condition(recording, most_levels=12).conditions == ((("Fz", 300.0),), (("Fz", 600.0),))
+
+
 def test_swept_inputs_make_no_conditions():
     table = pd.DataFrame({"alpha": np.linspace(-0.2, 0.2, 500)})
     groups = group_by_condition(Recording(table, "iso", "a.csv"))
-    assert groups.conditions == ((),)
+    assert (groups.conditions, groups.moving) == (((),), (("alpha",),))
     assert groups.counts.tolist() == [500]
 
 
 def test_measured_files_fall_into_their_conditions(data_folder):
     from tirefmu.measurements import read_recording
 
-    for name, conditions, fewest in (("cornering", 5 * 3 * 3, 1200), ("drivebrake", 4 * 3 * 3 * 3, 600)):
+    for name, swept, conditions, fewest in (
+        ("cornering", "alpha", 5 * 3 * 3, 1200), ("drivebrake", "kappa", 4 * 3 * 3 * 3, 600),
+    ):  # fmt: skip
         groups = group_by_condition(read_recording(data_folder / f"{name}.mat"))
-        assert len(groups.conditions) == conditions
-        assert groups.counts.min() > fewest
+        of_sweeps = np.array([kind == (swept,) for kind in groups.moving])
+        assert of_sweeps.sum() == conditions
+        assert groups.counts[of_sweeps].min() > fewest
+        assert groups.counts[~of_sweeps].sum() < 50  # one change of load that was not cut out

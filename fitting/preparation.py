@@ -1,0 +1,204 @@
+"""Recordings made ready for a fit: one table, what is set aside, how much each row counts."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.measurements import (
+    INPUTS,
+    OUTPUTS,
+    REASONS,
+    Recording,
+    check_plausible,
+    group_by_condition,
+    read_recording,
+    screen,
+)
+from tirefmu.symbolic.errors import DataError, FitError, UnknownName
+from tirefmu.symbolic.model import Model
+
+#: The inputs of which one has to vary by 0.01 for a channel to tell something of the tire; none for My.
+EXCITED_BY = {"Fx": ("kappa",), "Fy": ("alpha",), "Mz": ("alpha",), "Mx": ("alpha", "gamma"), "My": ()}
+LEAST_VARIATION = 0.01
+#: How rows may count: each held condition of a recording the same, each row the same, or each condition the same and
+#: each recording's channel by the independent rows that it is worth.
+ROWS = ("condition", "equal", "independent")
+
+
+@dataclass(frozen=True)
+class SetAside:
+    """Rows of a recording that were not fitted; scores count them all the same.
+
+    Attributes
+    ----------
+    recording, reason, meaning : str
+        The reason is a name of `tirefmu.measurements.REASONS`.
+    rows, of : int
+        How many, of how many.
+    findings : tuple of str
+        What was found, and in which rows.
+    """
+
+    recording: str
+    reason: str
+    meaning: str
+    rows: int
+    of: int
+    findings: tuple[str, ...]
+
+    def __str__(self) -> str:
+        """Say it in a line."""
+        return f"{self.recording}: {self.rows} of {self.of} rows set aside: {self.reason} ({self.meaning})"
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """The data of a fit.
+
+    Attributes
+    ----------
+    table : pandas.DataFrame
+        Every row, in adapted SAE, with the columns ``recording`` and ``segment`` (numbers), ``kept`` (whether it is
+        fitted) and ``weight`` (how much it counts, on average 1 over a recording's kept rows). Channels that a
+        recording tells nothing of are NaN.
+    set_aside : tuple of SetAside
+    notes : tuple of str
+    """
+
+    table: pd.DataFrame
+    set_aside: tuple[SetAside, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def fitted(self) -> pd.DataFrame:
+        """The rows that are fitted."""
+        kept = self.table["kept"].to_numpy()
+        return self.table if kept.all() else self.table[kept]
+
+
+def recording_of(table: str | Path | Recording, signs: str | None) -> Recording:
+    """Return a recording whose numbers can be fitted.
+
+    Parameters
+    ----------
+    table : path or Recording
+    signs : str, optional
+        Convention of the file, where it is not the format's default.
+
+    Returns
+    -------
+    Recording
+
+    Raises
+    ------
+    DataError
+        If it has no rows, an input is not finite, units or signs cannot be meant, or no output is measured.
+    """
+    recording = table if isinstance(table, Recording) else read_recording(table, signs=signs)
+    _check_numbers(recording)
+    check_plausible(recording)
+    recording.measured()  # says which column a misnamed channel may be
+    return recording
+
+
+def prepare(
+    recordings: Sequence[Recording], book: Model, *, screening: bool = True, rows: str = "condition"
+) -> Prepared:
+    """Put recordings into one table, set aside what says nothing of the steady tire, weigh what repeats.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+    book : Model
+    screening : bool
+        Whether to set rows aside (`tirefmu.measurements.screen`).
+    rows : str
+        How they count: a name of `ROWS`.
+
+    Returns
+    -------
+    Prepared
+
+    Raises
+    ------
+    UnknownName
+        If rows cannot count like that.
+    DataError
+        If every row is set aside.
+    FitError
+        If no output is measured over a varying slip.
+    """
+    if rows not in ROWS:
+        raise UnknownName("way for rows to count", rows, ROWS)
+    tables: list[pd.DataFrame] = []
+    set_aside: list[SetAside] = []
+    notes: list[str] = []
+    segments = 0
+    for number, recording in enumerate(recordings):
+        kept, found = _screened(recording) if screening else (np.ones(len(recording), dtype=np.bool_), ())
+        set_aside += found
+        weight = np.ones(len(recording)) if rows == "equal" else group_by_condition(recording).weights(kept)
+        segment = _segment_numbers(recording) + segments
+        segments = int(segment[-1]) + 1
+        table, silent = _telling(recording.with_signs("adapted-sae").table, kept, book)
+        notes += [f"{recording.source}: {what}" for what in silent]
+        tables.append(table.assign(recording=number, segment=segment, kept=kept, weight=weight))
+    data = pd.concat(tables, ignore_index=True)
+    if not data["kept"].any():
+        raise DataError(f"no row is left to fit (--all-rows keeps them): {'; '.join(map(str, set_aside))}")
+    outputs = [quantity.name for quantity in book.outputs]
+    if not any(name in data and data.loc[data["kept"], name].notna().any() for name in outputs):
+        raise FitError(
+            "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *notes])
+        )
+    return Prepared(data, tuple(set_aside), tuple(notes))
+
+
+def _check_numbers(recording: Recording) -> None:
+    """Refuse what only a table made in memory can have; files are checked when they are read."""
+    if not len(recording):
+        raise DataError(f"{recording.source}: no rows")
+    for name in (*INPUTS, *OUTPUTS):
+        values = recording.table[name].to_numpy(dtype=float) if name in recording.table else np.zeros(0)
+        bad = np.flatnonzero(np.isinf(values) if name in OUTPUTS else ~np.isfinite(values))
+        if bad.size:
+            raise DataError(f"{recording.source}: row {bad[0] + 1}: {name} is {values[bad[0]]}")
+
+
+def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[SetAside, ...]]:
+    """Return which rows are kept, and a line for each reason why others are not."""
+    found = screen(recording)
+    return found.kept, tuple(
+        SetAside(
+            recording.source, reason, REASONS[reason], count, len(recording),
+            tuple(finding for finding in found.findings if finding.startswith(f"{reason}:")),
+        )
+        for reason, count in found.counts.items()
+    )  # fmt: skip
+
+
+def _segment_numbers(recording: Recording) -> npt.NDArray[np.int64]:
+    pieces = recording.segments()
+    return np.repeat(np.arange(len(pieces)), [piece.stop - piece.start for piece in pieces])
+
+
+def _telling(table: pd.DataFrame, kept: npt.NDArray[np.bool_], book: Model) -> tuple[pd.DataFrame, list[str]]:
+    """Take out channels whose slip a recording does not vary."""
+    notes = []
+    fitted = table if kept.all() else table[kept]
+    for channel in (quantity.name for quantity in book.outputs if quantity.name in table):
+        by = EXCITED_BY[channel]
+        if by and not any(slip in table and _width(fitted[slip]) >= LEAST_VARIATION for slip in by):
+            table = table.assign(**{channel: np.nan})
+            notes.append(f"{channel} is not fitted, {' or '.join(by)} does not vary there")
+    return table, notes
+
+
+def _width(column: pd.Series) -> float:
+    return float(np.ptp(column.to_numpy())) if len(column) else 0.0

@@ -1,0 +1,194 @@
+"""A fit that is asked to stop keeps what it has, says so, and goes on from its finished stages."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tirefmu.fitting import fit
+from tirefmu.fitting.interruption import Interruption
+from tirefmu.symbolic.errors import FitError
+
+STAGES = ["Fy: core, load, combined slip", "Fy", "Fx, Fy, Mz, random rows", "Fx, Fy, Mz, all rows"]
+
+
+def stopping(at_stage, at_iteration, how):
+    """Return a progress callback that asks to stop somewhere."""
+
+    def progress(stage, iteration, cost):
+        if (stage, iteration) == (at_stage, at_iteration):
+            how()
+
+    return progress
+
+
+def raised():
+    raise KeyboardInterrupt
+
+
+def pressed():
+    os.kill(os.getpid(), signal.SIGINT)
+
+
+@pytest.fixture(scope="module")
+def recording(known, make):
+    return make.sideways(known)
+
+
+@pytest.fixture(scope="module")
+def whole(recording, make):
+    return fit([recording], effects=make.effects, nominal=make.nominal)
+
+
+def same(one, other):
+    """Compare two results to the last digit; only the time may differ."""
+    told = [{**result.to_json(), "seconds": 0.0} for result in (one, other)]
+    assert told[0] == told[1]
+
+
+@pytest.mark.parametrize("how", [raised, pressed])
+def test_an_interrupt_keeps_the_best_values_so_far(recording, whole, make, how):
+    handler = signal.getsignal(signal.SIGINT)
+    progress = stopping("Fy", 8, how)
+    result = fit([recording], effects=make.effects, nominal=make.nominal, progress=progress)
+    assert signal.getsignal(signal.SIGINT) is handler
+    assert not result.ok
+    assert result.status.startswith("interrupted in stage 'Fy', iteration 8, 3 of 10 stages done")
+    assert result.to_json()["status"] == result.status
+    assert [(stage.name, stage.converged, stage.reason) for stage in result.stages[1:]] == [
+        ("Fy", False, "Interrupted")
+    ]
+    # The second stage had gained something by then, and less than the whole fit.
+    first = replace(result, stages=result.stages[:1])
+    assert whole.channels[0].rmse < result.channels[0].rmse
+    assert result.stages[1].cost < first.stages[0].cost
+    assert all(margin.margin >= -1e-6 for margin in result.margins)
+
+
+def test_before_the_first_stage_there_is_nothing_to_keep(recording, make, monkeypatch):
+    from tirefmu.fitting import session
+
+    def pressed_too_early(*arguments):
+        pressed()
+        return np.ones((1, 5))
+
+    monkeypatch.setattr(session, "emphasis", pressed_too_early)
+    with pytest.raises(KeyboardInterrupt):
+        fit([recording], effects=make.effects, nominal=make.nominal)
+
+
+def test_what_the_progress_callback_raises_is_raised(recording, make):
+    def wrong(stage, iteration, cost):
+        raise ValueError("mine")
+
+    with pytest.raises(ValueError, match="mine"):
+        fit([recording], effects=make.effects, nominal=make.nominal, progress=wrong)
+
+
+def test_a_second_interrupt_is_not_held_back():
+    with pytest.raises(KeyboardInterrupt), Interruption():
+        pressed()
+        pressed()
+
+
+def test_a_handler_of_the_program_stays_in_force():
+    seen = []
+    before = signal.signal(signal.SIGINT, lambda number, frame: seen.append(number))
+    try:
+        with Interruption() as interruption:
+            pressed()
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert (seen, interruption.asked) == ([signal.SIGINT], False)
+
+
+def test_another_thread_has_no_handler_to_take_over():
+    outcome = []
+
+    def run():
+        with Interruption(lambda *call: raised()) as interruption:
+            interruption.report("Fx", 1, 0.5)
+            outcome.append(interruption.asked)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    thread.join()
+    assert outcome == [True]
+
+
+@pytest.mark.parametrize("stage", STAGES[1:])
+def test_a_resumed_fit_ends_as_one_without_interrupt(recording, whole, make, tmp_path, stage):
+    path = tmp_path / "tire.progress.json"
+    options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
+    broken_off = fit([recording], **options, progress=stopping(stage, 2, raised))
+    assert broken_off.interrupted
+    assert json.loads(path.read_text(encoding="utf-8"))["done"] > 0
+    stages = []
+    resumed = fit([recording], **options, resume=True, progress=lambda *call: stages.append(call[0]))
+    assert stages[0] == stage
+    same(resumed, whole)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_fit_without_resume_begins_anew(recording, whole, make, tmp_path):
+    path = tmp_path / "tire.progress.json"
+    options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
+    fit([recording], **options, progress=stopping(STAGES[-1], 1, raised))
+    same(fit([recording], **options), whole)
+
+
+def test_the_file_belongs_to_one_fit(recording, make, tmp_path):
+    path = tmp_path / "tire.progress.json"
+    options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
+    fit([recording], **options, progress=stopping(STAGES[1], 1, raised))
+    moved = replace(recording, table=recording.table.assign(Fy=recording.table["Fy"] + 1e-9))
+    for data, changed, name in (
+        (moved, {}, "data"),
+        (recording, {"effects": make.effects[1:]}, "effects"),
+        (recording, {"recipe": "joint"}, "recipe"),
+        (recording, {"nominal": {"Fz0": 800.0, "R0": 0.23}}, "values to start from"),
+        (recording, {"rows": "equal"}, "rows"),
+        (recording, {"screening": False}, "screening"),
+    ):
+        with pytest.raises(FitError, match=rf"belongs to a fit with other {name}: run it as it was"):
+            fit([data], **{**options, **changed}, resume=True)
+    assert path.exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (None, "no such file: there is no interrupted fit"),
+        ("{", "is no progress file"),
+        ("[]", "is no progress file of this version"),
+        ('{"version": 1}', "belongs to a fit with other"),
+    ],
+)
+def test_a_file_that_is_none(recording, make, tmp_path, text, message):
+    path = tmp_path / "tire.progress.json"
+    if text is not None:
+        path.write_text(text, encoding="utf-8")
+    with pytest.raises(FitError, match=message):
+        fit([recording], effects=make.effects, nominal=make.nominal, checkpoint=path, resume=True)
+
+
+def test_a_broken_file_of_this_fit(recording, make, tmp_path):
+    path = tmp_path / "tire.progress.json"
+    options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
+    fit([recording], **options, progress=stopping(STAGES[1], 1, raised))
+    content = json.loads(path.read_text(encoding="utf-8"))
+    del content["values"]
+    path.write_text(json.dumps(content), encoding="utf-8")
+    with pytest.raises(FitError, match=r"is a broken progress file \(KeyError\('values'\)\)"):
+        fit([recording], **options, resume=True)
+
+
+def test_resuming_takes_a_file(recording, make):
+    with pytest.raises(FitError, match="takes the file of the finished stages"):
+        fit([recording], effects=make.effects, nominal=make.nominal, resume=True)
