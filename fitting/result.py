@@ -203,6 +203,7 @@ class FitResult:
         for name in ("coefficients", "channels", "stages", "margins", "directions", "set_aside"):
             plain[name] = [vars(item) for item in getattr(self, name)]
         plain["notes"] = list(self.notes)
+        plain["interrupted"] = self.interrupted
         return _plain(plain)  # type: ignore[no-any-return]
 
 

@@ -153,17 +153,20 @@ def fit(
     told = [note for recording in recordings for note in (*convention_notes(recording), *coverage_notes(recording))]
     for note in (*told, *identity_notes(recordings)):
         terminal.print(f"note: {note}")
+    finished_stages = output.with_name(f"{output.stem}.progress.json")
     with terminal.fitting() as progress:
         result = run(
             recordings, model, start=tire_named(start) if start else None, effects=effects, without=without,
             recipe=recipe, nominal=nominal, screening=not all_rows, rows=rows, progress=progress,
-            checkpoint=output.with_name(f"{output.stem}.progress.json"), resume=resume,
+            checkpoint=finished_stages, resume=resume,
         )  # fmt: skip
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
     write_json(json_file, result.to_json())
     terminal.fit_result(result)
     terminal.print(f"tire: {output}")
+    if result.interrupted and finished_stages.exists():
+        terminal.print(f"finished stages: {finished_stages}; the same command with --resume goes on after them")
     if figures:
         with terminal.working("drawing figures"):
             drawn = draw_figures(result.tire, recordings, figures)

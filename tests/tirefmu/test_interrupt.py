@@ -1,0 +1,55 @@
+"""Ctrl-C during a fit: the best values so far are written, and --resume ends where the whole fit would have."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from tirefmu.tires import read_tir
+
+EFFECTS = "load_friction,load_stiffness,camber_thrust,combined_Gxa,combined_Gyk"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for one process alone")
+def test_a_process_that_gets_the_signal(command, bench_csv, tmp_path):
+    line = ["fit", str(bench_csv), "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23"]
+    whole = command(*line, "-o", tmp_path / "whole.tir", "--json", tmp_path / "whole.json")
+    assert whole.status == 0
+    where = tmp_path / "tire.tir", tmp_path / "tire.json", tmp_path / "tire.html"
+    places = ["-o", where[0], "--json", where[1], "--report", where[2]]
+    saved = tmp_path / "tire.progress.json"
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tirefmu", *line, *map(str, places)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    while not saved.exists() and process.poll() is None:
+        time.sleep(0.001)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate()
+    assert process.returncode == 1, err
+    assert "fit interrupted in stage" in out
+    assert f"{saved}; the same command with --resume goes on" in out
+    assert "Traceback" not in err
+    told = json.loads(where[1].read_text(encoding="utf-8"))
+    assert told["ok"] is False
+    assert told["values"] == dict(read_tir(where[0]).values)
+    assert "interrupted in stage" in where[2].read_text(encoding="utf-8")
+
+    resumed = command(*line, *places, "--resume")
+    assert resumed.status == 0
+    assert not saved.exists()
+    ends = [json.loads(path.read_text(encoding="utf-8")) for path in (where[1], tmp_path / "whole.json")]
+    assert {**ends[0], "seconds": 0.0} == {**ends[1], "seconds": 0.0}
+
+
+def test_resuming_without_a_file_is_one_clear_line(command, bench_csv, tmp_path):
+    outcome = command("fit", bench_csv, "--effects", "none", "-o", tmp_path / "tire.tir", "--resume")
+    assert outcome.status == 2
+    (message,) = outcome.err.splitlines()
+    assert message.endswith("tire.progress.json: no such file: there is no interrupted fit to go on with")
+    assert list(tmp_path.iterdir()) == []
