@@ -15,6 +15,7 @@ from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.tire import Tire
 
+from .constraints import chosen_constraints
 from .recipe import load_recipe
 from .result import FitResult
 from .session import Progress, Session
@@ -37,6 +38,8 @@ def fit(
     nominal: Mapping[str, float] | None = None,
     signs: str | None = None,
     progress: Progress | None = None,
+    constraints: Collection[str] = (),
+    without_constraints: Collection[str] = (),
 ) -> FitResult:
     """Fit a tire to recordings of a test bench.
 
@@ -60,6 +63,9 @@ def fit(
         Convention of the files, where it is not the format's default.
     progress : callable, optional
         Called with stage, iteration and cost.
+    constraints, without_constraints : collection of str
+        Physical conditions to keep beside the usual ones, and not to keep, by name or kind
+        (`tirefmu.fitting.constraints`); "all" means every one.
 
     Returns
     -------
@@ -74,6 +80,7 @@ def fit(
     began = time.perf_counter()
     book = book_of(model)
     plan = load_recipe(recipe, model)
+    conditions = chosen_constraints(book.name, constraints, without_constraints)
     if plan.scales and start is None:
         raise FitError(f"recipe {plan.name} scales a given tire: say which to start from (--start)")
     recordings = [_ready(table, signs) for table in tables]
@@ -82,7 +89,7 @@ def fit(
     present = _effects(book, start, effects, without)
     data, notes = _together(recordings, book)
     tire = _starting_tire(book, present, start, data, nominal or {}, notes)
-    session = Session(book, tire, data, plan, progress, notes, given=start is not None)
+    session = Session(book, tire, data, plan, progress, notes, given=start is not None, conditions=conditions)
     for stage in plan.stages:
         session.run(stage)
     told = "iso" if all(recording.signs == "iso" for recording in recordings) else "adapted-sae"
