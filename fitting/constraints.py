@@ -1,28 +1,50 @@
-"""Physical conditions that a fitted tire keeps over its whole operating range.
+"""Physical conditions that a fitted tire keeps over its whole operating range, each with a name.
 
-Those of the Trento report's table 1.2.5 (C > 0, D > 0, E <= 1, B > 0, G > 0), for every model quantity that
-they name, in adapted SAE signs, and for the later models a positive slip stiffness and trail. They are imposed
-on the corners of the range of the data, verified on a dense grid, and imposed where they were broken there.
+A name is a kind and a quantity, ``signs:mu_x``; the kind alone means all of its conditions:
+
+signs
+    C, mu (and with it D), B, G, slip stiffness and trail are positive: the Trento report's table 1.2.5.
+curvature
+    E <= 1, of that table too.
+friction_falling
+    mu does not grow with load.
+stiffness_saturating
+    Slip stiffness grows no faster than load.
+extrapolation
+    The first two kinds also where loads and slips reach 1.5 times as far as in the data: there no sign flips, and
+    as E above 1 is what turns a curve over, no kink comes.
+
+They are imposed on the corners of the range of the data, verified on a dense grid that has these corners, and imposed
+where they were broken there. Bounds are in adapted SAE signs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.symbolic.errors import UnknownName
+
 FloatArray = npt.NDArray[np.float64]
 #: By how much a quantity may miss its bound before the constraint counts as broken.
 TOLERANCE = 1e-6
+#: The kinds of conditions.
+KINDS = ("signs", "curvature", "friction_falling", "stiffness_saturating", "extrapolation")
+#: How much further than in the data loads and slips reach in an extrapolation.
+REACH = 1.5
+#: Conditions that hold only where somebody asks for them: the longitudinal stiffness of published passenger car tires
+#: grows faster than the load.
+ON_REQUEST = ("stiffness_saturating:K_xkappa",)
 
 
 @dataclass(frozen=True)
 class Constraint:
-    """A named quantity that stays within bounds.
+    """A named quantity, or how it goes with load, that stays within bounds.
 
     Attributes
     ----------
@@ -34,6 +56,13 @@ class Constraint:
         The inputs on which the quantity depends.
     size : float
         Its usual size, for the solver.
+    kind : str
+        One of `KINDS`.
+    measure : str
+        What is bounded: the "value" q, its "growth" Fz dq/dFz, or its "excess" Fz dq/dFz - q, by which it grows
+        faster than load.
+    effect : str
+        Without this effect the quantity says nothing; empty where it always does.
     """
 
     quantity: str
@@ -41,6 +70,9 @@ class Constraint:
     upper: float
     over: tuple[str, ...]
     size: float = 1.0
+    kind: str = "signs"
+    measure: str = "value"
+    effect: str = ""
 
     @property
     def scaled_bounds(self) -> tuple[float, float]:
@@ -50,53 +82,91 @@ class Constraint:
 
     @property
     def name(self) -> str:
+        """What a user calls it: ``curvature:E_x``."""
+        return f"{self.kind}:{self.quantity}"
+
+    @property
+    def text(self) -> str:
         """The condition as it is written: ``E_x <= 1``."""
-        return f"{self.quantity} <= {self.upper:g}" if self.upper < inf else f"{self.quantity} > 0"
+        if self.measure != "value":
+            return f"{self.quantity} {'falls with load' if self.measure == 'growth' else 'saturates with load'}"
+        bound = f"{self.quantity} <= {self.upper:g}" if self.upper < inf else f"{self.quantity} > 0"
+        return f"{bound}, {REACH:g} x the range" if self.kind == "extrapolation" else bound
 
     def distance(self, values: FloatArray) -> FloatArray:
         """Return how far values lie inside the bounds; negative outside, minus infinity where there is no value."""
         distance = np.minimum(values - self.lower, self.upper - values)
         return np.where(np.isnan(distance), -inf, distance)
 
+    def within(self, ranges: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
+        """Return the ranges over which it has to hold, given those of the data.
 
-def _positive(quantity: str, floor: float, *over: str, size: float = 1.0) -> Constraint:
+        Examples
+        --------
+        >>> far = Constraint("mu_x", 0.01, inf, ("Fz",), kind="extrapolation")
+        >>> far.within({"kappa": (-0.1, 0.2), "gamma": (0.0, 0.05), "Fz": (300.0, 900.0)})["Fz"]
+        (200.0, 1350.0)
+        """
+        if self.kind != "extrapolation":
+            return dict(ranges)
+        wide = {name: (low * REACH, high * REACH) for name, (low, high) in ranges.items() if name in ("kappa", "alpha")}
+        low, high = ranges["Fz"]
+        return {**ranges, **wide, "Fz": (low / REACH, high * REACH)}
+
+
+def _positive(quantity: str, floor: float, *over: str, size: float = 1.0, effect: str = "") -> Constraint:
     """Keep a quantity above a floor that is small against any plausible value of it."""
-    return Constraint(quantity, floor, inf, over, size)
+    return Constraint(quantity, floor, inf, over, size, effect=effect)
 
 
-def _curvature(quantity: str, *over: str) -> Constraint:
-    return Constraint(quantity, -inf, 1.0, over)
+def _curvature(quantity: str, *over: str, effect: str = "") -> Constraint:
+    return Constraint(quantity, -inf, 1.0, over, kind="curvature", effect=effect)
 
 
-def _forces(pressure: tuple[str, ...], *, inclined: bool) -> dict[str, tuple[Constraint, ...]]:
+def _falling(quantity: str, *over: str) -> Constraint:
+    return Constraint(quantity, -inf, 0.0, over, 1.0, "friction_falling", "growth", "load_friction")
+
+
+def _saturating(quantity: str, *over: str) -> Constraint:
+    return Constraint(quantity, -inf, 0.0, over, 1e4, "stiffness_saturating", "excess", "load_stiffness")
+
+
+def _forces(pressure: tuple[str, ...], *, later: bool) -> dict[str, tuple[Constraint, ...]]:
     """Return the conditions on Fx and Fy.
 
     Parameters
     ----------
     pressure : tuple of str
         The input p, for models that read it.
-    inclined : bool
-        Whether the weighting functions change with inclination and load.
+    later : bool
+        MF5.2 to 6.2: the weighting functions have a curvature, and change with inclination and load; the slip
+        stiffnesses are named.
     """
-    shared = ("gamma", "Fz") if inclined else ()
-    return {
-        "Fx": (
-            _positive("C_x", 0.1),
-            _positive("mu_x", 0.01, "Fz", "gamma", *pressure),
-            _positive("B_x", 0.1, "Fz", "gamma", *pressure),
-            _curvature("E_x", "Fz", "kappa"),
-            _positive("B_xalpha", 0.0, "kappa", *shared[:1]),
-            _positive("G_xa", 0.01, "kappa", "alpha", *shared),
-        ),
-        "Fy": (
-            _positive("C_y", 0.1),
-            _positive("mu_y", 0.01, "Fz", "gamma", *pressure),
-            _positive("B_y", 0.1, "Fz", "gamma", *pressure),
-            _curvature("E_y", "Fz", "gamma", "alpha"),
-            _positive("B_ykappa", 0.0, "alpha", *shared[:1]),
-            _positive("G_yk", 0.01, "kappa", "alpha", *shared),
-        ),
-    }
+    conditions = {}
+    for force, slip, axis, across, other, camber in (
+        ("Fx", "kappa", "x", "alpha", "kappa", ()),
+        ("Fy", "alpha", "y", "kappa", "alpha", ("gamma",)),
+    ):
+        state = "Fz", "gamma", *pressure
+        weight = {"x": "xa", "y": "yk"}[axis]
+        effect = f"combined_G{weight}"
+        conditions[force] = (
+            _positive(f"C_{axis}", 0.1),
+            _positive(f"mu_{axis}", 0.01, *state),
+            _positive(f"B_{axis}", 0.1, *state),
+            _curvature(f"E_{axis}", "Fz", *camber, slip),
+            _positive(f"B_{axis}{across}", 0.0, other, *(("gamma",) if later else ()), effect=effect),
+            _positive(f"G_{weight}", 0.01, "kappa", "alpha", *(("gamma", "Fz") if later else ()), effect=effect),
+            _falling(f"mu_{axis}", *state),
+            _saturating(f"K_{axis}{slip}", "Fz", *camber, *pressure),
+        )
+        if later:
+            conditions[force] += (
+                _positive(f"C_{axis}{across}", 0.1, effect=effect),
+                _curvature(f"E_{axis}{across}", "Fz", effect=effect),
+                _positive(f"K_{axis}{slip}", 1.0, "Fz", *camber, *pressure, size=1e4),
+            )
+    return conditions
 
 
 def _mf96() -> dict[str, tuple[Constraint, ...]]:
@@ -105,22 +175,31 @@ def _mf96() -> dict[str, tuple[Constraint, ...]]:
         _positive("B_t", 0.1, "Fz", "gamma"),
         _curvature("E_t", "Fz", "gamma", "alpha"),
     )
-    return {**_forces((), inclined=False), "Mz": trail}
+    return _with_extrapolation({**_forces((), later=False), "Mz": trail})
 
 
 def _mf6() -> dict[str, tuple[Constraint, ...]]:
-    """Return those of MF5.2 to 6.2: also with pressure, and the slip stiffnesses and the trail by their own names."""
-    forces = _forces(("p",), inclined=True)
-    return {
-        "Fx": (*forces["Fx"], _positive("K_xkappa", 1.0, "Fz", "p", size=1e4)),
-        "Fy": (*forces["Fy"], _positive("K_yalpha", 1.0, "Fz", "gamma", "p", size=1e4)),
-        "Mz": (
-            _positive("C_t", 0.1),
-            _positive("B_t", 0.1, "Fz", "gamma"),
-            _positive("D_t", 0.0, "Fz", "gamma", "p", size=0.01),
-            _curvature("E_t", "Fz", "gamma", "alpha"),
-        ),
+    """Return those of MF5.2 to 6.2: also with pressure, and the trail by its own name."""
+    trail = (
+        _positive("C_t", 0.1),
+        _positive("B_t", 0.1, "Fz", "gamma"),
+        _positive("D_t", 0.0, "Fz", "gamma", "p", size=0.01),
+        _curvature("E_t", "Fz", "gamma", "alpha"),
+    )
+    return _with_extrapolation({**_forces(("p",), later=True), "Mz": trail})
+
+
+def _with_extrapolation(conditions: dict[str, tuple[Constraint, ...]]) -> dict[str, tuple[Constraint, ...]]:
+    """Let what changes with load or slip hold also further out."""
+    far = {
+        output: tuple(
+            replace(each, kind="extrapolation")
+            for each in own
+            if each.measure == "value" and {"Fz", "kappa", "alpha"} & set(each.over)
+        )
+        for output, own in conditions.items()
     }
+    return {output: own + far[output] for output, own in conditions.items()}
 
 
 #: The conditions of each model, by the output that they belong to. Floors: 0.01 of friction, 0.1 of C and of
@@ -132,6 +211,54 @@ VALIDITY: dict[str, dict[str, tuple[Constraint, ...]]] = {
     "mf61": _mf6(),
     "mf62": _mf6(),
 }
+
+
+def chosen_constraints(
+    model: str, also: Collection[str] = (), without: Collection[str] = ()
+) -> dict[str, tuple[Constraint, ...]]:
+    """Return the conditions of a model by name: the usual ones, and those that are asked for, less some.
+
+    Parameters
+    ----------
+    model : str
+    also, without : collection of str
+        Names of single conditions or of kinds; "all" means every one.
+
+    Returns
+    -------
+    dict of str to tuple of Constraint
+        By the output that they belong to.
+
+    Raises
+    ------
+    UnknownName
+        If the model has no such condition.
+
+    Examples
+    --------
+    >>> [each.text for each in chosen_constraints("mf61", without=["all"], also=["curvature"])["Fx"]]
+    []
+    >>> [each.name for each in chosen_constraints("mf96", without=["signs", "extrapolation", "curvature"])["Fy"]]
+    ['friction_falling:mu_y', 'stiffness_saturating:K_yalpha']
+    """
+    conditions = VALIDITY.get(model, {})
+    single = [each.name for own in conditions.values() for each in own]
+    known = ["all", *KINDS, *single]
+    for name in (*also, *without):
+        if name not in known:
+            raise UnknownName(f"constraint of {model}", name, known)
+
+    def meant(each: Constraint, names: Collection[str]) -> bool:
+        return bool({"all", each.kind, each.name} & set(names))
+
+    return {
+        output: tuple(
+            each
+            for each in own
+            if not meant(each, without) and (each.name not in ON_REQUEST or meant(each, also))
+        )
+        for output, own in conditions.items()
+    }
 
 
 def operating_range(table: pd.DataFrame, inputs: tuple[str, ...]) -> dict[str, tuple[float, float]]:
@@ -162,7 +289,7 @@ def grid(
     ----------
     constraint : Constraint
     ranges : mapping of str to (float, float)
-        Operating range of every input, in the model's order.
+        Operating range of every input, in the model's order; `Constraint.within` may widen it.
     nominal : mapping of str to float
         Value of the inputs on which the quantity does not depend.
     density : int
@@ -181,7 +308,7 @@ def grid(
     """
     steps = {"Fz": 4 * density, "gamma": 2 * density, "p": 2 * density}
     axes = []
-    for name, (low, high) in ranges.items():
+    for name, (low, high) in constraint.within(ranges).items():
         if name not in constraint.over:
             axes.append(np.array([nominal.get(name, low)]))
         elif name in steps:

@@ -16,6 +16,7 @@ from tirefmu.symbolic.model import Model
 from tirefmu.tires.tire import Tire
 
 from .checkpoint import Checkpoint, fingerprint
+from .constraints import chosen_constraints
 from .interruption import Interruption, Progress
 from .preparation import Prepared, prepare, recording_of
 from .recipe import Recipe, load_recipe
@@ -39,6 +40,8 @@ def fit(
     screening: bool = True,
     rows: str = "condition",
     progress: Progress | None = None,
+    constraints: Collection[str] = (),
+    without_constraints: Collection[str] = (),
     checkpoint: str | Path | None = None,
     resume: bool = False,
 ) -> FitResult:
@@ -71,6 +74,9 @@ def fit(
         each recording's channel by how many independent rows it is worth).
     progress : callable, optional
         Called with stage, iteration and cost.
+    constraints, without_constraints : collection of str
+        Physical conditions to keep beside the usual ones, and not to keep, by name or kind
+        (`tirefmu.fitting.constraints`); "all" means every one.
     checkpoint : path, optional
         File for the finished stages; removed when all of them are done.
     resume : bool
@@ -92,6 +98,7 @@ def fit(
     plan = load_recipe(recipe, model)
     if resume and checkpoint is None:
         raise FitError("to go on takes the file of the finished stages (checkpoint)")
+    conditions = chosen_constraints(book.name, constraints, without_constraints)
     if plan.scales and start is None:
         raise FitError(f"recipe {plan.name} scales a given tire: say which to start from (--start)")
     recordings = [recording_of(table, signs) for table in tables]
@@ -101,10 +108,11 @@ def fit(
     data = prepare(recordings, book, screening=screening, rows=rows)
     notes = list(data.notes)
     tire = _starting_tire(book, present, start, data.fitted, nominal or {}, notes)
-    options = {"rows": rows, "screening": str(screening), "given start": str(start is not None)}
+    kept = ",".join(each.name for own in conditions.values() for each in own)
+    options = {"rows": rows, "screening": str(screening), "given start": str(start is not None), "constraints": kept}
     saved = Checkpoint(Path(checkpoint), _identity(data, tire, plan, options)) if checkpoint else None
     with Interruption(progress) as interruption:
-        session = Session(book, tire, data, plan, interruption, notes, given=start is not None)
+        session = Session(book, tire, data, plan, interruption, notes, given=start is not None, conditions=conditions)
         if resume and saved:
             session.restore(saved.load())
         session.run(saved)

@@ -1,7 +1,7 @@
 """Conditions at their points, as IPOPT wants them: values and a sparse Jacobian by the free coefficients.
 
-A quantity of the book is differentiated once, by CasADi, by every coefficient that it depends on; a solve then
-evaluates it at its points and picks what is free.
+A quantity of the book, or how it grows with load, is differentiated once, by CasADi, by every coefficient that it
+depends on; a solve then evaluates it at its points and picks what is free.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ from .constraints import TOLERANCE, Constraint
 from .problem import Problem
 
 FloatArray = npt.NDArray[np.float64]
+#: At how many random points beside the present one it is looked whether a free coefficient moves a quantity.
+LOOKS = 3
 
 
 class Imposed:
@@ -88,14 +90,34 @@ class _Block:
     """One condition at its points."""
 
     def __init__(self, problem: Problem, constraint: Constraint, points: FloatArray) -> None:
-        self._function, reached = _with_gradient(problem.tire.book, constraint.quantity)
+        _, self._function, reached = _functions(problem.tire.book, constraint.quantity, constraint.measure)
         self._points, self._size = points, constraint.size
         place = {int(column): i for i, column in enumerate(problem.columns)}
         picked = [(i, place[column]) for i, column in enumerate(reached) if column in place]
+        self._mapped = self._function.map(max(points.shape[1], 1))
+        self._pick(problem, picked)
+        if picked and points.shape[1]:
+            moving = self._moving(problem)
+            self._pick(problem, [pair for pair, it_moves in zip(picked, moving, strict=True) if it_moves])
+
+    def _pick(self, problem: Problem, picked: Sequence[tuple[int, int]]) -> None:
         self._picked = np.array([i for i, _ in picked], dtype=int)
         self.free = np.array([free for _, free in picked], dtype=int)
         self._reach = problem.reach[self.free]
-        self._mapped = self._function.map(max(points.shape[1], 1))
+
+    def _moving(self, problem: Problem) -> npt.NDArray[np.bool_]:
+        """Tell which coefficients have a derivative that is not 0 wherever one looks.
+
+        Where PDX2 is fixed at 0, nothing that is free makes friction fall with load: rows of zeros, which an
+        interior-point method cannot keep off a bound, are left out.
+        """
+        random = np.random.default_rng(0)
+        present = np.array([problem.tire.values[name] for name in problem.free]) / problem.scale
+        moving = np.zeros(len(self.free), dtype=np.bool_)
+        for _ in range(LOOKS):
+            beside = present + random.uniform(-0.3, 0.3, len(present))
+            moving |= np.any(self.evaluate(problem.parameters(beside))[1] != 0.0, axis=0)
+        return moving
 
     def evaluate(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return values, shape (n_points,), and derivatives by the reached free values, shape (n_points, n_reached)."""
@@ -105,13 +127,41 @@ class _Block:
         return np.array(values).ravel() / self._size, by_point[:, self._picked] * self._reach / self._size
 
 
+def measured_values(book: Model, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
+    """Return what a condition bounds, at points.
+
+    Parameters
+    ----------
+    book : Model
+    constraint : Constraint
+    points : ndarray, shape (n_inputs, n)
+    parameters : ndarray, shape (n_parameters,)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        In the quantity's unit.
+    """
+    value, _, _ = _functions(book, constraint.quantity, constraint.measure)
+    return np.array(value(points, parameters), dtype=float).ravel()
+
+
 @lru_cache(maxsize=256)
-def _with_gradient(book: Model, quantity: str) -> tuple[Any, tuple[int, ...]]:
-    """Return a quantity of a model with its nonzero derivatives, and by which parameters these are."""
+def _functions(book: Model, quantity: str, measure: str) -> tuple[Any, Any, tuple[int, ...]]:
+    """Return what is bounded, the same with its nonzero derivatives, and by which parameters these are."""
     generated = casadi_module(book)
     inputs, parameters = ca.SX.sym("inputs", len(generated.INPUTS)), ca.SX.sym("parameters", len(generated.PARAMETERS))
     value = generated.quantities(inputs, parameters)[generated.QUANTITIES.index(quantity)]
+    if measure != "value":
+        load = inputs[generated.INPUTS.index("Fz")]
+        growth = load * ca.jacobian(value, load)
+        value = growth if measure == "growth" else growth - value
     gradient = ca.jacobian(value, parameters)
     reached = tuple(int(column) for column in gradient.sparsity().get_triplet()[1])
     nonzeros = ca.vertcat(*gradient.nonzeros()) if reached else ca.SX(0, 1)
-    return ca.Function(f"{quantity}_with_gradient", [inputs, parameters], [value, nonzeros]), reached
+    arguments = [inputs, parameters]
+    return (
+        ca.Function(f"{quantity}_{measure}", arguments, [value]),
+        ca.Function(f"{quantity}_{measure}_with_gradient", arguments, [value, nonzeros]),
+        reached,
+    )

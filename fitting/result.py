@@ -104,18 +104,22 @@ class Margin:
     Attributes
     ----------
     constraint : str
+        As it is written: ``E_x <= 1``.
     worst : float
-        Value of the quantity there.
+        Value of the quantity there, or of how it goes with load.
     margin : float
         Distance to the bound; negative where it is broken.
     at : dict of str to float
         The inputs there.
+    name : str
+        What switches it: ``curvature:E_x``.
     """
 
     constraint: str
     worst: float
     margin: float
     at: dict[str, float]
+    name: str = ""
 
 
 @dataclass(frozen=True)

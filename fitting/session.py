@@ -18,7 +18,8 @@ from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
 from .checkpoint import Checkpoint, Ended, Release, State
-from .constraints import TOLERANCE, VALIDITY, Constraint, grid, operating_range
+from .constraints import TOLERANCE, Constraint, chosen_constraints, grid, operating_range
+from .imposed import measured_values
 from .influence import generic, influence, size
 from .interruption import Interruption
 from .ipopt import Solution, solve
@@ -58,6 +59,7 @@ class Session:
         notes: list[str],
         *,
         given: bool,
+        conditions: Mapping[str, Sequence[Constraint]] | None = None,
     ) -> None:
         self._given = given  # the tire's values are somebody's, not to be replaced by generic ones
         self._book, self._tire, self._plan = book, tire, plan
@@ -66,8 +68,12 @@ class Session:
         self._notes = notes
         self._emphasis = emphasis(self._data, tire.outputs)
         self._ranges = operating_range(self._data, tire.inputs)
+        known = chosen_constraints(book.name) if conditions is None else conditions
+        self._conditions = {
+            output: [each for each in own if not each.effect or each.effect in tire.has] for output, own in known.items()
+        }
         self._broken: list[tuple[Constraint, FloatArray]] = []  # what verifying added, for later stages too
-        self._grids: dict[tuple[tuple[str, ...], int], FloatArray] = {}
+        self._grids: dict[tuple[tuple[str, ...], bool, int], FloatArray] = {}
         self._stages: list[StageFit] = []
         self._ends: list[tuple[Ended, Problem]] = []
         self._freed: dict[str, Release] = {}
@@ -259,18 +265,13 @@ class Session:
         """Return the worst point of each broken condition and some of the others that break it."""
         broken = []
         for constraint, points in dense:
-            distance = constraint.distance(self._quantity(constraint, points, parameters))
+            distance = constraint.distance(measured_values(self._book, constraint, points, parameters))
             outside = np.flatnonzero(distance < -TOLERANCE)
             if outside.size:
                 order = outside[np.argsort(distance[outside], kind="stable")]
                 some = np.unique(np.linspace(0, len(order) - 1, MOST_ADDED).astype(int))
                 broken.append((constraint, points[:, order[some]]))
         return broken
-
-    def _quantity(self, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
-        code = fastest_code(self._book)
-        values: FloatArray = code.quantities(points, parameters)[code.quantities_names.index(constraint.quantity)]
-        return values
 
     def _stage_r2(self, rows: Rows) -> float:
         computed = fastest_code(self._tire.book).forces(rows.inputs, self._tire.parameters()).T
@@ -281,13 +282,14 @@ class Session:
 
     def _constraints(self, channels: Sequence[str], density: int) -> list[tuple[Constraint, FloatArray]]:
         nominal = {name: self._tire.nominal(name) for name in self._tire.inputs}
-        conditions = VALIDITY.get(self._book.name, {})
-        chosen = [constraint for name in channels for constraint in conditions.get(name, ())]
+        chosen = [constraint for name in channels for constraint in self._conditions.get(name, ())]
+        points = []
         for constraint in chosen:
-            key = constraint.over, density
+            key = constraint.over, constraint.kind == "extrapolation", density
             if key not in self._grids:
                 self._grids[key] = grid(constraint, self._ranges, nominal, density=density)
-        return [(constraint, self._grids[constraint.over, density]) for constraint in chosen]
+            points.append((constraint, self._grids[key]))
+        return points
 
     def result(self, recordings: Sequence[Recording], signs: str, seconds: float) -> FitResult:
         """Tell the whole fit, coefficients in the given signs."""
@@ -376,11 +378,12 @@ class Session:
         """Verify every constraint on a grid denser than the one that it was imposed on."""
         margins = []
         for constraint, points in self._constraints(self._fitted, VERIFIED):
-            values = self._quantity(constraint, points, self._tire.parameters())
+            values = measured_values(self._book, constraint, points, self._tire.parameters())
             distance = constraint.distance(values)
             worst = int(np.argmin(distance))
             at = {name: float(points[i, worst]) for i, name in enumerate(self._tire.inputs) if name in constraint.over}
-            margins.append(Margin(constraint.name, float(values[worst]), float(distance[worst]), at))
+            told = Margin(constraint.text, float(values[worst]), float(distance[worst]), at, constraint.name)
+            margins.append(told)
         return tuple(margins)
 
 

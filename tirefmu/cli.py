@@ -124,6 +124,11 @@ def evaluate(
 @click.option("--without", callback=names, default="none", help="All effects but these.")
 @click.option("--recipe", default="progressive", show_default=True,
               help="progressive, joint, trento, scaling (of --start), or a TOML file.")  # fmt: skip
+@click.option("--constraint", callback=names, default="none",
+              help="Physical conditions to keep beside the usual ones: a kind, or one of them (kind:quantity).")
+@click.option("--without-constraint", callback=names, default="none",
+              help="Physical conditions not to keep: signs, curvature, friction_falling, stiffness_saturating, "
+                   "extrapolation, one of them (curvature:E_y), or all.")  # fmt: skip
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
 @click.option("--all-rows", is_flag=True, help="Fit what would be set aside, too: warm-up, transitions, outliers.")
@@ -135,8 +140,9 @@ def evaluate(
 @common
 def fit(
     tables: tuple[Path, ...], model: str, output: Path, start: Path | None, effects: tuple[str, ...] | None,
-    without: tuple[str, ...], recipe: str, nominal: dict[str, float] | None, signs: str | None, all_rows: bool,
-    rows: str, resume: bool, figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
+    without: tuple[str, ...], recipe: str, constraint: tuple[str, ...], without_constraint: tuple[str, ...],
+    nominal: dict[str, float] | None, signs: str | None, all_rows: bool, rows: str, resume: bool,
+    figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
 
@@ -158,7 +164,7 @@ def fit(
         result = run(
             recordings, model, start=tire_named(start) if start else None, effects=effects, without=without,
             recipe=recipe, nominal=nominal, screening=not all_rows, rows=rows, progress=progress,
-            checkpoint=finished_stages, resume=resume,
+            checkpoint=finished_stages, resume=resume, constraints=constraint, without_constraints=without_constraint,
         )  # fmt: skip
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)

@@ -247,7 +247,7 @@ enum {
     MF52_My, /* rolling resistance moment [N m] */
 };
 
-#define MF52_N_QUANTITIES 62
+#define MF52_N_QUANTITIES 66
 enum {
     MF52_dfz,
     MF52_dpi,
@@ -278,7 +278,11 @@ enum {
     MF52_F_y0,
     MF52_mu_y,
     MF52_B_xalpha,
+    MF52_E_xalpha,
+    MF52_C_xalpha,
     MF52_G_xa,
+    MF52_E_ykappa,
+    MF52_C_ykappa,
     MF52_B_ykappa,
     MF52_G_yk,
     MF52_D_Vyk,

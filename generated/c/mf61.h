@@ -252,7 +252,7 @@ enum {
     MF61_My, /* rolling resistance moment [N m] */
 };
 
-#define MF61_N_QUANTITIES 62
+#define MF61_N_QUANTITIES 66
 enum {
     MF61_dfz,
     MF61_dpi,
@@ -283,7 +283,11 @@ enum {
     MF61_F_y0,
     MF61_mu_y,
     MF61_B_xalpha,
+    MF61_E_xalpha,
+    MF61_C_xalpha,
     MF61_G_xa,
+    MF61_E_ykappa,
+    MF61_C_ykappa,
     MF61_B_ykappa,
     MF61_G_yk,
     MF61_D_Vyk,

@@ -260,7 +260,7 @@ enum {
     MF62_My, /* rolling resistance moment [N m] */
 };
 
-#define MF62_N_QUANTITIES 62
+#define MF62_N_QUANTITIES 66
 enum {
     MF62_dfz,
     MF62_dpi,
@@ -291,7 +291,11 @@ enum {
     MF62_F_y0,
     MF62_mu_y,
     MF62_B_xalpha,
+    MF62_E_xalpha,
+    MF62_C_xalpha,
     MF62_G_xa,
+    MF62_E_ykappa,
+    MF62_C_ykappa,
     MF62_B_ykappa,
     MF62_G_yk,
     MF62_D_Vyk,

@@ -538,6 +538,8 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
     const double C_x = LCX*PCX1; /* [4.E11] shape factor */
     const double C_y = LCY*PCY1; /* [4.E21] shape factor */
     const double C_y_g0 = LCY*PCY1; /* [4.E21] shape factor */
+    const double C_xalpha = RCX1; /* [4.E55] shape of G_xa */
+    const double C_ykappa = RCY1; /* [4.E63] shape of G_yk */
     const double C_t = QCZ1; /* [4.E41] shape factor of the trail */
 
     for (size_t i = 0; i < BLOCK; i += LANES) {
@@ -612,12 +614,12 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes S_Vyk = D_Vyk*LVYKA*lanes_sin(RVY5*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
         const lanes F_x0_w = C_x*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
         const lanes B_y_g0 = K_yalpha_g0/(1e-06*lanes_sgn1(D_y_g0) + C_y_g0*D_y_g0); /* [4.E26] stiffness factor */
-        const lanes G_xa_w = RCX1*lanes_atan(G_xa_v); /* [4.1] angle of the Magic Formula */
-        const lanes G_xa0_w = RCX1*lanes_atan(G_xa0_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_xa_w = C_xalpha*lanes_atan(G_xa_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_xa0_w = C_xalpha*lanes_atan(G_xa0_v); /* [4.1] angle of the Magic Formula */
         const lanes F_y0_g0_u = B_y_g0*alpha_y_g0; /* [4.1] B x */
         const lanes F_y0_g0_v = F_y0_g0_u - E_y_g0*(F_y0_g0_u - lanes_atan(F_y0_g0_u)); /* [4.1] B x bent by E */
-        const lanes G_yk_w = RCY1*lanes_atan(G_yk_v); /* [4.1] angle of the Magic Formula */
-        const lanes G_yk0_w = RCY1*lanes_atan(G_yk0_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_yk_w = C_ykappa*lanes_atan(G_yk_v); /* [4.1] angle of the Magic Formula */
+        const lanes G_yk0_w = C_ykappa*lanes_atan(G_yk0_v); /* [4.1] angle of the Magic Formula */
         const lanes F_x0 = (S_Vx + D_x*lanes_sin(F_x0_w))*lanes_sgn1(V); /* [4.E9] longitudinal force in pure slip */
         const lanes K_yalpha1 = K_yalpha + 1e-06*lanes_sgn1(K_yalpha); /* [4.E39] cornering stiffness, not 0 */
         const lanes B_y = K_yalpha/(1e-06*lanes_sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */

@@ -43,10 +43,11 @@ STRAIGHT_OPTIONS = (
 QUANTITIES = (
     "dfz", "dpi", "alpha_star", "gamma_star", "omega", "R_omega", "R_e", "S_Hx", "kappa_x", "C_x",
     "mu_x", "D_x", "E_x", "K_xkappa", "B_x", "S_Vx", "F_x0", "K_yalpha", "K_ygamma0", "S_Hy",
-    "alpha_y", "C_y", "D_y", "E_y", "B_y", "S_Vy", "F_y0", "mu_y", "B_xalpha", "G_xa", "B_ykappa",
-    "G_yk", "D_Vyk", "S_Vyk", "S_Ht", "alpha_t", "alpha_r", "B_t", "C_t", "D_t", "E_t", "B_r",
-    "D_r", "trail_0", "M_zr0", "M_z0", "alpha_teq", "alpha_req", "trail", "M_zr", "s", "R_l", "rho",
-    "c_z", "a", "b", "c_x", "c_y", "sigma_x", "sigma_y", "sigma_kappa", "sigma_alpha",
+    "alpha_y", "C_y", "D_y", "E_y", "B_y", "S_Vy", "F_y0", "mu_y", "B_xalpha", "E_xalpha",
+    "C_xalpha", "G_xa", "E_ykappa", "C_ykappa", "B_ykappa", "G_yk", "D_Vyk", "S_Vyk", "S_Ht",
+    "alpha_t", "alpha_r", "B_t", "C_t", "D_t", "E_t", "B_r", "D_r", "trail_0", "M_zr0", "M_z0",
+    "alpha_teq", "alpha_req", "trail", "M_zr", "s", "R_l", "rho", "c_z", "a", "b", "c_x", "c_y",
+    "sigma_x", "sigma_y", "sigma_kappa", "sigma_alpha",
 )
 FORCES = (
     "Fx", "Fy", "Mz", "Mx", "My",
@@ -263,22 +264,24 @@ def quantities(inputs, parameters):
     # Forces, combined slip
     B_xalpha = LXAL*(RBX1 + RBX3*gamma_star**2)/ca.sqrt(1 + RBX2**2*kappa_in**2)  # [4.E54] stiffness of G_xa
     E_xalpha = ca.if_else(LIMITS > 0.5, ca.if_else(REX1 + REX2*dfz > 1, 1, REX1 + REX2*dfz), REX1 + REX2*dfz)  # [4.E56] curvature of G_xa
+    C_xalpha = RCX1  # [4.E55] shape of G_xa
     G_xa_u = B_xalpha*(RHX1 + alpha_star)  # [4.1] B x
     G_xa_v = G_xa_u - E_xalpha*(G_xa_u - ca.atan(G_xa_u))  # [4.1] B x bent by E
-    G_xa_w = RCX1*ca.atan(G_xa_v)  # [4.1] angle of the Magic Formula
+    G_xa_w = C_xalpha*ca.atan(G_xa_v)  # [4.1] angle of the Magic Formula
     G_xa0_u = B_xalpha*RHX1  # [4.1] B x
     G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - ca.atan(G_xa0_u))  # [4.1] B x bent by E
-    G_xa0_w = RCX1*ca.atan(G_xa0_v)  # [4.1] angle of the Magic Formula
+    G_xa0_w = C_xalpha*ca.atan(G_xa0_v)  # [4.1] angle of the Magic Formula
     G_xa = ca.cos(G_xa_w)/ca.cos(G_xa0_w)  # [4.E51] what side slip leaves of Fx
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = ca.if_else(LIMITS > 0.5, ca.if_else(REY1 + REY2*dfz > 1, 1, REY1 + REY2*dfz), REY1 + REY2*dfz)  # [4.E64] curvature of G_yk
+    C_ykappa = RCY1  # [4.E63] shape of G_yk
     B_ykappa = LYKA*(RBY1 + RBY4*gamma_star**2)/ca.sqrt(1 + RBY2**2*(alpha_star - RBY3)**2)  # [4.E62] stiffness of G_yk
     G_yk_u = B_ykappa*(S_Hyk + kappa_in)  # [4.1] B x
     G_yk_v = G_yk_u - E_ykappa*(G_yk_u - ca.atan(G_yk_u))  # [4.1] B x bent by E
-    G_yk_w = RCY1*ca.atan(G_yk_v)  # [4.1] angle of the Magic Formula
+    G_yk_w = C_ykappa*ca.atan(G_yk_v)  # [4.1] angle of the Magic Formula
     G_yk0_u = B_ykappa*S_Hyk  # [4.1] B x
     G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - ca.atan(G_yk0_u))  # [4.1] B x bent by E
-    G_yk0_w = RCY1*ca.atan(G_yk0_v)  # [4.1] angle of the Magic Formula
+    G_yk0_w = C_ykappa*ca.atan(G_yk0_v)  # [4.1] angle of the Magic Formula
     G_yk = ca.cos(G_yk_w)/ca.cos(G_yk0_w)  # [4.E59] what longitudinal slip leaves of Fy
     D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/ca.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*fade_smooth*ca.sin(RVY5*ca.atan(RVY6*kappa_in))  # [4.E66] side force made by longitudinal slip
@@ -496,7 +499,11 @@ def quantities(inputs, parameters):
         F_y0,
         mu_y,
         B_xalpha,
+        E_xalpha,
+        C_xalpha,
         G_xa,
+        E_ykappa,
+        C_ykappa,
         B_ykappa,
         G_yk,
         D_Vyk,
@@ -676,22 +683,24 @@ def forces(inputs, parameters):
     # Forces, combined slip
     B_xalpha = LXAL*(RBX1 + RBX3*gamma_star**2)/ca.sqrt(1 + RBX2**2*kappa_in**2)  # [4.E54] stiffness of G_xa
     E_xalpha = ca.if_else(LIMITS > 0.5, ca.if_else(REX1 + REX2*dfz > 1, 1, REX1 + REX2*dfz), REX1 + REX2*dfz)  # [4.E56] curvature of G_xa
+    C_xalpha = RCX1  # [4.E55] shape of G_xa
     G_xa_u = B_xalpha*(RHX1 + alpha_star)  # [4.1] B x
     G_xa_v = G_xa_u - E_xalpha*(G_xa_u - ca.atan(G_xa_u))  # [4.1] B x bent by E
-    G_xa_w = RCX1*ca.atan(G_xa_v)  # [4.1] angle of the Magic Formula
+    G_xa_w = C_xalpha*ca.atan(G_xa_v)  # [4.1] angle of the Magic Formula
     G_xa0_u = B_xalpha*RHX1  # [4.1] B x
     G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - ca.atan(G_xa0_u))  # [4.1] B x bent by E
-    G_xa0_w = RCX1*ca.atan(G_xa0_v)  # [4.1] angle of the Magic Formula
+    G_xa0_w = C_xalpha*ca.atan(G_xa0_v)  # [4.1] angle of the Magic Formula
     G_xa = ca.cos(G_xa_w)/ca.cos(G_xa0_w)  # [4.E51] what side slip leaves of Fx
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = ca.if_else(LIMITS > 0.5, ca.if_else(REY1 + REY2*dfz > 1, 1, REY1 + REY2*dfz), REY1 + REY2*dfz)  # [4.E64] curvature of G_yk
+    C_ykappa = RCY1  # [4.E63] shape of G_yk
     B_ykappa = LYKA*(RBY1 + RBY4*gamma_star**2)/ca.sqrt(1 + RBY2**2*(alpha_star - RBY3)**2)  # [4.E62] stiffness of G_yk
     G_yk_u = B_ykappa*(S_Hyk + kappa_in)  # [4.1] B x
     G_yk_v = G_yk_u - E_ykappa*(G_yk_u - ca.atan(G_yk_u))  # [4.1] B x bent by E
-    G_yk_w = RCY1*ca.atan(G_yk_v)  # [4.1] angle of the Magic Formula
+    G_yk_w = C_ykappa*ca.atan(G_yk_v)  # [4.1] angle of the Magic Formula
     G_yk0_u = B_ykappa*S_Hyk  # [4.1] B x
     G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - ca.atan(G_yk0_u))  # [4.1] B x bent by E
-    G_yk0_w = RCY1*ca.atan(G_yk0_v)  # [4.1] angle of the Magic Formula
+    G_yk0_w = C_ykappa*ca.atan(G_yk0_v)  # [4.1] angle of the Magic Formula
     G_yk = ca.cos(G_yk_w)/ca.cos(G_yk0_w)  # [4.E59] what longitudinal slip leaves of Fy
     D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/ca.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*fade_smooth*ca.sin(RVY5*ca.atan(RVY6*kappa_in))  # [4.E66] side force made by longitudinal slip
@@ -1071,19 +1080,20 @@ def slip_stiffnesses(inputs, parameters):
     B_xalpha = B_xalpha_part3*B_xalpha_part4*LXAL  # [4.E54] stiffness of G_xa
     E_xalpha_part1 = REX1 + REX2*dfz
     E_xalpha = ca.if_else(LIMITS > 0.5, ca.if_else(REX1 + REX2*dfz > 1, 1, REX1 + REX2*dfz), E_xalpha_part1)  # [4.E56] curvature of G_xa
+    C_xalpha = RCX1  # [4.E55] shape of G_xa
     G_xa_u_part1 = RHX1 + alpha_star
     G_xa_u = B_xalpha*G_xa_u_part1  # [4.1] B x
     G_xa_v_part1 = ca.atan(G_xa_u)
     G_xa_v_part2 = G_xa_u - G_xa_v_part1
     G_xa_v = G_xa_u - E_xalpha*G_xa_v_part2  # [4.1] B x bent by E
     G_xa_w_part1 = ca.atan(G_xa_v)
-    G_xa_w = G_xa_w_part1*RCX1  # [4.1] angle of the Magic Formula
+    G_xa_w = C_xalpha*G_xa_w_part1  # [4.1] angle of the Magic Formula
     G_xa0_u = B_xalpha*RHX1  # [4.1] B x
     G_xa0_v_part1 = ca.atan(G_xa0_u)
     G_xa0_v_part2 = G_xa0_u - G_xa0_v_part1
     G_xa0_v = G_xa0_u - E_xalpha*G_xa0_v_part2  # [4.1] B x bent by E
     G_xa0_w_part1 = ca.atan(G_xa0_v)
-    G_xa0_w = G_xa0_w_part1*RCX1  # [4.1] angle of the Magic Formula
+    G_xa0_w = C_xalpha*G_xa0_w_part1  # [4.1] angle of the Magic Formula
     G_xa_part1 = ca.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = ca.cos(G_xa_w)
@@ -1091,6 +1101,7 @@ def slip_stiffnesses(inputs, parameters):
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa_part1 = REY1 + REY2*dfz
     E_ykappa = ca.if_else(LIMITS > 0.5, ca.if_else(REY1 + REY2*dfz > 1, 1, REY1 + REY2*dfz), E_ykappa_part1)  # [4.E64] curvature of G_yk
+    C_ykappa = RCY1  # [4.E63] shape of G_yk
     B_ykappa_part1 = alpha_star - RBY3
     B_ykappa_part2 = 1 + B_ykappa_part1**2*RBY2**2
     B_ykappa_part3 = ca.sqrt(B_ykappa_part2)
@@ -1103,13 +1114,13 @@ def slip_stiffnesses(inputs, parameters):
     G_yk_v_part2 = G_yk_u - G_yk_v_part1
     G_yk_v = G_yk_u - E_ykappa*G_yk_v_part2  # [4.1] B x bent by E
     G_yk_w_part1 = ca.atan(G_yk_v)
-    G_yk_w = G_yk_w_part1*RCY1  # [4.1] angle of the Magic Formula
+    G_yk_w = C_ykappa*G_yk_w_part1  # [4.1] angle of the Magic Formula
     G_yk0_u = B_ykappa*S_Hyk  # [4.1] B x
     G_yk0_v_part1 = ca.atan(G_yk0_u)
     G_yk0_v_part2 = G_yk0_u - G_yk0_v_part1
     G_yk0_v = G_yk0_u - E_ykappa*G_yk0_v_part2  # [4.1] B x bent by E
     G_yk0_w_part1 = ca.atan(G_yk0_v)
-    G_yk0_w = G_yk0_w_part1*RCY1  # [4.1] angle of the Magic Formula
+    G_yk0_w = C_ykappa*G_yk0_w_part1  # [4.1] angle of the Magic Formula
     G_yk_part1 = ca.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = ca.cos(G_yk_w)
@@ -1686,12 +1697,12 @@ def slip_stiffnesses(inputs, parameters):
     dG_xa_v_part2_dG_xa_u = 1 - G_xa_v_part1_by_G_xa_u
     dG_xa_v_dG_xa_u = 1 - E_xalpha*dG_xa_v_part2_dG_xa_u
     dG_xa_w_part1_dG_xa_u = G_xa_w_part1_by_G_xa_v*dG_xa_v_dG_xa_u
-    dG_xa_w_dG_xa_u = RCX1*dG_xa_w_part1_dG_xa_u
+    dG_xa_w_dG_xa_u = C_xalpha*dG_xa_w_part1_dG_xa_u
     dG_xa0_v_part2_dG_xa0_u = 1 - G_xa0_v_part1_by_G_xa0_u
     dG_xa0_v_part2_dB_xalpha = RHX1*dG_xa0_v_part2_dG_xa0_u
     dG_xa0_v_dB_xalpha = RHX1 - E_xalpha*dG_xa0_v_part2_dB_xalpha
     dG_xa0_w_part1_dB_xalpha = G_xa0_w_part1_by_G_xa0_v*dG_xa0_v_dB_xalpha
-    dG_xa0_w_dB_xalpha = RCX1*dG_xa0_w_part1_dB_xalpha
+    dG_xa0_w_dB_xalpha = C_xalpha*dG_xa0_w_part1_dB_xalpha
     dG_xa_part1_dB_xalpha = G_xa_part1_by_G_xa0_w*dG_xa0_w_dB_xalpha
     dG_xa_part2_dB_xalpha = G_xa_part2_by_G_xa_part1*dG_xa_part1_dB_xalpha
     dG_xa_part3_dG_xa_u = G_xa_part3_by_G_xa_w*dG_xa_w_dG_xa_u
@@ -1700,12 +1711,12 @@ def slip_stiffnesses(inputs, parameters):
     dG_yk_v_part2_dG_yk_u = 1 - G_yk_v_part1_by_G_yk_u
     dG_yk_v_dG_yk_u = 1 - E_ykappa*dG_yk_v_part2_dG_yk_u
     dG_yk_w_part1_dG_yk_u = G_yk_w_part1_by_G_yk_v*dG_yk_v_dG_yk_u
-    dG_yk_w_dG_yk_u = RCY1*dG_yk_w_part1_dG_yk_u
+    dG_yk_w_dG_yk_u = C_ykappa*dG_yk_w_part1_dG_yk_u
     dG_yk0_v_part2_dG_yk0_u = 1 - G_yk0_v_part1_by_G_yk0_u
     dG_yk0_v_part2_dB_ykappa = S_Hyk*dG_yk0_v_part2_dG_yk0_u
     dG_yk0_v_dB_ykappa = S_Hyk - E_ykappa*dG_yk0_v_part2_dB_ykappa
     dG_yk0_w_part1_dB_ykappa = G_yk0_w_part1_by_G_yk0_v*dG_yk0_v_dB_ykappa
-    dG_yk0_w_dB_ykappa = RCY1*dG_yk0_w_part1_dB_ykappa
+    dG_yk0_w_dB_ykappa = C_ykappa*dG_yk0_w_part1_dB_ykappa
     dG_yk_part1_dB_ykappa = G_yk_part1_by_G_yk0_w*dG_yk0_w_dB_ykappa
     dG_yk_part2_dB_ykappa = G_yk_part2_by_G_yk_part1*dG_yk_part1_dB_ykappa
     dG_yk_part3_dG_yk_u = G_yk_part3_by_G_yk_w*dG_yk_w_dG_yk_u
@@ -2295,19 +2306,20 @@ def jacobian_inputs(inputs, parameters):
     B_xalpha = B_xalpha_part3*B_xalpha_part4*LXAL  # [4.E54] stiffness of G_xa
     E_xalpha_part1 = REX1 + REX2*dfz
     E_xalpha = ca.if_else(LIMITS > 0.5, ca.if_else(REX1 + REX2*dfz > 1, 1, REX1 + REX2*dfz), E_xalpha_part1)  # [4.E56] curvature of G_xa
+    C_xalpha = RCX1  # [4.E55] shape of G_xa
     G_xa_u_part1 = RHX1 + alpha_star
     G_xa_u = B_xalpha*G_xa_u_part1  # [4.1] B x
     G_xa_v_part1 = ca.atan(G_xa_u)
     G_xa_v_part2 = G_xa_u - G_xa_v_part1
     G_xa_v = G_xa_u - E_xalpha*G_xa_v_part2  # [4.1] B x bent by E
     G_xa_w_part1 = ca.atan(G_xa_v)
-    G_xa_w = G_xa_w_part1*RCX1  # [4.1] angle of the Magic Formula
+    G_xa_w = C_xalpha*G_xa_w_part1  # [4.1] angle of the Magic Formula
     G_xa0_u = B_xalpha*RHX1  # [4.1] B x
     G_xa0_v_part1 = ca.atan(G_xa0_u)
     G_xa0_v_part2 = G_xa0_u - G_xa0_v_part1
     G_xa0_v = G_xa0_u - E_xalpha*G_xa0_v_part2  # [4.1] B x bent by E
     G_xa0_w_part1 = ca.atan(G_xa0_v)
-    G_xa0_w = G_xa0_w_part1*RCX1  # [4.1] angle of the Magic Formula
+    G_xa0_w = C_xalpha*G_xa0_w_part1  # [4.1] angle of the Magic Formula
     G_xa_part1 = ca.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = ca.cos(G_xa_w)
@@ -2315,6 +2327,7 @@ def jacobian_inputs(inputs, parameters):
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa_part1 = REY1 + REY2*dfz
     E_ykappa = ca.if_else(LIMITS > 0.5, ca.if_else(REY1 + REY2*dfz > 1, 1, REY1 + REY2*dfz), E_ykappa_part1)  # [4.E64] curvature of G_yk
+    C_ykappa = RCY1  # [4.E63] shape of G_yk
     B_ykappa_part1 = alpha_star - RBY3
     B_ykappa_part2 = 1 + B_ykappa_part1**2*RBY2**2
     B_ykappa_part3 = ca.sqrt(B_ykappa_part2)
@@ -2327,13 +2340,13 @@ def jacobian_inputs(inputs, parameters):
     G_yk_v_part2 = G_yk_u - G_yk_v_part1
     G_yk_v = G_yk_u - E_ykappa*G_yk_v_part2  # [4.1] B x bent by E
     G_yk_w_part1 = ca.atan(G_yk_v)
-    G_yk_w = G_yk_w_part1*RCY1  # [4.1] angle of the Magic Formula
+    G_yk_w = C_ykappa*G_yk_w_part1  # [4.1] angle of the Magic Formula
     G_yk0_u = B_ykappa*S_Hyk  # [4.1] B x
     G_yk0_v_part1 = ca.atan(G_yk0_u)
     G_yk0_v_part2 = G_yk0_u - G_yk0_v_part1
     G_yk0_v = G_yk0_u - E_ykappa*G_yk0_v_part2  # [4.1] B x bent by E
     G_yk0_w_part1 = ca.atan(G_yk0_v)
-    G_yk0_w = G_yk0_w_part1*RCY1  # [4.1] angle of the Magic Formula
+    G_yk0_w = C_ykappa*G_yk0_w_part1  # [4.1] angle of the Magic Formula
     G_yk_part1 = ca.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = ca.cos(G_yk_w)
@@ -3165,19 +3178,19 @@ def jacobian_inputs(inputs, parameters):
     dB_xalpha_part2_dkappa_in = B_xalpha_part1_by_kappa_in*B_xalpha_part2_by_B_xalpha_part1
     dB_xalpha_part3_dkappa_in = B_xalpha_part3_by_B_xalpha_part2*dB_xalpha_part2_dkappa_in
     dG_xa_v_part2_dG_xa_u = 1 - G_xa_v_part1_by_G_xa_u
-    dG_xa_w_dG_xa_v = G_xa_w_part1_by_G_xa_v*RCX1
+    dG_xa_w_dG_xa_v = C_xalpha*G_xa_w_part1_by_G_xa_v
     dG_xa0_v_part2_dG_xa0_u = 1 - G_xa0_v_part1_by_G_xa0_u
     dG_xa0_v_part2_dB_xalpha = RHX1*dG_xa0_v_part2_dG_xa0_u
-    dG_xa0_w_dG_xa0_v = G_xa0_w_part1_by_G_xa0_v*RCX1
+    dG_xa0_w_dG_xa0_v = C_xalpha*G_xa0_w_part1_by_G_xa0_v
     dG_xa_part1_dG_xa0_v = G_xa_part1_by_G_xa0_w*dG_xa0_w_dG_xa0_v
     dG_xa_part2_dG_xa0_v = G_xa_part2_by_G_xa_part1*dG_xa_part1_dG_xa0_v
     dG_xa_part3_dG_xa_v = G_xa_part3_by_G_xa_w*dG_xa_w_dG_xa_v
     dB_ykappa_part3_dalpha_star = B_ykappa_part2_by_B_ykappa_part1*B_ykappa_part3_by_B_ykappa_part2
     dB_ykappa_part4_dalpha_star = B_ykappa_part4_by_B_ykappa_part3*dB_ykappa_part3_dalpha_star
     dG_yk_v_part2_dG_yk_u = 1 - G_yk_v_part1_by_G_yk_u
-    dG_yk_w_dG_yk_v = G_yk_w_part1_by_G_yk_v*RCY1
+    dG_yk_w_dG_yk_v = C_ykappa*G_yk_w_part1_by_G_yk_v
     dG_yk0_v_part2_dG_yk0_u = 1 - G_yk0_v_part1_by_G_yk0_u
-    dG_yk0_w_dG_yk0_v = G_yk0_w_part1_by_G_yk0_v*RCY1
+    dG_yk0_w_dG_yk0_v = C_ykappa*G_yk0_w_part1_by_G_yk0_v
     dG_yk_part1_dG_yk0_v = G_yk_part1_by_G_yk0_w*dG_yk0_w_dG_yk0_v
     dG_yk_part2_dG_yk0_v = G_yk_part2_by_G_yk_part1*dG_yk_part1_dG_yk0_v
     dG_yk_part3_dG_yk_v = G_yk_part3_by_G_yk_w*dG_yk_w_dG_yk_v
@@ -4110,19 +4123,20 @@ def jacobian_parameters(inputs, parameters):
     B_xalpha = B_xalpha_part3*B_xalpha_part4*LXAL  # [4.E54] stiffness of G_xa
     E_xalpha_part1 = REX1 + REX2*dfz
     E_xalpha = ca.if_else(LIMITS > 0.5, ca.if_else(REX1 + REX2*dfz > 1, 1, REX1 + REX2*dfz), E_xalpha_part1)  # [4.E56] curvature of G_xa
+    C_xalpha = RCX1  # [4.E55] shape of G_xa
     G_xa_u_part1 = RHX1 + alpha_star
     G_xa_u = B_xalpha*G_xa_u_part1  # [4.1] B x
     G_xa_v_part1 = ca.atan(G_xa_u)
     G_xa_v_part2 = G_xa_u - G_xa_v_part1
     G_xa_v = G_xa_u - E_xalpha*G_xa_v_part2  # [4.1] B x bent by E
     G_xa_w_part1 = ca.atan(G_xa_v)
-    G_xa_w = G_xa_w_part1*RCX1  # [4.1] angle of the Magic Formula
+    G_xa_w = C_xalpha*G_xa_w_part1  # [4.1] angle of the Magic Formula
     G_xa0_u = B_xalpha*RHX1  # [4.1] B x
     G_xa0_v_part1 = ca.atan(G_xa0_u)
     G_xa0_v_part2 = G_xa0_u - G_xa0_v_part1
     G_xa0_v = G_xa0_u - E_xalpha*G_xa0_v_part2  # [4.1] B x bent by E
     G_xa0_w_part1 = ca.atan(G_xa0_v)
-    G_xa0_w = G_xa0_w_part1*RCX1  # [4.1] angle of the Magic Formula
+    G_xa0_w = C_xalpha*G_xa0_w_part1  # [4.1] angle of the Magic Formula
     G_xa_part1 = ca.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = ca.cos(G_xa_w)
@@ -4130,6 +4144,7 @@ def jacobian_parameters(inputs, parameters):
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa_part1 = REY1 + REY2*dfz
     E_ykappa = ca.if_else(LIMITS > 0.5, ca.if_else(REY1 + REY2*dfz > 1, 1, REY1 + REY2*dfz), E_ykappa_part1)  # [4.E64] curvature of G_yk
+    C_ykappa = RCY1  # [4.E63] shape of G_yk
     B_ykappa_part1 = alpha_star - RBY3
     B_ykappa_part2 = 1 + B_ykappa_part1**2*RBY2**2
     B_ykappa_part3 = ca.sqrt(B_ykappa_part2)
@@ -4142,13 +4157,13 @@ def jacobian_parameters(inputs, parameters):
     G_yk_v_part2 = G_yk_u - G_yk_v_part1
     G_yk_v = G_yk_u - E_ykappa*G_yk_v_part2  # [4.1] B x bent by E
     G_yk_w_part1 = ca.atan(G_yk_v)
-    G_yk_w = G_yk_w_part1*RCY1  # [4.1] angle of the Magic Formula
+    G_yk_w = C_ykappa*G_yk_w_part1  # [4.1] angle of the Magic Formula
     G_yk0_u = B_ykappa*S_Hyk  # [4.1] B x
     G_yk0_v_part1 = ca.atan(G_yk0_u)
     G_yk0_v_part2 = G_yk0_u - G_yk0_v_part1
     G_yk0_v = G_yk0_u - E_ykappa*G_yk0_v_part2  # [4.1] B x bent by E
     G_yk0_w_part1 = ca.atan(G_yk0_v)
-    G_yk0_w = G_yk0_w_part1*RCY1  # [4.1] angle of the Magic Formula
+    G_yk0_w = C_ykappa*G_yk0_w_part1  # [4.1] angle of the Magic Formula
     G_yk_part1 = ca.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = ca.cos(G_yk_w)
@@ -5195,14 +5210,14 @@ def jacobian_parameters(inputs, parameters):
     dM_zphi_inf_signed_dmu_y_pressed = M_zphi_inf_signed_by_M_zphi_inf_signed_part4*M_zphi_inf_signed_part4_by_mu_y_pressed
     dB_xalpha_dB_xalpha_part1 = B_xalpha_by_B_xalpha_part3*dB_xalpha_part3_dB_xalpha_part1
     dG_xa_v_dG_xa_u = 1 - E_xalpha*dG_xa_v_part2_dG_xa_u
-    dG_xa_w_dG_xa_v = G_xa_w_part1_by_G_xa_v*RCX1
+    dG_xa_w_dG_xa_v = C_xalpha*G_xa_w_part1_by_G_xa_v
     dG_xa0_v_dG_xa0_u = 1 - E_xalpha*dG_xa0_v_part2_dG_xa0_u
-    dG_xa0_w_dG_xa0_v = G_xa0_w_part1_by_G_xa0_v*RCX1
+    dG_xa0_w_dG_xa0_v = C_xalpha*G_xa0_w_part1_by_G_xa0_v
     dG_xa_dG_xa0_w = G_xa_part3*dG_xa_part2_dG_xa0_w
     dG_yk_v_dG_yk_u = 1 - E_ykappa*dG_yk_v_part2_dG_yk_u
-    dG_yk_w_dG_yk_v = G_yk_w_part1_by_G_yk_v*RCY1
+    dG_yk_w_dG_yk_v = C_ykappa*G_yk_w_part1_by_G_yk_v
     dG_yk0_v_dG_yk0_u = 1 - E_ykappa*dG_yk0_v_part2_dG_yk0_u
-    dG_yk0_w_dG_yk0_v = G_yk0_w_part1_by_G_yk0_v*RCY1
+    dG_yk0_w_dG_yk0_v = C_ykappa*G_yk0_w_part1_by_G_yk0_v
     dG_yk_dG_yk0_w = G_yk_part3*dG_yk_part2_dG_yk0_w
     dD_Vyk_dD_Vyk_part1 = D_Vyk_by_D_Vyk_part3*dD_Vyk_part3_dD_Vyk_part1
     dS_Vyk_part3_dS_Vyk_part1 = RVY5*S_Vyk_part2_by_S_Vyk_part1
@@ -7760,22 +7775,24 @@ def forces_straight(inputs, parameters):
     # Forces, combined slip
     B_xalpha = LXAL*(RBX1 + RBX3*gamma_star**2)/ca.sqrt(1 + RBX2**2*kappa**2)  # [4.E54] stiffness of G_xa
     E_xalpha = REX1 + REX2*dfz  # [4.E56] curvature of G_xa
+    C_xalpha = RCX1  # [4.E55] shape of G_xa
     G_xa_u = B_xalpha*(RHX1 + alpha_star)  # [4.1] B x
     G_xa_v = G_xa_u - E_xalpha*(G_xa_u - ca.atan(G_xa_u))  # [4.1] B x bent by E
-    G_xa_w = RCX1*ca.atan(G_xa_v)  # [4.1] angle of the Magic Formula
+    G_xa_w = C_xalpha*ca.atan(G_xa_v)  # [4.1] angle of the Magic Formula
     G_xa0_u = B_xalpha*RHX1  # [4.1] B x
     G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - ca.atan(G_xa0_u))  # [4.1] B x bent by E
-    G_xa0_w = RCX1*ca.atan(G_xa0_v)  # [4.1] angle of the Magic Formula
+    G_xa0_w = C_xalpha*ca.atan(G_xa0_v)  # [4.1] angle of the Magic Formula
     G_xa = ca.cos(G_xa_w)/ca.cos(G_xa0_w)  # [4.E51] what side slip leaves of Fx
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = REY1 + REY2*dfz  # [4.E64] curvature of G_yk
+    C_ykappa = RCY1  # [4.E63] shape of G_yk
     B_ykappa = LYKA*(RBY1 + RBY4*gamma_star**2)/ca.sqrt(1 + RBY2**2*(alpha_star - RBY3)**2)  # [4.E62] stiffness of G_yk
     G_yk_u = B_ykappa*(S_Hyk + kappa)  # [4.1] B x
     G_yk_v = G_yk_u - E_ykappa*(G_yk_u - ca.atan(G_yk_u))  # [4.1] B x bent by E
-    G_yk_w = RCY1*ca.atan(G_yk_v)  # [4.1] angle of the Magic Formula
+    G_yk_w = C_ykappa*ca.atan(G_yk_v)  # [4.1] angle of the Magic Formula
     G_yk0_u = B_ykappa*S_Hyk  # [4.1] B x
     G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - ca.atan(G_yk0_u))  # [4.1] B x bent by E
-    G_yk0_w = RCY1*ca.atan(G_yk0_v)  # [4.1] angle of the Magic Formula
+    G_yk0_w = C_ykappa*ca.atan(G_yk0_v)  # [4.1] angle of the Magic Formula
     G_yk = ca.cos(G_yk_w)/ca.cos(G_yk0_w)  # [4.E59] what longitudinal slip leaves of Fy
     D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma_star)/ca.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*ca.sin(RVY5*ca.atan(RVY6*kappa))  # [4.E66] side force made by longitudinal slip
@@ -8017,25 +8034,27 @@ def slip_stiffnesses_straight(inputs, parameters):
     B_xalpha_part4 = RBX1 + RBX3*gamma_star**2
     B_xalpha = B_xalpha_part3*B_xalpha_part4*LXAL  # [4.E54] stiffness of G_xa
     E_xalpha = REX1 + REX2*dfz  # [4.E56] curvature of G_xa
+    C_xalpha = RCX1  # [4.E55] shape of G_xa
     G_xa_u_part1 = RHX1 + alpha_star
     G_xa_u = B_xalpha*G_xa_u_part1  # [4.1] B x
     G_xa_v_part1 = ca.atan(G_xa_u)
     G_xa_v_part2 = G_xa_u - G_xa_v_part1
     G_xa_v = G_xa_u - E_xalpha*G_xa_v_part2  # [4.1] B x bent by E
     G_xa_w_part1 = ca.atan(G_xa_v)
-    G_xa_w = G_xa_w_part1*RCX1  # [4.1] angle of the Magic Formula
+    G_xa_w = C_xalpha*G_xa_w_part1  # [4.1] angle of the Magic Formula
     G_xa0_u = B_xalpha*RHX1  # [4.1] B x
     G_xa0_v_part1 = ca.atan(G_xa0_u)
     G_xa0_v_part2 = G_xa0_u - G_xa0_v_part1
     G_xa0_v = G_xa0_u - E_xalpha*G_xa0_v_part2  # [4.1] B x bent by E
     G_xa0_w_part1 = ca.atan(G_xa0_v)
-    G_xa0_w = G_xa0_w_part1*RCX1  # [4.1] angle of the Magic Formula
+    G_xa0_w = C_xalpha*G_xa0_w_part1  # [4.1] angle of the Magic Formula
     G_xa_part1 = ca.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = ca.cos(G_xa_w)
     G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = REY1 + REY2*dfz  # [4.E64] curvature of G_yk
+    C_ykappa = RCY1  # [4.E63] shape of G_yk
     B_ykappa_part1 = alpha_star - RBY3
     B_ykappa_part2 = 1 + B_ykappa_part1**2*RBY2**2
     B_ykappa_part3 = ca.sqrt(B_ykappa_part2)
@@ -8048,13 +8067,13 @@ def slip_stiffnesses_straight(inputs, parameters):
     G_yk_v_part2 = G_yk_u - G_yk_v_part1
     G_yk_v = G_yk_u - E_ykappa*G_yk_v_part2  # [4.1] B x bent by E
     G_yk_w_part1 = ca.atan(G_yk_v)
-    G_yk_w = G_yk_w_part1*RCY1  # [4.1] angle of the Magic Formula
+    G_yk_w = C_ykappa*G_yk_w_part1  # [4.1] angle of the Magic Formula
     G_yk0_u = B_ykappa*S_Hyk  # [4.1] B x
     G_yk0_v_part1 = ca.atan(G_yk0_u)
     G_yk0_v_part2 = G_yk0_u - G_yk0_v_part1
     G_yk0_v = G_yk0_u - E_ykappa*G_yk0_v_part2  # [4.1] B x bent by E
     G_yk0_w_part1 = ca.atan(G_yk0_v)
-    G_yk0_w = G_yk0_w_part1*RCY1  # [4.1] angle of the Magic Formula
+    G_yk0_w = C_ykappa*G_yk0_w_part1  # [4.1] angle of the Magic Formula
     G_yk_part1 = ca.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = ca.cos(G_yk_w)
@@ -8313,12 +8332,12 @@ def slip_stiffnesses_straight(inputs, parameters):
     dG_xa_v_part2_dG_xa_u = 1 - G_xa_v_part1_by_G_xa_u
     dG_xa_v_dG_xa_u = 1 - E_xalpha*dG_xa_v_part2_dG_xa_u
     dG_xa_w_part1_dG_xa_u = G_xa_w_part1_by_G_xa_v*dG_xa_v_dG_xa_u
-    dG_xa_w_dG_xa_u = RCX1*dG_xa_w_part1_dG_xa_u
+    dG_xa_w_dG_xa_u = C_xalpha*dG_xa_w_part1_dG_xa_u
     dG_xa0_v_part2_dG_xa0_u = 1 - G_xa0_v_part1_by_G_xa0_u
     dG_xa0_v_part2_dB_xalpha = RHX1*dG_xa0_v_part2_dG_xa0_u
     dG_xa0_v_dB_xalpha = RHX1 - E_xalpha*dG_xa0_v_part2_dB_xalpha
     dG_xa0_w_part1_dB_xalpha = G_xa0_w_part1_by_G_xa0_v*dG_xa0_v_dB_xalpha
-    dG_xa0_w_dB_xalpha = RCX1*dG_xa0_w_part1_dB_xalpha
+    dG_xa0_w_dB_xalpha = C_xalpha*dG_xa0_w_part1_dB_xalpha
     dG_xa_part1_dB_xalpha = G_xa_part1_by_G_xa0_w*dG_xa0_w_dB_xalpha
     dG_xa_part2_dB_xalpha = G_xa_part2_by_G_xa_part1*dG_xa_part1_dB_xalpha
     dG_xa_part3_dG_xa_u = G_xa_part3_by_G_xa_w*dG_xa_w_dG_xa_u
@@ -8327,12 +8346,12 @@ def slip_stiffnesses_straight(inputs, parameters):
     dG_yk_v_part2_dG_yk_u = 1 - G_yk_v_part1_by_G_yk_u
     dG_yk_v_dG_yk_u = 1 - E_ykappa*dG_yk_v_part2_dG_yk_u
     dG_yk_w_part1_dG_yk_u = G_yk_w_part1_by_G_yk_v*dG_yk_v_dG_yk_u
-    dG_yk_w_dG_yk_u = RCY1*dG_yk_w_part1_dG_yk_u
+    dG_yk_w_dG_yk_u = C_ykappa*dG_yk_w_part1_dG_yk_u
     dG_yk0_v_part2_dG_yk0_u = 1 - G_yk0_v_part1_by_G_yk0_u
     dG_yk0_v_part2_dB_ykappa = S_Hyk*dG_yk0_v_part2_dG_yk0_u
     dG_yk0_v_dB_ykappa = S_Hyk - E_ykappa*dG_yk0_v_part2_dB_ykappa
     dG_yk0_w_part1_dB_ykappa = G_yk0_w_part1_by_G_yk0_v*dG_yk0_v_dB_ykappa
-    dG_yk0_w_dB_ykappa = RCY1*dG_yk0_w_part1_dB_ykappa
+    dG_yk0_w_dB_ykappa = C_ykappa*dG_yk0_w_part1_dB_ykappa
     dG_yk_part1_dB_ykappa = G_yk_part1_by_G_yk0_w*dG_yk0_w_dB_ykappa
     dG_yk_part2_dB_ykappa = G_yk_part2_by_G_yk_part1*dG_yk_part1_dB_ykappa
     dG_yk_part3_dG_yk_u = G_yk_part3_by_G_yk_w*dG_yk_w_dG_yk_u
@@ -8627,25 +8646,27 @@ def jacobian_inputs_straight(inputs, parameters):
     B_xalpha_part4 = RBX1 + RBX3*gamma_star**2
     B_xalpha = B_xalpha_part3*B_xalpha_part4*LXAL  # [4.E54] stiffness of G_xa
     E_xalpha = REX1 + REX2*dfz  # [4.E56] curvature of G_xa
+    C_xalpha = RCX1  # [4.E55] shape of G_xa
     G_xa_u_part1 = RHX1 + alpha_star
     G_xa_u = B_xalpha*G_xa_u_part1  # [4.1] B x
     G_xa_v_part1 = ca.atan(G_xa_u)
     G_xa_v_part2 = G_xa_u - G_xa_v_part1
     G_xa_v = G_xa_u - E_xalpha*G_xa_v_part2  # [4.1] B x bent by E
     G_xa_w_part1 = ca.atan(G_xa_v)
-    G_xa_w = G_xa_w_part1*RCX1  # [4.1] angle of the Magic Formula
+    G_xa_w = C_xalpha*G_xa_w_part1  # [4.1] angle of the Magic Formula
     G_xa0_u = B_xalpha*RHX1  # [4.1] B x
     G_xa0_v_part1 = ca.atan(G_xa0_u)
     G_xa0_v_part2 = G_xa0_u - G_xa0_v_part1
     G_xa0_v = G_xa0_u - E_xalpha*G_xa0_v_part2  # [4.1] B x bent by E
     G_xa0_w_part1 = ca.atan(G_xa0_v)
-    G_xa0_w = G_xa0_w_part1*RCX1  # [4.1] angle of the Magic Formula
+    G_xa0_w = C_xalpha*G_xa0_w_part1  # [4.1] angle of the Magic Formula
     G_xa_part1 = ca.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = ca.cos(G_xa_w)
     G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = REY1 + REY2*dfz  # [4.E64] curvature of G_yk
+    C_ykappa = RCY1  # [4.E63] shape of G_yk
     B_ykappa_part1 = alpha_star - RBY3
     B_ykappa_part2 = 1 + B_ykappa_part1**2*RBY2**2
     B_ykappa_part3 = ca.sqrt(B_ykappa_part2)
@@ -8658,13 +8679,13 @@ def jacobian_inputs_straight(inputs, parameters):
     G_yk_v_part2 = G_yk_u - G_yk_v_part1
     G_yk_v = G_yk_u - E_ykappa*G_yk_v_part2  # [4.1] B x bent by E
     G_yk_w_part1 = ca.atan(G_yk_v)
-    G_yk_w = G_yk_w_part1*RCY1  # [4.1] angle of the Magic Formula
+    G_yk_w = C_ykappa*G_yk_w_part1  # [4.1] angle of the Magic Formula
     G_yk0_u = B_ykappa*S_Hyk  # [4.1] B x
     G_yk0_v_part1 = ca.atan(G_yk0_u)
     G_yk0_v_part2 = G_yk0_u - G_yk0_v_part1
     G_yk0_v = G_yk0_u - E_ykappa*G_yk0_v_part2  # [4.1] B x bent by E
     G_yk0_w_part1 = ca.atan(G_yk0_v)
-    G_yk0_w = G_yk0_w_part1*RCY1  # [4.1] angle of the Magic Formula
+    G_yk0_w = C_ykappa*G_yk0_w_part1  # [4.1] angle of the Magic Formula
     G_yk_part1 = ca.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = ca.cos(G_yk_w)
@@ -9087,19 +9108,19 @@ def jacobian_inputs_straight(inputs, parameters):
     dB_xalpha_part2_dkappa = B_xalpha_part1_by_kappa*B_xalpha_part2_by_B_xalpha_part1
     dB_xalpha_part3_dkappa = B_xalpha_part3_by_B_xalpha_part2*dB_xalpha_part2_dkappa
     dG_xa_v_part2_dG_xa_u = 1 - G_xa_v_part1_by_G_xa_u
-    dG_xa_w_dG_xa_v = G_xa_w_part1_by_G_xa_v*RCX1
+    dG_xa_w_dG_xa_v = C_xalpha*G_xa_w_part1_by_G_xa_v
     dG_xa0_v_part2_dG_xa0_u = 1 - G_xa0_v_part1_by_G_xa0_u
     dG_xa0_v_part2_dB_xalpha = RHX1*dG_xa0_v_part2_dG_xa0_u
-    dG_xa0_w_dG_xa0_v = G_xa0_w_part1_by_G_xa0_v*RCX1
+    dG_xa0_w_dG_xa0_v = C_xalpha*G_xa0_w_part1_by_G_xa0_v
     dG_xa_part1_dG_xa0_v = G_xa_part1_by_G_xa0_w*dG_xa0_w_dG_xa0_v
     dG_xa_part2_dG_xa0_v = G_xa_part2_by_G_xa_part1*dG_xa_part1_dG_xa0_v
     dG_xa_part3_dG_xa_v = G_xa_part3_by_G_xa_w*dG_xa_w_dG_xa_v
     dB_ykappa_part3_dalpha_star = B_ykappa_part2_by_B_ykappa_part1*B_ykappa_part3_by_B_ykappa_part2
     dB_ykappa_part4_dalpha_star = B_ykappa_part4_by_B_ykappa_part3*dB_ykappa_part3_dalpha_star
     dG_yk_v_part2_dG_yk_u = 1 - G_yk_v_part1_by_G_yk_u
-    dG_yk_w_dG_yk_v = G_yk_w_part1_by_G_yk_v*RCY1
+    dG_yk_w_dG_yk_v = C_ykappa*G_yk_w_part1_by_G_yk_v
     dG_yk0_v_part2_dG_yk0_u = 1 - G_yk0_v_part1_by_G_yk0_u
-    dG_yk0_w_dG_yk0_v = G_yk0_w_part1_by_G_yk0_v*RCY1
+    dG_yk0_w_dG_yk0_v = C_ykappa*G_yk0_w_part1_by_G_yk0_v
     dG_yk_part1_dG_yk0_v = G_yk_part1_by_G_yk0_w*dG_yk0_w_dG_yk0_v
     dG_yk_part2_dG_yk0_v = G_yk_part2_by_G_yk_part1*dG_yk_part1_dG_yk0_v
     dG_yk_part3_dG_yk_v = G_yk_part3_by_G_yk_w*dG_yk_w_dG_yk_v
@@ -9644,25 +9665,27 @@ def jacobian_parameters_straight(inputs, parameters):
     B_xalpha_part4 = RBX1 + RBX3*gamma_star**2
     B_xalpha = B_xalpha_part3*B_xalpha_part4*LXAL  # [4.E54] stiffness of G_xa
     E_xalpha = REX1 + REX2*dfz  # [4.E56] curvature of G_xa
+    C_xalpha = RCX1  # [4.E55] shape of G_xa
     G_xa_u_part1 = RHX1 + alpha_star
     G_xa_u = B_xalpha*G_xa_u_part1  # [4.1] B x
     G_xa_v_part1 = ca.atan(G_xa_u)
     G_xa_v_part2 = G_xa_u - G_xa_v_part1
     G_xa_v = G_xa_u - E_xalpha*G_xa_v_part2  # [4.1] B x bent by E
     G_xa_w_part1 = ca.atan(G_xa_v)
-    G_xa_w = G_xa_w_part1*RCX1  # [4.1] angle of the Magic Formula
+    G_xa_w = C_xalpha*G_xa_w_part1  # [4.1] angle of the Magic Formula
     G_xa0_u = B_xalpha*RHX1  # [4.1] B x
     G_xa0_v_part1 = ca.atan(G_xa0_u)
     G_xa0_v_part2 = G_xa0_u - G_xa0_v_part1
     G_xa0_v = G_xa0_u - E_xalpha*G_xa0_v_part2  # [4.1] B x bent by E
     G_xa0_w_part1 = ca.atan(G_xa0_v)
-    G_xa0_w = G_xa0_w_part1*RCX1  # [4.1] angle of the Magic Formula
+    G_xa0_w = C_xalpha*G_xa0_w_part1  # [4.1] angle of the Magic Formula
     G_xa_part1 = ca.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = ca.cos(G_xa_w)
     G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = REY1 + REY2*dfz  # [4.E64] curvature of G_yk
+    C_ykappa = RCY1  # [4.E63] shape of G_yk
     B_ykappa_part1 = alpha_star - RBY3
     B_ykappa_part2 = 1 + B_ykappa_part1**2*RBY2**2
     B_ykappa_part3 = ca.sqrt(B_ykappa_part2)
@@ -9675,13 +9698,13 @@ def jacobian_parameters_straight(inputs, parameters):
     G_yk_v_part2 = G_yk_u - G_yk_v_part1
     G_yk_v = G_yk_u - E_ykappa*G_yk_v_part2  # [4.1] B x bent by E
     G_yk_w_part1 = ca.atan(G_yk_v)
-    G_yk_w = G_yk_w_part1*RCY1  # [4.1] angle of the Magic Formula
+    G_yk_w = C_ykappa*G_yk_w_part1  # [4.1] angle of the Magic Formula
     G_yk0_u = B_ykappa*S_Hyk  # [4.1] B x
     G_yk0_v_part1 = ca.atan(G_yk0_u)
     G_yk0_v_part2 = G_yk0_u - G_yk0_v_part1
     G_yk0_v = G_yk0_u - E_ykappa*G_yk0_v_part2  # [4.1] B x bent by E
     G_yk0_w_part1 = ca.atan(G_yk0_v)
-    G_yk0_w = G_yk0_w_part1*RCY1  # [4.1] angle of the Magic Formula
+    G_yk0_w = C_ykappa*G_yk0_w_part1  # [4.1] angle of the Magic Formula
     G_yk_part1 = ca.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = ca.cos(G_yk_w)
@@ -10197,17 +10220,17 @@ def jacobian_parameters_straight(inputs, parameters):
     dF_y0_g0_w_dF_y0_g0_v = C_y_g0*F_y0_g0_w_part1_by_F_y0_g0_v
     dF_y0_g0_part2_dF_y0_g0_w = D_y_g0*F_y0_g0_part1_by_F_y0_g0_w
     dG_xa_v_dG_xa_u = 1 - E_xalpha*dG_xa_v_part2_dG_xa_u
-    dG_xa_w_dG_xa_v = G_xa_w_part1_by_G_xa_v*RCX1
+    dG_xa_w_dG_xa_v = C_xalpha*G_xa_w_part1_by_G_xa_v
     dG_xa_dG_xa_w = G_xa_part2*G_xa_part3_by_G_xa_w
     dG_xa0_v_dG_xa0_u = 1 - E_xalpha*dG_xa0_v_part2_dG_xa0_u
-    dG_xa0_w_dG_xa0_v = G_xa0_w_part1_by_G_xa0_v*RCX1
+    dG_xa0_w_dG_xa0_v = C_xalpha*G_xa0_w_part1_by_G_xa0_v
     dG_xa_dG_xa0_w = G_xa_part3*dG_xa_part2_dG_xa0_w
     dB_ykappa_dB_ykappa_part2 = B_ykappa_by_B_ykappa_part4*dB_ykappa_part4_dB_ykappa_part2
     dG_yk_v_dG_yk_u = 1 - E_ykappa*dG_yk_v_part2_dG_yk_u
-    dG_yk_w_dG_yk_v = G_yk_w_part1_by_G_yk_v*RCY1
+    dG_yk_w_dG_yk_v = C_ykappa*G_yk_w_part1_by_G_yk_v
     dG_yk_dG_yk_w = G_yk_part2*G_yk_part3_by_G_yk_w
     dG_yk0_v_dG_yk0_u = 1 - E_ykappa*dG_yk0_v_part2_dG_yk0_u
-    dG_yk0_w_dG_yk0_v = G_yk0_w_part1_by_G_yk0_v*RCY1
+    dG_yk0_w_dG_yk0_v = C_ykappa*G_yk0_w_part1_by_G_yk0_v
     dG_yk_dG_yk0_w = G_yk_part3*dG_yk_part2_dG_yk0_w
     dS_Vyk_part3_dRVY6 = RVY5*dS_Vyk_part2_dRVY6
     dFy_part1_dS_Vyk_part3 = S_Vyk_by_S_Vyk_part4*S_Vyk_part4_by_S_Vyk_part3

@@ -39,19 +39,25 @@ Bxa  = eq("4.E54", "B_xalpha",
           "1/rad", "stiffness of G_xa")
 Exa  = eq("4.E56", "E_xalpha",
           at_most_1(combined_Gxa.term(px.REX1 + px.REX2*dfz)),
-          "1", "curvature of G_xa", named=False)
+          "1", "curvature of G_xa")
+Cxa  = eq("4.E55", "C_xalpha",
+          px.RCX1,
+          "1", "shape of G_xa")
 Gxa  = eq("4.E51", "G_xa",
-          combined_Gxa.factor(weighting("G_xa", Bxa, px.RCX1, Exa, alphas, px.RHX1)),
+          combined_Gxa.factor(weighting("G_xa", Bxa, Cxa, Exa, alphas, px.RHX1)),
           "1", "what side slip leaves of Fx")
 SHyk = eq("4.E65", "S_Hyk",
           combined_Gyk.term(py.RHY1 + py.RHY2*dfz),
           "1", "shift of G_yk", named=False)
 Eyk  = eq("4.E64", "E_ykappa",
           at_most_1(combined_Gyk.term(py.REY1 + py.REY2*dfz)),
-          "1", "curvature of G_yk", named=False)
+          "1", "curvature of G_yk")
+Cyk  = eq("4.E63", "C_ykappa",
+          py.RCY1,
+          "1", "shape of G_yk")
 Byk  = stiffness_ykappa(gammas, "", named=True)
 Gyk  = eq("4.E59", "G_yk",
-          combined_Gyk.factor(weighting("G_yk", Byk, py.RCY1, Eyk, kappa, SHyk)),
+          combined_Gyk.factor(weighting("G_yk", Byk, Cyk, Eyk, kappa, SHyk)),
           "1", "what longitudinal slip leaves of Fy")
 DVyk = eq("4.E67", "D_Vyk",
           kappa_sideforce_SVyk.term(

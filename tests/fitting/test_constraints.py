@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tirefmu.fitting.constraints import VALIDITY, Constraint, grid, operating_range
+from tirefmu.fitting.constraints import KINDS, ON_REQUEST, VALIDITY, Constraint, chosen_constraints, grid, operating_range
 from tirefmu.fitting.session import GIVEN_SECTIONS
 from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires.code import code_for
 
 INPUTS = ("kappa", "alpha", "gamma", "Fz")
@@ -99,9 +100,49 @@ def test_a_condition_varies_every_input_on_which_its_quantity_depends(case):
 
 def test_distance_and_name():
     curvature, friction = Constraint("E_x", -inf, 1.0, ("Fz",)), Constraint("mu_x", 0.01, inf, ())
-    assert (curvature.name, friction.name) == ("E_x <= 1", "mu_x > 0")
+    assert (curvature.text, friction.text) == ("E_x <= 1", "mu_x > 0")
     np.testing.assert_allclose(curvature.distance(np.array([-3.0, 1.0, 1.5])), [4.0, 0.0, -0.5])
     np.testing.assert_allclose(friction.distance(np.array([1.01, 0.01, 0.0])), [1.0, 0.0, -0.01])
+
+
+def test_every_condition_has_a_name_of_its_own():
+    for model, conditions in VALIDITY.items():
+        every = [each for own in conditions.values() for each in own]
+        assert len({each.name for each in every}) == len(every)
+        assert len({each.text for each in every}) == len(every)
+        assert {each.kind for each in every} == set(KINDS)
+        asked_for = {each.name for own in chosen_constraints(model, also=["all"]).values() for each in own}
+        assert asked_for == {each.name for each in every}
+        assert asked_for - {each.name for own in chosen_constraints(model).values() for each in own} == set(ON_REQUEST)
+
+
+@pytest.mark.parametrize(("without", "left_out"), [
+    (["curvature:E_y"], {"curvature:E_y"}),
+    (["friction_falling"], {"friction_falling:mu_x", "friction_falling:mu_y"}),
+    (["extrapolation:mu_y", "signs:C_x"], {"extrapolation:mu_y", "signs:C_x"}),
+])  # fmt: skip
+def test_conditions_are_switched_by_name(without, left_out):
+    usual, rest = (
+        {each.name for own in chosen_constraints("mf61", without=names).values() for each in own}
+        for names in ([], without)
+    )
+    assert usual - rest == left_out
+    assert rest < usual
+
+
+def test_a_misspelt_name_is_refused():
+    with pytest.raises(UnknownName, match="unknown constraint of mf61 .friction_faling.: did you mean friction_falling"):
+        chosen_constraints("mf61", without=["friction_faling"])
+    with pytest.raises(UnknownName, match="curvature:E_q"):
+        chosen_constraints("mf61", also=["curvature:E_q"])
+
+
+def test_an_extrapolation_reaches_further_in_load_and_slip_alone():
+    ranges = {"kappa": (-0.2, 0.1), "alpha": (-0.1, 0.2), "gamma": (0.0, 0.05), "Fz": (300.0, 1200.0), "p": (7e4, 1e5)}
+    far = Constraint("G_xa", 0.01, inf, tuple(ranges), kind="extrapolation")
+    points = grid(far, ranges, {}, density=4)
+    expected = [(-0.3, 0.15), (-0.15, 0.3), (0.0, 0.05), (200.0, 1800.0), (7e4, 1e5)]
+    np.testing.assert_allclose([(row.min(), row.max()) for row in points], expected)
 
 
 def test_operating_range(known, make):

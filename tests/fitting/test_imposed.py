@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tirefmu.fitting.constraints import VALIDITY, Constraint, grid
-from tirefmu.fitting.imposed import Imposed
+from tirefmu.fitting.imposed import Imposed, measured_values
 from tirefmu.fitting.problem import Problem, Rows
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import Tire
@@ -47,11 +49,25 @@ def test_values_are_the_quantities_of_the_book(model):
     problem, every = problem_of(model), conditions(model)
     imposed, x = Imposed(problem, every), np.array([problem.tire.values[n] for n in problem.free]) / problem.scale
     code = code_for(model, "numpy")
-    expected = [
-        code.quantities(points, problem.parameters(x))[code.quantities_names.index(c.quantity)] / c.size
-        for c, points in every
-    ]
-    np.testing.assert_allclose(imposed.values(x), np.concatenate(expected), rtol=1e-9, atol=1e-12)
+
+    def value(constraint, points):
+        place = code.quantities_names.index(constraint.quantity)
+        return code.quantities(points, problem.parameters(x))[place]
+
+    def expected_of(constraint, points):
+        q = value(constraint, points)
+        if constraint.measure == "value":
+            return q / constraint.size
+        load, step = list(RANGES).index("Fz"), 1e-4 * points[3]
+        away = step * (np.arange(len(points)) == load)[:, None]
+        growth = points[load] * (value(constraint, points + away) - value(constraint, points - away)) / (2 * step)
+        return (growth if constraint.measure == "growth" else growth - q) / constraint.size
+
+    expected = [expected_of(constraint, points) for constraint, points in every]
+    for (constraint, points), one in zip(every, expected, strict=True):
+        told = measured_values(problem.tire.book, constraint, points, problem.parameters(x)) / constraint.size
+        np.testing.assert_allclose(told, one, rtol=1e-5, atol=1e-8)
+    np.testing.assert_allclose(imposed.values(x), np.concatenate(expected), rtol=1e-5, atol=1e-8)
     assert len(imposed) == sum(points.shape[1] for _, points in every)
 
 
@@ -75,10 +91,22 @@ def test_what_no_free_coefficient_reaches_is_left_out():
     problem = problem_of("mf61", free=("PDX1", "PDX2"))
     every = conditions("mf61")
     imposed = Imposed(problem, every)
-    reached = [points.shape[1] for c, points in every if c.quantity in ("mu_x", "B_x")]
-    assert len(imposed) == sum(reached)
-    assert imposed.sparsity.nnz() == 2 * sum(reached)
+    reached = [(c, points.shape[1]) for c, points in every if c.quantity in ("mu_x", "B_x")]
+    assert len(imposed) == sum(n for _, n in reached)
+    # How friction grows with load depends on PDX2 alone.
+    assert imposed.sparsity.nnz() == sum(n * (1 if c.measure == "growth" else 2) for c, n in reached)
     assert len(Imposed(problem, [])) == 0
+
+
+def test_what_the_fixed_values_make_idle_is_left_out():
+    """Without a change of friction with load nothing moves its growth: rows of zeros would stop the solver."""
+    problem = problem_of("mf61", free=("PDX1", "PPX3", "PDX3"))
+    problem.tire = replace(problem.tire, values={**problem.tire.values, "PDX2": 0.0})
+    problem = Problem(problem.tire, problem.rows, problem.free, problem.weights, problem.scale)
+    (falling,) = ((c, points) for c, points in conditions("mf61") if c.name == "friction_falling:mu_x")
+    assert len(Imposed(problem, [falling])) == 0
+    (positive,) = ((c, points) for c, points in conditions("mf61") if c.name == "signs:mu_x")
+    assert len(Imposed(problem, [positive])) == positive[1].shape[1]
 
 
 def test_bounds_are_told_in_the_usual_size_and_nan_is_not_kept():

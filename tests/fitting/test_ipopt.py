@@ -53,7 +53,7 @@ def bounds():
 @pytest.fixture(scope="module")
 def curvature(known, table):
     """Return the condition E_y <= 1 with its points, and E_y at points for scaled values."""
-    (condition,) = (c for c in VALIDITY["mf96"]["Fy"] if c.quantity == "E_y")
+    (condition,) = (c for c in VALIDITY["mf96"]["Fy"] if c.name == "curvature:E_y")
     ranges = operating_range(table, known.inputs)
     nominal = {name: known.nominal(name) for name in known.inputs}
     code = code_for("mf96", "numpy")

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.constraints import VALIDITY
+from tirefmu.fitting.constraints import chosen_constraints
 from tirefmu.fitting.session import GIVEN_SECTIONS
 from tirefmu.measurements import Recording
 from tirefmu.symbolic import MODELS
@@ -99,7 +99,7 @@ def test_pressure_is_found_and_conditions_are_verified_over_it(fitted):
         assert told["PPY3"].value == pytest.approx(-0.3, abs=0.02)
         assert told["PPY3"].interval < 0.05
     margins = {margin.constraint: margin for margin in result.margins}
-    expected = [c.name for channel in VALIDITY[truth.model].values() for c in channel]
+    expected = [c.text for channel in chosen_constraints(truth.model).values() for c in channel]
     assert list(margins) == expected
     assert {"K_xkappa > 0", "K_yalpha > 0", "D_t > 0", "E_y <= 1"} <= set(expected)
     assert set(margins["mu_y > 0"].at) == {"Fz", "gamma", "p"}
