@@ -21,7 +21,7 @@ from tirefmu.tires.tire import Tire
 from .constraints import TOLERANCE, VALIDITY, Constraint, grid, operating_range
 from .ipopt import Solution, solve
 from .noise_floor import noise_floor
-from .problem import Problem, Rows, coefficients_by_output, emphasis, equal_weights, noise_weights
+from .problem import CHUNK, Problem, Rows, coefficients_by_output, emphasis, equal_weights, noise_weights
 from .recipe import Freed, Recipe, Stage
 from .result import ChannelFit, FitResult, FittedCoefficient, Margin, StageFit, quality
 from .uncertainty import Direction, uncertainty
@@ -76,6 +76,8 @@ class Session:
         self._ranges = operating_range(data, tire.inputs)
         self._broken: list[tuple[Constraint, FloatArray]] = []  # what verifying added, for later stages too
         self._grids: dict[tuple[tuple[str, ...], int], FloatArray] = {}
+        #: Parameters, and by grid all quantities there.
+        self._evaluated: tuple[FloatArray, dict[int, tuple[FloatArray, FloatArray]]] = (np.zeros(0), {})
         self._stages: list[StageFit] = []
         self._ends: list[tuple[str, Problem, FloatArray]] = []
         self._freed: dict[str, _Release] = {}
@@ -223,8 +225,14 @@ class Session:
         return broken
 
     def _quantity(self, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Return a constraint's quantity; conditions on one grid are evaluated together."""
         code = fastest_code(self._book)
-        values: FloatArray = code.quantities(points, parameters)[code.quantities_names.index(constraint.quantity)]
+        if not np.array_equal(self._evaluated[0], parameters):
+            self._evaluated = parameters.copy(), {}
+        grids = self._evaluated[1]
+        if id(points) not in grids:
+            grids[id(points)] = points, code.quantities(points, parameters)
+        values: FloatArray = grids[id(points)][1][code.quantities_names.index(constraint.quantity)]
         return values
 
     def _stage_r2(self, rows: Rows) -> float:
@@ -358,13 +366,18 @@ def _influence(tire: Tire, rows: Rows, names: Sequence[str]) -> set[str]:
     columns, factors = np.array([order.index(name) for name in names]), tire.rescaled
     sizes = np.array([_size(c.lower, c.upper, tire.values[c.name]) * factors.get(c.name, 1.0) for c in cards])
     there = np.isfinite(rows.measured)
-    forces = np.sqrt(np.sum(np.where(there, rows.measured, 0.0) ** 2, axis=0) / np.maximum(there.sum(axis=0), 1))
+    squares = np.sum(np.where(there, rows.measured, 0.0) ** 2, axis=0)
+    forces = np.sqrt(np.where(squares > 0, squares, np.inf) / np.maximum(there.sum(axis=0), 1))
+    force, coefficient = code.entries
     random = np.random.default_rng(0)
-    seen = np.zeros(len(names), dtype=bool)
+    seen: set[int] = set()
     for reach in (0.0, 0.1, 0.1):
-        parameters = tire.parameters()
+        parameters, most = tire.parameters(), np.zeros(code.entries.shape[1])
         parameters[columns] += reach * sizes * random.uniform(-1.0, 1.0, len(names))
-        jacobian = code.jacobian_parameters(rows.inputs, parameters)[:, :, columns]
-        change = np.where(there[:, :, None], np.nan_to_num(jacobian), 0.0) * sizes
-        seen |= np.max(np.abs(change) / np.where(forces > 0, forces, np.inf)[:, None], axis=(0, 1)) > 1e-6
-    return {name for name, it_is in zip(names, seen, strict=True) if it_is}
+        for chunk, jacobian in code.jacobian_chunks(rows.inputs, parameters, CHUNK):
+            change = np.where(there[chunk].T[force], np.nan_to_num(jacobian), 0.0)
+            most = np.maximum(most, np.abs(change).max(axis=1))
+        size = np.zeros(len(order))
+        size[columns] = sizes
+        seen.update(coefficient[most * size[coefficient] > 1e-6 * forces[force]].tolist())
+    return {name for name, column in zip(names, columns, strict=True) if int(column) in seen}

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+from threadpoolctl import threadpool_limits
 
 from .problem import Problem
 
@@ -123,6 +124,12 @@ def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = ()) -> U
     -------
     Uncertainty
     """
+    # A hundred coefficients are no work to share: BLAS threads would spend their time waiting.
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _uncertainty(problem, x, fixed)
+
+
+def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str]) -> Uncertainty:
     curvature, middle, effective = _sandwich(problem, x)
     names = [name for name in problem.free if name not in fixed]
     moving = np.array([i for i, name in enumerate(problem.free) if name not in fixed], dtype=int)

@@ -203,9 +203,7 @@ class _NumpyCode:
         return table
 
 
-def _chunks(
-    code: Code, inputs: FloatArray, parameters: FloatArray, size: int
-) -> Iterator[tuple[slice, FloatArray]]:
+def _chunks(code: Code, inputs: FloatArray, parameters: FloatArray, size: int) -> Iterator[tuple[slice, FloatArray]]:
     for rows in _slices(inputs.shape[1], size):
         yield rows, code.jacobian_entries(inputs[:, rows], parameters)
 

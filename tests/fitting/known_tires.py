@@ -61,7 +61,7 @@ def program(rows: int) -> Program:
             parts.append(kappa_sweeps(LOADS[::2], angles, cambers, sample_rate=rate, held=held))
         return concatenate(parts, name="known tires")
 
-    return at(rows / len(at(1.0)))
+    return at(100.0 * rows / len(at(100.0)))
 
 
 def noise(level: float = 1.0, correlation_time: float = 0.0) -> Noise:
