@@ -37,6 +37,8 @@ from tirefmu.tires import Tire
 
 FloatArray = npt.NDArray[np.float64]
 MODEL = "mf61"
+#: Points at which one condition is imposed, if its finer grid has no more.
+MOST_POINTS = 50
 SIZES = {"Fx": 30.0, "Fy": 30.0, "Mz": 2.0}  # the bench's noise
 
 
@@ -64,12 +66,16 @@ def joint_problem(recording: Recording) -> tuple[Problem, FloatArray, FloatArray
 
 
 def conditions(problem: Problem, recording: Recording) -> list[Any]:
-    """Return the model's conditions at more points than a fit begins with."""
+    """Return the model's conditions where a fit imposes them, and at more points where these are few."""
     tire = problem.tire
     ranges = operating_range(recording.with_signs("adapted-sae").table, tire.inputs)
     nominal = {name: tire.nominal(name) for name in tire.inputs}
     every = [condition for channel in CHANNELS for condition in VALIDITY[MODEL][channel]]
-    return [(condition, grid(condition, ranges, nominal, density=1)) for condition in every]
+    finer = [(condition, grid(condition, ranges, nominal, density=1)) for condition in every]
+    return [
+        (condition, points if points.shape[1] <= MOST_POINTS else grid(condition, ranges, nominal, density=0))
+        for condition, points in finer
+    ]
 
 
 def by_scipy(problem: Problem, start: FloatArray, lower: FloatArray, upper: FloatArray) -> Any:

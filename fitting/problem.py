@@ -81,7 +81,10 @@ class Rows:
         """
         if n >= len(self):
             return self
-        chosen = np.sort(np.random.default_rng(seed).choice(len(self), n, replace=False))
+        return self.take(np.sort(np.random.default_rng(seed).choice(len(self), n, replace=False)))
+
+    def take(self, chosen: npt.NDArray[np.int64]) -> Rows:
+        """Return some of the rows."""
         return Rows(self.inputs[:, chosen], self.measured[chosen], self.group[chosen], self.segment[chosen])
 
 
@@ -149,30 +152,37 @@ class Problem:
 
     def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
         """Return cost, gradient (n_free,) and the Gauss-Newton matrix J^T W J (n_free, n_free)."""
-        n, residual = len(self.free), self._weighted_residual(x)
-        places = [self._entries[output][0] for output, _ in self._there]
-        gradients = [np.zeros(len(entries)) for entries in places]
-        matrices = [np.zeros((len(entries), len(entries)), order="F") for entries in places]
+        n = len(self.free)
+        gradient, matrix = np.zeros(n), np.zeros((n, n))
+        for _, free, own_gradient, own_matrix in self.by_output(x):
+            gradient[free] += own_gradient
+            matrix[np.ix_(free, free)] += own_matrix
+        return self.cost(x), gradient, matrix
+
+    def by_output(self, x: FloatArray) -> list[tuple[int, npt.NDArray[np.int64], FloatArray, FloatArray]]:
+        """Return what each weighed output adds: its place, the free coefficients that reach it, gradient and matrix."""
+        residual = self._weighted_residual(x)
+        outputs = [(o, there, *self._entries[o]) for o, there in self._there if self._entries[o][0].size]
+        gradients = [np.zeros(len(entries)) for _, _, entries, _ in outputs]
+        matrices = [np.zeros((len(entries), len(entries)), order="F") for _, _, entries, _ in outputs]
         for chunk, jacobian in self._code.jacobian_chunks(self._inputs, self.parameters(x), CHUNK):
-            for k, (output, there) in enumerate(self._there):
+            for k, (output, there, entries, _) in enumerate(outputs):
                 first, last = np.searchsorted(there, (chunk.start, chunk.stop))
-                if first == last or not places[k].size:
+                if first == last:
                     continue
                 here = there[first:last]
                 # Rows without a weight are left out: what is not measured there may not even be finite.
                 every = len(here) == jacobian.shape[1]
-                weighted = jacobian[places[k]] if every else jacobian[np.ix_(places[k], here - chunk.start)]
+                weighted = jacobian[entries] if every else jacobian[np.ix_(entries, here - chunk.start)]
                 rows = chunk if every else here
                 weighted *= self._root[output, rows]
                 gradients[k] += weighted @ residual[output, rows]
                 dsyrk(1.0, weighted.T, beta=1.0, c=matrices[k], trans=1, overwrite_c=1)  # the upper triangle
-        gradient, matrix = np.zeros(n), np.zeros((n, n))
-        for (output, _), by_output, squares in zip(self._there, gradients, matrices, strict=True):
-            free = self._entries[output][1]
-            gradient[free] += by_output
-            matrix[np.ix_(free, free)] += np.triu(squares) + np.triu(squares, 1).T
-        matrix *= np.outer(self.reach, self.reach)
-        return 0.5 * float(np.sum(residual**2)), gradient * self.reach, matrix
+        parts = []
+        for (output, _, _, free), gradient, squares in zip(outputs, gradients, matrices, strict=True):
+            reach, matrix = self.reach[free], np.triu(squares) + np.triu(squares, 1).T
+            parts.append((output, free, gradient * reach, matrix * np.outer(reach, reach)))
+        return parts
 
     def residual(self, x: FloatArray) -> FloatArray:
         """Return computed minus measured, shape (n_forces, n); 0 where a channel was not measured or has no weight."""

@@ -375,8 +375,7 @@ def _influence(tire: Tire, rows: Rows, names: Sequence[str]) -> set[str]:
         parameters, most = tire.parameters(), np.zeros(code.entries.shape[1])
         parameters[columns] += reach * sizes * random.uniform(-1.0, 1.0, len(names))
         for chunk, jacobian in code.jacobian_chunks(rows.inputs, parameters, CHUNK):
-            change = np.where(there[chunk].T[force], np.nan_to_num(jacobian), 0.0)
-            most = np.maximum(most, np.abs(change).max(axis=1))
+            most = np.fmax(most, np.fmax.reduce(np.where(there[chunk].T[force], np.abs(jacobian), 0.0), axis=1))
         size = np.zeros(len(order))
         size[columns] = sizes
         seen.update(coefficient[most * size[coefficient] > 1e-6 * forces[force]].tolist())

@@ -158,20 +158,15 @@ def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, 
     """Return H, the middle of the sandwich and the effective rows by recording and channel."""
     n = len(problem.free)
     curvature, middle, effective = np.zeros((n, n)), np.zeros((n, n)), np.zeros_like(problem.weights)
-    residual = problem.residual(x)
-    there = np.isfinite(problem.rows.measured.T)
-    for group, channel in np.argwhere(problem.weights > 0):
-        rows = there[channel] & (problem.rows.group == group)
-        if not rows.any():
-            continue
-        alone = np.zeros_like(problem.weights)
-        alone[group, channel] = problem.weights[group, channel]
-        part = replace(problem, weights=alone).derivatives(x)[2]
-        alike = correlation_rows(residual[channel, rows], problem.rows.segment[rows])
-        variance = float(np.mean(residual[channel, rows] ** 2))
-        effective[group, channel] = np.sum(rows) / alike
-        curvature += part
-        middle += alike * variance * problem.weights[group, channel] * part
+    for group in np.flatnonzero((problem.weights > 0).any(axis=1)):
+        part = replace(problem, rows=problem.rows.take(np.flatnonzero(problem.rows.group == group)))
+        residual, there = part.residual(x), np.isfinite(part.rows.measured.T)
+        for channel, free, _, squares in part.by_output(x):
+            missed, segment = residual[channel, there[channel]], part.rows.segment[there[channel]]
+            alike, variance = correlation_rows(missed, segment), float(np.mean(missed**2))
+            effective[group, channel] = len(missed) / alike
+            curvature[np.ix_(free, free)] += squares
+            middle[np.ix_(free, free)] += alike * variance * problem.weights[group, channel] * squares
     return curvature, middle, effective
 
 
