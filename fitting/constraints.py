@@ -253,9 +253,7 @@ def chosen_constraints(
 
     return {
         output: tuple(
-            each
-            for each in own
-            if not meant(each, without) and (each.name not in ON_REQUEST or meant(each, also))
+            each for each in own if not meant(each, without) and (each.name not in ON_REQUEST or meant(each, also))
         )
         for output, own in conditions.items()
     }

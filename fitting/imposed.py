@@ -6,7 +6,7 @@ depends on; a solve then evaluates it at its points and picks what is free.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -46,40 +46,48 @@ class Imposed:
 
     def __init__(self, problem: Problem, constraints: Sequence[tuple[Constraint, FloatArray]]) -> None:
         self._problem = problem
-        self._blocks: list[_Block] = []
-        low, high = [np.zeros(0)], [np.zeros(0)]
-        rows, columns = [np.zeros(0, dtype=int)], [np.zeros(0, dtype=int)]
-        for constraint, points in constraints:
-            block = _Block(problem, constraint, points)
-            n = points.shape[1]
-            if not n or not block.free.size:
-                continue
-            first = sum(len(bounds) for bounds in low)
-            rows.append(np.repeat(np.arange(first, first + n), block.free.size))
-            columns.append(np.tile(block.free, n))
-            lower, upper = constraint.scaled_bounds
-            low.append(np.full(n, lower))
-            high.append(np.full(n, upper))
-            self._blocks.append(block)
-        self.low, self.high = np.concatenate(low), np.concatenate(high)
-        row, column = np.concatenate(rows), np.concatenate(columns)
-        self._order = np.lexsort((row, column))  # CasADi keeps nonzeros column by column
+        self._latest: tuple[FloatArray, FloatArray, FloatArray] | None = None
+        blocks = [_Block(problem, constraint, points) for constraint, points in constraints if points.shape[1]]
+        blocks = [block for block in blocks if block.free.size]
+        sizes = [block.points.shape[1] for block in blocks]
+        self.low, self.high = (_joined(np.full(n, b.bounds[i]) for b, n in zip(blocks, sizes, strict=True))
+                               for i in (0, 1))  # fmt: skip
+        firsts = np.cumsum([0, *sizes])
+        row = _joined((np.repeat(first + np.arange(n), block.free.size)
+                       for block, n, first in zip(blocks, sizes, firsts, strict=False)), int)  # fmt: skip
+        column = _joined((np.tile(block.free, n) for block, n in zip(blocks, sizes, strict=True)), int)
+        order = np.lexsort((row, column))  # CasADi keeps nonzeros column by column
         shape = len(self.low), len(problem.free)
-        self.sparsity = ca.Sparsity.triplet(*shape, row[self._order].tolist(), column[self._order].tolist())
+        self.sparsity = ca.Sparsity.triplet(*shape, row[order].tolist(), column[order].tolist())
+        starts = np.cumsum([0, *(block.width * n for block, n in zip(blocks, sizes, strict=True))])
+        #: Of all derivatives: which are by a free coefficient, in CasADi's order, and what they count.
+        self._picked = _joined((first + block.entries for block, first in zip(blocks, starts, strict=False)), int)[
+            order
+        ]
+        self._factors = _joined(np.tile(block.reach, n) for block, n in zip(blocks, sizes, strict=True))[order]
+        self._divisors = _joined(np.full(n, block.size) for block, n in zip(blocks, sizes, strict=True))
+        self._function = _all_of(blocks, len(problem.tire.book.parameters)) if blocks else None
 
     def __len__(self) -> int:
         return len(self.low)
 
     def values(self, x: FloatArray) -> FloatArray:
         """Return the conditioned quantities at scaled free values x."""
-        parameters = self._problem.parameters(x)
-        return np.concatenate([np.zeros(0), *(block.evaluate(parameters)[0] for block in self._blocks)])
+        return self._at(x)[0]
 
     def jacobian(self, x: FloatArray) -> Any:
         """Return their derivatives by x as a sparse casadi.DM."""
-        parameters = self._problem.parameters(x)
-        entries = np.concatenate([np.zeros(0), *(block.evaluate(parameters)[1].ravel() for block in self._blocks)])
-        return ca.DM(self.sparsity, entries[self._order])
+        return ca.DM(self.sparsity, self._at(x)[1])
+
+    def _at(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return values and the entries of the Jacobian; kept for the point at which a solver asks again."""
+        if self._function is None:
+            return np.zeros(0), np.zeros(0)
+        if self._latest is None or not np.array_equal(self._latest[0], x):
+            values, gradients = self._function(self._problem.parameters(x))
+            entries = np.array(gradients).ravel()[self._picked] * self._factors
+            self._latest = x.copy(), np.array(values).ravel() / self._divisors, entries
+        return self._latest[1:]
 
     def kept(self, values: FloatArray) -> bool:
         """Return whether such values are within the bounds; NaN is not."""
@@ -87,44 +95,68 @@ class Imposed:
 
 
 class _Block:
-    """One condition at its points."""
+    """One condition at its points.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n_inputs, n_points)
+    size : float
+        What the quantity is divided by.
+    bounds : tuple of (float, float)
+        Of the quantity over its size.
+    function : casadi.Function
+        The quantity and its nonzero derivatives by parameters, `width` of them, at one point.
+    free : ndarray of int, shape (n_reached,)
+        The free coefficients that reach it.
+    reach : ndarray, shape (n_reached,)
+        What a derivative counts in the solver's scale.
+    entries : ndarray of int, shape (n_points * n_reached,)
+        Place of each derivative by a free coefficient among all of them, point by point.
+    """
 
     def __init__(self, problem: Problem, constraint: Constraint, points: FloatArray) -> None:
-        _, self._function, reached = _functions(problem.tire.book, constraint.quantity, constraint.measure)
-        self._points, self._size = points, constraint.size
+        _, self.function, reached = _functions(problem.tire.book, constraint.quantity, constraint.measure)
+        self.points, self.size, self.bounds = points, constraint.size, constraint.scaled_bounds
         place = {int(column): i for i, column in enumerate(problem.columns)}
-        picked = [(i, place[column]) for i, column in enumerate(reached) if column in place]
-        self._mapped = self._function.map(max(points.shape[1], 1))
-        self._pick(problem, picked)
-        if picked and points.shape[1]:
-            moving = self._moving(problem)
-            self._pick(problem, [pair for pair, it_moves in zip(picked, moving, strict=True) if it_moves])
-
-    def _pick(self, problem: Problem, picked: Sequence[tuple[int, int]]) -> None:
-        self._picked = np.array([i for i, _ in picked], dtype=int)
+        self.width = len(reached)
+        moving = self._moving(problem) if self.width else np.zeros(0, dtype=np.bool_)
+        picked = [(i, place[column]) for i, column in enumerate(reached) if column in place and moving[i]]
         self.free = np.array([free for _, free in picked], dtype=int)
-        self._reach = problem.reach[self.free]
+        self.reach = problem.reach[self.free] / self.size
+        within = np.array([i for i, _ in picked], dtype=int)
+        self.entries = np.add.outer(self.width * np.arange(points.shape[1]), within).ravel()
 
     def _moving(self, problem: Problem) -> npt.NDArray[np.bool_]:
-        """Tell which coefficients have a derivative that is not 0 wherever one looks.
+        """Tell which derivatives are not 0 wherever one looks.
 
         Where PDX2 is fixed at 0, nothing that is free makes friction fall with load: rows of zeros, which an
         interior-point method cannot keep off a bound, are left out.
         """
-        random = np.random.default_rng(0)
+        random, n = np.random.default_rng(0), self.points.shape[1]
         present = np.array([problem.tire.values[name] for name in problem.free]) / problem.scale
-        moving = np.zeros(len(self.free), dtype=np.bool_)
+        moving = np.zeros(self.width, dtype=np.bool_)
         for _ in range(LOOKS):
-            beside = present + random.uniform(-0.3, 0.3, len(present))
-            moving |= np.any(self.evaluate(problem.parameters(beside))[1] != 0.0, axis=0)
+            beside = problem.parameters(present + random.uniform(-0.3, 0.3, len(present)))
+            gradients = self.function.map(n)(self.points, np.repeat(beside[:, None], n, axis=1))[1]
+            moving |= np.any(np.array(gradients).reshape(self.width, n) != 0.0, axis=1)
         return moving
 
-    def evaluate(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return values, shape (n_points,), and derivatives by the reached free values, shape (n_points, n_reached)."""
-        n = self._points.shape[1]
-        values, gradient = self._mapped(self._points, np.repeat(parameters[:, None], n, axis=1))
-        by_point = np.array(gradient).reshape(-1, n).T
-        return np.array(values).ravel() / self._size, by_point[:, self._picked] * self._reach / self._size
+
+def _all_of(blocks: Sequence[_Block], n_parameters: int) -> Any:
+    """Return one function of the parameters: the values of all blocks, and all their derivatives point by point."""
+    parameters = ca.MX.sym("parameters", n_parameters)
+    values, gradients = [], []
+    for block in blocks:
+        n = block.points.shape[1]
+        value, gradient = block.function.map(n)(block.points, ca.repmat(parameters, 1, n))
+        values.append(ca.vec(value))
+        gradients.append(ca.vec(gradient))
+    return ca.Function("imposed", [parameters], [ca.vertcat(*values), ca.vertcat(*gradients)])
+
+
+def _joined(arrays: Iterable[npt.NDArray[Any]], kind: type = float) -> npt.NDArray[Any]:
+    """Return arrays one after the other, also none of them."""
+    return np.concatenate([np.zeros(0, dtype=kind), *arrays])
 
 
 def measured_values(book: Model, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:

@@ -10,7 +10,7 @@ from tirefmu.symbolic.notation import Coefficient
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
-from .problem import Rows
+from .problem import CHUNK, Rows
 
 
 def generic(card: Coefficient) -> float:
@@ -39,13 +39,17 @@ def influence(tire: Tire, rows: Rows, names: Sequence[str]) -> set[str]:
     columns, factors = np.array([order.index(name) for name in names]), tire.rescaled
     sizes = np.array([size(c.lower, c.upper, tire.values[c.name]) * factors.get(c.name, 1.0) for c in cards])
     there = np.isfinite(rows.measured)
-    forces = np.sqrt(np.sum(np.where(there, rows.measured, 0.0) ** 2, axis=0) / np.maximum(there.sum(axis=0), 1))
+    squares = np.sum(np.where(there, rows.measured, 0.0) ** 2, axis=0)
+    forces = np.sqrt(np.where(squares > 0, squares, np.inf) / np.maximum(there.sum(axis=0), 1))
+    force, coefficient = code.entries
+    every = np.zeros(len(order))
+    every[columns] = sizes
     random = np.random.default_rng(0)
-    seen = np.zeros(len(names), dtype=bool)
+    seen: set[int] = set()
     for reach in (0.0, 0.1, 0.1):
-        parameters = tire.parameters()
+        parameters, most = tire.parameters(), np.zeros(code.entries.shape[1])
         parameters[columns] += reach * sizes * random.uniform(-1.0, 1.0, len(names))
-        jacobian = code.jacobian_parameters(rows.inputs, parameters)[:, :, columns]
-        change = np.where(there[:, :, None], np.nan_to_num(jacobian), 0.0) * sizes
-        seen |= np.max(np.abs(change) / np.where(forces > 0, forces, np.inf)[:, None], axis=(0, 1)) > 1e-6
-    return {name for name, it_is in zip(names, seen, strict=True) if it_is}
+        for chunk, jacobian in code.jacobian_chunks(rows.inputs, parameters, CHUNK):
+            most = np.fmax(most, np.fmax.reduce(np.where(there[chunk].T[force], np.abs(jacobian), 0.0), axis=1))
+        seen.update(coefficient[most * every[coefficient] > 1e-6 * forces[force]].tolist())
+    return {name for name, column in zip(names, columns, strict=True) if int(column) in seen}

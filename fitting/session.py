@@ -70,10 +70,13 @@ class Session:
         self._ranges = operating_range(self._data, tire.inputs)
         known = chosen_constraints(book.name) if conditions is None else conditions
         self._conditions = {
-            output: [each for each in own if not each.effect or each.effect in tire.has] for output, own in known.items()
+            output: [each for each in own if not each.effect or each.effect in tire.has]
+            for output, own in known.items()
         }
         self._broken: list[tuple[Constraint, FloatArray]] = []  # what verifying added, for later stages too
         self._grids: dict[tuple[tuple[str, ...], bool, int], FloatArray] = {}
+        #: Parameters, and by grid all quantities there.
+        self._evaluated: tuple[FloatArray, dict[int, tuple[FloatArray, FloatArray]]] = (np.zeros(0), {})
         self._stages: list[StageFit] = []
         self._ends: list[tuple[Ended, Problem]] = []
         self._freed: dict[str, Release] = {}
@@ -265,13 +268,26 @@ class Session:
         """Return the worst point of each broken condition and some of the others that break it."""
         broken = []
         for constraint, points in dense:
-            distance = constraint.distance(measured_values(self._book, constraint, points, parameters))
+            distance = constraint.distance(self._values(constraint, points, parameters))
             outside = np.flatnonzero(distance < -TOLERANCE)
             if outside.size:
                 order = outside[np.argsort(distance[outside], kind="stable")]
                 some = np.unique(np.linspace(0, len(order) - 1, MOST_ADDED).astype(int))
                 broken.append((constraint, points[:, order[some]]))
         return broken
+
+    def _values(self, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Return what a constraint bounds; quantities on one grid are evaluated together."""
+        if constraint.measure != "value":
+            return measured_values(self._book, constraint, points, parameters)
+        code = fastest_code(self._book)
+        if not np.array_equal(self._evaluated[0], parameters):
+            self._evaluated = parameters.copy(), {}
+        grids = self._evaluated[1]
+        if id(points) not in grids:
+            grids[id(points)] = points, code.quantities(points, parameters)
+        values: FloatArray = grids[id(points)][1][code.quantities_names.index(constraint.quantity)]
+        return values
 
     def _stage_r2(self, rows: Rows) -> float:
         computed = fastest_code(self._tire.book).forces(rows.inputs, self._tire.parameters()).T
@@ -378,7 +394,7 @@ class Session:
         """Verify every constraint on a grid denser than the one that it was imposed on."""
         margins = []
         for constraint, points in self._constraints(self._fitted, VERIFIED):
-            values = measured_values(self._book, constraint, points, self._tire.parameters())
+            values = self._values(constraint, points, self._tire.parameters())
             distance = constraint.distance(values)
             worst = int(np.argmin(distance))
             at = {name: float(points[i, worst]) for i, name in enumerate(self._tire.inputs) if name in constraint.over}

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+from threadpoolctl import threadpool_limits
 
 from .problem import Problem
 
@@ -123,6 +124,12 @@ def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = ()) -> U
     -------
     Uncertainty
     """
+    # A hundred coefficients are no work to share: BLAS threads would spend their time waiting.
+    with threadpool_limits(limits=1, user_api="blas"):
+        return _uncertainty(problem, x, fixed)
+
+
+def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str]) -> Uncertainty:
     curvature, middle, effective = _sandwich(problem, x)
     names = [name for name in problem.free if name not in fixed]
     moving = np.array([i for i, name in enumerate(problem.free) if name not in fixed], dtype=int)
@@ -151,30 +158,26 @@ def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, 
     """Return H, the middle of the sandwich and the effective rows by recording and channel."""
     n = len(problem.free)
     curvature, middle, effective = np.zeros((n, n)), np.zeros((n, n)), np.zeros_like(problem.weights)
-    residual = problem.residual(x)
-    there = np.isfinite(problem.rows.measured.T)
-    for group, channel in np.argwhere(problem.weights > 0):
-        rows = there[channel] & (problem.rows.group == group)
-        if not rows.any():
-            continue
-        alone = np.zeros_like(problem.weights)
-        alone[group, channel] = problem.weights[group, channel]
-        part = replace(problem, weights=alone).derivatives(x)[2]
-        alike = correlation_rows(residual[channel, rows], problem.rows.segment[rows])
-        variance = float(np.mean(residual[channel, rows] ** 2))
-        effective[group, channel] = np.sum(rows) / alike
-        curvature += part
-        middle += alike * variance * problem.weights[group, channel] * _twice_weighed(part, problem, alone, x)
+    for group in np.flatnonzero((problem.weights > 0).any(axis=1)):
+        part = replace(problem, rows=problem.rows.take(np.flatnonzero(problem.rows.group == group)))
+        residual, there = part.residual(x), np.isfinite(part.rows.measured.T)
+        twice = _twice_weighed(part, x)
+        for channel, free, _, squares in part.by_output(x):
+            missed, segment = residual[channel, there[channel]], part.rows.segment[there[channel]]
+            alike, variance = correlation_rows(missed, segment), float(np.mean(missed**2))
+            effective[group, channel] = len(missed) / alike
+            curvature[np.ix_(free, free)] += squares
+            noise = alike * variance * problem.weights[group, channel]
+            middle[np.ix_(free, free)] += noise * twice.get(channel, squares)
     return curvature, middle, effective
 
 
-def _twice_weighed(part: FloatArray, problem: Problem, weights: FloatArray, x: FloatArray) -> FloatArray:
-    """Return J^T W J with the square of each row's own weight: the same matrix where every row counts alike."""
-    weight = problem.rows.weight
-    if (weight == 1.0).all():
-        return part
-    rows = replace(problem.rows, weight=weight**2)
-    return replace(problem, weights=weights, rows=rows).derivatives(x)[2]
+def _twice_weighed(part: Problem, x: FloatArray) -> dict[int, FloatArray]:
+    """Return J^T W J of each output with the square of each row's own weight; nothing where every row counts alike."""
+    if (part.rows.weight == 1.0).all():
+        return {}
+    squared = replace(part, rows=replace(part.rows, weight=part.rows.weight**2))
+    return {output: squares for output, _, _, squares in squared.by_output(x)}
 
 
 def _taking_part(vector: FloatArray, names: Sequence[str]) -> tuple[str, ...]:

@@ -55,7 +55,9 @@ class Kernel:
         self._call.restype = None
         self._call.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 4]
 
-    def __call__(self, inputs: FloatArray, parameters: FloatArray, threads: int = 1) -> tuple[FloatArray, BoolArray]:
+    def __call__(
+        self, inputs: FloatArray, parameters: FloatArray, threads: int = 1, into: FloatArray | None = None
+    ) -> tuple[FloatArray, BoolArray]:
         """Return results and which rows have none.
 
         Parameters
@@ -64,6 +66,8 @@ class Kernel:
         parameters : ndarray, shape (n_parameters,)
         threads : int
             Each takes an equal share of the rows.
+        into : ndarray, shape (n_results, n), optional
+            Where the results go; a new array where None.
 
         Returns
         -------
@@ -74,7 +78,8 @@ class Kernel:
         columns = np.ascontiguousarray(inputs, dtype=np.float64)
         values = np.ascontiguousarray(parameters, dtype=np.float64)
         n = columns.shape[1]
-        results, undone = np.empty((self._n_results, n)), np.empty(n, dtype=np.bool_)
+        results = np.empty((self._n_results, n)) if into is None else into
+        undone = np.empty(n, dtype=np.bool_)
         share = -(-n // (BLOCK * max(threads, 1))) * BLOCK
 
         def run(start: int) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from types import ModuleType
 from typing import Protocol
@@ -55,6 +55,11 @@ class Code(Protocol):
 
     def jacobian_entries(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return the derivatives of `entries`, shape (n_entries, n)."""
+
+    def jacobian_chunks(
+        self, inputs: FloatArray, parameters: FloatArray, size: int
+    ) -> Iterator[tuple[slice, FloatArray]]:
+        """Go through the rows, `size` at a time: which they are and the derivatives of `entries`, until the next."""
 
 
 def code_for(model: str | Model, language: str, threads: int = 1) -> Code:
@@ -174,6 +179,11 @@ class _NumpyCode:
         chosen: FloatArray = table[force * len(self._module.COEFFICIENTS) + coefficient]
         return chosen
 
+    def jacobian_chunks(
+        self, inputs: FloatArray, parameters: FloatArray, size: int
+    ) -> Iterator[tuple[slice, FloatArray]]:
+        return _chunks(self, inputs, parameters, size)
+
     def _rows(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Results, row by row of a matrix, shape (n_results, n)."""
         straight = f"{routine}_straight"
@@ -191,6 +201,15 @@ class _NumpyCode:
         for row, value in zip(table, values, strict=True):
             row[:] = value
         return table
+
+
+def _chunks(code: Code, inputs: FloatArray, parameters: FloatArray, size: int) -> Iterator[tuple[slice, FloatArray]]:
+    for rows in _slices(inputs.shape[1], size):
+        yield rows, code.jacobian_entries(inputs[:, rows], parameters)
+
+
+def _slices(n: int, size: int) -> list[slice]:
+    return [slice(start, min(start + size, n)) for start in range(0, n, size)]
 
 
 def _as_matrices(table: FloatArray, n_forces: int) -> FloatArray:
@@ -229,6 +248,11 @@ class _CCode:
         force, coefficient = self.entries
         return self.jacobian_parameters(inputs, parameters)[:, force, coefficient].T
 
+    def jacobian_chunks(
+        self, inputs: FloatArray, parameters: FloatArray, size: int
+    ) -> Iterator[tuple[slice, FloatArray]]:
+        return _chunks(self, inputs, parameters, size)
+
     def _rows(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         rows = np.ascontiguousarray(inputs.T)
         parameters = np.ascontiguousarray(parameters)
@@ -266,6 +290,11 @@ class _CasadiCode:
     def jacobian_entries(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         force, coefficient = self.entries
         return self.jacobian_parameters(inputs, parameters)[:, force, coefficient].T
+
+    def jacobian_chunks(
+        self, inputs: FloatArray, parameters: FloatArray, size: int
+    ) -> Iterator[tuple[slice, FloatArray]]:
+        return _chunks(self, inputs, parameters, size)
 
     def _matrices(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         function = self._module.function(getattr(self._module, routine))
@@ -308,6 +337,22 @@ class _BatchCode:
 
     def jacobian_entries(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._table("jacobian_parameters", inputs, parameters)
+
+    def jacobian_chunks(
+        self, inputs: FloatArray, parameters: FloatArray, size: int
+    ) -> Iterator[tuple[slice, FloatArray]]:
+        if not straight_rows(self._book, inputs, parameters).all():
+            yield from _chunks(self, inputs, parameters, size)
+            return
+        kernel, room = self._kernel("jacobian_parameters"), np.empty(self.entries.shape[1] * size)
+        for rows in _slices(inputs.shape[1], size):
+            columns = inputs[:, rows]
+            # One room for all of them: what a processor has in its cache, it need not ask the system for.
+            results = room[: len(self.entries[0]) * columns.shape[1]].reshape(-1, columns.shape[1])
+            _, undone = kernel(columns, parameters, into=results)
+            if undone.any():
+                results[:, undone] = self._row_by_row("jacobian_parameters", columns[:, undone], parameters)
+            yield rows, results
 
     @property
     def _single(self) -> Code:
