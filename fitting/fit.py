@@ -22,16 +22,20 @@ from .preparation import Prepared, prepare, recording_of
 from .recipe import Recipe, load_recipe
 from .result import FitResult
 from .session import Session
+from .starting import starts_from
 
 #: What --nominal may name, and the coefficient that it sets.
 NOMINAL = {"Fz0": "FNOMIN", "R0": "UNLOADED_RADIUS", "p0": "NOMPRES", "V0": "LONGVL"}
+
+#: What to start from where it is no tire: what the data show by themselves.
+FEATURES = "features"
 
 
 def fit(
     tables: Sequence[str | Path | Recording],
     model: str = "mf96",
     *,
-    start: Tire | None = None,
+    start: Tire | str | None = None,
     effects: Collection[str] | None = None,
     without: Collection[str] = (),
     recipe: str = "progressive",
@@ -52,8 +56,9 @@ def fit(
     tables : sequence of path or Recording
         Together they are the data; each may have its own signs.
     model : str
-    start : Tire, optional
-        Values to start from; generic ones where None.
+    start : Tire or "features", optional
+        Values to start from: a tire's, or what the data show by themselves (`tirefmu.fitting.starting`); generic
+        ones where None.
     effects : collection of str, optional
         Exactly these effects on top of the model's core; all of the model where None.
     without : collection of str
@@ -94,25 +99,35 @@ def fit(
         If something that was asked for does not exist or does not fit together.
     """
     began = time.perf_counter()
+    if isinstance(start, str) and start != FEATURES:
+        raise UnknownName("start", start, [FEATURES])
+    tire_given = None if isinstance(start, str) else start
     book = book_of(model)
     plan = load_recipe(recipe, model)
     if resume and checkpoint is None:
         raise FitError("to go on takes the file of the finished stages (checkpoint)")
     conditions = chosen_constraints(book.name, constraints, without_constraints)
-    if plan.scales and start is None:
+    if plan.scales and tire_given is None:
         raise FitError(f"recipe {plan.name} scales a given tire: say which to start from (--start)")
     recordings = [recording_of(table, signs) for table in tables]
     if not recordings:
         raise FitError("no table to fit")
-    present = _effects(book, start, effects, without)
+    present = _effects(book, tire_given, effects, without)
     data = prepare(recordings, book, screening=screening, rows=rows)
     notes = list(data.notes)
-    tire = _starting_tire(book, present, start, data.fitted, nominal or {}, notes)
-    kept = ",".join(each.name for own in conditions.values() for each in own)
-    options = {"rows": rows, "screening": str(screening), "given start": str(start is not None), "constraints": kept}
+    tire = _starting_tire(book, present, tire_given, data.fitted, nominal or {}, notes)
+    read = starts_from(tire, data.fitted, notes) if start == FEATURES else {}
+    options = {
+        "rows": rows,
+        "screening": str(screening),
+        "start": start if isinstance(start, str) else "values",
+        "constraints": ",".join(each.name for own in conditions.values() for each in own),
+    }
     saved = Checkpoint(Path(checkpoint), _identity(data, tire, plan, options)) if checkpoint else None
     with Interruption(progress) as interruption:
-        session = Session(book, tire, data, plan, interruption, notes, given=start is not None, conditions=conditions)
+        session = Session(
+            book, tire, data, plan, interruption, notes, given=tire_given is not None, read=read, conditions=conditions,
+        )  # fmt: skip
         if resume and saved:
             session.restore(saved.load())
         session.run(saved)

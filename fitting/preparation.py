@@ -69,11 +69,14 @@ class Prepared:
         recording tells nothing of are NaN.
     set_aside : tuple of SetAside
     notes : tuple of str
+    rows : str
+        How rows count: a name of `ROWS`.
     """
 
     table: pd.DataFrame
     set_aside: tuple[SetAside, ...]
     notes: tuple[str, ...]
+    rows: str = "condition"
 
     @property
     def fitted(self) -> pd.DataFrame:
@@ -157,7 +160,7 @@ def prepare(
         raise FitError(
             "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *notes])
         )
-    return Prepared(data, tuple(set_aside), tuple(notes))
+    return Prepared(data, tuple(set_aside), tuple(notes), rows)
 
 
 def _check_numbers(recording: Recording) -> None:

@@ -29,6 +29,7 @@ from .problem import Problem, Rows, coefficients_by_output, emphasis, equal_weig
 from .recipe import Freed, Recipe, Stage
 from .result import ChannelFit, FitResult, FittedCoefficient, Margin, StageFit, quality
 from .uncertainty import Direction, uncertainty
+from .worth import weights_by_worth
 
 FloatArray = npt.NDArray[np.float64]
 #: How much denser the grid is on which constraints are verified, how often what breaks them is added, and how much
@@ -59,9 +60,11 @@ class Session:
         notes: list[str],
         *,
         given: bool,
+        read: Mapping[str, float],
         conditions: Mapping[str, Sequence[Constraint]] | None = None,
     ) -> None:
         self._given = given  # the tire's values are somebody's, not to be replaced by generic ones
+        self._read = read  # what the data told before the first stage; generic values for the rest
         self._book, self._tire, self._plan = book, tire, plan
         self._prepared, self._data = data, data.fitted
         self._interruption = interruption
@@ -176,7 +179,8 @@ class Session:
             guesses = {}
         else:
             known = {name for name, release in self._freed.items() if release.determined}
-            guesses = {n: generic(cards[n]) for n in self._candidates(stage) if n not in known}
+            new = [name for name in self._candidates(stage) if name not in known]
+            guesses = {name: self._read.get(name, generic(cards[name])) for name in new}
         self._tire = replace(self._tire, values={**self._tire.values, **guesses})
 
     def _determined(self, every: dict[str, Freed], rows: Rows, stage: Stage) -> dict[str, Freed]:
@@ -223,6 +227,8 @@ class Session:
         if stage.weights == "noise":
             start = np.array([f.guess for f in free.values()]) / scale
             problem.weights = noise_weights(problem, start, self._emphasis)
+            if self._prepared.rows == "independent":
+                problem.weights = weights_by_worth(problem, start)
         return problem
 
     def _is_approach(self, stage: Stage) -> bool:

@@ -75,6 +75,13 @@ def tire_named(given: Path) -> Tire:
     return published(name)
 
 
+def start_named(given: Path | None) -> Tire | str | None:
+    """Return what a fit starts from: a tire, or the word for what the data show by themselves."""
+    if given is None or (str(given) == "features" and not given.exists()):
+        return None if given is None else str(given)
+    return tire_named(given)
+
+
 def check_places(*files: Path | None, folder: Path | None = None) -> None:
     """Refuse what cannot be written before work begins, so that nothing is left of half of it."""
     for path in files:

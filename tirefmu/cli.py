@@ -15,7 +15,7 @@ import click
 
 from tirefmu.symbolic.errors import TirefmuError
 
-from .arguments import FILE, SIGNS, Numbers, Pairs, check_places, common, names, tire_named, write_json
+from .arguments import FILE, SIGNS, Numbers, Pairs, check_places, common, names, start_named, tire_named, write_json
 from .diagnose_command import diagnose
 from .terminal import Terminal
 
@@ -119,7 +119,7 @@ def evaluate(
 @click.argument("tables", type=FILE, nargs=-1, required=True)
 @click.option("--model", default="mf96", show_default=True, help="Model to fit.")
 @click.option("-o", "--output", type=FILE, required=True, help="Tire file (.tir) to write.")
-@click.option("--start", type=FILE, help="Tire to start from (default: generic values).")
+@click.option("--start", type=FILE, help="Tire to start from, or 'features' read from the data (default: generic).")
 @click.option("--effects", callback=names, help="Exactly these effects on top of the core, or 'none'.")
 @click.option("--without", callback=names, default="none", help="All effects but these.")
 @click.option("--recipe", default="progressive", show_default=True,
@@ -166,7 +166,7 @@ def fit(
     finished_stages = output.with_name(f"{output.stem}.progress.json")
     with terminal.fitting() as progress:
         result = run(
-            recordings, model, start=tire_named(start) if start else None, effects=effects, without=without,
+            recordings, model, start=start_named(start), effects=effects, without=without,
             recipe=recipe, nominal=nominal, screening=not all_rows, rows=rows, progress=progress,
             checkpoint=finished_stages, resume=resume, constraints=constraint, without_constraints=without_constraint,
         )  # fmt: skip

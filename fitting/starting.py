@@ -1,0 +1,234 @@
+"""Values to start from, read from the data: slip stiffness, friction, shifts and trail, load by load.
+
+Each is what the sweeps at one load show by themselves: the slope at zero, the crossing of zero and the height of a
+plain saturating curve laid through them, and how the aligning moment goes with the side force. The coefficients
+behind them follow by least squares through the book's own lines, so that any model and any choice of effects gets
+its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import pi, radians
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+from scipy.optimize import least_squares
+
+from tirefmu.measurements import levels
+from tirefmu.tires.code import fastest_code
+from tirefmu.tires.tire import Tire
+
+FloatArray = npt.NDArray[np.float64]
+
+#: The coefficients that a quantity is read for, the ones that one load can tell first.
+READ_FOR: dict[str, tuple[str, ...]] = {
+    "K_xkappa": ("PKX1", "PKX3"),
+    "mu_x": ("PDX1", "PDX2"),
+    "S_Hx": ("PHX1",),
+    "K_yalpha": ("PKY1", "PKY2"),
+    "mu_y": ("PDY1", "PDY2"),
+    "S_Hy": ("PHY1",),
+    "D_t": ("QDZ1", "QDZ2"),
+    "B_t": ("QBZ1",),
+}
+#: The other slip and the inclination count as zero up to here.
+PURE = {"kappa": 0.01, "alpha": radians(1.0), "gamma": radians(1.0)}
+FEWEST_ROWS = 12
+#: A curve has flattened where its sweep comes this near to its height.
+FLATTENED = 0.9
+#: The share of readings by which the size of a force is told: single ones do not make it.
+USUAL = 0.95
+#: C_t of the trail that is read: what the cards start from.
+TRAIL_SHAPE = 1.1
+#: Into how many parts loads are dealt that were not held.
+PARTS = 4
+
+
+@dataclass(frozen=True)
+class Reading:
+    """A quantity of the book as the data show it.
+
+    Attributes
+    ----------
+    loads, values : ndarray, shape (n,)
+        Load (N) and value in the quantity's unit, in adapted SAE.
+    """
+
+    loads: FloatArray
+    values: FloatArray
+
+
+def readings(table: pd.DataFrame) -> dict[str, Reading]:
+    """Read what slip sweeps show by themselves.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Measured rows in adapted SAE.
+
+    Returns
+    -------
+    dict of str to Reading
+        By quantity, as far as the data show it at some load.
+
+    Examples
+    --------
+    >>> alpha = np.linspace(-0.2, 0.2, 201)
+    >>> table = pd.DataFrame({"alpha": alpha, "Fz": 1000.0, "Fy": 1500.0 * np.tanh(20 * alpha + 0.2)})
+    >>> {name: [f"{value:.3g}" for value in reading.values] for name, reading in readings(table).items()}
+    {'K_yalpha': ['3.04e+04'], 'S_Hy': ['0.01'], 'mu_y': ['1.5']}
+    """
+    found: dict[str, list[tuple[float, float]]] = {}
+    for force, slip, other, names in (
+        ("Fx", "kappa", "alpha", ("K_xkappa", "S_Hx", "mu_x")),
+        ("Fy", "alpha", "kappa", ("K_yalpha", "S_Hy", "mu_y")),
+    ):
+        for part in _pure(table, force, slip, other):
+            load = float(part["Fz"].median())
+            curve = _curve(part[slip].to_numpy(dtype=float), part[force].to_numpy(dtype=float))
+            trail = _trail(part) if force == "Fy" and curve else {}
+            told = {
+                name: curve[key] for name, key in zip(names, ("slope", "shift", "height"), strict=True) if key in curve
+            }
+            if names[2] in told:
+                told[names[2]] /= load
+            for name, value in {**told, **trail}.items():
+                found.setdefault(name, []).append((load, value))
+    return {name: Reading(*np.array(pairs).T) for name, pairs in found.items()}
+
+
+def starting_values(tire: Tire, table: pd.DataFrame) -> dict[str, float]:
+    """Return values of the coefficients that the data tell of by themselves.
+
+    Parameters
+    ----------
+    tire : Tire
+        In adapted SAE; what it has decides which coefficients there are.
+    table : pandas.DataFrame
+        Measured rows in adapted SAE.
+
+    Returns
+    -------
+    dict of str to float
+        Within the bounds of the coefficients' cards, in adapted SAE.
+    """
+    live = tire.book.live(tire.has)
+    values: dict[str, float] = {}
+    for quantity, reading in readings(table).items():
+        names = [name for name in READ_FOR[quantity] if name in live][: len(reading.loads)]
+        if names:
+            values.update(_solved(tire, quantity, reading, names))
+    return values
+
+
+def _pure(table: pd.DataFrame, force: str, slip: str, other: str) -> list[pd.DataFrame]:
+    """Return the rows of pure, upright slip, load by load."""
+    if force not in table or slip not in table or "Fz" not in table:
+        return []
+    chosen = table[force].notna().to_numpy() & (table["Fz"].to_numpy() > 0)
+    if other in table:
+        chosen &= np.abs(table[other].to_numpy()) <= PURE[other]
+    if "gamma" in table and chosen.any():
+        inclined = np.abs(table["gamma"].to_numpy())
+        chosen &= inclined <= inclined[chosen].min() + PURE["gamma"]
+    rows = table[chosen]
+    if len(rows) < FEWEST_ROWS:
+        return []
+    load = rows["Fz"].to_numpy()
+    held = np.array(levels(rows["Fz"]))
+    if len(held):
+        nearest = np.abs(load[:, None] - held).argmin(axis=1)
+    else:
+        nearest = np.searchsorted(np.quantile(load, np.linspace(0, 1, PARTS + 1)[1:-1]), load)
+    return [rows[nearest == number] for number in np.unique(nearest)]
+
+
+def _curve(slip: FloatArray, force: FloatArray) -> dict[str, float]:
+    """Return slope at zero, shift, and height where the curve has flattened; nothing where it shows no slope."""
+    if len(slip) < FEWEST_ROWS or not slip.min() < 0 < slip.max():
+        return {}
+    size, reach = float(np.quantile(np.abs(force), USUAL)), float(np.abs(slip).max())
+    if not size > 0:
+        return {}
+    # Four numbers of any saturating curve: slope and height of their usual size, shift, shape.
+    usual = np.array([2.0 * size / reach, size, 0.1 * reach, 1.0])
+
+    def missed(x: FloatArray) -> FloatArray:
+        slope, height, shift, shape = x * usual
+        curve = height * np.sin(shape * np.arctan(slope / (shape * height) * (slip + shift)))
+        return np.asarray((curve - force) / size)
+
+    bounds = ([0.01, 0.2, -10.0, 1.0], [100.0, 5.0, 10.0, 2.2])
+    slope, height, shift, shape = (
+        least_squares(missed, [1.0, 1.0, 0.0, 1.5], bounds=bounds, loss="soft_l1", f_scale=0.1).x * usual
+    )
+    flat = np.sin(min(shape * np.arctan(slope / (shape * height) * reach), pi / 2.0)) >= FLATTENED
+    return {"slope": float(slope), "shift": float(shift), **({"height": float(height)} if flat else {})}
+
+
+def _trail(part: pd.DataFrame) -> dict[str, float]:
+    """Return the trail at zero slip, and how fast it falls, from the aligning moment over the side force."""
+    part = part[part["Mz"].notna()] if "Mz" in part else part[:0]
+    if len(part) < FEWEST_ROWS:
+        return {}
+    alpha, force, moment = (part[name].to_numpy(dtype=float) for name in ("alpha", "Fy", "Mz"))
+    size, reach = float(np.quantile(np.abs(moment), USUAL)), float(np.abs(alpha).max())
+    if not size > 0:
+        return {}
+    arm = size / float(np.quantile(np.abs(force), USUAL))
+    usual = np.array([2.0 * arm, 2.0 / reach, 0.1 * size])
+
+    def missed(x: FloatArray) -> FloatArray:
+        trail, fall, left = x * usual
+        return np.asarray((left - trail * np.cos(TRAIL_SHAPE * np.arctan(fall * alpha)) * force - moment) / size)
+
+    bounds = ([0.01, 0.01, -10.0], [20.0, 20.0, 10.0])
+    trail, fall, _ = least_squares(missed, [1.0, 1.0, 0.0], bounds=bounds, loss="soft_l1", f_scale=0.1).x * usual
+    return {"D_t": float(trail), "B_t": float(fall)}
+
+
+def _solved(tire: Tire, quantity: str, reading: Reading, names: list[str]) -> dict[str, float]:
+    """Return the coefficients with which a quantity comes nearest to what was read."""
+    book, code = tire.book, fastest_code(tire.book, len(reading.loads))
+    place = code.quantities_names.index(quantity)
+    order = list(book.parameters)
+    columns = [order.index(name) for name in names]
+    points = np.array([np.full(len(reading.loads), tire.nominal(name)) for name in tire.inputs])
+    for name, row in zip(tire.inputs, points, strict=True):
+        row[:] = reading.loads if name == "Fz" else 0.0 if name in ("kappa", "alpha", "gamma", "phit") else row
+    cards = [book.coefficients[name] for name in names]
+    factors = np.array([tire.rescaled.get(name, 1.0) for name in names])
+    size = float(np.abs(reading.values).max()) or 1.0
+
+    def missed(x: FloatArray) -> FloatArray:
+        parameters = tire.parameters()
+        parameters[columns] = x * factors
+        return np.asarray((code.quantities(points, parameters)[place] - reading.values) / size)
+
+    lower, upper = (np.array([getattr(card, side) for card in cards]) for side in ("lower", "upper"))
+    start = np.clip([card.generic for card in cards], lower + 1e-6, upper - 1e-6)
+    solution = least_squares(missed, start, bounds=(lower, upper), x_scale=np.maximum(np.abs(start), 0.1))
+    return {name: float(value) for name, value in zip(names, solution.x, strict=True)}
+
+
+def starts_from(tire: Tire, table: pd.DataFrame, notes: list[str]) -> Mapping[str, float]:
+    """Return `starting_values`, and note what they are.
+
+    Parameters
+    ----------
+    tire : Tire
+    table : pandas.DataFrame
+    notes : list of str
+        Appended to.
+
+    Returns
+    -------
+    mapping of str to float
+    """
+    values = starting_values(tire, table)
+    told = ", ".join(f"{name} {value:.3g}" for name, value in values.items())
+    notes.append(f"started from what the data show: {told or 'nothing, so from generic values'}")
+    return values
