@@ -142,7 +142,7 @@ def _forces(pressure: tuple[str, ...], *, later: bool) -> dict[str, tuple[Constr
         MF5.2 to 6.2: the weighting functions have a curvature, and change with inclination and load; the slip
         stiffnesses are named.
     """
-    conditions = {}
+    conditions: dict[str, tuple[Constraint, ...]] = {}
     for force, slip, axis, across, other, camber in (
         ("Fx", "kappa", "x", "alpha", "kappa", ()),
         ("Fy", "alpha", "y", "kappa", "alpha", ("gamma",)),
@@ -253,9 +253,7 @@ def chosen_constraints(
 
     return {
         output: tuple(
-            each
-            for each in own
-            if not meant(each, without) and (each.name not in ON_REQUEST or meant(each, also))
+            each for each in own if not meant(each, without) and (each.name not in ON_REQUEST or meant(each, also))
         )
         for output, own in conditions.items()
     }

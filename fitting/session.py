@@ -24,6 +24,7 @@ from .ipopt import Solution, solve
 from .noise_floor import noise_floor
 from .problem import Problem, Rows, coefficients_by_output, emphasis, equal_weights, noise_weights
 from .recipe import Freed, Recipe, Stage
+from .residuals import Residuals
 from .result import ChannelFit, FitResult, FittedCoefficient, Margin, StageFit, quality
 from .uncertainty import Direction, uncertainty
 
@@ -78,7 +79,8 @@ class Session:
         self._ranges = operating_range(data, tire.inputs)
         known = chosen_constraints(book.name) if conditions is None else conditions
         self._conditions = {
-            output: [each for each in own if not each.effect or each.effect in tire.has] for output, own in known.items()
+            output: [each for each in own if not each.effect or each.effect in tire.has]
+            for output, own in known.items()
         }
         self._broken: list[tuple[Constraint, FloatArray]] = []  # what verifying added, for later stages too
         self._grids: dict[tuple[tuple[str, ...], bool, int], FloatArray] = {}
@@ -270,6 +272,7 @@ class Session:
         return FitResult(
             tire.in_signs("iso"), signs, coefficients, self._channels(recordings, tire, effective),
             tuple(self._stages), self._margins(), tuple(self._notes), seconds, self._plan.name, directions,
+            evidence=Residuals(self._data, tuple(_distinct([r.source for r in recordings])), self._tire, signs),
         )  # fmt: skip
 
     def _uncertainty(

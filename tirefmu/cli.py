@@ -124,23 +124,30 @@ def evaluate(
 @click.option("--without", callback=names, default="none", help="All effects but these.")
 @click.option("--recipe", default="progressive", show_default=True,
               help="progressive, joint, trento, scaling (of --start), or a TOML file.")  # fmt: skip
-@click.option("--constraint", callback=names, default="none",
-              help="Physical conditions to keep beside the usual ones: a kind, or one of them (kind:quantity).")
+@click.option(
+    "--constraint",
+    callback=names,
+    default="none",
+    help="Physical conditions to keep beside the usual ones: a kind, or one of them (kind:quantity).",
+)
 @click.option("--without-constraint", callback=names, default="none",
               help="Physical conditions not to keep: signs, curvature, friction_falling, stiffness_saturating, "
                    "extrapolation, one of them (curvature:E_y), or all.")  # fmt: skip
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
+@click.option("--cross-validate", "folds", type=click.IntRange(min=2),
+              help="Also foretell each of so many parts of the held conditions by a fit without it.")  # fmt: skip
 @click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @common
 def fit(
     tables: tuple[Path, ...], model: str, output: Path, start: Path | None, effects: tuple[str, ...] | None,
     without: tuple[str, ...], recipe: str, constraint: tuple[str, ...], without_constraint: tuple[str, ...],
-    nominal: dict[str, float] | None, signs: str | None, figures: Path | None,
-    report: Path | None, quiet: bool, json_file: Path | None,
+    nominal: dict[str, float] | None, signs: str | None, folds: int | None,
+    figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints."""
+    from tirefmu.fitting import cross_validate, deal
     from tirefmu.fitting import fit as run
     from tirefmu.fitting.figures import draw_figures
     from tirefmu.measurements import convention_notes, coverage_notes, identity_notes, read_recording
@@ -151,12 +158,17 @@ def fit(
     told = [note for recording in recordings for note in (*convention_notes(recording), *coverage_notes(recording))]
     for note in (*told, *identity_notes(recordings)):
         terminal.print(f"note: {note}")
+    if folds:
+        deal(recordings, folds)  # says before the work what cannot be
+    options: dict[str, Any] = {
+        "start": tire_named(start) if start else None, "effects": effects, "without": without, "recipe": recipe,
+        "nominal": nominal, "constraints": constraint, "without_constraints": without_constraint,
+    }  # fmt: skip
     with terminal.fitting() as progress:
-        result = run(
-            recordings, model, start=tire_named(start) if start else None, effects=effects, without=without,
-            recipe=recipe, nominal=nominal, progress=progress, constraints=constraint,
-            without_constraints=without_constraint,
-        )  # fmt: skip
+        result = run(recordings, model, progress=progress, **options)
+        if folds:
+            foretold = cross_validate(recordings, model, folds=folds, whole=result, progress=progress, **options)
+            result = replace(result, held_out=foretold)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
     write_json(json_file, result.to_json())
