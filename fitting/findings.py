@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .agreement import Disagreement, disagreeing_files, disagreeing_segments, sweep_differences
-from .reasons import Undetermined, undetermined
+from .reasons import Undetermined, at_bounds, undetermined
 from .residuals import Residuals
 from .ripple import Ripple, ripple
 from .stiffness import SlipStiffness, slip_stiffnesses
@@ -72,22 +72,34 @@ class Findings:
 
 
 def find(
-    residuals: Residuals, free: Sequence[str], open_: Sequence[tuple[str, ...]], effective: Mapping[str, float]
+    residuals: Residuals,
+    free: Sequence[str],
+    open_: Sequence[tuple[str, ...]],
+    bounded: Sequence[str],
+    effective: Mapping[str, float],
 ) -> Findings:
     """Look at what a fit misses.
 
     Parameters
     ----------
     residuals : Residuals
-    free, open_, effective
-        Those of `tirefmu.fitting.reasons.undetermined`.
+    free : sequence of str
+        The coefficients that the data had to determine.
+    open_ : sequence of tuple of str
+        Sets of them that the data leave open.
+    bounded : sequence of str
+        Coefficients on a bound; not among `free`.
+    effective : mapping of str to float
+        Independent rows of each channel.
 
     Returns
     -------
     Findings
     """
+    reasons = undetermined(residuals, free, open_, effective)
+    reasons += at_bounds(residuals, [*free, *bounded], bounded, effective)
     return Findings(
-        by_condition(residuals), slip_stiffnesses(residuals), undetermined(residuals, free, open_, effective),
+        by_condition(residuals), slip_stiffnesses(residuals), reasons,
         disagreeing_files(residuals), disagreeing_segments(residuals), sweep_differences(residuals), ripple(residuals),
     )  # fmt: skip
 

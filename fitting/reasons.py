@@ -32,6 +32,8 @@ LEAST = 1e-9
 FULL_SLIP = {"kappa": 0.3, "alpha": 0.25}
 #: A slip of less than this is none, and a load whose sweeps reach less than this share of the others' reaches short.
 NO_SLIP, SHORT = 0.02, 0.8
+#: An inclination of less than this is none, rad.
+NO_INCLINATION = 0.01
 #: What further programs vary.
 PROGRAMS = ("Fz", "gamma", "p", "kappa", "alpha", "both", "phit")
 
@@ -43,8 +45,9 @@ class Undetermined:
     Attributes
     ----------
     coefficients : tuple of str
-        One that no row responds to, or several of which only a combination counts.
+        One that no row responds to, several of which only a combination counts, or those that lie on a bound.
     reason : str
+        What the data lack; of a coefficient on a bound also that they ask for more.
     """
 
     coefficients: tuple[str, ...]
@@ -80,6 +83,36 @@ def undetermined(
     return tuple(Undetermined(tuple(dict.fromkeys(names)), reason) for reason, names in found.items())
 
 
+def at_bounds(
+    residuals: Residuals, free: Sequence[str], bounded: Sequence[str], effective: Mapping[str, float]
+) -> tuple[Undetermined, ...]:
+    """Say of coefficients on a bound whether the data drove them there, or left them to it.
+
+    Parameters
+    ----------
+    residuals : Residuals
+    free : sequence of str
+        The coefficients that the data had to determine, with those on a bound.
+    bounded : sequence of str
+        Those on a bound.
+    effective : mapping of str to float
+        Independent rows of each channel.
+
+    Returns
+    -------
+    tuple of Undetermined
+        Those with one reason are put together.
+    """
+    if not bounded:
+        return ()
+    asked = _Asked(residuals, tuple(free), effective)
+    found: dict[str, list[str]] = {}
+    for name in bounded:
+        reason = "the data ask for more" if asked.holds(name) else f"only the bound holds it, {asked.reason([name])}"
+        found.setdefault(f"at a bound: {reason}", []).append(name)
+    return tuple(Undetermined(tuple(names), reason) for reason, names in found.items())
+
+
 @dataclass(frozen=True, eq=False)
 class _Asked:
     """What the data know, and what further programs would."""
@@ -87,6 +120,12 @@ class _Asked:
     residuals: Residuals
     free: tuple[str, ...]
     effective: Mapping[str, float]
+
+    def holds(self, name: str) -> bool:
+        """Return whether the data determine a coefficient as they are."""
+        variance = np.linalg.inv(self._known + LEAST * np.eye(len(self.free)))
+        place = self.free.index(name)
+        return bool(variance[place, place] <= OPEN**2)
 
     def reason(self, names: Sequence[str]) -> str:
         """Return what the data lack to determine some coefficients."""
@@ -213,8 +252,11 @@ class _Asked:
         if name == "Fz":
             return self._lacking_load(place)
         if name == "gamma":
-            reach = np.degrees(max(abs(low), abs(high)))
-            return "no inclination" if reach < 0.5 else f"no inclination beyond {reach:.2g} deg"
+            reach, other = sorted((abs(low), abs(high)), reverse=True)
+            if reach < NO_INCLINATION:
+                return "no inclination"
+            one_sided = low * high > 0 or other < SHORT * reach
+            return "inclination to one side only" if one_sided else f"no inclination beyond {np.degrees(reach):.2g} deg"
         if name == "p":
             return "one pressure only" if high - low < 0.03 * high else f"no pressure beyond {low:.3g} to {high:.3g} Pa"
         if name == "phit":

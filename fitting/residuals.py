@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import degrees
 
 import numpy as np
 import numpy.typing as npt
@@ -123,12 +124,9 @@ def condition_text(at: Mapping[str, float]) -> str:
     >>> condition_text({"Fz": 1100.0, "gamma": 0.0349, "p": 83e3})
     'Fz 1100 N, gamma 2 deg, p 83 kPa'
     """
+    scales = {"gamma": (degrees(1.0), "deg", 1), "alpha": (degrees(1.0), "deg", 1), "p": (1e-3, "kPa", 0)}
     told = []
     for name, value in at.items():
-        if name in ("gamma", "alpha"):
-            told.append(f"{name} {np.degrees(value):.1f}".replace(".0", "").replace("-0", "0") + " deg")
-        elif name == "p":
-            told.append(f"p {value / 1e3:.0f} kPa")
-        else:
-            told.append(f"{name} {value:.4g} {CHANNELS[name].unit}")
+        scale, unit, digits = scales.get(name, (1.0, CHANNELS[name].unit.replace("-", ""), 3 if name == "kappa" else 0))
+        told.append(f"{name} {round(value * scale, digits) + 0.0:.12g} {unit}".rstrip())  # + 0.0: no -0
     return ", ".join(told)

@@ -194,7 +194,8 @@ class FitResult:
         for c in self.channels:
             effective[c.channel] = effective.get(c.channel, 0.0) + (c.effective_rows if c.effective_rows > 0 else 0.0)
         known = [tuple(n for n in d.coefficients if n in free) for d in self.directions]
-        return find(self.evidence, free, [names for names in (*known, *unseen) if names], effective)
+        bounded = [c.name for c in self.coefficients if c.at_bound]
+        return find(self.evidence, free, [names for names in (*known, *unseen) if names], bounded, effective)
 
     @property
     def ok(self) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite, isinf
 
@@ -53,11 +53,6 @@ def told_conditions(margins: Sequence[Margin]) -> list[Condition]:
         elif kind != "extrapolation":
             told.append(Condition(margin.constraint, margin, None))
     return told + [Condition(margin.constraint, margin, None) for margin in beyond.values()]
-
-
-def told_at(at: Mapping[str, float]) -> str:
-    """Return inputs and their values."""
-    return ", ".join(f"{name} {value:.3g}" for name, value in at.items())
 
 
 def told_extrapolation(result: FitResult) -> str:

@@ -43,7 +43,7 @@ def fit_lines(result: FitResult) -> Iterator[Table | str]:
     yield from _differences(result)
     yield from told_ripple(result.findings.ripples)
     for each in result.findings.undetermined:
-        yield f"not determined: {', '.join(each.coefficients)}: {each.reason}"
+        yield f"open: {', '.join(each.coefficients)}: {each.reason}"
     for note in result.notes:
         yield f"note: {note}"
     yield f"fit {result.status}, {result.seconds:.1f} s"
@@ -112,7 +112,8 @@ def _stages(result: FitResult) -> Table:
 
 
 def _margins(result: FitResult) -> Table:
-    from tirefmu.fitting.telling import told_at, told_conditions
+    from tirefmu.fitting.residuals import condition_text
+    from tirefmu.fitting.telling import told_conditions
 
     table = plain_table(
         "constraint", "tightest", "margin", "at", "margin beyond", "",
@@ -122,7 +123,7 @@ def _margins(result: FitResult) -> Table:
         beyond = "" if c.beyond is None else f"{c.beyond.margin:.3g}"
         broken = any(m is not None and m.margin < 0 for m in (c.inside, c.beyond))
         table.add_row(
-            c.constraint, f"{c.inside.worst:.4g}", f"{c.inside.margin:.3g}", told_at(c.inside.at), beyond,
+            c.constraint, f"{c.inside.worst:.4g}", f"{c.inside.margin:.3g}", condition_text(c.inside.at), beyond,
             "broken" if broken else "",
         )  # fmt: skip
     return table

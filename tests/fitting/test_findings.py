@@ -12,7 +12,7 @@ import pytest
 
 from tirefmu.fitting.agreement import disagreeing_files, disagreeing_segments, sweep_differences
 from tirefmu.fitting.findings import by_condition
-from tirefmu.fitting.reasons import undetermined
+from tirefmu.fitting.reasons import at_bounds, undetermined
 from tirefmu.fitting.residuals import Residuals
 from tirefmu.fitting.ripple import ripple
 from tirefmu.fitting.stiffness import slip_stiffnesses
@@ -160,6 +160,27 @@ def test_the_reason_is_what_the_bench_left_out(known, loads, cambers, slip, coef
     free = ["PCY1", "PDY1", "PDY2", "PDY3", "PEY1", "PKY1", "PKY2"]
     (told,) = undetermined(residuals, free, [(coefficient,)], {"Fy": float(n)})
     assert told.coefficients == (coefficient,)
+    assert told.reason == reason
+
+
+def test_a_bound_that_the_data_ask_to_pass_is_told_from_one_that_holds_what_they_leave(known, clean):
+    data = residuals_of(known, clean.iloc[::7])
+    free = ["PDY1", "PDY2", "PEY1", "PKY1", "PKY2", "PCY1", "PDX1"]
+    told = {each.coefficients: each.reason for each in at_bounds(data, free, ["PDY1", "PDX1"], {"Fy": 500.0})}
+    assert told["PDY1",] == "at a bound: the data ask for more"
+    assert told["PDX1",].startswith("at a bound: only the bound holds it")
+    assert at_bounds(data, free, [], {"Fy": 500.0}) == ()
+
+
+@pytest.mark.parametrize(("cambers", "reason"), [
+    ((0.0, 0.001), "no inclination"),
+    ((0.0, 0.05), "inclination to one side only"),
+    ((-0.05, 0.05), "no inclination beyond 2.9 deg"),
+])  # fmt: skip
+def test_what_lacks_of_inclination(known, clean, cambers, reason):
+    table = clean.iloc[::7].assign(gamma=lambda t: np.resize(cambers, len(t)))
+    table["Fy"] = known.evaluate(table, signs="adapted-sae")["Fy"] + NOISE
+    (told,) = undetermined(residuals_of(known, table), ["PDY1", "PDY3"], [("PDY3",)], {"Fy": 0.01})
     assert told.reason == reason
 
 
