@@ -142,7 +142,7 @@ def _forces(pressure: tuple[str, ...], *, later: bool) -> dict[str, tuple[Constr
         MF5.2 to 6.2: the weighting functions have a curvature, and change with inclination and load; the slip
         stiffnesses are named.
     """
-    conditions = {}
+    conditions: dict[str, tuple[Constraint, ...]] = {}
     for force, slip, axis, across, other, camber in (
         ("Fx", "kappa", "x", "alpha", "kappa", ()),
         ("Fy", "alpha", "y", "kappa", "alpha", ("gamma",)),

@@ -7,7 +7,6 @@ import os
 import tempfile
 from collections.abc import Sequence
 from importlib.resources import files
-from math import isinf, isnan
 from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
@@ -16,7 +15,9 @@ from tirefmu.measurements import Recording
 from tirefmu.symbolic.errors import FitError
 
 from .figures import draw_figures
+from .residuals import condition_text
 from .result import FitResult
+from .telling import SIGNIFICANT, told_differences, told_extrapolation, told_interval, told_ripple, told_worst
 
 
 def write_report(result: FitResult, recordings: Sequence[Recording], path: str | Path) -> None:
@@ -63,6 +64,9 @@ def report_page(result: FitResult, images: Sequence[tuple[str, str]]) -> str:
     """
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["number"] = lambda value: f"{value:.5g}"
-    environment.filters["known"] = lambda half: "open" if isinf(half) else "" if isnan(half) else f"{half:.3g}"
+    environment.filters |= {"known": told_interval, "condition": condition_text, "worst": told_worst}
     template = environment.from_string((files("tirefmu.fitting") / "report.html").read_text(encoding="utf-8"))
-    return template.render(result=result, images=images)
+    return template.render(
+        result=result, images=images, differences=told_differences(result), significant=SIGNIFICANT,
+        ripples=told_ripple(result.findings.ripples), extrapolation=told_extrapolation(result),
+    )  # fmt: skip

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from math import nan
 from typing import Any
 
@@ -13,7 +14,9 @@ import pandas as pd
 from tirefmu.tires.tire import Tire
 
 from .constraints import TOLERANCE
+from .findings import Findings, find
 from .preparation import SetAside
+from .residuals import Residuals
 from .uncertainty import Direction
 
 FloatArray = npt.NDArray[np.float64]
@@ -123,6 +126,26 @@ class Margin:
 
 
 @dataclass(frozen=True)
+class HeldOut:
+    """A channel of a recording, foretold by fits that had not seen the condition.
+
+    Attributes
+    ----------
+    recording, channel, unit : str
+    rows : int
+    in_sample, held_out : float
+        Root mean square error over all rows: of the fit to everything, and of the fits without each row's condition.
+    """
+
+    recording: str
+    channel: str
+    unit: str
+    rows: int
+    in_sample: float
+    held_out: float
+
+
+@dataclass(frozen=True)
 class FitResult:
     """A finished fit.
 
@@ -146,6 +169,10 @@ class FitResult:
         Rows that were not fitted, and why.
     interrupted : str
         Where the fit was asked to stop; empty where it went all the way.
+    held_out : tuple of HeldOut
+        A blocked cross-validation, where one was asked for.
+    evidence : Residuals or None
+        The fitted rows, for `findings`.
     """
 
     tire: Tire
@@ -160,6 +187,22 @@ class FitResult:
     directions: tuple[Direction, ...] = ()
     set_aside: tuple[SetAside, ...] = ()
     interrupted: str = ""
+    held_out: tuple[HeldOut, ...] = ()
+    evidence: Residuals | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def findings(self) -> Findings:
+        """What the data say of the fit: reckoned when first asked for, empty without `evidence`."""
+        if self.evidence is None:
+            return Findings()
+        free = [c.name for c in self.coefficients if not c.at_bound]
+        unseen = [(c.name,) for c in self.coefficients if not c.determined]
+        effective: dict[str, float] = {}
+        for c in self.channels:
+            effective[c.channel] = effective.get(c.channel, 0.0) + (c.effective_rows if c.effective_rows > 0 else 0.0)
+        known = [tuple(n for n in d.coefficients if n in free) for d in self.directions]
+        bounded = [c.name for c in self.coefficients if c.at_bound]
+        return find(self.evidence, free, [names for names in (*known, *unseen) if names], bounded, effective)
 
     @property
     def ok(self) -> bool:
@@ -204,8 +247,9 @@ class FitResult:
             "signs": self.signs,
             "values": dict(self.tire.values),
         }
-        for name in ("coefficients", "channels", "stages", "margins", "directions", "set_aside"):
+        for name in ("coefficients", "channels", "stages", "margins", "directions", "set_aside", "held_out"):
             plain[name] = [vars(item) for item in getattr(self, name)]
+        plain["findings"] = {name: [vars(item) for item in items] for name, items in vars(self.findings).items()}
         plain["notes"] = list(self.notes)
         plain["interrupted"] = self.interrupted
         return _plain(plain)  # type: ignore[no-any-return]

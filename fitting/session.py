@@ -27,6 +27,7 @@ from .noise_floor import noise_floor
 from .preparation import Prepared
 from .problem import Problem, Rows, coefficients_by_output, emphasis, equal_weights, noise_weights
 from .recipe import Freed, Recipe, Stage
+from .residuals import Residuals
 from .result import ChannelFit, FitResult, FittedCoefficient, Margin, StageFit, quality
 from .uncertainty import Direction, uncertainty
 from .worth import weights_by_worth
@@ -340,6 +341,7 @@ class Session:
             tire.in_signs("iso"), signs, coefficients, self._channels(recordings, tire, effective),
             tuple(self._stages), self._margins(), tuple(self._notes), seconds, self._plan.name, directions,
             self._prepared.set_aside, self._interrupted(),
+            evidence=Residuals(self._data, tuple(_distinct([r.source for r in recordings])), self._tire, signs),
         )  # fmt: skip
 
     def _interrupted(self) -> str:

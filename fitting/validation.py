@@ -7,7 +7,7 @@ at an inclination and a pressure, with its up and down sweeps and its repeats.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,32 +22,19 @@ from tirefmu.tires.tire import Tire
 from .fit import NOMINAL, fit
 from .noise_floor import MOST_LEVELS
 from .problem import Rows
+from .result import FitResult, HeldOut
 
 FloatArray = npt.NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class HeldOut:
-    """A channel of a recording, foretold by fits that had not seen the condition.
-
-    Attributes
-    ----------
-    recording, channel, unit : str
-    rows : int
-    in_sample, held_out : float
-        Root mean square error over all rows: of the fit to everything, and of the fits without each row's condition.
-    """
-
-    recording: str
-    channel: str
-    unit: str
-    rows: int
-    in_sample: float
-    held_out: float
-
-
 def cross_validate(
-    tables: Sequence[str | Path | Recording], model: str = "mf96", *, folds: int = 4, seed: int = 0, **options: Any
+    tables: Sequence[str | Path | Recording],
+    model: str = "mf96",
+    *,
+    folds: int = 4,
+    seed: int = 0,
+    whole: FitResult | None = None,
+    **options: Any,
 ) -> tuple[HeldOut, ...]:
     """Fit once to everything, then without each part of the held conditions, and compare.
 
@@ -58,6 +45,8 @@ def cross_validate(
     folds : int
         Into how many parts the conditions of every recording are dealt, at random.
     seed : int
+    whole : FitResult, optional
+        The fit to everything, where it is already there.
     **options
         Those of `tirefmu.fitting.fit`.
 
@@ -72,12 +61,8 @@ def cross_validate(
     """
     signs = options.pop("signs", None)
     recordings = [t if isinstance(t, Recording) else read_recording(t, signs=signs) for t in tables]
-    if folds < 2:
-        raise FitError(f"{folds} folds: it takes two at least")
-    parts = [_dealt(recording, folds, np.random.default_rng(seed)) for recording in recordings]
-    if not any(len(set(part)) == folds for part in parts):
-        raise FitError(f"{folds} folds need as many held conditions in some recording")
-    whole = fit(recordings, model, **options)
+    parts = deal(recordings, folds, seed)
+    whole = fit(recordings, model, **options) if whole is None else whole
     # The nominal values belong to the meaning of the coefficients: those of the whole.
     nominal = {name: whole.tire.values[key] for name, key in NOMINAL.items() if key in whole.tire.values}
     foretold = [np.full((len(recording), len(whole.tire.outputs)), np.nan) for recording in recordings]
@@ -96,6 +81,31 @@ def cross_validate(
         HeldOut(c.recording, c.channel, c.unit, c.rows, c.rmse, error)
         for c, error in zip(whole.channels, _errors(whole.channels, recordings, foretold, whole.tire), strict=True)
     )
+
+
+def deal(recordings: Sequence[Recording], folds: int, seed: int = 0) -> list[npt.NDArray[np.int64]]:
+    """Return the fold of each row of each recording.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+    folds, seed : int
+
+    Returns
+    -------
+    list of ndarray of int, each of shape (n,)
+
+    Raises
+    ------
+    FitError
+        If there are fewer than two folds, or fewer conditions than folds in every recording.
+    """
+    if folds < 2:
+        raise FitError(f"{folds} folds: it takes two at least")
+    parts = [_dealt(recording, folds, np.random.default_rng(seed)) for recording in recordings]
+    if not any(len(set(part)) == folds for part in parts):
+        raise FitError(f"{folds} folds need as many held conditions in some recording")
+    return parts
 
 
 def _dealt(recording: Recording, folds: int, random: np.random.Generator) -> npt.NDArray[np.int64]:

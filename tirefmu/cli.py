@@ -139,13 +139,15 @@ def evaluate(
 @click.option("--rows", default="condition", show_default=True,
               help="How rows count: condition (repeats do not outweigh), equal, or independent.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="Go on with an interrupted fit.")
+@click.option("--cross-validate", "folds", type=click.IntRange(min=2),
+              help="Also foretell each of so many parts of the held conditions by a fit without it.")  # fmt: skip
 @click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @common
 def fit(
     tables: tuple[Path, ...], model: str, output: Path, start: Path | None, effects: tuple[str, ...] | None,
     without: tuple[str, ...], recipe: str, constraint: tuple[str, ...], without_constraint: tuple[str, ...],
-    nominal: dict[str, float] | None, signs: str | None, all_rows: bool, rows: str, resume: bool,
+    nominal: dict[str, float] | None, signs: str | None, all_rows: bool, rows: str, resume: bool, folds: int | None,
     figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
@@ -153,6 +155,7 @@ def fit(
     Ctrl-C ends a fit with the best values so far, exit status 1. Its finished stages stay beside the tire, in
     NAME.progress.json, and --resume goes on after them; the file goes when the fit is done.
     """
+    from tirefmu.fitting import cross_validate, deal
     from tirefmu.fitting import fit as run
     from tirefmu.fitting.figures import draw_figures
     from tirefmu.measurements import convention_notes, coverage_notes, identity_notes, read_recording
@@ -163,13 +166,18 @@ def fit(
     told = [note for recording in recordings for note in (*convention_notes(recording), *coverage_notes(recording))]
     for note in (*told, *identity_notes(recordings)):
         terminal.print(f"note: {note}")
+    if folds:
+        deal(recordings, folds)  # says before the work what cannot be
     finished_stages = output.with_name(f"{output.stem}.progress.json")
+    options: dict[str, Any] = {
+        "start": start_named(start), "effects": effects, "without": without, "recipe": recipe, "nominal": nominal,
+        "screening": not all_rows, "rows": rows, "constraints": constraint, "without_constraints": without_constraint,
+    }  # fmt: skip
     with terminal.fitting() as progress:
-        result = run(
-            recordings, model, start=start_named(start), effects=effects, without=without,
-            recipe=recipe, nominal=nominal, screening=not all_rows, rows=rows, progress=progress,
-            checkpoint=finished_stages, resume=resume, constraints=constraint, without_constraints=without_constraint,
-        )  # fmt: skip
+        result = run(recordings, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)
+        if folds and not result.interrupted:
+            foretold = cross_validate(recordings, model, folds=folds, whole=result, progress=progress, **options)
+            result = replace(result, held_out=foretold)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
     write_json(json_file, result.to_json())

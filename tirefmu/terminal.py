@@ -13,6 +13,8 @@ from rich.table import Table
 
 from tirefmu.tires import Tire
 
+from .fit_tables import fit_lines, plain_table
+
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
     from tirefmu.fitting.interruption import Progress
@@ -61,16 +63,12 @@ class Terminal:
             yield progress
 
     def fit_result(self, result: FitResult) -> None:
-        """Print a fit: coefficients, quality, constraints, stages, notes."""
-        self._out.print(_coefficients(result))
-        self._out.print(_channels(result))
-        self._out.print(_stages(result))
-        self._out.print(_margins(result))
-        for rows in result.set_aside:
-            self.print(f"note: {rows}")
-        for note in result.notes:
-            self.print(f"note: {note}")
-        self.print(f"fit {result.status}, {result.seconds:.1f} s")
+        """Print a fit: what it found, how good it is, what it keeps, what the data say of it, and how it ended."""
+        for line in fit_lines(result):
+            if isinstance(line, Table):
+                self._out.print(line)
+            else:
+                self.print(line)
 
     def tire(self, tire: Tire, told: Mapping[str, Any], every: bool = False) -> None:
         """Print what is in a tire, as `describe` told it; every coefficient and every kept key on request."""
@@ -116,7 +114,7 @@ def _about_the_file(told: Mapping[str, Any], every: bool) -> list[str]:
 
 
 def _doubts(told: Mapping[str, Any]) -> Table:
-    table = _table("", "value", "what is wrong", title="Implausible")
+    table = plain_table("", "value", "what is wrong", title="Implausible")
     for doubt in told["implausible"]:
         value = "nan" if doubt["value"] is None else f"{doubt['value']:.6g}"
         table.add_row(doubt["name"], value, doubt["reason"])
@@ -125,68 +123,11 @@ def _doubts(told: Mapping[str, Any]) -> Table:
 
 def _values(tire: Tire, told: Mapping[str, Any], every: bool) -> Table:
     """Return the coefficients: those that somebody gave and that do something, or all."""
-    table = _table("coefficient", "value", "unit", "", "what it is")
+    table = plain_table("coefficient", "value", "unit", "", "what it is")
     for name, card in tire.book.coefficients.items():
         origin = "missing" if name in told["missing"] else ""
         if name in told["coefficients_at_neutral"]:
             origin = " ".join([origin, "neutral"]).strip()
         if every or not origin:
             table.add_row(name, f"{tire.values[name]:.6g}", card.unit, origin, card.description)
-    return table
-
-
-def _table(*columns: str, title: str = "") -> Table:
-    table = Table(title=title or None, title_justify="left", box=None, pad_edge=False, header_style="bold")
-    for column in columns:
-        numeric = column not in (
-            "coefficient",
-            "unit",
-            "what it is",
-            "what is wrong",
-            "stage",
-            "recording",
-            "channel",
-            "constraint",
-            "at",
-            "",
-        )
-        table.add_column(column, justify="right" if numeric else "left")
-    return table
-
-
-def _coefficients(result: FitResult) -> Table:
-    table = _table(
-        "coefficient", "guess", "lower", "upper", "value", "unit", "", title=f"Coefficients ({result.signs} signs)"
-    )
-    for c in result.coefficients:
-        remark = "at bound" if c.at_bound else "" if c.determined else "not determined"
-        table.add_row(c.name, *(f"{v:.5g}" for v in (c.guess, c.lower, c.upper, c.value)), c.unit, remark)
-    return table
-
-
-def _channels(result: FitResult) -> Table:
-    table = _table("recording", "channel", "rows", "RMSE", "unit", "R2", "R2 uncentred", title="Quality")
-    for c in result.channels:
-        table.add_row(
-            escape(c.recording), c.channel, f"{c.rows}", f"{c.rmse:.4g}", c.unit, f"{c.r2:.5f}", f"{c.r2_uncentred:.5f}"
-        )
-    return table
-
-
-def _stages(result: FitResult) -> Table:
-    table = _table(
-        "stage", "rows", "free", "iterations", "R2 uncentred", "", title=f"Stages of recipe {escape(result.recipe)}"
-    )
-    for s in result.stages:
-        reason = "" if s.converged else s.reason
-        table.add_row(escape(s.name), f"{s.rows}", f"{s.free}", f"{s.iterations}", f"{s.r2_uncentred:.5f}", reason)
-    return table
-
-
-def _margins(result: FitResult) -> Table:
-    table = _table("constraint", "tightest", "margin", "at", title="Constraints, verified over the operating range")
-    for m in result.margins:
-        table.add_row(
-            m.constraint, f"{m.worst:.4g}", f"{m.margin:.3g}", ", ".join(f"{k} {v:.3g}" for k, v in m.at.items())
-        )
     return table

@@ -1,0 +1,95 @@
+"""Slip stiffness of the fitted tire against what is read from the data without a tire."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .curves import SLOPE_WINDOW, slope_at_zero
+from .residuals import Residuals
+
+#: The force that each slip makes.
+FORCES = {"kappa": "Fx", "alpha": "Fy"}
+
+
+@dataclass(frozen=True)
+class SlipStiffness:
+    """The slope of a force at zero slip, at one load.
+
+    Attributes
+    ----------
+    recording, channel, slip, unit : str
+    load : float
+        N.
+    read, fitted : float
+        Magnitude of the slope of the measured rows, and of the tire at the same rows, read in the same way and
+        averaged over the inclinations, pressures and so on of that load.
+    conditions : int
+        How many these are.
+    """
+
+    recording: str
+    channel: str
+    slip: str
+    unit: str
+    load: float
+    read: float
+    fitted: float
+    conditions: int
+
+    @property
+    def off(self) -> float:
+        """By what share the tire is off."""
+        return self.fitted / self.read - 1.0
+
+
+def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
+    """Read slip stiffnesses from the data, condition by condition, and from the tire at the same rows.
+
+    Parameters
+    ----------
+    residuals : Residuals
+
+    Returns
+    -------
+    tuple of SlipStiffness
+        By recording, channel and load; none where no sweep passes zero slip with the other slip at rest.
+    """
+    loads = np.array(residuals.levels.get("Fz", ()))
+    told = []
+    for number, source in enumerate(residuals.sources):
+        for slip, channel in FORCES.items():
+            if channel not in residuals.channels or slip not in residuals.table:
+                continue
+            slopes = _slopes(residuals, number, slip, channel)
+            if not slopes:
+                continue
+            load, read, fitted = np.array(slopes).T
+            level = np.abs(load[:, None] - loads).argmin(axis=1) if loads.size else np.zeros(len(load), dtype=int)
+            for each in np.unique(level):
+                mine = level == each
+                at, data, tire = (float(np.abs(values[mine]).mean()) for values in (load, read, fitted))
+                unit = "N/rad" if slip == "alpha" else "N"
+                told.append(SlipStiffness(source, channel, slip, unit, at, data, tire, int(mine.sum())))
+    return tuple(told)
+
+
+def _slopes(residuals: Residuals, number: int, slip: str, channel: str) -> list[tuple[float, float, float]]:
+    """Return load, slope read and slope fitted of each held condition that is swept through zero."""
+    table = residuals.table
+    measured = table[channel].to_numpy(dtype=float)
+    other = "kappa" if slip == "alpha" else "alpha"
+    near = (residuals.recording == number) & np.isfinite(measured)
+    x = table[slip].to_numpy(dtype=float)
+    near &= np.abs(x) < SLOPE_WINDOW[slip]
+    if other in table:
+        near &= np.abs(table[other].to_numpy(dtype=float)) < 0.25 * SLOPE_WINDOW[other]
+    found = []
+    for condition in np.unique(residuals.condition[near]):
+        rows = near & (residuals.condition == condition)
+        read = slope_at_zero(x[rows], measured[rows], SLOPE_WINDOW[slip])
+        fitted = slope_at_zero(x[rows], residuals.computed[channel][rows], SLOPE_WINDOW[slip])
+        if np.isfinite(read) and np.isfinite(fitted) and read != 0:
+            found.append((float(table["Fz"].to_numpy()[rows].mean()), read, fitted))
+    return found

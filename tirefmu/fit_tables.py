@@ -1,0 +1,150 @@
+"""A fit as the terminal shows it: tables, and a few lines between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from rich.markup import escape
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from tirefmu.fitting import FitResult
+
+#: Columns of words; the others hold numbers.
+WORDS = {
+    "coefficient", "unit", "what it is", "what is wrong", "stage", "recording", "channel", "constraint", "at", "",
+    "force", "first", "second", "mostly at", "missed most",
+}  # fmt: skip
+
+
+def plain_table(*columns: str, title: str = "") -> Table:
+    """Return a table without lines, numbers to the right."""
+    table = Table(title=title or None, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    for column in columns:
+        table.add_column(column, justify="left" if column in WORDS else "right")
+    return table
+
+
+def fit_lines(result: FitResult) -> Iterator[Table | str]:
+    """Yield what is to be printed of a fit, in order."""
+    from tirefmu.fitting.telling import told_extrapolation, told_ripple
+
+    yield _coefficients(result)
+    yield _channels(result)
+    if result.held_out:
+        yield _held_out(result)
+    if result.findings.stiffnesses:
+        yield _stiffnesses(result)
+    yield _stages(result)
+    if result.margins:
+        yield _margins(result)
+        yield told_extrapolation(result)
+    yield from _differences(result)
+    yield from told_ripple(result.findings.ripples)
+    for each in result.findings.undetermined:
+        yield f"open: {', '.join(each.coefficients)}: {each.reason}"
+    for rows in result.set_aside:
+        yield f"note: {rows}"
+    for note in result.notes:
+        yield f"note: {note}"
+    yield f"fit {result.status}, {result.seconds:.1f} s"
+
+
+def _coefficients(result: FitResult) -> Table:
+    from tirefmu.fitting.telling import told_interval
+
+    table = plain_table(
+        "coefficient", "guess", "lower", "upper", "value", "+- (95 %)", "unit", "",
+        title=f"Coefficients ({result.signs} signs)",
+    )  # fmt: skip
+    for c in result.coefficients:
+        remark = "at bound" if c.at_bound else "" if c.determined else "not determined"
+        numbers = (f"{v:.5g}" for v in (c.guess, c.lower, c.upper, c.value))
+        table.add_row(c.name, *numbers, told_interval(c.interval), c.unit, remark)
+    return table
+
+
+def _channels(result: FitResult) -> Table:
+    from tirefmu.fitting.telling import told_interval, told_worst
+
+    table = plain_table(
+        "recording", "channel", "rows", "RMSE", "unit", "noise floor", "R2", "R2 uncentred", "missed most",
+        title="Quality",
+    )  # fmt: skip
+    for c in result.channels:
+        table.add_row(
+            escape(c.recording), c.channel, f"{c.rows}", f"{c.rmse:.4g}", c.unit, told_interval(c.noise_floor),
+            f"{c.r2:.5f}", f"{c.r2_uncentred:.5f}", told_worst(result, c.recording, c.channel),
+        )  # fmt: skip
+    return table
+
+
+def _held_out(result: FitResult) -> Table:
+    table = plain_table(
+        "recording", "channel", "rows", "RMSE", "held out", "unit", "", title="Cross-validation over held conditions"
+    )
+    for c in result.held_out:
+        worse = f"{c.held_out / c.in_sample - 1:+.1%}" if c.in_sample > 0 else ""
+        table.add_row(
+            escape(c.recording), c.channel, f"{c.rows}", f"{c.in_sample:.4g}", f"{c.held_out:.4g}", c.unit, worse
+        )
+    return table
+
+
+def _stiffnesses(result: FitResult) -> Table:
+    table = plain_table(
+        "recording", "force", "load (N)", "read from the data", "tire", "unit", "off", title="Slip stiffness"
+    )
+    for s in result.findings.stiffnesses:
+        table.add_row(
+            escape(s.recording), s.channel, f"{s.load:.0f}", f"{s.read:.5g}", f"{s.fitted:.5g}", s.unit, f"{s.off:+.1%}"
+        )
+    return table
+
+
+def _stages(result: FitResult) -> Table:
+    table = plain_table(
+        "stage", "rows", "free", "iterations", "R2 uncentred", "", title=f"Stages of recipe {escape(result.recipe)}"
+    )
+    for s in result.stages:
+        reason = "" if s.converged else s.reason
+        table.add_row(escape(s.name), f"{s.rows}", f"{s.free}", f"{s.iterations}", f"{s.r2_uncentred:.5f}", reason)
+    return table
+
+
+def _margins(result: FitResult) -> Table:
+    from tirefmu.fitting.residuals import condition_text
+    from tirefmu.fitting.telling import told_conditions
+
+    table = plain_table(
+        "constraint", "tightest", "margin", "at", "margin beyond", "",
+        title="Constraints, verified over the operating range",
+    )  # fmt: skip
+    for c in told_conditions(result.margins):
+        beyond = "" if c.beyond is None else f"{c.beyond.margin:.3g}"
+        broken = any(m is not None and m.margin < 0 for m in (c.inside, c.beyond))
+        table.add_row(
+            c.constraint, f"{c.inside.worst:.4g}", f"{c.inside.margin:.3g}", condition_text(c.inside.at), beyond,
+            "broken" if broken else "",
+        )  # fmt: skip
+    return table
+
+
+def _differences(result: FitResult) -> Iterator[Table]:
+    from tirefmu.fitting.residuals import condition_text
+    from tirefmu.fitting.telling import told_differences
+
+    differences = told_differences(result)
+    if not differences:
+        return
+    table = plain_table(
+        "first", "second", "channel", "difference", "sigmas", "most", "unit", "mostly at",
+        title="Where the data differ from themselves at equal conditions and slips",
+    )  # fmt: skip
+    for d in differences:
+        table.add_row(
+            escape(d.first), escape(d.second), d.channel, f"{d.mean:+.3g}", f"{abs(d.sigmas):.0f}", f"{d.most:+.3g}",
+            d.unit, condition_text(d.at),
+        )  # fmt: skip
+    yield table
