@@ -34,6 +34,7 @@ def fit(
     effects: Collection[str] | None = None,
     without: Collection[str] = (),
     recipe: str = "progressive",
+    loss: str = "squares",
     nominal: Mapping[str, float] | None = None,
     signs: str | None = None,
     progress: Progress | None = None,
@@ -53,6 +54,9 @@ def fit(
         Effects to leave out.
     recipe : str
         "progressive", "joint", "trento", "scaling" (of the start tire) or the path of a TOML file.
+    loss : {"squares", "huber", "cauchy"}
+        What a residual costs: where a few rows are grossly wrong, "huber" lets one count by its size instead of its
+        square, "cauchy" hardly at all; from 1.3 and 2.4 standard deviations of its own channel's noise on.
     nominal : mapping of str to float, optional
         Fz0 (N), R0 (m), p0 (Pa), V0 (m/s), as far as the model has them; the medians of the data and 0.3 m where
         not given.
@@ -82,7 +86,7 @@ def fit(
     present = _effects(book, start, effects, without)
     data, notes = _together(recordings, book)
     tire = _starting_tire(book, present, start, data, nominal or {}, notes)
-    session = Session(book, tire, data, plan, progress, notes, given=start is not None)
+    session = Session(book, tire, data, plan, progress, notes, given=start is not None, loss=loss)
     for stage in plan.stages:
         session.run(stage)
     told = "iso" if all(recording.signs == "iso" for recording in recordings) else "adapted-sae"

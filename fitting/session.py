@@ -19,10 +19,13 @@ from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
 from .constraints import TOLERANCE, VALIDITY, Constraint, grid, operating_range
+from .influence import influence, usual_size
 from .ipopt import Solution, solve
+from .loss import loss_named
 from .noise_floor import noise_floor
-from .problem import CHUNK, Problem, Rows, coefficients_by_output, emphasis, equal_weights, noise_weights
+from .problem import Problem, Rows, coefficients_by_output, emphasis, equal_weights, limits_of, noise_weights
 from .recipe import Freed, Recipe, Stage
+from .restarts import best_end
 from .result import ChannelFit, FitResult, FittedCoefficient, Margin, StageFit, quality
 from .uncertainty import Direction, uncertainty
 
@@ -67,7 +70,9 @@ class Session:
         notes: list[str],
         *,
         given: bool,
+        loss: str = "squares",
     ) -> None:
+        self._loss = loss_named(loss)
         self._given = given  # the tire's values are somebody's, not to be replaced by generic ones
         self._book, self._tire, self._data, self._plan = book, tire, data, plan
         self._progress: Progress = progress or (lambda stage, iteration, cost: None)
@@ -142,7 +147,7 @@ class Session:
 
     def _determined(self, every: dict[str, Freed], rows: Rows, stage: Stage) -> dict[str, Freed]:
         """Leave out what the rows cannot see; undo its generic start value, which nobody measured."""
-        seen = _influence(self._tire, rows.sample(2000), list(every))
+        seen = influence(self._tire, rows.sample(2000), list(every))
         for name, freed in every.items():
             before = self._freed.get(name)
             if before is None or name in seen or not before.determined:
@@ -155,18 +160,21 @@ class Session:
 
     def _solve(self, stage: Stage, rows: Rows, free: dict[str, Freed], channels: Sequence[str]) -> None:
         cards = self._book.coefficients
-        scale = np.array([_size(cards[name].lower, cards[name].upper, f.guess) for name, f in free.items()])
-        problem = Problem(self._tire, rows, tuple(free), equal_weights(rows), scale)
+        scale = np.array([usual_size(cards[name].lower, cards[name].upper, f.guess) for name, f in free.items()])
+        problem = Problem(self._tire, rows, tuple(free), equal_weights(rows), scale, self._loss)
         start = np.array([f.guess for f in free.values()]) / scale
         if stage.weights == "noise":
             problem.weights = noise_weights(problem, start, self._emphasis)
+        problem.limits = limits_of(problem, start)
         lower = np.array([f.lower for f in free.values()]) / scale
         upper = np.array([f.upper for f in free.values()]) / scale
         report = partial(self._progress, stage.name)
-        solution = self._solved(
-            problem, np.clip(start, lower, upper), lower, upper, channels, report,
+        settle = partial(
+            self._solved, problem, lower=lower, upper=upper, channels=channels, report=report,
             ridge=RIDGE[stage.weights], approach=self._is_approach(stage),
         )  # fmt: skip
+        first = settle(np.clip(start, lower, upper))
+        solution = best_end(problem, first, settle, lower, upper, stage.again, always=self._given)
         values = dict(zip(free, (solution.x * scale).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})
         if stage.rows is None or len(rows) < stage.rows:  # rows drawn at random tell nothing of time
@@ -346,37 +354,3 @@ def _generic(card: Coefficient) -> float:
         return card.generic
     assumed = -card.assumed if card.flips else card.assumed  # cards tell that in ISO-W
     return min(max(assumed, card.lower), card.upper)
-
-
-def _size(lower: float, upper: float, guess: float) -> float:
-    """Return the size of a coefficient for the solver: a quarter of its card's range, not less than its guess."""
-    span = upper - lower
-    return max(abs(guess), 0.25 * span if np.isfinite(span) else 1.0, 1e-3)
-
-
-def _influence(tire: Tire, rows: Rows, names: Sequence[str]) -> set[str]:
-    """Return the coefficients that change some measured force at these rows.
-
-    Looked at from the present values and from two random points beside them: where a factor is at neutral,
-    what it multiplies shows nothing, though it may once the factor moves.
-    """
-    book, code = tire.book, fastest_code(tire.book)
-    order = list(book.parameters)
-    cards = [book.coefficients[name] for name in names]
-    columns, factors = np.array([order.index(name) for name in names]), tire.rescaled
-    sizes = np.array([_size(c.lower, c.upper, tire.values[c.name]) * factors.get(c.name, 1.0) for c in cards])
-    there = np.isfinite(rows.measured)
-    squares = np.sum(np.where(there, rows.measured, 0.0) ** 2, axis=0)
-    forces = np.sqrt(np.where(squares > 0, squares, np.inf) / np.maximum(there.sum(axis=0), 1))
-    force, coefficient = code.entries
-    random = np.random.default_rng(0)
-    seen: set[int] = set()
-    for reach in (0.0, 0.1, 0.1):
-        parameters, most = tire.parameters(), np.zeros(code.entries.shape[1])
-        parameters[columns] += reach * sizes * random.uniform(-1.0, 1.0, len(names))
-        for chunk, jacobian in code.jacobian_chunks(rows.inputs, parameters, CHUNK):
-            most = np.fmax(most, np.fmax.reduce(np.where(there[chunk].T[force], np.abs(jacobian), 0.0), axis=1))
-        size = np.zeros(len(order))
-        size[columns] = sizes
-        seen.update(coefficient[most * size[coefficient] > 1e-6 * forces[force]].tolist())
-    return {name for name, column in zip(names, columns, strict=True) if int(column) in seen}

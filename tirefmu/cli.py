@@ -124,6 +124,8 @@ def evaluate(
 @click.option("--without", callback=names, default="none", help="All effects but these.")
 @click.option("--recipe", default="progressive", show_default=True,
               help="progressive, joint, trento, scaling (of --start), or a TOML file.")  # fmt: skip
+@click.option("--loss", default="squares", show_default=True,
+              help="What a residual costs: squares; huber or cauchy where some rows are grossly wrong.")  # fmt: skip
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
 @click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
@@ -131,8 +133,8 @@ def evaluate(
 @common
 def fit(
     tables: tuple[Path, ...], model: str, output: Path, start: Path | None, effects: tuple[str, ...] | None,
-    without: tuple[str, ...], recipe: str, nominal: dict[str, float] | None, signs: str | None, figures: Path | None,
-    report: Path | None, quiet: bool, json_file: Path | None,
+    without: tuple[str, ...], recipe: str, loss: str, nominal: dict[str, float] | None, signs: str | None,
+    figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints."""
     from tirefmu.fitting import fit as run
@@ -148,7 +150,7 @@ def fit(
     with terminal.fitting() as progress:
         result = run(
             recordings, model, start=tire_named(start) if start else None, effects=effects, without=without,
-            recipe=recipe, nominal=nominal, progress=progress,
+            recipe=recipe, loss=loss, nominal=nominal, progress=progress,
         )  # fmt: skip
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
