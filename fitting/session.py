@@ -33,9 +33,9 @@ FloatArray = npt.NDArray[np.float64]
 #: Called with (stage, iteration, cost).
 Progress = Callable[[str, int, float], None]
 
-#: How much denser the grid is on which constraints are verified, how often what breaks them is added, and how much
-#: of it at a time.
-VERIFIED, ROUNDS, MOST_ADDED = 4, 12, 12
+#: How much denser the grid is on which constraints are verified, at the end and on the way there; how often what
+#: breaks them is added, and how much of it at a time.
+VERIFIED, APPROACHED, ROUNDS, MOST_ADDED = 4, 2, 12, 12
 #: The pull of scaled coefficients to where a stage starts, by its weights: the residual weights make the cost about
 #: 1/2, the others about the share of noise.
 RIDGE = {"equal": 1e-8, "noise": 1e-5}
@@ -147,7 +147,7 @@ class Session:
 
     def _determined(self, every: dict[str, Freed], rows: Rows, stage: Stage) -> dict[str, Freed]:
         """Leave out what the rows cannot see; undo its generic start value, which nobody measured."""
-        seen = influence(self._tire, rows.sample(2000), list(every))
+        seen = influence(self._tire, rows.sample(1000), list(every))
         for name, freed in every.items():
             before = self._freed.get(name)
             if before is None or name in seen or not before.determined:
@@ -205,7 +205,7 @@ class Session:
     ) -> Solution:
         """Solve, verify the constraints on the dense grid, and solve again with the points that broke them."""
         known = self._constraints(channels, 0) + self._broken
-        dense = self._constraints(channels, VERIFIED)
+        dense = self._constraints(channels, APPROACHED if approach else VERIFIED)
         settle = partial(solve, problem, lower=lower, upper=upper, ridge=ridge, approach=approach, progress=report)
         solution = settle(start, constraints=known)
         for _ in range(1 if approach else ROUNDS):
