@@ -199,7 +199,7 @@ def solve(
             "max_iter": max_iterations,
             # Far from a perfect model Gauss-Newton steps close in linearly, and IPOPT's own criterion would take
             # hundreds of iterations that gain nothing; what stops a fit then is the watch.
-            "tol": 1e-6,
+            "tol": 1e-7,
             "acceptable_iter": 0,
             # Starting values are good ones: do not push them far into the interior.
             "mu_init": 1e-4,

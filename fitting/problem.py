@@ -5,7 +5,7 @@ Everything in here is in adapted SAE signs, in which cards and recipes write the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -18,6 +18,7 @@ from tirefmu.symbolic.model import Model, reaching
 from tirefmu.tires.code import Code, fastest_code
 from tirefmu.tires.tire import Tire
 
+from .loss import LOSSES, Loss, robust_scale
 from .noise_floor import held_levels
 
 FloatArray = npt.NDArray[np.float64]
@@ -112,6 +113,10 @@ class Problem:
         Weight of a squared residual by recording and channel.
     scale : ndarray, shape (n_free,)
         Size of each free coefficient: the solver sees ``value / scale``.
+    loss : Loss
+        What a residual costs.
+    limits : ndarray, shape (n_groups, n_forces), optional
+        The residual of each recording's channel from which on it counts less than its square.
     columns : ndarray of int, shape (n_free,)
         Place of each free coefficient in the parameter vector of the generated code.
     reach : ndarray, shape (n_free,)
@@ -123,6 +128,8 @@ class Problem:
     free: tuple[str, ...]
     weights: FloatArray
     scale: FloatArray
+    loss: Loss = LOSSES["squares"]
+    limits: FloatArray | None = None
     columns: npt.NDArray[np.int64] = field(init=False)
     reach: FloatArray = field(init=False)
     _code: Code = field(init=False)
@@ -147,7 +154,7 @@ class Problem:
         self._weighed: FloatArray | None = None  # the weights to which the next two belong
         self._root = np.zeros_like(self._measured)
         self._there: list[tuple[int, npt.NDArray[np.int64]]] = []
-        self._latest: tuple[FloatArray, FloatArray] | None = None
+        self._latest: tuple[FloatArray, float, FloatArray, FloatArray] | None = None
 
     def parameters(self, x: FloatArray) -> FloatArray:
         """Return the whole parameter vector for scaled free values x."""
@@ -156,8 +163,8 @@ class Problem:
         return parameters
 
     def cost(self, x: FloatArray) -> float:
-        """Return half the weighted sum of squares."""
-        return 0.5 * float(np.sum(self._weighted_residual(x) ** 2))
+        """Return half the weighted sum of squares, or of what the loss makes of them."""
+        return self._at(x)[0]
 
     def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
         """Return cost, gradient (n_free,) and the Gauss-Newton matrix J^T W J (n_free, n_free)."""
@@ -170,7 +177,7 @@ class Problem:
 
     def by_output(self, x: FloatArray) -> list[tuple[int, npt.NDArray[np.int64], FloatArray, FloatArray]]:
         """Return what each weighed output adds: its place, the free coefficients that reach it, gradient and matrix."""
-        residual = self._weighted_residual(x)
+        _, root, residual = self._at(x)
         outputs = [(o, there, *self._entries[o]) for o, there in self._there if self._entries[o][0].size]
         gradients = [np.zeros(len(entries)) for _, _, entries, _ in outputs]
         matrices = [np.zeros((len(entries), len(entries)), order="F") for _, _, entries, _ in outputs]
@@ -184,7 +191,7 @@ class Problem:
                 every = len(here) == jacobian.shape[1]
                 weighted = jacobian[entries] if every else jacobian[np.ix_(entries, here - chunk.start)]
                 rows = chunk if every else here
-                weighted *= self._root[output, rows]
+                weighted *= root[output, rows]
                 gradients[k] += weighted @ residual[output, rows]
                 dsyrk(1.0, weighted.T, beta=1.0, c=matrices[k], trans=1, overwrite_c=1)  # the upper triangle
         parts = []
@@ -199,12 +206,22 @@ class Problem:
         forces = self._code.forces(self._inputs, self.parameters(x))
         return np.where(self._root > 0, forces - self._measured, 0.0)
 
-    def _weighted_residual(self, x: FloatArray) -> FloatArray:
-        """Return residuals times the root of their weights; kept for the point at which a solver asks again."""
+    def _at(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        """Return cost, roots of weights and residuals times these; kept for the point at which a solver asks again."""
         self._weigh()
         if self._latest is None or not np.array_equal(self._latest[0], x):
-            self._latest = x.copy(), self._root * self.residual(x)
-        return self._latest[1]
+            residual, root = self.residual(x), self._root
+            if self.limits is None:
+                weighted = root * residual
+                cost = 0.5 * float(np.sum(weighted**2))
+            else:
+                limits = self.limits[self.rows.group].T
+                over = np.abs(residual) / limits
+                cost = 0.5 * float(np.sum((root * limits) ** 2 * self.loss.value(over)))
+                root = root * np.sqrt(self.loss.weight(over))
+                weighted = root * residual
+            self._latest = x.copy(), cost, root, weighted
+        return self._latest[1:]
 
     def _weigh(self) -> None:
         """Spread the weights over the rows."""
@@ -263,21 +280,36 @@ def emphasis(data: pd.DataFrame, outputs: Sequence[str]) -> FloatArray:
     return factors
 
 
+def limits_of(problem: Problem, x: FloatArray) -> FloatArray | None:
+    """Return the limits of a problem's loss by the noise that each recording's channel has at x; None for squares."""
+    if not np.isfinite(problem.loss.constant):
+        return None
+    limits = np.ones_like(problem.weights)
+    for group, channel, residual, least in _by_channel(problem, x):
+        limits[group, channel] = problem.loss.constant * max(robust_scale(residual), least)
+    return limits
+
+
 def noise_weights(problem: Problem, x: FloatArray, factors: FloatArray | None = None) -> FloatArray:
     """Return weights by the residual variance that each recording's channel has at x, one mean square for all.
 
-    Residuals below a ten thousandth of the channel count as that: numbers without noise leave only rounding.
+    Residuals below a ten thousandth of the channel count as that: numbers without noise leave only rounding. A loss
+    other than squares takes the variance of the noise without what the loss is there for.
     The factors, shape (n_groups, n_forces), say what counts more than its noise tells.
     """
-    residual, measured = problem.residual(x), problem.rows.measured.T
-    weighed = np.isfinite(measured) & (problem.weights > 0)[problem.rows.group].T
-    weights = np.zeros_like(problem.weights)
-    for group in range(len(weights)):
-        rows = problem.rows.group == group
-        for channel in range(weights.shape[1]):
-            there = rows & weighed[channel]
-            if there.any():
-                least = LEAST_NOISE**2 * np.mean(measured[channel, there] ** 2)
-                variance = max(np.mean(residual[channel, there] ** 2), least)
-                weights[group, channel] = 1.0 / (variance * np.sum(weighed))
+    weights, robust = np.zeros_like(problem.weights), np.isfinite(problem.loss.constant)
+    weighed = np.isfinite(problem.rows.measured) & (problem.weights > 0)[problem.rows.group]
+    for group, channel, residual, least in _by_channel(problem, x):
+        deviation = robust_scale(residual) if robust else float(np.sqrt(np.mean(residual**2)))
+        weights[group, channel] = 1.0 / (max(deviation, least) ** 2 * np.sum(weighed))
     return weights if factors is None else weights * factors[: len(weights)]
+
+
+def _by_channel(problem: Problem, x: FloatArray) -> Iterator[tuple[int, int, FloatArray, float]]:
+    """Go through what has a weight: recording, channel, its residuals, and the least noise it may have."""
+    residual, measured = problem.residual(x), problem.rows.measured.T
+    for group, channel in np.argwhere(problem.weights > 0):
+        there = (problem.rows.group == group) & np.isfinite(measured[channel])
+        if there.any():
+            least = LEAST_NOISE * float(np.sqrt(np.mean(measured[channel, there] ** 2)))
+            yield int(group), int(channel), residual[channel, there], least

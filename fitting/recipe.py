@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from math import inf, isfinite, isnan, radians
@@ -26,7 +26,7 @@ UNITS = {"": 1.0, "rad": 1.0, "deg": radians(1.0), "N": 1.0, "kN": 1e3, "%": 0.0
 RECIPE_KEYS: dict[str, type] = {"name": str, "description": str, "models": list, "scales": bool, "stage": list}
 STAGE_KEYS: dict[str, type] = {
     "name": str, "channels": list, "where": dict, "hold": list, "free": dict, "sections": list, "effects": list,
-    "rows": int, "weights": str,
+    "rows": int, "weights": str, "again": list,
 }  # fmt: skip
 KINDS = {
     bool: "true or false",
@@ -74,6 +74,9 @@ class Stage:
     weights : str
         "equal": every channel by its mean square; "noise": every recording's channel by the residual that the
         stage before left, doubled where the channel's own slip is swept there.
+    again : tuple of mapping of str to float
+        Other values of a few coefficients, from which the end is sought again where a start tire was given or one
+        of these coefficients ended on a bound; the best end counts. Adapted SAE.
     """
 
     name: str
@@ -85,6 +88,7 @@ class Stage:
     effects: tuple[str, ...] | None
     rows: int | None
     weights: str
+    again: tuple[Mapping[str, float], ...] = ()
 
     def select(self, table: pd.DataFrame) -> pd.DataFrame:
         """Return the rows of a table (adapted SAE) that meet every condition, held inputs at their level."""
@@ -211,7 +215,18 @@ def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
         effects=None if effects is None else tuple(sorted(set(effects) & book.effects.keys())),
         rows=rows,
         weights=weights,
+        again=tuple(_values(given, f"{place}, again") for given in item.get("again", [])),
     )
+
+
+def _values(given: dict[str, float], place: str) -> dict[str, float]:
+    """Return starting values; what a model lacks of them is left out when a stage is solved."""
+    _check_kind(given, dict, place)
+    known = {name: card for book in MODELS.values() for name, card in book.coefficients.items()}
+    for name, value in given.items():
+        _check_name(f"coefficient in {place}", name, known)
+        _check_kind(value, float, f"{place}, {name}")
+    return {name: float(value) for name, value in given.items()}
 
 
 def _freed(given: dict[str, float], place: str) -> Freed:

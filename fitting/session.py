@@ -20,22 +20,24 @@ from tirefmu.tires.tire import Tire
 from .checkpoint import Checkpoint, Ended, Release, State
 from .constraints import TOLERANCE, Constraint, chosen_constraints, grid, operating_range
 from .imposed import measured_values
-from .influence import generic, influence, size
+from .influence import generic, influence, usual_size
 from .interruption import Interruption
 from .ipopt import Solution, solve
+from .loss import loss_named
 from .noise_floor import noise_floor
 from .preparation import Prepared
-from .problem import Problem, Rows, coefficients_by_output, emphasis, equal_weights, noise_weights
+from .problem import Problem, Rows, coefficients_by_output, emphasis, equal_weights, limits_of, noise_weights
 from .recipe import Freed, Recipe, Stage
 from .residuals import Residuals
+from .restarts import best_end
 from .result import ChannelFit, FitResult, FittedCoefficient, Margin, StageFit, quality
 from .uncertainty import Direction, uncertainty
 from .worth import weights_by_worth
 
 FloatArray = npt.NDArray[np.float64]
-#: How much denser the grid is on which constraints are verified, how often what breaks them is added, and how much
-#: of it at a time.
-VERIFIED, ROUNDS, MOST_ADDED = 4, 12, 12
+#: How much denser the grid is on which constraints are verified, at the end and on the way there; how often what
+#: breaks them is added, and how much of it at a time.
+VERIFIED, APPROACHED, ROUNDS, MOST_ADDED = 4, 2, 12, 12
 #: The pull of scaled coefficients to where a stage starts, by its weights: the residual weights make the cost about
 #: 1/2, the others about the share of noise.
 RIDGE = {"equal": 1e-8, "noise": 1e-5}
@@ -63,7 +65,9 @@ class Session:
         given: bool,
         read: Mapping[str, float],
         conditions: Mapping[str, Sequence[Constraint]] | None = None,
+        loss: str = "squares",
     ) -> None:
+        self._loss = loss_named(loss)
         self._given = given  # the tire's values are somebody's, not to be replaced by generic ones
         self._read = read  # what the data told before the first stage; generic values for the rest
         self._book, self._tire, self._plan = book, tire, plan
@@ -186,7 +190,7 @@ class Session:
 
     def _determined(self, every: dict[str, Freed], rows: Rows, stage: Stage) -> dict[str, Freed]:
         """Leave out what the rows cannot see; undo its generic start value, which nobody measured."""
-        seen = influence(self._tire, rows.sample(2000), list(every))
+        seen = influence(self._tire, rows.sample(1000), list(every))
         for name, freed in every.items():
             before = self._freed.get(name)
             if before is None or name in seen or not before.determined:
@@ -205,10 +209,12 @@ class Session:
         lower = np.array([f.lower for f in free.values()]) / scale
         upper = np.array([f.upper for f in free.values()]) / scale
         report = partial(self._interruption.report, stage.name)
-        solution = self._solved(
-            problem, np.clip(start, lower, upper), lower, upper, channels, report,
+        settle = partial(
+            self._solved, problem, lower=lower, upper=upper, channels=channels, report=report,
             ridge=RIDGE[stage.weights], approach=self._is_approach(stage),
         )  # fmt: skip
+        first = settle(np.clip(start, lower, upper))
+        solution = best_end(problem, first, settle, lower, upper, stage.again, always=self._given)
         values = dict(zip(free, (solution.x * scale).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})
         if stage.rows is None or len(rows) < stage.rows:  # rows drawn at random tell nothing of time
@@ -223,13 +229,14 @@ class Session:
     def _posed(self, stage: Stage, tire: Tire, rows: Rows, free: Mapping[str, Freed]) -> Problem:
         """Return the problem of a stage, weighed by what its start leaves."""
         cards = self._book.coefficients
-        scale = np.array([size(cards[name].lower, cards[name].upper, f.guess) for name, f in free.items()])
-        problem = Problem(tire, rows, tuple(free), equal_weights(rows), scale)
+        scale = np.array([usual_size(cards[name].lower, cards[name].upper, f.guess) for name, f in free.items()])
+        problem = Problem(tire, rows, tuple(free), equal_weights(rows), scale, self._loss)
+        start = np.array([f.guess for f in free.values()]) / scale
         if stage.weights == "noise":
-            start = np.array([f.guess for f in free.values()]) / scale
             problem.weights = noise_weights(problem, start, self._emphasis)
             if self._prepared.rows == "independent":
                 problem.weights = weights_by_worth(problem, start)
+        problem.limits = limits_of(problem, start)
         return problem
 
     def _is_approach(self, stage: Stage) -> bool:
@@ -251,7 +258,7 @@ class Session:
     ) -> Solution:
         """Solve, verify the constraints on the dense grid, and solve again with the points that broke them."""
         known = self._constraints(channels, 0) + self._broken
-        dense = self._constraints(channels, VERIFIED)
+        dense = self._constraints(channels, APPROACHED if approach else VERIFIED)
         settle = partial(
             solve, problem, lower=lower, upper=upper, ridge=ridge, approach=approach, progress=report,
             stop=self._stop,

@@ -3,8 +3,9 @@
 Rows of a slow sweep are not independent: what the fit misses at one row it misses at the next. A least-squares fit
 with weights w of residuals with variance s^2 that stay alike for tau rows has, to first order, the covariance
 H^-1 (sum of tau s^2 w H_c) H^-1, where H = J^T W J is the sum of its parts H_c by recording and channel: the sandwich
-of White (1980) with the long-run variance of Newey and West (1987) in its middle. It takes J to change more slowly
-than the noise, which holds on a bench. Conditions that a value lies on are not taken into account.
+of White (1980) with the long-run variance of Newey and West (1987) in its middle. Where a loss bounds what a residual
+counts, s^2 is the variance of what it counts, and H is diminished by the mean slope of the loss (Huber). It takes J to
+change more slowly than the noise, which holds on a bench. Conditions that a value lies on are not taken into account.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
+from .loss import LOSSES
 from .problem import Problem
 
 FloatArray = npt.NDArray[np.float64]
@@ -159,14 +161,19 @@ def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, 
     n = len(problem.free)
     curvature, middle, effective = np.zeros((n, n)), np.zeros((n, n)), np.zeros_like(problem.weights)
     for group in np.flatnonzero((problem.weights > 0).any(axis=1)):
-        part = replace(problem, rows=problem.rows.take(np.flatnonzero(problem.rows.group == group)))
-        residual, there = part.residual(x), np.isfinite(part.rows.measured.T)
+        rows = problem.rows.take(np.flatnonzero(problem.rows.group == group))
+        # The Jacobian of all rows: how much of them the loss leaves is the same everywhere but for chance.
+        part = replace(problem, rows=rows, loss=LOSSES["squares"], limits=None)
+        residual, there = part.residual(x), np.isfinite(rows.measured.T)
         twice = _twice_weighed(part, x)
         for channel, free, _, squares in part.by_output(x):
-            missed, segment = residual[channel, there[channel]], part.rows.segment[there[channel]]
-            alike, variance = correlation_rows(missed, segment), float(np.mean(missed**2))
+            missed, slope = residual[channel, there[channel]], 1.0
+            if problem.limits is not None:
+                over = np.abs(missed) / problem.limits[group, channel]
+                missed, slope = missed * problem.loss.weight(over), float(np.mean(problem.loss.slope(over)))
+            alike, variance = correlation_rows(missed, rows.segment[there[channel]]), float(np.mean(missed**2))
             effective[group, channel] = len(missed) / alike
-            curvature[np.ix_(free, free)] += squares
+            curvature[np.ix_(free, free)] += slope * squares
             noise = alike * variance * problem.weights[group, channel]
             middle[np.ix_(free, free)] += noise * twice.get(channel, squares)
     return curvature, middle, effective

@@ -133,6 +133,8 @@ def evaluate(
 @click.option("--without-constraint", callback=names, default="none",
               help="Physical conditions not to keep: signs, curvature, friction_falling, stiffness_saturating, "
                    "extrapolation, one of them (curvature:E_y), or all.")  # fmt: skip
+@click.option("--loss", default="squares", show_default=True,
+              help="What a residual costs: squares; huber or cauchy where some rows are grossly wrong.")  # fmt: skip
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
 @click.option("--all-rows", is_flag=True, help="Fit what would be set aside, too: warm-up, transitions, outliers.")
@@ -146,7 +148,7 @@ def evaluate(
 @common
 def fit(
     tables: tuple[Path, ...], model: str, output: Path, start: Path | None, effects: tuple[str, ...] | None,
-    without: tuple[str, ...], recipe: str, constraint: tuple[str, ...], without_constraint: tuple[str, ...],
+    without: tuple[str, ...], recipe: str, constraint: tuple[str, ...], without_constraint: tuple[str, ...], loss: str,
     nominal: dict[str, float] | None, signs: str | None, all_rows: bool, rows: str, resume: bool, folds: int | None,
     figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
@@ -171,7 +173,8 @@ def fit(
     finished_stages = output.with_name(f"{output.stem}.progress.json")
     options: dict[str, Any] = {
         "start": start_named(start), "effects": effects, "without": without, "recipe": recipe, "nominal": nominal,
-        "screening": not all_rows, "rows": rows, "constraints": constraint, "without_constraints": without_constraint,
+        "screening": not all_rows, "rows": rows, "loss": loss, "constraints": constraint,
+        "without_constraints": without_constraint,
     }  # fmt: skip
     with terminal.fitting() as progress:
         result = run(recordings, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)

@@ -36,7 +36,11 @@ VALUES = {
 #: Where a model's coefficient of that name means something else.
 OTHERWISE = {"mf96": {"PKY3": 0.1, "QBZ5": -0.15}}
 NOMINAL = {"Fz0": VALUES["FNOMIN"], "R0": VALUES["UNLOADED_RADIUS"], "p0": VALUES["NOMPRES"], "V0": VALUES["LONGVL"]}
+#: What the coefficients refer to.
+NAMED = ("FNOMIN", "UNLOADED_RADIUS", "NOMPRES", "INFLPRES", "LONGVL")
 CHANNELS = ("Fx", "Fy", "Mz")
+#: The bench's noise in each, N and N m.
+SIZES = {"Fx": 30.0, "Fy": 30.0, "Mz": 2.0}
 LOADS = (400.0, 900.0, 1400.0, 2100.0, 2800.0)
 PRESSURES = (7.0e4, 8.3e4, 9.7e4)
 
@@ -66,8 +70,7 @@ def program(rows: int) -> Program:
 
 def noise(level: float = 1.0, correlation_time: float = 0.0) -> Noise:
     """Return noise of the forces and the moment alone: about that of a bench, its correlation time in s."""
-    sizes = {"Fx": 30.0, "Fy": 30.0, "Mz": 2.0}
-    return Noise({name: ChannelNoise(constant=level * size) for name, size in sizes.items()}, correlation_time)
+    return Noise({name: ChannelNoise(constant=level * size) for name, size in SIZES.items()}, correlation_time)
 
 
 def recorded(tire: Tire, rows: int, *, seed: int = 0, level: float = 1.0, correlation_time: float = 0.0) -> Recording:
@@ -86,7 +89,3 @@ def moved(tire: Tire, share: float, seed: int) -> Tire:
         card = tire.book.coefficients[name]
         values[name] = min(max(values[name] * rng.uniform(1 - share, 1 + share), card.lower), card.upper)
     return Tire(tire.model, values, effects=tire.has, signs=tire.signs)
-
-
-#: What the coefficients refer to.
-NAMED = ("FNOMIN", "UNLOADED_RADIUS", "NOMPRES", "INFLPRES", "LONGVL")

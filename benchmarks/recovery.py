@@ -1,0 +1,167 @@
+"""Whether a fit finds known coefficients again: predictions, coverage of the intervals, and ends from many starts.
+
+Complete tires of MF96, MF5.2 and MF6.1 (`tests/fitting/known_tires.py`) on the virtual bench with noise in Fx, Fy and
+Mz, white and correlated over time.
+
+- Predictions: the root mean square difference from the truth without noise, as a share of the noise; and the share
+  of 95 % intervals that hold the true value, over refits from generic values with new noise each. Counted is every
+  finite interval of a coefficient that is not on a bound; the range is that of the shares of single fits.
+- Starts: the true tire with every coefficient multiplied by 1 +- 30 % or 60 % at random, handed over as the start
+  tire. An end is good where no channel differs from the best fit's prediction by more than a tenth of the noise.
+
+    python benchmarks/recovery.py [--quick] [--models mf96,mf52,mf61] [--seeds 100] [--starts 50] [--processes 2]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import time
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from threadpoolctl import threadpool_limits
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fitting"))
+from known_tires import CHANNELS, NOMINAL, SIZES, known_tire, moved, recorded
+
+from tirefmu.fitting import FitResult, fit
+from tirefmu.measurements import Recording
+from tirefmu.tires import Tire
+
+FloatArray = npt.NDArray[np.float64]
+MODELS = ("mf96", "mf52", "mf61")
+#: How long noise stays alike, s: rows are 0.1 to 0.3 s apart.
+CORRELATIONS = {"white": 0.0, "correlated": 1.0}
+SHARES = (0.3, 0.6)
+#: A good end predicts what the best one does within this share of the noise.
+GOOD = 0.1
+
+
+@dataclass(frozen=True)
+class Refit:
+    """One fit to new noise."""
+
+    ok: bool
+    missed: float  # the largest of the channels' differences from the truth, in noise
+    covered: int
+    intervals: int
+    seconds: float
+
+
+def predicted(tire: Tire, recording: Recording) -> FloatArray:
+    """Return what a tire answers at the recording's inputs, in its channels' noise, shape (n_channels, n)."""
+    turned = tire.in_signs("adapted-sae")
+    table = recording.with_signs("adapted-sae").table
+    forces = turned.forces(**{name: table[name].to_numpy() for name in turned.inputs if name in table})
+    return np.stack([forces[name] / SIZES[name] for name in CHANNELS])
+
+
+def differ(one: Tire, other: Tire, recording: Recording) -> float:
+    """Return the largest root mean square difference of a channel, in its noise."""
+    difference = predicted(one, recording) - predicted(other, recording)
+    return float(np.sqrt(np.mean(difference**2, axis=1)).max())
+
+
+def held(result: FitResult, truth: Tire) -> tuple[int, int]:
+    """Return how many finite intervals hold the true value, and how many there are."""
+    tire, inside, counted = truth.in_signs(result.signs), 0, 0
+    for coefficient in result.coefficients:
+        if coefficient.determined and not coefficient.at_bound and np.isfinite(coefficient.interval):
+            counted += 1
+            inside += abs(coefficient.value - tire.values[coefficient.name]) <= coefficient.interval
+    return inside, counted
+
+
+def refitted(model: str, correlation: float, rows: int, seed: int) -> Refit:
+    """Fit the known tire's recording with the noise of a seed, from generic values."""
+    truth = known_tire(model)
+    recording = recorded(truth, rows, seed=seed, correlation_time=correlation)
+    began = time.process_time()
+    with threadpool_limits(limits=1, user_api="blas"):
+        result = fit([recording], model, nominal=NOMINAL)
+    seconds = time.process_time() - began
+    return Refit(result.ok, differ(result.tire, truth, recording), *held(result, truth), seconds)
+
+
+def from_truth(model: str, rows: int) -> Tire:
+    """Return the tire of the fit that starts from the truth: the best end, unless another is found."""
+    truth = known_tire(model)
+    with threadpool_limits(limits=1, user_api="blas"):
+        return fit([recorded(truth, rows)], model, start=truth).tire
+
+
+def ended(model: str, share: float, rows: int, best: Tire, seed: int) -> tuple[float, bool]:
+    """Return how far the end of a start that is off by a share is from the best one, and whether the fit is ok."""
+    truth = known_tire(model)
+    recording = recorded(truth, rows)
+    with threadpool_limits(limits=1, user_api="blas"):
+        result = fit([recording], model, start=moved(truth, share, seed))
+    return differ(result.tire, best, recording), result.ok
+
+
+def of_refits(name: str, runs: Iterable[Refit]) -> dict[str, object]:
+    """Tell a line of the first table."""
+    done = list(runs)
+    shares = [run.covered / run.intervals for run in done]
+    total = sum(run.covered for run in done) / sum(run.intervals for run in done)
+    missed = [run.missed for run in done]
+    print(
+        f"{name:18}{len(done):6}{sum(run.ok for run in done):6}{np.median(missed):10.3f}{max(missed):8.3f}"
+        f"{100 * total:10.1f} %{100 * min(shares):8.0f} .. {100 * max(shares):.0f} %"
+        f"{np.median([run.intervals for run in done]):8.0f}{np.median([run.seconds for run in done]):8.2f}",
+        flush=True,
+    )
+    return {"name": name, "runs": [asdict(run) for run in done], "coverage": total}
+
+
+def of_ends(name: str, ends: Iterable[tuple[float, bool]]) -> dict[str, object]:
+    """Tell a line of the second table."""
+    done = list(ends)
+    good = sum(ok and distance <= GOOD for distance, ok in done)
+    far = max(distance for distance, _ in done)
+    print(f"{name:18}{len(done):6}{good:6}{far:10.3f}", flush=True)
+    return {"name": name, "starts": len(done), "good": good, "farthest": far}
+
+
+def main() -> None:
+    """Run what was asked for and print two tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--quick", action="store_true", help="8 seeds, 5 starts")
+    parser.add_argument("--models", default=",".join(MODELS))
+    parser.add_argument("--seeds", type=int, default=100, help="refits of each model and kind of noise")
+    parser.add_argument("--starts", type=int, default=50, help="of each model and size")
+    parser.add_argument("--rows", type=int, default=6000)
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--json", type=Path, help="write the figures here, too")
+    given = parser.parse_args()
+    seeds, starts = (8, 5) if given.quick else (given.seeds, given.starts)
+    models = given.models.split(",")
+    refits, ends = [], []
+    with ProcessPoolExecutor(given.processes) as pool:
+        if seeds:
+            print(f"{'':18}{'fits':>6}{'ok':>6}{'missed':>10}{'most':>8}{'coverage':>12}{'range':>15}"
+                  f"{'intervals':>10}{'CPU s':>6}")  # fmt: skip
+        for model in models if seeds else ():
+            for kind, correlation in CORRELATIONS.items():
+                runs = pool.map(partial(refitted, model, correlation, given.rows), range(seeds))
+                refits.append(of_refits(f"{model}, {kind}", runs))
+        if starts:
+            print(f"\n{'':18}{'starts':>6}{'good':>6}{'farthest':>10}")
+        for model in models if starts else ():
+            best = pool.submit(from_truth, model, given.rows).result()
+            for share in SHARES:
+                found = pool.map(partial(ended, model, share, given.rows, best), range(starts))
+                ends.append(of_ends(f"{model}, +-{100 * share:.0f} %", found))
+    if given.json:
+        given.json.write_text(json.dumps({"refits": refits, "starts": ends}, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,101 @@
+"""Losses other than squares: their derivatives, and fits of recordings in which some rows are grossly wrong."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tirefmu.fitting import fit
+from tirefmu.fitting.loss import LOSSES, loss_named, robust_scale
+from tirefmu.fitting.problem import Problem, Rows, equal_weights, limits_of, noise_weights
+from tirefmu.measurements import Noise, Recording
+from tirefmu.measurements.noise import ChannelNoise
+from tirefmu.symbolic.errors import UnknownName
+
+SIZE = 15.0  # N, of the noise
+FREE = ("PCY1", "PDY1", "PDY2", "PEY1", "PKY1", "PKY2", "PHY1", "PVY1")
+ROBUST = ("huber", "cauchy")
+
+
+@pytest.fixture(scope="module")
+def outliers(known, make):
+    """Return a side force of which every twentieth row is off by up to a hundred times the noise, to one side."""
+    recording = make.sideways(known, noise=Noise({"Fy": ChannelNoise(constant=SIZE)}))
+    rng = np.random.default_rng(8)
+    wrong = rng.random(len(recording)) < 0.05
+    force = recording.table["Fy"] + np.where(wrong, rng.uniform(0.0, 100.0 * SIZE, len(recording)), 0.0)
+    return Recording(recording.table.assign(Fy=force), recording.signs, "outliers")
+
+
+@pytest.mark.parametrize("name", LOSSES)
+def test_weight_and_slope_are_those_of_the_value(name):
+    loss, v = LOSSES[name], np.array([0.01, 0.3, 0.9, 1.2, 3.0, 50.0])
+    h = 1e-5 * v
+    first = (loss.value(v + h) - loss.value(v - h)) / (2 * h)
+    np.testing.assert_allclose(first, 2 * v * loss.weight(v), rtol=1e-6)
+    second = ((v + h) * loss.weight(v + h) - (v - h) * loss.weight(v - h)) / (2 * h)
+    np.testing.assert_allclose(second, loss.slope(v), rtol=1e-5, atol=1e-9)
+    np.testing.assert_allclose(loss.value(np.array([1e-4])), 1e-8, rtol=1e-6)  # squares near zero
+
+
+@pytest.mark.parametrize("name", ROBUST)
+def test_constants_cost_a_twentieth_of_the_efficiency(name):
+    loss, u = LOSSES[name], np.random.default_rng(0).normal(size=400_000)
+    v = np.abs(u) / loss.constant
+    efficiency = np.mean(loss.slope(v)) ** 2 / np.mean((u * loss.weight(v)) ** 2)
+    assert efficiency == pytest.approx(0.95, abs=0.01)
+
+
+def test_an_unknown_loss_names_the_nearest():
+    with pytest.raises(UnknownName, match="huber"):
+        loss_named("hubert")
+
+
+@pytest.mark.parametrize("name", ROBUST)
+def test_gradient_is_the_slope_of_the_cost(known, outliers, name):
+    rows = Rows.of(outliers.with_signs("adapted-sae").table, known, ["Fy"])
+    scale = np.array([max(abs(known.values[name]), 0.1) for name in FREE])
+    problem = Problem(known, rows, FREE, equal_weights(rows), scale, LOSSES[name])
+    x = np.array([known.values[name] for name in FREE]) / scale * 1.05
+    problem.limits = limits_of(problem, x)
+    cost, gradient, matrix = problem.derivatives(x)
+    assert cost == problem.cost(x) < replace(problem, limits=None).cost(x)
+    for i in range(len(x)):
+        away = np.zeros_like(x)
+        away[i] = 1e-6
+        slope = (problem.cost(x + away) - problem.cost(x - away)) / 2e-6
+        assert gradient[i] == pytest.approx(slope, rel=1e-4, abs=1e-8)
+    assert np.linalg.eigvalsh(matrix)[0] > 0
+
+
+def test_weights_do_without_the_outliers(known, outliers):
+    rows = Rows.of(outliers.with_signs("adapted-sae").table, known, ["Fy"])
+    problems = [Problem(known, rows, ("PDY1",), equal_weights(rows), np.ones(1), LOSSES[n]) for n in LOSSES]
+    x = np.array([known.values["PDY1"]])
+    squares, *robust = (1 / np.sqrt(noise_weights(problem, x)[0, 1] * len(rows)) for problem in problems)
+    assert squares > 5 * SIZE
+    assert robust == pytest.approx([SIZE, SIZE], rel=0.15)
+    assert limits_of(problems[0], x) is None
+    assert limits_of(problems[1], x)[0, 1] == pytest.approx(1.345 * SIZE, rel=0.15)
+
+
+def test_robust_scale_of_nothing_is_nothing():
+    assert robust_scale(np.zeros(0)) == 0.0
+
+
+def test_a_robust_fit_is_near_the_truth_and_squares_are_not(known, make, outliers):
+    table = outliers.with_signs("adapted-sae").table
+    inputs = {name: table[name].to_numpy() for name in known.inputs}
+    true = known.forces(**inputs)["Fy"]
+    missed, intervals = {}, {}
+    for loss in LOSSES:
+        result = fit([outliers], effects=make.effects, nominal=make.nominal, loss=loss)
+        assert result.ok, (loss, result.status)
+        fitted = result.tire.in_signs("adapted-sae").forces(**inputs)["Fy"]
+        missed[loss] = float(np.sqrt(np.mean((fitted - true) ** 2)))
+        intervals[loss] = make.told(result)["PDY1"].interval
+    assert missed["squares"] > SIZE  # pulled by more than the noise
+    assert max(missed["huber"], missed["cauchy"]) < 0.4 * SIZE
+    assert max(intervals["huber"], intervals["cauchy"]) < 0.5 * intervals["squares"]
