@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.tire import Tire
 
+from .method import solver_for
 from .recipe import load_recipe
 from .result import FitResult
 from .session import Progress, Session
@@ -34,6 +36,9 @@ def fit(
     effects: Collection[str] | None = None,
     without: Collection[str] = (),
     recipe: str = "progressive",
+    method: str = "ipopt",
+    iterations: int | None = None,
+    seed: int = 0,
     nominal: Mapping[str, float] | None = None,
     signs: str | None = None,
     progress: Progress | None = None,
@@ -53,6 +58,12 @@ def fit(
         Effects to leave out.
     recipe : str
         "progressive", "joint", "trento", "scaling" (of the start tire) or the path of a TOML file.
+    method : {"ipopt", "ioa"}
+        IPOPT with exact derivatives, or the UNICAMP paper's evolutionary algorithm (`tirefmu.fitting.evolution`).
+    iterations : int, optional
+        The most that a stage may take; the method's own limit (300, 10,000) where None.
+    seed : int
+        Of a method that draws at random.
     nominal : mapping of str to float, optional
         Fz0 (N), R0 (m), p0 (Pa), V0 (m/s), as far as the model has them; the medians of the data and 0.3 m where
         not given.
@@ -74,6 +85,7 @@ def fit(
     began = time.perf_counter()
     book = book_of(model)
     plan = load_recipe(recipe, model)
+    solver = solver_for(method, iterations, seed)
     if plan.scales and start is None:
         raise FitError(f"recipe {plan.name} scales a given tire: say which to start from (--start)")
     recordings = [_ready(table, signs) for table in tables]
@@ -82,11 +94,11 @@ def fit(
     present = _effects(book, start, effects, without)
     data, notes = _together(recordings, book)
     tire = _starting_tire(book, present, start, data, nominal or {}, notes)
-    session = Session(book, tire, data, plan, progress, notes, given=start is not None)
+    session = Session(book, tire, data, plan, progress, notes, solver=solver, given=start is not None)
     for stage in plan.stages:
         session.run(stage)
     told = "iso" if all(recording.signs == "iso" for recording in recordings) else "adapted-sae"
-    return session.result(recordings, told, time.perf_counter() - began)
+    return replace(session.result(recordings, told, time.perf_counter() - began), method=method)
 
 
 def _ready(table: str | Path | Recording, signs: str | None) -> Recording:

@@ -44,6 +44,7 @@ class Imposed:
 
     def __init__(self, problem: Problem, constraints: Sequence[tuple[Constraint, FloatArray]]) -> None:
         self._problem = problem
+        self._each: Any = None
         self._blocks: list[_Block] = []
         low, high = [np.zeros(0)], [np.zeros(0)]
         rows, columns = [np.zeros(0, dtype=int)], [np.zeros(0, dtype=int)]
@@ -72,6 +73,32 @@ class Imposed:
         """Return the conditioned quantities at scaled free values x."""
         parameters = self._problem.parameters(x)
         return np.concatenate([np.zeros(0), *(block.evaluate(parameters)[0] for block in self._blocks)])
+
+    def values_of_each(self, population: FloatArray) -> FloatArray:
+        """Return the conditioned quantities at many points at once.
+
+        Parameters
+        ----------
+        population : ndarray, shape (n, n_free)
+
+        Returns
+        -------
+        ndarray, shape (n, n_conditions)
+        """
+        if not len(self) or not len(population):
+            return np.zeros((len(population), len(self)))
+        if self._each is None:
+            self._each = self._written_out()
+        return np.array(self._each.map(len(population))(population.T)).T
+
+    def _written_out(self) -> Any:
+        """Return all quantities at all their points as one function of the free values, without derivatives."""
+        x = ca.SX.sym("x", len(self._problem.free))
+        parameters = ca.SX(self._problem.parameters(np.zeros(len(self._problem.free))))
+        for i, column in enumerate(self._problem.columns):
+            parameters[int(column)] = x[i] * self._problem.reach[i]
+        values = [value for block in self._blocks for value in block.written_out(parameters)]
+        return ca.Function("conditions", [x], [ca.vertcat(*values)])
 
     def jacobian(self, x: FloatArray) -> Any:
         """Return their derivatives by x as a sparse casadi.DM."""
@@ -103,6 +130,12 @@ class _Block:
         values, gradient = self._mapped(self._points, np.repeat(parameters[:, None], n, axis=1))
         by_point = np.array(gradient).reshape(-1, n).T
         return np.array(values).ravel() / self._size, by_point[:, self._picked] * self._reach / self._size
+
+    def written_out(self, parameters: Any) -> list[Any]:
+        """Return the value at each point as an expression of the parameters."""
+        arguments = self._function.sx_in()
+        value = ca.Function("value", arguments, self._function(*arguments)[:1])  # without what only derivatives need
+        return [value(point, parameters) / self._size for point in self._points.T]
 
 
 @lru_cache(maxsize=256)

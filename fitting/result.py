@@ -137,6 +137,8 @@ class FitResult:
     recipe : str
     directions : tuple of Direction
         Combinations of coefficients that the data leave open.
+    method : str
+        What solved the stages.
     """
 
     tire: Tire
@@ -149,6 +151,7 @@ class FitResult:
     seconds: float = 0.0
     recipe: str = ""
     directions: tuple[Direction, ...] = ()
+    method: str = "ipopt"
 
     @property
     def ok(self) -> bool:
@@ -181,6 +184,7 @@ class FitResult:
             "ok": self.ok,
             "status": self.status,
             "recipe": self.recipe,
+            "method": self.method,
             "seconds": self.seconds,
             "model": self.tire.model,
             "effects": sorted(self.tire.has),

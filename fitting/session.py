@@ -19,7 +19,8 @@ from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
 from .constraints import TOLERANCE, VALIDITY, Constraint, grid, operating_range
-from .ipopt import Solution, solve
+from .ipopt import Solution
+from .method import Solver
 from .noise_floor import noise_floor
 from .problem import Problem, Rows, coefficients_by_output, emphasis, equal_weights, noise_weights
 from .recipe import Freed, Recipe, Stage
@@ -66,12 +67,13 @@ class Session:
         progress: Progress | None,
         notes: list[str],
         *,
+        solver: Solver,
         given: bool,
     ) -> None:
         self._given = given  # the tire's values are somebody's, not to be replaced by generic ones
         self._book, self._tire, self._data, self._plan = book, tire, data, plan
         self._progress: Progress = progress or (lambda stage, iteration, cost: None)
-        self._notes = notes
+        self._notes, self._solver = notes, solver
         self._emphasis = emphasis(data, tire.outputs)
         self._ranges = operating_range(data, tire.inputs)
         self._broken: list[tuple[Constraint, FloatArray]] = []  # what verifying added, for later stages too
@@ -196,7 +198,9 @@ class Session:
         """Solve, verify the constraints on the dense grid, and solve again with the points that broke them."""
         known = self._constraints(channels, 0) + self._broken
         dense = self._constraints(channels, VERIFIED)
-        settle = partial(solve, problem, lower=lower, upper=upper, ridge=ridge, approach=approach, progress=report)
+        settle = partial(
+            self._solver, problem, lower=lower, upper=upper, ridge=ridge, approach=approach, progress=report
+        )
         solution = settle(start, constraints=known)
         for _ in range(1 if approach else ROUNDS):
             broken = self._breaking(dense, problem.parameters(solution.x))

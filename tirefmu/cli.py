@@ -124,6 +124,10 @@ def evaluate(
 @click.option("--without", callback=names, default="none", help="All effects but these.")
 @click.option("--recipe", default="progressive", show_default=True,
               help="progressive, joint, trento, scaling (of --start), or a TOML file.")  # fmt: skip
+@click.option("--method", default="ipopt", show_default=True,
+              help="ipopt, or ioa: an evolutionary algorithm without derivatives, for comparison.")  # fmt: skip
+@click.option("--iterations", type=click.IntRange(min=1), help="The most that a stage may take [ipopt 300, ioa 10000].")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of ioa's random draws.")
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
 @click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
@@ -131,8 +135,9 @@ def evaluate(
 @common
 def fit(
     tables: tuple[Path, ...], model: str, output: Path, start: Path | None, effects: tuple[str, ...] | None,
-    without: tuple[str, ...], recipe: str, nominal: dict[str, float] | None, signs: str | None, figures: Path | None,
-    report: Path | None, quiet: bool, json_file: Path | None,
+    without: tuple[str, ...], recipe: str, method: str, iterations: int | None, seed: int,
+    nominal: dict[str, float] | None, signs: str | None, figures: Path | None, report: Path | None, quiet: bool,
+    json_file: Path | None,
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints."""
     from tirefmu.fitting import fit as run
@@ -148,7 +153,7 @@ def fit(
     with terminal.fitting() as progress:
         result = run(
             recordings, model, start=tire_named(start) if start else None, effects=effects, without=without,
-            recipe=recipe, nominal=nominal, progress=progress,
+            recipe=recipe, method=method, iterations=iterations, seed=seed, nominal=nominal, progress=progress,
         )  # fmt: skip
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)

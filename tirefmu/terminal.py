@@ -68,7 +68,7 @@ class Terminal:
         self._out.print(_margins(result))
         for note in result.notes:
             self.print(f"note: {note}")
-        self.print(f"fit {result.status}, {result.seconds:.1f} s")
+        self.print(f"fit {result.status} ({result.method}), {result.seconds:.1f} s")
 
     def tire(self, tire: Tire, told: Mapping[str, Any], every: bool = False) -> None:
         """Print what is in a tire, as `describe` told it; every coefficient and every kept key on request."""
