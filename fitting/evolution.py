@@ -25,7 +25,7 @@ BoolArray = npt.NDArray[np.bool_]
 #: The paper's limit of iterations, and its share for a first approach, or where a fit goes on after a first end.
 ITERATIONS, SHORTER = 10_000, 0.1
 #: Over which share of the limit, and over how many generations at least, there has to be some gain.
-PATIENCE, LEAST_PATIENCE = 0.1, 100
+PATIENCE, LEAST_PATIENCE = 0.1, 250
 #: Individuals: so many for each free coefficient, within limits.
 PER_COEFFICIENT, FEWEST, MOST = 4, 40, 120
 #: Control genes F, CP, MP and range: their bounds.
@@ -259,7 +259,7 @@ class _Search:
 
     def _costs(self, points: FloatArray, limits: FloatArray) -> FloatArray:
         values = self._values(points)
-        pulled = 0.5 * self._ridge * np.sum((values - self._start) ** 2, axis=1)
+        pulled: FloatArray = 0.5 * self._ridge * np.sum((values - self._start) ** 2, axis=1)
         return self.problem.costs(values, limits - pulled) + pulled
 
     def _violations(self, points: FloatArray) -> FloatArray:
