@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from tirefmu.tires.tire import Tire
 from .checkpoint import Checkpoint, fingerprint
 from .constraints import chosen_constraints
 from .interruption import Interruption, Progress
+from .method import solver_for
 from .preparation import Prepared, prepare, recording_of
 from .recipe import Recipe, load_recipe
 from .result import FitResult
@@ -40,6 +42,9 @@ def fit(
     without: Collection[str] = (),
     recipe: str = "progressive",
     loss: str = "squares",
+    method: str = "ipopt",
+    iterations: int | None = None,
+    seed: int = 0,
     nominal: Mapping[str, float] | None = None,
     signs: str | None = None,
     screening: bool = True,
@@ -69,6 +74,12 @@ def fit(
     loss : {"squares", "huber", "cauchy"}
         What a residual costs: where a few rows are grossly wrong, "huber" lets one count by its size instead of its
         square, "cauchy" hardly at all; from 1.3 and 2.4 standard deviations of its own channel's noise on.
+    method : {"ipopt", "ioa"}
+        IPOPT with exact derivatives, or the UNICAMP paper's evolutionary algorithm (`tirefmu.fitting.evolution`).
+    iterations : int, optional
+        The most that a stage may take; the method's own limit (300, 10,000) where None.
+    seed : int
+        Of a method that draws at random.
     nominal : mapping of str to float, optional
         Fz0 (N), R0 (m), p0 (Pa), V0 (m/s), as far as the model has them; the medians of the data and 0.3 m where
         not given.
@@ -111,6 +122,9 @@ def fit(
     if resume and checkpoint is None:
         raise FitError("to go on takes the file of the finished stages (checkpoint)")
     conditions = chosen_constraints(book.name, constraints, without_constraints)
+    solver = solver_for(method, iterations, seed)
+    if method != "ipopt" and loss != "squares":
+        raise FitError(f"loss {loss} is for method ipopt: {method} minimizes squares")
     if plan.scales and tire_given is None:
         raise FitError(f"recipe {plan.name} scales a given tire: say which to start from (--start)")
     recordings = [recording_of(table, signs) for table in tables]
@@ -125,6 +139,7 @@ def fit(
         "rows": rows,
         "screening": str(screening),
         "loss": loss,
+        "method": f"{method}, {iterations or 'usual'} iterations, seed {seed}",
         "start": start if isinstance(start, str) else "values",
         "constraints": ",".join(each.name for own in conditions.values() for each in own),
     }
@@ -132,14 +147,14 @@ def fit(
     with Interruption(progress) as interruption:
         session = Session(
             book, tire, data, plan, interruption, notes,
-            given=tire_given is not None, read=read, conditions=conditions, loss=loss,
+            solver=solver, given=tire_given is not None, read=read, conditions=conditions, loss=loss,
         )  # fmt: skip
         if resume and saved:
             session.restore(saved.load())
         session.run(saved)
     interruption.settle()
     told = "iso" if all(recording.signs == "iso" for recording in recordings) else "adapted-sae"
-    result = session.result(recordings, told, time.perf_counter() - began)
+    result = replace(session.result(recordings, told, time.perf_counter() - began), method=method)
     if saved and not result.interrupted:
         saved.remove()
     return result

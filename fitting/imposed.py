@@ -47,6 +47,7 @@ class Imposed:
     def __init__(self, problem: Problem, constraints: Sequence[tuple[Constraint, FloatArray]]) -> None:
         self._problem = problem
         self._latest: tuple[FloatArray, FloatArray, FloatArray] | None = None
+        self._each: Any = None
         blocks = [_Block(problem, constraint, points) for constraint, points in constraints if points.shape[1]]
         blocks = [block for block in blocks if block.free.size]
         sizes = [block.points.shape[1] for block in blocks]
@@ -65,6 +66,7 @@ class Imposed:
             order
         ]
         self._factors = _joined(np.tile(block.reach, n) for block, n in zip(blocks, sizes, strict=True))[order]
+        self._blocks = blocks
         self._divisors = _joined(np.full(n, block.size) for block, n in zip(blocks, sizes, strict=True))
         self._function = _all_of(blocks, len(problem.tire.book.parameters)) if blocks else None
 
@@ -74,6 +76,32 @@ class Imposed:
     def values(self, x: FloatArray) -> FloatArray:
         """Return the conditioned quantities at scaled free values x."""
         return self._at(x)[0]
+
+    def values_of_each(self, population: FloatArray) -> FloatArray:
+        """Return the conditioned quantities at many points at once.
+
+        Parameters
+        ----------
+        population : ndarray, shape (n, n_free)
+
+        Returns
+        -------
+        ndarray, shape (n, n_conditions)
+        """
+        if not len(self) or not len(population):
+            return np.zeros((len(population), len(self)))
+        if self._each is None:
+            self._each = self._written_out()
+        return np.array(self._each.map(len(population))(population.T)).T
+
+    def _written_out(self) -> Any:
+        """Return all quantities at all their points as one function of the free values, without derivatives."""
+        x = ca.SX.sym("x", len(self._problem.free))
+        parameters = ca.SX(self._problem.parameters(np.zeros(len(self._problem.free))))
+        for i, column in enumerate(self._problem.columns):
+            parameters[int(column)] = x[i] * self._problem.reach[i]
+        values = [value for block in self._blocks for value in block.written_out(parameters)]
+        return ca.Function("conditions", [x], [ca.vertcat(*values)])
 
     def jacobian(self, x: FloatArray) -> Any:
         """Return their derivatives by x as a sparse casadi.DM."""
@@ -115,7 +143,7 @@ class _Block:
     """
 
     def __init__(self, problem: Problem, constraint: Constraint, points: FloatArray) -> None:
-        _, self.function, reached = _functions(problem.tire.book, constraint.quantity, constraint.measure)
+        self._value, self.function, reached = _functions(problem.tire.book, constraint.quantity, constraint.measure)
         self.points, self.size, self.bounds = points, constraint.size, constraint.scaled_bounds
         place = {int(column): i for i, column in enumerate(problem.columns)}
         self.width = len(reached)
@@ -140,6 +168,10 @@ class _Block:
             gradients = self.function.map(n)(self.points, np.repeat(beside[:, None], n, axis=1))[1]
             moving |= np.any(np.array(gradients).reshape(self.width, n) != 0.0, axis=1)
         return moving
+
+    def written_out(self, parameters: Any) -> list[Any]:
+        """Return the value at each point as an expression of the parameters."""
+        return [self._value(point, parameters) / self.size for point in self.points.T]
 
 
 def _all_of(blocks: Sequence[_Block], n_parameters: int) -> Any:

@@ -15,7 +15,7 @@ import pandas as pd
 from scipy.linalg.blas import dsyrk
 
 from tirefmu.symbolic.model import Model, reaching
-from tirefmu.tires.code import Code, fastest_code
+from tirefmu.tires.code import Code, fastest_code, forces_of_each
 from tirefmu.tires.tire import Tire
 
 from .loss import LOSSES, Loss, robust_scale
@@ -165,6 +165,36 @@ class Problem:
     def cost(self, x: FloatArray) -> float:
         """Return half the weighted sum of squares, or of what the loss makes of them."""
         return self._at(x)[0]
+
+    def costs(self, population: FloatArray, limits: FloatArray) -> FloatArray:
+        """Return the costs of many points, each worked out no further than needed to see that it exceeds its limit.
+
+        Parameters
+        ----------
+        population : ndarray, shape (n_points, n_free)
+        limits : ndarray, shape (n_points,)
+
+        Returns
+        -------
+        ndarray, shape (n_points,)
+            The cost, or above the limit some part of it; infinite where there is none.
+        """
+        self._weigh()
+        parameters = np.repeat(self._parameters[None, :], len(population), axis=0)
+        parameters[:, self.columns] = population * self.reach
+        costs, racing = np.zeros(len(population)), np.arange(len(population))
+        for start in range(0, len(self.rows), CHUNK):
+            chunk = slice(start, start + CHUNK)
+            forces = forces_of_each(self._code, self._inputs[:, chunk], parameters[racing])
+            for output, _ in self._there:
+                root = self._root[output, chunk]
+                with np.errstate(over="ignore", invalid="ignore"):
+                    residual = np.where(root > 0, (forces[:, output] - self._measured[output, chunk]) * root, 0.0)
+                    costs[racing] += 0.5 * np.einsum("ij,ij->i", residual, residual)
+            racing = racing[costs[racing] <= limits[racing]]
+            if not racing.size:
+                break
+        return np.where(np.isfinite(costs), costs, np.inf)
 
     def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
         """Return cost, gradient (n_free,) and the Gauss-Newton matrix J^T W J (n_free, n_free)."""

@@ -173,6 +173,8 @@ class FitResult:
         A blocked cross-validation, where one was asked for.
     evidence : Residuals or None
         The fitted rows, for `findings`.
+    method : str
+        What solved the stages.
     """
 
     tire: Tire
@@ -187,6 +189,7 @@ class FitResult:
     directions: tuple[Direction, ...] = ()
     set_aside: tuple[SetAside, ...] = ()
     interrupted: str = ""
+    method: str = "ipopt"
     held_out: tuple[HeldOut, ...] = ()
     evidence: Residuals | None = field(default=None, repr=False, compare=False)
 
@@ -241,6 +244,7 @@ class FitResult:
             "ok": self.ok,
             "status": self.status,
             "recipe": self.recipe,
+            "method": self.method,
             "seconds": self.seconds,
             "model": self.tire.model,
             "effects": sorted(self.tire.has),

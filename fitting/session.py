@@ -22,8 +22,9 @@ from .constraints import TOLERANCE, Constraint, chosen_constraints, grid, operat
 from .imposed import measured_values
 from .influence import generic, influence, usual_size
 from .interruption import Interruption
-from .ipopt import Solution, solve
+from .ipopt import Solution
 from .loss import loss_named
+from .method import Solver
 from .noise_floor import noise_floor
 from .preparation import Prepared
 from .problem import Problem, Rows, coefficients_by_output, emphasis, equal_weights, limits_of, noise_weights
@@ -62,6 +63,7 @@ class Session:
         interruption: Interruption,
         notes: list[str],
         *,
+        solver: Solver,
         given: bool,
         read: Mapping[str, float],
         conditions: Mapping[str, Sequence[Constraint]] | None = None,
@@ -73,7 +75,7 @@ class Session:
         self._book, self._tire, self._plan = book, tire, plan
         self._prepared, self._data = data, data.fitted
         self._interruption = interruption
-        self._notes = notes
+        self._notes, self._solver = notes, solver
         self._emphasis = emphasis(self._data, tire.outputs)
         self._ranges = operating_range(self._data, tire.inputs)
         known = chosen_constraints(book.name) if conditions is None else conditions
@@ -260,7 +262,7 @@ class Session:
         known = self._constraints(channels, 0) + self._broken
         dense = self._constraints(channels, APPROACHED if approach else VERIFIED)
         settle = partial(
-            solve, problem, lower=lower, upper=upper, ridge=ridge, approach=approach, progress=report,
+            self._solver, problem, lower=lower, upper=upper, ridge=ridge, approach=approach, progress=report,
             stop=self._stop,
         )  # fmt: skip
         solution = settle(start, constraints=known)

@@ -124,6 +124,10 @@ def evaluate(
 @click.option("--without", callback=names, default="none", help="All effects but these.")
 @click.option("--recipe", default="progressive", show_default=True,
               help="progressive, joint, trento, scaling (of --start), or a TOML file.")  # fmt: skip
+@click.option("--method", default="ipopt", show_default=True,
+              help="ipopt, or ioa: an evolutionary algorithm without derivatives, for comparison.")  # fmt: skip
+@click.option("--iterations", type=click.IntRange(min=1), help="The most that a stage may take [ipopt 300, ioa 10000].")
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of ioa's random draws.")
 @click.option(
     "--constraint",
     callback=names,
@@ -148,7 +152,8 @@ def evaluate(
 @common
 def fit(
     tables: tuple[Path, ...], model: str, output: Path, start: Path | None, effects: tuple[str, ...] | None,
-    without: tuple[str, ...], recipe: str, constraint: tuple[str, ...], without_constraint: tuple[str, ...], loss: str,
+    without: tuple[str, ...], recipe: str, method: str, iterations: int | None, seed: int,
+    constraint: tuple[str, ...], without_constraint: tuple[str, ...], loss: str,
     nominal: dict[str, float] | None, signs: str | None, all_rows: bool, rows: str, resume: bool, folds: int | None,
     figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
@@ -172,7 +177,8 @@ def fit(
         deal(recordings, folds)  # says before the work what cannot be
     finished_stages = output.with_name(f"{output.stem}.progress.json")
     options: dict[str, Any] = {
-        "start": start_named(start), "effects": effects, "without": without, "recipe": recipe, "nominal": nominal,
+        "start": start_named(start), "effects": effects, "without": without, "recipe": recipe,
+        "method": method, "iterations": iterations, "seed": seed, "nominal": nominal,
         "screening": not all_rows, "rows": rows, "loss": loss, "constraints": constraint,
         "without_constraints": without_constraint,
     }  # fmt: skip

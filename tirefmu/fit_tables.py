@@ -48,7 +48,7 @@ def fit_lines(result: FitResult) -> Iterator[Table | str]:
         yield f"note: {rows}"
     for note in result.notes:
         yield f"note: {note}"
-    yield f"fit {result.status}, {result.seconds:.1f} s"
+    yield f"fit {result.status} ({result.method}), {result.seconds:.1f} s"
 
 
 def _coefficients(result: FitResult) -> Table:

@@ -96,6 +96,32 @@ class Kernel:
                 list(pool.map(run, starts))
         return results, undone
 
+    def each(self, inputs: FloatArray, population: FloatArray) -> tuple[FloatArray, BoolArray]:
+        """Return results and which rows have none for each of many parameter vectors.
+
+        Parameters
+        ----------
+        inputs : ndarray, shape (n_inputs, n)
+        population : ndarray, shape (n_vectors, n_parameters)
+
+        Returns
+        -------
+        results : ndarray, shape (n_vectors, n_results, n)
+        undone : ndarray of bool, shape (n_vectors, n)
+        """
+        columns = np.ascontiguousarray(inputs, dtype=np.float64)
+        values = np.ascontiguousarray(population, dtype=np.float64)
+        n, vectors = columns.shape[1], len(values)
+        results, undone = np.empty((vectors, self._n_results, n)), np.empty((vectors, n), dtype=np.bool_)
+        if not n:
+            return results, undone
+        into, given, out, marks = (array.ctypes.data for array in (columns, values, results, undone))
+        for i in range(vectors):
+            self._call(
+                n, n, into, given + i * values.strides[0], out + i * results.strides[0], marks + i * undone.strides[0]
+            )
+        return results, undone
+
 
 def _built(name: str, source: Path, header: Path) -> Path:
     """Return the library of a kernel by the first flags that the compiler takes."""

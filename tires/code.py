@@ -115,6 +115,25 @@ def fastest_code(model: str | Model, n_rows: int = MANY_ROWS, threads: int = 1) 
         return code_for(model, "numpy")
 
 
+def forces_of_each(code: Code, inputs: FloatArray, population: FloatArray) -> FloatArray:
+    """Return the forces of many tires of one model at the same rows.
+
+    Parameters
+    ----------
+    code : Code
+    inputs : ndarray, shape (n_inputs, n)
+    population : ndarray, shape (n_tires, n_parameters)
+        They differ in coefficients, not in options.
+
+    Returns
+    -------
+    ndarray, shape (n_tires, n_forces, n)
+    """
+    if isinstance(code, _BatchCode):
+        return code.forces_of_each(inputs, population)
+    return np.stack([code.forces(inputs, parameters) for parameters in population])
+
+
 @lru_cache(maxsize=64)
 def _code_for(book: Model, language: str, threads: int) -> Code:
     kinds: dict[str, Callable[[Model], Code]] = {"numpy": _NumpyCode, "c": _CCode, "casadi": _CasadiCode}
@@ -322,6 +341,14 @@ class _BatchCode:
 
     def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._table("forces", inputs, parameters)
+
+    def forces_of_each(self, inputs: FloatArray, population: FloatArray) -> FloatArray:
+        straight = straight_rows(self._book, inputs, population[0])
+        results, undone = self._kernel("forces").each(inputs, population)
+        undone |= ~straight
+        for i in np.flatnonzero(undone.any(axis=1)):
+            results[i][:, undone[i]] = self._single.forces(inputs[:, undone[i]], population[i])
+        return results
 
     def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._single.quantities(inputs, parameters)

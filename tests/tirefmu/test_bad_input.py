@@ -65,6 +65,8 @@ BAD = {
     "fit good.csv --effects camber_trust {fit}": "unknown effect of mf96 'camber_trust': did you mean camber_thrust?",
     "fit good.csv --without camber_trust {fit}": "unknown effect of mf96 'camber_trust': did you mean camber_thrust?",
     "fit good.csv --recipe jiont {fit}": "unknown recipe 'jiont': did you mean joint?",
+    "fit good.csv --method iao {fit}": "unknown method 'iao': did you mean ioa?",
+    "fit good.csv --iterations 0 {fit}": "0 is not in the range x>=1",
     "fit good.csv --recipe missing.toml {fit}": "missing.toml: cannot be read",
     "fit good.csv --recipe broken.toml {fit}": "broken.toml: ",
     "fit good.csv --recipe cross.toml {fit}":

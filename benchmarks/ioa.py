@@ -1,0 +1,394 @@
+"""IOA, IPOPT, scipy's trf and SLSQP on the UNICAMP bench program: sum of squares against CPU time, in one run.
+
+    python benchmarks/ioa.py [--iterations 10000] [--seeds 0,1] [--figure FILE.png] [--json FILE]
+
+The bench is virtual: the published small tire at the paper's 297 points, with white noise of 2 N. All contestants
+solve the same problems from the same generic start within the same bounds, the cards', by the same compiled code.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+from scipy.optimize import least_squares, minimize
+from threadpoolctl import threadpool_limits
+
+from tirefmu.fitting import fit
+from tirefmu.fitting.evolution import Evolution
+from tirefmu.fitting.ipopt import solve
+from tirefmu.fitting.problem import Problem, Rows, equal_weights
+from tirefmu.measurements import Noise, Recording, VirtualBench, small_tire_program
+from tirefmu.measurements.noise import ChannelNoise
+from tirefmu.tires import Tire, published
+from tirefmu.tires.code import fastest_code
+
+FloatArray = npt.NDArray[np.float64]
+NOISE = 2.0  # N, about what the paper's fit of pure Fx leaves
+#: What one pressure and no camber can tell; the tire was published without side force by kappa.
+PURE = {
+    "Fx": "PCX1 PDX1 PDX2 PEX1 PEX2 PEX3 PEX4 PKX1 PKX2 PKX3 PHX1 PHX2 PVX1 PVX2",
+    "Fy": "PCY1 PDY1 PDY2 PEY1 PEY2 PEY3 PKY1 PKY2 PKY4 PHY1 PHY2 PVY1 PVY2",
+}
+COMBINED = {"Fx": "RBX1 RBX2 RCX1 REX1 REX2 RHX1", "Fy": "RBY1 RBY2 RBY3 RCY1 REY1 REY2 RHY1 RHY2"}
+#: The sums of squares that the paper prints, N^2, and the rms over the points that its program suggests, N.
+PAPER = {
+    "Fx pure": (155.0, 2.2),
+    "Fy pure": (863.0, 5.7),
+    "Fx combined": (1.7022e4, 7.6),
+    "Fy combined": (9.9421e3, 5.8),
+}
+#: A sum of squares counts as reached within this share: contestants stop short of the last digits differently.
+REACHED = 1e-3
+#: Starts of the contestants that restart: the generic one, then random ones within the bounds.
+STARTS = 10
+IOA, ONCE, AGAIN = "IOA, seed {}", "IPOPT", f"IPOPT, {STARTS} starts"
+STAGES, TRF, SLSQP = f"IPOPT in stages, {STARTS} starts", "trf, exact Jacobian", "SLSQP, differences"
+
+
+@dataclass
+class Block:
+    """One problem of the study: a force, its rows, what is free."""
+
+    title: str
+    problem: Problem
+    start: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    output: int
+
+    @property
+    def squares(self) -> float:
+        """What turns a cost into a sum of squares in N^2."""
+        return 2.0 / float(self.problem.weights[0, self.output])
+
+
+@dataclass
+class Run:
+    """What a contestant did: CPU seconds and the lowest sum of squares until then."""
+
+    seconds: list[float] = field(default_factory=list)
+    lowest: list[float] = field(default_factory=list)
+    total: float = 0.0
+
+    def reaches(self, target: float) -> float:
+        """Return the CPU seconds until a sum of squares was reached; infinite where it never was."""
+        return next((s for s, low in zip(self.seconds, self.lowest, strict=True) if low <= target), float("inf"))
+
+
+def bench(tire: Tire, seed: int) -> Recording:
+    """Run the paper's program on a tire; forces alone are measured."""
+    noise = Noise({name: ChannelNoise(constant=NOISE) for name in ("Fx", "Fy")})
+    recording = VirtualBench(tire, noise, seed).run(small_tire_program()).with_signs("adapted-sae")
+    return replace(recording, table=recording.table.drop(columns=["Mx", "My", "Mz"]))
+
+
+def generic_tire(truth: Tire) -> Tire:
+    """Return the cards' starting values for a tire of this size that knows one pressure."""
+    names = " ".join([*PURE.values(), *COMBINED.values()]).split()
+    values = {name: truth.book.coefficients[name].generic for name in names}
+    pressure = truth.values["INFLPRES"]
+    given = {"UNLOADED_RADIUS": truth.values["UNLOADED_RADIUS"], "FNOMIN": truth.values["FNOMIN"]}
+    effects = truth.has - {"pressure_stiffness", "pressure_friction"}
+    values = {**values, **given, "NOMPRES": pressure, "INFLPRES": pressure}
+    return Tire(truth.model, values, effects=effects, signs="adapted-sae")
+
+
+def block(title: str, tire: Tire, table: pd.DataFrame, free: str, *, generic: bool = True) -> Block:
+    """Set up a problem; its force is the first word of its title."""
+    names, channel = tuple(free.split()), title.split()[0]
+    cards = [tire.book.coefficients[name] for name in names]
+    first = np.array([card.generic if generic else tire.values[card.name] for card in cards])
+    lower, upper = np.array([[card.lower, card.upper] for card in cards]).T
+    scale = np.maximum(np.abs(first), 0.25 * (upper - lower))
+    rows = Rows.of(table, tire, [channel])
+    problem = Problem(tire, rows, names, equal_weights(rows), scale)
+    return Block(title, problem, first / scale, lower / scale, upper / scale, tire.outputs.index(channel))
+
+
+class Clock:
+    """CPU seconds since a contestant began, and what it had reached at each of them."""
+
+    def __init__(self) -> None:
+        self.run, self._began = Run(), time.process_time()
+
+    def tell(self, squares: float) -> None:
+        """Take down a sum of squares where it is the lowest so far."""
+        if not self.run.lowest or squares < self.run.lowest[-1]:
+            self.run.seconds.append(time.process_time() - self._began)
+            self.run.lowest.append(squares)
+
+    def stop(self) -> Run:
+        """End the race."""
+        self.run.total = time.process_time() - self._began
+        return self.run
+
+
+def by_ioa(given: Block, iterations: int, seed: int) -> tuple[Run, FloatArray]:
+    """Go on to the last iteration, as the paper does."""
+    clock = Clock()
+    search = Evolution(iterations, seed, patient=True)
+    found = search(
+        given.problem, given.start, given.lower, given.upper, [],
+        progress=lambda count, cost: clock.tell(cost * given.squares),
+    )  # fmt: skip
+    return clock.stop(), found.x
+
+
+def by_ipopt(given: Block, starts: int) -> tuple[Run, FloatArray]:
+    """Solve from the generic start, then from random ones within the bounds."""
+    clock, random = Clock(), np.random.default_rng(0)
+    best, lowest = given.start, np.inf
+    for number in range(starts):
+        anywhere = given.lower + random.random(len(given.start)) * (given.upper - given.lower)
+        solution = solve(
+            given.problem, anywhere if number else given.start, given.lower, given.upper, [], ridge=0.0,
+            progress=lambda count, cost: clock.tell(cost * given.squares),
+        )  # fmt: skip
+        clock.tell(solution.cost * given.squares)
+        if solution.cost < lowest:
+            best, lowest = solution.x, solution.cost
+    return clock.stop(), best
+
+
+def by_trf(given: Block) -> tuple[Run, FloatArray]:
+    """Solve by scipy's bounded least squares with the exact Jacobian of the same compiled code."""
+    problem, clock = given.problem, Clock()
+    code = fastest_code(problem.tire.book)
+    inputs, root = problem.tire.asked(problem.rows.inputs), np.sqrt(problem.weights[0, given.output])
+    force, coefficient = code.entries
+    place = {int(column): i for i, column in enumerate(problem.columns)}
+    entries = [i for i, (f, c) in enumerate(zip(force, coefficient, strict=True)) if f == given.output and c in place]
+    free = [place[int(coefficient[i])] for i in entries]
+
+    def residual(x: FloatArray) -> FloatArray:
+        values: FloatArray = root * problem.residual(x)[given.output]
+        clock.tell(float(values @ values) / root**2)
+        return values
+
+    def jacobian(x: FloatArray) -> FloatArray:
+        matrix = np.zeros((len(problem.rows), len(x)))
+        derivatives = code.jacobian_entries(inputs, problem.parameters(x))[entries]
+        matrix[:, free] = root * problem.reach[free] * derivatives.T
+        return matrix
+
+    bounds = (given.lower, given.upper)
+    found = least_squares(residual, given.start, jacobian, bounds, "trf", xtol=1e-10, ftol=1e-10, gtol=1e-10)
+    return clock.stop(), found.x
+
+
+def by_slsqp(given: Block) -> tuple[Run, FloatArray]:
+    """Solve by scipy's SLSQP, which finds derivatives by differences."""
+    clock = Clock()
+
+    def cost(x: FloatArray) -> float:
+        value = given.problem.cost(x)
+        clock.tell(value * given.squares)
+        return value
+
+    bounds = list(zip(given.lower, given.upper, strict=True))
+    found = minimize(cost, given.start, method="SLSQP", bounds=bounds, options={"maxiter": 1000, "ftol": 1e-10})
+    return clock.stop(), found.x
+
+
+def by_stages(given: Block, stages: tuple[Block, Block]) -> tuple[Run, FloatArray]:
+    """Solve pure slip, then combined slip from several starts, and from each end everything: the paper's own order."""
+    clock, random = Clock(), np.random.default_rng(0)
+    pure, combined = stages
+    first = solve(pure.problem, pure.start, pure.lower, pure.upper, [], ridge=0.0)
+    combined = over(combined, known_by(pure, first.x))
+    best, lowest = given.start, np.inf
+    for number in range(STARTS):
+        anywhere = combined.lower + random.random(len(combined.start)) * (combined.upper - combined.lower)
+        second = solve(
+            combined.problem, anywhere if number else combined.start, combined.lower, combined.upper, [], ridge=0.0
+        )
+        clock.tell(second.cost * combined.squares)
+        start = np.concatenate([first.x * pure.problem.scale, second.x * combined.problem.scale]) / given.problem.scale
+        last = solve(
+            given.problem, start, given.lower, given.upper, [], ridge=0.0,
+            progress=lambda count, cost: clock.tell(cost * given.squares),
+        )  # fmt: skip
+        clock.tell(last.cost * given.squares)
+        if last.cost < lowest:
+            best, lowest = last.x, last.cost
+    return clock.stop(), best
+
+
+def known_by(solved: Block, x: FloatArray) -> Tire:
+    """Return a block's tire with a solution's values."""
+    values = dict(zip(solved.problem.free, (x * solved.problem.scale).tolist(), strict=True))
+    return replace(solved.problem.tire, values={**solved.problem.tire.values, **values})
+
+
+def over(given: Block, tire: Tire) -> Block:
+    """Return the same problem with another tire's values for what is not free."""
+    problem = given.problem
+    return replace(given, problem=Problem(tire, problem.rows, problem.free, problem.weights, problem.scale))
+
+
+def race(
+    given: Block, iterations: int, seeds: list[int], stages: tuple[Block, Block] | None
+) -> dict[str, tuple[Run, FloatArray]]:
+    """Let every contestant solve a problem, one after the other, on one thread."""
+    racing: dict[str, Callable[[], tuple[Run, FloatArray]]] = {
+        **{IOA.format(seed): lambda seed=seed: by_ioa(given, iterations, seed) for seed in seeds},  # type: ignore[misc]
+        ONCE: lambda: by_ipopt(given, 1),
+        AGAIN: lambda: by_ipopt(given, STARTS),
+        TRF: lambda: by_trf(given),
+        SLSQP: lambda: by_slsqp(given),
+    }
+    if stages:
+        racing[STAGES] = lambda: by_stages(given, stages)
+    with threadpool_limits(limits=1, user_api="blas"):
+        by_ipopt(given, 1)  # libraries are loaded before the race
+        return {name: run() for name, run in racing.items()}
+
+
+def study(iterations: int, seeds: list[int]) -> Iterator[tuple[Block, dict[str, Run]]]:
+    """Race over each force's pure slip, its combined slip as in the paper, and everything at once, in turn."""
+    truth = published("unicamp_small_tire")
+    table, tire = bench(truth, seed=1).table, generic_tire(truth)
+    alone = {"Fx": table["alpha"].abs() < 1e-6, "Fy": table["kappa"].abs() < 1e-6}
+    for force in ("Fx", "Fy"):
+        pure = block(f"{force} pure", tire, table[alone[force]], PURE[force])
+        combined = block(f"{force} combined", tire, table, COMBINED[force])
+        everything = block(f"{force} all at once", tire, table, f"{PURE[force]} {COMBINED[force]}")
+        results = race(pure, iterations, seeds, None)
+        yield pure, runs_of(results)
+        after = over(combined, known_by(pure, results[AGAIN][1]))  # the pure slip that all contestants build upon
+        yield after, runs_of(race(after, iterations, seeds, None))
+        yield everything, runs_of(race(everything, iterations, seeds, (pure, combined)))
+
+
+def runs_of(results: dict[str, tuple[Run, FloatArray]]) -> dict[str, Run]:
+    """Return what was told without what was found."""
+    return {name: run for name, (run, _) in results.items()}
+
+
+def other_ground() -> dict[str, float]:
+    """Carry the fitted tire to a ground of 0.7 times the friction by scaling factors.
+
+    Returns
+    -------
+    dict of str to float
+        rms in N of Fx and Fy together against the noise-free truth at all 297 points: of the tire fitted on the first
+        ground, of that scaled by parts of the program, and of one fitted to the same part from nothing.
+    """
+    truth = published("unicamp_small_tire")
+    there = replace(truth, values={**truth.values, "LMUX": 0.7, "LMUY": 0.7})
+    nominal = {"Fz0": truth.values["FNOMIN"], "R0": truth.values["UNLOADED_RADIUS"], "p0": truth.values["INFLPRES"]}
+    effects = generic_tire(truth).has
+    first = fit([bench(truth, seed=1)], truth.model, effects=effects, nominal=nominal).tire
+    recording = bench(there, seed=2)
+    measured = recording.table
+    parts = {
+        "all 297 points": measured.index >= 0,
+        "the 99 points at 110 N": measured["Fz"] == 110.0,
+        "the 57 points of pure slip": (measured["alpha"].abs() < 1e-6) | (measured["kappa"].abs() < 1e-6),
+    }
+    tires = {"unchanged": first}
+    for part, rows in parts.items():
+        few = replace(recording, table=measured[rows].reset_index(drop=True))
+        tires[f"scaled by {part}"] = fit([few], truth.model, start=first, recipe="scaling").tire
+        tires[f"fitted anew to {part}"] = fit([few], truth.model, effects=effects, nominal=nominal).tire
+    table = VirtualBench(there, Noise.none()).run(small_tire_program()).with_signs("iso").table
+    told = {}
+    for name, tire in tires.items():
+        computed = tire.evaluate(table, signs="iso")
+        errors = np.concatenate([(computed[force] - table[force]).to_numpy() for force in ("Fx", "Fy")])
+        told[name] = float(np.sqrt(np.mean(errors**2)))
+    return told
+
+
+HEAD = """| problem | contestant | sum of squares, N^2 | CPU, s | CPU to IOA's best sum, s | times faster |
+|---|---|---|---|---|---|"""
+
+
+def race_rows(given: Block, runs: dict[str, Run]) -> str:
+    """Return a problem's rows of the Markdown table: times faster than IOA's CPU time, of all seeds on average."""
+    lines = []
+    size = f"{given.title}: {len(given.problem.rows)} points, {len(given.problem.free)} coefficients"
+    slow = [run for name, run in runs.items() if name.startswith("IOA")]
+    target = min(run.lowest[-1] for run in slow) * (1 + REACHED)
+    spent = float(np.mean([run.total for run in slow]))
+    for name, run in runs.items():
+        reached = run.reaches(target)
+        ratio = f"{spent / reached:.0f}" if np.isfinite(reached) and run not in slow else "-"
+        needed = f"{reached:.3f}" if np.isfinite(reached) else "not reached"
+        lines.append(f"| {size} | {name} | {run.lowest[-1]:.5g} | {run.total:.2f} | {needed} | {ratio} |")
+        size = ""
+    return "\n".join(lines)
+
+
+def paper_rows(told: dict[str, tuple[Block, dict[str, Run]]]) -> str:
+    """Return the comparison with the paper as a Markdown table."""
+    lines = [
+        "| problem | paper: sum of squares, N^2 | paper: rms, N | here, IOA: rms, N | here, IPOPT: rms, N |",
+        "|---|---|---|---|---|",
+    ]
+    for title, (printed, rms) in PAPER.items():
+        given, runs = told[title]
+        ioa = min(run.lowest[-1] for name, run in runs.items() if name.startswith("IOA"))
+        here = (f"{np.sqrt(squares / len(given.problem.rows)):.2f}" for squares in (ioa, runs[AGAIN].lowest[-1]))
+        lines.append(f"| {title} | {printed:g} | {rms:g} | {' | '.join(here)} |")
+    return "\n".join(lines)
+
+
+def draw(told: dict[str, tuple[Block, dict[str, Run]]], path: Path) -> None:
+    """Draw the lowest sum of squares over CPU time, both logarithmic, a panel each problem."""
+    mpl.use("Agg")
+    figure, axes = plt.subplots(2, 3, figsize=(12, 7), layout="constrained")
+    colours = {ONCE: "C0", AGAIN: "C0", STAGES: "C4", TRF: "C2", SLSQP: "C1"}
+    for axis, (given, runs) in zip(axes.ravel(), told.values(), strict=True):
+        for name, run in runs.items():
+            seconds, lowest = [*run.seconds, run.total], [*run.lowest, run.lowest[-1]]
+            line = ":" if name == AGAIN else "-"
+            axis.step(seconds, lowest, line, where="post", label=name, color=colours.get(name, "C3"))
+        axis.axhline(len(given.problem.rows) * NOISE**2, color="0.6", linewidth=0.8, linestyle="--")
+        axis.set(xscale="log", yscale="log", title=given.title)
+        axis.grid(True, which="major", alpha=0.3)
+    for axis in axes[1]:
+        axis.set_xlabel("CPU time, s")
+    for axis in axes[:, 0]:
+        axis.set_ylabel("sum of squares, N$^2$")
+    figure.legend(*axes[1, 1].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    figure.savefig(path, dpi=110, metadata={"Software": None})
+    plt.close(figure)
+
+
+def main() -> None:
+    """Race, tell and draw."""
+    parser = argparse.ArgumentParser(description="Sum of squares against CPU time on the UNICAMP bench program.")
+    parser.add_argument("--iterations", type=int, default=10_000, help="of IOA; the paper's are 10,000")
+    parser.add_argument("--seeds", default="0,1", help="of IOA, a run each")
+    parser.add_argument("--figure", type=Path, help="draw the convergence here")
+    parser.add_argument("--json", type=Path, help="write sums and seconds here, too")
+    given = parser.parse_args()
+    told = {}
+    print(HEAD)
+    for problem, runs in study(given.iterations, [int(seed) for seed in given.seeds.split(",")]):
+        told[problem.title] = problem, runs
+        print(race_rows(problem, runs), flush=True)
+        if given.json:
+            plain = {title: {name: vars(run) for name, run in raced.items()} for title, (_, raced) in told.items()}
+            given.json.write_text(json.dumps(plain) + "\n")
+    print(f"\n{paper_rows(told)}", flush=True)
+    if given.figure:
+        draw(told, given.figure)
+    ground = other_ground()
+    print("\n| on another ground | rms against the truth, N |\n|---|---|")
+    print("\n".join(f"| {name} | {rms:.2f} |" for name, rms in ground.items()))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,234 @@
+"""IOA: it recovers a small tire, keeps bounds and conditions, repeats itself, and says how it ended."""
+
+from __future__ import annotations
+
+from itertools import count
+from math import inf
+
+import numpy as np
+import pytest
+
+from tirefmu.fitting import fit
+from tirefmu.fitting.constraints import Constraint
+from tirefmu.fitting.evolution import GOAL, INTERRUPTED, LIMIT, SETTLED, Evolution
+from tirefmu.fitting.ipopt import solve
+from tirefmu.fitting.method import METHODS, solver_for
+from tirefmu.fitting.problem import Problem, Rows, equal_weights
+from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.errors import FitError, UnknownName
+from tirefmu.tires.code import code_for, forces_of_each
+
+FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2")
+START = {"PCY1": 1.2, "PDY1": 1.5, "PDY2": 0.0, "PKY1": 30.0, "PKY2": 1.5}
+
+
+def problem_of(tire, table, free=FREE):
+    rows = Rows.of(table, tire, ["Fy"])
+    scale = np.array([max(abs(tire.values[name]), 0.1) for name in free])
+    return Problem(tire, rows, free, equal_weights(rows), scale)
+
+
+@pytest.fixture(scope="module")
+def problem(known, make):
+    return problem_of(known, make.sideways(known, cambers=(0.0,)).table)
+
+
+@pytest.fixture
+def start(problem):
+    return np.array([START[name] for name in FREE]) / problem.scale
+
+
+@pytest.fixture
+def bounds(problem):
+    """Return a function that writes bounds in the solver's scale: the cards' where none are given."""
+    cards = problem.tire.book.coefficients
+
+    def write(**given):
+        lower, upper = zip(*(given.get(name, (cards[name].lower, cards[name].upper)) for name in FREE), strict=True)
+        return np.array(lower) / problem.scale, np.array(upper) / problem.scale
+
+    return write
+
+
+def test_it_recovers_known_coefficients(problem, start, bounds, known):
+    solution = Evolution(1000)(problem, start, *bounds(), [])
+    np.testing.assert_allclose(solution.x * problem.scale, [known.values[name] for name in FREE], rtol=1e-3)
+    assert solution.cost == problem.cost(solution.x)
+
+
+def test_a_seed_repeats_a_search_and_another_goes_elsewhere(problem, start, bounds):
+    first, again, other = (Evolution(30, seed)(problem, start, *bounds(), []) for seed in (4, 4, 5))
+    np.testing.assert_array_equal(first.x, again.x)
+    assert (first.cost, first.iterations) == (again.cost, again.iterations)
+    assert not np.array_equal(first.x, other.x)
+
+
+def test_every_candidate_is_within_the_bounds(problem, start, bounds, monkeypatch):
+    lower, upper = bounds(PDY1=(0.1, 1.7), PKY2=(2.6, 5.0), PCY1=(1.2, 1.2))
+    seen = []
+    costs = Problem.costs
+
+    def watched(self, population, limits):
+        seen.append(population.copy())
+        return costs(self, population, limits)
+
+    monkeypatch.setattr(Problem, "costs", watched)
+    solution = Evolution(200)(problem, np.clip(start, lower, upper), lower, upper, [])
+    tried = np.concatenate(seen)
+    rounding = 1e-12 * np.maximum(np.abs(lower), np.abs(upper))
+    assert (tried >= lower - rounding).all()
+    assert (tried <= upper + rounding).all()
+    values = dict(zip(FREE, solution.x * problem.scale, strict=True))
+    assert values["PCY1"] == pytest.approx(1.2, rel=1e-12)
+    assert values["PDY1"] == pytest.approx(1.7, abs=1e-2)  # the data want 1.9
+
+
+def test_conditions_are_kept_where_the_optimum_breaks_them(problem, start, bounds):
+    points = np.array([[0.0, 0.0], [0.1, 0.1], [0.0, 0.0], [220.0, 1120.0]])
+    ceiling = (Constraint("mu_y", -inf, 1.6, ("Fz",)), points)
+    free = Evolution(300)(problem, start, *bounds(), [])
+    kept = Evolution(300)(problem, start, *bounds(), [ceiling])
+    oracle = solve(problem, start, *bounds(), [ceiling])
+    code = code_for("mf96", "numpy")
+    place = code.quantities_names.index("mu_y")
+    assert code.quantities(points, problem.parameters(free.x))[place].max() > 1.8
+    assert code.quantities(points, problem.parameters(kept.x))[place].max() <= 1.6 + 2e-6
+    assert kept.cost == pytest.approx(oracle.cost, rel=1e-2)
+
+
+def test_it_starts_outside_the_conditions_and_gets_inside(problem, start, bounds):
+    points = np.array([[0.0], [0.0], [0.0], [700.0]])
+    floor = (Constraint("mu_y", 1.8, inf, ("Fz",)), points)  # the start has 1.5
+    solution = Evolution(100)(problem, start, *bounds(), [floor])
+    values = dict(zip(FREE, solution.x * problem.scale, strict=True))
+    assert values["PDY1"] >= 1.8 - 2e-6
+
+
+def test_impossible_conditions_are_a_result(problem, start, bounds):
+    points = np.array([[0.0], [0.0], [0.0], [700.0]])
+    pair = [(Constraint("mu_y", 3.0, inf, ()), points), (Constraint("mu_y", -inf, 1.0, ()), points)]
+    solution = Evolution(150)(problem, start, *bounds(), pair)
+    assert not solution.converged
+    assert solution.reason == LIMIT
+    assert np.isfinite(solution.x).all()
+
+
+def test_a_fit_goes_on_from_its_last_population_with_more_conditions(problem, start, bounds):
+    points = np.array([[0.0], [0.0], [0.0], [700.0]])
+    ceiling = (Constraint("mu_y", -inf, 1.7, ()), points)
+    search = Evolution(300)
+    first = search(problem, start, *bounds(), [])
+    more = search(problem, first.x, *bounds(), [ceiling])
+    assert more.iterations == first.iterations + 30
+    assert (more.x * problem.scale)[FREE.index("PDY1")] <= 1.7 + 2e-6
+
+
+# ------------------------------------------------------------------ how it ends
+
+
+def test_the_limit_is_told_as_the_limit(problem, start, bounds):
+    solution = Evolution(5)(problem, start, *bounds(), [])
+    assert (solution.iterations, solution.converged, solution.reason) == (5, False, LIMIT)
+    assert LIMIT == "stopped at the iteration limit"
+
+
+def test_the_error_goal_ends_it(problem, start, bounds):
+    goal = 1e-3
+    solution = Evolution(5000, goal=goal)(problem, start, *bounds(), [])
+    assert (solution.converged, solution.reason) == (True, GOAL)
+    assert solution.cost <= goal
+    assert solution.iterations < 5000
+
+
+def test_no_further_gain_ends_it_unless_it_is_patient(known, make, bounds, start):
+    table = make.sideways(known, cambers=(0.0,)).table
+    noisy = problem_of(known, table.assign(Fy=table["Fy"] + np.random.default_rng(3).normal(0.0, 20.0, len(table))))
+    settled = Evolution(1500)(noisy, start, *bounds(), [])
+    assert (settled.converged, settled.reason) == (True, SETTLED)
+    assert settled.iterations < 1500
+    assert settled.cost == pytest.approx(solve(noisy, start, *bounds(), []).cost, rel=1e-4)
+    patient = Evolution(settled.iterations + 1, patient=True)(noisy, start, *bounds(), [])
+    assert patient.reason == LIMIT
+
+
+def test_who_stops_it_gets_the_best_so_far(problem, start, bounds):
+    told = []
+    asked = count(1)
+    solution = Evolution(1000)(
+        problem, start, *bounds(), [], progress=lambda *call: told.append(call), stop=lambda: next(asked) == 20
+    )
+    assert (solution.reason, solution.converged, solution.iterations) == (INTERRUPTED, False, 20)
+    generations, costs = zip(*told, strict=True)
+    assert generations == tuple(range(1, 21))
+    assert list(costs) == sorted(costs, reverse=True)
+    assert solution.cost == pytest.approx(costs[-1])
+    assert solution.cost < problem.cost(start)
+
+
+# ------------------------------------------------------------------ within a fit
+
+
+def test_a_fit_by_ioa_tells_its_method_and_repeats_itself(known, make, tmp_path):
+    free = "\n".join(f"{name} = {{ guess = {START[name]} }}" for name in FREE)  # no bounds: the cards'
+    path = make.recipe(tmp_path, f'[[stage]]\nname = "side"\nchannels = ["Fy"]\n[stage.free]\n{free}\n')
+    recording = make.sideways(known, cambers=(0.0,))
+    results = [
+        fit([recording], start=known, recipe=path, method="ioa", iterations=iterations, seed=1)
+        for iterations in (400, 400, 3)
+    ]
+    assert results[0].tire.values == results[1].tire.values
+    assert results[0].method == results[0].to_json()["method"] == "ioa"
+    assert results[0].channels[0].rmse < 5.0
+    assert results[2].stages[0].reason == LIMIT
+    assert not results[2].ok
+    assert results[2].stages[0].iterations >= 3
+
+
+def test_every_stage_of_the_default_recipe_can_be_solved_by_it(known, make):
+    result = fit([make.sideways(known)], effects=("load_friction",), nominal=make.nominal, method="ioa", iterations=40)
+    by_ipopt = fit([make.sideways(known)], effects=("load_friction",), nominal=make.nominal)
+    assert [stage.name for stage in result.stages] == [stage.name for stage in by_ipopt.stages]
+    assert result.channels[0].rmse < 3 * by_ipopt.channels[0].rmse
+
+
+def test_a_misspelt_method_and_odd_numbers_are_refused():
+    with pytest.raises(UnknownName, match="unknown method 'iao': did you mean ioa"):
+        solver_for("iao")
+    with pytest.raises(FitError, match="at least one"):
+        solver_for("ioa", iterations=0)
+    with pytest.raises(FitError, match="from 0 on"):
+        solver_for("ioa", seed=-1)
+    assert {method: solver_for(method, 7) for method in METHODS}["ioa"].max_iterations == 7
+
+
+def test_every_card_bounds_the_search(known, make, problem, start):
+    """So that a recipe's open bounds can be sought within the card's."""
+    for book in MODELS.values():
+        assert all(np.isfinite([card.lower, card.upper]).all() for card in book.coefficients.values())
+    wide = np.full(len(FREE), inf)
+    solution = Evolution(20)(problem, start, -wide, wide, [])
+    cards = [problem.tire.book.coefficients[name] for name in FREE]
+    values = solution.x * problem.scale
+    assert all(card.lower <= value <= card.upper for card, value in zip(cards, values, strict=True))
+
+
+# ------------------------------------------------------------------ many points at once
+
+
+@pytest.mark.parametrize("language", ["numpy", "batch"])
+def test_the_forces_of_many_tires_are_those_of_each(known, make, language):
+    code = code_for("mf96", language)
+    inputs = np.stack([make.anywhere(300)[name] for name in known.inputs])
+    inputs[0, 5] = 1e9  # far out, where a kernel hands over to the code of single rows
+    population = np.stack([make.other_tire(seed).parameters() for seed in range(4)])
+    together = forces_of_each(code, inputs, population)
+    for parameters, forces in zip(population, together, strict=True):
+        np.testing.assert_array_equal(forces, code.forces(inputs, parameters))
+
+
+def test_many_costs_are_those_of_each_up_to_their_limits(problem, start):
+    population = start * np.random.default_rng(0).uniform(0.5, 1.5, (6, len(start)))
+    each = np.array([problem.cost(x) for x in population])
+    np.testing.assert_allclose(problem.costs(population, np.full(6, inf)), each, rtol=1e-12)
+    limits = np.median(each) * np.ones(6)
+    np.testing.assert_array_equal(problem.costs(population, limits) > limits, each > limits)
