@@ -16,12 +16,17 @@ from tirefmu.measurements import (
     REASONS,
     Recording,
     check_plausible,
+    convention_notes,
+    coverage_notes,
     group_by_condition,
+    identity_notes,
     read_recording,
     screen,
 )
 from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
+
+from .identity import tire_notes
 
 #: The inputs of which one has to vary by 0.01 for a channel to tell something of the tire; none for My.
 EXCITED_BY = {"Fx": ("kappa",), "Fy": ("alpha",), "Mz": ("alpha",), "Mx": ("alpha", "gamma"), "My": ()}
@@ -69,6 +74,7 @@ class Prepared:
         recording tells nothing of are NaN.
     set_aside : tuple of SetAside
     notes : tuple of str
+        What looks odd, what the data cannot tell, what is not fitted.
     rows : str
         How rows count: a name of `ROWS`.
     """
@@ -141,7 +147,9 @@ def prepare(
         raise UnknownName("way for rows to count", rows, ROWS)
     tables: list[pd.DataFrame] = []
     set_aside: list[SetAside] = []
-    notes: list[str] = []
+    notes = [note for each in recordings for note in (*convention_notes(each), *coverage_notes(each))]
+    notes += identity_notes(recordings) or tire_notes(recordings)
+    unfitted: list[str] = []
     segments = 0
     for number, recording in enumerate(recordings):
         kept, found = _screened(recording) if screening else (np.ones(len(recording), dtype=np.bool_), ())
@@ -150,7 +158,7 @@ def prepare(
         segment = _segment_numbers(recording) + segments
         segments = int(segment[-1]) + 1
         table, silent = _telling(recording.with_signs("adapted-sae").table, kept, book)
-        notes += [f"{recording.source}: {what}" for what in silent]
+        unfitted += [f"{recording.source}: {what}" for what in silent]
         tables.append(table.assign(recording=number, segment=segment, kept=kept, weight=weight))
     data = pd.concat(tables, ignore_index=True)
     if not data["kept"].any():
@@ -158,9 +166,9 @@ def prepare(
     outputs = [quantity.name for quantity in book.outputs]
     if not any(name in data and data.loc[data["kept"], name].notna().any() for name in outputs):
         raise FitError(
-            "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *notes])
+            "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *unfitted])
         )
-    return Prepared(data, tuple(set_aside), tuple(notes), rows)
+    return Prepared(data, tuple(set_aside), (*notes, *unfitted), rows)
 
 
 def _check_numbers(recording: Recording) -> None:

@@ -346,8 +346,12 @@ class Session:
         undetermined = [c.name for c in coefficients if not c.determined]
         if undetermined:
             self._notes.append(f"not determined by these data, left as they were: {', '.join(undetermined)}")
+        channels = self._channels(recordings, tire, effective)
+        self._notes += [
+            f"{c.recording}: the fit explains nothing of {c.channel} (R2 {c.r2:.2f})" for c in channels if c.r2 < 0
+        ]
         return FitResult(
-            tire.in_signs("iso"), signs, coefficients, self._channels(recordings, tire, effective),
+            tire.in_signs("iso"), signs, coefficients, channels,
             tuple(self._stages), self._margins(), tuple(self._notes), seconds, self._plan.name, directions,
             self._prepared.set_aside, self._interrupted(),
             evidence=Residuals(self._data, tuple(_distinct([r.source for r in recordings])), self._tire, signs),

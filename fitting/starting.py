@@ -37,6 +37,8 @@ READ_FOR: dict[str, tuple[str, ...]] = {
 #: The other slip and the inclination count as zero up to here.
 PURE = {"kappa": 0.01, "alpha": radians(1.0), "gamma": radians(1.0)}
 FEWEST_ROWS = 12
+#: More rows than this tell no more of a curve of four numbers.
+MOST_ROWS = 2000
 #: A curve has flattened where its sweep comes this near to its height.
 FLATTENED = 0.9
 #: The share of readings by which the size of a force is told: single ones do not make it.
@@ -143,7 +145,8 @@ def _pure(table: pd.DataFrame, force: str, slip: str, other: str) -> list[pd.Dat
         nearest = np.abs(load[:, None] - held).argmin(axis=1)
     else:
         nearest = np.searchsorted(np.quantile(load, np.linspace(0, 1, PARTS + 1)[1:-1]), load)
-    return [rows[nearest == number] for number in np.unique(nearest)]
+    parts = (rows[nearest == number] for number in np.unique(nearest))
+    return [part.sample(MOST_ROWS, random_state=0) if len(part) > MOST_ROWS else part for part in parts]
 
 
 def _curve(slip: FloatArray, force: FloatArray) -> dict[str, float]:

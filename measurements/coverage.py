@@ -95,7 +95,7 @@ def coverage_notes(recording: Recording) -> list[str]:
     Returns
     -------
     list of str
-        One sentence each: few rows, a slip that does not vary, one load only, a channel that stays the same,
+        One sentence each: few rows, a slip that does not vary, no load or one only, a channel that stays the same,
         a clock that runs backwards.
 
     Examples
@@ -114,6 +114,8 @@ def coverage_notes(recording: Recording) -> list[str]:
         if output in table and table[output].notna().any() and not any(_varies(by_name.get(slip)) for slip in slips):
             notes.append(f"{source}: {slips[0]} {_constancy(by_name, slips[0])}: {output} shows no slip curve")
     load = by_name.get("Fz")
+    if load is None and len(recording):
+        notes.append(f"{source}: Fz is not there: every row counts as at the nominal load")
     if load is not None and not _varies(load):
         middle = float(np.abs(table["Fz"]).median())
         notes.append(f"{source}: one load only ({middle:.4g} N): nothing tells how the tire changes with load")

@@ -53,7 +53,8 @@ def phases(recording: Recording) -> list[Phase]:
 
     An input that was held at levels (`levels`) moves where it is between two of them; an input that was
     not, where it covers more than two tolerances within a second. A slip that leaves its level and comes
-    back to it, or takes more than 3 s to another, is swept. Stretches end at gaps of the clock.
+    back to it, or takes more than 3 s to another, is swept. Stretches end at gaps of the clock, but for rows that
+    are no course in time.
 
     Parameters
     ----------
@@ -75,10 +76,11 @@ def phases(recording: Recording) -> list[Phase]:
     [('sweep', ('alpha',)), ('sweep', ('alpha',))]
     """
     inputs = _inputs(recording)
+    columns = {each.name: recording.table[each.name].to_numpy(dtype=np.float64) for each in inputs}
     found: list[Phase] = []
-    for segment in recording.segments():
-        if not is_course(recording, segment):
-            found.append(Phase(segment, "points", (), _medians(recording, inputs, segment)))
+    for segment, course in _stretches(recording):
+        if not course:
+            found.append(Phase(segment, "points", (), _medians(columns, inputs, segment)))
             continue
         courses = [_course(each, segment, clock_step(recording, segment)) for each in inputs]
         state = np.stack([np.zeros(segment.stop - segment.start), *(course.moving for course in courses)])
@@ -89,7 +91,7 @@ def phases(recording: Recording) -> list[Phase]:
             moving = tuple(each.name for each, course in zip(inputs, courses, strict=True) if course.moving[start])
             between = any(course.off[start] for course in courses)
             kind = "transition" if between else "sweep" if moving else "plateau"
-            held = _medians(recording, [each for each in inputs if each.name not in moving], rows)
+            held = _medians(columns, [each for each in inputs if each.name not in moving], rows)
             found.append(Phase(rows, kind, moving, held))
     return found
 
@@ -185,8 +187,20 @@ def _inputs(recording: Recording) -> list[_Input]:
     return found
 
 
-def _medians(recording: Recording, inputs: Sequence[_Input], rows: slice) -> dict[str, float]:
-    return {each.name: float(recording.table[each.name].iloc[rows].median()) for each in inputs}
+def _stretches(recording: Recording) -> list[tuple[slice, bool]]:
+    """Return the segments, each with whether it is a course; neighbors that are none as one stretch."""
+    found: list[tuple[slice, bool]] = []
+    for segment in recording.segments():
+        course = is_course(recording, segment)
+        if found and not course and not found[-1][1]:
+            found[-1] = (slice(found[-1][0].start, segment.stop), False)
+        else:
+            found.append((segment, course))
+    return found
+
+
+def _medians(columns: Mapping[str, NDArray[np.float64]], inputs: Sequence[_Input], rows: slice) -> dict[str, float]:
+    return {each.name: float(np.median(columns[each.name][rows])) for each in inputs}
 
 
 def _course(each: _Input, segment: slice, step: float) -> _Course:

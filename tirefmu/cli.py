@@ -165,14 +165,11 @@ def fit(
     from tirefmu.fitting import cross_validate, deal
     from tirefmu.fitting import fit as run
     from tirefmu.fitting.figures import draw_figures
-    from tirefmu.measurements import convention_notes, coverage_notes, identity_notes, read_recording
+    from tirefmu.measurements import read_recording
 
     terminal = Terminal(quiet)
     check_places(output, json_file, report, folder=figures)
     recordings = [read_recording(table, signs=signs) for table in tables]
-    told = [note for recording in recordings for note in (*convention_notes(recording), *coverage_notes(recording))]
-    for note in (*told, *identity_notes(recordings)):
-        terminal.print(f"note: {note}")
     if folds:
         deal(recordings, folds)  # says before the work what cannot be
     finished_stages = output.with_name(f"{output.stem}.progress.json")

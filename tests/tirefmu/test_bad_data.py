@@ -1,0 +1,137 @@
+"""Bad data through the front door: refused in one clear line, or fitted with what is odd being said."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+
+def sweeps(friction=1.7, load=1.0, seed=0, rows=300):
+    """Return a sweep of slip angle at each of two loads, then of slip, at 100 Hz, in iso, with noise."""
+    ramp = np.tile(np.interp(np.arange(rows) / rows, [0.0, 0.25, 0.75, 1.0], [0.0, 0.2, -0.2, 0.0]), 4)
+    part, random = np.repeat(np.arange(4), rows), np.random.default_rng(seed)
+    lateral, heavy = part < 2, np.where(part % 2, 900.0, 500.0)
+    mu = friction - 0.3 * heavy / 1000.0
+    alpha, kappa = np.where(lateral, ramp, 0.0), np.where(lateral, 0.0, ramp)
+    side = -load * mu * heavy * np.sin(1.4 * np.arctan(10.0 * alpha))
+    return pd.DataFrame(
+        {
+            "t": np.arange(4 * rows) / 100.0, "kappa": kappa, "alpha": alpha, "gamma": 0.0, "Fz": load * heavy,
+            "p": 83e3, "V": 11.0,
+            "Fx": load * mu * heavy * np.sin(1.5 * np.arctan(12.0 * kappa)) + random.normal(0, 5, 4 * rows),
+            "Fy": side + random.normal(0, 5, 4 * rows),
+            "Mz": -0.03 * side * np.cos(1.1 * np.arctan(9.0 * alpha)) + random.normal(0, 0.3, 4 * rows),
+        }
+    )  # fmt: skip
+
+
+def side_alone(table):
+    return table[["t", "alpha", "gamma", "Fz", "Fy"]].iloc[: len(table) // 2]
+
+
+REFUSED = {
+    "no output": (lambda t: [t.drop(columns=["Fx", "Fy", "Mz"])], "a.csv: no measured output (Fx, Fy, Mz, Mx, My)"),
+    "outputs that nobody measured": (lambda t: [t.assign(Fx=np.nan, Fy=np.nan, Mz=np.nan)], "a.csv: no measured"),
+    "load under another name": (
+        lambda t: [t.rename(columns={"Fz": "load"})], "column 'load' is not a channel: did you mean Fz?",
+    ),
+    "constant slips": (
+        lambda t: [t.assign(alpha=0.05, kappa=0.0)],
+        "none of Fx, Fy, Mz is measured over a varying slip: nothing to fit; a.csv: Fx is not fitted, kappa does not",
+    ),
+    "all rows lifted": (
+        lambda t: [t.assign(Fz=0.0)],
+        "no row is left to fit (--all-rows keeps them): a.csv: 1200 of 1200 rows set aside: lifted",
+    ),
+    "all rows standing": (lambda t: [t.assign(V=0.0)], "1200 of 1200 rows set aside: standing (the wheel stands)"),
+    "all loads out of range": (lambda t: [t.assign(Fz=5e6)], "a.csv: Fz reaches 5e+06 N: in another unit?"),
+    "load in kN": (lambda t: [t.assign(Fz=t["Fz"] / 1e3)], "a.csv: no |Fz| is above 0.9 N: in kN? declare it"),
+    "load of the other sign": (
+        lambda t: [t.assign(Fz=-t["Fz"])], "a.csv: Fz is negative in 100 % of the rows: SAE signs? (--signs sae)",
+    ),
+    "degrees for radians": (
+        lambda t: [t.assign(alpha=np.degrees(t["alpha"]))],
+        "a.csv: alpha reaches 11.46 rad: in degrees? declare it: 'alpha [deg]'",
+    ),
+    "inclination in degrees": (lambda t: [t.assign(gamma=4.0)], "a.csv: gamma reaches 4 rad: in degrees?"),
+    "slip in percent": (lambda t: [t.assign(kappa=100 * t["kappa"])], "a.csv: kappa reaches 20: in percent?"),
+    "NaN in an input": (lambda t: [t.assign(Fz=t["Fz"].where(t.index != 7))], "a.csv: line 9: Fz is NaN (1 of 1200"),
+    "infinity in an output": (lambda t: [t.assign(Fx=t["Fx"].where(t.index != 7, np.inf))], "a.csv: line 9: Fx is inf"),
+    "one row": (lambda t: [t.iloc[:1]], "is measured over a varying slip: nothing to fit"),
+    "no row": (lambda t: [t.iloc[:0]], "a.csv: no rows"),
+    "the second file is bad": (
+        lambda t: [t, t.assign(Fz=-t["Fz"])], "b.csv: Fz is negative in 100 % of the rows: SAE signs?",
+    ),
+}  # fmt: skip
+
+TOLD = {
+    "no load": (lambda t: [side_alone(t).drop(columns="Fz")], "a.csv: Fz is not there: every row counts as at the"),
+    "no slip": (lambda t: [t.drop(columns="kappa")], "a.csv: Fx is not fitted, kappa does not vary there"),
+    "constant slip angle": (lambda t: [t.assign(alpha=0.05)], "a.csv: Fy is not fitted, alpha does not vary there"),
+    "one load": (lambda t: [side_alone(t).assign(Fz=900.0)], "a.csv: one load only (900 N): nothing tells how"),
+    "ten rows": (lambda t: [side_alone(t).iloc[::60]], "a.csv: 10 rows are fewer than a fit of one force needs"),
+    "time going backwards": (lambda t: [side_alone(t).iloc[::-1]], "a.csv: t runs backwards in 599 of 599 steps"),
+    "side force of the other sign": (
+        lambda t: [side_alone(t).assign(Fy=-side_alone(t)["Fy"])],
+        "a.csv: Fy rises with alpha, in iso it falls: the data look like adapted-sae",
+    ),
+    "moment of the other sign": (lambda t: [t.assign(Mz=-t["Mz"])], "a.csv: Mz falls with alpha at small angles"),
+    "slip of the other sign": (lambda t: [t.assign(Fx=-t["Fx"])], "a.csv: Fx falls with kappa, but kappa > 0 drives"),
+    "two tires in two files": (
+        lambda t: [side_alone(t), side_alone(sweeps(1.1, seed=1))], "two tires? at 900 N, mu_y is 1.4",
+    ),
+    "two tires in one file": (
+        lambda t: [pd.concat([side_alone(t), side_alone(sweeps(1.1, seed=1))])],
+        "in rows 1 to 600 of a.csv and 0.8",
+    ),
+    "two sizes of tires": (
+        lambda t: [side_alone(t), side_alone(sweeps(load=9.0, seed=1))], "two tires? a.csv runs up to 900 N, b.csv",
+    ),
+    "a wild reading": (
+        lambda t: [side_alone(t).assign(Fy=t["Fy"].where(t.index != 70, 9e3))],
+        "a.csv: 1 of 600 rows set aside: outlier (a reading stands off the course of its channel)",
+    ),
+}  # fmt: skip
+
+
+@pytest.fixture
+def fitted(command, tmp_path, monkeypatch):
+    """Return a function that writes tables as a.csv, b.csv and fits them."""
+    monkeypatch.chdir(tmp_path)
+
+    def run(tables):
+        files = [f"{name}.csv" for name, _ in zip("ab", tables, strict=False)]
+        for file, table in zip(files, tables, strict=True):
+            table.to_csv(file, index=False)
+        outcome = command("fit", *files, "-o", "new.tir", "--effects", "none", "--nominal", "Fz0=700,R0=0.25")
+        return outcome, sorted(path.name for path in tmp_path.iterdir() if path.name not in files)
+
+    return run
+
+
+@pytest.mark.parametrize("fault", REFUSED)
+def test_it_is_refused_in_one_line(fitted, fault):
+    change, message = REFUSED[fault]
+    outcome, left = fitted(change(sweeps()))
+    assert outcome.status == 2
+    (line,) = outcome.err.splitlines()
+    assert line.startswith("tirefmu: error: ")
+    assert message in line
+    assert outcome.out == ""
+    assert left == []
+
+
+@pytest.mark.parametrize("fault", TOLD)
+def test_it_is_fitted_and_told(fitted, fault):
+    change, message = TOLD[fault]
+    outcome, left = fitted(change(sweeps()))
+    assert outcome.status in (0, 1), outcome.err
+    assert [line for line in outcome.out.splitlines() if line.startswith("note: ") and message in line]
+    assert left == ["new.tir"]
+
+
+def test_good_data_are_not_complained_about(fitted):
+    outcome, _ = fitted([side_alone(sweeps()).iloc[:300], side_alone(sweeps(seed=1)).iloc[300:].assign(p=80e3)])
+    notes = [line for line in outcome.out.splitlines() if line.startswith("note: ") and "one load only" not in line]
+    assert notes == []
