@@ -137,7 +137,7 @@ class _Asked:
                 return self._lacking(best, places[0])
         alone = max(float(matrix[places[0], places[0]]) for matrix in self._information.values())
         if len(names) == 1 and alone < 1.0 / OPEN**2:
-            return "no force changes much with it while the others have the values found"
+            return "hardly any force changes where the others have the values found"
         return "other coefficients do the same at every load, slip, inclination and pressure tried"
 
     @cached_property

@@ -8,6 +8,8 @@ import pytest
 from scipy.ndimage import uniform_filter1d
 
 from tirefmu.fitting import fit
+from tirefmu.fitting.constraints import chosen_constraints
+from tirefmu.fitting.telling import told_differences
 from tirefmu.measurements import read_recording
 
 FILES = ("cornering.mat", "drivebrake.mat")
@@ -67,7 +69,8 @@ def test_cornering_stiffness_is_that_of_the_sweeps(measured, recordings):
 
 def test_every_condition_holds_over_the_operating_range(measured):
     assert measured.status == "converged"
-    assert len(measured.margins) == 18
+    kept = [each.name for own in chosen_constraints("mf61").values() for each in own]
+    assert [margin.name for margin in measured.margins] == kept
     for margin in measured.margins:
         assert margin.margin >= -1e-6, margin
 
@@ -77,6 +80,19 @@ def test_what_the_data_leave_open_is_named(measured):
     assert any({"PKX2", "PKX3"} <= set(direction.coefficients) for direction in measured.directions)
     assert np.isinf(told["PKX2"].interval)
     assert told["PDY1"].interval < 0.1 * told["PDY1"].value
+
+
+def test_what_the_data_say_of_the_fit(measured):
+    found = measured.findings
+    stiff = {round(each.load / 550): each for each in found.stiffnesses if each.channel == "Fy"}
+    assert all(abs(stiff[load].off) < 0.03 for load in (2, 3, 4, 5))
+    turning = {each.recording: each for each in found.ripples if each.stands_out}
+    assert set(turning) == set(FILES)
+    for each in turning.values():
+        assert 0.18 < each.radius < 0.25  # of a tire of 0.2 m; the fit was told none
+    assert {"Fy", "Mz"} <= {each.channel for each in told_differences(measured) if each.first in FILES}
+    conditions = [each for each in found.conditions if (each.recording, each.channel) == ("cornering.mat", "Fy")]
+    assert len(conditions) == 45  # five loads, three inclinations, three pressures
 
 
 def test_the_tire_is_told_in_iso_and_its_bounds_in_the_signs_of_the_bench(measured):

@@ -1,0 +1,50 @@
+"""What `tirefmu fit` keeps, foretells and tells."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+
+def test_a_misspelt_constraint_is_refused_with_the_nearest_name(command, bench_csv, tmp_path):
+    for option in ("--constraint", "--without-constraint"):
+        outcome = command("fit", bench_csv, option, "curvature:E_yy", "-o", tmp_path / "t.tir")
+        assert outcome.status == 2
+        assert "constraint of mf96 'curvature:E_yy': did you mean curvature:E_y" in outcome.err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(("options", "kept"), [
+    (("--without-constraint", "all"), set()),
+    (("--without-constraint", "extrapolation,signs,friction_falling,stiffness_saturating"), {"curvature"}),
+])  # fmt: skip
+def test_constraints_are_switched_by_name(command, bench_csv, tmp_path, options, kept):
+    path = tmp_path / "fit.json"
+    outcome = command("fit", bench_csv, "--effects", "none", *options, "-o", tmp_path / "t.tir", "--json", path)
+    assert outcome.status == 0
+    told = json.loads(path.read_text(encoding="utf-8"))
+    assert {margin["name"].partition(":")[0] for margin in told["margins"]} == kept
+    assert ("Constraints, verified" in outcome.out) == bool(kept)
+
+
+def test_cross_validation_is_told(command, bench_csv, tmp_path):
+    path, effects = tmp_path / "fit.json", "load_friction,load_stiffness,camber_thrust"
+    outcome = command(
+        "fit", bench_csv, "--effects", effects, "--cross-validate", "2", "-o", tmp_path / "t.tir", "--json", path
+    )
+    assert outcome.status == 0
+    told = json.loads(path.read_text(encoding="utf-8"))
+    assert {each["channel"] for each in told["held_out"]} == {each["channel"] for each in told["channels"]}
+    for each in told["held_out"]:
+        assert each["held_out"] > 0.9 * each["in_sample"]
+    assert "Cross-validation over held conditions" in outcome.out
+    assert "missed most" in outcome.out
+    assert "noise floor" in outcome.out
+
+
+def test_more_folds_than_conditions_are_refused_before_the_work(command, bench_csv, tmp_path):
+    outcome = command("fit", bench_csv, "--cross-validate", "500", "-o", tmp_path / "t.tir")
+    assert outcome.status == 2
+    assert "500 folds need as many held conditions" in outcome.err
+    assert list(tmp_path.iterdir()) == []
