@@ -8,7 +8,7 @@ from tirefmu.symbolic.errors import FmuError
 
 #: What a host waits for at every step, with the variant for most rows; and what is called now and then.
 FAST = ("forces", "relaxation")
-SMALL = ("quantities", "jacobian_inputs", "jacobian_parameters")
+SMALL = ("quantities",)
 
 # A routine begins at the left edge and ends with a brace there.
 _ROUTINE = re.compile(r"^(?:static )?(?:inline )?(?:void|int) (\w+)\([^;]*?\)\n\{.*?^\}\n", re.DOTALL | re.MULTILINE)
@@ -20,9 +20,9 @@ def model_files(model: str) -> tuple[str, str]:
     Examples
     --------
     >>> model_files("mf61")
-    ('mf61.c', 'mf61_derivatives.c')
+    ('mf61.c', 'mf61_quantities.c')
     """
-    return f"{model}.c", f"{model}_derivatives.c"
+    return f"{model}.c", f"{model}_quantities.c"
 
 
 def split_code(model: str, code: str) -> dict[str, bytes]:
@@ -51,7 +51,7 @@ def split_code(model: str, code: str) -> dict[str, bytes]:
     >>> code = "#include <math.h>\n\nvoid m_forces(int n)\n{\n}\n"
     >>> parts = "".join(f"\nvoid m_{name}(int n)\n{{\n}}\n" for name in SMALL)
     >>> sorted(split_code("m", code + parts))
-    ['m.c', 'm_derivatives.c']
+    ['m.c', 'm_quantities.c']
     """
     found = {match[1]: match[0] for match in _ROUTINE.finditer(code)}
     opening = code[: min(code.index(text) for name, text in found.items() if _is_routine(model, name))]

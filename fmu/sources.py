@@ -7,8 +7,9 @@ from collections.abc import Iterable, Sequence
 from importlib.resources import files
 from math import inf, isfinite
 
-from tirefmu.symbolic.model import Model, reaching
+from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.printers.expressions import PlainCPrinter
+from tirefmu.symbolic.printers.operations import rolling_radius_lines
 from tirefmu.tires.printed import c_folder
 
 from .description import xml_bytes
@@ -18,11 +19,11 @@ from .variables import Variable
 
 #: The translation units of the wrapper, by FMI version.
 WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c")}
-COMMON = ("instance.c", "values.c", "derivatives.c", "continuous.c", "saved_state.c")
+COMMON = ("instance.c", "values.c", "derivatives.c", "terms.c", "chain_rule.c", "continuous.c", "saved_state.c")
 #: What the host gives, by whether velocities; how slips act, by whether they lag behind.
 CONTACT = {False: "slip_inputs.c", True: "wheel_inputs.c"}
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
-HEADERS = ("instance.h", "contact.h", "slips.h")
+HEADERS = ("instance.h", "contact.h", "slips.h", "terms.h", "chain_rule.h")
 CONFIG, RADIUS = "model_config.h", "rolling_radius.h"
 
 
@@ -45,7 +46,7 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     >>> from tirefmu.tires import published
     >>> from .interface import interface
     >>> c_files(2, interface(published("trento_hoosier")))[-4:]
-    ('slip_inputs.c', 'direct_slips.c', 'mf96.c', 'mf96_derivatives.c')
+    ('slip_inputs.c', 'direct_slips.c', 'mf96.c', 'mf96_quantities.c')
     """
     return (*WRAPPER[fmi], *COMMON, CONTACT[shown.wheel], SLIPS[shown.tire.lags], *model_files(shown.tire.model))
 
@@ -71,13 +72,13 @@ def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
     >>> from tirefmu.tires import published
     >>> from .interface import interface
     >>> sorted(sources(2, interface(published("trento_hoosier")), "{1}"))[:5]
-    ['contact.h', 'continuous.c', 'derivatives.c', 'direct_slips.c', 'fmi2.c']
+    ['chain_rule.c', 'chain_rule.h', 'contact.h', 'continuous.c', 'derivatives.c']
     """
     wrapper, generated, model = files("tirefmu.fmu") / "wrapper", c_folder(shown.tire.book), shown.tire.model
     own = [name for name in c_files(fmi, shown) if name not in model_files(model)]
     found = {name: (wrapper / name).read_bytes() for name in (*own, *HEADERS)}
     found |= split_code(model, (generated / f"{model}.c").read_text(encoding="ascii"))
-    found[f"{model}.h"] = (generated / f"{model}.h").read_bytes()
+    found |= {name: (generated / name).read_bytes() for name in (f"{model}.h", f"{model}_operations.h")}
     if shown.wheel:
         found[RADIUS] = rolling_radius(shown.tire.book).encode()
     return {**found, CONFIG: model_config(shown, token).encode()}
@@ -99,7 +100,7 @@ def model_config(shown: Interface, token: str) -> str:
     --------
     >>> from tirefmu.tires import published
     >>> from .interface import interface
-    >>> print(model_config(interface(published("trento_hoosier")), "{1}").splitlines()[6])
+    >>> print(model_config(interface(published("trento_hoosier")), "{1}").splitlines()[7])
     #define INSTANTIATION_TOKEN "{1}"
     """
     listed, model = shown.variables, shown.tire.model
@@ -118,6 +119,7 @@ def model_config(shown: Interface, token: str) -> str:
         "#include <math.h>",
         "",
         f'#include "{model}.h"',
+        f'#include "{model}_operations.h"',
         "",
         f'#define INSTANTIATION_TOKEN "{token}"',
         *_sizes(shown),
@@ -151,9 +153,13 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define N_EXTRAS {len(shown.group('extra'))}"
     yield f"#define LAGS {int(shown.tire.lags)}"
     yield f"#define WHEEL {int(shown.wheel)}"
-    routines = ["forces", "quantities", "jacobian_inputs", "jacobian_parameters"]
-    for routine in [*routines, "relaxation"] if shown.tire.lags else routines:
+    for routine in ["forces", "quantities", *(["relaxation"] if shown.tire.lags else [])]:
         yield f"#define model_{routine} {model}_{routine}"
+    for table in ("CONSTANTS", "OPERATIONS"):
+        yield f"#define N_{table} {prefix}_N_{table}"
+        yield f"#define {table} {prefix}_{table}"
+    for name in ("N_LEAVES", "N_SLOTS", "FORCE_SLOTS", "QUANTITY_SLOTS", "ROLLING_RADIUS"):
+        yield f"#define {name} {prefix}_{name}"
 
 
 def _places(shown: Interface) -> Iterable[str]:
@@ -211,8 +217,6 @@ def _extra(variable: Variable, model: str) -> str:
 def rolling_radius(book: Model) -> str:
     """Return a header with the rolling radius of a wheel that turns at a given speed.
 
-    In the book the radius stands in a ring with kappa, by which the turning speed is found; here that is given.
-
     Parameters
     ----------
     book : Model
@@ -229,8 +233,7 @@ def rolling_radius(book: Model) -> str:
     return UNLOADED_RADIUS;
     """
     prefix = book.name.upper()
-    lines = [line for line in book.lines((), straight=True) if line.symbol.name != "omega"]
-    needed = reaching(lines, ["R_e"])
+    needed = rolling_radius_lines(book)
     read = {symbol.name for line in needed for symbol in line.expression.free_symbols} or {"UNLOADED_RADIUS"}
     printer = PlainCPrinter()
     return (

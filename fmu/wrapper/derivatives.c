@@ -1,26 +1,20 @@
 /* Directional and adjoint derivatives.  See instance.h.
  *
- * Forces by inputs and coefficients come from the model's own Jacobians where slips are inputs.  What else there is
- * (rates of states, quantities, wheel inputs) is differenced centrally in a copy of the state.
+ * How unknowns move with the model's lines is told by terms.h, how the lines' inputs move with the host's values by
+ * contact.h and slips.h; what is between goes along the lines, forward for the sum of the seeds or backward from the
+ * sum of the unknowns.  Near the standstill of a wheel, where limits and dampers act, all is differenced.
  */
 #include "instance.h"
 
+#include "chain_rule.h"
 #include "contact.h"
 #include "slips.h"
+#include "terms.h"
 
-#include <math.h>
 #include <string.h>
 
 /* Of a difference, as a share of the value's size: it balances the error of the formula and that of rounding. */
 #define STEP 1e-6
-
-/* What is computed once for all knowns. */
-typedef struct {
-    State state;
-    double by_inputs[N_OUTPUTS * N_INPUTS], by_parameters[N_OUTPUTS * N_COEFFICIENTS];
-    double tangent; /* of the side slip that acts */
-    int has_inputs, has_parameters;
-} Workspace;
 
 static Status expect_differentiable(const Instance *self, const unsigned unknowns[], size_t n_unknowns,
                                     const unsigned knowns[], size_t n_knowns)
@@ -41,14 +35,128 @@ static Status expect_differentiable(const Instance *self, const unsigned unknown
         if (kind != INPUT && kind != PARAMETER && !(knowns[i] >= FIRST_STATE && knowns[i] < FIRST_DERIVATIVE))
             return instance_refuse(self, STATUS_ERROR, "%s is no input, parameter or state", value_name(knowns[i]));
     }
+    if (n_unknowns > N_VALUES)
+        return instance_refuse(self, STATUS_ERROR, "there are not %lu unknowns", (unsigned long) n_unknowns);
     return STATUS_OK;
 }
 
-static void prepare(Workspace *work, const Instance *self)
+/* What stands in the slots of the model's lines where slips are as given, or act. */
+static void find_values(State *state, Point point, double values[N_SLOTS])
 {
-    memcpy(&work->state, &self->state, sizeof work->state);
-    work->has_inputs = work->has_parameters = 0;
-    state_compute_outputs(&work->state);
+    double inputs[N_INPUTS];
+
+    slips_acting(state, inputs);
+    chain_values(point == GIVEN ? state->contact.inputs : inputs, state->values + FIRST_PARAMETER, 0.0, values);
+}
+
+static void find_radius(const State *state, Radius *radius)
+{
+#if WHEEL
+    double values[N_SLOTS], adjoints[N_SLOTS] = {0.0};
+
+    chain_values(state->contact.inputs, state->values + FIRST_PARAMETER,
+                 host_value(state, FIRST_INPUT + HOST_TURNING), values);
+    adjoints[ROLLING_RADIUS] = 1.0;
+    chain_backward(values, adjoints);
+    radius->length = values[ROLLING_RADIUS];
+    memcpy(radius->by, adjoints, sizeof radius->by);
+#else
+    (void) state;
+    memset(radius, 0, sizeof *radius);
+#endif
+}
+
+static void find_tangent(State *state, const double seeds[N_VALUES], const Radius *radius, Tangent *tangent)
+{
+    contact_differentiate(state, seeds, radius, tangent);
+    slips_differentiate(state, seeds, tangent);
+}
+
+/* Add the terms at a point for all seeds. */
+static void add_forward(State *state, Point point, const Tangent *tangent, const double seeds[N_VALUES],
+                        const unsigned unknowns[], size_t n, double sensitivity[])
+{
+    const double *inputs = point == GIVEN ? tangent->given : tangent->acting;
+    double values[N_SLOTS], tangents[N_SLOTS];
+    Term terms[MOST_TERMS];
+    size_t i, k, count;
+    int carried = 0;
+
+    for (i = 0; i < n; i++) {
+        count = terms_find(state, unknowns[i], terms);
+        for (k = 0; k < count; k++) {
+            if (terms[k].point != point)
+                continue;
+            if (!carried) {
+                find_values(state, point, values);
+                memcpy(tangents, inputs, N_INPUTS * sizeof *inputs);
+                memcpy(tangents + FIRST_PARAMETER_LEAF, seeds + FIRST_PARAMETER, N_PARAMETERS * sizeof *seeds);
+                tangents[TURNING_LEAF] = 0.0;
+                chain_forward(values, tangents);
+                carried = 1;
+            }
+            sensitivity[i] += terms[k].factor * tangents[terms[k].slot];
+        }
+    }
+}
+
+static void add_beside(State *state, const Tangent *tangent, const unsigned unknowns[], size_t n, double sensitivity[])
+{
+    Term terms[MOST_TERMS];
+    size_t i, k, count;
+
+    for (i = 0; i < n; i++) {
+        count = terms_find(state, unknowns[i], terms);
+        for (k = 0; k < count; k++)
+            if (terms[k].point == BESIDE)
+                sensitivity[i] += terms[k].factor * tangent->moved[terms[k].slot];
+    }
+}
+
+/* The derivatives of the weighted sum of the unknowns' terms at a point: by the leaves, or BESIDE by what moved. */
+static void find_gradient(State *state, Point point, const unsigned unknowns[], size_t n, const double weights[],
+                          double gradient[])
+{
+    double values[N_SLOTS], adjoints[N_SLOTS] = {0.0};
+    Term terms[MOST_TERMS];
+    size_t i, k, count;
+
+    for (i = 0; i < n; i++) {
+        count = terms_find(state, unknowns[i], terms);
+        for (k = 0; k < count; k++)
+            if (terms[k].point == point)
+                adjoints[terms[k].slot] += terms[k].factor * weights[i];
+    }
+    if (point != BESIDE) {
+        find_values(state, point, values);
+        chain_backward(values, adjoints);
+    }
+    memcpy(gradient, adjoints, (point == BESIDE ? N_MOVED : N_LEAVES) * sizeof *gradient);
+}
+
+static double product(const double a[], const double b[], size_t n)
+{
+    double sum = 0.0;
+    size_t i;
+
+    for (i = 0; i < n; i++)
+        sum += a[i] * b[i];
+    return sum;
+}
+
+/* What a known adds to a weighted sum of unknowns, by their gradients at both points and beside. */
+static double weighed(State *state, unsigned known, const Radius *radius, const double given[], const double acting[],
+                      const double beside[])
+{
+    double seeds[N_VALUES] = {0.0};
+    const double *parameters = seeds + FIRST_PARAMETER;
+    Tangent tangent;
+
+    seeds[known] = value_direction(known);
+    find_tangent(state, seeds, radius, &tangent);
+    return product(given, tangent.given, N_INPUTS) + product(given + FIRST_PARAMETER_LEAF, parameters, N_PARAMETERS) +
+           product(acting, tangent.acting, N_INPUTS) + product(acting + FIRST_PARAMETER_LEAF, parameters, N_PARAMETERS) +
+           product(beside, tangent.moved, N_MOVED);
 }
 
 static void move(State *state, unsigned known, double value)
@@ -67,132 +175,77 @@ static void move(State *state, unsigned known, double value)
     state_changed(state);
 }
 
-static void differenced(Workspace *work, unsigned known, const unsigned unknowns[], size_t n, double column[])
-{
-    State *state = &work->state;
-    const double middle = state->values[known], step = STEP * value_scale(state, known);
-    const double above = middle + step, below = middle - step;
-    const State before = *state;
-    size_t i;
-
-    move(state, known, above);
-    state_compute_extras(state);
-    for (i = 0; i < n; i++)
-        column[i] = state->values[unknowns[i]];
-    move(state, known, below);
-    state_compute_extras(state);
-    for (i = 0; i < n; i++)
-        column[i] = (column[i] - state->values[unknowns[i]]) / (above - below);
-    *state = before;
-}
-
-#if !WHEEL
-/* Forces by an input or a coefficient, from the Jacobians; by a state, through the slip that it is. */
-static void exact(Workspace *work, unsigned known, const unsigned unknowns[], size_t n, double column[])
-{
-    static const int passed[] = PASSED_ON;
-    State *state = &work->state;
-    const double *matrix = work->by_inputs;
-    double inputs[N_INPUTS], factor = 1.0;
-    size_t i, width = N_INPUTS, place = N_INPUTS;
-    const int by_parameter = value_kind(known) == PARAMETER;
-
-    slips_acting(state, inputs);
-    if (by_parameter && !work->has_parameters)
-        model_jacobian_parameters(inputs, state->values + FIRST_PARAMETER, work->by_parameters);
-    if (!by_parameter && !work->has_inputs)
-        model_jacobian_inputs(inputs, state->values + FIRST_PARAMETER, work->by_inputs);
-    work->has_parameters |= by_parameter;
-    work->has_inputs |= !by_parameter;
-    if (by_parameter) {
-        matrix = work->by_parameters;
-        width = place = N_COEFFICIENTS; /* behind them stand options, between whose values nothing changes */
-        if (known - FIRST_PARAMETER < N_COEFFICIENTS)
-            place = known - FIRST_PARAMETER;
-    } else if (known < FIRST_OUTPUT) {
-        for (i = 0; i < N_INPUTS; i++)
-            if (passed[i] == (int) (known - FIRST_INPUT))
-                place = i;
-    }
-#if LAGS
-    if (known < FIRST_OUTPUT && state_has_begun(state) &&
-        ((place == KAPPA && slips_lag(state, LONGITUDINAL)) || (place == ALPHA && slips_lag(state, LATERAL))))
-        factor = 0.0;
-    if (known == FIRST_STATE + LONGITUDINAL)
-        place = KAPPA, factor = state_has_begun(state) && slips_lag(state, LONGITUDINAL);
-    if (known == FIRST_STATE + LATERAL) {
-        place = ALPHA;
-        factor = tan(inputs[ALPHA]);
-        factor = state_has_begun(state) && slips_lag(state, LATERAL) ? 1.0 / (1.0 + factor * factor) : 0.0;
-    }
-#endif
-#ifdef DISTANCE
-    if (known == FIRST_DERIVATIVE - 1)
-        place = DISTANCE;
-#endif
-    for (i = 0; i < n; i++)
-        if (unknowns[i] < FIRST_PARAMETER)
-            column[i] = place < width ? factor * matrix[(unknowns[i] - FIRST_OUTPUT) * width + place] *
-                                            value_direction(unknowns[i]) * value_direction(known)
-                                      : 0.0;
-}
-#endif
-
 /* The derivatives of the unknowns by one known. */
-static void find_column(Workspace *work, unsigned known, const unsigned unknowns[], size_t n, double column[])
+static void find_differences(const State *before, unsigned known, const unsigned unknowns[], size_t n, double column[])
 {
-    int others = WHEEL;
+    const double middle = before->values[known], step = STEP * value_scale(before, known);
+    const double above = middle + step, below = middle - step;
+    State state = *before;
     size_t i;
 
+    move(&state, known, above);
+    state_compute_extras(&state);
     for (i = 0; i < n; i++)
-        others |= unknowns[i] >= FIRST_PARAMETER;
-    if (others)
-        differenced(work, known, unknowns, n, column);
-#if !WHEEL
-    exact(work, known, unknowns, n, column);
-#endif
+        column[i] = state.values[unknowns[i]];
+    move(&state, known, below);
+    state_compute_extras(&state);
+    for (i = 0; i < n; i++)
+        column[i] = (column[i] - state.values[unknowns[i]]) / (above - below);
 }
 
-Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_unknowns,
-                           const unsigned knowns[], size_t n_knowns, const double seed[],
-                           double sensitivity[])
+Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_unknowns, const unsigned knowns[],
+                           size_t n_knowns, const double seed[], double sensitivity[])
 {
-    double column[N_VALUES];
-    Workspace work;
+    State *state = &self->state;
+    double seeds[N_VALUES] = {0.0}, column[N_VALUES];
+    Tangent tangent;
+    Radius radius;
     size_t i, j;
 
     if (expect_differentiable(self, unknowns, n_unknowns, knowns, n_knowns) != STATUS_OK)
         return STATUS_ERROR;
-    if (n_unknowns > N_VALUES)
-        return instance_refuse(self, STATUS_ERROR, "there are not %lu unknowns", (unsigned long) n_unknowns);
-    prepare(&work, self);
+    state_compute_outputs(state);
     for (i = 0; i < n_unknowns; i++)
         sensitivity[i] = 0.0;
-    for (j = 0; j < n_knowns; j++) {
-        find_column(&work, knowns[j], unknowns, n_unknowns, column);
+    for (j = 0; j < n_knowns && !contact_is_smooth(state); j++) {
+        find_differences(state, knowns[j], unknowns, n_unknowns, column);
         for (i = 0; i < n_unknowns; i++)
             sensitivity[i] += seed[j] * column[i];
     }
+    if (!contact_is_smooth(state))
+        return STATUS_OK;
+    for (j = 0; j < n_knowns; j++)
+        seeds[knowns[j]] += seed[j] * value_direction(knowns[j]);
+    find_radius(state, &radius);
+    find_tangent(state, seeds, &radius, &tangent);
+    add_forward(state, GIVEN, &tangent, seeds, unknowns, n_unknowns, sensitivity);
+    add_forward(state, ACTING, &tangent, seeds, unknowns, n_unknowns, sensitivity);
+    add_beside(state, &tangent, unknowns, n_unknowns, sensitivity);
     return STATUS_OK;
 }
 
 Status instance_adjoint(Instance *self, const unsigned unknowns[], size_t n_unknowns, const unsigned knowns[],
                         size_t n_knowns, const double seed[], double sensitivity[])
 {
-    double column[N_VALUES];
-    Workspace work;
-    size_t i, j;
+    State *state = &self->state;
+    double given[N_LEAVES], acting[N_LEAVES], beside[N_MOVED], column[N_VALUES];
+    Radius radius;
+    size_t j;
 
     if (expect_differentiable(self, unknowns, n_unknowns, knowns, n_knowns) != STATUS_OK)
         return STATUS_ERROR;
-    if (n_unknowns > N_VALUES)
-        return instance_refuse(self, STATUS_ERROR, "there are not %lu unknowns", (unsigned long) n_unknowns);
-    prepare(&work, self);
-    for (j = 0; j < n_knowns; j++) {
-        find_column(&work, knowns[j], unknowns, n_unknowns, column);
-        sensitivity[j] = 0.0;
-        for (i = 0; i < n_unknowns; i++)
-            sensitivity[j] += seed[i] * column[i];
+    state_compute_outputs(state);
+    for (j = 0; j < n_knowns && !contact_is_smooth(state); j++) {
+        find_differences(state, knowns[j], unknowns, n_unknowns, column);
+        sensitivity[j] = product(seed, column, n_unknowns);
     }
+    if (!contact_is_smooth(state))
+        return STATUS_OK;
+    find_radius(state, &radius);
+    find_gradient(state, GIVEN, unknowns, n_unknowns, seed, given);
+    find_gradient(state, ACTING, unknowns, n_unknowns, seed, acting);
+    find_gradient(state, BESIDE, unknowns, n_unknowns, seed, beside);
+    for (j = 0; j < n_knowns; j++)
+        sensitivity[j] = weighed(state, knowns[j], &radius, given, acting, beside);
     return STATUS_OK;
 }

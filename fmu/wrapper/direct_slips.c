@@ -29,6 +29,22 @@ void slips_advance(State *state, double h)
     (void) h;
 }
 
+double slips_length(State *state, size_t slip, int *of_model)
+{
+    (void) state;
+    (void) slip;
+    *of_model = 0;
+    return 1.0;
+}
+
+void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *tangent)
+{
+    (void) state;
+    (void) seeds;
+    memcpy(tangent->acting, tangent->given, sizeof tangent->acting);
+    memset(tangent->moved + LAGGING, 0, N_SLIPS * sizeof *tangent->moved);
+}
+
 void slips_show(State *state, double slips[], double rates[])
 {
     (void) state;

@@ -44,6 +44,9 @@ typedef enum { INSTANTIATED, INITIALIZATION, STEPPING, EVENT, CONTINUOUS, TERMIN
 /* kappa and tan(alpha) */
 enum { LONGITUDINAL, LATERAL, N_SLIPS };
 
+/* What rates of lagging slips depend on beside the model: |V|, what slides, and the slips. */
+enum { ROLLING, SLIDING, LAGGING = SLIDING + N_SLIPS, N_MOVED = LAGGING + N_SLIPS };
+
 /* What the host's inputs mean at the contact point; see contact.h. */
 typedef struct {
     double inputs[N_INPUTS];
@@ -130,6 +133,8 @@ void state_compute_extras(State *state);
 Status instance_expect_known(const Instance *self, const unsigned references[], size_t n);
 const char *value_name(unsigned reference);
 int value_kind(unsigned reference);
+/* What an extra output shows. */
+int value_shows(unsigned reference);
 /* The size of a value as far as it is known, else 1. */
 double value_scale(const State *state, unsigned reference);
 

@@ -5,8 +5,6 @@
  */
 #include "slips.h"
 
-#include "contact.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -102,13 +100,34 @@ void slips_advance(State *state, double h)
     }
 }
 
+double slips_length(State *state, size_t slip, int *of_model)
+{
+    *of_model = slips_lag(state, slip);
+    return *of_model ? state->lengths[slip] : FOLLOWING;
+}
+
+void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *tangent)
+{
+    const double *moved = seeds + FIRST_STATE;
+    const double x = state->lagging[LATERAL];
+
+    memcpy(tangent->acting, tangent->given, sizeof tangent->acting);
+    memcpy(tangent->moved + LAGGING, moved, N_SLIPS * sizeof *moved);
+    if (!state_has_begun(state))
+        return;
+    if (slips_lag(state, LONGITUDINAL))
+        tangent->acting[KAPPA] = state->contact.sense * moved[LONGITUDINAL];
+    if (slips_lag(state, LATERAL))
+        tangent->acting[ALPHA] = moved[LATERAL] / (1.0 + x * x);
+}
+
 /* A slip at its bound does not go on outward. */
 static double rate(State *state, size_t slip)
 {
     const Contact *contact = &state->contact;
     const double x = state->lagging[slip];
-    const double length = slips_lag(state, slip) ? state->lengths[slip] : FOLLOWING;
-    const double found = (contact->sliding[slip] - contact->speed * x) / length;
+    int of_model;
+    const double found = (contact->sliding[slip] - contact->speed * x) / slips_length(state, slip, &of_model);
 
     return fabs(x) >= contact->bounds[slip] && found * x > 0.0 ? 0.0 : found;
 }

@@ -2,6 +2,7 @@
 #include "contact.h"
 
 #include <math.h>
+#include <string.h>
 
 static const int PASSED[] = PASSED_ON;
 static const double UNCONNECTED[] = UNCONNECTED_INPUTS;
@@ -31,6 +32,39 @@ void contact_find(State *state)
 #endif
     contact->sense = 1.0;
     state->contact_known = 1;
+}
+
+int contact_is_smooth(const State *state)
+{
+    (void) state;
+    return 1;
+}
+
+void contact_differentiate(const State *state, const double seeds[N_VALUES], const Radius *radius, Tangent *tangent)
+{
+    size_t i;
+
+    (void) state;
+    (void) radius;
+    memset(tangent->moved, 0, sizeof tangent->moved);
+    for (i = 0; i < N_INPUTS; i++)
+        tangent->given[i] = PASSED[i] < 0 ? 0.0 : seeds[FIRST_INPUT + (size_t) PASSED[i]];
+#ifdef DISTANCE
+    tangent->given[DISTANCE] = seeds[FIRST_DERIVATIVE - 1];
+#endif
+#if N_STATES > 0
+    tangent->moved[ROLLING] = seeds[FIRST_INPUT + HOST_SPEED];
+    if (host_value(state, FIRST_INPUT + HOST_SPEED) < 0.0)
+        tangent->moved[ROLLING] *= -1.0;
+#endif
+#if LAGS
+    for (i = 0; i < N_SLIPS; i++) {
+        const double t = state->contact.toward[i];
+        const double by_slip = i == LATERAL ? tangent->given[ALPHA] * (1.0 + t * t) : tangent->given[KAPPA];
+
+        tangent->moved[SLIDING + i] = by_slip * state->contact.speed + t * tangent->moved[ROLLING];
+    }
+#endif
 }
 
 void contact_settle(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])

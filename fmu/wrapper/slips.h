@@ -6,7 +6,7 @@
 #ifndef SLIPS_H
 #define SLIPS_H
 
-#include "instance.h"
+#include "contact.h"
 
 /* Fill in the inputs that the model sees; after contact_find. */
 void slips_acting(State *state, double inputs[N_INPUTS]);
@@ -22,6 +22,12 @@ int slips_settle(State *state);
 
 /* Roll on for h > 0 seconds with the inputs held. */
 void slips_advance(State *state, double h);
+
+/* Over which length a slip follows where it is no longer what is given; of the model's, or a constant. */
+double slips_length(State *state, size_t slip, int *of_model);
+
+/* Fill in the rest of a tangent, after contact_differentiate. */
+void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *tangent);
 
 /* Fill in slips and their rates as the host sees them. */
 void slips_show(State *state, double slips[], double rates[]);

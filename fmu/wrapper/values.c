@@ -39,6 +39,8 @@ double value_scale(const State *state, unsigned reference)
     return size > nominal || KINDS[reference] == PARAMETER ? (size > 0.0 ? size : 1.0) : nominal;
 }
 
+int value_shows(unsigned reference) { return EXTRA[reference - FIRST_EXTRA]; }
+
 double value_direction(unsigned reference) { return DIRECTIONS[reference]; }
 
 double host_value(const State *state, size_t reference)

@@ -11,6 +11,7 @@
  */
 #include "contact.h"
 
+#include "chain_rule.h"
 #include "rolling_radius.h"
 #include "slips.h"
 
@@ -27,9 +28,9 @@
 static const int PASSED[] = PASSED_ON;
 static const double UNCONNECTED[] = UNCONNECTED_INPUTS;
 
-#if LAGS
 static double low_speed(const State *state) { return state->values[FIRST_PARAMETER + LOW_SPEED]; }
 
+#if LAGS
 /* Near standstill: friction, slip stiffness, and from them how far a slip goes. */
 static void find_bounds(State *state, double reference)
 {
@@ -77,8 +78,8 @@ void contact_find(State *state)
     contact->speed = fabs(forward);
     contact->sense = 1.0;
     reference = contact->speed;
-    if (reference < parameters[LOW_SPEED])
-        reference = 0.5 * (reference * reference / parameters[LOW_SPEED] + parameters[LOW_SPEED]);
+    if (reference < low_speed(state))
+        reference = 0.5 * (reference * reference / low_speed(state) + low_speed(state));
 #ifdef SPEED
     if (forward < 0.0)
         contact->sense = -1.0;
@@ -97,6 +98,46 @@ void contact_find(State *state)
     find_bounds(state, reference);
 #endif
     state->contact_known = 1;
+}
+
+int contact_is_smooth(const State *state)
+{
+    const double low = low_speed(state);
+    return state->contact.speed >= (low > LOWEST_SPEED ? low : LOWEST_SPEED);
+}
+
+void contact_differentiate(const State *state, const double seeds[N_VALUES], const Radius *radius, Tangent *tangent)
+{
+    const Contact *contact = &state->contact;
+    const double *moved = seeds + FIRST_INPUT;
+    const double speed = contact->speed, turning = host_value(state, FIRST_INPUT + HOST_TURNING);
+    const double by_speed = host_value(state, FIRST_INPUT + HOST_SPEED) < 0.0 ? -1.0 : 1.0;
+    double *given = tangent->given, *sliding = tangent->moved + SLIDING, slip[N_SLIPS];
+    double radius_moved = radius->by[TURNING_LEAF] * moved[HOST_TURNING];
+    size_t i;
+
+    for (i = 0; i < N_INPUTS; i++)
+        given[i] = PASSED[i] < 0 ? 0.0 : moved[PASSED[i]];
+#ifdef DISTANCE
+    given[DISTANCE] = seeds[FIRST_DERIVATIVE - 1];
+#endif
+#ifdef SPEED
+    given[SPEED] = moved[HOST_SPEED];
+#endif
+    for (i = 0; i < N_INPUTS; i++)
+        radius_moved += radius->by[i] * given[i];
+    for (i = 0; i < N_PARAMETERS; i++)
+        radius_moved += radius->by[FIRST_PARAMETER_LEAF + i] * seeds[FIRST_PARAMETER + i];
+    tangent->moved[ROLLING] = by_speed * moved[HOST_SPEED];
+    sliding[LONGITUDINAL] = turning * radius_moved + radius->length * moved[HOST_TURNING] - moved[HOST_SPEED];
+    sliding[LATERAL] = moved[HOST_SIDEWAYS];
+    for (i = 0; i < N_SLIPS; i++)
+        slip[i] = (sliding[i] - contact->toward[i] * tangent->moved[ROLLING]) / speed;
+    given[KAPPA] = contact->sense * slip[LONGITUDINAL];
+    given[ALPHA] = slip[LATERAL] / (1.0 + contact->toward[LATERAL] * contact->toward[LATERAL]);
+#ifdef TURN
+    given[TURN] = (moved[HOST_YAWING] - contact->inputs[TURN] * tangent->moved[ROLLING]) / speed;
+#endif
 }
 
 #if LAGS

@@ -12,6 +12,7 @@ from .. import MODELS
 from ..model import Model
 from .batch import batch_sources
 from .c import c_header, c_source
+from .operations import c_operations
 from .python import CASADI, NUMPY, python_module
 from .routines import routines
 
@@ -55,6 +56,7 @@ def render_model(model: Model) -> dict[str, str]:
         f"casadi/{model.name}.py": python_module(model, parts, CASADI),
         f"c/{model.name}.c": c_source(model, parts),
         f"c/{model.name}.h": c_header(model, parts),
+        f"c/{model.name}_operations.h": c_operations(model),
     }
 
 

@@ -1,0 +1,93 @@
+/* The terms of outputs and rates.  See terms.h. */
+#include "terms.h"
+
+#include "chain_rule.h"
+#include "contact.h"
+#include "slips.h"
+
+#include <math.h>
+
+static size_t add(Term terms[], size_t n, Point point, unsigned slot, double factor)
+{
+    terms[n].point = point;
+    terms[n].slot = slot;
+    terms[n].factor = factor;
+    return n + 1;
+}
+
+/* sqrt(x^2 + y^2), x and y being what of the friction the forces take: force / (mu load). */
+static size_t friction_terms(State *state, Term terms[MOST_TERMS])
+{
+    static const unsigned force[] = {LONGITUDINAL_FORCE, SIDE_FORCE};
+    static const unsigned friction[] = {QUANTITY(mu_x), QUANTITY(mu_y)};
+    const double load = state->contact.inputs[LOAD];
+    double inputs[N_INPUTS], quantities[N_QUANTITIES], share[N_SLIPS] = {0.0, 0.0}, use, limit;
+    size_t i, n = 0;
+
+    slips_acting(state, inputs);
+    model_quantities(inputs, state->values + FIRST_PARAMETER, quantities);
+    for (i = 0; i < N_SLIPS; i++)
+        if (load > 0.0 && quantities[friction[i]] != 0.0)
+            share[i] = host_value(state, FIRST_OUTPUT + force[i]) / (quantities[friction[i]] * load);
+    use = sqrt(share[0] * share[0] + share[1] * share[1]);
+    for (i = 0; i < N_SLIPS; i++) {
+        if (share[i] == 0.0)
+            continue;
+        limit = quantities[friction[i]] * load;
+        n = add(terms, n, ACTING, chain_force(force[i]), share[i] / use / limit);
+        n = add(terms, n, ACTING, chain_quantity(friction[i]), -share[i] * share[i] / use * load / limit);
+    }
+    return use > 0.0 ? add(terms, n, GIVEN, LOAD, -use / load) : n;
+}
+
+#if LAGS
+/* (sliding - |V| x) / length */
+static size_t rate_terms(State *state, unsigned slip, Term terms[MOST_TERMS])
+{
+    static const unsigned lengths[] = {QUANTITY(sigma_kappa), QUANTITY(sigma_alpha)};
+    const double rate = host_value(state, FIRST_DERIVATIVE + slip);
+    int of_model;
+    const double length = slips_length(state, slip, &of_model);
+    size_t n = 0;
+
+    if (!state_has_begun(state))
+        return 0;
+    n = add(terms, n, BESIDE, SLIDING + slip, 1.0 / length);
+    n = add(terms, n, BESIDE, LAGGING + slip, -state->contact.speed / length);
+    n = add(terms, n, BESIDE, ROLLING, -state->lagging[slip] / length);
+    return of_model ? add(terms, n, GIVEN, chain_quantity(lengths[slip]), -rate / length) : n;
+}
+#endif
+
+/* In the model's signs. */
+static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
+{
+    int shown;
+
+    if (unknown < FIRST_PARAMETER)
+        return add(terms, 0, ACTING, chain_force(unknown - FIRST_OUTPUT), 1.0);
+#if LAGS
+    if (unknown < FIRST_DERIVATIVE + N_SLIPS)
+        return rate_terms(state, unknown - FIRST_DERIVATIVE, terms);
+#endif
+    if (unknown < FIRST_EXTRA)
+        return add(terms, 0, BESIDE, ROLLING, 1.0); /* of the distance */
+    shown = value_shows(unknown);
+    if (shown == FRICTION_USE)
+        return friction_terms(state, terms);
+    if (shown == KAPPA_GIVEN)
+        return add(terms, 0, GIVEN, KAPPA, state->contact.sense);
+    if (shown == ALPHA_GIVEN || shown == ALPHA_LAGGED)
+        return add(terms, 0, shown == ALPHA_GIVEN ? GIVEN : ACTING, ALPHA, 1.0);
+    return add(terms, 0, ACTING, chain_quantity((unsigned) (shown - FIRST_QUANTITY)), 1.0);
+}
+
+size_t terms_find(State *state, unsigned unknown, Term terms[MOST_TERMS])
+{
+    const size_t n = find(state, unknown, terms);
+    size_t i;
+
+    for (i = 0; i < n; i++)
+        terms[i].factor *= value_direction(unknown);
+    return n;
+}

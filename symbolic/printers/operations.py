@@ -1,0 +1,298 @@
+"""A model as a list of single operations, along which derivatives are carried forward or backward at run time.
+
+Printed derivative routines are fast and long. Where they are wanted now and then, a short interpreter that goes along
+this list gives the same numbers from a tenth of the code: each operation is differentiated where it stands, with the
+values found there (Griewank and Walther, Evaluating Derivatives (2008), chapters 3 and 4).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from textwrap import wrap
+
+import sympy as sp
+
+from ..model import Model, reaching
+from ..notation import Equation
+from .c import heading
+
+#: Operations of two and three operands, then of one.
+CODES = (
+    *("ADD", "SUBTRACT", "MULTIPLY", "DIVIDE", "POWER", "LESS", "AT_MOST", "EQUAL", "AND", "OR", "CHOOSE"),
+    *("ROOT", "SIN", "COS", "TAN", "ATAN", "ACOS", "EXP", "LOG", "SGN", "SGN1", "ABSOLUTE"),
+)
+#: How fast a wheel turns where its host gives that: a leaf of its own, by which `rolling_radius_lines` find R_e.
+TURNING = "turning"
+ROLLING_RADIUS = "rolling_radius"
+
+#: By class: the operation, and whether its operands change places.
+_RELATIONS: dict[type[sp.Basic], tuple[str, bool]] = {
+    sp.StrictLessThan: ("LESS", False),
+    sp.LessThan: ("AT_MOST", False),
+    sp.StrictGreaterThan: ("LESS", True),
+    sp.GreaterThan: ("AT_MOST", True),
+    sp.Equality: ("EQUAL", False),
+}
+_COMMUTE = ("ADD", "MULTIPLY", "EQUAL", "AND", "OR")
+
+
+@dataclass(frozen=True)
+class Operation:
+    """What is done with what stands in some slots, and the line that begins with it."""
+
+    code: str
+    operands: tuple[int, ...]
+    begins: str = ""
+
+
+@dataclass(frozen=True)
+class Tape:
+    """Slots of numbers: the leaves, the constants, then the result of each operation.
+
+    Attributes
+    ----------
+    leaves : tuple of str
+        What is given from outside.
+    constants : tuple of float
+    operations : tuple of Operation
+        In an order in which each reads only earlier slots. What is equal is computed once.
+    places : dict of str to int
+        The slots of leaves and lines by name.
+    """
+
+    leaves: tuple[str, ...]
+    constants: tuple[float, ...]
+    operations: tuple[Operation, ...]
+    places: dict[str, int]
+
+
+def taped(lines: Sequence[Equation], leaves: Sequence[str]) -> Tape:
+    """Return lines as operations.
+
+    Parameters
+    ----------
+    lines : sequence of Equation
+        Each reads leaves and earlier lines only.
+    leaves : sequence of str
+
+    Returns
+    -------
+    Tape
+
+    Raises
+    ------
+    NotImplementedError
+        If a line uses a function that has no operation.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic.notation import Chapter
+    >>> eq, x, B = Chapter("Force"), *sp.symbols("x B", real=True)
+    >>> y = eq("1", "y", 2 * sp.atan(B * x) - x)
+    >>> tape = taped(eq.equations, ["x", "B"])
+    >>> tape.constants, tape.places["y"]
+    ((2.0,), 6)
+    >>> [(operation.code, operation.operands) for operation in tape.operations]
+    [('MULTIPLY', (0, 1)), ('ATAN', (3,)), ('MULTIPLY', (2, 4)), ('SUBTRACT', (5, 0))]
+    """
+    recorder = _Recorder({name: place for place, name in enumerate(leaves)})
+    for line in lines:
+        recorder.record(line)
+    first, n = len(leaves), len(recorder.constants)
+    # While operations are found, constants have numbers below 0.
+    shifted = {-1 - place: first + place for place in range(n)}
+    shifted |= {first + place: first + n + place for place in range(len(recorder.found))}
+    operations = (
+        replace(step, operands=tuple(shifted.get(k, k) for k in step.operands), begins=recorder.begins.get(step, ""))
+        for step in recorder.found
+    )
+    places = {name: shifted.get(place, place) for name, place in recorder.places.items()}
+    return Tape(tuple(leaves), tuple(recorder.constants), tuple(operations), places)
+
+
+@dataclass
+class _Recorder:
+    """Finds the operations of lines one after the other."""
+
+    places: dict[str, int]
+    constants: dict[float, int] = field(default_factory=dict)
+    found: dict[Operation, int] = field(default_factory=dict)
+    begins: dict[Operation, str] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._first = len(self.places)
+
+    def record(self, line: Equation) -> None:
+        known = len(self.found)
+        self.places[line.symbol.name] = self._slot(line.expression)
+        for operation in list(self.found)[known : known + 1]:
+            self.begins[operation] = f"[{line.number}] {line.symbol}"
+
+    def _slot(self, expression: sp.Expr) -> int:
+        """Return where the value of an expression stands once it has been computed."""
+        if expression.is_Symbol:
+            return self.places[expression.name]
+        if not expression.free_symbols:
+            return self.constants.setdefault(float(expression), -1 - len(self.constants))
+        if expression.is_Add:
+            return self._sum(expression.args)
+        if expression.is_Mul:
+            return self._product(expression.args)
+        if expression.is_Pow:
+            return self._power(expression.base, expression.exp)
+        if isinstance(expression, sp.Piecewise):
+            (value, condition), (otherwise, _) = expression.args
+            return self._step("CHOOSE", *map(self._slot, (condition, value, otherwise)))
+        if isinstance(expression, sp.And | sp.Or):
+            return self._joined(type(expression).__name__.upper(), map(self._slot, expression.args))
+        if type(expression) in _RELATIONS:
+            code, turned = _RELATIONS[type(expression)]
+            left, right = self._slot(expression.args[0]), self._slot(expression.args[1])
+            return self._step(code, right, left) if turned else self._step(code, left, right)
+        return self._step(type(expression).__name__.upper(), self._slot(expression.args[0]))
+
+    def _sum(self, terms: Sequence[sp.Expr]) -> int:
+        """Add up, then subtract."""
+        taken = [term for term in terms if term.could_extract_minus_sign()]
+        added = [term for term in terms if term not in taken]
+        slot = self._joined("ADD", map(self._slot, added or [sp.S.Zero]))
+        for term in taken:
+            slot = self._step("SUBTRACT", slot, self._slot(-term))
+        return slot
+
+    def _product(self, factors: Sequence[sp.Expr]) -> int:
+        """Multiply what stands above the line, and divide by the product of what stands below."""
+        if factors[0] == -1:
+            return self._step("SUBTRACT", self._slot(sp.S.Zero), self._slot(sp.Mul(*factors[1:])))
+        below = [factor for factor in factors if factor.is_Pow and factor.exp.could_extract_minus_sign()]
+        above = [factor for factor in factors if factor not in below]
+        slot = self._joined("MULTIPLY", map(self._slot, above or [sp.S.One]))
+        if not below:
+            return slot
+        divisors = (self._power(factor.base, -factor.exp) for factor in below)
+        return self._step("DIVIDE", slot, self._joined("MULTIPLY", divisors))
+
+    def _power(self, base: sp.Expr, exponent: sp.Expr) -> int:
+        if exponent.could_extract_minus_sign():
+            return self._step("DIVIDE", self._slot(sp.S.One), self._power(base, -exponent))
+        slot = self._slot(base)
+        if exponent in (1, 2, 3, 4):
+            return self._joined("MULTIPLY", [slot] * int(exponent))
+        if exponent == sp.Rational(1, 2):
+            return self._step("ROOT", slot)
+        return self._step("POWER", slot, self._slot(exponent))
+
+    def _joined(self, code: str, slots: Iterable[int]) -> int:
+        first, *rest = slots
+        for slot in rest:
+            first = self._step(code, first, slot)
+        return first
+
+    def _step(self, code: str, *operands: int) -> int:
+        if code not in CODES:
+            raise NotImplementedError(f"a line of the book uses {code.lower()}, which is no operation")
+        operation = Operation(code, tuple(sorted(operands)) if code in _COMMUTE else operands)
+        return self.found.setdefault(operation, self._first + len(self.found))
+
+
+def rolling_radius_lines(model: Model) -> list[Equation]:
+    """Return the lines of the effective rolling radius of a wheel whose speed of turning, omega, is given.
+
+    In the book the radius stands in a ring with kappa, by which omega is found.
+
+    Parameters
+    ----------
+    model : Model
+
+    Returns
+    -------
+    list of Equation
+        None where the model has the free radius only.
+    """
+    lines = [line for line in model.lines((), straight=True) if line.symbol.name != "omega"]
+    return reaching(lines, ["R_e"])
+
+
+def model_tape(model: Model) -> Tape:
+    """Return the lines behind forces, named quantities and the rolling radius of a wheel as operations.
+
+    Parameters
+    ----------
+    model : Model
+
+    Returns
+    -------
+    Tape
+        Its leaves are inputs, parameters and `TURNING`; the radius of a turning wheel is called `ROLLING_RADIUS`.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic import model
+    >>> tape = model_tape(model("mf96"))
+    >>> tape.leaves[:4], tape.leaves[tape.places["rolling_radius"]]
+    (('kappa', 'alpha', 'gamma', 'Fz'), 'UNLOADED_RADIUS')
+    """
+    lines = model.lines()
+    targets = [quantity.name for quantity in model.outputs] + [line.symbol.name for line in lines if line.named]
+    wheel = rolling_radius_lines(model)
+    renamed = {line.symbol: sp.Symbol(f"{line.symbol}_wheel", real=True) for line in wheel}
+    renamed[sp.Symbol("omega", real=True)] = sp.Symbol(TURNING, real=True)
+    own = [replace(line, symbol=renamed[line.symbol], expression=line.expression.xreplace(renamed)) for line in wheel]
+    inputs = [quantity.name for quantity in model.inputs]
+    tape = taped([*reaching(lines, targets), *own], [*inputs, *model.parameters, TURNING])
+    radius = tape.places["R_e_wheel" if wheel else "UNLOADED_RADIUS"]
+    return replace(tape, places=tape.places | {ROLLING_RADIUS: radius})
+
+
+def c_operations(model: Model) -> str:
+    """Return the header with a model's operations, as macros that initialize tables in C.
+
+    Parameters
+    ----------
+    model : Model
+
+    Returns
+    -------
+    str
+        A row of operations has a code and up to three slots.
+    """
+    tape, lines, prefix = model_tape(model), model.lines(), model.name.upper()
+    outputs = [quantity.name for quantity in model.outputs]
+    named = [line.symbol.name for line in lines if line.named and line.symbol.name not in outputs]
+    sizes = {"LEAVES": len(tape.leaves), "CONSTANTS": len(tape.constants), "OPERATIONS": len(tape.operations)}
+    parts = [
+        heading(model, "C: its lines as single operations, along which derivatives are carried"),
+        f"#ifndef TIREFMU_{prefix}_OPERATIONS_H\n#define TIREFMU_{prefix}_OPERATIONS_H",
+        "enum {\n" + "\n".join(_wrapped(", ".join(CODES))) + "\n};",
+        "/* Slots: inputs, parameters, the speed at which a wheel turns, constants, results of operations. */",
+        "\n".join(f"#define {prefix}_N_{name} {size}" for name, size in sizes.items()),
+        f"#define {prefix}_N_SLOTS {sum(sizes.values())}",
+        f"#define {prefix}_ROLLING_RADIUS {tape.places[ROLLING_RADIUS]}",
+        _table(f"{prefix}_CONSTANTS", _wrapped(", ".join(map(repr, tape.constants)))),
+        _table(f"{prefix}_FORCE_SLOTS", _wrapped(", ".join(str(tape.places[name]) for name in outputs))),
+        _table(f"{prefix}_QUANTITY_SLOTS", _wrapped(", ".join(str(tape.places[name]) for name in named))),
+        _table(f"{prefix}_OPERATIONS", _rows(tape.operations)),
+        "#endif",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _rows(operations: Iterable[Operation]) -> list[str]:
+    """Return the lines of the table, each line of the book under its number and name."""
+    rows: list[str] = []
+    waiting: list[str] = []
+    for operation in operations:
+        if operation.begins:
+            rows += [*_wrapped(" ".join(waiting)), f"    /* {operation.begins} */"]
+            waiting = []
+        waiting.append(f"{{{','.join([operation.code, *map(str, operation.operands)])}}},")
+    return [*rows, *_wrapped(" ".join(waiting))]
+
+
+def _table(name: str, rows: Sequence[str]) -> str:
+    return " \\\n".join([f"#define {name} {{", *rows]) + " \\\n}"
+
+
+def _wrapped(text: str) -> list[str]:
+    return wrap(text, 118, initial_indent="    ", subsequent_indent="    ", break_on_hyphens=False)

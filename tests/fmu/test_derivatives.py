@@ -1,0 +1,118 @@
+"""Derivatives of an FMU: the generated Jacobians where slips are inputs, differences of what it shows elsewhere."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+
+import numpy as np
+import pytest
+
+from tirefmu.fmu import export
+from tirefmu.fmu.simulation import loaded
+from tirefmu.tires.code import code_for
+
+from .conftest import GOLDEN, TIRES, Host
+
+OK = 0
+#: Sweeps, the straight line, off the ground, in reverse, at standstill, with turn slip.
+POINTS = (
+    {"kappa": 0.05, "alpha": -0.08, "gamma": 0.03, "Fz": 4100.0, "p": 2.1e5, "V": 21.0},
+    {"kappa": 0.0, "alpha": 0.0, "gamma": 0.0, "Fz": 3000.0},
+    {"kappa": -0.3, "alpha": 0.2, "gamma": -0.05, "Fz": -10.0},
+    {"kappa": 0.1, "alpha": 0.05, "gamma": 0.01, "Fz": 2500.0, "V": -4.0},
+    {"kappa": 0.1, "alpha": 0.05, "gamma": 0.01, "Fz": 2500.0, "V": 0.0},
+    {"kappa": -0.02, "alpha": 0.03, "gamma": 0.02, "Fz": 5000.0, "phit": 0.05},
+)
+
+
+def adjoint(host, unknowns, knowns, seed):
+    a, b = host.references(unknowns), host.references(knowns)
+    seeds, found = (ctypes.c_double * len(seed))(*seed), (ctypes.c_double * len(knowns))()
+    status = host.call("GetAdjointDerivative", a, len(a), b, len(b), seeds, len(seeds), found, len(found))
+    assert status == OK
+    return np.array(found)
+
+
+def matrix(host, unknowns, knowns):
+    columns = [host.derivative(unknowns, [known], [1.0]) for known in knowns]
+    assert all(status == OK for status, _ in columns)
+    return np.array([found for _, found in columns]).T
+
+
+@pytest.mark.parametrize("name", TIRES)
+def test_they_are_the_generated_jacobians(hosts, tires, name):
+    host, tire = hosts(name, 3), tires[name].in_signs("iso")
+    host.initialize()  # until its end nothing lags
+    printed, coefficients = code_for(tire.book, "numpy"), [c for c in tire.book.coefficients if c in host.variables]
+    places = [list(tire.book.coefficients).index(c) for c in coefficients]
+    shown = [place for place, known in enumerate(tire.inputs) if known in host.inputs]
+    known_inputs = [tire.inputs[place] for place in shown]
+    for point in POINTS:
+        assert host.set(**{key: value for key, value in point.items() if key in host.inputs}) == OK
+        inputs = np.array([[host.get(q)[0] if q in host.inputs else 0.0] for q in tire.inputs])
+        by_inputs = printed.jacobian_inputs(inputs, tire.parameters())[0][:, shown]
+        by_coefficients = printed.jacobian_parameters(inputs, tire.parameters())[0][:, places]
+        np.testing.assert_allclose(matrix(host, host.outputs, known_inputs), by_inputs, rtol=1e-9, atol=1e-8)
+        for i, output in enumerate(host.outputs):
+            both = np.concatenate([by_inputs[i], by_coefficients[i]])
+            found = adjoint(host, [output], [*known_inputs, *coefficients], [1.0])
+            np.testing.assert_allclose(found, both, rtol=1e-9, atol=1e-8)
+            host_by_seed = host.derivative([output], coefficients, np.ones(len(coefficients)))[1]
+            assert host_by_seed[0] == pytest.approx(by_coefficients[i].sum(), rel=1e-9, abs=1e-7)
+
+
+@pytest.fixture(scope="module")
+def turned(tires, compiler, tmp_path_factory):
+    """Return FMUs that show all they can, in SAE axes."""
+    folder = tmp_path_factory.mktemp("turned")
+
+    class Fmus(dict):
+        def __missing__(self, key):
+            name, inputs = key
+            path = folder / f"{name}_{inputs}.fmu"
+            self[key] = export(tires[name], path, inputs=inputs, axes="sae", quantities=True)
+            return self[key]
+
+    return Fmus()
+
+
+#: Steps of the differences, small against where things bend.
+STEPS = {"omega": 1e-3, "V_x": 1e-4, "V_y": 1e-4, "Fz": 1.0, "p": 10.0, "V": 1e-3}
+#: Where a slope jumps with the sign of what is exactly 0 here, or an inner limit of the book is met.
+EDGES = {"gamma": 0.02}
+
+
+@pytest.mark.parametrize("inputs", ["slip", "wheel"])
+@pytest.mark.parametrize("name", ["first", "mf61", "rolling", "mf62"])
+def test_they_are_differences_of_what_is_shown(turned, name, inputs):
+    with contextlib.ExitStack() as stack:
+        host = Host(stack.enter_context(loaded(turned[name, inputs]))).start()
+        moved = {"V_x": 12.0, "V_y": -0.4, "omega": 41.0, "psi_dot": 0.2} if inputs == "wheel" else POINTS[0]
+        assert host.set(**{k: v for k, v in (moved | EDGES).items() if k in host.inputs}) == OK
+        host.step(0.0, 0.02)
+        assert host.set(**{k: 0.9 * v for k, v in moved.items() if k in host.inputs}) == OK
+        rates = [known for known in host.variables if known.startswith("der(")]
+        unknowns = [*host.outputs, *host.extras, *rates, *(["alpha_lagged"] if rates else [])]
+        knowns = [*host.inputs, "PDY1", "PKX1", "UNLOADED_RADIUS"]
+        exact = matrix(host, unknowns, knowns)
+        for j, known in enumerate(knowns):
+            middle, step = host.get(known)[0], STEPS.get(known, 1e-5)
+            sides = []
+            for side in (step, -step):
+                assert host.set(**{known: middle + side}) == OK
+                sides.append(host.get(*unknowns))
+            host.set(**{known: middle})
+            differences = (sides[0] - sides[1]) / (2 * step)
+            noise = 1e-9 * (1.0 + np.abs(host.get(*unknowns))) / step
+            assert np.all(np.abs(exact[:, j] - differences) < 1e-5 * np.abs(differences) + noise), known
+        by_rows = np.array([adjoint(host, [unknown], knowns, [1.0]) for unknown in unknowns])
+        np.testing.assert_allclose(by_rows, exact, rtol=1e-9, atol=1e-9)
+        if rates:
+            np.testing.assert_allclose(
+                matrix(host, rates[:1], ["kappa_lagged"]), -adjoint(host, rates[:1], ["kappa_lagged"], [-1.0])[None]
+            )
+
+
+def test_every_tire_of_the_golden_coefficients_is_here():
+    assert set(GOLDEN) <= set(TIRES)
