@@ -96,13 +96,14 @@ def judged(kind: str, number: int, case: Case, result: Diagnosis, seconds: float
     """
     found = tuple(one.effect for one in result.found)
     hidden = ("UNKNOWN",) if case.unknown else case.hidden
-    allowed, words = set(hidden), ""
+    allowed, indistinguishable, words = set(hidden), set[str](), ""
     if kind == "confounded":
-        _, _, confounded, words = CONFOUNDED[number]
-        allowed = set(confounded.split())
+        _, _, others, confounded, words = CONFOUNDED[number]
+        allowed |= set(others.split())
+        indistinguishable = {*confounded.split(), *hidden}
     before, after = (squared_gap(tire, case, result) for tire in (result.base_tire, result.tire))
     covered, intervals = _covered(case, result) if kind in ("single", "double", "triple") else (0, 0)
-    others = set(result.confounded_with.get(found[0], ())) if found else set()
+    named = {*found, *result.confounded_with.get(found[0], ())} if found else set()
     depends = result.unknown[0].depends_on if result.unknown else ()
     true = UNKNOWN.get(case.unknown, frozenset())
     return Outcome(
@@ -112,7 +113,7 @@ def judged(kind: str, number: int, case: Case, result: Diagnosis, seconds: float
         exact=set(found) == set(hidden),
         closed=1.0 - after / before,
         covered=covered, intervals=intervals,
-        told=bool(found) and allowed - {found[0]} <= others,
+        told=indistinguishable <= named,
         next_test=bool(words) and any(re.search(words, text) for text in result.next_measurement),
         depends_on=depends,
         variables=bool(true) and len(true & set(depends)) >= RIGHT_VARIABLES * len(true | set(depends)),

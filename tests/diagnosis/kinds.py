@@ -16,14 +16,21 @@ WHOLE = {
     "confounded": 6,
     "null": 30,
 }
-#: Programs that confound: what is hidden in each, what the data cannot tell from it, words of the right next test.
+#: Programs that confound: what is hidden in each, what else may be named first, what has to be told as not to be
+#: distinguished from it, and words of the right next test.
 CONFOUNDED = (
-    ("warming", "temp_friction", "temp_friction temp_stiffness wear_drift", "at the same temp|cooled"),
-    ("one_sided", "conicity", "plysteer conicity", "both signs"),
-    ("small_slip", "pressure_stiffness", "pressure_stiffness pressure_friction", "small and large slip"),
-    ("warming", "wear_drift", "temp_friction temp_stiffness wear_drift", "at the same temp|cooled"),
-    ("one_sided", "plysteer", "plysteer conicity", "both signs"),
-    ("small_slip", "pressure_friction", "pressure_stiffness pressure_friction", "small and large slip"),
+    ("warming", "temp_friction", "wear_drift", "wear_drift", "at the same temp|cooled"),
+    ("one_sided", "conicity", "plysteer", "plysteer", "both signs"),
+    ("small_slip", "pressure_stiffness", "pressure_friction", "pressure_friction", "small and large slip"),
+    (
+        "warming",
+        "wear_drift",
+        "temp_friction temp_stiffness",
+        "temp_friction temp_stiffness",
+        "at the same temp|cooled",
+    ),
+    ("one_sided", "plysteer", "conicity", "conicity", "both signs"),
+    ("small_slip", "pressure_friction", "pressure_stiffness", "pressure_stiffness", "small and large slip"),
 )
 #: What benches of some kinds do not record, and the effects that then cannot be known.
 GONE = (("T",), ("p",), ("Fx",), ("Mz",), ("T", "V"))
@@ -63,7 +70,7 @@ def case_of(kind: str, i: int) -> Case:
         what = tuple(UNKNOWN)[i % len(UNKNOWN)]
         return make_case(seed, noise=noise, extra=known[:1], trouble=trouble, unknown=what, rate=rate, signs=signs)
     if kind == "confounded":
-        program, hidden, _, _ = CONFOUNDED[i]
+        program, hidden, *_ = CONFOUNDED[i]
         return make_case(seed, (hidden,), noise=noise, strength=1.5, kind=program, signs=signs)
     if kind in ("double", "triple"):
         hidden = _chosen(rng, (*COMMON, "combined_Gxa", "load_friction"), 2 if kind == "double" else 3)

@@ -33,7 +33,7 @@ def program(rng: np.random.Generator, load: float, rate: float, sweeps: int, kin
         "full"; "cornering" (no longitudinal slip), "warming" (the tread only ever warms up), "one_sided" (slip angles
         of one sign), "small_slip" (pure slip angles below the peak), "turning" (with a turn slip).
     """
-    reach = 0.045 if kind == "small_slip" else rng.uniform(0.15, 0.2)
+    reach = 0.055 if kind == "small_slip" else rng.uniform(0.15, 0.2)
     rows = int(3.0 * rate)
     wave = 2.0 * np.abs(2.0 * ((np.arange(rows) / rows + 0.25) % 1.0) - 1.0) - 1.0
     if kind == "one_sided":
