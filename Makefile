@@ -22,8 +22,8 @@ test: $(VENV)/installed-dev  ## all tests; the measured recordings' too where TI
 fuzz: $(VENV)/installed-dev  ## 10,000 mutated .tir and CSV files; a hang is shown after a minute, where it hangs
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)
 
-discovery: $(VENV)/installed-dev  ## how often the diagnosis is right, over about a hundred made recordings
-	$(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)
+discovery: $(VENV)/installed-dev  ## how often the diagnosis is right, over 116 made recordings
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)
 
 wine: $(VENV)/installed-dev  ## the FMU's Windows binary under wine64 gives the digits of the Linux one
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cross]"

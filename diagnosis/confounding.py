@@ -11,8 +11,9 @@ from .screening import Screen
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Above this correlation two explanations count as one.
+#: Above this correlation two explanations count as one; above the lower one the other is told beside the finding.
 CONFOUNDED = 0.8
+TOLD = 0.7
 #: A coefficient's own trace counts from this share of its effect's.
 SHARE = 0.4
 #: Sensor errors that imitate effects: an input and how far off it is.
@@ -96,7 +97,9 @@ SEPARATED_BY: Mapping[frozenset[str], str] = {
     frozenset({"plysteer", "conicity"}): "sweep alpha through both signs at two loads, and once rolling backward",
     frozenset({"plysteer", "slip_angle_zero_offset"}): "turn the tire on the rim and repeat one alpha sweep",
     frozenset({"conicity", "slip_angle_zero_offset"}): "turn the tire on the rim and repeat one alpha sweep",
-    frozenset({"pressure_stiffness", "pressure_friction"}): "sweep small and large slip at two pressures",
+    frozenset({"pressure_stiffness", "pressure_friction"}): (
+        "at two pressures, sweep kappa as well as alpha, through small and large slip"
+    ),
     frozenset({"camber_thrust", "inclination_zero_offset"}): "sweep alpha at both signs of inclination",
     frozenset({"speed_friction", "temp_friction"}): "change the speed at constant tread temperature",
     frozenset({"relax_lat", "relax_load"}): "step the slip angle at two loads",

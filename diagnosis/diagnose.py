@@ -17,7 +17,7 @@ from tirefmu.tires.tire import RANGES, Tire
 
 from .base import fit_base
 from .candidates import Candidate, candidates_for, varies
-from .confounding import CONFOUNDED, alias_columns, correlations, separating_measurement
+from .confounding import CONFOUNDED, TOLD, alias_columns, correlations, separating_measurement
 from .disturbances import reported_disturbances
 from .gap import gaps
 from .least_squares import LeastSquares, Solution
@@ -305,7 +305,7 @@ def _confounded(case: _Case) -> dict[str, dict[str, float]]:
         }  # fmt: skip
         size = correlations(screen, refit.shape.free, {**others, **alias_columns(screen)}, found)
         told[refit.name] = {
-            name: value for name, value in size.items() if value > CONFOUNDED and name != case.tried[refit.name].part_of
+            name: value for name, value in size.items() if value > TOLD and name != case.tried[refit.name].part_of
         }
     return {name: others for name, others in told.items() if others}
 
@@ -355,7 +355,8 @@ def _verdict(
             if one.effect == "UNKNOWN":
                 told.append(f"an unknown effect that depends on {', '.join(unknown[0].depends_on)}")
                 continue
-            others = ", ".join(sorted(confounded.get(one.effect, {}), key=lambda x: -confounded[one.effect][x]))
+            size = confounded.get(one.effect, {})
+            others = ", ".join(sorted((name for name in size if size[name] > CONFOUNDED), key=lambda x: -size[x]))
             told.append(one.effect + (f" (the data cannot tell it from {others})" if others else ""))
         return f"Missing: {'; '.join(told)}"
     sizes = {channel: sorted(one[channel] for one in detectable.values() if channel in one) for channel in gap["train"]}

@@ -87,6 +87,7 @@ class Place:
 PLACES = (
     Place("friction", ("mu_x", "mu_y"), "factor", ("PDX1", "PDY1")),
     Place("slip stiffness", ("K_xkappa", "K_yalpha"), "factor", ("PKX1", "PKY1")),
+    Place("force", ("mu_x", "mu_y", "K_xkappa", "K_yalpha"), "factor", ("PDX1", "PDY1", "PKX1", "PKY1")),
     Place("trail", ("D_t",), "factor", ("QDZ1",)),
     Place("side force", ("S_Vy",), "term", ("PVY1",), ("Fz",)),
     Place("slip angle", ("S_Hy",), "term", ("PHY1",)),
@@ -139,12 +140,10 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     load = named["Fz"] / nominal["FNOMIN"]
     speed = np.abs(named["V"]) / nominal["LONGVL"]
     put("Fz/FNOMIN - 1", "Fz", load - 1.0)
-    for name, text, values in (
-        ("p", "p/NOMPRES - 1", named["p"] / nominal["NOMPRES"] - 1.0),
-        ("V", "absolute(V)/LONGVL - 1", speed - 1.0),
-    ):
-        if name in signals.recorded:
-            put(text, name, 3.0 * values)
+    put("3*(p/NOMPRES - 1)", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
+    put("3*(absolute(V)/LONGVL - 1)", "V", 3.0 * (speed - 1.0))
+    if "phit" in signals.recorded and "phit" in named:
+        put("2*absolute(phit)*UNLOADED_RADIUS", "phit", 2.0 * np.abs(named["phit"]) * nominal["UNLOADED_RADIUS"])
     if "T" in signals.recorded and "T" in named:
         middle = round(float(named["T"].mean()))
         put(f"(T - {middle})/20", "T", (named["T"] - middle) / 20.0)

@@ -12,9 +12,11 @@ from .screening import Screen, Trace
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Terms that a proposed formula has at most, and what a further term has to add of what the first ones explain.
+#: Terms that a proposed formula has at most, and what a further term has to add: as a share of what the first ones
+#: explain, and in standard errors.
 MOST_TERMS = 3
-WORTH = 0.06
+WORTH = 0.01
+WORTH_ERRORS = 1.5
 #: What structure has to pass.
 LARGEST_P = 1e-4
 LARGEST_P_OF_BLOCKS = 1e-3
@@ -137,7 +139,9 @@ def _grown(
             break
         more, i = min(traces, key=lambda one: float(one[0].loss.sum()))
         gained = start - float(trace.loss.sum())
-        if float(trace.loss.sum() - more.loss.sum()) < WORTH * gained:
+        adds = trace.loss - more.loss
+        error = float(np.sqrt(len(adds)) * np.std(adds, ddof=1))
+        if float(adds.sum()) < max(WORTH * gained, WORTH_ERRORS * error):
             break
         chosen, trace = [*chosen, i], more
     return chosen, trace

@@ -120,7 +120,7 @@ def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = Tr
             columns[name], noise[name] = _smoothed_by_stretch(columns[name], t)
     if "distance" not in given and "distance" in columns and timed:
         columns["distance"] = rolled_distance(t, columns["V"])
-    inputs = tire.asked(np.stack([columns[name] for name in names]))
+    inputs = np.stack([columns[name] for name in names])
     channels = tuple(name for name in OUTPUTS if name in given and name in outputs and given[name].notna().any())
     if not channels:
         raise DataError(f"the recording has no measured output: one of {', '.join(outputs)} is needed")

@@ -16,6 +16,7 @@ from tirefmu.tires.transient import lagged
 from .signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
 
 #: Coefficients that act through time.
 LENGTHS = ("SIGX", "SIGY", "SIGC", "SIGK")
@@ -43,6 +44,7 @@ class Simulator:
         self._code = code_for(self.book, "c")
         self.names = list(self.book.coefficients)
         self.place = {name: i for i, name in enumerate(self.book.parameters)}
+        self._unasked = self._inputs_unasked()
         self._sigma = [self._code.quantities_names.index(name) for name in ("sigma_kappa", "sigma_alpha")]
 
     def over(self, signals: Signals) -> Simulator:
@@ -51,14 +53,33 @@ class Simulator:
         other.signals = signals
         return other
 
+    def _inputs_unasked(self) -> list[tuple[int, IntArray, FloatArray]]:
+        """Return, of effects on demand that the tire lacks: the input's row, its coefficients' places, their values."""
+        values, inputs = self.tire.parameters(), list(self.tire.inputs)
+        told = []
+        for effect, name in self.book.on_demand:
+            if effect not in self.tire.has:
+                places = np.array([self.place[owned] for owned in self.book.owned(effect) if owned in self.place])
+                told.append((inputs.index(name), places, values[places]))
+        return told
+
+    def asked(self, parameters: FloatArray) -> FloatArray:
+        """Return the inputs of all rows, 0 where they ask for an effect whose coefficients are at rest."""
+        silent = [row for row, places, values in self._unasked if np.array_equal(parameters[places], values)]
+        if not self.signals.inputs[silent].any():
+            return self.signals.inputs
+        inputs = self.signals.inputs.copy()
+        inputs[silent] = 0.0
+        return inputs
+
     def acting(self, parameters: FloatArray) -> FloatArray:
         """Return the inputs that act at the compared rows, shape (n_inputs, n): slips lag where lengths are set."""
-        signals = self.signals
+        signals, inputs = self.signals, self.asked(parameters)
         if not signals.timed or not any(parameters[self.place[name]] for name in LENGTHS if name in self.place):
-            return signals.inputs[:, signals.rows]
-        named = dict(zip(signals.names, signals.inputs, strict=True))
-        sigma = np.maximum(self._code.quantities(signals.inputs, parameters)[self._sigma], 0.0)
-        acts = signals.inputs.copy()
+            return inputs[:, signals.rows]
+        named = dict(zip(signals.names, inputs, strict=True))
+        sigma = np.maximum(self._code.quantities(inputs, parameters)[self._sigma], 0.0)
+        acts = inputs.copy()
         for name, length in zip(("kappa", "alpha"), sigma, strict=True):
             if length.max() > 0.0:
                 slip = np.tan(named[name]) if name == "alpha" else named[name]

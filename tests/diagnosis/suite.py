@@ -15,7 +15,10 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 
 from tirefmu.symbolic.added import library
+from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
+
+from .programs import program, slow
 
 USUAL = ("load_friction", "load_stiffness", "combined_Gyk", "combined_Gxa")
 
@@ -45,15 +48,53 @@ SIZES: Mapping[str, Mapping[str, float]] = {
     "residual_torque_Mzr": {"QDZ6": 0.006, "QDZ7": 0.003},
     "trail_load": {"QDZ2": -0.02, "QBZ2": -2.0},
     "Mz_from_Fx": {"SSZ1": 0.015, "SSZ2": 0.02},
+    "overturning_Mx": {"QSX1": 0.01, "QSX2": 0.6, "QSX3": 0.04},
+    "rolling_resistance_My": {"QSY1": 0.012, "QSY2": 0.05},
+    "turn_slip": {"PDYP1": 1.0, "PKYP1": 2.0},
 }
 #: Coefficients that a strength multiplies as it is; of the others only the effect's size is meant.
 UNSCALED = {"PKY2", "RBX1", "RBX2", "RCX1", "RBY1", "RBY2", "RCY1", "RVY4", "RVY5", "RVY6", "SIGC"}
+OUTPUTS = ("Fx", "Fy", "Mz", "Mx", "My")
+#: Effects by the moment that is measured only where the tire has them.
+OF_MOMENT = {"Mx": "overturning_Mx", "My": "rolling_resistance_My"}
 EITHER_SIGN = ("plysteer", "conicity", "curvature_asym", "temp_stiffness")
+
+
+#: Structure that no library knows, and what it depends on.
+UNKNOWN: Mapping[str, frozenset[str]] = {
+    "power": frozenset({"T", "alpha", "V", "Fz"}),
+    "hysteresis": frozenset({"dalpha/dt", "memory", "Fz"}),
+    "crown": frozenset({"gamma", "p"}),
+    "whirl": frozenset({"V", "Fz"}),
+}
+#: What a base formula of another form does: see `_bent`.
+BENT = ("slip", "peak", "load", "shoulder")
+#: Disturbances of the recording.
+TROUBLES = ("ripple", "outliers", "cross_talk", "drift", "coarse", "noisy_inputs", "offsets")
 
 
 @dataclass(frozen=True)
 class Case:
-    """A recording and what is hidden in it."""
+    """A recording and what is hidden in it.
+
+    Attributes
+    ----------
+    name : str
+    hidden : tuple of str
+    effects : tuple of str
+        Those of the start model.
+    nominal : mapping of str to float
+    table, truth : pandas.DataFrame
+        As recorded; and without the recording's disturbances.
+    test : pandas.DataFrame
+        Other manoeuvres, as they are in truth.
+    tire : Tire
+        The true one, but for what no library knows.
+    signs : str
+        Of the three tables.
+    unknown : str
+        A name of `UNKNOWN`, or "".
+    """
 
     name: str
     hidden: tuple[str, ...]
@@ -62,13 +103,15 @@ class Case:
     table: pd.DataFrame
     truth: pd.DataFrame
     test: pd.DataFrame
+    tire: Tire
     signs: str = "adapted-sae"
+    unknown: str = ""
 
 
 def make_case(
     seed: int, hidden: tuple[str, ...] = (), *, strength: float = 1.0, noise: float = 1.0, extra: tuple[str, ...] = (),
     trouble: tuple[str, ...] = (), unknown: str = "", rate: float = 50.0, sweeps: int = 30,
-    without: tuple[str, ...] = (),
+    without: tuple[str, ...] = (), kind: str = "full", bent: str = "", signs: str = "adapted-sae",
 ) -> Case:  # fmt: skip
     """Make a recording.
 
@@ -82,27 +125,35 @@ def make_case(
     extra : tuple of str
         Effects that tire and start model have beside the usual ones.
     trouble : tuple of str
-        Of the recording: ripple, outliers, cross_talk, drift.
+        Of the recording: names of `TROUBLES`.
     unknown : str
-        Structure that no library knows: "power" or "hysteresis".
+        Structure that no library knows: a name of `UNKNOWN`.
     rate : float, Hz
     sweeps : int
     without : tuple of str
         Columns that were not recorded.
+    kind : str
+        Of program.
+    bent : str
+        How the truth's base formula differs from the book's: a name of `BENT`.
+    signs : str
+        Of the tables.
     """
     rng = np.random.default_rng(seed)
     base = tuple(dict.fromkeys(name for name in (*USUAL, *extra) if name not in hidden))
     tire = _tire(rng, (*base, *hidden), strength)
     nominal = {"Fz0": tire.values["FNOMIN"], "R0": tire.values["UNLOADED_RADIUS"], "p0": 220e3, "V0": 16.7}
+    others = kind if kind in ("cornering", "turning") else "full"
     imposed, other = (
-        _program(np.random.default_rng([seed, part]), tire, rate, n) for part, n in ((1, sweeps), (2, 10))
+        program(np.random.default_rng([seed, part]), tire.values["FNOMIN"], rate, n, which)
+        for part, n, which in ((1, sweeps, kind), (2, 10, others))
     )
-    truth, test = (_answer(tire, table, unknown) for table in (imposed, other))
-    recorded = _recorded(rng, truth, noise, trouble)
+    truth, test = (_answer(tire, table, unknown, bent) for table in (imposed, other))
+    recorded = _recorded(rng, truth, noise, trouble).drop(columns=list(without))
     what = "+".join((*hidden, unknown)).strip("+") or "nothing"
-    name = f"{seed} {what} x{strength:g} noise {noise:g} {' '.join(trouble)}"
-    drop = list(without)
-    return Case(name, hidden, base, nominal, recorded.drop(columns=drop), truth, test)
+    name = " ".join((f"{seed} {what} x{strength:g} noise {noise:g}", *trouble, bent)).strip()
+    recorded, truth, test = (convert_signs(table, "adapted-sae", signs) for table in (recorded, truth, test))
+    return Case(name, hidden, base, nominal, recorded, truth, test, tire, signs, unknown)
 
 
 def _tire(rng: np.random.Generator, effects: tuple[str, ...], strength: float) -> Tire:
@@ -119,73 +170,58 @@ def _tire(rng: np.random.Generator, effects: tuple[str, ...], strength: float) -
     for effect in effects:
         for name, size in SIZES[effect].items():
             own = 1.0 if name in UNSCALED or effect in USUAL else strength
-            sign = (
-                rng.choice([-1.0, 1.0])
-                if effect in ("plysteer", "conicity", "curvature_asym", "temp_stiffness")
-                else 1.0
-            )
+            sign = rng.choice([-1.0, 1.0]) if effect in EITHER_SIGN else 1.0
             values[name] = about(size, 0.15) * own * sign
     if "load_stiffness" not in effects:
         values["PKY1"] *= 0.75
     return Tire("mf61", values, effects=effects, signs="adapted-sae", added=tuple(library().values()))
 
 
-def _program(rng: np.random.Generator, tire: Tire, rate: float, sweeps: int) -> pd.DataFrame:
-    """Return inputs: sweeps of either slip at steps of load, camber, pressure and speed, some of everything."""
-    load, reach = tire.values["FNOMIN"], rng.uniform(0.15, 0.2)
-    parts = []
-    rows = int(3.0 * rate)
-    wave = 2.0 * np.abs(2.0 * ((np.arange(rows) / rows + 0.25) % 1.0) - 1.0) - 1.0
-    for _ in range(sweeps):
-        kind = rng.choice(["alpha", "kappa", "both", "mixed"], p=[0.45, 0.3, 0.15, 0.1])
-        part = dict.fromkeys(("kappa", "alpha", "gamma"), np.zeros(rows))
-        if kind == "alpha":
-            part["alpha"] = reach * wave
-        elif kind == "mixed":
-            for name, size in (("kappa", 0.06), ("alpha", 0.08), ("gamma", 0.05)):
-                raw = gaussian_filter1d(rng.standard_normal(rows + 200), 0.3 * rate)[100:-100]
-                part[name] = size * raw / (np.std(raw) + 1e-9) * 0.7
-        else:
-            part["kappa"] = 0.15 * wave
-            part["alpha"] = np.full(rows, rng.choice([-0.09, -0.045, 0.045, 0.09]) if kind == "both" else 0.0)
-        if kind != "mixed":
-            part["gamma"] = np.full(rows, rng.choice([0.0, 0.07, -0.07, 0.035], p=[0.6, 0.17, 0.15, 0.08]))
-        part["Fz"] = np.full(rows, load * rng.choice([0.45, 0.65, 0.75, 1.0, 1.25, 1.5]))
-        part["p"] = np.full(rows, rng.choice([220e3, 180e3, 265e3], p=[0.6, 0.2, 0.2]))
-        part["V"] = np.full(rows, rng.choice([16.7, 9.0, 28.0], p=[0.65, 0.18, 0.17]))
-        parts.append(pd.DataFrame(part))
-    table = pd.concat(parts, ignore_index=True)
-    for name, seconds in (("gamma", 0.1), ("Fz", 0.1), ("p", 0.5), ("V", 0.5)):
-        table[name] = _slow(table[name].to_numpy(), seconds * rate)
-    table["alpha"], table["kappa"] = (_slow(table[name].to_numpy(), 0.02 * rate) for name in ("alpha", "kappa"))
-    slide = np.abs(table["alpha"]) + np.abs(table["kappa"])
-    heat = _slow((slide * table["V"] * table["Fz"] / load).to_numpy(), 15.0 * rate)
-    table["T"] = 45.0 + 25.0 * heat / heat.max() + 12.0 * np.sin(np.linspace(0.0, rng.uniform(4.0, 9.0), len(table)))
-    table.insert(0, "t", np.arange(len(table)) / rate)
-    return table
-
-
-def _slow(values: np.ndarray, rows: float) -> np.ndarray:
-    kept = float(np.exp(-1.0 / max(rows, 1e-3)))
-    return np.asarray(lfilter([1.0 - kept], [1.0, -kept], values, zi=[kept * values[0]])[0])
-
-
-def _answer(tire: Tire, table: pd.DataFrame, unknown: str) -> pd.DataFrame:
+def _answer(tire: Tire, table: pd.DataFrame, unknown: str, bent: str) -> pd.DataFrame:
     """Return inputs and true forces; effects act by warped inputs."""
     warped = table.copy()
     warped["T"] = 50.0 + 40.0 * np.tanh((table["T"] - 50.0) / 40.0)
     distance = np.concatenate([[0.0], np.cumsum(np.diff(table["t"]) * table["V"].to_numpy()[1:])])
     warped["distance"] = 3000.0 * (1.0 - np.exp(-distance / 3000.0))
-    forces = tire.evaluate(warped, signs="adapted-sae", code="c")[["Fx", "Fy", "Mz"]]
-    if unknown == "power":
-        power = np.abs(np.tan(table["alpha"])) * table["V"] * table["Fz"] / 16.7 / tire.values["FNOMIN"]
-        share = 1.0 - 0.35 * power * (table["T"] - 60.0) / 20.0
-        forces = forces.mul(share, axis=0)
-    if unknown == "hysteresis":
-        turning = np.gradient(table["alpha"], table["t"])
-        memory = _slow(np.tanh(turning / 0.05), 15.0)
-        forces["Fy"] += 0.05 * table["Fz"] * memory
+    if bent == "slip":
+        for name in ("alpha", "kappa"):
+            warped[name] = table[name] * (1.0 + 0.12 * np.exp(-((table[name] / 0.06) ** 2)))
+    moments = [name for name in ("Mx", "My") if OF_MOMENT[name] in tire.has]
+    forces = tire.evaluate(warped, signs="adapted-sae", code="c")[["Fx", "Fy", "Mz", *moments]].copy()
+    if bent:
+        _bend(forces, table, tire.values["FNOMIN"], bent)
+    if unknown:
+        _add_unknown(forces, table, tire.values["FNOMIN"], unknown)
     return pd.concat([table, forces], axis=1)
+
+
+def _bend(forces: pd.DataFrame, table: pd.DataFrame, load: float, bent: str) -> None:
+    """Give the base formula another form: of the peak, of the load's influence, of the curve's shoulder."""
+    slip = np.hypot(np.tan(table["alpha"]), table["kappa"])
+    if bent == "peak":
+        forces *= (1.0 - 0.05 * slip**2 / (slip**2 + 0.08**2)).to_numpy()[:, None]
+    if bent == "load":
+        forces *= (1.0 + 0.08 * (table["Fz"] / load - 1.0) ** 2).to_numpy()[:, None]
+    if bent == "shoulder":
+        for name, of in (("Fx", "kappa"), ("Fy", "alpha")):
+            forces[name] += 0.015 * table["Fz"] * np.sin(np.pi * np.tanh(table[of] / 0.05)) / (1.0 + (slip / 0.1) ** 2)
+
+
+def _add_unknown(forces: pd.DataFrame, table: pd.DataFrame, load: float, unknown: str) -> None:
+    """Add what no library knows."""
+    relative = table["Fz"] / load
+    if unknown == "power":
+        power = np.abs(np.tan(table["alpha"])) * table["V"] / 16.7 * relative
+        forces *= (1.0 - 0.35 * power * (table["T"] - 60.0) / 20.0).to_numpy()[:, None]
+    if unknown == "hysteresis":
+        rate = 1.0 / float(table["t"].iloc[1] - table["t"].iloc[0])
+        turning = np.gradient(table["alpha"], table["t"])
+        forces["Fy"] += 0.05 * table["Fz"] * slow(np.tanh(turning / 0.05), 0.3 * rate)
+    if unknown == "crown":
+        lean = np.abs(table["gamma"]) / 0.07
+        forces *= (1.0 + 0.3 * lean * (table["p"] / 220e3 - 1.0)).to_numpy()[:, None]
+    if unknown == "whirl":
+        forces["Mz"] *= 1.0 - 0.3 * (table["V"] / 16.7 - 1.0) * relative
 
 
 def _recorded(rng: np.random.Generator, truth: pd.DataFrame, noise: float, trouble: tuple[str, ...]) -> pd.DataFrame:
@@ -197,32 +233,28 @@ def _recorded(rng: np.random.Generator, truth: pd.DataFrame, noise: float, troub
 
     recorded = truth.copy()
     t = truth["t"].to_numpy()
-    for name in ("Fx", "Fy", "Mz"):
+    for name in (name for name in OUTPUTS if name in truth):
         true = truth[name].to_numpy()
         size = float(np.abs(true).max())
         drift = gaussian_filter1d(rng.standard_normal(n + 4000), 800)[2000:-2000]
         drift *= (0.004 if "drift" in trouble else 0.001) * size / (np.std(drift) + 1e-12)
         deviation = noise * np.hypot(0.004 * size, 0.01 * true)
-        recorded[name] = true + deviation * random(0.5) + 0.002 * size * rng.standard_normal() + drift
+        offset = (0.01 if "offsets" in trouble else 0.002) * size * rng.standard_normal()
+        recorded[name] = true + deviation * random(0.5) + offset + drift
         if "ripple" in trouble:
             angle = np.cumsum(truth["V"].to_numpy()) * (t[1] - t[0]) / 0.29
             recorded[name] += 0.005 * size * np.sin(angle + rng.uniform(0.0, 6.0))
         if "outliers" in trouble:
             recorded.loc[rng.choice(n, 12, replace=False), name] += 0.3 * size * rng.choice([-1.0, 1.0], 12)
-        step = size / 2500.0
+        step = size / (400.0 if "coarse" in trouble else 2500.0)
         recorded[name] = np.round(recorded[name] / step) * step
     if "cross_talk" in trouble:
         recorded["Fx"] += 0.003 * truth["Fy"]
         recorded["Fy"] -= 0.003 * truth["Fx"]
     sizes = {
-        "kappa": 4e-4,
-        "alpha": 2e-4,
-        "gamma": 5e-5,
-        "Fz": 0.0025 * truth["Fz"].mean(),
-        "p": 300.0,
-        "V": 0.02,
-        "T": 0.4,
-    }
+        "kappa": 4e-4, "alpha": 2e-4, "gamma": 5e-5, "Fz": 0.0025 * truth["Fz"].mean(), "p": 300.0, "V": 0.02, "T": 0.4,
+    }  # fmt: skip
+    scale = 2.5 if "noisy_inputs" in trouble else 1.0
     for name, size in sizes.items():
-        recorded[name] = truth[name] + noise * size * random(0.2)
+        recorded[name] = truth[name] + scale * noise * size * random(0.2)
     return recorded

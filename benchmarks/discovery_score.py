@@ -1,0 +1,141 @@
+"""What a diagnosis of a made recording is worth: names, gap, intervals, confounders, unknown structure."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from diagnosis.kinds import CONFOUNDED
+from diagnosis.suite import UNKNOWN, Case
+
+from tirefmu.diagnosis.verdict import Diagnosis
+from tirefmu.tires.tire import Tire
+
+#: Effects whose coefficients the truth has at warped inputs, so that no value of theirs is the true one.
+WARPED = ("temp_friction", "temp_stiffness", "wear_drift")
+#: Unknown variables are right from this share: of those told and those true, the ones that are both.
+RIGHT_VARIABLES = 0.5
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a case.
+
+    Attributes
+    ----------
+    kind, name : str
+    number : int
+    hidden, found : tuple of str
+    first : bool
+        Whether the first name is right.
+    extra : tuple of str
+        Names found that are not hidden.
+    exact : bool
+        Whether what was found is what was hidden.
+    closed : float
+        Share of the squared gap on other manoeuvres, in squares of each channel's noise, that the improved tire closes.
+    covered, intervals : int
+        True values within their 95 % intervals, of how many.
+    told, next_test : bool
+        Confounded: whether the others are named, and the measurement that separates them.
+    depends_on : tuple of str
+    variables, added : bool
+        Unknown: whether its variables are right, and whether its formula was added.
+    seconds : float
+        Of one processor.
+    """
+
+    kind: str
+    number: int
+    name: str
+    hidden: tuple[str, ...]
+    found: tuple[str, ...]
+    first: bool
+    extra: tuple[str, ...]
+    exact: bool
+    closed: float
+    covered: int
+    intervals: int
+    told: bool
+    next_test: bool
+    depends_on: tuple[str, ...]
+    variables: bool
+    added: bool
+    seconds: float
+
+    @property
+    def right(self) -> bool:
+        """Whether it is what an engineer would have wanted to hear."""
+        if self.kind == "confounded":
+            return self.first and not self.extra and self.told and self.next_test
+        if self.kind == "unknown":
+            return self.exact and self.variables
+        return self.exact
+
+    @property
+    def line(self) -> str:
+        """One line for a reader."""
+        said = f"{'+'.join(self.hidden) or 'nothing'} -> {'+'.join(self.found) or 'nothing'}"
+        more = f" [{' '.join(self.depends_on)}{', added' if self.added else ''}]" if self.depends_on else ""
+        if self.kind == "confounded":
+            more += f" others {'told' if self.told else 'NOT TOLD'}, next test {'right' if self.next_test else 'WRONG'}"
+        mark = "right" if self.right else "first" if self.first else "WRONG"
+        return f"{self.kind}:{self.number} {mark:5} {said}{more}; closed {self.closed:.3f}, {self.seconds:.1f} s"
+
+
+def judged(kind: str, number: int, case: Case, result: Diagnosis, seconds: float) -> Outcome:
+    """Return what a diagnosis is worth.
+
+    Parameters
+    ----------
+    kind : str
+    number : int
+    case : Case
+    result : Diagnosis
+    seconds : float
+    """
+    found = tuple(one.effect for one in result.found)
+    hidden = ("UNKNOWN",) if case.unknown else case.hidden
+    allowed, indistinguishable, words = set(hidden), set[str](), ""
+    if kind == "confounded":
+        _, _, others, confounded, words = CONFOUNDED[number]
+        allowed |= set(others.split())
+        indistinguishable = {*confounded.split(), *hidden}
+    before, after = (squared_gap(tire, case, result) for tire in (result.base_tire, result.tire))
+    covered, intervals = _covered(case, result) if kind in ("single", "double", "triple") else (0, 0)
+    named = {*found, *result.confounded_with.get(found[0], ())} if found else set()
+    depends = result.unknown[0].depends_on if result.unknown else ()
+    true = UNKNOWN.get(case.unknown, frozenset())
+    return Outcome(
+        kind=kind, number=number, name=case.name, hidden=(case.unknown,) if case.unknown else case.hidden, found=found,
+        first=bool(found) and found[0] in allowed,
+        extra=tuple(name for name in found if name not in allowed),
+        exact=set(found) == set(hidden),
+        closed=1.0 - after / before,
+        covered=covered, intervals=intervals,
+        told=indistinguishable <= named,
+        next_test=bool(words) and any(re.search(words, text) for text in result.next_measurement),
+        depends_on=depends,
+        variables=bool(true) and len(true & set(depends)) >= RIGHT_VARIABLES * len(true | set(depends)),
+        added=any(one.added for one in result.unknown),
+        seconds=seconds,
+    )  # fmt: skip
+
+
+def squared_gap(tire: Tire, case: Case, result: Diagnosis) -> float:
+    """Return the squared gap between a tire and the truth on other manoeuvres, in squares of each channel's noise."""
+    computed = tire.evaluate(case.test.drop(columns=list(result.gap["train"])), signs=case.signs)
+    parts = (((computed[name] - case.test[name]) ** 2).mean() / one["floor"] ** 2
+             for name, one in result.gap["train"].items())  # fmt: skip
+    return float(sum(parts))
+
+
+def _covered(case: Case, result: Diagnosis) -> tuple[int, int]:
+    """Return how many true values lie within their intervals, and of how many."""
+    true = case.tire.in_signs(case.signs if case.signs != "sae" else "adapted-sae").values
+    inside = [
+        one.lower <= true[name] <= one.upper
+        for finding in result.found if finding.effect in case.hidden and finding.effect not in WARPED
+        for name, one in finding.coefficients.items()
+    ]  # fmt: skip
+    return sum(inside), len(inside)

@@ -1,0 +1,113 @@
+"""The table of a discovery run as Markdown, and its place in a page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+from discovery_score import Outcome
+
+BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
+
+
+def table_of(outcomes: Sequence[Outcome], made_by: str) -> str:
+    """Return levels, kinds, effects and what went wrong, as measured.
+
+    Parameters
+    ----------
+    outcomes : sequence of Outcome
+    made_by : str
+        The command and the version.
+    """
+    kinds = list(dict.fromkeys(one.kind for one in outcomes))
+    parts = [f"Made by {made_by}: {len(outcomes)} recordings.", _levels(outcomes), _kinds(outcomes, kinds)]
+    singles = [one for one in outcomes if one.kind == "single"]
+    if singles:
+        parts.append(_effects(singles))
+    wrong = [one for one in outcomes if not one.right]
+    lines = [f"- {one.line} ({one.name})" for one in wrong]
+    parts.append("### Not right\n\n" + ("\n".join(lines) or "None."))
+    return "\n\n".join(parts)
+
+
+def put_table(page: Path, table: str) -> None:
+    """Put a table between the marks of a page.
+
+    Parameters
+    ----------
+    page : Path
+    table : str
+    """
+    text = page.read_text(encoding="utf-8")
+    if BEGIN not in text or END not in text:
+        raise SystemExit(f"{page}: lacks the lines {BEGIN} and {END}")
+    head, tail = text[: text.index(BEGIN)], text[text.index(END) :]
+    page.write_text(f"{head}{BEGIN}\n\n{table}\n\n{tail}", encoding="utf-8")
+
+
+def _grid(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = ["| " + " | ".join(row) + " |" for row in (head, *rows)]
+    return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
+
+
+def _levels(outcomes: Sequence[Outcome]) -> str:
+    """Return the levels that the project set itself, and what was reached."""
+
+    def of(*kinds: str) -> list[Outcome]:
+        return [one for one in outcomes if one.kind in kinds]
+
+    def count(cases: list[Outcome], holds: Callable[[Outcome], bool]) -> str:
+        return f"{sum(map(holds, cases))} of {len(cases)}" if cases else "-"
+
+    single, null, several, unknown = of("single"), of("null"), of("double", "triple"), of("unknown")
+    confounded, bent = of("confounded"), of("bent")
+    closed = np.array([one.closed for one in single if one.first])
+    inside, intervals = sum(one.covered for one in outcomes), sum(one.intervals for one in outcomes)
+    seconds = np.array([one.seconds for one in outcomes])
+    rows = [
+        ("single effects, right name first", "94 %", count(single, lambda one: one.first)),
+        ("the same with extra names", "at most 12 %", count(single, lambda one: bool(one.extra))),
+        ("nothing missing, a name told", "at most 3 %", count(null, lambda one: bool(set(one.found) - {"UNKNOWN"}))),
+        ("nothing missing, UNKNOWN told", "at most 6 %", count(null, lambda one: "UNKNOWN" in one.found)),
+        ("held-out squared gap closed, median", "0.95", f"{np.median(closed):.3f}" if len(closed) else "-"),
+        ("the same, share of cases at least 0.8", "95 %", f"{np.mean(closed >= 0.8):.0%}" if len(closed) else "-"),
+        ("two and three effects, exact set", "60 %", count(several, lambda one: one.exact)),
+        ("unknown, told", "all", count(unknown, lambda one: one.exact)),
+        ("unknown, variables right", "all", count(unknown, lambda one: one.variables)),
+        ("unknown, gap closed at least 0.9", "better: all", count(unknown, lambda one: one.closed >= 0.9)),
+        ("unknown, gap wider than before", "0", count(unknown, lambda one: one.closed < -0.001)),
+        ("confounded, told", "all", count(confounded, lambda one: one.first and one.told)),
+        ("confounded, right next test", "better: all", count(confounded, lambda one: one.next_test)),
+        ("base formula of another form, right name first", "90 %", count(bent, lambda one: one.first)),
+        ("the same with wrong names", "better: 0", count(bent, lambda one: bool(one.extra))),
+        ("95 % intervals that hold the true value", "88-98 %",
+         f"{inside} of {intervals} ({inside / intervals:.0%})" if intervals else "-"),
+        ("seconds of one processor a case, median and most", "60", f"{np.median(seconds):.1f}, {seconds.max():.1f}"),
+    ]  # fmt: skip
+    return _grid(("what", "must", "measured"), rows)
+
+
+def _kinds(outcomes: Sequence[Outcome], kinds: Sequence[str]) -> str:
+    rows = []
+    for kind in kinds:
+        cases = [one for one in outcomes if one.kind == kind]
+        shares = [one.closed for one in cases]
+        closed = ("-", "-") if kind == "null" else (f"{np.median(shares):.3f}", f"{min(shares):.3f}")
+        rows.append((kind, str(len(cases)), str(sum(one.right for one in cases)), str(sum(one.first for one in cases)),
+                     str(sum(bool(one.extra) for one in cases)), *closed,
+                     f"{np.median([one.seconds for one in cases]):.1f}"))  # fmt: skip
+    head = ("kind", "cases", "right", "right first", "extra names", "closed: median", "least", "seconds")
+    return "### By kind\n\n" + _grid(head, rows)
+
+
+def _effects(singles: Sequence[Outcome]) -> str:
+    rows = []
+    for effect in dict.fromkeys(one.hidden[0] for one in singles):
+        cases = [one for one in singles if one.hidden[0] == effect]
+        inside, intervals = sum(one.covered for one in cases), sum(one.intervals for one in cases)
+        told = "; ".join("+".join(one.found) or "nothing" for one in cases if not one.right)
+        rows.append((effect, f"{sum(one.right for one in cases)} of {len(cases)}",
+                     " ".join(f"{one.closed:.3f}" for one in cases),
+                     f"{inside} of {intervals}" if intervals else "-", told))  # fmt: skip
+    return "### By effect\n\n" + _grid(("effect", "right", "closed", "intervals", "told instead"), rows)
