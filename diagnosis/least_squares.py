@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from .candidates import SPREAD
 from .disturbances import Disturbances
 from .noise import Whitening
 from .simulation import Simulator
@@ -75,10 +76,11 @@ class LeastSquares:
 
     def belief(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
         """Return centers and standard deviations of the weak belief about coefficients."""
-        cards = self.simulator.book.coefficients
+        cards, factors = self.simulator.book.coefficients, self._factors(free)
         lower, upper = self.bounds(free)
-        center = np.array([self.center.get(name, cards[name].default) for name in free]) * self._factors(free)
-        return center, (upper - lower) / RANGE_IN_DEVIATIONS
+        center = np.array([self.center.get(name, cards[name].default) for name in free]) * factors
+        spread = np.array([SPREAD.get(name, np.inf) for name in free]) * np.abs(factors)
+        return center, np.minimum((upper - lower) / RANGE_IN_DEVIATIONS, spread)
 
     def _factors(self, free: Sequence[str]) -> FloatArray:
         """Return what the generated code's coefficients are per value of their cards.
