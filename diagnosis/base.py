@@ -10,7 +10,7 @@ from scipy.ndimage import uniform_filter1d
 
 from tirefmu.tires.tire import Tire
 
-from .candidates import CONTRACT, varies
+from .candidates import CENTER, CONTRACT, varies
 from .disturbances import disturbances_of
 from .least_squares import LeastSquares, Solution
 from .signals import Signals
@@ -112,7 +112,7 @@ def fit_base(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSquares
     learns = signals.present & ~signals.holdout
     noise = np.array([0.02 * np.std(row[there]) + 1e-9 for row, there in zip(signals.measured, learns, strict=True)])
     root = np.where(learns, 1.0 / noise[:, None], 0.0)
-    center = {name: tire.values[name] for name in free} if known else _center(free)
+    center = CENTER | ({name: tire.values[name] for name in free} if known else {})
     problem = LeastSquares(simulator, root, disturbances_of(signals, noise), center)
     thin = slice(None, None, max(1, len(signals.rows) // 1500))
     tries = [problem.solve(start, free, rows=thin, iterations=25) for start in _starts(tire, signals, free, known)]
@@ -125,16 +125,6 @@ def fit_base(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSquares
     return problem, best
 
 
-def _center(free: tuple[str, ...]) -> dict[str, float]:
-    """Return where coefficients of effects that the tire has are believed to lie: at nature's sizes."""
-    center: dict[str, float] = {}
-    for candidate in CONTRACT.values():
-        shape = candidate.shapes[0]
-        if not shape.scalable:
-            center |= shape.probes[0]
-    return {name: value for name, value in center.items() if name in free}
-
-
 def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) -> list[FloatArray]:
     simulator = Simulator(tire, signals)
     rescaled = simulator.rescaled
@@ -145,7 +135,7 @@ def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) ->
     measured = dict(zip(signals.channels, signals.measured, strict=True))
     starts = []
     for shape in STARTS:
-        values = {**_center(free), **shape}
+        values = {**CENTER, **shape}
         for channel, peak in (("Fx", "PDX1"), ("Fy", "PDY1")):
             if channel in measured:
                 values[peak] = float(np.quantile(np.abs(measured[channel]) / inputs["Fz"], 0.98))

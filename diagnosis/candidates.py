@@ -139,6 +139,25 @@ _CONTRACT = (
 #: Every effect that a diagnosis tries by itself, by name.
 CONTRACT: dict[str, Candidate] = {candidate.name: candidate for candidate in _CONTRACT}
 
+#: Spread of shapes among tires, about twice that of published ones: what a recording leaves open stays near a tire's.
+_SPREAD = {
+    "PCX1": 0.2, "PEX1": 1.0, "PCY1": 0.2, "PEY1": 1.0, "QBZ1": 4.0, "QCZ1": 0.2,
+    "RBX1": 6.0, "RBX2": 6.0, "RCX1": 0.15, "RBY1": 6.0, "RBY2": 6.0, "RCY1": 0.15,
+    "RVY4": 6.0, "RVY5": 0.8, "RVY6": 6.0,
+}  # fmt: skip
+#: An effect that grows with its coefficient is believed to be at most about this many times as large as usual.
+_LARGEST = 5.0
+#: Where coefficients are believed to lie that have no neutral value, and how firmly coefficients are.
+CENTER: dict[str, float] = {}
+SPREAD: dict[str, float] = dict(_SPREAD)
+for _candidate in _CONTRACT:
+    for _shape in _candidate.shapes:
+        if not _shape.scalable:
+            CENTER = {**_shape.probes[0], **CENTER}
+            continue
+        for _probe in _shape.probes:
+            SPREAD |= {_name: _LARGEST * abs(_size) for _name, _size in _probe.items() if _name not in SPREAD}
+
 #: Finer forms of an effect that the tire has: tried so that a base formed otherwise is not taken for an effect.
 FINER: dict[str, tuple[Shape, ...]] = {
     "": (_each(PEX3=0.3), _each(QEZ1=-1.0), _each(PKX3=0.1, PKX2=1.0)),

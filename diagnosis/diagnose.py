@@ -91,6 +91,7 @@ def diagnose(
     search = Search(problem, solution, tried, say)
     search.run()
     unknown, start = _unknown(start, search, say)
+    before = search.settle(before)
     say("weighing what else could explain it")
     return _composed(_Case(table, signs, start, tried, before, search, unknown), began)
 
@@ -158,7 +159,7 @@ def _composed(case: _Case, began: float) -> Diagnosis:
     """Put the answer together."""
     search, after = case.search, case.search.screen
     before = case.before
-    covariance = _covariance(after)
+    covariance = _covariance(search.precise)
     findings = _in_order(case, covariance)
     confounded = _confounded(case)
     next_measurement = tuple(

@@ -9,7 +9,9 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from .candidates import SPREAD
 from .disturbances import Disturbances
+from .noise import Whitening
 from .simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]
@@ -54,12 +56,15 @@ class LeastSquares:
     disturbances : Disturbances
     center : mapping of str to float
         Where a coefficient is believed to lie, of those not at their card's start.
+    whitening : Whitening, optional
+        What is known of the noise's memory; without it every row counts for itself.
     """
 
     simulator: Simulator
     root: FloatArray
     disturbances: Disturbances
     center: Mapping[str, float]
+    whitening: Whitening | None = None
 
     def bounds(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
         """Return the lower and upper bounds of coefficients."""
@@ -71,10 +76,11 @@ class LeastSquares:
 
     def belief(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
         """Return centers and standard deviations of the weak belief about coefficients."""
-        cards = self.simulator.book.coefficients
+        cards, factors = self.simulator.book.coefficients, self._factors(free)
         lower, upper = self.bounds(free)
-        center = np.array([self.center.get(name, cards[name].default) for name in free]) * self._factors(free)
-        return center, (upper - lower) / RANGE_IN_DEVIATIONS
+        center = np.array([self.center.get(name, cards[name].default) for name in free]) * factors
+        spread = np.array([SPREAD.get(name, np.inf) for name in free]) * np.abs(factors)
+        return center, np.minimum((upper - lower) / RANGE_IN_DEVIATIONS, spread)
 
     def _factors(self, free: Sequence[str]) -> FloatArray:
         """Return what the generated code's coefficients are per value of their cards.
@@ -142,12 +148,17 @@ class LeastSquares:
     def best_disturbance(self, misfit: FloatArray) -> FloatArray:
         """Return the disturbances that explain a misfit best."""
         weighted, matrix = self._disturbance_system
-        target = np.einsum("cn,cnq->q", self.root * misfit, weighted)
+        target = np.einsum("cn,cnq->q", self.weighted(misfit), weighted)
         return np.asarray(np.linalg.solve(matrix, target))
+
+    def weighted(self, rows: FloatArray) -> FloatArray:
+        """Return rows of the channels over their noise, shape (n_channels, n) or (n_channels, n, m)."""
+        over = self.root.reshape(*self.root.shape, *(1,) * (rows.ndim - 2)) * rows
+        return self.whitening(over) if self.whitening else np.asarray(over)
 
     @cached_property
     def _disturbance_system(self) -> tuple[FloatArray, FloatArray]:
-        weighted = self.root[:, :, None] * self.disturbances.columns
+        weighted = self.weighted(self.disturbances.columns)
         flat = weighted.reshape(-1, weighted.shape[-1])
         return weighted, flat.T @ flat + np.diag(self.disturbances.deviation**-2)
 
@@ -158,11 +169,11 @@ class LeastSquares:
         beliefs = np.sum(((values - center) / deviation) ** 2) + np.sum(
             (disturbance / self.disturbances.deviation) ** 2
         )
-        return 0.5 * float(np.sum((self.root * residual) ** 2) + beliefs)
+        return 0.5 * float(np.sum(self.weighted(residual) ** 2) + beliefs)
 
     def tangent(self, parameters: FloatArray, free: Sequence[str]) -> FloatArray:
         """Return weighted derivatives by coefficients and disturbances, shape (n_channels * n, n_free + n_dist)."""
-        jacobian = self.root[:, :, None] * self.simulator.jacobian(parameters, free)
+        jacobian = self.weighted(self.simulator.jacobian(parameters, free))
         weighted, _ = self._disturbance_system
         return np.concatenate([jacobian, weighted], axis=-1).reshape(-1, len(free) + weighted.shape[-1])
 
@@ -171,7 +182,7 @@ class LeastSquares:
     ) -> tuple[FloatArray, FloatArray]:
         """Return matrix and gradient in the coefficients, the disturbances eliminated."""
         tangent = self.tangent(parameters, free)
-        residual = self.root * (self.misfit(parameters) - self.disturbances.columns @ disturbance)
+        residual = self.weighted(self.misfit(parameters) - self.disturbances.columns @ disturbance)
         n, (center, deviation) = len(free), self.belief(free)
         full, slope = tangent.T @ tangent, tangent.T @ residual.ravel()
         full += np.diag(np.concatenate([deviation, self.disturbances.deviation]) ** -2)
@@ -189,7 +200,8 @@ class LeastSquares:
             block=signals.block[rows], holdout=signals.holdout[rows],
         )  # fmt: skip
         simulator = self.simulator.over(thin)
-        return replace(self, simulator=simulator, root=self.root[:, rows], disturbances=self.disturbances.thinned(rows))
+        disturbances = self.disturbances.thinned(rows)
+        return replace(self, simulator=simulator, root=self.root[:, rows], disturbances=disturbances, whitening=None)
 
 
 def _bounded_step(

@@ -81,7 +81,7 @@ class Screen:
         self.signals = problem.simulator.signals
         shape = problem.root.shape
         self.tangent = problem.tangent(solution.parameters, solution.free).reshape(*shape, -1)
-        self.residual = problem.root * solution.residual
+        self.residual = problem.weighted(solution.residual)
         center, deviation = problem.belief(solution.free)
         values = solution.parameters[[problem.simulator.place[name] for name in solution.free]]
         self.belief = np.concatenate([deviation, problem.disturbances.deviation]) ** -2.0
@@ -117,7 +117,7 @@ class Screen:
 
     def _column(self, probe: Probe) -> FloatArray:
         moved = self.problem.simulator.forces(self.probed(probe))
-        return np.asarray(self.problem.root * np.nan_to_num(moved - self._at_base))
+        return self.problem.weighted(np.nan_to_num(moved - self._at_base))
 
     def project(self, columns: FloatArray) -> FloatArray:
         """Return columns without what the base's freedom can do."""
@@ -126,11 +126,13 @@ class Screen:
 
     def learn_noise(self, traces: Mapping[int, FloatArray]) -> None:
         """Take for noise what all traces together leave of the residual."""
-        every = np.concatenate([self.project(columns) for columns in traces.values()], axis=-1)
-        flat = every.reshape(-1, every.shape[-1])
-        matrix = flat.T @ flat
-        matrix += np.diag(1e-3 * np.diag(matrix) + 1e-9)
-        self._noise = self.residual - (every @ np.linalg.solve(matrix, flat.T @ self.residual.ravel()))
+        self._noise = self.residual
+        if traces:
+            every = np.concatenate([self.project(columns) for columns in traces.values()], axis=-1)
+            flat = every.reshape(-1, every.shape[-1])
+            matrix = flat.T @ flat
+            matrix += np.diag(1e-3 * np.diag(matrix) + 1e-9)
+            self._noise = self.residual - (every @ np.linalg.solve(matrix, flat.T @ self.residual.ravel()))
         t = self.signals.t[self.signals.rows]
         step = float(np.median(np.diff(t))) if self.signals.timed else MEMORY / 25.0
         lags = int(np.clip(MEMORY / max(step, 1e-6), 5, 200))

@@ -13,6 +13,7 @@ from .candidates import FINER, Candidate, Shape, varies
 from .confounding import CONFOUNDED, correlations
 from .least_squares import LeastSquares, Solution
 from .leftover import CORE_INPUTS, Structure, structure_of
+from .noise import Whitening, memories_of
 from .screening import Screen, Trace
 
 FloatArray = npt.NDArray[np.float64]
@@ -28,8 +29,9 @@ REFITTED = 5
 ROUNDS = 6
 #: A named effect is taken where it explains at least this share of what any structure could.
 ENOUGH = 0.6
-#: Rows of a search's fits.
+#: Rows of a search's fits, and iterations of the last one.
 SEARCH_ROWS = 2500
+SETTLED = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +99,8 @@ class Search:
         The last round's traces.
     screen : Screen
         Of the present solution.
+    precise : Screen
+        Of the settled solution, its rows whitened: what intervals are read from.
     tests : int
         How many shapes a round tries.
     progress : callable
@@ -113,6 +117,7 @@ class Search:
     forms: list[Structure] = field(default_factory=list)
     last: list[Tried] = field(default_factory=list)
     screen: Screen = field(init=False)
+    precise: Screen = field(init=False)
     tests: int = 0
 
     def run(self) -> None:
@@ -131,6 +136,31 @@ class Search:
                 self.solution = best.solution
         self.screen = Screen(self.problem, self.solution)
         self.last = self.probe()
+
+    def settle(self, before: Screen) -> Screen:
+        """Fit the start model and what was found once more, the noise weighed by its memory; return the first's screen.
+
+        Decisions are made without it: what is missing itself looks like noise with a memory, and whitening magnifies
+        what is wrong with the form of a model.
+        """
+        self.precise = self.screen
+        signals = self.problem.simulator.signals
+        if not signals.timed:
+            return before
+        t = signals.t[signals.rows]
+        rest, step = self.problem.weighted(self.solution.residual), float(np.median(np.diff(t)))
+        root = self.problem.root
+        noise = tuple(memories_of(*rows, step) for rows in zip(rest, root > 0.0, strict=True))
+        whitening = Whitening(noise, t, root)
+        first = replace(before.problem, whitening=whitening)
+        start = first.solve(before.solution.parameters, before.solution.free, iterations=SETTLED)
+        precise = replace(self.problem, whitening=whitening)
+        self.solution = precise.solve(self.solution.parameters, self.solution.free, iterations=SETTLED)
+        self.precise = Screen(precise, self.solution)
+        self.precise.learn_noise({})
+        self.screen = Screen(self.problem, self.solution)
+        self.last = self.probe()
+        return Screen(before.problem, start)
 
     def round(self) -> Refit | Structure | None:
         """Try every candidate on what is left; return the best that passes, or structure that far exceeds it."""

@@ -1,0 +1,163 @@
+"""A recording's noise as two fading memories, short-range noise and slow drift, and the filter that whitens it.
+
+Drift of the same pace as the sweeps costs a plain least squares more than all short-range noise together. Generalised
+least squares weighs it for what it is. The memories are read from the residual's periodogram (Whittle, Estimation and
+information in stationary time series, 1953); the innovations of a Kalman filter, which bridges rows that take no part,
+are the whitened rows (Harvey, Forecasting, Structural Time Series Models and the Kalman Filter, 1989, section 3.4).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy import fft, optimize
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+#: Memories of drift from which the fit to a periodogram starts, and its bounds, s.
+MEMORIES = (0.5, 2.0, 8.0)
+SHORTEST, LONGEST = 0.3, 60.0
+#: What the share of noise without any memory is believed to be, and how firmly (in log variances, of one row).
+WHITE_SHARE, WHITE_BELIEF = 0.05, 1e-3
+#: A time beyond every memory, s: before the first row.
+LONG_AGO = 1e9
+
+
+@dataclass(frozen=True)
+class Memories:
+    """The noise of a channel in three parts.
+
+    Attributes
+    ----------
+    white, short, drift : float
+        Variances, in the squared unit of the residual.
+    fading : float
+        Correlation of the short-range part from one row to the next.
+    memory : float, s
+        Time over which the drift's correlation falls to 1/e.
+    """
+
+    white: float
+    short: float
+    drift: float
+    fading: float
+    memory: float
+
+
+def memories_of(residual: FloatArray, present: BoolArray, step: float) -> Memories:
+    """Read a channel's noise from what a fit leaves.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        At about equal steps of time.
+    present : ndarray of bool, shape (n,)
+        False where a row takes no part.
+    step : float, s
+
+    Returns
+    -------
+    Memories
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(3)
+    >>> from scipy.signal import lfilter
+    >>> drift = lfilter([np.sqrt(1.0 - 0.99**2)], [1.0, -0.99], rng.standard_normal(6000))
+    >>> found = memories_of(drift + rng.standard_normal(6000), np.ones(6000, dtype=bool), 0.02)
+    >>> bool(0.6 < found.drift < 1.6), bool(1.0 < found.memory < 4.0)
+    (True, True)
+    """
+    rows = np.where(present, residual, 0.0)
+    power = np.abs(fft.rfft(rows))[1:-1] ** 2 / max(int(present.sum()), 1)
+    wave = np.cos(2.0 * np.pi * fft.rfftfreq(len(rows))[1:-1])
+    whole = float(np.mean(residual[present] ** 2)) + 1e-300
+
+    def memories(x: FloatArray) -> Memories:
+        white, short, drift, memory = (float(value) for value in np.exp(x[[0, 1, 2, 4]]))
+        return Memories(white * whole, short * whole, drift * whole, float(1.0 / (1.0 + np.exp(-x[3]))), memory)
+
+    def loss(x: FloatArray) -> float:
+        spectrum = _spectrum(memories(x), wave, step)
+        belief = WHITE_BELIEF * float(x[0] - np.log(WHITE_SHARE)) ** 2
+        return float(np.mean(np.log(spectrum / whole) + power / spectrum)) + belief
+
+    bounds = [(-9.0, 0.0), (-7.0, 0.7), (-13.0, 1.1), (-4.0, 3.0), (np.log(SHORTEST), np.log(LONGEST))]
+    tries = [
+        optimize.minimize(
+            loss, [np.log(WHITE_SHARE), -0.2, -2.3, 0.0, np.log(memory)], method="L-BFGS-B", bounds=bounds
+        )
+        for memory in MEMORIES
+    ]
+    return memories(min(tries, key=lambda one: float(one.fun)).x)
+
+
+def _spectrum(noise: Memories, wave: FloatArray, step: float) -> FloatArray:
+    """Return the power at frequencies whose cosine from row to row is `wave`."""
+    total = np.full_like(wave, noise.white)
+    for variance, kept in ((noise.short, noise.fading), (noise.drift, float(np.exp(-step / noise.memory)))):
+        total += variance * (1.0 - kept**2) / (1.0 - 2.0 * kept * wave + kept**2)
+    return total
+
+
+class Whitening:
+    """The filter that turns rows with coloured noise into rows with white noise of variance 1.
+
+    Parameters
+    ----------
+    noise : sequence of Memories, one a channel
+        Of rows weighted by `root`.
+    t : ndarray, shape (n,), s
+    root : ndarray, shape (n_channels, n)
+        Weights; 0 where a row takes no part. A drift is as large in N everywhere, so its weighted size follows them.
+    """
+
+    def __init__(self, noise: tuple[Memories, ...], t: FloatArray, root: FloatArray) -> None:
+        present = root > 0.0
+        typical = np.sqrt(np.sum(root**2, axis=1) / np.maximum(present.sum(axis=1), 1))
+        self._size = np.ascontiguousarray((root / np.maximum(typical, 1e-300)[:, None]).T)
+        steps = np.diff(t, prepend=t[0])
+        usual = float(np.median(steps[1:]))
+        steps = np.maximum(steps, usual)
+        steps[0] = LONG_AGO
+        fading, memory = np.array([one.fading for one in noise]), np.array([one.memory for one in noise])
+        self._kept = np.stack([fading ** (steps[:, None] / usual), np.exp(-steps[:, None] / memory)], axis=1)
+        self._gain = np.zeros_like(self._kept)
+        variance = np.ones(self._size.shape)
+        white, start = np.array([one.white for one in noise]), np.array([[one.short, one.drift] for one in noise]).T
+        state = np.zeros((2, 2, len(noise)))
+        for k, (kept, size) in enumerate(zip(self._kept, self._size, strict=True)):
+            state = kept[:, None] * state * kept[None, :]
+            state[0, 0] += start[0] * (1.0 - kept[0] ** 2)
+            state[1, 1] += start[1] * (1.0 - kept[1] ** 2)
+            seen = state[:, 0] + state[:, 1] * size
+            variance[k] = seen[0] + seen[1] * size + white
+            self._gain[k] = np.where(present[:, k], seen / variance[k], 0.0)
+            state = state - self._gain[k][:, None] * seen[None, :]
+        self._root = np.where(present, 1.0 / np.sqrt(variance.T), 0.0)
+
+    def __call__(self, rows: FloatArray) -> FloatArray:
+        """Return whitened rows.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (n_channels, n, m) or (n_channels, n)
+            Weighted.
+        """
+        if rows.ndim == 2:
+            return self(rows[:, :, None])[:, :, 0]
+        given = np.ascontiguousarray(rows.transpose(1, 0, 2))
+        surprise = np.empty_like(given)
+        short, drift = np.zeros(given.shape[1:]), np.zeros(given.shape[1:])
+        kept, gain, size = self._kept[..., None], self._gain[..., None], self._size[..., None]
+        for k in range(len(given)):
+            short *= kept[k, 0]
+            drift *= kept[k, 1]
+            new = given[k] - short - size[k] * drift
+            surprise[k] = new
+            short += gain[k, 0] * new
+            drift += gain[k, 1] * new
+        return np.asarray(surprise.transpose(1, 0, 2) * self._root[:, :, None])
