@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,15 +20,18 @@ from .base import fit_base
 from .candidates import Candidate, candidates_for, varies
 from .confounding import CONFOUNDED, alias_columns, correlations, separating_measurement
 from .disturbances import reported_disturbances
+from .extrapolation import reaches
 from .gap import gaps
 from .least_squares import LeastSquares, Solution
 from .linear import coloured_covariance
 from .proposal import added_if_better, effect_of
+from .ripple import quantisation, ripple
 from .screening import Screen, Trace
 from .search import LARGEST_P, Refit, Search
 from .signals import FORMULA_SIGNS, Signals, signals_of
+from .smoothing import HALF_WIDTHS
 from .verdict import Diagnosis, Finding, Interval, Unknown
-from .where import residual_maps
+from .where import residual_maps, time_course
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -180,13 +184,38 @@ def _composed(case: _Case, began: float) -> Diagnosis:
         gap=gap,
         detectable=detectable,
         where=residual_maps(before),
-        recording=reported_disturbances(after.problem.disturbances, search.solution.disturbance, case.signals),
+        where_after=residual_maps(after),
+        time_course=time_course(before, after),
+        recording=_of_the_recording(case),
+        reach=reaches(search.problem, search.solution, {name: case.tried[name].varies for name in _named(search)}),
+        untouched=_untouched(case.signals),
         base_tire=tire_of(case.start, search.problem, before.solution, ()),
         tire=tire_of(case.start, search.problem, search.solution, more),
         signs=case.signs,
         seconds=time.perf_counter() - began,
         rows=case.table,
     )
+
+
+def _named(search: Search) -> list[str]:
+    return [refit.name for refit in search.found]
+
+
+def _of_the_recording(case: _Case) -> dict[str, Any]:
+    """Return what belongs to the recording and not to its tire."""
+    search, signals = case.search, case.signals
+    told = reported_disturbances(search.problem.disturbances, search.solution.disturbance, signals)
+    told["ripple"] = ripple(signals, search.solution.residual, case.start.values["UNLOADED_RADIUS"])
+    told["quantisation"] = {name: quantisation(case.table[name].to_numpy(np.float64)) for name in signals.channels}
+    told["smoothing_windows"] = [2 * half + 1 for half in HALF_WIDTHS] if any(signals.input_noise.values()) else []
+    told["left_aside"] = dict(signals.left_aside)
+    return told
+
+
+def _untouched(signals: Signals) -> tuple[tuple[int, int], ...]:
+    """Return first and last row of each stretch of the hold-out."""
+    edges = np.flatnonzero(np.diff(signals.holdout.astype(int), prepend=0, append=0))
+    return tuple((int(signals.rows[first]), int(signals.rows[last - 1])) for first, last in edges.reshape(-1, 2))
 
 
 def tire_of(start: Tire, problem: LeastSquares, solution: Solution, more: Collection[str]) -> Tire:

@@ -137,14 +137,12 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
 
     slip = np.sqrt(np.tan(named["alpha"]) ** 2 + named["kappa"] ** 2)
     load = named["Fz"] / nominal["FNOMIN"]
-    speed = np.abs(named["V"]) / nominal["LONGVL"]
+    speed = np.abs(named["V"]) / nominal["LONGVL"] if "V" in named else np.ones_like(load)
     put("Fz/FNOMIN - 1", "Fz", load - 1.0)
-    for name, text, values in (
-        ("p", "p/NOMPRES - 1", named["p"] / nominal["NOMPRES"] - 1.0),
-        ("V", "absolute(V)/LONGVL - 1", speed - 1.0),
-    ):
-        if name in signals.recorded:
-            put(text, name, 3.0 * values)
+    if "p" in named and "p" in signals.recorded:
+        put("p/NOMPRES - 1", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
+    if "V" in named and "V" in signals.recorded:
+        put("absolute(V)/LONGVL - 1", "V", 3.0 * (speed - 1.0))
     if "T" in signals.recorded and "T" in named:
         middle = round(float(named["T"].mean()))
         put(f"(T - {middle})/20", "T", (named["T"] - middle) / 20.0)
