@@ -255,11 +255,12 @@ def _beyond(start: Tire, used: Collection[AddedEffect]) -> set[str]:
 
 
 def _covariance(screen: Screen) -> FloatArray:
-    """Return the covariance of a solution's coefficients: the coloured sandwich, or blocks left out where larger."""
+    """Return standard errors of a solution's coefficients: the coloured sandwich, or blocks left out where larger."""
     inverse = screen.base.inverse
-    coloured = inverse @ coloured_covariance(screen.tangent, screen.covariance) @ inverse
-    blocks = screen.base.jackknife
-    return np.asarray(np.sqrt(np.maximum(np.diag(coloured), 0.5 * (np.diag(coloured) + np.diag(blocks)))))
+    coloured = np.diag(inverse @ coloured_covariance(screen.tangent, screen.covariance) @ inverse)
+    blocks = np.maximum(np.diag(screen.base.jackknife), 0.0)
+    # A sandwich of few correlated rows can come out negative: it then says nothing.
+    return np.asarray(np.sqrt(np.where(coloured > 0.0, np.maximum(coloured, 0.5 * (coloured + blocks)), blocks)))
 
 
 def _in_order(case: _Case, errors: FloatArray) -> tuple[Finding, ...]:
