@@ -187,7 +187,7 @@ def _composed(case: _Case, began: float) -> Diagnosis:
         where_after=residual_maps(after),
         time_course=time_course(before, after),
         recording=_of_the_recording(case),
-        reach=reaches(search.problem, search.solution, {name: case.tried[name].varies for name in _named(search)}),
+        reach=reaches(search.problem, search.solution, {name: _inputs_of(case, name) for name in more}),
         untouched=_untouched(case.signals),
         base_tire=tire_of(case.start, search.problem, before.solution, ()),
         tire=tire_of(case.start, search.problem, search.solution, more),
@@ -197,8 +197,14 @@ def _composed(case: _Case, began: float) -> Diagnosis:
     )
 
 
-def _named(search: Search) -> list[str]:
-    return [refit.name for refit in search.found]
+def _inputs_of(case: _Case, effect: str) -> tuple[str, ...]:
+    """Return the inputs that an effect acts by."""
+    read = {
+        symbol.name
+        for one in case.start.added if one.name == effect for act in one.acts for symbol in act.expression.free_symbols
+    }  # fmt: skip
+    known = case.tried[effect].varies if effect in case.tried else ()
+    return tuple(name for name in case.signals.names if name in read or name in known)
 
 
 def _of_the_recording(case: _Case) -> dict[str, Any]:
