@@ -69,7 +69,8 @@ _CONTRACT = (
         "load_stiffness", (Shape(("PKY2",), ({"PKY2": 1.6}, {"PKY2": 3.0}), scalable=False),), ("Fz", "alpha"), _FYZ
     ),
     Candidate("load_curvature", (_each(PEY2=-0.5, PEX2=-0.5),), ("Fz",), _FXY),
-    Candidate("camber_thrust", (_each(PKY6=1.0, PVY3=0.3),), ("gamma",), _FYZ),
+    # PHY3 is MF96's and MF5.2's; a model tries those of the coefficients that it has.
+    Candidate("camber_thrust", (_each(PKY6=1.0, PVY3=0.3, PHY3=0.03),), ("gamma",), _FYZ),
     Candidate("camber_stiffness", (_each(PKY3=1.0),), ("gamma", "alpha"), _FYZ),
     Candidate("camber_friction", (_each(PDY3=3.0, PDX3=3.0),), ("gamma",), _FXY),
     Candidate("pressure_stiffness", (_each(PPY1=0.4, PPX1=-0.4), _each(PPY1=0.4, PPX1=-0.4, PPY2=0.5)), ("p",), _FXYZ),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -19,15 +20,18 @@ from .base import fit_base
 from .candidates import Candidate, candidates_for, varies
 from .confounding import CONFOUNDED, TOLD, alias_columns, correlations, separating_measurement
 from .disturbances import reported_disturbances
+from .extrapolation import reaches
 from .gap import gaps
 from .least_squares import LeastSquares, Solution
 from .linear import coloured_covariance
 from .proposal import added_if_better, effect_of
+from .ripple import quantisation, ripple
 from .screening import Screen, Trace
 from .search import LARGEST_P, Refit, Search
 from .signals import FORMULA_SIGNS, Signals, signals_of
+from .smoothing import HALF_WIDTHS
 from .verdict import Diagnosis, Finding, Interval, Unknown
-from .where import residual_maps
+from .where import residual_maps, time_course
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -181,13 +185,44 @@ def _composed(case: _Case, began: float) -> Diagnosis:
         gap=gap,
         detectable=detectable,
         where=residual_maps(before),
-        recording=reported_disturbances(after.problem.disturbances, search.solution.disturbance, case.signals),
+        where_after=residual_maps(after),
+        time_course=time_course(before, after),
+        recording=_of_the_recording(case),
+        reach=reaches(search.problem, search.solution, {name: _inputs_of(case, name) for name in more}),
+        untouched=_untouched(case.signals),
         base_tire=tire_of(case.start, search.problem, before.solution, ()),
         tire=tire_of(case.start, search.problem, search.solution, more),
         signs=case.signs,
         seconds=time.perf_counter() - began,
         rows=case.table,
     )
+
+
+def _inputs_of(case: _Case, effect: str) -> tuple[str, ...]:
+    """Return the inputs that an effect acts by."""
+    read = {
+        symbol.name
+        for one in case.start.added if one.name == effect for act in one.acts for symbol in act.expression.free_symbols
+    }  # fmt: skip
+    known = case.tried[effect].varies if effect in case.tried else ()
+    return tuple(name for name in case.signals.names if name in read or name in known)
+
+
+def _of_the_recording(case: _Case) -> dict[str, Any]:
+    """Return what belongs to the recording and not to its tire."""
+    search, signals = case.search, case.signals
+    told = reported_disturbances(search.problem.disturbances, search.solution.disturbance, signals)
+    told["ripple"] = ripple(signals, search.solution.residual, case.start.values["UNLOADED_RADIUS"])
+    told["quantisation"] = {name: quantisation(case.table[name].to_numpy(np.float64)) for name in signals.channels}
+    told["smoothing_windows"] = [2 * half + 1 for half in HALF_WIDTHS] if any(signals.input_noise.values()) else []
+    told["left_aside"] = dict(signals.left_aside)
+    return told
+
+
+def _untouched(signals: Signals) -> tuple[tuple[int, int], ...]:
+    """Return first and last row of each stretch of the hold-out."""
+    edges = np.flatnonzero(np.diff(signals.holdout.astype(int), prepend=0, append=0))
+    return tuple((int(signals.rows[first]), int(signals.rows[last - 1])) for first, last in edges.reshape(-1, 2))
 
 
 def tire_of(start: Tire, problem: LeastSquares, solution: Solution, more: Collection[str]) -> Tire:
@@ -227,11 +262,12 @@ def _beyond(start: Tire, used: Collection[AddedEffect]) -> set[str]:
 
 
 def _covariance(screen: Screen) -> FloatArray:
-    """Return the covariance of a solution's coefficients: the coloured sandwich, or blocks left out where larger."""
+    """Return standard errors of a solution's coefficients: the coloured sandwich, or blocks left out where larger."""
     inverse = screen.base.inverse
-    coloured = inverse @ coloured_covariance(screen.tangent, screen.covariance) @ inverse
-    blocks = screen.base.jackknife
-    return np.asarray(np.sqrt(np.maximum(np.diag(coloured), 0.5 * (np.diag(coloured) + np.diag(blocks)))))
+    coloured = np.diag(inverse @ coloured_covariance(screen.tangent, screen.covariance) @ inverse)
+    blocks = np.maximum(np.diag(screen.base.jackknife), 0.0)
+    # A sandwich of few correlated rows can come out negative: it then says nothing.
+    return np.asarray(np.sqrt(np.where(coloured > 0.0, np.maximum(coloured, 0.5 * (coloured + blocks)), blocks)))
 
 
 def _in_order(case: _Case, errors: FloatArray) -> tuple[Finding, ...]:

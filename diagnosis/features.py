@@ -138,10 +138,12 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
 
     slip = np.sqrt(np.tan(named["alpha"]) ** 2 + named["kappa"] ** 2)
     load = named["Fz"] / nominal["FNOMIN"]
-    speed = np.abs(named["V"]) / nominal["LONGVL"]
+    speed = np.abs(named["V"]) / nominal["LONGVL"] if "V" in named else np.ones_like(load)
     put("Fz/FNOMIN - 1", "Fz", load - 1.0)
-    put("3*(p/NOMPRES - 1)", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
-    put("3*(absolute(V)/LONGVL - 1)", "V", 3.0 * (speed - 1.0))
+    if "p" in named and "p" in signals.recorded:
+        put("3*(p/NOMPRES - 1)", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
+    if "V" in named and "V" in signals.recorded:
+        put("3*(absolute(V)/LONGVL - 1)", "V", 3.0 * (speed - 1.0))
     if "phit" in signals.recorded and "phit" in named:
         put("2*absolute(phit)*UNLOADED_RADIUS", "phit", 2.0 * np.abs(named["phit"]) * nominal["UNLOADED_RADIUS"])
     if "T" in signals.recorded and "T" in named:

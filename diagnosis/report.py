@@ -5,12 +5,12 @@ from __future__ import annotations
 import base64
 import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
-import pandas as pd
 from jinja2 import Environment, StrictUndefined
 
 from tirefmu.measurements import Recording
@@ -18,13 +18,8 @@ from tirefmu.symbolic.errors import DataError
 from tirefmu.symbolic.notation import Switch
 from tirefmu.tires.tire import Tire
 
-from .residual_map import draw_residual_maps, residual_map
 from .verdict import Diagnosis
-
-#: The pairs of inputs over which residuals are shown, where a recording varies both.
-PAIRS = (("alpha", "kappa"), ("alpha", "gamma"), ("alpha", "Fz"), ("kappa", "Fz"), ("p", "T"), ("V", "Fz"))
-#: An input varies if its spread is this share of its size, or this in SI.
-VARIES, VARIES_SI = 0.02, 2e-3
+from .where_figure import draw_where
 
 
 @dataclass(frozen=True)
@@ -37,15 +32,19 @@ class ChangedLine:
     after: str
 
 
-def write_report(diagnosis: Diagnosis, recording: Recording, path: str | Path) -> Path:
+def write_report(
+    diagnosis: Diagnosis, recording: Recording, path: str | Path, simulated: Mapping[str, Any] | None = None
+) -> Path:
     """Write the page of a diagnosis.
 
     Parameters
     ----------
     diagnosis : Diagnosis
     recording : Recording
-        What was diagnosed, for the maps of where.
+        What was diagnosed.
     path : str or Path
+    simulated : mapping, optional
+        What `export_and_simulate` returned.
 
     Returns
     -------
@@ -58,7 +57,7 @@ def write_report(diagnosis: Diagnosis, recording: Recording, path: str | Path) -
     """
     path = Path(path)
     with tempfile.TemporaryDirectory() as folder:
-        images = _maps(diagnosis, recording, Path(folder))
+        images = _maps(diagnosis, Path(folder))
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["number"] = lambda value: "-" if value is None or value != value else f"{value:.4g}"
     template = environment.from_string((files("tirefmu.diagnosis") / "report.html").read_text(encoding="utf-8"))
@@ -67,6 +66,7 @@ def write_report(diagnosis: Diagnosis, recording: Recording, path: str | Path) -
         images=images,
         changes=changed_lines(diagnosis.base_tire, diagnosis.tire),
         recording=recording,
+        simulated=simulated or {},
     )
     scratch = path.with_name(f".{path.name}.part")
     try:
@@ -110,28 +110,13 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     return tuple(changed)
 
 
-def _maps(diagnosis: Diagnosis, recording: Recording, folder: Path) -> list[tuple[str, str]]:
-    """Draw what the start model and the improved one leave over, channel by channel, and return titles and images."""
+def _maps(diagnosis: Diagnosis, folder: Path) -> list[tuple[str, str]]:
+    """Draw where each channel is missed before and after, and return channels and images."""
     images = []
-    for channel in (name for name in diagnosis.tire.outputs if name in recording.table):
-        for pair in _varied(recording.table):
-            maps = [
-                (f"{when} over {pair[0]}, {pair[1]}", residual_map(tire, recording, channel, pair))
-                for when, tire in (("start model", diagnosis.base_tire), ("improved", diagnosis.tire))
-            ]
-            drawn = draw_residual_maps(maps, folder / f"{channel}_{pair[0]}_{pair[1]}.png")
-            images.append(
-                (f"{channel} over {pair[0]} and {pair[1]}", base64.b64encode(drawn.read_bytes()).decode("ascii"))
-            )
+    for channel, course in diagnosis.time_course.items():
+        before, after = (
+            [one for one in maps if one["channel"] == channel] for maps in (diagnosis.where, diagnosis.where_after)
+        )
+        drawn = draw_where(before, after, course, folder / f"{channel}.png")
+        images.append((channel, base64.b64encode(drawn.read_bytes()).decode("ascii")))
     return images
-
-
-def _varied(table: pd.DataFrame) -> Sequence[tuple[str, str]]:
-    def varies(name: str) -> bool:
-        values = table[name].to_numpy(dtype=float) if name in table else None
-        if values is None:
-            return False
-        spread = float(values.std())
-        return spread > max(VARIES * float(abs(values).max()), VARIES_SI)
-
-    return [pair for pair in PAIRS if all(varies(name) for name in pair)][:4]

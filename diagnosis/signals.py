@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +30,8 @@ FEWEST_BLOCKS, MOST_BLOCKS = 12, 60
 #: Every how-manieth block is kept untouched.
 HOLDOUT = 8
 FEWEST_ROWS = 200
+#: A recording whose kappa stays below this shows nothing of Fx but drag and offset.
+LEAST_KAPPA = 0.004
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +65,8 @@ class Signals:
         Standard deviation that smoothing took out.
     timed : bool
         Whether there is a column t.
+    left_aside : mapping of str to str
+        Measured channels that are not compared, and why.
     """
 
     names: tuple[str, ...]
@@ -78,6 +82,7 @@ class Signals:
     recorded: frozenset[str]
     input_noise: Mapping[str, float]
     timed: bool
+    left_aside: Mapping[str, str] = field(default_factory=dict)
 
     def named(self) -> dict[str, FloatArray]:
         """Return the inputs at the compared rows by name."""
@@ -122,6 +127,10 @@ def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = Tr
         columns["distance"] = rolled_distance(t, columns["V"])
     inputs = np.stack([columns[name] for name in names])
     channels = tuple(name for name in OUTPUTS if name in given and name in outputs and given[name].notna().any())
+    aside = {}
+    if len(channels) > 1 and "Fx" in channels and np.abs(columns["kappa"]).max() < LEAST_KAPPA:
+        aside["Fx"] = "kappa stays at 0: the channel shows no slip curve"
+        channels = tuple(name for name in channels if name != "Fx")
     if not channels:
         raise DataError(f"the recording has no measured output: one of {', '.join(outputs)} is needed")
     loaded = np.flatnonzero(columns["Fz"] > 0.02 * tire.values["FNOMIN"])
@@ -135,7 +144,9 @@ def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = Tr
     holdout = block % HOLDOUT == HOLDOUT // 2 + 1
     present = np.isfinite(measured)
     measured = np.where(present, measured, 0.0)
-    return Signals(names, t, inputs, rows, channels, places, measured, present, block, holdout, recorded, noise, timed)
+    return Signals(
+        names, t, inputs, rows, channels, places, measured, present, block, holdout, recorded, noise, timed, aside
+    )  # fmt: skip
 
 
 def _clock(table: pd.DataFrame) -> tuple[FloatArray, bool]:

@@ -45,7 +45,8 @@ class Simulator:
         self.names = list(self.book.coefficients)
         self.place = {name: i for i, name in enumerate(self.book.parameters)}
         self._unasked = self._inputs_unasked()
-        self._sigma = [self._code.quantities_names.index(name) for name in ("sigma_kappa", "sigma_alpha")]
+        known = self._code.quantities_names
+        self._sigma = [known.index(name) for name in ("sigma_kappa", "sigma_alpha") if name in known]  # MF96: none
 
     def over(self, signals: Signals) -> Simulator:
         """Return a simulator of the same tire over other signals."""
@@ -75,7 +76,8 @@ class Simulator:
     def acting(self, parameters: FloatArray) -> FloatArray:
         """Return the inputs that act at the compared rows, shape (n_inputs, n): slips lag where lengths are set."""
         signals, inputs = self.signals, self.asked(parameters)
-        if not signals.timed or not any(parameters[self.place[name]] for name in LENGTHS if name in self.place):
+        lags = any(parameters[self.place[name]] for name in LENGTHS if name in self.place)
+        if not signals.timed or not self._sigma or not lags:
             return inputs[:, signals.rows]
         named = dict(zip(signals.names, inputs, strict=True))
         sigma = np.maximum(self._code.quantities(inputs, parameters)[self._sigma], 0.0)

@@ -9,14 +9,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.symbolic.added import AddedEffect
+from tirefmu.symbolic.added import AddedEffect, effect_text
 from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.tire import Tire
 
+from .extrapolation import Reach
+
 #: Version of diagnosis.json: a new key raises the second number, a changed meaning the first.
-VERSION = "1.0"
+VERSION = "1.1"
 
 
 @dataclass(frozen=True)
@@ -102,10 +106,18 @@ class Diagnosis:
         disturbances taken out.
     detectable : mapping of str to mapping of str to float
         By effect and channel: the smallest trace, root mean square, that would have been named.
-    where : list of dict
-        Residuals of the start model over noise, by channel and pairs of inputs (`where.residual_maps`).
+    where, where_after : list of dict
+        Residuals of the start model and the improved one over noise, by channel and pairs of inputs
+        (`where.residual_maps`).
+    time_course : mapping
+        Misfit over noise by channel and block of time (`where.time_course`).
     recording : mapping
-        What belongs to the recording: offsets, drift, cross-talk, ripple, outliers, noise of inputs.
+        What belongs to the recording: offsets, drift, cross-talk, ripple, quantisation, outliers, noise of inputs and
+        the windows over which it was smoothed, channels left aside and why.
+    reach : tuple of Reach
+        How far the inputs of found effects reached: beyond, the improved model extrapolates.
+    untouched : tuple of (int, int)
+        First and last row, counted from 0, of the stretches that no decision has seen: the hold-out.
     base_tire, tire : Tire
         The start model and the improved one, fitted to the training rows.
     signs : str
@@ -123,12 +135,28 @@ class Diagnosis:
     gap: Mapping[str, Mapping[str, Mapping[str, float]]]
     detectable: Mapping[str, Mapping[str, float]]
     where: list[dict[str, Any]]
+    where_after: list[dict[str, Any]]
+    time_course: Mapping[str, Mapping[str, list[float]]]
     recording: Mapping[str, Any]
+    reach: tuple[Reach, ...]
+    untouched: tuple[tuple[int, int], ...]
     base_tire: Tire
     tire: Tire
     signs: str
     seconds: float
     rows: pd.DataFrame = field(repr=False)
+
+    def kept_apart(self, n: int) -> npt.NDArray[np.bool_]:
+        """Return which of a recording's n rows are the hold-out.
+
+        Parameters
+        ----------
+        n : int
+        """
+        rows = np.zeros(n, dtype=bool)
+        for first, last in self.untouched:
+            rows[first : last + 1] = True
+        return rows
 
     def to_json(self, *, tire: str = "", base_tire: str = "", fmu: str = "", base_fmu: str = "") -> dict[str, Any]:
         """Return what diagnosis.json holds.
@@ -164,7 +192,13 @@ class Diagnosis:
             "correlation": {name: dict(others) for name, others in self.confounded_with.items()},
             "next_measurement": list(self.next_measurement),
             "unknown": [
-                {"depends_on": list(one.depends_on), "formula": one.formula, "added": one.added} for one in self.unknown
+                {
+                    "depends_on": list(one.depends_on),
+                    "formula": one.formula,
+                    "added": one.added,
+                    "file": f"{one.effect.name}.toml" if one.effect else None,
+                }
+                for one in self.unknown
             ],
             "not_identifiable": sorted(self.not_identifiable),
             "not_identifiable_because": dict(self.not_identifiable),
@@ -172,7 +206,11 @@ class Diagnosis:
             "gap": self.gap,
             "detectable": self.detectable,
             "where": self.where,
+            "where_after": self.where_after,
+            "time_course": self.time_course,
             "recording": self.recording,
+            "extrapolation": [{**vars(one), "doubtful": one.doubtful} for one in self.reach],
+            "holdout_rows": [list(stretch) for stretch in self.untouched],
             "signs": self.signs,
             "tire": tire,
             "fmu": fmu,
@@ -183,7 +221,7 @@ class Diagnosis:
         return dict(_plain(told))
 
     def save(self, folder: str | Path) -> Path:
-        """Write diagnosis.json and both tires into a folder, which is made where it is missing.
+        """Write diagnosis.json, both tires and proposed effects (NAME.toml) into a folder, made where missing.
 
         Parameters
         ----------
@@ -204,6 +242,8 @@ class Diagnosis:
             place.mkdir(parents=True, exist_ok=True)
             self.tire.save(place / "improved.tir")
             self.base_tire.save(place / "base.tir")
+            for proposed in (one.effect for one in self.unknown if one.effect):
+                (place / f"{proposed.name}.toml").write_text(effect_text(proposed), encoding="utf-8")
             told = self.to_json(tire="improved.tir", base_tire="base.tir")
             (place / "diagnosis.json").write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
         except OSError as error:

@@ -24,7 +24,7 @@ def residual_maps(screen: Screen) -> list[dict[str, Any]]:
     Parameters
     ----------
     screen : Screen
-        Of the start model's solution.
+        Of a model's solution.
 
     Returns
     -------
@@ -40,10 +40,37 @@ def residual_maps(screen: Screen) -> list[dict[str, Any]]:
         for first, second in PAIRS:
             if not {first, second} <= named.keys() or not {first, second} & signals.recorded:
                 continue
+            if max(np.ptp(named[first]), np.ptp(named[second])) == 0.0:
+                continue
             told.append(
                 {"channel": channel, "over": [first, second]}
                 | _mapped(named[first][there], named[second][there], residual[there])
             )
+    return told
+
+
+def time_course(before: Screen, after: Screen) -> dict[str, dict[str, list[float]]]:
+    """Return each channel's misfit over time: root mean square over noise, by block of time.
+
+    Parameters
+    ----------
+    before, after : Screen
+        Of the start model's and the improved model's solution.
+
+    Returns
+    -------
+    dict
+        channel -> t (where blocks begin, s), before, after.
+    """
+    signals, edges = after.signals, after.edges
+    begins = signals.t[signals.rows][edges[:-1]].tolist()
+    told = {}
+    for i, channel in enumerate(signals.channels):
+        told[channel] = {"t": begins}
+        for name, screen in (("before", before), ("after", after)):
+            counts = np.maximum(np.add.reduceat((screen.problem.root[i] > 0.0).astype(float), edges[:-1]), 1.0)
+            power = np.add.reduceat(screen.residual[i] ** 2, edges[:-1])
+            told[channel][name] = np.sqrt(power / counts).tolist()
     return told
 
 

@@ -1,4 +1,4 @@
-"""The whole circle once on the virtual bench: bench -> fit -> tire -> FMU -> check, and how a missing effect looks."""
+"""The whole circle once on the virtual bench: bench -> fit -> tire -> FMU -> check -> the missing effect, diagnosed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.diagnosis import draw_residual_maps, residual_map
+from tirefmu.diagnosis import diagnose, draw_residual_maps, export_and_simulate, residual_map, write_report
 from tirefmu.fitting import FitResult, fit
 from tirefmu.fitting.figures import draw_figures
 from tirefmu.fmu import check, export
@@ -18,6 +18,7 @@ from tirefmu.measurements import Noise, Recording, VirtualBench, trento_program,
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import Tire, published
 
+from .arguments import write_json
 from .terminal import Terminal
 
 FloatArray = npt.NDArray[np.float64]
@@ -83,10 +84,12 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
     recording = _bench(truth, folder, terminal)
     full, staged = _fits(truth, recording, folder, terminal)
     checks = _fmus(full, recording, folder, terminal)
-    missing = _missing_effect(full, recording, folder, terminal)
+    lame, missing = _missing_effect(full, recording, folder, terminal)
+    diagnosis = _diagnosis(lame, recording, folder / "diagnosis", terminal)
     seconds = time.perf_counter() - began
-    terminal.print(f"\nDone in {seconds:.0f} s. Everything is in {folder}: start with {folder / 'missing_effect.png'}")
-    ok = full.ok and all(checks.values()) and missing["flat_with_effect"]
+    start = folder / "diagnosis" / "report.html"
+    terminal.print(f"\nDone in {seconds:.0f} s. Everything is in {folder}: start with {start}")
+    ok = full.ok and all(checks.values()) and missing["flat_with_effect"] and diagnosis["ok"]
     return {
         "ok": bool(ok),
         "seconds": seconds,
@@ -94,6 +97,7 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
         "trento": staged.to_json(),
         "checks": checks,
         "missing_effect": missing,
+        "diagnosis": diagnosis,
     }
 
 
@@ -171,7 +175,9 @@ def _fmus(full: FitResult, recording: Recording, folder: Path, terminal: Termina
     return checks
 
 
-def _missing_effect(full: FitResult, recording: Recording, folder: Path, terminal: Terminal) -> dict[str, Any]:
+def _missing_effect(
+    full: FitResult, recording: Recording, folder: Path, terminal: Terminal
+) -> tuple[Tire, dict[str, Any]]:
     terminal.heading("4 A missing effect.", "The same fit without camber thrust")
     with terminal.fitting() as progress:
         lame = fit([recording], "mf96", start=full.tire, without=["camber_thrust"], progress=progress)
@@ -188,7 +194,7 @@ def _missing_effect(full: FitResult, recording: Recording, folder: Path, termina
         f"  Fy RMSE {rmse[0]:.3g} N without, {rmse[1]:.3g} N with; largest mean residual over (alpha, gamma) "
         f"{worst[0]:.3g} N without, {worst[1]:.3g} N with: {folder / 'missing_effect.png'}"
     )
-    return {
+    return lame.tire, {
         "effect": "camber_thrust",
         "channel": "Fy",
         "rmse_without": rmse[0],
@@ -197,3 +203,37 @@ def _missing_effect(full: FitResult, recording: Recording, folder: Path, termina
         "largest_mean_residual_with": worst[1],
         "flat_with_effect": worst[1] < 0.5 * worst[0],
     }
+
+
+def _diagnosis(start: Tire, recording: Recording, folder: Path, terminal: Terminal) -> dict[str, Any]:
+    """Ask the diagnosis, which is not told what is hidden, what the lame tire lacks; show that it is mended."""
+    terminal.heading("5 Diagnosis.", "What does that tire lack? Every known effect is tried")
+    with terminal.working("diagnosing"):
+        result = diagnose(recording.table, signs=recording.signs, tire=start)
+        path = result.save(folder)
+        simulated = export_and_simulate(result, recording, folder)
+        write_report(result, recording, folder / "report.html", simulated)
+    written = {"tire": "improved.tir", "base_tire": "base.tir", "fmu": "improved.fmu", "base_fmu": "base.fmu"}
+    write_json(path, {**result.to_json(**written), "simulated": simulated})
+    terminal.print(f"  {result.verdict}")
+    for one in result.found:
+        told = ", ".join(f"{n} {c.value:.3g} ({c.lower:.3g} to {c.upper:.3g})" for n, c in one.coefficients.items())
+        terminal.print(f"  What: {one.effect} in {', '.join(one.channels)}; {told or 'no coefficients'}")
+    for one in result.where:
+        if one["channel"] == "Fy" and one["over"] == ["Fz", "gamma"]:
+            terminal.print(f"  Where: {_cell(one['worst'])}")
+    gap = result.gap["holdout"]["Fy"]
+    terminal.print(
+        f"  How much: Fy on the hold-out {gap['before']:.3g} N before, {gap['after']:.3g} N after, noise "
+        f"{gap['floor']:.3g} N; both FMUs simulated: {folder / 'report.html'}"
+    )
+    found = [one.effect for one in result.found]
+    return {"ok": found == ["camber_thrust"] and simulated["ok"], "found": found, "gap": gap, "simulated": simulated}
+
+
+def _cell(worst: dict[str, Any]) -> str:
+    (load, gamma), (most, lean) = worst["from"], worst["to"]
+    return (
+        f"mean residual of Fy {worst['mean']:+.1f} noise deviations at Fz {load:.0f} to {most:.0f} N, "
+        f"gamma {np.degrees(gamma):.1f} to {np.degrees(lean):.1f} deg ({worst['count']} rows)"
+    )

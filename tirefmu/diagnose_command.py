@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -12,10 +11,6 @@ from tirefmu.symbolic.errors import TirefmuError
 
 from .arguments import FILE, SIGNS, Pairs, check_places, common, names, tire_named, write_json
 from .terminal import Terminal
-
-if TYPE_CHECKING:
-    from tirefmu.diagnosis import Diagnosis
-    from tirefmu.measurements import Recording
 
 
 @click.command()
@@ -27,23 +22,29 @@ if TYPE_CHECKING:
 @click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat and .dat, iso for tables).")
 @click.option("--candidates", callback=names, help="Try only these effects.")
 @click.option("--effect", "own", type=FILE, multiple=True, help="File of an effect of your own, tried too.")
+@click.option("--holdout", "others", type=FILE, multiple=True,
+              help="Untouched recording over which both tires are simulated too; may be given again.")  # fmt: skip
 @click.option("--fmu/--no-fmu", "fmus", default=True, show_default=True, help="Export and simulate both tires.")
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for diagnosis.json, report.html, tires, FMUs.")
 @common
 def diagnose(
     table: Path, tire: Path | None, model: str, effects: tuple[str, ...] | None, nominal: dict[str, float] | None,
-    signs: str | None, candidates: tuple[str, ...] | None, own: tuple[Path, ...], fmus: bool, output: Path,
-    quiet: bool, json_file: Path | None,
+    signs: str | None, candidates: tuple[str, ...] | None, own: tuple[Path, ...], others: tuple[Path, ...], fmus: bool,
+    output: Path, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Find the effect that a tire model lacks to explain the recording TABLE, add it, and show the gap shrink."""
     from tirefmu.diagnosis import diagnose as run
-    from tirefmu.diagnosis import write_report
+    from tirefmu.diagnosis import export_and_simulate, write_report
     from tirefmu.measurements import check_plausible, read_recording
 
     terminal = Terminal(quiet)
     check_places(json_file, folder=output)
-    recording = read_recording(table, signs=signs)
-    check_plausible(recording)
+    if others and not fmus:
+        raise TirefmuError("--holdout is what FMUs are simulated over: not together with --no-fmu")
+    recording, *further = (read_recording(path, signs=signs) for path in (table, *others))
+    for one in (recording, *further):
+        check_plausible(one)
+        one.measured()  # refuses a table without a measured output
     started = tire_named(tire) if tire else None
     own_effects = [_own_effect(path) for path in own]
     tried = [*own_effects, *(candidates or ())] or None
@@ -56,15 +57,33 @@ def diagnose(
         written = {"tire": "improved.tir", "base_tire": "base.tir"}
         simulated: dict[str, Any] = {}
         if fmus:
-            simulated = _simulated(result, recording, output)
+            terminal.print("building both FMUs and simulating them")
+            simulated = export_and_simulate(result, recording, output, further)
             written |= {"fmu": "improved.fmu", "base_fmu": "base.fmu"}
         told = {**result.to_json(**written), "simulated": simulated}
         write_json(path, told)
-        write_report(result, recording, output / "report.html")
-    write_json(json_file, {"ok": True, **told})
+        write_report(result, recording, output / "report.html", simulated)
+    ok = bool(simulated.get("ok", True))
+    write_json(json_file, {"ok": ok, **told})
     terminal.print(result.verdict)
-    terminal.print(f"written: {output / 'report.html'}, diagnosis.json, {', '.join(written.values())}")
-    return 0
+    for line in _gap_lines(told):
+        terminal.print(line)
+    proposed = [one.effect.name + ".toml" for one in result.unknown if one.effect]
+    written_names = [*written.values(), *proposed]
+    terminal.print(f"written: {output / 'report.html'}, diagnosis.json, {', '.join(written_names)}")
+    return 0 if ok else 1
+
+
+def _gap_lines(told: dict[str, Any]) -> list[str]:
+    """Tell the hold-out's gap and what the FMUs are worth."""
+    lines = [
+        f"  {channel} on the hold-out: {gap['before']:.4g} before, {gap['after']:.4g} after, floor {gap['floor']:.4g}"
+        for channel, gap in told["gap"]["holdout"].items() if gap["before"] is not None
+    ]  # fmt: skip
+    if told["simulated"]:
+        worst = max(told["simulated"][when]["difference_from_direct_evaluation"] for when in ("before", "after"))
+        lines.append(f"  both FMUs are their tires evaluated with --hold, to {worst:.1e}")
+    return lines
 
 
 def _own_effect(path: Path) -> Any:
@@ -74,18 +93,3 @@ def _own_effect(path: Path) -> Any:
         return read_effect(path.read_text(encoding="utf-8"), str(path))
     except (OSError, UnicodeDecodeError) as error:
         raise TirefmuError(f"{path}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
-
-
-def _simulated(result: Diagnosis, recording: Recording, folder: Path) -> dict[str, Any]:
-    """Export both tires, simulate both FMUs over the recording, and return what each leaves of every channel."""
-    from tirefmu.fmu import check, export
-
-    told = {}
-    for when, tire, name in (("before", result.base_tire, "base.fmu"), ("after", result.tire, "improved.fmu")):
-        export(replace(tire.in_signs("iso"), name=tire.name or name.removesuffix(".fmu")), folder / name, fmi=3)
-        simulation = check(folder / name, recording)
-        told[when] = {
-            "rmse": {one.name: one.rmse for one in simulation.channels},
-            "difference_from_direct_evaluation": simulation.evaluation_difference,
-        }
-    return told

@@ -25,9 +25,16 @@ def test_the_whole_circle(command, tmp_path):
     assert (missing["effect"], missing["channel"]) == ("camber_thrust", "Fy")
     assert missing["rmse_without"] > 1.2 * missing["rmse_with"]
     assert missing["largest_mean_residual_with"] < 0.5 * missing["largest_mean_residual_without"]
+    # And the diagnosis, which is not told, names it and mends it.
+    diagnosis = told["diagnosis"]
+    assert diagnosis["found"] == ["camber_thrust"]
+    assert diagnosis["gap"]["after"] < 0.7 * diagnosis["gap"]["before"]
+    for when in ("before", "after"):
+        assert diagnosis["simulated"][when]["difference_from_direct_evaluation"] < 1e-9
     # What it says that it wrote is there.
     files = {"bench.csv", "truth.tir", "trento.tir", "joint.tir", "without_camber_thrust.tir", "missing_effect.png"}
-    assert files | {"figures", "tire_fmi2.fmu", "tire_fmi3.fmu"} == {path.name for path in folder.iterdir()}
+    made = {"figures", "diagnosis", "tire_fmi2.fmu", "tire_fmi3.fmu"}
+    assert files | made == {path.name for path in folder.iterdir()}
     for name in files | {"figures", "tire_fmi2.fmu", "tire_fmi3.fmu"}:
         assert str(folder / name) in outcome.out or name.endswith(".tir"), name
     figures = {path.name for path in (folder / "figures").iterdir()}
@@ -37,7 +44,7 @@ def test_the_whole_circle(command, tmp_path):
     assert "camber_thrust" not in read_tir(folder / "without_camber_thrust.tir").has
     truth = read_tir(folder / "truth.tir").in_signs("adapted-sae")
     assert truth.parameters() == pytest.approx(bench_tire().parameters(), rel=1e-15)
-    for step in ("1 Bench.", "2 Fit.", "3 FMU.", "4 A missing effect."):
+    for step in ("1 Bench.", "2 Fit.", "3 FMU.", "4 A missing effect.", "5 Diagnosis."):
         assert step in outcome.out
 
 
