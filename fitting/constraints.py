@@ -11,8 +11,8 @@ friction_falling
 stiffness_saturating
     Slip stiffness grows no faster than load.
 extrapolation
-    The first two kinds also where loads and slips reach 1.5 times as far as in the data: there no sign flips, and
-    as E above 1 is what turns a curve over, no kink comes.
+    The first two kinds also where loads and slips reach 1.5 times as far as in the data: there no sign flips; and,
+    where it is asked for, E <= 1, above which a curve turns over.
 
 They are imposed on the corners of the range of the data, verified on a dense grid that has these corners, and imposed
 where they were broken there. Bounds are in adapted SAE signs.
@@ -38,8 +38,11 @@ KINDS = ("signs", "curvature", "friction_falling", "stiffness_saturating", "extr
 #: How much further than in the data loads and slips reach in an extrapolation.
 REACH = 1.5
 #: Conditions that hold only where somebody asks for them: the longitudinal stiffness of published passenger car tires
-#: grows faster than the load.
-ON_REQUEST = ("stiffness_saturating:K_xkappa",)
+#: grows faster than the load, and the E of sound tires exceeds 1 soon beyond their range, as it is a parabola in load.
+ON_REQUEST = (
+    "stiffness_saturating:K_xkappa",
+    *(f"extrapolation:{name}" for name in ("E_x", "E_y", "E_t", "E_xalpha", "E_ykappa")),
+)
 
 
 @dataclass(frozen=True)

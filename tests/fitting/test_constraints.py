@@ -121,7 +121,8 @@ def test_every_condition_has_a_name_of_its_own():
         assert {each.kind for each in every} == set(KINDS)
         asked_for = {each.name for own in chosen_constraints(model, also=["all"]).values() for each in own}
         assert asked_for == {each.name for each in every}
-        assert asked_for - {each.name for own in chosen_constraints(model).values() for each in own} == set(ON_REQUEST)
+        usual = {each.name for own in chosen_constraints(model).values() for each in own}
+        assert asked_for - usual == asked_for & set(ON_REQUEST) != set()
 
 
 @pytest.mark.parametrize(("without", "left_out"), [
