@@ -11,8 +11,8 @@ friction_falling
 stiffness_saturating
     Slip stiffness grows no faster than load.
 extrapolation
-    The first two kinds also where loads and slips reach 1.5 times as far as in the data: there no sign flips; and,
-    where it is asked for, E <= 1, above which a curve turns over.
+    The first two kinds also where loads and slips reach 1.5 times as far as in the data: there no sign flips. E <= 1,
+    without which a curve turns over and kinks, and G > 0 hold there only on request, as ``--constraint extrapolation``.
 
 They are imposed on the corners of the range of the data, verified on a dense grid that has these corners, and imposed
 where they were broken there. Bounds are in adapted SAE signs.
@@ -37,12 +37,12 @@ TOLERANCE = 1e-6
 KINDS = ("signs", "curvature", "friction_falling", "stiffness_saturating", "extrapolation")
 #: How much further than in the data loads and slips reach in an extrapolation.
 REACH = 1.5
-#: Conditions that hold only where somebody asks for them: the longitudinal stiffness of published passenger car tires
-#: grows faster than the load, and the E of sound tires exceeds 1 soon beyond their range, as it is a parabola in load.
+#: Conditions that hold only where somebody asks for them, as published tires break them: the longitudinal stiffness of
+#: passenger car tires grows faster than load, and E and G beyond the data bend what is measured within them.
 ON_REQUEST = (
-    "stiffness_saturating:K_xkappa",
-    *(f"extrapolation:{name}" for name in ("E_x", "E_y", "E_t", "E_xalpha", "E_ykappa")),
-)
+    "stiffness_saturating:K_xkappa", "extrapolation:E_x", "extrapolation:E_y", "extrapolation:E_t",
+    "extrapolation:E_xalpha", "extrapolation:E_ykappa", "extrapolation:G_xa", "extrapolation:G_yk",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

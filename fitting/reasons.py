@@ -18,7 +18,7 @@ import numpy.typing as npt
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
-from .problem import OWN_SLIP
+from .problem import LEAST_NOISE, OWN_SLIP
 from .residuals import Residuals
 from .uncertainty import OPEN
 
@@ -26,7 +26,7 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Measured rows that stand for all, and how many independent rows a further program is worth.
 SAMPLE, WORTH = 2000, 300.0
-#: What holds a coefficient that nothing measured holds, for the sake of the inverse.
+#: The information along a direction of which nothing tells.
 LEAST = 1e-9
 #: How a slip has to be, or to reach, for a program with more of it, rad or 1.
 FULL_SLIP = {"kappa": 0.3, "alpha": 0.25}
@@ -123,9 +123,7 @@ class _Asked:
 
     def holds(self, name: str) -> bool:
         """Return whether the data determine a coefficient as they are."""
-        variance = np.linalg.inv(self._known + LEAST * np.eye(len(self.free)))
-        place = self.free.index(name)
-        return bool(variance[place, place] <= OPEN**2)
+        return bool(_spreads(self._known)[self.free.index(name)] <= OPEN)
 
     def reason(self, names: Sequence[str]) -> str:
         """Return what the data lack to determine some coefficients."""
@@ -148,8 +146,14 @@ class _Asked:
 
     @cached_property
     def _sigma(self) -> Mapping[str, float]:
-        missed = self.residuals.missed
-        return {name: float(np.sqrt(np.nanmean(missed[name] ** 2))) for name in self.residuals.channels}
+        """The noise of each channel; numbers without noise leave only rounding."""
+        missed, table = self.residuals.missed, self.residuals.table
+        return {
+            name: max(
+                _root_mean_square(missed[name]), LEAST_NOISE * _root_mean_square(table[name].to_numpy(dtype=float))
+            )
+            for name in self.residuals.channels
+        }
 
     @cached_property
     def _known(self) -> FloatArray:
@@ -170,11 +174,7 @@ class _Asked:
     @cached_property
     def _spreads(self) -> Mapping[tuple[str, ...], FloatArray]:
         """The standard deviation of every coefficient, in its sizes, after each program."""
-        held = self._known + LEAST * np.eye(len(self.free))
-        return {
-            program: np.sqrt(np.maximum(np.diag(np.linalg.inv(held + more)), 0.0))
-            for program, more in self._information.items()
-        }
+        return {program: _spreads(self._known + more) for program, more in self._information.items()}
 
     @property
     def _tire(self) -> Tire:
@@ -297,3 +297,13 @@ class _Asked:
         everywhere = self._rows(("Fz", "both"))
         told = {name: float(self._weighed(everywhere, {}, {}, name)[place, place]) for name in self.residuals.channels}
         return max(told, key=lambda name: told[name])
+
+
+def _spreads(information: FloatArray) -> FloatArray:
+    """Return the standard deviation of each coefficient, in its sizes."""
+    values, vectors = np.linalg.eigh(information)
+    return np.asarray(np.sqrt(vectors**2 @ (1.0 / np.maximum(values, LEAST))))
+
+
+def _root_mean_square(values: FloatArray) -> float:
+    return float(np.sqrt(np.nanmean(values**2)))

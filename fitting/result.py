@@ -201,8 +201,9 @@ class FitResult:
         free = [c.name for c in self.coefficients if not c.at_bound]
         unseen = [(c.name,) for c in self.coefficients if not c.determined]
         effective: dict[str, float] = {}
-        for c in self.channels:
-            effective[c.channel] = effective.get(c.channel, 0.0) + (c.effective_rows if c.effective_rows > 0 else 0.0)
+        for c in self.channels:  # where no stage took all rows of a channel, a hundredth of them
+            worth = c.effective_rows if c.effective_rows > 0 else 0.01 * c.rows
+            effective[c.channel] = effective.get(c.channel, 0.0) + worth
         known = [tuple(n for n in d.coefficients if n in free) for d in self.directions]
         bounded = [c.name for c in self.coefficients if c.at_bound]
         return find(self.evidence, free, [names for names in (*known, *unseen) if names], bounded, effective)

@@ -60,7 +60,10 @@ def told_extrapolation(result: FitResult) -> str:
     far = [margin.at for margin in result.margins if margin.name.startswith("extrapolation:")]
     if not far:
         return ""
-    return f"beyond: slips {REACH:g} times as far as the data, loads {REACH:g} times as high and as low"
+    return (
+        f"beyond: slips {REACH:g} times as far as the data, loads {REACH:g} times as high and as low"
+        " (E and G there: --constraint extrapolation)"
+    )
 
 
 def told_differences(result: FitResult) -> list[Disagreement]:
