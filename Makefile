@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test fuzz discovery wine sanitize examples check generate types bench clean
+.PHONY: demo test fuzz discovery recovery wine sanitize examples check generate types bench bench-fit clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the whole circle on the built-in virtual bench
@@ -24,6 +24,9 @@ fuzz: $(VENV)/installed-dev  ## 10,000 mutated .tir and CSV files; a hang is sho
 
 discovery: $(VENV)/installed-dev  ## how often the diagnosis is right, over 116 made recordings
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)
+
+recovery: $(VENV)/installed-dev  ## known coefficients found again: 100 refits a model, 50 starts; RECOVERY_ARGS=--quick for a look
+	$(BIN)/python benchmarks/recovery.py $(RECOVERY_ARGS)
 
 wine: $(VENV)/installed-dev  ## the FMU's Windows binary under wine64 gives the digits of the Linux one
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cross]"
@@ -47,6 +50,9 @@ generate: $(VENV)/installed  ## print the book into generated/
 
 bench: $(VENV)/installed  ## how long a point takes: CasADi, SymPy, NumPy, C and the batch kernels in one run
 	$(BIN)/python benchmarks/evaluation.py $(BENCH_ARGS)
+
+bench-fit: $(VENV)/installed  ## how long a fit takes, beside scipy's trf; seconds and memory up to a million rows
+	$(BIN)/python benchmarks/fitting.py $(BENCH_ARGS)
 
 # The rooms are sub-packages of tirefmu only once installed; type checkers read this tree of links instead.
 types:

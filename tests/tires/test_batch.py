@@ -89,6 +89,18 @@ def test_the_entries_are_all_that_is_not_zero(model, parameters):
     np.testing.assert_array_equal(numpy.entries, kernels.entries)
 
 
+@pytest.mark.parametrize("language", ["numpy", "c", "batch"])
+def test_chunks_are_the_entries_in_turn(model, parameters, language):
+    code, rows = code_for(model, language), rows_of(model, 150)
+    if MODELS[model].on_demand:
+        rows[row_of(model, "phit"), 140] = 0.1  # no row for a kernel
+    for inputs in (rows, rows[:, :130]):
+        chunks = [(place, entries.copy()) for place, entries in code.jacobian_chunks(inputs, parameters, 64)]
+        assert [place.stop - place.start for place, _ in chunks] == [64, 64, inputs.shape[1] - 128]
+        whole = code.jacobian_entries(inputs, parameters)
+        np.testing.assert_array_equal(np.concatenate([entries for _, entries in chunks], axis=1), whole)
+
+
 def test_rows_that_no_kernel_covers(model, parameters):
     rows = rows_of(model, 3 * BLOCK)
     strange = [np.nan, np.inf, -np.inf, 0.0, -0.0, 1e-310]  # a huge angle would show its own rounding only

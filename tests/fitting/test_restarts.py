@@ -1,0 +1,66 @@
+"""Other starts for a few coefficients: when they are tried, and which end counts."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tirefmu.fitting import load_recipe
+from tirefmu.fitting.ipopt import Solution
+from tirefmu.fitting.restarts import best_end
+from tirefmu.symbolic.errors import UnknownName
+
+LOWER, UPPER = np.array([-10.0, -10.0]), np.array([10.0, 10.0])
+PROBLEM = SimpleNamespace(free=("RBY2", "RBY3"), scale=np.array([2.0, 0.5]))
+
+
+def ends_at(cost, starts, *, converged=True):
+    """Return a solver that stays where it starts and says what that costs; it notes its starts."""
+
+    def settle(start):
+        starts.append(start.tolist())
+        return Solution(start, cost, 5, converged, "told")
+
+    return settle
+
+
+def first(x, cost=1.0):
+    return Solution(np.array(x), cost, 7, True, "told")
+
+
+def test_a_better_end_replaces_the_first():
+    starts = []
+    end = best_end(PROBLEM, first([1.0, 2.0]), ends_at(0.5, starts), LOWER, UPPER, [{"RBY2": 8.0}], always=True)
+    assert starts == [[4.0, 2.0]]  # 8 in units of 2; the rest where it was
+    assert (end.cost, end.iterations) == (0.5, 12)
+
+
+@pytest.mark.parametrize(("cost", "converged"), [(1.0, True), (2.0, True), (0.5, False)])
+def test_a_worse_end_or_none_does_not(cost, converged):
+    solution = first([1.0, 2.0])
+    settle = ends_at(cost, [], converged=converged)
+    assert best_end(PROBLEM, solution, settle, LOWER, UPPER, [{"RBY2": 8.0}], always=True) is solution
+
+
+def test_without_a_given_start_only_what_ended_on_a_bound_is_tried():
+    again, starts = [{"RBY2": 8.0}, {"RBY3": 1.0}, {"PDY1": 1.0}], []
+    best_end(PROBLEM, first([1.0, 10.0]), ends_at(2.0, starts), LOWER, UPPER, again, always=False)
+    assert starts == [[1.0, 2.0]]
+    best_end(PROBLEM, first([1.0, 2.0]), ends_at(2.0, starts), LOWER, UPPER, again, always=False)
+    assert len(starts) == 1
+
+
+def test_a_start_beyond_its_bounds_begins_on_them():
+    starts = []
+    best_end(PROBLEM, first([1.0, 2.0]), ends_at(2.0, starts), LOWER, UPPER, [{"RBY2": 900.0}], always=True)
+    assert starts == [[10.0, 2.0]]
+
+
+def test_a_recipe_that_begins_again_elsewhere_names_coefficients(make, tmp_path):
+    path = make.recipe(tmp_path, '[[stage]]\nname = "one"\nagain = [{ RBY2 = 20, RBY3 = -0.05 }]\n')
+    assert load_recipe(path, "mf61").stages[0].again == ({"RBY2": 20.0, "RBY3": -0.05},)
+    wrong = make.recipe(tmp_path, '[[stage]]\nname = "one"\nagain = [{ RBY22 = 20 }]\n')
+    with pytest.raises(UnknownName, match="RBY2"):
+        load_recipe(wrong, "mf61")
