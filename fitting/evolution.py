@@ -52,9 +52,9 @@ class Evolution:
     first the lower cost counts, among the others the smaller sum of violations. A coefficient that a recipe leaves
     unbounded is sought within its card's bounds.
 
-    Beyond the paper it also stops where a tenth of the limit's generations has brought the cost down by less than the
-    share that makes IPOPT stop. That is called converged as there, and is as little a proof that there is no better
-    point elsewhere.
+    Beyond the paper it also stops where a tenth of the limit's generations, 250 at least, has brought the cost down by
+    less than the share that makes IPOPT stop. That is called converged as there, and is as little a proof that there
+    is no better point elsewhere.
 
     Parameters
     ----------
