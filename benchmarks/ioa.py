@@ -23,7 +23,6 @@ import pandas as pd
 from scipy.optimize import least_squares, minimize
 from threadpoolctl import threadpool_limits
 
-from tirefmu.fitting import fit
 from tirefmu.fitting.evolution import Evolution
 from tirefmu.fitting.ipopt import solve
 from tirefmu.fitting.problem import Problem, Rows, equal_weights
@@ -275,41 +274,7 @@ def runs_of(results: dict[str, tuple[Run, FloatArray]]) -> dict[str, Run]:
     return {name: run for name, (run, _) in results.items()}
 
 
-def other_ground() -> dict[str, float]:
-    """Carry the fitted tire to a ground of 0.7 times the friction by scaling factors.
-
-    Returns
-    -------
-    dict of str to float
-        rms in N of Fx and Fy together against the noise-free truth at all 297 points: of the tire fitted on the first
-        ground, of that scaled by parts of the program, and of one fitted to the same part from nothing.
-    """
-    truth = published("unicamp_small_tire")
-    there = replace(truth, values={**truth.values, "LMUX": 0.7, "LMUY": 0.7})
-    nominal = {"Fz0": truth.values["FNOMIN"], "R0": truth.values["UNLOADED_RADIUS"], "p0": truth.values["INFLPRES"]}
-    effects = generic_tire(truth).has
-    first = fit([bench(truth, seed=1)], truth.model, effects=effects, nominal=nominal).tire
-    recording = bench(there, seed=2)
-    measured = recording.table
-    parts = {
-        "all 297 points": measured.index >= 0,
-        "the 99 points at 110 N": measured["Fz"] == 110.0,
-        "the 57 points of pure slip": (measured["alpha"].abs() < 1e-6) | (measured["kappa"].abs() < 1e-6),
-    }
-    tires = {"unchanged": first}
-    for part, rows in parts.items():
-        few = replace(recording, table=measured[rows].reset_index(drop=True))
-        tires[f"scaled by {part}"] = fit([few], truth.model, start=first, recipe="scaling").tire
-        tires[f"fitted anew to {part}"] = fit([few], truth.model, effects=effects, nominal=nominal).tire
-    table = VirtualBench(there, Noise.none()).run(small_tire_program()).with_signs("iso").table
-    told = {}
-    for name, tire in tires.items():
-        computed = tire.evaluate(table, signs="iso")
-        errors = np.concatenate([(computed[force] - table[force]).to_numpy() for force in ("Fx", "Fy")])
-        told[name] = float(np.sqrt(np.mean(errors**2)))
-    return told
-
-
+#: Of the table that `race_rows` fills.
 HEAD = """| problem | contestant | sum of squares, N^2 | CPU, s | CPU to IOA's best sum, s | times faster |
 |---|---|---|---|---|---|"""
 
@@ -385,9 +350,6 @@ def main() -> None:
     print(f"\n{paper_rows(told)}", flush=True)
     if given.figure:
         draw(told, given.figure)
-    ground = other_ground()
-    print("\n| on another ground | rms against the truth, N |\n|---|---|")
-    print("\n".join(f"| {name} | {rms:.2f} |" for name, rms in ground.items()))
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ PATIENCE, LEAST_PATIENCE = 0.1, 250
 #: Individuals: so many for each free coefficient, within limits.
 PER_COEFFICIENT, FEWEST, MOST = 4, 40, 120
 #: Control genes F, CP, MP and range: their bounds.
-LEAST_CONTROL = np.array([0.4, 0.2, 0.0, 0.0])
+LEAST_CONTROL = np.array([0.4, 0.2, 0.02, 0.005])
 MOST_CONTROL = np.array([1.0, 1.0, 0.1, 0.1])
 #: Why it stopped: the first two count as converged.
 SETTLED, GOAL = "No_Further_Gain", "Error_Goal_Reached"
@@ -45,16 +45,16 @@ class Evolution:
     replaces its parent if it is no worse. Stop at the limit of iterations or at the error goal.
 
     What the paper leaves open, and was chosen here: four individuals per free coefficient, 40 at least and 120 at
-    most; F in 0.4 .. 1, CP in 0.2 .. 1, MP and range in 0 .. 0.1 (with a smaller F a population collapses where it
-    happens to be), made by the same crossing and mutation as the coefficients, with the parent's genes, and used for
-    the trial that carries them; the start is one of the first population; a whole generation is made before any of
+    most; F in 0.4 .. 1, CP in 0.2 .. 1, MP in 0.02 .. 0.1, range in 0.005 .. 0.1 (with a smaller F a population
+    collapses where it happens to be, and without mutation it never leaves that place), made by the same crossing and
+    mutation as the coefficients, with the parent's genes, and used for the trial that carries them; the start is one of the first population; a whole generation is made before any of
     it is judged. Conditions by the rules of feasibility (Deb 2000): what keeps them beats what does not; among the
     first the lower cost counts, among the others the smaller sum of violations. A coefficient that a recipe leaves
     unbounded is sought within its card's bounds.
 
-    Beyond the paper it also stops where a tenth of the limit's generations has brought the cost down by less than the
-    share that makes IPOPT stop. That is called converged as there, and is as little a proof that there is no better
-    point elsewhere.
+    Beyond the paper it also stops where a tenth of the limit's generations, 250 at least, has brought the cost down by
+    less than the share that makes IPOPT stop. That is called converged as there, and is as little a proof that there
+    is no better point elsewhere.
 
     Parameters
     ----------

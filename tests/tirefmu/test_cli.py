@@ -91,6 +91,20 @@ def test_a_fit_that_does_not_converge_exits_with_1(command, bench_csv, tmp_path)
     assert read_tir(tmp_path / "poor.tir").has == frozenset()
 
 
+def test_the_evolutionary_method_says_that_its_limit_ended_it(command, bench_csv, tmp_path):
+    told = tmp_path / "told.json"
+    outcome = command(
+        "fit", bench_csv, "--effects", "none", "--method", "ioa", "--iterations", 2, "--seed", 5,
+        "-o", tmp_path / "evolved.tir", "--json", told,
+    )  # fmt: skip
+    assert outcome.status == 1
+    assert "stopped at the iteration limit" in outcome.out
+    content = strict(told.read_text(encoding="utf-8"))
+    assert content["method"] == "ioa"
+    assert not content["ok"]
+    assert read_tir(tmp_path / "evolved.tir").has == frozenset()
+
+
 def test_a_fit_from_a_tire_and_a_recipe_of_ones_own(chain, command, bench_csv, tmp_path):
     folder, _ = chain
     recipe = tmp_path / "friction [only].toml"
