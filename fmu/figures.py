@@ -25,7 +25,8 @@ DPI = 130
 def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: str = "") -> list[Path]:
     """Draw every measured channel of a check over time, one PNG each.
 
-    Above, the data and the FMU, segment by segment; below, FMU - data, with the RMSE of each segment on both sides of 0.
+    Above, the data and the FMU, segment by segment; below, what is between them, with the RMSE of each segment on both
+    sides of 0.
 
     Parameters
     ----------
@@ -106,8 +107,8 @@ def _draw_values(ax: Axes, result: CheckResult, channel: Channel) -> None:
     ax.plot(time, data, ".", ms=1.2 if len(time) > 1000 else 4.0, color=DATA, label="data")
     for i, rows in enumerate(_stretches(result)):
         shown = result.simulated[channel.name].to_numpy()[rows]
-        style = {"marker": "."} if len(shown) == 1 else {}
-        ax.plot(time[rows], shown, color=MODEL, lw=0.9, label="FMU" if i == 0 else None, **style)
+        marker = "." if len(shown) == 1 else ""
+        ax.plot(time[rows], shown, marker, ls="-", color=MODEL, lw=0.9, label="FMU" if i == 0 else None)
     told = f"RMSE {channel.rmse:.4g} {channel.unit} ({channel.relative_rmse:.2%} of the largest), R2 {channel.r2:.4f}"
     ax.set_title(told, fontsize=9, loc="left")
     ax.set_ylabel(f"{channel.name} ({channel.unit})")

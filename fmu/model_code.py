@@ -32,9 +32,8 @@ def model_files(model: str) -> tuple[str, str]:
 def split_code(model: str, code: str) -> dict[str, bytes]:
     r"""Return the two files made of a model's generated C code.
 
-    Routines keep their names. Quantities call the system's elementary functions, which differ from those of the forces by
-    roundings. Of those that are called now and then, the general variant is left, which holds for
-    every row.
+    Routines keep their names. What is called now and then is there in its general variant, which holds for every row,
+    and calls the system's elementary functions, which differ from those of the forces by roundings.
 
     Parameters
     ----------
