@@ -6,6 +6,7 @@ import sys
 import tempfile
 from collections.abc import Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from importlib.resources import files
 from pathlib import Path
 from platform import machine
 
@@ -30,6 +31,9 @@ MACHINES = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64"
 FLAGS = ("-ffp-contract=off", "-ffunction-sections", "-fdata-sections")
 #: For the model's code that a host does not wait for.
 SMALL = ("-Os", "-fno-inline")
+#: Windows gives a library all that it needs but for windows.c, where zig would pack a C runtime into each.
+RUNTIME = "windows.c"
+SYSTEM = tuple(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in ("heap", "math", "private", "stdio", "string"))
 LINK = {
     "linux": ("-s", "-Wl,--gc-sections"),
     # A library for Macs carries its own name, which would be the path it was built at.
@@ -183,9 +187,10 @@ def binaries(
         built = {name: job.result() for name, job in sorted(jobs.items())}
     packed = {binary_path(fmi, identifier, name): library for name, library in built.items()}
     if fmi == 2 and "aarch64-darwin" in built:
-        # Many hosts look into FMI 2's one folder for Macs only: it serves both processors.
-        macs = [library for name, library in built.items() if name.endswith("-darwin")]
-        packed[binary_path(2, identifier, "x86_64-darwin")] = universal(macs)
+        # Many hosts look into FMI 2's one folder for Macs only: it serves both processors, and once is enough.
+        macs = {binary_path(2, identifier, name): name for name in built if name.endswith("-darwin")}
+        packed = {path: library for path, library in packed.items() if path not in macs or len(macs) == 1}
+        packed[binary_path(2, identifier, "x86_64-darwin")] = universal([built[name] for name in macs.values()])
     return packed
 
 
@@ -210,6 +215,7 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
     """
     generated = [file for file in model_files(model) if file in sources]
     own = sorted(file for file in sources if file.endswith(".c") and file not in generated)
+    system, bare = (cross.system if cross else sys.platform), cross is not None and cross.system == "win32"
     with tempfile.TemporaryDirectory(prefix="tirefmu-") as name:
         folder = Path(name)
         for file, content in sources.items():
@@ -227,12 +233,21 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
                 )
                 for file in generated
             ]
+            headers = sorted([*(folder / file for file in sources if file.endswith(".h")), *include.glob("fmi*.h")])
+            wrapper = [folder / file for file in own]
+            if bare:  # the runtime's headers are for compiling only
+                (folder / RUNTIME).write_bytes((files("tirefmu.fmu") / "wrapper" / RUNTIME).read_bytes())
+                wrapper = [
+                    compiled_object("fmu", file, headers=headers, include=[folder, include], flags=FLAGS, cross=cross)
+                    for file in (*wrapper, folder / RUNTIME)
+                ]
             library = shared_library(
                 "fmu",
-                [*(folder / file for file in own), *compiled],
-                headers=sorted([*(folder / file for file in sources if file.endswith(".h")), *include.glob("fmi*.h")]),
+                [*wrapper, *compiled],
+                headers=headers,
                 include=[folder, include],
-                flags=[*FLAGS, *LINK[cross.system if cross else sys.platform]],
+                flags=[*FLAGS, *LINK[system], *(["-nostdlib"] if bare else [])],
+                libraries=SYSTEM if bare else ["-lm"],
                 cross=cross,
             )
         except CompilerError as error:

@@ -270,12 +270,12 @@ def _write_zip(target: Path, files: Mapping[str, bytes]) -> None:
     try:
         with tempfile.NamedTemporaryFile(dir=target.parent, suffix=".fmu", delete=False) as file:
             half_done = Path(file.name)
-            with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+            with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
                 for name in sorted(files):
                     entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
                     entry.create_system = 3  # Unix, wherever it was written: permissions are kept
                     entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
-                    archive.writestr(entry, files[name], zipfile.ZIP_DEFLATED)
+                    archive.writestr(entry, files[name], zipfile.ZIP_DEFLATED, 9)
         half_done.chmod(0o644)
         os.replace(half_done, target)
     except OSError as error:

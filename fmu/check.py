@@ -104,6 +104,10 @@ class CheckResult:
         Largest `Channel.relative_rmse` asked for.
     simulated : pandas.DataFrame
         The FMU's outputs by row, ISO signs.
+    recording : pandas.DataFrame
+        The same rows of the recording: ``t`` (made up where there was none), inputs and measured outputs, ISO signs.
+    starts : tuple of int
+        The row at which each segment begins.
     """
 
     fmu: str
@@ -116,6 +120,8 @@ class CheckResult:
     problems: tuple[str, ...]
     tolerance: float | None = None
     simulated: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False)
+    recording: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False)
+    starts: tuple[int, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -245,6 +251,8 @@ def check(
         problems=tuple(validate_fmu(str(fmu_path))),
         tolerance=tolerance,
         simulated=simulated,
+        recording=table[[*present, *measured]].assign(t=time),
+        starts=tuple(segment.start for segment in segments),
     )
 
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+from importlib.resources import files
 
 from tirefmu.symbolic.errors import FmuError
 
 #: What a host waits for at every step, with the variant for most rows; and what is called now and then.
 FAST = ("forces", "relaxation")
 SMALL = ("quantities",)
+
+#: In the small file, the system's functions stand in the place of those that a processor can overlap.
+ELEMENTARY = "\n".join(f"#define fast_{name} {name}" for name in ("sin", "cos", "tan", "atan"))
 
 # A routine begins at the left edge and ends with a brace there.
 _ROUTINE = re.compile(r"^(?:static )?(?:inline )?(?:void|int) (\w+)\([^;]*?\)\n\{.*?^\}\n", re.DOTALL | re.MULTILINE)
@@ -28,8 +32,8 @@ def model_files(model: str) -> tuple[str, str]:
 def split_code(model: str, code: str) -> dict[str, bytes]:
     r"""Return the two files made of a model's generated C code.
 
-    Routines keep their names. Of those that are called now and then, the general variant is left, which holds for
-    every row.
+    Routines keep their names. What is called now and then is there in its general variant, which holds for every row,
+    and calls the system's elementary functions, which differ from those of the forces by roundings.
 
     Parameters
     ----------
@@ -57,9 +61,11 @@ def split_code(model: str, code: str) -> dict[str, bytes]:
     opening = code[: min(code.index(text) for name, text in found.items() if _is_routine(model, name))]
     fast = [text for name in FAST for text in _chosen(model, name, found)]
     small = [_general(model, name, found) for name in SMALL]
+    quick = (files("tirefmu.symbolic.printers") / "elementary.h").read_text(encoding="ascii").rstrip()
+    openings = (opening, opening.replace(quick, ELEMENTARY))
     return {
         name: "\n".join([opening.rstrip() + "\n", *texts]).encode()
-        for name, texts in zip(model_files(model), (fast, small), strict=True)
+        for name, opening, texts in zip(model_files(model), openings, (fast, small), strict=True)
     }
 
 

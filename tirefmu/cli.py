@@ -266,19 +266,25 @@ def export(
     type=click.FloatRange(min=0.0),
     help="Exit 1 where a channel's RMSE exceeds this share of its largest value.",
 )
+@click.option("--figures", type=FILE, help="Folder for figures of the data, the FMU and their difference over time.")
 @common
 def check(
-    fmu: Path, table: Path, signs: str | None, tolerance: float | None, quiet: bool, json_file: Path | None
-) -> int:
+    fmu: Path, table: Path, signs: str | None, tolerance: float | None, figures: Path | None, quiet: bool,
+    json_file: Path | None,
+) -> int:  # fmt: skip
     """Simulate FMU with fmpy over TABLE and compare with the data and with direct evaluation."""
     from tirefmu.fmu import check as run
 
     terminal = Terminal(quiet)
-    check_places(json_file)
+    check_places(json_file, folder=figures)
     with terminal.working(f"simulating {fmu.name} over {table.name}"):
         result = run(fmu, table, signs=signs, tolerance=tolerance)
     write_json(json_file, result.to_json())
     terminal.print(str(result))
+    if figures:
+        from tirefmu.fmu.figures import draw_check
+
+        terminal.print(f"figures: {len(draw_check(result, figures))} in {figures}")
     return 0 if result.ok else 1
 
 

@@ -106,6 +106,7 @@ def shared_library(
     headers: Sequence[Path] = (),
     include: Sequence[Path] = (),
     flags: Sequence[str] = (),
+    libraries: Sequence[str] = ("-lm",),
     machine: str = "",
     cross: CrossCompiler | None = None,
 ) -> Path:
@@ -121,6 +122,8 @@ def shared_library(
         Folders to search for headers.
     flags : sequence of str
         Further compiler flags.
+    libraries : sequence of str
+        What to link with.
     machine : str
         What the flags depend on beside the compiler, such as the processor where it is asked for its own.
     cross : CrossCompiler, optional
@@ -138,7 +141,7 @@ def shared_library(
     system = cross.system if cross else sys.platform
     defined = ["-Wl,-z,defs"] if system.startswith("linux") else []
     options = ["-shared", *flags, *defined]
-    return _built(name, suffix(system), sources, headers, include, options, ["-lm"], machine, cross)
+    return _built(name, suffix(system), sources, headers, include, options, libraries, machine, cross)
 
 
 def compiled_object(
@@ -190,7 +193,7 @@ def _built(
     system = cross.system if cross else sys.platform
     built_by = cross.version if cross else platform.machine()
     options = [*FLAGS, *([] if system == "win32" else ["-fPIC"]), *flags]
-    digest = hashlib.sha256("\0".join([*compiler, *options, built_by, system, machine]).encode())
+    digest = hashlib.sha256("\0".join([*compiler, *options, *libraries, built_by, system, machine]).encode())
     for path in [*sources, *headers]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
     built = cache_folder() / f"{name}-{digest.hexdigest()[:24]}{ending}"

@@ -13,6 +13,7 @@ import pytest
 from tirefmu.fmu import check
 from tirefmu.fmu.build import export
 from tirefmu.fmu.check import _difference
+from tirefmu.fmu.figures import draw_check
 from tirefmu.measurements.recording import Recording
 from tirefmu.symbolic.errors import DataError, FmuError
 from tirefmu.tires.signs import convert_signs
@@ -231,3 +232,20 @@ def test_a_refused_row_is_named(fmus, table, tmp_path):
             out.writestr(name, content)
     with pytest.raises(FmuError, match=r"row 0: fmi3SetFloat64 failed .*: Fx cannot be set"):
         check(tmp_path / "odd.fmu", table)
+
+
+def test_figures_show_every_measured_channel(fmus, tires, tmp_path):
+    alpha = np.linspace(-0.2, 0.2, 40)
+    table = pd.DataFrame({"t": np.r_[np.arange(20), 100 + np.arange(20)] * 0.01, "alpha": alpha, "Fz": 700.0})
+    forces = tires["first"].forces(alpha=alpha, Fz=700.0)
+    table["Fy"], table["Mz"] = forces["Fy"] + 5.0, np.where(alpha > 0.0, forces["Mz"], np.nan)
+    result = check(fmus["first", 3], table)
+    assert result.starts == (0, 20)
+    np.testing.assert_array_equal(result.recording["t"], table["t"])
+    drawn = draw_check(result, tmp_path / "figures", prefix="first_")
+    assert [path.name for path in drawn] == ["first_Fy.png", "first_Mz.png"]
+    assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == sorted(path.name for path in drawn)
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in drawn)
+    (tmp_path / "file").write_text("", encoding="ascii")
+    with pytest.raises(FmuError, match="file: cannot be written"):
+        draw_check(result, tmp_path / "file")

@@ -108,8 +108,12 @@ def test_a_universal_binary_takes_macs_only():
 def test_binaries_are_for_the_machines_asked_for(ziglang, tires, fmi, tmp_path):
     found = packed(export(tires["first"], tmp_path / "tire.fmu", fmi=fmi, platforms=QUICK))
     places = {platform: binary_path(fmi, "tire", platform) for platform in QUICK}
+    if fmi == 2:
+        del places["aarch64-darwin"]  # it stands in the one folder for Macs
     assert set(found) == set(places.values())
     for platform, (magic, at, processor) in FORMATS.items():
+        if platform not in places:
+            continue
         content = found[places[platform]]
         if fmi == 2 and platform == "x86_64-darwin":
             assert content[:8] == struct.pack(">II", 0xCAFEBABE, 2)

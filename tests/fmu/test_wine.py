@@ -57,3 +57,9 @@ def test_windows_computes_the_same_digits(wine, tires, fmi, name, tmp_path):
     # The systems' libraries may round sin and atan differently in the last digit.
     for ours, theirs in zip(linux, windows, strict=True):
         assert theirs == pytest.approx(ours, rel=1e-12, abs=1e-9)
+
+
+@pytest.mark.parametrize("inputs", ["slip", "wheel"])
+def test_the_largest_model_fits_for_every_platform(wine, tires, fmi, inputs, tmp_path):
+    fmu = export(tires["mf62"], tmp_path / "tire.fmu", fmi=fmi, inputs=inputs, platforms="all")
+    assert fmu.stat().st_size <= 400_000

@@ -1,0 +1,133 @@
+"""Figures of an FMU over a recording: data and simulation over time, and what is between them."""
+
+from __future__ import annotations
+
+import os
+from io import BytesIO
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from tirefmu.symbolic.errors import FmuError
+
+from .check import Channel, CheckResult
+
+FloatArray = npt.NDArray[np.float64]
+
+DATA, MODEL, ERROR = "0.65", "tab:blue", "tab:red"
+DPI = 130
+
+
+def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: str = "") -> list[Path]:
+    """Draw every measured channel of a check over time, one PNG each.
+
+    Above, the data and the FMU, segment by segment; below, what is between them, with the RMSE of each segment on both
+    sides of 0.
+
+    Parameters
+    ----------
+    result : CheckResult
+    folder : path-like
+        Made where it is not there.
+    prefix : str
+        Put before each file's name, which is that of the channel.
+
+    Returns
+    -------
+    list of Path
+
+    Raises
+    ------
+    FmuError
+        If a file cannot be written.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> from tirefmu.tires import published
+    >>> from .build import export
+    >>> from .check import check
+    >>> table = pd.DataFrame({"alpha": [-0.1, 0.0, 0.1], "Fz": 900.0, "Fy": [2100.0, 10.0, -2000.0]})
+    >>> result = check(export(published("trento_hoosier"), "tire.fmu"), table)
+    >>> [path.name for path in draw_check(result, "figures")]
+    ['Fy.png']
+    """
+    place = Path(folder)
+    written = []
+    for channel in result.channels:
+        buffer = BytesIO()
+        _figure(result, channel).savefig(buffer, format="png", dpi=DPI)
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            path = place / f"{prefix}{channel.name}.png"
+            part = path.with_name(f".{path.name}.part")
+            part.write_bytes(buffer.getvalue())
+            part.replace(path)
+        except OSError as error:
+            raise FmuError(f"{place}: cannot be written ({error.strerror or error})") from error
+        written.append(path)
+    return written
+
+
+def _figure(result: CheckResult, channel: Channel) -> Figure:
+    figure = Figure(figsize=(11.0, 6.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
+    segments = f"{result.segments} segment{'s'[: result.segments != 1]}, each begun in steady state"
+    figure.suptitle(f"{result.fmu} against {result.source}: {channel.name}, {segments}", fontsize=11)
+    _draw_values(above, result, channel)
+    _draw_errors(below, result, channel)
+    for ax in (above, below):
+        ax.grid(alpha=0.3)
+        for start in result.starts[1:] if result.segments <= 50 else ():
+            ax.axvline(_time(result)[start], color="0.5", lw=0.6, ls=":")
+    below.set_xlabel("time simulated (s), without the gaps between segments; ISO signs")
+    return figure
+
+
+def _stretches(result: CheckResult) -> list[slice]:
+    return [slice(a, b) for a, b in zip(result.starts, [*result.starts[1:], result.rows], strict=True)]
+
+
+def _time(result: CheckResult) -> FloatArray:
+    """Return the time of every row, s, the segments laid end to end."""
+    time = result.recording["t"].to_numpy(dtype=np.float64)
+    steps = np.diff(time, prepend=time[:1])
+    steps[list(result.starts)] = 0.0
+    return np.cumsum(steps)
+
+
+def _draw_values(ax: Axes, result: CheckResult, channel: Channel) -> None:
+    """Draw dots of the data below the lines of the FMU, which do not cross from one segment to the next."""
+    time, data = _time(result), result.recording[channel.name].to_numpy()
+    ax.plot(time, data, ".", ms=1.2 if len(time) > 1000 else 4.0, color=DATA, label="data")
+    for i, rows in enumerate(_stretches(result)):
+        shown = result.simulated[channel.name].to_numpy()[rows]
+        marker = "." if len(shown) == 1 else ""
+        ax.plot(time[rows], shown, marker, ls="-", color=MODEL, lw=0.9, label="FMU" if i == 0 else None)
+    told = f"RMSE {channel.rmse:.4g} {channel.unit} ({channel.relative_rmse:.2%} of the largest), R2 {channel.r2:.4f}"
+    ax.set_title(told, fontsize=9, loc="left")
+    ax.set_ylabel(f"{channel.name} ({channel.unit})")
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
+
+
+def _draw_errors(ax: Axes, result: CheckResult, channel: Channel) -> None:
+    time, data = _time(result), result.recording[channel.name].to_numpy()
+    error = result.simulated[channel.name].to_numpy() - data
+    ax.plot(time, error, ".", ms=1.2 if len(time) > 1000 else 4.0, color=ERROR, label="FMU - data")
+    for i, rows in enumerate(_stretches(result)):
+        known = error[rows][np.isfinite(error[rows])]
+        if len(known):
+            rmse = float(np.sqrt(np.mean(known**2)))
+            for side in (-rmse, rmse):
+                label = "RMSE of each segment" if i == 0 and side > 0.0 else None
+                ax.plot(time[rows][[0, -1]], [side, side], color="black", lw=1.2, label=label)
+    worst = channel.worst
+    ax.plot(time[worst.row], worst.simulated - worst.measured, "o", mfc="none", color="black", label="worst point")
+    ax.axhline(0.0, color="0.3", lw=0.8)
+    ax.set_ylabel(f"FMU - data ({channel.unit})")
+    ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
