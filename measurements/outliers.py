@@ -16,6 +16,8 @@ _SMOOTHED = 0.15  # s: the course is the running median over this time, and neve
 _FEWEST_ROWS = 7
 _SIGMA = 1.4826  # standard deviation of normal numbers over their median absolute deviation
 _AROUND = 1.0  # s: a tire at its limit scatters more than at rest, so the scatter is that of the time around
+_COARSEST = 0.5  # s: fewest rows that span more than this follow no course of a sweep
+_JUMP = 0.7  # of how far a reading stands off: so far it jumps from its neighbors, or it is a bend of the course
 _LEAST = 0.1  # of the channel's spread: what stands off by less spoils no fit, and a coarse sensor does it daily
 
 
@@ -49,7 +51,8 @@ def outliers(recording: Recording, *, sigmas: float = 15.0) -> list[Outlier]:
     The Hampel identifier (Davies and Gather, 1993) on segments that are courses in time; the scatter is that
     of the whole segment or of the second around, whichever is greater. What stands off by less than a tenth
     of the channel's spread, or than a held input wanders anyway, is none; nor is a stretch of bad readings
-    longer than half the median's window (0.15 s): it is another course.
+    longer than half the median's window (0.15 s): it is another course. Where seven rows span more than that,
+    a bend of the course looks alike but for the jump from row to row; where they span 0.5 s there is no course.
 
     Parameters
     ----------
@@ -80,6 +83,8 @@ def outliers(recording: Recording, *, sigmas: float = 15.0) -> list[Outlier]:
         tolerance = CHANNELS[name].tolerance or 0.0
         for segment in courses:
             step = clock_step(recording, segment)
+            if _FEWEST_ROWS * step > _COARSEST:
+                continue
             usual = _usual_course(values[segment], step)
             for row in np.flatnonzero(_far(values[segment], usual, step, sigmas, tolerance)).tolist():
                 at = segment.start + row
@@ -129,4 +134,17 @@ def _far(
     if far.any():  # rarely: the scatter around each row takes its time
         around = median_filter(_filled(off), size=_window(step, _AROUND, len(off)), mode="mirror")
         far &= off > sigmas * _SIGMA * around
-    return np.asarray(far)
+    return _jumping(far, values, off) if _FEWEST_ROWS * step > _SMOOTHED else np.asarray(far)
+
+
+def _jumping(far: NDArray[np.bool_], values: NDArray[np.float64], off: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return the stretches of rows that jump away from their measured neighbors, as far as they stand off."""
+    known = np.flatnonzero(np.isfinite(values))
+    course, stands = values[known], off[known]
+    kept = np.zeros_like(far)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], far[known], [False]])))
+    for start, stop in edges.reshape(-1, 2):
+        into = abs(course[start] - course[start - 1]) if start > 0 else np.inf
+        out = abs(course[stop - 1] - course[stop]) if stop < len(course) else np.inf
+        kept[known[start:stop]] = into >= _JUMP * stands[start] and out >= _JUMP * stands[stop - 1]
+    return kept

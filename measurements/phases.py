@@ -21,6 +21,7 @@ SLIPS = ("kappa", "alpha", "phit")
 _SMOOTHED = 0.2  # s: ripple of the wheel and noise go, the corner of a step stays
 _WINDOW = 1.0  # s: a channel that moves by more than two tolerances within is swept
 _PASSED = 0.5  # s: who is at a level for less only passes it
+_FEWEST_STAYED = 3  # rows
 _LONGEST_WAY = 3.0  # s: a slip that takes longer from one level to the next is swept
 _MINIMUM_ROWS = 25  # fewer say nothing of a course in time
 _USUAL_STEP = 0.01  # s, where no clock was recorded
@@ -183,8 +184,25 @@ def _inputs(recording: Recording) -> list[_Input]:
         if name in table:
             values = table[name].to_numpy(dtype=np.float64)
             tolerance = usual_tolerance(values, name) or 1.0
-            found.append(_Input(name, values, np.array(levels(values, tolerance=tolerance)), tolerance))
+            found.append(_Input(name, values, _kept_levels(values, tolerance), tolerance))
     return found
+
+
+def _kept_levels(values: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
+    """Return the levels at which an input stayed for some rows each time.
+
+    A sweep of few samples that goes back over its own steps has levels as well, one row at a time.
+    """
+    found = np.array(levels(values, tolerance=tolerance))
+    if not len(found):
+        return found
+    distance = np.abs(values[:, None] - found)
+    place = np.where(distance.min(axis=1) <= tolerance, distance.argmin(axis=1), -1)
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(place)) + 1, [len(place)]])
+    lengths, at = np.diff(edges), place[edges[:-1]]
+    # By rows: how long a row's visit lasts, so that flicker at the tolerance's edge counts for little.
+    stays = [lengths[at == k] @ lengths[at == k] / lengths[at == k].sum() for k in range(len(found))]
+    return np.array([level for level, stay in zip(found, stays, strict=True) if stay >= _FEWEST_STAYED])
 
 
 def _stretches(recording: Recording) -> list[tuple[slice, bool]]:

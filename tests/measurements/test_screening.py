@@ -4,7 +4,19 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.measurements import OUTPUTS, REASONS, Recording, VirtualBench, screen, transitions, trento_program
+from tirefmu.measurements import (
+    OUTPUTS,
+    REASONS,
+    Recording,
+    VirtualBench,
+    alpha_sweeps,
+    concatenate,
+    kappa_sweeps,
+    phases,
+    screen,
+    transitions,
+    trento_program,
+)
 from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import published
 
@@ -129,3 +141,14 @@ def test_measured_files_lose_next_to_nothing(data_folder):
         result = screen(read_recording(data_folder / f"{name}.mat"))
         assert result.kept.mean() > 0.999
         assert set(result.counts) <= {"transition", "outlier"}
+
+
+@pytest.mark.parametrize("rate", [4.0, 10.0])
+def test_sweeps_of_few_samples_are_no_steps_and_have_no_outliers(rate):
+    """Their rows come back to the same slips, and their bends take few rows."""
+    sideways = alpha_sweeps([220.0, 700.0, 1120.0], [0.0, 0.07], sample_rate=rate)
+    along = kappa_sweeps([220.0, 700.0, 1120.0], [0.0, 0.05], sample_rate=rate)
+    recording = VirtualBench(published("trento_hoosier"), seed=3).run(concatenate([sideways, along]))
+    assert screen(recording).counts == {}
+    kinds = {kind for phase in phases(recording) for kind in [phase.kind] if phase.rows.stop - phase.rows.start > 30}
+    assert kinds <= {"sweep", "points"}
