@@ -70,12 +70,18 @@ class Unknown:
         Whether the improved tire has it: only if the untouched hold-out improves.
     effect : AddedEffect or None
         The proposed effect file.
+    not_added_because : str
+        "" where it was added.
+    next_measurement : str
+        What would show its form.
     """
 
     depends_on: tuple[str, ...]
     formula: str
     added: bool
     effect: AddedEffect | None = None
+    not_added_because: str = ""
+    next_measurement: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +170,13 @@ class Diagnosis:
             "correlation": {name: dict(others) for name, others in self.confounded_with.items()},
             "next_measurement": list(self.next_measurement),
             "unknown": [
-                {"depends_on": list(one.depends_on), "formula": one.formula, "added": one.added} for one in self.unknown
+                {
+                    "depends_on": list(one.depends_on),
+                    "formula": one.formula,
+                    "added": one.added,
+                    "not_added_because": one.not_added_because,
+                }
+                for one in self.unknown
             ],
             "not_identifiable": sorted(self.not_identifiable),
             "not_identifiable_because": dict(self.not_identifiable),
