@@ -24,7 +24,7 @@ from .extrapolation import reaches
 from .gap import gaps
 from .least_squares import LeastSquares, Solution
 from .linear import coloured_covariance
-from .proposal import added_if_better, effect_of
+from .proposal import added_if_better, effect_of, unknown_of
 from .ripple import quantisation, ripple
 from .screening import Screen, Trace
 from .search import LARGEST_P, Refit, Search
@@ -148,7 +148,7 @@ def _unknown(start: Tire, search: Search, say: Callable[[str], None]) -> tuple[t
             search.problem, search.solution = added.problem, added.solution
             search.screen = Screen(search.problem, search.solution)
             search.last = search.probe()
-        told.append(Unknown(structure.depends_on, structure.formula, added is not None, effect))
+        told.append(unknown_of(structure, effect, added))
     return tuple(told), start
 
 
@@ -167,7 +167,10 @@ def _composed(case: _Case, began: float) -> Diagnosis:
     findings = _in_order(case, covariance)
     confounded = _confounded(case)
     next_measurement = tuple(
-        dict.fromkeys(separating_measurement(name, other) for name, others in confounded.items() for other in others)
+        dict.fromkeys(
+            [separating_measurement(name, other) for name, others in confounded.items() for other in others]
+            + [one.next_measurement for one in case.unknown if one.next_measurement]
+        )
     )
     gap = gaps(before, after)
     more = [refit.name for refit in search.found]

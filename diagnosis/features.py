@@ -37,6 +37,8 @@ class Feature:
         Whether it turns with the side: a term of its own; others are factors or turn a term's size.
     written : bool
         Whether an effect file can say it.
+    parts : tuple of str
+        The texts of a product's two features.
     """
 
     text: str
@@ -44,6 +46,7 @@ class Feature:
     values: FloatArray
     odd: bool = False
     written: bool = True
+    parts: tuple[str, ...] = ()
 
     def __mul__(self, other: Feature) -> Feature:
         return Feature(
@@ -52,6 +55,7 @@ class Feature:
             self.values * other.values,
             self.odd != other.odd,
             self.written and other.written,
+            (self.text, other.text),
         )
 
 

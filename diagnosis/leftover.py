@@ -2,26 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from .features import PLACES, Feature, Place, directions, features
-from .screening import Screen, Trace
+from .linear import block_sums, regression
+from .screening import PROBE_BELIEF, Screen, Trace
 
 FloatArray = npt.NDArray[np.float64]
 
 #: Terms that a proposed formula has at most, and what a further term has to add: as a share of what the first ones
-#: explain, and in standard errors.
+#: explain, and in standard errors; in more of them where it brings a further variable.
 MOST_TERMS = 3
-WORTH = 0.01
-WORTH_ERRORS = 1.5
+WORTH = 0.03
+WORTH_ERRORS = 2.0
+WORTH_ERRORS_OF_VARIABLE = 2.5
 #: What structure has to pass.
 LARGEST_P = 1e-4
 LARGEST_P_OF_BLOCKS = 1e-3
 LEAST_ERRORS = 1.2
 LEAST_GAIN = 0.03
+#: Structure of the tire gains in every part of a recording, a proxy of something else where it was fitted: stretches
+#: that are left out as a whole, in how many of them it has to gain, and the share of the gain that has to remain.
+STRETCHES = 8
+LEAST_STRETCHES = 6
+LEAST_CARRIED = 0.5
 #: Columns whose cross-validation is worked out, of the many that are correlated with the residual.
 SHORTLIST = 12
 #: Inputs of the steady core: structure in these alone is another form of the base, no missing effect.
@@ -45,6 +53,8 @@ class Structure:
         Under coloured noise, adjusted for all columns tried.
     columns : ndarray, shape (n_channels, n, n_terms)
         What one unit of each term does to the forces, N and N m.
+    carried : ndarray, shape (STRETCHES,)
+        Gain in each long stretch of the recording by what the others say, as a share of the squared misfit of all.
     """
 
     place: Place
@@ -55,12 +65,19 @@ class Structure:
     gains: FloatArray
     p: float
     columns: FloatArray
+    carried: FloatArray
 
     @property
     def passes(self) -> bool:
         """Whether it is more than noise; the many forms tried make the bar higher than that of a named effect."""
         significant = self.p < LARGEST_P and self.trace.p_blocks < LARGEST_P_OF_BLOCKS
-        return significant and self.gain > max(LEAST_ERRORS * self.gain_error, LEAST_GAIN)
+        return significant and self.gain > max(LEAST_ERRORS * self.gain_error, LEAST_GAIN) and self.carries_over
+
+    @property
+    def carries_over(self) -> bool:
+        """Whether what it was fitted to elsewhere holds in nearly every part of the recording."""
+        everywhere = int(np.sum(self.carried > 0.0)) >= LEAST_STRETCHES
+        return everywhere and float(self.carried.sum()) > LEAST_CARRIED * self.gain
 
     @property
     def depends_on(self) -> tuple[str, ...]:
@@ -80,8 +97,17 @@ class Structure:
     @property
     def formula(self) -> str:
         """The proposal as a reader sees it."""
-        size = self.trace.estimate
-        terms = " ".join(f"{value:+.3g}*{_told(term)}" for value, term in zip(size, self.terms, strict=True))
+        return self.formula_with(self.trace.estimate)
+
+    def formula_with(self, sizes: Sequence[float] | FloatArray) -> str:
+        """Return the proposal with coefficients of these sizes.
+
+        Parameters
+        ----------
+        sizes : sequence of float
+            By term.
+        """
+        terms = " ".join(f"{value:+.3g}*{_told(term)}" for value, term in zip(sizes, self.terms, strict=True))
         head = "1 " if self.place.how == "factor" else ""
         return f"{' and '.join(self.place.quantities)}, {self.place.how}: {head}{terms}"
 
@@ -119,32 +145,73 @@ def structure_of(screen: Screen) -> Structure | None:
     terms = tuple(what[i][1] for i in chosen)
     acts = directions(screen)[place.name]
     plain = np.stack([acts * term.values for term in terms], axis=-1)
-    return Structure(place, terms, trace, float(gains.sum()) / total, error, gains, p, plain)
+    carried = _carried(screen, trace.columns)
+    return Structure(place, terms, trace, float(gains.sum()) / total, error, gains, p, plain, carried)
+
+
+def _carried(screen: Screen, columns: FloatArray) -> FloatArray:
+    """Return the gain of columns in each long stretch when it is left out, as a share of the squared misfit of all."""
+    marks = np.round(np.linspace(0, screen.n_blocks, STRETCHES + 1)).astype(int)
+    edges, n_columns = screen.edges[marks], columns.shape[-1]
+    without = regression(block_sums(screen.tangent, screen.residual, edges), screen.belief, screen.pull)
+    whole = np.concatenate([screen.tangent, columns], axis=-1)
+    belief = np.concatenate([screen.belief, np.full(n_columns, PROBE_BELIEF**-2.0)])
+    pull = np.concatenate([screen.pull, np.zeros(n_columns)])
+    beside = regression(block_sums(whole, screen.residual, edges), belief, pull)
+    return np.asarray((without.loss - beside.loss) / without.loss.sum())
 
 
 def _grown(
     screen: Screen, columns: FloatArray, what: list[tuple[Place, Feature]], chosen: list[int], trace: Trace
 ) -> tuple[list[int], Trace]:
-    """Add terms at the same place for as long as they are worth it."""
+    """Add terms at the same place for as long as they are worth it.
+
+    Beside those that explain most, the parts of a product are tried: from where its parts are counted is arbitrary, and
+    with them it does not matter (marginality: Nelder, A reformulation of linear models, 1977).
+    """
     place = what[chosen[0]][0]
     same = [i for i, (other, _) in enumerate(what) if other is place]
-    start = float(screen.base.loss.sum())
     while len(chosen) < MOST_TERMS:
         fitted = columns[:, :, chosen] @ trace.estimate
         rest = screen.residual - screen.project(fitted[:, :, None])[:, :, 0]
-        scores = _scores(screen, columns[:, :, same], rest)
-        options = [same[k] for k in np.argsort(-scores)[:4] if same[k] not in chosen]
-        traces = [(screen.trace(columns[:, :, [*chosen, i]]), i) for i in options]
-        if not traces:
+        order = [same[k] for k in np.argsort(-_scores(screen, columns[:, :, same], rest))]
+        parts = {part for i in chosen for part in what[i][1].parts}
+        options = [*order[:4], *(i for i in order[4:] if what[i][1].text in parts)]
+        traces = [(screen.trace(columns[:, :, [*chosen, i]]), i) for i in options if i not in chosen]
+        known = frozenset().union(place.carries, *(what[i][1].depends_on for i in chosen))
+        best = _best(screen, trace, [(more, i, what[i][1].depends_on <= known) for more, i in traces])
+        if best is None:
             break
-        more, i = min(traces, key=lambda one: float(one[0].loss.sum()))
-        gained = start - float(trace.loss.sum())
-        adds = trace.loss - more.loss
-        error = float(np.sqrt(len(adds)) * np.std(adds, ddof=1))
-        if float(adds.sum()) < max(WORTH * gained, WORTH_ERRORS * error):
-            break
-        chosen, trace = [*chosen, i], more
+        trace, i = best
+        chosen = [*chosen, i]
     return chosen, trace
+
+
+def _best(screen: Screen, trace: Trace, richer: list[tuple[Trace, int, bool]]) -> tuple[Trace, int] | None:
+    """Return the richer trace that is most worth it, or None; one without a further variable comes first.
+
+    Parameters
+    ----------
+    screen : Screen
+    trace : Trace
+        So far.
+    richer : list of (Trace, int, bool)
+        With the added column, and whether its variables are known.
+    """
+    least = WORTH * float(np.sum(screen.base.loss - trace.loss))
+    for wanted in (True, False):
+        errors = WORTH_ERRORS if wanted else WORTH_ERRORS_OF_VARIABLE
+        worth = [(more, i) for more, i, known in richer if known == wanted and _adds(trace, more, errors) > least]
+        if worth:
+            return min(worth, key=lambda one: float(one[0].loss.sum()))
+    return None
+
+
+def _adds(trace: Trace, more: Trace, errors: float) -> float:
+    """Return what a richer trace gains in cross-validation; 0 where that is within so many standard errors."""
+    gains = trace.loss - more.loss
+    error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
+    return float(gains.sum()) if float(gains.sum()) > errors * error else 0.0
 
 
 def _dictionary(screen: Screen) -> tuple[FloatArray, list[tuple[Place, Feature]]]:

@@ -14,6 +14,7 @@ from tirefmu.tires.tire import Tire
 from .least_squares import LeastSquares, Solution
 from .leftover import Structure
 from .simulation import Simulator
+from .verdict import Unknown
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -76,6 +77,39 @@ def effect_of(structure: Structure) -> AddedEffect | None:
         f'source = "proposed by the diagnosis of a recording"\n[coefficients]\n{cards}\n{acts}\n'
     )
     return read_effect(text, f"{name}.toml")
+
+
+def unknown_of(structure: Structure, effect: AddedEffect | None, added: Added | None) -> Unknown:
+    """Return what a verdict tells of structure that no known effect explains.
+
+    Parameters
+    ----------
+    structure : Structure
+    effect : AddedEffect or None
+        What `effect_of` made of it.
+    added : Added or None
+        What `added_if_better` made of it.
+    """
+    formula, why = structure.formula, ""
+    if added:
+        place = added.problem.simulator.place
+        formula = structure.formula_with([added.solution.parameters[place[card.name]] for card in added.effect.cards])
+    elif effect:
+        why = "the rows kept apart do not come closer by it"
+    else:
+        why = "it depends on how an input changes: an effect file knows the inputs of the moment, no rate and no memory"
+    asks = [_SHOWN_BY[name] for name in structure.depends_on if name in _SHOWN_BY]
+    return Unknown(structure.depends_on, formula, added is not None, effect, why, asks[0] if asks else "")
+
+
+#: What shows the form of structure that depends on a rate: a lag goes by distance rolled, a delay by time, friction
+#: within the carcass by the direction alone.
+_SHOWN_BY = {
+    "dalpha/dt": "sweep alpha at three rates and two speeds, up and down",
+    "dkappa/dt": "sweep kappa at three rates and two speeds, up and down",
+    "dFz/dt": "step the load at constant slip, at two speeds",
+    "memory": "hold the slip after a sweep, and repeat the sweep after a rest",
+}
 
 
 def _reach(size: float) -> float:

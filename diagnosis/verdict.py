@@ -74,12 +74,18 @@ class Unknown:
         Whether the improved tire has it: only if the untouched hold-out improves.
     effect : AddedEffect or None
         The proposed effect file.
+    not_added_because : str
+        "" where it was added.
+    next_measurement : str
+        What would show its form.
     """
 
     depends_on: tuple[str, ...]
     formula: str
     added: bool
     effect: AddedEffect | None = None
+    not_added_because: str = ""
+    next_measurement: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,6 +203,7 @@ class Diagnosis:
                     "formula": one.formula,
                     "added": one.added,
                     "file": f"{one.effect.name}.toml" if one.effect else None,
+                    "not_added_because": one.not_added_because,
                 }
                 for one in self.unknown
             ],
