@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test fuzz discovery wine sanitize examples check generate types bench clean
+.PHONY: demo test fuzz discovery real wine sanitize examples check generate types bench clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the whole circle on the built-in virtual bench
@@ -24,6 +24,9 @@ fuzz: $(VENV)/installed-dev  ## 10,000 mutated .tir and CSV files; a hang is sho
 
 discovery: $(VENV)/installed-dev  ## how often the diagnosis is right, over about a hundred made recordings
 	$(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)
+
+real: $(VENV)/installed-dev  ## the diagnosis on the measured recordings in TIREFMU_DATA, held-out sweeps judging
+	$(BIN)/python benchmarks/real_discovery.py $(REAL_ARGS)
 
 wine: $(VENV)/installed-dev  ## the FMU's Windows binary under wine64 gives the digits of the Linux one
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cross]"
