@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test fuzz discovery recovery wine sanitize examples check generate types bench bench-fit clean
+.PHONY: demo test fuzz discovery recovery real wine sanitize examples check generate types bench bench-fit clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the whole circle on the built-in virtual bench
@@ -27,6 +27,9 @@ discovery: $(VENV)/installed-dev  ## how often the diagnosis is right, over 116 
 
 recovery: $(VENV)/installed-dev  ## known coefficients found again: 100 refits a model, 50 starts; RECOVERY_ARGS=--quick for a look
 	$(BIN)/python benchmarks/recovery.py $(RECOVERY_ARGS)
+
+real: $(VENV)/installed-dev  ## the diagnosis on the measured recordings in TIREFMU_DATA, held-out sweeps judging
+	$(BIN)/python benchmarks/real_discovery.py $(REAL_ARGS)
 
 wine: $(VENV)/installed-dev  ## the FMU's Windows binary under wine64 gives the digits of the Linux one
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cross]"

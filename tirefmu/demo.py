@@ -219,9 +219,9 @@ def _diagnosis(start: Tire, recording: Recording, folder: Path, terminal: Termin
     for one in result.found:
         told = ", ".join(f"{n} {c.value:.3g} ({c.lower:.3g} to {c.upper:.3g})" for n, c in one.coefficients.items())
         terminal.print(f"  What: {one.effect} in {', '.join(one.channels)}; {told or 'no coefficients'}")
-    for one in result.where:
-        if one["channel"] == "Fy" and one["over"] == ["Fz", "gamma"]:
-            terminal.print(f"  Where: {_cell(one['worst'])}")
+    for seen in result.where:
+        if seen["channel"] == "Fy" and seen["over"] == ["Fz", "gamma"]:
+            terminal.print(f"  Where: {_cell(seen['worst'])}")
     gap = result.gap["holdout"]["Fy"]
     terminal.print(
         f"  How much: Fy on the hold-out {gap['before']:.3g} N before, {gap['after']:.3g} N after, noise "
