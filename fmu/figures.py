@@ -108,7 +108,7 @@ def _draw_values(ax: Axes, result: CheckResult, channel: Channel) -> None:
     for i, rows in enumerate(_stretches(result)):
         shown = result.simulated[channel.name].to_numpy()[rows]
         marker = "." if len(shown) == 1 else ""
-        ax.plot(time[rows], shown, marker, ls="-", color=MODEL, lw=0.9, label="FMU" if i == 0 else None)
+        ax.plot(time[rows], shown, marker=marker, color=MODEL, lw=0.9, label="FMU" if i == 0 else None)
     told = f"RMSE {channel.rmse:.4g} {channel.unit} ({channel.relative_rmse:.2%} of the largest), R2 {channel.r2:.4f}"
     ax.set_title(told, fontsize=9, loc="left")
     ax.set_ylabel(f"{channel.name} ({channel.unit})")
