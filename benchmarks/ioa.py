@@ -326,7 +326,7 @@ def draw(told: dict[str, tuple[Block, dict[str, Run]]], path: Path) -> None:
         axis.set_xlabel("CPU time, s")
     for axis in axes[:, 0]:
         axis.set_ylabel("sum of squares, N$^2$")
-    figure.legend(*axes[1, 1].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    figure.legend(*axes[1, 2].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     figure.savefig(path, dpi=110, metadata={"Software": None})
     plt.close(figure)
 

@@ -47,10 +47,11 @@ class Evolution:
     What the paper leaves open, and was chosen here: four individuals per free coefficient, 40 at least and 120 at
     most; F in 0.4 .. 1, CP in 0.2 .. 1, MP in 0.02 .. 0.1, range in 0.005 .. 0.1 (with a smaller F a population
     collapses where it happens to be, and without mutation it never leaves that place), made by the same crossing and
-    mutation as the coefficients, with the parent's genes, and used for the trial that carries them; the start is one of the first population; a whole generation is made before any of
-    it is judged. Conditions by the rules of feasibility (Deb 2000): what keeps them beats what does not; among the
-    first the lower cost counts, among the others the smaller sum of violations. A coefficient that a recipe leaves
-    unbounded is sought within its card's bounds.
+    mutation as the coefficients, with the parent's genes, and used for the trial that carries them; the start is one
+    of the first population; a whole generation is made before any of it is judged. Conditions by the rules of
+    feasibility (Deb 2000): what keeps them beats what does not; among the first the lower cost counts, among the
+    others the smaller sum of violations. A coefficient that a recipe leaves unbounded is sought within its card's
+    bounds.
 
     Beyond the paper it also stops where a tenth of the limit's generations, 250 at least, has brought the cost down by
     less than the share that makes IPOPT stop. That is called converged as there, and is as little a proof that there
