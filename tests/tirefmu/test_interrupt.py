@@ -23,9 +23,13 @@ def test_a_process_that_gets_the_signal(command, bench_csv, tmp_path):
     where = tmp_path / "tire.tir", tmp_path / "tire.json", tmp_path / "tire.html"
     places = ["-o", where[0], "--json", where[1], "--report", where[2]]
     saved = tmp_path / "tire.progress.json"
+
+    def listening():  # to what a shell takes from what it runs in the background
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+
     process = subprocess.Popen(
         [sys.executable, "-m", "tirefmu", *line, *map(str, places)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=listening,
     )  # fmt: skip
     while not saved.exists() and process.poll() is None:
         time.sleep(0.001)
