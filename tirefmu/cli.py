@@ -125,7 +125,7 @@ def evaluate(
 @click.option("--recipe", default="progressive", show_default=True,
               help="progressive, joint, trento, scaling (of --start), or a TOML file.")  # fmt: skip
 @click.option("--constraint", callback=names, default="none",
-              help="Physical conditions to keep beside the usual ones: extrapolation (E and G beyond the data, too), "
+              help="Physical conditions to keep beside the usual ones: extrapolation (signs and E to 1.5 times the range), "
                    "stiffness_saturating (K_xkappa, too), or all.")  # fmt: skip
 @click.option("--without-constraint", callback=names, default="none",
               help="Physical conditions not to keep: signs, curvature, friction_falling, stiffness_saturating, "
