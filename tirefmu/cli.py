@@ -125,8 +125,8 @@ def evaluate(
 @click.option("--recipe", default="progressive", show_default=True,
               help="progressive, joint, trento, scaling (of --start), or a TOML file.")  # fmt: skip
 @click.option("--constraint", callback=names, default="none",
-              help="Physical conditions to keep beside the usual ones: extrapolation (signs and E to 1.5 times the range), "
-                   "stiffness_saturating (K_xkappa, too), or all.")  # fmt: skip
+              help="Physical conditions to keep beside the usual ones: extrapolation (signs and E to "
+                   "1.5 times the range), stiffness_saturating (K_xkappa, too), or all.")  # fmt: skip
 @click.option("--without-constraint", callback=names, default="none",
               help="Physical conditions not to keep: signs, curvature, friction_falling, stiffness_saturating, "
                    "extrapolation, one of them (curvature:E_y), or all.")  # fmt: skip
