@@ -11,8 +11,8 @@ friction_falling
 stiffness_saturating
     Slip stiffness grows no faster than load.
 extrapolation
-    The first two kinds also where loads and slips reach 1.5 times as far as in the data: there no sign flips. E <= 1,
-    without which a curve turns over and kinks, and G > 0 hold there only on request, as ``--constraint extrapolation``.
+    The first two kinds also where loads and slips reach 1.5 times as far as in the data: there no sign flips, and
+    as E above 1 is what turns a curve over, no kink comes. On request only.
 
 They are imposed on the corners of the range of the data, verified on a dense grid that has these corners, and imposed
 where they were broken there. Bounds are in adapted SAE signs.
@@ -37,12 +37,9 @@ TOLERANCE = 1e-6
 KINDS = ("signs", "curvature", "friction_falling", "stiffness_saturating", "extrapolation")
 #: How much further than in the data loads and slips reach in an extrapolation.
 REACH = 1.5
-#: Conditions that hold only where somebody asks for them, as published tires break them: the longitudinal stiffness of
-#: passenger car tires grows faster than load, and E and G beyond the data bend what is measured within them.
-ON_REQUEST = (
-    "stiffness_saturating:K_xkappa", "extrapolation:E_x", "extrapolation:E_y", "extrapolation:E_t",
-    "extrapolation:E_xalpha", "extrapolation:E_ykappa", "extrapolation:G_xa", "extrapolation:G_yk",
-)  # fmt: skip
+#: Conditions and kinds that hold only where somebody asks for them. Published tires break them: the longitudinal
+#: stiffness of passenger car tires grows faster than load, and what is asked beyond the data bends what is within them.
+ON_REQUEST = ("stiffness_saturating:K_xkappa", "extrapolation")
 
 
 @dataclass(frozen=True)
@@ -256,7 +253,9 @@ def chosen_constraints(
 
     return {
         output: tuple(
-            each for each in own if not meant(each, without) and (each.name not in ON_REQUEST or meant(each, also))
+            each
+            for each in own
+            if not meant(each, without) and (not {each.kind, each.name} & set(ON_REQUEST) or meant(each, also))
         )
         for output, own in conditions.items()
     }

@@ -56,14 +56,11 @@ def told_conditions(margins: Sequence[Margin]) -> list[Condition]:
 
 
 def told_extrapolation(result: FitResult) -> str:
-    """Say how far the extrapolation goes; empty where nothing is kept there."""
+    """Say how far the extrapolation goes; or that nothing is kept there."""
     far = [margin.at for margin in result.margins if margin.name.startswith("extrapolation:")]
     if not far:
-        return ""
-    return (
-        f"beyond: slips {REACH:g} times as far as the data, loads {REACH:g} times as high and as low"
-        " (E and G there: --constraint extrapolation)"
-    )
+        return "nothing is kept beyond the data (--constraint extrapolation)"
+    return f"beyond: slips {REACH:g} times as far as the data, loads {REACH:g} times as high and as low"
 
 
 def told_differences(result: FitResult) -> list[Disagreement]:

@@ -128,12 +128,9 @@ def evaluate(
               help="ipopt, or ioa: an evolutionary algorithm without derivatives, for comparison.")  # fmt: skip
 @click.option("--iterations", type=click.IntRange(min=1), help="The most that a stage may take [ipopt 300, ioa 10000].")
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of ioa's random draws.")
-@click.option(
-    "--constraint",
-    callback=names,
-    default="none",
-    help="Physical conditions to keep beside the usual ones: a kind, or one of them (kind:quantity).",
-)
+@click.option("--constraint", callback=names, default="none",
+              help="Physical conditions to keep beside the usual ones: extrapolation (signs and E to "
+                   "1.5 times the range), stiffness_saturating (K_xkappa, too), or all.")  # fmt: skip
 @click.option("--without-constraint", callback=names, default="none",
               help="Physical conditions not to keep: signs, curvature, friction_falling, stiffness_saturating, "
                    "extrapolation, one of them (curvature:E_y), or all.")  # fmt: skip

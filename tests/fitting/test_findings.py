@@ -14,9 +14,10 @@ from tirefmu.fitting.agreement import disagreeing_files, disagreeing_segments, s
 from tirefmu.fitting.findings import by_condition
 from tirefmu.fitting.reasons import at_bounds, undetermined
 from tirefmu.fitting.residuals import Residuals
+from tirefmu.fitting.result import Margin
 from tirefmu.fitting.ripple import ripple
 from tirefmu.fitting.stiffness import slip_stiffnesses
-from tirefmu.fitting.telling import told_conditions, told_differences, told_ripple
+from tirefmu.fitting.telling import told_conditions, told_differences, told_extrapolation, told_ripple
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps
 
 NOISE = 5.0
@@ -210,11 +211,12 @@ def test_the_result_tells_it_all_in_strict_json(side_fit):
 
 
 def test_every_margin_is_told_once_beside_its_extrapolation(side_fit):
-    result, _ = side_fit
+    far = Margin("mu_y > 0, 1.5 x the range", 0.5, 0.49, {"Fz": 1680.0}, "extrapolation:mu_y")
+    result = replace(side_fit[0], margins=(*side_fit[0].margins, far))
     told = told_conditions(result.margins)
     shown = [margin.name for each in told for margin in (each.inside, each.beyond) if margin is not None]
     assert sorted(shown) == sorted(margin.name for margin in result.margins)
+    assert "1.5 times" in told_extrapolation(result)
+    assert "nothing is kept" in told_extrapolation(side_fit[0])
     (friction,) = (each for each in told if each.constraint == "mu_y > 0")
-    assert friction.beyond is not None
-    assert friction.beyond.at["Fz"] == pytest.approx(1.5 * 1120.0)
-    assert friction.beyond.margin < friction.inside.margin
+    assert friction.beyond == far
