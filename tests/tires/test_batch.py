@@ -92,8 +92,9 @@ def test_the_entries_are_all_that_is_not_zero(model, parameters):
 @pytest.mark.parametrize("language", ["numpy", "c", "batch"])
 def test_chunks_are_the_entries_in_turn(model, parameters, language):
     code, rows = code_for(model, language), rows_of(model, 150)
-    if MODELS[model].on_demand:
-        rows[row_of(model, "phit"), 140] = 0.1  # no row for a kernel
+    # No row for a kernel; NumPy would take another routine, with other rounding, for the chunks without it.
+    if MODELS[model].on_demand and language != "numpy":
+        rows[row_of(model, "phit"), 140] = 0.1
     for inputs in (rows, rows[:, :130]):
         chunks = [(place, entries.copy()) for place, entries in code.jacobian_chunks(inputs, parameters, 64)]
         assert [place.stop - place.start for place, _ in chunks] == [64, 64, inputs.shape[1] - 128]
