@@ -22,6 +22,8 @@ MEMORIES = (0.5, 2.0, 8.0)
 SHORTEST, LONGEST = 0.3, 60.0
 #: What the share of noise without any memory is believed to be, and how firmly (in log variances, of one row).
 WHITE_SHARE, WHITE_BELIEF = 0.05, 1e-3
+#: Mean square below which a weighted residual is taken for exact.
+LEAST_POWER = 1e-6
 #: A time beyond every memory, s: before the first row.
 LONG_AGO = 1e9
 
@@ -74,7 +76,7 @@ def memories_of(residual: FloatArray, present: BoolArray, step: float) -> Memori
     rows = np.where(present, residual, 0.0)
     power = np.abs(fft.rfft(rows))[1:-1] ** 2 / max(int(present.sum()), 1)
     wave = np.cos(2.0 * np.pi * fft.rfftfreq(len(rows))[1:-1])
-    whole = float(np.mean(residual[present] ** 2)) + 1e-300
+    whole = max(float(np.sum(rows**2)) / max(int(present.sum()), 1), LEAST_POWER)
 
     def memories(x: FloatArray) -> Memories:
         white, short, drift, memory = (float(value) for value in np.exp(x[[0, 1, 2, 4]]))

@@ -152,10 +152,12 @@ class Search:
         root = self.problem.root
         noise = tuple(memories_of(*rows, step) for rows in zip(rest, root > 0.0, strict=True))
         whitening = Whitening(noise, t, root)
-        first = replace(before.problem, whitening=whitening)
-        start = first.solve(before.solution.parameters, before.solution.free, iterations=SETTLED)
-        precise = replace(self.problem, whitening=whitening)
+        precise, same = replace(self.problem, whitening=whitening), self.solution is before.solution
         self.solution = precise.solve(self.solution.parameters, self.solution.free, iterations=SETTLED)
+        start = self.solution
+        if not same:
+            first = replace(before.problem, whitening=whitening)
+            start = first.solve(before.solution.parameters, before.solution.free, iterations=SETTLED)
         self.precise = Screen(precise, self.solution)
         self.precise.learn_noise({})
         self.screen = Screen(self.problem, self.solution)
