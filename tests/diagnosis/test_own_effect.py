@@ -63,7 +63,7 @@ def test_the_book_has_its_lines(answered):
     improved = read_tir(answered[0] / "improved.tir")
     assert EFFECT.name in improved.has
     assert improved.values["FLASH1"] == pytest.approx(HIDDEN, rel=0.15)
-    assert any("FLASH1*" in line for line in improved.book.as_written(improved.has).values())
+    assert any("FLASH1*" in str(line) for line in improved.book.as_written(improved.has).values())
     page = (answered[0] / "report.html").read_text(encoding="utf-8")
     assert "FLASH1*sqrt(" in page
 
@@ -99,7 +99,7 @@ def test_a_tire_exported_by_itself_carries_the_effect(answered, tmp_path):
         ("FLASH1*sqrt", "FLASH1.__class__*sqrt", "has no place in a formula"),
         ("FLASH1*sqrt", "__builtins__*FLASH1*sqrt", "__builtins__"),
         ("kappa**2", "kappa**999999999", "too high"),
-        ("kappa**2", "9**9**9**9", "9**9**9**9"),
+        ("kappa**2", "9**9**9**9", "a power of 387420489 is too high"),
         ("abs(V)", "abs(VV)", "reads 'VV', which"),
         ("abs(V)", "[V for V in (1,)][0]", "has no place in a formula"),
         ('on = "mu_y"', 'on = "mu"', "acts on 'mu', which is no named quantity"),
