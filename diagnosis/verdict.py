@@ -16,7 +16,7 @@ from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.tire import Tire
 
 #: Version of diagnosis.json: a new key raises the second number, a changed meaning the first.
-VERSION = "1.0"
+VERSION = "1.1"
 
 
 @dataclass(frozen=True)
