@@ -22,7 +22,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from diagnosis.kinds import WHOLE, case_of
 from discovery_score import Outcome, judged
-from discovery_table import put_table, table_of
+from discovery_table import put_table, split_page, table_of
 
 from tirefmu.diagnosis import diagnose
 
@@ -69,11 +69,15 @@ def main() -> None:
     parser.add_argument("--table", type=Path, help="a Markdown file whose measured part is replaced by the table")
     parser.add_argument("--json", type=Path, help="a file for what became of each case, a line each")
     asked = parser.parse_args()
+    if asked.table:
+        split_page(asked.table)  # said before the long run, not after it
     tasks: list[tuple[str, int]] = []
     for word in asked.only.split(","):
         kind, _, number = word.partition(":")
         if kind not in WHOLE:
             parser.error(f"--only {kind}: not one of {', '.join(WHOLE)}")
+        if number and not (number.isdigit() and int(number) < WHOLE[kind]):
+            parser.error(f"--only {word}: {kind} has the cases 0 to {WHOLE[kind] - 1}")
         count = min(WHOLE[kind], QUICK) if asked.quick else WHOLE[kind]
         tasks += [(kind, int(number))] if number else [(kind, i) for i in range(count)]
     told = []

@@ -31,6 +31,27 @@ def table_of(outcomes: Sequence[Outcome], made_by: str) -> str:
     return "\n\n".join(parts)
 
 
+def split_page(page: Path) -> tuple[str, str]:
+    """Return what a page says before and after the place of the table, marks included.
+
+    Parameters
+    ----------
+    page : Path
+
+    Raises
+    ------
+    SystemExit
+        If the page cannot be read or has no such place.
+    """
+    try:
+        text = page.read_text(encoding="utf-8")
+    except OSError as error:
+        raise SystemExit(f"{page}: cannot be read ({error.strerror})") from None
+    if BEGIN not in text or END not in text:
+        raise SystemExit(f"{page}: lacks the lines {BEGIN} and {END}, between which the table goes")
+    return text[: text.index(BEGIN)] + BEGIN, text[text.index(END) :]
+
+
 def put_table(page: Path, table: str) -> None:
     """Put a table between the marks of a page.
 
@@ -39,11 +60,8 @@ def put_table(page: Path, table: str) -> None:
     page : Path
     table : str
     """
-    text = page.read_text(encoding="utf-8")
-    if BEGIN not in text or END not in text:
-        raise SystemExit(f"{page}: lacks the lines {BEGIN} and {END}")
-    head, tail = text[: text.index(BEGIN)], text[text.index(END) :]
-    page.write_text(f"{head}{BEGIN}\n\n{table}\n\n{tail}", encoding="utf-8")
+    head, tail = split_page(page)
+    page.write_text(f"{head}\n\n{table}\n\n{tail}", encoding="utf-8")
 
 
 def _grid(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

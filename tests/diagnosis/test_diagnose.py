@@ -88,6 +88,8 @@ def test_structure_that_no_effect_explains_is_unknown():
     assert [one.effect for one in diagnosis.found] == ["UNKNOWN"]
     assert "dalpha/dt" in diagnosis.unknown[0].depends_on
     assert not diagnosis.unknown[0].added
+    assert "no memory" in diagnosis.unknown[0].not_added_because
+    assert any("at three rates" in text for text in diagnosis.next_measurement)
     assert squared_gap(diagnosis.tire, case, diagnosis) <= 1.001 * squared_gap(diagnosis.base_tire, case, diagnosis)
 
 

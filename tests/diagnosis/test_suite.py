@@ -1,0 +1,104 @@
+"""A few cases of the suite, and that the suite is what it says; `make discovery` runs all of it."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+import sympy as sp
+
+from tirefmu.diagnosis.candidates import CONTRACT
+from tirefmu.diagnosis.diagnose import diagnose
+from tirefmu.diagnosis.features import features
+from tirefmu.diagnosis.signals import signals_of
+from tirefmu.symbolic.added.formula import formula
+
+from .kinds import CONFOUNDED, WHOLE, case_of
+from .suite import BENT, SIZES, TROUBLES, UNKNOWN, make_case
+
+
+def answer(case):
+    return diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
+
+
+def closed(case, diagnosis):
+    """Return the share of the squared gap on other manoeuvres that the improved tire closes."""
+    inputs = case.test.drop(columns=list(diagnosis.gap["train"]))
+    before, after = (
+        sum(
+            np.mean((tire.evaluate(inputs, signs=case.signs)[name] - case.test[name]) ** 2) / part["floor"] ** 2
+            for name, part in diagnosis.gap["train"].items()
+        )
+        for tire in (diagnosis.base_tire, diagnosis.tire)
+    )
+    return 1.0 - after / before
+
+
+def test_every_effect_of_the_contract_is_hidden():
+    assert set(SIZES) == set(CONTRACT)
+    assert WHOLE["single"] >= 2 * len(CONTRACT)
+    assert WHOLE["null"] >= 30
+    assert WHOLE["double"] >= 5
+    assert WHOLE["bent"] >= 10
+    assert WHOLE["confounded"] == len(CONFOUNDED)
+
+
+def test_a_number_is_always_the_same_recording():
+    first, again = case_of("null", 3), case_of("null", 3)
+    pd.testing.assert_frame_equal(first.table, again.table)
+    assert not first.table.equals(case_of("null", 4).table)
+
+
+@pytest.mark.parametrize("trouble", TROUBLES)
+def test_every_trouble_changes_the_recording_alone(trouble):
+    plain, troubled = (make_case(5, sweeps=2, trouble=names) for names in ((), (trouble,)))
+    pd.testing.assert_frame_equal(plain.truth, troubled.truth)
+    assert not plain.table.equals(troubled.table)
+
+
+@pytest.mark.parametrize("bent", BENT)
+def test_a_bent_formula_differs_by_a_few_percent(bent):
+    plain, other = (make_case(5, sweeps=4, bent=name).truth[["Fx", "Fy"]] for name in ("", bent))
+    assert 0.003 < np.sqrt(((other - plain) ** 2).mean() / (plain**2).mean()).max() < 0.15
+
+
+def test_the_text_of_a_feature_is_its_values():
+    case = make_case(5, sweeps=6)
+    tire = case.tire.in_signs("adapted-sae")
+    signals = signals_of(case.table, tire, "adapted-sae")
+    named = signals.named()
+    known = {**tire.values, **named}
+    for feature in [one for many in features(signals, tire) for one in many if one.written]:
+        expression = formula(feature.text, "a feature")
+        names = sorted(symbol.name for symbol in expression.free_symbols)
+        compute = sp.lambdify(
+            [sp.Symbol(name, real=True) for name in names], expression, [{"absolute": np.abs}, "numpy"]
+        )
+        np.testing.assert_allclose(compute(*(known[name] for name in names)), feature.values, rtol=1e-9, atol=1e-12)
+        assert set(feature.depends_on) <= set(named)
+
+
+def test_an_unknown_effect_is_written_into_the_book():
+    case = case_of("unknown", list(UNKNOWN).index("whirl"))
+    diagnosis = answer(case)
+    assert [one.effect for one in diagnosis.found] == ["UNKNOWN"]
+    assert diagnosis.unknown[0].added
+    assert set(diagnosis.unknown[0].depends_on) == UNKNOWN["whirl"]
+    assert closed(case, diagnosis) > 0.9
+
+
+def test_a_confounding_program_is_told_with_what_separates():
+    _, hidden, others, confounded, words = CONFOUNDED[1]
+    diagnosis = answer(case_of("confounded", 1))
+    names = {hidden, *others.split()}
+    assert diagnosis.found[0].effect in names
+    told = {diagnosis.found[0].effect, *diagnosis.confounded_with[diagnosis.found[0].effect]}
+    assert {hidden, *confounded.split()} <= told
+    assert any(re.search(words, text) for text in diagnosis.next_measurement)
+
+
+def test_turn_slip_is_found_where_it_was_recorded():
+    case = case_of("single", list(SIZES).index("turn_slip"))
+    diagnosis = answer(case)
+    assert [one.effect for one in diagnosis.found] == ["turn_slip"]
+    assert closed(case, diagnosis) > 0.8
