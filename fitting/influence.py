@@ -36,7 +36,7 @@ def influence(tire: Tire, rows: Rows, names: Sequence[str]) -> set[str]:
     book, code = tire.book, fastest_code(tire.book)
     order = list(book.parameters)
     cards = [book.coefficients[name] for name in names]
-    columns, factors = np.array([order.index(name) for name in names]), tire.rescaled
+    columns, factors = np.array([order.index(name) for name in names], dtype=int), tire.rescaled
     sizes = np.array([usual_size(c.lower, c.upper, tire.values[c.name]) * factors.get(c.name, 1.0) for c in cards])
     there = np.isfinite(rows.measured)
     squares = np.sum(np.where(there, rows.measured, 0.0) ** 2, axis=0)

@@ -225,7 +225,7 @@ class FitResult:
         if self.interrupted:
             return f"interrupted in {self.interrupted}: the values are the best so far"
         if failed:
-            return f"not converged: stage {failed[0].name!r} ended with {failed[0].reason}"
+            return f"not converged: stage {failed[0].name!r} ended: {failed[0].reason}"
         if broken:
             return f"constraint {broken[0].constraint} broken by {-broken[0].margin:.3g}"
         return "converged"

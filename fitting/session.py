@@ -18,8 +18,7 @@ from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
 from .checkpoint import Checkpoint, Ended, Release, State
-from .constraints import TOLERANCE, Constraint, chosen_constraints, grid, operating_range
-from .imposed import measured_values
+from .constraints import Constraint, chosen_constraints, operating_range
 from .influence import generic, influence, usual_size
 from .interruption import Interruption
 from .ipopt import Solution
@@ -31,14 +30,14 @@ from .problem import Problem, Rows, coefficients_by_output, emphasis, equal_weig
 from .recipe import Freed, Recipe, Stage
 from .residuals import Residuals
 from .restarts import best_end
-from .result import ChannelFit, FitResult, FittedCoefficient, Margin, StageFit, quality
+from .result import ChannelFit, FitResult, FittedCoefficient, StageFit, quality
 from .uncertainty import Direction, uncertainty
+from .verification import APPROACHED, VERIFIED, Conditions
 from .worth import weights_by_worth
 
 FloatArray = npt.NDArray[np.float64]
-#: How much denser the grid is on which constraints are verified, at the end and on the way there; how often what
-#: breaks them is added, and how much of it at a time.
-VERIFIED, APPROACHED, ROUNDS, MOST_ADDED = 4, 2, 12, 12
+#: How often what breaks the conditions is added.
+ROUNDS = 12
 #: The pull of scaled coefficients to where a stage starts, by its weights: the residual weights make the cost about
 #: 1/2, the others about the share of noise.
 RIDGE = {"equal": 1e-8, "noise": 1e-5}
@@ -78,15 +77,9 @@ class Session:
         self._notes, self._solver = notes, solver
         self._emphasis = emphasis(self._data, tire.outputs)
         self._ranges = operating_range(self._data, tire.inputs)
-        known = chosen_constraints(book.name) if conditions is None else conditions
-        self._conditions = {
-            output: [each for each in own if not each.effect or each.effect in tire.has]
-            for output, own in known.items()
-        }
-        self._broken: list[tuple[Constraint, FloatArray]] = []  # what verifying added, for later stages too
-        self._grids: dict[tuple[tuple[str, ...], bool, int], FloatArray] = {}
-        #: Parameters, and by grid all quantities there.
-        self._evaluated: tuple[FloatArray, dict[int, tuple[FloatArray, FloatArray]]] = (np.zeros(0), {})
+        self._conditions = Conditions(
+            tire, chosen_constraints(book.name) if conditions is None else conditions, self._ranges
+        )
         self._stages: list[StageFit] = []
         self._ends: list[tuple[Ended, Problem]] = []
         self._freed: dict[str, Release] = {}
@@ -113,14 +106,14 @@ class Session:
 
     def state(self) -> State:
         """Return what the next stage goes on from."""
-        broken = [(constraint.name, points) for constraint, points in self._broken]
+        broken = [(constraint.name, points) for constraint, points in self._conditions.broken]
         ended = [end for end, _ in self._ends]
         return State(self._done, dict(self._tire.values), self._freed, broken, self._stages, ended, self._notes)
 
     def restore(self, state: State) -> None:
         """Go on from there."""
-        known = {constraint.name: constraint for constraint, _ in self._constraints(self._fitted, 0)}
-        self._broken = [(known[name], points) for name, points in state.broken]
+        known = {constraint.name: constraint for constraint, _ in self._conditions.of(self._fitted)}
+        self._conditions.broken = [(known[name], points) for name, points in state.broken]
         for end in state.ended:
             stage = self._plan.stages[end.stage]
             table, channels = self._table(stage)
@@ -259,8 +252,8 @@ class Session:
         approach: bool,
     ) -> Solution:
         """Solve, verify the constraints on the dense grid, and solve again with the points that broke them."""
-        known = self._constraints(channels, 0) + self._broken
-        dense = self._constraints(channels, APPROACHED if approach else VERIFIED)
+        known = self._conditions.of(channels) + self._conditions.broken
+        dense = self._conditions.of(channels, density=APPROACHED if approach else VERIFIED)
         settle = partial(
             self._solver, problem, lower=lower, upper=upper, ridge=ridge, approach=approach, progress=report,
             stop=self._stop,
@@ -269,41 +262,13 @@ class Session:
         for _ in range(1 if approach else ROUNDS):
             if self._stop():
                 break
-            broken = self._breaking(dense, problem.parameters(solution.x))
+            broken = self._conditions.breaking(dense, problem.parameters(solution.x))
             if not broken:
                 break
-            self._broken += broken
             known = known + broken
             if not approach:
                 solution = settle(solution.x, constraints=known)
         return solution
-
-    def _breaking(
-        self, dense: Sequence[tuple[Constraint, FloatArray]], parameters: FloatArray
-    ) -> list[tuple[Constraint, FloatArray]]:
-        """Return the worst point of each broken condition and some of the others that break it."""
-        broken = []
-        for constraint, points in dense:
-            distance = constraint.distance(self._values(constraint, points, parameters))
-            outside = np.flatnonzero(distance < -TOLERANCE)
-            if outside.size:
-                order = outside[np.argsort(distance[outside], kind="stable")]
-                some = np.unique(np.linspace(0, len(order) - 1, MOST_ADDED).astype(int))
-                broken.append((constraint, points[:, order[some]]))
-        return broken
-
-    def _values(self, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
-        """Return what a constraint bounds; quantities on one grid are evaluated together."""
-        if constraint.measure != "value":
-            return measured_values(self._book, constraint, points, parameters)
-        code = fastest_code(self._book)
-        if not np.array_equal(self._evaluated[0], parameters):
-            self._evaluated = parameters.copy(), {}
-        grids = self._evaluated[1]
-        if id(points) not in grids:
-            grids[id(points)] = points, code.quantities(points, parameters)
-        values: FloatArray = grids[id(points)][1][code.quantities_names.index(constraint.quantity)]
-        return values
 
     def _stage_r2(self, rows: Rows) -> float:
         computed = fastest_code(self._tire.book).forces(rows.inputs, self._tire.parameters()).T
@@ -311,17 +276,6 @@ class Session:
         weighed = np.where(there, computed - rows.measured, 0.0) ** 2 * rows.weight[:, None]
         squares = np.sum(weighed, axis=0) * equal_weights(rows)[0]
         return 1 - float(np.mean(squares[there.any(axis=0)]))
-
-    def _constraints(self, channels: Sequence[str], density: int) -> list[tuple[Constraint, FloatArray]]:
-        nominal = {name: self._tire.nominal(name) for name in self._tire.inputs}
-        chosen = [constraint for name in channels for constraint in self._conditions.get(name, ())]
-        points = []
-        for constraint in chosen:
-            key = constraint.over, constraint.kind == "extrapolation", density
-            if key not in self._grids:
-                self._grids[key] = grid(constraint, self._ranges, nominal, density=density)
-            points.append((constraint, self._grids[key]))
-        return points
 
     def result(self, recordings: Sequence[Recording], signs: str, seconds: float) -> FitResult:
         """Tell the whole fit, coefficients in the given signs."""
@@ -352,7 +306,8 @@ class Session:
         ]
         return FitResult(
             tire.in_signs("iso"), signs, coefficients, channels,
-            tuple(self._stages), self._margins(), tuple(self._notes), seconds, self._plan.name, directions,
+            tuple(self._stages), self._conditions.margins(self._fitted, self._tire.parameters()),
+            tuple(self._notes), seconds, self._plan.name, directions,
             self._prepared.set_aside, self._interrupted(),
             evidence=Residuals(self._data, tuple(_distinct([r.source for r in recordings])), self._tire, signs),
         )  # fmt: skip
@@ -410,18 +365,6 @@ class Session:
                     floor, worth = floors[channel][0], float(effective[number, index])
                     told.append(ChannelFit(name, channel, units[channel], n, rmse, r2, uncentred, floor, worth))
         return tuple(told)
-
-    def _margins(self) -> tuple[Margin, ...]:
-        """Verify every constraint on a grid denser than the one that it was imposed on."""
-        margins = []
-        for constraint, points in self._constraints(self._fitted, VERIFIED):
-            values = self._values(constraint, points, self._tire.parameters())
-            distance = constraint.distance(values)
-            worst = int(np.argmin(distance))
-            at = {name: float(points[i, worst]) for i, name in enumerate(self._tire.inputs) if name in constraint.over}
-            told = Margin(constraint.text, float(values[worst]), float(distance[worst]), at, constraint.name)
-            margins.append(told)
-        return tuple(margins)
 
 
 def _distinct(names: Sequence[str]) -> list[str]:
