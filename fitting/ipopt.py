@@ -27,7 +27,7 @@ DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-7, 1.0
 DAMPING_UP, DAMPING_DOWN = 10.0, 0.2
 #: A fit has converged when this many iterations have brought the best cost within the constraints down by less than
 #: this share of it; a first approach, from which another fit goes on, needs less.
-PATIENCE, LEAST_GAIN = 6, 1e-5
+PATIENCE, LEAST_GAIN = 10, 1e-5
 APPROACH_PATIENCE, APPROACH_GAIN = 2, 1e-2
 #: Reasons to stop within the constraints that count as converged: the watch's, and steps below machine precision.
 AT_REST = ("No_Further_Gain", "Search_Direction_Becomes_Too_Small")
