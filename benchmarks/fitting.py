@@ -29,7 +29,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fitting"))
 from known_tires import CHANNELS, NAMED, NOMINAL, SIZES, VALUES, known_tire, recorded
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.constraints import VALIDITY, grid, operating_range
+from tirefmu.fitting.constraints import chosen_constraints, grid, operating_range
 from tirefmu.fitting.imposed import Imposed
 from tirefmu.fitting.ipopt import solve
 from tirefmu.fitting.problem import CHUNK, Problem, Rows
@@ -76,7 +76,7 @@ def conditions(problem: Problem, recording: Recording) -> list[Any]:
     tire = problem.tire
     ranges = operating_range(recording.with_signs("adapted-sae").table, tire.inputs)
     nominal = {name: tire.nominal(name) for name in tire.inputs}
-    every = [condition for channel in CHANNELS for condition in VALIDITY[MODEL][channel]]
+    every = [condition for channel in CHANNELS for condition in chosen_constraints(MODEL)[channel]]
     finer = [(condition, grid(condition, ranges, nominal, density=1)) for condition in every]
     return [
         (condition, points if points.shape[1] <= MOST_POINTS else grid(condition, ranges, nominal, density=0))
@@ -118,16 +118,22 @@ def race(rows: int) -> dict[str, Any]:
     problem.derivatives(start)
     theirs, found = timed(lambda: by_scipy(problem, start, lower, upper))
     joint, solution = median(lambda: solve(problem, start, lower, upper, imposed))
-    whole, result = median(lambda: fit([recording], MODEL, nominal=NOMINAL))
-    values = result.tire.in_signs("adapted-sae").values
-    fitted = np.array([values[name] for name in problem.free]) / problem.scale
+    as_they_are = {"screening": False, "rows": "equal"}
+    stages, result = median(lambda: fit([recording], MODEL, nominal=NOMINAL, **as_they_are))
+    whole, careful = median(lambda: fit([recording], MODEL, nominal=NOMINAL))
+
+    def cost_of(result: Any) -> float:
+        values = result.tire.in_signs("adapted-sae").values
+        return problem.cost(np.array([values[name] for name in problem.free]) / problem.scale)
+
     return {
         "rows": len(problem.rows), "coefficients": len(problem.free), "conditions": len(Imposed(problem, imposed)),
         "scipy trf": {"seconds": theirs, "cost": float(found.cost), "evaluations": int(found.njev), "kept": "bounds"},
         "joint problem": {"seconds": joint, "cost": solution.cost, "evaluations": solution.iterations,
                           "kept": "all" if solution.converged else solution.reason},
-        "whole fit": {"seconds": whole, "cost": problem.cost(fitted), "kept": "all" if result.ok else result.status,
-                      "evaluations": sum(stage.iterations for stage in result.stages)},
+        **{name: {"seconds": seconds, "cost": cost_of(one), "kept": "all" if one.ok else one.status,
+                  "evaluations": sum(stage.iterations for stage in one.stages)}
+           for name, seconds, one in (("fit of all rows", stages, result), ("whole fit", whole, careful))},
     }  # fmt: skip
 
 
@@ -154,7 +160,7 @@ def told(raced: dict[str, Any], grown: list[dict[str, float]]) -> str:
         slowest = raced["scipy trf"]["seconds"]
         lines.append(f"{raced['rows']} rows, {raced['coefficients']} coefficients, {raced['conditions']} conditions")
         lines.append(f"{'':16}{'CPU s':>9}{'ratio':>8}{'cost':>11}{'Jacobians':>11}  conditions kept")
-        for name in ("scipy trf", "joint problem", "whole fit"):
+        for name in ("scipy trf", "joint problem", "fit of all rows", "whole fit"):
             way = raced[name]
             ratio = f"1/{slowest / way['seconds']:.1f}"
             lines.append(

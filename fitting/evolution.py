@@ -17,7 +17,7 @@ from tirefmu.symbolic.errors import FitError
 
 from .constraints import TOLERANCE, Constraint
 from .imposed import Imposed
-from .ipopt import APPROACH_GAIN, LEAST_GAIN, Progress, Solution
+from .ipopt import LEAST_GAIN, Progress, Solution
 from .problem import Problem
 
 FloatArray = npt.NDArray[np.float64]
@@ -90,7 +90,7 @@ class Evolution:
         constraints: Sequence[tuple[Constraint, FloatArray]],
         *,
         ridge: float = 0.0,
-        approach: bool = False,
+        leg: str = "end",
         progress: Progress | None = None,
         stop: Callable[[], bool] = lambda: False,
     ) -> Solution:
@@ -106,8 +106,8 @@ class Evolution:
             Conditions and the points at which they hold.
         ridge : float
             Pull of every scaled value towards its start, as in IPOPT's cost.
-        approach : bool
-            Stop earlier: another fit goes on from there.
+        leg : {"approach", "passage", "end"}
+            An approach stops earlier: another fit goes on from there.
         progress : callable, optional
             Called with generation and best cost.
         stop : callable
@@ -131,9 +131,9 @@ class Evolution:
             self._search = _Search(problem, start, low, high, ridge, np.random.default_rng(self.seed))
         search = self._search
         search.impose(imposed)
-        limit = max(1, round(self.max_iterations * (SHORTER if approach or again else 1.0)))
+        limit = max(1, round(self.max_iterations * (SHORTER if leg == "approach" or again else 1.0)))
         patience = limit if self.patient else max(round(PATIENCE * limit), LEAST_PATIENCE)
-        share = APPROACH_GAIN if approach else LEAST_GAIN
+        share = LEAST_GAIN[leg][1]
         costs: list[float] = []  # the best cost within the conditions after each generation
         reason = LIMIT
         for _ in range(limit):

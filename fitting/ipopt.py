@@ -25,10 +25,10 @@ OBJECTIVE_SCALE = 1e3
 #: Levenberg-Marquardt: what is added to the Gauss-Newton matrix, in scaled coefficients, and how it follows success.
 DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-7, 1.0
 DAMPING_UP, DAMPING_DOWN = 10.0, 0.2
-#: A fit has converged when this many iterations have brought the best cost within the constraints down by less than
-#: this share of it; a first approach, from which another fit goes on, needs less.
-PATIENCE, LEAST_GAIN = 10, 1e-5
-APPROACH_PATIENCE, APPROACH_GAIN = 2, 1e-2
+#: A fit has converged when so many iterations have brought the best cost within the constraints down by less than such
+#: a share of it: the less, the further there is to go. An approach is followed by another one, a passage by a fit of
+#: the same coefficients to all rows. Three steps without any gain say nothing: narrow stages go on after them.
+LEAST_GAIN = {"approach": (2, 1e-2), "passage": (4, 1e-5), "end": (10, 1e-5)}
 #: Reasons to stop within the constraints that count as converged: the watch's, and steps below machine precision.
 AT_REST = ("No_Further_Gain", "Search_Direction_Becomes_Too_Small")
 #: The reason of a solution that somebody asked to end.
@@ -86,10 +86,10 @@ class _Numeric(ca.Callback):  # type: ignore[misc]
 class _Watch(ca.Callback):  # type: ignore[misc]
     """Keep the best point within the constraints, and stop when there is nothing more to gain."""
 
-    def __init__(self, n: int, imposed: Imposed, stop: Callable[[], bool], *, approach: bool) -> None:
+    def __init__(self, n: int, imposed: Imposed, stop: Callable[[], bool], *, leg: str) -> None:
         ca.Callback.__init__(self)
         self._n, self._imposed, self._stop = n, imposed, stop
-        self._patience, self._least = (APPROACH_PATIENCE, APPROACH_GAIN) if approach else (PATIENCE, LEAST_GAIN)
+        self._patience, self._least = LEAST_GAIN[leg]
         self._costs: list[float] = []  # the best cost after each iteration
         self.x: FloatArray | None = None
         self.settled = self.stopped = False
@@ -132,7 +132,7 @@ def solve(
     constraints: list[tuple[Constraint, FloatArray]],
     *,
     ridge: float = 1e-9,
-    approach: bool = False,
+    leg: str = "end",
     max_iterations: int = 300,
     progress: Progress | None = None,
     stop: Callable[[], bool] = lambda: False,
@@ -148,8 +148,8 @@ def solve(
         Conditions and the points at which they hold.
     ridge : float
         Pull of every scaled value towards its start, against directions that the data leave open.
-    approach : bool
-        Stop where little more is gained: another fit goes on from there.
+    leg : {"approach", "passage", "end"}
+        How little has to be gained to stop there: less before the end, where other fits go on.
     max_iterations : int
     progress : callable, optional
     stop : callable
@@ -183,7 +183,7 @@ def solve(
         [dense(n, 1), none],
         [dense(m, 1), imposed.sparsity],
     )
-    watch = _Watch(n, imposed, stop, approach=approach)
+    watch = _Watch(n, imposed, stop, leg=leg)
     options = {
         "grad_f": gradient,
         "hess_lag": hessian,

@@ -33,7 +33,7 @@ class Solver(Protocol):
         constraints: list[tuple[Constraint, FloatArray]],
         *,
         ridge: float = ...,
-        approach: bool = ...,
+        leg: str = ...,
         progress: Progress | None = ...,
         stop: Callable[[], bool] = ...,
     ) -> Solution:

@@ -206,7 +206,7 @@ class Session:
         report = partial(self._interruption.report, stage.name)
         settle = partial(
             self._solved, problem, lower=lower, upper=upper, channels=channels, report=report,
-            ridge=RIDGE[stage.weights], approach=self._is_approach(stage),
+            ridge=RIDGE[stage.weights], leg=self._leg(stage),
         )  # fmt: skip
         first = settle(np.clip(start, lower, upper))
         solution = best_end(problem, first, settle, lower, upper, stage.again, always=self._given)
@@ -234,10 +234,12 @@ class Session:
         problem.limits = limits_of(problem, start)
         return problem
 
-    def _is_approach(self, stage: Stage) -> bool:
-        """Return whether a stage and the next one take random rows: the next goes on with no more effort per step."""
+    def _leg(self, stage: Stage) -> str:
+        """Return how near the end a stage is: random rows lead to more random rows, or to all rows."""
         following = self._plan.stages[self._plan.stages.index(stage) + 1 :]
-        return stage.rows is not None and bool(following) and following[0].rows is not None
+        if stage.rows is None or not following:
+            return "end"
+        return "passage" if following[0].rows is None else "approach"
 
     def _solved(
         self,
@@ -249,24 +251,24 @@ class Session:
         report: Callable[[int, float], None],
         *,
         ridge: float,
-        approach: bool,
+        leg: str,
     ) -> Solution:
         """Solve, verify the constraints on the dense grid, and solve again with the points that broke them."""
         known = self._conditions.of(channels) + self._conditions.broken
-        dense = self._conditions.of(channels, density=APPROACHED if approach else VERIFIED)
+        dense = self._conditions.of(channels, density=APPROACHED if leg == "approach" else VERIFIED)
         settle = partial(
-            self._solver, problem, lower=lower, upper=upper, ridge=ridge, approach=approach, progress=report,
+            self._solver, problem, lower=lower, upper=upper, ridge=ridge, leg=leg, progress=report,
             stop=self._stop,
         )  # fmt: skip
         solution = settle(start, constraints=known)
-        for _ in range(1 if approach else ROUNDS):
+        for _ in range(1 if leg == "approach" else ROUNDS):
             if self._stop():
                 break
             broken = self._conditions.breaking(dense, problem.parameters(solution.x))
             if not broken:
                 break
             known = known + broken
-            if not approach:
+            if leg != "approach":
                 solution = settle(solution.x, constraints=known)
         return solution
 
