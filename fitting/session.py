@@ -306,12 +306,13 @@ class Session:
         self._notes += [
             f"{c.recording}: the fit explains nothing of {c.channel} (R2 {c.r2:.2f})" for c in channels if c.r2 < 0
         ]
+        table = self._data.assign(**{n: self._tire.nominal(n) for n in self._tire.inputs if n not in self._data})
         return FitResult(
             tire.in_signs("iso"), signs, coefficients, channels,
             tuple(self._stages), self._conditions.margins(self._fitted, self._tire.parameters()),
             tuple(self._notes), seconds, self._plan.name, directions,
             self._prepared.set_aside, self._interrupted(),
-            evidence=Residuals(self._data, tuple(_distinct([r.source for r in recordings])), self._tire, signs),
+            evidence=Residuals(table, tuple(_distinct([r.source for r in recordings])), self._tire, signs),
         )  # fmt: skip
 
     def _interrupted(self) -> str:
