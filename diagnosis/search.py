@@ -22,13 +22,15 @@ FloatArray = npt.NDArray[np.float64]
 #: and unequal, so less is asked of them), gain in standard errors, and gain as a share of the squared misfit.
 LARGEST_P = 0.001
 LARGEST_P_OF_BLOCKS = 0.01
-LEAST_ERRORS = 1.0
+LEAST_ERRORS = 1.2
 LEAST_GAIN = 0.008
 #: How many candidates are refitted in a round, and how many rounds there are.
 REFITTED = 5
 ROUNDS = 6
 #: A named effect is taken where it explains at least this share of what any structure could.
 ENOUGH = 0.6
+#: So is one that explains this share together with those that would be named after it, so many in all.
+TOGETHER, AHEAD = 0.8, 3
 #: Rows of a search's fits, and iterations of the last one.
 SEARCH_ROWS = 2500
 SETTLED = 6
@@ -130,10 +132,9 @@ class Search:
                 if not self._take(best):
                     break
             else:
-                known = best.name.startswith("finer ")
-                (self.finer if known else self.found).append(best)
-                self.progress(f"{'a finer form' if known else 'found'}: {best.name} (gain {100 * best.gain:.2f} %)")
-                self.solution = best.solution
+                self._take_named(best)
+                what = "a finer form" if best.name.startswith("finer ") else "found"
+                self.progress(f"{what}: {best.name} (gain {100 * best.gain:.2f} %)")
         self.screen = Screen(self.problem, self.solution)
         self.last = self.probe()
 
@@ -166,6 +167,14 @@ class Search:
 
     def round(self) -> Refit | Structure | None:
         """Try every candidate on what is left; return the best that passes, or structure that far exceeds it."""
+        best = self.named()
+        structure = structure_of(self.screen)
+        if structure is None or not structure.passes or (best and best.gain > ENOUGH * structure.gain):
+            return best
+        return best if best and self._named_together(best) > TOGETHER * structure.gain else structure
+
+    def named(self) -> Refit | None:
+        """Try every candidate on what is left; return the best that passes."""
         self.screen = Screen(self.problem, self.solution)
         self.last = self.probe()
         self.tests = len(self.last)
@@ -175,11 +184,27 @@ class Search:
         promising = [t for t in chosen if t.trace.p_coloured * self.tests < 10.0 * LARGEST_P]
         refits = [refit for tried in promising if (refit := self.refit(tried)) is not None]
         passing = [refit for refit in refits if refit.passes and not self._is_ghost(refit)]
-        best = preferred(passing, self.candidates) if passing else None
-        structure = structure_of(self.screen)
-        if structure is None or not structure.passes or (best and best.gain > ENOUGH * structure.gain):
-            return best
-        return structure
+        return preferred(passing, self.candidates) if passing else None
+
+    def _take_named(self, refit: Refit) -> None:
+        (self.finer if refit.name.startswith("finer ") else self.found).append(refit)
+        self.solution = refit.solution
+
+    def _named_together(self, first: Refit) -> float:
+        """Return what a named effect gains together with those that would be named after it.
+
+        Several effects at once, each of them a part, look like structure that none of them explains.
+        """
+        ahead = Search(self.problem, self.solution, self.candidates, lambda sentence: None)
+        ahead.found, ahead.finer = list(self.found), list(self.finer)
+        refit: Refit | None = first
+        for _ in range(AHEAD):
+            if refit is None:
+                break
+            ahead._take_named(refit)
+            refit = ahead.named()
+        total, left = (float(screen.base.loss.sum()) for screen in (self.screen, Screen(self.problem, ahead.solution)))
+        return (total - left) / total
 
     def _take(self, structure: Structure) -> bool:
         """Carry structure beside the tire where it is another form of what it has; return whether that is so."""
