@@ -22,7 +22,7 @@ FloatArray = npt.NDArray[np.float64]
 #: and unequal, so less is asked of them), gain in standard errors, and gain as a share of the squared misfit.
 LARGEST_P = 0.001
 LARGEST_P_OF_BLOCKS = 0.01
-LEAST_ERRORS = 1.2
+LEAST_ERRORS = 1.4
 LEAST_GAIN = 0.008
 #: How many candidates are refitted in a round, and how many rounds there are.
 REFITTED = 5
