@@ -143,7 +143,7 @@ def evaluate(
               help="How rows count: condition (repeats do not outweigh), equal, or independent.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="Go on with an interrupted fit.")
 @click.option("--cross-validate", "folds", type=click.IntRange(min=2),
-              help="Also foretell each of so many parts of the held conditions by a fit without it.")  # fmt: skip
+              help="Also predict each of so many parts of the held conditions by a fit to the others.")  # fmt: skip
 @click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @common
