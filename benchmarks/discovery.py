@@ -87,8 +87,8 @@ def main() -> None:
         if asked.json:
             with asked.json.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(asdict(outcome)) + "\n")
-    command = "python benchmarks/discovery.py " + " ".join(sys.argv[1:])
-    table = table_of(told, f"`{command.strip()}`, {made_by()}")
+    asked_for = (f" --only {asked.only}" if asked.only != ",".join(WHOLE) else "") + (" --quick" if asked.quick else "")
+    table = table_of(told, f"`python benchmarks/discovery.py{asked_for}`, {made_by()}")
     print("\n" + table)
     if asked.table:
         put_table(asked.table, table)
