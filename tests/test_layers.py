@@ -24,8 +24,8 @@ MAY_IMPORT = {
 }
 MAY_IMPORT[DOOR] = set(MAY_IMPORT)
 
-#: The kinds of misuse are everybody's words; only machine-made code has no use for them.
-COMMON = "tirefmu.symbolic.errors"
+#: The kinds of misuse, and how text from files is escaped, belong to all; only machine-made code has no use for them.
+COMMON = ("tirefmu.symbolic.errors", "tirefmu.symbolic.escaping")
 
 #: Heavy or special packages stay where they are needed.
 ONLY_IN = {
@@ -72,7 +72,7 @@ def complaints(path: str, source: str) -> list[str]:
         if top == DOOR:
             reached = room_of(name)
             allowed = MAY_IMPORT.get(room, set(MAY_IMPORT))
-            common = name == COMMON and room != "generated"
+            common = name in COMMON and room != "generated"
             if reached == room and relative is False:
                 wrong = f"{name} is in this room: import it relatively"
             elif reached != room and relative:

@@ -1,0 +1,187 @@
+"""One escaping function per target for text that comes from files: comments in code, XML, TOML, file names, terminals.
+
+A description in a tire file, a column of a table or the name of a recording is arbitrary text. Wherever such text is
+written, it passes the function of its target, which keeps ordinary text as it is and makes everything else visible
+and harmless. HTML pages are written by Jinja with autoescape.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+#: What XML 1.0 cannot contain, not even escaped (Extensible Markup Language 1.0, section 2.2).
+_NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+#: What no file name contains on at least one of the three systems, and what a shell or a path takes for its own.
+_NOT_IN_FILE_NAMES = re.compile(r"[^\w.+=@,-]", re.UNICODE)
+#: File names that Windows reserves for devices, whatever the extension.
+_DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\.|$)", re.IGNORECASE)
+#: The longest file name that is made of a text, in bytes; file systems allow 255.
+LONGEST_FILE_NAME = 120
+
+
+def visible(text: str) -> str:
+    r"""Return a text on one line, with every character that is not printable as an escape sequence.
+
+    Control characters, terminal escape sequences, line and paragraph separators (U+2028, U+2029), marks that reverse
+    the direction of writing and lone surrogates become ``\x1b``, ``\u2028``, ...
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> print(visible("a\x1b[2Jb\u2028c °C"))
+    a\x1b[2Jb\u2028c °C
+    """
+    return "".join(character if character.isprintable() else _escape(character) for character in text)
+
+
+def ascii_text(text: str) -> str:
+    r"""Return a text on one line in printable ASCII; other characters as escape sequences.
+
+    Examples
+    --------
+    >>> print(ascii_text("30 °C\n"))
+    30 \xb0C\x0a
+    """
+    return "".join(character if " " <= character <= "~" else _escape(character) for character in text)
+
+
+def c_comment(text: str) -> str:
+    r"""Return a text for the inside of a C comment: it cannot end the comment or start another one.
+
+    Trigraphs (``??/`` is a backslash) are broken up as well, and a backslash becomes a slash, so that neither splices
+    lines in a ``//`` comment.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    str
+        Printable ASCII on one line, to be put between ``/* `` and `` */`` with those blanks.
+
+    References
+    ----------
+    ISO/IEC 9899:1999, sections 5.1.1.2, 5.2.1.1 and 6.4.9.
+
+    Examples
+    --------
+    >>> c_comment("friction */ system(); /* per K")
+    'friction * / system(); / * per K'
+    >>> c_comment("*/*/ ??/ \\")
+    '* / * / ? ?/ /'
+    """
+    plain = ascii_text(text).replace("\\", "/")
+    return re.sub(r"(?<=\*)(?=/)|(?<=/)(?=\*)|(?<=\?)(?=\?)|(?<=/)(?=/)", " ", plain)
+
+
+def c_string(text: str) -> str:
+    r"""Return a C string literal with its quotes.
+
+    Parameters
+    ----------
+    text : str
+        Written in UTF-8, as FMI has its strings.
+
+    Returns
+    -------
+    str
+        Bytes that are not printable ASCII, quotes, backslashes, question marks (trigraphs) and percent signs (the
+        text may become a format) as three octal digits.
+
+    Examples
+    --------
+    >>> print(c_string('say "é" 5%'))
+    "say \042\303\251\042 5\045"
+    """
+    plain = set(range(0x20, 0x7F)) - set(b'"\\?%')
+    return '"' + "".join(chr(byte) if byte in plain else f"\\{byte:03o}" for byte in _utf8(text)) + '"'
+
+
+def python_comment(text: str) -> str:
+    r"""Return a text for the inside of a Python comment or docstring: it cannot end either.
+
+    Examples
+    --------
+    >>> python_comment('friction\"\"\"\nimport os')
+    "friction'''/x0aimport os"
+    """
+    return ascii_text(text).replace("\\", "/").replace('"', "'")
+
+
+def xml_text(text: str) -> str:
+    r"""Return a text without what XML 1.0 cannot contain; the writer of the XML escapes markup and quotes.
+
+    Examples
+    --------
+    >>> xml_text("a\x00b")
+    'a\ufffdb'
+    """
+    return _NOT_XML.sub("\ufffd", text)
+
+
+def toml_string(text: str) -> str:
+    r"""Return a basic string of TOML with its quotes.
+
+    References
+    ----------
+    TOML 1.0.0, section "String".
+
+    Examples
+    --------
+    >>> print(toml_string('a "b"\n\x7f'))
+    "a \"b\"\n\u007f"
+    """
+    named = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}
+    return '"' + "".join(named.get(c) or (c if _in_toml(c) else _toml_escape(c)) for c in text) + '"'
+
+
+def file_name(text: str, otherwise: str = "unnamed") -> str:
+    """Return a file name made of a text: one part of a path, on Linux, macOS and Windows.
+
+    Parameters
+    ----------
+    text : str
+    otherwise : str
+        The name of a text of which nothing remains.
+
+    Returns
+    -------
+    str
+        Letters, digits and ``_ . + = @ , -``; never hidden, never a device, at most `LONGEST_FILE_NAME` bytes.
+
+    Examples
+    --------
+    >>> file_name("../../etc/passwd"), file_name("run 3: 40 °C.mat"), file_name("con.txt"), file_name("..")
+    ('etc_passwd', 'run_3_40_C.mat', '_con.txt', 'unnamed')
+    """
+    words = _NOT_IN_FILE_NAMES.sub("_", unicodedata.normalize("NFC", text))
+    name = re.sub("_+", "_", words.encode(errors="ignore").decode()).strip("._-")
+    name = name.encode()[:LONGEST_FILE_NAME].decode(errors="ignore").rstrip(".")
+    return f"_{name}" if _DEVICES.match(name) else name or otherwise
+
+
+def _escape(character: str) -> str:
+    code = ord(character)
+    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
+
+
+def _utf8(text: str) -> bytes:
+    return text.encode("utf-8", errors="replace")
+
+
+def _in_toml(character: str) -> bool:
+    return character.isprintable() and not "\ud800" <= character <= "\udfff"
+
+
+def _toml_escape(character: str) -> str:
+    code = 0xFFFD if "\ud800" <= character <= "\udfff" else ord(character)
+    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
