@@ -36,7 +36,7 @@ def page_text(room: str, filters: Mapping[str, Callable[..., object]], **content
     """
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
-        finalize=lambda value: visible(value) if isinstance(value, str) else value,
+        finalize=lambda value: visible(str(value)),
     )  # fmt: skip
     environment.filters |= filters
     template = environment.from_string((files(room) / "report.html").read_text(encoding="utf-8"))

@@ -15,7 +15,7 @@ from typing import Any
 import click
 
 from tirefmu.symbolic.errors import TirefmuError
-from tirefmu.symbolic.escaping import visible
+from tirefmu.symbolic.escaping import shortened, visible
 
 from .arguments import FILE, SIGNS, Numbers, Pairs, check_places, common, names, start_named, tire_named, write_json
 from .diagnose_command import diagnose
@@ -378,6 +378,8 @@ def main(arguments: list[str] | None = None) -> int:
         return _refused(str(error))
     except click.ClickException as error:
         return _refused(" ".join(error.format_message().split()))
+    except OSError as error:  # a name that is too long, a disk that is full
+        return _refused(f"{shortened(str(error.filename), 200)}: {error.strerror}" if error.filename else str(error))
     except (click.Abort, KeyboardInterrupt):
         print("tirefmu: interrupted", file=sys.stderr)
         return 130
