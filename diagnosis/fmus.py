@@ -16,6 +16,7 @@ from tirefmu.fmu import export
 from tirefmu.fmu.check import EVALUATION_TOLERANCE
 from tirefmu.fmu.simulation import loaded
 from tirefmu.measurements import Recording
+from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import TABLE_INPUTS
 from tirefmu.tires.tire import Tire
@@ -66,9 +67,9 @@ def export_and_simulate(
         error, difference = simulated_error(path, tire, recording)
         told[when] = {"rmse": _rms(error), "training": _rms(error[~kept]), "holdout": _rms(error[kept])}
         told[when]["recordings"] = {}
-        for other in others:
+        for source, other in zip(distinct([other.source for other in others]), others, strict=True):
             error, more = simulated_error(path, tire, other)
-            told[when]["recordings"][other.source] = _rms(error)
+            told[when]["recordings"][source] = _rms(error)
             difference = max(difference, more)
         told[when]["difference_from_direct_evaluation"] = difference
     told["ok"] = all(

@@ -11,6 +11,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.measurements import OUTPUTS, Recording, levels, usual_tolerance
+from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import FitError
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
@@ -252,7 +253,7 @@ def compare(tire: Tire, recordings: Sequence[Recording]) -> Comparison:
         for name in OUTPUTS
         if name in tire.outputs and name in data and data[name].notna().any()
     }
-    return Comparison(tire, signs, tuple(recording.source for recording in recordings), data.assign(**fits))
+    return Comparison(tire, signs, tuple(distinct([recording.source for recording in recordings])), data.assign(**fits))
 
 
 def _sweeps(recording: Recording, table: pd.DataFrame) -> dict[str, npt.NDArray[np.bool_]]:

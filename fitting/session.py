@@ -12,6 +12,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.measurements import Recording
+from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.code import fastest_code
@@ -312,7 +313,7 @@ class Session:
             tuple(self._stages), self._conditions.margins(self._fitted, self._tire.parameters()),
             tuple(self._notes), seconds, self._plan.name, directions,
             self._prepared.set_aside, self._interrupted(),
-            evidence=Residuals(table, tuple(_distinct([r.source for r in recordings])), self._tire, signs),
+            evidence=Residuals(table, tuple(distinct([r.source for r in recordings])), self._tire, signs),
         )  # fmt: skip
 
     def _interrupted(self) -> str:
@@ -357,7 +358,7 @@ class Session:
         units = {quantity.name: quantity.unit for quantity in self._book.outputs}
         every = self._prepared.table
         told = []
-        for number, name in enumerate(_distinct([recording.source for recording in recordings])):
+        for number, name in enumerate(distinct([recording.source for recording in recordings])):
             table = every[every["recording"] == number]
             rows = Rows.of(table, tire, self._fitted)
             computed = fastest_code(tire.book).forces(rows.inputs, tire.parameters())
@@ -368,8 +369,3 @@ class Session:
                     floor, worth = floors[channel][0], float(effective[number, index])
                     told.append(ChannelFit(name, channel, units[channel], n, rmse, r2, uncentred, floor, worth))
         return tuple(told)
-
-
-def _distinct(names: Sequence[str]) -> list[str]:
-    """Return the names, those that were there before numbered: two folders may hold files of one name."""
-    return [name if name not in names[:i] else f"{name} ({names[:i].count(name) + 1})" for i, name in enumerate(names)]

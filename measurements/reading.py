@@ -69,9 +69,9 @@ def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Re
     reader, usual_signs = READERS[file.suffix.lower()]
     chosen = usual_signs if signs is None else signs
     reversed_columns(chosen, "iso")  # an unknown convention is refused before a long file is read
-    if not file.exists():
-        raise DataError(f"{file}: no such file")
     try:
+        if not file.exists():
+            raise DataError(f"{file}: no such file")
         recording = reader(file, chosen)
     except UnicodeDecodeError:
         raise DataError(f"{file}: not a text file (UTF-8)") from None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
@@ -132,3 +132,22 @@ class Recording:
         cuts = np.flatnonzero((steps > GAP * usual) | (steps < 0.0)) + 1
         edges = [0, *cuts.tolist(), len(self)]
         return [slice(start, stop) for start, stop in pairwise(edges)]
+
+
+def distinct(names: Sequence[str]) -> list[str]:
+    """Return the names, those that were there before numbered: two folders may hold files of one name.
+
+    Parameters
+    ----------
+    names : sequence of str
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> distinct(["run.mat", "other.mat", "run.mat"])
+    ['run.mat', 'other.mat', 'run.mat (2)']
+    """
+    return [name if name not in names[:i] else f"{name} ({names[:i].count(name) + 1})" for i, name in enumerate(names)]

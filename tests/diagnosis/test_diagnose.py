@@ -1,13 +1,20 @@
 import json
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 import pytest
 
 import tirefmu
+from tirefmu.diagnosis import report
 from tirefmu.diagnosis.diagnose import diagnose
+from tirefmu.diagnosis.report import report_page
+from tirefmu.diagnosis.verdict import Interval, Unknown
+from tirefmu.measurements import Recording
 from tirefmu.symbolic.errors import DataError, UnknownName
+from tirefmu.symbolic.escaping import visible
 
+from ..hostile import HOSTILE, Skeleton, is_plain
 from .suite import make_case
 
 
@@ -58,6 +65,45 @@ def test_signs_of_the_recording_change_the_words_only(thrust):
     here, there = diagnosis.found[0].coefficients["PKY6"], other.found[0].coefficients["PKY6"]
     assert there.value == pytest.approx(-here.value, rel=1e-6)
     assert there.lower < there.value < there.upper
+
+
+def with_text(diagnosis, text):
+    """Return a diagnosis and a simulation as if every text that a file or a user may bring were this one."""
+    unknown = Unknown((text,), text, False, None, text)
+    finding = replace(diagnosis.found[0], effect=text, coefficients={text: Interval(1.0, 0.0, 2.0)})
+    left = {**diagnosis.recording, "left_aside": {text: text}}
+    changed = replace(
+        diagnosis, verdict=text, found=(finding,), confounded_with={text: {text: 0.9}}, next_measurement=(text,),
+        unknown=(unknown,), not_identifiable={text: text}, recording=left,
+    )  # fmt: skip
+    rows = {"training": {"Fy": 1.0}, "holdout": {"Fy": 1.0}, "recordings": {text: {"Fy": 1.0}}}
+    simulated = {when: {**rows, "difference_from_direct_evaluation": 0.0} for when in ("before", "after")}
+    return changed, simulated
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_no_text_changes_the_page(thrust, text, monkeypatch):
+    monkeypatch.setattr(report, "_maps", lambda *_: [])
+    case, diagnosis = thrust
+    pages = []
+    for word in ("plain", text):
+        changed, simulated = with_text(diagnosis, word)
+        pages.append(report_page(changed, Recording(case.table, case.signs, word), simulated))
+    plain, shown = map(Skeleton, pages)
+    assert is_plain(pages[1])
+    pages[1].encode("utf-8")
+    assert shown.parts == plain.parts
+    assert not {"script", "iframe", "object", "link", "a"} & {part[0] for part in shown.parts}
+    assert shown.text.count(visible(text)) >= 12
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_the_json_is_json_whatever_stands_in_it(thrust, text, tmp_path):
+    def refuse(constant):
+        raise AssertionError(f"{constant} is not JSON")
+
+    told = with_text(thrust[1], text)[0].save(tmp_path).read_text(encoding="utf-8")
+    assert json.loads(told, parse_constant=refuse)["verdict"] == text
 
 
 @pytest.mark.parametrize(("seed", "trouble"), [(11, ()), (12, ("outliers",)), (13, ("ripple", "drift"))])

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 
+from tirefmu.fitting import panels
 from tirefmu.fitting.curves import compare, slope_at_zero
 from tirefmu.fitting.figures import draw_figures
 from tirefmu.measurements import (
@@ -23,7 +25,10 @@ from tirefmu.measurements import (
     trento_program,
 )
 from tirefmu.symbolic.errors import DataError, FitError
+from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires import SIGNS, published
+
+from ..hostile import HOSTILE
 
 TIRE = published("trento_hoosier")
 ALL = ["pure_Fx", "pure_Fy", "pure_Mz", "combined", "weighting", "stiffness", "residuals"]
@@ -221,3 +226,22 @@ def test_measured_recordings(data_folder, tmp_path):
         stiffness = [slope for _, slope in comparison.slopes_at_zero(family)]
         assert stiffness == sorted(stiffness)  # heavier loaded, stiffer
     assert [path.stem for path in draw_figures(TIRE, recordings, tmp_path)] == ALL
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_a_name_is_drawn_as_it_stands(text):
+    """Matplotlib takes text between dollar signs for a formula, and fails where it is none."""
+    figure = Figure(figsize=(4.0, 2.0), layout="constrained")
+    panels.write_footnote(figure, "iso", f"data: {figure_text(text)}")
+    figure.suptitle(f"{figure_text(text)}, $F_y$: $p$ = 80 kPa")
+    assert panels.png(figure)
+
+
+def test_few_of_many_recordings_are_named(bench):
+    comparison = replace(compare(TIRE, [bench]), sources=tuple(f"run{n}.mat" for n in range(100)))
+    rows = comparison.table.iloc[:100].assign(recording=np.arange(100))
+    assert "run29.mat and 70 more" in panels.data_text(comparison, rows)
+
+
+def test_recordings_of_one_name_are_told_apart(bench):
+    assert compare(TIRE, [bench, bench]).sources == (bench.source, f"{bench.source} (2)")

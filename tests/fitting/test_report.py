@@ -8,9 +8,17 @@ from html.parser import HTMLParser
 
 import pytest
 
+from tirefmu.fitting.agreement import Disagreement
+from tirefmu.fitting.findings import Findings
+from tirefmu.fitting.preparation import SetAside
+from tirefmu.fitting.reasons import Undetermined
 from tirefmu.fitting.report import report_page, write_report
-from tirefmu.fitting.result import Margin
+from tirefmu.fitting.result import HeldOut, Margin
+from tirefmu.fitting.stiffness import SlipStiffness
 from tirefmu.symbolic.errors import FitError
+from tirefmu.symbolic.escaping import visible
+
+from ..hostile import HOSTILE, Skeleton, is_plain
 
 VOID = {"meta", "img", "br", "hr", "link", "input", "col"}
 
@@ -65,13 +73,46 @@ def test_what_went_wrong_stands_in_the_page(side_fit):
     assert "constraint E_y <= 1 broken by 0.25" in Page(report_page(broken, [])).text
 
 
-def test_names_cannot_break_the_page(side_fit):
+def with_text(result, text):
+    """Return the result as if every text that a file or a user may bring were this one."""
+
+    def other(value, *names):
+        return replace(value, **dict.fromkeys(names, text))
+
+    def each(values, *names):
+        return tuple(other(value, *names) for value in values)
+
+    found = result.findings
+    tire = replace(result.tire, name=text, about={"maker": text})
+    changed = replace(
+        result, tire=tire, recipe=text, interrupted=text, notes=(text,),
+        channels=each(result.channels, "recording"), stages=each(result.stages, "name", "reason"),
+        held_out=(HeldOut(text, "Fy", "N", 3, 1.0, 2.0),),
+        set_aside=(SetAside(text, "outlier", text, 1, 9, (text,)),),
+    )  # fmt: skip
+    findings = Findings(
+        conditions=each(found.conditions, "recording"),
+        stiffnesses=(SlipStiffness(text, "Fy", "alpha", "N/rad", 900.0, 1.0, 1.1, 2),),
+        undetermined=(Undetermined((text,), text),),
+        files=(Disagreement("Fy", "N", text, text, 1.0, 1.0, 9.0, 9, {"Fz": 900.0}, 2.0),),
+        ripples=each(found.ripples, "recording"),
+    )
+    vars(changed)["findings"] = findings
+    return changed
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_no_text_changes_the_page(side_fit, text):
     result, _ = side_fit
-    odd = "<script>alert(1)</script> & Co.mat"
-    told = replace(result, channels=(replace(result.channels[0], recording=odd),), notes=(odd,))
-    page = report_page(told, [])
-    assert "<script>alert" not in page
-    assert odd in Page(page).text
+    images = [(text, "AAAA")]
+    plain = Skeleton(report_page(with_text(result, "plain"), [("plain", "AAAA")]))
+    page = report_page(with_text(result, text), images)
+    page.encode("utf-8")
+    assert is_plain(page)
+    shown = Skeleton(page)
+    assert shown.parts == plain.parts
+    assert not {"script", "iframe", "object", "link", "a"} & {part[0] for part in shown.parts}
+    assert shown.text.count(visible(text)) >= 12  # all of it can be read
 
 
 def test_the_file_needs_nothing_outside_it(side_fit, tmp_path):

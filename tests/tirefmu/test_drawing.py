@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import xml.etree.ElementTree as ET
 from math import isfinite, nan
 
 import numpy as np
@@ -16,6 +17,8 @@ from tirefmu import drawing
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirefmuError, UnknownName
 from tirefmu.tires import PUBLISHED, Tire, published
+
+from ..hostile import HOSTILE
 
 SIZE = {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.25}
 
@@ -207,3 +210,14 @@ def test_other_commands_take_a_published_name_too(command, name):
     outcome = command("info", name, "--quiet", "--json", "-")
     assert outcome.status == 0, outcome.err
     assert json.loads(outcome.out)["about"] == published(name).about
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_a_tires_name_is_drawn_as_it_stands(text, tmp_path):
+    """An SVG stays an SVG: well-formed, with nothing in it that runs or is loaded."""
+    tire = Tire("mf96", {**SIZE, "PDY1": 1.0, "PKY1": 10.0, "PCY1": 1.3}, effects=(), name=text)
+    sketch = drawing._Sketch(tire, "iso", (1000.0,))
+    root = ET.fromstring(drawing._rendered(drawing._pure(sketch), "svg"))
+    tags = {element.tag.rpartition("}")[2] for element in root.iter()}
+    assert not tags & {"script", "image", "foreignObject", "a"}
+    assert not any(name.startswith("on") for element in root.iter() for name in element.attrib)

@@ -1,0 +1,89 @@
+"""Text that a file brings reaches the terminal as text: no escape sequence, no markup, no second line."""
+
+from __future__ import annotations
+
+import pytest
+from rich.console import Console
+
+from tirefmu.cli import main
+from tirefmu.fit_tables import LONGEST_CELL, plain_table
+from tirefmu.symbolic.errors import LONGEST, TirefmuError, UnknownName
+from tirefmu.terminal import Terminal
+
+from ..hostile import HOSTILE, is_plain
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_a_line_stays_a_line(text, capsys):
+    Terminal().print(text)
+    out = capsys.readouterr().out
+    assert is_plain(out)
+    assert out.count("\n") == 1
+    if text.isprintable():
+        assert out == f"{text}\n"
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_titles_and_cells_are_text(text, capsys):
+    table = plain_table("recording", "rows", title=text)
+    table.add_row(text, "12")
+    Terminal().heading(text, text)
+    Terminal()._out.print(table)
+    out = capsys.readouterr().out
+    assert is_plain(out)
+    assert len(out) < 3 * len(text) * 6 + 20 * LONGEST_CELL
+    if "[bold]" in text or "{{" in text:
+        assert out.count(text) == 4  # as it stands, no markup and no emoji in it
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_progress_is_text(text, monkeypatch):
+    seen = []
+    monkeypatch.setattr(Console, "status", lambda self, what: seen.append((self, what)) or _Nothing())
+    terminal = Terminal()
+    with terminal.working(text):
+        pass
+    with terminal.fitting() as progress:
+        progress(text, 3, 0.1)
+    for console, shown in seen:
+        assert is_plain(console.render_str(shown).plain)
+
+
+class _Nothing:
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+    def update(self, shown):
+        assert is_plain(shown)
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_an_error_is_one_printable_line_of_bounded_length(text):
+    for error in (TirefmuError(f"{text}: no rows"), UnknownName("effect", text, [text, "camber_thrust"])):
+        assert is_plain(str(error))
+        assert "\n" not in str(error)
+        assert len(str(error)) <= 6 * LONGEST
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+@pytest.mark.parametrize("place", ["a file", "a command", "an option", "a choice", "pairs"])
+def test_the_command_line_is_told_back_as_text(place, text, capsys):
+    arguments = {
+        "a file": ["info", text],
+        "a command": [text],
+        "an option": ["info", "trento_hoosier", f"--{text}"],
+        "a choice": ["draw", "trento_hoosier", "-o", "new", "--signs", text],
+        "pairs": ["fit", "missing.csv", "-o", "new.tir", "--nominal", text],
+    }[place]
+    if place == "a file":
+        text = text.replace("\x00", "").replace("\ud800", "")  # which no system hands to a command
+        arguments = ["info", text]
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert is_plain(captured.err)
+    assert captured.err.count("\n") == 1
+    assert captured.err.startswith("tirefmu: error: ")
