@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import re
-from importlib.resources import files
 
 from tirefmu.symbolic.errors import FmuError
+from tirefmu.symbolic.printers.c import INCLUDES
+from tirefmu.symbolic.printers.definitions import calling_math, definitions
 
 #: What a host waits for at every step, with the variant for most rows; and what is called now and then.
 FAST = ("forces", "relaxation")
 SMALL = ("quantities",)
-
-#: In the small file, the system's functions stand in the place of those that a processor can overlap.
-ELEMENTARY = "\n".join(f"#define fast_{name} {name}" for name in ("sin", "cos", "tan", "atan"))
 
 # A routine begins at the left edge and ends with a brace there.
 _ROUTINE = re.compile(r"^(?:static )?(?:inline )?(?:void|int) (\w+)\([^;]*?\)\n\{.*?^\}\n", re.DOTALL | re.MULTILINE)
@@ -52,25 +50,19 @@ def split_code(model: str, code: str) -> dict[str, bytes]:
 
     Examples
     --------
-    >>> code = "#include <math.h>\n\nvoid m_forces(int n)\n{\n}\n"
-    >>> parts = "".join(f"\nvoid m_{name}(int n)\n{{\n}}\n" for name in SMALL)
-    >>> sorted(split_code("m", code + parts))
+    >>> routines = "".join(f"\nvoid m_{name}(int n)\n{{\n}}\n" for name in ("forces", "quantities"))
+    >>> sorted(split_code("m", f"{INCLUDES}\n{routines}"))
     ['m.c', 'm_quantities.c']
     """
     found = {match[1]: match[0] for match in _ROUTINE.finditer(code)}
-    opening = code[: min(code.index(text) for name, text in found.items() if _is_routine(model, name))]
+    before, includes, _ = code.partition(INCLUDES)
     fast = [text for name in FAST for text in _chosen(model, name, found)]
-    small = [_general(model, name, found) for name in SMALL]
-    quick = (files("tirefmu.symbolic.printers") / "elementary.h").read_text(encoding="ascii").rstrip()
-    openings = (opening, opening.replace(quick, ELEMENTARY))
+    small = [calling_math(_general(model, name, found)) for name in SMALL]
+    texts = ("\n".join(routines) for routines in (fast, small))
     return {
-        name: "\n".join([opening.rstrip() + "\n", *texts]).encode()
-        for name, opening, texts in zip(model_files(model), openings, (fast, small), strict=True)
+        name: "\n\n".join(part for part in (before + includes, definitions(text), text) if part).encode()
+        for name, text in zip(model_files(model), texts, strict=True)
     }
-
-
-def _is_routine(model: str, name: str) -> bool:
-    return name.startswith(f"{model}_") or name.endswith("_general")
 
 
 def _chosen(model: str, name: str, found: dict[str, str]) -> list[str]:

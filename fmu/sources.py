@@ -7,7 +7,10 @@ from collections.abc import Iterable, Sequence
 from importlib.resources import files
 from math import inf, isfinite
 
+from tirefmu.symbolic.escaping import c_string
 from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.printers.c import comment
+from tirefmu.symbolic.printers.definitions import calling_math, definitions
 from tirefmu.symbolic.printers.expressions import PlainCPrinter
 from tirefmu.symbolic.printers.operations import rolling_radius_lines
 from tirefmu.tires.printed import c_folder
@@ -105,7 +108,7 @@ def model_config(shown: Interface, token: str) -> str:
     """
     listed, model = shown.variables, shown.tire.model
     tables = {
-        "VALUE_NAMES": [f'"{variable.name}"' for variable in listed],
+        "VALUE_NAMES": [c_string(variable.name) for variable in listed],
         "VALUE_KINDS": [_kind(variable) for variable in listed],
         "VALUE_DIRECTIONS": ["-1" if variable.reversed else "1" for variable in listed],
         "START_VALUES": [repr(float(variable.start or 0.0)) for variable in listed],
@@ -114,24 +117,24 @@ def model_config(shown: Interface, token: str) -> str:
         "NOMINAL_VALUES": [repr(float(variable.nominal)) for variable in listed],
     }
     lines = [
-        "/* Written by tirefmu for one tire. */",
+        comment("Written by tirefmu for one tire."),
         "#include <float.h>",
         "#include <math.h>",
         "",
         f'#include "{model}.h"',
         f'#include "{model}_operations.h"',
         "",
-        f'#define INSTANTIATION_TOKEN "{token}"',
+        f"#define INSTANTIATION_TOKEN {c_string(token)}",
         *_sizes(shown),
         *_places(shown),
         "",
-        "/* By input of the model. */",
+        comment("By input of the model."),
         *_inputs(shown),
         "",
-        "/* By value reference. */",
+        comment("By value reference."),
         *(line for name, entries in tables.items() for line in _table(name, entries)),
         "",
-        "/* By extra output, by state. */",
+        comment("By extra output, by state."),
         *_table("EXTRAS", [_extra(variable, model) for variable in shown.group("extra")]),
         *_table("STATE_NOMINALS", [repr(v.nominal) for v in shown.group("state")] or ["0.0"]),
     ]
@@ -193,7 +196,7 @@ def _inputs(shown: Interface) -> Iterable[str]:
     asked = {name for _, name in tire.book.on_demand}
     else_ = [0.0 if name in asked else tire.nominal(name) for name in tire.inputs]
     ranges = [tire.ranges.get(name, (-inf, inf)) for name in tire.inputs]
-    yield from _table("MODEL_INPUT_NAMES", [f'"{name}"' for name in tire.inputs])
+    yield from _table("MODEL_INPUT_NAMES", [c_string(name) for name in tire.inputs])
     yield from _table("PASSED_ON", [str(place) for place in passed_on(shown)])
     yield from _table("UNCONNECTED_INPUTS", [repr(float(value)) for value in else_])
     yield from _table("INPUT_RANGES", [f"{{{_limit(low)}, {_limit(high)}}}" for low, high in ranges])
@@ -236,29 +239,16 @@ def rolling_radius(book: Model) -> str:
     needed = rolling_radius_lines(book)
     read = {symbol.name for line in needed for symbol in line.expression.free_symbols} or {"UNLOADED_RADIUS"}
     printer = PlainCPrinter()
-    return (
-        "\n".join(
-            [
-                "/* The effective rolling radius by load, pressure and turning speed, from the lines of the book. */",
-                "#define fast_atan atan",
-                "static inline double square(double x) { return x * x; }",
-                "",
-                "static double rolling_radius(const double inputs[], double omega, const double parameters[])",
-                "{",
-                *(
-                    f"    const double {name} = parameters[{prefix}_{name}];"
-                    for name in book.parameters
-                    if name in read
-                ),
-                *(f"    const double {q.name} = inputs[{prefix}_{q.name}];" for q in book.inputs if q.name in read),
-                *(f"    const double {line.symbol} = {printer.doprint(line.expression)};" for line in needed),
-                *(() if needed else ("    (void) inputs;", "    (void) omega;")),
-                f"    return {'R_e' if needed else 'UNLOADED_RADIUS'};",
-                "}",
-            ]
-        )
-        + "\n"
-    )
+    lines = [f"const double {name} = parameters[{prefix}_{name}];" for name in book.parameters if name in read]
+    lines += [f"const double {q.name} = inputs[{prefix}_{q.name}];" for q in book.inputs if q.name in read]
+    lines += [f"const double {line.symbol} = {printer.doprint(line.expression)};" for line in needed]
+    lines += [] if needed else ["(void) inputs;", "(void) omega;"]
+    lines += [f"return {'R_e' if needed else 'UNLOADED_RADIUS'};"]
+    body = calling_math("\n".join(f"    {line}" for line in lines))
+    remark = comment("The effective rolling radius by load, pressure and turning speed, from the lines of the book.")
+    head = "static double rolling_radius(const double inputs[], double omega, const double parameters[])"
+    parts = [remark, definitions(body), f"{head}\n{{\n{body}\n}}"]
+    return "\n\n".join(part for part in parts if part) + "\n"
 
 
 def _table(name: str, entries: Sequence[str]) -> Iterable[str]:

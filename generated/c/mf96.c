@@ -8,18 +8,20 @@
 #include <stdint.h>
 #include <string.h>
 
+static inline double square(double x) { return x*x; }
+
 /* Sine, cosine, tangent and arcus tangent without branches and calls, so that a processor overlaps what does not depend
    on each other. Reduction of the argument is the classical one (Cody and Waite, Software Manual for the Elementary
    Functions, 1980); the polynomials are tirefmu's own: interpolation in 60 digits at the Chebyshev nodes of the
    reduced range, rounded to double. The error, measured against 36 digits, is below 3 units in the last place.
    Arguments that the reduction does not cover (huge angles, infinities, NaN) go to math.h. */
-#if (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0) || defined(__FAST_MATH__)
+
 /* Extended precision or liberties with rounding would spoil the reduction. */
-#define fast_sin sin
-#define fast_cos cos
-#define fast_tan tan
-#define fast_atan atan
+#if (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0) || defined(__FAST_MATH__)
+#define REDUCTION_IS_EXACT 0
 #else
+#define REDUCTION_IS_EXACT 1
+#endif
 
 static inline uint64_t bits_of(double x)
 {
@@ -37,6 +39,7 @@ static inline double double_of(uint64_t bits)
 
 /* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
 #define ROUNDING 6755399441055744.0
+
 /* Up to here a multiple of pi/2 is taken off exactly. */
 #define LARGEST_ANGLE 1e7
 
@@ -57,17 +60,12 @@ static inline double shifted_sin(double angle, double shift)
 
 static inline double fast_sin(double x)
 {
-    return fabs(x) <= LARGEST_ANGLE ? shifted_sin(x, 0.0) : sin(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? shifted_sin(x, 0.0) : sin(x);
 }
 
 static inline double fast_cos(double x)
 {
-    return fabs(x) <= LARGEST_ANGLE ? shifted_sin(x, 0.5) : cos(x);
-}
-
-static inline double fast_tan(double x)
-{
-    return fabs(x) <= LARGEST_ANGLE ? shifted_sin(x, 0.0)/shifted_sin(x, 0.5) : tan(x);
+    return REDUCTION_IS_EXACT && fabs(x) <= LARGEST_ANGLE ? shifted_sin(x, 0.5) : cos(x);
 }
 
 /* One row for |x| below 1/32, eight for each doubling up to 32, one beyond: factors n and s and arcus tangent b, in two
@@ -159,6 +157,8 @@ static const double arcs[82][4] = {
 
 static inline double fast_atan(double x)
 {
+    if (!REDUCTION_IS_EXACT)
+        return atan(x);
     const double size = fabs(x);
     const double a = 1e300 < size ? 1e300 : size; /* infinity times 0 would be NaN */
     const int64_t place = (int64_t)(bits_of(a) >> 49) - 8143; /* exponent and three bits, counted from 1/32 */
@@ -168,10 +168,6 @@ static inline double fast_atan(double x)
     const double series = -1.0/3.0 + z*(1.0/5.0 + z*(-1.0/7.0 + z*(1.0/9.0 + z*(-1.0/11.0))));
     return copysign(arc[2] + (t + (t*z*series + arc[3])), x);
 }
-
-#endif
-
-static inline double square(double x) { return x*x; }
 
 /* Every named quantity of the book. */
 void mf96_quantities(const double inputs[], const double parameters[], double results[])

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
-
 from ..model import Model
-from .c import INCLUDES, functions_of_math, heading, in_order, parameters_read, statements
+from .c import INCLUDES, comment, heading, in_order, parameters_read, statements
+from .definitions import KERNEL, definitions
 from .expressions import LanesPrinter
 from .routines import STRAIGHT, Routine, entries
 
@@ -47,17 +46,11 @@ def _source(model: Model, routine: Routine, values: list[object]) -> str:
     parts = [
         heading(model, "a kernel in C with vector types"),
         f'#include "{model.name}.h"\n\n{INCLUDES}',
-        functions_of_math(code),
-        _text("lanes.h"),
         sizes,
-        _text("blocks.h"),
+        definitions(code, KERNEL),
         code,
     ]
     return "\n\n".join(parts) + "\n"
-
-
-def _text(name: str) -> str:
-    return (files(__package__) / name).read_text(encoding="ascii").rstrip()
 
 
 def _kernel(model: Model, routine: Routine, values: list[object]) -> str:
@@ -72,7 +65,7 @@ def _kernel(model: Model, routine: Routine, values: list[object]) -> str:
     loop += [*statements(rows, printer, "lanes"), ""]
     loop += [f"*(lanes_in_array *)(results + {k}*BLOCK + i) = {printer.in_lanes(v)};" for k, v in enumerate(values)]
     return (
-        f"/* {routine.summary} */\n"
+        f"{comment(routine.summary)}\n"
         f"static void {routine.name}_kernel(const double inputs[], const double parameters[], double results[])\n{{\n"
         f"{_indented(before, 4)}\n\n    for (size_t i = 0; i < BLOCK; i += LANES) {{\n{_indented(loop, 8)}\n    }}\n}}"
     )

@@ -1,5 +1,6 @@
 /* Tables through a kernel that computes BLOCK rows at a time. Inputs and results lie quantity by quantity, row after
    row, which is how several rows get into one vector register. */
+
 #define BLOCK 64
 
 /* The first place in an array that begins a cache line; the array has 8 numbers to spare. */

@@ -2,35 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
-from importlib.resources import files
 
+from ..escaping import c_comment
 from ..model import Model
 from ..notation import Option
+from .definitions import definitions
 from .expressions import PlainCPrinter
 from .python import HEADER, STRAIGHT_ROWS
 from .routines import LOCAL, STRAIGHT, Assignment, Routine, side_by_side
-
-INLINES = {
-    "square": "static inline double square(double x) { return x*x; }",
-    "cube": "static inline double cube(double x) { return x*x*x; }",
-    "fourth": "static inline double fourth(double x) { return (x*x)*(x*x); }",
-    "cubed_sqrt": "static inline double cubed_sqrt(double x) { return x*sqrt(x); }",
-    # No branches, which nobody could predict; NaN stays NaN (the second operand of a comparison that fails).
-    "sgn": """static inline double sgn(double x)
-{
-    const double y = x*1e300*1e300, above = -1.0 > y ? -1.0 : y;
-    return 1.0 < above ? 1.0 : above;
-}""",
-    "sgn1": """static inline double sgn1(double x)
-{
-    const double sign = sgn(x);
-    return sign + (double)(sign == 0.0);
-}""",
-}
-PI = "#define PI 3.14159265358979323846"
 
 INCLUDES = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
 #: Above lines that are not in the book's order.
@@ -65,9 +46,9 @@ def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
         _enumeration(prefix, "FORCES", [(q.name, f"{q.description} [{q.unit}]") for q in model.outputs]),
         _enumeration(prefix, "QUANTITIES", [(name, "") for name in quantities.labels]),
         f"#define {prefix}_N_SLIPS {len(slips.labels)}",
-        "/* Matrices are written row by row, one row a force. */\n" + _prototypes(model, routines, ""),
+        f"{comment('Matrices are written row by row, one row a force.')}\n{_prototypes(model, routines, '')}",
         *_straight_prototypes(model, routines),
-        f"/* Apply a routine to n rows of inputs, each giving n_results numbers. */\n{_rows_prototype(model)};",
+        f"{comment('Apply a routine to n rows of inputs, each giving n_results numbers.')}\n{_rows_prototype(model)};",
         "#endif",
     ]
     return "\n\n".join(parts) + "\n"
@@ -90,32 +71,37 @@ def c_source(model: Model, routines: tuple[Routine, ...]) -> str:
     if doubled:
         parts += [_is_straight(model), *(_chooser(model, routine) for routine in doubled)]
     functions = "\n\n".join([*parts, _rows(model)])
-    parts = [heading(model, "C99"), f'#include "{model.name}.h"', INCLUDES, functions_of_math(functions), functions]
+    parts = [heading(model, "C99"), f'#include "{model.name}.h"', INCLUDES, definitions(functions), functions]
     return "\n\n".join(parts) + "\n"
-
-
-def functions_of_math(code: str) -> str:
-    """Return the elementary functions, and the inline functions and constants that some code uses."""
-    elementary = (files(__package__) / "elementary.h").read_text(encoding="ascii").rstrip()
-    used = {name for name in INLINES if re.search(rf"\b{name}\(", code)} | ({"sgn"} if "sgn1(" in code else set())
-    inlines = [text for name, text in INLINES.items() if name in used]
-    if re.search(r"\bPI\b", code):
-        inlines = [PI, "", *inlines]
-    return "\n".join([elementary, "", *inlines])
 
 
 def heading(model: Model, what: str) -> str:
     """Return the comment at the head of a file."""
-    return f"/* {model.title}, in {what}.\n   {HEADER.format(name=model.name)} */"
+    return comment(f"{model.title}, in {what}.", HEADER.format(name=model.name))
+
+
+def comment(*lines: str) -> str:
+    """Return a comment of one or more lines: the only way in which text gets into generated C.
+
+    Examples
+    --------
+    >>> comment("grip */ int x; /*")
+    '/* grip * / int x; / * */'
+    """
+    inner = "\n   ".join(map(c_comment, lines))
+    return f"/* {inner} */"
 
 
 def _enumeration(prefix: str, kind: str, names: list[tuple[str, str]]) -> str:
     lines = []
     for name, meaning in names:
-        remark = f" /* {meaning} */" if meaning else ""
-        lines.append(f"    {prefix}_{name},{remark}")
+        lines.append(f"    {prefix}_{name},{_beside(meaning)}")
     # The sizes are macros so that the preprocessor can use them.
     return f"#define {prefix}_N_{kind} {len(names)}\nenum {{\n" + "\n".join(lines) + "\n};"
+
+
+def _beside(remark: str) -> str:
+    return f" {comment(remark)}" if remark else ""
 
 
 def _meaning(option: Option) -> str:
@@ -129,7 +115,8 @@ def _prototypes(model: Model, routines: tuple[Routine, ...], variant: str) -> st
 
 def _straight_prototypes(model: Model, routines: tuple[Routine, ...]) -> list[str]:
     prototypes = _prototypes(model, routines, STRAIGHT)
-    return [f"/* {STRAIGHT_ROWS}\n   The routines above find out by themselves. */\n{prototypes}"] if prototypes else []
+    remark = comment(STRAIGHT_ROWS, "The routines above find out by themselves.")
+    return [f"{remark}\n{prototypes}"] if prototypes else []
 
 
 def _prototype(model: Model, routine: Routine) -> str:
@@ -142,7 +129,7 @@ def _is_straight(model: Model) -> str:
     zeros += [f"parameters[{prefix}_{option.parameter}] == 0.0" for option in model.straight_options]
     condition = "\n        && ".join(zeros)
     return (
-        f"/* {STRAIGHT_ROWS} */\n"
+        f"{comment(STRAIGHT_ROWS)}\n"
         "static inline int is_straight(const double inputs[], const double parameters[])\n"
         f"{{\n    return {condition};\n}}"
     )
@@ -179,9 +166,9 @@ def statements(body: Sequence[Assignment], printer: PlainCPrinter = PRINTER, kin
     lines = []
     for assignment in body:
         if assignment.heading:
-            lines += ["", f"/* {assignment.heading} */"]
-        remark = f" /* {assignment.remark} */" if assignment.remark else ""
-        lines.append(f"const {kind} {assignment.symbol} = {printer.doprint(assignment.expression)};{remark}")
+            lines += ["", comment(assignment.heading)]
+        value = printer.doprint(assignment.expression)
+        lines.append(f"const {kind} {assignment.symbol} = {value};{_beside(assignment.remark)}")
     return lines
 
 
@@ -211,5 +198,5 @@ def _function(model: Model, routine: Routine, routines: tuple[Routine, ...]) -> 
     head = _prototype(model, routine)
     if replace(routine, variant=STRAIGHT).full_name in {other.full_name for other in routines} - {routine.full_name}:
         head = f"static void {routine.name}_general({ARRAYS})"
-    summary = f"{routine.summary}\n   {STRAIGHT_ROWS}" if routine.variant == STRAIGHT else routine.summary
-    return f"/* {summary} */\n{head}\n{{\n{body}\n}}"
+    summary = comment(routine.summary, *([STRAIGHT_ROWS] if routine.variant == STRAIGHT else []))
+    return f"{summary}\n{head}\n{{\n{body}\n}}"

@@ -5,6 +5,7 @@
    to double. The error, measured against 36 digits, is below 3 units in the last place; that of lanes_pow about
    |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
    infinities) they give NaN: whoever called the kernel computes that row again by itself. */
+
 #if defined(LANES)
 #elif defined(__AVX512F__)
 #define LANES 8
@@ -15,7 +16,9 @@
 #endif
 
 typedef double lanes __attribute__((vector_size(8*LANES)));
+
 typedef int64_t lane_bits __attribute__((vector_size(8*LANES)));
+
 /* The same anywhere in an array of double. */
 typedef double lanes_in_array __attribute__((vector_size(8*LANES), aligned(8), may_alias));
 
@@ -54,8 +57,11 @@ static inline lanes lanes_sqrt(lanes x)
 }
 
 static inline lanes lanes_square(lanes x) { return x*x; }
+
 static inline lanes lanes_cube(lanes x) { return x*x*x; }
+
 static inline lanes lanes_fourth(lanes x) { return (x*x)*(x*x); }
+
 static inline lanes lanes_cubed_sqrt(lanes x) { return x*lanes_sqrt(x); }
 
 /* x - x makes NaN of NaN. */

@@ -15,7 +15,7 @@ import sympy as sp
 
 from ..model import Model, reaching
 from ..notation import Equation
-from .c import heading
+from .c import comment, heading
 
 #: Operations of two and three operands, then of one.
 CODES = (
@@ -265,7 +265,7 @@ def c_operations(model: Model) -> str:
         heading(model, "C: its lines as single operations, along which derivatives are carried"),
         f"#ifndef TIREFMU_{prefix}_OPERATIONS_H\n#define TIREFMU_{prefix}_OPERATIONS_H",
         "enum {\n" + "\n".join(_wrapped(", ".join(CODES))) + "\n};",
-        "/* Slots: inputs, parameters, the speed at which a wheel turns, constants, results of operations. */",
+        comment("Slots: inputs, parameters, the speed at which a wheel turns, constants, results of operations."),
         "\n".join(f"#define {prefix}_N_{name} {size}" for name, size in sizes.items()),
         f"#define {prefix}_N_SLOTS {sum(sizes.values())}",
         f"#define {prefix}_ROLLING_RADIUS {tape.places[ROLLING_RADIUS]}",
@@ -284,7 +284,7 @@ def _rows(operations: Iterable[Operation]) -> list[str]:
     waiting: list[str] = []
     for operation in operations:
         if operation.begins:
-            rows += [*_wrapped(" ".join(waiting)), f"    /* {operation.begins} */"]
+            rows += [*_wrapped(" ".join(waiting)), f"    {comment(operation.begins)}"]
             waiting = []
         waiting.append(f"{{{','.join([operation.code, *map(str, operation.operands)])}}},")
     return [*rows, *_wrapped(" ".join(waiting))]

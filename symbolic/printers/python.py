@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from textwrap import fill, indent
 
+from ..escaping import python_comment
 from ..model import Model
 from .expressions import ArrayPrinter, CasadiPrinter, NumpyPrinter
 from .routines import STRAIGHT, Routine
@@ -106,7 +107,7 @@ def python_module(model: Model, routines: tuple[Routine, ...], flavor: PythonFla
     ]
     rows = indent(",\n".join(reached), "    ")
     tables += f"\nREACH = (\n{rows},\n)"
-    head = f'"""{model.title}, in {flavor.title}.\n\n{HEADER.format(name=model.name)}\n\n{flavor.shapes}\n"""\n'
+    head = f'"""{python_comment(model.title)}, in {flavor.title}.\n\n{HEADER.format(name=model.name)}\n\n{flavor.shapes}\n"""\n'
     functions = "\n\n\n".join(_function(model, routine, flavor) for routine in routines)
     return f"{head}\n{flavor.imports}\n\n{tables}\n\n\n{functions}\n{flavor.epilogue}"
 
@@ -125,8 +126,8 @@ def _function(model: Model, routine: Routine, flavor: PythonFlavor) -> str:
     lines += [f") = {flavor.unpack.format('parameters')}"]
     for assignment in routine.body:
         if assignment.heading:
-            lines += ["", f"# {assignment.heading}"]
-        remark = f"  # {assignment.remark}" if assignment.remark else ""
+            lines += ["", f"# {python_comment(assignment.heading)}"]
+        remark = f"  # {python_comment(assignment.remark)}" if assignment.remark else ""
         lines.append(f"{assignment.symbol} = {flavor.printer.doprint(assignment.expression)}{remark}")
     lines += ["", f"return {_results(routine, flavor)}"]
     body = indent("\n".join(lines), "    ", lambda line: bool(line.strip()))
@@ -138,6 +139,7 @@ def _doc(routine: Routine) -> str:
     if len(routine.results) > 1:
         columns = "every coefficient" if len(routine.labels) > 8 else ", ".join(routine.labels)
         text = f"{text[:-1]}: a row for each force, a column for {columns}."
+    text = python_comment(text)
     return f"{text}\n\n{STRAIGHT_ROWS}\n" if routine.variant == STRAIGHT else text
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-from importlib.resources import files
 
 import mpmath
 import numpy as np
 import pytest
 
 from tirefmu.symbolic.printers.c import INCLUDES
+from tirefmu.symbolic.printers.definitions import KERNEL, definitions
 from tirefmu.tires.batch import FLAGS
 from tirefmu.tires.compiler import CompilerError, shared_library
 
@@ -39,10 +39,9 @@ LOOPS = {
 
 
 def built(folder, flags):
-    headers = [(files("tirefmu.symbolic.printers") / name).read_text() for name in ("elementary.h", "lanes.h")]
-    functions = [FUNCTION.format(kind=k, name=n, loop=LOOPS[k].format(name=n)) for k, n in CASES]
+    functions = "\n".join(FUNCTION.format(kind=k, name=n, loop=LOOPS[k].format(name=n)) for k, n in CASES)
     source = folder / "elementary.c"
-    source.write_text("\n".join([INCLUDES, *headers, *functions]), encoding="ascii")
+    source.write_text("\n".join([INCLUDES, definitions(functions, KERNEL), functions]), encoding="ascii")
     return ctypes.CDLL(str(shared_library("elementary", [source], flags=["-fvisibility=default", *flags])))
 
 

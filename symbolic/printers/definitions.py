@@ -1,0 +1,108 @@
+"""The definitions that generated C files share: each file gets those that it uses, and what these use in turn.
+
+A file with more would not compile without warnings: clang reports static functions that nobody calls. Definitions
+stand in headers beside this module, one a paragraph, in an order in which each uses only earlier ones.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib.resources import files
+
+#: The headers, in the order in which they are printed.
+PLAIN = ("arithmetic.h", "elementary.h")
+KERNEL = (*PLAIN, "lanes.h", "blocks.h")
+
+_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
+_DEFINED = re.compile(r"^#define (\w+)|^typedef \w+ (\w+)|^static [^([]*?(\w+)[(\[]", re.MULTILINE)
+_CALL_OF_FAST = re.compile(r"\bfast_(sin|cos|tan|atan)\(")
+
+
+@dataclass(frozen=True)
+class Definition:
+    """A paragraph of a header.
+
+    Attributes
+    ----------
+    text : str
+    names : frozenset of str
+        What it defines; nothing where it is a remark on all that follows.
+    uses : frozenset of str
+        The identifiers in it.
+    """
+
+    text: str
+    names: frozenset[str]
+    uses: frozenset[str]
+
+
+def definitions(code: str, headers: tuple[str, ...] = PLAIN) -> str:
+    r"""Return the definitions that some code uses, and those that they use.
+
+    Parameters
+    ----------
+    code : str
+        C.
+    headers : tuple of str
+        `PLAIN` or `KERNEL`.
+
+    Returns
+    -------
+    str
+        Empty where it uses none.
+
+    Examples
+    --------
+    >>> print(definitions("double f(double x) { return sgn1(x) + PI; }"))
+    #define PI 3.14159265358979323846
+    <BLANKLINE>
+    /* No branches, which nobody could predict; NaN stays NaN (the second operand of a comparison that fails). */
+    static inline double sgn(double x)
+    {
+        const double y = x*1e300*1e300, above = -1.0 > y ? -1.0 : y;
+        return 1.0 < above ? 1.0 : above;
+    }
+    <BLANKLINE>
+    static inline double sgn1(double x)
+    {
+        const double sign = sgn(x);
+        return sign + (double)(sign == 0.0);
+    }
+    """
+    used, parts = set(_identifiers(code)), []
+    for header in reversed(headers):
+        found: list[str] = []
+        for definition in reversed(_paragraphs(header)):
+            if definition.names & used or (found and not definition.names):
+                used |= definition.uses
+                found.append(definition.text)
+        parts += found
+    return "\n\n".join(reversed(parts))
+
+
+def calling_math(code: str) -> str:
+    """Return code that calls the functions of math.h in place of the fast ones: slower, small, other roundings.
+
+    Examples
+    --------
+    >>> calling_math("y = fast_atan(fast_sin(x));")
+    'y = atan(sin(x));'
+    """
+    return _CALL_OF_FAST.sub(r"\1(", code)
+
+
+@lru_cache(maxsize=8)
+def _paragraphs(header: str) -> tuple[Definition, ...]:
+    text = (files(__package__) / header).read_text(encoding="ascii").strip()
+    return tuple(_definition(paragraph) for paragraph in text.split("\n\n"))
+
+
+def _definition(text: str) -> Definition:
+    names = {name for found in _DEFINED.findall(_COMMENT.sub("", text)) for name in found if name}
+    return Definition(text, frozenset(names), frozenset(_identifiers(text)))
+
+
+def _identifiers(code: str) -> list[str]:
+    return re.findall(r"[A-Za-z_]\w*", _COMMENT.sub("", code))
