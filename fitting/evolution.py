@@ -53,8 +53,8 @@ class Evolution:
     bounds.
 
     Beyond the paper it also stops where a tenth of the limit's generations, 250 at least, has brought the cost down by
-    less than the share that makes IPOPT stop. That is called converged as there, and is as little a proof that there
-    is no better point elsewhere.
+    less than the share that makes IPOPT stop. That is called converged, though no derivative shows it: nothing
+    proves that there is no better point.
 
     Parameters
     ----------
