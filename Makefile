@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test fuzz discovery recovery real wine sanitize examples check generate types bench bench-fit clean
+.PHONY: demo test fuzz discovery recovery real wine sanitize examples perturb check generate types bench bench-fit clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the whole circle on the built-in virtual bench
@@ -21,6 +21,9 @@ test: $(VENV)/installed-dev  ## all tests; the measured recordings' too where TI
 
 fuzz: $(VENV)/installed-dev  ## 10,000 mutated .tir and CSV files; a hang is shown after a minute, where it hangs
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)
+
+perturb: $(VENV)/installed-dev  ## fits and a diagnosis say the same as if another processor had computed them
+	TIREFMU_PERTURB=1 $(BIN)/pytest tests/fitting/test_perturbations.py $(PYTEST_ARGS)
 
 discovery: $(VENV)/installed-dev  ## how often the diagnosis is right, over 116 made recordings
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)

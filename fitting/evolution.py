@@ -17,7 +17,7 @@ from tirefmu.symbolic.errors import FitError
 
 from .constraints import TOLERANCE, Constraint
 from .imposed import Imposed
-from .ipopt import LEAST_GAIN, Progress, Solution
+from .ipopt import INTERRUPTED, LEAST_GAIN, LIMIT, Progress, Solution
 from .problem import Problem
 
 FloatArray = npt.NDArray[np.float64]
@@ -32,8 +32,7 @@ PER_COEFFICIENT, FEWEST, MOST = 4, 40, 120
 LEAST_CONTROL = np.array([0.4, 0.2, 0.02, 0.005])
 MOST_CONTROL = np.array([1.0, 1.0, 0.1, 0.1])
 #: Why it stopped: the first two count as converged.
-SETTLED, GOAL = "No_Further_Gain", "Error_Goal_Reached"
-LIMIT, INTERRUPTED = "stopped at the iteration limit", "Interrupted"
+SETTLED, GOAL = "no further gain", "error goal reached"
 
 
 class Evolution:
@@ -54,8 +53,8 @@ class Evolution:
     bounds.
 
     Beyond the paper it also stops where a tenth of the limit's generations, 250 at least, has brought the cost down by
-    less than the share that makes IPOPT stop. That is called converged as there, and is as little a proof that there
-    is no better point elsewhere.
+    less than the share that makes IPOPT stop. That is called converged, though no derivative shows it: nothing
+    proves that there is no better point.
 
     Parameters
     ----------

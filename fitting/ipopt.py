@@ -1,12 +1,13 @@
 """IPOPT through CasADi: our cost with exact gradient and Gauss-Newton Hessian, the book's constraints with AD.
 
 The cost comes from compiled code over all rows, so CasADi sees it as a callback; so do the constraints, which
-the generated CasADi functions give with exact derivatives.
+the generated CasADi functions give with exact derivatives. IPOPT leads to the optimum; whether it is one is decided at
+the point that it returns (`convergence`), whatever word it ends with.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,8 +17,10 @@ import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
 from .constraints import Constraint
+from .convergence import settle
 from .imposed import Imposed
 from .problem import Problem
+from .ridge import Ridge
 
 FloatArray = npt.NDArray[np.float64]
 #: The cost is about 1 at the start and 0.001 at the end; IPOPT's barrier is made for larger numbers.
@@ -25,21 +28,28 @@ OBJECTIVE_SCALE = 1e3
 #: Levenberg-Marquardt: what is added to the Gauss-Newton matrix, in scaled coefficients, and how it follows success.
 DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-7, 1.0
 DAMPING_UP, DAMPING_DOWN = 10.0, 0.2
-#: A fit has converged when so many iterations have brought the best cost within the constraints down by less than such
-#: a share of it: the less, the further there is to go. An approach is followed by another one, a passage by a fit of
+#: IPOPT is stopped when so many iterations have brought the best cost within the constraints down by less than such
+#: a share of it: the less, the nearer the end. An approach is followed by another one, a passage by a fit of
 #: the same coefficients to all rows. Three steps without any gain say nothing: narrow stages go on after them.
 LEAST_GAIN = {"approach": (2, 1e-2), "passage": (4, 1e-5), "end": (10, 1e-5)}
-#: Reasons to stop within the constraints that count as converged: the watch's, and steps below machine precision.
-AT_REST = ("No_Further_Gain", "Search_Direction_Becomes_Too_Small")
-#: The reason of a solution that somebody asked to end.
-INTERRUPTED = "Interrupted"
+#: The last steps after IPOPT, at most.
+LAST_STEPS = 20
+#: What is tried where IPOPT ends away from the optimum: its own options and the damping to begin with.
+ATTEMPTS: tuple[tuple[dict[str, str | float], float], ...] = (
+    ({}, DAMPING),
+    ({"mu_strategy": "adaptive"}, MOST_DAMPING),
+    ({"mu_init": 1e-2, "linear_system_scaling": "none"}, MOST_DAMPING),
+)
+#: The reasons of a solution that somebody asked to end, of one that was not reached in time, and of one that need not
+#: be the optimum, as a later stage goes on from it.
+INTERRUPTED, LIMIT, HANDED_ON = "interrupted", "iteration limit", "little more to gain before the next stage"
 #: Called with (iteration, cost) as the solver goes on.
 Progress = Callable[[int, float], None]
 
 
 @dataclass(frozen=True)
 class Solution:
-    """What IPOPT came back with.
+    """Where a solver ended.
 
     Attributes
     ----------
@@ -48,8 +58,12 @@ class Solution:
     cost : float
     iterations : int
     converged : bool
+        By the criterion of `tirefmu.fitting.convergence` at x; on the way to a later stage of the same coefficients
+        also where little more was gained.
     reason : str
-        IPOPT's own word for why it stopped, or ours: nothing more to gain, interrupted.
+        Why it is the optimum or not, in plain words.
+    detail : str
+        The solver's own word for why it stopped.
     """
 
     x: FloatArray
@@ -57,6 +71,7 @@ class Solution:
     iterations: int
     converged: bool
     reason: str
+    detail: str = ""
 
 
 class _Numeric(ca.Callback):  # type: ignore[misc]
@@ -159,20 +174,53 @@ def solve(
     Returns
     -------
     Solution
-        Also where IPOPT did not converge: then `converged` is False and `reason` says why.
+        Also where there is no optimum to be found: then `converged` is False and `reason` says why.
     """
-    n = len(start)
+    imposed = Imposed(problem, constraints)
+    memory = _Memory(problem, start, ridge, progress)
+    x, iterations, words = start, 0, list[str]()
+    for options, damping in ATTEMPTS:
+        memory.damping = damping
+        watch = _Watch(len(start), imposed, stop, leg=leg)
+        options = {**options, "max_iter": max_iterations - iterations}
+        last, word, taken = _ipopt(memory, x, lower, upper, imposed, watch, options)
+        if watch.x is not None and (not words or memory.cost(watch.x) < memory.cost(x)):
+            x = np.clip(watch.x, lower, upper)
+        elif watch.x is None and not watch.stopped and np.isfinite(last).all():
+            x = np.clip(last, lower, upper)
+        iterations, words = iterations + taken, [*words, word]
+        if watch.stopped:
+            return Solution(x, problem.cost(x), iterations, False, INTERRUPTED, "")
+        if watch.settled and leg != "end":
+            return Solution(x, problem.cost(x), iterations, True, HANDED_ON, ", ".join(words))
+        steps = min(LAST_STEPS, max_iterations - iterations)
+        rest = settle(memory, x, lower, upper, imposed, steps=steps, stop=stop)
+        x, iterations = rest.x, iterations + rest.steps
+        if rest.converged or iterations >= max_iterations or stop():
+            break
+    reason = rest.reason
+    if not rest.converged and (stop() or iterations >= max_iterations):
+        reason = INTERRUPTED if stop() else f"{LIMIT}: {reason}"
+    return Solution(x, problem.cost(x), iterations, rest.converged, reason, ", ".join(words))
+
+
+def _ipopt(
+    memory: _Memory, start: FloatArray, lower: FloatArray, upper: FloatArray, imposed: Imposed, watch: _Watch,
+    own: Mapping[str, str | float],
+) -> tuple[FloatArray, str, int]:  # fmt: skip
+    """Return IPOPT's last point, its word for why it stopped there, and its iterations."""
+    n, m = len(start), len(imposed)
     dense, none = ca.Sparsity.dense, ca.Sparsity.dense(0, 0)
     triangle = ca.Sparsity.upper(n)
-    memory = _Memory(problem, start, ridge, progress)
     z = ca.MX.sym("x", n)
-    imposed = Imposed(problem, constraints)
-    low, high, m = imposed.low, imposed.high, len(imposed)
-    cost = _Numeric("f", lambda x: [memory.cost(x)], [dense(n, 1)], [dense(1, 1)])
-    gradient = _Numeric("grad_f", lambda x, p: list(memory.at(x)[:2]), [dense(n, 1), none], [dense(1, 1), dense(n, 1)])
+    cost = _Numeric("f", lambda x: [memory.cost(x.ravel())], [dense(n, 1)], [dense(1, 1)])
+    gradient = _Numeric(
+        "grad_f", lambda x, p: list(memory.derivatives(x.ravel())[:2]), [dense(n, 1), none],
+        [dense(1, 1), dense(n, 1)],
+    )  # fmt: skip
     hessian = _Numeric(
         "hess_lag",
-        lambda x, p, of_cost, of_g: [ca.project(ca.DM(of_cost.item() * memory.matrix(x)), triangle)],
+        lambda x, p, of_cost, of_g: [ca.project(ca.DM(of_cost.item() * memory.damped(x.ravel())), triangle)],
         [dense(n, 1), none, dense(1, 1), dense(m, 1)],
         [triangle],
     )
@@ -183,7 +231,6 @@ def solve(
         [dense(n, 1), none],
         [dense(m, 1), imposed.sparsity],
     )
-    watch = _Watch(n, imposed, stop, leg=leg)
     options = {
         "grad_f": gradient,
         "hess_lag": hessian,
@@ -196,7 +243,6 @@ def solve(
         "ipopt": {
             "print_level": 0,
             "sb": "yes",
-            "max_iter": max_iterations,
             # Far from a perfect model Gauss-Newton steps close in linearly, and IPOPT's own criterion would take
             # hundreds of iterations that gain nothing; what stops a fit then is the watch.
             "tol": 1e-7,
@@ -212,55 +258,41 @@ def solve(
             "nlp_scaling_method": "none",
             "obj_scaling_factor": OBJECTIVE_SCALE,
             "bound_relax_factor": 0.0,
+            **own,
         },
     }
     g = conditions(z) if m else ca.MX(0, 1)
     solver = ca.nlpsol("solver", "ipopt", {"x": z, "f": cost(z), "g": g}, options)
     # Matrices of a few thousand rows by a hundred columns: BLAS threads would spend their time waiting.
     with threadpool_limits(limits=1, user_api="blas"):
-        result = solver(x0=start, lbx=lower, ubx=upper, lbg=low, ubg=high)
+        result = solver(x0=start, lbx=lower, ubx=upper, lbg=imposed.low, ubg=imposed.high)
     stats = solver.stats()
-    ended = "No_Further_Gain" if watch.settled else INTERRUPTED if watch.stopped else ""
-    reason = ended or str(stats["return_status"])
-    converged = bool(stats["success"]) or (watch.x is not None and reason in AT_REST)
-    last = start if watch.stopped else np.array(result["x"]).ravel()
-    found = last if stats["success"] or watch.x is None else watch.x
-    x = np.clip(found, lower, upper) if np.isfinite(found).all() else start
-    return Solution(x, problem.cost(x), int(stats["iter_count"]), converged, reason)
+    word = "No_Further_Gain" if watch.settled else str(stats["return_status"])
+    return np.array(result["x"]).ravel(), word, int(stats["iter_count"])
 
 
-class _Memory:
-    """Cost and derivatives with the ridge, kept for the point at which IPOPT asks again, and the damping."""
+class _Memory(Ridge):
+    """Cost and derivatives, kept for the point at which a solver asks again, and the damping that follows success."""
 
-    def __init__(self, problem: Problem, start: FloatArray, ridge: float, progress: Progress | None) -> None:
-        self._problem, self._start, self._ridge, self._progress = problem, start.copy(), ridge, progress
+    def __init__(self, problem: Problem, start: FloatArray, strength: float, progress: Progress | None) -> None:
+        super().__init__(problem, start, strength)
+        self.damping, self._progress, self._count = DAMPING, progress, 0
         self._x: FloatArray | None = None
-        self._kept: tuple[float, FloatArray, FloatArray] = (np.inf, start, start)
-        self._damping = DAMPING
-        self._count = 0
+        self._kept: tuple[float, FloatArray, FloatArray] = (np.inf, np.zeros(0), np.zeros((0, 0)))
 
-    def cost(self, x: FloatArray) -> float:
-        away = x.ravel() - self._start
-        return self._problem.cost(x.ravel()) + 0.5 * self._ridge * float(away @ away)
-
-    def at(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+    def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
         """Return cost, gradient and Gauss-Newton matrix."""
-        x = x.ravel()
         if self._x is None or not np.array_equal(x, self._x):
             before = self._kept[0]
-            cost, gradient, matrix = self._problem.derivatives(x)
-            away = x - self._start
-            cost += 0.5 * self._ridge * float(away @ away)
-            self._kept = (cost, gradient + self._ridge * away, matrix + self._ridge * np.eye(len(x)))
-            self._x = x.copy()
+            self._kept, self._x = super().derivatives(x), x.copy()
             self._count += 1
             if np.isfinite(before):
-                factor = DAMPING_UP if cost > before * (1 + 1e-9) else DAMPING_DOWN
-                self._damping = min(max(self._damping * factor, LEAST_DAMPING), MOST_DAMPING)
+                factor = DAMPING_UP if self._kept[0] > before * (1 + 1e-9) else DAMPING_DOWN
+                self.damping = min(max(self.damping * factor, LEAST_DAMPING), MOST_DAMPING)
             if self._progress is not None:
-                self._progress(self._count, cost)
+                self._progress(self._count, self._kept[0])
         return self._kept
 
-    def matrix(self, x: FloatArray) -> FloatArray:
+    def damped(self, x: FloatArray) -> FloatArray:
         """Return the damped Gauss-Newton matrix."""
-        return self.at(x)[2] + self._damping * np.eye(x.size)
+        return self.derivatives(x)[2] + self.damping * np.eye(x.size)

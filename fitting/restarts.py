@@ -56,6 +56,6 @@ def best_end(
         start = best.x.copy()
         start[there] = [values[problem.free[i]] / problem.scale[i] for i in there]
         other = settle(np.clip(start, lower, upper))
-        if other.converged and other.cost < (1 - LEAST_BETTER) * best.cost:
+        if other.converged and (not best.converged or other.cost < (1 - LEAST_BETTER) * best.cost):
             best = replace(other, iterations=best.iterations + other.iterations)
     return best

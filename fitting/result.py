@@ -88,7 +88,23 @@ class ChannelFit:
 
 @dataclass(frozen=True)
 class StageFit:
-    """How a stage ended: `cost` is half the weighted sum of squares, `r2_uncentred` of its rows and channels."""
+    """How a stage ended.
+
+    Attributes
+    ----------
+    name : str
+    rows, free, iterations : int
+    converged : bool
+        By the criterion of `tirefmu.fitting.convergence`.
+    reason : str
+        Why it is the optimum or not, in plain words.
+    cost : float
+        Half the weighted sum of squares.
+    r2_uncentred : float
+        Of its rows and channels.
+    detail : str
+        The solver's own word for why it stopped.
+    """
 
     name: str
     rows: int
@@ -98,6 +114,7 @@ class StageFit:
     reason: str
     cost: float
     r2_uncentred: float
+    detail: str = ""
 
 
 @dataclass(frozen=True)

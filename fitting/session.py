@@ -218,7 +218,7 @@ class Session:
         self._stages.append(
             StageFit(
                 stage.name, len(rows), len(free), solution.iterations, solution.converged, solution.reason,
-                solution.cost, self._stage_r2(rows),
+                solution.cost, self._stage_r2(rows), solution.detail,
             )
         )  # fmt: skip
 
@@ -236,9 +236,13 @@ class Session:
         return problem
 
     def _leg(self, stage: Stage) -> str:
-        """Return how near the end a stage is: random rows lead to more random rows, or to all rows."""
+        """Return how near the end a stage is: random rows lead to more random rows, or to all rows.
+
+        A stage whose coefficients no later one frees is itself the end.
+        """
         following = self._plan.stages[self._plan.stages.index(stage) + 1 :]
-        if stage.rows is None or not following:
+        own = set(self._candidates(stage))
+        if stage.rows is None or not any(own.issubset(self._candidates(later)) for later in following):
             return "end"
         return "passage" if following[0].rows is None else "approach"
 

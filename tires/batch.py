@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.model import Model
 
-from .compiler import CompilerError, loaded_library, processor
+from .compiler import CompilerError, instruction_set, loaded_library, processor
 from .printed import c_folder
 
 FloatArray = npt.NDArray[np.float64]
@@ -21,12 +21,18 @@ BoolArray = npt.NDArray[np.bool_]
 BLOCK = 64
 #: Fused multiplications round once instead of twice; the order of operations stays, and NaN with it.
 FUSED = ("-ffp-contract=fast", "-fno-trapping-math")
-#: What is tried in turn: all that GCC offers on x86, what every compiler for its own machine knows, the plain machine.
-FLAGS = (
-    (*FUSED, "-march=native", "-mprefer-vector-width=512", "-fschedule-insns", "-fsched-pressure"),
-    (*FUSED, "-march=native"),
-    FUSED,
-)
+#: What GCC alone knows, on x86.
+WIDE = ("-mprefer-vector-width=512", "-fschedule-insns", "-fsched-pressure")
+
+
+def flags(machine: str) -> tuple[tuple[str, ...], ...]:
+    """Return what is tried in turn; the plain machine last, unless another one is asked for by name."""
+    chosen = (*FUSED, f"-march={machine}")
+    return ((*chosen, *WIDE), chosen, *([FUSED] if machine == "native" else []))
+
+
+#: For the instruction set that is used.
+FLAGS = flags(instruction_set())
 
 
 class Kernel:
@@ -126,10 +132,10 @@ class Kernel:
 def _loaded(name: str, source: Path, header: Path) -> ctypes.CDLL:
     """Return the library of a kernel by the first flags that the compiler takes."""
     refused = CompilerError(f"{name}: no compiler")
-    for flags in FLAGS:
+    for chosen in FLAGS:
         try:
             return loaded_library(
-                name, [source], headers=[header], flags=["-fvisibility=default", *flags], machine=processor()
+                name, [source], headers=[header], flags=["-fvisibility=default", *chosen], machine=processor()
             )
         except CompilerError as error:
             refused = error

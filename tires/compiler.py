@@ -93,6 +93,15 @@ def find_compiler() -> list[str]:
     raise NoCompilerError("no C compiler found: install gcc or clang, or set CC")
 
 
+def instruction_set() -> str:
+    """Return which instruction set the kernels use: TIREFMU_MACHINE, as the compiler's -march names it.
+
+    Such as x86-64 (SSE2), x86-64-v3 (AVX2) or x86-64-v4 (AVX-512), to see what another processor would compute;
+    this machine's own where nothing is said.
+    """
+    return os.environ.get("TIREFMU_MACHINE", "").strip() or "native"
+
+
 def shared_library(
     name: str,
     sources: Sequence[Path],
@@ -255,7 +264,7 @@ def compiled_model(model: str, folder: Path | None = None) -> ctypes.CDLL:
     with as_file(files("tirefmu.generated") / "c") as generated:
         place = folder or generated
         source, header = place / f"{model}.c", place / f"{model}.h"
-        own = ["-fvisibility=default", "-ffp-contract=fast", "-march=native"]
+        own = ["-fvisibility=default", "-ffp-contract=fast", f"-march={instruction_set()}"]
         try:
             return loaded_library(model, [source], headers=[header], flags=own, machine=processor())
         except CompilerError:  # not every compiler can ask for its own machine

@@ -10,8 +10,8 @@ import pytest
 
 from tirefmu.fitting import fit
 from tirefmu.fitting.constraints import Constraint
-from tirefmu.fitting.evolution import GOAL, INTERRUPTED, LIMIT, SETTLED, Evolution
-from tirefmu.fitting.ipopt import solve
+from tirefmu.fitting.evolution import GOAL, SETTLED, Evolution
+from tirefmu.fitting.ipopt import INTERRUPTED, LIMIT, solve
 from tirefmu.fitting.method import METHODS, solver_for
 from tirefmu.fitting.problem import Problem, Rows, equal_weights
 from tirefmu.symbolic import MODELS
@@ -129,7 +129,7 @@ def test_a_fit_goes_on_from_its_last_population_with_more_conditions(problem, st
 def test_the_limit_is_told_as_the_limit(problem, start, bounds):
     solution = Evolution(5)(problem, start, *bounds(), [])
     assert (solution.iterations, solution.converged) == (5, False)
-    assert solution.reason == LIMIT == "stopped at the iteration limit"
+    assert solution.reason == LIMIT == "iteration limit"
 
 
 def test_the_error_goal_ends_it(problem, start, bounds):

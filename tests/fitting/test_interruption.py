@@ -70,7 +70,7 @@ def test_an_interrupt_keeps_the_best_values_so_far(recording, whole, make, how):
     assert result.status.startswith("interrupted in stage 'Fy', iteration 8, 3 of 10 stages done")
     assert result.to_json()["status"] == result.status
     assert [(stage.name, stage.converged, stage.reason) for stage in result.stages[1:]] == [
-        ("Fy", False, "Interrupted")
+        ("Fy", False, "interrupted")
     ]
     # The second stage had gained something by then, and less than the whole fit.
     first = replace(result, stages=result.stages[:1])

@@ -122,7 +122,8 @@ def test_a_constraint_that_nothing_free_reaches_does_not_stop_the_fit(problem, s
 def test_too_few_iterations_are_a_result(problem, start, bounds):
     solution = solve(problem, start, *bounds(problem), [], max_iterations=1)
     assert not solution.converged
-    assert solution.reason == "Maximum_Iterations_Exceeded"
+    assert solution.reason.startswith("iteration limit: predicted reduction")
+    assert solution.detail == "Maximum_Iterations_Exceeded"
     assert solution.iterations == 1
     assert np.isfinite(solution.x).all()
     assert np.isfinite(solution.cost)

@@ -57,10 +57,10 @@ def test_ok_asks_for_converged_stages_and_kept_constraints(side_fit):
     result, _ = side_fit
     assert result.ok
     assert result.status == "converged"
-    failed = StageFit("late", 10, 2, 300, False, "Maximum_Iterations_Exceeded", 1.0, 0.5)
+    failed = StageFit("late", 10, 2, 300, False, "iteration limit", 1.0, 0.5)
     late = replace(result, stages=(*result.stages, failed))
     assert not late.ok
-    assert late.status == "not converged: stage 'late' ended: Maximum_Iterations_Exceeded"
+    assert late.status == "not converged: stage 'late' ended: iteration limit"
     broken = replace(result, margins=(*result.margins, Margin("E_y <= 1", 1.25, -0.25, {"Fz": 1120.0})))
     assert not broken.ok
     assert broken.status == "constraint E_y <= 1 broken by 0.25"

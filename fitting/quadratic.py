@@ -1,0 +1,89 @@
+"""The step that a quadratic model promises most of, within linear bounds.
+
+Minimizing g'p + p'Hp/2 within bounds on A p is finding the point of a polyhedron nearest to the origin once the
+Cholesky factor of H is the measure of length; that is a least-squares problem without negative values (Lawson and
+Hanson, Solving Least Squares Problems, 1974, chapter 23).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import nnls
+
+FloatArray = npt.NDArray[np.float64]
+#: A row counts as kept within this share of its own length times the step's.
+ROUNDING = 1e-12
+
+
+def best_step(
+    gradient: FloatArray, matrix: FloatArray, rows: FloatArray, least: FloatArray, most: FloatArray
+) -> tuple[FloatArray, float]:
+    """Return the step with the least value of a quadratic model within bounds, and by how much it lowers the model.
+
+    Parameters
+    ----------
+    gradient : ndarray, shape (n,)
+    matrix : ndarray, shape (n, n)
+        Positive definite.
+    rows : ndarray, shape (m, n)
+    least, most : ndarray, shape (m,)
+        Bounds of ``rows @ step``; infinite where there is none. No step at all has to be within them.
+
+    Returns
+    -------
+    step : ndarray, shape (n,)
+    reduction : float
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        If the matrix is not positive definite, or no step is found.
+
+    Examples
+    --------
+    >>> step, reduction = best_step(
+    ...     np.array([-2.0, 1.0]), np.eye(2), np.eye(2), np.array([-9.0, 0.0]), np.array([0.5, 9.0])
+    ... )
+    >>> step.tolist(), reduction
+    ([0.5, 0.0], 0.875)
+    """
+    factor = cholesky(matrix, lower=True)
+    pull = solve_triangular(factor, gradient, lower=True)
+    size = float(np.linalg.norm(pull))
+    if size == 0.0:
+        return np.zeros(len(gradient)), 0.0
+    sides = np.concatenate([rows, -rows])
+    floors = np.concatenate([least, -most])
+    reached = np.isfinite(floors)
+    sides, floors = sides[reached], floors[reached]
+    lengths = np.linalg.norm(sides, axis=1)
+    binding = np.zeros(len(sides), dtype=np.bool_)
+    nearest = np.zeros(len(gradient))  # in the measure of the factor, from the model's own minimum, over its distance
+    while True:
+        step = solve_triangular(factor, size * nearest - pull, lower=True, trans=1)
+        crossed = sides @ step < floors - ROUNDING * lengths * np.linalg.norm(step)
+        if not (crossed & ~binding).any():
+            break
+        binding |= crossed  # few of many conditions hold a step: the others never enter
+        nearest = _nearest(factor, sides[binding], floors[binding], pull, size)
+    return step, -float(gradient @ step + 0.5 * step @ matrix @ step)
+
+
+def _nearest(factor: FloatArray, sides: FloatArray, floors: FloatArray, pull: FloatArray, size: float) -> FloatArray:
+    """Return the shortest z with ``sides @ step >= floors`` for the step that z stands for."""
+    directions = solve_triangular(factor, sides.T, lower=True).T
+    heights = (floors + directions @ pull) / size
+    lengths = np.linalg.norm(directions, axis=1)
+    system = np.concatenate([directions, heights[:, None]], axis=1) / np.where(lengths > 0, lengths, 1.0)[:, None]
+    target = np.zeros(system.shape[1])
+    target[-1] = 1.0
+    try:
+        factors, _ = nnls(system.T, target, maxiter=30 * len(system))
+    except RuntimeError as error:
+        raise np.linalg.LinAlgError(str(error)) from error
+    rest = system.T @ factors - target
+    if not rest[-1] < 0.0:
+        raise np.linalg.LinAlgError("no step is within the bounds")
+    return np.asarray(-rest[:-1] / rest[-1])

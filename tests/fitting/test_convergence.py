@@ -1,0 +1,207 @@
+"""Whether a point is the optimum is decided there, whatever way led to it; what ends elsewhere is led on."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+from tirefmu.fitting.constraints import Constraint
+from tirefmu.fitting.convergence import settle
+from tirefmu.fitting.imposed import Imposed
+from tirefmu.fitting.ipopt import solve
+from tirefmu.fitting.problem import Problem, Rows, equal_weights
+from tirefmu.fitting.quadratic import best_step
+from tirefmu.fitting.ridge import Ridge
+
+FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2", "PHY1", "PVY1")
+LOAD = np.array([[0.0], [0.0], [0.0], [700.0]])
+
+
+@pytest.fixture(scope="module")
+def table(known, make):
+    return make.sideways(known).table
+
+
+@pytest.fixture(scope="module")
+def exact(known, table):
+    rows = Rows.of(table, known, ["Fy"])
+    return Problem(known, rows, FREE, equal_weights(rows), np.array([max(abs(known.values[n]), 0.1) for n in FREE]))
+
+
+@pytest.fixture(scope="module")
+def noisy(exact):
+    noise = np.random.default_rng(3).normal(0.0, 20.0, exact.rows.measured.shape)
+    return replace(exact, rows=replace(exact.rows, measured=exact.rows.measured + noise))
+
+
+@pytest.fixture(scope="module")
+def truth(known, exact):
+    return np.array([known.values[name] for name in FREE]) / exact.scale
+
+
+def judged(problem, x, conditions=(), *, lower=-inf, upper=inf, steps=0):
+    bounds = (np.full(len(x), bound) if np.isscalar(bound) else bound for bound in (lower, upper))
+    return settle(Ridge(problem, x, 0.0), x, *bounds, Imposed(problem, conditions), steps=steps)
+
+
+def bounded(place, value):
+    bound = np.full(len(FREE), inf)
+    bound[place] = value
+    return bound
+
+
+# ------------------------------------------------------------------ the quadratic model
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_best_step_is_the_bounded_least_squares(seed):
+    rng = np.random.default_rng(seed)
+    jacobian, residual = rng.normal(size=(30, 8)), rng.normal(size=30)
+    least, most = -rng.uniform(0.0, 0.1, 8), rng.uniform(0.0, 0.1, 8)
+    oracle = lsq_linear(jacobian, -residual, (least - 1e-12, most + 1e-12), tol=1e-14)
+    step, reduction = best_step(jacobian.T @ residual, jacobian.T @ jacobian, np.eye(8), least, most)
+    np.testing.assert_allclose(step, oracle.x, atol=1e-8)
+    assert reduction == pytest.approx(0.5 * residual @ residual - oracle.cost)
+
+
+def test_the_best_step_keeps_conditions_and_meets_kuhn_and_tucker():
+    rng = np.random.default_rng(7)
+    root, gradient, rows = rng.normal(size=(12, 6)), rng.normal(size=6), rng.normal(size=(40, 6))
+    matrix, most = root.T @ root, np.abs(rng.normal(size=40)) * 0.1
+    step, reduction = best_step(gradient, matrix, rows, np.full(40, -inf), most)
+    slack = most - rows @ step
+    assert slack.min() > -1e-9
+    active = slack < 1e-9
+    assert 0 < active.sum() <= 6
+    multipliers = np.linalg.lstsq(rows[active].T, -(gradient + matrix @ step), rcond=None)
+    assert multipliers[0].min() > 0.0
+    np.testing.assert_allclose(rows[active].T @ multipliers[0], -(gradient + matrix @ step), atol=1e-9)
+    assert reduction > 0.0
+
+
+# ------------------------------------------------------------------ the criterion
+
+
+def test_exact_data_have_converged_at_the_truth(exact, truth):
+    found = judged(exact, truth)
+    assert found.converged
+    assert found.reason.endswith("of the least noise")
+
+
+def test_a_point_away_from_the_optimum_has_not_converged(exact, noisy, truth):
+    for problem in (exact, noisy):
+        found = judged(problem, truth * 1.02)
+        assert not found.converged
+        assert found.reason.startswith("predicted reduction")
+
+
+def test_the_measure_is_the_standard_error(noisy, truth):
+    """A hundredth of a standard error away from the optimum is at it; one of each coefficient is not."""
+    optimum = judged(noisy, truth, steps=20).x
+    _, _, matrix = noisy.derivatives(optimum)
+    values, vectors = np.linalg.eigh(matrix)
+    error = np.sqrt(2.0 * noisy.cost(optimum) / len(noisy.rows) / values)
+    away = vectors @ error
+    assert judged(noisy, optimum + 0.01 * away).converged
+    assert not judged(noisy, optimum + away).converged
+
+
+def test_at_a_bound_the_gradient_may_point_beyond_it(noisy, truth):
+    place = FREE.index("PDY1")
+    bound = bounded(place, 0.9 * truth[place])
+    found = judged(noisy, np.minimum(truth, bound), upper=bound, steps=20)
+    assert found.converged
+    assert found.x[place] == bound[place]
+    assert not judged(noisy, found.x).converged  # without the bound there is more to gain
+
+
+def test_at_an_active_condition_too(noisy, truth):
+    held = [(Constraint("mu_y", -inf, 1.7, ()), LOAD)]  # the tire has 1.9
+    start = truth.copy()
+    start[FREE.index("PDY1")] *= 0.85
+    found = judged(noisy, start, held, steps=20)
+    assert found.converged
+    assert Imposed(noisy, held).values(found.x) == pytest.approx(1.7, abs=2e-6)
+    assert not judged(noisy, found.x).converged
+
+
+def test_what_breaks_a_condition_has_not_converged(noisy, truth):
+    found = judged(noisy, truth, [(Constraint("mu_y", -inf, 1.7, ()), LOAD)], steps=5)
+    assert (found.converged, found.steps) == (False, 0)
+    assert found.reason.startswith("a condition is broken by 2e-01")
+
+
+def test_what_is_no_number_has_not_converged(noisy, truth):
+    found = judged(noisy, np.full(len(FREE), np.nan), steps=5)
+    assert (found.converged, found.reason) == (False, "cost, conditions or derivatives are not finite")
+
+
+# ------------------------------------------------------------------ a solver that fails
+
+
+class Breaking(Problem):
+    """A problem whose gradient is no number at some of its evaluations."""
+
+    at = range(0)
+    count = 0
+
+    def derivatives(self, x):
+        self.count += 1
+        cost, gradient, matrix = super().derivatives(x)
+        return cost, gradient * (np.nan if self.count in self.at else 1.0), matrix
+
+
+def breaking(problem, at):
+    broken = Breaking(problem.tire, problem.rows, problem.free, problem.weights, problem.scale)
+    broken.at = at
+    return broken
+
+
+def test_a_solver_that_fails_at_the_optimum_has_found_it(exact, truth):
+    everywhere = np.full(len(FREE), inf)
+    solution = solve(breaking(exact, range(6, 7)), truth * 1.02, -everywhere, everywhere, [])
+    assert solution.detail == "Invalid_Number_Detected"
+    assert solution.converged
+    np.testing.assert_allclose(solution.x, truth, atol=1e-6)
+
+
+def test_one_that_fails_on_the_way_is_led_on(noisy, truth):
+    everywhere = np.full(len(FREE), inf)
+    whole = solve(noisy, truth * 1.1, -everywhere, everywhere, [])
+    solution = solve(breaking(noisy, range(3, 4)), truth * 1.1, -everywhere, everywhere, [])
+    assert solution.detail.startswith("Invalid_Number_Detected")
+    assert solution.converged
+    assert solution.cost == pytest.approx(whole.cost, rel=1e-4)
+
+
+def test_one_that_fails_for_good_says_so(noisy, truth):
+    everywhere = np.full(len(FREE), inf)
+    solution = solve(breaking(noisy, range(3, 1000)), truth * 1.1, -everywhere, everywhere, [])
+    assert not solution.converged
+    assert solution.reason == "cost, conditions or derivatives are not finite"
+    assert solution.detail == ", ".join(3 * ["Invalid_Number_Detected"])
+    assert np.isfinite(solution.x).all()
+
+
+def test_numbers_that_are_wrong_in_their_last_digits_change_nothing(exact, truth):
+    """Emulates another processor at its worst: the cost of exact data is nothing but rounding."""
+
+    class Rounded(Problem):
+        def derivatives(self, x):
+            cost, gradient, matrix = super().derivatives(x)
+            wobble = 1e-14 * np.sin(1e9 * x)
+            return cost, gradient + wobble, matrix
+
+        def cost(self, x):
+            return super().cost(x) + 1e-25 * abs(float(np.sin(1e9 * x.sum())))
+
+    rounded = Rounded(exact.tire, exact.rows, exact.free, exact.weights, exact.scale)
+    everywhere = np.full(len(FREE), inf)
+    for factor in (0.98, 1.01, 1.02, 1.05):
+        solution = solve(rounded, truth * factor, -everywhere, everywhere, [])
+        assert solution.converged, (solution.reason, solution.detail)
+        np.testing.assert_allclose(solution.x, truth, atol=1e-6)

@@ -1,0 +1,162 @@
+"""Nothing that a fit says depends on the last digits of its way: another processor is emulated in several ways.
+
+`TIREFMU_PERTURB=1` (make perturb) does the same with all channels, the measured recordings and a diagnosis.
+"""
+
+from __future__ import annotations
+
+import os
+import platform
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tirefmu.diagnosis import diagnose
+from tirefmu.fitting import fit, influence, problem
+from tirefmu.measurements import Noise, read_recording
+from tirefmu.tires import batch, code
+
+LARGE = os.environ.get("TIREFMU_PERTURB") == "1"
+#: By how much predictions may differ, of the root mean square of what the fit misses: a tenth of a standard error of
+#: each coefficient moves them by a tenth of sqrt(n coefficients / n independent rows) of the noise, 0.02 here.
+SHARE = 0.02
+
+
+def features():
+    """Return the instruction sets of x86 that this processor has."""
+    described = Path("/proc/cpuinfo")
+    if platform.machine() not in ("x86_64", "AMD64") or not described.is_file():
+        return []
+    flags = described.read_text(encoding="utf-8").partition("flags")[2].partition("\n")[0].split()
+    return ["x86-64", *(["x86-64-v3"] if "avx2" in flags else []), *(["x86-64-v4"] if "avx512vl" in flags else [])]
+
+
+@contextmanager
+def kernels(machine):
+    """Build the kernels for another instruction set."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(batch, "FLAGS", batch.flags(machine))
+        code._code_for.cache_clear()
+        yield
+    code._code_for.cache_clear()
+
+
+@contextmanager
+def chunks(rows):
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (problem, influence):
+            patch.setattr(module, "CHUNK", rows)
+        yield
+
+
+def last_digits(recordings):
+    """Return recordings with every number changed by a relative 1e-15, up or down."""
+    rng = np.random.default_rng(5)
+    changed = []
+    for recording in recordings:
+        numbers = recording.table.drop(columns="t", errors="ignore").select_dtypes("float64")
+        factors = 1.0 + 1e-15 * rng.choice([-1.0, 1.0], numbers.shape)
+        changed.append(replace(recording, table=recording.table.assign(**(numbers * factors))))
+    return changed
+
+
+def perturbed(how, recordings, run):
+    """Return what a run says of recordings under a perturbation."""
+    if how == "last digits":
+        return run(last_digits(recordings))
+    if how == "files in another order":
+        return run(recordings[::-1])
+    if how.startswith("chunks"):
+        with chunks(int(how.split()[-1])):
+            return run(recordings)
+    with kernels(how):
+        return run(recordings)
+
+
+WAYS = ("last digits", "files in another order", "chunks of 100", "chunks of 1000", *features())
+
+
+def findings(result):
+    """Return what a fit says in words."""
+    return {
+        "status": result.status,
+        "stages": [(stage.name, stage.converged) for stage in result.stages],
+        "at a bound": sorted(c.name for c in result.coefficients if c.at_bound),
+        "determined": sorted(c.name for c in result.coefficients if c.determined),
+        "kept": sorted(margin.name for margin in result.margins if margin.margin >= -1e-6),
+        "active": sorted(margin.name for margin in result.margins if abs(margin.margin) < 1e-5),
+        "directions": sorted(sorted(direction.coefficients) for direction in result.directions),
+    }
+
+
+def agree(result, reference, recordings):
+    """Compare what two fits say and foretell."""
+    assert findings(result) == findings(reference)
+    for recording in recordings:
+        one, other = (each.tire.evaluate(recording.table, signs=recording.signs) for each in (result, reference))
+        for channel in reference.channels:
+            if channel.recording == recording.source:
+                name, root = channel.channel, np.sqrt(np.mean(np.square(recording.table[channel.channel])))
+                apart = float(np.sqrt(np.mean(np.square(one[name] - other[name]))))
+                assert apart <= SHARE * max(channel.rmse, problem.LEAST_NOISE * root), name
+
+
+@pytest.fixture(scope="module", params=["exact", "noisy"])
+def small(request, known, make):
+    """Return two recordings of one tire, a way to fit them, and what that says."""
+    noise = Noise() if request.param == "noisy" else None
+    made = make.bench if LARGE else make.sideways
+    parts = [made(make.other_tire(1), cambers=cambers, noise=noise) for cambers in ((0.0, 2.0), (4.0,))]
+    recordings = [replace(part, source=name) for part, name in zip(parts, ("upright", "inclined"), strict=True)]
+
+    def run(given):
+        return fit(given, effects=make.effects, nominal=make.nominal, screening=False)
+
+    return recordings, run, run(recordings)
+
+
+@pytest.mark.parametrize("how", WAYS)
+def test_a_fit_says_the_same(small, how):
+    recordings, run, reference = small
+    assert reference.status == "converged"
+    agree(perturbed(how, recordings, run), reference, recordings)
+
+
+@pytest.fixture(scope="module")
+def measured(data_folder):
+    recordings = [read_recording(data_folder / name) for name in ("cornering.mat", "drivebrake.mat")]
+    return recordings, fit(recordings, "mf61")
+
+
+@pytest.mark.skipif(not LARGE, reason="TIREFMU_PERTURB=1")
+@pytest.mark.parametrize("how", WAYS)
+def test_a_fit_of_measured_recordings_says_the_same(measured, how):
+    recordings, reference = measured
+    result = perturbed(how, recordings, lambda given: fit(given, "mf61"))
+    agree(result, reference, recordings)
+
+
+@pytest.fixture(scope="module")
+def diagnosed(known, make):
+    """Return a recording of a tire whose load dependence the start model lacks, and what the diagnosis names."""
+    recording = make.bench(known, noise=Noise())
+
+    def run(given):
+        found = diagnose(
+            given[0].table, signs=given[0].signs, model="mf96", nominal=make.nominal,
+            effects=[name for name in make.effects if name != "load_friction"],
+        )  # fmt: skip
+        return found.verdict, [each.name for each in found.found]
+
+    return [recording], run, run([recording])
+
+
+@pytest.mark.skipif(not LARGE, reason="TIREFMU_PERTURB=1")
+@pytest.mark.parametrize("how", [way for way in WAYS if way != "files in another order"])
+def test_a_diagnosis_says_the_same(diagnosed, how):
+    recordings, run, reference = diagnosed
+    assert reference[1]
+    assert perturbed(how, recordings, run) == reference
