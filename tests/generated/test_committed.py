@@ -16,8 +16,9 @@ from tirefmu.symbolic.printers.generate import difference, render, write
 COMMITTED = Path(tirefmu.generated.__file__).parent
 PROGRAM = """
 import sys
-from tirefmu.symbolic.printers.generate import render
-sys.stdout.buffer.write("".join(f"{name}:{text}" for name, text in render().items()).encode())
+from tirefmu.symbolic import model
+from tirefmu.symbolic.printers.generate import render_model
+sys.stdout.buffer.write("".join(f"{name}:{text}" for name, text in render_model(model("mf96")).items()).encode())
 """
 
 
@@ -83,13 +84,14 @@ def test_a_file_of_no_model_shows_and_is_removed(copy, name):
 
 
 def test_the_text_does_not_depend_on_the_hash_seed():
+    """Check the smallest model under two seeds; this process has a random one when it compares all that is committed."""
+
     def printed(seed):
         environment = {**os.environ, "PYTHONHASHSEED": seed}
         return subprocess.run([sys.executable, "-c", PROGRAM], env=environment, capture_output=True, check=True).stdout
 
-    expected = "".join(f"{name}:{text}" for name, text in render().items()).encode()
-    assert printed("1") == expected
-    assert printed("2") == expected
+    files = [(name, text) for name, text in render().items() if "mf96" in name]
+    assert printed("1") == printed("2") == "".join(f"{name}:{text}" for name, text in files).encode()
 
 
 def test_every_file_says_where_it_comes_from():
