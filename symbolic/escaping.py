@@ -2,11 +2,12 @@
 
 A description in a tire file, a column of a table or the name of a recording is arbitrary text. Wherever such text is
 written, it passes the function of its target, which keeps ordinary text as it is and makes everything else visible
-and harmless. HTML pages are written by Jinja with autoescape.
+and harmless. HTML pages that are not written by Jinja with autoescape take `html_text`.
 """
 
 from __future__ import annotations
 
+import html
 import re
 import unicodedata
 
@@ -40,6 +41,17 @@ def visible(text: str) -> str:
     a\x1b[2Jb\u2028c °C
     """
     return "".join(character if character.isprintable() else _escape(character) for character in text)
+
+
+def quoted(text: str) -> str:
+    r"""Return a text in quotes as a message has it: on one line, cut where it is long.
+
+    Examples
+    --------
+    >>> print(quoted("a\\nb"))
+    'a\\nb'
+    """
+    return repr(text if len(text) <= 80 else f"{text[:80]}...")
 
 
 def ascii_text(text: str) -> str:
@@ -126,6 +138,17 @@ def xml_text(text: str) -> str:
     'a\ufffdb'
     """
     return _NOT_XML.sub("\ufffd", text)
+
+
+def html_text(text: str) -> str:
+    r"""Return a text for the inside of an HTML element or attribute: no markup, every character visible.
+
+    Examples
+    --------
+    >>> html_text("<b>&\x00")
+    '&lt;b&gt;&amp;\\x00'
+    """
+    return html.escape(visible(text))
 
 
 def toml_string(text: str) -> str:
