@@ -13,6 +13,7 @@ import unicodedata
 
 #: What XML 1.0 cannot contain, not even escaped (Extensible Markup Language 1.0, section 2.2).
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_SURROGATES = re.compile("[\ud800-\udfff]")
 #: What no file name contains on at least one of the three systems, and what a shell or a path takes for its own.
 _NOT_IN_FILE_NAMES = re.compile(r"[^\w.+=@,-]", re.UNICODE)
 #: File names that Windows reserves for devices, whatever the extension.
@@ -164,7 +165,8 @@ def toml_string(text: str) -> str:
     "a \"b\"\n\u007f"
     """
     named = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}
-    return '"' + "".join(named.get(c) or (c if _in_toml(c) else _toml_escape(c)) for c in text) + '"'
+    plain = (named.get(c) or (c if c.isprintable() else _toml_escape(c)) for c in _SURROGATES.sub("\ufffd", text))
+    return '"' + "".join(plain) + '"'
 
 
 def file_name(text: str, otherwise: str = "unnamed") -> str:
@@ -201,10 +203,6 @@ def _utf8(text: str) -> bytes:
     return text.encode("utf-8", errors="replace")
 
 
-def _in_toml(character: str) -> bool:
-    return character.isprintable() and not "\ud800" <= character <= "\udfff"
-
-
 def _toml_escape(character: str) -> str:
-    code = 0xFFFD if "\ud800" <= character <= "\udfff" else ord(character)
+    code = ord(character)
     return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"

@@ -12,7 +12,6 @@ from io import StringIO
 
 import pytest
 from hypothesis import example, given, settings
-from hypothesis import strategies as st
 
 from tirefmu.symbolic import escaping
 

@@ -78,6 +78,17 @@ def test_a_nested_formula_within_the_bounds_can_be_written_again():
     assert formula(formula_text(once), "here") == once
 
 
+def formula_or_line(text):
+    """Return the formula of a text, or None where it is refused in a line."""
+    try:
+        return formula(text, "here")
+    except EffectError as error:
+        message = str(error)
+    assert message.startswith("here: ")
+    assert message.isprintable()
+    return None
+
+
 numbers = st.one_of(st.integers(-20, 20).map(str), st.floats(-1e60, 1e60, allow_nan=False).map(repr), st.just("pi"))
 leaves = st.one_of(numbers, st.sampled_from(["T", "A", "Fz"]))
 formulas = st.recursive(
@@ -95,11 +106,8 @@ formulas = st.recursive(
 @settings(max_examples=150, deadline=None)
 @given(formulas)
 def test_any_formula_is_refused_in_a_line_or_survives_its_text(text):
-    try:
-        once = formula(text, "here")
-    except EffectError as error:
-        assert str(error).startswith("here: ")
-        assert str(error).isprintable()
+    once = formula_or_line(text)
+    if once is None:
         return
     assert formula(formula_text(once), "here") == once
     for node in sp.preorder_traversal(once):
@@ -111,7 +119,4 @@ def test_any_formula_is_refused_in_a_line_or_survives_its_text(text):
 @settings(max_examples=150, deadline=None)
 @given(st.text("TA019.e+-*/()_ sqrtlogpi", max_size=40))
 def test_any_text_is_a_formula_or_one_line(text):
-    try:
-        formula(text, "here")
-    except EffectError as error:
-        assert str(error).isprintable()
+    formula_or_line(text)
