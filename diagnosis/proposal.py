@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.added import AddedEffect, read_effect
 from tirefmu.symbolic.errors import EffectError
+from tirefmu.symbolic.escaping import toml_string
 from tirefmu.tires.tire import Tire
 
 from .least_squares import LeastSquares, Solution
@@ -61,7 +62,7 @@ def effect_of(structure: Structure) -> AddedEffect | None:
     sizes = structure.trace.estimate
     names = [f"FOUND{i + 1}" for i in range(len(sizes))]
     cards = "\n".join(
-        f'{name} = {{description = "found: {_plain(term.text)}", unit = "1", lower = {-_reach(size)!r}, '
+        f'{name} = {{description = {toml_string("found: " + term.text)}, unit = "1", lower = {-_reach(size)!r}, '
         f"upper = {_reach(size)!r}}}"
         for name, term, size in zip(names, structure.terms, sizes, strict=True)
     )
@@ -114,10 +115,6 @@ _SHOWN_BY = {
 
 def _reach(size: float) -> float:
     return max(abs(float(size)), 1e-4) * REACH
-
-
-def _plain(text: str) -> str:
-    return text.replace('"', "")
 
 
 def added_if_better(

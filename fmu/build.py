@@ -14,6 +14,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from tirefmu.symbolic.errors import FmuError
+from tirefmu.symbolic.reserved import C_KEYWORDS
 from tirefmu.tires import Tire, write_tir
 
 from .binaries import binaries, chosen_platforms
@@ -29,11 +30,6 @@ VERSIONS = (2, 3)
 AXES_NAMES = {"iso": "ISO-W", "sae": "SAE"}
 #: The versions that a kind of FMU speaks.
 KINDS = {"native": VERSIONS, "pythonfmu": (2,)}
-
-_C_KEYWORD = re.compile(
-    "auto|break|case|char|const|continue|default|do|double|else|enum|extern|float|for|goto|if|inline|int|long|"
-    "register|restrict|return|short|signed|sizeof|static|struct|switch|typedef|union|unsigned|void|volatile|while"
-)
 
 
 def export(
@@ -210,7 +206,7 @@ def c_identifier(name: str) -> str:
     ('Hoosier_18_0x6_0_10', 'tire_2nd_tire', 'tire_double')
     """
     plain = re.sub(r"[^A-Za-z0-9_]", "_", name)
-    return plain if re.match("[A-Za-z]", plain) and not _C_KEYWORD.fullmatch(plain) else f"tire_{plain}"
+    return plain if re.match("[A-Za-z]", plain) and plain not in C_KEYWORDS else f"tire_{plain}"
 
 
 def fingerprint(parts: Mapping[str, bytes]) -> str:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import re
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isfinite
+
+from tirefmu.symbolic.escaping import xml_text
 
 from .units import base_unit
 from .variables import Variable
@@ -17,9 +18,6 @@ LOG_CATEGORIES = {
     "logStatusDiscard": "a value was refused: not finite, or outside its limits",
     "logStatusError": "a call was refused: not allowed, or not supported",
 }
-
-# What XML 1.0 cannot hold, not even escaped.
-_UNPRINTABLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 @dataclass(frozen=True)
@@ -82,9 +80,9 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
         "fmiModelDescription",
         {
             "fmiVersion": version,
-            "modelName": _text(header.name),
+            "modelName": header.name,
             token_name: token,
-            "description": _text(header.description),
+            "description": header.description,
             "generationTool": "tirefmu",
             "variableNamingConvention": "flat",
         },
@@ -109,7 +107,9 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
 
 
 def xml_bytes(root: ET.Element) -> bytes:
-    """Return an element as an indented XML file.
+    """Return an element as an indented XML file: the only way in which an FMU's XML is written.
+
+    Characters that XML 1.0 has not become U+FFFD.
 
     Examples
     --------
@@ -118,13 +118,10 @@ def xml_bytes(root: ET.Element) -> bytes:
     <a />
     """
     ET.indent(root)
+    for element in root.iter():
+        element.attrib.update({name: xml_text(value) for name, value in element.attrib.items()})
     written: bytes = ET.tostring(root, encoding="utf-8", xml_declaration=True)
     return written + b"\n"
-
-
-def _text(text: str) -> str:
-    """Return the text without what XML cannot hold."""
-    return _UNPRINTABLE.sub("?", text)
 
 
 def _offered(root: ET.Element, kind: str, fmi: int, header: Header) -> None:
@@ -209,7 +206,7 @@ def _variables_and_structure_2(root: ET.Element, variables: Sequence[Variable]) 
             {
                 "name": variable.name,
                 "valueReference": str(reference),
-                "description": _text(variable.description),
+                "description": variable.description,
                 **_character(variable),
             },
         )
@@ -241,7 +238,7 @@ def _variables_and_structure_3(root: ET.Element, variables: Sequence[Variable]) 
             {
                 "name": variable.name,
                 "valueReference": str(reference),
-                "description": _text(variable.description),
+                "description": variable.description,
                 **_character(variable),
                 **_numbers(variable),
             },

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from html import escape
 from pathlib import Path
 
 from tirefmu.symbolic.errors import FmuError
+from tirefmu.symbolic.escaping import html_text
 from tirefmu.tires import Tire
 
 from .description import Header
@@ -78,11 +78,11 @@ def index_html(tire: Tire, header: Header, variables: Sequence[Variable]) -> byt
     }
     lines = [
         "<!DOCTYPE html>",
-        f'<html lang="en"><head><meta charset="utf-8"><title>{escape(header.name)}</title>',
+        f'<html lang="en"><head><meta charset="utf-8"><title>{html_text(header.name)}</title>',
         f"<style>{_STYLE}</style></head><body>",
-        f"<h1>{escape(header.name)}</h1>",
-        f"<p>{escape(header.description)}</p>",
-        f"<p>Model: {escape(tire.book.title)}. Effects: {escape(', '.join(sorted(tire.has)) or 'none')}.",
+        f"<h1>{html_text(header.name)}</h1>",
+        f"<p>{html_text(header.description)}</p>",
+        f"<p>Model: {html_text(tire.book.title)}. Effects: {html_text(', '.join(sorted(tire.has)) or 'none')}.",
         "The tire itself lies in resources/tire.tir. License: licenses/license.txt.</p>",
         *_about(tire),
         *_how_to_connect(by_causality["input"]),
@@ -98,7 +98,7 @@ def index_html(tire: Tire, header: Header, variables: Sequence[Variable]) -> byt
         *_table(by_causality["parameter"], "value"),
         "</body></html>",
     ]
-    return ("\n".join(lines) + "\n").encode("utf-8", "replace")
+    return ("\n".join(lines) + "\n").encode()
 
 
 def _about(tire: Tire) -> Iterable[str]:
@@ -108,7 +108,7 @@ def _about(tire: Tire) -> Iterable[str]:
     if rows:
         yield "<h2>The tire</h2><table>"
         for key, text in rows:
-            yield f"<tr><th>{escape(key)}</th><td>{escape(text)}</td></tr>"
+            yield f"<tr><th>{html_text(key)}</th><td>{html_text(text)}</td></tr>"
         yield "</table>"
 
 
@@ -144,8 +144,8 @@ def _table(variables: Sequence[Variable], value: str) -> Iterable[str]:
     for variable in variables:
         number = f'<td class="number">{variable.start!r}</td>' if value else ""
         yield (
-            f"<tr><td>{escape(variable.name)}</td>{number}<td>{escape(variable.unit)}</td>"
-            f"<td>{escape(variable.description)}</td></tr>"
+            f"<tr><td>{html_text(variable.name)}</td>{number}<td>{html_text(variable.unit)}</td>"
+            f"<td>{html_text(variable.description)}</td></tr>"
         )
     yield "</table>"
 

@@ -2,20 +2,24 @@
 
 A description in a tire file, a column of a table or the name of a recording is arbitrary text. Wherever such text is
 written, it passes the function of its target, which keeps ordinary text as it is and makes everything else visible
-and harmless. HTML pages are written by Jinja with autoescape.
+and harmless. HTML pages that are not written by Jinja with autoescape take `html_text`.
 """
 
 from __future__ import annotations
 
+import html
 import re
 import unicodedata
 
 #: What XML 1.0 cannot contain, not even escaped (Extensible Markup Language 1.0, section 2.2).
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+_SURROGATES = re.compile("[\ud800-\udfff]")
 #: What no file name contains on at least one of the three systems, and what a shell or a path takes for its own.
 _NOT_IN_FILE_NAMES = re.compile(r"[^\w.+=@,-]", re.UNICODE)
 #: File names that Windows reserves for devices, whatever the extension.
 _DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\.|$)", re.IGNORECASE)
+#: The longest text from a file that a message quotes, in characters.
+LONGEST_QUOTED = 80
 #: The longest file name that is made of a text, in bytes; file systems allow 255.
 LONGEST_FILE_NAME = 120
 #: The longest text from a file in a figure, in characters: more does not fit.
@@ -77,6 +81,17 @@ def figure_text(text: str) -> str:
     \$\frac{ run 3
     """
     return shortened(visible(text), LONGEST_IN_FIGURE).replace("$", r"\$")
+
+
+def quoted(text: str) -> str:
+    r"""Return a text in quotes as a message has it: on one line, cut where it is long.
+
+    Examples
+    --------
+    >>> print(quoted("a\\nb"))
+    'a\\nb'
+    """
+    return repr(shortened(text, LONGEST_QUOTED))
 
 
 def ascii_text(text: str) -> str:
@@ -165,6 +180,17 @@ def xml_text(text: str) -> str:
     return _NOT_XML.sub("\ufffd", text)
 
 
+def html_text(text: str) -> str:
+    r"""Return a text for the inside of an HTML element or attribute: no markup, every character visible.
+
+    Examples
+    --------
+    >>> html_text("<b>&\x00")
+    '&lt;b&gt;&amp;\\x00'
+    """
+    return html.escape(visible(text))
+
+
 def toml_string(text: str) -> str:
     r"""Return a basic string of TOML with its quotes.
 
@@ -178,7 +204,8 @@ def toml_string(text: str) -> str:
     "a \"b\"\n\u007f"
     """
     named = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}
-    return '"' + "".join(named.get(c) or (c if _in_toml(c) else _toml_escape(c)) for c in text) + '"'
+    plain = (named.get(c) or (c if c.isprintable() else _toml_escape(c)) for c in _SURROGATES.sub("\ufffd", text))
+    return '"' + "".join(plain) + '"'
 
 
 def file_name(text: str, otherwise: str = "unnamed") -> str:
@@ -215,10 +242,6 @@ def _utf8(text: str) -> bytes:
     return text.encode("utf-8", errors="replace")
 
 
-def _in_toml(character: str) -> bool:
-    return character.isprintable() and not "\ud800" <= character <= "\udfff"
-
-
 def _toml_escape(character: str) -> str:
-    code = 0xFFFD if "\ud800" <= character <= "\udfff" else ord(character)
+    code = ord(character)
     return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"

@@ -11,8 +11,10 @@ from types import new_class
 import sympy as sp
 
 from .added import AddedEffect
+from .added.checks import check_effects
 from .effects import EFFECTS
 from .errors import EffectError, UnknownName, nearest
+from .escaping import quoted
 from .functions import where
 from .notation import Chapter, Choice, Coefficient, Effect, Equation, Option, Quantity, Section, Switch, Variant
 from .options import OPTIONS
@@ -119,7 +121,8 @@ class Model:
         Raises
         ------
         EffectError
-            If one acts on a quantity or reads a name that this model has not, or two disagree on a coefficient.
+            If one acts on a quantity or reads a name that this model has not, has a name that means something else,
+            or two disagree on a coefficient.
 
         Examples
         --------
@@ -129,20 +132,35 @@ class Model:
         >>> warm.inputs[-1].name, sorted(warm.owned("temp_friction"))
         ('T', ['TMU1', 'TMU2', 'TREF'])
         """
+        check_effects(effects)
+        self._check_names(effects)
         read = {s.name for effect in effects for act in effect.acts for s in act.expression.free_symbols}
         inputs = (*self.inputs, *(quantity for name, quantity in BEYOND.items() if name in read))
         extended = replace(self, inputs=inputs, sections=(*self.sections, *_sections(effects)), added=tuple(effects))
-        extended._check_added(read)
+        extended._check_added()
         return extended
 
-    def _check_added(self, read: Collection[str]) -> None:
-        """Raise `EffectError` where an added effect reads what does not stand before the line that it acts on."""
+    def _check_names(self, effects: Sequence[AddedEffect]) -> None:
+        """Raise `EffectError` where an effect or a coefficient is called like something of this model."""
+        quantities = {quantity.name for quantity in (*self.inputs, *self.outputs, *BEYOND.values())}
+        quantities |= {line.symbol.name for line in self.equations}
         cards = {name for section in self.sections for name in section.coefficients}
-        known = {quantity.name for quantity in self.inputs} | cards
+        options = {option.parameter for option in OPTIONS.values()}
+        taken = {**dict.fromkeys(quantities, "a quantity"), **dict.fromkeys(cards, "a coefficient")}
+        taken |= {**dict.fromkeys(options, "an option"), **dict.fromkeys(EFFECTS, "an effect")}
+        for effect in effects:
+            for name in (effect.name, *(card.name for card in effect.cards)):
+                if name in taken:
+                    raise EffectError(f"effect {effect.name}: {name} is {taken[name]} of {self.name} already")
+
+    def _check_added(self) -> None:
+        """Raise `EffectError` where an added effect reads what does not stand before the line that it acts on."""
+        known = {quantity.name for quantity in self.inputs}
+        known |= {name for section in self.sections for name in section.coefficients}
+        acts = [(act, _stands(act.on, self.equations, effect)) for effect in self.added for act in effect.acts]
         for line in self.equations:
-            reads = {s.name for s in line.expression.free_symbols}
-            names = known | {option.parameter for option in OPTIONS.values()} | EFFECTS.keys()
-            for name in sorted(reads - names - {effect.name for effect in self.added}):
+            acting = [act for act, places in acts if line.symbol.name in places]
+            for name in sorted({symbol.name for act in acting for symbol in act.expression.free_symbols} - known):
                 raise EffectError(f"an effect on {line.symbol} reads {name!r}, which {self.name} has not"
                                   f" before it{nearest(name, known)}")  # fmt: skip
             known.add(line.symbol.name)
@@ -306,12 +324,12 @@ def _acted_on(lines: list[Equation], effect: AddedEffect) -> list[Equation]:
     return changed
 
 
-def _stands(name: str, lines: list[Equation], effect: AddedEffect) -> set[str]:
+def _stands(name: str, lines: Sequence[Equation], effect: AddedEffect) -> set[str]:
     """Return the lines in which a named quantity stands: also without inclination and without turn slip."""
     symbols = {line.symbol.name for line in lines}
     named = [line.symbol.name for line in lines if line.named]
     if name not in named:
-        raise EffectError(f"{effect.name} acts on {name!r}, which is no named quantity{nearest(name, named)}")
+        raise EffectError(f"{effect.name} acts on {quoted(name)}, which is no named quantity{nearest(name, named)}")
     stem = f"{name}_loaded" if f"{name}_loaded" in symbols else name
     return {stem, f"{stem}_g0", f"{stem}_00"} & symbols
 

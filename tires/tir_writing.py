@@ -10,6 +10,7 @@ from pathlib import Path
 
 from tirefmu.symbolic.added import effect_text, library
 from tirefmu.symbolic.errors import TirError
+from tirefmu.symbolic.escaping import visible
 
 from .tir_names import (
     ADDED,
@@ -103,7 +104,11 @@ def _own_lines(tire: Tire) -> Iterable[tuple[str, str, str]]:
     for section in book.sections:
         for name, card in section.coefficients.items():
             if name in written and name not in silent:
-                yield section.title, name, f"{name} = {written[name]!r}  $ {card.description} [{card.unit}]"
+                yield (
+                    section.title,
+                    name,
+                    f"{name} = {written[name]!r}  $ {visible(f'{card.description} [{card.unit}]')}",
+                )
     for name, (title, _) in RANGE_SECTIONS.items():
         for key, bound in zip(RANGES[name], tire.ranges.get(name, ()), strict=False):
             if key not in written:

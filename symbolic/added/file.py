@@ -21,19 +21,27 @@ True
 
 from __future__ import annotations
 
+import sys
 import tomllib
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 import sympy as sp
 
 from ..errors import EffectError, nearest
+from ..escaping import quoted, toml_string, visible
 from ..notation import Coefficient
+from ..reserved import no_coefficient
+from .checks import LONGEST_FILE, check_effect
 from .formula import formula, formula_text
 
 #: What a card may say.
 CARD_KEYS = {"description": str, "unit": str, "lower": float, "upper": float, "neutral": float, "start": float,
              "flips": bool}  # fmt: skip
+_KINDS = {str: "text", float: "finite number", bool: "truth value: true or false"}
+#: The largest double.
+MOST = sys.float_info.max
 
 
 @dataclass(frozen=True)
@@ -91,16 +99,17 @@ def read_effect(text: str, source: str) -> AddedEffect:
     Raises
     ------
     EffectError
-        If the text is no TOML or says something that has no place in an effect.
+        If the text is no TOML, says something that has no place in an effect, has a name that means something else
+        (`tirefmu.symbolic.reserved`), or is beyond the bounds of formulas and texts.
     """
+    if len(text) > LONGEST_FILE:
+        raise EffectError(f"{source}: the file of an effect has at most {LONGEST_FILE} characters")
     try:
         told = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise EffectError(f"{source}: {error}") from None
+    except (ValueError, RecursionError) as error:  # ValueError also of integers with thousands of digits
+        raise EffectError(f"{source}: {visible(str(error))}") from None
     _known(told, {"name", "physics", "source", "coefficients", "acts"}, source)
     name = _text(told, "name", source)
-    if not name.isidentifier():
-        raise EffectError(f"{source}: name {name!r} is not a word of letters, digits and _")
     cards = tuple(_card(key, card, source, f"TIREFMU_{name.upper()}") for key, card in _table(told, source).items())
     acts = told.get("acts")
     if not isinstance(acts, list) or not acts:
@@ -108,10 +117,11 @@ def read_effect(text: str, source: str) -> AddedEffect:
     effect = AddedEffect(
         name,
         _text(told, "physics", source),
-        str(told.get("source", "")),
+        _text(told, "source", source) if "source" in told else "",
         cards,
         tuple(_act(act, source) for act in acts),
     )
+    check_effect(effect, source)
     unused = {card.name for card in cards} - {s.name for act in effect.acts for s in act.expression.free_symbols}
     if unused:
         raise EffectError(f"{source}: {min(unused)} is declared but acts on nothing")
@@ -120,34 +130,26 @@ def read_effect(text: str, source: str) -> AddedEffect:
 
 def effect_text(effect: AddedEffect) -> str:
     """Return the file's text of an effect."""
-    lines = [
-        f'name = "{effect.name}"',
-        f"physics = {_quoted(effect.physics)}",
-        f"source = {_quoted(effect.source)}",
-        "",
-    ]
-    lines.append("[coefficients]")
+    lines = [f"{key} = {toml_string(text)}" for key, text in (("name", effect.name), ("physics", effect.physics))]
+    lines += [f"source = {toml_string(effect.source)}"] if effect.source else []
+    lines += ["", "[coefficients]"]
     for card in effect.cards:
-        said = {"description": _quoted(card.description), "unit": _quoted(card.unit), "lower": repr(float(card.lower)),
-                "upper": repr(float(card.upper)), "neutral": repr(float(card.default))}  # fmt: skip
-        if card.start is not None:
-            said["start"] = repr(float(card.start))
+        numbers = {"lower": card.lower, "upper": card.upper, "neutral": card.default, "start": card.start}
+        said = {"description": toml_string(card.description), "unit": toml_string(card.unit)}
+        said |= {key: repr(float(x)) for key, x in numbers.items() if x is not None and isfinite(x)}
         if card.flips:
             said["flips"] = "true"
         lines.append(f"{card.name} = {{{', '.join(f'{key} = {value}' for key, value in said.items())}}}")
     for act in effect.acts:
-        lines += ["", "[[acts]]", f'on = "{act.on}"', f"{act.how} = {_quoted(formula_text(act.expression))}"]
+        lines += ["", "[[acts]]", f"on = {toml_string(act.on)}"]
+        lines += [f"{act.how} = {toml_string(formula_text(act.expression))}"]
     return "\n".join(lines) + "\n"
-
-
-def _quoted(text: str) -> str:
-    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
 def _known(told: dict[str, Any], keys: set[str], place: str) -> None:
     for key in told:
         if key not in keys:
-            raise EffectError(f"{place}: unknown key {key!r}{nearest(key, sorted(keys))}")
+            raise EffectError(f"{place}: unknown key {quoted(key)}{nearest(key, sorted(keys))}")
 
 
 def _text(told: dict[str, Any], key: str, source: str) -> str:
@@ -165,26 +167,23 @@ def _table(told: dict[str, Any], source: str) -> dict[str, Any]:
 
 
 def _card(name: str, told: object, source: str, section: str) -> Coefficient:
+    if reason := no_coefficient(name):
+        raise EffectError(f"{source}: coefficient {quoted(name)} {reason}")
     place = f"{source}: coefficient {name}"
-    if name != name.upper() or not name.isidentifier():
-        raise EffectError(f"{place}: a coefficient is a word of capital letters, digits and _")
     if not isinstance(told, dict):
         raise EffectError(f"{place} is not a table {{description = ..., unit = ...}}")
     _known(told, set(CARD_KEYS), place)
     for key, value in told.items():
-        kind = CARD_KEYS[key]
-        good = (
-            isinstance(value, (int, float)) and not isinstance(value, bool)
-            if kind is float
-            else isinstance(value, kind)
-        )
-        if not good:
-            raise EffectError(f"{place}: {key} = {value!r} is not a {kind.__name__}")
+        if not (_is_number(value) if CARD_KEYS[key] is float else isinstance(value, CARD_KEYS[key])):
+            raise EffectError(f"{place}: {key} = {visible(repr(value))[:80]} is not a {_KINDS[CARD_KEYS[key]]}")
     card = Coefficient(**{"description": "", **told})
-    if not card.lower < card.upper:
-        raise EffectError(f"{place}: lower {card.lower} is not below upper {card.upper}")
     card.name, card.section = name, section
     return card
+
+
+def _is_number(value: object) -> bool:
+    """Return whether a value is a number that a double holds."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= MOST
 
 
 def _act(told: object, source: str) -> Act:

@@ -1,16 +1,32 @@
-"""A formula as text and back: arithmetic, a few functions, names; nothing that could run."""
+"""A formula as text and back: arithmetic, a few functions, names; nothing that could run, and nothing without bounds.
+
+The text is hostile until it has been read. Its length, depth and size are bounded before anything is computed; what
+holds numbers only is computed here, in fractions and floats of bounded size, never by SymPy, which would work out
+``exp(exp(exp(99)))`` to the last digit.
+"""
 
 from __future__ import annotations
 
 import ast
+import math
 import operator
+import re
+import warnings
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 import sympy as sp
+from sympy.printing.str import StrPrinter
 
 from ..errors import EffectError, nearest
+from ..escaping import quoted
 from ..functions import absolute, sgn, sgn1
+
+#: Bounds of a formula: characters; operations within each other (a sum of n is n deep); names, numbers, operations.
+LONGEST, DEEPEST, MOST_PARTS = 2000, 80, 600
+#: Bounds of what stands in it: numbers other than 0 lie between 1/LARGEST and LARGEST.
+LARGEST, HIGHEST_POWER = 1e50, 99
 
 FUNCTIONS: dict[str, Any] = {
     "sin": sp.sin, "cos": sp.cos, "tan": sp.tan, "atan": sp.atan, "exp": sp.exp, "log": sp.log, "sqrt": sp.sqrt,
@@ -23,6 +39,23 @@ OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Div: operator.truediv,
     ast.Pow: operator.pow,
 }
+#: The functions on numbers.
+ON_NUMBERS: dict[str, Callable[[Any], Any]] = {
+    **{name: getattr(math, name) for name in ("sin", "cos", "tan", "atan", "exp", "log", "sqrt", "tanh")},
+    "abs": abs,
+    "absolute": abs,
+    "sgn": lambda x: (x > 0) - (x < 0),
+    "sgn1": lambda x: 1 if x >= 0 else -1,
+}
+
+#: How many forms of an expression are tried until one is read as it is written.
+MOST_FORMS = 5
+
+_FOREIGN = re.compile(r"[^A-Za-z0-9_+\-*/().\s]")
+
+
+class _Refused(ValueError):
+    """Why a part of a formula has no value."""
 
 
 def formula(text: str, place: str) -> sp.Expr:
@@ -31,55 +64,195 @@ def formula(text: str, place: str) -> sp.Expr:
     Parameters
     ----------
     text : str
-        ``1 + TMU1*(T - TREF)``: + - * / **, brackets, and the functions of `FUNCTIONS`.
+        ``1 + TMU1*(T - TREF)``: + - * / **, brackets, numbers, ``pi``, and the functions of `FUNCTIONS`.
     place : str
         Where it stands, for messages.
 
     Returns
     -------
     sympy.Expr
-        Every name is a real symbol.
+        Every name is a real symbol. Every number in it is rational or a double, finite and of bounded size.
 
     Raises
     ------
     EffectError
-        If the text is no formula.
+        If the text is no formula, is beyond the bounds of this module, or a part of it has no real value.
 
     Examples
     --------
     >>> formula("1 + 2*TMU1*abs(T)", "example")
     2*TMU1*absolute(T) + 1
+    >>> formula("T/(2 - 2)", "example")
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.EffectError: example: 'T / (2 - 2)' divides by 0
     """
     try:
-        tree = ast.parse(text.strip(), mode="eval")
-    except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise EffectError(f"{place}: {text!r} is not a formula") from None
-    try:
-        return sp.sympify(_read(tree.body, place))
-    except (RecursionError, OverflowError, ZeroDivisionError):
-        raise EffectError(f"{place}: {text!r} cannot be worked out") from None
+        expression = _read(_tree(text), place)
+        for _ in range(MOST_FORMS):  # SymPy may write a sum in brackets and read it without
+            again = _read(_tree(formula_text(expression)), place)
+            if again == expression:
+                return expression
+            expression = again
+    except _Refused as error:
+        raise EffectError(f"{place}: {quoted(text)} {error}") from None
+    raise EffectError(f"{place}: {quoted(text)} reads differently each time it is written")
 
 
 def formula_text(expression: sp.Expr) -> str:
-    """Return the text of an expression, which `formula` reads."""
-    return str(sp.sstr(expression, full_prec=False))
+    """Return the text of an expression, from which `formula` reads an equal one.
+
+    Examples
+    --------
+    >>> formula_text(formula("0.1*T*0.7 + sqrt(2)", "example"))
+    '0.06999999999999999*T + 1.4142135623730951'
+    """
+    return str(_TextPrinter().doprint(expression))
 
 
-def _read(node: ast.expr, place: str) -> Any:
+class _TextPrinter(StrPrinter):
+    """SymPy's text with every digit of a float."""
+
+    def _print_Float(self, expr: Any) -> str:
+        return repr(float(expr))
+
+
+def _tree(text: str) -> ast.expr:
+    """Return the syntax tree of a text within the bounds."""
+    if len(text) > LONGEST:
+        raise _Refused(f"has more than {LONGEST} characters")
+    if foreign := _FOREIGN.search(text):
+        raise _Refused(f"is no formula: {foreign[0]!r} has no place in a formula")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # 1or 2
+            tree = ast.parse(f"({text.strip()}\n)", mode="eval").body
+    except (SyntaxError, ValueError, RecursionError, MemoryError, Warning):
+        raise _Refused("is not a formula") from None
+    level, parts = [tree], 0
+    for _ in range(DEEPEST):
+        parts += len(level)
+        level = [below for node in level for below in ast.iter_child_nodes(node) if isinstance(below, ast.expr)]
+    if level:
+        raise _Refused(f"has operations within each other more than {DEEPEST} deep")
+    if parts > MOST_PARTS:
+        raise _Refused(f"has more than {MOST_PARTS} numbers, names and operations")
+    return tree
+
+
+def _read(node: ast.expr, place: str) -> sp.Expr:
+    """Return the expression of a node, checked."""
     if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)) and not isinstance(node.value, bool):
-        return sp.Integer(node.value) if isinstance(node.value, int) else sp.Float(repr(node.value))
+        return _worked_out(node, place, lambda: _number(node.value))
     if isinstance(node, ast.Name):
-        return sp.pi if node.id == "pi" else sp.Symbol(node.id, real=True)
+        return sp.Float(math.pi) if node.id == "pi" else sp.Symbol(node.id, real=True)
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
         value = _read(node.operand, place)
         return -value if isinstance(node.op, ast.USub) else value
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS:
-        left, right = _read(node.left, place), _read(node.right, place)
-        if isinstance(node.op, ast.Pow) and right.is_Number and abs(right) > 99:
-            raise EffectError(f"{place}: a power of {right} is too high")
-        return OPERATORS[type(node.op)](left, right)
-    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1 and not node.keywords:
+        operands, apply = [node.left, node.right], OPERATORS[type(node.op)]
+        on_numbers = apply
+    elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1 and not node.keywords:
         if node.func.id not in FUNCTIONS:
             raise EffectError(f"{place}: unknown function {node.func.id!r}{nearest(node.func.id, FUNCTIONS)}")
-        return FUNCTIONS[node.func.id](_read(node.args[0], place))
-    raise EffectError(f"{place}: {ast.unparse(node)!r} has no place in a formula")
+        operands, apply = node.args, FUNCTIONS[node.func.id]
+        on_numbers = ON_NUMBERS[node.func.id]
+    else:
+        raise EffectError(f"{place}: {quoted(ast.unparse(node))} has no place in a formula")
+    values = [_read(operand, place) for operand in operands]
+    return _worked_out(node, place, lambda: _applied(node, values, apply, on_numbers))
+
+
+def _worked_out(node: ast.expr, place: str, compute: Callable[[], sp.Expr]) -> sp.Expr:
+    try:
+        return compute()
+    except _Refused as error:
+        raise EffectError(f"{place}: {quoted(ast.unparse(node))} {error}") from None
+
+
+def _applied(
+    node: ast.expr, values: list[sp.Expr], apply: Callable[..., Any], on_numbers: Callable[..., Any]
+) -> sp.Expr:
+    """Return an operation on operands: a number where they are numbers, else an expression of bounded size."""
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
+        _refuse_power(*values)
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) and values[1].is_zero:
+        raise _Refused("divides by 0")
+    if all(value.is_Number for value in values):
+        return _of_numbers(on_numbers, [_plain(value) for value in values])
+    # sqrt(x**2) is Abs(x) to SymPy, and ours has a derivative at 0.
+    made = sp.sympify(apply(*values)).replace(sp.Abs, absolute)
+    return _settled(made)
+
+
+def _refuse_power(base: sp.Expr, power: sp.Expr) -> None:
+    if power.is_Number and abs(power) > HIGHEST_POWER:
+        raise _Refused(f"has a power of {float(power):.9g}: it is too high")
+    if base.is_Number and base <= 0 and not power.is_Number:
+        raise _Refused("has a base that is not positive under a power that changes")
+
+
+def _of_numbers(apply: Callable[..., Any], values: list[Fraction | float]) -> sp.Expr:
+    try:
+        return _number(apply(*values))
+    except ZeroDivisionError:
+        raise _Refused("divides by 0") from None
+    except OverflowError:
+        raise _Refused("is too large") from None
+    except ValueError as error:
+        raise error if isinstance(error, _Refused) else _Refused("has no real value") from None
+
+
+def _plain(number: sp.Expr) -> Fraction | float:
+    return Fraction(int(number.p), int(number.q)) if number.is_Rational else float(number)
+
+
+def _number(value: Fraction | float | complex) -> sp.Expr:
+    """Return a number within the bounds."""
+    if isinstance(value, complex):
+        raise _Refused("has no real value")
+    if value == 0:
+        return sp.Integer(0)
+    if not 1 / LARGEST <= abs(value) <= LARGEST:
+        raise _Refused(f"is not 0 and not between 1/{LARGEST:g} and {LARGEST:g} in size")
+    if isinstance(value, float):
+        return sp.Float(value)
+    exact = Fraction(value)
+    small = max(abs(exact.numerator), exact.denominator) <= LARGEST
+    return sp.Rational(exact.numerator, exact.denominator) if small else sp.Float(float(exact))
+
+
+def _settled(expression: sp.Expr) -> sp.Expr:
+    """Return an expression with numbers for its constant parts, or refuse what is beyond the bounds."""
+    parts = 0
+    constants: dict[sp.Expr, sp.Expr] = {}
+    level = [expression]
+    for _ in range(DEEPEST):
+        below: list[sp.Expr] = []
+        for node in level:
+            parts += 1
+            if node.is_Symbol:
+                continue
+            if node.is_Number and node.is_finite:
+                _number(_plain(node))
+            elif node.args and all(argument.is_Number for argument in node.args):
+                constants[node] = _constant(node)
+            elif node.is_Atom:
+                raise _Refused("has no real value")
+            else:
+                if node.is_Pow:
+                    _refuse_power(*node.args)
+                below += node.args
+        level = below
+    if level or parts > MOST_PARTS:
+        raise _Refused("is too large a formula when it is written out")
+    return expression.xreplace(constants) if constants else expression
+
+
+def _constant(node: sp.Expr) -> sp.Expr:
+    """Return the value of a power of numbers, which SymPy takes out of brackets: sqrt(2) of sqrt(2*x)."""
+    if not node.is_Pow:
+        raise _Refused("has a constant part: write its value")
+    _refuse_power(*node.args)
+    base, power = (_plain(argument) for argument in node.args)
+    return _of_numbers(operator.pow, [base, power])

@@ -107,7 +107,8 @@ def python_module(model: Model, routines: tuple[Routine, ...], flavor: PythonFla
     ]
     rows = indent(",\n".join(reached), "    ")
     tables += f"\nREACH = (\n{rows},\n)"
-    head = f'"""{python_comment(model.title)}, in {flavor.title}.\n\n{HEADER.format(name=model.name)}\n\n{flavor.shapes}\n"""\n'
+    title = python_comment(f"{model.title}, in {flavor.title}.")
+    head = f'"""{title}\n\n{HEADER.format(name=model.name)}\n\n{flavor.shapes}\n"""\n'
     functions = "\n\n\n".join(_function(model, routine, flavor) for routine in routines)
     return f"{head}\n{flavor.imports}\n\n{tables}\n\n\n{functions}\n{flavor.epilogue}"
 

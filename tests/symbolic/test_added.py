@@ -105,7 +105,7 @@ def test_an_effect_without_a_place_is_named(text, message):
         (OWN.replace("1 + HMU1*(p", "1 + HMU1*sine(p"), "unknown function 'sine': did you mean sin"),
         (OWN.replace("1 + HMU1*(p - NOMPRES)", "1 + p"), "HMU1 is declared but acts on nothing"),
         (OWN.replace("lower = -1.0", "lower = 2.0"), "lower 2.0 is not below upper 1.0"),
-        (OWN.replace("lower = -1.0", "lower = true"), "lower = True is not a float"),
+        (OWN.replace("lower = -1.0", "lower = true"), "lower = True is not a finite number"),
         (OWN.replace("HMU1 =", "hmu1 ="), "a word of capital letters"),
         (OWN.replace('"1 + HMU1*(p - NOMPRES)"', '"1 +"'), "is not a formula"),
     ],

@@ -1,0 +1,107 @@
+"""Words that a name from a file cannot be, as generated code, other languages, systems or .tir files take them.
+
+A coefficient becomes a variable in C and Python, a variable of an FMU and a key of a .tir file; an effect becomes a
+section of a .tir file and the name of a file. Languages are compared without regard to case: some do not tell cases
+apart, and nobody is helped by a coefficient called ``FOR``.
+"""
+
+from __future__ import annotations
+
+import keyword
+import re
+
+LONGEST_NAME = 64
+
+#: Words of each language, in lower case.
+_WORDS = {
+    # C11, section 6.4.1
+    "C": "auto break case char const continue default do double else enum extern float for goto if inline int long "
+    "register restrict return short signed sizeof static struct switch typedef union unsigned void volatile while",
+    "C++": "alignas alignof and asm bitand bitor bool catch class compl concept constexpr decltype delete explicit "
+    "export false friend mutable namespace new noexcept not nullptr operator or private protected public requires "
+    "template this throw true try typeid typename using virtual xor",
+    "Python": " ".join([*keyword.kwlist, *keyword.softkwlist]).lower(),
+    "Modelica": "algorithm annotation block connect connector constant constrainedby der discrete each elseif elsewhen "
+    "encapsulated end enumeration equation expandable external final flow function initial inner input loop model "
+    "outer output package parameter partial pure record redeclare replaceable stream then time type when within",
+    "MATLAB": "ans classdef eps function inf nan otherwise parfor persistent global spmd end",
+    "Julia": "abstract baremodule begin let local macro module mutable primitive quote type where",
+    "Rust": "become box crate dyn fn impl loop match mod move mut priv pub ref self super trait unsafe use where",
+    "JavaScript": "arguments await debugger eval export finally function implements instanceof interface let null "
+    "super this throw typeof undefined var with yield",
+}
+_LANGUAGE_OF = {word: language for language, words in reversed(_WORDS.items()) for word in words.split()}
+C_KEYWORDS = frozenset(_WORDS["C"].split())
+
+#: Macros of the C library's headers, those of GNU and POSIX included, and names that generated code defines.
+_MACROS = re.compile(
+    "I|PI|NAN|INFINITY|NULL|EOF|ERROR|TRUE|FALSE|BOOL|VOID|CONST|IN|OUT|FAR|NEAR|MIN|MAX|DOMAIN|SING|OVERFLOW|UNDERFLOW"
+    "|[PT]LOSS|MAXFLOAT|HUGE(_.*)?|SNANF?.*|(DBL|FLT|LDBL|DEC|DECIMAL|FP|M|MATH|INT|UINT|INTMAX|UINTMAX|INTPTR|UINTPTR"
+    "|PTRDIFF|SIZE|WCHAR|WINT|SIG|CR|LITTLE|BIG|PDP|BYTE)_.*|U?INT([0-9]|_LEAST|_FAST).*|X_TLOSS"
+)
+_GENERATED = re.compile(
+    "(N|TIREFMU|MF[0-9]+)_.*|MF[0-9]+|LANES|LANES_.*|BLOCK|ROUNDING|LARGEST_ANGLE|REDUCTION_IS_EXACT|INPUTS|PARAMETERS"
+    "|COEFFICIENTS|OPTIONS|STRAIGHT_OPTIONS|QUANTITIES|FORCES|SLIPS|REACH|CONSTANTS|OPERATIONS|[A-Z]+_SLOTS"
+    "|ROLLING_RADIUS|LOW_SPEED(_DAMPING)?"
+)
+#: What Windows has for devices.
+_DEVICES = re.compile("con|prn|aux|nul|com[0-9]|lpt[0-9]")
+#: Keys and sections of .tir files that mean something else.
+_TIR_KEYS = re.compile(
+    "LENGTH|FORCE|ANGLE|MASS|TIME|TEMPERATURE|FITTYP|TYRESIDE|USE_MODE|PROPERTY_FILE_FORMAT|FILE_(TYPE|VERSION|FORMAT)"
+    "|NAME|EFFECTS"
+)
+_TIR_SECTIONS = frozenset(["added", "about", "ranges", "assumed", "kept_units"])
+
+_COEFFICIENT = re.compile("[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
+_EFFECT = re.compile("[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
+
+
+def no_coefficient(name: str) -> str:
+    """Return why a coefficient cannot have a name, or an empty text where it can.
+
+    Parameters
+    ----------
+    name : str
+
+    Returns
+    -------
+    str
+        The end of a sentence that begins with the name.
+
+    Examples
+    --------
+    >>> no_coefficient("TMU1"), no_coefficient("NAN"), no_coefficient("WHILE")
+    ('', 'is a macro of C', 'is a word of C')
+    >>> no_coefficient("tmu")
+    'is not a word of capital letters A-Z, digits and single _'
+    """
+    if not _COEFFICIENT.fullmatch(name):
+        return "is not a word of capital letters A-Z, digits and single _"
+    if _MACROS.fullmatch(name):
+        return "is a macro of C"
+    if _GENERATED.fullmatch(name):
+        return "is a name of the generated code"
+    return "is a key of .tir files" if _TIR_KEYS.fullmatch(name) else _in_general(name)
+
+
+def no_effect(name: str) -> str:
+    """Return why an effect cannot have a name, or an empty text where it can.
+
+    Examples
+    --------
+    >>> no_effect("wet_grip"), no_effect("nul"), no_effect("about"), no_effect("größe")
+    ('', 'is a device of Windows', 'is a section of .tir files', 'is not a word of letters A-Z, digits and single _')
+    """
+    if not _EFFECT.fullmatch(name):
+        return "is not a word of letters A-Z, digits and single _"
+    return "is a section of .tir files" if name.lower() in _TIR_SECTIONS else _in_general(name)
+
+
+def _in_general(name: str) -> str:
+    if len(name) > LONGEST_NAME:
+        return f"has more than {LONGEST_NAME} characters"
+    word = name.lower()
+    if word in _LANGUAGE_OF:
+        return f"is a word of {_LANGUAGE_OF[word]}"
+    return "is a device of Windows" if _DEVICES.fullmatch(word) else ""

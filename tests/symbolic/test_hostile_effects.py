@@ -1,0 +1,207 @@
+"""Text of an effect's file in generated code: comments are all that it changes, whatever it says."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+from dataclasses import replace
+
+import pytest
+import sympy as sp
+from hypothesis import example, given, settings
+
+from tirefmu.symbolic import model
+from tirefmu.symbolic.added import AddedEffect, effect_text, read_effect
+from tirefmu.symbolic.added.file import Act
+from tirefmu.symbolic.errors import EffectError
+from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.notation import Chapter, Coefficient, Section
+from tirefmu.symbolic.printers.generate import render_model
+from tirefmu.symbolic.quantities import BEYOND
+from tirefmu.tires.compiler import CompilerError, find_compiler
+
+from .hostile import NASTY, hostile_texts
+
+CODE = NASTY[1]
+WORDS = "a plain text"
+
+
+def small_model():
+    """Return a model of three lines, which is printed in no time."""
+
+    class Size(Section, title="SIZE"):
+        UNLOADED_RADIUS = Coefficient("radius", "m", neutral=None)
+        PDY1 = Coefficient("friction", start=1.0)
+
+    force = Chapter("Force")
+    book = model("mf96")
+    kappa, alpha, load = (quantity.symbol for quantity in book.inputs if quantity.name != "gamma")
+    grip = force("1", "mu_y", Size.PDY1 + 0 * load, description="friction")
+    force("2", "Fx", grip * kappa * load / Size.UNLOADED_RADIUS, "N", "longitudinal force")
+    force("3", "Fy", grip * sp.atan(alpha) * load, "N", "side force")
+    return Model("small", "A small model", book.inputs, book.outputs[:2], (Size,), (force,))
+
+
+SMALL = small_model()
+
+
+def effect(**texts):
+    """Return an effect with the given texts, the others plain."""
+    said = {"description": WORDS, "unit": "1", "physics": WORDS, "source": WORDS} | texts
+    card = Coefficient(said["description"], said["unit"], -1.0, 1.0)
+    card.name = "OWN1"
+    own, temperature = sp.Symbol("OWN1", real=True), BEYOND["T"].symbol
+    acts = (Act("mu_y", "factor", 1 + own * temperature),)
+    return AddedEffect("own", said["physics"], said["source"], (card,), acts)
+
+
+def printed(**texts):
+    return render_model(SMALL.extended([effect(**texts)]))
+
+
+def without_comments(code):
+    """Return C code as a compiler sees it: trigraphs replaced, lines spliced, then comments taken out."""
+    for sign, meant in zip("=/'()!<>-", "#\\^[]|{}~", strict=True):
+        code = code.replace(f"??{sign}", meant)
+    code, seen, i = code.replace("\\\n", ""), [], 0
+    while i < len(code):
+        two = code[i : i + 2]
+        if two in ("/*", "//"):
+            end = code.index("*/", i) + 2 if two == "/*" else (code.find("\n", i) + 1 or len(code)) - 1
+            seen.append(" ")
+            i = end
+        elif code[i] in "\"'":
+            end = re.compile(r"(?:\\.|[^\\])*?" + code[i], re.DOTALL).match(code, i + 1).end()
+            seen.append(code[i:end])
+            i = end
+        else:
+            seen.append(code[i])
+            i += 1
+    return "".join(seen).split()
+
+
+def bare(code):
+    """Return the syntax tree of Python code without its docstrings."""
+    tree = ast.parse(code)
+    for node in ast.walk(tree):
+        if isinstance(node, (ast.Module, ast.FunctionDef)) and ast.get_docstring(node) is not None:
+            node.body[0].value.value = ""
+    return ast.dump(tree)
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return {name: without_comments(text) if "c/" in name else bare(text) for name, text in printed().items()}
+
+
+@settings(max_examples=25, deadline=None)
+@example(CODE)
+@example("\n".join(NASTY))
+@given(hostile_texts())
+def test_text_changes_nothing_but_comments(plain, text):
+    for name, code in printed(description=text, unit=text[:40], physics=text, source=text).items():
+        assert code.isascii()
+        assert (without_comments(code) if "c/" in name else bare(code)) == plain[name], name
+
+
+def test_the_test_sees_what_a_compiler_would_see():
+    assert without_comments("a /* x */ b // y ??/\nz\n c") == ["a", "b", "c"]
+    assert without_comments('a /* "*/ b "/* x */" c') == ["a", "b", '"/*', "x", '*/"', "c"]
+    hostile = f"int a; /* {CODE} */"
+    assert "system(" in " ".join(without_comments(hostile))
+
+
+def test_hostile_text_compiles_without_a_warning(tmp_path):
+    try:
+        command = [*find_compiler(), "-std=c99", "-Wall", "-Wextra", "-Werror", "-fsyntax-only"]
+    except CompilerError:
+        pytest.skip("no C compiler")
+    for name, code in printed(description="".join(NASTY)[:600], unit=CODE[:40]).items():
+        if "c/" in name:
+            (tmp_path / name.removeprefix("c/")).write_text(code, encoding="ascii")
+    sources = map(str, tmp_path.glob("*.c"))
+    done = subprocess.run([*command, *sources], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@settings(max_examples=50, deadline=None)
+@example(CODE)
+@example("\n".join(NASTY))
+@given(hostile_texts())
+def test_a_file_with_any_text_reads_back_equal(text):
+    written = effect_text(effect(description=text, unit=text[:40], physics=f"x{text}", source=f"x{text}"))
+    text = re.sub("[\ud800-\udfff]", "\ufffd", text)  # which no file can hold
+    assert read_effect(written, "own.toml") == effect(
+        description=text, unit=text[:40], physics=f"x{text}", source=f"x{text}"
+    )
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"name": "mu_y"}, "effect mu_y: mu_y is a quantity of small already"),
+        ({"name": "load_friction"}, "load_friction is an effect of small already"),
+        ({"name": "with space"}, "name 'with space' is not a word of letters"),
+        ({"name": "about"}, "name 'about' is a section of .tir files"),
+        ({"name": "NUL"}, "name 'NUL' is a device of Windows"),
+        ({"coefficient": "PDY1"}, "effect own: PDY1 is a coefficient of small already"),
+        ({"coefficient": "T"}, "effect own: T is a quantity of small already"),
+        ({"coefficient": "NAN"}, "coefficient 'NAN' is a macro of C"),
+        ({"reads": "own"}, "reads 'own', which small has not before it"),
+        ({"reads": "load_friction"}, "reads 'load_friction', which small has not before it"),
+        ({"reads": "LIMITS"}, "reads 'LIMITS', which small has not before it"),
+    ],
+)
+def test_a_name_that_means_something_else_is_refused(changed, message):
+    own = effect()
+    if "coefficient" in changed:
+        (card,) = own.cards
+        card.name = changed["coefficient"]
+    if "reads" in changed:
+        acts = (replace(own.acts[0], expression=1 + sp.Symbol(changed["reads"], real=True)),)
+        own = replace(own, acts=acts)
+    with pytest.raises(EffectError, match=message):
+        SMALL.extended([replace(own, name=changed.get("name", own.name))])
+
+
+def test_two_effects_of_one_name_are_refused():
+    with pytest.raises(EffectError, match="two effects beyond the book are called OWN"):
+        SMALL.extended([effect(), replace(effect(), name="OWN")])
+
+
+TEXT = effect_text(effect())
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (TEXT.replace(f'physics = "{WORDS}"', f'physics = "{"x" * 601}"'), "physics has more than 600 characters"),
+        (TEXT.replace('unit = "1"', f'unit = "{"m" * 41}"'), "OWN1: unit has more than 40 characters"),
+        (TEXT.replace("lower = -1.0", "lower = nan"), "OWN1: lower = nan is not a finite number"),
+        (TEXT.replace("lower = -1.0", "lower = -inf"), "OWN1: lower = -inf is not a finite number"),
+        (TEXT.replace("lower = -1.0", f"lower = -{'9' * 400}"), "is not a finite number"),
+        (TEXT.replace("lower = -1.0", f"lower = -{'9' * 5000}"), "own.toml: "),
+        (TEXT.replace("neutral = 0.0", "neutral = 2.0"), "OWN1: neutral 2.0 is not between lower -1.0 and upper 1.0"),
+        (TEXT.replace("neutral = 0.0", "start = -2.0"), "OWN1: start -2.0 is not between"),
+        (TEXT + TEXT[TEXT.index("\n[[acts]]") :] * 50, "an effect has at most 50"),
+        (TEXT + "#" * 100_000, "has at most 100000 characters"),
+        (TEXT.replace("OWN1 =", '"OWN\\u001b[2J" ='), "is not a word of capital letters"),
+        (TEXT.replace("OWN1 =", "NAN ="), "coefficient 'NAN' is a macro of C"),
+        (TEXT + '"a\\nb" = 1\n', "unknown key"),
+        (TEXT + "a = " + "[" * 20_000, "own.toml: "),
+        (TEXT.replace('"OWN1*T + 1"', '"OWN1*T/0"'), "own.toml: \\[\\[acts\\]\\]: 'OWN1 \\* T / 0' divides by 0"),
+    ],
+)
+def test_a_file_beyond_the_bounds_is_one_line(text, message):
+    assert text != TEXT
+    with pytest.raises(EffectError, match=message) as caught:
+        read_effect(text, "own.toml")
+    assert str(caught.value).startswith("own.toml: ")
+    assert str(caught.value).isprintable()
+
+
+def test_a_formula_at_the_bounds_is_printed():
+    deep = "sin(" * 75 + "OWN1*T" + ")" * 75
+    own = read_effect(TEXT.replace("OWN1*T + 1", f"1 + {deep}"), "own.toml")
+    assert render_model(SMALL.extended([own]))["c/small.c"].count("fast_sin(") > 75

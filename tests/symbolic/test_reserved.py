@@ -1,0 +1,82 @@
+"""Names from files: what would mean something else in generated code or in a .tir file is refused."""
+
+from __future__ import annotations
+
+import builtins
+import re
+import subprocess
+from importlib.resources import files
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.added import library
+from tirefmu.symbolic.printers.c import INCLUDES
+from tirefmu.symbolic.reserved import LONGEST_NAME, no_coefficient, no_effect
+from tirefmu.tires.compiler import CompilerError, find_compiler
+from tirefmu.tires.tir_names import OWN_SECTIONS
+
+
+@pytest.mark.parametrize("name", "PI NAN INFINITY N_INPUTS LANES BLOCK I DBL_MAX MF61_N_INPUTS FOR NUL COM1".split())  # noqa: SIM905
+def test_what_means_something_else_is_refused(name):
+    assert no_coefficient(name)
+
+
+@pytest.mark.parametrize(
+    "name", ["GRÖSSE", "\u03911", "tmu", "1A", "_A", "A_", "A__B", "A-B", "A B", "", "A\n", "A" * 65]
+)
+def test_other_than_plain_words_is_refused(name):
+    assert no_coefficient(name)
+    assert no_effect(name) or name == "tmu"
+
+
+def test_ordinary_names_are_taken():
+    assert not [name for model in MODELS.values() for name in model.coefficients if no_coefficient(name)]
+    for effect in library().values():
+        assert not no_effect(effect.name)
+        assert not [card.name for card in effect.cards if no_coefficient(card.name)]
+    assert not no_coefficient("A" * LONGEST_NAME)
+
+
+@pytest.mark.parametrize("standard", ["c99", "gnu17"])
+def test_no_macro_of_the_c_library_is_a_coefficient(standard):
+    try:
+        command = [*find_compiler(), f"-std={standard}", "-dM", "-E", "-"]
+    except CompilerError:
+        pytest.skip("no C compiler")
+    text = f"{INCLUDES}\n#include <stddef.h>\n"
+    defined = subprocess.run(command, input=text, capture_output=True, text=True, check=True).stdout
+    macros = re.findall(r"^#define (\w+)", defined, re.MULTILINE)
+    assert "DBL_MAX" in macros
+    assert [name for name in macros if not no_coefficient(name)] == []
+
+
+def test_no_name_that_generated_code_defines_is_a_coefficient():
+    folder = files("tirefmu.generated")
+    for name in ("c/mf61.h", "c/mf61.c", "c/mf61_operations.h", "c/mf62_batch_forces.c"):
+        defined = re.findall(r"^#define (?:MF6[12]_)?(\w+)", (folder / name).read_text(encoding="ascii"), re.MULTILINE)
+        assert defined
+        assert [macro for macro in defined if not no_coefficient(macro)] == []
+    for language in ("numpy", "casadi"):
+        module = (folder / language / "mf96.py").read_text(encoding="ascii")
+        tables = re.findall(r"^([A-Z_]+) =", module, re.MULTILINE)
+        assert [table for table in tables if not no_coefficient(table)] == []
+    assert [name for name in dir(builtins) if not no_coefficient(name)] == []
+
+
+def test_no_section_of_a_tir_file_is_an_effect():
+    own = [title.removeprefix("TIREFMU_") for title in OWN_SECTIONS if title != "TIREFMU"]
+    assert len(own) > 4
+    assert [title for title in own if not no_effect(title) or not no_effect(title.lower())] == []
+
+
+@settings(max_examples=100, deadline=None)
+@given(st.text(max_size=70))
+def test_whatever_is_taken_is_an_ascii_identifier_in_capitals(name):
+    if not no_coefficient(name):
+        assert re.fullmatch("[A-Z][A-Z0-9_]{0,63}", name)
+        assert name.isidentifier()
+    if not no_effect(name):
+        assert re.fullmatch("[A-Za-z][A-Za-z0-9_]{0,63}", name)
