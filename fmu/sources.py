@@ -25,6 +25,8 @@ CONTACT = {False: "slip_inputs.c", True: "wheel_inputs.c"}
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
 HEADERS = ("instance.h", "contact.h", "slips.h", "terms.h", "chain_rule.h")
 CONFIG, RADIUS = "model_config.h", "rolling_radius.h"
+#: Roles whose quantities the wrapper reads.
+ROLES = ("friction_x", "friction_y", "stiffness_x", "stiffness_y", "relaxation_x", "relaxation_y")
 
 
 def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
@@ -171,7 +173,9 @@ def _places(shown: Interface) -> Iterable[str]:
     for name, place in known.items():
         if place in (*tire.inputs, *tire.outputs):
             yield f"#define {name} {prefix}_{place}"
-    yield f"#define QUANTITY(name) {prefix}_##name"
+    for role in ROLES:
+        if tire.book.quantity(role):
+            yield f"#define {role.upper()} {prefix}_{tire.book.quantity(role)}"
     yield f"#define SIDE_FORCE_SENSE {-1.0 if tire.signs == 'iso' else 1.0}"
     inputs = [variable.name for variable in shown.group("input")]
     if "psi_dot" in inputs:
@@ -234,6 +238,7 @@ def rolling_radius(book: Model) -> str:
     """
     prefix = book.name.upper()
     needed = rolling_radius_lines(book)
+    turning = book.quantity("wheel_speed") or "omega"
     read = {symbol.name for line in needed for symbol in line.expression.free_symbols} or {"UNLOADED_RADIUS"}
     printer = PlainCPrinter()
     return (
@@ -243,7 +248,7 @@ def rolling_radius(book: Model) -> str:
                 "#define fast_atan atan",
                 "static inline double square(double x) { return x * x; }",
                 "",
-                "static double rolling_radius(const double inputs[], double omega, const double parameters[])",
+                f"static double rolling_radius(const double inputs[], double {turning}, const double parameters[])",
                 "{",
                 *(
                     f"    const double {name} = parameters[{prefix}_{name}];"
@@ -252,8 +257,8 @@ def rolling_radius(book: Model) -> str:
                 ),
                 *(f"    const double {q.name} = inputs[{prefix}_{q.name}];" for q in book.inputs if q.name in read),
                 *(f"    const double {line.symbol} = {printer.doprint(line.expression)};" for line in needed),
-                *(() if needed else ("    (void) inputs;", "    (void) omega;")),
-                f"    return {'R_e' if needed else 'UNLOADED_RADIUS'};",
+                *(() if needed else ("    (void) inputs;", f"    (void) {turning};")),
+                f"    return {book.quantity('rolling_radius') if needed else 'UNLOADED_RADIUS'};",
                 "}",
             ]
         )

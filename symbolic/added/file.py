@@ -38,7 +38,7 @@ CARD_KEYS = {"description": str, "unit": str, "lower": float, "upper": float, "n
 
 @dataclass(frozen=True)
 class Act:
-    """What an added effect does to one named quantity: ``how`` is "factor" or "term"."""
+    """What an added effect does to one named quantity, given by name or by role: ``how`` is "factor" or "term"."""
 
     on: str
     how: str
@@ -65,7 +65,7 @@ class AddedEffect:
 
     @property
     def acts_on(self) -> tuple[str, ...]:
-        """The named quantities that it changes."""
+        """The named quantities that it changes, by name or by role."""
         return tuple(dict.fromkeys(act.on for act in self.acts))
 
     @property
