@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
+from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.notation import Coefficient
+from tirefmu.tires.code import code_for
 from tirefmu.tires.tire import Tire
 
-from .candidates import CENTER, CONTRACT, varies
+from .candidates import CENTER, known_candidate, varies
 from .disturbances import disturbances_of
 from .least_squares import LeastSquares, Solution
 from .signals import Signals
@@ -18,48 +22,27 @@ from .simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Coefficients of the core, by the channels that they are read from.
-CORE = {
-    "Fx": ("PCX1", "PDX1", "PEX1", "PKX1"),
-    "Fy": ("PCY1", "PDY1", "PEY1", "PKY1"),
-    "Mz": ("QBZ1", "QCZ1", "QDZ1"),
-}
-#: Other starts of shape and curvature: a local optimum of the base looks like a missing effect.
-STARTS = (
-    {"PCX1": 1.6, "PEX1": 0.2, "PCY1": 1.4, "PEY1": -0.3, "QBZ1": 9.0, "QCZ1": 1.1},
-    {"PCX1": 1.4, "PEX1": -1.0, "PCY1": 1.6, "PEY1": 0.3, "QBZ1": 6.0, "QCZ1": 1.3},
-    {"PCX1": 1.8, "PEX1": 0.5, "PCY1": 1.25, "PEY1": -1.2, "QBZ1": 13.0, "QCZ1": 1.0},
-)
+#: The slip that makes each force.
+OWN_SLIP = {"Fx": "kappa", "Fy": "alpha"}
 #: Residuals beyond this many robust deviations of their neighbourhood are outliers.
 OUTLIER = 7.0
 
 
-def read_from(name: str) -> tuple[str, ...]:
-    """Return the channels from which a coefficient can be read.
+def readable(names: tuple[str, ...], signals: Signals, book: Model) -> tuple[str, ...]:
+    """Return the coefficients of a model that the measured channels say something about."""
+    cards, measured = book.coefficients, set(signals.channels)
+    return tuple(name for name in names if name in cards and measured & set(cards[name].channels))
 
-    Examples
-    --------
-    >>> read_from("PDY2"), read_from("RBX1"), read_from("SSZ1")
-    (('Fy', 'Mz'), ('Fx',), ('Mz',))
+
+def _in_baseline(card: Coefficient, tire: Tire, signals: Signals) -> bool:
+    """Return whether a coefficient of the baseline is fitted: its force is measured, or a moment while its slip varies.
+
+    The slip stiffness of kappa, say, is seen in Mz alone where kappa counts as a slip angle of the trail.
     """
-    special = {
-        "SIGX": ("Fx",),
-        "SIGY": ("Fy", "Mz"),
-        "SIGC": ("Fy", "Mz"),
-        "SIGK": ("Fx", "Fy", "Mz"),
-        "PKX1": ("Fx", "Mz"),
-    }
-    if name in special:
-        return special[name]
-    if name[0] in "PR" and len(name) == 4:
-        return {"X": ("Fx",), "Y": ("Fy", "Mz")}.get(name[2], ("Fx", "Fy", "Mz"))
-    heads = {"QSX": ("Mx",), "PPMX": ("Mx",), "QSY": ("My",), "SSZ": ("Mz",), "PPZ": ("Mz",), "Q": ("Mz",)}
-    return next((channels for head, channels in heads.items() if name.startswith(head)), ("Fx", "Fy", "Mz"))
-
-
-def readable(names: tuple[str, ...], signals: Signals) -> tuple[str, ...]:
-    """Return the coefficients that the measured channels say something about."""
-    return tuple(name for name in names if set(read_from(name)) & set(signals.channels))
+    measured = set(card.channels) & set(signals.channels)
+    return bool(measured & OWN_SLIP.keys()) or (
+        bool(measured) and (card.channels[0] not in OWN_SLIP or varies(signals, tire, OWN_SLIP[card.channels[0]]))
+    )
 
 
 def base_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
@@ -75,19 +58,16 @@ def base_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
     tuple of str
         In the order of the model.
     """
-    free = {name for channel, names in CORE.items() if channel in signals.channels for name in names}
-    if "Mz" in signals.channels:
-        free |= set(CORE["Fy"])
-        if "Fx" not in signals.channels and varies(signals, tire, "kappa"):
-            free.add("PKX1")  # what kappa is worth as a slip angle of the trail
     book = tire.book
     cards = book.coefficients
+    free = {name for name in book.baseline if name in cards and _in_baseline(cards[name], tire, signals)}
     for effect in tire.has:
-        if effect in CONTRACT:
-            free |= set(CONTRACT[effect].shapes[0].free)
-        elif effect in book.effects and effect != "relax_mf":
+        candidate = known_candidate(effect, book)
+        if candidate:
+            free |= set(candidate.shapes[0].free)
+        elif effect in book.effects and effect not in book.relaxing_effects:
             free |= {name for name in book.owned(effect) if cards[name].neutral is not None}
-    return tuple(name for name in cards if name in free and set(readable((name,), signals)))
+    return tuple(name for name in readable(tuple(cards), signals, book) if name in free)
 
 
 def fit_base(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSquares, Solution]:
@@ -134,25 +114,38 @@ def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) ->
     inputs = signals.named()
     measured = dict(zip(signals.channels, signals.measured, strict=True))
     starts = []
-    for shape in STARTS:
+    book = tire.book
+    for shape in book.starts:
         values = {**CENTER, **shape}
-        for channel, peak in (("Fx", "PDX1"), ("Fy", "PDY1")):
-            if channel in measured:
-                values[peak] = float(np.quantile(np.abs(measured[channel]) / inputs["Fz"], 0.98))
-        for channel, stiffness, slip in (("Fx", "PKX1", "kappa"), ("Fy", "PKY1", "alpha")):
-            if channel in measured:
-                small = np.abs(inputs[slip]) < 0.03
-                over = inputs[slip][small] * inputs["Fz"][small]
-                slope = float(over @ measured[channel][small] / max(over @ over, 1e-12))
-                values[stiffness] = min(max(slope, 5.0), 60.0) * 1.1
-        if "PKY2" in free and "PKY1" in values:
-            values["PKY1"] /= float(np.sin(2.0 * np.arctan(1.0 / values.get("PKY2", 2.0))))
+        for channel, slip in OWN_SLIP.items():
+            axis = channel[1]
+            if channel not in measured:
+                continue
+            peak = float(np.quantile(np.abs(measured[channel]) / inputs["Fz"], 0.98))
+            small = np.abs(inputs[slip]) < 0.03
+            over = inputs[slip][small] * inputs["Fz"][small]
+            slope = float(over @ measured[channel][small] / max(over @ over, 1e-12))
+            stiffness = min(max(slope, 5.0), 60.0) * 1.1 * tire.values["FNOMIN"]
+            for role, target in ((f"friction_{axis}", peak), (f"stiffness_{axis}", stiffness)):
+                leading = book.leading(role)
+                if leading in free:
+                    values[leading] = target / _per_unit(tire, role, {n: v for n, v in values.items() if n in free})
         parameters = own.copy()
         for name, value in values.items():
             if name in free:
                 parameters[simulator.place[name]] = value * rescaled.get(name, 1.0)
         starts.append(parameters)
     return starts
+
+
+def _per_unit(tire: Tire, role: str, values: Mapping[str, float]) -> float:
+    """Return the quantity of a role at nominal inputs per unit of its leading coefficient; 1 where it is none."""
+    book = tire.book
+    one = replace(tire, values={**tire.values, **values, book.leading(role): 1.0})
+    code = code_for(book, "numpy")
+    point = np.array([[one.nominal(name)] for name in one.inputs])
+    found = float(code.quantities(point, one.parameters())[code.quantities_names.index(book.quantity(role)), 0])
+    return found if np.isfinite(found) and found > 0.0 else 1.0
 
 
 def weighed(problem: LeastSquares, solution: Solution) -> LeastSquares:

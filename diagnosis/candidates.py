@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from tirefmu.symbolic.added import AddedEffect
+from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.notation import Coefficient
 from tirefmu.tires.tire import Tire
 
 from .signals import Signals
@@ -189,7 +191,9 @@ def candidates_for(tire: Tire, added: Collection[AddedEffect] = ()) -> dict[str,
     dict of str to Candidate
     """
     there = tire.book.effects.keys() - tire.has
-    found = {name: candidate for name, candidate in CONTRACT.items() if name in there}
+    tried = [*CONTRACT, *(effect.name for effect in tire.book.own_effects)]
+    known = {name: known_candidate(name, tire.book) for name in tried if name in there}
+    found = {name: candidate for name, candidate in known.items() if candidate}
     if "relax_load" in tire.has:
         found.pop("relax_lat", None)
     if "relax_lat" in tire.has and "relax_load" in found:
@@ -199,6 +203,37 @@ def candidates_for(tire: Tire, added: Collection[AddedEffect] = ()) -> dict[str,
         if effect.name in there:
             found[effect.name] = own_candidate(effect)
     return found
+
+
+def known_candidate(name: str, book: Model) -> Candidate | None:
+    """Return the candidate that an effect of a model is, or None for one that a diagnosis does not try.
+
+    Parameters
+    ----------
+    name : str
+    book : Model
+        Where it has coefficients of its own for the effect, their cards say how it is probed.
+
+    Returns
+    -------
+    Candidate or None
+    """
+    cards = book.coefficients
+    declared = CONTRACT.get(name)
+    if declared and any(set(shape.free) & cards.keys() for shape in declared.shapes):
+        return declared
+    if name not in book.effects or not (declared or name in {effect.name for effect in book.own_effects}):
+        return None
+    owned = [card for key, card in cards.items() if key in book.owned(name) and card.neutral is not None]
+    channels = tuple(dict.fromkeys(channel for card in owned for channel in card.channels))
+    varies = declared.varies if declared else ()
+    return Candidate(name, (_by_bounds(owned),), varies, channels) if owned else None
+
+
+def _by_bounds(cards: Sequence[Coefficient]) -> Shape:
+    """Return the shape of coefficients that are probed by an eighth of their range."""
+    probes = {card.name: card.default + (card.upper - card.default) / 8.0 for card in cards}
+    return Shape(tuple(probes), tuple({name: size} for name, size in probes.items()))
 
 
 def own_candidate(effect: AddedEffect) -> Candidate:
@@ -213,9 +248,7 @@ def own_candidate(effect: AddedEffect) -> Candidate:
     -------
     Candidate
     """
-    probes = {card.name: card.default + (card.upper - card.default) / 8.0 for card in effect.cards}
-    shape = Shape(tuple(probes), tuple({name: size} for name, size in probes.items()))
-    return Candidate(effect.name, (shape,), (), ("Fx", "Fy", "Mz", "Mx", "My"))
+    return Candidate(effect.name, (_by_bounds(effect.cards),), (), ("Fx", "Fy", "Mz", "Mx", "My"))
 
 
 def varies(signals: Signals, tire: Tire, name: str) -> bool:

@@ -12,6 +12,8 @@ import numpy.typing as npt
 import pandas as pd
 from scipy import stats
 
+from tirefmu.symbolic import DEFAULT_MODEL
+from tirefmu.symbolic import model as book_of
 from tirefmu.symbolic.added import AddedEffect, library
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires.tire import RANGES, Tire
@@ -43,7 +45,7 @@ def diagnose(
     table: pd.DataFrame,
     *,
     signs: str = "iso",
-    model: str = "mf61",
+    model: str = DEFAULT_MODEL,
     effects: Collection[str] = (),
     nominal: Mapping[str, float] | None = None,
     tire: Tire | None = None,
@@ -125,11 +127,10 @@ def _start_model(
         for name, value in (nominal or {}).items():
             if name not in NOMINAL:
                 raise UnknownName("nominal value", name, NOMINAL)
-            values |= dict.fromkeys(NOMINAL[name], value)
+            values |= dict.fromkeys(set(NOMINAL[name]) & book_of(model).coefficients.keys(), value)
         tire = Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
-    beyond = {effect.name: effect for effect in (*tire.added, *library().values(), *own)}
-    if not tire.book.results:  # MF96 has not the quantities that the library acts on
-        beyond = {effect.name: effect for effect in (*tire.added, *own)}
+    known = [effect for effect in library().values() if tire.book.has_place_for(effect)]
+    beyond = {effect.name: effect for effect in (*tire.added, *known, *own)}
     whole = replace(tire.in_signs(FORMULA_SIGNS), added=tuple(beyond.values()), effects=tire.has)
     return whole
 

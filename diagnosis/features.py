@@ -14,6 +14,7 @@ import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter
 
+from tirefmu.symbolic.model import Model
 from tirefmu.tires.tire import Tire
 
 from .screening import Screen
@@ -65,39 +66,68 @@ def _bracketed(text: str) -> str:
 
 @dataclass(frozen=True)
 class Place:
-    """Where structure can act.
+    """Where structure can act in a model.
 
     Attributes
     ----------
     name : str
         For a reader: friction, slip stiffness, ...
-    quantities : tuple of str
-        Named quantities of the book.
     how : str
         "factor" or "term".
+    quantities : tuple of str
+        Named quantities of the model.
     coefficients : tuple of str
         Whose derivatives, times their values for a factor, are what it does to the forces.
-    carries : tuple of str
-        Variables that what acts there is proportional to.
+    per : str
+        What a term is multiplied by, so that its coefficient is a pure number; '' for nothing.
+    flips : bool
+        Whether such a term changes its sign between adapted SAE and ISO.
     """
 
     name: str
-    quantities: tuple[str, ...]
     how: str
+    quantities: tuple[str, ...]
     coefficients: tuple[str, ...]
-    carries: tuple[str, ...] = ()
+    per: str = ""
+    flips: bool = False
+
+    @property
+    def carries(self) -> tuple[str, ...]:
+        """The inputs that what acts there is proportional to."""
+        return ("Fz",) if "Fz" in self.per.split("*") else ()
 
 
-PLACES = (
-    Place("friction", ("mu_x", "mu_y"), "factor", ("PDX1", "PDY1")),
-    Place("slip stiffness", ("K_xkappa", "K_yalpha"), "factor", ("PKX1", "PKY1")),
-    Place("force", ("mu_x", "mu_y", "K_xkappa", "K_yalpha"), "factor", ("PDX1", "PDY1", "PKX1", "PKY1")),
-    Place("trail", ("D_t",), "factor", ("QDZ1",)),
-    Place("side force", ("S_Vy",), "term", ("PVY1",), ("Fz",)),
-    Place("slip angle", ("S_Hy",), "term", ("PHY1",)),
-    Place("longitudinal slip", ("S_Hx",), "term", ("PHX1",)),
-    Place("aligning moment", ("D_r",), "term", ("QDZ6",), ("Fz",)),
-)
+#: Places by name: how structure acts there, and the roles of the quantities.
+PLACES = {
+    "friction": ("factor", ("friction_x", "friction_y")),
+    "slip stiffness": ("factor", ("stiffness_x", "stiffness_y")),
+    "force": ("factor", ("friction_x", "friction_y", "stiffness_x", "stiffness_y")),
+    "trail": ("factor", ("trail",)),
+    "side force": ("term", ("offset_y",)),
+    "slip angle": ("term", ("shift_y",)),
+    "longitudinal slip": ("term", ("shift_x",)),
+    "aligning moment": ("term", ("residual_moment",)),
+}
+
+
+def places_of(book: Model) -> list[Place]:
+    """Return the places at which structure can act in a model: those whose roles it has.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic import model
+    >>> places_of(model("mf96"))[0].coefficients
+    ('PDX1', 'PDY1')
+    """
+    cards, found = book.coefficients, []
+    for name, (how, roles) in PLACES.items():
+        there = [book.roles[role] for role in roles if book.leading(role) in cards]
+        if there:
+            quantities = tuple(dict.fromkeys(role.quantity for role in there))
+            leading = tuple(dict.fromkeys(role.leading for role in there))
+            flips = how == "term" and cards[leading[0]].flips
+            found.append(Place(name, how, quantities, leading, there[0].per if how == "term" else "", flips))
+    return found
 
 
 def directions(screen: Screen) -> dict[str, FloatArray]:
@@ -108,13 +138,14 @@ def directions(screen: Screen) -> dict[str, FloatArray]:
     screen : Screen
     """
     simulator, parameters = screen.problem.simulator, screen.solution.parameters
-    names = [name for place in PLACES for name in place.coefficients if name in simulator.place]
+    places = places_of(simulator.book)
+    names = [name for place in places for name in place.coefficients]
     jacobian = simulator.jacobian(parameters, names)
     told = {}
-    for place in PLACES:
+    for place in places:
         parts = [
             jacobian[:, :, names.index(name)] * (parameters[simulator.place[name]] if place.how == "factor" else 1.0)
-            for name in place.coefficients if name in names
+            for name in place.coefficients
         ]  # fmt: skip
         told[place.name] = np.sum(parts, axis=0)
     return told

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from .features import PLACES, Feature, Place, directions, features
+from .features import Feature, Place, directions, features, places_of
 from .linear import block_sums, regression
 from .screening import PROBE_BELIEF, Screen, Trace
 
@@ -170,7 +170,7 @@ def _grown(
     with them it does not matter (marginality: Nelder, A reformulation of linear models, 1977).
     """
     place = what[chosen[0]][0]
-    same = [i for i, (other, _) in enumerate(what) if other is place]
+    same = [i for i, (other, _) in enumerate(what) if other == place]
     while len(chosen) < MOST_TERMS:
         fitted = columns[:, :, chosen] @ trace.estimate
         rest = screen.residual - screen.project(fitted[:, :, None])[:, :, 0]
@@ -223,7 +223,7 @@ def _dictionary(screen: Screen) -> tuple[FloatArray, list[tuple[Place, Feature]]
     turned = [a * b for a in odd for b in own]
     at = {name: screen.problem.root * acts for name, acts in directions(screen).items()}
     what: list[tuple[Place, Feature]] = []
-    for place in PLACES:
+    for place in places_of(screen.problem.simulator.book):
         if not np.any(at[place.name]):
             continue
         allowed = [*even, *pairs] if place.how == "factor" else [*odd, *turned, *even]

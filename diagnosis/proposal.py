@@ -21,8 +21,6 @@ FloatArray = npt.NDArray[np.float64]
 
 #: What the squared misfit of the hold-out has to lose for a formula to be added.
 LEAST_IMPROVEMENT = 0.02
-#: What a term in a quantity is multiplied by, so that its coefficient is a pure number.
-CARRIED = {"S_Vy": "Fz*", "D_r": "Fz*UNLOADED_RADIUS*"}
 #: How many times its estimate a coefficient may become.
 REACH = 10.0
 
@@ -63,13 +61,14 @@ def effect_of(structure: Structure) -> AddedEffect | None:
     names = [f"FOUND{i + 1}" for i in range(len(sizes))]
     cards = "\n".join(
         f'{name} = {{description = {toml_string("found: " + term.text)}, unit = "1", lower = {-_reach(size)!r}, '
-        f"upper = {_reach(size)!r}}}"
+        f"upper = {_reach(size)!r}{', flips = true' if structure.place.flips else ''}}}"
         for name, term, size in zip(names, structure.terms, sizes, strict=True)
     )
     total = " + ".join(f"{name}*({term.text})" for name, term in zip(names, structure.terms, strict=True))
+    carried = f"{structure.place.per}*" if structure.place.per else ""
     acts = "\n".join(
         f'[[acts]]\non = "{quantity}"\n{structure.place.how} = '
-        + (f'"1 + {total}"' if structure.place.how == "factor" else f'"{CARRIED.get(quantity, "")}({total})"')
+        + (f'"1 + {total}"' if structure.place.how == "factor" else f'"{carried}({total})"')
         for quantity in structure.place.quantities
     )
     name = "found_" + "_".join(structure.depends_on).lower()

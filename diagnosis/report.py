@@ -112,8 +112,8 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     for line in after.book.equations:
         stands = {str(place.args[0]) for place in line.expression.atoms(Switch)}
         name = line.symbol.name
-        if stands & more and old[name] != new[name] and not name.endswith(("_g0", "_00")):
-            told = [f"{name.removesuffix('_loaded')} = {lines[name]}" for lines in (old, new)]
+        if stands & more and old[name] != new[name] and not line.variant:
+            told = [f"{line.acts_for or name} = {lines[name]}" for lines in (old, new)]
             changed.append(ChangedLine(line.number, line.description, *told))
     return tuple(changed)
 

@@ -250,9 +250,8 @@ class Search:
 
     def _readable(self, shape: Shape) -> Shape | None:
         """Return a shape with the coefficients that the channels show and that are not free already."""
-        taken = self.solution.free
-        names = [n for n in readable(shape.free, self.problem.simulator.signals) if n not in taken]
-        names = [name for name in names if name in self.problem.simulator.place]
+        taken, simulator = self.solution.free, self.problem.simulator
+        names = [n for n in readable(shape.free, simulator.signals, simulator.book) if n not in taken]
         probes = tuple(probe for probe in shape.probes if set(probe) & set(names))
         return replace(shape, free=tuple(names), probes=probes) if names and probes else None
 

@@ -123,8 +123,9 @@ def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = Tr
         columns[name] = _input(given, name, tire)
         if smooth and timed and name in given and name != "distance":
             columns[name], noise[name] = _smoothed_by_stretch(columns[name], t)
-    if "distance" not in given and "distance" in columns and timed:
-        columns["distance"] = rolled_distance(t, columns["V"])
+    speed = columns["V"] if "V" in columns else given.get("V")  # a model may do without speed, and a table too
+    if "distance" not in given and "distance" in columns and timed and speed is not None:
+        columns["distance"] = rolled_distance(t, np.asarray(speed, dtype=float))
     inputs = np.stack([columns[name] for name in names])
     channels = tuple(name for name in OUTPUTS if name in given and name in outputs and given[name].notna().any())
     aside = {}

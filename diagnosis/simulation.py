@@ -18,8 +18,6 @@ from .signals import Signals
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
-#: Coefficients that act through time.
-LENGTHS = ("SIGX", "SIGY", "SIGC", "SIGK")
 #: Rows evaluated at a time: their Jacobian stays in the processor's cache.
 CHUNK = 512
 
@@ -46,7 +44,8 @@ class Simulator:
         self.place = {name: i for i, name in enumerate(self.book.parameters)}
         self._unasked = self._inputs_unasked()
         known = self._code.quantities_names
-        self._sigma = [known.index(name) for name in ("sigma_kappa", "sigma_alpha") if name in known]  # MF96: none
+        lengths = map(self.book.quantity, ("relaxation_x", "relaxation_y"))
+        self._sigma = [known.index(name) for name in lengths if name]
 
     def over(self, signals: Signals) -> Simulator:
         """Return a simulator of the same tire over other signals."""
@@ -76,7 +75,7 @@ class Simulator:
     def acting(self, parameters: FloatArray) -> FloatArray:
         """Return the inputs that act at the compared rows, shape (n_inputs, n): slips lag where lengths are set."""
         signals, inputs = self.signals, self.asked(parameters)
-        lags = any(parameters[self.place[name]] for name in LENGTHS if name in self.place)
+        lags = any(parameters[self.place[name]] for name in self.book.relaxation)
         if not signals.timed or not self._sigma or not lags:
             return inputs[:, signals.rows]
         named = dict(zip(signals.names, inputs, strict=True))
@@ -114,8 +113,8 @@ class Simulator:
             parts.append(whole[:, self.signals.places][:, :, columns])
         jacobian = np.concatenate(parts).transpose(1, 0, 2)
         for i, name in enumerate(free):
-            if name in LENGTHS and self.signals.timed:
-                step = 0.01 if name != "SIGC" else 0.02
+            if name in self.book.relaxation and self.signals.timed:
+                step = 0.01 if self.book.coefficients[name].unit == "m" else 0.02
                 moved = parameters.copy()
                 moved[self.place[name]] += step
                 jacobian[:, :, i] = (self.forces(moved) - self.forces(parameters)) / step

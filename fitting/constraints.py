@@ -14,20 +14,23 @@ extrapolation
     The first two kinds also where loads and slips reach 1.5 times as far as in the data: there no sign flips, and
     as E above 1 is what turns a curve over, no kink comes. On request only.
 
-They are imposed on the corners of the range of the data, verified on a dense grid that has these corners, and imposed
-where they were broken there. Bounds are in adapted SAE signs.
+Each model declares its own (`tirefmu.symbolic.contract.PhysicalConstraint`). They are imposed on the corners of the
+range of the data, verified on a dense grid that has these corners, and imposed where they were broken there. Bounds are
+in adapted SAE signs.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.symbolic import model as model_of
+from tirefmu.symbolic.contract import PhysicalConstraint
 from tirefmu.symbolic.errors import UnknownName
 
 FloatArray = npt.NDArray[np.float64]
@@ -37,42 +40,11 @@ TOLERANCE = 1e-6
 KINDS = ("signs", "curvature", "friction_falling", "stiffness_saturating", "extrapolation")
 #: How much further than in the data loads and slips reach in an extrapolation.
 REACH = 1.5
-#: Conditions and kinds that hold only where somebody asks for them. Published tires break them: the longitudinal
-#: stiffness of passenger car tires grows faster than load, and what is asked beyond the data bends what is within them.
-ON_REQUEST = ("stiffness_saturating:K_xkappa", "extrapolation")
 
 
 @dataclass(frozen=True)
-class Constraint:
-    """A named quantity, or how it goes with load, that stays within bounds.
-
-    Attributes
-    ----------
-    quantity : str
-        Name in the book, such as "E_x".
-    lower, upper : float
-        In the quantity's unit.
-    over : tuple of str
-        The inputs on which the quantity depends.
-    size : float
-        Its usual size, for the solver.
-    kind : str
-        One of `KINDS`.
-    measure : str
-        What is bounded: the "value" q, its "growth" Fz dq/dFz, or its "excess" Fz dq/dFz - q, by which it grows
-        faster than load.
-    effect : str
-        Without this effect the quantity says nothing; empty where it always does.
-    """
-
-    quantity: str
-    lower: float
-    upper: float
-    over: tuple[str, ...]
-    size: float = 1.0
-    kind: str = "signs"
-    measure: str = "value"
-    effect: str = ""
+class Constraint(PhysicalConstraint):
+    """A physical constraint of a model, and how a solver sees it."""
 
     @property
     def scaled_bounds(self) -> tuple[float, float]:
@@ -114,103 +86,16 @@ class Constraint:
         return {**ranges, **wide, "Fz": (low / REACH, high * REACH)}
 
 
-def _positive(quantity: str, floor: float, *over: str, size: float = 1.0, effect: str = "") -> Constraint:
-    """Keep a quantity above a floor that is small against any plausible value of it."""
-    return Constraint(quantity, floor, inf, over, size, effect=effect)
+def declared_constraints(model: str) -> dict[str, tuple[Constraint, ...]]:
+    """Return every constraint that a model declares, by the output that it belongs to.
 
-
-def _curvature(quantity: str, *over: str, effect: str = "") -> Constraint:
-    return Constraint(quantity, -inf, 1.0, over, kind="curvature", effect=effect)
-
-
-def _falling(quantity: str, *over: str) -> Constraint:
-    return Constraint(quantity, -inf, 0.0, over, 1.0, "friction_falling", "growth", "load_friction")
-
-
-def _saturating(quantity: str, *over: str) -> Constraint:
-    return Constraint(quantity, -inf, 0.0, over, 1e4, "stiffness_saturating", "excess", "load_stiffness")
-
-
-def _forces(pressure: tuple[str, ...], *, later: bool) -> dict[str, tuple[Constraint, ...]]:
-    """Return the conditions on Fx and Fy.
-
-    Parameters
-    ----------
-    pressure : tuple of str
-        The input p, for models that read it.
-    later : bool
-        MF5.2 to 6.2: the weighting functions have a curvature, and change with inclination and load; the slip
-        stiffnesses are named.
+    Examples
+    --------
+    >>> declared_constraints("mf96")["Mz"][0].text
+    'C_t > 0'
     """
-    conditions: dict[str, tuple[Constraint, ...]] = {}
-    for force, slip, axis, across, other, camber in (
-        ("Fx", "kappa", "x", "alpha", "kappa", ()),
-        ("Fy", "alpha", "y", "kappa", "alpha", ("gamma",)),
-    ):
-        state = "Fz", "gamma", *pressure
-        weight = {"x": "xa", "y": "yk"}[axis]
-        effect = f"combined_G{weight}"
-        conditions[force] = (
-            _positive(f"C_{axis}", 0.1),
-            _positive(f"mu_{axis}", 0.01, *state),
-            _positive(f"B_{axis}", 0.1, *state),
-            _curvature(f"E_{axis}", "Fz", *camber, slip),
-            _positive(f"B_{axis}{across}", 0.0, other, *(("gamma",) if later else ()), effect=effect),
-            _positive(f"G_{weight}", 0.01, "kappa", "alpha", *(("gamma", "Fz") if later else ()), effect=effect),
-            _falling(f"mu_{axis}", *state),
-            _saturating(f"K_{axis}{slip}", "Fz", *camber, *pressure),
-        )
-        if later:
-            conditions[force] += (
-                _positive(f"C_{axis}{across}", 0.1, effect=effect),
-                _curvature(f"E_{axis}{across}", "Fz", effect=effect),
-                _positive(f"K_{axis}{slip}", 1.0, "Fz", *camber, *pressure, size=1e4),
-            )
-    return conditions
-
-
-def _mf96() -> dict[str, tuple[Constraint, ...]]:
-    trail = (
-        _positive("C_t", 0.1),
-        _positive("B_t", 0.1, "Fz", "gamma"),
-        _curvature("E_t", "Fz", "gamma", "alpha"),
-    )
-    return _with_extrapolation({**_forces((), later=False), "Mz": trail})
-
-
-def _mf6() -> dict[str, tuple[Constraint, ...]]:
-    """Return those of MF5.2 to 6.2: also with pressure, and the trail by its own name."""
-    trail = (
-        _positive("C_t", 0.1),
-        _positive("B_t", 0.1, "Fz", "gamma"),
-        _positive("D_t", 0.0, "Fz", "gamma", "p", size=0.01),
-        _curvature("E_t", "Fz", "gamma", "alpha"),
-    )
-    return _with_extrapolation({**_forces(("p",), later=True), "Mz": trail})
-
-
-def _with_extrapolation(conditions: dict[str, tuple[Constraint, ...]]) -> dict[str, tuple[Constraint, ...]]:
-    """Let what changes with load or slip hold also further out."""
-    far = {
-        output: tuple(
-            replace(each, kind="extrapolation")
-            for each in own
-            if each.measure == "value" and {"Fz", "kappa", "alpha"} & set(each.over)
-        )
-        for output, own in conditions.items()
-    }
-    return {output: own + far[output] for output, own in conditions.items()}
-
-
-#: The conditions of each model, by the output that they belong to. Floors: 0.01 of friction, 0.1 of C and of
-#: B in 1/rad, 0.01 of G, 1 of slip stiffness in N and N/rad; E is checked on both sides of zero slip because it
-#: jumps there.
-VALIDITY: dict[str, dict[str, tuple[Constraint, ...]]] = {
-    "mf96": _mf96(),
-    "mf52": _mf6(),
-    "mf61": _mf6(),
-    "mf62": _mf6(),
-}
+    declared = model_of(model).constraints
+    return {output: tuple(Constraint(**vars(each)) for each in own) for output, own in declared.items()}
 
 
 def chosen_constraints(
@@ -241,7 +126,7 @@ def chosen_constraints(
     >>> [each.name for each in chosen_constraints("mf96", without=["signs", "extrapolation", "curvature"])["Fy"]]
     ['friction_falling:mu_y', 'stiffness_saturating:K_yalpha']
     """
-    conditions = VALIDITY.get(model, {})
+    conditions = declared_constraints(model)
     single = [each.name for own in conditions.values() for each in own]
     known = ["all", *KINDS, *single]
     for name in (*also, *without):
@@ -252,11 +137,7 @@ def chosen_constraints(
         return bool({"all", each.kind, each.name} & set(names))
 
     return {
-        output: tuple(
-            each
-            for each in own
-            if not meant(each, without) and (not {each.kind, each.name} & set(ON_REQUEST) or meant(each, also))
-        )
+        output: tuple(each for each in own if not meant(each, without) and (not each.on_request or meant(each, also)))
         for output, own in conditions.items()
     }
 

@@ -129,7 +129,11 @@ def _draw_family(ax: Axes, comparison: Comparison, family: Family) -> None:
 
 def _weighting(comparison: Comparison) -> Figure | None:
     """Weights of combined slip over kappa for each slip angle: the report's figures 13 and 15."""
-    names = {"Fx": ("G_xa", r"$G_{x\alpha}$"), "Fy": ("G_yk", r"$G_{y\kappa}$")}
+    book = comparison.tire.book
+    names = {
+        "Fx": (book.quantity("weighting_x"), r"$G_{x\alpha}$"),
+        "Fy": (book.quantity("weighting_y"), r"$G_{y\kappa}$"),
+    }
     families = [family for family in comparison.combined() if family.by == "alpha"]
     curves = [[comparison.curve(group, "kappa") for group in family.groups] for family in families]
     shown = [(f, c) for f, c in zip(families, curves, strict=True) if names[f.channel][0] in c[0]]
@@ -152,7 +156,11 @@ def _weighting(comparison: Comparison) -> Figure | None:
 
 def _stiffness(comparison: Comparison, truth: Tire | None) -> Figure | None:
     """Slip stiffnesses over load with slopes read from the data, and slopes along the slip."""
-    kinds = (("Fx", "kappa", "K_xkappa", "F_x0_slope"), ("Fy", "alpha", "K_yalpha", "F_y0_slope"))
+    book = comparison.tire.book
+    kinds = [
+        (channel, slip, book.quantity(f"stiffness_{channel[1]}"), book.quantity(f"slope_{channel[1]}"))
+        for channel, slip in (("Fx", "kappa"), ("Fy", "alpha"))
+    ]
     shown: list[Family] = []
     draws: list[Callable[[Axes], None]] = []
     for channel, slip, stiffness, slope in kinds:
@@ -195,7 +203,7 @@ def _draw_stiffness(comparison: Comparison, family: Family, quantity: str, truth
     slopes = read[:, 1] / per_si(family.slip)
     if len(read):
         ax.plot(read[:, 0], slopes, "o", color="C3", ms=6, mec="white", label="slope of the data")
-    symbol = {"K_xkappa": r"$|K_{x\kappa}|$", "K_yalpha": r"$|K_{y\alpha}|$"}[quantity]
+    symbol = {"kappa": r"$|K_{x\kappa}|$", "alpha": r"$|K_{y\alpha}|$"}[family.slip]
     ax.set_title(f"{symbol} over load, {held_text(comparison.signs, family.held)}", fontsize=9)
     ax.set(xlabel=f"load {letter(comparison.signs, 'Fz')} (N)")
     ax.set(ylabel=f"{symbol} ({stiffness_unit(family.slip)})", xlim=(0.0, loads[-1]))

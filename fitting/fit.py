@@ -11,6 +11,7 @@ from pathlib import Path
 import pandas as pd
 
 from tirefmu.measurements import Recording
+from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic import model as book_of
 from tirefmu.symbolic.errors import FitError, UnknownName
 from tirefmu.symbolic.model import Model
@@ -35,12 +36,12 @@ FEATURES = "features"
 
 def fit(
     tables: Sequence[str | Path | Recording],
-    model: str = "mf96",
+    model: str = DEFAULT_MODEL,
     *,
     start: Tire | str | None = None,
     effects: Collection[str] | None = None,
     without: Collection[str] = (),
-    recipe: str = "progressive",
+    recipe: str | None = None,
     loss: str = "squares",
     method: str = "ipopt",
     iterations: int | None = None,
@@ -69,8 +70,9 @@ def fit(
         Exactly these effects on top of the model's core; all of the model where None.
     without : collection of str
         Effects to leave out.
-    recipe : str
-        "progressive", "joint", "trento", "scaling" (of the start tire) or the path of a TOML file.
+    recipe : str, optional
+        "progressive", "joint", "trento", "scaling" (of the start tire), a recipe of the model's own or the path of a
+        TOML file; the model's default where None.
     loss : {"squares", "huber", "cauchy"}
         What a residual costs: where a few rows are grossly wrong, "huber" lets one count by its size instead of its
         square, "cauchy" hardly at all; from 1.3 and 2.4 standard deviations of its own channel's noise on.

@@ -9,12 +9,13 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.measurements import Recording, levels
+from tirefmu.symbolic.contract import ROLES
 
 from .starting import Reading, readings
 
 #: By how much a quantity may differ at equal load before it takes two tires: inflation, inclination and a warm tread
 #: change friction by less than a fifth and stiffness by less than a third.
-MOST = {"mu_y": 1.3, "mu_x": 1.3, "K_yalpha": 1.5, "K_xkappa": 1.5}
+MOST = {"friction_y": 1.3, "friction_x": 1.3, "stiffness_y": 1.5, "stiffness_x": 1.5}
 #: Loads are equal within this factor.
 EQUAL_LOAD = 1.1
 #: A clock that starts again more often than this does not tell parts of a file.
@@ -46,7 +47,10 @@ def tire_notes(recordings: Sequence[Recording]) -> list[str]:
     notes = []
     for (one, first), (other, second) in combinations(read, 2):
         found = [
-            (max(a / b, b / a) / MOST[name], f"at {load:.3g} N, {name} is {a:.3g} in {one} and {b:.3g} in {other}")
+            (
+                max(a / b, b / a) / MOST[name],
+                f"at {load:.3g} N, {ROLES[name].name} is {a:.3g} in {one} and {b:.3g} in {other}",
+            )
             for name in MOST
             for load, a, b in _pairs(first.get(name), second.get(name))
             if max(a / b, b / a) > MOST[name]

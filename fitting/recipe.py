@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.symbolic import MODELS
+from tirefmu.symbolic import model as model_of
 from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.errors import FitError, UnknownName
@@ -126,13 +127,13 @@ class Recipe:
     scales: bool = False
 
 
-def load_recipe(name: str, model: str) -> Recipe:
+def load_recipe(name: str | None, model: str) -> Recipe:
     """Return a recipe by name or from a TOML file.
 
     Parameters
     ----------
-    name : str
-        One of `RECIPES`, or the path of a file ending in .toml.
+    name : str or None
+        One of `RECIPES` or of the model's own, or the path of a file ending in .toml; the model's default where None.
     model : str
         The model that it is for.
 
@@ -152,11 +153,11 @@ def load_recipe(name: str, model: str) -> Recipe:
     >>> len(load_recipe("trento", "mf96").stages)
     13
     """
-    if name in RECIPES:
-        text, where = (
-            (files("tirefmu.fitting") / "recipes" / f"{name}.toml").read_text(encoding="utf-8"),
-            f"recipe {name}",
-        )
+    book = model_of(model)
+    name = book.recipe if name is None else name
+    if name in book.recipes or name in RECIPES:
+        folder = files(book.folder) if name in book.recipes else files("tirefmu.fitting") / "recipes"
+        text, where = (folder / f"{name}.toml").read_text(encoding="utf-8"), f"recipe {name}"
     elif name.endswith(".toml"):
         where = name
         try:
@@ -166,7 +167,7 @@ def load_recipe(name: str, model: str) -> Recipe:
         except UnicodeDecodeError as error:
             raise FitError(f"{name}: not a text file (UTF-8)") from error
     else:
-        raise UnknownName("recipe", name, RECIPES)
+        raise UnknownName("recipe", name, (*RECIPES, *book.recipes))
     try:
         content = tomllib.loads(text)
     except (ValueError, RecursionError) as error:  # ValueError also of integers with thousands of digits
@@ -175,7 +176,7 @@ def load_recipe(name: str, model: str) -> Recipe:
     models = content.get("models", list(MODELS))
     if model not in models:
         raise FitError(f"{where} is for {', '.join(models)}, not for {model}")
-    stages = tuple(_stage(item, MODELS[model], where) for item in content.get("stage", []))
+    stages = tuple(_stage(item, book, where) for item in content.get("stage", []))
     if not stages:
         raise FitError(f"{where}: no [[stage]]")
     own = content.get("name", Path(name).stem), content.get("description", "")
@@ -198,7 +199,7 @@ def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
     for channel in item.get("where", {}):
         _check_name(f"input in {place}", channel, inputs)
     for effect in effects or ():
-        _check_name(f"effect in {place}", effect, EFFECTS)
+        _check_name(f"effect in {place}", effect, {**EFFECTS, **book.effects})
     for channel in item.get("hold", []):
         _check_name(f"held input without a condition in {place}", channel, item.get("where", {}))
     weights = item.get("weights", "equal")

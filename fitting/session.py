@@ -42,13 +42,6 @@ ROUNDS = 12
 #: The pull of scaled coefficients to where a stage starts, by its weights: the residual weights make the cost about
 #: 1/2, the others about the share of noise.
 RIDGE = {"equal": 1e-8, "noise": 1e-5}
-#: The sections of the .tir file that say what the coefficients refer to: they are given, and fitted only where a
-#: stage names them.
-GIVEN_SECTIONS = frozenset({
-    "MODEL", "DIMENSION", "OPERATING_CONDITIONS", "VERTICAL", "STRUCTURAL", "CONTACT_PATCH",
-    "INFLATION_PRESSURE_RANGE", "VERTICAL_FORCE_RANGE", "LONG_SLIP_RANGE", "SLIP_ANGLE_RANGE",
-    "INCLINATION_ANGLE_RANGE", "SCALING_COEFFICIENTS", "TIREFMU_TRANSIENT",
-})  # fmt: skip
 
 
 class Session:
@@ -161,9 +154,9 @@ class Session:
             return [name for name in stage.free if name in live]
         if stage.effects is not None:
             live &= self._book.live(self._tire.has.intersection(stage.effects))
-        sections = {card.section for card in self._book.coefficients.values()} - GIVEN_SECTIONS
-        allowed = set(stage.sections) or sections
-        return [name for name, card in self._book.coefficients.items() if name in live and card.section in allowed]
+        cards = self._book.coefficients
+        named = [name for name, card in cards.items() if (card.section in stage.sections or not stage.sections)]
+        return [name for name in named if name in live and (stage.sections or cards[name].fitted)]
 
     def _bounds(self, name: str, stage: Stage) -> Freed:
         card = self._book.coefficients[name]

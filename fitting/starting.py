@@ -1,9 +1,9 @@
 """Values to start from, read from the data: slip stiffness, friction, shifts and trail, load by load.
 
 Each is what the sweeps at one load show by themselves: the slope at zero, the crossing of zero and the height of a
-plain saturating curve laid through them, and how the aligning moment goes with the side force. The coefficients
-behind them follow by least squares through the book's own lines, so that any model and any choice of effects gets
-its own.
+plain saturating curve laid through them, and how the aligning moment goes with the side force. The coefficients that
+a model declares for these roles follow by least squares through its own lines, so that any model and any choice of
+effects gets its own.
 """
 
 from __future__ import annotations
@@ -18,22 +18,12 @@ import pandas as pd
 from scipy.optimize import least_squares
 
 from tirefmu.measurements import levels
+from tirefmu.symbolic.contract import Role
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
 
-#: The coefficients that a quantity is read for, the ones that one load can tell first.
-READ_FOR: dict[str, tuple[str, ...]] = {
-    "K_xkappa": ("PKX1", "PKX3"),
-    "mu_x": ("PDX1", "PDX2"),
-    "S_Hx": ("PHX1",),
-    "K_yalpha": ("PKY1", "PKY2"),
-    "mu_y": ("PDY1", "PDY2"),
-    "S_Hy": ("PHY1",),
-    "D_t": ("QDZ1", "QDZ2"),
-    "B_t": ("QBZ1",),
-}
 #: The other slip and the inclination count as zero up to here.
 PURE = {"kappa": 0.01, "alpha": radians(1.0), "gamma": radians(1.0)}
 FEWEST_ROWS = 12
@@ -74,19 +64,19 @@ def readings(table: pd.DataFrame) -> dict[str, Reading]:
     Returns
     -------
     dict of str to Reading
-        By quantity, as far as the data show it at some load.
+        By the role of the quantity (`tirefmu.symbolic.contract.ROLES`), as far as the data show it at some load.
 
     Examples
     --------
     >>> alpha = np.linspace(-0.2, 0.2, 201)
     >>> table = pd.DataFrame({"alpha": alpha, "Fz": 1000.0, "Fy": 1500.0 * np.tanh(20 * alpha + 0.2)})
     >>> {name: [f"{value:.3g}" for value in reading.values] for name, reading in readings(table).items()}
-    {'K_yalpha': ['3.04e+04'], 'S_Hy': ['0.01'], 'mu_y': ['1.5']}
+    {'stiffness_y': ['3.04e+04'], 'shift_y': ['0.01'], 'friction_y': ['1.5']}
     """
     found: dict[str, list[tuple[float, float]]] = {}
     for force, slip, other, names in (
-        ("Fx", "kappa", "alpha", ("K_xkappa", "S_Hx", "mu_x")),
-        ("Fy", "alpha", "kappa", ("K_yalpha", "S_Hy", "mu_y")),
+        ("Fx", "kappa", "alpha", ("stiffness_x", "shift_x", "friction_x")),
+        ("Fy", "alpha", "kappa", ("stiffness_y", "shift_y", "friction_y")),
     ):
         for part in _pure(table, force, slip, other):
             load = float(part["Fz"].median())
@@ -119,10 +109,11 @@ def starting_values(tire: Tire, table: pd.DataFrame) -> dict[str, float]:
     """
     live = tire.book.live(tire.has)
     values: dict[str, float] = {}
-    for quantity, reading in readings(table).items():
-        names = [name for name in READ_FOR[quantity] if name in live][: len(reading.loads)]
+    for name, reading in readings(table).items():
+        role = tire.book.roles.get(name, Role(""))
+        names = [name for name in role.coefficients if name in live][: len(reading.loads)]
         if names:
-            values.update(_solved(tire, quantity, reading, names))
+            values.update(_solved(tire, role.quantity, reading, names))
     return values
 
 
@@ -190,7 +181,7 @@ def _trail(part: pd.DataFrame) -> dict[str, float]:
 
     bounds = ([0.01, 0.01, -10.0], [20.0, 20.0, 10.0])
     trail, fall, _ = least_squares(missed, [1.0, 1.0, 0.0], bounds=bounds, loss="soft_l1", f_scale=0.1).x * usual
-    return {"D_t": float(trail), "B_t": float(fall)}
+    return {"trail": float(trail), "trail_fall": float(fall)}
 
 
 def _solved(tire: Tire, quantity: str, reading: Reading, names: list[str]) -> dict[str, float]:

@@ -15,6 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.measurements import Recording, group_by_condition, read_recording
+from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import FitError
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
@@ -29,7 +30,7 @@ FloatArray = npt.NDArray[np.float64]
 
 def cross_validate(
     tables: Sequence[str | Path | Recording],
-    model: str = "mf96",
+    model: str = DEFAULT_MODEL,
     *,
     folds: int = 4,
     seed: int = 0,

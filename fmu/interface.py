@@ -155,7 +155,7 @@ def _wheel_inputs(tire: Tire, read: set[str]) -> list[Variable]:
     """Return the wheel's motion, rolling freely at the start, and what else the model reads."""
     nominal = tire.evaluate(pd.DataFrame({"kappa": [0.0]}), steady=True).iloc[0]
     speed = tire.nominal("V") if "V" in tire.inputs else SPEED
-    radius = float(nominal.get("R_e", tire.values["UNLOADED_RADIUS"]))
+    radius = float(nominal.get(tire.book.quantity("rolling_radius"), tire.values["UNLOADED_RADIUS"]))
     starts = {"V_x": speed, "V_y": 0.0, "omega": speed / radius}
     moved = {"kappa", "alpha", "V", "phit", "distance"}
     return [
@@ -172,7 +172,7 @@ def _input(quantity: Quantity, start: float) -> Variable:
 
 def _low_speed(tire: Tire) -> tuple[Variable, Variable]:
     """Return how a standing wheel is treated; models with a low speed of their own begin with that."""
-    own = tire.values.get("VXLOW", 0.0)
+    own = tire.values.get(tire.book.low_speed, 0.0)
     return replace(LOW_SPEED, start=own if own >= LOW_SPEED.lower else LOW_SPEED.start), LOW_SPEED_DAMPING
 
 
@@ -199,7 +199,7 @@ def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
     book = tire.book
     named = {line.symbol.name: line for line in book.equations if line.named}
     taken = {*book.parameters, *(q.name for q in (*book.inputs, *book.outputs, *(MOTION if wheel else ())))}
-    chosen = named if quantities else [name for name in ("R_e", "R_l") if name in named]
+    chosen = named if quantities else [name for name in map(book.quantity, ("rolling_radius", "loaded_radius")) if name]
     found = [Variable("friction_use", "output", "1", "share of the friction ellipse that the forces take",
                       nominal=1.0, group="extra", shows="FRICTION_USE")]  # fmt: skip
     if wheel:
@@ -228,7 +228,8 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, wheel: bool) -> t
     states = tuple(reference for reference, v in enumerate(listed) if v.group == "state")
     asked = [v.name for v in listed if v.group in ("force", "extra")]
     reached = feedthrough(book, [name for name in asked if name not in ("kappa", "alpha", "alpha_lagged")])
-    reached["friction_use"] = {name for known in ("Fx", "Fy", "mu_x", "mu_y") for name in reached_by(book, known)}
+    friction = (book.quantity("friction_x"), book.quantity("friction_y"))
+    reached["friction_use"] = {name for known in ("Fx", "Fy", *friction) for name in reached_by(book, known)}
 
     def depends(variable: Variable) -> tuple[int, ...]:
         if variable.group == "derivative":

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import Tire
-from tirefmu.tires.printed import printed_folder
+from tirefmu.tires.printed import code_folder
 
 from .description import xml_bytes
 from .variables import Variable
@@ -53,7 +53,7 @@ def python_contents(
     brought, license_text = _pythonfmu()
     # Python knows a module by its name: two tires in one process need two.
     slave = f"tire_{re.sub('[^0-9a-f]', '', token)}"
-    generated = printed_folder(tire.book) if tire.book.added else Path(str(files("tirefmu.generated")))
+    generated = code_folder(tire.book)
     told = {"model": tire.model, "variables": [_told(variable) for variable in variables]}
     binaries = {
         f"binaries/{path.parent.name}/{identifier}{path.suffix}": path.read_bytes()

@@ -28,6 +28,8 @@ CONTACT = {False: "slip_inputs.c", True: "wheel_inputs.c"}
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
 HEADERS = ("instance.h", "contact.h", "slips.h", "terms.h", "chain_rule.h")
 CONFIG, RADIUS = "model_config.h", "rolling_radius.h"
+#: Roles whose quantities the wrapper reads.
+ROLES = ("friction_x", "friction_y", "stiffness_x", "stiffness_y", "relaxation_x", "relaxation_y")
 
 
 def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
@@ -174,7 +176,9 @@ def _places(shown: Interface) -> Iterable[str]:
     for name, place in known.items():
         if place in (*tire.inputs, *tire.outputs):
             yield f"#define {name} {prefix}_{place}"
-    yield f"#define QUANTITY(name) {prefix}_##name"
+    for role in ROLES:
+        if tire.book.quantity(role):
+            yield f"#define {role.upper()} {prefix}_{tire.book.quantity(role)}"
     yield f"#define SIDE_FORCE_SENSE {-1.0 if tire.signs == 'iso' else 1.0}"
     inputs = [variable.name for variable in shown.group("input")]
     if "psi_dot" in inputs:
@@ -237,16 +241,17 @@ def rolling_radius(book: Model) -> str:
     """
     prefix = book.name.upper()
     needed = rolling_radius_lines(book)
+    turning = book.quantity("wheel_speed") or "omega"
     read = {symbol.name for line in needed for symbol in line.expression.free_symbols} or {"UNLOADED_RADIUS"}
     printer = PlainCPrinter()
     lines = [f"const double {name} = parameters[{prefix}_{name}];" for name in book.parameters if name in read]
     lines += [f"const double {q.name} = inputs[{prefix}_{q.name}];" for q in book.inputs if q.name in read]
     lines += [f"const double {line.symbol} = {printer.doprint(line.expression)};" for line in needed]
-    lines += [] if needed else ["(void) inputs;", "(void) omega;"]
-    lines += [f"return {'R_e' if needed else 'UNLOADED_RADIUS'};"]
+    lines += [] if needed else ["(void) inputs;", f"(void) {turning};"]
+    lines += [f"return {book.quantity('rolling_radius') if needed else 'UNLOADED_RADIUS'};"]
     body = calling_math("\n".join(f"    {line}" for line in lines))
     remark = comment("The effective rolling radius by load, pressure and turning speed, from the lines of the book.")
-    head = "static double rolling_radius(const double inputs[], double omega, const double parameters[])"
+    head = f"static double rolling_radius(const double inputs[], double {turning}, const double parameters[])"
     parts = [remark, definitions(body), f"{head}\n{{\n{body}\n}}"]
     return "\n\n".join(part for part in parts if part) + "\n"
 

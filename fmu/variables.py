@@ -59,6 +59,8 @@ class Variable:
     shows: str = ""
 
 
+#: Roles of the quantities by which slips lag.
+LENGTHS = ("relaxation_x", "relaxation_y")
 TIME = Variable("time", "independent", "s", "simulation time")
 #: What a tire with relaxation adds, named as in the result of `Tire.evaluate`.
 LAGGED = (
@@ -134,7 +136,7 @@ def read_inputs(tire: Tire) -> set[str]:
     >>> sorted(read_inputs(Tire("mf61", values, effects=["turn_slip"])) - read_inputs(Tire("mf61", values, effects=[])))
     ['phit']
     """
-    lines = reaching(tire.book.lines(tire.has), {*tire.outputs, "sigma_kappa", "sigma_alpha"})
+    lines = reaching(tire.book.lines(tire.has), {*tire.outputs, *map(tire.book.quantity, LENGTHS)})
     reached = {symbol.name for line in lines for symbol in line.expression.free_symbols}
     idle = {name for name in BEYOND if name not in reached}
     return set(tire.inputs) - idle - {name for effect, name in tire.book.on_demand if effect not in tire.has}

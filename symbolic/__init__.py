@@ -3,16 +3,15 @@
 from collections.abc import Collection, Sequence
 
 from .added import AddedEffect, effect_text, library
+from .discovery import DEFAULT_MODEL, found_models
 from .effects import EFFECTS
 from .errors import UnknownName
-from .mf6 import MF52, MF61, MF62
-from .mf96 import MF96
 from .model import Model
 
-MODELS: dict[str, Model] = {book.name: book for book in (MF96, MF52, MF61, MF62)}
+#: Every model by name: those of this package's folders; see CONTRIBUTING.md, "Adding a model".
+MODELS: dict[str, Model] = found_models()
 
-
-_EXTENDED: dict[tuple[str, ...], Model] = {}
+_EXTENDED: dict[tuple[Model, tuple[str, ...]], Model] = {}
 
 
 def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
@@ -27,7 +26,7 @@ def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
     Returns
     -------
     Model
-        One object for one name and the same effects.
+        One object for one model and the same effects.
 
     Raises
     ------
@@ -45,7 +44,7 @@ def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
         raise UnknownName("model", name, MODELS)
     if not added:
         return MODELS[name]
-    key = (name, *(effect_text(effect) for effect in added))
+    key = (MODELS[name], tuple(effect_text(effect) for effect in added))
     if key not in _EXTENDED:
         _EXTENDED[key] = MODELS[name].extended(added)
     return _EXTENDED[key]
@@ -54,8 +53,8 @@ def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
 def with_library(name: str, effects: Collection[str], added: Sequence[AddedEffect] = ()) -> tuple[AddedEffect, ...]:
     """Return the added effects of a tire: those given, and the library where one of its effects is named.
 
-    The library comes whole, so that few models have to be printed; MF96, which lacks what some of it reads, gets
-    what is named.
+    The library comes whole, so that few models have to be printed; a model that lacks what some of it acts on or reads
+    gets what is named.
 
     Parameters
     ----------
@@ -74,10 +73,13 @@ def with_library(name: str, effects: Collection[str], added: Sequence[AddedEffec
     >>> [effect.name for effect in with_library("mf96", ["camber_thrust", "temp_friction"])]
     ['temp_friction']
     """
-    there = {effect.name for effect in added} | model(name).effects.keys()
+    book = model(name)
+    there = {effect.name for effect in added} | book.effects.keys()
     named = [effect for effect in library() if effect in effects and effect not in there]
-    wanted = library() if model(name).results else named
-    return (*added, *(library()[effect] for effect in wanted if named and effect not in there))
+    if not named:
+        return tuple(added)
+    wanted = library() if all(map(book.has_place_for, library().values())) else named
+    return (*added, *(library()[effect] for effect in wanted if effect not in there))
 
 
-__all__ = ["EFFECTS", "MF52", "MF61", "MF62", "MF96", "MODELS", "Model", "model", "with_library"]
+__all__ = ["DEFAULT_MODEL", "EFFECTS", "MODELS", "Model", "model", "with_library"]

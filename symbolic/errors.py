@@ -53,6 +53,10 @@ class UnknownName(TirefmuError):
         super().__init__(f"unknown {kind} {name!r}{nearest(name, self.known)}")
 
 
+class ModelError(TirefmuError):
+    """A model that does not keep what it declares; model and coefficient or quantity stand in the sentence."""
+
+
 class TireError(TirefmuError):
     """A tire whose coefficients cannot be evaluated."""
 

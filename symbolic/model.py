@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
 from types import new_class
 
@@ -12,25 +12,30 @@ import sympy as sp
 
 from .added import AddedEffect
 from .added.checks import check_effects
+from .contract import PhysicalConstraint, PropertyFile, Role
 from .effects import EFFECTS
 from .errors import EffectError, UnknownName, nearest
 from .escaping import quoted
 from .functions import where
 from .notation import Chapter, Choice, Coefficient, Effect, Equation, Option, Quantity, Section, Switch, Variant
-from .options import OPTIONS
+from .options import OPTIONS, signs
 from .quantities import BEYOND
 
+#: Coefficients of every model: other packages scale loads and lengths by them.
+INDISPENSABLE = ("FNOMIN", "UNLOADED_RADIUS")
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Model:
-    """A tire model of the book.
+    """A tire model: its lines, and all that other packages have to know of it.
 
     Attributes
     ----------
     name : str
-        As on the command line.
+        As on the command line: a lower-case word.
     title : str
     inputs, outputs : tuple of Quantity
+        kappa and alpha first, Fz among them; Fx and Fy among the outputs.
     sections : tuple of type[Section]
         The coefficients, by .tir section.
     chapters : tuple of Chapter
@@ -40,6 +45,28 @@ class Model:
         them is no idle coefficient.
     on_demand : tuple of (str, str)
         Effects that act only in rows whose input asks for it, and the input's name (turn_slip: phit).
+    own_effects : tuple of Effect
+        Effects of its lines that `tirefmu.symbolic.effects` does not have.
+    roles : mapping of str to Role
+        Which named quantity has which of `tirefmu.symbolic.contract.ROLES`; a role left out is one that it lacks.
+    property_file : PropertyFile
+        How its .tir files are recognized and written.
+    constraints : mapping of str to tuple of PhysicalConstraint
+        What a fit enforces, by the output that it belongs to.
+    recipe : str
+        The fit recipe where nobody names one: one of the package's, or of its own.
+    recipes : tuple of str
+        Its own recipes: ``<name>.toml`` in its folder.
+    folder : str
+        Its package, where these files lie: ``__name__`` of the folder's ``__init__.py``.
+    baseline : tuple of str
+        The coefficients that a tire without effects is fitted by.
+    starts : tuple of mapping of str to float
+        Several starts of the baseline in adapted SAE, against local optima; what is left out starts generic.
+    relaxation : tuple of str
+        The coefficients of its relaxation lengths, which act through time only.
+    low_speed : str
+        The coefficient below whose speed, m/s, slips are those of a standing wheel, if it has one.
     added : tuple of AddedEffect
         Effects beyond the book; see `extended`.
 
@@ -61,13 +88,27 @@ class Model:
     chapters: tuple[Chapter, ...]
     results: tuple[str, ...] = ()
     on_demand: tuple[tuple[str, str], ...] = ()
+    own_effects: tuple[Effect, ...] = ()
+    roles: Mapping[str, Role] = field(default_factory=dict)
+    property_file: PropertyFile = field(default_factory=PropertyFile)
+    constraints: Mapping[str, tuple[PhysicalConstraint, ...]] = field(default_factory=dict)
+    recipe: str = "joint"
+    recipes: tuple[str, ...] = ()
+    folder: str = ""
+    baseline: tuple[str, ...] = ()
+    starts: tuple[Mapping[str, float], ...] = ({},)
+    relaxation: tuple[str, ...] = ()
+    low_speed: str = ""
     added: tuple[AddedEffect, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<Model {self.name}>"
 
     @cached_property
     def coefficients(self) -> dict[str, Coefficient]:
         """The card of every coefficient that a line reads, by .tir name, in the order of the parameter vector."""
         read = {str(symbol) for line in self.equations for symbol in line.expression.free_symbols}
-        read |= {str(quantity.nominal) for quantity in self.inputs}
+        read |= {str(quantity.nominal) for quantity in self.inputs} | set(INDISPENSABLE)
         cards = {name: card for section in self.sections for name, card in section.coefficients.items()}
         return {name: card for name, card in cards.items() if name in read}
 
@@ -79,11 +120,11 @@ class Model:
 
     @cached_property
     def straight_options(self) -> tuple[Option, ...]:
-        """The options that act where no effect on demand does."""
+        """The options that act where no effect on demand does, but for the signs, which straight lines read too."""
         rest = self.effects.keys() - {effect for effect, _ in self.on_demand}
         lines = reaching(self.lines(rest), [quantity.name for quantity in self.outputs])
         read = {symbol.name for line in lines for symbol in line.expression.free_symbols}
-        return tuple(option for option in self.options if option.parameter in read)
+        return tuple(option for option in self.options if option.parameter in read and option != signs)
 
     @cached_property
     def parameters(self) -> tuple[str, ...]:
@@ -96,7 +137,7 @@ class Model:
         written = (equation for chapter in self.chapters for equation in chapter.equations)
         lines = [replace(line, expression=self._own(line.expression)) for line in written]
         for effect in self.added:
-            lines = _acted_on(lines, effect)
+            lines = self._acted_on(lines, effect)
         return tuple(reaching(lines, self._targets(lines)))
 
     @cached_property
@@ -104,7 +145,32 @@ class Model:
         """The effects that stand in the lines, in the order of their first place."""
         names = (str(switch.args[0]) for line in self.equations for switch in _switches(line.expression))
         beyond = {effect.name: Effect(effect.name, effect.physics, optional=True) for effect in self.added}
+        beyond |= {effect.name: effect for effect in self.own_effects}
         return {name: beyond.get(name) or EFFECTS[name] for name in dict.fromkeys(names)}
+
+    def quantity(self, role: str) -> str:
+        """Return the name of the quantity that has a role, or '' where the model lacks it."""
+        return self.roles[role].quantity if role in self.roles else ""
+
+    def leading(self, role: str) -> str:
+        """Return the leading coefficient of a role's quantity, or ''."""
+        return self.roles[role].leading if role in self.roles else ""
+
+    def has_place_for(self, effect: AddedEffect) -> bool:
+        """Return whether all that an added effect acts on and reads is there.
+
+        Examples
+        --------
+        >>> from tirefmu.symbolic import model
+        >>> from tirefmu.symbolic.added import library
+        >>> [name for name, effect in library().items() if model("mf96").has_place_for(effect)]
+        ['temp_friction', 'temp_stiffness', 'wear_drift']
+        """
+        named = {line.symbol.name for line in self.equations if line.named} | self.roles.keys()
+        known = {quantity.name for quantity in self.inputs} | BEYOND.keys() | {card.name for card in effect.cards}
+        known |= {name for section in self.sections for name in section.coefficients}
+        read = {symbol.name for act in effect.acts for symbol in act.expression.free_symbols}
+        return named.issuperset(effect.acts_on) and known.issuperset(read)
 
     def extended(self, effects: Sequence[AddedEffect]) -> Model:
         """Return this model with effects beyond the book standing in its lines.
@@ -157,13 +223,31 @@ class Model:
         """Raise `EffectError` where an added effect reads what does not stand before the line that it acts on."""
         known = {quantity.name for quantity in self.inputs}
         known |= {name for section in self.sections for name in section.coefficients}
-        acts = [(act, _stands(act.on, self.equations, effect)) for effect in self.added for act in effect.acts]
+        acts = [
+            (act, _places(self.quantity(act.on) or act.on, self.equations, effect))
+            for effect in self.added
+            for act in effect.acts
+        ]
         for line in self.equations:
             acting = [act for act, places in acts if line.symbol.name in places]
             for name in sorted({symbol.name for act in acting for symbol in act.expression.free_symbols} - known):
                 raise EffectError(f"an effect on {line.symbol} reads {name!r}, which {self.name} has not"
                                   f" before it{nearest(name, known)}")  # fmt: skip
             known.add(line.symbol.name)
+
+    def _acted_on(self, lines: list[Equation], effect: AddedEffect) -> list[Equation]:
+        """Put an added effect into the lines of the quantities that it acts on."""
+        places = {act.on: _places(self.quantity(act.on) or act.on, lines, effect) for act in effect.acts}
+        switch = Effect(effect.name, effect.physics, optional=True)
+        changed = []
+        for line in lines:
+            expression = line.expression
+            for act in effect.acts:
+                if line.symbol.name in places[act.on]:
+                    acted = expression * act.expression if act.how == "factor" else expression + act.expression
+                    expression = switch.either(acted, expression)
+            changed.append(replace(line, expression=expression))
+        return changed
 
     @cached_property
     def usual_effects(self) -> frozenset[str]:
@@ -175,6 +259,13 @@ class Model:
         """Coefficients that the model cannot do without."""
         return frozenset(name for name, card in self.coefficients.items() if card.neutral is None)
 
+    @cached_property
+    def relaxing_effects(self) -> frozenset[str]:
+        """The effects that stand in the lines of the relaxation lengths: with one of them, slips lag."""
+        lengths = {self.quantity("relaxation_x"), self.quantity("relaxation_y")}
+        lines = (line for line in self.equations if line.symbol.name in lengths)
+        return frozenset(str(switch.args[0]) for line in lines for switch in _switches(line.expression))
+
     def lines(self, effects: Collection[str] | None = None, *, straight: bool = False) -> tuple[Equation, ...]:
         """Return the lines with effects switched.
 
@@ -183,7 +274,7 @@ class Model:
         effects : collection of str, optional
             The effects that the tire has; all of the model where None.
         straight : bool
-            Leave out what most rows do not ask for: effects on demand are off, options have their first
+            Leave out what most rows do not ask for: effects on demand are off, options but the signs have their first
             value. Otherwise an option is read from the parameter vector, row by row.
 
         Returns
@@ -199,10 +290,11 @@ class Model:
         present = set(self.effects if effects is None else self.known_effects(effects))
         if straight:
             present -= {effect for effect, _ in self.on_demand}
+        left = {signs.parameter} if straight else {option.parameter for option in OPTIONS.values()}
         lines: list[Equation] = []
         known: dict[sp.Symbol, sp.Expr] = {}  # a line that is 0 or 1 now makes later terms vanish
         for line in self.equations:
-            expression = _decided(_switched(line.expression, present), straight).xreplace(known)
+            expression = _decided(_switched(line.expression, present), left).xreplace(known)
             symbol = line.symbol
             if expression.is_Number or (expression.is_Symbol and not line.named):
                 known[symbol] = expression
@@ -223,7 +315,7 @@ class Model:
         For reading; `lines` is what is printed as code.
         """
         present = self.known_effects(effects)
-        return {line.symbol.name: _decided(_switched(line.expression, present), True) for line in self.equations}
+        return {line.symbol.name: _decided(_switched(line.expression, present), ()) for line in self.equations}
 
     def known_effects(self, names: Iterable[str]) -> frozenset[str]:
         """Return the names as a set, or raise `UnknownName` for one that this model has not."""
@@ -309,29 +401,14 @@ def _filled(cards: dict[str, Coefficient], space: dict[str, object]) -> None:
     space.update(cards)
 
 
-def _acted_on(lines: list[Equation], effect: AddedEffect) -> list[Equation]:
-    """Put an added effect into the lines of the quantities that it acts on."""
-    places = {act.on: _stands(act.on, lines, effect) for act in effect.acts}
-    switch = Effect(effect.name, effect.physics, optional=True)
-    changed = []
-    for line in lines:
-        expression = line.expression
-        for act in effect.acts:
-            if line.symbol.name in places[act.on]:
-                acted = expression * act.expression if act.how == "factor" else expression + act.expression
-                expression = switch.either(acted, expression)
-        changed.append(replace(line, expression=expression))
-    return changed
-
-
-def _stands(name: str, lines: Sequence[Equation], effect: AddedEffect) -> set[str]:
-    """Return the lines in which a named quantity stands: also without inclination and without turn slip."""
-    symbols = {line.symbol.name for line in lines}
+def _places(name: str, lines: Sequence[Equation], effect: AddedEffect) -> set[str]:
+    """Return the lines that an effect on a named quantity changes: its own, unless that reads one that acts for it."""
     named = [line.symbol.name for line in lines if line.named]
     if name not in named:
         raise EffectError(f"{effect.name} acts on {quoted(name)}, which is no named quantity{nearest(name, named)}")
-    stem = f"{name}_loaded" if f"{name}_loaded" in symbols else name
-    return {stem, f"{stem}_g0", f"{stem}_00"} & symbols
+    acting = {line.symbol.name for line in lines if line.acts_for == name}
+    before = {line.symbol.name for line in reaching(lines, [name])}
+    return acting if acting & before else {name, *acting}
 
 
 def _switches(expression: sp.Expr) -> list[sp.Expr]:
@@ -339,14 +416,15 @@ def _switches(expression: sp.Expr) -> list[sp.Expr]:
     return [node for node in sp.preorder_traversal(expression) if isinstance(node, Switch)]
 
 
-def _decided(expression: sp.Expr, straight: bool) -> sp.Expr:
-    """Give options their first value, or leave them to the parameter vector."""
-    if straight:
-        return expression.replace(Choice, lambda option, first, second: first)
-    return expression.replace(
-        Choice,
-        lambda option, first, second: first if first == second else where(option > sp.Rational(1, 2), second, first),
-    )
+def _decided(expression: sp.Expr, left: Collection[str]) -> sp.Expr:
+    """Leave options to the parameter vector, or give those that are not named their first value."""
+
+    def decide(option: sp.Symbol, first: sp.Expr, second: sp.Expr) -> sp.Expr:
+        if first == second or str(option) not in left:
+            return first
+        return where(option > sp.Rational(1, 2), second, first)
+
+    return expression.replace(Choice, decide)
 
 
 def _switched(expression: sp.Expr, present: Collection[str]) -> sp.Expr:

@@ -7,7 +7,7 @@ pass over the filed lines, see `tirefmu.symbolic.model`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Any, ClassVar
 
@@ -34,6 +34,10 @@ class Coefficient:
         True if its sign changes between adapted SAE and ISO (the same tire, written in the other axes).
     assumed : float or None
         What the field's readers take, in ISO-W, where a .tir file lacks the key; the default where None.
+    channels : tuple of str
+        The outputs from which it can be read, the most telling first; those of its section where empty.
+    fitted : bool or None
+        Whether a fit may free it without naming it; as its section where None.
     name, section : str
         The .tir name and the .tir section, filled in by the class that declares it.
     """
@@ -46,6 +50,8 @@ class Coefficient:
     start: float | None = None
     flips: bool = False
     assumed: float | None = None
+    channels: tuple[str, ...] = field(default=(), compare=False)
+    fitted: bool | None = field(default=None, compare=False)
     name: str = field(default="", init=False)
     section: str = field(default="", init=False, compare=False)
 
@@ -74,6 +80,9 @@ class Coefficient:
 class Section:
     """A section of the .tir file; its coefficients are the class attributes.
 
+    The class takes the section's title and, for the coefficients that do not say otherwise, the `channels` from which
+    they can be read (Fx, Fy and Mz where left out) and whether a fit may free them (`fitted`).
+
     Examples
     --------
     >>> class Shape(Section, title="SHAPE"):
@@ -85,11 +94,15 @@ class Section:
     title: ClassVar[str]
     coefficients: ClassVar[dict[str, Coefficient]]
 
-    def __init_subclass__(cls, *, title: str) -> None:
+    def __init_subclass__(
+        cls, *, title: str, channels: tuple[str, ...] = ("Fx", "Fy", "Mz"), fitted: bool = True
+    ) -> None:
         cls.title = title
         cls.coefficients = {name: card for name, card in vars(cls).items() if isinstance(card, Coefficient)}
         for card in cls.coefficients.values():
             card.section = title
+            card.channels = card.channels or channels
+            card.fitted = fitted if card.fitted is None else card.fitted
 
 
 @dataclass(frozen=True)
@@ -244,6 +257,10 @@ class Equation:
     unit, description, chapter : str
     named : bool
         False for a step inside another line that users need not see.
+    acts_for : str
+        The named quantity whose added effects change this line too; see `tirefmu.symbolic.model.Model.extended`.
+    variant : bool
+        True for the same line once more under other conditions, such as without inclination.
     """
 
     number: str
@@ -253,6 +270,8 @@ class Equation:
     description: str
     chapter: str
     named: bool = True
+    acts_for: str = ""
+    variant: bool = False
 
 
 @dataclass
@@ -280,10 +299,13 @@ class Chapter:
         description: str = "",
         *,
         named: bool = True,
+        at: str = "",
+        acts_for: str = "",
     ) -> sp.Symbol:
-        """File a line and return its symbol."""
-        symbol = sp.Symbol(name, real=True)
-        self.equations.append(Equation(number, symbol, sp.sympify(expression), unit, description, self.title, named))
+        """File a line and return its symbol; `at` is the ending of the same line under other conditions."""
+        symbol = sp.Symbol(f"{name}{at}", real=True)
+        filed = Equation(number, symbol, sp.sympify(expression), unit, description, self.title, named)
+        self.equations.append(replace(filed, acts_for=acts_for or (name if at else ""), variant=bool(at)))
         return symbol
 
 

@@ -9,11 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tirefmu.symbolic import DEFAULT_MODEL, MODELS
 from tirefmu.symbolic.errors import TirefmuError, UnknownName
 
 if TYPE_CHECKING:
     from tirefmu.tires import Tire
 
+#: Option of the commands that begin without a tire.
+MODEL = click.option(
+    "--model", default=DEFAULT_MODEL, show_default=True, help=f"Model of the tire: {', '.join(MODELS)}."
+)
 SIGNS = click.Choice(["iso", "sae", "adapted-sae"])
 FILE = click.Path(path_type=Path)
 

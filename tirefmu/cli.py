@@ -17,7 +17,19 @@ import click
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.escaping import shortened, visible
 
-from .arguments import FILE, SIGNS, Numbers, Pairs, check_places, common, names, start_named, tire_named, write_json
+from .arguments import (
+    FILE,
+    MODEL,
+    SIGNS,
+    Numbers,
+    Pairs,
+    check_places,
+    common,
+    names,
+    start_named,
+    tire_named,
+    write_json,
+)
 from .diagnose_command import diagnose
 from .terminal import Terminal
 
@@ -120,13 +132,13 @@ def evaluate(
 
 @cli.command()
 @click.argument("tables", type=FILE, nargs=-1, required=True)
-@click.option("--model", default="mf96", show_default=True, help="Model to fit.")
+@MODEL
 @click.option("-o", "--output", type=FILE, required=True, help="Tire file (.tir) to write.")
 @click.option("--start", type=FILE, help="Tire to start from, or 'features' read from the data (default: generic).")
 @click.option("--effects", callback=names, help="Exactly these effects on top of the core, or 'none'.")
 @click.option("--without", callback=names, default="none", help="All effects but these.")
-@click.option("--recipe", default="progressive", show_default=True,
-              help="progressive, joint, trento, scaling (of --start), or a TOML file.")  # fmt: skip
+@click.option("--recipe", help="progressive, joint, trento, scaling (of --start), one of the model's own, or a TOML "
+                               "file  [default: the model's]")  # fmt: skip
 @click.option("--method", default="ipopt", show_default=True,
               help="ipopt, or ioa: an evolutionary algorithm without derivatives, for comparison.")  # fmt: skip
 @click.option("--iterations", type=click.IntRange(min=1), help="The most that a stage may take [ipopt 300, ioa 10000].")
@@ -152,7 +164,7 @@ def evaluate(
 @common
 def fit(
     tables: tuple[Path, ...], model: str, output: Path, start: Path | None, effects: tuple[str, ...] | None,
-    without: tuple[str, ...], recipe: str, method: str, iterations: int | None, seed: int,
+    without: tuple[str, ...], recipe: str | None, method: str, iterations: int | None, seed: int,
     constraint: tuple[str, ...], without_constraint: tuple[str, ...], loss: str,
     nominal: dict[str, float] | None, signs: str | None, all_rows: bool, rows: str, resume: bool, folds: int | None,
     figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,

@@ -142,7 +142,7 @@ def _stiffness_lines(truth: Tire, results: dict[str, FitResult]) -> list[str]:
     """Tell how far the stiffnesses of the fits are from the true ones at the least and the largest load."""
     loads = np.array([220.0, 1120.0])
     lines = []
-    for name in ("K_yalpha", "K_xkappa"):
+    for name in map(truth.book.quantity, ("stiffness_y", "stiffness_x")):
         true = _stiffness(truth, name, loads)
         told = []
         for recipe, result in results.items():

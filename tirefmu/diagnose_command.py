@@ -9,14 +9,14 @@ import click
 
 from tirefmu.symbolic.errors import TirefmuError
 
-from .arguments import FILE, SIGNS, Pairs, check_places, common, names, tire_named, write_json
+from .arguments import FILE, MODEL, SIGNS, Pairs, check_places, common, names, tire_named, write_json
 from .terminal import Terminal
 
 
 @click.command()
 @click.argument("table", type=FILE)
 @click.option("--tire", type=FILE, help="The tire that the recording is held against (else --model and what follows).")
-@click.option("--model", default="mf61", show_default=True, help="Model of the start tire.")
+@MODEL
 @click.option("--effects", callback=names, help="What the start model has on top of its core, or 'none'.")
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat and .dat, iso for tables).")

@@ -32,8 +32,8 @@ MISTAKEN = (
     ("VERTICAL_STIFFNESS", 10.0, 1000.0, "in N/mm?"),
     ("LONGVL", 1e-3, 0.1, "in mm/s?"),
 )
-#: Curvature factors, which above 1 turn a curve back on itself.
-CURVATURES = ("E_x", "E_y", "E_t", "E_xalpha", "E_ykappa")
+#: Roles of curvature factors, which above 1 turn a curve back on itself.
+CURVATURES = ("curvature_x", "curvature_y", "curvature_trail", "curvature_combined_x", "curvature_combined_y")
 
 
 @dataclass(frozen=True)
@@ -123,14 +123,16 @@ def _behaviour(tire: Tire) -> Iterator[Doubt]:
         columns=["Fz", "kappa", "alpha"],
     )  # fmt: skip
     told = tire.evaluate(table, signs="adapted-sae", steady=True)
+    book = tire.book
     for axis in ("x", "y"):
-        friction, stiffness = f"mu_{axis}", {"x": "K_xkappa", "y": "K_yalpha"}[axis]
+        friction, stiffness = book.quantity(f"friction_{axis}"), book.quantity(f"stiffness_{axis}")
         yield from _sign(told, friction)
-        yield from _sign(told, stiffness)
+        if stiffness:
+            yield from _sign(told, stiffness)
         if told[friction].min() > 0 and told[friction].iloc[-1] > told[friction].iloc[0] * (1 + 1e-9):
             first, last = told[friction].iloc[0], told[friction].iloc[-1]
             yield Doubt(friction, float(last), f"rises with load, from {first:.3g} at {told['Fz'].iloc[0]:g} N")
-    for name in (name for name in CURVATURES if name in told):
+    for name in filter(None, map(book.quantity, CURVATURES)):
         curvature = np.nan_to_num(told[name].to_numpy(dtype=np.float64), nan=-np.inf)
         row = int(curvature.argmax())
         if curvature[row] > 1:

@@ -117,10 +117,11 @@ def _acting(
     t = _finite(table["t"], "t")
     named = dict(zip(tire.inputs, rows, strict=True))
     sigma = dict(zip(code.quantities_names, code.quantities(rows, parameters), strict=True))
+    along, across = (sigma[tire.book.quantity(role)] for role in ("relaxation_x", "relaxation_y"))
     hold = conventions.hold
-    lateral = lagged(t, np.tan(named["alpha"]), named["V"], sigma["sigma_alpha"], hold=hold)
+    lateral = lagged(t, np.tan(named["alpha"]), named["V"], across, hold=hold)
     lag = {
-        "kappa": lagged(t, named["kappa"], named["V"], sigma["sigma_kappa"], hold=hold),
+        "kappa": lagged(t, named["kappa"], named["V"], along, hold=hold),
         "alpha": np.arctan(lateral),
     }
     return np.stack([lag.get(name, row) for name, row in named.items()]), lag

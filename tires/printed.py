@@ -1,11 +1,13 @@
-"""The code of a model: what lies in generated/, or, with effects beyond the book, printed once and stored by content.
+"""The code of a model: what lies in generated/, or printed once and stored by content.
 
-A model with added effects has the same routines under the same names as its base.
+Printed are models with effects beyond the book, which have the same routines under the same names as their base, and
+models of which generated/ has nothing, such as one that a program has registered by itself.
 """
 
 from __future__ import annotations
 
 import hashlib
+import json
 import py_compile
 from collections.abc import Callable
 from functools import lru_cache
@@ -16,6 +18,7 @@ from importlib.util import MAGIC_NUMBER, module_from_spec, spec_from_loader
 from pathlib import Path
 from types import ModuleType
 
+from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.added import effect_text
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.model import Model
@@ -35,13 +38,32 @@ def casadi_module(book: Model) -> ModuleType:
 
 def c_folder(book: Model) -> Path:
     """Return the folder that holds the C files of a model."""
-    return (printed_folder(book) if book.added else Path(str(files("tirefmu.generated")))) / "c"
+    return code_folder(book) / "c"
+
+
+def code_folder(book: Model) -> Path:
+    """Return the folder that holds the code of a model, by language."""
+    return Path(str(files("tirefmu.generated"))) if _is_committed(book) else printed_folder(book)
+
+
+def _is_committed(book: Model) -> bool:
+    """Return whether generated/ holds the code of a model."""
+    return not book.added and book is MODELS.get(book.name) and book.name in _manifest()
+
+
+@lru_cache(maxsize=1)
+def _manifest() -> frozenset[str]:
+    """Return the names of the models in generated/."""
+    return frozenset(json.loads((files("tirefmu.generated") / "MANIFEST.json").read_text(encoding="ascii"))["lines"])
 
 
 @lru_cache(maxsize=64)
 def _module(book: Model, language: str) -> ModuleType:
-    if not book.added:
-        return import_module(f"tirefmu.generated.{language}.{book.name}")
+    if _is_committed(book):
+        module = import_module(f"tirefmu.generated.{language}.{book.name}")
+        if book.parameters != module.PARAMETERS or tuple(q.name for q in book.inputs) != module.INPUTS:
+            raise TirefmuError(f'the generated code of {book.name} is stale: run "tirefmu generate"')
+        return module
     folder = printed_folder(book)
     name = f"tirefmu_printed_{folder.name}_{language}".replace("-", "_")
     # The compiled file has been checked with the rest of the entry. Python would look for one of its own elsewhere.
@@ -61,7 +83,7 @@ def printed_folder(book: Model) -> Path:
     Parameters
     ----------
     book : Model
-        With added effects.
+        Of which generated/ has no code.
 
     Returns
     -------
@@ -70,12 +92,16 @@ def printed_folder(book: Model) -> Path:
 
     Raises
     ------
+    ModelError
+        If the model does not keep what it declares.
     TirefmuError
         If it can be written nowhere.
     """
     manifest = (files("tirefmu.generated") / "MANIFEST.json").read_bytes()
-    effects = "\0".join(effect_text(effect) for effect in book.added)
-    digest = hashlib.sha256(manifest + MAGIC_NUMBER + effects.encode()).hexdigest()[:24]
+    content = "\0".join(effect_text(effect) for effect in book.added)
+    if book.name not in _manifest():
+        content += "\0".join(map(repr, (*book.equations, *book.coefficients.values(), book.roles)))
+    digest = hashlib.sha256(manifest + MAGIC_NUMBER + content.encode()).hexdigest()[:24]
 
     def write(folder: Path) -> None:
         for name, text in _render()(book).items():

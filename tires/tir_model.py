@@ -9,7 +9,7 @@ from pathlib import Path
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError, nearest
 
-from .tir_names import FITTYP, FORMATS, VAGUE_FORMATS, told_by_coefficients
+from .tir_names import folded, model_by_coefficients
 from .tir_text import Entry, number_and_rest, quoted, shortened, unquoted
 
 
@@ -44,18 +44,20 @@ def model_of(
     if format_ is None or not unquoted(format_.value):
         raise TirError(f"{path}: no FITTYP in [MODEL]: which model is it?")
     spelled = unquoted(format_.value).upper()
-    folded = spelled.replace("-", "").replace("_", "").replace(" ", "").replace(".", "")
-    if folded in FORMATS:
-        return FORMATS[folded], (f"no FITTYP: {FORMATS[folded]} by PROPERTY_FILE_FORMAT '{spelled}'",)
-    if folded not in VAGUE_FORMATS:
+    files = {name: book.property_file for name, book in MODELS.items()}
+    for name, file in files.items():
+        if folded(spelled) in map(folded, file.formats):
+            return name, (f"no FITTYP: {name} by PROPERTY_FILE_FORMAT '{spelled}'",)
+    known = {format_ for file in files.values() for format_ in (*file.formats, *file.shared_formats)}
+    if folded(spelled) not in map(folded, known):
         raise TirError(
             f"{path}:{format_.line}: PROPERTY_FILE_FORMAT {quoted(spelled)} is not a model of this version"
-            f"{nearest(spelled, ['PAC2002', 'MF_05', 'MF-TYRE', 'USER'])}"
+            f"{nearest(spelled, sorted(known))}"
         )
-    told = told_by_coefficients({key for _, key in entries})
-    if told is None:
+    found = model_by_coefficients(spelled, {key for _, key in entries})
+    if found is None:
         raise TirError(f"{path}: no FITTYP in [MODEL], and {quoted(spelled)} does not tell the model")
-    return told, (f"no FITTYP: {told} by the coefficients in the file",)
+    return found, (f"no FITTYP: {found} by the coefficients in the file",)
 
 
 def _named(entry: Entry, path: Path) -> str:
@@ -69,10 +71,11 @@ def _numbered(entry: Entry, path: Path) -> str:
     number, _ = number_and_rest(entry.value)
     if math.isnan(number):
         raise TirError(f"{path}:{entry.line}: FITTYP = {quoted(entry.value)} is not a number")
-    for name, numbers in FITTYP.items():
+    fittyp = {name: book.property_file.fittyp for name, book in MODELS.items() if book.property_file.fittyp}
+    for name, numbers in fittyp.items():
         if number in numbers:
             return name
-    known = ", ".join(f"{' '.join(map(str, sorted(numbers)))} ({name})" for name, numbers in FITTYP.items())
+    known = ", ".join(f"{' '.join(map(str, sorted(numbers)))} ({name})" for name, numbers in fittyp.items())
     raise TirError(
         f"{path}:{entry.line}: FITTYP {shortened(entry.value)} is not a model of this version: known are {known}"
     )

@@ -15,27 +15,6 @@ from tirefmu.symbolic.model import Model
 from .tir_text import unquoted
 from .tire import Tire
 
-#: FITTYP of the models, the written number first. 96 is ours: the field has no number for the Trento form.
-#: 5 stands in MF-Tyre 5.0 to 5.2 sets (PROPERTY_FILE_FORMAT 'MF_05', 'MF-TYRE'), 6 and 21 in MF-Tyre 5.2 sets.
-#: MFeval takes 5, 51, 52 for MF6.1, whose lines do without PHY3, the camber shift of such sets.
-FITTYP: dict[str, tuple[int, ...]] = {"mf96": (96,), "mf52": (6, 5, 21, 51, 52), "mf61": (61, 60), "mf62": (62,)}
-#: What PROPERTY_FILE_FORMAT tells of the model where there is no FITTYP, spelled without blanks, - and _.
-FORMATS = {"PAC2002": "mf52", "MF05": "mf52", "MFTYRE": "mf52", "MF52": "mf52", "MF61": "mf61", "MF62": "mf62"}
-#: Formats of several models: the coefficients in the file tell which.
-VAGUE_FORMATS = ("USER", "MFSWIFT", "SWIFT")
-
-#: Other spellings of a coefficient. PAC2002 (Adams/Tire) has the pressure terms under names of its own; its
-#: equations with them are those of MF-Tyre. LFZ0 is LFZO with a digit.
-ALIASES = {
-    "LFZ0": "LFZO",
-    "IP": "INFLPRES",
-    "IP_NOM": "NOMPRES",
-    "QPX1": "PPMX1",
-    "QPZ1": "PPZ1",
-    "QPZ2": "PPZ2",
-    "LKYG": "LKYC",
-}
-
 #: Keys of the field that no model here reads and that have no unit.
 _PLAIN_KEYS = (
     "FILE_VERSION", "PROPERTY_FILE_FORMAT", "TYRESIDE", "TYPE", "FUNCTION_NAME", "CONTACT_MODEL", "FE_METHOD",
@@ -122,25 +101,68 @@ def near_miss(key: str, names: Iterable[str]) -> str | None:
     return best
 
 
-def told_by_coefficients(keys: Collection[str]) -> str | None:
-    """Return the Magic Formula that alone, of the field's three, has some of the coefficients, or None.
-
-    Parameters
-    ----------
-    keys : collection of str
-        The keys of a file.
+def aliases() -> frozenset[str]:
+    """Return the spellings of the field that stand for a coefficient of some model.
 
     Examples
     --------
-    >>> told_by_coefficients({"PKY6", "Q_CAM3"}), told_by_coefficients({"PCX1"})
+    >>> "IP_NOM" in aliases()
+    True
+    """
+    return frozenset(alias for book in MODELS.values() for alias in book.property_file.aliases)
+
+
+def folded(format_: str) -> str:
+    """Return a PROPERTY_FILE_FORMAT without what spellings differ in.
+
+    Examples
+    --------
+    >>> folded("MF-Tyre"), folded("MF_05")
+    ('MFTYRE', 'MF05')
+    """
+    return "".join(letter for letter in format_.upper() if letter not in "-_ .")
+
+
+def model_by_coefficients(format_: str, keys: Collection[str]) -> str | None:
+    """Return the model of a shared format of which a file has coefficients that the others lack, or None.
+
+    Parameters
+    ----------
+    format_ : str
+        PROPERTY_FILE_FORMAT.
+    keys : collection of str
+        The keys of the file.
+
+    Returns
+    -------
+    str or None
+        Of several the one with the highest FITTYP, as later models have the coefficients of earlier ones.
+
+    Examples
+    --------
+    >>> model_by_coefficients("USER", {"PKY6", "Q_CAM3"}), model_by_coefficients("USER", {"PCX1"})
     ('mf62', None)
     """
-    own = [MODELS[name].coefficients.keys() & keys for name in ("mf52", "mf61", "mf62")]
-    if own[2] - own[1]:
-        return "mf62"
-    if own[1] - own[0]:
-        return "mf61"
-    return "mf52" if own[0] - own[1] else None
+    sharing = [book for book in MODELS.values() if folded(format_) in map(folded, book.property_file.shared_formats)]
+    for book in sorted(sharing, key=lambda book: -max(book.property_file.fittyp, default=0)):
+        other = book.property_file.differs_from
+        known = MODELS[other].coefficients.keys() if other else set()
+        if (book.coefficients.keys() - known) & set(keys):
+            return book.name
+    return None
+
+
+def model_lines(book: Model) -> dict[str, str]:
+    """Return what every written file says in [MODEL], by key; a file's own words replace it.
+
+    Examples
+    --------
+    >>> model_lines(MODELS["mf61"])
+    {'FITTYP': '61', 'PROPERTY_FILE_FORMAT': "'USER'"}
+    """
+    file = book.property_file
+    number = {"FITTYP": str(file.fittyp[0])} if file.fittyp else {}
+    return {**number, "PROPERTY_FILE_FORMAT": f"'{file.written_format}'", **file.header}
 
 
 def written_sections(book: Model) -> tuple[str, ...]:

@@ -2,9 +2,9 @@
 
 Where a key stands twice the last one counts; a coefficient is taken from its own section before any other. A missing
 or empty coefficient takes what the field's readers assume (the card's `assumed`), else its default, and is named in
-`Tire.defaulted`. All other keys and tables are kept and written again. What MF5.2 to 6.2 files hold beyond a model is
-no error, as the field's files always hold more than one reader wants; in mf96, whose files are ours, a key that almost
-is a coefficient is refused.
+`Tire.defaulted`. All other keys and tables are kept and written again. What files hold beyond a model is no error, as
+the field's files always hold more than one reader wants; where only tirefmu writes the files of a model
+(`PropertyFile.strict`), a key that almost is a coefficient is refused.
 """
 
 from __future__ import annotations
@@ -18,12 +18,11 @@ from pathlib import Path
 from tirefmu.symbolic import model, with_library
 from tirefmu.symbolic.added import AddedEffect, read_effect
 from tirefmu.symbolic.errors import TirefmuError, TirError, UnknownName, nearest
-from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.model import INDISPENSABLE, Model
 
 from .tir_model import model_of
 from .tir_names import (
     ADDED,
-    ALIASES,
     ASSUMED,
     HEADER,
     KEPT_UNITS,
@@ -32,9 +31,11 @@ from .tir_names import (
     OWN_SECTIONS,
     RANGE_SECTIONS,
     Kept,
+    aliases,
     assumed_lines,
     in_written_order,
     listed,
+    model_lines,
     near_miss,
     unit_of,
 )
@@ -69,8 +70,8 @@ def read_tir(path: str | Path) -> Tire:
     Parameters
     ----------
     path : str or Path
-        FITTYP 5, 6, 21, 51, 52 (mf52), 60, 61 (mf61), 62 (mf62), 96 (mf96), or a PROPERTY_FILE_FORMAT such as
-        'PAC2002'; in any units that [UNITS] can declare.
+        With a FITTYP or a PROPERTY_FILE_FORMAT of a model (`PropertyFile`), such as 61 or 'PAC2002'; in any units
+        that [UNITS] can declare.
 
     Returns
     -------
@@ -183,7 +184,8 @@ class _Reader:
         return entry
 
     def _values(self, book: Model) -> Iterator[tuple[str, float]]:
-        spellings = {known: alias for alias, known in ALIASES.items() if alias not in book.coefficients}
+        spelled = book.property_file.aliases
+        spellings = {known: alias for alias, known in spelled.items() if alias not in book.coefficients}
         for name, card in book.coefficients.items():
             entry = self._find(name, card.section)
             if (entry is None or not entry.value) and name in spellings:
@@ -191,7 +193,7 @@ class _Reader:
             if entry is None:
                 continue
             if not unquoted(entry.value):
-                if name in ("FNOMIN", "UNLOADED_RADIUS"):
+                if name in INDISPENSABLE:
                     raise TirError(f"{self._place(entry)}: {entry.key} has no value: a tire needs it")
                 continue
             self.given[name] = entry
@@ -263,7 +265,7 @@ class _Reader:
             if name not in values and card.assumed is not None:
                 named.add(name)
                 values[name] = card.assumed
-        defaults = Tire(book.name, {"FNOMIN": 1.0, "UNLOADED_RADIUS": 1.0}).values
+        defaults = Tire(book.name, dict.fromkeys(INDISPENSABLE, 1.0)).values
         idle = book.owned(*sorted(book.effects.keys() - effects))
         for name in named & values.keys():
             if name in idle or repr(values[name]) == repr(defaults.get(name, book.coefficients[name].default)):
@@ -280,7 +282,7 @@ class _Reader:
                     known = nearest(name, book.coefficients)
                     raise TirError(f"{self._place(entry)}: unknown coefficient {name} of {book.name}{known}")
                 names.add(name)
-        return names - {"FNOMIN", "UNLOADED_RADIUS"}
+        return names - set(INDISPENSABLE)
 
     def _side(self) -> str:
         entry = self.left.get(("MODEL", "TYRESIDE"))
@@ -298,7 +300,7 @@ class _Reader:
         for line in sorted(lines, key=lambda line: line.line):
             if isinstance(line, Row):
                 kept.append((line.section, "", line.text))
-            elif self._says_more(line):
+            elif self._says_more(line, book):
                 kept.append((line.section, line.key, self._in_si(line)))
                 self._look_at(line, book, titles)
         if self.units.foreign and any(self._is_open(line) for line in lines):
@@ -306,8 +308,8 @@ class _Reader:
             self.notes.append("kept keys and tables without a known unit stay in the file's units")
         return tuple(kept)
 
-    def _says_more(self, entry: Entry) -> bool:
-        usual = {"MDI_HEADER": HEADER, "MODEL": {"PROPERTY_FILE_FORMAT": "'USER'"}}.get(entry.section, {})
+    def _says_more(self, entry: Entry, book: Model) -> bool:
+        usual = {"MDI_HEADER": HEADER, "MODEL": model_lines(book)}.get(entry.section, {})
         return usual.get(entry.key, "").casefold() != entry.value.casefold() and entry.key != "FITTYP"
 
     def _in_si(self, entry: Entry) -> str:
@@ -324,7 +326,7 @@ class _Reader:
 
     def _look_at(self, entry: Entry, book: Model, titles: Collection[str]) -> None:
         """Refuse or note a key that almost is a coefficient."""
-        if entry.section not in titles or unit_of(entry.key) is not None or entry.key in ALIASES:
+        if entry.section not in titles or unit_of(entry.key) is not None or entry.key in aliases():
             return
         self.searched += 1
         if self.searched > MOST_SEARCHED:
@@ -332,7 +334,7 @@ class _Reader:
                 self.notes.append(f"line {entry.line}: no similar coefficients are looked for from here on")
             return
         near = near_miss(entry.key, book.coefficients)
-        if near and (book.name == "mf96" or entry.section.startswith("TIREFMU")):
+        if near and (book.property_file.strict or entry.section.startswith("TIREFMU")):
             raise TirError(f"{self._place(entry)}: unknown key {entry.key} of {book.name}: did you mean {near}?")
         if near:
             self.notes.append(f"line {entry.line}: unknown key {entry.key} (near {near}) is kept, not used")

@@ -15,12 +15,12 @@ from tirefmu.symbolic.escaping import visible
 from .tir_names import (
     ADDED,
     ASSUMED,
-    FITTYP,
     HEADER,
     OWN_RANGES,
     RANGE_SECTIONS,
     assumed_lines,
     in_written_order,
+    model_lines,
     not_given,
     written_sections,
 )
@@ -93,8 +93,7 @@ def _own_lines(tire: Tire) -> Iterable[tuple[str, str, str]]:
     book = tire.book
     yield from (("MDI_HEADER", key, f"{key} = {value}") for key, value in HEADER.items())
     yield from (("UNITS", key, f"{key} = '{unit}'") for key, unit in WRITTEN.items())
-    yield "MODEL", "FITTYP", f"FITTYP = {FITTYP[tire.model][0]}"
-    yield "MODEL", "PROPERTY_FILE_FORMAT", "PROPERTY_FILE_FORMAT = 'USER'"
+    yield from (("MODEL", key, f"{key} = {value}") for key, value in model_lines(book).items())
     if tire.side:
         yield "MODEL", "TYRESIDE", f"TYRESIDE = '{tire.side.upper()}'"
     values = tire.parameters()[: len(book.coefficients)].tolist()  # options are no property of a tire

@@ -17,7 +17,7 @@ from tirefmu.symbolic import model as book
 from tirefmu.symbolic import with_library
 from tirefmu.symbolic.added import AddedEffect, library
 from tirefmu.symbolic.errors import TireError, UnknownName
-from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.model import INDISPENSABLE, Model
 from tirefmu.symbolic.notation import Coefficient
 from tirefmu.symbolic.options import OPTIONS
 
@@ -107,7 +107,7 @@ class Tire:
         for name in given:
             if name not in cards:
                 raise UnknownName(f"coefficient of {self.model}", name, cards)
-        for name in ("FNOMIN", "UNLOADED_RADIUS"):
+        for name in INDISPENSABLE:
             if name not in given:
                 raise TireError(f"a tire needs {name} ({cards[name].description}, {cards[name].unit})")
         absent = self.book.owned(*sorted(self.book.effects.keys() - present))
@@ -332,9 +332,8 @@ class Tire:
 
     @property
     def lags(self) -> bool:
-        """True if slips lag behind their inputs: the tire has a relax_* effect."""
-        own = self.has - {effect.name for effect in self.added}
-        return any(effect.optional for name, effect in self.book.effects.items() if name in own)
+        """True if slips lag behind their inputs: the tire has an effect of relaxation, such as relax_lat."""
+        return bool(self.has & self.book.relaxing_effects)
 
     def asked(self, rows: FloatArray) -> FloatArray:
         """Return the rows of inputs without what would ask for an effect that the tire has not."""

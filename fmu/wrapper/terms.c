@@ -19,7 +19,7 @@ static size_t add(Term terms[], size_t n, Point point, unsigned slot, double fac
 static size_t friction_terms(State *state, Term terms[MOST_TERMS])
 {
     static const unsigned force[] = {LONGITUDINAL_FORCE, SIDE_FORCE};
-    static const unsigned friction[] = {QUANTITY(mu_x), QUANTITY(mu_y)};
+    static const unsigned friction[] = {FRICTION_X, FRICTION_Y};
     const double load = state->contact.inputs[LOAD];
     double inputs[N_INPUTS], quantities[N_QUANTITIES], share[N_SLIPS] = {0.0, 0.0}, use, limit;
     size_t i, n = 0;
@@ -44,7 +44,7 @@ static size_t friction_terms(State *state, Term terms[MOST_TERMS])
 /* (sliding - |V| x) / length */
 static size_t rate_terms(State *state, unsigned slip, Term terms[MOST_TERMS])
 {
-    static const unsigned lengths[] = {QUANTITY(sigma_kappa), QUANTITY(sigma_alpha)};
+    static const unsigned lengths[] = {RELAXATION_X, RELAXATION_Y};
     const double rate = host_value(state, FIRST_DERIVATIVE + slip);
     int of_model;
     const double length = slips_length(state, slip, &of_model);

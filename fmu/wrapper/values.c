@@ -106,8 +106,8 @@ static double share(double force, double limit) { return limit != 0.0 ? force / 
 static double friction_use(const State *state, const double quantities[])
 {
     const double *forces = state->values + FIRST_OUTPUT, load = state->contact.inputs[LOAD];
-    const double x = share(forces[LONGITUDINAL_FORCE], quantities[QUANTITY(mu_x)] * load);
-    const double y = share(forces[SIDE_FORCE], quantities[QUANTITY(mu_y)] * load);
+    const double x = share(forces[LONGITUDINAL_FORCE], quantities[FRICTION_X] * load);
+    const double y = share(forces[SIDE_FORCE], quantities[FRICTION_Y] * load);
 
     return load > 0.0 ? sqrt(x * x + y * y) : 0.0;
 }

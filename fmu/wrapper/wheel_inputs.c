@@ -34,8 +34,8 @@ static double low_speed(const State *state) { return state->values[FIRST_PARAMET
 /* Near standstill: friction, slip stiffness, and from them how far a slip goes. */
 static void find_bounds(State *state, double reference)
 {
-    static const int stiffness[] = {QUANTITY(K_xkappa), QUANTITY(K_yalpha)};
-    static const int friction[] = {QUANTITY(mu_x), QUANTITY(mu_y)};
+    static const int stiffness[] = {STIFFNESS_X, STIFFNESS_Y};
+    static const int friction[] = {FRICTION_X, FRICTION_Y};
     Contact *contact = &state->contact;
     const double load = contact->inputs[LOAD] > 0.0 ? contact->inputs[LOAD] : 0.0;
     const double near = 1.0 - contact->speed / low_speed(state);

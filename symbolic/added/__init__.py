@@ -24,7 +24,7 @@ def library() -> dict[str, AddedEffect]:
     Examples
     --------
     >>> library()["temp_friction"].acts_on
-    ('mu_x', 'mu_y')
+    ('friction_x', 'friction_y')
     """
     folder = files(__package__)
     return {

@@ -46,7 +46,7 @@ MOST = sys.float_info.max
 
 @dataclass(frozen=True)
 class Act:
-    """What an added effect does to one named quantity: ``how`` is "factor" or "term"."""
+    """What an added effect does to one named quantity, given by name or by role: ``how`` is "factor" or "term"."""
 
     on: str
     how: str
@@ -73,7 +73,7 @@ class AddedEffect:
 
     @property
     def acts_on(self) -> tuple[str, ...]:
-        """The named quantities that it changes."""
+        """The named quantities that it changes, by name or by role."""
         return tuple(dict.fromkeys(act.on for act in self.acts))
 
     @property

@@ -8,6 +8,9 @@ solver [MFeval].
 
 from __future__ import annotations
 
+from ..contract import PropertyFile, Role, curvature, positive, with_extrapolation
+from ..magic_formula import BASELINE, STARTS, force_constraints
+from ..magic_formula import ROLES as COMMON_ROLES
 from ..model import Model
 from ..quantities import ALPHA, FX, FY, FZ, GAMMA, KAPPA, MX, MY, MZ, PHIT, P, V
 from . import (
@@ -47,7 +50,45 @@ CHAPTERS = tuple(
 )
 
 
-def _model(name: str, title: str) -> Model:
+ROLES = COMMON_ROLES | {
+    "curvature_combined_x": Role("E_xalpha"),
+    "curvature_combined_y": Role("E_ykappa"),
+    "relaxation_x": Role("sigma_kappa"),
+    "relaxation_y": Role("sigma_alpha"),
+    "rolling_radius": Role("R_e"),
+    "loaded_radius": Role("R_l"),
+    "wheel_speed": Role("omega"),
+}
+CONSTRAINTS = with_extrapolation(
+    force_constraints(pressure=True)
+    | {
+        "Mz": (
+            positive("C_t", 0.1),
+            positive("B_t", 0.1, "Fz", "gamma"),
+            positive("D_t", 0.0, "Fz", "gamma", "p", size=0.01),
+            curvature("E_t", "Fz", "gamma", "alpha"),
+        )
+    }
+)
+#: LFZ0 is LFZO with a digit. PAC2002 (Adams/Tire) has the pressure terms under names of its own; its equations with
+#: them are those of MF-Tyre.
+ALIASES = {
+    "LFZ0": "LFZO",
+    "IP": "INFLPRES",
+    "IP_NOM": "NOMPRES",
+    "QPX1": "PPMX1",
+    "QPZ1": "PPZ1",
+    "QPZ2": "PPZ2",
+    "LKYG": "LKYC",
+}
+
+
+def _file(fittyp: tuple[int, ...], formats: tuple[str, ...], differs_from: str) -> PropertyFile:
+    shared = ("USER", "MF-SWIFT", "SWIFT")
+    return PropertyFile(fittyp, formats, shared, differs_from, aliases=ALIASES)
+
+
+def _model(name: str, title: str, file: PropertyFile) -> Model:
     return Model(
         name=name,
         title=title,
@@ -71,9 +112,20 @@ def _model(name: str, title: str) -> Model:
             "sigma_alpha",
         ),
         on_demand=(("turn_slip", "phit"),),
+        roles=ROLES,
+        property_file=file,
+        constraints=CONSTRAINTS,
+        recipe="progressive",
+        baseline=BASELINE,
+        starts=STARTS,
+        relaxation=("SIGX", "SIGY", "SIGC", "SIGK"),
+        low_speed="VXLOW",
     )
 
 
-MF52 = _model("mf52", "Magic Formula 5.2")
-MF61 = _model("mf61", "Magic Formula 6.1")
-MF62 = _model("mf62", "Magic Formula 6.2")
+# FITTYP 5 stands in MF-Tyre 5.0 to 5.2 sets, 6 and 21 in MF-Tyre 5.2 sets. MFeval takes 5, 51, 52 for MF6.1, whose
+# lines do without PHY3, the camber shift of such sets.
+MF52 = _model("mf52", "Magic Formula 5.2", _file((6, 5, 21, 51, 52), ("PAC2002", "MF_05", "MF-TYRE", "MF52"), "mf61"))
+MF61 = _model("mf61", "Magic Formula 6.1", _file((61, 60), ("MF61",), "mf52"))
+MF62 = _model("mf62", "Magic Formula 6.2", _file((62,), ("MF62",), "mf61"))
+MODELS = (MF52, MF61, MF62)

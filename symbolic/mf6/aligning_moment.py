@@ -196,9 +196,9 @@ arm    = eq("4.E76", "s",
                 q.SSZ1 + q.SSZ2*Fy/Fz01 + (q.SSZ3 + q.SSZ4*dfz) * gammas)),
             "m", "moment arm of Fx")
 Byk0   = stiffness_ykappa(Integer(0), "_g0", named=False)
-Gyk0   = eq("4.E74", "G_yk_g0",
+Gyk0   = eq("4.E74", "G_yk",
             combined_Gyk.factor(weighting("G_yk_g0", Byk0, py.RCY1, Eyk, kappa, SHyk)),
-            "1", "G_yk without inclination", named=False)
+            "1", "G_yk without inclination", named=False, at="_g0")
 Fy1    = eq("4.E74", "F_y1",
             only("mf52", Fy - SVyk, convention.either(Gyk, Gyk0) * without_camber.Fy0),
             "N", "side force that the trail carries", named=False)

@@ -27,10 +27,10 @@ def weighting(name: str, B: Expr, C: Expr, E: Expr, x: Expr, SH: Expr) -> Expr:
 
 def stiffness_ykappa(gammas: Expr, at: str, named: bool) -> Symbol:
     """File B_ykappa, eq. (4.E62)."""
-    return eq("4.E62", f"B_ykappa{at}",
+    return eq("4.E62", "B_ykappa",
               combined_Gyk.term((py.RBY1 + camber_combined.term(py.RBY4*gammas**2))
                                 * cos(atan(py.RBY2 * (alphas - py.RBY3))) * s.LYKA),
-              "1", "stiffness of G_yk", named=named)
+              "1", "stiffness of G_yk", named=named, at=at)
 
 
 Bxa  = eq("4.E54", "B_xalpha",

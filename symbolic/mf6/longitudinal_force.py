@@ -39,7 +39,7 @@ mux_   = eq("4.E13", "mu_x_loaded",
             (p.PDX1 + load_friction.term(p.PDX2*dfz)) * LMUX
             * pressure_friction.factor(1 + p.PPX3*dpi + p.PPX4*dpi**2)
             * camber_friction.factor(1 - p.PDX3*gamma**2),
-            "1", "peak friction", named=False)
+            "1", "peak friction", named=False, acts_for="mu_x")
 mux    = eq("4.E13", "mu_x",
             where(Fz <= 0, 0, mux_),
             "1", "peak friction; 0 off the ground, as MFeval prints it")

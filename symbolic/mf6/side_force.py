@@ -60,62 +60,62 @@ def cornering_stiffness(gammas: Expr, at: str, named: bool, zeta3: Expr = zeta3)
     """File K_yalpha, eq. (4.E25)."""
     top = ((p.PKY2 + camber_stiffness_load.term(p.PKY5*gammas**2))
            * pressure_stiffness.factor(1 + p.PPY2*dpi))
-    return eq("4.E25", f"K_yalpha{at}",
+    return eq("4.E25", "K_yalpha",
               load_stiffness.either(p.PKY1 * Fz01 * sin(p.PKY4 * atan(Fz / Fz01 / top)), p.PKY1 * Fz)
               * pressure_stiffness.factor(1 + p.PPY1*dpi)
               * camber_stiffness.factor(1 - p.PKY3*absolute(gammas)) * zeta3 * s.LKY,
-              "N/rad", "cornering stiffness", named=named)
+              "N/rad", "cornering stiffness", named=named, at=at)
 
 
 def nonzero(Kya: Symbol, at: str) -> Symbol:
     """File K'_yalpha, eq. (4.E39)."""
-    return eq("4.E39", f"K_yalpha1{at}", Kya + EPS*sgn1(Kya), "N/rad", "cornering stiffness, not 0", named=False)
+    return eq("4.E39", "K_yalpha1", Kya + EPS*sgn1(Kya), "N/rad", "cornering stiffness, not 0", named=False, at=at)
 
 
 def pure(gammas: Expr, Kya: Symbol, Kya1: Symbol, at: str, *, named: bool = False, spins: bool = True) -> PureSideForce:
     """File the side force at an inclination, with turn slip or without."""
     zeta2 = turn_zeta2 if spins else Integer(1)
-    SVyg   = eq("4.E28", f"S_Vygamma{at}",
+    SVyg   = eq("4.E28", "S_Vygamma",
                 camber_thrust.term(Fz * (p.PVY3 + p.PVY4*dfz) * gammas * s.LKYC * LMUY1 * zeta2),
-                "N", "vertical shift by inclination", named=False)
-    zeta4  = eq("4.84", f"zeta_4{at}",
+                "N", "vertical shift by inclination", named=False, at=at)
+    zeta4  = eq("4.84", "zeta_4",
                 turning(1 + SHyphi - SVyg / Kya1) if spins else 1,
-                "1", "shift by spin", named=False)
+                "1", "shift by spin", named=False, at=at)
     SHyg   = only("mf52",
                   camber_thrust.term(p.PHY3*gammas * s.LKYC),
                   camber_thrust.term((Kyg0*gammas - SVyg) / Kya1 * zeta0) + zeta4 - 1)
-    SHy    = eq("4.E27", f"S_Hy{at}",
+    SHy    = eq("4.E27", "S_Hy",
                 (plysteer.term((p.PHY1 + p.PHY2*dfz) * s.LHY) + SHyg) * rs,
-                "rad", "horizontal shift", named=named)
-    alphay = eq("4.E20", f"alpha_y{at}",
+                "rad", "horizontal shift", named=named, at=at)
+    alphay = eq("4.E20", "alpha_y",
                 alphas + SHy,
-                "rad", "slip angle, shifted", named=named)
-    Cy     = eq("4.E21", f"C_y{at}",
+                "rad", "slip angle, shifted", named=named, at=at)
+    Cy     = eq("4.E21", "C_y",
                 p.PCY1 * s.LCY,
-                "1", "shape factor", named=named)
-    muy    = eq("4.E23", f"mu_y_loaded{at}",
+                "1", "shape factor", named=named, at=at)
+    muy    = eq("4.E23", "mu_y_loaded",
                 (p.PDY1 + load_friction.term(p.PDY2*dfz)) * LMUY
                 * pressure_friction.factor(1 + p.PPY3*dpi + p.PPY4*dpi**2)
                 * camber_friction.factor(1 - p.PDY3*gammas**2),
-                "1", "peak friction", named=False)
-    Dy     = eq("4.E22", f"D_y{at}",
+                "1", "peak friction", named=False, at=at, acts_for="mu_y")
+    Dy     = eq("4.E22", "D_y",
                 muy * Fz * zeta2,
-                "N", "peak factor", named=named)
-    Ey     = eq("4.E24", f"E_y{at}",
+                "N", "peak factor", named=named, at=at)
+    Ey     = eq("4.E24", "E_y",
                 at_most_1((p.PEY1 + load_curvature.term(p.PEY2*dfz)) * s.LEY
                           * (1 + camber_curvature.term(p.PEY5*gammas**2)
                              - (curvature_asym.term(p.PEY3) + camber_curvature.term(p.PEY4*gammas))
                              * sgn1(alphay))),
-                "1", "curvature factor", named=named)
-    By     = eq("4.E26", f"B_y{at}",
+                "1", "curvature factor", named=named, at=at)
+    By     = eq("4.E26", "B_y",
                 Kya / (Cy*Dy + EPS*sgn1(Dy)),
-                "1/rad", "stiffness factor", named=named)
-    SVy    = eq("4.E29", f"S_Vy{at}",
+                "1/rad", "stiffness factor", named=named, at=at)
+    SVy    = eq("4.E29", "S_Vy",
                 (conicity.term(Fz * (p.PVY1 + p.PVY2*dfz) * s.LVY * LMUY1 * zeta2) + SVyg) * rs,
-                "N", "vertical shift", named=named)
-    Fy0    = eq("4.E19", f"F_y0{at}",
+                "N", "vertical shift", named=named, at=at)
+    Fy0    = eq("4.E19", "F_y0",
                 (magic(eq, f"F_y0{at}", By, Cy, Dy, Ey, alphay).sine + SVy) * slip_angle.either(sgn1(V.symbol), 1),
-                "N", "side force in pure slip", named=named)
+                "N", "side force in pure slip", named=named, at=at)
     return PureSideForce(Kya1, By, Cy, SHy, SVy, Fy0)
 
 

@@ -1,5 +1,7 @@
 """MF96: the Magic Formula of 1996 exactly as the Trento team's worksheet generated it."""
 
+from ..contract import PropertyFile, Role, curvature, positive, with_extrapolation
+from ..magic_formula import BASELINE, ROLES, STARTS, force_constraints
 from ..model import Model
 from ..quantities import ALPHA, FX, FY, FZ, GAMMA, KAPPA, MZ
 from . import aligning_moment, combined_slip, longitudinal_force, normalized, side_force
@@ -14,4 +16,15 @@ MF96 = Model(
     chapters=tuple(
         module.eq for module in (normalized, longitudinal_force, side_force, combined_slip, aligning_moment)
     ),
+    roles=ROLES | {"slope_x": Role("F_x0_slope"), "slope_y": Role("F_y0_slope")},
+    # The field has no number for the Trento form; its files are ours.
+    property_file=PropertyFile(fittyp=(96,), strict=True),
+    constraints=with_extrapolation(
+        force_constraints(pressure=False)
+        | {"Mz": (positive("C_t", 0.1), positive("B_t", 0.1, "Fz", "gamma"), curvature("E_t", "Fz", "gamma", "alpha"))}
+    ),
+    recipe="progressive",
+    baseline=BASELINE,
+    starts=STARTS,
 )
+MODELS = (MF96,)

@@ -10,19 +10,19 @@ from __future__ import annotations
 from ..notation import Coefficient, Section
 
 
-class Dimension(Section, title="DIMENSION"):
+class Dimension(Section, title="DIMENSION", fitted=False):
     """Size of the tire."""
 
     UNLOADED_RADIUS = Coefficient("free radius R_0", "m", 0.01, 3.0, neutral=None, start=0.3)
 
 
-class Vertical(Section, title="VERTICAL"):
+class Vertical(Section, title="VERTICAL", fitted=False):
     """The load that the coefficients refer to."""
 
     FNOMIN = Coefficient("nominal load F_z0", "N", 1.0, 1e6, neutral=None, start=1000.0)
 
 
-class Scaling(Section, title="SCALING_COEFFICIENTS"):
+class Scaling(Section, title="SCALING_COEFFICIENTS", fitted=False):
     """The book's lambda: carry a tire to another ground or to a similar tire."""
 
     LFZ0 = Coefficient("scale of the nominal load", lower=0.1, upper=10.0, neutral=1.0)
@@ -48,7 +48,7 @@ class Scaling(Section, title="SCALING_COEFFICIENTS"):
     LS = Coefficient("scale of the moment arm of Fx", lower=-10.0, upper=10.0, neutral=1.0)
 
 
-class Longitudinal(Section, title="LONGITUDINAL_COEFFICIENTS"):
+class Longitudinal(Section, title="LONGITUDINAL_COEFFICIENTS", channels=("Fx",)):
     """Fx, pure and combined."""
 
     PCX1 = Coefficient("shape factor C_x", lower=1.0, upper=2.5, neutral=None, start=1.6)
@@ -60,8 +60,9 @@ class Longitudinal(Section, title="LONGITUDINAL_COEFFICIENTS"):
     PEX3 = Coefficient("curvature E_x, change with load squared", lower=-10.0, upper=10.0)
     PEX4 = Coefficient("curvature E_x, drive against brake", lower=-1.0, upper=1.0)
     PKX1 = Coefficient(
-        "slip stiffness K_xkappa per load at nominal load", lower=1.0, upper=200.0, neutral=None, start=30.0
-    )
+        "slip stiffness K_xkappa per load at nominal load", lower=1.0, upper=200.0, neutral=None, start=30.0,
+        channels=("Fx", "Mz"),
+    )  # fmt: skip
     PKX2 = Coefficient("slip stiffness K_xkappa, change with load", lower=-100.0, upper=100.0)
     PKX3 = Coefficient("slip stiffness K_xkappa, exponent of load", lower=-2.0, upper=2.0)
     PHX1 = Coefficient("horizontal shift S_Hx at nominal load", lower=-0.1, upper=0.1)
@@ -74,7 +75,7 @@ class Longitudinal(Section, title="LONGITUDINAL_COEFFICIENTS"):
     RHX1 = Coefficient("combined shift S_Hxalpha", "rad", -0.1, 0.1)
 
 
-class Lateral(Section, title="LATERAL_COEFFICIENTS"):
+class Lateral(Section, title="LATERAL_COEFFICIENTS", channels=("Fy", "Mz")):
     """Fy, pure and combined."""
 
     PCY1 = Coefficient("shape factor C_y", lower=1.0, upper=2.5, neutral=None, start=1.3)
@@ -116,7 +117,7 @@ class Lateral(Section, title="LATERAL_COEFFICIENTS"):
     RVY6 = Coefficient("the same, stiffness over kappa", lower=0.0, upper=100.0, start=15.0)
 
 
-class Aligning(Section, title="ALIGNING_COEFFICIENTS"):
+class Aligning(Section, title="ALIGNING_COEFFICIENTS", channels=("Mz",)):
     """Mz: pneumatic trail, residual moment, moment arm of Fx."""
 
     QBZ1 = Coefficient("trail stiffness B_t at nominal load", lower=0.1, upper=50.0, neutral=None, start=6.0)

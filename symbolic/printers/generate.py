@@ -10,6 +10,7 @@ from pathlib import Path
 
 from .. import MODELS
 from ..model import Model
+from ..verification import verify
 from .batch import batch_sources
 from .c import c_header, c_source
 from .operations import c_operations
@@ -48,7 +49,13 @@ def render_model(model: Model) -> dict[str, str]:
     Returns
     -------
     dict of str to str
+
+    Raises
+    ------
+    ModelError
+        If the model does not keep what it declares; see `tirefmu.symbolic.verification`.
     """
+    verify(model)
     parts = routines(model)
     kernels = {f"c/{model.name}_batch_{name}.c": text for name, text in batch_sources(model, parts).items()}
     return kernels | {

@@ -197,9 +197,9 @@ class _Recorder:
 
 
 def rolling_radius_lines(model: Model) -> list[Equation]:
-    """Return the lines of the effective rolling radius of a wheel whose speed of turning, omega, is given.
+    """Return the lines of the effective rolling radius of a wheel whose speed of turning is given.
 
-    In the book the radius stands in a ring with kappa, by which omega is found.
+    In the book the radius stands in a ring with kappa, by which that speed is found.
 
     Parameters
     ----------
@@ -210,8 +210,9 @@ def rolling_radius_lines(model: Model) -> list[Equation]:
     list of Equation
         None where the model has the free radius only.
     """
-    lines = [line for line in model.lines((), straight=True) if line.symbol.name != "omega"]
-    return reaching(lines, ["R_e"])
+    radius, turning = model.quantity("rolling_radius"), model.quantity("wheel_speed")
+    lines = [line for line in model.lines((), straight=True) if line.symbol.name != turning]
+    return reaching(lines, [radius])
 
 
 def model_tape(model: Model) -> Tape:
@@ -237,11 +238,11 @@ def model_tape(model: Model) -> Tape:
     targets = [quantity.name for quantity in model.outputs] + [line.symbol.name for line in lines if line.named]
     wheel = rolling_radius_lines(model)
     renamed = {line.symbol: sp.Symbol(f"{line.symbol}_wheel", real=True) for line in wheel}
-    renamed[sp.Symbol("omega", real=True)] = sp.Symbol(TURNING, real=True)
+    renamed[sp.Symbol(model.quantity("wheel_speed") or "omega", real=True)] = sp.Symbol(TURNING, real=True)
     own = [replace(line, symbol=renamed[line.symbol], expression=line.expression.xreplace(renamed)) for line in wheel]
     inputs = [quantity.name for quantity in model.inputs]
     tape = taped([*reaching(lines, targets), *own], [*inputs, *model.parameters, TURNING])
-    radius = tape.places["R_e_wheel" if wheel else "UNLOADED_RADIUS"]
+    radius = tape.places[f"{model.quantity('rolling_radius')}_wheel" if wheel else "UNLOADED_RADIUS"]
     return replace(tape, places=tape.places | {ROLLING_RADIUS: radius})
 
 

@@ -19,8 +19,6 @@ from .derivatives import ChainRule, is_short, split
 LOCAL, CARRIED = "Partial derivatives of each line", "Chain rule"
 #: The variant for rows without turn slip under default options.
 STRAIGHT = "straight"
-#: The named quantities that say how far a tire rolls until a slip acts.
-LENGTHS = ("sigma_kappa", "sigma_alpha")
 
 
 @dataclass(frozen=True)
@@ -158,7 +156,8 @@ def _forces_and_derivatives(model: Model, lines: Sequence[Equation], variant: st
             coefficients,
         ),
     ]
-    lengths = [line.symbol for line in lines if line.symbol.name in LENGTHS]
+    relaxation = (model.quantity("relaxation_x"), model.quantity("relaxation_y"))
+    lengths = [line.symbol for line in lines if line.symbol.name in relaxation]
     if lengths:
         printed.append(_values("relaxation", "Relaxation lengths that act on kappa and tan(alpha).", lines, lengths))
     return [replace(routine, variant=variant) for routine in printed]

@@ -13,22 +13,25 @@ from hypothesis import strategies as st
 from tirefmu.demo import bench_tire
 from tirefmu.fitting.constraints import (
     KINDS,
-    ON_REQUEST,
-    VALIDITY,
     Constraint,
     chosen_constraints,
+    declared_constraints,
     grid,
     operating_range,
 )
 from tirefmu.fitting.imposed import measured_values
-from tirefmu.fitting.session import GIVEN_SECTIONS
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires.code import code_for
 
 INPUTS = ("kappa", "alpha", "gamma", "Fz")
 NOMINAL = {"kappa": 0.0, "alpha": 0.0, "gamma": 0.0, "Fz": 700.0}
-ALL = [(model, output, c) for model in VALIDITY for output in VALIDITY[model] for c in VALIDITY[model][output]]
+ALL = [
+    (model, output, c)
+    for model in MODELS
+    for output in declared_constraints(model)
+    for c in declared_constraints(model)[output]
+]
 
 
 def label(case):
@@ -92,7 +95,7 @@ def test_a_condition_varies_every_input_on_which_its_quantity_depends(case):
     values = []
     for card in book.coefficients.values():  # a tire with every effect
         bound = card.upper if rng.random() < 0.5 else card.lower
-        values.append(card.generic + (0.1 * (bound - card.generic) if card.section not in GIVEN_SECTIONS else 0.0))
+        values.append(card.generic + (0.1 * (bound - card.generic) if card.fitted else 0.0))
     parameters = np.array([*values, *(0.0 for _ in book.options)])
     place = code.quantities_names.index(constraint.quantity)
     free = {
@@ -116,7 +119,8 @@ def test_distance_and_name():
 
 
 def test_every_condition_has_a_name_of_its_own():
-    for model, conditions in VALIDITY.items():
+    for model in MODELS:
+        conditions = declared_constraints(model)
         every = [each for own in conditions.values() for each in own]
         assert len({each.name for each in every}) == len(every)
         assert len({each.text for each in every}) == len(every)
@@ -126,7 +130,7 @@ def test_every_condition_has_a_name_of_its_own():
             for also in ([], ["all"])
         )
         assert asked_for == {each.name for each in every}
-        assert asked_for - usual == {each.name for each in every if {each.name, each.kind} & set(ON_REQUEST)}
+        assert asked_for - usual == {each.name for each in every if each.on_request}
 
 
 @pytest.mark.parametrize(("without", "left_out"), [
@@ -155,7 +159,7 @@ def test_a_published_tire_keeps_what_is_asked_of_every_tire():
     tire = bench_tire().in_signs("adapted-sae")
     ranges = {"kappa": (-0.2, 0.2), "alpha": (-0.2, 0.2), "gamma": (0.0, 0.07), "Fz": (220.0, 1120.0)}
     broken = set()
-    for own in VALIDITY[tire.model].values():
+    for own in declared_constraints(tire.model).values():
         for each in own:
             values = measured_values(tire.book, each, grid(each, ranges, NOMINAL, density=4), tire.parameters())
             broken |= {each.kind} if each.distance(values).min() < 0 else set()

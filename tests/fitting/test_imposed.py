@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.fitting.constraints import VALIDITY, Constraint, grid
+from tirefmu.fitting.constraints import Constraint, declared_constraints, grid
 from tirefmu.fitting.imposed import Imposed, measured_values
 from tirefmu.fitting.problem import Problem, Rows
 from tirefmu.symbolic import MODELS
@@ -40,11 +40,11 @@ def problem_of(model, free=None):
 def conditions(model):
     ranges = {quantity.name: RANGES[quantity.name] for quantity in MODELS[model].inputs}
     nominal = {"Fz": 1500.0, "p": 8.5e4, "V": 11.0}
-    every = [constraint for channel in VALIDITY[model].values() for constraint in channel]
+    every = [constraint for channel in declared_constraints(model).values() for constraint in channel]
     return [(constraint, grid(constraint, ranges, nominal, density=0)) for constraint in every]
 
 
-@pytest.mark.parametrize("model", VALIDITY)
+@pytest.mark.parametrize("model", MODELS)
 def test_values_are_the_quantities_of_the_book(model):
     problem, every = problem_of(model), conditions(model)
     imposed, x = Imposed(problem, every), np.array([problem.tire.values[n] for n in problem.free]) / problem.scale
@@ -74,7 +74,7 @@ def test_values_are_the_quantities_of_the_book(model):
         np.testing.assert_allclose(within, one, **exactly, err_msg=constraint.name)
 
 
-@pytest.mark.parametrize("model", VALIDITY)
+@pytest.mark.parametrize("model", MODELS)
 def test_the_jacobian_is_that_of_the_values(model):
     problem = problem_of(model)
     imposed, x = Imposed(problem, conditions(model)), np.array([problem.tire.values[n] for n in problem.free])

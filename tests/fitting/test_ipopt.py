@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from tirefmu.fitting.constraints import VALIDITY, Constraint, grid, operating_range
+from tirefmu.fitting.constraints import Constraint, declared_constraints, grid, operating_range
 from tirefmu.fitting.ipopt import solve
 from tirefmu.fitting.problem import Problem, Rows, equal_weights
 from tirefmu.tires.code import code_for
@@ -53,7 +53,7 @@ def bounds():
 @pytest.fixture(scope="module")
 def curvature(known, table):
     """Return the condition E_y <= 1 with its points, and E_y at points for scaled values."""
-    (condition,) = (c for c in VALIDITY["mf96"]["Fy"] if c.name == "curvature:E_y")
+    (condition,) = (c for c in declared_constraints("mf96")["Fy"] if c.name == "curvature:E_y")
     ranges = operating_range(table, known.inputs)
     nominal = {name: known.nominal(name) for name in known.inputs}
     code = code_for("mf96", "numpy")

@@ -7,8 +7,9 @@ import pandas as pd
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.starting import READ_FOR, readings, starting_values
+from tirefmu.fitting.starting import readings, starting_values
 from tirefmu.measurements import Noise
+from tirefmu.symbolic import model
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires import Tire
 
@@ -19,6 +20,10 @@ def blank(make, model="mf96", effects=None):
     return Tire(model, values, effects=make.effects if effects is None else effects, signs="adapted-sae")
 
 
+ROLES = ("stiffness_x", "friction_x", "shift_x", "stiffness_y", "friction_y", "shift_y", "trail", "trail_fall")
+FROM_DATA = {name for role in ROLES for name in model("mf96").roles[role].coefficients}
+
+
 def measured(make, tire, **program):
     return make.bench(tire, noise=Noise(), **program).with_signs("adapted-sae").table
 
@@ -27,7 +32,7 @@ def measured(make, tire, **program):
 def test_what_is_read_is_nearer_to_the_truth_than_generic_values(make, seed):
     truth = make.other_tire(seed)
     read = starting_values(blank(make), measured(make, truth))
-    assert set(read) == {name for names in READ_FOR.values() for name in names} - {"PHX1"}  # of an absent effect
+    assert set(read) == FROM_DATA - {"PHX1"}  # of an absent effect
     points = pd.DataFrame({"Fz": [300.0, 700.0, 1100.0]})
     cards = truth.book.coefficients
     generic = {name: cards[name].generic for name in read}
@@ -46,7 +51,9 @@ def test_what_is_read_is_nearer_to_the_truth_than_generic_values(make, seed):
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_fit_from_there_ends_no_worse(make, seed):
     recording = make.sideways(make.other_tire(seed), noise=Noise())
-    generic, read = (fit([recording], effects=make.effects, nominal=make.nominal, start=s) for s in (None, "features"))
+    generic, read = (
+        fit([recording], "mf96", effects=make.effects, nominal=make.nominal, start=s) for s in (None, "features")
+    )
     assert read.ok
     assert read.channels[0].rmse <= generic.channels[0].rmse * 1.001
     guess = make.told(read)["PKY1"].guess
@@ -86,11 +93,11 @@ def test_what_the_data_do_not_show_is_not_made_up(make):
     assert {"PKY1", "PDY1"} <= set(starting_values(blank(make), one_load))
     assert not {"PKY2", "PDY2", "PKX3", "PDX2"} & set(starting_values(blank(make), one_load))
     for rows in (table[["alpha", "Fy"]], table.drop(columns=["Fx", "Fy"]), table[table["alpha"] > 0.05], table[:5]):
-        assert set(readings(rows)) <= {"K_xkappa", "mu_x", "S_Hx"}
+        assert set(readings(rows)) <= {"stiffness_x", "friction_x", "shift_x"}
     silent = table.assign(Fx=0.0, Fy=0.0, Mz=0.0)
     assert readings(silent) == {}
 
 
 def test_an_unknown_start(make, known):
     with pytest.raises(UnknownName, match="unknown start 'feature': did you mean features"):
-        fit([make.sideways(known)], start="feature")
+        fit([make.sideways(known)], "mf96", start="feature")

@@ -227,7 +227,7 @@ def test_a_missing_coefficient_is_named(tmp_path):
     [
         (
             "FITTYP = 97",
-            "FITTYP 97 is not a model of this version: known are 96 (mf96), 5 6 21 51 52 (mf52), 60 61 (mf61)",
+            "FITTYP 97 is not a model of this version: known are 5 6 21 51 52 (mf52), 60 61 (mf61)",
         ),
         ("", "no FITTYP in [MODEL]: which model is it?"),
         ("FITTYP = 'PAC'", "FITTYP = \"'PAC'\" is not a number"),

@@ -5,14 +5,14 @@ from __future__ import annotations
 from ...notation import Coefficient, Section
 
 
-class Model(Section, title="MODEL"):
+class Model(Section, title="MODEL", fitted=False):
     """Speeds that the lines refer to."""
 
     LONGVL = Coefficient("nominal speed V_0", "m/s", 0.1, 200.0, None, 16.7, assumed=16.7)
     VXLOW = Coefficient("speed below which slips are scaled down", "m/s", 1e-3, 20.0, None, 1.0, assumed=1.0)
 
 
-class Dimension(Section, title="DIMENSION"):
+class Dimension(Section, title="DIMENSION", fitted=False):
     """Size of the tire."""
 
     UNLOADED_RADIUS = Coefficient("free radius R_0", "m", 0.01, 3.0, None, 0.3135)
@@ -21,14 +21,14 @@ class Dimension(Section, title="DIMENSION"):
     RIM_RADIUS = Coefficient("rim radius", "m", 0.005, 2.5, None, 0.1905, assumed=0.1905)
 
 
-class Operating(Section, title="OPERATING_CONDITIONS"):
+class Operating(Section, title="OPERATING_CONDITIONS", fitted=False):
     """Inflation pressure."""
 
     INFLPRES = Coefficient("inflation pressure where the input p is absent", "Pa", 1e4, 2e6, None, 2.2e5, assumed=2.2e5)
     NOMPRES = Coefficient("nominal inflation pressure p_0", "Pa", 1e4, 2e6, None, 2.2e5, assumed=2.2e5)
 
 
-class Vertical(Section, title="VERTICAL"):
+class Vertical(Section, title="VERTICAL", fitted=False):
     """Load, effective and loaded radius, deflection."""
 
     FNOMIN = Coefficient("nominal load F_z0", "N", 1.0, 1e6, None, 4000.0)
@@ -53,7 +53,7 @@ class Vertical(Section, title="VERTICAL"):
     BOTTOM_OFFST = Coefficient("distance to the rim at which the tire bottoms", "m", 0.0, 0.5, 0.0, 0.01, assumed=0.01)
 
 
-class Structural(Section, title="STRUCTURAL"):
+class Structural(Section, title="STRUCTURAL", fitted=False):
     """Stiffness of the standing tire against the rim."""
 
     LONGITUDINAL_STIFFNESS = Coefficient("longitudinal stiffness c_x0", "N/m", 1e3, 1e8, None, 3e5, assumed=3e5)
@@ -66,7 +66,7 @@ class Structural(Section, title="STRUCTURAL"):
     PCFY3 = Coefficient("lateral stiffness, change with pressure", "1", -5.0, 5.0)
 
 
-class Patch(Section, title="CONTACT_PATCH"):
+class Patch(Section, title="CONTACT_PATCH", fitted=False):
     """Length and width of the contact patch."""
 
     Q_RA1 = Coefficient("half length, square root of deflection", "1", -10.0, 10.0, 0.0, 0.5, assumed=0.5)
@@ -77,45 +77,45 @@ class Patch(Section, title="CONTACT_PATCH"):
     Q_A2 = Coefficient("MF5.2: half length, linear in load", "1", -10.0, 10.0)
 
 
-class PressureRange(Section, title="INFLATION_PRESSURE_RANGE"):
+class PressureRange(Section, title="INFLATION_PRESSURE_RANGE", fitted=False):
     """Pressures for which the tire is known."""
 
     PRESMIN = Coefficient("lowest pressure", "Pa", 0.0, 2e6, None, 1e4, assumed=1e4)
     PRESMAX = Coefficient("highest pressure", "Pa", 0.0, 5e6, None, 1e6, assumed=1e6)
 
 
-class LoadRange(Section, title="VERTICAL_FORCE_RANGE"):
+class LoadRange(Section, title="VERTICAL_FORCE_RANGE", fitted=False):
     """Loads for which the tire is known; below FZMIN M_x and M_y fade out."""
 
     FZMIN = Coefficient("lowest load", "N", 0.0, 1e6, None, 100.0, assumed=100.0)
     FZMAX = Coefficient("highest load", "N", 0.0, 1e7, None, 1e4, assumed=1e4)
 
 
-class LongSlipRange(Section, title="LONG_SLIP_RANGE"):
+class LongSlipRange(Section, title="LONG_SLIP_RANGE", fitted=False):
     """Longitudinal slips for which the tire is known."""
 
     KPUMIN = Coefficient("lowest longitudinal slip", "1", -10.0, 0.0, None, -1.5, assumed=-1.5)
     KPUMAX = Coefficient("highest longitudinal slip", "1", 0.0, 100.0, None, 1.5, assumed=1.5)
 
 
-class SlipAngleRange(Section, title="SLIP_ANGLE_RANGE"):
+class SlipAngleRange(Section, title="SLIP_ANGLE_RANGE", fitted=False):
     """Slip angles for which the tire is known."""
 
     ALPMIN = Coefficient("lowest slip angle", "rad", -1.6, 0.0, None, -1.5, assumed=-1.5)
     ALPMAX = Coefficient("highest slip angle", "rad", 0.0, 1.6, None, 1.5, assumed=1.5)
 
 
-class InclinationRange(Section, title="INCLINATION_ANGLE_RANGE"):
+class InclinationRange(Section, title="INCLINATION_ANGLE_RANGE", fitted=False):
     """Inclinations for which the tire is known."""
 
     CAMMIN = Coefficient("lowest inclination", "rad", -1.6, 0.0, None, -0.175, assumed=-0.175)
     CAMMAX = Coefficient("highest inclination", "rad", 0.0, 1.6, None, 0.175, assumed=0.175)
 
 
-class Transient(Section, title="TIREFMU_TRANSIENT"):
+class Transient(Section, title="TIREFMU_TRANSIENT", fitted=False):
     """Relaxation lengths beyond the Magic Formula's own; no field of other readers."""
 
-    SIGX = Coefficient("relaxation length of kappa", "m", 0.0, 10.0, 0.0, 0.3)
-    SIGY = Coefficient("relaxation length of tan(alpha)", "m", 0.0, 10.0, 0.0, 0.5)
-    SIGC = Coefficient("relaxation length of tan(alpha), change with load", "1", -2.0, 5.0)
+    SIGX = Coefficient("relaxation length of kappa", "m", 0.0, 10.0, 0.0, 0.3, channels=("Fx",))
+    SIGY = Coefficient("relaxation length of tan(alpha)", "m", 0.0, 10.0, 0.0, 0.5, channels=("Fy", "Mz"))
+    SIGC = Coefficient("relaxation length of tan(alpha), change with load", "1", -2.0, 5.0, channels=("Fy", "Mz"))
     SIGK = Coefficient("share of the Magic Formula's own relaxation lengths", "1", 0.0, 2.0, 0.0, 1.0)

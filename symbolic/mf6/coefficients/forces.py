@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...notation import Coefficient, Section
 
 
-class Longitudinal(Section, title="LONGITUDINAL_COEFFICIENTS"):
+class Longitudinal(Section, title="LONGITUDINAL_COEFFICIENTS", channels=("Fx",)):
     """Fx, pure and combined."""
 
     PCX1 = Coefficient("shape factor C_x", "1", 1.0, 2.5, None, 1.6, assumed=1.65)
@@ -16,7 +16,8 @@ class Longitudinal(Section, title="LONGITUDINAL_COEFFICIENTS"):
     PEX2 = Coefficient("curvature E_x, change with load", "1", -10.0, 10.0)
     PEX3 = Coefficient("curvature E_x, change with load squared", "1", -10.0, 10.0)
     PEX4 = Coefficient("curvature E_x, drive against brake", "1", -5.0, 5.0)
-    PKX1 = Coefficient("slip stiffness K_xkappa per load at nominal load", "1", 1.0, 200.0, None, 25.0, assumed=20.0)
+    PKX1 = Coefficient("slip stiffness K_xkappa per load at nominal load", "1", 1.0, 200.0, None, 25.0, assumed=20.0,
+                       channels=("Fx", "Mz"))  # fmt: skip
     PKX2 = Coefficient("slip stiffness K_xkappa, change with load", "1", -100.0, 100.0)
     PKX3 = Coefficient("slip stiffness K_xkappa, exponent of load", "1", -2.0, 2.0)
     PHX1 = Coefficient("horizontal shift S_Hx at nominal load", "1", -0.1, 0.1)
@@ -39,7 +40,7 @@ class Longitudinal(Section, title="LONGITUDINAL_COEFFICIENTS"):
     RHX1 = Coefficient("combined shift S_Hxalpha", "rad", -0.1, 0.1)
 
 
-class Lateral(Section, title="LATERAL_COEFFICIENTS"):
+class Lateral(Section, title="LATERAL_COEFFICIENTS", channels=("Fy", "Mz")):
     """Fy, pure and combined."""
 
     PCY1 = Coefficient("shape factor C_y", "1", 1.0, 2.5, None, 1.3, assumed=1.3)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...notation import Coefficient, Section
 
 
-class Overturning(Section, title="OVERTURNING_COEFFICIENTS"):
+class Overturning(Section, title="OVERTURNING_COEFFICIENTS", channels=("Mx",)):
     """Mx."""
 
     QSX1 = Coefficient("vertical shift", "1", -1.0, 1.0)
@@ -25,7 +25,7 @@ class Overturning(Section, title="OVERTURNING_COEFFICIENTS"):
     PPMX1 = Coefficient("change of the camber term with pressure", "1", -5.0, 5.0)
 
 
-class Rolling(Section, title="ROLLING_COEFFICIENTS"):
+class Rolling(Section, title="ROLLING_COEFFICIENTS", channels=("My",)):
     """My."""
 
     QSY1 = Coefficient("rolling resistance coefficient", "1", -0.2, 0.2, flips=True, assumed=0.01)
@@ -38,7 +38,7 @@ class Rolling(Section, title="ROLLING_COEFFICIENTS"):
     QSY8 = Coefficient("exponent of pressure", "1", -3.0, 3.0, 0.0, assumed=-0.4)
 
 
-class Aligning(Section, title="ALIGNING_COEFFICIENTS"):
+class Aligning(Section, title="ALIGNING_COEFFICIENTS", channels=("Mz",)):
     """Mz: pneumatic trail, residual moment, moment arm of Fx."""
 
     QBZ1 = Coefficient("trail stiffness B_t at nominal load", "1/rad", 0.1, 50.0, None, 8.0, assumed=10.0)
@@ -94,8 +94,10 @@ class TurnSlip(Section, title="TURNSLIP_COEFFICIENTS"):
     PHYP4 = Coefficient("shift by spin, curvature", "1", -20.0, 1.0, assumed=-4.0)
     PECP1 = Coefficient("what camber is worth as spin, eps_gamma", "1", -2.0, 0.99, assumed=0.5)
     PECP2 = Coefficient("the same, change with load", "1", -2.0, 2.0)
-    QDTP1 = Coefficient("trail, fall with spin", "1", -50.0, 50.0, assumed=10.0)
-    QCRP1 = Coefficient("moment of turning on the spot", "1", 0.0, 5.0, assumed=0.2)
-    QCRP2 = Coefficient("the same, stiffness over spin at 90 deg of slip", "1", -50.0, 50.0, assumed=0.1)
-    QBRP1 = Coefficient("residual moment stiffness, fall with spin", "1", -50.0, 50.0, assumed=0.1)
-    QDRP1 = Coefficient("moment by spin, shape", "1", 0.1, 1.9, 1.0, assumed=1.0)
+    QDTP1 = Coefficient("trail, fall with spin", "1", -50.0, 50.0, assumed=10.0, channels=("Mz",))
+    QCRP1 = Coefficient("moment of turning on the spot", "1", 0.0, 5.0, assumed=0.2, channels=("Mz",))
+    QCRP2 = Coefficient(
+        "the same, stiffness over spin at 90 deg of slip", "1", -50.0, 50.0, assumed=0.1, channels=("Mz",)
+    )
+    QBRP1 = Coefficient("residual moment stiffness, fall with spin", "1", -50.0, 50.0, assumed=0.1, channels=("Mz",))
+    QDRP1 = Coefficient("moment by spin, shape", "1", 0.1, 1.9, 1.0, assumed=1.0, channels=("Mz",))

@@ -10,7 +10,7 @@ def factor(description: str, *, signed: bool = False) -> Coefficient:
     return Coefficient(f"scale of {description}", "1", -10.0 if signed else 0.1, 10.0, 1.0)
 
 
-class Scaling(Section, title="SCALING_COEFFICIENTS"):
+class Scaling(Section, title="SCALING_COEFFICIENTS", fitted=False):
     """One factor for each physical property."""
 
     LFZO = factor("the nominal load")

@@ -1,0 +1,194 @@
+"""What a model declares besides its lines: roles, property file, physical constraints, how it is fitted.
+
+`tirefmu.symbolic.model.Model` holds these declarations; `tirefmu.symbolic.verification` checks them. All other packages
+read them and name no model and no coefficient of one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from math import inf
+
+from .notation import Quantity
+
+#: What a quantity can be for the other packages, with its usual letter. A model declares which of its named quantities
+#: has which role; a role without a quantity is one that the model lacks.
+ROLES: dict[str, Quantity] = {
+    "friction_x": Quantity("mu_x", "1", "largest |Fx| per load"),
+    "friction_y": Quantity("mu_y", "1", "largest |Fy| per load"),
+    "stiffness_x": Quantity("K_xkappa", "N", "longitudinal slip stiffness dFx/dkappa at zero slip"),
+    "stiffness_y": Quantity("K_yalpha", "N/rad", "cornering stiffness dFy/dalpha at zero slip"),
+    "shift_x": Quantity("S_Hx", "1", "what is added to kappa: horizontal shift of Fx"),
+    "shift_y": Quantity("S_Hy", "rad", "what is added to alpha: horizontal shift of Fy"),
+    "offset_y": Quantity("S_Vy", "N", "side force at zero slip: vertical shift of Fy"),
+    "trail": Quantity("D_t", "m", "pneumatic trail at zero slip"),
+    "trail_fall": Quantity("B_t", "1/rad", "stiffness factor by which the trail falls with alpha"),
+    "residual_moment": Quantity("D_r", "N m", "aligning moment that no side force explains"),
+    "curvature_x": Quantity("E_x", "1", "curvature factor of Fx, 1 at most"),
+    "curvature_y": Quantity("E_y", "1", "curvature factor of Fy, 1 at most"),
+    "curvature_trail": Quantity("E_t", "1", "curvature factor of the trail, 1 at most"),
+    "curvature_combined_x": Quantity("E_xalpha", "1", "curvature factor of the weighting of Fx, 1 at most"),
+    "curvature_combined_y": Quantity("E_ykappa", "1", "curvature factor of the weighting of Fy, 1 at most"),
+    "weighting_x": Quantity("G_xa", "1", "share of Fx that remains with side slip"),
+    "weighting_y": Quantity("G_yk", "1", "share of Fy that remains with longitudinal slip"),
+    "slope_x": Quantity("F_x0_slope", "N", "slope of the pure Fx curve at the given slip"),
+    "slope_y": Quantity("F_y0_slope", "N/rad", "slope of the pure Fy curve at the given slip"),
+    "relaxation_x": Quantity("sigma_kappa", "m", "relaxation length that acts on kappa"),
+    "relaxation_y": Quantity("sigma_alpha", "m", "relaxation length that acts on tan(alpha)"),
+    "rolling_radius": Quantity("R_e", "m", "effective rolling radius"),
+    "loaded_radius": Quantity("R_l", "m", "distance of the wheel centre from the road"),
+    "wheel_speed": Quantity("omega", "rad/s", "speed at which the wheel turns"),
+}
+
+
+@dataclass(frozen=True)
+class Role:
+    """The quantity of a model that has one of the `ROLES`.
+
+    Attributes
+    ----------
+    quantity : str
+        A named quantity of the model.
+    coefficients : tuple of str
+        The coefficients that are read from the data through it before a fit. The first is the leading one: the
+        quantity is proportional to it, or a shift or an offset has it as a term.
+    per : str
+        The factor of the leading coefficient in an offset, by which other terms of the same quantity are scaled:
+        "Fz", say.
+
+    Examples
+    --------
+    >>> Role("mu_x", ("PDX1", "PDX2")).leading
+    'PDX1'
+    """
+
+    quantity: str
+    coefficients: tuple[str, ...] = ()
+    per: str = ""
+
+    @property
+    def leading(self) -> str:
+        """The first coefficient, or ''."""
+        return next(iter(self.coefficients), "")
+
+
+@dataclass(frozen=True)
+class PropertyFile:
+    """How a property file (.tir) is known to be for a model, and how one is written.
+
+    Attributes
+    ----------
+    fittyp : tuple of int
+        Values of FITTYP, the written one first; none where the format has no such key.
+    formats : tuple of str
+        Values of PROPERTY_FILE_FORMAT of this model alone; blanks, `-`, `_` and `.` do not count.
+    shared_formats : tuple of str
+        Values that several models share: the coefficients in the file decide.
+    differs_from : str
+        The model of the same formats from which the coefficients tell this one: those that the other one lacks.
+    written_format : str
+        The written PROPERTY_FILE_FORMAT.
+    header : mapping of str to str
+        Further lines of [MODEL] that the format requires, as written; a file's own values replace them.
+    aliases : mapping of str to str
+        Other spellings of coefficients.
+    strict : bool
+        Whether a key that almost is a coefficient is an error. Files of the field hold what several programs
+        read: there it is a remark.
+    """
+
+    fittyp: tuple[int, ...] = ()
+    formats: tuple[str, ...] = ()
+    shared_formats: tuple[str, ...] = ()
+    differs_from: str = ""
+    written_format: str = "USER"
+    header: Mapping[str, str] = field(default_factory=dict)
+    aliases: Mapping[str, str] = field(default_factory=dict)
+    strict: bool = False
+
+
+@dataclass(frozen=True)
+class PhysicalConstraint:
+    """A named quantity, or how it changes with load, that stays within bounds.
+
+    Attributes
+    ----------
+    quantity : str
+        Named quantity of the model, such as "E_x".
+    lower, upper : float
+        In the quantity's unit, in adapted SAE signs.
+    over : tuple of str
+        The inputs on which the quantity depends.
+    size : float
+        Its usual size, for the solver.
+    kind : str
+        "signs", "curvature", "friction_falling", "stiffness_saturating" or "extrapolation".
+    measure : str
+        What is bounded: the "value" q, its "growth" Fz dq/dFz, or its "excess" Fz dq/dFz - q, by which it grows
+        faster than load.
+    effect : str
+        Without this effect the quantity has no meaning; empty where it always has.
+    on_request : bool
+        Whether a fit enforces it only if asked to.
+    """
+
+    quantity: str
+    lower: float
+    upper: float
+    over: tuple[str, ...]
+    size: float = 1.0
+    kind: str = "signs"
+    measure: str = "value"
+    effect: str = ""
+    on_request: bool = False
+
+
+def positive(quantity: str, floor: float, *over: str, size: float = 1.0, effect: str = "") -> PhysicalConstraint:
+    """Return the constraint that a quantity stays above a floor, small against any plausible value of it.
+
+    Examples
+    --------
+    >>> positive("mu", 0.01, "Fz").lower
+    0.01
+    """
+    return PhysicalConstraint(quantity, floor, inf, over, size, effect=effect)
+
+
+def curvature(quantity: str, *over: str, effect: str = "") -> PhysicalConstraint:
+    """Return the constraint that a curvature factor is 1 at most."""
+    return PhysicalConstraint(quantity, -inf, 1.0, over, kind="curvature", effect=effect)
+
+
+def friction_falling(quantity: str, *over: str, effect: str = "load_friction") -> PhysicalConstraint:
+    """Return the constraint that friction does not grow with load."""
+    return PhysicalConstraint(quantity, -inf, 0.0, over, 1.0, "friction_falling", "growth", effect)
+
+
+def stiffness_saturating(
+    quantity: str, *over: str, effect: str = "load_stiffness", on_request: bool = False
+) -> PhysicalConstraint:
+    """Return the constraint that a slip stiffness grows no faster than load."""
+    kind = "stiffness_saturating"
+    return PhysicalConstraint(quantity, -inf, 0.0, over, 1e4, kind, "excess", effect, on_request)
+
+
+def with_extrapolation(
+    constraints: Mapping[str, tuple[PhysicalConstraint, ...]],
+) -> dict[str, tuple[PhysicalConstraint, ...]]:
+    """Return constraints with those of load and slip once more, beyond the data and on request.
+
+    Examples
+    --------
+    >>> [each.kind for each in with_extrapolation({"Fx": (positive("mu", 0.01, "Fz"),)})["Fx"]]
+    ['signs', 'extrapolation']
+    """
+    far = {
+        output: tuple(
+            replace(each, kind="extrapolation", on_request=True)
+            for each in own
+            if each.measure == "value" and {"Fz", "kappa", "alpha"} & set(each.over)
+        )
+        for output, own in constraints.items()
+    }
+    return {output: own + far[output] for output, own in constraints.items()}

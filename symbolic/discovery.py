@@ -1,0 +1,57 @@
+"""The models of the package, found by themselves: every folder beside this module that has `MODELS`."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pkgutil import iter_modules
+
+from .errors import ModelError
+from .model import Model
+
+#: The model of a fit or a diagnosis where nobody names one.
+DEFAULT_MODEL = "mf61"
+
+
+def found_models() -> dict[str, Model]:
+    """Return the models of all folders that have them, by name and in the order of their names.
+
+    Returns
+    -------
+    dict of str to Model
+
+    Raises
+    ------
+    ModelError
+        If two have one name or one FITTYP.
+    """
+    package = __name__.rpartition(".")[0]
+    folders = [found.name for found in iter_modules(import_module(package).__path__) if found.ispkg]
+    models: dict[str, Model] = {}
+    for folder in folders:
+        for model in getattr(import_module(f"{package}.{folder}"), "MODELS", ()):
+            register(model, models)
+    return dict(sorted(models.items()))
+
+
+def register(model: Model, models: dict[str, Model]) -> None:
+    """Put a model beside others.
+
+    Parameters
+    ----------
+    model : Model
+    models : dict of str to Model
+        Changed.
+
+    Raises
+    ------
+    ModelError
+        If its name is no lower-case word, or name or FITTYP are taken.
+    """
+    if not (model.name.isidentifier() and model.name == model.name.lower()):
+        raise ModelError(f"model {model.name!r}: a name is a word of lower-case letters, digits and _")
+    if model.name in models:
+        raise ModelError(f"model {model.name!r} is there twice")
+    for other in models.values():
+        for number in sorted(set(model.property_file.fittyp) & set(other.property_file.fittyp)):
+            raise ModelError(f"model {model.name!r}: FITTYP {number} is {other.name}'s")
+    models[model.name] = model

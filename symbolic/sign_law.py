@@ -1,0 +1,161 @@
+"""The sign law: one tire, written in ISO or in adapted SAE, makes the same forces, Fy, My and Mz reversed.
+
+The two differ in the signs of the coefficients whose cards have `flips`, and in the option `signs` where the lines read
+it; the inputs are the same. Where a mark is missing or too many, a fit to a table in one convention would save a tire
+with a wrong sign in the other. So the lines are computed in both at a few random tires and rows.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+import random
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+from .errors import ModelError
+from .model import Model, reaching
+from .notation import Coefficient, Quantity
+from .options import signs
+from .printers.operations import Tape, taped
+
+#: The columns that adapted SAE writes with the opposite sign of ISO.
+REVERSED = frozenset({"Fy", "My", "Mz"})
+#: Roles of quantities that are lengths in both.
+LENGTHS = ("rolling_radius", "loaded_radius", "relaxation_x", "relaxation_y")
+#: Random tires, one row each, with options at their first and at their second values.
+ROWS = 12
+#: Fewer rows with finite numbers tell nothing of an output.
+FEWEST_ROWS = 3
+#: Two numbers count as equal within this share of the larger one.
+EQUAL = 1e-7
+
+Values = Mapping[str, float]
+
+
+def check_signs(model: Model) -> None:
+    """Raise `ModelError` where a model does not keep the sign law, with the coefficients that are marked wrongly.
+
+    Parameters
+    ----------
+    model : Model
+
+    Raises
+    ------
+    ModelError
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic import model
+    >>> check_signs(model("mf96"))
+    """
+    check = _Check(model)
+    marked = frozenset(name for name, card in model.coefficients.items() if card.flips)
+    errors = check.errors(marked)
+    for name, error in errors.items():
+        if math.isinf(error):
+            raise ModelError(f"{model.name}: {name} is no number at plausible coefficients and inputs")
+    if not any(errors.values()):
+        return
+    outputs = " and ".join(name for name, error in errors.items() if error)
+    broken = f"{model.name}: {outputs} in ISO and in adapted SAE are not those of one tire"
+    mended = check.mended(marked)
+    if mended is None:
+        raise ModelError(f"{broken}: no marks of coefficients mend it; let a line read the option signs")
+    wrong = [f"{name} {'must not flip' if name in marked else 'has to flip'}" for name in sorted(marked ^ mended)]
+    raise ModelError(f"{broken}: {', '.join(wrong)}")
+
+
+@dataclass(frozen=True)
+class _Row:
+    """One tire in adapted SAE and one row of inputs."""
+
+    coefficients: Values
+    given: Values
+
+
+class _Check:
+    """A model's lines at random tires and rows."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._outputs = [quantity.name for quantity in model.outputs]
+        self._outputs += [name for name in map(model.quantity, LENGTHS) if name]
+        lines = reaching(model.lines(), self._outputs)
+        self._tape = taped(lines, [*(quantity.name for quantity in model.inputs), *model.parameters])
+        self._rows = [_row(model, random.Random(seed), second=seed % 2 == 1) for seed in range(ROWS)]
+        sae = [self._computed(row, frozenset(), 1.0) for row in self._rows]
+        self._sae = {name: [values[name] for values in sae] for name in self._outputs}
+
+    def errors(self, flipped: Collection[str]) -> dict[str, float]:
+        """Return by output how far ISO misses adapted SAE with these coefficients reversed; infinity for no number."""
+        iso = [self._computed(row, flipped, 0.0) for row in self._rows]
+        return {name: self._error(name, [values[name] for values in iso]) for name in self._outputs}
+
+    def mended(self, marked: frozenset[str]) -> frozenset[str] | None:
+        """Return marks nearest to those given with which the law holds, or None; one is changed at a time."""
+        best, error = marked, sum(self.errors(marked).values())
+        while error:
+            tried = [best ^ {name} for name in self._model.coefficients]
+            errors = [sum(self.errors(marks).values()) for marks in tried]
+            if min(errors) >= error:
+                return None
+            error = min(errors)
+            best = tried[errors.index(error)]
+        return best
+
+    def _error(self, name: str, iso: Sequence[float]) -> float:
+        sign = -1.0 if name in REVERSED else 1.0
+        pairs = [(sign * a, b) for a, b in zip(iso, self._sae[name], strict=True)]
+        missed = [abs(a - b) / max(abs(a), abs(b)) if a != b else 0.0
+                  for a, b in pairs if math.isfinite(a) and math.isfinite(b)]  # fmt: skip
+        if len(missed) < FEWEST_ROWS:
+            return math.inf
+        return sum(error for error in missed if error > EQUAL)
+
+    def _computed(self, row: _Row, flipped: Collection[str], sae: float) -> Values:
+        tire = {name: -value if name in flipped else value for name, value in row.coefficients.items()}
+        return _run(self._tape, {**row.given, **tire, signs.parameter: sae})
+
+
+def _row(model: Model, draw: random.Random, *, second: bool) -> _Row:
+    tire = {name: _drawn(card, draw) for name, card in model.coefficients.items()}
+    inputs = {quantity.name: _input(quantity, tire, draw) for quantity in model.inputs}
+    options = {option.parameter: float(second) for option in model.options}
+    return _Row(tire, {**inputs, **options})
+
+
+def _drawn(card: Coefficient, draw: random.Random) -> float:
+    """Return a value off the neutral one and within the bounds."""
+    size = max(0.3 * abs(card.generic), min(0.3, 0.3 * (card.upper - card.lower)))
+    return min(max(card.generic + draw.uniform(-1.0, 1.0) * size, card.lower), card.upper)
+
+
+def _input(quantity: Quantity, tire: Values, draw: random.Random) -> float:
+    if isinstance(quantity.nominal, str):
+        return tire.get(quantity.nominal, quantity.typical) * draw.uniform(0.6, 1.4)
+    return quantity.nominal + quantity.typical * draw.uniform(-1.0, 1.0)
+
+
+def _run(tape: Tape, leaves: Values) -> Values:
+    """Return what the lines of a tape are at given leaves; NaN where a step has no value."""
+    slots = [leaves[name] for name in tape.leaves] + list(tape.constants)
+    for operation in tape.operations:
+        try:
+            slots.append(float(_STEPS[operation.code](*(slots[place] for place in operation.operands))))
+        except (ArithmeticError, ValueError, TypeError):  # a root of a negative power is complex
+            slots.append(math.nan)
+    return {name: slots[place] for name, place in tape.places.items()}
+
+
+def _sgn(x: float) -> float:
+    return math.copysign(1.0, x) if x else 0.0
+
+
+_STEPS: dict[str, Callable[..., float]] = {
+    "ADD": operator.add, "SUBTRACT": operator.sub, "MULTIPLY": operator.mul, "DIVIDE": operator.truediv,
+    "POWER": operator.pow, "LESS": operator.lt, "AT_MOST": operator.le, "EQUAL": operator.eq,
+    "AND": lambda a, b: bool(a and b), "OR": lambda a, b: bool(a or b), "CHOOSE": lambda test, a, b: a if test else b,
+    "ROOT": math.sqrt, "SIN": math.sin, "COS": math.cos, "TAN": math.tan, "ATAN": math.atan, "ACOS": math.acos,
+    "EXP": math.exp, "LOG": math.log, "SGN": _sgn, "SGN1": lambda x: -1.0 if x < 0 else 1.0, "ABSOLUTE": abs,
+}  # fmt: skip

@@ -1,0 +1,104 @@
+"""Whether a model keeps what it declares: checked before its code is printed.
+
+Printing is the one way by which any program comes to a model's numbers, so a model that fails here can be neither
+evaluated nor fitted. Most of it compares names. The sign law is a matter of numbers (`tirefmu.symbolic.sign_law`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from .contract import ROLES
+from .errors import ModelError, nearest
+from .model import INDISPENSABLE, Model
+from .sign_law import check_signs
+
+
+def verify(model: Model) -> None:
+    """Raise `ModelError` for the first declaration that a model does not keep.
+
+    Parameters
+    ----------
+    model : Model
+
+    Raises
+    ------
+    ModelError
+        With the name of the model and of the coefficient or quantity.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic import model
+    >>> verify(model("mf96"))
+    """
+    _check_tables(model)
+    _check_coefficients(model)
+    _check_quantities(model)
+    check_signs(model)
+
+
+def _check_tables(model: Model) -> None:
+    """Check what every program assumes of inputs, outputs and the two sizes of a tire."""
+    inputs = [quantity.name for quantity in model.inputs]
+    if inputs[:2] != ["kappa", "alpha"] or "Fz" not in inputs:
+        raise ModelError(f"{model.name}: inputs begin with kappa and alpha and have Fz, not {', '.join(inputs)}")
+    outputs = [quantity.name for quantity in model.outputs]
+    filed = {line.symbol.name for line in model.equations}
+    for name in ("Fx", "Fy", *outputs):
+        if name not in outputs or name not in filed:
+            raise ModelError(f"{model.name}: no line makes the output {name}")
+    cards = _declared(model)
+    for name in (*INDISPENSABLE, *(q.nominal for q in model.inputs if isinstance(q.nominal, str))):
+        if name not in cards:
+            raise ModelError(f"{model.name}: no section has the coefficient {name}")
+
+
+def _check_coefficients(model: Model) -> None:
+    cards = _declared(model)
+    for name, card in model.coefficients.items():
+        if card.default != card.default:
+            raise ModelError(f"{model.name}: coefficient {name} has neither a neutral value nor a start")
+    named = [(f"role {role}", name) for role, own in model.roles.items() for name in own.coefficients]
+    named += [("the baseline", name) for name in model.baseline]
+    named += [("the relaxation lengths", name) for name in model.relaxation]
+    named += [("the low speed", name) for name in (model.low_speed,) if name]
+    named += [("a start", name) for start in model.starts for name in start]
+    for place, name in named:
+        if name not in cards:
+            raise ModelError(f"{model.name}: {place} has {name}, which is no coefficient of it{nearest(name, cards)}")
+
+
+def _check_quantities(model: Model) -> None:
+    named = {line.symbol.name for line in model.equations if line.named}
+    outputs = {quantity.name for quantity in model.outputs}
+    for role, own in model.roles.items():
+        if role not in ROLES:
+            raise ModelError(f"{model.name}: unknown role {role!r}{nearest(role, ROLES)}")
+        _check_named(model, f"role {role}", own.quantity, named)
+    for name in model.results:
+        _check_named(model, "the results", name, named)
+    for output, constraints in model.constraints.items():
+        if output not in outputs:
+            raise ModelError(f"{model.name}: constraints of {output}, which is no output of it")
+        for each in constraints:
+            _check_named(model, f"a constraint of {output}", each.quantity, named)
+    lags = [f"relaxation_{axis}" for axis in "xy" if model.quantity(f"relaxation_{axis}")]
+    if len(lags) == 1 or (lags and "V" not in {quantity.name for quantity in model.inputs}):
+        raise ModelError(f"{model.name}: slips lag by relaxation_x and relaxation_y, at the input V: all or none")
+    for kind, why in (
+        ("friction", "an FMU reports its use"),
+        ("stiffness", "a standing tire with relaxation needs it"),
+    ):
+        missing = [role for role in (f"{kind}_x", f"{kind}_y") if not model.quantity(role)]
+        if missing and (kind == "friction" or lags):
+            raise ModelError(f"{model.name}: role {missing[0]} is missing: {why}")
+
+
+def _check_named(model: Model, place: str, name: str, named: Iterable[str]) -> None:
+    known = list(named)
+    if name not in known:
+        raise ModelError(f"{model.name}: {place} has {name}, which is no named quantity of it{nearest(name, known)}")
+
+
+def _declared(model: Model) -> set[str]:
+    return {name for section in model.sections for name in section.coefficients}

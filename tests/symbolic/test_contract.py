@@ -1,0 +1,198 @@
+"""A model is what it declares: its faults are named before a number comes of it, and nothing else knows it."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.diagnosis import diagnose
+from tirefmu.drawing import draw
+from tirefmu.fitting import fit
+from tirefmu.fitting.recipe import load_recipe
+from tirefmu.fmu import check, export
+from tirefmu.measurements import Recording
+from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.contract import Role, positive
+from tirefmu.symbolic.discovery import register
+from tirefmu.symbolic.errors import ModelError
+from tirefmu.symbolic.verification import verify
+from tirefmu.tires import Tire
+from tirefmu.tires.code import code_for
+from tirefmu.tires.tir import read_tir
+
+ROOT = Path(__file__).parents[2]
+VALUES = {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.3, "UMAX": 1.2, "USOFT": -0.2, "CLONG": 2.5e4, "CSIDE": 1.8e4}
+
+
+def bench(tire, n=400):
+    """Return a recording in adapted SAE of slow sweeps at three loads."""
+    t = np.linspace(0.0, 40.0, n)
+    slips = {"kappa": 0.15 * np.sin(1.3 * t), "alpha": 0.2 * np.sin(2.1 * t + 0.4)}
+    table = pd.DataFrame({"t": t, **slips, "Fz": np.repeat([600.0, 1000.0, 1400.0, 800.0], n // 4)})
+    forces = tire.evaluate(table, signs="adapted-sae")[["Fx", "Fy", "Mz"]]
+    noise = np.random.default_rng(0).normal(size=forces.shape) * [3.0, 3.0, 0.1]
+    return pd.concat([table, forces + noise], axis=1)
+
+
+@pytest.fixture(scope="module")
+def tire(toy):
+    return Tire("toy", VALUES, signs="adapted-sae")
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_every_model_keeps_what_it_declares(name):
+    verify(MODELS[name])
+
+
+def test_a_forgotten_flip_is_named_before_there_is_a_number(made, monkeypatch):
+    monkeypatch.setitem(MODELS, "unmarked", made("unmarked", flips=False))
+    tire = Tire("unmarked", VALUES, signs="adapted-sae")
+    with pytest.raises(ModelError, match=r"unmarked: Fy and Mz .*: CSIDE has to flip"):
+        tire.forces(alpha=0.1)
+
+
+@pytest.mark.parametrize(("name", "coefficient"), [("mf96", "PVY1"), ("mf96", "PDY1"), ("mf96", "SSZ3")])
+def test_a_planted_mark_is_named(name, coefficient, monkeypatch):
+    card = MODELS[name].coefficients[coefficient]
+    monkeypatch.setattr(card, "flips", not card.flips)
+    with pytest.raises(ModelError, match=coefficient):
+        verify(MODELS[name])
+
+
+def test_both_conventions_are_one_tire(tire):
+    forces, mirrored = tire.forces(alpha=0.1, kappa=0.05), tire.in_signs("iso").forces(alpha=0.1, kappa=0.05)
+    assert forces["Fy"] > 0
+    assert (mirrored["Fx"], mirrored["Fy"], mirrored["Mz"]) == (forces["Fx"], -forces["Fy"], -forces["Mz"])
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"roles": {"grip": Role("mu")}}, "unknown role 'grip'"),
+        ({"roles": {"friction_x": Role("mu_x")}}, "role friction_x has mu_x, which is no named quantity"),
+        ({"roles": {"friction_x": Role("mu", ("UMIX",))}}, "role friction_x has UMIX, .*did you mean UMAX"),
+        ({"roles": {"friction_x": Role("mu")}}, "role friction_y is missing"),
+        ({"constraints": {"Fx": (positive("K_z", 0.0),)}}, "constraint of Fx has K_z"),
+        ({"constraints": {"My": ()}}, "constraints of My, which is no output"),
+        ({"baseline": ("UMAX", "CALPHA")}, "the baseline has CALPHA"),
+        ({"starts": ({"PCX1": 1.0},)}, "a start has PCX1"),
+        ({"sections": ()}, "no section has the coefficient FNOMIN"),
+    ],
+)
+def test_a_wrong_declaration_is_named(made, change, said):
+    with pytest.raises(ModelError, match=said):
+        verify(replace(made(), **change))
+
+
+def test_names_and_numbers_are_taken_once(made):
+    twin = replace(made("twin"), property_file=MODELS["mf61"].property_file)
+    for wrong, said in (
+        (made("mf61"), "is there twice"),
+        (made("My tire"), "lower-case"),
+        (twin, "FITTYP 6[01] is mf61's"),
+    ):
+        with pytest.raises(ModelError, match=said):
+            register(wrong, dict(MODELS))
+
+
+def test_every_code_agrees_and_differentiates(tire):
+    rows = np.array([[0.05, -0.1, 0.0], [0.1, 0.02, -0.2], [900.0, 1300.0, 0.0]])
+    parameters = tire.parameters()
+    results = {language: code_for(tire.book, language) for language in ("numpy", "c", "casadi", "batch")}
+    for code in results.values():
+        np.testing.assert_allclose(
+            code.forces(rows, parameters), results["casadi"].forces(rows, parameters), rtol=1e-12
+        )
+        for routine in ("jacobian_inputs", "jacobian_parameters"):
+            expected = getattr(results["casadi"], routine)(rows, parameters)
+            np.testing.assert_allclose(getattr(code, routine)(rows, parameters), expected, rtol=1e-9, atol=1e-9)
+
+
+def test_a_property_file_of_its_own_comes_back(tire, tmp_path):
+    tire.save(tmp_path / "toy.tir")
+    text = (tmp_path / "toy.tir").read_text(encoding="utf-8")
+    assert "PROPERTY_FILE_FORMAT = 'TOY'" in text
+    assert "USE_MODE = 2" in text
+    assert "FITTYP" not in text
+    again = read_tir(tmp_path / "toy.tir")
+    assert again == replace(tire.in_signs("iso"), name=again.name)
+    (tmp_path / "field.tir").write_text(text[: text.index("$ What follows")], encoding="utf-8")
+    assert read_tir(tmp_path / "field.tir").model == "toy"
+
+
+@pytest.mark.parametrize("start", [None, "features"])
+def test_a_fit_finds_it_in_adapted_sae_and_saves_it_in_iso(tire, tmp_path, start):
+    recording = Recording(bench(tire), "adapted-sae", "bench.csv")
+    result = fit([recording], "toy", nominal={"Fz0": 1000.0, "R0": 0.3}, start=start, screening=False)
+    assert result.ok
+    result.tire.save(tmp_path / "toy.tir")
+    for name in ("UMAX", "USOFT", "CLONG"):
+        assert read_tir(tmp_path / "toy.tir").values[name] == pytest.approx(VALUES[name], rel=0.02)
+    assert read_tir(tmp_path / "toy.tir").values["CSIDE"] == pytest.approx(-VALUES["CSIDE"], rel=0.02)
+
+
+def test_its_own_recipe_lies_in_its_folder(made, monkeypatch, tmp_path):
+    (tmp_path / "toy_folder").mkdir()
+    (tmp_path / "toy_folder" / "__init__.py").write_text("", encoding="utf-8")
+    stages = 'name = "short"\n[[stage]]\nname = "all"\nsections = ["PARAMETER"]\n'
+    (tmp_path / "toy_folder" / "short.toml").write_text(stages, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(MODELS, "toy", made(folder="toy_folder", recipes=("short",)))
+    assert [stage.name for stage in load_recipe(None, "toy").stages] == ["all"]
+    assert load_recipe("joint", "toy").name == "joint"
+
+
+def test_it_is_drawn(tire, tmp_path):
+    assert [path.name for path in draw(tire, tmp_path, loads=[1000.0])] == [
+        "pure.png", "surfaces_1000N.png", "combined.png"
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("inputs", ["slip", "wheel"])
+def test_its_fmu_is_the_tire(tire, tmp_path, inputs):
+    fmu = export(tire, tmp_path / "toy.fmu", inputs=inputs)
+    if inputs == "slip":
+        result = check(fmu, bench(tire).assign(gamma=0.0), signs="adapted-sae")
+        assert all(channel.r2 > 0.999 for channel in result.channels)
+
+
+def test_a_diagnosis_names_the_effect_that_it_lacks(tire):
+    nominal = {"Fz0": 1000.0, "R0": 0.3, "p0": 2e5}
+    found = diagnose(bench(tire, 1200), signs="adapted-sae", model="toy", nominal=nominal)
+    assert [one.effect for one in found.found] == ["softening"]
+    assert found.found[0].coefficients["USOFT"].value == pytest.approx(VALUES["USOFT"], rel=0.1)
+
+
+#: Where the candidates of a diagnosis and the effect load_stiffness still have the Magic Formula's coefficients.
+EFFECTS_OF_THE_MAGIC_FORMULA = {
+    "diagnosis/candidates.py", "diagnosis/screening.py", "diagnosis/search.py", "diagnosis/least_squares.py",
+}  # fmt: skip
+#: The built-in demonstration is of one tire.
+OF_ONE_MODEL = {"tirefmu/demo.py"}
+
+
+def written(path):
+    """Return the texts in the code of a file, without docstrings."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    plain = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    return {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and id(node) not in plain}
+
+
+def test_no_other_package_names_a_model_or_its_coefficients():
+    # What every model or every property file has in common is no model's own.
+    shared = {"FNOMIN", "UNLOADED_RADIUS", "NOMPRES", "INFLPRES", "LONGVL", "WIDTH", "RIM_RADIUS", "VERTICAL_STIFFNESS"}
+    own = {name for book in MODELS.values() for name, card in book.coefficients.items() if card.fitted} | set(MODELS)
+    own |= {"SIGX", "SIGY", "SIGC", "SIGK", "VXLOW"}
+    found = {}
+    for folder in ("tires", "measurements", "fitting", "fmu", "diagnosis", "tirefmu"):
+        for path in (ROOT / folder).rglob("*.py"):
+            name = path.relative_to(ROOT).as_posix()
+            texts = {text for text in written(path) if isinstance(text, str)} & (own - shared)
+            if texts and name not in EFFECTS_OF_THE_MAGIC_FORMULA | OF_ONE_MODEL:
+                found[name] = texts
+    assert found == {}
