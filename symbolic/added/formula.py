@@ -32,7 +32,7 @@ FUNCTIONS: dict[str, Any] = {
     "sin": sp.sin, "cos": sp.cos, "tan": sp.tan, "atan": sp.atan, "exp": sp.exp, "log": sp.log, "sqrt": sp.sqrt,
     "tanh": lambda x: 1 - 2 / (sp.exp(2 * x) + 1), "abs": absolute, "absolute": absolute, "sgn": sgn, "sgn1": sgn1,
 }  # fmt: skip
-OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
+OPERATORS: dict[type[ast.operator], Callable[..., Any]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
     ast.Mult: operator.mul,
@@ -40,7 +40,7 @@ OPERATORS: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Pow: operator.pow,
 }
 #: The functions on numbers.
-ON_NUMBERS: dict[str, Callable[[Any], Any]] = {
+ON_NUMBERS: dict[str, Callable[..., Any]] = {
     **{name: getattr(math, name) for name in ("sin", "cos", "tan", "atan", "exp", "log", "sqrt", "tanh")},
     "abs": abs,
     "absolute": abs,
@@ -143,15 +143,16 @@ def _tree(text: str) -> ast.expr:
 def _read(node: ast.expr, place: str) -> sp.Expr:
     """Return the expression of a node, checked."""
     if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)) and not isinstance(node.value, bool):
-        return _worked_out(node, place, lambda: _number(node.value))
+        value = node.value
+        return _worked_out(node, place, lambda: _number(value))
     if isinstance(node, ast.Name):
         return sp.Float(math.pi) if node.id == "pi" else sp.Symbol(node.id, real=True)
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
         value = _read(node.operand, place)
         return -value if isinstance(node.op, ast.USub) else value
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS:
-        operands, apply = [node.left, node.right], OPERATORS[type(node.op)]
-        on_numbers = apply
+        operands = [node.left, node.right]
+        apply = on_numbers = OPERATORS[type(node.op)]
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1 and not node.keywords:
         if node.func.id not in FUNCTIONS:
             raise EffectError(f"{place}: unknown function {node.func.id!r}{nearest(node.func.id, FUNCTIONS)}")
@@ -207,8 +208,8 @@ def _plain(number: sp.Expr) -> Fraction | float:
     return Fraction(int(number.p), int(number.q)) if number.is_Rational else float(number)
 
 
-def _number(value: Fraction | float | complex) -> sp.Expr:
-    """Return a number within the bounds."""
+def _number(value: Any) -> sp.Expr:
+    """Return an int, a Fraction or a float as a number of a formula, if it lies within the bounds."""
     if isinstance(value, complex):
         raise _Refused("has no real value")
     if value == 0:

@@ -31,15 +31,17 @@ def small_model():
     """Return a model of three lines, which is printed in no time."""
 
     class Size(Section, title="SIZE"):
-        UNLOADED_RADIUS = Coefficient("radius", "m", neutral=None)
+        FNOMIN = Coefficient("load", "N", neutral=None, start=1000.0)
+        UNLOADED_RADIUS = Coefficient("radius", "m", neutral=None, start=0.3)
         PDY1 = Coefficient("friction", start=1.0)
+        PKY1 = Coefficient("slip stiffness factor", start=1.0, flips=True)
 
     force = Chapter("Force")
     book = model("mf96")
     kappa, alpha, load = (quantity.symbol for quantity in book.inputs if quantity.name != "gamma")
     grip = force("1", "mu_y", Size.PDY1 + 0 * load, description="friction")
     force("2", "Fx", grip * kappa * load / Size.UNLOADED_RADIUS, "N", "longitudinal force")
-    force("3", "Fy", grip * sp.atan(alpha) * load, "N", "side force")
+    force("3", "Fy", Size.PKY1 * grip * sp.atan(alpha) * load, "N", "side force")
     return Model("small", "A small model", book.inputs, book.outputs[:2], (Size,), (force,))
 
 
