@@ -252,7 +252,8 @@ def test_the_cache_does_not_grow_without_limit(cache, aged, monkeypatch):
     os.utime(cache / "not ours", (0, 0))
     size = sum(path.stat().st_size for path in (cache / "old").rglob("*"))
     assert size < 9999
-    cached("middle", Maker())  # used again, here
+    used = cached("middle", Maker())  # by this process, however long ago
+    os.utime(used, (time.time() - 3 * 86_400.0,) * 2)
     monkeypatch.setattr(library_cache, "MOST_BYTES", 4 * size)
     cached("new", Maker())
     assert names(cache) == ["middle", "new", "not ours", "old", "recent"]
