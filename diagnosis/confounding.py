@@ -28,7 +28,8 @@ def alias_columns(screen: Screen) -> dict[str, FloatArray]:
     """Return what sensor errors do to the forces, weighted, shape (n_channels, n, 1), by name."""
     problem, parameters = screen.problem, screen.solution.parameters
     at = problem.simulator.forces(parameters)
-    moved = {name: problem.simulator.forces(parameters, shift) for name, shift in ALIASES.items()}
+    read = set(problem.simulator.signals.names)
+    moved = {name: problem.simulator.forces(parameters, shift) for name, shift in ALIASES.items() if read >= set(shift)}
     return {name: (problem.root * (forces - at))[:, :, None] for name, forces in moved.items()}
 
 

@@ -173,11 +173,12 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
 
     slip = np.sqrt(np.tan(named["alpha"]) ** 2 + named["kappa"] ** 2)
     load = named["Fz"] / nominal["FNOMIN"]
-    speed = np.abs(named["V"]) / nominal["LONGVL"] if "V" in named else np.ones_like(load)
+    has_speed = "V" in named and "LONGVL" in nominal
+    speed = np.abs(named["V"]) / nominal["LONGVL"] if has_speed else np.ones_like(load)
     put("Fz/FNOMIN - 1", "Fz", load - 1.0)
-    if "p" in named and "p" in signals.recorded:
+    if "p" in named and "p" in signals.recorded and "NOMPRES" in nominal:
         put("3*(p/NOMPRES - 1)", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
-    if "V" in named and "V" in signals.recorded:
+    if has_speed and "V" in signals.recorded:
         put("3*(absolute(V)/LONGVL - 1)", "V", 3.0 * (speed - 1.0))
     if "phit" in signals.recorded and "phit" in named:
         put("2*absolute(phit)*UNLOADED_RADIUS", "phit", 2.0 * np.abs(named["phit"]) * nominal["UNLOADED_RADIUS"])
@@ -186,7 +187,8 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
         put(f"(T - {middle})/20", "T", (named["T"] - middle) / 20.0)
     if signals.timed and "distance" in named:
         put("distance/1000", "distance", named["distance"] / 1000.0)
-    put("10*absolute(gamma)", "gamma", 10.0 * np.abs(named["gamma"]))
+    if "gamma" in named:
+        put("10*absolute(gamma)", "gamma", 10.0 * np.abs(named["gamma"]))
     put("5*absolute(tan(alpha))", "alpha", 5.0 * np.abs(np.tan(named["alpha"])))
     put("5*absolute(kappa)", "kappa", 5.0 * np.abs(named["kappa"]))
     put("5*sqrt(tan(alpha)**2 + kappa**2)", "alpha kappa", 5.0 * slip)
@@ -194,7 +196,8 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     put("5*sqrt(tan(alpha)**2 + kappa**2)*absolute(V)/LONGVL*Fz/FNOMIN", "alpha kappa V Fz", 5.0 * slip * speed * load)
     put("5*absolute(tan(alpha))*absolute(V)/LONGVL*Fz/FNOMIN", "alpha V Fz",
         5.0 * np.abs(np.tan(named["alpha"])) * speed * load)  # fmt: skip
-    put("10*gamma", "gamma", 10.0 * named["gamma"], turns=True)
+    if "gamma" in named:
+        put("10*gamma", "gamma", 10.0 * named["gamma"], turns=True)
     put("5*tan(alpha)", "alpha", 5.0 * np.tan(named["alpha"]), turns=True)
     put("5*kappa", "kappa", 5.0 * named["kappa"])
     if signals.timed:

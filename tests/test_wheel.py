@@ -1,6 +1,6 @@
 """The wheel holds what lies in the rooms.
 
-A folder or a data file that pyproject.toml forgets is missed by nobody who works in a clone, and by everybody
+A folder that setup.py or a data file that pyproject.toml forgets is missed by nobody who works in a clone, and by everybody
 who installs.
 """
 
@@ -30,7 +30,7 @@ def test_wheel_is_what_lies_in_the_rooms(tmp_path):
     source = tmp_path / "source"
     for folder in ROOMS.values():
         shutil.copytree(ROOT / folder, source / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("pyproject.toml", PROJECT["project"]["readme"], *PROJECT["project"]["license-files"]):
+    for name in ("pyproject.toml", "setup.py", PROJECT["project"]["readme"], *PROJECT["project"]["license-files"]):
         shutil.copy(ROOT / name, source / name)
     command = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "--no-index"]
     built = subprocess.run([*command, "--wheel-dir", tmp_path, source], capture_output=True, text=True, check=False)
@@ -43,5 +43,7 @@ def test_wheel_is_what_lies_in_the_rooms(tmp_path):
         for package, folder in ROOMS.items()
         for path in on_disk(ROOT / folder)
     }
-    assert sorted(expected - packed) == [], "lies in a room, but is not in the wheel: list it in pyproject.toml"
+    assert sorted(expected - packed) == [], (
+        "lies in a room, but is not in the wheel: see package-data in pyproject.toml"
+    )
     assert sorted(packed - expected) == [], "is in the wheel, but lies in no room"

@@ -8,10 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tirefmu.symbolic import MODELS
-
 OTHERS = ({"convention": "book"}, {"slip_angle": "angle"}, {"limits": True})
-SIX = [model for model in MODELS if model != "mf96"]
+SIX = ["mf52", "mf61", "mf62"]
 
 
 def table_of(tire, rows, **fixed):
@@ -107,7 +105,7 @@ SANE = st.floats(-1.0, 1.0)
 
 @settings(max_examples=40)
 @given(kappa=SANE, alpha=SANE, gamma=SANE, load=SANE, pressure=SANE, speed=SANE, spin=SANE)
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", ["mf96", *SIX])
 def test_with_limits_forces_are_finite_wherever_the_inputs_are(
     made, narrowed, model, kappa, alpha, gamma, load, pressure, speed, spin
 ):
@@ -122,7 +120,7 @@ def test_with_limits_forces_are_finite_wherever_the_inputs_are(
 
 @settings(max_examples=40)
 @given(kappa=SANE, alpha=SANE, gamma=SANE, load=SANE, pressure=SANE, speed=SANE, spin=SANE)
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", ["mf96", *SIX])
 def test_a_tire_does_not_mind_in_which_axes_it_is_told(made, model, kappa, alpha, gamma, load, pressure, speed, spin):
     tire = made(model, 0)
     row = pd.DataFrame([{

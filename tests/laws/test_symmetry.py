@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.symbolic import MODELS
 from tirefmu.tires.signs import MIRRORED, reversed_columns
 
 #: What makes a tire's left differ from its right, in every model. QBZ4 and QDZ3 are linear in the inclination where
@@ -75,7 +74,7 @@ def test_mirrored_twice_is_the_same_tire(tire):
     assert tire.in_signs("iso").in_signs("adapted-sae") == tire
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", ASYMMETRIC_BY_MODEL)
 def test_every_coefficient_that_flips_must(made, points, model):
     """A sign left behind in the mirror shows in a force, or in how deep the tire sinks."""
     tire = made(model, 0)
