@@ -1,7 +1,6 @@
-"""The wheel holds what lies in the rooms.
+"""The wheel contains what is on disk.
 
-A folder that setup.py or a data file that pyproject.toml forgets is missed by nobody who works in a clone, and by everybody
-who installs.
+In a clone, nothing shows that setup.py misses a folder or pyproject.toml a data file; an installed wheel fails.
 """
 
 from __future__ import annotations
