@@ -170,7 +170,8 @@ def read_description(path: str | os.PathLike[str]) -> Any:
     try:
         description = fmpy.read_model_description(str(path), validate=False)
     except Exception as error:  # fmpy lets everything through that zip and XML can meet with
-        raise FmuError(f"{path}: not an FMU ({str(error).splitlines()[0]})") from error
+        reason = (str(error).splitlines() or [type(error).__name__])[0]
+        raise FmuError(f"{path}: not an FMU ({reason})") from error
     if description.coSimulation is None:
         raise FmuError(f"{path}: not an FMU for Co-Simulation")
     return description
