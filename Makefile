@@ -19,7 +19,7 @@ demo: $(VENV)/installed  ## the whole circle on the built-in virtual bench
 test: $(VENV)/installed-dev  ## all tests; the measured recordings' too where TIREFMU_DATA names their folder
 	$(BIN)/pytest $(PYTEST_ARGS)
 
-fuzz: $(VENV)/installed-dev  ## 10,000 mutated .tir and CSV files; a hang is shown after a minute, where it hangs
+fuzz: $(VENV)/installed-dev  ## 10,000 mutated files of every kind that is read; a hang is shown after a minute, where it hangs
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)
 
 perturb: $(VENV)/installed-dev  ## fits and a diagnosis say the same as if another processor had computed them

@@ -5,11 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
-from math import inf
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field, fields
+from functools import partial
+from math import inf, isfinite, isnan
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -21,9 +22,10 @@ from .recipe import Freed
 from .result import StageFit
 
 FloatArray = npt.NDArray[np.float64]
+T = TypeVar("T")
 
 #: Of the file's form: a file of another one is not read.
-VERSION = 1
+VERSION = 2
 
 
 @dataclass(frozen=True)
@@ -121,11 +123,17 @@ class Checkpoint:
         content = {"version": VERSION, "identity": dict(self.identity), **_plain(asdict(state))}
         part = self.path.with_name(f".{self.path.name}.part")
         try:
-            part.write_text(json.dumps(content, allow_nan=False), encoding="utf-8")
+            part.write_text(self.sealed(content), encoding="utf-8")
             os.replace(part, self.path)
         except OSError as error:
             part.unlink(missing_ok=True)
             raise FitError(f"{self.path}: cannot be written ({error.strerror or error})") from error
+
+    @staticmethod
+    def sealed(content: Mapping[str, Any]) -> str:
+        """Return the file's text: JSON, with a digest by which a changed number is noticed."""
+        bare = {key: value for key, value in content.items() if key != "digest"}
+        return json.dumps({**bare, "digest": _digest(bare)})
 
     def load(self) -> State:
         """Return the state that was written.
@@ -145,19 +153,22 @@ class Checkpoint:
             raise FitError(f"{self.path}: no such file: there is no interrupted fit to go on with") from None
         except OSError as error:
             raise FitError(f"{self.path}: cannot be read ({error.strerror or error})") from error
-        except ValueError as error:  # no JSON, or no text
+        except (ValueError, RecursionError) as error:  # no JSON, or no text
             raise FitError(f"{self.path}: is no progress file ({error})") from error
         if not isinstance(content, dict) or content.get("version") != VERSION:
             raise FitError(f"{self.path}: is no progress file of this version of tirefmu")
-        before = content.get("identity", {})
-        other = [name for name, value in self.identity.items() if before.get(name) != value]
+        if content.pop("digest", None) != _digest(content):
+            raise FitError(f"{self.path}: is a broken progress file (it was changed after it was written)")
+        before = content.get("identity")
+        known = before if isinstance(before, dict) else {}
+        other = [name for name, value in self.identity.items() if known.get(name) != value]
         if other:
             raise FitError(
                 f"{self.path}: belongs to a fit with other {', '.join(other)}: run it as it was, or without --resume"
             )
         try:
             return _state(content)
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise FitError(f"{self.path}: is a broken progress file ({error!r})") from error
 
     def remove(self) -> None:
@@ -197,29 +208,74 @@ def _plain(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
 
+def _digest(content: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
 def _state(content: Mapping[str, Any]) -> State:
+    """Return the state that JSON describes; KeyError, TypeError or ValueError where it describes none."""
     return State(
-        done=content["done"],
-        values=content["values"],
-        freed={
-            name: Release(_freed(item["bounds"]), item["stage"], item["determined"])
-            for name, item in content["freed"].items()
-        },
-        broken=[(name, _array(points)) for name, points in content["broken"]],
-        stages=[StageFit(**item) for item in content["stages"]],
-        ended=[
-            Ended(
-                item["stage"], item["values"], {n: _freed(f) for n, f in item["free"].items()}, _array(item["x"])
-            )
-            for item in content["ended"]
-        ],
-        notes=content["notes"],
-    )  # fmt: skip
+        done=_count(content["done"]),
+        values=_values(content["values"]),
+        freed={name: _release(_of(dict, item)) for name, item in _of(dict, content["freed"]).items()},
+        broken=[(_of(str, name), _array(points, 2)) for name, points in _of(list, content["broken"])],
+        stages=[_stage(item) for item in _of(list, content["stages"])],
+        ended=[_ended(_of(dict, item)) for item in _of(list, content["ended"])],
+        notes=[_of(str, note) for note in _of(list, content["notes"])],
+    )
 
 
-def _freed(item: Mapping[str, Any]) -> Freed:
-    return Freed(*(float(item[key]) for key in ("guess", "lower", "upper")))
+def _release(item: Mapping[str, Any]) -> Release:
+    return Release(_freed(item["bounds"]), _of(str, item["stage"]), _of(bool, item["determined"]))
 
 
-def _array(numbers: Sequence[Any]) -> FloatArray:
-    return np.array(numbers, dtype=np.float64)
+def _ended(item: Mapping[str, Any]) -> Ended:
+    free = {name: _freed(bounds) for name, bounds in _of(dict, item["free"]).items()}
+    return Ended(_count(item["stage"]), _values(item["values"]), free, _array(item["x"], 1))
+
+
+def _of(kind: type[T], value: Any) -> T:
+    """Return a value if it is of its kind."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{value!r} is no {kind.__name__}")
+    return value
+
+
+def _count(value: Any) -> int:
+    if isinstance(value, bool) or _of(int, value) < 0:
+        raise TypeError(f"{value!r} is no count")
+    return int(value)
+
+
+def _number(value: Any) -> float:
+    """Return a number, or an infinity from its text; NaN is none."""
+    if isinstance(value, bool) or (isinstance(value, str) and value not in ("inf", "-inf")):
+        raise TypeError(f"{value!r} is no number")
+    number = float(value)
+    if isnan(number):
+        raise ValueError("nan is no number")
+    return number
+
+
+def _values(given: Any) -> dict[str, float]:
+    values = {name: _number(value) for name, value in _of(dict, given).items()}
+    if not all(map(isfinite, values.values())):
+        raise ValueError("a coefficient is not finite")
+    return values
+
+
+def _stage(item: Any) -> StageFit:
+    kinds: dict[str, Callable[[Any], Any]] = {"str": partial(_of, str), "int": _count,
+                                              "bool": partial(_of, bool), "float": _number}  # fmt: skip
+    return StageFit(**{card.name: kinds[str(card.type)](_of(dict, item)[card.name]) for card in fields(StageFit)})
+
+
+def _freed(item: Any) -> Freed:
+    return Freed(*(_number(_of(dict, item)[key]) for key in ("guess", "lower", "upper")))
+
+
+def _array(numbers: Any, dimensions: int) -> FloatArray:
+    array = np.array(numbers, dtype=np.float64)
+    if array.ndim != dimensions or not np.isfinite(array).all():
+        raise ValueError(f"{numbers!r} is no array of {dimensions} dimensions")
+    return array

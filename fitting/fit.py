@@ -152,7 +152,7 @@ def fit(
             solver=solver, given=tire_given is not None, read=read, conditions=conditions, loss=loss,
         )  # fmt: skip
         if resume and saved:
-            session.restore(saved.load())
+            session.restore(saved.load(), str(saved.path))
         session.run(saved)
     interruption.settle()
     told = "iso" if all(recording.signs == "iso" for recording in recordings) else "adapted-sae"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import partial
 from math import nan
@@ -104,9 +104,10 @@ class Session:
         ended = [end for end, _ in self._ends]
         return State(self._done, dict(self._tire.values), self._freed, broken, self._stages, ended, self._notes)
 
-    def restore(self, state: State) -> None:
-        """Go on from there."""
+    def restore(self, state: State, source: str) -> None:
+        """Go on from a state; FitError, which names its source, where it is not one of this fit."""
         known = {constraint.name: constraint for constraint, _ in self._conditions.of(self._fitted)}
+        self._refuse_foreign(state, known.keys(), source)
         self._conditions.broken = [(known[name], points) for name, points in state.broken]
         for end in state.ended:
             stage = self._plan.stages[end.stage]
@@ -116,6 +117,18 @@ class Session:
             self._ends.append((end, self._posed(stage, tire, rows.sample(stage.rows or len(rows)), end.free)))
         self._tire = replace(self._tire, values=state.values)
         self._done, self._freed, self._stages, self._notes = state.done, state.freed, state.stages, state.notes
+
+    def _refuse_foreign(self, state: State, constraints: Set[str], source: str) -> None:
+        stages, inputs = len(self._plan.stages), len(self._tire.inputs)
+        names = {*state.values, *state.freed}.union(*({*end.values, *end.free} for end in state.ended))
+        if (
+            state.done > stages
+            or not names <= self._book.coefficients.keys()
+            or not {name for name, _ in state.broken} <= constraints
+            or any(len(points) != inputs for _, points in state.broken)
+            or any(end.stage >= stages or len(end.x) != len(end.free) for end in state.ended)
+        ):
+            raise FitError(f"{source}: is a broken progress file (of stages or coefficients that this fit has not)")
 
     def _table(self, stage: Stage) -> tuple[pd.DataFrame, list[str]]:
         """Return the rows of a stage, all of them, and its channels."""

@@ -89,6 +89,8 @@ _BENCH_NAMES = {alias: card.name for card in _CARDS for alias in card.bench}
 _WORDS = {alias.casefold(): card.name for card in _CARDS for alias in (card.name, *card.words)}
 _SUFFIXED = re.compile(r"(?P<name>\w+)[ _]?[ _(](?P<unit>[^()_]+)\)?")
 
+_BRACKETED = re.compile(r"\s*(?P<name>\w+)\s*\[")
+
 
 def channel(name: str) -> Channel:
     """Return the card of a channel.
@@ -134,17 +136,20 @@ def intended_channel(column: str) -> str | None:
 
     Examples
     --------
-    >>> [intended_channel(name) for name in ("Alpha", "SA", "gama", "alpha_deg")]
-    ['alpha', 'alpha', 'gamma', 'alpha']
+    >>> [intended_channel(name) for name in ("Alpha", "SA", "gama", "alpha_deg", "Alpha [deg] raw")]
+    ['alpha', 'alpha', 'gamma', 'alpha', 'alpha']
     >>> intended_channel("alpha_y") is None
     True
     """
+    column = "".join(character for character in column if character.isprintable())
     folded = column.strip().casefold()
     spelled = _BENCH_NAMES.get(column.strip()) or _WORDS.get(re.sub(r"[ \-]+", "_", folded))
     if spelled is not None:
         return spelled
     if suffixed := unit_in_name(column):
         return suffixed[0]
+    if (bracketed := _BRACKETED.match(folded)) and (spelled := _WORDS.get(bracketed["name"])) is not None:
+        return spelled
     return next((name for name in CHANNELS if len(name) >= 4 and _one_slip_apart(folded, name)), None)
 
 

@@ -20,6 +20,8 @@ __all__ = ["MissingPackage", "close", "load"]
 
 #: Memory that reading may take: so much, and so much for each byte of the file, which may be compressed.
 MEMORY, MEMORY_PER_BYTE = 4 << 30, 100
+#: Bytes that a file may turn out to hold: so many, and so many for each byte, which is what compression can reach.
+CONTENT, CONTENT_PER_BYTE = 64 << 20, 1000
 #: Seconds that reading may take: so many, and so many for each byte.
 SECONDS, SECONDS_PER_BYTE = 60.0, 1e-6
 
@@ -41,7 +43,7 @@ class _Process:
         """Whether it lives and belongs to this process, not to one that this was forked from."""
         return self._owner == os.getpid() and self._popen.poll() is None
 
-    def ask(self, request: tuple[str, str, int], seconds: float) -> tuple[str, Any]:
+    def ask(self, request: tuple[str, str, int, int], seconds: float) -> tuple[str, Any]:
         """Return the answer to a request.
 
         Raises
@@ -110,7 +112,8 @@ def load(form: str, path: Path) -> Any:
     global _running
     with path.open("rb") as file:
         size = os.fstat(file.fileno()).st_size
-    request = (form, os.path.abspath(path), MEMORY + MEMORY_PER_BYTE * size)
+    memory, most = MEMORY + MEMORY_PER_BYTE * size, CONTENT + CONTENT_PER_BYTE * size
+    request = (form, os.path.abspath(path), memory, most)
     with _lock:
         if _running is None or not _running.usable:
             _running = _Process()

@@ -1,8 +1,8 @@
 """The process in which files are read by native code (MATLAB, HDF5, Arrow); started by path, `native.py` talks to it.
 
 A damaged file makes such code crash, hang or fill the memory: this process dies of it, and the one that asked goes on.
-It imports nothing of tirefmu, so that it starts in a fraction of a second. A request is a pickled tuple of form, path
-and memory limit; the answer a pickled pair of a word and what belongs to it.
+It imports nothing of tirefmu, so that it starts in a fraction of a second. A request is a pickled tuple of form,
+path, memory limit and largest answer; the answer a pickled pair of a word and what belongs to it.
 """
 
 from __future__ import annotations
@@ -60,14 +60,16 @@ def load_parquet(path: str) -> Any:
 LOADERS = {"matlab": load_matlab, "parquet": load_parquet}
 
 
-def answer(form: str, path: str) -> bytes:
+def answer(form: str, path: str, most: int) -> bytes:
     """Return the pickled answer to a request: ("loaded", content), ("missing", what) or ("refused", reason)."""
+    too_large = pickle.dumps(("refused", "it claims to hold far more than fits into a file of its size"))
     try:
-        return pickle.dumps(("loaded", LOADERS[form](path)))
+        content = pickle.dumps(("loaded", LOADERS[form](path)))
+        return content if len(content) <= most else too_large
     except MissingPackage as error:
         return pickle.dumps(("missing", str(error)))
     except MemoryError:
-        return pickle.dumps(("refused", "it claims to hold more than fits into the memory"))
+        return too_large
     except Exception as error:  # these libraries pass on whatever they meet with
         return pickle.dumps(("refused", (str(error).splitlines() or [type(error).__name__])[0]))
 
@@ -89,11 +91,11 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> None:
     """Answer requests until they end."""
     while True:
         try:
-            form, path, memory = pickle.load(requests)
+            form, path, memory, most = pickle.load(requests)
         except EOFError:
             return
         _limit_memory(memory)
-        answers.write(answer(form, path))
+        answers.write(answer(form, path, most))
         answers.flush()
 
 

@@ -46,7 +46,7 @@ def diagnose(
         check_plausible(one)
         one.measured()  # refuses a table without a measured output
     started = tire_named(tire) if tire else None
-    own_effects = [_own_effect(path) for path in own]
+    own_effects = [own_effect(path) for path in own]
     tried = [*own_effects, *(candidates or ())] or None
     with terminal.working("diagnosing"):
         result = run(
@@ -86,7 +86,8 @@ def _gap_lines(told: dict[str, Any]) -> list[str]:
     return lines
 
 
-def _own_effect(path: Path) -> Any:
+def own_effect(path: Path) -> Any:
+    """Return the effect that a file describes."""
     from tirefmu.symbolic.added import read_effect
 
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import threading
 from dataclasses import replace
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
+from tirefmu.fitting.checkpoint import Checkpoint
 from tirefmu.fitting.interruption import Interruption
 from tirefmu.symbolic.errors import FitError
 
@@ -179,7 +181,11 @@ def test_the_file_belongs_to_one_fit(recording, make, tmp_path):
         (None, "no such file: there is no interrupted fit"),
         ("{", "is no progress file"),
         ("[]", "is no progress file of this version"),
-        ('{"version": 1}', "belongs to a fit with other"),
+        ('{"version": 1}', "is no progress file of this version"),
+        ('{"version": 2}', "was changed after it was written"),
+        ("[" * 100_000, "is no progress file"),
+        (Checkpoint.sealed({"version": 2}), "belongs to a fit with other"),
+        (Checkpoint.sealed({"version": 2, "identity": [1]}), "belongs to a fit with other"),
     ],
 )
 def test_a_file_that_is_none(recording, make, tmp_path, text, message):
@@ -190,15 +196,37 @@ def test_a_file_that_is_none(recording, make, tmp_path, text, message):
         fit([recording], "mf96", effects=make.effects, nominal=make.nominal, checkpoint=path, resume=True)
 
 
+#: What a file of this fit may say that no fit wrote: key, value, what is told.
+WRONG = (
+    ("done", "all", "is no int"),
+    ("done", 99, "that this fit has not"),
+    ("values", [], "is no dict"),
+    ("values", {"PDY1": None}, "TypeError"),
+    ("values", {"PDY1": float("nan")}, "nan is no number"),
+    ("values", {"<script>": 1.0}, "that this fit has not"),
+    ("freed", {"PDY1": 1}, "is no dict"),
+    ("broken", [["no such", [[1.0]]]], "that this fit has not"),
+    ("broken", [3], "TypeError"),
+    ("stages", [{}], "KeyError"),
+    ("ended", [{"stage": 77, "values": {}, "free": {}, "x": []}], "that this fit has not"),
+    ("notes", "a note", "is no list"),
+)
+
+
 def test_a_broken_file_of_this_fit(recording, make, tmp_path):
     path = tmp_path / "tire.progress.json"
     options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
     fit([recording], "mf96", **options, progress=stopping(STAGES[1], 1, raised))
-    content = json.loads(path.read_text(encoding="utf-8"))
-    del content["values"]
-    path.write_text(json.dumps(content), encoding="utf-8")
-    with pytest.raises(FitError, match=r"is a broken progress file \(KeyError\('values'\)\)"):
-        fit([recording], "mf96", **options, resume=True)
+    whole = json.loads(path.read_text(encoding="utf-8"))
+    changed = re.sub(r'"done": \d+', '"done": 0', path.read_text(encoding="utf-8"))
+    for text, message in (
+        (changed, "was changed after it was written"),
+        (Checkpoint.sealed({key: value for key, value in whole.items() if key != "values"}), r"KeyError\('values'\)"),
+        *((Checkpoint.sealed({**whole, key: value}), message) for key, value, message in WRONG),
+    ):
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(FitError, match=rf"tire\.progress\.json: is a broken progress file .*{message}"):
+            fit([recording], "mf96", **options, resume=True)
 
 
 def test_resuming_takes_a_file(recording, make):

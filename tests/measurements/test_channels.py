@@ -34,7 +34,7 @@ def test_no_alias_means_two_channels():
         ("ALPHA", "alpha"), ("aplha", "alpha"), ("alphas", "alpha"), ("gama", "gamma"), ("kapa", "kappa"),
         ("SA", "alpha"), ("SL", "kappa"), ("FZ", "Fz"), ("ET", "t"), ("TSTC", "T"), ("slip angle", "alpha"),
         ("Camber", "gamma"), ("p_kPa", "p"), ("alpha (deg)", "alpha"), ("slip_angle_deg", "alpha"),
-        ("Fz kN", "Fz"), ("FY", "Fy"),
+        ("Fz kN", "Fz"), ("FY", "Fy"), ("alpha [de[g]", "alpha"), ("Alpha\x1b[2J", "alpha"), ("load [kN] raw", "Fz"),
     ],
 )  # fmt: skip
 def test_meant(column, expected):
@@ -44,7 +44,7 @@ def test_meant(column, expected):
 @pytest.mark.parametrize(
     "column",
     ["alpha_y", "kappa_x", "alpha__y", "Fz_in", "kappa_in", "p_in", "Et", "Vx", "F_x0", "mu_x", "rho", "2a",
-     "id", "SR", "N", "B_x", "sigma_y", "kind", "remark", "Fz0", "", "_", "Re"],
+     "id", "SR", "N", "B_x", "sigma_y", "kind", "remark", "Fz0", "", "_", "Re", "lap [1]"],
 )  # fmt: skip
 def test_not_meant(column):
     assert intended_channel(column) is None

@@ -92,3 +92,21 @@ def test_threads_get_their_own_answers(good, tmp_path):
         thread.join()
     for n, table in enumerate(tables):
         pd.testing.assert_frame_equal(read[n], table)
+
+
+def test_a_small_file_that_holds_far_too_much_is_refused(tmp_path, monkeypatch):
+    """Damage in a header of HDF5 turned 7 KB into 700 MB of nothing; Parquet and zlib can claim as much."""
+    path = tmp_path / "flat.mat"
+    columns = {name: np.full((20_000, 1), 1.0) for name in CHANNELS}
+    savemat(path, {**columns, "FZ": np.full((20_000, 1), -900.0)}, do_compression=True)
+    assert len(read_recording(path)) == 20_000
+    monkeypatch.setattr(native, "CONTENT", 10_000)
+    monkeypatch.setattr(native, "CONTENT_PER_BYTE", 10)
+    assert refusal(path).endswith("it claims to hold far more than fits into a file of its size")
+
+
+def test_compressed_numbers_that_are_damaged(good, tmp_path):
+    """What zlib raises is no error of scipy's; found by fuzzing."""
+    element = b"\x0f\0\0\0" + (40).to_bytes(4, "little") + bytes(40)
+    (tmp_path / "bad.mat").write_bytes(good.read_bytes()[:128] + element)
+    assert "bad.mat: cannot be read as a MATLAB file: Error -3 while decompressing" in refusal(tmp_path / "bad.mat")

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import io
+import sys
+from dataclasses import replace
+
 import pytest
 from rich.console import Console
 
@@ -9,6 +13,7 @@ from tirefmu.cli import main
 from tirefmu.fit_tables import LONGEST_CELL, plain_table
 from tirefmu.symbolic.errors import LONGEST, TirefmuError, UnknownName
 from tirefmu.terminal import Terminal
+from tirefmu.tires import published
 
 from ..hostile import HOSTILE, is_plain
 
@@ -87,3 +92,12 @@ def test_the_command_line_is_told_back_as_text(place, text, capsys):
     assert is_plain(captured.err)
     assert captured.err.count("\n") == 1
     assert captured.err.startswith("tirefmu: error: ")
+
+
+def test_a_terminal_that_lacks_a_letter_still_gets_the_line(monkeypatch, tmp_path):
+    path = tmp_path / "tire.tir"
+    replace(published("trento_hoosier"), name="Stra\u00dfe \u65e5").save(path)
+    screen = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(screen, encoding="ascii", write_through=True))
+    assert main(["info", str(path)]) == 0
+    assert screen.getvalue().startswith(rb"Stra\xdfe \u65e5: ")

@@ -1,0 +1,258 @@
+"""The kinds of files that are fuzzed: whole files to begin with, how they are changed, how they are read."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+import re
+import warnings
+import zipfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.io import savemat
+
+from tirefmu.diagnose_command import own_effect
+from tirefmu.fitting.checkpoint import Checkpoint, Ended, Release, State
+from tirefmu.fitting.recipe import RECIPES, Freed, load_recipe
+from tirefmu.fitting.result import StageFit
+from tirefmu.fmu.build import contents
+from tirefmu.fmu.simulation import read_description
+from tirefmu.measurements import INPUTS, check_plausible, read_recording
+from tirefmu.symbolic.added import effect_text, read_effect
+from tirefmu.tires import published, read_tir, write_tir
+from tirefmu.tires.tir import tir_text
+from tirefmu.tires.tir_units import unit_factor
+
+from ..hostile import HOSTILE
+from .mutations import BINARY, compressed, mutated, rejsoned, rezipped
+
+ROOT = Path(__file__).parents[2]
+GOLDEN = Path(__file__).parents[1] / "golden"
+IDENTITY = {"data": "1234", "model": "mf96"}
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file.
+
+    `seeds` makes whole files, `change` the mutated file of a number, and `read` reads one: it returns, or raises a
+    TirefmuError; whatever else it raises is a fault, also of what it returns.
+    """
+
+    suffix: str
+    seeds: Callable[[], list[bytes]]
+    read: Callable[[Path], object]
+    change: Callable[[int, list[bytes]], bytes] = mutated
+
+
+# ------------------------------------------------------------------ tires
+
+
+def tir_seeds() -> list[bytes]:
+    files = [(GOLDEN / f"MagicFormula{n}_Parameters.tir").read_bytes() for n in (52, 61, 62)]
+    return [*files, tir_text(published("trento_hoosier")).encode()]
+
+
+def declared(text: str) -> tuple[str, str] | None:
+    """Return the unit of length and the radius as a plain look at the file finds them; None where not once."""
+    text = re.sub(r"[$!].*", "", text)
+    units = re.findall(r"(?im)^\s*LENGTH\s*=\s*'?([\w ]*)'?\s*$", text)
+    radii = re.findall(r"(?im)^\s*UNLOADED_RADIUS\s*=\s*(\S+)\s*$", text)
+    return (units[0], radii[0]) if len(units) == 1 == len(radii) else None
+
+
+def read_tire(path: Path) -> None:
+    """Read a tire; its values are finite, in the declared unit, and come back from what is written."""
+    data = path.read_bytes()
+    tire = read_tir(path)
+    assert all(math.isfinite(value) for value in tire.values.values())
+    look = declared(data.decode("latin-1")) if b"\x00" not in data and b"\x85" not in data else None
+    if look:  # never a unit that is overlooked
+        expected = float(look[1].strip("'\"").lower().replace("d", "e")) * (unit_factor("LENGTH", look[0]) or math.nan)
+        assert tire.values["UNLOADED_RADIUS"] == pytest.approx(expected, rel=1e-12)
+    write_tir(tire, path)
+    again = read_tir(path)
+    assert again == tire
+    assert [v.hex() for v in again.values.values()] == [v.hex() for v in tire.values.values()]
+
+
+# ------------------------------------------------------------------ recordings
+
+
+def bench(rows: int = 12) -> dict[str, Any]:
+    """Return the channels of a bench file, as columns."""
+    values = {"V": 36.0, "SA": 2.0, "IA": 4.0, "P": 80.0, "FX": 10.0, "FY": -300.0, "FZ": -900.0, "MZ": 7.0, "SL": 0.05}
+    columns = {name: np.full((rows, 1), value) for name, value in values.items()}
+    return {"ET": 0.01 * np.arange(rows)[:, None], **columns}
+
+
+UNITS = {"ET": "sec", "V": "kph", "SA": "deg", "IA": "deg", "P": "kPa", "FX": "N", "FY": "N", "FZ": "N", "MZ": "N-m"}
+
+
+def table() -> pd.DataFrame:
+    t = np.arange(12) / 10
+    return pd.DataFrame({"t": t, "kappa": t / 10 - 0.05, "alpha": 0.2 - t / 5, "Fz": 900 + t, "p": 8e4, "Fy": 50 - t})
+
+
+def csv_seeds() -> list[bytes]:
+    headers = {"alpha": "alpha [deg]", "Fz": "Fz [kN]", "p": "p [psi]"}
+    scaled = table().assign(alpha=np.degrees(table()["alpha"]), Fz=table()["Fz"] / 1e3, p=12.0).rename(columns=headers)
+    return [
+        table().to_csv(index=False).encode(),
+        scaled.to_csv(index=False, sep=";").encode(),
+        b"# a table\n" + table().assign(**{HOSTILE[5]: HOSTILE[2]}).to_csv(index=False).encode(),
+    ]
+
+
+def matlab(**options: Any) -> bytes:
+    text = {} if options.get("format") == "4" else {"tireid": HOSTILE[5], "channel": channel_struct()}
+    file = io.BytesIO()
+    savemat(file, {**bench(), **text}, **options)
+    return file.getvalue()
+
+
+def channel_struct() -> dict[str, Any]:
+    return {"name": np.array(list(UNITS), dtype=object), "units": np.array(list(UNITS.values()), dtype=object)}
+
+
+def newer_matlab() -> list[bytes]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # importing it warns of an option of pandas
+        matio = pytest.importorskip("matio", reason="the extra matlab writes files of MATLAB 7.3")
+    path = Path("seed.mat")
+    files = []
+    for content in ({**bench(), "channel": channel_struct()}, {"data": table()}):
+        matio.save_to_mat(str(path), content, version="v7.3")
+        files.append(path.read_bytes())
+        path.unlink()
+    return files
+
+
+def dat_seeds() -> list[bytes]:
+    columns = bench()
+    rows = "\n".join("\t".join(f"{columns[name][i, 0]:g}" for name in columns) for i in range(12))
+    names, units = "\t".join(columns), "\t".join([*UNITS.values(), "none"])
+    return [f"Tire_Name=Somebody's\tISO False\n{names}\n{units}\n{rows}\n".encode()]
+
+
+TYDEX = b"""**HEADER
+RELEASE   1.3
+MEASID    run 3
+**CONSTANTS
+INFLPRES  inflation pressure   bar  2.5
+**MEASURCHANNELS
+LONGSLIP  longitudinal slip    %    0.1  0  0
+SLIPANGL  slip angle           deg  1    0  0
+FZW       vertical force       kN   1    0  0
+FYW       side force           N    1    0  0
+**MEASURDATA
+0 1.5 3.01 -1100
+1 2.5 3.02 -1800
+**END
+"""
+
+
+def parquet_seeds() -> list[bytes]:
+    pytest.importorskip("pyarrow", reason="the extra parquet writes Parquet")
+    wide = table().assign(**{HOSTILE[5]: HOSTILE[0], "whole": np.arange(12), "truth": True})
+    return [frame.to_parquet(index=False) for frame in (table(), wide)]
+
+
+def read_table(path: Path) -> None:
+    """Read a recording; every input is finite."""
+    recording = read_recording(path)
+    inputs = [name for name in INPUTS if name in recording.table]
+    assert np.isfinite(recording.table[inputs].to_numpy(dtype=float)).all()
+    check_plausible(recording)
+
+
+# ------------------------------------------------------------------ what steers a fit and a diagnosis
+
+
+def recipe_seeds() -> list[bytes]:
+    return [(ROOT / "fitting" / "recipes" / f"{name}.toml").read_bytes() for name in RECIPES]
+
+
+def effect_seeds() -> list[bytes]:
+    folders = (ROOT / "symbolic" / "added", ROOT / "docs" / "effects")
+    return [path.read_bytes() for folder in folders for path in sorted(folder.glob("*.toml"))]
+
+
+def read_own_effect(path: Path) -> None:
+    """Read an effect; it comes back from what is written of it."""
+    effect = own_effect(path)
+    assert read_effect(effect_text(effect), "again.toml") == effect
+
+
+def checkpoint_seeds() -> list[bytes]:
+    stage = StageFit("one", 100, 2, 7, True, "", 0.5, 0.99)
+    freed = {"PDY1": Release(Freed(1.0, -math.inf, 2.0), "one", True)}
+    ended = Ended(0, {"PDY1": 1.0}, {"PDY1": Freed(1.0, 0.0, 2.0)}, np.array([0.5]))
+    state = State(1, {"PDY1": 1.1}, freed, [("signs:mu_y", np.ones((4, 2)))], [stage], [ended], ["a note"])
+    path = Path("seed.progress.json")
+    Checkpoint(path, IDENTITY).save(state)
+    content = path.read_bytes()
+    path.unlink()
+    return [content]
+
+
+def read_checkpoint(path: Path) -> None:
+    """Read the state of a fit; it is of the kinds that a fit goes on from."""
+    state = Checkpoint(path, IDENTITY).load()
+    assert isinstance(state.done, int)
+    assert all(isinstance(value, float) and math.isfinite(value) for value in state.values.values())
+    assert all(isinstance(release.bounds.lower, float) for release in state.freed.values())
+    assert all(points.ndim == 2 for _, points in state.broken)
+    assert all(stage.rows + stage.iterations >= 0 and stage.cost <= math.inf for stage in state.stages)
+    assert all(isinstance(note, str) for note in state.notes)
+    Checkpoint(path, IDENTITY).save(state)
+
+
+def sealed(seed: int, originals: list[bytes]) -> bytes:
+    """Return a mutated progress file, its digest made right again where there is one."""
+    data = rejsoned(seed, originals)
+    try:
+        content = json.loads(data)
+    except (ValueError, RecursionError):
+        return data
+    return Checkpoint.sealed(content).encode() if isinstance(content, dict) and seed % 4 else data
+
+
+# ------------------------------------------------------------------ FMUs
+
+
+def fmu_seeds() -> list[bytes]:
+    """Return FMUs without binaries: only what is read before anything is loaded."""
+    files = []
+    for fmi in (2, 3):
+        content = io.BytesIO()
+        parts = contents(published("trento_hoosier"), fmi, "tire")
+        with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name in ("modelDescription.xml", "resources/interface.json", "resources/tire.tir"):
+                archive.writestr(name, parts[name])
+        files.append(content.getvalue())
+    return files
+
+
+KINDS = {
+    "tir": Kind(".tir", tir_seeds, read_tire),
+    "csv": Kind(".csv", csv_seeds, read_table),
+    "mat 4": Kind(".mat", lambda: [matlab(format="4")], read_table, lambda n, files: mutated(n, files, BINARY)),
+    "mat 5": Kind(".mat", lambda: [matlab()], read_table, lambda n, files: mutated(n, files, BINARY)),
+    "mat 7": Kind(".mat", lambda: [matlab()], read_table, compressed),
+    "mat 7.3": Kind(".mat", newer_matlab, read_table, lambda n, files: mutated(n, files, BINARY)),
+    "dat": Kind(".dat", dat_seeds, read_table),
+    "parquet": Kind(".parquet", parquet_seeds, read_table, lambda n, files: mutated(n, files, BINARY)),
+    "tydex": Kind(".tdx", lambda: [TYDEX], read_table),
+    "recipe": Kind(".toml", recipe_seeds, lambda path: load_recipe(str(path), "mf96")),
+    "effect": Kind(".toml", effect_seeds, read_own_effect),
+    "fmu": Kind(".fmu", fmu_seeds, read_description, rezipped),
+    "checkpoint": Kind(".progress.json", checkpoint_seeds, read_checkpoint, sealed),
+}

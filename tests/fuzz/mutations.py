@@ -1,0 +1,222 @@
+"""What is done to a file: bytes and numbers changed, pieces lost, doubled and moved, words of mischief put in."""
+
+from __future__ import annotations
+
+import io
+import json
+import random
+import re
+import warnings
+import zipfile
+import zlib
+
+from tirefmu.tires.tir_units import UNITS
+
+from ..hostile import HOSTILE
+
+WORDS = [
+    *b"nan inf -inf 1e308 -1e999 1e-999 0 -0.0 1.5D+03 1,5 mm 'mm' 'kN' 'degrees' kPa 'bar' 'in' = == $ ! , #".split(),
+    *b"[ ] [[ [] [UNITS] [MODEL] [TIREFMU] [TIREFMU_ASSUMED] (((( { ' \" FITTYP=5 FITTYP=99 LENGTH='mm'".split(),
+    *b"FITTYP = 62|TIREFMU_MODEL = 'mf61'|EFFECTS = 'camber_thrust'|alpha [deg]|Fz [kN]|p [psi]|\r\n|\n|\r".split(b"|"),
+    *b"\x00|\xff\xfe|\xef\xbb\xbf|\t|\x0b|\x85|\xe2\x80\xa8|\xb0".split(b"|"),
+    *b"**MEASURDATA **END true null [stage] [[stage]] [[acts]] <!DOCTYPE &a; </a> 1_000 0x7f 1979-05-27".split(),
+    *(text.encode("utf-8", "surrogatepass") for text in HOSTILE),
+    b"'\"'\"" * 50,
+    b"9" * 400,
+    b"[" * 3000,
+]
+#: What a size, a count or an offset in a binary header may be instead.
+SIZES = [b"\xff" * 4, b"\xff\xff\xff\x7f", b"\0\0\0\x80", b"\0" * 4, b"\1\0\0\0", b"\x0e\0\0\0", b"\0\0\0\x40"]
+#: What a file in an archive may be called.
+NAMES = ["../out", "/tmp/out", "a/../../out", "x" * 300, "modelDescription.xml/", *HOSTILE[:10]]
+
+
+def cut(draw, data):
+    """Leave out a piece, or all from somewhere on."""
+    i, j = sorted((draw.randrange(len(data)), draw.randrange(len(data))))
+    return data[:i] if draw.random() < 0.3 else data[:i] + data[min(j, i + draw.choice([1, 5, 50, 5000])) :]
+
+
+def repeat(draw, data):
+    """Say a piece twice, or many times, here or elsewhere."""
+    i = draw.randrange(len(data))
+    piece = data[i : i + draw.choice([1, 10, 200])] * draw.choice([1, 1, 2, 40])
+    j = draw.choice([i, draw.randrange(len(data))])
+    return data[:j] + piece + data[j:]
+
+
+def swap(draw, data):
+    """Let two bytes change places."""
+    data = bytearray(data)
+    i, j = draw.randrange(len(data)), draw.randrange(len(data))
+    data[i], data[j] = data[j], data[i]
+    return bytes(data)
+
+
+def noise(draw, data):
+    """Overwrite bytes with any bytes."""
+    data = bytearray(data)
+    for _ in range(draw.choice([1, 3, 30])):
+        data[draw.randrange(len(data))] = draw.randrange(256)
+    return bytes(data)
+
+
+def insert(draw, data):
+    """Put a word of mischief somewhere."""
+    i = draw.randrange(len(data))
+    return data[:i] + draw.choice(WORDS) + data[i:]
+
+
+def replace_value(draw, data):
+    """Put a word of mischief in the place of a value."""
+    places = [m.span(1) for m in re.finditer(rb"(?:=|,|^) *([^\s,=$]+)", data, re.MULTILINE)]
+    if not places:
+        return insert(draw, data)
+    i, j = draw.choice(places)
+    return data[:i] + draw.choice(WORDS) + data[j:]
+
+
+def change_sign(draw, data):
+    """Turn the sign of a number."""
+    numbers = [m.start() for m in re.finditer(rb"\d+\.?\d*", data)]
+    i = draw.choice(numbers) if numbers else 0
+    return data[:i] + b"-" + data[i:]
+
+
+def change_unit(draw, data):
+    """Declare another unit, known or nearly so."""
+    key = draw.choice(sorted(UNITS))
+    unit = draw.choice([*UNITS[key], "parsec", "", "m m", "meterr"])
+    line = f"\n{key} = '{unit}'\n".encode()
+    if draw.random() < 0.5:
+        return re.sub(rb"(?im)^\s*" + key.encode() + rb"\s*=.*$", line.strip(), data)
+    return data.replace(b"[UNITS]", b"[UNITS]" + line)
+
+
+def drop_section(draw, data):
+    """Leave out a section, or only its heading."""
+    heads = [m.start() for m in re.finditer(rb"^\[", data, re.MULTILINE)] or [0]
+    i = draw.choice(heads)
+    end = min([h for h in heads if h > i] or [len(data)])
+    return data[:i] + data[end:] if draw.random() < 0.6 else data[:i] + data[data.find(b"\n", i) + 1 :]
+
+
+def shuffle_lines(draw, data):
+    """Let some lines change places."""
+    lines = data.split(b"\n")
+    for _ in range(draw.choice([1, 5])):
+        i, j = draw.randrange(len(lines)), draw.randrange(len(lines))
+        lines[i], lines[j] = lines[j], lines[i]
+    return b"\n".join(lines)
+
+
+def line_ends(draw, data):
+    """Write another system's line ends, or a mixture."""
+    ends = draw.choice([[b"\r\n"], [b"\r"], [b"\n", b"\r\n", b"\r", b"\n\r"], [b"\x85"], [b"\r\r\n"]])
+    return b"".join(line + draw.choice(ends) for line in data.split(b"\n"))
+
+
+def encode(draw, data):
+    """Write another encoding, or lie about it."""
+    text = data.decode("latin-1")
+    encoding = draw.choice(["utf-16", "utf-16-le", "utf-8-sig", "utf-32", "latin-1"])
+    return draw.choice([b"", b"\xff\xfe", b"\xef\xbb\xbf"]) + text.encode(encoding)
+
+
+def sizes(draw, data):
+    """Let the numbers of a binary header say something else: sizes, kinds, counts."""
+    data = bytearray(data)
+    for _ in range(draw.choice([1, 2, 4])):
+        i = draw.randrange(len(data)) // 4 * 4
+        size = draw.choice(SIZES)
+        data[i : i + 4] = size if draw.random() < 0.7 else size[::-1]
+    return bytes(data)
+
+
+BINARY = (cut, repeat, swap, noise, sizes, insert)
+TEXT = (
+    cut, repeat, swap, noise, insert, replace_value, change_sign, change_unit, drop_section, shuffle_lines, line_ends,
+    encode,
+)  # fmt: skip
+
+
+def mutated(seed, originals, ways=TEXT):
+    """Return one of the files with one to four mutations, always the same for a seed."""
+    draw = random.Random(seed)
+    data = draw.choice(originals)
+    for _ in range(draw.choice([1, 1, 1, 2, 4])):
+        data = draw.choice(ways)(draw, data) or b" "
+    return data
+
+
+def compressed(seed, originals):
+    """Return a MATLAB file of level 5 with mutated elements that are compressed only then, or with mutated bytes."""
+    draw = random.Random(seed)
+    data = draw.choice(originals)
+    header, rest, packed = data[:128], data[128:], []
+    hit = draw.randrange(8)
+    while rest:
+        size = 8 + int.from_bytes(rest[4:8], "little")
+        element, rest = rest[:size], rest[size:]
+        if len(packed) == hit:
+            element = mutated(draw.random(), [element], BINARY)
+        content = zlib.compress(element)
+        packed.append(b"\x0f\0\0\0" + len(content).to_bytes(4, "little") + content)
+    whole = header + b"".join(packed)
+    return whole if draw.random() < 0.7 else mutated(draw.random(), [whole], BINARY)
+
+
+def rezipped(seed, originals):
+    """Return an archive of which a file or a name is mutated, or the bytes themselves."""
+    draw = random.Random(seed)
+    data = draw.choice(originals)
+    if draw.random() < 0.3:
+        return mutated(draw.random(), [data], BINARY)
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        files = [(name, archive.read(name)) for name in archive.namelist()]
+    place = draw.randrange(len(files)) if draw.random() < 0.4 else 0
+    name, content = files[place]
+    if draw.random() < 0.85:
+        files[place] = (name, mutated(draw.random(), [content]))
+    else:
+        files[place] = (
+            draw.choice(["../out", "/tmp/out", "a/../../out", "x" * 300, "modelDescription.xml/"]),
+            content,
+        )
+    if draw.random() < 0.1:
+        files.append(draw.choice(files))
+    answer = io.BytesIO()
+    with warnings.catch_warnings(action="ignore"), zipfile.ZipFile(answer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files:
+            archive.writestr(name, content)
+    return answer.getvalue()
+
+
+def rejsoned(seed, originals):
+    """Return JSON of which values are replaced, dropped or moved, or the bytes themselves mutated."""
+    draw = random.Random(seed)
+    data = draw.choice(originals)
+    if draw.random() < 0.3:
+        return mutated(draw.random(), [data])
+    content = json.loads(data)
+    for _ in range(draw.choice([1, 1, 2, 5])):
+        places = list(_places(content))
+        holder, key = draw.choice(places)
+        other, also = draw.choice(places)
+        way = draw.randrange(3)
+        if way == 0:
+            holder[key] = draw.choice([None, True, -1, 2**70, 1e308, float("nan"), "", [], {}, [[]], *HOSTILE])
+        elif way == 1:
+            holder[key] = json.loads(json.dumps(other[also]))
+        else:
+            del holder[key]
+    return json.dumps(content).encode()
+
+
+def _places(content):
+    """Yield every place of a value: what holds it, and its key."""
+    pairs = content.items() if isinstance(content, dict) else enumerate(content)
+    for key, value in pairs:
+        yield content, key
+        if isinstance(value, (dict, list)):
+            yield from _places(value)
