@@ -16,6 +16,17 @@
 /* Of a difference, as a share of the value's size: it balances the error of the formula and that of rounding. */
 #define STEP 1e-6
 
+/* False of every reference where there are no states. */
+static int is_state(unsigned reference)
+{
+    unsigned state;
+
+    for (state = FIRST_STATE; state < FIRST_DERIVATIVE; state++)
+        if (reference == state)
+            return 1;
+    return 0;
+}
+
 static Status expect_differentiable(const Instance *self, const unsigned unknowns[], size_t n_unknowns,
                                     const unsigned knowns[], size_t n_knowns)
 {
@@ -32,7 +43,7 @@ static Status expect_differentiable(const Instance *self, const unsigned unknown
     }
     for (i = 0; i < n_knowns; i++) {
         kind = value_kind(knowns[i]);
-        if (kind != INPUT && kind != PARAMETER && !(knowns[i] >= FIRST_STATE && knowns[i] < FIRST_DERIVATIVE))
+        if (kind != INPUT && kind != PARAMETER && !is_state(knowns[i]))
             return instance_refuse(self, STATUS_ERROR, "%s is no input, parameter or state", value_name(knowns[i]));
     }
     if (n_unknowns > N_VALUES)
