@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import base64
-import os
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, StrictUndefined
-
+from tirefmu.fitting.page import inlined, page_text, write_page
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.errors import DataError
 from tirefmu.symbolic.notation import Switch
@@ -56,26 +52,38 @@ def write_report(
         If the file cannot be written.
     """
     path = Path(path)
+    page = report_page(diagnosis, recording, simulated)
+    try:
+        write_page(page, path)
+    except OSError as error:
+        raise DataError(f"{path}: cannot be written ({error.strerror or error})") from error
+    return path
+
+
+def report_page(diagnosis: Diagnosis, recording: Recording, simulated: Mapping[str, Any] | None = None) -> str:
+    """Return the page's text, its figures inside.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    recording : Recording
+    simulated : mapping, optional
+
+    Returns
+    -------
+    str
+    """
     with tempfile.TemporaryDirectory() as folder:
-        images = _maps(diagnosis, Path(folder))
-    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters["number"] = lambda value: "-" if value is None or value != value else f"{value:.4g}"
-    template = environment.from_string((files("tirefmu.diagnosis") / "report.html").read_text(encoding="utf-8"))
-    page = template.render(
+        images = inlined(_maps(diagnosis, Path(folder)))
+    return page_text(
+        "tirefmu.diagnosis",
+        {"number": lambda value: "-" if value is None or value != value else f"{value:.4g}"},
         diagnosis=diagnosis,
         images=images,
         changes=changed_lines(diagnosis.base_tire, diagnosis.tire),
         recording=recording,
         simulated=simulated or {},
     )
-    scratch = path.with_name(f".{path.name}.part")
-    try:
-        scratch.write_text(page, encoding="utf-8")
-        os.replace(scratch, path)
-    except OSError as error:
-        scratch.unlink(missing_ok=True)
-        raise DataError(f"{path}: cannot be written ({error.strerror or error})") from error
-    return path
 
 
 def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
@@ -110,13 +118,12 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     return tuple(changed)
 
 
-def _maps(diagnosis: Diagnosis, folder: Path) -> list[tuple[str, str]]:
-    """Draw where each channel is missed before and after, and return channels and images."""
-    images = []
+def _maps(diagnosis: Diagnosis, folder: Path) -> list[Path]:
+    """Draw where each channel is missed before and after, one file for each channel."""
+    drawn = []
     for channel, course in diagnosis.time_course.items():
         before, after = (
             [one for one in maps if one["channel"] == channel] for maps in (diagnosis.where, diagnosis.where_after)
         )
-        drawn = draw_where(before, after, course, folder / f"{channel}.png")
-        images.append((channel, base64.b64encode(drawn.read_bytes()).decode("ascii")))
-    return images
+        drawn.append(draw_where(before, after, course, folder / f"{channel}.png"))
+    return drawn

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.errors import FitError
+from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires.tire import Tire
 
 from .curves import SLOPE_WINDOW, Comparison, Family, compare
@@ -254,7 +255,7 @@ def _draw_residual(over_time: Axes, spread: Axes, source: str, channel: str, row
     _, rmse, r2, _ = quality(rows[channel].to_numpy(), rows[f"{channel}_fit"].to_numpy())
     unit = drawn_unit(channel)
     score = f"mean {residual.mean():.3g} {unit}, RMSE {rmse:.3g} {unit}, R² {r2:.4f}"
-    over_time.set_title(f"{source}, {LETTER[channel]}: {score}", fontsize=9)
+    over_time.set_title(f"{figure_text(source)}, {LETTER[channel]}: {score}", fontsize=9)
     over_time.set_ylabel(f"{LETTER[channel]} ({unit})")
     for ax in (over_time, spread):
         ax.axhline(0.0, color="k", lw=0.8)

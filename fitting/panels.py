@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import textwrap
+import warnings
 from collections.abc import Mapping
 from io import BytesIO
 from math import ceil, degrees
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,12 +20,14 @@ from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import ArrayLike
 
 from tirefmu.measurements import CHANNELS, levels
+from tirefmu.symbolic.escaping import figure_text
 
 from .curves import Comparison
 
 RGB = tuple[float, float, float]
 
 DPI = 120
+MOST_SOURCES = 30  # recordings named below a figure
 SHOWN = 3000  # points of a group; more would only cover each other
 LETTER = {"kappa": r"$\kappa$", "alpha": r"$\alpha$", "gamma": r"$\gamma$", "Fz": "$F_z$"}
 LETTER |= {"t": "$t$", "p": "$p$", "V": "$V$", "T": "$T$", "phit": r"$\varphi_t$"}
@@ -74,7 +78,10 @@ def held_text(signs: str, held: Mapping[str, float]) -> str:
 def data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
     """Tell which recordings the rows come from, and at which inflation pressures."""
     numbers = sorted(set(rows["recording"].tolist()))
-    text = "data: " + ", ".join(dict.fromkeys(comparison.sources[number] for number in numbers))
+    sources = [figure_text(name) for name in dict.fromkeys(comparison.sources[number] for number in numbers)]
+    text = f"data: {', '.join(sources[:MOST_SOURCES])}"
+    if len(sources) > MOST_SOURCES:
+        text += f" and {len(sources) - MOST_SOURCES} more"
     if "p" not in rows or rows["p"].isna().all():
         return text
     held = [f"{level / 1000.0:.0f}" for level in levels(rows["p"])]
@@ -144,9 +151,16 @@ def write_footnote(figure: Figure, signs: str, *notes: str) -> None:
 
 def png(figure: Figure) -> bytes:
     """Return the figure as PNG."""
-    buffer = BytesIO()
     FigureCanvasAgg(figure)
-    figure.savefig(buffer, format="png", dpi=DPI)
+    return rendered(figure, "png", DPI)
+
+
+def rendered(figure: Figure, suffix: str, dpi: float, **options: Any) -> bytes:
+    """Return the figure as a file's bytes; a letter that the font lacks is drawn as a box, without a warning."""
+    buffer = BytesIO()
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font", category=UserWarning)
+        figure.savefig(buffer, format=suffix, dpi=dpi, **options)
     return buffer.getvalue()
 
 

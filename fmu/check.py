@@ -19,6 +19,7 @@ from tirefmu.measurements.plausibility import check_plausible
 from tirefmu.measurements.reading import read_recording
 from tirefmu.measurements.recording import Recording
 from tirefmu.symbolic.errors import DataError, FmuError
+from tirefmu.symbolic.escaping import visible
 from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire, read_tir
 from tirefmu.tires.signs import convert_signs
 
@@ -165,7 +166,7 @@ class CheckResult:
         if self.evaluation_difference is not None:
             lines.append(f"largest difference from direct evaluation: {self.evaluation_difference:.1e}")
         lines += [f"not valid: {problem}" for problem in self.problems] or ["fmpy's validation: no problems"]
-        return "\n".join(lines)
+        return "\n".join(visible(line) for line in lines)
 
 
 def check(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from io import BytesIO
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from tirefmu.symbolic.errors import FmuError
+from tirefmu.symbolic.escaping import figure_text
 
 from .check import Channel, CheckResult
 
@@ -60,7 +62,9 @@ def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: s
     written = []
     for channel in result.channels:
         buffer = BytesIO()
-        _figure(result, channel).savefig(buffer, format="png", dpi=DPI)
+        with warnings.catch_warnings():  # a letter that the font lacks is drawn as a box
+            warnings.filterwarnings("ignore", message="Glyph .* missing from font", category=UserWarning)
+            _figure(result, channel).savefig(buffer, format="png", dpi=DPI)
         try:
             place.mkdir(parents=True, exist_ok=True)
             path = place / f"{prefix}{channel.name}.png"
@@ -78,7 +82,8 @@ def _figure(result: CheckResult, channel: Channel) -> Figure:
     FigureCanvasAgg(figure)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
     segments = f"{result.segments} segment{'s'[: result.segments != 1]}, each begun in steady state"
-    figure.suptitle(f"{result.fmu} against {result.source}: {channel.name}, {segments}", fontsize=11)
+    names = f"{figure_text(result.fmu)} against {figure_text(result.source)}"
+    figure.suptitle(f"{names}: {channel.name}, {segments}", fontsize=11)
     _draw_values(above, result, channel)
     _draw_errors(below, result, channel)
     for ax in (above, below):
@@ -109,9 +114,10 @@ def _draw_values(ax: Axes, result: CheckResult, channel: Channel) -> None:
         shown = result.simulated[channel.name].to_numpy()[rows]
         marker = "." if len(shown) == 1 else ""
         ax.plot(time[rows], shown, marker=marker, color=MODEL, lw=0.9, label="FMU" if i == 0 else None)
-    told = f"RMSE {channel.rmse:.4g} {channel.unit} ({channel.relative_rmse:.2%} of the largest), R2 {channel.r2:.4f}"
+    unit = figure_text(channel.unit)
+    told = f"RMSE {channel.rmse:.4g} {unit} ({channel.relative_rmse:.2%} of the largest), R2 {channel.r2:.4f}"
     ax.set_title(told, fontsize=9, loc="left")
-    ax.set_ylabel(f"{channel.name} ({channel.unit})")
+    ax.set_ylabel(f"{channel.name} ({unit})")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
 
 
@@ -129,5 +135,5 @@ def _draw_errors(ax: Axes, result: CheckResult, channel: Channel) -> None:
     worst = channel.worst
     ax.plot(time[worst.row], worst.simulated - worst.measured, "o", mfc="none", color="black", label="worst point")
     ax.axhline(0.0, color="0.3", lw=0.8)
-    ax.set_ylabel(f"FMU - data ({channel.unit})")
+    ax.set_ylabel(f"FMU - data ({figure_text(channel.unit)})")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)

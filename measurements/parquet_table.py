@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pandas as pd
-
 from tirefmu.symbolic.errors import DataError
 
+from . import native
 from .columns import channels_in_si, parse_header
 from .recording import Recording
 
@@ -35,11 +34,9 @@ def read_parquet_table(path: Path, signs: str) -> Recording:
     """
     source = str(path)
     try:
-        table = pd.read_parquet(path)
-    except ImportError:
+        table = native.load("parquet", path)
+    except native.MissingPackage:
         raise DataError(f"{source}: {EXTRA}") from None
-    except ValueError as error:  # pyarrow's ArrowInvalid is one
-        raise DataError(f"{source}: cannot be read as Parquet: {str(error).splitlines()[0]}") from None
     columns = parse_header([str(name) for name in table.columns], source)
     table, about = channels_in_si(table, columns, source, lambda row: f"row {row + 1}")
     return Recording(table, signs, path.name, about)

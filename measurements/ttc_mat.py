@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -10,11 +9,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.io import loadmat
-from scipy.io.matlab import MatlabOpaque, MatReadError
 
 from tirefmu.symbolic.errors import DataError
 
+from . import native
 from .channels import CHANNELS
 from .columns import channels_in_si, parse_header
 from .recording import Recording
@@ -61,38 +59,12 @@ def read_ttc_mat(path: Path, signs: str) -> Recording:
 
 
 def _load(path: Path) -> Mapping[str, Any]:
-    """Return the file's variables; MATLAB's newer forms need a package of their own."""
+    """Return the file's variables."""
     try:
-        loaded: dict[str, Any] = loadmat(path, struct_as_record=False)
-    except NotImplementedError:
-        return _load_newer(path, "MATLAB 7.3 (HDF5) files")
-    except (ValueError, TypeError, EOFError, IndexError, KeyError, MatReadError) as error:
-        raise _unreadable(path, error) from None
-    if any(isinstance(value, MatlabOpaque) for value in loaded.values()):
-        return _load_newer(path, "MATLAB tables")
+        loaded = native.load("matlab", path)
+    except native.MissingPackage as what:
+        raise DataError(f"{path}: {what} need {EXTRA}") from None
     return {name: value for name, value in loaded.items() if not name.startswith("__")}
-
-
-def _load_newer(path: Path, what: str) -> Mapping[str, Any]:
-    # Importing mat-io sets an option of pandas for the whole process, and warns of it: both end with the block.
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        option = "future.infer_string"
-        with pd.option_context(option, pd.get_option(option)):
-            try:
-                from matio import load_from_mat
-            except ImportError:
-                raise DataError(f"{path}: {what} need {EXTRA}") from None
-            try:
-                loaded: dict[str, Any] = load_from_mat(str(path), add_table_attrs=True)
-            except Exception as error:  # it passes on whatever its two readers and HDF5 raise
-                raise _unreadable(path, error) from None
-    return {name: value for name, value in loaded.items() if not name.startswith("__")}
-
-
-def _unreadable(path: Path, error: Exception) -> DataError:
-    reason = (str(error).splitlines() or [type(error).__name__])[0]
-    return DataError(f"{path}: cannot be read as a MATLAB file: {reason}")
 
 
 def _contract_table(path: Path, table: pd.DataFrame, signs: str) -> Recording:

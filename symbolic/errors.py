@@ -5,9 +5,29 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+from .escaping import shortened, visible
+
+#: The longest sentence of an error, in characters.
+LONGEST = 2000
+
 
 class TirefmuError(Exception):
-    """Any misuse that tirefmu reports: one clear line, exit status 2 on the command line."""
+    r"""Any misuse that tirefmu reports: one clear line, exit status 2 on the command line.
+
+    Parameters
+    ----------
+    sentence : str
+        May quote a file: what is not printable becomes an escape sequence, and the middle of what is longer than
+        `LONGEST` is left out.
+
+    Examples
+    --------
+    >>> print(TirefmuError("run\x1b[2J.csv: no rows"))
+    run\x1b[2J.csv: no rows
+    """
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__(visible(shortened(sentence, LONGEST)))
 
 
 class UnknownName(TirefmuError):

@@ -18,6 +18,8 @@ _NOT_IN_FILE_NAMES = re.compile(r"[^\w.+=@,-]", re.UNICODE)
 _DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\.|$)", re.IGNORECASE)
 #: The longest file name that is made of a text, in bytes; file systems allow 255.
 LONGEST_FILE_NAME = 120
+#: The longest text from a file in a figure, in characters: more does not fit.
+LONGEST_IN_FIGURE = 60
 
 
 def visible(text: str) -> str:
@@ -40,6 +42,41 @@ def visible(text: str) -> str:
     a\x1b[2Jb\u2028c °C
     """
     return "".join(character if character.isprintable() else _escape(character) for character in text)
+
+
+def shortened(text: str, most: int) -> str:
+    """Return a text of at most so many characters; of a longer one both ends, as either may say what matters.
+
+    Parameters
+    ----------
+    text : str
+    most : int
+        At least 6.
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> shortened("run 3.mat", 20), shortened("9" * 1000, 11)
+    ('run 3.mat', '9999...9999')
+    """
+    if len(text) <= most:
+        return text
+    tail = (most - 3) // 2
+    return f"{text[: most - 3 - tail]}...{text[-tail:]}"
+
+
+def figure_text(text: str) -> str:
+    r"""Return a text for a figure: one bounded line, in which matplotlib finds no formula.
+
+    Examples
+    --------
+    >>> print(figure_text("$\\frac{ run 3"))
+    \$\frac{ run 3
+    """
+    return shortened(visible(text), LONGEST_IN_FIGURE).replace("$", r"\$")
 
 
 def ascii_text(text: str) -> str:

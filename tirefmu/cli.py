@@ -6,6 +6,7 @@ a TIRE, that is a .tir file or the name of a published one.
 
 from __future__ import annotations
 
+import io
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +15,7 @@ from typing import Any
 import click
 
 from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.symbolic.escaping import visible
 
 from .arguments import FILE, SIGNS, Numbers, Pairs, check_places, common, names, start_named, tire_named, write_json
 from .diagnose_command import diagnose
@@ -42,9 +44,10 @@ def generate(only_check: bool, quiet: bool, json_file: Path | None) -> int:
     if only_check:
         diff = printers.difference(folder)
         write_json(json_file, {"ok": not diff, "diff": diff})
-        terminal.print(diff.rstrip() if diff else "generated/ is what the book prints")
         if diff:
-            terminal.print('generated/ is stale: run "tirefmu generate"')
+            terminal.print(*diff.rstrip().split("\n"), 'generated/ is stale: run "tirefmu generate"')
+        else:
+            terminal.print("generated/ is what the book prints")
         return 1 if diff else 0
     with terminal.working("printing the book"):
         changed = printers.write(folder)
@@ -277,7 +280,7 @@ def check(
     with terminal.working(f"simulating {fmu.name} over {table.name}"):
         result = run(fmu, table, signs=signs, tolerance=tolerance)
     write_json(json_file, result.to_json())
-    terminal.print(str(result))
+    terminal.print(*str(result).split("\n"))
     if figures:
         from tirefmu.fmu.figures import draw_check
 
@@ -366,13 +369,15 @@ def main(arguments: list[str] | None = None) -> int:
     >>> main(["info", "missing.tir", "--quiet"])
     2
     """
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # an encoding that lacks a character of a file's name
     try:
         given = sys.argv[1:] if arguments is None else arguments
         status = cli.main(args=given or ["--help"], prog_name="tirefmu", standalone_mode=False)
     except TirefmuError as error:
         return _refused(str(error))
     except click.ClickException as error:
-        return _refused(error.format_message())
+        return _refused(" ".join(error.format_message().split()))
     except (click.Abort, KeyboardInterrupt):
         print("tirefmu: interrupted", file=sys.stderr)
         return 130
@@ -380,5 +385,5 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def _refused(message: str) -> int:
-    print(f"tirefmu: error: {' '.join(message.split())}", file=sys.stderr)
+    print(f"tirefmu: error: {visible(message)}", file=sys.stderr)
     return 2

@@ -88,7 +88,7 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
     diagnosis = _diagnosis(lame, recording, folder / "diagnosis", terminal)
     seconds = time.perf_counter() - began
     start = folder / "diagnosis" / "report.html"
-    terminal.print(f"\nDone in {seconds:.0f} s. Everything is in {folder}: start with {start}")
+    terminal.print("", f"Done in {seconds:.0f} s. Everything is in {folder}: start with {start}")
     ok = full.ok and all(checks.values()) and missing["flat_with_effect"] and diagnosis["ok"]
     return {
         "ok": bool(ok),

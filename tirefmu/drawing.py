@@ -6,7 +6,6 @@ In the manner of figures 6 to 10 of the UNICAMP paper behind the published tire 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from io import BytesIO
 from math import ceil, isfinite, radians
 from pathlib import Path
 from typing import Any
@@ -32,10 +31,12 @@ from tirefmu.fitting.panels import (
     level_colors,
     level_text,
     per_si,
+    rendered,
     write_footnote,
     write_whole,
 )
 from tirefmu.symbolic.errors import TirefmuError, UnknownName
+from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires import Tire
 from tirefmu.tires.signs import REVERSED
 
@@ -151,11 +152,12 @@ class _Sketch:
 
     def __init__(self, tire: Tire, signs: str, loads: Sequence[float]) -> None:
         self.tire, self.signs, self.loads = tire, signs, tuple(loads)
-        self.title = tire.name or tire.model
+        self.name = tire.name or tire.model
+        self.title = figure_text(self.name)
         sample = pd.concat([self.over(load, kappa, alpha) for load in loads for kappa, alpha in [self.mesh(9)]])
         self.channels = [name for name in ("Fx", "Fy", "Mz") if name in tire.outputs and sample[name].any()]
         if not self.channels:
-            raise TirefmuError(f"{self.title} makes no force at {', '.join(f'{load:g}' for load in loads)} N")
+            raise TirefmuError(f"{self.name} makes no force at {', '.join(f'{load:g}' for load in loads)} N")
 
     def span(self, slip: str) -> tuple[float, float]:
         """Return the slips at which the tire is known, as far as they are worth drawing."""
@@ -188,7 +190,7 @@ class _Sketch:
             if bad.size:
                 row = table.iloc[bad[0]]
                 where = f"kappa = {row['kappa']:g}, alpha = {row['alpha']:g}, Fz = {load:g}"
-                raise TirefmuError(f"{self.title}: {name} is not finite at {where}")
+                raise TirefmuError(f"{self.name}: {name} is not finite at {where}")
         return forces
 
     def footnotes(self) -> list[str]:
@@ -343,7 +345,5 @@ def _draw_shared(ax: Axes, sketch: _Sketch, load: float) -> None:
 
 def _rendered(figure: Figure, suffix: str) -> bytes:
     """Return the figure as a file's bytes, the same each time."""
-    buffer = BytesIO()
     with rc_context({"svg.hashsalt": "tirefmu"}):
-        figure.savefig(buffer, format=suffix, dpi=DPI, metadata=_DATELESS[suffix])
-    return buffer.getvalue()
+        return rendered(figure, suffix, DPI, metadata=_DATELESS[suffix])

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from rich.markup import escape
+from rich.console import RenderableType
+from rich.style import StyleType
 from rich.table import Table
+
+from tirefmu.symbolic.escaping import shortened, visible
 
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
@@ -18,9 +21,23 @@ WORDS = {
 }  # fmt: skip
 
 
+#: The longest text in a cell, in characters.
+LONGEST_CELL = 200
+
+
+class PlainTable(Table):
+    """A table whose cells are bounded printable text, whatever a file says."""
+
+    def add_row(self, *cells: RenderableType | None, style: StyleType | None = None, end_section: bool = False) -> None:
+        """Add a row as rich does."""
+        shown = (visible(shortened(cell, LONGEST_CELL)) if isinstance(cell, str) else cell for cell in cells)
+        super().add_row(*shown, style=style, end_section=end_section)
+
+
 def plain_table(*columns: str, title: str = "") -> Table:
     """Return a table without lines, numbers to the right."""
-    table = Table(title=title or None, title_justify="left", box=None, pad_edge=False, header_style="bold")
+    title = visible(title)
+    table = PlainTable(title=title or None, title_justify="left", box=None, pad_edge=False, header_style="bold")
     for column in columns:
         table.add_column(column, justify="left" if column in WORDS else "right")
     return table
@@ -74,7 +91,7 @@ def _channels(result: FitResult) -> Table:
     )  # fmt: skip
     for c in result.channels:
         table.add_row(
-            escape(c.recording), c.channel, f"{c.rows}", f"{c.rmse:.4g}", c.unit, told_interval(c.noise_floor),
+            c.recording, c.channel, f"{c.rows}", f"{c.rmse:.4g}", c.unit, told_interval(c.noise_floor),
             f"{c.r2:.5f}", f"{c.r2_uncentred:.5f}", told_worst(result, c.recording, c.channel),
         )  # fmt: skip
     return table
@@ -86,9 +103,7 @@ def _held_out(result: FitResult) -> Table:
     )
     for c in result.held_out:
         worse = f"{c.held_out / c.in_sample - 1:+.1%}" if c.in_sample > 0 else ""
-        table.add_row(
-            escape(c.recording), c.channel, f"{c.rows}", f"{c.in_sample:.4g}", f"{c.held_out:.4g}", c.unit, worse
-        )
+        table.add_row(c.recording, c.channel, f"{c.rows}", f"{c.in_sample:.4g}", f"{c.held_out:.4g}", c.unit, worse)
     return table
 
 
@@ -98,18 +113,18 @@ def _stiffnesses(result: FitResult) -> Table:
     )
     for s in result.findings.stiffnesses:
         table.add_row(
-            escape(s.recording), s.channel, f"{s.load:.0f}", f"{s.read:.5g}", f"{s.fitted:.5g}", s.unit, f"{s.off:+.1%}"
+            s.recording, s.channel, f"{s.load:.0f}", f"{s.read:.5g}", f"{s.fitted:.5g}", s.unit, f"{s.off:+.1%}"
         )
     return table
 
 
 def _stages(result: FitResult) -> Table:
     table = plain_table(
-        "stage", "rows", "free", "iterations", "R2 uncentred", "", title=f"Stages of recipe {escape(result.recipe)}"
+        "stage", "rows", "free", "iterations", "R2 uncentred", "", title=f"Stages of recipe {result.recipe}"
     )
     for s in result.stages:
         reason = "" if s.converged else s.reason
-        table.add_row(escape(s.name), f"{s.rows}", f"{s.free}", f"{s.iterations}", f"{s.r2_uncentred:.5f}", reason)
+        table.add_row(s.name, f"{s.rows}", f"{s.free}", f"{s.iterations}", f"{s.r2_uncentred:.5f}", reason)
     return table
 
 
@@ -144,7 +159,7 @@ def _differences(result: FitResult) -> Iterator[Table]:
     )  # fmt: skip
     for d in differences:
         table.add_row(
-            escape(d.first), escape(d.second), d.channel, f"{d.mean:+.3g}", f"{abs(d.sigmas):.0f}", f"{d.most:+.3g}",
+            d.first, d.second, d.channel, f"{d.mean:+.3g}", f"{abs(d.sigmas):.0f}", f"{d.most:+.3g}",
             d.unit, condition_text(d.at),
         )  # fmt: skip
     yield table

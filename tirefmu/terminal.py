@@ -5,12 +5,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
+from tirefmu.symbolic.escaping import visible
 from tirefmu.tires import Tire
 
 from .fit_tables import fit_lines, plain_table
@@ -21,7 +23,10 @@ if TYPE_CHECKING:
 
 
 class Terminal:
-    """Standard output for results, standard error for progress; both silent when quiet.
+    r"""Standard output for results, standard error for progress; both silent when quiet.
+
+    Text may come from a file: markup and emoji codes in it mean nothing, and what is not printable is shown as an
+    escape sequence, so that a line stays one line.
 
     Parameters
     ----------
@@ -29,27 +34,31 @@ class Terminal:
 
     Examples
     --------
+    >>> Terminal().print("[bold]\x1b[2J run :bomb:.csv")
+    [bold]\x1b[2J run :bomb:.csv
     >>> Terminal(quiet=True).print("nothing comes")
     """
 
     def __init__(self, quiet: bool = False) -> None:
         # Tables in a file or a pipe need not squeeze into a terminal's 80 columns.
         width = None if sys.stdout.isatty() else 140
-        self._out = Console(quiet=quiet, highlight=False, soft_wrap=True, width=width)
-        self._status = Console(quiet=quiet, stderr=True, highlight=False)
+        console = partial(Console, quiet=quiet, highlight=False, markup=False, emoji=False)
+        self._out = console(soft_wrap=True, width=width)
+        self._status = console(stderr=True)
 
-    def print(self, text: str) -> None:
-        """Print a line as it stands: names of files may hold brackets."""
-        self._out.print(text, markup=False)
+    def print(self, *lines: str) -> None:
+        """Print lines, each as it stands."""
+        for line in lines:
+            self._out.print(visible(line))
 
     def heading(self, title: str, text: str) -> None:
         """Print the first line of a part of the output."""
-        self._out.print(f"[bold]{title}[/bold] {text}")
+        self._out.print(Text.assemble((visible(title), "bold"), " ", visible(text)))
 
     @contextmanager
     def working(self, what: str) -> Iterator[None]:
         """Show what is going on while it goes on."""
-        with self._status.status(escape(what)):
+        with self._status.status(visible(what)):
             yield
 
     @contextmanager
@@ -58,7 +67,7 @@ class Terminal:
         with self._status.status("fitting") as status:
 
             def progress(stage: str, iteration: int, cost: float) -> None:
-                status.update(f"{escape(stage)}: iteration {iteration}, cost {cost:.6g}")
+                status.update(f"{visible(stage)}: iteration {iteration}, cost {cost:.6g}")
 
             yield progress
 
@@ -88,7 +97,7 @@ class Terminal:
             if told[key]:
                 lines.append(f"  {title}: {', '.join(told[key])}")
         lines += _about_the_file(told, every)
-        self.print("\n".join(lines))
+        self.print(*lines)
         if told["implausible"]:
             self._out.print(_doubts(told))
         self._out.print(_values(tire, told, every))

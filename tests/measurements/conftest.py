@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.measurements import Recording
+from tirefmu.measurements import Recording, native
 
 RATE = 100.0  # rows per second
 RAMP = 1.0  # s from one condition to the next
@@ -68,3 +68,18 @@ def raw() -> RawRun:
 @pytest.fixture(scope="session")
 def make_raw():
     return raw_run
+
+
+@pytest.fixture
+def without_package(tmp_path_factory, monkeypatch):
+    """Return what makes packages missing where native code reads files."""
+
+    def hide(*names):
+        folder = tmp_path_factory.mktemp("missing")
+        for name in names:
+            (folder / f"{name}.py").write_text("raise ImportError\n", encoding="utf-8")
+        monkeypatch.setenv("PYTHONPATH", str(folder))
+        native.close()
+
+    yield hide
+    native.close()

@@ -152,7 +152,8 @@ def test_parquet_is_checked_like_csv(tmp_path):
     assert np.isnan(read_recording(path).table["Fy"].iloc[1])
 
 
-def test_missing_pyarrow_names_the_extra(tmp_path, monkeypatch):
+def test_missing_pyarrow_names_the_extra(tmp_path, monkeypatch, without_package):
+    without_package("pyarrow", "fastparquet")
     path = tmp_path / "a.parquet"
     write_table(pd.DataFrame({"Fz": [1.0]}), path)
     for module in [name for name in sys.modules if name.partition(".")[0] == "pyarrow"] + [

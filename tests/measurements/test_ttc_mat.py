@@ -1,6 +1,5 @@
 """FSAE TTC files as the field has them: without units, odd fields, missing channels; and real ones."""
 
-import sys
 import warnings
 from math import radians
 
@@ -193,8 +192,8 @@ def test_broken_newer_file(tmp_path, matio):
     assert "\n" not in str(caught.value)
 
 
-def test_missing_mat_io_names_the_extra(tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "matio", None)
+def test_missing_mat_io_names_the_extra(tmp_path, without_package):
+    without_package("matio")
     (tmp_path / "b.mat").write_bytes(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM" + b"\x89HDF" * 50)
     with pytest.raises(DataError, match=r"MATLAB 7.3 \(HDF5\) files need mat-io, .*'tirefmu\[matlab\]'"):
         read_recording(tmp_path / "b.mat")
