@@ -10,6 +10,8 @@ from .mf96 import MF96
 from .model import Model
 
 MODELS: dict[str, Model] = {book.name: book for book in (MF96, MF52, MF61, MF62)}
+#: The model of a fit and of a diagnosis where neither a model nor a tire is given.
+DEFAULT_MODEL = "mf61"
 
 
 _EXTENDED: dict[tuple[str, ...], Model] = {}
@@ -41,7 +43,7 @@ def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
     >>> model("mf96").title
     'Magic Formula 1996, Trento form'
     """
-    if name not in MODELS:
+    if name not in tuple(MODELS):  # a value that has no hash is unknown, too
         raise UnknownName("model", name, MODELS)
     if not added:
         return MODELS[name]
@@ -80,4 +82,4 @@ def with_library(name: str, effects: Collection[str], added: Sequence[AddedEffec
     return (*added, *(library()[effect] for effect in wanted if named and effect not in there))
 
 
-__all__ = ["EFFECTS", "MF52", "MF61", "MF62", "MF96", "MODELS", "Model", "model", "with_library"]
+__all__ = ["DEFAULT_MODEL", "EFFECTS", "MF52", "MF61", "MF62", "MF96", "MODELS", "Model", "model", "with_library"]

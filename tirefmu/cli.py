@@ -14,10 +14,12 @@ from typing import Any
 
 import click
 
+from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.escaping import visible
+from tirefmu.tires import tire_from
 
-from .arguments import FILE, SIGNS, Numbers, Pairs, check_places, common, names, start_named, tire_named, write_json
+from .arguments import FILE, SIGNS, Numbers, Pairs, check_places, common, names, write_json
 from .diagnose_command import diagnose
 from .terminal import Terminal
 
@@ -99,13 +101,12 @@ def evaluate(
 
     Where TABLE has a column t and TIRE a relax_* effect, slips lag behind the inputs.
     """
-    from tirefmu.measurements import check_plausible, read_recording, write_table
+    from tirefmu.measurements import recording_from, write_table
 
     terminal = Terminal(quiet)
     check_places(output, json_file)
-    loaded = tire_named(tire)
-    recording = read_recording(table, signs=signs)
-    check_plausible(recording)
+    loaded = tire_from(tire)
+    recording = recording_from(table, signs=signs)
     with terminal.working(f"evaluating {len(recording)} rows"):
         result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
         write_table(result, output)
@@ -120,7 +121,7 @@ def evaluate(
 
 @cli.command()
 @click.argument("tables", type=FILE, nargs=-1, required=True)
-@click.option("--model", default="mf96", show_default=True, help="Model to fit.")
+@click.option("--model", help=f"Model to fit  [default: that of --start, else {DEFAULT_MODEL}]")
 @click.option("-o", "--output", type=FILE, required=True, help="Tire file (.tir) to write.")
 @click.option("--start", type=FILE, help="Tire to start from, or 'features' read from the data (default: generic).")
 @click.option("--effects", callback=names, help="Exactly these effects on top of the core, or 'none'.")
@@ -151,7 +152,7 @@ def evaluate(
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @common
 def fit(
-    tables: tuple[Path, ...], model: str, output: Path, start: Path | None, effects: tuple[str, ...] | None,
+    tables: tuple[Path, ...], model: str | None, output: Path, start: Path | None, effects: tuple[str, ...] | None,
     without: tuple[str, ...], recipe: str, method: str, iterations: int | None, seed: int,
     constraint: tuple[str, ...], without_constraint: tuple[str, ...], loss: str,
     nominal: dict[str, float] | None, signs: str | None, all_rows: bool, rows: str, resume: bool, folds: int | None,
@@ -165,16 +166,16 @@ def fit(
     from tirefmu.fitting import cross_validate, deal
     from tirefmu.fitting import fit as run
     from tirefmu.fitting.figures import draw_figures
-    from tirefmu.measurements import read_recording
+    from tirefmu.measurements import recordings_from
 
     terminal = Terminal(quiet)
     check_places(output, json_file, report, folder=figures)
-    recordings = [read_recording(table, signs=signs) for table in tables]
+    recordings = recordings_from(tables, signs=signs)
     if folds:
         deal(recordings, folds)  # says before the work what cannot be
     finished_stages = output.with_name(f"{output.stem}.progress.json")
     options: dict[str, Any] = {
-        "start": start_named(start), "effects": effects, "without": without, "recipe": recipe,
+        "start": None if start is None else str(start), "effects": effects, "without": without, "recipe": recipe,
         "method": method, "iterations": iterations, "seed": seed, "nominal": nominal,
         "screening": not all_rows, "rows": rows, "loss": loss, "constraints": constraint,
         "without_constraints": without_constraint,
@@ -243,7 +244,7 @@ def export(
 
     terminal = Terminal(quiet)
     check_places(output, json_file)
-    loaded = tire_named(tire)
+    loaded = tire_from(tire)
     version = int(fmi) if fmi else 3 if kind == "native" else 2
     with terminal.working("compiling" if kind == "native" else "packing"):
         written = run(
@@ -299,8 +300,8 @@ def info(tire: Path, every: bool, quiet: bool, json_file: Path | None) -> int:
     from .description import describe
 
     check_places(json_file)
-    loaded = tire_named(tire)
-    told = describe(loaded, read_tir_with_notes(tire).notes if tire.exists() else ())
+    loaded = tire_from(tire)
+    told = describe(loaded, read_tir_with_notes(tire).notes if tire.is_file() else ())
     write_json(json_file, told)
     Terminal(quiet).tire(loaded, told, every)
     return 0
@@ -318,12 +319,12 @@ def draw(
     json_file: Path | None,
 ) -> int:  # fmt: skip
     """Draw TIRE: pure curves, surfaces of Fx and Fy over both slips, Fy against Fx; per load."""
-    from .drawing import draw as run
-    from .drawing import usual_loads
+    from tirefmu.tires.drawing import draw as run
+    from tirefmu.tires.drawing import usual_loads
 
     terminal = Terminal(quiet)
     check_places(json_file, folder=output)
-    loaded = tire_named(tire)
+    loaded = tire_from(tire)
     loads = usual_loads(loaded) if loads is None else loads
     with terminal.working("drawing"):
         drawn = run(loaded, output, loads=loads, signs=signs, suffix=suffix)

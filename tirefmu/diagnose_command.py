@@ -7,16 +7,18 @@ from typing import Any
 
 import click
 
+from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.tires import tire_from
 
-from .arguments import FILE, SIGNS, Pairs, check_places, common, names, tire_named, write_json
+from .arguments import FILE, SIGNS, Pairs, check_places, common, names, write_json
 from .terminal import Terminal
 
 
 @click.command()
 @click.argument("table", type=FILE)
 @click.option("--tire", type=FILE, help="The tire that the recording is held against (else --model and what follows).")
-@click.option("--model", default="mf61", show_default=True, help="Model of the start tire.")
+@click.option("--model", default=DEFAULT_MODEL, show_default=True, help="Model of the start tire.")
 @click.option("--effects", callback=names, help="What the start model has on top of its core, or 'none'.")
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat and .dat, iso for tables).")
@@ -35,22 +37,21 @@ def diagnose(
     """Find the effect that a tire model lacks to explain the recording TABLE, add it, and show the gap shrink."""
     from tirefmu.diagnosis import diagnose as run
     from tirefmu.diagnosis import export_and_simulate, write_report
-    from tirefmu.measurements import check_plausible, read_recording
+    from tirefmu.measurements import recordings_from
 
     terminal = Terminal(quiet)
     check_places(json_file, folder=output)
     if others and not fmus:
         raise TirefmuError("--holdout is what FMUs are simulated over: not together with --no-fmu")
-    recording, *further = (read_recording(path, signs=signs) for path in (table, *others))
+    recording, *further = recordings_from([table, *others], signs=signs)
     for one in (recording, *further):
-        check_plausible(one)
         one.measured()  # refuses a table without a measured output
-    started = tire_named(tire) if tire else None
+    started = tire_from(tire) if tire else None
     own_effects = [_own_effect(path) for path in own]
     tried = [*own_effects, *(candidates or ())] or None
     with terminal.working("diagnosing"):
         result = run(
-            recording.table, signs=recording.signs, model=model, effects=effects or (), nominal=nominal, tire=started,
+            recording, model=model, effects=effects or (), nominal=nominal, tire=started,
             candidates=tried, progress=terminal.print,
         )  # fmt: skip
         path = result.save(output)

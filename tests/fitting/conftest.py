@@ -95,4 +95,4 @@ def make():
 def side_fit(known):
     """Return a fit of the side force alone, camber and load in it, and its recording."""
     recording = sideways(known)
-    return fit([recording], effects=EFFECTS, nominal=NOMINAL), recording
+    return fit([recording], "mf96", effects=EFFECTS, nominal=NOMINAL), recording

@@ -19,7 +19,7 @@ def fits():
     truth = bench_tire()
     recording = VirtualBench(truth, Noise(), seed=SEED).run(trento_program())
     nominal = {"Fz0": truth.values["FNOMIN"], "R0": truth.values["UNLOADED_RADIUS"]}
-    return {recipe: fit([recording], recipe=recipe, nominal=nominal) for recipe in ("trento", "joint")}
+    return {recipe: fit([recording], "mf96", recipe=recipe, nominal=nominal) for recipe in ("trento", "joint")}
 
 
 def stiffness_errors(tire, quantity):

@@ -173,7 +173,7 @@ def test_a_fit_by_ioa_tells_its_method_and_repeats_itself(known, make, tmp_path)
     path = make.recipe(tmp_path, f'[[stage]]\nname = "side"\nchannels = ["Fy"]\n[stage.free]\n{free}\n')
     recording = make.sideways(known, cambers=(0.0,))
     results = [
-        fit([recording], start=known, recipe=path, method="ioa", iterations=iterations, seed=1)
+        fit([recording], "mf96", start=known, recipe=path, method="ioa", iterations=iterations, seed=1)
         for iterations in (400, 400, 3)
     ]
     assert results[0].tire.values == results[1].tire.values
@@ -185,8 +185,10 @@ def test_a_fit_by_ioa_tells_its_method_and_repeats_itself(known, make, tmp_path)
 
 
 def test_every_stage_of_the_default_recipe_can_be_solved_by_it(known, make):
-    result = fit([make.sideways(known)], effects=("load_friction",), nominal=make.nominal, method="ioa", iterations=40)
-    by_ipopt = fit([make.sideways(known)], effects=("load_friction",), nominal=make.nominal)
+    result = fit(
+        [make.sideways(known)], "mf96", effects=("load_friction",), nominal=make.nominal, method="ioa", iterations=40
+    )
+    by_ipopt = fit([make.sideways(known)], "mf96", effects=("load_friction",), nominal=make.nominal)
     assert [stage.name for stage in result.stages] == [stage.name for stage in by_ipopt.stages]
     assert result.channels[0].rmse < 3 * by_ipopt.channels[0].rmse
 

@@ -27,7 +27,7 @@ def differences(tire, truth, inputs):
 @pytest.mark.parametrize("seed", [None, 0, 1, 2])
 def test_known_coefficients_are_recovered_from_generic_values(known, make, seed):
     truth = known if seed is None else make.other_tire(seed)
-    result = fit([make.bench(truth)], effects=make.effects, nominal=make.nominal)
+    result = fit([make.bench(truth)], "mf96", effects=make.effects, nominal=make.nominal)
     assert result.status == "converged"
     assert [channel.channel for channel in result.channels] == ["Fx", "Fy", "Mz"]
     for channel in result.channels:
@@ -42,7 +42,7 @@ def test_known_coefficients_are_recovered_from_generic_values(known, make, seed)
 
 def test_noise_does_not_lead_it_astray(known, make):
     recording = make.bench(known, noise=Noise())
-    result = fit([recording], effects=make.effects, nominal=make.nominal)
+    result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
     assert result.ok
     program = make.bench(known).table[list(known.inputs)]
     for name, share in differences(result.tire, known, dict(program)).items():
@@ -53,7 +53,7 @@ def test_noise_does_not_lead_it_astray(known, make):
 @pytest.mark.parametrize("data", ["iso", "adapted-sae", "sae"])
 def test_the_signs_of_the_data_do_not_matter(side_fit, make, data):
     reference, recording = side_fit
-    result = fit([recording.with_signs(data)], effects=make.effects, nominal=make.nominal)
+    result = fit([recording.with_signs(data)], "mf96", effects=make.effects, nominal=make.nominal)
     assert result.tire.signs == "iso"
     for name, value in reference.tire.values.items():
         assert result.tire.values[name] == pytest.approx(value, rel=1e-9, abs=1e-12), name
@@ -75,7 +75,9 @@ def test_recordings_of_different_signs_go_together(known, make):
     whole = make.sideways(known)
     half = np.arange(len(whole)) < len(whole) // 2
     parts = [Recording(whole.table[rows], whole.signs, name) for rows, name in ((half, "one"), (~half, "two"))]
-    result = fit([parts[0].with_signs("iso"), parts[1].with_signs("sae")], effects=make.effects, nominal=make.nominal)
+    result = fit(
+        [parts[0].with_signs("iso"), parts[1].with_signs("sae")], "mf96", effects=make.effects, nominal=make.nominal
+    )
     assert result.signs == "adapted-sae"
     assert {channel.recording for channel in result.channels} == {"one", "two"}
     assert all(channel.r2 > 0.99999 for channel in result.channels)
@@ -86,14 +88,14 @@ def test_files_are_read_like_recordings(side_fit, make, tmp_path):
     reference, recording = side_fit
     path = tmp_path / "sideways.csv"
     write_table(recording.table, path)
-    result = fit([path], effects=make.effects, nominal=make.nominal, signs=recording.signs)
+    result = fit([path], "mf96", effects=make.effects, nominal=make.nominal, signs=recording.signs)
     assert dict(result.tire.values) == dict(reference.tire.values)  # to the last digit
     assert result.channels[0].recording == "sideways.csv"
 
 
 def test_a_fit_is_repeatable(side_fit, make):
     reference, recording = side_fit
-    again = fit([recording], effects=make.effects, nominal=make.nominal)
+    again = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
     assert dict(again.tire.values) == dict(reference.tire.values)
 
 
@@ -114,7 +116,7 @@ def test_bounds_are_kept_and_named(known, make, tmp_path):
         PKY2 = { guess = 9, lower = 2.6, upper = 5 }
         """,
     )
-    result = fit([make.sideways(known)], effects=make.effects, nominal=make.nominal, recipe=path)
+    result = fit([make.sideways(known)], "mf96", effects=make.effects, nominal=make.nominal, recipe=path)
     coefficients = make.told(result)
     assert set(coefficients) == {"PCY1", "PDY1", "PKY1", "PKY2"}
     for coefficient in coefficients.values():
@@ -132,7 +134,7 @@ def test_a_curvature_above_one_is_refused_over_the_whole_range(known, make):
     odd = Tire("mf96", values, effects=effects, signs="adapted-sae")
     whole = make.bench(odd, loads=(220.0, 500.0, 650.0, 750.0, 850.0, 1120.0), cambers=(0.0,))
     recording = Recording(whole.table.drop(columns=["Fy", "Mz"]), whole.signs, "drive and brake")
-    result = fit([recording], effects=effects, nominal={"Fz0": 500.0, "R0": 0.23})
+    result = fit([recording], "mf96", effects=effects, nominal={"Fz0": 500.0, "R0": 0.23})
     assert result.status == "converged"
     for margin in result.margins:
         assert margin.margin >= -1e-6, margin
@@ -157,8 +159,8 @@ def test_the_curvature_is_not_held_where_no_condition_is(known, make):
     values = {**known.values, "PEY1": 0.6, "PEY2": 1.2}
     odd = Tire("mf96", values, effects=make.effects, signs="adapted-sae")
     recording = make.sideways(odd)
-    kept = fit([recording], effects=make.effects, nominal=make.nominal)
-    broken = fit([recording], effects=make.effects, nominal=make.nominal, without_constraints=["all"])
+    kept = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
+    broken = fit([recording], "mf96", effects=make.effects, nominal=make.nominal, without_constraints=["all"])
     assert broken.margins == ()
     at_top = {"Fz": 1120.0, "alpha": 0.2}
 

@@ -17,7 +17,7 @@ BOOK = model("mf96")
 
 
 def test_cornering_alone_leaves_drive_and_brake_undetermined(known, make):
-    result = fit([make.bench(known, kappa=False)], effects=make.effects, nominal=make.nominal)
+    result = fit([make.bench(known, kappa=False)], "mf96", effects=make.effects, nominal=make.nominal)
     coefficients = make.told(result)
     for name in ("RBY1", "RBY2", "RBY3", "RCY1", "RHY1"):
         assert not coefficients[name].determined, name
@@ -36,7 +36,7 @@ def test_cornering_alone_leaves_drive_and_brake_undetermined(known, make):
 
 def test_one_load_and_no_camber_leave_their_coefficients_undetermined(known, make):
     recording = make.sideways(known, loads=(700.0,), cambers=(0.0,))
-    result = fit([recording], effects=make.effects, nominal=make.nominal)
+    result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
     coefficients = make.told(result)
     for name in ("PDY2", "PEY2", "PHY2", "PVY2", "PHY3", "PVY3", "PVY4", "PDY3"):
         assert not coefficients[name].determined, name
@@ -60,7 +60,7 @@ def test_a_later_stage_does_not_forget_what_an_earlier_one_measured(known, make,
         """,
     )
     recording = make.sideways(known, loads=(220.0, 700.0, 1120.0))
-    result = fit([recording], effects=make.effects, nominal=make.nominal, recipe=path)
+    result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal, recipe=path)
     coefficients = make.told(result)
     assert result.tire.values["PDY2"] == pytest.approx(known.values["PDY2"], rel=1e-3)
     assert coefficients["PDY2"].determined
@@ -88,7 +88,7 @@ def test_bad_requests_are_told_in_one_line(known, make):
     ]
     for kind, message, options in cases:
         with pytest.raises(kind) as caught:
-            fit([recording], **options)
+            fit([recording], "mf96", **options)
         assert message in str(caught.value)
         assert "\n" not in str(caught.value)
 
@@ -109,16 +109,16 @@ def test_tables_that_cannot_be_fitted(known, make):
     ]
     for kind, message, odd in cases:
         with pytest.raises(kind, match=message) as caught:
-            fit([Recording(odd, whole.signs, "odd")])
+            fit([Recording(odd, whole.signs, "odd")], "mf96")
         assert "\n" not in str(caught.value)
     with pytest.raises(FitError, match="no table"):
-        fit([])
+        fit([], "mf96")
 
 
 def test_a_recipe_that_finds_no_rows(known, make, tmp_path):
     path = make.recipe(tmp_path, '[[stage]]\nname = "far"\n[stage.where]\nFz = "9 +- 1 kN"\n')
     with pytest.raises(FitError, match=r"no stage of the recipe found rows.*'far' skipped: no row of the data"):
-        fit([make.sideways(known)], recipe=path, effects=())
+        fit([make.sideways(known)], "mf96", recipe=path, effects=())
 
 
 def test_rows_at_lift_off_do_not_disturb(known, make):
@@ -127,7 +127,7 @@ def test_rows_at_lift_off_do_not_disturb(known, make):
         Fz=whole.table["Fz"].where(whole.table.index % 50 != 0, 0.0),
         Fy=whole.table["Fy"].where(whole.table.index % 50 != 0, 0.0),
     )
-    result = fit([Recording(lifted, whole.signs, "lifted")], effects=make.effects, nominal=make.nominal)
+    result = fit([Recording(lifted, whole.signs, "lifted")], "mf96", effects=make.effects, nominal=make.nominal)
     assert result.ok
     assert result.channels[0].r2 > 0.9999
     json.dumps(result.to_json(), allow_nan=False)

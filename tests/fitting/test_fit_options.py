@@ -16,7 +16,7 @@ BOOK = model("mf96")
 
 
 def test_the_coefficients_of_absent_effects_stay_neutral(known, make):
-    result = fit([make.sideways(known)], without=["camber_thrust", "plysteer"], nominal=make.nominal)
+    result = fit([make.sideways(known)], "mf96", without=["camber_thrust", "plysteer"], nominal=make.nominal)
     assert result.tire.has == frozenset(BOOK.effects) - {"camber_thrust", "plysteer"}
     absent = BOOK.owned("camber_thrust", "plysteer")
     assert {"PHY3", "PVY3", "PVY4", "PHY1", "PHY2"} <= absent
@@ -28,7 +28,7 @@ def test_the_coefficients_of_absent_effects_stay_neutral(known, make):
 def test_the_core_alone_and_other_tools_read_the_same_tire(known, make, tmp_path):
     """Without load_stiffness the file has another PKY1 and PKY2, for readers that know no effects."""
     core = Tire("mf96", known.values, effects=(), signs="adapted-sae")
-    result = fit([make.sideways(core)], effects=(), nominal=make.nominal)
+    result = fit([make.sideways(core)], "mf96", effects=(), nominal=make.nominal)
     assert result.status == "converged"
     assert result.tire.has == frozenset()
     assert result.channels[0].r2 > 0.99999
@@ -52,7 +52,7 @@ def test_the_core_alone_and_other_tools_read_the_same_tire(known, make, tmp_path
 def test_constraints_and_influence_know_what_an_absent_effect_rescales(make, known, stiffness):
     effects = ("camber_thrust", "load_friction", *stiffness)
     truth = Tire("mf96", known.values, effects=effects, signs="adapted-sae")
-    result = fit([make.sideways(truth)], effects=effects, nominal=make.nominal)
+    result = fit([make.sideways(truth)], "mf96", effects=effects, nominal=make.nominal)
     assert result.ok
     assert result.channels[0].r2 > 0.99999
     (stiff,) = (margin for margin in result.margins if margin.constraint == "B_y > 0")
@@ -65,7 +65,7 @@ def test_constraints_and_influence_know_what_an_absent_effect_rescales(make, kno
 
 def test_a_start_tire_gives_values_and_effects(known, make):
     recording = make.sideways(known)
-    result = fit([recording], start=known.in_signs("iso"))
+    result = fit([recording], "mf96", start=known.in_signs("iso"))
     assert result.tire.has == known.has
     assert result.tire.name == "known"
     assert result.tire.values["FNOMIN"] == 700.0
@@ -75,26 +75,28 @@ def test_a_start_tire_gives_values_and_effects(known, make):
     assert not make.told(result)["RBY1"].determined
     for name in ("PCX1", "PKX1", "QBZ1", "RBY1"):
         assert result.tire.values[name] == known.values[name]
-    less = fit([recording], start=known, without=["camber_thrust"])
+    less = fit([recording], "mf96", start=known, without=["camber_thrust"])
     assert less.tire.has == known.has - {"camber_thrust"}
     assert less.channels[0].rmse > 10.0
 
 
 def test_nominal_values(known, make):
     recording = make.sideways(known)
-    result = fit([recording], effects=make.effects, nominal={"Fz0": 900.0, "R0": 0.25, "p0": 1e5})
+    result = fit([recording], "mf96", effects=make.effects, nominal={"Fz0": 900.0, "R0": 0.25, "p0": 1e5})
     assert result.tire.values["FNOMIN"] == 900.0
     assert result.tire.values["UNLOADED_RADIUS"] == 0.25
     assert any("nominal p0 has no place in mf96" in note for note in result.notes)
     assert result.channels[0].r2 > 0.9999  # the same curve, told about another load
-    generic = fit([recording], effects=())
+    generic = fit([recording], "mf96", effects=())
     assert generic.tire.values["FNOMIN"] == float(f"{np.median(recording.table['Fz']):.2g}")
     assert sum("not given" in note for note in generic.notes) == 2
 
 
 def test_progress_is_told_stage_by_stage(known, make):
     calls = []
-    result = fit([make.sideways(known)], effects=(), nominal=make.nominal, progress=lambda *call: calls.append(call))
+    result = fit(
+        [make.sideways(known)], "mf96", effects=(), nominal=make.nominal, progress=lambda *call: calls.append(call)
+    )
     stages = [stage.name for stage in result.stages]
     assert list(dict.fromkeys(stage for stage, _, _ in calls)) == stages
     for stage in stages:
@@ -103,7 +105,7 @@ def test_progress_is_told_stage_by_stage(known, make):
 
 
 def test_a_fit_that_does_not_converge_is_a_result(known, make):
-    result = fit([make.sideways(known)], effects=make.effects, nominal=make.nominal, iterations=1)
+    result = fit([make.sideways(known)], "mf96", effects=make.effects, nominal=make.nominal, iterations=1)
     assert not result.ok
     assert result.status.startswith("not converged: stage 'Fy: core")
     assert result.status.endswith("Maximum_Iterations_Exceeded")
@@ -123,7 +125,7 @@ def test_the_operating_range_is_kept_with_the_tire(side_fit):
 
 
 def test_two_recordings_of_one_name_are_told_apart(known, make):
-    result = fit([make.sideways(known), make.sideways(known)], nominal=make.nominal)
+    result = fit([make.sideways(known), make.sideways(known)], "mf96", nominal=make.nominal)
     told = {channel.recording for channel in result.channels}
     assert len(told) == 2
     assert all(result.channel(name, "Fy").rows for name in told)

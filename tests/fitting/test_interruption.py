@@ -51,7 +51,7 @@ def recording(known, make):
 
 @pytest.fixture(scope="module")
 def whole(recording, make):
-    return fit([recording], effects=make.effects, nominal=make.nominal)
+    return fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
 
 
 def same(one, other):
@@ -64,7 +64,7 @@ def same(one, other):
 def test_an_interrupt_keeps_the_best_values_so_far(recording, whole, make, how):
     handler = signal.getsignal(signal.SIGINT)
     progress = stopping("Fy", 8, how)
-    result = fit([recording], effects=make.effects, nominal=make.nominal, progress=progress)
+    result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal, progress=progress)
     assert signal.getsignal(signal.SIGINT) is handler
     assert not result.ok
     assert result.status.startswith("interrupted in stage 'Fy', iteration 8, 3 of 10 stages done")
@@ -88,7 +88,7 @@ def test_before_the_first_stage_there_is_nothing_to_keep(recording, make, monkey
 
     monkeypatch.setattr(session, "emphasis", pressed_too_early)
     with pytest.raises(KeyboardInterrupt):
-        fit([recording], effects=make.effects, nominal=make.nominal)
+        fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
 
 
 def test_what_the_progress_callback_raises_is_raised(recording, make):
@@ -96,7 +96,7 @@ def test_what_the_progress_callback_raises_is_raised(recording, make):
         raise ValueError("mine")
 
     with pytest.raises(ValueError, match="mine"):
-        fit([recording], effects=make.effects, nominal=make.nominal, progress=wrong)
+        fit([recording], "mf96", effects=make.effects, nominal=make.nominal, progress=wrong)
 
 
 def test_a_second_interrupt_is_not_held_back():
@@ -138,11 +138,11 @@ def test_another_thread_has_no_handler_to_take_over():
 def test_a_resumed_fit_ends_as_one_without_interrupt(recording, whole, make, tmp_path, stage):
     path = tmp_path / "tire.progress.json"
     options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
-    broken_off = fit([recording], **options, progress=stopping(stage, 2, raised))
+    broken_off = fit([recording], "mf96", **options, progress=stopping(stage, 2, raised))
     assert broken_off.interrupted
     assert json.loads(path.read_text(encoding="utf-8"))["done"] > 0
     stages = []
-    resumed = fit([recording], **options, resume=True, progress=lambda *call: stages.append(call[0]))
+    resumed = fit([recording], "mf96", **options, resume=True, progress=lambda *call: stages.append(call[0]))
     assert stages[0] == stage
     same(resumed, whole)
     assert list(tmp_path.iterdir()) == []
@@ -151,14 +151,14 @@ def test_a_resumed_fit_ends_as_one_without_interrupt(recording, whole, make, tmp
 def test_a_fit_without_resume_begins_anew(recording, whole, make, tmp_path):
     path = tmp_path / "tire.progress.json"
     options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
-    fit([recording], **options, progress=stopping(STAGES[-1], 1, raised))
-    same(fit([recording], **options), whole)
+    fit([recording], "mf96", **options, progress=stopping(STAGES[-1], 1, raised))
+    same(fit([recording], "mf96", **options), whole)
 
 
 def test_the_file_belongs_to_one_fit(recording, make, tmp_path):
     path = tmp_path / "tire.progress.json"
     options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
-    fit([recording], **options, progress=stopping(STAGES[1], 1, raised))
+    fit([recording], "mf96", **options, progress=stopping(STAGES[1], 1, raised))
     moved = replace(recording, table=recording.table.assign(Fy=recording.table["Fy"] + 1e-9))
     for data, changed, name in (
         (moved, {}, "data"),
@@ -169,7 +169,7 @@ def test_the_file_belongs_to_one_fit(recording, make, tmp_path):
         (recording, {"screening": False}, "screening"),
     ):
         with pytest.raises(FitError, match=rf"belongs to a fit with other {name}: run it as it was"):
-            fit([data], **{**options, **changed}, resume=True)
+            fit([data], "mf96", **{**options, **changed}, resume=True)
     assert path.exists()
 
 
@@ -187,20 +187,20 @@ def test_a_file_that_is_none(recording, make, tmp_path, text, message):
     if text is not None:
         path.write_text(text, encoding="utf-8")
     with pytest.raises(FitError, match=message):
-        fit([recording], effects=make.effects, nominal=make.nominal, checkpoint=path, resume=True)
+        fit([recording], "mf96", effects=make.effects, nominal=make.nominal, checkpoint=path, resume=True)
 
 
 def test_a_broken_file_of_this_fit(recording, make, tmp_path):
     path = tmp_path / "tire.progress.json"
     options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
-    fit([recording], **options, progress=stopping(STAGES[1], 1, raised))
+    fit([recording], "mf96", **options, progress=stopping(STAGES[1], 1, raised))
     content = json.loads(path.read_text(encoding="utf-8"))
     del content["values"]
     path.write_text(json.dumps(content), encoding="utf-8")
     with pytest.raises(FitError, match=r"is a broken progress file \(KeyError\('values'\)\)"):
-        fit([recording], **options, resume=True)
+        fit([recording], "mf96", **options, resume=True)
 
 
 def test_resuming_takes_a_file(recording, make):
     with pytest.raises(FitError, match="takes the file of the finished stages"):
-        fit([recording], effects=make.effects, nominal=make.nominal, resume=True)
+        fit([recording], "mf96", effects=make.effects, nominal=make.nominal, resume=True)

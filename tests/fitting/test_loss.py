@@ -91,7 +91,7 @@ def test_a_robust_fit_is_near_the_truth_and_squares_are_not(known, make, outlier
     true = known.forces(**inputs)["Fy"]
     missed, intervals = {}, {}
     for loss in LOSSES:
-        result = fit([outliers], effects=make.effects, nominal=make.nominal, loss=loss)
+        result = fit([outliers], "mf96", effects=make.effects, nominal=make.nominal, loss=loss)
         assert result.ok, (loss, result.status)
         fitted = result.tire.in_signs("adapted-sae").forces(**inputs)["Fy"]
         missed[loss] = float(np.sqrt(np.mean((fitted - true) ** 2)))

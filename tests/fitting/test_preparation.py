@@ -45,7 +45,8 @@ def test_bad_rows_do_not_bend_a_fit(once, known, make):
     bad = spoiled(once, rows)
     options = {"effects": ("load_friction", "load_stiffness", "plysteer"), "nominal": make.nominal}
     clean, kept, bent = (
-        fit([data], screening=screening, **options) for data, screening in ((once, True), (bad, True), (bad, False))
+        fit([data], "mf96", screening=screening, **options)
+        for data, screening in ((once, True), (bad, True), (bad, False))
     )
     (aside,) = kept.set_aside
     assert (aside.reason, aside.rows, aside.of) == ("outlier", len(rows), len(once))
@@ -88,8 +89,8 @@ def test_a_disturbance_in_repeats_weighs_less_where_they_count_once(bench, known
     odd = recording.table["Fz"] > 900.0  # a load at which the bench read 5 % too much
     recording = replace(recording, table=recording.table.assign(Fy=recording.table["Fy"] * np.where(odd, 1.05, 1.0)))
     options = {"effects": ("load_stiffness",), "nominal": make.nominal}
-    friction = [fit([recording], rows=rows, **options).tire.values["PDY1"] for rows in ("equal", "condition")]
-    lighter = fit([replace(recording, table=recording.table[~odd.to_numpy()])], **options).tire.values["PDY1"]
+    friction = [fit([recording], "mf96", rows=rows, **options).tire.values["PDY1"] for rows in ("equal", "condition")]
+    lighter = fit([replace(recording, table=recording.table[~odd.to_numpy()])], "mf96", **options).tire.values["PDY1"]
     assert abs(friction[1] - lighter) < abs(friction[0] - lighter)
 
 
@@ -102,7 +103,7 @@ def test_independent_rows_weigh_a_recording_by_what_it_is_worth(once, known, mak
     drifting = replace(once, table=once.table.assign(Fy=shifted + slow), source="slow")
     noisy = replace(once, table=once.table.assign(Fy=once.table["Fy"] + quick), source="quick")
     options = {"effects": make.effects, "nominal": make.nominal, "screening": False}
-    by_row, by_worth = (fit([drifting, noisy], rows=rows, **options) for rows in ("equal", "independent"))
+    by_row, by_worth = (fit([drifting, noisy], "mf96", rows=rows, **options) for rows in ("equal", "independent"))
     assert by_worth.ok
     true = once.table["Fy"].to_numpy()
 

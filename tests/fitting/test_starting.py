@@ -46,7 +46,9 @@ def test_what_is_read_is_nearer_to_the_truth_than_generic_values(make, seed):
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_fit_from_there_ends_no_worse(make, seed):
     recording = make.sideways(make.other_tire(seed), noise=Noise())
-    generic, read = (fit([recording], effects=make.effects, nominal=make.nominal, start=s) for s in (None, "features"))
+    generic, read = (
+        fit([recording], "mf96", effects=make.effects, nominal=make.nominal, start=s) for s in (None, "features")
+    )
     assert read.ok
     assert read.channels[0].rmse <= generic.channels[0].rmse * 1.001
     guess = make.told(read)["PKY1"].guess
@@ -93,4 +95,4 @@ def test_what_the_data_do_not_show_is_not_made_up(make):
 
 def test_an_unknown_start(make, known):
     with pytest.raises(UnknownName, match="unknown start 'feature': did you mean features"):
-        fit([make.sideways(known)], start="feature")
+        fit([make.sideways(known)], "mf96", start="feature")

@@ -15,7 +15,7 @@ LOADS, CAMBERS = (220.0, 400.0, 600.0, 800.0, 1000.0, 1120.0), (0.0, 2.0, 4.0)
 
 def test_a_true_model_foretells_what_it_has_not_seen(known, make):
     recording = make.sideways(known, loads=LOADS, cambers=CAMBERS, noise=Noise())
-    (held,) = cross_validate([recording], effects=make.effects, nominal=make.nominal)
+    (held,) = cross_validate([recording], "mf96", effects=make.effects, nominal=make.nominal)
     assert (held.recording, held.channel, held.unit, held.rows) == (recording.source, "Fy", "N", len(recording))
     assert 0.98 * held.in_sample < held.held_out < 1.1 * held.in_sample
 
@@ -31,7 +31,7 @@ def test_each_condition_is_left_out_once_and_whole(known, make, monkeypatch):
         return run(recordings, model, **options)
 
     monkeypatch.setattr(validation, "fit", recorded)
-    cross_validate([recording], folds=3, effects=make.effects)
+    cross_validate([recording], "mf96", folds=3, effects=make.effects)
     whole, *parts = seen
     assert len(whole[0]) == len(recording)
     left = [set(recording.table.index) - set(part[0]) for part in parts]
@@ -52,7 +52,7 @@ def test_nominal_values_are_those_of_the_whole(known, make, monkeypatch):
         return run(recordings, model, **options)
 
     monkeypatch.setattr(validation, "fit", recorded)
-    cross_validate([make.sideways(known, loads=LOADS)], folds=2, effects=make.effects)
+    cross_validate([make.sideways(known, loads=LOADS)], "mf96", folds=2, effects=make.effects)
     assert asked[0] is None
     assert asked[1] == asked[2]
     assert set(asked[1]) == {"Fz0", "R0"}
@@ -61,4 +61,4 @@ def test_nominal_values_are_those_of_the_whole(known, make, monkeypatch):
 @pytest.mark.parametrize("folds", [0, 1, 50])
 def test_folds_need_conditions(known, make, folds):
     with pytest.raises(FitError, match=r"it takes two at least|need as many held conditions"):
-        cross_validate([make.sideways(known)], folds=folds, effects=make.effects)
+        cross_validate([make.sideways(known)], "mf96", folds=folds, effects=make.effects)
