@@ -66,8 +66,9 @@ def chain(command, bench_csv, tmp_path_factory):
     folder = tmp_path_factory.mktemp("chain")
     outcomes = {
         "fit": command(
-            "fit", bench_csv, "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23", "-o", folder / "fitted.tir",
-            "--json", folder / "fit.json", "--report", folder / "report.html", "--figures", folder / "figures",
+            "fit", bench_csv, "--model=mf96", "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23",
+            "-o", folder / "fitted.tir", "--json", folder / "fit.json", "--report", folder / "report.html",
+            "--figures", folder / "figures",
         )
     }  # fmt: skip
     for fmi in ("2", "3"):

@@ -104,7 +104,9 @@ def fitted(command, tmp_path, monkeypatch):
         files = [f"{name}.csv" for name, _ in zip("ab", tables, strict=False)]
         for file, table in zip(files, tables, strict=True):
             table.to_csv(file, index=False)
-        outcome = command("fit", *files, "-o", "new.tir", "--effects", "none", "--nominal", "Fz0=700,R0=0.25")
+        outcome = command(
+            "fit", *files, "--model", "mf96", "-o", "new.tir", "--effects", "none", "--nominal", "Fz0=700,R0=0.25"
+        )
         return outcome, sorted(path.name for path in tmp_path.iterdir() if path.name not in files)
 
     return run

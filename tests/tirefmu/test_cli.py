@@ -85,7 +85,9 @@ def test_a_check_that_does_not_hold_exits_with_1(chain, command, bench_csv):
 
 
 def test_a_fit_that_does_not_converge_exits_with_1(command, bench_csv, tmp_path):
-    outcome = command("fit", bench_csv, "--effects", "none", "--iterations", 1, "-o", tmp_path / "poor.tir")
+    outcome = command(
+        "fit", bench_csv, "--model", "mf96", "--effects", "none", "--iterations", 1, "-o", tmp_path / "poor.tir"
+    )
     assert outcome.status == 1
     assert "fit not converged: stage" in outcome.out
     assert read_tir(tmp_path / "poor.tir").has == frozenset()
@@ -94,7 +96,7 @@ def test_a_fit_that_does_not_converge_exits_with_1(command, bench_csv, tmp_path)
 def test_the_evolutionary_method_says_that_its_limit_ended_it(command, bench_csv, tmp_path):
     told = tmp_path / "told.json"
     outcome = command(
-        "fit", bench_csv, "--effects", "none", "--method", "ioa", "--iterations", 2, "--seed", 5,
+        "fit", bench_csv, "--model", "mf96", "--effects", "none", "--method", "ioa", "--iterations", 2, "--seed", 5,
         "-o", tmp_path / "evolved.tir", "--json", told,
     )  # fmt: skip
     assert outcome.status == 1
@@ -122,7 +124,7 @@ def test_a_fit_from_a_tire_and_a_recipe_of_ones_own(chain, command, bench_csv, t
 
 def test_without_leaves_effects_out(command, bench_csv, tmp_path):
     outcome = command(
-        "fit", bench_csv, "--effects", "load_stiffness, camber_thrust", "--without", "camber_thrust",
+        "fit", bench_csv, "--model", "mf96", "--effects", "load_stiffness, camber_thrust", "--without", "camber_thrust",
         "-o", tmp_path / "tire.tir",
     )  # fmt: skip
     assert outcome.status == 0, outcome.err
@@ -130,7 +132,9 @@ def test_without_leaves_effects_out(command, bench_csv, tmp_path):
 
 
 def test_a_note_names_data_that_look_like_another_convention(command, bench_csv, tmp_path):
-    outcome = command("fit", bench_csv, "--signs", "adapted-sae", "--effects", "none", "-o", tmp_path / "odd.tir")
+    outcome = command(
+        "fit", bench_csv, "--model", "mf96", "--signs", "adapted-sae", "--effects", "none", "-o", tmp_path / "odd.tir"
+    )
     assert outcome.out.count("bench.csv: Fy falls with alpha") == 1
     assert "look like iso" in outcome.out
 
@@ -201,7 +205,7 @@ def test_json_on_standard_output_is_alone_there(chain, command, bench_csv, publi
     calls = [
         ("generate", "--check"),
         ("evaluate", published_tir, bench_csv, "-o", tmp_path / "o.csv"),
-        ("fit", bench_csv, "--effects", "none", "-o", tmp_path / "t.tir"),
+        ("fit", bench_csv, "--model", "mf96", "--effects", "none", "-o", tmp_path / "t.tir"),
         ("export", published_tir, "-o", tmp_path / "t.fmu"),
         ("check", folder / "fmi3.fmu", bench_csv),
         ("info", published_tir),
@@ -218,7 +222,18 @@ def test_quiet_prints_nothing(chain, bench_csv, published_tir, tmp_path, capfd):
     calls = [
         ["generate", "--check"],
         ["evaluate", published_tir, bench_csv, "-o", tmp_path / "o.csv"],
-        ["fit", bench_csv, "--effects", "none", "-o", tmp_path / "t.tir", "--figures", tmp_path / "figures"],
+        [
+            "fit",
+            bench_csv,
+            "--model",
+            "mf96",
+            "--effects",
+            "none",
+            "-o",
+            tmp_path / "t.tir",
+            "--figures",
+            tmp_path / "figures",
+        ],
         ["export", published_tir, "-o", tmp_path / "t.fmu"],
         ["check", folder / "fmi2.fmu", bench_csv],
         ["info", published_tir],

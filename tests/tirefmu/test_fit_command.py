@@ -9,7 +9,7 @@ import pytest
 
 def test_a_misspelt_constraint_is_refused_with_the_nearest_name(command, bench_csv, tmp_path):
     for option in ("--constraint", "--without-constraint"):
-        outcome = command("fit", bench_csv, option, "curvature:E_yy", "-o", tmp_path / "t.tir")
+        outcome = command("fit", bench_csv, "--model", "mf96", option, "curvature:E_yy", "-o", tmp_path / "t.tir")
         assert outcome.status == 2
         assert "constraint of mf96 'curvature:E_yy': did you mean curvature:E_y" in outcome.err
     assert list(tmp_path.iterdir()) == []
@@ -21,7 +21,9 @@ def test_a_misspelt_constraint_is_refused_with_the_nearest_name(command, bench_c
 ])  # fmt: skip
 def test_constraints_are_switched_by_name(command, bench_csv, tmp_path, options, kept):
     path = tmp_path / "fit.json"
-    outcome = command("fit", bench_csv, "--effects", "none", *options, "-o", tmp_path / "t.tir", "--json", path)
+    outcome = command(
+        "fit", bench_csv, "--model", "mf96", "--effects", "none", *options, "-o", tmp_path / "t.tir", "--json", path
+    )
     assert outcome.status == 0
     told = json.loads(path.read_text(encoding="utf-8"))
     assert {margin["name"].partition(":")[0] for margin in told["margins"]} == kept
@@ -31,7 +33,18 @@ def test_constraints_are_switched_by_name(command, bench_csv, tmp_path, options,
 def test_cross_validation_is_told(command, bench_csv, tmp_path):
     path, effects = tmp_path / "fit.json", "load_friction,load_stiffness,camber_thrust"
     outcome = command(
-        "fit", bench_csv, "--effects", effects, "--cross-validate", "2", "-o", tmp_path / "t.tir", "--json", path
+        "fit",
+        bench_csv,
+        "--model",
+        "mf96",
+        "--effects",
+        effects,
+        "--cross-validate",
+        "2",
+        "-o",
+        tmp_path / "t.tir",
+        "--json",
+        path,
     )
     assert outcome.status == 0
     told = json.loads(path.read_text(encoding="utf-8"))
@@ -44,7 +57,7 @@ def test_cross_validation_is_told(command, bench_csv, tmp_path):
 
 
 def test_more_folds_than_conditions_are_refused_before_the_work(command, bench_csv, tmp_path):
-    outcome = command("fit", bench_csv, "--cross-validate", "500", "-o", tmp_path / "t.tir")
+    outcome = command("fit", bench_csv, "--model", "mf96", "--cross-validate", "500", "-o", tmp_path / "t.tir")
     assert outcome.status == 2
     assert "500 folds need as many held conditions" in outcome.err
     assert list(tmp_path.iterdir()) == []

@@ -17,7 +17,7 @@ EFFECTS = "load_friction,load_stiffness,camber_thrust,combined_Gxa,combined_Gyk"
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for one process alone")
 def test_a_process_that_gets_the_signal(command, bench_csv, tmp_path):
-    line = ["fit", str(bench_csv), "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23"]
+    line = ["fit", str(bench_csv), "--model", "mf96", "--effects", EFFECTS, "--nominal", "Fz0=220,R0=0.23"]
     whole = command(*line, "-o", tmp_path / "whole.tir", "--json", tmp_path / "whole.json")
     assert whole.status == 0
     where = tmp_path / "tire.tir", tmp_path / "tire.json", tmp_path / "tire.html"
@@ -52,7 +52,7 @@ def test_a_process_that_gets_the_signal(command, bench_csv, tmp_path):
 
 
 def test_resuming_without_a_file_is_one_clear_line(command, bench_csv, tmp_path):
-    outcome = command("fit", bench_csv, "--effects", "none", "-o", tmp_path / "tire.tir", "--resume")
+    outcome = command("fit", bench_csv, "--model", "mf96", "--effects", "none", "-o", tmp_path / "tire.tir", "--resume")
     assert outcome.status == 2
     (message,) = outcome.err.splitlines()
     assert message.endswith("tire.progress.json: no such file: there is no interrupted fit to go on with")
