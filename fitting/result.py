@@ -212,7 +212,7 @@ class FitResult:
         """Correlation of the coefficients by name; NaN where `covariance` is, or where a variance is 0."""
         deviation = np.sqrt(np.diag(self.covariance)) if len(self.covariance) else np.empty(0)
         deviation = np.where(deviation > 0.0, deviation, nan)
-        return self.covariance / np.outer(deviation, deviation)
+        return self.covariance.div(deviation, axis=0).div(deviation, axis=1)
 
     def in_signs(self, signs: str) -> FitResult:
         """Return the same result with coefficients in another sign convention.

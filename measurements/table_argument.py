@@ -101,7 +101,7 @@ def recordings_from(tables: TableLike | Iterable[TableLike], *, signs: str | Non
     """
     if isinstance(tables, (Recording, pd.DataFrame, str, os.PathLike)):
         return [recording_from(tables, signs=signs, parameter="tables")]
-    if not isinstance(tables, Iterable) or isinstance(tables, (bytes, Mapping, np.ndarray)):
+    if not hasattr(tables, "__iter__") or isinstance(tables, (bytes, Mapping, np.ndarray)):
         raise WrongType("tables", tables, f"{ACCEPTED}, or a sequence of them")
     return [recording_from(table, signs=signs, parameter=f"tables[{i}]") for i, table in enumerate(tables)]
 
