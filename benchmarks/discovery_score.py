@@ -132,7 +132,7 @@ def squared_gap(tire: Tire, case: Case, result: Diagnosis) -> float:
 
 def _covered(case: Case, result: Diagnosis) -> tuple[int, int]:
     """Return how many true values lie within their intervals, and of how many."""
-    true = case.tire.in_signs(case.signs if case.signs != "sae" else "adapted-sae").values
+    true = case.tire.in_signs(result.signs).values
     inside = [
         one.lower <= true[name] <= one.upper
         for finding in result.found if finding.effect in case.hidden and finding.effect not in WARPED

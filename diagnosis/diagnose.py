@@ -9,13 +9,14 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import pandas as pd
 from scipy import stats
 
+from tirefmu.measurements import Recording, TableLike, recording_from
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic import model as book_of
 from tirefmu.symbolic.added import AddedEffect, library
 from tirefmu.symbolic.errors import UnknownName
+from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import RANGES, Tire
 
 from .base import fit_base
@@ -42,13 +43,13 @@ NOMINAL = {"Fz0": ("FNOMIN",), "p0": ("NOMPRES", "INFLPRES"), "R0": ("UNLOADED_R
 
 
 def diagnose(
-    table: pd.DataFrame,
+    table: TableLike,
     *,
-    signs: str = "iso",
+    signs: str | None = None,
     model: str = DEFAULT_MODEL,
     effects: Collection[str] = (),
     nominal: Mapping[str, float] | None = None,
-    tire: Tire | None = None,
+    tire: TireLike | None = None,
     candidates: Collection[AddedEffect | str] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Diagnosis:
@@ -56,17 +57,17 @@ def diagnose(
 
     Parameters
     ----------
-    table : pandas.DataFrame
-        The recording, SI: ``t`` and inputs, and at least one output.
-    signs : {"iso", "sae", "adapted-sae"}
-        The table's convention.
+    table : path, DataFrame or Recording
+        SI: ``t`` and inputs, and at least one output.
+    signs : {"iso", "sae", "adapted-sae"}, optional
+        The table's convention, where it is not the default: that of the format of a file, "iso" for a DataFrame.
     model : str
         Of the start model, where no tire is given.
     effects : collection of str
         What the start model has on top of the core formula.
     nominal : mapping of str to float
         Fz0, R0, p0, V0 in SI; Fz0 and R0 are indispensable without a tire.
-    tire : Tire, optional
+    tire : Tire, path of a .tir file, or name of a published tire, optional
         The start model, already fitted; `model`, `effects` and `nominal` are then left aside.
     candidates : collection of str or AddedEffect, optional
         Try only these effects; a user's own `AddedEffect` is tried beside the known ones where only such are given.
@@ -76,21 +77,25 @@ def diagnose(
     Returns
     -------
     Diagnosis
+        Coefficients and offsets are in ISO-W, as in the tire file; `Diagnosis.in_signs` converts them.
 
     Raises
     ------
     DataError
         If the recording cannot be used.
     UnknownName
-        If a model, an effect or a convention does not exist.
+        If a model, an effect, a tire or a convention does not exist.
+    WrongType
+        If the table or the tire is of another type.
     """
+    recording = recording_from(table, signs=signs)
     began = time.perf_counter()
     say = progress or (lambda sentence: None)
     own = tuple(one for one in candidates or () if isinstance(one, AddedEffect))
     named = tuple(one for one in candidates or () if isinstance(one, str))
-    start = _start_model(model, effects, nominal, tire, own)
+    start = _start_model(model, effects, nominal, None if tire is None else tire_from(tire), own)
     tried = _chosen(candidates_for(start, own), named)
-    signals = signals_of(table, start, signs)
+    signals = signals_of(recording.table, start, recording.signs)
     say("fitting the start model")
     problem, solution = fit_base(start, signals, known=tire is not None)
     before = Screen(problem, solution)
@@ -99,13 +104,12 @@ def diagnose(
     unknown, start = _unknown(start, search, say)
     before = search.settle(before)
     say("weighing what else could explain it")
-    return _composed(_Case(table, signs, start, tried, before, search, unknown), began)
+    return _composed(_Case(recording, start, tried, before, search, unknown), began).in_signs("iso")
 
 
 @dataclass(frozen=True, eq=False)
 class _Case:
-    table: pd.DataFrame
-    signs: str
+    recording: Recording
     start: Tire
     tried: Mapping[str, Candidate]
     before: Screen
@@ -196,9 +200,10 @@ def _composed(case: _Case, began: float) -> Diagnosis:
         untouched=_untouched(case.signals),
         base_tire=tire_of(case.start, search.problem, before.solution, ()),
         tire=tire_of(case.start, search.problem, search.solution, more),
-        signs=case.signs,
+        signs=FORMULA_SIGNS,
+        recording_signs=case.recording.signs,
         seconds=time.perf_counter() - began,
-        rows=case.table,
+        rows=case.recording.table,
     )
 
 
@@ -217,7 +222,9 @@ def _of_the_recording(case: _Case) -> dict[str, Any]:
     search, signals = case.search, case.signals
     told = reported_disturbances(search.problem.disturbances, search.solution.disturbance, signals)
     told["ripple"] = ripple(signals, search.solution.residual, case.start.values["UNLOADED_RADIUS"])
-    told["quantisation"] = {name: quantisation(case.table[name].to_numpy(np.float64)) for name in signals.channels}
+    told["quantisation"] = {
+        name: quantisation(case.recording.table[name].to_numpy(np.float64)) for name in signals.channels
+    }
     told["smoothing_windows"] = [2 * half + 1 for half in HALF_WIDTHS] if any(signals.input_noise.values()) else []
     told["left_aside"] = dict(signals.left_aside)
     return told
@@ -293,14 +300,11 @@ def _shown(trace: Trace, signals: Signals) -> tuple[str, ...]:
 def _finding(case: _Case, refit: Refit, errors: FloatArray) -> Finding:
     solution = case.search.solution
     wide = float(stats.t.ppf(0.975, case.search.screen.n_blocks - 1))
-    cards, coefficients = case.start.book.coefficients, {}
-    turned = case.signs == "iso"
+    coefficients = {}
     for name in refit.shape.free:
         i = solution.free.index(name)
         value, error = float(solution.parameters[case.search.problem.simulator.place[name]]), float(errors[i]) * wide
-        sign = -1.0 if turned and cards[name].flips else 1.0
-        low, high = sorted((sign * (value - error), sign * (value + error)))
-        coefficients[name] = Interval(sign * value, low, high)
+        coefficients[name] = Interval(value, value - error, value + error)
     return Finding(
         refit.name,
         _shown(refit.trace, case.signals),

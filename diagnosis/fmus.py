@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -15,7 +15,7 @@ import pandas as pd
 from tirefmu.fmu import export
 from tirefmu.fmu.check import EVALUATION_TOLERANCE
 from tirefmu.fmu.simulation import loaded
-from tirefmu.measurements import Recording
+from tirefmu.measurements import Recording, TableLike, recording_from, recordings_from
 from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import TABLE_INPUTS
@@ -29,7 +29,7 @@ STEP = 0.01
 
 
 def export_and_simulate(
-    diagnosis: Diagnosis, recording: Recording, folder: str | Path, others: Sequence[Recording] = ()
+    diagnosis: Diagnosis, recording: TableLike, folder: str | Path, others: TableLike | Iterable[TableLike] = ()
 ) -> dict[str, Any]:
     """Write base.fmu and improved.fmu, simulate both, and return what each leaves of every measured channel.
 
@@ -39,11 +39,11 @@ def export_and_simulate(
     Parameters
     ----------
     diagnosis : Diagnosis
-    recording : Recording
+    recording : path, DataFrame or Recording
         What was diagnosed.
     folder : str or Path
         Exists.
-    others : sequence of Recording
+    others : path, DataFrame or Recording, or a sequence of them
         Untouched recordings beside it.
 
     Returns
@@ -60,6 +60,7 @@ def export_and_simulate(
     FmuError
         If an FMU cannot be built or run.
     """
+    recording, further = recording_from(recording, parameter="recording"), recordings_from(others)
     kept = diagnosis.kept_apart(len(recording))
     told: dict[str, Any] = {}
     for when, tire, name in (("before", diagnosis.base_tire, "base"), ("after", diagnosis.tire, "improved")):
@@ -67,7 +68,7 @@ def export_and_simulate(
         error, difference = simulated_error(path, tire, recording)
         told[when] = {"rmse": _rms(error), "training": _rms(error[~kept]), "holdout": _rms(error[kept])}
         told[when]["recordings"] = {}
-        for source, other in zip(distinct([other.source for other in others]), others, strict=True):
+        for source, other in zip(distinct([other.source for other in further]), further, strict=True):
             error, more = simulated_error(path, tire, other)
             told[when]["recordings"][source] = _rms(error)
             difference = max(difference, more)

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from tirefmu.fitting.page import inlined, page_text, write_page
-from tirefmu.measurements import Recording
-from tirefmu.symbolic.errors import DataError
+from tirefmu.measurements import Recording, TableLike, recording_from
+from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.symbolic.notation import Switch
 from tirefmu.tires.tire import Tire
 
@@ -29,14 +29,14 @@ class ChangedLine:
 
 
 def write_report(
-    diagnosis: Diagnosis, recording: Recording, path: str | Path, simulated: Mapping[str, Any] | None = None
+    diagnosis: Diagnosis, recording: TableLike, path: str | Path, simulated: Mapping[str, Any] | None = None
 ) -> Path:
     """Write the page of a diagnosis.
 
     Parameters
     ----------
     diagnosis : Diagnosis
-    recording : Recording
+    recording : path, DataFrame or Recording
         What was diagnosed.
     path : str or Path
     simulated : mapping, optional
@@ -51,8 +51,8 @@ def write_report(
     DataError
         If the file cannot be written.
     """
-    path = Path(path)
-    page = report_page(diagnosis, recording, simulated)
+    path = path_from(path)
+    page = report_page(diagnosis, recording_from(recording, parameter="recording"), simulated)
     try:
         write_page(page, path)
     except OSError as error:

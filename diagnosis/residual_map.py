@@ -16,9 +16,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from tirefmu.fitting.panels import LETTER, drawn_unit, per_si, png, write_footnote, write_whole
-from tirefmu.measurements import Recording, levels
+from tirefmu.measurements import Recording, TableLike, levels, recording_from
 from tirefmu.symbolic.errors import DataError, nearest
+from tirefmu.tires import TireLike, tire_from
+from tirefmu.tires.drawing.style import LETTER, drawn_unit, per_si, png, write_footnote, write_whole
 from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
@@ -110,8 +111,8 @@ class ResidualMap:
 
 
 def residual_map(
-    tire: Tire,
-    recording: Recording,
+    tire: TireLike,
+    recording: TableLike,
     channel: str,
     over: tuple[str, str] = ("alpha", "gamma"),
     bins: int | Mapping[str, npt.ArrayLike] = 12,
@@ -120,9 +121,9 @@ def residual_map(
 
     Parameters
     ----------
-    tire : Tire
-    recording : Recording
-        In any signs; the map is in them.
+    tire : Tire, path of a .tir file, or name of a published tire
+    recording : path, DataFrame or Recording
+        In any signs; the map is in them. A DataFrame is in iso.
     channel : str
         A measured output that the tire computes.
     over : tuple of (str, str)
@@ -150,6 +151,7 @@ def residual_map(
     >>> flat.counts.shape, int(flat.counts.sum()) == len(recording), flat.largest_mean < 1e-9
     ((12, 2), True, True)
     """
+    tire, recording = tire_from(tire), recording_from(recording, parameter="recording")
     table = _usable_rows(tire, recording, channel, over)
     computed = tire.evaluate(table, signs=recording.signs)[channel]
     residual = (table[channel] - computed).to_numpy(dtype=float)

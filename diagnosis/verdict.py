@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +14,15 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.symbolic.added import AddedEffect, effect_text
-from tirefmu.symbolic.errors import DataError
+from tirefmu.symbolic.errors import DataError, UnknownName, path_from
+from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
 from .extrapolation import Reach
+from .summary import diagnosis_html, diagnosis_text
 
 #: Version of diagnosis.json: a new key raises the second number, a changed meaning the first.
-VERSION = "1.1"
+VERSION = "2.0"
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,10 @@ class Interval:
     value: float
     lower: float
     upper: float
+
+    def mirrored(self) -> Interval:
+        """Return the same with the opposite sign."""
+        return Interval(_turned(self.value), _turned(self.upper), _turned(self.lower))
 
 
 @dataclass(frozen=True)
@@ -43,7 +49,7 @@ class Finding:
     channels : tuple of str
         Those in which it shows.
     coefficients : mapping of str to Interval
-        In the recording's signs.
+        In the signs of the diagnosis.
     p : float
         Probability of such a trace by chance, under coloured noise, adjusted for everything tried.
     cv_gain, cv_gain_se : float
@@ -59,6 +65,11 @@ class Finding:
     cv_gain: float
     cv_gain_se: float
     when: tuple[tuple[float, float], ...] = ()
+
+    def mirrored(self, names: Collection[str]) -> Finding:
+        """Return the same with the opposite sign of some coefficients."""
+        coefficients = {name: one.mirrored() if name in names else one for name, one in self.coefficients.items()}
+        return replace(self, coefficients=coefficients)
 
 
 @dataclass(frozen=True)
@@ -88,7 +99,7 @@ class Unknown:
     next_measurement: str = ""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis:
     """The answer to the question which effect is missing.
 
@@ -127,7 +138,10 @@ class Diagnosis:
     base_tire, tire : Tire
         The start model and the improved one, fitted to the training rows.
     signs : str
-        The recording's.
+        Sign convention of coefficients, of ``recording`` (offset, cross-talk) and of residuals (``where``): "iso",
+        as the tire file, unless `in_signs` changed it. What is a root mean square or an amplitude has no sign.
+    recording_signs : str
+        The convention in which the recording was given; that of ``rows``.
     seconds : float
     """
 
@@ -149,8 +163,54 @@ class Diagnosis:
     base_tire: Tire
     tire: Tire
     signs: str
+    recording_signs: str
     seconds: float
-    rows: pd.DataFrame = field(repr=False)
+    rows: pd.DataFrame
+
+    def in_signs(self, signs: str) -> Diagnosis:
+        """Return the same diagnosis in another sign convention.
+
+        Parameters
+        ----------
+        signs : {"iso", "adapted-sae"}
+
+        Returns
+        -------
+        Diagnosis
+            With the same tires.
+
+        Raises
+        ------
+        UnknownName
+            If coefficients are not written in this convention.
+        """
+        if signs not in ("iso", "adapted-sae"):
+            raise UnknownName("sign convention of coefficients", signs, ("iso", "adapted-sae"))
+        turned = reversed_columns(self.signs, signs)
+        if not turned:
+            return self
+        cards = self.tire.book.coefficients
+        offset = {name: _turned(value, name in turned) for name, value in self.recording["offset"].items()}
+        cross_talk = {  # the share of one force in another: Fx_in_Fy
+            name: _turned(value, len(turned & set(name.split("_in_"))) == 1)
+            for name, value in self.recording["cross_talk"].items()
+        }
+        return replace(
+            self,
+            signs=signs,
+            found=tuple(one.mirrored({name for name in one.coefficients if cards[name].flips}) for one in self.found),
+            where=[_mirrored_map(one) if one["channel"] in turned else one for one in self.where],
+            where_after=[_mirrored_map(one) if one["channel"] in turned else one for one in self.where_after],
+            recording={**self.recording, "offset": offset, "cross_talk": cross_talk},
+        )
+
+    def __repr__(self) -> str:
+        """Return a few lines: the verdict, findings with their evidence, how the gap shrank."""
+        return diagnosis_text(self)
+
+    def _repr_html_(self) -> str:
+        """Return the same with a table of coefficients, for a notebook."""
+        return diagnosis_html(self)
 
     def kept_apart(self, n: int) -> npt.NDArray[np.bool_]:
         """Return which of a recording's n rows are the hold-out.
@@ -219,6 +279,7 @@ class Diagnosis:
             "extrapolation": [{**vars(one), "doubtful": one.doubtful} for one in self.reach],
             "holdout_rows": [list(stretch) for stretch in self.untouched],
             "signs": self.signs,
+            "recording_signs": self.recording_signs,
             "tire": tire,
             "fmu": fmu,
             "base_tire": base_tire,
@@ -244,7 +305,7 @@ class Diagnosis:
         DataError
             If the folder cannot be written.
         """
-        place = Path(folder)
+        place = path_from(folder, "folder")
         try:
             place.mkdir(parents=True, exist_ok=True)
             self.tire.save(place / "improved.tir")
@@ -256,6 +317,17 @@ class Diagnosis:
         except OSError as error:
             raise DataError(f"{place}: cannot be written ({error.strerror or error})") from None
         return place / "diagnosis.json"
+
+
+def _turned(value: float, turned: bool = True) -> float:
+    """Return a number with the opposite sign, or as it is; never -0.0."""
+    return 0.0 - value if turned else value
+
+
+def _mirrored_map(one: dict[str, Any]) -> dict[str, Any]:
+    """Return a map of `where.residual_maps` with the opposite sign; cells without rows have no mean."""
+    mean = [[None if cell is None else _turned(cell) for cell in row] for row in one["mean"]]
+    return {**one, "mean": mean, "worst": {**one["worst"], "mean": _turned(one["worst"]["mean"])}}
 
 
 def _plain(value: Any) -> Any:

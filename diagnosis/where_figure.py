@@ -13,7 +13,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from tirefmu.fitting.panels import LETTER, drawn_unit, per_si, png, write_whole
+from tirefmu.tires.drawing.style import LETTER, drawn_unit, per_si, png, write_whole
 
 from .where import FEWEST
 

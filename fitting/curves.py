@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from math import radians
 
@@ -10,9 +10,10 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.measurements import OUTPUTS, Recording, levels, usual_tolerance
+from tirefmu.measurements import OUTPUTS, Recording, TableLike, levels, recordings_from, usual_tolerance
 from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import FitError
+from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
@@ -205,19 +206,20 @@ class Comparison:
         return min(self._levels(rows, "Fz"), key=lambda load: abs(abs(load) - self.tire.values["FNOMIN"]))
 
 
-def compare(tire: Tire, recordings: Sequence[Recording]) -> Comparison:
+def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: str | None = None) -> Comparison:
     """Put recordings into one table and the tire's outputs beside the measured ones.
 
     Parameters
     ----------
-    tire : Tire
-    recordings : sequence of Recording
+    tire : Tire, path of a .tir file, or name of a published tire
+    recordings : path, DataFrame or Recording, or a sequence of them
         Of any signs.
+    signs : str, optional
+        Convention of the comparison; where None that of the recordings, or iso where they differ.
 
     Returns
     -------
     Comparison
-        In the signs of the recordings, or in iso where they differ.
 
     Raises
     ------
@@ -235,12 +237,14 @@ def compare(tire: Tire, recordings: Sequence[Recording]) -> Comparison:
     >>> [(family.by, len(family.groups)) for family in comparison.pure("Fy", "alpha")]
     [('Fz', 2)]
     """
-    if not recordings:
+    tire, given = tire_from(tire), recordings_from(recordings)
+    if not given:
         raise FitError("no recording to compare the tire with")
-    conventions = {recording.signs for recording in recordings}
-    signs = conventions.pop() if len(conventions) == 1 else "iso"
+    conventions = {recording.signs for recording in given}
+    if signs is None:
+        signs = conventions.pop() if len(conventions) == 1 else "iso"
     tables = []
-    for number, recording in enumerate(recordings):
+    for number, recording in enumerate(given):
         recording.measured()  # refuses a recording without outputs
         table = recording.with_signs("iso").table
         absent = {name: tire.nominal(name) for name in tire.inputs if name not in table}
@@ -253,7 +257,7 @@ def compare(tire: Tire, recordings: Sequence[Recording]) -> Comparison:
         for name in OUTPUTS
         if name in tire.outputs and name in data and data[name].notna().any()
     }
-    return Comparison(tire, signs, tuple(distinct([recording.source for recording in recordings])), data.assign(**fits))
+    return Comparison(tire, signs, tuple(distinct([recording.source for recording in given])), data.assign(**fits))
 
 
 def _sweeps(recording: Recording, table: pd.DataFrame) -> dict[str, npt.NDArray[np.bool_]]:

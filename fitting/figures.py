@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -11,17 +11,14 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from tirefmu.measurements import Recording
+from tirefmu.measurements import TableLike, levels
 from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.escaping import figure_text
-from tirefmu.tires.tire import Tire
-
-from .curves import SLOPE_WINDOW, Comparison, Family, compare
-from .panels import (
+from tirefmu.tires import TireLike
+from tirefmu.tires.drawing.style import (
     LETTER,
     LEVEL,
     SHOWN,
-    data_text,
     draw_line,
     draw_points,
     drawn_unit,
@@ -39,30 +36,39 @@ from .panels import (
     write_footnote,
     write_whole,
 )
+from tirefmu.tires.tire import Tire
+
+from .curves import SLOPE_WINDOW, Comparison, Family, compare
 from .result import quality
+
+MOST_SOURCES = 30  # recordings named below a figure
 
 
 def draw_figures(
-    tire: Tire,
-    recordings: Sequence[Recording],
+    tire: TireLike,
+    recordings: TableLike | Iterable[TableLike],
     folder: str | Path,
     *,
     prefix: str = "",
     truth: Tire | None = None,
+    signs: str | None = "iso",
 ) -> list[Path]:
     """Draw a tire against the recordings, one PNG for each kind of curve that the data hold.
 
     Parameters
     ----------
-    tire : Tire
-    recordings : sequence of Recording
-        Of any program and signs; drawn in their own convention, in iso where they differ.
+    tire : Tire, path of a .tir file, or name of a published tire
+    recordings : path, DataFrame or Recording, or a sequence of them
+        Of any program and signs.
     folder : str or Path
         Made where it is not there.
     prefix : str
         Of the files' names.
     truth : Tire, optional
         The tire behind a virtual recording: its stiffnesses are drawn beside the fitted ones.
+    signs : str, optional
+        Convention of the figures, which their footnotes state: that of tire files; where None that of the
+        recordings, or iso where they differ.
 
     Returns
     -------
@@ -77,7 +83,7 @@ def draw_figures(
     DataError
         If a recording has no measured output.
     """
-    comparison = compare(tire, recordings)
+    comparison = compare(tire, recordings, signs)
     drawn: dict[str, Figure | None] = {
         "pure_Fx": _families(comparison, comparison.pure("Fx", "kappa"), "Pure longitudinal force"),
         "pure_Fy": _families(comparison, comparison.pure("Fy", "alpha"), "Pure side force"),
@@ -106,7 +112,7 @@ def _families(comparison: Comparison, families: Sequence[Family], title: str) ->
         _draw_family(ax, comparison, family)
     rows = pd.concat([group.rows for family in families for group in family.groups])
     note = "points: data; lines: the tire at the medians of each level's conditions"
-    write_footnote(figure, comparison.signs, note, data_text(comparison, rows))
+    write_footnote(figure, comparison.signs, note, _data_text(comparison, rows))
     return figure
 
 
@@ -186,7 +192,7 @@ def _stiffness(comparison: Comparison, truth: Tire | None) -> Figure | None:
     )
     dashed = ["dashed: the true tire"] if truth is not None else []
     rows = pd.concat([group.rows for family in shown for group in family.groups])
-    write_footnote(figure, comparison.signs, note, *dashed, data_text(comparison, rows))
+    write_footnote(figure, comparison.signs, note, *dashed, _data_text(comparison, rows))
     return figure
 
 
@@ -246,7 +252,7 @@ def _residuals(comparison: Comparison) -> Figure:
         _draw_residual(over_time, spread, source, channel, rows)
     grid[-1, 1].set_xlabel("number of rows")
     note = "the scales hold 99.9 % of the rows"
-    write_footnote(figure, comparison.signs, note, data_text(comparison, table))
+    write_footnote(figure, comparison.signs, note, _data_text(comparison, table))
     return figure
 
 
@@ -268,3 +274,18 @@ def _draw_residual(over_time: Axes, spread: Axes, source: str, channel: str, row
     for ax in (over_time, spread):
         ax.axhline(0.0, color="k", lw=0.8)
         ax.grid(alpha=0.3)
+
+
+def _data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
+    """Tell which recordings the rows come from, and at which inflation pressures."""
+    numbers = sorted(set(rows["recording"].tolist()))
+    sources = [figure_text(name) for name in dict.fromkeys(comparison.sources[number] for number in numbers)]
+    text = f"data: {', '.join(sources[:MOST_SOURCES])}"
+    if len(sources) > MOST_SOURCES:
+        text += f" and {len(sources) - MOST_SOURCES} more"
+    if "p" not in rows or rows["p"].isna().all():
+        return text
+    held = [f"{level / 1000.0:.0f}" for level in levels(rows["p"])]
+    span = " to ".join(f"{value / 1000.0:.0f}" for value in (rows["p"].min(), rows["p"].max()))
+    together = "" if len(held) == 1 else ", drawn together"
+    return f"{text}; inflation pressure {', '.join(held) or span} kPa{together}"

@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 
 import pandas as pd
 
-from tirefmu.measurements import Recording
+from tirefmu.measurements import TableLike, recordings_from
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic import model as book_of
-from tirefmu.symbolic.errors import FitError, UnknownName
+from tirefmu.symbolic.errors import FitError, UnknownName, WrongType
 from tirefmu.symbolic.model import Model
+from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
 from .checkpoint import Checkpoint, fingerprint
 from .constraints import chosen_constraints
 from .interruption import Interruption, Progress
 from .method import solver_for
-from .preparation import Prepared, prepare, recording_of
+from .preparation import Prepared, prepare
 from .recipe import Recipe, load_recipe
 from .result import FitResult
 from .session import Session
@@ -35,10 +36,10 @@ FEATURES = "features"
 
 
 def fit(
-    tables: Sequence[str | Path | Recording],
-    model: str = DEFAULT_MODEL,
+    tables: TableLike | Iterable[TableLike],
+    model: str | None = None,
     *,
-    start: Tire | str | None = None,
+    start: TireLike | None = None,
     effects: Collection[str] | None = None,
     without: Collection[str] = (),
     recipe: str | None = None,
@@ -60,12 +61,13 @@ def fit(
 
     Parameters
     ----------
-    tables : sequence of path or Recording
+    tables : path, DataFrame or Recording, or a sequence of them
         Together they are the data; each may have its own signs.
-    model : str
-    start : Tire or "features", optional
-        Values to start from: a tire's, or what the data show by themselves (`tirefmu.fitting.starting`); generic
-        ones where None.
+    model : str, optional
+        Where None, that of the start tire; without one, "mf61".
+    start : Tire, path of a .tir file, name of a published tire, or "features", optional
+        Initial values: a tire's, or what the data show by themselves (`tirefmu.fitting.starting`); generic ones
+        where None. "features" is a path only if there is such a file.
     effects : collection of str, optional
         Exactly these effects on top of the model's core; all of the model where None.
     without : collection of str
@@ -86,7 +88,7 @@ def fit(
         Fz0 (N), R0 (m), p0 (Pa), V0 (m/s), as far as the model has them; the medians of the data and 0.3 m where
         not given.
     signs : str, optional
-        Convention of the files, where it is not the format's default.
+        Convention of files and DataFrames, where it is not the default (that of the format; "iso" for a DataFrame).
     screening : bool
         Whether to set aside rows of a cold tread, of transitions between levels, of a lifted or standing wheel, and
         outliers; `FitResult.set_aside` tells which. Scores count every row.
@@ -107,20 +109,32 @@ def fit(
     Returns
     -------
     FitResult
-        Also where the solver did not converge, or the fit was interrupted (Ctrl-C, or a `KeyboardInterrupt` of
-        ``progress``) and kept the best values so far: `FitResult.ok` and `FitResult.status` say so.
+        Coefficients are in ISO-W, as in the tire file; `FitResult.in_signs` converts them. Also where the
+        solver did not converge, or the fit was interrupted (Ctrl-C, or a `KeyboardInterrupt` of ``progress``) and
+        kept the best values so far: `FitResult.ok` and `FitResult.status` say so.
 
     Raises
     ------
     UnknownName, DataError, FitError
         If something that was asked for does not exist or does not fit together.
+    WrongType
+        If a table or the start is of another type.
+
+    Examples
+    --------
+    >>> from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps
+    >>> from tirefmu.tires import published
+    >>> bench = VirtualBench(published("trento_hoosier"), Noise.none())
+    >>> table = bench.run(alpha_sweeps([220.0, 700.0], sample_rate=2.0)).with_signs("iso").table
+    >>> result = fit(table[["alpha", "Fz", "Fy"]], "mf96", effects=["load_friction"], nominal={"Fz0": 700, "R0": 0.23})
+    >>> result.signs, result.covariance.loc["PDY1", "PDY1"] > 0
+    ('iso', np.True_)
     """
     began = time.perf_counter()
-    if isinstance(start, str) and start != FEATURES:
-        raise UnknownName("start", start, [FEATURES])
-    tire_given = None if isinstance(start, str) else start
-    book = book_of(model)
-    plan = load_recipe(recipe, model)
+    features = isinstance(start, str) and start == FEATURES and not Path(start).is_file()
+    tire_given = None if start is None or features else _start_tire(start)
+    book = book_of(model if model is not None else tire_given.model if tire_given else DEFAULT_MODEL)
+    plan = load_recipe(recipe, book.name)
     if resume and checkpoint is None:
         raise FitError("to go on takes the file of the finished stages (checkpoint)")
     conditions = chosen_constraints(book.name, constraints, without_constraints)
@@ -129,20 +143,20 @@ def fit(
         raise FitError(f"loss {loss} is for method ipopt: {method} minimizes squares")
     if plan.scales and tire_given is None:
         raise FitError(f"recipe {plan.name} scales a given tire: say which to start from (--start)")
-    recordings = [recording_of(table, signs) for table in tables]
+    recordings = recordings_from(tables, signs=signs)
     if not recordings:
         raise FitError("no table to fit")
     present = _effects(book, tire_given, effects, without)
     data = prepare(recordings, book, screening=screening, rows=rows)
     notes = list(data.notes)
     tire = _starting_tire(book, present, tire_given, data.fitted, nominal or {}, notes)
-    read = starts_from(tire, data.fitted, notes) if start == FEATURES else {}
+    read = starts_from(tire, data.fitted, notes) if features else {}
     options = {
         "rows": rows,
         "screening": str(screening),
         "loss": loss,
         "method": f"{method}, {iterations or 'usual'} iterations, seed {seed}",
-        "start": start if isinstance(start, str) else "values",
+        "start": FEATURES if features else "values",
         "constraints": ",".join(each.name for own in conditions.values() for each in own),
     }
     saved = Checkpoint(Path(checkpoint), _identity(data, tire, plan, options)) if checkpoint else None
@@ -155,11 +169,20 @@ def fit(
             session.restore(saved.load(), str(saved.path))
         session.run(saved)
     interruption.settle()
-    told = "iso" if all(recording.signs == "iso" for recording in recordings) else "adapted-sae"
-    result = replace(session.result(recordings, told, time.perf_counter() - began), method=method)
+    result = replace(session.result(recordings, time.perf_counter() - began), method=method).in_signs("iso")
     if saved and not result.interrupted:
         saved.remove()
     return result
+
+
+def _start_tire(start: TireLike) -> Tire:
+    """Return the tire to start from; where there is none of that name, "features" is a possibility, too."""
+    try:
+        return tire_from(start, "start")
+    except WrongType:
+        raise WrongType("start", start, f"a Tire, a path, the name of a published tire or {FEATURES!r}") from None
+    except UnknownName as error:
+        raise UnknownName("start", str(start), [FEATURES, *error.known]) from None
 
 
 def _identity(data: Prepared, tire: Tire, plan: Recipe, options: Mapping[str, str]) -> dict[str, str]:

@@ -11,8 +11,7 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 
 from tirefmu.symbolic.escaping import visible
-
-from .panels import write_whole
+from tirefmu.tires.drawing.style import write_whole
 
 
 def page_text(room: str, filters: Mapping[str, Callable[..., object]], **content: Any) -> str:

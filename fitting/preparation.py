@@ -4,23 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.measurements import (
-    INPUTS,
-    OUTPUTS,
     REASONS,
     Recording,
-    check_plausible,
     convention_notes,
     coverage_notes,
     group_by_condition,
     identity_notes,
-    read_recording,
     screen,
 )
 from tirefmu.symbolic.errors import DataError, FitError, UnknownName
@@ -91,31 +86,6 @@ class Prepared:
         return self.table if kept.all() else self.table[kept]
 
 
-def recording_of(table: str | Path | Recording, signs: str | None) -> Recording:
-    """Return a recording whose numbers can be fitted.
-
-    Parameters
-    ----------
-    table : path or Recording
-    signs : str, optional
-        Convention of the file, where it is not the format's default.
-
-    Returns
-    -------
-    Recording
-
-    Raises
-    ------
-    DataError
-        If it has no rows, an input is not finite, units or signs cannot be meant, or no output is measured.
-    """
-    recording = table if isinstance(table, Recording) else read_recording(table, signs=signs)
-    _check_numbers(recording)
-    check_plausible(recording)
-    recording.measured()  # says which column a misnamed channel may be
-    return recording
-
-
 def prepare(
     recordings: Sequence[Recording], book: Model, *, screening: bool = True, rows: str = "condition"
 ) -> Prepared:
@@ -139,7 +109,7 @@ def prepare(
     UnknownName
         If rows cannot count like that.
     DataError
-        If every row is set aside.
+        If a recording has no measured output, or every row is set aside.
     FitError
         If no output is measured over a varying slip.
     """
@@ -147,6 +117,8 @@ def prepare(
         raise UnknownName("way for rows to count", rows, ROWS)
     tables: list[pd.DataFrame] = []
     set_aside: list[SetAside] = []
+    for each in recordings:
+        each.measured()  # raises where there is none, and suggests which column may be a misnamed channel
     notes = [note for each in recordings for note in (*convention_notes(each), *coverage_notes(each))]
     notes += identity_notes(recordings) or tire_notes(recordings)
     unfitted: list[str] = []
@@ -169,17 +141,6 @@ def prepare(
             "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *unfitted])
         )
     return Prepared(data, tuple(set_aside), (*notes, *unfitted), rows)
-
-
-def _check_numbers(recording: Recording) -> None:
-    """Refuse what only a table made in memory can have; files are checked when they are read."""
-    if not len(recording):
-        raise DataError(f"{recording.source}: no rows")
-    for name in (*INPUTS, *OUTPUTS):
-        values = recording.table[name].to_numpy(dtype=float) if name in recording.table else np.zeros(0)
-        bad = np.flatnonzero(np.isinf(values) if name in OUTPUTS else ~np.isfinite(values))
-        if bad.size:
-            raise DataError(f"{recording.source}: row {bad[0] + 1}: {name} is {values[bad[0]]}")
 
 
 def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[SetAside, ...]]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
-from tirefmu.measurements import Recording
-from tirefmu.symbolic.errors import FitError
+from tirefmu.measurements import TableLike
+from tirefmu.symbolic.errors import FitError, path_from
 
 from .figures import draw_figures
 from .page import inlined, page_text, write_page
@@ -16,13 +16,13 @@ from .result import FitResult
 from .telling import SIGNIFICANT, told_differences, told_extrapolation, told_interval, told_ripple, told_worst
 
 
-def write_report(result: FitResult, recordings: Sequence[Recording], path: str | Path) -> None:
+def write_report(result: FitResult, recordings: TableLike | Iterable[TableLike], path: str | Path) -> None:
     """Write the report of a fit.
 
     Parameters
     ----------
     result : FitResult
-    recordings : sequence of Recording
+    recordings : path, DataFrame or Recording, or a sequence of them
         What was fitted, for the figures.
     path : str or Path
 
@@ -31,7 +31,7 @@ def write_report(result: FitResult, recordings: Sequence[Recording], path: str |
     FitError
         If the file cannot be written.
     """
-    path = Path(path)
+    path = path_from(path)
     with tempfile.TemporaryDirectory() as folder:
         drawn = draw_figures(result.tire, recordings, Path(folder))
         images = inlined(drawn)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import nan
 from typing import Any
@@ -11,12 +11,14 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires.tire import Tire
 
 from .constraints import TOLERANCE
 from .findings import Findings, find
 from .preparation import SetAside
 from .residuals import Residuals
+from .summary import fit_html, fit_text
 from .uncertainty import Direction
 
 FloatArray = npt.NDArray[np.float64]
@@ -53,6 +55,11 @@ class FittedCoefficient:
     determined: bool
     stage: str
     interval: float = nan
+
+    def mirrored(self) -> FittedCoefficient:
+        """Return the same with the opposite sign."""
+        guess, lower, upper, value = (0.0 - number for number in (self.guess, self.upper, self.lower, self.value))
+        return replace(self, guess=guess, lower=lower, upper=upper, value=value)  # 0.0 - number: no -0.0
 
 
 @dataclass(frozen=True)
@@ -162,7 +169,7 @@ class HeldOut:
     held_out: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FitResult:
     """A finished fit.
 
@@ -171,7 +178,8 @@ class FitResult:
     tire : Tire
         In ISO-W.
     signs : str
-        The formula's convention in which coefficients and bounds are told: that of the data.
+        Sign convention of ``coefficients``, ``covariance`` and ``findings``: "iso", as the tire file, unless
+        `in_signs` changed it. Margins are always in adapted SAE, in which the physical conditions are written.
     coefficients : tuple of FittedCoefficient
     channels : tuple of ChannelFit
     stages : tuple of StageFit
@@ -192,6 +200,11 @@ class FitResult:
         The fitted rows, for `findings`.
     method : str
         What solved the stages.
+    covariance : pandas.DataFrame
+        Of the coefficients by name, in their units and `signs`, under time-correlated noise: half an interval is
+        1.96 times the root of the diagonal. Rows and columns are NaN where a coefficient has no finite interval
+        (on a bound, not determined by itself, freed by no stage with all its rows). A stage takes the values of
+        earlier stages as known: between coefficients of different stages (`FittedCoefficient.stage`) it is 0.
     """
 
     tire: Tire
@@ -209,6 +222,54 @@ class FitResult:
     method: str = "ipopt"
     held_out: tuple[HeldOut, ...] = ()
     evidence: Residuals | None = field(default=None, repr=False, compare=False)
+    covariance: pd.DataFrame = field(default_factory=pd.DataFrame, compare=False)
+
+    @property
+    def correlation(self) -> pd.DataFrame:
+        """Correlation of the coefficients by name; NaN where `covariance` is, or where a variance is 0."""
+        deviation = np.sqrt(np.diag(self.covariance)) if len(self.covariance) else np.empty(0)
+        deviation = np.where(deviation > 0.0, deviation, nan)
+        return self.covariance.div(deviation, axis=0).div(deviation, axis=1)
+
+    def in_signs(self, signs: str) -> FitResult:
+        """Return the same result with coefficients in another sign convention.
+
+        Parameters
+        ----------
+        signs : {"iso", "adapted-sae"}
+            "adapted-sae" is that of the formula for data in SAE and adapted SAE.
+
+        Returns
+        -------
+        FitResult
+            With the same tire.
+
+        Raises
+        ------
+        UnknownName
+            If coefficients are not written in this convention.
+        """
+        if signs not in ("iso", "adapted-sae"):
+            raise UnknownName("sign convention of coefficients", signs, ("iso", "adapted-sae"))
+        if signs == self.signs:
+            return self
+        cards = self.tire.book.coefficients
+        turned = np.array([-1.0 if cards[name].flips else 1.0 for name in self.covariance.index])
+        return replace(
+            self,
+            signs=signs,
+            coefficients=tuple(c.mirrored() if cards[c.name].flips else c for c in self.coefficients),
+            covariance=self.covariance * np.outer(turned, turned),
+            evidence=None if self.evidence is None else replace(self.evidence, signs=signs),
+        )
+
+    def __repr__(self) -> str:
+        """Return a few lines: how the fit ended, quality by channel, what the data do not determine."""
+        return fit_text(self)
+
+    def _repr_html_(self) -> str:
+        """Return the same with tables of quality and coefficients, for a notebook."""
+        return fit_html(self)
 
     @cached_property
     def findings(self) -> Findings:
@@ -272,6 +333,10 @@ class FitResult:
         for name in ("coefficients", "channels", "stages", "margins", "directions", "set_aside", "held_out"):
             plain[name] = [vars(item) for item in getattr(self, name)]
         plain["findings"] = {name: [vars(item) for item in items] for name, items in vars(self.findings).items()}
+        known = self.covariance.index[np.isfinite(np.diag(self.covariance))] if len(self.covariance) else []
+        matrix = self.covariance.loc[known, known].to_numpy().tolist() if len(known) else []
+        plain["covariance"] = {"coefficients": list(known), "matrix": matrix}
+        plain["margins_signs"] = "adapted-sae"
         plain["notes"] = list(self.notes)
         plain["interrupted"] = self.interrupted
         return _plain(plain)  # type: ignore[no-any-return]

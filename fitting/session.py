@@ -32,7 +32,7 @@ from .recipe import Freed, Recipe, Stage
 from .residuals import Residuals
 from .restarts import best_end
 from .result import ChannelFit, FitResult, FittedCoefficient, StageFit, quality
-from .uncertainty import Direction, uncertainty
+from .uncertainty import Direction, across_stages, uncertainty
 from .verification import APPROACHED, VERIFIED, Conditions
 from .worth import weights_by_worth
 
@@ -290,8 +290,8 @@ class Session:
         squares = np.sum(weighed, axis=0) * equal_weights(rows)[0]
         return 1 - float(np.mean(squares[there.any(axis=0)]))
 
-    def result(self, recordings: Sequence[Recording], signs: str, seconds: float) -> FitResult:
-        """Tell the whole fit, coefficients in the given signs."""
+    def result(self, recordings: Sequence[Recording], seconds: float) -> FitResult:
+        """Tell the whole fit, coefficients in adapted SAE, in which it was solved."""
         if not self._stages and self._stop():
             raise KeyboardInterrupt  # there is nothing yet to keep
         if not self._stages:
@@ -307,8 +307,8 @@ class Session:
             name: value for name, value in self._tire.values.items() if not cards[name].section.endswith("_RANGE")
         }
         tire = replace(self._tire, values=values, ranges=ranges, about=about)  # the same inputs in ISO
-        told = {name: self._told(name, signs) for name in self._book.coefficients if name in self._freed}
-        intervals, directions, effective = self._uncertainty(told)
+        told = {name: self._told(name) for name in self._book.coefficients if name in self._freed}
+        intervals, directions, effective, covariance = self._uncertainty(told)
         coefficients = tuple(replace(c, interval=intervals.get(name, nan)) for name, c in told.items())
         undetermined = [c.name for c in coefficients if not c.determined]
         if undetermined:
@@ -319,11 +319,12 @@ class Session:
         ]
         table = self._data.assign(**{n: self._tire.nominal(n) for n in self._tire.inputs if n not in self._data})
         return FitResult(
-            tire.in_signs("iso"), signs, coefficients, channels,
+            tire.in_signs("iso"), self._tire.signs, coefficients, channels,
             tuple(self._stages), self._conditions.margins(self._fitted, self._tire.parameters()),
             tuple(self._notes), seconds, self._plan.name, directions,
             self._prepared.set_aside, self._interrupted(),
-            evidence=Residuals(table, tuple(distinct([r.source for r in recordings])), self._tire, signs),
+            evidence=Residuals(table, tuple(distinct([r.source for r in recordings])), self._tire, self._tire.signs),
+            covariance=covariance,
         )  # fmt: skip
 
     def _interrupted(self) -> str:
@@ -335,10 +336,14 @@ class Session:
 
     def _uncertainty(
         self, told: Mapping[str, FittedCoefficient]
-    ) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray]:
-        """Return intervals, open directions and effective rows, each from the last stage that freed or fitted it."""
+    ) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray, pd.DataFrame]:
+        """Return intervals, open directions, effective rows and covariance.
+
+        Each comes from the last stage that freed or fitted it.
+        """
         intervals: dict[str, float] = {}
         directions: tuple[Direction, ...] = ()
+        covariance = pd.DataFrame(nan, index=list(told), columns=list(told))
         effective = np.full((int(self._data["recording"].max()) + 1, len(self._tire.outputs)), nan)
         for end, problem in self._ends:
             stage = self._plan.stages[end.stage].name
@@ -348,20 +353,20 @@ class Session:
             known = uncertainty(problem, end.x, fixed)
             last = {name for name in problem.free if told[name].stage == stage}
             intervals.update({name: half for name, half in known.intervals.items() if name in last})
+            block = [name for name in known.covariance.index if name in last]
+            covariance.loc[block, block] = known.covariance.loc[block, block]
             directions += tuple(d for d in known.directions if last.intersection(d.coefficients))
             rows = effective[: len(known.effective_rows)]
             rows[known.effective_rows > 0] = known.effective_rows[known.effective_rows > 0]
-        return intervals, directions, effective
+        return intervals, directions, effective, across_stages(covariance)
 
-    def _told(self, name: str, signs: str) -> FittedCoefficient:
+    def _told(self, name: str) -> FittedCoefficient:
         freed = self._freed[name]
         card, value = self._book.coefficients[name], self._tire.values[name]
         guess, lower, upper = freed.bounds.guess, freed.bounds.lower, freed.bounds.upper
         # An interior-point solution keeps a little off its bounds.
         near = 1e-3 * max(abs(value), upper - lower if np.isfinite(upper - lower) else 0.0)
         at_bound = freed.determined and (value - lower <= near or upper - value <= near)
-        if signs == "iso" and card.flips:
-            guess, lower, upper, value = (0.0 - number for number in (guess, upper, lower, value))  # no -0.0
         return FittedCoefficient(name, card.unit, guess, lower, upper, value, at_bound, freed.determined, freed.stage)
 
     def _channels(self, recordings: Sequence[Recording], tire: Tire, effective: FloatArray) -> tuple[ChannelFit, ...]:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from .loss import LOSSES
@@ -62,11 +63,40 @@ class Uncertainty:
         What the data leave open.
     effective_rows : ndarray, shape (n_groups, n_forces)
         How many independent rows the rows of each recording's channel are worth; 0 where there are none.
+    covariance : pandas.DataFrame
+        Of the free coefficients by name, in their units; NaN in the rows and columns of those without a finite
+        interval. Half an interval is `QUANTILE` times the root of the diagonal.
     """
 
     intervals: dict[str, float]
     directions: tuple[Direction, ...]
     effective_rows: FloatArray
+    covariance: pd.DataFrame
+
+
+def across_stages(covariance: pd.DataFrame) -> pd.DataFrame:
+    """Return a covariance in which coefficients of different stages are independent.
+
+    A stage takes the coefficients of earlier stages as known, so nothing is estimated between them.
+
+    Parameters
+    ----------
+    covariance : pandas.DataFrame
+        Blocks along the diagonal, NaN elsewhere.
+
+    Returns
+    -------
+    pandas.DataFrame
+        0 between coefficients that have a variance.
+
+    Examples
+    --------
+    >>> blocks = pd.DataFrame([[4.0, np.nan, np.nan], [np.nan, 1.0, np.nan], [np.nan] * 3])
+    >>> across_stages(blocks).to_numpy().tolist()
+    [[4.0, 0.0, nan], [0.0, 1.0, nan], [nan, nan, nan]]
+    """
+    known = np.isfinite(np.diag(covariance))
+    return covariance.mask(covariance.isna() & np.outer(known, known), 0.0)
 
 
 def correlation_rows(residual: FloatArray, segment: IntArray) -> float:
@@ -136,7 +166,7 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str]) -> Uncer
     names = [name for name in problem.free if name not in fixed]
     moving = np.array([i for i, name in enumerate(problem.free) if name not in fixed], dtype=int)
     if not moving.size:
-        return Uncertainty({}, (), effective)
+        return Uncertainty({}, (), effective, pd.DataFrame(dtype=np.float64))
     values, vectors = np.linalg.eigh(curvature[np.ix_(moving, moving)])
     held = values > LEAST_CURVATURE * max(float(values[-1]), 0.0)
     inverse = np.where(held, 1.0 / np.where(held, values, 1.0), 0.0)
@@ -152,8 +182,13 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str]) -> Uncer
     spread[open_, open_] = OPEN**2
     variance = np.einsum("ik,kl,il->i", vectors, spread, vectors)
     lost = np.sum(vectors[:, open_] ** 2, axis=1) > TAKES_PART
-    half = np.where(lost, np.inf, QUANTILE * np.sqrt(np.maximum(variance, 0.0)) * problem.scale[moving])
-    return Uncertainty(dict(zip(names, half.tolist(), strict=True)), directions, effective)
+    scale = problem.scale[moving]
+    half = np.where(lost, np.inf, QUANTILE * np.sqrt(np.maximum(variance, 0.0)) * scale)
+    covariance = vectors @ spread @ vectors.T * np.outer(scale, scale)
+    np.fill_diagonal(covariance, np.maximum(variance, 0.0) * scale**2)
+    covariance[lost, :] = covariance[:, lost] = np.nan
+    named = pd.DataFrame(covariance, index=names, columns=names)
+    return Uncertainty(dict(zip(names, half.tolist(), strict=True)), directions, effective, named)
 
 
 def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -6,16 +6,14 @@ at an inclination and a pressure, with its up and down sweeps and its repeats.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.measurements import Recording, group_by_condition, read_recording
-from tirefmu.symbolic import DEFAULT_MODEL
+from tirefmu.measurements import Recording, TableLike, group_by_condition, recordings_from
 from tirefmu.symbolic.errors import FitError
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
@@ -29,8 +27,8 @@ FloatArray = npt.NDArray[np.float64]
 
 
 def cross_validate(
-    tables: Sequence[str | Path | Recording],
-    model: str = DEFAULT_MODEL,
+    tables: TableLike | Iterable[TableLike],
+    model: str | None = None,
     *,
     folds: int = 4,
     seed: int = 0,
@@ -41,8 +39,9 @@ def cross_validate(
 
     Parameters
     ----------
-    tables : sequence of path or Recording
-    model : str
+    tables : path, DataFrame or Recording, or a sequence of them
+    model : str, optional
+        As for `tirefmu.fitting.fit`.
     folds : int
         Into how many parts the conditions of every recording are dealt, at random.
     seed : int
@@ -60,10 +59,10 @@ def cross_validate(
     FitError
         If there are fewer than two folds, or fewer conditions than folds in every recording.
     """
-    signs = options.pop("signs", None)
-    recordings = [t if isinstance(t, Recording) else read_recording(t, signs=signs) for t in tables]
+    recordings = recordings_from(tables, signs=options.pop("signs", None))
     parts = deal(recordings, folds, seed)
     whole = fit(recordings, model, **options) if whole is None else whole
+    model = whole.tire.model
     # The nominal values belong to the meaning of the coefficients: those of the whole.
     nominal = {name: whole.tire.values[key] for name, key in NOMINAL.items() if key in whole.tire.values}
     foretold = [np.full((len(recording), len(whole.tire.outputs)), np.nan) for recording in recordings]
@@ -84,12 +83,12 @@ def cross_validate(
     )
 
 
-def deal(recordings: Sequence[Recording], folds: int, seed: int = 0) -> list[npt.NDArray[np.int64]]:
+def deal(tables: TableLike | Iterable[TableLike], folds: int, seed: int = 0) -> list[npt.NDArray[np.int64]]:
     """Return the fold of each row of each recording.
 
     Parameters
     ----------
-    recordings : sequence of Recording
+    tables : path, DataFrame or Recording, or a sequence of them
     folds, seed : int
 
     Returns
@@ -103,7 +102,7 @@ def deal(recordings: Sequence[Recording], folds: int, seed: int = 0) -> list[npt
     """
     if folds < 2:
         raise FitError(f"{folds} folds: it takes two at least")
-    parts = [_dealt(recording, folds, np.random.default_rng(seed)) for recording in recordings]
+    parts = [_dealt(recording, folds, np.random.default_rng(seed)) for recording in recordings_from(tables)]
     if not any(len(set(part)) == folds for part in parts):
         raise FitError(f"{folds} folds need as many held conditions in some recording")
     return parts

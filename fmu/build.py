@@ -12,10 +12,11 @@ import uuid
 import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
-from tirefmu.symbolic.errors import FmuError
+from tirefmu.symbolic.errors import FmuError, WrongType, path_from
 from tirefmu.symbolic.reserved import C_KEYWORDS
-from tirefmu.tires import Tire, write_tir
+from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 
 from .binaries import binaries, chosen_platforms
 from .description import Header, model_description
@@ -33,10 +34,10 @@ KINDS = {"native": VERSIONS, "pythonfmu": (2,)}
 
 
 def export(
-    tire: Tire,
+    tire: TireLike,
     path: str | os.PathLike[str],
     *,
-    fmi: int | None = None,
+    fmi: int | float | str | None = None,
     inputs: str = "slip",
     axes: str = "iso",
     quantities: bool = False,
@@ -54,11 +55,11 @@ def export(
 
     Parameters
     ----------
-    tire : Tire
+    tire : Tire, path of a .tir file, or name of a published tire
     path : path-like
         The file to write. Its name is the model identifier as far as C allows.
-    fmi : {3, 2}
-        Version of the standard; the latest that the kind speaks where None.
+    fmi : {3, 2, "3.0", "2.0"}, optional
+        Version of the standard, as a number or a text; where None, the latest that the kind supports.
     inputs : {"slip", "wheel"}
         ``slip``: kappa, alpha, gamma, Fz and so on, as the model reads them. ``wheel``: velocities V_x and V_y of
         the contact point and the turning speed omega in their place; slips and rolling radius are found inside,
@@ -85,6 +86,10 @@ def export(
     FmuError
         If the version, the inputs or a platform are unknown, there is no C compiler or it fails, or the file
         cannot be written. No half-written file is left.
+    UnknownName
+        If there is neither a file nor a published tire of that name.
+    WrongType
+        If the tire, the path or the version is of another type.
 
     References
     ----------
@@ -92,34 +97,68 @@ def export(
 
     Examples
     --------
-    >>> from tirefmu.tires import published
-    >>> export(published("trento_hoosier"), "tire.fmu").name
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     export("trento_hoosier", Path(folder) / "tire.fmu", fmi="2.0").name
     'tire.fmu'
     """
     if kind not in KINDS:
         raise FmuError(f"kind {kind!r} is not known: known are {', '.join(KINDS)}")
-    if fmi is None:
-        fmi = max(KINDS[kind])
-    if fmi not in VERSIONS:
-        raise FmuError(f"FMI {fmi} is not known: known are 2 and 3")
-    if fmi not in KINDS[kind]:
-        raise FmuError(f"the {kind} variant speaks FMI {KINDS[kind][0]} only, not FMI {fmi}")
+    version = max(KINDS[kind]) if fmi is None else fmi_version(fmi)
+    if version not in KINDS[kind]:
+        raise FmuError(f"the {kind} variant speaks FMI {KINDS[kind][0]} only, not FMI {version}")
     for what, given, known in (("inputs", inputs, INPUTS), ("axes", axes, AXES)):
         if given not in known:
             raise FmuError(f"{what} {given!r} are not known: known are {', '.join(known)}")
     if kind == "pythonfmu" and (inputs, axes, quantities) != ("slip", "iso", False):
         raise FmuError("the pythonfmu variant has slip inputs, ISO axes and the forces only")
     wanted = chosen_platforms(platforms)
-    target = Path(path)
+    target, tire = path_from(path), tire_from(tire)
     identifier = c_identifier(target.stem)
-    files = contents(tire, fmi, identifier, kind, inputs=inputs, axes=axes, quantities=quantities)
+    files = contents(tire, version, identifier, kind, inputs=inputs, axes=axes, quantities=quantities)
     if kind == "pythonfmu":
         _write_zip(target, files)
         return target
     code = {name.removeprefix("sources/"): text for name, text in files.items() if name.endswith((".c", ".h"))}
-    libraries = binaries(code, tire.model, fmi_headers(), fmi, identifier, wanted)
+    libraries = binaries(code, tire.model, fmi_headers(), version, identifier, wanted)
     _write_zip(target, {**files, **libraries})
     return target
+
+
+def fmi_version(fmi: Any) -> int:
+    """Return a version of FMI that was given as a number or a text.
+
+    Parameters
+    ----------
+    fmi : int, float or str
+        2, 3, 2.0, 3.0, "2", "3", "2.0" or "3.0".
+
+    Returns
+    -------
+    int
+
+    Raises
+    ------
+    FmuError
+        If tirefmu does not write this version.
+    WrongType
+        If it is neither a number nor a text.
+
+    Examples
+    --------
+    >>> fmi_version("3"), fmi_version(2.0)
+    (3, 2)
+    >>> fmi_version("1.0")
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.FmuError: FMI 1.0 is not known: known are 2 and 3
+    """
+    if isinstance(fmi, bool) or not isinstance(fmi, (int, float, str)):
+        raise WrongType("fmi", fmi, "2 or 3, as a number or a text")
+    known = {text: version for version in VERSIONS for text in (str(version), f"{version}.0")}
+    if str(fmi).strip() not in known:
+        raise FmuError(f"FMI {fmi} is not known: known are 2 and 3")
+    return known[str(fmi).strip()]
 
 
 def contents(

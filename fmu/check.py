@@ -14,13 +14,12 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.measurements.plausibility import check_plausible
-from tirefmu.measurements.reading import read_recording
-from tirefmu.measurements.recording import Recording
+from tirefmu.measurements.table_argument import TableLike, recording_from
 from tirefmu.symbolic.bounded_file import read_bounded
-from tirefmu.symbolic.errors import DataError, FmuError, TirefmuError
+from tirefmu.symbolic.errors import DataError, FmuError, TirefmuError, path_from
 from tirefmu.symbolic.escaping import visible
 from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire, read_tir
+from tirefmu.tires.notebook import html_summary, html_table
 from tirefmu.tires.signs import convert_signs
 
 from .archive import unpacked
@@ -88,7 +87,7 @@ class Channel:
     worst: WorstPoint
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class CheckResult:
     """The answer of `check`.
 
@@ -154,6 +153,17 @@ class CheckResult:
             "channels": {channel.name: _channel_json(channel) for channel in self.channels},
         }
 
+    def __repr__(self) -> str:
+        """Return the comparison as a table of a few lines."""
+        return str(self)
+
+    def _repr_html_(self) -> str:
+        """Return the same as HTML, for a notebook."""
+        first, _, *rest = str(self).split("\n")
+        rows = [(c.name, c.measured, c.rmse, c.unit, c.relative_rmse, c.r2, c.r2_uncentred) for c in self.channels]
+        header = ["channel", "rows", "RMSE", "unit", "of max", "R2", "R2 uncentred"]
+        return html_summary(first, html_table(header, rows), html_summary("\n".join(rest[len(rows) :])))
+
     def __str__(self) -> str:
         lines = [
             f"{self.fmu} (FMI {self.fmi_version}) against {self.source}: {self.rows} rows, "
@@ -176,7 +186,7 @@ class CheckResult:
 
 def check(
     fmu_path: str | os.PathLike[str],
-    recording: Recording | pd.DataFrame | str | os.PathLike[str],
+    recording: TableLike,
     *,
     signs: str | None = None,
     tolerance: float | None = None,
@@ -198,7 +208,7 @@ def check(
         An input that it lacks keeps the FMU's start value, one that the FMU lacks has no influence. NaN in
         an output is "not measured".
     signs : str, optional
-        The convention of the recording, if it does not say (a DataFrame: iso).
+        The convention of a file or a DataFrame; where None that of the file's format, for a DataFrame iso.
     tolerance : float, optional
         What `CheckResult.ok` asks of every channel: RMSE as a share of the largest measured magnitude.
     timeout : float, optional
@@ -215,6 +225,8 @@ def check(
     DataError
         If the recording cannot be read, is in units or signs that cannot be meant, has a NaN in an input, or
         none of the FMU's inputs or outputs.
+    WrongType
+        If the path or the recording is of another type.
 
     Examples
     --------
@@ -227,9 +239,8 @@ def check(
     >>> result.ok, round(result.channels[0].r2, 6)
     (True, 1.0)
     """
-    given = _recording(recording, signs)
-    check_plausible(given)
-    given = given.with_signs("iso")
+    fmu_path = path_from(fmu_path, "fmu_path")
+    given = recording_from(recording, signs=signs, parameter="recording").with_signs("iso")
     table, segments = given.table, given.segments()
     with unpacked(fmu_path) as folder:
         description = read_description(fmu_path, folder)
@@ -309,15 +320,6 @@ def _carried_tire(folder: Path, fmu_path: str | os.PathLike[str], outputs: Itera
 def _unit(variable: Any) -> str:
     """Return the unit of a variable as the FMU writes it, for a table's column."""
     return quoted(variable.unit or "")[:LONGEST_UNIT]
-
-
-def _recording(given: Recording | pd.DataFrame | str | os.PathLike[str], signs: str | None) -> Recording:
-    """Return what was given as a recording."""
-    if isinstance(given, Recording):
-        return given if signs is None else Recording(given.table, signs, given.source, given.about)
-    if isinstance(given, pd.DataFrame):
-        return Recording(given, signs or "iso", "table")
-    return read_recording(given, signs=signs)
 
 
 def _columns(variables: Mapping[str, Any], names: Iterable[str], causality: str) -> list[str]:

@@ -21,6 +21,7 @@ from .programs import (
 from .reading import READERS, read_recording
 from .recording import Recording
 from .screening import REASONS, Screening, screen
+from .table_argument import TableLike, recording_from, recordings_from
 from .units import to_si
 from .writing import write_table
 
@@ -42,6 +43,7 @@ __all__ = [
     "Program",
     "Recording",
     "Screening",
+    "TableLike",
     "TestedTire",
     "VirtualBench",
     "alpha_sweeps",
@@ -61,6 +63,8 @@ __all__ = [
     "outliers",
     "phases",
     "read_recording",
+    "recording_from",
+    "recordings_from",
     "screen",
     "select",
     "small_tire_program",

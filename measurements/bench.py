@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.symbolic.errors import DataError
+from tirefmu.tires import tire_from
 from tirefmu.tires.signs import convert_signs
 
 from .channels import CHANNELS, OUTPUTS
@@ -39,7 +40,7 @@ class VirtualBench:
 
     Parameters
     ----------
-    tire : TestedTire
+    tire : Tire, path of a .tir file, name of a published tire, or TestedTire
     noise : Noise
         Of inputs and outputs; default about an FSAE TTC bench.
     seed : int
@@ -57,9 +58,13 @@ class VirtualBench:
     ('virtual bench: alpha sweeps', 'iso', 1201)
     """
 
-    tire: TestedTire
+    tire: Any  # of the user: a TestedTire once the bench is made
     noise: Noise = field(default_factory=Noise)
     seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not all(hasattr(self.tire, name) for name in ("signs", "inputs", "forces")):
+            object.__setattr__(self, "tire", tire_from(self.tire))
 
     def run(self, program: Program) -> Recording:
         """Run a program and return its recording.

@@ -7,7 +7,7 @@ from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.tires.signs import reversed_columns
 
 from .csv_table import read_csv_table
@@ -63,7 +63,7 @@ def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Re
     >>> recording.signs, recording.table.round(4).iloc[0].to_dict()
     ('iso', {'alpha': 0.0349, 'Fz': 1500.0, 'Fy': -900.0})
     """
-    file = Path(path)
+    file = path_from(path)
     if file.suffix.lower() not in READERS:
         raise DataError(f"{file}: unknown kind of recording {file.suffix!r}: known are {', '.join(READERS)}")
     reader, usual_signs = READERS[file.suffix.lower()]

@@ -13,13 +13,14 @@ from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.signs import convert_signs, reversed_columns
 
 from .channels import OUTPUTS, intended_channel
+from .summary import recording_html, recording_text
 
 #: A step of the clock longer than this many usual steps ends a segment: between two sweeps a bench
 #: stops logging for seconds, while single lost samples belong to the sweep.
 GAP = 5.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """What a bench recorded, in SI.
 
@@ -58,6 +59,14 @@ class Recording:
     def __len__(self) -> int:
         """Return the number of rows."""
         return len(self.table)
+
+    def __repr__(self) -> str:
+        """Return a few lines: source, rows, signs, range of each channel."""
+        return recording_text(self)
+
+    def _repr_html_(self) -> str:
+        """Return the same as a table, for a notebook."""
+        return recording_html(self)
 
     def with_signs(self, target: str) -> Recording:
         """Return the same recording written in another sign convention.

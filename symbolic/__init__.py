@@ -40,7 +40,7 @@ def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
     >>> model("mf96").title
     'Magic Formula 1996, Trento form'
     """
-    if name not in MODELS:
+    if name not in tuple(MODELS):  # a value that has no hash is unknown, too
         raise UnknownName("model", name, MODELS)
     if not added:
         return MODELS[name]

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import difflib
+import os
+import reprlib
 from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
 
 from .escaping import shortened, visible
 
@@ -50,7 +54,33 @@ class UnknownName(TirefmuError):
 
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         self.kind, self.name, self.known = kind, name, tuple(known)
-        super().__init__(f"unknown {kind} {name!r}{nearest(name, self.known)}")
+        super().__init__(f"unknown {kind} {name!r}{nearest(str(name), self.known)}")
+
+
+class WrongType(TirefmuError, TypeError):
+    """A value of a type that a parameter does not accept.
+
+    Parameters
+    ----------
+    parameter : str
+        Name of the parameter.
+    value : object
+        The value as it was given.
+    accepted : str
+        What the parameter accepts, as the end of a sentence.
+
+    Examples
+    --------
+    >>> print(WrongType("table", None, "a path, a DataFrame or a Recording"))
+    table is None: it has to be a path, a DataFrame or a Recording
+    >>> print(WrongType("tire", [1, 2], "a Tire or a path"))
+    tire is [1, 2] (list): it has to be a Tire or a path
+    """
+
+    def __init__(self, parameter: str, value: object, accepted: str) -> None:
+        self.parameter, self.accepted = parameter, accepted
+        shown = "None" if value is None else f"{reprlib.repr(value)} ({type(value).__name__})"
+        super().__init__(f"{parameter} is {' '.join(shown.split())}: it has to be {accepted}")
 
 
 class ModelError(TirefmuError):
@@ -107,3 +137,35 @@ def nearest(name: str, known: Iterable[str]) -> str:
     if names and len(names) <= 12:
         return f": known are {', '.join(names)}"
     return ""
+
+
+def path_from(value: Any, parameter: str = "path") -> Path:
+    """Return a path given as str or path-like.
+
+    Parameters
+    ----------
+    value : str or path-like
+    parameter : str
+        Name of the parameter, for the message.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    WrongType
+        If it is neither.
+
+    Examples
+    --------
+    >>> path_from("tires/front.tir").name
+    'front.tir'
+    >>> path_from(3)
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.WrongType: path is 3 (int): it has to be a str or a Path
+    """
+    if not isinstance(value, (str, os.PathLike)):
+        raise WrongType(parameter, value, "a str or a Path")
+    return Path(value)

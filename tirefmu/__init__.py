@@ -9,19 +9,24 @@ from typing import TYPE_CHECKING, Any
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import Tire, published
 from tirefmu.tires import read_tir as load
+from tirefmu.tires.table_argument import read_tables_with
+
+from .evaluation import evaluate
 
 if TYPE_CHECKING:
     from tirefmu.diagnosis import Diagnosis, diagnose
     from tirefmu.fitting import FitResult, fit
     from tirefmu.fmu import CheckResult, check, export
     from tirefmu.measurements import Recording, VirtualBench, read_recording
+    from tirefmu.tires.drawing import draw
 
 __version__ = version("tirefmu")
 
-#: Names of rooms that bring large libraries along: imported when first asked for.
+#: Names from packages that import large libraries, loaded on first access.
 _ON_DEMAND = {
     "diagnose": "diagnosis",
     "Diagnosis": "diagnosis",
+    "draw": "tires.drawing",
     "fit": "fitting",
     "FitResult": "fitting",
     "export": "fmu",
@@ -42,6 +47,8 @@ __all__ = [
     "VirtualBench",
     "check",
     "diagnose",
+    "draw",
+    "evaluate",
     "export",
     "fit",
     "load",
@@ -54,3 +61,16 @@ def __getattr__(name: str) -> Any:
     if name not in _ON_DEMAND:
         raise AttributeError(f"module 'tirefmu' has no attribute {name!r}")
     return getattr(import_module(f"tirefmu.{_ON_DEMAND[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return list(__all__)
+
+
+def _recording(table: Any, signs: str | None) -> Recording:
+    from tirefmu.measurements import recording_from
+
+    return recording_from(table, signs=signs)
+
+
+read_tables_with(_recording)

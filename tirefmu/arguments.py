@@ -5,19 +5,16 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from tirefmu.symbolic import DEFAULT_MODEL, MODELS
-from tirefmu.symbolic.errors import TirefmuError, UnknownName
-
-if TYPE_CHECKING:
-    from tirefmu.tires import Tire
+from tirefmu.symbolic.errors import TirefmuError
 
 #: Option of the commands that begin without a tire.
 MODEL = click.option(
-    "--model", default=DEFAULT_MODEL, show_default=True, help=f"Model of the tire: {', '.join(MODELS)}."
+    "--model", help=f"Model: {', '.join(MODELS)}.  [default: that of the given tire, else {DEFAULT_MODEL}]"
 )
 SIGNS = click.Choice(["iso", "sae", "adapted-sae"])
 FILE = click.Path(path_type=Path)
@@ -66,25 +63,6 @@ def common(command: Callable[..., Any]) -> Callable[..., Any]:
         command
     )
     return click.option("--quiet", is_flag=True, help="Print nothing but errors.")(command)
-
-
-def tire_named(given: Path) -> Tire:
-    """Return the tire of a .tir file, or the published one of that name where there is no such file."""
-    from tirefmu.tires import PUBLISHED, published, read_tir
-
-    name = str(given)
-    if given.exists() or (name not in PUBLISHED and given.suffix):
-        return read_tir(given)
-    if name not in PUBLISHED:
-        raise UnknownName("tire file or published tire", name, PUBLISHED)
-    return published(name)
-
-
-def start_named(given: Path | None) -> Tire | str | None:
-    """Return what a fit starts from: a tire, or the word for what the data show by themselves."""
-    if given is None or (str(given) == "features" and not given.exists()):
-        return None if given is None else str(given)
-    return tire_named(given)
 
 
 def check_places(*files: Path | None, folder: Path | None = None) -> None:

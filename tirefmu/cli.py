@@ -16,20 +16,9 @@ import click
 
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.escaping import shortened, visible
+from tirefmu.tires import tire_from
 
-from .arguments import (
-    FILE,
-    MODEL,
-    SIGNS,
-    Numbers,
-    Pairs,
-    check_places,
-    common,
-    names,
-    start_named,
-    tire_named,
-    write_json,
-)
+from .arguments import FILE, MODEL, SIGNS, Numbers, Pairs, check_places, common, names, write_json
 from .diagnose_command import diagnose
 from .terminal import Terminal
 
@@ -111,13 +100,12 @@ def evaluate(
 
     Where TABLE has a column t and TIRE a relax_* effect, slips lag behind the inputs.
     """
-    from tirefmu.measurements import check_plausible, read_recording, write_table
+    from tirefmu.measurements import recording_from, write_table
 
     terminal = Terminal(quiet)
     check_places(output, json_file)
-    loaded = tire_named(tire)
-    recording = read_recording(table, signs=signs)
-    check_plausible(recording)
+    loaded = tire_from(tire)
+    recording = recording_from(table, signs=signs)
     with terminal.working(f"evaluating {len(recording)} rows"):
         result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
         write_table(result, output)
@@ -163,7 +151,7 @@ def evaluate(
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @common
 def fit(
-    tables: tuple[Path, ...], model: str, output: Path, start: Path | None, effects: tuple[str, ...] | None,
+    tables: tuple[Path, ...], model: str | None, output: Path, start: Path | None, effects: tuple[str, ...] | None,
     without: tuple[str, ...], recipe: str | None, method: str, iterations: int | None, seed: int,
     constraint: tuple[str, ...], without_constraint: tuple[str, ...], loss: str,
     nominal: dict[str, float] | None, signs: str | None, all_rows: bool, rows: str, resume: bool, folds: int | None,
@@ -177,16 +165,16 @@ def fit(
     from tirefmu.fitting import cross_validate, deal
     from tirefmu.fitting import fit as run
     from tirefmu.fitting.figures import draw_figures
-    from tirefmu.measurements import read_recording
+    from tirefmu.measurements import recordings_from
 
     terminal = Terminal(quiet)
     check_places(output, json_file, report, folder=figures)
-    recordings = [read_recording(table, signs=signs) for table in tables]
+    recordings = recordings_from(tables, signs=signs)
     if folds:
         deal(recordings, folds)  # says before the work what cannot be
     finished_stages = output.with_name(f"{output.stem}.progress.json")
     options: dict[str, Any] = {
-        "start": start_named(start), "effects": effects, "without": without, "recipe": recipe,
+        "start": None if start is None else str(start), "effects": effects, "without": without, "recipe": recipe,
         "method": method, "iterations": iterations, "seed": seed, "nominal": nominal,
         "screening": not all_rows, "rows": rows, "loss": loss, "constraints": constraint,
         "without_constraints": without_constraint,
@@ -255,7 +243,7 @@ def export(
 
     terminal = Terminal(quiet)
     check_places(output, json_file)
-    loaded = tire_named(tire)
+    loaded = tire_from(tire)
     version = int(fmi) if fmi else 3 if kind == "native" else 2
     with terminal.working("compiling" if kind == "native" else "packing"):
         written = run(
@@ -317,8 +305,8 @@ def info(tire: Path, every: bool, quiet: bool, json_file: Path | None) -> int:
     from .description import describe
 
     check_places(json_file)
-    loaded = tire_named(tire)
-    told = describe(loaded, read_tir_with_notes(tire).notes if tire.exists() else ())
+    loaded = tire_from(tire)
+    told = describe(loaded, read_tir_with_notes(tire).notes if tire.is_file() else ())
     write_json(json_file, told)
     Terminal(quiet).tire(loaded, told, every)
     return 0
@@ -336,12 +324,12 @@ def draw(
     json_file: Path | None,
 ) -> int:  # fmt: skip
     """Draw TIRE: pure curves, surfaces of Fx and Fy over both slips, Fy against Fx; per load."""
-    from .drawing import draw as run
-    from .drawing import usual_loads
+    from tirefmu.tires.drawing import draw as run
+    from tirefmu.tires.drawing import usual_loads
 
     terminal = Terminal(quiet)
     check_places(json_file, folder=output)
-    loaded = tire_named(tire)
+    loaded = tire_from(tire)
     loads = usual_loads(loaded) if loads is None else loads
     with terminal.working("drawing"):
         drawn = run(loaded, output, loads=loads, signs=signs, suffix=suffix)

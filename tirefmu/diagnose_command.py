@@ -7,9 +7,11 @@ from typing import Any
 
 import click
 
+from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.tires import tire_from
 
-from .arguments import FILE, MODEL, SIGNS, Pairs, check_places, common, names, tire_named, write_json
+from .arguments import FILE, MODEL, SIGNS, Pairs, check_places, common, names, write_json
 from .terminal import Terminal
 
 
@@ -28,29 +30,28 @@ from .terminal import Terminal
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for diagnosis.json, report.html, tires, FMUs.")
 @common
 def diagnose(
-    table: Path, tire: Path | None, model: str, effects: tuple[str, ...] | None, nominal: dict[str, float] | None,
+    table: Path, tire: Path | None, model: str | None, effects: tuple[str, ...] | None, nominal: dict[str, float] | None,
     signs: str | None, candidates: tuple[str, ...] | None, own: tuple[Path, ...], others: tuple[Path, ...], fmus: bool,
     output: Path, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Find the effect that a tire model lacks to explain the recording TABLE, add it, and show the gap shrink."""
     from tirefmu.diagnosis import diagnose as run
     from tirefmu.diagnosis import export_and_simulate, write_report
-    from tirefmu.measurements import check_plausible, read_recording
+    from tirefmu.measurements import recordings_from
 
     terminal = Terminal(quiet)
     check_places(json_file, folder=output)
     if others and not fmus:
         raise TirefmuError("--holdout is what FMUs are simulated over: not together with --no-fmu")
-    recording, *further = (read_recording(path, signs=signs) for path in (table, *others))
+    recording, *further = recordings_from([table, *others], signs=signs)
     for one in (recording, *further):
-        check_plausible(one)
         one.measured()  # refuses a table without a measured output
-    started = tire_named(tire) if tire else None
+    started = tire_from(tire) if tire else None
     own_effects = [own_effect(path) for path in own]
     tried = [*own_effects, *(candidates or ())] or None
     with terminal.working("diagnosing"):
         result = run(
-            recording.table, signs=recording.signs, model=model, effects=effects or (), nominal=nominal, tire=started,
+            recording, model=model or DEFAULT_MODEL, effects=effects or (), nominal=nominal, tire=started,
             candidates=tried, progress=terminal.print,
         )  # fmt: skip
         path = result.save(output)

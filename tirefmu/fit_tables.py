@@ -134,7 +134,7 @@ def _margins(result: FitResult) -> Table:
 
     table = plain_table(
         "constraint", "tightest", "margin", "at", "margin beyond", "",
-        title="Constraints, verified over the operating range",
+        title="Constraints, verified over the operating range (adapted-sae signs)",
     )  # fmt: skip
     for c in told_conditions(result.margins):
         beyond = "" if c.beyond is None else f"{c.beyond.margin:.3g}"
@@ -155,7 +155,7 @@ def _differences(result: FitResult) -> Iterator[Table]:
         return
     table = plain_table(
         "first", "second", "channel", "difference", "sigmas", "most", "unit", "mostly at",
-        title="Where the data differ from themselves at equal conditions and slips",
+        title=f"Where the data differ from themselves at equal conditions and slips ({result.signs} signs)",
     )  # fmt: skip
     for d in differences:
         table.add_row(

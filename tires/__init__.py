@@ -5,6 +5,7 @@ from .published import PUBLISHED, published
 from .signs import SIGNS, TABLE_INPUTS, TABLE_OUTPUTS, convert_signs
 from .tir import read_tir, write_tir
 from .tire import Tire
+from .tire_argument import TireLike, tire_from
 
 __all__ = [
     "PUBLISHED",
@@ -13,8 +14,10 @@ __all__ = [
     "TABLE_OUTPUTS",
     "Forces",
     "Tire",
+    "TireLike",
     "convert_signs",
     "published",
     "read_tir",
+    "tire_from",
     "write_tir",
 ]

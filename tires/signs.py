@@ -53,7 +53,7 @@ def reversed_columns(source: str, target: str) -> frozenset[str]:
     ['Fz', 'alpha']
     """
     for signs in (source, target):
-        if signs not in REVERSED:
+        if signs not in SIGNS:
             raise UnknownName("sign convention", signs, SIGNS)
     return REVERSED[source] ^ REVERSED[target]
 

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from tirefmu.symbolic import model, with_library
 from tirefmu.symbolic.added import AddedEffect, read_effect
-from tirefmu.symbolic.errors import TirefmuError, TirError, UnknownName, nearest
+from tirefmu.symbolic.errors import TirefmuError, TirError, UnknownName, nearest, path_from
 from tirefmu.symbolic.model import INDISPENSABLE, Model
 
 from .tir_model import model_of
@@ -102,7 +102,7 @@ def read_tir_with_notes(path: str | Path) -> TirReading:
     TirError
         As `read_tir` does.
     """
-    return _Reader(Path(path)).reading()
+    return _Reader(path_from(path)).reading()
 
 
 class _Reader:

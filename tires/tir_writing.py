@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from tirefmu.symbolic.added import effect_text, library
-from tirefmu.symbolic.errors import TirError
+from tirefmu.symbolic.errors import TirError, path_from
 from tirefmu.symbolic.escaping import visible
 
 from .tir_names import (
@@ -42,7 +42,7 @@ def write_tir(tire: Tire, path: str | Path) -> None:
     TirError
         If the file cannot be written.
     """
-    path = Path(path)
+    path = path_from(path)
     text = tir_text(tire)
     try:
         with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as scratch:

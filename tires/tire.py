@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +26,11 @@ from .code import Code, code_for, fastest_code
 from .evaluation import Conventions, evaluate
 from .forces import Forces
 from .signs import TABLE_INPUTS
+from .summary import tire_html, tire_text
+from .table_argument import table_from
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -38,7 +44,7 @@ RANGES = {
 }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Tire:
     """A tire with values for every coefficient of its model.
 
@@ -219,6 +225,40 @@ class Tire:
         given = {name: value for name, value in self.values.items() if name not in self.defaulted}
         return replace(self, values=_mirrored(self.book.coefficients, given), signs=signs)
 
+    def with_values(self, **coefficients: float) -> Tire:
+        """Return the same tire with other values of some coefficients.
+
+        Parameters
+        ----------
+        **coefficients : float
+            By .tir name, SI, in the signs of the tire. Bounds of a fit are not enforced.
+
+        Returns
+        -------
+        Tire
+
+        Raises
+        ------
+        UnknownName
+            If the model has no such coefficient.
+        TireError
+            If a value is not a finite number, or only an effect that the tire does not have reads it.
+
+        Examples
+        --------
+        >>> from tirefmu.tires import published
+        >>> softer = published("trento_hoosier").with_values(PDY1=2.5)
+        >>> softer.values["PDY1"]
+        2.5
+        """
+        given = {name: value for name, value in self.values.items() if name not in self.defaulted}
+        changed = replace(self, values={**given, **coefficients})
+        for name, value in coefficients.items():
+            if changed.values[name] != float(value):
+                effects = [effect for effect in self.book.effects if name in self.book.owned(effect)]
+                raise TireError(f"{name} has no influence: the tire does not have {' or '.join(effects)}")
+        return changed
+
     def nominal(self, name: str) -> float:
         """Return the value of an input that nobody gave."""
         (quantity,) = (quantity for quantity in self.book.inputs if quantity.name == name)
@@ -260,9 +300,9 @@ class Tire:
 
     def evaluate(
         self,
-        table: pd.DataFrame,
+        table: pd.DataFrame | Any,
         *,
-        signs: str = "iso",
+        signs: str | None = None,
         convention: str = "tno",
         slip_angle: str = "tan",
         limits: bool = False,
@@ -275,12 +315,14 @@ class Tire:
 
         Parameters
         ----------
-        table : pandas.DataFrame
+        table : pandas.DataFrame, path or Recording
             Input columns in SI units, with the names of the public tables; an absent one takes the nominal
-            value, other columns are left aside.
-        signs : {"iso", "adapted-sae", "sae"}
-            The table's convention; the result comes back in it. Named quantities are those of the formula
-            written in it ("sae": in adapted SAE).
+            value, other columns are left aside. Files and recordings are checked as every command does; a
+            DataFrame may hold any finite inputs.
+        signs : {"iso", "adapted-sae", "sae"}, optional
+            The table's convention; the result comes back in it. Where None: "iso" for a DataFrame, that of the
+            format for a file, a recording's own. Named quantities are those of the formula written in it
+            ("sae": in adapted SAE).
         convention : {"tno", "book"}
             As the industry's solvers compute, or as Pacejka (2012), section 4.E, prints. MF96 has one form.
         slip_angle : {"tan", "angle"}
@@ -309,11 +351,21 @@ class Tire:
         Raises
         ------
         DataError
-            If an input is NaN or infinite.
+            If an input is NaN or infinite, or a file or recording cannot be used.
         UnknownName
             If a convention does not exist.
+        WrongType
+            If it is not a table.
+
+        Examples
+        --------
+        >>> from tirefmu.tires import published
+        >>> table = pd.DataFrame({"alpha": [0.0, -0.1], "Fz": 1000.0})
+        >>> published("trento_hoosier").evaluate(table)["Fy"].round().tolist()
+        [-89.0, 1948.0]
         """
-        conventions = Conventions(signs, convention, slip_angle, limits, mirror, steady, hold)
+        table, written = table_from(table, signs)
+        conventions = Conventions(written, convention, slip_angle, limits, mirror, steady, hold)
         return evaluate(self, table, conventions, self._code(code, len(table)))
 
     def save(self, path: str | Path) -> None:
@@ -326,6 +378,49 @@ class Tire:
         from .tir import write_tir  # the file format knows the tire, not the tire the format
 
         write_tir(self, path)
+
+    def plot(self, kind: str = "pure", *, loads: Sequence[float] | None = None, signs: str = "iso") -> Figure:
+        r"""Draw the tire.
+
+        Parameters
+        ----------
+        kind : {"pure", "surfaces", "combined"}
+            Fx over kappa, Fy and Mz over alpha in pure slip; Fx and Fy over both slips; Fy against Fx.
+        loads : sequence of float, N, optional
+            Three over the tire's range where None. Surfaces are drawn at the middle one.
+        signs : {"iso", "adapted-sae", "sae"}
+            Convention in which the figure is drawn.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+            Of its own, not one of pyplot's: ``figure.savefig("tire.png")`` writes it.
+
+        Raises
+        ------
+        UnknownName
+            If the kind or the convention does not exist.
+        TirefmuError
+            If a load is not positive, or the tire makes no force or one that is not finite.
+
+        Examples
+        --------
+        >>> from tirefmu.tires import published
+        >>> figure = published("unicamp_small_tire").plot(loads=[110.0])
+        >>> [ax.get_title() for ax in figure.axes][1]
+        '$F_y$ over $\\alpha$ at $\\kappa$ = 0'
+        """
+        from .drawing import plot  # matplotlib takes its time
+
+        return plot(self, kind, loads=loads, signs=signs)
+
+    def __repr__(self) -> str:
+        """Return a few lines: model, signs, nominal inputs, ranges, effects."""
+        return tire_text(self)
+
+    def _repr_html_(self) -> str:
+        """Return the same as a table, and the coefficients, for a notebook."""
+        return tire_html(self)
 
     def _code(self, language: str, n_rows: int) -> Code:
         return fastest_code(self.book, n_rows) if language == "auto" else code_for(self.book, language)

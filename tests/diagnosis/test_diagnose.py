@@ -11,7 +11,7 @@ from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.report import report_page
 from tirefmu.diagnosis.verdict import Interval, Unknown
 from tirefmu.measurements import Recording
-from tirefmu.symbolic.errors import DataError, UnknownName
+from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
 from tirefmu.symbolic.escaping import visible
 
 from ..hostile import HOSTILE, Skeleton, is_plain
@@ -62,9 +62,58 @@ def test_signs_of_the_recording_change_the_words_only(thrust):
     turned = case.table.assign(Fy=-case.table["Fy"], Mz=-case.table["Mz"])
     other = diagnose(turned, signs="iso", effects=case.effects, nominal=case.nominal)
     assert [one.effect for one in other.found] == ["camber_thrust"]
+    assert (diagnosis.signs, other.signs) == ("iso", "iso")
+    assert (diagnosis.recording_signs, other.recording_signs) == ("adapted-sae", "iso")
     here, there = diagnosis.found[0].coefficients["PKY6"], other.found[0].coefficients["PKY6"]
-    assert there.value == pytest.approx(-here.value, rel=1e-6)
+    assert there.value == pytest.approx(here.value, rel=1e-6)
     assert there.lower < there.value < there.upper
+    for channel, offset in diagnosis.recording["offset"].items():
+        assert other.recording["offset"][channel] == pytest.approx(offset, rel=1e-4, abs=1e-6)
+
+
+def test_a_diagnosis_in_the_signs_of_its_formula(thrust):
+    _, diagnosis = thrust
+    assert diagnosis.in_signs("iso") is diagnosis
+    other = diagnosis.in_signs("adapted-sae")
+    values = diagnosis.tire.in_signs("adapted-sae").values
+    assert diagnosis.found[0].coefficients["PKY6"].value == pytest.approx(-values["PKY6"])
+    assert other.found[0].coefficients["PKY6"].value == pytest.approx(values["PKY6"])
+    assert other.found[0].coefficients["PKY6"].lower == -diagnosis.found[0].coefficients["PKY6"].upper
+    turned = {channel: -1.0 if channel in ("Fy", "Mz", "My") else 1.0 for channel in diagnosis.recording["offset"]}
+    for channel, sign in turned.items():
+        assert other.recording["offset"][channel] == sign * diagnosis.recording["offset"][channel]
+    for ours, theirs in zip(diagnosis.where, other.where, strict=True):
+        assert theirs["worst"]["mean"] == turned[ours["channel"]] * ours["worst"]["mean"]
+        np.testing.assert_array_equal(theirs["mean"], turned[ours["channel"]] * np.array(ours["mean"]))
+    assert other.gap == diagnosis.gap
+    with pytest.raises(UnknownName, match="sign convention"):
+        diagnosis.in_signs("sae")
+
+
+def test_a_diagnosis_is_shown_in_a_few_lines(thrust):
+    _, diagnosis = thrust
+    shown = repr(diagnosis)
+    assert len(shown.splitlines()) < 10
+    assert "camber_thrust" in shown
+    assert "iso signs" in shown
+    hostile = replace(diagnosis, verdict="<img src=x onerror=alert(1)>")
+    assert "<img" not in hostile._repr_html_()
+    assert "<td>PKY6</td>" in hostile._repr_html_()
+
+
+def test_what_is_no_table_or_no_tire_is_refused_by_name(tmp_path, thrust):
+    case, _ = thrust
+    case.table.head(50).to_csv(tmp_path / "short.csv", index=False)
+    for path in (tmp_path / "short.csv", str(tmp_path / "short.csv")):
+        with pytest.raises(DataError, match="has 50 rows: a diagnosis needs"):
+            diagnose(path, signs="adapted-sae", nominal=case.nominal)
+    for table in (None, [case.table], 3):
+        with pytest.raises(TirefmuError, match=r"^table is .*a DataFrame or a Recording"):
+            diagnose(table, nominal=case.nominal)
+    with pytest.raises(TirefmuError, match=r"^tire is 3"):
+        diagnose(case.table, signs=case.signs, tire=3)
+    with pytest.raises(UnknownName, match="'trento_hosier': did you mean trento_hoosier"):
+        diagnose(case.table, signs=case.signs, tire="trento_hosier")
 
 
 def with_text(diagnosis, text):

@@ -66,8 +66,8 @@ def other_tire(seed):
 
 
 def told(result):
-    """Return the coefficients of a result by name."""
-    return {coefficient.name: coefficient for coefficient in result.coefficients}
+    """Return the coefficients of a result by name, in the signs of the known tire and of recipes."""
+    return {coefficient.name: coefficient for coefficient in result.in_signs("adapted-sae").coefficients}
 
 
 def recipe(folder, text):

@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from tirefmu.fitting.result import Margin, StageFit, quality
+from tirefmu.fitting.uncertainty import QUANTILE
+from tirefmu.symbolic.errors import UnknownName
 
 NUMBERS = arrays(np.float64, st.integers(2, 30), elements=st.floats(-1e4, 1e4))
 
@@ -82,7 +84,7 @@ def test_json_is_strict_and_complete(side_fit):
     assert plain["values"] == dict(result.tire.values)
     assert plain["effects"] == sorted(result.tire.has)
     assert plain["ok"] is True
-    assert (plain["model"], plain["signs"], plain["recipe"]) == ("mf96", "adapted-sae", "progressive")
+    assert (plain["model"], plain["signs"], plain["recipe"]) == ("mf96", "iso", "progressive")
     assert [stage["name"] for stage in plain["stages"]] == [stage.name for stage in result.stages]
     assert {margin["constraint"] for margin in plain["margins"]} == {margin.constraint for margin in result.margins}
     assert plain["channels"][0]["recording"] == recording.source
@@ -94,10 +96,76 @@ def test_the_table_has_a_row_per_coefficient(side_fit):
     table = result.table().set_index("name")
     assert list(table.index) == [coefficient.name for coefficient in result.coefficients]
     assert table.loc["PDY1", "value"] == result.tire.values["PDY1"]
-    assert table.loc["PKY1", "value"] == -result.tire.values["PKY1"]  # told in adapted SAE, the tire is in ISO
+    assert table.loc["PKY1", "value"] == result.tire.values["PKY1"] < 0
     assert table.loc["PKY1", "unit"] == "1/rad"
     order = list(result.tire.book.coefficients)
     assert [order.index(name) for name in table.index] == sorted(order.index(name) for name in table.index)
+
+
+def test_coefficients_in_other_signs_are_those_of_the_tire_in_other_signs(side_fit):
+    result, _ = side_fit
+    other = result.in_signs("adapted-sae")
+    assert (result.signs, other.signs) == ("iso", "adapted-sae")
+    values = result.tire.in_signs("adapted-sae").values
+    cards = result.tire.book.coefficients
+    turned = {name for name in result.covariance if cards[name].flips}
+    assert {"PKY1"} <= turned < set(result.covariance)
+    for ours, theirs in zip(result.coefficients, other.coefficients, strict=True):
+        assert theirs.value == values[theirs.name]
+        assert theirs.lower <= theirs.value <= theirs.upper
+        assert (ours.interval == theirs.interval) or np.isnan(ours.interval)
+        if ours.name in turned:
+            assert (ours.lower, ours.upper) == (-theirs.upper, -theirs.lower)
+    known = result.covariance.notna() & (result.covariance != 0.0)
+    for one, two in zip(*np.nonzero(known), strict=True):
+        sign = -1.0 if (result.covariance.index[one] in turned) != (result.covariance.index[two] in turned) else 1.0
+        assert other.covariance.iloc[one, two] == sign * result.covariance.iloc[one, two]
+    back = other.in_signs("iso")
+    assert back.coefficients == result.coefficients
+    assert back.findings.conditions == result.findings.conditions
+    assert other.findings.conditions[0].mean == -result.findings.conditions[0].mean != 0.0  # of Fy
+    with pytest.raises(UnknownName, match="'sae': known are iso, adapted-sae"):
+        result.in_signs("sae")
+
+
+def test_intervals_are_those_of_the_covariance(side_fit):
+    result, _ = side_fit
+    names = [c.name for c in result.coefficients]
+    assert list(result.covariance.index) == list(result.covariance.columns) == names
+    deviation = np.sqrt(np.diag(result.covariance))
+    for c, sigma in zip(result.coefficients, deviation, strict=True):
+        if np.isfinite(c.interval):
+            assert c.interval == pytest.approx(QUANTILE * sigma, rel=1e-12)
+        else:
+            assert result.covariance[c.name].isna().all()
+    known = [c.name for c in result.coefficients if np.isfinite(c.interval)]
+    assert len(known) > 8
+    matrix = result.covariance.loc[known, known]
+    assert matrix.notna().all(axis=None)
+    assert np.linalg.eigvalsh(result.correlation.loc[known, known])[0] > -1e-9
+    np.testing.assert_allclose(np.diag(result.correlation.loc[known, known]), 1.0)
+    stage = {c.name: c.stage for c in result.coefficients}
+    for one in known:
+        for two in known:
+            if stage[one] != stage[two]:
+                assert matrix.loc[one, two] == 0.0
+    saved = result.to_json()["covariance"]
+    assert saved["coefficients"] == known
+    assert np.array_equal(saved["matrix"], matrix)
+
+
+def test_a_result_is_shown_in_a_few_lines(side_fit):
+    result, recording = side_fit
+    shown = repr(result)
+    assert len(shown.splitlines()) < 10
+    assert "converged" in shown
+    assert "iso signs" in shown
+    assert recording.source in shown
+    hostile = replace(result.channels[0], recording="<script>alert(1)</script>\x1b[2J")
+    page = replace(result, channels=(hostile,))._repr_html_()
+    assert "<script" not in page
+    assert "\x1b" not in page + repr(replace(result, channels=(hostile,)))
+    assert "<td>PKY1</td>" in page
 
 
 def test_a_channel_is_asked_for_by_recording_and_name(side_fit):

@@ -9,13 +9,14 @@ from importlib.metadata import version
 import pytest
 
 import tirefmu
-from tirefmu import diagnosis, fitting, fmu, measurements, tires
+from tirefmu import diagnosis, evaluation, fitting, fmu, measurements, tires
+from tirefmu.tires import drawing
 
 #: The public contract: where each name comes from.
 NAMES = {
     "Tire": tires, "published": tires, "fit": fitting, "FitResult": fitting, "export": fmu, "check": fmu,
     "CheckResult": fmu, "diagnose": diagnosis, "Diagnosis": diagnosis, "read_recording": measurements,
-    "Recording": measurements, "VirtualBench": measurements,
+    "Recording": measurements, "VirtualBench": measurements, "evaluate": evaluation, "draw": drawing,
 }  # fmt: skip
 
 
@@ -24,6 +25,15 @@ def test_every_name_is_that_of_its_room():
         assert getattr(tirefmu, name) is getattr(room, name), name
     assert set(tirefmu.__all__) == NAMES.keys() | {"TirefmuError", "load"}
     assert tirefmu.__all__ == sorted(tirefmu.__all__)
+
+
+def test_what_is_listed_is_what_is_public():
+    assert dir(tirefmu) == tirefmu.__all__
+    code = "import tirefmu; print(*dir(tirefmu)); import tirefmu.fitting.fit, tirefmu.diagnosis; print(tirefmu.fit)"
+    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    names, function = told.stdout.splitlines()
+    assert names.split() == tirefmu.__all__
+    assert "function fit" in function
 
 
 def test_a_star_import_brings_them_all():

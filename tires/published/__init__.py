@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.resources import as_file, files
+from typing import overload
 
 from tirefmu.symbolic.errors import UnknownName
 
@@ -13,19 +14,27 @@ from ..tire import Tire
 PUBLISHED = {"trento_hoosier": "adapted-sae", "unicamp_small_tire": "adapted-sae"}
 
 
-def published(name: str) -> Tire:
-    """Return a published tire, in the signs of its source.
+@overload
+def published() -> tuple[str, ...]: ...
+
+
+@overload
+def published(name: str) -> Tire: ...
+
+
+def published(name: str | None = None) -> Tire | tuple[str, ...]:
+    """Return a published tire in the signs of its source, or the names of all where none is given.
 
     Parameters
     ----------
-    name : str
+    name : str, optional
         ``trento_hoosier``: Hoosier 6.0/18.0-10 LCO, MF96, University of Trento, Dynamics of Vehicles, team 6.
         ``unicamp_small_tire``: 4PR Imsa, 152.4 x 50.8 mm, MF6.1, University of Campinas. Its ``about`` says what
         was printed, and what had to be inferred, replaced and left out.
 
     Returns
     -------
-    Tire
+    Tire, or tuple of str
 
     Raises
     ------
@@ -34,11 +43,15 @@ def published(name: str) -> Tire:
 
     Examples
     --------
+    >>> published()
+    ('trento_hoosier', 'unicamp_small_tire')
     >>> tire = published("trento_hoosier")
     >>> tire.signs, tire.values["PDY1"]
     ('adapted-sae', 2.7167406877414653)
     """
-    if name not in PUBLISHED:
+    if name is None:
+        return tuple(PUBLISHED)
+    if name not in tuple(PUBLISHED):
         raise UnknownName("published tire", name, PUBLISHED)
     with as_file(files(__package__) / f"{name}.tir") as path:
         return read_tir(path).in_signs(PUBLISHED[name])

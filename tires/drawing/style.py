@@ -19,20 +19,19 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import ArrayLike
 
-from tirefmu.measurements import CHANNELS, levels
-from tirefmu.symbolic.escaping import figure_text
-
-from .curves import Comparison
+from tirefmu.symbolic import quantities
+from tirefmu.symbolic.notation import Quantity
 
 RGB = tuple[float, float, float]
 
 DPI = 120
-MOST_SOURCES = 30  # recordings named below a figure
 SHOWN = 3000  # points of a group; more would only cover each other
 LETTER = {"kappa": r"$\kappa$", "alpha": r"$\alpha$", "gamma": r"$\gamma$", "Fz": "$F_z$"}
 LETTER |= {"t": "$t$", "p": "$p$", "V": "$V$", "T": "$T$", "phit": r"$\varphi_t$"}
 LETTER |= {"Fx": "$F_x$", "Fy": "$F_y$", "Mz": "$M_z$", "Mx": "$M_x$", "My": "$M_y$"}
 LEVEL = {"Fz": "load", "gamma": "camber", "alpha": "slip angle"}
+_UNITS = {"t": "s"} | {each.name: each.unit for each in vars(quantities).values() if isinstance(each, Quantity)}
+_WRITTEN = {"1": "-", "degC": "deg C"}
 _DRAWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3)}
 _CONVENTION = {
     "iso": r"ISO-W signs ($F_z$ > 0; $F_y$ < 0 at $\alpha$ > 0)",
@@ -43,13 +42,13 @@ _CONVENTION = {
 
 def drawn_unit(channel: str) -> str:
     """Return the unit in which a channel is drawn: its SI unit, but degrees and kPa."""
-    unit = CHANNELS[channel].unit
-    return _DRAWN[unit][0] if unit in _DRAWN else unit
+    unit = _UNITS[channel]
+    return _DRAWN[unit][0] if unit in _DRAWN else _WRITTEN.get(unit, unit)
 
 
 def per_si(channel: str) -> float:
     """Return what turns a channel's SI value into the drawn one."""
-    unit = CHANNELS[channel].unit
+    unit = _UNITS[channel]
     return _DRAWN[unit][1] if unit in _DRAWN else 1.0
 
 
@@ -73,21 +72,6 @@ def letter(signs: str, channel: str) -> str:
 def held_text(signs: str, held: Mapping[str, float]) -> str:
     """Return what is held at which level."""
     return ", ".join(f"{letter(signs, name)} = {level_text(name, level)}" for name, level in held.items())
-
-
-def data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
-    """Tell which recordings the rows come from, and at which inflation pressures."""
-    numbers = sorted(set(rows["recording"].tolist()))
-    sources = [figure_text(name) for name in dict.fromkeys(comparison.sources[number] for number in numbers)]
-    text = f"data: {', '.join(sources[:MOST_SOURCES])}"
-    if len(sources) > MOST_SOURCES:
-        text += f" and {len(sources) - MOST_SOURCES} more"
-    if "p" not in rows or rows["p"].isna().all():
-        return text
-    held = [f"{level / 1000.0:.0f}" for level in levels(rows["p"])]
-    span = " to ".join(f"{value / 1000.0:.0f}" for value in (rows["p"].min(), rows["p"].max()))
-    together = "" if len(held) == 1 else ", drawn together"
-    return f"{text}; inflation pressure {', '.join(held) or span} kPa{together}"
 
 
 def panels(count: int, title: str) -> tuple[Figure, list[Axes]]:

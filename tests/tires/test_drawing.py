@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.image import imread
 
-from tirefmu import drawing
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirefmuError, UnknownName
 from tirefmu.tires import PUBLISHED, Tire, published
+from tirefmu.tires.drawing import tire_figures as drawing
 
 from ..hostile import HOSTILE
 

@@ -20,7 +20,13 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from tirefmu.fitting.panels import (
+from tirefmu.symbolic.errors import TirefmuError, UnknownName, path_from
+from tirefmu.symbolic.escaping import figure_text
+
+from ..signs import REVERSED, SIGNS
+from ..tire import Tire
+from ..tire_argument import TireLike, tire_from
+from .style import (
     DPI,
     LETTER,
     draw_line,
@@ -35,14 +41,12 @@ from tirefmu.fitting.panels import (
     write_footnote,
     write_whole,
 )
-from tirefmu.symbolic.errors import TirefmuError, UnknownName
-from tirefmu.symbolic.escaping import figure_text
-from tirefmu.tires import Tire
-from tirefmu.tires.signs import REVERSED
 
 FloatArray = npt.NDArray[np.float64]
 
 FORMATS = ("png", "svg", "pdf")
+#: The figures of a tire, by the names that `plot` takes.
+KINDS = ("pure", "surfaces", "combined")
 #: Slips beyond these are not drawn, however far the tire is known.
 WIDEST = {"kappa": (-1.0, 1.0), "alpha": (-radians(20.0), radians(20.0))}
 #: What is drawn over which slip, the other slip being 0.
@@ -57,7 +61,7 @@ _DATELESS = {"png": None, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
 def draw(
-    tire: Tire,
+    tire: TireLike,
     folder: str | Path,
     *,
     loads: Sequence[float] | None = None,
@@ -68,7 +72,7 @@ def draw(
 
     Parameters
     ----------
-    tire : Tire
+    tire : Tire, path of a .tir file, or name of a published tire
         Upright and, but for load and slips, at its nominal inputs.
     folder : str or Path
         Made where it is not there.
@@ -94,22 +98,19 @@ def draw(
     Examples
     --------
     >>> from tempfile import TemporaryDirectory
-    >>> from tirefmu.tires import published
     >>> with TemporaryDirectory() as folder:
-    ...     [path.name for path in draw(published("unicamp_small_tire"), folder, loads=[60.0])]
+    ...     [path.name for path in draw("unicamp_small_tire", folder, loads=[60.0])]
     ['pure.png', 'surfaces_60N.png', 'combined.png']
     """
     if suffix not in FORMATS:
         raise UnknownName("format of figures", suffix, FORMATS)
-    if signs not in REVERSED:
-        raise UnknownName("sign convention", signs, REVERSED)
-    sketch = _Sketch(tire, signs, usual_loads(tire) if loads is None else _checked(loads))
+    sketch = _sketch(tire, loads, signs)
+    target = path_from(folder, "folder")
     figures = {"pure": _pure(sketch)}
     figures |= {f"surfaces_{load:g}N": _surfaces(sketch, load) for load in sketch.loads}
     figures["combined"] = _combined(sketch)
     # All are rendered before the first is written: a failure leaves the folder as it was.
     images = {f"{name}.{suffix}": _rendered(figure, suffix) for name, figure in figures.items()}
-    target = Path(folder)
     try:
         target.mkdir(parents=True, exist_ok=True)
         return [write_whole(target / name, image) for name, image in images.items()]
@@ -117,7 +118,37 @@ def draw(
         raise TirefmuError(f"{target}: figures cannot be written ({error.strerror or error})") from None
 
 
-def usual_loads(tire: Tire) -> tuple[float, ...]:
+def plot(tire: TireLike, kind: str = "pure", *, loads: Sequence[float] | None = None, signs: str = "iso") -> Figure:
+    """Return one figure of a tire; `Tire.plot` documents the parameters.
+
+    Raises
+    ------
+    UnknownName
+        If the kind, the tire or the convention does not exist.
+    TirefmuError
+        If a load is not positive, or the tire makes no force or one that is not finite.
+
+    Examples
+    --------
+    >>> len(plot("unicamp_small_tire", "combined", loads=[60.0, 110.0]).axes)
+    2
+    """
+    if kind not in KINDS:
+        raise UnknownName("kind of figure", kind, KINDS)
+    sketch = _sketch(tire, loads, signs)
+    if kind == "surfaces":
+        return _surfaces(sketch, sketch.loads[len(sketch.loads) // 2])
+    return _pure(sketch) if kind == "pure" else _combined(sketch)
+
+
+def _sketch(tire: TireLike, loads: Sequence[float] | None, signs: str) -> _Sketch:
+    if signs not in SIGNS:
+        raise UnknownName("sign convention", signs, SIGNS)
+    tire = tire_from(tire)
+    return _Sketch(tire, signs, usual_loads(tire) if loads is None else _checked(loads))
+
+
+def usual_loads(tire: TireLike) -> tuple[float, ...]:
     """Return three loads over the range in which a tire is known, as round as the range allows.
 
     Parameters
@@ -133,10 +164,10 @@ def usual_loads(tire: Tire) -> tuple[float, ...]:
 
     Examples
     --------
-    >>> from tirefmu.tires import published
-    >>> usual_loads(published("unicamp_small_tire"))
+    >>> usual_loads("unicamp_small_tire")
     (60.0, 110.0, 160.0)
     """
+    tire = tire_from(tire)
     nominal = tire.values["FNOMIN"]
     low, high = tire.ranges.get("Fz", (0.0, 2.0 * nominal))
     high = min(high, 3.0 * nominal) if high > 0.0 else 2.0 * nominal

@@ -1,0 +1,133 @@
+"""What is accepted where a recording is needed: a path, a DataFrame or a recording, and whose signs hold."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+import pandas as pd
+
+from tirefmu.symbolic.errors import DataError, WrongType
+
+from .channels import CHANNELS, INPUTS, OUTPUTS
+from .plausibility import check_plausible
+from .reading import read_recording
+from .recording import Recording
+
+#: What the functions of the public interface accept as a table.
+TableLike = Recording | pd.DataFrame | str | os.PathLike[str]
+ACCEPTED = "the path of a file, a DataFrame or a Recording"
+
+
+def recording_from(table: TableLike, *, signs: str | None = None, parameter: str = "table") -> Recording:
+    """Return the recording that a caller gave as a file, a DataFrame or a recording.
+
+    Parameters
+    ----------
+    table : Recording, pandas.DataFrame, str or path-like
+        A DataFrame has the columns of the public tables in SI units.
+    signs : str, optional
+        The convention that the table is in. Where None: a file is in its format's convention (`read_recording`), a
+        DataFrame in ISO, a recording in its own.
+    parameter : str
+        Name of the caller's parameter, for the message.
+
+    Returns
+    -------
+    Recording
+        With one row at least; inputs finite, outputs finite or NaN (not measured), all in plausible units.
+
+    Raises
+    ------
+    DataError
+        If a file cannot be read, there is no row, an input is not finite, units or signs are implausible, or
+        ``signs`` contradicts those of a recording.
+    UnknownName
+        If the signs are not one of the three conventions.
+    WrongType
+        If it is anything else.
+
+    Examples
+    --------
+    >>> recording_from(pd.DataFrame({"alpha": [0.1], "Fz": [900.0], "Fy": [-800]})).signs
+    'iso'
+    >>> recording_from(None)
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.WrongType: table is None: it has to be the path of a file, a DataFrame or a Recording
+    """
+    if isinstance(table, Recording):
+        if signs is not None and signs != table.signs:
+            raise DataError(
+                f"{table.source}: the recording is in {table.signs} signs, not {signs} (with_signs converts it)"
+            )
+        recording = table
+    elif isinstance(table, pd.DataFrame):
+        recording = Recording(_numeric(table), "iso" if signs is None else signs, "table")
+    elif isinstance(table, (str, os.PathLike)):
+        recording = read_recording(table, signs=signs)
+    else:
+        raise WrongType(parameter, table, ACCEPTED)
+    _check_numbers(recording)
+    check_plausible(recording)
+    return recording
+
+
+def recordings_from(tables: TableLike | Iterable[TableLike], *, signs: str | None = None) -> list[Recording]:
+    """Return the recordings of one table or of several.
+
+    Parameters
+    ----------
+    tables : table, or iterable of them
+        Each as `recording_from` takes it.
+    signs : str, optional
+        Of each of them.
+
+    Returns
+    -------
+    list of Recording
+
+    Raises
+    ------
+    DataError, UnknownName, WrongType
+        As `recording_from`.
+
+    Examples
+    --------
+    >>> rows = pd.DataFrame({"alpha": [0.1], "Fz": [900.0], "Fy": [-800.0]})
+    >>> len(recordings_from(rows)), len(recordings_from([rows, rows]))
+    (1, 2)
+    """
+    if isinstance(tables, (Recording, pd.DataFrame, str, os.PathLike)):
+        return [recording_from(tables, signs=signs, parameter="tables")]
+    if not hasattr(tables, "__iter__") or isinstance(tables, (bytes, Mapping, np.ndarray)):
+        raise WrongType("tables", tables, f"{ACCEPTED}, or a sequence of them")
+    return [recording_from(table, signs=signs, parameter=f"tables[{i}]") for i, table in enumerate(tables)]
+
+
+def _numeric(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a table whose channels are columns of floats, rows counted from 0."""
+    repeated = [name for name in CHANNELS if list(table.columns).count(name) > 1]
+    if repeated:
+        raise DataError(f"table: {len(table.columns)} columns, {repeated[0]} more than once")
+    columns = {}
+    for name in CHANNELS:
+        if name in table and table[name].dtype != np.float64:
+            numbers = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
+            bad = np.flatnonzero(np.isnan(numbers) & table[name].notna().to_numpy())
+            if bad.size:
+                raise DataError(f"table: row {bad[0] + 1}: {name} is {table[name].iloc[bad[0]]!r}: not a number")
+            columns[name] = numbers
+    return table.assign(**columns).reset_index(drop=True)
+
+
+def _check_numbers(recording: Recording) -> None:
+    """Refuse what only a table made in memory can have; files are checked when they are read."""
+    if not len(recording):
+        raise DataError(f"{recording.source}: no rows")
+    for name in (*INPUTS, *OUTPUTS):
+        values = recording.table[name].to_numpy(dtype=float) if name in recording.table else np.zeros(0)
+        bad = np.flatnonzero(np.isinf(values) if name in OUTPUTS else ~np.isfinite(values))
+        if bad.size:
+            raise DataError(f"{recording.source}: row {bad[0] + 1}: {name} is {values[bad[0]]}")

@@ -1,0 +1,71 @@
+"""A tire in a few lines, as ``repr`` and notebooks show it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from tirefmu.symbolic.escaping import shortened, visible
+
+from .notebook import html_details, html_summary, html_table
+
+if TYPE_CHECKING:
+    from .tire import Tire
+
+#: The longest name that a summary shows, in characters.
+LONGEST_NAME = 80
+
+
+def tire_text(tire: Tire) -> str:
+    """Return what a tire is, in a few lines.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> print(tire_text(published("trento_hoosier")))
+    Tire 'Hoosier 6.0/18.0-10 LCO (Trento team 6)': mf96 (Magic Formula 1996, Trento form), adapted-sae signs, left side
+      nominal: Fz 220 N
+      ranges (SI): kappa -0.3 to 0.3, alpha -0.2094 to 0.2094, gamma 0 to 0.06981, Fz 120 to 1220
+      100 of 100 coefficients given, 20 effects
+    """
+    name = f" {visible(shortened(tire.name, LONGEST_NAME))!r}" if tire.name else ""
+    side = f", {tire.side} side" if tire.side else ""
+    absent = [effect for effect in tire.book.effects if effect not in tire.has and effect in tire.book.usual_effects]
+    given = len(tire.values) - len(tire.defaulted)
+    lines = [
+        f"Tire{name}: {tire.model} ({tire.book.title}), {tire.signs} signs{side}",
+        f"  nominal: {', '.join(f'{name} {value:.4g} {unit}'.rstrip() for name, value, unit in _nominal(tire))}",
+    ]
+    if tire.ranges:
+        known = (f"{name} {low:.4g} to {high:.4g}" for name, (low, high) in tire.ranges.items())
+        lines.append(f"  ranges (SI): {', '.join(known)}")
+    lines.append(f"  {given} of {len(tire.values)} coefficients given, {len(tire.has)} effects")
+    if absent:
+        lines.append(f"  without: {_few(absent)}")
+    return "\n".join(lines)
+
+
+def tire_html(tire: Tire) -> str:
+    """Return the same as HTML, with the coefficients that were given.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> "<td>PDY1</td>" in tire_html(published("trento_hoosier"))
+    True
+    """
+    given = [card for name, card in tire.book.coefficients.items() if name not in tire.defaulted]
+    rows = [(card.name, tire.values[card.name], card.unit, card.description) for card in given]
+    table = html_table(["coefficient", "value", "unit", "description"], rows)
+    return html_summary(tire_text(tire), html_details(f"Coefficients ({tire.signs} signs)", table))
+
+
+def _nominal(tire: Tire) -> list[tuple[str, float, str]]:
+    """Return name, value and unit of the nominal inputs that are not 0."""
+    values = [(q.name, tire.nominal(q.name), "" if q.unit == "1" else q.unit) for q in tire.book.inputs]
+    return [each for each in values if each[1] != 0.0]
+
+
+def _few(names: list[str], most: int = 6) -> str:
+    """Return the first names, and how many more there are."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more

@@ -1,0 +1,79 @@
+"""What `Tire.evaluate` accepts as a table: a DataFrame as it is, anything else by the reader of the front door.
+
+Recordings and their files belong to `tirefmu.measurements`, which builds on this room. The front door (`tirefmu`)
+connects the two, so that nothing here depends on the readers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import pandas as pd
+
+from tirefmu.symbolic.errors import WrongType
+
+
+class SignedTable(Protocol):
+    """A table that knows its sign convention, such as `tirefmu.measurements.Recording`."""
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """Columns of the public tables, SI."""
+
+    @property
+    def signs(self) -> str:
+        """The table's sign convention."""
+
+
+#: Returns the table of a path or a recording; takes the table and the signs, None where the caller gave none.
+Reader = Callable[[Any, str | None], SignedTable]
+
+
+def _data_frames_only(table: Any, signs: str | None) -> SignedTable:
+    raise WrongType("table", table, "a DataFrame")
+
+
+_reader: Reader = _data_frames_only
+
+
+def read_tables_with(reader: Reader) -> None:
+    """Set what reads a table that is not a DataFrame.
+
+    Parameters
+    ----------
+    reader : callable
+    """
+    global _reader
+    _reader = reader
+
+
+def table_from(table: Any, signs: str | None = None) -> tuple[pd.DataFrame, str]:
+    """Return a table and its sign convention.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame, path or Recording
+    signs : str, optional
+        The convention; for a DataFrame "iso" where None.
+
+    Returns
+    -------
+    tuple of (pandas.DataFrame, str)
+
+    Raises
+    ------
+    DataError
+        If a file cannot be read, or the signs contradict those of a recording.
+    WrongType
+        If it is not a table.
+
+    Examples
+    --------
+    >>> table_from(pd.DataFrame({"alpha": [0.1]}))[1]
+    'iso'
+    """
+    if isinstance(table, pd.DataFrame):
+        return table, "iso" if signs is None else signs
+    recording = _reader(table, signs)
+    return recording.table, recording.signs

@@ -1,0 +1,60 @@
+"""What is accepted where a tire is needed: a tire, the path of a .tir file, or the name of a published tire."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from tirefmu.symbolic.errors import UnknownName, WrongType
+
+from .published import PUBLISHED, published
+from .tir import read_tir
+from .tire import Tire
+
+#: What the functions of the public interface accept as a tire.
+TireLike = Tire | str | os.PathLike[str]
+
+
+def tire_from(tire: TireLike, parameter: str = "tire") -> Tire:
+    """Return a tire given as such, as a .tir file, or by the name of a published one.
+
+    Parameters
+    ----------
+    tire : Tire, str or path-like
+        A str is a path if there is such a file, or if it has an extension and is not a published name.
+    parameter : str
+        Name of the caller's parameter, for the message.
+
+    Returns
+    -------
+    Tire
+        Of a file: in ISO-W. Published: in the signs of its source.
+
+    Raises
+    ------
+    UnknownName
+        If there is neither a file nor a published tire of that name; the message offers the nearest.
+    TirError
+        If the file cannot be read.
+    WrongType
+        If it is anything else.
+
+    Examples
+    --------
+    >>> tire_from("trento_hoosier").model
+    'mf96'
+    >>> tire_from("trento")
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.UnknownName: unknown tire file or published tire 'trento': did you mean trento_hoosier?
+    """
+    if isinstance(tire, Tire):
+        return tire
+    if not isinstance(tire, (str, os.PathLike)):
+        raise WrongType(parameter, tire, "a Tire, the path of a .tir file or the name of a published tire")
+    path, name = Path(tire), os.fspath(tire)
+    if path.is_file() or (name not in PUBLISHED and (path.suffix or path.exists())):
+        return read_tir(path)
+    if name not in PUBLISHED:
+        raise UnknownName("tire file or published tire", name, PUBLISHED)
+    return published(name)
