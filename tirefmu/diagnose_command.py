@@ -30,7 +30,8 @@ from .terminal import Terminal
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for diagnosis.json, report.html, tires, FMUs.")
 @common
 def diagnose(
-    table: Path, tire: Path | None, model: str | None, effects: tuple[str, ...] | None, nominal: dict[str, float] | None,
+    table: Path, tire: Path | None, model: str | None, effects: tuple[str, ...] | None,
+    nominal: dict[str, float] | None,
     signs: str | None, candidates: tuple[str, ...] | None, own: tuple[Path, ...], others: tuple[Path, ...], fmus: bool,
     output: Path, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
