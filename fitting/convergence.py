@@ -171,15 +171,18 @@ class _Place:
     def look(self) -> tuple[float, FloatArray | None]:
         """Return what the least damped model that is trusted promises, and the point to which it leads.
 
-        Where the promise is not worth a step, a model need not be trusted: it would promise less with more damping.
+        Where the promise is not worth a step, a model need not be trusted, as more damping promises less. A step is
+        looked for all the same: the last one goes right to the bounds and conditions that hold the optimum.
         """
-        damping, promise = LEAST_DAMPING, np.inf
+        damping, least = LEAST_DAMPING, np.inf
         while damping <= MOST_DAMPING:
             promise, after = self._tried(damping)
-            if after is not None or promise <= self.enough:
-                return promise, after
+            if not np.isfinite(least) or least > self.enough:
+                least = promise
+            if after is not None:
+                return least, after
             damping *= DAMPING_UP
-        return promise, None
+        return least, None
 
     def _tried(self, damping: float) -> tuple[float, FloatArray | None]:
         """Return what a damped model promises, and the point to which it leads where it keeps TRUSTED of that."""

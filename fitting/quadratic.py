@@ -46,8 +46,8 @@ def best_step(
     >>> step, reduction = best_step(
     ...     np.array([-2.0, 1.0]), np.eye(2), np.eye(2), np.array([-9.0, 0.0]), np.array([0.5, 9.0])
     ... )
-    >>> step.tolist(), reduction
-    ([0.5, 0.0], 0.875)
+    >>> bool(np.allclose(step, [0.5, 0.0])), round(reduction, 9)
+    (True, 0.875)
     """
     factor = cholesky(matrix, lower=True)
     pull = solve_triangular(factor, gradient, lower=True)
