@@ -1,7 +1,7 @@
 """The wheel holds what lies in the rooms.
 
-A folder that setup.py or a data file that pyproject.toml forgets is missed by nobody who works in a clone, and by everybody
-who installs.
+A folder that setup.py forgets, or a data file that pyproject.toml forgets, is missed by nobody who works in a clone,
+and by everybody who installs.
 """
 
 from __future__ import annotations
