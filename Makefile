@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test fuzz discovery recovery real wine sanitize examples perturb check generate types bench bench-fit clean
+.PHONY: demo test matrix fuzz discovery recovery real wine sanitize examples perturb check generate types bench bench-fit clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the whole circle on the built-in virtual bench
@@ -18,6 +18,10 @@ demo: $(VENV)/installed  ## the whole circle on the built-in virtual bench
 
 test: $(VENV)/installed-dev  ## all tests; the measured recordings' too where TIREFMU_DATA names their folder
 	$(BIN)/pytest $(PYTEST_ARGS)
+
+matrix: $(VENV)/installed  ## all tests with gcc and clang, on Python 3.11 to 3.13, and with the oldest dependencies
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[matrix]"
+	$(BIN)/nox $(NOX_ARGS)
 
 fuzz: $(VENV)/installed-dev  ## 10,000 mutated files of every kind that is read; a hang is shown after a minute, where it hangs
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tirefmu.symbolic.escaping import shortened, visible
+from tirefmu.symbolic.escaping import excerpt, visible
 from tirefmu.tires.notebook import html_details, html_summary, html_table
 
 if TYPE_CHECKING:
@@ -17,14 +17,14 @@ LONGEST_NAME, MOST_CHANNELS = 40, 12
 def fit_text(result: FitResult) -> str:
     """Return how a fit ended and how good it is, in a few lines."""
     effects = len(result.tire.has)
-    name = f" {visible(shortened(result.tire.name, LONGEST_NAME))!r}" if result.tire.name else ""
+    name = f" {excerpt(result.tire.name, LONGEST_NAME)!r}" if result.tire.name else ""
     recipe = visible(result.recipe)
     lines = [
         f"FitResult{name}: {result.tire.model} with {effects} effects, recipe {recipe}: {visible(result.status)}",
         f"  {len(result.coefficients)} coefficients fitted, in {result.signs} signs; {result.seconds:.1f} s",
     ]
     for c in result.channels[:MOST_CHANNELS]:
-        source = visible(shortened(c.recording, LONGEST_NAME))
+        source = excerpt(c.recording, LONGEST_NAME)
         lines.append(f"  {source} {c.channel}: RMSE {c.rmse:.4g} {c.unit}, R2 {c.r2:.4f}, {c.rows} rows")
     if len(result.channels) > MOST_CHANNELS:
         lines.append(f"  and {len(result.channels) - MOST_CHANNELS} more channels")

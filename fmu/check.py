@@ -17,13 +17,13 @@ import pandas as pd
 from tirefmu.measurements.table_argument import TableLike, recording_from
 from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.errors import DataError, FmuError, TirefmuError, path_from
-from tirefmu.symbolic.escaping import visible
+from tirefmu.symbolic.escaping import excerpt, visible
 from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire, read_tir
 from tirefmu.tires.notebook import html_summary, html_table
 from tirefmu.tires.signs import convert_signs
 
 from .archive import unpacked
-from .simulation import quoted, read_description, simulate
+from .simulation import read_description, simulate
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -265,7 +265,7 @@ def check(
     return CheckResult(
         fmu=Path(fmu_path).name,
         source=given.source,
-        fmi_version=quoted(description.fmiVersion),
+        fmi_version=excerpt(description.fmiVersion),
         rows=len(table),
         segments=len(segments),
         channels=tuple(_channel(name, _unit(variables[name]), table, simulated, present) for name in measured),
@@ -289,7 +289,7 @@ def _axes(folder: Path, fmu_path: str | os.PathLike[str]) -> str:
     except OSError as error:
         raise FmuError(f"{place}: {error.strerror or error}") from error
     except (ValueError, RecursionError) as error:
-        raise FmuError(f"{place}: not JSON ({quoted(error)})") from error
+        raise FmuError(f"{place}: not JSON ({excerpt(error)})") from error
     if not isinstance(interface, dict):
         raise FmuError(f"{place}: not an object")
     if interface.get("inputs", "slip") != "slip":
@@ -298,7 +298,7 @@ def _axes(folder: Path, fmu_path: str | os.PathLike[str]) -> str:
         )
     axes = interface.get("axes", "iso")
     if axes not in ("iso", "sae"):
-        raise FmuError(f"{place}: unknown axes '{quoted(axes)}': known are iso and sae")
+        raise FmuError(f"{place}: unknown axes '{excerpt(axes)}': known are iso and sae")
     return str(axes)
 
 
@@ -319,7 +319,7 @@ def _carried_tire(folder: Path, fmu_path: str | os.PathLike[str], outputs: Itera
 
 def _unit(variable: Any) -> str:
     """Return the unit of a variable as the FMU writes it, for a table's column."""
-    return quoted(variable.unit or "")[:LONGEST_UNIT]
+    return excerpt(variable.unit or "", LONGEST_UNIT)
 
 
 def _columns(variables: Mapping[str, Any], names: Iterable[str], causality: str) -> list[str]:

@@ -26,7 +26,7 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.errors import FmuError
-from tirefmu.symbolic.escaping import visible
+from tirefmu.symbolic.escaping import excerpt
 
 from .archive import DESCRIPTION, unpacked
 from .slave import ANSWER, ARRAYS, JOB, OUTPUTS, Refused, Slave
@@ -35,8 +35,6 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Time that a simulation may take, and what each row adds, s.
 TIME_LIMIT, TIME_LIMIT_PER_ROW = 60.0, 0.005
-#: Characters of what an FMU says that a message quotes.
-LONGEST_QUOTE = 300
 #: The largest answer of the process, bytes.
 LARGEST_ANSWER = 1_000_000
 
@@ -110,13 +108,13 @@ def simulate(
             if answer is None:
                 raise FmuError(f"{path}: {_how_it_ended(ended)}")
             if "error" in answer:
-                raise FmuError(f"{path}: {quoted(str(answer['error']).replace(f'{folder}{os.sep}', ''))}")
+                raise FmuError(f"{path}: {excerpt(str(answer['error']).replace(f'{folder}{os.sep}', ''))}")
             found = np.load(scratch / OUTPUTS, allow_pickle=False)
             if found.shape != (sum(end - start for start, end in ends), len(outputs)):
                 raise ValueError(f"outputs of shape {found.shape}")
-            return Simulation(found.astype(np.float64), tuple(quoted(problem) for problem in answer["problems"]))
+            return Simulation(found.astype(np.float64), tuple(excerpt(problem) for problem in answer["problems"]))
         except (OSError, ValueError, KeyError, TypeError, EOFError, RecursionError) as error:
-            raise FmuError(f"{path}: the FMU's process left a broken answer ({quoted(error)})") from error
+            raise FmuError(f"{path}: the FMU's process left a broken answer ({excerpt(error)})") from error
 
 
 def _run(scratch: Path, limit: float) -> int | None:
@@ -168,17 +166,6 @@ def _how_it_ended(status: int) -> str:
     return f"the FMU ended its process (exit status {status})"
 
 
-def quoted(text: object) -> str:
-    r"""Return what an FMU says on one line, short enough for a message.
-
-    Examples
-    --------
-    >>> print(quoted("1\n2"), len(quoted("a" * 10_000)))
-    1\x0a2 300
-    """
-    return visible(str(text)[:LONGEST_QUOTE])[:LONGEST_QUOTE]
-
-
 def read_description(path: str | os.PathLike[str], folder: Path) -> Any:
     """Return the model description of an unpacked FMU, not validated.
 
@@ -201,14 +188,14 @@ def read_description(path: str | os.PathLike[str], folder: Path) -> Any:
     try:
         description = fmpy.read_model_description(folder, validate=False)
     except Exception as error:  # fmpy lets everything through that XML can meet with
-        raise FmuError(f"{path}: not an FMU ({DESCRIPTION}: {quoted(error)})") from error
+        raise FmuError(f"{path}: not an FMU ({DESCRIPTION}: {excerpt(error)})") from error
     if description.fmiVersion[:2] not in ("2.", "3."):
-        raise FmuError(f"{path}: FMI {quoted(description.fmiVersion)} is not known: known are 2 and 3")
+        raise FmuError(f"{path}: FMI {excerpt(description.fmiVersion)} is not known: known are 2 and 3")
     if description.coSimulation is None:
         raise FmuError(f"{path}: not an FMU for Co-Simulation")
     identifier = description.coSimulation.modelIdentifier
     if not isinstance(identifier, str) or not re.fullmatch(r"[A-Za-z_]\w*", identifier, re.ASCII):
-        raise FmuError(f"{path}: modelIdentifier '{quoted(identifier)}' is not a name in C")
+        raise FmuError(f"{path}: modelIdentifier '{excerpt(identifier)}' is not a name in C")
     return description
 
 
@@ -246,4 +233,4 @@ def loaded(path: str | os.PathLike[str]) -> Iterator[Slave]:
             finally:
                 slave.fmu.freeInstance()
         except Refused as error:
-            raise FmuError(f"{path}: {quoted(error)}") from error
+            raise FmuError(f"{path}: {excerpt(error)}") from error

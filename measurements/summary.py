@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from tirefmu.symbolic.escaping import shortened, visible
+from tirefmu.symbolic.escaping import excerpt
 from tirefmu.tires.notebook import html_summary, html_table
 
 from .channels import CHANNELS
@@ -39,7 +39,7 @@ def recording_html(recording: Recording) -> str:
 
 
 def _title(recording: Recording) -> str:
-    source = visible(shortened(recording.source, LONGEST_SOURCE))
+    source = excerpt(recording.source, LONGEST_SOURCE)
     return f"Recording {source!r}: {len(recording)} rows, {recording.signs} signs"
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from .escaping import shortened, visible
+from .escaping import excerpt
 
 #: The longest sentence of an error, in characters.
 LONGEST = 2000
@@ -31,7 +31,7 @@ class TirefmuError(Exception):
     """
 
     def __init__(self, sentence: str) -> None:
-        super().__init__(visible(shortened(sentence, LONGEST)))
+        super().__init__(excerpt(sentence, LONGEST))
 
 
 class UnknownName(TirefmuError):

@@ -18,8 +18,8 @@ _SURROGATES = re.compile("[\ud800-\udfff]")
 _NOT_IN_FILE_NAMES = re.compile(r"[^\w.+=@,-]", re.UNICODE)
 #: File names that Windows reserves for devices, whatever the extension.
 _DEVICES = re.compile(r"(?:con|prn|aux|nul|com\d|lpt\d)(?:\.|$)", re.IGNORECASE)
-#: The longest text from a file that a message quotes, in characters.
-LONGEST_QUOTED = 80
+#: The longest text from a file that a message contains, and the longest one in quotes, in characters.
+LONGEST_EXCERPT, LONGEST_QUOTED = 300, 80
 #: The longest file name that is made of a text, in bytes; file systems allow 255.
 LONGEST_FILE_NAME = 120
 #: The longest text from a file in a figure, in characters: more does not fit.
@@ -80,18 +80,31 @@ def figure_text(text: str) -> str:
     >>> print(figure_text("$\\frac{ run 3"))
     \$\frac{ run 3
     """
-    return shortened(visible(text), LONGEST_IN_FIGURE).replace("$", r"\$")
+    return excerpt(text, LONGEST_IN_FIGURE).replace("$", r"\$")
 
 
-def quoted(text: str) -> str:
-    r"""Return a text in quotes as a message has it: on one line, cut where it is long.
+def excerpt(text: object, most: int = LONGEST_EXCERPT) -> str:
+    r"""Return a text as a message shows it without quotes: on one line, shortened where it is long.
 
     Examples
     --------
-    >>> print(quoted("a\\nb"))
-    'a\\nb'
+    >>> print(excerpt("1\n2"), len(excerpt("9" * 1_000_000)))
+    1\x0a2 300
     """
-    return repr(shortened(text, LONGEST_QUOTED))
+    return shortened(visible(shortened(str(text), most)), most)
+
+
+def quoted(text: object) -> str:
+    r"""Return a text in quotes as a message shows it: on one line, shortened where it is long.
+
+    Examples
+    --------
+    >>> print(quoted("4 kN"), quoted("'4' kN"), quoted("a\nb"))
+    '4 kN' "'4' kN" 'a\x0ab'
+    """
+    inner = excerpt(text, LONGEST_QUOTED)
+    mark = '"' if "'" in inner and '"' not in inner else "'"
+    return f"{mark}{inner}{mark}"
 
 
 def ascii_text(text: str) -> str:

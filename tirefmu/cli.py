@@ -15,7 +15,7 @@ from typing import Any
 import click
 
 from tirefmu.symbolic.errors import TirefmuError
-from tirefmu.symbolic.escaping import shortened, visible
+from tirefmu.symbolic.escaping import excerpt, visible
 from tirefmu.tires import tire_from
 
 from .arguments import FILE, MODEL, SIGNS, Numbers, Pairs, check_places, common, names, write_json
@@ -385,7 +385,7 @@ def main(arguments: list[str] | None = None) -> int:
     except click.ClickException as error:
         return _refused(" ".join(error.format_message().split()))
     except OSError as error:  # a name that is too long, a disk that is full
-        return _refused(f"{shortened(str(error.filename), 200)}: {error.strerror}" if error.filename else str(error))
+        return _refused(f"{excerpt(error.filename, 200)}: {error.strerror}" if error.filename else str(error))
     except (click.Abort, KeyboardInterrupt):
         print("tirefmu: interrupted", file=sys.stderr)
         return 130

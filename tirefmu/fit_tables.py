@@ -9,7 +9,7 @@ from rich.console import RenderableType
 from rich.style import StyleType
 from rich.table import Table
 
-from tirefmu.symbolic.escaping import shortened, visible
+from tirefmu.symbolic.escaping import excerpt, visible
 
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
@@ -30,7 +30,7 @@ class PlainTable(Table):
 
     def add_row(self, *cells: RenderableType | None, style: StyleType | None = None, end_section: bool = False) -> None:
         """Add a row as rich does."""
-        shown = (visible(shortened(cell, LONGEST_CELL)) if isinstance(cell, str) else cell for cell in cells)
+        shown = (excerpt(cell, LONGEST_CELL) if isinstance(cell, str) else cell for cell in cells)
         super().add_row(*shown, style=style, end_section=end_section)
 
 

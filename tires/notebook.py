@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from html import escape
 
-from tirefmu.symbolic.escaping import shortened, visible
+from tirefmu.symbolic.escaping import excerpt
 
 #: The longest text of a cell, in characters.
 LONGEST = 200
@@ -19,7 +19,7 @@ def html_text(text: object) -> str:
     >>> html_text("<b>\x1b[2J & co")
     '&lt;b&gt;\\x1b[2J &amp; co'
     """
-    return escape(visible(shortened(str(text), LONGEST)))
+    return escape(excerpt(str(text), LONGEST))
 
 
 def html_table(header: Sequence[object], rows: Iterable[Sequence[object]]) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from tirefmu.symbolic.escaping import shortened, visible
+from tirefmu.symbolic.escaping import excerpt
 
 from .notebook import html_details, html_summary, html_table
 
@@ -27,7 +27,7 @@ def tire_text(tire: Tire) -> str:
       ranges (SI): kappa -0.3 to 0.3, alpha -0.2094 to 0.2094, gamma 0 to 0.06981, Fz 120 to 1220
       100 of 100 coefficients given, 20 effects
     """
-    name = f" {visible(shortened(tire.name, LONGEST_NAME))!r}" if tire.name else ""
+    name = f" {excerpt(tire.name, LONGEST_NAME)!r}" if tire.name else ""
     side = f", {tire.side} side" if tire.side else ""
     absent = [effect for effect in tire.book.effects if effect not in tire.has and effect in tire.book.usual_effects]
     given = len(tire.values) - len(tire.defaulted)

@@ -8,9 +8,10 @@ from pathlib import Path
 
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError, nearest
+from tirefmu.symbolic.escaping import excerpt, quoted
 
 from .tir_names import folded, model_by_coefficients
-from .tir_text import Entry, number_and_rest, quoted, shortened, unquoted
+from .tir_text import Entry, number_and_rest, unquoted
 
 
 def model_of(
@@ -77,7 +78,7 @@ def _numbered(entry: Entry, path: Path) -> str:
             return name
     known = ", ".join(f"{' '.join(map(str, sorted(numbers)))} ({name})" for name, numbers in fittyp.items())
     raise TirError(
-        f"{path}:{entry.line}: FITTYP {shortened(entry.value)} is not a model of this version: known are {known}"
+        f"{path}:{entry.line}: FITTYP {excerpt(entry.value)} is not a model of this version: known are {known}"
     )
 
 

@@ -18,6 +18,7 @@ from pathlib import Path
 from tirefmu.symbolic import model, with_library
 from tirefmu.symbolic.added import AddedEffect, read_effect
 from tirefmu.symbolic.errors import TirefmuError, TirError, UnknownName, nearest, path_from
+from tirefmu.symbolic.escaping import excerpt, quoted
 from tirefmu.symbolic.model import INDISPENSABLE, Model
 
 from .tir_model import model_of
@@ -39,7 +40,7 @@ from .tir_names import (
     near_miss,
     unit_of,
 )
-from .tir_text import Entry, Row, number_and_rest, quoted, read_lines, shortened, unquoted, without_comment
+from .tir_text import Entry, Row, number_and_rest, read_lines, unquoted, without_comment
 from .tir_unit_system import unit_system
 from .tir_units import unit_contradicts
 from .tire import RANGES, Tire
@@ -161,7 +162,7 @@ class _Reader:
         earlier = self.left.pop((entry.section, entry.key), None)
         self.left[entry.section, entry.key] = entry
         if earlier and earlier.value != entry.value:
-            value = shortened(earlier.value)
+            value = excerpt(earlier.value)
             self.notes.append(f"line {earlier.line}: {entry.key} = {value} is given again in line {entry.line}")
 
     def _keys_of(self, section: str) -> list[str]:
@@ -225,7 +226,7 @@ class _Reader:
             if key not in inputs:
                 raise TirError(f"{self._place(entry)}: unknown key {key}{nearest(key, inputs)}")
             if len(ends) != 2 or not ends[0] <= ends[1]:
-                raise TirError(f"{self._place(entry)}: {key} = {shortened(entry.value)} is not a range 'lower,upper'")
+                raise TirError(f"{self._place(entry)}: {key} = {excerpt(entry.value)} is not a range 'lower,upper'")
             yield inputs[key], (ends[0], ends[1])
 
     def _number(self, entry: Entry, factor: float) -> float:
@@ -359,6 +360,6 @@ def _text(entry: Entry, path: Path) -> str:
         try:
             return str(json.loads(entry.value))
         except (json.JSONDecodeError, RecursionError):
-            raise TirError(f"{path}:{entry.line}: {entry.key} is not a quoted text: {shortened(entry.value)}") from None
+            raise TirError(f"{path}:{entry.line}: {entry.key} is not a quoted text: {excerpt(entry.value)}") from None
     single = len(entry.value) > 1 and entry.value[0] == entry.value[-1] == "'"
     return entry.value[1:-1] if single else entry.value

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.errors import TirError
-from tirefmu.symbolic.escaping import visible
+from tirefmu.symbolic.escaping import excerpt, quoted
 
 #: The largest file that is read, bytes, and the most lines; files in use have a few hundred lines, those with long
 #: tables some ten thousand. The longest line, characters: an added effect's file is one.
@@ -170,30 +170,6 @@ def number_and_rest(value: str) -> tuple[float, str]:
     return (number if math.isfinite(number) else math.nan), " ".join(f"{rest} {behind}".split())
 
 
-def shortened(value: str) -> str:
-    """Return a value for a message: on one line, its end left out where it is long.
-
-    Examples
-    --------
-    >>> shortened("4 kN"), len(shortened("9" * 1_000_000))
-    ('4 kN', 81)
-    """
-    return visible(value if len(value) <= LONGEST_QUOTE else f"{value[:LONGEST_QUOTE]}…")
-
-
-def quoted(value: str) -> str:
-    """Return a value for a message in quotes, shortened.
-
-    Examples
-    --------
-    >>> print(quoted("4 kN"), quoted("'4' kN"))
-    '4 kN' "'4' kN"
-    """
-    text = shortened(value)
-    mark = '"' if "'" in text and '"' not in text else "'"
-    return f"{mark}{text}{mark}"
-
-
 def _opened(value: str) -> tuple[str, str]:
     """Return what stands in a value's quotes, and the text behind them; a value without quotes as it is."""
     match = _QUOTED.fullmatch(value.strip())
@@ -215,5 +191,5 @@ def _section(line: str, place: str) -> str:
     if match is None:
         raise TirError(f"{place}: section {quoted(line)} is not closed by ']'")
     if match[2].strip():
-        raise TirError(f"{place}: text behind section [{shortened(match[1].strip())}]: {quoted(match[2].strip())}")
+        raise TirError(f"{place}: text behind section [{excerpt(match[1].strip())}]: {quoted(match[2].strip())}")
     return match[1].strip().upper()

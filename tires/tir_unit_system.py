@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tirefmu.symbolic.errors import TirError, nearest
+from tirefmu.symbolic.escaping import quoted
 
 from .tir_names import IDLE_UNITS
-from .tir_text import Entry, quoted, unquoted
+from .tir_text import Entry, unquoted
 from .tir_units import UNITS, factor_of, unit_factor
 
 
