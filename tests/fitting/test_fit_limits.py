@@ -88,7 +88,7 @@ def test_bad_requests_are_told_in_one_line(known, make):
     ]
     for kind, message, options in cases:
         with pytest.raises(kind) as caught:
-            fit([recording], "mf96", **options)
+            fit([recording], **{"model": "mf96", **options})
         assert message in str(caught.value)
         assert "\n" not in str(caught.value)
 
