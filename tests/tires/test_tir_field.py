@@ -139,7 +139,7 @@ def test_the_number_of_a_model(fittyp, model, tmp_path):
         ("USER", "PHY3 = 0.1", "mf52"),
         ("USER", "Q_CAM3 = 0.1\nPKY6 = -1", "mf62"),
         ("USER", None, "no FITTYP in [MODEL], and 'USER' does not tell the model"),
-        ("FIALA", None, "PROPERTY_FILE_FORMAT 'FIALA' is not a model of this version: known are PAC2002"),
+        ("FTIRE", None, "PROPERTY_FILE_FORMAT 'FTIRE' is not a model of this version"),
         ("PAC2003", None, "did you mean PAC2002?"),
     ],
 )
