@@ -15,10 +15,13 @@ import numpy as np
 import pandas as pd
 
 from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.errors import FitError, UnknownName
 from tirefmu.symbolic.model import Model
 
+#: The largest recipe that is read, bytes.
+LARGEST_FILE = 1_000_000
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling")
 UNITS = {"": 1.0, "rad": 1.0, "deg": radians(1.0), "N": 1.0, "kN": 1e3, "%": 0.01}
@@ -157,7 +160,7 @@ def load_recipe(name: str, model: str) -> Recipe:
     elif name.endswith(".toml"):
         where = name
         try:
-            text = Path(name).read_text(encoding="utf-8")
+            text = read_bounded(Path(name), LARGEST_FILE).decode("utf-8")
         except OSError as error:
             raise FitError(f"{name}: cannot be read ({error.strerror or error})") from error
         except UnicodeDecodeError as error:
@@ -166,7 +169,7 @@ def load_recipe(name: str, model: str) -> Recipe:
         raise UnknownName("recipe", name, RECIPES)
     try:
         content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (ValueError, RecursionError) as error:  # ValueError also of integers with thousands of digits
         raise FitError(f"{where}: {error}") from error
     _check_keys(content, RECIPE_KEYS, where)
     models = content.get("models", list(MODELS))

@@ -13,17 +13,18 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-from fmpy.validation import validate_fmu
 
 from tirefmu.measurements.plausibility import check_plausible
 from tirefmu.measurements.reading import read_recording
 from tirefmu.measurements.recording import Recording
-from tirefmu.symbolic.errors import DataError, FmuError
+from tirefmu.symbolic.bounded_file import read_bounded
+from tirefmu.symbolic.errors import DataError, FmuError, TirefmuError
 from tirefmu.symbolic.escaping import visible
 from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire, read_tir
 from tirefmu.tires.signs import convert_signs
 
-from .simulation import loaded
+from .archive import unpacked
+from .simulation import quoted, read_description, simulate
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -31,6 +32,10 @@ FloatArray = npt.NDArray[np.float64]
 EVALUATION_TOLERANCE = 1e-9
 #: Step of a table without a column t, s.
 STEP = 0.01
+#: The largest resources/interface.json, bytes.
+LARGEST_INTERFACE = 1_000_000
+#: Characters of a unit that are shown.
+LONGEST_UNIT = 20
 
 
 @dataclass(frozen=True)
@@ -175,8 +180,12 @@ def check(
     *,
     signs: str | None = None,
     tolerance: float | None = None,
+    timeout: float | None = None,
 ) -> CheckResult:
     """Simulate an FMU over a recording and compare it with the data and with its own tire.
+
+    The FMU may come from anywhere: it runs in a process of its own, and `tirefmu.fmu.archive` bounds its size. It can
+    still do what any program of the user's can.
 
     The output at a row belongs to the inputs of that row; inputs are held over the step to the next one.
     Each segment of the recording begins anew, in steady state.
@@ -192,6 +201,8 @@ def check(
         The convention of the recording, if it does not say (a DataFrame: iso).
     tolerance : float, optional
         What `CheckResult.ok` asks of every channel: RMSE as a share of the largest measured magnitude.
+    timeout : float, optional
+        Time that the simulation may take, s; 60 s and 5 ms for each row where None.
 
     Returns
     -------
@@ -200,7 +211,7 @@ def check(
     Raises
     ------
     FmuError
-        If the FMU cannot be read, loaded or run.
+        If the FMU cannot be read, loaded or run, crashes or does not end in time.
     DataError
         If the recording cannot be read, is in units or signs that cannot be meant, has a NaN in an input, or
         none of the FMU's inputs or outputs.
@@ -220,8 +231,9 @@ def check(
     check_plausible(given)
     given = given.with_signs("iso")
     table, segments = given.table, given.segments()
-    with loaded(fmu_path) as slave:
-        variables = {variable.name: variable for variable in slave.description.modelVariables}
+    with unpacked(fmu_path) as folder:
+        description = read_description(fmu_path, folder)
+        variables = {variable.name: variable for variable in description.modelVariables}
         inputs, outputs = (
             _columns(variables, TABLE_INPUTS, "input"),
             _columns(variables, TABLE_OUTPUTS, "output"),
@@ -232,24 +244,22 @@ def check(
             if not found:
                 raise DataError(f"{given.source}: no {kind} of the FMU ({', '.join(needed)})")
         time = _time(table, given.source)
-        axes = _axes(slave.folder, fmu_path)
+        axes = _axes(folder, fmu_path)
+        tire = _carried_tire(folder, fmu_path, outputs)
         rows = _finite(convert_signs(table, "iso", axes), present, given.source)
-        runs = [slave.run(segment, time, rows, present, outputs) for segment in segments]
-        seen = table[present].assign(t=time)
-        inputs_of_runs = [seen.iloc[segment] for segment in segments]
-        carried = slave.folder / "resources" / "tire.tir"
-        tire = read_tir(carried) if carried.is_file() else None
-        version = slave.description.fmiVersion
-    simulated = convert_signs(pd.DataFrame(np.vstack(runs), columns=outputs, index=table.index), axes, "iso")
+        simulation = simulate(fmu_path, folder, time, rows, present, outputs, segments, timeout)
+    seen = table[present].assign(t=time)
+    inputs_of_runs = [seen.iloc[segment] for segment in segments]
+    simulated = convert_signs(pd.DataFrame(simulation.outputs, columns=outputs, index=table.index), axes, "iso")
     return CheckResult(
         fmu=Path(fmu_path).name,
         source=given.source,
-        fmi_version=version,
+        fmi_version=quoted(description.fmiVersion),
         rows=len(table),
         segments=len(segments),
-        channels=tuple(_channel(name, variables[name].unit or "", table, simulated, present) for name in measured),
+        channels=tuple(_channel(name, _unit(variables[name]), table, simulated, present) for name in measured),
         evaluation_difference=None if tire is None else _difference(_direct(tire, inputs_of_runs), simulated),
-        problems=tuple(validate_fmu(str(fmu_path))),
+        problems=simulation.problems,
         tolerance=tolerance,
         simulated=simulated,
         recording=table[[*present, *measured]].assign(t=time),
@@ -260,12 +270,45 @@ def check(
 def _axes(folder: Path, fmu_path: str | os.PathLike[str]) -> str:
     """Return the convention of the FMU's inputs and outputs, or raise where it takes no slips."""
     path = folder / "resources" / "interface.json"
-    told = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-    if told.get("inputs", "slip") != "slip":
+    place = f"{fmu_path}: resources/interface.json"
+    if not path.is_file():
+        return "iso"
+    try:
+        interface = json.loads(read_bounded(path, LARGEST_INTERFACE))
+    except OSError as error:
+        raise FmuError(f"{place}: {error.strerror or error}") from error
+    except (ValueError, RecursionError) as error:
+        raise FmuError(f"{place}: not JSON ({quoted(error)})") from error
+    if not isinstance(interface, dict):
+        raise FmuError(f"{place}: not an object")
+    if interface.get("inputs", "slip") != "slip":
         raise FmuError(
             f"{fmu_path}: it takes velocities of the wheel, and tables have slips: export it with slip inputs"
         )
-    return str(told.get("axes", "iso"))
+    axes = interface.get("axes", "iso")
+    if axes not in ("iso", "sae"):
+        raise FmuError(f"{place}: unknown axes '{quoted(axes)}': known are iso and sae")
+    return str(axes)
+
+
+def _carried_tire(folder: Path, fmu_path: str | os.PathLike[str], outputs: Iterable[str]) -> Tire | None:
+    """Return the tire that the FMU says it is, if it brings one."""
+    path = folder / "resources" / "tire.tir"
+    if not path.is_file():
+        return None
+    try:
+        tire = read_tir(path)
+    except TirefmuError as error:
+        raise FmuError(f"{fmu_path}: {str(error).replace(str(path), 'resources/tire.tir')}") from error
+    missing = [name for name in outputs if name not in tire.outputs]
+    if missing:
+        raise FmuError(f"{fmu_path}: resources/tire.tir is of {tire.model}, which has no output {missing[0]}")
+    return tire
+
+
+def _unit(variable: Any) -> str:
+    """Return the unit of a variable as the FMU writes it, for a table's column."""
+    return quoted(variable.unit or "")[:LONGEST_UNIT]
 
 
 def _recording(given: Recording | pd.DataFrame | str | os.PathLike[str], signs: str | None) -> Recording:

@@ -1,160 +1,193 @@
-"""An FMU run over the rows of a table, by fmpy.
+"""An FMU simulated over a table: in a process of its own where it is foreign, in this one where we have just built it.
 
-fmpy's `simulate_fmu` looks every variable up by name at every step; a bench file has more than 100,000 rows.
-This loop makes the same three calls with arrays that it fills again and again.
+A foreign FMU is native code: it may hang, crash, end the process or write to the terminal. The process that runs it
+has a time limit, a temporary folder to work in, and no terminal; it ends with this one, and so does what it started.
 """
 
 from __future__ import annotations
 
-import ctypes
+import json
 import os
+import re
+import signal
+import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
 import fmpy
 import numpy as np
 import numpy.typing as npt
-from fmpy.fmi1 import FMICallException
-from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
-from fmpy.fmi3 import FMU3Slave
 
+from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.errors import FmuError
+from tirefmu.symbolic.escaping import visible
+
+from .archive import DESCRIPTION, unpacked
+from .slave import ANSWER, ARRAYS, JOB, OUTPUTS, Refused, Slave
 
 FloatArray = npt.NDArray[np.float64]
 
+#: Time that a simulation may take, and what each row adds, s.
+TIME_LIMIT, TIME_LIMIT_PER_ROW = 60.0, 0.005
+#: Characters of what an FMU says that a message quotes.
+LONGEST_QUOTE = 300
+#: The largest answer of the process, bytes.
+LARGEST_ANSWER = 1_000_000
 
-@dataclass
-class Slave:
-    """An instance of an FMU for Co-Simulation, whichever version, and what it said.
+
+@dataclass(frozen=True)
+class Simulation:
+    """What an FMU gave.
 
     Attributes
     ----------
-    description : fmpy.model_description.ModelDescription
-    folder : Path
-        Where the FMU is unpacked.
-    log : list of str
-        The lines that the instance logged.
-    fmu : fmpy.fmi2.FMU2Slave or fmpy.fmi3.FMU3Slave
-    version_3 : bool
-        FMI 3 rather than FMI 2.
+    outputs : ndarray, shape (n_rows, n_outputs)
+        Of all runs, one after the other.
+    problems : tuple of str
+        What fmpy's validation found wrong with the FMU.
     """
 
-    description: Any
-    folder: Path
-    log: list[str] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        version_3 = self.description.fmiVersion.startswith("3")
-        kind = FMU3Slave if version_3 else FMU2Slave
-        self.fmu: Any = kind(
-            guid=self.description.guid,
-            unzipDirectory=str(self.folder),
-            modelIdentifier=self.description.coSimulation.modelIdentifier,
-            instanceName="check",
-        )
-        self.version_3 = version_3
-        if version_3:
-            self.fmu.instantiate(logMessage=lambda _environment, _status, _category, line: self._note(line))
-        else:
-            # fmpy's functions for memory, a logger of ours; fmpy keeps them as long as the instance.
-            callbacks = fmi2CallbackFunctions()
-            callbacks.logger = fmi2CallbackLoggerTYPE(
-                lambda _environment, _name, _status, _category, line: self._note(line)
-            )
-            callbacks.allocateMemory = defaultCallbacks.allocateMemory
-            callbacks.freeMemory = defaultCallbacks.freeMemory
-            self.fmu.instantiate(callbacks=callbacks)
-
-    def _note(self, line: bytes) -> None:
-        self.log.append(line.decode("utf-8", "replace"))
-
-    def references(self, names: Sequence[str]) -> list[int]:
-        """Return the value references of variables."""
-        known = {variable.name: variable.valueReference for variable in self.description.modelVariables}
-        return [known[name] for name in names]
-
-    def begin(self, time: float) -> None:
-        """Begin anew: initialize at a time."""
-        self.fmu.reset()
-        if self.version_3:
-            self.fmu.enterInitializationMode(startTime=time)
-        else:
-            self.fmu.setupExperiment(startTime=time)
-            self.fmu.enterInitializationMode()
-
-    def run(
-        self, rows: slice, time: FloatArray, inputs: FloatArray, known: Sequence[str], asked: Sequence[str]
-    ) -> FloatArray:
-        """Return the outputs that belong to each row of inputs, holding each row over the step to the next.
-
-        The first row is there when initialization ends: what has a state begins in steady state.
-
-        Parameters
-        ----------
-        rows : slice
-            The rows of a table to run, from a start of their own.
-        time : ndarray, shape (n_table,), s
-            Never falling in these rows; those of equal time follow each other without a step.
-        inputs : ndarray, shape (n_table, n_inputs)
-        known, asked : sequence of str
-            Names of the inputs and of the outputs.
-
-        Returns
-        -------
-        ndarray, shape (n_rows, n_outputs)
-
-        Raises
-        ------
-        FmuError
-            If the FMU refuses a call; names the row and what the FMU logged.
-        """
-        fmu, instance = self.fmu, self.fmu.component
-        n_in, n_out = len(known), len(asked)
-        in_refs = (ctypes.c_uint * n_in)(*self.references(known))
-        out_refs = (ctypes.c_uint * n_out)(*self.references(asked))
-        given, found = (ctypes.c_double * n_in)(), (ctypes.c_double * n_out)()
-        flags = [ctypes.byref(ctypes.c_bool()) for _ in range(3)]
-        reached = ctypes.byref(ctypes.c_double())
-        times = time[rows]
-        steps = np.diff(times, append=times[-1:])
-        outputs = np.empty((len(times), n_out))
-        i = 0
-        try:
-            self.begin(float(times[0]))
-            table = zip(times.tolist(), steps.tolist(), inputs[rows].tolist(), strict=True)
-            for i, (now, step, row) in enumerate(table):
-                given[:] = row
-                if self.version_3:
-                    fmu.fmi3SetFloat64(instance, in_refs, n_in, given, n_in)
-                    if i == 0:
-                        fmu.exitInitializationMode()
-                    fmu.fmi3GetFloat64(instance, out_refs, n_out, found, n_out)
-                    if step > 0.0:
-                        fmu.fmi3DoStep(instance, now, step, True, *flags, reached)
-                else:
-                    fmu.fmi2SetReal(instance, in_refs, n_in, given)
-                    if i == 0:
-                        fmu.exitInitializationMode()
-                    fmu.fmi2GetReal(instance, out_refs, n_out, found)
-                    if step > 0.0:
-                        fmu.fmi2DoStep(instance, now, step, True)
-                outputs[i] = found
-        except FMICallException as error:
-            said = f": {self.log[-1]}" if self.log else ""
-            raise FmuError(f"row {rows.start + i}: {str(error).rstrip('.')}{said}") from error
-        return outputs
+    outputs: FloatArray
+    problems: tuple[str, ...]
 
 
-def read_description(path: str | os.PathLike[str]) -> Any:
-    """Return the model description of an FMU, not validated.
+def simulate(
+    path: str | os.PathLike[str],
+    folder: Path,
+    time: FloatArray,
+    rows: FloatArray,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    runs: Sequence[slice],
+    timeout: float | None = None,
+) -> Simulation:
+    """Run an unpacked FMU over a table in a process of its own.
 
     Parameters
     ----------
     path : path-like
+        The FMU, for messages.
+    folder : Path
+        Where it is unpacked.
+    time : ndarray, shape (n,), s
+    rows : ndarray, shape (n, n_inputs)
+    inputs, outputs : sequence of str
+        Names of variables.
+    runs : sequence of slice
+        Rows that follow each other; each run begins anew.
+    timeout : float, optional
+        Time that it may take, s; `TIME_LIMIT` and `TIME_LIMIT_PER_ROW` where None.
+
+    Returns
+    -------
+    Simulation
+
+    Raises
+    ------
+    FmuError
+        If the FMU cannot be loaded, refuses a call, crashes, ends its process, or takes longer.
+    """
+    limit = TIME_LIMIT + TIME_LIMIT_PER_ROW * len(time) if timeout is None else timeout
+    if not (isfinite(limit) and limit > 0.0):
+        raise FmuError(f"timeout = {limit:g} s is not a time that a simulation may take")
+    with tempfile.TemporaryDirectory(prefix="tirefmu-", ignore_cleanup_errors=True) as name:
+        scratch = Path(name)
+        job = {"fmu": str(folder), "inputs": list(inputs), "outputs": list(outputs)}
+        ends = [(run.start, run.stop) for run in runs]
+        (scratch / JOB).write_text(json.dumps({**job, "runs": ends}), encoding="utf-8")
+        np.savez(scratch / ARRAYS, time=time, rows=rows)
+        ended = _run(scratch, limit)
+        if ended is None:
+            raise FmuError(f"{path}: the FMU does not end within {limit:g} s; --timeout SECONDS allows more")
+        try:
+            answer = _answer(scratch / ANSWER)
+            if answer is None:
+                raise FmuError(f"{path}: {_how_it_ended(ended)}")
+            if "error" in answer:
+                raise FmuError(f"{path}: {quoted(str(answer['error']).replace(f'{folder}{os.sep}', ''))}")
+            found = np.load(scratch / OUTPUTS, allow_pickle=False)
+            if found.shape != (sum(end - start for start, end in ends), len(outputs)):
+                raise ValueError(f"outputs of shape {found.shape}")
+            return Simulation(found.astype(np.float64), tuple(quoted(problem) for problem in answer["problems"]))
+        except (OSError, ValueError, KeyError, TypeError, EOFError, RecursionError) as error:
+            raise FmuError(f"{path}: the FMU's process left a broken answer ({quoted(error)})") from error
+
+
+def _run(scratch: Path, limit: float) -> int | None:
+    """Run the process that does the job in a folder; return its exit status, None if it took too long."""
+    program = Path(__file__).with_name("slave.py")
+    process = subprocess.Popen(
+        [sys.executable, "-P", str(program), str(scratch)],  # -P: the modules beside it are not for import by name
+        stdin=subprocess.PIPE,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,  # so that Ctrl-C reaches this process alone, and all that it started can be ended
+        env={**os.environ, **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(scratch))},
+    )
+    try:
+        return process.wait(limit)
+    except subprocess.TimeoutExpired:
+        return None
+    finally:
+        if hasattr(os, "killpg"):
+            with suppress(ProcessLookupError, PermissionError):
+                os.killpg(process.pid, signal.SIGKILL)
+        else:
+            process.kill()
+        process.wait()
+        if process.stdin:
+            process.stdin.close()
+
+
+def _answer(path: Path) -> dict[str, Any] | None:
+    """Return the answer of the process, or None if it left none."""
+    if not path.is_file():
+        return None
+    answer = json.loads(read_bounded(path, LARGEST_ANSWER))
+    if not isinstance(answer, dict):
+        raise ValueError("not an object")
+    return answer
+
+
+def _how_it_ended(status: int) -> str:
+    """Return how a process ended that left no answer."""
+    if status < 0:
+        try:
+            name = signal.Signals(-status).name
+        except ValueError:
+            name = f"signal {-status}"
+        return f"the FMU crashed ({name})"
+    if status >= 0x80000000:
+        return f"the FMU crashed ({status:#x})"  # as Windows names it
+    return f"the FMU ended its process (exit status {status})"
+
+
+def quoted(text: object) -> str:
+    r"""Return what an FMU says on one line, short enough for a message.
+
+    Examples
+    --------
+    >>> print(quoted("1\n2"), len(quoted("a" * 10_000)))
+    1\x0a2 300
+    """
+    return visible(str(text)[:LONGEST_QUOTE])[:LONGEST_QUOTE]
+
+
+def read_description(path: str | os.PathLike[str], folder: Path) -> Any:
+    """Return the model description of an unpacked FMU, not validated.
+
+    Parameters
+    ----------
+    path : path-like
+        The FMU, for messages.
+    folder : Path
+        Where it is unpacked.
 
     Returns
     -------
@@ -163,23 +196,25 @@ def read_description(path: str | os.PathLike[str]) -> Any:
     Raises
     ------
     FmuError
-        If the file is missing, is no FMU, or is not for Co-Simulation.
+        If it is broken, or not for Co-Simulation by FMI 2 or 3.
     """
-    if not Path(path).is_file():
-        raise FmuError(f"{path}: no such file")
     try:
-        description = fmpy.read_model_description(str(path), validate=False)
-    except Exception as error:  # fmpy lets everything through that zip and XML can meet with
-        reason = (str(error).splitlines() or [type(error).__name__])[0]
-        raise FmuError(f"{path}: not an FMU ({reason})") from error
+        description = fmpy.read_model_description(folder, validate=False)
+    except Exception as error:  # fmpy lets everything through that XML can meet with
+        raise FmuError(f"{path}: not an FMU ({DESCRIPTION}: {quoted(error)})") from error
+    if description.fmiVersion[:2] not in ("2.", "3."):
+        raise FmuError(f"{path}: FMI {quoted(description.fmiVersion)} is not known: known are 2 and 3")
     if description.coSimulation is None:
         raise FmuError(f"{path}: not an FMU for Co-Simulation")
+    identifier = description.coSimulation.modelIdentifier
+    if not isinstance(identifier, str) or not re.fullmatch(r"[A-Za-z_]\w*", identifier, re.ASCII):
+        raise FmuError(f"{path}: modelIdentifier '{quoted(identifier)}' is not a name in C")
     return description
 
 
 @contextmanager
 def loaded(path: str | os.PathLike[str]) -> Iterator[Slave]:
-    """Unpack and load an FMU, and tidy up afterwards.
+    """Unpack and load an FMU into this process, and tidy up afterwards; for FMUs of our own.
 
     Parameters
     ----------
@@ -193,7 +228,7 @@ def loaded(path: str | os.PathLike[str]) -> Iterator[Slave]:
     Raises
     ------
     FmuError
-        If the file is no FMU for Co-Simulation, or cannot be loaded here.
+        If the file is no FMU for Co-Simulation, cannot be loaded here, or refuses a call.
 
     Examples
     --------
@@ -203,14 +238,12 @@ def loaded(path: str | os.PathLike[str]) -> Iterator[Slave]:
     ...     slave.run(slice(0, 1), np.zeros(1), np.array([[0.02]]), ["alpha"], ["Fz"])
     array([[220.]])
     """
-    description = read_description(path)
-    with tempfile.TemporaryDirectory(prefix="tirefmu-") as name:
-        folder = Path(fmpy.extract(str(path), unzipdir=name))
+    with unpacked(path) as folder:
         try:
-            slave = Slave(description, folder)
-        except Exception as error:  # no binary for this platform, an incomplete one, a wrong token
-            raise FmuError(f"{path}: cannot be loaded: {error}") from error
-        try:
-            yield slave
-        finally:
-            slave.fmu.freeInstance()
+            slave = Slave(read_description(path, folder), folder)
+            try:
+                yield slave
+            finally:
+                slave.fmu.freeInstance()
+        except Refused as error:
+            raise FmuError(f"{path}: {quoted(error)}") from error

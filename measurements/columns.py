@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -16,6 +17,8 @@ from tirefmu.symbolic.errors import DataError, TirefmuError
 from .channels import CHANNELS, INPUTS, channel, intended_channel, unit_in_name
 from .units import to_si
 
+#: The most columns of a table, and the longest header that may declare a unit, characters.
+MOST_COLUMNS, LONGEST_HEADER = 5000, 200
 _HEADER = re.compile(r"(?P<name>[^\[\]]*?)\s*\[(?P<unit>[^\[\]]*)\]")
 
 
@@ -52,7 +55,7 @@ class Column:
         -------
         Column
         """
-        match = _HEADER.fullmatch(header.strip())
+        match = _HEADER.fullmatch(header.strip()) if len(header) <= LONGEST_HEADER else None
         if match and match["name"] in CHANNELS:
             return cls(match["name"], match["unit"])
         return cls(header.strip())
@@ -78,7 +81,8 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     Raises
     ------
     DataError
-        If a name stands twice, looks like an absent input, or no column is a channel.
+        If there are more than `MOST_COLUMNS`, a name stands twice, looks like an absent input, or no column is a
+        channel.
 
     Examples
     --------
@@ -89,14 +93,16 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     ...
     tirefmu.symbolic.errors.DataError: a.csv: column 'Alpha' is not a channel: did you mean alpha?
     """
+    if len(headers) > MOST_COLUMNS:
+        raise DataError(f"{source}: {len(headers)} columns: at most {MOST_COLUMNS} are read")
     columns = [
         Column.parse(header) if header.strip() else Column(f"column {number}")
         for number, header in enumerate(headers, start=1)
     ]
-    names = [column.name for column in columns]
-    for column in columns:
-        if names.count(column.name) > 1:
-            raise DataError(f"{source}: column {column.name!r} stands {names.count(column.name)} times")
+    names = Counter(column.name for column in columns)
+    for name, count in names.items():
+        if count > 1:
+            raise DataError(f"{source}: column {name!r} stands {count} times")
     for name in names:
         intended = None if name in CHANNELS else intended_channel(name)
         if intended in INPUTS and intended not in names:

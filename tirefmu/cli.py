@@ -266,19 +266,25 @@ def export(
     type=click.FloatRange(min=0.0),
     help="Exit 1 where a channel's RMSE exceeds this share of its largest value.",
 )
+@click.option("--timeout", type=click.FloatRange(min=0.0, min_open=True), metavar="SECONDS",
+              help="Time that the simulation may take [default: 60, and 0.005 for each row].")  # fmt: skip
 @click.option("--figures", type=FILE, help="Folder for figures of the data, the FMU and their difference over time.")
 @common
 def check(
-    fmu: Path, table: Path, signs: str | None, tolerance: float | None, figures: Path | None, quiet: bool,
-    json_file: Path | None,
+    fmu: Path, table: Path, signs: str | None, tolerance: float | None, timeout: float | None, figures: Path | None,
+    quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Simulate FMU with fmpy over TABLE and compare with the data and with direct evaluation."""
+    """Simulate FMU with fmpy over TABLE and compare with the data and with direct evaluation.
+
+    FMU runs in a process of its own: one that crashes or hangs is an error. It is native code all the same, and can do
+    what you can.
+    """
     from tirefmu.fmu import check as run
 
     terminal = Terminal(quiet)
     check_places(json_file, folder=figures)
     with terminal.working(f"simulating {fmu.name} over {table.name}"):
-        result = run(fmu, table, signs=signs, tolerance=tolerance)
+        result = run(fmu, table, signs=signs, tolerance=tolerance, timeout=timeout)
     write_json(json_file, result.to_json())
     terminal.print(*str(result).split("\n"))
     if figures:

@@ -8,7 +8,7 @@ from typing import Any
 
 from tirefmu.tires import Tire
 from tirefmu.tires.tir import not_given
-from tirefmu.tires.tir_names import OWN_SECTIONS, near_miss, unit_of
+from tirefmu.tires.tir_names import MOST_SEARCHED, OWN_SECTIONS, near_miss, unit_of
 
 from .implausible import implausible
 
@@ -49,6 +49,8 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
     entries = [
         {"section": section, "key": key, "value": value} for section, key, value in kept if key and section not in _OURS
     ]
+    unknown = [entry for entry in entries if unit_of(entry["key"]) is None]
+    near = {entry["key"]: near_miss(entry["key"], cards) for entry in unknown[:MOST_SEARCHED]}
     return {
         "ok": True,
         "name": tire.name,
@@ -64,7 +66,7 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         "effects_absent": [name for name in book.effects if name not in tire.has],
         "coefficients_at_neutral": at_neutral,
         "missing": {name: tire.values[name] for name in not_given(tire)},
-        "unknown": [{**e, "near": near_miss(e["key"], cards)} for e in entries if unit_of(e["key"]) is None],
+        "unknown": [{**entry, "near": near.get(entry["key"])} for entry in unknown],
         "unused": [e for e in entries if unit_of(e["key"]) is not None],
         "tables": list(dict.fromkeys(section for section, key, _ in kept if not key)),
         "notes": list(notes),

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.model import Model
 
-from .compiler import CompilerError, processor, shared_library
+from .compiler import CompilerError, loaded_library, processor
 from .printed import c_folder
 
 FloatArray = npt.NDArray[np.float64]
@@ -50,7 +50,7 @@ class Kernel:
         self._n_results = n_results
         name = f"{book.name}_batch_{routine}"
         folder = c_folder(book)
-        library = ctypes.CDLL(str(_built(name, folder / f"{name}.c", folder / f"{book.name}.h")))
+        library = _loaded(name, folder / f"{name}.c", folder / f"{book.name}.h")
         self._call = getattr(library, name)
         self._call.restype = None
         self._call.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 4]
@@ -123,12 +123,12 @@ class Kernel:
         return results, undone
 
 
-def _built(name: str, source: Path, header: Path) -> Path:
+def _loaded(name: str, source: Path, header: Path) -> ctypes.CDLL:
     """Return the library of a kernel by the first flags that the compiler takes."""
     refused = CompilerError(f"{name}: no compiler")
     for flags in FLAGS:
         try:
-            return shared_library(
+            return loaded_library(
                 name, [source], headers=[header], flags=["-fvisibility=default", *flags], machine=processor()
             )
         except CompilerError as error:

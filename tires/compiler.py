@@ -1,7 +1,7 @@
-"""The system's C compiler: found, called, its shared libraries kept by content.
+"""The system's C compiler: found, called, its shared libraries stored by content.
 
-A library is built once for its sources, flags and compiler, and found again at the next start. Where there is
-no compiler, everything but C code and native FMUs goes on working.
+A library is built once for its sources, flags and compiler, and found again in the cache at the next start. Where
+there is no compiler, everything but C code and native FMUs goes on working.
 """
 
 from __future__ import annotations
@@ -14,15 +14,20 @@ import shlex
 import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import as_file, files
 from pathlib import Path
+from typing import Any
 
 from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.symbolic.escaping import visible
 
+from .library_cache import cached
+
+#: Characters of a compiler's line that a message quotes.
+LONGEST_LINE = 300
 FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-fvisibility=hidden")
 
 
@@ -88,17 +93,6 @@ def find_compiler() -> list[str]:
     raise NoCompilerError("no C compiler found: install gcc or clang, or set CC")
 
 
-def cache_folder() -> Path:
-    """Return the folder of built libraries: TIREFMU_CACHE, or the user's cache folder."""
-    if given := os.environ.get("TIREFMU_CACHE"):
-        return Path(given)
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "tirefmu"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "tirefmu"
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "tirefmu"
-
-
 def shared_library(
     name: str,
     sources: Sequence[Path],
@@ -109,6 +103,7 @@ def shared_library(
     libraries: Sequence[str] = ("-lm",),
     machine: str = "",
     cross: CrossCompiler | None = None,
+    anew: bool = False,
 ) -> Path:
     """Return a shared library built from C sources or object files, from the cache where it is there.
 
@@ -128,6 +123,8 @@ def shared_library(
         What the flags depend on beside the compiler, such as the processor where it is asked for its own.
     cross : CrossCompiler, optional
         Build for another machine.
+    anew : bool
+        Build it again although it is there: it cannot be loaded.
 
     Returns
     -------
@@ -136,12 +133,39 @@ def shared_library(
     Raises
     ------
     CompilerError
-        If there is no compiler, it fails (the message has its first lines), or the cache cannot be written.
+        If there is no compiler, it fails (the message has its errors), or the library can be written nowhere.
     """
     system = cross.system if cross else sys.platform
     defined = ["-Wl,-z,defs"] if system.startswith("linux") else []
     options = ["-shared", *flags, *defined]
-    return _built(name, suffix(system), sources, headers, include, options, libraries, machine, cross)
+    return _built(name, suffix(system), sources, headers, include, options, libraries, machine, cross, anew)
+
+
+def loaded_library(name: str, sources: Sequence[Path], **options: Any) -> ctypes.CDLL:
+    """Return a shared library, loaded; one that is there but cannot be loaded is built again.
+
+    Parameters
+    ----------
+    name, sources, **options
+        As for `shared_library`.
+
+    Returns
+    -------
+    ctypes.CDLL
+
+    Raises
+    ------
+    CompilerError
+        As `shared_library`, or if what was just built cannot be loaded.
+    """
+    try:
+        return ctypes.CDLL(str(shared_library(name, sources, **options)))
+    except OSError:  # built on another system that shares the cache, say
+        path = shared_library(name, sources, **options, anew=True)
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError as error:
+        raise CompilerError(f"{path.name} is built, but cannot be loaded: {error}") from error
 
 
 def compiled_object(
@@ -187,6 +211,7 @@ def _built(
     libraries: Sequence[str],
     machine: str = "",
     cross: CrossCompiler | None = None,
+    anew: bool = False,
 ) -> Path:
     """Return what the compiler makes of the sources, from the cache where it is there."""
     compiler = list(cross.command) if cross else find_compiler()
@@ -196,19 +221,16 @@ def _built(
     digest = hashlib.sha256("\0".join([*compiler, *options, *libraries, built_by, system, machine]).encode())
     for path in [*sources, *headers]:
         digest.update(path.name.encode() + b"\0" + path.read_bytes())
-    built = cache_folder() / f"{name}-{digest.hexdigest()[:24]}{ending}"
-    if built.exists():
-        return built
     folders = [f"-I{folder}" for folder in include]
+    file = f"{name}{ending}"  # Macs' linkers write it into the library
+
+    def build(folder: Path) -> None:
+        _run([*compiler, *options, *folders, *map(str, sources), "-o", str(folder / file), *libraries])
+
     try:
-        built.parent.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=built.parent) as scratch:
-            target = Path(scratch) / f"{name}{ending}"  # Macs' linkers write it into the library
-            _run([*compiler, *options, *folders, *map(str, sources), "-o", str(target), *libraries])
-            os.replace(target, built)  # another process may have built the same meanwhile: equal content
+        return cached(f"{name}-{digest.hexdigest()[:24]}", build, anew=anew) / file
     except OSError as error:
-        raise CompilerError(f"{built.parent}: cannot be written ({error.strerror or error})") from error
-    return built
+        raise CompilerError(f"{file}: cannot be written ({error.strerror or error})") from error
 
 
 def compiled_model(model: str, folder: Path | None = None) -> ctypes.CDLL:
@@ -235,17 +257,28 @@ def compiled_model(model: str, folder: Path | None = None) -> ctypes.CDLL:
         source, header = place / f"{model}.c", place / f"{model}.h"
         own = ["-fvisibility=default", "-ffp-contract=fast", "-march=native"]
         try:
-            library = shared_library(model, [source], headers=[header], flags=own, machine=processor())
+            return loaded_library(model, [source], headers=[header], flags=own, machine=processor())
         except CompilerError:  # not every compiler can ask for its own machine
-            library = shared_library(model, [source], headers=[header], flags=own[:2])
-    return ctypes.CDLL(str(library))
+            return loaded_library(model, [source], headers=[header], flags=own[:2])
 
 
 def _run(command: list[str]) -> None:
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
-        said = (done.stderr or done.stdout).strip().splitlines()
-        raise CompilerError(f"{Path(command[0]).name} failed: {' / '.join(said[:3])}")
+        raise CompilerError(f"{Path(command[0]).name} failed: {_errors(done.stderr or done.stdout)}")
+
+
+def _errors(output: str) -> str:
+    r"""Return what a compiler or linker complains of: its first errors, or its last lines where none is called so.
+
+    Examples
+    --------
+    >>> _errors("a.c: In function 'f':\na.c:1:2: warning: unused 'x'\na.c:3:1: error: expected ';'\n  3 | }\n")
+    "a.c:3:1: error: expected ';'"
+    """
+    lines = [line.strip() for line in output.strip().splitlines()]
+    found = [line for line in lines if "error:" in line or "undefined reference" in line]
+    return " / ".join(visible(line)[:LONGEST_LINE] for line in (found[:3] or lines[-3:]))
 
 
 @lru_cache(maxsize=1)

@@ -1,4 +1,4 @@
-"""The code of a model: what lies in generated/, or, with effects beyond the book, printed once and kept by content.
+"""The code of a model: what lies in generated/, or, with effects beyond the book, printed once and stored by content.
 
 A model with added effects has the same routines under the same names as its base.
 """
@@ -6,13 +6,13 @@ A model with added effects has the same routines under the same names as its bas
 from __future__ import annotations
 
 import hashlib
-import os
-import tempfile
+import py_compile
 from collections.abc import Callable
 from functools import lru_cache
 from importlib import import_module
+from importlib.machinery import SourcelessFileLoader
 from importlib.resources import files
-from importlib.util import module_from_spec, spec_from_file_location
+from importlib.util import MAGIC_NUMBER, module_from_spec, spec_from_loader
 from pathlib import Path
 from types import ModuleType
 
@@ -20,7 +20,7 @@ from tirefmu.symbolic.added import effect_text
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.model import Model
 
-from .compiler import cache_folder
+from .library_cache import cached
 
 
 def numpy_module(book: Model) -> ModuleType:
@@ -43,11 +43,14 @@ def _module(book: Model, language: str) -> ModuleType:
     if not book.added:
         return import_module(f"tirefmu.generated.{language}.{book.name}")
     folder = printed_folder(book)
-    spec = spec_from_file_location(f"tirefmu_printed_{folder.name}_{language}", folder / language / f"{book.name}.py")
-    if spec is None or spec.loader is None:
+    name = f"tirefmu_printed_{folder.name}_{language}".replace("-", "_")
+    # The compiled file has been checked with the rest of the entry. Python would look for one of its own elsewhere.
+    loader = SourcelessFileLoader(name, str(folder / language / f"{book.name}.pyc"))
+    spec = spec_from_loader(name, loader)
+    if spec is None:
         raise TirefmuError(f"{folder}: the printed code of {book.name} cannot be loaded")
     module = module_from_spec(spec)
-    spec.loader.exec_module(module)
+    loader.exec_module(module)
     return module
 
 
@@ -63,35 +66,30 @@ def printed_folder(book: Model) -> Path:
     Returns
     -------
     Path
-        With numpy/, casadi/ and c/ below it, as generated/ has them.
+        With numpy/, casadi/ and c/ below it, as generated/ has them, and the Python files compiled.
 
     Raises
     ------
     TirefmuError
-        If the cache cannot be written.
+        If it can be written nowhere.
     """
     manifest = (files("tirefmu.generated") / "MANIFEST.json").read_bytes()
-    told = "\0".join(effect_text(effect) for effect in book.added)
-    digest = hashlib.sha256(manifest + told.encode()).hexdigest()[:24]
-    folder = cache_folder() / f"{book.name}-{digest}"
-    if folder.is_dir():
-        return folder
+    effects = "\0".join(effect_text(effect) for effect in book.added)
+    digest = hashlib.sha256(manifest + MAGIC_NUMBER + effects.encode()).hexdigest()[:24]
+
+    def write(folder: Path) -> None:
+        for name, text in _render()(book).items():
+            path = folder / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="ascii", newline="\n")
+            if path.suffix == ".py":
+                compiled = path.with_suffix(".pyc")
+                py_compile.compile(str(path), cfile=str(compiled), dfile=name, doraise=True)
+
     try:
-        cache_folder().mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=cache_folder()) as scratch:
-            made = Path(scratch) / folder.name
-            for name, text in _render()(book).items():
-                path = made / name
-                path.parent.mkdir(parents=True, exist_ok=True)
-                path.write_text(text, encoding="ascii", newline="\n")
-            try:
-                os.rename(made, folder)
-            except OSError:  # another process printed the same meanwhile
-                if not folder.is_dir():
-                    raise
+        return cached(f"{book.name}-{digest}", write)
     except OSError as error:
-        raise TirefmuError(f"{cache_folder()}: cannot be written ({error.strerror or error})") from error
-    return folder
+        raise TirefmuError(f"the code of {book.name} cannot be written ({error.strerror or error})") from error
 
 
 def _render() -> Callable[[Model], dict[str, str]]:

@@ -10,7 +10,7 @@ from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError, nearest
 
 from .tir_names import FITTYP, FORMATS, VAGUE_FORMATS, told_by_coefficients
-from .tir_text import Entry, number_and_rest, unquoted
+from .tir_text import Entry, number_and_rest, quoted, shortened, unquoted
 
 
 def model_of(
@@ -49,31 +49,33 @@ def model_of(
         return FORMATS[folded], (f"no FITTYP: {FORMATS[folded]} by PROPERTY_FILE_FORMAT '{spelled}'",)
     if folded not in VAGUE_FORMATS:
         raise TirError(
-            f"{path}:{format_.line}: PROPERTY_FILE_FORMAT {spelled!r} is not a model of this version"
+            f"{path}:{format_.line}: PROPERTY_FILE_FORMAT {quoted(spelled)} is not a model of this version"
             f"{nearest(spelled, ['PAC2002', 'MF_05', 'MF-TYRE', 'USER'])}"
         )
     told = told_by_coefficients({key for _, key in entries})
     if told is None:
-        raise TirError(f"{path}: no FITTYP in [MODEL], and {spelled!r} does not tell the model")
+        raise TirError(f"{path}: no FITTYP in [MODEL], and {quoted(spelled)} does not tell the model")
     return told, (f"no FITTYP: {told} by the coefficients in the file",)
 
 
 def _named(entry: Entry, path: Path) -> str:
     name = unquoted(entry.value)
     if name not in MODELS:
-        raise TirError(f"{path}:{entry.line}: unknown model {name!r}{nearest(name, MODELS)}")
+        raise TirError(f"{path}:{entry.line}: unknown model {quoted(name)}{nearest(name, MODELS)}")
     return name
 
 
 def _numbered(entry: Entry, path: Path) -> str:
     number, _ = number_and_rest(entry.value)
     if math.isnan(number):
-        raise TirError(f"{path}:{entry.line}: FITTYP = {entry.value!r} is not a number")
+        raise TirError(f"{path}:{entry.line}: FITTYP = {quoted(entry.value)} is not a number")
     for name, numbers in FITTYP.items():
         if number in numbers:
             return name
     known = ", ".join(f"{' '.join(map(str, sorted(numbers)))} ({name})" for name, numbers in FITTYP.items())
-    raise TirError(f"{path}:{entry.line}: FITTYP {entry.value} is not a model of this version: known are {known}")
+    raise TirError(
+        f"{path}:{entry.line}: FITTYP {shortened(entry.value)} is not a model of this version: known are {known}"
+    )
 
 
 def _last(key: str, entries: Mapping[tuple[str, str], Entry]) -> Entry | None:

@@ -74,6 +74,8 @@ RANGE_SECTIONS = {
 
 #: The inputs whose range no section of the field holds, by their key in [TIREFMU_RANGES].
 OWN_RANGES = {"V": "V", "phit": "PHIT", "T": "TEMPERATURE", "t": "TIME"}
+#: Unknown keys for which a similar coefficient is looked for.
+MOST_SEARCHED = 500
 #: The section that names the coefficients that nobody gave.
 ASSUMED = "TIREFMU_ASSUMED"
 #: The section that names the units of what was kept without a known unit.
@@ -114,7 +116,8 @@ def near_miss(key: str, names: Iterable[str]) -> str | None:
     best, score = None, 0.7
     for name in names:
         matcher.set_seq1(name.translate(digits))
-        if matcher.real_quick_ratio() >= score and matcher.ratio() > score:
+        # Upper bounds first, the cheapest first of all.
+        if matcher.real_quick_ratio() > score and matcher.quick_ratio() > score and matcher.ratio() > score:
             best, score = name, matcher.ratio()
     return best
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,6 +27,7 @@ from .tir_names import (
     ASSUMED,
     HEADER,
     KEPT_UNITS,
+    MOST_SEARCHED,
     OWN_RANGES,
     OWN_SECTIONS,
     RANGE_SECTIONS,
@@ -37,7 +38,7 @@ from .tir_names import (
     near_miss,
     unit_of,
 )
-from .tir_text import Entry, Row, number_and_rest, read_lines, unquoted, without_comment
+from .tir_text import Entry, Row, number_and_rest, quoted, read_lines, shortened, unquoted, without_comment
 from .tir_unit_system import unit_system
 from .tir_units import unit_contradicts
 from .tire import RANGES, Tire
@@ -116,6 +117,10 @@ class _Reader:
         for entry in lines:
             if isinstance(entry, Entry):
                 self._file(entry)
+        self.places: dict[str, list[tuple[str, str]]] = {}
+        for place in self.left:
+            self.places.setdefault(place[1], []).append(place)
+        self.searched = 0
         if not self.left:
             raise TirError(f"{path}: no line 'KEY = value' found: not a .tir file")
 
@@ -155,7 +160,8 @@ class _Reader:
         earlier = self.left.pop((entry.section, entry.key), None)
         self.left[entry.section, entry.key] = entry
         if earlier and earlier.value != entry.value:
-            self.notes.append(f"line {earlier.line}: {entry.key} = {earlier.value} is given again in line {entry.line}")
+            value = shortened(earlier.value)
+            self.notes.append(f"line {earlier.line}: {entry.key} = {value} is given again in line {entry.line}")
 
     def _keys_of(self, section: str) -> list[str]:
         return [key for title, key in self.left if title == section]
@@ -168,7 +174,8 @@ class _Reader:
 
     def _find(self, key: str, section: str) -> Entry | None:
         """Take a key out of its own section, or out of the last other one that has it."""
-        found = [place for place in self.left if place[1] == key and place[0] not in ("UNITS", *OWN_SECTIONS)]
+        places = (place for place in self.places.get(key, ()) if place in self.left)
+        found = [place for place in places if place[0] not in ("UNITS", *OWN_SECTIONS)]
         home = (section, key)
         entry = self.left[home if home in found else found[-1]] if found else None
         for place in found:
@@ -216,21 +223,22 @@ class _Reader:
             if key not in inputs:
                 raise TirError(f"{self._place(entry)}: unknown key {key}{nearest(key, inputs)}")
             if len(ends) != 2 or not ends[0] <= ends[1]:
-                raise TirError(f"{self._place(entry)}: {key} = {entry.value} is not a range 'lower,upper'")
+                raise TirError(f"{self._place(entry)}: {key} = {shortened(entry.value)} is not a range 'lower,upper'")
             yield inputs[key], (ends[0], ends[1])
 
     def _number(self, entry: Entry, factor: float) -> float:
         number, rest = number_and_rest(entry.value)
+        shown = f"{entry.key} = {quoted(entry.value)}"
         if math.isnan(number) or not math.isnan(number_and_rest(rest)[0]):
-            raise TirError(f"{self._place(entry)}: {entry.key} = {entry.value!r} is not a number")
+            raise TirError(f"{self._place(entry)}: {shown} is not a number")
         word = rest.partition(" ")[0]
         if unit_contradicts(word, factor):
-            raise TirError(f"{self._place(entry)}: {entry.key} = {entry.value!r}: units are declared in [UNITS] only")
+            raise TirError(f"{self._place(entry)}: {shown}: units are declared in [UNITS] only")
         if rest:
-            self.notes.append(f"line {entry.line}: text behind {entry.key} is not read: {rest!r}")
+            self.notes.append(f"line {entry.line}: text behind {entry.key} is not read: {quoted(rest)}")
         scaled = number * factor if factor != 1.0 else number
         if not math.isfinite(scaled):
-            raise TirError(f"{self._place(entry)}: {entry.key} = {entry.value!r} is too large")
+            raise TirError(f"{self._place(entry)}: {shown} is too large")
         return scaled
 
     def _added(self, entry: Entry) -> AddedEffect:
@@ -285,13 +293,14 @@ class _Reader:
     def _kept(self, book: Model) -> tuple[Kept, ...]:
         """Return the lines that are left, numbers with a known unit in SI, and look at the keys among them."""
         lines: list[Entry | Row] = [*self.rows, *self.left.values()]
+        titles = {section.title for section in book.sections}
         kept = []
         for line in sorted(lines, key=lambda line: line.line):
             if isinstance(line, Row):
                 kept.append((line.section, "", line.text))
             elif self._says_more(line):
                 kept.append((line.section, line.key, self._in_si(line)))
-                self._look_at(line, book)
+                self._look_at(line, book, titles)
         if self.units.foreign and any(self._is_open(line) for line in lines):
             kept += [(KEPT_UNITS, key, unit) for key, unit in self.units.foreign.items()]
             self.notes.append("kept keys and tables without a known unit stay in the file's units")
@@ -313,10 +322,14 @@ class _Reader:
             return line.section != "SHAPE" and any(not math.isnan(number_and_rest(w)[0]) for w in line.text.split())
         return unit_of(line.key) is None and not math.isnan(number_and_rest(line.value)[0])
 
-    def _look_at(self, entry: Entry, book: Model) -> None:
+    def _look_at(self, entry: Entry, book: Model, titles: Collection[str]) -> None:
         """Refuse or note a key that almost is a coefficient."""
-        titles = {section.title for section in book.sections}
         if entry.section not in titles or unit_of(entry.key) is not None or entry.key in ALIASES:
+            return
+        self.searched += 1
+        if self.searched > MOST_SEARCHED:
+            if self.searched == MOST_SEARCHED + 1:
+                self.notes.append(f"line {entry.line}: no similar coefficients are looked for from here on")
             return
         near = near_miss(entry.key, book.coefficients)
         if near and (book.name == "mf96" or entry.section.startswith("TIREFMU")):
@@ -328,8 +341,8 @@ class _Reader:
         strict = {*_STRICT, *(section.title for section in book.sections)}
         for row in self.rows:
             if row.section in strict and not row.in_table:
-                line = without_comment(row.text).strip()
-                raise TirError(f"{self.path}:{row.line}: {line!r} in [{row.section}] is not 'KEY = value'")
+                line = quoted(without_comment(row.text).strip())
+                raise TirError(f"{self.path}:{row.line}: {line} in [{row.section}] is not 'KEY = value'")
 
     def _refuse_own(self, own: dict[str, Entry], book: Model) -> None:
         known = ["TIREFMU_MODEL", "NAME", "EFFECTS", *(f"CORE_{name}" for name in book.coefficients)]
@@ -343,7 +356,7 @@ def _text(entry: Entry, path: Path) -> str:
     if entry.value.startswith('"'):
         try:
             return str(json.loads(entry.value))
-        except json.JSONDecodeError:
-            raise TirError(f"{path}:{entry.line}: {entry.key} is not a quoted text: {entry.value}") from None
+        except (json.JSONDecodeError, RecursionError):
+            raise TirError(f"{path}:{entry.line}: {entry.key} is not a quoted text: {shortened(entry.value)}") from None
     single = len(entry.value) > 1 and entry.value[0] == entry.value[-1] == "'"
     return entry.value[1:-1] if single else entry.value

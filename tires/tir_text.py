@@ -12,12 +12,23 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.errors import TirError
+from tirefmu.symbolic.escaping import visible
+
+#: The largest file that is read, bytes, and the most lines; files in use have a few hundred lines, those with long
+#: tables some ten thousand. The longest line, characters: an added effect's file is one.
+MOST_BYTES, MOST_LINES, LONGEST_LINE = 10_000_000, 50_000, 200_000
+#: The longest text of a number, characters. The exact decimals of the smallest doubles have 1,077.
+LONGEST_NUMBER = 1500
+#: Characters of a value that a message quotes.
+LONGEST_QUOTE = 80
 
 _LINE_END = re.compile(r"\r\n|\n|\r")
 _SECTION = re.compile(r"\[([^\[\]]*)\](.*)")
 _KEY = re.compile(r"[A-Za-z]\w*", re.ASCII)
-_NUMBER = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[eEdD]([+-]?\d+))?", re.ASCII)
+# Without two ways to match the same digits: the time is proportional to the length.
+_NUMBER = re.compile(r"([+-]?(?:\d+(?:\.\d*)?|\.\d+))(?:[eEdD]([+-]?\d+))?", re.ASCII)
 _BARE_EXPONENT = re.compile(r"([+-]?(?:\d+\.\d*|\.\d+))([+-]\d+)", re.ASCII)  # Fortran's 1.5+3
 _QUOTED = re.compile(r"(['\"])([^'\"]*)\1([^'\"]*)")
 _BYTE_ORDER_MARKS = {b"\xef\xbb\xbf": "utf-8-sig", b"\xff\xfe": "utf-16", b"\xfe\xff": "utf-16"}
@@ -58,10 +69,11 @@ def read_lines(path: Path) -> list[Entry | Row]:
     Raises
     ------
     TirError
-        If the file cannot be read or a section's name is broken.
+        If the file cannot be read, is larger than `MOST_BYTES`, `MOST_LINES` or `LONGEST_LINE`, or a section's name is
+        broken.
     """
     try:
-        content = path.read_bytes()
+        content = read_bounded(path, MOST_BYTES)
     except OSError as error:
         raise TirError(f"{path}: cannot be read ({error.strerror or error})") from error
     return parse_lines(_decoded(content), path)
@@ -77,7 +89,12 @@ def parse_lines(text: str, path: Path) -> list[Entry | Row]:
     """
     lines: list[Entry | Row] = []
     section, in_table = "", False
-    for number, raw in enumerate(_LINE_END.split(text), start=1):
+    raw_lines = _LINE_END.split(text)
+    if len(raw_lines) > MOST_LINES:
+        raise TirError(f"{path}: more than {MOST_LINES} lines: not a .tir file")
+    for number, raw in enumerate(raw_lines, start=1):
+        if len(raw) > LONGEST_LINE:
+            raise TirError(f"{path}:{number}: longer than {LONGEST_LINE} characters: not a .tir file")
         line = without_comment(raw).strip()
         if not line:
             continue
@@ -135,7 +152,7 @@ def number_and_rest(value: str) -> tuple[float, str]:
     Returns
     -------
     (float, str)
-        NaN where there is no finite number, or a blank does not end it.
+        NaN where there is no finite number, it is longer than `LONGEST_NUMBER`, or a blank does not end it.
 
     Examples
     --------
@@ -146,9 +163,35 @@ def number_and_rest(value: str) -> tuple[float, str]:
     """
     inner, behind = _opened(value)
     word, _, rest = inner.partition(" ")
+    if len(word) > LONGEST_NUMBER:
+        return math.nan, " ".join(f"{rest} {behind}".split())
     match = _NUMBER.fullmatch(word) or _BARE_EXPONENT.fullmatch(word)
     number = float(f"{match[1]}e{match[2] or 0}") if match else math.nan
     return (number if math.isfinite(number) else math.nan), " ".join(f"{rest} {behind}".split())
+
+
+def shortened(value: str) -> str:
+    """Return a value for a message: on one line, its end left out where it is long.
+
+    Examples
+    --------
+    >>> shortened("4 kN"), len(shortened("9" * 1_000_000))
+    ('4 kN', 81)
+    """
+    return visible(value if len(value) <= LONGEST_QUOTE else f"{value[:LONGEST_QUOTE]}…")
+
+
+def quoted(value: str) -> str:
+    """Return a value for a message in quotes, shortened.
+
+    Examples
+    --------
+    >>> print(quoted("4 kN"), quoted("'4' kN"))
+    '4 kN' "'4' kN"
+    """
+    text = shortened(value)
+    mark = '"' if "'" in text and '"' not in text else "'"
+    return f"{mark}{text}{mark}"
 
 
 def _opened(value: str) -> tuple[str, str]:
@@ -170,7 +213,7 @@ def _decoded(content: bytes) -> str:
 def _section(line: str, place: str) -> str:
     match = _SECTION.fullmatch(line)
     if match is None:
-        raise TirError(f"{place}: section {line!r} is not closed by ']'")
+        raise TirError(f"{place}: section {quoted(line)} is not closed by ']'")
     if match[2].strip():
-        raise TirError(f"{place}: text behind section [{match[1].strip()}]: {match[2].strip()!r}")
+        raise TirError(f"{place}: text behind section [{shortened(match[1].strip())}]: {quoted(match[2].strip())}")
     return match[1].strip().upper()

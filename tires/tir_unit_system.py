@@ -9,7 +9,7 @@ from pathlib import Path
 from tirefmu.symbolic.errors import TirError, nearest
 
 from .tir_names import IDLE_UNITS
-from .tir_text import Entry, unquoted
+from .tir_text import Entry, quoted, unquoted
 from .tir_units import UNITS, factor_of, unit_factor
 
 
@@ -76,7 +76,7 @@ def unit_system(entries: MutableMapping[tuple[str, str], Entry], path: Path) -> 
         spelling = unquoted(entry.value)
         factor = unit_factor(entry.key, spelling)
         if factor is None:
-            said = f"{entry.key} in {spelling!r}" if spelling else f"{entry.key} in [UNITS] has no value"
+            said = f"{entry.key} in {quoted(spelling)}" if spelling else f"{entry.key} in [UNITS] has no value"
             raise TirError(f"{where}: {said}{nearest(spelling, UNITS[entry.key])}")
         factors[entry.key] = factor
         foreign.pop(entry.key, None)

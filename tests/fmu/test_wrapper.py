@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fmpy import simulate_fmu
+from fmpy import read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.fmi3 import FMU3Model, FMU3ScheduledExecution, FMU3Slave
 
 from tirefmu.fmu.build import fmi_headers
 from tirefmu.fmu.interface import interface
-from tirefmu.fmu.simulation import loaded, read_description
+from tirefmu.fmu.simulation import loaded
 from tirefmu.fmu.sources import c_files, sources
 
 OUTPUTS = ("Fx", "Fy", "Mz")
@@ -137,7 +137,7 @@ def test_a_host_without_python(compiler, fmus, fmi, tires, tmp_path):
     arguments = []
     for name in ("first", "second"):
         fmu = fmus[name, fmi]
-        arguments += [str(unpacked_binary(fmu, tmp_path)), read_description(fmu).guid]
+        arguments += [str(unpacked_binary(fmu, tmp_path)), read_model_description(fmu).guid]
     done = subprocess.run(
         [str(program), *arguments],
         capture_output=True,

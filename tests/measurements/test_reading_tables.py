@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tirefmu.measurements import check_plausible, read_recording, write_table
+from tirefmu.measurements.columns import MOST_COLUMNS
 from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -197,3 +198,10 @@ def test_targets_that_cannot_be_written(tmp_path):
 
 def test_golden_inputs_are_plausible(golden):
     check_plausible(read_recording(golden / "mf96_trento.csv"))
+
+
+def test_a_table_of_any_width_is_one_line(tmp_path):
+    path = tmp_path / "wide.csv"
+    path.write_text("alpha,Fz," + ",".join(f"c{i}" for i in range(MOST_COLUMNS)) + "\n", encoding="ascii")
+    with pytest.raises(DataError, match=rf"wide\.csv: {MOST_COLUMNS + 2} columns: at most {MOST_COLUMNS} are read"):
+        read_recording(path)

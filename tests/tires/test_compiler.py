@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-from tirefmu.tires import compiler
-from tirefmu.tires.compiler import CompilerError, cache_folder, find_compiler, shared_library
+from tirefmu.tires.compiler import CompilerError, find_compiler, loaded_library, shared_library
+from tirefmu.tires.library_cache import RECORD
 
 needs_compiler = pytest.mark.skipif(
     not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="no C compiler on this machine"
@@ -74,14 +74,14 @@ def test_a_compiler_named_with_options(monkeypatch, empty_cache, source):
 @needs_compiler
 def test_a_library_is_built_once(empty_cache, source, monkeypatch):
     path = built(source)
-    assert path.parent == empty_cache
+    assert path.parent.parent == empty_cache
 
     def never(*_):
         raise AssertionError("compiled again")
 
     monkeypatch.setattr(subprocess, "run", never)
     assert built(source) == path
-    assert [entry.name for entry in empty_cache.iterdir()] == [path.name]
+    assert [entry.name for entry in empty_cache.iterdir()] == [path.parent.name]
 
 
 @needs_compiler
@@ -115,20 +115,59 @@ def test_an_undefined_function_is_found_when_linking(empty_cache, source):
 
 
 @needs_compiler
-def test_a_cache_that_cannot_be_written(tmp_path, source, monkeypatch):
-    (tmp_path / "a_file").write_text("", encoding="ascii")
-    monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path / "a_file"))
-    with pytest.raises(CompilerError, match=r"a_file: cannot be written"):
-        built(source)
+def test_the_errors_are_quoted_not_the_warnings_before_them(empty_cache, source):
+    unused = "\n".join(f"static int unused_{i}(void) {{ return {i}; }}" for i in range(9))
+    source.write_text(f"{unused}\nint answer(void) {{ return 42 }}\n", encoding="ascii")
+    with pytest.raises(CompilerError, match=r"failed: .*error: expected .;.") as caught:
+        built(source, flags=["-Wall"])
+    assert "unused_0" not in str(caught.value)
 
 
-def test_the_cache_is_the_users_unless_told(monkeypatch, tmp_path):
-    monkeypatch.delenv("TIREFMU_CACHE")
-    monkeypatch.setattr(compiler.sys, "platform", "linux")
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    assert cache_folder() == tmp_path / "tirefmu"
-    monkeypatch.setattr(compiler.sys, "platform", "darwin")
-    assert cache_folder() == Path.home() / "Library" / "Caches" / "tirefmu"
-    monkeypatch.setattr(compiler.sys, "platform", "win32")
-    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path))
-    assert cache_folder() == tmp_path / "tirefmu"
+def loaded(source):
+    return loaded_library("answer", [source], headers=[source.with_suffix(".h")])
+
+
+@needs_compiler
+@pytest.mark.parametrize("damage", ["empty", "truncated", "changed", "link", "folder", "no record", "more"])
+def test_a_damaged_library_is_built_again(empty_cache, source, tmp_path, damage):
+    path = built(source)
+    content = path.read_bytes()
+    path.unlink()
+    if damage == "empty":
+        path.write_bytes(b"")
+    elif damage == "truncated":
+        path.write_bytes(content[: len(content) // 2])
+    elif damage == "changed":
+        path.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
+    elif damage == "link":
+        (tmp_path / "elsewhere").write_bytes(content)
+        path.symlink_to(tmp_path / "elsewhere")
+    elif damage == "folder":
+        path.mkdir()
+    else:
+        path.write_bytes(content)
+        record = path.with_name(RECORD)
+        record.unlink() if damage == "no record" else path.with_name("more").write_bytes(b"")
+    assert loaded(source).answer() == 42
+    assert path.is_file()
+    assert not path.is_symlink()
+    assert path.read_bytes() == content
+    assert [entry.name for entry in empty_cache.iterdir()] == [path.parent.name]
+
+
+@needs_compiler
+def test_a_library_that_cannot_be_loaded_is_built_again(empty_cache, source):
+    path = built(source)
+    content = b"as recorded, but for another machine"
+    path.write_bytes(content)
+    record = f"{hashlib.sha256(content).hexdigest()} {len(content)} {path.name}\n"
+    path.with_name(RECORD).write_text(record, encoding="ascii")
+    assert built(source).read_bytes() == content  # nothing in the cache tells
+    assert loaded(source).answer() == 42
+
+
+@needs_compiler
+def test_what_can_never_be_loaded_is_one_line(empty_cache, source):
+    with pytest.raises(CompilerError, match=r"answer\S* is built, but cannot be loaded: ") as caught:
+        loaded_library("answer", [source], headers=[source.with_suffix(".h")], flags=["-c"])
+    assert "\n" not in str(caught.value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
+from decimal import Decimal
 
 import numpy as np
 import pytest
@@ -12,8 +13,10 @@ from hypothesis import strategies as st
 
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError
-from tirefmu.tires import PUBLISHED, Tire, published, read_tir, write_tir
-from tirefmu.tires.tir import not_given, tir_text
+from tirefmu.tires import PUBLISHED, Tire, published, read_tir, tir_reading, write_tir
+from tirefmu.tires import tir_text as form
+from tirefmu.tires.tir import not_given, read_tir_with_notes, tir_text
+from tirefmu.tires.tir_names import MOST_SEARCHED
 from tirefmu.tires.tire import RANGES
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -283,3 +286,67 @@ def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
         published("trento_hoosier").save(path)
     assert path.read_text(encoding="utf-8") == "the old one"
     assert list(tmp_path.iterdir()) == [path]
+
+
+# ------------------------------------------------------------------ large files
+
+BASE = tir_text(published("trento_hoosier"))
+
+
+def refused(folder, text, message):
+    path = folder / "large.tir"
+    path.write_text(text, encoding="ascii")
+    with pytest.raises(TirError, match=message) as caught:
+        read_tir(path)
+    assert len(str(caught.value)) < 1000
+
+
+def test_a_file_of_any_size_is_one_line(tmp_path):
+    refused(tmp_path, BASE + "X = 1\n" * form.MOST_LINES, r"large\.tir: more than 50000 lines")
+    refused(tmp_path, BASE + "[X]\nX = " + "9" * form.LONGEST_LINE, r"large\.tir:\d+: longer than 200000")
+    refused(tmp_path, BASE + " " * form.MOST_BYTES, r"cannot be read \(larger than 10 MB\)")
+
+
+@pytest.mark.parametrize("value", ["9" * 100_000, "9" * 100_000 + "x", "1e" + "9" * 100_000, "." + "9" * 100_000])
+def test_digits_without_end_are_no_number(tmp_path, value):
+    refused(tmp_path, BASE + f"[LATERAL_COEFFICIENTS]\nPKY1 = {value}\n", r"PKY1 = '[1.9][9e]+…' is not a number")
+
+
+def test_a_number_may_have_all_digits_of_a_double(tmp_path):
+    exact = format(Decimal.from_float(5e-324), "f")
+    assert len(exact) > 1000
+    (tmp_path / "exact.tir").write_text(BASE + f"[LATERAL_COEFFICIENTS]\nPKY1 = {exact}\n", encoding="ascii")
+    assert read_tir(tmp_path / "exact.tir").values["PKY1"] == 5e-324
+
+
+def test_each_key_is_looked_at_once(tmp_path, monkeypatch):
+    """Twice the keys mean twice the steps: no coefficient's search goes over all of them."""
+    steps = []
+
+    class Counted(dict):
+        def __iter__(self):
+            for key in super().__iter__():
+                steps.append(key)
+                yield key
+
+    def steps_of(n):
+        steps.clear()
+        text = BASE + "[OTHER]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(n))
+        (tmp_path / "many.tir").write_text(text, encoding="ascii")
+        reader = tir_reading._Reader(tmp_path / "many.tir")
+        reader.left = Counted(reader.left)
+        assert reader.reading().tire.values == published("trento_hoosier").in_signs("iso").values
+        return len(steps)
+
+    few, many = steps_of(500), steps_of(1000)
+    assert many - few <= 10 * 500
+
+
+def test_similar_names_are_looked_for_a_limited_number_of_times(tmp_path, monkeypatch):
+    searched = []
+    monkeypatch.setattr(tir_reading, "near_miss", lambda key, names: searched.append(key))
+    text = BASE + "[LATERAL_COEFFICIENTS]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(2 * MOST_SEARCHED))
+    (tmp_path / "many.tir").write_text(text, encoding="ascii")
+    reading = read_tir_with_notes(tmp_path / "many.tir")
+    assert len(searched) == MOST_SEARCHED
+    assert sum("no similar coefficients are looked for" in note for note in reading.notes) == 1

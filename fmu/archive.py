@@ -1,0 +1,193 @@
+"""An FMU's archive unpacked: bounded in size, and no entry lands outside its folder.
+
+An archive is hostile until it is unpacked. Its size is bounded before anything is written and again while it is
+written, as an archive can lie about it; what no FMU needs (links, encryption, other compression than deflate, names
+that are equal on some systems) is refused.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import re
+import stat
+import tempfile
+import unicodedata
+import xml.parsers.expat
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from tirefmu.symbolic.bounded_file import read_bounded
+from tirefmu.symbolic.errors import FmuError
+from tirefmu.symbolic.escaping import visible
+
+#: The largest archive, and the most that it may hold when unpacked, bytes.
+MOST_BYTES = 200_000_000
+#: The largest single file in it, bytes.
+LARGEST_FILE = 100_000_000
+#: The most files and folders in it.
+MOST_ENTRIES = 10_000
+#: The largest modelDescription.xml, bytes.
+LARGEST_DESCRIPTION = 20_000_000
+#: The longest path in it, characters.
+LONGEST_NAME = 250
+DESCRIPTION = "modelDescription.xml"
+
+#: What begins each entry of a zip file's directory.
+_ENTRY = b"PK\x01\x02"
+#: Bytes that are unpacked at a time.
+_CHUNK = 1 << 20
+#: Signs that stand in no file name on at least one system.
+_NOT_IN_NAMES = re.compile(r'[\x00-\x1f\x7f\\:*?"<>|]')
+
+
+@contextmanager
+def unpacked(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Unpack an FMU into a temporary folder, and remove it afterwards.
+
+    Parameters
+    ----------
+    path : path-like
+
+    Yields
+    ------
+    Path
+        The folder; it has a modelDescription.xml without a document type.
+
+    Raises
+    ------
+    FmuError
+        If the file is missing, is no FMU, is larger than the limits of this module, or has an entry that no FMU needs.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> from .build import export
+    >>> with unpacked(export(published("trento_hoosier"), "tire.fmu")) as folder:
+    ...     (folder / "resources" / "tire.tir").is_file()
+    True
+    """
+    content = _content(Path(path))
+    with tempfile.TemporaryDirectory(prefix="tirefmu-", ignore_cleanup_errors=True) as name:
+        folder = Path(name)
+        try:
+            with zipfile.ZipFile(io.BytesIO(content)) as archive:
+                entries = archive.infolist()
+                _check(entries)
+                _unpack(archive, entries, folder)
+            _check_description(folder / DESCRIPTION)
+        except Exception as error:  # zipfile lets everything through that a broken archive can meet with
+            raise FmuError(f"{path}: not an FMU that can be read ({visible(str(error))[:300]})") from error
+        yield folder
+
+
+def _content(path: Path) -> bytes:
+    """Return the bytes of an archive that is not too large."""
+    if not path.is_file():
+        raise FmuError(f"{path}: no such file")
+    try:
+        content = read_bounded(path, MOST_BYTES)
+    except OSError as error:
+        raise FmuError(f"{path}: cannot be read ({error.strerror or error})") from error
+    # Reading a directory of millions of entries takes minutes: they are counted first.
+    if content.count(_ENTRY) > MOST_ENTRIES:
+        raise FmuError(f"{path}: more than {MOST_ENTRIES} files")
+    return content
+
+
+def _check(entries: list[zipfile.ZipInfo]) -> None:
+    """Raise for what the directory of an archive shows."""
+    total = 0
+    known: dict[str, tuple[str, bool]] = {}
+    for entry in entries:
+        shown = _shown(entry.orig_filename)
+        if _leads_elsewhere(entry):
+            raise FmuError(f"the file name {shown} is not allowed")
+        if stat.S_IFMT(entry.external_attr >> 16) not in (0, stat.S_IFREG, stat.S_IFDIR):
+            raise FmuError(f"{shown} is a link or a device")
+        if entry.flag_bits & 0x1:
+            raise FmuError(f"{shown} is encrypted")
+        if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+            raise FmuError(f"{shown} is compressed by another method than deflate")
+        total += entry.file_size
+        largest = LARGEST_DESCRIPTION if entry.filename == DESCRIPTION else LARGEST_FILE
+        if entry.file_size > largest:
+            raise FmuError(f"{shown} has {_megabytes(entry.file_size)} when unpacked; at most {_megabytes(largest)}")
+        if total > MOST_BYTES:
+            raise FmuError(f"it has more than {_megabytes(MOST_BYTES)} when unpacked")
+        for place, is_folder in _places(entry):
+            key = unicodedata.normalize("NFC", place).casefold()
+            if key in known and (not is_folder or known[key] != (place, is_folder)):
+                raise FmuError(f"{shown} is there twice, or differs from another name only by case")
+            known[key] = place, is_folder
+
+
+def _places(entry: zipfile.ZipInfo) -> Iterator[tuple[str, bool]]:
+    """Yield the path of an entry and of the folders above it, and whether each is a folder."""
+    name = entry.filename.rstrip("/")
+    yield name, entry.is_dir()
+    while "/" in name:
+        name = name.rpartition("/")[0]
+        yield name, True
+
+
+def _leads_elsewhere(entry: zipfile.ZipInfo) -> bool:
+    """Return whether a name is no plain relative path on every system."""
+    name = entry.orig_filename.removesuffix("/")
+    return (
+        len(name) > LONGEST_NAME
+        or name != entry.filename.removesuffix("/")
+        or _NOT_IN_NAMES.search(name) is not None
+        or any(part in ("", ".", "..") for part in name.split("/"))
+    )
+
+
+def _unpack(archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], folder: Path) -> None:
+    """Write the files, counting what really comes."""
+    total = 0
+    for entry in entries:
+        target = folder / entry.filename
+        if entry.is_dir():
+            target.mkdir(parents=True, exist_ok=True)
+            continue
+        target.parent.mkdir(parents=True, exist_ok=True)
+        with archive.open(entry) as packed, target.open("xb") as file:
+            while chunk := packed.read(_CHUNK):
+                total += len(chunk)
+                if total > MOST_BYTES:
+                    raise FmuError(f"it has more than {_megabytes(MOST_BYTES)} when unpacked")
+                file.write(chunk)
+
+
+class _Enough(Exception):
+    """The root element has begun: a document type would stand before it."""
+
+
+def _check_description(path: Path) -> None:
+    """Raise where there is no model description, or one with a document type, whose entities can be of any size."""
+    if not path.is_file():
+        raise FmuError(f"it has no {DESCRIPTION}")
+
+    def refuse(*_: object) -> None:
+        raise FmuError(f"{DESCRIPTION} has a document type (DOCTYPE)")
+
+    def stop(*_: object) -> None:
+        raise _Enough
+
+    parser = xml.parsers.expat.ParserCreate()
+    parser.StartDoctypeDeclHandler = refuse
+    parser.StartElementHandler = stop
+    try:
+        parser.Parse(path.read_bytes(), True)
+    except _Enough:
+        return
+
+
+def _shown(name: str) -> str:
+    return f"'{visible(name)[:60]}'"
+
+
+def _megabytes(size: int) -> str:
+    return f"{size / 1e6:,.0f} MB"

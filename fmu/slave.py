@@ -1,0 +1,222 @@
+"""An instance of an FMU for Co-Simulation and its run over the rows of a table; as a program, in a process of its own.
+
+fmpy's `simulate_fmu` looks every variable up by name at every step; a bench file has more than 100,000 rows.
+This loop makes the same three calls with arrays that it fills again and again.
+
+`simulation.py` starts this file as a program, so that an FMU that crashes takes no other process along. It imports
+nothing of this package: that would take ten times as long as a usual check.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import sys
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import numpy as np
+import numpy.typing as npt
+from fmpy.fmi1 import FMICallException
+from fmpy.fmi2 import FMU2Slave, defaultCallbacks, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
+from fmpy.fmi3 import FMU3Slave
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Lines that are remembered of what an instance logs, and characters of each.
+MOST_LINES, LONGEST_LINE = 1000, 500
+#: Problems of a model description that are reported.
+MOST_PROBLEMS = 100
+#: The files of a job: what to do, its arrays, the outputs, and the answer, which is written last.
+JOB, ARRAYS, OUTPUTS, ANSWER = "job.json", "arrays.npz", "outputs.npy", "answer.json"
+
+
+class Refused(Exception):
+    """The FMU cannot be loaded, or refuses a call; one sentence."""
+
+
+@dataclass
+class Slave:
+    """An instance of an FMU for Co-Simulation, whichever version, and what it said.
+
+    Attributes
+    ----------
+    description : fmpy.model_description.ModelDescription
+    folder : Path
+        Where the FMU is unpacked.
+    log : list of str
+        The lines that the instance logged.
+    fmu : fmpy.fmi2.FMU2Slave or fmpy.fmi3.FMU3Slave
+    version_3 : bool
+        FMI 3 rather than FMI 2.
+
+    Raises
+    ------
+    Refused
+        If there is no binary for this platform, an incomplete one, or one that gives no instance.
+    """
+
+    description: Any
+    folder: Path
+    log: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.version_3 = self.description.fmiVersion.startswith("3")
+        try:
+            self._instantiate()
+        except Exception as error:  # fmpy raises no kind of its own
+            raise Refused(f"cannot be loaded: {error}") from error
+
+    def _instantiate(self) -> None:
+        kind = FMU3Slave if self.version_3 else FMU2Slave
+        self.fmu: Any = kind(
+            guid=self.description.guid,
+            unzipDirectory=str(self.folder),
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName="check",
+        )
+        if self.version_3:
+            self.fmu.instantiate(logMessage=lambda _environment, _status, _category, line: self._note(line))
+        else:
+            # fmpy's functions for memory, a logger of ours; fmpy keeps them as long as the instance.
+            callbacks = fmi2CallbackFunctions()
+            callbacks.logger = fmi2CallbackLoggerTYPE(
+                lambda _environment, _name, _status, _category, line: self._note(line)
+            )
+            callbacks.allocateMemory = defaultCallbacks.allocateMemory
+            callbacks.freeMemory = defaultCallbacks.freeMemory
+            self.fmu.instantiate(callbacks=callbacks)
+
+    def _note(self, line: bytes | None) -> None:
+        if len(self.log) == MOST_LINES:
+            del self.log[0]
+        self.log.append((line or b"")[:LONGEST_LINE].decode("utf-8", "replace"))
+
+    def references(self, names: Sequence[str]) -> list[int]:
+        """Return the value references of variables."""
+        known = {variable.name: variable.valueReference for variable in self.description.modelVariables}
+        return [known[name] for name in names]
+
+    def begin(self, time: float) -> None:
+        """Begin anew: initialize at a time."""
+        self.fmu.reset()
+        if self.version_3:
+            self.fmu.enterInitializationMode(startTime=time)
+        else:
+            self.fmu.setupExperiment(startTime=time)
+            self.fmu.enterInitializationMode()
+
+    def run(
+        self, rows: slice, time: FloatArray, inputs: FloatArray, known: Sequence[str], asked: Sequence[str]
+    ) -> FloatArray:
+        """Return the outputs that belong to each row of inputs, holding each row over the step to the next.
+
+        The first row is there when initialization ends: what has a state begins in steady state.
+
+        Parameters
+        ----------
+        rows : slice
+            The rows of a table to run, from a start of their own.
+        time : ndarray, shape (n_table,), s
+            Never falling in these rows; those of equal time follow each other without a step.
+        inputs : ndarray, shape (n_table, n_inputs)
+        known, asked : sequence of str
+            Names of the inputs and of the outputs.
+
+        Returns
+        -------
+        ndarray, shape (n_rows, n_outputs)
+
+        Raises
+        ------
+        Refused
+            If the FMU refuses a call; names the row and what the FMU logged.
+        """
+        fmu, instance = self.fmu, self.fmu.component
+        n_in, n_out = len(known), len(asked)
+        in_refs = (ctypes.c_uint * n_in)(*self.references(known))
+        out_refs = (ctypes.c_uint * n_out)(*self.references(asked))
+        given, found = (ctypes.c_double * n_in)(), (ctypes.c_double * n_out)()
+        flags = [ctypes.byref(ctypes.c_bool()) for _ in range(3)]
+        reached = ctypes.byref(ctypes.c_double())
+        times = time[rows]
+        steps = np.diff(times, append=times[-1:])
+        outputs = np.empty((len(times), n_out))
+        i = 0
+        try:
+            self.begin(float(times[0]))
+            table = zip(times.tolist(), steps.tolist(), inputs[rows].tolist(), strict=True)
+            for i, (now, step, row) in enumerate(table):
+                given[:] = row
+                if self.version_3:
+                    fmu.fmi3SetFloat64(instance, in_refs, n_in, given, n_in)
+                    if i == 0:
+                        fmu.exitInitializationMode()
+                    fmu.fmi3GetFloat64(instance, out_refs, n_out, found, n_out)
+                    if step > 0.0:
+                        fmu.fmi3DoStep(instance, now, step, True, *flags, reached)
+                else:
+                    fmu.fmi2SetReal(instance, in_refs, n_in, given)
+                    if i == 0:
+                        fmu.exitInitializationMode()
+                    fmu.fmi2GetReal(instance, out_refs, n_out, found)
+                    if step > 0.0:
+                        fmu.fmi2DoStep(instance, now, step, True)
+                outputs[i] = found
+        except FMICallException as error:
+            said = f": {self.log[-1]}" if self.log else ""
+            raise Refused(f"row {rows.start + i}: {str(error).rstrip('.')}{said}") from error
+        return outputs
+
+
+def main(folder: Path) -> None:
+    """Do the job in a folder and leave its answer there: outputs by row and problems, or why there are none."""
+    _die_with_the_parent()
+    os.chdir(folder)  # what an FMU writes without a path goes away with the job
+    job = json.loads((folder / JOB).read_text(encoding="utf-8"))
+    try:
+        answer = _run(job, folder)
+    except Refused as error:
+        answer = {"error": str(error)}
+    except Exception as error:  # of fmpy, on what it did not expect
+        answer = {"error": f"{type(error).__name__}: {error}"}
+    (folder / "unfinished").write_text(json.dumps(answer), encoding="utf-8")
+    os.replace(folder / "unfinished", folder / ANSWER)
+    os._exit(0)  # nothing of the FMU's runs any more
+
+
+def _run(job: dict[str, Any], folder: Path) -> dict[str, Any]:
+    from fmpy.validation import validate_fmu
+
+    problems = validate_fmu(job["fmu"])[:MOST_PROBLEMS]
+    with np.load(folder / ARRAYS) as arrays:
+        time, rows = arrays["time"], arrays["rows"]
+    slave = Slave(fmpy.read_model_description(job["fmu"], validate=False), Path(job["fmu"]))
+    runs = [slave.run(slice(*ends), time, rows, job["inputs"], job["outputs"]) for ends in job["runs"]]
+    slave.fmu.freeInstance()
+    np.save(folder / OUTPUTS, np.vstack(runs), allow_pickle=False)
+    return {"problems": problems}
+
+
+def _die_with_the_parent() -> None:
+    """End this process when the one that started it is gone, and with it the other end of the standard input."""
+
+    def watch() -> None:
+        os.read(0, 1)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+    try:
+        import resource
+    except ImportError:  # Windows
+        return
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a crash leaves no image of the memory
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))

@@ -1,0 +1,250 @@
+"""The user's cache of compiled libraries and printed code: nothing in it is used before it has been checked.
+
+An entry is a folder ``NAME-DIGEST`` with its files and a record of their sizes and SHA-256 digests. It is made in a
+temporary folder and renamed into place, so that another process finds all of it or nothing. An entry that is damaged,
+or that somebody else could have written, is made again. Where the cache cannot be trusted or written, a private
+temporary folder takes its place for the life of this process. Windows keeps a user's cache folder to that user; there
+only the digests are checked.
+"""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import hashlib
+import logging
+import os
+import shutil
+import stat
+import tempfile
+import time
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+
+import platformdirs
+
+from tirefmu.symbolic.escaping import visible
+
+#: The file of an entry that holds the digests of the others.
+RECORD = "sha256sums"
+#: Size above which the entries that were not used for the longest time are removed, bytes.
+MOST_BYTES = 500_000_000
+#: An entry used within this time may still be in use in another process and stays, s.
+IN_USE = 86_400.0
+#: How often an entry is put into its place where other processes do the same with theirs.
+ATTEMPTS = 5
+
+#: What begins the name of an unfinished or a removed entry.
+_SCRATCH = ".scratch-"
+#: Entries that this process uses.
+_used: set[Path] = set()
+#: The folder that takes the place of the cache in this process, where it needs one.
+_private: list[Path] = []
+
+
+def cache_folder() -> Path:
+    """Return the folder of the cache: TIREFMU_CACHE, or the user's cache folder."""
+    if given := os.environ.get("TIREFMU_CACHE"):
+        return Path(given)
+    return platformdirs.user_cache_path("tirefmu", appauthor=False, opinion=False)
+
+
+def cached(name: str, make: Callable[[Path], None], *, anew: bool = False) -> Path:
+    """Return the folder of an entry, made where it is missing or damaged.
+
+    Parameters
+    ----------
+    name : str
+        A file name that says all of the content: equal names mean equal entries.
+    make : callable
+        Writes the files into an empty folder.
+    anew : bool
+        Make the entry again: its content is as recorded, but of no use here.
+
+    Returns
+    -------
+    Path
+        In the cache, or in a private temporary folder that goes with this process.
+
+    Raises
+    ------
+    OSError
+        If it can be written nowhere.
+
+    Examples
+    --------
+    >>> folder = cached("example", lambda folder: folder.joinpath("text").write_text("made once"))
+    >>> folder.joinpath("text").read_text()
+    'made once'
+    """
+    cache = _trusted_cache()
+    for folder in (cache, *_private):
+        if folder and not anew and _is_intact(folder / name):
+            return _in_use(folder / name)
+    with tempfile.TemporaryDirectory(prefix="tirefmu-") as scratch:
+        made = Path(scratch) / name
+        made.mkdir()
+        make(made)
+        (made / RECORD).write_text(_record(made, whoever=True), encoding="utf-8")
+        if cache:
+            try:
+                _store(made, cache / name, anew)
+            except OSError as error:
+                _warn(f"{cache}: cannot be written ({error.strerror or error})")
+            else:
+                with contextlib.suppress(OSError):  # another process removes the same
+                    _prune(cache)
+                return _in_use(cache / name)
+        place = _private_folder() / name
+        _store(made, place, anew)
+    return _in_use(place)
+
+
+def _trusted_cache() -> Path | None:
+    """Return the cache's folder, made where it is missing; None, with a warning, where others could write into it."""
+    folder = Path(os.path.realpath(cache_folder()))
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        doubt = _doubt(folder)
+    except OSError as error:
+        doubt = f"{folder}: cannot be used ({error.strerror or error})"
+    if doubt:
+        _warn(doubt)
+    return None if doubt else folder
+
+
+def _doubt(folder: Path) -> str:
+    """Return why files in a folder could be another user's, or nothing.
+
+    Whoever can write into one of the folders above can put another one in its place, unless the sticky bit is set.
+    """
+    for place in (folder, *folder.parents):
+        status = place.stat()
+        if not _ours(status):
+            return f"{place}: belongs to another user"
+        if _others_write(status) and (place == folder or not status.st_mode & stat.S_ISVTX):
+            return f"{place}: other users can write into it"
+    return ""
+
+
+def _ours(status: os.stat_result) -> bool:
+    """Return whether a file is this user's or the system's."""
+    return not hasattr(os, "geteuid") or status.st_uid in (0, os.geteuid())
+
+
+def _others_write(status: os.stat_result) -> bool:
+    """Return whether others may write; a group that bears the user's own number has no other members."""
+    if not hasattr(os, "geteuid"):
+        return False
+    alone = status.st_gid == os.getegid() == os.geteuid()
+    return bool(status.st_mode & (stat.S_IWOTH if alone else stat.S_IWOTH | stat.S_IWGRP))
+
+
+def _warn(doubt: str) -> None:
+    _warn_once(f"{visible(doubt)}: compiled code is not stored beyond this run")
+
+
+@lru_cache(maxsize=16)
+def _warn_once(text: str) -> None:
+    logging.getLogger("tirefmu").warning("tirefmu: %s", text)
+
+
+def _private_folder() -> Path:
+    """Return a folder that only this user can enter; it is removed when the process ends."""
+    if not _private:
+        folder = tempfile.mkdtemp(prefix="tirefmu-")
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        _private.append(Path(folder))
+    return _private[0]
+
+
+def _is_intact(place: Path) -> bool:
+    """Return whether an entry is there with the content that was recorded, and only this user could write it.
+
+    What was checked is what is loaded afterwards: in a folder that only this user can write, nobody else can exchange
+    a file in between.
+    """
+    try:
+        return _record(place) == _content(place / RECORD).decode()
+    except (OSError, UnicodeDecodeError):
+        return False
+
+
+def _record(place: Path, whoever: bool = False) -> str:
+    """Return digest, size and name of every file of an entry.
+
+    Raises
+    ------
+    OSError
+        If something in it is neither file nor folder, or, unless `whoever` may write, others could have written it.
+    """
+    lines = []
+    for path in (place, *sorted(place.rglob("*"))):
+        status = path.lstat()
+        if not whoever and (not _ours(status) or _others_write(status)):
+            raise PermissionError(f"{path}: other users can write it")
+        if stat.S_ISDIR(status.st_mode) or path == place / RECORD:
+            continue
+        content = _content(path)
+        lines.append(f"{hashlib.sha256(content).hexdigest()} {len(content)} {path.relative_to(place).as_posix()}\n")
+    return "".join(lines)
+
+
+def _content(path: Path) -> bytes:
+    """Return the bytes of a regular file; a symbolic link or a device is refused."""
+    flags = [getattr(os, name, 0) for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_BINARY")]  # as the system has them
+    with open(os.open(path, os.O_RDONLY | sum(flags)), "rb") as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise PermissionError(f"{path}: not a regular file")
+        return file.read()
+
+
+def _in_use(place: Path) -> Path:
+    """Remember that an entry is used, now and by this process."""
+    _used.add(place)
+    with contextlib.suppress(OSError):  # a cache that may only be read
+        os.utime(place)
+    return place
+
+
+def _store(made: Path, place: Path, anew: bool) -> None:
+    """Copy an entry to its place in one step; one that another process stored meanwhile stays."""
+    scratch = Path(tempfile.mkdtemp(prefix=_SCRATCH, dir=place.parent))
+    try:
+        copy = scratch / place.name
+        for path in (made, *sorted(made.rglob("*"))):
+            target = copy / path.relative_to(made)
+            if path.is_dir():
+                target.mkdir(mode=0o700)
+            else:
+                target.write_bytes(path.read_bytes())
+                target.chmod(0o600)
+        for attempt in range(ATTEMPTS):
+            try:
+                os.rename(copy, place)
+                return
+            except OSError:  # there is one already
+                if attempt == ATTEMPTS - 1:
+                    raise
+            if _is_intact(place) and (attempt or not anew):
+                return
+            with contextlib.suppress(FileNotFoundError):  # another process is at the same
+                os.rename(place, scratch / f"damaged-{attempt}")
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _prune(cache: Path) -> None:
+    """Remove what was not used for the longest time where the cache has grown too large."""
+    entries = [path for path in cache.iterdir() if path.name.startswith(_SCRATCH) or (path / RECORD).is_file()]
+    sizes = {path: sum(file.lstat().st_size for file in path.rglob("*")) for path in entries}
+    total = sum(sizes.values())
+    for path in sorted(entries, key=lambda path: path.lstat().st_mtime):
+        if total <= MOST_BYTES or time.time() - path.lstat().st_mtime < IN_USE:
+            return
+        if path not in _used:
+            removed = Path(tempfile.mkdtemp(prefix=_SCRATCH, dir=cache))
+            os.rename(path, removed / path.name)  # in one step: another process finds all of it or nothing
+            shutil.rmtree(removed, ignore_errors=True)
+            total -= sizes[path]
