@@ -22,7 +22,9 @@ from tirefmu.diagnose_command import own_effect
 from tirefmu.fitting.checkpoint import Checkpoint, Ended, Release, State
 from tirefmu.fitting.recipe import RECIPES, Freed, load_recipe
 from tirefmu.fitting.result import StageFit
+from tirefmu.fmu.archive import unpacked
 from tirefmu.fmu.build import contents
+from tirefmu.fmu.check import _axes, _carried_tire
 from tirefmu.fmu.simulation import read_description
 from tirefmu.measurements import INPUTS, check_plausible, read_recording
 from tirefmu.symbolic.added import effect_text, read_effect
@@ -229,7 +231,7 @@ def sealed(seed: int, originals: list[bytes]) -> bytes:
 
 
 def fmu_seeds() -> list[bytes]:
-    """Return FMUs without binaries: only what is read before anything is loaded."""
+    """Return FMUs without binaries."""
     files = []
     for fmi in (2, 3):
         content = io.BytesIO()
@@ -239,6 +241,15 @@ def fmu_seeds() -> list[bytes]:
                 archive.writestr(name, parts[name])
         files.append(content.getvalue())
     return files
+
+
+def read_fmu(path: Path) -> None:
+    """Read what a check reads of an FMU before anything of it is loaded."""
+    with unpacked(path) as folder:
+        description = read_description(path, folder)
+        outputs = [one.name for one in description.modelVariables if one.causality == "output" and one.name == "Fy"]
+        assert _axes(folder, path) in ("iso", "sae")
+        _carried_tire(folder, path, outputs)
 
 
 KINDS = {
@@ -253,6 +264,6 @@ KINDS = {
     "tydex": Kind(".tdx", lambda: [TYDEX], read_table),
     "recipe": Kind(".toml", recipe_seeds, lambda path: load_recipe(str(path), "mf96")),
     "effect": Kind(".toml", effect_seeds, read_own_effect),
-    "fmu": Kind(".fmu", fmu_seeds, read_description, rezipped),
+    "fmu": Kind(".fmu", fmu_seeds, read_fmu, rezipped),
     "checkpoint": Kind(".progress.json", checkpoint_seeds, read_checkpoint, sealed),
 }
