@@ -254,10 +254,10 @@ def check(
         for kind, needed, found in (("input", inputs, present), ("measured output", outputs, measured)):
             if not found:
                 raise DataError(f"{given.source}: no {kind} of the FMU ({', '.join(needed)})")
-        time = _time(table, given.source)
+        time = _time(table)
         axes = _axes(folder, fmu_path)
         tire = _carried_tire(folder, fmu_path, outputs)
-        rows = _finite(convert_signs(table, "iso", axes), present, given.source)
+        rows = convert_signs(table, "iso", axes)[present].to_numpy(dtype=np.float64)
         simulation = simulate(fmu_path, folder, time, rows, present, outputs, segments, timeout)
     seen = table[present].assign(t=time)
     inputs_of_runs = [seen.iloc[segment] for segment in segments]
@@ -327,18 +327,10 @@ def _columns(variables: Mapping[str, Any], names: Iterable[str], causality: str)
     return [name for name in names if name in variables and variables[name].causality == causality]
 
 
-def _finite(table: pd.DataFrame, columns: list[str], source: str) -> FloatArray:
-    """Return columns as an array, shape (n, n_columns), or raise for a value that is not finite."""
-    values = table[columns].to_numpy(dtype=np.float64)
-    for row, column in np.argwhere(~np.isfinite(values)):
-        raise DataError(f"{source}: row {row}: {columns[column]} is {values[row, column]}: it has to be finite")
-    return values
-
-
-def _time(table: pd.DataFrame, source: str) -> FloatArray:
+def _time(table: pd.DataFrame) -> FloatArray:
     """Return the time of every row, made up where the table has none."""
     if "t" in table:
-        return _finite(table, ["t"], source)[:, 0]
+        return table["t"].to_numpy(dtype=np.float64)
     return STEP * np.arange(len(table), dtype=np.float64)
 
 

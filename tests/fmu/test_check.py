@@ -181,7 +181,7 @@ def test_a_long_recording(fmu, data_folder):
 
 
 def test_nan_in_an_input(fmu, table):
-    with pytest.raises(DataError, match="table: row 7: alpha is nan"):
+    with pytest.raises(DataError, match="table: row 8: alpha is nan"):
         check(fmu, table.assign(alpha=table["alpha"].where(table.index != 7)))
 
 

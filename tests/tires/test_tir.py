@@ -309,7 +309,8 @@ def test_a_file_of_any_size_is_one_line(tmp_path):
 
 @pytest.mark.parametrize("value", ["9" * 100_000, "9" * 100_000 + "x", "1e" + "9" * 100_000, "." + "9" * 100_000])
 def test_digits_without_end_are_no_number(tmp_path, value):
-    refused(tmp_path, BASE + f"[LATERAL_COEFFICIENTS]\nPKY1 = {value}\n", r"PKY1 = '[1.9][9e]+\.\.\.9+x?' is not a number")
+    text = BASE + f"[LATERAL_COEFFICIENTS]\nPKY1 = {value}\n"
+    refused(tmp_path, text, r"PKY1 = '[1.9][9e]+\.\.\.9+x?' is not a number")
 
 
 def test_a_number_may_have_all_digits_of_a_double(tmp_path):
