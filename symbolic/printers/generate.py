@@ -25,10 +25,9 @@ def render() -> dict[str, str]:
     -------
     dict of str to str
 
-    Examples
+    See Also
     --------
-    >>> sorted(path for path in render() if path.startswith("c/mf96"))[:3]
-    ['c/mf96.c', 'c/mf96.h', 'c/mf96_batch_forces.c']
+    render_model : the files of one model.
     """
     files: dict[str, str] = {}
     for model in MODELS.values():
@@ -54,6 +53,12 @@ def render_model(model: Model) -> dict[str, str]:
     ------
     ModelError
         If the model does not keep what it declares; see `tirefmu.symbolic.verification`.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic import model
+    >>> sorted(render_model(model("mf96")))[:3]
+    ['c/mf96.c', 'c/mf96.h', 'c/mf96_batch_forces.c']
     """
     verify(model)
     parts = routines(model)
