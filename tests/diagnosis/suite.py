@@ -187,7 +187,7 @@ def _answer(tire: Tire, table: pd.DataFrame, unknown: str, bent: str) -> pd.Data
         for name in ("alpha", "kappa"):
             warped[name] = table[name] * (1.0 + 0.12 * np.exp(-((table[name] / 0.06) ** 2)))
     moments = [name for name in ("Mx", "My") if OF_MOMENT[name] in tire.has]
-    forces = tire.evaluate(warped, signs="adapted-sae", code="c")[["Fx", "Fy", "Mz", *moments]].copy()
+    forces = tire.evaluate(warped, signs="adapted-sae")[["Fx", "Fy", "Mz", *moments]].copy()
     if bent:
         _bend(forces, table, tire.values["FNOMIN"], bent)
     if unknown:

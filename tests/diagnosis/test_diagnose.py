@@ -23,7 +23,7 @@ def answer(case, **more):
 
 
 def squared_gap(tire, case, diagnosis):
-    computed = tire.evaluate(case.test.drop(columns=["Fx", "Fy", "Mz"]), signs="adapted-sae", code="c")
+    computed = tire.evaluate(case.test.drop(columns=["Fx", "Fy", "Mz"]), signs="adapted-sae")
     return sum(
         np.mean((computed[name] - case.test[name]) ** 2) / part["floor"] ** 2
         for name, part in diagnosis.gap["train"].items()
@@ -53,7 +53,7 @@ def test_the_folder_holds_what_the_result_says(thrust, tmp_path):
     assert set(told["gap"]) == {"train", "cv", "holdout"}
     for key, tire in (("tire", diagnosis.tire), ("base_tire", diagnosis.base_tire)):
         read = tirefmu.load(tmp_path / told[key])
-        expected, computed = (x.evaluate(case.truth, signs="adapted-sae", code="c") for x in (tire, read))
+        expected, computed = (x.evaluate(case.truth, signs="adapted-sae") for x in (tire, read))
         pd.testing.assert_frame_equal(computed[["Fx", "Fy", "Mz"]], expected[["Fx", "Fy", "Mz"]], rtol=1e-9)
 
 
