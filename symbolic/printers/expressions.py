@@ -16,6 +16,15 @@ from sympy.printing.str import StrPrinter
 class NumberPrinter(StrPrinter):
     """Numbers as both languages write them: a fraction is one decimal number, which needs no brackets."""
 
+    def doprint(self, expr: Any, assign_to: None = None) -> str:
+        """Return the text of an expression, without SymPy's search for what the lines never contain."""
+        self._not_supported: set[Any] = set()
+        self._number_symbols: set[Any] = set()
+        text = str(self._print(expr))
+        if self._not_supported:
+            raise NotImplementedError(f"{type(self).__name__} cannot print {self._not_supported}")
+        return text
+
     def parenthesize(self, item: Any, level: int, strict: bool = False) -> str:
         """Return the text of an operand; a fraction, printed as one number, needs no brackets."""
         if item.is_Rational and item > 0:
