@@ -26,6 +26,9 @@ IntArray = npt.NDArray[np.int64]
 PROBE_BELIEF = 20.0
 #: The longest correlation of noise that is carried through, s.
 MEMORY = 1.0
+#: A block takes part in a regression with more rows than these, or than half of a usual block where that is shorter:
+#: slow sampling makes short blocks, and what outliers or gaps leave of one says little by itself.
+FEWEST_ROWS_OF_BLOCK = 20
 #: A trace that keeps less than this share of itself beside the base's freedom cannot be seen.
 ABSORBED = 0.02
 
@@ -189,5 +192,6 @@ _REPLACED = ("PKY2",)
 def _edges(block: IntArray, root: FloatArray) -> IntArray:
     """Return the first row of each block that takes part, and the last; rows kept apart lie in their neighbours."""
     first = np.flatnonzero(np.diff(block, prepend=-1))
-    counts = np.add.reduceat((root > 0.0).any(axis=0), first)
-    return np.concatenate([first[counts > 20], [len(block)]]).astype(np.int64)
+    counts = np.add.reduceat((root > 0.0).any(axis=0).astype(np.int64), first)
+    least = min(FEWEST_ROWS_OF_BLOCK, 0.5 * float(np.median(counts[counts > 0])))
+    return np.concatenate([first[counts > least], [len(block)]]).astype(np.int64)

@@ -27,6 +27,8 @@ MOST_ROWS = 6000
 #: Length of a block of time, s: a few sweeps' worth of correlated misfit stays in one.
 BLOCK = 2.5
 FEWEST_BLOCKS, MOST_BLOCKS = 12, 60
+#: Blocks that something has to be measured in: fewer say nothing of how far an estimate scatters.
+FEWEST_MEASURED = 8
 #: Every how-manieth block is kept untouched.
 HOLDOUT = 8
 FEWEST_ROWS = 200
@@ -110,7 +112,7 @@ def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = Tr
     Raises
     ------
     DataError
-        If there are too few rows, no measured output, no load, or an input is no finite number.
+        If there are too few rows or blocks of time, no measured output, no load, or an input is no finite number.
     """
     if len(table) < FEWEST_ROWS:
         raise DataError(f"the recording has {len(table)} rows: a diagnosis needs {FEWEST_ROWS} at least")
@@ -144,6 +146,12 @@ def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = Tr
     places = np.array([outputs.index(name) for name in channels])
     holdout = block % HOLDOUT == HOLDOUT // 2 + 1
     present = np.isfinite(measured)
+    seen = len(np.unique(block[present.any(axis=0) & ~holdout]))
+    if seen < FEWEST_MEASURED:
+        raise DataError(
+            f"{', '.join(channels)}: measured in {seen} of {block[-1] + 1} equal parts of the recording: "
+            f"a diagnosis needs {FEWEST_MEASURED} at least"
+        )
     measured = np.where(present, measured, 0.0)
     return Signals(
         names, t, inputs, rows, channels, places, measured, present, block, holdout, recorded, noise, timed, aside

@@ -285,7 +285,7 @@ def equal_weights(rows: Rows) -> FloatArray:
 
 
 def emphasis(data: pd.DataFrame, outputs: Sequence[str]) -> FloatArray:
-    """Return how much each recording's channel counts beside its noise: double where its own slip is swept.
+    """Return how much each recording's channel counts beside its noise: more where its own slip is swept.
 
     Where files disagree, a whole curve tells more of the tire than rows at the few slips that a bench held: the
     pure side force belongs to the cornering test, to drive and brake what is left of it.

@@ -23,6 +23,14 @@ def test_leaving_out_a_block_is_a_regression_without_its_rows():
         assert fit.loss[g] == pytest.approx(np.sum(left**2), rel=1e-9)
 
 
+def test_leaving_out_rows_of_a_mean_gives_its_variance():
+    """The jackknife of a mean is the sample variance over the number of rows, exactly."""
+    values = np.random.default_rng(4).standard_normal(30)
+    fit = regression(block_sums(np.ones((1, 30, 1)), values[None], np.arange(31)), np.zeros(1))
+    assert fit.estimate == pytest.approx([values.mean()], rel=1e-9)
+    assert fit.jackknife[0, 0] == pytest.approx(np.var(values, ddof=1) / 30, rel=1e-7)
+
+
 def test_the_covariance_of_products_with_coloured_noise_is_what_many_draws_have():
     rng = np.random.default_rng(1)
     n, memory = 400, 0.8

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from importlib import import_module
 from math import inf
 
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from tirefmu.demo import bench_tire
 from tirefmu.fitting.constraints import (
     KINDS,
+    TOLERANCE,
     Constraint,
     chosen_constraints,
     declared_constraints,
@@ -20,6 +22,7 @@ from tirefmu.fitting.constraints import (
     operating_range,
 )
 from tirefmu.fitting.imposed import measured_values
+from tirefmu.fitting.verification import Conditions
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires.code import code_for
@@ -116,6 +119,28 @@ def test_distance_and_name():
     assert (curvature.text, friction.text) == ("E_x <= 1", "mu_x > 0")
     np.testing.assert_allclose(curvature.distance(np.array([-3.0, 1.0, 1.5])), [4.0, 0.0, -0.5])
     np.testing.assert_allclose(friction.distance(np.array([1.01, 0.01, 0.0])), [1.0, 0.0, -0.01])
+
+
+@pytest.mark.parametrize("size", [0.1, 1.0, 5e4])
+def test_what_the_solver_calls_kept_is_kept(size):
+    """The solver sees quantity / size, and may miss its bounds by its own tolerance, above as below."""
+    constraint = Constraint("K_x", -2.0, 3.0, (), size=size)
+    low, high = constraint.scaled_bounds
+    assert low < high
+    reached = size * np.array([low - TOLERANCE, high + TOLERANCE])
+    assert constraint.distance(reached).min() >= -TOLERANCE * (1.0 + 1e-6)
+
+
+def test_margins_are_distances_to_the_bound_that_is_near(known):
+    """Positive where a condition holds; the tire's own curvature decides about an upper bound."""
+    ranges = {"kappa": (-0.1, 0.1), "alpha": (-0.1, 0.1), "gamma": (0.0, 0.0), "Fz": (500.0, 900.0)}
+    curvature = {"Fx": chosen_constraints("mf96", also=["curvature"])["Fx"]}
+    for value, holds in ((-0.5, True), (1.5, False)):
+        tire = replace(known, values={**known.values, "PEX1": value, "PEX2": 0.0, "PEX3": 0.0})
+        margins = Conditions(tire, curvature, ranges).margins(["Fx"], tire.parameters())
+        (found,) = [each for each in margins if each.name == "curvature:E_x"]
+        assert (found.margin > 0.0) == holds
+        assert found.margin == pytest.approx(1.0 - found.worst, rel=1e-12)
 
 
 def test_every_condition_has_a_name_of_its_own():

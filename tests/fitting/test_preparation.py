@@ -149,3 +149,13 @@ def test_tires_without_a_common_load_are_not_compared(once):
         for rows, factor in ((light, 1.0), (~light, 0.4))
     ]
     assert tire_notes(parts) == []
+
+
+@pytest.mark.parametrize(("degrees", "fitted"), [(1.2, True), (0.3, False)])
+def test_a_channel_is_fitted_from_a_small_sweep_on(degrees, fitted):
+    """A degree of slip angle tells the cornering stiffness; the ripple of a held one tells nothing."""
+    alpha = np.radians(degrees) * np.linspace(-0.5, 0.5, 300)
+    table = pd.DataFrame({"alpha": alpha, "kappa": np.linspace(-0.1, 0.1, 300), "Fz": 700.0, "Fx": 1.0, "Fy": alpha})
+    data = prepare([Recording(table, "adapted-sae", "small")], BOOK, screening=False)
+    assert data.table["Fy"].notna().all() == fitted
+    assert any("Fy is not fitted, alpha does not vary there" in note for note in data.notes) != fitted

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.fitting import problem as module
-from tirefmu.fitting.problem import LEAST_NOISE, Problem, Rows, equal_weights, noise_weights
+from tirefmu.fitting.problem import LEAST_NOISE, Problem, Rows, emphasis, equal_weights, noise_weights
 from tirefmu.tires.code import code_for, fastest_code
 
 FREE = ("PCX1", "PDX2", "PKX1", "RBX1", "PCY1", "PKY1", "PKY2", "PVY3", "PHY1", "RBY2", "QBZ1", "QDZ8", "QBZ9")
@@ -152,6 +152,18 @@ def test_noise_weights_of_exact_data_are_finite(known, make):
     assert problem.cost(x) == 0.0
     expected = 1 / (60 * LEAST_NOISE**2 * np.mean(measured**2, axis=0))
     np.testing.assert_allclose(noise_weights(problem, x), expected[None, :], rtol=1e-12)
+
+
+def test_a_swept_curve_outweighs_the_same_force_at_held_slips():
+    """Cornering decides about Fy, drive and brake about Fx; a file alone keeps the proportions of its channels."""
+    sweep, held = np.linspace(-0.2, 0.2, 400), np.repeat([-0.1, 0.0, 0.1, 0.05], 100)
+    cornering = pd.DataFrame({"kappa": 0.0, "alpha": sweep, "recording": 0})
+    driving = pd.DataFrame({"kappa": sweep, "alpha": held, "recording": 1})
+    factors = emphasis(pd.concat([cornering, driving], ignore_index=True), ["Fx", "Fy", "Mx"])
+    assert factors[1, 0] > 1.2 * factors[0, 0]
+    assert factors[0, 1] > 1.2 * factors[1, 1]
+    assert factors[0, 1] == factors[1, 0]
+    assert factors[:, 2].tolist() == [1.0, 1.0]
 
 
 # ------------------------------------------------------------------ rows

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf
 
 import numpy as np
@@ -84,6 +85,19 @@ def test_intervals_cover_what_they_say(known, stays):
     if stays:
         assert np.mean(white) < 0.6  # as if rows were independent: far too sure
     assert list(uncertainty(problem, truth).intervals) == list(FREE)
+
+
+@pytest.mark.parametrize("of", ["rows", "channels"])
+def test_intervals_do_not_depend_on_the_unit_of_the_weights(known, of):
+    """The sandwich H^-1 M H^-1 has the weights once in H and twice in M."""
+    problem = sweeps(known, correlated(np.random.default_rng(3), 0.5))
+    uneven = replace(problem, rows=replace(problem.rows, weight=np.tile([0.5, 1.5], N // 2)))
+    tripled = replace(uneven, rows=replace(uneven.rows, weight=3.0 * uneven.rows.weight))
+    if of == "channels":
+        tripled = replace(uneven, weights=3.0 * uneven.weights)
+    truth = np.array([known.values[name] for name in FREE]) / problem.scale
+    one, other = (uncertainty(each, truth).intervals for each in (uneven, tripled))
+    assert other == pytest.approx(one, rel=1e-9)
 
 
 def test_effective_rows_are_rows_over_what_is_alike(known):

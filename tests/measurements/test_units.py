@@ -34,6 +34,15 @@ def test_known_values(value, unit, expected):
     assert to_si(value, unit) == pytest.approx(expected, rel=1e-5)
 
 
+@pytest.mark.parametrize(
+    ("unit", "exact"),
+    [("kgf", 9.80665), ("lbf", 0.45359237 * 9.80665), ("psi", 0.45359237 * 9.80665 / 0.0254**2), ("in", 0.0254)],
+)
+def test_units_that_a_standard_defines_are_exact(unit, exact):
+    """ISO 80000-4: the kilogram-force is the weight of 1 kg at 9.80665 m/s^2; the pound is 0.45359237 kg."""
+    assert to_si(1.0, unit) == pytest.approx(exact, rel=1e-12)
+
+
 @given(value=st.floats(-1e6, 1e6), spelling=st.sampled_from(sorted(UNITS)))
 def test_conversion_can_be_undone(value, spelling):
     unit = unit_named(spelling)

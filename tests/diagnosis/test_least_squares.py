@@ -1,0 +1,92 @@
+"""The damped least squares of a diagnosis: its cost, its derivatives, its bounds, and the tire that it finds again."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tirefmu.diagnosis.disturbances import MOST_CROSS_TALK, reported_disturbances
+from tirefmu.diagnosis.least_squares import _bounded_step
+
+FREE = ("PDX1", "PKX1", "PDY1", "PDY2", "PKY1", "PHY1", "QDZ1")
+
+
+def test_a_tire_is_found_again_from_elsewhere(problem, tire):
+    start = tire.parameters()
+    places = [problem.simulator.place[name] for name in FREE]
+    truth = start[places].copy()
+    start[places] *= 0.8
+    solution = problem.solve(start, FREE)
+    deviation = np.sqrt(np.diag(np.linalg.inv(problem._normal(solution.parameters, FREE, solution.disturbance)[0])))
+    assert np.max(np.abs(solution.parameters[places] - truth) / deviation) < 4.0
+    assert solution.cost < 0.5 * problem.root.size
+    np.testing.assert_array_equal(np.delete(solution.parameters, places), np.delete(start, places))
+
+
+def test_the_gradient_is_the_slope_of_the_cost(problem, tire):
+    """With the disturbances at their best, and beliefs that pull: the cost is half the squares of all of them."""
+    held = replace(problem, center={**problem.center, "PDY1": 1.2, "PKY1": 60.0})
+    parameters = tire.parameters()
+    disturbance = held.best_disturbance(held.misfit(parameters))
+    _, descent = held._normal(parameters, FREE, disturbance)
+    for i, name in enumerate(FREE):
+        costs = []
+        for sign in (1.0, -1.0):
+            moved = parameters.copy()
+            step = 1e-5 * abs(moved[held.simulator.place[name]])
+            moved[held.simulator.place[name]] += sign * step
+            costs.append(held._cost(moved, FREE, held.best_disturbance(held.misfit(moved))))
+        assert (costs[1] - costs[0]) / (2.0 * step) == pytest.approx(descent[i], rel=1e-4)
+
+
+def test_a_coefficient_that_is_pushed_against_its_bound_stays():
+    lower, upper = np.array([0.0, -1.0]), np.array([1.0, 1.0])
+    for value, slope, moves in ((1.0, 1.0, False), (1.0, -1.0, True), (0.0, -1.0, False), (0.5, 1.0, True)):
+        step = _bounded_step(np.eye(2), np.array([slope, 0.3]), 0.0, np.array([value, 0.0]), lower, upper)
+        assert (step[0] != 0.0) == moves
+        assert step[1] == pytest.approx(0.3)
+
+
+def test_rows_that_take_no_part_have_no_influence(problem, tire):
+    parameters, silent = tire.parameters(), problem.root == 0.0
+    signals = problem.simulator.signals
+    assert silent.any()
+    spoiled = replace(signals, measured=np.where(silent, 1e4, signals.measured))
+    other = replace(problem, simulator=problem.simulator.over(spoiled))
+    one, two = (each.best_disturbance(each.misfit(parameters)) for each in (problem, other))
+    np.testing.assert_allclose(one, two, atol=1e-9)
+
+
+# ------------------------------------------------------------------ what belongs to the recording
+
+
+def test_offsets_drifts_and_cross_talk_of_a_bench_are_found(problem, tire):
+    signals = problem.simulator.signals
+    along = np.linspace(0.0, np.pi, signals.measured.shape[1])
+    place = {name: i for i, name in enumerate(signals.channels)}
+    measured = signals.measured.copy()
+    measured[place["Fx"]] += 12.0
+    measured[place["Mz"]] += 0.6 * np.cos(2.0 * along)
+    measured[place["Fy"]] += 0.004 * signals.measured[place["Fx"]]
+    other = replace(problem, simulator=problem.simulator.over(replace(signals, measured=measured)))
+    found = other.best_disturbance(other.misfit(tire.parameters()))
+    told = reported_disturbances(problem.disturbances, found, other.simulator.signals)
+    assert told["offset"]["Fx"] == pytest.approx(12.0, abs=1.0)
+    assert told["offset"]["Fy"] == pytest.approx(0.0, abs=1.0)
+    assert told["drift"]["Mz"] == pytest.approx(0.6 / np.sqrt(2.0), rel=0.2)
+    assert told["drift"]["Fx"] < 1.0
+    assert told["cross_talk"]["Fx_in_Fy"] == pytest.approx(0.004, rel=0.15)
+    assert abs(told["cross_talk"]["Fy_in_Fx"]) < 0.0005
+
+
+def test_large_cross_talk_is_something_of_the_tire(problem):
+    disturbances = problem.disturbances
+    values = np.full(len(disturbances.names), 1e3)
+    values[disturbances.names.index("cross_talk_Fx_in_Fy")] = 0.9 * MOST_CROSS_TALK
+    values[disturbances.names.index("cross_talk_Fy_in_Fx")] = -1.1 * MOST_CROSS_TALK
+    kept = disturbances.plausible(values)
+    assert set(disturbances.names) - set(kept.names) == {"cross_talk_Fy_in_Fx"}
+    for i, name in enumerate(kept.names):
+        j = disturbances.names.index(name)
+        np.testing.assert_array_equal(kept.columns[:, :, i], disturbances.columns[:, :, j])
+        assert kept.deviation[i] == disturbances.deviation[j]

@@ -1,0 +1,115 @@
+"""How far model and recording are apart: noise floor, gap, maps, extrapolation, and what turns with the wheel."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tirefmu.diagnosis.base import OUTLIER, weighed
+from tirefmu.diagnosis.extrapolation import LARGEST_CHANGE, reaches
+from tirefmu.diagnosis.gap import gaps, noise_floor
+from tirefmu.diagnosis.ripple import quantisation, ripple
+from tirefmu.diagnosis.where import residual_maps, time_course
+
+NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
+
+
+def test_the_noise_floor_is_the_noise(at_the_truth):
+    assert noise_floor(at_the_truth.signals) == pytest.approx(NOISE, rel=0.1)
+
+
+def test_at_the_truth_nothing_is_left_but_noise(at_the_truth, without_camber):
+    told = gaps(without_camber, at_the_truth)
+    for part in ("train", "cv", "holdout"):
+        for channel, noise in NOISE.items():
+            assert told[part][channel]["after"] == pytest.approx(noise, rel=0.15)
+        assert told[part]["Fy"]["before"] > 1.2 * NOISE["Fy"]
+    for channel in NOISE:  # what was not fitted is foretold a little worse
+        assert told["cv"][channel]["after"] >= told["train"][channel]["after"]
+
+
+def test_the_map_of_a_missing_effect_grows_with_its_input(without_camber, at_the_truth):
+    def worst(screen):
+        maps = residual_maps(screen)
+        return {(one["channel"], *one["over"]): one["worst"] for one in maps}
+
+    seen, flat = worst(without_camber)["Fy", "Fz", "gamma"], worst(at_the_truth)["Fy", "Fz", "gamma"]
+    assert abs(seen["mean"]) > 2.0 > 1.5 > abs(flat["mean"])
+    assert min(abs(seen["from"][1]), abs(seen["to"][1])) > 0.02
+    assert sum(map(sum, residual_maps(at_the_truth)[0]["count"])) == (at_the_truth.problem.root[0] > 0.0).sum()
+
+
+def test_the_course_of_the_misfit_is_one_where_only_noise_is_left(without_camber, at_the_truth):
+    told = time_course(without_camber, at_the_truth)["Fy"]
+    assert len(told["t"]) == len(told["before"]) == at_the_truth.n_blocks
+    np.testing.assert_allclose(told["after"], 1.0, atol=0.4)
+    assert max(told["before"]) > 1.5
+
+
+# ------------------------------------------------------------------ weights by the noise that is left
+
+
+def test_weights_are_one_over_the_noise_and_spikes_are_left_out(problem, tire):
+    signals = problem.simulator.signals
+    rows = np.flatnonzero(~signals.holdout)[100::200]
+    measured = signals.measured.copy()
+    measured[1, rows] += 20.0 * OUTLIER * NOISE["Fy"]
+    other = replace(problem, simulator=problem.simulator.over(replace(signals, measured=measured)))
+    found = weighed(other, other.at(tire.parameters(), ("PDY1",)))
+    assert not found.root[1, rows].any()
+    assert not found.root[:, signals.holdout].any()
+    for i, name in enumerate(signals.channels):
+        weights = found.root[i][found.root[i] > 0.0]
+        assert np.sqrt(np.mean(weights**-2.0)) == pytest.approx(NOISE[name], rel=0.15)
+        assert len(weights) > 0.97 * (~signals.holdout).sum() - len(rows)
+
+
+# ------------------------------------------------------------------ beyond the recording
+
+
+def test_an_effect_reaches_as_far_as_its_input(at_the_truth):
+    told = reaches(at_the_truth.problem, at_the_truth.solution, {"load_friction": ("Fz", "alpha", "T")})
+    (reach,) = told  # slips have their own range in every recording, and there is no T
+    assert (reach.effect, reach.input) == ("load_friction", "Fz")
+    assert reach.lower == pytest.approx(600.0, rel=0.02)
+    assert reach.upper == pytest.approx(1400.0, rel=0.02)
+    assert reach.doubtful == (reach.change > LARGEST_CHANGE)
+
+
+def test_what_counts_beyond_a_load_is_force_per_load(problem, tire):
+    """A tire of constant friction: Fx and Fy over Fz stay; Mz over Fz is in proportion to load, as the trail is."""
+    simulator, parameters = problem.simulator, tire.parameters()
+    for name in simulator.book.owned("load_friction") | {"PHY2", "QDZ2", "QBZ2"}:
+        if name in simulator.place:
+            parameters[simulator.place[name]] = 0.0
+    parameters[simulator.place["PKY2"]] = 1e6  # stiffness in proportion to load
+    parameters[simulator.place["PKY1"]] = 2e7
+    (reach,) = reaches(problem, problem.at(parameters, ("PDY1",)), {"load_friction": ("Fz",)})
+    assert reach.channel == "Mz"
+    further = 0.5 * (reach.upper - reach.lower)
+    assert reach.change == pytest.approx(further / reach.lower, rel=0.01)
+
+
+# ------------------------------------------------------------------ traces of the bench
+
+
+def test_a_ripple_once_per_revolution_is_found_in_its_channel(at_the_truth):
+    """At 10 m/s and a rolling radius of 0.29 m."""
+    signals, rng = at_the_truth.signals, np.random.default_rng(0)
+    speed = np.full((1, len(signals.t)), 10.0)
+    signals = replace(signals, names=(*signals.names, "V"), inputs=np.concatenate([signals.inputs, speed]))
+    assert ripple(signals, rng.normal(size=signals.measured.shape), 0.3) == {}  # V is nominal: not recorded
+    signals = replace(signals, recorded=signals.recorded | {"V"})
+    rest = rng.normal(size=signals.measured.shape)
+    assert ripple(signals, rest, 0.3) == {}
+    rest[1] += 2.0 * np.sin(10.0 / 0.29 * signals.t[signals.rows] + 0.7)
+    assert ripple(signals, rest, 0.3) == pytest.approx({"Fy": 2.0}, rel=0.15)
+    assert ripple(signals, rest, 0.6) == {}
+
+
+def test_steps_of_a_sensor_are_found_at_any_offset():
+    raw = np.random.default_rng(1).normal(0.0, 100.0, 2000)
+    for step in (0.5, 4.0):
+        assert quantisation(np.round(raw / step) * step + 0.3) == pytest.approx(step, rel=1e-6)
+    assert quantisation(raw) == 0.0
+    assert quantisation(np.full(50, 3.0)) == 0.0

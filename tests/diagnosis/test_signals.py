@@ -1,0 +1,92 @@
+"""What the diagnosis reads of a table: signs, blocks of time, the rows kept apart, and what it refuses."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.diagnosis.screening import _edges
+from tirefmu.diagnosis.signals import HOLDOUT, signals_of
+from tirefmu.symbolic.errors import DataError
+from tirefmu.tires import convert_signs
+
+OUTPUTS = ["Fx", "Fy", "Mz"]
+
+
+def edges(signals):
+    return _edges(signals.block, np.where(signals.present & ~signals.holdout, 1.0, 0.0))
+
+
+def test_every_convention_comes_to_the_same_signals(table, tire):
+    expected = signals_of(table, tire, "adapted-sae")
+    for signs in ("iso", "sae"):
+        found = signals_of(convert_signs(table, "adapted-sae", signs), tire, signs)
+        np.testing.assert_allclose(found.measured, expected.measured, rtol=1e-12)
+        np.testing.assert_allclose(found.inputs, expected.inputs, rtol=1e-12)
+
+
+def test_blocks_cover_the_recording_in_order_and_some_are_kept_apart(table, tire):
+    signals = signals_of(table, tire, "adapted-sae")
+    assert set(np.diff(signals.block)) == {0, 1}
+    apart = np.unique(signals.block[signals.holdout])
+    assert set(np.diff([apart[0] - HOLDOUT, *apart])) == {HOLDOUT}
+    assert apart[0] < HOLDOUT
+    assert signals.block[-1] - apart[-1] < HOLDOUT
+    for block in range(signals.block[-1] + 1):
+        assert len(set(signals.holdout[signals.block == block])) == 1
+
+
+def test_a_gap_in_time_does_not_make_a_block_longer(table, tire):
+    paused = table.assign(t=table["t"] + np.where(np.arange(len(table)) < 1000, 0.0, 500.0))
+    expected = signals_of(table, tire, "adapted-sae").block
+    assert np.max(np.abs(signals_of(paused, tire, "adapted-sae").block - expected)) <= 1
+
+
+@pytest.mark.parametrize(("rows", "step"), [(200, 0.02), (240, 2.0), (900, 0.5), (2400, 0.02), (3000, 0.001)])
+def test_any_recording_that_is_read_has_blocks_to_leave_out(table, tire, rows, step):
+    """However slowly it was sampled: a block is a stretch of time, not a number of rows."""
+    slow = pd.concat([table, table], ignore_index=True)[:rows].assign(t=step * np.arange(rows))
+    signals = signals_of(slow, tire, "adapted-sae")
+    found = edges(signals)
+    assert len(found) - 1 == len(set(signals.block[~signals.holdout])) >= 8
+    assert found[0] == 0
+    assert found[-1] == len(signals.rows)
+    assert (np.diff(found) > 0).all()
+
+
+def test_what_gaps_leave_of_a_block_goes_to_its_neighbour(table, tire):
+    signals = signals_of(table, tire, "adapted-sae")
+    whole = edges(signals)
+    present = signals.present.copy()
+    rest = np.flatnonzero(signals.block == 3)
+    present[:, rest[5:]] = False
+    left = _edges(signals.block, np.where(present & ~signals.holdout, 1.0, 0.0))
+    assert set(whole) - set(left) == {rest[0]}
+
+
+def test_outputs_measured_in_few_parts_are_refused(table, tire):
+    brief = table.copy()
+    brief.loc[400:, OUTPUTS] = np.nan
+    with pytest.raises(DataError, match=r"Fx, Fy, Mz: measured in 4 of 19 equal parts of the recording: .* 8 at least"):
+        signals_of(brief, tire, "adapted-sae")
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda table: table[:199], "199 rows"),
+        (lambda table: table.drop(columns="Fz"), "no column 'Fz'"),
+        (lambda table: table.drop(columns=OUTPUTS), "no measured output"),
+        (lambda table: table.assign(Fz=0.0), "0 rows under load"),
+        (lambda table: table.assign(alpha=np.nan), "row 1: alpha is no finite number"),
+    ],
+)
+def test_what_cannot_be_used_is_said(table, tire, change, said):
+    with pytest.raises(DataError, match=said):
+        signals_of(change(table), tire, "adapted-sae")
+
+
+def test_without_a_slip_the_longitudinal_force_is_left_aside(table, tire):
+    signals = signals_of(table.assign(kappa=0.0), tire, "adapted-sae")
+    assert signals.channels == ("Fy", "Mz")
+    assert list(signals.left_aside) == ["Fx"]
+    assert signals.places.tolist() == [1, 2]

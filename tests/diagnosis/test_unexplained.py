@@ -1,0 +1,99 @@
+"""Structure that no known effect explains: the features it is made of, and the formula that is proposed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tirefmu.diagnosis.features import Feature, _faded, directions, features, places_of
+from tirefmu.diagnosis.leftover import LEAST_STRETCHES, STRETCHES, structure_of
+from tirefmu.diagnosis.screening import Screen
+
+
+@pytest.fixture(scope="module")
+def faded_friction(problem, at_the_truth):
+    """Return a screen of a recording whose friction falls with sliding speed, which the tire does not know."""
+    signals = problem.simulator.signals
+    fall = -0.1 * 5.0 * np.abs(np.tan(signals.named()["alpha"]))
+    missing = directions(at_the_truth)["friction"] * fall
+    measured = signals.measured + missing
+    other = replace(problem, simulator=problem.simulator.over(replace(signals, measured=measured)))
+    screen = Screen(other, other.at(at_the_truth.solution.parameters, at_the_truth.solution.free))
+    screen.learn_noise({0: (problem.root * missing)[:, :, None]})
+    return screen
+
+
+def test_structure_is_found_with_its_place_variable_and_size(faded_friction):
+    found = structure_of(faded_friction)
+    assert found.passes
+    assert found.carries_over
+    assert (found.carried > 0.0).sum() == STRETCHES
+    assert found.depends_on == ("alpha",)
+    assert found.of_the_base
+    assert found.written
+    (size,) = [
+        value for value, term in zip(found.trace.estimate, found.terms, strict=True) if "tan(alpha)" in term.text
+    ]
+    assert size == pytest.approx(-0.1, rel=0.3)
+    assert f"{size:+.3g}" in found.formula
+
+
+def test_noise_has_no_structure_that_passes(at_the_truth):
+    found = structure_of(at_the_truth)
+    assert found is None or not found.passes
+
+
+def test_structure_of_one_part_of_a_recording_does_not_carry_over(faded_friction):
+    found = structure_of(faded_friction)
+    carried = np.where(np.arange(STRETCHES) < LEAST_STRETCHES - 1, found.carried, -1e-3)
+    assert not replace(found, carried=carried).passes
+    assert not replace(found, carried=0.3 * found.carried).passes
+    assert not replace(found, gain_error=found.gain).passes
+
+
+def test_a_product_turns_with_the_side_where_one_of_its_parts_does():
+    values = np.array([1.0, -2.0])
+    even, odd = Feature("Fz", frozenset({"Fz"}), values), Feature("10*gamma", frozenset({"gamma"}), values, odd=True)
+    rate = Feature("rate of alpha", frozenset({"dalpha/dt"}), values, odd=True, written=False)
+    assert [(a * b).odd for a, b in ((even, even), (even, odd), (odd, even), (odd, odd))] == [False, True, True, False]
+    assert not (even * rate).written
+    assert (even * odd).text == "Fz*10*gamma"
+    assert (even * odd).depends_on == {"Fz", "gamma"}
+    np.testing.assert_array_equal((even * odd).values, values**2)
+
+
+def test_features_keep_or_change_their_sign_with_the_side(at_the_truth):
+    """The mirrored recording has the same conditions and the opposite turns: rates and memories too."""
+    signals, tire = at_the_truth.signals, at_the_truth.problem.simulator.tire
+    inputs = signals.inputs.copy()
+    for name in ("alpha", "gamma"):
+        inputs[signals.names.index(name)] *= -1.0
+    mirrored = features(replace(signals, inputs=inputs), tire)
+    for here, there, sign in zip(features(signals, tire), mirrored, (1.0, -1.0), strict=True):
+        assert here
+        for one, other in zip(here, there, strict=True):
+            assert one.text == other.text
+            np.testing.assert_allclose(other.values, sign * one.values, atol=1e-9)
+
+
+def test_a_memory_takes_in_a_step_as_a_first_order_lag():
+    step = np.r_[0.0, np.ones(50)]
+    np.testing.assert_allclose(_faded(step, 0.1), 1.0 - np.exp(-0.1 * np.arange(51)), atol=1e-12)
+    np.testing.assert_allclose(_faded(np.full(20, 3.0), 0.1), 3.0)
+
+
+def test_a_place_acts_as_its_quantity_does(at_the_truth):
+    """A factor on friction and one on stiffness together scale the forces' size and their slip, each a part."""
+    book = at_the_truth.problem.simulator.book
+    assert {place.name for place in places_of(book)} >= {"friction", "slip stiffness", "slip angle"}
+    simulator, parameters = at_the_truth.problem.simulator, at_the_truth.solution.parameters
+    acts = directions(at_the_truth)
+    for name, scaled in (("friction", ("PDX1", "PDY1")), ("slip stiffness", ("PKX1", "PKY1"))):
+        changes = []
+        for share in (1e-5, -1e-5):
+            moved = parameters.copy()
+            for coefficient in scaled:
+                moved[simulator.place[coefficient]] *= 1.0 + share
+            changes.append(simulator.forces(moved))
+        expected = (changes[0] - changes[1]) / 2e-5
+        np.testing.assert_allclose(acts[name], expected, atol=1e-4 * np.abs(expected).max())
