@@ -11,6 +11,7 @@ from collections.abc import Iterable
 from .contract import ROLES
 from .errors import ModelError, nearest
 from .model import INDISPENSABLE, Model
+from .quantities import BEYOND
 from .sign_law import check_signs
 
 
@@ -48,7 +49,9 @@ def _check_tables(model: Model) -> None:
         if name not in outputs or name not in filed:
             raise ModelError(f"{model.name}: no line makes the output {name}")
     cards = _declared(model)
-    for name in (*INDISPENSABLE, *(q.nominal for q in model.inputs if isinstance(q.nominal, str))):
+    # An added effect may read T without a coefficient for its reference: a table without T then has its typical value.
+    nominal = (q.nominal for q in model.inputs if isinstance(q.nominal, str) and q.name not in BEYOND)
+    for name in (*INDISPENSABLE, *nominal):
         if name not in cards:
             raise ModelError(f"{model.name}: no section has the coefficient {name}")
 
