@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.symbolic import MODELS
-from tirefmu.symbolic.model import reaching
+from tirefmu.symbolic.model import INDISPENSABLE, reaching
 from tirefmu.symbolic.printers.expressions import NumpyPrinter
 
 #: The coefficients of MF5.2's own relaxation lengths stand among those of the forces.
@@ -88,9 +88,9 @@ def test_each_effect_owns_coefficients(model, effect):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_every_coefficient_reaches_an_output(model):
-    """Or a named quantity that users take as a result, or it is the value of an absent input, or a limit."""
+    """Or a result, it is the value of an absent input, a limit, or a size that other packages need of every tire."""
     book = MODELS[model]
-    elsewhere = {quantity.nominal for quantity in book.inputs}
+    elsewhere = {quantity.nominal for quantity in book.inputs} | set(INDISPENSABLE)
     assert book.live() | elsewhere >= book.coefficients.keys()
 
 
@@ -98,7 +98,8 @@ def test_every_coefficient_reaches_an_output(model):
 def test_the_core_reaches_an_output_without_any_effect(model):
     book = MODELS[model]
     ranges = {name for name, card in book.coefficients.items() if card.section.endswith("_RANGE")}
-    assert book.core <= book.live([]) | {quantity.nominal for quantity in book.inputs} | ranges
+    elsewhere = {quantity.nominal for quantity in book.inputs} | set(INDISPENSABLE)
+    assert book.core <= book.live([]) | elsewhere | ranges
     # What no effect owns and is not the core is given: scaling factors, and what makes radii and deflection.
     rest = [book.coefficients[name] for name in book.live([]) - book.core - ranges]
     assert {card.section for card in rest if card.fitted} <= RELAXATION.get(model, set())
