@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix fuzz discovery recovery real wine sanitize examples perturb check generate types bench bench-fit clean
+.PHONY: demo test matrix fuzz mutants discovery recovery real wine sanitize examples perturb check generate types bench bench-fit clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the whole circle on the built-in virtual bench
@@ -25,6 +25,9 @@ matrix: $(VENV)/installed  ## all tests with gcc and clang, on Python 3.11 to 3.
 
 fuzz: $(VENV)/installed-dev  ## 10,000 mutated files of every kind that is read; a hang is shown after a minute, where it hangs
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)
+
+mutants: $(VENV)/installed-dev  ## 33 single-line faults in a copy of the tree: which of them do the nearest tests not notice?
+	$(BIN)/python benchmarks/mutants.py $(MUTANTS_ARGS)
 
 perturb: $(VENV)/installed-dev  ## fits and a diagnosis say the same as if another processor had computed them
 	TIREFMU_PERTURB=1 $(BIN)/pytest tests/fitting/test_perturbations.py $(PYTEST_ARGS)

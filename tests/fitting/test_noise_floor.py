@@ -53,3 +53,12 @@ def test_missing_values_are_left_out():
     floor, share = noise_floor(holes, ["Fy"])["Fy"]
     assert floor == pytest.approx(50.0, rel=0.1)
     assert 0.5 < share <= 1.0
+
+
+def test_a_plane_through_few_rows_does_not_hide_their_noise():
+    """Six rows a cell, two of them used up by the plane: the variance is by the four that are free."""
+    alpha = np.linspace(-0.2, 0.2, 120)
+    rng = np.random.default_rng(0)
+    tables = [pd.DataFrame({"alpha": alpha, "Fy": rng.normal(size=120)}) for _ in range(50)]
+    squares = [noise_floor(table, ["Fy"])["Fy"][0] ** 2 for table in tables]
+    assert np.mean(squares) == pytest.approx(1.0, abs=0.1)  # 4000 free rows know a variance to 2 %

@@ -11,7 +11,6 @@ import pandas as pd
 import pytest
 
 from tirefmu.diagnosis import diagnose
-from tirefmu.drawing import draw
 from tirefmu.fitting import fit
 from tirefmu.fitting.recipe import load_recipe
 from tirefmu.fmu import check, export
@@ -23,6 +22,7 @@ from tirefmu.symbolic.errors import ModelError
 from tirefmu.symbolic.verification import verify
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
+from tirefmu.tires.drawing import draw
 from tirefmu.tires.tir import read_tir
 
 ROOT = Path(__file__).parents[2]
