@@ -93,6 +93,11 @@ class PropertyFile:
         Further lines of [MODEL] that the format requires, as written; a file's own values replace them.
     aliases : mapping of str to str
         Other spellings of coefficients.
+    per_angle : bool
+        Whether ANGLE of [UNITS] applies to radians within another unit, such as N/rad. The radians of the Magic
+        Formula's coefficients are part of the formula and never change.
+    in_si : tuple of str
+        Keys, coefficients or aliases, whose values are in SI whatever [UNITS] declares.
     strict : bool
         Whether a key that almost is a coefficient is an error. Files of the field hold what several programs
         read: there it is a remark.
@@ -105,6 +110,8 @@ class PropertyFile:
     written_format: str = "USER"
     header: Mapping[str, str] = field(default_factory=dict)
     aliases: Mapping[str, str] = field(default_factory=dict)
+    per_angle: bool = False
+    in_si: tuple[str, ...] = ()
     strict: bool = False
 
 

@@ -25,7 +25,7 @@ limits = Option(
 signs = Option(
     "signs",
     ("iso", "adapted-sae"),
-    "how the coefficients are written; only a product that MFeval has in place of a sum needs to know",
+    "how the coefficients are written; read by lines whose sign depends on the convention while no coefficient does",
 )
 
 #: Every option by its public name, in the order of the parameter vector.

@@ -2,9 +2,10 @@
 
 Where a key stands twice the last one counts; a coefficient is taken from its own section before any other. A missing
 or empty coefficient takes what the field's readers assume (the card's `assumed`), else its default, and is named in
-`Tire.defaulted`. All other keys and tables are kept and written again. What files hold beyond a model is no error, as
-the field's files always hold more than one reader wants; where only tirefmu writes the files of a model
-(`PropertyFile.strict`), a key that almost is a coefficient is refused.
+`Tire.defaulted`. A file without [TIREFMU] EFFECTS has the default effects, and an optional effect where one of the
+effect's own coefficients is given and not neutral. All other keys and tables are kept and written again. What files
+hold beyond a model is no error, as the field's files always hold more than one reader wants; where only tirefmu writes
+the files of a model (`PropertyFile.strict`), a key that almost is a coefficient is refused.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tirefmu.symbolic import model, with_library
-from tirefmu.symbolic.added import AddedEffect, read_effect
+from tirefmu.symbolic.added import AddedEffect, library, read_effect
 from tirefmu.symbolic.errors import TirefmuError, TirError, UnknownName, nearest, path_from
 from tirefmu.symbolic.escaping import excerpt, quoted
 from tirefmu.symbolic.model import INDISPENSABLE, Model
@@ -143,7 +144,7 @@ class _Reader:
         values = dict(self._values(book))
         values |= {key.removeprefix("CORE_"): self._number(own[key], 1.0) for key in own if key.startswith("CORE_")}
         self._refuse_crossed(values)
-        effects = self._effects(own, book)
+        effects = self._effects(own, book) if "EFFECTS" in own else self._effects_by_coefficients(values, book)
         assumed = self._assume(values, book, book.usual_effects if effects is None else effects)
         ranges = {**dict(self._ranges(book)), **dict(self._own_ranges())}
         about = [self._take("TIREFMU_ABOUT", key) for key in self._keys_of("TIREFMU_ABOUT")]
@@ -198,7 +199,9 @@ class _Reader:
                     raise TirError(f"{self._place(entry)}: {entry.key} has no value: a tire needs it")
                 continue
             self.given[name] = entry
-            yield name, self._number(entry, self.units.factor(card.unit, card.section))
+            in_si = entry.key in book.property_file.in_si
+            factor = self.units.factor(card.unit, card.section, per_angle=book.property_file.per_angle)
+            yield name, self._number(entry, 1.0 if in_si else factor)
 
     def _ranges(self, book: Model) -> Iterator[tuple[str, tuple[float, float]]]:
         """Yield the ranges of a model that has no coefficients for them."""
@@ -248,13 +251,22 @@ class _Reader:
         """Return the effect whose file stands in a line of ours."""
         return read_effect(_text(entry, self.path), self._place(entry))
 
-    def _effects(self, own: dict[str, Entry], book: Model) -> frozenset[str] | None:
-        if "EFFECTS" not in own:
-            return None
+    def _effects(self, own: dict[str, Entry], book: Model) -> frozenset[str]:
         try:
             return book.known_effects(listed(own["EFFECTS"].value))
         except UnknownName as error:
             raise TirError(f"{self._place(own['EFFECTS'])}: {error}") from None
+
+    def _effects_by_coefficients(self, values: Mapping[str, float], book: Model) -> frozenset[str] | None:
+        """Return the effects of a file that names none, or None where they are the default ones."""
+        beyond = {effect.name for effect in book.added}
+        found = {}
+        for effect in book.effects.keys() - book.usual_effects - beyond:
+            own = sorted(book.owned(effect) & values.keys())
+            if acting := [name for name in own if values[name] != book.coefficients[name].neutral]:
+                found[effect] = ", ".join(acting)
+        self.notes += [f"the tire has the effect {effect}: {found[effect]} given" for effect in sorted(found)]
+        return book.usual_effects | beyond - library().keys() | found.keys() if found else None
 
     def _assume(self, values: dict[str, float], book: Model, effects: frozenset[str]) -> tuple[Kept, ...]:
         """Fill in what nobody gave, as the field's readers do, and return the lines that name it.
@@ -269,6 +281,8 @@ class _Reader:
         defaults = Tire(book.name, dict.fromkeys(INDISPENSABLE, 1.0)).values
         idle = book.owned(*sorted(book.effects.keys() - effects))
         for name in named & values.keys():
+            if name in INDISPENSABLE:
+                continue
             if name in idle or repr(values[name]) == repr(defaults.get(name, book.coefficients[name].default)):
                 del values[name]
         return assumed_lines(named & values.keys(), book)
@@ -283,7 +297,7 @@ class _Reader:
                     known = nearest(name, book.coefficients)
                     raise TirError(f"{self._place(entry)}: unknown coefficient {name} of {book.name}{known}")
                 names.add(name)
-        return names - set(INDISPENSABLE)
+        return names
 
     def _side(self) -> str:
         entry = self.left.get(("MODEL", "TYRESIDE"))

@@ -35,11 +35,11 @@ class UnitSystem:
     factors: Mapping[str, float]
     foreign: Mapping[str, str]
 
-    def factor(self, unit: str, section: str) -> float:
-        """Return the factor to SI of a value with an SI unit that stands in a section."""
+    def factor(self, unit: str, section: str, *, per_angle: bool = False) -> float:
+        """Return the factor to SI of a value with an SI unit in a section; `per_angle` as in `factor_of`."""
         if section.endswith("_COEFFICIENTS") or section.startswith("TIREFMU"):  # ours are in SI whatever the rest is
             return 1.0
-        return factor_of(unit, self.factors)
+        return factor_of(unit, self.factors, per_angle=per_angle)
 
 
 def unit_system(entries: MutableMapping[tuple[str, str], Entry], path: Path) -> tuple[UnitSystem, list[str]]:

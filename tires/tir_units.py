@@ -4,7 +4,7 @@ A unit system is declared by LENGTH, FORCE, ANGLE, MASS, TIME and, in some files
 missing. The spellings are those of the Adams and Ansys manuals and of files in use. As in the field's readers,
 units apply to what has a dimension outside the Magic Formula: sizes, loads, stiffnesses, speeds, pressures, and
 the ranges of the inputs. The coefficients of a section ``..._COEFFICIENTS`` never change: their radians are part of
-the formula, as are radians within another unit (N/rad).
+the formula, as are radians within another unit (N/rad), unless the model's property file declares them (`per_angle`).
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def unit_factor(key: str, spelling: str) -> float | None:
     return UNITS[key].get(_folded(spelling))
 
 
-def factor_of(unit: str, factors: Mapping[str, float]) -> float:
+def factor_of(unit: str, factors: Mapping[str, float], *, per_angle: bool = False) -> float:
     """Return the factor to SI of a value with an SI unit, written in a file's units.
 
     Parameters
@@ -110,6 +110,8 @@ def factor_of(unit: str, factors: Mapping[str, float]) -> float:
         A card's unit: "N/m", "kg m^2", "rad", "1".
     factors : mapping of str to float
         The file's units by key; SI where one is missing.
+    per_angle : bool
+        Whether ANGLE also applies within another unit.
 
     Returns
     -------
@@ -119,11 +121,14 @@ def factor_of(unit: str, factors: Mapping[str, float]) -> float:
     --------
     >>> factor_of("N/m", {"LENGTH": 1e-3}), factor_of("rad", {"ANGLE": 0.5}), factor_of("N/rad", {"ANGLE": 0.5})
     (1000.0, 0.5, 1.0)
+    >>> factor_of("N/rad", {"ANGLE": 0.5}, per_angle=True)
+    2.0
     """
     if unit == "rad":
         return factors.get("ANGLE", 1.0)
+    applied = factors if per_angle else {**factors, "ANGLE": 1.0}
     above, _, below = unit.partition("/")
-    return _product(above, factors) / _product(below, factors)
+    return _product(above, applied) / _product(below, applied)
 
 
 def unit_contradicts(word: str, factor: float) -> bool:
@@ -152,6 +157,5 @@ def unit_contradicts(word: str, factor: float) -> bool:
 def _product(units: str, factors: Mapping[str, float]) -> float:
     product = 1.0
     for symbol, power in _SYMBOL.findall(units):
-        if symbol != "rad":
-            product *= factors.get(_RULED_BY[symbol], 1.0) ** int(power or 1)
+        product *= factors.get(_RULED_BY[symbol], 1.0) ** int(power or 1)
     return product

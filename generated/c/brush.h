@@ -25,7 +25,7 @@ enum {
     BRUSH_NSTIFF, /* load exponent of both slip stiffnesses: 0 absolute, 1 proportional to load [1] */
     BRUSH_NMU, /* load exponent of both frictions [1] */
     BRUSH_NPATCH, /* load exponent of the contact length [1] */
-    BRUSH_SIGNS, /* how the coefficients are written; only a product that MFeval has in place of a sum needs to know: 0 iso, 1 adapted-sae */
+    BRUSH_SIGNS, /* how the coefficients are written; read by lines whose sign depends on the convention while no coefficient does: 0 iso, 1 adapted-sae */
 };
 
 #define BRUSH_N_COEFFICIENTS 10

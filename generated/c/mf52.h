@@ -233,7 +233,7 @@ enum {
     MF52_CONVENTION, /* tno: as the industry's solvers compute (TNO MF-Tyre, MFeval); book: as Pacejka (2012), section 4.E, prints: 0 tno, 1 book */
     MF52_SLIP_ANGLE, /* tan: alpha* = tan(alpha) sgn(V) and gamma* = sin(gamma), eqs. (4.E3), (4.E4); angle: alpha and gamma themselves: 0 tan, 1 angle */
     MF52_LIMITS, /* on: inputs are kept within the tire's ranges, slips fade out below VXLOW, curvature factors are 1 at most: 0 off, 1 on */
-    MF52_SIGNS, /* how the coefficients are written; only a product that MFeval has in place of a sum needs to know: 0 iso, 1 adapted-sae */
+    MF52_SIGNS, /* how the coefficients are written; read by lines whose sign depends on the convention while no coefficient does: 0 iso, 1 adapted-sae */
 };
 
 #define MF52_N_COEFFICIENTS 211

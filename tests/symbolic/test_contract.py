@@ -16,14 +16,14 @@ from tirefmu.fitting.recipe import load_recipe
 from tirefmu.fmu import check, export
 from tirefmu.measurements import Recording
 from tirefmu.symbolic import MODELS
-from tirefmu.symbolic.contract import Role, positive
+from tirefmu.symbolic.contract import PropertyFile, Role, positive
 from tirefmu.symbolic.discovery import register
 from tirefmu.symbolic.errors import ModelError
 from tirefmu.symbolic.verification import verify
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
 from tirefmu.tires.drawing import draw
-from tirefmu.tires.tir import read_tir
+from tirefmu.tires.tir import not_given, read_tir
 
 ROOT = Path(__file__).parents[2]
 VALUES = {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.3, "UMAX": 1.2, "USOFT": -0.2, "CLONG": 2.5e4, "CSIDE": 1.8e4}
@@ -123,6 +123,33 @@ def test_a_property_file_of_its_own_comes_back(tire, tmp_path):
     assert again == replace(tire.in_signs("iso"), name=again.name)
     (tmp_path / "field.tir").write_text(text[: text.index("$ What follows")], encoding="utf-8")
     assert read_tir(tmp_path / "field.tir").model == "toy"
+
+
+def test_a_property_file_declares_how_its_units_apply(made, monkeypatch, tmp_path):
+    file = PropertyFile(formats=("ANGLED",), aliases={"TRAIL": "ARM"}, per_angle=True, in_si=("TRAIL",))
+    monkeypatch.setitem(MODELS, "angled", replace(made("angled"), property_file=file))
+    text = "[UNITS]\nLENGTH = 'mm'\nANGLE = 'degree'\n[MODEL]\nPROPERTY_FILE_FORMAT = 'ANGLED'\n[PARAMETER]\n"
+    text += "UNLOADED_RADIUS = 300\nFNOMIN = 1000\nCSIDE = 314.159\n"
+    for line in ("TRAIL = 0.02", "ARM = 20"):
+        (tmp_path / "t.tir").write_text(text + line, encoding="utf-8")
+        values = read_tir(tmp_path / "t.tir").values
+        assert values["UNLOADED_RADIUS"] == pytest.approx(0.3)
+        assert values["ARM"] == pytest.approx(0.02)
+        assert values["CSIDE"] == pytest.approx(314.159 * 180 / np.pi)
+
+
+def test_a_format_without_a_nominal_load_assumes_one(made, monkeypatch, tmp_path):
+    model = made()
+    monkeypatch.setitem(MODELS, "toy", model)
+    monkeypatch.setattr(model.coefficients["FNOMIN"], "assumed", 1500.0)
+    text = "[MODEL]\nPROPERTY_FILE_FORMAT = 'TOY'\n[DIMENSION]\nUNLOADED_RADIUS = 0.3\n"
+    (tmp_path / "t.tir").write_text(text, encoding="utf-8")
+    read = read_tir(tmp_path / "t.tir")
+    assert read.values["FNOMIN"] == 1500.0
+    assert "FNOMIN" in not_given(read)
+    read.save(tmp_path / "t.tir")
+    assert read_tir(tmp_path / "t.tir") == read
+    assert "FNOMIN" in not_given(read_tir(tmp_path / "t.tir"))
 
 
 @pytest.mark.parametrize("start", [None, "features"])

@@ -79,6 +79,15 @@ def test_what_is_assumed_for_an_absent_effect_is_left_to_the_tire(effects, tmp_p
     assert "QSX4" in tire.defaulted
 
 
+@pytest.mark.parametrize(("lines", "has"), [("SIGX = 0.3", True), ("SIGX = 0", False), ("", False)])
+def test_a_relaxation_length_in_a_file_acts(lines, has, tmp_path):
+    tire = read_tir(written(tmp_path / "t.tir", small(lines)))
+    assert tire.has == MODELS["mf61"].usual_effects | ({"relax_lon"} if has else set())
+    assert tire.values["SIGX"] == (0.3 if has else 0.0)
+    without = read_tir(written(tmp_path / "t.tir", small(f"{lines}\n[TIREFMU]\nEFFECTS = ''")))
+    assert without.has == set()
+
+
 def test_what_a_file_lacks_is_the_same_in_other_signs(field_file):
     """What readers assume is in ISO: it is mirrored with the rest, not taken anew."""
     _, path = field_file
@@ -139,7 +148,7 @@ def test_the_number_of_a_model(fittyp, model, tmp_path):
         ("USER", "PHY3 = 0.1", "mf52"),
         ("USER", "Q_CAM3 = 0.1\nPKY6 = -1", "mf62"),
         ("USER", None, "no FITTYP in [MODEL], and 'USER' does not tell the model"),
-        ("FTIRE", None, "PROPERTY_FILE_FORMAT 'FTIRE' is not a model of this version"),
+        ("TMEASY", None, "PROPERTY_FILE_FORMAT 'TMEASY' is not a model of this version: known are "),
         ("PAC2003", None, "did you mean PAC2002?"),
     ],
 )
