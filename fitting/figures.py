@@ -112,7 +112,7 @@ def _families(comparison: Comparison, families: Sequence[Family], title: str) ->
         _draw_family(ax, comparison, family)
     rows = pd.concat([group.rows for family in families for group in family.groups])
     note = "points: data; lines: the tire at the medians of each level's conditions"
-    write_footnote(figure, comparison.signs, note, _data_text(comparison, rows))
+    write_footnote(figure, comparison.signs, note, data_text(comparison, rows))
     return figure
 
 
@@ -192,7 +192,7 @@ def _stiffness(comparison: Comparison, truth: Tire | None) -> Figure | None:
     )
     dashed = ["dashed: the true tire"] if truth is not None else []
     rows = pd.concat([group.rows for family in shown for group in family.groups])
-    write_footnote(figure, comparison.signs, note, *dashed, _data_text(comparison, rows))
+    write_footnote(figure, comparison.signs, note, *dashed, data_text(comparison, rows))
     return figure
 
 
@@ -252,7 +252,7 @@ def _residuals(comparison: Comparison) -> Figure:
         _draw_residual(over_time, spread, source, channel, rows)
     grid[-1, 1].set_xlabel("number of rows")
     note = "the scales hold 99.9 % of the rows"
-    write_footnote(figure, comparison.signs, note, _data_text(comparison, table))
+    write_footnote(figure, comparison.signs, note, data_text(comparison, table))
     return figure
 
 
@@ -276,7 +276,7 @@ def _draw_residual(over_time: Axes, spread: Axes, source: str, channel: str, row
         ax.grid(alpha=0.3)
 
 
-def _data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
+def data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
     """Tell which recordings the rows come from, and at which inflation pressures."""
     numbers = sorted(set(rows["recording"].tolist()))
     sources = [figure_text(name) for name in dict.fromkeys(comparison.sources[number] for number in numbers)]

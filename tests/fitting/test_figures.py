@@ -10,9 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
-from tirefmu.fitting import panels
 from tirefmu.fitting.curves import compare, slope_at_zero
-from tirefmu.fitting.figures import draw_figures
+from tirefmu.fitting.figures import data_text, draw_figures
 from tirefmu.measurements import (
     Noise,
     Recording,
@@ -27,6 +26,7 @@ from tirefmu.measurements import (
 from tirefmu.symbolic.errors import DataError, FitError
 from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires import SIGNS, published
+from tirefmu.tires.drawing import style
 
 from ..hostile import HOSTILE
 
@@ -232,15 +232,15 @@ def test_measured_recordings(data_folder, tmp_path):
 def test_a_name_is_drawn_as_it_stands(text):
     """Matplotlib takes text between dollar signs for a formula, and fails where it is none."""
     figure = Figure(figsize=(4.0, 2.0), layout="constrained")
-    panels.write_footnote(figure, "iso", f"data: {figure_text(text)}")
+    style.write_footnote(figure, "iso", f"data: {figure_text(text)}")
     figure.suptitle(f"{figure_text(text)}, $F_y$: $p$ = 80 kPa")
-    assert panels.png(figure)
+    assert style.png(figure)
 
 
 def test_few_of_many_recordings_are_named(bench):
     comparison = replace(compare(TIRE, [bench]), sources=tuple(f"run{n}.mat" for n in range(100)))
     rows = comparison.table.iloc[:100].assign(recording=np.arange(100))
-    assert "run29.mat and 70 more" in panels.data_text(comparison, rows)
+    assert "run29.mat and 70 more" in data_text(comparison, rows)
 
 
 def test_recordings_of_one_name_are_told_apart(bench):

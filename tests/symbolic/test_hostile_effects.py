@@ -14,6 +14,7 @@ from hypothesis import example, given, settings
 from tirefmu.symbolic import model
 from tirefmu.symbolic.added import AddedEffect, effect_text, read_effect
 from tirefmu.symbolic.added.file import Act
+from tirefmu.symbolic.contract import Role
 from tirefmu.symbolic.errors import EffectError
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.notation import Chapter, Coefficient, Section
@@ -42,7 +43,8 @@ def small_model():
     grip = force("1", "mu_y", Size.PDY1 + 0 * load, description="friction")
     force("2", "Fx", grip * kappa * load / Size.UNLOADED_RADIUS, "N", "longitudinal force")
     force("3", "Fy", Size.PKY1 * grip * sp.atan(alpha) * load, "N", "side force")
-    return Model("small", "A small model", book.inputs, book.outputs[:2], (Size,), (force,))
+    roles = {"friction_x": Role("mu_y", ("PDY1",)), "friction_y": Role("mu_y", ("PDY1",))}
+    return Model("small", "A small model", book.inputs, book.outputs[:2], (Size,), (force,), roles=roles)
 
 
 SMALL = small_model()

@@ -100,7 +100,7 @@ def test_the_evolutionary_method_says_that_its_limit_ended_it(command, bench_csv
         "-o", tmp_path / "evolved.tir", "--json", told,
     )  # fmt: skip
     assert outcome.status == 1
-    assert "stopped at the iteration limit" in outcome.out
+    assert "iteration limit (ioa)" in outcome.out
     content = strict(told.read_text(encoding="utf-8"))
     assert content["method"] == "ioa"
     assert not content["ok"]
