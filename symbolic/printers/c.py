@@ -187,8 +187,10 @@ def in_order(routine: Routine) -> Sequence[Assignment]:
 def _function(model: Model, routine: Routine, routines: tuple[Routine, ...]) -> str:
     prefix = model.name.upper()
     inputs = routine.uses([quantity.name for quantity in model.inputs])
-    lines = [f"const double {name} = inputs[{prefix}_{name}];" for name in inputs]
-    lines += [*parameters_read(model, routine), *statements(in_order(routine)), ""]
+    parameters = parameters_read(model, routine)
+    lines = [f"(void) {name};" for name, read in (("inputs", inputs), ("parameters", parameters)) if not read]
+    lines += [f"const double {name} = inputs[{prefix}_{name}];" for name in inputs]
+    lines += [*parameters, *statements(in_order(routine)), ""]
     values = [value for row in routine.results for value in row]
     sparse = 2 * values.count(0) > len(values)
     if sparse:

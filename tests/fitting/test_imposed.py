@@ -18,20 +18,21 @@ RANGES = {
     "kappa": (-0.2, 0.2), "alpha": (-0.15, 0.15), "gamma": (0.0, 0.06), "Fz": (500.0, 2500.0), "p": (7e4, 1e5),
     "V": (11.0, 11.0), "phit": (0.0, 0.0),
 }  # fmt: skip
-SECTIONS = ("LONGITUDINAL_COEFFICIENTS", "LATERAL_COEFFICIENTS", "ALIGNING_COEFFICIENTS")
+FORCES = {"Fx", "Fy", "Mz"}
 
 
 def problem_of(model, free=None):
     book = MODELS[model]
     rng = np.random.default_rng(4)
     values = {"FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, "NOMPRES": 8.5e4}
-    for name, card in book.coefficients.items():
-        if card.section in SECTIONS:
-            bound = card.upper if rng.random() < 0.5 else card.lower
-            values[name] = card.generic + 0.05 * rng.random() * (bound - card.generic)
+    fitted = [name for name, card in book.coefficients.items() if card.fitted and FORCES & set(card.channels)]
+    for name in fitted:
+        card = book.coefficients[name]
+        bound = card.upper if rng.random() < 0.5 else card.lower
+        values[name] = card.generic + 0.05 * rng.random() * (bound - card.generic)
     values = {name: value for name, value in values.items() if name in book.coefficients}
     tire = Tire(model, values, signs="adapted-sae")
-    free = tuple(free or (name for name in book.coefficients if book.coefficients[name].section in SECTIONS))
+    free = tuple(free or fitted)
     outputs = len(book.outputs)
     rows = Rows(np.ones((len(book.inputs), 1)), np.ones((1, outputs)), np.zeros(1, dtype=int))
     return Problem(tire, rows, free, np.ones((1, outputs)), rng.uniform(0.1, 3.0, len(free)))
@@ -58,7 +59,8 @@ def test_values_are_the_quantities_of_the_book(model):
         q = value(constraint, points)
         if constraint.measure == "value":
             return q / constraint.size
-        load, step = list(RANGES).index("Fz"), 1e-4 * points[3]
+        load = [quantity.name for quantity in MODELS[model].inputs].index("Fz")
+        step = 1e-4 * points[load]
         away = step * (np.arange(len(points)) == load)[:, None]
         growth = points[load] * (value(constraint, points + away) - value(constraint, points - away)) / (2 * step)
         return (growth if constraint.measure == "growth" else growth - q) / constraint.size

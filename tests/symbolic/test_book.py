@@ -13,7 +13,7 @@ from tirefmu.symbolic.notation import Choice, Switch, Variant
 
 UNITS = {
     "1", "rad", "rad^2", "N", "m", "N m", "N/rad", "N m/rad", "1/rad", "1/rad^2", "1/rad^3",
-    "Pa", "m/s", "rad/s", "N/m", "1/m", "1/m^2",
+    "Pa", "m/s", "rad/s", "N/m", "N s/m", "1/m", "1/m^2",
 }  # fmt: skip
 
 

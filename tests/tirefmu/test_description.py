@@ -15,6 +15,8 @@ from tirefmu.tires import Tire, published
 from tirefmu.tires.tir import read_tir_with_notes
 
 FILES = ["MagicFormula52", "MagicFormula61", "MagicFormula62"]
+#: The models with the coefficients that these tests spoil.
+MAGIC = [name for name, book in MODELS.items() if "PDX1" in book.coefficients]
 
 
 def generic(model="mf61", **values):
@@ -37,7 +39,7 @@ def test_a_generic_tire_raises_no_doubt(model):
     assert doubts(generic(model)) == {}
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", MAGIC)
 @pytest.mark.parametrize(
     ("values", "name", "reason"),
     [
@@ -79,7 +81,7 @@ def test_ranges_are_judged_where_the_model_has_no_coefficient_for_them():
     assert doubts(tire)["FNOMIN"] == "outside the range of Fz, 300 .. 900 N"
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", MAGIC)
 def test_doubts_do_not_depend_on_the_signs_in_which_a_tire_is_written(model):
     tire = generic(model, PKY1=-20.0, PDX1=-1.0, PEY1=3.0)
     assert doubts(tire).keys() == doubts(tire.in_signs("iso")).keys()
