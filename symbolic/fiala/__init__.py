@@ -1,0 +1,59 @@
+"""The Fiala tire of Adams and MotionSolve: nine physical parameters, forces linked by friction only.
+
+Adams/Tire help, "Using the Fiala Handling Force Model"; Altair MotionView help, "Fiala Tire"; Project Chrono,
+ChFialaTire.cpp.
+"""
+
+from dataclasses import replace
+
+from ..contract import PropertyFile, Role, positive
+from ..model import Model
+from ..quantities import ALPHA, FX, FY, FZ, KAPPA, MY, MZ, V
+from . import forces
+from .coefficients import SECTIONS
+
+FIALA = Model(
+    name="fiala",
+    title="Fiala tire (Adams, MotionSolve)",
+    # The speed tells the sense of rolling and how fast slips relax; the file has none.
+    inputs=(KAPPA, ALPHA, FZ, replace(V, nominal=V.typical)),
+    outputs=(FX, FY, MZ, MY),
+    sections=SECTIONS,
+    chapters=(forces.eq,),
+    results=("sigma_kappa", "sigma_alpha", "rho", "R_l", "d_z", "C_gamma"),
+    roles={
+        "friction_x": Role("mu_x", ("UMAX",)),
+        "friction_y": Role("mu_y", ("UMAX",)),
+        "stiffness_x": Role("K_xkappa", ("CSLIP",)),
+        "stiffness_y": Role("K_yalpha", ("CALPHA",)),
+        "trail": Role("t_0", ("WIDTH",)),
+        "relaxation_x": Role("sigma_kappa"),
+        "relaxation_y": Role("sigma_alpha"),
+        "loaded_radius": Role("R_l"),
+    },
+    property_file=PropertyFile(
+        formats=("FIALA",),
+        written_format="FIALA",
+        header={"USE_MODE": "2"},
+        aliases={"RELAX_LENGTH_X": "REL_LEN_LON", "RELAX_LENGTH_Y": "REL_LEN_LAT"},
+        per_angle=True,
+        # Adams' sample files give these in metres beside lengths in millimetres.
+        in_si=("RELAX_LENGTH_X", "RELAX_LENGTH_Y"),
+    ),
+    constraints={
+        "Fx": (
+            positive("mu_x", 0.01, "kappa", "alpha"),
+            positive("mu_x_fall", 0.0),
+            positive("K_xkappa", 1.0, size=1e4),
+        ),
+        "Fy": (
+            positive("mu_y", 0.01, "kappa", "alpha"),
+            positive("mu_y_fall", 0.0),
+            positive("K_yalpha", 1.0, size=1e4),
+        ),
+        "Mz": (positive("t_0", 0.0, size=0.1),),
+    },
+    baseline=("WIDTH", "CSLIP", "CALPHA", "UMIN", "UMAX"),
+    relaxation=("REL_LEN_LON", "REL_LEN_LAT"),
+)
+MODELS = (FIALA,)

@@ -1,0 +1,297 @@
+"""The Fiala tire: its equations, its limits, and everything that a model of the package has to do."""
+
+from __future__ import annotations
+
+from math import atan, copysign, hypot, pi, sqrt, tan
+
+import casadi as ca
+import numpy as np
+import pandas as pd
+import pytest
+from fmpy import simulate_fmu
+
+from tirefmu.diagnosis import diagnose
+from tirefmu.drawing import draw
+from tirefmu.fitting import fit
+from tirefmu.fmu import check, export
+from tirefmu.generated.casadi import fiala as casadi_fiala
+from tirefmu.measurements import Recording
+from tirefmu.tires import Tire
+from tirefmu.tires.code import code_for
+from tirefmu.tires.tir import not_given, read_tir, read_tir_with_notes
+
+LOAD = 3000.0
+VALUES = {
+    "FNOMIN": LOAD, "UNLOADED_RADIUS": 0.31, "WIDTH": 0.15, "VERTICAL_STIFFNESS": 2e5, "CSLIP": 9e4, "CALPHA": 6e4,
+    "UMIN": 0.7, "UMAX": 1.1, "ROLLING_RESISTANCE": 0.004,
+}  # fmt: skip
+TIRE = Tire("fiala", VALUES)
+NOISE = {"Fx": 20.0, "Fy": 20.0, "Mz": 1.0, "My": 0.2}
+
+
+def by_the_book(kappa, alpha, Fz, V):
+    """Return Fx, Fy, Mz, My in ISO as the Adams help and Chrono's source state them, branch by branch."""
+    c = VALUES
+    U = c["UMAX"] - (c["UMAX"] - c["UMIN"]) * min(1.0, hypot(kappa, tan(alpha)))
+    if abs(kappa) < abs(U * Fz / (2 * c["CSLIP"])):
+        Fx = c["CSLIP"] * kappa
+    else:
+        Fx = copysign(U * Fz - abs((U * Fz) ** 2 / (4 * abs(kappa) * c["CSLIP"])), kappa)
+    H = 1 - c["CALPHA"] * abs(tan(alpha)) / (3 * U * Fz)
+    if abs(alpha) > atan(3 * U * Fz / c["CALPHA"]):
+        Fy, Mz = copysign(U * Fz, -alpha), 0.0
+    else:
+        Fy = copysign(U * Fz * (1 - H**3), -alpha)
+        Mz = copysign(U * Fz * c["WIDTH"] * (1 - H) * H**3, alpha)
+    return Fx, Fy, Mz, copysign(c["ROLLING_RESISTANCE"] * Fz, -V)
+
+
+@pytest.fixture(scope="module")
+def rows():
+    """Return kappa, alpha, Fz and V, none nearer than 1e-4 to where a branch changes."""
+    rng = np.random.default_rng(0)
+    kappa, alpha = rng.uniform(-1.0, 1.0, 300) ** 3 * 1.5, rng.uniform(-1.0, 1.0, 300) ** 3
+    drawn = np.array([kappa, alpha, rng.uniform(300.0, 6000.0, 300), rng.choice([-8.0, 20.0], 300)])
+    told = TIRE.evaluate(pd.DataFrame(dict(zip(TIRE.inputs, drawn, strict=True))))
+    near = np.array(
+        [np.abs(kappa) - told["kappa_crit"], np.abs(alpha) - told["alpha_crit"], np.hypot(kappa, np.tan(alpha)) - 1]
+    )
+    kept = drawn[:, (np.abs(near) > 1e-4).all(axis=0)]
+    assert kept.shape[1] > 250
+    return kept
+
+
+def bench(tire, n=400, **settings):
+    """Return a recording of slow sweeps at four loads, in ISO, with noise."""
+    t = np.linspace(0.0, 40.0, n)
+    slips = {"kappa": 0.3 * np.sin(1.3 * t), "alpha": 0.3 * np.sin(2.1 * t + 0.4)}
+    table = pd.DataFrame({"t": t, **slips, "Fz": np.repeat([1500.0, 3000.0, 4500.0, 2200.0], n // 4), "V": 15.0})
+    forces = tire.evaluate(table, **settings)[list(NOISE)]
+    noise = np.random.default_rng(0).normal(size=forces.shape) * list(NOISE.values())
+    return pd.concat([table, forces + noise], axis=1)
+
+
+def test_it_computes_the_published_equations(rows):
+    expected = np.array([by_the_book(*row) for row in rows.T]).T
+    found = TIRE.forces(**dict(zip(TIRE.inputs, rows, strict=True)))
+    for name, values in zip(TIRE.outputs, expected, strict=True):
+        np.testing.assert_allclose(found[name], values, rtol=1e-12, atol=1e-9, err_msg=name)
+
+
+def test_every_code_agrees_and_differentiates(rows):
+    parameters = TIRE.parameters()
+    results = {language: code_for(TIRE.book, language) for language in ("numpy", "c", "casadi", "batch")}
+    for code in results.values():
+        np.testing.assert_allclose(code.forces(rows, parameters), results["numpy"].forces(rows, parameters), rtol=1e-12)
+        for routine in ("jacobian_inputs", "jacobian_parameters"):
+            expected = by_casadi(routine, rows, parameters)
+            found = getattr(code, routine)(rows, parameters)
+            scale = np.abs(expected).max(axis=0)
+            assert (np.abs(found - expected) <= 1e-11 * scale).all(), routine
+
+
+def by_casadi(routine, rows, parameters):
+    """Return derivatives by CasADi's own differentiation, shape (n, n_forces, n_by)."""
+    x, p = ca.SX.sym("x", len(rows)), ca.SX.sym("p", len(parameters))
+    by = x if routine == "jacobian_inputs" else p[: len(TIRE.book.coefficients)]
+    function = ca.Function("jacobian", [x, p], [ca.jacobian(casadi_fiala.forces(x, p), by)])
+    return np.stack([np.array(function(point, parameters)) for point in rows.T])
+
+
+def test_slopes_at_zero_are_the_stiffnesses():
+    point = np.array([[0.0], [0.0], [LOAD], [10.0]])
+    for code in (code_for(TIRE.book, language) for language in ("numpy", "c")):
+        slopes = code.jacobian_inputs(point, TIRE.parameters())[0, :, :2]
+        assert slopes[0].tolist() == [VALUES["CSLIP"], 0.0]
+        assert slopes[1].tolist() == pytest.approx([0.0, -VALUES["CALPHA"]])
+        # The aligning moment is the side force at a trail of a third of the width.
+        assert slopes[2].tolist() == pytest.approx([0.0, VALUES["CALPHA"] * VALUES["WIDTH"] / 3])
+
+
+@pytest.mark.parametrize("umin", [0.0, 0.7])
+@pytest.mark.parametrize(
+    "point", [(0.0, 0.0, 0.0), (0.1, -0.2, 0.0), (0.0, 0.0, LOAD), (1.0, 0.0, LOAD), (0, pi / 2, LOAD)]
+)
+def test_jacobians_are_finite_where_branches_meet(umin, point):
+    tire = Tire("fiala", {**VALUES, "UMIN": umin})
+    column = np.array([[*point, 0.0]]).T
+    for language in ("numpy", "c", "batch"):
+        code = code_for(tire.book, language)
+        for routine in ("forces", "jacobian_inputs", "jacobian_parameters"):
+            assert np.isfinite(getattr(code, routine)(column, tire.parameters())).all(), (language, routine)
+
+
+def test_it_makes_no_force_off_the_ground_and_passes_on_what_is_no_number():
+    lifted = TIRE.forces(kappa=[0.1, -0.2], alpha=[0.3, 0.0], Fz=[0.0, -500.0])
+    assert all((values == 0).all() for values in lifted.values())
+    for name in ("kappa", "alpha", "Fz"):
+        forces = TIRE.forces(**{"kappa": 0.1, "alpha": 0.1, "Fz": LOAD, name: np.nan})
+        assert np.isnan([forces["Fx"], forces["Fy"], forces["Mz"]]).all(), name
+
+
+def test_full_sliding_is_the_friction_and_has_no_moment():
+    alpha = np.array([0.2, 0.5, 1.2])
+    told = TIRE.evaluate(pd.DataFrame({"alpha": [*alpha, *-alpha], "Fz": LOAD}))
+    assert (np.abs(told["alpha"]) > told["alpha_crit"]).all()
+    np.testing.assert_allclose(told["Fy"], -np.sign(told["alpha"]) * told["U"] * LOAD, rtol=1e-14)
+    assert (told["Mz"] == 0).all()
+    # With UMAX - UMIN lost at comprehensive slip 1, UMIN is what remains from there on.
+    assert told["U"].to_numpy()[[2, 5]] == pytest.approx(VALUES["UMIN"])
+    locked = TIRE.forces(kappa=-1e9, Fz=LOAD)["Fx"]
+    assert locked == pytest.approx(-VALUES["UMIN"] * LOAD, rel=1e-9)
+
+
+def test_the_moment_ends_at_the_critical_angle():
+    critical = TIRE.evaluate(pd.DataFrame({"alpha": [0.1], "Fz": LOAD}))["alpha_crit"].iloc[0]
+    for _ in range(50):  # friction at the critical angle depends on the angle
+        critical = TIRE.evaluate(pd.DataFrame({"alpha": [critical], "Fz": LOAD}))["alpha_crit"].iloc[0]
+    below, above = TIRE.forces(alpha=critical * np.array([0.9, 1.0001]), Fz=LOAD)["Mz"]
+    assert below > 0
+    assert above == 0
+
+
+def test_friction_bounds_each_axis_but_not_their_resultant(rows):
+    forces = TIRE.forces(**dict(zip(TIRE.inputs, rows, strict=True)))
+    limit = TIRE.evaluate(pd.DataFrame(dict(zip(TIRE.inputs, rows, strict=True))))["U"].to_numpy() * rows[2]
+    for name in ("Fx", "Fy"):
+        assert (np.abs(forces[name]) <= limit * (1 + 1e-14)).all(), name
+    resultant = np.hypot(forces["Fx"], forces["Fy"]) / limit
+    assert 1.2 < resultant.max() <= sqrt(2)
+
+
+def test_the_longitudinal_force_is_largest_at_the_slip_of_the_closed_form():
+    """The root of d/dkappa (L - L^2 / (4 CSLIP kappa)) with L = UMAX Fz - lost kappa."""
+    lost = (VALUES["UMAX"] - VALUES["UMIN"]) * LOAD
+    peak = VALUES["UMAX"] * LOAD / sqrt(lost * (lost + 4 * VALUES["CSLIP"]))
+    kappa = np.linspace(0.0, 1.0, 100_001)
+    force = TIRE.forces(kappa=kappa, Fz=LOAD)["Fx"]
+    assert kappa[force.argmax()] == pytest.approx(peak, abs=2e-5)
+    # Linear up to the critical slip, where half of the friction is reached.
+    crit = TIRE.evaluate(pd.DataFrame({"kappa": kappa, "Fz": LOAD}))["kappa_crit"].to_numpy()
+    linear = force == VALUES["CSLIP"] * kappa
+    assert (linear == (kappa <= crit)).all()
+
+
+def test_the_forces_are_odd_and_mirror_in_adapted_sae(rows):
+    kappa, alpha, Fz, V = rows
+    forces, opposite = (TIRE.forces(kappa=k * kappa, alpha=k * alpha, Fz=Fz, V=k * V) for k in (1, -1))
+    sae = TIRE.in_signs("adapted-sae").forces(kappa=kappa, alpha=alpha, Fz=Fz, V=V)
+    for name in TIRE.outputs:
+        np.testing.assert_array_equal(forces[name], -opposite[name], err_msg=name)
+        np.testing.assert_array_equal(forces[name], sae[name] * (1 if name == "Fx" else -1), err_msg=name)
+    assert (np.sign(forces["Fy"]) == -np.sign(alpha)).all()
+
+
+ADAMS = """[MDI_HEADER]
+FILE_TYPE = 'tir'
+[UNITS]
+LENGTH = 'mm'
+FORCE = 'newton'
+ANGLE = 'degree'
+MASS = 'kg'
+TIME = 'sec'
+[MODEL]
+PROPERTY_FILE_FORMAT = 'FIALA'
+USE_MODE = 2.0
+[DIMENSION]
+UNLOADED_RADIUS = 310.0
+WIDTH = 240.0
+ASPECT_RATIO = 0.5
+[PARAMETER]
+VERTICAL_STIFFNESS = 310.0
+VERTICAL_DAMPING = 3.1
+ROLLING_RESISTANCE = 1.5
+CSLIP = 80000.0
+CALPHA = 900.0
+CGAMMA = 10.0
+UMIN = 0.8
+UMAX = 1.0
+"""
+IN_SI = {
+    "UNLOADED_RADIUS": 0.31, "WIDTH": 0.24, "VERTICAL_STIFFNESS": 3.1e5, "VERTICAL_DAMPING": 3100.0,
+    "ROLLING_RESISTANCE": 1.5e-3, "CSLIP": 8e4, "CALPHA": 900.0 * 180.0 / pi, "CGAMMA": 10.0 * 180.0 / pi,
+    "UMIN": 0.8, "UMAX": 1.0,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("lengths", "read"),
+    [
+        ("", (0.0, 0.0)),
+        ("RELAX_LENGTH_X = 0.05\nRELAX_LENGTH_Y = 0.15\n", (0.05, 0.15)),  # in metres, as in Adams' samples
+        ("REL_LEN_LON = 50\nREL_LEN_LAT = 150\n", (0.05, 0.15)),
+    ],
+)
+def test_a_property_file_of_adams_is_read_in_si_and_comes_back(lengths, read, tmp_path):
+    (tmp_path / "adams.tir").write_text(ADAMS + lengths, encoding="utf-8")
+    reading = read_tir_with_notes(tmp_path / "adams.tir")
+    tire, notes = reading.tire, reading.notes
+    assert tire.model == "fiala"
+    assert {name: tire.values[name] for name in IN_SI} == pytest.approx(IN_SI, rel=1e-14)
+    assert (tire.values["REL_LEN_LON"], tire.values["REL_LEN_LAT"]) == pytest.approx(read)
+    assert tire.lags == bool(lengths)
+    assert any("relax_lon" in note for note in notes) == bool(lengths)
+    # The file has no nominal load: one is assumed, and named.
+    assert tire.values["FNOMIN"] == 4000.0
+    assert "FNOMIN" in not_given(tire)
+    tire.save(tmp_path / "adams.tir")
+    text = (tmp_path / "adams.tir").read_text(encoding="utf-8")
+    assert all(line in text for line in ("PROPERTY_FILE_FORMAT = 'FIALA'", "USE_MODE = 2", "ASPECT_RATIO = 0.5"))
+    assert "FITTYP" not in text
+    assert read_tir(tmp_path / "adams.tir") == tire
+
+
+@pytest.mark.parametrize(("signs", "start"), [("iso", None), ("adapted-sae", None), ("iso", "features")])
+def test_a_fit_finds_it(signs, start):
+    table = bench(TIRE)
+    table[["Fy", "Mz", "My"]] *= 1 if signs == "iso" else -1
+    nominal = {"Fz0": LOAD, "R0": VALUES["UNLOADED_RADIUS"]}
+    result = fit([Recording(table, signs, "b.csv")], "fiala", nominal=nominal, start=start, screening=False)
+    assert result.ok, result.reason
+    for name in ("WIDTH", "CSLIP", "CALPHA", "UMIN", "UMAX", "ROLLING_RESISTANCE"):
+        assert result.tire.values[name] == pytest.approx(VALUES[name], rel=0.01), name
+
+
+@pytest.mark.parametrize("unmeasured", [[], ["Fx"], ["Fy", "Mz"]])
+def test_friction_that_grows_with_slip_is_fitted_on_request_only(unmeasured):
+    growing = Tire("fiala", {**VALUES, "UMIN": 1.4})
+    recording = Recording(bench(growing).drop(columns=unmeasured), "iso", "bench.csv")
+    bounded, free = (
+        fit([recording], "fiala", nominal={"Fz0": LOAD, "R0": 0.31}, screening=False, without_constraints=left_out)
+        for left_out in ((), ("signs:mu_x_fall", "signs:mu_y_fall"))
+    )
+    assert free.tire.values["UMIN"] == pytest.approx(1.4, rel=0.02)
+    assert bounded.tire.values["UMIN"] <= bounded.tire.values["UMAX"] * (1 + 1e-6)
+
+
+def test_it_is_drawn(tmp_path):
+    names = [path.name for path in draw(TIRE, tmp_path, loads=[LOAD])]
+    assert names == ["pure.png", "surfaces_3000N.png", "combined.png"]
+
+
+def test_its_fmu_is_the_tire_at_its_slips(tmp_path):
+    table = bench(TIRE)
+    table[list(TIRE.outputs)] = TIRE.evaluate(table)[list(TIRE.outputs)]
+    result = check(export(TIRE, tmp_path / "fiala.fmu", quantities=True), table, signs="iso")
+    assert [channel.name for channel in result.channels] == list(TIRE.outputs)
+    assert all(channel.r2 > 1 - 1e-9 for channel in result.channels)
+
+
+def test_its_fmu_on_a_wheel_computes_slips_from_velocities(tmp_path):
+    fmu = export(TIRE, tmp_path / "fiala.fmu", inputs="wheel")
+    given = {"V_x": 20.0, "V_y": 0.8, "omega": 21.0 / VALUES["UNLOADED_RADIUS"], "Fz": LOAD}
+    told = simulate_fmu(str(fmu), start_values=given, stop_time=0.1, output=[*TIRE.outputs, "R_l"])[-1]
+    expected = TIRE.forces(kappa=0.05, alpha=atan(0.04), Fz=LOAD, V=20.0)
+    for name in TIRE.outputs:
+        assert float(told[name]) == pytest.approx(float(expected[name]), rel=1e-9), name
+    assert float(told["R_l"]) == pytest.approx(VALUES["UNLOADED_RADIUS"] - LOAD / VALUES["VERTICAL_STIFFNESS"])
+
+
+def test_a_diagnosis_names_the_relaxation_that_it_lacks():
+    lengths = {"REL_LEN_LON": 0.2, "REL_LEN_LAT": 0.4}
+    lagging = Tire("fiala", {**VALUES, **lengths}, effects=TIRE.has | {"relax_lon", "relax_lat"})
+    nominal = {"Fz0": LOAD, "R0": VALUES["UNLOADED_RADIUS"]}
+    found = diagnose(bench(lagging, 1200), signs="iso", model="fiala", nominal=nominal).found
+    assert {one.effect for one in found} == {"relax_lon", "relax_lat", "rolling_resistance_My"}
+    values = {name: one.value for finding in found for name, one in finding.coefficients.items()}
+    assert {name: values[name] for name in lengths} == pytest.approx(lengths, rel=0.05)
