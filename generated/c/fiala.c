@@ -199,10 +199,11 @@ void fiala_quantities(const double inputs[], const double parameters[], double r
     const double S_square = square(kappa) + square(tan_alpha); /* [Adams] comprehensive slip, squared */
     const double S_square_inside = ((S_square >= 1.0) || (S_square <= 0.0) ? 1.0 : S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
     const double S_s_alpha = (S_square <= 0.0 ? 0.0 : sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
-    const double U_fall = UMAX - UMIN; /* [Adams] friction that is lost at comprehensive slip 1 */
-    const double U = UMAX - S_s_alpha*U_fall; /* [Adams] friction at this comprehensive slip */
+    const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */
+    const double U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
     const double mu_x = U; /* [Adams] largest |Fx| per load at this comprehensive slip */
     const double mu_y = U; /* [Adams] largest |Fy| per load at this comprehensive slip */
+    const double mu_y_fall = mu_x_fall; /* [Adams] what mu_y loses up to comprehensive slip 1 */
     const double K_xkappa = CSLIP; /* [Adams] longitudinal slip stiffness */
     const double F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
     const double kappa_crit = fabs(0.5*F_x_limit/K_xkappa); /* [Adams] critical slip, up to which Fx is linear */
@@ -218,21 +219,22 @@ void fiala_quantities(const double inputs[], const double parameters[], double r
     const double C_gamma = CGAMMA; /* [Adams] camber stiffness of the file, which the model does not use */
 
     results[0] = S_s_alpha;
-    results[1] = U_fall;
+    results[1] = mu_x_fall;
     results[2] = U;
     results[3] = mu_x;
     results[4] = mu_y;
-    results[5] = K_xkappa;
-    results[6] = kappa_crit;
-    results[7] = K_yalpha;
-    results[8] = alpha_crit;
-    results[9] = t_0;
-    results[10] = sigma_kappa;
-    results[11] = sigma_alpha;
-    results[12] = rho;
-    results[13] = R_l;
-    results[14] = d_z;
-    results[15] = C_gamma;
+    results[5] = mu_y_fall;
+    results[6] = K_xkappa;
+    results[7] = kappa_crit;
+    results[8] = K_yalpha;
+    results[9] = alpha_crit;
+    results[10] = t_0;
+    results[11] = sigma_kappa;
+    results[12] = sigma_alpha;
+    results[13] = rho;
+    results[14] = R_l;
+    results[15] = d_z;
+    results[16] = C_gamma;
 }
 
 /* Forces and moments. */
@@ -254,7 +256,7 @@ void fiala_forces(const double inputs[], const double parameters[], double resul
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
     const double tan_alpha = fast_tan(alpha); /* [tirefmu] tangent of the side slip angle */
-    const double U_fall = UMAX - UMIN; /* [Adams] friction that is lost at comprehensive slip 1 */
+    const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */
     const double K_xkappa = CSLIP; /* [Adams] longitudinal slip stiffness */
     const double t_0 = 0.3333333333333333*WIDTH; /* [Adams] pneumatic trail at zero slip */
     const double F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */
@@ -264,7 +266,7 @@ void fiala_forces(const double inputs[], const double parameters[], double resul
     const double F_y_linear = K_yalpha*tan_alpha; /* [Adams] side force without sliding */
     const double S_square_inside = ((S_square >= 1.0) || (S_square <= 0.0) ? 1.0 : S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
     const double S_s_alpha = (S_square <= 0.0 ? 0.0 : sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
-    const double U = UMAX - S_s_alpha*U_fall; /* [Adams] friction at this comprehensive slip */
+    const double U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
     const double mu_x = U; /* [Adams] largest |Fx| per load at this comprehensive slip */
     const double mu_y = U; /* [Adams] largest |Fy| per load at this comprehensive slip */
     const double F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
@@ -297,7 +299,7 @@ void fiala_slip_stiffnesses(const double inputs[], const double parameters[], do
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
     const double tan_alpha = fast_tan(alpha); /* [tirefmu] tangent of the side slip angle */
-    const double U_fall = UMAX - UMIN; /* [Adams] friction that is lost at comprehensive slip 1 */
+    const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */
     const double K_xkappa = CSLIP; /* [Adams] longitudinal slip stiffness */
     const double t_0 = 0.3333333333333333*WIDTH; /* [Adams] pneumatic trail at zero slip */
     const double F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */
@@ -307,7 +309,7 @@ void fiala_slip_stiffnesses(const double inputs[], const double parameters[], do
     const double sliding_y_part1 = sgn(F_y_linear);
     const double S_square_inside = ((S_square >= 1.0) || (S_square <= 0.0) ? 1.0 : S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
     const double S_s_alpha = (S_square <= 0.0 ? 0.0 : sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
-    const double U = UMAX - S_s_alpha*U_fall; /* [Adams] friction at this comprehensive slip */
+    const double U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
     const double mu_x = U; /* [Adams] largest |Fx| per load at this comprehensive slip */
     const double mu_y = U; /* [Adams] largest |Fy| per load at this comprehensive slip */
     const double F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
@@ -341,13 +343,13 @@ void fiala_slip_stiffnesses(const double inputs[], const double parameters[], do
     const double Mz_by_sliding_y = (Fz <= 1e-06 ? 0.0 : -Mz_shared5*t_0 + 9.0*F_y_limit*Mz_shared2*square(Mz_shared3)*sgn(sliding_y));
 
     /* Chain rule */
-    const double dF_x_limit_dS_s_alpha = -F_z*U_fall;
+    const double dF_x_limit_dS_s_alpha = -F_z*mu_x_fall;
     const double dFy_part2_dsliding_y = Fy_part2_by_sliding_y - 3.0*Fy_part1_by_sliding_y;
     const double dsliding_y_dtan_alpha = K_yalpha*sliding_y_by_F_y_linear;
     const double dS_square_dalpha = S_square_by_tan_alpha*tan_alpha_by_alpha;
     const double dS_s_alpha_dS_square = S_s_alpha_by_S_square_inside*S_square_inside_by_S_square;
     const double dFy_part3_dsliding_y = Fy_part3_by_sliding_y + Fy_part3_by_Fy_part2*dFy_part2_dsliding_y;
-    const double dF_y_limit_dS_s_alpha = -F_z*U_fall;
+    const double dF_y_limit_dS_s_alpha = -F_z*mu_x_fall;
     const double dFy_dF_y_limit = Fy_by_Fy_part3*Fy_part3_by_F_y_limit;
     const double dsliding_y_dalpha = dsliding_y_dtan_alpha*tan_alpha_by_alpha;
     const double dsliding_y_dS_s_alpha = dF_y_limit_dS_s_alpha*sliding_y_by_F_y_limit;
@@ -387,7 +389,7 @@ void fiala_jacobian_inputs(const double inputs[], const double parameters[], dou
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
     const double tan_alpha = fast_tan(alpha); /* [tirefmu] tangent of the side slip angle */
-    const double U_fall = UMAX - UMIN; /* [Adams] friction that is lost at comprehensive slip 1 */
+    const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */
     const double K_xkappa = CSLIP; /* [Adams] longitudinal slip stiffness */
     const double t_0 = 0.3333333333333333*WIDTH; /* [Adams] pneumatic trail at zero slip */
     const double My_part1 = sgn(V);
@@ -398,7 +400,7 @@ void fiala_jacobian_inputs(const double inputs[], const double parameters[], dou
     const double sliding_y_part1 = sgn(F_y_linear);
     const double S_square_inside = ((S_square >= 1.0) || (S_square <= 0.0) ? 1.0 : S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
     const double S_s_alpha = (S_square <= 0.0 ? 0.0 : sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
-    const double U = UMAX - S_s_alpha*U_fall; /* [Adams] friction at this comprehensive slip */
+    const double U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
     const double mu_x = U; /* [Adams] largest |Fx| per load at this comprehensive slip */
     const double mu_y = U; /* [Adams] largest |Fy| per load at this comprehensive slip */
     const double F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
@@ -440,13 +442,13 @@ void fiala_jacobian_inputs(const double inputs[], const double parameters[], dou
     const double dsliding_y_dtan_alpha = K_yalpha*sliding_y_by_F_y_linear;
     const double dS_square_dalpha = S_square_by_tan_alpha*tan_alpha_by_alpha;
     const double dS_s_alpha_dS_square = S_s_alpha_by_S_square_inside*S_square_inside_by_S_square;
-    const double dF_x_limit_dS_s_alpha = -F_z*U_fall;
+    const double dF_x_limit_dS_s_alpha = -F_z*mu_x_fall;
     const double dFy_part3_dsliding_y = Fy_part3_by_sliding_y + Fy_part3_by_Fy_part2*dFy_part2_dsliding_y;
     const double dMy_dF_z = My_by_My_part2*My_part2_by_F_z;
     const double dFx_dF_z = Fx_by_F_x_limit*mu_x;
     const double dS_s_alpha_dkappa = S_square_by_kappa*dS_s_alpha_dS_square;
     const double dS_s_alpha_dalpha = dS_s_alpha_dS_square*dS_square_dalpha;
-    const double dF_y_limit_dS_s_alpha = -F_z*U_fall;
+    const double dF_y_limit_dS_s_alpha = -F_z*mu_x_fall;
     const double dFx_dS_s_alpha = Fx_by_F_x_limit*dF_x_limit_dS_s_alpha;
     const double dsliding_y_dalpha = dsliding_y_dtan_alpha*tan_alpha_by_alpha;
     const double dFy_dsliding_y = Fy_by_Fy_part3*dFy_part3_dsliding_y;
@@ -492,7 +494,7 @@ void fiala_jacobian_parameters(const double inputs[], const double parameters[],
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
     const double tan_alpha = fast_tan(alpha); /* [tirefmu] tangent of the side slip angle */
-    const double U_fall = UMAX - UMIN; /* [Adams] friction that is lost at comprehensive slip 1 */
+    const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */
     const double K_xkappa = CSLIP; /* [Adams] longitudinal slip stiffness */
     const double t_0 = 0.3333333333333333*WIDTH; /* [Adams] pneumatic trail at zero slip */
     const double My_part1 = sgn(V);
@@ -503,7 +505,7 @@ void fiala_jacobian_parameters(const double inputs[], const double parameters[],
     const double sliding_y_part1 = sgn(F_y_linear);
     const double S_square_inside = ((S_square >= 1.0) || (S_square <= 0.0) ? 1.0 : S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
     const double S_s_alpha = (S_square <= 0.0 ? 0.0 : sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
-    const double U = UMAX - S_s_alpha*U_fall; /* [Adams] friction at this comprehensive slip */
+    const double U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
     const double mu_x = U; /* [Adams] largest |Fx| per load at this comprehensive slip */
     const double mu_y = U; /* [Adams] largest |Fy| per load at this comprehensive slip */
     const double F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */

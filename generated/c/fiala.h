@@ -42,13 +42,14 @@ enum {
     FIALA_My, /* rolling resistance moment [N m] */
 };
 
-#define FIALA_N_QUANTITIES 16
+#define FIALA_N_QUANTITIES 17
 enum {
     FIALA_S_s_alpha,
-    FIALA_U_fall,
+    FIALA_mu_x_fall,
     FIALA_U,
     FIALA_mu_x,
     FIALA_mu_y,
+    FIALA_mu_y_fall,
     FIALA_K_xkappa,
     FIALA_kappa_crit,
     FIALA_K_yalpha,

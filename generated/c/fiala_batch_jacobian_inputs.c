@@ -152,7 +152,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
     const double ROLLING_RESISTANCE = parameters[FIALA_ROLLING_RESISTANCE];
     const double SIGNS = parameters[FIALA_SIGNS];
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
-    const double U_fall = UMAX - UMIN; /* [Adams] friction that is lost at comprehensive slip 1 */
+    const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */
     const double K_xkappa = CSLIP; /* [Adams] longitudinal slip stiffness */
     const double K_yalpha = CALPHA*sense; /* [Adams] cornering stiffness */
     const double t_0 = 0.3333333333333333*WIDTH; /* [Adams] pneumatic trail at zero slip */
@@ -174,7 +174,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes sliding_y_part1 = lanes_sgn(F_y_linear);
         const lanes S_square_inside = choose((S_square >= 1.0) | (S_square <= 0.0), each(1.0), S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
         const lanes S_s_alpha = choose(S_square <= 0.0, each(0.0), lanes_sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
-        const lanes U = UMAX - S_s_alpha*U_fall; /* [Adams] friction at this comprehensive slip */
+        const lanes U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
         const lanes mu_x = U; /* [Adams] largest |Fx| per load at this comprehensive slip */
         const lanes mu_y = U; /* [Adams] largest |Fy| per load at this comprehensive slip */
         const lanes F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
@@ -215,13 +215,13 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes dsliding_y_dtan_alpha = K_yalpha*sliding_y_by_F_y_linear;
         const lanes dS_square_dalpha = S_square_by_tan_alpha*tan_alpha_by_alpha;
         const lanes dS_s_alpha_dS_square = S_s_alpha_by_S_square_inside*S_square_inside_by_S_square;
-        const lanes dF_x_limit_dS_s_alpha = -F_z*U_fall;
+        const lanes dF_x_limit_dS_s_alpha = -F_z*mu_x_fall;
         const lanes dFy_part3_dsliding_y = Fy_part3_by_sliding_y + Fy_part3_by_Fy_part2*dFy_part2_dsliding_y;
         const lanes dMy_dF_z = My_by_My_part2*My_part2_by_F_z;
         const lanes dFx_dF_z = Fx_by_F_x_limit*mu_x;
         const lanes dS_s_alpha_dkappa = S_square_by_kappa*dS_s_alpha_dS_square;
         const lanes dS_s_alpha_dalpha = dS_s_alpha_dS_square*dS_square_dalpha;
-        const lanes dF_y_limit_dS_s_alpha = -F_z*U_fall;
+        const lanes dF_y_limit_dS_s_alpha = -F_z*mu_x_fall;
         const lanes dFx_dS_s_alpha = Fx_by_F_x_limit*dF_x_limit_dS_s_alpha;
         const lanes dsliding_y_dalpha = dsliding_y_dtan_alpha*tan_alpha_by_alpha;
         const lanes dFy_dsliding_y = Fy_by_Fy_part3*dFy_part3_dsliding_y;

@@ -151,7 +151,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
     const double UMAX = parameters[FIALA_UMAX];
     const double SIGNS = parameters[FIALA_SIGNS];
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
-    const double U_fall = UMAX - UMIN; /* [Adams] friction that is lost at comprehensive slip 1 */
+    const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */
     const double K_xkappa = CSLIP; /* [Adams] longitudinal slip stiffness */
     const double K_yalpha = CALPHA*sense; /* [Adams] cornering stiffness */
     const double t_0 = 0.3333333333333333*WIDTH; /* [Adams] pneumatic trail at zero slip */
@@ -172,7 +172,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes sliding_y_part1 = lanes_sgn(F_y_linear);
         const lanes S_square_inside = choose((S_square >= 1.0) | (S_square <= 0.0), each(1.0), S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
         const lanes S_s_alpha = choose(S_square <= 0.0, each(0.0), lanes_sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
-        const lanes U = UMAX - S_s_alpha*U_fall; /* [Adams] friction at this comprehensive slip */
+        const lanes U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
         const lanes mu_x = U; /* [Adams] largest |Fx| per load at this comprehensive slip */
         const lanes mu_y = U; /* [Adams] largest |Fy| per load at this comprehensive slip */
         const lanes F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */

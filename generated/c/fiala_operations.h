@@ -28,7 +28,7 @@ enum {
 }
 
 #define FIALA_QUANTITY_SLOTS { \
-    41, 42, 44, 44, 44, 9, 49, 60, 65, 80, 15, 16, 95, 98, 8, 11 \
+    41, 42, 44, 44, 44, 42, 9, 49, 60, 65, 80, 15, 16, 95, 98, 8, 11 \
 }
 
 #define FIALA_OPERATIONS { \
@@ -44,7 +44,7 @@ enum {
     {AT_MOST,21,35}, {AT_MOST,35,23}, {OR,36,37}, {CHOOSE,38,21,35}, \
     /* [Adams] S_s_alpha */ \
     {ROOT,39}, {CHOOSE,37,23,40}, \
-    /* [Adams] U_fall */ \
+    /* [Adams] mu_x_fall */ \
     {SUBTRACT,13,12}, \
     /* [Adams] U */ \
     {MULTIPLY,41,42}, {SUBTRACT,13,43}, \

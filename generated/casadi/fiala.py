@@ -20,8 +20,8 @@ OPTIONS = (
 )
 STRAIGHT_OPTIONS = ()
 QUANTITIES = (
-    "S_s_alpha", "U_fall", "U", "mu_x", "mu_y", "K_xkappa", "kappa_crit", "K_yalpha", "alpha_crit",
-    "t_0", "sigma_kappa", "sigma_alpha", "rho", "R_l", "d_z", "C_gamma",
+    "S_s_alpha", "mu_x_fall", "U", "mu_x", "mu_y", "mu_y_fall", "K_xkappa", "kappa_crit",
+    "K_yalpha", "alpha_crit", "t_0", "sigma_kappa", "sigma_alpha", "rho", "R_l", "d_z", "C_gamma",
 )
 FORCES = (
     "Fx", "Fy", "Mz", "My",
@@ -62,10 +62,11 @@ def quantities(inputs, parameters):
     S_square = kappa**2 + tan_alpha**2  # [Adams] comprehensive slip, squared
     S_square_inside = ca.if_else(ca.logic_or(S_square >= 1, S_square <= 0), 1, S_square)  # [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of
     S_s_alpha = ca.if_else(S_square <= 0, 0, ca.sqrt(S_square_inside))  # [Adams] comprehensive slip, 1 at most
-    U_fall = UMAX - UMIN  # [Adams] friction that is lost at comprehensive slip 1
-    U = UMAX - S_s_alpha*U_fall  # [Adams] friction at this comprehensive slip
+    mu_x_fall = UMAX - UMIN  # [Adams] what mu_x loses up to comprehensive slip 1
+    U = UMAX - S_s_alpha*mu_x_fall  # [Adams] friction at this comprehensive slip
     mu_x = U  # [Adams] largest |Fx| per load at this comprehensive slip
     mu_y = U  # [Adams] largest |Fy| per load at this comprehensive slip
+    mu_y_fall = mu_x_fall  # [Adams] what mu_y loses up to comprehensive slip 1
     K_xkappa = CSLIP  # [Adams] longitudinal slip stiffness
     F_x_limit = F_z*mu_x  # [Adams] largest longitudinal force
     kappa_crit = ca.fabs(0.5*F_x_limit/K_xkappa)  # [Adams] critical slip, up to which Fx is linear
@@ -82,10 +83,11 @@ def quantities(inputs, parameters):
 
     return ca.vertcat(
         S_s_alpha,
-        U_fall,
+        mu_x_fall,
         U,
         mu_x,
         mu_y,
+        mu_y_fall,
         K_xkappa,
         kappa_crit,
         K_yalpha,
@@ -115,8 +117,8 @@ def forces(inputs, parameters):
     S_square = kappa**2 + tan_alpha**2  # [Adams] comprehensive slip, squared
     S_square_inside = ca.if_else(ca.logic_or(S_square >= 1, S_square <= 0), 1, S_square)  # [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of
     S_s_alpha = ca.if_else(S_square <= 0, 0, ca.sqrt(S_square_inside))  # [Adams] comprehensive slip, 1 at most
-    U_fall = UMAX - UMIN  # [Adams] friction that is lost at comprehensive slip 1
-    U = UMAX - S_s_alpha*U_fall  # [Adams] friction at this comprehensive slip
+    mu_x_fall = UMAX - UMIN  # [Adams] what mu_x loses up to comprehensive slip 1
+    U = UMAX - S_s_alpha*mu_x_fall  # [Adams] friction at this comprehensive slip
     mu_x = U  # [Adams] largest |Fx| per load at this comprehensive slip
     mu_y = U  # [Adams] largest |Fy| per load at this comprehensive slip
     K_xkappa = CSLIP  # [Adams] longitudinal slip stiffness
@@ -155,8 +157,8 @@ def slip_stiffnesses(inputs, parameters):
     S_square = kappa**2 + tan_alpha**2  # [Adams] comprehensive slip, squared
     S_square_inside = ca.if_else(ca.logic_or(S_square >= 1, S_square <= 0), 1, S_square)  # [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of
     S_s_alpha = ca.if_else(S_square <= 0, 0, ca.sqrt(S_square_inside))  # [Adams] comprehensive slip, 1 at most
-    U_fall = UMAX - UMIN  # [Adams] friction that is lost at comprehensive slip 1
-    U = UMAX - S_s_alpha*U_fall  # [Adams] friction at this comprehensive slip
+    mu_x_fall = UMAX - UMIN  # [Adams] what mu_x loses up to comprehensive slip 1
+    U = UMAX - S_s_alpha*mu_x_fall  # [Adams] friction at this comprehensive slip
     mu_x = U  # [Adams] largest |Fx| per load at this comprehensive slip
     mu_y = U  # [Adams] largest |Fy| per load at this comprehensive slip
     K_xkappa = CSLIP  # [Adams] longitudinal slip stiffness
@@ -196,13 +198,13 @@ def slip_stiffnesses(inputs, parameters):
     Mz_by_sliding_y = ca.if_else(Fz <= 1e-06, 0, -Mz_shared5*t_0 + 9*F_y_limit*Mz_shared2*Mz_shared3**2*ca.sign(sliding_y))
 
     # Chain rule
-    dF_x_limit_dS_s_alpha = -F_z*U_fall
+    dF_x_limit_dS_s_alpha = -F_z*mu_x_fall
     dFy_part2_dsliding_y = Fy_part2_by_sliding_y - 3*Fy_part1_by_sliding_y
     dsliding_y_dtan_alpha = K_yalpha*sliding_y_by_F_y_linear
     dS_square_dalpha = S_square_by_tan_alpha*tan_alpha_by_alpha
     dS_s_alpha_dS_square = S_s_alpha_by_S_square_inside*S_square_inside_by_S_square
     dFy_part3_dsliding_y = Fy_part3_by_sliding_y + Fy_part3_by_Fy_part2*dFy_part2_dsliding_y
-    dF_y_limit_dS_s_alpha = -F_z*U_fall
+    dF_y_limit_dS_s_alpha = -F_z*mu_x_fall
     dFy_dF_y_limit = Fy_by_Fy_part3*Fy_part3_by_F_y_limit
     dsliding_y_dalpha = dsliding_y_dtan_alpha*tan_alpha_by_alpha
     dsliding_y_dS_s_alpha = dF_y_limit_dS_s_alpha*sliding_y_by_F_y_limit
@@ -248,8 +250,8 @@ def jacobian_inputs(inputs, parameters):
     S_square = kappa**2 + tan_alpha**2  # [Adams] comprehensive slip, squared
     S_square_inside = ca.if_else(ca.logic_or(S_square >= 1, S_square <= 0), 1, S_square)  # [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of
     S_s_alpha = ca.if_else(S_square <= 0, 0, ca.sqrt(S_square_inside))  # [Adams] comprehensive slip, 1 at most
-    U_fall = UMAX - UMIN  # [Adams] friction that is lost at comprehensive slip 1
-    U = UMAX - S_s_alpha*U_fall  # [Adams] friction at this comprehensive slip
+    mu_x_fall = UMAX - UMIN  # [Adams] what mu_x loses up to comprehensive slip 1
+    U = UMAX - S_s_alpha*mu_x_fall  # [Adams] friction at this comprehensive slip
     mu_x = U  # [Adams] largest |Fx| per load at this comprehensive slip
     mu_y = U  # [Adams] largest |Fy| per load at this comprehensive slip
     K_xkappa = CSLIP  # [Adams] longitudinal slip stiffness
@@ -298,13 +300,13 @@ def jacobian_inputs(inputs, parameters):
     dsliding_y_dtan_alpha = K_yalpha*sliding_y_by_F_y_linear
     dS_square_dalpha = S_square_by_tan_alpha*tan_alpha_by_alpha
     dS_s_alpha_dS_square = S_s_alpha_by_S_square_inside*S_square_inside_by_S_square
-    dF_x_limit_dS_s_alpha = -F_z*U_fall
+    dF_x_limit_dS_s_alpha = -F_z*mu_x_fall
     dFy_part3_dsliding_y = Fy_part3_by_sliding_y + Fy_part3_by_Fy_part2*dFy_part2_dsliding_y
     dMy_dF_z = My_by_My_part2*My_part2_by_F_z
     dFx_dF_z = Fx_by_F_x_limit*mu_x
     dS_s_alpha_dkappa = S_square_by_kappa*dS_s_alpha_dS_square
     dS_s_alpha_dalpha = dS_s_alpha_dS_square*dS_square_dalpha
-    dF_y_limit_dS_s_alpha = -F_z*U_fall
+    dF_y_limit_dS_s_alpha = -F_z*mu_x_fall
     dFx_dS_s_alpha = Fx_by_F_x_limit*dF_x_limit_dS_s_alpha
     dsliding_y_dalpha = dsliding_y_dtan_alpha*tan_alpha_by_alpha
     dFy_dsliding_y = Fy_by_Fy_part3*dFy_part3_dsliding_y
@@ -357,8 +359,8 @@ def jacobian_parameters(inputs, parameters):
     S_square = kappa**2 + tan_alpha**2  # [Adams] comprehensive slip, squared
     S_square_inside = ca.if_else(ca.logic_or(S_square >= 1, S_square <= 0), 1, S_square)  # [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of
     S_s_alpha = ca.if_else(S_square <= 0, 0, ca.sqrt(S_square_inside))  # [Adams] comprehensive slip, 1 at most
-    U_fall = UMAX - UMIN  # [Adams] friction that is lost at comprehensive slip 1
-    U = UMAX - S_s_alpha*U_fall  # [Adams] friction at this comprehensive slip
+    mu_x_fall = UMAX - UMIN  # [Adams] what mu_x loses up to comprehensive slip 1
+    U = UMAX - S_s_alpha*mu_x_fall  # [Adams] friction at this comprehensive slip
     mu_x = U  # [Adams] largest |Fx| per load at this comprehensive slip
     mu_y = U  # [Adams] largest |Fy| per load at this comprehensive slip
     K_xkappa = CSLIP  # [Adams] longitudinal slip stiffness

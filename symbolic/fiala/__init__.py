@@ -41,8 +41,16 @@ FIALA = Model(
         in_si=("RELAX_LENGTH_X", "RELAX_LENGTH_Y"),
     ),
     constraints={
-        "Fx": (positive("mu_x", 0.01, "kappa", "alpha"), positive("U_fall", 0.0), positive("K_xkappa", 1.0, size=1e4)),
-        "Fy": (positive("mu_y", 0.01, "kappa", "alpha"), positive("U_fall", 0.0), positive("K_yalpha", 1.0, size=1e4)),
+        "Fx": (
+            positive("mu_x", 0.01, "kappa", "alpha"),
+            positive("mu_x_fall", 0.0),
+            positive("K_xkappa", 1.0, size=1e4),
+        ),
+        "Fy": (
+            positive("mu_y", 0.01, "kappa", "alpha"),
+            positive("mu_y_fall", 0.0),
+            positive("K_yalpha", 1.0, size=1e4),
+        ),
         "Mz": (positive("t_0", 0.0, size=0.1),),
     },
     baseline=("WIDTH", "CSLIP", "CALPHA", "UMIN", "UMAX"),

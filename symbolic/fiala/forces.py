@@ -54,7 +54,7 @@ S      = eq("Adams", "S_s_alpha",
             "1", "comprehensive slip, 1 at most")
 fall   = eq("Adams", "U_fall",
             p.UMAX - p.UMIN,
-            "1", "friction that is lost at comprehensive slip 1")
+            "1", "friction that is lost at comprehensive slip 1", named=False)
 U      = eq("Adams", "U",
             p.UMAX - fall * S,
             "1", "friction at this comprehensive slip")
@@ -64,6 +64,13 @@ mux    = eq("Adams", "mu_x",
 muy    = eq("Adams", "mu_y",
             U,
             "1", "largest |Fy| per load at this comprehensive slip")
+
+eq("Adams", "mu_x_fall",
+   fall,
+   "1", "what mu_x loses up to comprehensive slip 1")
+eq("Adams", "mu_y_fall",
+   fall,
+   "1", "what mu_y loses up to comprehensive slip 1")
 
 Kxk    = eq("Adams", "K_xkappa",
             p.CSLIP,

@@ -252,12 +252,13 @@ def test_a_fit_finds_it(signs, start):
         assert result.tire.values[name] == pytest.approx(VALUES[name], rel=0.01), name
 
 
-def test_friction_that_grows_with_slip_is_fitted_on_request_only():
+@pytest.mark.parametrize("unmeasured", [[], ["Fx"], ["Fy", "Mz"]])
+def test_friction_that_grows_with_slip_is_fitted_on_request_only(unmeasured):
     growing = Tire("fiala", {**VALUES, "UMIN": 1.4})
-    recording = Recording(bench(growing), "iso", "bench.csv")
+    recording = Recording(bench(growing).drop(columns=unmeasured), "iso", "bench.csv")
     bounded, free = (
         fit([recording], "fiala", nominal={"Fz0": LOAD, "R0": 0.31}, screening=False, without_constraints=left_out)
-        for left_out in ((), ("signs:U_fall",))
+        for left_out in ((), ("signs:mu_x_fall", "signs:mu_y_fall"))
     )
     assert free.tire.values["UMIN"] == pytest.approx(1.4, rel=0.02)
     assert bounded.tire.values["UMIN"] <= bounded.tire.values["UMAX"] * (1 + 1e-6)
