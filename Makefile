@@ -1,7 +1,7 @@
 # Needs Python 3.11+, make and a C compiler; everything else is set up in $(VENV) on first use.
 VENV ?= .venv
-# Tests run on every processor; PYTEST_ARGS=... replaces this.
-PYTEST_ARGS ?= -n auto
+# Tests run on every processor, those of a file on one: what they share is set up once. PYTEST_ARGS=... replaces this.
+PYTEST_ARGS ?= -n auto --dist loadfile
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 ROOMS := symbolic generated tires measurements fitting fmu diagnosis
 

@@ -39,7 +39,7 @@ def test_the_reports_way_ends_at_the_reports_kind_of_result(fits):
     coefficients = {coefficient.name: coefficient for coefficient in fits["trento"].coefficients}
     # One load cannot tell PKY1 from PKY2: it stays within the report's narrow bounds (there 4.98); the tire has 3.9.
     assert 4.9 <= coefficients["PKY2"].value <= 5.1
-    # Bounds that the report ended at, too. (The report's QEZ1 ended at its bound; the optimum here is 2 % away from it.)
+    # Bounds that the report ended at, too. (Its QEZ1 ended at the bound as well; the optimum here is 2 % away from it.)
     assert {"QCZ1", "RVY3"} <= {name for name, coefficient in coefficients.items() if coefficient.at_bound}
     # At exactly one load nothing that changes with load can be seen: these stay at the report's guess.
     for name, guess in {"PVY4": 0.0, "QHZ4": 0.0, "QDZ9": 0.2}.items():
