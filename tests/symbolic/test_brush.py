@@ -13,7 +13,6 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from tirefmu.diagnosis import diagnose
-from tirefmu.drawing import draw
 from tirefmu.fitting import fit
 from tirefmu.fmu import check, export
 from tirefmu.generated.casadi import brush
@@ -21,6 +20,7 @@ from tirefmu.measurements import Recording
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
+from tirefmu.tires.drawing import draw
 from tirefmu.tires.tir import read_tir
 
 SIZE = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3}

@@ -11,13 +11,13 @@ import pytest
 from fmpy import simulate_fmu
 
 from tirefmu.diagnosis import diagnose
-from tirefmu.drawing import draw
 from tirefmu.fitting import fit
 from tirefmu.fmu import check, export
 from tirefmu.generated.casadi import fiala as casadi_fiala
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
+from tirefmu.tires.drawing import draw
 from tirefmu.tires.tir import not_given, read_tir, read_tir_with_notes
 
 LOAD = 3000.0
