@@ -24,7 +24,7 @@ from typing import Any
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.escaping import visible
 
-from .library_cache import cached
+from .build_cache import cached
 
 #: Characters of a compiler's line that a message quotes.
 LONGEST_LINE = 300

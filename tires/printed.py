@@ -23,7 +23,7 @@ from tirefmu.symbolic.added import effect_text
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.model import Model
 
-from .library_cache import cached
+from .build_cache import cached
 
 
 def numpy_module(book: Model) -> ModuleType:

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from tirefmu.symbolic import model, with_library
-from tirefmu.tires import library_cache, printed
-from tirefmu.tires.library_cache import RECORD, cache_folder, cached
+from tirefmu.tires import build_cache, printed
+from tirefmu.tires.build_cache import RECORD, cache_folder, cached
 
 unix = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="this system has no owners and permissions of this kind")
 root = pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root can give files away")
@@ -24,9 +24,9 @@ STRANGER = 54321
 def nothing_yet(tmp_path, monkeypatch):
     """Give each test a cache of its own, and forget what this process used and warned of."""
     monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path / "cache"))
-    monkeypatch.setattr(library_cache, "_used", set())
-    monkeypatch.setattr(library_cache, "_private", [])
-    library_cache._warn_once.cache_clear()
+    monkeypatch.setattr(build_cache, "_used", set())
+    monkeypatch.setattr(build_cache, "_private", [])
+    build_cache._warn_once.cache_clear()
 
 
 @pytest.fixture
@@ -125,7 +125,7 @@ def test_a_folder_of_another_user_is_not_used(cache, caplog, monkeypatch):
     cache.mkdir()
     make = Maker()
     cached("entry", make)
-    monkeypatch.setattr(library_cache.os, "geteuid", lambda: STRANGER)
+    monkeypatch.setattr(build_cache.os, "geteuid", lambda: STRANGER)
     if cache.stat().st_uid == 0:
         os.chown(cache, STRANGER + 1, STRANGER + 1)
     entry = cached("entry", make)
@@ -183,8 +183,8 @@ def test_a_folder_that_cannot_be_written(cache, caplog, monkeypatch):
             raise PermissionError(errno.EACCES, "Permission denied", str(dir))
         return mkdtemp(suffix, prefix, dir)
 
-    mkdtemp = library_cache.tempfile.mkdtemp
-    monkeypatch.setattr(library_cache.tempfile, "mkdtemp", refuse)
+    mkdtemp = build_cache.tempfile.mkdtemp
+    monkeypatch.setattr(build_cache.tempfile, "mkdtemp", refuse)
     assert cached("entry", make) == first  # what is there can be used
     assert not caplog.records
     assert private(cached("other", make), cache, caplog)
@@ -237,7 +237,7 @@ def aged(cache, monkeypatch):
 
     def store(name, days):
         place = cached(name, Maker())
-        monkeypatch.setattr(library_cache, "_used", library_cache._used - {place})
+        monkeypatch.setattr(build_cache, "_used", build_cache._used - {place})
         os.utime(place, (time.time() - days * 86_400.0,) * 2)
         return place
 
@@ -254,10 +254,10 @@ def test_the_cache_does_not_grow_without_limit(cache, aged, monkeypatch):
     assert size < 9999
     used = cached("middle", Maker())  # by this process, however long ago
     os.utime(used, (time.time() - 3 * 86_400.0,) * 2)
-    monkeypatch.setattr(library_cache, "MOST_BYTES", 4 * size)
+    monkeypatch.setattr(build_cache, "MOST_BYTES", 4 * size)
     cached("new", Maker())
     assert names(cache) == ["middle", "new", "not ours", "old", "recent"]
-    monkeypatch.setattr(library_cache, "MOST_BYTES", 0)
+    monkeypatch.setattr(build_cache, "MOST_BYTES", 0)
     cached("newer", Maker())
     assert names(cache) == ["middle", "new", "newer", "not ours", "recent"]  # may be in use, here and elsewhere
 
