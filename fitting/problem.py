@@ -82,13 +82,19 @@ class Rows:
         return len(self.measured)
 
     def sample(self, n: int, seed: int = 0) -> Rows:
-        """Return n random rows, in their order; all where there are no more.
+        """Return about n random rows, in their order; all where there are no more.
 
-        Every k-th row would alias with sweeps.
+        Every k-th row would alias with sweeps. Each recording is drawn from by itself, so that the rows drawn do not
+        depend on the order of the recordings.
         """
         if n >= len(self):
             return self
-        return self.take(np.sort(np.random.default_rng(seed).choice(len(self), n, replace=False)))
+        share = n / len(self)
+        drawn = []
+        for group in np.unique(self.group):
+            rows = np.flatnonzero(self.group == group)
+            drawn.append(np.random.default_rng(seed).choice(rows, round(share * len(rows)), replace=False))
+        return self.take(np.sort(np.concatenate(drawn)))
 
     def take(self, chosen: npt.NDArray[np.int64]) -> Rows:
         """Return some of the rows."""

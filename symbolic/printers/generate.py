@@ -114,6 +114,8 @@ def difference(folder: Path) -> str:
     diffs: list[str] = []
     for name, text in {**files, **stale}.items():
         committed = _text(folder / name) or ""
+        if committed == text:  # comparing lines takes seconds over all files
+            continue
         diffs += difflib.unified_diff(
             committed.splitlines(keepends=True),
             text.splitlines(keepends=True),
@@ -144,6 +146,7 @@ def _manifest(files: dict[str, str]) -> str:
     return json.dumps(content, indent=2) + "\n"
 
 
+@lru_cache(maxsize=16)
 def _lines_hash(model: Model) -> str:
     text = "\n".join(f"{line.number} {line.symbol} = {line.expression}" for line in model.lines())
     return hashlib.sha256(text.encode()).hexdigest()
