@@ -26,8 +26,7 @@ from threadpoolctl import threadpool_limits
 from tirefmu.fitting.evolution import Evolution
 from tirefmu.fitting.ipopt import solve
 from tirefmu.fitting.problem import Problem, Rows, equal_weights
-from tirefmu.measurements import Noise, Recording, VirtualBench, small_tire_program
-from tirefmu.measurements.noise import ChannelNoise
+from tirefmu.measurements import ChannelNoise, Noise, Recording, VirtualBench, small_tire_program
 from tirefmu.tires import Tire, published
 from tirefmu.tires.code import fastest_code
 

@@ -16,8 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from tirefmu.fitting import fit
-from tirefmu.measurements import Noise, Recording, VirtualBench, small_tire_program
-from tirefmu.measurements.noise import ChannelNoise
+from tirefmu.measurements import ChannelNoise, Noise, Recording, VirtualBench, small_tire_program
 from tirefmu.tires import Tire, published
 
 NOISE = Noise({name: ChannelNoise(constant=2.0) for name in ("Fx", "Fy")})

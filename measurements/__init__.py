@@ -1,15 +1,20 @@
 """Recordings of tire test benches, measured and virtual: reading, checking, screening, slicing, making."""
 
-from .bench import TestedTire, VirtualBench
 from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
-from .conditions import Condition, Near, levels, near, select, usual_tolerance
-from .coverage import Coverage, coverage, coverage_notes, identity_notes
-from .independence import Grouping, correlation_length, effective_sample_size, group_by_condition
-from .noise import ChannelNoise, Noise
-from .outliers import Outlier, outliers
-from .phases import Phase, phases, transitions
-from .plausibility import check_plausible, convention_notes
-from .programs import (
+from .files.reading import READERS, read_recording
+from .files.writing import write_table
+from .operating_conditions.grouping import Grouping, correlation_length, effective_sample_size, group_by_condition
+from .operating_conditions.levels import Condition, Near, levels, near, select, usual_tolerance
+from .operating_conditions.phases import Phase, phases, transitions
+from .quality.coverage import Coverage, coverage, coverage_notes, identity_notes
+from .quality.outliers import Outlier, outliers
+from .quality.plausibility import check_plausible, convention_notes
+from .quality.row_exclusion import REASONS, Screening, screen
+from .recording import Recording
+from .table_argument import TableLike, recording_from, recordings_from
+from .units import to_si
+from .virtual_bench.bench import TestedTire, VirtualBench
+from .virtual_bench.programs import (
     Program,
     alpha_sweeps,
     concatenate,
@@ -18,12 +23,7 @@ from .programs import (
     steady_points,
     trento_program,
 )
-from .reading import READERS, read_recording
-from .recording import Recording
-from .screening import REASONS, Screening, screen
-from .table_argument import TableLike, recording_from, recordings_from
-from .units import to_si
-from .writing import write_table
+from .virtual_bench.sensor_noise import ChannelNoise, Noise
 
 __all__ = [
     "CHANNELS",

@@ -11,8 +11,8 @@ import pandas as pd
 from tirefmu.symbolic.errors import DataError, WrongType
 
 from .channels import CHANNELS, INPUTS, OUTPUTS
-from .plausibility import check_plausible
-from .reading import read_recording
+from .files.reading import read_recording
+from .quality.plausibility import check_plausible
 from .recording import Recording
 
 #: What the functions of the public interface accept as a table.

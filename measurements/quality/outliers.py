@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
-from .channels import CHANNELS
-from .phases import clock_step, is_course
-from .recording import Recording
+from ..channels import CHANNELS
+from ..operating_conditions.phases import clock_step, is_course
+from ..recording import Recording
 
 _SMOOTHED = 0.15  # s: the course is the running median over this time, and never fewer rows than the next
 _FEWEST_ROWS = 7

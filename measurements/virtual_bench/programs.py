@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.signs import reversed_columns
 
-from .channels import INPUTS
-from .units import PSI
+from ..channels import INPUTS
+from ..units import PSI
 
 _Imposed = Mapping[str, float | NDArray[np.float64]]
 PAUSE = 5.0  # s, between two sweeps: the bench sets the next condition and does not log

@@ -6,9 +6,9 @@ from pathlib import Path
 
 from tirefmu.symbolic.errors import DataError
 
-from . import native
+from ..recording import Recording
+from . import native_reader
 from .columns import channels_in_si, parse_header
-from .recording import Recording
 
 EXTRA = "Parquet needs pyarrow, which the extra 'parquet' brings: pip install 'tirefmu[parquet]'"
 
@@ -34,8 +34,8 @@ def read_parquet_table(path: Path, signs: str) -> Recording:
     """
     source = str(path)
     try:
-        table = native.load("parquet", path)
-    except native.MissingPackage:
+        table = native_reader.load("parquet", path)
+    except native_reader.MissingPackage:
         raise DataError(f"{source}: {EXTRA}") from None
     columns = parse_header([str(name) for name in table.columns], source)
     table, about = channels_in_si(table, columns, source, lambda row: f"row {row + 1}")

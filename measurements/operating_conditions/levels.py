@@ -12,7 +12,7 @@ from scipy.signal import find_peaks
 
 from tirefmu.symbolic.errors import DataError, nearest
 
-from .channels import CHANNELS
+from ..channels import CHANNELS
 
 #: A held load wanders by this fraction of the largest one (load cell, ripple, axle control).
 LOAD_WANDER = 0.04

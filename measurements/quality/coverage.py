@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .channels import CHANNELS, OUTPUTS
-from .conditions import levels, usual_tolerance
-from .phases import MOVED
-from .recording import Recording
+from ..channels import CHANNELS, OUTPUTS
+from ..operating_conditions.levels import levels, usual_tolerance
+from ..operating_conditions.phases import MOVED
+from ..recording import Recording
 
 _FEW_ROWS = 50  # a pure side force alone has a dozen coefficients
 #: The slips that a channel answers to.

@@ -9,7 +9,8 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from tirefmu.measurements import native, read_recording
+from tirefmu.measurements import read_recording
+from tirefmu.measurements.files import native_reader
 from tirefmu.symbolic.errors import DataError
 
 CHANNELS = ("ET", "SA", "IA", "FY", "SL")
@@ -40,19 +41,19 @@ def test_a_file_that_crashes_its_reader_is_refused_and_the_next_one_read(good, t
 
 
 def test_a_process_that_dies_is_told_and_replaced(good, tmp_path, monkeypatch):
-    monkeypatch.setattr(native.native_process, "__file__", str(tmp_path / "dies.py"))
+    monkeypatch.setattr(native_reader.reader_process, "__file__", str(tmp_path / "dies.py"))
     (tmp_path / "dies.py").write_text("import os, sys; sys.stdin.buffer.read(1); os.abort()\n", encoding="utf-8")
-    native.close()
+    native_reader.close()
     assert "good.mat: cannot be read as a MATLAB file: it is damaged so that its reader crashes" in refusal(good)
     monkeypatch.undo()
     assert len(read_recording(good)) == 5
 
 
 def test_a_process_that_hangs_is_ended(good, tmp_path, monkeypatch):
-    monkeypatch.setattr(native.native_process, "__file__", str(tmp_path / "hangs.py"))
+    monkeypatch.setattr(native_reader.reader_process, "__file__", str(tmp_path / "hangs.py"))
     (tmp_path / "hangs.py").write_text("import time; time.sleep(600)\n", encoding="utf-8")
-    monkeypatch.setattr(native, "SECONDS", 0.2)
-    native.close()
+    monkeypatch.setattr(native_reader, "SECONDS", 0.2)
+    native_reader.close()
     assert "good.mat: cannot be read as a MATLAB file: reading takes too long" in refusal(good)
     monkeypatch.undo()
     assert len(read_recording(good)) == 5
@@ -72,7 +73,7 @@ def test_nothing_in_the_working_folder_is_imported(good, tmp_path, monkeypatch):
     for name in ("scipy", "pickle", "pandas", "numpy"):
         (tmp_path / f"{name}.py").write_text("open('ran', 'w')\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
-    native.close()
+    native_reader.close()
     assert len(read_recording("good.mat")) == 5
     assert not (tmp_path / "ran").exists()
 
@@ -100,8 +101,8 @@ def test_a_small_file_that_holds_far_too_much_is_refused(tmp_path, monkeypatch):
     columns = {name: np.full((20_000, 1), 1.0) for name in CHANNELS}
     savemat(path, {**columns, "FZ": np.full((20_000, 1), -900.0)}, do_compression=True)
     assert len(read_recording(path)) == 20_000
-    monkeypatch.setattr(native, "CONTENT", 10_000)
-    monkeypatch.setattr(native, "CONTENT_PER_BYTE", 10)
+    monkeypatch.setattr(native_reader, "CONTENT", 10_000)
+    monkeypatch.setattr(native_reader, "CONTENT_PER_BYTE", 10)
     assert refusal(path).endswith("it claims to hold far more than fits into a file of its size")
 
 

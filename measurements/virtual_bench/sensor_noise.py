@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tirefmu.symbolic.errors import DataError
 
-from .channels import CHANNELS, channel
+from ..channels import CHANNELS, channel
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ import pandas as pd
 
 from tirefmu.symbolic.errors import DataError
 
-from .channels import CHANNELS
+from ..channels import CHANNELS
+from ..recording import Recording
 from .columns import channels_in_si, parse_header
-from .recording import Recording
 
 _SEPARATORS = ",;\t"
 

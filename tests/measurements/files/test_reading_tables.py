@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tirefmu.measurements import check_plausible, read_recording, write_table
-from tirefmu.measurements.columns import MOST_COLUMNS
+from tirefmu.measurements.files.columns import MOST_COLUMNS
 from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
 
 finite = st.floats(allow_nan=False, allow_infinity=False)

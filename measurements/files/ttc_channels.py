@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from tirefmu.symbolic.errors import DataError, TirefmuError, nearest
 
-from .channels import CHANNELS, OUTPUTS, Channel
+from ..channels import CHANNELS, OUTPUTS, Channel
+from ..recording import Recording
+from ..units import to_si
 from .columns import check_finite
-from .recording import Recording
-from .units import to_si
 
 #: SL, the slip that is zero where FX is, gives kappa; SR never does. N is unusable in many runs, and ignored.
 MANDATORY = ("ET", "SA", "IA", "FZ")

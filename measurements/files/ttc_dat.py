@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from tirefmu.symbolic.errors import DataError
 
-from .recording import Recording
-from .ttc import bench_recording, has_bench_names
+from ..recording import Recording
+from .ttc_channels import bench_recording, has_bench_names
 
 _TITLE_LINES = 20  # the names of the channels stand in the second line, or soon after
 _AXES = re.compile(r"\bISO\W*(?P<answer>true|false)\b", re.IGNORECASE)

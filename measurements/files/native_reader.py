@@ -13,8 +13,8 @@ from typing import Any
 
 from tirefmu.symbolic.errors import DataError
 
-from . import native_process
-from .native_process import MissingPackage
+from . import reader_process
+from .reader_process import MissingPackage
 
 __all__ = ["MissingPackage", "close", "load"]
 
@@ -34,7 +34,7 @@ class _Process:
         # One thread each: these have address space of their own, which counts against the limit.
         alone = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "ARROW_DEFAULT_MEMORY_POOL": "system"}
         self._popen = subprocess.Popen(
-            [sys.executable, "-P", native_process.__file__],
+            [sys.executable, "-P", reader_process.__file__],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env={**os.environ, **alone},
         )  # fmt: skip
 

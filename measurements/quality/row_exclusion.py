@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from tirefmu.symbolic.errors import DataError
 
-from .channels import INPUTS, OUTPUTS
+from ..channels import INPUTS, OUTPUTS
+from ..operating_conditions.phases import transitions
+from ..recording import Recording
 from .outliers import outliers
-from .phases import transitions
-from .recording import Recording
 
 #: Why a row is set aside, the first that holds; each with what it means.
 REASONS: Mapping[str, str] = {

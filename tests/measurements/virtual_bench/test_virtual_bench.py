@@ -26,7 +26,7 @@ from tirefmu.measurements import (
     trento_program,
 )
 from tirefmu.measurements import TestedTire as AnyTire  # pytest takes a Test... for a class of tests
-from tirefmu.measurements.noise import correlated
+from tirefmu.measurements.virtual_bench.sensor_noise import correlated
 from tirefmu.symbolic.errors import DataError, UnknownName
 from tirefmu.tires.signs import SIGNS, convert_signs
 

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from tirefmu.symbolic.errors import DataError
 
-from . import native
-from .channels import CHANNELS
+from ..channels import CHANNELS
+from ..recording import Recording
+from . import native_reader
 from .columns import channels_in_si, parse_header
-from .recording import Recording
-from .ttc import bench_recording, has_bench_names
+from .ttc_channels import bench_recording, has_bench_names
 
 EXTRA = "mat-io, which the extra 'matlab' brings: pip install 'tirefmu[matlab]'"
 
@@ -61,8 +61,8 @@ def read_ttc_mat(path: Path, signs: str) -> Recording:
 def _load(path: Path) -> Mapping[str, Any]:
     """Return the file's variables."""
     try:
-        loaded = native.load("matlab", path)
-    except native.MissingPackage as what:
+        loaded = native_reader.load("matlab", path)
+    except native_reader.MissingPackage as what:
         raise DataError(f"{path}: {what} need {EXTRA}") from None
     return {name: value for name, value in loaded.items() if not name.startswith("__")}
 

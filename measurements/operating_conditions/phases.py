@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
-from .channels import INPUTS
-from .conditions import levels, usual_tolerance
-from .recording import Recording
+from ..channels import INPUTS
+from ..recording import Recording
+from .levels import levels, usual_tolerance
 
 #: The inputs that a bench moves; time and temperature move by themselves.
 MOVED = tuple(name for name in INPUTS if name not in ("t", "T"))

@@ -13,10 +13,10 @@ from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import tire_from
 from tirefmu.tires.signs import convert_signs
 
-from .channels import CHANNELS, OUTPUTS
-from .noise import Noise
+from ..channels import CHANNELS, OUTPUTS
+from ..recording import Recording
 from .programs import Program
-from .recording import Recording
+from .sensor_noise import Noise
 
 
 class TestedTire(Protocol):
@@ -52,7 +52,7 @@ class VirtualBench:
     >>> def forces(alpha, Fz):
     ...     return {"Fy": -10.0 * alpha * Fz}
     >>> tire = SimpleNamespace(signs="iso", inputs=("alpha", "Fz"), forces=forces)
-    >>> from tirefmu.measurements.programs import alpha_sweeps
+    >>> from tirefmu.measurements import alpha_sweeps
     >>> recording = VirtualBench(tire, Noise.none()).run(alpha_sweeps([900.0]))
     >>> recording.source, recording.signs, len(recording)
     ('virtual bench: alpha sweeps', 'iso', 1201)

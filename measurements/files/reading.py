@@ -10,9 +10,9 @@ from pathlib import Path
 from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.tires.signs import reversed_columns
 
+from ..recording import Recording
 from .csv_table import read_csv_table
 from .parquet_table import read_parquet_table
-from .recording import Recording
 from .ttc_dat import read_ttc_dat
 from .ttc_mat import read_ttc_mat
 from .tydex import read_tydex

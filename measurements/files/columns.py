@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from tirefmu.symbolic.errors import DataError, TirefmuError
 
-from .channels import CHANNELS, INPUTS, channel, intended_channel, unit_in_name
-from .units import to_si
+from ..channels import CHANNELS, INPUTS, channel, intended_channel, unit_in_name
+from ..units import to_si
 
 #: The most columns of a table, and the longest header that may declare a unit, characters.
 MOST_COLUMNS, LONGEST_HEADER = 5000, 200

@@ -8,8 +8,8 @@ import numpy as np
 
 from tirefmu.symbolic.errors import DataError
 
-from .channels import CHANNELS
-from .recording import Recording
+from ..channels import CHANNELS
+from ..recording import Recording
 
 #: What values beyond a channel's limits usually are.
 _SUSPECTS = {

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
 
-from .channels import CHANNELS
+from ..channels import CHANNELS
+from ..recording import Recording
+from ..units import to_si, unit_named
 from .columns import check_finite
-from .recording import Recording
-from .units import to_si, unit_named
 
 #: TYDEX names by contract name, the preferred one first. Forces count in the W axes (contact point) only.
 NAMES: Mapping[str, tuple[str, ...]] = {

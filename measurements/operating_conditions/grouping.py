@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from tirefmu.symbolic.errors import DataError
 
-from .conditions import levels, usual_tolerance
+from ..recording import Recording
+from .levels import levels, usual_tolerance
 from .phases import MOVED, Phase, phases
-from .recording import Recording
 
 _ALIKE = 1.25  # times the usual: neighbors of a sweep scatter by less, what repeats has twice as much
 _Key = tuple[tuple[str, ...], tuple[tuple[str, float], ...]]
