@@ -4,12 +4,12 @@ from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
 from .files.reading import READERS, read_recording
 from .files.writing import write_table
 from .operating_conditions.grouping import Grouping, correlation_length, effective_sample_size, group_by_condition
-from .operating_conditions.levels import Condition, Near, levels, near, select, usual_tolerance
+from .operating_conditions.levels import Condition, Near, level_tolerance, levels, near, select
 from .operating_conditions.phases import Phase, phases, transitions
 from .quality.coverage import Coverage, coverage, coverage_notes, identity_notes
 from .quality.outliers import Outlier, outliers
 from .quality.plausibility import check_plausible, convention_notes
-from .quality.row_exclusion import REASONS, Screening, screen
+from .quality.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
 from .recording import Recording
 from .table_argument import TableLike, recording_from, recordings_from
 from .units import to_si
@@ -27,10 +27,10 @@ from .virtual_bench.sensor_noise import ChannelNoise, Noise
 
 __all__ = [
     "CHANNELS",
+    "EXCLUSION_REASONS",
     "INPUTS",
     "OUTPUTS",
     "READERS",
-    "REASONS",
     "Channel",
     "ChannelNoise",
     "Condition",
@@ -42,7 +42,7 @@ __all__ = [
     "Phase",
     "Program",
     "Recording",
-    "Screening",
+    "RowExclusion",
     "TableLike",
     "TestedTire",
     "VirtualBench",
@@ -55,9 +55,11 @@ __all__ = [
     "coverage",
     "coverage_notes",
     "effective_sample_size",
+    "exclude_rows",
     "group_by_condition",
     "identity_notes",
     "kappa_sweeps",
+    "level_tolerance",
     "levels",
     "near",
     "outliers",
@@ -65,13 +67,11 @@ __all__ = [
     "read_recording",
     "recording_from",
     "recordings_from",
-    "screen",
     "select",
     "small_tire_program",
     "steady_points",
     "to_si",
     "transitions",
     "trento_program",
-    "usual_tolerance",
     "write_table",
 ]

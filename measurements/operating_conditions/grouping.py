@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tirefmu.symbolic.errors import DataError
 
 from ..recording import Recording
-from .levels import levels, usual_tolerance
+from .levels import level_tolerance, levels
 from .phases import MOVED, Phase, phases
 
 _ALIKE = 1.25  # times the usual: neighbors of a sweep scatter by less, what repeats has twice as much
@@ -133,7 +133,7 @@ def group_by_condition(recording: Recording, *, most_levels: int | None = None) 
 def _levels_of(courses: Sequence[Phase], recording: Recording, name: str) -> NDArray[np.float64]:
     """Return the levels at which an input was held in some stretches: their medians, those that lie close as one."""
     medians = np.sort([phase.held[name] for phase in courses if name in phase.held])
-    tolerance = usual_tolerance(recording.table[name], name) or 1.0
+    tolerance = level_tolerance(recording.table[name], name) or 1.0
     parts = np.split(medians, np.flatnonzero(np.diff(medians) > tolerance) + 1)
     return np.array([float(np.median(part)) for part in parts if len(part)])
 
@@ -145,7 +145,7 @@ def _extents(recording: Recording, labels: NDArray[np.intp], keys: Sequence[_Key
         rows = np.flatnonzero(labels == number)
         ranges = [
             np.ptp(recording.table[name].to_numpy(dtype=np.float64)[rows])
-            / (usual_tolerance(recording.table[name], name) or 1.0)
+            / (level_tolerance(recording.table[name], name) or 1.0)
             for name in moving
         ]
         extents.append(max([1.0, *ranges]))
@@ -161,7 +161,7 @@ def _points(
     told = True
     for name in (name for name in MOVED if name in recording.table):
         values = recording.table[name].to_numpy(dtype=np.float64)[rows]
-        found = np.array(levels(values, tolerance=usual_tolerance(recording.table[name], name) or 1.0))
+        found = np.array(levels(values, tolerance=level_tolerance(recording.table[name], name) or 1.0))
         if len(found) and len(found) <= most:
             numbers = numbers * len(found) + np.searchsorted(0.5 * (found[1:] + found[:-1]), values)
             held.append((name, found))

@@ -140,7 +140,7 @@ def select(table: pd.DataFrame, *conditions: Condition, **bands: Near) -> pd.Dat
     return table[chosen]
 
 
-def usual_tolerance(values: ArrayLike, channel: str | None = None) -> float:
+def level_tolerance(values: ArrayLike, channel: str | None = None) -> float:
     """Return how far a held channel wanders from its level.
 
     Parameters
@@ -157,7 +157,7 @@ def usual_tolerance(values: ArrayLike, channel: str | None = None) -> float:
 
     Examples
     --------
-    >>> usual_tolerance([0.0, 80e3], "p"), usual_tolerance([200.0, 1000.0], "Fz")
+    >>> level_tolerance([0.0, 80e3], "p"), level_tolerance([200.0, 1000.0], "Fz")
     (3000.0, 40.0)
     """
     card = CHANNELS.get(channel or "")
@@ -179,7 +179,7 @@ def levels(values: ArrayLike, *, tolerance: float | None = None) -> list[float]:
     values : array_like, shape (n,)
         A column of a table (its name gives the tolerance) or plain numbers. NaN is left out.
     tolerance : float, optional
-        How far a held channel wanders, in SI; default `usual_tolerance`.
+        How far a held channel wanders, in SI; default `level_tolerance`.
 
     Returns
     -------
@@ -204,7 +204,7 @@ def levels(values: ArrayLike, *, tolerance: float | None = None) -> list[float]:
         return []
     if tolerance is None:
         name = values.name if isinstance(values, pd.Series) else None
-        tolerance = usual_tolerance(numbers, None if name is None else str(name)) or 1.0
+        tolerance = level_tolerance(numbers, None if name is None else str(name)) or 1.0
     if not tolerance > 0.0:
         raise DataError(f"levels need a positive tolerance, not {tolerance}")
     peaks = _density_peaks(numbers, tolerance)

@@ -12,7 +12,7 @@ from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
 
 from ..channels import INPUTS
 from ..recording import Recording
-from .levels import levels, usual_tolerance
+from .levels import level_tolerance, levels
 
 #: The inputs that a bench moves; time and temperature move by themselves.
 MOVED = tuple(name for name in INPUTS if name not in ("t", "T"))
@@ -151,7 +151,7 @@ def is_course(recording: Recording, segment: slice) -> bool:
         if name in recording.table:
             values = recording.table[name].to_numpy(dtype=np.float64)
             # From row to row a course goes on but for noise; points jump in every other row or more often.
-            far = np.abs(np.diff(values[segment])) > 3.0 * usual_tolerance(values, name)
+            far = np.abs(np.diff(values[segment])) > 3.0 * level_tolerance(values, name)
             if far.mean() > 0.1:
                 return False
     return True
@@ -183,7 +183,7 @@ def _inputs(recording: Recording) -> list[_Input]:
     for name in MOVED:
         if name in table:
             values = table[name].to_numpy(dtype=np.float64)
-            tolerance = usual_tolerance(values, name) or 1.0
+            tolerance = level_tolerance(values, name) or 1.0
             found.append(_Input(name, values, _kept_levels(values, tolerance), tolerance))
     return found
 

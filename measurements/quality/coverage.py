@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..channels import CHANNELS, OUTPUTS
-from ..operating_conditions.levels import levels, usual_tolerance
+from ..operating_conditions.levels import level_tolerance, levels
 from ..operating_conditions.phases import MOVED
 from ..recording import Recording
 
@@ -166,7 +166,7 @@ def identity_notes(recordings: Sequence[Recording]) -> list[str]:
 def _varies(each: Coverage | None) -> bool:
     if each is None:
         return False
-    width = usual_tolerance([each.lowest, each.highest], each.channel)
+    width = level_tolerance([each.lowest, each.highest], each.channel)
     return each.highest - each.lowest > 2.0 * width and len(each.levels) != 1
 
 

@@ -17,7 +17,7 @@ from ..recording import Recording
 from .outliers import outliers
 
 #: Why a row is set aside, the first that holds; each with what it means.
-REASONS: Mapping[str, str] = {
+EXCLUSION_REASONS: Mapping[str, str] = {
     "lifted": "the wheel carries no load",
     "standing": "the wheel stands",
     "warm-up": "the tread is still cold",
@@ -33,7 +33,7 @@ _SAYS_WARM_UP = re.compile(r"warm[\s_-]*up", re.IGNORECASE)
 
 
 @dataclass(frozen=True, eq=False)
-class Screening:
+class RowExclusion:
     """What a screening found.
 
     Parameters
@@ -41,16 +41,16 @@ class Screening:
     recording : Recording
         As it was recorded: scores count all of its rows.
     reasons : ndarray of str, shape (n,)
-        Why each row is set aside (a name of `REASONS`); "" where it is kept.
-    findings : tuple of str
+        Why each row is set aside (a name of `EXCLUSION_REASONS`); "" where it is kept.
+    notes : tuple of str
         One sentence for each thing found: where, what, and how many rows.
 
     Examples
     --------
     >>> import pandas as pd
     >>> rows = pd.DataFrame({"alpha": [0.0, 0.1, 0.2, 0.3], "Fz": [900.0, 900.0, 0.0, 900.0], "Fy": -1.0})
-    >>> result = screen(Recording(rows, "iso", "a.csv"))
-    >>> result.kept.tolist(), result.counts
+    >>> result = exclude_rows(Recording(rows, "iso", "a.csv"))
+    >>> result.included.tolist(), result.counts
     ([True, True, False, True], {'lifted': 1})
     >>> result.usable().table["Fy"].tolist()
     [-1.0, -1.0, nan, -1.0]
@@ -58,17 +58,17 @@ class Screening:
 
     recording: Recording
     reasons: NDArray[np.object_]
-    findings: tuple[str, ...]
+    notes: tuple[str, ...]
 
     @property
-    def kept(self) -> NDArray[np.bool_]:
+    def included(self) -> NDArray[np.bool_]:
         """Which rows are kept: ndarray of bool, shape (n,)."""
         return np.asarray(self.reasons == "", dtype=np.bool_)
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many rows are set aside, by reason, in the order of `REASONS`."""
-        found = {reason: int(np.count_nonzero(self.reasons == reason)) for reason in REASONS}
+        """How many rows are set aside, by reason, in the order of `EXCLUSION_REASONS`."""
+        found = {reason: int(np.count_nonzero(self.reasons == reason)) for reason in EXCLUSION_REASONS}
         return {reason: count for reason, count in found.items() if count}
 
     def usable(self) -> Recording:
@@ -85,24 +85,24 @@ class Screening:
         DataError
             If no row is kept; says why.
         """
-        if not self.kept.any():
-            why = ", ".join(f"{count} {reason} ({REASONS[reason]})" for reason, count in self.counts.items())
+        if not self.included.any():
+            why = ", ".join(f"{count} {reason} ({EXCLUSION_REASONS[reason]})" for reason, count in self.counts.items())
             raise DataError(
                 f"{self.recording.source}: none of {len(self.recording)} rows can be used: {why or 'no rows'}"
             )
         table = self.recording.table
-        measured = {name: table[name].where(self.kept) for name in OUTPUTS if name in table}
+        measured = {name: table[name].where(self.included) for name in OUTPUTS if name in table}
         return replace(self.recording, table=table.assign(**measured))
 
 
-def screen(
+def exclude_rows(
     recording: Recording,
     *,
     warm_up: bool = True,
     in_transit: bool = True,
     off_course: bool = True,
     settling: float = 0.3,
-) -> Screening:
+) -> RowExclusion:
     """Find the rows of a recording that say nothing of the steady, warm tire.
 
     Parameters
@@ -115,7 +115,7 @@ def screen(
 
     Returns
     -------
-    Screening
+    RowExclusion
 
     Raises
     ------
@@ -132,8 +132,8 @@ def screen(
             reasons[fresh] = reason
             findings.append(f"{reason}: {fresh.sum()} of {len(recording)} rows{_from_to(fresh)}: {sentence}")
 
-    set_aside(_lifted(recording), "lifted", REASONS["lifted"])
-    set_aside(_standing(recording), "standing", REASONS["standing"])
+    set_aside(_lifted(recording), "lifted", EXCLUSION_REASONS["lifted"])
+    set_aside(_standing(recording), "standing", EXCLUSION_REASONS["standing"])
     if warm_up:
         rows, sentence = _warm_up(recording)
         set_aside(rows, "warm-up", sentence)
@@ -145,7 +145,7 @@ def screen(
         if reasons[reading.row] in ("", "outlier"):
             reasons[reading.row] = "outlier"
             findings.append(f"outlier: {reading}")
-    return Screening(recording, reasons, tuple(findings))
+    return RowExclusion(recording, reasons, tuple(findings))
 
 
 def _check_inputs(recording: Recording) -> None:

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tirefmu.measurements import Condition, levels, near, select, usual_tolerance
+from tirefmu.measurements import Condition, level_tolerance, levels, near, select
 from tirefmu.symbolic.errors import DataError
 
 numbers = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=50)
@@ -94,5 +94,5 @@ def test_little_data():
 
 
 def test_tolerance_comes_from_the_columns_name():
-    assert usual_tolerance([-900.0, 100.0], "Fz") == pytest.approx(36.0)
-    assert usual_tolerance([0.1], "gamma") == pytest.approx(np.radians(0.5))
+    assert level_tolerance([-900.0, 100.0], "Fz") == pytest.approx(36.0)
+    assert level_tolerance([0.1], "gamma") == pytest.approx(np.radians(0.5))

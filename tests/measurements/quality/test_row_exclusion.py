@@ -5,15 +5,15 @@ import pandas as pd
 import pytest
 
 from tirefmu.measurements import (
+    EXCLUSION_REASONS,
     OUTPUTS,
-    REASONS,
     Recording,
     VirtualBench,
     alpha_sweeps,
     concatenate,
+    exclude_rows,
     kappa_sweeps,
     phases,
-    screen,
     transitions,
     trento_program,
 )
@@ -33,28 +33,28 @@ def spoilt(make_raw):
 
 
 def test_every_reason_is_found_counted_and_told(spoilt):
-    result = screen(spoilt)
-    assert list(result.counts) == list(REASONS)
-    assert sum(result.counts.values()) + result.kept.sum() == len(spoilt)
-    assert {finding.partition(":")[0] for finding in result.findings} == set(REASONS)
+    result = exclude_rows(spoilt)
+    assert list(result.counts) == list(EXCLUSION_REASONS)
+    assert sum(result.counts.values()) + result.included.sum() == len(spoilt)
+    assert {finding.partition(":")[0] for finding in result.notes} == set(EXCLUSION_REASONS)
     assert result.counts["lifted"] == 101
     assert result.counts["standing"] == 101
     assert result.counts["outlier"] == 1
     assert result.reasons[9000] == "outlier"
-    assert "outlier: row 9001: Fy is 9000 N among" in result.findings[-1]
+    assert "outlier: row 9001: Fy is 9000 N among" in result.notes[-1]
     # Eleven ways of one second, and 0.3 s after each; the rest of the time conditions were held.
     assert result.counts["transition"] < 11 * 130
 
 
 def test_only_outputs_are_masked_and_only_where_set_aside(spoilt):
     before = spoilt.table.copy()
-    result = screen(spoilt)
+    result = exclude_rows(spoilt)
     usable = result.usable()
     pd.testing.assert_frame_equal(spoilt.table, before)
     for name in spoilt.table:
         if name in OUTPUTS:
-            pd.testing.assert_series_equal(usable.table[name], before[name].where(result.kept))
-            assert usable.table[name].isna().sum() == (~result.kept).sum()
+            pd.testing.assert_series_equal(usable.table[name], before[name].where(result.included))
+            assert usable.table[name].isna().sum() == (~result.included).sum()
         else:
             pd.testing.assert_series_equal(usable.table[name], before[name])
     assert usable.segments() == spoilt.segments()
@@ -62,17 +62,17 @@ def test_only_outputs_are_masked_and_only_where_set_aside(spoilt):
 
 @pytest.mark.parametrize("signs", ["sae", "adapted-sae"])
 def test_signs_make_no_difference(spoilt, signs):
-    assert (screen(spoilt.with_signs(signs)).reasons == screen(spoilt).reasons).all()
+    assert (exclude_rows(spoilt.with_signs(signs)).reasons == exclude_rows(spoilt).reasons).all()
 
 
 def test_what_is_not_looked_for_is_not_found(spoilt):
-    found = screen(spoilt, warm_up=False, in_transit=False, off_course=False)
+    found = exclude_rows(spoilt, warm_up=False, in_transit=False, off_course=False)
     assert list(found.counts) == ["lifted", "standing"]
 
 
 def test_the_cold_tread_is_set_aside_until_it_is_warm(make_raw):
     run = make_raw(first=20.0).recording
-    rows = np.flatnonzero(screen(run).reasons == "warm-up")
+    rows = np.flatnonzero(exclude_rows(run).reasons == "warm-up")
     assert rows[0] == 0
     assert (np.diff(rows) == 1).all()
     # 40 exp(-t/15 s) falls to 5 K after 31 s, by 0.33 K/s then: three deviations of noise come 1 s before.
@@ -81,12 +81,12 @@ def test_the_cold_tread_is_set_aside_until_it_is_warm(make_raw):
 
 @pytest.mark.parametrize("first", [50.0, 60.0, 75.0])
 def test_a_warm_tread_is_not(make_raw, first):
-    assert "warm-up" not in screen(make_raw(first=first).recording).counts
+    assert "warm-up" not in exclude_rows(make_raw(first=first).recording).counts
 
 
 def test_a_tread_that_never_gets_warm_is_not_cut_away(raw):
     table = raw.recording.table.assign(T=np.linspace(20.0, 60.0, len(raw.recording)))
-    rows = screen(Recording(table, "iso", "a.csv")).counts.get("warm-up", 0)
+    rows = exclude_rows(Recording(table, "iso", "a.csv")).counts.get("warm-up", 0)
     assert rows <= 0.5 * len(table) + 1
 
 
@@ -94,42 +94,42 @@ def test_a_tread_that_never_gets_warm_is_not_cut_away(raw):
     ("source", "testid"), [("B1464warmup1.dat", ""), ("run1.mat", "Cornering Warm-up"), ("warm up.csv", "")]
 )
 def test_a_recording_that_calls_itself_a_warm_up(raw, source, testid):
-    result = screen(Recording(raw.recording.table, "iso", source, {"testid": testid}))
-    assert not result.kept.any()
-    assert "calls itself" in result.findings[0]
+    result = exclude_rows(Recording(raw.recording.table, "iso", source, {"testid": testid}))
+    assert not result.included.any()
+    assert "calls itself" in result.notes[0]
     with pytest.raises(DataError, match=r"none of 15600 rows can be used: 15600 warm-up \(the tread is still cold\)"):
         result.usable()
 
 
 def test_transitions_are_set_aside_with_the_settling_after_them(raw):
-    result = screen(raw.recording, settling=0.4)
+    result = exclude_rows(raw.recording, settling=0.4)
     assert ((result.reasons == "transition") == (transitions(raw.recording, settling=0.4) != "")).all()
-    assert result.kept.mean() > 0.9
+    assert result.included.mean() > 0.9
 
 
 def test_nothing_of_the_virtual_bench_is_set_aside():
     recording = VirtualBench(published("trento_hoosier"), seed=4).run(trento_program(signs="sae"))
-    result = screen(recording)
-    assert result.kept.all()
-    assert (result.counts, result.findings) == ({}, ())
+    result = exclude_rows(recording)
+    assert result.included.all()
+    assert (result.counts, result.notes) == ({}, ())
     pd.testing.assert_frame_equal(result.usable().table, recording.table)
 
 
 def test_a_wheel_off_the_ground_all_along():
     recording = Recording(pd.DataFrame({"Fz": [0.0, -5.0], "Fy": [1.0, 2.0]}), "iso", "a.csv")
     with pytest.raises(DataError, match=r"^a.csv: none of 2 rows can be used: 2 lifted \(the wheel carries no load\)$"):
-        screen(recording).usable()
+        exclude_rows(recording).usable()
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_inputs_that_are_no_numbers_are_refused(bad):
     recording = Recording(pd.DataFrame({"Fz": [900.0, bad], "Fy": [1.0, 2.0]}), "iso", "a.csv")
     with pytest.raises(DataError, match=r"^a.csv: row 2: Fz is not finite \(1 of 2 rows\)$"):
-        screen(recording)
+        exclude_rows(recording)
 
 
 def test_no_rows():
-    result = screen(Recording(pd.DataFrame({"Fz": [], "T": [], "Fy": []}), "iso", "a.csv"))
+    result = exclude_rows(Recording(pd.DataFrame({"Fz": [], "T": [], "Fy": []}), "iso", "a.csv"))
     with pytest.raises(DataError, match="none of 0 rows can be used: no rows"):
         result.usable()
 
@@ -138,8 +138,8 @@ def test_measured_files_lose_next_to_nothing(data_folder):
     from tirefmu.measurements import read_recording
 
     for name in ("cornering", "drivebrake"):
-        result = screen(read_recording(data_folder / f"{name}.mat"))
-        assert result.kept.mean() > 0.999
+        result = exclude_rows(read_recording(data_folder / f"{name}.mat"))
+        assert result.included.mean() > 0.999
         assert set(result.counts) <= {"transition", "outlier"}
 
 
@@ -149,6 +149,6 @@ def test_sweeps_of_few_samples_are_no_steps_and_have_no_outliers(rate):
     sideways = alpha_sweeps([220.0, 700.0, 1120.0], [0.0, 0.07], sample_rate=rate)
     along = kappa_sweeps([220.0, 700.0, 1120.0], [0.0, 0.05], sample_rate=rate)
     recording = VirtualBench(published("trento_hoosier"), seed=3).run(concatenate([sideways, along]))
-    assert screen(recording).counts == {}
+    assert exclude_rows(recording).counts == {}
     kinds = {kind for phase in phases(recording) for kind in [phase.kind] if phase.rows.stop - phase.rows.start > 30}
     assert kinds <= {"sweep", "points"}
