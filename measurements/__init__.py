@@ -1,15 +1,19 @@
-"""Recordings of tire test benches, measured and virtual: reading, checking, screening, slicing, making."""
+"""Recordings of tire test benches, measured and virtual: reading, checks, operating conditions, excluded rows."""
 
 from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
 from .files.reading import READERS, read_recording
 from .files.writing import write_table
-from .operating_conditions.grouping import Grouping, correlation_length, effective_sample_size, group_by_condition
-from .operating_conditions.levels import Condition, Near, level_tolerance, levels, near, select
+from .operating_conditions.grouping import Grouping, group_by_condition
+from .operating_conditions.levels import level_tolerance, levels
 from .operating_conditions.phases import Phase, phases, transitions
-from .quality.coverage import Coverage, coverage, coverage_notes, identity_notes
+from .operating_conditions.selection import Condition, Near, near, select
+from .quality.correlation_length import correlation_length
+from .quality.coverage import Coverage, coverage, coverage_notes
+from .quality.effective_sample_size import effective_sample_size
 from .quality.outliers import Outlier, outliers
 from .quality.plausibility import check_plausible, convention_notes
 from .quality.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
+from .quality.tire_identity import identity_notes
 from .recording import Recording
 from .table_argument import TableLike, recording_from, recordings_from
 from .units import to_si

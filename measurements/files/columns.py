@@ -1,4 +1,4 @@
-"""From the columns of a table to contract channels in SI, with one clear line for what does not fit."""
+"""Conversion of table columns to channels of the contract in SI units, with a clear message for each error."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from tirefmu.symbolic.errors import DataError, TirefmuError
 from ..channels import CHANNELS, INPUTS, channel, intended_channel, unit_in_name
 from ..units import to_si
 
-#: The most columns of a table, and the longest header that may declare a unit, characters.
+#: Upper limits: columns of a table, characters of a header that may declare a unit.
 MOST_COLUMNS, LONGEST_HEADER = 5000, 200
 _HEADER = re.compile(r"(?P<name>[^\[\]]*?)\s*\[(?P<unit>[^\[\]]*)\]")
 
 
 @dataclass(frozen=True)
 class Column:
-    """One column of a table: its contract name, or the name it came with, and the unit it declares.
+    """One column of a table: its name and its declared unit.
 
     Parameters
     ----------
     name : str
     unit : str, optional
-        As declared in the header, ``alpha [deg]``; None where SI is meant.
+        As declared in the header, ``alpha [deg]``. None means the SI unit.
 
     Examples
     --------
@@ -45,7 +45,7 @@ class Column:
 
     @classmethod
     def parse(cls, header: str) -> Column:
-        """Read a header; brackets mean a unit on contract names only.
+        """Read a header. Brackets declare a unit only after a name of the contract.
 
         Parameters
         ----------
@@ -64,9 +64,8 @@ class Column:
 def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     """Read the headers of a table.
 
-    A column that the contract does not know is passed through, unless it seems to mean an input that the
-    table lacks: evaluating such a table at the nominal value instead would be wrong without a word. Columns
-    that look like outputs pass: a table of inputs may carry any.
+    Unknown columns are passed through, unless the name resembles an input that the table lacks: the nominal value would
+    silently replace that input. Names that resemble outputs are allowed, because outputs are optional.
 
     Parameters
     ----------
@@ -81,8 +80,8 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     Raises
     ------
     DataError
-        If there are more than `MOST_COLUMNS`, a name stands twice, looks like an absent input, or no column is a
-        channel.
+        If there are more than `MOST_COLUMNS` columns, a name occurs twice, a name resembles a missing input, or no
+        column is a channel.
 
     Examples
     --------
@@ -102,52 +101,52 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     names = Counter(column.name for column in columns)
     for name, count in names.items():
         if count > 1:
-            raise DataError(f"{source}: column {name!r} stands {count} times")
+            raise DataError(f"{source}: column {name!r} occurs {count} times")
     for name in names:
         intended = None if name in CHANNELS else intended_channel(name)
         if intended in INPUTS and intended not in names:
-            raise DataError(f"{source}: column {name!r} is not a channel: did you mean {_offer(name, intended)}?")
+            raise DataError(f"{source}: column {name!r} is not a channel: did you mean {_suggestion(name, intended)}?")
     if not any(name in CHANNELS for name in names):
         raise DataError(f"{source}: no column is a channel: known are {', '.join(CHANNELS)}")
     return columns
 
 
-def _offer(name: str, intended: str) -> str:
-    """Return how the header should have been written."""
+def _suggestion(name: str, intended: str) -> str:
+    """Return the correct spelling of a header."""
     suffixed = unit_in_name(name)
     if suffixed is not None:
         return f"'{intended} [{suffixed[1]}]'"
-    bench_degrees = channel(intended).quantity == "angle" and name in channel(intended).bench
+    bench_degrees = channel(intended).quantity == "angle" and name in channel(intended).bench_names
     return f"{intended} (rad; 'alpha [deg]' declares degrees)".replace("alpha", intended) if bench_degrees else intended
 
 
 def channels_in_si(
-    table: pd.DataFrame, columns: Sequence[Column], source: str, place: Callable[[int], str]
+    table: pd.DataFrame, columns: Sequence[Column], source: str, location: Callable[[int], str]
 ) -> tuple[pd.DataFrame, dict[str, str]]:
-    """Return the table with contract names, in SI, with every channel checked.
+    """Return the table with contract names and SI units, with every channel checked.
 
     Parameters
     ----------
     table : pandas.DataFrame
-        As read; one column per entry of ``columns``, in order.
+        As read, with one column per entry of ``columns``, in the same order.
     columns : sequence of Column
     source : str
         The file, for messages.
-    place : callable
+    location : callable
         From a row's number, counted from 0, to "line 12" or "row 12".
 
     Returns
     -------
     table : pandas.DataFrame
-        Channels as floats; other columns untouched.
+        Channels as floats. Other columns are unchanged.
     about : dict of str to str
-        ``declared``: the channels whose unit the table states.
+        ``declared``: the channels whose unit the table declares.
 
     Raises
     ------
     DataError
-        If there are no rows, a cell of a channel is no number or infinite, an input is NaN, or a declared
-        unit is unknown or measures something else.
+        If there are no rows, a cell of a channel is not a number or infinite, an input is NaN, or a declared unit is
+        unknown or one of another quantity.
     """
     if table.empty:
         raise DataError(f"{source}: no rows")
@@ -155,16 +154,16 @@ def channels_in_si(
     for number, column in enumerate(columns):
         cells = table.iloc[:, number].rename(column.name)
         if column.name in CHANNELS:
-            values = _numbers(cells, source, place)
-            check_finite(values, column.name, source, place)
+            values = _numbers(cells, source, location)
+            check_finite(values, column.name, source, location)
             cells = pd.Series(_converted(values, column, source), name=column.name)
         columns_out[column.name] = cells.reset_index(drop=True)
     declared = " ".join(column.name for column in columns if column.unit is not None)
     return pd.DataFrame(columns_out), {"declared": declared}
 
 
-def check_finite(values: NDArray[np.float64], name: str, source: str, place: Callable[[int], str]) -> None:
-    """Refuse infinities in any channel, and NaN in an input.
+def check_finite(values: NDArray[np.float64], name: str, source: str, location: Callable[[int], str]) -> None:
+    """Check that a channel has no infinities, and an input no NaN.
 
     Parameters
     ----------
@@ -172,13 +171,13 @@ def check_finite(values: NDArray[np.float64], name: str, source: str, place: Cal
     name : str
         The contract's name of the channel.
     source : str
-    place : callable
+    location : callable
         From a row's number, counted from 0, to "line 12" or "row 12".
 
     Raises
     ------
     DataError
-        Names the file, the first place, the channel and how many there are.
+        With the file, the first location, the channel and the number of rows.
 
     Examples
     --------
@@ -190,23 +189,23 @@ def check_finite(values: NDArray[np.float64], name: str, source: str, place: Cal
     infinite, unknown = np.isinf(values), np.isnan(values) & (name in INPUTS)
     for bad, kind in ((infinite, "infinite"), (unknown, "NaN")):
         if bad.any():
-            where = place(int(np.flatnonzero(bad)[0]))
-            raise DataError(f"{source}: {where}: {name} is {kind} ({bad.sum()} of {len(values)} rows)")
+            first = location(int(np.flatnonzero(bad)[0]))
+            raise DataError(f"{source}: {first}: {name} is {kind} ({bad.sum()} of {len(values)} rows)")
 
 
-def _numbers(cells: pd.Series, source: str, place: Callable[[int], str]) -> NDArray[np.float64]:
-    """Return the cells as floats, or report the first that is none."""
+def _numbers(cells: pd.Series, source: str, location: Callable[[int], str]) -> NDArray[np.float64]:
+    """Return the cells as floats, or report the first one that is not a number."""
     if pd.api.types.is_bool_dtype(cells):
-        cells = cells.astype(str)  # a truth value is no number
+        cells = cells.astype(str)  # a truth value is not a number
     if pd.api.types.is_numeric_dtype(cells):
         return cells.to_numpy(dtype=np.float64, na_value=np.nan)
     objects = cells.to_numpy(dtype=object, na_value=np.nan)
     try:
-        return objects.astype(np.float64)  # float(), which reads decimals to the last bit
+        return objects.astype(np.float64)  # float() reads decimals exactly
     except (TypeError, ValueError):
         row = next(row for row, cell in enumerate(objects) if not _is_number(cell))
         shown = str(cells.iloc[row])
-        raise DataError(f"{source}: {place(row)}: column {cells.name}: {shown!r} is not a number") from None
+        raise DataError(f"{source}: {location(row)}: column {cells.name}: {shown!r} is not a number") from None
 
 
 def _is_number(cell: Any) -> bool:
@@ -218,10 +217,9 @@ def _is_number(cell: Any) -> bool:
 
 
 def _converted(values: NDArray[np.float64], column: Column, source: str) -> NDArray[np.float64]:
-    card = channel(column.name)
     if column.unit is None:
         return values
     try:
-        return to_si(values, column.unit, card.quantity)
+        return to_si(values, column.unit, channel(column.name).quantity)
     except TirefmuError as error:
         raise DataError(f"{source}: column {column.name}: {error}") from None

@@ -1,4 +1,4 @@
-"""Tables in CSV: contract column names, SI unless the header declares a unit."""
+"""CSV tables: column names of the contract, SI units unless the header declares a unit."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _SEPARATORS = ",;\t"
 def read_csv_table(path: Path, signs: str) -> Recording:
     """Read a CSV table.
 
-    Lines before the header that begin with ``#`` are skipped; columns may be separated by commas,
-    semicolons or tabs; numbers are read to the last bit.
+    Lines before the header that begin with ``#`` are skipped. Columns are separated by commas, semicolons or tabs.
+    Numbers are read exactly.
 
     Parameters
     ----------
     path : pathlib.Path
     signs : str
-        The convention that the table is in.
+        The convention of the table.
 
     Returns
     -------
@@ -37,15 +37,15 @@ def read_csv_table(path: Path, signs: str) -> Recording:
     Raises
     ------
     DataError
-        With the file, the line and the column of the first thing that cannot be read.
+        With file, line and column of the first error.
     """
     source = str(path)
     skipped, header, separator = _header(path)
     columns = parse_header(header, source)
-    # Channels stay text here: their cells become numbers where a wrong one can be named, to the last bit.
+    # Channels are read as text and converted later, exactly and with the location of a wrong cell.
     as_text: dict[Hashable, str] = {number: "str" for number, column in enumerate(columns) if column.name in CHANNELS}
     table = _body(path, skipped, len(header), separator, as_text)
-    # A separator at the end of each line leaves a column without name and content.
+    # A separator at the end of each line makes a column without name and content.
     empty = [
         number for number, name in enumerate(header)
         if not name.strip() and table.iloc[:, number].isna().all()
@@ -69,9 +69,9 @@ def _header(path: Path) -> tuple[int, list[str], str]:
 
 def _body(path: Path, skipped: int, width: int, separator: str, as_text: Mapping[Hashable, str]) -> pd.DataFrame:
     with warnings.catch_warnings():
-        # pandas only warns where it drops the surplus cells of a row.
+        # pandas only warns when it drops the surplus cells of a row.
         warnings.simplefilter("error", pd.errors.ParserWarning)
-        # Columns whose cells differ in kind are reported below, with line and column.
+        # Columns with cells of different types are reported below, with line and column.
         warnings.simplefilter("ignore", pd.errors.DtypeWarning)
         try:
             return pd.read_csv(
@@ -95,7 +95,7 @@ def _first_long_line(path: Path, skipped: int, width: int, separator: str) -> in
 
 
 def _line(path: Path, skipped: int, row: int) -> int:
-    """Return the line of a row of the body as editors count; pandas passes over blank lines."""
+    """Return the line number of a row of the body. pandas skips blank lines."""
     with path.open(encoding="utf-8-sig", newline="") as file:
         rows = -1
         for number, line in enumerate(file, start=1):

@@ -1,4 +1,4 @@
-"""Files read by native code, in a process of its own: one that breaks that code is a clear line, not a crash."""
+"""Reading of files by native code in a separate process: a file that crashes it is an error message, not a crash."""
 
 from __future__ import annotations
 
@@ -18,38 +18,38 @@ from .reader_process import MissingPackage
 
 __all__ = ["MissingPackage", "close", "load"]
 
-#: Memory that reading may take: so much, and so much for each byte of the file, which may be compressed.
+#: Memory limit in bytes: a constant, and a factor for the size of the file, which may be compressed.
 MEMORY, MEMORY_PER_BYTE = 4 << 30, 100
-#: Bytes that a file may turn out to hold: so many, and so many for each byte, which is what compression can reach.
+#: Limit of the content in bytes: a constant, and a factor for the size of the file, the largest compression ratio.
 CONTENT, CONTENT_PER_BYTE = 64 << 20, 1000
-#: Seconds that reading may take: so many, and so many for each byte.
+#: Time limit in seconds: a constant, and a term for each byte of the file.
 SECONDS, SECONDS_PER_BYTE = 60.0, 1e-6
 
 
 class _Process:
-    """A process that reads files until one of them breaks it."""
+    """A process that reads files until a file crashes it."""
 
     def __init__(self) -> None:
         self._owner = os.getpid()
-        # One thread each: these have address space of their own, which counts against the limit.
-        alone = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "ARROW_DEFAULT_MEMORY_POOL": "system"}
+        # Single-threaded: the address space of further threads counts towards the memory limit.
+        one_thread = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "ARROW_DEFAULT_MEMORY_POOL": "system"}
         self._popen = subprocess.Popen(
             [sys.executable, "-P", reader_process.__file__],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env={**os.environ, **alone},
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env={**os.environ, **one_thread},
         )  # fmt: skip
 
     @property
     def usable(self) -> bool:
-        """Whether it lives and belongs to this process, not to one that this was forked from."""
+        """Whether the process is running and was started by this process, not by one from which this was forked."""
         return self._owner == os.getpid() and self._popen.poll() is None
 
-    def ask(self, request: tuple[str, str, int, int], seconds: float) -> tuple[str, Any]:
+    def send(self, request: tuple[str, str, int, int], seconds: float) -> tuple[str, Any]:
         """Return the answer to a request.
 
         Raises
         ------
         TimeoutError, EOFError
-            If there is none in time, or none at all.
+            If there is no answer within the time, or none at all.
         """
         assert self._popen.stdin is not None
         assert self._popen.stdout is not None
@@ -64,17 +64,17 @@ class _Process:
         try:
             self._popen.stdin.write(pickle.dumps(request))
             self._popen.stdin.flush()
-            word, content = pickle.load(self._popen.stdout)
-        except BaseException as error:  # Ctrl-C too: the answer that comes later would be taken for the next one
+            status, content = pickle.load(self._popen.stdout)
+        except BaseException as error:  # Ctrl-C as well: a late answer would be read as the next one
             self.close()
             if late.is_set():
                 raise TimeoutError from error
-            if isinstance(error, Exception):  # no answer, half of one, or none that can be understood
+            if isinstance(error, Exception):  # no answer, a partial or an unreadable one
                 raise EOFError from error
             raise
         finally:
             timer.cancel()
-        return word, content
+        return status, content
 
     def close(self) -> None:
         """End the process."""
@@ -87,12 +87,12 @@ _lock = threading.Lock()
 _running: _Process | None = None
 
 
-def load(form: str, path: Path) -> Any:
-    """Return what native code reads in a file.
+def load(file_format: str, path: Path) -> Any:
+    """Return the content of a file, read by native code.
 
     Parameters
     ----------
-    form : {"matlab", "parquet"}
+    file_format : {"matlab", "parquet"}
     path : pathlib.Path
 
     Returns
@@ -107,33 +107,33 @@ def load(form: str, path: Path) -> Any:
     MissingPackage
         If the package that reads such files is not installed.
     DataError
-        If the file is no such file, or breaks the code that reads it.
+        If the file has another format, or the code that reads it crashes.
     """
     global _running
     with path.open("rb") as file:
         size = os.fstat(file.fileno()).st_size
-    memory, most = MEMORY + MEMORY_PER_BYTE * size, CONTENT + CONTENT_PER_BYTE * size
-    request = (form, os.path.abspath(path), memory, most)
+    memory, largest = MEMORY + MEMORY_PER_BYTE * size, CONTENT + CONTENT_PER_BYTE * size
+    request = (file_format, os.path.abspath(path), memory, largest)
     with _lock:
         if _running is None or not _running.usable:
             _running = _Process()
         try:
-            word, content = _running.ask(request, SECONDS + SECONDS_PER_BYTE * size)
+            status, content = _running.send(request, SECONDS + SECONDS_PER_BYTE * size)
         except TimeoutError:
-            word, content = "refused", "reading takes too long"
+            status, content = "refused", "reading takes too long"
         except EOFError:
-            word, content = "refused", "it is damaged so that its reader crashes"
-    if word == "missing":
+            status, content = "refused", "the file is damaged and crashes its reader"
+    if status == "missing":
         raise MissingPackage(content)
-    if word == "refused":
-        kind = {"matlab": "a MATLAB file", "parquet": "Parquet"}[form]
+    if status == "refused":
+        kind = {"matlab": "a MATLAB file", "parquet": "Parquet"}[file_format]
         raise DataError(f"{path}: cannot be read as {kind}: {content}")
     return content
 
 
 @atexit.register
 def close() -> None:
-    """End the process that reads, if there is one; the next file starts another."""
+    """End the reading process, if there is one. The next file starts a new one."""
     global _running
     if _running is not None:
         _running.close()

@@ -1,4 +1,4 @@
-"""Tables in Parquet: the columns of the contract as in CSV."""
+"""Parquet tables, with columns as in CSV tables."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ..recording import Recording
 from . import native_reader
 from .columns import channels_in_si, parse_header
 
-EXTRA = "Parquet needs pyarrow, which the extra 'parquet' brings: pip install 'tirefmu[parquet]'"
+EXTRA = "Parquet needs pyarrow, which the extra 'parquet' installs: pip install 'tirefmu[parquet]'"
 
 
 def read_parquet_table(path: Path, signs: str) -> Recording:
@@ -20,7 +20,7 @@ def read_parquet_table(path: Path, signs: str) -> Recording:
     ----------
     path : pathlib.Path
     signs : str
-        The convention that the table is in.
+        The convention of the table.
 
     Returns
     -------
@@ -29,8 +29,8 @@ def read_parquet_table(path: Path, signs: str) -> Recording:
     Raises
     ------
     DataError
-        If pyarrow is not installed, the file is no Parquet, or a channel cannot be used; places are counted
-        in rows from 1.
+        If pyarrow is not installed, the file is not a Parquet file, or a channel cannot be used. The message counts
+        rows from 1.
     """
     source = str(path)
     try:

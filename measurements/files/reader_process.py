@@ -1,8 +1,8 @@
-"""The process in which files are read by native code (MATLAB, HDF5, Arrow); started by path, `native.py` talks to it.
+"""Program that reads files by native code (MATLAB, HDF5, Arrow); `native_reader.py` starts it as a process.
 
-A damaged file makes such code crash, hang or fill the memory: this process dies of it, and the one that asked goes on.
-It imports nothing of tirefmu, so that it starts in a fraction of a second. A request is a pickled tuple of form,
-path, memory limit and largest answer; the answer a pickled pair of a word and what belongs to it.
+A damaged file can make such code crash, hang or fill the memory. Only this process ends then. It imports no module of
+tirefmu, so that it starts in a fraction of a second. A request is a pickled tuple of file format, path, memory limit
+and largest size of the answer. The answer is a pickled pair of a status and the content, the package or the reason.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from typing import Any, BinaryIO
 
 
 class MissingPackage(Exception):
-    """The package that reads such files is not installed; what they are."""
+    """The package that reads a kind of file is not installed; the argument is the kind."""
 
 
 def load_matlab(path: str) -> dict[str, Any]:
-    """Return the variables of a ``.mat`` file; MATLAB's newer forms need a package of their own."""
+    """Return the variables of a ``.mat`` file; newer MATLAB formats need a separate package."""
     from scipy.io import loadmat
     from scipy.io.matlab import MatlabOpaque
 
@@ -33,16 +33,16 @@ def load_matlab(path: str) -> dict[str, Any]:
     return loaded
 
 
-def _load_newer(path: str, what: str) -> dict[str, Any]:
+def _load_newer(path: str, kind: str) -> dict[str, Any]:
     import pandas as pd
 
-    # Importing mat-io sets an option of pandas for the whole process: it ends with the block.
+    # Importing mat-io sets an option of pandas for the whole process. The block restores it.
     option = "future.infer_string"
     with pd.option_context(option, pd.get_option(option)):
         try:
             from matio import load_from_mat
         except ImportError:
-            raise MissingPackage(what) from None
+            raise MissingPackage(kind) from None
         loaded: dict[str, Any] = load_from_mat(path, add_table_attrs=True)
     return loaded
 
@@ -60,17 +60,17 @@ def load_parquet(path: str) -> Any:
 LOADERS = {"matlab": load_matlab, "parquet": load_parquet}
 
 
-def answer(form: str, path: str, most: int) -> bytes:
-    """Return the pickled answer to a request: ("loaded", content), ("missing", what) or ("refused", reason)."""
-    too_large = pickle.dumps(("refused", "it claims to hold far more than fits into a file of its size"))
+def answer(file_format: str, path: str, largest: int) -> bytes:
+    """Return the pickled answer to a request: ("loaded", content), ("missing", kind) or ("refused", reason)."""
+    too_large = pickle.dumps(("refused", "its content is far larger than a file of its size can contain"))
     try:
-        content = pickle.dumps(("loaded", LOADERS[form](path)))
-        return content if len(content) <= most else too_large
+        content = pickle.dumps(("loaded", LOADERS[file_format](path)))
+        return content if len(content) <= largest else too_large
     except MissingPackage as error:
         return pickle.dumps(("missing", str(error)))
     except MemoryError:
         return too_large
-    except Exception as error:  # these libraries pass on whatever they meet with
+    except Exception as error:  # these libraries raise exceptions of any type
         return pickle.dumps(("refused", (str(error).splitlines() or [type(error).__name__])[0]))
 
 
@@ -79,11 +79,11 @@ def _limit_memory(size: int) -> None:
         return
     import resource
 
-    _, most = resource.getrlimit(resource.RLIMIT_AS)
-    size = size if most == resource.RLIM_INFINITY else min(size, most)
+    _, largest = resource.getrlimit(resource.RLIMIT_AS)
+    size = size if largest == resource.RLIM_INFINITY else min(size, largest)
     try:
-        resource.setrlimit(resource.RLIMIT_AS, (size, most))
-    except (OSError, ValueError):  # a system that knows no such limit
+        resource.setrlimit(resource.RLIMIT_AS, (size, largest))
+    except (OSError, ValueError):  # the system has no such limit
         return
 
 
@@ -91,19 +91,19 @@ def serve(requests: BinaryIO, answers: BinaryIO) -> None:
     """Answer requests until they end."""
     while True:
         try:
-            form, path, memory, most = pickle.load(requests)
+            file_format, path, memory, largest = pickle.load(requests)
         except EOFError:
             return
         _limit_memory(memory)
-        answers.write(answer(form, path, most))
+        answers.write(answer(file_format, path, largest))
         answers.flush()
 
 
 def _main() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that asked
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is handled by the parent process
     warnings.simplefilter("ignore")
     answers = os.fdopen(os.dup(1), "wb")
-    os.dup2(2, 1)  # what a library prints is no answer
+    os.dup2(2, 1)  # output of a library must not be mixed with the answers
     serve(sys.stdin.buffer, answers)
 
 

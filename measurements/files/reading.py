@@ -1,4 +1,4 @@
-"""Reading a recording from a file, whatever its form."""
+"""Reading of recordings from files of all known formats."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .ttc_dat import read_ttc_dat
 from .ttc_mat import read_ttc_mat
 from .tydex import read_tydex
 
-#: By extension: the reader, and the convention that such files are in when nobody says otherwise.
+#: By extension: the reader and the default sign convention of the format.
 READERS: dict[str, tuple[Callable[[Path, str], Recording], str]] = {
     ".csv": (read_csv_table, "iso"),
     ".parquet": (read_parquet_table, "iso"),
@@ -28,7 +28,7 @@ READERS: dict[str, tuple[Callable[[Path, str], Recording], str]] = {
 
 
 def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Recording:
-    r"""Read a recording; the extension tells the form.
+    r"""Read a recording. The extension determines the format.
 
     Parameters
     ----------
@@ -37,19 +37,19 @@ def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Re
         ``alpha [deg]``, ``Fz [kN]``, ``p [kPa]``), an FSAE TTC file (``.mat``, ``.dat``), or TYDEX
         (``.tdx``).
     signs : str, optional
-        The convention that the file is in; default what the file says, or else ``sae`` for FSAE TTC files,
+        The convention of the file. Default: the convention stated in the file, otherwise ``sae`` for FSAE TTC files and
         ``iso`` for tables and TYDEX.
 
     Returns
     -------
     Recording
-        In the file's own signs.
+        In the sign convention of the file.
 
     Raises
     ------
     DataError
         One line with file, line (or row) and channel: a missing or empty file, an unknown extension, a cell
-        that is no number, an unknown column that looks like a missing input, NaN in an input, ...
+        that is not a number, an unknown column that resembles a missing input, NaN in an input, ...
     UnknownName
         If the signs are not one of the three conventions.
 
@@ -66,9 +66,9 @@ def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Re
     file = path_from(path)
     if file.suffix.lower() not in READERS:
         raise DataError(f"{file}: unknown kind of recording {file.suffix!r}: known are {', '.join(READERS)}")
-    reader, usual_signs = READERS[file.suffix.lower()]
-    chosen = usual_signs if signs is None else signs
-    reversed_columns(chosen, "iso")  # an unknown convention is refused before a long file is read
+    reader, default_signs = READERS[file.suffix.lower()]
+    chosen = default_signs if signs is None else signs
+    reversed_columns(chosen, "iso")  # an unknown convention is an error before a long file is read
     try:
         if not file.exists():
             raise DataError(f"{file}: no such file")

@@ -1,4 +1,4 @@
-"""Bench files of the FSAE Tire Test Consortium (Calspan), ASCII form."""
+"""FSAE Tire Test Consortium (Calspan) files in ASCII format."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from tirefmu.symbolic.errors import DataError
 from ..recording import Recording
 from .ttc_channels import bench_recording, has_bench_names
 
-_TITLE_LINES = 20  # the names of the channels stand in the second line, or soon after
+_TITLE_LINES = 20  # upper limit; the names of the channels are in the second line or soon after
 _AXES = re.compile(r"\bISO\W*(?P<answer>true|false)\b", re.IGNORECASE)
 _UNIT_OF_TWO_WORDS = re.compile(r"\bdeg(?:rees?)? +(?=[CFK]\b)", re.IGNORECASE)
 
@@ -25,26 +25,27 @@ def read_ttc_dat(path: Path, signs: str) -> Recording:
     ----------
     path : pathlib.Path
     signs : str
-        The convention of the file; Calspan writes sae. Where the title says otherwise (``ISO True``),
-        ``about["signs"]`` tells.
+        The convention of the file; Calspan writes sae. ``about["signs"]`` has that of the title (``ISO True``), if any.
 
     Returns
     -------
     Recording
-        Channels ``t kappa alpha gamma Fz p V T Fx Fy Mz Mx My`` as far as they are there; ``about`` holds the
-        title as ``tireid``.
+        The available channels of ``t kappa alpha gamma Fz p V T Fx Fy Mz Mx My``. ``about`` has the title as
+        ``tireid``.
 
     Raises
     ------
     DataError
-        With the line, if no line names the channels, rows differ in length or hold what is no number; and
-        like the ``.mat`` reader for channels that are missing or cannot be used.
+        If no line has the names of the channels, rows differ in length, or a cell is not a number (with the line).
+        Also if a channel is missing or cannot be used, as for ``.mat`` files.
     """
     source = str(path)
     lines = _lines(path)
     at = next((number for number, line in enumerate(lines[:_TITLE_LINES]) if has_bench_names(line.split())), None)
     if at is None:
-        raise DataError(f"{source}: no line names the channels (ET ... SA IA ... FZ): not a bench file of the FSAE TTC")
+        raise DataError(
+            f"{source}: no line has the channel names (ET ... SA IA ... FZ): not a bench file of the FSAE TTC"
+        )
     names = lines[at].split()
     numbers = [number for number in range(at + 1, len(lines)) if lines[number].strip()]
     units = _units(lines[numbers[0]], names, f"{source}: line {numbers[0] + 1}") if numbers else {}
@@ -73,8 +74,8 @@ def _lines(path: Path) -> list[str]:
 
 
 def _units(line: str, names: list[str], where: str) -> dict[str, str]:
-    """Return units by name from the line below the names; none if that line is already a row."""
-    # "deg F" is one unit, though rows are separated by blanks too.
+    """Return units by name from the line below the names; none if that line is a row of data."""
+    # "deg F" is one unit, although blanks separate the cells as well.
     cells = _UNIT_OF_TWO_WORDS.sub("deg", line).split()
     if not cells or all(_is_number(cell) for cell in cells):
         return {}

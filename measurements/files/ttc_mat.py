@@ -1,4 +1,4 @@
-"""Bench files of the FSAE Tire Test Consortium (Calspan), MATLAB form; MATLAB tables of the same channels."""
+"""FSAE Tire Test Consortium (Calspan) files in MATLAB format, and MATLAB tables of the same channels."""
 
 from __future__ import annotations
 
@@ -18,17 +18,16 @@ from . import native_reader
 from .columns import channels_in_si, parse_header
 from .ttc_channels import bench_recording, has_bench_names
 
-EXTRA = "mat-io, which the extra 'matlab' brings: pip install 'tirefmu[matlab]'"
+EXTRA = "mat-io, which the extra 'matlab' installs: pip install 'tirefmu[matlab]'"
 
 
 def read_ttc_mat(path: Path, signs: str) -> Recording:
     """Read a ``.mat`` file of the FSAE TTC, or a MATLAB table.
 
-    The channels may be variables of the file, or stand together in a struct or a table. Units are those of
-    the ``channel`` struct, or the table's own. Older files have none: SI is assumed then, or USCS where the
-    file's name or its pressure says so (``A1464run30``), and ``about`` tells. Fields that are known to be
-    unreliable (RUN of the wrong length, an empty tireid) are not needed. A table with the contract's column
-    names is read like a CSV.
+    The channels are variables of the file, or fields of a struct or a table. Units are those of the ``channel`` struct
+    or of the table. Older files have none. Their units are SI, or USCS if the file name (``A1464run30``) or the
+    pressure indicates it, and ``about`` has the reason. Fields that are known to be unreliable (RUN of the wrong
+    length, an empty tireid) are not used. A table with column names of the contract is read like a CSV table.
 
     Parameters
     ----------
@@ -39,13 +38,13 @@ def read_ttc_mat(path: Path, signs: str) -> Recording:
     Returns
     -------
     Recording
-        Channels ``t kappa alpha gamma Fz p V T Fx Fy Mz Mx My`` as far as they are there.
+        The available channels of ``t kappa alpha gamma Fz p V T Fx Fy Mz Mx My``.
 
     Raises
     ------
     DataError
-        If the file is no MATLAB file, a mandatory channel or every output is missing, lengths differ, a unit
-        is not known, or an input holds NaN; for tables and files of version 7.3, if mat-io is not installed.
+        If the file is not a MATLAB file, a mandatory channel or every output is missing, lengths differ, a unit is
+        unknown, or an input contains NaN. For tables and files of version 7.3: if mat-io is not installed.
     """
     fields = _load(path)
     for value in fields.values():
@@ -59,27 +58,27 @@ def read_ttc_mat(path: Path, signs: str) -> Recording:
 
 
 def _load(path: Path) -> Mapping[str, Any]:
-    """Return the file's variables."""
+    """Return the variables of the file."""
     try:
         loaded = native_reader.load("matlab", path)
-    except native_reader.MissingPackage as what:
-        raise DataError(f"{path}: {what} need {EXTRA}") from None
+    except native_reader.MissingPackage as content:
+        raise DataError(f"{path}: {content} need {EXTRA}") from None
     return {name: value for name, value in loaded.items() if not name.startswith("__")}
 
 
 def _contract_table(path: Path, table: pd.DataFrame, signs: str) -> Recording:
-    """Read a table with columns like alpha and Fz; its units, where declared, stand as in a CSV's header."""
+    """Read a table with columns such as alpha and Fz. Its units are treated like those of a CSV header."""
     source = str(path)
     units = dict(_table_units(table))
     headers = [f"{name} [{units[name]}]" if units.get(name) and name in CHANNELS else name for name in map(str, table)]
     columns = parse_header(headers, source)
     in_si, about = channels_in_si(table, columns, source, lambda row: f"row {row + 1}")
-    # Where nobody says otherwise, contract names mean contract signs, not the bench's.
+    # The default convention of the contract's names is that of the contract, not that of the bench.
     return Recording(in_si, signs, path.name, {**about, "signs": "iso"})
 
 
 def _members(fields: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the variables, with what stands in a struct or a table of channels lifted beside them."""
+    """Return the variables, and the fields of a struct or a table of channels."""
     members = dict(fields)
     for value in fields.values():
         inside = _struct(value)
@@ -89,7 +88,7 @@ def _members(fields: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _struct(value: Any) -> dict[str, Any]:
-    """Return the fields of a table or of a struct of one element; none of anything else."""
+    """Return the fields of a table or of a struct of one element; none for other values."""
     if isinstance(value, pd.DataFrame):
         return {str(name): value[name].to_numpy() for name in value}
     cell = value.flat[0] if isinstance(value, np.ndarray) and value.size == 1 else value
@@ -98,14 +97,14 @@ def _struct(value: Any) -> dict[str, Any]:
 
 
 def _vector(value: Any) -> NDArray[np.float64] | None:
-    """Return a variable's numbers if it is a column or row of them."""
+    """Return the numbers of a variable that is a row or column vector, otherwise None."""
     if not isinstance(value, np.ndarray) or value.dtype.kind not in "fiu":
         return None
     return np.ravel(value).astype(np.float64) if value.size == max(value.shape, default=1) else None
 
 
 def _declared(fields: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield name and unit of the channels for which the file declares one."""
+    """Yield name and unit of each channel with a declared unit."""
     for value in fields.values():
         if isinstance(value, pd.DataFrame):
             yield from _table_units(value)
@@ -123,7 +122,7 @@ def _table_units(table: pd.DataFrame) -> Iterator[tuple[str, str]]:
 
 
 def _text(value: Any) -> str:
-    """Return the text in MATLAB's nested cells and structs; empty where there is none."""
+    """Return the text in nested MATLAB cells and structs; empty if there is none."""
     while isinstance(value, np.ndarray) and value.dtype.names is None:
         if not value.size:
             return ""

@@ -17,7 +17,7 @@ from ..recording import Recording
 from ..units import to_si, unit_named
 from .columns import check_finite
 
-#: TYDEX names by contract name, the preferred one first. Forces count in the W axes (contact point) only.
+#: TYDEX names by contract name, the preferred one first. Only forces in the W axes (contact point) are read.
 NAMES: Mapping[str, tuple[str, ...]] = {
     "t": ("RUNTIME",),
     "kappa": ("LONGSLIP",),
@@ -57,19 +57,18 @@ def read_tydex(path: Path, signs: str) -> Recording:
     ----------
     path : pathlib.Path
     signs : str
-        The convention of the file; TYDEX defines its W axes as iso.
+        The convention of the file. TYDEX defines its W axes as iso.
 
     Returns
     -------
     Recording
-        Channels that the contract knows; what stands among the constants and is not measured is the same in
-        every row.
+        The channels of the contract. A constant of the file is a channel with the same value in every row.
 
     Raises
     ------
     DataError
-        With the line, if a section is missing, a row has another number of cells than there are channels, a
-        cell is no number, a unit is not known, or no load in the W axes is there.
+        If a section or the load in the W axes is missing, a row has more or fewer cells than there are channels, a cell
+        is not a number, or a unit is unknown (with the line).
     """
     source = str(path)
     with path.open(encoding="latin-1") as file:
@@ -94,9 +93,9 @@ def read_tydex(path: Path, signs: str) -> Recording:
     if "Fz" not in columns:
         axes = next((axes for name, axes in _OTHER_AXES.items() if name in measured or name in held), None)
         raise DataError(f"{source}: no channel FZW (Fz){f': forces in the axes {axes} are not read' if axes else ''}")
-    words = dict(text.split(maxsplit=1) for _, text in sections.get("HEADER", ()) if len(text.split()) > 1)
+    header = dict(text.split(maxsplit=1) for _, text in sections.get("HEADER", ()) if len(text.split()) > 1)
     about = {"units": "declared in the file", "declared": " ".join(columns), "tireid": "", "credit": ""}
-    return Recording(pd.DataFrame(columns), signs, path.name, {**about, "testid": words.get("MEASID", "").strip()})
+    return Recording(pd.DataFrame(columns), signs, path.name, {**about, "testid": header.get("MEASID", "").strip()})
 
 
 def _sections(lines: Sequence[str]) -> dict[str, list[tuple[int, str]]]:
@@ -113,12 +112,12 @@ def _sections(lines: Sequence[str]) -> dict[str, list[tuple[int, str]]]:
 
 
 def _quantity(line: int, text: str, most: int) -> _Quantity:
-    """Read name, description, unit and up to ``most`` numbers; only the unit tells where the description ends."""
+    """Read name, description, unit and up to ``most`` numbers. The unit follows the description."""
     name, *words = text.split()
     numbers: list[float] = []
     while words and len(numbers) < most and _is_number(words[-1]) and np.isfinite(float(words[-1])):
         numbers.insert(0, float(words.pop()))
-    # A description may end in a word like "N"; a unit of two words is one of temperature.
+    # A description may end in a word like "N". Only units of temperature have two words.
     two = " ".join(words[-2:])
     unit = two if len(words) > 1 and words[-2].casefold() == "deg" and _is_unit(two) else words[-1] if words else "-"
     return _Quantity(name, unit, tuple(numbers), line)

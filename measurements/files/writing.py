@@ -1,4 +1,4 @@
-"""Writing a table so that nothing half-written is ever seen."""
+"""Writing of tables, without partial files after an error."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from .parquet_table import EXTRA
 
 
 def write_table(table: pd.DataFrame, path: str | PathLike[str]) -> None:
-    """Write a table as CSV or Parquet, whole or not at all.
+    """Write a table as CSV or Parquet, completely or not at all.
 
-    CSV numbers are written with the digits that bring the same double back. The table goes to a
-    temporary file in the same folder, which then takes the name in one step.
+    CSV numbers have enough digits to be read back exactly. The table is written to a temporary file in the same folder,
+    which is then renamed.
 
     Parameters
     ----------
     table : pandas.DataFrame
     path : str or path-like
-        Ends in ``.csv`` or ``.parquet``. A file of that name is replaced.
+        With extension ``.csv`` or ``.parquet``. An existing file is replaced.
 
     Raises
     ------
     DataError
-        If the extension is another, the folder is not there, or pyarrow is missing for Parquet.
+        If the extension is another one, the folder does not exist, or pyarrow is missing for Parquet.
 
     Examples
     --------
@@ -49,7 +49,7 @@ def write_table(table: pd.DataFrame, path: str | PathLike[str]) -> None:
     os.close(handle)
     part = Path(name)
     try:
-        # A temporary file is private; the finished one gets the usual rights.
+        # A temporary file is private. The finished one gets the default permissions.
         part.chmod(0o666 & ~_umask())
         if kind == ".csv":
             table.to_csv(part, index=False, lineterminator="\n")
@@ -65,7 +65,7 @@ def write_table(table: pd.DataFrame, path: str | PathLike[str]) -> None:
 
 
 def _umask() -> int:
-    """Return the process's mask, which can only be read by setting it."""
+    """Return the file mode mask of the process, which can only be read by setting it."""
     mask = os.umask(0o022)
     os.umask(mask)
     return mask

@@ -1,4 +1,4 @@
-"""Screening a recording: which rows are set aside before a fit, and why. Nothing is dropped unseen."""
+"""Excluded rows of a recording: rows that do not represent the steady, warm tire, each with the reason."""
 
 from __future__ import annotations
 
@@ -14,36 +14,40 @@ from tirefmu.symbolic.errors import DataError
 from ..channels import INPUTS, OUTPUTS
 from ..operating_conditions.phases import transitions
 from ..recording import Recording
+from ..thresholds import (
+    COLD_START,
+    LATER_TEMPERATURE_QUANTILE,
+    LIFTED_LOAD,
+    LONGEST_WARM_UP,
+    SETTLING_TIME,
+    STANDING_SPEED,
+    WARM_TREAD,
+)
 from .outliers import outliers
 
-#: Why a row is set aside, the first that holds; each with what it means.
+#: Reasons to exclude a row, with their meaning. If several apply to a row, the first one counts.
 EXCLUSION_REASONS: Mapping[str, str] = {
     "lifted": "the wheel carries no load",
-    "standing": "the wheel stands",
+    "standing": "the wheel does not roll",
     "warm-up": "the tread is still cold",
-    "transition": "a held input goes from one level to another, or the tire has not settled since",
-    "outlier": "a reading stands off the course of its channel",
+    "transition": "a held input changes from one level to another, or the tire has not settled yet",
+    "outlier": "a value is far from the running median of its channel",
 }
-_LIFTED = 0.02  # of the largest load
-_STANDING = 0.5  # m/s
-_COLDER = 15.0  # K below what the tread keeps later on: less is the swing within and between sweeps
-_WARM = 5.0  # K below: from here on it is warm
-_LONGEST_WARM_UP = 0.5  # of the rows; a tread that warms for longer was never warm
-_SAYS_WARM_UP = re.compile(r"warm[\s_-]*up", re.IGNORECASE)
+_WARM_UP_NAME = re.compile(r"warm[\s_-]*up", re.IGNORECASE)
 
 
 @dataclass(frozen=True, eq=False)
 class RowExclusion:
-    """What a screening found.
+    """A recording and its excluded rows.
 
     Parameters
     ----------
     recording : Recording
-        As it was recorded: scores count all of its rows.
+        As recorded, with all rows.
     reasons : ndarray of str, shape (n,)
-        Why each row is set aside (a name of `EXCLUSION_REASONS`); "" where it is kept.
+        Why each row is excluded (a name of `EXCLUSION_REASONS`); "" if it is included.
     notes : tuple of str
-        One sentence for each thing found: where, what, and how many rows.
+        One sentence for each group of excluded rows: reason, number of rows, details.
 
     Examples
     --------
@@ -52,7 +56,7 @@ class RowExclusion:
     >>> result = exclude_rows(Recording(rows, "iso", "a.csv"))
     >>> result.included.tolist(), result.counts
     ([True, True, False, True], {'lifted': 1})
-    >>> result.usable().table["Fy"].tolist()
+    >>> result.masked().table["Fy"].tolist()
     [-1.0, -1.0, nan, -1.0]
     """
 
@@ -62,19 +66,20 @@ class RowExclusion:
 
     @property
     def included(self) -> NDArray[np.bool_]:
-        """Which rows are kept: ndarray of bool, shape (n,)."""
+        """Which rows are included: ndarray of bool, shape (n,)."""
         return np.asarray(self.reasons == "", dtype=np.bool_)
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many rows are set aside, by reason, in the order of `EXCLUSION_REASONS`."""
+        """The number of excluded rows by reason, in the order of `EXCLUSION_REASONS`."""
         found = {reason: int(np.count_nonzero(self.reasons == reason)) for reason in EXCLUSION_REASONS}
         return {reason: count for reason, count in found.items() if count}
 
-    def usable(self) -> Recording:
-        """Return the recording with the outputs of rows set aside as not measured.
+    def masked(self) -> Recording:
+        """Return the recording with the outputs of excluded rows replaced by NaN.
 
-        Inputs, clock and the number of rows stay, so that slips can lag and rows can be told.
+        Inputs, clock and the number of rows do not change, so that transient slips can be computed and rows keep their
+        numbers.
 
         Returns
         -------
@@ -83,7 +88,7 @@ class RowExclusion:
         Raises
         ------
         DataError
-            If no row is kept; says why.
+            If every row is excluded. The message contains the reasons.
         """
         if not self.included.any():
             why = ", ".join(f"{count} {reason} ({EXCLUSION_REASONS[reason]})" for reason, count in self.counts.items())
@@ -99,19 +104,19 @@ def exclude_rows(
     recording: Recording,
     *,
     warm_up: bool = True,
-    in_transit: bool = True,
-    off_course: bool = True,
-    settling: float = 0.3,
+    transition: bool = True,
+    outlier: bool = True,
+    settling: float = SETTLING_TIME,
 ) -> RowExclusion:
-    """Find the rows of a recording that say nothing of the steady, warm tire.
+    """Return the rows of a recording that do not represent the steady, warm tire.
 
     Parameters
     ----------
     recording : Recording
-    warm_up, in_transit, off_course : bool
-        Whether to look for rows of a cold tread, for transitions between levels, for outliers.
+    warm_up, transition, outlier : bool
+        Whether to exclude rows for these reasons.
     settling : float
-        s after a transition until the tire has settled; three relaxation lengths of 0.5 m at 5 m/s.
+        s after a transition until the tire has settled.
 
     Returns
     -------
@@ -124,28 +129,28 @@ def exclude_rows(
     """
     _check_inputs(recording)
     reasons = np.full(len(recording), "", dtype=object)
-    findings: list[str] = []
+    notes: list[str] = []
 
-    def set_aside(rows: NDArray[np.bool_], reason: str, sentence: str) -> None:
-        fresh = rows & (reasons == "")
-        if fresh.any():
-            reasons[fresh] = reason
-            findings.append(f"{reason}: {fresh.sum()} of {len(recording)} rows{_from_to(fresh)}: {sentence}")
+    def exclude(rows: NDArray[np.bool_], reason: str, details: str) -> None:
+        added = rows & (reasons == "")
+        if added.any():
+            reasons[added] = reason
+            notes.append(f"{reason}: {added.sum()} of {len(recording)} rows{_row_range(added)}: {details}")
 
-    set_aside(_lifted(recording), "lifted", EXCLUSION_REASONS["lifted"])
-    set_aside(_standing(recording), "standing", EXCLUSION_REASONS["standing"])
+    exclude(_lifted(recording), "lifted", EXCLUSION_REASONS["lifted"])
+    exclude(_standing(recording), "standing", EXCLUSION_REASONS["standing"])
     if warm_up:
-        rows, sentence = _warm_up(recording)
-        set_aside(rows, "warm-up", sentence)
-    if in_transit:
-        moving = transitions(recording, settling=settling)
+        rows, details = _warm_up(recording)
+        exclude(rows, "warm-up", details)
+    if transition:
+        changing = transitions(recording, settling=settling)
         for name in INPUTS:
-            set_aside(moving == name, "transition", f"{name} goes from one level to another")
-    for reading in outliers(recording) if off_course else ():
-        if reasons[reading.row] in ("", "outlier"):
-            reasons[reading.row] = "outlier"
-            findings.append(f"outlier: {reading}")
-    return RowExclusion(recording, reasons, tuple(findings))
+            exclude(changing == name, "transition", f"{name} changes from one level to another")
+    for value in outliers(recording) if outlier else ():
+        if reasons[value.row] in ("", "outlier"):
+            reasons[value.row] = "outlier"
+            notes.append(f"outlier: {value}")
+    return RowExclusion(recording, reasons, tuple(notes))
 
 
 def _check_inputs(recording: Recording) -> None:
@@ -153,12 +158,12 @@ def _check_inputs(recording: Recording) -> None:
         if name in recording.table:
             bad = np.flatnonzero(~np.isfinite(recording.table[name].to_numpy(dtype=np.float64)))
             if len(bad):
-                where = f"{recording.source}: row {bad[0] + 1}"
-                raise DataError(f"{where}: {name} is not finite ({len(bad)} of {len(recording)} rows)")
+                row = f"{recording.source}: row {bad[0] + 1}"
+                raise DataError(f"{row}: {name} is not finite ({len(bad)} of {len(recording)} rows)")
 
 
-def _from_to(rows: NDArray[np.bool_]) -> str:
-    """Say where rows stand if they are one stretch."""
+def _row_range(rows: NDArray[np.bool_]) -> str:
+    """Return the first and the last row if the rows are consecutive."""
     at = np.flatnonzero(rows)
     return f" ({at[0] + 1} to {at[-1] + 1})" if len(at) > 1 and at[-1] - at[0] + 1 == len(at) else ""
 
@@ -173,28 +178,28 @@ def _lifted(recording: Recording) -> NDArray[np.bool_]:
     if "Fz" not in recording.table or not len(recording):
         return np.zeros(len(recording), dtype=np.bool_)
     load = _load(recording)
-    return np.asarray(load <= _LIFTED * max(float(load.max()), 0.0))
+    return np.asarray(load <= LIFTED_LOAD * max(float(load.max()), 0.0))
 
 
 def _standing(recording: Recording) -> NDArray[np.bool_]:
     if "V" not in recording.table:
         return np.zeros(len(recording), dtype=np.bool_)
-    return np.asarray(np.abs(recording.table["V"].to_numpy(dtype=np.float64)) < _STANDING)
+    return np.asarray(np.abs(recording.table["V"].to_numpy(dtype=np.float64)) < STANDING_SPEED)
 
 
 def _warm_up(recording: Recording) -> tuple[NDArray[np.bool_], str]:
-    """Return the leading rows of a cold tread, by what the file says of itself or by the tread's temperature."""
+    """Return the rows of the warm-up, by the name of the recording or by the tread temperature, and the evidence."""
     rows = np.zeros(len(recording), dtype=np.bool_)
-    for word in (recording.source, recording.about.get("testid", "")):
-        if _SAYS_WARM_UP.search(word):
-            return ~rows, f"the recording calls itself {word!r}"
+    for name in (recording.source, recording.about.get("testid", "")):
+        if _WARM_UP_NAME.search(name):
+            return ~rows, f"the recording is named {name!r}"
     if "T" not in recording.table or not len(recording):
         return rows, ""
     temperature = recording.table["T"].to_numpy(dtype=np.float64)
-    usual = float(np.quantile(temperature[len(rows) // 2 :], 0.05))
-    if temperature[0] >= usual - _COLDER:
+    later = float(np.quantile(temperature[len(rows) // 2 :], LATER_TEMPERATURE_QUANTILE))
+    if temperature[0] >= later - COLD_START:
         return rows, ""
-    # The end is the first warm row: within a sweep the tread cools again.
-    end = int(np.argmax(temperature >= usual - _WARM))
-    rows[:end] = end <= _LONGEST_WARM_UP * len(rows)
-    return rows, f"the tread warms from {temperature[0]:.0f} to the {usual:.0f} deg C that it keeps"
+    # The first warm row is the end, although the tread cools again within a sweep.
+    end = int(np.argmax(temperature >= later - WARM_TREAD))
+    rows[:end] = end <= LONGEST_WARM_UP * len(rows)
+    return rows, f"the tread warms from {temperature[0]:.0f} deg C to {later:.0f} deg C"

@@ -1,4 +1,4 @@
-"""The virtual bench: runs a program on a tire and records it with noise."""
+"""Virtual test bench: applies a test program to a tire and records inputs and outputs with sensor noise."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .sensor_noise import Noise
 
 
 class TestedTire(Protocol):
-    """What the bench needs of a tire."""
+    """The interface of a tire on the virtual bench."""
 
     @property
     def signs(self) -> str:
@@ -28,23 +28,23 @@ class TestedTire(Protocol):
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """The inputs that the tire answers to."""
+        """The inputs of the tire."""
 
     def forces(self, **inputs: Any) -> Mapping[str, Any]:
-        """Return the outputs by contract name, arrays like the inputs."""
+        """Return the outputs by contract name, as arrays of the shape of the inputs."""
 
 
 @dataclass(frozen=True)
 class VirtualBench:
-    """A test bench made of numbers: the truth is known.
+    """A simulated test bench for a tire with known coefficients.
 
     Parameters
     ----------
     tire : Tire, path of a .tir file, name of a published tire, or TestedTire
     noise : Noise
-        Of inputs and outputs; default about an FSAE TTC bench.
+        Of inputs and outputs. Default: similar to an FSAE TTC bench.
     seed : int
-        The same seed gives the same recording. Each channel draws its own noise, whatever else is recorded.
+        The same seed gives the same recording. The noise of a channel does not depend on the other channels.
 
     Examples
     --------
@@ -58,7 +58,7 @@ class VirtualBench:
     ('virtual bench: alpha sweeps', 'iso', 1201)
     """
 
-    tire: Any  # of the user: a TestedTire once the bench is made
+    tire: Any  # as given by the user; a TestedTire after initialization
     noise: Noise = field(default_factory=Noise)
     seed: int = 0
 
@@ -67,9 +67,9 @@ class VirtualBench:
             object.__setattr__(self, "tire", tire_from(self.tire))
 
     def run(self, program: Program) -> Recording:
-        """Run a program and return its recording.
+        """Run a test program and return the recording.
 
-        The tire answers to the inputs as imposed; what is recorded of them is noisy like the outputs.
+        The tire is evaluated at the exact inputs. Recorded inputs and outputs are noisy.
 
         Parameters
         ----------
@@ -78,19 +78,19 @@ class VirtualBench:
         Returns
         -------
         Recording
-            In the program's signs, or where it names none, in the tire's.
+            In the sign convention of the program, by default that of the tire.
 
         Raises
         ------
         DataError
-            If the tire answers with no output of the contract.
+            If the tire has no output of the contract.
         """
-        true = self.truth(program)
-        t = true["t"].to_numpy(dtype=np.float64)
-        recorded = true.assign(
+        exact = self.truth(program)
+        t = exact["t"].to_numpy(dtype=np.float64)
+        recorded = exact.assign(
             **{
-                name: self.noise.record(name, true[name].to_numpy(dtype=np.float64), t, self._rng(name))
-                for name in true.columns
+                name: self.noise.record(name, exact[name].to_numpy(dtype=np.float64), t, self._rng(name))
+                for name in exact.columns
                 if name != "t"
             }
         )
@@ -100,7 +100,7 @@ class VirtualBench:
         return Recording(table, signs, f"virtual bench: {program.name}", about)
 
     def truth(self, program: Program) -> pd.DataFrame:
-        """Return imposed inputs and true outputs, without noise, in iso.
+        """Return inputs and outputs without noise, in iso.
 
         Parameters
         ----------
@@ -113,20 +113,20 @@ class VirtualBench:
         Raises
         ------
         DataError
-            If the tire answers with no output of the contract.
+            If the tire has no output of the contract.
         """
         imposed = convert_signs(program.table, "iso", self.tire.signs)
         inputs = {name: imposed[name].to_numpy(dtype=np.float64) for name in self.tire.inputs if name in imposed}
-        answer = self.tire.forces(**inputs)
+        forces = self.tire.forces(**inputs)
         outputs = {
-            name: np.broadcast_to(np.asarray(answer[name], dtype=np.float64), len(imposed))
+            name: np.broadcast_to(np.asarray(forces[name], dtype=np.float64), len(imposed))
             for name in OUTPUTS
-            if name in answer
+            if name in forces
         }
         if not outputs:
-            raise DataError(f"virtual bench: the tire answers with none of {', '.join(OUTPUTS)}")
+            raise DataError(f"virtual bench: the tire has none of the outputs {', '.join(OUTPUTS)}")
         return convert_signs(imposed.assign(**outputs), self.tire.signs, "iso")
 
     def _rng(self, name: str) -> np.random.Generator:
-        """Return the channel's own stream: recording one more channel changes no other."""
+        """Return the random generator of a channel, which does not depend on the other channels."""
         return np.random.default_rng([self.seed, list(CHANNELS).index(name)])

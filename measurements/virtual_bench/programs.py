@@ -1,7 +1,7 @@
-"""Programs of a test bench: what it imposes on the wheel over time.
+"""Test programs of a bench: the inputs over time.
 
-Programs are commanded with Fz > 0 as load and with the TYDEX alpha: the inputs of ``iso`` and of
-``adapted-sae`` are the same. The bench writes its recording in whatever convention is asked for.
+Programs use Fz > 0 as load and the TYDEX slip angle, so that their inputs are the same in ``iso`` and ``adapted-sae``.
+The recording is written in the requested sign convention.
 """
 
 from __future__ import annotations
@@ -21,29 +21,29 @@ from tirefmu.tires.signs import reversed_columns
 from ..channels import INPUTS
 from ..units import PSI
 
-_Imposed = Mapping[str, float | NDArray[np.float64]]
-PAUSE = 5.0  # s, between two sweeps: the bench sets the next condition and does not log
-#: What an FSAE TTC bench holds: 12 psi and 25 mph.
+_Inputs = Mapping[str, float | NDArray[np.float64]]
+PAUSE = 5.0  # s between two sweeps, in which the bench sets the next operating condition and does not log
+#: Held inputs of an FSAE TTC bench: 12 psi and 25 mph.
 TTC_HELD: Mapping[str, float] = {"p": 12.0 * PSI, "V": 25.0 * 0.44704}
 _DEGREES_PER_SECOND = radians(4.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """The inputs that a bench imposes.
+    """The inputs of a bench over time.
 
     Parameters
     ----------
     name : str
     table : pandas.DataFrame
-        ``t`` and inputs of the contract, in SI, Fz > 0 as load.
+        ``t`` and inputs of the contract, in SI units, Fz > 0 as load.
     signs : str, optional
-        The convention in which the bench writes its recording; default the tire's own.
+        The sign convention of the recording. Default: that of the tire.
 
     Raises
     ------
     DataError
-        If there are no rows, a column is no input, a value is not finite, or ``t`` does not ascend.
+        If there are no rows, a column is not an input, a value is not finite, or ``t`` is not ascending.
     UnknownName
         If the signs are not one of the three conventions.
     """
@@ -57,13 +57,13 @@ class Program:
             reversed_columns(self.signs, "iso")
         if self.table.empty or "t" not in self.table:
             raise DataError(f"program {self.name}: no rows, or no column t")
-        strangers = [str(name) for name in self.table if name not in INPUTS]
-        if strangers:
-            raise DataError(f"program {self.name}: {strangers[0]!r} is no input: known are {', '.join(INPUTS)}")
+        unknown = [str(name) for name in self.table if name not in INPUTS]
+        if unknown:
+            raise DataError(f"program {self.name}: {unknown[0]!r} is not an input: known are {', '.join(INPUTS)}")
         if not np.isfinite(self.table.to_numpy(dtype=np.float64)).all():
             raise DataError(f"program {self.name}: an input is NaN or infinite")
         if not (np.diff(self.table["t"]) > 0.0).all():
-            raise DataError(f"program {self.name}: t does not ascend")
+            raise DataError(f"program {self.name}: t is not ascending")
 
     def __len__(self) -> int:
         """Return the number of rows."""
@@ -91,15 +91,15 @@ def alpha_sweeps(
     rate : float, rad/s
     sample_rate : float, Hz
     kappa : float
-        Held.
+        Constant longitudinal slip.
     held : mapping of str to float
-        Further inputs and their values, as p, V, T.
+        Further inputs and their constant values, such as p, V, T.
     name : str
 
     Returns
     -------
     Program
-        The camber changes slowest.
+        The camber changes least often.
 
     Examples
     --------
@@ -108,7 +108,7 @@ def alpha_sweeps(
     (1202, ['t', 'kappa', 'alpha', 'gamma', 'Fz', 'p', 'V'])
     """
     clock, swept = _triangle(-amplitude, amplitude, rate, sample_rate)
-    sweeps: Iterable[_Imposed] = (
+    sweeps: Iterable[_Inputs] = (
         {"kappa": kappa, "alpha": swept, "gamma": camber, "Fz": load, **held}
         for camber, load in product(cambers, list(loads))
     )
@@ -134,17 +134,17 @@ def kappa_sweeps(
     loads : iterable of float, N
     slip_angles, cambers : iterable of float, rad
     lowest, highest : float
-        Turning points of kappa; zero lies between them.
+        Turning points of kappa, on both sides of zero.
     rate : float, 1/s
     sample_rate : float, Hz
     held : mapping of str to float
-        Further inputs and their values, as p, V, T.
+        Further inputs and their constant values, such as p, V, T.
     name : str
 
     Returns
     -------
     Program
-        The slip angle changes slowest, then the camber.
+        The slip angle changes least often, then the camber.
 
     Examples
     --------
@@ -153,7 +153,7 @@ def kappa_sweeps(
     [-0.3, 0.3]
     """
     clock, swept = _triangle(lowest, highest, rate, sample_rate)
-    sweeps: Iterable[_Imposed] = (
+    sweeps: Iterable[_Inputs] = (
         {"kappa": swept, "alpha": angle, "gamma": camber, "Fz": load, **held}
         for angle, camber, load in product(slip_angles, list(cambers), list(loads))
     )
@@ -170,7 +170,7 @@ def steady_points(
     held: Mapping[str, float] | None = None,
     name: str = "steady points",
 ) -> Program:
-    """Return all combinations as steady points, one reading each.
+    """Return all combinations as steady points, one row each.
 
     Parameters
     ----------
@@ -179,15 +179,15 @@ def steady_points(
     loads : iterable of float, N
     cambers : iterable of float, rad
     dwell : float, s
-        From one reading to the next.
+        Time between two points.
     held : mapping of str to float, optional
-        Further inputs and their values.
+        Further inputs and their constant values.
     name : str
 
     Returns
     -------
     Program
-        kappa changes fastest, then the slip angle.
+        kappa changes most often, then the slip angle.
 
     Examples
     --------
@@ -203,9 +203,9 @@ def steady_points(
 def small_tire_program() -> Program:
     """Return the program of the UNICAMP bench for small tires: 9 slip angles x 3 loads x 11 slips.
 
-    -20 to 20 deg by 5, 60/110/160 N, -50 % to 100 %, no camber, 30 psi: 297 steady points. The paper does
-    not print its 11 slips; these are dense near free rolling and hold kappa = 0, since it fits pure side
-    force from the same points.
+    Slip angles of -20 to 20 deg in steps of 5 deg, loads of 60, 110 and 160 N, slips of -50 % to 100 %, no camber,
+    30 psi: 297 steady points. The paper does not list its 11 slips. These are dense near free rolling and contain
+    kappa = 0, because the paper fits the pure side force to the same points.
 
     Returns
     -------
@@ -227,15 +227,15 @@ def trento_program(*, sample_rate: float = 50.0, signs: str | None = None) -> Pr
 
     Lateral: 220, 440, 700, 900, 1120 N at 0, 1, 2, 3, 4 deg of camber, +-12 deg at 4 deg/s. Drive and brake:
     220, 700, 900, 1120 N at 0, 2, 4 deg of camber and three slip angles, kappa -0.3 to 0.3 at 0.2/s. The
-    angles 0, -3, -6 deg of its bench files are SAE, so they are 0, 3, 6 deg here. 14 psi, the highest
-    pressure, to which the report crops (its section 1.2.1).
+    angles 0, -3, -6 deg of its bench files are in SAE, so they are 0, 3, 6 deg here. The pressure is 14 psi, the
+    highest one, to which the report restricts its data (section 1.2.1).
 
     Parameters
     ----------
     sample_rate : float, Hz
-        The default gives about 26 thousand rows.
+        The default gives about 26,000 rows.
     signs : str, optional
-        The convention of the recording; default the tire's own.
+        The sign convention of the recording. Default: that of the tire.
 
     Returns
     -------
@@ -259,16 +259,16 @@ def trento_program(*, sample_rate: float = 50.0, signs: str | None = None) -> Pr
 
 
 def concatenate(programs: Sequence[Program], *, name: str | None = None, signs: str | None = None) -> Program:
-    """Return programs run one after the other.
+    """Return programs joined in sequence.
 
     Parameters
     ----------
     programs : sequence of Program
         All with the same inputs.
     name : str, optional
-        Default: their names, joined.
+        Default: the names of the programs.
     signs : str, optional
-        The convention of the recording; default the tire's own.
+        The sign convention of the recording. Default: that of the tire.
 
     Returns
     -------
@@ -277,7 +277,7 @@ def concatenate(programs: Sequence[Program], *, name: str | None = None, signs: 
     Raises
     ------
     DataError
-        If there is none, or one imposes inputs that another lacks.
+        If there is no program, or one has inputs that another lacks.
 
     Examples
     --------
@@ -286,7 +286,7 @@ def concatenate(programs: Sequence[Program], *, name: str | None = None, signs: 
     ('alpha sweeps, kappa sweeps', 1802)
     """
     if not programs:
-        raise DataError("no programs to run one after the other")
+        raise DataError("no programs to join")
     tables: list[pd.DataFrame] = []
     start = 0.0
     for program in programs:
@@ -303,21 +303,21 @@ def concatenate(programs: Sequence[Program], *, name: str | None = None, signs: 
 def _triangle(
     low: float, high: float, rate: float, sample_rate: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Clock and values of one sweep 0, high, low, 0."""
+    """Return clock and values of one sweep 0, high, low, 0."""
     if not (low <= 0.0 <= high and low < high and rate > 0.0 and sample_rate > 0.0):
-        raise DataError(f"a sweep needs lowest <= 0 <= highest, a rate and a sample rate: {low}, {high}, {rate}")
+        raise DataError(f"a sweep needs lowest <= 0 <= highest and positive rates: {low}, {high}, {rate}")
     corners = np.array([0.0, high, low, 0.0])
     times = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(corners)))]) / rate
-    # Rounded, for the last row is wanted though the division ends an ulp short of a whole number.
+    # Rounded, because rounding errors of the division would remove the last row.
     rows = int(np.floor(np.round(times[-1] * sample_rate, 6))) + 1
     clock = np.arange(rows) / sample_rate
     return clock, np.interp(clock, times, corners)
 
 
-def _in_sequence(name: str, clock: NDArray[np.float64], sweeps: Iterable[_Imposed]) -> Program:
-    """Return the sweeps one after the other, with pauses that are not logged."""
+def _in_sequence(name: str, clock: NDArray[np.float64], sweeps: Iterable[_Inputs]) -> Program:
+    """Return the sweeps in sequence, with pauses that are not logged."""
     tables = [
-        pd.DataFrame({"t": clock + number * (clock[-1] + PAUSE), **imposed}) for number, imposed in enumerate(sweeps)
+        pd.DataFrame({"t": clock + number * (clock[-1] + PAUSE), **inputs}) for number, inputs in enumerate(sweeps)
     ]
     if not tables:
         raise DataError(f"program {name}: no loads, no cambers or no slip angles")

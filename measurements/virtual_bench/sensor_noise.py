@@ -1,4 +1,4 @@
-"""The noise of a virtual bench: what its sensors add to what they sense."""
+"""Sensor noise of a virtual bench: random noise, offset, drift and quantization of each channel."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ class ChannelNoise:
     Parameters
     ----------
     constant : float
-        Standard deviation of the part that is always there.
+        Standard deviation of the part that does not depend on the value.
     proportional : float
-        Standard deviation of the part that grows with the value, as a fraction of it.
+        Standard deviation of the part that is proportional to the value, as a fraction of it.
     offset : float
-        Standard deviation, over recordings, of a constant error.
+        Standard deviation over recordings of a constant error.
     drift : float
-        Root mean square, over recordings, of a slow swing.
+        Root mean square over recordings of a slow sinusoidal error.
     step : float
-        The channel is rounded to multiples of this; 0: not.
+        Quantization: the channel is rounded to multiples of the step. 0: not rounded.
     """
 
     constant: float = 0.0
@@ -44,10 +44,10 @@ class ChannelNoise:
                 raise DataError(f"noise: {name} is {value}: it has to be 0 or more")
 
 
-# From the short-scale scatter of an FSAE TTC recording (Calspan, 16x7.5-10 at 0.5 to 2.8 kN, 100 Hz) about
-# its own moving cubic (0.5 s): Fy 1.3 % of its peak, Fx 10 N at rest and 1.4 % of its peak, Mz 3.7 N m,
+# From the scatter of an FSAE TTC recording (Calspan, 16x7.5-10 at 0.5 to 2.8 kN, 100 Hz) about a moving cubic of
+# 0.5 s: Fy 1.3 % of its peak, Fx 10 N at rest and 1.4 % of its peak, Mz 3.7 N m,
 # Fz 36 N, alpha 0.005 to 0.02 deg, gamma 0.005 to 0.008 deg, slip 0.0015, p 0.3 to 0.4 kPa, T 0.13 deg C,
-# V 0.006 m/s; correlated over a few samples. Much of the forces' scatter is ripple that the tire really has.
+# V 0.006 m/s, correlated over a few samples. Much of the scatter of the forces is ripple of the tire.
 _TTC = {
     "kappa": ChannelNoise(constant=0.0015, offset=0.0005, step=0.001),
     "alpha": ChannelNoise(constant=radians(0.015), offset=radians(0.03), step=radians(0.001)),
@@ -66,22 +66,22 @@ _TTC = {
 
 @dataclass(frozen=True)
 class Noise:
-    """The noise of a bench: inputs and outputs alike are noisy.
+    """The noise of a bench, of its inputs and its outputs.
 
     Parameters
     ----------
     channels : mapping of str to ChannelNoise
-        By contract name; a channel that is not named is recorded exactly. Default: about an FSAE TTC bench
-        with loads of 0.2 to 3 kN. `scaled` fits it to another load.
+        By contract name. Other channels are recorded exactly. Default: similar to an FSAE TTC bench with loads of 0.2
+        to 3 kN. `scaled` adapts it to other loads.
     correlation_time : float
         s, of the random part: first-order autoregressive, correlation exp(-dt/correlation_time).
     drift_period : float
-        s, of the slow swing.
+        s, period of the drift.
 
     Raises
     ------
     UnknownName
-        If a channel is not of the contract.
+        If a channel is not in the contract.
 
     Examples
     --------
@@ -103,7 +103,7 @@ class Noise:
 
     @classmethod
     def none(cls) -> Noise:
-        """Return a bench without any noise.
+        """Return the noise of a bench that records exactly.
 
         Returns
         -------
@@ -112,12 +112,12 @@ class Noise:
         return cls(channels={})
 
     def scaled(self, factor: float) -> Noise:
-        """Return the noise of a bench built for other loads: forces and moments scaled, slips as they are.
+        """Return the noise of a bench for other loads: that of forces and moments scaled, that of slips unchanged.
 
         Parameters
         ----------
         factor : float
-            The largest load over that of the TTC's bench (3 kN); 0.05 for a tire at 160 N.
+            The largest load divided by that of the FSAE TTC bench (3 kN); 0.05 for a tire at 160 N.
 
         Returns
         -------
@@ -143,15 +143,15 @@ class Noise:
         return replace(self, channels=scaled)
 
     def record(
-        self, name: str, true: NDArray[np.float64], t: NDArray[np.float64], rng: np.random.Generator
+        self, name: str, exact: NDArray[np.float64], t: NDArray[np.float64], rng: np.random.Generator
     ) -> NDArray[np.float64]:
-        """Return what the sensor of a channel records.
+        """Return the values that the sensor of a channel records.
 
         Parameters
         ----------
         name : str
-        true : ndarray, shape (n,)
-            What is there.
+        exact : ndarray, shape (n,)
+            Values without noise.
         t : ndarray, shape (n,), s
         rng : numpy.random.Generator
 
@@ -163,20 +163,20 @@ class Noise:
         --------
         >>> times = np.arange(5) / 100.0
         >>> noise = Noise({"Fy": ChannelNoise(step=50.0)})
-        >>> true = np.array([0.0, 20.0, 30.0, 70.0, 80.0])
-        >>> noise.record("Fy", true, times, np.random.default_rng(0)).tolist()
+        >>> exact = np.array([0.0, 20.0, 30.0, 70.0, 80.0])
+        >>> noise.record("Fy", exact, times, np.random.default_rng(0)).tolist()
         [0.0, 0.0, 50.0, 50.0, 100.0]
         """
         if name not in self.channels:
-            return true
+            return exact
         part = self.channels[name]
-        deviation = np.hypot(part.constant, part.proportional * np.abs(true))
-        swing = np.sqrt(2.0) * np.sin(2.0 * pi * t / self.drift_period + rng.uniform(0.0, 2.0 * pi))
+        deviation = np.hypot(part.constant, part.proportional * np.abs(exact))
+        drift = np.sqrt(2.0) * np.sin(2.0 * pi * t / self.drift_period + rng.uniform(0.0, 2.0 * pi))
         recorded = (
-            true
+            exact
             + deviation * correlated(t, self.correlation_time, rng)
             + part.offset * rng.standard_normal()
-            + part.drift * swing
+            + part.drift * drift
         )
         return np.asarray(np.round(recorded / part.step) * part.step if part.step else recorded)
 
@@ -187,9 +187,9 @@ def correlated(t: NDArray[np.float64], correlation_time: float, rng: np.random.G
     Parameters
     ----------
     t : ndarray, shape (n,), s
-        Ascending; steps may differ, and across a pause the noise forgets.
+        Ascending, with any steps. The correlation decays over a pause.
     correlation_time : float
-        s; 0 gives white noise.
+        s. 0 gives white noise.
     rng : numpy.random.Generator
 
     Returns
@@ -203,13 +203,13 @@ def correlated(t: NDArray[np.float64], correlation_time: float, rng: np.random.G
     >>> bool(abs(np.corrcoef(noise[:-1], noise[1:])[0, 1] - np.exp(-0.01 / 0.03)) < 0.03)
     True
     """
-    fresh = rng.standard_normal(len(t))
+    white = rng.standard_normal(len(t))
     if correlation_time == 0.0:
-        return fresh
-    kept = np.exp(-np.diff(t, prepend=-np.inf) / correlation_time)  # nothing is kept before the first row
-    renewed = np.sqrt(1.0 - kept**2)
+        return white
+    correlation = np.exp(-np.diff(t, prepend=-np.inf) / correlation_time)  # 0 for the first row
+    innovation = np.sqrt(1.0 - correlation**2)
     noise, last = [], 0.0
-    for keep, renew, draw in zip(kept.tolist(), renewed.tolist(), fresh.tolist(), strict=True):
-        last = keep * last + renew * draw
+    for rho, scale, draw in zip(correlation.tolist(), innovation.tolist(), white.tolist(), strict=True):
+        last = rho * last + scale * draw
         noise.append(last)
     return np.array(noise)

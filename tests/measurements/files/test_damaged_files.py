@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.io import savemat
 
-from tirefmu.measurements import INPUTS, check_plausible, coverage_notes, read_recording, screen
+from tirefmu.measurements import INPUTS, check_plausible, coverage_notes, exclude_rows, read_recording
 from tirefmu.symbolic.errors import TirefmuError
 
 DAT = b"""Tire_Name=Somebody's 16x7.5-10\tISO False
@@ -45,7 +45,7 @@ def refused(path):
         recording = read_recording(path)
         check_plausible(recording)
         coverage_notes(recording)
-        kept = screen(recording).kept
+        kept = exclude_rows(recording).included
     except TirefmuError as error:
         return str(error)
     assert len(kept) == len(recording) > 0

@@ -44,7 +44,7 @@ def test_a_process_that_dies_is_told_and_replaced(good, tmp_path, monkeypatch):
     monkeypatch.setattr(native_reader.reader_process, "__file__", str(tmp_path / "dies.py"))
     (tmp_path / "dies.py").write_text("import os, sys; sys.stdin.buffer.read(1); os.abort()\n", encoding="utf-8")
     native_reader.close()
-    assert "good.mat: cannot be read as a MATLAB file: it is damaged so that its reader crashes" in refusal(good)
+    assert "good.mat: cannot be read as a MATLAB file: the file is damaged and crashes its reader" in refusal(good)
     monkeypatch.undo()
     assert len(read_recording(good)) == 5
 
@@ -103,7 +103,7 @@ def test_a_small_file_that_holds_far_too_much_is_refused(tmp_path, monkeypatch):
     assert len(read_recording(path)) == 20_000
     monkeypatch.setattr(native_reader, "CONTENT", 10_000)
     monkeypatch.setattr(native_reader, "CONTENT_PER_BYTE", 10)
-    assert refusal(path).endswith("it claims to hold far more than fits into a file of its size")
+    assert refusal(path).endswith("its content is far larger than a file of its size can contain")
 
 
 def test_compressed_numbers_that_are_damaged(good, tmp_path):

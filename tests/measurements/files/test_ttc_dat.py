@@ -138,7 +138,7 @@ def test_warm_up_files_without_slip_roll_freely(bench_file):
     [
         (
             {"drop": ["SL"], "FX": -700.0},
-            r"no channel SL \(kappa\), and FX says that the wheel is driven \(SR is another",
+            r"no channel SL \(kappa\), and FX is that of a driven wheel \(SR is another",
         ),
         ({"drop": ["FZ"]}, r"no channel FZ \(Fz\)"),
         ({"drop": ["FX", "FY", "MZ", "MX"]}, "nothing was measured"),
@@ -150,7 +150,7 @@ def test_warm_up_files_without_slip_roll_freely(bench_file):
         ({"units": [*SI[:10], "deg", *SI[11:]]}, "channel FZ: unit 'deg' measures angle, not force"),
         ({"units": [*SI[:-1], ""]}, "line 3: 18 units for 19 channels"),
         ({"text": ""}, "the file is empty"),
-        ({"text": "alpha Fz\n1 2\n"}, "no line names the channels"),
+        ({"text": "alpha Fz\n1 2\n"}, "no line has the channel names"),
         ({"text": "ET SA\0"}, "not a text file"),
     ],
 )

@@ -120,7 +120,7 @@ def test_what_may_be_missing(tmp_path, missing):
     [
         (
             {"drop": ["SL"], "FX": np.full((ROWS, 1), 800.0)},
-            r"no channel SL \(kappa\), and FX says .*SR is another slip",
+            r"no channel SL \(kappa\), and FX is that of a driven wheel .*SR is another slip",
         ),
         ({"drop": ["FZ"], "FZN": np.ones((ROWS, 1))}, r"no channel FZ \(Fz\): did you mean FZN\?"),
         ({"drop": ["FX", "FY", "MZ", "MX"]}, "nothing was measured"),

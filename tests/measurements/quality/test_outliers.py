@@ -57,4 +57,4 @@ def test_the_sentence():
     time = np.arange(200) / 100.0
     table = {"t": time, "Fy": np.where(np.arange(200) == 70, 900.0, 100.0)}
     (reading,) = outliers(Recording(pd.DataFrame(table), "iso", "a.csv"))
-    assert str(reading) == "row 71: Fy is 900 N among 100"
+    assert str(reading) == "row 71: Fy is 900 N, the running median is 100"

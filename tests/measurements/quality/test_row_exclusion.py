@@ -41,7 +41,7 @@ def test_every_reason_is_found_counted_and_told(spoilt):
     assert result.counts["standing"] == 101
     assert result.counts["outlier"] == 1
     assert result.reasons[9000] == "outlier"
-    assert "outlier: row 9001: Fy is 9000 N among" in result.notes[-1]
+    assert "outlier: row 9001: Fy is 9000 N, the running median is" in result.notes[-1]
     # Eleven ways of one second, and 0.3 s after each; the rest of the time conditions were held.
     assert result.counts["transition"] < 11 * 130
 
@@ -49,7 +49,7 @@ def test_every_reason_is_found_counted_and_told(spoilt):
 def test_only_outputs_are_masked_and_only_where_set_aside(spoilt):
     before = spoilt.table.copy()
     result = exclude_rows(spoilt)
-    usable = result.usable()
+    usable = result.masked()
     pd.testing.assert_frame_equal(spoilt.table, before)
     for name in spoilt.table:
         if name in OUTPUTS:
@@ -66,7 +66,7 @@ def test_signs_make_no_difference(spoilt, signs):
 
 
 def test_what_is_not_looked_for_is_not_found(spoilt):
-    found = exclude_rows(spoilt, warm_up=False, in_transit=False, off_course=False)
+    found = exclude_rows(spoilt, warm_up=False, transition=False, outlier=False)
     assert list(found.counts) == ["lifted", "standing"]
 
 
@@ -96,9 +96,9 @@ def test_a_tread_that_never_gets_warm_is_not_cut_away(raw):
 def test_a_recording_that_calls_itself_a_warm_up(raw, source, testid):
     result = exclude_rows(Recording(raw.recording.table, "iso", source, {"testid": testid}))
     assert not result.included.any()
-    assert "calls itself" in result.notes[0]
+    assert "is named" in result.notes[0]
     with pytest.raises(DataError, match=r"none of 15600 rows can be used: 15600 warm-up \(the tread is still cold\)"):
-        result.usable()
+        result.masked()
 
 
 def test_transitions_are_set_aside_with_the_settling_after_them(raw):
@@ -112,13 +112,13 @@ def test_nothing_of_the_virtual_bench_is_set_aside():
     result = exclude_rows(recording)
     assert result.included.all()
     assert (result.counts, result.notes) == ({}, ())
-    pd.testing.assert_frame_equal(result.usable().table, recording.table)
+    pd.testing.assert_frame_equal(result.masked().table, recording.table)
 
 
 def test_a_wheel_off_the_ground_all_along():
     recording = Recording(pd.DataFrame({"Fz": [0.0, -5.0], "Fy": [1.0, 2.0]}), "iso", "a.csv")
     with pytest.raises(DataError, match=r"^a.csv: none of 2 rows can be used: 2 lifted \(the wheel carries no load\)$"):
-        exclude_rows(recording).usable()
+        exclude_rows(recording).masked()
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
@@ -131,7 +131,7 @@ def test_inputs_that_are_no_numbers_are_refused(bad):
 def test_no_rows():
     result = exclude_rows(Recording(pd.DataFrame({"Fz": [], "T": [], "Fy": []}), "iso", "a.csv"))
     with pytest.raises(DataError, match="none of 0 rows can be used: no rows"):
-        result.usable()
+        result.masked()
 
 
 def test_measured_files_lose_next_to_nothing(data_folder):

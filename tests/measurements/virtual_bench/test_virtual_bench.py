@@ -160,7 +160,7 @@ def test_bad_noise_and_tires():
         def forces(self, **inputs) -> Mapping[str, np.ndarray]:
             return {"trail": inputs["Fz"]}
 
-    with pytest.raises(DataError, match="answers with none of Fx"):
+    with pytest.raises(DataError, match="has none of the outputs Fx"):
         VirtualBench(Silent()).run(alpha_sweeps([900.0]))
 
 
@@ -231,7 +231,7 @@ def test_bad_programs():
         steady_points([], [0.0], [60.0])
     with pytest.raises(DataError, match="a sweep needs"):
         kappa_sweeps([300.0], lowest=0.1)
-    with pytest.raises(DataError, match="'Fy' is no input"):
+    with pytest.raises(DataError, match="'Fy' is not an input"):
         Program("x", pd.DataFrame({"t": [0.0], "Fy": [1.0]}))
     with pytest.raises(DataError, match="t does not ascend"):
         Program("x", pd.DataFrame({"t": [0.0, 0.0]}))
