@@ -233,7 +233,7 @@ def test_bad_programs():
         kappa_sweeps([300.0], lowest=0.1)
     with pytest.raises(DataError, match="'Fy' is not an input"):
         Program("x", pd.DataFrame({"t": [0.0], "Fy": [1.0]}))
-    with pytest.raises(DataError, match="t does not ascend"):
+    with pytest.raises(DataError, match="t is not ascending"):
         Program("x", pd.DataFrame({"t": [0.0, 0.0]}))
     with pytest.raises(DataError, match="NaN or infinite"):
         Program("x", pd.DataFrame({"t": [0.0], "Fz": [np.nan]}))
