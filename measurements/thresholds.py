@@ -136,7 +136,7 @@ LEAST_SLIP_DEVIATION = 0.005
 FEW_ROWS = 50
 #: Fraction of the clock's steps. If more are negative, the rows are not in the order of time. Judgement.
 MOST_BACKWARD_STEPS = 0.1
-#: Quantile of the loads of a recording that stands for its largest load, without outliers.
+#: Quantile of the loads of a recording that is taken as its largest load, so that outliers do not matter. Judgement.
 LARGEST_LOAD_QUANTILE = 0.95
 #: Ratio of the largest loads of two recordings. Above it they are probably of two tires: the test program of one tire
 #: has similar largest loads in all files. Judgement.
