@@ -1,4 +1,4 @@
-"""What a diagnosis of a made recording is worth: names, gap, intervals, confounders, unknown structure."""
+"""Score of a diagnosis of a simulated recording: effects, error, intervals, confounded effects, unknown structure."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from diagnosis.suite import UNKNOWN, Case
 from tirefmu.diagnosis.verdict import Diagnosis
 from tirefmu.tires.tire import Tire
 
-#: Effects whose coefficients the truth has at warped inputs, so that no value of theirs is the true one.
+#: Effects that the true tire has at transformed inputs, so that their coefficients have no true values.
 WARPED = ("temp_friction", "temp_stiffness", "wear_drift")
-#: Unknown variables are right from this share: of those told and those true, the ones that are both.
+#: The reported variables of an unknown effect are right from this ratio of common to all reported or true variables.
 RIGHT_VARIABLES = 0.5
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a case.
+    """The outcome of a case.
 
     Attributes
     ----------
@@ -27,22 +27,22 @@ class Outcome:
     number : int
     hidden, found : tuple of str
     first : bool
-        Whether the first name is right.
+        Whether the first identified effect is right.
     extra : tuple of str
-        Names found that are not hidden.
+        Identified effects that are not hidden.
     exact : bool
-        Whether what was found is what was hidden.
+        Whether the identified effects are the hidden ones.
     closed : float
-        Share of the squared gap on other manoeuvres, in squares of each channel's noise, that the improved tire closes.
+        Relative reduction of the squared error on other manoeuvres, in units of the noise variance of each channel.
     covered, intervals : int
-        True values within their 95 % intervals, of how many.
-    told, next_test : bool
-        Confounded: whether the others are named, and the measurement that separates them.
+        True values within their 95 % intervals, and their number.
+    reported, next_test : bool
+        Confounded effects: whether all are reported, and the measurement that separates them.
     depends_on : tuple of str
     variables, added : bool
-        Unknown: whether its variables are right, and whether its formula was added.
+        Unknown effect: whether its variables are right, and whether its formula was added.
     seconds : float
-        Of one processor.
+        CPU time.
     """
 
     kind: str
@@ -56,7 +56,7 @@ class Outcome:
     closed: float
     covered: int
     intervals: int
-    told: bool
+    reported: bool
     next_test: bool
     depends_on: tuple[str, ...]
     variables: bool
@@ -65,26 +65,30 @@ class Outcome:
 
     @property
     def right(self) -> bool:
-        """Whether it is what an engineer would have wanted to hear."""
+        """Whether the diagnosis is right."""
         if self.kind == "confounded":
-            return self.first and not self.extra and self.told and self.next_test
+            return self.first and not self.extra and self.reported and self.next_test
         if self.kind == "unknown":
             return self.exact and self.variables
         return self.exact
 
     @property
     def line(self) -> str:
-        """One line for a reader."""
-        said = f"{'+'.join(self.hidden) or 'nothing'} -> {'+'.join(self.found) or 'nothing'}"
+        """The outcome in one line."""
+        summary = f"{'+'.join(self.hidden) or 'nothing'} -> {'+'.join(self.found) or 'nothing'}"
         more = f" [{' '.join(self.depends_on)}{', added' if self.added else ''}]" if self.depends_on else ""
         if self.kind == "confounded":
-            more += f" others {'told' if self.told else 'NOT TOLD'}, next test {'right' if self.next_test else 'WRONG'}"
+            reported, next_test = (
+                "reported" if self.reported else "NOT REPORTED",
+                "right" if self.next_test else "WRONG",
+            )
+            more += f" others {reported}, next test {next_test}"
         mark = "right" if self.right else "first" if self.first else "WRONG"
-        return f"{self.kind}:{self.number} {mark:5} {said}{more}; closed {self.closed:.3f}, {self.seconds:.1f} s"
+        return f"{self.kind}:{self.number} {mark:5} {summary}{more}; closed {self.closed:.3f}, {self.seconds:.1f} s"
 
 
-def judged(kind: str, number: int, case: Case, result: Diagnosis, seconds: float) -> Outcome:
-    """Return what a diagnosis is worth.
+def score(kind: str, number: int, case: Case, result: Diagnosis, seconds: float) -> Outcome:
+    """Return the outcome of a diagnosis.
 
     Parameters
     ----------
@@ -96,12 +100,12 @@ def judged(kind: str, number: int, case: Case, result: Diagnosis, seconds: float
     """
     found = tuple(one.effect for one in result.found)
     hidden = ("UNKNOWN",) if case.unknown else case.hidden
-    allowed, indistinguishable, words = set(hidden), set[str](), ""
+    allowed, confounded_effects, words = set(hidden), set[str](), ""
     if kind == "confounded":
         _, _, others, confounded, words = CONFOUNDED[number]
         allowed |= set(others.split())
-        indistinguishable = {*confounded.split(), *hidden}
-    before, after = (squared_gap(tire, case, result) for tire in (result.base_tire, result.tire))
+        confounded_effects = {*confounded.split(), *hidden}
+    before, after = (squared_error(tire, case, result) for tire in (result.base_tire, result.tire))
     covered, intervals = _covered(case, result) if kind in ("single", "double", "triple") else (0, 0)
     named = {*found, *result.confounded_with.get(found[0], ())} if found else set()
     depends = result.unknown[0].depends_on if result.unknown else ()
@@ -113,7 +117,7 @@ def judged(kind: str, number: int, case: Case, result: Diagnosis, seconds: float
         exact=set(found) == set(hidden),
         closed=1.0 - after / before,
         covered=covered, intervals=intervals,
-        told=indistinguishable <= named,
+        reported=confounded_effects <= named,
         next_test=bool(words) and any(re.search(words, text) for text in result.next_measurement),
         depends_on=depends,
         variables=bool(true) and len(true & set(depends)) >= RIGHT_VARIABLES * len(true | set(depends)),
@@ -122,8 +126,8 @@ def judged(kind: str, number: int, case: Case, result: Diagnosis, seconds: float
     )  # fmt: skip
 
 
-def squared_gap(tire: Tire, case: Case, result: Diagnosis) -> float:
-    """Return the squared gap between a tire and the truth on other manoeuvres, in squares of each channel's noise."""
+def squared_error(tire: Tire, case: Case, result: Diagnosis) -> float:
+    """Return the squared error of a tire on other manoeuvres, in units of the noise variance of each channel."""
     computed = tire.evaluate(case.test.drop(columns=list(result.gap["train"])), signs=case.signs)
     parts = (((computed[name] - case.test[name]) ** 2).mean() / one["floor"] ** 2
              for name, one in result.gap["train"].items())  # fmt: skip
@@ -131,7 +135,7 @@ def squared_gap(tire: Tire, case: Case, result: Diagnosis) -> float:
 
 
 def _covered(case: Case, result: Diagnosis) -> tuple[int, int]:
-    """Return how many true values lie within their intervals, and of how many."""
+    """Return the number of true values within their intervals, and the number of intervals."""
     true = case.tire.in_signs(result.signs).values
     inside = [
         one.lower <= true[name] <= one.upper

@@ -1,4 +1,4 @@
-"""The table of a discovery run as Markdown, and its place in a page."""
+"""The table of a discovery run in Markdown, and its insertion into a page."""
 
 from __future__ import annotations
 
@@ -11,28 +11,28 @@ from discovery_score import Outcome
 BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
 
 
-def table_of(outcomes: Sequence[Outcome], made_by: str) -> str:
-    """Return levels, kinds, effects and what went wrong, as measured.
+def table_of(outcomes: Sequence[Outcome], source: str) -> str:
+    """Return the results by criterion, kind and effect, and the wrong cases.
 
     Parameters
     ----------
     outcomes : sequence of Outcome
-    made_by : str
+    source : str
         The command and the version.
     """
     kinds = list(dict.fromkeys(one.kind for one in outcomes))
-    parts = [f"Made by {made_by}: {len(outcomes)} recordings.", _levels(outcomes), _kinds(outcomes, kinds)]
+    parts = [f"Computed by {source}: {len(outcomes)} recordings.", _levels(outcomes), _kinds(outcomes, kinds)]
     singles = [one for one in outcomes if one.kind == "single"]
     if singles:
         parts.append(_effects(singles))
     wrong = [one for one in outcomes if not one.right]
     lines = [f"- {one.line} ({one.name})" for one in wrong]
-    parts.append("### Not right\n\n" + ("\n".join(lines) or "None."))
+    parts.append("### Wrong cases\n\n" + ("\n".join(lines) or "None."))
     return "\n\n".join(parts)
 
 
 def split_page(page: Path) -> tuple[str, str]:
-    """Return what a page says before and after the place of the table, marks included.
+    """Return the text of a page before and after the table, including the marks.
 
     Parameters
     ----------
@@ -41,19 +41,19 @@ def split_page(page: Path) -> tuple[str, str]:
     Raises
     ------
     SystemExit
-        If the page cannot be read or has no such place.
+        If the page cannot be read or has no marks.
     """
     try:
         text = page.read_text(encoding="utf-8")
     except OSError as error:
         raise SystemExit(f"{page}: cannot be read ({error.strerror})") from None
     if BEGIN not in text or END not in text:
-        raise SystemExit(f"{page}: lacks the lines {BEGIN} and {END}, between which the table goes")
+        raise SystemExit(f"{page}: the lines {BEGIN} and {END} are missing")
     return text[: text.index(BEGIN)] + BEGIN, text[text.index(END) :]
 
 
 def put_table(page: Path, table: str) -> None:
-    """Put a table between the marks of a page.
+    """Replace the table between the marks of a page.
 
     Parameters
     ----------
@@ -70,13 +70,13 @@ def _grid(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def _levels(outcomes: Sequence[Outcome]) -> str:
-    """Return the levels that the project set itself, and what was reached."""
+    """Return the criteria of the project and the results."""
 
     def of(*kinds: str) -> list[Outcome]:
         return [one for one in outcomes if one.kind in kinds]
 
-    def count(cases: list[Outcome], holds: Callable[[Outcome], bool]) -> str:
-        return f"{sum(map(holds, cases))} of {len(cases)}" if cases else "-"
+    def count(cases: list[Outcome], satisfied: Callable[[Outcome], bool]) -> str:
+        return f"{sum(map(satisfied, cases))} of {len(cases)}" if cases else "-"
 
     single, null, several, unknown = of("single"), of("null"), of("double", "triple"), of("unknown")
     confounded, bent = of("confounded"), of("bent")
@@ -84,26 +84,26 @@ def _levels(outcomes: Sequence[Outcome]) -> str:
     inside, intervals = sum(one.covered for one in outcomes), sum(one.intervals for one in outcomes)
     seconds = np.array([one.seconds for one in outcomes])
     rows = [
-        ("single effects, right name first", "94 %", count(single, lambda one: one.first)),
-        ("the same with extra names", "at most 12 %", count(single, lambda one: bool(one.extra))),
-        ("nothing missing, a name told", "at most 3 %", count(null, lambda one: bool(set(one.found) - {"UNKNOWN"}))),
-        ("nothing missing, UNKNOWN told", "at most 6 %", count(null, lambda one: "UNKNOWN" in one.found)),
-        ("held-out squared gap closed, median", "0.95", f"{np.median(closed):.3f}" if len(closed) else "-"),
+        ("single effects, right effect first", "94 %", count(single, lambda one: one.first)),
+        ("the same with wrong additional effects", "at most 12 %", count(single, lambda one: bool(one.extra))),
+        ("none missing, effect reported", "at most 3 %", count(null, lambda one: bool(set(one.found) - {"UNKNOWN"}))),
+        ("none missing, UNKNOWN reported", "at most 6 %", count(null, lambda one: "UNKNOWN" in one.found)),
+        ("reduction of the squared error, median", "0.95", f"{np.median(closed):.3f}" if len(closed) else "-"),
         ("the same, share of cases at least 0.8", "95 %", f"{np.mean(closed >= 0.8):.0%}" if len(closed) else "-"),
         ("two and three effects, exact set", "60 %", count(several, lambda one: one.exact)),
-        ("unknown, told", "all", count(unknown, lambda one: one.exact)),
+        ("unknown, reported", "all", count(unknown, lambda one: one.exact)),
         ("unknown, variables right", "all", count(unknown, lambda one: one.variables)),
-        ("unknown, gap closed at least 0.9", "better: all", count(unknown, lambda one: one.closed >= 0.9)),
-        ("unknown, gap wider than before", "0", count(unknown, lambda one: one.closed < -0.001)),
-        ("confounded, told", "all", count(confounded, lambda one: one.first and one.told)),
+        ("unknown, reduction at least 0.9", "better: all", count(unknown, lambda one: one.closed >= 0.9)),
+        ("unknown, error larger than before", "0", count(unknown, lambda one: one.closed < -0.001)),
+        ("confounded, reported", "all", count(confounded, lambda one: one.first and one.reported)),
         ("confounded, right next test", "better: all", count(confounded, lambda one: one.next_test)),
-        ("base formula of another form, right name first", "90 %", count(bent, lambda one: one.first)),
-        ("the same with wrong names", "better: 0", count(bent, lambda one: bool(one.extra))),
-        ("95 % intervals that hold the true value", "88-98 %",
+        ("baseline formula of another form, right effect first", "90 %", count(bent, lambda one: one.first)),
+        ("the same with wrong effects", "better: 0", count(bent, lambda one: bool(one.extra))),
+        ("95 % intervals that contain the true value", "88-98 %",
          f"{inside} of {intervals} ({inside / intervals:.0%})" if intervals else "-"),
-        ("seconds of one processor a case, median and most", "60", f"{np.median(seconds):.1f}, {seconds.max():.1f}"),
+        ("CPU seconds per case, median and largest", "60", f"{np.median(seconds):.1f}, {seconds.max():.1f}"),
     ]  # fmt: skip
-    return _grid(("what", "must", "measured"), rows)
+    return _grid(("criterion", "required", "measured"), rows)
 
 
 def _kinds(outcomes: Sequence[Outcome], kinds: Sequence[str]) -> str:
@@ -115,7 +115,7 @@ def _kinds(outcomes: Sequence[Outcome], kinds: Sequence[str]) -> str:
         rows.append((kind, str(len(cases)), str(sum(one.right for one in cases)), str(sum(one.first for one in cases)),
                      str(sum(bool(one.extra) for one in cases)), *closed,
                      f"{np.median([one.seconds for one in cases]):.1f}"))  # fmt: skip
-    head = ("kind", "cases", "right", "right first", "extra names", "closed: median", "least", "seconds")
+    head = ("kind", "cases", "right", "right first", "wrong additional effects", "closed: median", "least", "seconds")
     return "### By kind\n\n" + _grid(head, rows)
 
 
@@ -124,8 +124,8 @@ def _effects(singles: Sequence[Outcome]) -> str:
     for effect in dict.fromkeys(one.hidden[0] for one in singles):
         cases = [one for one in singles if one.hidden[0] == effect]
         inside, intervals = sum(one.covered for one in cases), sum(one.intervals for one in cases)
-        told = "; ".join("+".join(one.found) or "nothing" for one in cases if not one.right)
+        reported = "; ".join("+".join(one.found) or "nothing" for one in cases if not one.right)
         rows.append((effect, f"{sum(one.right for one in cases)} of {len(cases)}",
                      " ".join(f"{one.closed:.3f}" for one in cases),
-                     f"{inside} of {intervals}" if intervals else "-", told))  # fmt: skip
-    return "### By effect\n\n" + _grid(("effect", "right", "closed", "intervals", "told instead"), rows)
+                     f"{inside} of {intervals}" if intervals else "-", reported))  # fmt: skip
+    return "### By effect\n\n" + _grid(("effect", "right", "closed", "intervals", "reported instead"), rows)

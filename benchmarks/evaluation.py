@@ -1,6 +1,6 @@
-"""How long a point takes: CasADi's C, SymPy's lambdify and every code of ours, in one run.
+"""Evaluation time per point: C code of CasADi, SymPy's lambdify and the generated code, in one run.
 
-Repetitions are interleaved, so that the machine's other work falls on all alike; medians are told.
+Repetitions are interleaved, so that other load of the machine affects all equally. The result is the median.
 
     python benchmarks/evaluation.py [--model mf61] [--points 100,10000,1000000] [--json FILE]
 """
@@ -30,8 +30,8 @@ from tirefmu.tires.printed import casadi_module
 FloatArray = npt.NDArray[np.float64]
 RANGES = {"kappa": (-0.3, 0.3), "alpha": (-0.3, 0.3), "gamma": (-0.1, 0.1), "p": (1.8e5, 2.8e5), "V": (8.0, 30.0)}
 CASADI = "CasADi C, -O2"
-#: Seconds that one contender may take for one repetition; what is slower is left out at that many points.
-PATIENCE = 30.0
+#: s, time limit of one repetition. A slower candidate is skipped for larger numbers of points.
+TIME_LIMIT = 30.0
 LOOP = """
 #include <stddef.h>
 void rows(size_t n, const double *x, double *y, double *w)
@@ -46,8 +46,8 @@ void rows(size_t n, const double *x, double *y, double *w)
 
 
 def parameters(book: Model) -> FloatArray:
-    """Return a plausible tire's parameter vector, every coefficient off zero."""
-    values = {name: card.generic or 0.01 for name, card in book.coefficients.items()}
+    """Return the parameter vector of a plausible tire with all coefficients different from 0."""
+    values = {name: declared.generic or 0.01 for name, declared in book.coefficients.items()}
     values |= {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
     return np.array([values.get(name, 0.0) for name in book.parameters])
 
@@ -60,7 +60,7 @@ def points(book: Model, n: int) -> FloatArray:
 
 
 def casadi_c(book: Model, values: FloatArray) -> Callable[[FloatArray], object]:
-    """Return CasADi's own C code of the same lines, compiled with -O2, parameters folded in."""
+    """Return the C code that CasADi generates for the same equations, compiled with -O2, parameters as constants."""
     module = casadi_module(book)
     x = ca.SX.sym("x", len(book.inputs))
     lines = getattr(module, "forces_straight", module.forces)
@@ -85,25 +85,25 @@ def casadi_c(book: Model, values: FloatArray) -> Callable[[FloatArray], object]:
 
 
 def lambdified(book: Model, values: FloatArray) -> Callable[[FloatArray], object]:
-    """Return SymPy's way: lines substituted by its own elimination of common subexpressions, in NumPy."""
+    """Return the NumPy function of SymPy's lambdify, with the equations as common subexpressions."""
     lines = reaching(book.lines(straight=True), [quantity.name for quantity in book.outputs])
-    known = dict(zip((sp.Symbol(name, real=True) for name in book.parameters), values.tolist(), strict=True))
+    constants = dict(zip((sp.Symbol(name, real=True) for name in book.parameters), values.tolist(), strict=True))
     inputs = [quantity.symbol for quantity in book.inputs]
-    steps = [(line.symbol, line.expression.xreplace(known)) for line in lines]
+    steps = [(line.symbol, line.expression.xreplace(constants)) for line in lines]
     outputs = [quantity.symbol for quantity in book.outputs]
-    own = [{"sgn": np.sign, "sgn1": lambda x: np.where(x >= 0, 1.0, -1.0), "absolute": np.abs}, "numpy"]
-    function = sp.lambdify(inputs, outputs, modules=own, cse=lambda _: (steps, outputs))
+    modules = [{"sgn": np.sign, "sgn1": lambda x: np.where(x >= 0, 1.0, -1.0), "absolute": np.abs}, "numpy"]
+    function = sp.lambdify(inputs, outputs, modules=modules, cse=lambda _: (steps, outputs))
     return lambda columns: function(*columns)
 
 
 def in_chunks(routine: Callable[[FloatArray, FloatArray], object], columns: FloatArray, values: FloatArray) -> None:
-    """Go through the rows as a fit does: a Jacobian is used and forgotten while it is in the cache."""
+    """Evaluate the rows in chunks as a fit does: a Jacobian is used while it is in the cache."""
     for start in range(0, columns.shape[1], 64):
         routine(columns[:, start : start + 64], values)
 
 
-def contenders(book: Model, values: FloatArray) -> dict[str, Callable[[FloatArray], object]]:
-    """Return everything that is compared, by name."""
+def candidates(book: Model, values: FloatArray) -> dict[str, Callable[[FloatArray], object]]:
+    """Return the compared functions by name."""
     numpy, scalar, one, two = (
         code_for(book, language, threads) for language, threads in (("numpy", 1), ("c", 1), ("batch", 1), ("batch", 2))
     )
@@ -122,36 +122,36 @@ def contenders(book: Model, values: FloatArray) -> dict[str, Callable[[FloatArra
 
 
 def measured(book: Model, numbers: list[int], repetitions: int) -> dict[int, dict[str, float]]:
-    """Return the median time of a point in nanoseconds, by number of points and contender."""
+    """Return the median time per point in nanoseconds, by number of points and candidate."""
     values = parameters(book)
-    racing = contenders(book, values)
-    told: dict[int, dict[str, float]] = {}
+    functions = candidates(book, values)
+    times_of: dict[int, dict[str, float]] = {}
     slow: set[str] = set()
     for n in numbers:
         rows = points(book, n)
-        times: dict[str, list[float]] = {name: [] for name in racing if name not in slow}
+        times: dict[str, list[float]] = {name: [] for name in functions if name not in slow}
         calls = max(1, 2000 // n)
-        for repetition in range(repetitions + 1):  # the first warms up
+        for repetition in range(repetitions + 1):  # the first one is a warm-up
             for name in list(times):
                 start = time.perf_counter()
                 for _ in range(calls):
-                    racing[name](rows)
+                    functions[name](rows)
                 taken = (time.perf_counter() - start) / calls
                 if repetition:
                     times[name].append(taken / n * 1e9)
-                if 10 * taken > PATIENCE:
+                if 10 * taken > TIME_LIMIT:
                     slow.add(name)
-        told[n] = {name: statistics.median(spans) for name, spans in times.items()}
-    return told
+        times_of[n] = {name: statistics.median(spans) for name, spans in times.items()}
+    return times_of
 
 
-def table(told: dict[int, dict[str, float]]) -> str:
-    """Return the times and their ratios to CasADi's C as text."""
-    names = list(next(iter(told.values())))
-    lines = ["ns per point (share of CasADi's C)".ljust(36) + "".join(f"{n:>18,}" for n in told)]
+def table(measured_times: dict[int, dict[str, float]]) -> str:
+    """Return the times and their ratios to the C code of CasADi as text."""
+    names = list(next(iter(measured_times.values())))
+    lines = ["ns per point (ratio to CasADi's C)".ljust(36) + "".join(f"{n:>18,}" for n in measured_times)]
     for name in names:
         cells = []
-        for row in told.values():
+        for row in measured_times.values():
             shown = f"{row[name]:.1f} ({row[name] / row[CASADI]:.2f})" if name in row and CASADI in row else "-"
             cells.append(f"{shown:>18}")
         lines.append(name.ljust(36) + "".join(cells))
@@ -159,18 +159,20 @@ def table(told: dict[int, dict[str, float]]) -> str:
 
 
 def main() -> None:
-    """Measure and tell."""
-    parser = argparse.ArgumentParser(description="How long a point takes.")
+    """Measure and print the times."""
+    parser = argparse.ArgumentParser(description="Evaluation time per point.")
     parser.add_argument("--model", default="mf61")
     parser.add_argument("--points", default="100,1000,10000,100000,1000000")
     parser.add_argument("--repetitions", type=int, default=7)
-    parser.add_argument("--json", type=Path, help="write the times here, too")
+    parser.add_argument("--json", type=Path, help="also write the times to this file")
     given = parser.parse_args()
     book = book_of(given.model)
-    told = measured(book, [int(n) for n in given.points.split(",")], given.repetitions)
-    print(f"{book.title}: {len(book.outputs)} outputs, {len(book.coefficients)} coefficients\n\n{table(told)}")
+    measured_times = measured(book, [int(n) for n in given.points.split(",")], given.repetitions)
+    print(
+        f"{book.title}: {len(book.outputs)} outputs, {len(book.coefficients)} coefficients\n\n{table(measured_times)}"
+    )
     if given.json:
-        given.json.write_text(json.dumps({str(n): row for n, row in told.items()}, indent=2) + "\n")
+        given.json.write_text(json.dumps({str(n): row for n, row in measured_times.items()}, indent=2) + "\n")
 
 
 if __name__ == "__main__":

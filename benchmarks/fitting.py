@@ -1,8 +1,8 @@
-"""How long a fit takes: ours beside SciPy's trust-region solver with the same Jacobian, and over many rows.
+"""CPU time of a fit: comparison with SciPy's trust-region solver with the same Jacobian, and growth with the rows.
 
-A complete MF6.1 tire on the virtual bench with noise, from generic values. CPU seconds of one process, one thread of
-BLAS; SciPy gets the very Jacobian that ours uses, and only the bounds. Its end is told beside ours: who is faster
-has to arrive, too.
+A complete MF6.1 tire on the virtual bench with noise, from generic values. CPU seconds of one process with one BLAS
+thread. SciPy uses the same Jacobian and only the bounds. The final cost is reported as well, because a solver that is
+faster has to reach the same optimum.
 
     python benchmarks/fitting.py [--rows 20000] [--growth 10000,100000,1000000] [--json FILE]
 """
@@ -38,60 +38,60 @@ from tirefmu.tires import Tire
 
 FloatArray = npt.NDArray[np.float64]
 MODEL = "mf61"
-#: Points at which one condition is imposed, if its finer grid has no more.
+#: Upper limit of the points of one constraint on its fine grid; otherwise the coarse grid is used.
 MOST_POINTS = 50
 
 
 def timed(work: Callable[[], Any]) -> tuple[float, Any]:
-    """Return the CPU seconds of this process and what came of them."""
+    """Return the CPU seconds of a call and its result."""
     start = time.process_time()
     result = work()
     return time.process_time() - start, result
 
 
 def median(work: Callable[[], Any], times: int = 3) -> tuple[float, Any]:
-    """Return the median of some runs, which short ones need."""
+    """Return the median time of several runs, and the last result."""
     runs = [timed(work) for _ in range(times)]
     return statistics.median(seconds for seconds, _ in runs), runs[-1][1]
 
 
 def joint_problem(recording: Recording) -> tuple[Problem, FloatArray, FloatArray, FloatArray]:
-    """Return all of MF6.1 in one problem with generic start values, and its bounds, all scaled."""
+    """Return one problem for all coefficients of MF6.1, with scaled initial values and bounds."""
     truth = known_tire(MODEL)
     book = truth.book
     free = tuple(name for name in VALUES if name in book.coefficients and name not in NAMED)
-    cards = [book.coefficients[name] for name in free]
+    declarations = [book.coefficients[name] for name in free]
     tire = Tire(MODEL, {name: truth.values[name] for name in NAMED}, signs="adapted-sae")
     rows = Rows.of(recording.with_signs("adapted-sae").table, tire, CHANNELS)
     noise = np.array([SIZES.get(name, np.inf) for name in tire.outputs])
     weights = (1.0 / (noise**2 * len(CHANNELS) * len(rows)))[None, :]
-    start = np.array([card.generic for card in cards])
-    scale = np.array([max(abs(c.generic), 0.25 * (c.upper - c.lower), 1e-3) for c in cards])
-    bounds = (np.array([getattr(card, side) for card in cards]) / scale for side in ("lower", "upper"))
+    start = np.array([declared.generic for declared in declarations])
+    scale = np.array([max(abs(c.generic), 0.25 * (c.upper - c.lower), 1e-3) for c in declarations])
+    bounds = (np.array([getattr(declared, side) for declared in declarations]) / scale for side in ("lower", "upper"))
     return Problem(tire, rows, free, weights, scale), start / scale, *bounds
 
 
-def conditions(problem: Problem, recording: Recording) -> list[Any]:
-    """Return the model's conditions where a fit imposes them, and at more points where these are few."""
+def constraints(problem: Problem, recording: Recording) -> list[Any]:
+    """Return the physical constraints with the points at which they are imposed."""
     tire = problem.tire
     ranges = operating_range(recording.with_signs("adapted-sae").table, tire.inputs)
     nominal = {name: tire.nominal(name) for name in tire.inputs}
-    every = [condition for channel in CHANNELS for condition in chosen_constraints(MODEL)[channel]]
-    finer = [(condition, grid(condition, ranges, nominal, density=1)) for condition in every]
+    every = [constraint for channel in CHANNELS for constraint in chosen_constraints(MODEL)[channel]]
+    fine = [(constraint, grid(constraint, ranges, nominal, density=1)) for constraint in every]
     return [
-        (condition, points if points.shape[1] <= MOST_POINTS else grid(condition, ranges, nominal, density=0))
-        for condition, points in finer
+        (constraint, points if points.shape[1] <= MOST_POINTS else grid(constraint, ranges, nominal, density=0))
+        for constraint, points in fine
     ]
 
 
 def by_scipy(problem: Problem, start: FloatArray, lower: FloatArray, upper: FloatArray) -> Any:
-    """Minimize with trf: the residuals of all channels, their exact Jacobian by the same compiled code."""
+    """Minimize with SciPy's trf, with the residuals of all channels and their exact compiled Jacobian."""
     force, coefficient = problem._code.entries
-    place = {int(column): i for i, column in enumerate(problem.columns)}
-    chosen = np.array([k for k, c in enumerate(coefficient) if int(c) in place and problem.weights[0, force[k]] > 0])
+    index = {int(column): i for i, column in enumerate(problem.columns)}
+    chosen = np.array([k for k, c in enumerate(coefficient) if int(c) in index and problem.weights[0, force[k]] > 0])
     channels = sorted(set(force[chosen].tolist()))
     block = np.array([channels.index(channel) for channel in force[chosen]])
-    column = np.array([place[int(c)] for c in coefficient[chosen]])
+    column = np.array([index[int(c)] for c in coefficient[chosen]])
     n = len(problem.rows)
     root = np.sqrt(problem.weights[0])
 
@@ -105,40 +105,41 @@ def by_scipy(problem: Problem, start: FloatArray, lower: FloatArray, upper: Floa
             table[block, rows, column] = entries[chosen] * factors
         return table.reshape(-1, len(x))
 
-    within = np.clip(start, lower + 1e-9, upper - 1e-9)
-    return least_squares(residual, within, jacobian, bounds=(lower, upper), method="trf", x_scale=1.0)
+    initial = np.clip(start, lower + 1e-9, upper - 1e-9)
+    return least_squares(residual, initial, jacobian, bounds=(lower, upper), method="trf", x_scale=1.0)
 
 
-def race(rows: int) -> dict[str, Any]:
-    """Return what each way takes and where it ends."""
+def compare(rows: int) -> dict[str, Any]:
+    """Return CPU seconds, final cost and evaluations of each solver."""
     recording = recorded(known_tire(MODEL), rows)
-    fit([recorded(known_tire(MODEL), 2000)], MODEL, nominal=NOMINAL)  # compiled code and caches are there
+    fit([recorded(known_tire(MODEL), 2000)], MODEL, nominal=NOMINAL)  # compiled code and caches are ready
     problem, start, lower, upper = joint_problem(recording)
-    imposed = conditions(problem, recording)
+    imposed = constraints(problem, recording)
     problem.derivatives(start)
-    theirs, found = timed(lambda: by_scipy(problem, start, lower, upper))
-    joint, solution = median(lambda: solve(problem, start, lower, upper, imposed))
-    as_they_are = {"screening": False, "rows": "equal"}
-    stages, result = median(lambda: fit([recording], MODEL, nominal=NOMINAL, **as_they_are))
-    whole, careful = median(lambda: fit([recording], MODEL, nominal=NOMINAL))
+    scipy_seconds, found = timed(lambda: by_scipy(problem, start, lower, upper))
+    joint_seconds, solution = median(lambda: solve(problem, start, lower, upper, imposed))
+    all_rows = {"screening": False, "rows": "equal"}
+    stages, result = median(lambda: fit([recording], MODEL, nominal=NOMINAL, **all_rows))
+    full_seconds, full = median(lambda: fit([recording], MODEL, nominal=NOMINAL))
 
     def cost_of(result: Any) -> float:
         values = result.tire.in_signs("adapted-sae").values
         return problem.cost(np.array([values[name] for name in problem.free]) / problem.scale)
 
     return {
-        "rows": len(problem.rows), "coefficients": len(problem.free), "conditions": len(Imposed(problem, imposed)),
-        "scipy trf": {"seconds": theirs, "cost": float(found.cost), "evaluations": int(found.njev), "kept": "bounds"},
-        "joint problem": {"seconds": joint, "cost": solution.cost, "evaluations": solution.iterations,
-                          "kept": "all" if solution.converged else solution.reason},
-        **{name: {"seconds": seconds, "cost": cost_of(one), "kept": "all" if one.ok else one.status,
+        "rows": len(problem.rows), "coefficients": len(problem.free), "constraints": len(Imposed(problem, imposed)),
+        "scipy trf": {"seconds": scipy_seconds, "cost": float(found.cost), "evaluations": int(found.njev),
+                      "satisfied": "bounds"},
+        "joint problem": {"seconds": joint_seconds, "cost": solution.cost, "evaluations": solution.iterations,
+                          "satisfied": "all" if solution.converged else solution.reason},
+        **{name: {"seconds": seconds, "cost": cost_of(one), "satisfied": "all" if one.ok else one.status,
                   "evaluations": sum(stage.iterations for stage in one.stages)}
-           for name, seconds, one in (("fit of all rows", stages, result), ("whole fit", whole, careful))},
+           for name, seconds, one in (("fit of all rows", stages, result), ("full fit", full_seconds, full))},
     }  # fmt: skip
 
 
-def alone(rows: int) -> dict[str, float]:
-    """Fit so many rows in this process; return the seconds of the fit and the largest memory it ever had."""
+def single_fit(rows: int) -> dict[str, float]:
+    """Fit a number of rows in this process and return the CPU seconds and the peak memory of the process."""
     fit([recorded(known_tire(MODEL), 2000)], MODEL, nominal=NOMINAL)
     recording = recorded(known_tire(MODEL), rows)
     seconds, result = timed(lambda: fit([recording], MODEL, nominal=NOMINAL))
@@ -147,50 +148,53 @@ def alone(rows: int) -> dict[str, float]:
 
 
 def growth(numbers: list[int]) -> list[dict[str, float]]:
-    """Fit every number of rows in a process of its own, so that memory is its own, too."""
+    """Fit each number of rows in a separate process, so that its peak memory is that of the fit."""
     command = [sys.executable, __file__, "--alone"]
     runs = [subprocess.run([*command, str(n)], check=True, capture_output=True, text=True) for n in numbers]
     return [json.loads(run.stdout.splitlines()[-1]) for run in runs]
 
 
-def told(raced: dict[str, Any], grown: list[dict[str, float]]) -> str:
-    """Return both as text."""
+def report_text(compared: dict[str, Any], grown: list[dict[str, float]]) -> str:
+    """Return both results as text."""
     lines = []
-    if raced:
-        slowest = raced["scipy trf"]["seconds"]
-        lines.append(f"{raced['rows']} rows, {raced['coefficients']} coefficients, {raced['conditions']} conditions")
-        lines.append(f"{'':16}{'CPU s':>9}{'ratio':>8}{'cost':>11}{'Jacobians':>11}  conditions kept")
-        for name in ("scipy trf", "joint problem", "fit of all rows", "whole fit"):
-            way = raced[name]
-            ratio = f"1/{slowest / way['seconds']:.1f}"
+    if compared:
+        slowest = compared["scipy trf"]["seconds"]
+        lines.append(
+            f"{compared['rows']} rows, {compared['coefficients']} coefficients, {compared['constraints']} constraints"
+        )
+        lines.append(f"{'':16}{'CPU s':>9}{'ratio':>8}{'cost':>11}{'Jacobians':>11}  satisfied")
+        for name in ("scipy trf", "joint problem", "fit of all rows", "full fit"):
+            solver = compared[name]
+            ratio = f"1/{slowest / solver['seconds']:.1f}"
             lines.append(
-                f"{name:16}{way['seconds']:9.2f}{ratio:>8}{way['cost']:11.6f}{way['evaluations']:11}  {way['kept']}"
+                f"{name:16}{solver['seconds']:9.2f}{ratio:>8}{solver['cost']:11.6f}{solver['evaluations']:11}"
+                f"  {solver['satisfied']}"
             )
     for run in grown:
         each = 1e6 * run["seconds"] / run["rows"]
         lines.append(
-            f"{run['rows']:9,.0f} rows{run['seconds']:9.2f} s CPU{each:8.1f} us a row{run['peak MB']:8.0f} MB at most"
+            f"{run['rows']:9,.0f} rows{run['seconds']:9.2f} s CPU{each:8.1f} us per row{run['peak MB']:8.0f} MB peak"
         )
     return "\n".join(lines)
 
 
 def main() -> None:
-    """Measure and tell."""
+    """Measure and print the results."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--rows", type=int, default=20_000, help="of the race; 0: none")
+    parser.add_argument("--rows", type=int, default=20_000, help="of the comparison; 0: none")
     parser.add_argument("--growth", default="10000,100000,1000000", help="numbers of rows; '': none")
     parser.add_argument("--alone", type=int, help=argparse.SUPPRESS)
-    parser.add_argument("--json", type=Path, help="write the figures here, too")
+    parser.add_argument("--json", type=Path, help="also write the results to this file")
     given = parser.parse_args()
     with threadpool_limits(limits=1, user_api="blas"):
         if given.alone:
-            print(json.dumps(alone(given.alone)))
+            print(json.dumps(single_fit(given.alone)))
             return
-        raced = race(given.rows) if given.rows else {}
+        compared = compare(given.rows) if given.rows else {}
         grown = growth([int(n) for n in given.growth.split(",") if n])
-    print(told(raced, grown))
+    print(report_text(compared, grown))
     if given.json:
-        given.json.write_text(json.dumps({"race": raced, "growth": grown}, indent=2) + "\n")
+        given.json.write_text(json.dumps({"comparison": compared, "growth": grown}, indent=2) + "\n")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-/* What a host pays for a tire in an FMU beside the bare model: set inputs, step, read forces.
+/* CPU time of a tire FMU in a host (set inputs, step, read forces), compared with the model functions alone.
  *
- * Linked with the FMU's sources (FMI 3) and the model as the package compiles it.  Prints two times in ns.
+ * Linked with the sources of the FMU (FMI 3), with the compiler options of the package. Prints two times in ns.
  */
 #define _POSIX_C_SOURCE 200809L
 #include "model_config.h"
@@ -31,9 +31,9 @@ int main(void)
 {
     static const double start[] = START_VALUES;
     const double *parameters = start + 1 + N_HOST_INPUTS + N_OUTPUTS;
-    double inputs[N_INPUTS] = {0.0}; /* what the host does not give stands behind: no turn slip */
+    double inputs[N_INPUTS] = {0.0}; /* inputs that the host does not set are last and 0: no turn slip */
     double forces[N_OUTPUTS], bare[REPETITIONS], whole[REPETITIONS], sum = 0.0, t0;
-    unsigned known[N_HOST_INPUTS], asked[N_OUTPUTS];
+    unsigned input_references[N_HOST_INPUTS], output_references[N_OUTPUTS];
     bool event, terminate, early;
     double reached;
     long step = 0;
@@ -44,11 +44,11 @@ int main(void)
     if (!tire || fmi3EnterInitializationMode(tire, 0, 0.0, 0.0, 0, 0.0) || fmi3ExitInitializationMode(tire))
         return 1;
     for (i = 0; i < N_HOST_INPUTS; i++) {
-        known[i] = 1 + (unsigned) i;
+        input_references[i] = 1 + (unsigned) i;
         inputs[i] = start[1 + i];
     }
     for (i = 0; i < N_OUTPUTS; i++)
-        asked[i] = 1 + N_HOST_INPUTS + (unsigned) i;
+        output_references[i] = 1 + N_HOST_INPUTS + (unsigned) i;
     for (k = 0; k < REPETITIONS; k++) {
         t0 = now();
         for (i = 0; i < STEPS; i++) {
@@ -62,9 +62,9 @@ int main(void)
         for (i = 0; i < STEPS; i++, step++) {
             inputs[0] = 0.1 * (i & 255) / 256.0;
             inputs[1] = 0.2 * (i & 63) / 64.0 - 0.1;
-            fmi3SetFloat64(tire, known, N_HOST_INPUTS, inputs, N_HOST_INPUTS);
+            fmi3SetFloat64(tire, input_references, N_HOST_INPUTS, inputs, N_HOST_INPUTS);
             fmi3DoStep(tire, 0.001 * (double) step, 0.001, 1, &event, &terminate, &early, &reached);
-            fmi3GetFloat64(tire, asked, N_OUTPUTS, forces, N_OUTPUTS);
+            fmi3GetFloat64(tire, output_references, N_OUTPUTS, forces, N_OUTPUTS);
             sum += forces[0];
         }
         whole[k] = (now() - t0) / STEPS;

@@ -1,4 +1,4 @@
-"""What a C host pays for a step of a tire's FMU, as a multiple of the bare model: both in one run, medians.
+"""CPU time of a step of a tire FMU in a C host, relative to the model functions alone: medians of one run.
 
 python benchmarks/fmu_step.py [--model mf61]
 """
@@ -20,15 +20,15 @@ from tirefmu.tires.compiler import find_compiler
 
 
 def generic(model: str, effects: set[str]) -> Tire:
-    """Return a plausible tire of a model, every coefficient off zero, without turn slip."""
+    """Return a plausible tire of a model without turn slip, with all coefficients different from 0."""
     book = book_of(model)
-    values = {name: card.generic or 0.01 for name, card in book.coefficients.items()}
+    values = {name: declared.generic or 0.01 for name, declared in book.coefficients.items()}
     values |= {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
     return Tire(model, values, effects=(book.usual_effects - {"turn_slip"}) | effects)
 
 
 def measure(tire: Tire) -> tuple[float, float]:
-    """Return the time of the bare model and of a whole step, ns."""
+    """Return the CPU time of the model alone and of a complete step, ns."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for path, text in contents(tire, 3, "tire").items():
@@ -40,8 +40,8 @@ def measure(tire: Tire) -> tuple[float, float]:
         command = [*find_compiler(), *flags, str(host), *map(str, folder.glob("*.c")), "-o", str(program), "-lm"]
         subprocess.run(command, check=True)
         done = subprocess.run([str(program)], check=True, capture_output=True, text=True)
-    bare, whole = map(float, done.stdout.split())
-    return bare, whole
+    model_time, step_time = map(float, done.stdout.split())
+    return model_time, step_time
 
 
 def main() -> None:
@@ -53,8 +53,11 @@ def main() -> None:
     if "relax_lat" in book_of(model).effects:
         kinds["lagging slips"] = {"relax_lat", "relax_lon"}
     for kind, effects in kinds.items():
-        bare, whole = measure(generic(model, effects))
-        print(f"{model}, {kind}: bare {bare:.0f} ns, set + step + get {whole:.0f} ns, ratio {whole / bare:.2f}")
+        model_time, step_time = measure(generic(model, effects))
+        print(
+            f"{model}, {kind}: model {model_time:.0f} ns, set + step + get {step_time:.0f} ns, "
+            f"ratio {step_time / model_time:.2f}"
+        )
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
-"""Do the tests notice a fault? Single-line faults over all packages, each planted in a copy of the tree.
+"""Mutation test: single-line faults over all packages, each planted in a copy of the tree.
 
-`mutants.toml` names for each fault the file, the line as it is and as it would be wrong, and the tests nearest to it.
-First all those tests run on the copy as it is: what fails then says nothing of a fault. A fault that its tests pass has
-survived, and so has one whose line is no longer in its file: the command then ends with 1.
+`mutants.toml` contains for each fault the file, the correct and the wrong line, and the tests nearest to it. First all
+these tests run without a fault, because a test that fails then cannot detect one. A fault survives if its tests pass or
+if its line is not in its file. The exit code is then 1.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from pathlib import Path
 from queue import SimpleQueue
 
 ROOT = Path(__file__).parents[1]
-#: What pytest ends with.
+#: Exit codes of pytest.
 PASSED, FAILED = 0, 1
 
 
 @dataclass(frozen=True)
 class Fault:
-    """A line, what it would be with a fault in it, and the tests that have to notice.
+    """A line, its replacement with a fault, and the tests that have to detect it.
 
     Attributes
     ----------
     file : str
         Relative to the root.
     old, new : str
-        `old` stands in the file once.
+        `old` occurs once in the file.
     tests : tuple of str
         Arguments of pytest.
     """
@@ -50,14 +50,14 @@ class Fault:
 
 
 def faults(words: Sequence[str]) -> list[Fault]:
-    """Return the faults whose file or line has one of the words; all where there is none."""
+    """Return the faults whose file or line contains one of the words; all faults without words."""
     table = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))["fault"]
     every = [Fault(one["file"], one["old"], one["new"], tuple(one["tests"])) for one in table]
     return [fault for fault in every if not words or any(word in str(fault) for word in words)]
 
 
 class Copy:
-    """A copy of the tree in which tests import the copy: `tirefmu/` beside links to the root folders."""
+    """A copy of the tree whose tests import the copy: a package `tirefmu` with links to the root folders."""
 
     def __init__(self, folder: Path) -> None:
         self.root = folder
@@ -70,13 +70,13 @@ class Copy:
         packages = tomllib.loads((folder / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
         self._path = folder / "import"
         for package, source in packages["package-dir"].items():
-            place = self._path.joinpath(*package.split("."))
+            target = self._path.joinpath(*package.split("."))
             if "." in package:
-                place.symlink_to(folder / source, target_is_directory=True)
+                target.symlink_to(folder / source, target_is_directory=True)
             else:
-                shutil.move(folder / source, place)
-                (folder / source).symlink_to(place, target_is_directory=True)
-        # By content, as a fault may be planted within the second in which its file was written, and be no longer.
+                shutil.move(folder / source, target)
+                (folder / source).symlink_to(target, target_is_directory=True)
+        # Invalidated by content: a fault may be planted and removed within one second, the resolution of time stamps.
         compiled = [sys.executable, "-m", "compileall", "-qq", "--invalidation-mode", "checked-hash", str(self._path)]
         subprocess.run(compiled, check=False)
 
@@ -89,23 +89,23 @@ class Copy:
         )
 
     def verdict(self, fault: Fault) -> str:
-        """Plant a fault, run its tests, take it out again; return "noticed", or why it was not."""
+        """Plant a fault, run its tests and remove it. Return "detected", or why it was not."""
         path = self.root / fault.file
         content = path.read_text(encoding="utf-8")
         if content.count(fault.old) != 1:
-            return f"SURVIVES: its line is {content.count(fault.old)} times in the file"
+            return f"SURVIVES: its line occurs {content.count(fault.old)} times in the file"
         path.write_text(content.replace(fault.old, fault.new), encoding="utf-8")
         try:
             done = self.test(*fault.tests)
         finally:
             path.write_text(content, encoding="utf-8")
         if done.returncode == FAILED:
-            return "noticed"
+            return "detected"
         return "SURVIVES" if done.returncode == PASSED else f"SURVIVES: no test ran\n{done.stdout}{done.stderr}"
 
 
-def sound(copy: Copy, chosen: Sequence[Fault]) -> bool:
-    """Return whether the tests pass where there is no fault, and show those that do not."""
+def pass_without_fault(copy: Copy, chosen: Sequence[Fault]) -> bool:
+    """Return whether the tests pass without a fault, and print those that fail."""
     selections = sorted({fault.tests for fault in chosen})
     whole = {arguments[0] for arguments in selections if len(arguments) == 1}
     once = [name for name in sorted(whole) if name.split("::")[0] not in whole - {name}]
@@ -120,14 +120,14 @@ def sound(copy: Copy, chosen: Sequence[Fault]) -> bool:
 
 
 def main() -> int:
-    """Return 1 where a fault survives."""
+    """Run the chosen faults. Return 1 if one survives."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("words", nargs="*", help="only faults whose file or line has one of these")
-    parser.add_argument("-j", "--jobs", type=int, default=2, help="faults tested at a time")
+    parser.add_argument("words", nargs="*", help="only faults whose file or line contains one of these")
+    parser.add_argument("-j", "--jobs", type=int, default=2, help="faults tested in parallel")
     options = parser.parse_args()
-    chosen, began = faults(options.words), time.monotonic()
+    chosen, start = faults(options.words), time.monotonic()
     if not chosen:
-        parser.error(f"no fault has {' or '.join(options.words)} in its file or line")
+        parser.error(f"no fault contains {' or '.join(options.words)} in its file or line")
     with tempfile.TemporaryDirectory() as folder:
         copies: SimpleQueue[Copy] = SimpleQueue()
         for number in range(min(options.jobs, len(chosen))):
@@ -142,15 +142,15 @@ def main() -> int:
 
         first = copies.get()
         print(f"the tests of {len(chosen)} faults without a fault", flush=True)
-        if not sound(first, chosen):
+        if not pass_without_fault(first, chosen):
             return 1
         copies.put(first)
         survivors = 0
         with ThreadPoolExecutor(copies.qsize()) as pool:
             for number, (fault, verdict) in enumerate(zip(chosen, pool.map(judged, chosen), strict=True), start=1):
-                survivors += verdict != "noticed"
+                survivors += verdict != "detected"
                 print(f"{number:2}/{len(chosen)} {verdict:8} {fault}", flush=True)
-    print(f"{survivors} of {len(chosen)} faults survive ({time.monotonic() - began:.0f} s)")
+    print(f"{survivors} of {len(chosen)} faults survive ({time.monotonic() - start:.0f} s)")
     return int(survivors > 0)
 
 

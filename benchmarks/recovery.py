@@ -1,13 +1,13 @@
-"""Whether a fit finds known coefficients again: predictions, coverage of the intervals, and ends from many starts.
+"""Recovery of known coefficients by a fit: predictions, coverage of intervals, results from many initial values.
 
 Complete tires of MF96, MF5.2 and MF6.1 (`tests/fitting/known_tires.py`) on the virtual bench with noise in Fx, Fy and
 Mz, white and correlated over time.
 
-- Predictions: the root mean square difference from the truth without noise, as a share of the noise; and the share
-  of 95 % intervals that hold the true value, over refits from generic values with new noise each. Counted is every
-  finite interval of a coefficient that is not on a bound; the range is that of the shares of single fits.
-- Starts: the true tire with every coefficient multiplied by 1 +- 30 % or 60 % at random, handed over as the start
-  tire. An end is good where no channel differs from the best fit's prediction by more than a tenth of the noise.
+- Predictions: root mean square difference from the exact forces relative to the noise, and coverage of the 95 %
+  intervals, over fits from generic values to new noise. Finite intervals of coefficients that are not at a bound count.
+  The range is that of the coverage of single fits.
+- Initial values: the true tire with every coefficient multiplied by 1 +- 30 % or 60 % at random is the start tire. A
+  result is good if no channel differs from the best fit by more than a tenth of the noise.
 
     python benchmarks/recovery.py [--quick] [--models mf96,mf52,mf61] [--seeds 100] [--starts 50] [--processes 2]
 """
@@ -37,10 +37,10 @@ from tirefmu.tires import Tire
 
 FloatArray = npt.NDArray[np.float64]
 MODELS = ("mf96", "mf52", "mf61")
-#: How long noise stays alike, s: rows are 0.1 to 0.3 s apart.
+#: s, correlation time of the noise. The sample interval is 0.1 to 0.3 s.
 CORRELATIONS = {"white": 0.0, "correlated": 1.0}
 SHARES = (0.3, 0.6)
-#: A good end predicts what the best one does within this share of the noise.
+#: Largest difference of a good result from the best one, relative to the noise.
 GOOD = 0.1
 
 
@@ -49,28 +49,28 @@ class Refit:
     """One fit to new noise."""
 
     ok: bool
-    missed: float  # the largest of the channels' differences from the truth, in noise
+    missed: float  # the largest difference of a channel from the exact forces, relative to the noise
     covered: int
     intervals: int
     seconds: float
 
 
 def predicted(tire: Tire, recording: Recording) -> FloatArray:
-    """Return what a tire answers at the recording's inputs, in its channels' noise, shape (n_channels, n)."""
-    turned = tire.in_signs("adapted-sae")
+    """Return the outputs of a tire at the inputs of a recording, divided by the noise, shape (n_channels, n)."""
+    converted = tire.in_signs("adapted-sae")
     table = recording.with_signs("adapted-sae").table
-    forces = turned.forces(**{name: table[name].to_numpy() for name in turned.inputs if name in table})
+    forces = converted.forces(**{name: table[name].to_numpy() for name in converted.inputs if name in table})
     return np.stack([forces[name] / SIZES[name] for name in CHANNELS])
 
 
-def differ(one: Tire, other: Tire, recording: Recording) -> float:
-    """Return the largest root mean square difference of a channel, in its noise."""
+def difference_of(one: Tire, other: Tire, recording: Recording) -> float:
+    """Return the largest root mean square difference of a channel, relative to its noise."""
     difference = predicted(one, recording) - predicted(other, recording)
     return float(np.sqrt(np.mean(difference**2, axis=1)).max())
 
 
-def held(result: FitResult, truth: Tire) -> tuple[int, int]:
-    """Return how many finite intervals hold the true value, and how many there are."""
+def coverage_of(result: FitResult, truth: Tire) -> tuple[int, int]:
+    """Return the number of finite intervals that contain the true value, and the number of finite intervals."""
     tire, inside, counted = truth.in_signs(result.signs), 0, 0
     for coefficient in result.coefficients:
         if coefficient.determined and not coefficient.at_bound and np.isfinite(coefficient.interval):
@@ -80,34 +80,34 @@ def held(result: FitResult, truth: Tire) -> tuple[int, int]:
 
 
 def refitted(model: str, correlation: float, rows: int, seed: int) -> Refit:
-    """Fit the known tire's recording with the noise of a seed, from generic values."""
+    """Fit a recording of the known tire with the noise of a seed, from generic values."""
     truth = known_tire(model)
     recording = recorded(truth, rows, seed=seed, correlation_time=correlation)
-    began = time.process_time()
+    start = time.process_time()
     with threadpool_limits(limits=1, user_api="blas"):
         result = fit([recording], model, nominal=NOMINAL)
-    seconds = time.process_time() - began
-    return Refit(result.ok, differ(result.tire, truth, recording), *held(result, truth), seconds)
+    seconds = time.process_time() - start
+    return Refit(result.ok, difference_of(result.tire, truth, recording), *coverage_of(result, truth), seconds)
 
 
 def from_truth(model: str, rows: int) -> Tire:
-    """Return the tire of the fit that starts from the truth: the best end, unless another is found."""
+    """Return the tire of the fit that starts from the true values, which is the reference result."""
     truth = known_tire(model)
     with threadpool_limits(limits=1, user_api="blas"):
         return fit([recorded(truth, rows)], model, start=truth).tire
 
 
 def ended(model: str, share: float, rows: int, best: Tire, seed: int) -> tuple[float, bool]:
-    """Return how far the end of a start that is off by a share is from the best one, and whether the fit is ok."""
+    """Return the difference of a result from the best one, for perturbed initial values, and whether the fit is ok."""
     truth = known_tire(model)
     recording = recorded(truth, rows)
     with threadpool_limits(limits=1, user_api="blas"):
         result = fit([recording], model, start=moved(truth, share, seed))
-    return differ(result.tire, best, recording), result.ok
+    return difference_of(result.tire, best, recording), result.ok
 
 
 def of_refits(name: str, runs: Iterable[Refit]) -> dict[str, object]:
-    """Tell a line of the first table."""
+    """Print a line of the first table and return its data."""
     done = list(runs)
     shares = [run.covered / run.intervals for run in done]
     total = sum(run.covered for run in done) / sum(run.intervals for run in done)
@@ -122,7 +122,7 @@ def of_refits(name: str, runs: Iterable[Refit]) -> dict[str, object]:
 
 
 def of_ends(name: str, ends: Iterable[tuple[float, bool]]) -> dict[str, object]:
-    """Tell a line of the second table."""
+    """Print a line of the second table and return its data."""
     done = list(ends)
     good = sum(ok and distance <= GOOD for distance, ok in done)
     far = max(distance for distance, _ in done)
@@ -131,7 +131,7 @@ def of_ends(name: str, ends: Iterable[tuple[float, bool]]) -> dict[str, object]:
 
 
 def main() -> None:
-    """Run what was asked for and print two tables."""
+    """Run the requested fits and print two tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="8 seeds, 5 starts")
     parser.add_argument("--models", default=",".join(MODELS))
@@ -139,7 +139,7 @@ def main() -> None:
     parser.add_argument("--starts", type=int, default=50, help="of each model and size")
     parser.add_argument("--rows", type=int, default=6000)
     parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--json", type=Path, help="write the figures here, too")
+    parser.add_argument("--json", type=Path, help="also write the results to this file")
     given = parser.parse_args()
     seeds, starts = (8, 5) if given.quick else (given.seeds, given.starts)
     models = given.models.split(",")

@@ -1,4 +1,4 @@
-"""A tire checked by the FMU Manipulation Toolbox: python check_fmutool.py [2|3]."""
+"""Check of a tire FMU with the FMU Manipulation Toolbox: python check_fmutool.py [2|3]."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import four_tires as four
 
 
 def run(path: Path) -> int:
-    """Return fmutool's exit status, having printed what it says."""
+    """Run fmutool, which prints its messages, and return its exit code."""
     program = "import sys; from fmu_manipulation_toolbox.cli.fmutool import fmutool; sys.exit(fmutool())"
     command = [sys.executable, "-c", program, "-input", str(path), "-check"]
     return subprocess.run(command, check=False).returncode
@@ -19,4 +19,4 @@ def run(path: Path) -> int:
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as name:
-        sys.exit(run(four.export(Path(name), four.asked_version())))
+        sys.exit(run(four.export(Path(name), four.requested_version())))

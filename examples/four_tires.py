@@ -1,4 +1,4 @@
-"""Four tires at the corners of a vehicle: what the clients here run, and what they have to find."""
+"""Four tires at the corners of a vehicle: the test case of the clients and its expected results."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ OUTPUTS = ("Fx", "Fy", "Mz")
 STEP = 0.01
 STEPS = 150
 
-#: How near a client's result has to come to the tire's own: |difference| <= TOLERANCE (1 + |value|).
+#: Tolerance of a client's result against direct evaluation: |difference| <= TOLERANCE (1 + |value|).
 TOLERANCE = 1e-9
 
 
 def relaxing_tire() -> Tire:
-    """Return the published tire, its slips lagging behind by a rolled distance."""
+    """Return the published tire with relaxation lengths."""
     tire = published("unicamp_small_tire").in_signs("iso")
     lengths = {"SIGX": 0.04, "SIGY": 0.08}
     effects = {*tire.effects, "relax_lon", "relax_lat"}
@@ -34,7 +34,7 @@ def relaxing_tire() -> Tire:
 
 
 def manoeuvre(corner: int) -> pd.DataFrame:
-    """Return what one corner goes through: a slalom with a brake at its end, inputs held over each step."""
+    """Return the inputs of one corner, constant over each step: a slalom with braking at its end."""
     t = STEP * np.arange(STEPS)
     swing = np.sin(2 * np.pi * t)
     left, front = corner % 2 == 0, corner < 2
@@ -51,11 +51,11 @@ def manoeuvre(corner: int) -> pd.DataFrame:
 
 
 def expected(tire: Tire) -> FloatArray:
-    """Return the forces at the end of each step, shape (STEPS, corners, outputs), by the tire's own code."""
+    """Return the forces at the end of each step, shape (STEPS, corners, outputs), by direct evaluation."""
     corners = []
     for corner in range(len(CORNERS)):
         held = manoeuvre(corner)
-        # After a step the slips have rolled on, with the inputs as they were over it: one more row for each.
+        # The result after a step has the inputs of the step and the states at its end: one more row for each step.
         ends = held.assign(t=STEP * np.arange(1, STEPS + 1))
         rows = pd.concat([held, ends]).sort_index(kind="stable")
         corners.append(tire.evaluate(rows, hold=True)[list(OUTPUTS)].to_numpy()[1::2])
@@ -68,14 +68,14 @@ def export(folder: Path, fmi: int) -> Path:
 
 
 def report(client: str, found: FloatArray) -> int:
-    """Print how near a client came, and return the process's exit status."""
-    wanted = expected(relaxing_tire())
-    difference = np.abs(found - wanted) / (1.0 + np.abs(wanted))
-    worst = float(difference.max())  # NaN stays NaN and is no success
+    """Print the error of a client and return the exit code of the process."""
+    exact = expected(relaxing_tire())
+    difference = np.abs(found - exact) / (1.0 + np.abs(exact))
+    worst = float(difference.max())  # NaN is propagated and counts as a failure
     print(f"{client}: {len(CORNERS)} tires, {STEPS} steps, largest difference from direct evaluation {worst:.1e}")
     return 0 if worst <= TOLERANCE else 1
 
 
-def asked_version(default: int = 2) -> int:
-    """Return the FMI version named on the command line."""
+def requested_version(default: int = 2) -> int:
+    """Return the FMI version of the command line."""
     return int(sys.argv[1]) if len(sys.argv) > 1 else default

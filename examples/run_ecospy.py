@@ -10,7 +10,7 @@ from pathlib import Path
 import four_tires as four
 import numpy as np
 
-# Its library asks for TBB, which pip lays where the system's loader does not look.
+# The library needs TBB, which pip installs outside of the search path of the system's loader.
 for library in sorted(Path(sys.prefix, "lib").glob("libtbb.so.*")):
     ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
 from ecospy import EcosSimulation, EcosSimulationStructure  # noqa: E402
@@ -23,14 +23,14 @@ def run(path: Path) -> four.FloatArray:
     with EcosSimulationStructure() as structure:
         for corner in four.CORNERS:
             structure.add_model(corner, path)
-        # As they are at the end of initialization the slips begin in steady state.
-        places = [f"{corner}::{name}" for corner in four.CORNERS for name in four.INPUTS]
-        structure.add_parameter_set("start", dict(zip(places, rows[0].ravel().tolist(), strict=True)))
+        # The initial slips are in steady state with the inputs at the end of initialization.
+        names = [f"{corner}::{name}" for corner in four.CORNERS for name in four.INPUTS]
+        structure.add_parameter_set("start", dict(zip(names, rows[0].ravel().tolist(), strict=True)))
         with EcosSimulation(structure=structure, step_size=four.STEP) as simulation:
             simulation.init(parameter_set="start")
             for step in range(four.STEPS):
-                for place, value in zip(places, rows[step].ravel().tolist(), strict=True):
-                    simulation.set_real(place, value)
+                for name, value in zip(names, rows[step].ravel().tolist(), strict=True):
+                    simulation.set_real(name, value)
                 simulation.step()
                 for i, corner in enumerate(four.CORNERS):
                     forces[step, i] = [simulation.get_real(f"{corner}::{name}") for name in four.OUTPUTS]
@@ -40,5 +40,5 @@ def run(path: Path) -> four.FloatArray:
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as name:
-        fmi = four.asked_version()
+        fmi = four.requested_version()
         sys.exit(four.report(f"ecospy, FMI {fmi}", run(four.export(Path(name), fmi))))

@@ -53,5 +53,5 @@ def _set(tire: FMU2Slave | FMU3Slave, references: list[int], values: four.FloatA
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as name:
-        fmi = four.asked_version()
+        fmi = four.requested_version()
         sys.exit(four.report(f"fmpy, FMI {fmi}", run(four.export(Path(name), fmi))))

@@ -21,11 +21,11 @@ def run(path: Path) -> four.FloatArray:
     execution.add_manipulator(setter)
     execution.add_observer(observer)
     tires = [execution.add_local_slave(CosimLocalSlave(str(path), corner)) for corner in four.CORNERS]
-    known = {variable.name.decode(): variable.reference for variable in execution.slave_variables(tires[0])}
-    inputs, outputs = ([known[name] for name in names] for names in (four.INPUTS, four.OUTPUTS))
+    references = {variable.name.decode(): variable.reference for variable in execution.slave_variables(tires[0])}
+    inputs, outputs = ([references[name] for name in names] for names in (four.INPUTS, four.OUTPUTS))
     rows = np.stack([four.manoeuvre(i)[list(four.INPUTS)].to_numpy() for i in range(len(tires))], axis=1)
     for corner, tire in enumerate(tires):
-        # As they are at the end of initialization the slips begin in steady state.
+        # The initial slips are in steady state with the inputs at the end of initialization.
         for reference, value in zip(inputs, rows[0, corner], strict=True):
             execution.real_initial_value(tire, reference, value)
     forces = np.empty((four.STEPS, len(tires), len(outputs)))
@@ -33,7 +33,7 @@ def run(path: Path) -> four.FloatArray:
         for corner, tire in enumerate(tires):
             setter.slave_real_values(tire, inputs, rows[step, corner].tolist())
         if not execution.step():
-            raise RuntimeError(f"libcosim gave up at step {step}")
+            raise RuntimeError(f"libcosim failed at step {step}")
         for corner, tire in enumerate(tires):
             forces[step, corner] = observer.last_real_values(tire, outputs)
     return forces

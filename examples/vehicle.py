@@ -1,9 +1,9 @@
-"""Four tires and a vehicle, co-simulated and compared with one simulation of the same equations.
+"""Co-simulation of four tires and a vehicle, compared with a monolithic simulation of the same equations.
 
     python vehicle.py [step-steer|brake-in-turn]
 
-The tires are native FMUs, the vehicle is one by pythonfmu; fmpy makes the calls. Forces and slips are exchanged at
-the communication points and held in between, so that the error falls with the first power of the step.
+The tires are native FMUs, the vehicle is an FMU by pythonfmu, and fmpy is the co-simulation master. Forces and slips
+are exchanged at the communication points and constant in between, so that the error is of first order in the step.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ Controls = Callable[[float], tuple[float, float, float]]
 
 SPEED = 15.0
 END = 1.5
-#: When the driver begins and ends to turn a wheel or press a pedal, s.
+#: s, start and end of the steering ramp and of the braking ramp.
 RAMPS = (0.1, 0.2, 0.7, 0.9)
 
 
@@ -42,12 +42,12 @@ def _ramp(t: float, start: float, end: float) -> float:
 
 
 def step_steer(t: float) -> tuple[float, float, float]:
-    """Return the controls of a step steer, the step as steep as a driver can."""
+    """Return the controls of a step steer, as fast as a driver can turn the wheel."""
     return 0.05 * _ramp(t, RAMPS[0], RAMPS[1]), 0.0, 0.0
 
 
 def brake_in_turn(t: float) -> tuple[float, float, float]:
-    """Return the controls of a brake in a turn."""
+    """Return the controls of braking in a turn."""
     pressed = _ramp(t, RAMPS[2], RAMPS[3])
     return 0.04 * _ramp(t, RAMPS[0], RAMPS[1]), 110.0 * pressed, 60.0 * pressed
 
@@ -70,7 +70,7 @@ def write_equations(folder: Path) -> Path:
 def export(folder: Path) -> tuple[Path, Path]:
     """Write the FMUs of the tire and of the vehicle into a folder."""
     script = shutil.copy(Path(__file__).with_name("vehicle_slave.py"), folder)
-    # In a process of its own: pythonfmu runs the script to see its variables, and leaves its folder on the path.
+    # In a separate process: pythonfmu runs the script to find its variables, and adds its folder to the path.
     build = [sys.executable, "-m", "pythonfmu", "build", "-f", script, "-d", folder, write_equations(folder)]
     subprocess.run(build, check=True)
     vehicle = folder / "Vehicle.fmu"
@@ -81,7 +81,7 @@ def export(folder: Path) -> tuple[Path, Path]:
 
 
 class Instance:
-    """An FMU's instance, its variables by name."""
+    """An instance of an FMU with access to its variables by name."""
 
     def __init__(self, description: fmpy.model_description.ModelDescription, folder: str, name: str) -> None:
         self.references = {variable.name: variable.valueReference for variable in description.modelVariables}
@@ -104,15 +104,15 @@ class Instance:
 
 @contextmanager
 def instances(path: Path, names: Sequence[str]) -> Iterator[list[Instance]]:
-    """Unpack an FMU, instantiate it under several names, and tidy up afterwards."""
+    """Unpack an FMU, create instances with the given names, and free them afterwards."""
     description = fmpy.read_model_description(str(path))
     with tempfile.TemporaryDirectory() as folder:
         fmpy.extract(str(path), folder)
-        made = [Instance(description, folder, name) for name in names]
+        created = [Instance(description, folder, name) for name in names]
         try:
-            yield made
+            yield created
         finally:
-            for instance in made:
+            for instance in created:
                 instance.fmu.freeInstance()
 
 
@@ -120,7 +120,7 @@ def cosimulate(tire_fmu: Path, vehicle_fmu: Path, controls: Controls, step: floa
     """Return communication times, shape (n,), and the vehicle's states there, shape (n, n_states)."""
     n = round(END / step)
     states = np.empty((n + 1, len(equations.STATES)))
-    needs, gives = ("kappa", "alpha", "gamma", "Fz"), ("Fx", "Fy", "Mz")
+    tire_inputs, tire_outputs = ("kappa", "alpha", "gamma", "Fz"), ("Fx", "Fy", "Mz")
     with instances(vehicle_fmu, ["vehicle"]) as (vehicle,), instances(tire_fmu, equations.CORNERS) as tires:
         vehicle.set(["v_start"], [SPEED])
         for instance in (vehicle, *tires):
@@ -129,9 +129,9 @@ def cosimulate(tire_fmu: Path, vehicle_fmu: Path, controls: Controls, step: floa
             t = i * step
             vehicle.set(equations.CONTROLS, controls(t))
             slips, forces = vehicle.get(equations.SLIPS), []
-            for corner, tire_here in enumerate(tires):
-                tire_here.set(needs, slips[4 * corner : 4 * corner + 4])
-                forces += tire_here.get(gives)
+            for corner, instance in enumerate(tires):
+                instance.set(tire_inputs, slips[4 * corner : 4 * corner + 4])
+                forces += instance.get(tire_outputs)
             vehicle.set(equations.FORCES, forces)
             states[i] = vehicle.get(equations.STATES)
             if i < n:
@@ -140,7 +140,7 @@ def cosimulate(tire_fmu: Path, vehicle_fmu: Path, controls: Controls, step: floa
     return step * np.arange(n + 1), states
 
 
-# ------------------------------------------------------------------ one simulation of all
+# ------------------------------------------------------------------ monolithic simulation
 
 
 def load(path: Path) -> ModuleType:
@@ -154,25 +154,25 @@ def load(path: Path) -> ModuleType:
 
 
 def monolithic(controls: Controls, times: FloatArray) -> FloatArray:
-    """Return the states at given times, tire forces and vehicle in one right-hand side."""
+    """Return the states at given times, with tires and vehicle in one right-hand side."""
     with tempfile.TemporaryDirectory() as folder:
         vehicle = load(write_equations(Path(folder)))
-    rubber = tire()
+    model = tire()
 
     def slope(t: float, state: FloatArray) -> FloatArray:
         drive = controls(t)
         kappa, alpha, gamma, Fz = np.reshape(vehicle.slips(state, drive), (4, 4)).T
-        forces = rubber.forces(kappa=kappa, alpha=alpha, gamma=gamma, Fz=Fz)
+        forces = model.forces(kappa=kappa, alpha=alpha, gamma=gamma, Fz=Fz)
         per_corner = np.stack([forces["Fx"], forces["Fy"], forces["Mz"]], axis=1)
         return np.array(vehicle.derivatives(state, drive, per_corner.ravel()))
 
     state = np.array([SPEED, *[0.0] * 6, *[SPEED / vehicle.RADIUS] * 4])
     found = np.empty((len(times), len(state)))
-    # From kink to kink of the controls: in between everything is smooth.
+    # Between the corners of the ramps, where the right-hand side is smooth.
     for start, end in zip((0.0, *RAMPS), (*RAMPS, END), strict=True):
         inside = (times >= start - 1e-9) & (times < end - 1e-9)
-        asked = np.maximum(times[inside], start)
-        run = solve_ivp(slope, (start, end), state, t_eval=[*asked, end], rtol=1e-8, atol=1e-9)
+        requested = np.maximum(times[inside], start)
+        run = solve_ivp(slope, (start, end), state, t_eval=[*requested, end], rtol=1e-8, atol=1e-9)
         if not run.success:
             raise RuntimeError(run.message)
         found[inside], state = run.y[:, :-1].T, run.y[:, -1]
@@ -181,12 +181,12 @@ def monolithic(controls: Controls, times: FloatArray) -> FloatArray:
 
 
 def errors(found: FloatArray, exact: FloatArray) -> FloatArray:
-    """Return the largest error of each state as a share of its largest value, shape (n_states,)."""
+    """Return the largest error of each state relative to its largest value, shape (n_states,)."""
     return np.asarray(np.abs(found - exact).max(axis=0) / np.abs(exact).max(axis=0))
 
 
 def main() -> int:
-    """Compare one manoeuvre at several communication steps; 0 if the error is below 1 % at 1 ms."""
+    """Compare one manoeuvre at several communication steps. Return 0 if the error is below 1 % at 1 ms."""
     name = sys.argv[1] if len(sys.argv) > 1 else "step-steer"
     if name not in MANOEUVRES:
         print(f"unknown manoeuvre {name}: known are {', '.join(MANOEUVRES)}", file=sys.stderr)

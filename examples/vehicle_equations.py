@@ -1,9 +1,10 @@
-"""A two-track vehicle: the equations, in SymPy, and the Python functions printed from them.
+"""A two-track vehicle: its equations in SymPy, and the Python functions printed from them.
 
-A body that moves in the plane, rolls and pitches on linear springs and dampers, and four wheels that spin; loads
-follow from the springs, so that no force of a tire reaches a load without delay. ISO 8855 axes: x forward, y left,
-z up, roll positive to the right, pitch positive nose down. Newton's and Euler's laws for the body, with small
-angles; see Schramm, Hiller, Bardini, Vehicle Dynamics (2018), chapter 10, for models of this kind.
+The body moves in the plane and has roll and pitch with linear springs and dampers. Each of the four wheels spins.
+The loads follow from the springs, so that there is no algebraic loop of tire forces and loads. Axes are those of ISO
+8855: x forward, y left, z up, roll positive to the right, pitch positive nose down. The equations of the body are those
+of Newton and Euler for small angles. For models of this kind see Schramm, Hiller, Bardini, Vehicle Dynamics (2018),
+chapter 10.
 """
 
 from __future__ import annotations
@@ -14,14 +15,14 @@ from sympy.printing.pycode import PythonCodePrinter
 CORNERS = ("fl", "fr", "rl", "rr")
 
 STATES = ("v_x", "v_y", "yaw_rate", "roll", "roll_rate", "pitch", "pitch_rate", *(f"omega_{c}" for c in CORNERS))
-#: What the driver does: steering angle of the front wheels, rad, brake torque of each front and rear wheel, N m.
+#: Inputs of the driver: steering angle of the front wheels, rad, brake torque of each front and rear wheel, N m.
 CONTROLS = ("steer", "brake_front", "brake_rear")
-#: What the tires do, in the W axes of each: N, N, N m.
+#: Outputs of the tires in their W axes: N, N, N m.
 FORCES = tuple(f"{name}_{c}" for c in CORNERS for name in ("Fx", "Fy", "Mz"))
-#: What the tires need: 1, rad, rad, N.
+#: Inputs of the tires: 1, rad, rad, N.
 SLIPS = tuple(f"{name}_{c}" for c in CORNERS for name in ("kappa", "alpha", "gamma", "Fz"))
 
-#: A car of the Formula Student, SI units.
+#: A Formula Student car, SI units.
 PARAMETERS = {
     "m": 290.0, "I_x": 45.0, "I_y": 110.0, "I_z": 130.0, "I_w": 0.45,
     "l_f": 0.80, "l_r": 0.75, "w_f": 1.22, "w_r": 1.18, "h": 0.30, "R": 0.225,
@@ -38,7 +39,7 @@ def symbols(names: tuple[str, ...]) -> tuple[sp.Symbol, ...]:
 
 
 def _corners() -> dict[str, tuple[sp.Expr, sp.Expr, sp.Expr]]:
-    """Return where each wheel stands, x and y from the centre of gravity, and how far it is turned."""
+    """Return x and y of each wheel from the centre of gravity, and its steering angle."""
     l_f, l_r, w_f, w_r, steer = symbols(("l_f", "l_r", "w_f", "w_r", "steer"))
     return {
         "fl": (l_f, w_f / 2, steer),
@@ -49,7 +50,7 @@ def _corners() -> dict[str, tuple[sp.Expr, sp.Expr, sp.Expr]]:
 
 
 def slips() -> Lines:
-    """Return what the tires need, by states and controls."""
+    """Return the inputs of the tires as functions of states and controls."""
     v_x, v_y, yaw_rate, roll, roll_rate, pitch, pitch_rate = symbols(STATES[:7])
     m, g, l_f, l_r, w_f, w_r, R, c_p, d_p, camber = symbols(
         ("m", "g", "l_f", "l_r", "w_f", "w_r", "R", "c_p", "d_p", "roll_camber")
@@ -73,7 +74,7 @@ def slips() -> Lines:
 
 
 def derivatives() -> Lines:
-    """Return the time derivative of each state, by states, controls and tire forces."""
+    """Return the time derivative of each state as a function of states, controls and tire forces."""
     v_x, v_y, yaw_rate, roll, roll_rate, pitch, pitch_rate = symbols(STATES[:7])
     m, I_x, I_y, I_z, I_w, h, R = symbols(("m", "I_x", "I_y", "I_z", "I_w", "h", "R"))
     c_f, c_r, d_f, d_r, c_p, d_p = symbols(("c_f", "c_r", "d_f", "d_r", "c_p", "d_p"))
@@ -85,7 +86,7 @@ def derivatives() -> Lines:
         along = Fx * sp.cos(turned) - Fy * sp.sin(turned)
         across = Fx * sp.sin(turned) + Fy * sp.cos(turned)
         forward, left, turning = forward + along, left + across, turning + x * across - y * along + Mz
-        spins[f"omega_{corner}"] = (-R * Fx - brake * sp.tanh(omega)) / I_w  # smooth where the wheel stands
+        spins[f"omega_{corner}"] = (-R * Fx - brake * sp.tanh(omega)) / I_w  # smooth at standstill
     return {
         "v_x": forward / m + yaw_rate * v_y,
         "v_y": left / m - yaw_rate * v_x,
@@ -98,22 +99,22 @@ def derivatives() -> Lines:
     }
 
 
-def function(name: str, knowns: tuple[tuple[str, ...], ...], lines: Lines) -> str:
-    """Return the text of a Python function of sequences that returns the lines' values as a list."""
+def function(name: str, arguments: tuple[tuple[str, ...], ...], lines: Lines) -> str:
+    """Return the text of a Python function of sequences that returns the values of the equations as a list."""
     values = {sp.Symbol(key, real=True): sp.Float(value) for key, value in PARAMETERS.items()}
     found = [line.subs(values) for line in lines.values()]
     shared, results = sp.cse(found, symbols=sp.numbered_symbols("x_"))
     printer = PythonCodePrinter({"fully_qualified_modules": False})
-    groups = [f"g{i}" for i in range(len(knowns))]
+    groups = [f"g{i}" for i in range(len(arguments))]
     text = [f"def {name}({', '.join(groups)}):"]
-    text += [f"    {', '.join(names)} = {group}" for names, group in zip(knowns, groups, strict=True)]
+    text += [f"    {', '.join(names)} = {group}" for names, group in zip(arguments, groups, strict=True)]
     text += [f"    {symbol} = {printer.doprint(value)}" for symbol, value in shared]
     text += ["    return [", *(f"        {printer.doprint(result)}," for result in results), "    ]"]
     return "\n".join(text)
 
 
 def printed() -> str:
-    """Return the text of the module that the FMU and the monolithic simulation both run."""
+    """Return the text of the module that both the FMU and the monolithic simulation run."""
     names = {"STATES": STATES, "CONTROLS": CONTROLS, "FORCES": FORCES, "SLIPS": SLIPS, "RADIUS": PARAMETERS["R"]}
     return "\n\n\n".join(
         [

@@ -1,4 +1,4 @@
-"""The vehicle as an FMU (FMI 2, by pythonfmu): tire forces and the driver's controls in, slips and motion out."""
+"""The vehicle as an FMU (FMI 2, by pythonfmu). Inputs: tire forces, driver controls. Outputs: slips, vehicle motion."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from typing import Any
 from printed_vehicle import CONTROLS, FORCES, RADIUS, SLIPS, STATES, derivatives, slips
 from pythonfmu import Fmi2Causality, Fmi2Initial, Fmi2Slave, Fmi2Variability, Real
 
-#: The vehicle's own steps are this fine, whatever the communication step: what remains is the coupling's error.
+#: s, upper limit of the integration step, independent of the communication step: the error is that of the coupling.
 LONGEST_STEP = 0.0005
 
 
 class Vehicle(Fmi2Slave):
-    """Eleven states, advanced by Runge and Kutta's method of fourth order with the inputs held."""
+    """Eleven states, integrated by the Runge-Kutta method of fourth order with constant inputs."""
 
     description = "two-track vehicle with roll, pitch and four wheels"
 
@@ -28,17 +28,17 @@ class Vehicle(Fmi2Slave):
         for names, values in ((CONTROLS, self.controls), (FORCES, self.forces)):
             for name in names:
                 self._register(name, Fmi2Causality.input, values)
-        for place, name in enumerate(SLIPS):
-            self._output(name, lambda place=place: slips(self.state, self.controls.values())[place])
-        for place, name in enumerate(STATES):
-            self._output(name, lambda place=place: self.state[place])
+        for index, name in enumerate(SLIPS):
+            self._output(name, lambda index=index: slips(self.state, self.controls.values())[index])
+        for index, name in enumerate(STATES):
+            self._output(name, lambda index=index: self.state[index])
 
     def exit_initialization_mode(self) -> None:
-        """Begin straight ahead, the wheels rolling freely."""
+        """Set the initial state: straight ahead, with freely rolling wheels."""
         self.state = self._rolling()
 
     def do_step(self, current_time: float, step_size: float) -> bool:
-        """Advance the states with the inputs held."""
+        """Advance the states with constant inputs."""
         n = max(1, ceil(step_size / LONGEST_STEP - 1e-9))
         h = step_size / n
         for _ in range(n):
@@ -52,7 +52,7 @@ class Vehicle(Fmi2Slave):
         return True
 
     def to_xml(self, model_options: dict[str, str] | None = None) -> ET.Element:
-        """Return the model description, with the unknowns of initialization, which pythonfmu leaves out."""
+        """Return the model description with the initial unknowns, which pythonfmu omits."""
         root = super().to_xml(model_options or {})
         structure = root.find("ModelStructure")
         unknowns = ET.SubElement(structure, "InitialUnknowns")

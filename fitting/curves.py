@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.measurements import OUTPUTS, Recording, TableLike, levels, recordings_from, usual_tolerance
+from tirefmu.measurements import OUTPUTS, Recording, TableLike, level_tolerance, levels, recordings_from
 from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import FitError
 from tirefmu.tires import TireLike, tire_from
@@ -84,7 +84,7 @@ class Comparison:
 
     def tolerance(self, channel: str) -> float:
         """Return how far a held channel wanders."""
-        return usual_tolerance(self.table[channel], channel)
+        return level_tolerance(self.table[channel], channel)
 
     def pure(self, channel: str, slip: str) -> list[Family]:
         """Return the families of a pure slip: per load without camber, per camber next to the nominal load."""
@@ -266,8 +266,8 @@ def _sweeps(recording: Recording, table: pd.DataFrame) -> dict[str, npt.NDArray[
     for rows in recording.segments():
         for name, marks in swept.items():
             values = table[name].to_numpy(dtype=float)[rows]
-            marks[rows] = np.ptp(values) > 4.0 * usual_tolerance(values, name)
-    rolling = table["kappa"].abs().to_numpy() <= usual_tolerance(table["kappa"], "kappa")
+            marks[rows] = np.ptp(values) > 4.0 * level_tolerance(values, name)
+    rolling = table["kappa"].abs().to_numpy() <= level_tolerance(table["kappa"], "kappa")
     return {"lateral": swept["alpha"] & rolling, "longitudinal": swept["kappa"]}
 
 

@@ -10,13 +10,13 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.measurements import (
-    REASONS,
+    EXCLUSION_REASONS,
     Recording,
     convention_notes,
     coverage_notes,
+    exclude_rows,
     group_by_condition,
     identity_notes,
-    screen,
 )
 from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
@@ -38,7 +38,7 @@ class SetAside:
     Attributes
     ----------
     recording, reason, meaning : str
-        The reason is a name of `tirefmu.measurements.REASONS`.
+        The reason is a name of `tirefmu.measurements.EXCLUSION_REASONS`.
     rows, of : int
         How many, of how many.
     findings : tuple of str
@@ -96,7 +96,7 @@ def prepare(
     recordings : sequence of Recording
     book : Model
     screening : bool
-        Whether to set rows aside (`tirefmu.measurements.screen`).
+        Whether to set rows aside (`tirefmu.measurements.exclude_rows`).
     rows : str
         How they count: a name of `ROWS`.
 
@@ -145,11 +145,11 @@ def prepare(
 
 def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[SetAside, ...]]:
     """Return which rows are kept, and a line for each reason why others are not."""
-    found = screen(recording)
-    return found.kept, tuple(
+    found = exclude_rows(recording)
+    return found.included, tuple(
         SetAside(
-            recording.source, reason, REASONS[reason], count, len(recording),
-            tuple(finding for finding in found.findings if finding.startswith(f"{reason}:")),
+            recording.source, reason, EXCLUSION_REASONS[reason], count, len(recording),
+            tuple(finding for finding in found.notes if finding.startswith(f"{reason}:")),
         )
         for reason, count in found.counts.items()
     )  # fmt: skip

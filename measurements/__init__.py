@@ -1,15 +1,24 @@
-"""Recordings of tire test benches, measured and virtual: reading, checking, screening, slicing, making."""
+"""Recordings of tire test benches, measured and virtual: reading, checks, operating conditions, excluded rows."""
 
-from .bench import TestedTire, VirtualBench
 from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
-from .conditions import Condition, Near, levels, near, select, usual_tolerance
-from .coverage import Coverage, coverage, coverage_notes, identity_notes
-from .independence import Grouping, correlation_length, effective_sample_size, group_by_condition
-from .noise import ChannelNoise, Noise
-from .outliers import Outlier, outliers
-from .phases import Phase, phases, transitions
-from .plausibility import check_plausible, convention_notes
-from .programs import (
+from .files.reading import READERS, read_recording
+from .files.writing import write_table
+from .operating_conditions.grouping import Grouping, group_by_condition
+from .operating_conditions.levels import level_tolerance, levels
+from .operating_conditions.phases import Phase, phases, transitions
+from .operating_conditions.selection import Condition, Near, near, select
+from .quality.correlation_length import correlation_length
+from .quality.coverage import Coverage, coverage, coverage_notes
+from .quality.effective_sample_size import effective_sample_size
+from .quality.outliers import Outlier, outliers
+from .quality.plausibility import check_plausible, convention_notes
+from .quality.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
+from .quality.tire_identity import identity_notes
+from .recording import Recording
+from .table_argument import TableLike, recording_from, recordings_from
+from .units import to_si
+from .virtual_bench.bench import TestedTire, VirtualBench
+from .virtual_bench.programs import (
     Program,
     alpha_sweeps,
     concatenate,
@@ -18,19 +27,14 @@ from .programs import (
     steady_points,
     trento_program,
 )
-from .reading import READERS, read_recording
-from .recording import Recording
-from .screening import REASONS, Screening, screen
-from .table_argument import TableLike, recording_from, recordings_from
-from .units import to_si
-from .writing import write_table
+from .virtual_bench.sensor_noise import ChannelNoise, Noise
 
 __all__ = [
     "CHANNELS",
+    "EXCLUSION_REASONS",
     "INPUTS",
     "OUTPUTS",
     "READERS",
-    "REASONS",
     "Channel",
     "ChannelNoise",
     "Condition",
@@ -42,7 +46,7 @@ __all__ = [
     "Phase",
     "Program",
     "Recording",
-    "Screening",
+    "RowExclusion",
     "TableLike",
     "TestedTire",
     "VirtualBench",
@@ -55,9 +59,11 @@ __all__ = [
     "coverage",
     "coverage_notes",
     "effective_sample_size",
+    "exclude_rows",
     "group_by_condition",
     "identity_notes",
     "kappa_sweeps",
+    "level_tolerance",
     "levels",
     "near",
     "outliers",
@@ -65,13 +71,11 @@ __all__ = [
     "read_recording",
     "recording_from",
     "recordings_from",
-    "screen",
     "select",
     "small_tire_program",
     "steady_points",
     "to_si",
     "transitions",
     "trento_program",
-    "usual_tolerance",
     "write_table",
 ]

@@ -1,4 +1,4 @@
-"""The channels of a recording: one card per column of the public contract."""
+"""The channels of a recording: one declaration per column of the public contract."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ class Channel:
         The contract's name.
     meaning : str
     unit, quantity : str
-        The SI unit (deg C for T), and what it measures.
+        The SI unit (deg C for T) and the physical quantity.
     role : str
-        "input" (imposed by the bench) or "output" (answered by the tire).
-    bench : tuple of str
+        "input" (imposed by the bench) or "output" (response of the tire).
+    bench_names : tuple of str
         Names in FSAE TTC files, the preferred one first.
-    words : tuple of str
-        What people write instead: offered back in a message, never taken silently.
+    aliases : tuple of str
+        Other common names. A message suggests the contract's name for them; they are never accepted silently.
     limits : tuple of float
-        The plausible range in SI, for the magnitude of a loaded wheel's channel; far wider than any bench.
+        The plausible range in SI units, much wider than that of any bench.
     tolerance : float, optional
-        How far from its level a held channel wanders, in SI. None: in proportion to the data (loads).
+        Deviation of a held channel from its level, in SI units. None: proportional to the data (loads).
     """
 
     name: str
@@ -39,15 +39,17 @@ class Channel:
     unit: str
     quantity: str
     role: str
-    bench: tuple[str, ...] = ()
-    words: tuple[str, ...] = ()
+    bench_names: tuple[str, ...] = ()
+    aliases: tuple[str, ...] = ()
     limits: tuple[float, float] = (-inf, inf)
     tolerance: float | None = None
 
 
-# Limits: alpha and gamma stop just above a quarter turn, kappa above ten (a locked wheel is -1, a spinning
-# one on a crawling car reaches several), so that what lies outside can only be another unit.
-_CARDS = (
+# Limits: slightly more than 90 deg for alpha and gamma, and 10 for kappa (-1 is a locked wheel, a spinning wheel of a
+# slow vehicle reaches several). Values beyond them can only be in another unit.
+# Tolerances: judgement, from the accuracy with which benches control a held channel; 0.5 deg for angles, 3 kPa for the
+# pressure, 0.5 m/s for the speed, 2 K for the temperature.
+_DECLARATIONS = (
     Channel("t", "time", "s", "time", "input", ("ET",), ("time",)),
     Channel(
         "kappa", "longitudinal slip (omega R_e - V_x)/|V_x|, a fraction", "-", "ratio", "input", ("SL",),
@@ -81,19 +83,23 @@ _CARDS = (
     Channel("Mx", "overturning moment", "N m", "moment", "output", ("MX",), ("overturning_moment",)),
     Channel("My", "rolling resistance moment", "N m", "moment", "output", ("MY",), ("rolling_resistance",)),
 )  # fmt: skip
-CHANNELS: dict[str, Channel] = {card.name: card for card in _CARDS}
-INPUTS: tuple[str, ...] = tuple(card.name for card in _CARDS if card.role == "input")
-OUTPUTS: tuple[str, ...] = tuple(card.name for card in _CARDS if card.role == "output")
-# Bench names count as written only: "ET" is a clock, "Et" the curvature factor of a trail.
-_BENCH_NAMES = {alias: card.name for card in _CARDS for alias in card.bench}
-_WORDS = {alias.casefold(): card.name for card in _CARDS for alias in (card.name, *card.words)}
+CHANNELS: dict[str, Channel] = {declared.name: declared for declared in _DECLARATIONS}
+INPUTS: tuple[str, ...] = tuple(declared.name for declared in _DECLARATIONS if declared.role == "input")
+OUTPUTS: tuple[str, ...] = tuple(declared.name for declared in _DECLARATIONS if declared.role == "output")
+#: The inputs that a bench controls. Time and temperature are not controlled.
+CONTROLLED_INPUTS: tuple[str, ...] = tuple(name for name in INPUTS if name not in ("t", "T"))
+# Bench names are case-sensitive: "ET" is the time, "Et" the curvature factor of the trail.
+_BENCH_NAMES = {alias: declared.name for declared in _DECLARATIONS for alias in declared.bench_names}
+_ALIASES = {
+    alias.casefold(): declared.name for declared in _DECLARATIONS for alias in (declared.name, *declared.aliases)
+}
 _SUFFIXED = re.compile(r"(?P<name>\w+)[ _]?[ _(](?P<unit>[^()_]+)\)?")
 
 _BRACKETED = re.compile(r"\s*(?P<name>\w+)\s*\[")
 
 
 def channel(name: str) -> Channel:
-    """Return the card of a channel.
+    """Return the declaration of a channel.
 
     Parameters
     ----------
@@ -120,15 +126,15 @@ def channel(name: str) -> Channel:
 
 
 def intended_channel(column: str) -> str | None:
-    """Return the channel that a column's name seems to mean, or None.
+    """Return the channel that the name of a column probably means, or None.
 
-    Names in another case, bench names, plain words, names with a unit hung on, and single slips of
-    the pen in names of four letters or more count; the named quantities of a tire (``alpha_y``) do not.
+    Recognized are names in another case, bench names, aliases, names with a unit as suffix, and single typing errors in
+    names of four letters or more. Named quantities of a tire (``alpha_y``) are not channels.
 
     Parameters
     ----------
     column : str
-        A column's name that the contract does not have.
+        Name of a column that the contract does not have.
 
     Returns
     -------
@@ -143,14 +149,14 @@ def intended_channel(column: str) -> str | None:
     """
     column = "".join(character for character in column if character.isprintable())
     folded = column.strip().casefold()
-    spelled = _BENCH_NAMES.get(column.strip()) or _WORDS.get(re.sub(r"[ \-]+", "_", folded))
+    spelled = _BENCH_NAMES.get(column.strip()) or _ALIASES.get(re.sub(r"[ \-]+", "_", folded))
     if spelled is not None:
         return spelled
     if suffixed := unit_in_name(column):
         return suffixed[0]
-    if (bracketed := _BRACKETED.match(folded)) and (spelled := _WORDS.get(bracketed["name"])) is not None:
+    if (bracketed := _BRACKETED.match(folded)) and (spelled := _ALIASES.get(bracketed["name"])) is not None:
         return spelled
-    return next((name for name in CHANNELS if len(name) >= 4 and _one_slip_apart(folded, name)), None)
+    return next((name for name in CHANNELS if len(name) >= 4 and _one_error_apart(folded, name)), None)
 
 
 def unit_in_name(column: str) -> tuple[str, str] | None:
@@ -173,17 +179,17 @@ def unit_in_name(column: str) -> tuple[str, str] | None:
     if match is None:
         return None
     written = match["name"]
-    name = written if written in CHANNELS else _BENCH_NAMES.get(written) or _WORDS.get(written.casefold())
+    name = written if written in CHANNELS else _BENCH_NAMES.get(written) or _ALIASES.get(written.casefold())
     try:
         quantity = unit_named(match["unit"]).quantity
     except UnknownName:
         return None
-    # The unit has to fit: "kappa_in" is an input, not a slip in inches.
+    # The unit has to match the quantity: "kappa_in" is an input, not a slip in inches.
     return (name, match["unit"]) if name is not None and quantity == CHANNELS[name].quantity else None
 
 
-def _one_slip_apart(written: str, name: str) -> bool:
-    """One letter wrong, missing, too many, or two neighbors swapped."""
+def _one_error_apart(written: str, name: str) -> bool:
+    """Return whether one letter is wrong, missing or added, or two adjacent ones are swapped."""
     same = next((i for i, (a, b) in enumerate(zip(written, name, strict=False)) if a != b), None)
     if same is None:
         return abs(len(written) - len(name)) <= 1

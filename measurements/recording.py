@@ -1,4 +1,4 @@
-"""A recording of a test bench: the table, and what has to be known to read it."""
+"""A recording of a test bench: the table, its sign convention, its source and metadata."""
 
 from __future__ import annotations
 
@@ -14,27 +14,24 @@ from tirefmu.tires.signs import convert_signs, reversed_columns
 
 from .channels import OUTPUTS, intended_channel
 from .summary import recording_html, recording_text
-
-#: A step of the clock longer than this many usual steps ends a segment: between two sweeps a bench
-#: stops logging for seconds, while single lost samples belong to the sweep.
-GAP = 5.0
+from .thresholds import LOGGING_GAP
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Recording:
-    """What a bench recorded, in SI.
+    """A recording of a test bench, in SI units.
 
     Parameters
     ----------
     table : pandas.DataFrame
-        Columns of the public contract (``t kappa alpha gamma Fz p V T phit``, ``Fx Fy Mz Mx My``) in SI,
-        as far as they were recorded; other columns are passed through.
+        The recorded columns of the public contract (``t kappa alpha gamma Fz p V T phit``, ``Fx Fy Mz Mx My``) in SI
+        units. Other columns are passed through.
     signs : str
         ``iso``, ``sae`` or ``adapted-sae``.
     source : str
         The file's name, or "virtual bench: ...".
     about : mapping of str to str
-        What else is known: tireid, testid, credit, units, declared (channels whose unit the file states).
+        Metadata: tireid, testid, credit, units, declared (channels whose unit the file declares).
 
     Raises
     ------
@@ -54,22 +51,22 @@ class Recording:
     about: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        reversed_columns(self.signs, "iso")  # refuses an unknown convention
+        reversed_columns(self.signs, "iso")  # raises for an unknown convention
 
     def __len__(self) -> int:
         """Return the number of rows."""
         return len(self.table)
 
     def __repr__(self) -> str:
-        """Return a few lines: source, rows, signs, range of each channel."""
-        return recording_text(self)
+        """Return source, rows, signs and the range of each channel in a few lines."""
+        return recording_text(self.source, self.signs, self.table)
 
     def _repr_html_(self) -> str:
         """Return the same as a table, for a notebook."""
-        return recording_html(self)
+        return recording_html(self.source, self.signs, self.table)
 
     def with_signs(self, target: str) -> Recording:
-        """Return the same recording written in another sign convention.
+        """Return the recording in another sign convention.
 
         Parameters
         ----------
@@ -97,7 +94,7 @@ class Recording:
         Raises
         ------
         DataError
-            If there is none; names the columns that look like outputs.
+            If there is none. The message suggests columns that look like outputs.
 
         Examples
         --------
@@ -115,15 +112,15 @@ class Recording:
         return found
 
     def segments(self) -> list[slice]:
-        """Return the stretches of rows that were logged without interruption.
+        """Return the segments: consecutive rows that were logged without interruption.
 
-        A gap is a step of ``t`` longer than five usual steps, or one back in time. Without ``t`` the
-        table is one segment.
+        A segment ends where ``t`` increases by more than five median steps, or decreases. Without ``t`` the table is
+        one segment.
 
         Returns
         -------
         list of slice
-            In order, together all rows.
+            In the order of the rows. Together they contain every row once.
 
         Examples
         --------
@@ -137,14 +134,14 @@ class Recording:
             return [slice(0, len(self))]
         steps = np.diff(self.table["t"].to_numpy(dtype=np.float64))
         forward = steps[steps > 0.0]
-        usual = float(np.median(forward)) if len(forward) else np.inf
-        cuts = np.flatnonzero((steps > GAP * usual) | (steps < 0.0)) + 1
+        median = float(np.median(forward)) if len(forward) else np.inf
+        cuts = np.flatnonzero((steps > LOGGING_GAP * median) | (steps < 0.0)) + 1
         edges = [0, *cuts.tolist(), len(self)]
         return [slice(start, stop) for start, stop in pairwise(edges)]
 
 
 def distinct(names: Sequence[str]) -> list[str]:
-    """Return the names, those that were there before numbered: two folders may hold files of one name.
+    """Return the names with repeated ones numbered: two folders may contain files of the same name.
 
     Parameters
     ----------

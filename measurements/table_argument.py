@@ -1,4 +1,4 @@
-"""What is accepted where a recording is needed: a path, a DataFrame or a recording, and whose signs hold."""
+"""Conversion of table arguments to recordings: a path, a DataFrame or a Recording, and its sign convention."""
 
 from __future__ import annotations
 
@@ -11,42 +11,42 @@ import pandas as pd
 from tirefmu.symbolic.errors import DataError, WrongType
 
 from .channels import CHANNELS, INPUTS, OUTPUTS
-from .plausibility import check_plausible
-from .reading import read_recording
+from .files.reading import read_recording
+from .quality.plausibility import check_plausible
 from .recording import Recording
 
-#: What the functions of the public interface accept as a table.
+#: Types that the functions of the public interface accept as a table.
 TableLike = Recording | pd.DataFrame | str | os.PathLike[str]
 ACCEPTED = "the path of a file, a DataFrame or a Recording"
 
 
 def recording_from(table: TableLike, *, signs: str | None = None, parameter: str = "table") -> Recording:
-    """Return the recording that a caller gave as a file, a DataFrame or a recording.
+    """Return the recording for a path, a DataFrame or a recording.
 
     Parameters
     ----------
     table : Recording, pandas.DataFrame, str or path-like
         A DataFrame has the columns of the public tables in SI units.
     signs : str, optional
-        The convention that the table is in. Where None: a file is in its format's convention (`read_recording`), a
-        DataFrame in ISO, a recording in its own.
+        The convention of the table. Default: that of the format of a file (`read_recording`), ISO for a DataFrame, and
+        that of a recording.
     parameter : str
         Name of the caller's parameter, for the message.
 
     Returns
     -------
     Recording
-        With one row at least; inputs finite, outputs finite or NaN (not measured), all in plausible units.
+        It has at least one row, finite inputs, outputs that are finite or NaN (not measured), and plausible units.
 
     Raises
     ------
     DataError
         If a file cannot be read, there is no row, an input is not finite, units or signs are implausible, or
-        ``signs`` contradicts those of a recording.
+        ``signs`` contradicts that of a recording.
     UnknownName
         If the signs are not one of the three conventions.
     WrongType
-        If it is anything else.
+        If the argument is of another type.
 
     Examples
     --------
@@ -75,14 +75,14 @@ def recording_from(table: TableLike, *, signs: str | None = None, parameter: str
 
 
 def recordings_from(tables: TableLike | Iterable[TableLike], *, signs: str | None = None) -> list[Recording]:
-    """Return the recordings of one table or of several.
+    """Return the recordings of one or several tables.
 
     Parameters
     ----------
     tables : table, or iterable of them
-        Each as `recording_from` takes it.
+        Each as for `recording_from`.
     signs : str, optional
-        Of each of them.
+        The convention of all tables.
 
     Returns
     -------
@@ -91,7 +91,7 @@ def recordings_from(tables: TableLike | Iterable[TableLike], *, signs: str | Non
     Raises
     ------
     DataError, UnknownName, WrongType
-        As `recording_from`.
+        As for `recording_from`.
 
     Examples
     --------
@@ -107,7 +107,7 @@ def recordings_from(tables: TableLike | Iterable[TableLike], *, signs: str | Non
 
 
 def _numeric(table: pd.DataFrame) -> pd.DataFrame:
-    """Return a table whose channels are columns of floats, rows counted from 0."""
+    """Return the table with channels as columns of floats and rows counted from 0."""
     repeated = [name for name in CHANNELS if list(table.columns).count(name) > 1]
     if repeated:
         raise DataError(f"table: {len(table.columns)} columns, {repeated[0]} more than once")
@@ -123,7 +123,7 @@ def _numeric(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _check_numbers(recording: Recording) -> None:
-    """Refuse what only a table made in memory can have; files are checked when they are read."""
+    """Check the numbers of a table in memory. Those of a file were checked when it was read."""
     if not len(recording):
         raise DataError(f"{recording.source}: no rows")
     for name in (*INPUTS, *OUTPUTS):

@@ -1,4 +1,4 @@
-"""Units that bench files and table headers declare, and their way to SI."""
+"""Units in bench files and table headers, and their conversion to SI units."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ FOOT = 0.3048  # m, exact
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit: what it measures, and how to come from it to SI.
+    """A unit: its physical quantity and its conversion to SI units.
 
     Parameters
     ----------
     quantity : str
         "angle", "force", "pressure", ...
     factor, offset : float
-        value_SI = factor * value + offset. Temperatures go to deg C.
+        value_SI = factor * value + offset. Temperatures are converted to deg C.
     """
 
     quantity: str
@@ -31,7 +31,7 @@ class Unit:
     offset: float = 0.0
 
 
-#: Keyed by the folded spelling: lower case, without blanks, dashes, dots, stars and degree signs.
+#: By normalized spelling: lower case, without blanks, dashes, dots, stars and degree signs.
 UNITS: dict[str, Unit] = {
     **dict.fromkeys(("s", "sec", "second", "seconds"), Unit("time")),
     "ms": Unit("time", 1e-3),
@@ -71,12 +71,12 @@ _IGNORED = str.maketrans("", "", " -.*_\u00b0\u00b7")
 
 
 def unit_named(spelling: str) -> Unit:
-    """Return the unit that a file means by a spelling.
+    """Return the unit for a spelling in a file.
 
     Parameters
     ----------
     spelling : str
-        "kph", "km/h", "N-m", "deg C", "none", ...; case, blanks and dashes do not matter.
+        "kph", "km/h", "N-m", "deg C", "none", ...; case, blanks and dashes are ignored.
 
     Returns
     -------
@@ -85,7 +85,7 @@ def unit_named(spelling: str) -> Unit:
     Raises
     ------
     UnknownName
-        If no unit is spelled so.
+        If no unit has this spelling.
 
     Examples
     --------
@@ -99,7 +99,7 @@ def unit_named(spelling: str) -> Unit:
 
 
 def to_si(values: ArrayLike, spelling: str, quantity: str | None = None) -> NDArray[np.float64]:
-    """Return values in SI (temperatures in deg C).
+    """Return values in SI units (temperatures in deg C).
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def to_si(values: ArrayLike, spelling: str, quantity: str | None = None) -> NDAr
     spelling : str
         The declared unit.
     quantity : str, optional
-        What the unit must measure; not checked when absent.
+        The physical quantity of the unit. Default: not checked.
 
     Returns
     -------
@@ -117,9 +117,9 @@ def to_si(values: ArrayLike, spelling: str, quantity: str | None = None) -> NDAr
     Raises
     ------
     UnknownName
-        If the unit is not known.
+        If the unit is unknown.
     DataError
-        If the unit measures something else.
+        If the unit is one of another quantity.
 
     Examples
     --------
@@ -132,7 +132,7 @@ def to_si(values: ArrayLike, spelling: str, quantity: str | None = None) -> NDAr
     if quantity is not None and unit.quantity != quantity:
         raise DataError(f"unit {spelling.strip()!r} measures {unit.quantity}, not {quantity}")
     array = np.asarray(values, dtype=np.float64)
-    # SI values pass untouched, bit for bit; the factor alone keeps the sign of a zero.
+    # Without an offset the sign of a zero is preserved; a factor of 1 preserves every bit.
     if unit.offset:
         return np.asarray(array * unit.factor + unit.offset)
     return np.asarray(array * unit.factor)

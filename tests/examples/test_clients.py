@@ -1,4 +1,4 @@
-"""The examples of other tools run and agree, each in a process of its own as a user would start it."""
+"""The examples with other tools run and agree, each in a separate process."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ def test_client(script, package, fmi):
     command = [sys.executable, EXAMPLES / script, str(fmi)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-    said = done.stdout + done.stderr
-    assert ("No semantic error" if package.startswith("fmu_") else "largest difference") in said
+    output = done.stdout + done.stderr
+    assert ("No semantic error" if package.startswith("fmu_") else "largest difference") in output
 
 
-def test_a_client_that_is_wrong_says_so(monkeypatch, capsys):
+def test_a_wrong_result_is_reported(monkeypatch, capsys):
     monkeypatch.syspath_prepend(EXAMPLES)
     four = importlib.import_module("four_tires")
     right = four.expected(four.relaxing_tire())

@@ -1,4 +1,4 @@
-"""Four tires and a vehicle: the equations keep mechanics' laws, the co-simulation converges to one simulation."""
+"""Four tires and a vehicle: laws of mechanics, and convergence of the co-simulation to the monolithic one."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def fmus(vehicle, tmp_path_factory):
     except CompilerError as error:
         pytest.skip(str(error))
     if host_platform() not in ("x86_64-linux", "x86_64-windows"):
-        pytest.skip("pythonfmu brings no binary for this machine")
+        pytest.skip("pythonfmu has no binary for this machine")
     return vehicle.export(tmp_path_factory.mktemp("vehicle"))
 
 
@@ -53,14 +53,14 @@ def test_loads_carry_the_weight(vehicle, printed):
     assert loads.sum() == pytest.approx(values["m"] * values["g"], rel=1e-12)
 
 
-def test_rolling_straight_slips_nowhere(printed):
+def test_straight_rolling_has_no_slip(printed):
     state = [12.0, *[0.0] * 6, *[12.0 / printed.RADIUS] * 4]
     slips = np.reshape(printed.slips(state, (0.0, 0.0, 0.0)), (4, 4))
     assert slips[:, :3] == pytest.approx(0.0, abs=1e-15)
 
 
 def test_momentum_changes_by_the_forces(vehicle, printed):
-    """Straight wheels: linear and angular momentum of the body, wheel by wheel."""
+    """Linear and angular momentum of the body with straight wheels."""
     state, _, forces = any_state(printed)
     values, rates = vehicle.equations.PARAMETERS, np.array(printed.derivatives(state, (0.0, 0.0, 0.0), forces))
     Fx, Fy, Mz = np.reshape(forces, (4, 3)).T
@@ -73,7 +73,7 @@ def test_momentum_changes_by_the_forces(vehicle, printed):
 
 
 def test_steady_load_transfer_is_that_of_the_moments(vehicle, printed):
-    """In a steady turn the loads' moment about the road balances that of the side force at the body's height."""
+    """In a steady turn the moment of the loads balances that of the side force at the height of the body."""
     values = vehicle.equations.PARAMETERS
     side = 2000.0
     roll = values["h"] * side / (values["c_f"] + values["c_r"])
@@ -86,7 +86,7 @@ def test_steady_load_transfer_is_that_of_the_moments(vehicle, printed):
     assert printed.derivatives(state, (0.0, 0.0, 0.0), forces)[4] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_left_and_right_are_alike(printed):
+def test_left_and_right_are_symmetric(printed):
     state, (steer, *brakes), forces = any_state(printed)
     swapped = [1, 0, 3, 2]
     mirror = np.array([1.0, -1.0, -1.0, -1.0, -1.0, 1.0, 1.0])
@@ -107,7 +107,7 @@ def test_the_vehicles_fmu_is_valid(fmus):
 def test_cosimulation_converges_at_first_order(vehicle, fmus, manoeuvre):
     controls, steps = vehicle.MANOEUVRES[manoeuvre], (0.002, 0.001)
     exact = vehicle.monolithic(controls, np.arange(0.0, vehicle.END + 1e-9, steps[-1]))
-    # Every manoeuvre moves every state that is compared.
+    # Every compared state changes in every manoeuvre.
     assert (np.abs(exact).max(axis=0) > 1e-4).all()
     worst = []
     for step in steps:

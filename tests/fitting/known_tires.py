@@ -9,8 +9,16 @@ from math import radians
 
 import numpy as np
 
-from tirefmu.measurements import Noise, Program, Recording, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps
-from tirefmu.measurements.noise import ChannelNoise
+from tirefmu.measurements import (
+    ChannelNoise,
+    Noise,
+    Program,
+    Recording,
+    VirtualBench,
+    alpha_sweeps,
+    concatenate,
+    kappa_sweeps,
+)
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import Tire
 

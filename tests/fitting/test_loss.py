@@ -10,8 +10,7 @@ import pytest
 from tirefmu.fitting import fit
 from tirefmu.fitting.loss import LOSSES, loss_named, robust_scale
 from tirefmu.fitting.problem import Problem, Rows, equal_weights, limits_of, noise_weights
-from tirefmu.measurements import Noise, Recording
-from tirefmu.measurements.noise import ChannelNoise
+from tirefmu.measurements import ChannelNoise, Noise, Recording
 from tirefmu.symbolic.errors import UnknownName
 
 SIZE = 15.0  # N, of the noise

@@ -51,7 +51,7 @@ def test_bad_rows_do_not_bend_a_fit(once, known, make):
     (aside,) = kept.set_aside
     assert (aside.reason, aside.rows, aside.of) == ("outlier", len(rows), len(once))
     assert len(aside.findings) == len(rows)
-    assert aside.findings[0].startswith("outlier: row 21: Fy is 9000 N among ")
+    assert aside.findings[0].startswith("outlier: row 21: Fy is 9000 N, the running median is ")
     assert clean.set_aside == bent.set_aside == ()
     points = pd.DataFrame({"alpha": np.tile(np.linspace(-0.2, 0.2, 21), 2), "Fz": np.repeat([500.0, 1000.0], 21)})
     curves = [result.tire.evaluate(points)["Fy"] for result in (clean, kept, bent)]

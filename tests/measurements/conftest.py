@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.measurements import Recording, native
+from tirefmu.measurements import Recording
+from tirefmu.measurements.files import native_reader
 
 RATE = 100.0  # rows per second
 RAMP = 1.0  # s from one condition to the next
@@ -79,7 +80,7 @@ def without_package(tmp_path_factory, monkeypatch):
         for name in names:
             (folder / f"{name}.py").write_text("raise ImportError\n", encoding="utf-8")
         monkeypatch.setenv("PYTHONPATH", str(folder))
-        native.close()
+        native_reader.close()
 
     yield hide
-    native.close()
+    native_reader.close()

@@ -24,7 +24,7 @@ def test_card_is_in_si_and_whole(name):
 
 
 def test_no_alias_means_two_channels():
-    aliases = [alias for card in CHANNELS.values() for alias in {*card.bench, *card.words}]
+    aliases = [alias for declared in CHANNELS.values() for alias in {*declared.bench_names, *declared.aliases}]
     assert len(aliases) == len(set(aliases))
 
 

@@ -44,7 +44,7 @@ REFUSED = {
         lambda t: [t.assign(Fz=0.0)],
         "no row is left to fit (--all-rows keeps them): a.csv: 1200 of 1200 rows set aside: lifted",
     ),
-    "all rows standing": (lambda t: [t.assign(V=0.0)], "1200 of 1200 rows set aside: standing (the wheel stands)"),
+    "all rows standing": (lambda t: [t.assign(V=0.0)], "1200 of 1200 rows set aside: standing (the wheel does not"),
     "all loads out of range": (lambda t: [t.assign(Fz=5e6)], "a.csv: Fz reaches 5e+06 N: in another unit?"),
     "load in kN": (lambda t: [t.assign(Fz=t["Fz"] / 1e3)], "a.csv: no |Fz| is above 0.9 N: in kN? declare it"),
     "load of the other sign": (
@@ -66,10 +66,10 @@ REFUSED = {
 }  # fmt: skip
 
 TOLD = {
-    "no load": (lambda t: [side_alone(t).drop(columns="Fz")], "a.csv: Fz is not there: every row counts as at the"),
+    "no load": (lambda t: [side_alone(t).drop(columns="Fz")], "a.csv: no column Fz: every row is evaluated at the"),
     "no slip": (lambda t: [t.drop(columns="kappa")], "a.csv: Fx is not fitted, kappa does not vary there"),
     "constant slip angle": (lambda t: [t.assign(alpha=0.05)], "a.csv: Fy is not fitted, alpha does not vary there"),
-    "one load": (lambda t: [side_alone(t).assign(Fz=900.0)], "a.csv: one load only (900 N): nothing tells how"),
+    "one load": (lambda t: [side_alone(t).assign(Fz=900.0)], "a.csv: only one load (900 N): the influence of load"),
     "ten rows": (lambda t: [side_alone(t).iloc[::60]], "a.csv: 10 rows are fewer than a fit of one force needs"),
     "time going backwards": (lambda t: [side_alone(t).iloc[::-1]], "a.csv: t runs backwards in 599 of 599 steps"),
     "side force of the other sign": (
@@ -86,11 +86,11 @@ TOLD = {
         "in rows 1 to 600 of a.csv and 0.8",
     ),
     "two sizes of tires": (
-        lambda t: [side_alone(t), side_alone(sweeps(load=9.0, seed=1))], "two tires? a.csv runs up to 900 N, b.csv",
+        lambda t: [side_alone(t), side_alone(sweeps(load=9.0, seed=1))], "two tires? the load reaches 900 N in a.csv",
     ),
     "a wild reading": (
         lambda t: [side_alone(t).assign(Fy=t["Fy"].where(t.index != 70, 9e3))],
-        "a.csv: 1 of 600 rows set aside: outlier (a reading stands off the course of its channel)",
+        "a.csv: 1 of 600 rows set aside: outlier (a value is far from the running median of its channel)",
     ),
 }  # fmt: skip
 
@@ -135,5 +135,5 @@ def test_it_is_fitted_and_told(fitted, fault):
 
 def test_good_data_are_not_complained_about(fitted):
     outcome, _ = fitted([side_alone(sweeps()).iloc[:300], side_alone(sweeps(seed=1)).iloc[300:].assign(p=80e3)])
-    notes = [line for line in outcome.out.splitlines() if line.startswith("note: ") and "one load only" not in line]
+    notes = [line for line in outcome.out.splitlines() if line.startswith("note: ") and "only one load" not in line]
     assert notes == []

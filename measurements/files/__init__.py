@@ -1,0 +1,1 @@
+"""Recordings in files: readers of each format, and writing of tables."""

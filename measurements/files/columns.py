@@ -1,0 +1,225 @@
+"""Conversion of table columns to channels of the contract in SI units, with a clear message for each error."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from tirefmu.symbolic.errors import DataError, TirefmuError
+
+from ..channels import CHANNELS, INPUTS, channel, intended_channel, unit_in_name
+from ..units import to_si
+
+#: Upper limits: columns of a table, characters of a header that may declare a unit.
+MOST_COLUMNS, LONGEST_HEADER = 5000, 200
+_HEADER = re.compile(r"(?P<name>[^\[\]]*?)\s*\[(?P<unit>[^\[\]]*)\]")
+
+
+@dataclass(frozen=True)
+class Column:
+    """One column of a table: its name and its declared unit.
+
+    Parameters
+    ----------
+    name : str
+    unit : str, optional
+        As declared in the header, ``alpha [deg]``. None means the SI unit.
+
+    Examples
+    --------
+    >>> Column.parse("alpha [deg]")
+    Column(name='alpha', unit='deg')
+    >>> Column.parse("lap [1]").name
+    'lap [1]'
+    """
+
+    name: str
+    unit: str | None = None
+
+    @classmethod
+    def parse(cls, header: str) -> Column:
+        """Read a header. Brackets declare a unit only after a name of the contract.
+
+        Parameters
+        ----------
+        header : str
+
+        Returns
+        -------
+        Column
+        """
+        match = _HEADER.fullmatch(header.strip()) if len(header) <= LONGEST_HEADER else None
+        if match and match["name"] in CHANNELS:
+            return cls(match["name"], match["unit"])
+        return cls(header.strip())
+
+
+def parse_header(headers: Sequence[str], source: str) -> list[Column]:
+    """Read the headers of a table.
+
+    Unknown columns are passed through, unless the name resembles an input that the table lacks: the nominal value would
+    silently replace that input. Names that resemble outputs are allowed, because outputs are optional.
+
+    Parameters
+    ----------
+    headers : sequence of str
+    source : str
+        The file, for the message.
+
+    Returns
+    -------
+    list of Column
+
+    Raises
+    ------
+    DataError
+        If there are more than `MOST_COLUMNS` columns, a name occurs twice, a name resembles a missing input, or no
+        column is a channel.
+
+    Examples
+    --------
+    >>> [column.name for column in parse_header(["kappa", "Fz [kN]", "remark"], "a.csv")]
+    ['kappa', 'Fz', 'remark']
+    >>> parse_header(["kappa", "Alpha"], "a.csv")
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.DataError: a.csv: column 'Alpha' is not a channel: did you mean alpha?
+    """
+    if len(headers) > MOST_COLUMNS:
+        raise DataError(f"{source}: {len(headers)} columns: at most {MOST_COLUMNS} are read")
+    columns = [
+        Column.parse(header) if header.strip() else Column(f"column {number}")
+        for number, header in enumerate(headers, start=1)
+    ]
+    names = Counter(column.name for column in columns)
+    for name, count in names.items():
+        if count > 1:
+            raise DataError(f"{source}: column {name!r} occurs {count} times")
+    for name in names:
+        intended = None if name in CHANNELS else intended_channel(name)
+        if intended in INPUTS and intended not in names:
+            raise DataError(f"{source}: column {name!r} is not a channel: did you mean {_suggestion(name, intended)}?")
+    if not any(name in CHANNELS for name in names):
+        raise DataError(f"{source}: no column is a channel: known are {', '.join(CHANNELS)}")
+    return columns
+
+
+def _suggestion(name: str, intended: str) -> str:
+    """Return the correct spelling of a header."""
+    suffixed = unit_in_name(name)
+    if suffixed is not None:
+        return f"'{intended} [{suffixed[1]}]'"
+    bench_degrees = channel(intended).quantity == "angle" and name in channel(intended).bench_names
+    return f"{intended} (rad; 'alpha [deg]' declares degrees)".replace("alpha", intended) if bench_degrees else intended
+
+
+def channels_in_si(
+    table: pd.DataFrame, columns: Sequence[Column], source: str, location: Callable[[int], str]
+) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Return the table with contract names and SI units, with every channel checked.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        As read, with one column per entry of ``columns``, in the same order.
+    columns : sequence of Column
+    source : str
+        The file, for messages.
+    location : callable
+        From a row's number, counted from 0, to "line 12" or "row 12".
+
+    Returns
+    -------
+    table : pandas.DataFrame
+        Channels as floats. Other columns are unchanged.
+    about : dict of str to str
+        ``declared``: the channels whose unit the table declares.
+
+    Raises
+    ------
+    DataError
+        If there are no rows, a cell of a channel is not a number or infinite, an input is NaN, or a declared unit is
+        unknown or one of another quantity.
+    """
+    if table.empty:
+        raise DataError(f"{source}: no rows")
+    columns_out: dict[str, pd.Series] = {}
+    for number, column in enumerate(columns):
+        cells = table.iloc[:, number].rename(column.name)
+        if column.name in CHANNELS:
+            values = _numbers(cells, source, location)
+            check_finite(values, column.name, source, location)
+            cells = pd.Series(_converted(values, column, source), name=column.name)
+        columns_out[column.name] = cells.reset_index(drop=True)
+    declared = " ".join(column.name for column in columns if column.unit is not None)
+    return pd.DataFrame(columns_out), {"declared": declared}
+
+
+def check_finite(values: NDArray[np.float64], name: str, source: str, location: Callable[[int], str]) -> None:
+    """Check that a channel has no infinities, and an input no NaN.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+    name : str
+        The contract's name of the channel.
+    source : str
+    location : callable
+        From a row's number, counted from 0, to "line 12" or "row 12".
+
+    Raises
+    ------
+    DataError
+        With the file, the first location, the channel and the number of rows.
+
+    Examples
+    --------
+    >>> check_finite(np.array([0.0, np.nan]), "alpha", "a.csv", lambda row: f"line {row + 2}")
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.DataError: a.csv: line 3: alpha is NaN (1 of 2 rows)
+    """
+    infinite, unknown = np.isinf(values), np.isnan(values) & (name in INPUTS)
+    for bad, kind in ((infinite, "infinite"), (unknown, "NaN")):
+        if bad.any():
+            first = location(int(np.flatnonzero(bad)[0]))
+            raise DataError(f"{source}: {first}: {name} is {kind} ({bad.sum()} of {len(values)} rows)")
+
+
+def _numbers(cells: pd.Series, source: str, location: Callable[[int], str]) -> NDArray[np.float64]:
+    """Return the cells as floats, or report the first one that is not a number."""
+    if pd.api.types.is_bool_dtype(cells):
+        cells = cells.astype(str)  # a truth value is not a number
+    if pd.api.types.is_numeric_dtype(cells):
+        return cells.to_numpy(dtype=np.float64, na_value=np.nan)
+    objects = cells.to_numpy(dtype=object, na_value=np.nan)
+    try:
+        return objects.astype(np.float64)  # float() reads decimals exactly
+    except (TypeError, ValueError):
+        row = next(row for row, cell in enumerate(objects) if not _is_number(cell))
+        shown = str(cells.iloc[row])
+        raise DataError(f"{source}: {location(row)}: column {cells.name}: {shown!r} is not a number") from None
+
+
+def _is_number(cell: Any) -> bool:
+    try:
+        float(cell)
+    except (TypeError, ValueError):
+        return False
+    return True
+
+
+def _converted(values: NDArray[np.float64], column: Column, source: str) -> NDArray[np.float64]:
+    if column.unit is None:
+        return values
+    try:
+        return to_si(values, column.unit, channel(column.name).quantity)
+    except TirefmuError as error:
+        raise DataError(f"{source}: column {column.name}: {error}") from None

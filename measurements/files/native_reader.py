@@ -1,0 +1,140 @@
+"""Reading of files by native code in a separate process: a file that crashes it is an error message, not a crash."""
+
+from __future__ import annotations
+
+import atexit
+import os
+import pickle
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from typing import Any
+
+from tirefmu.symbolic.errors import DataError
+
+from . import reader_process
+from .reader_process import MissingPackage
+
+__all__ = ["MissingPackage", "close", "load"]
+
+#: Memory limit in bytes: a constant, and a factor for the size of the file, which may be compressed.
+MEMORY, MEMORY_PER_BYTE = 4 << 30, 100
+#: Limit of the content in bytes: a constant, and a factor for the size of the file, the largest compression ratio.
+CONTENT, CONTENT_PER_BYTE = 64 << 20, 1000
+#: Time limit in seconds: a constant, and a term for each byte of the file.
+SECONDS, SECONDS_PER_BYTE = 60.0, 1e-6
+
+
+class _Process:
+    """A process that reads files until a file crashes it."""
+
+    def __init__(self) -> None:
+        self._owner = os.getpid()
+        # Single-threaded: the address space of further threads counts towards the memory limit.
+        one_thread = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "ARROW_DEFAULT_MEMORY_POOL": "system"}
+        self._popen = subprocess.Popen(
+            [sys.executable, "-P", reader_process.__file__],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, env={**os.environ, **one_thread},
+        )  # fmt: skip
+
+    @property
+    def usable(self) -> bool:
+        """Whether the process is running and was started by this process, not by one from which this was forked."""
+        return self._owner == os.getpid() and self._popen.poll() is None
+
+    def send(self, request: tuple[str, str, int, int], seconds: float) -> tuple[str, Any]:
+        """Return the answer to a request.
+
+        Raises
+        ------
+        TimeoutError, EOFError
+            If there is no answer within the time, or none at all.
+        """
+        assert self._popen.stdin is not None
+        assert self._popen.stdout is not None
+        late = threading.Event()
+
+        def stop() -> None:
+            late.set()
+            self._popen.kill()
+
+        timer = threading.Timer(seconds, stop)
+        timer.start()
+        try:
+            self._popen.stdin.write(pickle.dumps(request))
+            self._popen.stdin.flush()
+            status, content = pickle.load(self._popen.stdout)
+        except BaseException as error:  # Ctrl-C as well: a late answer would be read as the next one
+            self.close()
+            if late.is_set():
+                raise TimeoutError from error
+            if isinstance(error, Exception):  # no answer, a partial or an unreadable one
+                raise EOFError from error
+            raise
+        finally:
+            timer.cancel()
+        return status, content
+
+    def close(self) -> None:
+        """End the process."""
+        if self._owner == os.getpid():
+            self._popen.kill()
+            self._popen.communicate()
+
+
+_lock = threading.Lock()
+_running: _Process | None = None
+
+
+def load(file_format: str, path: Path) -> Any:
+    """Return the content of a file, read by native code.
+
+    Parameters
+    ----------
+    file_format : {"matlab", "parquet"}
+    path : pathlib.Path
+
+    Returns
+    -------
+    dict of str to Any, or pandas.DataFrame
+        The variables of a ``.mat`` file, or the table.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be opened.
+    MissingPackage
+        If the package that reads such files is not installed.
+    DataError
+        If the file has another format, or the code that reads it crashes.
+    """
+    global _running
+    with path.open("rb") as file:
+        size = os.fstat(file.fileno()).st_size
+    memory, largest = MEMORY + MEMORY_PER_BYTE * size, CONTENT + CONTENT_PER_BYTE * size
+    request = (file_format, os.path.abspath(path), memory, largest)
+    with _lock:
+        if _running is None or not _running.usable:
+            _running = _Process()
+        try:
+            status, content = _running.send(request, SECONDS + SECONDS_PER_BYTE * size)
+        except TimeoutError:
+            status, content = "refused", "reading takes too long"
+        except EOFError:
+            status, content = "refused", "the file is damaged and crashes its reader"
+    if status == "missing":
+        raise MissingPackage(content)
+    if status == "refused":
+        kind = {"matlab": "a MATLAB file", "parquet": "Parquet"}[file_format]
+        raise DataError(f"{path}: cannot be read as {kind}: {content}")
+    return content
+
+
+@atexit.register
+def close() -> None:
+    """End the reading process, if there is one. The next file starts a new one."""
+    global _running
+    if _running is not None:
+        _running.close()
+        _running = None

@@ -1,0 +1,80 @@
+"""Reading of recordings from files of all known formats."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from os import PathLike
+from pathlib import Path
+
+from tirefmu.symbolic.errors import DataError, path_from
+from tirefmu.tires.signs import reversed_columns
+
+from ..recording import Recording
+from .csv_table import read_csv_table
+from .parquet_table import read_parquet_table
+from .ttc_dat import read_ttc_dat
+from .ttc_mat import read_ttc_mat
+from .tydex import read_tydex
+
+#: By extension: the reader and the default sign convention of the format.
+READERS: dict[str, tuple[Callable[[Path, str], Recording], str]] = {
+    ".csv": (read_csv_table, "iso"),
+    ".parquet": (read_parquet_table, "iso"),
+    ".mat": (read_ttc_mat, "sae"),
+    ".dat": (read_ttc_dat, "sae"),
+    ".tdx": (read_tydex, "iso"),
+}
+
+
+def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Recording:
+    r"""Read a recording. The extension determines the format.
+
+    Parameters
+    ----------
+    path : str or path-like
+        ``.csv`` or ``.parquet`` with the contract's columns in SI (a header may declare another unit:
+        ``alpha [deg]``, ``Fz [kN]``, ``p [kPa]``), an FSAE TTC file (``.mat``, ``.dat``), or TYDEX
+        (``.tdx``).
+    signs : str, optional
+        The convention of the file. Default: the convention stated in the file, otherwise ``sae`` for FSAE TTC files and
+        ``iso`` for tables and TYDEX.
+
+    Returns
+    -------
+    Recording
+        In the sign convention of the file.
+
+    Raises
+    ------
+    DataError
+        One line with file, line (or row) and channel: a missing or empty file, an unknown extension, a cell
+        that is not a number, an unknown column that resembles a missing input, NaN in an input, ...
+    UnknownName
+        If the signs are not one of the three conventions.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "sweep.csv"
+    ...     _ = file.write_text("alpha [deg],Fz [kN],Fy\n2.0,1.5,-900\n")
+    ...     recording = read_recording(file)
+    >>> recording.signs, recording.table.round(4).iloc[0].to_dict()
+    ('iso', {'alpha': 0.0349, 'Fz': 1500.0, 'Fy': -900.0})
+    """
+    file = path_from(path)
+    if file.suffix.lower() not in READERS:
+        raise DataError(f"{file}: unknown kind of recording {file.suffix!r}: known are {', '.join(READERS)}")
+    reader, default_signs = READERS[file.suffix.lower()]
+    chosen = default_signs if signs is None else signs
+    reversed_columns(chosen, "iso")  # an unknown convention is an error before a long file is read
+    try:
+        if not file.exists():
+            raise DataError(f"{file}: no such file")
+        recording = reader(file, chosen)
+    except UnicodeDecodeError:
+        raise DataError(f"{file}: not a text file (UTF-8)") from None
+    except OSError as error:
+        raise DataError(f"{file}: {error.strerror or error}") from None
+    return recording if signs is not None else replace(recording, signs=recording.about.get("signs", chosen))

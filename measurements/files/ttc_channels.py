@@ -1,0 +1,183 @@
+"""Channels and units of FSAE Tire Test Consortium (Calspan) files, common to all their formats."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from tirefmu.symbolic.errors import DataError, TirefmuError, nearest
+
+from ..channels import CHANNELS, OUTPUTS, Channel
+from ..recording import Recording
+from ..thresholds import FREE_ROLLING_FORCE, LOWEST_KPA
+from ..units import to_si
+from .columns import check_finite
+
+#: kappa is read from SL, the slip that is zero at zero FX, and never from SR. N is unusable in many runs and ignored.
+MANDATORY = ("ET", "SA", "IA", "FZ")
+_SI = {
+    "time": "sec", "ratio": "none", "angle": "deg", "force": "N", "pressure": "kPa", "speed": "kph",
+    "temperature": "deg C", "moment": "N-m",
+}  # fmt: skip
+_USCS = _SI | {"force": "lb", "pressure": "psi", "speed": "mph", "temperature": "deg F", "moment": "lb-ft"}
+_BENCH_NAMES = {name: channel for channel in CHANNELS.values() for name in channel.bench_names}
+
+
+def bench_recording(
+    path: Path,
+    vectors: Mapping[str, NDArray[np.float64]],
+    units: Mapping[str, str],
+    signs: str,
+    about: Mapping[str, str],
+    location: Callable[[int], str],
+) -> Recording:
+    """Return the recording of the channels of a bench file.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    vectors : mapping of str to ndarray, shape (n,)
+        By the name in the file; the case is ignored.
+    units : mapping of str to str
+        The units that the file declares, by name. If there are none, `assumed_units` are used.
+    signs : str
+        The convention of the file.
+    about : mapping of str to str
+    location : callable
+        From a row's number, counted from 0, to "line 12" or "row 12".
+
+    Returns
+    -------
+    Recording
+        The available channels of ``t kappa alpha gamma Fz p V T Fx Fy Mz Mx My``.
+
+    Raises
+    ------
+    DataError
+        If a mandatory channel or every output is missing, lengths differ, a unit is unknown, or an input contains NaN.
+    """
+    source = str(path)
+    folded = {name.casefold(): values for name, values in vectors.items()}
+    _check_present(folded, list(vectors), source)
+    by_name = {name.casefold(): unit for name, unit in units.items()}
+    metadata = dict(about)
+    if by_name:
+        declared = [c.name for c in CHANNELS.values() if {name.casefold() for name in c.bench_names} & set(by_name)]
+        metadata |= {"units": "declared in the file", "declared": " ".join(declared)}
+    else:
+        by_name, reason = assumed_units(path, folded)
+        metadata |= {"units": reason, "declared": ""}
+    columns: dict[str, NDArray[np.float64]] = {}
+    for channel in CHANNELS.values():
+        bench_name = next((name for name in channel.bench_names if name.casefold() in folded), None)
+        if bench_name is not None:
+            columns[channel.name] = _channel(channel, bench_name, folded, by_name, source, location)
+    if "kappa" not in columns:
+        columns["kappa"] = _free_rolling(columns, vectors, source)
+        metadata["kappa"] = "no channel SL: FX stays near 0, the wheel rolls freely, kappa is 0"
+    ordered = {name: columns[name] for name in CHANNELS if name in columns}
+    return Recording(pd.DataFrame(ordered), signs, path.name, metadata)
+
+
+def assumed_units(path: Path, vectors: Mapping[str, NDArray[np.float64]]) -> tuple[dict[str, str], str]:
+    """Return the units of a file that declares none, and the reason for them.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        Names like ``A1464run30`` mean US customary units, ``B1464run30`` SI.
+    vectors : mapping of str to ndarray
+        By name in lower case. A pressure that is too small for kPa is in psi.
+
+    Returns
+    -------
+    units : dict of str to str
+        By name in lower case.
+    reason : str
+
+    Examples
+    --------
+    >>> assumed_units(Path("A1464run30.mat"), {})[1]
+    "assumed USCS: the file's name begins with A"
+    >>> assumed_units(Path("run.mat"), {"p": np.full(9, 12.0)})[1]
+    'assumed USCS: the file declares none, and P is about 12, too small for kPa'
+    """
+    pressure = vectors.get("p", np.empty(0))
+    median = float(np.nanmedian(pressure)) if np.isfinite(pressure).any() else np.inf
+    letter = re.match(r"[AaBb](?=\d)", path.name)
+    if letter is not None:
+        uscs, reason = letter[0] in "Aa", f"the file's name begins with {letter[0]}"
+    elif 0.0 < median < LOWEST_KPA:
+        uscs, reason = True, f"the file declares none, and P is about {median:.3g}, too small for kPa"
+    else:
+        uscs, reason = False, "the file declares none"
+    assumed = _USCS if uscs else _SI
+    units = {name.casefold(): assumed[channel.quantity] for name, channel in _BENCH_NAMES.items()}
+    return units, f"assumed {'USCS' if uscs else 'SI'}: {reason}"
+
+
+def has_bench_names(names: Collection[str]) -> bool:
+    """Return whether names are those of channels of a bench file.
+
+    Parameters
+    ----------
+    names : collection of str
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> has_bench_names(["et", "sa", "fz", "fy", "lap"]), has_bench_names(["t", "alpha"])
+    (True, False)
+    """
+    folded = {name.casefold() for name in names}
+    return len(folded & {name.casefold() for name in MANDATORY}) >= 2
+
+
+def _check_present(folded: Collection[str], fields: list[str], source: str) -> None:
+    for name in MANDATORY:
+        if name.casefold() not in folded:
+            # A channel that was recognized is not a misspelling of the missing one.
+            others = [field for field in fields if field.upper() not in _BENCH_NAMES]
+            raise DataError(f"{source}: no channel {name} ({_BENCH_NAMES[name].name}){nearest(name, others)}")
+    if not any(name.casefold() in folded for output in OUTPUTS for name in CHANNELS[output].bench_names):
+        raise DataError(f"{source}: no channel FX, FY, MZ, MX or MY: nothing was measured")
+
+
+def _channel(
+    channel: Channel,
+    bench_name: str,
+    folded: Mapping[str, NDArray[np.float64]],
+    units: Mapping[str, str],
+    source: str,
+    location: Callable[[int], str],
+) -> NDArray[np.float64]:
+    values, rows = folded[bench_name.casefold()], len(folded["et"])
+    if len(values) != rows:
+        raise DataError(f"{source}: channel {bench_name} has {len(values)} rows, ET has {rows}")
+    if not rows:
+        raise DataError(f"{source}: no rows")
+    check_finite(values, channel.name, source, lambda row: f"{location(row)}: {bench_name}")
+    try:
+        return to_si(values, units.get(bench_name.casefold(), _SI[channel.quantity]), channel.quantity)
+    except TirefmuError as error:
+        raise DataError(f"{source}: channel {bench_name}: {error}") from None
+
+
+def _free_rolling(
+    columns: Mapping[str, NDArray[np.float64]], vectors: Collection[str], source: str
+) -> NDArray[np.float64]:
+    """Return kappa = 0 for a file without SL, such as a warm-up run, unless FX is that of a driven wheel."""
+    load = np.abs(columns["Fz"])
+    driven = "Fx" in columns and np.nanquantile(np.abs(columns["Fx"]), 0.99) > FREE_ROLLING_FORCE * np.median(load)
+    if driven:
+        hint = " (SR is another slip, not zero at zero FX)" if "SR" in {name.upper() for name in vectors} else ""
+        raise DataError(f"{source}: no channel SL (kappa), and FX is that of a driven wheel{hint}")
+    return np.zeros(len(load))

@@ -1,0 +1,162 @@
+"""Recordings in TYDEX, the tire data exchange format (TYDEX Workshop, release 1.3, 1997)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
+
+from ..channels import CHANNELS
+from ..recording import Recording
+from ..units import to_si, unit_named
+from .columns import check_finite
+
+#: TYDEX names by contract name, the preferred one first. Only forces in the W axes (contact point) are read.
+NAMES: Mapping[str, tuple[str, ...]] = {
+    "t": ("RUNTIME",),
+    "kappa": ("LONGSLIP",),
+    "alpha": ("SLIPANGL",),
+    "gamma": ("INCLANGL",),
+    "Fz": ("FZW",),
+    "p": ("INFLPRES",),
+    "V": ("TRAJVELW", "TRAJVELH", "LONGVEL"),
+    "Fx": ("FXW",),
+    "Fy": ("FYW",),
+    "Mz": ("MZW",),
+    "Mx": ("MXW",),
+    "My": ("MYW",),
+}
+_OTHER_AXES = {"FZH": "H", "FZC": "C"}
+
+
+@dataclass(frozen=True)
+class _Quantity:
+    """One line of a TYDEX section: a channel, or a constant with its value."""
+
+    name: str
+    unit: str
+    numbers: tuple[float, ...]
+    line: int
+
+    def physical(self, raw: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the measured numbers in the declared unit: (raw + offset) * factor + physical offset."""
+        factor, offset, shift = (*self.numbers, *(1.0, 0.0, 0.0)[len(self.numbers) :])
+        return (raw + offset) * factor + shift
+
+
+def read_tydex(path: Path, signs: str) -> Recording:
+    """Read a TYDEX file.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+    signs : str
+        The convention of the file. TYDEX defines its W axes as iso.
+
+    Returns
+    -------
+    Recording
+        The channels of the contract. A constant of the file is a channel with the same value in every row.
+
+    Raises
+    ------
+    DataError
+        If a section or the load in the W axes is missing, a row has more or fewer cells than there are channels, a cell
+        is not a number, or a unit is unknown (with the line).
+    """
+    source = str(path)
+    with path.open(encoding="latin-1") as file:
+        sections = _sections(file.read().splitlines())
+    for wanted in ("MEASURCHANNELS", "MEASURDATA"):
+        if wanted not in sections:
+            raise DataError(f"{source}: no section **{wanted}: not a TYDEX file")
+    channels = [_quantity(number, text, 3) for number, text in sections["MEASURCHANNELS"]]
+    constants = [_quantity(number, text, 1) for number, text in sections.get("CONSTANTS", ())]
+    rows = sections["MEASURDATA"]
+    table = _numbers(rows, channels, source)
+    measured = {quantity.name: (quantity, column) for quantity, column in zip(channels, table.T, strict=True)}
+    held = {quantity.name: quantity for quantity in constants if quantity.numbers}
+    columns: dict[str, NDArray[np.float64]] = {}
+    for name, spelled in NAMES.items():
+        if (found := next((each for each in spelled if each in measured), None)) is not None:
+            quantity, raw = measured[found]
+            columns[name] = _in_si(name, quantity, quantity.physical(raw), rows, source)
+        elif (found := next((each for each in spelled if each in held), None)) is not None:
+            quantity = held[found]
+            columns[name] = _in_si(name, quantity, np.full(len(rows), quantity.numbers[0]), rows, source)
+    if "Fz" not in columns:
+        axes = next((axes for name, axes in _OTHER_AXES.items() if name in measured or name in held), None)
+        raise DataError(f"{source}: no channel FZW (Fz){f': forces in the axes {axes} are not read' if axes else ''}")
+    header = dict(text.split(maxsplit=1) for _, text in sections.get("HEADER", ()) if len(text.split()) > 1)
+    about = {"units": "declared in the file", "declared": " ".join(columns), "tireid": "", "credit": ""}
+    return Recording(pd.DataFrame(columns), signs, path.name, {**about, "testid": header.get("MEASID", "").strip()})
+
+
+def _sections(lines: Sequence[str]) -> dict[str, list[tuple[int, str]]]:
+    """Return line numbers and texts by section, without comments and blank lines."""
+    sections: dict[str, list[tuple[int, str]]] = {}
+    current: list[tuple[int, str]] = []
+    for number, line in enumerate(lines, start=1):
+        text = line.strip()
+        if text.startswith("**"):
+            current = sections.setdefault(text.strip("* ").upper(), [])
+        elif text and not text.startswith("!"):
+            current.append((number, text))
+    return sections
+
+
+def _quantity(line: int, text: str, most: int) -> _Quantity:
+    """Read name, description, unit and up to ``most`` numbers. The unit follows the description."""
+    name, *words = text.split()
+    numbers: list[float] = []
+    while words and len(numbers) < most and _is_number(words[-1]) and np.isfinite(float(words[-1])):
+        numbers.insert(0, float(words.pop()))
+    # A description may end in a word like "N". Only units of temperature have two words.
+    two = " ".join(words[-2:])
+    unit = two if len(words) > 1 and words[-2].casefold() == "deg" and _is_unit(two) else words[-1] if words else "-"
+    return _Quantity(name, unit, tuple(numbers), line)
+
+
+def _in_si(
+    name: str, quantity: _Quantity, values: NDArray[np.float64], rows: Sequence[tuple[int, str]], source: str
+) -> NDArray[np.float64]:
+    check_finite(values, name, source, lambda row: f"line {rows[row][0]}: {quantity.name}")
+    try:
+        return to_si(values, quantity.unit, CHANNELS[name].quantity)
+    except TirefmuError as error:
+        raise DataError(f"{source}: line {quantity.line}: channel {quantity.name}: {error}") from None
+
+
+def _numbers(rows: Sequence[tuple[int, str]], channels: Sequence[_Quantity], source: str) -> NDArray[np.float64]:
+    if not rows:
+        raise DataError(f"{source}: no rows")
+    cells = [text.split() for _, text in rows]
+    for (line, _), row in zip(rows, cells, strict=True):
+        if len(row) != len(channels):
+            raise DataError(f"{source}: line {line}: {len(row)} cells for {len(channels)} channels")
+        bad = next((cell for cell in row if not _is_number(cell)), None)
+        if bad is not None:
+            raise DataError(f"{source}: line {line}: {bad!r} is not a number")
+    return np.array(cells, dtype=np.float64)
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def _is_unit(spelling: str) -> bool:
+    try:
+        unit_named(spelling)
+    except UnknownName:
+        return False
+    return True

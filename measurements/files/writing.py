@@ -1,0 +1,71 @@
+"""Writing of tables, without partial files after an error."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from os import PathLike
+from pathlib import Path
+
+import pandas as pd
+
+from tirefmu.symbolic.errors import DataError
+
+from .parquet_table import EXTRA
+
+
+def write_table(table: pd.DataFrame, path: str | PathLike[str]) -> None:
+    """Write a table as CSV or Parquet, completely or not at all.
+
+    CSV numbers have enough digits to be read back exactly. The table is written to a temporary file in the same folder,
+    which is then renamed.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+    path : str or path-like
+        With extension ``.csv`` or ``.parquet``. An existing file is replaced.
+
+    Raises
+    ------
+    DataError
+        If the extension is another one, the folder does not exist, or pyarrow is missing for Parquet.
+
+    Examples
+    --------
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_table(pd.DataFrame({"Fy": [0.1 + 0.2]}), Path(folder) / "out.csv")
+    ...     print((Path(folder) / "out.csv").read_text().split())
+    ['Fy', '0.30000000000000004']
+    """
+    target = Path(path)
+    kind = target.suffix.lower()
+    if kind not in (".csv", ".parquet"):
+        raise DataError(f"{target}: unknown kind of table {target.suffix!r}: known are .csv, .parquet")
+    try:
+        handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name}.", suffix=".part")
+    except OSError as error:
+        raise DataError(f"{target}: cannot be written: {error.strerror or error}") from None
+    os.close(handle)
+    part = Path(name)
+    try:
+        # A temporary file is private. The finished one gets the default permissions.
+        part.chmod(0o666 & ~_umask())
+        if kind == ".csv":
+            table.to_csv(part, index=False, lineterminator="\n")
+        else:
+            table.to_parquet(part, index=False)
+        part.replace(target)
+    except ImportError:
+        raise DataError(f"{target}: {EXTRA}") from None
+    except OSError as error:
+        raise DataError(f"{target}: cannot be written: {error.strerror or error}") from None
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _umask() -> int:
+    """Return the file mode mask of the process, which can only be read by setting it."""
+    mask = os.umask(0o022)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,1 @@
+"""Operating conditions of a recording: levels of the inputs, phases of the test, groups of rows."""

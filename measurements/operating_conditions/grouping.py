@@ -1,0 +1,175 @@
+"""Groups of rows by operating condition, and weights that compensate for conditions with more rows than others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..channels import CONTROLLED_INPUTS
+from ..recording import Recording
+from ..thresholds import OVERSAMPLED
+from .levels import level_tolerance, levels
+from .phases import Phase, phases
+
+_Key = tuple[tuple[str, ...], tuple[tuple[str, float], ...]]
+
+
+@dataclass(frozen=True, eq=False)
+class Grouping:
+    """The rows of a recording by operating condition.
+
+    Parameters
+    ----------
+    labels : ndarray of int, shape (n,)
+        Index of the condition of each row.
+    conditions : tuple of tuple of (str, float)
+        For each condition, the held inputs and their levels, in SI units.
+    moving : tuple of tuple of str, optional
+        For each condition, the swept inputs. Default none.
+    extent : ndarray, shape (n_conditions,), optional
+        For each condition, the swept range, in any unit. Default 1.
+    """
+
+    labels: NDArray[np.intp]
+    conditions: tuple[tuple[tuple[str, float], ...], ...]
+    moving: tuple[tuple[str, ...], ...] = ()
+    extent: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def counts(self) -> NDArray[np.intp]:
+        """The number of rows of each condition."""
+        return np.bincount(self.labels, minlength=len(self.conditions)).astype(np.intp)
+
+    def weights(self, rows: NDArray[np.bool_] | None = None) -> NDArray[np.float64]:
+        """Return row weights that limit the total weight of each condition.
+
+        The measure is the number of rows per swept range: it is large for repeated and for slow sweeps, but not for
+        wide ones. A condition that exceeds the (lower) median of the conditions with the same swept inputs is weighted
+        down to the median. Conditions with fewer rows are not weighted up, because their rows contain no additional
+        information.
+
+        Parameters
+        ----------
+        rows : ndarray of bool, shape (n,), optional
+            The rows to weight. All others have weight 0. Default all.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            With mean 1 over the selected rows.
+
+        Examples
+        --------
+        >>> Grouping(np.array([0, 0, 0, 1]), ((), ())).weights().round(3).tolist()
+        [0.667, 0.667, 0.667, 2.0]
+        """
+        selected = np.ones(len(self.labels), dtype=np.bool_) if rows is None else rows
+        if not selected.any():
+            return np.zeros(len(self.labels))
+        counts = np.bincount(self.labels[selected], minlength=len(self.conditions))
+        density = counts / (self.extent if len(self.extent) else 1.0)
+        kinds = self.moving or ((),) * len(self.conditions)
+        factor = np.ones(len(self.conditions))
+        for kind in set(kinds):
+            same_kind = np.array([each == kind for each in kinds]) & (counts > 0)
+            if same_kind.any():
+                median = float(np.quantile(density[same_kind], 0.5, method="lower"))
+                oversampled = same_kind & (density > OVERSAMPLED * median)
+                factor[oversampled] = median / density[oversampled]
+        weights = np.where(selected, factor[self.labels], 0.0)
+        return np.asarray(weights / weights[selected].mean())
+
+
+def group_by_condition(recording: Recording, *, most_levels: int | None = None) -> Grouping:
+    """Return the rows of a recording by the swept inputs and the levels of the held inputs.
+
+    A phase of a time series (`phases`) belongs to one condition. Steady points are grouped by the nearest level of each
+    input that has levels. If another input has none, repeated points cannot be recognized.
+
+    Parameters
+    ----------
+    recording : Recording
+    most_levels : int, optional
+        An input with more levels does not define conditions: it was swept in steps.
+
+    Returns
+    -------
+    Grouping
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> rows = pd.DataFrame({"Fz": [900.0] * 500 + [1800.0] * 300, "alpha": np.linspace(-0.2, 0.2, 800)})
+    >>> groups = group_by_condition(Recording(rows, "iso", "a.csv"))
+    >>> groups.conditions, groups.moving, groups.counts.tolist()
+    (((('Fz', 900.0),), (('Fz', 1800.0),)), (('alpha',), ('alpha',)), [500, 300])
+    """
+    most = np.inf if most_levels is None else most_levels
+    series = [phase for phase in phases(recording) if phase.kind != "points"]
+    held = {name: _levels_of(series, recording, name) for name in CONTROLLED_INPUTS if name in recording.table}
+    held = {name: found for name, found in held.items() if 0 < len(found) <= most}
+    labels = np.full(len(recording), -1, dtype=np.intp)
+    numbers: dict[_Key, int] = {}
+    for phase in series:
+        at = {name: found[np.abs(found - phase.held[name]).argmin()] for name, found in held.items()
+              if name in phase.held}  # fmt: skip
+        moving = tuple(name for name in phase.moving if name in held or most_levels is None)
+        key = moving, tuple((name, float(level)) for name, level in at.items())
+        labels[phase.rows] = numbers.setdefault(key, len(numbers))
+    keys = list(numbers)
+    extent = _extents(recording, labels, keys)
+    points = labels < 0
+    if points.any():
+        point_labels, conditions, complete = _points(recording, points, most)
+        labels[points] = point_labels + len(keys)
+        keys += [(("points",), condition) for condition in conditions]
+        extent = np.append(extent, np.ones(len(conditions)) if complete else np.bincount(point_labels))
+    return Grouping(labels, tuple(condition for _, condition in keys), tuple(moving for moving, _ in keys), extent)
+
+
+def _levels_of(series: Sequence[Phase], recording: Recording, name: str) -> NDArray[np.float64]:
+    """Return the levels of an input: the medians over the phases that held it, merged where they are close."""
+    medians = np.sort([phase.held[name] for phase in series if name in phase.held])
+    tolerance = level_tolerance(recording.table[name], name) or 1.0
+    groups = np.split(medians, np.flatnonzero(np.diff(medians) > tolerance) + 1)
+    return np.array([float(np.median(group)) for group in groups if len(group)])
+
+
+def _extents(recording: Recording, labels: NDArray[np.intp], keys: Sequence[_Key]) -> NDArray[np.float64]:
+    """Return the swept range of each condition in level tolerances, 1 at least."""
+    extents = []
+    for number, (moving, _) in enumerate(keys):
+        rows = np.flatnonzero(labels == number)
+        ranges = [
+            np.ptp(recording.table[name].to_numpy(dtype=np.float64)[rows])
+            / (level_tolerance(recording.table[name], name) or 1.0)
+            for name in moving
+        ]
+        extents.append(max([1.0, *ranges]))
+    return np.array(extents)
+
+
+def _points(
+    recording: Recording, rows: NDArray[np.bool_], most: float
+) -> tuple[NDArray[np.intp], list[tuple[tuple[str, float], ...]], bool]:
+    """Return labels and conditions of steady points, and whether every input has levels."""
+    numbers = np.zeros(int(rows.sum()), dtype=np.intp)
+    held: list[tuple[str, NDArray[np.float64]]] = []
+    complete = True
+    for name in (name for name in CONTROLLED_INPUTS if name in recording.table):
+        values = recording.table[name].to_numpy(dtype=np.float64)[rows]
+        found = np.array(levels(values, tolerance=level_tolerance(recording.table[name], name) or 1.0))
+        if len(found) and len(found) <= most:
+            numbers = numbers * len(found) + np.searchsorted(0.5 * (found[1:] + found[:-1]), values)
+            held.append((name, found))
+        complete = complete and len(found) > 0
+    present, labels = np.unique(numbers, return_inverse=True)
+    shape = tuple(len(found) for _, found in held)
+    conditions = []
+    for number in present.tolist():
+        at = np.unravel_index(number, shape) if shape else ()
+        conditions.append(tuple((name, float(found[k])) for (name, found), k in zip(held, at, strict=True)))
+    return labels.astype(np.intp), conditions, complete

@@ -1,0 +1,106 @@
+"""Levels at which a test bench held an input, from the density of its values."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import gaussian_filter1d
+from scipy.signal import find_peaks
+
+from tirefmu.symbolic.errors import DataError
+
+from ..channels import CHANNELS
+from ..thresholds import LEAST_LEVEL_PROMINENCE, LEAST_LEVEL_SHARE, LEAST_ROWS_AT_LEVELS, LOAD_TOLERANCE
+
+
+def level_tolerance(values: ArrayLike, channel: str | None = None) -> float:
+    """Return the deviation of a held channel from its level.
+
+    Parameters
+    ----------
+    values : array_like, shape (n,)
+    channel : str, optional
+        A contract name. Its declaration has the tolerance. The tolerance of loads and of unknown channels is
+        proportional to the largest magnitude.
+
+    Returns
+    -------
+    float
+        In SI units.
+
+    Examples
+    --------
+    >>> level_tolerance([0.0, 80e3], "p"), level_tolerance([200.0, 1000.0], "Fz")
+    (3000.0, 40.0)
+    """
+    declared = CHANNELS.get(channel or "")
+    if declared is not None and declared.tolerance is not None:
+        return declared.tolerance
+    magnitudes = np.abs(np.asarray(values, dtype=np.float64))
+    return LOAD_TOLERANCE * float(np.nanmax(magnitudes, initial=0.0))
+
+
+def levels(values: ArrayLike, *, tolerance: float | None = None) -> list[float]:
+    """Return the levels at which a channel was held.
+
+    The density of the values, smoothed to the width of the tolerance, has one peak per level. Peaks of low prominence
+    and peaks with less than 1 % of the rows are not levels. Levels may differ in their number of rows. Two levels are
+    separated if they are about two tolerances apart.
+
+    Parameters
+    ----------
+    values : array_like, shape (n,)
+        A column of a table, whose name gives the tolerance, or numbers. NaN is ignored.
+    tolerance : float, optional
+        Deviation of a held channel from its level, in SI units. Default `level_tolerance`.
+
+    Returns
+    -------
+    list of float
+        Ascending. Each is the median of the rows near it. Empty if the channel was swept.
+
+    Raises
+    ------
+    DataError
+        If the tolerance is not positive.
+
+    Examples
+    --------
+    >>> levels([218.0, 220.0, 221.0, 220.0, 699.0, 702.0, 701.0], tolerance=50.0)
+    [220.0, 701.0]
+    >>> levels(np.linspace(-0.2, 0.2, 1000), tolerance=0.01)
+    []
+    """
+    numbers = np.asarray(values, dtype=np.float64)
+    numbers = numbers[np.isfinite(numbers)]
+    if not len(numbers):
+        return []
+    if tolerance is None:
+        name = values.name if isinstance(values, pd.Series) else None
+        tolerance = level_tolerance(numbers, None if name is None else str(name)) or 1.0
+    if not tolerance > 0.0:
+        raise DataError(f"levels need a positive tolerance, not {tolerance}")
+    peaks = _density_peaks(numbers, tolerance)
+    near_a_peak = np.abs(numbers[:, None] - peaks) <= tolerance
+    if near_a_peak.any(axis=1).mean() < LEAST_ROWS_AT_LEVELS:
+        return []
+    found = near_a_peak.mean(axis=0) >= LEAST_LEVEL_SHARE
+    return [float(np.median(numbers[rows])) for rows in near_a_peak.T[found]]
+
+
+def _density_peaks(numbers: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
+    """Return the prominent peaks of the smoothed density of the numbers."""
+    bin_width = tolerance / 8.0
+    # Empty bins at both ends: a level at the edge of the range is a peak as well.
+    lowest = numbers.min() - 2.0 * tolerance
+    bins = int(np.ceil((numbers.max() - numbers.min() + 4.0 * tolerance) / bin_width)) + 1
+    # Each number is distributed to the two nearest bins: counts in whole bins would alias with an even sweep's spacing.
+    position = (numbers - lowest) / bin_width
+    left = np.floor(position).astype(np.intp)
+    right_share = position - left
+    counts = np.bincount(left, 1.0 - right_share, bins + 1) + np.bincount(left + 1, right_share, bins + 1)
+    density = gaussian_filter1d(counts, sigma=4.0, mode="constant")
+    peaks, properties = find_peaks(density, prominence=0.0)
+    prominent = properties["prominences"] >= LEAST_LEVEL_PROMINENCE * density[peaks]
+    return np.asarray(lowest + bin_width * peaks[prominent])

@@ -1,0 +1,270 @@
+"""Phases of a bench test, found in the inputs: sweeps, plateaus, and transitions from one level to another."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d
+
+from ..channels import CONTROLLED_INPUTS
+from ..recording import Recording
+from ..thresholds import (
+    FAR_FROM_LEVELS,
+    FEWEST_STAY_ROWS,
+    LONGEST_TRANSITION,
+    PHASE_SMOOTHING,
+    SHORTEST_STAY,
+    SWEEP_TOLERANCES,
+    SWEEP_WINDOW,
+)
+from .levels import level_tolerance, levels
+from .time_series import is_time_series, sample_interval
+
+#: Inputs to which a tire responds with a force curve. A bench sweeps them from a level and back to it.
+SLIP_INPUTS = ("kappa", "alpha", "phit")
+
+
+@dataclass(frozen=True)
+class Phase:
+    """Consecutive rows in which the bench did one thing.
+
+    Parameters
+    ----------
+    rows : slice
+    kind : str
+        "sweep" (an input moves steadily), "plateau" (all inputs are held), "transition" (a held input changes from one
+        level to another), or "points" (the rows are no time series: each is a steady point).
+    moving : tuple of str
+        The inputs that move.
+    held : mapping of str to float
+        Median of each other input, in SI units.
+    """
+
+    rows: slice
+    kind: str
+    moving: tuple[str, ...]
+    held: Mapping[str, float]
+
+
+def phases(recording: Recording) -> list[Phase]:
+    """Return the phases of a bench test.
+
+    An input that was held at levels (`levels`) moves while it is between two of them. An input without levels moves
+    while it covers more than two tolerances within one second. A slip that leaves its level and returns to it, or takes
+    more than 3 s to another level, is swept. Phases end at gaps of the clock, except for rows that are no time series.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Returns
+    -------
+    list of Phase
+        In the order of the rows. Together they contain every row once.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> clock = np.arange(1800) / 100.0
+    >>> load = np.where(clock < 9.0, 900.0, 1800.0)
+    >>> angle = 0.1 * np.sin(2.0 * np.pi * clock / 9.0)
+    >>> bench = Recording(pd.DataFrame({"t": clock, "alpha": angle, "Fz": load}), "iso", "run.csv")
+    >>> [(phase.kind, phase.moving) for phase in phases(bench)]
+    [('sweep', ('alpha',)), ('sweep', ('alpha',))]
+    """
+    inputs = _inputs(recording)
+    columns = {each.name: recording.table[each.name].to_numpy(dtype=np.float64) for each in inputs}
+    found: list[Phase] = []
+    for segment, is_series in _merged_segments(recording):
+        if not is_series:
+            found.append(Phase(segment, "points", (), _medians(columns, inputs, segment)))
+            continue
+        motions = [_motion(each, segment, sample_interval(recording, segment)) for each in inputs]
+        state = np.stack([np.zeros(segment.stop - segment.start), *(motion.moving for motion in motions)])
+        cuts = np.flatnonzero((state[:, 1:] != state[:, :-1]).any(axis=0)) + 1
+        edges = {0, *cuts.tolist(), *(jump for motion in motions for jump in motion.jumps), state.shape[1]}
+        for start, stop in pairwise(sorted(edges)):
+            rows = slice(segment.start + start, segment.start + stop)
+            moving = tuple(each.name for each, motion in zip(inputs, motions, strict=True) if motion.moving[start])
+            between = any(motion.between[start] for motion in motions)
+            kind = "transition" if between else "sweep" if moving else "plateau"
+            held = _medians(columns, [each for each in inputs if each.name not in moving], rows)
+            found.append(Phase(rows, kind, moving, held))
+    return found
+
+
+def transitions(recording: Recording, *, settling: float = 0.0) -> NDArray[np.object_]:
+    """Return for each row which held input is in transition to another level.
+
+    Parameters
+    ----------
+    recording : Recording
+    settling : float
+        s by which each transition is extended, until the tire has settled.
+
+    Returns
+    -------
+    ndarray of str, shape (n,)
+        Name of the input, or "".
+    """
+    found = np.full(len(recording), "", dtype=object)
+    inputs = [each for each in _inputs(recording) if len(each.held)]
+    for segment in recording.segments():
+        if not is_time_series(recording, segment):
+            continue
+        step = sample_interval(recording, segment)
+        for each in inputs:
+            motion = _motion(each, segment, step)
+            between = motion.between.copy()
+            between[[jump for jump in motion.jumps if settling]] = True
+            rows = found[segment]
+            rows[_extended(between, int(np.ceil(round(settling / step, 6)))) & (rows == "")] = each.name
+    return found
+
+
+@dataclass(frozen=True)
+class _Input:
+    """One input of a recording, with the levels at which it was held (none if it was swept)."""
+
+    name: str
+    values: NDArray[np.float64]
+    held: NDArray[np.float64]
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class _Motion:
+    """Rows of a segment in which an input moves, rows between two levels, and jumps from one row to the next."""
+
+    moving: NDArray[np.bool_]
+    between: NDArray[np.bool_]
+    jumps: list[int]
+
+
+def _inputs(recording: Recording) -> list[_Input]:
+    # In one convention, so that rounding does not depend on that of the recording.
+    table = recording.with_signs("iso").table
+    found = []
+    for name in CONTROLLED_INPUTS:
+        if name in table:
+            values = table[name].to_numpy(dtype=np.float64)
+            tolerance = level_tolerance(values, name) or 1.0
+            found.append(_Input(name, values, _levels_with_stay(values, tolerance), tolerance))
+    return found
+
+
+def _levels_with_stay(values: NDArray[np.float64], tolerance: float) -> NDArray[np.float64]:
+    """Return the levels at which an input stayed for some rows each time.
+
+    A sweep of few samples that returns to its own steps has levels as well, but of one row at a time.
+    """
+    found = np.array(levels(values, tolerance=tolerance))
+    if not len(found):
+        return found
+    distance = np.abs(values[:, None] - found)
+    level = np.where(distance.min(axis=1) <= tolerance, distance.argmin(axis=1), -1)
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(level)) + 1, [len(level)]])
+    lengths, at = np.diff(edges), level[edges[:-1]]
+    # Mean over the rows, not over the visits: short visits at the limit of the tolerance have little influence.
+    stays = [lengths[at == k] @ lengths[at == k] / lengths[at == k].sum() for k in range(len(found))]
+    return np.array([value for value, stay in zip(found, stays, strict=True) if stay >= FEWEST_STAY_ROWS])
+
+
+def _merged_segments(recording: Recording) -> list[tuple[slice, bool]]:
+    """Return the segments and whether each is a time series; consecutive ones that are not are merged."""
+    found: list[tuple[slice, bool]] = []
+    for segment in recording.segments():
+        is_series = is_time_series(recording, segment)
+        if found and not is_series and not found[-1][1]:
+            found[-1] = (slice(found[-1][0].start, segment.stop), False)
+        else:
+            found.append((segment, is_series))
+    return found
+
+
+def _medians(columns: Mapping[str, NDArray[np.float64]], inputs: Sequence[_Input], rows: slice) -> dict[str, float]:
+    return {each.name: float(np.median(columns[each.name][rows])) for each in inputs}
+
+
+def _motion(each: _Input, segment: slice, step: float) -> _Motion:
+    smooth = median_filter(each.values[segment], size=round(PHASE_SMOOTHING / step) | 1, mode="nearest")
+    if not len(each.held):
+        return _swept_motion(smooth, each.tolerance, step)
+    between, nearest = _between_levels(smooth, each.held, each.tolerance)
+    # A transition that passes a level does not end there. A sweep does not end where it turns, although many rows are
+    # near the turning point.
+    turning = round(2.0 * SWEEP_WINDOW / step)
+    between = _closed(between, turning if each.name in SLIP_INPUTS else round(SHORTEST_STAY / step), ends=False)
+    # A held channel that jumps from one row to the next has no row between its levels.
+    changes = np.flatnonzero(np.diff(nearest)) + 1
+    jumps = changes[~between[changes]].tolist()
+    if each.name not in SLIP_INPUTS:
+        return _Motion(between, between, jumps)
+    links = _links(between, nearest, round(LONGEST_TRANSITION / step))
+    return _Motion(_closed(between, turning, ends=True), links, jumps)
+
+
+def _swept_motion(smooth: NDArray[np.float64], tolerance: float, step: float) -> _Motion:
+    window = max(3, round(SWEEP_WINDOW / step))
+    covered = maximum_filter1d(smooth, window) - minimum_filter1d(smooth, window)
+    # Short rests are the turning points of a sweep, its start and its end.
+    moving = _closed(covered > SWEEP_TOLERANCES * tolerance, 2 * window, ends=True)
+    return _Motion(moving, np.zeros(len(smooth), dtype=np.bool_), [])
+
+
+def _closed(rows: NDArray[np.bool_], longest: int, *, ends: bool) -> NDArray[np.bool_]:
+    """Return the rows with shorter gaps filled; gaps at the two ends only on request."""
+    edges = [0, *(np.flatnonzero(np.diff(rows)) + 1).tolist(), len(rows)]
+    closed = rows.copy()
+    for start, stop in pairwise(edges if rows.any() else ()):
+        if stop - start < longest and (ends or 0 < start < stop < len(rows)):
+            closed[start:stop] = True
+    return closed
+
+
+def _between_levels(
+    smooth: NDArray[np.float64], held: NDArray[np.float64], tolerance: float
+) -> tuple[NDArray[np.bool_], NDArray[np.intp]]:
+    """Return the rows between two levels, and the nearest level of each row.
+
+    A held load deviates by more than its tolerance while the slip is swept: the deviation alone is no transition. A
+    transition is where the nearest level changes, from the last row at the old level to the first row at the new one.
+    Rows that are far from every level belong to a transition as well, for instance at the ends of a segment.
+    """
+    distance = np.abs(smooth[:, None] - held)
+    nearest = distance.argmin(axis=1)
+    away = distance.min(axis=1) > tolerance
+    between = np.zeros(len(smooth), dtype=np.bool_)
+    for change in np.flatnonzero(np.diff(nearest)):
+        start, stop = change, change + 1
+        while start >= 0 and away[start]:
+            start -= 1
+        while stop < len(smooth) and away[stop]:
+            stop += 1
+        between[start + 1 : stop] = True
+    spacing = np.diff(held).min() if len(held) > 1 else np.inf
+    far = distance.min(axis=1) > min(FAR_FROM_LEVELS * tolerance, max(spacing, 2.0 * tolerance))
+    return between | far, nearest
+
+
+def _links(between: NDArray[np.bool_], nearest: NDArray[np.intp], longest: int) -> NDArray[np.bool_]:
+    """Return the rows of short transitions from one level to another; an excursion from one level is a sweep."""
+    edges = [0, *(np.flatnonzero(np.diff(between)) + 1).tolist(), len(between)]
+    links = np.zeros(len(between), dtype=np.bool_)
+    for start, stop in pairwise(edges):
+        inside = between[start] and 0 < start < stop < len(between) and stop - start <= longest
+        if inside and nearest[start - 1] != nearest[stop]:
+            links[start:stop] = True
+    return links
+
+
+def _extended(rows: NDArray[np.bool_], by: int) -> NDArray[np.bool_]:
+    """Return the rows with ``by`` rows added after each run of them."""
+    extended = rows.copy()
+    for stop in (np.flatnonzero(rows[:-1] & ~rows[1:]) + 1).tolist():
+        extended[stop : stop + by] = True
+    return extended

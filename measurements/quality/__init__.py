@@ -1,0 +1,1 @@
+"""Quality of a recording: plausibility, coverage, excluded rows, correlation of residuals."""

@@ -1,0 +1,156 @@
+"""Outliers: values far from the running median of their channel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import median_filter
+
+from ..channels import CHANNELS
+from ..operating_conditions.time_series import is_time_series, sample_interval
+from ..recording import Recording
+from ..thresholds import (
+    FEWEST_WINDOW_ROWS,
+    LEAST_DEVIATION,
+    LEAST_JUMP,
+    LONGEST_MEDIAN_SPAN,
+    OUTLIER_SIGMAS,
+    OUTLIER_WINDOW,
+    SCATTER_WINDOW,
+    SIGMA_PER_DEVIATION,
+)
+
+
+@dataclass(frozen=True)
+class Outlier:
+    """One value far from the running median of its channel.
+
+    Parameters
+    ----------
+    row : int
+        Counted from 0.
+    channel : str
+    value, median : float
+        The value and the running median at its row, in SI units.
+    """
+
+    row: int
+    channel: str
+    value: float
+    median: float
+
+    def __str__(self) -> str:
+        """Return row, channel, value and running median in one line."""
+        unit = CHANNELS[self.channel].unit
+        return f"row {self.row + 1}: {self.channel} is {self.value:.4g} {unit}, the running median is {self.median:.4g}"
+
+
+def outliers(recording: Recording, *, sigmas: float = OUTLIER_SIGMAS) -> list[Outlier]:
+    """Return values that deviate from the running median of their channel by many standard deviations.
+
+    The Hampel identifier (Davies and Gather, 1993), applied to segments that are time series. The standard deviation is
+    that of the segment or that of the second around the row, whichever is greater. A value is no outlier if it deviates
+    by less than a tenth of the range of the channel or less than the tolerance of a held input. Bad values that are
+    consecutive for longer than half of the median's window (0.15 s) are not found. Where seven rows span more than the
+    window, an outlier has to jump from its neighbors as well, because curvature of the signal also deviates from the
+    median. Where seven rows span more than 0.5 s, no outlier is sought.
+
+    Parameters
+    ----------
+    recording : Recording
+    sigmas : float
+        Robust standard deviations beyond which a value is an outlier.
+
+    Returns
+    -------
+    list of Outlier
+        In the order of channels, then of rows.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> force = 100.0 * np.sin(np.arange(200) / 30.0)
+    >>> force[70] = 900.0
+    >>> bench = Recording(pd.DataFrame({"t": np.arange(200) / 100.0, "Fy": force}), "iso", "run.csv")
+    >>> [str(outlier) for outlier in outliers(bench)]
+    ['row 71: Fy is 900 N, the running median is 74.57']
+    """
+    found = []
+    series = [segment for segment in recording.segments() if is_time_series(recording, segment)]
+    for name in CHANNELS:
+        if name == "t" or name not in recording.table:
+            continue
+        values = recording.table[name].to_numpy(dtype=np.float64)
+        tolerance = CHANNELS[name].tolerance or 0.0
+        for segment in series:
+            step = sample_interval(recording, segment)
+            if FEWEST_WINDOW_ROWS * step > LONGEST_MEDIAN_SPAN:
+                continue
+            median = _running_median(values[segment], step)
+            for row in np.flatnonzero(_far(values[segment], median, step, sigmas, tolerance)).tolist():
+                at = segment.start + row
+                found.append(Outlier(at, name, float(values[at]), float(median[row])))
+    return found
+
+
+def _running_median(values: NDArray[np.float64], step: float) -> NDArray[np.float64]:
+    """Return the running median, and a straight line where its window extends beyond an end."""
+    whole = _interpolated(values)
+    size = _window(step, OUTLIER_WINDOW, len(values))
+    median = median_filter(whole, size=size, mode="nearest")
+    median[: size // 2] = _robust_line(whole[:size])[: size // 2]
+    median[-(size // 2) :] = _robust_line(whole[-size:])[-(size // 2) :]
+    return np.asarray(median)
+
+
+def _interpolated(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the values with NaN replaced by linear interpolation, so that it does not affect the median."""
+    known = np.isfinite(values)
+    rows = np.arange(len(values))
+    return np.interp(rows, rows[known], values[known]) if known.any() else values
+
+
+def _window(step: float, time: float, rows: int) -> int:
+    return min(max(FEWEST_WINDOW_ROWS, round(time / step)), rows - 1) | 1
+
+
+def _robust_line(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the line of median slope through equally spaced values (Theil-Sen estimator)."""
+    rows = np.arange(len(values))
+    first, second = np.triu_indices(len(values), 1)
+    slope = np.median((values[second] - values[first]) / (second - first))
+    return np.asarray(slope * rows + np.median(values - slope * rows))
+
+
+def _far(
+    values: NDArray[np.float64], median: NDArray[np.float64], step: float, sigmas: float, tolerance: float
+) -> NDArray[np.bool_]:
+    known = np.isfinite(values)
+    if known.sum() < FEWEST_WINDOW_ROWS:
+        return np.zeros(len(values), dtype=np.bool_)
+    deviation = np.abs(values - median)
+    low, high = np.quantile(median[known], (0.05, 0.95))
+    rounding = np.finfo(np.float64).eps * float(np.abs(median[known]).max())
+    least = max(tolerance, LEAST_DEVIATION * float(high - low), rounding)
+    far = known & (deviation > max(sigmas * SIGMA_PER_DEVIATION * float(np.median(deviation[known])), least))
+    if far.any():  # the local scatter takes long to compute and is rarely needed
+        size = _window(step, SCATTER_WINDOW, len(deviation))
+        far &= deviation > sigmas * SIGMA_PER_DEVIATION * median_filter(
+            _interpolated(deviation), size=size, mode="mirror"
+        )
+    return _jumping(far, values, deviation) if FEWEST_WINDOW_ROWS * step > OUTLIER_WINDOW else np.asarray(far)
+
+
+def _jumping(far: NDArray[np.bool_], values: NDArray[np.float64], deviation: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return the runs of rows that jump from their measured neighbors by most of their deviation."""
+    known = np.flatnonzero(np.isfinite(values))
+    signal, size = values[known], deviation[known]
+    jumping = np.zeros_like(far)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], far[known], [False]])))
+    for start, stop in edges.reshape(-1, 2):
+        before = abs(signal[start] - signal[start - 1]) if start > 0 else np.inf
+        after = abs(signal[stop - 1] - signal[stop]) if stop < len(signal) else np.inf
+        jumping[known[start:stop]] = before >= LEAST_JUMP * size[start] and after >= LEAST_JUMP * size[stop - 1]
+    return jumping

@@ -1,0 +1,172 @@
+"""Plausibility of a recording: implausible units and signs are errors, unusual signs of forces are notes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from tirefmu.symbolic.errors import DataError
+
+from ..channels import CHANNELS
+from ..recording import Recording
+from ..thresholds import (
+    BACKWARD_SLIP,
+    LARGEST_BAR,
+    LARGEST_PSI,
+    LEAST_SLIP_DEVIATION,
+    MOST_BACKWARD_ROWS,
+    MOST_WRONG_LOADS,
+    SMALL_ANGLE,
+    SMALLEST_LOAD,
+    SMALLEST_PRESSURE,
+    STRONG_CORRELATION,
+)
+
+#: The probable unit of values beyond the limits of a channel.
+_PROBABLE_UNITS = {
+    "kappa": ("%", "in percent"),
+    "alpha": ("deg", "in degrees"),
+    "gamma": ("deg", "in degrees"),
+    "V": ("km/h", "in km/h"),
+    "T": ("K", "in kelvin"),
+}
+
+
+def check_plausible(recording: Recording) -> None:
+    """Refuse a recording whose numbers are implausible in the declared units or signs.
+
+    Channels whose unit the file declares are not checked.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Raises
+    ------
+    DataError
+        One line for the first problem: angles in degrees, slip in percent, loads in kN, pressures in kPa, bar or psi,
+        speeds in km/h, temperatures in kelvin, slips of a wheel that turns backwards, or loads of the wrong sign.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> check_plausible(Recording(pd.DataFrame({"alpha": [0.0, 12.0]}), "iso", "a.csv"))
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.DataError: a.csv: alpha reaches 12 rad: in degrees? declare it: 'alpha [deg]'
+    """
+    for problem in _problems(recording):
+        raise DataError(f"{recording.source}: {problem}")
+
+
+def _problems(recording: Recording) -> Iterator[str]:
+    table = recording.table
+    declared = recording.about.get("declared", "").split()
+    for name, channel in CHANNELS.items():
+        if name not in table or name in declared:
+            continue
+        low, high = channel.limits
+        values = table[name].to_numpy(dtype=np.float64)
+        outside = values[(values < low) | (values > high)]
+        if len(outside):
+            worst = outside[np.argmax(np.abs(outside))]
+            unit, guess = _PROBABLE_UNITS.get(name, ("", "in another unit"))
+            hint = f"declare it: '{name} [{unit}]'" if unit else "check the unit"
+            yield f"{name} reaches {worst:.4g} {channel.unit}: {guess}? {hint}".replace(" -:", ":")
+    yield from _too_small(recording, declared)
+    yield from _backward_wheel(recording, declared)
+    yield from _wrong_load_sign(recording)
+
+
+def _too_small(recording: Recording, declared: list[str]) -> Iterator[str]:
+    table = recording.table
+    if "Fz" in table and "Fz" not in declared:
+        largest = float(table["Fz"].abs().max())
+        if 0.0 < largest < SMALLEST_LOAD:
+            yield f"no |Fz| is above {largest:.4g} N: in kN? declare it: 'Fz [kN]' (or 'Fz [N]')"
+    if "p" in table and "p" not in declared:
+        median = float(table["p"].median())
+        if 0.0 < median < SMALLEST_PRESSURE:
+            guess = "bar" if median < LARGEST_BAR else "psi" if median < LARGEST_PSI else "kPa"
+            yield f"p is about {median:.4g} Pa: in {guess}? declare it: 'p [{guess}]' (or 'p [Pa]')"
+
+
+def _backward_wheel(recording: Recording, declared: list[str]) -> Iterator[str]:
+    """Report slips in percent within the limits of the channel: with them the wheel would turn backwards."""
+    if "kappa" not in recording.table or "kappa" in declared or "Fx" not in recording.table:
+        return
+    kappa = recording.table["kappa"].to_numpy(dtype=np.float64)[recording.table["Fx"].notna().to_numpy()]
+    share = float(np.mean(kappa < BACKWARD_SLIP)) if len(kappa) else 0.0
+    if share > MOST_BACKWARD_ROWS:
+        yield (
+            f"kappa is below -1 in {100.0 * share:.0f} % of the rows where Fx was measured, a wheel that turns "
+            f"backwards: in percent? declare it: 'kappa [%]' (or 'kappa [1]')"
+        )
+
+
+def _wrong_load_sign(recording: Recording) -> Iterator[str]:
+    if "Fz" not in recording.table:
+        return
+    load = recording.table["Fz"].to_numpy(dtype=np.float64)
+    expected = -1.0 if recording.signs == "sae" else 1.0
+    share = float(np.mean(load * expected < 0.0))
+    if share > MOST_WRONG_LOADS:
+        sign, advice = (
+            ("positive", "not SAE? (--signs iso or adapted-sae)")
+            if recording.signs == "sae"
+            else ("negative", "SAE signs? (--signs sae)")
+        )
+        yield f"Fz is {sign} in {100.0 * share:.0f} % of the rows: {advice}"
+
+
+def convention_notes(recording: Recording) -> list[str]:
+    """Return notes on forces that seem to be in another sign convention.
+
+    Fy falls with alpha in iso and sae, and rises in adapted-sae. At small angles, Mz rises with alpha in iso and sae,
+    and falls in adapted-sae. This is no error, because unusual coefficients can cause it as well.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Returns
+    -------
+    list of str
+        One sentence per channel with an unusual sign.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> sweep = pd.DataFrame({"alpha": [-0.1, 0.0, 0.1], "Fy": [-900.0, 0.0, 900.0]})
+    >>> convention_notes(Recording(sweep, "iso", "a.csv"))
+    ['a.csv: Fy rises with alpha, in iso it falls: the data look like adapted-sae']
+    """
+    notes = []
+    source, signs = recording.source, recording.signs
+    side = _correlation(recording, "alpha", "Fy")
+    rises = signs == "adapted-sae"
+    if abs(side) > STRONG_CORRELATION and (side > 0.0) != rises:
+        found, expected = ("rises", "falls") if side > 0.0 else ("falls", "rises")
+        other = "iso" if rises else "adapted-sae"
+        notes.append(f"{source}: Fy {found} with alpha, in {signs} it {expected}: the data look like {other}")
+    moment = _correlation(recording, "alpha", "Mz", SMALL_ANGLE)
+    if not notes and abs(moment) > STRONG_CORRELATION and (moment > 0.0) == rises:
+        found, expected = ("rises", "falls") if moment > 0.0 else ("falls", "rises")
+        notes.append(
+            f"{source}: Mz {found} with alpha at small angles, in {signs} it {expected}: was its sign reversed?"
+        )
+    if _correlation(recording, "kappa", "Fx") < -STRONG_CORRELATION:
+        notes.append(f"{source}: Fx falls with kappa, but kappa > 0 drives in every convention")
+    return notes
+
+
+def _correlation(recording: Recording, slip: str, force: str, largest: float = np.inf) -> float:
+    """Return the correlation over the rows where the force was measured; 0 if the slip was not swept."""
+    if slip not in recording.table or force not in recording.table:
+        return 0.0
+    pair = recording.table[[slip, force]].dropna().to_numpy(dtype=np.float64)
+    pair = pair[np.abs(pair[:, 0]) <= largest]
+    if len(pair) < 3 or pair[:, 0].std() < LEAST_SLIP_DEVIATION or pair[:, 1].std() == 0.0:
+        return 0.0
+    return float(np.corrcoef(pair.T)[0, 1])

@@ -1,0 +1,1 @@
+"""The virtual test bench: test programs, sensor noise, recordings of a known tire."""

@@ -1,0 +1,132 @@
+"""Virtual test bench: applies a test program to a tire and records inputs and outputs with sensor noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+import pandas as pd
+
+from tirefmu.symbolic.errors import DataError
+from tirefmu.tires import tire_from
+from tirefmu.tires.signs import convert_signs
+
+from ..channels import CHANNELS, OUTPUTS
+from ..recording import Recording
+from .programs import Program
+from .sensor_noise import Noise
+
+
+class TestedTire(Protocol):
+    """The interface of a tire on the virtual bench."""
+
+    @property
+    def signs(self) -> str:
+        """The convention in which the tire is evaluated."""
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """The inputs of the tire."""
+
+    def forces(self, **inputs: Any) -> Mapping[str, Any]:
+        """Return the outputs by contract name, as arrays of the shape of the inputs."""
+
+
+@dataclass(frozen=True)
+class VirtualBench:
+    """A simulated test bench for a tire with known coefficients.
+
+    Parameters
+    ----------
+    tire : Tire, path of a .tir file, name of a published tire, or TestedTire
+    noise : Noise
+        Of inputs and outputs. Default: similar to an FSAE TTC bench.
+    seed : int
+        The same seed gives the same recording. The noise of a channel does not depend on the other channels.
+
+    Examples
+    --------
+    >>> from types import SimpleNamespace
+    >>> def forces(alpha, Fz):
+    ...     return {"Fy": -10.0 * alpha * Fz}
+    >>> tire = SimpleNamespace(signs="iso", inputs=("alpha", "Fz"), forces=forces)
+    >>> from tirefmu.measurements import alpha_sweeps
+    >>> recording = VirtualBench(tire, Noise.none()).run(alpha_sweeps([900.0]))
+    >>> recording.source, recording.signs, len(recording)
+    ('virtual bench: alpha sweeps', 'iso', 1201)
+    """
+
+    tire: Any  # as given by the user; a TestedTire after initialization
+    noise: Noise = field(default_factory=Noise)
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not all(hasattr(self.tire, name) for name in ("signs", "inputs", "forces")):
+            object.__setattr__(self, "tire", tire_from(self.tire))
+
+    def run(self, program: Program) -> Recording:
+        """Run a test program and return the recording.
+
+        The tire is evaluated at the exact inputs. Recorded inputs and outputs are noisy.
+
+        Parameters
+        ----------
+        program : Program
+
+        Returns
+        -------
+        Recording
+            In the sign convention of the program, by default that of the tire.
+
+        Raises
+        ------
+        DataError
+            If the tire has no output of the contract.
+        """
+        exact = self.truth(program)
+        t = exact["t"].to_numpy(dtype=np.float64)
+        recorded = exact.assign(
+            **{
+                name: self.noise.record(name, exact[name].to_numpy(dtype=np.float64), t, self._rng(name))
+                for name in exact.columns
+                if name != "t"
+            }
+        )
+        signs = program.signs or self.tire.signs
+        about = {"program": program.name, "seed": str(self.seed)}
+        table = convert_signs(recorded, "iso", signs)
+        return Recording(table, signs, f"virtual bench: {program.name}", about)
+
+    def truth(self, program: Program) -> pd.DataFrame:
+        """Return inputs and outputs without noise, in iso.
+
+        Parameters
+        ----------
+        program : Program
+
+        Returns
+        -------
+        pandas.DataFrame
+
+        Raises
+        ------
+        DataError
+            If the tire has no output of the contract.
+        """
+        imposed = convert_signs(program.table, "iso", self.tire.signs)
+        inputs = {name: imposed[name].to_numpy(dtype=np.float64) for name in self.tire.inputs if name in imposed}
+        forces = self.tire.forces(**inputs)
+        outputs = {
+            name: np.broadcast_to(np.asarray(forces[name], dtype=np.float64), len(imposed))
+            for name in OUTPUTS
+            if name in forces
+        }
+        if not outputs:
+            raise DataError(f"virtual bench: the tire has none of the outputs {', '.join(OUTPUTS)}")
+        return convert_signs(imposed.assign(**outputs), self.tire.signs, "iso")
+
+    def _rng(self, name: str) -> np.random.Generator:
+        """Return the random generator of a channel, which does not depend on the other channels."""
+        return np.random.default_rng([self.seed, list(CHANNELS).index(name)])

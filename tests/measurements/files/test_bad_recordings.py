@@ -1,0 +1,122 @@
+"""What goes wrong in the field: each file is refused with one clear line, or read with what it lacks being said."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.measurements import (
+    check_plausible,
+    convention_notes,
+    coverage_notes,
+    exclude_rows,
+    identity_notes,
+    read_recording,
+)
+from tirefmu.symbolic.errors import DataError, TirefmuError
+
+
+def good_table(rows=600):
+    """Return sweeps of slip angle at two loads, then of slip, in iso."""
+    ramp = np.tile(np.linspace(-1.0, 1.0, rows // 4), 4)
+    lateral = np.arange(rows) < rows // 2
+    return pd.DataFrame(
+        {
+            "t": np.arange(rows) / 100.0,
+            "kappa": np.where(lateral, 0.0, 0.2 * ramp),
+            "alpha": np.where(lateral, 0.2 * ramp, 0.0),
+            "gamma": 0.0,
+            "Fz": np.where(np.arange(rows) % (rows // 2) < rows // 4, 500.0, 900.0),
+            "p": 83e3,
+            "Fx": np.where(lateral, 0.0, 900.0 * np.tanh(4.0 * ramp)),
+            "Fy": np.where(lateral, -900.0 * np.tanh(3.0 * ramp), 0.0),
+            "Mz": np.where(lateral, 20.0 * np.sin(6.0 * ramp) * np.exp(-6.0 * np.abs(ramp)), 0.0),
+        }
+    )
+
+
+@pytest.fixture
+def told(tmp_path):
+    """Return everything that is told of a table: the line that refuses it, or the notes on it."""
+
+    def tell(table, signs="iso"):
+        table.to_csv(tmp_path / "a.csv", index=False)
+        try:
+            recording = read_recording(tmp_path / "a.csv", signs=signs)
+            check_plausible(recording)
+            exclude_rows(recording).masked()
+        except TirefmuError as error:
+            return [str(error)]
+        return convention_notes(recording) + coverage_notes(recording) + identity_notes([recording])
+
+    return tell
+
+
+def test_a_good_table_is_not_complained_about(told):
+    assert told(good_table()) == []
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        # What is missing, and what does not vary
+        (lambda table: table.drop(columns="kappa"), "kappa is missing: Fx shows no slip curve"),
+        (lambda table: table.drop(columns="Fz").assign(load=900.0), "column 'load' is not a channel: did you mean Fz?"),
+        (lambda table: table.assign(alpha=0.1), "alpha stays at 0.1 rad: Fy shows no slip curve"),
+        (lambda table: table.assign(Fz=900.0), "only one load (900 N)"),
+        (lambda table: table.iloc[:10], "10 rows are fewer than a fit of one force needs"),
+        (lambda table: table.iloc[:0], "no rows"),
+        # Units
+        (lambda table: table.assign(alpha=np.degrees(table["alpha"])), "alpha reaches -11.46 rad: in degrees?"),
+        (lambda table: table.assign(gamma=4.0), "gamma reaches 4 rad: in degrees?"),
+        (lambda table: table.assign(kappa=100.0 * table["kappa"]), "kappa reaches -20: in percent?"),
+        (lambda table: table.assign(kappa=20.0 * table["kappa"]), "a wheel that turns backwards: in percent?"),
+        (lambda table: table.assign(p=12.0), "p is about 12 Pa: in psi?"),
+        (lambda table: table.assign(p=83.0), "p is about 83 Pa: in kPa?"),
+        (lambda table: table.assign(Fz=table["Fz"] / 1e3), "no |Fz| is above 0.9 N: in kN?"),
+        (lambda table: table.assign(V=40.0 * 3.6 + 7.0), "V reaches 151 m/s: in km/h?"),
+        # Signs
+        (lambda table: table.assign(Fz=-table["Fz"]), "Fz is negative in 100 % of the rows: SAE signs? (--signs sae)"),
+        (lambda table: table.assign(Fy=-table["Fy"]), "Fy rises with alpha, in iso it falls: the data look like"),
+        (lambda table: table.assign(Mz=-table["Mz"]), "Mz falls with alpha at small angles, in iso it rises"),
+        (lambda table: table.assign(Fx=-table["Fx"]), "Fx falls with kappa, but kappa > 0 drives"),
+        # Rows
+        (lambda table: table.assign(alpha=table["alpha"].where(table["t"] != 0.04)), "line 6: alpha is NaN (1 of 600"),
+        (lambda table: table.assign(Fz=0.0), "none of 600 rows can be used: 600 lifted"),
+        (lambda table: table.assign(V=0.0), "none of 600 rows can be used: 600 standing"),
+        (lambda table: table.assign(Fz=5e6), "Fz reaches 5e+06 N: in another unit?"),
+        (lambda table: table.iloc[::-1], "t runs backwards in 599 of 599 steps"),
+        (lambda table: pd.concat([table, table.assign(Fz=9.0 * table["Fz"])]), "two tires? a.csv: the clock restarts"),
+    ],
+)  # fmt: skip
+def test_each_fault_is_named(told, change, expected):
+    lines = told(change(good_table()))
+    assert any(expected in line for line in lines), lines
+    assert not any("\n" in line for line in lines)
+    assert all(line.startswith(("a.csv", "two tires? a.csv")) or "a.csv: " in line for line in lines)
+
+
+def test_signs_of_a_bench_in_a_table_that_says_iso(told):
+    table = good_table().assign(alpha=-good_table()["alpha"], Fz=-good_table()["Fz"])
+    assert "SAE signs?" in told(table.assign(Fy=-table["Fy"], Mz=-table["Mz"]))[0]
+    assert told(table.assign(Fy=-table["Fy"], Mz=-table["Mz"]), signs="sae") == []
+
+
+def test_a_clock_that_starts_again_parts_the_segments(tmp_path):
+    table = pd.concat([good_table(), good_table()])
+    table.to_csv(tmp_path / "a.csv", index=False)
+    assert read_recording(tmp_path / "a.csv").segments() == [slice(0, 600), slice(600, 1200)]
+
+
+def test_declared_percent_is_believed(tmp_path):
+    table = good_table().assign(kappa=20.0 * good_table()["kappa"]).rename(columns={"kappa": "kappa [1]"})
+    table.to_csv(tmp_path / "a.csv", index=False)
+    check_plausible(read_recording(tmp_path / "a.csv"))
+
+
+def test_an_unmeasured_fx_says_nothing_of_the_slip(tmp_path):
+    table = good_table().assign(kappa=-5.0).drop(columns="Fx")
+    table.to_csv(tmp_path / "a.csv", index=False)
+    check_plausible(read_recording(tmp_path / "a.csv"))
+    table.assign(Fx=1.0).to_csv(tmp_path / "a.csv", index=False)
+    with pytest.raises(DataError, match="turns backwards"):
+        check_plausible(read_recording(tmp_path / "a.csv"))

@@ -1,0 +1,207 @@
+"""CSV and Parquet: what is written comes back to the bit, and bad tables give one clear line."""
+
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tirefmu.measurements import check_plausible, read_recording, write_table
+from tirefmu.measurements.files.columns import MOST_COLUMNS
+from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(text: str, name: str = "table.csv") -> str:
+        (tmp_path / name).write_bytes(text.encode())
+        return str(tmp_path / name)
+
+    return write
+
+
+def complaint(path: str, **options) -> str:
+    with pytest.raises(TirefmuError) as caught:
+        read_recording(path, **options)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow], deadline=None)
+@given(rows=st.lists(st.tuples(finite, finite, finite), min_size=1, max_size=20))
+def test_round_trip_to_the_bit(rows, kind, tmp_path):
+    table = pd.DataFrame(rows, columns=["alpha", "Fz", "Fy"])
+    path = tmp_path / f"table.{kind}"
+    write_table(table, path)
+    back = read_recording(path)
+    assert back.table.to_numpy().tobytes() == table.to_numpy().tobytes()
+    assert (back.signs, back.source) == ("iso", path.name)
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t", " , "])
+def test_separators_comments_blank_lines_and_marks(written, separator):
+    lines = ["\ufeff# made by hand", "", "kappa,Fz,remark", "0.1,900,first", "", " -0.1,901 ,", ""]
+    recording = read_recording(written("\r\n".join(lines).replace(",", separator)))
+    assert recording.table["kappa"].tolist() == [0.1, -0.1]
+    assert recording.table["Fz"].tolist() == [900.0, 901.0]
+    assert recording.table["remark"].iloc[0] == "first"
+
+
+def test_declared_units(written):
+    path = written("alpha [deg],Fz [kN],p [kPa],V [km/h],T [deg F],kappa [%],lap [m]\n90,1.5,83,36,212,10,7\n")
+    recording = read_recording(path)
+    expected = {
+        "alpha": np.pi / 2,
+        "Fz": 1500.0,
+        "p": 83e3,
+        "V": 10.0,
+        "T": 100.0,
+        "kappa": 0.1,
+        "lap [m]": 7.0,
+    }
+    assert recording.table.iloc[0].to_dict() == pytest.approx(expected)
+    assert recording.about["declared"] == "alpha Fz p V T kappa"
+
+
+def test_signs_as_said(written):
+    assert read_recording(written("Fz\n-1\n"), signs="sae").signs == "sae"
+    with pytest.raises(UnknownName, match="unknown sign convention 'SEA'"):
+        read_recording(written("Fz\n1\n"), signs="SEA")
+
+
+def test_outputs_may_be_unmeasured_and_columns_unknown(written):
+    recording = read_recording(written("kappa,Fx,F_x0,kind,alpha_y\n0.1,,1,purex,2\n0.2,3,4,,5\n"))
+    assert np.isnan(recording.table["Fx"].iloc[0])
+    assert list(recording.table) == ["kappa", "Fx", "F_x0", "kind", "alpha_y"]
+    assert recording.table["kind"].iloc[0] == "purex"
+
+
+def test_near_miss_passes_where_the_channel_is_there(written):
+    assert list(read_recording(written("p,P,Fz,FX\n1e5,3,900,4\n")).table) == ["p", "P", "Fz", "FX"]
+
+
+def test_trailing_separator(written):
+    assert list(read_recording(written("kappa,Fz,\n0.1,900,\n")).table) == ["kappa", "Fz"]
+
+
+def test_index_column_passes(written):
+    assert list(read_recording(written(",Fz\n0,900\n")).table) == ["column 1", "Fz"]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("", "the file is empty"),
+        ("# only a remark\n\n", "the file is empty"),
+        ("alpha,Fz\n", "no rows"),
+        ("alpha,Fz\n0.1,900\n\n0.2,9oo\n", "line 4: column Fz: '9oo' is not a number"),
+        ("# c\nalpha,Fz\n0.1,900\ntrue,1\n", "line 4: column alpha: 'true' is not a number"),
+        ("Fy,Fz\n0.1,900\nx,1\n", "line 3: column Fy: 'x' is not a number"),
+        ("alpha;Fz\n0,1;900\n", "line 2: column alpha: '0,1' is not a number"),
+        ("Alpha,Fz\n0.1,900\n", "column 'Alpha' is not a channel: did you mean alpha?"),
+        ("alpha_deg,Fz\n0.1,900\n", "column 'alpha_deg' is not a channel: did you mean 'alpha [deg]'?"),
+        (
+            "IA,Fz\n0.1,900\n",
+            "'IA' is not a channel: did you mean gamma (rad; 'gamma [deg]' declares degrees)?",
+        ),
+        ("kapa,Fz\n0.1,900\n", "column 'kapa' is not a channel: did you mean kappa?"),
+        ("load,alpha\n900,0\n", "column 'load' is not a channel: did you mean Fz?"),
+        ("remark,id\n1,2\n", "no column is a channel: known are t, kappa,"),
+        ("alpha,Fz\n0.1,900\n,900\n0.1,900\nnan,900\n", "line 3: alpha is NaN (2 of 4 rows)"),
+        ("alpha,Fz\n0.1,900\n0.2\n", "line 3: Fz is NaN (1 of 2 rows)"),
+        ("alpha,Fz\n0.1,inf\n", "line 2: Fz is infinite (1 of 1 rows)"),
+        ("alpha,Fy\n0.1,-inf\n", "line 2: Fy is infinite (1 of 1 rows)"),
+        ("alpha,Fz,alpha\n0.1,900,0.1\n", "column 'alpha' occurs 2 times"),
+        ("alpha,alpha [deg]\n0.1,900\n", "column 'alpha' occurs 2 times"),
+        ("alpha,Fz\n0.1,900,3\n", "line 2: more cells than the header's 2"),
+        ("alpha,Fz\n0.1,900\n0.1,900,3\n", "line 3: more cells than the header's 2"),
+        ("alpha [dge],Fz\n0.1,900\n", "column alpha: unknown unit 'dge': did you mean deg?"),
+        ("alpha [kPa],Fz\n0.1,900\n", "column alpha: unit 'kPa' measures pressure, not angle"),
+    ],
+)
+def test_bad_tables(written, text, expected):
+    path = written(text)
+    said = complaint(path)
+    assert expected in said
+    assert said.startswith(path)
+
+
+def test_files_that_are_no_tables(tmp_path, written):
+    assert complaint(str(tmp_path / "none.csv")).endswith("none.csv: no such file")
+    assert "unknown kind of recording '.xlsx': known are .csv, .parquet, .mat, .dat, .tdx" in complaint("a.xlsx")
+    (tmp_path / "binary.csv").write_bytes(b"alpha\n\xff\xfe\x00")
+    assert "not a text file" in complaint(str(tmp_path / "binary.csv"))
+    (tmp_path / "folder.csv").mkdir()
+    assert "directory" in complaint(str(tmp_path / "folder.csv"))
+    assert "cannot be read as Parquet" in complaint(written("alpha\n1\n", "a.parquet"))
+
+
+def test_parquet_is_checked_like_csv(tmp_path):
+    path = tmp_path / "a.parquet"
+    pd.DataFrame({"alpha [deg]": [1.0, None], "Fz": [900, 901]}).to_parquet(path)
+    assert "row 2: alpha is NaN (1 of 2 rows)" in complaint(str(path))
+    pd.DataFrame({"alpha": ["0.5", "x"]}).to_parquet(path)
+    assert "row 2: column alpha: 'x' is not a number" in complaint(str(path))
+    pd.DataFrame({"alpha": [True, False]}).to_parquet(path)
+    assert "row 1: column alpha: 'True' is not a number" in complaint(str(path))
+    pd.DataFrame({"Fz": pd.array([900, 901], dtype="Int64"), "Fy": pd.array([1, None], dtype="Int64")}).to_parquet(path)
+    assert np.isnan(read_recording(path).table["Fy"].iloc[1])
+
+
+def test_missing_pyarrow_names_the_extra(tmp_path, monkeypatch, without_package):
+    without_package("pyarrow", "fastparquet")
+    path = tmp_path / "a.parquet"
+    write_table(pd.DataFrame({"Fz": [1.0]}), path)
+    for module in [name for name in sys.modules if name.partition(".")[0] == "pyarrow"] + [
+        "pyarrow",
+        "fastparquet",
+    ]:
+        monkeypatch.setitem(sys.modules, module, None)
+    assert "extra 'parquet'" in complaint(str(path))
+    with pytest.raises(DataError, match="extra 'parquet'"):
+        write_table(pd.DataFrame({"Fz": [1.0]}), tmp_path / "b.parquet")
+    assert [file.name for file in tmp_path.iterdir()] == ["a.parquet"]
+
+
+class Unwritable:
+    def __str__(self) -> str:
+        raise OSError(28, "No space left on device")
+
+
+def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path):
+    path = tmp_path / "out.csv"
+    write_table(pd.DataFrame({"Fy": [1.0]}), path)
+    before = path.read_bytes()
+    rows = [*range(200_000), Unwritable()]  # the bad cell comes after much has been written
+    with pytest.raises(DataError, match=r"out\.csv: cannot be written: No space left"):
+        write_table(pd.DataFrame({"Fy": pd.Series(rows, dtype=object)}), path)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_targets_that_cannot_be_written(tmp_path):
+    table = pd.DataFrame({"Fy": [1.0]})
+    with pytest.raises(DataError, match=r"known are \.csv, \.parquet"):
+        write_table(table, tmp_path / "out.xlsx")
+    with pytest.raises(DataError, match="cannot be written"):
+        write_table(table, tmp_path / "nowhere" / "out.csv")
+    (tmp_path / "out.csv").mkdir()
+    with pytest.raises(DataError, match="cannot be written"):
+        write_table(table, tmp_path / "out.csv")
+    assert [file.name for file in tmp_path.iterdir()] == ["out.csv"]
+
+
+def test_golden_inputs_are_plausible(golden):
+    check_plausible(read_recording(golden / "mf96_trento.csv"))
+
+
+def test_a_table_of_any_width_is_one_line(tmp_path):
+    path = tmp_path / "wide.csv"
+    path.write_text("alpha,Fz," + ",".join(f"c{i}" for i in range(MOST_COLUMNS)) + "\n", encoding="ascii")
+    with pytest.raises(DataError, match=rf"wide\.csv: {MOST_COLUMNS + 2} columns: at most {MOST_COLUMNS} are read"):
+        read_recording(path)

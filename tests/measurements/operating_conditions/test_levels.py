@@ -1,0 +1,98 @@
+"""Slices hold exactly what their conditions say; levels are found where a channel was held, only there."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tirefmu.measurements import Condition, level_tolerance, levels, near, select
+from tirefmu.symbolic.errors import DataError
+
+numbers = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=50)
+
+
+@given(values=numbers, center=st.floats(-1e3, 1e3), tolerance=st.floats(0.0, 500.0))
+def test_a_condition_and_its_rest_are_the_table(values, center, tolerance):
+    table = pd.DataFrame({"Fz": values})
+    inside = select(table, Fz=near(center, tolerance))
+    assert (abs(inside["Fz"] - center) <= tolerance).all()
+    assert (abs(table.drop(inside.index)["Fz"] - center) > tolerance).all()
+
+
+@given(values=numbers)
+def test_intersection_is_selection_twice_in_any_order(values):
+    table = pd.DataFrame({"Fz": values, "alpha": values[::-1]})
+    load, angle = Condition("Fz", 0.0, 300.0), Condition("alpha", 100.0, 500.0)
+    both = select(table, load, angle)
+    pd.testing.assert_frame_equal(both, select(select(table, angle), load))
+    pd.testing.assert_frame_equal(both, select(table, load, alpha=near(100.0, 500.0)))
+    pd.testing.assert_frame_equal(select(table), table)
+
+
+def test_nan_is_near_nothing():
+    table = pd.DataFrame({"Fy": [np.nan, 1.0]})
+    assert select(table, Fy=near(0.0, 1e9)).index.tolist() == [1]
+
+
+def test_bad_conditions():
+    with pytest.raises(DataError, match="no column 'gama' to select by: did you mean gamma"):
+        select(pd.DataFrame({"gamma": [0.0]}), gama=near(0.0, 1.0))
+    for tolerance in (-1.0, float("nan")):
+        with pytest.raises(DataError, match="tolerance"):
+            near(0.0, tolerance)
+    with pytest.raises(DataError, match="positive tolerance"):
+        levels([1.0, 2.0], tolerance=0.0)
+
+
+@given(
+    held=st.lists(st.integers(1, 12), min_size=1, max_size=6, unique=True),
+    shares=st.lists(st.integers(1, 5), min_size=6, max_size=6),
+    seed=st.integers(0, 1000),
+)
+def test_levels_are_found_whatever_their_shares(held, shares, seed):
+    rng = np.random.default_rng(seed)
+    true = sorted(250.0 * step for step in held)
+    rows = [rng.normal(level, 25.0, 400 * share) for level, share in zip(true, shares, strict=False)]
+    assert levels(np.concatenate(rows), tolerance=75.0) == pytest.approx(true, abs=8.0)
+
+
+@given(st.permutations(range(200)), st.floats(-1e4, 1e4))
+def test_levels_do_not_depend_on_order_and_move_with_the_data(order, shift):
+    rng = np.random.default_rng(3)
+    values = np.concatenate([rng.normal(0.0, 1.0, 100), rng.normal(30.0, 1.0, 100)])
+    found = levels(values, tolerance=4.0)
+    assert len(found) == 2
+    assert levels(values[list(order)], tolerance=4.0) == found
+    assert levels(values + shift, tolerance=4.0) == pytest.approx([level + shift for level in found], abs=1e-6)
+
+
+def test_the_way_between_two_levels_is_none():
+    ramp = np.linspace(900.0, 1800.0, 150)
+    values = np.concatenate([np.full(3000, 900.0), ramp, np.full(3000, 1800.0)])
+    assert levels(pd.Series(values, name="Fz")) == pytest.approx([900.0, 1800.0], abs=5.0)
+
+
+def test_swept_channels_have_no_levels():
+    time = np.linspace(0.0, 10.0, 20001)
+    triangle = 0.2 * (2.0 / np.pi) * np.arcsin(np.sin(2.0 * np.pi * time))
+    noisy = triangle + np.random.default_rng(5).normal(0.0, 3e-4, len(time))
+    assert levels(pd.Series(noisy, name="alpha")) == []
+
+
+@given(rows=st.integers(40, 3000), width=st.floats(0.2, 3.0))
+def test_an_even_sweep_has_no_levels_however_its_steps_fall(rows, width):
+    tolerance = width / 20.0
+    assert levels(np.linspace(-width, width, rows), tolerance=tolerance) == []
+
+
+def test_little_data():
+    assert levels([]) == []
+    assert levels([np.nan]) == []
+    assert levels([3.0]) == [3.0]
+    assert levels([0.0, 0.0]) == [0.0]
+
+
+def test_tolerance_comes_from_the_columns_name():
+    assert level_tolerance([-900.0, 100.0], "Fz") == pytest.approx(36.0)
+    assert level_tolerance([0.1], "gamma") == pytest.approx(np.radians(0.5))

@@ -1,0 +1,109 @@
+"""What a recording can tell nothing of is said; what it covers is not complained about."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.measurements import (
+    Recording,
+    VirtualBench,
+    alpha_sweeps,
+    coverage,
+    coverage_notes,
+    identity_notes,
+    small_tire_program,
+    trento_program,
+)
+from tirefmu.tires import published
+
+
+def sweep(rows=500, **columns):
+    angle = np.linspace(-0.2, 0.2, rows)
+    table = {"t": np.arange(rows) / 100.0, "alpha": angle, "Fz": np.where(np.arange(rows) < rows / 2, 500.0, 900.0)}
+    return Recording(pd.DataFrame({**table, "Fy": -900.0 * np.tanh(12.0 * angle), **columns}), "iso", "a.csv")
+
+
+@pytest.mark.parametrize("signs", ["iso", "sae", "adapted-sae"])
+@pytest.mark.parametrize(
+    ("tire", "program"), [("trento_hoosier", trento_program()), ("unicamp_small_tire", small_tire_program())]
+)
+def test_whole_programs_lack_nothing(tire, program, signs):
+    recording = VirtualBench(published(tire), seed=5).run(program).with_signs(signs)
+    assert coverage_notes(recording) == []
+
+
+@pytest.mark.parametrize(
+    ("recording", "expected"),
+    [
+        (sweep(), []),
+        (sweep(alpha=0.02), ["a.csv: alpha stays at 0.02 rad: Fy shows no slip curve"]),
+        (sweep(kappa=0.0, Fx=np.linspace(-1, 1, 500)), ["a.csv: kappa stays at 0: Fx shows no slip curve"]),
+        (sweep(Fx=np.linspace(-1, 1, 500)), ["a.csv: kappa is missing: Fx shows no slip curve"]),
+        (sweep(Fz=900.0), ["a.csv: only one load (900 N): the influence of load cannot be determined"]),
+        (sweep(Mz=0.0), ["a.csv: Mz is 0 in every row: was it measured?"]),
+        (sweep(t=-np.arange(500.0)), ["a.csv: t runs backwards in 499 of 499 steps: the rows are not in the order of"]),
+        (sweep(rows=10), ["a.csv: 10 rows are fewer than a fit of one force needs"]),
+        (sweep(Fy=np.nan), []),
+    ],
+)
+def test_each_lack_is_told_once(recording, expected):
+    notes = coverage_notes(recording)
+    assert len(notes) == len(expected)
+    assert all(note.startswith(start) for note, start in zip(notes, expected, strict=True))
+
+
+def test_camber_alone_is_a_slip_of_the_side_force():
+    assert coverage_notes(sweep(alpha=0.0, gamma=np.linspace(-0.1, 0.1, 500))) == []
+
+
+def test_coverage_of_a_program():
+    recording = VirtualBench(published("trento_hoosier"), seed=1).run(alpha_sweeps([300.0, 900.0], [0.0, 0.05]))
+    found = {each.channel: each for each in coverage(recording)}
+    assert found["alpha"].swept
+    assert found["Fz"].levels == pytest.approx((300.0, 900.0), rel=0.02)
+    assert found["gamma"].levels == pytest.approx((0.0, 0.05), abs=0.002)
+    assert str(found["Fz"]).startswith("Fz: held at 2 levels, ")
+    for each in found.values():
+        assert all(each.lowest <= level <= each.highest for level in each.levels)
+
+
+def test_no_rows_cover_nothing():
+    empty = Recording(pd.DataFrame({"alpha": [], "Fz": []}), "iso", "a.csv")
+    assert coverage(empty) == []
+    assert coverage_notes(empty) == []
+    assert identity_notes([empty]) == []
+
+
+def test_one_tire_in_several_files():
+    named = [Recording(sweep().table, "iso", f"{name}.mat", {"tireid": "Hoosier"}) for name in "ab"]
+    unnamed = Recording(sweep().table, "iso", "c.mat", {"tireid": ""})
+    assert identity_notes([*named, unnamed]) == []
+
+
+def test_tires_of_two_names():
+    both = [Recording(sweep().table, "iso", f"{name}.mat", {"tireid": name}) for name in ("Hoosier", "Avon")]
+    assert identity_notes(both) == ["two tires? the tire is 'Hoosier' in Hoosier.mat, 'Avon' in Avon.mat"]
+
+
+@pytest.mark.parametrize("signs", ["iso", "sae"])
+def test_loads_that_no_one_tire_runs_at(signs):
+    small = VirtualBench(published("unicamp_small_tire")).run(small_tire_program()).with_signs(signs)
+    large = VirtualBench(published("trento_hoosier")).run(trento_program()).with_signs(signs)
+    (note,) = identity_notes([large, small])
+    assert re.match(r"two tires\? the load reaches 16\d(\.\d)? N in virtual bench: small tire \(UNICAMP\), ", note)
+
+
+def test_two_files_in_one():
+    table = pd.concat([sweep().table, sweep(Fz=9000.0).table], ignore_index=True)
+    (note,) = identity_notes([Recording(table, "iso", "both.csv")])
+    assert note.startswith("two tires? both.csv: the clock restarts at row 501, and the loads reach 900 N in one part")
+
+
+def test_measured_files_lack_only_what_they_lack(data_folder):
+    from tirefmu.measurements import read_recording
+
+    both = [read_recording(data_folder / f"{name}.mat") for name in ("cornering", "drivebrake")]
+    assert [coverage_notes(each) for each in both] == [["cornering.mat: kappa stays at 0: Fx shows no slip curve"], []]
+    assert identity_notes(both) == []
