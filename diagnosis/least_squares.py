@@ -9,9 +9,10 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.noise_model import Whitening
+
 from .candidates import SPREAD
 from .disturbances import Disturbances
-from .noise import Whitening
 from .simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]

@@ -15,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
-from .noise_floor import held_levels
+from tirefmu.estimation.noise_floor import held_levels
+
 from .problem import OWN_SLIP
 from .residuals import Residuals
 from .uncertainty import correlation_rows

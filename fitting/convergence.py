@@ -22,9 +22,10 @@ import numpy as np
 import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
+from tirefmu.estimation.quadratic_step import best_step
+
 from .imposed import Imposed
 from .problem import LEAST_NOISE, Problem
-from .quadratic import best_step
 from .ridge import Ridge
 from .uncertainty import correlation_rows
 

@@ -14,12 +14,12 @@ import numpy.typing as npt
 import pandas as pd
 from scipy.linalg.blas import dsyrk
 
+from tirefmu.estimation.noise_floor import held_levels
 from tirefmu.symbolic.model import Model, reaching
 from tirefmu.tires.code import Code, fastest_code, forces_of_each
 from tirefmu.tires.tire import Tire
 
 from .loss import LOSSES, Loss, robust_scale
-from .noise_floor import held_levels
 
 FloatArray = npt.NDArray[np.float64]
 

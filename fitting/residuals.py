@@ -11,12 +11,12 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.estimation.noise_floor import held_levels
 from tirefmu.measurements import CHANNELS
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
-from .noise_floor import held_levels
 from .problem import Rows
 
 FloatArray = npt.NDArray[np.float64]

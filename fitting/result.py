@@ -77,7 +77,7 @@ class ChannelFit:
     r2_uncentred : float
         1 - sum of squared residuals over sum of squares: the Trento report's.
     noise_floor : float
-        What no function of the inputs can follow (`tirefmu.fitting.noise_floor`); NaN where no condition repeats.
+        What no function of the inputs can follow (`tirefmu.estimation.noise_floor`); NaN where no condition repeats.
     effective_rows : float
         How many independent rows these are worth, as the residuals of the last stage are correlated in time.
     """

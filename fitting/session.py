@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.estimation.noise_floor import noise_floor
 from tirefmu.measurements import Recording
 from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import FitError
@@ -25,7 +26,6 @@ from .interruption import Interruption
 from .ipopt import Solution
 from .loss import loss_named
 from .method import Solver
-from .noise_floor import noise_floor
 from .preparation import Prepared
 from .problem import Problem, Rows, coefficients_by_output, emphasis, equal_weights, limits_of, noise_weights
 from .recipe import Freed, Recipe, Stage

@@ -18,9 +18,10 @@ MAY_IMPORT = {
     "generated": set(),
     "tires": {"symbolic", "generated"},
     "measurements": {"tires"},
-    "fitting": {"symbolic", "generated", "tires", "measurements"},
+    "estimation": {"symbolic", "generated", "tires", "measurements"},
+    "fitting": {"symbolic", "generated", "tires", "measurements", "estimation"},
     "fmu": {"symbolic", "generated", "tires", "measurements"},
-    "diagnosis": {"symbolic", "generated", "tires", "measurements", "fitting", "fmu"},
+    "diagnosis": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting", "fmu"},
 }
 MAY_IMPORT[DOOR] = set(MAY_IMPORT)
 

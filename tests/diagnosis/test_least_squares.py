@@ -5,8 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tirefmu.diagnosis.candidates import CENTER, SPREAD
 from tirefmu.diagnosis.disturbances import MOST_CROSS_TALK, reported_disturbances
 from tirefmu.diagnosis.least_squares import _bounded_step
+from tirefmu.symbolic import model as book_of
+from tirefmu.symbolic.added import library
+from tirefmu.tires.tire import Tire
 
 FREE = ("PDX1", "PKX1", "PDY1", "PDY2", "PKY1", "PHY1", "QDZ1")
 
@@ -55,6 +59,16 @@ def test_rows_that_take_no_part_have_no_influence(problem, tire):
     other = replace(problem, simulator=problem.simulator.over(spoiled))
     one, two = (each.best_disturbance(each.misfit(parameters)) for each in (problem, other))
     np.testing.assert_allclose(one, two, atol=1e-9)
+
+
+def test_beliefs_are_about_coefficients_and_narrower_than_their_cards():
+    size = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    beyond = tuple(library().values())
+    cards = {**book_of("mf96").coefficients, **Tire("mf61", size, added=beyond).book.coefficients}
+    for name, spread in SPREAD.items():
+        assert 0.0 < spread < cards[name].upper - cards[name].lower, name
+    for name, center in CENTER.items():
+        assert cards[name].lower <= center <= cards[name].upper, name
 
 
 # ------------------------------------------------------------------ what belongs to the recording

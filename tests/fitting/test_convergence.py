@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
 
+from tirefmu.estimation.quadratic_step import best_step
 from tirefmu.fitting.constraints import Constraint
 from tirefmu.fitting.convergence import settle
 from tirefmu.fitting.imposed import Imposed
 from tirefmu.fitting.ipopt import solve
 from tirefmu.fitting.problem import Problem, Rows, equal_weights
-from tirefmu.fitting.quadratic import best_step
 from tirefmu.fitting.ridge import Ridge
 
 FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2", "PHY1", "PVY1")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tirefmu.estimation.noise_floor import MOST_LEVELS
 from tirefmu.fitting import cross_validate, validation
-from tirefmu.fitting.noise_floor import MOST_LEVELS
 from tirefmu.measurements import Noise, group_by_condition
 from tirefmu.symbolic.errors import FitError
 

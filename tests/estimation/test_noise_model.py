@@ -2,11 +2,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from tirefmu.diagnosis.candidates import CENTER, SPREAD
-from tirefmu.diagnosis.noise import Memories, Whitening, memories_of
-from tirefmu.symbolic import model as book_of
-from tirefmu.symbolic.added import library
-from tirefmu.tires.tire import Tire
+from tirefmu.estimation.noise_model import Memories, Whitening, memories_of
 
 STEP = 0.02
 NOISE = Memories(white=0.05, short=1.0, drift=0.3, fading=0.5, memory=2.0)
@@ -62,13 +58,3 @@ def test_a_slow_column_is_estimated_better_with_the_noise_known():
     plain, weighed = column @ noise / (column @ column), a @ b / (a @ a)
     assert np.std(weighed) < np.std(plain)
     assert np.std(weighed) == pytest.approx(1.0 / np.sqrt(a @ a), rel=0.2)
-
-
-def test_beliefs_are_about_coefficients_and_narrower_than_their_cards():
-    size = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
-    beyond = tuple(library().values())
-    cards = {**book_of("mf96").coefficients, **Tire("mf61", size, added=beyond).book.coefficients}
-    for name, spread in SPREAD.items():
-        assert 0.0 < spread < cards[name].upper - cards[name].lower, name
-    for name, center in CENTER.items():
-        assert cards[name].lower <= center <= cards[name].upper, name

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tirefmu.fitting.noise_floor import noise_floor
+from tirefmu.estimation.noise_floor import noise_floor
 
 
 def sweeps(seed, noise, *, hysteresis=0.0, n=6000):

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from tirefmu.diagnosis.linear import autocovariance, block_sums, coloured_covariance, regression, wald_p
+from tirefmu.estimation.block_regression import autocovariance, block_sums, coloured_covariance, regression, wald_p
 
 
 def coloured(rng, n, memory):

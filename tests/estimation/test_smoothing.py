@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis.smoothing import smoothed
+from tirefmu.estimation.smoothing import smoothed
 
 
 def sweeps(n=3000):
