@@ -45,7 +45,7 @@ def plain_table(*columns: str, title: str = "") -> Table:
 
 def fit_lines(result: FitResult) -> Iterator[Table | str]:
     """Yield what is to be printed of a fit, in order."""
-    from tirefmu.fitting.telling import told_extrapolation, told_ripple
+    from tirefmu.fitting.reporting.report_text import told_extrapolation, told_ripple
 
     yield _coefficients(result)
     yield _channels(result)
@@ -69,7 +69,7 @@ def fit_lines(result: FitResult) -> Iterator[Table | str]:
 
 
 def _coefficients(result: FitResult) -> Table:
-    from tirefmu.fitting.telling import told_interval
+    from tirefmu.fitting.reporting.report_text import told_interval
 
     table = plain_table(
         "coefficient", "guess", "lower", "upper", "value", "+- (95 %)", "unit", "",
@@ -83,7 +83,7 @@ def _coefficients(result: FitResult) -> Table:
 
 
 def _channels(result: FitResult) -> Table:
-    from tirefmu.fitting.telling import told_interval, told_worst
+    from tirefmu.fitting.reporting.report_text import told_interval, told_worst
 
     table = plain_table(
         "recording", "channel", "rows", "RMSE", "unit", "noise floor", "R2", "R2 uncentred", "missed most",
@@ -129,8 +129,8 @@ def _stages(result: FitResult) -> Table:
 
 
 def _margins(result: FitResult) -> Table:
-    from tirefmu.fitting.residuals import condition_text
-    from tirefmu.fitting.telling import told_conditions
+    from tirefmu.fitting.evidence.residuals import condition_text
+    from tirefmu.fitting.reporting.report_text import told_conditions
 
     table = plain_table(
         "constraint", "tightest", "margin", "at", "margin beyond", "",
@@ -147,8 +147,8 @@ def _margins(result: FitResult) -> Table:
 
 
 def _differences(result: FitResult) -> Iterator[Table]:
-    from tirefmu.fitting.residuals import condition_text
-    from tirefmu.fitting.telling import told_differences
+    from tirefmu.fitting.evidence.residuals import condition_text
+    from tirefmu.fitting.reporting.report_text import told_differences
 
     differences = told_differences(result)
     if not differences:

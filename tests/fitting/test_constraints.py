@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tirefmu.demo import bench_tire
-from tirefmu.fitting.constraints import (
+from tirefmu.fitting.constraints.constraint_functions import measured_values
+from tirefmu.fitting.constraints.physical import (
     KINDS,
     TOLERANCE,
     Constraint,
@@ -21,8 +22,7 @@ from tirefmu.fitting.constraints import (
     grid,
     operating_range,
 )
-from tirefmu.fitting.imposed import measured_values
-from tirefmu.fitting.verification import Conditions
+from tirefmu.fitting.constraints.verification import Conditions
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires.code import code_for

@@ -10,12 +10,12 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from tirefmu.estimation.quadratic_step import best_step
-from tirefmu.fitting.constraints import Constraint
-from tirefmu.fitting.convergence import settle
-from tirefmu.fitting.imposed import Imposed
-from tirefmu.fitting.ipopt import solve
-from tirefmu.fitting.problem import Problem, Rows, equal_weights
-from tirefmu.fitting.ridge import Ridge
+from tirefmu.fitting.constraints.constraint_functions import Imposed
+from tirefmu.fitting.constraints.physical import Constraint
+from tirefmu.fitting.problem.regularization import Ridge
+from tirefmu.fitting.problem.weighted_residuals import Problem, Rows, equal_weights
+from tirefmu.fitting.solvers.convergence import settle
+from tirefmu.fitting.solvers.ipopt import solve
 
 FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2", "PHY1", "PVY1")
 LOAD = np.array([[0.0], [0.0], [0.0], [700.0]])

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.checkpoint import Checkpoint
-from tirefmu.fitting.interruption import Interruption
+from tirefmu.fitting.results.checkpoint import Checkpoint
+from tirefmu.fitting.solvers.interruption import Interruption
 from tirefmu.symbolic.errors import FitError
 
 STAGES = ["Fy: core, load, combined slip", "Fy", "Fx, Fy, Mz, random rows", "Fx, Fy, Mz, all rows"]

@@ -8,8 +8,8 @@ import pytest
 from scipy.ndimage import uniform_filter1d
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.constraints import chosen_constraints
-from tirefmu.fitting.telling import told_differences
+from tirefmu.fitting.constraints.physical import chosen_constraints
+from tirefmu.fitting.reporting.report_text import told_differences
 from tirefmu.measurements import read_recording
 
 FILES = ("cornering.mat", "drivebrake.mat")

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from tirefmu.fitting.problem import Problem, Rows
-from tirefmu.fitting.uncertainty import correlation_rows, uncertainty
+from tirefmu.fitting.evidence.uncertainty import correlation_rows, uncertainty
+from tirefmu.fitting.problem.weighted_residuals import Problem, Rows
 from tirefmu.tires import Tire
 
 N, SEGMENTS = 12_000, 6
