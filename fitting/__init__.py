@@ -5,7 +5,8 @@ from .evidence.diagnostics import Findings
 from .fit import fit
 from .problem.recipe import RECIPES, load_recipe
 from .reporting.figures import draw_figures
-from .results.fit_result import FitResult, HeldOut
+from .results.fit_result import FitResult
+from .results.records import HeldOut
 
 __all__ = [
     "RECIPES", "Findings", "FitResult", "HeldOut", "cross_validate", "deal", "draw_figures", "fit", "load_recipe",

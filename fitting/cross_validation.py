@@ -21,7 +21,8 @@ from tirefmu.tires.tire import Tire
 
 from .fit import NOMINAL, fit
 from .problem.weighted_residuals import Rows
-from .results.fit_result import FitResult, HeldOut
+from .results.fit_result import FitResult
+from .results.records import HeldOut
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -24,7 +24,7 @@ from .constraints.verification import APPROACHED, VERIFIED, Conditions
 from .data.fit_data import Prepared
 from .evidence.residuals import Residuals
 from .evidence.uncertainty import Direction, across_stages, uncertainty
-from .problem.effective_weights import weights_by_worth
+from .problem.effective_weights import effective_weights
 from .problem.influence import generic, influence, usual_size
 from .problem.loss import loss_named
 from .problem.recipe import Freed, Recipe, Stage
@@ -38,7 +38,8 @@ from .problem.weighted_residuals import (
     noise_weights,
 )
 from .results.checkpoint import Checkpoint, Ended, Release, State
-from .results.fit_result import ChannelFit, FitResult, FittedCoefficient, StageFit, quality
+from .results.fit_result import FitResult
+from .results.records import ChannelFit, FittedCoefficient, StageFit, quality
 from .solvers.interruption import Interruption
 from .solvers.ipopt import Solution
 from .solvers.restarts import best_end
@@ -245,7 +246,7 @@ class Session:
         if stage.weights == "noise":
             problem.weights = noise_weights(problem, start, self._emphasis)
             if self._prepared.rows == "independent":
-                problem.weights = weights_by_worth(problem, start)
+                problem.weights = effective_weights(problem, start)
         problem.limits = limits_of(problem, start)
         return problem
 

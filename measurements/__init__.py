@@ -4,7 +4,7 @@ from .bench import TestedTire, VirtualBench
 from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
 from .conditions import Condition, Near, levels, near, select, usual_tolerance
 from .coverage import Coverage, coverage, coverage_notes, identity_notes
-from .independence import Grouping, correlation_length, effective_sample_size, group_by_condition
+from .independence import Grouping, group_by_condition
 from .noise import ChannelNoise, Noise
 from .outliers import Outlier, outliers
 from .phases import Phase, phases, transitions
@@ -51,10 +51,8 @@ __all__ = [
     "check_plausible",
     "concatenate",
     "convention_notes",
-    "correlation_length",
     "coverage",
     "coverage_notes",
-    "effective_sample_size",
     "group_by_condition",
     "identity_notes",
     "kappa_sweeps",

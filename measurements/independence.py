@@ -1,4 +1,4 @@
-"""How much rows count: conditions that were logged more often than others, and rows that repeat their neighbors."""
+"""Weights of rows by operating condition: conditions that were logged more often than others do not count more."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-from tirefmu.symbolic.errors import DataError
+from numpy.typing import NDArray
 
 from .conditions import levels, usual_tolerance
 from .phases import MOVED, Phase, phases
@@ -173,97 +171,3 @@ def _points(
         at = np.unravel_index(number, shape) if shape else ()
         conditions.append(tuple((name, float(found[k])) for (name, found), k in zip(held, at, strict=True)))
     return labels.astype(np.intp), conditions, told
-
-
-def correlation_length(residuals: ArrayLike, segments: Sequence[slice] | None = None) -> float:
-    """Return after how many rows a residual starts anew: the integrated autocorrelation time.
-
-    1 + 2 sum rho_k over lags k, cut where the sum of two neighbors is no longer positive (the initial
-    positive sequence of Geyer, 1992). Residuals are taken about 0, where a right model has them, not about
-    their mean: an error that stays for a whole sweep correlates over all of it. Pairs never span segments.
-
-    Parameters
-    ----------
-    residuals : array_like, shape (n,)
-        NaN where nothing was measured.
-    segments : sequence of slice, optional
-        `Recording.segments`; default one.
-
-    Returns
-    -------
-    float
-        In rows, at least 1.
-
-    Raises
-    ------
-    DataError
-        If no residual is finite.
-
-    Examples
-    --------
-    >>> correlation_length(np.repeat([1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0, -1.0], 10)) > 5.0
-    True
-    >>> correlation_length([0.0, 0.0])
-    1.0
-    """
-    values = np.asarray(residuals, dtype=np.float64)
-    if not np.isfinite(values).any():
-        raise DataError("no residual is finite: there is no correlation to tell")
-    products, pairs = _lagged(values, segments or [slice(0, len(values))])
-    if products[0] <= 0.0:
-        return 1.0
-    rho = np.where(pairs > 0, products / np.maximum(pairs, 1.0), 0.0) / (products[0] / pairs[0])
-    couples = rho[: len(rho) // 2 * 2].reshape(-1, 2).sum(axis=1)
-    # Few pairs make a noisy sum; the sequence has to fall as well (Geyer's monotone one).
-    ends = np.flatnonzero(couples <= 0.0)
-    kept = np.minimum.accumulate(couples[: ends[0] if len(ends) else len(couples)])
-    return max(1.0, float(2.0 * kept.sum() - 1.0))
-
-
-def effective_sample_size(residuals: ArrayLike, segments: Sequence[slice] | None = None) -> float:
-    """Return how many independent rows a recording is worth.
-
-    Parameters
-    ----------
-    residuals : array_like, shape (n,)
-        Measured minus model; NaN where nothing was measured.
-    segments : sequence of slice, optional
-        `Recording.segments`; default one.
-
-    Returns
-    -------
-    float
-        The number of finite residuals over their `correlation_length`.
-
-    Raises
-    ------
-    DataError
-        If no residual is finite.
-
-    Examples
-    --------
-    >>> noise = np.random.default_rng(0).standard_normal(2000)
-    >>> bool(effective_sample_size(noise) > 1700.0), bool(effective_sample_size(np.repeat(noise, 8)) < 2300.0)
-    (True, True)
-    """
-    values = np.asarray(residuals, dtype=np.float64)
-    return float(np.isfinite(values).sum() / correlation_length(values, segments))
-
-
-def _lagged(values: NDArray[np.float64], segments: Sequence[slice]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return sums of products r_i r_(i+k), and the number of pairs, for each lag k; by fast transforms."""
-    longest = max(segment.stop - segment.start for segment in segments)
-    products, pairs = np.zeros(longest), np.zeros(longest)
-    for segment in segments:
-        known = np.isfinite(values[segment])
-        length = len(known)
-        if length:
-            products[:length] += _autocorrelation(np.where(known, values[segment], 0.0))
-            pairs[:length] += np.round(_autocorrelation(known.astype(np.float64)))
-    return products, pairs
-
-
-def _autocorrelation(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    size = 2 ** int(np.ceil(np.log2(2 * len(values))))
-    spectrum = np.fft.rfft(values, size)
-    return np.asarray(np.fft.irfft(spectrum * np.conj(spectrum), size)[: len(values)])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -10,7 +11,6 @@ import numpy.typing as npt
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
-from ..results.fit_result import Margin
 from .constraint_functions import measured_values
 from .physical import TOLERANCE, Constraint, grid
 
@@ -20,6 +20,31 @@ FloatArray = npt.NDArray[np.float64]
 VERIFIED, APPROACHED, MOST_ADDED = 4, 2, 12
 #: A condition and points at which it holds, shape (n_inputs, n_points).
 Placed = tuple[Constraint, FloatArray]
+
+
+@dataclass(frozen=True)
+class Margin:
+    """The tightest place of a constraint, verified on a denser grid than it was imposed on.
+
+    Attributes
+    ----------
+    constraint : str
+        As it is written: ``E_x <= 1``.
+    worst : float
+        Value of the quantity there, or of how it goes with load.
+    margin : float
+        Distance to the bound; negative where it is broken.
+    at : dict of str to float
+        The inputs there.
+    name : str
+        What switches it: ``curvature:E_x``.
+    """
+
+    constraint: str
+    worst: float
+    margin: float
+    at: dict[str, float]
+    name: str = ""
 
 
 class Conditions:

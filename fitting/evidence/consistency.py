@@ -15,11 +15,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
+from tirefmu.estimation.correlation import correlation_length
 from tirefmu.estimation.noise_floor import held_levels
 
 from ..problem.weighted_residuals import OWN_SLIP
 from .residuals import Residuals
-from .uncertainty import correlation_rows
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -187,11 +187,11 @@ def _compared(
         missed[side] - at[np.searchsorted(kept, residuals.cell[side])]
         for side, (_, at, _) in zip(rows, sums, strict=True)
     ]
-    alike = [correlation_rows(e, residuals.segment[side]) for e, side in zip(noises, rows, strict=True)]
-    noise = var1 * alike[0] / n1 + var2 * alike[1] / n2  # variance of each cell's difference
+    lengths = [correlation_length(e, residuals.segment[side]) for e, side in zip(noises, rows, strict=True)]
+    noise = var1 * lengths[0] / n1 + var2 * lengths[1] / n2  # variance of each cell's difference
     total = float(weight.sum())
     mean = float(weight @ difference) / total
-    sd = sum(float(np.var(e)) * correlated / len(e) for e, correlated in zip(noises, alike, strict=True)) ** 0.5
+    sd = sum(float(np.var(e)) * length / len(e) for e, length in zip(noises, lengths, strict=True)) ** 0.5
     _, first = np.unique(residuals.cell[rows[0]], return_index=True)
     condition = residuals.condition[rows[0][first]]
     by_condition = {c: np.average(difference[condition == c], weights=weight[condition == c]) for c in set(condition)}

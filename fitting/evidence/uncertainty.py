@@ -1,7 +1,7 @@
 """How sure the fitted values are: intervals under time-correlated noise, and what the data leave open.
 
 Rows of a slow sweep are not independent: what the fit misses at one row it misses at the next. A least-squares fit
-with weights w of residuals with variance s^2 that stay alike for tau rows has, to first order, the covariance
+with weights w of residuals with variance s^2 and correlation length tau has, to first order, the covariance
 H^-1 (sum of tau s^2 w H_c) H^-1, where H = J^T W J is the sum of its parts H_c by recording and channel: the sandwich
 of White (1980) with the long-run variance of Newey and West (1987) in its middle. Where a loss bounds what a residual
 counts, s^2 is the variance of what it counts, and H is diminished by the mean slope of the loss (Huber). It takes J to
@@ -18,16 +18,15 @@ import numpy.typing as npt
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
+from tirefmu.estimation.correlation import correlation_length
+
 from ..problem.loss import LOSSES
 from ..problem.weighted_residuals import Problem
 
 FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
 
 #: Standard normal quantile of a two-sided 95 % interval.
 QUANTILE = 1.959964
-#: How many stretches of rows tell by how much their sums scatter.
-FEWEST_STRETCHES = 64
 #: A direction whose standard deviation is more than one size of its coefficients (a quarter of their plausible range)
 #: is one that the data leave open, and so is one with less than this share of the largest curvature.
 OPEN, LEAST_CURVATURE = 1.0, 1e-13
@@ -99,47 +98,6 @@ def across_stages(covariance: pd.DataFrame) -> pd.DataFrame:
     return covariance.mask(covariance.isna() & np.outer(known, known), 0.0)
 
 
-def correlation_rows(residual: FloatArray, segment: IntArray) -> float:
-    """Return for how many rows residuals stay alike: 1 for white noise.
-
-    By how much the variance of the sum over a stretch of rows exceeds that of independent ones, for the length of
-    stretch at which this is largest: short ones miss slow noise, of long ones there are few. What repeats with the
-    wheel's revolution averages out over a stretch.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (n,)
-        In the order of time.
-    segment : ndarray of int, shape (n,)
-        What was logged without a gap has one number.
-
-    Returns
-    -------
-    float
-        1 or more.
-
-    Examples
-    --------
-    >>> white = np.random.default_rng(0).normal(size=20_000)
-    >>> bool(correlation_rows(white, np.zeros(20_000, dtype=int)) < 1.3)
-    True
-    >>> bool(correlation_rows(np.repeat(white[:2000], 10), np.zeros(20_000, dtype=int)) > 9.0)
-    True
-    """
-    pieces = np.split(residual, np.flatnonzero(np.diff(segment)) + 1)
-    variance = float(np.mean(residual**2)) if len(residual) else 0.0
-    alike, length = 1.0, 2
-    while variance > 0:
-        count = sum(len(piece) // length for piece in pieces)
-        if count < FEWEST_STRETCHES:
-            break
-        stretches = [piece[: len(piece) // length * length].reshape(-1, length) for piece in pieces]
-        squares = sum(float(np.sum(stretch.sum(axis=1) ** 2)) for stretch in stretches)
-        alike = max(alike, squares / (count * length * variance))
-        length *= 2
-    return alike
-
-
 def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = ()) -> Uncertainty:
     """Return intervals and open directions at the end of a fit.
 
@@ -206,10 +164,10 @@ def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, 
             if problem.limits is not None:
                 over = np.abs(missed) / problem.limits[group, channel]
                 missed, slope = missed * problem.loss.weight(over), float(np.mean(problem.loss.slope(over)))
-            alike, variance = correlation_rows(missed, rows.segment[there[channel]]), float(np.mean(missed**2))
-            effective[group, channel] = len(missed) / alike
+            length, variance = correlation_length(missed, rows.segment[there[channel]]), float(np.mean(missed**2))
+            effective[group, channel] = len(missed) / length
             curvature[np.ix_(free, free)] += slope * squares
-            noise = alike * variance * problem.weights[group, channel]
+            noise = length * variance * problem.weights[group, channel]
             middle[np.ix_(free, free)] += noise * twice.get(channel, squares)
     return curvature, middle, effective
 

@@ -1,22 +1,22 @@
-"""How many independent rows a recording's channel is worth, as a factor of its weight."""
+"""Weights of channels by their effective sample size instead of their number of rows."""
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.measurements import correlation_length
+from tirefmu.estimation.correlation import correlation_length
 
 from .weighted_residuals import Problem
 
 FloatArray = npt.NDArray[np.float64]
 
 
-def weights_by_worth(problem: Problem, x: FloatArray) -> FloatArray:
+def effective_weights(problem: Problem, x: FloatArray) -> FloatArray:
     """Return the weights of a problem, each divided by the correlation length of its residuals at x.
 
-    What a tire misses at one row it misses at the next: a channel of a recording counts by the independent rows that
-    it is worth, not by those that were logged. The cost at x stays what it was.
+    What a tire misses at one row it misses at the next: a channel of a recording counts by its effective sample size,
+    not by the rows that were logged. The cost at x does not change.
 
     Parameters
     ----------
@@ -35,10 +35,8 @@ def weights_by_worth(problem: Problem, x: FloatArray) -> FloatArray:
         rows = np.flatnonzero(there[channel] & (problem.rows.group == group))
         if rows.size:
             missed = residual[channel, rows]
-            edges = np.flatnonzero(np.diff(problem.rows.segment[rows])) + 1
-            segments = [slice(*ends) for ends in zip([0, *edges], [*edges, len(rows)], strict=True)]
             squares[group, channel] = float(missed**2 @ problem.rows.weight[rows])
-            lengths[group, channel] = correlation_length(missed, segments)
+            lengths[group, channel] = correlation_length(missed, problem.rows.segment[rows])
     weights = problem.weights / lengths
     before, after = (float(np.sum(each * squares)) for each in (problem.weights, weights))
     return weights * (before / after) if after > 0 else weights

@@ -39,7 +39,7 @@ from tirefmu.tires.drawing.style import (
 from tirefmu.tires.tire import Tire
 
 from ..evidence.curves import SLOPE_WINDOW, Comparison, Family, compare
-from ..results.fit_result import quality
+from ..results.records import quality
 
 MOST_SOURCES = 30  # recordings named below a figure
 

@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from math import isfinite, isinf
 
 from ..constraints.physical import REACH
+from ..constraints.verification import Margin
 from ..evidence.consistency import Disagreement
 from ..evidence.residuals import condition_text
 from ..evidence.ripple import Ripple
-from ..results.fit_result import FitResult, Margin
+from ..results.fit_result import FitResult
 
 #: A difference within the data is told where it is this many standard deviations.
 SIGNIFICANT = 4.0

@@ -19,7 +19,7 @@ import pandas as pd
 from tirefmu.symbolic.errors import FitError
 
 from ..problem.recipe import Freed
-from .fit_result import StageFit
+from .records import StageFit
 
 FloatArray = npt.NDArray[np.float64]
 T = TypeVar("T")

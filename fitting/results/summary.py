@@ -2,19 +2,52 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from typing import Protocol
 
 from tirefmu.symbolic.escaping import excerpt, visible
 from tirefmu.tires.notebook import html_details, html_summary, html_table
+from tirefmu.tires.tire import Tire
 
-if TYPE_CHECKING:
-    from .fit_result import FitResult
+from .records import ChannelFit, FittedCoefficient
 
 #: The longest name of a recording, in characters, and how many channels of recordings are listed.
 LONGEST_NAME, MOST_CHANNELS = 40, 12
 
 
-def fit_text(result: FitResult) -> str:
+class Summarized(Protocol):
+    """What a summary shows of a fit result."""
+
+    @property
+    def tire(self) -> Tire:
+        """The fitted tire."""
+
+    @property
+    def recipe(self) -> str:
+        """Name of the recipe."""
+
+    @property
+    def status(self) -> str:
+        """How the fit ended, in one line."""
+
+    @property
+    def signs(self) -> str:
+        """Sign convention of the coefficients."""
+
+    @property
+    def seconds(self) -> float:
+        """Duration of the fit."""
+
+    @property
+    def coefficients(self) -> Sequence[FittedCoefficient]:
+        """The fitted coefficients."""
+
+    @property
+    def channels(self) -> Sequence[ChannelFit]:
+        """Quality by recording and channel."""
+
+
+def fit_text(result: Summarized) -> str:
     """Return how a fit ended and how good it is, in a few lines."""
     effects = len(result.tire.has)
     name = f" {excerpt(result.tire.name, LONGEST_NAME)!r}" if result.tire.name else ""
@@ -37,7 +70,7 @@ def fit_text(result: FitResult) -> str:
     return "\n".join(lines)
 
 
-def fit_html(result: FitResult) -> str:
+def fit_html(result: Summarized) -> str:
     """Return the same as HTML, with the coefficients."""
     header = ["coefficient", "value", "+- (95 %)", "lower", "upper", "unit", "stage"]
     rows = [(c.name, c.value, c.interval, c.lower, c.upper, c.unit, c.stage) for c in result.coefficients]

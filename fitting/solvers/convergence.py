@@ -22,10 +22,10 @@ import numpy as np
 import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
+from tirefmu.estimation.correlation import effective_sample_size
 from tirefmu.estimation.quadratic_step import best_step
 
 from ..constraints.constraint_functions import Imposed
-from ..evidence.uncertainty import correlation_rows
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import LEAST_NOISE, Problem
 
@@ -80,7 +80,7 @@ def noise_of(problem: Problem, x: FloatArray) -> tuple[float, float]:
         if rows.any():
             measured, weight = problem.rows.measured[rows, channel], problem.rows.weight[rows]
             signal += 0.5 * float(problem.weights[group, channel] * np.sum(weight * measured**2))
-            effective += rows.sum() / correlation_rows(residual[channel, rows], problem.rows.segment[rows])
+            effective += effective_sample_size(residual[channel, rows], problem.rows.segment[rows])
     return LEAST_NOISE**2 * signal, effective
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tirefmu.estimation.noise_floor import MOST_LEVELS
-from tirefmu.fitting import cross_validate, validation
+from tirefmu.fitting import cross_validate, cross_validation
 from tirefmu.measurements import Noise, group_by_condition
 from tirefmu.symbolic.errors import FitError
 
@@ -24,13 +24,13 @@ def test_each_condition_is_left_out_once_and_whole(known, make, monkeypatch):
     recording = make.sideways(known, loads=LOADS, cambers=CAMBERS)
     conditions = group_by_condition(recording, most_levels=MOST_LEVELS).labels
     assert len(set(conditions)) == 18
-    seen, run = [], validation.fit
+    seen, run = [], cross_validation.fit
 
     def recorded(recordings, model, **options):
         seen.append([table.table.index for table in recordings])
         return run(recordings, model, **options)
 
-    monkeypatch.setattr(validation, "fit", recorded)
+    monkeypatch.setattr(cross_validation, "fit", recorded)
     cross_validate([recording], "mf96", folds=3, effects=make.effects)
     whole, *parts = seen
     assert len(whole[0]) == len(recording)
@@ -45,13 +45,13 @@ def test_each_condition_is_left_out_once_and_whole(known, make, monkeypatch):
 
 
 def test_nominal_values_are_those_of_the_whole(known, make, monkeypatch):
-    asked, run = [], validation.fit
+    asked, run = [], cross_validation.fit
 
     def recorded(recordings, model, **options):
         asked.append(options.get("nominal"))
         return run(recordings, model, **options)
 
-    monkeypatch.setattr(validation, "fit", recorded)
+    monkeypatch.setattr(cross_validation, "fit", recorded)
     cross_validate([make.sideways(known, loads=LOADS)], "mf96", folds=2, effects=make.effects)
     assert asked[0] is None
     assert asked[1] == asked[2]

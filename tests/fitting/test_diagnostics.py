@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tirefmu.fitting.constraints.verification import Margin
 from tirefmu.fitting.evidence.consistency import disagreeing_files, disagreeing_segments, sweep_differences
 from tirefmu.fitting.evidence.diagnostics import by_condition
 from tirefmu.fitting.evidence.residuals import Residuals
@@ -17,7 +18,6 @@ from tirefmu.fitting.evidence.ripple import ripple
 from tirefmu.fitting.evidence.slip_stiffness import slip_stiffnesses
 from tirefmu.fitting.evidence.undetermined import at_bounds, undetermined
 from tirefmu.fitting.reporting.report_text import told_conditions, told_differences, told_extrapolation, told_ripple
-from tirefmu.fitting.results.fit_result import Margin
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps
 
 NOISE = 5.0
