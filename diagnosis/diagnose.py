@@ -28,8 +28,8 @@ from .disturbances import reported_disturbances
 from .extrapolation import reaches
 from .gap import gaps
 from .least_squares import LeastSquares, Solution
+from .measurement_artefacts import quantisation, ripple
 from .proposal import added_if_better, effect_of, unknown_of
-from .ripple import quantisation, ripple
 from .screening import Screen, Trace
 from .search import LARGEST_P, Refit, Search
 from .signals import FORMULA_SIGNS, Signals, signals_of

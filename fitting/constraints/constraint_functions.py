@@ -117,7 +117,11 @@ class Imposed:
             self._latest = x.copy(), np.array(values).ravel() / self._divisors, entries
         return self._latest[1:]
 
-    def kept(self, values: FloatArray) -> bool:
+    def slopes(self, x: FloatArray) -> FloatArray:
+        """Return the whole `jacobian`, shape (n_conditions, n_free)."""
+        return np.array(self.jacobian(x)).reshape(len(self), len(x))
+
+    def satisfied(self, values: FloatArray) -> bool:
         """Return whether such values are within the bounds; NaN is not."""
         return bool(np.all(values >= self.low - TOLERANCE) and np.all(values <= self.high + TOLERANCE))
 

@@ -20,7 +20,7 @@ from ..constraints.constraint_functions import Imposed
 from ..constraints.physical import Constraint
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import Problem
-from .convergence import settle
+from .convergence import last_steps
 
 FloatArray = npt.NDArray[np.float64]
 #: The cost is about 1 at the start and 0.001 at the end; IPOPT's barrier is made for larger numbers.
@@ -127,7 +127,7 @@ class _Watch(ca.Callback):  # type: ignore[misc]
     def eval(self, arguments: list[Any]) -> list[Any]:
         told = dict(zip((ca.nlpsol_out(i) for i in range(self.get_n_in())), arguments, strict=True))
         g, cost = np.array(told["g"]).ravel(), float(told["f"])
-        if self._imposed.kept(g) and (self.x is None or cost < self._costs[-1]):
+        if self._imposed.satisfied(g) and (self.x is None or cost < self._costs[-1]):
             self.x = np.array(told["x"]).ravel()
             self._costs.append(cost)
         elif self.x is not None:
@@ -194,7 +194,7 @@ def solve(
         if watch.settled and leg != "end":
             return Solution(x, problem.cost(x), iterations, True, HANDED_ON, ", ".join(words))
         steps = min(LAST_STEPS, max_iterations - iterations)
-        rest = settle(memory, x, lower, upper, imposed, steps=steps, stop=stop)
+        rest = last_steps(memory, x, lower, upper, imposed, steps=steps, stop=stop)
         x, iterations = rest.x, iterations + rest.steps
         if rest.converged or iterations >= max_iterations or stop():
             break

@@ -119,6 +119,6 @@ def test_bounds_are_told_in_the_usual_size_and_nan_is_not_kept():
     stiff = Constraint("K_xkappa", 1.0, np.inf, ("Fz",), 1e4)
     imposed = Imposed(problem, [(stiff, grid(stiff, RANGES, {}, density=0))])
     assert 1e-4 < imposed.low[0] < 1.1e-4
-    assert imposed.kept(imposed.low)
-    assert not imposed.kept(imposed.low - 1e-3)
-    assert not imposed.kept(np.full(len(imposed), np.nan))
+    assert imposed.satisfied(imposed.low)
+    assert not imposed.satisfied(imposed.low - 1e-3)
+    assert not imposed.satisfied(np.full(len(imposed), np.nan))
