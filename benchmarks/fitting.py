@@ -29,7 +29,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fitting"))
 from known_tires import CHANNELS, NAMED, NOMINAL, SIZES, VALUES, known_tire, recorded
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.constraints.constraint_functions import Imposed
+from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions
 from tirefmu.fitting.constraints.physical import chosen_constraints, grid, operating_range
 from tirefmu.fitting.problem.weighted_residuals import CHUNK, Problem, Rows
 from tirefmu.fitting.solvers.ipopt import solve
@@ -127,7 +127,8 @@ def race(rows: int) -> dict[str, Any]:
         return problem.cost(np.array([values[name] for name in problem.free]) / problem.scale)
 
     return {
-        "rows": len(problem.rows), "coefficients": len(problem.free), "conditions": len(Imposed(problem, imposed)),
+        "rows": len(problem.rows), "coefficients": len(problem.free),
+        "conditions": len(ConstraintFunctions(problem, imposed)),
         "scipy trf": {"seconds": theirs, "cost": float(found.cost), "evaluations": int(found.njev), "kept": "bounds"},
         "joint problem": {"seconds": joint, "cost": solution.cost, "evaluations": solution.iterations,
                           "kept": "all" if solution.converged else solution.reason},

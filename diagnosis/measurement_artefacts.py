@@ -37,7 +37,8 @@ def ripple(signals: Signals, residual: FloatArray, radius: float) -> dict[str, f
     inputs = dict(zip(signals.names, signals.inputs[:, signals.rows], strict=True))
     speed = inputs["V"] * (1.0 + inputs.get("kappa", 0.0))
     measured = [i for i, there in enumerate(signals.present) if there.any()]
-    segment = np.cumsum(np.diff(t, prepend=t[0]) > PAUSE * float(np.median(np.diff(t))))
+    pauses = np.diff(t, prepend=t[0]) > PAUSE * float(np.median(np.diff(t)))
+    segment = np.cumsum(pauses, dtype=np.int64)
     known = np.where(signals.present, residual, np.nan)[measured]
     found = once_per_revolution(t, speed, known, segment, radius)
     if found is None:

@@ -62,7 +62,8 @@ def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = 
     power = float(np.mean(values[known] ** 2))
     if power == 0.0:
         return 1.0
-    edges = np.flatnonzero(np.diff(np.asarray(segment))) + 1 if segment is not None else []
+    numbers = np.zeros(len(values)) if segment is None else np.asarray(segment)
+    edges = np.flatnonzero(np.diff(numbers)) + 1
     pieces = np.split(np.where(known, values, 0.0), edges), np.split(known.astype(np.float64), edges)
     longest = 1.0
     for stretch in STRETCHES:

@@ -19,9 +19,9 @@ from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
 from .constraints.physical import chosen_constraints
-from .data.fit_data import Prepared, prepare
+from .data.fit_data import FitData, prepare
 from .data.initial_values import starts_from
-from .fit_run import Session
+from .fit_run import FitRun
 from .problem.recipe import Recipe, load_recipe
 from .results.checkpoint import Checkpoint, fingerprint
 from .results.fit_result import FitResult
@@ -162,15 +162,15 @@ def fit(
     }
     saved = Checkpoint(Path(checkpoint), _identity(data, tire, plan, options)) if checkpoint else None
     with Interruption(progress) as interruption:
-        session = Session(
+        run = FitRun(
             book, tire, data, plan, interruption, notes,
             solver=solver, given=tire_given is not None, read=read, conditions=conditions, loss=loss,
         )  # fmt: skip
         if resume and saved:
-            session.restore(saved.load(), str(saved.path))
-        session.run(saved)
-    interruption.settle()
-    result = replace(session.result(recordings, time.perf_counter() - began), method=method).in_signs("iso")
+            run.restore(saved.load(), str(saved.path))
+        run.run(saved)
+    interruption.raise_failure()
+    result = replace(run.result(recordings, time.perf_counter() - began), method=method).in_signs("iso")
     if saved and not result.interrupted:
         saved.remove()
     return result
@@ -186,7 +186,7 @@ def _start_tire(start: TireLike) -> Tire:
         raise UnknownName("start", str(start), [FEATURES, *error.known]) from None
 
 
-def _identity(data: Prepared, tire: Tire, plan: Recipe, options: Mapping[str, str]) -> dict[str, str]:
+def _identity(data: FitData, tire: Tire, plan: Recipe, options: Mapping[str, str]) -> dict[str, str]:
     """Return what a fit depends on, by what a user calls it."""
     return {
         "version of tirefmu": version("tirefmu"),

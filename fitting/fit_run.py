@@ -1,4 +1,4 @@
-"""A fit on its way: stage after stage solved, then told."""
+"""The state of a running fit: the stages of a recipe solved one after another, and the result."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
 from .constraints.physical import Constraint, chosen_constraints, operating_range
-from .constraints.verification import APPROACHED, VERIFIED, Conditions
-from .data.fit_data import Prepared
+from .constraints.verification import APPROACHED, VERIFIED, VerifiedConstraints
+from .data.fit_data import FitData
 from .evidence.residuals import Residuals
 from .evidence.uncertainty import Direction, across_stages, uncertainty
 from .problem.effective_weights import effective_weights
-from .problem.influence import generic, influence, usual_size
+from .problem.influence import generic, influence, typical_size
 from .problem.loss import loss_named
 from .problem.recipe import Freed, Recipe, Stage
 from .problem.weighted_residuals import (
@@ -53,14 +53,14 @@ ROUNDS = 12
 RIDGE = {"equal": 1e-8, "noise": 1e-5}
 
 
-class Session:
-    """A fit on its way: the tire so far and what the stages said."""
+class FitRun:
+    """A running fit: the tire so far and the results of its stages."""
 
     def __init__(
         self,
         book: Model,
         tire: Tire,
-        data: Prepared,
+        data: FitData,
         plan: Recipe,
         interruption: Interruption,
         notes: list[str],
@@ -75,12 +75,12 @@ class Session:
         self._given = given  # the tire's values are somebody's, not to be replaced by generic ones
         self._read = read  # what the data told before the first stage; generic values for the rest
         self._book, self._tire, self._plan = book, tire, plan
-        self._prepared, self._data = data, data.fitted
+        self._fit_data, self._data = data, data.fitted
         self._interruption = interruption
         self._notes, self._solver = notes, solver
         self._emphasis = emphasis(self._data, tire.outputs)
         self._ranges = operating_range(self._data, tire.inputs)
-        self._conditions = Conditions(
+        self._conditions = VerifiedConstraints(
             tire, chosen_constraints(book.name) if conditions is None else conditions, self._ranges
         )
         self._stages: list[StageFit] = []
@@ -93,7 +93,7 @@ class Session:
         self._done = 0  # stages of the recipe that are behind
 
     def run(self, checkpoint: Checkpoint | None = None) -> None:
-        """Solve stage after stage, until somebody asks to stop; write down what is behind."""
+        """Solve stage after stage, until a stop is requested; save each finished one to the checkpoint."""
         for stage in self._plan.stages[self._done :]:
             if self._stop():
                 break
@@ -105,7 +105,7 @@ class Session:
                 checkpoint.save(self.state())
 
     def _stop(self) -> bool:
-        return self._interruption.asked
+        return self._interruption.requested
 
     def state(self) -> State:
         """Return what the next stage goes on from."""
@@ -222,7 +222,7 @@ class Session:
         report = partial(self._interruption.report, stage.name)
         settle = partial(
             self._solved, problem, lower=lower, upper=upper, channels=channels, report=report,
-            ridge=RIDGE[stage.weights], leg=self._leg(stage),
+            ridge=RIDGE[stage.weights], stage_type=self._stage_type(stage),
         )  # fmt: skip
         first = settle(np.clip(start, lower, upper))
         solution = best_end(problem, first, settle, lower, upper, stage.again, always=self._given)
@@ -240,17 +240,17 @@ class Session:
     def _posed(self, stage: Stage, tire: Tire, rows: Rows, free: Mapping[str, Freed]) -> Problem:
         """Return the problem of a stage, weighed by what its start leaves."""
         cards = self._book.coefficients
-        scale = np.array([usual_size(cards[name].lower, cards[name].upper, f.guess) for name, f in free.items()])
+        scale = np.array([typical_size(cards[name].lower, cards[name].upper, f.guess) for name, f in free.items()])
         problem = Problem(tire, rows, tuple(free), equal_weights(rows), scale, self._loss)
         start = np.array([f.guess for f in free.values()]) / scale
         if stage.weights == "noise":
             problem.weights = noise_weights(problem, start, self._emphasis)
-            if self._prepared.rows == "independent":
+            if self._fit_data.rows == "independent":
                 problem.weights = effective_weights(problem, start)
         problem.limits = limits_of(problem, start)
         return problem
 
-    def _leg(self, stage: Stage) -> str:
+    def _stage_type(self, stage: Stage) -> str:
         """Return how near the end a stage is: random rows lead to more random rows, or to all rows.
 
         A stage whose coefficients no later one frees is itself the end.
@@ -258,8 +258,8 @@ class Session:
         following = self._plan.stages[self._plan.stages.index(stage) + 1 :]
         own = set(self._candidates(stage))
         if stage.rows is None or not any(own.issubset(self._candidates(later)) for later in following):
-            return "end"
-        return "passage" if following[0].rows is None else "approach"
+            return "final"
+        return "penultimate" if following[0].rows is None else "intermediate"
 
     def _solved(
         self,
@@ -271,24 +271,24 @@ class Session:
         report: Callable[[int, float], None],
         *,
         ridge: float,
-        leg: str,
+        stage_type: str,
     ) -> Solution:
         """Solve, verify the constraints on the dense grid, and solve again with the points that broke them."""
         known = self._conditions.of(channels) + self._conditions.broken
-        dense = self._conditions.of(channels, density=APPROACHED if leg == "approach" else VERIFIED)
+        dense = self._conditions.of(channels, density=APPROACHED if stage_type == "intermediate" else VERIFIED)
         settle = partial(
-            self._solver, problem, lower=lower, upper=upper, ridge=ridge, leg=leg, progress=report,
+            self._solver, problem, lower=lower, upper=upper, ridge=ridge, stage_type=stage_type, progress=report,
             stop=self._stop,
         )  # fmt: skip
         solution = settle(start, constraints=known)
-        for _ in range(1 if leg == "approach" else ROUNDS):
+        for _ in range(1 if stage_type == "intermediate" else ROUNDS):
             if self._stop():
                 break
-            broken = self._conditions.breaking(dense, problem.parameters(solution.x))
+            broken = self._conditions.violations(dense, problem.parameters(solution.x))
             if not broken:
                 break
             known = known + broken
-            if leg != "approach":
+            if stage_type != "intermediate":
                 solution = settle(solution.x, constraints=known)
         return solution
 
@@ -331,7 +331,7 @@ class Session:
             tire.in_signs("iso"), self._tire.signs, coefficients, channels,
             tuple(self._stages), self._conditions.margins(self._fitted, self._tire.parameters()),
             tuple(self._notes), seconds, self._plan.name, directions,
-            self._prepared.set_aside, self._interrupted(),
+            self._fit_data.set_aside, self._interrupted(),
             evidence=Residuals(table, tuple(distinct([r.source for r in recordings])), self._tire, self._tire.signs),
             covariance=covariance,
         )  # fmt: skip
@@ -380,7 +380,7 @@ class Session:
 
     def _channels(self, recordings: Sequence[Recording], tire: Tire, effective: FloatArray) -> tuple[ChannelFit, ...]:
         units = {quantity.name: quantity.unit for quantity in self._book.outputs}
-        every = self._prepared.table
+        every = self._fit_data.table
         told = []
         for number, name in enumerate(distinct([recording.source for recording in recordings])):
             table = every[every["recording"] == number]

@@ -25,7 +25,7 @@ FloatArray = npt.NDArray[np.float64]
 LOOKS = 3
 
 
-class Imposed:
+class ConstraintFunctions:
     """Conditions on the free coefficients of a problem, each divided by its usual size.
 
     A quantity that no free coefficient reaches cannot be constrained and is left out.

@@ -47,7 +47,7 @@ class Margin:
     name: str = ""
 
 
-class Conditions:
+class VerifiedConstraints:
     """What a tire keeps over its operating range.
 
     Parameters
@@ -92,7 +92,7 @@ class Conditions:
             placed.append((constraint, self._grids[key]))
         return placed
 
-    def breaking(self, placed: Sequence[Placed], parameters: FloatArray) -> list[Placed]:
+    def violations(self, placed: Sequence[Placed], parameters: FloatArray) -> list[Placed]:
         """Return, and remember, the worst point of each broken condition and some of the others that break it."""
         broken = []
         for constraint, points in placed:

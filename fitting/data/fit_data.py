@@ -58,7 +58,7 @@ class SetAside:
 
 
 @dataclass(frozen=True)
-class Prepared:
+class FitData:
     """The data of a fit.
 
     Attributes
@@ -88,7 +88,7 @@ class Prepared:
 
 def prepare(
     recordings: Sequence[Recording], book: Model, *, screening: bool = True, rows: str = "condition"
-) -> Prepared:
+) -> FitData:
     """Put recordings into one table, set aside what says nothing of the steady tire, weigh what repeats.
 
     Parameters
@@ -102,7 +102,7 @@ def prepare(
 
     Returns
     -------
-    Prepared
+    FitData
 
     Raises
     ------
@@ -140,7 +140,7 @@ def prepare(
         raise FitError(
             "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *unfitted])
         )
-    return Prepared(data, tuple(set_aside), (*notes, *unfitted), rows)
+    return FitData(data, tuple(set_aside), (*notes, *unfitted), rows)
 
 
 def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[SetAside, ...]]:

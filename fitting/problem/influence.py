@@ -21,7 +21,7 @@ def generic(card: Coefficient) -> float:
     return min(max(assumed, card.lower), card.upper)
 
 
-def usual_size(lower: float, upper: float, guess: float) -> float:
+def typical_size(lower: float, upper: float, guess: float) -> float:
     """Return the size of a coefficient for the solver: a quarter of its card's range, not less than its guess."""
     span = upper - lower
     return max(abs(guess), 0.25 * span if np.isfinite(span) else 1.0, 1e-3)
@@ -37,7 +37,7 @@ def influence(tire: Tire, rows: Rows, names: Sequence[str]) -> set[str]:
     order = list(book.parameters)
     cards = [book.coefficients[name] for name in names]
     columns, factors = np.array([order.index(name) for name in names], dtype=int), tire.rescaled
-    sizes = np.array([usual_size(c.lower, c.upper, tire.values[c.name]) * factors.get(c.name, 1.0) for c in cards])
+    sizes = np.array([typical_size(c.lower, c.upper, tire.values[c.name]) * factors.get(c.name, 1.0) for c in cards])
     there = np.isfinite(rows.measured)
     squares = np.sum(np.where(there, rows.measured, 0.0) ** 2, axis=0)
     forces = np.sqrt(np.where(squares > 0, squares, np.inf) / np.maximum(there.sum(axis=0), 1))

@@ -13,7 +13,14 @@ from ..evidence.residuals import condition_text
 from ..results.fit_result import FitResult
 from .figures import draw_figures
 from .page import inlined, page_text, write_page
-from .report_text import SIGNIFICANT, told_differences, told_extrapolation, told_interval, told_ripple, told_worst
+from .report_text import (
+    SIGNIFICANT,
+    extrapolation_text,
+    interval_text,
+    ripple_texts,
+    significant_differences,
+    worst_text,
+)
 
 
 def write_report(result: FitResult, recordings: TableLike | Iterable[TableLike], path: str | Path) -> None:
@@ -56,11 +63,12 @@ def report_page(result: FitResult, images: Sequence[tuple[str, str]]) -> str:
     """
     filters: dict[str, Callable[..., object]] = {
         "number": lambda value: f"{value:.5g}",
-        "known": told_interval,
+        "known": interval_text,
         "condition": condition_text,
-        "worst": told_worst,
+        "worst": worst_text,
     }
     return page_text(
-        "tirefmu.fitting.reporting", filters, result=result, images=images, differences=told_differences(result),
-        significant=SIGNIFICANT, ripples=told_ripple(result.findings.ripples), extrapolation=told_extrapolation(result),
+        "tirefmu.fitting.reporting", filters, result=result, images=images,
+        differences=significant_differences(result), significant=SIGNIFICANT,
+        ripples=ripple_texts(result.findings.ripples), extrapolation=extrapolation_text(result),
     )  # fmt: skip

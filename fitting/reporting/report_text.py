@@ -26,24 +26,24 @@ class Condition:
     beyond: Margin | None
 
 
-def told_interval(half: float) -> str:
+def interval_text(half: float) -> str:
     """Return half an interval: "open" where the data hold nothing, empty where there is none.
 
     Examples
     --------
-    >>> told_interval(0.01234), told_interval(float("inf")), told_interval(float("nan"))
+    >>> interval_text(0.01234), interval_text(float("inf")), interval_text(float("nan"))
     ('0.0123', 'open', '')
     """
     return "open" if isinf(half) else f"{half:.3g}" if isfinite(half) else ""
 
 
-def told_worst(result: FitResult, recording: str, channel: str) -> str:
+def worst_text(result: FitResult, recording: str, channel: str) -> str:
     """Return where a channel of a recording is missed most, and by how much; empty without several conditions."""
     worst = result.findings.worst(recording, channel)
     return f"{worst.rmse:.3g} at {condition_text(worst.at)}" if worst else ""
 
 
-def told_conditions(margins: Sequence[Margin]) -> list[Condition]:
+def constraint_rows(margins: Sequence[Margin]) -> list[Condition]:
     """Put what holds inside the range of the data and what holds beyond it side by side."""
     beyond = {margin.name.partition(":")[2]: margin for margin in margins if margin.name.startswith("extrapolation:")}
     told = []
@@ -56,7 +56,7 @@ def told_conditions(margins: Sequence[Margin]) -> list[Condition]:
     return told + [Condition(margin.constraint, margin, None) for margin in beyond.values()]
 
 
-def told_extrapolation(result: FitResult) -> str:
+def extrapolation_text(result: FitResult) -> str:
     """Say how far the extrapolation goes; or that nothing is kept there."""
     far = [margin.at for margin in result.margins if margin.name.startswith("extrapolation:")]
     if not far:
@@ -64,13 +64,13 @@ def told_extrapolation(result: FitResult) -> str:
     return f"beyond: slips {REACH:g} times as far as the data, loads {REACH:g} times as high and as low"
 
 
-def told_differences(result: FitResult) -> list[Disagreement]:
+def significant_differences(result: FitResult) -> list[Disagreement]:
     """Return the differences within the data that are more than noise: files, then sweeps, then segments."""
     found = result.findings
     return [each for each in (*found.files, *found.sweeps, *found.segments) if abs(each.sigmas) >= SIGNIFICANT]
 
 
-def told_ripple(ripples: Sequence[Ripple]) -> list[str]:
+def ripple_texts(ripples: Sequence[Ripple]) -> list[str]:
     """Say what repeats with the wheel, one sentence for each recording."""
     told = []
     for recording in dict.fromkeys(each.recording for each in ripples):

@@ -19,7 +19,7 @@ import numpy.typing as npt
 from tirefmu.estimation.correlation import effective_sample_size
 from tirefmu.estimation.gauss_newton import Damping, minimize
 
-from ..constraints.constraint_functions import Imposed
+from ..constraints.constraint_functions import ConstraintFunctions
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import LEAST_NOISE, Problem
 
@@ -96,7 +96,7 @@ def last_steps(
     x: FloatArray,
     lower: FloatArray,
     upper: FloatArray,
-    imposed: Imposed,
+    imposed: ConstraintFunctions,
     *,
     steps: int,
     stop: Callable[[], bool] = lambda: False,
@@ -108,7 +108,7 @@ def last_steps(
     cost : Ridge
     x, lower, upper : ndarray, shape (n_free,)
         Scaled free values and their bounds.
-    imposed : Imposed
+    imposed : ConstraintFunctions
         The physical constraints.
     steps : int
         Upper limit; with 0 of them x is only judged.

@@ -15,14 +15,14 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.errors import FitError
 
-from ..constraints.constraint_functions import Imposed
+from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import TOLERANCE, Constraint
 from ..problem.weighted_residuals import Problem
 from .ipopt import INTERRUPTED, LEAST_GAIN, LIMIT, Progress, Solution
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
-#: The paper's limit of iterations, and its share for a first approach, or where a fit goes on after a first end.
+#: The paper's limit of iterations, and its share for an intermediate stage, or where a fit is continued.
 ITERATIONS, SHORTER = 10_000, 0.1
 #: Over which share of the limit, and over how many generations at least, there has to be some gain.
 PATIENCE, LEAST_PATIENCE = 0.1, 250
@@ -59,7 +59,7 @@ class Evolution:
     Parameters
     ----------
     max_iterations : int
-        Generations. A first approach gets a tenth of them, and so does a fit that goes on from where it had ended,
+        Generations. An intermediate stage gets a tenth of them, and so does a fit that goes on from where it had ended,
         with the conditions that it broke there.
     seed : int
         The same seed gives the same fit.
@@ -89,7 +89,7 @@ class Evolution:
         constraints: Sequence[tuple[Constraint, FloatArray]],
         *,
         ridge: float = 0.0,
-        leg: str = "end",
+        stage_type: str = "final",
         progress: Progress | None = None,
         stop: Callable[[], bool] = lambda: False,
     ) -> Solution:
@@ -105,8 +105,8 @@ class Evolution:
             Conditions and the points at which they hold.
         ridge : float
             Pull of every scaled value towards its start, as in IPOPT's cost.
-        leg : {"approach", "passage", "end"}
-            An approach stops earlier: another fit goes on from there.
+        stage_type : {"intermediate", "penultimate", "final"}
+            An intermediate stage stops earlier: another fit continues from there.
         progress : callable, optional
             Called with generation and best cost.
         stop : callable
@@ -123,16 +123,16 @@ class Evolution:
         FitError
             If a coefficient has no finite bounds, neither here nor on its card.
         """
-        imposed = Imposed(problem, constraints)
+        imposed = ConstraintFunctions(problem, constraints)
         again = self._search is not None and self._search.problem is problem
         if self._search is None or not again:
             low, high = _box(problem, start, lower, upper)
             self._search = _Search(problem, start, low, high, ridge, np.random.default_rng(self.seed))
         search = self._search
         search.impose(imposed)
-        limit = max(1, round(self.max_iterations * (SHORTER if leg == "approach" or again else 1.0)))
+        limit = max(1, round(self.max_iterations * (SHORTER if stage_type == "intermediate" or again else 1.0)))
         patience = limit if self.patient else max(round(PATIENCE * limit), LEAST_PATIENCE)
-        share = LEAST_GAIN[leg][1]
+        share = LEAST_GAIN[stage_type][1]
         costs: list[float] = []  # the best cost within the conditions after each generation
         reason = LIMIT
         for _ in range(limit):
@@ -183,7 +183,7 @@ class _Search:
     ) -> None:  # fmt: skip
         self.problem, self._start, self._ridge, self._random = problem, start.copy(), ridge, random
         self._low, self._span = low, high - low
-        self._imposed: Imposed | None = None
+        self._imposed: ConstraintFunctions | None = None
         self.generation = 0
         n = len(start)
         size = min(max(PER_COEFFICIENT * n, FEWEST), MOST)
@@ -193,7 +193,7 @@ class _Search:
         self._now = _Population(points, controls, np.full(size, np.inf), np.full(size, np.inf))
         self._judge(self._now, self._now)
 
-    def impose(self, imposed: Imposed) -> None:
+    def impose(self, imposed: ConstraintFunctions) -> None:
         """Judge the population by these conditions from now on."""
         self._imposed = imposed if len(imposed) else None
         self._now.violations = self._violations(self._now.points)

@@ -1,4 +1,4 @@
-"""A fit asked to stop: the solver ends at its next iteration and what it has is kept."""
+"""A request to stop a fit: the solver ends at its next iteration, and the best values so far are the result."""
 
 from __future__ import annotations
 
@@ -13,12 +13,13 @@ Progress = Callable[[str, int, float], None]
 
 
 class Interruption:
-    """Whether somebody has asked a fit to stop, by Ctrl-C or from the progress callback.
+    """Whether a fit is requested to stop, by Ctrl-C or by the progress callback.
 
-    Between ``with`` and its end the first Ctrl-C only asks; a second one ends the program as usual. A solver in
-    compiled code swallows what its callbacks raise, so nothing is raised there: a `KeyboardInterrupt` of the progress
-    callback asks, too, and any other exception of it is raised by `settle` once the solver has come back. Outside the
-    main thread, or where the program handles the signal itself, only the callback can ask.
+    Between ``with`` and its end the first Ctrl-C only requests a stop; a second one ends the program as usual. A solver
+    in compiled code swallows what its callbacks raise, so nothing is raised there: a `KeyboardInterrupt` of the
+    progress callback requests a stop, too, and any other exception of it is raised by `raise_failure` after the solver
+    has returned. Outside the main thread, or where the program handles the signal itself, only the callback can
+    request a stop.
 
     Parameters
     ----------
@@ -31,7 +32,7 @@ class Interruption:
     ...     raise KeyboardInterrupt
     >>> with Interruption(impatient) as interruption:
     ...     interruption.report("Fx", 3, 0.1)
-    >>> interruption.asked, interruption.where
+    >>> interruption.requested, interruption.where
     (True, "stage 'Fx', iteration 3")
     """
 
@@ -40,21 +41,21 @@ class Interruption:
         self._before: Any = None
         self._failure: Exception | None = None
         self._latest = ("", 0)
-        self.asked = False
+        self.requested = False
 
     def __enter__(self) -> Interruption:
         """Take Ctrl-C over from Python's own handler."""
         here = threading.current_thread() is threading.main_thread()
         if here and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-            self._before = signal.signal(signal.SIGINT, self._ask)
+            self._before = signal.signal(signal.SIGINT, self._request)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         """Give it back."""
         self._give_back()
 
-    def _ask(self, number: int, frame: FrameType | None) -> None:
-        self.asked = True
+    def _request(self, number: int, frame: FrameType | None) -> None:
+        self.requested = True
         self._give_back()
 
     def _give_back(self) -> None:
@@ -69,18 +70,18 @@ class Interruption:
         return f"stage {stage!r}, iteration {iteration}" if stage else "before the first stage"
 
     def report(self, stage: str, iteration: int, cost: float) -> None:
-        """Tell the progress."""
+        """Report the progress."""
         self._latest = (stage, iteration)
-        if self._progress is None or self.asked:
+        if self._progress is None or self.requested:
             return
         try:
             self._progress(stage, iteration, cost)
         except KeyboardInterrupt:
-            self.asked = True
-        except Exception as error:  # handed on by `settle`
-            self._failure, self.asked = error, True
+            self.requested = True
+        except Exception as error:  # raised later by `raise_failure`
+            self._failure, self.requested = error, True
 
-    def settle(self) -> None:
+    def raise_failure(self) -> None:
         """Raise what the progress callback raised."""
         if self._failure is not None:
             raise self._failure

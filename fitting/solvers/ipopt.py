@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from threadpoolctl import threadpool_limits
 
-from ..constraints.constraint_functions import Imposed
+from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import Constraint
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import Problem
@@ -28,10 +28,11 @@ OBJECTIVE_SCALE = 1e3
 #: Levenberg-Marquardt: what is added to the Gauss-Newton matrix, in scaled coefficients, and how it follows success.
 DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-7, 1.0
 DAMPING_UP, DAMPING_DOWN = 10.0, 0.2
-#: IPOPT is stopped when so many iterations have brought the best cost within the constraints down by less than such
-#: a share of it: the less, the nearer the end. An approach is followed by another one, a passage by a fit of
-#: the same coefficients to all rows. Three steps without any gain say nothing: narrow stages go on after them.
-LEAST_GAIN = {"approach": (2, 1e-2), "passage": (4, 1e-5), "end": (10, 1e-5)}
+#: Stopping window and least gain by type of stage: IPOPT is stopped when that many iterations lower the best feasible
+#: cost by less than that share of it. An intermediate stage on random rows is followed by another one, the
+#: penultimate by a fit of the same coefficients to all rows. Three steps without a gain prove nothing: the cost still
+#: falls after them where its valley is narrow.
+LEAST_GAIN = {"intermediate": (2, 1e-2), "penultimate": (4, 1e-5), "final": (10, 1e-5)}
 #: The last steps after IPOPT, at most.
 LAST_STEPS = 20
 #: What is tried where IPOPT ends away from the optimum: its own options and the damping to begin with.
@@ -101,10 +102,10 @@ class _Numeric(ca.Callback):  # type: ignore[misc]
 class _Watch(ca.Callback):  # type: ignore[misc]
     """Keep the best point within the constraints, and stop when there is nothing more to gain."""
 
-    def __init__(self, n: int, imposed: Imposed, stop: Callable[[], bool], *, leg: str) -> None:
+    def __init__(self, n: int, imposed: ConstraintFunctions, stop: Callable[[], bool], *, stage_type: str) -> None:
         ca.Callback.__init__(self)
         self._n, self._imposed, self._stop = n, imposed, stop
-        self._patience, self._least = LEAST_GAIN[leg]
+        self._window, self._least = LEAST_GAIN[stage_type]
         self._costs: list[float] = []  # the best cost after each iteration
         self.x: FloatArray | None = None
         self.settled = self.stopped = False
@@ -132,8 +133,8 @@ class _Watch(ca.Callback):  # type: ignore[misc]
             self._costs.append(cost)
         elif self.x is not None:
             self._costs.append(self._costs[-1])
-        if len(self._costs) > self._patience:
-            gain = self._costs[-1 - self._patience] - self._costs[-1]
+        if len(self._costs) > self._window:
+            gain = self._costs[-1 - self._window] - self._costs[-1]
             self.settled = gain < self._least * abs(self._costs[-1])
         self.stopped = not self.settled and self._stop()
         return [int(self.settled or self.stopped)]
@@ -147,7 +148,7 @@ def solve(
     constraints: list[tuple[Constraint, FloatArray]],
     *,
     ridge: float = 1e-9,
-    leg: str = "end",
+    stage_type: str = "final",
     max_iterations: int = 300,
     progress: Progress | None = None,
     stop: Callable[[], bool] = lambda: False,
@@ -163,7 +164,7 @@ def solve(
         Conditions and the points at which they hold.
     ridge : float
         Pull of every scaled value towards its start, against directions that the data leave open.
-    leg : {"approach", "passage", "end"}
+    stage_type : {"intermediate", "penultimate", "final"}
         How little has to be gained to stop there: less before the end, where other fits go on.
     max_iterations : int
     progress : callable, optional
@@ -176,12 +177,12 @@ def solve(
     Solution
         Also where there is no optimum to be found: then `converged` is False and `reason` says why.
     """
-    imposed = Imposed(problem, constraints)
+    imposed = ConstraintFunctions(problem, constraints)
     memory = _Memory(problem, start, ridge, progress)
     x, iterations, words = start, 0, list[str]()
     for options, damping in ATTEMPTS:
         memory.damping = damping
-        watch = _Watch(len(start), imposed, stop, leg=leg)
+        watch = _Watch(len(start), imposed, stop, stage_type=stage_type)
         options = {**options, "max_iter": max_iterations - iterations}
         last, word, taken = _ipopt(memory, x, lower, upper, imposed, watch, options)
         if watch.x is not None and (not words or memory.cost(watch.x) < memory.cost(x)):
@@ -191,7 +192,7 @@ def solve(
         iterations, words = iterations + taken, [*words, word]
         if watch.stopped:
             return Solution(x, problem.cost(x), iterations, False, INTERRUPTED, "")
-        if watch.settled and leg != "end":
+        if watch.settled and stage_type != "final":
             return Solution(x, problem.cost(x), iterations, True, HANDED_ON, ", ".join(words))
         steps = min(LAST_STEPS, max_iterations - iterations)
         rest = last_steps(memory, x, lower, upper, imposed, steps=steps, stop=stop)
@@ -205,8 +206,8 @@ def solve(
 
 
 def _ipopt(
-    memory: _Memory, start: FloatArray, lower: FloatArray, upper: FloatArray, imposed: Imposed, watch: _Watch,
-    own: Mapping[str, str | float],
+    memory: _Memory, start: FloatArray, lower: FloatArray, upper: FloatArray, imposed: ConstraintFunctions,
+    watch: _Watch, own: Mapping[str, str | float],
 ) -> tuple[FloatArray, str, int]:  # fmt: skip
     """Return IPOPT's last point, its word for why it stopped there, and its iterations."""
     n, m = len(start), len(imposed)

@@ -33,7 +33,7 @@ class Solver(Protocol):
         constraints: list[tuple[Constraint, FloatArray]],
         *,
         ridge: float = ...,
-        leg: str = ...,
+        stage_type: str = ...,
         progress: Progress | None = ...,
         stop: Callable[[], bool] = ...,
     ) -> Solution:

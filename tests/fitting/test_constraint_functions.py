@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.fitting.constraints.constraint_functions import Imposed, measured_values
+from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions, measured_values
 from tirefmu.fitting.constraints.physical import Constraint, declared_constraints, grid
 from tirefmu.fitting.problem.weighted_residuals import Problem, Rows
 from tirefmu.symbolic import MODELS
@@ -48,7 +48,10 @@ def conditions(model):
 @pytest.mark.parametrize("model", MODELS)
 def test_values_are_the_quantities_of_the_book(model):
     problem, every = problem_of(model), conditions(model)
-    imposed, x = Imposed(problem, every), np.array([problem.tire.values[n] for n in problem.free]) / problem.scale
+    imposed, x = (
+        ConstraintFunctions(problem, every),
+        np.array([problem.tire.values[n] for n in problem.free]) / problem.scale,
+    )
     code = code_for(model, "numpy")
 
     def value(constraint, points):
@@ -79,7 +82,10 @@ def test_values_are_the_quantities_of_the_book(model):
 @pytest.mark.parametrize("model", MODELS)
 def test_the_jacobian_is_that_of_the_values(model):
     problem = problem_of(model)
-    imposed, x = Imposed(problem, conditions(model)), np.array([problem.tire.values[n] for n in problem.free])
+    imposed, x = (
+        ConstraintFunctions(problem, conditions(model)),
+        np.array([problem.tire.values[n] for n in problem.free]),
+    )
     x = x / problem.scale
     jacobian = np.array(imposed.jacobian(x).full())
     assert jacobian.shape == (len(imposed), len(x))
@@ -95,12 +101,12 @@ def test_the_jacobian_is_that_of_the_values(model):
 def test_what_no_free_coefficient_reaches_is_left_out():
     problem = problem_of("mf61", free=("PDX1", "PDX2"))
     every = conditions("mf61")
-    imposed = Imposed(problem, every)
+    imposed = ConstraintFunctions(problem, every)
     reached = [(c, points.shape[1]) for c, points in every if c.quantity in ("mu_x", "B_x")]
     assert len(imposed) == sum(n for _, n in reached)
     # How friction grows with load depends on PDX2 alone.
     assert imposed.sparsity.nnz() == sum(n * (1 if c.measure == "growth" else 2) for c, n in reached)
-    assert len(Imposed(problem, [])) == 0
+    assert len(ConstraintFunctions(problem, [])) == 0
 
 
 def test_what_the_fixed_values_make_idle_is_left_out():
@@ -109,15 +115,15 @@ def test_what_the_fixed_values_make_idle_is_left_out():
     problem.tire = replace(problem.tire, values={**problem.tire.values, "PDX2": 0.0})
     problem = Problem(problem.tire, problem.rows, problem.free, problem.weights, problem.scale)
     (falling,) = ((c, points) for c, points in conditions("mf61") if c.name == "friction_falling:mu_x")
-    assert len(Imposed(problem, [falling])) == 0
+    assert len(ConstraintFunctions(problem, [falling])) == 0
     (positive,) = ((c, points) for c, points in conditions("mf61") if c.name == "signs:mu_x")
-    assert len(Imposed(problem, [positive])) == positive[1].shape[1]
+    assert len(ConstraintFunctions(problem, [positive])) == positive[1].shape[1]
 
 
 def test_bounds_are_told_in_the_usual_size_and_nan_is_not_kept():
     problem = problem_of("mf61", free=("PKX1",))
     stiff = Constraint("K_xkappa", 1.0, np.inf, ("Fz",), 1e4)
-    imposed = Imposed(problem, [(stiff, grid(stiff, RANGES, {}, density=0))])
+    imposed = ConstraintFunctions(problem, [(stiff, grid(stiff, RANGES, {}, density=0))])
     assert 1e-4 < imposed.low[0] < 1.1e-4
     assert imposed.satisfied(imposed.low)
     assert not imposed.satisfied(imposed.low - 1e-3)

@@ -8,7 +8,7 @@ from math import inf
 import numpy as np
 import pytest
 
-from tirefmu.fitting.constraints.constraint_functions import Imposed
+from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions
 from tirefmu.fitting.constraints.physical import Constraint
 from tirefmu.fitting.problem.regularization import Ridge
 from tirefmu.fitting.problem.weighted_residuals import Problem, Rows, equal_weights
@@ -61,7 +61,7 @@ def breaking(problem, at):
 
 def judged(problem, x, conditions=(), *, lower=-inf, upper=inf, steps=0):
     bounds = (np.full(len(x), bound) if np.isscalar(bound) else bound for bound in (lower, upper))
-    return last_steps(Ridge(problem, x, 0.0), x, *bounds, Imposed(problem, conditions), steps=steps)
+    return last_steps(Ridge(problem, x, 0.0), x, *bounds, ConstraintFunctions(problem, conditions), steps=steps)
 
 
 def bounded(place, value):
@@ -112,7 +112,7 @@ def test_at_an_active_condition_too(noisy, truth):
     start[FREE.index("PDY1")] *= 0.85
     found = judged(noisy, start, held, steps=20)
     assert found.converged
-    assert Imposed(noisy, held).values(found.x) == pytest.approx(1.7, abs=2e-6)
+    assert ConstraintFunctions(noisy, held).values(found.x) == pytest.approx(1.7, abs=2e-6)
     assert not judged(noisy, found.x).converged
 
 

@@ -17,7 +17,12 @@ from tirefmu.fitting.evidence.residuals import Residuals
 from tirefmu.fitting.evidence.ripple import ripple
 from tirefmu.fitting.evidence.slip_stiffness import slip_stiffnesses
 from tirefmu.fitting.evidence.undetermined import at_bounds, undetermined
-from tirefmu.fitting.reporting.report_text import told_conditions, told_differences, told_extrapolation, told_ripple
+from tirefmu.fitting.reporting.report_text import (
+    constraint_rows,
+    extrapolation_text,
+    ripple_texts,
+    significant_differences,
+)
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps
 
 NOISE = 5.0
@@ -122,11 +127,11 @@ def test_a_ripple_is_found_at_its_radius(known, clean):
     assert told.radius == pytest.approx(radius, rel=0.01)
     assert told.frequency == pytest.approx(11.0 / (tau * radius), rel=0.01)
     assert told.share == pytest.approx(size**2 / 2 / (size**2 / 2 + NOISE**2), rel=0.1)
-    assert "once per revolution" in told_ripple((told,))[0]
+    assert "once per revolution" in ripple_texts((told,))[0]
     (quiet,) = ripple(residuals_of(known, clean))
     assert not quiet.stands_out
     assert quiet.amplitude < 1.5
-    assert told_ripple((quiet,)) == []
+    assert ripple_texts((quiet,)) == []
 
 
 def test_no_ripple_is_told_without_a_clock_or_a_speed(known, clean):
@@ -206,17 +211,17 @@ def test_the_result_tells_it_all_in_strict_json(side_fit):
     plain = json.loads(json.dumps(result.to_json(), allow_nan=False))
     assert len(plain["findings"]["conditions"]) == len(found.conditions) == 12
     assert plain["held_out"] == []
-    assert not told_differences(result)  # without noise nothing differs
+    assert not significant_differences(result)  # without noise nothing differs
     assert replace(result, evidence=None).findings.conditions == ()
 
 
 def test_every_margin_is_told_once_beside_its_extrapolation(side_fit):
     far = Margin("mu_y > 0, 1.5 x the range", 0.5, 0.49, {"Fz": 1680.0}, "extrapolation:mu_y")
     result = replace(side_fit[0], margins=(*side_fit[0].margins, far))
-    told = told_conditions(result.margins)
+    told = constraint_rows(result.margins)
     shown = [margin.name for each in told for margin in (each.inside, each.beyond) if margin is not None]
     assert sorted(shown) == sorted(margin.name for margin in result.margins)
-    assert "1.5 times" in told_extrapolation(result)
-    assert "nothing is kept" in told_extrapolation(side_fit[0])
+    assert "1.5 times" in extrapolation_text(result)
+    assert "nothing is kept" in extrapolation_text(side_fit[0])
     (friction,) = (each for each in told if each.constraint == "mu_y > 0")
     assert friction.beyond == far
