@@ -3,7 +3,7 @@ VENV ?= .venv
 # Tests run on every processor, those of a file on one: what they share is set up once. PYTEST_ARGS=... replaces this.
 PYTEST_ARGS ?= -n auto --dist loadfile
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
-ROOMS := symbolic generated tires measurements fitting fmu diagnosis
+ROOMS := symbolic generated tires measurements estimation fitting fmu diagnosis
 
 # The first Python that really runs (version managers leave commands that only print a notice) and can make a venv.
 PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python; do \

@@ -29,10 +29,10 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fitting"))
 from known_tires import CHANNELS, NAMED, NOMINAL, SIZES, VALUES, known_tire, recorded
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.constraints import chosen_constraints, grid, operating_range
-from tirefmu.fitting.imposed import Imposed
-from tirefmu.fitting.ipopt import solve
-from tirefmu.fitting.problem import CHUNK, Problem, Rows
+from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions
+from tirefmu.fitting.constraints.physical import chosen_constraints, grid, operating_range
+from tirefmu.fitting.problem.weighted_residuals import CHUNK, Problem, Rows
+from tirefmu.fitting.solvers.ipopt import solve
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
 
@@ -127,7 +127,8 @@ def compare(rows: int) -> dict[str, Any]:
         return problem.cost(np.array([values[name] for name in problem.free]) / problem.scale)
 
     return {
-        "rows": len(problem.rows), "coefficients": len(problem.free), "constraints": len(Imposed(problem, imposed)),
+        "rows": len(problem.rows), "coefficients": len(problem.free),
+        "constraints": len(ConstraintFunctions(problem, imposed)),
         "scipy trf": {"seconds": scipy_seconds, "cost": float(found.cost), "evaluations": int(found.njev),
                       "satisfied": "bounds"},
         "joint problem": {"seconds": joint_seconds, "cost": solution.cost, "evaluations": solution.iterations,

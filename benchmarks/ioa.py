@@ -23,9 +23,9 @@ import pandas as pd
 from scipy.optimize import least_squares, minimize
 from threadpoolctl import threadpool_limits
 
-from tirefmu.fitting.evolution import Evolution
-from tirefmu.fitting.ipopt import solve
-from tirefmu.fitting.problem import Problem, Rows, equal_weights
+from tirefmu.fitting.problem.weighted_residuals import Problem, Rows, equal_weights
+from tirefmu.fitting.solvers.evolution import Evolution
+from tirefmu.fitting.solvers.ipopt import solve
 from tirefmu.measurements import ChannelNoise, Noise, Recording, VirtualBench, small_tire_program
 from tirefmu.tires import Tire, published
 from tirefmu.tires.code import fastest_code

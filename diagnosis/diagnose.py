@@ -11,6 +11,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy import stats
 
+from tirefmu.estimation.block_regression import coloured_covariance
+from tirefmu.estimation.smoothing import HALF_WIDTHS
 from tirefmu.measurements import Recording, TableLike, recording_from
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic import model as book_of
@@ -26,13 +28,11 @@ from .disturbances import reported_disturbances
 from .extrapolation import reaches
 from .gap import gaps
 from .least_squares import LeastSquares, Solution
-from .linear import coloured_covariance
+from .measurement_artefacts import quantisation, ripple
 from .proposal import added_if_better, effect_of, unknown_of
-from .ripple import quantisation, ripple
 from .screening import Screen, Trace
 from .search import LARGEST_P, Refit, Search
 from .signals import FORMULA_SIGNS, Signals, signals_of
-from .smoothing import HALF_WIDTHS
 from .verdict import Diagnosis, Finding, Interval, Unknown
 from .where import residual_maps, time_course
 

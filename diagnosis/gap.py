@@ -6,9 +6,10 @@ import numpy as np
 import numpy.typing as npt
 from scipy.signal import savgol_filter
 
+from tirefmu.estimation.smoothing import WINDOW, noise_of
+
 from .screening import Screen
 from .signals import Signals
-from .smoothing import WINDOW, noise_of
 
 FloatArray = npt.NDArray[np.float64]
 

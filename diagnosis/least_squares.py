@@ -1,4 +1,4 @@
-"""Bounded Levenberg-Marquardt in coefficients of a tire and linear disturbances of its recording."""
+"""The least-squares problem of the diagnosis: coefficients of a tire and linear disturbances of its recording."""
 
 from __future__ import annotations
 
@@ -9,15 +9,19 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.gauss_newton import Damping, minimize
+from tirefmu.estimation.noise_model import Whitening
+
 from .candidates import SPREAD
 from .disturbances import Disturbances
-from .noise import Whitening
 from .simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]
 
 #: A card's range is this many standard deviations of the weak belief that a coefficient is about its start.
 RANGE_IN_DEVIATIONS = 4.0
+#: Coefficients are in their own units: the damping follows their curvature. Any step that lowers the cost is accepted.
+DAMPING = Damping(first=1e-3, least=1e-7, most=10.0, up=8.0, down=0.1, by_curvature=True, trusted=0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,35 +108,14 @@ class LeastSquares:
             Of the compared rows; all where None.
         iterations : int
         tolerance : float
-            Relative gain in cost below which an iteration is the last.
+            Predicted reduction, as a share of the cost, at which an iteration is the last.
         """
         thin = self._thinned(rows)
         lower, upper = thin.bounds(free)
-        places = [self.simulator.place[name] for name in free]
-        parameters = start.copy()
-        parameters[places] = np.clip(parameters[places], lower, upper)
-        disturbance = thin.best_disturbance(thin.misfit(parameters))
-        cost, damping = thin._cost(parameters, free, disturbance), 1e-3
-        for _ in range(iterations):
-            matrix, gradient = thin._normal(parameters, free, disturbance)
-            accepted = False
-            for _ in range(6):
-                step = _bounded_step(matrix, gradient, damping, parameters[places], lower, upper)
-                trial = parameters.copy()
-                trial[places] = np.clip(parameters[places] + step, lower, upper)
-                moved = thin.best_disturbance(thin.misfit(trial))
-                new = thin._cost(trial, free, moved)
-                if np.isfinite(new) and new < cost:
-                    accepted = True
-                    break
-                damping = max(damping, 1e-6) * 8.0
-            if not accepted:
-                break
-            gain, parameters, disturbance, cost = cost - new, trial, moved, new
-            damping /= 10.0
-            if gain < tolerance * cost:
-                break
-        return self.at(parameters, free)
+        projected = _Projected(thin, start, free)
+        first = np.clip(start[projected.places], lower, upper)
+        end = minimize(projected, first, lower, upper, lambda _, cost: tolerance * cost, DAMPING, steps=iterations)
+        return self.at(projected.parameters(end.x), free)
 
     def at(self, parameters: FloatArray, free: Sequence[str]) -> Solution:
         """Return the solution that parameters are, with the disturbances that fit best."""
@@ -204,19 +187,40 @@ class LeastSquares:
         return replace(self, simulator=simulator, root=self.root[:, rows], disturbances=disturbances, whitening=None)
 
 
-def _bounded_step(
-    matrix: FloatArray, gradient: FloatArray, damping: float, values: FloatArray, lower: FloatArray, upper: FloatArray
-) -> FloatArray:
-    """Return a damped step in which coefficients at a bound, pushed against it, stay."""
-    step = np.zeros(len(gradient))
-    moving = ~(((values <= lower) & (gradient < 0)) | ((values >= upper) & (gradient > 0)))
-    for _ in range(4):
-        part = matrix[np.ix_(moving, moving)]
-        damped = part + np.diag(damping * np.diag(part))
-        step[:] = 0.0
-        step[moving] = np.linalg.solve(damped, gradient[moving])
-        over = moving & ((values + step < lower) & (values <= lower) | (values + step > upper) & (values >= upper))
-        if not over.any():
-            break
-        moving &= ~over
-    return step
+class _Projected:
+    """The cost of a problem over its free coefficients, the disturbances at their best for each of their values.
+
+    Attributes
+    ----------
+    places : list of int
+        Index of each free coefficient among the parameters.
+    """
+
+    def __init__(self, problem: LeastSquares, start: FloatArray, free: Sequence[str]) -> None:
+        self._problem, self._start, self._free = problem, start, free
+        self.places = [problem.simulator.place[name] for name in free]
+        self._latest: tuple[FloatArray, float, FloatArray] | None = None
+
+    def parameters(self, x: FloatArray) -> FloatArray:
+        """Return all parameters with the free ones at x."""
+        parameters = self._start.copy()
+        parameters[self.places] = x
+        return parameters
+
+    def cost(self, x: FloatArray) -> float:
+        """Return the cost at the free coefficients x, shape (n_free,)."""
+        return self._at(x)[0]
+
+    def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        """Return cost, gradient (n_free,) and Gauss-Newton matrix (n_free, n_free)."""
+        cost, disturbance = self._at(x)
+        matrix, descent = self._problem._normal(self.parameters(x), self._free, disturbance)
+        return cost, -descent, matrix
+
+    def _at(self, x: FloatArray) -> tuple[float, FloatArray]:
+        """Return cost and disturbances; the derivatives of an accepted step are evaluated next."""
+        if self._latest is None or not np.array_equal(self._latest[0], x):
+            parameters = self.parameters(x)
+            disturbance = self._problem.best_disturbance(self._problem.misfit(parameters))
+            self._latest = x.copy(), self._problem._cost(parameters, self._free, disturbance), disturbance
+        return self._latest[1:]

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.block_regression import block_sums, regression
+
 from .features import Feature, Place, directions, features, places_of
-from .linear import block_sums, regression
 from .screening import PROBE_BELIEF, Screen, Trace
 
 FloatArray = npt.NDArray[np.float64]

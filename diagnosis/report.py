@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tirefmu.fitting.page import inlined, page_text, write_page
+from tirefmu.fitting.reporting.page import inlined, page_text, write_page
 from tirefmu.measurements import Recording, TableLike, recording_from
 from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.symbolic.notation import Switch

@@ -8,12 +8,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.noise_model import Whitening, memories_of
+
 from .base import readable
 from .candidates import FINER, Candidate, Shape, varies
 from .confounding import CONFOUNDED, correlations
 from .least_squares import LeastSquares, Solution
 from .leftover import CORE_INPUTS, Structure, structure_of
-from .noise import Whitening, memories_of
 from .screening import Screen, Trace
 
 FloatArray = npt.NDArray[np.float64]

@@ -9,13 +9,12 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.estimation.smoothing import smoothed
 from tirefmu.measurements.channels import OUTPUTS
 from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.transient import rolled_distance
-
-from .smoothing import smoothed
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

@@ -1,11 +1,12 @@
 """Fitting a tire to measurements under physical constraints, by CasADi and IPOPT."""
 
-from .figures import draw_figures
-from .findings import Findings
+from .cross_validation import cross_validate, deal
+from .evidence.diagnostics import Findings
 from .fit import fit
-from .recipe import RECIPES, load_recipe
-from .result import FitResult, HeldOut
-from .validation import cross_validate, deal
+from .problem.recipe import RECIPES, load_recipe
+from .reporting.figures import draw_figures
+from .results.fit_result import FitResult
+from .results.records import HeldOut
 
 __all__ = [
     "RECIPES", "Findings", "FitResult", "HeldOut", "cross_validate", "deal", "draw_figures", "fit", "load_recipe",

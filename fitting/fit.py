@@ -18,15 +18,15 @@ from tirefmu.symbolic.model import Model
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
-from .checkpoint import Checkpoint, fingerprint
-from .constraints import chosen_constraints
-from .interruption import Interruption, Progress
-from .method import solver_for
-from .preparation import Prepared, prepare
-from .recipe import Recipe, load_recipe
-from .result import FitResult
-from .session import Session
-from .starting import starts_from
+from .constraints.physical import chosen_constraints
+from .data.fit_data import FitData, prepare
+from .data.initial_values import starts_from
+from .fit_run import FitRun
+from .problem.recipe import Recipe, load_recipe
+from .results.checkpoint import Checkpoint, fingerprint
+from .results.fit_result import FitResult
+from .solvers.interruption import Interruption, Progress
+from .solvers.selection import solver_for
 
 #: What --nominal may name, and the coefficient that it sets.
 NOMINAL = {"Fz0": "FNOMIN", "R0": "UNLOADED_RADIUS", "p0": "NOMPRES", "V0": "LONGVL"}
@@ -66,8 +66,8 @@ def fit(
     model : str, optional
         Where None, that of the start tire; without one, "mf61".
     start : Tire, path of a .tir file, name of a published tire, or "features", optional
-        Initial values: a tire's, or what the data show by themselves (`tirefmu.fitting.starting`); generic ones
-        where None. "features" is a path only if there is such a file.
+        Initial values: a tire's, or what the data show by themselves (`tirefmu.fitting.data.initial_values`);
+        generic ones where None. "features" is a path only if there is such a file.
     effects : collection of str, optional
         Exactly these effects on top of the model's core; all of the model where None.
     without : collection of str
@@ -79,7 +79,8 @@ def fit(
         What a residual costs: where a few rows are grossly wrong, "huber" lets one count by its size instead of its
         square, "cauchy" hardly at all; from 1.3 and 2.4 standard deviations of its own channel's noise on.
     method : {"ipopt", "ioa"}
-        IPOPT with exact derivatives, or the UNICAMP paper's evolutionary algorithm (`tirefmu.fitting.evolution`).
+        IPOPT with exact derivatives, or the UNICAMP paper's evolutionary algorithm
+        (`tirefmu.fitting.solvers.evolution`).
     iterations : int, optional
         The most that a stage may take; the method's own limit (300, 10,000) where None.
     seed : int
@@ -100,7 +101,7 @@ def fit(
         Called with stage, iteration and cost.
     constraints, without_constraints : collection of str
         Physical conditions to keep beside the usual ones, and not to keep, by name or kind
-        (`tirefmu.fitting.constraints`); "all" means every one.
+        (`tirefmu.fitting.constraints.physical`); "all" means every one.
     checkpoint : path, optional
         File for the finished stages; removed when all of them are done.
     resume : bool
@@ -161,15 +162,15 @@ def fit(
     }
     saved = Checkpoint(Path(checkpoint), _identity(data, tire, plan, options)) if checkpoint else None
     with Interruption(progress) as interruption:
-        session = Session(
+        run = FitRun(
             book, tire, data, plan, interruption, notes,
             solver=solver, given=tire_given is not None, read=read, conditions=conditions, loss=loss,
         )  # fmt: skip
         if resume and saved:
-            session.restore(saved.load(), str(saved.path))
-        session.run(saved)
-    interruption.settle()
-    result = replace(session.result(recordings, time.perf_counter() - began), method=method).in_signs("iso")
+            run.restore(saved.load(), str(saved.path))
+        run.run(saved)
+    interruption.raise_failure()
+    result = replace(run.result(recordings, time.perf_counter() - began), method=method).in_signs("iso")
     if saved and not result.interrupted:
         saved.remove()
     return result
@@ -185,7 +186,7 @@ def _start_tire(start: TireLike) -> Tire:
         raise UnknownName("start", str(start), [FEATURES, *error.known]) from None
 
 
-def _identity(data: Prepared, tire: Tire, plan: Recipe, options: Mapping[str, str]) -> dict[str, str]:
+def _identity(data: FitData, tire: Tire, plan: Recipe, options: Mapping[str, str]) -> dict[str, str]:
     """Return what a fit depends on, by what a user calls it."""
     return {
         "version of tirefmu": version("tirefmu"),

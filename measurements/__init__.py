@@ -7,9 +7,7 @@ from .operating_conditions.grouping import Grouping, group_by_condition
 from .operating_conditions.levels import level_tolerance, levels
 from .operating_conditions.phases import Phase, phases, transitions
 from .operating_conditions.selection import Condition, Near, near, select
-from .quality.correlation_length import correlation_length
 from .quality.coverage import Coverage, coverage, coverage_notes
-from .quality.effective_sample_size import effective_sample_size
 from .quality.outliers import Outlier, outliers
 from .quality.plausibility import check_plausible, convention_notes
 from .quality.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
@@ -55,10 +53,8 @@ __all__ = [
     "check_plausible",
     "concatenate",
     "convention_notes",
-    "correlation_length",
     "coverage",
     "coverage_notes",
-    "effective_sample_size",
     "exclude_rows",
     "group_by_condition",
     "identity_notes",

@@ -164,7 +164,7 @@ def fit(
     """
     from tirefmu.fitting import cross_validate, deal
     from tirefmu.fitting import fit as run
-    from tirefmu.fitting.figures import draw_figures
+    from tirefmu.fitting.reporting.figures import draw_figures
     from tirefmu.measurements import recordings_from
 
     terminal = Terminal(quiet)
@@ -196,7 +196,7 @@ def fit(
             drawn = draw_figures(result.tire, recordings, figures)
         terminal.print(f"figures: {len(drawn)} in {figures}")
     if report:
-        from tirefmu.fitting.report import write_report
+        from tirefmu.fitting.reporting.report import write_report
 
         with terminal.working("writing the report"):
             write_report(result, recordings, report)

@@ -12,7 +12,7 @@ import pandas as pd
 
 from tirefmu.diagnosis import diagnose, draw_residual_maps, export_and_simulate, residual_map, write_report
 from tirefmu.fitting import FitResult, fit
-from tirefmu.fitting.figures import draw_figures
+from tirefmu.fitting.reporting.figures import draw_figures
 from tirefmu.fmu import check, export
 from tirefmu.measurements import Noise, Recording, VirtualBench, trento_program, write_table
 from tirefmu.symbolic.errors import TirefmuError

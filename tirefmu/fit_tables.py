@@ -45,7 +45,7 @@ def plain_table(*columns: str, title: str = "") -> Table:
 
 def fit_lines(result: FitResult) -> Iterator[Table | str]:
     """Yield what is to be printed of a fit, in order."""
-    from tirefmu.fitting.telling import told_extrapolation, told_ripple
+    from tirefmu.fitting.reporting.report_text import extrapolation_text, ripple_texts
 
     yield _coefficients(result)
     yield _channels(result)
@@ -56,9 +56,9 @@ def fit_lines(result: FitResult) -> Iterator[Table | str]:
     yield _stages(result)
     if result.margins:
         yield _margins(result)
-        yield told_extrapolation(result)
+        yield extrapolation_text(result)
     yield from _differences(result)
-    yield from told_ripple(result.findings.ripples)
+    yield from ripple_texts(result.findings.ripples)
     for each in result.findings.undetermined:
         yield f"open: {', '.join(each.coefficients)}: {each.reason}"
     for rows in result.set_aside:
@@ -69,7 +69,7 @@ def fit_lines(result: FitResult) -> Iterator[Table | str]:
 
 
 def _coefficients(result: FitResult) -> Table:
-    from tirefmu.fitting.telling import told_interval
+    from tirefmu.fitting.reporting.report_text import interval_text
 
     table = plain_table(
         "coefficient", "guess", "lower", "upper", "value", "+- (95 %)", "unit", "",
@@ -78,12 +78,12 @@ def _coefficients(result: FitResult) -> Table:
     for c in result.coefficients:
         remark = "at bound" if c.at_bound else "" if c.determined else "not determined"
         numbers = (f"{v:.5g}" for v in (c.guess, c.lower, c.upper, c.value))
-        table.add_row(c.name, *numbers, told_interval(c.interval), c.unit, remark)
+        table.add_row(c.name, *numbers, interval_text(c.interval), c.unit, remark)
     return table
 
 
 def _channels(result: FitResult) -> Table:
-    from tirefmu.fitting.telling import told_interval, told_worst
+    from tirefmu.fitting.reporting.report_text import interval_text, worst_text
 
     table = plain_table(
         "recording", "channel", "rows", "RMSE", "unit", "noise floor", "R2", "R2 uncentred", "missed most",
@@ -91,8 +91,8 @@ def _channels(result: FitResult) -> Table:
     )  # fmt: skip
     for c in result.channels:
         table.add_row(
-            c.recording, c.channel, f"{c.rows}", f"{c.rmse:.4g}", c.unit, told_interval(c.noise_floor),
-            f"{c.r2:.5f}", f"{c.r2_uncentred:.5f}", told_worst(result, c.recording, c.channel),
+            c.recording, c.channel, f"{c.rows}", f"{c.rmse:.4g}", c.unit, interval_text(c.noise_floor),
+            f"{c.r2:.5f}", f"{c.r2_uncentred:.5f}", worst_text(result, c.recording, c.channel),
         )  # fmt: skip
     return table
 
@@ -129,14 +129,14 @@ def _stages(result: FitResult) -> Table:
 
 
 def _margins(result: FitResult) -> Table:
-    from tirefmu.fitting.residuals import condition_text
-    from tirefmu.fitting.telling import told_conditions
+    from tirefmu.fitting.evidence.residuals import condition_text
+    from tirefmu.fitting.reporting.report_text import constraint_rows
 
     table = plain_table(
         "constraint", "tightest", "margin", "at", "margin beyond", "",
         title="Constraints, verified over the operating range (adapted-sae signs)",
     )  # fmt: skip
-    for c in told_conditions(result.margins):
+    for c in constraint_rows(result.margins):
         beyond = "" if c.beyond is None else f"{c.beyond.margin:.3g}"
         broken = any(m is not None and m.margin < 0 for m in (c.inside, c.beyond))
         table.add_row(
@@ -147,10 +147,10 @@ def _margins(result: FitResult) -> Table:
 
 
 def _differences(result: FitResult) -> Iterator[Table]:
-    from tirefmu.fitting.residuals import condition_text
-    from tirefmu.fitting.telling import told_differences
+    from tirefmu.fitting.evidence.residuals import condition_text
+    from tirefmu.fitting.reporting.report_text import significant_differences
 
-    differences = told_differences(result)
+    differences = significant_differences(result)
     if not differences:
         return
     table = plain_table(

@@ -19,7 +19,7 @@ from .fit_tables import fit_lines, plain_table
 
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
-    from tirefmu.fitting.interruption import Progress
+    from tirefmu.fitting.solvers.interruption import Progress
 
 
 class Terminal:

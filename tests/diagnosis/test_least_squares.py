@@ -5,8 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tirefmu.diagnosis.candidates import CENTER, SPREAD
 from tirefmu.diagnosis.disturbances import MOST_CROSS_TALK, reported_disturbances
-from tirefmu.diagnosis.least_squares import _bounded_step
+from tirefmu.diagnosis.least_squares import LeastSquares
+from tirefmu.symbolic import model as book_of
+from tirefmu.symbolic.added import library
+from tirefmu.tires.tire import Tire
 
 FREE = ("PDX1", "PKX1", "PDY1", "PDY2", "PKY1", "PHY1", "QDZ1")
 
@@ -39,12 +43,22 @@ def test_the_gradient_is_the_slope_of_the_cost(problem, tire):
         assert (costs[1] - costs[0]) / (2.0 * step) == pytest.approx(descent[i], rel=1e-4)
 
 
-def test_a_coefficient_that_is_pushed_against_its_bound_stays():
-    lower, upper = np.array([0.0, -1.0]), np.array([1.0, 1.0])
-    for value, slope, moves in ((1.0, 1.0, False), (1.0, -1.0, True), (0.0, -1.0, False), (0.5, 1.0, True)):
-        step = _bounded_step(np.eye(2), np.array([slope, 0.3]), 0.0, np.array([value, 0.0]), lower, upper)
-        assert (step[0] != 0.0) == moves
-        assert step[1] == pytest.approx(0.3)
+class BoundFriction(LeastSquares):
+    """A problem in which PDY1 may not be what it is."""
+
+    def bounds(self, free):
+        lower, upper = super().bounds(free)
+        return lower, np.where(np.array(free) == "PDY1", 1.5, upper)
+
+
+def test_a_coefficient_that_is_pushed_against_its_bound_ends_on_it(problem, tire):
+    bound = BoundFriction(problem.simulator, problem.root, problem.disturbances, problem.center)
+    place = problem.simulator.place["PDY1"]
+    assert tire.parameters()[place] > 1.5
+    solution = bound.solve(tire.parameters(), FREE)
+    assert solution.parameters[place] == 1.5
+    _, descent = bound._normal(solution.parameters, FREE, solution.disturbance)
+    assert descent[FREE.index("PDY1")] > 0.0  # a larger one would lower the cost
 
 
 def test_rows_that_take_no_part_have_no_influence(problem, tire):
@@ -55,6 +69,16 @@ def test_rows_that_take_no_part_have_no_influence(problem, tire):
     other = replace(problem, simulator=problem.simulator.over(spoiled))
     one, two = (each.best_disturbance(each.misfit(parameters)) for each in (problem, other))
     np.testing.assert_allclose(one, two, atol=1e-9)
+
+
+def test_beliefs_are_about_coefficients_and_narrower_than_their_cards():
+    size = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    beyond = tuple(library().values())
+    cards = {**book_of("mf96").coefficients, **Tire("mf61", size, added=beyond).book.coefficients}
+    for name, spread in SPREAD.items():
+        assert 0.0 < spread < cards[name].upper - cards[name].lower, name
+    for name, center in CENTER.items():
+        assert cards[name].lower <= center <= cards[name].upper, name
 
 
 # ------------------------------------------------------------------ what belongs to the recording

@@ -8,7 +8,7 @@ import pytest
 from tirefmu.diagnosis.base import OUTLIER, weighed
 from tirefmu.diagnosis.extrapolation import LARGEST_CHANGE, reaches
 from tirefmu.diagnosis.gap import gaps, noise_floor
-from tirefmu.diagnosis.ripple import quantisation, ripple
+from tirefmu.diagnosis.measurement_artefacts import quantisation, ripple
 from tirefmu.diagnosis.where import residual_maps, time_course
 
 NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
@@ -94,7 +94,7 @@ def test_what_counts_beyond_a_load_is_force_per_load(problem, tire):
 
 
 def test_a_ripple_once_per_revolution_is_found_in_its_channel(at_the_truth):
-    """At 10 m/s and a rolling radius of 0.29 m."""
+    """At 10 m/s and a rolling radius of 0.29 m; the wheel turns with the longitudinal slip, too."""
     signals, rng = at_the_truth.signals, np.random.default_rng(0)
     speed = np.full((1, len(signals.t)), 10.0)
     signals = replace(signals, names=(*signals.names, "V"), inputs=np.concatenate([signals.inputs, speed]))
@@ -102,9 +102,11 @@ def test_a_ripple_once_per_revolution_is_found_in_its_channel(at_the_truth):
     signals = replace(signals, recorded=signals.recorded | {"V"})
     rest = rng.normal(size=signals.measured.shape)
     assert ripple(signals, rest, 0.3) == {}
-    rest[1] += 2.0 * np.sin(10.0 / 0.29 * signals.t[signals.rows] + 0.7)
+    turning = 10.0 * (1.0 + signals.inputs[signals.names.index("kappa")])
+    angle = np.cumsum(turning * np.gradient(signals.t)) / 0.29
+    rest[1] += 2.0 * np.sin(angle[signals.rows] + 0.7)
     assert ripple(signals, rest, 0.3) == pytest.approx({"Fy": 2.0}, rel=0.15)
-    assert ripple(signals, rest, 0.6) == {}
+    assert ripple(signals, rest, 0.4) == pytest.approx({"Fy": 2.0}, rel=0.15)  # the radius is searched for
 
 
 def test_steps_of_a_sensor_are_found_at_any_offset():

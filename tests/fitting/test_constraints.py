@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tirefmu.demo import bench_tire
-from tirefmu.fitting.constraints import (
+from tirefmu.fitting.constraints.constraint_functions import measured_values
+from tirefmu.fitting.constraints.physical import (
     KINDS,
     TOLERANCE,
     Constraint,
@@ -21,8 +22,7 @@ from tirefmu.fitting.constraints import (
     grid,
     operating_range,
 )
-from tirefmu.fitting.imposed import measured_values
-from tirefmu.fitting.verification import Conditions
+from tirefmu.fitting.constraints.verification import VerifiedConstraints
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires.code import code_for
@@ -137,7 +137,7 @@ def test_margins_are_distances_to_the_bound_that_is_near(known):
     curvature = {"Fx": chosen_constraints("mf96", also=["curvature"])["Fx"]}
     for value, holds in ((-0.5, True), (1.5, False)):
         tire = replace(known, values={**known.values, "PEX1": value, "PEX2": 0.0, "PEX3": 0.0})
-        margins = Conditions(tire, curvature, ranges).margins(["Fx"], tire.parameters())
+        margins = VerifiedConstraints(tire, curvature, ranges).margins(["Fx"], tire.parameters())
         (found,) = [each for each in margins if each.name == "curvature:E_x"]
         assert (found.margin > 0.0) == holds
         assert found.margin == pytest.approx(1.0 - found.worst, rel=1e-12)

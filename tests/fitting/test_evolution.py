@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.constraints import Constraint
-from tirefmu.fitting.evolution import GOAL, SETTLED, Evolution
-from tirefmu.fitting.ipopt import INTERRUPTED, LIMIT, solve
-from tirefmu.fitting.method import METHODS, solver_for
-from tirefmu.fitting.problem import Problem, Rows, equal_weights
+from tirefmu.fitting.constraints.physical import Constraint
+from tirefmu.fitting.problem.weighted_residuals import Problem, Rows, equal_weights
+from tirefmu.fitting.solvers.evolution import GOAL, SETTLED, Evolution
+from tirefmu.fitting.solvers.ipopt import INTERRUPTED, LIMIT, solve
+from tirefmu.fitting.solvers.selection import METHODS, solver_for
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import FitError, UnknownName
 from tirefmu.tires.code import code_for, forces_of_each

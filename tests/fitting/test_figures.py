@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
-from tirefmu.fitting.curves import compare, slope_at_zero
-from tirefmu.fitting.figures import data_text, draw_figures
+from tirefmu.fitting.evidence.curves import compare, slope_at_zero
+from tirefmu.fitting.reporting.figures import data_text, draw_figures
 from tirefmu.measurements import (
     Noise,
     Recording,

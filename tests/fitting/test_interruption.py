@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.checkpoint import Checkpoint
-from tirefmu.fitting.interruption import Interruption
+from tirefmu.fitting.results.checkpoint import Checkpoint
+from tirefmu.fitting.solvers.interruption import Interruption
 from tirefmu.symbolic.errors import FitError
 
 STAGES = ["Fy: core, load, combined slip", "Fy", "Fx, Fy, Mz, random rows", "Fx, Fy, Mz, all rows"]
@@ -119,7 +119,7 @@ def test_a_handler_of_the_program_stays_in_force():
             pressed()
     finally:
         signal.signal(signal.SIGINT, before)
-    assert (seen, interruption.asked) == ([signal.SIGINT], False)
+    assert (seen, interruption.requested) == ([signal.SIGINT], False)
 
 
 def test_another_thread_has_no_handler_to_take_over():
@@ -128,7 +128,7 @@ def test_another_thread_has_no_handler_to_take_over():
     def run():
         with Interruption(lambda *call: raised()) as interruption:
             interruption.report("Fx", 1, 0.5)
-            outcome.append(interruption.asked)
+            outcome.append(interruption.requested)
 
     thread = threading.Thread(target=run)
     thread.start()

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.constraints import chosen_constraints
+from tirefmu.fitting.constraints.physical import chosen_constraints
 from tirefmu.measurements import Recording
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import FitError

@@ -8,8 +8,8 @@ import pytest
 from scipy.ndimage import uniform_filter1d
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.constraints import chosen_constraints
-from tirefmu.fitting.telling import told_differences
+from tirefmu.fitting.constraints.physical import chosen_constraints
+from tirefmu.fitting.reporting.report_text import significant_differences
 from tirefmu.measurements import read_recording
 
 FILES = ("cornering.mat", "drivebrake.mat")
@@ -90,7 +90,7 @@ def test_what_the_data_say_of_the_fit(measured):
     assert set(turning) == set(FILES)
     for each in turning.values():
         assert 0.18 < each.radius < 0.25  # of a tire of 0.2 m; the fit was told none
-    assert {"Fy", "Mz"} <= {each.channel for each in told_differences(measured) if each.first in FILES}
+    assert {"Fy", "Mz"} <= {each.channel for each in significant_differences(measured) if each.first in FILES}
     conditions = [each for each in found.conditions if (each.recording, each.channel) == ("cornering.mat", "Fy")]
     assert len(conditions) == 45  # five loads, three inclinations, three pressures
 

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 
 from tirefmu.diagnosis import diagnose
-from tirefmu.fitting import fit, influence, problem
+from tirefmu.fitting import fit
+from tirefmu.fitting.problem import influence, weighted_residuals
 from tirefmu.measurements import Noise, Recording, read_recording
 from tirefmu.tires import batch, code
 
@@ -49,7 +50,7 @@ def kernels(machine):
 @contextmanager
 def chunks(rows):
     with pytest.MonkeyPatch.context() as patch:
-        for module in (problem, influence):
+        for module in (weighted_residuals, influence):
             patch.setattr(module, "CHUNK", rows)
         yield
 
@@ -105,7 +106,7 @@ def agree(result, reference, recordings):
             if channel.recording == recording.source:
                 name, root = channel.channel, np.sqrt(np.mean(np.square(recording.table[channel.channel])))
                 apart = float(np.sqrt(np.mean(np.square(one[name] - other[name]))))
-                assert apart <= SHARE * max(channel.rmse, problem.LEAST_NOISE * root), name
+                assert apart <= SHARE * max(channel.rmse, weighted_residuals.LEAST_NOISE * root), name
 
 
 @pytest.fixture(scope="module", params=["exact", "noisy"])

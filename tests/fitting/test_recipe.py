@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.fitting import RECIPES, load_recipe
-from tirefmu.fitting.recipe import Freed
+from tirefmu.fitting.problem.recipe import Freed
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import FitError, TirefmuError, UnknownName
 

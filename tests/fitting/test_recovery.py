@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.fitting.constraints import chosen_constraints, grid, operating_range
-from tirefmu.fitting.imposed import measured_values
+from tirefmu.fitting.constraints.constraint_functions import measured_values
+from tirefmu.fitting.constraints.physical import chosen_constraints, grid, operating_range
 
 from .known_tires import CHANNELS, NOMINAL, SIZES, known_tire, moved, recorded
 

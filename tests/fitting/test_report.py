@@ -8,13 +8,14 @@ from html.parser import HTMLParser
 
 import pytest
 
-from tirefmu.fitting.agreement import Disagreement
-from tirefmu.fitting.findings import Findings
-from tirefmu.fitting.preparation import SetAside
-from tirefmu.fitting.reasons import Undetermined
-from tirefmu.fitting.report import report_page, write_report
-from tirefmu.fitting.result import HeldOut, Margin
-from tirefmu.fitting.stiffness import SlipStiffness
+from tirefmu.fitting.constraints.verification import Margin
+from tirefmu.fitting.data.fit_data import SetAside
+from tirefmu.fitting.evidence.consistency import Disagreement
+from tirefmu.fitting.evidence.diagnostics import Findings
+from tirefmu.fitting.evidence.slip_stiffness import SlipStiffness
+from tirefmu.fitting.evidence.undetermined import Undetermined
+from tirefmu.fitting.reporting.report import report_page, write_report
+from tirefmu.fitting.results.records import HeldOut
 from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.escaping import visible
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import load_recipe
-from tirefmu.fitting.ipopt import Solution
-from tirefmu.fitting.restarts import best_end
+from tirefmu.fitting.solvers.ipopt import Solution
+from tirefmu.fitting.solvers.restarts import best_end
 from tirefmu.symbolic.errors import UnknownName
 
 LOWER, UPPER = np.array([-10.0, -10.0]), np.array([10.0, 10.0])

@@ -12,8 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from tirefmu.fitting.result import Margin, StageFit, quality
-from tirefmu.fitting.uncertainty import QUANTILE
+from tirefmu.fitting.constraints.verification import Margin
+from tirefmu.fitting.evidence.uncertainty import QUANTILE
+from tirefmu.fitting.results.records import StageFit, quality
 from tirefmu.symbolic.errors import UnknownName
 
 NUMBERS = arrays(np.float64, st.integers(2, 30), elements=st.floats(-1e4, 1e4))

@@ -7,12 +7,10 @@ from math import inf
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from tirefmu.fitting.problem import Problem, Rows
-from tirefmu.fitting.uncertainty import correlation_rows, uncertainty
+from tirefmu.fitting.evidence.uncertainty import uncertainty
+from tirefmu.fitting.problem.weighted_residuals import Problem, Rows
 from tirefmu.tires import Tire
 
 N, SEGMENTS = 12_000, 6
@@ -23,38 +21,6 @@ FREE = ("PCY1", "PDY1", "PDY2", "PEY1", "PKY1", "PKY2", "PHY1", "PVY1")
 def correlated(rng, stays, n=N):
     """Return noise of variance 1 whose autocorrelation falls by `stays` from row to row."""
     return lfilter([np.sqrt(1 - stays**2)], [1.0, -stays], rng.normal(size=n + 500))[500:]
-
-
-@settings(max_examples=20, deadline=None)
-@given(seed=st.integers(0, 2**32 - 1))
-def test_white_noise_is_alike_for_one_row(seed):
-    assert 1.0 <= correlation_rows(np.random.default_rng(seed).normal(size=N), SEGMENT) < 1.9
-
-
-@pytest.mark.parametrize("stays", [0.5, 0.9, 0.95])
-def test_correlated_noise_is_alike_for_its_correlation_time(stays):
-    found = [correlation_rows(correlated(np.random.default_rng(seed), stays), SEGMENT) for seed in range(20)]
-    assert np.mean(found) == pytest.approx((1 + stays) / (1 - stays), rel=0.25)
-
-
-def test_what_repeats_with_the_wheel_averages_out():
-    rng = np.random.default_rng(1)
-    ripple = 3.0 * np.sin(2 * np.pi * 0.087 * np.arange(N)) + rng.normal(size=N)
-    slow = correlated(rng, 0.98)
-    assert correlation_rows(ripple, SEGMENT) < 6.0  # half a revolution's rows
-    assert correlation_rows(slow, SEGMENT) > 50.0
-
-
-@given(scale=st.floats(1e-6, 1e6), seed=st.integers(0, 100))
-def test_it_has_no_unit_and_no_sign(scale, seed):
-    noise = correlated(np.random.default_rng(seed), 0.8, 3000)
-    segment = np.zeros(3000, dtype=int)
-    assert correlation_rows(-scale * noise, segment) == pytest.approx(correlation_rows(noise, segment), rel=1e-9)
-
-
-def test_nothing_is_alike_to_nothing():
-    assert correlation_rows(np.zeros(500), np.zeros(500, dtype=int)) == 1.0
-    assert correlation_rows(np.zeros(0), np.zeros(0, dtype=int)) == 1.0
 
 
 def sweeps(tire, noise, free=FREE, loads=(300.0, 700.0, 1100.0)):

@@ -19,9 +19,9 @@ import pytest
 from scipy.io import savemat
 
 from tirefmu.diagnose_command import own_effect
-from tirefmu.fitting.checkpoint import Checkpoint, Ended, Release, State
-from tirefmu.fitting.recipe import RECIPES, Freed, load_recipe
-from tirefmu.fitting.result import StageFit
+from tirefmu.fitting.problem.recipe import RECIPES, Freed, load_recipe
+from tirefmu.fitting.results.checkpoint import Checkpoint, Ended, Release, State
+from tirefmu.fitting.results.records import StageFit
 from tirefmu.fmu.archive import unpacked
 from tirefmu.fmu.build import contents
 from tirefmu.fmu.check import _axes, _carried_tire

@@ -12,7 +12,7 @@ import pytest
 
 from tirefmu.diagnosis import diagnose
 from tirefmu.fitting import fit
-from tirefmu.fitting.recipe import load_recipe
+from tirefmu.fitting.problem.recipe import load_recipe
 from tirefmu.fmu import check, export
 from tirefmu.measurements import Recording
 from tirefmu.symbolic import MODELS

@@ -1,0 +1,74 @@
+"""Measurement artefacts of a channel: a ripple once per revolution, and steps of quantisation."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.estimation.wheel_periodicity import once_per_revolution
+
+from .signals import Signals
+
+FloatArray = npt.NDArray[np.float64]
+
+#: A pause of this many steps of time ends a segment.
+PAUSE = 5.0
+
+
+def ripple(signals: Signals, residual: FloatArray, radius: float) -> dict[str, float]:
+    """Return the amplitude of what turns once with the wheel, by channel; channels without it are omitted.
+
+    Parameters
+    ----------
+    signals : Signals
+    residual : ndarray, shape (n_channels, n)
+        Without what the tire and slow disturbances explain, N and N m.
+    radius : float
+        Unloaded, m; the rolling radius is searched for about it (`once_per_revolution`).
+
+    Returns
+    -------
+    dict of str to float
+        N and N m.
+    """
+    if not signals.timed or "V" not in signals.recorded or len(signals.rows) < 2:
+        return {}
+    t = signals.t[signals.rows]
+    inputs = dict(zip(signals.names, signals.inputs[:, signals.rows], strict=True))
+    speed = inputs["V"] * (1.0 + inputs.get("kappa", 0.0))
+    measured = [i for i, there in enumerate(signals.present) if there.any()]
+    pauses = np.diff(t, prepend=t[0]) > PAUSE * float(np.median(np.diff(t)))
+    segment = np.cumsum(pauses, dtype=np.int64)
+    known = np.where(signals.present, residual, np.nan)[measured]
+    found = once_per_revolution(t, speed, known, segment, radius)
+    if found is None:
+        return {}
+    return {
+        signals.channels[i]: float(amplitude)
+        for i, amplitude, significant in zip(measured, found.amplitude, found.significant, strict=True)
+        if significant
+    }
+
+
+def quantisation(values: FloatArray) -> float:
+    """Return the step of a quantised channel, 0 where there is none.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+
+    Examples
+    --------
+    >>> raw = np.random.default_rng(1).normal(0, 100, 2000)
+    >>> quantisation(np.round(raw / 2.5) * 2.5), quantisation(raw)
+    (2.5, 0.0)
+    """
+    known = np.unique(values[np.isfinite(values)])
+    steps = np.diff(known)
+    steps = steps[steps > 1e-9 * max(float(np.ptp(known)), 1e-300)] if len(known) > 1 else steps
+    if len(steps) < 20:
+        return 0.0
+    step = float(steps.min())
+    multiple = steps / step
+    even = np.abs(multiple - np.round(multiple)) < 0.02 * multiple
+    return step if np.quantile(multiple, 0.9) < 100.0 and bool(np.mean(even) > 0.98) else 0.0

@@ -1,0 +1,1 @@
+"""Estimation shared by the fit and the diagnosis: damped Gauss-Newton, noise, resampling, what repeats."""

@@ -1,0 +1,281 @@
+r"""Damped Gauss-Newton within bounds and linearized constraints: the one loop behind the fit and the diagnosis.
+
+Each step minimizes the quadratic model of the cost, g'p + p'(H + damping D)p/2, over the steps that bounds and
+linearized constraints allow (`quadratic_step`): Levenberg and Marquardt's method with the exact solution of the bounded
+subproblem. Nocedal and Wright, Numerical Optimization, 2nd ed. 2006, chapters 10.3 (Gauss-Newton with damping), 12
+(active constraints), 16 (the quadratic program) and 18 (sequential programs).
+
+The loop ends where the predicted reduction, the most that the model promises, is at most what the caller calls
+enough. It is half the squared norm of the projected gradient in the measure of the inverse of the model's matrix, so
+it depends neither on units nor on the path to the point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+from threadpoolctl import threadpool_limits
+
+from .quadratic_step import best_step
+
+FloatArray = npt.NDArray[np.float64]
+#: How often a step is corrected for constraints that it violates, as these are not linear.
+CORRECTIONS = 2
+
+
+class Objective(Protocol):
+    """A cost with its Gauss-Newton model."""
+
+    def cost(self, x: FloatArray) -> float:
+        """Return the cost at x, shape (n,)."""
+
+    def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        """Return cost, gradient (n,) and Gauss-Newton matrix (n, n) at x."""
+
+
+class Constraints(Protocol):
+    """Inequalities ``low <= values(x) <= high``."""
+
+    @property
+    def low(self) -> FloatArray:
+        """Lower bounds, shape (m,)."""
+
+    @property
+    def high(self) -> FloatArray:
+        """Upper bounds, shape (m,)."""
+
+    def values(self, x: FloatArray) -> FloatArray:
+        """Return the constrained values at x, shape (m,)."""
+
+    def slopes(self, x: FloatArray) -> FloatArray:
+        """Return their derivatives by x, shape (m, n)."""
+
+    def satisfied(self, values: FloatArray) -> bool:
+        """Return whether such values are within the bounds, with the caller's tolerance; NaN is not."""
+
+
+class Unconstrained:
+    """No constraints beside the bounds."""
+
+    low = high = np.zeros(0)
+
+    def values(self, x: FloatArray) -> FloatArray:
+        """Return nothing."""
+        return np.zeros(0)
+
+    def slopes(self, x: FloatArray) -> FloatArray:
+        """Return nothing."""
+        return np.zeros((0, len(x)))
+
+    def satisfied(self, values: FloatArray) -> bool:
+        """Return True."""
+        return True
+
+
+@dataclass(frozen=True)
+class Damping:
+    """How a step is damped.
+
+    Attributes
+    ----------
+    first, least, most : float
+        At the first step, and the limits. Without an accepted step at `most` the loop ends.
+    up, down : float
+        Factors after a rejected and after an accepted step; with ``down`` 0 each iteration starts at the least.
+    by_curvature : bool
+        Whether D is the diagonal of H (Marquardt), for coefficients in their own units, or the identity (Levenberg),
+        for scaled ones.
+    trusted : float
+        A step is accepted if it lowers the cost by more than this share of the predicted reduction.
+    """
+
+    first: float
+    least: float
+    most: float
+    up: float
+    down: float
+    by_curvature: bool
+    trusted: float
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """Where the loop ended.
+
+    Attributes
+    ----------
+    x : ndarray, shape (n,)
+    cost : float
+        There.
+    steps : int
+        Taken, the last one after the criterion was met not counted.
+    converged : bool
+        Whether the predicted reduction is enough.
+    predicted : float
+        The predicted reduction; infinite where it cannot be computed.
+    reason : str
+        Why there is no optimum: empty where it converged, or where `steps` or `stop` ended the loop.
+    """
+
+    x: FloatArray
+    cost: float
+    steps: int
+    converged: bool
+    predicted: float
+    reason: str = ""
+
+
+def minimize(
+    objective: Objective,
+    x: FloatArray,
+    lower: FloatArray,
+    upper: FloatArray,
+    enough: Callable[[FloatArray, float], float],
+    damping: Damping,
+    *,
+    steps: int,
+    constraints: Constraints | None = None,
+    stop: Callable[[], bool] = lambda: False,
+) -> Minimum:
+    """Take damped Gauss-Newton steps until the predicted reduction is small enough.
+
+    Parameters
+    ----------
+    objective : Objective
+    x, lower, upper : ndarray, shape (n,)
+        Start, within the bounds, and the bounds.
+    enough : callable
+        Of x and the cost there: the predicted reduction at which the point counts as the optimum. The step that still
+        promises it is taken.
+    damping : Damping
+    steps : int
+        Upper limit; with 0 the start is only judged.
+    constraints : Constraints, optional
+    stop : callable
+        Called after every step: whether to end there.
+
+    Returns
+    -------
+    Minimum
+        Also where the start violates a constraint, something is not finite, or no step is accepted.
+
+    Examples
+    --------
+    >>> class Line:  # residuals 2 x - 3
+    ...     def cost(self, x):
+    ...         return float(0.5 * (2.0 * x - 3.0) @ (2.0 * x - 3.0))
+    ...     def derivatives(self, x):
+    ...         return self.cost(x), 2.0 * (2.0 * x - 3.0), np.full((1, 1), 4.0)
+    >>> levenberg = Damping(1e-9, 1e-9, 1.0, 10.0, 0.0, by_curvature=False, trusted=0.1)
+    >>> zero, one = np.zeros(1), np.ones(1)
+    >>> free = minimize(Line(), zero, -9.0 * one, 9.0 * one, lambda x, cost: 1e-12, levenberg, steps=9)
+    >>> bounded = minimize(Line(), zero, -one, one, lambda x, cost: 1e-12, levenberg, steps=9)
+    >>> free.x.round(6).tolist(), bounded.x.tolist(), free.converged
+    ([1.5], [1.0], True)
+    """
+    limits = constraints or Unconstrained()
+    damped = damping.first
+    with threadpool_limits(limits=1, user_api="blas"):  # matrices too small to share
+        for taken in range(steps + 1):
+            here = _Point.at(objective, limits, x, lower, upper)
+            if here.reason:
+                return Minimum(x, here.cost, taken, converged=False, predicted=np.inf, reason=here.reason)
+            tolerance = enough(x, here.cost)
+            found = here.step(damping, damped, tolerance)
+            if found.predicted <= tolerance:
+                last = found.x if found.x is not None and steps else x
+                cost = found.cost if found.x is not None and steps else here.cost
+                return Minimum(last, cost, taken, converged=True, predicted=found.predicted)
+            if found.x is None or taken == steps or stop():
+                reason = "no step is accepted" if found.x is None else ""
+                return Minimum(x, here.cost, taken, converged=False, predicted=found.predicted, reason=reason)
+            x, damped = found.x, max(found.damping * damping.down, damping.least)
+    raise AssertionError("the loop returns at its last step")
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """The step from a point: the predicted reduction, and where it leads (None: nowhere) at which damping."""
+
+    predicted: float
+    x: FloatArray | None
+    cost: float
+    damping: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """A point with the model of the cost and of the constraints there."""
+
+    objective: Objective
+    constraints: Constraints
+    x: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    cost: float
+    gradient: FloatArray
+    matrix: FloatArray
+    values: FloatArray
+    slopes: FloatArray
+    reason: str
+
+    @classmethod
+    def at(
+        cls, objective: Objective, constraints: Constraints, x: FloatArray, lower: FloatArray, upper: FloatArray
+    ) -> _Point:
+        cost, gradient, matrix = objective.derivatives(x)
+        values, slopes = constraints.values(x), constraints.slopes(x)
+        reason = ""
+        if not np.isfinite(cost) or not all(np.isfinite(each).all() for each in (gradient, matrix, values, slopes)):
+            reason = "cost, constraints or derivatives are not finite"
+        elif not constraints.satisfied(values):
+            beyond = max(np.max(constraints.low - values), np.max(values - constraints.high))
+            reason = f"a constraint is violated by {beyond:.0e} of its size"
+        return cls(objective, constraints, x, lower, upper, cost, gradient, matrix, values, slopes, reason)
+
+    def step(self, damping: Damping, damped: float, tolerance: float) -> _Step:
+        """Return the step of the least damped model that is trusted, and its predicted reduction.
+
+        Where the reduction is not worth a step, a model need not be trusted, as more damping predicts less. A step is
+        tried all the same: the last one leads exactly to the bounds and constraints that hold the optimum.
+        """
+        predicted = np.inf
+        while damped <= damping.most:
+            reduction, after, cost = self._tried(damped, damping)
+            if not np.isfinite(predicted) or predicted > tolerance:
+                predicted = reduction
+            if after is not None:
+                return _Step(predicted, after, cost, damped)
+            damped *= damping.up
+        return _Step(predicted, None, self.cost, damped)
+
+    def _tried(self, damped: float, damping: Damping) -> tuple[float, FloatArray | None, float]:
+        """Return the predicted reduction of a damped model, and where it leads with the cost there if trusted."""
+        n = len(self.x)
+        size = np.sqrt(np.diag(self.matrix)) if damping.by_curvature else np.ones(n)
+        size = np.where(size > 0.0, size, 1.0)  # steps are scaled, so that the damping is the identity
+        matrix = self.matrix / np.outer(size, size) + damped * np.eye(n)
+        rows = np.concatenate([np.eye(n), self.slopes / size])
+        now, predicted = self.values, np.inf
+        for correction in range(1 + CORRECTIONS):
+            least = np.concatenate([(self.lower - self.x) * size, self.constraints.low - now])
+            most = np.concatenate([(self.upper - self.x) * size, self.constraints.high - now])
+            if not correction:  # what is satisfied within the tolerance is satisfied
+                least, most = np.minimum(least, 0.0), np.maximum(most, 0.0)
+            try:
+                scaled, reduction = best_step(self.gradient / size, matrix, rows, least, most)
+            except np.linalg.LinAlgError:
+                break
+            predicted = reduction if not correction else predicted
+            step = scaled / size
+            after = np.clip(self.x + step, self.lower, self.upper)
+            values = self.constraints.values(after)
+            if self.constraints.satisfied(values):
+                cost = self.objective.cost(after)
+                return predicted, after if self.cost - cost > damping.trusted * predicted else None, cost
+            now = values - self.slopes @ step
+        return predicted, None, self.cost

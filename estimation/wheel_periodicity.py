@@ -1,0 +1,151 @@
+"""What repeats with the wheel's revolution in residuals: runout, imbalance, non-uniformity of the tire.
+
+The wheel turns by distance / R_e. The effective rolling radius R_e is searched for: the radius at which the residuals
+repeat best, in short stretches, over all channels of a recording together. What stretches show at other radii is noise
+and is subtracted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import tau
+
+import numpy as np
+import numpy.typing as npt
+from scipy import stats
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Length of a stretch, s, and the largest number of stretches of a recording that are evaluated.
+STRETCH, MOST_STRETCHES = 2.5, 60
+#: The radii that are tried, as shares of the expected one, and their number.
+RADII, TRIED = (0.5, 1.6), 160
+#: The fewest samples in a revolution, and revolutions in a stretch.
+FEWEST_SAMPLES, FEWEST_TURNS = 4.0, 4.0
+#: The fewest rows of a stretch, and the share of them that every channel has to have.
+FEWEST_ROWS, MEASURED = 16, 0.8
+#: A channel repeats significantly where its power is this many times what the other radii show (median), and more than
+#: noise has at any radius with this probability.
+SIGNIFICANT, BY_CHANCE = 5.0, 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Periodicity:
+    """What the channels of a recording do once per revolution.
+
+    Attributes
+    ----------
+    radius : float
+        m, at which they repeat best.
+    frequency : float
+        1/s, of the wheel, on average.
+    amplitude : ndarray, shape (n_channels,)
+        Of the first harmonic, in the channel's unit, without what noise adds.
+    share : ndarray, shape (n_channels,)
+        Of the mean square of the residual.
+    significant : ndarray of bool, shape (n_channels,)
+        Whether it is more than other radii show.
+    """
+
+    radius: float
+    frequency: float
+    amplitude: FloatArray
+    share: FloatArray
+    significant: npt.NDArray[np.bool_]
+
+
+def once_per_revolution(
+    t: FloatArray, speed: FloatArray, residual: FloatArray, segment: npt.NDArray[np.int64], radius: float
+) -> Periodicity | None:
+    """Search for what repeats with the wheel's revolution.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,), s
+        At about equal steps within a segment.
+    speed : ndarray, shape (n,), m/s
+        Circumferential speed of the wheel.
+    residual : ndarray, shape (n_channels, n)
+        NaN where a row takes no part.
+    segment : ndarray of int, shape (n,)
+        Rows that were logged without a gap have one number.
+    radius : float, m
+        About which the rolling radius is searched for (`RADII`).
+
+    Returns
+    -------
+    Periodicity or None
+        None where no stretch is long enough for any radius.
+
+    Examples
+    --------
+    >>> t, rng = np.arange(6000) / 100.0, np.random.default_rng(0)
+    >>> turning = 3.0 * np.sin(10.0 * t / 0.2) + rng.standard_normal(6000)
+    >>> found = once_per_revolution(t, np.full(6000, 10.0), turning[None], np.zeros(6000, dtype=int), 0.25)
+    >>> round(found.radius, 2), found.amplitude.round(1).tolist(), found.significant.tolist()
+    (0.2, [3.0], [True])
+    """
+    step = float(np.median(np.diff(t))) if len(t) > 1 else 0.0
+    stretches = list(_stretches(speed, residual, segment, step))
+    if not stretches:
+        return None
+    radii = radius * np.geomspace(*RADII, TRIED)
+    chosen = stretches[:: -(-len(stretches) // MOST_STRETCHES)]
+    power, square, advance = _spectra(chosen, radii)
+    known = np.isfinite(power).all(axis=1)
+    if not known.any():
+        return None
+    typical = np.median(power[known], axis=0)
+    best = int(np.flatnonzero(known)[np.argmax((power[known] / np.maximum(typical, 1e-30)).sum(axis=1))])
+    above = np.maximum(power[best] - typical, 0.0)
+    share = np.where(square > 0.0, above / 2.0 / np.where(square > 0.0, square, 1.0), 0.0)
+    frequency = float(advance / step / (tau * radii[best]))
+    significant = power[best] > _threshold(len(chosen)) * typical
+    return Periodicity(float(radii[best]), frequency, np.sqrt(above), share, significant)
+
+
+def _threshold(stretches: int) -> float:
+    """Return the significant ratio of power to the median: the power of noise is chi-squared, two degrees a stretch."""
+    noise = stats.chi2(2 * stretches)
+    return max(SIGNIFICANT, float(noise.isf(BY_CHANCE / TRIED) / noise.median()))
+
+
+def _stretches(
+    speed: FloatArray, residual: FloatArray, segment: npt.NDArray[np.int64], step: float
+) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Yield the distance that the wheel rolled, shape (n,), and the residuals on it, shape (n, n_channels)."""
+    length = int(STRETCH / step) if step > 0 else 0
+    if length < FEWEST_ROWS or not len(residual):
+        return
+    for rows in np.split(np.arange(len(speed)), np.flatnonzero(np.diff(segment)) + 1):
+        for start in range(0, len(rows) - length + 1, length):
+            piece = rows[start : start + length]
+            there = np.isfinite(residual[:, piece])
+            if np.all(speed[piece] > 0) and there.mean(axis=1).min() >= MEASURED:
+                complete = [
+                    values if known.all() else np.interp(piece, piece[known], values[known])
+                    for values, known in zip(residual[:, piece], there, strict=True)
+                ]
+                yield np.cumsum(speed[piece]) * step, np.stack(complete, axis=1)
+
+
+def _spectra(stretches: list[tuple[FloatArray, FloatArray]], radii: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    """Return the mean squared amplitude by radius and channel, the mean square, and the distance from row to row."""
+    channels = stretches[0][1].shape[1]
+    power, square, advances = np.zeros((len(radii), channels)), np.zeros(channels), 0.0
+    for distance, residual in stretches:
+        advance = float(distance[-1] - distance[0]) / (len(distance) - 1)
+        too_fast = tau * radii < FEWEST_SAMPLES * advance
+        too_slow = tau * radii * FEWEST_TURNS > distance[-1] - distance[0]
+        window = np.hanning(len(distance))
+        place = distance - distance.mean()
+        slow = np.vander(place / place[-1], 3)
+        centred = (residual - slow @ np.linalg.lstsq(slow, residual, rcond=None)[0]) * window[:, None]
+        turning = np.exp(-1j * place / radii[:, None])
+        power += np.abs(2.0 * turning @ centred / window.sum()) ** 2
+        power[too_fast | too_slow] = np.nan
+        square += np.mean(residual**2, axis=0)
+        advances += advance
+    count = len(stretches)
+    return power / count, square / count, advances / count

@@ -1,0 +1,130 @@
+"""The conditions of a fit: where they are imposed, where they are verified, what broke them, and their margins."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.tires.code import fastest_code
+from tirefmu.tires.tire import Tire
+
+from .constraint_functions import measured_values
+from .physical import TOLERANCE, Constraint, grid
+
+FloatArray = npt.NDArray[np.float64]
+#: How much denser than where they are imposed the grid is on which conditions are verified, at the end and on the way
+#: there; and how many points of a broken one are added at a time.
+VERIFIED, APPROACHED, MOST_ADDED = 4, 2, 12
+#: A condition and points at which it holds, shape (n_inputs, n_points).
+Placed = tuple[Constraint, FloatArray]
+
+
+@dataclass(frozen=True)
+class Margin:
+    """The tightest place of a constraint, verified on a denser grid than it was imposed on.
+
+    Attributes
+    ----------
+    constraint : str
+        As it is written: ``E_x <= 1``.
+    worst : float
+        Value of the quantity there, or of how it goes with load.
+    margin : float
+        Distance to the bound; negative where it is broken.
+    at : dict of str to float
+        The inputs there.
+    name : str
+        What switches it: ``curvature:E_x``.
+    """
+
+    constraint: str
+    worst: float
+    margin: float
+    at: dict[str, float]
+    name: str = ""
+
+
+class VerifiedConstraints:
+    """What a tire keeps over its operating range.
+
+    Parameters
+    ----------
+    tire : Tire
+        Of the model, effects and nominal values that are fitted.
+    by_output : mapping of str to sequence of Constraint
+        Those of each output; what belongs to an effect that the tire lacks is left out.
+    ranges : mapping of str to (float, float)
+        Smallest and largest value of each input.
+
+    Attributes
+    ----------
+    broken : list of (Constraint, ndarray of shape (n_inputs, n_points))
+        What verifying has added so far.
+    """
+
+    def __init__(
+        self,
+        tire: Tire,
+        by_output: Mapping[str, Sequence[Constraint]],
+        ranges: Mapping[str, tuple[float, float]],
+    ) -> None:
+        self.broken: list[Placed] = []
+        self._book, self._inputs, self._ranges = tire.book, tire.inputs, dict(ranges)
+        self._nominal = {name: tire.nominal(name) for name in tire.inputs}
+        self._by_output = {
+            output: [each for each in own if not each.effect or each.effect in tire.has]
+            for output, own in by_output.items()
+        }
+        self._grids: dict[tuple[tuple[str, ...], bool, int], FloatArray] = {}
+        #: Parameters, and by grid all quantities there.
+        self._evaluated: tuple[FloatArray, dict[int, tuple[FloatArray, FloatArray]]] = (np.zeros(0), {})
+
+    def of(self, outputs: Sequence[str], *, density: int = 0) -> list[Placed]:
+        """Return the conditions of some outputs on a grid: on its corners, or denser where they are verified."""
+        placed = []
+        for constraint in (each for output in outputs for each in self._by_output.get(output, ())):
+            key = constraint.over, constraint.kind == "extrapolation", density
+            if key not in self._grids:
+                self._grids[key] = grid(constraint, self._ranges, self._nominal, density=density)
+            placed.append((constraint, self._grids[key]))
+        return placed
+
+    def violations(self, placed: Sequence[Placed], parameters: FloatArray) -> list[Placed]:
+        """Return, and remember, the worst point of each broken condition and some of the others that break it."""
+        broken = []
+        for constraint, points in placed:
+            distance = constraint.distance(self._values(constraint, points, parameters))
+            outside = np.flatnonzero(distance < -TOLERANCE)
+            if outside.size:
+                order = outside[np.argsort(distance[outside], kind="stable")]
+                some = np.unique(np.linspace(0, len(order) - 1, MOST_ADDED).astype(int))
+                broken.append((constraint, points[:, order[some]]))
+        self.broken += broken
+        return broken
+
+    def margins(self, outputs: Sequence[str], parameters: FloatArray) -> tuple[Margin, ...]:
+        """Verify every condition on a grid denser than the one that it was imposed on."""
+        margins = []
+        for constraint, points in self.of(outputs, density=VERIFIED):
+            values = self._values(constraint, points, parameters)
+            distance = constraint.distance(values)
+            worst = int(np.argmin(distance))
+            at = {name: float(points[i, worst]) for i, name in enumerate(self._inputs) if name in constraint.over}
+            margins.append(Margin(constraint.text, float(values[worst]), float(distance[worst]), at, constraint.name))
+        return tuple(margins)
+
+    def _values(self, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Return what a constraint bounds; quantities on one grid are evaluated together."""
+        if constraint.measure != "value":
+            return measured_values(self._book, constraint, points, parameters)
+        code = fastest_code(self._book)
+        if not np.array_equal(self._evaluated[0], parameters):
+            self._evaluated = parameters.copy(), {}
+        grids = self._evaluated[1]
+        if id(points) not in grids:
+            grids[id(points)] = points, code.quantities(points, parameters)
+        values: FloatArray = grids[id(points)][1][code.quantities_names.index(constraint.quantity)]
+        return values

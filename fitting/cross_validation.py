@@ -1,0 +1,138 @@
+"""How well a fitted tire foretells conditions that it has not seen: blocked cross-validation.
+
+Rows of one sweep are much alike, so rows left out at random are no test. Whole held conditions are left out: a load
+at an inclination and a pressure, with its up and down sweeps and its repeats.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.estimation.noise_floor import MOST_LEVELS
+from tirefmu.measurements import Recording, TableLike, group_by_condition, recordings_from
+from tirefmu.symbolic.errors import FitError
+from tirefmu.tires.code import fastest_code
+from tirefmu.tires.tire import Tire
+
+from .fit import NOMINAL, fit
+from .problem.weighted_residuals import Rows
+from .results.fit_result import FitResult
+from .results.records import HeldOut
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def cross_validate(
+    tables: TableLike | Iterable[TableLike],
+    model: str | None = None,
+    *,
+    folds: int = 4,
+    seed: int = 0,
+    whole: FitResult | None = None,
+    **options: Any,
+) -> tuple[HeldOut, ...]:
+    """Fit once to everything, then without each part of the held conditions, and compare.
+
+    Parameters
+    ----------
+    tables : path, DataFrame or Recording, or a sequence of them
+    model : str, optional
+        As for `tirefmu.fitting.fit`.
+    folds : int
+        Into how many parts the conditions of every recording are dealt, at random.
+    seed : int
+    whole : FitResult, optional
+        The fit to everything, where it is already there.
+    **options
+        Those of `tirefmu.fitting.fit`.
+
+    Returns
+    -------
+    tuple of HeldOut
+
+    Raises
+    ------
+    FitError
+        If there are fewer than two folds, or fewer conditions than folds in every recording.
+    """
+    recordings = recordings_from(tables, signs=options.pop("signs", None))
+    parts = deal(recordings, folds, seed)
+    whole = fit(recordings, model, **options) if whole is None else whole
+    model = whole.tire.model
+    # The nominal values belong to the meaning of the coefficients: those of the whole.
+    nominal = {name: whole.tire.values[key] for name, key in NOMINAL.items() if key in whole.tire.values}
+    foretold = [np.full((len(recording), len(whole.tire.outputs)), np.nan) for recording in recordings]
+    for fold in range(folds):
+        kept = [
+            replace(recording, table=recording.table[part != fold])
+            for recording, part in zip(recordings, parts, strict=True)
+            if (part != fold).any()
+        ]
+        tire = fit(kept, model, **{**options, "nominal": nominal}).tire
+        for computed, recording, part in zip(foretold, recordings, parts, strict=True):
+            left = part == fold
+            if left.any():
+                computed[left] = _computed(tire, replace(recording, table=recording.table[left]))
+    return tuple(
+        HeldOut(c.recording, c.channel, c.unit, c.rows, c.rmse, error)
+        for c, error in zip(whole.channels, _errors(whole.channels, recordings, foretold, whole.tire), strict=True)
+    )
+
+
+def deal(tables: TableLike | Iterable[TableLike], folds: int, seed: int = 0) -> list[npt.NDArray[np.int64]]:
+    """Return the fold of each row of each recording.
+
+    Parameters
+    ----------
+    tables : path, DataFrame or Recording, or a sequence of them
+    folds, seed : int
+
+    Returns
+    -------
+    list of ndarray of int, each of shape (n,)
+
+    Raises
+    ------
+    FitError
+        If there are fewer than two folds, or fewer conditions than folds in every recording.
+    """
+    if folds < 2:
+        raise FitError(f"{folds} folds: it takes two at least")
+    parts = [_dealt(recording, folds, np.random.default_rng(seed)) for recording in recordings_from(tables)]
+    if not any(len(set(part)) == folds for part in parts):
+        raise FitError(f"{folds} folds need as many held conditions in some recording")
+    return parts
+
+
+def _dealt(recording: Recording, folds: int, random: np.random.Generator) -> npt.NDArray[np.int64]:
+    """Return the fold of each row: conditions shuffled and dealt like cards."""
+    conditions = group_by_condition(recording, most_levels=MOST_LEVELS).labels
+    places = random.permutation(int(conditions.max(initial=0)) + 1)
+    return np.asarray(places[conditions] % folds, dtype=np.int64)
+
+
+def _computed(tire: Tire, recording: Recording) -> FloatArray:
+    """Return forces in adapted SAE, shape (n, n_forces)."""
+    ours = tire.in_signs("adapted-sae")
+    rows = Rows.of(recording.with_signs("adapted-sae").table, ours, ())
+    return fastest_code(ours.book).forces(ours.asked(rows.inputs), ours.parameters()).T
+
+
+def _errors(
+    channels: Sequence[Any], recordings: Sequence[Recording], foretold: Sequence[FloatArray], tire: Tire
+) -> list[float]:
+    """Return the root mean square error of every channel that the whole fit tells of."""
+    names = list(dict.fromkeys(channel.recording for channel in channels))
+    places: Mapping[str, int] = {name: number for number, name in enumerate(names)}
+    errors = []
+    for channel in channels:
+        number = places[channel.recording]
+        table = recordings[number].with_signs("adapted-sae").table
+        missed = foretold[number][:, tire.outputs.index(channel.channel)] - table[channel.channel].to_numpy(dtype=float)
+        errors.append(float(np.sqrt(np.nanmean(missed**2))))
+    return errors

@@ -1,0 +1,1 @@
+"""What the data show of a finished fit: residuals, uncertainty, identifiability, consistency."""

@@ -1,0 +1,132 @@
+"""What a fit misses, row by row, and under which held condition each row was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import degrees
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.estimation.noise_floor import held_levels
+from tirefmu.measurements import CHANNELS
+from tirefmu.tires.code import fastest_code
+from tirefmu.tires.signs import reversed_columns
+from tirefmu.tires.tire import Tire
+
+from ..problem.weighted_residuals import Rows
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+
+#: The held inputs that make a nominal condition; the slips run within it.
+NOMINAL_INPUTS = ("Fz", "gamma", "p", "V")
+#: Into how many parts the range of a slip is divided, to compare rows at equal slip.
+SLIP_PARTS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Residuals:
+    """Measured rows beside a tire.
+
+    Attributes
+    ----------
+    table : pandas.DataFrame
+        In adapted SAE, with the columns ``recording`` and ``segment``; NaN where a channel is not fitted.
+    sources : tuple of str
+        Name of each recording.
+    tire : Tire
+        In adapted SAE.
+    signs : str
+        The convention in which differences are told.
+    """
+
+    table: pd.DataFrame
+    sources: tuple[str, ...]
+    tire: Tire
+    signs: str
+
+    @cached_property
+    def channels(self) -> tuple[str, ...]:
+        """The outputs that were fitted."""
+        return tuple(name for name in self.tire.outputs if name in self.table and self.table[name].notna().any())
+
+    @cached_property
+    def computed(self) -> Mapping[str, FloatArray]:
+        """The tire's channels at every row, each of shape (n,)."""
+        rows = Rows.of(self.table, self.tire, ())
+        forces = fastest_code(self.tire.book).forces(self.tire.asked(rows.inputs), self.tire.parameters())
+        return {name: forces[self.tire.outputs.index(name)] for name in self.channels}
+
+    @cached_property
+    def missed(self) -> Mapping[str, FloatArray]:
+        """Measured less computed, each of shape (n,); NaN where not measured."""
+        return {name: self.table[name].to_numpy(dtype=float) - self.computed[name] for name in self.channels}
+
+    @cached_property
+    def recording(self) -> IntArray:
+        """The number of each row's recording."""
+        return self.table["recording"].to_numpy(dtype=np.int64)
+
+    @cached_property
+    def segment(self) -> IntArray:
+        """The number of each row's segment, over all recordings."""
+        return self.table["segment"].to_numpy(dtype=np.int64)
+
+    @cached_property
+    def levels(self) -> Mapping[str, Sequence[float]]:
+        """The levels of each input that was held at several, over all recordings."""
+        varied = [name for name in NOMINAL_INPUTS if name in self.table and np.ptp(self.table[name].to_numpy()) > 0]
+        found = {name: held_levels(self.table[name]) for name in varied}
+        return {name: held for name, held in found.items() if len(held) > 1}
+
+    @cached_property
+    def condition(self) -> IntArray:
+        """The number of each row's held condition: the nearest level of each held input."""
+        number = np.zeros(len(self.table), dtype=np.int64)
+        for name, held in self.levels.items():
+            away = np.abs(self.table[name].to_numpy(dtype=float)[:, None] - np.array(held))
+            number = number * len(held) + away.argmin(axis=1)
+        return number
+
+    def at(self, condition: int) -> dict[str, float]:
+        """Return the levels of a held condition by its number."""
+        told: dict[str, float] = {}
+        for name, held in reversed(list(self.levels.items())):
+            condition, place = divmod(condition, len(held))
+            told[name] = float(held[place])
+        return dict(reversed(list(told.items())))
+
+    @cached_property
+    def cell(self) -> IntArray:
+        """A number for each row: rows of one condition at equal slips have the same."""
+        number = self.condition.copy()
+        for name in ("kappa", "alpha"):
+            if name in self.table and np.ptp(self.table[name].to_numpy()) > 0:
+                values = self.table[name].to_numpy(dtype=float)
+                part = ((values - values.min()) / np.ptp(values) * SLIP_PARTS).astype(np.int64)
+                number = number * SLIP_PARTS + np.minimum(part, SLIP_PARTS - 1)
+        return number
+
+    def turned(self, channel: str) -> float:
+        """Return -1 for a channel that changes its sign on the way to the told convention."""
+        return -1.0 if channel in reversed_columns("adapted-sae", self.signs) else 1.0
+
+
+def condition_text(at: Mapping[str, float]) -> str:
+    """Return a held condition in words, in the units that a bench is run in.
+
+    Examples
+    --------
+    >>> condition_text({"Fz": 1100.0, "gamma": 0.0349, "p": 83e3})
+    'Fz 1100 N, gamma 2 deg, p 83 kPa'
+    """
+    scales = {"gamma": (degrees(1.0), "deg", 1), "alpha": (degrees(1.0), "deg", 1), "p": (1e-3, "kPa", 0)}
+    told = []
+    for name, value in at.items():
+        scale, unit, digits = scales.get(name, (1.0, CHANNELS[name].unit.replace("-", ""), 3 if name == "kappa" else 0))
+        told.append(f"{name} {round(value * scale, digits) + 0.0:.12g} {unit}".rstrip())  # + 0.0: no -0
+    return ", ".join(told)

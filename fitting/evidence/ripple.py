@@ -1,0 +1,81 @@
+"""What repeats with the wheel's revolution in the residuals of a fit, recording by recording."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from math import nan
+
+import numpy as np
+
+from tirefmu.estimation.wheel_periodicity import once_per_revolution
+
+from .residuals import Residuals
+
+
+@dataclass(frozen=True)
+class Ripple:
+    """What a channel of a recording does once per revolution.
+
+    Attributes
+    ----------
+    recording, channel, unit : str
+    amplitude : float
+        Of the first harmonic, in the channel's unit, without what noise adds.
+    share : float
+        Of the mean square that the fit misses.
+    frequency : float
+        1/s, of the wheel, on average.
+    radius : float
+        m, at which it repeats.
+    stands_out : bool
+        Whether it is more than other periods show.
+    """
+
+    recording: str
+    channel: str
+    unit: str
+    amplitude: float
+    share: float
+    frequency: float
+    radius: float
+    stands_out: bool
+
+
+def ripple(residuals: Residuals) -> tuple[Ripple, ...]:
+    """Look for what repeats with the wheel's revolution.
+
+    Parameters
+    ----------
+    residuals : Residuals
+
+    Returns
+    -------
+    tuple of Ripple
+        One for each recording and channel; none where the data have no clock or no speed.
+    """
+    own = residuals.tire.values.get("UNLOADED_RADIUS", nan)
+    if not {"t", "V"} <= set(residuals.table.columns) or not own > 0:
+        return ()
+    return tuple(each for number in range(len(residuals.sources)) for each in _of_recording(residuals, number, own))
+
+
+def _of_recording(residuals: Residuals, number: int, radius: float) -> Iterator[Ripple]:
+    """Yield the ripple of each channel of a recording."""
+    here = residuals.recording == number
+    channels = [name for name in residuals.channels if np.isfinite(residuals.missed[name][here]).any()]
+    if not channels:
+        return
+    t, speed = (residuals.table[name].to_numpy(dtype=float)[here] for name in ("t", "V"))
+    if "kappa" in residuals.table:
+        speed = speed * (1.0 + residuals.table["kappa"].to_numpy(dtype=float)[here])
+    missed = np.stack([residuals.missed[name][here] for name in channels])
+    found = once_per_revolution(t, speed, missed, residuals.segment[here], radius)
+    if found is None:
+        return
+    units = {output.name: output.unit for output in residuals.tire.book.outputs}
+    for i, channel in enumerate(channels):
+        yield Ripple(
+            residuals.sources[number], channel, units[channel], float(found.amplitude[i]), float(found.share[i]),
+            found.frequency, found.radius, bool(found.significant[i]),
+        )  # fmt: skip

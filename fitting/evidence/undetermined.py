@@ -1,0 +1,309 @@
+"""Why a coefficient is not determined: the least that a bench would have to do beside, for the data to tell.
+
+Programs that a bench could run are evaluated with the tire's exact derivatives: further loads, inclinations, pressures,
+more slip, both slips together, turn slip; one of them, or else two. The one that determines a coefficient best, if to
+one of its sizes (a quarter of its plausible range) at least, names what the data lack.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations, product
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.tires.code import fastest_code
+from tirefmu.tires.tire import Tire
+
+from ..problem.weighted_residuals import LEAST_NOISE, OWN_SLIP
+from .residuals import Residuals
+from .uncertainty import OPEN
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Measured rows that stand for all, and how many independent rows a further program is worth.
+SAMPLE, WORTH = 2000, 300.0
+#: The information along a direction of which nothing tells.
+LEAST = 1e-9
+#: How a slip has to be, or to reach, for a program with more of it, rad or 1.
+FULL_SLIP = {"kappa": 0.3, "alpha": 0.25}
+#: A slip of less than this is none, and a load whose sweeps reach less than this share of the others' reaches short.
+NO_SLIP, SHORT = 0.02, 0.8
+#: An inclination of less than this is none, rad.
+NO_INCLINATION = 0.01
+#: What further programs vary.
+PROGRAMS = ("Fz", "gamma", "p", "kappa", "alpha", "both", "phit")
+
+
+@dataclass(frozen=True)
+class Undetermined:
+    """Coefficients that the data leave open, and why.
+
+    Attributes
+    ----------
+    coefficients : tuple of str
+        One that no row responds to, several of which only a combination counts, or those that lie on a bound.
+    reason : str
+        What the data lack; of a coefficient on a bound also that they ask for more.
+    """
+
+    coefficients: tuple[str, ...]
+    reason: str
+
+
+def undetermined(
+    residuals: Residuals, free: Sequence[str], open_: Sequence[tuple[str, ...]], effective: Mapping[str, float]
+) -> tuple[Undetermined, ...]:
+    """Say of each set of open coefficients what the data lack.
+
+    Parameters
+    ----------
+    residuals : Residuals
+    free : sequence of str
+        The coefficients that the data had to determine.
+    open_ : sequence of tuple of str
+        The sets, their names among `free`.
+    effective : mapping of str to float
+        Independent rows of each channel.
+
+    Returns
+    -------
+    tuple of Undetermined
+        Sets with one reason are put together.
+    """
+    if not open_:
+        return ()
+    asked = _Asked(residuals, tuple(free), effective)
+    found: dict[str, list[str]] = {}
+    for names in open_:
+        found.setdefault(asked.reason(names), []).extend(names)
+    return tuple(Undetermined(tuple(dict.fromkeys(names)), reason) for reason, names in found.items())
+
+
+def at_bounds(
+    residuals: Residuals, free: Sequence[str], bounded: Sequence[str], effective: Mapping[str, float]
+) -> tuple[Undetermined, ...]:
+    """Say of coefficients on a bound whether the data drove them there, or left them to it.
+
+    Parameters
+    ----------
+    residuals : Residuals
+    free : sequence of str
+        The coefficients that the data had to determine, with those on a bound.
+    bounded : sequence of str
+        Those on a bound.
+    effective : mapping of str to float
+        Independent rows of each channel.
+
+    Returns
+    -------
+    tuple of Undetermined
+        Those with one reason are put together.
+    """
+    if not bounded:
+        return ()
+    asked = _Asked(residuals, tuple(free), effective)
+    found: dict[str, list[str]] = {}
+    for name in bounded:
+        reason = "the data ask for more" if asked.holds(name) else f"only the bound holds it, {asked.reason([name])}"
+        found.setdefault(f"at a bound: {reason}", []).append(name)
+    return tuple(Undetermined(tuple(names), reason) for reason, names in found.items())
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """What the data know, and what further programs would."""
+
+    residuals: Residuals
+    free: tuple[str, ...]
+    effective: Mapping[str, float]
+
+    def holds(self, name: str) -> bool:
+        """Return whether the data determine a coefficient as they are."""
+        return bool(_spreads(self._known)[self.free.index(name)] <= OPEN)
+
+    def reason(self, names: Sequence[str]) -> str:
+        """Return what the data lack to determine some coefficients."""
+        places = [self.free.index(name) for name in names]
+        for count in (1, 2):
+            spreads = {p: self._spreads[p][places].max() for p in self._programs if len(p) == count}
+            best = min(spreads, key=lambda program: spreads[program])
+            if spreads[best] <= OPEN:
+                return self._lacking(best, places[0])
+        alone = max(float(matrix[places[0], places[0]]) for matrix in self._information.values())
+        if len(names) == 1 and alone < 1.0 / OPEN**2:
+            return "hardly any force changes where the others have the values found"
+        return "other coefficients do the same at every load, slip, inclination and pressure tried"
+
+    @cached_property
+    def _programs(self) -> list[tuple[str, ...]]:
+        inputs = {*self.residuals.tire.inputs, "both"}
+        single = [name for name in PROGRAMS if name in inputs]
+        return [*((name,) for name in single), *combinations(single, 2)]
+
+    @cached_property
+    def _sigma(self) -> Mapping[str, float]:
+        """The noise of each channel; numbers without noise leave only rounding."""
+        missed, table = self.residuals.missed, self.residuals.table
+        return {
+            name: max(
+                _root_mean_square(missed[name]), LEAST_NOISE * _root_mean_square(table[name].to_numpy(dtype=float))
+            )
+            for name in self.residuals.channels
+        }
+
+    @cached_property
+    def _known(self) -> FloatArray:
+        """The information in the data, in the sizes of the coefficients."""
+        rows = np.random.default_rng(0).permutation(len(self.residuals.table))[:SAMPLE]
+        table = self.residuals.table.iloc[np.sort(rows)]
+        inputs = np.stack([
+            table[name].to_numpy(dtype=float) if name in table else np.full(len(table), self._tire.nominal(name))
+            for name in self._tire.inputs
+        ])  # fmt: skip
+        there = {name: np.isfinite(table[name].to_numpy(dtype=float)) for name in self.residuals.channels}
+        return self._weighed(inputs, there, self.effective)
+
+    @cached_property
+    def _information(self) -> Mapping[tuple[str, ...], FloatArray]:
+        return {program: self._weighed(self._rows(program), {}, {}) for program in self._programs}
+
+    @cached_property
+    def _spreads(self) -> Mapping[tuple[str, ...], FloatArray]:
+        """The standard deviation of every coefficient, in its sizes, after each program."""
+        return {program: _spreads(self._known + more) for program, more in self._information.items()}
+
+    @property
+    def _tire(self) -> Tire:
+        return self.residuals.tire
+
+    def _weighed(
+        self,
+        inputs: FloatArray,
+        there: Mapping[str, npt.NDArray[np.bool_]],
+        worth: Mapping[str, float],
+        only: str = "",
+    ) -> FloatArray:
+        """Return the information of rows; of channels where they were measured, or of one channel."""
+        tire = self._tire
+        order = list(tire.book.parameters)
+        columns = np.array([order.index(name) for name in self.free])
+        reach = self._sizes * np.array([tire.rescaled.get(name, 1.0) for name in self.free])
+        jacobian = fastest_code(tire.book).jacobian_parameters(tire.asked(inputs), tire.parameters())
+        matrix = np.zeros((len(self.free), len(self.free)))
+        for name, sigma in self._sigma.items():
+            part = np.nan_to_num(jacobian[:, tire.outputs.index(name), columns]) * reach
+            part = part[there[name]] if name in there else part
+            if len(part) and sigma > 0 and only in ("", name):
+                matrix += worth.get(name, WORTH) / len(part) * part.T @ part / sigma**2
+        return matrix
+
+    @cached_property
+    def _sizes(self) -> FloatArray:
+        cards = [self._tire.book.coefficients[name] for name in self.free]
+        spans = [0.25 * (card.upper - card.lower) for card in cards]
+        return np.array([span if np.isfinite(span) else 1.0 for span in spans])
+
+    @cached_property
+    def _ranges(self) -> Mapping[str, tuple[float, float]]:
+        table = self.residuals.table
+        nominal = {name: (self._tire.nominal(name),) * 2 for name in self._tire.inputs if name not in table}
+        measured = [name for name in self._tire.inputs if name in table]
+        return {**nominal, **{name: (float(table[name].min()), float(table[name].max())) for name in measured}}
+
+    def _rows(self, program: tuple[str, ...]) -> FloatArray:
+        """Return the rows of a program: what it varies, at the slips that the data reach or at more."""
+        nominal = {name: self._tire.nominal(name) for name in self._tire.inputs}
+        loads, pressure = self._ranges["Fz"], nominal.get("p", 0.0)
+        middle = 0.5 * (loads[0] + loads[1])
+        axes = {
+            "Fz": (0.5 * loads[0], middle, 1.5 * loads[1]) if "Fz" in program else (middle,),
+            "gamma": (-0.07, 0.0, 0.07) if "gamma" in program else (0.0,),
+            "p": (0.8 * pressure, pressure, 1.2 * pressure) if "p" in program else (pressure,),
+            "phit": (-0.2, 0.0, 0.2) if "phit" in program else (0.0,),
+        }
+        reach = {
+            name: max(full, 1.5 * self._reach(name)) if {name, "both"} & set(program) else self._reach(name)
+            for name, full in FULL_SLIP.items()
+        }
+        sweep = {name: np.linspace(-size, size, 15) for name, size in reach.items()}
+        slips = [(k, 0.0) for k in sweep["kappa"]] + [(0.0, a) for a in sweep["alpha"]]
+        if "both" in program:
+            slips += list(product(sweep["kappa"][::2], sweep["alpha"][::2]))
+        points = [
+            {**nominal, "kappa": k, "alpha": a, **dict(zip(axes, values, strict=True))}
+            for values in product(*axes.values())
+            for k, a in slips
+        ]
+        return np.array([[point[name] for name in self._tire.inputs] for point in points]).T
+
+    def _reach(self, slip: str) -> float:
+        return max(map(abs, self._ranges[slip]))
+
+    def _lacking(self, program: tuple[str, ...], place: int) -> str:
+        """Put into words what the data lack."""
+        return " together with ".join(self._lack(name, place) for name in program)
+
+    def _lack(self, name: str, place: int) -> str:
+        low, high = self._ranges.get(name, (0.0, 0.0))
+        if name == "Fz":
+            return self._lacking_load(place)
+        if name == "gamma":
+            reach, other = sorted((abs(low), abs(high)), reverse=True)
+            if reach < NO_INCLINATION:
+                return "no inclination"
+            one_sided = low * high > 0 or other < SHORT * reach
+            return "inclination to one side only" if one_sided else f"no inclination beyond {np.degrees(reach):.2g} deg"
+        if name == "p":
+            return "one pressure only" if high - low < 0.03 * high else f"no pressure beyond {low:.3g} to {high:.3g} Pa"
+        if name == "phit":
+            return "no turn slip"
+        if name == "both":
+            return "no combined slip" if not self._combined else "not enough combined slip"
+        reach = self._reach(name)
+        unit = "" if name == "kappa" else " rad"
+        return f"{name} does not vary" if high - low < NO_SLIP else f"no {name} beyond {reach:.2g}{unit}"
+
+    @property
+    def _combined(self) -> bool:
+        table = self.residuals.table
+        if not {"kappa", "alpha"} <= set(table.columns):
+            return False
+        return bool(((table["kappa"].abs() > NO_SLIP) & (table["alpha"].abs() > NO_SLIP)).any())
+
+    def _lacking_load(self, place: int) -> str:
+        """Say what loads are missing: a second one, one with as much slip as the best, or ones further out."""
+        loads = np.array(self.residuals.levels.get("Fz", ()))
+        low, high = self._ranges["Fz"]
+        if len(loads) < 2 and high - low < 0.3 * high:
+            return "one load only"
+        channel = self._channel(place)
+        slip = OWN_SLIP.get(channel, "alpha")
+        table = self.residuals.table
+        if len(loads) > 1 and slip in table:
+            level = np.abs(table["Fz"].to_numpy(dtype=float)[:, None] - loads).argmin(axis=1)
+            measured = table[channel].notna().to_numpy()
+            size = np.abs(table[slip].to_numpy(dtype=float))
+            reaches = sorted(float(np.max(size[measured & (level == k)], initial=0.0)) for k in range(len(loads)))
+            if reaches[-2] < SHORT * reaches[-1]:
+                return f"no second load above {reaches[-2]:.2g} {slip}"
+        return f"no load beyond {low:.4g} to {high:.4g} N"
+
+    def _channel(self, place: int) -> str:
+        """Return the channel that tells most of a coefficient."""
+        everywhere = self._rows(("Fz", "both"))
+        told = {name: float(self._weighed(everywhere, {}, {}, name)[place, place]) for name in self.residuals.channels}
+        return max(told, key=lambda name: told[name])
+
+
+def _spreads(information: FloatArray) -> FloatArray:
+    """Return the standard deviation of each coefficient, in its sizes."""
+    values, vectors = np.linalg.eigh(information)
+    return np.asarray(np.sqrt(vectors**2 @ (1.0 / np.maximum(values, LEAST))))
+
+
+def _root_mean_square(values: FloatArray) -> float:
+    return float(np.sqrt(np.nanmean(values**2)))

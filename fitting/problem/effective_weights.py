@@ -1,0 +1,42 @@
+"""Weights of channels by their effective sample size instead of their number of rows."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.estimation.correlation import correlation_length
+
+from .weighted_residuals import Problem
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def effective_weights(problem: Problem, x: FloatArray) -> FloatArray:
+    """Return the weights of a problem, each divided by the correlation length of its residuals at x.
+
+    What a tire misses at one row it misses at the next: a channel of a recording counts by its effective sample size,
+    not by the rows that were logged. The cost at x does not change.
+
+    Parameters
+    ----------
+    problem : Problem
+        With weights by noise.
+    x : ndarray, shape (n_free,)
+        Scaled free values.
+
+    Returns
+    -------
+    ndarray, shape (n_groups, n_forces)
+    """
+    residual, there = problem.residual(x), np.isfinite(problem.rows.measured.T)
+    squares, lengths = np.zeros_like(problem.weights), np.ones_like(problem.weights)
+    for group, channel in np.argwhere(problem.weights > 0):
+        rows = np.flatnonzero(there[channel] & (problem.rows.group == group))
+        if rows.size:
+            missed = residual[channel, rows]
+            squares[group, channel] = float(missed**2 @ problem.rows.weight[rows])
+            lengths[group, channel] = correlation_length(missed, problem.rows.segment[rows])
+    weights = problem.weights / lengths
+    before, after = (float(np.sum(each * squares)) for each in (problem.weights, weights))
+    return weights * (before / after) if after > 0 else weights

@@ -1,0 +1,351 @@
+"""The fit as a problem: rows of measurement, weights, free coefficients; cost, gradient, Gauss-Newton matrix.
+
+Everything in here is in adapted SAE signs, in which cards and recipes write their bounds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+from scipy.linalg.blas import dsyrk
+
+from tirefmu.estimation.noise_floor import held_levels
+from tirefmu.symbolic.model import Model, reaching
+from tirefmu.tires.code import Code, fastest_code, forces_of_each
+from tirefmu.tires.tire import Tire
+
+from .loss import LOSSES, Loss, robust_scale
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Rows evaluated at a time: their Jacobian, 4 kB a row, stays in the processor's cache.
+CHUNK = 256
+#: The least noise of a channel, as a share of its root mean square.
+LEAST_NOISE = 1e-4
+#: The slip that a channel is a curve over, and how much more it counts where that is swept.
+OWN_SLIP = {"Fx": "kappa", "Fy": "alpha", "Mz": "alpha"}
+SWEPT = 1.75
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Measured rows.
+
+    Attributes
+    ----------
+    inputs : ndarray, shape (n_inputs, n)
+        In the model's order, SI units.
+    measured : ndarray, shape (n, n_forces)
+        NaN where a channel was not measured or is not to be fitted.
+    group : ndarray of int, shape (n,)
+        The recording that each row comes from.
+    segment : ndarray of int, shape (n,)
+        What was logged without a gap; a recording is one where nobody says.
+    weight : ndarray, shape (n,)
+        How much each row counts beside the others of its recording; 1 where nobody says.
+    """
+
+    inputs: FloatArray
+    measured: FloatArray
+    group: npt.NDArray[np.int64]
+    segment: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    weight: FloatArray = field(default_factory=lambda: np.zeros(0))
+
+    def __post_init__(self) -> None:
+        if len(self.segment) != len(self.group):
+            object.__setattr__(self, "segment", self.group)
+        if len(self.weight) != len(self.group):
+            object.__setattr__(self, "weight", np.ones(len(self.group)))
+
+    @classmethod
+    def of(cls, table: pd.DataFrame, tire: Tire, channels: Sequence[str]) -> Rows:
+        """Take the rows of a table; only the given channels are fitted."""
+        absent = pd.Series(np.nan, table.index)
+        inputs = [table.get(name, pd.Series(tire.nominal(name), table.index)) for name in tire.inputs]
+        measured = [table.get(name, absent) if name in channels else absent for name in tire.outputs]
+        group = table["recording"] if "recording" in table else pd.Series(0, table.index)
+        segment, weight = table.get("segment", group), table.get("weight", pd.Series(1.0, table.index))
+        return cls(
+            np.stack([column.to_numpy(dtype=float) for column in inputs]),
+            np.stack([column.to_numpy(dtype=float) for column in measured], axis=1),
+            np.asarray(group, dtype=np.int64),
+            np.asarray(segment, dtype=np.int64),
+            np.asarray(weight, dtype=float),
+        )
+
+    def __len__(self) -> int:
+        return len(self.measured)
+
+    def sample(self, n: int, seed: int = 0) -> Rows:
+        """Return about n random rows, in their order; all where there are no more.
+
+        Every k-th row would alias with sweeps. Each recording is drawn from by itself, so that the rows drawn do not
+        depend on the order of the recordings.
+        """
+        if n >= len(self):
+            return self
+        share = n / len(self)
+        drawn = []
+        for group in np.unique(self.group):
+            rows = np.flatnonzero(self.group == group)
+            drawn.append(np.random.default_rng(seed).choice(rows, round(share * len(rows)), replace=False))
+        return self.take(np.sort(np.concatenate(drawn)))
+
+    def take(self, chosen: npt.NDArray[np.int64]) -> Rows:
+        """Return some of the rows."""
+        return Rows(
+            self.inputs[:, chosen], self.measured[chosen], self.group[chosen], self.segment[chosen],
+            self.weight[chosen],
+        )  # fmt: skip
+
+
+@dataclass
+class Problem:
+    """Weighted least squares over rows in some coefficients of a tire.
+
+    Attributes
+    ----------
+    tire : Tire
+        Holds the value of every coefficient that is not free, in adapted SAE.
+    rows : Rows
+    free : tuple of str
+        Free coefficients.
+    weights : ndarray, shape (n_groups, n_forces)
+        Weight of a squared residual by recording and channel.
+    scale : ndarray, shape (n_free,)
+        Size of each free coefficient: the solver sees ``value / scale``.
+    loss : Loss
+        What a residual costs.
+    limits : ndarray, shape (n_groups, n_forces), optional
+        The residual of each recording's channel from which on it counts less than its square.
+    columns : ndarray of int, shape (n_free,)
+        Place of each free coefficient in the parameter vector of the generated code.
+    reach : ndarray, shape (n_free,)
+        What the parameter vector changes by there, per unit of the scaled value.
+    """
+
+    tire: Tire
+    rows: Rows
+    free: tuple[str, ...]
+    weights: FloatArray
+    scale: FloatArray
+    loss: Loss = LOSSES["squares"]
+    limits: FloatArray | None = None
+    columns: npt.NDArray[np.int64] = field(init=False)
+    reach: FloatArray = field(init=False)
+    _code: Code = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._code = fastest_code(self.tire.book)
+        names = list(self.tire.book.parameters)
+        factors = self.tire.rescaled
+        self.columns = np.array([names.index(name) for name in self.free])
+        self.reach = self.scale * np.array([factors.get(name, 1.0) for name in self.free])
+        force, coefficient = self._code.entries
+        place = {int(column): i for i, column in enumerate(self.columns)}
+        freed = np.array([place.get(int(column), -1) for column in coefficient], dtype=int)
+        #: By output: which entries of the Jacobian are by free coefficients, and by which of them.
+        self._entries = [
+            (chosen, freed[chosen])
+            for chosen in (np.flatnonzero((force == i) & (freed >= 0)) for i in range(len(self.tire.outputs)))
+        ]
+        self._inputs = np.ascontiguousarray(self.tire.asked(self.rows.inputs))
+        self._parameters = self.tire.parameters()
+        self._measured = np.ascontiguousarray(np.nan_to_num(self.rows.measured.T))
+        self._weighed: FloatArray | None = None  # the weights to which the next two belong
+        self._root = np.zeros_like(self._measured)
+        self._there: list[tuple[int, npt.NDArray[np.int64]]] = []
+        self._latest: tuple[FloatArray, float, FloatArray, FloatArray] | None = None
+
+    def parameters(self, x: FloatArray) -> FloatArray:
+        """Return the whole parameter vector for scaled free values x."""
+        parameters = self._parameters.copy()
+        parameters[self.columns] = x * self.reach
+        return parameters
+
+    def cost(self, x: FloatArray) -> float:
+        """Return half the weighted sum of squares, or of what the loss makes of them."""
+        return self._at(x)[0]
+
+    def costs(self, population: FloatArray, limits: FloatArray) -> FloatArray:
+        """Return the costs of many points, each worked out no further than needed to see that it exceeds its limit.
+
+        Parameters
+        ----------
+        population : ndarray, shape (n_points, n_free)
+        limits : ndarray, shape (n_points,)
+
+        Returns
+        -------
+        ndarray, shape (n_points,)
+            The cost, or above the limit some part of it; infinite where there is none.
+        """
+        self._weigh()
+        parameters = np.repeat(self._parameters[None, :], len(population), axis=0)
+        parameters[:, self.columns] = population * self.reach
+        costs, racing = np.zeros(len(population)), np.arange(len(population))
+        for start in range(0, len(self.rows), CHUNK):
+            chunk = slice(start, start + CHUNK)
+            forces = forces_of_each(self._code, self._inputs[:, chunk], parameters[racing])
+            for output, _ in self._there:
+                root = self._root[output, chunk]
+                with np.errstate(over="ignore", invalid="ignore"):
+                    residual = np.where(root > 0, (forces[:, output] - self._measured[output, chunk]) * root, 0.0)
+                    costs[racing] += 0.5 * np.einsum("ij,ij->i", residual, residual)
+            racing = racing[costs[racing] <= limits[racing]]
+            if not racing.size:
+                break
+        return np.where(np.isfinite(costs), costs, np.inf)
+
+    def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        """Return cost, gradient (n_free,) and the Gauss-Newton matrix J^T W J (n_free, n_free)."""
+        n = len(self.free)
+        gradient, matrix = np.zeros(n), np.zeros((n, n))
+        for _, free, own_gradient, own_matrix in self.by_output(x):
+            gradient[free] += own_gradient
+            matrix[np.ix_(free, free)] += own_matrix
+        return self.cost(x), gradient, matrix
+
+    def by_output(self, x: FloatArray) -> list[tuple[int, npt.NDArray[np.int64], FloatArray, FloatArray]]:
+        """Return what each weighed output adds: its place, the free coefficients that reach it, gradient and matrix."""
+        _, root, residual = self._at(x)
+        outputs = [(o, there, *self._entries[o]) for o, there in self._there if self._entries[o][0].size]
+        gradients = [np.zeros(len(entries)) for _, _, entries, _ in outputs]
+        matrices = [np.zeros((len(entries), len(entries)), order="F") for _, _, entries, _ in outputs]
+        for chunk, jacobian in self._code.jacobian_chunks(self._inputs, self.parameters(x), CHUNK):
+            for k, (output, there, entries, _) in enumerate(outputs):
+                first, last = np.searchsorted(there, (chunk.start, chunk.stop))
+                if first == last:
+                    continue
+                here = there[first:last]
+                # Rows without a weight are left out: what is not measured there may not even be finite.
+                every = len(here) == jacobian.shape[1]
+                weighted = jacobian[entries] if every else jacobian[np.ix_(entries, here - chunk.start)]
+                rows = chunk if every else here
+                weighted *= root[output, rows]
+                gradients[k] += weighted @ residual[output, rows]
+                dsyrk(1.0, weighted.T, beta=1.0, c=matrices[k], trans=1, overwrite_c=1)  # the upper triangle
+        parts = []
+        for (output, _, _, free), gradient, squares in zip(outputs, gradients, matrices, strict=True):
+            reach, matrix = self.reach[free], np.triu(squares) + np.triu(squares, 1).T
+            parts.append((output, free, gradient * reach, matrix * np.outer(reach, reach)))
+        return parts
+
+    def residual(self, x: FloatArray) -> FloatArray:
+        """Return computed minus measured, shape (n_forces, n); 0 where a channel was not measured or has no weight."""
+        self._weigh()
+        forces = self._code.forces(self._inputs, self.parameters(x))
+        return np.where(self._root > 0, forces - self._measured, 0.0)
+
+    def _at(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        """Return cost, roots of weights and residuals times these; kept for the point at which a solver asks again."""
+        self._weigh()
+        if self._latest is None or not np.array_equal(self._latest[0], x):
+            residual, root = self.residual(x), self._root
+            if self.limits is None:
+                weighted = root * residual
+                cost = 0.5 * float(np.sum(weighted**2))
+            else:
+                limits = self.limits[self.rows.group].T
+                over = np.abs(residual) / limits
+                cost = 0.5 * float(np.sum((root * limits) ** 2 * self.loss.value(over)))
+                root = root * np.sqrt(self.loss.weight(over))
+                weighted = root * residual
+            self._latest = x.copy(), cost, root, weighted
+        return self._latest[1:]
+
+    def _weigh(self) -> None:
+        """Spread the weights over the rows."""
+        if self._weighed is self.weights:
+            return
+        root = np.sqrt(self.weights[self.rows.group].T * self.rows.weight)
+        self._root = np.ascontiguousarray(np.where(np.isfinite(self.rows.measured.T), root, 0.0))
+        rows = [np.flatnonzero(channel) for channel in self._root]
+        self._there = [(output, there) for output, there in enumerate(rows) if there.size]
+        self._weighed, self._latest = self.weights, None
+
+
+@lru_cache(maxsize=16)
+def coefficients_by_output(book: Model, *, straight: bool = False) -> dict[str, frozenset[str]]:
+    """Return the coefficients that each output of a model depends on in some row, or in a straight one."""
+    lines = book.lines(straight=straight)
+    return {
+        output.name: frozenset(
+            str(symbol) for line in reaching(lines, {output.name}) for symbol in line.expression.free_symbols
+        )
+        & book.coefficients.keys()
+        for output in book.outputs
+    }
+
+
+def equal_weights(rows: Rows) -> FloatArray:
+    """Return weights that make the cost half the sum of 1 - R2 (uncentred) over the channels: the report's cost."""
+    squares = np.nansum(rows.measured**2 * rows.weight[:, None], axis=0)
+    groups = int(rows.group.max(initial=0)) + 1
+    return np.broadcast_to(1.0 / np.where(squares > 0, squares, 1.0), (groups, rows.measured.shape[1])).copy()
+
+
+def emphasis(data: pd.DataFrame, outputs: Sequence[str]) -> FloatArray:
+    """Return how much each recording's channel counts beside its noise: more where its own slip is swept.
+
+    Where files disagree, a whole curve tells more of the tire than rows at the few slips that a bench held: the
+    pure side force belongs to the cornering test, to drive and brake what is left of it.
+
+    Parameters
+    ----------
+    data : pandas.DataFrame
+        With the column ``recording``.
+    outputs : sequence of str
+
+    Returns
+    -------
+    ndarray, shape (n_recordings, n_outputs)
+    """
+    factors = np.ones((int(data["recording"].max()) + 1, len(outputs)))
+    for number in range(len(factors)):
+        table = data[data["recording"] == number]
+        for column, output in enumerate(outputs):
+            slip = OWN_SLIP.get(output)
+            if slip in table and np.ptp(table[slip]) > 0 and not held_levels(table[slip]):
+                factors[number, column] = SWEPT
+    return factors
+
+
+def limits_of(problem: Problem, x: FloatArray) -> FloatArray | None:
+    """Return the limits of a problem's loss by the noise that each recording's channel has at x; None for squares."""
+    if not np.isfinite(problem.loss.constant):
+        return None
+    limits = np.ones_like(problem.weights)
+    for group, channel, residual, least in _by_channel(problem, x):
+        limits[group, channel] = problem.loss.constant * max(robust_scale(residual), least)
+    return limits
+
+
+def noise_weights(problem: Problem, x: FloatArray, factors: FloatArray | None = None) -> FloatArray:
+    """Return weights by the residual variance that each recording's channel has at x, one mean square for all.
+
+    Residuals below a ten thousandth of the channel count as that: numbers without noise leave only rounding. A loss
+    other than squares takes the variance of the noise without what the loss is there for.
+    The factors, shape (n_groups, n_forces), say what counts more than its noise tells.
+    """
+    weights, robust = np.zeros_like(problem.weights), np.isfinite(problem.loss.constant)
+    weighed = np.isfinite(problem.rows.measured) & (problem.weights > 0)[problem.rows.group]
+    for group, channel, residual, least in _by_channel(problem, x):
+        deviation = robust_scale(residual) if robust else float(np.sqrt(np.mean(residual**2)))
+        weights[group, channel] = 1.0 / (max(deviation, least) ** 2 * np.sum(weighed))
+    return weights if factors is None else weights * factors[: len(weights)]
+
+
+def _by_channel(problem: Problem, x: FloatArray) -> Iterator[tuple[int, int, FloatArray, float]]:
+    """Go through what has a weight: recording, channel, its residuals, and the least noise it may have."""
+    residual, measured = problem.residual(x), problem.rows.measured.T
+    for group, channel in np.argwhere(problem.weights > 0):
+        there = (problem.rows.group == group) & np.isfinite(measured[channel])
+        if there.any():
+            least = LEAST_NOISE * float(np.sqrt(np.mean(measured[channel, there] ** 2)))
+            yield int(group), int(channel), residual[channel, there], least

@@ -1,0 +1,1 @@
+"""Figures, text and HTML report of a fit."""

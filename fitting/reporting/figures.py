@@ -1,0 +1,291 @@
+"""Figures of a tire against measurements, in the manner of the Trento report's figures 1 to 17 and 19, 20."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tirefmu.measurements import TableLike, levels
+from tirefmu.symbolic.errors import FitError
+from tirefmu.symbolic.escaping import figure_text
+from tirefmu.tires import TireLike
+from tirefmu.tires.drawing.style import (
+    LETTER,
+    LEVEL,
+    SHOWN,
+    draw_line,
+    draw_points,
+    drawn_unit,
+    finish,
+    held_text,
+    letter,
+    level_colors,
+    level_text,
+    panels,
+    per_si,
+    place_legend,
+    png,
+    some_of,
+    stiffness_unit,
+    write_footnote,
+    write_whole,
+)
+from tirefmu.tires.tire import Tire
+
+from ..evidence.curves import SLOPE_WINDOW, Comparison, Family, compare
+from ..results.records import quality
+
+MOST_SOURCES = 30  # recordings named below a figure
+
+
+def draw_figures(
+    tire: TireLike,
+    recordings: TableLike | Iterable[TableLike],
+    folder: str | Path,
+    *,
+    prefix: str = "",
+    truth: Tire | None = None,
+    signs: str | None = "iso",
+) -> list[Path]:
+    """Draw a tire against the recordings, one PNG for each kind of curve that the data hold.
+
+    Parameters
+    ----------
+    tire : Tire, path of a .tir file, or name of a published tire
+    recordings : path, DataFrame or Recording, or a sequence of them
+        Of any program and signs.
+    folder : str or Path
+        Made where it is not there.
+    prefix : str
+        Of the files' names.
+    truth : Tire, optional
+        The tire behind a virtual recording: its stiffnesses are drawn beside the fitted ones.
+    signs : str, optional
+        Convention of the figures, which their footnotes state: that of tire files; where None that of the
+        recordings, or iso where they differ.
+
+    Returns
+    -------
+    list of Path
+        Of ``pure_Fx``, ``pure_Fy``, ``pure_Mz``, ``combined``, ``weighting``, ``stiffness`` and
+        ``residuals`` those whose data are there.
+
+    Raises
+    ------
+    FitError
+        If there is no recording, or a file cannot be written. No file is left half-written.
+    DataError
+        If a recording has no measured output.
+    """
+    comparison = compare(tire, recordings, signs)
+    drawn: dict[str, Figure | None] = {
+        "pure_Fx": _families(comparison, comparison.pure("Fx", "kappa"), "Pure longitudinal force"),
+        "pure_Fy": _families(comparison, comparison.pure("Fy", "alpha"), "Pure side force"),
+        "pure_Mz": _families(comparison, comparison.pure("Mz", "alpha"), "Aligning moment at pure side slip"),
+        "combined": _families(comparison, comparison.combined(), "Forces at combined slip"),
+        "weighting": _weighting(comparison),
+        "stiffness": _stiffness(comparison, truth),
+        "residuals": _residuals(comparison),
+    }
+    # All are rendered before the first is written: a failure leaves the folder as it was.
+    images = {f"{prefix}{name}.png": png(figure) for name, figure in drawn.items() if figure is not None}
+    target = Path(folder)
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        return [write_whole(target / name, image) for name, image in images.items()]
+    except OSError as error:
+        raise FitError(f"{target}: figures cannot be written: {error.strerror or error}") from None
+
+
+def _families(comparison: Comparison, families: Sequence[Family], title: str) -> Figure | None:
+    """One panel a family: measured points and the tire's curves."""
+    if not families:
+        return None
+    figure, axes = panels(len(families), title)
+    for ax, family in zip(axes, families, strict=True):
+        _draw_family(ax, comparison, family)
+    rows = pd.concat([group.rows for family in families for group in family.groups])
+    note = "points: data; lines: the tire at the medians of each level's conditions"
+    write_footnote(figure, comparison.signs, note, data_text(comparison, rows))
+    return figure
+
+
+def _draw_family(ax: Axes, comparison: Comparison, family: Family) -> None:
+    signs, channel, slip = comparison.signs, family.channel, family.slip
+    colored = list(zip(family.groups, level_colors(len(family.groups), family.by), strict=True))
+    for group, color in colored:
+        draw_points(ax, group.rows, slip, channel, color)
+    for group, color in colored:
+        curve = comparison.curve(group, slip)
+        draw_line(ax, curve[slip] * per_si(slip), curve[channel], color, level_text(family.by, group.level))
+    rows = pd.concat([group.rows for group in family.groups])
+    _, rmse, r2, _ = quality(rows[channel].to_numpy(), rows[f"{channel}_fit"].to_numpy())
+    unit = drawn_unit(channel)
+    conditions = f"{LETTER[channel]} per {LEVEL[family.by]}, at {held_text(signs, family.held)}"
+    ax.set_title(f"{conditions}\nRMSE {rmse:.3g} {unit}, R² {r2:.4f}", fontsize=9)
+    finish(ax, slip, f"{LETTER[channel]} ({unit})")
+    place_legend(ax, f"{LEVEL[family.by]} {letter(signs, family.by)}")
+
+
+def _weighting(comparison: Comparison) -> Figure | None:
+    """Weights of combined slip over kappa for each slip angle: the report's figures 13 and 15."""
+    book = comparison.tire.book
+    names = {
+        "Fx": (book.quantity("weighting_x"), r"$G_{x\alpha}$"),
+        "Fy": (book.quantity("weighting_y"), r"$G_{y\kappa}$"),
+    }
+    families = [family for family in comparison.combined() if family.by == "alpha"]
+    curves = [[comparison.curve(group, "kappa") for group in family.groups] for family in families]
+    shown = [(f, c) for f, c in zip(families, curves, strict=True) if names[f.channel][0] in c[0]]
+    if not shown:
+        return None
+    figure, axes = panels(len(shown), "Weighting functions of combined slip")
+    for ax, (family, lines) in zip(axes, shown, strict=True):
+        name, symbol = names[family.channel]
+        colored = zip(family.groups, lines, level_colors(len(lines), "alpha"), strict=True)
+        for group, curve, color in colored:
+            draw_line(ax, curve["kappa"], curve[name], color, level_text("alpha", group.level))
+        ax.set_title(f"{symbol} per slip angle, at {held_text(comparison.signs, family.held)}", fontsize=9)
+        finish(ax, "kappa", f"{symbol} (-)")
+        ax.axhline(1.0, color="0.3", lw=0.8, ls=":")
+        place_legend(ax, f"{LEVEL['alpha']} {LETTER['alpha']}")
+    note = "weights of the tire, above 0 in a valid one, over the data's slip; a bench does not measure them"
+    write_footnote(figure, comparison.signs, note)
+    return figure
+
+
+def _stiffness(comparison: Comparison, truth: Tire | None) -> Figure | None:
+    """Slip stiffnesses over load with slopes read from the data, and slopes along the slip."""
+    book = comparison.tire.book
+    kinds = [
+        (channel, slip, book.quantity(f"stiffness_{channel[1]}"), book.quantity(f"slope_{channel[1]}"))
+        for channel, slip in (("Fx", "kappa"), ("Fy", "alpha"))
+    ]
+    shown: list[Family] = []
+    draws: list[Callable[[Axes], None]] = []
+    for channel, slip, stiffness, slope in kinds:
+        families = comparison.pure(channel, slip)
+        if not families:
+            continue
+        family = families[0]
+        known = comparison.curve(family.groups[0], slip)
+        if stiffness in known:
+            draws.append(partial(_draw_stiffness, comparison, family, stiffness, truth))
+        if slope in known:
+            draws.append(partial(_draw_slopes, comparison, family, slope, truth))
+        shown.append(family)
+    if not draws:
+        return None
+    figure, axes = panels(len(draws), "Slip stiffness")
+    for ax, draw in zip(axes, draws, strict=True):
+        draw(ax)
+    window = f"±{np.degrees(SLOPE_WINDOW['alpha']):g} deg or ±{SLOPE_WINDOW['kappa']:g}"
+    note = (
+        f"points: slope of the data at zero slip, read without a tire (robust local cubic within {window}); "
+        f"slope over slip: of the pure curve, E held constant, positive at zero"
+    )
+    dashed = ["dashed: the true tire"] if truth is not None else []
+    rows = pd.concat([group.rows for family in shown for group in family.groups])
+    write_footnote(figure, comparison.signs, note, *dashed, data_text(comparison, rows))
+    return figure
+
+
+def _draw_stiffness(comparison: Comparison, family: Family, quantity: str, truth: Tire | None, ax: Axes) -> None:
+    sign = float(np.sign(family.groups[0].level))
+    loads = np.linspace(0.0, 1.25 * max(abs(group.level) for group in family.groups), 201)[1:]
+    rows = pd.concat([group.rows for group in family.groups]).assign(**{family.slip: 0.0})
+    curve = comparison.along(rows, "Fz", sign * loads)[quantity].abs() / per_si(family.slip)
+    ax.plot(loads, curve, color="C0", lw=2, label="tire")
+    if truth is not None:
+        true = comparison.along(rows, "Fz", sign * loads, truth)[quantity].abs() / per_si(family.slip)
+        ax.plot(loads, true, color="k", lw=1.2, ls="--", label="true tire")
+    read = np.array(comparison.slopes_at_zero(family)).reshape(-1, 2)
+    slopes = read[:, 1] / per_si(family.slip)
+    if len(read):
+        ax.plot(read[:, 0], slopes, "o", color="C3", ms=6, mec="white", label="slope of the data")
+    symbol = {"kappa": r"$|K_{x\kappa}|$", "alpha": r"$|K_{y\alpha}|$"}[family.slip]
+    ax.set_title(f"{symbol} over load, {held_text(comparison.signs, family.held)}", fontsize=9)
+    ax.set(xlabel=f"load {letter(comparison.signs, 'Fz')} (N)")
+    ax.set(ylabel=f"{symbol} ({stiffness_unit(family.slip)})", xlim=(0.0, loads[-1]))
+    ax.set_ylim(bottom=0.0)
+    ax.grid(alpha=0.3)
+    place_legend(ax)
+
+
+def _draw_slopes(comparison: Comparison, family: Family, quantity: str, truth: Tire | None, ax: Axes) -> None:
+    scale = per_si(family.slip)
+    for group, color in zip(family.groups, level_colors(len(family.groups), "Fz"), strict=True):
+        curve = comparison.curve(group, family.slip)
+        x, slope = curve[family.slip].to_numpy(), curve[quantity].to_numpy()
+        # Positive where the force grows in magnitude with the slip, in every convention.
+        sign = np.sign(slope[np.abs(x).argmin()])
+        draw_line(ax, x * scale, sign * slope / scale, color, level_text("Fz", group.level))
+        if truth is not None:
+            true = comparison.curve(group, family.slip, truth)[quantity].to_numpy()
+            ax.plot(x * scale, sign * true / scale, "k--", lw=0.8, zorder=4)
+    force, slip = LETTER[family.channel].strip("$"), LETTER[family.slip].strip("$")
+    held = held_text(comparison.signs, family.held)
+    ax.set_title(f"slope over {LETTER[family.slip]} per load, {held}", fontsize=9)
+    finish(ax, family.slip, rf"$\partial {force} / \partial {slip}$ ({stiffness_unit(family.slip)})")
+    place_legend(ax, f"load {letter(comparison.signs, 'Fz')}")
+
+
+def _residuals(comparison: Comparison) -> Figure:
+    """Residuals over time and how they are spread, for each recording and measured channel."""
+    table = comparison.table
+    parts = [
+        (source, channel, rows)
+        for number, source in enumerate(comparison.sources)
+        for channel in comparison.channels
+        if len(rows := table[(table["recording"] == number) & table[channel].notna()])
+    ]
+    figure = Figure(figsize=(11, 1.0 + 1.65 * len(parts)), layout="constrained")
+    figure.suptitle("Residuals: data less tire", fontweight="bold")
+    grid = figure.subplots(len(parts), 2, squeeze=False, sharey="row", width_ratios=(5, 1))
+    for (over_time, spread), (source, channel, rows) in zip(grid, parts, strict=True):
+        _draw_residual(over_time, spread, source, channel, rows)
+    grid[-1, 1].set_xlabel("number of rows")
+    note = "the scales hold 99.9 % of the rows"
+    write_footnote(figure, comparison.signs, note, data_text(comparison, table))
+    return figure
+
+
+def _draw_residual(over_time: Axes, spread: Axes, source: str, channel: str, rows: pd.DataFrame) -> None:
+    residual = (rows[channel] - rows[f"{channel}_fit"]).rename("residual")
+    clocked = "t" in rows and bool(rows["t"].notna().all())
+    clock = rows["t"].to_numpy() if clocked else np.arange(len(rows))
+    few = some_of(residual.to_frame().assign(clock=clock), 3 * SHOWN)
+    over_time.plot(few["clock"], few["residual"], ".", ms=1.5, mew=0.0, color="C0", alpha=0.5)
+    over_time.set_xlabel("time (s)" if clocked else "row", fontsize=8)
+    limit = 1.15 * float(np.quantile(residual.abs(), 0.999)) or 1.0
+    over_time.set_ylim(-limit, limit)
+    spread.hist(residual, bins=80, range=(-limit, limit), orientation="horizontal", color="C0", alpha=0.7)
+    _, rmse, r2, _ = quality(rows[channel].to_numpy(), rows[f"{channel}_fit"].to_numpy())
+    unit = drawn_unit(channel)
+    score = f"mean {residual.mean():.3g} {unit}, RMSE {rmse:.3g} {unit}, R² {r2:.4f}"
+    over_time.set_title(f"{figure_text(source)}, {LETTER[channel]}: {score}", fontsize=9)
+    over_time.set_ylabel(f"{LETTER[channel]} ({unit})")
+    for ax in (over_time, spread):
+        ax.axhline(0.0, color="k", lw=0.8)
+        ax.grid(alpha=0.3)
+
+
+def data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
+    """Tell which recordings the rows come from, and at which inflation pressures."""
+    numbers = sorted(set(rows["recording"].tolist()))
+    sources = [figure_text(name) for name in dict.fromkeys(comparison.sources[number] for number in numbers)]
+    text = f"data: {', '.join(sources[:MOST_SOURCES])}"
+    if len(sources) > MOST_SOURCES:
+        text += f" and {len(sources) - MOST_SOURCES} more"
+    if "p" not in rows or rows["p"].isna().all():
+        return text
+    held = [f"{level / 1000.0:.0f}" for level in levels(rows["p"])]
+    span = " to ".join(f"{value / 1000.0:.0f}" for value in (rows["p"].min(), rows["p"].max()))
+    together = "" if len(held) == 1 else ", drawn together"
+    return f"{text}; inflation pressure {', '.join(held) or span} kPa{together}"

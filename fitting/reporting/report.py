@@ -1,0 +1,74 @@
+"""The fit as one HTML page: status, quality, figures, coefficients, constraints, stages; nothing outside the file."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+from tirefmu.measurements import TableLike
+from tirefmu.symbolic.errors import FitError, path_from
+
+from ..evidence.residuals import condition_text
+from ..results.fit_result import FitResult
+from .figures import draw_figures
+from .page import inlined, page_text, write_page
+from .report_text import (
+    SIGNIFICANT,
+    extrapolation_text,
+    interval_text,
+    ripple_texts,
+    significant_differences,
+    worst_text,
+)
+
+
+def write_report(result: FitResult, recordings: TableLike | Iterable[TableLike], path: str | Path) -> None:
+    """Write the report of a fit.
+
+    Parameters
+    ----------
+    result : FitResult
+    recordings : path, DataFrame or Recording, or a sequence of them
+        What was fitted, for the figures.
+    path : str or Path
+
+    Raises
+    ------
+    FitError
+        If the file cannot be written.
+    """
+    path = path_from(path)
+    with tempfile.TemporaryDirectory() as folder:
+        drawn = draw_figures(result.tire, recordings, Path(folder))
+        images = inlined(drawn)
+    try:
+        write_page(report_page(result, images), path)
+    except OSError as error:
+        raise FitError(f"{path}: cannot be written ({error.strerror or error})") from error
+
+
+def report_page(result: FitResult, images: Sequence[tuple[str, str]]) -> str:
+    """Return the page's text.
+
+    Parameters
+    ----------
+    result : FitResult
+    images : sequence of (str, str)
+        Name and base64 text of each figure (PNG).
+
+    Returns
+    -------
+    str
+    """
+    filters: dict[str, Callable[..., object]] = {
+        "number": lambda value: f"{value:.5g}",
+        "known": interval_text,
+        "condition": condition_text,
+        "worst": worst_text,
+    }
+    return page_text(
+        "tirefmu.fitting.reporting", filters, result=result, images=images,
+        differences=significant_differences(result), significant=SIGNIFICANT,
+        ripples=ripple_texts(result.findings.ripples), extrapolation=extrapolation_text(result),
+    )  # fmt: skip

@@ -1,0 +1,1 @@
+"""The result of a fit, its summary, and the checkpoint from which it is resumed."""

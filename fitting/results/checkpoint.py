@@ -1,0 +1,281 @@
+"""Finished stages of a fit on disk, so that what was interrupted can go on."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field, fields
+from functools import partial
+from math import inf, isfinite, isnan
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.symbolic.errors import FitError
+
+from ..problem.recipe import Freed
+from .records import StageFit
+
+FloatArray = npt.NDArray[np.float64]
+T = TypeVar("T")
+
+#: Of the file's form: a file of another one is not read.
+VERSION = 2
+
+
+@dataclass(frozen=True)
+class Release:
+    """A coefficient freed: its first guess with its last bounds, the last stage that saw it, and whether one did."""
+
+    bounds: Freed
+    stage: str
+    determined: bool
+
+
+@dataclass(frozen=True)
+class Ended:
+    """What a stage ended with that took all of its rows: enough to pose its problem again.
+
+    Attributes
+    ----------
+    stage : int
+        Its place in the recipe.
+    values : dict of str to float
+        The tire's coefficients before it was solved.
+    free : dict of str to Freed
+    x : ndarray, shape (n_free,)
+        Scaled free values at its end.
+    """
+
+    stage: int
+    values: dict[str, float]
+    free: dict[str, Freed]
+    x: FloatArray
+
+
+@dataclass
+class State:
+    """A fit between two stages.
+
+    Attributes
+    ----------
+    done : int
+        Stages of the recipe that are behind.
+    values : dict of str to float
+        Coefficients of the tire so far, in adapted SAE.
+    freed : dict of str to Release
+    broken : list of (str, ndarray of shape (n_inputs, n_points))
+        Constraints by name, with the points that verifying added.
+    stages : list of StageFit
+    ended : list of Ended
+    notes : list of str
+    """
+
+    done: int = 0
+    values: dict[str, float] = field(default_factory=dict)
+    freed: dict[str, Release] = field(default_factory=dict)
+    broken: list[tuple[str, FloatArray]] = field(default_factory=list)
+    stages: list[StageFit] = field(default_factory=list)
+    ended: list[Ended] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """The file of a fit's finished stages.
+
+    Parameters
+    ----------
+    path : Path
+    identity : mapping of str to str
+        What the fit depends on, by what a user calls it (data, model, recipe, ...); see `fingerprint`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     checkpoint = Checkpoint(Path(folder) / "tire.progress.json", {"model": "mf96"})
+    ...     checkpoint.save(State(done=2, values={"PDY1": 0.1 + 0.2}))
+    ...     checkpoint.load().values
+    {'PDY1': 0.30000000000000004}
+    """
+
+    path: Path
+    identity: Mapping[str, str]
+
+    def save(self, state: State) -> None:
+        """Write the state, whole or not at all.
+
+        Parameters
+        ----------
+        state : State
+
+        Raises
+        ------
+        FitError
+            If the file cannot be written.
+        """
+        content = {"version": VERSION, "identity": dict(self.identity), **_plain(asdict(state))}
+        part = self.path.with_name(f".{self.path.name}.part")
+        try:
+            part.write_text(self.sealed(content), encoding="utf-8")
+            os.replace(part, self.path)
+        except OSError as error:
+            part.unlink(missing_ok=True)
+            raise FitError(f"{self.path}: cannot be written ({error.strerror or error})") from error
+
+    @staticmethod
+    def sealed(content: Mapping[str, Any]) -> str:
+        """Return the file's text: JSON, with a digest by which a changed number is noticed."""
+        bare = {key: value for key, value in content.items() if key != "digest"}
+        return json.dumps({**bare, "digest": _digest(bare)})
+
+    def load(self) -> State:
+        """Return the state that was written.
+
+        Returns
+        -------
+        State
+
+        Raises
+        ------
+        FitError
+            If there is no such file, it is broken, or it belongs to a fit of other data or options; says which.
+        """
+        try:
+            content = json.loads(self.path.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            raise FitError(f"{self.path}: no such file: there is no interrupted fit to go on with") from None
+        except OSError as error:
+            raise FitError(f"{self.path}: cannot be read ({error.strerror or error})") from error
+        except (ValueError, RecursionError) as error:  # no JSON, or no text
+            raise FitError(f"{self.path}: is no progress file ({error})") from error
+        if not isinstance(content, dict) or content.get("version") != VERSION:
+            raise FitError(f"{self.path}: is no progress file of this version of tirefmu")
+        if content.pop("digest", None) != _digest(content):
+            raise FitError(f"{self.path}: is a broken progress file (it was changed after it was written)")
+        before = content.get("identity")
+        known = before if isinstance(before, dict) else {}
+        other = [name for name, value in self.identity.items() if known.get(name) != value]
+        if other:
+            raise FitError(
+                f"{self.path}: belongs to a fit with other {', '.join(other)}: run it as it was, or without --resume"
+            )
+        try:
+            return _state(content)
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
+            raise FitError(f"{self.path}: is a broken progress file ({error!r})") from error
+
+    def remove(self) -> None:
+        """Remove the file, if there is one."""
+        self.path.unlink(missing_ok=True)
+
+
+def fingerprint(table: pd.DataFrame) -> str:
+    """Return what tells a table from any other.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Numbers.
+
+    Returns
+    -------
+    str
+    """
+    digest = hashlib.sha256()
+    for name in sorted(map(str, table.columns)):
+        digest.update(name.encode())
+        digest.update(np.ascontiguousarray(table[name].to_numpy(dtype=np.float64)).tobytes())
+    return digest.hexdigest()
+
+
+def _plain(value: Any) -> Any:
+    """Return JSON's kinds of values: infinite bounds as texts, arrays as lists."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, float) and abs(value) == inf:
+        return str(value)
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _digest(content: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def _state(content: Mapping[str, Any]) -> State:
+    """Return the state that JSON describes; KeyError, TypeError or ValueError where it describes none."""
+    return State(
+        done=_count(content["done"]),
+        values=_values(content["values"]),
+        freed={name: _release(_of(dict, item)) for name, item in _of(dict, content["freed"]).items()},
+        broken=[(_of(str, name), _array(points, 2)) for name, points in _of(list, content["broken"])],
+        stages=[_stage(item) for item in _of(list, content["stages"])],
+        ended=[_ended(_of(dict, item)) for item in _of(list, content["ended"])],
+        notes=[_of(str, note) for note in _of(list, content["notes"])],
+    )
+
+
+def _release(item: Mapping[str, Any]) -> Release:
+    return Release(_freed(item["bounds"]), _of(str, item["stage"]), _of(bool, item["determined"]))
+
+
+def _ended(item: Mapping[str, Any]) -> Ended:
+    free = {name: _freed(bounds) for name, bounds in _of(dict, item["free"]).items()}
+    return Ended(_count(item["stage"]), _values(item["values"]), free, _array(item["x"], 1))
+
+
+def _of(kind: type[T], value: Any) -> T:
+    """Return a value if it is of its kind."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{value!r} is no {kind.__name__}")
+    return value
+
+
+def _count(value: Any) -> int:
+    if isinstance(value, bool) or _of(int, value) < 0:
+        raise TypeError(f"{value!r} is no count")
+    return int(value)
+
+
+def _number(value: Any) -> float:
+    """Return a number, or an infinity from its text; NaN is none."""
+    if isinstance(value, bool) or (isinstance(value, str) and value not in ("inf", "-inf")):
+        raise TypeError(f"{value!r} is no number")
+    number = float(value)
+    if isnan(number):
+        raise ValueError("nan is no number")
+    return number
+
+
+def _values(given: Any) -> dict[str, float]:
+    values = {name: _number(value) for name, value in _of(dict, given).items()}
+    if not all(map(isfinite, values.values())):
+        raise ValueError("a coefficient is not finite")
+    return values
+
+
+def _stage(item: Any) -> StageFit:
+    kinds: dict[str, Callable[[Any], Any]] = {"str": partial(_of, str), "int": _count,
+                                              "bool": partial(_of, bool), "float": _number}  # fmt: skip
+    return StageFit(**{card.name: kinds[str(card.type)](_of(dict, item)[card.name]) for card in fields(StageFit)})
+
+
+def _freed(item: Any) -> Freed:
+    return Freed(*(_number(_of(dict, item)[key]) for key in ("guess", "lower", "upper")))
+
+
+def _array(numbers: Any, dimensions: int) -> FloatArray:
+    array = np.array(numbers, dtype=np.float64)
+    if array.ndim != dimensions or not np.isfinite(array).all():
+        raise ValueError(f"{numbers!r} is no array of {dimensions} dimensions")
+    return array

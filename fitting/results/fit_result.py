@@ -1,0 +1,209 @@
+"""The result of a fit: tire, coefficients, quality per channel, margins of the constraints, stages, diagnostics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import nan
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.symbolic.errors import UnknownName
+from tirefmu.tires.tire import Tire
+
+from ..constraints.physical import TOLERANCE
+from ..constraints.verification import Margin
+from ..data.fit_data import SetAside
+from ..evidence.diagnostics import Findings, find
+from ..evidence.residuals import Residuals
+from ..evidence.uncertainty import Direction
+from .records import ChannelFit, FittedCoefficient, HeldOut, StageFit
+from .summary import fit_html, fit_text
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, repr=False)
+class FitResult:
+    """A finished fit.
+
+    Attributes
+    ----------
+    tire : Tire
+        In ISO-W.
+    signs : str
+        Sign convention of ``coefficients``, ``covariance`` and ``findings``: "iso", as the tire file, unless
+        `in_signs` changed it. Margins are always in adapted SAE, in which the physical conditions are written.
+    coefficients : tuple of FittedCoefficient
+    channels : tuple of ChannelFit
+    stages : tuple of StageFit
+    margins : tuple of Margin
+    notes : tuple of str
+        What a reader should know: what was left aside, assumed or not determined.
+    seconds : float
+    recipe : str
+    directions : tuple of Direction
+        Combinations of coefficients that the data leave open.
+    set_aside : tuple of SetAside
+        Rows that were not fitted, and why.
+    interrupted : str
+        Where the fit was asked to stop; empty where it went all the way.
+    held_out : tuple of HeldOut
+        A blocked cross-validation, where one was asked for.
+    evidence : Residuals or None
+        The fitted rows, for `findings`.
+    method : str
+        What solved the stages.
+    covariance : pandas.DataFrame
+        Of the coefficients by name, in their units and `signs`, under time-correlated noise: half an interval is
+        1.96 times the root of the diagonal. Rows and columns are NaN where a coefficient has no finite interval
+        (on a bound, not determined by itself, freed by no stage with all its rows). A stage takes the values of
+        earlier stages as known: between coefficients of different stages (`FittedCoefficient.stage`) it is 0.
+    """
+
+    tire: Tire
+    signs: str
+    coefficients: tuple[FittedCoefficient, ...]
+    channels: tuple[ChannelFit, ...]
+    stages: tuple[StageFit, ...]
+    margins: tuple[Margin, ...] = ()
+    notes: tuple[str, ...] = ()
+    seconds: float = 0.0
+    recipe: str = ""
+    directions: tuple[Direction, ...] = ()
+    set_aside: tuple[SetAside, ...] = ()
+    interrupted: str = ""
+    method: str = "ipopt"
+    held_out: tuple[HeldOut, ...] = ()
+    evidence: Residuals | None = field(default=None, repr=False, compare=False)
+    covariance: pd.DataFrame = field(default_factory=pd.DataFrame, compare=False)
+
+    @property
+    def correlation(self) -> pd.DataFrame:
+        """Correlation of the coefficients by name; NaN where `covariance` is, or where a variance is 0."""
+        deviation = np.sqrt(np.diag(self.covariance)) if len(self.covariance) else np.empty(0)
+        deviation = np.where(deviation > 0.0, deviation, nan)
+        return self.covariance.div(deviation, axis=0).div(deviation, axis=1)
+
+    def in_signs(self, signs: str) -> FitResult:
+        """Return the same result with coefficients in another sign convention.
+
+        Parameters
+        ----------
+        signs : {"iso", "adapted-sae"}
+            "adapted-sae" is that of the formula for data in SAE and adapted SAE.
+
+        Returns
+        -------
+        FitResult
+            With the same tire.
+
+        Raises
+        ------
+        UnknownName
+            If coefficients are not written in this convention.
+        """
+        if signs not in ("iso", "adapted-sae"):
+            raise UnknownName("sign convention of coefficients", signs, ("iso", "adapted-sae"))
+        if signs == self.signs:
+            return self
+        cards = self.tire.book.coefficients
+        turned = np.array([-1.0 if cards[name].flips else 1.0 for name in self.covariance.index])
+        return replace(
+            self,
+            signs=signs,
+            coefficients=tuple(c.mirrored() if cards[c.name].flips else c for c in self.coefficients),
+            covariance=self.covariance * np.outer(turned, turned),
+            evidence=None if self.evidence is None else replace(self.evidence, signs=signs),
+        )
+
+    def __repr__(self) -> str:
+        """Return a few lines: how the fit ended, quality by channel, what the data do not determine."""
+        return fit_text(self)
+
+    def _repr_html_(self) -> str:
+        """Return the same with tables of quality and coefficients, for a notebook."""
+        return fit_html(self)
+
+    @cached_property
+    def findings(self) -> Findings:
+        """What the data say of the fit: reckoned when first asked for, empty without `evidence`."""
+        if self.evidence is None:
+            return Findings()
+        free = [c.name for c in self.coefficients if not c.at_bound]
+        unseen = [(c.name,) for c in self.coefficients if not c.determined]
+        effective: dict[str, float] = {}
+        for c in self.channels:  # where no stage took all rows of a channel, a hundredth of them
+            worth = c.effective_rows if c.effective_rows > 0 else 0.01 * c.rows
+            effective[c.channel] = effective.get(c.channel, 0.0) + worth
+        known = [tuple(n for n in d.coefficients if n in free) for d in self.directions]
+        bounded = [c.name for c in self.coefficients if c.at_bound]
+        return find(self.evidence, free, [names for names in (*known, *unseen) if names], bounded, effective)
+
+    @property
+    def ok(self) -> bool:
+        """Whether every stage ran and converged and every constraint holds."""
+        return (
+            not self.interrupted
+            and all(stage.converged for stage in self.stages)
+            and all(m.margin >= -TOLERANCE for m in self.margins)
+        )
+
+    @property
+    def status(self) -> str:
+        """One line: how the fit ended."""
+        failed = [stage for stage in self.stages if not stage.converged]
+        broken = [margin for margin in self.margins if not margin.margin >= -TOLERANCE]
+        if self.interrupted:
+            return f"interrupted in {self.interrupted}: the values are the best so far"
+        if failed:
+            return f"not converged: stage {failed[0].name!r} ended: {failed[0].reason}"
+        if broken:
+            return f"constraint {broken[0].constraint} broken by {-broken[0].margin:.3g}"
+        return "converged"
+
+    def channel(self, recording: str, channel: str) -> ChannelFit:
+        """Return how well a channel of a recording is met."""
+        (found,) = (c for c in self.channels if c.recording == recording and c.channel == channel)
+        return found
+
+    def table(self) -> pd.DataFrame:
+        """Return the coefficients as a table, one row each."""
+        return pd.DataFrame([vars(coefficient) for coefficient in self.coefficients])
+
+    def to_json(self) -> dict[str, Any]:
+        """Return everything as plain JSON values; a missing bound is null."""
+        plain = {
+            "ok": self.ok,
+            "status": self.status,
+            "recipe": self.recipe,
+            "method": self.method,
+            "seconds": self.seconds,
+            "model": self.tire.model,
+            "effects": sorted(self.tire.has),
+            "signs": self.signs,
+            "values": dict(self.tire.values),
+        }
+        for name in ("coefficients", "channels", "stages", "margins", "directions", "set_aside", "held_out"):
+            plain[name] = [vars(item) for item in getattr(self, name)]
+        plain["findings"] = {name: [vars(item) for item in items] for name, items in vars(self.findings).items()}
+        known = self.covariance.index[np.isfinite(np.diag(self.covariance))] if len(self.covariance) else []
+        matrix = self.covariance.loc[known, known].to_numpy().tolist() if len(known) else []
+        plain["covariance"] = {"coefficients": list(known), "matrix": matrix}
+        plain["margins_signs"] = "adapted-sae"
+        plain["notes"] = list(self.notes)
+        plain["interrupted"] = self.interrupted
+        return _plain(plain)  # type: ignore[no-any-return]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, (float, np.floating)):
+        return float(value) if np.isfinite(value) else None
+    return value.item() if isinstance(value, np.generic) else value

@@ -1,0 +1,158 @@
+"""The records of a fit result: fitted coefficients, quality by channel, stages, cross-validation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from math import nan
+
+import numpy as np
+import numpy.typing as npt
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FittedCoefficient:
+    """A coefficient after a fit, in the signs of `FitResult.signs`.
+
+    Attributes
+    ----------
+    name, unit : str
+    guess, lower, upper, value : float
+        The guess is the first one: what the fit started from.
+    at_bound : bool
+        The value lies on one of its bounds.
+    determined : bool
+        False where the data do not change with it; it then stays at its default, or at what the start tire or
+        the recipe says.
+    stage : str
+        The last stage that freed and saw it.
+    interval : float
+        Half the width of its 95 % interval under time-correlated noise; infinite where the data determine it only
+        together with others, NaN on a bound, or where no stage with all its rows freed it.
+    """
+
+    name: str
+    unit: str
+    guess: float
+    lower: float
+    upper: float
+    value: float
+    at_bound: bool
+    determined: bool
+    stage: str
+    interval: float = nan
+
+    def mirrored(self) -> FittedCoefficient:
+        """Return the same with the opposite sign."""
+        guess, lower, upper, value = (0.0 - number for number in (self.guess, self.upper, self.lower, self.value))
+        return replace(self, guess=guess, lower=lower, upper=upper, value=value)  # 0.0 - number: no -0.0
+
+
+@dataclass(frozen=True)
+class ChannelFit:
+    """How well a channel of a recording is met.
+
+    Attributes
+    ----------
+    recording, channel, unit : str
+    rows : int
+    rmse : float
+        In the channel's unit.
+    r2 : float
+        1 - residual variance over variance about the mean: the usual, centred.
+    r2_uncentred : float
+        1 - sum of squared residuals over sum of squares: the Trento report's.
+    noise_floor : float
+        What no function of the inputs can follow (`tirefmu.estimation.noise_floor`); NaN where no condition repeats.
+    effective_rows : float
+        How many independent rows these are worth, as the residuals of the last stage are correlated in time.
+    """
+
+    recording: str
+    channel: str
+    unit: str
+    rows: int
+    rmse: float
+    r2: float
+    r2_uncentred: float
+    noise_floor: float = nan
+    effective_rows: float = nan
+
+
+@dataclass(frozen=True)
+class StageFit:
+    """How a stage ended.
+
+    Attributes
+    ----------
+    name : str
+    rows, free, iterations : int
+    converged : bool
+        By the criterion of `tirefmu.fitting.solvers.convergence`.
+    reason : str
+        Why it is the optimum or not, in plain words.
+    cost : float
+        Half the weighted sum of squares.
+    r2_uncentred : float
+        Of its rows and channels.
+    detail : str
+        The solver's own word for why it stopped.
+    """
+
+    name: str
+    rows: int
+    free: int
+    iterations: int
+    converged: bool
+    reason: str
+    cost: float
+    r2_uncentred: float
+    detail: str = ""
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """A channel of a recording, foretold by fits that had not seen the condition.
+
+    Attributes
+    ----------
+    recording, channel, unit : str
+    rows : int
+    in_sample, held_out : float
+        Root mean square error over all rows: of the fit to everything, and of the fits without each row's condition.
+    """
+
+    recording: str
+    channel: str
+    unit: str
+    rows: int
+    in_sample: float
+    held_out: float
+
+
+def quality(measured: FloatArray, computed: FloatArray) -> tuple[int, float, float, float]:
+    """Return measured rows, RMSE, centred and uncentred R2.
+
+    Parameters
+    ----------
+    measured, computed : ndarray, shape (n,)
+
+    Returns
+    -------
+    tuple of (int, float, float, float)
+        NaN where a channel has no variation, or where a measured row has no computed number.
+
+    Examples
+    --------
+    >>> quality(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0]))[2]
+    0.5
+    """
+    there = np.isfinite(measured)
+    y, residual = measured[there], (computed - measured)[there]
+    if not len(y):
+        return 0, float("nan"), float("nan"), float("nan")
+    squares, about, total = (float(np.sum(v**2)) for v in (residual, y - y.mean(), y))
+    centred = 1 - squares / about if about > 0 else float("nan")
+    uncentred = 1 - squares / total if total > 0 else float("nan")
+    return len(y), (squares / len(y)) ** 0.5, centred, uncentred

@@ -1,0 +1,78 @@
+"""A fit in a few lines, as ``repr`` and notebooks show it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+from tirefmu.symbolic.escaping import excerpt, visible
+from tirefmu.tires.notebook import html_details, html_summary, html_table
+from tirefmu.tires.tire import Tire
+
+from .records import ChannelFit, FittedCoefficient
+
+#: The longest name of a recording, in characters, and how many channels of recordings are listed.
+LONGEST_NAME, MOST_CHANNELS = 40, 12
+
+
+class Summarized(Protocol):
+    """What a summary shows of a fit result."""
+
+    @property
+    def tire(self) -> Tire:
+        """The fitted tire."""
+
+    @property
+    def recipe(self) -> str:
+        """Name of the recipe."""
+
+    @property
+    def status(self) -> str:
+        """How the fit ended, in one line."""
+
+    @property
+    def signs(self) -> str:
+        """Sign convention of the coefficients."""
+
+    @property
+    def seconds(self) -> float:
+        """Duration of the fit."""
+
+    @property
+    def coefficients(self) -> Sequence[FittedCoefficient]:
+        """The fitted coefficients."""
+
+    @property
+    def channels(self) -> Sequence[ChannelFit]:
+        """Quality by recording and channel."""
+
+
+def fit_text(result: Summarized) -> str:
+    """Return how a fit ended and how good it is, in a few lines."""
+    effects = len(result.tire.has)
+    name = f" {excerpt(result.tire.name, LONGEST_NAME)!r}" if result.tire.name else ""
+    recipe = visible(result.recipe)
+    lines = [
+        f"FitResult{name}: {result.tire.model} with {effects} effects, recipe {recipe}: {visible(result.status)}",
+        f"  {len(result.coefficients)} coefficients fitted, in {result.signs} signs; {result.seconds:.1f} s",
+    ]
+    for c in result.channels[:MOST_CHANNELS]:
+        source = excerpt(c.recording, LONGEST_NAME)
+        lines.append(f"  {source} {c.channel}: RMSE {c.rmse:.4g} {c.unit}, R2 {c.r2:.4f}, {c.rows} rows")
+    if len(result.channels) > MOST_CHANNELS:
+        lines.append(f"  and {len(result.channels) - MOST_CHANNELS} more channels")
+    for title, names in (
+        ("at a bound", [c.name for c in result.coefficients if c.at_bound]),
+        ("not determined by the data", [c.name for c in result.coefficients if not c.determined]),
+    ):
+        if names:
+            lines.append(f"  {title}: {', '.join(names[:8])}{' ...' if len(names) > 8 else ''}")
+    return "\n".join(lines)
+
+
+def fit_html(result: Summarized) -> str:
+    """Return the same as HTML, with the coefficients."""
+    header = ["coefficient", "value", "+- (95 %)", "lower", "upper", "unit", "stage"]
+    rows = [(c.name, c.value, c.interval, c.lower, c.upper, c.unit, c.stage) for c in result.coefficients]
+    table = html_details(f"Coefficients ({result.signs} signs)", html_table(header, rows))
+    return html_summary(fit_text(result), table)

@@ -1,0 +1,87 @@
+"""A request to stop a fit: the solver ends at its next iteration, and the best values so far are the result."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable
+from types import FrameType, TracebackType
+from typing import Any
+
+#: Called with (stage, iteration, cost).
+Progress = Callable[[str, int, float], None]
+
+
+class Interruption:
+    """Whether a fit is requested to stop, by Ctrl-C or by the progress callback.
+
+    Between ``with`` and its end the first Ctrl-C only requests a stop; a second one ends the program as usual. A solver
+    in compiled code swallows what its callbacks raise, so nothing is raised there: a `KeyboardInterrupt` of the
+    progress callback requests a stop, too, and any other exception of it is raised by `raise_failure` after the solver
+    has returned. Outside the main thread, or where the program handles the signal itself, only the callback can
+    request a stop.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Called with stage, iteration and cost.
+
+    Examples
+    --------
+    >>> def impatient(stage, iteration, cost):
+    ...     raise KeyboardInterrupt
+    >>> with Interruption(impatient) as interruption:
+    ...     interruption.report("Fx", 3, 0.1)
+    >>> interruption.requested, interruption.where
+    (True, "stage 'Fx', iteration 3")
+    """
+
+    def __init__(self, progress: Progress | None = None) -> None:
+        self._progress = progress
+        self._before: Any = None
+        self._failure: Exception | None = None
+        self._latest = ("", 0)
+        self.requested = False
+
+    def __enter__(self) -> Interruption:
+        """Take Ctrl-C over from Python's own handler."""
+        here = threading.current_thread() is threading.main_thread()
+        if here and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            self._before = signal.signal(signal.SIGINT, self._request)
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        """Give it back."""
+        self._give_back()
+
+    def _request(self, number: int, frame: FrameType | None) -> None:
+        self.requested = True
+        self._give_back()
+
+    def _give_back(self) -> None:
+        if self._before is not None:
+            signal.signal(signal.SIGINT, self._before)
+            self._before = None
+
+    @property
+    def where(self) -> str:
+        """How far the fit was: stage and iteration."""
+        stage, iteration = self._latest
+        return f"stage {stage!r}, iteration {iteration}" if stage else "before the first stage"
+
+    def report(self, stage: str, iteration: int, cost: float) -> None:
+        """Report the progress."""
+        self._latest = (stage, iteration)
+        if self._progress is None or self.requested:
+            return
+        try:
+            self._progress(stage, iteration, cost)
+        except KeyboardInterrupt:
+            self.requested = True
+        except Exception as error:  # raised later by `raise_failure`
+            self._failure, self.requested = error, True
+
+    def raise_failure(self) -> None:
+        """Raise what the progress callback raised."""
+        if self._failure is not None:
+            raise self._failure

@@ -1,0 +1,72 @@
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from tirefmu.estimation.block_regression import autocovariance, block_sums, coloured_covariance, regression, wald_p
+
+
+def coloured(rng, n, memory):
+    return lfilter([np.sqrt(1.0 - memory**2)], [1.0, -memory], rng.standard_normal(n))
+
+
+def test_leaving_out_a_block_is_a_regression_without_its_rows():
+    rng = np.random.default_rng(0)
+    columns, residual = rng.standard_normal((2, 120, 3)), rng.standard_normal((2, 120))
+    edges = np.array([0, 30, 70, 120])
+    fit = regression(block_sums(columns, residual, edges), np.full(3, 0.5))
+    for g, (first, last) in enumerate([(0, 30), (30, 70), (70, 120)]):
+        kept = np.r_[0:first, last:120]
+        x, y = columns[:, kept].reshape(-1, 3), residual[:, kept].ravel()
+        alone = np.linalg.solve(x.T @ x + 0.5 * np.eye(3), x.T @ y)
+        np.testing.assert_allclose(fit.others[g], alone, rtol=1e-7)
+        left = residual[:, first:last] - columns[:, first:last] @ alone
+        assert fit.loss[g] == pytest.approx(np.sum(left**2), rel=1e-9)
+
+
+def test_leaving_out_rows_of_a_mean_gives_its_variance():
+    """The jackknife of a mean is the sample variance over the number of rows, exactly."""
+    values = np.random.default_rng(4).standard_normal(30)
+    fit = regression(block_sums(np.ones((1, 30, 1)), values[None], np.arange(31)), np.zeros(1))
+    assert fit.estimate == pytest.approx([values.mean()], rel=1e-9)
+    assert fit.jackknife[0, 0] == pytest.approx(np.var(values, ddof=1) / 30, rel=1e-7)
+
+
+def test_the_covariance_of_products_with_coloured_noise_is_what_many_draws_have():
+    rng = np.random.default_rng(1)
+    n, memory = 400, 0.8
+    trace = np.sin(np.arange(n) / 15.0)[None, :, None]
+    known = memory ** np.arange(120)[None, None, :]
+    expected = coloured_covariance(trace, known)[0, 0]
+    draws = [trace[0, :, 0] @ coloured(rng, n, memory) for _ in range(3000)]
+    # 3000 draws know a variance to 2.6 %; four deviations and the start of the filter are allowed.
+    assert expected == pytest.approx(np.var(draws), rel=0.12)
+    white = float(np.sum(trace**2))
+    assert expected > 4.0 * white
+
+
+def test_autocovariance_forgets_rows_that_take_no_part():
+    rng = np.random.default_rng(2)
+    noise = coloured(rng, 20000, 0.6)[None, :]
+    present = np.ones_like(noise, dtype=bool)
+    present[:, ::3] = False
+    whole = autocovariance(noise, np.ones_like(present), 40)
+    part = autocovariance(np.where(present, noise, 0.0), present, 40)
+    np.testing.assert_allclose(part[0, 0, :5], whole[0, 0, :5], atol=0.05)
+
+
+@pytest.mark.parametrize("blocks", [None, 40])
+def test_probabilities_of_nothing_are_uniform(blocks):
+    rng = np.random.default_rng(3)
+    if blocks is None:
+        values = [wald_p(rng.standard_normal(2), np.eye(2)) for _ in range(2000)]
+    else:
+        values = []
+        for _ in range(2000):
+            draws = rng.standard_normal((blocks, 2))
+            values.append(wald_p(draws.mean(axis=0), np.cov(draws.T) / blocks, blocks))
+    share = np.mean(np.array(values) < 0.05)
+    assert abs(share - 0.05) < 4.0 * np.sqrt(0.05 * 0.95 / 2000)
+
+
+def test_too_few_blocks_prove_nothing():
+    assert wald_p(np.array([100.0, 100.0]), np.eye(2), 3) == 1.0

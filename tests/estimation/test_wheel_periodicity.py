@@ -1,0 +1,64 @@
+"""What turns with the wheel is found at its radius with its amplitude; noise and sweeps are not taken for it."""
+
+import numpy as np
+import pytest
+
+from tirefmu.estimation.wheel_periodicity import once_per_revolution
+
+RATE, RADIUS = 100.0, 0.23
+
+
+def made(seconds=60.0, seed=0, amplitude=3.0, noise=1.0):
+    """Return time, a speed that varies, and a channel that repeats with the wheel next to one that does not."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(int(seconds * RATE)) / RATE
+    speed = 10.0 + np.sin(0.1 * t)
+    angle = np.cumsum(speed) / RATE / RADIUS
+    channels = noise * rng.standard_normal((2, len(t)))
+    channels[0] += amplitude * np.cos(angle + 0.4)
+    return t, speed, channels
+
+
+def found_in(t, speed, channels, segment=None, radius=0.3):
+    return once_per_revolution(t, speed, channels, np.zeros(len(t), dtype=int) if segment is None else segment, radius)
+
+
+@pytest.mark.parametrize("expected", [0.16, 0.23, 0.4])
+def test_radius_frequency_and_amplitude_are_found_whatever_is_expected(expected):
+    t, speed, channels = made()
+    found = found_in(t, speed, channels, radius=expected)
+    assert found.radius == pytest.approx(RADIUS, rel=0.01)
+    assert found.frequency == pytest.approx(10.0 / (2.0 * np.pi * RADIUS), rel=0.03)
+    assert found.amplitude[0] == pytest.approx(3.0, rel=0.05)
+    assert found.share[0] == pytest.approx(4.5 / 5.5, rel=0.1)
+    assert found.amplitude[1] < 0.3
+    assert found.significant.tolist() == [True, False]
+
+
+@pytest.mark.parametrize("seconds", [3.0, 6.0, 30.0])
+def test_noise_is_not_significant_however_short_the_recording(seconds):
+    """One recording in a thousand a channel may be: the chance that 400 channels have three is 1 %."""
+    found = [found_in(*made(seconds, seed, amplitude=0.0)) for seed in range(200)]
+    assert sum(int(each.significant.sum()) for each in found) < 3
+
+
+def test_a_slow_sweep_is_not_taken_for_a_revolution():
+    t, speed, channels = made(amplitude=0.0)
+    found = found_in(t, speed, channels + 50.0 * np.sin(2.0 * np.pi * t / 12.0))
+    assert not found.significant.any()
+
+
+def test_rows_that_take_no_part_change_little():
+    t, speed, channels = made()
+    channels[:, np.random.default_rng(1).random(len(t)) < 0.03] = np.nan
+    found = found_in(t, speed, channels)
+    assert found.radius == pytest.approx(RADIUS, rel=0.01)
+    assert found.amplitude[0] == pytest.approx(3.0, rel=0.1)
+
+
+def test_nothing_is_found_without_long_stretches_or_a_turning_wheel():
+    t, speed, channels = made(10.0)
+    assert found_in(t, 0.0 * speed, channels) is None
+    assert found_in(t, speed, channels, np.arange(len(t)) // 100) is None  # a second each
+    assert found_in(t, speed, np.zeros((0, len(t)))) is None
+    assert found_in(t, 100.0 * speed, channels) is None  # fewer than four samples a revolution

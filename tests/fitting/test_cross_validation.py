@@ -1,0 +1,64 @@
+"""Cross-validation leaves out whole conditions, and tells a tire that learnt its data by heart."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tirefmu.estimation.noise_floor import MOST_LEVELS
+from tirefmu.fitting import cross_validate, cross_validation
+from tirefmu.measurements import Noise, group_by_condition
+from tirefmu.symbolic.errors import FitError
+
+LOADS, CAMBERS = (220.0, 400.0, 600.0, 800.0, 1000.0, 1120.0), (0.0, 2.0, 4.0)
+
+
+def test_a_true_model_foretells_what_it_has_not_seen(known, make):
+    recording = make.sideways(known, loads=LOADS, cambers=CAMBERS, noise=Noise())
+    (held,) = cross_validate([recording], "mf96", effects=make.effects, nominal=make.nominal)
+    assert (held.recording, held.channel, held.unit, held.rows) == (recording.source, "Fy", "N", len(recording))
+    assert 0.98 * held.in_sample < held.held_out < 1.1 * held.in_sample
+
+
+def test_each_condition_is_left_out_once_and_whole(known, make, monkeypatch):
+    recording = make.sideways(known, loads=LOADS, cambers=CAMBERS)
+    conditions = group_by_condition(recording, most_levels=MOST_LEVELS).labels
+    assert len(set(conditions)) == 18
+    seen, run = [], cross_validation.fit
+
+    def recorded(recordings, model, **options):
+        seen.append([table.table.index for table in recordings])
+        return run(recordings, model, **options)
+
+    monkeypatch.setattr(cross_validation, "fit", recorded)
+    cross_validate([recording], "mf96", folds=3, effects=make.effects)
+    whole, *parts = seen
+    assert len(whole[0]) == len(recording)
+    left = [set(recording.table.index) - set(part[0]) for part in parts]
+    assert len(left) == 3
+    assert sum(len(rows) for rows in left) == len(recording)  # each once
+    assert set().union(*left) == set(recording.table.index)
+    for rows in left:
+        chosen = np.isin(recording.table.index, list(rows))
+        assert not set(conditions[chosen]) & set(conditions[~chosen])
+        assert len(set(conditions[chosen])) == 6
+
+
+def test_nominal_values_are_those_of_the_whole(known, make, monkeypatch):
+    asked, run = [], cross_validation.fit
+
+    def recorded(recordings, model, **options):
+        asked.append(options.get("nominal"))
+        return run(recordings, model, **options)
+
+    monkeypatch.setattr(cross_validation, "fit", recorded)
+    cross_validate([make.sideways(known, loads=LOADS)], "mf96", folds=2, effects=make.effects)
+    assert asked[0] is None
+    assert asked[1] == asked[2]
+    assert set(asked[1]) == {"Fz0", "R0"}
+
+
+@pytest.mark.parametrize("folds", [0, 1, 50])
+def test_folds_need_conditions(known, make, folds):
+    with pytest.raises(FitError, match=r"it takes two at least|need as many held conditions"):
+        cross_validate([make.sideways(known)], "mf96", folds=folds, effects=make.effects)

@@ -1,0 +1,227 @@
+"""What is planted in the data is found in what the fit tells, and what is not planted is not."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from math import tau
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.fitting.constraints.verification import Margin
+from tirefmu.fitting.evidence.consistency import disagreeing_files, disagreeing_segments, sweep_differences
+from tirefmu.fitting.evidence.diagnostics import by_condition
+from tirefmu.fitting.evidence.residuals import Residuals
+from tirefmu.fitting.evidence.ripple import ripple
+from tirefmu.fitting.evidence.slip_stiffness import slip_stiffnesses
+from tirefmu.fitting.evidence.undetermined import at_bounds, undetermined
+from tirefmu.fitting.reporting.report_text import (
+    constraint_rows,
+    extrapolation_text,
+    ripple_texts,
+    significant_differences,
+)
+from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps
+
+NOISE = 5.0
+LOADS, CAMBERS = (220.0, 700.0, 1120.0), (0.0, 0.07)
+
+
+def recorded(tire, seed=0, loads=LOADS, repeats=1, recording=0):
+    """Return rows of alpha sweeps in adapted SAE, up and down, with white noise on Fy, at 100 Hz and 11 m/s."""
+    program = alpha_sweeps(loads, CAMBERS, sample_rate=100.0)
+    table = VirtualBench(tire, Noise.none()).run(program).with_signs("adapted-sae").table
+    table = pd.concat([table] * repeats, ignore_index=True).assign(V=11.0)
+    random = np.random.default_rng(seed)
+    table["Fy"] += NOISE * random.normal(size=len(table))
+    breaks = np.cumsum(np.r_[0, np.abs(np.diff(table["Fz"])) > 100.0])  # a segment for each load in its turn
+    table["t"] = np.arange(len(table)) / 100.0
+    return table[["t", "kappa", "alpha", "gamma", "Fz", "V", "Fy"]].assign(recording=recording, segment=breaks)
+
+
+def residuals_of(tire, *tables):
+    data, segments = [], 0
+    for number, table in enumerate(tables):
+        data.append(table.assign(recording=number, segment=table["segment"] + segments))
+        segments += int(table["segment"].max()) + 1
+    sources = tuple(f"file {number}" for number in range(len(tables)))
+    return Residuals(pd.concat(data, ignore_index=True), sources, tire, "adapted-sae")
+
+
+@pytest.fixture(scope="module")
+def clean(known):
+    return recorded(known)
+
+
+def test_conditions_are_those_that_were_held_and_the_worst_is_named(known, clean):
+    odd = clean.copy()
+    there = (odd["Fz"] > 900.0) & (odd["gamma"] > 0.03)
+    odd.loc[there, "Fy"] += 40.0
+    told = by_condition(residuals_of(known, odd))
+    assert len(told) == len(LOADS) * len(CAMBERS)
+    assert sum(each.rows for each in told) == len(odd)
+    worst = max(told, key=lambda each: each.rmse)
+    assert (worst.at["Fz"], worst.at["gamma"]) == pytest.approx((1120.0, 0.07), rel=0.02)
+    assert worst.mean == pytest.approx(40.0, abs=2.0)
+    assert min(each.rmse for each in told) == pytest.approx(NOISE, rel=0.1)
+
+
+def test_an_offset_between_files_is_found_and_noise_alone_is_not(known, clean):
+    shifted = recorded(known, seed=1).assign(Fy=lambda t: t["Fy"] + 12.0)
+    (told,) = disagreeing_files(residuals_of(known, clean, shifted))
+    assert (told.channel, told.first, told.second) == ("Fy", "file 0", "file 1")
+    assert told.mean == pytest.approx(-12.0, abs=1.0)
+    assert told.typical == pytest.approx(12.0, abs=1.0)
+    assert told.sigmas < -20
+    (quiet,) = disagreeing_files(residuals_of(known, clean, recorded(known, seed=1)))
+    assert abs(quiet.sigmas) < 4
+    assert quiet.typical < 2.0
+
+
+def test_differences_are_told_in_the_asked_signs(known, clean):
+    shifted = recorded(known, seed=1).assign(Fy=lambda t: t["Fy"] + 12.0)
+    iso = replace(residuals_of(known, clean, shifted), signs="iso")
+    assert disagreeing_files(iso)[0].mean == pytest.approx(12.0, abs=1.0)
+
+
+def test_what_the_tire_does_wrong_is_no_disagreement(known, clean):
+    wrong = replace(known, values={**known.values, "PKY1": 0.8 * known.values["PKY1"]})
+    (told,) = disagreeing_files(residuals_of(wrong, clean, recorded(known, seed=1)))
+    assert abs(told.sigmas) < 4
+
+
+def test_files_without_a_common_condition_are_not_compared(known):
+    light, heavy = recorded(known, loads=(220.0, 400.0)), recorded(known, loads=(900.0, 1120.0))
+    assert disagreeing_files(residuals_of(known, light, heavy)) == ()
+
+
+def test_a_segment_that_drifted_away_is_named(known):
+    table = recorded(known, repeats=3)
+    assert disagreeing_segments(residuals_of(known, table))  # repeats are compared
+    chosen = table["segment"].unique()[4]
+    table.loc[table["segment"] == chosen, "Fy"] -= 10.0
+    (told,) = disagreeing_segments(residuals_of(known, table))
+    assert told.first == f"file 0, segment {chosen + 1}"
+    assert told.mean == pytest.approx(-10.0, abs=1.0)
+
+
+def test_a_lag_is_a_difference_between_up_and_down(known, clean):
+    (quiet,) = sweep_differences(residuals_of(known, clean))
+    assert abs(quiet.sigmas) < 4
+    late = clean.copy()
+    late["Fy"] = late["Fy"].shift(5, fill_value=0.0)
+    (told,) = sweep_differences(residuals_of(known, late))
+    assert (told.first, told.second) == ("file 0, alpha up", "down")
+    assert abs(told.sigmas) > 20
+    assert told.typical > 20.0
+
+
+def test_a_ripple_is_found_at_its_radius(known, clean):
+    radius, size = 0.21, 8.0  # the tire says 0.23
+    odd = clean.assign(Fy=clean["Fy"] + size * np.sin(11.0 * clean["t"] / radius))
+    (told,) = ripple(residuals_of(known, odd))
+    assert told.stands_out
+    assert told.amplitude == pytest.approx(size, rel=0.1)
+    assert told.radius == pytest.approx(radius, rel=0.01)
+    assert told.frequency == pytest.approx(11.0 / (tau * radius), rel=0.01)
+    assert told.share == pytest.approx(size**2 / 2 / (size**2 / 2 + NOISE**2), rel=0.1)
+    assert "once per revolution" in ripple_texts((told,))[0]
+    (quiet,) = ripple(residuals_of(known, clean))
+    assert not quiet.stands_out
+    assert quiet.amplitude < 1.5
+    assert ripple_texts((quiet,)) == []
+
+
+def test_no_ripple_is_told_without_a_clock_or_a_speed(known, clean):
+    assert ripple(residuals_of(known, clean.drop(columns="t"))) == ()
+    assert ripple(residuals_of(known, clean.drop(columns="V"))) == ()
+
+
+def test_slip_stiffness_is_read_from_the_data(known, clean):
+    soft = replace(known, values={**known.values, "PKY1": 0.9 * known.values["PKY1"]})
+    for tire, off in ((known, 0.0), (soft, -0.1)):
+        told = slip_stiffnesses(residuals_of(tire, clean))
+        assert [each.channel for each in told] == ["Fy"] * len(LOADS)
+        for each, load in zip(told, LOADS, strict=True):
+            assert each.load == pytest.approx(load, rel=0.02)
+            assert each.conditions == len(CAMBERS)
+            assert each.off == pytest.approx(off, abs=0.02)
+            true = known.evaluate(pd.DataFrame({"alpha": [0.0], "Fz": [each.load]}), signs="adapted-sae")
+            assert each.read == pytest.approx(float(true["K_yalpha"].iloc[0]), rel=0.05)
+
+
+@pytest.mark.parametrize(("loads", "cambers", "slip", "coefficient", "reason"), [
+    ((700.0,), CAMBERS, 0.2, "PDY2", "one load only"),
+    (LOADS, (0.0,), 0.2, "PDY3", "no inclination"),
+    (LOADS, CAMBERS, 0.02, "PDY1", "no alpha beyond 0.02 rad"),
+])  # fmt: skip
+def test_the_reason_is_what_the_bench_left_out(known, loads, cambers, slip, coefficient, reason):
+    random, n = np.random.default_rng(2), 600
+    alpha, load, camber = (random.uniform(-slip, slip, n), random.choice(loads, n), random.choice(cambers, n))
+    table = pd.DataFrame({"kappa": 0.0, "alpha": alpha, "gamma": camber, "Fz": load})
+    table["Fy"] = known.evaluate(table, signs="adapted-sae")["Fy"] + NOISE * random.normal(size=n)
+    residuals = residuals_of(known, table.assign(segment=0))
+    free = ["PCY1", "PDY1", "PDY2", "PDY3", "PEY1", "PKY1", "PKY2"]
+    (told,) = undetermined(residuals, free, [(coefficient,)], {"Fy": float(n)})
+    assert told.coefficients == (coefficient,)
+    assert told.reason == reason
+
+
+def test_a_bound_that_the_data_ask_to_pass_is_told_from_one_that_holds_what_they_leave(known, clean):
+    data = residuals_of(known, clean.iloc[::7])
+    free = ["PDY1", "PDY2", "PEY1", "PKY1", "PKY2", "PCY1", "PDX1"]
+    told = {each.coefficients: each.reason for each in at_bounds(data, free, ["PDY1", "PDX1"], {"Fy": 500.0})}
+    assert told["PDY1",] == "at a bound: the data ask for more"
+    assert told["PDX1",].startswith("at a bound: only the bound holds it")
+    assert at_bounds(data, free, [], {"Fy": 500.0}) == ()
+
+
+@pytest.mark.parametrize(("cambers", "reason"), [
+    ((0.0, 0.001), "no inclination"),
+    ((0.0, 0.05), "inclination to one side only"),
+    ((-0.05, 0.05), "no inclination beyond 2.9 deg"),
+])  # fmt: skip
+def test_what_lacks_of_inclination(known, clean, cambers, reason):
+    table = clean.iloc[::7].assign(gamma=lambda t: np.resize(cambers, len(t)))
+    table["Fy"] = known.evaluate(table, signs="adapted-sae")["Fy"] + NOISE
+    (told,) = undetermined(residuals_of(known, table), ["PDY1", "PDY3"], [("PDY3",)], {"Fy": 0.01})
+    assert told.reason == reason
+
+
+def test_a_load_with_little_slip_is_said_to_have_little(known):
+    random, n = np.random.default_rng(3), 900
+    load = random.choice(LOADS, n)
+    kappa = np.where(load == 700.0, 0.3, 0.1) * random.uniform(-1, 1, n)
+    table = pd.DataFrame({"kappa": kappa, "alpha": 0.0, "gamma": 0.0, "Fz": load})
+    table["Fx"] = known.evaluate(table, signs="adapted-sae")["Fx"] + NOISE * random.normal(size=n)
+    residuals = residuals_of(known, table.assign(segment=0))
+    free = ["PCX1", "PDX1", "PDX2", "PEX1", "PEX2", "PEX3", "PKX1", "PKX2", "PKX3"]
+    (told,) = undetermined(residuals, free, [("PEX2", "PEX3")], {"Fx": 5.0})
+    assert told.coefficients == ("PEX2", "PEX3")
+    assert told.reason == "no second load above 0.1 kappa"
+
+
+def test_the_result_tells_it_all_in_strict_json(side_fit):
+    result, recording = side_fit
+    found = result.findings
+    assert found is result.findings  # once
+    assert {each.recording for each in found.conditions} == {recording.source}
+    plain = json.loads(json.dumps(result.to_json(), allow_nan=False))
+    assert len(plain["findings"]["conditions"]) == len(found.conditions) == 12
+    assert plain["held_out"] == []
+    assert not significant_differences(result)  # without noise nothing differs
+    assert replace(result, evidence=None).findings.conditions == ()
+
+
+def test_every_margin_is_told_once_beside_its_extrapolation(side_fit):
+    far = Margin("mu_y > 0, 1.5 x the range", 0.5, 0.49, {"Fz": 1680.0}, "extrapolation:mu_y")
+    result = replace(side_fit[0], margins=(*side_fit[0].margins, far))
+    told = constraint_rows(result.margins)
+    shown = [margin.name for each in told for margin in (each.inside, each.beyond) if margin is not None]
+    assert sorted(shown) == sorted(margin.name for margin in result.margins)
+    assert "1.5 times" in extrapolation_text(result)
+    assert "nothing is kept" in extrapolation_text(side_fit[0])
+    (friction,) = (each for each in told if each.constraint == "mu_y > 0")
+    assert friction.beyond == far

@@ -1,0 +1,161 @@
+"""Which rows a fit takes, how much they count, and what it says of those that it sets aside."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.fitting import fit
+from tirefmu.fitting.data.fit_data import prepare
+from tirefmu.fitting.data.same_tire import tire_notes
+from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate
+from tirefmu.symbolic import model
+from tirefmu.symbolic.errors import DataError, UnknownName
+
+BOOK = model("mf96")
+
+
+@pytest.fixture(scope="module")
+def bench(known):
+    """Return a recording of the side force at 25 Hz: a course in time."""
+
+    def run(*programs, noise=None, seed=2):
+        recording = VirtualBench(known, noise or Noise(), seed=seed).run(concatenate(programs))
+        return replace(recording, table=recording.table.drop(columns=["Fx", "Mz"]))
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def once(bench):
+    return bench(alpha_sweeps([400.0, 700.0, 1100.0], [0.0], sample_rate=25.0))
+
+
+def spoiled(recording, rows, force=9e3):
+    table = recording.table.copy()
+    table.loc[rows, "Fy"] = force
+    return replace(recording, table=table)
+
+
+def test_bad_rows_do_not_bend_a_fit(once, known, make):
+    rows = np.arange(20, len(once), 60)
+    bad = spoiled(once, rows)
+    options = {"effects": ("load_friction", "load_stiffness", "plysteer"), "nominal": make.nominal}
+    clean, kept, bent = (
+        fit([data], "mf96", screening=screening, **options)
+        for data, screening in ((once, True), (bad, True), (bad, False))
+    )
+    (aside,) = kept.set_aside
+    assert (aside.reason, aside.rows, aside.of) == ("outlier", len(rows), len(once))
+    assert len(aside.findings) == len(rows)
+    assert aside.findings[0].startswith("outlier: row 21: Fy is 9000 N, the running median is ")
+    assert clean.set_aside == bent.set_aside == ()
+    points = pd.DataFrame({"alpha": np.tile(np.linspace(-0.2, 0.2, 21), 2), "Fz": np.repeat([500.0, 1000.0], 21)})
+    curves = [result.tire.evaluate(points)["Fy"] for result in (clean, kept, bent)]
+    assert np.abs(curves[1] - curves[0]).max() < 10.0
+    assert np.abs(curves[2] - curves[0]).max() > 100.0
+    # The score counts every row, the bad ones too.
+    assert kept.channels[0].rows == len(once)
+    assert kept.channels[0].rmse > 10 * clean.channels[0].rmse
+    assert kept.to_json()["set_aside"][0]["rows"] == len(rows)
+
+
+def test_a_range_is_that_of_the_rows_that_are_fitted(once):
+    table = once.table.copy()
+    table.loc[100, "Fz"] = 40e3
+    data = prepare([replace(once, table=table)], BOOK)
+    assert data.fitted["Fz"].max() < 1300.0
+    assert data.table["Fz"].max() == 40e3
+
+
+def test_a_repeated_condition_counts_once_unless_asked(bench):
+    sweep = alpha_sweeps([400.0, 700.0, 1100.0], [0.0], sample_rate=25.0)
+    again = alpha_sweeps([1100.0], [0.0], sample_rate=25.0)
+    recording = bench(sweep, again, again, again)
+    tables = {rows: prepare([recording], BOOK, rows=rows).table for rows in ("condition", "equal")}
+    heavy = tables["condition"]["Fz"] > 900.0
+    share = {rows: table.loc[heavy, "weight"].sum() / table["weight"].sum() for rows, table in tables.items()}
+    assert share["equal"] == pytest.approx(4 / 6, rel=0.01)
+    assert share["condition"] == pytest.approx(1 / 3, rel=0.02)
+
+
+def test_a_disturbance_in_repeats_weighs_less_where_they_count_once(bench, known, make):
+    sweep = alpha_sweeps([400.0, 700.0, 1100.0], [0.0], sample_rate=25.0)
+    again = alpha_sweeps([1100.0], [0.0], sample_rate=25.0)
+    recording = bench(sweep, again, again, again, noise=Noise.none())
+    odd = recording.table["Fz"] > 900.0  # a load at which the bench read 5 % too much
+    recording = replace(recording, table=recording.table.assign(Fy=recording.table["Fy"] * np.where(odd, 1.05, 1.0)))
+    options = {"effects": ("load_stiffness",), "nominal": make.nominal}
+    friction = [fit([recording], "mf96", rows=rows, **options).tire.values["PDY1"] for rows in ("equal", "condition")]
+    lighter = fit([replace(recording, table=recording.table[~odd.to_numpy()])], "mf96", **options).tire.values["PDY1"]
+    assert abs(friction[1] - lighter) < abs(friction[0] - lighter)
+
+
+def test_independent_rows_weigh_a_recording_by_what_it_is_worth(once, known, make):
+    """One recording misses slowly, the other at random, by as much: the second tells more."""
+    size, n = 60.0, len(once)
+    slow = size * np.sqrt(2.0) * np.sin(2 * np.pi * np.arange(n) / n + 0.7)
+    quick = np.random.default_rng(0).normal(0.0, size, n)
+    shifted = 1.06 * once.table["Fy"]
+    drifting = replace(once, table=once.table.assign(Fy=shifted + slow), source="slow")
+    noisy = replace(once, table=once.table.assign(Fy=once.table["Fy"] + quick), source="quick")
+    options = {"effects": make.effects, "nominal": make.nominal, "screening": False}
+    by_row, by_worth = (fit([drifting, noisy], "mf96", rows=rows, **options) for rows in ("equal", "independent"))
+    assert by_worth.ok
+    true = once.table["Fy"].to_numpy()
+
+    def missed(result):
+        force = result.tire.evaluate(once.table, signs=once.signs)["Fy"].to_numpy()
+        return float(np.sqrt(np.mean((force - true) ** 2)))
+
+    assert missed(by_worth) < 0.7 * missed(by_row)
+
+
+def test_a_file_that_is_all_warm_up_is_set_aside_beside_others(once):
+    cold = replace(once, source="warmup.csv", table=once.table.assign(Fy=0.5 * once.table["Fy"]))
+    data = prepare([once, cold], BOOK)
+    assert set(data.fitted["recording"]) == {0}
+    assert [str(aside) for aside in data.set_aside] == [
+        f"warmup.csv: {len(cold)} of {len(cold)} rows set aside: warm-up (the tread is still cold)"
+    ]
+    with pytest.raises(DataError, match=r"no row is left to fit \(--all-rows keeps them\): warmup.csv: "):
+        prepare([cold], BOOK)
+    assert len(prepare([cold], BOOK, screening=False).fitted) == len(cold)
+
+
+def test_rows_count_in_ways_that_have_names(once):
+    with pytest.raises(UnknownName, match="unknown way for rows to count 'independant': did you mean independent"):
+        prepare([once], BOOK, rows="independant")
+
+
+def test_one_tire_at_two_pressures_is_one_tire(once, known):
+    """A tenth more friction and stiffness is what inflation does."""
+    stiffer = replace(once, table=once.table.assign(Fy=1.12 * once.table["Fy"]), source="other")
+    assert tire_notes([once, stiffer]) == []
+    weak = replace(once, table=once.table.assign(Fy=0.7 * once.table["Fy"]), source="weak")
+    (note,) = tire_notes([once, weak])
+    assert note.startswith("two tires? at ")
+    assert "mu_y" in note
+    assert note.endswith("in weak")
+
+
+def test_tires_without_a_common_load_are_not_compared(once):
+    light = once.table["Fz"] < 500.0
+    parts = [
+        Recording(once.table[rows].assign(Fy=once.table["Fy"] * factor), once.signs, f"{factor}")
+        for rows, factor in ((light, 1.0), (~light, 0.4))
+    ]
+    assert tire_notes(parts) == []
+
+
+@pytest.mark.parametrize(("degrees", "fitted"), [(1.2, True), (0.3, False)])
+def test_a_channel_is_fitted_from_a_small_sweep_on(degrees, fitted):
+    """A degree of slip angle tells the cornering stiffness; the ripple of a held one tells nothing."""
+    alpha = np.radians(degrees) * np.linspace(-0.5, 0.5, 300)
+    table = pd.DataFrame({"alpha": alpha, "kappa": np.linspace(-0.1, 0.1, 300), "Fz": 700.0, "Fx": 1.0, "Fy": alpha})
+    data = prepare([Recording(table, "adapted-sae", "small")], BOOK, screening=False)
+    assert data.table["Fy"].notna().all() == fitted
+    assert any("Fy is not fitted, alpha does not vary there" in note for note in data.notes) != fitted
