@@ -1,4 +1,4 @@
-"""How many files of each kind were fuzzed, told at the end where the fuzz tests alone are run."""
+"""Summary of the number of fuzzed files of each kind, printed if only the fuzz tests are run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The kinds of files that are fuzzed: whole files to begin with, how they are changed, how they are read."""
+"""The kinds of fuzzed files: valid examples, mutations and readers."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Kind:
     """A kind of file.
 
     `seeds` makes whole files, `change` the mutated file of a number, and `read` reads one: it returns, or raises a
-    TirefmuError; whatever else it raises is a fault, also of what it returns.
+    TirefmuError; any other exception is a fault, and so is an invalid result.
     """
 
     suffix: str
@@ -206,7 +206,7 @@ def checkpoint_seeds() -> list[bytes]:
 
 
 def read_checkpoint(path: Path) -> None:
-    """Read the state of a fit; it is of the kinds that a fit goes on from."""
+    """Read the state of a fit; its values have the types that a resumed fit needs."""
     state = Checkpoint(path, IDENTITY).load()
     assert isinstance(state.done, int)
     assert all(isinstance(value, float) and math.isfinite(value) for value in state.values.values())

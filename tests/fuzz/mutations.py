@@ -32,13 +32,13 @@ NAMES = ["../out", "/tmp/out", "a/../../out", "x" * 300, "modelDescription.xml/"
 
 
 def cut(draw, data):
-    """Leave out a piece, or all from somewhere on."""
+    """Remove a piece, or everything after a random position."""
     i, j = sorted((draw.randrange(len(data)), draw.randrange(len(data))))
     return data[:i] if draw.random() < 0.3 else data[:i] + data[min(j, i + draw.choice([1, 5, 50, 5000])) :]
 
 
 def repeat(draw, data):
-    """Say a piece twice, or many times, here or elsewhere."""
+    """Repeat a piece once or many times, at the same or another position."""
     i = draw.randrange(len(data))
     piece = data[i : i + draw.choice([1, 10, 200])] * draw.choice([1, 1, 2, 40])
     j = draw.choice([i, draw.randrange(len(data))])
@@ -46,7 +46,7 @@ def repeat(draw, data):
 
 
 def swap(draw, data):
-    """Let two bytes change places."""
+    """Swap two bytes."""
     data = bytearray(data)
     i, j = draw.randrange(len(data)), draw.randrange(len(data))
     data[i], data[j] = data[j], data[i]
@@ -62,17 +62,17 @@ def noise(draw, data):
 
 
 def insert(draw, data):
-    """Put a word of mischief somewhere."""
+    """Insert a hostile word."""
     i = draw.randrange(len(data))
     return data[:i] + draw.choice(WORDS) + data[i:]
 
 
 def replace_value(draw, data):
-    """Put a word of mischief in the place of a value."""
-    places = [m.span(1) for m in re.finditer(rb"(?:=|,|^) *([^\s,=$]+)", data, re.MULTILINE)]
-    if not places:
+    """Replace a value by a hostile word."""
+    positions = [m.span(1) for m in re.finditer(rb"(?:=|,|^) *([^\s,=$]+)", data, re.MULTILINE)]
+    if not positions:
         return insert(draw, data)
-    i, j = draw.choice(places)
+    i, j = draw.choice(positions)
     return data[:i] + draw.choice(WORDS) + data[j:]
 
 
@@ -94,7 +94,7 @@ def change_unit(draw, data):
 
 
 def drop_section(draw, data):
-    """Leave out a section, or only its heading."""
+    """Remove a section, or only its heading."""
     heads = [m.start() for m in re.finditer(rb"^\[", data, re.MULTILINE)] or [0]
     i = draw.choice(heads)
     end = min([h for h in heads if h > i] or [len(data)])
@@ -102,7 +102,7 @@ def drop_section(draw, data):
 
 
 def shuffle_lines(draw, data):
-    """Let some lines change places."""
+    """Shuffle some lines."""
     lines = data.split(b"\n")
     for _ in range(draw.choice([1, 5])):
         i, j = draw.randrange(len(lines)), draw.randrange(len(lines))
@@ -117,14 +117,14 @@ def line_ends(draw, data):
 
 
 def encode(draw, data):
-    """Write another encoding, or lie about it."""
+    """Write another encoding, or declare a wrong one."""
     text = data.decode("latin-1")
     encoding = draw.choice(["utf-16", "utf-16-le", "utf-8-sig", "utf-32", "latin-1"])
     return draw.choice([b"", b"\xff\xfe", b"\xef\xbb\xbf"]) + text.encode(encoding)
 
 
 def sizes(draw, data):
-    """Let the numbers of a binary header say something else: sizes, kinds, counts."""
+    """Change numbers of a binary header: sizes, types, counts."""
     data = bytearray(data)
     for _ in range(draw.choice([1, 2, 4])):
         i = draw.randrange(len(data)) // 4 * 4
@@ -174,22 +174,22 @@ def rezipped(seed, originals):
         return mutated(draw.random(), [data], BINARY)
     with zipfile.ZipFile(io.BytesIO(data)) as archive:
         files = [(name, archive.read(name)) for name in archive.namelist()]
-    place = draw.randrange(len(files)) if draw.random() < 0.4 else 0
-    name, content = files[place]
+    index = draw.randrange(len(files)) if draw.random() < 0.4 else 0
+    name, content = files[index]
     if draw.random() < 0.85:
-        files[place] = (name, mutated(draw.random(), [content]))
+        files[index] = (name, mutated(draw.random(), [content]))
     else:
-        files[place] = (
+        files[index] = (
             draw.choice(["../out", "/tmp/out", "a/../../out", "x" * 300, "modelDescription.xml/"]),
             content,
         )
     if draw.random() < 0.1:
         files.append(draw.choice(files))
-    answer = io.BytesIO()
-    with warnings.catch_warnings(action="ignore"), zipfile.ZipFile(answer, "w", zipfile.ZIP_DEFLATED) as archive:
+    buffer = io.BytesIO()
+    with warnings.catch_warnings(action="ignore"), zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in files:
             archive.writestr(name, content)
-    return answer.getvalue()
+    return buffer.getvalue()
 
 
 def rejsoned(seed, originals):
@@ -200,9 +200,9 @@ def rejsoned(seed, originals):
         return mutated(draw.random(), [data])
     content = json.loads(data)
     for _ in range(draw.choice([1, 1, 2, 5])):
-        places = list(_places(content))
-        holder, key = draw.choice(places)
-        other, also = draw.choice(places)
+        positions = list(_values(content))
+        holder, key = draw.choice(positions)
+        other, also = draw.choice(positions)
         way = draw.randrange(3)
         if way == 0:
             holder[key] = draw.choice([None, True, -1, 2**70, 1e308, float("nan"), "", [], {}, [[]], *HOSTILE])
@@ -213,10 +213,10 @@ def rejsoned(seed, originals):
     return json.dumps(content).encode()
 
 
-def _places(content):
-    """Yield every place of a value: what holds it, and its key."""
+def _values(content):
+    """Yield the container and the key of every value."""
     pairs = content.items() if isinstance(content, dict) else enumerate(content)
     for key, value in pairs:
         yield content, key
         if isinstance(value, (dict, list)):
-            yield from _places(value)
+            yield from _values(value)

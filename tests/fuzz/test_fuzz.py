@@ -1,4 +1,4 @@
-"""Mutated files: whatever is done to a file of any kind, it is read, or refused in one clear line.
+"""Mutated files of every kind are read, or rejected with one clear line.
 
 ``make fuzz`` draws 10,000 files, the tests a few hundred. A file's number is its seed; the last number that a failed
 test printed is the file that failed.
@@ -23,8 +23,8 @@ MEMORY = 300_000
 
 def batches():
     """Yield kinds and ranges of seeds, all files dealt out to the kinds."""
-    for place, kind in enumerate(KINDS):
-        count = FILES // len(KINDS) + (place < FILES % len(KINDS))
+    for index, kind in enumerate(KINDS):
+        count = FILES // len(KINDS) + (index < FILES % len(KINDS))
         for first in range(0, count, BATCH):
             seeds = range(first, min(first + BATCH, count))
             yield pytest.param(kind, seeds, id=f"{kind.replace(' ', '')}-{seeds[0]}..{seeds[-1]}")
@@ -46,7 +46,7 @@ def whole_files(tmp_path_factory):
 
 
 def peak_memory():
-    """Return the most memory that this process has had, in KiB; 0 where the system does not tell."""
+    """Return the peak memory of this process in KiB; 0 if the system does not report it."""
     if sys.platform != "linux":
         return 0
     import resource

@@ -1,4 +1,4 @@
-"""A raw run as a bench logs it, with nothing cut out: what was done is known row by row."""
+"""A raw run as a bench logs it, with all transitions, and with the known phase of each row."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ SWEEP = 12.0  # s of 0, +12, -12, 0 deg at 4 deg/s
 
 @dataclass(frozen=True, eq=False)
 class RawRun:
-    """A recording, and for each row whether the bench was on its way to another condition."""
+    """A recording, and for each row whether it is in a transition to another operating condition."""
 
     recording: Recording
     between: np.ndarray
 
 
 def raw_run(loads=(250.0, 700.0, 1100.0, 1550.0), cambers=(0.0, 2.0, 4.0), *, seed=0, first=60.0, noisy=True):
-    """Return sweeps at every camber and load, without a pause; the tread starts at ``first`` deg C."""
+    """Return sweeps at every camber and load without pauses. The tread starts at ``first`` deg C."""
     sweep = np.interp(np.arange(int(SWEEP * RATE)) / RATE, [0.0, 3.0, 9.0, 12.0], [0.0, 12.0, -12.0, 0.0])
     still = np.zeros(int(RAMP * RATE))
     conditions = [(load, camber) for camber in cambers for load in loads]
     alpha, load, camber, between = [], [], [], []
     last = conditions[0]
     for condition in conditions:
-        way = np.arange(len(still)) / len(still)
+        ramp = np.arange(len(still)) / len(still)
         alpha += [still, sweep]
-        load += [last[0] + way * (condition[0] - last[0]), np.full(len(sweep), condition[0])]
-        camber += [last[1] + way * (condition[1] - last[1]), np.full(len(sweep), condition[1])]
+        load += [last[0] + ramp * (condition[0] - last[0]), np.full(len(sweep), condition[0])]
+        camber += [last[1] + ramp * (condition[1] - last[1]), np.full(len(sweep), condition[1])]
         between += [np.full(len(still), condition != last), np.zeros(len(sweep), dtype=bool)]
         last = condition
     rng = np.random.default_rng(seed)
@@ -73,7 +73,7 @@ def make_raw():
 
 @pytest.fixture
 def without_package(tmp_path_factory, monkeypatch):
-    """Return what makes packages missing where native code reads files."""
+    """Return a function that hides packages from the process that reads files."""
 
     def hide(*names):
         folder = tmp_path_factory.mktemp("missing")

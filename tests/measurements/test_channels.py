@@ -1,4 +1,4 @@
-"""The cards agree with the contract; names that seem to mean a channel are recognized, others are not."""
+"""The declarations agree with the contract. Names that resemble a channel are recognized, others are not."""
 
 import pytest
 
@@ -16,11 +16,11 @@ def test_cards_are_the_contracts_columns():
 
 @pytest.mark.parametrize("name", CHANNELS)
 def test_card_is_in_si_and_whole(name):
-    card = channel(name)
-    unit = unit_named(card.unit)
-    assert (unit.quantity, unit.factor, unit.offset) == (card.quantity, 1.0, 0.0)
-    assert card.meaning
-    assert card.limits[0] < card.limits[1]
+    declared = channel(name)
+    unit = unit_named(declared.unit)
+    assert (unit.quantity, unit.factor, unit.offset) == (declared.quantity, 1.0, 0.0)
+    assert declared.meaning
+    assert declared.limits[0] < declared.limits[1]
 
 
 def test_no_alias_means_two_channels():

@@ -1,4 +1,4 @@
-"""A recording keeps its rows, turns its signs, and knows where it was interrupted."""
+"""A recording preserves its rows, converts its signs, and finds its segments."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""What goes wrong in the field: each file is refused with one clear line, or read with what it lacks being said."""
+"""Typical errors in recordings: each file gives one clear error line, or is read with notes on missing information."""
 
 import numpy as np
 import pandas as pd
@@ -35,10 +35,10 @@ def good_table(rows=600):
 
 
 @pytest.fixture
-def told(tmp_path):
-    """Return everything that is told of a table: the line that refuses it, or the notes on it."""
+def messages(tmp_path):
+    """Return all messages on a table: the error, or the notes."""
 
-    def tell(table, signs="iso"):
+    def messages_of(table, signs="iso"):
         table.to_csv(tmp_path / "a.csv", index=False)
         try:
             recording = read_recording(tmp_path / "a.csv", signs=signs)
@@ -48,11 +48,11 @@ def told(tmp_path):
             return [str(error)]
         return convention_notes(recording) + coverage_notes(recording) + identity_notes([recording])
 
-    return tell
+    return messages_of
 
 
-def test_a_good_table_is_not_complained_about(told):
-    assert told(good_table()) == []
+def test_a_good_table_has_no_messages(messages):
+    assert messages(good_table()) == []
 
 
 @pytest.mark.parametrize(
@@ -88,17 +88,17 @@ def test_a_good_table_is_not_complained_about(told):
         (lambda table: pd.concat([table, table.assign(Fz=9.0 * table["Fz"])]), "two tires? a.csv: the clock restarts"),
     ],
 )  # fmt: skip
-def test_each_fault_is_named(told, change, expected):
-    lines = told(change(good_table()))
+def test_each_fault_is_reported(messages, change, expected):
+    lines = messages(change(good_table()))
     assert any(expected in line for line in lines), lines
     assert not any("\n" in line for line in lines)
     assert all(line.startswith(("a.csv", "two tires? a.csv")) or "a.csv: " in line for line in lines)
 
 
-def test_signs_of_a_bench_in_a_table_that_says_iso(told):
+def test_signs_of_a_bench_in_a_table_declared_as_iso(messages):
     table = good_table().assign(alpha=-good_table()["alpha"], Fz=-good_table()["Fz"])
-    assert "SAE signs?" in told(table.assign(Fy=-table["Fy"], Mz=-table["Mz"]))[0]
-    assert told(table.assign(Fy=-table["Fy"], Mz=-table["Mz"]), signs="sae") == []
+    assert "SAE signs?" in messages(table.assign(Fy=-table["Fy"], Mz=-table["Mz"]))[0]
+    assert messages(table.assign(Fy=-table["Fy"], Mz=-table["Mz"]), signs="sae") == []
 
 
 def test_a_clock_that_starts_again_parts_the_segments(tmp_path):

@@ -45,10 +45,10 @@ def refused(path):
         recording = read_recording(path)
         check_plausible(recording)
         coverage_notes(recording)
-        kept = exclude_rows(recording).included
+        included = exclude_rows(recording).included
     except TirefmuError as error:
         return str(error)
-    assert len(kept) == len(recording) > 0
+    assert len(included) == len(recording) > 0
     present = [name for name in INPUTS if name in recording.table]
     assert np.isfinite(recording.table[present].to_numpy()).all()
     return None
@@ -58,8 +58,8 @@ def refused(path):
 @settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(damage=st.lists(DAMAGE, min_size=1, max_size=4))
 def test_damaged_text(tmp_path, kind, content, damage):
-    for place, what, other in damage:
-        at = int(place * len(content))
+    for position, what, other in damage:
+        at = int(position * len(content))
         content = {
             "lost": content[:at] + content[at + 3 :],
             "changed": content[:at] + other + content[at + max(1, len(other)) :],
@@ -68,8 +68,8 @@ def test_damaged_text(tmp_path, kind, content, damage):
         }[what]
     path = tmp_path / f"run{kind}"
     path.write_bytes(content)
-    said = refused(path)
-    assert said is None or ("\n" not in said and f"run{kind}: " in said)
+    message = refused(path)
+    assert message is None or ("\n" not in message and f"run{kind}: " in message)
 
 
 @pytest.mark.parametrize("share", np.linspace(0.0, 0.99, 12))
@@ -79,10 +79,10 @@ def test_matlab_files_cut_short(tmp_path, share):
     savemat(path, {**numbers, "FZ": np.full((5, 1), -900.0)})
     content = path.read_bytes()
     path.write_bytes(content[: int(share * len(content))])
-    said = refused(path)
-    assert said is not None
-    assert "\n" not in said
-    assert "run.mat: " in said
+    message = refused(path)
+    assert message is not None
+    assert "\n" not in message
+    assert "run.mat: " in message
 
 
 def test_the_whole_files_are_read(tmp_path):

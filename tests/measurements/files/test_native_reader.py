@@ -59,10 +59,10 @@ def test_a_process_that_hangs_is_ended(good, tmp_path, monkeypatch):
     assert len(read_recording(good)) == 5
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="only Linux keeps the limit of memory in every case")
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux enforces the memory limit in every case")
 @pytest.mark.parametrize("rows", [2**29, 2**31 - 1])
 def test_a_header_that_claims_gigabytes_gets_none(tmp_path, rows):
-    """A level 4 file says its size in 20 bytes."""
+    """A level 4 file declares its size in 20 bytes."""
     path = tmp_path / "big.mat"
     path.write_bytes(struct.pack("<5i", 0, rows, 8, 0, 3) + b"ET\0" + bytes(80))
     assert refusal(path).startswith(f"{path}: cannot be read as a MATLAB file: ")

@@ -126,9 +126,9 @@ def test_index_column_passes(written):
 )
 def test_bad_tables(written, text, expected):
     path = written(text)
-    said = complaint(path)
-    assert expected in said
-    assert said.startswith(path)
+    message = complaint(path)
+    assert expected in message
+    assert message.startswith(path)
 
 
 def test_files_that_are_no_tables(tmp_path, written):

@@ -40,15 +40,15 @@ TITLE = "Tire_Name=Somebody's 16x7.5-10\tRim_Width=7\tISO False"
 
 
 def bench_text(*, title=TITLE, units=SI, drop=(), rows=9, separator="\t", **values):
-    kept = [number for number, name in enumerate(NAMES) if name not in drop]
+    columns = [number for number, name in enumerate(NAMES) if name not in drop]
     lines = [] if title is None else [title]
-    lines.append(separator.join(NAMES[number] for number in kept))
+    lines.append(separator.join(NAMES[number] for number in columns))
     if units is not None:
-        lines.append(separator.join(units[number] for number in kept))
+        lines.append(separator.join(units[number] for number in columns))
     cells = dict(zip(NAMES, ROW, strict=True)) | values
     for row in range(rows):
         cells["ET"] = 0.01 * row
-        lines.append(separator.join(str(cells[NAMES[number]]) for number in kept))
+        lines.append(separator.join(str(cells[NAMES[number]]) for number in columns))
     return "\n".join(lines) + "\n"
 
 
@@ -87,7 +87,7 @@ def test_us_customary_units(bench_file):
 
 
 @pytest.mark.parametrize(
-    ("name", "pressure", "load", "told"),
+    ("name", "pressure", "load", "reported"),
     [
         ("A1464raw30.dat", 12.0, -900 * POUND, "assumed USCS: the file's name begins with A"),
         ("B1464raw30.dat", 83.0, -900.0, "assumed SI: the file's name begins with B"),
@@ -95,10 +95,10 @@ def test_us_customary_units(bench_file):
         ("run.dat", 83.0, -900.0, "assumed SI: the file declares none"),
     ],
 )
-def test_units_assumed_where_none_are_declared(bench_file, name, pressure, load, told):
+def test_units_assumed_where_none_are_declared(bench_file, name, pressure, load, reported):
     recording = read_recording(bench_file(name, units=None, P=pressure))
     assert recording.table["Fz"].iloc[0] == pytest.approx(load)
-    assert recording.about["units"].startswith(told)
+    assert recording.about["units"].startswith(reported)
     assert len(recording) == 9
 
 

@@ -61,12 +61,12 @@ def test_us_customary_units(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "load", "told"), [("B1464run30.mat", -900.0, "SI"), ("A1464run30.mat", -4003.4, "USCS")]
+    ("name", "load", "system"), [("B1464run30.mat", -900.0, "SI"), ("A1464run30.mat", -4003.4, "USCS")]
 )
-def test_units_assumed_where_none_are_declared(tmp_path, name, load, told):
+def test_units_assumed_where_none_are_declared(tmp_path, name, load, system):
     recording = read_recording(bench_file(tmp_path, name, units=None, tireid=np.empty((0, 0))))
     assert recording.table["Fz"].iloc[0] == pytest.approx(load, rel=1e-5)
-    assert recording.about["units"].startswith(f"assumed {told}")
+    assert recording.about["units"].startswith(f"assumed {system}")
     assert recording.about["declared"] == ""
     assert recording.about["tireid"] == ""
 

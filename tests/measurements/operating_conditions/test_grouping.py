@@ -1,4 +1,4 @@
-"""Conditions count alike however often they were logged."""
+"""The weight of an operating condition does not depend on how often it was recorded."""
 
 import numpy as np
 import pandas as pd
@@ -6,41 +6,34 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tirefmu.measurements import (
-    Grouping,
-    Recording,
-    VirtualBench,
-    alpha_sweeps,
-    concatenate,
-    group_by_condition,
-)
+from tirefmu.measurements import Grouping, Recording, VirtualBench, alpha_sweeps, concatenate, group_by_condition
 from tirefmu.tires import published
 
 
 @given(st.lists(st.integers(20, 900), min_size=1, max_size=6))
-def test_no_condition_outweighs_the_usual_one(counts):
+def test_no_condition_outweighs_the_median_one(counts):
     labels = np.repeat(np.arange(len(counts)), counts)
     weights = Grouping(labels, ((),) * len(counts)).weights()
     assert weights.mean() == pytest.approx(1.0)
     share = weights / weights.max()
-    usual = sorted(counts)[(len(counts) - 1) // 2]
+    median = sorted(counts)[(len(counts) - 1) // 2]
     for number, count in enumerate(counts):
-        (mine,) = set(share[labels == number])
-        assert mine == pytest.approx(1.0 if count <= 1.25 * usual else usual / count)
+        (weight,) = set(share[labels == number])
+        assert weight == pytest.approx(1.0 if count <= 1.25 * median else median / count)
 
 
-def test_conditions_met_in_passing_are_not_blown_up():
+def test_conditions_with_few_rows_are_not_weighted_up():
     labels = np.repeat([0, 1, 2], [1000, 1000, 2])
     assert (Grouping(labels, ((),) * 3).weights() == 1.0).all()
 
 
-def test_sweeps_of_one_input_are_not_weighed_against_those_of_another():
+def test_sweeps_of_different_inputs_are_weighted_separately():
     labels = np.repeat([0, 1, 2, 3], [600, 600, 300, 300])
     kinds = (("alpha",), ("alpha",), ("kappa",), ("kappa",))
     assert (Grouping(labels, ((),) * 4, kinds).weights() == 1.0).all()
 
 
-def test_rows_that_do_not_count_weigh_nothing():
+def test_unselected_rows_have_weight_zero():
     labels = np.repeat([0, 1], [30, 90])
     rows = np.arange(120) < 60
     weights = Grouping(labels, ((),) * 2).weights(rows)
@@ -51,7 +44,7 @@ def test_rows_that_do_not_count_weigh_nothing():
 
 
 @pytest.mark.parametrize("signs", ["iso", "sae"])
-def test_a_load_logged_five_times_as_often_does_not_outweigh_the_others(signs):
+def test_a_load_with_five_times_the_rows_does_not_outweigh_the_others(signs):
     program = concatenate([alpha_sweeps([300.0, 600.0, 900.0], [0.0, 0.05]), *[alpha_sweeps([900.0], [0.0])] * 4])
     recording = VirtualBench(published("trento_hoosier"), seed=3).run(program).with_signs(signs)
     groups = group_by_condition(recording)
@@ -65,7 +58,7 @@ def test_a_load_logged_five_times_as_often_does_not_outweigh_the_others(signs):
             assert rows[name].median() == pytest.approx(level, abs=0.02 * abs(recording.table[name]).max())
 
 
-def test_a_slow_sweep_does_not_outweigh_quick_ones_and_a_wide_one_is_not_slow():
+def test_slow_sweeps_are_weighted_down_and_wide_ones_are_not():
     def sweep(number, rows, reach, load):
         angle = np.interp(np.arange(rows) / rows, [0.0, 0.25, 0.75, 1.0], [0.0, reach, -reach, 0.0])
         return pd.DataFrame({"t": 100.0 * number + np.arange(rows) / 100.0, "alpha": angle, "Fz": load})
@@ -79,7 +72,7 @@ def test_a_slow_sweep_does_not_outweigh_quick_ones_and_a_wide_one_is_not_slow():
     assert share == pytest.approx({300.0: 1.0, 450.0: 1.0, 600.0: 0.25, 900.0: 1.0}, rel=0.05)
 
 
-def test_steady_points_that_repeat_count_once_and_swept_ones_as_they_are():
+def test_repeated_steady_points_count_once_and_swept_ones_are_unchanged():
     points = pd.DataFrame({"alpha": np.tile([0.0, 0.1, 0.2], 20), "Fz": np.repeat([300.0, 600.0], 30)})
     repeated = pd.concat([points, *[points[points["alpha"] == 0.2]] * 4], ignore_index=True)
     groups = group_by_condition(Recording(repeated, "iso", "a.csv"))
@@ -89,21 +82,21 @@ def test_steady_points_that_repeat_count_once_and_swept_ones_as_they_are():
     assert (group_by_condition(Recording(swept, "iso", "a.csv")).weights() == 1.0).all()
 
 
-def test_an_input_held_at_many_levels_was_swept_in_steps():
+def test_an_input_with_many_levels_was_swept_in_steps():
     table = pd.DataFrame({"alpha": np.repeat(np.linspace(-0.3, 0.3, 15), 40), "Fz": np.tile([300.0, 600.0], 300)})
     recording = Recording(table, "iso", "a.csv")
     assert len(group_by_condition(recording).conditions) == 30
     assert group_by_condition(recording, most_levels=12).conditions == ((("Fz", 300.0),), (("Fz", 600.0),))
 
 
-def test_swept_inputs_make_no_conditions():
+def test_swept_inputs_define_no_conditions():
     table = pd.DataFrame({"alpha": np.linspace(-0.2, 0.2, 500)})
     groups = group_by_condition(Recording(table, "iso", "a.csv"))
     assert (groups.conditions, groups.moving) == (((),), (("alpha",),))
     assert groups.counts.tolist() == [500]
 
 
-def test_measured_files_fall_into_their_conditions(data_folder):
+def test_measured_files_are_grouped_by_their_conditions(data_folder):
     from tirefmu.measurements import read_recording
 
     for name, swept, conditions, fewest in (

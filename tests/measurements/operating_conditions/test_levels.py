@@ -1,4 +1,4 @@
-"""Slices hold exactly what their conditions say; levels are found where a channel was held, only there."""
+"""Selections contain exactly the matching rows. Levels are found where a channel was held, and only there."""
 
 import numpy as np
 import pandas as pd
@@ -13,7 +13,7 @@ numbers = st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=50)
 
 
 @given(values=numbers, center=st.floats(-1e3, 1e3), tolerance=st.floats(0.0, 500.0))
-def test_a_condition_and_its_rest_are_the_table(values, center, tolerance):
+def test_a_selection_and_its_complement_are_the_table(values, center, tolerance):
     table = pd.DataFrame({"Fz": values})
     inside = select(table, Fz=near(center, tolerance))
     assert (abs(inside["Fz"] - center) <= tolerance).all()
@@ -50,7 +50,7 @@ def test_bad_conditions():
     shares=st.lists(st.integers(1, 5), min_size=6, max_size=6),
     seed=st.integers(0, 1000),
 )
-def test_levels_are_found_whatever_their_shares(held, shares, seed):
+def test_levels_are_found_for_any_shares(held, shares, seed):
     rng = np.random.default_rng(seed)
     true = sorted(250.0 * step for step in held)
     rows = [rng.normal(level, 25.0, 400 * share) for level, share in zip(true, shares, strict=False)]
@@ -67,7 +67,7 @@ def test_levels_do_not_depend_on_order_and_move_with_the_data(order, shift):
     assert levels(values + shift, tolerance=4.0) == pytest.approx([level + shift for level in found], abs=1e-6)
 
 
-def test_the_way_between_two_levels_is_none():
+def test_a_transition_is_no_level():
     ramp = np.linspace(900.0, 1800.0, 150)
     values = np.concatenate([np.full(3000, 900.0), ramp, np.full(3000, 1800.0)])
     assert levels(pd.Series(values, name="Fz")) == pytest.approx([900.0, 1800.0], abs=5.0)
@@ -81,7 +81,7 @@ def test_swept_channels_have_no_levels():
 
 
 @given(rows=st.integers(40, 3000), width=st.floats(0.2, 3.0))
-def test_an_even_sweep_has_no_levels_however_its_steps_fall(rows, width):
+def test_an_even_sweep_has_no_levels_for_any_step(rows, width):
     tolerance = width / 20.0
     assert levels(np.linspace(-width, width, rows), tolerance=tolerance) == []
 

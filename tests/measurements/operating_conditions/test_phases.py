@@ -1,4 +1,4 @@
-"""What the bench did is found from the inputs alone: sweeps, plateaus, and the ways between them."""
+"""Sweeps, plateaus and transitions are found from the inputs alone."""
 
 import numpy as np
 import pandas as pd
@@ -26,7 +26,7 @@ def rows_of(found, kind):
     cambers=st.lists(st.sampled_from([0.0, 2.0, 4.0]), min_size=1, max_size=3, unique=True),
     seed=st.integers(0, 9),
 )
-def test_ways_between_conditions_are_found_and_nothing_else(make_raw, loads, cambers, seed):
+def test_exactly_the_transitions_are_found(make_raw, loads, cambers, seed):
     run = make_raw(loads, cambers, seed=seed)
     found = transitions(run.recording) != ""
     assert found[binary_erosion(run.between, iterations=SLACK + 15)].all()
@@ -40,7 +40,7 @@ def test_each_transition_names_the_input_that_moved(raw):
     assert (np.abs(camber - 2.0 * np.round(camber / 2.0))[names == ""] < 0.6).all()
 
 
-def test_settling_prolongs_each_transition_and_starts_none(raw):
+def test_settling_extends_each_transition_and_starts_none(raw):
     at_once, settled = transitions(raw.recording) != "", transitions(raw.recording, settling=0.5) != ""
     assert (settled >= at_once).all()
     ends = np.flatnonzero(at_once[:-1] & ~at_once[1:])
@@ -80,11 +80,11 @@ def test_phases_are_all_rows_once_and_in_order(stretches):
 
 
 @pytest.mark.parametrize("signs", ["sae", "adapted-sae"])
-def test_signs_make_no_difference(raw, signs):
-    def told(recording):
+def test_signs_have_no_influence(raw, signs):
+    def summary(recording):
         return [(phase.rows, phase.kind, phase.moving) for phase in phases(recording)]
 
-    assert told(raw.recording.with_signs(signs)) == told(raw.recording)
+    assert summary(raw.recording.with_signs(signs)) == summary(raw.recording)
 
 
 def test_a_plateau_is_one():
@@ -104,12 +104,12 @@ def test_a_sweep_from_a_level_and_back_to_it_is_no_transition(slip, still):
     found = phases(recording)
     assert [phase.kind for phase in found] == ["plateau", "sweep", "plateau"]
     sweep = found[1].rows
-    # It begins and ends where the slip leaves the tolerance, or a second's window tells that it moves.
+    # It starts and ends where the slip exceeds the tolerance, or where the window of one second detects the motion.
     assert abs(sweep.start - still) < 60
     assert abs(sweep.stop - still - 1200) < 60
 
 
-def test_a_slip_on_its_way_to_another_level_is_in_transition():
+def test_a_slip_between_two_levels_is_in_transition():
     angle = np.radians(np.interp(np.arange(2000), [0, 900, 1000, 2000], [0.0, 0.0, 6.0, 6.0]))
     recording = Recording(pd.DataFrame({"t": np.arange(2000) / 100.0, "alpha": angle}), "iso", "a.csv")
     rows = np.flatnonzero(transitions(recording) == "alpha")
@@ -117,7 +117,7 @@ def test_a_slip_on_its_way_to_another_level_is_in_transition():
     assert [phase.kind for phase in phases(recording)] == ["plateau", "transition", "plateau"]
 
 
-def test_steps_of_the_slip_angle_part_plateaus():
+def test_steps_of_the_slip_angle_separate_plateaus():
     angle = np.repeat(np.radians([0.0, 4.0, 8.0, 2.0]), 400)
     table = pd.DataFrame({"t": np.arange(len(angle)) / 100.0, "alpha": angle, "Fz": 900.0})
     found = phases(Recording(table, "iso", "a.csv"))
@@ -141,7 +141,7 @@ def test_programs_of_the_virtual_bench_are_sweeps(program, moving):
     ]
 
 
-def test_steady_points_are_no_course_in_time():
+def test_steady_points_are_no_time_series():
     program = steady_points([-0.1, 0.0, 0.1], np.radians([-5.0, 0.0, 5.0]), [300.0, 600.0, 900.0])
     recording = VirtualBench(published("trento_hoosier")).run(program)
     assert {phase.kind for phase in phases(recording)} == {"points"}

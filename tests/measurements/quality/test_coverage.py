@@ -1,4 +1,4 @@
-"""What a recording can tell nothing of is said; what it covers is not complained about."""
+"""Each lack of information is reported once; a complete recording has no notes."""
 
 import re
 
@@ -48,7 +48,7 @@ def test_whole_programs_lack_nothing(tire, program, signs):
         (sweep(Fy=np.nan), []),
     ],
 )
-def test_each_lack_is_told_once(recording, expected):
+def test_each_lack_is_reported_once(recording, expected):
     notes = coverage_notes(recording)
     assert len(notes) == len(expected)
     assert all(note.startswith(start) for note, start in zip(notes, expected, strict=True))

@@ -1,4 +1,4 @@
-"""A reading far off its channel's course is named, wherever it stands; a clean course has none."""
+"""A value far from the running median of its channel is found in any row; a clean signal has no outliers."""
 
 import numpy as np
 import pandas as pd

@@ -1,4 +1,4 @@
-"""What is set aside is set aside for a reason that is told; the rest, and the recording itself, stay as they are."""
+"""Each excluded row has a reason. All other rows and the recording do not change."""
 
 import numpy as np
 import pandas as pd
@@ -23,7 +23,7 @@ from tirefmu.tires import published
 
 @pytest.fixture(scope="module")
 def spoilt(make_raw):
-    """Return a raw run with every kind of row that is set aside."""
+    """Return a raw run with rows for every reason of exclusion."""
     run = make_raw(first=20.0)
     table = run.recording.table.copy()
     table.loc[9000, "Fy"] = 9e3
@@ -32,50 +32,50 @@ def spoilt(make_raw):
     return Recording(table, "iso", "raw.csv")
 
 
-def test_every_reason_is_found_counted_and_told(spoilt):
+def test_every_reason_is_found_counted_and_reported(spoilt):
     result = exclude_rows(spoilt)
     assert list(result.counts) == list(EXCLUSION_REASONS)
     assert sum(result.counts.values()) + result.included.sum() == len(spoilt)
-    assert {finding.partition(":")[0] for finding in result.notes} == set(EXCLUSION_REASONS)
+    assert {note.partition(":")[0] for note in result.notes} == set(EXCLUSION_REASONS)
     assert result.counts["lifted"] == 101
     assert result.counts["standing"] == 101
     assert result.counts["outlier"] == 1
     assert result.reasons[9000] == "outlier"
     assert "outlier: row 9001: Fy is 9000 N, the running median is" in result.notes[-1]
-    # Eleven ways of one second, and 0.3 s after each; the rest of the time conditions were held.
+    # Eleven transitions of one second, each with 0.3 s of settling. The conditions were held in all other rows.
     assert result.counts["transition"] < 11 * 130
 
 
-def test_only_outputs_are_masked_and_only_where_set_aside(spoilt):
+def test_only_outputs_of_excluded_rows_are_masked(spoilt):
     before = spoilt.table.copy()
     result = exclude_rows(spoilt)
-    usable = result.masked()
+    masked = result.masked()
     pd.testing.assert_frame_equal(spoilt.table, before)
     for name in spoilt.table:
         if name in OUTPUTS:
-            pd.testing.assert_series_equal(usable.table[name], before[name].where(result.included))
-            assert usable.table[name].isna().sum() == (~result.included).sum()
+            pd.testing.assert_series_equal(masked.table[name], before[name].where(result.included))
+            assert masked.table[name].isna().sum() == (~result.included).sum()
         else:
-            pd.testing.assert_series_equal(usable.table[name], before[name])
-    assert usable.segments() == spoilt.segments()
+            pd.testing.assert_series_equal(masked.table[name], before[name])
+    assert masked.segments() == spoilt.segments()
 
 
 @pytest.mark.parametrize("signs", ["sae", "adapted-sae"])
-def test_signs_make_no_difference(spoilt, signs):
+def test_signs_have_no_influence(spoilt, signs):
     assert (exclude_rows(spoilt.with_signs(signs)).reasons == exclude_rows(spoilt).reasons).all()
 
 
-def test_what_is_not_looked_for_is_not_found(spoilt):
+def test_reasons_can_be_switched_off(spoilt):
     found = exclude_rows(spoilt, warm_up=False, transition=False, outlier=False)
     assert list(found.counts) == ["lifted", "standing"]
 
 
-def test_the_cold_tread_is_set_aside_until_it_is_warm(make_raw):
+def test_a_cold_tread_is_excluded_until_it_is_warm(make_raw):
     run = make_raw(first=20.0).recording
     rows = np.flatnonzero(exclude_rows(run).reasons == "warm-up")
     assert rows[0] == 0
     assert (np.diff(rows) == 1).all()
-    # 40 exp(-t/15 s) falls to 5 K after 31 s, by 0.33 K/s then: three deviations of noise come 1 s before.
+    # 40 exp(-t/15 s) falls to 5 K after 31 s, then by 0.33 K/s: three deviations of the noise are reached 1 s earlier.
     assert rows[-1] / 100.0 == pytest.approx(15.0 * np.log(8.0), abs=1.5)
 
 
@@ -84,7 +84,7 @@ def test_a_warm_tread_is_not(make_raw, first):
     assert "warm-up" not in exclude_rows(make_raw(first=first).recording).counts
 
 
-def test_a_tread_that_never_gets_warm_is_not_cut_away(raw):
+def test_a_tread_that_never_gets_warm_is_not_excluded(raw):
     table = raw.recording.table.assign(T=np.linspace(20.0, 60.0, len(raw.recording)))
     rows = exclude_rows(Recording(table, "iso", "a.csv")).counts.get("warm-up", 0)
     assert rows <= 0.5 * len(table) + 1
@@ -93,7 +93,7 @@ def test_a_tread_that_never_gets_warm_is_not_cut_away(raw):
 @pytest.mark.parametrize(
     ("source", "testid"), [("B1464warmup1.dat", ""), ("run1.mat", "Cornering Warm-up"), ("warm up.csv", "")]
 )
-def test_a_recording_that_calls_itself_a_warm_up(raw, source, testid):
+def test_a_recording_named_warm_up(raw, source, testid):
     result = exclude_rows(Recording(raw.recording.table, "iso", source, {"testid": testid}))
     assert not result.included.any()
     assert "is named" in result.notes[0]
@@ -101,13 +101,13 @@ def test_a_recording_that_calls_itself_a_warm_up(raw, source, testid):
         result.masked()
 
 
-def test_transitions_are_set_aside_with_the_settling_after_them(raw):
+def test_transitions_are_excluded_with_their_settling_time(raw):
     result = exclude_rows(raw.recording, settling=0.4)
     assert ((result.reasons == "transition") == (transitions(raw.recording, settling=0.4) != "")).all()
     assert result.included.mean() > 0.9
 
 
-def test_nothing_of_the_virtual_bench_is_set_aside():
+def test_no_row_of_the_virtual_bench_is_excluded():
     recording = VirtualBench(published("trento_hoosier"), seed=4).run(trento_program(signs="sae"))
     result = exclude_rows(recording)
     assert result.included.all()
@@ -115,14 +115,14 @@ def test_nothing_of_the_virtual_bench_is_set_aside():
     pd.testing.assert_frame_equal(result.masked().table, recording.table)
 
 
-def test_a_wheel_off_the_ground_all_along():
+def test_a_wheel_that_is_always_lifted():
     recording = Recording(pd.DataFrame({"Fz": [0.0, -5.0], "Fy": [1.0, 2.0]}), "iso", "a.csv")
     with pytest.raises(DataError, match=r"^a.csv: none of 2 rows can be used: 2 lifted \(the wheel carries no load\)$"):
         exclude_rows(recording).masked()
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
-def test_inputs_that_are_no_numbers_are_refused(bad):
+def test_inputs_that_are_not_finite_are_errors(bad):
     recording = Recording(pd.DataFrame({"Fz": [900.0, bad], "Fy": [1.0, 2.0]}), "iso", "a.csv")
     with pytest.raises(DataError, match=r"^a.csv: row 2: Fz is not finite \(1 of 2 rows\)$"):
         exclude_rows(recording)
@@ -134,7 +134,7 @@ def test_no_rows():
         result.masked()
 
 
-def test_measured_files_lose_next_to_nothing(data_folder):
+def test_almost_no_row_of_the_measured_files_is_excluded(data_folder):
     from tirefmu.measurements import read_recording
 
     for name in ("cornering", "drivebrake"):
@@ -144,8 +144,8 @@ def test_measured_files_lose_next_to_nothing(data_folder):
 
 
 @pytest.mark.parametrize("rate", [4.0, 10.0])
-def test_sweeps_of_few_samples_are_no_steps_and_have_no_outliers(rate):
-    """Their rows come back to the same slips, and their bends take few rows."""
+def test_sweeps_of_few_samples_have_neither_steps_nor_outliers(rate):
+    """Their rows return to the same slips, and their turning points have few rows."""
     sideways = alpha_sweeps([220.0, 700.0, 1120.0], [0.0, 0.07], sample_rate=rate)
     along = kappa_sweeps([220.0, 700.0, 1120.0], [0.0, 0.05], sample_rate=rate)
     recording = VirtualBench(published("trento_hoosier"), seed=3).run(concatenate([sideways, along]))

@@ -56,9 +56,9 @@ def test_without_noise_the_record_is_the_truth():
     tire: AnyTire = BrushedTire()
     recording = VirtualBench(tire, Noise.none()).run(program)
     pd.testing.assert_frame_equal(recording.table[list(program.table)], program.table)
-    answer = tire.forces(**{name: program.table[name].to_numpy() for name in tire.inputs})
+    forces = tire.forces(**{name: program.table[name].to_numpy() for name in tire.inputs})
     for name in ("Fx", "Fy", "Mz"):
-        assert np.array_equal(recording.table[name], answer[name])
+        assert np.array_equal(recording.table[name], forces[name])
 
 
 @pytest.mark.parametrize("tire_signs", SIGNS)
