@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from diagnosis.kinds import CONFOUNDED
 from diagnosis.suite import UNKNOWN, Case
 
-from tirefmu.diagnosis.verdict import Diagnosis
+from tirefmu.diagnosis import Diagnosis
 from tirefmu.tires.tire import Tire
 
 #: Effects whose coefficients the truth has at warped inputs, so that no value of theirs is the true one.

@@ -19,22 +19,22 @@ from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import RANGES, Tire
 
-from .base import fit_base
-from .candidates import Candidate, candidates_for, varies
-from .confounding import CONFOUNDED, TOLD, alias_columns, correlations, separating_measurement
-from .disturbances import reported_disturbances
-from .extrapolation import reaches
-from .gap import gaps
 from .least_squares import LeastSquares, Solution
 from .linear import coloured_covariance
-from .proposal import added_if_better, effect_of, unknown_of
+from .probing.baseline_fit import fit_base
+from .probing.candidates import Candidate, candidates_for, varies
+from .probing.confounding import CONFOUNDED, TOLD, alias_columns, correlations, separating_measurement
+from .probing.effect_probing import Screen, Trace
+from .recording.disturbances import reported_disturbances
+from .recording.signals import FORMULA_SIGNS, Signals, signals_of
 from .ripple import quantisation, ripple
-from .screening import Screen, Trace
-from .search import LARGEST_P, Refit, Search
-from .signals import FORMULA_SIGNS, Signals, signals_of
+from .search.effect_search import LARGEST_P, Refit, Search
 from .smoothing import HALF_WIDTHS
-from .verdict import Diagnosis, Finding, Interval, Unknown
-from .where import residual_maps, time_course
+from .unexplained.formula_proposal import added_if_better, effect_of, unknown_of
+from .verdict.extrapolation import reaches
+from .verdict.fit_error import gaps
+from .verdict.residual_location import residual_maps, time_course
+from .verdict.result import Diagnosis, Finding, Interval, Unknown
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -9,10 +9,10 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from .candidates import SPREAD
-from .disturbances import Disturbances
 from .noise import Whitening
-from .simulation import Simulator
+from .probing.candidates import SPREAD
+from .recording.disturbances import Disturbances
+from .recording.simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from tirefmu.tires.transient import rolled_distance
 
-from .signals import Signals
+from .recording.signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
 

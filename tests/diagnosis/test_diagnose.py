@@ -6,10 +6,10 @@ import pandas as pd
 import pytest
 
 import tirefmu
-from tirefmu.diagnosis import report
 from tirefmu.diagnosis.diagnose import diagnose
-from tirefmu.diagnosis.report import report_page
-from tirefmu.diagnosis.verdict import Interval, Unknown
+from tirefmu.diagnosis.reporting import report
+from tirefmu.diagnosis.reporting.report import report_page
+from tirefmu.diagnosis.verdict.result import Interval, Unknown
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
 from tirefmu.symbolic.escaping import visible

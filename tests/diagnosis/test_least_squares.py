@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis.disturbances import MOST_CROSS_TALK, reported_disturbances
 from tirefmu.diagnosis.least_squares import _bounded_step
+from tirefmu.diagnosis.recording.disturbances import MOST_CROSS_TALK, reported_disturbances
 
 FREE = ("PDX1", "PKX1", "PDY1", "PDY2", "PKY1", "PHY1", "QDZ1")
 

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from tirefmu.diagnosis.candidates import CENTER, SPREAD
 from tirefmu.diagnosis.noise import Memories, Whitening, memories_of
+from tirefmu.diagnosis.probing.candidates import CENTER, SPREAD
 from tirefmu.symbolic import model as book_of
 from tirefmu.symbolic.added import library
 from tirefmu.tires.tire import Tire

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis.candidates import Shape
-from tirefmu.diagnosis.confounding import CONFOUNDED, alias_columns, correlations, separating_measurement
+from tirefmu.diagnosis.probing.candidates import Shape
+from tirefmu.diagnosis.probing.confounding import CONFOUNDED, alias_columns, correlations, separating_measurement
 
 THRUST = Shape(("PVY3",), ({"PVY3": 0.15},))
 FRICTION = Shape(("PDY3",), ({"PDY3": 3.0},))

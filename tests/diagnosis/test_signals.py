@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.diagnosis.screening import _edges
-from tirefmu.diagnosis.signals import HOLDOUT, signals_of
+from tirefmu.diagnosis.probing.effect_probing import _edges
+from tirefmu.diagnosis.recording.signals import HOLDOUT, signals_of
 from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import convert_signs
 

@@ -7,10 +7,10 @@ import pandas as pd
 import pytest
 import sympy as sp
 
-from tirefmu.diagnosis.candidates import CONTRACT
 from tirefmu.diagnosis.diagnose import diagnose
-from tirefmu.diagnosis.features import features
-from tirefmu.diagnosis.signals import signals_of
+from tirefmu.diagnosis.probing.candidates import CONTRACT
+from tirefmu.diagnosis.recording.signals import signals_of
+from tirefmu.diagnosis.unexplained.features import features
 from tirefmu.symbolic.added.formula import formula
 
 from .kinds import CONFOUNDED, WHOLE, case_of

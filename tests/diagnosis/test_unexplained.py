@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis.features import Feature, _faded, directions, features, places_of
-from tirefmu.diagnosis.leftover import LEAST_STRETCHES, STRETCHES, structure_of
-from tirefmu.diagnosis.screening import Screen
+from tirefmu.diagnosis.probing.effect_probing import Screen
+from tirefmu.diagnosis.unexplained.features import Feature, _faded, directions, features, places_of
+from tirefmu.diagnosis.unexplained.structure import LEAST_STRETCHES, STRETCHES, structure_of
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,7 @@ from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import TABLE_INPUTS
 from tirefmu.tires.tire import Tire
 
-from .verdict import Diagnosis
+from ..verdict.result import Diagnosis
 
 FloatArray = npt.NDArray[np.float64]
 #: Step of a table without a column t, s.

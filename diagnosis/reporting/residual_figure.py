@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from tirefmu.tires.drawing.style import LETTER, drawn_unit, per_si, png, write_whole
 
-from .where import FEWEST
+from ..verdict.residual_location import FEWEST
 
 #: Mean residuals of this many noise deviations have the full color.
 FULL = 3.0
@@ -29,9 +29,9 @@ def draw_where(
     Parameters
     ----------
     before, after : sequence of mapping
-        As `where.residual_maps` returns them, of one channel and over the same pairs.
+        As `residual_location.residual_maps` returns them, of one channel and over the same pairs.
     course : mapping
-        As `where.time_course` returns it for the channel.
+        As `residual_location.time_course` returns it for the channel.
     path : str or Path
         The PNG; written whole or not at all.
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from ..linear import block_sums, regression
+from ..probing.effect_probing import PROBE_BELIEF, Screen, Trace
 from .features import Feature, Place, directions, features, places_of
-from .linear import block_sums, regression
-from .screening import PROBE_BELIEF, Screen, Trace
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from .screening import Screen
+from .effect_probing import Screen
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -6,9 +6,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.signal import savgol_filter
 
-from .screening import Screen
-from .signals import Signals
-from .smoothing import WINDOW, noise_of
+from ..probing.effect_probing import Screen
+from ..recording.signals import Signals
+from ..smoothing import WINDOW, noise_of
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.transient import rolled_distance
 
-from .smoothing import smoothed
+from ..smoothing import smoothed
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

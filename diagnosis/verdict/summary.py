@@ -8,7 +8,7 @@ from tirefmu.symbolic.escaping import visible
 from tirefmu.tires.notebook import html_details, html_summary, html_table
 
 if TYPE_CHECKING:
-    from .verdict import Diagnosis
+    from .result import Diagnosis
 
 
 def diagnosis_text(diagnosis: Diagnosis) -> str:

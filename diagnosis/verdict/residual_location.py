@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .screening import Screen
+from ..probing.effect_probing import Screen
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -14,11 +14,11 @@ from tirefmu.symbolic.notation import Coefficient
 from tirefmu.tires.code import code_for
 from tirefmu.tires.tire import Tire
 
+from ..least_squares import LeastSquares, Solution
+from ..recording.disturbances import disturbances_of
+from ..recording.signals import Signals
+from ..recording.simulation import Simulator
 from .candidates import CENTER, known_candidate, varies
-from .disturbances import disturbances_of
-from .least_squares import LeastSquares, Solution
-from .signals import Signals
-from .simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from .least_squares import LeastSquares, Solution
+from ..least_squares import LeastSquares, Solution
 
 FloatArray = npt.NDArray[np.float64]
 

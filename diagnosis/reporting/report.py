@@ -14,8 +14,8 @@ from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.symbolic.notation import Switch
 from tirefmu.tires.tire import Tire
 
-from .verdict import Diagnosis
-from .where_figure import draw_where
+from ..verdict.result import Diagnosis
+from .residual_figure import draw_where
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def report_page(diagnosis: Diagnosis, recording: Recording, simulated: Mapping[s
     with tempfile.TemporaryDirectory() as folder:
         images = inlined(_maps(diagnosis, Path(folder)))
     return page_text(
-        "tirefmu.diagnosis",
+        "tirefmu.diagnosis.reporting",
         {"number": lambda value: "-" if value is None or value != value else f"{value:.4g}"},
         diagnosis=diagnosis,
         images=images,

@@ -17,8 +17,8 @@ from scipy.signal import lfilter
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.tire import Tire
 
-from .screening import Screen
-from .signals import Signals
+from ..probing.effect_probing import Screen
+from ..recording.signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -125,9 +125,9 @@ class Diagnosis:
         By effect and channel: the smallest trace, root mean square, that would have been named.
     where, where_after : list of dict
         Residuals of the start model and the improved one over noise, by channel and pairs of inputs
-        (`where.residual_maps`).
+        (`residual_location.residual_maps`).
     time_course : mapping
-        Misfit over noise by channel and block of time (`where.time_course`).
+        Misfit over noise by channel and block of time (`residual_location.time_course`).
     recording : mapping
         What belongs to the recording: offsets, drift, cross-talk, ripple, quantisation, outliers, noise of inputs and
         the windows over which it was smoothed, channels left aside and why.
@@ -325,7 +325,7 @@ def _turned(value: float, turned: bool = True) -> float:
 
 
 def _mirrored_map(one: dict[str, Any]) -> dict[str, Any]:
-    """Return a map of `where.residual_maps` with the opposite sign; cells without rows have no mean."""
+    """Return a map of `residual_location.residual_maps` with the opposite sign; cells without rows have no mean."""
     mean = [[None if cell is None else _turned(cell) for cell in row] for row in one["mean"]]
     return {**one, "mean": mean, "worst": {**one["worst"], "mean": _turned(one["worst"]["mean"])}}
 

@@ -8,13 +8,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from .base import readable
-from .candidates import FINER, Candidate, Shape, varies
-from .confounding import CONFOUNDED, correlations
-from .least_squares import LeastSquares, Solution
-from .leftover import CORE_INPUTS, Structure, structure_of
-from .noise import Whitening, memories_of
-from .screening import Screen, Trace
+from ..least_squares import LeastSquares, Solution
+from ..noise import Whitening, memories_of
+from ..probing.baseline_fit import readable
+from ..probing.candidates import FINER, Candidate, Shape, varies
+from ..probing.confounding import CONFOUNDED, correlations
+from ..probing.effect_probing import Screen, Trace
+from ..unexplained.structure import CORE_INPUTS, Structure, structure_of
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from .candidates import Probe, Shape
-from .least_squares import LeastSquares, Solution
-from .linear import (
+from ..least_squares import LeastSquares, Solution
+from ..linear import (
     BlockSums,
     autocovariance,
     block_sums,
@@ -18,6 +17,7 @@ from .linear import (
     regression,
     wald_p,
 )
+from .candidates import Probe, Shape
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

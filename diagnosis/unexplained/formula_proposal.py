@@ -12,10 +12,10 @@ from tirefmu.symbolic.errors import EffectError
 from tirefmu.symbolic.escaping import toml_string
 from tirefmu.tires.tire import Tire
 
-from .least_squares import LeastSquares, Solution
-from .leftover import Structure
-from .simulation import Simulator
-from .verdict import Unknown
+from ..least_squares import LeastSquares, Solution
+from ..recording.simulation import Simulator
+from ..verdict.result import Unknown
+from .structure import Structure
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.notation import Coefficient
 from tirefmu.tires.tire import Tire
 
-from .signals import Signals
+from ..recording.signals import Signals
 
 Probe = Mapping[str, float]
 
