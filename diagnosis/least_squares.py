@@ -10,7 +10,6 @@ import numpy as np
 import numpy.typing as npt
 
 from .noise import Whitening
-from .probing.candidates import SPREAD
 from .recording.disturbances import Disturbances
 from .recording.simulation import Simulator
 
@@ -79,7 +78,8 @@ class LeastSquares:
         cards, factors = self.simulator.book.coefficients, self._factors(free)
         lower, upper = self.bounds(free)
         center = np.array([self.center.get(name, cards[name].default) for name in free]) * factors
-        spread = np.array([SPREAD.get(name, np.inf) for name in free]) * np.abs(factors)
+        known = self.simulator.book.prior_spread
+        spread = np.array([known.get(name, np.inf) for name in free]) * np.abs(factors)
         return center, np.minimum((upper - lower) / RANGE_IN_DEVIATIONS, spread)
 
     def _factors(self, free: Sequence[str]) -> FloatArray:

@@ -18,7 +18,7 @@ from ..least_squares import LeastSquares, Solution
 from ..recording.disturbances import disturbances_of
 from ..recording.signals import Signals
 from ..recording.simulation import Simulator
-from .candidates import CENTER, known_candidate, varies
+from .candidates import declared_candidate, varies
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -62,9 +62,9 @@ def base_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
     cards = book.coefficients
     free = {name for name in book.baseline if name in cards and _in_baseline(cards[name], tire, signals)}
     for effect in tire.has:
-        candidate = known_candidate(effect, book)
+        candidate = declared_candidate(effect, book)
         if candidate:
-            free |= set(candidate.shapes[0].free)
+            free |= set(candidate.forms[0].free)
         elif effect in book.effects and effect not in book.relaxing_effects:
             free |= {name for name in book.owned(effect) if cards[name].neutral is not None}
     return tuple(name for name in readable(tuple(cards), signals, book) if name in free)
@@ -92,7 +92,7 @@ def fit_base(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSquares
     learns = signals.present & ~signals.holdout
     noise = np.array([0.02 * np.std(row[there]) + 1e-9 for row, there in zip(signals.measured, learns, strict=True)])
     root = np.where(learns, 1.0 / noise[:, None], 0.0)
-    center = CENTER | ({name: tire.values[name] for name in free} if known else {})
+    center = tire.book.prior_center | ({name: tire.values[name] for name in free} if known else {})
     problem = LeastSquares(simulator, root, disturbances_of(signals, noise), center)
     thin = slice(None, None, max(1, len(signals.rows) // 1500))
     tries = [problem.solve(start, free, rows=thin, iterations=25) for start in _starts(tire, signals, free, known)]
@@ -116,7 +116,7 @@ def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) ->
     starts = []
     book = tire.book
     for shape in book.starts:
-        values = {**CENTER, **shape}
+        values = {**book.prior_center, **shape}
         for channel, slip in OWN_SLIP.items():
             axis = channel[1]
             if channel not in measured:

@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.symbolic.detection import Detection
+
 from .effect_probing import Screen
 
 FloatArray = npt.NDArray[np.float64]
@@ -90,47 +92,26 @@ def correlations(
     return told
 
 
-#: The cheapest measurement that separates two explanations.
-SEPARATED_BY: Mapping[frozenset[str], str] = {
-    frozenset({"temp_friction", "wear_drift"}): "repeat the first sweep on the cooled tire at the end of the test",
-    frozenset({"temp_stiffness", "wear_drift"}): "repeat the first sweep on the cooled tire at the end of the test",
-    frozenset({"temp_friction", "temp_stiffness"}): "sweep through small and large slip at two temperatures",
-    frozenset({"plysteer", "conicity"}): "sweep alpha through both signs at two loads, and once rolling backward",
-    frozenset({"plysteer", "slip_angle_zero_offset"}): "turn the tire on the rim and repeat one alpha sweep",
-    frozenset({"conicity", "slip_angle_zero_offset"}): "turn the tire on the rim and repeat one alpha sweep",
-    frozenset({"pressure_stiffness", "pressure_friction"}): (
-        "at two pressures, sweep kappa as well as alpha, through small and large slip"
-    ),
-    frozenset({"camber_thrust", "inclination_zero_offset"}): "sweep alpha at both signs of inclination",
-    frozenset({"speed_friction", "temp_friction"}): "change the speed at constant tread temperature",
-    frozenset({"relax_lat", "relax_load"}): "step the slip angle at two loads",
-    frozenset({"camber_stiffness", "camber_friction"}): "sweep small and large slip angles at inclination",
-}
-_BY_INPUT = {
-    "temp": "hold everything else and repeat one sweep at two tread temperatures",
-    "wear": "repeat the first sweep at the end of the test, at the same temperature",
-    "pressure": "repeat one sweep at two pressures",
-    "camber": "repeat one sweep at two inclinations of either sign",
-    "speed": "repeat one sweep at two speeds",
-    "load": "repeat one sweep at three loads",
-    "relax": "step the slip at two speeds: relaxation goes by distance, delay goes by time",
-    "combined": "sweep kappa at several slip angles",
-    "trail": "sweep alpha at three loads",
-}
-
-
-def separating_measurement(first: str, second: str) -> str:
+def separating_measurement(first: str, second: str, detections: Mapping[str, Detection]) -> str:
     """Return the cheapest measurement that separates two explanations.
+
+    Parameters
+    ----------
+    first, second : str
+        Effects or sensor errors.
+    detections : mapping of str to Detection
+        What the effects' files declare: of the pair, else of the first or the second by itself.
 
     Examples
     --------
-    >>> separating_measurement("plysteer", "slip_angle_zero_offset")
+    >>> from tirefmu.symbolic import model
+    >>> separating_measurement("plysteer", "slip_angle_zero_offset", model("mf61").detections)
     'turn the tire on the rim and repeat one alpha sweep'
     """
-    told = SEPARATED_BY.get(frozenset({first, second}))
-    if told:
-        return told
-    return (
-        next((text for name in (first, second) for key, text in _BY_INPUT.items() if key in name), "")
-        or "repeat a sweep in which only one of their inputs changes"
-    )
+    declared = [(detections[one], other) for one, other in ((first, second), (second, first)) if one in detections]
+    for detection, other in declared:
+        for pair in detection.confounded:
+            if pair.other == other:
+                return pair.separate_by
+    separate_by = [detection.separate_by for detection, _ in declared if detection.separate_by]
+    return separate_by[0] if separate_by else "repeat a sweep in which only one of their inputs changes"

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.symbolic.detection import Form, Probe
+
 from ..least_squares import LeastSquares, Solution
 from ..linear import (
     BlockSums,
@@ -17,7 +19,7 @@ from ..linear import (
     regression,
     wald_p,
 )
-from .candidates import Probe, Shape
+from .candidates import counts_from_neutral
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -35,7 +37,7 @@ ABSORBED = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What a shape's probes do to the forces, and what the residual says about them.
+    """What a form's probes do to the forces, and what the residual says about them.
 
     Attributes
     ----------
@@ -102,24 +104,32 @@ class Screen:
         """The number of blocks that take part."""
         return len(self.edges) - 1
 
-    def columns(self, shape: Shape) -> FloatArray:
-        """Return what a shape's probes do to the forces, weighted, shape (n_channels, n, k)."""
-        return np.stack([self._column(probe) for probe in shape.probes], axis=-1)
+    def columns(self, form: Form) -> FloatArray:
+        """Return what a form's probes do to the forces, weighted, shape (n_channels, n, k)."""
+        return np.stack([self._column(form, probe) for probe in form.probes], axis=-1)
 
-    def probed(self, probe: Probe) -> FloatArray:
-        """Return the parameters with a probe's coefficients, those of present effects moved by it."""
+    def probed(self, form: Form, probe: Probe) -> FloatArray:
+        """Return the parameters with a probe's coefficients; those that are fitted already are moved by it."""
         simulator, parameters = self.problem.simulator, self.solution.parameters.copy()
-        for name, value in probe.items():
-            place = simulator.place[name]
-            if name == "PKY2" and "PKY2" not in self.solution.free:
-                stiffness = simulator.place["PKY1"]
-                parameters[stiffness] *= 2.0 / parameters[place] / float(np.sin(2.0 * np.arctan(1.0 / value)))
-            fitted = name in self.solution.free or name in _NOT_AT_ZERO
-            parameters[place] = parameters[place] + value if fitted and name not in _REPLACED else value
+        cards = simulator.book.coefficients
+        for name, size in probe.items():
+            place, card = simulator.place[name], cards[name]
+            adds = counts_from_neutral(card) and (card.neutral != 0.0 or name in self.solution.free)
+            parameters[place] = parameters[place] + size if adds else size
+        if form.holds and not set(probe) & set(self.solution.free):
+            self._hold(form.holds, parameters)
         return parameters
 
-    def _column(self, probe: Probe) -> FloatArray:
-        moved = self.problem.simulator.forces(self.probed(probe))
+    def _hold(self, role: str, parameters: FloatArray) -> None:
+        """Rescale the leading coefficient of a role so that its quantity at nominal inputs is the solution's."""
+        simulator = self.problem.simulator
+        leading = simulator.book.leading(role)
+        if leading in simulator.place:
+            before, after = (simulator.at_nominal(role, each) for each in (self.solution.parameters, parameters))
+            parameters[simulator.place[leading]] *= before / after if before * after > 0.0 else 1.0
+
+    def _column(self, form: Form, probe: Probe) -> FloatArray:
+        moved = self.problem.simulator.forces(self.probed(form, probe))
         return self.problem.weighted(np.nan_to_num(moved - self._at_base))
 
     def project(self, columns: FloatArray) -> FloatArray:
@@ -182,11 +192,6 @@ class Screen:
             matrix[g, :, q:], matrix[g, q:, :] = cross, cross.T
             target[g, q:] = part.T @ self.residual[:, first:last].ravel()
         return BlockSums(matrix, target, self.sums.power)
-
-
-#: Coefficients whose neutral value is not 0: a probe adds to them; and those that a probe sets.
-_NOT_AT_ZERO = ("PKY4",)
-_REPLACED = ("PKY2",)
 
 
 def _edges(block: IntArray, root: FloatArray) -> IntArray:

@@ -103,6 +103,12 @@ class Simulator:
             rows[self.signals.names.index(name)] += shift
         return self._code.forces(rows, parameters)[self.signals.places]
 
+    def at_nominal(self, role: str, parameters: FloatArray) -> float:
+        """Return the quantity of a role at nominal inputs."""
+        point = np.array([[self.tire.nominal(name)] for name in self.tire.inputs])
+        quantity = self._code.quantities_names.index(self.book.quantity(role))
+        return float(self._code.quantities(point, parameters)[quantity, 0])
+
     def jacobian(self, parameters: FloatArray, free: Sequence[str], at: FloatArray | None = None) -> FloatArray:
         """Return derivatives of the forces by coefficients, shape (n_channels, n, n_free)."""
         rows = self.acting(parameters)

@@ -8,10 +8,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.symbolic.detection import Form
+
 from ..least_squares import LeastSquares, Solution
 from ..noise import Whitening, memories_of
 from ..probing.baseline_fit import readable
-from ..probing.candidates import FINER, Candidate, Shape, varies
+from ..probing.candidates import Candidate, refinements_for, varies
 from ..probing.confounding import CONFOUNDED, correlations
 from ..probing.effect_probing import Screen, Trace
 from ..unexplained.structure import CORE_INPUTS, Structure, structure_of
@@ -43,12 +45,12 @@ class Refit:
     Attributes
     ----------
     name : str
-    shape : Shape
+    form : Form
     solution : Solution
     screen : Screen
         Of its solution.
     p : float
-        Adjusted for all shapes tried.
+        Adjusted for all forms tried.
     gain, gain_error : float
         Of cross-validation, as a share of the base's squared misfit.
     gains : ndarray, shape (n_blocks,)
@@ -57,7 +59,7 @@ class Refit:
     """
 
     name: str
-    shape: Shape
+    form: Form
     solution: Solution
     screen: Screen
     p: float
@@ -75,10 +77,10 @@ class Refit:
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """A shape of a candidate with its trace in the residual."""
+    """A form of a candidate with its trace in the residual."""
 
     name: str
-    shape: Shape
+    form: Form
     trace: Trace
 
 
@@ -104,7 +106,7 @@ class Search:
     precise : Screen
         Of the settled solution, its rows whitened: what intervals are read from.
     tests : int
-        How many shapes a round tries.
+        How many forms a round tries.
     progress : callable
         Takes a sentence.
     """
@@ -208,7 +210,7 @@ class Search:
 
     def _take(self, structure: Structure) -> bool:
         """Carry structure beside the tire where it is another form of what it has; return whether that is so."""
-        varied = {name for refit in self.found for name in self.candidates[refit.name].varies}
+        varied = {name for refit in self.found for name in self.candidates[refit.name].requires}
         if {"distance", "T"} & varied:
             varied |= {"T", "distance"}
         if not set(structure.depends_on) <= CORE_INPUTS | varied:
@@ -226,42 +228,41 @@ class Search:
 
     def _is_ghost(self, refit: Refit) -> bool:
         """Return whether a candidate only mends the form of a finding that it can hardly be told from."""
-        columns = {refit.name: self.screen.columns(refit.shape)}
+        columns = {refit.name: self.screen.columns(refit.form)}
         return any(
-            correlations(self.screen, one.shape.free, columns, {}).get(refit.name, 0.0) > CONFOUNDED
+            correlations(self.screen, one.form.free, columns, {}).get(refit.name, 0.0) > CONFOUNDED
             for one in self.found
         )  # fmt: skip
 
     def probe(self) -> list[Tried]:
-        """Learn the noise and return every shape that could show, with its trace."""
+        """Learn the noise and return every form that could show, with its trace."""
         signals, tire = self.problem.simulator.signals, self.problem.simulator.tire
-        gone = {refit.name for refit in self.found}
-        shapes: list[tuple[str, Shape]] = []
+        gone = frozenset(refit.name for refit in self.found)
+        forms: list[tuple[str, Form]] = []
         for name, candidate in self.candidates.items():
-            if name in gone or not all(varies(signals, tire, needed) for needed in candidate.varies):
+            if name in gone or not all(varies(signals, tire, needed) for needed in candidate.requires):
                 continue
-            shapes += [(name, shape) for shape in map(self._readable, candidate.shapes) if shape]
-        for parent, finer in FINER.items():
-            if not parent or parent in tire.has or parent in gone:
-                shapes += [(f"finer {parent or 'core'}", shape) for shape in map(self._readable, finer) if shape]
-        columns = {i: self.screen.columns(shape) for i, (_, shape) in enumerate(shapes)}
+            forms += [(name, form) for form in candidate.forms]
+        forms += [(f"finer {name}", form) for name, form in refinements_for(tire, gone)]
+        tried = [(name, form) for name, whole in forms if (form := self._readable(whole))]
+        columns = {i: self.screen.columns(form) for i, (_, form) in enumerate(tried)}
         self.screen.learn_noise(columns)
-        return [Tried(name, shape, self.screen.trace(columns[i])) for i, (name, shape) in enumerate(shapes)]
+        return [Tried(name, form, self.screen.trace(columns[i])) for i, (name, form) in enumerate(tried)]
 
-    def _readable(self, shape: Shape) -> Shape | None:
-        """Return a shape with the coefficients that the channels show and that are not free already."""
+    def _readable(self, form: Form) -> Form | None:
+        """Return a form with the coefficients that the channels show and that are not free already."""
         taken, simulator = self.solution.free, self.problem.simulator
-        names = [n for n in readable(shape.free, simulator.signals, simulator.book) if n not in taken]
-        probes = tuple(probe for probe in shape.probes if set(probe) & set(names))
-        return replace(shape, free=tuple(names), probes=probes) if names and probes else None
+        names = [n for n in readable(form.free, simulator.signals, simulator.book) if n not in taken]
+        probes = tuple(probe for probe in form.probes if set(probe) & set(names))
+        return replace(form, free=tuple(names), probes=probes) if names and probes else None
 
     def refit(self, tried: Tried) -> Refit | None:
-        """Fit a shape jointly with what is there, from its starts."""
-        shape, trace = tried.shape, tried.trace
+        """Fit a form jointly with what is there, from its starts."""
+        form, trace = tried.form, tried.trace
         order = self.problem.simulator.names
-        free = tuple(sorted({*self.solution.free, *shape.free}, key=order.index))
+        free = tuple(sorted({*self.solution.free, *form.free}, key=order.index))
         thin = slice(None, None, max(1, len(self.problem.simulator.signals.rows) // SEARCH_ROWS))
-        tries = [self.problem.solve(start, free, rows=thin, iterations=8) for start in self._starts(shape, trace)]
+        tries = [self.problem.solve(start, free, rows=thin, iterations=8) for start in self._starts(form, trace)]
         best = min(tries, key=lambda solution: solution.cost)
         solution = self.problem.solve(best.parameters, free, iterations=4)
         screen = Screen(self.problem, solution)
@@ -270,14 +271,14 @@ class Search:
         error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
         p = min(1.0, trace.p_coloured * self.tests)
         return Refit(
-            tried.name, shape, solution, screen, p, float(gains.sum()) / total, error / total, gains, trace
+            tried.name, form, solution, screen, p, float(gains.sum()) / total, error / total, gains, trace
         )  # fmt: skip
 
-    def _starts(self, shape: Shape, trace: Trace) -> list[FloatArray]:
-        if not shape.scalable:
-            return [self.screen.probed(probe) for probe in shape.probes]
+    def _starts(self, form: Form, trace: Trace) -> list[FloatArray]:
+        if not form.scalable:
+            return [self.screen.probed(form, probe) for probe in form.probes]
         start = self.solution.parameters.copy()
-        for probe, times in zip(shape.probes, trace.estimate, strict=True):
+        for probe, times in zip(form.probes, trace.estimate, strict=True):
             for name, value in probe.items():
                 start[self.problem.simulator.place[name]] += float(np.clip(times, -3.0, 3.0)) * value
         return [start]
@@ -286,7 +287,7 @@ class Search:
 def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit:
     """Return the best of several refits that pass.
 
-    The largest gain wins; a finer form of the base, an effect that contains another and a richer shape have to be
+    The largest gain wins; a finer form of the base, an effect that contains another and a richer form have to be
     better by more than the standard error of the difference, twice of it for a finer form.
     """
     best = max(refits, key=lambda refit: refit.gain)
@@ -295,7 +296,7 @@ def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit
             continue
         difference = best.gains - other.gains
         error = float(np.sqrt(len(difference)) * np.std(difference, ddof=1))
-        contains = candidates[best.name].part_of == other.name if best.name in candidates else False
+        contains = candidates[best.name].contains == other.name if best.name in candidates else False
         finer = best.name.startswith("finer ") and not other.name.startswith("finer ")
         if (contains or finer) and difference.sum() < 2.0 * error:
             best = other
@@ -303,8 +304,8 @@ def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit
 
 
 def _distinct(tried: list[Tried]) -> list[Tried]:
-    """Return the first shape of each name, in order."""
+    """Return the first form of each name, in order."""
     seen: dict[str, Tried] = {}
     for one in tried:
-        seen.setdefault(one.name if not one.name.startswith("finer ") else f"{one.name}{one.shape.free}", one)
+        seen.setdefault(one.name if not one.name.startswith("finer ") else f"{one.name}{one.form.free}", one)
     return list(seen.values())

@@ -14,7 +14,6 @@ from tirefmu.tires.tire import Tire
 
 from ..least_squares import LeastSquares, Solution
 from ..recording.simulation import Simulator
-from ..verdict.result import Unknown
 from .structure import Structure
 
 FloatArray = npt.NDArray[np.float64]
@@ -23,6 +22,33 @@ FloatArray = npt.NDArray[np.float64]
 LEAST_IMPROVEMENT = 0.02
 #: How many times its estimate a coefficient may become.
 REACH = 10.0
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """Structure that no known effect explains.
+
+    Attributes
+    ----------
+    depends_on : tuple of str
+    formula : str
+        As it would stand in an effect file: "quantity: factor or term".
+    added : bool
+        Whether the improved tire has it: only if the untouched hold-out improves.
+    effect : AddedEffect or None
+        The proposed effect file.
+    not_added_because : str
+        "" where it was added.
+    next_measurement : str
+        What would show its form.
+    """
+
+    depends_on: tuple[str, ...]
+    formula: str
+    added: bool
+    effect: AddedEffect | None = None
+    not_added_because: str = ""
+    next_measurement: str = ""
 
 
 @dataclass(frozen=True, eq=False)

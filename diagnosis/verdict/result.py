@@ -13,11 +13,12 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.symbolic.added import AddedEffect, effect_text
+from tirefmu.symbolic.added import effect_text
 from tirefmu.symbolic.errors import DataError, UnknownName, path_from
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
+from ..unexplained.formula_proposal import Unknown
 from .extrapolation import Reach
 from .summary import diagnosis_html, diagnosis_text
 
@@ -70,33 +71,6 @@ class Finding:
         """Return the same with the opposite sign of some coefficients."""
         coefficients = {name: one.mirrored() if name in names else one for name, one in self.coefficients.items()}
         return replace(self, coefficients=coefficients)
-
-
-@dataclass(frozen=True)
-class Unknown:
-    """Structure that no known effect explains.
-
-    Attributes
-    ----------
-    depends_on : tuple of str
-    formula : str
-        As it would stand in an effect file: "quantity: factor or term".
-    added : bool
-        Whether the improved tire has it: only if the untouched hold-out improves.
-    effect : AddedEffect or None
-        The proposed effect file.
-    not_added_because : str
-        "" where it was added.
-    next_measurement : str
-        What would show its form.
-    """
-
-    depends_on: tuple[str, ...]
-    formula: str
-    added: bool
-    effect: AddedEffect | None = None
-    not_added_because: str = ""
-    next_measurement: str = ""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

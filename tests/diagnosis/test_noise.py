@@ -3,7 +3,6 @@ import pytest
 from scipy.signal import lfilter
 
 from tirefmu.diagnosis.noise import Memories, Whitening, memories_of
-from tirefmu.diagnosis.probing.candidates import CENTER, SPREAD
 from tirefmu.symbolic import model as book_of
 from tirefmu.symbolic.added import library
 from tirefmu.tires.tire import Tire
@@ -66,9 +65,11 @@ def test_a_slow_column_is_estimated_better_with_the_noise_known():
 
 def test_beliefs_are_about_coefficients_and_narrower_than_their_cards():
     size = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
-    beyond = tuple(library().values())
-    cards = {**book_of("mf96").coefficients, **Tire("mf61", size, added=beyond).book.coefficients}
-    for name, spread in SPREAD.items():
-        assert 0.0 < spread < cards[name].upper - cards[name].lower, name
-    for name, center in CENTER.items():
-        assert cards[name].lower <= center <= cards[name].upper, name
+    books = (book_of("mf96"), Tire("mf61", size, added=tuple(library().values())).book)
+    cards = {**books[0].coefficients, **books[1].coefficients}
+    for book in books:
+        assert {"PCY1", "PDY2", "RBY1"} < book.prior_spread.keys()
+        for name, spread in book.prior_spread.items():
+            assert 0.0 < spread < cards[name].upper - cards[name].lower, name
+        for name, center in book.prior_center.items():
+            assert cards[name].lower <= center <= cards[name].upper, name
