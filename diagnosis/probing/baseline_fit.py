@@ -18,14 +18,13 @@ from ..least_squares import LeastSquares, Solution
 from ..recording.disturbances import disturbances_of
 from ..recording.signals import Signals
 from ..recording.simulation import Simulator
+from ..thresholds import OUTLIER
 from .candidates import declared_candidate, varies
 
 FloatArray = npt.NDArray[np.float64]
 
 #: The slip that makes each force.
 OWN_SLIP = {"Fx": "kappa", "Fy": "alpha"}
-#: Residuals beyond this many robust deviations of their neighbourhood are outliers.
-OUTLIER = 7.0
 
 
 def readable(names: tuple[str, ...], signals: Signals, book: Model) -> tuple[str, ...]:

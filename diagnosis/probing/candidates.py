@@ -11,6 +11,7 @@ from tirefmu.symbolic.notation import Coefficient
 from tirefmu.tires.tire import Tire
 
 from ..recording.signals import Signals
+from ..thresholds import LEAST_VARIATION, LEAST_VARIATION_IN_NOISE
 
 #: The outputs of an effect that declares none.
 CHANNELS = ("Fx", "Fy", "Mz", "Mx", "My")
@@ -138,6 +139,6 @@ def varies(signals: Signals, tire: Tire, name: str) -> bool:
     if name not in signals.recorded or name not in signals.names:
         return False
     values = signals.named()[name]
-    least = {"kappa": 0.01, "alpha": 0.01, "gamma": 0.005, "Fz": 0.02 * tire.values["FNOMIN"]}.get(name, 0.0)
+    least = LEAST_VARIATION.get(name, 0.0) * (tire.values["FNOMIN"] if name == "Fz" else 1.0)
     spread = float(values.max() - values.min())
-    return spread > max(least, 4.0 * signals.input_noise.get(name, 0.0), 1e-9)
+    return spread > max(least, LEAST_VARIATION_IN_NOISE * signals.input_noise.get(name, 0.0), 1e-9)

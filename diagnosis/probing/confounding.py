@@ -9,15 +9,11 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.detection import Detection
 
+from ..thresholds import LEAST_SHARE
 from .effect_probing import Screen
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Above this correlation two explanations count as one; above the lower one the other is told beside the finding.
-CONFOUNDED = 0.8
-TOLD = 0.7
-#: A coefficient's own trace counts from this share of its effect's.
-SHARE = 0.4
 #: Sensor errors that imitate effects: an input and how far off it is.
 ALIASES: Mapping[str, Mapping[str, float]] = {
     "slip_angle_zero_offset": {"alpha": 1e-3},
@@ -78,7 +74,9 @@ def correlations(
     sizes = np.linalg.norm(parts, axis=0)
     size = float(np.linalg.norm(mine))
     views = [mine / max(size, 1e-300)]  # as a whole, and each coefficient's own share where that is large
-    views += [part / own_size for part, own_size in zip(parts.T, sizes, strict=True) if own_size > SHARE * size > 0.0]
+    views += [
+        part / own_size for part, own_size in zip(parts.T, sizes, strict=True) if own_size > LEAST_SHARE * size > 0.0
+    ]
     told: dict[str, float] = {}
     for name, columns in {**others, **found}.items():
         flat = columns.reshape(rest.shape[0], -1)

@@ -19,20 +19,11 @@ from ..linear import (
     regression,
     wald_p,
 )
+from ..thresholds import ABSORBED, FEWEST_ROWS_OF_BLOCK, MEMORY, PROBE_BELIEF
 from .candidates import counts_from_neutral
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
-
-#: A probe's belief: this many probes' sizes.
-PROBE_BELIEF = 20.0
-#: The longest correlation of noise that is carried through, s.
-MEMORY = 1.0
-#: A block takes part in a regression with more rows than these, or than half of a usual block where that is shorter:
-#: slow sampling makes short blocks, and what outliers or gaps leave of one says little by itself.
-FEWEST_ROWS_OF_BLOCK = 20
-#: A trace that keeps less than this share of itself beside the base's freedom cannot be seen.
-ABSORBED = 0.02
 
 
 @dataclass(frozen=True, eq=False)

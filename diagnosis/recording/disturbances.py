@@ -8,17 +8,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from ..thresholds import CROSS_TALK_BELIEF, DRIFT_BELIEF, DRIFT_WAVES, MOST_CROSS_TALK, OFFSET_BELIEF
 from .signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
-
-#: Half waves of a slow drift over the whole recording.
-DRIFT_WAVES = 3
-#: What a drift is believed to be at most, in noise deviations, and cross-talk as a share of the other force.
-DRIFT_BELIEF = 1.0
-CROSS_TALK_BELIEF = 0.002
-#: More than this share of another force is no slight cross-talk but something of the tire.
-MOST_CROSS_TALK = 0.006
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +78,7 @@ def disturbances_of(signals: Signals, noise: FloatArray) -> Disturbances:
             column[i] = wave
             names.append(f"offset_{channel}" if k == 0 else f"drift{k}_{channel}")
             columns.append(column)
-            deviation.append(noise[i] * (20.0 if k == 0 else DRIFT_BELIEF))
+            deviation.append(noise[i] * (OFFSET_BELIEF if k == 0 else DRIFT_BELIEF))
     forces = [i for i, channel in enumerate(signals.channels) if channel in ("Fx", "Fy")]
     for i in forces:
         for j in forces:

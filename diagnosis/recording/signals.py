@@ -16,24 +16,24 @@ from tirefmu.tires.tire import Tire
 from tirefmu.tires.transient import rolled_distance
 
 from ..smoothing import smoothed
+from ..thresholds import (
+    BLOCK,
+    FEWEST_BLOCKS,
+    FEWEST_MEASURED_BLOCKS,
+    FEWEST_ROWS,
+    GAP,
+    HOLDOUT_EVERY,
+    LEAST_KAPPA,
+    LEAST_LOAD,
+    MOST_BLOCKS,
+    MOST_ROWS,
+)
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
 #: The convention in which the diagnosis computes: that of the coefficients' bounds and starts.
 FORMULA_SIGNS = "adapted-sae"
-#: Rows of which the diagnosis reads every k-th rather than all.
-MOST_ROWS = 6000
-#: Length of a block of time, s: a few sweeps' worth of correlated misfit stays in one.
-BLOCK = 2.5
-FEWEST_BLOCKS, MOST_BLOCKS = 12, 60
-#: Blocks that something has to be measured in: fewer say nothing of how far an estimate scatters.
-FEWEST_MEASURED = 8
-#: Every how-manieth block is kept untouched.
-HOLDOUT = 8
-FEWEST_ROWS = 200
-#: A recording whose kappa stays below this shows nothing of Fx but drag and offset.
-LEAST_KAPPA = 0.004
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +136,7 @@ def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = Tr
         channels = tuple(name for name in channels if name != "Fx")
     if not channels:
         raise DataError(f"the recording has no measured output: one of {', '.join(outputs)} is needed")
-    loaded = np.flatnonzero(columns["Fz"] > 0.02 * tire.values["FNOMIN"])
+    loaded = np.flatnonzero(columns["Fz"] > LEAST_LOAD * tire.values["FNOMIN"])
     rows = loaded[:: max(1, -(-len(loaded) // MOST_ROWS))]
     if len(rows) < FEWEST_ROWS:
         raise DataError(f"the recording has {len(rows)} rows under load: a diagnosis needs {FEWEST_ROWS} at least")
@@ -144,13 +144,13 @@ def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = Tr
     block = _blocks(t[rows])
     recorded = frozenset(name for name in names if name in given) | ({"distance"} if timed else set())
     places = np.array([outputs.index(name) for name in channels])
-    holdout = block % HOLDOUT == HOLDOUT // 2 + 1
+    holdout = block % HOLDOUT_EVERY == HOLDOUT_EVERY // 2 + 1
     present = np.isfinite(measured)
     seen = len(np.unique(block[present.any(axis=0) & ~holdout]))
-    if seen < FEWEST_MEASURED:
+    if seen < FEWEST_MEASURED_BLOCKS:
         raise DataError(
             f"{', '.join(channels)}: measured in {seen} of {block[-1] + 1} equal parts of the recording: "
-            f"a diagnosis needs {FEWEST_MEASURED} at least"
+            f"a diagnosis needs {FEWEST_MEASURED_BLOCKS} at least"
         )
     measured = np.where(present, measured, 0.0)
     return Signals(
@@ -179,7 +179,7 @@ def _input(table: pd.DataFrame, name: str, tire: Tire) -> FloatArray:
 def _smoothed_by_stretch(values: FloatArray, t: FloatArray) -> tuple[FloatArray, float]:
     """Smooth within stretches without a gap in time."""
     steps = np.diff(t)
-    gaps = np.flatnonzero((steps <= 0.0) | (steps > 5.0 * np.median(steps[steps > 0.0]))) + 1
+    gaps = np.flatnonzero((steps <= 0.0) | (steps > GAP * np.median(steps[steps > 0.0]))) + 1
     parts = [smoothed(part) for part in np.split(values, gaps)]
     weights = [len(part) for part, _ in parts]
     noise = float(np.average([deviation for _, deviation in parts], weights=weights))
@@ -190,6 +190,6 @@ def _blocks(t: FloatArray) -> IntArray:
     """Return the number of the block of time of each row; gaps in time do not count."""
     steps = np.diff(t, prepend=t[0])
     usual = float(np.median(steps[1:]))
-    run = np.cumsum(np.where((steps > 0.0) & (steps < 5.0 * usual), steps, usual))
+    run = np.cumsum(np.where((steps > 0.0) & (steps < GAP * usual), steps, usual))
     number = int(np.clip(round((run[-1] - run[0]) / BLOCK), FEWEST_BLOCKS, MOST_BLOCKS))
     return np.asarray(np.minimum((number * (run - run[0]) / (run[-1] - run[0])).astype(np.int64), number - 1))

@@ -14,28 +14,28 @@ from ..least_squares import LeastSquares, Solution
 from ..noise import Whitening, memories_of
 from ..probing.baseline_fit import readable
 from ..probing.candidates import Candidate, refinements_for, varies
-from ..probing.confounding import CONFOUNDED, correlations
+from ..probing.confounding import correlations
 from ..probing.effect_probing import Screen, Trace
+from ..thresholds import (
+    AHEAD,
+    CONFOUNDED,
+    EFFECT_ERRORS,
+    EFFECT_GAIN,
+    EFFECT_P,
+    EFFECT_P_OF_BLOCKS,
+    ENOUGH,
+    PREFERRED_ERRORS,
+    PROMISING,
+    REFITTED,
+    REFITTED_REFINEMENTS,
+    ROUNDS,
+    SEARCH_ROWS,
+    SETTLED,
+    TOGETHER,
+)
 from ..unexplained.structure import CORE_INPUTS, Structure, structure_of
 
 FloatArray = npt.NDArray[np.float64]
-
-#: What a finding has to pass: probability under coloured noise after Bonferroni, probability by blocks of time (few
-#: and unequal, so less is asked of them), gain in standard errors, and gain as a share of the squared misfit.
-LARGEST_P = 0.001
-LARGEST_P_OF_BLOCKS = 0.01
-LEAST_ERRORS = 1.4
-LEAST_GAIN = 0.008
-#: How many candidates are refitted in a round, and how many rounds there are.
-REFITTED = 5
-ROUNDS = 6
-#: A named effect is taken where it explains at least this share of what any structure could.
-ENOUGH = 0.6
-#: So is one that explains this share together with those that would be named after it, so many in all.
-TOGETHER, AHEAD = 0.8, 3
-#: Rows of a search's fits, and iterations of the last one.
-SEARCH_ROWS = 2500
-SETTLED = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +71,8 @@ class Refit:
     @property
     def passes(self) -> bool:
         """Whether it is more than noise."""
-        significant = self.p < LARGEST_P and self.trace.p_blocks < LARGEST_P_OF_BLOCKS
-        return significant and self.gain > max(LEAST_ERRORS * self.gain_error, LEAST_GAIN)
+        significant = self.p < EFFECT_P and self.trace.p_blocks < EFFECT_P_OF_BLOCKS
+        return significant and self.gain > max(EFFECT_ERRORS * self.gain_error, EFFECT_GAIN)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,8 +182,11 @@ class Search:
         self.tests = len(self.last)
         ordered = sorted(self.last, key=lambda tried: float(tried.trace.loss.sum()))
         own = [tried for tried in ordered if not tried.name.startswith("finer ")]
-        chosen = _distinct(own)[:REFITTED] + _distinct([t for t in ordered if t.name.startswith("finer ")])[:2]
-        promising = [t for t in chosen if t.trace.p_coloured * self.tests < 10.0 * LARGEST_P]
+        chosen = (
+            _distinct(own)[:REFITTED]
+            + _distinct([t for t in ordered if t.name.startswith("finer ")])[:REFITTED_REFINEMENTS]
+        )
+        promising = [t for t in chosen if t.trace.p_coloured * self.tests < PROMISING * EFFECT_P]
         refits = [refit for tried in promising if (refit := self.refit(tried)) is not None]
         passing = [refit for refit in refits if refit.passes and not self._is_ghost(refit)]
         return preferred(passing, self.candidates) if passing else None
@@ -298,7 +301,7 @@ def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit
         error = float(np.sqrt(len(difference)) * np.std(difference, ddof=1))
         contains = candidates[best.name].contains == other.name if best.name in candidates else False
         finer = best.name.startswith("finer ") and not other.name.startswith("finer ")
-        if (contains or finer) and difference.sum() < 2.0 * error:
+        if (contains or finer) and difference.sum() < PREFERRED_ERRORS * error:
             best = other
     return best
 

@@ -14,14 +14,10 @@ from tirefmu.tires.tire import Tire
 
 from ..least_squares import LeastSquares, Solution
 from ..recording.simulation import Simulator
+from ..thresholds import LEAST_IMPROVEMENT, REACH
 from .structure import Structure
 
 FloatArray = npt.NDArray[np.float64]
-
-#: What the squared misfit of the hold-out has to lose for a formula to be added.
-LEAST_IMPROVEMENT = 0.02
-#: How many times its estimate a coefficient may become.
-REACH = 10.0
 
 
 @dataclass(frozen=True)

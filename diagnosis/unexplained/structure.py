@@ -9,29 +9,26 @@ import numpy as np
 import numpy.typing as npt
 
 from ..linear import block_sums, regression
-from ..probing.effect_probing import PROBE_BELIEF, Screen, Trace
+from ..probing.effect_probing import Screen, Trace
+from ..thresholds import (
+    LEAST_CARRIED,
+    LEAST_STRETCHES,
+    MOST_TERMS,
+    PROBE_BELIEF,
+    SHORTLIST,
+    STRETCHES,
+    STRUCTURE_ERRORS,
+    STRUCTURE_GAIN,
+    STRUCTURE_P,
+    STRUCTURE_P_OF_BLOCKS,
+    TERM_ERRORS,
+    TERM_ERRORS_OF_VARIABLE,
+    TERM_GAIN,
+)
 from .features import Feature, Place, directions, features, places_of
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Terms that a proposed formula has at most, and what a further term has to add: as a share of what the first ones
-#: explain, and in standard errors; in more of them where it brings a further variable.
-MOST_TERMS = 3
-WORTH = 0.03
-WORTH_ERRORS = 2.0
-WORTH_ERRORS_OF_VARIABLE = 2.5
-#: What structure has to pass.
-LARGEST_P = 1e-4
-LARGEST_P_OF_BLOCKS = 1e-3
-LEAST_ERRORS = 1.2
-LEAST_GAIN = 0.03
-#: Structure of the tire gains in every part of a recording, a proxy of something else where it was fitted: stretches
-#: that are left out as a whole, in how many of them it has to gain, and the share of the gain that has to remain.
-STRETCHES = 8
-LEAST_STRETCHES = 6
-LEAST_CARRIED = 0.5
-#: Columns whose cross-validation is worked out, of the many that are correlated with the residual.
-SHORTLIST = 12
 #: Inputs of the steady core: structure in these alone is another form of the base, no missing effect.
 CORE_INPUTS = frozenset({"alpha", "kappa", "Fz"})
 
@@ -70,8 +67,8 @@ class Structure:
     @property
     def passes(self) -> bool:
         """Whether it is more than noise; the many forms tried make the bar higher than that of a named effect."""
-        significant = self.p < LARGEST_P and self.trace.p_blocks < LARGEST_P_OF_BLOCKS
-        return significant and self.gain > max(LEAST_ERRORS * self.gain_error, LEAST_GAIN) and self.carries_over
+        significant = self.p < STRUCTURE_P and self.trace.p_blocks < STRUCTURE_P_OF_BLOCKS
+        return significant and self.gain > max(STRUCTURE_ERRORS * self.gain_error, STRUCTURE_GAIN) and self.carries_over
 
     @property
     def carries_over(self) -> bool:
@@ -83,11 +80,6 @@ class Structure:
     def depends_on(self) -> tuple[str, ...]:
         """The variables, sorted."""
         return tuple(sorted(frozenset(self.place.carries).union(*(term.depends_on for term in self.terms))))
-
-    @property
-    def of_the_base(self) -> bool:
-        """Whether it is another form of the steady core formula."""
-        return set(self.depends_on) <= CORE_INPUTS
 
     @property
     def written(self) -> bool:
@@ -198,9 +190,9 @@ def _best(screen: Screen, trace: Trace, richer: list[tuple[Trace, int, bool]]) -
     richer : list of (Trace, int, bool)
         With the added column, and whether its variables are known.
     """
-    least = WORTH * float(np.sum(screen.base.loss - trace.loss))
+    least = TERM_GAIN * float(np.sum(screen.base.loss - trace.loss))
     for wanted in (True, False):
-        errors = WORTH_ERRORS if wanted else WORTH_ERRORS_OF_VARIABLE
+        errors = TERM_ERRORS if wanted else TERM_ERRORS_OF_VARIABLE
         worth = [(more, i) for more, i, known in richer if known == wanted and _adds(trace, more, errors) > least]
         if worth:
             return min(worth, key=lambda one: float(one[0].loss.sum()))

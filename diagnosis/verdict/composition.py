@@ -16,20 +16,22 @@ from tirefmu.tires.tire import Tire
 
 from ..linear import coloured_covariance
 from ..probing.candidates import Candidate
-from ..probing.confounding import CONFOUNDED, TOLD, alias_columns, correlations, separating_measurement
+from ..probing.confounding import alias_columns, correlations, separating_measurement
 from ..probing.effect_probing import Screen, Trace
 from ..recording.disturbances import reported_disturbances
 from ..recording.signals import FORMULA_SIGNS, Signals
 from ..ripple import quantisation, ripple
 from ..search.effect_search import Refit, Search
 from ..smoothing import HALF_WIDTHS
+from ..thresholds import CARRIED_EVIDENCE, CONFOUNDED, REPORTED, SHOWN
 from ..unexplained.formula_proposal import Unknown
 from .detectability import detectable_sizes
 from .extrapolation import reaches
+from .findings import Finding, Interval
 from .fit_error import gaps
 from .improved_tire import tire_of
 from .residual_location import residual_maps, time_course
-from .result import Diagnosis, Finding, Interval
+from .result import Diagnosis
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -167,7 +169,7 @@ def _in_order(outcome: SearchOutcome, errors: FloatArray) -> tuple[Finding, ...]
 def _shown(trace: Trace, signals: Signals) -> tuple[str, ...]:
     """Return the channels in which a trace shows."""
     power = np.mean((trace.columns @ trace.estimate) ** 2, axis=1)
-    return tuple(name for name, size in zip(signals.channels, power, strict=True) if size > 0.02 * power.max())
+    return tuple(name for name, size in zip(signals.channels, power, strict=True) if size > SHOWN * power.max())
 
 
 def _finding(outcome: SearchOutcome, refit: Refit, errors: FloatArray) -> Finding:
@@ -195,7 +197,7 @@ def _stretches(refit: Refit, signals: Signals) -> tuple[tuple[float, float], ...
     carried = np.cumsum(np.maximum(refit.gains[order], 0.0))
     if carried[-1] <= 0.0:
         return ()
-    chosen = sorted(order[: int(np.searchsorted(carried, 0.67 * carried[-1])) + 1].tolist())
+    chosen = sorted(order[: int(np.searchsorted(carried, CARRIED_EVIDENCE * carried[-1])) + 1].tolist())
     t, edges = signals.t[signals.rows], refit.screen.edges
     spans: list[tuple[float, float]] = []
     for g in chosen:
@@ -223,7 +225,9 @@ def confounded_with(outcome: SearchOutcome) -> dict[str, dict[str, float]]:
         }  # fmt: skip
         size = correlations(screen, refit.form.free, {**others, **alias_columns(screen)}, found)
         told[refit.name] = {
-            name: value for name, value in size.items() if value > TOLD and name != outcome.tried[refit.name].contains
+            name: value
+            for name, value in size.items()
+            if value > REPORTED and name != outcome.tried[refit.name].contains
         }
     return {name: others for name, others in told.items() if others}
 

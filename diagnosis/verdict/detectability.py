@@ -11,7 +11,8 @@ from tirefmu.symbolic.detection import LARGEST_IN_SIZES
 from tirefmu.tires.tire import Tire
 
 from ..probing.candidates import Candidate, varies
-from ..search.effect_search import LARGEST_P, Search
+from ..search.effect_search import Search
+from ..thresholds import EFFECT_P, NOT_IDENTIFIABLE
 
 
 def detectable_sizes(
@@ -37,7 +38,7 @@ def detectable_sizes(
     signals = search.problem.simulator.signals
     found = {refit.name for refit in search.found}
     root = search.screen.problem.root
-    away = float(np.sqrt(stats.chi2.isf(LARGEST_P / max(search.tests, 1), 1)))
+    away = float(np.sqrt(stats.chi2.isf(EFFECT_P / max(search.tests, 1), 1)))
     detectable: dict[str, dict[str, float]] = {}
     blind: dict[str, str] = {}
     for name, candidate in tried.items():
@@ -49,7 +50,7 @@ def detectable_sizes(
             blind[name] = f"{' and '.join(still)} does not vary, or was not recorded"
         elif not traces or not set(candidate.channels) & set(signals.channels):
             blind[name] = f"it shows in {', '.join(candidate.channels)}, not recorded here"
-        elif traces[0].kept < 0.05:
+        elif traces[0].kept < NOT_IDENTIFIABLE:
             blind[name] = "the start model's own coefficients can imitate it here"
         else:
             trace = traces[0]

@@ -9,13 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from ..least_squares import LeastSquares, Solution
+from ..thresholds import BEYOND, LARGEST_CHANGE
 
 FloatArray = npt.NDArray[np.float64]
 
-#: How far beyond an input's range the model is asked, as a share of that range.
-BEYOND = 0.5
-#: A force that changes by more than this share of itself there is not to be trusted there.
-LARGEST_CHANGE = 0.15
 #: Rows at which it is asked.
 ROWS = 300
 

@@ -8,14 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from ..probing.effect_probing import Screen
+from ..thresholds import FEWEST_ROWS_OF_CELL
 
 FloatArray = npt.NDArray[np.float64]
 
 #: The pairs of inputs over which residuals are mapped.
 PAIRS = (("alpha", "kappa"), ("Fz", "gamma"), ("p", "T"), ("V", "distance"))
 CELLS = 8
-#: Rows of a cell whose mean says something.
-FEWEST = 10
 
 
 def residual_maps(screen: Screen) -> list[dict[str, Any]]:
@@ -79,7 +78,7 @@ def _mapped(x: FloatArray, y: FloatArray, residual: FloatArray) -> dict[str, Any
     count, _, _ = np.histogram2d(x, y, bins=edges)
     total, _, _ = np.histogram2d(x, y, bins=edges, weights=residual)
     mean = np.where(count > 0, total / np.maximum(count, 1.0), np.nan)
-    i, j = np.unravel_index(int(np.argmax(np.where(count >= FEWEST, np.abs(mean), -1.0))), mean.shape)
+    i, j = np.unravel_index(int(np.argmax(np.where(count >= FEWEST_ROWS_OF_CELL, np.abs(mean), -1.0))), mean.shape)
     worst = {
         "from": [float(edges[0][i]), float(edges[1][j])],
         "to": [float(edges[0][i + 1]), float(edges[1][j + 1])],

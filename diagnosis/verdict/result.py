@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,57 +20,11 @@ from tirefmu.tires.tire import Tire
 
 from ..unexplained.formula_proposal import Unknown
 from .extrapolation import Reach
+from .findings import Finding, turned_sign
 from .summary import diagnosis_html, diagnosis_text
 
 #: Version of diagnosis.json: a new key raises the second number, a changed meaning the first.
 VERSION = "2.0"
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A coefficient's value and the 95 % interval under coloured noise."""
-
-    value: float
-    lower: float
-    upper: float
-
-    def mirrored(self) -> Interval:
-        """Return the same with the opposite sign."""
-        return Interval(_turned(self.value), _turned(self.upper), _turned(self.lower))
-
-
-@dataclass(frozen=True)
-class Finding:
-    """A missing effect.
-
-    Attributes
-    ----------
-    effect : str
-        Its name, or "UNKNOWN".
-    channels : tuple of str
-        Those in which it shows.
-    coefficients : mapping of str to Interval
-        In the signs of the diagnosis.
-    p : float
-        Probability of such a trace by chance, under coloured noise, adjusted for everything tried.
-    cv_gain, cv_gain_se : float
-        Share of the squared misfit that it takes away in blocked cross-validation, and its standard error.
-    when : tuple of (float, float)
-        The stretches of time, s, that carry most of the evidence.
-    """
-
-    effect: str
-    channels: tuple[str, ...]
-    coefficients: Mapping[str, Interval]
-    p: float
-    cv_gain: float
-    cv_gain_se: float
-    when: tuple[tuple[float, float], ...] = ()
-
-    def mirrored(self, names: Collection[str]) -> Finding:
-        """Return the same with the opposite sign of some coefficients."""
-        coefficients = {name: one.mirrored() if name in names else one for name, one in self.coefficients.items()}
-        return replace(self, coefficients=coefficients)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -164,9 +118,9 @@ class Diagnosis:
         if not turned:
             return self
         cards = self.tire.book.coefficients
-        offset = {name: _turned(value, name in turned) for name, value in self.recording["offset"].items()}
+        offset = {name: turned_sign(value, name in turned) for name, value in self.recording["offset"].items()}
         cross_talk = {  # the share of one force in another: Fx_in_Fy
-            name: _turned(value, len(turned & set(name.split("_in_"))) == 1)
+            name: turned_sign(value, len(turned & set(name.split("_in_"))) == 1)
             for name, value in self.recording["cross_talk"].items()
         }
         return replace(
@@ -178,13 +132,17 @@ class Diagnosis:
             recording={**self.recording, "offset": offset, "cross_talk": cross_talk},
         )
 
+    @property
+    def _summarized(self) -> tuple[str, tuple[Finding, ...], Mapping[str, Mapping[str, float]], int, str]:
+        return self.verdict, self.found, self.gap["holdout"], len(self.rows), self.signs
+
     def __repr__(self) -> str:
         """Return a few lines: the verdict, findings with their evidence, how the gap shrank."""
-        return diagnosis_text(self)
+        return diagnosis_text(*self._summarized)
 
     def _repr_html_(self) -> str:
         """Return the same with a table of coefficients, for a notebook."""
-        return diagnosis_html(self)
+        return diagnosis_html(*self._summarized)
 
     def kept_apart(self, n: int) -> npt.NDArray[np.bool_]:
         """Return which of a recording's n rows are the hold-out.
@@ -293,15 +251,10 @@ class Diagnosis:
         return place / "diagnosis.json"
 
 
-def _turned(value: float, turned: bool = True) -> float:
-    """Return a number with the opposite sign, or as it is; never -0.0."""
-    return 0.0 - value if turned else value
-
-
 def _mirrored_map(one: dict[str, Any]) -> dict[str, Any]:
     """Return a map of `residual_location.residual_maps` with the opposite sign; cells without rows have no mean."""
-    mean = [[None if cell is None else _turned(cell) for cell in row] for row in one["mean"]]
-    return {**one, "mean": mean, "worst": {**one["worst"], "mean": _turned(one["worst"]["mean"])}}
+    mean = [[None if cell is None else turned_sign(cell) for cell in row] for row in one["mean"]]
+    return {**one, "mean": mean, "worst": {**one["worst"], "mean": turned_sign(one["worst"]["mean"])}}
 
 
 def _plain(value: Any) -> Any:

@@ -9,7 +9,8 @@ import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.reporting import report
 from tirefmu.diagnosis.reporting.report import report_page
-from tirefmu.diagnosis.verdict.result import Interval, Unknown
+from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
+from tirefmu.diagnosis.verdict.findings import Interval
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
 from tirefmu.symbolic.escaping import visible

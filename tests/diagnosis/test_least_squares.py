@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tirefmu.diagnosis.least_squares import _bounded_step
-from tirefmu.diagnosis.recording.disturbances import MOST_CROSS_TALK, reported_disturbances
+from tirefmu.diagnosis.recording.disturbances import reported_disturbances
+from tirefmu.diagnosis.thresholds import MOST_CROSS_TALK
 
 FREE = ("PDX1", "PKX1", "PDY1", "PDY2", "PKY1", "PHY1", "QDZ1")
 

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis.probing.baseline_fit import OUTLIER, weighed
+from tirefmu.diagnosis.probing.baseline_fit import weighed
 from tirefmu.diagnosis.ripple import quantisation, ripple
-from tirefmu.diagnosis.verdict.extrapolation import LARGEST_CHANGE, reaches
+from tirefmu.diagnosis.thresholds import LARGEST_CHANGE, OUTLIER
+from tirefmu.diagnosis.verdict.extrapolation import reaches
 from tirefmu.diagnosis.verdict.fit_error import gaps, noise_floor
 from tirefmu.diagnosis.verdict.residual_location import residual_maps, time_course
 

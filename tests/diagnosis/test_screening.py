@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis.probing.confounding import CONFOUNDED, alias_columns, correlations, separating_measurement
+from tirefmu.diagnosis.probing.confounding import alias_columns, correlations, separating_measurement
+from tirefmu.diagnosis.thresholds import CONFOUNDED
 from tirefmu.symbolic import model
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.detection import Form
