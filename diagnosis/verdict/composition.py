@@ -21,7 +21,8 @@ from ..probing.effect_probing import Screen, Trace
 from ..recording.disturbances import reported_disturbances
 from ..recording.signals import FORMULA_SIGNS, Signals
 from ..ripple import quantisation, ripple
-from ..search.effect_search import Refit, Search
+from ..search.effect_search import Search
+from ..search.refits import Refit
 from ..smoothing import HALF_WIDTHS
 from ..thresholds import CARRIED_EVIDENCE, CONFOUNDED, REPORTED, SHOWN
 from ..unexplained.formula_proposal import Unknown
