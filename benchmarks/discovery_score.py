@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from diagnosis.kinds import CONFOUNDED
 from diagnosis.suite import UNKNOWN, Case
 
-from tirefmu.diagnosis.verdict import Diagnosis
+from tirefmu.diagnosis import Diagnosis
 from tirefmu.tires.tire import Tire
 
 #: Effects that the true tire has at transformed inputs, so that their coefficients have no true values.

@@ -1,10 +1,10 @@
 """Where a fitted tire and its data disagree, and which effect is missing."""
 
 from .diagnose import diagnose
-from .fmus import export_and_simulate
-from .report import write_report
-from .residual_map import Bin, ResidualMap, draw_residual_maps, residual_map
-from .verdict import Diagnosis
+from .reporting.fmu_comparison import export_and_simulate
+from .reporting.report import write_report
+from .reporting.residual_map import Bin, ResidualMap, draw_residual_maps, residual_map
+from .verdict.result import Diagnosis
 
 __all__ = ["Bin", "Diagnosis", "ResidualMap", "diagnose", "draw_residual_maps", "export_and_simulate", "residual_map",
            "write_report"]  # fmt: skip

@@ -12,9 +12,8 @@ import numpy.typing as npt
 from tirefmu.estimation.gauss_newton import Damping, minimize
 from tirefmu.estimation.noise_model import Whitening
 
-from .candidates import SPREAD
-from .disturbances import Disturbances
-from .simulation import Simulator
+from .recording.disturbances import Disturbances
+from .recording.simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -83,7 +82,8 @@ class LeastSquares:
         cards, factors = self.simulator.book.coefficients, self._factors(free)
         lower, upper = self.bounds(free)
         center = np.array([self.center.get(name, cards[name].default) for name in free]) * factors
-        spread = np.array([SPREAD.get(name, np.inf) for name in free]) * np.abs(factors)
+        known = self.simulator.book.prior_spread
+        spread = np.array([known.get(name, np.inf) for name in free]) * np.abs(factors)
         return center, np.minimum((upper - lower) / RANGE_IN_DEVIATIONS, spread)
 
     def _factors(self, free: Sequence[str]) -> FloatArray:

@@ -13,6 +13,7 @@ import sympy as sp
 from .added import AddedEffect
 from .added.checks import check_effects
 from .contract import PhysicalConstraint, PropertyFile, Role
+from .detection import Detection
 from .effects import EFFECTS
 from .errors import EffectError, UnknownName, nearest
 from .escaping import quoted
@@ -63,6 +64,10 @@ class Model:
         The coefficients that a tire without effects is fitted by.
     starts : tuple of mapping of str to float
         Several starts of the baseline in adapted SAE, against local optima; what is left out starts generic.
+    spread : mapping of str to float
+        Standard deviation among tires of coefficients of the baseline that a recording may leave undetermined.
+    refinements : tuple of mapping of str to float
+        Refinements of the baseline that a diagnosis tries: coefficients and sizes to probe with, in adapted SAE.
     relaxation : tuple of str
         The coefficients of its relaxation lengths, which act through time only.
     low_speed : str
@@ -97,6 +102,8 @@ class Model:
     folder: str = ""
     baseline: tuple[str, ...] = ()
     starts: tuple[Mapping[str, float], ...] = ({},)
+    spread: Mapping[str, float] = field(default_factory=dict)
+    refinements: tuple[Mapping[str, float], ...] = ()
     relaxation: tuple[str, ...] = ()
     low_speed: str = ""
     added: tuple[AddedEffect, ...] = ()
@@ -144,9 +151,35 @@ class Model:
     def effects(self) -> dict[str, Effect]:
         """The effects that stand in the lines, in the order of their first place."""
         names = (str(switch.args[0]) for line in self.equations for switch in _switches(line.expression))
-        beyond = {effect.name: Effect(effect.name, effect.physics, optional=True) for effect in self.added}
+        beyond = {
+            effect.name: Effect(effect.name, effect.physics, optional=True, detection=effect.detection)
+            for effect in self.added
+        }
         beyond |= {effect.name: effect for effect in self.own_effects}
         return {name: beyond.get(name) or EFFECTS[name] for name in dict.fromkeys(names)}
+
+    @cached_property
+    def detections(self) -> dict[str, Detection]:
+        """How a diagnosis looks for the effects that declare it."""
+        return {name: effect.detection for name, effect in self.effects.items() if effect.detection is not None}
+
+    @cached_property
+    def prior_center(self) -> dict[str, float]:
+        """Where coefficients without a neutral value of their own are believed to lie, as the effects declare it."""
+        return {name: value for one in self.detections.values() for name, value in one.prior_center.items()}
+
+    @cached_property
+    def prior_spread(self) -> dict[str, float]:
+        """Standard deviation of the belief about coefficients: among tires, of the baseline and of the effects.
+
+        Examples
+        --------
+        >>> from tirefmu.symbolic import model
+        >>> model("mf61").prior_spread["PDY2"], model("mf61").prior_spread["PCY1"]
+        (0.75, 0.2)
+        """
+        spread = {name: value for one in self.detections.values() for name, value in one.prior_spread.items()}
+        return {**spread, **self.spread}
 
     def quantity(self, role: str) -> str:
         """Return the name of the quantity that has a role, or '' where the model lacks it."""

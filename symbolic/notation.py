@@ -13,6 +13,8 @@ from typing import Any, ClassVar
 
 import sympy as sp
 
+from .detection import Detection
+
 
 @dataclass
 class Coefficient:
@@ -216,6 +218,8 @@ class Effect:
         for readers without switches multiplies them (all owned coefficients at neutral).
     optional : bool
         True for one that a tire has only where it is asked for by name.
+    detection : Detection or None
+        How a diagnosis looks for it; without it, a diagnosis tries a model's own and user-defined effects only.
 
     Examples
     --------
@@ -228,6 +232,7 @@ class Effect:
     physics: str
     rescales: tuple[tuple[str, float], ...] = ()
     optional: bool = False
+    detection: Detection | None = None
 
     def either(self, on: Any, off: Any) -> sp.Expr:
         """Return the place where the lines have `on` with this effect and `off` without it."""

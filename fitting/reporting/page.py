@@ -23,7 +23,7 @@ def page_text(room: str, filters: Mapping[str, Callable[..., object]], **content
     Parameters
     ----------
     room : str
-        Package with the template ``report.html``: "tirefmu.fitting.reporting", "tirefmu.diagnosis".
+        Package with the template ``report.html``: "tirefmu.fitting.reporting", "tirefmu.diagnosis.reporting".
     filters : mapping of str to callable
         Of the template, by name.
     **content

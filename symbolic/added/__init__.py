@@ -1,32 +1,26 @@
-"""Effects beyond the book: small files that say which named quantity they multiply or add to.
+"""Effects that are put into the lines of a model: files that say which named quantity they multiply or add to.
 
-The library lies beside this module, a TOML file for each effect; a user's own effect and a formula found by the
-diagnosis have the same form (`tirefmu.symbolic.added.file`).
+The library is in the folder `tirefmu.symbolic.effects`; a user-defined effect and a formula proposed by the diagnosis
+have the same form (`tirefmu.symbolic.added.file`).
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
-from importlib.resources import files
 
 from .file import AddedEffect, effect_text, read_effect
+from .folder import declared_effects
 
-__all__ = ["LIBRARY", "AddedEffect", "effect_text", "library", "read_effect"]
-
-#: The effects that every tire may have by name.
-LIBRARY = ("temp_friction", "temp_stiffness", "speed_friction", "wear_drift")
+__all__ = ["AddedEffect", "effect_text", "library", "read_effect"]
 
 
 @lru_cache(maxsize=1)
 def library() -> dict[str, AddedEffect]:
-    """Return the effects of the library by name.
+    """Return the effects of the library by name: those that every tire may have without declaring them.
 
     Examples
     --------
     >>> library()["temp_friction"].acts_on
     ('friction_x', 'friction_y')
     """
-    folder = files(__package__)
-    return {
-        name: read_effect((folder / f"{name}.toml").read_text(encoding="utf-8"), f"{name}.toml") for name in LIBRARY
-    }
+    return {name: effect for name, effect in declared_effects().items() if isinstance(effect, AddedEffect)}

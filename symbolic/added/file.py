@@ -1,4 +1,4 @@
-"""The file of an added effect: TOML with a name, its physics, coefficients, and what it acts on.
+"""The file of an effect: its physics, coefficients, what it acts on, how a diagnosis looks for it.
 
 Examples
 --------
@@ -29,11 +29,13 @@ from typing import Any
 
 import sympy as sp
 
-from ..errors import EffectError, nearest
+from ..detection import Detection
+from ..errors import EffectError
 from ..escaping import quoted, toml_string, visible
-from ..notation import Coefficient
-from ..reserved import no_coefficient
+from ..notation import Coefficient, Effect
+from ..reserved import no_coefficient, no_effect
 from .checks import LONGEST_FILE, check_effect
+from .detection_file import detection_text, known_keys, read_detection
 from .formula import formula, formula_text
 
 #: What a card may say.
@@ -63,6 +65,8 @@ class AddedEffect:
     cards : tuple of Coefficient
         Its coefficients; neutral ones make it vanish.
     acts : tuple of Act
+    detection : Detection or None
+        How a diagnosis looks for it, where its file declares that.
     """
 
     name: str
@@ -70,6 +74,7 @@ class AddedEffect:
     source: str
     cards: tuple[Coefficient, ...]
     acts: tuple[Act, ...]
+    detection: Detection | None = None
 
     @property
     def acts_on(self) -> tuple[str, ...]:
@@ -102,13 +107,8 @@ def read_effect(text: str, source: str) -> AddedEffect:
         If the text is no TOML, says something that has no place in an effect, has a name that means something else
         (`tirefmu.symbolic.reserved`), or is beyond the bounds of formulas and texts.
     """
-    if len(text) > LONGEST_FILE:
-        raise EffectError(f"{source}: the file of an effect has at most {LONGEST_FILE} characters")
-    try:
-        told = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # ValueError also of integers with thousands of digits
-        raise EffectError(f"{source}: {visible(str(error))}") from None
-    _known(told, {"name", "physics", "source", "coefficients", "acts"}, source)
+    told = _parsed(text, source)
+    known_keys(told, ("name", "physics", "source", "coefficients", "acts", "diagnosis"), source)
     name = _text(told, "name", source)
     cards = tuple(_card(key, card, source, f"TIREFMU_{name.upper()}") for key, card in _table(told, source).items())
     acts = told.get("acts")
@@ -120,12 +120,66 @@ def read_effect(text: str, source: str) -> AddedEffect:
         _text(told, "source", source) if "source" in told else "",
         cards,
         tuple(_act(act, source) for act in acts),
+        read_detection(told["diagnosis"], source, {card.name for card in cards}) if "diagnosis" in told else None,
     )
     check_effect(effect, source)
+    _check_sizes(effect, source)
     unused = {card.name for card in cards} - {s.name for act in effect.acts for s in act.expression.free_symbols}
     if unused:
         raise EffectError(f"{source}: {min(unused)} is declared but acts on nothing")
     return effect
+
+
+def read_declared(text: str, file: str) -> Effect | AddedEffect:
+    r"""Return the effect of a file of the package: in the lines of chapters where it has no [[acts]].
+
+    Parameters
+    ----------
+    text : str
+        TOML. In addition to the keys of `read_effect`, a file without [[acts]] may have ``optional`` and ``rescales``
+        (`tirefmu.symbolic.notation.Effect`).
+    file : str
+        The file's name: that of the effect and ``.toml``.
+
+    Returns
+    -------
+    Effect or AddedEffect
+
+    Raises
+    ------
+    EffectError
+        As `read_effect`, or if the file has another name than its effect.
+
+    Examples
+    --------
+    >>> read_declared('name = "snow"\nphysics = "less grip"\noptional = true', "snow.toml")
+    Effect(name='snow', physics='less grip', rescales=(), optional=True, detection=None)
+    """
+    told = _parsed(text, file)
+    name = _text(told, "name", file)
+    if f"{name}.toml" != file:
+        raise EffectError(f"{file}: the effect {quoted(name)} has a file of its own name")
+    if "acts" in told:
+        return read_effect(text, file)
+    known_keys(told, ("name", "physics", "optional", "rescales", "diagnosis"), file)
+    if reason := no_effect(name):
+        raise EffectError(f"{file}: name {quoted(name)} {reason}")
+    rescales, optional = told.get("rescales", {}), told.get("optional", False)
+    if not isinstance(rescales, dict) or not all(map(_is_number, rescales.values())):
+        raise EffectError(f"{file}: rescales is not a table of coefficients and factors")
+    if not isinstance(optional, bool):
+        raise EffectError(f"{file}: optional is not a {_KINDS[bool]}")
+    detection = read_detection(told["diagnosis"], file) if "diagnosis" in told else None
+    return Effect(name, _text(told, "physics", file), tuple(rescales.items()), optional, detection)
+
+
+def _parsed(text: str, source: str) -> dict[str, Any]:
+    if len(text) > LONGEST_FILE:
+        raise EffectError(f"{source}: the file of an effect has at most {LONGEST_FILE} characters")
+    try:
+        return tomllib.loads(text)
+    except (ValueError, RecursionError) as error:  # ValueError also of integers with thousands of digits
+        raise EffectError(f"{source}: {visible(str(error))}") from None
 
 
 def effect_text(effect: AddedEffect) -> str:
@@ -143,13 +197,20 @@ def effect_text(effect: AddedEffect) -> str:
     for act in effect.acts:
         lines += ["", "[[acts]]", f"on = {toml_string(act.on)}"]
         lines += [f"{act.how} = {toml_string(formula_text(act.expression))}"]
+    if effect.detection is not None:
+        lines += ["", detection_text(effect.detection)]
     return "\n".join(lines) + "\n"
 
 
-def _known(told: dict[str, Any], keys: set[str], place: str) -> None:
-    for key in told:
-        if key not in keys:
-            raise EffectError(f"{place}: unknown key {quoted(key)}{nearest(key, sorted(keys))}")
+def _check_sizes(effect: AddedEffect, source: str) -> None:
+    """Raise `EffectError` where a coefficient that is probed leaves its bounds."""
+    cards, detection = {card.name: card for card in effect.cards}, effect.detection or Detection()
+    for form in (*detection.forms, *detection.refinements):
+        for name, size in (item for probe in form.probes for item in probe.items()):
+            card = cards[name]
+            if not card.lower <= card.default + size <= card.upper:
+                place = f"{source}: [diagnosis] {name}"
+                raise EffectError(f"{place}: neutral {card.default} and size {size} are beyond its bounds")
 
 
 def _text(told: dict[str, Any], key: str, source: str) -> str:
@@ -172,7 +233,7 @@ def _card(name: str, told: object, source: str, section: str) -> Coefficient:
     place = f"{source}: coefficient {name}"
     if not isinstance(told, dict):
         raise EffectError(f"{place} is not a table {{description = ..., unit = ...}}")
-    _known(told, set(CARD_KEYS), place)
+    known_keys(told, CARD_KEYS, place)
     for key, value in told.items():
         if not (_is_number(value) if CARD_KEYS[key] is float else isinstance(value, CARD_KEYS[key])):
             raise EffectError(f"{place}: {key} = {visible(repr(value))[:80]} is not a {_KINDS[CARD_KEYS[key]]}")
@@ -190,7 +251,7 @@ def _act(told: object, source: str) -> Act:
     place = f"{source}: [[acts]]"
     if not isinstance(told, dict):
         raise EffectError(f"{place} is not a table")
-    _known(told, {"on", "factor", "term"}, place)
+    known_keys(told, ("on", "factor", "term"), place)
     ways = [how for how in ("factor", "term") if how in told]
     if len(ways) != 1:
         raise EffectError(f"{place}: say one of factor and term")

@@ -9,7 +9,7 @@ solver [MFeval].
 from __future__ import annotations
 
 from ..contract import PropertyFile, Role, curvature, positive, with_extrapolation
-from ..magic_formula import BASELINE, STARTS, force_constraints
+from ..magic_formula import BASELINE, REFINEMENTS, SPREAD, STARTS, force_constraints
 from ..magic_formula import ROLES as COMMON_ROLES
 from ..model import Model
 from ..quantities import ALPHA, FX, FY, FZ, GAMMA, KAPPA, MX, MY, MZ, PHIT, P, V
@@ -118,6 +118,8 @@ def _model(name: str, title: str, file: PropertyFile) -> Model:
         recipe="progressive",
         baseline=BASELINE,
         starts=STARTS,
+        spread=SPREAD,
+        refinements=REFINEMENTS,
         relaxation=("SIGX", "SIGY", "SIGC", "SIGK"),
         low_speed="VXLOW",
     )

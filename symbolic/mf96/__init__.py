@@ -1,7 +1,7 @@
 """MF96: the Magic Formula of 1996 exactly as the Trento team's worksheet generated it."""
 
 from ..contract import PropertyFile, Role, curvature, positive, with_extrapolation
-from ..magic_formula import BASELINE, ROLES, STARTS, force_constraints
+from ..magic_formula import BASELINE, REFINEMENTS, ROLES, SPREAD, STARTS, force_constraints
 from ..model import Model
 from ..quantities import ALPHA, FX, FY, FZ, GAMMA, KAPPA, MZ
 from . import aligning_moment, combined_slip, longitudinal_force, normalized, side_force
@@ -26,5 +26,7 @@ MF96 = Model(
     recipe="progressive",
     baseline=BASELINE,
     starts=STARTS,
+    spread=SPREAD,
+    refinements=REFINEMENTS,
 )
 MODELS = (MF96,)

@@ -8,13 +8,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.diagnosis import simulation
-from tirefmu.diagnosis.candidates import CENTER
-from tirefmu.diagnosis.disturbances import disturbances_of
 from tirefmu.diagnosis.least_squares import LeastSquares
-from tirefmu.diagnosis.screening import Screen
-from tirefmu.diagnosis.signals import signals_of
-from tirefmu.diagnosis.simulation import Simulator
+from tirefmu.diagnosis.probing.effect_probing import Screen
+from tirefmu.diagnosis.recording import simulation
+from tirefmu.diagnosis.recording.disturbances import disturbances_of
+from tirefmu.diagnosis.recording.signals import signals_of
+from tirefmu.diagnosis.recording.simulation import Simulator
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
 
@@ -63,7 +62,7 @@ def problem(tire, table):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(simulation, "code_for", lambda book, _: code_for(book, "numpy"))  # nothing to compile
         simulator = Simulator(tire, signals)
-    return LeastSquares(simulator, root, disturbances_of(signals, noise), CENTER | VALUES)
+    return LeastSquares(simulator, root, disturbances_of(signals, noise), tire.book.prior_center | VALUES)
 
 
 @pytest.fixture(scope="session")

@@ -6,10 +6,11 @@ import pandas as pd
 import pytest
 
 import tirefmu
-from tirefmu.diagnosis import report
 from tirefmu.diagnosis.diagnose import diagnose
-from tirefmu.diagnosis.report import report_page
-from tirefmu.diagnosis.verdict import Interval, Unknown
+from tirefmu.diagnosis.reporting import report
+from tirefmu.diagnosis.reporting.report import report_page
+from tirefmu.diagnosis.unexplained.formula_proposal import Unknown
+from tirefmu.diagnosis.verdict.findings import Interval
 from tirefmu.measurements import Recording
 from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
 from tirefmu.symbolic.escaping import visible

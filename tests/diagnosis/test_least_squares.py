@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis.candidates import CENTER, SPREAD
-from tirefmu.diagnosis.disturbances import MOST_CROSS_TALK, reported_disturbances
 from tirefmu.diagnosis.least_squares import LeastSquares
+from tirefmu.diagnosis.recording.disturbances import reported_disturbances
+from tirefmu.diagnosis.thresholds import MOST_CROSS_TALK
 from tirefmu.symbolic import model as book_of
 from tirefmu.symbolic.added import library
 from tirefmu.tires.tire import Tire
@@ -71,14 +71,16 @@ def test_rows_that_take_no_part_have_no_influence(problem, tire):
     np.testing.assert_allclose(one, two, atol=1e-9)
 
 
-def test_beliefs_are_about_coefficients_and_narrower_than_their_cards():
+def test_priors_are_about_coefficients_and_narrower_than_their_bounds():
     size = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
-    beyond = tuple(library().values())
-    cards = {**book_of("mf96").coefficients, **Tire("mf61", size, added=beyond).book.coefficients}
-    for name, spread in SPREAD.items():
-        assert 0.0 < spread < cards[name].upper - cards[name].lower, name
-    for name, center in CENTER.items():
-        assert cards[name].lower <= center <= cards[name].upper, name
+    books = (book_of("mf96"), Tire("mf61", size, added=tuple(library().values())).book)
+    cards = {**books[0].coefficients, **books[1].coefficients}
+    for book in books:
+        assert {"PCY1", "PDY2", "RBY1"} < book.prior_spread.keys()
+        for name, spread in book.prior_spread.items():
+            assert 0.0 < spread < cards[name].upper - cards[name].lower, name
+        for name, center in book.prior_center.items():
+            assert cards[name].lower <= center <= cards[name].upper, name
 
 
 # ------------------------------------------------------------------ what belongs to the recording

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis.base import OUTLIER, weighed
-from tirefmu.diagnosis.extrapolation import LARGEST_CHANGE, reaches
-from tirefmu.diagnosis.gap import gaps, noise_floor
-from tirefmu.diagnosis.measurement_artefacts import quantisation, ripple
-from tirefmu.diagnosis.where import residual_maps, time_course
+from tirefmu.diagnosis.probing.baseline_fit import weighed
+from tirefmu.diagnosis.recording.measurement_artefacts import quantisation, ripple
+from tirefmu.diagnosis.thresholds import LARGEST_CHANGE, OUTLIER
+from tirefmu.diagnosis.verdict.extrapolation import reaches
+from tirefmu.diagnosis.verdict.fit_error import gaps, noise_floor
+from tirefmu.diagnosis.verdict.residual_location import residual_maps, time_course
 
 NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
 

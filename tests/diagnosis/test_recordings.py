@@ -10,8 +10,8 @@ import pytest
 
 from tirefmu.cli import main
 from tirefmu.diagnosis import diagnose
-from tirefmu.diagnosis.measurement_artefacts import ripple
-from tirefmu.diagnosis.signals import signals_of
+from tirefmu.diagnosis.recording.measurement_artefacts import ripple
+from tirefmu.diagnosis.recording.signals import signals_of
 from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import Tire, published
 

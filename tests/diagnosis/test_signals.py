@@ -4,8 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.diagnosis.screening import _edges
-from tirefmu.diagnosis.signals import HOLDOUT, signals_of
+from tirefmu.diagnosis.probing.effect_probing import _edges
+from tirefmu.diagnosis.recording.signals import signals_of
+from tirefmu.diagnosis.thresholds import HOLDOUT_EVERY
 from tirefmu.symbolic.errors import DataError
 from tirefmu.tires import convert_signs
 
@@ -28,9 +29,9 @@ def test_blocks_cover_the_recording_in_order_and_some_are_kept_apart(table, tire
     signals = signals_of(table, tire, "adapted-sae")
     assert set(np.diff(signals.block)) == {0, 1}
     apart = np.unique(signals.block[signals.holdout])
-    assert set(np.diff([apart[0] - HOLDOUT, *apart])) == {HOLDOUT}
-    assert apart[0] < HOLDOUT
-    assert signals.block[-1] - apart[-1] < HOLDOUT
+    assert set(np.diff([apart[0] - HOLDOUT_EVERY, *apart])) == {HOLDOUT_EVERY}
+    assert apart[0] < HOLDOUT_EVERY
+    assert signals.block[-1] - apart[-1] < HOLDOUT_EVERY
     for block in range(signals.block[-1] + 1):
         assert len(set(signals.holdout[signals.block == block])) == 1
 

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis.features import Feature, _faded, directions, features, places_of
-from tirefmu.diagnosis.leftover import LEAST_STRETCHES, STRETCHES, structure_of
-from tirefmu.diagnosis.screening import Screen
+from tirefmu.diagnosis.probing.effect_probing import Screen
+from tirefmu.diagnosis.thresholds import LEAST_STRETCHES, STRETCHES
+from tirefmu.diagnosis.unexplained.features import Feature, _faded, directions, features, places_of
+from tirefmu.diagnosis.unexplained.structure import structure_of
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +30,6 @@ def test_structure_is_found_with_its_place_variable_and_size(faded_friction):
     assert found.carries_over
     assert (found.carried > 0.0).sum() == STRETCHES
     assert found.depends_on == ("alpha",)
-    assert found.of_the_base
     assert found.written
     (size,) = [
         value for value, term in zip(found.trace.estimate, found.terms, strict=True) if "tan(alpha)" in term.text

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.symbolic import model
-from tirefmu.symbolic.added import LIBRARY, effect_text, library, read_effect
+from tirefmu.symbolic.added import effect_text, library, read_effect
 from tirefmu.symbolic.added.formula import formula, formula_text
 from tirefmu.symbolic.errors import EffectError, UnknownName
 from tirefmu.tires import Tire, read_tir
@@ -21,6 +21,7 @@ HMU1 = {description = "friction, change with pressure in bar", unit = "1/Pa", lo
 on = "mu_y"
 factor = "1 + HMU1*(p - NOMPRES)"
 """
+LIBRARY = tuple(library())
 VALUES = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
 TABLE = pd.DataFrame(
     {"t": np.arange(6) * 0.1, "alpha": 0.1, "kappa": 0.05, "Fz": 3000.0, "V": 20.0, "T": np.linspace(30, 80, 6)}

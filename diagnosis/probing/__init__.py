@@ -1,0 +1,1 @@
+"""Which effects can be missing, the baseline model's fit, and the traces of effects in its residual."""

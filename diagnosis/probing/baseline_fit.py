@@ -1,0 +1,189 @@
+"""The start model fitted to a recording: from generic starts, several times, with weights by the noise found."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+from scipy.ndimage import uniform_filter1d
+
+from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.notation import Coefficient
+from tirefmu.tires.code import code_for
+from tirefmu.tires.tire import Tire
+
+from ..least_squares import LeastSquares, Solution
+from ..recording.disturbances import disturbances_of
+from ..recording.signals import Signals
+from ..recording.simulation import Simulator
+from ..thresholds import OUTLIER
+from .candidates import declared_candidate, varies
+
+FloatArray = npt.NDArray[np.float64]
+
+#: The slip that makes each force.
+OWN_SLIP = {"Fx": "kappa", "Fy": "alpha"}
+
+
+def readable(names: tuple[str, ...], signals: Signals, book: Model) -> tuple[str, ...]:
+    """Return the coefficients of a model that the measured channels say something about."""
+    cards, measured = book.coefficients, set(signals.channels)
+    return tuple(name for name in names if name in cards and measured & set(cards[name].channels))
+
+
+def _in_baseline(card: Coefficient, tire: Tire, signals: Signals) -> bool:
+    """Return whether a coefficient of the baseline is fitted: its force is measured, or a moment while its slip varies.
+
+    The slip stiffness of kappa, say, is seen in Mz alone where kappa counts as a slip angle of the trail.
+    """
+    measured = set(card.channels) & set(signals.channels)
+    return bool(measured & OWN_SLIP.keys()) or (
+        bool(measured) and (card.channels[0] not in OWN_SLIP or varies(signals, tire, OWN_SLIP[card.channels[0]]))
+    )
+
+
+def base_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
+    """Return the coefficients that a tire's own effects leave to fit.
+
+    Parameters
+    ----------
+    tire : Tire
+    signals : Signals
+
+    Returns
+    -------
+    tuple of str
+        In the order of the model.
+    """
+    book = tire.book
+    cards = book.coefficients
+    free = {name for name in book.baseline if name in cards and _in_baseline(cards[name], tire, signals)}
+    for effect in tire.has:
+        candidate = declared_candidate(effect, book)
+        if candidate:
+            free |= set(candidate.forms[0].free)
+        elif effect in book.effects and effect not in book.relaxing_effects:
+            free |= {name for name in book.owned(effect) if cards[name].neutral is not None}
+    return tuple(name for name in readable(tuple(cards), signals, book) if name in free)
+
+
+def fit_base(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSquares, Solution]:
+    """Fit the start model.
+
+    Parameters
+    ----------
+    tire : Tire
+        Its effects; its values where ``known``, else only size and nominal values count.
+    signals : Signals
+    known : bool
+        Whether the tire's values are a start (a fitted tire) rather than defaults.
+
+    Returns
+    -------
+    LeastSquares
+        With the weights found.
+    Solution
+    """
+    free = base_coefficients(tire, signals)
+    simulator = Simulator(tire, signals)
+    learns = signals.present & ~signals.holdout
+    noise = np.array([0.02 * np.std(row[there]) + 1e-9 for row, there in zip(signals.measured, learns, strict=True)])
+    root = np.where(learns, 1.0 / noise[:, None], 0.0)
+    center = tire.book.prior_center | ({name: tire.values[name] for name in free} if known else {})
+    problem = LeastSquares(simulator, root, disturbances_of(signals, noise), center)
+    thin = slice(None, None, max(1, len(signals.rows) // 1500))
+    tries = [problem.solve(start, free, rows=thin, iterations=25) for start in _starts(tire, signals, free, known)]
+    best = problem.solve(min(tries, key=lambda solution: solution.cost).parameters, free, iterations=4)
+    for _ in range(2):
+        problem = weighed(problem, best)
+        trial = problem.at(best.parameters, free).disturbance
+        problem = replace(problem, disturbances=problem.disturbances.plausible(trial))
+        best = problem.solve(best.parameters, free, iterations=8)
+    return problem, best
+
+
+def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) -> list[FloatArray]:
+    simulator = Simulator(tire, signals)
+    rescaled = simulator.rescaled
+    own = tire.parameters()
+    if known:
+        return [own]
+    inputs = signals.named()
+    measured = dict(zip(signals.channels, signals.measured, strict=True))
+    starts = []
+    book = tire.book
+    for shape in book.starts:
+        values = {**book.prior_center, **shape}
+        for channel, slip in OWN_SLIP.items():
+            axis = channel[1]
+            if channel not in measured:
+                continue
+            peak = float(np.quantile(np.abs(measured[channel]) / inputs["Fz"], 0.98))
+            small = np.abs(inputs[slip]) < 0.03
+            over = inputs[slip][small] * inputs["Fz"][small]
+            slope = float(over @ measured[channel][small] / max(over @ over, 1e-12))
+            stiffness = min(max(slope, 5.0), 60.0) * 1.1 * tire.values["FNOMIN"]
+            for role, target in ((f"friction_{axis}", peak), (f"stiffness_{axis}", stiffness)):
+                leading = book.leading(role)
+                if leading in free:
+                    values[leading] = target / _per_unit(tire, role, {n: v for n, v in values.items() if n in free})
+        parameters = own.copy()
+        for name, value in values.items():
+            if name in free:
+                parameters[simulator.place[name]] = value * rescaled.get(name, 1.0)
+        starts.append(parameters)
+    return starts
+
+
+def _per_unit(tire: Tire, role: str, values: Mapping[str, float]) -> float:
+    """Return the quantity of a role at nominal inputs per unit of its leading coefficient; 1 where it is none."""
+    book = tire.book
+    one = replace(tire, values={**tire.values, **values, book.leading(role): 1.0})
+    code = code_for(book, "numpy")
+    point = np.array([[one.nominal(name)] for name in one.inputs])
+    found = float(code.quantities(point, one.parameters())[code.quantities_names.index(book.quantity(role)), 0])
+    return found if np.isfinite(found) and found > 0.0 else 1.0
+
+
+def weighed(problem: LeastSquares, solution: Solution) -> LeastSquares:
+    """Return the problem with weights by the noise that a solution leaves, outliers out.
+
+    Parameters
+    ----------
+    problem : LeastSquares
+    solution : Solution
+
+    Returns
+    -------
+    LeastSquares
+        The noise of a channel has a constant and a proportional part, read from the short-range scatter.
+    """
+    signals = problem.simulator.signals
+    simulated = signals.measured - solution.residual
+    present = signals.present.copy()
+    roots = np.zeros_like(problem.root)
+    level = np.zeros(len(signals.channels))
+    for i, residual in enumerate(solution.residual):
+        there = signals.present[i]
+        rest = np.where(there, residual - uniform_filter1d(residual, 15, mode="nearest"), 0.0)
+        typical = 1.4826 * float(np.median(np.abs(rest[there]))) + 1e-12
+        present[i] &= np.abs(rest) < OUTLIER * 2.0 * max(typical, 1e-12)
+        constant, proportional = _two_parts(rest[present[i]], simulated[i][present[i]])
+        deviation = np.sqrt(constant**2 + (proportional * simulated[i]) ** 2)
+        level[i] = float(np.sqrt(np.mean(deviation**2)))
+        roots[i] = np.where(present[i] & ~signals.holdout, 1.0 / deviation, 0.0)
+    simulator = problem.simulator.over(replace(signals, present=present))
+    return replace(problem, simulator=simulator, root=roots, disturbances=disturbances_of(signals, level))
+
+
+def _two_parts(rest: FloatArray, force: FloatArray) -> tuple[float, float]:
+    """Return the constant and the proportional deviation of noise."""
+    order = np.argsort(np.abs(force))
+    parts = np.array_split(order, 10)
+    size = np.array([np.mean(force[part] ** 2) for part in parts])
+    power = np.array([(1.4826 * np.median(np.abs(rest[part]))) ** 2 for part in parts])
+    slope, level = np.polyfit(size, power, 1, w=1.0 / (power + 1e-12 + 0.1 * power.mean()))
+    level = max(level, 0.1 * float(power.mean()), 1e-12)
+    return float(np.sqrt(level)), float(np.sqrt(max(slope, 0.0)))

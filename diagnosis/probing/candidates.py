@@ -1,0 +1,144 @@
+"""The effects that a diagnosis tries: what their files declare, for the coefficients that a model has."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from tirefmu.symbolic.detection import Detection, Form
+from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.notation import Coefficient
+from tirefmu.tires.tire import Tire
+
+from ..recording.signals import Signals
+from ..thresholds import LEAST_VARIATION, LEAST_VARIATION_IN_NOISE
+
+#: The outputs of an effect that declares none.
+CHANNELS = ("Fx", "Fy", "Mz", "Mx", "My")
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """An effect that may be missing.
+
+    Attributes
+    ----------
+    name : str
+    forms : tuple of Form
+        From the plainest to the richest.
+    requires : tuple of str
+        Inputs that have to vary, each of them.
+    channels : tuple of str
+        It shows in one of these.
+    contains : str
+        An effect that is a special case of this one, or ''.
+    """
+
+    name: str
+    forms: tuple[Form, ...]
+    requires: tuple[str, ...]
+    channels: tuple[str, ...]
+    contains: str = ""
+
+
+def candidates_for(tire: Tire) -> dict[str, Candidate]:
+    """Return the effects that a tire lacks and its model can have.
+
+    Parameters
+    ----------
+    tire : Tire
+        Effects that are put into the lines of its model (the library's, user-defined ones) are among its `added` ones.
+
+    Returns
+    -------
+    dict of str to Candidate
+        In alphabetical order.
+    """
+    book = tire.book
+    present = [detection for name, detection in book.detections.items() if name in tire.has]
+    names = sorted(book.effects.keys() - tire.has - {detection.contains for detection in present})
+    found = {name: declared_candidate(name, book, tire.has) or _undeclared(name, book) for name in names}
+    return {name: candidate for name, candidate in found.items() if candidate}
+
+
+def declared_candidate(name: str, book: Model, present: frozenset[str] = frozenset()) -> Candidate | None:
+    """Return the candidate that an effect's file or its model declares, or None where neither does.
+
+    Parameters
+    ----------
+    name : str
+    book : Model
+    present : frozenset of str
+        The effects that a tire has.
+
+    Returns
+    -------
+    Candidate or None
+        Where the model has none of the declared coefficients, its own for the effect are probed by their bounds.
+    """
+    detection, cards = book.detections.get(name), book.coefficients
+    if detection and any(set(form.free) & cards.keys() for form in detection.forms):
+        forms = tuple(form for form in detection.forms if form.given in present)
+        forms = forms or tuple(form for form in detection.forms if not form.given)
+        return Candidate(name, forms, detection.requires, detection.channels or CHANNELS, detection.contains)
+    own = name in {effect.name for effect in book.own_effects}
+    if name not in book.effects or name in {effect.name for effect in book.added} or not (detection or own):
+        return None
+    owned = [card for key, card in cards.items() if key in book.owned(name) and card.neutral is not None]
+    channels = tuple(dict.fromkeys(channel for card in owned for channel in card.channels))
+    return Candidate(name, (_by_bounds(owned),), detection.requires if detection else (), channels) if owned else None
+
+
+def _undeclared(name: str, book: Model) -> Candidate | None:
+    """Return the candidate that a user-defined effect without forms is."""
+    for effect in book.added:
+        if effect.name == name:
+            detection = effect.detection or Detection()
+            channels = detection.channels or CHANNELS
+            return Candidate(name, (_by_bounds(effect.cards),), detection.requires, channels, detection.contains)
+    return None
+
+
+def _by_bounds(cards: Sequence[Coefficient]) -> Form:
+    """Return the form of coefficients that are probed by an eighth of their range."""
+    return Form.each({card.name: (card.upper - card.default) / 8.0 + _limit(card) for card in cards})
+
+
+def _limit(card: Coefficient) -> float:
+    """Return the default of a coefficient whose neutral value is a limit outside its bounds, else 0."""
+    return 0.0 if counts_from_neutral(card) else card.default
+
+
+def counts_from_neutral(card: Coefficient) -> bool:
+    """Return whether a probe's size is a difference from the neutral value, and not the value itself."""
+    return card.neutral is not None and card.lower <= card.neutral <= card.upper
+
+
+def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]:
+    """Return the refinements of the baseline and of the effects that a model has, each with its effect or 'core'.
+
+    Parameters
+    ----------
+    tire : Tire
+    found : frozenset of str
+        The effects that were found missing.
+    """
+    forms = [("core", Form.each(sizes)) for sizes in tire.book.refinements]
+    return forms + [
+        (name, form)
+        for name, detection in sorted(tire.book.detections.items())
+        if name in tire.has | found
+        for form in detection.refinements
+    ]
+
+
+def varies(signals: Signals, tire: Tire, name: str) -> bool:
+    """Return whether an input varies by more than its noise in a recording."""
+    if name == "t":
+        return signals.timed
+    if name not in signals.recorded or name not in signals.names:
+        return False
+    values = signals.named()[name]
+    least = LEAST_VARIATION.get(name, 0.0) * (tire.values["FNOMIN"] if name == "Fz" else 1.0)
+    spread = float(values.max() - values.min())
+    return spread > max(least, LEAST_VARIATION_IN_NOISE * signals.input_noise.get(name, 0.0), 1e-9)

@@ -1,0 +1,115 @@
+"""Which other explanations a finding has: effects and sensor errors whose traces the data cannot tell from its own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.symbolic.detection import Detection
+
+from ..thresholds import LEAST_SHARE
+from .effect_probing import Screen
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Sensor errors that imitate effects: an input and how far off it is.
+ALIASES: Mapping[str, Mapping[str, float]] = {
+    "slip_angle_zero_offset": {"alpha": 1e-3},
+    "inclination_zero_offset": {"gamma": 2e-3},
+    "slip_zero_offset": {"kappa": 1e-3},
+}
+
+
+def alias_columns(screen: Screen) -> dict[str, FloatArray]:
+    """Return what sensor errors do to the forces, weighted, shape (n_channels, n, 1), by name."""
+    problem, parameters = screen.problem, screen.solution.parameters
+    at = problem.simulator.forces(parameters)
+    read = set(problem.simulator.signals.names)
+    moved = {name: problem.simulator.forces(parameters, shift) for name, shift in ALIASES.items() if read >= set(shift)}
+    return {name: (problem.root * (forces - at))[:, :, None] for name, forces in moved.items()}
+
+
+def correlations(
+    screen: Screen, coefficients: Sequence[str], others: Mapping[str, FloatArray], found: Mapping[str, FloatArray]
+) -> dict[str, float]:
+    """Return how much of a finding's trace each other explanation can imitate.
+
+    Parameters
+    ----------
+    screen : Screen
+        Of the solution with the finding.
+    coefficients : sequence of str
+        The finding's own.
+    others : mapping of str to ndarray, shapes (n_channels, n, k)
+        Weighted traces of other explanations.
+    found : mapping of str to ndarray
+        The same of other findings, which stand in the model.
+
+    Returns
+    -------
+    dict of str to float
+        0 to 1: the correlation of the finding's trace with the best mixture of the other's, both without what
+        the rest of the model and the recording's disturbances can do.
+    """
+    solution = screen.solution
+    own = np.array([name in coefficients for name in solution.free] + [False] * len(screen.problem.disturbances.names))
+    parameters = solution.parameters.copy()
+    cards = screen.problem.simulator.book.coefficients
+    place = screen.problem.simulator.place
+    values = np.array(
+        [parameters[place[name]] - cards[name].default for name in np.array(solution.free)[own[: len(solution.free)]]]
+    )
+    trace = screen.tangent[:, :, own] @ values
+    rest = screen.tangent[:, :, ~own].reshape(-1, int((~own).sum()))
+    normal = rest.T @ rest + np.diag(screen.belief[~own])
+
+    def free(columns: FloatArray) -> FloatArray:
+        flat = columns.reshape(rest.shape[0], -1)
+        return np.asarray(flat - rest @ np.linalg.solve(normal, rest.T @ flat))
+
+    mine = free(trace)[:, 0]
+    parts = free(screen.tangent[:, :, own] * values)
+    sizes = np.linalg.norm(parts, axis=0)
+    size = float(np.linalg.norm(mine))
+    views = [mine / max(size, 1e-300)]  # as a whole, and each coefficient's own share where that is large
+    views += [
+        part / own_size for part, own_size in zip(parts.T, sizes, strict=True) if own_size > LEAST_SHARE * size > 0.0
+    ]
+    told: dict[str, float] = {}
+    for name, columns in {**others, **found}.items():
+        flat = columns.reshape(rest.shape[0], -1)
+        theirs = free(columns)
+        whole = np.linalg.norm(flat, axis=0)
+        theirs = theirs[:, np.linalg.norm(theirs, axis=0) > np.maximum(1e-3 * whole, 1e-9)]
+        if not theirs.shape[1] or size == 0.0:
+            continue
+        basis, _ = np.linalg.qr(theirs / np.linalg.norm(theirs, axis=0))
+        told[name] = max(float(np.linalg.norm(basis.T @ view)) for view in views)
+    return told
+
+
+def separating_measurement(first: str, second: str, detections: Mapping[str, Detection]) -> str:
+    """Return the cheapest measurement that separates two explanations.
+
+    Parameters
+    ----------
+    first, second : str
+        Effects or sensor errors.
+    detections : mapping of str to Detection
+        What the effects' files declare: of the pair, else of the first or the second by itself.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic import model
+    >>> separating_measurement("plysteer", "slip_angle_zero_offset", model("mf61").detections)
+    'turn the tire on the rim and repeat one alpha sweep'
+    """
+    declared = [(detections[one], other) for one, other in ((first, second), (second, first)) if one in detections]
+    for detection, other in declared:
+        for pair in detection.confounded:
+            if pair.other == other:
+                return pair.separate_by
+    separate_by = [detection.separate_by for detection, _ in declared if detection.separate_by]
+    return separate_by[0] if separate_by else "repeat a sweep in which only one of their inputs changes"

@@ -1,0 +1,126 @@
+"""What belongs to a recording and not to its tire: offsets, slow drift, cross-talk. Modelled beside the tire."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ..thresholds import CROSS_TALK_BELIEF, DRIFT_BELIEF, DRIFT_WAVES, MOST_CROSS_TALK, OFFSET_BELIEF
+from .signals import Signals
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Disturbances:
+    """Linear disturbances of the channels.
+
+    Attributes
+    ----------
+    names : tuple of str
+        offset_Fy, drift1_Fy, ..., cross_talk_Fx_in_Fy.
+    columns : ndarray, shape (n_channels, n, n_disturbances)
+        What one unit of each does, N and N m.
+    deviation : ndarray, shape (n_disturbances,)
+        Standard deviation of the belief that each is 0.
+    """
+
+    names: tuple[str, ...]
+    columns: FloatArray
+    deviation: FloatArray
+
+    def thinned(self, rows: slice) -> Disturbances:
+        """Return the same at some rows only."""
+        return replace(self, columns=self.columns[:, rows])
+
+    def plausible(self, values: FloatArray) -> Disturbances:
+        """Return these without cross-talk that would have to be larger than a bench's."""
+        kept = np.array(
+            [not name.startswith("cross_talk") or abs(value) <= MOST_CROSS_TALK
+             for name, value in zip(self.names, values, strict=True)]
+        )  # fmt: skip
+        names = tuple(name for name, keeps in zip(self.names, kept, strict=True) if keeps)
+        return Disturbances(names, self.columns[:, :, kept], self.deviation[kept])
+
+    def extended(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> Disturbances:
+        """Return these and more columns beside the tire: structure that no coefficient of the model explains."""
+        return Disturbances(
+            (*self.names, *names),
+            np.concatenate([self.columns, columns], axis=-1),
+            np.concatenate([self.deviation, deviation]),
+        )
+
+
+def disturbances_of(signals: Signals, noise: FloatArray) -> Disturbances:
+    """Return the disturbances that a recording may have.
+
+    Parameters
+    ----------
+    signals : Signals
+    noise : ndarray, shape (n_channels,)
+        Standard deviation of each channel's noise.
+
+    Returns
+    -------
+    Disturbances
+    """
+    n_channels, n = signals.measured.shape
+    t = signals.t[signals.rows]
+    phase = np.pi * (t - t[0]) / max(t[-1] - t[0], 1e-9)
+    waves = [np.ones(n), *(np.cos(k * phase) for k in range(1, 1 + DRIFT_WAVES if signals.timed else 1))]
+    names, columns, deviation = [], [], []
+    for i, channel in enumerate(signals.channels):
+        for k, wave in enumerate(waves):
+            column = np.zeros((n_channels, n))
+            column[i] = wave
+            names.append(f"offset_{channel}" if k == 0 else f"drift{k}_{channel}")
+            columns.append(column)
+            deviation.append(noise[i] * (OFFSET_BELIEF if k == 0 else DRIFT_BELIEF))
+    forces = [i for i, channel in enumerate(signals.channels) if channel in ("Fx", "Fy")]
+    for i in forces:
+        for j in forces:
+            if i != j:
+                column = np.zeros((n_channels, n))
+                column[i] = signals.measured[j]
+                names.append(f"cross_talk_{signals.channels[j]}_in_{signals.channels[i]}")
+                columns.append(column)
+                deviation.append(CROSS_TALK_BELIEF)
+    return Disturbances(tuple(names), np.stack(columns, axis=-1), np.array(deviation))
+
+
+def reported_disturbances(disturbances: Disturbances, values: FloatArray, signals: Signals) -> dict[str, Any]:
+    """Return what a recording's disturbances came to.
+
+    Parameters
+    ----------
+    disturbances : Disturbances
+    values : ndarray, shape (n_disturbances,)
+    signals : Signals
+
+    Returns
+    -------
+    dict
+        offset, drift (root mean square), outliers (rows left out) by channel; cross_talk; input_noise.
+    """
+    named = dict(zip(disturbances.names, values.tolist(), strict=True))
+    drift = {
+        channel: float(
+            np.sqrt(sum(v**2 for name, v in named.items() if name.startswith("drift") and name.endswith(channel)) / 2.0)
+        )
+        for channel in signals.channels
+    }
+    missing = ~np.isfinite(signals.measured) | (signals.measured == 0.0)
+    outliers = {
+        name: int((~there & ~gone).sum())
+        for name, there, gone in zip(signals.channels, signals.present, missing, strict=True)
+    }
+    return {
+        "offset": {channel: named[f"offset_{channel}"] for channel in signals.channels},
+        "drift": drift,
+        "cross_talk": {name.removeprefix("cross_talk_"): v for name, v in named.items() if name.startswith("cross")},
+        "outliers": outliers,
+        "input_noise": dict(signals.input_noise),
+    }

@@ -1,0 +1,1 @@
+"""What a diagnosis writes: the page, figures of residuals, FMUs compared with the recording."""

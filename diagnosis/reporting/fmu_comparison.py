@@ -1,0 +1,123 @@
+"""Both tires as FMUs, simulated by fmpy over training and hold-out: what each leaves, and that it is its tire."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.fmu import export
+from tirefmu.fmu.check import EVALUATION_TOLERANCE
+from tirefmu.fmu.simulation import loaded
+from tirefmu.measurements import Recording, TableLike, recording_from, recordings_from
+from tirefmu.measurements.recording import distinct
+from tirefmu.symbolic.errors import DataError
+from tirefmu.tires import TABLE_INPUTS
+from tirefmu.tires.tire import Tire
+
+from ..verdict.result import Diagnosis
+
+FloatArray = npt.NDArray[np.float64]
+#: Step of a table without a column t, s.
+STEP = 0.01
+
+
+def export_and_simulate(
+    diagnosis: Diagnosis, recording: TableLike, folder: str | Path, others: TableLike | Iterable[TableLike] = ()
+) -> dict[str, Any]:
+    """Write base.fmu and improved.fmu, simulate both, and return what each leaves of every measured channel.
+
+    Inputs are held over each step, a gap in time is one long step: the simulation is what
+    ``tirefmu evaluate --hold`` computes from the tire files, to `tirefmu.fmu.check.EVALUATION_TOLERANCE`.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    recording : path, DataFrame or Recording
+        What was diagnosed.
+    folder : str or Path
+        Exists.
+    others : path, DataFrame or Recording, or a sequence of them
+        Untouched recordings beside it.
+
+    Returns
+    -------
+    dict
+        ``ok``; and ``before`` and ``after``, each with ``rmse`` (all rows), ``training``, ``holdout``, ``recordings``
+        (by source), all by channel in N and N m with nothing taken out, and ``difference_from_direct_evaluation``:
+        the largest |FMU - evaluate --hold| / (1 + |evaluate --hold|).
+
+    Raises
+    ------
+    DataError
+        If a recording has an input that is no finite number, or nothing that the tire computes.
+    FmuError
+        If an FMU cannot be built or run.
+    """
+    recording, further = recording_from(recording, parameter="recording"), recordings_from(others)
+    kept = diagnosis.kept_apart(len(recording))
+    told: dict[str, Any] = {}
+    for when, tire, name in (("before", diagnosis.base_tire, "base"), ("after", diagnosis.tire, "improved")):
+        path = export(replace(tire.in_signs("iso"), name=tire.name or name), Path(folder) / f"{name}.fmu", fmi=3)
+        error, difference = simulated_error(path, tire, recording)
+        told[when] = {"rmse": _rms(error), "training": _rms(error[~kept]), "holdout": _rms(error[kept])}
+        told[when]["recordings"] = {}
+        for source, other in zip(distinct([other.source for other in further]), further, strict=True):
+            error, more = simulated_error(path, tire, other)
+            told[when]["recordings"][source] = _rms(error)
+            difference = max(difference, more)
+        told[when]["difference_from_direct_evaluation"] = difference
+    told["ok"] = all(
+        told[when]["difference_from_direct_evaluation"] <= EVALUATION_TOLERANCE for when in ("before", "after")
+    )
+    return told
+
+
+def simulated_error(path: str | Path, tire: Tire, recording: Recording) -> tuple[pd.DataFrame, float]:
+    """Simulate an FMU over a recording, as one run for as long as time goes forward.
+
+    Parameters
+    ----------
+    path : str or Path
+    tire : Tire
+        Its own, for the direct evaluation.
+    recording : Recording
+
+    Returns
+    -------
+    DataFrame
+        Measured less simulated, ISO signs, by measured channel.
+    float
+        Largest |FMU - direct| / (1 + |direct|).
+    """
+    table = recording.with_signs("iso").table
+    measured = [name for name in recording.measured() if name in tire.outputs]
+    if not measured:
+        raise DataError(f"{recording.source}: no measured output that the tire computes ({', '.join(tire.outputs)})")
+    time = table["t"].to_numpy(dtype=np.float64) if "t" in table else STEP * np.arange(len(table), dtype=np.float64)
+    cuts = [0, *(np.flatnonzero(np.diff(time) < 0.0) + 1).tolist(), len(table)]
+    runs = [slice(first, last) for first, last in pairwise(cuts)]
+    outputs = list(tire.outputs)
+    with loaded(path) as slave:
+        known = {one.name for one in slave.description.modelVariables if one.causality == "input"}
+        present = [name for name in TABLE_INPUTS if name in known and name in table]
+        rows = table[present].to_numpy(dtype=np.float64)
+        if not np.isfinite(rows).all():
+            row, column = np.argwhere(~np.isfinite(rows))[0]
+            raise DataError(f"{recording.source}: row {row + 1}: {present[column]} is no finite number")
+        simulated = np.vstack([slave.run(run, time, rows, present, outputs) for run in runs])
+    given = table[present].assign(t=time)
+    direct = np.vstack([tire.evaluate(given.iloc[run], hold=True)[outputs].to_numpy() for run in runs])
+    difference = float(np.max(np.abs(simulated - direct) / (1.0 + np.abs(direct))))
+    answer = pd.DataFrame(simulated, columns=outputs, index=table.index)
+    return table[measured] - answer[measured], difference if np.isfinite(difference) else float("inf")
+
+
+def _rms(error: pd.DataFrame) -> dict[str, float]:
+    return {str(name): float(np.sqrt(np.nanmean(error[name] ** 2))) for name in error if error[name].notna().any()}

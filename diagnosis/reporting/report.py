@@ -1,0 +1,129 @@
+"""The diagnosis as one HTML page: verdict, where, what, alternatives, how much, next measurement, the equation."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tirefmu.fitting.reporting.page import inlined, page_text, write_page
+from tirefmu.measurements import Recording, TableLike, recording_from
+from tirefmu.symbolic.errors import DataError, path_from
+from tirefmu.symbolic.notation import Switch
+from tirefmu.tires.tire import Tire
+
+from ..verdict.result import Diagnosis
+from .residual_figure import draw_where
+
+
+@dataclass(frozen=True)
+class ChangedLine:
+    """A line of the book before and after an effect was added."""
+
+    number: str
+    description: str
+    before: str
+    after: str
+
+
+def write_report(
+    diagnosis: Diagnosis, recording: TableLike, path: str | Path, simulated: Mapping[str, Any] | None = None
+) -> Path:
+    """Write the page of a diagnosis.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    recording : path, DataFrame or Recording
+        What was diagnosed.
+    path : str or Path
+    simulated : mapping, optional
+        What `export_and_simulate` returned.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    DataError
+        If the file cannot be written.
+    """
+    path = path_from(path)
+    page = report_page(diagnosis, recording_from(recording, parameter="recording"), simulated)
+    try:
+        write_page(page, path)
+    except OSError as error:
+        raise DataError(f"{path}: cannot be written ({error.strerror or error})") from error
+    return path
+
+
+def report_page(diagnosis: Diagnosis, recording: Recording, simulated: Mapping[str, Any] | None = None) -> str:
+    """Return the page's text, its figures inside.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    recording : Recording
+    simulated : mapping, optional
+
+    Returns
+    -------
+    str
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        images = inlined(_maps(diagnosis, Path(folder)))
+    return page_text(
+        "tirefmu.diagnosis.reporting",
+        {"number": lambda value: "-" if value is None or value != value else f"{value:.4g}"},
+        diagnosis=diagnosis,
+        images=images,
+        changes=changed_lines(diagnosis.base_tire, diagnosis.tire),
+        recording=recording,
+        simulated=simulated or {},
+    )
+
+
+def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
+    """Return the lines of the book in which effects stand that one tire has and the other lacks.
+
+    Parameters
+    ----------
+    before, after : Tire
+
+    Returns
+    -------
+    tuple of ChangedLine
+
+    Examples
+    --------
+    >>> small = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    >>> plain = Tire("mf61", small, effects=["load_friction"])
+    >>> richer = Tire("mf61", small, effects=["load_friction", "camber_friction"])
+    >>> [line.after for line in changed_lines(plain, richer)][0]
+    'mu_x = LMUX_star*(PDX1 + PDX2*dfz)*(-PDX3*gamma_in**2 + 1)'
+    """
+    more = after.has - before.has
+    old = after.book.as_written(before.has & after.book.effects.keys())
+    new = after.book.as_written(after.has)
+    changed = []
+    for line in after.book.equations:
+        stands = {str(place.args[0]) for place in line.expression.atoms(Switch)}
+        name = line.symbol.name
+        if stands & more and old[name] != new[name] and not line.variant:
+            told = [f"{line.acts_for or name} = {lines[name]}" for lines in (old, new)]
+            changed.append(ChangedLine(line.number, line.description, *told))
+    return tuple(changed)
+
+
+def _maps(diagnosis: Diagnosis, folder: Path) -> list[Path]:
+    """Draw where each channel is missed before and after, one file for each channel."""
+    drawn = []
+    for channel, course in diagnosis.time_course.items():
+        before, after = (
+            [one for one in maps if one["channel"] == channel] for maps in (diagnosis.where, diagnosis.where_after)
+        )
+        drawn.append(draw_where(before, after, course, folder / f"{channel}.png"))
+    return drawn

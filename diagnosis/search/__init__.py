@@ -1,0 +1,1 @@
+"""The search for missing effects: probe, refit, rank, gate, repeat."""

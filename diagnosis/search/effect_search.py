@@ -1,0 +1,238 @@
+"""The search: probe every effect that is missing, refit the best, rank by blocked cross-validation, gate, repeat."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.estimation.noise_model import Whitening, memories_of
+from tirefmu.symbolic.detection import Form
+
+from ..least_squares import LeastSquares, Solution
+from ..probing.baseline_fit import readable
+from ..probing.candidates import Candidate, refinements_for, varies
+from ..probing.confounding import correlations
+from ..probing.effect_probing import Screen, Trace
+from ..thresholds import (
+    AHEAD,
+    CONFOUNDED,
+    EFFECT_P,
+    ENOUGH,
+    PROMISING,
+    REFITTED,
+    REFITTED_REFINEMENTS,
+    ROUNDS,
+    SEARCH_ROWS,
+    SETTLED,
+    TOGETHER,
+)
+from ..unexplained.structure import CORE_INPUTS, Structure, structure_of
+from .refits import Refit, Tried, distinct, preferred
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(eq=False)
+class Search:
+    """The state of a search.
+
+    Attributes
+    ----------
+    problem : LeastSquares
+    solution : Solution
+        Of the base and all that was found.
+    candidates : mapping of str to Candidate
+    found : list of Refit
+    finer : list of Refit
+        Finer forms of effects that were there before.
+    structures, forms : list of Structure
+        What no known effect explains; and the same where it is another form of what the model has.
+    last : list of Tried
+        The last round's traces.
+    screen : Screen
+        Of the present solution.
+    precise : Screen
+        Of the settled solution, its rows whitened: what intervals are read from.
+    tests : int
+        How many forms a round tries.
+    progress : callable
+        Takes a sentence.
+    """
+
+    problem: LeastSquares
+    solution: Solution
+    candidates: Mapping[str, Candidate]
+    progress: Callable[[str], None]
+    found: list[Refit] = field(default_factory=list)
+    finer: list[Refit] = field(default_factory=list)
+    structures: list[Structure] = field(default_factory=list)
+    forms: list[Structure] = field(default_factory=list)
+    last: list[Tried] = field(default_factory=list)
+    screen: Screen = field(init=False)
+    precise: Screen = field(init=False)
+    tests: int = 0
+
+    def run(self) -> None:
+        """Search until nothing passes."""
+        for _ in range(ROUNDS):
+            best = self.round()
+            if best is None:
+                break
+            if isinstance(best, Structure):
+                if not self._take(best):
+                    break
+            else:
+                self._take_named(best)
+                what = "a finer form" if best.name.startswith("finer ") else "found"
+                self.progress(f"{what}: {best.name} (gain {100 * best.gain:.2f} %)")
+        self.screen = Screen(self.problem, self.solution)
+        self.last = self.probe()
+
+    def settle(self, before: Screen) -> Screen:
+        """Fit the start model and what was found once more, the noise weighed by its memory; return the first's screen.
+
+        Decisions are made without it: what is missing itself looks like noise with a memory, and whitening magnifies
+        what is wrong with the form of a model.
+        """
+        self.precise = self.screen
+        signals = self.problem.simulator.signals
+        if not signals.timed:
+            return before
+        t = signals.t[signals.rows]
+        rest, step = self.problem.weighted(self.solution.residual), float(np.median(np.diff(t)))
+        root = self.problem.root
+        noise = tuple(memories_of(*rows, step) for rows in zip(rest, root > 0.0, strict=True))
+        whitening = Whitening(noise, t, root)
+        precise, same = replace(self.problem, whitening=whitening), self.solution is before.solution
+        self.solution = precise.solve(self.solution.parameters, self.solution.free, iterations=SETTLED)
+        start = self.solution
+        if not same:
+            first = replace(before.problem, whitening=whitening)
+            start = first.solve(before.solution.parameters, before.solution.free, iterations=SETTLED)
+        self.precise = Screen(precise, self.solution)
+        self.precise.learn_noise({})
+        self.screen = Screen(self.problem, self.solution)
+        self.last = self.probe()
+        return Screen(before.problem, start)
+
+    def round(self) -> Refit | Structure | None:
+        """Try every candidate on what is left; return the best that passes, or structure that far exceeds it."""
+        best = self.named()
+        structure = structure_of(self.screen)
+        if structure is None or not structure.passes or (best and best.gain > ENOUGH * structure.gain):
+            return best
+        return best if best and self._named_together(best) > TOGETHER * structure.gain else structure
+
+    def named(self) -> Refit | None:
+        """Try every candidate on what is left; return the best that passes."""
+        self.screen = Screen(self.problem, self.solution)
+        self.last = self.probe()
+        self.tests = len(self.last)
+        ordered = sorted(self.last, key=lambda tried: float(tried.trace.loss.sum()))
+        own = [tried for tried in ordered if not tried.name.startswith("finer ")]
+        chosen = (
+            distinct(own)[:REFITTED]
+            + distinct([t for t in ordered if t.name.startswith("finer ")])[:REFITTED_REFINEMENTS]
+        )
+        promising = [t for t in chosen if t.trace.p_coloured * self.tests < PROMISING * EFFECT_P]
+        refits = [refit for tried in promising if (refit := self.refit(tried)) is not None]
+        passing = [refit for refit in refits if refit.passes and not self._is_ghost(refit)]
+        return preferred(passing, self.candidates) if passing else None
+
+    def _take_named(self, refit: Refit) -> None:
+        (self.finer if refit.name.startswith("finer ") else self.found).append(refit)
+        self.solution = refit.solution
+
+    def _named_together(self, first: Refit) -> float:
+        """Return what a named effect gains together with those that would be named after it.
+
+        Several effects at once, each of them a part, look like structure that none of them explains.
+        """
+        ahead = Search(self.problem, self.solution, self.candidates, lambda sentence: None)
+        ahead.found, ahead.finer = list(self.found), list(self.finer)
+        refit: Refit | None = first
+        for _ in range(AHEAD):
+            if refit is None:
+                break
+            ahead._take_named(refit)
+            refit = ahead.named()
+        total, left = (float(screen.base.loss.sum()) for screen in (self.screen, Screen(self.problem, ahead.solution)))
+        return (total - left) / total
+
+    def _take(self, structure: Structure) -> bool:
+        """Carry structure beside the tire where it is another form of what it has; return whether that is so."""
+        varied = {name for refit in self.found for name in self.candidates[refit.name].requires}
+        if {"distance", "T"} & varied:
+            varied |= {"T", "distance"}
+        if not set(structure.depends_on) <= CORE_INPUTS | varied:
+            self.structures.append(structure)
+            self.progress(f"unknown structure: {structure.formula}")
+            return False
+        self.forms.append(structure)
+        self.progress(f"another form of the base: {structure.formula}")
+        sizes = np.maximum(np.abs(structure.trace.estimate), 1e-6) * 20.0
+        names = tuple(f"form_{len(self.forms)}_{i}" for i in range(len(sizes)))
+        disturbances = self.problem.disturbances.extended(names, structure.columns, sizes)
+        self.problem = replace(self.problem, disturbances=disturbances)
+        self.solution = self.problem.solve(self.solution.parameters, self.solution.free, iterations=4)
+        return True
+
+    def _is_ghost(self, refit: Refit) -> bool:
+        """Return whether a candidate only mends the form of a finding that it can hardly be told from."""
+        columns = {refit.name: self.screen.columns(refit.form)}
+        return any(
+            correlations(self.screen, one.form.free, columns, {}).get(refit.name, 0.0) > CONFOUNDED
+            for one in self.found
+        )  # fmt: skip
+
+    def probe(self) -> list[Tried]:
+        """Learn the noise and return every form that could show, with its trace."""
+        signals, tire = self.problem.simulator.signals, self.problem.simulator.tire
+        gone = frozenset(refit.name for refit in self.found)
+        forms: list[tuple[str, Form]] = []
+        for name, candidate in self.candidates.items():
+            if name in gone or not all(varies(signals, tire, needed) for needed in candidate.requires):
+                continue
+            forms += [(name, form) for form in candidate.forms]
+        forms += [(f"finer {name}", form) for name, form in refinements_for(tire, gone)]
+        tried = [(name, form) for name, whole in forms if (form := self._readable(whole))]
+        columns = {i: self.screen.columns(form) for i, (_, form) in enumerate(tried)}
+        self.screen.learn_noise(columns)
+        return [Tried(name, form, self.screen.trace(columns[i])) for i, (name, form) in enumerate(tried)]
+
+    def _readable(self, form: Form) -> Form | None:
+        """Return a form with the coefficients that the channels show and that are not free already."""
+        taken, simulator = self.solution.free, self.problem.simulator
+        names = [n for n in readable(form.free, simulator.signals, simulator.book) if n not in taken]
+        probes = tuple(probe for probe in form.probes if set(probe) & set(names))
+        return replace(form, free=tuple(names), probes=probes) if names and probes else None
+
+    def refit(self, tried: Tried) -> Refit | None:
+        """Fit a form jointly with what is there, from its starts."""
+        form, trace = tried.form, tried.trace
+        order = self.problem.simulator.names
+        free = tuple(sorted({*self.solution.free, *form.free}, key=order.index))
+        thin = slice(None, None, max(1, len(self.problem.simulator.signals.rows) // SEARCH_ROWS))
+        tries = [self.problem.solve(start, free, rows=thin, iterations=8) for start in self._starts(form, trace)]
+        best = min(tries, key=lambda solution: solution.cost)
+        solution = self.problem.solve(best.parameters, free, iterations=4)
+        screen = Screen(self.problem, solution)
+        gains = self.screen.base.loss - screen.base.loss
+        total = float(self.screen.base.loss.sum())
+        error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
+        p = min(1.0, trace.p_coloured * self.tests)
+        return Refit(
+            tried.name, form, solution, screen, p, float(gains.sum()) / total, error / total, gains, trace
+        )  # fmt: skip
+
+    def _starts(self, form: Form, trace: Trace) -> list[FloatArray]:
+        if not form.scalable:
+            return [self.screen.probed(form, probe) for probe in form.probes]
+        start = self.solution.parameters.copy()
+        for probe, times in zip(form.probes, trace.estimate, strict=True):
+            for name, value in probe.items():
+                start[self.problem.simulator.place[name]] += float(np.clip(times, -3.0, 3.0)) * value
+        return [start]

@@ -1,0 +1,91 @@
+"""Candidates fitted jointly with the base: what they gain, whether they pass the gates, and which is preferred."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.symbolic.detection import Form
+
+from ..least_squares import Solution
+from ..probing.candidates import Candidate
+from ..probing.effect_probing import Screen, Trace
+from ..thresholds import EFFECT_ERRORS, EFFECT_GAIN, EFFECT_P, EFFECT_P_OF_BLOCKS, PREFERRED_ERRORS
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Refit:
+    """A candidate fitted jointly with the base.
+
+    Attributes
+    ----------
+    name : str
+    form : Form
+    solution : Solution
+    screen : Screen
+        Of its solution.
+    p : float
+        Adjusted for all forms tried.
+    gain, gain_error : float
+        Of cross-validation, as a share of the base's squared misfit.
+    gains : ndarray, shape (n_blocks,)
+        Gain by block of time, in squared noise deviations.
+    trace : Trace
+    """
+
+    name: str
+    form: Form
+    solution: Solution
+    screen: Screen
+    p: float
+    gain: float
+    gain_error: float
+    gains: FloatArray
+    trace: Trace
+
+    @property
+    def passes(self) -> bool:
+        """Whether it is more than noise."""
+        significant = self.p < EFFECT_P and self.trace.p_blocks < EFFECT_P_OF_BLOCKS
+        return significant and self.gain > max(EFFECT_ERRORS * self.gain_error, EFFECT_GAIN)
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """A form of a candidate with its trace in the residual."""
+
+    name: str
+    form: Form
+    trace: Trace
+
+
+def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit:
+    """Return the best of several refits that pass.
+
+    The largest gain wins; a finer form of the base, an effect that contains another and a richer form have to be
+    better by more than the standard error of the difference, twice of it for a finer form.
+    """
+    best = max(refits, key=lambda refit: refit.gain)
+    for other in sorted(refits, key=lambda refit: -refit.gain):
+        if other is best:
+            continue
+        difference = best.gains - other.gains
+        error = float(np.sqrt(len(difference)) * np.std(difference, ddof=1))
+        contains = candidates[best.name].contains == other.name if best.name in candidates else False
+        finer = best.name.startswith("finer ") and not other.name.startswith("finer ")
+        if (contains or finer) and difference.sum() < PREFERRED_ERRORS * error:
+            best = other
+    return best
+
+
+def distinct(tried: list[Tried]) -> list[Tried]:
+    """Return the first form of each name, in order."""
+    seen: dict[str, Tried] = {}
+    for one in tried:
+        seen.setdefault(one.name if not one.name.startswith("finer ") else f"{one.name}{one.form.free}", one)
+    return list(seen.values())

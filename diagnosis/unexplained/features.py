@@ -1,0 +1,249 @@
+"""What structure may depend on that no named effect explains: physical features and the quantities they act on.
+
+A sparse regression on these instead of on anonymous polynomials: each product is a factor on a quantity of the book
+or a term in it, and so can be written into the book.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.ndimage import uniform_filter1d
+from scipy.signal import lfilter
+
+from tirefmu.symbolic.model import Model
+from tirefmu.tires.tire import Tire
+
+from ..probing.effect_probing import Screen
+from ..recording.signals import Signals
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Feature:
+    """A physical feature over the compared rows.
+
+    Attributes
+    ----------
+    text : str
+        As a formula in inputs and coefficients of size; of a rate or a memory: in words.
+    depends_on : frozenset of str
+    values : ndarray, shape (n,)
+        Dimensionless, of the order of 1.
+    odd : bool
+        Whether it turns with the side: a term of its own; others are factors or turn a term's size.
+    written : bool
+        Whether an effect file can say it.
+    parts : tuple of str
+        The texts of a product's two features.
+    """
+
+    text: str
+    depends_on: frozenset[str]
+    values: FloatArray
+    odd: bool = False
+    written: bool = True
+    parts: tuple[str, ...] = ()
+
+    def __mul__(self, other: Feature) -> Feature:
+        return Feature(
+            f"{_bracketed(self.text)}*{_bracketed(other.text)}",
+            self.depends_on | other.depends_on,
+            self.values * other.values,
+            self.odd != other.odd,
+            self.written and other.written,
+            (self.text, other.text),
+        )
+
+
+def _bracketed(text: str) -> str:
+    return f"({text})" if " " in text else text
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where structure can act in a model.
+
+    Attributes
+    ----------
+    name : str
+        For a reader: friction, slip stiffness, ...
+    how : str
+        "factor" or "term".
+    quantities : tuple of str
+        Named quantities of the model.
+    coefficients : tuple of str
+        Whose derivatives, times their values for a factor, are what it does to the forces.
+    per : str
+        What a term is multiplied by, so that its coefficient is a pure number; '' for nothing.
+    flips : bool
+        Whether such a term changes its sign between adapted SAE and ISO.
+    """
+
+    name: str
+    how: str
+    quantities: tuple[str, ...]
+    coefficients: tuple[str, ...]
+    per: str = ""
+    flips: bool = False
+
+    @property
+    def carries(self) -> tuple[str, ...]:
+        """The inputs that what acts there is proportional to."""
+        return ("Fz",) if "Fz" in self.per.split("*") else ()
+
+
+#: Places by name: how structure acts there, and the roles of the quantities.
+PLACES = {
+    "friction": ("factor", ("friction_x", "friction_y")),
+    "slip stiffness": ("factor", ("stiffness_x", "stiffness_y")),
+    "force": ("factor", ("friction_x", "friction_y", "stiffness_x", "stiffness_y")),
+    "trail": ("factor", ("trail",)),
+    "side force": ("term", ("offset_y",)),
+    "slip angle": ("term", ("shift_y",)),
+    "longitudinal slip": ("term", ("shift_x",)),
+    "aligning moment": ("term", ("residual_moment",)),
+}
+
+
+def places_of(book: Model) -> list[Place]:
+    """Return the places at which structure can act in a model: those whose roles it has.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic import model
+    >>> places_of(model("mf96"))[0].coefficients
+    ('PDX1', 'PDY1')
+    """
+    cards, found = book.coefficients, []
+    for name, (how, roles) in PLACES.items():
+        there = [book.roles[role] for role in roles if book.leading(role) in cards]
+        if there:
+            quantities = tuple(dict.fromkeys(role.quantity for role in there))
+            leading = tuple(dict.fromkeys(role.leading for role in there))
+            flips = how == "term" and cards[leading[0]].flips
+            found.append(Place(name, how, quantities, leading, there[0].per if how == "term" else "", flips))
+    return found
+
+
+def directions(screen: Screen) -> dict[str, FloatArray]:
+    """Return what each place does to the forces, N and N m, shape (n_channels, n), by name.
+
+    Parameters
+    ----------
+    screen : Screen
+    """
+    simulator, parameters = screen.problem.simulator, screen.solution.parameters
+    places = places_of(simulator.book)
+    names = [name for place in places for name in place.coefficients]
+    jacobian = simulator.jacobian(parameters, names)
+    told = {}
+    for place in places:
+        parts = [
+            jacobian[:, :, names.index(name)] * (parameters[simulator.place[name]] if place.how == "factor" else 1.0)
+            for name in place.coefficients
+        ]  # fmt: skip
+        told[place.name] = np.sum(parts, axis=0)
+    return told
+
+
+def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]]:
+    """Return even features (of conditions and sizes of slip) and odd ones (that turn with the side).
+
+    Parameters
+    ----------
+    signals : Signals
+    tire : Tire
+    """
+    named = dict(zip(signals.names, signals.inputs, strict=True))
+    nominal = tire.values
+    even: list[Feature] = []
+    odd: list[Feature] = []
+    rows = signals.rows
+
+    def put(text: str, depends: str, values: FloatArray, *, turns: bool = False, written: bool = True) -> None:
+        at = values[rows]
+        size = float(np.std(at))
+        if size > 1e-9 and set(depends.split()) & (signals.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}):
+            (odd if turns else even).append(Feature(text, frozenset(depends.split()), at, turns, written))
+
+    slip = np.sqrt(np.tan(named["alpha"]) ** 2 + named["kappa"] ** 2)
+    load = named["Fz"] / nominal["FNOMIN"]
+    has_speed = "V" in named and "LONGVL" in nominal
+    speed = np.abs(named["V"]) / nominal["LONGVL"] if has_speed else np.ones_like(load)
+    put("Fz/FNOMIN - 1", "Fz", load - 1.0)
+    if "p" in named and "p" in signals.recorded and "NOMPRES" in nominal:
+        put("3*(p/NOMPRES - 1)", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
+    if has_speed and "V" in signals.recorded:
+        put("3*(absolute(V)/LONGVL - 1)", "V", 3.0 * (speed - 1.0))
+    if "phit" in signals.recorded and "phit" in named:
+        put("2*absolute(phit)*UNLOADED_RADIUS", "phit", 2.0 * np.abs(named["phit"]) * nominal["UNLOADED_RADIUS"])
+    if "T" in signals.recorded and "T" in named:
+        middle = round(float(named["T"].mean()))
+        put(f"(T - {middle})/20", "T", (named["T"] - middle) / 20.0)
+    if signals.timed and "distance" in named:
+        put("distance/1000", "distance", named["distance"] / 1000.0)
+    if "gamma" in named:
+        put("10*absolute(gamma)", "gamma", 10.0 * np.abs(named["gamma"]))
+    put("5*absolute(tan(alpha))", "alpha", 5.0 * np.abs(np.tan(named["alpha"])))
+    put("5*absolute(kappa)", "kappa", 5.0 * np.abs(named["kappa"]))
+    put("5*sqrt(tan(alpha)**2 + kappa**2)", "alpha kappa", 5.0 * slip)
+    put("5*absolute(tan(alpha))*absolute(V)/LONGVL", "alpha V", 5.0 * np.abs(np.tan(named["alpha"])) * speed)
+    put("5*sqrt(tan(alpha)**2 + kappa**2)*absolute(V)/LONGVL*Fz/FNOMIN", "alpha kappa V Fz", 5.0 * slip * speed * load)
+    put("5*absolute(tan(alpha))*absolute(V)/LONGVL*Fz/FNOMIN", "alpha V Fz",
+        5.0 * np.abs(np.tan(named["alpha"])) * speed * load)  # fmt: skip
+    if "gamma" in named:
+        put("10*gamma", "gamma", 10.0 * named["gamma"], turns=True)
+    put("5*tan(alpha)", "alpha", 5.0 * np.tan(named["alpha"]), turns=True)
+    put("5*kappa", "kappa", 5.0 * named["kappa"])
+    if signals.timed:
+        _put_rates(put, signals.t, named)
+    return even, odd
+
+
+def _put_rates(put: Callable[..., None], t: FloatArray, named: Mapping[str, FloatArray]) -> None:
+    """Add features of rates of change and of memory."""
+    steps = np.diff(t)
+    usual = float(np.median(steps[steps > 0.0]))
+    width = max(3, round(0.1 / usual))
+
+    def rate(name: str) -> FloatArray:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope = np.gradient(named[name], t)
+        usable = np.where(np.isfinite(slope), slope, 0.0)
+        return np.asarray(uniform_filter1d(usable, width, mode="nearest"))
+
+    turning = rate("alpha")
+    typical = 0.3 * float(np.sqrt(np.mean(turning**2))) + 1e-9
+    put("rate of alpha", "dalpha/dt", turning / (3.3 * typical), turns=True, written=False)
+    put("direction of alpha's change", "dalpha/dt memory", np.tanh(turning / typical), turns=True, written=False)
+    loading = np.tanh(turning / typical) * np.tanh(named["alpha"] / 0.02)
+    put("alpha growing or falling", "dalpha/dt memory alpha", loading, written=False)
+    changing = rate("kappa")
+    typical = 0.3 * float(np.sqrt(np.mean(changing**2))) + 1e-9
+    put("direction of kappa's change", "dkappa/dt memory", np.tanh(changing / typical), written=False)
+    put("kappa growing or falling", "dkappa/dt memory kappa",
+        np.tanh(changing / typical) * np.tanh(named["kappa"] / 0.02), written=False)  # fmt: skip
+    pressing = rate("Fz")
+    put("rate of Fz", "dFz/dt", pressing / (float(np.std(pressing)) + 1e-9), written=False)
+    for seconds in (1.0, 5.0):
+        slide = np.abs(np.tan(named["alpha"])) + np.abs(named["kappa"])
+        put(f"slip of the last {seconds:g} s", "memory alpha kappa",
+            5.0 * _faded(slide, usual / seconds), written=False)  # fmt: skip
+    put(
+        "alpha of the last 0.3 s",
+        "dalpha/dt memory",
+        5.0 * _faded(named["alpha"], usual / 0.3),
+        turns=True,
+        written=False,
+    )
+
+
+def _faded(values: FloatArray, share: float) -> FloatArray:
+    """Return a first-order memory of a signal; a step takes `share` of it in."""
+    kept = float(np.exp(-share))
+    return np.asarray(lfilter([1.0 - kept], [1.0, -kept], values, zi=[kept * values[0]])[0])

@@ -1,0 +1,1 @@
+"""What a diagnosis concludes: the result and the parts that it consists of."""

@@ -1,0 +1,258 @@
+"""The answer put together: findings with intervals, what they are confounded with, fit errors, and the verdict."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy import stats
+
+from tirefmu.estimation.block_regression import coloured_covariance
+from tirefmu.estimation.smoothing import HALF_WIDTHS
+from tirefmu.measurements import Recording
+from tirefmu.tires.tire import Tire
+
+from ..probing.candidates import Candidate
+from ..probing.confounding import alias_columns, correlations, separating_measurement
+from ..probing.effect_probing import Screen, Trace
+from ..recording.disturbances import reported_disturbances
+from ..recording.measurement_artefacts import quantisation, ripple
+from ..recording.signals import FORMULA_SIGNS, Signals
+from ..search.effect_search import Search
+from ..search.refits import Refit
+from ..thresholds import CARRIED_EVIDENCE, CONFOUNDED, REPORTED, SHOWN
+from ..unexplained.formula_proposal import Unknown
+from .detectability import detectable_sizes
+from .extrapolation import reaches
+from .findings import Finding, Interval
+from .fit_error import gaps
+from .improved_tire import tire_of
+from .residual_location import residual_maps, time_course
+from .result import Diagnosis
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SearchOutcome:
+    """What a search for missing effects ended with.
+
+    Attributes
+    ----------
+    recording : Recording
+    start : Tire
+        The start model, with the proposed formulas that were added to it.
+    tried : mapping of str to Candidate
+    before : Screen
+        Of the start model's solution.
+    search : Search
+        Settled.
+    unknown : tuple of Unknown
+    """
+
+    recording: Recording
+    start: Tire
+    tried: Mapping[str, Candidate]
+    before: Screen
+    search: Search
+    unknown: tuple[Unknown, ...]
+
+    @property
+    def signals(self) -> Signals:
+        """The preprocessed recording."""
+        return self.search.problem.simulator.signals
+
+
+def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
+    """Return the diagnosis, in the signs of the formula.
+
+    Parameters
+    ----------
+    outcome : SearchOutcome
+    began : float
+        When the diagnosis began, by `time.perf_counter`, s.
+    """
+    search, after = outcome.search, outcome.search.screen
+    before = outcome.before
+    covariance = _covariance(search.precise)
+    findings = _in_order(outcome, covariance)
+    confounded = confounded_with(outcome)
+    next_measurement = tuple(
+        dict.fromkeys(
+            [
+                separating_measurement(name, other, outcome.start.book.detections)
+                for name, others in confounded.items()
+                for other in others
+            ]
+            + [one.next_measurement for one in outcome.unknown if one.next_measurement]
+        )
+    )
+    gap = gaps(before, after)
+    more = [refit.name for refit in search.found]
+    more += [one.effect.name for one in outcome.unknown if one.added and one.effect]
+    detectable, blind = detectable_sizes(search, outcome.tried, outcome.start)
+    verdict = _verdict(findings, outcome.unknown, confounded, detectable, gap)
+    return Diagnosis(
+        verdict=verdict,
+        found=findings,
+        confounded_with=confounded,
+        next_measurement=next_measurement,
+        unknown=outcome.unknown,
+        not_identifiable=blind,
+        refined=tuple(f"{one.name.removeprefix('finer ')}: {', '.join(one.form.free)}" for one in search.finer),
+        gap=gap,
+        detectable=detectable,
+        where=residual_maps(before),
+        where_after=residual_maps(after),
+        time_course=time_course(before, after),
+        recording=_of_the_recording(outcome),
+        reach=reaches(search.problem, search.solution, {name: _inputs_of(outcome, name) for name in more}),
+        untouched=_untouched(outcome.signals),
+        base_tire=tire_of(outcome.start, search.problem, before.solution, ()),
+        tire=tire_of(outcome.start, search.problem, search.solution, more),
+        signs=FORMULA_SIGNS,
+        recording_signs=outcome.recording.signs,
+        seconds=time.perf_counter() - began,
+        rows=outcome.recording.table,
+    )
+
+
+def _inputs_of(outcome: SearchOutcome, effect: str) -> tuple[str, ...]:
+    """Return the inputs that an effect acts by."""
+    added = [one for one in outcome.start.added if one.name == effect]
+    read = {symbol.name for one in added for act in one.acts for symbol in act.expression.free_symbols}
+    known = outcome.tried[effect].requires if effect in outcome.tried else ()
+    return tuple(name for name in outcome.signals.names if name in read or name in known)
+
+
+def _of_the_recording(outcome: SearchOutcome) -> dict[str, Any]:
+    """Return what belongs to the recording and not to its tire."""
+    search, signals = outcome.search, outcome.signals
+    told = reported_disturbances(search.problem.disturbances, search.solution.disturbance, signals)
+    told["ripple"] = ripple(signals, search.solution.residual, outcome.start.values["UNLOADED_RADIUS"])
+    told["quantisation"] = {
+        name: quantisation(outcome.recording.table[name].to_numpy(np.float64)) for name in signals.channels
+    }
+    told["smoothing_windows"] = [2 * half + 1 for half in HALF_WIDTHS] if any(signals.input_noise.values()) else []
+    told["left_aside"] = dict(signals.left_aside)
+    return told
+
+
+def _untouched(signals: Signals) -> tuple[tuple[int, int], ...]:
+    """Return first and last row of each stretch of the hold-out."""
+    edges = np.flatnonzero(np.diff(signals.holdout.astype(int), prepend=0, append=0))
+    return tuple((int(signals.rows[first]), int(signals.rows[last - 1])) for first, last in edges.reshape(-1, 2))
+
+
+def _covariance(screen: Screen) -> FloatArray:
+    """Return standard errors of a solution's coefficients: the coloured sandwich, or blocks left out where larger."""
+    inverse = screen.base.inverse
+    coloured = np.diag(inverse @ coloured_covariance(screen.tangent, screen.covariance) @ inverse)
+    blocks = np.maximum(np.diag(screen.base.jackknife), 0.0)
+    # A sandwich of few correlated rows can come out negative: it then says nothing.
+    return np.asarray(np.sqrt(np.where(coloured > 0.0, np.maximum(coloured, 0.5 * (coloured + blocks)), blocks)))
+
+
+def _in_order(outcome: SearchOutcome, errors: FloatArray) -> tuple[Finding, ...]:
+    """Return findings and unknown structure in order of evidence."""
+    named = [_finding(outcome, refit, errors) for refit in outcome.search.found]
+    unknown = [
+        Finding("UNKNOWN", _shown(one.trace, outcome.signals), {}, one.p, one.gain, one.gain_error)
+        for one in outcome.search.structures
+    ]
+    return tuple(sorted([*named, *unknown], key=lambda finding: -finding.cv_gain))
+
+
+def _shown(trace: Trace, signals: Signals) -> tuple[str, ...]:
+    """Return the channels in which a trace shows."""
+    power = np.mean((trace.columns @ trace.estimate) ** 2, axis=1)
+    return tuple(name for name, size in zip(signals.channels, power, strict=True) if size > SHOWN * power.max())
+
+
+def _finding(outcome: SearchOutcome, refit: Refit, errors: FloatArray) -> Finding:
+    solution = outcome.search.solution
+    wide = float(stats.t.ppf(0.975, outcome.search.screen.n_blocks - 1))
+    coefficients = {}
+    for name in refit.form.free:
+        i = solution.free.index(name)
+        value, error = float(solution.parameters[outcome.search.problem.simulator.place[name]]), float(errors[i]) * wide
+        coefficients[name] = Interval(value, value - error, value + error)
+    return Finding(
+        refit.name,
+        _shown(refit.trace, outcome.signals),
+        coefficients,
+        refit.p,
+        refit.gain,
+        refit.gain_error,
+        _stretches(refit, outcome.signals),
+    )
+
+
+def _stretches(refit: Refit, signals: Signals) -> tuple[tuple[float, float], ...]:
+    """Return the stretches of time that carry two thirds of the evidence."""
+    order = np.argsort(-refit.gains)
+    carried = np.cumsum(np.maximum(refit.gains[order], 0.0))
+    if carried[-1] <= 0.0:
+        return ()
+    chosen = sorted(order[: int(np.searchsorted(carried, CARRIED_EVIDENCE * carried[-1])) + 1].tolist())
+    t, edges = signals.t[signals.rows], refit.screen.edges
+    spans: list[tuple[float, float]] = []
+    for g in chosen:
+        first, last = float(t[edges[g]]), float(t[min(edges[g + 1], len(t)) - 1])
+        if spans and first - spans[-1][1] < 0.5:
+            spans[-1] = (spans[-1][0], last)
+        else:
+            spans.append((first, last))
+    return tuple(spans)
+
+
+def confounded_with(outcome: SearchOutcome) -> dict[str, dict[str, float]]:
+    """Return, by finding, the other explanations that the data cannot tell from it."""
+    search, screen = outcome.search, outcome.search.screen
+    names = {refit.name for refit in search.found}
+    others = {
+        name: np.concatenate([tried.trace.columns for tried in search.last if tried.name == name], axis=-1)
+        for name in outcome.tried if name not in names and any(tried.name == name for tried in search.last)
+    }  # fmt: skip
+    told = {}
+    for refit in search.found:
+        found = {
+            other.name: screen.tangent[:, :, [search.solution.free.index(name) for name in other.form.free]]
+            for other in search.found if other is not refit
+        }  # fmt: skip
+        size = correlations(screen, refit.form.free, {**others, **alias_columns(screen)}, found)
+        told[refit.name] = {
+            name: value
+            for name, value in size.items()
+            if value > REPORTED and name != outcome.tried[refit.name].contains
+        }
+    return {name: others for name, others in told.items() if others}
+
+
+def _verdict(
+    findings: tuple[Finding, ...], unknown: tuple[Unknown, ...], confounded: Mapping[str, Mapping[str, float]],
+    detectable: Mapping[str, Mapping[str, float]], gap: Mapping[str, Mapping[str, Mapping[str, float]]],
+) -> str:  # fmt: skip
+    """Return the verdict in one line."""
+    if findings:
+        told = []
+        for one in findings:
+            if one.effect == "UNKNOWN":
+                told.append(f"an unknown effect that depends on {', '.join(unknown[0].depends_on)}")
+                continue
+            size = confounded.get(one.effect, {})
+            others = ", ".join(sorted((name for name in size if size[name] > CONFOUNDED), key=lambda x: -size[x]))
+            told.append(one.effect + (f" (the data cannot tell it from {others})" if others else ""))
+        return f"Missing: {'; '.join(told)}"
+    sizes = {channel: sorted(one[channel] for one in detectable.values() if channel in one) for channel in gap["train"]}
+    units = {"Fx": "N", "Fy": "N"}
+    text = ", ".join(
+        f"{size[len(size) // 2]:.2g} {units.get(channel, 'N m')} in {channel}"
+        for channel, size in sizes.items()
+        if size
+    )
+    return f"Nothing material is missing (smallest detectable gap, median over effects: {text})"

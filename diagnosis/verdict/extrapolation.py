@@ -1,0 +1,107 @@
+"""Where the improved model extrapolates: how far an effect's inputs reached, and what it would do beyond."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from ..least_squares import LeastSquares, Solution
+from ..thresholds import BEYOND, LARGEST_CHANGE
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Rows at which it is asked.
+ROWS = 300
+
+
+@dataclass(frozen=True)
+class Reach:
+    """How far an input of a found effect reached in the recording.
+
+    Attributes
+    ----------
+    effect, input : str
+    lower, upper : float
+        SI, without the outermost rows.
+    change : float
+        Largest change of a measured channel, as a share of its root mean square, where the input goes half of that
+        range further on either side and everything else stays.
+    channel : str
+        Where that is.
+    """
+
+    effect: str
+    input: str
+    lower: float
+    upper: float
+    change: float
+    channel: str
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the model changes so much beyond the recording that it should not be used there."""
+        return self.change > LARGEST_CHANGE
+
+    def __str__(self) -> str:
+        advice = ": do not use it there unmeasured" if self.doubtful else ""
+        return (
+            f"{self.effect} was seen for {self.input} from {self.lower:.4g} to {self.upper:.4g}; half of that range "
+            f"beyond, {self.channel} changes by up to {100.0 * self.change:.0f} %{advice}"
+        )
+
+
+def reaches(problem: LeastSquares, solution: Solution, effects: dict[str, Collection[str]]) -> tuple[Reach, ...]:
+    """Return how far the inputs of found effects reached, and what the improved model does beyond.
+
+    Parameters
+    ----------
+    problem : LeastSquares
+    solution : Solution
+        Of the improved model.
+    effects : dict of str to collection of str
+        By found effect: the inputs that it acts by.
+
+    Returns
+    -------
+    tuple of Reach
+        In the order of the effects; slips and time are left out, of which every recording has its own range.
+    """
+    signals = problem.simulator.signals
+    named = signals.named()
+    told = []
+    for effect, inputs in effects.items():
+        for name in inputs:
+            if name not in named or name not in signals.recorded or name in ("t", "alpha", "kappa"):
+                continue
+            lower, upper = (float(edge) for edge in np.quantile(named[name], [0.005, 0.995]))
+            change, channel = _change(problem, solution, name, lower, upper)
+            told.append(Reach(effect, name, lower, upper, change, channel))
+    return tuple(told)
+
+
+def _change(problem: LeastSquares, solution: Solution, name: str, lower: float, upper: float) -> tuple[float, str]:
+    signals = problem.simulator.signals
+    some = signals.rows[:: max(1, len(signals.rows) // ROWS)]
+    place = signals.names.index(name)
+
+    def forces(value: float) -> FloatArray:
+        inputs = signals.inputs[:, some].copy()
+        inputs[place] = value
+        still = replace(signals, inputs=inputs, rows=np.arange(len(some)), timed=False)
+        return problem.simulator.over(still).forces(solution.parameters)
+
+    further = BEYOND * (upper - lower)
+    least = 0.0 if name in ("Fz", "p") else -np.inf
+    worst = np.zeros(len(signals.channels))
+    for edge, value in ((lower, max(lower - further, least)), (upper, upper + further)):
+        inside, beyond = forces(edge), forces(value)
+        if name == "Fz":  # more load is more force: what counts is the coefficient of friction
+            inside, beyond = inside / max(edge, 1.0), beyond / max(value, 1.0)
+        size = np.sqrt(np.mean(inside**2, axis=1))
+        moved = np.sqrt(np.mean((beyond - inside) ** 2, axis=1))
+        worst = np.maximum(worst, np.nan_to_num(moved / np.maximum(size, 1e-12)))
+    i = int(np.argmax(worst))
+    return float(worst[i]), signals.channels[i]

@@ -1,0 +1,268 @@
+"""What a diagnosis says: the result object and its JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.symbolic.added import effect_text
+from tirefmu.symbolic.errors import DataError, UnknownName, path_from
+from tirefmu.tires.signs import reversed_columns
+from tirefmu.tires.tire import Tire
+
+from ..unexplained.formula_proposal import Unknown
+from .extrapolation import Reach
+from .findings import Finding, turned_sign
+from .summary import diagnosis_html, diagnosis_text
+
+#: Version of diagnosis.json: a new key raises the second number, a changed meaning the first.
+VERSION = "2.0"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosis:
+    """The answer to the question which effect is missing.
+
+    Attributes
+    ----------
+    verdict : str
+        One line.
+    found : tuple of Finding
+        In order of evidence.
+    confounded_with : mapping of str to mapping of str to float
+        By finding: other explanations and their correlation with it.
+    next_measurement : tuple of str
+        What would tell them apart.
+    unknown : tuple of Unknown
+    not_identifiable : mapping of str to str
+        Effects that this recording could not have shown, and why.
+    refined : tuple of str
+        Finer forms of effects that the model had already.
+    gap : mapping
+        train, cv, holdout -> channel -> before, after, floor: root mean squares, N and N m, with the recording's
+        disturbances taken out.
+    detectable : mapping of str to mapping of str to float
+        By effect and channel: the smallest trace, root mean square, that would have been named.
+    where, where_after : list of dict
+        Residuals of the start model and the improved one over noise, by channel and pairs of inputs
+        (`residual_location.residual_maps`).
+    time_course : mapping
+        Misfit over noise by channel and block of time (`residual_location.time_course`).
+    recording : mapping
+        What belongs to the recording: offsets, drift, cross-talk, ripple, quantisation, outliers, noise of inputs and
+        the windows over which it was smoothed, channels left aside and why.
+    reach : tuple of Reach
+        How far the inputs of found effects reached: beyond, the improved model extrapolates.
+    untouched : tuple of (int, int)
+        First and last row, counted from 0, of the stretches that no decision has seen: the hold-out.
+    base_tire, tire : Tire
+        The start model and the improved one, fitted to the training rows.
+    signs : str
+        Sign convention of coefficients, of ``recording`` (offset, cross-talk) and of residuals (``where``): "iso",
+        as the tire file, unless `in_signs` changed it. What is a root mean square or an amplitude has no sign.
+    recording_signs : str
+        The convention in which the recording was given; that of ``rows``.
+    seconds : float
+    """
+
+    verdict: str
+    found: tuple[Finding, ...]
+    confounded_with: Mapping[str, Mapping[str, float]]
+    next_measurement: tuple[str, ...]
+    unknown: tuple[Unknown, ...]
+    not_identifiable: Mapping[str, str]
+    refined: tuple[str, ...]
+    gap: Mapping[str, Mapping[str, Mapping[str, float]]]
+    detectable: Mapping[str, Mapping[str, float]]
+    where: list[dict[str, Any]]
+    where_after: list[dict[str, Any]]
+    time_course: Mapping[str, Mapping[str, list[float]]]
+    recording: Mapping[str, Any]
+    reach: tuple[Reach, ...]
+    untouched: tuple[tuple[int, int], ...]
+    base_tire: Tire
+    tire: Tire
+    signs: str
+    recording_signs: str
+    seconds: float
+    rows: pd.DataFrame
+
+    def in_signs(self, signs: str) -> Diagnosis:
+        """Return the same diagnosis in another sign convention.
+
+        Parameters
+        ----------
+        signs : {"iso", "adapted-sae"}
+
+        Returns
+        -------
+        Diagnosis
+            With the same tires.
+
+        Raises
+        ------
+        UnknownName
+            If coefficients are not written in this convention.
+        """
+        if signs not in ("iso", "adapted-sae"):
+            raise UnknownName("sign convention of coefficients", signs, ("iso", "adapted-sae"))
+        turned = reversed_columns(self.signs, signs)
+        if not turned:
+            return self
+        cards = self.tire.book.coefficients
+        offset = {name: turned_sign(value, name in turned) for name, value in self.recording["offset"].items()}
+        cross_talk = {  # the share of one force in another: Fx_in_Fy
+            name: turned_sign(value, len(turned & set(name.split("_in_"))) == 1)
+            for name, value in self.recording["cross_talk"].items()
+        }
+        return replace(
+            self,
+            signs=signs,
+            found=tuple(one.mirrored({name for name in one.coefficients if cards[name].flips}) for one in self.found),
+            where=[_mirrored_map(one) if one["channel"] in turned else one for one in self.where],
+            where_after=[_mirrored_map(one) if one["channel"] in turned else one for one in self.where_after],
+            recording={**self.recording, "offset": offset, "cross_talk": cross_talk},
+        )
+
+    @property
+    def _summarized(self) -> tuple[str, tuple[Finding, ...], Mapping[str, Mapping[str, float]], int, str]:
+        return self.verdict, self.found, self.gap["holdout"], len(self.rows), self.signs
+
+    def __repr__(self) -> str:
+        """Return a few lines: the verdict, findings with their evidence, how the gap shrank."""
+        return diagnosis_text(*self._summarized)
+
+    def _repr_html_(self) -> str:
+        """Return the same with a table of coefficients, for a notebook."""
+        return diagnosis_html(*self._summarized)
+
+    def kept_apart(self, n: int) -> npt.NDArray[np.bool_]:
+        """Return which of a recording's n rows are the hold-out.
+
+        Parameters
+        ----------
+        n : int
+        """
+        rows = np.zeros(n, dtype=bool)
+        for first, last in self.untouched:
+            rows[first : last + 1] = True
+        return rows
+
+    def to_json(self, *, tire: str = "", base_tire: str = "", fmu: str = "", base_fmu: str = "") -> dict[str, Any]:
+        """Return what diagnosis.json holds.
+
+        Parameters
+        ----------
+        tire, base_tire, fmu, base_fmu : str
+            Paths of what was written, relative to the folder.
+
+        Returns
+        -------
+        dict
+            Only what JSON knows; a number that does not exist is null.
+        """
+        told = {
+            "version": VERSION,
+            "verdict": self.verdict,
+            "found": [
+                {
+                    "effect": one.effect,
+                    "channels": list(one.channels),
+                    "coefficients": {name: vars(value) for name, value in one.coefficients.items()},
+                    "p": one.p,
+                    "cv_gain": one.cv_gain,
+                    "cv_gain_se": one.cv_gain_se,
+                    "when": [list(stretch) for stretch in one.when],
+                }
+                for one in self.found
+            ],
+            "confounded_with": {
+                name: sorted(others, key=lambda x: -others[x]) for name, others in self.confounded_with.items()
+            },
+            "correlation": {name: dict(others) for name, others in self.confounded_with.items()},
+            "next_measurement": list(self.next_measurement),
+            "unknown": [
+                {
+                    "depends_on": list(one.depends_on),
+                    "formula": one.formula,
+                    "added": one.added,
+                    "file": f"{one.effect.name}.toml" if one.effect else None,
+                    "not_added_because": one.not_added_because,
+                }
+                for one in self.unknown
+            ],
+            "not_identifiable": sorted(self.not_identifiable),
+            "not_identifiable_because": dict(self.not_identifiable),
+            "refined": list(self.refined),
+            "gap": self.gap,
+            "detectable": self.detectable,
+            "where": self.where,
+            "where_after": self.where_after,
+            "time_course": self.time_course,
+            "recording": self.recording,
+            "extrapolation": [{**vars(one), "doubtful": one.doubtful} for one in self.reach],
+            "holdout_rows": [list(stretch) for stretch in self.untouched],
+            "signs": self.signs,
+            "recording_signs": self.recording_signs,
+            "tire": tire,
+            "fmu": fmu,
+            "base_tire": base_tire,
+            "base_fmu": base_fmu,
+            "seconds": round(self.seconds, 2),
+        }
+        return dict(_plain(told))
+
+    def save(self, folder: str | Path) -> Path:
+        """Write diagnosis.json, both tires and proposed effects (NAME.toml) into a folder, made where missing.
+
+        Parameters
+        ----------
+        folder : str or Path
+
+        Returns
+        -------
+        Path
+            Of diagnosis.json.
+
+        Raises
+        ------
+        DataError
+            If the folder cannot be written.
+        """
+        place = path_from(folder, "folder")
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            self.tire.save(place / "improved.tir")
+            self.base_tire.save(place / "base.tir")
+            for proposed in (one.effect for one in self.unknown if one.effect):
+                (place / f"{proposed.name}.toml").write_text(effect_text(proposed), encoding="utf-8")
+            told = self.to_json(tire="improved.tir", base_tire="base.tir")
+            (place / "diagnosis.json").write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise DataError(f"{place}: cannot be written ({error.strerror or error})") from None
+        return place / "diagnosis.json"
+
+
+def _mirrored_map(one: dict[str, Any]) -> dict[str, Any]:
+    """Return a map of `residual_location.residual_maps` with the opposite sign; cells without rows have no mean."""
+    mean = [[None if cell is None else turned_sign(cell) for cell in row] for row in one["mean"]]
+    return {**one, "mean": mean, "worst": {**one["worst"], "mean": turned_sign(one["worst"]["mean"])}}
+
+
+def _plain(value: Any) -> Any:
+    """Return a value in JSON's own types."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, (bool, int, str)) or value is None:
+        return value
+    return float(value) if math.isfinite(float(value)) else None

@@ -1,0 +1,49 @@
+"""A diagnosis in a few lines, as ``repr`` and notebooks show it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from tirefmu.symbolic.escaping import visible
+from tirefmu.tires.notebook import html_details, html_summary, html_table
+
+from .findings import Finding
+
+
+def diagnosis_text(
+    verdict: str, found: Sequence[Finding], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
+) -> str:
+    """Return the verdict, findings with their evidence, and how the gap shrank, in a few lines.
+
+    Parameters
+    ----------
+    verdict : str
+    found : sequence of Finding
+    holdout : mapping of str to mapping of str to float
+        By channel: root mean square on the hold-out ``before`` and ``after``, N and N m.
+    n_rows : int
+    signs : str
+        Convention of the coefficients.
+    """
+    lines = [f"Diagnosis: {verdict}"]
+    for one in found:
+        values = ", ".join(f"{name} {interval.value:.4g}" for name, interval in one.coefficients.items())
+        lines.append(f"  {one.effect} in {', '.join(one.channels)}: p {one.p:.2g}{'; ' * bool(values)}{values}")
+    for channel, gap in holdout.items():
+        lines.append(f"  {channel} on the hold-out: RMSE {gap['before']:.4g} before, {gap['after']:.4g} after")
+    lines.append(f"  {n_rows} rows; coefficients in {signs} signs")
+    return "\n".join(visible(line) for line in lines)
+
+
+def diagnosis_html(
+    verdict: str, found: Sequence[Finding], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
+) -> str:
+    """Return the same as HTML, with the coefficients of the findings."""
+    rows = [
+        (one.effect, name, interval.value, interval.lower, interval.upper)
+        for one in found
+        for name, interval in one.coefficients.items()
+    ]
+    header = ["effect", "coefficient", "value", "lower (95 %)", "upper (95 %)"]
+    table = html_details(f"Coefficients ({signs} signs)", html_table(header, rows))
+    return html_summary(diagnosis_text(verdict, found, holdout, n_rows, signs), table if rows else "")

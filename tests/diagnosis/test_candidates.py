@@ -1,0 +1,99 @@
+"""Which effects a diagnosis tries, and with what: read from the files of effects alone."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import tirefmu.symbolic.effects as effects
+from tirefmu.diagnosis.diagnose import _start_model
+from tirefmu.diagnosis.probing.candidates import candidates_for, refinements_for
+from tirefmu.symbolic import added, model
+from tirefmu.symbolic.added import folder, read_effect
+from tirefmu.symbolic.detection import Form
+
+NEW = """
+name = "wet_grip"
+physics = "water on the road"
+[coefficients]
+WET1 = {description = "friction lost at nominal speed", unit = "1", lower = -1.0, upper = 1.0}
+[[acts]]
+on = "friction_y"
+factor = "1 - WET1*abs(V)/LONGVL"
+"""
+DECLARED = NEW + '[diagnosis]\nrequires = ["V"]\nchannels = ["Fy"]\n[[diagnosis.forms]]\nsizes = {WET1 = 0.05}\n'
+
+
+def started(book="mf61", has=(), own=()):
+    return _start_model(book, has, {"Fz0": 4000.0, "R0": 0.3}, None, own)
+
+
+@pytest.fixture
+def library_folder(tmp_path, monkeypatch):
+    """Return a copy of the library's folder that is read instead of it."""
+    copy = tmp_path / "effects"
+    shutil.copytree(Path(effects.__file__).parent, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(folder, "FOLDER", copy)
+    added.library.cache_clear()
+    yield copy
+    added.library.cache_clear()
+
+
+def test_a_file_placed_next_to_the_library_is_offered_without_another_edit(library_folder):
+    assert "wet_grip" not in candidates_for(started())
+    (library_folder / "wet_grip.toml").write_text(DECLARED, encoding="utf-8")
+    added.library.cache_clear()
+    offered = candidates_for(started())["wet_grip"]
+    assert (offered.forms, offered.requires, offered.channels) == ((Form.each({"WET1": 0.05}),), ("V",), ("Fy",))
+    assert started().book.prior_spread["WET1"] == pytest.approx(0.25)
+
+
+def test_a_user_file_is_treated_like_one_of_the_library():
+    declared = candidates_for(started(own=(read_effect(DECLARED, "own.toml"),)))["wet_grip"]
+    assert (declared.forms[0].probes, declared.requires, declared.channels) == (({"WET1": 0.05},), ("V",), ("Fy",))
+    plain = candidates_for(started(own=(read_effect(NEW, "own.toml"),)))["wet_grip"]
+    assert (plain.forms[0].probes, plain.requires, len(plain.channels)) == (({"WET1": 0.125},), (), 5)
+
+
+def test_a_model_tries_the_coefficients_that_it_has():
+    fiala, brush = candidates_for(started("fiala")), candidates_for(started("brush"))
+    assert fiala["relax_lat"].requires == ("t", "alpha")
+    assert fiala["relax_lat"].forms[0].free == ("REL_LEN_LAT",)
+    assert brush["load_friction"].forms[0].free == ("NMU",)
+    assert brush["load_friction"].requires == ("Fz",)
+    assert brush["load_stiffness"].forms[0].probes == ({"NSTIFF": 0.125},)  # of a neutral value of 1
+
+
+def test_an_effect_that_the_tire_has_is_not_tried_again_in_its_special_case():
+    assert {"relax_lat", "relax_load"} <= candidates_for(started()).keys()
+    lag = candidates_for(started(has=["relax_lat"]))
+    assert "relax_lat" not in lag
+    assert lag["relax_load"].forms == (Form.each({"SIGC": 0.5}, given="relax_lat"),)
+    assert not {"relax_lat", "relax_load"} & candidates_for(started(has=["relax_load"])).keys()
+
+
+def test_refinements_are_those_of_the_baseline_and_of_effects_that_are_there():
+    tire = started(has=["conicity"])
+    assert {name for name, _ in refinements_for(tire, frozenset())} == {"core", "conicity"}
+    assert {name for name, _ in refinements_for(tire, frozenset({"temp_friction"}))} == {
+        "core", "conicity", "temp_friction"
+    }  # fmt: skip
+    assert refinements_for(started("brush"), frozenset()) == []
+
+
+def test_a_probe_of_stiffness_holds_it_at_nominal_load(without_camber, tire):
+    """Without load_stiffness the cornering stiffness is proportional to load; the probe only bends it."""
+    form = model("mf96").detections["load_stiffness"].forms[0]
+    simulator = without_camber.problem.simulator
+    free = tuple(name for name in without_camber.solution.free if name != "PKY2")
+    assert free == without_camber.solution.free
+    before = without_camber.solution.parameters
+    for probe in form.probes:
+        after = without_camber.probed(form, probe)
+        assert after[simulator.place["PKY2"]] == probe["PKY2"]
+        assert after[simulator.place["PKY1"]] != before[simulator.place["PKY1"]]
+        held = [simulator.at_nominal("stiffness_y", each) for each in (before, after)]
+        np.testing.assert_allclose(held[1], held[0], rtol=1e-12)

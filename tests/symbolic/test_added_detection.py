@@ -1,0 +1,177 @@
+"""The table [diagnosis] of effect files: what the package's files declare, and what a hostile one is refused for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tirefmu.diagnosis.probing.confounding import ALIASES
+from tirefmu.symbolic import EFFECTS, MODELS
+from tirefmu.symbolic.added import effect_text, folder, library, read_effect
+from tirefmu.symbolic.added.detection_file import FORM_KEYS, INPUTS, KEYS, OUTPUTS, read_detection
+from tirefmu.symbolic.added.file import read_declared
+from tirefmu.symbolic.detection import Detection
+from tirefmu.symbolic.errors import EffectError
+
+OWN = """
+name = "wet_grip"
+physics = "water on the road"
+[coefficients]
+WET1 = {description = "friction lost", unit = "1", lower = -1.0, upper = 1.0}
+WET2 = {description = "at what speed", unit = "1", lower = 0.0, upper = 4.0, neutral = 1.0}
+[[acts]]
+on = "mu_y"
+factor = "1 - WET1*tanh(WET2*V/LONGVL)"
+[diagnosis]
+requires = ["V"]
+channels = ["Fy"]
+contains = "speed_friction"
+separate_by = "repeat it on a dry road"
+spread = {WET2 = 0.5}
+[[diagnosis.forms]]
+free = ["WET1", "WET2"]
+starts = [{WET1 = 0.1}, {WET1 = 0.1, WET2 = 1.0}]
+[[diagnosis.forms]]
+given = "speed_friction"
+holds = "stiffness_y"
+sizes = {WET1 = 0.1}
+[[diagnosis.refinements]]
+sizes = {WET2 = -0.5}
+[[diagnosis.confounded]]
+with = "temp_friction"
+separate_by = "measure at two temperatures"
+"""
+DECLARED = {name: effect.detection for name, effect in folder.declared_effects().items() if effect.detection}
+
+
+def test_a_user_file_declares_all_that_a_library_file_does_and_survives_its_text():
+    effect = read_effect(OWN, "own.toml")
+    assert effect.detection is not None
+    assert read_effect(effect_text(effect), "again.toml") == effect
+    assert effect.detection.prior_center == {"WET1": 0.1}
+    assert effect.detection.prior_spread == {"WET2": 0.5}  # the second form is for tires that have another effect
+    empty = read_effect(OWN[: OWN.index("requires")], "own.toml")
+    assert empty.detection == Detection()
+    assert read_effect(effect_text(empty), "again.toml") == empty
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("requires", "require", "unknown key 'require': did you mean requires"),
+        ('["V"]', '["v_x"]', "requires has 'v_x'"),
+        ('["V"]', '"V"', "requires is not a list of names"),
+        ('["Fy"]', '["Fy", "Fy"]', "channels has a name twice"),
+        ('["Fy"]', '["Fyy"]', "channels has 'Fyy': did you mean Fy"),
+        ('contains = "speed_friction"', 'contains = "nul"', "contains 'nul' is a device of Windows"),
+        ('contains = "speed_friction"', f'contains = "{"a" * 65}"', "has more than 64 characters"),
+        ('"repeat it on a dry road"', f'"{"a" * 601}"', "separate_by is not a text of at most 600 characters"),
+        ("{WET2 = 0.5}", "{WET2 = -0.5}", "WET2 = -0.5 is not a positive number"),
+        ("{WET2 = 0.5}", "{WET3 = 0.5}", "WET3 is no coefficient of this effect: did you mean WET"),
+        ("sizes = {WET1 = 0.1}", "sizes = {WET1 = 0}", "WET1 = 0 is not a number other than 0"),
+        ("sizes = {WET1 = 0.1}", "sizes = {WET1 = nan}", "WET1 = nan is not a number"),
+        ("sizes = {WET1 = 0.1}", "sizes = {WET1 = inf}", "WET1 = inf is not a number"),
+        ("sizes = {WET1 = 0.1}", "sizes = {WET1 = true}", "WET1 = True is not a number"),
+        ("sizes = {WET1 = 0.1}", "sizes = {WET1 = 1.1}", "neutral 0.0 and size 1.1 are beyond its bounds"),
+        ("sizes = {WET2 = -0.5}", "sizes = {WET2 = -1.5}", "neutral 1.0 and size -1.5 are beyond its bounds"),
+        ("sizes = {WET1 = 0.1}", "sizes = {}", "is not a table of 1 to 50 coefficients"),
+        ("sizes = {WET1 = 0.1}", "size = {WET1 = 0.1}", "unknown key 'size': did you mean sizes"),
+        ("sizes = {WET1 = 0.1}", 'free = ["WET1"]', "either sizes, or free and starts are needed"),
+        ('free = ["WET1", "WET2"]', 'free = ["WET1"]', "starts has WET2, which free has not"),
+        ('free = ["WET1", "WET2"]', 'free = ["WET1", "WET1"]', "free has a coefficient twice"),
+        ('free = ["WET1", "WET2"]', 'free = ["WET1", ["WET2"]]', "is no text"),
+        ('"stiffness_y"', '"stiffness"', "holds = 'stiffness' is no role of a quantity: did you mean stiffness_"),
+        ('with = "temp_friction"', 'other = "temp_friction"', "unknown key 'other'"),
+        ('with = "temp_friction"', "", "with and separate_by are needed"),
+        ("[[diagnosis.refinements]]\nsizes", "[diagnosis.refinements]\nsizes", "refinements is not a list of tables"),
+        ("[[diagnosis.refinements]]", "[[diagnosis.refinements]]\n[[diagnosis.refinements]]", "either sizes"),
+    ],
+)
+def test_a_wrong_declaration_is_one_line_with_the_file(old, new, message):
+    assert old in OWN
+    with pytest.raises(EffectError, match=message.replace("[", r"\[")) as caught:
+        read_effect(OWN.replace(old, new), "own.toml")
+    assert str(caught.value).startswith("own.toml: [diagnosis]")
+    assert "\n" not in str(caught.value)
+
+
+def test_counts_are_bounded():
+    many = OWN + '[[diagnosis.confounded]]\nwith = "conicity"\nseparate_by = "turn the tire"\n' * 20
+    with pytest.raises(EffectError, match="confounded has 21 tables, 20 at most"):
+        read_effect(many, "own.toml")
+
+
+VALUES = st.recursive(
+    st.one_of(st.text(max_size=8), st.integers(), st.floats(), st.booleans()),
+    lambda inner: st.lists(inner, max_size=2) | st.dictionaries(st.sampled_from(["WET1", "sizes", "with"]), inner),
+    max_leaves=4,
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.dictionaries(st.sampled_from(["forms", "requires", "spread", "contains", "confounded", "x"]), VALUES))
+def test_whatever_a_table_holds_it_is_read_or_refused(table):
+    sentence = ""
+    try:
+        read_detection(table, "own.toml", {"WET1"})
+    except EffectError as error:
+        sentence = str(error)
+    assert not sentence or sentence.startswith("own.toml: [diagnosis]")
+
+
+def test_the_document_explains_every_key():
+    document = (Path(__file__).parents[2] / "docs" / "effects.md").read_text(encoding="utf-8")
+    for key in (*KEYS, *FORM_KEYS, "with"):
+        assert f"`{key}`" in document or f"`[[diagnosis.{key}]]`" in document, key
+    for name in (*INPUTS, *OUTPUTS, *ALIASES):
+        assert name in document, name
+
+
+# ------------------------------------------------------------------ the files of the package
+
+
+def test_every_declared_coefficient_belongs_to_the_effect_in_some_model():
+    owned = {name: {card.name for card in effect.cards} for name, effect in library().items()}
+    for book in (MODELS[name] for name in ("mf96", "mf52", "mf61")):
+        for name in DECLARED.keys() & book.effects.keys():
+            related = {other for other, one in DECLARED.items() if one.contains == name} | {DECLARED[name].contains}
+            owned.setdefault(name, set()).update(book.owned(name, *(related & book.effects.keys())))
+    for name, detection in DECLARED.items():
+        forms = (*detection.forms, *detection.refinements)
+        assert detection.forms, name
+        assert {key for form in forms for key in form.free} | detection.spread.keys() <= owned[name], name
+
+
+def test_every_other_explanation_exists_and_each_pair_is_declared_once():
+    pairs = [frozenset({name, pair.other}) for name, detection in DECLARED.items() for pair in detection.confounded]
+    assert len(set(pairs)) == len(pairs)
+    for name in {name for pair in pairs for name in pair} | {one.contains for one in DECLARED.values() if one.contains}:
+        assert name in DECLARED or name in ALIASES
+
+
+def test_effects_agree_on_what_they_believe_of_a_coefficient():
+    for prior in ("prior_center", "prior_spread"):
+        declared = [item for detection in DECLARED.values() for item in getattr(detection, prior).items()]
+        assert len(dict(declared)) == len(set(declared))
+
+
+def test_chapters_and_library_share_the_folder():
+    assert EFFECTS.keys() | library().keys() == folder.declared_effects().keys()
+    assert not EFFECTS.keys() & library().keys()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('name = "snow"\nphysics = "cold"', "ice.toml: the effect 'snow' has a file of its own name"),
+        ('name = "ice"\nphysics = "cold"\noptional = 1', "optional is not a truth value"),
+        ('name = "ice"\nphysics = "cold"\nrescales = {PKY1 = "a"}', "rescales is not a table"),
+        ('name = "ice"\nphysics = "cold"\nsource = "a"', "unknown key 'source'"),
+    ],
+)
+def test_a_wrong_file_of_the_package_is_named(text, message):
+    with pytest.raises(EffectError, match=message):
+        read_declared(text, "ice.toml")
