@@ -2,13 +2,8 @@
 
 Examples
 --------
->>> text = '''
-... requires = ["T"]
-... channels = ["Fx", "Fy"]
-... [[forms]]
-... sizes = {TMU1 = -0.002}
-... '''
->>> read_detection(tomllib.loads(text), "example.toml", {"TMU1"}).forms[0].free
+>>> table = {"requires": ["T"], "channels": ["Fx", "Fy"], "forms": [{"sizes": {"TMU1": -0.002}}]}
+>>> read_detection(table, "example.toml", {"TMU1"}).forms[0].free
 ('TMU1',)
 """
 
