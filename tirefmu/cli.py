@@ -288,7 +288,7 @@ def check(
     write_json(json_file, result.to_json())
     terminal.print(*str(result).split("\n"))
     if figures:
-        from tirefmu.fmu.figures import draw_check
+        from tirefmu.fmu.comparison.figures import draw_check
 
         terminal.print(f"figures: {len(draw_check(result, figures))} in {figures}")
     return 0 if result.ok else 1

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.escaping import figure_text
 
-from .check import Channel, CheckResult
+from .result import Channel, CheckResult
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -51,8 +51,8 @@ def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: s
     --------
     >>> import pandas as pd
     >>> from tirefmu.tires import published
-    >>> from .build import export
-    >>> from .check import check
+    >>> from tirefmu.fmu import export
+    >>> from tirefmu.fmu import check
     >>> table = pd.DataFrame({"alpha": [-0.1, 0.0, 0.1], "Fz": 900.0, "Fy": [2100.0, 10.0, -2000.0]})
     >>> result = check(export(published("trento_hoosier"), "tire.fmu"), table)
     >>> [path.name for path in draw_check(result, "figures")]

@@ -10,7 +10,7 @@ from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.escaping import html_text
 from tirefmu.tires import Tire
 
-from .description import Header
+from .model_description import Header
 from .variables import Variable
 
 #: The license of the sources inside an FMU; the same text as the project's LICENSE file.

@@ -7,7 +7,7 @@ import xml.etree.ElementTree as ET
 import zlib
 from collections.abc import Sequence
 
-from .description import xml_bytes
+from .model_description import xml_bytes
 from .variables import Variable
 
 #: Edge of the icon in pixels, and the rings of the wheel in it as shares of half the edge: outer radius and colour.

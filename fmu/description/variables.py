@@ -35,7 +35,7 @@ class Variable:
     depends : tuple of int
         Of an output or a derivative: the value references of the inputs and states that reach it without delay.
     group : str
-        Of a native FMU: where the C code keeps it; see `tirefmu.fmu.interface`.
+        Of a native FMU: where the C code keeps it; see `tirefmu.fmu.description.interface`.
     reversed : bool
         Of a native FMU: host and formula write it with opposite signs.
     derivative_of : int or None

@@ -20,7 +20,7 @@ from tirefmu.tires.compiler import (
     suffix,
 )
 
-from .cross import FOLDERS_2, PLATFORMS, has_ziglang, universal, ziglang
+from .cross_compiler import FOLDERS_2, PLATFORMS, has_ziglang, universal, ziglang
 from .model_code import model_files
 
 #: By sys.platform: FMI 3's name of the system.

@@ -18,14 +18,14 @@ from tirefmu.symbolic.errors import FmuError, WrongType, path_from
 from tirefmu.symbolic.reserved import C_KEYWORDS
 from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 
+from ..description.documentation import LICENSE, header_license, index_html
+from ..description.interface import AXES, INPUTS, interface
+from ..description.model_description import Header, model_description
+from ..description.terminals_and_icons import pictures
+from ..description.variables import variables
 from .binaries import binaries, chosen_platforms
-from .description import Header, model_description
-from .documentation import LICENSE, header_license, index_html
-from .interface import AXES, INPUTS, interface
-from .pictures import pictures
 from .python_variant import python_contents
 from .sources import build_description, c_files, sources
-from .variables import variables
 
 VERSIONS = (2, 3)
 AXES_NAMES = {"iso": "ISO-W", "sae": "SAE"}

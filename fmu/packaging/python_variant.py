@@ -15,8 +15,8 @@ from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import Tire
 from tirefmu.tires.printed import code_folder
 
-from .description import xml_bytes
-from .variables import Variable
+from ..description.model_description import xml_bytes
+from ..description.variables import Variable
 
 #: The version of FMI that pythonfmu speaks.
 FMI = 2
@@ -64,7 +64,7 @@ def python_contents(
         "modelDescription.xml": _described(description),
         "documentation/licenses/pythonfmu.txt": license_text.encode(),
         "resources/slavemodule.txt": slave.encode(),
-        f"resources/{slave}.py": (files("tirefmu.fmu") / "python_slave.py").read_bytes(),
+        f"resources/{slave}.py": (files("tirefmu.fmu") / "packaging" / "python_slave.py").read_bytes(),
         f"resources/{tire.model}.py": (generated / "numpy" / f"{tire.model}.py").read_bytes(),
         "resources/variables.json": (json.dumps(told, indent=1, allow_nan=False) + "\n").encode(),
         **{f"resources/pythonfmu/{path.name}": path.read_bytes() for path in brought.glob("*.py")},

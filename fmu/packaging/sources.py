@@ -15,10 +15,10 @@ from tirefmu.symbolic.printers.expressions import PlainCPrinter
 from tirefmu.symbolic.printers.operations import rolling_radius_lines
 from tirefmu.tires.printed import c_folder
 
-from .description import xml_bytes
-from .interface import Interface, passed_on
+from ..description.interface import Interface, passed_on
+from ..description.model_description import xml_bytes
+from ..description.variables import Variable
 from .model_code import model_files, split_code
-from .variables import Variable
 
 #: The translation units of the wrapper, by FMI version.
 WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c")}
@@ -49,7 +49,7 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> from .interface import interface
+    >>> from ..description.interface import interface
     >>> c_files(2, interface(published("trento_hoosier")))[-4:]
     ('slip_inputs.c', 'direct_slips.c', 'mf96.c', 'mf96_quantities.c')
     """
@@ -75,7 +75,7 @@ def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> from .interface import interface
+    >>> from ..description.interface import interface
     >>> sorted(sources(2, interface(published("trento_hoosier")), "{1}"))[:5]
     ['chain_rule.c', 'chain_rule.h', 'contact.h', 'continuous.c', 'derivatives.c']
     """
@@ -104,7 +104,7 @@ def model_config(shown: Interface, token: str) -> str:
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> from .interface import interface
+    >>> from ..description.interface import interface
     >>> print(model_config(interface(published("trento_hoosier")), "{1}").splitlines()[7])
     #define INSTANTIATION_TOKEN "{1}"
     """

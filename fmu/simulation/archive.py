@@ -64,7 +64,7 @@ def unpacked(path: str | os.PathLike[str]) -> Iterator[Path]:
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> from .build import export
+    >>> from tirefmu.fmu import export
     >>> with unpacked(export(published("trento_hoosier"), "tire.fmu")) as folder:
     ...     (folder / "resources" / "tire.tir").is_file()
     True

@@ -220,7 +220,7 @@ def loaded(path: str | os.PathLike[str]) -> Iterator[Slave]:
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> from .build import export
+    >>> from tirefmu.fmu import export
     >>> with loaded(export(published("trento_hoosier"), "tire.fmu")) as slave:
     ...     slave.run(slice(0, 1), np.zeros(1), np.array([[0.02]]), ["alpha"], ["Fz"])
     array([[220.]])

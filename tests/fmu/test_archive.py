@@ -9,8 +9,8 @@ import zipfile
 
 import pytest
 
-from tirefmu.fmu import archive
-from tirefmu.fmu.archive import unpacked
+from tirefmu.fmu.simulation import archive
+from tirefmu.fmu.simulation.archive import unpacked
 from tirefmu.symbolic.errors import FmuError
 
 DESCRIPTION = b'<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0"/>'

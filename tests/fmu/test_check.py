@@ -11,9 +11,9 @@ import pandas as pd
 import pytest
 
 from tirefmu.fmu import check
-from tirefmu.fmu.build import export
-from tirefmu.fmu.check import _difference
-from tirefmu.fmu.figures import draw_check
+from tirefmu.fmu.comparison.check import _difference
+from tirefmu.fmu.comparison.figures import draw_check
+from tirefmu.fmu.packaging.export import export
 from tirefmu.measurements.recording import Recording
 from tirefmu.symbolic.errors import DataError, FmuError
 from tirefmu.tires.signs import convert_signs

@@ -10,9 +10,9 @@ import pytest
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
-from tirefmu.fmu.build import contents, fmi_headers
-from tirefmu.fmu.description import Header, model_description
-from tirefmu.fmu.variables import TIME, direct_feedthrough, variables
+from tirefmu.fmu.description.model_description import Header, model_description
+from tirefmu.fmu.description.variables import TIME, direct_feedthrough, variables
+from tirefmu.fmu.packaging.export import contents, fmi_headers
 from tirefmu.tires import published
 
 

@@ -11,7 +11,7 @@ from fmpy.validation import validate_fmu
 
 from tirefmu.cli import main
 from tirefmu.fmu import check, export
-from tirefmu.fmu.binaries import host_platform
+from tirefmu.fmu.packaging.binaries import host_platform
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import read_tir
 

@@ -15,10 +15,10 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.fmi3 import FMU3Model, FMU3ScheduledExecution, FMU3Slave
 
-from tirefmu.fmu.build import fmi_headers
-from tirefmu.fmu.interface import interface
-from tirefmu.fmu.simulation import loaded
-from tirefmu.fmu.sources import c_files, sources
+from tirefmu.fmu.description.interface import interface
+from tirefmu.fmu.packaging.export import fmi_headers
+from tirefmu.fmu.packaging.sources import c_files, sources
+from tirefmu.fmu.simulation.simulate import loaded
 
 OUTPUTS = ("Fx", "Fy", "Mz")
 

@@ -22,10 +22,10 @@ from tirefmu.diagnose_command import own_effect
 from tirefmu.fitting.checkpoint import Checkpoint, Ended, Release, State
 from tirefmu.fitting.recipe import RECIPES, Freed, load_recipe
 from tirefmu.fitting.result import StageFit
-from tirefmu.fmu.archive import unpacked
-from tirefmu.fmu.build import contents
-from tirefmu.fmu.check import _axes, _carried_tire
-from tirefmu.fmu.simulation import read_description
+from tirefmu.fmu.comparison.resources import axes_of_inputs, embedded_tire
+from tirefmu.fmu.packaging.export import contents
+from tirefmu.fmu.simulation.archive import unpacked
+from tirefmu.fmu.simulation.simulate import read_description
 from tirefmu.measurements import INPUTS, check_plausible, read_recording
 from tirefmu.symbolic.added import effect_text, read_effect
 from tirefmu.tires import published, read_tir, write_tir
@@ -248,8 +248,8 @@ def read_fmu(path: Path) -> None:
     with unpacked(path) as folder:
         description = read_description(path, folder)
         outputs = [one.name for one in description.modelVariables if one.causality == "output" and one.name == "Fy"]
-        assert _axes(folder, path) in ("iso", "sae")
-        _carried_tire(folder, path, outputs)
+        assert axes_of_inputs(folder, path) in ("iso", "sae")
+        embedded_tire(folder, path, outputs)
 
 
 KINDS = {

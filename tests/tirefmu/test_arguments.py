@@ -9,7 +9,7 @@ import pytest
 import tirefmu
 from tirefmu.diagnosis import residual_map
 from tirefmu.fitting import cross_validate, deal, draw_figures, fit
-from tirefmu.fmu.build import fmi_version
+from tirefmu.fmu.packaging.export import fmi_version
 from tirefmu.measurements import Noise, Recording, alpha_sweeps, recording_from, recordings_from
 from tirefmu.symbolic.errors import DataError, FmuError, TirefmuError, TirError, UnknownName, WrongType
 
