@@ -1,4 +1,4 @@
-"""An FMU held against a recording, and against the tire that it carries."""
+"""Comparison of an FMU with a recording and with its embedded tire."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ from .result import Channel, CheckResult, WorstPoint
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Step of a table without a column t, s.
+#: Time step for a table without a column t, s.
 STEP = 0.01
-#: Characters of a unit that are shown.
+#: Largest number of characters of a unit.
 LONGEST_UNIT = 20
 
 
@@ -39,7 +39,7 @@ def check(
     tolerance: float | None = None,
     timeout: float | None = None,
 ) -> CheckResult:
-    """Simulate an FMU over a recording and compare it with the data and with its own tire.
+    """Simulate an FMU over a recording and compare it with the data and with its embedded tire.
 
     The FMU may come from an untrusted source: it runs in a separate process, and `tirefmu.fmu.simulation.archive`
     limits its size. It still has the permissions of the user's own programs.
@@ -50,16 +50,16 @@ def check(
     Parameters
     ----------
     fmu_path : path-like
-        An FMU for Co-Simulation with inputs and outputs named as in the tables, such as `export` writes.
+        An FMU for Co-Simulation with the input and output names of the tables, such as `export` writes.
     recording : Recording, DataFrame or path-like
-        An input that it lacks keeps the FMU's start value, one that the FMU lacks has no influence. NaN in
-        an output is "not measured".
+        An input that it lacks has the FMU's start value. A column that the FMU lacks is ignored. NaN in an output means
+        "not measured".
     signs : str, optional
-        The convention of a file or a DataFrame; where None that of the file's format, for a DataFrame iso.
+        The convention of a file or a DataFrame; None for that of the file's format, or iso for a DataFrame.
     tolerance : float, optional
-        What `CheckResult.ok` asks of every channel: RMSE as a share of the largest measured magnitude.
+        Largest RMSE of a channel for `CheckResult.ok`, as a share of its largest measured magnitude.
     timeout : float, optional
-        Time that the simulation may take, s; 60 s and 5 ms for each row where None.
+        Time limit of the simulation, s; None for 60 s plus 5 ms per row.
 
     Returns
     -------
@@ -68,10 +68,10 @@ def check(
     Raises
     ------
     FmuError
-        If the FMU cannot be read, loaded or run, crashes or does not end in time.
+        If the FMU cannot be read, loaded or run, crashes, or exceeds the time limit.
     DataError
-        If the recording cannot be read, is in units or signs that cannot be meant, has a NaN in an input, or
-        none of the FMU's inputs or outputs.
+        If the recording cannot be read, has implausible units or signs, has a NaN in an input, or has none of the FMU's
+        inputs or outputs.
     WrongType
         If the path or the recording is of another type.
 
@@ -106,8 +106,8 @@ def check(
         tire = embedded_tire(folder, fmu_path, outputs)
         rows = convert_signs(table, "iso", axes)[present].to_numpy(dtype=np.float64)
         simulation = simulate(fmu_path, folder, time, rows, present, outputs, segments, timeout)
-    seen = table[present].assign(t=time)
-    inputs_of_runs = [seen.iloc[segment] for segment in segments]
+    used = table[present].assign(t=time)
+    inputs_of_runs = [used.iloc[segment] for segment in segments]
     simulated = convert_signs(pd.DataFrame(simulation.outputs, columns=outputs, index=table.index), axes, "iso")
     return CheckResult(
         fmu=Path(fmu_path).name,
@@ -126,24 +126,24 @@ def check(
 
 
 def _unit(variable: Any) -> str:
-    """Return the unit of a variable as the FMU writes it, for a table's column."""
+    """Return the unit of a variable as declared by the FMU, limited in length."""
     return excerpt(variable.unit or "", LONGEST_UNIT)
 
 
 def _columns(variables: Mapping[str, Any], names: Iterable[str], causality: str) -> list[str]:
-    """Return the columns of the tables that are variables of the FMU with this causality."""
+    """Return the names that are variables of the FMU with this causality."""
     return [name for name in names if name in variables and variables[name].causality == causality]
 
 
 def _time(table: pd.DataFrame) -> FloatArray:
-    """Return the time of every row, made up where the table has none."""
+    """Return the time of every row; equal steps for a table without times."""
     if "t" in table:
         return table["t"].to_numpy(dtype=np.float64)
     return STEP * np.arange(len(table), dtype=np.float64)
 
 
 def _direct(tire: Tire, runs: Iterable[pd.DataFrame]) -> pd.DataFrame:
-    """Return what the tire's own code makes of inputs that are held over each step, run after run."""
+    """Return the tire's outputs by direct evaluation of every run, with inputs constant over each step."""
     return pd.concat([tire.evaluate(run, hold=True)[list(tire.outputs)] for run in runs], ignore_index=True)
 
 
@@ -152,18 +152,18 @@ def _difference(direct: pd.DataFrame, simulated: pd.DataFrame) -> float:
     worst = 0.0
     for name in simulated:
         expected = direct[name].to_numpy()
-        # Equal where both are not a number or both infinite: then the formula says so.
+        # Equal if both are NaN or both are infinite: the formula gives such values.
         with np.errstate(invalid="ignore"):
             difference = np.abs(simulated[name].to_numpy() - expected) / (1.0 + np.abs(expected))
         same = np.isclose(simulated[name].to_numpy(), expected, rtol=0.0, atol=0.0, equal_nan=True)
-        # Where only one of them is a number they differ without measure.
-        told = np.where(same, 0.0, np.where(np.isnan(difference), np.inf, difference))
-        worst = max(worst, float(np.max(told, initial=0.0)))
+        # Infinite if only one of them is a number.
+        finite = np.where(same, 0.0, np.where(np.isnan(difference), np.inf, difference))
+        worst = max(worst, float(np.max(finite, initial=0.0)))
     return worst
 
 
 def _channel(name: str, unit: str, table: pd.DataFrame, simulated: pd.DataFrame, inputs: list[str]) -> Channel:
-    """Compare one output with the data where it was measured."""
+    """Compare one output with its measured values."""
     data, model = table[name].to_numpy(dtype=np.float64), simulated[name].to_numpy()
     rows = np.flatnonzero(~np.isnan(data))
     y, error = data[rows], model[rows] - data[rows]
@@ -171,7 +171,7 @@ def _channel(name: str, unit: str, table: pd.DataFrame, simulated: pd.DataFrame,
     rmse = float(np.sqrt(squared / len(rows)))
     about_mean, about_zero = float(((y - y.mean()) ** 2).sum()), float((y**2).sum())
     largest = float(np.abs(y).max())
-    worst = int(rows[np.argmax(np.abs(error))])  # argmax takes a NaN of the FMU for the largest
+    worst = int(rows[np.argmax(np.abs(error))])  # argmax treats a NaN of the FMU as the largest
     return Channel(
         name,
         unit,

@@ -12,22 +12,22 @@ import pandas as pd
 from tirefmu.symbolic.escaping import visible
 from tirefmu.tires.notebook import html_summary, html_table
 
-#: Largest |difference| / (1 + |direct|) between the FMU and its tire's own code.
+#: Largest |FMU - direct| / (1 + |direct|) between the FMU and direct evaluation of its tire.
 EVALUATION_TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
 class WorstPoint:
-    """Where a channel is farthest from the data.
+    """The row with the largest error of a channel.
 
     Attributes
     ----------
     row : int
-        Of the recording, counted from 0.
+        Of the recording, starting at 0.
     t : float or None
-        s; None where the recording has no time.
+        s; None if the recording has no time.
     condition : mapping of str to float
-        The inputs there, SI, ISO signs.
+        The inputs of this row, SI, ISO signs.
     measured, simulated : float
     """
 
@@ -40,19 +40,19 @@ class WorstPoint:
 
 @dataclass(frozen=True)
 class Channel:
-    """How an output of the FMU compares with the data.
+    """Goodness of fit of one output of the FMU.
 
     Attributes
     ----------
     name, unit : str
     measured : int
-        Number of rows that have a measured value.
+        Number of rows with a measured value.
     rmse : float
         Root mean squared error, in the channel's unit.
     relative_rmse : float
-        The same as a share of the largest measured magnitude.
+        RMSE as a share of the largest measured magnitude.
     r2, r2_uncentred : float
-        1 - SSE / sum of squares about the mean, about zero; NaN where that sum is 0.
+        1 - SSE / sum of squares about the mean, about zero; NaN if that sum is 0.
     worst : WorstPoint
     """
 
@@ -68,30 +68,30 @@ class Channel:
 
 @dataclass(frozen=True, repr=False)
 class CheckResult:
-    """The answer of `check`.
+    """The result of `check`.
 
     Attributes
     ----------
     fmu, source : str
-        What was checked against what.
+        Names of the FMU and of the recording.
     fmi_version : str
     rows, segments : int
-        Simulated rows, and the stretches that each began anew.
+        Number of simulated rows, and of segments with a new initialization.
     channels : tuple of Channel
-        Outputs of the FMU that were measured.
+        The measured outputs of the FMU.
     evaluation_difference : float or None
-        Largest |FMU - direct| / (1 + |direct|) over all rows and outputs, where direct is the evaluation of
-        the tire that the FMU carries; None if it carries none.
+        Largest |FMU - direct| / (1 + |direct|) over all rows and outputs, where direct is the direct evaluation of the
+        embedded tire; None without an embedded tire.
     problems : tuple of str
-        What fmpy's validation found wrong with the FMU.
+        Problems found by fmpy's validation.
     tolerance : float or None
-        Largest `Channel.relative_rmse` asked for.
+        Largest allowed `Channel.relative_rmse`.
     simulated : pandas.DataFrame
         The FMU's outputs by row, ISO signs.
     recording : pandas.DataFrame
-        The same rows of the recording: ``t`` (made up where there was none), inputs and measured outputs, ISO signs.
+        The same rows of the recording: ``t`` (equal steps if it had none), inputs and measured outputs, ISO signs.
     starts : tuple of int
-        The row at which each segment begins.
+        The first row of each segment.
     """
 
     fmu: str
@@ -109,10 +109,10 @@ class CheckResult:
 
     @property
     def ok(self) -> bool:
-        """True if the FMU is valid, does what its tire says, and keeps the tolerance where one was given."""
-        faithful = self.evaluation_difference is None or self.evaluation_difference <= EVALUATION_TOLERANCE
-        near = self.tolerance is None or all(c.relative_rmse <= self.tolerance for c in self.channels)
-        return not self.problems and faithful and near
+        """True if the FMU is valid, agrees with direct evaluation, and satisfies the tolerance, if any."""
+        accurate = self.evaluation_difference is None or self.evaluation_difference <= EVALUATION_TOLERANCE
+        within_tolerance = self.tolerance is None or all(c.relative_rmse <= self.tolerance for c in self.channels)
+        return not self.problems and accurate and within_tolerance
 
     def to_json(self) -> dict[str, Any]:
         """Return the result as plain values for json.dump; NaN and infinity become None."""
@@ -133,11 +133,11 @@ class CheckResult:
         }
 
     def __repr__(self) -> str:
-        """Return the comparison as a table of a few lines."""
+        """Return the comparison as a short table."""
         return str(self)
 
     def _repr_html_(self) -> str:
-        """Return the same as HTML, for a notebook."""
+        """Return the comparison as HTML, for a notebook."""
         first, _, *rest = str(self).split("\n")
         rows = [(c.name, c.measured, c.rmse, c.unit, c.relative_rmse, c.r2, c.r2_uncentred) for c in self.channels]
         header = ["channel", "rows", "RMSE", "unit", "of max", "R2", "R2 uncentred"]
@@ -158,13 +158,13 @@ class CheckResult:
                 f"  row {worst.row}: measured {worst.measured:.4g}, FMU {worst.simulated:.4g} at {at}"
             )
         if self.evaluation_difference is not None:
-            lines.append(f"largest difference from direct evaluation: {self.evaluation_difference:.1e}")
-        lines += [f"not valid: {problem}" for problem in self.problems] or ["fmpy's validation: no problems"]
+            lines.append(f"largest relative difference from direct evaluation: {self.evaluation_difference:.1e}")
+        lines += [f"invalid: {problem}" for problem in self.problems] or ["fmpy validation: no problems"]
         return "\n".join(visible(line) for line in lines)
 
 
 def _channel_json(channel: Channel) -> dict[str, Any]:
-    """Return a channel as plain values."""
+    """Return a channel as plain values for JSON."""
     numbers = {name: getattr(channel, name) for name in ("rmse", "relative_rmse", "r2", "r2_uncentred")}
     worst = channel.worst
     return {

@@ -156,7 +156,7 @@ def test_an_invalid_fmu_is_not_ok(fmus, table, tmp_path):
     result = check(path, table)
     assert not result.ok
     assert "InitialUnknown" in result.problems[0]
-    assert "not valid:" in str(result)
+    assert "invalid:" in str(result)
 
 
 def test_json_and_text_say_the_same(fmu, table):

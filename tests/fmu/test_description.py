@@ -141,12 +141,12 @@ def test_what_xml_cannot_hold_is_left_out(fmi):
     assert ET.fromstring(text).get("modelName") == "a\ufffd\ufffdb\ufffd"
 
 
-def test_says_that_a_tire_was_rewritten():
+def test_states_that_a_tire_was_converted():
     tire = published("trento_hoosier")
     assert tire.signs == "adapted-sae"
     for given, said in ((tire, True), (tire.in_signs("iso"), False)):
         text = contents(given, 3, "t")["modelDescription.xml"].decode()
-        assert ("rewritten from adapted-sae signs" in text) == said
+        assert ("converted from adapted-sae signs" in text) == said
 
 
 def test_token_ties_tire_code_and_description(tires):

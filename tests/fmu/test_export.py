@@ -111,12 +111,12 @@ def fails(tire, path, message, **options):
 
 
 def test_unknown_version(tire, tmp_path):
-    fails(tire, tmp_path / "t.fmu", "FMI 1 is not known: known are 2 and 3", fmi=1)
+    fails(tire, tmp_path / "t.fmu", "FMI 1 is not supported: supported are 2 and 3", fmi=1)
 
 
 def test_unknown_inputs(tire, tmp_path):
-    fails(tire, tmp_path / "t.fmu", "inputs 'motion' are not known: known are slip, wheel", inputs="motion")
-    fails(tire, tmp_path / "t.fmu", "axes 'adapted-sae' are not known: known are iso, sae", axes="adapted-sae")
+    fails(tire, tmp_path / "t.fmu", "inputs 'motion' are unknown: known are slip, wheel", inputs="motion")
+    fails(tire, tmp_path / "t.fmu", "axes 'adapted-sae' are unknown: known are iso, sae", axes="adapted-sae")
 
 
 def test_folder_that_is_not_there(compiler, tire, tmp_path):

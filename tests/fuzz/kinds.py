@@ -18,7 +18,7 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from tirefmu.diagnose_command import own_effect
+from tirefmu.diagnose_command import user_effect
 from tirefmu.fitting.checkpoint import Checkpoint, Ended, Release, State
 from tirefmu.fitting.recipe import RECIPES, Freed, load_recipe
 from tirefmu.fitting.result import StageFit
@@ -187,9 +187,9 @@ def effect_seeds() -> list[bytes]:
     return [path.read_bytes() for folder in folders for path in sorted(folder.glob("*.toml"))]
 
 
-def read_own_effect(path: Path) -> None:
+def read_user_effect(path: Path) -> None:
     """Read an effect; it comes back from what is written of it."""
-    effect = own_effect(path)
+    effect = user_effect(path)
     assert read_effect(effect_text(effect), "again.toml") == effect
 
 
@@ -263,7 +263,7 @@ KINDS = {
     "parquet": Kind(".parquet", parquet_seeds, read_table, lambda n, files: mutated(n, files, BINARY)),
     "tydex": Kind(".tdx", lambda: [TYDEX], read_table),
     "recipe": Kind(".toml", recipe_seeds, lambda path: load_recipe(str(path), "mf96")),
-    "effect": Kind(".toml", effect_seeds, read_own_effect),
+    "effect": Kind(".toml", effect_seeds, read_user_effect),
     "fmu": Kind(".fmu", fmu_seeds, read_fmu, rezipped),
     "checkpoint": Kind(".progress.json", checkpoint_seeds, read_checkpoint, sealed),
 }

@@ -156,7 +156,7 @@ def test_a_version_of_fmi_is_a_number_or_a_text(version):
     for given in (version, float(version), str(version), f"{version}.0"):
         assert fmi_version(given) == version
     for given in (1, 2.5, "4", "", "two", float("nan")):
-        with pytest.raises(FmuError, match="is not known: known are 2 and 3"):
+        with pytest.raises(FmuError, match="is not supported: supported are 2 and 3"):
             fmi_version(given)
     for given in ([3], True):
         with pytest.raises(WrongType, match=r"^fmi is "):
