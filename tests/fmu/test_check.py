@@ -205,8 +205,8 @@ def test_files_that_are_no_fmu(table, tmp_path):
         archive.writestr("readme", "")
     for name, message in (
         ("no.fmu", "no such file"),
-        ("text.fmu", "not an FMU"),
-        ("empty.fmu", "not an FMU"),
+        ("text.fmu", "not a readable FMU"),
+        ("empty.fmu", "not a readable FMU"),
     ):
         with pytest.raises(FmuError, match=f"{name}: {message}") as caught:
             check(tmp_path / name, table)
