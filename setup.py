@@ -6,12 +6,12 @@ from pathlib import Path
 from setuptools import setup
 
 ROOT = Path(__file__).parent
-ROOMS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["package-dir"]
+PACKAGES = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["package-dir"]
 
 setup(
     packages=sorted(
         ".".join([package, *found.parent.relative_to(ROOT / folder).parts])
-        for package, folder in ROOMS.items()
+        for package, folder in PACKAGES.items()
         for found in (ROOT / folder).rglob("__init__.py")
     )
 )

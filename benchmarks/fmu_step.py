@@ -11,8 +11,8 @@ import subprocess
 import tempfile
 from pathlib import Path
 
-from tirefmu.fmu.binaries import FLAGS
-from tirefmu.fmu.build import contents, fmi_headers
+from tirefmu.fmu.packaging.binaries import FLAGS
+from tirefmu.fmu.packaging.export import contents, fmi_headers
 from tirefmu.symbolic import model as book_of
 from tirefmu.tires import Tire
 from tirefmu.tires.compiler import FLAGS as COMPILER_FLAGS

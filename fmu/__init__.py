@@ -1,6 +1,7 @@
-"""Tires as FMUs: native export for FMI 2.0 and 3.0, and the check against data."""
+"""Tires as FMUs: native export for FMI 2.0 and 3.0, simulation, and comparison with data."""
 
-from .build import export
-from .check import Channel, CheckResult, WorstPoint, check
+from .comparison.check import check
+from .comparison.result import Channel, CheckResult, WorstPoint
+from .packaging.export import export
 
 __all__ = ["Channel", "CheckResult", "WorstPoint", "check", "export"]

@@ -1,4 +1,4 @@
-"""What all tests share: golden numbers, measured recordings, figures without a screen, repeatable draws."""
+"""Fixtures of all tests: golden numbers, measured recordings, figures without a screen, repeatable random examples."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-# Before anything imports matplotlib; commands that a test starts inherit it.
+# Set before matplotlib is imported; commands that a test starts inherit it.
 os.environ["MPLBACKEND"] = "Agg"
 
-# Derandomized: a commit passes or fails the same way everywhere. No deadline and no health check of speed:
-# a busy machine is not a fault. (pytest --hypothesis-profile=default draws anew.)
+# Derandomized: a commit has the same result everywhere. No deadline and no health check of speed, because machines may
+# be busy. (pytest --hypothesis-profile=default draws new examples.)
 hypothesis.settings.register_profile(
     "tirefmu",
     deadline=None,
@@ -26,7 +26,7 @@ hypothesis.settings.load_profile("tirefmu")
 
 @pytest.fixture(scope="session", autouse=True)
 def compiled_code(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """Keep built libraries in the session's own folder, one for all its workers, and leave the user's alone."""
+    """Cache compiled libraries in a folder of the test session, shared by its workers, instead of the user's cache."""
     folder = tmp_path_factory.getbasetemp()
     if "PYTEST_XDIST_WORKER" in os.environ:
         folder = folder.parent
@@ -37,17 +37,17 @@ def compiled_code(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
 
 @pytest.fixture(scope="session")
 def golden() -> Path:
-    """Return the folder of numbers from elsewhere; each file's header says from where."""
+    """Return the folder of reference numbers; the header of each file states the source."""
     return Path(__file__).parent / "golden"
 
 
 @pytest.fixture(scope="session")
 def data_folder() -> Path:
-    """Return the folder of measured recordings, which are not part of the project."""
+    """Return the folder of the measured recordings, which are not part of the project."""
     name = os.environ.get("TIREFMU_DATA")
     if not name:
-        pytest.skip("TIREFMU_DATA names no folder of measured recordings (they are not part of the project)")
+        pytest.skip("TIREFMU_DATA is not set: measured recordings are not part of the project")
     folder = Path(name)
     if not folder.is_dir():
-        pytest.fail(f"TIREFMU_DATA is {name}, which is no folder")
+        pytest.fail(f"TIREFMU_DATA is {name}, which is not a folder")
     return folder

@@ -1,6 +1,6 @@
-"""The examples in the docstrings run, each module met as tirefmu.<room>.<module>.
+"""The examples in the docstrings run, each module imported as tirefmu.<package>.<module>.
 
-(pytest --doctest-modules would import the root folders as top-level packages and meet every class twice.)
+(pytest --doctest-modules would import the root folders as top-level packages and define every class twice.)
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-ROOMS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["package-dir"]
+PACKAGES = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["package-dir"]
 
 
 def modules_with_examples() -> list[str]:
-    """Return the import names of all modules whose text holds an example."""
+    """Return the import names of all modules that contain an example."""
     names = []
-    for package, folder in ROOMS.items():
+    for package, folder in PACKAGES.items():
         for path in sorted((ROOT / folder).rglob("*.py")):
             if ">>> " in path.read_text(encoding="utf-8"):
                 below = path.relative_to(ROOT / folder).with_suffix("").parts

@@ -1,6 +1,7 @@
 """The wheel contains what is on disk.
 
-In a clone, nothing shows that setup.py misses a folder or pyproject.toml a data file; an installed wheel fails.
+In a clone, a folder that setup.py misses or a data file that pyproject.toml misses has no effect; an installed wheel
+fails.
 """
 
 from __future__ import annotations
@@ -15,19 +16,19 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 #: Package name -> root folder.
-ROOMS = PROJECT["tool"]["setuptools"]["package-dir"]
+PACKAGES = PROJECT["tool"]["setuptools"]["package-dir"]
 
 
 def on_disk(folder: Path) -> set[Path]:
-    """Return the files below a folder, relative to it, without what running and editing leave behind."""
+    """Return the files below a folder, relative to it, without files of Python and editors."""
     found = {path.relative_to(folder) for path in folder.rglob("*") if path.is_file()}
     return {path for path in found if not any(part == "__pycache__" or part.startswith(".") for part in path.parts)}
 
 
-def test_wheel_is_what_lies_in_the_rooms(tmp_path):
-    # Built from a copy: a build folder left in the clone would hand its old files on.
+def test_wheel_contains_the_packages(tmp_path):
+    # Built from a copy: a build folder in the clone could contain outdated files.
     source = tmp_path / "source"
-    for folder in ROOMS.values():
+    for folder in PACKAGES.values():
         shutil.copytree(ROOT / folder, source / folder, ignore=shutil.ignore_patterns("__pycache__"))
     for name in ("pyproject.toml", "setup.py", PROJECT["project"]["readme"], *PROJECT["project"]["license-files"]):
         shutil.copy(ROOT / name, source / name)
@@ -39,10 +40,8 @@ def test_wheel_is_what_lies_in_the_rooms(tmp_path):
     packed = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
     expected = {
         "/".join([*package.split("."), *path.parts])
-        for package, folder in ROOMS.items()
+        for package, folder in PACKAGES.items()
         for path in on_disk(ROOT / folder)
     }
-    assert sorted(expected - packed) == [], (
-        "lies in a room, but is not in the wheel: see package-data in pyproject.toml"
-    )
-    assert sorted(packed - expected) == [], "is in the wheel, but lies in no room"
+    assert sorted(expected - packed) == [], "is in a package, but not in the wheel: see package-data in pyproject.toml"
+    assert sorted(packed - expected) == [], "is in the wheel, but in no package"

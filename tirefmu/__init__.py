@@ -1,4 +1,4 @@
-"""From tire bench data to a fitted Magic Formula tire, packed as an FMU and checked against the data."""
+"""From tire bench data to a fitted Magic Formula tire, exported as an FMU and checked against the data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the commands' arguments have in common: kinds of values, files that are there, JSON that is written."""
+"""Common parts of the commands: types of arguments, checks of output paths, JSON output."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import click
 from tirefmu.symbolic import DEFAULT_MODEL, MODELS
 from tirefmu.symbolic.errors import TirefmuError
 
-#: Option of the commands that begin without a tire.
+#: Option of the commands that do not need a tire.
 MODEL = click.option(
     "--model", help=f"Model: {', '.join(MODELS)}.  [default: that of the given tire, else {DEFAULT_MODEL}]"
 )
@@ -58,15 +58,15 @@ def names(ctx: click.Context, param: click.Parameter, value: str | None) -> tupl
 
 
 def common(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command the options that all have: --json and --quiet."""
+    """Add the options of all commands, --json and --quiet."""
     command = click.option("--json", "json_file", type=FILE, help="Write the result as JSON ('-': standard output).")(
         command
     )
-    return click.option("--quiet", is_flag=True, help="Print nothing but errors.")(command)
+    return click.option("--quiet", is_flag=True, help="Print errors only.")(command)
 
 
-def check_places(*files: Path | None, folder: Path | None = None) -> None:
-    """Refuse what cannot be written before work begins, so that nothing is left of half of it."""
+def check_output_paths(*files: Path | None, folder: Path | None = None) -> None:
+    """Raise for an output path that cannot be written, before any work starts and any output is written."""
     for path in files:
         if path is None or str(path) == "-":
             continue
@@ -79,7 +79,7 @@ def check_places(*files: Path | None, folder: Path | None = None) -> None:
 
 
 def write_json(path: Path | None, content: dict[str, Any]) -> None:
-    """Write a result as JSON to a file, or to standard output for "-"; nothing where no file was asked for."""
+    """Write a result as JSON to a file, or to standard output for "-"; nothing if `path` is None."""
     if path is None:
         return
     text = json.dumps(content, indent=2, allow_nan=False, default=str)

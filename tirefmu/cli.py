@@ -1,7 +1,7 @@
-"""The command line: ``tirefmu COMMAND``. Exit status 0: what was asked holds; 1: it ran and does not; 2: bad input.
+"""The command line: ``tirefmu COMMAND``. Exit codes: 0 success, 1 completed but a check failed, 2 invalid input.
 
-A command imports what it needs when it runs: casadi, fmpy and matplotlib would delay every ``--help``. Where it takes
-a TIRE, that is a .tir file or the name of a published one.
+A command imports its packages when it runs, because casadi, fmpy and matplotlib would delay every ``--help``. TIRE is a
+.tir file or the name of a published tire.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.escaping import excerpt, visible
 from tirefmu.tires import tire_from
 
-from .arguments import FILE, MODEL, SIGNS, Numbers, Pairs, check_places, common, names, write_json
+from .arguments import FILE, MODEL, SIGNS, Numbers, Pairs, check_output_paths, common, names, write_json
 from .diagnose_command import diagnose
 from .terminal import Terminal
 
@@ -26,35 +26,41 @@ from .terminal import Terminal
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(package_name="tirefmu")
 def cli() -> None:
-    """From tire bench data to a fitted Magic Formula tire, packed as an FMU and checked against the data."""
+    """From tire bench data to a fitted Magic Formula tire, exported as an FMU and checked against the data.
+
+    Exit codes: 0 success, 1 completed but a check failed, 2 invalid input.
+    """
 
 
 @cli.command()
 @click.option(
-    "--check", "only_check", is_flag=True, help="Change nothing; exit 1 with a diff where generated/ is stale."
+    "--check",
+    "only_check",
+    is_flag=True,
+    help="Change nothing; exit code 1 with a diff if generated/ is outdated.",
 )
 @common
 def generate(only_check: bool, quiet: bool, json_file: Path | None) -> int:
-    """Print the book as code: NumPy, CasADi and C, into generated/."""
+    """Generate the NumPy, CasADi and C code of all models in generated/."""
     import tirefmu.generated
     from tirefmu.symbolic.printers import generate as printers
 
     terminal = Terminal(quiet)
-    check_places(json_file)
+    check_output_paths(json_file)
     folder = Path(tirefmu.generated.__file__).parent
     if only_check:
         diff = printers.difference(folder)
         write_json(json_file, {"ok": not diff, "diff": diff})
         if diff:
-            terminal.print(*diff.rstrip().split("\n"), 'generated/ is stale: run "tirefmu generate"')
+            terminal.print(*diff.rstrip().split("\n"), 'generated/ is outdated: run "tirefmu generate"')
         else:
-            terminal.print("generated/ is what the book prints")
+            terminal.print("generated/ is up to date")
         return 1 if diff else 0
-    with terminal.working("printing the book"):
+    with terminal.working("generating code"):
         changed = printers.write(folder)
     write_json(json_file, {"ok": True, "changed": [path.relative_to(folder).as_posix() for path in changed]})
     for path in changed:
-        terminal.print(f"written: generated/{path.relative_to(folder).as_posix()}")
+        terminal.print(f"generated/{path.relative_to(folder).as_posix()}")
     if not changed:
         terminal.print("generated/ was up to date")
     return 0
@@ -63,28 +69,28 @@ def generate(only_check: bool, quiet: bool, json_file: Path | None) -> int:
 @cli.command()
 @click.argument("tire", type=FILE)
 @click.argument("table", type=FILE)
-@click.option("-o", "--output", type=FILE, required=True, help="CSV or Parquet to write.")
+@click.option("-o", "--output", type=FILE, required=True, help="CSV or Parquet file to write.")
 @click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat and .dat, iso for tables).")
 @click.option(
     "--convention",
     type=click.Choice(["tno", "book"]),
     default="tno",
     show_default=True,
-    help="MF5.2 to 6.2: as the industry's solvers compute, or as Pacejka (2012) prints.",
+    help="MF5.2 to 6.2: as in industrial solvers, or as in Pacejka (2012).",
 )
 @click.option(
     "--slip-angle",
     type=click.Choice(["tan", "angle"]),
     default="tan",
     show_default=True,
-    help="MF5.2 to 6.2: alpha* and gamma* are tangent and sine, or the angles themselves.",
+    help="MF5.2 to 6.2: alpha* and gamma* are tangent and sine, or the angles.",
 )
-@click.option("--limits", is_flag=True, help="Clamp the inputs to the range in which the tire is known.")
-@click.option("--mirror", is_flag=True, help="The tire as mounted on the other side of the vehicle.")
-@click.option("--steady", is_flag=True, help="No transient slip: each row for itself.")
-@click.option("--hold", is_flag=True, help="Inputs held over each step, as in a co-simulation (default: linear).")
+@click.option("--limits", is_flag=True, help="Clamp the inputs to the valid range of the tire.")
+@click.option("--mirror", is_flag=True, help="Evaluate the tire mounted on the other side of the vehicle.")
+@click.option("--steady", is_flag=True, help="No transient slip: evaluate each row independently.")
+@click.option("--hold", is_flag=True, help="Inputs constant over each step, as in a co-simulation (default: linear).")
 @click.option("--code", type=click.Choice(["auto", "numpy", "c", "casadi", "batch"]), default="auto",
-              show_default=True, help="Which of the generated codes evaluates.")  # fmt: skip
+              show_default=True, help="Generated code to use.")  # fmt: skip
 @common
 def evaluate(
     tire: Path,
@@ -98,12 +104,12 @@ def evaluate(
 ) -> int:
     """Evaluate TIRE for every row of TABLE: forces, moments and every named quantity.
 
-    Where TABLE has a column t and TIRE a relax_* effect, slips lag behind the inputs.
+    If TABLE has a column t and TIRE a relax_* effect, the slips have a first-order lag.
     """
     from tirefmu.measurements import recording_from, write_table
 
     terminal = Terminal(quiet)
-    check_places(output, json_file)
+    check_output_paths(output, json_file)
     loaded = tire_from(tire)
     recording = recording_from(table, signs=signs)
     with terminal.working(f"evaluating {len(recording)} rows"):
@@ -114,7 +120,7 @@ def evaluate(
     write_json(json_file, {**summary, "output": str(output), "columns": list(result.columns)})
     terminal.print(f"{len(result)} rows, {len(result.columns)} columns, signs {recording.signs}: {output}")
     if absent:
-        terminal.print(f"not in the table, at nominal: {', '.join(absent)}")
+        terminal.print(f"not in the table, nominal values used: {', '.join(absent)}")
     return 0
 
 
@@ -122,31 +128,39 @@ def evaluate(
 @click.argument("tables", type=FILE, nargs=-1, required=True)
 @MODEL
 @click.option("-o", "--output", type=FILE, required=True, help="Tire file (.tir) to write.")
-@click.option("--start", type=FILE, help="Tire to start from, or 'features' read from the data (default: generic).")
-@click.option("--effects", callback=names, help="Exactly these effects on top of the core, or 'none'.")
-@click.option("--without", callback=names, default="none", help="All effects but these.")
+@click.option(
+    "--start",
+    type=FILE,
+    help="Tire with initial values, or 'features' to read them from the data (default: generic).",
+)
+@click.option("--effects", callback=names, help="Exactly these effects in addition to the core, or 'none'.")
+@click.option("--without", callback=names, default="none", help="All effects except these.")
 @click.option("--recipe", help="progressive, joint, trento, scaling (of --start), one of the model's own, or a TOML "
                                "file  [default: the model's]")  # fmt: skip
 @click.option("--method", default="ipopt", show_default=True,
               help="ipopt, or ioa: an evolutionary algorithm without derivatives, for comparison.")  # fmt: skip
-@click.option("--iterations", type=click.IntRange(min=1), help="The most that a stage may take [ipopt 300, ioa 10000].")
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of ioa's random draws.")
+@click.option(
+    "--iterations",
+    type=click.IntRange(min=1),
+    help="Iteration limit of a stage  [default: ipopt 300, ioa 10000]",
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of ioa's random numbers.")
 @click.option("--constraint", callback=names, default="none",
-              help="Physical conditions to keep beside the usual ones: extrapolation (signs and E to "
-                   "1.5 times the range), stiffness_saturating (K_xkappa, too), or all.")  # fmt: skip
+              help="Physical constraints in addition to the default ones: extrapolation (signs and E up to "
+                   "1.5 times the range), stiffness_saturating (also K_xkappa), or all.")  # fmt: skip
 @click.option("--without-constraint", callback=names, default="none",
-              help="Physical conditions not to keep: signs, curvature, friction_falling, stiffness_saturating, "
-                   "extrapolation, one of them (curvature:E_y), or all.")  # fmt: skip
+              help="Physical constraints to remove: signs, curvature, friction_falling, stiffness_saturating, "
+                   "extrapolation, a single one (curvature:E_y), or all.")  # fmt: skip
 @click.option("--loss", default="squares", show_default=True,
-              help="What a residual costs: squares; huber or cauchy where some rows are grossly wrong.")  # fmt: skip
+              help="Loss function: squares; huber or cauchy for data with outliers.")  # fmt: skip
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
-@click.option("--all-rows", is_flag=True, help="Fit what would be set aside, too: warm-up, transitions, outliers.")
+@click.option("--all-rows", is_flag=True, help="Do not exclude rows (warm-up, transitions, outliers).")
 @click.option("--rows", default="condition", show_default=True,
-              help="How rows count: condition (repeats do not outweigh), equal, or independent.")  # fmt: skip
-@click.option("--resume", is_flag=True, help="Go on with an interrupted fit.")
+              help="Weights of rows: condition (equal per operating condition), equal, or independent.")  # fmt: skip
+@click.option("--resume", is_flag=True, help="Continue an interrupted fit.")
 @click.option("--cross-validate", "folds", type=click.IntRange(min=2),
-              help="Also predict each of so many parts of the held conditions by a fit to the others.")  # fmt: skip
+              help="Also predict operating conditions out of sample, with this number of folds.")  # fmt: skip
 @click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @common
@@ -159,8 +173,8 @@ def fit(
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
 
-    Ctrl-C ends a fit with the best values so far, exit status 1. Its finished stages stay beside the tire, in
-    NAME.progress.json, and --resume goes on after them; the file goes when the fit is done.
+    Ctrl-C stops a fit; the best values so far are written, and the exit code is 1. NAME.progress.json, in the folder of
+    the tire, has the completed stages. --resume continues after them. A completed fit deletes the file.
     """
     from tirefmu.fitting import cross_validate, deal
     from tirefmu.fitting import fit as run
@@ -168,10 +182,10 @@ def fit(
     from tirefmu.measurements import recordings_from
 
     terminal = Terminal(quiet)
-    check_places(output, json_file, report, folder=figures)
+    check_output_paths(output, json_file, report, folder=figures)
     recordings = recordings_from(tables, signs=signs)
     if folds:
-        deal(recordings, folds)  # says before the work what cannot be
+        deal(recordings, folds)  # raises before the fit if there are too few parts
     finished_stages = output.with_name(f"{output.stem}.progress.json")
     options: dict[str, Any] = {
         "start": None if start is None else str(start), "effects": effects, "without": without, "recipe": recipe,
@@ -182,15 +196,15 @@ def fit(
     with terminal.fitting() as progress:
         result = run(recordings, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)
         if folds and not result.interrupted:
-            foretold = cross_validate(recordings, model, folds=folds, whole=result, progress=progress, **options)
-            result = replace(result, held_out=foretold)
+            held_out = cross_validate(recordings, model, folds=folds, whole=result, progress=progress, **options)
+            result = replace(result, held_out=held_out)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
     write_json(json_file, result.to_json())
     terminal.fit_result(result)
     terminal.print(f"tire: {output}")
     if result.interrupted and finished_stages.exists():
-        terminal.print(f"finished stages: {finished_stages}; the same command with --resume goes on after them")
+        terminal.print(f"completed stages: {finished_stages}; to continue, run the same command with --resume")
     if figures:
         with terminal.working("drawing figures"):
             drawn = draw_figures(result.tire, recordings, figures)
@@ -207,23 +221,23 @@ def fit(
 @cli.command()
 @click.argument("tire", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="FMU to write.")
-@click.option("--fmi", type=click.Choice(["2", "3"]), help="Version of FMI  [default: 3; pythonfmu: 2]")
+@click.option("--fmi", type=click.Choice(["2", "3"]), help="FMI version  [default: 3; pythonfmu: 2]")
 @click.option("--inputs", default="slip", show_default=True,
-              help="slip: kappa, alpha, ...; wheel: contact point velocities and wheel speed.")  # fmt: skip
+              help="slip: kappa, alpha, ...; wheel: velocities of the contact point and angular speed.")  # fmt: skip
 @click.option("--axes", type=click.Choice(["iso", "sae"]), default="iso", show_default=True, help="Axes of the FMU.")
-@click.option("--quantities", is_flag=True, help="Every named quantity as an output, too.")
+@click.option("--quantities", is_flag=True, help="Every named quantity is an output.")
 @click.option(
     "--kind",
     type=click.Choice(["native", "pythonfmu"]),
     default="native",
     show_default=True,
-    help="C, or Python to be changed at will.",
+    help="C, or editable Python.",
 )
 @click.option(
     "--platforms",
     default="host",
     show_default=True,
-    help="host, all, or FMI 3's names with commas between (x86_64-windows, ...); others than host need ziglang.",
+    help="host, all, or FMI 3 names separated by commas (x86_64-windows, ...); all but host need ziglang.",
 )
 @common
 def export(
@@ -238,11 +252,11 @@ def export(
     quiet: bool,
     json_file: Path | None,
 ) -> int:
-    """Pack TIRE as an FMU: native for Co-Simulation and Model Exchange, without Python, or one to be changed."""
+    """Export TIRE as an FMU: native (Co-Simulation and Model Exchange, no Python), or with editable Python."""
     from tirefmu.fmu import export as run
 
     terminal = Terminal(quiet)
-    check_places(output, json_file)
+    check_output_paths(output, json_file)
     loaded = tire_from(tire)
     version = int(fmi) if fmi else 3 if kind == "native" else 2
     with terminal.working("compiling" if kind == "native" else "packing"):
@@ -250,10 +264,10 @@ def export(
             loaded, output, fmi=version, inputs=inputs, axes=axes, quantities=quantities, kind=kind, platforms=platforms
         )
     size = written.stat().st_size
-    told = {"ok": True, "fmu": str(written), "fmi": version, "inputs": inputs, "kind": kind, "bytes": size}
-    write_json(json_file, told)
-    offers = "Co-Simulation and Model Exchange" if kind == "native" else "Co-Simulation"
-    terminal.print(f"FMI {version}.0 {offers}, {kind}, {inputs} inputs, {size / 1024:.0f} KB: {written}")
+    summary = {"ok": True, "fmu": str(written), "fmi": version, "inputs": inputs, "kind": kind, "bytes": size}
+    write_json(json_file, summary)
+    interfaces = "Co-Simulation and Model Exchange" if kind == "native" else "Co-Simulation"
+    terminal.print(f"FMI {version}.0 {interfaces}, {kind}, {inputs} inputs, {size / 1024:.0f} KB: {written}")
     return 0
 
 
@@ -264,11 +278,11 @@ def export(
 @click.option(
     "--tolerance",
     type=click.FloatRange(min=0.0),
-    help="Exit 1 where a channel's RMSE exceeds this share of its largest value.",
+    help="Exit with code 1 if a channel's RMSE exceeds this share of its largest value.",
 )
 @click.option("--timeout", type=click.FloatRange(min=0.0, min_open=True), metavar="SECONDS",
-              help="Time that the simulation may take [default: 60, and 0.005 for each row].")  # fmt: skip
-@click.option("--figures", type=FILE, help="Folder for figures of the data, the FMU and their difference over time.")
+              help="Time limit of the simulation  [default: 60, plus 0.005 per row]")  # fmt: skip
+@click.option("--figures", type=FILE, help="Folder for figures of the data, the FMU and the error over time.")
 @common
 def check(
     fmu: Path, table: Path, signs: str | None, tolerance: float | None, timeout: float | None, figures: Path | None,
@@ -276,19 +290,18 @@ def check(
 ) -> int:  # fmt: skip
     """Simulate FMU with fmpy over TABLE and compare with the data and with direct evaluation.
 
-    FMU runs in a process of its own: one that crashes or hangs is an error. It is native code all the same, and can do
-    what you can.
+    FMU runs in a separate process: a crash or a hang is reported as an error. It is native code with your permissions.
     """
     from tirefmu.fmu import check as run
 
     terminal = Terminal(quiet)
-    check_places(json_file, folder=figures)
+    check_output_paths(json_file, folder=figures)
     with terminal.working(f"simulating {fmu.name} over {table.name}"):
         result = run(fmu, table, signs=signs, tolerance=tolerance, timeout=timeout)
     write_json(json_file, result.to_json())
     terminal.print(*str(result).split("\n"))
     if figures:
-        from tirefmu.fmu.figures import draw_check
+        from tirefmu.fmu.comparison.figures import draw_check
 
         terminal.print(f"figures: {len(draw_check(result, figures))} in {figures}")
     return 0 if result.ok else 1
@@ -296,19 +309,21 @@ def check(
 
 @cli.command()
 @click.argument("tire", type=FILE)
-@click.option("--all", "every", is_flag=True, help="Every coefficient, what was assumed, and what else the file holds.")
+@click.option(
+    "--all", "every", is_flag=True, help="List every coefficient, assumed values, other contents of the file."
+)
 @common
 def info(tire: Path, every: bool, quiet: bool, json_file: Path | None) -> int:
-    """Tell what is in TIRE: model, ranges, effects, coefficients, what is missing, what looks implausible."""
+    """Summarize TIRE: model, ranges, effects, coefficients, warnings."""
     from tirefmu.tires.tir import read_tir_with_notes
 
     from .description import describe
 
-    check_places(json_file)
+    check_output_paths(json_file)
     loaded = tire_from(tire)
-    told = describe(loaded, read_tir_with_notes(tire).notes if tire.is_file() else ())
-    write_json(json_file, told)
-    Terminal(quiet).tire(loaded, told, every)
+    summary = describe(loaded, read_tir_with_notes(tire).notes if tire.is_file() else ())
+    write_json(json_file, summary)
+    Terminal(quiet).tire(loaded, summary, every)
     return 0
 
 
@@ -316,19 +331,19 @@ def info(tire: Path, every: bool, quiet: bool, json_file: Path | None) -> int:
 @click.argument("tire", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder to write.")
 @click.option("--loads", type=Numbers(), help="Loads in N (default: three over the tire's range).")
-@click.option("--signs", type=SIGNS, default="iso", show_default=True, help="Convention to draw in.")
+@click.option("--signs", type=SIGNS, default="iso", show_default=True, help="Sign convention of the figures.")
 @click.option("--format", "suffix", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
 @common
 def draw(
     tire: Path, output: Path, loads: tuple[float, ...] | None, signs: str, suffix: str, quiet: bool,
     json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Draw TIRE: pure curves, surfaces of Fx and Fy over both slips, Fy against Fx; per load."""
+    """Draw TIRE at several loads: pure slip, surfaces of Fx and Fy over both slips, Fy against Fx."""
     from tirefmu.tires.drawing import draw as run
     from tirefmu.tires.drawing import usual_loads
 
     terminal = Terminal(quiet)
-    check_places(json_file, folder=output)
+    check_output_paths(json_file, folder=output)
     loaded = tire_from(tire)
     loads = usual_loads(loaded) if loads is None else loads
     with terminal.working("drawing"):
@@ -344,11 +359,11 @@ def draw(
 @click.option("-o", "--output", type=FILE, default=Path("demo-output"), show_default=True, help="Folder to write.")
 @common
 def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
-    """Run the whole circle on the built-in virtual bench: bench, fit, tire, FMU, check, a missing effect."""
+    """Run the full workflow on the virtual bench: measurement, fit, tire, FMU, check, a missing effect."""
     from .demo import run
 
     terminal = Terminal(quiet)
-    check_places(json_file, folder=output)
+    check_output_paths(json_file, folder=output)
     summary = run(output, terminal)
     write_json(json_file, summary)
     return 0 if summary["ok"] else 1
@@ -358,17 +373,17 @@ cli.add_command(diagnose)
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the command line and return its exit status.
+    """Run the command line and return its exit code.
 
     Parameters
     ----------
     arguments : list of str, optional
-        Those of the process where None.
+        None for the arguments of the process.
 
     Returns
     -------
     int
-        0: what was asked holds; 1: it ran and does not hold; 2: bad input.
+        0: success; 1: completed, but a check failed; 2: invalid input.
 
     Examples
     --------
@@ -376,22 +391,22 @@ def main(arguments: list[str] | None = None) -> int:
     2
     """
     if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")  # an encoding that lacks a character of a file's name
+        sys.stdout.reconfigure(errors="backslashreplace")  # for encodings that lack a character of a file name
     try:
         given = sys.argv[1:] if arguments is None else arguments
         status = cli.main(args=given or ["--help"], prog_name="tirefmu", standalone_mode=False)
     except TirefmuError as error:
-        return _refused(str(error))
+        return _invalid(str(error))
     except click.ClickException as error:
-        return _refused(" ".join(error.format_message().split()))
+        return _invalid(" ".join(error.format_message().split()))
     except OSError as error:  # a name that is too long, a disk that is full
-        return _refused(f"{excerpt(error.filename, 200)}: {error.strerror}" if error.filename else str(error))
+        return _invalid(f"{excerpt(error.filename, 200)}: {error.strerror}" if error.filename else str(error))
     except (click.Abort, KeyboardInterrupt):
         print("tirefmu: interrupted", file=sys.stderr)
         return 130
     return int(status or 0)
 
 
-def _refused(message: str) -> int:
+def _invalid(message: str) -> int:
     print(f"tirefmu: error: {visible(message)}", file=sys.stderr)
     return 2

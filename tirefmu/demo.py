@@ -1,4 +1,4 @@
-"""The whole circle once on the virtual bench: bench -> fit -> tire -> FMU -> check -> the missing effect, diagnosed."""
+"""The full workflow on the virtual bench: measurement -> fit -> tire -> FMU -> check -> diagnosis."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ from .terminal import Terminal
 FloatArray = npt.NDArray[np.float64]
 
 SEED = 1464
-#: Where the bench tire leaves the Trento parameters, and why.
+#: Coefficients of the bench tire that differ from the Trento tire, and why.
 BENCH_TIRE = {
-    # The report bound PKY2 to 4.9 .. 5.1 and so overestimated the measured cornering stiffness by 36 % at 250 lbf.
+    # The report limited PKY2 to 4.9 .. 5.1, which overestimated the measured cornering stiffness by 36 % at 250 lbf.
     "PKY1": 127.5,
     "PKY2": 3.9,
-    # Trento's E_t breaks the report's own condition E_t <= 1 at higher load and with inclination.
+    # Trento's E_t violates the report's own constraint E_t <= 1 at higher load and with inclination.
     "QEZ2": 1.0,
     "QEZ5": 0.0,
-    # Camber thrust that stands out of the bench's noise: 4 deg of camber are worth 0.2 deg of slip angle more.
+    # Camber thrust above the noise of the bench: 4 deg of camber equal an additional slip angle of 0.2 deg.
     "PHY3": 0.05,
 }
 
 
 def bench_tire() -> Tire:
-    """Return the tire of the virtual bench: the Trento Hoosier with the stiffness that the data really had.
+    """Return the tire of the virtual bench: the Trento Hoosier with the measured cornering stiffness.
 
     Returns
     -------
@@ -57,38 +57,38 @@ def bench_tire() -> Tire:
 
 
 def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
-    """Run the demo and return what it found.
+    """Run the demo and return its results.
 
     Parameters
     ----------
     folder : Path
-        Made if need be; files of an earlier run are overwritten.
+        Created if it does not exist; files of an earlier run are overwritten.
     terminal : Terminal
 
     Returns
     -------
     dict of str to Any
-        Plain JSON values; ``ok`` says whether everything held.
+        Plain JSON values; ``ok`` is true if every check passed.
 
     Raises
     ------
     TirefmuError
-        If the folder cannot be made.
+        If the folder cannot be created.
     """
     began = time.perf_counter()
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise TirefmuError(f"{folder}: cannot be made ({error.strerror or error})") from error
+        raise TirefmuError(f"{folder}: cannot be created ({error.strerror or error})") from error
     truth = bench_tire()
     recording = _bench(truth, folder, terminal)
     full, staged = _fits(truth, recording, folder, terminal)
     checks = _fmus(full, recording, folder, terminal)
-    lame, missing = _missing_effect(full, recording, folder, terminal)
-    diagnosis = _diagnosis(lame, recording, folder / "diagnosis", terminal)
+    reduced, missing = _missing_effect(full, recording, folder, terminal)
+    diagnosis = _diagnosis(reduced, recording, folder / "diagnosis", terminal)
     seconds = time.perf_counter() - began
     start = folder / "diagnosis" / "report.html"
-    terminal.print("", f"Done in {seconds:.0f} s. Everything is in {folder}: start with {start}")
+    terminal.print("", f"Completed in {seconds:.0f} s. Results are in {folder}; the report is {start}")
     ok = full.ok and all(checks.values()) and missing["flat_with_effect"] and diagnosis["ok"]
     return {
         "ok": bool(ok),
@@ -102,7 +102,7 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
 
 
 def _bench(truth: Tire, folder: Path, terminal: Terminal) -> Recording:
-    terminal.heading("1 Bench.", "A Hoosier-like tire on the Trento report's program")
+    terminal.heading("1 Virtual bench.", "A tire similar to the Hoosier, measured as in the Trento report")
     with terminal.working("running the virtual bench"):
         recording = VirtualBench(truth, Noise(), seed=SEED).run(trento_program())
         write_table(recording.table, folder / "bench.csv")
@@ -110,13 +110,13 @@ def _bench(truth: Tire, folder: Path, terminal: Terminal) -> Recording:
     table = recording.table
     terminal.print(
         f"  {len(table)} rows, loads {table.Fz.min():.0f} .. {table.Fz.max():.0f} N, "
-        f"{np.degrees(table.gamma.max()):.0f} deg camber, noise and drift as a real bench has: {folder / 'bench.csv'}"
+        f"{np.degrees(table.gamma.max()):.0f} deg camber, with noise and drift: {folder / 'bench.csv'}"
     )
     return recording
 
 
 def _fits(truth: Tire, recording: Recording, folder: Path, terminal: Terminal) -> tuple[FitResult, FitResult]:
-    terminal.heading("2 Fit.", "The report's thirteen stages, and everything at once")
+    terminal.heading("2 Fit.", "The thirteen stages of the report, and all coefficients simultaneously")
     nominal = {"Fz0": truth.values["FNOMIN"], "R0": truth.values["UNLOADED_RADIUS"]}
     results = {}
     for recipe in ("trento", "joint"):
@@ -139,18 +139,18 @@ def _fits(truth: Tire, recording: Recording, folder: Path, terminal: Terminal) -
 
 
 def _stiffness_lines(truth: Tire, results: dict[str, FitResult]) -> list[str]:
-    """Tell how far the stiffnesses of the fits are from the true ones at the least and the largest load."""
+    """Return the errors of the fitted stiffnesses at the smallest and the largest load."""
     loads = np.array([220.0, 1120.0])
     lines = []
     for name in map(truth.book.quantity, ("stiffness_y", "stiffness_x")):
         true = _stiffness(truth, name, loads)
-        told = []
+        parts = []
         for recipe, result in results.items():
             errors = 100 * (_stiffness(result.tire, name, loads) / true - 1)
-            told.append(
+            parts.append(
                 f"{recipe} " + ", ".join(f"{e:+.1f} % at {n:.0f} N" for e, n in zip(errors, loads, strict=True))
             )
-        lines.append(f"  {name} against the truth: {'; '.join(told)}")
+        lines.append(f"  {name}, error: {'; '.join(parts)}")
     return lines
 
 
@@ -159,7 +159,7 @@ def _stiffness(tire: Tire, name: str, loads: FloatArray) -> Any:
 
 
 def _fmus(full: FitResult, recording: Recording, folder: Path, terminal: Terminal) -> dict[str, bool]:
-    terminal.heading("3 FMU.", "The tire as an FMU, simulated by fmpy over the recording")
+    terminal.heading("3 FMU.", "Export, and simulation over the recording with fmpy")
     checks = {}
     for fmi in (3, 2):
         path = folder / f"tire_fmi{fmi}.fmu"
@@ -169,8 +169,8 @@ def _fmus(full: FitResult, recording: Recording, folder: Path, terminal: Termina
         checks[path.name] = result.ok
         errors = ", ".join(f"{c.name} {c.rmse:.3g} {c.unit}" for c in result.channels)
         terminal.print(
-            f"  FMI {fmi}.0: RMSE {errors}; FMU against direct evaluation {result.evaluation_difference:.1e}; "
-            f"{'valid' if not result.problems else 'INVALID'}: {path}"
+            f"  FMI {fmi}.0: RMSE {errors}; difference from direct evaluation {result.evaluation_difference:.1e}; "
+            f"{'valid' if not result.problems else 'invalid'}: {path}"
         )
     return checks
 
@@ -180,21 +180,21 @@ def _missing_effect(
 ) -> tuple[Tire, dict[str, Any]]:
     terminal.heading("4 A missing effect.", "The same fit without camber thrust")
     with terminal.fitting() as progress:
-        lame = fit([recording], "mf96", start=full.tire, without=["camber_thrust"], progress=progress)
-    lame.tire.save(folder / "without_camber_thrust.tir")
+        reduced = fit([recording], "mf96", start=full.tire, without=["camber_thrust"], progress=progress)
+    reduced.tire.save(folder / "without_camber_thrust.tir")
     maps = [
         (title, residual_map(result.tire, recording, "Fy", over=("alpha", "gamma")))
-        for title, result in (("without camber thrust", lame), ("with camber thrust", full))
+        for title, result in (("without camber thrust", reduced), ("with camber thrust", full))
     ]
     draw_residual_maps(maps, folder / "missing_effect.png")
     (_, before), (_, after) = maps
     worst = [float(abs(m.worst.mean)) for m in (before, after)]
-    rmse = [next(c.rmse for c in result.channels if c.channel == "Fy") for result in (lame, full)]
+    rmse = [next(c.rmse for c in result.channels if c.channel == "Fy") for result in (reduced, full)]
     terminal.print(
         f"  Fy RMSE {rmse[0]:.3g} N without, {rmse[1]:.3g} N with; largest mean residual over (alpha, gamma) "
         f"{worst[0]:.3g} N without, {worst[1]:.3g} N with: {folder / 'missing_effect.png'}"
     )
-    return lame.tire, {
+    return reduced.tire, {
         "effect": "camber_thrust",
         "channel": "Fy",
         "rmse_without": rmse[0],
@@ -206,8 +206,8 @@ def _missing_effect(
 
 
 def _diagnosis(start: Tire, recording: Recording, folder: Path, terminal: Terminal) -> dict[str, Any]:
-    """Ask the diagnosis, which is not told what is hidden, what the lame tire lacks; show that it is mended."""
-    terminal.heading("5 Diagnosis.", "What does that tire lack? Every known effect is tried")
+    """Diagnose the reduced tire, without information about the removed effect."""
+    terminal.heading("5 Diagnosis.", "Which effect does the reduced tire lack? All known effects are tested")
     with terminal.working("diagnosing"):
         result = diagnose(recording.table, signs=recording.signs, tire=start)
         path = result.save(folder)
@@ -217,23 +217,23 @@ def _diagnosis(start: Tire, recording: Recording, folder: Path, terminal: Termin
     write_json(path, {**result.to_json(**written), "simulated": simulated})
     terminal.print(f"  {result.verdict}")
     for one in result.found:
-        told = ", ".join(f"{n} {c.value:.3g} ({c.lower:.3g} to {c.upper:.3g})" for n, c in one.coefficients.items())
-        terminal.print(f"  What: {one.effect} in {', '.join(one.channels)}; {told or 'no coefficients'}")
+        values = ", ".join(f"{n} {c.value:.3g} ({c.lower:.3g} to {c.upper:.3g})" for n, c in one.coefficients.items())
+        terminal.print(f"  Identified effect: {one.effect} in {', '.join(one.channels)}; {values or 'no coefficients'}")
     for seen in result.where:
         if seen["channel"] == "Fy" and seen["over"] == ["Fz", "gamma"]:
-            terminal.print(f"  Where: {_cell(seen['worst'])}")
+            terminal.print(f"  Largest residual: {_cell(seen['worst'])}")
     gap = result.gap["holdout"]["Fy"]
     terminal.print(
-        f"  How much: Fy on the hold-out {gap['before']:.3g} N before, {gap['after']:.3g} N after, noise "
-        f"{gap['floor']:.3g} N; both FMUs simulated: {folder / 'report.html'}"
+        f"  Error of Fy on the hold-out set: {gap['before']:.3g} N before, {gap['after']:.3g} N after, noise floor "
+        f"{gap['floor']:.3g} N; report with both simulated FMUs: {folder / 'report.html'}"
     )
     found = [one.effect for one in result.found]
     return {"ok": found == ["camber_thrust"] and simulated["ok"], "found": found, "gap": gap, "simulated": simulated}
 
 
 def _cell(worst: dict[str, Any]) -> str:
-    (load, gamma), (most, lean) = worst["from"], worst["to"]
+    (load, gamma), (load_end, gamma_end) = worst["from"], worst["to"]
     return (
-        f"mean residual of Fy {worst['mean']:+.1f} noise deviations at Fz {load:.0f} to {most:.0f} N, "
-        f"gamma {np.degrees(gamma):.1f} to {np.degrees(lean):.1f} deg ({worst['count']} rows)"
+        f"mean residual of Fy {worst['mean']:+.1f} noise deviations at Fz {load:.0f} to {load_end:.0f} N, "
+        f"gamma {np.degrees(gamma):.1f} to {np.degrees(gamma_end):.1f} deg ({worst['count']} rows)"
     )

@@ -1,4 +1,4 @@
-"""What is in a tire, as plain values: for ``tirefmu info``."""
+"""Summary of a tire as plain values, for ``tirefmu info``."""
 
 from __future__ import annotations
 
@@ -12,37 +12,37 @@ from tirefmu.tires.tir_names import MOST_SEARCHED, OWN_SECTIONS, near_miss, unit
 
 from .implausible import implausible
 
-#: Sections that say nothing of the tire itself, or are told otherwise.
+#: Sections without information about the tire, or with information reported elsewhere.
 _OURS = ("MDI_HEADER", *OWN_SECTIONS)
 
 
 def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
-    """Return what is in a tire: model, effects, ranges, where its values come from, what looks implausible.
+    """Return a summary of a tire: model, effects, ranges, sources of its values, warnings.
 
     Parameters
     ----------
     tire : Tire
     notes : iterable of str
-        What reading its file had to tell.
+        Notes from reading its file.
 
     Returns
     -------
     dict of str to Any
-        Plain JSON values. ``missing`` has what was taken for the coefficients that nobody gave; ``unknown``
-        the keys of the file that nothing here knows, with the coefficient that they almost are; ``unused`` those
-        of the field that this model does not read; ``tables`` the sections with lines that are no keys.
+        Plain JSON values. ``missing`` has the assumed values of coefficients that the file lacks; ``unknown`` the
+        unknown keys of the file, with the nearest coefficient; ``unused`` known keys that this model does not read;
+        ``tables`` the sections with lines that are not keys.
 
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> told = describe(published("trento_hoosier"))
-    >>> told["model"], told["nominal"]["Fz"], [doubt["name"] for doubt in told["implausible"]]
+    >>> summary = describe(published("trento_hoosier"))
+    >>> summary["model"], summary["nominal"]["Fz"], [doubt["name"] for doubt in summary["implausible"]]
     ('mf96', 220.0, ['E_t'])
     """
     book, plain = tire.book, tire.in_signs("adapted-sae")
-    cards = book.coefficients
+    declared = book.coefficients
     at_neutral = [
-        name for name, card in cards.items() if card.neutral is not None and plain.values[name] == card.neutral
+        name for name, one in declared.items() if one.neutral is not None and plain.values[name] == one.neutral
     ]
     idle = [name for name in book.effects if name in tire.has and book.owned(name) <= set(at_neutral)]
     kept = tire.kept
@@ -50,7 +50,7 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         {"section": section, "key": key, "value": value} for section, key, value in kept if key and section not in _OURS
     ]
     unknown = [entry for entry in entries if unit_of(entry["key"]) is None]
-    near = {entry["key"]: near_miss(entry["key"], cards) for entry in unknown[:MOST_SEARCHED]}
+    near = {entry["key"]: near_miss(entry["key"], declared) for entry in unknown[:MOST_SEARCHED]}
     return {
         "ok": True,
         "name": tire.name,

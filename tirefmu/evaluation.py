@@ -1,4 +1,4 @@
-"""A tire evaluated over a table, both given as people have them."""
+"""`tirefmu.evaluate`: a tire evaluated over a table."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def evaluate(tire: TireLike, table: Any, **options: Any) -> pd.DataFrame:
     Raises
     ------
     UnknownName, DataError, WrongType
-        As `tire_from` and `Tire.evaluate`.
+        See `tire_from` and `Tire.evaluate`.
 
     Examples
     --------

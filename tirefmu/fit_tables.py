@@ -1,4 +1,4 @@
-"""A fit as the terminal shows it: tables, and a few lines between them."""
+"""Terminal report of a fit: tables and lines of text."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from tirefmu.symbolic.escaping import excerpt, visible
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
 
-#: Columns of words; the others hold numbers.
+#: Columns of text; the others contain numbers.
 WORDS = {
-    "coefficient", "unit", "what it is", "what is wrong", "stage", "recording", "channel", "constraint", "at", "",
-    "force", "first", "second", "mostly at", "missed most",
+    "coefficient", "unit", "description", "problem", "stage", "recording", "channel", "constraint", "at", "",
+    "force", "first", "second", "mean difference at", "largest error",
 }  # fmt: skip
 
 
@@ -26,16 +26,16 @@ LONGEST_CELL = 200
 
 
 class PlainTable(Table):
-    """A table whose cells are bounded printable text, whatever a file says."""
+    """A table whose cells are printable text of limited length."""
 
     def add_row(self, *cells: RenderableType | None, style: StyleType | None = None, end_section: bool = False) -> None:
-        """Add a row as rich does."""
+        """Add a row; see rich."""
         shown = (excerpt(cell, LONGEST_CELL) if isinstance(cell, str) else cell for cell in cells)
         super().add_row(*shown, style=style, end_section=end_section)
 
 
 def plain_table(*columns: str, title: str = "") -> Table:
-    """Return a table without lines, numbers to the right."""
+    """Return a table without rules; numbers are right-aligned."""
     title = visible(title)
     table = PlainTable(title=title or None, title_justify="left", box=None, pad_edge=False, header_style="bold")
     for column in columns:
@@ -44,7 +44,7 @@ def plain_table(*columns: str, title: str = "") -> Table:
 
 
 def fit_lines(result: FitResult) -> Iterator[Table | str]:
-    """Yield what is to be printed of a fit, in order."""
+    """Yield the tables and lines of a fit in order."""
     from tirefmu.fitting.reporting.report_text import extrapolation_text, ripple_texts
 
     yield _coefficients(result)
@@ -60,7 +60,7 @@ def fit_lines(result: FitResult) -> Iterator[Table | str]:
     yield from _differences(result)
     yield from ripple_texts(result.findings.ripples)
     for each in result.findings.undetermined:
-        yield f"open: {', '.join(each.coefficients)}: {each.reason}"
+        yield f"not identifiable: {', '.join(each.coefficients)}: {each.reason}"
     for rows in result.set_aside:
         yield f"note: {rows}"
     for note in result.notes:
@@ -72,7 +72,7 @@ def _coefficients(result: FitResult) -> Table:
     from tirefmu.fitting.reporting.report_text import interval_text
 
     table = plain_table(
-        "coefficient", "guess", "lower", "upper", "value", "+- (95 %)", "unit", "",
+        "coefficient", "initial", "lower", "upper", "value", "+- (95 %)", "unit", "",
         title=f"Coefficients ({result.signs} signs)",
     )  # fmt: skip
     for c in result.coefficients:
@@ -86,8 +86,8 @@ def _channels(result: FitResult) -> Table:
     from tirefmu.fitting.reporting.report_text import interval_text, worst_text
 
     table = plain_table(
-        "recording", "channel", "rows", "RMSE", "unit", "noise floor", "R2", "R2 uncentred", "missed most",
-        title="Quality",
+        "recording", "channel", "rows", "RMSE", "unit", "noise floor", "R2", "R2 uncentred", "largest error",
+        title="Goodness of fit",
     )  # fmt: skip
     for c in result.channels:
         table.add_row(
@@ -99,7 +99,14 @@ def _channels(result: FitResult) -> Table:
 
 def _held_out(result: FitResult) -> Table:
     table = plain_table(
-        "recording", "channel", "rows", "RMSE", "held out", "unit", "", title="Cross-validation over held conditions"
+        "recording",
+        "channel",
+        "rows",
+        "RMSE",
+        "out of sample",
+        "unit",
+        "",
+        title="Cross-validation over operating conditions",
     )
     for c in result.held_out:
         worse = f"{c.held_out / c.in_sample - 1:+.1%}" if c.in_sample > 0 else ""
@@ -108,9 +115,7 @@ def _held_out(result: FitResult) -> Table:
 
 
 def _stiffnesses(result: FitResult) -> Table:
-    table = plain_table(
-        "recording", "force", "load (N)", "read from the data", "tire", "unit", "off", title="Slip stiffness"
-    )
+    table = plain_table("recording", "force", "load (N)", "data", "tire", "unit", "error", title="Slip stiffness")
     for s in result.findings.stiffnesses:
         table.add_row(
             s.recording, s.channel, f"{s.load:.0f}", f"{s.read:.5g}", f"{s.fitted:.5g}", s.unit, f"{s.off:+.1%}"
@@ -133,15 +138,15 @@ def _margins(result: FitResult) -> Table:
     from tirefmu.fitting.reporting.report_text import constraint_rows
 
     table = plain_table(
-        "constraint", "tightest", "margin", "at", "margin beyond", "",
+        "constraint", "value", "margin", "at", "margin outside", "",
         title="Constraints, verified over the operating range (adapted-sae signs)",
     )  # fmt: skip
     for c in constraint_rows(result.margins):
         beyond = "" if c.beyond is None else f"{c.beyond.margin:.3g}"
-        broken = any(m is not None and m.margin < 0 for m in (c.inside, c.beyond))
+        violated = any(m is not None and m.margin < 0 for m in (c.inside, c.beyond))
         table.add_row(
             c.constraint, f"{c.inside.worst:.4g}", f"{c.inside.margin:.3g}", condition_text(c.inside.at), beyond,
-            "broken" if broken else "",
+            "violated" if violated else "",
         )  # fmt: skip
     return table
 
@@ -154,8 +159,8 @@ def _differences(result: FitResult) -> Iterator[Table]:
     if not differences:
         return
     table = plain_table(
-        "first", "second", "channel", "difference", "sigmas", "most", "unit", "mostly at",
-        title=f"Where the data differ from themselves at equal conditions and slips ({result.signs} signs)",
+        "first", "second", "channel", "difference", "sigmas", "largest", "unit", "mean difference at",
+        title=f"Inconsistent data at equal operating conditions and slips ({result.signs} signs)",
     )  # fmt: skip
     for d in differences:
         table.add_row(

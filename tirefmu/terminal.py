@@ -1,4 +1,4 @@
-"""What the command line shows: progress, tables, results."""
+"""Output of the command line: progress, tables, results."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 class Terminal:
     r"""Standard output for results, standard error for progress; both silent when quiet.
 
-    Text may come from a file: markup and emoji codes in it mean nothing, and what is not printable is shown as an
-    escape sequence, so that a line stays one line.
+    Text may come from a file: markup and emoji codes are printed literally, and characters that are not printable as
+    escape sequences, so that a line remains one line.
 
     Parameters
     ----------
@@ -36,34 +36,34 @@ class Terminal:
     --------
     >>> Terminal().print("[bold]\x1b[2J run :bomb:.csv")
     [bold]\x1b[2J run :bomb:.csv
-    >>> Terminal(quiet=True).print("nothing comes")
+    >>> Terminal(quiet=True).print("no output")
     """
 
     def __init__(self, quiet: bool = False) -> None:
-        # Tables in a file or a pipe need not squeeze into a terminal's 80 columns.
+        # Tables in a file or a pipe are not limited to a terminal's 80 columns.
         width = None if sys.stdout.isatty() else 140
         console = partial(Console, quiet=quiet, highlight=False, markup=False, emoji=False)
         self._out = console(soft_wrap=True, width=width)
         self._status = console(stderr=True)
 
     def print(self, *lines: str) -> None:
-        """Print lines, each as it stands."""
+        """Print lines literally."""
         for line in lines:
             self._out.print(visible(line))
 
     def heading(self, title: str, text: str) -> None:
-        """Print the first line of a part of the output."""
+        """Print the heading of a part of the output."""
         self._out.print(Text.assemble((visible(title), "bold"), " ", visible(text)))
 
     @contextmanager
     def working(self, what: str) -> Iterator[None]:
-        """Show what is going on while it goes on."""
+        """Show the current activity until it ends."""
         with self._status.status(visible(what)):
             yield
 
     @contextmanager
     def fitting(self) -> Iterator[Progress]:
-        """Show stage, iteration and cost of a fit while it goes on."""
+        """Show stage, iteration and cost of a running fit."""
         with self._status.status("fitting") as status:
 
             def progress(stage: str, iteration: int, cost: float) -> None:
@@ -72,71 +72,73 @@ class Terminal:
             yield progress
 
     def fit_result(self, result: FitResult) -> None:
-        """Print a fit: what it found, how good it is, what it keeps, what the data say of it, and how it ended."""
+        """Print a fit: coefficients, goodness of fit, constraints, findings about the data, and status."""
         for line in fit_lines(result):
             if isinstance(line, Table):
                 self._out.print(line)
             else:
                 self.print(line)
 
-    def tire(self, tire: Tire, told: Mapping[str, Any], every: bool = False) -> None:
-        """Print what is in a tire, as `describe` told it; every coefficient and every kept key on request."""
-        side = f", {told['side']} side" if told["side"] else ""
-        lines = [f"{told['name']}: {told['title']} ({told['model']}), coefficients in {told['signs']}{side}"]
-        lines += [f"  {key}: {text}" for key, text in told["about"].items()]
-        for name, value in told["nominal"].items():
-            low, high = told["ranges"].get(name, (None, None))
-            known = f", known for {low:g} .. {high:g}" if low is not None else ""
+    def tire(self, tire: Tire, summary: Mapping[str, Any], every: bool = False) -> None:
+        """Print the summary of a tire from `describe`; with `every` all coefficients and unused keys."""
+        side = f", {summary['side']} side" if summary["side"] else ""
+        lines = [
+            f"{summary['name']}: {summary['title']} ({summary['model']}), coefficients in {summary['signs']}{side}"
+        ]
+        lines += [f"  {key}: {text}" for key, text in summary["about"].items()]
+        for name, value in summary["nominal"].items():
+            low, high = summary["ranges"].get(name, (None, None))
+            valid = f", valid from {low:g} to {high:g}" if low is not None else ""
             unit = _unit(tire, name)
-            lines.append(f"  {name}: nominal {value:g}{'' if unit == '1' else ' ' + unit}{known}")
+            lines.append(f"  {name}: nominal {value:g}{'' if unit == '1' else ' ' + unit}{valid}")
         for key, title in (
             ("effects", "effects"),
-            ("effects_at_neutral", "effects whose coefficients are all at neutral"),
-            ("effects_absent", "effects left out"),
+            ("effects_at_neutral", "effects with all coefficients neutral"),
+            ("effects_absent", "absent effects"),
         ):
-            if told[key]:
-                lines.append(f"  {title}: {', '.join(told[key])}")
-        lines += _about_the_file(told, every)
+            if summary[key]:
+                lines.append(f"  {title}: {', '.join(summary[key])}")
+        lines += _about_the_file(summary, every)
         self.print(*lines)
-        if told["implausible"]:
-            self._out.print(_doubts(told))
-        self._out.print(_values(tire, told, every))
+        if summary["implausible"]:
+            self._out.print(_doubts(summary))
+        self._out.print(_values(tire, summary, every))
         if not every:
-            self.print("--all lists every coefficient, what was assumed for missing ones, and what else the file holds")
+            self.print("--all lists every coefficient, assumed values, and other contents of the file")
 
 
 def _unit(tire: Tire, name: str) -> str:
     return next(quantity.unit for quantity in tire.book.inputs if quantity.name == name)
 
 
-def _about_the_file(told: Mapping[str, Any], every: bool) -> list[str]:
-    lines = [f"  {note}" for note in told["notes"]]
-    names = ", ".join(told["missing"]) if every else f"{len(told['missing'])} coefficients"
-    lines += [f"  missing in the file, as its readers assume: {names}"] if told["missing"] else []
-    unknown = [f"{e['key']} (near {e['near']})" if e["near"] else e["key"] for e in told["unknown"]]
+def _about_the_file(summary: Mapping[str, Any], every: bool) -> list[str]:
+    lines = [f"  {note}" for note in summary["notes"]]
+    names = ", ".join(summary["missing"]) if every else f"{len(summary['missing'])} coefficients"
+    lines += [f"  missing in the file, default values assumed: {names}"] if summary["missing"] else []
+    unknown = [f"{e['key']} (near {e['near']})" if e["near"] else e["key"] for e in summary["unknown"]]
     lines += [f"  unknown keys: {', '.join(unknown)}"] if unknown else []
     if every:
-        unused = ", ".join(f"{entry['key']} = {entry['value']}" for entry in told["unused"])
-        lines += [f"  kept, not read by this model: {unused}"] if unused else []
-        lines += [f"  kept tables: {', '.join(told['tables'])}"] if told["tables"] else []
+        unused = ", ".join(f"{entry['key']} = {entry['value']}" for entry in summary["unused"])
+        lines += [f"  known keys that this model does not read: {unused}"] if unused else []
+        lines += [f"  other tables: {', '.join(summary['tables'])}"] if summary["tables"] else []
     return lines
 
 
-def _doubts(told: Mapping[str, Any]) -> Table:
-    table = plain_table("", "value", "what is wrong", title="Implausible")
-    for doubt in told["implausible"]:
+def _doubts(summary: Mapping[str, Any]) -> Table:
+    table = plain_table("", "value", "problem", title="Implausible values")
+    for doubt in summary["implausible"]:
         value = "nan" if doubt["value"] is None else f"{doubt['value']:.6g}"
         table.add_row(doubt["name"], value, doubt["reason"])
     return table
 
 
-def _values(tire: Tire, told: Mapping[str, Any], every: bool) -> Table:
-    """Return the coefficients: those that somebody gave and that do something, or all."""
-    table = plain_table("coefficient", "value", "unit", "", "what it is")
-    for name, card in tire.book.coefficients.items():
-        origin = "missing" if name in told["missing"] else ""
-        if name in told["coefficients_at_neutral"]:
+def _values(tire: Tire, summary: Mapping[str, Any], every: bool) -> Table:
+    """Return the coefficients: those that are given and not neutral, or all."""
+    table = plain_table("coefficient", "value", "unit", "", "description")
+    for name, declared in tire.book.coefficients.items():
+        origin = "missing" if name in summary["missing"] else ""
+        if name in summary["coefficients_at_neutral"]:
             origin = " ".join([origin, "neutral"]).strip()
         if every or not origin:
-            table.add_row(name, f"{tire.values[name]:.6g}", card.unit, origin, card.description)
+            table.add_row(name, f"{tire.values[name]:.6g}", declared.unit, origin, declared.description)
     return table

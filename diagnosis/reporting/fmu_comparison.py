@@ -13,8 +13,8 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.fmu import export
-from tirefmu.fmu.check import EVALUATION_TOLERANCE
-from tirefmu.fmu.simulation import loaded
+from tirefmu.fmu.comparison.result import EVALUATION_TOLERANCE
+from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.measurements import Recording, TableLike, recording_from, recordings_from
 from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import DataError
@@ -34,7 +34,7 @@ def export_and_simulate(
     """Write base.fmu and improved.fmu, simulate both, and return what each leaves of every measured channel.
 
     Inputs are held over each step, a gap in time is one long step: the simulation is what
-    ``tirefmu evaluate --hold`` computes from the tire files, to `tirefmu.fmu.check.EVALUATION_TOLERANCE`.
+    ``tirefmu evaluate --hold`` computes from the tire files, to `tirefmu.fmu.comparison.result.EVALUATION_TOLERANCE`.
 
     Parameters
     ----------

@@ -1,6 +1,7 @@
-/* Derivatives of the model along its lines, one operation after the other.  See chain_rule.h.
+/* Derivatives of the model by the chain rule, one operation after the other.  See chain_rule.h.
  *
- * What nothing moves is left out, so that a branch that is not taken, or a root of 0 that stays 0, gives 0 and no NaN.
+ * Operations whose operands have zero tangents are skipped.  A branch that is not taken, or the root of a constant 0,
+ * therefore contributes 0 and not NaN.
  */
 #include "chain_rule.h"
 
@@ -12,7 +13,7 @@ enum { CODE, FIRST_OPERAND, N_OPERANDS = 3, N_COLUMNS };
 static const double constants[N_CONSTANTS] = CONSTANTS;
 static const unsigned short force_slots[] = FORCE_SLOTS;
 static const unsigned short quantity_slots[] = QUANTITY_SLOTS;
-/* Operands that an operation has not are 0; so are the partial derivatives by them. */
+/* Unused operands are 0; the partial derivatives by them are 0 too. */
 static const unsigned short operations[N_OPERATIONS][N_COLUMNS] = OPERATIONS;
 
 enum { FIRST_RESULT = N_LEAVES + N_CONSTANTS };
@@ -21,7 +22,7 @@ unsigned chain_force(unsigned i) { return force_slots[i]; }
 
 unsigned chain_quantity(unsigned i) { return quantity_slots[i]; }
 
-/* NaN stays NaN. */
+/* NaN for NaN. */
 static double sign(double x) { return x > 0.0 ? 1.0 : x < 0.0 ? -1.0 : x; }
 
 static double result(unsigned code, double x, double y, double z)
@@ -90,7 +91,7 @@ static void partials(const unsigned short row[N_COLUMNS], const double values[],
     case EXP: by[0] = r; break;
     case LOG: by[0] = 1.0 / x; break;
     case ABSOLUTE: by[0] = sign(x); break;
-    default: break; /* comparisons and signs are steps */
+    default: break; /* comparisons and signs: piecewise constant */
     }
 }
 

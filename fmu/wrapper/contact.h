@@ -1,42 +1,42 @@
-/* What the host's inputs mean at the contact point.
+/* The kinematics at the contact point, from the host's inputs.
  *
- * An FMU is built with one of two files: slip_inputs.c takes slips as they are given, wheel_inputs.c finds them from
- * velocities.
+ * An FMU contains one of two files: slip_inputs.c, where the inputs are slips, or wheel_inputs.c, which computes slips
+ * from velocities.
  */
 #ifndef CONTACT_H
 #define CONTACT_H
 
 #include "instance.h"
 
-/* Fill in `state->contact`:
- *   inputs   what the model sees, slips as given
- *   toward   what lagging slips move to; their rate is speed / length (toward - slip)
- *   sliding  toward times speed, m/s, which stays finite at standstill
- *   bounds   what lagging slips do not go beyond
+/* Compute `state->contact`:
+ *   inputs   the model's inputs, with the given slips (without lag)
+ *   target   steady-state value of the lagged slips; their rate is speed / length (target - slip)
+ *   sliding  target times speed, m/s, finite at standstill
+ *   bounds   largest magnitude of the lagged slips
  *   friction, stiffness   near standstill: mu Fz, N, and slip stiffness
- *   sense    by which the model counts kappa: -1 for some models in reverse
+ *   sense    sign of the model's kappa: -1 for some models in reverse
  *   speed    |V|, m/s */
 void contact_find(State *state);
 
-/* What standstill does to the forces, `inputs` being those that act. */
+/* Correct the forces near standstill; `inputs` are the model's inputs with the acting slips. */
 void contact_settle(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS]);
 
-/* How what the model sees moves with what the host sets. */
+/* Tangents of the model's inputs for a change of the host's values. */
 typedef struct {
-    double given[N_INPUTS];  /* of contact.inputs */
-    double acting[N_INPUTS]; /* the same with the slips that act */
-    double moved[N_MOVED];
+    double given[N_INPUTS];  /* of contact.inputs, with the given slips */
+    double acting[N_INPUTS]; /* of the inputs with the acting slips, see slips.h */
+    double motion[N_MOTION];
 } Tangent;
 
-/* The rolling radius of a wheel whose speed of turning is given, m, and its derivatives by the leaves of chain_rule.h. */
+/* The rolling radius at the given angular speed of the wheel, m, and its derivatives by the leaves of chain_rule.h. */
 typedef struct {
     double length, by[N_LEAVES];
 } Radius;
 
-/* Do small changes of the host's values act through the formulas as contact_differentiate has them? */
+/* Whether contact_differentiate is valid here: no limit or damper of standstill is active. */
 int contact_is_smooth(const State *state);
-/* Fill in `given`, and of `moved` speed and sliding, for seeds in the model's signs by value reference.  Where slips are
-   inputs, no radius is needed. */
+/* Compute `given`, and the speed and sliding of `motion`, for seeds in the model's signs by value reference.  Slip
+   inputs need no radius. */
 void contact_differentiate(const State *state, const double seeds[N_VALUES], const Radius *radius, Tangent *tangent);
 
 /* An input or a wheel parameter in the model's signs. */

@@ -1,4 +1,4 @@
-/* Model Exchange: a solver outside integrates the states.  See instance.h. */
+/* Model Exchange: the host's solver integrates the states.  See instance.h. */
 #include "instance.h"
 
 #include "contact.h"
@@ -21,7 +21,7 @@ static Status expect_kind(const Instance *self, const char *what)
     if (!self)
         return STATUS_ERROR;
     if (self->state.kind != MODEL_EXCHANGE)
-        return instance_refuse(self, STATUS_ERROR, "%s is for Model Exchange", what);
+        return instance_refuse(self, STATUS_ERROR, "%s is allowed in Model Exchange only", what);
     return STATUS_OK;
 }
 
@@ -36,8 +36,8 @@ Status instance_enter_event(Instance *self)
 
 Status instance_enter_continuous(Instance *self)
 {
-    if (expect_kind(self, "continuous time") != STATUS_OK ||
-        instance_expect(self, EVENT, EVENT, "continuous time") != STATUS_OK)
+    if (expect_kind(self, "continuous-time mode") != STATUS_OK ||
+        instance_expect(self, EVENT, EVENT, "continuous-time mode") != STATUS_OK)
         return STATUS_ERROR;
     self->state.mode = CONTINUOUS;
     return STATUS_OK;
@@ -56,9 +56,9 @@ Status instance_update_discrete(Instance *self, int *states_changed)
 
 Status instance_complete_step(Instance *self)
 {
-    if (expect_kind(self, "a solver's step") != STATUS_OK)
+    if (expect_kind(self, "a completed integrator step") != STATUS_OK)
         return STATUS_ERROR;
-    return instance_expect(self, CONTINUOUS, CONTINUOUS, "a solver's step");
+    return instance_expect(self, CONTINUOUS, CONTINUOUS, "a completed integrator step");
 }
 
 Status instance_set_time(Instance *self, double time)
@@ -67,12 +67,12 @@ Status instance_set_time(Instance *self, double time)
         instance_expect(self, CONTINUOUS, EVENT, "setting the time") != STATUS_OK)
         return STATUS_ERROR;
     if (!isfinite(time))
-        return instance_refuse(self, STATUS_DISCARD, "the time has to be finite, not %g", time);
+        return instance_refuse(self, STATUS_DISCARD, "the time must be finite, not %g", time);
     self->state.values[TIME] = time;
     return STATUS_OK;
 }
 
-/* What the host sees of states and rates stands among the values. */
+/* Copy states or derivatives from the values, in the host's signs. */
 static Status copy_shown(Instance *self, size_t first, double shown[], size_t n, const char *what)
 {
     size_t i;
@@ -106,7 +106,7 @@ Status instance_set_states(Instance *self, const double states[], size_t n)
         return STATUS_ERROR;
     for (i = 0; i < n; i++)
         if (!isfinite(states[i]))
-            return instance_refuse(self, STATUS_DISCARD, "%s has to be finite, not %g",
+            return instance_refuse(self, STATUS_DISCARD, "%s must be finite, not %g",
                                    value_name((unsigned) (FIRST_STATE + i)), states[i]);
     for (i = 0; i < n; i++) {
 #ifdef DISTANCE

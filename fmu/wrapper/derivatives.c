@@ -1,8 +1,9 @@
 /* Directional and adjoint derivatives.  See instance.h.
  *
- * How unknowns move with the model's lines is told by terms.h, how the lines' inputs move with the host's values by
- * contact.h and slips.h; what is between goes along the lines, forward for the sum of the seeds or backward from the
- * sum of the unknowns.  Near the standstill of a wheel, where limits and dampers act, all is differenced.
+ * terms.h has the derivatives of the unknowns by the model's operations, contact.h and slips.h those of the model's
+ * inputs by the host's values.  chain_rule.h connects them: in forward mode for the directional derivative, in reverse
+ * mode for the adjoint derivative.  Near standstill of a wheel, where limits and dampers act, the derivatives are
+ * central differences.
  */
 #include "instance.h"
 
@@ -13,10 +14,10 @@
 
 #include <string.h>
 
-/* Of a difference, as a share of the value's size: it balances the error of the formula and that of rounding. */
+/* Step of a difference, relative to the size of the value: it balances truncation and rounding errors. */
 #define STEP 1e-6
 
-/* False of every reference where there are no states. */
+/* False for every reference if there are no states. */
 static int is_state(unsigned reference)
 {
     unsigned state;
@@ -39,19 +40,21 @@ static Status expect_differentiable(const Instance *self, const unsigned unknown
     for (i = 0; i < n_unknowns; i++) {
         kind = value_kind(unknowns[i]);
         if (kind != OUTPUT && !(unknowns[i] >= FIRST_DERIVATIVE && kind == LOCAL))
-            return instance_refuse(self, STATUS_ERROR, "%s is no output and no derivative", value_name(unknowns[i]));
+            return instance_refuse(self, STATUS_ERROR, "%s is neither an output nor a derivative",
+                                   value_name(unknowns[i]));
     }
     for (i = 0; i < n_knowns; i++) {
         kind = value_kind(knowns[i]);
         if (kind != INPUT && kind != PARAMETER && !is_state(knowns[i]))
-            return instance_refuse(self, STATUS_ERROR, "%s is no input, parameter or state", value_name(knowns[i]));
+            return instance_refuse(self, STATUS_ERROR, "%s is not an input, a parameter or a state",
+                                   value_name(knowns[i]));
     }
     if (n_unknowns > N_VALUES)
-        return instance_refuse(self, STATUS_ERROR, "there are not %lu unknowns", (unsigned long) n_unknowns);
+        return instance_refuse(self, STATUS_ERROR, "the FMU has fewer than %lu unknowns", (unsigned long) n_unknowns);
     return STATUS_OK;
 }
 
-/* What stands in the slots of the model's lines where slips are as given, or act. */
+/* Compute the values of all slots with the given or the acting slips. */
 static void find_values(State *state, Point point, double values[N_SLOTS])
 {
     double inputs[N_INPUTS];
@@ -83,7 +86,7 @@ static void find_tangent(State *state, const double seeds[N_VALUES], const Radiu
     slips_differentiate(state, seeds, tangent);
 }
 
-/* Add the terms at a point for all seeds. */
+/* Add the terms with one kind of slips for all seeds. */
 static void add_forward(State *state, Point point, const Tangent *tangent, const double seeds[N_VALUES],
                         const unsigned unknowns[], size_t n, double sensitivity[])
 {
@@ -111,7 +114,7 @@ static void add_forward(State *state, Point point, const Tangent *tangent, const
     }
 }
 
-static void add_beside(State *state, const Tangent *tangent, const unsigned unknowns[], size_t n, double sensitivity[])
+static void add_motion(State *state, const Tangent *tangent, const unsigned unknowns[], size_t n, double sensitivity[])
 {
     Term terms[MOST_TERMS];
     size_t i, k, count;
@@ -119,12 +122,12 @@ static void add_beside(State *state, const Tangent *tangent, const unsigned unkn
     for (i = 0; i < n; i++) {
         count = terms_find(state, unknowns[i], terms);
         for (k = 0; k < count; k++)
-            if (terms[k].point == BESIDE)
-                sensitivity[i] += terms[k].factor * tangent->moved[terms[k].slot];
+            if (terms[k].point == MOTION)
+                sensitivity[i] += terms[k].factor * tangent->motion[terms[k].slot];
     }
 }
 
-/* The derivatives of the weighted sum of the unknowns' terms at a point: by the leaves, or BESIDE by what moved. */
+/* The derivatives of a weighted sum of the unknowns' terms of one kind: by the leaves, or for MOTION by the motion. */
 static void find_gradient(State *state, Point point, const unsigned unknowns[], size_t n, const double weights[],
                           double gradient[])
 {
@@ -138,11 +141,11 @@ static void find_gradient(State *state, Point point, const unsigned unknowns[], 
             if (terms[k].point == point)
                 adjoints[terms[k].slot] += terms[k].factor * weights[i];
     }
-    if (point != BESIDE) {
+    if (point != MOTION) {
         find_values(state, point, values);
         chain_backward(values, adjoints);
     }
-    memcpy(gradient, adjoints, (point == BESIDE ? N_MOVED : N_LEAVES) * sizeof *gradient);
+    memcpy(gradient, adjoints, (point == MOTION ? N_MOTION : N_LEAVES) * sizeof *gradient);
 }
 
 static double product(const double a[], const double b[], size_t n)
@@ -155,9 +158,9 @@ static double product(const double a[], const double b[], size_t n)
     return sum;
 }
 
-/* What a known adds to a weighted sum of unknowns, by their gradients at both points and beside. */
-static double weighed(State *state, unsigned known, const Radius *radius, const double given[], const double acting[],
-                      const double beside[])
+/* The derivative of a weighted sum of unknowns by one known, from the gradients of the three kinds of terms. */
+static double weighted_derivative(State *state, unsigned known, const Radius *radius, const double given[],
+                                  const double acting[], const double motion[])
 {
     double seeds[N_VALUES] = {0.0};
     const double *parameters = seeds + FIRST_PARAMETER;
@@ -167,7 +170,7 @@ static double weighed(State *state, unsigned known, const Radius *radius, const 
     find_tangent(state, seeds, radius, &tangent);
     return product(given, tangent.given, N_INPUTS) + product(given + FIRST_PARAMETER_LEAF, parameters, N_PARAMETERS) +
            product(acting, tangent.acting, N_INPUTS) + product(acting + FIRST_PARAMETER_LEAF, parameters, N_PARAMETERS) +
-           product(beside, tangent.moved, N_MOVED);
+           product(motion, tangent.motion, N_MOTION);
 }
 
 static void move(State *state, unsigned known, double value)
@@ -231,7 +234,7 @@ Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_u
     find_tangent(state, seeds, &radius, &tangent);
     add_forward(state, GIVEN, &tangent, seeds, unknowns, n_unknowns, sensitivity);
     add_forward(state, ACTING, &tangent, seeds, unknowns, n_unknowns, sensitivity);
-    add_beside(state, &tangent, unknowns, n_unknowns, sensitivity);
+    add_motion(state, &tangent, unknowns, n_unknowns, sensitivity);
     return STATUS_OK;
 }
 
@@ -239,7 +242,7 @@ Status instance_adjoint(Instance *self, const unsigned unknowns[], size_t n_unkn
                         size_t n_knowns, const double seed[], double sensitivity[])
 {
     State *state = &self->state;
-    double given[N_LEAVES], acting[N_LEAVES], beside[N_MOVED], column[N_VALUES];
+    double given[N_LEAVES], acting[N_LEAVES], motion[N_MOTION], column[N_VALUES];
     Radius radius;
     size_t j;
 
@@ -255,8 +258,8 @@ Status instance_adjoint(Instance *self, const unsigned unknowns[], size_t n_unkn
     find_radius(state, &radius);
     find_gradient(state, GIVEN, unknowns, n_unknowns, seed, given);
     find_gradient(state, ACTING, unknowns, n_unknowns, seed, acting);
-    find_gradient(state, BESIDE, unknowns, n_unknowns, seed, beside);
+    find_gradient(state, MOTION, unknowns, n_unknowns, seed, motion);
     for (j = 0; j < n_knowns; j++)
-        sensitivity[j] = weighed(state, knowns[j], &radius, given, acting, beside);
+        sensitivity[j] = weighted_derivative(state, knowns[j], &radius, given, acting, motion);
     return STATUS_OK;
 }

@@ -1,4 +1,4 @@
-/* Slips that act at once.  See slips.h. */
+/* Slips without lag.  See slips.h. */
 #include "slips.h"
 
 #include <string.h>
@@ -42,7 +42,7 @@ void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *ta
     (void) state;
     (void) seeds;
     memcpy(tangent->acting, tangent->given, sizeof tangent->acting);
-    memset(tangent->moved + LAGGING, 0, N_SLIPS * sizeof *tangent->moved);
+    memset(tangent->motion + LAGGING, 0, N_SLIPS * sizeof *tangent->motion);
 }
 
 void slips_show(State *state, double slips[], double rates[])

@@ -1,4 +1,4 @@
-/* FMI 2.0: every function of the standard, each one a translation to instance.h. */
+/* FMI 2.0: every function of the standard, each translated to a call of instance.h. */
 #include "instance.h"
 
 #include "fmi2Functions.h"
@@ -8,14 +8,14 @@ typedef char errors_agree[(int) STATUS_ERROR == (int) fmi2Error ? 1 : -1];
 
 #define UNSUPPORTED(function) return (fmi2Status) instance_unsupported(c, #function)
 
-/* ---------------------------------------------------------------- life */
+/* ---------------------------------------------------------------- instantiation */
 
 const char *fmi2GetTypesPlatform(void) { return fmi2TypesPlatform; }
 
 const char *fmi2GetVersion(void) { return fmi2Version; }
 
-/* FMI 2's logger is variadic; the message comes formatted and holds no '%'. */
-static void tell(const Instance *self, Status status, const char *category, const char *message)
+/* FMI 2's logger is variadic; the message is already formatted and contains no '%'. */
+static void log_message(const Instance *self, Status status, const char *category, const char *message)
 {
     ((fmi2CallbackLogger) self->logger)(self->environment, self->name, (fmi2Status) status, category, message);
 }
@@ -26,7 +26,7 @@ fmi2Component fmi2Instantiate(fmi2String instanceName, fmi2Type fmuType, fmi2Str
 {
     const Kind kind = fmuType == fmi2ModelExchange ? MODEL_EXCHANGE : CO_SIMULATION;
 
-    return instance_create(instanceName, fmuGUID, kind, tell,
+    return instance_create(instanceName, fmuGUID, kind, log_message,
                            functions ? (void (*)(void)) functions->logger : NULL,
                            functions ? functions->componentEnvironment : NULL);
 }
@@ -128,7 +128,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real currentCommunicationPoint, fmi2R
     return (fmi2Status) instance_step(c, currentCommunicationPoint, communicationStepSize);
 }
 
-/* Steps are never pending and always reach their end. */
+/* Steps are never pending and always complete. */
 fmi2Status fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind s, fmi2Real *value)
 {
     static const unsigned time = TIME;

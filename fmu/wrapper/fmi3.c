@@ -1,4 +1,4 @@
-/* FMI 3.0: what this FMU offers, each function a translation to instance.h. */
+/* FMI 3.0: the supported functions, each translated to a call of instance.h. */
 #include "instance.h"
 
 #include "fmi3Functions.h"
@@ -8,11 +8,11 @@ typedef char errors_agree[(int) STATUS_ERROR == (int) fmi3Error ? 1 : -1];
 
 #define LACKS(type) return (fmi3Status) instance_lacks_type(instance, nValueReferences, type)
 
-/* ---------------------------------------------------------------- life */
+/* ---------------------------------------------------------------- instantiation */
 
 const char *fmi3GetVersion(void) { return fmi3Version; }
 
-static void tell(const Instance *self, Status status, const char *category, const char *message)
+static void log_message(const Instance *self, Status status, const char *category, const char *message)
 {
     ((fmi3LogMessageCallback) self->logger)(self->environment, (fmi3Status) status, category, message);
 }
@@ -27,7 +27,7 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3IntermediateUpdateCallback intermediateUpdate)
 {
     Instance *self =
-        instance_create(instanceName, instantiationToken, CO_SIMULATION, tell, (void (*)(void)) logMessage,
+        instance_create(instanceName, instantiationToken, CO_SIMULATION, log_message, (void (*)(void)) logMessage,
                         instanceEnvironment);
 
     if (self && eventModeUsed) {
@@ -43,7 +43,7 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage)
 {
-    return instance_create(instanceName, instantiationToken, MODEL_EXCHANGE, tell, (void (*)(void)) logMessage,
+    return instance_create(instanceName, instantiationToken, MODEL_EXCHANGE, log_message, (void (*)(void)) logMessage,
                            instanceEnvironment);
 }
 
@@ -57,7 +57,7 @@ fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3Stri
                                                fmi3UnlockPreemptionCallback unlockPreemption)
 {
     if (logMessage)
-        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU is not for scheduled execution");
+        logMessage(instanceEnvironment, fmi3Error, "logStatusError", "this FMU does not support Scheduled Execution");
     return NULL;
 }
 

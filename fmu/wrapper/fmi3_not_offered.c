@@ -1,4 +1,4 @@
-/* The functions of FMI 3.0 for what this FMU does not offer: a host finds each one, and is told. */
+/* The functions of FMI 3.0 that this FMU does not support: each one exists, logs an error and returns it. */
 #include "instance.h"
 
 #include "fmi3Functions.h"

@@ -1,4 +1,4 @@
-/* See instance.h. */
+/* The life cycle of an instance and its log.  See instance.h. */
 #include "instance.h"
 
 #include "contact.h"
@@ -14,10 +14,10 @@ static const double START[] = START_VALUES;
 
 typedef char starts_are_complete[sizeof START / sizeof *START == N_VALUES ? 1 : -1];
 
-/* Two points of time that differ by a host's rounding only. */
+/* Whether two times differ by rounding of the host only. */
 static int same_time(double a, double b) { return fabs(a - b) <= 1e-9 * (1.0 + fabs(b)); }
 
-/* ---------------------------------------------------------------- life and log */
+/* ---------------------------------------------------------------- life cycle and log */
 
 static void start_again(Instance *self)
 {
@@ -34,27 +34,27 @@ static void start_again(Instance *self)
     memcpy(self->state.values, START, sizeof START);
 }
 
-Instance *instance_create(const char *name, const char *token, Kind kind, Tell *tell, void (*logger)(void),
-                          void *environment)
+Instance *instance_create(const char *name, const char *token, Kind kind, LogCallback *log_message,
+                          void (*logger)(void), void *environment)
 {
     Instance *self = calloc(1, sizeof *self);
-    const char *known_as = name ? name : "";
+    const char *given_name = name ? name : "";
 
     if (!self)
         return NULL;
-    self->tell = tell;
+    self->log_message = log_message;
     self->logger = logger;
     self->environment = environment;
-    self->tells_warnings = self->tells_discards = self->tells_errors = 1;
+    self->logs_warnings = self->logs_discards = self->logs_errors = 1;
     self->state.kind = kind;
-    self->name = malloc(strlen(known_as) + 1);
+    self->name = malloc(strlen(given_name) + 1);
     if (!self->name) {
         free(self);
         return NULL;
     }
-    strcpy(self->name, known_as);
+    strcpy(self->name, given_name);
     if (!token || strcmp(token, INSTANTIATION_TOKEN) != 0) {
-        instance_refuse(self, STATUS_ERROR, "the token of the model description is not that of this binary");
+        instance_refuse(self, STATUS_ERROR, "the token of the model description differs from the token of this binary");
         instance_free(self);
         return NULL;
     }
@@ -69,14 +69,14 @@ void instance_free(Instance *self)
     free(self);
 }
 
-/* Does the host want to hear it?  And under which heading? */
+/* The log category of a status, or NULL if the host has switched it off. */
 static const char *category(const Instance *self, Status status)
 {
     if (status == STATUS_WARNING)
-        return self->tells_warnings ? "logStatusWarning" : NULL;
+        return self->logs_warnings ? "logStatusWarning" : NULL;
     if (status == STATUS_DISCARD)
-        return self->tells_discards ? "logStatusDiscard" : NULL;
-    return self->tells_errors ? "logStatusError" : NULL;
+        return self->logs_discards ? "logStatusDiscard" : NULL;
+    return self->logs_errors ? "logStatusError" : NULL;
 }
 
 Status instance_refuse(const Instance *self, Status status, const char *format, ...)
@@ -89,7 +89,7 @@ Status instance_refuse(const Instance *self, Status status, const char *format, 
     va_start(arguments, format);
     vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
-    self->tell(self, status, category(self, status), message);
+    self->log_message(self, status, category(self, status), message);
     return status;
 }
 
@@ -123,11 +123,11 @@ Status instance_choose_log(Instance *self, int on, size_t n, const char *const c
             return instance_refuse(self, STATUS_ERROR, "unknown log category");
     }
     if (warnings)
-        self->tells_warnings = on;
+        self->logs_warnings = on;
     if (discards)
-        self->tells_discards = on;
+        self->logs_discards = on;
     if (errors)
-        self->tells_errors = on;
+        self->logs_errors = on;
     return STATUS_OK;
 }
 
@@ -135,8 +135,8 @@ Status instance_choose_log(Instance *self, int on, size_t n, const char *const c
 
 static const char *mode_name(int mode)
 {
-    static const char *const names[] = {"instantiated",       "initializing", "stepping", "handling an event",
-                                        "in continuous time", "terminated"};
+    static const char *const names[] = {"instantiated",       "initializing", "stepping", "in event mode",
+                                        "in continuous-time mode", "terminated"};
     return names[mode];
 }
 
@@ -167,7 +167,7 @@ Status instance_set_experiment(Instance *self, double start, int stop_defined, d
     if (expect_mode(self, INSTANTIATED, "setting up the experiment") != STATUS_OK)
         return STATUS_ERROR;
     if (!isfinite(start) || (stop_defined && !(stop >= start)))
-        return instance_refuse(self, STATUS_ERROR, "times from %g to %g are no experiment", start,
+        return instance_refuse(self, STATUS_ERROR, "an experiment cannot run from t = %g to t = %g", start,
                                stop_defined ? stop : HUGE_VAL);
     self->state.values[TIME] = start;
     self->state.stop_defined = stop_defined != 0;
@@ -197,7 +197,7 @@ Status instance_step(Instance *self, double point, double size)
     if (expect_mode(self, STEPPING, "a step") != STATUS_OK)
         return STATUS_ERROR;
     if (!isfinite(size) || size <= 0.0)
-        return instance_refuse(self, STATUS_ERROR, "a step size has to be positive and finite, not %g", size);
+        return instance_refuse(self, STATUS_ERROR, "the step size must be positive and finite, not %g", size);
     if (!isfinite(point) || !same_time(point, self->state.values[TIME]))
         return instance_refuse(self, STATUS_ERROR, "the step starts at t = %.17g, the last one ended at %.17g",
                                point, self->state.values[TIME]);
@@ -212,11 +212,11 @@ Status instance_step(Instance *self, double point, double size)
     slips_advance(&self->state, size);
     self->state.distance += self->state.contact.speed * size;
 #ifdef DISTANCE
-    state_changed(&self->state); /* the model reads it */
+    state_changed(&self->state); /* the model reads the distance */
 #endif
     self->state.outputs_known = self->state.extras_known = 0;
 #endif
-    self->state.values[TIME] = point + size; /* the host's own clock: no error adds up */
+    self->state.values[TIME] = point + size; /* from the host's time, so that rounding errors do not accumulate */
     return STATUS_OK;
 }
 

@@ -1,11 +1,11 @@
-/* One tire behind both FMI versions: its values, its modes and its rules.
+/* One tire instance for both FMI versions: its values, its modes and the allowed calls.
  *
- * Hand-written, plain C99.  fmi2.c and fmi3.c only translate; what is allowed is decided here, once.
+ * Hand-written C99.  fmi2.c and fmi3.c translate calls; the checks of allowed calls are here only.
  *
- * The rule of every function: it does all of what was asked or, refusing, changes nothing.
+ * A function either completes, or it rejects the call and changes nothing.
  *   STATUS_DISCARD  a value is not finite or outside its declared limits
- *   STATUS_ERROR    a call that the standard or this FMU does not allow
- * Each refusal is told to the host's logger in one line.
+ *   STATUS_ERROR    the standard or this FMU does not allow the call
+ * The host's logger receives one line for each rejected call.
  */
 #ifndef INSTANCE_H
 #define INSTANCE_H
@@ -26,11 +26,11 @@ enum {
     N_VALUES = FIRST_EXTRA + N_EXTRAS
 };
 
-/* What a value is to the host: a stored one can be set until initialization ends, a hidden one is read by the model
-   only and keeps its start value. */
+/* The kind of a value: a stored one can be set until initialization ends; a hidden one is not visible to the host and
+   has its start value. */
 enum { INDEPENDENT, INPUT, OUTPUT, PARAMETER, LOCAL, STORED, HIDDEN };
 
-/* What an extra output shows; see EXTRAS in model_config.h. */
+/* The source of an extra output; see EXTRAS in model_config.h. */
 enum { FRICTION_USE, KAPPA_GIVEN, ALPHA_GIVEN, ALPHA_LAGGED, FIRST_QUANTITY };
 
 /* The same numbers in FMI 2 and FMI 3. */
@@ -38,19 +38,19 @@ typedef enum { STATUS_OK = 0, STATUS_WARNING = 1, STATUS_DISCARD = 2, STATUS_ERR
 
 typedef enum { CO_SIMULATION, MODEL_EXCHANGE } Kind;
 
-/* Co-Simulation goes from initialization to stepping, Model Exchange to events and continuous time. */
+/* After initialization, Co-Simulation is in STEPPING; Model Exchange is in EVENT or CONTINUOUS. */
 typedef enum { INSTANTIATED, INITIALIZATION, STEPPING, EVENT, CONTINUOUS, TERMINATED } Mode;
 
 /* kappa and tan(alpha) */
 enum { LONGITUDINAL, LATERAL, N_SLIPS };
 
-/* What rates of lagging slips depend on beside the model: |V|, what slides, and the slips. */
-enum { ROLLING, SLIDING, LAGGING = SLIDING + N_SLIPS, N_MOVED = LAGGING + N_SLIPS };
+/* What the rates of lagged slips depend on in addition to the model: |V|, sliding velocities, and the slips. */
+enum { ROLLING, SLIDING, LAGGING = SLIDING + N_SLIPS, N_MOTION = LAGGING + N_SLIPS };
 
-/* What the host's inputs mean at the contact point; see contact.h. */
+/* The kinematics at the contact point; see contact.h. */
 typedef struct {
     double inputs[N_INPUTS];
-    double toward[N_SLIPS];
+    double target[N_SLIPS];
     double sliding[N_SLIPS];
     double bounds[N_SLIPS];
     double friction[N_SLIPS], stiffness[N_SLIPS];
@@ -58,16 +58,16 @@ typedef struct {
     double speed;
 } Contact;
 
-/* All that can change in an instance.  No pointers: a copy is a saved state, its bytes a serialized one. */
+/* Everything that changes in an instance.  It has no pointers: a copy is a saved state, the bytes a serialized one. */
 typedef struct {
-    char token[sizeof INSTANTIATION_TOKEN]; /* tells a serialized state of another FMU */
+    char token[sizeof INSTANTIATION_TOKEN]; /* identifies the FMU of a serialized state */
     int kind, mode;
-    /* What belongs to the inputs, parameters, states and mode as they are. */
+    /* Whether computed values are valid for the present inputs, parameters, states and mode. */
     int contact_known, lengths_known, outputs_known, extras_known;
     int stop_defined;
     double stop_time;
     double lagging[N_SLIPS]; /* since the end of initialization; see slips.h */
-    double distance;         /* rolled so far, m */
+    double distance;         /* rolled, m */
     double lengths[N_SLIPS];
     Contact contact;
     double values[N_VALUES];
@@ -75,35 +75,35 @@ typedef struct {
 
 typedef struct Instance Instance;
 
-/* Hands one line to the host's logger in the manner of its FMI version. */
-typedef void Tell(const Instance *self, Status status, const char *category, const char *message);
+/* Calls the host's logger, whose type depends on the FMI version, with one line. */
+typedef void LogCallback(const Instance *self, Status status, const char *category, const char *message);
 
 struct Instance {
     State state;
-    Tell *tell;
-    void (*logger)(void); /* the host's own function, of the type that `tell` knows */
+    LogCallback *log_message;
+    void (*logger)(void); /* the host's function; `log_message` converts its type */
     void *environment;
     char *name;
-    int tells_warnings, tells_discards, tells_errors;
+    int logs_warnings, logs_discards, logs_errors;
     int warned;
 };
 
-Instance *instance_create(const char *name, const char *token, Kind kind, Tell *tell, void (*logger)(void),
-                          void *environment);
+Instance *instance_create(const char *name, const char *token, Kind kind, LogCallback *log_message,
+                          void (*logger)(void), void *environment);
 void instance_free(Instance *self);
 
-/* Tell why a call is refused; returns `status`.  `self` may be NULL: then nobody can be told. */
+/* Log why a call is rejected; returns `status`.  `self` may be NULL: then nothing is logged. */
 Status instance_refuse(const Instance *self, Status status, const char *format, ...);
 Status instance_unsupported(const Instance *self, const char *function);
-/* For calls about variables of a type that this FMU lacks: fine for none of them, refused otherwise. */
+/* For calls about variables of a type that this FMU lacks: accepted for zero variables, rejected otherwise. */
 Status instance_lacks_type(const Instance *self, size_t n, const char *type);
 Status instance_choose_log(Instance *self, int on, size_t n, const char *const categories[]);
 
-/* Refuse unless the instance is in this mode, or in one of two. */
+/* Reject the call unless the instance is in one of two modes. */
 Status instance_expect(const Instance *self, Mode mode, Mode other, const char *what);
-/* Have slips begun to lag? */
+/* Whether initialization is complete: lagged slips have their own values. */
 int state_has_begun(const State *state);
-/* Inputs, parameters, states or the mode have changed. */
+/* Invalidate computed values: inputs, parameters, states or the mode have changed. */
 void state_changed(State *state);
 
 Status instance_set_experiment(Instance *self, double start, int stop_defined, double stop);
@@ -125,17 +125,17 @@ Status instance_get_rates(Instance *self, double rates[], size_t n);
 Status instance_get_nominals(Instance *self, double nominals[], size_t n);
 Status instance_get_indicators(Instance *self, size_t n);
 
-/* Direct feedthrough: outputs are computed when they are asked for, once after something changed.  Extra outputs take
-   the model's named quantities, which are computed for a host that reads them only. */
+/* Direct feedthrough: outputs are computed when the host reads them, once after each change.  Extra outputs need the
+   model's named quantities, which are computed only if the host reads one of them. */
 void state_compute_outputs(State *state);
 void state_compute_extras(State *state);
 
 Status instance_expect_known(const Instance *self, const unsigned references[], size_t n);
 const char *value_name(unsigned reference);
 int value_kind(unsigned reference);
-/* What an extra output shows. */
+/* The source of an extra output. */
 int value_shows(unsigned reference);
-/* The size of a value as far as it is known, else 1. */
+/* The size of a value or its nominal value, whichever is larger; 1 if both are unknown. */
 double value_scale(const State *state, unsigned reference);
 
 Status instance_get(Instance *self, const unsigned references[], size_t n, double values[]);

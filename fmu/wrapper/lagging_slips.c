@@ -1,19 +1,19 @@
-/* Slips that lag: dx/dt = |V| / sigma (u - x) on kappa and tan(alpha).  See slips.h.
+/* Lagged slips: dx/dt = |V| / sigma (u - x) for kappa and tan(alpha).  See slips.h.
  *
- * With inputs held over a step V, sigma and u are constant and the exponential is the solution itself: the result
- * does not depend on how a stretch of time is cut into steps.
+ * The inputs are constant over a step, so V, sigma and u are constant and the exponential is the exact solution.  The
+ * result does not depend on the step size.
  */
 #include "slips.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Below this relaxation length a slip acts at once, m. */
-#define AT_ONCE 1e-6
-/* In Model Exchange the state of a slip that acts at once follows within this length: short, and not stiff, m. */
-#define FOLLOWING 0.1
-/* Below this speed a slip is not what the wheel slides over it, m/s. */
-#define STANDING 1e-12
+/* Below this relaxation length a slip has no lag, m. */
+#define SHORTEST_LENGTH 1e-6
+/* Relaxation length of a state without lag in Model Exchange: short, but not stiff, m. */
+#define FOLLOWING_LENGTH 0.1
+/* Below this speed the quotient of sliding and speed is not used, m/s. */
+#define STANDSTILL_SPEED 1e-12
 
 static void find_lengths(State *state)
 {
@@ -23,11 +23,11 @@ static void find_lengths(State *state)
     state->lengths_known = 1;
 }
 
-/* So written that a length of NaN does not lag. */
+/* False for a length of NaN. */
 int slips_lag(State *state, size_t slip)
 {
     find_lengths(state);
-    return state->lengths[slip] > AT_ONCE;
+    return state->lengths[slip] > SHORTEST_LENGTH;
 }
 
 static double given(const State *state, size_t slip)
@@ -90,9 +90,9 @@ void slips_advance(State *state, double h)
             continue;
         }
         state->lagging[i] = bounded(state, i);
-        if (contact->speed > STANDING) {
+        if (contact->speed > STANDSTILL_SPEED) {
             rolled = h * (contact->speed / state->lengths[i]);
-            state->lagging[i] = exp(-rolled) * state->lagging[i] - expm1(-rolled) * contact->toward[i];
+            state->lagging[i] = exp(-rolled) * state->lagging[i] - expm1(-rolled) * contact->target[i];
         } else {
             state->lagging[i] += contact->sliding[i] * (h / state->lengths[i]);
         }
@@ -103,7 +103,7 @@ void slips_advance(State *state, double h)
 double slips_length(State *state, size_t slip, int *of_model)
 {
     *of_model = slips_lag(state, slip);
-    return *of_model ? state->lengths[slip] : FOLLOWING;
+    return *of_model ? state->lengths[slip] : FOLLOWING_LENGTH;
 }
 
 void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *tangent)
@@ -112,7 +112,7 @@ void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *ta
     const double x = state->lagging[LATERAL];
 
     memcpy(tangent->acting, tangent->given, sizeof tangent->acting);
-    memcpy(tangent->moved + LAGGING, moved, N_SLIPS * sizeof *moved);
+    memcpy(tangent->motion + LAGGING, moved, N_SLIPS * sizeof *moved);
     if (!state_has_begun(state))
         return;
     if (slips_lag(state, LONGITUDINAL))
@@ -121,7 +121,7 @@ void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *ta
         tangent->acting[ALPHA] = moved[LATERAL] / (1.0 + x * x);
 }
 
-/* A slip at its bound does not go on outward. */
+/* Zero for a slip at its bound that would move outward. */
 static double rate(State *state, size_t slip)
 {
     const Contact *contact = &state->contact;
@@ -137,7 +137,7 @@ void slips_show(State *state, double slips[], double rates[])
     size_t i;
 
     for (i = 0; i < N_SLIPS; i++) {
-        /* A solver's state is what the solver set. */
+        /* In Model Exchange the state is the value that the solver set. */
         slips[i] = state->kind == MODEL_EXCHANGE && state_has_begun(state) ? state->lagging[i] : acting(state, i);
         rates[i] = state_has_begun(state) ? rate(state, i) : 0.0;
     }

@@ -10,11 +10,11 @@ Status instance_save(Instance *self, void **slot)
     State *saved;
 
     if (!self || !slot)
-        return instance_refuse(self, STATUS_ERROR, "there is no place for the state");
+        return instance_refuse(self, STATUS_ERROR, "the pointer for the saved state is NULL");
     saved = *slot ? *slot : malloc(sizeof *saved);
     if (!saved)
         return instance_refuse(self, STATUS_ERROR, "no memory for the state");
-    state_compute_extras(&self->state); /* equal states have equal bytes, asked for outputs or not */
+    state_compute_extras(&self->state); /* equal states have equal bytes, whether the host has read outputs or not */
     memcpy(saved, &self->state, sizeof *saved);
     *slot = saved;
     return STATUS_OK;
@@ -25,7 +25,7 @@ Status instance_restore(Instance *self, const void *saved)
     if (!self || !saved)
         return instance_refuse(self, STATUS_ERROR, "there is no state to restore");
     if (((const State *) saved)->kind != self->state.kind)
-        return instance_refuse(self, STATUS_ERROR, "a state of Co-Simulation is none of Model Exchange");
+        return instance_refuse(self, STATUS_ERROR, "the saved state is of the other interface type");
     memcpy(&self->state, saved, sizeof self->state);
     return STATUS_OK;
 }
@@ -44,7 +44,7 @@ Status instance_drop(Instance *self, void **slot)
 Status instance_serialized_size(Instance *self, const void *saved, size_t *size)
 {
     if (!self || !saved || !size)
-        return instance_refuse(self, STATUS_ERROR, "there is no state to measure");
+        return instance_refuse(self, STATUS_ERROR, "there is no state to serialize");
     *size = sizeof(State);
     return STATUS_OK;
 }
@@ -57,7 +57,7 @@ Status instance_serialize(Instance *self, const void *saved, void *bytes, size_t
     return STATUS_OK;
 }
 
-/* Bytes come from outside: nothing of them is believed that a saved state could not hold. */
+/* The bytes are untrusted: accept only what a saved state can contain. */
 static int is_state(const State *state)
 {
     size_t i;
@@ -83,10 +83,10 @@ Status instance_deserialize(Instance *self, const void *bytes, size_t size, void
         return instance_refuse(self, STATUS_ERROR, "a state takes %lu bytes", (unsigned long) sizeof state);
     memcpy(&state, bytes, sizeof state);
     if (!is_state(&state))
-        return instance_refuse(self, STATUS_ERROR, "these bytes are no state of this FMU");
+        return instance_refuse(self, STATUS_ERROR, "the bytes are not a serialized state of this FMU");
     if (!*slot && !(*slot = malloc(sizeof state)))
         return instance_refuse(self, STATUS_ERROR, "no memory for the state");
-    state_changed(&state); /* what can be computed is not believed */
+    state_changed(&state); /* computed values are not trusted but computed again */
     state_compute_extras(&state);
     memcpy(*slot, &state, sizeof state);
     return STATUS_OK;

@@ -1,10 +1,10 @@
-/* Slips as the host gives them.  See contact.h. */
+/* Slips as inputs.  See contact.h. */
 #include "contact.h"
 
 #include <math.h>
 #include <string.h>
 
-static const int PASSED[] = PASSED_ON;
+static const int HOST_INDEX[] = HOST_INPUT_INDICES;
 static const double UNCONNECTED[] = UNCONNECTED_INPUTS;
 
 void contact_find(State *state)
@@ -15,7 +15,8 @@ void contact_find(State *state)
     if (state->contact_known)
         return;
     for (i = 0; i < N_INPUTS; i++)
-        contact->inputs[i] = PASSED[i] < 0 ? UNCONNECTED[i] : host_value(state, FIRST_INPUT + (size_t) PASSED[i]);
+        contact->inputs[i] =
+            HOST_INDEX[i] < 0 ? UNCONNECTED[i] : host_value(state, FIRST_INPUT + (size_t) HOST_INDEX[i]);
 #ifdef DISTANCE
     contact->inputs[DISTANCE] = state->distance;
 #endif
@@ -23,10 +24,10 @@ void contact_find(State *state)
     contact->speed = fabs(host_value(state, FIRST_INPUT + HOST_SPEED));
 #endif
 #if LAGS
-    contact->toward[LONGITUDINAL] = contact->inputs[KAPPA];
-    contact->toward[LATERAL] = tan(contact->inputs[ALPHA]);
+    contact->target[LONGITUDINAL] = contact->inputs[KAPPA];
+    contact->target[LATERAL] = tan(contact->inputs[ALPHA]);
     for (i = 0; i < N_SLIPS; i++) {
-        contact->sliding[i] = contact->toward[i] * contact->speed;
+        contact->sliding[i] = contact->target[i] * contact->speed;
         contact->bounds[i] = HUGE_VAL;
     }
 #endif
@@ -46,23 +47,23 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], con
 
     (void) state;
     (void) radius;
-    memset(tangent->moved, 0, sizeof tangent->moved);
+    memset(tangent->motion, 0, sizeof tangent->motion);
     for (i = 0; i < N_INPUTS; i++)
-        tangent->given[i] = PASSED[i] < 0 ? 0.0 : seeds[FIRST_INPUT + (size_t) PASSED[i]];
+        tangent->given[i] = HOST_INDEX[i] < 0 ? 0.0 : seeds[FIRST_INPUT + (size_t) HOST_INDEX[i]];
 #ifdef DISTANCE
     tangent->given[DISTANCE] = seeds[FIRST_DERIVATIVE - 1];
 #endif
 #if N_STATES > 0
-    tangent->moved[ROLLING] = seeds[FIRST_INPUT + HOST_SPEED];
+    tangent->motion[ROLLING] = seeds[FIRST_INPUT + HOST_SPEED];
     if (host_value(state, FIRST_INPUT + HOST_SPEED) < 0.0)
-        tangent->moved[ROLLING] *= -1.0;
+        tangent->motion[ROLLING] *= -1.0;
 #endif
 #if LAGS
     for (i = 0; i < N_SLIPS; i++) {
-        const double t = state->contact.toward[i];
+        const double t = state->contact.target[i];
         const double by_slip = i == LATERAL ? tangent->given[ALPHA] * (1.0 + t * t) : tangent->given[KAPPA];
 
-        tangent->moved[SLIDING + i] = by_slip * state->contact.speed + t * tangent->moved[ROLLING];
+        tangent->motion[SLIDING + i] = by_slip * state->contact.speed + t * tangent->motion[ROLLING];
     }
 #endif
 }

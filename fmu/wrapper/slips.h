@@ -1,35 +1,35 @@
-/* The slips that act: as they are given, or lagging behind by a rolled distance.
+/* The acting slips, which the force formulas use: the given slips, or slips with a first-order lag over distance.
  *
- * An FMU is built with one of two files: direct_slips.c for a tire whose slips act at once, lagging_slips.c for
- * one with relaxation, where kappa and tan(alpha) lag.
+ * An FMU contains one of two files: direct_slips.c for a tire without relaxation, lagging_slips.c for a tire with
+ * relaxation, where kappa and tan(alpha) lag.
  */
 #ifndef SLIPS_H
 #define SLIPS_H
 
 #include "contact.h"
 
-/* Fill in the inputs that the model sees; after contact_find. */
+/* Compute the model's inputs with the acting slips; call contact_find before. */
 void slips_acting(State *state, double inputs[N_INPUTS]);
 
-/* Does this slip lag behind here and now? */
+/* Whether this slip has a lag in the present state. */
 int slips_lag(State *state, size_t slip);
 
-/* The end of initialization: slips lag from here on, and begin in steady state. */
+/* End of initialization: the lagged slips start in steady state. */
 void slips_begin(State *state);
 
-/* At an event: slips that act at once are where they act.  Returns whether one has moved. */
+/* At an event: set the states to the acting slips.  Returns whether a state changed. */
 int slips_settle(State *state);
 
-/* Roll on for h > 0 seconds with the inputs held. */
+/* Integrate over h > 0 seconds with constant inputs. */
 void slips_advance(State *state, double h);
 
-/* Over which length a slip follows where it is no longer what is given; of the model's, or a constant. */
+/* The relaxation length of a slip; `of_model` is 1 if the model computes it, 0 if it is a constant. */
 double slips_length(State *state, size_t slip, int *of_model);
 
-/* Fill in the rest of a tangent, after contact_differentiate. */
+/* Compute the rest of a tangent; call contact_differentiate before. */
 void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *tangent);
 
-/* Fill in slips and their rates as the host sees them. */
+/* Compute the slips and their rates as the host reads them. */
 void slips_show(State *state, double slips[], double rates[]);
 
 #endif

@@ -1,4 +1,4 @@
-/* The terms of outputs and rates.  See terms.h. */
+/* The terms of outputs and derivatives.  See terms.h. */
 #include "terms.h"
 
 #include "chain_rule.h"
@@ -15,7 +15,7 @@ static size_t add(Term terms[], size_t n, Point point, unsigned slot, double fac
     return n + 1;
 }
 
-/* sqrt(x^2 + y^2), x and y being what of the friction the forces take: force / (mu load). */
+/* sqrt(x^2 + y^2), where x and y are the forces as a share of friction: force / (mu load). */
 static size_t friction_terms(State *state, Term terms[MOST_TERMS])
 {
     static const unsigned force[] = {LONGITUDINAL_FORCE, SIDE_FORCE};
@@ -52,9 +52,9 @@ static size_t rate_terms(State *state, unsigned slip, Term terms[MOST_TERMS])
 
     if (!state_has_begun(state))
         return 0;
-    n = add(terms, n, BESIDE, SLIDING + slip, 1.0 / length);
-    n = add(terms, n, BESIDE, LAGGING + slip, -state->contact.speed / length);
-    n = add(terms, n, BESIDE, ROLLING, -state->lagging[slip] / length);
+    n = add(terms, n, MOTION, SLIDING + slip, 1.0 / length);
+    n = add(terms, n, MOTION, LAGGING + slip, -state->contact.speed / length);
+    n = add(terms, n, MOTION, ROLLING, -state->lagging[slip] / length);
     return of_model ? add(terms, n, GIVEN, chain_quantity(lengths[slip]), -rate / length) : n;
 }
 #endif
@@ -71,7 +71,7 @@ static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
         return rate_terms(state, unknown - FIRST_DERIVATIVE, terms);
 #endif
     if (unknown < FIRST_EXTRA)
-        return add(terms, 0, BESIDE, ROLLING, 1.0); /* of the distance */
+        return add(terms, 0, MOTION, ROLLING, 1.0); /* of the distance */
     shown = value_shows(unknown);
     if (shown == FRICTION_USE)
         return friction_terms(state, terms);

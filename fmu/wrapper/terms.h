@@ -1,12 +1,12 @@
-/* By what an output or a rate moves: its derivatives by slots of the model's lines, and by what stands beside them. */
+/* The derivative of an output or a state derivative as a sum of terms: by slots of the model, and by the motion. */
 #ifndef TERMS_H
 #define TERMS_H
 
 #include "instance.h"
 
-/* Where a slot of chain_rule.h is taken: with slips as they are given, or as they act.  BESIDE is a place in a tangent's
-   `moved`, see contact.h. */
-typedef enum { GIVEN, ACTING, BESIDE } Point;
+/* The kind of a term: a slot of chain_rule.h with the given slips or with the acting slips, or an entry of a tangent's
+   `motion`, see contact.h. */
+typedef enum { GIVEN, ACTING, MOTION } Point;
 
 typedef struct {
     Point point;
@@ -16,7 +16,7 @@ typedef struct {
 
 enum { MOST_TERMS = 5 };
 
-/* The terms of an unknown, in the host's signs.  Returns how many they are.  After state_compute_outputs. */
+/* Find the terms of an unknown, in the host's signs.  Returns their number.  Call state_compute_outputs before. */
 size_t terms_find(State *state, unsigned unknown, Term terms[MOST_TERMS]);
 
 #endif

@@ -1,4 +1,4 @@
-/* Values: reading, setting, and what is computed for it.  See instance.h. */
+/* Values: get, set, and compute.  See instance.h. */
 #include "instance.h"
 
 #include "contact.h"
@@ -12,12 +12,12 @@ static const double UPPER[] = UPPER_LIMITS;
 static const double NOMINAL[] = NOMINAL_VALUES;
 static const unsigned char KINDS[] = VALUE_KINDS;
 static const int EXTRA[] = EXTRAS;
-/* By which host and model differ in sign. */
+/* -1 where host and model use opposite signs. */
 static const signed char DIRECTIONS[] = VALUE_DIRECTIONS;
 static const double RANGES[][2] = INPUT_RANGES;
 static const char *const MODEL_INPUTS[] = MODEL_INPUT_NAMES;
 
-/* The generated header and the model's code have to agree on the number of values. */
+/* The generated header and the model's code must have the same number of values. */
 #define HAS(table, n) (sizeof(table) / sizeof *(table) == (n) ? 1 : -1)
 typedef char names_are_complete[HAS(NAMES, N_VALUES)];
 typedef char limits_are_complete[HAS(LOWER, N_VALUES) + HAS(UPPER, N_VALUES) - 1];
@@ -62,7 +62,7 @@ Status instance_expect_known(const Instance *self, const unsigned references[], 
 
 /* ---------------------------------------------------------------- computing */
 
-/* States and their rates as the host sees them. */
+/* Write the states and their derivatives to the values, in the host's signs. */
 static void show_states(State *state)
 {
 #if N_STATES > 0
@@ -102,7 +102,7 @@ void state_compute_outputs(State *state)
 
 static double share(double force, double limit) { return limit != 0.0 ? force / limit : 0.0; }
 
-/* How much of the friction ellipse the forces take: 1 at its edge. */
+/* The force as a share of the friction ellipse: 1 on the ellipse. */
 static double friction_use(const State *state, const double quantities[])
 {
     const double *forces = state->values + FIRST_OUTPUT, load = state->contact.inputs[LOAD];
@@ -138,7 +138,7 @@ void state_compute_extras(State *state)
     state->extras_known = 1;
 }
 
-/* Tell once that an input has left the range in which the tire is known. */
+/* Log once that an input is outside the valid range of the tire. */
 static void watch_range(Instance *self)
 {
     size_t i;
@@ -150,7 +150,7 @@ static void watch_range(Instance *self)
         x = self->state.contact.inputs[i];
         if (x < RANGES[i][0] || x > RANGES[i][1]) {
             self->warned = 1;
-            instance_refuse(self, STATUS_WARNING, "%s = %g is outside %g ... %g, where the tire is known",
+            instance_refuse(self, STATUS_WARNING, "%s = %g is outside %g ... %g, the valid range of the tire",
                             MODEL_INPUTS[i], x, RANGES[i][0], RANGES[i][1]);
             return;
         }
@@ -179,7 +179,7 @@ Status instance_get(Instance *self, const unsigned references[], size_t n, doubl
     return STATUS_OK;
 }
 
-/* May the host set this value here and now? */
+/* Whether the host may set this value in the present mode. */
 static Status expect_settable(const Instance *self, unsigned reference)
 {
     const int kind = KINDS[reference], mode = self->state.mode;
@@ -189,7 +189,7 @@ static Status expect_settable(const Instance *self, unsigned reference)
     if (kind == PARAMETER && mode != CONTINUOUS)
         return STATUS_OK;
     if (kind == PARAMETER)
-        return instance_refuse(self, STATUS_ERROR, "%s can be set at an event, not in continuous time",
+        return instance_refuse(self, STATUS_ERROR, "%s can be set in event mode, not in continuous-time mode",
                                NAMES[reference]);
     return instance_refuse(self, STATUS_ERROR, "%s cannot be set", NAMES[reference]);
 }
@@ -208,7 +208,7 @@ Status instance_set(Instance *self, const unsigned references[], size_t n, const
         if (expect_settable(self, r) != STATUS_OK)
             return STATUS_ERROR;
         if (!isfinite(values[i]))
-            return instance_refuse(self, STATUS_DISCARD, "%s has to be finite, not %g", NAMES[r], values[i]);
+            return instance_refuse(self, STATUS_DISCARD, "%s must be finite, not %g", NAMES[r], values[i]);
         if (values[i] < LOWER[r] || values[i] > UPPER[r])
             return instance_refuse(self, STATUS_DISCARD, "%s = %g is outside %g ... %g", NAMES[r], values[i],
                                    LOWER[r], UPPER[r]);

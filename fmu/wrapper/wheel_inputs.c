@@ -1,13 +1,12 @@
-/* Slips from the velocities of the wheel's contact point and the speed at which it turns.  See contact.h.
+/* Slips from the velocities of the contact point and the angular speed of the wheel.  See contact.h.
  *
- * Slip is sliding over rolling speed, which at standstill is 0/0.  Two things keep it regular below the parameter
- * LOW_SPEED:
- * - A slip that acts at once is taken over a reference speed that goes no lower than half of LOW_SPEED: there sliding
- *   is damped, and the formula itself keeps the force within friction.
- * - A slip that lags is a deflection over a length, d x/dt = (sliding - |V| x) / sigma, which needs no quotient: a
- *   standing tire is a spring.  It does not go on beyond thrice the slip of the peak while the tire slides on the
- *   spot, and a damper stands beside it, which fades out up to LOW_SPEED and never takes the force beyond friction.
- * After Pacejka, Tire and Vehicle Dynamics (2012), section 8.6; limits and reference speed are tirefmu's own.
+ * Slip is the sliding velocity divided by the speed, which is 0/0 at standstill.  Below the parameter LOW_SPEED:
+ * - A slip without lag uses a reference speed of at least half of LOW_SPEED.  There the force damps the sliding, and
+ *   the formula limits the force to friction.
+ * - A lagged slip is a deflection per length, d x/dt = (sliding - |V| x) / sigma, which needs no quotient: the tire at
+ *   standstill is a spring.  The slip is limited to three times the slip of peak friction.  A damper acts in parallel;
+ *   it fades out up to LOW_SPEED, and the force is limited to friction.
+ * After Pacejka, Tire and Vehicle Dynamics (2012), section 8.6; the limits and the reference speed are tirefmu's own.
  */
 #include "contact.h"
 
@@ -18,20 +17,20 @@
 #include <math.h>
 #include <string.h>
 
-/* The model does not see a lower speed, at which it would have no direction, m/s. */
+/* Lowest speed that the model receives: at 0 the direction is undefined, m/s. */
 #define LOWEST_SPEED 0.01
-#define STANDING 1e-12
+#define STANDSTILL_SPEED 1e-12
 #define PI 3.14159265358979323846
-/* What turns load into mass, for damping as a share of the critical one, m/s^2. */
+/* Converts load to mass, for damping relative to critical damping, m/s^2. */
 #define GRAVITY 9.81
 
-static const int PASSED[] = PASSED_ON;
+static const int HOST_INDEX[] = HOST_INPUT_INDICES;
 static const double UNCONNECTED[] = UNCONNECTED_INPUTS;
 
 static double low_speed(const State *state) { return state->values[FIRST_PARAMETER + LOW_SPEED]; }
 
 #if LAGS
-/* Near standstill: friction, slip stiffness, and from them how far a slip goes. */
+/* Near standstill: friction, slip stiffness, and the bounds of the lagged slips. */
 static void find_bounds(State *state, double reference)
 {
     static const int stiffness[] = {STIFFNESS_X, STIFFNESS_Y};
@@ -69,7 +68,8 @@ void contact_find(State *state)
     if (state->contact_known)
         return;
     for (i = 0; i < N_INPUTS; i++)
-        contact->inputs[i] = PASSED[i] < 0 ? UNCONNECTED[i] : host_value(state, FIRST_INPUT + (size_t) PASSED[i]);
+        contact->inputs[i] =
+            HOST_INDEX[i] < 0 ? UNCONNECTED[i] : host_value(state, FIRST_INPUT + (size_t) HOST_INDEX[i]);
 #ifdef DISTANCE
     contact->inputs[DISTANCE] = state->distance;
 #endif
@@ -88,7 +88,8 @@ void contact_find(State *state)
     contact->sliding[LONGITUDINAL] = turning * rolling_radius(contact->inputs, turning, parameters) - forward;
     contact->sliding[LATERAL] = host_value(state, FIRST_INPUT + HOST_SIDEWAYS);
     for (i = 0; i < N_SLIPS; i++)
-        contact->toward[i] = contact->sliding[i] / (contact->speed > STANDING ? contact->speed : STANDING);
+        contact->target[i] =
+            contact->sliding[i] / (contact->speed > STANDSTILL_SPEED ? contact->speed : STANDSTILL_SPEED);
     contact->inputs[KAPPA] = contact->sense * contact->sliding[LONGITUDINAL] / reference;
     contact->inputs[ALPHA] = atan(contact->sliding[LATERAL] / reference);
 #ifdef TURN
@@ -112,12 +113,12 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], con
     const double *moved = seeds + FIRST_INPUT;
     const double speed = contact->speed, turning = host_value(state, FIRST_INPUT + HOST_TURNING);
     const double by_speed = host_value(state, FIRST_INPUT + HOST_SPEED) < 0.0 ? -1.0 : 1.0;
-    double *given = tangent->given, *sliding = tangent->moved + SLIDING, slip[N_SLIPS];
+    double *given = tangent->given, *sliding = tangent->motion + SLIDING, slip[N_SLIPS];
     double radius_moved = radius->by[TURNING_LEAF] * moved[HOST_TURNING];
     size_t i;
 
     for (i = 0; i < N_INPUTS; i++)
-        given[i] = PASSED[i] < 0 ? 0.0 : moved[PASSED[i]];
+        given[i] = HOST_INDEX[i] < 0 ? 0.0 : moved[HOST_INDEX[i]];
 #ifdef DISTANCE
     given[DISTANCE] = seeds[FIRST_DERIVATIVE - 1];
 #endif
@@ -128,20 +129,20 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], con
         radius_moved += radius->by[i] * given[i];
     for (i = 0; i < N_PARAMETERS; i++)
         radius_moved += radius->by[FIRST_PARAMETER_LEAF + i] * seeds[FIRST_PARAMETER + i];
-    tangent->moved[ROLLING] = by_speed * moved[HOST_SPEED];
+    tangent->motion[ROLLING] = by_speed * moved[HOST_SPEED];
     sliding[LONGITUDINAL] = turning * radius_moved + radius->length * moved[HOST_TURNING] - moved[HOST_SPEED];
     sliding[LATERAL] = moved[HOST_SIDEWAYS];
     for (i = 0; i < N_SLIPS; i++)
-        slip[i] = (sliding[i] - contact->toward[i] * tangent->moved[ROLLING]) / speed;
+        slip[i] = (sliding[i] - contact->target[i] * tangent->motion[ROLLING]) / speed;
     given[KAPPA] = contact->sense * slip[LONGITUDINAL];
-    given[ALPHA] = slip[LATERAL] / (1.0 + contact->toward[LATERAL] * contact->toward[LATERAL]);
+    given[ALPHA] = slip[LATERAL] / (1.0 + contact->target[LATERAL] * contact->target[LATERAL]);
 #ifdef TURN
-    given[TURN] = (moved[HOST_YAWING] - contact->inputs[TURN] * tangent->moved[ROLLING]) / speed;
+    given[TURN] = (moved[HOST_YAWING] - contact->inputs[TURN] * tangent->motion[ROLLING]) / speed;
 #endif
 }
 
 #if LAGS
-/* The damper beside the spring that a standing tire is. */
+/* The force with the damper that acts in parallel with the spring of a tire at standstill. */
 static double damped(const State *state, size_t slip, double sense, double force)
 {
     const Contact *contact = &state->contact;
@@ -156,7 +157,8 @@ static double damped(const State *state, size_t slip, double sense, double force
 }
 #endif
 
-/* Some lines of a model turn round with the direction: between the two lowest speeds they pass through their mean. */
+/* Some terms of a model change sign with the direction of travel: between -LOWEST_SPEED and LOWEST_SPEED the forces of
+   both directions are interpolated. */
 static void blend(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
 {
 #ifdef SPEED

@@ -1,12 +1,12 @@
-/* What tirefmu's own Windows binary needs beside the system's libraries, so that no C runtime is packed into it: that
- * of zig is as large as a tire.  No other build takes this file.
+/* Functions that a cross-compiled Windows binary needs in addition to the system's libraries.  With them no C runtime
+ * has to be linked, which would double the size of the binary.  No other build uses this file.
  */
 #include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 
-/* Loading and unloading: there is nothing to set up. */
+/* Loading and unloading: nothing to initialize. */
 int __stdcall DllMainCRTStartup(void *library, unsigned long reason, void *reserved)
 {
     (void) library;
@@ -15,7 +15,7 @@ int __stdcall DllMainCRTStartup(void *library, unsigned long reason, void *reser
     return 1;
 }
 
-/* Compilers refer to it where there are floating-point numbers. */
+/* Compilers refer to this symbol if floating-point numbers are used. */
 int _fltused = 0;
 
 int vsnprintf(char *text, size_t size, const char *format, va_list arguments)
@@ -23,7 +23,7 @@ int vsnprintf(char *text, size_t size, const char *format, va_list arguments)
     return __stdio_common_vsprintf(_CRT_INTERNAL_PRINTF_STANDARD_SNPRINTF_BEHAVIOR, text, size, format, NULL, arguments);
 }
 
-/* Behind isfinite and its kin. */
+/* Used by isfinite and similar macros. */
 int __fpclassify(double x)
 {
     const double size = fabs(x);
@@ -33,7 +33,7 @@ int __fpclassify(double x)
     return size >= DBL_MIN ? FP_NORMAL : size > 0.0 ? FP_SUBNORMAL : FP_ZERO;
 }
 
-/* What compilers make of a sine and a cosine; read twice, so that they do not make it of these. */
+/* Compilers replace a sine and a cosine by this call; volatile prevents that here. */
 void sincos(double x, double *sine, double *cosine)
 {
     const volatile double angle = x;
@@ -42,8 +42,8 @@ void sincos(double x, double *sine, double *cosine)
     *cosine = cos(angle);
 }
 
-/* Called before rax bytes of stack are taken, and changes no register.  The system gives a stack page after page, each
-   when the one above it has been touched. */
+/* Called before rax bytes of stack are allocated; changes no register.  Windows commits the stack page by page: each
+   page must be touched in order. */
 __asm__(".globl ___chkstk_ms\n"
         "___chkstk_ms:\n"
         "    pushq %rax\n"

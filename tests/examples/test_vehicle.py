@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from tirefmu.fmu.binaries import host_platform
+from tirefmu.fmu.packaging.binaries import host_platform
 from tirefmu.tires.compiler import CompilerError, find_compiler
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from tirefmu.fmu.build import export
-from tirefmu.fmu.simulation import loaded
+from tirefmu.fmu.packaging.export import export
+from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import TABLE_OUTPUTS, Tire, published
 from tirefmu.tires.compiler import CompilerError, find_compiler

@@ -9,8 +9,8 @@ import zipfile
 
 import pytest
 
-from tirefmu.fmu import archive
-from tirefmu.fmu.archive import unpacked
+from tirefmu.fmu.simulation import archive
+from tirefmu.fmu.simulation.archive import unpacked
 from tirefmu.symbolic.errors import FmuError
 
 DESCRIPTION = b'<?xml version="1.0"?><fmiModelDescription fmiVersion="2.0"/>'
@@ -70,7 +70,7 @@ def test_a_name_that_leads_elsewhere(packed, temporary, tmp_path, name):
     if not name:
         path.write_bytes(path.read_bytes().replace(b"?", b"/"))
     before = sorted(tmp_path.rglob("*"))
-    refused(path, r"some\.fmu: not an FMU that can be read \(the file name '.*' is not allowed\)")
+    refused(path, r"some\.fmu: not a readable FMU \(the file name '.*' is not allowed\)")
     assert sorted(tmp_path.rglob("*")) == before
 
 
@@ -105,7 +105,7 @@ def test_links_and_devices(packed, temporary, kind, names, message):
 )  # fmt: skip
 @pytest.mark.filterwarnings("ignore:Duplicate name")
 def test_names_that_are_one_on_some_system(packed, temporary, names):
-    refused(packed(*((name, b"") for name in names)), "is there twice, or differs from another name only by case")
+    refused(packed(*((name, b"") for name in names)), "is a duplicate, or differs from another name only by case")
 
 
 def test_encrypted_entries_and_rare_compression(packed, temporary):

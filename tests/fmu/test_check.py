@@ -11,9 +11,9 @@ import pandas as pd
 import pytest
 
 from tirefmu.fmu import check
-from tirefmu.fmu.build import export
-from tirefmu.fmu.check import _difference
-from tirefmu.fmu.figures import draw_check
+from tirefmu.fmu.comparison.check import _difference
+from tirefmu.fmu.comparison.figures import draw_check
+from tirefmu.fmu.packaging.export import export
 from tirefmu.measurements.recording import Recording
 from tirefmu.symbolic.errors import DataError, FmuError
 from tirefmu.tires.signs import convert_signs
@@ -156,7 +156,7 @@ def test_an_invalid_fmu_is_not_ok(fmus, table, tmp_path):
     result = check(path, table)
     assert not result.ok
     assert "InitialUnknown" in result.problems[0]
-    assert "not valid:" in str(result)
+    assert "invalid:" in str(result)
 
 
 def test_json_and_text_say_the_same(fmu, table):
@@ -205,8 +205,8 @@ def test_files_that_are_no_fmu(table, tmp_path):
         archive.writestr("readme", "")
     for name, message in (
         ("no.fmu", "no such file"),
-        ("text.fmu", "not an FMU"),
-        ("empty.fmu", "not an FMU"),
+        ("text.fmu", "not a readable FMU"),
+        ("empty.fmu", "not a readable FMU"),
     ):
         with pytest.raises(FmuError, match=f"{name}: {message}") as caught:
             check(tmp_path / name, table)

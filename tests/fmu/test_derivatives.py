@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tirefmu.fmu import export
-from tirefmu.fmu.simulation import loaded
+from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.tires.code import code_for
 
 from .conftest import GOLDEN, TIRES, Host

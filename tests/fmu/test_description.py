@@ -10,9 +10,9 @@ import pytest
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
-from tirefmu.fmu.build import contents, fmi_headers
-from tirefmu.fmu.description import Header, model_description
-from tirefmu.fmu.variables import TIME, direct_feedthrough, variables
+from tirefmu.fmu.description.model_description import Header, model_description
+from tirefmu.fmu.description.variables import TIME, direct_feedthrough, variables
+from tirefmu.fmu.packaging.export import contents, fmi_headers
 from tirefmu.tires import published
 
 
@@ -141,12 +141,12 @@ def test_what_xml_cannot_hold_is_left_out(fmi):
     assert ET.fromstring(text).get("modelName") == "a\ufffd\ufffdb\ufffd"
 
 
-def test_says_that_a_tire_was_rewritten():
+def test_states_that_a_tire_was_converted():
     tire = published("trento_hoosier")
     assert tire.signs == "adapted-sae"
     for given, said in ((tire, True), (tire.in_signs("iso"), False)):
         text = contents(given, 3, "t")["modelDescription.xml"].decode()
-        assert ("rewritten from adapted-sae signs" in text) == said
+        assert ("converted from adapted-sae signs" in text) == said
 
 
 def test_token_ties_tire_code_and_description(tires):

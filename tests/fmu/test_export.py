@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from tirefmu.fmu import export
-from tirefmu.fmu.build import c_identifier
-from tirefmu.fmu.documentation import LICENSE
+from tirefmu.fmu.description.documentation import LICENSE
+from tirefmu.fmu.packaging.export import c_identifier
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import published, read_tir
 
@@ -111,12 +111,12 @@ def fails(tire, path, message, **options):
 
 
 def test_unknown_version(tire, tmp_path):
-    fails(tire, tmp_path / "t.fmu", "FMI 1 is not known: known are 2 and 3", fmi=1)
+    fails(tire, tmp_path / "t.fmu", "FMI 1 is not supported: supported are 2 and 3", fmi=1)
 
 
 def test_unknown_inputs(tire, tmp_path):
-    fails(tire, tmp_path / "t.fmu", "inputs 'motion' are not known: known are slip, wheel", inputs="motion")
-    fails(tire, tmp_path / "t.fmu", "axes 'adapted-sae' are not known: known are iso, sae", axes="adapted-sae")
+    fails(tire, tmp_path / "t.fmu", "inputs 'motion' are unknown: known are slip, wheel", inputs="motion")
+    fails(tire, tmp_path / "t.fmu", "axes 'adapted-sae' are unknown: known are iso, sae", axes="adapted-sae")
 
 
 def test_folder_that_is_not_there(compiler, tire, tmp_path):
@@ -130,7 +130,7 @@ def test_folder_in_the_way(compiler, tire, tmp_path):
 
 def test_no_compiler(tire, tmp_path, monkeypatch, fresh_cache):
     monkeypatch.delenv("CC", raising=False)
-    monkeypatch.setattr("tirefmu.fmu.binaries.has_ziglang", lambda: False)
+    monkeypatch.setattr("tirefmu.fmu.packaging.binaries.has_ziglang", lambda: False)
     monkeypatch.setenv("PATH", str(tmp_path))
     fails(tire, tmp_path / "t.fmu", "install gcc or clang")
 

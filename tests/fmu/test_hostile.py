@@ -16,8 +16,9 @@ import pandas as pd
 import pytest
 
 from tirefmu.cli import main
-from tirefmu.fmu import check, simulation
-from tirefmu.fmu.binaries import binary_path
+from tirefmu.fmu import check
+from tirefmu.fmu.packaging.binaries import binary_path
+from tirefmu.fmu.simulation import simulate
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires.tir import tir_text
 
@@ -83,8 +84,8 @@ def table():
         ("step crash", r"the FMU crashed \(SIGSEGV\)"),
         ("free crash", r"the FMU crashed \(SIGSEGV\)"),
         ("step abort", r"the FMU crashed \(SIGABRT\)"),
-        ("load exit", r"the FMU ended its process \(exit status 0\)"),
-        ("step exit", r"the FMU ended its process \(exit status 0\)"),
+        ("load exit", r"the FMU ended its process \(exit code 0\)"),
+        ("step exit", r"the FMU ended its process \(exit code 0\)"),
         ("step refuse", r"row 0: fmi2DoStep failed with status 3 \(error\): \\x1b\[2J a line\\x0aand another"),
     ],
 )
@@ -101,17 +102,17 @@ def test_one_that_hangs_is_ended(hostile, table, temporary, deed):
 
 @pytest.mark.parametrize("timeout", [0.0, -1.0, float("nan"), float("inf")])
 def test_a_time_limit_is_a_time(hostile, table, temporary, timeout):
-    with pytest.raises(FmuError, match="is not a time"):
+    with pytest.raises(FmuError, match="is not a positive finite time"):
         check(hostile(), table, timeout=timeout)
 
 
 def test_the_time_limit_grows_with_the_table(hostile, table, temporary, monkeypatch):
     limits = []
-    monkeypatch.setattr(simulation, "_run", lambda _folder, limit: limits.append(limit))
+    monkeypatch.setattr(simulate, "_run", lambda _folder, limit: limits.append(limit))
     for rows in (table, pd.concat([table] * 1000)):
         with pytest.raises(FmuError, match="does not end within"):
             check(hostile(), rows.assign(t=range(len(rows))))
-    assert limits[1] - limits[0] == pytest.approx(simulation.TIME_LIMIT_PER_ROW * 2997)
+    assert limits[1] - limits[0] == pytest.approx(simulate.TIME_LIMIT_PER_ROW * 2997)
 
 
 def test_what_it_prints_is_not_shown(hostile, table, temporary, capfd):
@@ -155,7 +156,7 @@ def test_ctrl_c_ends_it(hostile, table, temporary, monkeypatch):
         threading.Timer(1.0, signal.raise_signal, (signal.SIGINT,)).start()
         return started[-1]
 
-    monkeypatch.setattr(simulation.subprocess, "Popen", remembered)
+    monkeypatch.setattr(simulate.subprocess, "Popen", remembered)
     before = signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell runs in the background ignores it
     try:
         with pytest.raises(KeyboardInterrupt):
@@ -171,13 +172,13 @@ def test_it_ends_with_the_process_that_checks(hostile, table, tmp_path):
     program = tmp_path / "checks.py"
     program.write_text(
         "import subprocess, sys\n"
-        "from tirefmu.fmu import check, simulation\n"
+        "from tirefmu.fmu import check\nfrom tirefmu.fmu.simulation import simulate\n"
         "popen = subprocess.Popen\n"
         "def told(*arguments, **options):\n"
         "    process = popen(*arguments, **options)\n"
         "    print(process.pid, flush=True)\n"
         "    return process\n"
-        "simulation.subprocess.Popen = told\n"
+        "simulate.subprocess.Popen = told\n"
         "check(sys.argv[1], sys.argv[2])\n",
         encoding="ascii",
     )
@@ -202,7 +203,7 @@ def test_the_command_is_one_line_and_exits_2(hostile, table, temporary, tmp_path
 
 
 def test_a_library_outside_is_not_loaded(hostile, table, temporary, tmp_path):
-    with pytest.raises(FmuError, match=r"modelIdentifier '\.\./\.\./evil' is not a name in C"):
+    with pytest.raises(FmuError, match=r"modelIdentifier '\.\./\.\./evil' is not a C identifier"):
         check(hostile(identifier="../../evil"), table)
 
 
@@ -249,6 +250,6 @@ def test_a_broken_answer(hostile, table, temporary, monkeypatch):
         return run
 
     for text in ("", "[]", "{}", json.dumps({"problems": 3}), "[" * 100_000, " " * 1_000_001):
-        monkeypatch.setattr(simulation, "_run", answer(text))
-        with pytest.raises(FmuError, match=r"hostile\.fmu: the FMU's process left a broken answer"):
+        monkeypatch.setattr(simulate, "_run", answer(text))
+        with pytest.raises(FmuError, match=r"hostile\.fmu: the FMU's process wrote an invalid answer"):
             check(hostile(), table)

@@ -10,11 +10,11 @@ from dataclasses import replace
 import pytest
 from hypothesis import example, given, settings
 
-from tirefmu.fmu.description import Header, model_description
-from tirefmu.fmu.documentation import index_html
-from tirefmu.fmu.interface import interface
-from tirefmu.fmu.pictures import terminals
-from tirefmu.fmu.sources import model_config
+from tirefmu.fmu.description.documentation import index_html
+from tirefmu.fmu.description.interface import interface
+from tirefmu.fmu.description.model_description import Header, model_description
+from tirefmu.fmu.description.terminals_and_icons import terminals
+from tirefmu.fmu.packaging.sources import model_config
 from tirefmu.symbolic.added import read_effect
 from tirefmu.symbolic.errors import FmuError, TirefmuError
 from tirefmu.symbolic.escaping import toml_string

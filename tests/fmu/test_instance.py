@@ -173,7 +173,7 @@ def test_a_value_that_is_not_finite_changes_nothing(running, name, bad):
     before = running.everything()
     assert running.set(kappa=0.2, **{name: bad}) == DISCARD
     assert np.array_equal(running.everything(), before)
-    assert running.log[-1].startswith(f"{name} has to be finite")
+    assert running.log[-1].startswith(f"{name} must be finite")
 
 
 def test_a_coefficient_outside_its_limits_changes_nothing(running):
@@ -192,7 +192,7 @@ def test_a_coefficient_outside_its_limits_changes_nothing(running):
 def test_a_step_has_a_size(running, size):
     before = running.everything()
     assert running.step(0.0, size) == ERROR
-    assert running.log[-1].startswith("a step size has to be positive and finite")
+    assert running.log[-1].startswith("the step size must be positive and finite")
     assert np.array_equal(running.everything(), before)
     assert running.step(0.0, 0.1) == OK
 

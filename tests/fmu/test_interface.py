@@ -13,9 +13,9 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from tirefmu.fmu import check, export
-from tirefmu.fmu.build import contents
-from tirefmu.fmu.interface import interface
-from tirefmu.fmu.simulation import loaded
+from tirefmu.fmu.description.interface import interface
+from tirefmu.fmu.packaging.export import contents
+from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.tires.signs import convert_signs
 
 from .conftest import Host

@@ -167,7 +167,7 @@ def test_a_state_of_one_kind_is_none_of_the_other(hosts, fmus, fmi, tmp_path):
 def test_what_steps_is_not_for_model_exchange(hosts):
     host = hosts("rolling", 3).start()
     assert host.call("EnterContinuousTimeMode") == ERROR
-    assert host.log[-1] == "continuous time is for Model Exchange"
+    assert host.log[-1] == "continuous-time mode is allowed in Model Exchange only"
     assert host.call("EnterEventMode") == ERROR
     assert host.call("SetTime", 1.0) == ERROR
 

@@ -10,9 +10,10 @@ import zipfile
 
 import pytest
 
-from tirefmu.fmu import binaries, cross, export
-from tirefmu.fmu.binaries import binary_path, chosen_platforms
-from tirefmu.fmu.cross import PLATFORMS, universal
+from tirefmu.fmu import export
+from tirefmu.fmu.packaging import binaries, cross_compiler
+from tirefmu.fmu.packaging.binaries import binary_path, chosen_platforms
+from tirefmu.fmu.packaging.cross_compiler import PLATFORMS, universal
 from tirefmu.symbolic.errors import FmuError
 
 #: What a binary begins with: its format, and where it tells the processor.
@@ -28,7 +29,7 @@ QUICK = tuple(FORMATS)
 
 @pytest.fixture(scope="module")
 def ziglang():
-    if not cross.has_ziglang():
+    if not cross_compiler.has_ziglang():
         pytest.skip("needs the extra cross")
 
 
@@ -65,9 +66,9 @@ def test_every_platform_has_a_place_of_its_own(fmi):
 
 
 def test_without_the_extra_it_is_named(tires, tmp_path, monkeypatch):
-    monkeypatch.setattr(cross.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(cross_compiler.importlib.util, "find_spec", lambda name: None)
     with pytest.raises(FmuError, match=r"pip install 'tirefmu\[cross\]'"):
-        cross.ziglang("x86_64-windows")
+        cross_compiler.ziglang("x86_64-windows")
 
 
 def test_without_any_compiler_the_extra_is_named(tires, tmp_path, monkeypatch):

@@ -11,7 +11,7 @@ from fmpy.validation import validate_fmu
 
 from tirefmu.cli import main
 from tirefmu.fmu import check, export
-from tirefmu.fmu.binaries import host_platform
+from tirefmu.fmu.packaging.binaries import host_platform
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import read_tir
 
@@ -197,7 +197,7 @@ def test_equal_tires_give_equal_bytes(python_host, python_fmus, tires, tmp_path)
 
 
 def test_fmi_3_is_refused(tires, tmp_path):
-    with pytest.raises(FmuError, match="the pythonfmu variant speaks FMI 2 only, not FMI 3"):
+    with pytest.raises(FmuError, match="the pythonfmu variant supports FMI 2 only, not FMI 3"):
         export(tires["first"], tmp_path / "t.fmu", fmi=3, kind="pythonfmu")
     call = ["export", "trento_hoosier", "-o", str(tmp_path / "t.fmu"), "--kind", "pythonfmu", "--fmi", "3"]
     assert main(call) == 2
@@ -205,5 +205,5 @@ def test_fmi_3_is_refused(tires, tmp_path):
 
 
 def test_unknown_kind(tires, tmp_path):
-    with pytest.raises(FmuError, match="kind 'julia' is not known: known are native, pythonfmu"):
+    with pytest.raises(FmuError, match="kind 'julia' is unknown: known kinds are native, pythonfmu"):
         export(tires["first"], tmp_path / "t.fmu", kind="julia")

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from tirefmu.fmu.binaries import FLAGS, SMALL
-from tirefmu.fmu.build import contents, fmi_headers
-from tirefmu.fmu.interface import interface
-from tirefmu.fmu.model_code import model_files
+from tirefmu.fmu.description.interface import interface
+from tirefmu.fmu.packaging.binaries import FLAGS, SMALL
+from tirefmu.fmu.packaging.export import contents, fmi_headers
+from tirefmu.fmu.packaging.model_code import model_files
 from tirefmu.tires.compiler import compiled_object
 
 SOURCE = Path(__file__).with_name("robust.c")

@@ -254,7 +254,7 @@ def test_a_serialized_slip_of_nan_is_no_state(rolling, fmi):
     buffer, slot = ctypes.cast(ctypes.create_string_buffer(bad, len(bad)), ctypes.POINTER(kind)), ctypes.c_void_p()
     name = "DeserializeFMUState" if fmi == 3 else "DeSerializeFMUstate"
     assert rolling.call(name, buffer, len(bad), ctypes.byref(slot)) == ERROR
-    assert rolling.log[-1] == "these bytes are no state of this FMU"
+    assert rolling.log[-1] == "the bytes are not a serialized state of this FMU"
 
 
 def test_reset_forgets_the_slips(rolling):

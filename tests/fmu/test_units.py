@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tirefmu.fmu.units import FACTORS, base_unit
+from tirefmu.fmu.description.units import FACTORS, base_unit
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import FmuError
 

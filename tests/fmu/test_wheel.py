@@ -10,7 +10,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from tirefmu.fmu import check, export
-from tirefmu.fmu.simulation import loaded
+from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.symbolic.errors import FmuError
 
 from .conftest import Host
@@ -207,7 +207,7 @@ def test_turn_rate_is_turn_slip(wheels, tires):
 
 
 def test_check_needs_slips(wheel_fmus):
-    with pytest.raises(FmuError, match="it takes velocities of the wheel"):
+    with pytest.raises(FmuError, match="its inputs are velocities of the wheel"):
         check(wheel_fmus["mf61", 3], pd.DataFrame({"Fz": [4000.0], "alpha": [0.1], "Fy": [0.0]}))
 
 

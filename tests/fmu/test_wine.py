@@ -11,9 +11,10 @@ from pathlib import Path
 import pytest
 from fmpy import read_model_description
 
-from tirefmu.fmu import cross, export
-from tirefmu.fmu.binaries import binary_path
-from tirefmu.fmu.build import fmi_headers
+from tirefmu.fmu import export
+from tirefmu.fmu.packaging import cross_compiler
+from tirefmu.fmu.packaging.binaries import binary_path
+from tirefmu.fmu.packaging.export import fmi_headers
 
 pytestmark = pytest.mark.skipif("TIREFMU_WINE" not in os.environ, reason="runs by make wine")
 
@@ -24,7 +25,7 @@ PLATFORMS = ("x86_64-linux", "x86_64-windows")
 def wine():
     found = shutil.which("wine64") or shutil.which("wine") or shutil.which("wine64", path="/usr/lib/wine")
     assert found, "wine64 is not installed"
-    assert cross.has_ziglang(), "the extra cross is not installed"
+    assert cross_compiler.has_ziglang(), "the extra cross is not installed"
     return found
 
 
@@ -34,7 +35,7 @@ def host(folder, platform, fmi):
     source = Path(__file__).with_name("host.c")
     libraries = ["-ldl"] if platform.endswith("linux") else []
     # Optimized as the FMU is: zig builds what Windows needs once for both.
-    command = [*cross.ziglang(platform).command, "-O2", f"-DFMI={fmi}", f"-I{fmi_headers()}"]
+    command = [*cross_compiler.ziglang(platform).command, "-O2", f"-DFMI={fmi}", f"-I{fmi_headers()}"]
     subprocess.run([*command, str(source), "-o", str(program), *libraries], check=True, capture_output=True)
     return program
 

@@ -15,10 +15,10 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.fmi2 import FMU2Model, FMU2Slave
 from fmpy.fmi3 import FMU3Model, FMU3ScheduledExecution, FMU3Slave
 
-from tirefmu.fmu.build import fmi_headers
-from tirefmu.fmu.interface import interface
-from tirefmu.fmu.simulation import loaded
-from tirefmu.fmu.sources import c_files, sources
+from tirefmu.fmu.description.interface import interface
+from tirefmu.fmu.packaging.export import fmi_headers
+from tirefmu.fmu.packaging.sources import c_files, sources
+from tirefmu.fmu.simulation.simulate import loaded
 
 OUTPUTS = ("Fx", "Fy", "Mz")
 
@@ -78,7 +78,7 @@ def test_scheduled_execution_is_not_offered(fmus, capfd):
         with pytest.raises(Exception, match="Failed to instantiate"):
             library.instantiate()
         library.freeLibrary()
-    assert "this FMU is not for scheduled execution" in capfd.readouterr().out
+    assert "this FMU does not support Scheduled Execution" in capfd.readouterr().out
 
 
 def test_another_token_is_refused(fmus, fmi, capfd):
@@ -92,7 +92,7 @@ def test_another_token_is_refused(fmus, fmi, capfd):
         with pytest.raises(Exception, match="Failed to instantiate"):
             library.instantiate()
         library.freeLibrary()
-    assert "the token of the model description is not that of this binary" in capfd.readouterr().out
+    assert "the token of the model description differs from the token of this binary" in capfd.readouterr().out
 
 
 def test_what_is_not_supported_says_so(host):

@@ -18,14 +18,14 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from tirefmu.diagnose_command import own_effect
+from tirefmu.diagnose_command import user_effect
 from tirefmu.fitting.problem.recipe import RECIPES, Freed, load_recipe
 from tirefmu.fitting.results.checkpoint import Checkpoint, Ended, Release, State
 from tirefmu.fitting.results.records import StageFit
-from tirefmu.fmu.archive import unpacked
-from tirefmu.fmu.build import contents
-from tirefmu.fmu.check import _axes, _carried_tire
-from tirefmu.fmu.simulation import read_description
+from tirefmu.fmu.comparison.resources import axes_of_inputs, embedded_tire
+from tirefmu.fmu.packaging.export import contents
+from tirefmu.fmu.simulation.archive import unpacked
+from tirefmu.fmu.simulation.simulate import read_description
 from tirefmu.measurements import INPUTS, check_plausible, read_recording
 from tirefmu.symbolic.added import effect_text, read_effect
 from tirefmu.tires import published, read_tir, write_tir
@@ -187,9 +187,9 @@ def effect_seeds() -> list[bytes]:
     return [path.read_bytes() for folder in folders for path in sorted(folder.glob("*.toml"))]
 
 
-def read_own_effect(path: Path) -> None:
+def read_user_effect(path: Path) -> None:
     """Read an effect; it comes back from what is written of it."""
-    effect = own_effect(path)
+    effect = user_effect(path)
     assert read_effect(effect_text(effect), "again.toml") == effect
 
 
@@ -248,8 +248,8 @@ def read_fmu(path: Path) -> None:
     with unpacked(path) as folder:
         description = read_description(path, folder)
         outputs = [one.name for one in description.modelVariables if one.causality == "output" and one.name == "Fy"]
-        assert _axes(folder, path) in ("iso", "sae")
-        _carried_tire(folder, path, outputs)
+        assert axes_of_inputs(folder, path) in ("iso", "sae")
+        embedded_tire(folder, path, outputs)
 
 
 KINDS = {
@@ -263,7 +263,7 @@ KINDS = {
     "parquet": Kind(".parquet", parquet_seeds, read_table, lambda n, files: mutated(n, files, BINARY)),
     "tydex": Kind(".tdx", lambda: [TYDEX], read_table),
     "recipe": Kind(".toml", recipe_seeds, lambda path: load_recipe(str(path), "mf96")),
-    "effect": Kind(".toml", effect_seeds, read_own_effect),
+    "effect": Kind(".toml", effect_seeds, read_user_effect),
     "fmu": Kind(".fmu", fmu_seeds, read_fmu, rezipped),
     "checkpoint": Kind(".progress.json", checkpoint_seeds, read_checkpoint, sealed),
 }

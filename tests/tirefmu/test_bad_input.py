@@ -104,7 +104,7 @@ BAD = {
     "export good.tir -o no/new.fmu": "no/new.fmu: no folder no",
     "export good.tir -o new.fmu --json no/new.json": "no/new.json: no folder no",
     "export good.tir -o new.fmu --fmi 4": "'4' is not one of '2', '3'",
-    "export good.tir -o new.fmu --inputs wheels": "inputs 'wheels' are not known",
+    "export good.tir -o new.fmu --inputs wheels": "inputs 'wheels' are unknown",
     "check missing.fmu good.csv --json new.json": "missing.fmu: no such file",
     "check good.csv good.csv --json new.json": "good.csv: not an FMU",
     "check good.fmu missing.csv --json new.json": "missing.csv: no such file",

@@ -179,7 +179,7 @@ def test_evaluate_takes_nominal_values_and_clamps_where_asked(command, chain, tm
         for name, options in (("free", []), ("clamped", ["--limits"]))
     }
     assert all(outcome.status == 0 for outcome in outcomes.values())
-    assert "at nominal: kappa, gamma" in outcomes["free"].out
+    assert "nominal values used: kappa, gamma" in outcomes["free"].out
     free, clamped = (pd.read_csv(tmp_path / f"{name}.csv") for name in ("free", "clamped"))
     known = read_tir(tire)
     highest = known.ranges["alpha"][1]
@@ -310,7 +310,7 @@ def test_a_planted_edit_is_found_shown_and_mended(command, generated):
     assert "generated/c/mf96.c" in told["diff"]
     written = command("generate")
     assert written.status == 0
-    assert "written: generated/c/mf96.c" in written.out
+    assert "generated/c/mf96.c" in written.out
     assert source.read_text(encoding="utf-8") == right
     assert command("generate", "--check").status == 0
     assert "up to date" in command("generate").out

@@ -51,8 +51,8 @@ def test_cross_validation_is_told(command, bench_csv, tmp_path):
     assert {each["channel"] for each in told["held_out"]} == {each["channel"] for each in told["channels"]}
     for each in told["held_out"]:
         assert each["held_out"] > 0.9 * each["in_sample"]
-    assert "Cross-validation over held conditions" in outcome.out
-    assert "missed most" in outcome.out
+    assert "Cross-validation over operating conditions" in outcome.out
+    assert "largest error" in outcome.out
     assert "noise floor" in outcome.out
 
 

@@ -1,4 +1,4 @@
-"""What a native FMU shows of a tire: its variables, in the order in which the C code keeps them."""
+"""The interface of a native FMU: its variables, in the order of the C code."""
 
 from __future__ import annotations
 
@@ -15,38 +15,38 @@ from tirefmu.tires import Tire
 
 from .variables import TIME, Variable, feedthrough, option_variable, parameter_variable, read_inputs
 
-#: What an FMU can take as inputs, and the axes in which it can speak.
+#: The kinds of inputs and the axes that an FMU can have.
 INPUTS = ("slip", "wheel")
 AXES = ("iso", "sae")
-#: Axes of the FMU and the signs in which the tire is evaluated there.
+#: Axes of the FMU and the sign convention in which its tire is evaluated.
 FORMULA = {"iso": "iso", "sae": "adapted-sae"}
-#: What SAE axes reverse beside the formula's own signs: z points down, y to the right.
+#: Variables that SAE axes reverse in addition to the signs of the formula: z points down, y to the right.
 REVERSED_IN_SAE = frozenset({"alpha", "Fz", "V_y", "psi_dot", "tan_alpha_lagged", "alpha_lagged"})
 
 #: The motion of the wheel at its contact point, in the wheel's axes.
 MOTION = (
     Quantity("V_x", "m/s", "velocity of the contact point along the wheel plane", typical=15.0),
     Quantity("V_y", "m/s", "velocity of the contact point across the wheel plane", typical=1.0),
-    Quantity("omega", "rad/s", "speed at which the wheel turns; positive rolls forward", typical=50.0),
+    Quantity("omega", "rad/s", "angular speed of the wheel; positive when rolling forward", typical=50.0),
 )
-YAWING = Quantity("psi_dot", "rad/s", "turn rate of the wheel about the vertical axis", typical=1.0)
-#: Where nobody says how fast the wheel moves at the start, m/s.
+YAWING = Quantity("psi_dot", "rad/s", "yaw rate of the wheel", typical=1.0)
+#: Default start value of the speed, m/s.
 SPEED = 15.0
-LOW_SPEED = Variable(
-    "LOW_SPEED", "parameter", "m/s", "speed below which slips are those of a standing wheel", 1.0, 1e-3, inf
-)
+LOW_SPEED = Variable("LOW_SPEED", "parameter", "m/s", "speed below which standstill is approximated", 1.0, 1e-3, inf)
 LOW_SPEED_DAMPING = Variable(
-    "LOW_SPEED_DAMPING", "parameter", "1", "damping of the standing tire, as a share of the critical one", 0.3, 0.0, inf
+    "LOW_SPEED_DAMPING", "parameter", "1", "damping ratio of the tire at standstill", 0.3, 0.0, inf
 )
 
-KAPPA_LAGGED = Quantity("kappa_lagged", "1", "longitudinal slip that acts, lagging behind kappa", typical=0.1)
-TAN_ALPHA_LAGGED = Quantity("tan_alpha_lagged", "1", "tangent of the side slip angle that acts", typical=0.1)
+KAPPA_LAGGED = Quantity("kappa_lagged", "1", "lagged longitudinal slip", typical=0.1)
+TAN_ALPHA_LAGGED = Quantity(
+    "tan_alpha_lagged", "1", "lagged tangent of the side slip angle, used by the force formulas", typical=0.1
+)
 DISTANCE = Quantity("distance", "m", "distance rolled", typical=1000.0)
 
 
 @dataclass(frozen=True)
 class Interface:
-    """A tire as a native FMU shows it.
+    """The interface of a native FMU of a tire.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Interface:
 
     @property
     def wheel(self) -> bool:
-        """True if slips are found from velocities."""
+        """True if the inputs are velocities."""
         return self.inputs == "wheel"
 
     @property
@@ -82,23 +82,23 @@ class Interface:
 
 
 def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities: bool = False) -> Interface:
-    """Return what a native FMU of a tire shows.
+    """Return the interface of a native FMU of a tire.
 
     Parameters
     ----------
     tire : Tire
         In any signs.
     inputs : {"slip", "wheel"}
-        Slips as the model reads them, or velocities from which they follow.
+        Slips, or the velocities from which the FMU computes them.
     axes : {"iso", "sae"}
         TYDEX W (z up), or SAE (z down, y to the right).
     quantities : bool
-        Show every named quantity of the model as an output.
+        Whether every named quantity of the model is an output.
 
     Returns
     -------
     Interface
-        An input of an effect on demand or beyond the book is there where the tire has an effect that reads it.
+        The input of an on-demand or added effect is present if the tire has an effect that reads it.
 
     Raises
     ------
@@ -122,7 +122,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
     values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
     extras = _extras(tire, wheel, quantities)
     parameters = [
-        *(parameter_variable(card, values[name], tire.signs) for name, card in book.coefficients.items()),
+        *(parameter_variable(declared, values[name], tire.signs) for name, declared in book.coefficients.items()),
         *(option_variable(option, values[option.parameter]) for option in book.options),
         *(_low_speed(tire) if wheel else ()),
     ]
@@ -144,7 +144,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
 
 
 def _slip_inputs(tire: Tire, read: set[str], rolls: bool) -> list[Variable]:
-    """Return the model's own inputs; the speed too where a state needs it and the model does not."""
+    """Return the model's inputs, and the speed if only a state needs it."""
     shown = [_input(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - {"distance"}]
     if rolls and "V" not in tire.inputs:
         shown.append(_input(Quantity("V", "m/s", "forward speed of the contact point", typical=SPEED), 0.0))
@@ -152,7 +152,7 @@ def _slip_inputs(tire: Tire, read: set[str], rolls: bool) -> list[Variable]:
 
 
 def _wheel_inputs(tire: Tire, read: set[str]) -> list[Variable]:
-    """Return the wheel's motion, rolling freely at the start, and what else the model reads."""
+    """Return the wheel's motion, free rolling at the start, and the remaining inputs of the model."""
     nominal = tire.evaluate(pd.DataFrame({"kappa": [0.0]}), steady=True).iloc[0]
     speed = tire.nominal("V") if "V" in tire.inputs else SPEED
     radius = float(nominal.get(tire.book.quantity("rolling_radius"), tire.values["UNLOADED_RADIUS"]))
@@ -171,13 +171,13 @@ def _input(quantity: Quantity, start: float) -> Variable:
 
 
 def _low_speed(tire: Tire) -> tuple[Variable, Variable]:
-    """Return how a standing wheel is treated; models with a low speed of their own begin with that."""
+    """Return the parameters of standstill; the start value of LOW_SPEED is the model's own low speed, if any."""
     own = tire.values.get(tire.book.low_speed, 0.0)
     return replace(LOW_SPEED, start=own if own >= LOW_SPEED.lower else LOW_SPEED.start), LOW_SPEED_DAMPING
 
 
 def _state(state: Quantity) -> Variable:
-    """Return a state: slips begin in steady state, the distance where the host says."""
+    """Return a state: slips start in steady state, the distance at a value that the host can set."""
     start = 0.0 if state is DISTANCE else None
     return Variable(
         state.name, "local", state.unit, state.description, start=start, nominal=state.typical, group="state"
@@ -195,26 +195,26 @@ def _stem(name: str) -> str:
 
 
 def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
-    """Return the outputs beside the forces; `shows` is how the C code finds them."""
+    """Return the outputs in addition to the forces; `source` is their source in the C code."""
     book = tire.book
     named = {line.symbol.name: line for line in book.equations if line.named}
     taken = {*book.parameters, *(q.name for q in (*book.inputs, *book.outputs, *(MOTION if wheel else ())))}
     chosen = named if quantities else [name for name in map(book.quantity, ("rolling_radius", "loaded_radius")) if name]
-    found = [Variable("friction_use", "output", "1", "share of the friction ellipse that the forces take",
-                      nominal=1.0, group="extra", shows="FRICTION_USE")]  # fmt: skip
+    found = [Variable("friction_use", "output", "1", "force as a share of the friction ellipse",
+                      nominal=1.0, group="extra", source="FRICTION_USE")]  # fmt: skip
     if wheel:
         found += [
-            Variable("kappa", "output", "1", "longitudinal slip of the wheel's motion", nominal=0.1, group="extra",
-                     shows="KAPPA_GIVEN"),
-            Variable("alpha", "output", "rad", "side slip angle of the wheel's motion", nominal=0.1, group="extra",
-                     shows="ALPHA_GIVEN"),
+            Variable("kappa", "output", "1", "longitudinal slip from the wheel's motion", nominal=0.1, group="extra",
+                     source="KAPPA_GIVEN"),
+            Variable("alpha", "output", "rad", "side slip angle from the wheel's motion", nominal=0.1, group="extra",
+                     source="ALPHA_GIVEN"),
         ]  # fmt: skip
     if tire.lags:
-        found.append(Variable("alpha_lagged", "local", "rad", "side slip angle that acts, lagging behind alpha",
-                              group="extra", shows="ALPHA_LAGGED"))  # fmt: skip
+        found.append(Variable("alpha_lagged", "local", "rad", "side slip angle from its lagged tangent",
+                              group="extra", source="ALPHA_LAGGED"))  # fmt: skip
     return found + [
         Variable(
-            name, "output", named[name].unit, named[name].description, group="extra", shows=f"FIRST_QUANTITY + {name}"
+            name, "output", named[name].unit, named[name].description, group="extra", source=f"FIRST_QUANTITY + {name}"
         )
         for name in chosen
         if name not in taken
@@ -222,19 +222,23 @@ def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
 
 
 def _with_structure(listed: tuple[Variable, ...], book: Model, wheel: bool) -> tuple[Variable, ...]:
-    """Return the variables with what each output and each derivative depends on, and whose derivative it is."""
-    places = {variable.name: reference for reference, variable in enumerate(listed)}
+    """Return the variables with the dependencies of outputs and derivatives, and the state of each derivative."""
+    references = {variable.name: reference for reference, variable in enumerate(listed)}
     inputs = tuple(reference for reference, v in enumerate(listed) if v.group == "input")
     states = tuple(reference for reference, v in enumerate(listed) if v.group == "state")
-    asked = [v.name for v in listed if v.group in ("force", "extra")]
-    reached = feedthrough(book, [name for name in asked if name not in ("kappa", "alpha", "alpha_lagged")])
+    outputs = [v.name for v in listed if v.group in ("force", "extra")]
+    reached = feedthrough(book, [name for name in outputs if name not in ("kappa", "alpha", "alpha_lagged")])
     friction = (book.quantity("friction_x"), book.quantity("friction_y"))
     reached["friction_use"] = {name for known in ("Fx", "Fy", *friction) for name in reached_by(book, known)}
 
     def depends(variable: Variable) -> tuple[int, ...]:
         if variable.group == "derivative":
-            rolled = [places[name] for name in ("V", "V_x") if name in places and listed[places[name]].group == "input"]
-            own = places[_stem(variable.name)]
+            rolled = [
+                references[name]
+                for name in ("V", "V_x")
+                if name in references and listed[references[name]].group == "input"
+            ]
+            own = references[_stem(variable.name)]
             return tuple(rolled) if variable.name == "der(distance)" else (*inputs, own)
         known = reached.get(variable.name, {"kappa", "alpha"})
         lag = [r for r in states if listed[r].name == "distance" and "distance" in known]
@@ -243,7 +247,7 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, wheel: bool) -> t
         return tuple(sorted({*given, *lag}))
 
     return tuple(
-        replace(v, depends=depends(v), derivative_of=places[_stem(v.name)] if v.group == "derivative" else None)
+        replace(v, depends=depends(v), derivative_of=references[_stem(v.name)] if v.group == "derivative" else None)
         if v.group in ("force", "extra", "derivative") and v.causality != "hidden"
         else v
         for v in listed
@@ -251,12 +255,12 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, wheel: bool) -> t
 
 
 def reached_by(book: Model, name: str) -> set[str]:
-    """Return the inputs that stand in the lines which lead to a named quantity."""
+    """Return the inputs that a named quantity depends on."""
     return feedthrough(book, [name])[name]
 
 
-def passed_on(shown: Interface) -> list[int]:
-    """Return for every input of the model the place of the host's input that it is; -1 for one that is none."""
-    places: Mapping[str, int] = {variable.name: i for i, variable in enumerate(shown.group("input"))}
+def host_input_indices(shown: Interface) -> list[int]:
+    """Return for every input of the model the index of the host's input with its value; -1 if there is none."""
+    indices: Mapping[str, int] = {variable.name: i for i, variable in enumerate(shown.group("input"))}
     own = {"omega"} if shown.wheel else set()
-    return [places[name] if name in places.keys() - own else -1 for name in shown.tire.inputs]
+    return [indices[name] if name in indices.keys() - own else -1 for name in shown.tire.inputs]

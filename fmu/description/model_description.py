@@ -12,17 +12,17 @@ from tirefmu.symbolic.escaping import xml_text
 from .units import base_unit
 from .variables import Variable
 
-#: What both versions call the categories of their log.
+#: Log categories of both FMI versions.
 LOG_CATEGORIES = {
-    "logStatusWarning": "an input has left the range in which the tire is known",
-    "logStatusDiscard": "a value was refused: not finite, or outside its limits",
-    "logStatusError": "a call was refused: not allowed, or not supported",
+    "logStatusWarning": "an input is outside the valid range of the tire",
+    "logStatusDiscard": "a value was rejected: not finite, or outside its limits",
+    "logStatusError": "a call was rejected: not allowed, or not supported",
 }
 
 
 @dataclass(frozen=True)
 class Header:
-    """What stands on top of a model description.
+    """The attributes of a model description.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Header:
     sources : tuple of str
         The C files to compile, for hosts that compile them.
     model_exchange : bool
-        Offer Model Exchange beside Co-Simulation.
+        Whether the FMU supports Model Exchange in addition to Co-Simulation.
     """
 
     name: str
@@ -56,7 +56,7 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
     variables : sequence of Variable
         In the order of their value references.
     token : str
-        Ties the description to the binary: FMI 2's guid, FMI 3's instantiation token.
+        Identifies the binary that belongs to the description: FMI 2's guid, FMI 3's instantiation token.
 
     Returns
     -------
@@ -90,9 +90,9 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
     if fmi == 2:
         root.set("numberOfEventIndicators", "0")
     if header.model_exchange:
-        _offered(root, "ModelExchange", fmi, header)
-    _offered(root, "CoSimulation", fmi, header)
-    # FMI 2 may do without the time, and some of its hosts stumble over a variable of that name.
+        _append_interface_type(root, "ModelExchange", fmi, header)
+    _append_interface_type(root, "CoSimulation", fmi, header)
+    # FMI 2 does not require the time as a variable, and some of its hosts reject a variable of that name.
     unseen = ("hidden",) if fmi == 3 else ("hidden", "independent")
     _units(root, [variable for variable in variables if variable.causality not in unseen])
     categories = ET.SubElement(root, "LogCategories")
@@ -107,9 +107,9 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
 
 
 def xml_bytes(root: ET.Element) -> bytes:
-    """Return an element as an indented XML file: the only way in which an FMU's XML is written.
+    """Return an element as an indented XML file; every XML file of an FMU is written by this function.
 
-    Characters that XML 1.0 has not become U+FFFD.
+    U+FFFD replaces characters that XML 1.0 does not allow.
 
     Examples
     --------
@@ -124,8 +124,8 @@ def xml_bytes(root: ET.Element) -> bytes:
     return written + b"\n"
 
 
-def _offered(root: ET.Element, kind: str, fmi: int, header: Header) -> None:
-    """Append what the FMU can do in Model Exchange or Co-Simulation."""
+def _append_interface_type(root: ET.Element, kind: str, fmi: int, header: Header) -> None:
+    """Append the capabilities in Model Exchange or Co-Simulation."""
     states, derivatives = (
         ("FMUstate", "providesDirectionalDerivative") if fmi == 2 else ("FMUState", "providesDirectionalDerivatives")
     )
@@ -134,7 +134,7 @@ def _offered(root: ET.Element, kind: str, fmi: int, header: Header) -> None:
         element.set("canHandleVariableCommunicationStepSize", "true")
     for name in (f"canGetAndSet{states}", f"canSerialize{states}", derivatives):
         element.set(name, "true")
-    if fmi == 3:  # which lists the sources in sources/buildDescription.xml
+    if fmi == 3:  # sources/buildDescription.xml lists the sources
         element.set("providesAdjointDerivatives", "true")
         return
     element.set("canNotUseMemoryManagementFunctions", "true")
@@ -144,7 +144,7 @@ def _offered(root: ET.Element, kind: str, fmi: int, header: Header) -> None:
 
 
 def _units(root: ET.Element, variables: Sequence[Variable]) -> None:
-    """Append the definitions of the units that occur."""
+    """Append the definitions of the units in use."""
     definitions = ET.SubElement(root, "UnitDefinitions")
     for unit in dict.fromkeys(variable.unit for variable in variables):
         element = ET.SubElement(definitions, "Unit", {"name": unit})
@@ -154,7 +154,7 @@ def _units(root: ET.Element, variables: Sequence[Variable]) -> None:
 
 
 def _numbers(variable: Variable) -> dict[str, str]:
-    """Return the attributes of a variable that both versions write alike."""
+    """Return the numeric attributes of a variable, equal in both versions."""
     numbers = {"unit": variable.unit}
     if isfinite(variable.lower):
         numbers["min"] = repr(float(variable.lower))
@@ -175,12 +175,12 @@ def _character(variable: Variable) -> dict[str, str]:
     }
     if variable.causality in ("input", "independent"):
         return character
-    # What has a start value keeps it until the host sets another.
+    # A variable with a start value has it until the host sets another.
     return {**character, "initial": "calculated" if variable.start is None else "exact"}
 
 
 def _by_group(variables: Sequence[Variable]) -> tuple[list[int], list[int], list[int]]:
-    """Return the value references of outputs, of derivatives, and of what initialization computes."""
+    """Return the value references of outputs, of derivatives, and of initial unknowns."""
     outputs = [reference for reference, v in enumerate(variables) if v.causality == "output"]
     derivatives = [reference for reference, v in enumerate(variables) if v.derivative_of is not None]
     states = {v.derivative_of for v in variables} - {None}
@@ -193,7 +193,7 @@ def _by_group(variables: Sequence[Variable]) -> tuple[list[int], list[int], list
 
 
 def _variables_and_structure_2(root: ET.Element, variables: Sequence[Variable]) -> None:
-    """Append variables and structure in the manner of FMI 2, which counts variables from 1."""
+    """Append variables and structure for FMI 2, where indices start at 1."""
     listed = ET.SubElement(root, "ModelVariables")
     unseen = ("independent", "hidden")
     seen = [reference for reference, variable in enumerate(variables) if variable.causality not in unseen]
@@ -222,12 +222,12 @@ def _variables_and_structure_2(root: ET.Element, variables: Sequence[Variable]) 
             ET.SubElement(element, "Unknown", {"index": str(indices[reference]), "dependencies": known})
     unknowns = ET.SubElement(structure, "InitialUnknowns")
     for reference in computed:
-        # Without a list of dependencies: on all that is known, inputs and parameters.
+        # Without a list of dependencies: dependent on all inputs and parameters.
         ET.SubElement(unknowns, "Unknown", {"index": str(indices[reference])})
 
 
 def _variables_and_structure_3(root: ET.Element, variables: Sequence[Variable]) -> None:
-    """Append variables and structure in the manner of FMI 3, which names them by value reference."""
+    """Append variables and structure for FMI 3, which refers to variables by value reference."""
     listed = ET.SubElement(root, "ModelVariables")
     for reference, variable in enumerate(variables):
         if variable.causality == "hidden":

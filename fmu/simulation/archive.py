@@ -1,8 +1,8 @@
-"""An FMU's archive unpacked: bounded in size, and no entry lands outside its folder.
+"""Unpacking of an FMU: limited in size, and no entry is written outside the folder.
 
-An archive is hostile until it is unpacked. Its size is bounded before anything is written and again while it is
-written, as an archive can lie about it; what no FMU needs (links, encryption, other compression than deflate, names
-that are equal on some systems) is refused.
+An archive is untrusted. Its size is checked before anything is written and again while it is written, as the sizes in
+its directory can be wrong. Entries that no FMU needs are rejected: links, encryption, other compression than deflate,
+names that are equal on some systems.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.escaping import visible
 
-#: The largest archive, and the most that it may hold when unpacked, bytes.
+#: The largest archive, and its largest size when unpacked, bytes.
 MOST_BYTES = 200_000_000
 #: The largest single file in it, bytes.
 LARGEST_FILE = 100_000_000
-#: The most files and folders in it.
+#: The largest number of files and folders in it.
 MOST_ENTRIES = 10_000
 #: The largest modelDescription.xml, bytes.
 LARGEST_DESCRIPTION = 20_000_000
@@ -35,17 +35,17 @@ LARGEST_DESCRIPTION = 20_000_000
 LONGEST_NAME = 250
 DESCRIPTION = "modelDescription.xml"
 
-#: What begins each entry of a zip file's directory.
+#: Signature of each entry in the directory of a zip file.
 _ENTRY = b"PK\x01\x02"
-#: Bytes that are unpacked at a time.
+#: Bytes unpacked per read.
 _CHUNK = 1 << 20
-#: Signs that stand in no file name on at least one system.
+#: Characters that at least one system does not allow in a file name.
 _NOT_IN_NAMES = re.compile(r'[\x00-\x1f\x7f\\:*?"<>|]')
 
 
 @contextmanager
 def unpacked(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Unpack an FMU into a temporary folder, and remove it afterwards.
+    """Unpack an FMU into a temporary folder and remove the folder afterwards.
 
     Parameters
     ----------
@@ -54,17 +54,17 @@ def unpacked(path: str | os.PathLike[str]) -> Iterator[Path]:
     Yields
     ------
     Path
-        The folder; it has a modelDescription.xml without a document type.
+        The folder; it contains a modelDescription.xml without a document type.
 
     Raises
     ------
     FmuError
-        If the file is missing, is no FMU, is larger than the limits of this module, or has an entry that no FMU needs.
+        If the file is missing, is not an FMU, exceeds a limit of this module, or has an entry that no FMU needs.
 
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> from .build import export
+    >>> from tirefmu.fmu import export
     >>> with unpacked(export(published("trento_hoosier"), "tire.fmu")) as folder:
     ...     (folder / "resources" / "tire.tir").is_file()
     True
@@ -78,32 +78,32 @@ def unpacked(path: str | os.PathLike[str]) -> Iterator[Path]:
                 _check(entries)
                 _unpack(archive, entries, folder)
             _check_description(folder / DESCRIPTION)
-        except Exception as error:  # zipfile lets everything through that a broken archive can meet with
-            raise FmuError(f"{path}: not an FMU that can be read ({visible(str(error))[:300]})") from error
+        except Exception as error:  # zipfile raises many types for a broken archive
+            raise FmuError(f"{path}: not a readable FMU ({visible(str(error))[:300]})") from error
         yield folder
 
 
 def _content(path: Path) -> bytes:
-    """Return the bytes of an archive that is not too large."""
+    """Return the bytes of an archive within the size limit."""
     if not path.is_file():
         raise FmuError(f"{path}: no such file")
     try:
         content = read_bounded(path, MOST_BYTES)
     except OSError as error:
         raise FmuError(f"{path}: cannot be read ({error.strerror or error})") from error
-    # Reading a directory of millions of entries takes minutes: they are counted first.
+    # Reading a directory with millions of entries takes minutes, so they are counted first.
     if content.count(_ENTRY) > MOST_ENTRIES:
         raise FmuError(f"{path}: more than {MOST_ENTRIES} files")
     return content
 
 
 def _check(entries: list[zipfile.ZipInfo]) -> None:
-    """Raise for what the directory of an archive shows."""
+    """Raise if the directory of an archive has an entry that is not allowed."""
     total = 0
     known: dict[str, tuple[str, bool]] = {}
     for entry in entries:
         shown = _shown(entry.orig_filename)
-        if _leads_elsewhere(entry):
+        if _is_unsafe(entry):
             raise FmuError(f"the file name {shown} is not allowed")
         if stat.S_IFMT(entry.external_attr >> 16) not in (0, stat.S_IFREG, stat.S_IFDIR):
             raise FmuError(f"{shown} is a link or a device")
@@ -117,15 +117,15 @@ def _check(entries: list[zipfile.ZipInfo]) -> None:
             raise FmuError(f"{shown} has {_megabytes(entry.file_size)} when unpacked; at most {_megabytes(largest)}")
         if total > MOST_BYTES:
             raise FmuError(f"it has more than {_megabytes(MOST_BYTES)} when unpacked")
-        for place, is_folder in _places(entry):
-            key = unicodedata.normalize("NFC", place).casefold()
-            if key in known and (not is_folder or known[key] != (place, is_folder)):
-                raise FmuError(f"{shown} is there twice, or differs from another name only by case")
-            known[key] = place, is_folder
+        for path, is_folder in _paths(entry):
+            key = unicodedata.normalize("NFC", path).casefold()
+            if key in known and (not is_folder or known[key] != (path, is_folder)):
+                raise FmuError(f"{shown} is a duplicate, or differs from another name only by case")
+            known[key] = path, is_folder
 
 
-def _places(entry: zipfile.ZipInfo) -> Iterator[tuple[str, bool]]:
-    """Yield the path of an entry and of the folders above it, and whether each is a folder."""
+def _paths(entry: zipfile.ZipInfo) -> Iterator[tuple[str, bool]]:
+    """Yield the paths of an entry and of its parent folders, and whether each is a folder."""
     name = entry.filename.rstrip("/")
     yield name, entry.is_dir()
     while "/" in name:
@@ -133,8 +133,8 @@ def _places(entry: zipfile.ZipInfo) -> Iterator[tuple[str, bool]]:
         yield name, True
 
 
-def _leads_elsewhere(entry: zipfile.ZipInfo) -> bool:
-    """Return whether a name is no plain relative path on every system."""
+def _is_unsafe(entry: zipfile.ZipInfo) -> bool:
+    """Return whether a name is not a plain relative path on every system."""
     name = entry.orig_filename.removesuffix("/")
     return (
         len(name) > LONGEST_NAME
@@ -145,7 +145,7 @@ def _leads_elsewhere(entry: zipfile.ZipInfo) -> bool:
 
 
 def _unpack(archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], folder: Path) -> None:
-    """Write the files, counting what really comes."""
+    """Write the files and check the real size."""
     total = 0
     for entry in entries:
         target = folder / entry.filename
@@ -161,12 +161,12 @@ def _unpack(archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], folder: Pa
                 file.write(chunk)
 
 
-class _Enough(Exception):
-    """The root element has begun: a document type would stand before it."""
+class _RootReached(Exception):
+    """The parser has reached the root element: a document type would precede it."""
 
 
 def _check_description(path: Path) -> None:
-    """Raise where there is no model description, or one with a document type, whose entities can be of any size."""
+    """Raise if there is no model description, or it has a document type, whose entities can have any size."""
     if not path.is_file():
         raise FmuError(f"it has no {DESCRIPTION}")
 
@@ -174,14 +174,14 @@ def _check_description(path: Path) -> None:
         raise FmuError(f"{DESCRIPTION} has a document type (DOCTYPE)")
 
     def stop(*_: object) -> None:
-        raise _Enough
+        raise _RootReached
 
     parser = xml.parsers.expat.ParserCreate()
     parser.StartDoctypeDeclHandler = refuse
     parser.StartElementHandler = stop
     try:
         parser.Parse(path.read_bytes(), True)
-    except _Enough:
+    except _RootReached:
         return
 
 

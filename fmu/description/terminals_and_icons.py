@@ -1,4 +1,4 @@
-"""What a tool draws of an FMU: an icon, and terminals that gather its variables."""
+"""The icon of an FMU, and the terminals that group its variables."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import xml.etree.ElementTree as ET
 import zlib
 from collections.abc import Sequence
 
-from .description import xml_bytes
+from .model_description import xml_bytes
 from .variables import Variable
 
 #: Edge of the icon in pixels, and the rings of the wheel in it as shares of half the edge: outer radius and colour.
 SIZE = 64
 RINGS = ((0.97, (30, 30, 34)), (0.62, (176, 182, 190)), (0.52, (236, 238, 241)), (0.17, (110, 116, 124)))
 
-#: Which variables each terminal takes, by causality.
+#: The causality of the variables of each terminal.
 TERMINALS = {"wheel": "input", "contact": "output"}
 
 
@@ -24,7 +24,7 @@ def pictures(fmi: int, variables: Sequence[Variable]) -> dict[str, bytes]:
     Parameters
     ----------
     fmi : int
-        2, which knows an icon only, or 3.
+        2, which supports an icon only, or 3.
     variables : sequence of Variable
 
     Returns
@@ -46,7 +46,7 @@ def pictures(fmi: int, variables: Sequence[Variable]) -> dict[str, bytes]:
 
 
 def icon() -> bytes:
-    r"""Return a wheel as a PNG file, transparent around it.
+    r"""Return a wheel as a PNG file, with a transparent background.
 
     Returns
     -------
@@ -65,7 +65,7 @@ def icon() -> bytes:
     rows = []
     for y in range(SIZE):
         pixels = [_pixel(((x - middle) ** 2 + (y - middle) ** 2) / (SIZE / 2) ** 2) for x in range(SIZE)]
-        rows.append(b"\0" + b"".join(pixels))  # 0: a row that is not filtered
+        rows.append(b"\0" + b"".join(pixels))  # 0: no filter
     parts = (
         (b"IHDR", struct.pack(">IIBBBBB", SIZE, SIZE, 8, 6, 0, 0, 0)),
         (b"IDAT", zlib.compress(b"".join(rows), 9)),
@@ -84,7 +84,7 @@ def _pixel(radius_squared: float) -> bytes:
 
 
 def terminals(variables: Sequence[Variable]) -> bytes:
-    """Return terminalsAndIcons.xml: the wheel's motion and load in one terminal, what the contact gives in the other.
+    """Return terminalsAndIcons.xml: one terminal for the inputs of the wheel, one for the outputs of the contact.
 
     Parameters
     ----------

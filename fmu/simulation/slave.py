@@ -1,10 +1,10 @@
-"""An instance of an FMU for Co-Simulation and its run over the rows of a table; as a program, in a process of its own.
+"""An instance of an FMU for Co-Simulation and its simulation over the rows of a table; also a program.
 
-fmpy's `simulate_fmu` looks every variable up by name at every step; a bench file has more than 100,000 rows.
-This loop makes the same three calls with arrays that it fills again and again.
+fmpy's `simulate_fmu` looks up every variable by name at every step, and a bench file has more than 100,000 rows. This
+loop makes the same three calls with reused arrays.
 
-`simulation.py` starts this file as a program, so that an FMU that crashes takes no other process along. It imports
-nothing of this package: that would take ten times as long as a usual check.
+`simulate.py` starts this file as a program, so that an FMU that crashes does not end the calling process. The file
+imports nothing of this package: such an import takes ten times as long as a typical check.
 """
 
 from __future__ import annotations
@@ -28,37 +28,37 @@ from fmpy.fmi3 import FMU3Slave
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Lines that are remembered of what an instance logs, and characters of each.
+#: Largest number of log lines that are stored, and of characters per line.
 MOST_LINES, LONGEST_LINE = 1000, 500
-#: Problems of a model description that are reported.
+#: Largest number of validation problems that are reported.
 MOST_PROBLEMS = 100
-#: The files of a job: what to do, its arrays, the outputs, and the answer, which is written last.
+#: The files of a job: the task, its arrays, the outputs, and the answer, which is written last.
 JOB, ARRAYS, OUTPUTS, ANSWER = "job.json", "arrays.npz", "outputs.npy", "answer.json"
 
 
-class Refused(Exception):
-    """The FMU cannot be loaded, or refuses a call; one sentence."""
+class Rejected(Exception):
+    """The FMU cannot be loaded, or rejects a call; one sentence."""
 
 
 @dataclass
 class Slave:
-    """An instance of an FMU for Co-Simulation, whichever version, and what it said.
+    """An instance of an FMU for Co-Simulation, of either FMI version, and its log.
 
     Attributes
     ----------
     description : fmpy.model_description.ModelDescription
     folder : Path
-        Where the FMU is unpacked.
+        The unpacked FMU.
     log : list of str
         The lines that the instance logged.
     fmu : fmpy.fmi2.FMU2Slave or fmpy.fmi3.FMU3Slave
     version_3 : bool
-        FMI 3 rather than FMI 2.
+        True for FMI 3, False for FMI 2.
 
     Raises
     ------
-    Refused
-        If there is no binary for this platform, an incomplete one, or one that gives no instance.
+    Rejected
+        If there is no binary for this platform, if it is incomplete, or if it creates no instance.
     """
 
     description: Any
@@ -69,8 +69,8 @@ class Slave:
         self.version_3 = self.description.fmiVersion.startswith("3")
         try:
             self._instantiate()
-        except Exception as error:  # fmpy raises no kind of its own
-            raise Refused(f"cannot be loaded: {error}") from error
+        except Exception as error:  # fmpy has no exception type of its own
+            raise Rejected(f"cannot be loaded: {error}") from error
 
     def _instantiate(self) -> None:
         kind = FMU3Slave if self.version_3 else FMU2Slave
@@ -83,7 +83,7 @@ class Slave:
         if self.version_3:
             self.fmu.instantiate(logMessage=lambda _environment, _status, _category, line: self._note(line))
         else:
-            # fmpy's functions for memory, a logger of ours; fmpy keeps them as long as the instance.
+            # fmpy's memory functions and our logger; fmpy holds a reference to them.
             callbacks = fmi2CallbackFunctions()
             callbacks.logger = fmi2CallbackLoggerTYPE(
                 lambda _environment, _name, _status, _category, line: self._note(line)
@@ -103,7 +103,7 @@ class Slave:
         return [known[name] for name in names]
 
     def begin(self, time: float) -> None:
-        """Begin anew: initialize at a time."""
+        """Reset the instance and initialize it at a time."""
         self.fmu.reset()
         if self.version_3:
             self.fmu.enterInitializationMode(startTime=time)
@@ -112,21 +112,20 @@ class Slave:
             self.fmu.enterInitializationMode()
 
     def run(
-        self, rows: slice, time: FloatArray, inputs: FloatArray, known: Sequence[str], asked: Sequence[str]
+        self, rows: slice, time: FloatArray, inputs: FloatArray, input_names: Sequence[str], output_names: Sequence[str]
     ) -> FloatArray:
-        """Return the outputs that belong to each row of inputs, holding each row over the step to the next.
+        """Return the outputs of each row of inputs; inputs are constant over the step to the next row.
 
-        The first row is there when initialization ends: what has a state begins in steady state.
+        The first row is set during initialization: states start in steady state.
 
         Parameters
         ----------
         rows : slice
-            The rows of a table to run, from a start of their own.
+            The rows of a table to simulate, after a new initialization.
         time : ndarray, shape (n_table,), s
-            Never falling in these rows; those of equal time follow each other without a step.
+            Not decreasing in these rows; there is no step between rows of equal time.
         inputs : ndarray, shape (n_table, n_inputs)
-        known, asked : sequence of str
-            Names of the inputs and of the outputs.
+        input_names, output_names : sequence of str
 
         Returns
         -------
@@ -134,13 +133,13 @@ class Slave:
 
         Raises
         ------
-        Refused
-            If the FMU refuses a call; names the row and what the FMU logged.
+        Rejected
+            If the FMU rejects a call; the message has the row and the last log line.
         """
         fmu, instance = self.fmu, self.fmu.component
-        n_in, n_out = len(known), len(asked)
-        in_refs = (ctypes.c_uint * n_in)(*self.references(known))
-        out_refs = (ctypes.c_uint * n_out)(*self.references(asked))
+        n_in, n_out = len(input_names), len(output_names)
+        in_refs = (ctypes.c_uint * n_in)(*self.references(input_names))
+        out_refs = (ctypes.c_uint * n_out)(*self.references(output_names))
         given, found = (ctypes.c_double * n_in)(), (ctypes.c_double * n_out)()
         flags = [ctypes.byref(ctypes.c_bool()) for _ in range(3)]
         reached = ctypes.byref(ctypes.c_double())
@@ -169,25 +168,25 @@ class Slave:
                         fmu.fmi2DoStep(instance, now, step, True)
                 outputs[i] = found
         except FMICallException as error:
-            said = f": {self.log[-1]}" if self.log else ""
-            raise Refused(f"row {rows.start + i}: {str(error).rstrip('.')}{said}") from error
+            logged = f": {self.log[-1]}" if self.log else ""
+            raise Rejected(f"row {rows.start + i}: {str(error).rstrip('.')}{logged}") from error
         return outputs
 
 
 def main(folder: Path) -> None:
-    """Do the job in a folder and leave its answer there: outputs by row and problems, or why there are none."""
-    _die_with_the_parent()
-    os.chdir(folder)  # what an FMU writes without a path goes away with the job
+    """Run the job in a folder and write the answer there: outputs by row and problems, or the error."""
+    _end_with_parent()
+    os.chdir(folder)  # files that the FMU writes without a path are deleted with the job
     job = json.loads((folder / JOB).read_text(encoding="utf-8"))
     try:
         answer = _run(job, folder)
-    except Refused as error:
+    except Rejected as error:
         answer = {"error": str(error)}
-    except Exception as error:  # of fmpy, on what it did not expect
+    except Exception as error:  # any exception of fmpy
         answer = {"error": f"{type(error).__name__}: {error}"}
     (folder / "unfinished").write_text(json.dumps(answer), encoding="utf-8")
     os.replace(folder / "unfinished", folder / ANSWER)
-    os._exit(0)  # nothing of the FMU's runs any more
+    os._exit(0)  # no exit handler of the FMU runs
 
 
 def _run(job: dict[str, Any], folder: Path) -> dict[str, Any]:
@@ -203,8 +202,8 @@ def _run(job: dict[str, Any], folder: Path) -> dict[str, Any]:
     return {"problems": problems}
 
 
-def _die_with_the_parent() -> None:
-    """End this process when the one that started it is gone, and with it the other end of the standard input."""
+def _end_with_parent() -> None:
+    """End this process when its parent ends, which closes the standard input."""
 
     def watch() -> None:
         os.read(0, 1)
@@ -215,7 +214,7 @@ def _die_with_the_parent() -> None:
         import resource
     except ImportError:  # Windows
         return
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a crash leaves no image of the memory
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # a crash writes no core file
 
 
 if __name__ == "__main__":

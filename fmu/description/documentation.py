@@ -1,4 +1,4 @@
-"""What an FMU says about itself to a reader: documentation/index.html and the licenses."""
+"""The documentation inside an FMU: documentation/index.html and the licenses."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.escaping import html_text
 from tirefmu.tires import Tire
 
-from .description import Header
+from .model_description import Header
 from .variables import Variable
 
 #: The license of the sources inside an FMU; the same text as the project's LICENSE file.
@@ -83,7 +83,7 @@ def index_html(tire: Tire, header: Header, variables: Sequence[Variable]) -> byt
         f"<h1>{html_text(header.name)}</h1>",
         f"<p>{html_text(header.description)}</p>",
         f"<p>Model: {html_text(tire.book.title)}. Effects: {html_text(', '.join(sorted(tire.has)) or 'none')}.",
-        "The tire itself lies in resources/tire.tir. License: licenses/license.txt.</p>",
+        "The tire file is resources/tire.tir. License: licenses/license.txt.</p>",
         *_about(tire),
         *_how_to_connect(by_causality["input"]),
         "<h2>Inputs</h2>",
@@ -92,9 +92,9 @@ def index_html(tire: Tire, header: Header, variables: Sequence[Variable]) -> byt
         *_table(by_causality["output"], ""),
         *(_transient(by_causality["local"]) if by_causality["local"] else ()),
         "<h2>Parameters</h2>",
-        "<p>All are tunable: they can be set before and during a simulation. An effect that the tire lacks has its",
-        "coefficients at neutral and acts once they are set; relaxation, turn slip and effects beyond the book act",
-        "only in the FMU of a tire that has them.</p>",
+        "<p>All parameters are tunable: a host can set them before and during a simulation. The coefficients of an",
+        "effect that the tire lacks have neutral values; the effect acts when they are set. Relaxation, turn slip and",
+        "added effects act only in the FMU of a tire that has them.</p>",
         *_table(by_causality["parameter"], "value"),
         "</body></html>",
     ]
@@ -102,7 +102,7 @@ def index_html(tire: Tire, header: Header, variables: Sequence[Variable]) -> byt
 
 
 def _about(tire: Tire) -> Iterable[str]:
-    """Yield where the tire comes from and in which ranges it is known."""
+    """Yield the source of the tire and the ranges in which it is valid."""
     rows = [(key, text) for key, text in tire.about.items()]
     rows += [(f"range of {name}", f"{low:g} ... {high:g}") for name, (low, high) in tire.ranges.items()]
     if rows:
@@ -113,33 +113,34 @@ def _about(tire: Tire) -> Iterable[str]:
 
 
 def _how_to_connect(inputs: Sequence[Variable]) -> Iterable[str]:
-    """Yield what a host has to connect to what."""
+    """Yield instructions for connecting the inputs and outputs."""
     names = {variable.name for variable in inputs}
     yield "<h2>How to connect</h2>"
-    yield "<p>One instance is one wheel. Outputs belong to the inputs as they are set: set inputs, read forces,"
-    yield "step. Forces and moments act on the wheel at its contact point, in the wheel's own axes (TYDEX W where the"
-    yield "sentence above says ISO). A value that is not finite is refused and leaves the FMU as it was. Inputs that"
-    yield "are left alone keep their start values. Fz is load, positive in ISO axes; at Fz = 0 there are no forces.</p>"
+    yield "<p>One instance is one wheel. Outputs belong to the present inputs: set inputs, read forces, do a step."
+    yield "Forces and moments act on the wheel at its contact point, in the wheel's own axes (TYDEX W where the"
+    yield "sentence above states ISO axes). The FMU rejects a value that is not finite and does not change its state."
+    yield "An unconnected input has its start value. Fz is load, positive in ISO axes; at Fz = 0 all forces are 0.</p>"
     if "V_x" in names:
-        yield "<p>V_x and V_y are the velocity of the contact point, carried along with the wheel's centre, in the"
-        yield "plane of the road: along the wheel plane and across it. omega turns the wheel; a locked wheel has 0."
-        yield "Apply Fx at the radius R_l (where there is one) to the wheel's own equation of motion. Below LOW_SPEED a"
-        yield "tire with relaxation is a spring with a damper, held within friction; one without is damped.</p>"
+        yield "<p>V_x and V_y are the velocity of the contact point, which moves with the wheel's centre, in the plane"
+        yield "of the road: along the wheel plane and across it. omega is the angular speed of the wheel, 0 if locked."
+        yield "Apply Fx at the loaded radius R_l, if it is an output, in the wheel's equation of motion. Below"
+        yield "LOW_SPEED a tire with relaxation acts as a spring and a damper limited by friction, and a tire without"
+        yield "relaxation as a damper.</p>"
     else:
         yield "<p>kappa = (omega R_e - V_x)/|V_x|, tan(alpha) = V_y/|V_x|.</p>"
 
 
 def _transient(local: Sequence[Variable]) -> Iterable[str]:
-    """Yield the lines about states."""
+    """Yield the section about states."""
     yield "<h2>States</h2>"
-    yield "<p>Slips lag behind the inputs: d x/dt = |V|/sigma (u - x) on kappa and tan(alpha). In Co-Simulation that"
-    yield "is solved exactly for inputs held over a step, whatever its size. They begin in steady state, with the"
-    yield "inputs as they are at the end of initialization: set them before. A distance begins at its start value.</p>"
+    yield "<p>The slips have a first-order lag: d x/dt = |V|/sigma (u - x) for kappa and tan(alpha). Co-Simulation uses"
+    yield "the exact solution for inputs that are constant over a step of any size. The slips start in steady state for"
+    yield "the inputs at the end of initialization: set the inputs before. The distance starts at its start value.</p>"
     yield from _table(local, "")
 
 
 def _table(variables: Sequence[Variable], value: str) -> Iterable[str]:
-    """Yield the lines of a table of variables, with a column of start values where that has a heading."""
+    """Yield the lines of a table of variables; `value` is the heading of the start values, empty for no column."""
     yield f"<table><tr><th>name</th>{f'<th>{value}</th>' if value else ''}<th>unit</th><th>meaning</th></tr>"
     for variable in variables:
         number = f'<td class="number">{variable.start!r}</td>' if value else ""
@@ -151,7 +152,7 @@ def _table(variables: Sequence[Variable], value: str) -> Iterable[str]:
 
 
 def header_license(header: Path) -> bytes:
-    """Return the notice that the FMI standard's header carries, as its license asks of binaries made with it.
+    """Return the license notice of the FMI standard's header, which the license requires with binaries.
 
     Parameters
     ----------
@@ -165,7 +166,7 @@ def header_license(header: Path) -> bytes:
     Raises
     ------
     FmuError
-        If the header cannot be read or carries no notice.
+        If the header cannot be read or contains no notice.
     """
     try:
         text = header.read_text(encoding="utf-8")
@@ -173,6 +174,6 @@ def header_license(header: Path) -> bytes:
         raise FmuError(f"the FMI header {header.name} cannot be read: {error.strerror}") from error
     notice = re.search(r"Copyright \(C\).*?(?=\*/)", text, re.DOTALL)
     if notice is None:
-        raise FmuError(f"the FMI header {header.name} carries no license")
+        raise FmuError(f"the FMI header {header.name} contains no license")
     lines = [line.strip() for line in notice[0].splitlines()]
     return ("Headers of the FMI standard\n\n" + "\n".join(lines).rstrip() + "\n").encode()

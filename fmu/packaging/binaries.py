@@ -1,4 +1,4 @@
-"""The binaries of an FMU: for this machine by the host's own compiler, for others by ziglang."""
+"""The binaries of an FMU: the system's compiler builds for this machine, ziglang for other platforms."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ from tirefmu.tires.compiler import (
     suffix,
 )
 
-from .cross import FOLDERS_2, PLATFORMS, has_ziglang, universal, ziglang
+from .cross_compiler import FOLDERS_2, PLATFORMS, has_ziglang, universal, ziglang
 from .model_code import model_files
 
-#: By sys.platform: FMI 3's name of the system.
+#: FMI 3's names of the systems, by sys.platform.
 SYSTEMS = {"linux": "linux", "darwin": "darwin", "win32": "windows"}
 MACHINES = {"x86_64": "x86_64", "amd64": "x86_64", "aarch64": "aarch64", "arm64": "aarch64"}
 
-#: One operation, one rounding, on every machine; and nothing in the binary that nobody can call.
+#: Each operation is rounded once on every machine; the binary contains no unreachable functions.
 FLAGS = ("-ffp-contract=off", "-ffunction-sections", "-fdata-sections")
-#: For the model's code that a host does not wait for.
+#: For the model's code that is called rarely.
 SMALL = ("-Os", "-fno-inline")
-#: Windows gives a library all that it needs but for windows.c, where zig would pack a C runtime into each.
+#: On Windows the system's libraries and windows.c replace the C runtime that zig would link into each binary.
 RUNTIME = "windows.c"
 SYSTEM = tuple(f"-lapi-ms-win-crt-{part}-l1-1-0" for part in ("heap", "math", "private", "stdio", "string"))
 LINK = {
     "linux": ("-s", "-Wl,--gc-sections"),
-    # A library for Macs carries its own name, which would be the path it was built at.
+    # A library for macOS contains its own name, by default the path of the build.
     "darwin": ("-Wl,-dead_strip", "-Wl,-x", "-Wl,-S", "-Wl,-install_name,@rpath/fmu.dylib"),
     "win32": ("-s", "-static-libgcc", "-Wl,--gc-sections"),
 }
@@ -53,7 +53,7 @@ def host_platform() -> str:
     Raises
     ------
     FmuError
-        If FMUs know no name for this system or processor.
+        If FMI has no name for this system or processor.
 
     Examples
     --------
@@ -62,18 +62,18 @@ def host_platform() -> str:
     """
     architecture = MACHINES.get(machine().lower())
     if sys.platform not in SYSTEMS or architecture is None:
-        raise FmuError(f"FMUs have no name for {machine()} with {sys.platform}")
+        raise FmuError(f"FMI has no platform name for {machine()} with {sys.platform}")
     return f"{architecture}-{SYSTEMS[sys.platform]}"
 
 
 def chosen_platforms(platforms: str | Iterable[str]) -> tuple[str, ...]:
-    """Return the platforms that are asked for, each once.
+    """Return the requested platforms, without duplicates.
 
     Parameters
     ----------
     platforms : str or iterable of str
-        ``host`` (this machine, by its own compiler), ``all``, or names of FMI 3, alone, in a list or with
-        commas between them.
+        ``host`` (this machine, with the system's compiler), ``all``, or FMI 3 names: one, several separated by
+        commas, or an iterable.
 
     Returns
     -------
@@ -83,7 +83,7 @@ def chosen_platforms(platforms: str | Iterable[str]) -> tuple[str, ...]:
     Raises
     ------
     FmuError
-        If one is unknown, or there is none.
+        If one is unknown, or none is given.
 
     Examples
     --------
@@ -98,14 +98,14 @@ def chosen_platforms(platforms: str | Iterable[str]) -> tuple[str, ...]:
         return tuple(PLATFORMS)
     for name in names:
         if name not in ("host", *PLATFORMS):
-            raise FmuError(f"platform {name!r} is not known: known are host, all, {', '.join(PLATFORMS)}")
+            raise FmuError(f"platform {name!r} is unknown: known platforms are host, all, {', '.join(PLATFORMS)}")
     if not names:
         raise FmuError("no platform is given")
     return tuple(names)
 
 
 def binary_path(fmi: int, identifier: str, platform: str | None = None) -> str:
-    """Return where a platform's binary stands inside an FMU.
+    """Return the path of a platform's binary inside an FMU.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def binary_path(fmi: int, identifier: str, platform: str | None = None) -> str:
     identifier : str
         The model identifier.
     platform : str, optional
-        FMI 3's name; this machine's where None.
+        FMI 3's name; None for this machine.
 
     Returns
     -------
@@ -124,11 +124,11 @@ def binary_path(fmi: int, identifier: str, platform: str | None = None) -> str:
     Raises
     ------
     FmuError
-        If FMUs know no name for this system or processor.
+        If FMI has no name for this system or processor.
 
     References
     ----------
-    FMI 2.0.5, section 2.3: names of its own for x86, those of FMI 3 for every other processor.
+    FMI 2.0.5, section 2.3, for x86; FMI 2 defines no names for other processors, which use those of FMI 3.
 
     Examples
     --------
@@ -137,9 +137,9 @@ def binary_path(fmi: int, identifier: str, platform: str | None = None) -> str:
     """
     name = platform or host_platform()
     word = name.partition("-")[2]
-    # Tools for other processors look into the folder of x86 when they run what was built where they run.
-    known_as = f"x86_64-{word}" if platform is None else name
-    folder = name if fmi == 3 else FOLDERS_2.get(known_as, name)
+    # FMI 2 tools on other processors search the x86 folder for binaries of their own machine.
+    folder_name = f"x86_64-{word}" if platform is None else name
+    folder = name if fmi == 3 else FOLDERS_2.get(folder_name, name)
     system = next(key for key, value in SYSTEMS.items() if value == word)
     return f"binaries/{folder}/{identifier}{suffix(system)}"
 
@@ -154,7 +154,7 @@ def binaries(
     sources : mapping of str to bytes
         C files and their headers by name.
     model : str
-        Name of the model. Its generated code is most of the work, and is kept for the model's next tire.
+        Name of the model. Compiled code of a model is cached, as it takes most of the time.
     include : Path
         Folder of the FMI standard's headers.
     fmi : int
@@ -167,18 +167,18 @@ def binaries(
     Returns
     -------
     dict of str to bytes
-        From the cache where the same sources were compiled before.
+        From the cache if the same sources were compiled before.
 
     Raises
     ------
     FmuError
-        If there is no compiler, or it fails; carries its first lines.
+        If there is no compiler, or it fails; the message has its errors.
     """
-    asked = list(platforms)
-    if asked == ["host"]:
+    requested = list(platforms)
+    if requested == ["host"]:
         return {binary_path(fmi, identifier): _host_binary(sources, model, include)}
-    compilers = {name: None if name == "host" else ziglang(name) for name in asked}
-    # Two at a time: a compiler waits for the disk, and what zig sets up for Windows at its first time is long.
+    compilers = {name: None if name == "host" else ziglang(name) for name in requested}
+    # Two in parallel: a compiler waits for the disk, and zig needs long for its first build for Windows.
     with ThreadPoolExecutor(2) as pool:
         jobs = {
             host_platform() if cross is None else name: pool.submit(binary, sources, model, include, cross)
@@ -187,7 +187,7 @@ def binaries(
         built = {name: job.result() for name, job in sorted(jobs.items())}
     packed = {binary_path(fmi, identifier, name): library for name, library in built.items()}
     if fmi == 2 and "aarch64-darwin" in built:
-        # Many hosts look into FMI 2's one folder for Macs only: it serves both processors, and once is enough.
+        # Many hosts search FMI 2's single folder for macOS only: it receives one binary for both processors.
         macs = {binary_path(2, identifier, name): name for name in built if name.endswith("-darwin")}
         packed = {path: library for path, library in packed.items() if path not in macs or len(macs) == 1}
         packed[binary_path(2, identifier, "x86_64-darwin")] = universal([built[name] for name in macs.values()])
@@ -200,9 +200,9 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
     Parameters
     ----------
     sources, model, include
-        As for `binaries`.
+        As in `binaries`.
     cross : CrossCompiler, optional
-        For another machine than this one.
+        None for this machine.
 
     Returns
     -------
@@ -211,10 +211,10 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
     Raises
     ------
     FmuError
-        If there is no compiler, or it fails; carries its first lines.
+        If there is no compiler, or it fails; the message has its errors.
     """
     generated = [file for file in model_files(model) if file in sources]
-    own = sorted(file for file in sources if file.endswith(".c") and file not in generated)
+    wrapper_files = sorted(file for file in sources if file.endswith(".c") and file not in generated)
     system, bare = (cross.system if cross else sys.platform), cross is not None and cross.system == "win32"
     with tempfile.TemporaryDirectory(prefix="tirefmu-") as name:
         folder = Path(name)
@@ -234,8 +234,8 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
                 for file in generated
             ]
             headers = sorted([*(folder / file for file in sources if file.endswith(".h")), *include.glob("fmi*.h")])
-            wrapper = [folder / file for file in own]
-            if bare:  # the runtime's headers are for compiling only
+            wrapper = [folder / file for file in wrapper_files]
+            if bare:  # the runtime's headers are needed for compiling only
                 (folder / RUNTIME).write_bytes((files("tirefmu.fmu") / "wrapper" / RUNTIME).read_bytes())
                 wrapper = [
                     compiled_object("fmu", file, headers=headers, include=[folder, include], flags=FLAGS, cross=cross)
@@ -256,7 +256,7 @@ def binary(sources: Mapping[str, bytes], model: str, include: Path, cross: Cross
 
 
 def _host_binary(sources: Mapping[str, bytes], model: str, include: Path) -> bytes:
-    """Return this machine's library, by ziglang where that is the only compiler."""
+    """Return this machine's library, built by ziglang if there is no other compiler."""
     try:
         return binary(sources, model, include)
     except FmuError as error:

@@ -1,4 +1,4 @@
-"""Figures of an FMU over a recording: data and simulation over time, and what is between them."""
+"""Figures of a check: measured data, simulation and error over time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.escaping import figure_text
 
-from .check import Channel, CheckResult
+from .result import Channel, CheckResult
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -27,16 +27,16 @@ DPI = 130
 def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: str = "") -> list[Path]:
     """Draw every measured channel of a check over time, one PNG each.
 
-    Above, the data and the FMU, segment by segment; below, what is between them, with the RMSE of each segment on both
-    sides of 0.
+    The upper axes show the data and the FMU by segment, the lower axes the error, with lines at plus and minus the RMSE
+    of each segment.
 
     Parameters
     ----------
     result : CheckResult
     folder : path-like
-        Made where it is not there.
+        Created if it does not exist.
     prefix : str
-        Put before each file's name, which is that of the channel.
+        Prefix of each file name, which is the name of the channel.
 
     Returns
     -------
@@ -51,28 +51,28 @@ def draw_check(result: CheckResult, folder: str | os.PathLike[str], *, prefix: s
     --------
     >>> import pandas as pd
     >>> from tirefmu.tires import published
-    >>> from .build import export
-    >>> from .check import check
+    >>> from tirefmu.fmu import export
+    >>> from tirefmu.fmu import check
     >>> table = pd.DataFrame({"alpha": [-0.1, 0.0, 0.1], "Fz": 900.0, "Fy": [2100.0, 10.0, -2000.0]})
     >>> result = check(export(published("trento_hoosier"), "tire.fmu"), table)
     >>> [path.name for path in draw_check(result, "figures")]
     ['Fy.png']
     """
-    place = Path(folder)
+    target = Path(folder)
     written = []
     for channel in result.channels:
         buffer = BytesIO()
-        with warnings.catch_warnings():  # a letter that the font lacks is drawn as a box
+        with warnings.catch_warnings():  # a character that the font lacks appears as a box
             warnings.filterwarnings("ignore", message="Glyph .* missing from font", category=UserWarning)
             _figure(result, channel).savefig(buffer, format="png", dpi=DPI)
         try:
-            place.mkdir(parents=True, exist_ok=True)
-            path = place / f"{prefix}{channel.name}.png"
+            target.mkdir(parents=True, exist_ok=True)
+            path = target / f"{prefix}{channel.name}.png"
             part = path.with_name(f".{path.name}.part")
             part.write_bytes(buffer.getvalue())
             part.replace(path)
         except OSError as error:
-            raise FmuError(f"{place}: cannot be written ({error.strerror or error})") from error
+            raise FmuError(f"{target}: cannot be written ({error.strerror or error})") from error
         written.append(path)
     return written
 
@@ -81,7 +81,7 @@ def _figure(result: CheckResult, channel: Channel) -> Figure:
     figure = Figure(figsize=(11.0, 6.0), layout="constrained")
     FigureCanvasAgg(figure)
     above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1))
-    segments = f"{result.segments} segment{'s'[: result.segments != 1]}, each begun in steady state"
+    segments = f"{result.segments} segment{'s'[: result.segments != 1]}, each started in steady state"
     names = f"{figure_text(result.fmu)} against {figure_text(result.source)}"
     figure.suptitle(f"{names}: {channel.name}, {segments}", fontsize=11)
     _draw_values(above, result, channel)
@@ -94,12 +94,12 @@ def _figure(result: CheckResult, channel: Channel) -> Figure:
     return figure
 
 
-def _stretches(result: CheckResult) -> list[slice]:
+def _segments(result: CheckResult) -> list[slice]:
     return [slice(a, b) for a, b in zip(result.starts, [*result.starts[1:], result.rows], strict=True)]
 
 
 def _time(result: CheckResult) -> FloatArray:
-    """Return the time of every row, s, the segments laid end to end."""
+    """Return the time of every row without the gaps between segments, s."""
     time = result.recording["t"].to_numpy(dtype=np.float64)
     steps = np.diff(time, prepend=time[:1])
     steps[list(result.starts)] = 0.0
@@ -107,16 +107,16 @@ def _time(result: CheckResult) -> FloatArray:
 
 
 def _draw_values(ax: Axes, result: CheckResult, channel: Channel) -> None:
-    """Draw dots of the data below the lines of the FMU, which do not cross from one segment to the next."""
+    """Draw the data as dots and the FMU as one line per segment."""
     time, data = _time(result), result.recording[channel.name].to_numpy()
     ax.plot(time, data, ".", ms=1.2 if len(time) > 1000 else 4.0, color=DATA, label="data")
-    for i, rows in enumerate(_stretches(result)):
+    for i, rows in enumerate(_segments(result)):
         shown = result.simulated[channel.name].to_numpy()[rows]
         marker = "." if len(shown) == 1 else ""
         ax.plot(time[rows], shown, marker=marker, color=MODEL, lw=0.9, label="FMU" if i == 0 else None)
     unit = figure_text(channel.unit)
-    told = f"RMSE {channel.rmse:.4g} {unit} ({channel.relative_rmse:.2%} of the largest), R2 {channel.r2:.4f}"
-    ax.set_title(told, fontsize=9, loc="left")
+    title = f"RMSE {channel.rmse:.4g} {unit} ({channel.relative_rmse:.2%} of the largest), R2 {channel.r2:.4f}"
+    ax.set_title(title, fontsize=9, loc="left")
     ax.set_ylabel(f"{channel.name} ({unit})")
     ax.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, fontsize=8)
 
@@ -125,7 +125,7 @@ def _draw_errors(ax: Axes, result: CheckResult, channel: Channel) -> None:
     time, data = _time(result), result.recording[channel.name].to_numpy()
     error = result.simulated[channel.name].to_numpy() - data
     ax.plot(time, error, ".", ms=1.2 if len(time) > 1000 else 4.0, color=ERROR, label="FMU - data")
-    for i, rows in enumerate(_stretches(result)):
+    for i, rows in enumerate(_segments(result)):
         known = error[rows][np.isfinite(error[rows])]
         if len(known):
             rmse = float(np.sqrt(np.mean(known**2)))

@@ -1,4 +1,4 @@
-"""The generated code of a model as an FMU takes it: what it calls, in one file to be fast and one to be small."""
+"""The generated code of a model for an FMU: two files, one compiled for speed and one for size."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.printers.c import INCLUDES
 from tirefmu.symbolic.printers.definitions import calling_math, definitions
 
-#: What a host waits for at every step, with the variant for most rows; and what is called now and then.
+#: Routines that a host calls at every step, and routines that it calls rarely.
 FAST = ("forces", "relaxation")
 SMALL = ("quantities",)
 
-# A routine begins at the left edge and ends with a brace there.
+# A routine starts and ends in the first column.
 _ROUTINE = re.compile(r"^(?:static )?(?:inline )?(?:void|int) (\w+)\([^;]*?\)\n\{.*?^\}\n", re.DOTALL | re.MULTILINE)
 
 
@@ -30,14 +30,14 @@ def model_files(model: str) -> tuple[str, str]:
 def split_code(model: str, code: str) -> dict[str, bytes]:
     r"""Return the two files made of a model's generated C code.
 
-    Routines keep their names. What is called now and then is there in its general variant, which holds for every row,
-    and calls the system's elementary functions, which differ from those of the forces by roundings.
+    Routines have their original names. The file for size has the general variants, which are valid for every row and
+    call the system's elementary functions. Their results differ by rounding from those used for the forces.
 
     Parameters
     ----------
     model : str
     code : str
-        As generated.
+        The generated code.
 
     Returns
     -------
@@ -46,7 +46,7 @@ def split_code(model: str, code: str) -> dict[str, bytes]:
     Raises
     ------
     FmuError
-        If a routine is not there.
+        If a routine is missing.
 
     Examples
     --------
@@ -66,14 +66,14 @@ def split_code(model: str, code: str) -> dict[str, bytes]:
 
 
 def _chosen(model: str, name: str, found: dict[str, str]) -> list[str]:
-    """Return a routine with the variants that it chooses from; nothing for one that the model lacks."""
+    """Return a routine and the variants that it calls; empty for a routine that the model lacks."""
     parts = ["is_straight"] if name == FAST[0] else []
     parts += [f"{name}_general", f"{model}_{name}_straight", f"{model}_{name}"]
     return [found[part] for part in parts if part in found]
 
 
 def _general(model: str, name: str, found: dict[str, str]) -> str:
-    """Return the one variant that holds for every row, under the routine's own name."""
+    """Return the variant that is valid for every row, under the routine's own name."""
     general, own = f"{name}_general", f"{model}_{name}"
     if general in found:
         return found[general].replace(f"static void {general}(", f"void {own}(", 1)

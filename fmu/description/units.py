@@ -1,4 +1,4 @@
-"""Units as the FMI standard wants them: exponents of the SI base units and of rad."""
+"""Units in the form of the FMI standard: exponents of the SI base units and of rad."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from collections import Counter
 
 from tirefmu.symbolic.errors import FmuError, nearest
 
-#: The units that products, quotients and powers are made of, as exponents of base units.
-#: The standard counts rad among these, although it is 1.
+#: The factors of products, quotients and powers, as exponents of base units.
+#: The FMI standard treats rad as a base unit.
 FACTORS: dict[str, dict[str, int]] = {
     "1": {},
     "kg": {"kg": 1},
     "m": {"m": 1},
     "s": {"s": 1},
     "K": {"K": 1},
-    "degC": {"K": 1},  # in products and quotients a difference
+    "degC": {"K": 1},  # a temperature difference in products and quotients
     "rad": {"rad": 1},
     "N": {"kg": 1, "m": 1, "s": -2},
     "Pa": {"kg": 1, "m": -1, "s": -2},
     "J": {"kg": 1, "m": 2, "s": -2},
     "W": {"kg": 1, "m": 2, "s": -3},
 }
-#: Units with a shifted zero: as themselves only.
+#: Units with an offset: not allowed in products and quotients.
 SHIFTED: dict[str, dict[str, int | float]] = {name: {"K": 1, "offset": 273.15} for name in ("deg C", "degC")}
 
 _FACTOR = re.compile(r"(1|[A-Za-z]+)(?:\^(-?\d+))?")
@@ -34,13 +34,13 @@ def base_unit(unit: str) -> dict[str, int | float]:
     Parameters
     ----------
     unit : str
-        Factors parted by spaces, powers by ``^``; everything after the one ``/`` divides: "N m", "1/rad^2",
+        Factors separated by spaces, powers with ``^``; all factors after the one ``/`` divide: "N m", "1/rad^2",
         "kg/m s".
 
     Returns
     -------
     dict of str to int or float
-        Exponents of ``kg m s K rad`` that are not 0, and an ``offset`` where the zero is shifted.
+        Exponents of ``kg m s K rad`` that are not 0, and an ``offset`` for a unit with an offset.
 
     Raises
     ------

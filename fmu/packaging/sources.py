@@ -1,4 +1,4 @@
-"""The C sources of a tire's FMU: the wrapper, the model's generated code, and what ties them to a tire."""
+"""The C sources of a tire's FMU: the wrapper, the model's generated code, and the header with the tire's values."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from tirefmu.symbolic.printers.expressions import PlainCPrinter
 from tirefmu.symbolic.printers.operations import rolling_radius_lines
 from tirefmu.tires.printed import c_folder
 
-from .description import xml_bytes
-from .interface import Interface, passed_on
+from ..description.interface import Interface, host_input_indices
+from ..description.model_description import xml_bytes
+from ..description.variables import Variable
 from .model_code import model_files, split_code
-from .variables import Variable
 
 #: The translation units of the wrapper, by FMI version.
 WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c")}
 COMMON = ("instance.c", "values.c", "derivatives.c", "terms.c", "chain_rule.c", "continuous.c", "saved_state.c")
-#: What the host gives, by whether velocities; how slips act, by whether they lag behind.
+#: The file of the contact kinematics, by whether inputs are velocities; the file of the slips, by whether they lag.
 CONTACT = {False: "slip_inputs.c", True: "wheel_inputs.c"}
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
 HEADERS = ("instance.h", "contact.h", "slips.h", "terms.h", "chain_rule.h")
 CONFIG, RADIUS = "model_config.h", "rolling_radius.h"
-#: Roles whose quantities the wrapper reads.
+#: Roles of the quantities that the wrapper reads.
 ROLES = ("friction_x", "friction_y", "stiffness_x", "stiffness_y", "relaxation_x", "relaxation_y")
 
 
@@ -44,12 +44,12 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        The model's generated code last, in two files.
+        The two files of the model's generated code are last.
 
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> from .interface import interface
+    >>> from ..description.interface import interface
     >>> c_files(2, interface(published("trento_hoosier")))[-4:]
     ('slip_inputs.c', 'direct_slips.c', 'mf96.c', 'mf96_quantities.c')
     """
@@ -75,7 +75,7 @@ def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> from .interface import interface
+    >>> from ..description.interface import interface
     >>> sorted(sources(2, interface(published("trento_hoosier")), "{1}"))[:5]
     ['chain_rule.c', 'chain_rule.h', 'contact.h', 'continuous.c', 'derivatives.c']
     """
@@ -90,7 +90,7 @@ def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
 
 
 def model_config(shown: Interface, token: str) -> str:
-    """Return the header that ties the wrapper to a model and a tire.
+    """Return the header that configures the wrapper for a model and a tire.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def model_config(shown: Interface, token: str) -> str:
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> from .interface import interface
+    >>> from ..description.interface import interface
     >>> print(model_config(interface(published("trento_hoosier")), "{1}").splitlines()[7])
     #define INSTANTIATION_TOKEN "{1}"
     """
@@ -128,7 +128,7 @@ def model_config(shown: Interface, token: str) -> str:
         "",
         f"#define INSTANTIATION_TOKEN {c_string(token)}",
         *_sizes(shown),
-        *_places(shown),
+        *_indices(shown),
         "",
         comment("By input of the model."),
         *_inputs(shown),
@@ -144,7 +144,7 @@ def model_config(shown: Interface, token: str) -> str:
 
 
 def _sizes(shown: Interface) -> Iterable[str]:
-    """Yield how many values of each kind there are, and the generated code's names."""
+    """Yield the number of values of each kind, and the names in the generated code."""
     model = shown.tire.model
     prefix = model.upper()
     yield f"#define N_INPUTS {prefix}_N_INPUTS"
@@ -167,8 +167,8 @@ def _sizes(shown: Interface) -> Iterable[str]:
         yield f"#define {name} {prefix}_{name}"
 
 
-def _places(shown: Interface) -> Iterable[str]:
-    """Yield where the wrapper finds what it has to know by name."""
+def _indices(shown: Interface) -> Iterable[str]:
+    """Yield the indices of values that the wrapper uses by name."""
     tire, prefix = shown.tire, shown.tire.model.upper()
     known = {"KAPPA": "kappa", "ALPHA": "alpha", "LOAD": "Fz", "SPEED": "V"}
     known |= {"LONGITUDINAL_FORCE": "Fx", "SIDE_FORCE": "Fy"}
@@ -185,9 +185,9 @@ def _places(shown: Interface) -> Iterable[str]:
         yield f"#define TURN {prefix}_phit"
     hosts = {"HOST_SPEED": ("V", "V_x"), "HOST_SIDEWAYS": ("V_y",), "HOST_TURNING": ("omega",)}
     hosts["HOST_YAWING"] = ("psi_dot",)
-    for name, places in hosts.items():
-        for place in set(places) & set(inputs):
-            yield f"#define {name} {inputs.index(place)}"
+    for macro, names in hosts.items():
+        for name in set(names) & set(inputs):
+            yield f"#define {macro} {inputs.index(name)}"
     if shown.wheel:
         own = [variable.name for variable in shown.group("parameter")]
         for name in ("LOW_SPEED", "LOW_SPEED_DAMPING"):
@@ -195,14 +195,14 @@ def _places(shown: Interface) -> Iterable[str]:
 
 
 def _inputs(shown: Interface) -> Iterable[str]:
-    """Yield what the wrapper knows of the model's inputs: where the host gives them, or what they are, and ranges."""
+    """Yield the tables of the model's inputs: indices of the host's inputs, values of unconnected ones, and ranges."""
     tire = shown.tire
-    asked = {name for _, name in tire.book.on_demand}
-    else_ = [0.0 if name in asked else tire.nominal(name) for name in tire.inputs]
+    on_demand = {name for _, name in tire.book.on_demand}
+    unconnected = [0.0 if name in on_demand else tire.nominal(name) for name in tire.inputs]
     ranges = [tire.ranges.get(name, (-inf, inf)) for name in tire.inputs]
     yield from _table("MODEL_INPUT_NAMES", [c_string(name) for name in tire.inputs])
-    yield from _table("PASSED_ON", [str(place) for place in passed_on(shown)])
-    yield from _table("UNCONNECTED_INPUTS", [repr(float(value)) for value in else_])
+    yield from _table("HOST_INPUT_INDICES", [str(index) for index in host_input_indices(shown)])
+    yield from _table("UNCONNECTED_INPUTS", [repr(float(value)) for value in unconnected])
     yield from _table("INPUT_RANGES", [f"{{{_limit(low)}, {_limit(high)}}}" for low, high in ranges])
 
 
@@ -211,18 +211,18 @@ def _limit(value: float) -> str:
 
 
 def _kind(variable: Variable) -> str:
-    """Return what a variable is to the host, as the C code calls it."""
+    """Return the kind of a variable, as named in the C code."""
     return "STORED" if variable.causality == "local" and variable.start is not None else variable.causality.upper()
 
 
 def _extra(variable: Variable, model: str) -> str:
-    """Return how the C code finds an extra output."""
-    kind, _, name = variable.shows.partition(" + ")
+    """Return the source of an extra output, as named in the C code."""
+    kind, _, name = variable.source.partition(" + ")
     return f"{kind} + {model.upper()}_{name}" if name else kind
 
 
 def rolling_radius(book: Model) -> str:
-    """Return a header with the rolling radius of a wheel that turns at a given speed.
+    """Return a header with the rolling radius of a wheel at a given angular speed.
 
     Parameters
     ----------
@@ -231,7 +231,7 @@ def rolling_radius(book: Model) -> str:
     Returns
     -------
     str
-        The free radius where the model has no other.
+        The free radius for a model without an effective rolling radius.
 
     Examples
     --------
@@ -250,7 +250,7 @@ def rolling_radius(book: Model) -> str:
     lines += [] if needed else ["(void) inputs;", f"(void) {turning};"]
     lines += [f"return {book.quantity('rolling_radius') if needed else 'UNLOADED_RADIUS'};"]
     body = calling_math("\n".join(f"    {line}" for line in lines))
-    remark = comment("The effective rolling radius by load, pressure and turning speed, from the lines of the book.")
+    remark = comment("The effective rolling radius by load, pressure and angular speed, from the model's equations.")
     head = f"static double rolling_radius(const double inputs[], double {turning}, const double parameters[])"
     parts = [remark, definitions(body), f"{head}\n{{\n{body}\n}}"]
     return "\n\n".join(part for part in parts if part) + "\n"
@@ -265,7 +265,7 @@ def _table(name: str, entries: Sequence[str]) -> Iterable[str]:
 
 
 def build_description(identifier: str, names: Iterable[str]) -> bytes:
-    """Return buildDescription.xml, by which an FMI 3 host compiles the sources.
+    """Return buildDescription.xml, from which an FMI 3 host compiles the sources.
 
     Parameters
     ----------

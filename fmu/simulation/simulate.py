@@ -1,7 +1,7 @@
-"""An FMU simulated over a table: in a process of its own where it is foreign, in this one where we have just built it.
+"""Simulation of an FMU over a table: a third-party FMU in a separate process, one that we have built in this process.
 
-A foreign FMU is native code: it may hang, crash, end the process or write to the terminal. The process that runs it
-has a time limit, a temporary folder to work in, and no terminal; it ends with this one, and so does what it started.
+A third-party FMU is native code: it may hang, crash, end the process or write to the terminal. Its process has a time
+limit, a temporary working folder and no terminal. It ends with this process, and so do the processes that it started.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.escaping import excerpt
 
 from .archive import DESCRIPTION, unpacked
-from .slave import ANSWER, ARRAYS, JOB, OUTPUTS, Refused, Slave
+from .slave import ANSWER, ARRAYS, JOB, OUTPUTS, Rejected, Slave
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Time that a simulation may take, and what each row adds, s.
+#: Time limit of a simulation, and its increase per row, s.
 TIME_LIMIT, TIME_LIMIT_PER_ROW = 60.0, 0.005
 #: The largest answer of the process, bytes.
 LARGEST_ANSWER = 1_000_000
@@ -41,14 +41,14 @@ LARGEST_ANSWER = 1_000_000
 
 @dataclass(frozen=True)
 class Simulation:
-    """What an FMU gave.
+    """The result of a simulation.
 
     Attributes
     ----------
     outputs : ndarray, shape (n_rows, n_outputs)
-        Of all runs, one after the other.
+        The rows of all runs in sequence.
     problems : tuple of str
-        What fmpy's validation found wrong with the FMU.
+        Problems found by fmpy's validation.
     """
 
     outputs: FloatArray
@@ -65,22 +65,22 @@ def simulate(
     runs: Sequence[slice],
     timeout: float | None = None,
 ) -> Simulation:
-    """Run an unpacked FMU over a table in a process of its own.
+    """Simulate an unpacked FMU over a table in a separate process.
 
     Parameters
     ----------
     path : path-like
         The FMU, for messages.
     folder : Path
-        Where it is unpacked.
+        The unpacked FMU.
     time : ndarray, shape (n,), s
     rows : ndarray, shape (n, n_inputs)
     inputs, outputs : sequence of str
         Names of variables.
     runs : sequence of slice
-        Rows that follow each other; each run begins anew.
+        Consecutive rows; each run starts with a new initialization.
     timeout : float, optional
-        Time that it may take, s; `TIME_LIMIT` and `TIME_LIMIT_PER_ROW` where None.
+        Time limit, s; None for `TIME_LIMIT` and `TIME_LIMIT_PER_ROW`.
 
     Returns
     -------
@@ -89,11 +89,11 @@ def simulate(
     Raises
     ------
     FmuError
-        If the FMU cannot be loaded, refuses a call, crashes, ends its process, or takes longer.
+        If the FMU cannot be loaded, rejects a call, crashes, ends its process, or exceeds the time limit.
     """
     limit = TIME_LIMIT + TIME_LIMIT_PER_ROW * len(time) if timeout is None else timeout
     if not (isfinite(limit) and limit > 0.0):
-        raise FmuError(f"timeout = {limit:g} s is not a time that a simulation may take")
+        raise FmuError(f"timeout = {limit:g} s is not a positive finite time")
     with tempfile.TemporaryDirectory(prefix="tirefmu-", ignore_cleanup_errors=True) as name:
         scratch = Path(name)
         job = {"fmu": str(folder), "inputs": list(inputs), "outputs": list(outputs)}
@@ -102,7 +102,7 @@ def simulate(
         np.savez(scratch / ARRAYS, time=time, rows=rows)
         ended = _run(scratch, limit)
         if ended is None:
-            raise FmuError(f"{path}: the FMU does not end within {limit:g} s; --timeout SECONDS allows more")
+            raise FmuError(f"{path}: the FMU does not end within {limit:g} s; --timeout SECONDS sets the limit")
         try:
             answer = _answer(scratch / ANSWER)
             if answer is None:
@@ -114,18 +114,18 @@ def simulate(
                 raise ValueError(f"outputs of shape {found.shape}")
             return Simulation(found.astype(np.float64), tuple(excerpt(problem) for problem in answer["problems"]))
         except (OSError, ValueError, KeyError, TypeError, EOFError, RecursionError) as error:
-            raise FmuError(f"{path}: the FMU's process left a broken answer ({excerpt(error)})") from error
+            raise FmuError(f"{path}: the FMU's process wrote an invalid answer ({excerpt(error)})") from error
 
 
 def _run(scratch: Path, limit: float) -> int | None:
-    """Run the process that does the job in a folder; return its exit status, None if it took too long."""
+    """Run the job in a folder in a separate process; return its exit code, None after the time limit."""
     program = Path(__file__).with_name("slave.py")
     process = subprocess.Popen(
-        [sys.executable, "-P", str(program), str(scratch)],  # -P: the modules beside it are not for import by name
+        [sys.executable, "-P", str(program), str(scratch)],  # -P: modules of the same folder cannot be imported by name
         stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
-        start_new_session=True,  # so that Ctrl-C reaches this process alone, and all that it started can be ended
+        start_new_session=True,  # Ctrl-C reaches this process only, and all child processes can be ended
         env={**os.environ, **dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(scratch))},
     )
     try:
@@ -144,7 +144,7 @@ def _run(scratch: Path, limit: float) -> int | None:
 
 
 def _answer(path: Path) -> dict[str, Any] | None:
-    """Return the answer of the process, or None if it left none."""
+    """Return the answer of the process, or None if there is none."""
     if not path.is_file():
         return None
     answer = json.loads(read_bounded(path, LARGEST_ANSWER))
@@ -154,7 +154,7 @@ def _answer(path: Path) -> dict[str, Any] | None:
 
 
 def _how_it_ended(status: int) -> str:
-    """Return how a process ended that left no answer."""
+    """Return how a process without an answer ended."""
     if status < 0:
         try:
             name = signal.Signals(-status).name
@@ -162,19 +162,19 @@ def _how_it_ended(status: int) -> str:
             name = f"signal {-status}"
         return f"the FMU crashed ({name})"
     if status >= 0x80000000:
-        return f"the FMU crashed ({status:#x})"  # as Windows names it
-    return f"the FMU ended its process (exit status {status})"
+        return f"the FMU crashed ({status:#x})"  # as shown by Windows
+    return f"the FMU ended its process (exit code {status})"
 
 
 def read_description(path: str | os.PathLike[str], folder: Path) -> Any:
-    """Return the model description of an unpacked FMU, not validated.
+    """Return the model description of an unpacked FMU, without validation.
 
     Parameters
     ----------
     path : path-like
         The FMU, for messages.
     folder : Path
-        Where it is unpacked.
+        The unpacked FMU.
 
     Returns
     -------
@@ -183,25 +183,25 @@ def read_description(path: str | os.PathLike[str], folder: Path) -> Any:
     Raises
     ------
     FmuError
-        If it is broken, or not for Co-Simulation by FMI 2 or 3.
+        If it is invalid, or the FMU does not support Co-Simulation of FMI 2 or 3.
     """
     try:
         description = fmpy.read_model_description(folder, validate=False)
-    except Exception as error:  # fmpy lets everything through that XML can meet with
+    except Exception as error:  # fmpy raises many types for invalid XML
         raise FmuError(f"{path}: not an FMU ({DESCRIPTION}: {excerpt(error)})") from error
     if description.fmiVersion[:2] not in ("2.", "3."):
-        raise FmuError(f"{path}: FMI {excerpt(description.fmiVersion)} is not known: known are 2 and 3")
+        raise FmuError(f"{path}: FMI {excerpt(description.fmiVersion)} is not supported: supported are 2 and 3")
     if description.coSimulation is None:
-        raise FmuError(f"{path}: not an FMU for Co-Simulation")
+        raise FmuError(f"{path}: the FMU does not support Co-Simulation")
     identifier = description.coSimulation.modelIdentifier
     if not isinstance(identifier, str) or not re.fullmatch(r"[A-Za-z_]\w*", identifier, re.ASCII):
-        raise FmuError(f"{path}: modelIdentifier '{excerpt(identifier)}' is not a name in C")
+        raise FmuError(f"{path}: modelIdentifier '{excerpt(identifier)}' is not a C identifier")
     return description
 
 
 @contextmanager
 def loaded(path: str | os.PathLike[str]) -> Iterator[Slave]:
-    """Unpack and load an FMU into this process, and tidy up afterwards; for FMUs of our own.
+    """Unpack an FMU and load it into this process, and clean up afterwards; for trusted FMUs only.
 
     Parameters
     ----------
@@ -210,17 +210,17 @@ def loaded(path: str | os.PathLike[str]) -> Iterator[Slave]:
     Yields
     ------
     Slave
-        Instantiated, not started.
+        Instantiated, not initialized.
 
     Raises
     ------
     FmuError
-        If the file is no FMU for Co-Simulation, cannot be loaded here, or refuses a call.
+        If the file is not an FMU for Co-Simulation, cannot be loaded on this platform, or rejects a call.
 
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> from .build import export
+    >>> from tirefmu.fmu import export
     >>> with loaded(export(published("trento_hoosier"), "tire.fmu")) as slave:
     ...     slave.run(slice(0, 1), np.zeros(1), np.array([[0.02]]), ["alpha"], ["Fz"])
     array([[220.]])
@@ -232,5 +232,5 @@ def loaded(path: str | os.PathLike[str]) -> Iterator[Slave]:
                 yield slave
             finally:
                 slave.fmu.freeInstance()
-        except Refused as error:
+        except Rejected as error:
             raise FmuError(f"{path}: {excerpt(error)}") from error

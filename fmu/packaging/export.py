@@ -1,4 +1,4 @@
-"""A tire packed as an FMU."""
+"""Export of a tire as an FMU."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from tirefmu.symbolic.errors import FmuError, WrongType, path_from
 from tirefmu.symbolic.reserved import C_KEYWORDS
 from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 
+from ..description.documentation import LICENSE, header_license, index_html
+from ..description.interface import AXES, INPUTS, interface
+from ..description.model_description import Header, model_description
+from ..description.terminals_and_icons import pictures
+from ..description.variables import variables
 from .binaries import binaries, chosen_platforms
-from .description import Header, model_description
-from .documentation import LICENSE, header_license, index_html
-from .interface import AXES, INPUTS, interface
-from .pictures import pictures
 from .python_variant import python_contents
 from .sources import build_description, c_files, sources
-from .variables import variables
 
 VERSIONS = (2, 3)
 AXES_NAMES = {"iso": "ISO-W", "sae": "SAE"}
-#: The versions that a kind of FMU speaks.
+#: The FMI versions of each kind of FMU.
 KINDS = {"native": VERSIONS, "pythonfmu": (2,)}
 
 
@@ -46,12 +46,11 @@ def export(
 ) -> Path:
     """Write a tire as a native FMU for Co-Simulation and Model Exchange.
 
-    The FMU runs without Python. Inputs and outputs carry the names of the tables, every coefficient is a
-    tunable parameter, and so are the conventions of `Tire.evaluate` (0 for the first value, 1 for the
-    second). Outputs follow the inputs without delay; where the tire has a relax_* effect, slips lag behind from
-    step to step, as `evaluate` with inputs held has it, from steady state at the end of initialization. A tire
-    written in other signs than those of the axes is rewritten. Equal tires give equal bytes from the same
-    compiler.
+    The FMU runs without Python. Inputs and outputs have the names of the table columns. Every coefficient is a tunable
+    parameter, and so are the conventions of `Tire.evaluate` (0 for the first value, 1 for the second). Outputs depend
+    on the present inputs. In a tire with a relax_* effect the slips have a first-order lag from step to step, as in
+    `evaluate` with ``hold=True``; they start in steady state at the end of initialization. A tire in other signs than
+    those of the axes is converted. Equal tires and the same compiler give equal bytes.
 
     Parameters
     ----------
@@ -59,22 +58,22 @@ def export(
     path : path-like
         The file to write. Its name is the model identifier as far as C allows.
     fmi : {3, 2, "3.0", "2.0"}, optional
-        Version of the standard, as a number or a text; where None, the latest that the kind supports.
+        Version of the standard, as a number or a text; None for the latest version that the kind supports.
     inputs : {"slip", "wheel"}
         ``slip``: kappa, alpha, gamma, Fz and so on, as the model reads them. ``wheel``: velocities V_x and V_y of
-        the contact point and the turning speed omega in their place; slips and rolling radius are found inside,
-        also at standstill and in reverse.
+        the contact point and the angular speed omega of the wheel. The FMU computes slips and rolling radius, also at
+        standstill and in reverse.
     axes : {"iso", "sae"}
         TYDEX W (z up), or SAE (z down, y to the right), as `signs` of `Tire.evaluate`.
     quantities : bool
-        Show every named quantity as an output.
+        Whether every named quantity is an output.
     kind : {"native", "pythonfmu"}
-        ``pythonfmu`` (FMI 2) packs Python in place of C: it runs where Python with NumPy does, and its files in
-        ``resources`` may be changed. It brings pythonfmu's own binaries and gives no derivatives.
+        ``pythonfmu`` (FMI 2) contains Python instead of C: it needs Python with NumPy, and its files in ``resources``
+        may be edited. It contains pythonfmu's binaries and has no directional derivatives.
     platforms : str or iterable of str
-        Of native FMUs. ``host``: this machine, by its own compiler. ``all``, or names of FMI 3 (x86_64-linux,
-        aarch64-linux, x86_64-windows, x86_64-darwin, aarch64-darwin): by ziglang, the package's extra `cross`,
-        with a C library of 2012 on Linux.
+        For native FMUs. ``host``: this machine, with the system's compiler. ``all``, or FMI 3 names (x86_64-linux,
+        aarch64-linux, x86_64-windows, x86_64-darwin, aarch64-darwin): with ziglang, the package's extra `cross`; on
+        Linux for a C library of 2012 or later.
 
     Returns
     -------
@@ -85,7 +84,7 @@ def export(
     ------
     FmuError
         If the version, the inputs or a platform are unknown, there is no C compiler or it fails, or the file
-        cannot be written. No half-written file is left.
+        cannot be written. No partial file remains.
     UnknownName
         If there is neither a file nor a published tire of that name.
     WrongType
@@ -103,16 +102,16 @@ def export(
     'tire.fmu'
     """
     if kind not in KINDS:
-        raise FmuError(f"kind {kind!r} is not known: known are {', '.join(KINDS)}")
+        raise FmuError(f"kind {kind!r} is unknown: known kinds are {', '.join(KINDS)}")
     version = max(KINDS[kind]) if fmi is None else fmi_version(fmi)
     if version not in KINDS[kind]:
-        raise FmuError(f"the {kind} variant speaks FMI {KINDS[kind][0]} only, not FMI {version}")
+        raise FmuError(f"the {kind} variant supports FMI {KINDS[kind][0]} only, not FMI {version}")
     for what, given, known in (("inputs", inputs, INPUTS), ("axes", axes, AXES)):
         if given not in known:
-            raise FmuError(f"{what} {given!r} are not known: known are {', '.join(known)}")
+            raise FmuError(f"{what} {given!r} are unknown: known are {', '.join(known)}")
     if kind == "pythonfmu" and (inputs, axes, quantities) != ("slip", "iso", False):
         raise FmuError("the pythonfmu variant has slip inputs, ISO axes and the forces only")
-    wanted = chosen_platforms(platforms)
+    requested = chosen_platforms(platforms)
     target, tire = path_from(path), tire_from(tire)
     identifier = c_identifier(target.stem)
     files = contents(tire, version, identifier, kind, inputs=inputs, axes=axes, quantities=quantities)
@@ -120,13 +119,13 @@ def export(
         _write_zip(target, files)
         return target
     code = {name.removeprefix("sources/"): text for name, text in files.items() if name.endswith((".c", ".h"))}
-    libraries = binaries(code, tire.model, fmi_headers(), version, identifier, wanted)
+    libraries = binaries(code, tire.model, fmi_headers(), version, identifier, requested)
     _write_zip(target, {**files, **libraries})
     return target
 
 
 def fmi_version(fmi: Any) -> int:
-    """Return a version of FMI that was given as a number or a text.
+    """Return a version of FMI from a number or a text.
 
     Parameters
     ----------
@@ -140,7 +139,7 @@ def fmi_version(fmi: Any) -> int:
     Raises
     ------
     FmuError
-        If tirefmu does not write this version.
+        If tirefmu does not support this version.
     WrongType
         If it is neither a number nor a text.
 
@@ -151,13 +150,13 @@ def fmi_version(fmi: Any) -> int:
     >>> fmi_version("1.0")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.FmuError: FMI 1.0 is not known: known are 2 and 3
+    tirefmu.symbolic.errors.FmuError: FMI 1.0 is not supported: supported are 2 and 3
     """
     if isinstance(fmi, bool) or not isinstance(fmi, (int, float, str)):
         raise WrongType("fmi", fmi, "2 or 3, as a number or a text")
     known = {text: version for version in VERSIONS for text in (str(version), f"{version}.0")}
     if str(fmi).strip() not in known:
-        raise FmuError(f"FMI {fmi} is not known: known are 2 and 3")
+        raise FmuError(f"FMI {fmi} is not supported: supported are 2 and 3")
     return known[str(fmi).strip()]
 
 
@@ -171,7 +170,7 @@ def contents(
     axes: str = "iso",
     quantities: bool = False,
 ) -> dict[str, bytes]:
-    """Return the files of a tire's FMU by their paths inside it, all but binaries to be compiled.
+    """Return the files of a tire's FMU by their paths inside it, without binaries.
 
     Parameters
     ----------
@@ -181,7 +180,7 @@ def contents(
     identifier : str
         The model identifier, see `c_identifier`.
     kind, inputs, axes, quantities
-        As for `export`.
+        As in `export`.
 
     Returns
     -------
@@ -202,16 +201,16 @@ def contents(
     shown = interface(tire, inputs=inputs, axes=axes, quantities=quantities)
     name, iso = tire.name or identifier, tire.in_signs("iso")
     listed = shown.variables if native else variables(iso)
-    rewritten = "" if written_in == shown.tire.signs else f", rewritten from {written_in} signs"
+    rewritten = "" if written_in == shown.tire.signs else f", converted from {written_in} signs"
     what = "Tire with relaxation" if tire.lags else "Steady-state tire"
     sentence = f"{what} {name}: {tire.book.title}; {inputs} inputs; {AXES_NAMES[axes]} axes{rewritten}"
     header = Header(name, identifier, sentence, c_files(fmi, shown), model_exchange=native)
 
-    # What decides what the FMU does decides the token that ties description and binary.
+    # The token connects description and binary; it depends on everything that determines the FMU's behaviour.
     blank = sources(fmi, shown, "") if native else {}
     token = fingerprint({**blank, "modelDescription.xml": model_description(fmi, header, listed, "")})
     description = model_description(fmi, header, listed, token)
-    packed = {
+    packaged = {
         "modelDescription.xml": description,
         "documentation/index.html": index_html(iso, header, listed),
         "documentation/licenses/license.txt": LICENSE.encode(),
@@ -219,17 +218,17 @@ def contents(
         "resources/tire.tir": _tir(iso),
     }
     if not native:
-        return packed | python_contents(iso, identifier, token, description, listed)
-    packed |= {f"sources/{file}": text for file, text in sources(fmi, shown, token).items()}
-    packed["resources/interface.json"] = (json.dumps({"inputs": inputs, "axes": axes}) + "\n").encode()
-    packed |= pictures(fmi, listed)
+        return packaged | python_contents(iso, identifier, token, description, listed)
+    packaged |= {f"sources/{file}": text for file, text in sources(fmi, shown, token).items()}
+    packaged["resources/interface.json"] = (json.dumps({"inputs": inputs, "axes": axes}) + "\n").encode()
+    packaged |= pictures(fmi, listed)
     if fmi == 3:
-        packed["sources/buildDescription.xml"] = build_description(identifier, header.sources)
-    return packed
+        packaged["sources/buildDescription.xml"] = build_description(identifier, header.sources)
+    return packaged
 
 
 def c_identifier(name: str) -> str:
-    """Return a name as C and the FMI standard allow it.
+    """Return a valid C identifier for a name.
 
     Parameters
     ----------
@@ -249,7 +248,7 @@ def c_identifier(name: str) -> str:
 
 
 def fingerprint(parts: Mapping[str, bytes]) -> str:
-    """Return a token for named parts: another one for any other parts.
+    """Return a token for named parts: different parts have different tokens.
 
     Parameters
     ----------
@@ -258,7 +257,7 @@ def fingerprint(parts: Mapping[str, bytes]) -> str:
     Returns
     -------
     str
-        In braces and hyphens, as FMI 2 likes its guid.
+        With braces and hyphens, the form of FMI 2's guid.
 
     Examples
     --------
@@ -272,7 +271,7 @@ def fingerprint(parts: Mapping[str, bytes]) -> str:
 
 
 def fmi_headers() -> Path:
-    """Return the folder of the FMI standard's C headers, which fmpy brings.
+    """Return the folder of the FMI standard's C headers, which fmpy contains.
 
     Returns
     -------
@@ -281,14 +280,14 @@ def fmi_headers() -> Path:
     Raises
     ------
     FmuError
-        If fmpy is not installed, or without them.
+        If fmpy is not installed, or has no headers.
     """
-    found = importlib.util.find_spec("fmpy")  # not imported: it loads much that a build does not need
+    found = importlib.util.find_spec("fmpy")  # not imported: the import is slow
     for root in (found.submodule_search_locations or []) if found else []:
         folder = Path(root) / "c-code"
         if (folder / "fmi3Functions.h").is_file() and (folder / "fmi2Functions.h").is_file():
             return folder
-    raise FmuError("the headers of the FMI standard come with the Python package fmpy: pip install fmpy")
+    raise FmuError("the headers of the FMI standard are in the Python package fmpy: pip install fmpy")
 
 
 def _tir(tire: Tire) -> bytes:
@@ -300,21 +299,21 @@ def _tir(tire: Tire) -> bytes:
 
 
 def _write_zip(target: Path, files: Mapping[str, bytes]) -> None:
-    """Write an archive at once or not at all, the same bytes for the same files."""
-    half_done: Path | None = None
+    """Write an archive completely or not at all; the same files give the same bytes."""
+    partial: Path | None = None
     try:
         with tempfile.NamedTemporaryFile(dir=target.parent, suffix=".fmu", delete=False) as file:
-            half_done = Path(file.name)
+            partial = Path(file.name)
             with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
                 for name in sorted(files):
                     entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
-                    entry.create_system = 3  # Unix, wherever it was written: permissions are kept
+                    entry.create_system = 3  # Unix on every system, so that permissions are stored
                     entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
                     archive.writestr(entry, files[name], zipfile.ZIP_DEFLATED, 9)
-        half_done.chmod(0o644)
-        os.replace(half_done, target)
+        partial.chmod(0o644)
+        os.replace(partial, target)
     except OSError as error:
         raise FmuError(f"{target} cannot be written: {error.strerror}") from error
     finally:
-        if half_done is not None:
-            half_done.unlink(missing_ok=True)
+        if partial is not None:
+            partial.unlink(missing_ok=True)

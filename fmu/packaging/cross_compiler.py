@@ -1,4 +1,4 @@
-"""Compilers for other machines than this one: ziglang, the package's extra `cross`."""
+"""The cross compiler for other platforms: ziglang, the package's extra `cross`."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from tirefmu.tires.compiler import CrossCompiler
 
 @dataclass(frozen=True)
 class Platform:
-    """A machine that FMUs have a name for.
+    """A platform with an FMI name.
 
     Attributes
     ----------
     target : str
-        What zig calls it. The C library of Linux is that of 2012, so that every distribution since then
-        loads the binary.
+        Target name of zig. On Linux it has the C library of 2012, so that every later distribution loads
+        the binary.
     system : str
-        As by sys.platform.
+        As in sys.platform.
     """
 
     target: str
     system: str
 
 
-#: By FMI 3's names.
+#: Platforms by FMI 3 name.
 PLATFORMS = {
     "x86_64-linux": Platform("x86_64-linux-gnu.2.17", "linux"),
     "aarch64-linux": Platform("aarch64-linux-gnu.2.17", "linux"),
@@ -39,7 +39,7 @@ PLATFORMS = {
     "x86_64-darwin": Platform("x86_64-macos", "darwin"),
     "aarch64-darwin": Platform("aarch64-macos", "darwin"),
 }
-#: FMI 2's own names; the others are called as in FMI 3.
+#: FMI 2's own names; other platforms have the names of FMI 3.
 FOLDERS_2 = {"x86_64-linux": "linux64", "x86_64-windows": "win64", "x86_64-darwin": "darwin64"}
 
 
@@ -77,24 +77,24 @@ def ziglang(platform: str) -> CrossCompiler:
     zig = Path(found.origin).with_name("zig.exe" if sys.platform == "win32" else "zig")
     there = PLATFORMS[platform]
     return CrossCompiler(
-        # Without the traps that zig puts where C leaves the behaviour open: the same code as everywhere else.
+        # Without zig's traps for undefined behaviour: the same code as from other compilers.
         (str(zig), "cc", "-target", there.target, "-fno-sanitize=undefined"),
         there.system,
         importlib.metadata.version("ziglang"),
     )
 
 
-#: Slices of a universal binary start at multiples of 2^14 bytes, the larger of both processors' pages.
+#: Slices of a universal binary start at multiples of 2^14 bytes, the larger page size of both processors.
 _ALIGNMENT = 14
 
 
 def universal(binaries: Sequence[bytes]) -> bytes:
-    """Return binaries for the processors of Macs as one file.
+    """Return binaries for several macOS processors as one file.
 
     Parameters
     ----------
     binaries : sequence of bytes
-        64-bit Mach-O files, each for another processor.
+        64-bit Mach-O files for different processors.
 
     Returns
     -------
@@ -103,7 +103,7 @@ def universal(binaries: Sequence[bytes]) -> bytes:
     Raises
     ------
     FmuError
-        If one is no such file.
+        If one is not such a file.
 
     References
     ----------
@@ -121,7 +121,7 @@ def universal(binaries: Sequence[bytes]) -> bytes:
     for content in binaries:
         magic, processor, subtype = struct.unpack("<III", content[:12])
         if magic != 0xFEEDFACF:
-            raise FmuError("a binary for macOS is no 64-bit Mach-O file")
+            raise FmuError("a binary for macOS is not a 64-bit Mach-O file")
         body += bytes(-len(body) % page)
         header.append(struct.pack(">IIIII", processor, subtype, page + len(body), len(content), _ALIGNMENT))
         body += content

@@ -1,4 +1,4 @@
-"""The hackable FMU: the model's NumPy code and a page of Python inside, run by pythonfmu (FMI 2)."""
+"""The Python variant of an FMU: editable Python files and the model's NumPy code, run by pythonfmu (FMI 2)."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import Tire
 from tirefmu.tires.printed import code_folder
 
-from .description import xml_bytes
-from .variables import Variable
+from ..description.model_description import xml_bytes
+from ..description.variables import Variable
 
-#: The version of FMI that pythonfmu speaks.
+#: The FMI version of pythonfmu.
 FMI = 2
 
 
 def python_contents(
     tire: Tire, identifier: str, token: str, description: bytes, variables: Sequence[Variable]
 ) -> dict[str, bytes]:
-    """Return what makes an FMU of a tire run in Python, by paths inside it.
+    """Return the files of an FMU that runs in Python, by paths inside it.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def python_contents(
     identifier : str
         The model identifier.
     token : str
-        As in the description.
+        As in the model description.
     description : bytes
         The native FMU's modelDescription.xml for FMI 2.
     variables : sequence of Variable
@@ -43,37 +43,37 @@ def python_contents(
     Returns
     -------
     dict of str to bytes
-        The description with what pythonfmu can do, its binaries, it itself, and the tire's Python files.
+        The description with the capabilities of pythonfmu, its binaries and modules, and the tire's Python files.
 
     Raises
     ------
     FmuError
         If pythonfmu is not installed.
     """
-    brought, license_text = _pythonfmu()
-    # Python knows a module by its name: two tires in one process need two.
+    installed, license_text = _pythonfmu()
+    # Python identifies a module by name: two tires in one process need two names.
     slave = f"tire_{re.sub('[^0-9a-f]', '', token)}"
     generated = code_folder(tire.book)
-    told = {"model": tire.model, "variables": [_told(variable) for variable in variables]}
+    summary = {"model": tire.model, "variables": [_variable_json(variable) for variable in variables]}
     binaries = {
         f"binaries/{path.parent.name}/{identifier}{path.suffix}": path.read_bytes()
-        for path in (brought / "resources" / "binaries").rglob("*")
+        for path in (installed / "resources" / "binaries").rglob("*")
         if path.suffix in (".so", ".dll", ".dylib")
     }
     return {
-        "modelDescription.xml": _described(description),
+        "modelDescription.xml": _with_capabilities(description),
         "documentation/licenses/pythonfmu.txt": license_text.encode(),
         "resources/slavemodule.txt": slave.encode(),
-        f"resources/{slave}.py": (files("tirefmu.fmu") / "python_slave.py").read_bytes(),
+        f"resources/{slave}.py": (files("tirefmu.fmu") / "packaging" / "python_slave.py").read_bytes(),
         f"resources/{tire.model}.py": (generated / "numpy" / f"{tire.model}.py").read_bytes(),
-        "resources/variables.json": (json.dumps(told, indent=1, allow_nan=False) + "\n").encode(),
-        **{f"resources/pythonfmu/{path.name}": path.read_bytes() for path in brought.glob("*.py")},
+        "resources/variables.json": (json.dumps(summary, indent=1, allow_nan=False) + "\n").encode(),
+        **{f"resources/pythonfmu/{path.name}": path.read_bytes() for path in installed.glob("*.py")},
         **binaries,
     }
 
 
-def _told(variable: Variable) -> dict[str, str | float]:
-    """Return what the slave needs of a variable."""
+def _variable_json(variable: Variable) -> dict[str, str | float]:
+    """Return the attributes of a variable that the slave reads."""
     limits = {"min": variable.lower, "max": variable.upper}
     return {
         "name": variable.name,
@@ -83,13 +83,13 @@ def _told(variable: Variable) -> dict[str, str | float]:
     }
 
 
-def _described(native: bytes) -> bytes:
-    """Return a model description with the capabilities of pythonfmu in place of the native ones."""
+def _with_capabilities(native: bytes) -> bytes:
+    """Return a model description with the capabilities of pythonfmu instead of the native ones."""
     root = ET.fromstring(native)
     element = root.find("CoSimulation")
     if element is None:
         raise FmuError("the model description is not one for Co-Simulation")
-    kept = {
+    attributes = {
         name: element.attrib[name]
         for name in (
             "modelIdentifier", "canHandleVariableCommunicationStepSize", "canGetAndSetFMUstate",
@@ -97,14 +97,14 @@ def _described(native: bytes) -> bytes:
         )
     }  # fmt: skip
     element.clear()
-    # The tool that the host has to have is Python with NumPy.
-    element.attrib.update({**kept, "needsExecutionTool": "true"})
+    # The required tool is Python with NumPy.
+    element.attrib.update({**attributes, "needsExecutionTool": "true"})
     return xml_bytes(root)
 
 
 def _pythonfmu() -> tuple[Path, str]:
     """Return the folder of the installed pythonfmu, and its license."""
-    # Not by import: an FMU of this kind that runs in this process brings a pythonfmu of its own.
+    # Not by import: an FMU of this kind that runs in this process imports its own copy of pythonfmu.
     try:
         installed = importlib.metadata.distribution("pythonfmu")
     except importlib.metadata.PackageNotFoundError as error:

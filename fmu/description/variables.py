@@ -1,4 +1,4 @@
-"""The variables of a tire's FMU: one list behind the XML, the C code and the documentation."""
+"""The variables of a tire's FMU: one list from which the XML, the C code and the documentation are generated."""
 
 from __future__ import annotations
 
@@ -15,33 +15,33 @@ from tirefmu.tires import Tire
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable of the FMU; its value reference is its place in the list.
+    """A variable of the FMU; its value reference is its index in the list.
 
     Attributes
     ----------
     name : str
         As in the tables and in the .tir file.
     causality : str
-        ``independent``, ``input``, ``output``, ``parameter`` or ``local``, as FMI calls them; ``hidden`` what
-        the model's code reads and a host neither sees nor sets.
+        ``independent``, ``input``, ``output``, ``parameter`` or ``local``, as in FMI; ``hidden`` for a value that
+        the model reads but that is not visible to the host.
     unit, description : str
-        SI unit, "1" where it has none.
+        SI unit; "1" for a dimensionless variable.
     start : float or None
-        None for what is computed.
+        None for a computed variable.
     lower, upper : float
-        Limits that the FMU holds; infinite where there are none.
+        Limits that the FMU enforces; infinite without limits.
     nominal : float
-        The usual size; 0 where it is not known.
+        Typical magnitude; 0 if unknown.
     depends : tuple of int
-        Of an output or a derivative: the value references of the inputs and states that reach it without delay.
+        Of an output or a derivative: the value references of the inputs and states that it depends on directly.
     group : str
-        Of a native FMU: where the C code keeps it; see `tirefmu.fmu.interface`.
+        Of a native FMU: its group in the C code; see `tirefmu.fmu.description.interface`.
     reversed : bool
-        Of a native FMU: host and formula write it with opposite signs.
+        Of a native FMU: host and formula use opposite signs.
     derivative_of : int or None
         Value reference of the state whose derivative it is.
-    shows : str
-        Of an extra output: how the C code finds it.
+    source : str
+        Of an extra output: its source in the C code.
     """
 
     name: str
@@ -56,16 +56,16 @@ class Variable:
     group: str = ""
     reversed: bool = False
     derivative_of: int | None = None
-    shows: str = ""
+    source: str = ""
 
 
-#: Roles of the quantities by which slips lag.
+#: Roles of the relaxation lengths.
 LENGTHS = ("relaxation_x", "relaxation_y")
 TIME = Variable("time", "independent", "s", "simulation time")
-#: What a tire with relaxation adds, named as in the result of `Tire.evaluate`.
+#: Additional variables of a tire with relaxation, named as in the result of `Tire.evaluate`.
 LAGGED = (
-    Variable("kappa_lagged", "local", "1", "longitudinal slip that acts, lagging behind kappa"),
-    Variable("alpha_lagged", "local", "rad", "side slip angle that acts, its tangent lagging behind that of alpha"),
+    Variable("kappa_lagged", "local", "1", "lagged longitudinal slip"),
+    Variable("alpha_lagged", "local", "rad", "side slip angle from its lagged tangent"),
 )
 
 
@@ -81,8 +81,8 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
     -------
     tuple of Variable
         ``time``, the inputs, the outputs, every coefficient and option as a parameter, and the lagged slips of
-        a tire with relaxation. Inputs and parameters stand as in the arrays of the generated code: an input
-        that the tire has no effect for is hidden at 0.
+        a tire with relaxation. Inputs and parameters are in the order of the generated code's arrays. An input
+        that no effect of the tire reads is hidden and 0.
 
     Examples
     --------
@@ -93,7 +93,7 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
     book = tire.book
     values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
     feedthrough = direct_feedthrough(book)
-    silent = (set(tire.inputs) - read_inputs(tire)) | {"distance"}  # which the FMU finds itself
+    silent = (set(tire.inputs) - read_inputs(tire)) | {"distance"}  # the FMU computes the distance
     return (
         TIME,
         *(_hidden(quantity) if quantity.name in silent else _input(quantity, tire) for quantity in book.inputs),
@@ -110,14 +110,14 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
             )
             for quantity in book.outputs
         ),
-        *(parameter_variable(card, values[name], tire.signs) for name, card in book.coefficients.items()),
+        *(parameter_variable(declared, values[name], tire.signs) for name, declared in book.coefficients.items()),
         *(option_variable(option, values[option.parameter]) for option in book.options),
         *(LAGGED if tire.lags else ()),
     )
 
 
 def read_inputs(tire: Tire) -> set[str]:
-    """Return the model's inputs that the FMU of a tire needs to know.
+    """Return the model inputs that the FMU of a tire needs.
 
     Parameters
     ----------
@@ -126,8 +126,8 @@ def read_inputs(tire: Tire) -> set[str]:
     Returns
     -------
     set of str
-        Inputs of effects on demand (phit) and beyond the book (T, distance) where the tire has an effect that
-        reads them; all others for every tire of a model, so that one can take another's place.
+        Inputs of on-demand effects (phit) and added inputs (T, distance) only if the tire has an effect that reads
+        them; all others for every tire of a model, so that FMUs of the same model are interchangeable.
 
     Examples
     --------
@@ -143,7 +143,7 @@ def read_inputs(tire: Tire) -> set[str]:
 
 
 def direct_feedthrough(book: Model) -> dict[str, set[str]]:
-    """Return for every output of a model the inputs that stand in the lines which lead to it.
+    """Return for every output of a model the inputs that it depends on.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ def direct_feedthrough(book: Model) -> dict[str, set[str]]:
 
 
 def feedthrough(book: Model, names: Iterable[str]) -> dict[str, set[str]]:
-    """Return for named quantities and outputs of a model the inputs that stand in the lines which lead to them.
+    """Return for named quantities and outputs of a model the inputs that they depend on.
 
     Parameters
     ----------
@@ -182,29 +182,39 @@ def feedthrough(book: Model, names: Iterable[str]) -> dict[str, set[str]]:
 
 
 def _input(quantity: Quantity, tire: Tire) -> Variable:
-    """Return an input, which starts at the tire's nominal value."""
+    """Return an input whose start value is the tire's nominal value."""
     start = tire.nominal(quantity.name)
     return Variable(quantity.name, "input", quantity.unit, quantity.description, start=start, nominal=quantity.typical)
 
 
 def _hidden(quantity: Quantity) -> Variable:
-    """Return an input that this tire does not react to, at 0."""
+    """Return a hidden input that this tire does not read, with the value 0."""
     return Variable(quantity.name, "hidden", quantity.unit, quantity.description, start=0.0)
 
 
 def option_variable(option: Option, value: float) -> Variable:
-    """Return a convention as a tunable parameter; the one that says how the FMU is written is hidden."""
+    """Return an option as a tunable parameter; the sign convention of the FMU is hidden."""
     first, second = option.values
     causality = "hidden" if option == signs else "parameter"
     return Variable(option.parameter, causality, "1", f"{option.description} (0 {first}, 1 {second})", value, 0.0, 1.0)
 
 
-def parameter_variable(card: Coefficient, value: float, written: str) -> Variable:
-    """Return a tunable coefficient, with its limits in the tire's signs if its own value keeps them."""
-    # The book states bounds in adapted SAE.
-    mirrored = card.flips and written == "iso"
-    lower, upper = (-card.upper, -card.lower) if mirrored else (card.lower, card.upper)
+def parameter_variable(declaration: Coefficient, value: float, written: str) -> Variable:
+    """Return a tunable coefficient; its limits, in the tire's signs, apply only if its own value satisfies them."""
+    # Declarations have bounds in adapted SAE.
+    mirrored = declaration.flips and written == "iso"
+    lower, upper = declaration.lower, declaration.upper
+    if mirrored:
+        lower, upper = -upper, -lower
     if not lower <= value <= upper:
         lower, upper = -inf, inf
-    # + 0.0: a mirrored zero is an ordinary one.
-    return Variable(card.name, "parameter", card.unit, card.description, value + 0.0, lower + 0.0, upper + 0.0)
+    # + 0.0: no negative zero.
+    return Variable(
+        declaration.name,
+        "parameter",
+        declaration.unit,
+        declaration.description,
+        value + 0.0,
+        lower + 0.0,
+        upper + 0.0,
+    )

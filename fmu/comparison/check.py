@@ -1,0 +1,190 @@
+"""Comparison of an FMU with a recording and with its embedded tire."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.measurements.table_argument import TableLike, recording_from
+from tirefmu.symbolic.errors import DataError, path_from
+from tirefmu.symbolic.escaping import excerpt
+from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS, Tire
+from tirefmu.tires.signs import convert_signs
+
+from ..simulation.archive import unpacked
+from ..simulation.simulate import read_description, simulate
+from .resources import axes_of_inputs, embedded_tire
+from .result import Channel, CheckResult, WorstPoint
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Time step for a table without a column t, s.
+STEP = 0.01
+#: Largest number of characters of a unit.
+LONGEST_UNIT = 20
+
+
+def check(
+    fmu_path: str | os.PathLike[str],
+    recording: TableLike,
+    *,
+    signs: str | None = None,
+    tolerance: float | None = None,
+    timeout: float | None = None,
+) -> CheckResult:
+    """Simulate an FMU over a recording and compare it with the data and with its embedded tire.
+
+    The FMU may come from an untrusted source: it runs in a separate process, and `tirefmu.fmu.simulation.archive`
+    limits its size. It still has the permissions of the user's own programs.
+
+    The output of a row belongs to the inputs of that row. The inputs are constant over the step to the next row. The
+    FMU is initialized again at the start of each segment of the recording, in steady state.
+
+    Parameters
+    ----------
+    fmu_path : path-like
+        An FMU for Co-Simulation with the input and output names of the tables, such as `export` writes.
+    recording : Recording, DataFrame or path-like
+        An input that it lacks has the FMU's start value. A column that the FMU lacks is ignored. NaN in an output means
+        "not measured".
+    signs : str, optional
+        The convention of a file or a DataFrame; None for that of the file's format, or iso for a DataFrame.
+    tolerance : float, optional
+        Largest RMSE of a channel for `CheckResult.ok`, as a share of its largest measured magnitude.
+    timeout : float, optional
+        Time limit of the simulation, s; None for 60 s plus 5 ms per row.
+
+    Returns
+    -------
+    CheckResult
+
+    Raises
+    ------
+    FmuError
+        If the FMU cannot be read, loaded or run, crashes, or exceeds the time limit.
+    DataError
+        If the recording cannot be read, has implausible units or signs, has a NaN in an input, or has none of the FMU's
+        inputs or outputs.
+    WrongType
+        If the path or the recording is of another type.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> from tirefmu.fmu import export
+    >>> tire = published("trento_hoosier").in_signs("iso")
+    >>> table = pd.DataFrame({"alpha": [-0.1, 0.0, 0.1], "Fz": 900.0})
+    >>> table["Fy"] = tire.forces(alpha=table["alpha"], Fz=900.0)["Fy"]
+    >>> result = check(export(tire, "tire.fmu"), table)
+    >>> result.ok, round(result.channels[0].r2, 6)
+    (True, 1.0)
+    """
+    fmu_path = path_from(fmu_path, "fmu_path")
+    given = recording_from(recording, signs=signs, parameter="recording").with_signs("iso")
+    table, segments = given.table, given.segments()
+    with unpacked(fmu_path) as folder:
+        description = read_description(fmu_path, folder)
+        variables = {variable.name: variable for variable in description.modelVariables}
+        inputs, outputs = (
+            _columns(variables, TABLE_INPUTS, "input"),
+            _columns(variables, TABLE_OUTPUTS, "output"),
+        )
+        present = [name for name in inputs if name in table]
+        measured = [name for name in given.measured() if name in outputs]
+        for kind, needed, found in (("input", inputs, present), ("measured output", outputs, measured)):
+            if not found:
+                raise DataError(f"{given.source}: no {kind} of the FMU ({', '.join(needed)})")
+        time = _time(table)
+        axes = axes_of_inputs(folder, fmu_path)
+        tire = embedded_tire(folder, fmu_path, outputs)
+        rows = convert_signs(table, "iso", axes)[present].to_numpy(dtype=np.float64)
+        simulation = simulate(fmu_path, folder, time, rows, present, outputs, segments, timeout)
+    used = table[present].assign(t=time)
+    inputs_of_runs = [used.iloc[segment] for segment in segments]
+    simulated = convert_signs(pd.DataFrame(simulation.outputs, columns=outputs, index=table.index), axes, "iso")
+    return CheckResult(
+        fmu=Path(fmu_path).name,
+        source=given.source,
+        fmi_version=excerpt(description.fmiVersion),
+        rows=len(table),
+        segments=len(segments),
+        channels=tuple(_channel(name, _unit(variables[name]), table, simulated, present) for name in measured),
+        evaluation_difference=None if tire is None else _difference(_direct(tire, inputs_of_runs), simulated),
+        problems=simulation.problems,
+        tolerance=tolerance,
+        simulated=simulated,
+        recording=table[[*present, *measured]].assign(t=time),
+        starts=tuple(segment.start for segment in segments),
+    )
+
+
+def _unit(variable: Any) -> str:
+    """Return the unit of a variable as declared by the FMU, limited in length."""
+    return excerpt(variable.unit or "", LONGEST_UNIT)
+
+
+def _columns(variables: Mapping[str, Any], names: Iterable[str], causality: str) -> list[str]:
+    """Return the names that are variables of the FMU with this causality."""
+    return [name for name in names if name in variables and variables[name].causality == causality]
+
+
+def _time(table: pd.DataFrame) -> FloatArray:
+    """Return the time of every row; equal steps for a table without times."""
+    if "t" in table:
+        return table["t"].to_numpy(dtype=np.float64)
+    return STEP * np.arange(len(table), dtype=np.float64)
+
+
+def _direct(tire: Tire, runs: Iterable[pd.DataFrame]) -> pd.DataFrame:
+    """Return the tire's outputs by direct evaluation of every run, with inputs constant over each step."""
+    return pd.concat([tire.evaluate(run, hold=True)[list(tire.outputs)] for run in runs], ignore_index=True)
+
+
+def _difference(direct: pd.DataFrame, simulated: pd.DataFrame) -> float:
+    """Return the largest |FMU - direct| / (1 + |direct|)."""
+    worst = 0.0
+    for name in simulated:
+        expected = direct[name].to_numpy()
+        # Equal if both are NaN or both are infinite: the formula gives such values.
+        with np.errstate(invalid="ignore"):
+            difference = np.abs(simulated[name].to_numpy() - expected) / (1.0 + np.abs(expected))
+        same = np.isclose(simulated[name].to_numpy(), expected, rtol=0.0, atol=0.0, equal_nan=True)
+        # Infinite if only one of them is a number.
+        finite = np.where(same, 0.0, np.where(np.isnan(difference), np.inf, difference))
+        worst = max(worst, float(np.max(finite, initial=0.0)))
+    return worst
+
+
+def _channel(name: str, unit: str, table: pd.DataFrame, simulated: pd.DataFrame, inputs: list[str]) -> Channel:
+    """Compare one output with its measured values."""
+    data, model = table[name].to_numpy(dtype=np.float64), simulated[name].to_numpy()
+    rows = np.flatnonzero(~np.isnan(data))
+    y, error = data[rows], model[rows] - data[rows]
+    squared = float(error @ error)
+    rmse = float(np.sqrt(squared / len(rows)))
+    about_mean, about_zero = float(((y - y.mean()) ** 2).sum()), float((y**2).sum())
+    largest = float(np.abs(y).max())
+    worst = int(rows[np.argmax(np.abs(error))])  # argmax treats a NaN of the FMU as the largest
+    return Channel(
+        name,
+        unit,
+        len(rows),
+        rmse,
+        rmse / largest if largest else nan,
+        1.0 - squared / about_mean if about_mean else nan,
+        1.0 - squared / about_zero if about_zero else nan,
+        WorstPoint(
+            worst,
+            float(table["t"].iloc[worst]) if "t" in table else None,
+            {column: float(table[column].iloc[worst]) + 0.0 for column in inputs},
+            float(data[worst]),
+            float(model[worst]),
+        ),
+    )

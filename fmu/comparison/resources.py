@@ -1,0 +1,92 @@
+"""The contents of an FMU's resources that `check` reads: the axes of its inputs and the embedded tire."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from tirefmu.symbolic.bounded_file import read_bounded
+from tirefmu.symbolic.errors import FmuError, TirefmuError
+from tirefmu.symbolic.escaping import excerpt
+from tirefmu.tires import Tire, read_tir
+
+#: The largest resources/interface.json, bytes.
+LARGEST_INTERFACE = 1_000_000
+
+
+def axes_of_inputs(folder: Path, fmu_path: str | os.PathLike[str]) -> str:
+    """Return the convention of the FMU's inputs and outputs.
+
+    Parameters
+    ----------
+    folder : Path
+        The unpacked FMU.
+    fmu_path : path-like
+        The FMU, for messages.
+
+    Returns
+    -------
+    {"iso", "sae"}
+        From resources/interface.json; ``iso`` without that file.
+
+    Raises
+    ------
+    FmuError
+        If the file is invalid, or the FMU has no slip inputs.
+    """
+    path = folder / "resources" / "interface.json"
+    source = f"{fmu_path}: resources/interface.json"
+    if not path.is_file():
+        return "iso"
+    try:
+        interface = json.loads(read_bounded(path, LARGEST_INTERFACE))
+    except OSError as error:
+        raise FmuError(f"{source}: {error.strerror or error}") from error
+    except (ValueError, RecursionError) as error:
+        raise FmuError(f"{source}: not JSON ({excerpt(error)})") from error
+    if not isinstance(interface, dict):
+        raise FmuError(f"{source}: not an object")
+    if interface.get("inputs", "slip") != "slip":
+        raise FmuError(
+            f"{fmu_path}: its inputs are velocities of the wheel, but a recording has slips: export it with slip inputs"
+        )
+    axes = interface.get("axes", "iso")
+    if axes not in ("iso", "sae"):
+        raise FmuError(f"{source}: unknown axes '{excerpt(axes)}': known are iso and sae")
+    return str(axes)
+
+
+def embedded_tire(folder: Path, fmu_path: str | os.PathLike[str], outputs: Iterable[str]) -> Tire | None:
+    """Return the tire of resources/tire.tir, or None without that file.
+
+    Parameters
+    ----------
+    folder : Path
+        The unpacked FMU.
+    fmu_path : path-like
+        The FMU, for messages.
+    outputs : iterable of str
+        Outputs of the FMU.
+
+    Returns
+    -------
+    Tire or None
+
+    Raises
+    ------
+    FmuError
+        If the file is invalid, or its model lacks one of the outputs.
+    """
+    path = folder / "resources" / "tire.tir"
+    if not path.is_file():
+        return None
+    try:
+        tire = read_tir(path)
+    except TirefmuError as error:
+        raise FmuError(f"{fmu_path}: {str(error).replace(str(path), 'resources/tire.tir')}") from error
+    missing = [name for name in outputs if name not in tire.outputs]
+    if missing:
+        raise FmuError(f"{fmu_path}: resources/tire.tir is of {tire.model}, which has no output {missing[0]}")
+    return tire

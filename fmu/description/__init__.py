@@ -1,0 +1,1 @@
+"""What an FMU contains: variables, units, model description, documentation, terminals and icon."""
