@@ -82,13 +82,13 @@ def test_an_interrupt_keeps_the_best_values_so_far(recording, whole, make, how):
 
 
 def test_before_the_first_stage_there_is_nothing_to_keep(recording, make, monkeypatch):
-    from tirefmu.fitting import session
+    from tirefmu.fitting import fit_run
 
     def pressed_too_early(*arguments):
         pressed()
         return np.ones((1, 5))
 
-    monkeypatch.setattr(session, "emphasis", pressed_too_early)
+    monkeypatch.setattr(fit_run, "emphasis", pressed_too_early)
     with pytest.raises(KeyboardInterrupt):
         fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.fitting import problem as module
+from tirefmu.fitting.problem import weighted_residuals as module
 from tirefmu.fitting.problem.weighted_residuals import (
     LEAST_NOISE,
     Problem,
