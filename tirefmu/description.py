@@ -45,9 +45,11 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         name for name, one in declared.items() if one.neutral is not None and plain.values[name] == one.neutral
     ]
     idle = [name for name in book.effects if name in tire.has and book.owned(name) <= set(at_neutral)]
-    kept = tire.kept
+    stored = tire.kept
     entries = [
-        {"section": section, "key": key, "value": value} for section, key, value in kept if key and section not in _OURS
+        {"section": section, "key": key, "value": value}
+        for section, key, value in stored
+        if key and section not in _OURS
     ]
     unknown = [entry for entry in entries if unit_of(entry["key"]) is None]
     near = {entry["key"]: near_miss(entry["key"], declared) for entry in unknown[:MOST_SEARCHED]}
@@ -68,7 +70,7 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         "missing": {name: tire.values[name] for name in not_given(tire)},
         "unknown": [{**entry, "near": near.get(entry["key"])} for entry in unknown],
         "unused": [e for e in entries if unit_of(e["key"]) is not None],
-        "tables": list(dict.fromkeys(section for section, key, _ in kept if not key)),
+        "tables": list(dict.fromkeys(section for section, key, _ in stored if not key)),
         "notes": list(notes),
         "implausible": [
             {"name": doubt.name, "value": doubt.value if isfinite(doubt.value) else None, "reason": doubt.reason}

@@ -173,9 +173,9 @@ def _indices(shown: Interface) -> Iterable[str]:
     known = {"KAPPA": "kappa", "ALPHA": "alpha", "LOAD": "Fz", "SPEED": "V"}
     known |= {"LONGITUDINAL_FORCE": "Fx", "SIDE_FORCE": "Fy"}
     known |= {"DISTANCE": "distance"} if shown.has_distance else {}
-    for name, place in known.items():
-        if place in (*tire.inputs, *tire.outputs):
-            yield f"#define {name} {prefix}_{place}"
+    for name, value in known.items():
+        if value in (*tire.inputs, *tire.outputs):
+            yield f"#define {name} {prefix}_{value}"
     for role in ROLES:
         if tire.book.quantity(role):
             yield f"#define {role.upper()} {prefix}_{tire.book.quantity(role)}"

@@ -19,7 +19,7 @@ from tirefmu.tires.compiler import CompilerError, find_compiler
 
 OK, DISCARD, ERROR = 0, 2, 3
 
-#: Tires of the golden coefficients: model, effects beside the model's usual ones, effects that they lack, values.
+#: Tires of the golden coefficients: model, effects in addition to the default ones, effects that they lack, values.
 GOLDEN = {
     "mf52": ("mf52", set(), {"turn_slip"}, {}),
     "mf61": ("mf61", set(), set(), {}),
@@ -129,20 +129,20 @@ def tires(golden):
     first = published("trento_hoosier").in_signs("iso")
     values = {name: 1.07 * value for name, value in first.values.items()}
     second = replace(first, values=values, name='a <wide> & "strange" tire, é')
-    others = {name: golden_tire(golden, name, *told) for name, told in GOLDEN.items()}
+    others = {name: golden_tire(golden, name, *reported) for name, reported in GOLDEN.items()}
     return {"first": first, "second": second, **others}
 
 
 def golden_tire(folder, name, model, more, without, values):
     (path,) = folder.glob(f"{model}_*_params.json")
-    told, book = json.loads(path.read_text(encoding="utf-8")), MODELS[model]
-    known = {key: value for key, value in told.items() if key in book.coefficients}
+    reported, book = json.loads(path.read_text(encoding="utf-8")), MODELS[model]
+    known = {key: value for key, value in reported.items() if key in book.coefficients}
     return Tire(model, {**known, **values}, effects=(book.usual_effects | more) - without, name=name)
 
 
 @pytest.fixture(scope="session")
 def fmus(compiler, tires, tmp_path_factory):
-    """Return the paths of the FMUs by tire and version; each is built when it is first asked for."""
+    """Return the paths of the FMUs by tire and version; each is built on first use."""
     folder = tmp_path_factory.mktemp("fmus")
 
     class Fmus(dict):

@@ -1,4 +1,4 @@
-"""Hostile archives: refused in one line before much is written, and nothing is left behind."""
+"""Hostile archives: rejected with one line before much is written, and no file remains."""
 
 from __future__ import annotations
 
@@ -111,8 +111,8 @@ def test_names_that_are_one_on_some_system(packed, temporary, names):
 def test_encrypted_entries_and_rare_compression(packed, temporary):
     path = packed(("secret", b"123"))
     content = bytearray(path.read_bytes())
-    place = content.rindex(b"PK\x01\x02")
-    content[place + 8] |= 1
+    position = content.rindex(b"PK\x01\x02")
+    content[position + 8] |= 1
     path.write_bytes(content)
     refused(path, "'secret' is encrypted")
     entry = zipfile.ZipInfo("packed")
@@ -124,25 +124,25 @@ def test_a_bomb_is_refused_before_anything_is_written(packed, temporary, monkeyp
     monkeypatch.setattr(archive, "_unpack", lambda *_: pytest.fail("unpacked"))
     path = packed(("bomb", b""))
     content = bytearray(path.read_bytes())
-    place = content.rindex(b"PK\x01\x02")
-    struct.pack_into("<I", content, place + 24, 1_000_000_000)
+    position = content.rindex(b"PK\x01\x02")
+    struct.pack_into("<I", content, position + 24, 1_000_000_000)
     path.write_bytes(content)
     refused(path, r"'bomb' has 1,000 MB when unpacked; at most 100 MB")
     many = [(f"resources/{i}", b"") for i in range(3)]
     content = bytearray(packed(*many).read_bytes())
-    place = content.index(b"PK\x01\x02")
-    while (place := content.find(b"PK\x01\x02", place + 1)) > 0:
-        struct.pack_into("<I", content, place + 24, 90_000_000)
+    position = content.index(b"PK\x01\x02")
+    while (position := content.find(b"PK\x01\x02", position + 1)) > 0:
+        struct.pack_into("<I", content, position + 24, 90_000_000)
     path.write_bytes(content)
     refused(path, r"more than 200 MB when unpacked")
 
 
 def test_a_size_that_is_a_lie(packed, temporary, monkeypatch):
-    """The entry says 10 bytes and has 100,000: no more than it says is written."""
+    """The entry declares 10 bytes and has 100,000: no more than declared is written."""
     path = packed(("liar", bytes(100_000)))
     content = bytearray(path.read_bytes())
-    place = content.rindex(b"PK\x01\x02")
-    struct.pack_into("<I", content, place + 24, 10)
+    position = content.rindex(b"PK\x01\x02")
+    struct.pack_into("<I", content, position + 24, 10)
     path.write_bytes(content)
     refused(path, "Bad CRC-32")
 

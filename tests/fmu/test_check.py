@@ -101,7 +101,7 @@ def test_rows_of_equal_time(fmu, table):
     assert check(fmu, table.assign(t=np.repeat(np.arange(120) * 0.01, 2))).evaluation_difference < 1e-9
 
 
-def test_a_difference_from_the_carried_tire_is_seen(fmus, tires, table, tmp_path):
+def test_a_difference_from_the_embedded_tire_is_seen(fmus, tires, table, tmp_path):
     # The binary of the first tire, the .tir file of one that differs in the ninth digit.
     almost = replace(tires["first"], values={**tires["first"].values, "LMUY": 1.0 + 3e-9})
     mixed = tmp_path / "mixed.fmu"

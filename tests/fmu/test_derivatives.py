@@ -45,14 +45,14 @@ def test_they_are_the_generated_jacobians(hosts, tires, name):
     host, tire = hosts(name, 3), tires[name].in_signs("iso")
     host.initialize()  # until its end nothing lags
     printed, coefficients = code_for(tire.book, "numpy"), [c for c in tire.book.coefficients if c in host.variables]
-    places = [list(tire.book.coefficients).index(c) for c in coefficients]
-    shown = [place for place, known in enumerate(tire.inputs) if known in host.inputs]
-    known_inputs = [tire.inputs[place] for place in shown]
+    positions = [list(tire.book.coefficients).index(c) for c in coefficients]
+    shown = [position for position, known in enumerate(tire.inputs) if known in host.inputs]
+    known_inputs = [tire.inputs[position] for position in shown]
     for point in POINTS:
         assert host.set(**{key: value for key, value in point.items() if key in host.inputs}) == OK
         inputs = np.array([[host.get(q)[0] if q in host.inputs else 0.0] for q in tire.inputs])
         by_inputs = printed.jacobian_inputs(inputs, tire.parameters())[0][:, shown]
-        by_coefficients = printed.jacobian_parameters(inputs, tire.parameters())[0][:, places]
+        by_coefficients = printed.jacobian_parameters(inputs, tire.parameters())[0][:, positions]
         np.testing.assert_allclose(matrix(host, host.outputs, known_inputs), by_inputs, rtol=1e-9, atol=1e-8)
         for i, output in enumerate(host.outputs):
             both = np.concatenate([by_inputs[i], by_coefficients[i]])

@@ -1,4 +1,4 @@
-"""modelDescription.xml says what the tire is."""
+"""Contents of modelDescription.xml."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def test_fmpy_finds_nothing_to_complain_about(fmus, name, fmi):
 def test_start_values_are_the_tire_to_the_last_bit(described):
     tire, description = described
     parameters = [v for v in description.modelVariables if v.causality == "parameter"]
-    told = dict(zip(tire.book.parameters, tire.parameters().tolist(), strict=True))
-    assert told.pop("SIGNS", 0.0) == 0.0  # how the FMU is written is nobody's choice
-    assert {v.name: float(v.start) for v in parameters} == told
+    reported = dict(zip(tire.book.parameters, tire.parameters().tolist(), strict=True))
+    assert reported.pop("SIGNS", 0.0) == 0.0  # the sign convention of the FMU is fixed
+    assert {v.name: float(v.start) for v in parameters} == reported
     assert {v.variability for v in parameters} == {"tunable"}
 
 
@@ -47,11 +47,11 @@ def test_limits_hold_the_start_values(described):
 def test_limits_are_mirrored_with_the_signs():
     tire = published("trento_hoosier")
     listed = {variable.name: variable for variable in variables(tire.in_signs("iso"))}
-    mirrored = [card for card in tire.book.coefficients.values() if card.flips and card.lower != -card.upper]
+    mirrored = [c for c in tire.book.coefficients.values() if c.flips and c.lower != -c.upper]
     inside = [c for c in mirrored if c.lower <= tire.values[c.name] <= c.upper and np.isfinite(c.upper)]
     assert inside
-    for card in inside:
-        assert (listed[card.name].lower, listed[card.name].upper) == (-card.upper, -card.lower)
+    for declared in inside:
+        assert (listed[declared.name].lower, listed[declared.name].upper) == (-declared.upper, -declared.lower)
 
 
 def test_names_and_units(described):

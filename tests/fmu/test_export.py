@@ -29,7 +29,7 @@ def fresh_cache(tmp_path, monkeypatch):
 
 
 def test_equal_tires_give_equal_bytes(fmus, fmi, tire, tmp_path, fresh_cache):
-    # Compiled anew, elsewhere, by another path.
+    # Compiled again in another folder.
     again = export(tire, tmp_path / f"first_{fmi}.fmu", fmi=fmi)
     assert again.read_bytes() == fmus["first", fmi].read_bytes()
 
@@ -37,9 +37,9 @@ def test_equal_tires_give_equal_bytes(fmus, fmi, tire, tmp_path, fresh_cache):
 def test_the_code_of_a_model_is_compiled_once(tires, tmp_path, fresh_cache, compiler):
     for name in ("first", "second"):
         export(tires[name], tmp_path / f"{name}.fmu")
-    kept = [path.name for path in (tmp_path / "fresh cache").iterdir()]
-    assert sum(name.startswith("fmu-mf96") for name in kept) == 2  # what is fast, and what is small
-    assert len(kept) == 4  # and two libraries
+    stored = [path.name for path in (tmp_path / "fresh cache").iterdir()]
+    assert sum(name.startswith("fmu-mf96") for name in stored) == 2  # for speed, and for size
+    assert len(stored) == 4  # and two libraries
 
 
 def test_contents(fmus, fmi, tire):
@@ -63,9 +63,9 @@ def test_contents(fmus, fmi, tire):
 
 def test_carries_the_tire(fmus, fmi, tire, tmp_path):
     with zipfile.ZipFile(fmus["first", fmi]) as archive:
-        carried = read_tir(archive.extract("resources/tire.tir", tmp_path))
-    assert (carried.model, carried.signs, carried.name) == (tire.model, "iso", tire.name)
-    assert carried.parameters().tolist() == tire.parameters().tolist()
+        embedded = read_tir(archive.extract("resources/tire.tir", tmp_path))
+    assert (embedded.model, embedded.signs, embedded.name) == (tire.model, "iso", tire.name)
+    assert embedded.parameters().tolist() == tire.parameters().tolist()
 
 
 def test_nothing_in_it_names_this_machine(fmus):
@@ -102,7 +102,7 @@ def test_identifiers_are_c(name):
 
 
 def fails(tire, path, message, **options):
-    """Assert one line that says it, and no file left behind."""
+    """Assert a one-line error and that no file remains."""
     before = sorted(path.parent.iterdir()) if path.parent.is_dir() else []
     with pytest.raises(FmuError, match=message) as caught:
         export(tire, path, **options)

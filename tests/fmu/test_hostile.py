@@ -1,4 +1,4 @@
-"""Foreign FMUs: whatever their code does, `check` ends with a result or one line, and leaves nothing behind."""
+"""Third-party FMUs: whatever their code does, `check` ends with a result or a one-line error, and no file remains."""
 
 from __future__ import annotations
 
@@ -174,16 +174,16 @@ def test_it_ends_with_the_process_that_checks(hostile, table, tmp_path):
         "import subprocess, sys\n"
         "from tirefmu.fmu import check\nfrom tirefmu.fmu.simulation import simulate\n"
         "popen = subprocess.Popen\n"
-        "def told(*arguments, **options):\n"
+        "def reported(*arguments, **options):\n"
         "    process = popen(*arguments, **options)\n"
         "    print(process.pid, flush=True)\n"
         "    return process\n"
-        "simulate.subprocess.Popen = told\n"
+        "simulate.subprocess.Popen = reported\n"
         "check(sys.argv[1], sys.argv[2])\n",
         encoding="ascii",
     )
     command = [sys.executable, str(program), str(hostile("step hang")), str(tmp_path / "table.csv")]
-    environment = {**os.environ, "TMPDIR": str(tmp_path)}  # what a killed process leaves goes with the test
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}  # files of a killed process are deleted with the test
     with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
         pid = int(process.stdout.readline())
         assert is_alive(pid)

@@ -134,12 +134,12 @@ def test_conventions_are_parameters(hosts, tires, parameter, options):
     tire = replace(tires["mf61"], values={**tires["mf61"].values, "LMUY": 0.8})
     point = FULL_POINT | {"alpha": 0.4, "gamma": 0.3, "kappa": -0.2}
     host.set(LMUY=0.8)
-    for value, told in ((0.0, {}), (1.0, options), (0.0, {})):
+    for value, reported in ((0.0, {}), (1.0, options), (0.0, {})):
         assert host.set(**{parameter: value}) == OK
-        row = tire.evaluate(pd.DataFrame([point]), **told).iloc[0]
+        row = tire.evaluate(pd.DataFrame([point]), **reported).iloc[0]
         assert distance(host.forces(**point), row[host.outputs].to_numpy()) < 1e-9
     assert host.set(**{parameter: 2.0}) == DISCARD
-    plain, other = (tire.evaluate(pd.DataFrame([point]), **told)["Fy"][0] for told in ({}, options))
+    plain, other = (tire.evaluate(pd.DataFrame([point]), **reported)["Fy"][0] for reported in ({}, options))
     assert plain != other
 
 
@@ -337,8 +337,8 @@ def test_a_serialized_state_moves_to_another_instance(hosts, fmi):
     assert other.step(0.25, 0.25) == OK
     again = saved(one)
     assert one.fmu.serializeFMUState(again) == content
-    for owner, kept in ((one, state), (one, again), (other, copy)):
-        free(owner, kept)
+    for owner, stored in ((one, state), (one, again), (other, copy)):
+        free(owner, stored)
 
 
 def test_foreign_bytes_are_no_state(hosts, fmi):

@@ -1,4 +1,4 @@
-"""What the FMU shows beside forces: quantities, friction use, axes, inputs of effects, distance; and derivatives."""
+"""Outputs in addition to forces: quantities, friction use, axes, inputs of effects, distance; and derivatives."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def test_friction_use_is_one_where_all_friction_is_used(hosts, name, fmi):
     assert 0.9 < max(used) < 1.1
 
 
-def test_leaving_the_known_range_is_told_once(hosts):
+def test_leaving_the_known_range_is_reported_once(hosts):
     host = hosts("mf61", 3).start()
     host.set(**POINT)
     host.get("Fx")
@@ -191,10 +191,10 @@ def test_check_knows_the_axes(tires, compiler, tmp_path):
         assert result.channels[0].r2 == pytest.approx(1.0, abs=1e-12)
 
 
-def test_the_file_says_how_it_speaks(tires):
+def test_the_file_reports_how_it_speaks(tires):
     for inputs, axes in (("slip", "iso"), ("wheel", "sae")):
-        told = json.loads(contents(tires["mf61"], 3, "t", inputs=inputs, axes=axes)["resources/interface.json"])
-        assert told == {"inputs": inputs, "axes": axes}
+        reported = json.loads(contents(tires["mf61"], 3, "t", inputs=inputs, axes=axes)["resources/interface.json"])
+        assert reported == {"inputs": inputs, "axes": axes}
 
 
 # ------------------------------------------------------------------ pictures, terminals, documentation

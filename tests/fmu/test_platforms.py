@@ -1,4 +1,4 @@
-"""Binaries for other machines: which are asked for, where they stand, and what they are."""
+"""Binaries for other platforms: selection, paths and formats."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def packed(path):
 
 
 @pytest.mark.parametrize(
-    ("asked", "platforms"),
+    ("requested", "platforms"),
     [
         ("host", ("host",)),
         ("all", tuple(PLATFORMS)),
@@ -48,21 +48,21 @@ def packed(path):
         (["aarch64-linux", "host"], ("aarch64-linux", "host")),
     ],
 )
-def test_what_is_asked_for(asked, platforms):
-    assert chosen_platforms(asked) == platforms
+def test_requested_platforms(requested, platforms):
+    assert chosen_platforms(requested) == platforms
 
 
-@pytest.mark.parametrize(("asked", "said"), [("x86_64-macos", "x86_64-darwin"), ("", "known are host"), ([], "no")])
-def test_unknown_platforms_are_told(asked, said):
+@pytest.mark.parametrize(("requested", "said"), [("x86_64-macos", "x86_64-darwin"), ("", "known are host"), ([], "no")])
+def test_unknown_platforms_are_errors(requested, said):
     with pytest.raises(FmuError, match=said) as caught:
-        chosen_platforms(asked)
+        chosen_platforms(requested)
     assert "\n" not in str(caught.value)
 
 
 def test_every_platform_has_a_place_of_its_own(fmi):
-    places = {binary_path(fmi, "tire", platform) for platform in PLATFORMS}
-    assert len(places) == len(PLATFORMS)
-    assert binary_path(fmi, "tire") in places | {"binaries/aarch64-windows/tire.dll"}
+    positions = {binary_path(fmi, "tire", platform) for platform in PLATFORMS}
+    assert len(positions) == len(PLATFORMS)
+    assert binary_path(fmi, "tire") in positions | {"binaries/aarch64-windows/tire.dll"}
 
 
 def test_without_the_extra_it_is_named(tires, tmp_path, monkeypatch):
@@ -108,14 +108,14 @@ def test_a_universal_binary_takes_macs_only():
 
 def test_binaries_are_for_the_machines_asked_for(ziglang, tires, fmi, tmp_path):
     found = packed(export(tires["first"], tmp_path / "tire.fmu", fmi=fmi, platforms=QUICK))
-    places = {platform: binary_path(fmi, "tire", platform) for platform in QUICK}
+    positions = {platform: binary_path(fmi, "tire", platform) for platform in QUICK}
     if fmi == 2:
-        del places["aarch64-darwin"]  # it stands in the one folder for Macs
-    assert set(found) == set(places.values())
+        del positions["aarch64-darwin"]  # it is in the single folder for macOS
+    assert set(found) == set(positions.values())
     for platform, (magic, at, processor) in FORMATS.items():
-        if platform not in places:
+        if platform not in positions:
             continue
-        content = found[places[platform]]
+        content = found[positions[platform]]
         if fmi == 2 and platform == "x86_64-darwin":
             assert content[:8] == struct.pack(">II", 0xCAFEBABE, 2)
             continue
@@ -141,8 +141,11 @@ def test_the_linux_binary_asks_for_an_old_c_library(ziglang, tires, tmp_path):
         pytest.skip("needs objdump")
     (content,) = packed(export(tires["first"], tmp_path / "tire.fmu", platforms="x86_64-linux")).values()
     (tmp_path / "tire.so").write_bytes(content)
-    told = subprocess.run(["objdump", "-T", tmp_path / "tire.so"], capture_output=True, text=True, check=True).stdout
-    versions = {tuple(map(int, word.split("_")[1].strip("()").split("."))) for word in told.split() if "GLIBC_" in word}
+    command = ["objdump", "-T", tmp_path / "tire.so"]
+    symbols = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    versions = {
+        tuple(map(int, word.split("_")[1].strip("()").split("."))) for word in symbols.split() if "GLIBC_" in word
+    }
     assert versions
     assert max(versions) <= (2, 17)
 

@@ -82,9 +82,9 @@ def test_equals_the_native_one(python_host, hosts, name):
 def test_what_is_not_finite_is_not_taken_over(python_host, variable, value):
     host = python_host("first").start()
     before = host.forces(alpha=0.1, Fz=900.0)
-    kept = host.get(variable)
+    stored = host.get(variable)
     host.set(Fz=500.0, **{variable: value})
-    assert host.get(variable) == kept
+    assert host.get(variable) == stored
     assert host.get(*host.outputs).tolist() == before.tolist()
     assert host.step(0.0, 0.1) == DISCARD
     assert host.set(Fz=900.0) == OK
@@ -167,9 +167,9 @@ def test_its_files_can_be_changed(python_fmus, tires, tmp_path):
             # Python, which has loaded the file by its name before, is given another one.
             if name == "resources/slavemodule.txt":
                 content = b"changed_tire"
-            place = name.replace(slave, "changed_tire").replace("/first.", "/changed.")
+            position = name.replace(slave, "changed_tire").replace("/first.", "/changed.")
             content = content.replace(b'modelIdentifier="first"', b'modelIdentifier="changed"')
-            written.writestr(place, content)
+            written.writestr(position, content)
     table = pd.DataFrame({"alpha": [0.1, 0.2], "Fz": 900.0})
     table["Fy"] = 0.5 * tires["first"].forces(alpha=table["alpha"], Fz=900.0)["Fy"]
     assert check(changed, table).channels[0].rmse < 1e-9

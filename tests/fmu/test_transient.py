@@ -101,8 +101,8 @@ def test_fmpys_own_simulation(fmus, tires, fmi):
     # Its inputs begin where the last row left off: every row a second time, as it goes on.
     going_on = rows.shift(-1).assign(t=rows["t"]).iloc[:-1]
     table = pd.concat([rows, going_on]).sort_values("t", kind="stable", ignore_index=True)
-    told = tires["rolling"].evaluate(table, hold=True)
-    ends = told[~table["t"].duplicated()]
+    reported = tires["rolling"].evaluate(table, hold=True)
+    ends = reported[~table["t"].duplicated()]
     assert len(ends) == 51
     assert distance(np.array([result[key] for key in names]), ends[names].to_numpy().T) < 1e-9
 
@@ -237,8 +237,8 @@ def test_slips_are_saved_restored_and_serialized(rolling, hosts, lagging, fmi):
     copy = other.fmu.deserializeFMUState(content)
     assert other.call("SetFMUState" if fmi == 3 else "SetFMUstate", copy) == OK
     assert np.array_equal(go_on(other), first)
-    for owner, kept in ((rolling, state), (other, copy)):
-        owner.call("FreeFMUState" if fmi == 3 else "FreeFMUstate", ctypes.byref(kept))
+    for owner, stored in ((rolling, state), (other, copy)):
+        owner.call("FreeFMUState" if fmi == 3 else "FreeFMUstate", ctypes.byref(stored))
 
 
 def test_a_serialized_slip_of_nan_is_no_state(rolling, fmi):
@@ -248,8 +248,8 @@ def test_a_serialized_slip_of_nan_is_no_state(rolling, fmi):
     content = rolling.fmu.serializeFMUState(state)
     rolling.call("FreeFMUState" if fmi == 3 else "FreeFMUstate", ctypes.byref(state))
     (kappa,) = rolling.get("kappa_lagged")
-    place = content.index(struct.pack("d", kappa))  # the state stands before the variable that shows it
-    bad = content[:place] + struct.pack("d", np.nan) + content[place + 8 :]
+    position = content.index(struct.pack("d", kappa))  # the state stands before the variable that shows it
+    bad = content[:position] + struct.pack("d", np.nan) + content[position + 8 :]
     kind = ctypes.c_uint8 if fmi == 3 else ctypes.c_char
     buffer, slot = ctypes.cast(ctypes.create_string_buffer(bad, len(bad)), ctypes.POINTER(kind)), ctypes.c_void_p()
     name = "DeserializeFMUState" if fmi == 3 else "DeSerializeFMUstate"

@@ -66,8 +66,8 @@ def test_at_speed_it_is_the_tire_at_the_slips_that_it_tells(wheels, tires, name)
         kappa, alpha = host.get("kappa", "alpha")
         assert alpha == pytest.approx(np.arctan(V_y / V_x), rel=1e-14)
         point = {"kappa": kappa, "alpha": alpha, "gamma": gamma, "V": V_x}
-        told = {key: value for key, value in point.items() if key in tires[name].inputs}
-        row = tires[name].evaluate(pd.DataFrame([told])).iloc[0]
+        reported = {key: value for key, value in point.items() if key in tires[name].inputs}
+        row = tires[name].evaluate(pd.DataFrame([reported])).iloc[0]
         expected = row[host.outputs].to_numpy()
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-8)
         radius = row["R_e"] if "R_e" in row else tires[name].values["UNLOADED_RADIUS"]
@@ -141,19 +141,19 @@ def test_a_standing_tire_is_a_spring_with_a_damper(wheels, tires):
     host = wheels("rolling").start()
     load = tires["rolling"].nominal("Fz")
     host.set(V_x=0.0, omega=0.0, V_y=0.0)
-    mass, push, velocity, place, size = load / 9.81, 0.3 * load, 0.0, 0.0, 1e-3
+    mass, push, velocity, position, size = load / 9.81, 0.3 * load, 0.0, 0.0, 1e-3
     track = []
     for k in range(6000):
         host.set(V_y=velocity)
         force = host.get("Fy")[0]
         velocity += size * (force + push) / mass
-        place += size * velocity
-        track.append((place, velocity, force))
+        position += size * velocity
+        track.append((position, velocity, force))
         assert host.step(k * size, size) == OK
-    place, velocity, force = np.array(track).T
+    position, velocity, force = np.array(track).T
     assert abs(velocity[-1]) < 1e-3 * np.abs(velocity).max()
     assert force[-1] == pytest.approx(-push, rel=1e-3)
-    assert 0.001 < place[-1] < 0.1
+    assert 0.001 < position[-1] < 0.1
 
 
 def test_low_speed_damping_never_goes_beyond_friction(wheels, tires):

@@ -95,7 +95,7 @@ def test_another_token_is_refused(fmus, fmi, capfd):
     assert "the token of the model description differs from the token of this binary" in capfd.readouterr().out
 
 
-def test_what_is_not_supported_says_so(host):
+def test_what_is_not_supported_reports_so(host):
     host.start()
     names = {2: ["CancelStep"], 3: ["EnterStepMode", "EnterConfigurationMode"]}[host.version]
     for name in names:

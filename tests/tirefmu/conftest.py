@@ -20,7 +20,7 @@ EFFECTS = "load_friction,load_stiffness,camber_thrust,combined_Gxa,combined_Gyk"
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a command left: its exit status and what it printed."""
+    """The result of a command: exit code and printed text."""
 
     status: int
     out: str

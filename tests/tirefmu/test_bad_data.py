@@ -1,4 +1,4 @@
-"""Bad data through the front door: refused in one clear line, or fitted with what is odd being said."""
+"""Bad data on the command line: rejected with one line, or fitted with notes."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ def test_it_is_refused_in_one_line(fitted, fault):
 
 
 @pytest.mark.parametrize("fault", TOLD)
-def test_it_is_fitted_and_told(fitted, fault):
+def test_it_is_fitted_and_reported(fitted, fault):
     change, message = TOLD[fault]
     outcome, left = fitted(change(sweeps()))
     assert outcome.status in (0, 1), outcome.err

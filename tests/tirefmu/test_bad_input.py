@@ -1,4 +1,4 @@
-"""Bad input: one clear line, exit status 2, nothing left behind."""
+"""Invalid input: a one-line error, exit code 2, no output files."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ def folder(tmp_path, bench_csv, published_tir, chain, monkeypatch):
     Path("text.csv").write_text("alpha,Fz,Fy\n0.1,high,-800\n", encoding="utf-8")
     Path("notes.txt").write_text("nothing\n", encoding="utf-8")
     lines = Path("good.tir").read_text(encoding="utf-8").splitlines()
-    (place,) = (i for i, line in enumerate(lines) if line.startswith("PDY1 "))
+    (position,) = (i for i, line in enumerate(lines) if line.startswith("PDY1 "))
     for name, line in (("broken.tir", "PDY1 2.7"), ("word.tir", "PDY1 = much"), ("unknown.tir", "PDYI = 2.7")):
-        Path(name).write_text("\n".join([*lines[:place], line, *lines[place + 1 :]]), encoding="utf-8")
+        Path(name).write_text("\n".join([*lines[:position], line, *lines[position + 1 :]]), encoding="utf-8")
     Path("cross.toml").write_text(
         '[[stage]]\nname = "one"\n[stage.free]\nPDY1 = { lower = 3, upper = 2 }\n', encoding="utf-8"
     )
@@ -130,7 +130,7 @@ def everything(folder):
 
 
 @pytest.mark.parametrize("line", BAD)
-def test_bad_input_is_told_in_one_line_and_leaves_nothing(folder, command, line):
+def test_bad_input_is_reported_in_one_line_and_writes_nothing(folder, command, line):
     arguments = [word for part in line.split() for word in (FIT if part == "{fit}" else [part])]
     before = everything(folder)
     outcome = command(*arguments)

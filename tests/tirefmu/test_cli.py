@@ -40,41 +40,41 @@ def test_every_step_of_the_way_succeeds(chain):
         assert outcome.err == "", step
 
 
-def test_nothing_is_left_but_what_was_asked_for(chain):
+def test_no_files_but_the_requested_files(chain):
     folder, _ = chain
     files = {path.name for path in folder.iterdir()}
-    asked = {"fitted.tir", "fit.json", "report.html", "figures"}
-    assert files == asked | {f"fmi{fmi}.fmu" for fmi in "23"} | {f"check{fmi}.json" for fmi in "23"}
+    requested = {"fitted.tir", "fit.json", "report.html", "figures"}
+    assert files == requested | {f"fmi{fmi}.fmu" for fmi in "23"} | {f"check{fmi}.json" for fmi in "23"}
     assert {path.suffix for path in (folder / "figures").iterdir()} == {".png"}
 
 
-def test_the_fit_says_the_same_everywhere(chain):
+def test_the_fit_is_the_same_everywhere(chain):
     folder, outcomes = chain
-    told = strict((folder / "fit.json").read_text(encoding="utf-8"))
+    reported = strict((folder / "fit.json").read_text(encoding="utf-8"))
     tire = read_tir(folder / "fitted.tir")
-    assert told["ok"] is True
-    assert told["values"] == dict(tire.values)
-    assert told["effects"] == sorted(tire.has)
+    assert reported["ok"] is True
+    assert reported["values"] == dict(tire.values)
+    assert reported["effects"] == sorted(tire.has)
     assert tire.values["FNOMIN"] == 220.0
     out, page = outcomes["fit"].out, (folder / "report.html").read_text(encoding="utf-8")
     assert "fit converged" in out
-    for channel in told["channels"]:
+    for channel in reported["channels"]:
         assert f"{channel['r2']:.5f}" in out
         assert channel["channel"] == "Mz" or channel["r2"] > 0.99  # the fit leaves out what makes Mz
-    for coefficient in told["coefficients"]:
+    for coefficient in reported["coefficients"]:
         assert coefficient["name"] in out
         assert coefficient["name"] in page
 
 
-def test_the_check_says_how_far_the_tire_is_from_the_data(chain):
+def test_the_check_reports_how_far_the_tire_is_from_the_data(chain):
     folder, outcomes = chain
     fitted = {c["channel"]: c["rmse"] for c in strict((folder / "fit.json").read_text())["channels"]}
     for fmi in "23":
-        told = strict((folder / f"check{fmi}.json").read_text(encoding="utf-8"))
-        assert told["ok"] is True
-        assert told["evaluation_difference"] < 1e-9
+        reported = strict((folder / f"check{fmi}.json").read_text(encoding="utf-8"))
+        assert reported["ok"] is True
+        assert reported["evaluation_difference"] < 1e-9
         for name, rmse in fitted.items():
-            assert told["channels"][name]["rmse"] == pytest.approx(rmse, rel=1e-6)
+            assert reported["channels"][name]["rmse"] == pytest.approx(rmse, rel=1e-6)
             assert name in outcomes[f"check {fmi}"].out
 
 
@@ -93,15 +93,15 @@ def test_a_fit_that_does_not_converge_exits_with_1(command, bench_csv, tmp_path)
     assert read_tir(tmp_path / "poor.tir").has == frozenset()
 
 
-def test_the_evolutionary_method_says_that_its_limit_ended_it(command, bench_csv, tmp_path):
-    told = tmp_path / "told.json"
+def test_the_evolutionary_method_reports_that_its_limit_ended_it(command, bench_csv, tmp_path):
+    reported = tmp_path / "reported.json"
     outcome = command(
         "fit", bench_csv, "--model", "mf96", "--effects", "none", "--method", "ioa", "--iterations", 2, "--seed", 5,
-        "-o", tmp_path / "evolved.tir", "--json", told,
+        "-o", tmp_path / "evolved.tir", "--json", reported,
     )  # fmt: skip
     assert outcome.status == 1
     assert "iteration limit (ioa)" in outcome.out
-    content = strict(told.read_text(encoding="utf-8"))
+    content = strict(reported.read_text(encoding="utf-8"))
     assert content["method"] == "ioa"
     assert not content["ok"]
     assert read_tir(tmp_path / "evolved.tir").has == frozenset()
@@ -131,7 +131,7 @@ def test_a_fit_from_a_tire_and_a_recipe_of_ones_own(chain, command, bench_csv, t
     assert f"tire: {tmp_path / '[new].tir'}" in outcome.out
 
 
-def test_without_leaves_effects_out(command, bench_csv, tmp_path):
+def test_without_removes_effects(command, bench_csv, tmp_path):
     outcome = command(
         "fit", bench_csv, "--model", "mf96", "--effects", "load_stiffness, camber_thrust", "--without", "camber_thrust",
         "-o", tmp_path / "tire.tir",
@@ -171,7 +171,7 @@ def test_evaluate_gives_the_golden_numbers(command, golden, published_tir, code,
         np.testing.assert_array_equal(found[name], reference[name])
 
 
-def test_evaluate_takes_nominal_values_and_clamps_where_asked(command, chain, tmp_path):
+def test_evaluate_takes_nominal_values_and_clamps_on_request(command, chain, tmp_path):
     tire, table = chain[0] / "fitted.tir", tmp_path / "in.csv"
     table.write_text("alpha [deg],Fz [kN]\n3,0.7\n30,0.7\n", encoding="utf-8")
     outcomes = {
@@ -252,14 +252,14 @@ def test_quiet_prints_nothing(chain, bench_csv, published_tir, tmp_path, capfd):
         assert capfd.readouterr() == ("", ""), call  # also what libraries write past Python
 
 
-def test_info_tells_what_is_in_a_tire(command, published_tir):
+def test_info_reports_what_is_in_a_tire(command, published_tir):
     outcome = command("info", published_tir)
     assert outcome.status == 0
     for word in ("Hoosier", "mf96", "PDY1", "camber_thrust", "FNOMIN", "220"):
         assert word in outcome.out
-    told = strict(command("info", published_tir, "--quiet", "--json", "-").out)
-    assert told["values"] == dict(read_tir(published_tir).values)
-    assert set(told["effects"]) | set(told["effects_at_neutral"]) == read_tir(published_tir).has
+    reported = strict(command("info", published_tir, "--quiet", "--json", "-").out)
+    assert reported["values"] == dict(read_tir(published_tir).values)
+    assert set(reported["effects"]) | set(reported["effects_at_neutral"]) == read_tir(published_tir).has
 
 
 def test_help_names_every_command(command):
@@ -305,9 +305,9 @@ def test_a_planted_edit_is_found_shown_and_mended(command, generated):
     assert len(removed) == len(added) == 1
     assert "generated/c/mf96.c" in outcome.out
     assert source.read_bytes() == planted  # looked at, not touched
-    told = strict(command("generate", "--check", "--quiet", "--json", "-").out)
-    assert told["ok"] is False
-    assert "generated/c/mf96.c" in told["diff"]
+    reported = strict(command("generate", "--check", "--quiet", "--json", "-").out)
+    assert reported["ok"] is False
+    assert "generated/c/mf96.c" in reported["diff"]
     written = command("generate")
     assert written.status == 0
     assert "generated/c/mf96.c" in written.out
@@ -330,12 +330,12 @@ def test_a_missing_and_a_stray_file_are_found(command, generated):
 
 def test_python_m_tirefmu(published_tir, tmp_path):
     environment = {**os.environ, "PYTHONWARNINGS": "error"}
-    told = subprocess.run(
+    reported = subprocess.run(
         [sys.executable, "-m", "tirefmu", "info", str(published_tir), "--json", "-", "--quiet"],
         capture_output=True, text=True, env=environment, cwd=tmp_path,
     )  # fmt: skip
-    assert (told.returncode, told.stderr) == (0, "")
-    assert strict(told.stdout)["model"] == "mf96"
+    assert (reported.returncode, reported.stderr) == (0, "")
+    assert strict(reported.stdout)["model"] == "mf96"
     refused = subprocess.run(
         [sys.executable, "-m", "tirefmu", "info", "missing.tir"], capture_output=True, text=True, cwd=tmp_path
     )

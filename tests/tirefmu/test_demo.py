@@ -14,19 +14,19 @@ def test_the_whole_circle(command, tmp_path):
     folder = tmp_path / "made for it" / "demo"
     outcome = command("demo", "-o", folder, "--json", tmp_path / "demo.json")
     assert outcome.status == 0, outcome.out + outcome.err
-    told = json.loads((tmp_path / "demo.json").read_text(encoding="utf-8"))
-    assert told["ok"] is True
-    assert told["checks"] == {"tire_fmi3.fmu": True, "tire_fmi2.fmu": True}
+    reported = json.loads((tmp_path / "demo.json").read_text(encoding="utf-8"))
+    assert reported["ok"] is True
+    assert reported["checks"] == {"tire_fmi3.fmu": True, "tire_fmi2.fmu": True}
     # Both recipes, against each other.
-    rmse = {r: {c["channel"]: c["rmse"] for c in told[r]["channels"]} for r in ("trento", "joint")}
+    rmse = {r: {c["channel"]: c["rmse"] for c in reported[r]["channels"]} for r in ("trento", "joint")}
     assert all(rmse["joint"][name] < rmse["trento"][name] for name in ("Fx", "Fy", "Mz"))
     # A missing effect shows in the residuals, and no longer when it is there.
-    missing = told["missing_effect"]
+    missing = reported["missing_effect"]
     assert (missing["effect"], missing["channel"]) == ("camber_thrust", "Fy")
     assert missing["rmse_without"] > 1.2 * missing["rmse_with"]
     assert missing["largest_mean_residual_with"] < 0.5 * missing["largest_mean_residual_without"]
-    # And the diagnosis, which is not told, names it and mends it.
-    diagnosis = told["diagnosis"]
+    # The diagnosis identifies the missing effect and adds it.
+    diagnosis = reported["diagnosis"]
     assert diagnosis["found"] == ["camber_thrust"]
     assert diagnosis["gap"]["after"] < 0.7 * diagnosis["gap"]["before"]
     for when in ("before", "after"):
@@ -48,7 +48,7 @@ def test_the_whole_circle(command, tmp_path):
         assert step in outcome.out
 
 
-def test_the_bench_tire_is_the_published_one_but_for_what_is_said():
+def test_the_bench_tire_is_the_published_one_except_for_documented_values():
     tire, trento = bench_tire(), published("trento_hoosier")
     changed = {name for name, value in trento.values.items() if tire.values[name] != value}
     assert changed == {name for name, value in BENCH_TIRE.items() if trento.values[name] != value}

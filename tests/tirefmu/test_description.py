@@ -22,7 +22,7 @@ MAGIC = [name for name, book in MODELS.items() if "PDX1" in book.coefficients]
 def generic(model="mf61", **values):
     """Return a tire of generic values that nothing is wrong with, but for those given."""
     cards = MODELS[model].coefficients
-    start = {name: card.generic for name, card in cards.items() if card.neutral is None}
+    start = {name: declared.generic for name, declared in cards.items() if declared.neutral is None}
     return Tire(model, {**start, **values}, signs="adapted-sae")
 
 
@@ -94,22 +94,22 @@ def test_loads_are_those_for_which_the_tire_is_known():
 
 
 @pytest.mark.parametrize("name", FILES)
-def test_a_file_of_the_field_is_told_in_full(name, golden):
+def test_a_file_of_the_field_is_reported_in_full(name, golden):
     reading = read_tir_with_notes(golden / f"{name}_Parameters.tir")
-    told = describe(reading.tire, reading.notes)
-    assert json.loads(json.dumps(told, allow_nan=False)) == told
-    assert told["unknown"] == []
-    assert {entry["key"] for entry in told["unused"]} >= {"USE_MODE", "VERTICAL_DAMPING", "RIM_WIDTH"}
-    assert set(told["effects"]) | set(told["effects_at_neutral"]) == reading.tire.has
-    assert set(told["effects_absent"]) == reading.tire.book.effects.keys() - reading.tire.has
-    assert told["nominal"]["Fz"] == reading.tire.values["FNOMIN"]
-    assert all(told["values"][key] == value for key, value in told["missing"].items())
+    reported = describe(reading.tire, reading.notes)
+    assert json.loads(json.dumps(reported, allow_nan=False)) == reported
+    assert reported["unknown"] == []
+    assert {entry["key"] for entry in reported["unused"]} >= {"USE_MODE", "VERTICAL_DAMPING", "RIM_WIDTH"}
+    assert set(reported["effects"]) | set(reported["effects_at_neutral"]) == reading.tire.has
+    assert set(reported["effects_absent"]) == reading.tire.book.effects.keys() - reading.tire.has
+    assert reported["nominal"]["Fz"] == reading.tire.values["FNOMIN"]
+    assert all(reported["values"][key] == value for key, value in reported["missing"].items())
 
 
-def test_a_quantity_that_is_no_number_is_told_as_none():
-    told = describe(generic("mf96", PKX3=-2.0, PKX1=0.0, PDX1=0.0, PCX1=0.0))
-    assert json.dumps(told, allow_nan=False)
-    assert not any(value is not None and math.isnan(value) for value in [d["value"] for d in told["implausible"]])
+def test_a_quantity_that_is_no_number_is_reported_as_none():
+    reported = describe(generic("mf96", PKX3=-2.0, PKX1=0.0, PDX1=0.0, PCX1=0.0))
+    assert json.dumps(reported, allow_nan=False)
+    assert not any(value is not None and math.isnan(value) for value in [d["value"] for d in reported["implausible"]])
 
 
 FILE = """[UNITS]
@@ -135,7 +135,7 @@ PRICE = 2
 """
 
 
-def test_the_command_tells_what_a_file_left_open(command, tmp_path):
+def test_the_command_reports_missing_values(command, tmp_path):
     path = tmp_path / "field.tir"
     path.write_text(FILE, encoding="utf-8")
     short, full = command("info", path), command("info", path, "--all")
@@ -151,12 +151,12 @@ def test_the_command_tells_what_a_file_left_open(command, tmp_path):
     ):
         assert word in short.out, word
         assert word in full.out, word
-    assert "PKY2" not in short.out  # missing in the file: told on request
-    for word in ("PKY2", "missing", "kept, not read by this model: ", "MASS = 9", "kept tables: SHAPE"):
+    assert "PKY2" not in short.out  # missing in the file: reported on request
+    for word in ("PKY2", "missing", "known keys that this model does not read: ", "MASS = 9", "other tables: SHAPE"):
         assert word in full.out, word
 
 
-def test_a_published_tire_is_told_by_its_name(command):
+def test_a_published_tire_is_reported_by_its_name(command):
     outcome = command("info", "trento_hoosier")
     assert outcome.status == 0
     assert "Magic Formula 1996" in outcome.out

@@ -42,13 +42,13 @@ def test_a_hidden_effect_is_named_and_written(recording, tmp_path):
     arguments = ["diagnose", str(recording), "--signs", "adapted-sae", "--effects", ",".join(EFFECTS), "--nominal",
                  "Fz0=3000,R0=0.3,p0=200000,V0=16.7", "-o", str(folder), "--no-fmu", "--quiet"]  # fmt: skip
     assert main(arguments) == 0
-    told = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
-    assert told["found"][0]["effect"] == "camber_thrust"
-    assert told["gap"]["holdout"]["Fy"]["after"] < 0.6 * told["gap"]["holdout"]["Fy"]["before"]
-    improved, base = read_tir(folder / told["tire"]), read_tir(folder / told["base_tire"])
+    reported = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
+    assert reported["found"][0]["effect"] == "camber_thrust"
+    assert reported["gap"]["holdout"]["Fy"]["after"] < 0.6 * reported["gap"]["holdout"]["Fy"]["before"]
+    improved, base = read_tir(folder / reported["tire"]), read_tir(folder / reported["base_tire"])
     assert improved.has - base.has == {"camber_thrust"}
     page = (folder / "report.html").read_text(encoding="utf-8")
-    assert told["verdict"] in page
+    assert reported["verdict"] in page
     assert "K_ygamma0 = " in page
 
 

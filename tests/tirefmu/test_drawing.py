@@ -101,13 +101,13 @@ def test_the_side_force_over_the_longitudinal_force_is_the_tires(small):
         np.testing.assert_allclose(y, forces["Fy"], rtol=1e-9, atol=1e-9)
 
 
-def test_what_is_zero_is_not_drawn_and_said(small):
+def test_what_is_zero_is_not_drawn_but_reported(small):
     figure = drawing._pure(drawing._Sketch(small, "iso", (60.0,)))
     assert [ax.get_ylabel() for ax in figure.axes] == ["$F_x$ (N)", "$F_y$ (N)"]
     assert "$M_z$ 0 everywhere" in figure.get_supxlabel()
 
 
-def test_a_load_beyond_the_range_is_said(small):
+def test_a_load_beyond_the_range_is_reported(small):
     for loads, said in (((60.0, 160.0), False), ((60.0, 300.0), True)):
         text = drawing._pure(drawing._Sketch(small, "iso", loads)).get_supxlabel()
         assert ("300 N: outside 60 to 160 N" in text.replace("\n", " ")) is said
@@ -179,15 +179,15 @@ def test_the_command_draws_a_published_tire_by_name(command, tmp_path):
     assert files == {"pure.png", "surfaces_60N.png", "surfaces_110N.png", "combined.png"}
 
 
-def test_the_command_draws_a_file_and_tells_it_as_json(command, published_tir, tmp_path):
+def test_the_command_draws_a_file_and_reports_it_as_json(command, published_tir, tmp_path):
     outcome = command(
         "draw", published_tir, "-o", tmp_path / "figures", "--loads", "500", "--format", "svg", "--quiet", "--json", "-"
     )
     assert outcome.status == 0, outcome.err
-    told = json.loads(outcome.out)
-    assert told["ok"] is True
-    assert told["loads"] == [500.0]
-    assert sorted(told["figures"]) == sorted(str(path) for path in (tmp_path / "figures").iterdir())
+    reported = json.loads(outcome.out)
+    assert reported["ok"] is True
+    assert reported["loads"] == [500.0]
+    assert sorted(reported["figures"]) == sorted(str(path) for path in (tmp_path / "figures").iterdir())
 
 
 @pytest.mark.parametrize(
@@ -217,7 +217,7 @@ def test_other_commands_take_a_published_name_too(command, name):
 
 
 @pytest.mark.parametrize("text", HOSTILE)
-def test_a_tires_name_is_drawn_as_it_stands(text, tmp_path):
+def test_a_tires_name_is_drawn_literally(text, tmp_path):
     """An SVG stays an SVG: well-formed, with nothing in it that runs or is loaded."""
     tire = Tire("mf96", {**SIZE, "PDY1": 1.0, "PKY1": 10.0, "PCY1": 1.3}, effects=(), name=text)
     sketch = drawing._Sketch(tire, "iso", (1000.0,))

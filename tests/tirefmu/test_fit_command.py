@@ -15,22 +15,22 @@ def test_a_misspelt_constraint_is_refused_with_the_nearest_name(command, bench_c
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(("options", "kept"), [
+@pytest.mark.parametrize(("options", "stored"), [
     (("--without-constraint", "all"), set()),
     (("--without-constraint", "extrapolation,signs,friction_falling,stiffness_saturating"), {"curvature"}),
 ])  # fmt: skip
-def test_constraints_are_switched_by_name(command, bench_csv, tmp_path, options, kept):
+def test_constraints_are_switched_by_name(command, bench_csv, tmp_path, options, stored):
     path = tmp_path / "fit.json"
     outcome = command(
         "fit", bench_csv, "--model", "mf96", "--effects", "none", *options, "-o", tmp_path / "t.tir", "--json", path
     )
     assert outcome.status == 0
-    told = json.loads(path.read_text(encoding="utf-8"))
-    assert {margin["name"].partition(":")[0] for margin in told["margins"]} == kept
-    assert ("Constraints, verified" in outcome.out) == bool(kept)
+    reported = json.loads(path.read_text(encoding="utf-8"))
+    assert {margin["name"].partition(":")[0] for margin in reported["margins"]} == stored
+    assert ("Constraints, verified" in outcome.out) == bool(stored)
 
 
-def test_cross_validation_is_told(command, bench_csv, tmp_path):
+def test_cross_validation_is_reported(command, bench_csv, tmp_path):
     path, effects = tmp_path / "fit.json", "load_friction,load_stiffness,camber_thrust"
     outcome = command(
         "fit",
@@ -47,9 +47,9 @@ def test_cross_validation_is_told(command, bench_csv, tmp_path):
         path,
     )
     assert outcome.status == 0
-    told = json.loads(path.read_text(encoding="utf-8"))
-    assert {each["channel"] for each in told["held_out"]} == {each["channel"] for each in told["channels"]}
-    for each in told["held_out"]:
+    reported = json.loads(path.read_text(encoding="utf-8"))
+    assert {each["channel"] for each in reported["held_out"]} == {each["channel"] for each in reported["channels"]}
+    for each in reported["held_out"]:
         assert each["held_out"] > 0.9 * each["in_sample"]
     assert "Cross-validation over operating conditions" in outcome.out
     assert "largest error" in outcome.out

@@ -36,7 +36,7 @@ def table(tmp_path_factory):
     return path
 
 
-def tire_file(folder, *places):
+def tire_file(folder, *positions):
     """Write a tire with an effect that has C code in some of its texts, and return its path."""
     code = (
         "*/ ONE }; extern int creat(const char *, unsigned); __attribute__((constructor)) static void run(void) "
@@ -46,9 +46,9 @@ def tire_file(folder, *places):
     write_tir(replace(first, effects=[*first.effects, "own"], added=(own,)), folder / "tire.tir")
     # As a hostile hand would: into the text of the file.
     hostile = effect_text(own)
-    for place in places:
-        hostile = hostile.replace(TEXTS[place], toml_string(code))
-    assert hostile.count("constructor") == len(places)
+    for position in positions:
+        hostile = hostile.replace(TEXTS[position], toml_string(code))
+    assert hostile.count("constructor") == len(positions)
     text = (folder / "tire.tir").read_text(encoding="utf-8")
     lines = [f"OWN = {_quoted(hostile)}" if line.startswith("OWN = ") else line for line in text.splitlines()]
     assert "creat" in "\n".join(lines)

@@ -21,14 +21,14 @@ def test_a_process_that_gets_the_signal(command, bench_csv, tmp_path):
     whole = command(*line, "-o", tmp_path / "whole.tir", "--json", tmp_path / "whole.json")
     assert whole.status == 0
     where = tmp_path / "tire.tir", tmp_path / "tire.json", tmp_path / "tire.html"
-    places = ["-o", where[0], "--json", where[1], "--report", where[2]]
+    positions = ["-o", where[0], "--json", where[1], "--report", where[2]]
     saved = tmp_path / "tire.progress.json"
 
     def listening():  # to what a shell takes from what it runs in the background
         signal.signal(signal.SIGINT, signal.SIG_DFL)
 
     process = subprocess.Popen(
-        [sys.executable, "-m", "tirefmu", *line, *map(str, places)],
+        [sys.executable, "-m", "tirefmu", *line, *map(str, positions)],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=listening,
     )  # fmt: skip
     while not saved.exists() and process.poll() is None:
@@ -39,12 +39,12 @@ def test_a_process_that_gets_the_signal(command, bench_csv, tmp_path):
     assert "fit interrupted in stage" in out
     assert f"{saved}; to continue, run the same command with --resume" in out
     assert "Traceback" not in err
-    told = json.loads(where[1].read_text(encoding="utf-8"))
-    assert told["ok"] is False
-    assert told["values"] == dict(read_tir(where[0]).values)
+    reported = json.loads(where[1].read_text(encoding="utf-8"))
+    assert reported["ok"] is False
+    assert reported["values"] == dict(read_tir(where[0]).values)
     assert "interrupted in stage" in where[2].read_text(encoding="utf-8")
 
-    resumed = command(*line, *places, "--resume")
+    resumed = command(*line, *positions, "--resume")
     assert resumed.status == 0
     assert not saved.exists()
     ends = [json.loads(path.read_text(encoding="utf-8")) for path in (where[1], tmp_path / "whole.json")]

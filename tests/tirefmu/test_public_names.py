@@ -20,7 +20,7 @@ NAMES = {
 }  # fmt: skip
 
 
-def test_every_name_is_that_of_its_room():
+def test_every_name_is_that_of_its_package():
     for name, room in NAMES.items():
         assert getattr(tirefmu, name) is getattr(room, name), name
     assert set(tirefmu.__all__) == NAMES.keys() | {"TirefmuError", "load"}
@@ -30,8 +30,8 @@ def test_every_name_is_that_of_its_room():
 def test_what_is_listed_is_what_is_public():
     assert dir(tirefmu) == tirefmu.__all__
     code = "import tirefmu; print(*dir(tirefmu)); import tirefmu.fitting.fit, tirefmu.diagnosis; print(tirefmu.fit)"
-    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    names, function = told.stdout.splitlines()
+    reported = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    names, function = reported.stdout.splitlines()
     assert names.split() == tirefmu.__all__
     assert "function fit" in function
 
@@ -68,8 +68,8 @@ LARGE = ("casadi", "fmpy", "matplotlib", "scipy", "pythonfmu")
 @pytest.mark.parametrize("statement", ["import tirefmu", "import tirefmu.cli"])
 def test_importing_brings_no_large_library_along(statement):
     code = f"import sys; {statement}; print(*[name for name in {LARGE!r} if name in sys.modules])"
-    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert told.stdout.split() == []
+    reported = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert reported.stdout.split() == []
 
 
 def test_a_tire_is_evaluated_without_them():
@@ -77,5 +77,5 @@ def test_a_tire_is_evaluated_without_them():
         "import sys, tirefmu; tirefmu.published('trento_hoosier').forces(alpha=0.1, Fz=700.0); "
         f"print(*[name for name in {LARGE!r} if name in sys.modules])"
     )
-    told = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert told.stdout.split() == []
+    reported = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert reported.stdout.split() == []

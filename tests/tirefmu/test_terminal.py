@@ -74,16 +74,16 @@ def test_an_error_is_one_printable_line_of_bounded_length(text):
 
 
 @pytest.mark.parametrize("text", HOSTILE)
-@pytest.mark.parametrize("place", ["a file", "a command", "an option", "a choice", "pairs"])
-def test_the_command_line_is_told_back_as_text(place, text, capsys):
+@pytest.mark.parametrize("position", ["a file", "a command", "an option", "a choice", "pairs"])
+def test_the_command_line_is_reported_back_as_text(position, text, capsys):
     arguments = {
         "a file": ["info", text],
         "a command": [text],
         "an option": ["info", "trento_hoosier", f"--{text}"],
         "a choice": ["draw", "trento_hoosier", "-o", "new", "--signs", text],
         "pairs": ["fit", "missing.csv", "-o", "new.tir", "--nominal", text],
-    }[place]
-    if place == "a file":
+    }[position]
+    if position == "a file":
         text = text.replace("\x00", "").replace("\ud800", "")  # which no system hands to a command
         arguments = ["info", text]
     assert main(arguments) == 2
