@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Iterator
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from types import ModuleType
 from typing import Protocol
 
@@ -240,7 +240,8 @@ class _CCode:
     """The C source, compiled once on this machine."""
 
     def __init__(self, book: Model) -> None:
-        self._model, self._library = book.name, compiled_model(book.name, c_folder(book))
+        self._model, self._folder = book.name, c_folder(book)
+        self._library = compiled_model(self._model, self._folder)
         metadata = numpy_module(book)
         self.quantities_names: tuple[str, ...] = metadata.QUANTITIES
         self._sizes = {
@@ -272,13 +273,18 @@ class _CCode:
     ) -> Iterator[tuple[slice, FloatArray]]:
         return _chunks(self, inputs, parameters, size)
 
+    @cached_property
+    def _jacobians(self) -> ctypes.CDLL:
+        return compiled_model(self._model, self._folder, jacobians=True)
+
     def _rows(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         rows = np.ascontiguousarray(inputs.T)
         parameters = np.ascontiguousarray(parameters)
         size = self._sizes[routine]
         results = np.empty((len(rows), *size))
+        library = self._jacobians if routine.startswith("jacobian_") else self._library
         getattr(self._library, f"{self._model}_rows")(
-            ctypes.cast(getattr(self._library, f"{self._model}_{routine}"), ctypes.c_void_p),
+            ctypes.cast(getattr(library, f"{self._model}_{routine}"), ctypes.c_void_p),
             ctypes.c_size_t(len(rows)),
             ctypes.c_size_t(int(np.prod(size))),
             *(array.ctypes.data_as(ctypes.c_void_p) for array in (rows, parameters, results)),

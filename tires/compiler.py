@@ -242,15 +242,17 @@ def _built(
         raise CompilerError(f"{file}: cannot be written ({error.strerror or error})") from error
 
 
-def compiled_model(model: str, folder: Path | None = None) -> ctypes.CDLL:
-    """Return the compiled code of a model.
+def compiled_model(model: str, folder: Path | None = None, *, jacobians: bool = False) -> ctypes.CDLL:
+    """Return the compiled code of a model: all routines but its Jacobians, or these.
 
     Parameters
     ----------
     model : str
         Name of the model.
     folder : Path, optional
-        Where its C files are; those that the package brings where None.
+        Location of its C files; the package's own where None.
+    jacobians : bool
+        Jacobians are most of the code: they are a library of their own, compiled when one is first used.
 
     Returns
     -------
@@ -261,14 +263,15 @@ def compiled_model(model: str, folder: Path | None = None) -> ctypes.CDLL:
     CompilerError
         If it cannot be compiled.
     """
+    name = f"{model}_jacobians" if jacobians else model
     with as_file(files("tirefmu.generated") / "c") as generated:
-        place = folder or generated
-        source, header = place / f"{model}.c", place / f"{model}.h"
+        sources = folder or generated
+        source, header = sources / f"{name}.c", sources / f"{model}.h"
         own = ["-fvisibility=default", "-ffp-contract=fast", f"-march={instruction_set()}"]
         try:
-            return loaded_library(model, [source], headers=[header], flags=own, machine=processor())
+            return loaded_library(name, [source], headers=[header], flags=own, machine=processor())
         except CompilerError:  # not every compiler can ask for its own machine
-            return loaded_library(model, [source], headers=[header], flags=own[:2])
+            return loaded_library(name, [source], headers=[header], flags=own[:2])
 
 
 def _run(command: list[str]) -> None:

@@ -17,6 +17,7 @@ from importlib.resources import files
 from importlib.util import MAGIC_NUMBER, module_from_spec, spec_from_loader
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.added import effect_text
@@ -27,12 +28,12 @@ from .build_cache import cached
 
 
 def numpy_module(book: Model) -> ModuleType:
-    """Return the NumPy module of a model."""
+    """Return the NumPy module of a model; its Jacobians are loaded when one is first used."""
     return _module(book, "numpy")
 
 
 def casadi_module(book: Model) -> ModuleType:
-    """Return the CasADi module of a model."""
+    """Return the CasADi module of a model; its Jacobians are loaded when one is first used."""
     return _module(book, "casadi")
 
 
@@ -65,12 +66,28 @@ def _module(book: Model, language: str) -> ModuleType:
             raise TirefmuError(f'the generated code of {book.name} is stale: run "tirefmu generate"')
         return module
     folder = printed_folder(book)
-    name = f"tirefmu_printed_{folder.name}_{language}".replace("-", "_")
+    module = _loaded(folder, language, book.name)
+
+    def jacobian(routine: str) -> Any:
+        """Take the place of the module's own ``__getattr__``, which imports by a package: a printed model has none."""
+        if not routine.startswith("jacobian_"):
+            raise AttributeError(f"module {module.__name__!r} has no attribute {routine!r}")
+        checked = printed_folder.__wrapped__(book)  # again: time has passed since the module was loaded
+        return getattr(_loaded(checked, language, f"{book.name}_jacobians"), routine)
+
+    module.__dict__["__getattr__"] = jacobian
+    return module
+
+
+@lru_cache(maxsize=64)
+def _loaded(folder: Path, language: str, file: str) -> ModuleType:
+    """Return a module of a printed model."""
+    name = f"tirefmu_printed_{folder.name}_{language}_{file}".replace("-", "_")
     # The compiled file has been checked with the rest of the entry. Python would look for one of its own elsewhere.
-    loader = SourcelessFileLoader(name, str(folder / language / f"{book.name}.pyc"))
+    loader = SourcelessFileLoader(name, str(folder / language / f"{file}.pyc"))
     spec = spec_from_loader(name, loader)
     if spec is None:
-        raise TirefmuError(f"{folder}: the printed code of {book.name} cannot be loaded")
+        raise TirefmuError(f"{folder}: the printed code of {file} cannot be loaded")
     module = module_from_spec(spec)
     loader.exec_module(module)
     return module

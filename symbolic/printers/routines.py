@@ -93,6 +93,23 @@ def routines(model: Model) -> tuple[Routine, ...]:
     return tuple(printed)
 
 
+def jacobians_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
+    """Return the Jacobians among routines: most of the text, which is printed into files of its own.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic import model
+    >>> [routine.name for routine in jacobians_of(routines(model("mf96")))]
+    ['jacobian_inputs', 'jacobian_parameters']
+    """
+    return tuple(routine for routine in routines if routine.name.startswith("jacobian_"))
+
+
+def values_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
+    """Return the routines that are no Jacobians: quantities, forces, slip stiffnesses, relaxation lengths."""
+    return tuple(routine for routine in routines if not routine.name.startswith("jacobian_"))
+
+
 #: Roughly how long a result of each operation takes, in multiplications.
 LATENCY = {sp.Pow: 3, sp.exp: 6, sp.log: 6, sp.acos: 6, sp.atan: 8, sp.sin: 8, sp.cos: 8, sp.tan: 10}
 

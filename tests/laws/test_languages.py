@@ -24,7 +24,7 @@ def from_numpy(model, routine, rows, parameters):
 
 
 def from_c(model, routine, rows, parameters, size):
-    library = compiled_model(model)
+    library = compiled_model(model, jacobians=routine.startswith("jacobian_"))
     function = getattr(library, f"{model}_{routine}")
     results = np.full((rows.shape[1], size), np.nan)
     for point, row in zip(np.ascontiguousarray(rows.T), results, strict=True):
