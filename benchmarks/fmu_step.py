@@ -15,8 +15,8 @@ from tirefmu.fmu.binaries import FLAGS
 from tirefmu.fmu.build import contents, fmi_headers
 from tirefmu.symbolic import model as book_of
 from tirefmu.tires import Tire
-from tirefmu.tires.compiler import FLAGS as COMPILER_FLAGS
-from tirefmu.tires.compiler import find_compiler
+from tirefmu.tires.code.compiler import FLAGS as COMPILER_FLAGS
+from tirefmu.tires.code.compiler import find_compiler
 
 
 def generic(model: str, effects: set[str]) -> Tire:

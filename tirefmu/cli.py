@@ -300,7 +300,7 @@ def check(
 @common
 def info(tire: Path, every: bool, quiet: bool, json_file: Path | None) -> int:
     """Tell what is in TIRE: model, ranges, effects, coefficients, what is missing, what looks implausible."""
-    from tirefmu.tires.tir import read_tir_with_notes
+    from tirefmu.tires.property_file.reading import read_tir_with_notes
 
     from .description import describe
 

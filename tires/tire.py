@@ -375,7 +375,7 @@ class Tire:
         ----------
         path : str or Path
         """
-        from .tir import write_tir  # the file format knows the tire, not the tire the format
+        from .property_file.writing import write_tir  # the file format knows the tire, not the tire the format
 
         write_tir(self, path)
 

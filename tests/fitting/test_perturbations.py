@@ -17,7 +17,8 @@ import pytest
 from tirefmu.diagnosis import diagnose
 from tirefmu.fitting import fit, influence, problem
 from tirefmu.measurements import Noise, Recording, read_recording
-from tirefmu.tires import batch, code
+from tirefmu.tires import code
+from tirefmu.tires.code import kernel
 
 from ..diagnosis.suite import make_case
 
@@ -40,7 +41,7 @@ def features():
 def kernels(machine):
     """Build the kernels for another instruction set."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(batch, "FLAGS", batch.flags(machine))
+        patch.setattr(kernel, "FLAGS", kernel.flags(machine))
         code._code_for.cache_clear()
         yield
     code._code_for.cache_clear()

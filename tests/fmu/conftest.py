@@ -15,7 +15,7 @@ from tirefmu.fmu.build import export
 from tirefmu.fmu.simulation import loaded
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import TABLE_OUTPUTS, Tire, published
-from tirefmu.tires.compiler import CompilerError, find_compiler
+from tirefmu.tires.code.compiler import CompilerError, find_compiler
 
 OK, DISCARD, ERROR = 0, 2, 3
 

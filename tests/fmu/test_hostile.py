@@ -19,7 +19,7 @@ from tirefmu.cli import main
 from tirefmu.fmu import check, simulation
 from tirefmu.fmu.binaries import binary_path
 from tirefmu.symbolic.errors import FmuError
-from tirefmu.tires.tir import tir_text
+from tirefmu.tires.property_file.writing import tir_text
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="the hostile FMU is written for POSIX systems")
 

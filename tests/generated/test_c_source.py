@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import tirefmu.generated
-from tirefmu.tires.compiler import CompilerError, find_compiler
+from tirefmu.tires.code.compiler import CompilerError, find_compiler
 
 FOLDER = Path(tirefmu.generated.__file__).parent / "c"
 HEADERS = sorted(path.stem for path in FOLDER.glob("*.h"))

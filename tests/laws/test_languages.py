@@ -10,7 +10,7 @@ import pytest
 
 from tirefmu.symbolic import MODELS
 from tirefmu.tires.code import code_for
-from tirefmu.tires.compiler import compiled_model
+from tirefmu.tires.code.compiler import compiled_model
 
 ROUTINES = ("quantities", "forces", "slip_stiffnesses", "jacobian_inputs", "jacobian_parameters")
 

@@ -21,7 +21,7 @@ from tirefmu.symbolic import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
 from tirefmu.tires.drawing import draw
-from tirefmu.tires.tir import read_tir
+from tirefmu.tires.property_file.reading import read_tir
 
 SIZE = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3}
 LOAD_EXPONENTS = {"NSTIFF": 0.7, "NMU": -0.12, "NPATCH": 0.6}

@@ -23,7 +23,8 @@ from tirefmu.symbolic.verification import verify
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
 from tirefmu.tires.drawing import draw
-from tirefmu.tires.tir import not_given, read_tir
+from tirefmu.tires.property_file.names import not_given
+from tirefmu.tires.property_file.reading import read_tir
 
 ROOT = Path(__file__).parents[2]
 VALUES = {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.3, "UMAX": 1.2, "USOFT": -0.2, "CLONG": 2.5e4, "CSIDE": 1.8e4}

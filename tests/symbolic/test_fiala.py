@@ -18,7 +18,8 @@ from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
 from tirefmu.tires.drawing import draw
-from tirefmu.tires.tir import not_given, read_tir, read_tir_with_notes
+from tirefmu.tires.property_file.names import not_given
+from tirefmu.tires.property_file.reading import read_tir, read_tir_with_notes
 
 LOAD = 3000.0
 VALUES = {

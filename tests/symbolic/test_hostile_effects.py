@@ -20,7 +20,7 @@ from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.notation import Chapter, Coefficient, Section
 from tirefmu.symbolic.printers.generate import render_model
 from tirefmu.symbolic.quantities import BEYOND
-from tirefmu.tires.compiler import CompilerError, find_compiler
+from tirefmu.tires.code.compiler import CompilerError, find_compiler
 
 from .hostile import NASTY, hostile_texts
 

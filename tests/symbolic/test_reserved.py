@@ -15,8 +15,8 @@ from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.printers.c import INCLUDES
 from tirefmu.symbolic.reserved import LONGEST_NAME, no_coefficient, no_effect
-from tirefmu.tires.compiler import CompilerError, find_compiler
-from tirefmu.tires.tir_names import OWN_SECTIONS
+from tirefmu.tires.code.compiler import CompilerError, find_compiler
+from tirefmu.tires.property_file.names import OWN_SECTIONS
 
 
 @pytest.mark.parametrize("name", "PI NAN INFINITY N_INPUTS LANES BLOCK I DBL_MAX MF61_N_INPUTS FOR NUL COM1".split())  # noqa: SIM905

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tirefmu.symbolic import MODELS
-from tirefmu.tires import batch, code
-from tirefmu.tires.batch import BLOCK
-from tirefmu.tires.code import MANY_ROWS, code_for, fastest_code
-from tirefmu.tires.compiler import CompilerError
+from tirefmu.tires import code
+from tirefmu.tires.code import MANY_ROWS, code_for, fastest_code, kernel
+from tirefmu.tires.code.compiler import CompilerError
+from tirefmu.tires.code.kernel import BLOCK
 
 #: Rounding of what a force is made of, as a share of the largest force.
 ROUNDING = 1e-12
@@ -156,9 +156,9 @@ def test_the_fastest_code(monkeypatch):
 
 def test_flags_that_the_compiler_refuses_are_left_out(monkeypatch, tmp_path, parameters, model):
     monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path))
-    monkeypatch.setattr(batch, "FLAGS", (("-no-such-flag-as-this",), batch.FUSED))
-    kernel = batch.Kernel(MODELS[model], "forces", len(MODELS[model].outputs))
+    monkeypatch.setattr(kernel, "FLAGS", (("-no-such-flag-as-this",), kernel.FUSED))
+    built = kernel.Kernel(MODELS[model], "forces", len(MODELS[model].outputs))
     rows = rows_of(model, 70)
-    results, undone = kernel(rows, parameters)
+    results, undone = built(rows, parameters)
     assert not undone.any()
     assert_same(model, results, code_for(model, "numpy").forces(rows, parameters))

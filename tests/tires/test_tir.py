@@ -13,10 +13,12 @@ from hypothesis import strategies as st
 
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError
-from tirefmu.tires import PUBLISHED, Tire, published, read_tir, tir_reading, write_tir
+from tirefmu.tires import PUBLISHED, Tire, published, read_tir, write_tir
 from tirefmu.tires import tir_text as form
-from tirefmu.tires.tir import not_given, read_tir_with_notes, tir_text
-from tirefmu.tires.tir_names import MOST_SEARCHED
+from tirefmu.tires.property_file import reading
+from tirefmu.tires.property_file.names import MOST_SEARCHED, not_given
+from tirefmu.tires.property_file.reading import read_tir_with_notes
+from tirefmu.tires.property_file.writing import tir_text
 from tirefmu.tires.tire import RANGES
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -281,7 +283,7 @@ def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("tirefmu.tires.tir_writing.os.replace", full)
+    monkeypatch.setattr("tirefmu.tires.property_file.writing.os.replace", full)
     with pytest.raises(TirError, match=r"tire\.tir: cannot be written \(No space left on device\)"):
         published("trento_hoosier").save(path)
     assert path.read_text(encoding="utf-8") == "the old one"
@@ -334,7 +336,7 @@ def test_each_key_is_looked_at_once(tmp_path, monkeypatch):
         steps.clear()
         text = BASE + "[OTHER]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(n))
         (tmp_path / "many.tir").write_text(text, encoding="ascii")
-        reader = tir_reading._Reader(tmp_path / "many.tir")
+        reader = reading._Reader(tmp_path / "many.tir")
         reader.left = Counted(reader.left)
         assert reader.reading().tire.values == published("trento_hoosier").in_signs("iso").values
         return len(steps)
@@ -345,7 +347,7 @@ def test_each_key_is_looked_at_once(tmp_path, monkeypatch):
 
 def test_similar_names_are_looked_for_a_limited_number_of_times(tmp_path, monkeypatch):
     searched = []
-    monkeypatch.setattr(tir_reading, "near_miss", lambda key, names: searched.append(key))
+    monkeypatch.setattr(reading, "near_miss", lambda key, names: searched.append(key))
     text = BASE + "[LATERAL_COEFFICIENTS]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(2 * MOST_SEARCHED))
     (tmp_path / "many.tir").write_text(text, encoding="ascii")
     reading = read_tir_with_notes(tmp_path / "many.tir")

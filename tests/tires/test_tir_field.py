@@ -11,7 +11,9 @@ import pytest
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError
 from tirefmu.tires import read_tir, write_tir
-from tirefmu.tires.tir import not_given, read_tir_with_notes, tir_text
+from tirefmu.tires.property_file.names import not_given
+from tirefmu.tires.property_file.reading import read_tir_with_notes
+from tirefmu.tires.property_file.writing import tir_text
 
 FILES = {"mf52": "MagicFormula52", "mf61": "MagicFormula61", "mf62": "MagicFormula62"}
 

@@ -7,7 +7,7 @@ from typing import overload
 
 from tirefmu.symbolic.errors import UnknownName
 
-from ..tir import read_tir
+from ..property_file.reading import read_tir
 from ..tire import Tire
 
 #: The published tires and the signs in which their source writes them.

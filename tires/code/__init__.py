@@ -15,9 +15,9 @@ from tirefmu.symbolic import model as model_of
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.model import Model
 
-from .batch import Kernel
 from .compiler import CompilerError, compiled_model
-from .printed import c_folder, casadi_module, numpy_module
+from .kernel import Kernel
+from .modules import c_folder, casadi_module, numpy_module
 
 FloatArray = npt.NDArray[np.float64]
 LANGUAGES = ("numpy", "c", "casadi", "batch")

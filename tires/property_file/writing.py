@@ -12,7 +12,8 @@ from tirefmu.symbolic.added import effect_text, library
 from tirefmu.symbolic.errors import TirError, path_from
 from tirefmu.symbolic.escaping import visible
 
-from .tir_names import (
+from ..tire import RANGES, Tire
+from .names import (
     ADDED,
     ASSUMED,
     HEADER,
@@ -24,8 +25,7 @@ from .tir_names import (
     not_given,
     written_sections,
 )
-from .tir_units import WRITTEN
-from .tire import RANGES, Tire
+from .units import WRITTEN
 
 
 def write_tir(tire: Tire, path: str | Path) -> None:

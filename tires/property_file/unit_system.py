@@ -9,9 +9,9 @@ from pathlib import Path
 from tirefmu.symbolic.errors import TirError, nearest
 from tirefmu.symbolic.escaping import quoted
 
-from .tir_names import IDLE_UNITS
-from .tir_text import Entry, unquoted
-from .tir_units import UNITS, factor_of, unit_factor
+from .names import IDLE_UNITS
+from .text import Entry, unquoted
+from .units import UNITS, factor_of, unit_factor
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from collections.abc import Collection, Iterable
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.model import Model
 
-from .tir_text import unquoted
-from .tire import Tire
+from ..tire import Tire
+from .text import unquoted
 
 #: Keys of the field that no model here reads and that have no unit.
 _PLAIN_KEYS = (

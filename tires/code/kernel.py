@@ -12,7 +12,7 @@ import numpy.typing as npt
 from tirefmu.symbolic.model import Model
 
 from .compiler import CompilerError, instruction_set, loaded_library, processor
-from .printed import c_folder
+from .modules import c_folder
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]

@@ -10,8 +10,8 @@ from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError, nearest
 from tirefmu.symbolic.escaping import excerpt, quoted
 
-from .tir_names import folded, model_by_coefficients
-from .tir_text import Entry, number_and_rest, unquoted
+from .names import folded, model_by_coefficients
+from .text import Entry, number_and_rest, unquoted
 
 
 def model_of(

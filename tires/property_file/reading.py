@@ -22,8 +22,9 @@ from tirefmu.symbolic.errors import TirefmuError, TirError, UnknownName, nearest
 from tirefmu.symbolic.escaping import excerpt, quoted
 from tirefmu.symbolic.model import INDISPENSABLE, Model
 
-from .tir_model import model_of
-from .tir_names import (
+from ..tire import RANGES, Tire
+from .model_identification import model_of
+from .names import (
     ADDED,
     ASSUMED,
     HEADER,
@@ -41,10 +42,9 @@ from .tir_names import (
     near_miss,
     unit_of,
 )
-from .tir_text import Entry, Row, number_and_rest, read_lines, unquoted, without_comment
-from .tir_unit_system import unit_system
-from .tir_units import unit_contradicts
-from .tire import RANGES, Tire
+from .text import Entry, Row, number_and_rest, read_lines, unquoted, without_comment
+from .unit_system import unit_system
+from .units import unit_contradicts
 
 #: Sections that only hold ``KEY = value``, beside those of the coefficients.
 _STRICT = ("UNITS", "MODEL", *OWN_SECTIONS)
