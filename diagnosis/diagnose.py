@@ -17,7 +17,8 @@ from tirefmu.symbolic import model as book_of
 from tirefmu.symbolic.added import AddedEffect, library
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires import TireLike, tire_from
-from tirefmu.tires.tire import RANGES, Tire
+from tirefmu.tires.definition import RANGES
+from tirefmu.tires.tire import Tire
 
 from .base import fit_base
 from .candidates import Candidate, candidates_for, varies

@@ -324,13 +324,13 @@ def draw(
     json_file: Path | None,
 ) -> int:  # fmt: skip
     """Draw TIRE: pure curves, surfaces of Fx and Fy over both slips, Fy against Fx; per load."""
-    from tirefmu.tires.drawing import draw as run
-    from tirefmu.tires.drawing import usual_loads
+    from tirefmu.tires.drawing.files import draw as run
+    from tirefmu.tires.drawing.tire_figures import default_loads
 
     terminal = Terminal(quiet)
     check_places(json_file, folder=output)
     loaded = tire_from(tire)
-    loads = usual_loads(loaded) if loads is None else loads
+    loads = default_loads(loaded) if loads is None else loads
     with terminal.working("drawing"):
         drawn = run(loaded, output, loads=loads, signs=signs, suffix=suffix)
     write_json(json_file, {"ok": True, "loads": list(loads), "signs": signs, "figures": [str(p) for p in drawn]})

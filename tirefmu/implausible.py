@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.tires import Tire
-from tirefmu.tires.tire import RANGES
+from tirefmu.tires.definition import RANGES
 
 #: From where on an end of an input's range is hard to believe, and what the number may be instead. These are
 #: judged here, not by the cards of the models that have coefficients for them.

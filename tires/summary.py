@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from tirefmu.symbolic.escaping import excerpt
 
+from .definition import TireDefinition
 from .notebook import html_details, html_summary, html_table
-
-if TYPE_CHECKING:
-    from .tire import Tire
 
 #: The longest name that a summary shows, in characters.
 LONGEST_NAME = 80
 
 
-def tire_text(tire: Tire) -> str:
+def tire_text(tire: TireDefinition) -> str:
     """Return what a tire is, in a few lines.
 
     Examples
@@ -44,7 +40,7 @@ def tire_text(tire: Tire) -> str:
     return "\n".join(lines)
 
 
-def tire_html(tire: Tire) -> str:
+def tire_html(tire: TireDefinition) -> str:
     """Return the same as HTML, with the coefficients that were given.
 
     Examples
@@ -59,7 +55,7 @@ def tire_html(tire: Tire) -> str:
     return html_summary(tire_text(tire), html_details(f"Coefficients ({tire.signs} signs)", table))
 
 
-def _nominal(tire: Tire) -> list[tuple[str, float, str]]:
+def _nominal(tire: TireDefinition) -> list[tuple[str, float, str]]:
     """Return name, value and unit of the nominal inputs that are not 0."""
     values = [(q.name, tire.nominal(q.name), "" if q.unit == "1" else q.unit) for q in tire.book.inputs]
     return [each for each in values if each[1] != 0.0]

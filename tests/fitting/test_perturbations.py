@@ -17,8 +17,7 @@ import pytest
 from tirefmu.diagnosis import diagnose
 from tirefmu.fitting import fit, influence, problem
 from tirefmu.measurements import Noise, Recording, read_recording
-from tirefmu.tires import code
-from tirefmu.tires.code import kernel
+from tirefmu.tires.code import kernel, selection
 
 from ..diagnosis.suite import make_case
 
@@ -42,9 +41,9 @@ def kernels(machine):
     """Build the kernels for another instruction set."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(kernel, "FLAGS", kernel.flags(machine))
-        code._code_for.cache_clear()
+        selection._code_for.cache_clear()
         yield
-    code._code_for.cache_clear()
+    selection._code_for.cache_clear()
 
 
 @contextmanager

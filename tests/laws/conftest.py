@@ -9,7 +9,7 @@ import pytest
 
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import Tire
-from tirefmu.tires.tire import RANGES
+from tirefmu.tires.definition import RANGES
 
 #: What a body, its ranges and its nominal conditions are like; a tenth of the way to a bound would be no tire.
 BODY = ("MODEL", "DIMENSION", "OPERATING_CONDITIONS", "VERTICAL", "STRUCTURAL", "CONTACT_PATCH")

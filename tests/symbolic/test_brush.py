@@ -20,7 +20,7 @@ from tirefmu.measurements import Recording
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
-from tirefmu.tires.drawing import draw
+from tirefmu.tires.drawing.files import draw
 from tirefmu.tires.property_file.reading import read_tir
 
 SIZE = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3}

@@ -22,7 +22,7 @@ from tirefmu.symbolic.errors import ModelError
 from tirefmu.symbolic.verification import verify
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
-from tirefmu.tires.drawing import draw
+from tirefmu.tires.drawing.files import draw
 from tirefmu.tires.property_file.names import not_given
 from tirefmu.tires.property_file.reading import read_tir
 

@@ -17,7 +17,7 @@ from tirefmu.generated.casadi import fiala as casadi_fiala
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
-from tirefmu.tires.drawing import draw
+from tirefmu.tires.drawing.files import draw
 from tirefmu.tires.property_file.names import not_given
 from tirefmu.tires.property_file.reading import read_tir, read_tir_with_notes
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from tirefmu.symbolic import MODELS
-from tirefmu.tires import code
-from tirefmu.tires.code import MANY_ROWS, code_for, fastest_code, kernel
+from tirefmu.tires.code import MANY_ROWS, code_for, fastest_code, kernel, numpy_code, selection
 from tirefmu.tires.code.compiler import CompilerError
 from tirefmu.tires.code.kernel import BLOCK
 
@@ -137,7 +136,7 @@ def test_threads_change_nothing(model, parameters):
 def test_numpy_in_chunks_is_numpy(model, parameters, monkeypatch):
     rows = rows_of(model, 100)
     whole = code_for(model, "numpy").forces(rows, parameters)
-    monkeypatch.setattr(code, "CHUNK", 7)
+    monkeypatch.setattr(numpy_code, "CHUNK", 7)
     np.testing.assert_array_equal(code_for(model, "numpy").forces(rows, parameters), whole)
 
 
@@ -148,10 +147,10 @@ def test_the_fastest_code(monkeypatch):
     def none(*arguments):
         raise CompilerError("no C compiler found")
 
-    monkeypatch.setattr(code, "_BatchCode", none)
-    code._code_for.cache_clear()
+    monkeypatch.setattr(selection, "batch_code", none)
+    selection._code_for.cache_clear()
     assert fastest_code("mf96", MANY_ROWS) is code_for("mf96", "numpy")
-    code._code_for.cache_clear()
+    selection._code_for.cache_clear()
 
 
 def test_flags_that_the_compiler_refuses_are_left_out(monkeypatch, tmp_path, parameters, model):

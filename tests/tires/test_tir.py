@@ -14,12 +14,12 @@ from hypothesis import strategies as st
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError
 from tirefmu.tires import PUBLISHED, Tire, published, read_tir, write_tir
-from tirefmu.tires import tir_text as form
+from tirefmu.tires.definition import RANGES
 from tirefmu.tires.property_file import reading
+from tirefmu.tires.property_file import text as form
 from tirefmu.tires.property_file.names import MOST_SEARCHED, not_given
 from tirefmu.tires.property_file.reading import read_tir_with_notes
 from tirefmu.tires.property_file.writing import tir_text
-from tirefmu.tires.tire import RANGES
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 positive = st.floats(1e-3, 1e6)
@@ -350,6 +350,6 @@ def test_similar_names_are_looked_for_a_limited_number_of_times(tmp_path, monkey
     monkeypatch.setattr(reading, "near_miss", lambda key, names: searched.append(key))
     text = BASE + "[LATERAL_COEFFICIENTS]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(2 * MOST_SEARCHED))
     (tmp_path / "many.tir").write_text(text, encoding="ascii")
-    reading = read_tir_with_notes(tmp_path / "many.tir")
+    result = read_tir_with_notes(tmp_path / "many.tir")
     assert len(searched) == MOST_SEARCHED
-    assert sum("no similar coefficients are looked for" in note for note in reading.notes) == 1
+    assert sum("no similar coefficients are looked for" in note for note in result.notes) == 1

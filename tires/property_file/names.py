@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.model import Model
 
-from ..tire import Tire
+from ..definition import TireDefinition
 from .text import unquoted
 
 #: Keys of the field that no model here reads and that have no unit.
@@ -178,12 +178,12 @@ def written_sections(book: Model) -> tuple[str, ...]:
     return tuple(dict.fromkeys(titles))
 
 
-def not_given(tire: Tire) -> tuple[str, ...]:
+def not_given(tire: TireDefinition) -> tuple[str, ...]:
     """Return the coefficients that nobody gave: at their default, or as the field's readers assume them.
 
     Parameters
     ----------
-    tire : Tire
+    tire : TireDefinition
         Read from a file, or made from values.
 
     Returns
@@ -193,6 +193,7 @@ def not_given(tire: Tire) -> tuple[str, ...]:
 
     Examples
     --------
+    >>> from tirefmu.tires import Tire
     >>> not_given(Tire("mf96", {name: 1.0 for name in MODELS["mf96"].coefficients if name != "PKY2"}))
     ('PKY2',)
     """

@@ -22,7 +22,8 @@ from tirefmu.symbolic.errors import TirefmuError, TirError, UnknownName, nearest
 from tirefmu.symbolic.escaping import excerpt, quoted
 from tirefmu.symbolic.model import INDISPENSABLE, Model
 
-from ..tire import RANGES, Tire
+from ..definition import RANGES
+from ..tire import Tire
 from .model_identification import model_of
 from .names import (
     ADDED,

@@ -12,7 +12,7 @@ from tirefmu.symbolic.added import effect_text, library
 from tirefmu.symbolic.errors import TirError, path_from
 from tirefmu.symbolic.escaping import visible
 
-from ..tire import RANGES, Tire
+from ..definition import RANGES, TireDefinition
 from .names import (
     ADDED,
     ASSUMED,
@@ -28,12 +28,12 @@ from .names import (
 from .units import WRITTEN
 
 
-def write_tir(tire: Tire, path: str | Path) -> None:
+def write_tir(tire: TireDefinition, path: str | Path) -> None:
     """Write a tire as a .tir file: complete or not at all.
 
     Parameters
     ----------
-    tire : Tire
+    tire : TireDefinition
         Written in ISO-W, whatever its own signs.
     path : str or Path
 
@@ -53,12 +53,12 @@ def write_tir(tire: Tire, path: str | Path) -> None:
         raise TirError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
-def tir_text(tire: Tire) -> str:
+def tir_text(tire: TireDefinition) -> str:
     """Return the text of a tire's .tir file.
 
     Parameters
     ----------
-    tire : Tire
+    tire : TireDefinition
 
     Returns
     -------
@@ -88,7 +88,7 @@ def tir_text(tire: Tire) -> str:
     return "\n".join(lines[not lines[0] :]) + "\n"
 
 
-def _own_lines(tire: Tire) -> Iterable[tuple[str, str, str]]:
+def _own_lines(tire: TireDefinition) -> Iterable[tuple[str, str, str]]:
     """Yield section, key and line of all that the field's readers look for."""
     book = tire.book
     yield from (("MDI_HEADER", key, f"{key} = {value}") for key, value in HEADER.items())
@@ -114,7 +114,7 @@ def _own_lines(tire: Tire) -> Iterable[tuple[str, str, str]]:
                 yield title, key, f"{key} = {bound!r}"
 
 
-def _only_here(tire: Tire) -> list[str]:
+def _only_here(tire: TireDefinition) -> list[str]:
     """Return the lines of what a .tir file cannot say otherwise."""
     own = {"TIREFMU_MODEL": f"'{tire.model}'", "NAME": _quoted(tire.name)}
     absent = [effect for name, effect in tire.book.effects.items() if name not in tire.has]
