@@ -135,8 +135,8 @@ class TireDefinition:
         Parameters
         ----------
         **options : str
-            Conventions by name (`tirefmu.symbolic.options`), the default where left out; those that the model
-            does not have are left aside.
+            Conventions by name (`tirefmu.symbolic.options`), the default where absent; those that the model
+            does not have are ignored.
 
         Returns
         -------
@@ -156,8 +156,8 @@ class TireDefinition:
                 raise UnknownName("option", name, OPTIONS)
             if value not in OPTIONS[name].values:
                 raise UnknownName(f"value of {name}", value, OPTIONS[name].values)
-        places = [option.values.index(chosen.get(option.name, option.values[0])) for option in self.book.options]
-        return np.array([*values, *places], dtype=np.float64)
+        indices = [option.values.index(chosen.get(option.name, option.values[0])) for option in self.book.options]
+        return np.array([*values, *indices], dtype=np.float64)
 
     def in_signs(self, signs: str) -> Self:
         """Return the same tire written in another convention.
@@ -212,9 +212,9 @@ class TireDefinition:
         return changed
 
     def nominal(self, name: str) -> float:
-        """Return the value of an input that nobody gave."""
+        """Return the value of an input that is not given."""
         (quantity,) = (quantity for quantity in self.book.inputs if quantity.name == name)
-        if isinstance(quantity.nominal, str):  # a formula may read T without a card for its reference
+        if isinstance(quantity.nominal, str):  # a formula may read T without a coefficient for its reference
             return self.values.get(quantity.nominal, quantity.typical)
         return quantity.nominal
 
@@ -225,7 +225,7 @@ class TireDefinition:
 
     def asked(self, rows: FloatArray) -> FloatArray:
         """Return the rows of inputs without what would ask for an effect that the tire has not."""
-        silent = [place for effect, place in self.book.on_demand if effect not in self.has]
+        silent = [name for effect, name in self.book.on_demand if effect not in self.has]
         return np.where(np.isin(self.inputs, silent)[:, None], 0.0, rows) if silent else rows
 
 

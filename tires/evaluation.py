@@ -23,7 +23,7 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Conventions:
-    """How a table is written and how the lines are read; `Tire.evaluate` says what each means."""
+    """Conventions of a table and of the evaluation; `Tire.evaluate` documents each."""
 
     signs: str = "iso"
     convention: str = "tno"
@@ -41,7 +41,7 @@ class Conventions:
 
     @property
     def options(self) -> dict[str, str]:
-        """What the lines leave open."""
+        """The options of the lines, by name."""
         return {
             "convention": self.convention,
             "slip_angle": self.slip_angle,
@@ -115,7 +115,7 @@ def _code(book: Model, language: str, n_rows: int) -> Code:
 def _inputs(
     tire: TireDefinition, table: pd.DataFrame, conventions: Conventions
 ) -> tuple[dict[str, pd.Series[float]], FloatArray]:
-    """Return the model's inputs by name, and as rows: finite, and what the tire has no effect for left out."""
+    """Return the model's inputs by name, and as finite rows without inputs that request an absent effect."""
     given = convert_signs(table, conventions.signs, conventions.formula)
     if "distance" in tire.inputs and "distance" not in given and {"t", "V"} <= set(given):
         t, speed = _finite(given["t"], "t"), _finite(given["V"], "V")
@@ -126,7 +126,7 @@ def _inputs(
     if conventions.limits and not in_the_lines:
         bounds = np.array([tire.ranges.get(name, (-np.inf, np.inf)) for name in tire.inputs])
         load = tire.inputs.index("Fz")
-        lifted = rows[load] <= 0  # and stays so
+        lifted = rows[load] <= 0  # and remains so when clipped
         rows = np.clip(rows, bounds[:, :1], bounds[:, 1:])
         rows[load, lifted] = 0.0
     return columns, rows
@@ -140,7 +140,7 @@ def _acting(
     conventions: Conventions,
     code: Code,
 ) -> tuple[FloatArray, dict[str, FloatArray]]:
-    """Return the inputs that act, slips lagging behind where the tire has that, and the lagged slips by name."""
+    """Return the acting inputs, with lagged slips where the tire has relaxation, and these slips by name."""
     if "t" not in table or conventions.steady or not tire.lags:
         return rows, {}
     t = _finite(table["t"], "t")

@@ -49,8 +49,8 @@ def tire_html(tire: TireDefinition) -> str:
     >>> "<td>PDY1</td>" in tire_html(published("trento_hoosier"))
     True
     """
-    given = [card for name, card in tire.book.coefficients.items() if name not in tire.defaulted]
-    rows = [(card.name, tire.values[card.name], card.unit, card.description) for card in given]
+    given = [each for name, each in tire.book.coefficients.items() if name not in tire.defaulted]
+    rows = [(each.name, tire.values[each.name], each.unit, each.description) for each in given]
     table = html_table(["coefficient", "value", "unit", "description"], rows)
     return html_summary(tire_text(tire), html_details(f"Coefficients ({tire.signs} signs)", table))
 

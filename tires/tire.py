@@ -28,8 +28,8 @@ class Tire(TireDefinition):
     model : str
         Name of the model, such as "mf96".
     values : mapping of str to float
-        Coefficients by .tir name in SI units; those left out take the model's default in these signs
-        (`defaulted` lists them). FNOMIN and UNLOADED_RADIUS cannot be left out.
+        Coefficients by .tir name in SI units; missing ones take the model's default in these signs
+        (`defaulted` lists them). FNOMIN and UNLOADED_RADIUS are required.
     effects : collection of str, optional
         The effects that the tire has; all of the model where None. Coefficients that only an absent effect
         reads are set to neutral.
@@ -42,12 +42,12 @@ class Tire(TireDefinition):
         The inputs' range in which the tire is known, by input name. Where the model has coefficients for a
         range (KPUMIN, KPUMAX, ...) the two are one.
     side : str
-        The side of the vehicle that the coefficients stand for, TYRESIDE of the file: "left", "right" or "".
+        The side of the vehicle to which the coefficients apply, TYRESIDE of the file: "left", "right" or "".
         It changes nothing by itself; see `mirror` of `evaluate`.
     added : tuple of AddedEffect
         Effects beyond the book. Those of the library are added by their names in `effects`.
     kept : tuple of (str, str, str)
-        Section, key and text of what a file said beyond the model, written again when the tire is saved.
+        Section, key and text of a file's entries that the model does not use, written again when the tire is saved.
 
     Raises
     ------
@@ -74,7 +74,7 @@ class Tire(TireDefinition):
             a compiler.
         **inputs : array_like
             kappa (fraction), alpha, gamma (rad), Fz (N), p (Pa), V (m/s), phit (1/m), of shapes that
-            broadcast; one left out takes its nominal value, one that the model does not read has no
+            broadcast; a missing one takes its nominal value, one that the model does not read has no
             influence. The conventions of `evaluate` are at their defaults.
 
         Returns
@@ -108,7 +108,7 @@ class Tire(TireDefinition):
         ----------
         table : pandas.DataFrame, path or Recording
             Input columns in SI units, with the names of the public tables; an absent one takes the nominal
-            value, other columns are left aside. Files and recordings are checked as every command does; a
+            value, other columns are ignored. Files and recordings are checked as every command does; a
             DataFrame may hold any finite inputs.
         signs : {"iso", "adapted-sae", "sae"}, optional
             The table's convention; the result comes back in it. Where None: "iso" for a DataFrame, that of the

@@ -63,7 +63,7 @@ def test_an_entry_is_made_once(cache):
     assert content_of(first) == "content"
     assert names(cache) == ["entry"]
     assert names(first) == ["below", "other", RECORD]
-    assert cached("entry", make, anew=True) == first
+    assert cached("entry", make, rebuild=True) == first
     assert make.made == 2
 
 

@@ -337,7 +337,7 @@ def test_each_key_is_looked_at_once(tmp_path, monkeypatch):
         text = BASE + "[OTHER]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(n))
         (tmp_path / "many.tir").write_text(text, encoding="ascii")
         reader = reading._Reader(tmp_path / "many.tir")
-        reader.left = Counted(reader.left)
+        reader.unread = Counted(reader.unread)
         assert reader.reading().tire.values == published("trento_hoosier").in_signs("iso").values
         return len(steps)
 

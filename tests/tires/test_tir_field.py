@@ -149,7 +149,7 @@ def test_the_number_of_a_model(fittyp, model, tmp_path):
         ("USER", "PKY6 = -1", "mf61"),
         ("USER", "PHY3 = 0.1", "mf52"),
         ("USER", "Q_CAM3 = 0.1\nPKY6 = -1", "mf62"),
-        ("USER", None, "no FITTYP in [MODEL], and 'USER' does not tell the model"),
+        ("USER", None, "no FITTYP in [MODEL], and 'USER' does not identify the model"),
         ("TMEASY", None, "PROPERTY_FILE_FORMAT 'TMEASY' is not a model of this version: known are "),
         ("PAC2003", None, "did you mean PAC2002?"),
     ],

@@ -51,7 +51,7 @@ class Code(Protocol):
 
 
 def straight_rows(book: Model, inputs: FloatArray, parameters: FloatArray) -> npt.NDArray[np.bool_]:
-    """Tell in which rows nothing on demand acts and every option that matters there has its first value.
+    """Return the rows in which no effect on demand acts and every option that matters has its first value.
 
     Parameters
     ----------
@@ -63,13 +63,13 @@ def straight_rows(book: Model, inputs: FloatArray, parameters: FloatArray) -> np
     -------
     ndarray of bool, shape (n,)
     """
-    module = numpy_module(book)  # it knows without a walk through the lines
+    module = numpy_module(book)  # has the names without a pass over the lines
     chosen = dict(zip(module.PARAMETERS, parameters, strict=True))
     if any(chosen[name] != 0 for name in module.STRAIGHT_OPTIONS):
         return np.zeros(inputs.shape[1], dtype=np.bool_)
     names = [quantity.name for quantity in book.inputs]
-    asked = [names.index(name) for _, name in book.on_demand]
-    return np.asarray((inputs[asked] == 0).all(axis=0), dtype=np.bool_)
+    requesting = [names.index(name) for _, name in book.on_demand]
+    return np.asarray((inputs[requesting] == 0).all(axis=0), dtype=np.bool_)
 
 
 def jacobian_entries_of(module: ModuleType) -> npt.NDArray[np.intp]:

@@ -1,4 +1,4 @@
-"""The code of a model: what lies in generated/, or printed once and stored by content.
+"""The code of a model: committed in generated/, or printed once and stored by content.
 
 Printed are models with effects beyond the book, which have the same routines under the same names as their base, and
 models of which generated/ has nothing, such as one that a program has registered by itself.
@@ -69,7 +69,7 @@ def _module(book: Model, language: str) -> ModuleType:
     module = _loaded(folder, language, book.name)
 
     def jacobian(routine: str) -> Any:
-        """Take the place of the module's own ``__getattr__``, which imports by a package: a printed model has none."""
+        """Replace the module's own ``__getattr__``, which imports from a package: a printed model has none."""
         if not routine.startswith("jacobian_"):
             raise AttributeError(f"module {module.__name__!r} has no attribute {routine!r}")
         checked = printed_folder.__wrapped__(book)  # again: time has passed since the module was loaded
@@ -110,9 +110,9 @@ def printed_folder(book: Model) -> Path:
     Raises
     ------
     ModelError
-        If the model does not keep what it declares.
+        If the model violates its declarations.
     TirefmuError
-        If it can be written nowhere.
+        If it cannot be written.
     """
     manifest = (files("tirefmu.generated") / "MANIFEST.json").read_bytes()
     content = "\0".join(effect_text(effect) for effect in book.added)

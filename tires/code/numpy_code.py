@@ -63,7 +63,7 @@ class _NumpyCode:
         return np.concatenate([self._chunk(routine, inputs[:, i : i + CHUNK], parameters) for i in starts], axis=1)
 
     def _chunk(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
-        # Far outside a tire's range a line may divide by zero; the NaN or infinity in its row says so.
+        # Far outside a tire's range a line may divide by zero; the row then has NaN or infinity.
         with np.errstate(all="ignore"):
             results = getattr(self._module, routine)(inputs, parameters)
         values = [value for row in results for value in row] if isinstance(results[0], tuple) else results

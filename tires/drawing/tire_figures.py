@@ -189,7 +189,7 @@ def _checked(loads: Sequence[float]) -> tuple[float, ...]:
             raise TirefmuError(f"load {load:g} N: a load is above 0")
     if not loads:
         raise TirefmuError("no load to draw the tire at")
-    # To the digits of the files' names, which tell them apart.
+    # Rounded to the digits of the file names, which distinguish them.
     return tuple(dict.fromkeys(float(f"{load:g}") for load in sorted(loads)))
 
 
@@ -218,7 +218,7 @@ def _left_out(sketch: Sketch) -> list[str]:
 
 
 def _shared_legend(figure: Figure, ax: Axes, title: str) -> None:
-    """Put one legend for all axes beside them."""
+    """Add one legend for all axes."""
     handles, labels = ax.get_legend_handles_labels()
     figure.legend(handles, labels, title=title, loc="outside right center", fontsize=9, frameon=False)
 
