@@ -10,7 +10,7 @@ from pathlib import Path
 
 from .. import MODELS
 from ..model import Model
-from ..verification import verify
+from ..model.verification import verify
 from .batch import batch_sources
 from .c import c_header, c_sources
 from .operations import c_operations
@@ -52,7 +52,7 @@ def render_model(model: Model) -> dict[str, str]:
     Raises
     ------
     ModelError
-        If the model does not keep what it declares; see `tirefmu.symbolic.verification`.
+        If the model violates its declarations; see `tirefmu.symbolic.model.verification`.
 
     Examples
     --------
@@ -130,7 +130,7 @@ def difference(folder: Path) -> str:
 
 
 def _text(path: Path) -> str | None:
-    """Return the text as it lies on disk, line ends included, or None."""
+    """Return the text on disk, line ends included, or None."""
     return path.read_bytes().decode("utf-8") if path.is_file() else None
 
 
