@@ -122,7 +122,7 @@ class TireDefinition:
 
         Examples
         --------
-        >>> core = Tire("mf96", {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.3}, effects=())
+        >>> core = TireDefinition("mf96", {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.3}, effects=())
         >>> core.rescaled
         {'PKY1': 500000.0}
         """

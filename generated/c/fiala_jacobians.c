@@ -12,7 +12,7 @@ static inline double square(double x) { return x*x; }
 
 static inline double cube(double x) { return x*x*x; }
 
-/* No branches, which nobody could predict; NaN stays NaN (the second operand of a comparison that fails). */
+/* No branches, which are unpredictable here; NaN stays NaN (the second operand of a comparison that fails). */
 static inline double sgn(double x)
 {
     const double y = x*1e300*1e300, above = -1.0 > y ? -1.0 : y;
@@ -46,7 +46,7 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 
-/* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define ROUNDING 6755399441055744.0
 
 /* Up to here a multiple of pi/2 is taken off exactly. */
@@ -87,7 +87,7 @@ void fiala_jacobian_inputs(const double inputs[], const double parameters[], dou
     const double ROLLING_RESISTANCE = parameters[FIALA_ROLLING_RESISTANCE];
     const double SIGNS = parameters[FIALA_SIGNS];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
     const double tan_alpha = fast_tan(alpha); /* [tirefmu] tangent of the side slip angle */
@@ -192,7 +192,7 @@ void fiala_jacobian_parameters(const double inputs[], const double parameters[],
     const double UMAX = parameters[FIALA_UMAX];
     const double SIGNS = parameters[FIALA_SIGNS];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
     const double tan_alpha = fast_tan(alpha); /* [tirefmu] tangent of the side slip angle */

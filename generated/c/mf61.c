@@ -18,7 +18,7 @@ static inline double fourth(double x) { return (x*x)*(x*x); }
 
 static inline double cubed_sqrt(double x) { return x*sqrt(x); }
 
-/* No branches, which nobody could predict; NaN stays NaN (the second operand of a comparison that fails). */
+/* No branches, which are unpredictable here; NaN stays NaN (the second operand of a comparison that fails). */
 static inline double sgn(double x)
 {
     const double y = x*1e300*1e300, above = -1.0 > y ? -1.0 : y;
@@ -58,7 +58,7 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 
-/* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define ROUNDING 6755399441055744.0
 
 /* Up to here a multiple of pi/2 is taken off exactly. */
@@ -400,8 +400,8 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double SIGNS = parameters[MF61_SIGNS];
 
     /* Inputs */
-    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] what low speed leaves of kappa and phit */
-    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] what low speed leaves of the shifts, the trail and the residual moment */
+    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
+    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
     const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha) : phit); /* [MFeval] turn slip, within limits */
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
     const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha*speed_sum/VXLOW : alpha) : alpha); /* [MFeval] slip angle, faded out at low speed */
@@ -447,18 +447,18 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double R_e = R_omega - sink; /* [P 7] effective rolling radius */
 
     /* Turn slip */
-    const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] what camber is worth as spin */
+    const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
     const double V_spin = (VXLOW > fabs(V) ? VXLOW*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
     const double phi = (phit_in + omega*(1.0 - eps_gamma)*fast_sin(gamma_in)/V_spin)*(CONVENTION > 0.5 ? 1.0 : -1.0); /* [4.76] spin by path curvature and camber */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
     const double zeta_0 = (phit_in == 0.0 ? 1.0 : 0.0); /* [4.83] camber acts through its spin */
     const double B_xphi = PDXP1*(1.0 + PDXP2*dfz)/sqrt(1.0 + square(PDXP3)*square(kappa_in)); /* [4.106] fall of D_x with spin */
-    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] what spin leaves of D_x */
+    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
     const double B_yphi = PDYP1*(1.0 + PDYP2*dfz)/sqrt(1.0 + square(PDYP3)*square(tan_alpha)); /* [4.78] fall of D_y with spin */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] what spin leaves of D_y */
-    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] what spin leaves of the cornering stiffness */
-    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] what spin leaves of the trail */
-    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] what spin leaves of B_r */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
+    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
+    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
 
     /* Longitudinal force, pure slip */
     const double S_Hx = LHX*fade_smooth*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
@@ -530,7 +530,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
     const double G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - fast_atan(G_xa0_u)); /* [4.1] B x bent by E */
     const double G_xa0_w = C_xalpha*fast_atan(G_xa0_v); /* [4.1] angle of the Magic Formula */
-    const double G_xa = fast_cos(G_xa_w)/fast_cos(G_xa0_w); /* [4.E51] what side slip leaves of Fx */
+    const double G_xa = fast_cos(G_xa_w)/fast_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
     const double S_Hyk = RHY1 + RHY2*dfz; /* [4.E65] shift of G_yk */
     const double E_ykappa = (LIMITS > 0.5 ? (REY1 + REY2*dfz > 1.0 ? 1.0 : REY1 + REY2*dfz) : REY1 + REY2*dfz); /* [4.E64] curvature of G_yk */
     const double C_ykappa = RCY1; /* [4.E63] shape of G_yk */
@@ -541,7 +541,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double G_yk0_u = B_ykappa*S_Hyk; /* [4.1] B x */
     const double G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - fast_atan(G_yk0_u)); /* [4.1] B x bent by E */
     const double G_yk0_w = C_ykappa*fast_atan(G_yk0_v); /* [4.1] angle of the Magic Formula */
-    const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
     const double D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/sqrt(1.0 + square(RVY4)*square(alpha_star)); /* [4.E67] peak of S_Vyk */
     const double S_Vyk = D_Vyk*LVYKA*fade_smooth*fast_sin(RVY5*fast_atan(RVY6*kappa_in)); /* [4.E66] side force made by longitudinal slip */
     const double Fx = (Fz <= 0.0 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
@@ -564,7 +564,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double D_rphi = D_Drphi*fast_sin(QDRP1*fast_atan(B_Drphi*UNLOADED_RADIUS*phit_in)); /* [4.93] moment by spin */
     const double M_zphi90 = 2.0*G_yk*M_zphi_inf*fast_atan(QCRP2*UNLOADED_RADIUS*fabs(phit_in))/PI; /* [4.103] moment by spin at 90 deg of slip */
     const double D_rphi_size = (D_rphi == 0.0 ? 1.0 : (CONVENTION > 0.5 ? 1e-06 : 0.0) + fabs(D_rphi)); /* [4.104] size of the moment by spin; 1 where there is none */
-    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] what side slip leaves of the moment by spin */
+    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] reduction of the moment by spin with side slip */
     const double zeta_7_cosine_size = fabs(zeta_7_cosine); /* [4.104] its size */
     const double zeta_7_below_1 = (zeta_7_cosine_size >= 1.0 ? 0.0 : zeta_7_cosine); /* [4.104] the same where its size is below 1 */
     const double zeta_7_above_1 = (zeta_7_cosine_size > 1.0 ? zeta_7_cosine_size : 2.0); /* [4.104] its size where that is above 1 */
@@ -582,7 +582,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double M_zr0_spun = (zeta_7_cosine_size > 1.0 ? (CONVENTION > 0.5 ? 1.0 : 0.5*M_zr0_grown + 0.5/M_zr0_grown) : 1.0)*fast_cos(M_zr0_w*zeta_7); /* [4.E75] fall of the residual moment with turn slip */
     const double M_zr0 = D_r*cos_alpha*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_r)) : M_zr0_spun); /* [4.E36] residual moment in pure slip */
     const double M_z0 = M_zr0 - F_y0_00*trail_0; /* [4.E31] aligning moment in pure slip */
-    const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] slip angle that kappa is worth, squared */
+    const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double tan_alpha_teq = (CONVENTION > 0.5 ? alpha_t : fast_tan(alpha_t)); /* [4.E77] the same as a slip */
     const double slip_alpha_teq = sqrt(1e-60 + kappa_share + square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
     const double alpha_teq = (CONVENTION > 0.5 ? slip_alpha_teq : fast_atan(slip_alpha_teq))*sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
@@ -905,9 +905,9 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double LIMITS = parameters[MF61_LIMITS];
     const double SIGNS = parameters[MF61_SIGNS];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
-    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] what low speed leaves of kappa and phit */
-    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] what low speed leaves of the shifts, the trail and the residual moment */
+    /* Independent computations are next to each other; quantities has the book's order */
+    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
+    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
@@ -937,7 +937,7 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double R_omega_1 = UNLOADED_RADIUS*(Q_RE0 + Q_V1*square(UNLOADED_RADIUS)*square(omega_1)/square(LONGVL)); /* [P 1] free radius of the turning wheel */
     const double kappa_in = (LIMITS > 0.5 ? (KPUMAX < kappa_raised ? KPUMAX : kappa_raised) : kappa_raised); /* [MFeval] kappa, within limits */
     const double c_zn = VERTICAL_STIFFNESS*(1.0 + PFZ1*dpi); /* [P 5] vertical stiffness at this pressure */
-    const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] what camber is worth as spin */
+    const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
     const double B_xphi = PDXP1*(1.0 + PDXP2*dfz)/sqrt(1.0 + square(PDXP3)*square(kappa_in)); /* [4.106] fall of D_x with spin */
     const double K_xkappa = F_z_limited*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*square(dpi))*exp(PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
     const double K_ygamma0 = F_z_limited*LKYC*(1.0 + PPY5*dpi)*(PKY6 + PKY7*dfz); /* [4.E30] camber stiffness */
@@ -998,7 +998,7 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double mu_y_loaded = LMUY_star*(1.0 - PDY3*square(gamma_star))*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*square(dpi)); /* [4.E23] peak friction */
     const double mu_y_loaded_g0 = LMUY_star*(PDY1 + PDY2*dfz)*(1.0 + PPY3*dpi + PPY4*square(dpi)); /* [4.E23] peak friction */
     const double B_t = LKY*(QBZ1 + QBZ2*dfz + QBZ3*square(dfz))*(CONVENTION > 0.5 ? 1.0 + QBZ5*fabs(gamma_star) + QBZ6*square(gamma_star) : 1.0 + QBZ4*gamma_in + QBZ5*fabs(gamma_in))/LMUY_star; /* [4.E40] stiffness factor of the trail */
-    const double G_xa = fast_cos(G_xa_w)/fast_cos(G_xa0_w); /* [4.E51] what side slip leaves of Fx */
+    const double G_xa = fast_cos(G_xa_w)/fast_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
     const double G_yk_g0_w = RCY1*fast_atan(G_yk_g0_v); /* [4.1] angle of the Magic Formula */
     const double G_yk_g00_w = RCY1*fast_atan(G_yk_g00_v); /* [4.1] angle of the Magic Formula */
     const double mu_x = (F_z_limited <= 0.0 ? 0.0 : mu_x_loaded); /* [4.E13] peak friction; 0 off the ground, as MFeval prints it */
@@ -1008,14 +1008,14 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*sqrt(1e-60 + F_zm/F_z01)*fabs(mu_y_pressed); /* [4.95] moment of turning on the spot */
     const double E_t = (LIMITS > 0.5 ? ((1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)) > 1.0 ? 1.0 : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))) : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))); /* [4.E44] curvature factor of the trail */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
-    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] what spin leaves of D_x */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] what spin leaves of D_y */
-    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] what spin leaves of the cornering stiffness */
-    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] what spin leaves of the trail */
-    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] what spin leaves of B_r */
+    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
+    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
+    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
     const double G_yk_g0 = fast_cos(G_yk_g0_w)/fast_cos(G_yk_g00_w); /* [4.E74] G_yk without inclination */
     const double M_zphi_inf = (M_zphi_inf_signed <= 0.0 ? 1e-06 : M_zphi_inf_signed); /* [4.95] moment of turning on the spot, above 0 */
-    const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
     const double D_Drphi = M_zphi_inf/fast_sin(0.5*PI*QDRP1); /* [4.94] peak of the moment by spin */
     const double D_x = F_z_limited*mu_x*zeta_1; /* [4.E12] peak factor */
     const double S_Vx = F_z_limited*LMUX_shift*LVX*fade_smooth*zeta_1*(PVX1 + PVX2*dfz); /* [4.E18] vertical shift */
@@ -1043,12 +1043,12 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double B_Hyphi = K_ygamma0/(K_Hyphi*(1.0 - eps_gamma)); /* [4.88] shift by spin, stiffness */
     const double K_yalpha1 = K_yalpha + 1e-06*sgn1(K_yalpha); /* [4.E39] cornering stiffness, not 0 */
     const double B_y = K_yalpha/(1e-06*sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */
-    const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] slip angle that kappa is worth, squared */
+    const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double D_rphi_size = (D_rphi == 0.0 ? 1.0 : (CONVENTION > 0.5 ? 1e-06 : 0.0) + fabs(D_rphi)); /* [4.104] size of the moment by spin; 1 where there is none */
     const double zeta_8 = (phit_in == 0.0 ? 1.0 : 1.0 + D_rphi); /* [4.92] moment by spin */
     const double Fx = (Fz <= 0.0 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
     const double B_r = zeta_6*(B_y*C_y*QBZ10 + LKY*QBZ9/LMUY_star); /* [4.E45] stiffness factor of the residual moment */
-    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] what side slip leaves of the moment by spin */
+    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] reduction of the moment by spin with side slip */
     const double D_r = -1.0 + zeta_8 + F_zm*LMUY_star*UNLOADED_RADIUS*(LRES*zeta_2*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*zeta_0*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*fabs(gamma_star)))*fast_cos(alpha_star)*sgn(V); /* [4.E47] peak factor of the residual moment */
     const double M_y_speed = QSY1 + QSY3*fabs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
     const double S_Hyphi_u = B_Hyphi*R_0_phi; /* [4.1] B x */
@@ -1308,9 +1308,9 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double LIMITS = parameters[MF61_LIMITS];
     const double SIGNS = parameters[MF61_SIGNS];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
-    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] what low speed leaves of kappa and phit */
-    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] what low speed leaves of the shifts, the trail and the residual moment */
+    /* Independent computations are next to each other; quantities has the book's order */
+    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
+    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
@@ -1446,7 +1446,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double D_r_part3 = QDZ8 + QDZ9*dfz;
     const double D_r_part4 = QDZ10 + QDZ11*dfz;
     const double sink_part1 = 1.0/c_zn;
-    const double eps_gamma = PECP1*eps_gamma_part1; /* [4.90] what camber is worth as spin */
+    const double eps_gamma = PECP1*eps_gamma_part1; /* [4.90] equivalent spin of camber */
     const double B_xphi_part1 = 1.0 + square(PDXP3)*square(kappa_in);
     const double K_xkappa_part4 = exp(K_xkappa_part3);
     const double K_ygamma0 = F_z_limited*K_ygamma0_part1*K_ygamma0_part2*LKYC; /* [4.E30] camber stiffness */
@@ -1587,11 +1587,11 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double G_xa0_w = C_xalpha*G_xa0_w_part1; /* [4.1] angle of the Magic Formula */
     const double LMUX_shift = (CONVENTION > 0.5 ? 10.0*LMUX_star/(1.0 + 9.0*LMUX_star) : LMUX_star); /* [4.E8] friction scale of the shifts of Fx */
     const double LMUY_shift = (CONVENTION > 0.5 ? 10.0*LMUY_star/(1.0 + 9.0*LMUY_star) : LMUY_star); /* [4.E8] friction scale of the shifts of Fy */
-    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] what spin leaves of D_x */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] what spin leaves of D_y */
-    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] what spin leaves of the cornering stiffness */
-    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] what spin leaves of the trail */
-    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] what spin leaves of B_r */
+    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
+    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
+    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
     const double mu_x_loaded = LMUX_star*mu_x_loaded_part1*mu_x_loaded_part2*mu_x_loaded_part3; /* [4.E13] peak friction */
     const double mu_y_loaded = LMUY_star*mu_y_loaded_part1*mu_y_loaded_part2*mu_y_loaded_part3; /* [4.E23] peak friction */
     const double mu_y_loaded_g0 = LMUY_star*mu_y_loaded_g0_part1*mu_y_loaded_g0_part2; /* [4.E23] peak friction */
@@ -1670,8 +1670,8 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double B_y_part3 = 1.0/B_y_part2;
     const double B_y_g0_part3 = 1.0/B_y_g0_part2;
     const double B_x = B_x_part3*K_xkappa; /* [4.E16] stiffness factor */
-    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] what side slip leaves of Fx */
-    const double kappa_share = square(K_xkappa)*square(kappa_in)*square(kappa_share_part1); /* [4.E77] slip angle that kappa is worth, squared */
+    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] weighting of Fx by side slip */
+    const double kappa_share = square(K_xkappa)*square(kappa_in)*square(kappa_share_part1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
     const double F_x0_v_part1 = fast_atan(F_x0_u);
     const double B_Hyphi = B_Hyphi_part1*B_Hyphi_part3*K_ygamma0; /* [4.88] shift by spin, stiffness */
@@ -1708,7 +1708,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double D_r = -1.0 + zeta_8 + D_r_part7*D_r_part8*D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS; /* [4.E47] peak factor of the residual moment */
     const double slip_alpha_teq = slip_alpha_teq_part2; /* [4.E77] size of the equivalent slip */
     const double alpha_teq_part1 = fast_atan(slip_alpha_teq);
-    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] weighting of Fy by longitudinal slip */
     const double G_yk_g0 = G_yk_g0_part2*G_yk_g0_part3; /* [4.E74] G_yk without inclination */
     const double M_zphi90 = 2.0*G_yk*M_zphi90_part3*M_zphi_inf/PI; /* [4.103] moment by spin at 90 deg of slip */
     const double F_y1_part1 = (CONVENTION > 0.5 ? G_yk_g0 : G_yk);
@@ -1716,7 +1716,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double F_x0_part1 = fast_sin(F_x0_w);
     const double S_Hyphi_w = PHYP1*S_Hyphi_w_part1; /* [4.1] angle of the Magic Formula */
     const double S_Hyphi_part2 = fast_sin(S_Hyphi_w);
-    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] what side slip leaves of the moment by spin */
+    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] reduction of the moment by spin with side slip */
     const double alpha_teq_part2 = (CONVENTION > 0.5 ? slip_alpha_teq : alpha_teq_part1);
     const double zeta_7_cosine_size = fabs(zeta_7_cosine); /* [4.104] its size */
     const double zeta_7_beyond_1 = (zeta_7_cosine > 0.0 ? 0.0 : 2.0); /* [4.104] zeta_7 where the size is above 1: its real part */
@@ -2546,8 +2546,8 @@ static void relaxation_general(const double inputs[], const double parameters[],
     const double SLIP_ANGLE = parameters[MF61_SLIP_ANGLE];
     const double LIMITS = parameters[MF61_LIMITS];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
-    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] what low speed leaves of kappa and phit */
+    /* Independent computations are next to each other; quantities has the book's order */
+    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
@@ -2563,7 +2563,7 @@ static void relaxation_general(const double inputs[], const double parameters[],
     const double phit_in = (LIMITS > 0.5 ? fade*phit*(V < 0.0 ? -1.0 : 1.0)*fast_cos(alpha) : phit); /* [MFeval] turn slip, within limits */
     const double R_omega_1 = UNLOADED_RADIUS*(Q_RE0 + Q_V1*square(UNLOADED_RADIUS)*square(omega_1)/square(LONGVL)); /* [P 1] free radius of the turning wheel */
     const double c_zn = VERTICAL_STIFFNESS*(1.0 + PFZ1*dpi); /* [P 5] vertical stiffness at this pressure */
-    const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] what camber is worth as spin */
+    const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
     const double K_xkappa = F_z_limited*LKX*(PKX1 + PKX2*dfz)*(1.0 + PPX1*dpi + PPX2*square(dpi))*exp(PKX3*dfz); /* [4.E15] longitudinal slip stiffness */
     const double c_x = LONGITUDINAL_STIFFNESS*(1.0 + PCFX3*dpi)*(1.0 + PCFX1*dfz + PCFX2*square(dfz)); /* [P 17] longitudinal stiffness of the standing tire */
     const double c_y = LATERAL_STIFFNESS*(1.0 + PCFY3*dpi)*(1.0 + PCFY1*dfz + PCFY2*square(dfz)); /* [P 18] lateral stiffness of the standing tire */
@@ -2583,7 +2583,7 @@ static void relaxation_general(const double inputs[], const double parameters[],
     const double omega = V*(1.0 + kappa)/R_e_2; /* [2.5] wheel speed */
     const double phi = (phit_in + omega*(1.0 - eps_gamma)*fast_sin(gamma_in)/V_spin)*(CONVENTION > 0.5 ? 1.0 : -1.0); /* [4.76] spin by path curvature and camber */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
-    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] what spin leaves of the cornering stiffness */
+    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
     const double K_yalpha = F_z01*LKY*PKY1*zeta_3*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star))*fast_sin(PKY4*fast_atan(F_z_limited/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*square(gamma_star))))); /* [4.E25] cornering stiffness */
     const double sigma_y = fabs(K_yalpha/c_y); /* [P 19] lateral relaxation length */
     const double sigma_alpha = SIGK*sigma_y + SIGY*(1.0 + SIGC*dfz); /* [tirefmu] relaxation length that acts on tan(alpha) */
@@ -2757,7 +2757,7 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double SSZ3 = parameters[MF61_SSZ3];
     const double SSZ4 = parameters[MF61_SSZ4];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
@@ -2838,15 +2838,15 @@ void mf61_forces_straight(const double inputs[], const double parameters[], doub
     const double K_yalpha1 = K_yalpha + 1e-06*sgn1(K_yalpha); /* [4.E39] cornering stiffness, not 0 */
     const double B_y = K_yalpha/(1e-06*sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */
     const double S_Hy = LHY*(PHY1 + PHY2*dfz) + (-S_Vygamma + K_ygamma0*gamma_star)/K_yalpha1; /* [4.E27] horizontal shift */
-    const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha1); /* [4.E77] slip angle that kappa is worth, squared */
-    const double G_xa = fast_cos(G_xa_w)/fast_cos(G_xa0_w); /* [4.E51] what side slip leaves of Fx */
+    const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
+    const double G_xa = fast_cos(G_xa_w)/fast_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
     const double B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
     const double alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
     const double alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
     const double E_y = LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y)); /* [4.E24] curvature factor */
     const double F_y0_u = B_y*alpha_y; /* [4.1] B x */
     const double F_y0_g0_w = C_y_g0*fast_atan(F_y0_g0_v); /* [4.1] angle of the Magic Formula */
-    const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
     const double tan_alpha_req = fast_tan(alpha_r); /* [4.E78] the same as a slip */
     const double F_y0_v = F_y0_u - E_y*(F_y0_u - fast_atan(F_y0_u)); /* [4.1] B x bent by E */
     const double slip_alpha_teq = sqrt(1e-60 + kappa_share + square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
@@ -3038,7 +3038,7 @@ void mf61_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double SSZ3 = parameters[MF61_SSZ3];
     const double SSZ4 = parameters[MF61_SSZ4];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi_part1 = 1.0/NOMPRES;
@@ -3282,7 +3282,7 @@ void mf61_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double F_y0_g0_v = F_y0_g0_u - E_y_g0*F_y0_g0_v_part2; /* [4.1] B x bent by E */
     const double S_Hy = LHY*S_Hy_part1 + S_Hy_part2*S_Hy_part3; /* [4.E27] horizontal shift */
     const double F_y0_g0_w_part1 = fast_atan(F_y0_g0_v);
-    const double kappa_share = square(K_xkappa)*square(kappa)*square(kappa_share_part1); /* [4.E77] slip angle that kappa is worth, squared */
+    const double kappa_share = square(K_xkappa)*square(kappa)*square(kappa_share_part1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
     const double alpha_r = S_Hy + alpha_star + S_Vy*alpha_r_part1; /* [4.E37] slip angle of the residual moment */
     const double E_y_part3 = sgn1(alpha_y);
@@ -3297,7 +3297,7 @@ void mf61_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double G_yk0_w = C_ykappa*G_yk0_w_part1; /* [4.1] angle of the Magic Formula */
     const double F_x0 = F_x0_part2*F_x0_part3; /* [4.E9] longitudinal force in pure slip */
     const double E_y = E_y_part1*E_y_part4*LEY; /* [4.E24] curvature factor */
-    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] what side slip leaves of Fx */
+    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] weighting of Fx by side slip */
     const double G_yk_part1 = fast_cos(G_yk0_w);
     const double G_yk_part3 = fast_cos(G_yk_w);
     const double Fx_part1 = F_x0*G_xa;
@@ -3319,7 +3319,7 @@ void mf61_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double F_y0_g0_part2 = S_Vy_g0 + D_y_g0*F_y0_g0_part1;
     const double alpha_teq_part1 = fast_atan(slip_alpha_teq);
     const double F_y0_g0 = F_y0_g0_part2*F_y0_g0_part3; /* [4.E19] side force in pure slip */
-    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] weighting of Fy by longitudinal slip */
     const double slip_alpha_req = slip_alpha_req_part2; /* [4.E78] size of the equivalent slip */
     const double F_y1 = F_y0_g0*G_yk; /* [4.E74] side force that the trail carries */
     const double alpha_req_part1 = fast_atan(slip_alpha_req);
@@ -3637,7 +3637,7 @@ void mf61_relaxation_straight(const double inputs[], const double parameters[], 
     const double SIGC = parameters[MF61_SIGC];
     const double SIGK = parameters[MF61_SIGK];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */

@@ -18,7 +18,7 @@ static inline double fourth(double x) { return (x*x)*(x*x); }
 
 static inline double cubed_sqrt(double x) { return x*sqrt(x); }
 
-/* No branches, which nobody could predict; NaN stays NaN (the second operand of a comparison that fails). */
+/* No branches, which are unpredictable here; NaN stays NaN (the second operand of a comparison that fails). */
 static inline double sgn(double x)
 {
     const double y = x*1e300*1e300, above = -1.0 > y ? -1.0 : y;
@@ -58,7 +58,7 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 
-/* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define ROUNDING 6755399441055744.0
 
 /* Up to here a multiple of pi/2 is taken off exactly. */
@@ -402,9 +402,9 @@ static void jacobian_inputs_general(const double inputs[], const double paramete
     const double LIMITS = parameters[MF61_LIMITS];
     const double SIGNS = parameters[MF61_SIGNS];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
-    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] what low speed leaves of kappa and phit */
-    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] what low speed leaves of the shifts, the trail and the residual moment */
+    /* Independent computations are next to each other; quantities has the book's order */
+    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
+    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
@@ -540,7 +540,7 @@ static void jacobian_inputs_general(const double inputs[], const double paramete
     const double D_r_part3 = QDZ8 + QDZ9*dfz;
     const double D_r_part4 = QDZ10 + QDZ11*dfz;
     const double sink_part1 = 1.0/c_zn;
-    const double eps_gamma = PECP1*eps_gamma_part1; /* [4.90] what camber is worth as spin */
+    const double eps_gamma = PECP1*eps_gamma_part1; /* [4.90] equivalent spin of camber */
     const double B_xphi_part1 = 1.0 + square(PDXP3)*square(kappa_in);
     const double K_xkappa_part4 = exp(K_xkappa_part3);
     const double K_ygamma0 = F_z_limited*K_ygamma0_part1*K_ygamma0_part2*LKYC; /* [4.E30] camber stiffness */
@@ -681,11 +681,11 @@ static void jacobian_inputs_general(const double inputs[], const double paramete
     const double G_xa0_w = C_xalpha*G_xa0_w_part1; /* [4.1] angle of the Magic Formula */
     const double LMUX_shift = (CONVENTION > 0.5 ? 10.0*LMUX_star/(1.0 + 9.0*LMUX_star) : LMUX_star); /* [4.E8] friction scale of the shifts of Fx */
     const double LMUY_shift = (CONVENTION > 0.5 ? 10.0*LMUY_star/(1.0 + 9.0*LMUY_star) : LMUY_star); /* [4.E8] friction scale of the shifts of Fy */
-    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] what spin leaves of D_x */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] what spin leaves of D_y */
-    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] what spin leaves of the cornering stiffness */
-    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] what spin leaves of the trail */
-    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] what spin leaves of B_r */
+    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
+    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
+    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
     const double mu_x_loaded = LMUX_star*mu_x_loaded_part1*mu_x_loaded_part2*mu_x_loaded_part3; /* [4.E13] peak friction */
     const double mu_y_loaded = LMUY_star*mu_y_loaded_part1*mu_y_loaded_part2*mu_y_loaded_part3; /* [4.E23] peak friction */
     const double mu_y_loaded_g0 = LMUY_star*mu_y_loaded_g0_part1*mu_y_loaded_g0_part2; /* [4.E23] peak friction */
@@ -764,8 +764,8 @@ static void jacobian_inputs_general(const double inputs[], const double paramete
     const double B_y_part3 = 1.0/B_y_part2;
     const double B_y_g0_part3 = 1.0/B_y_g0_part2;
     const double B_x = B_x_part3*K_xkappa; /* [4.E16] stiffness factor */
-    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] what side slip leaves of Fx */
-    const double kappa_share = square(K_xkappa)*square(kappa_in)*square(kappa_share_part1); /* [4.E77] slip angle that kappa is worth, squared */
+    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] weighting of Fx by side slip */
+    const double kappa_share = square(K_xkappa)*square(kappa_in)*square(kappa_share_part1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
     const double F_x0_v_part1 = fast_atan(F_x0_u);
     const double B_Hyphi = B_Hyphi_part1*B_Hyphi_part3*K_ygamma0; /* [4.88] shift by spin, stiffness */
@@ -802,7 +802,7 @@ static void jacobian_inputs_general(const double inputs[], const double paramete
     const double D_r = -1.0 + zeta_8 + D_r_part7*D_r_part8*D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS; /* [4.E47] peak factor of the residual moment */
     const double slip_alpha_teq = slip_alpha_teq_part2; /* [4.E77] size of the equivalent slip */
     const double alpha_teq_part1 = fast_atan(slip_alpha_teq);
-    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] weighting of Fy by longitudinal slip */
     const double G_yk_g0 = G_yk_g0_part2*G_yk_g0_part3; /* [4.E74] G_yk without inclination */
     const double M_zphi90 = 2.0*G_yk*M_zphi90_part3*M_zphi_inf/PI; /* [4.103] moment by spin at 90 deg of slip */
     const double F_y1_part1 = (CONVENTION > 0.5 ? G_yk_g0 : G_yk);
@@ -810,7 +810,7 @@ static void jacobian_inputs_general(const double inputs[], const double paramete
     const double F_x0_part1 = fast_sin(F_x0_w);
     const double S_Hyphi_w = PHYP1*S_Hyphi_w_part1; /* [4.1] angle of the Magic Formula */
     const double S_Hyphi_part2 = fast_sin(S_Hyphi_w);
-    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] what side slip leaves of the moment by spin */
+    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] reduction of the moment by spin with side slip */
     const double alpha_teq_part2 = (CONVENTION > 0.5 ? slip_alpha_teq : alpha_teq_part1);
     const double zeta_7_cosine_size = fabs(zeta_7_cosine); /* [4.104] its size */
     const double zeta_7_beyond_1 = (zeta_7_cosine > 0.0 ? 0.0 : 2.0); /* [4.104] zeta_7 where the size is above 1: its real part */
@@ -2375,9 +2375,9 @@ static void jacobian_parameters_general(const double inputs[], const double para
     const double LIMITS = parameters[MF61_LIMITS];
     const double SIGNS = parameters[MF61_SIGNS];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
-    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] what low speed leaves of kappa and phit */
-    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] what low speed leaves of the shifts, the trail and the residual moment */
+    /* Independent computations are next to each other; quantities has the book's order */
+    const double fade = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? fabs(V)/VXLOW : 1.0) : 1.0); /* [MFeval] reduction of kappa and phit at low speed */
+    const double fade_smooth = (LIMITS > 0.5 ? (VXLOW >= fabs(V) ? 0.5 - 0.5*fast_cos(PI*V/VXLOW) : 1.0) : 1.0); /* [MFeval] reduction of the shifts, the trail and the residual moment at low speed */
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
@@ -2513,7 +2513,7 @@ static void jacobian_parameters_general(const double inputs[], const double para
     const double D_r_part3 = QDZ8 + QDZ9*dfz;
     const double D_r_part4 = QDZ10 + QDZ11*dfz;
     const double sink_part1 = 1.0/c_zn;
-    const double eps_gamma = PECP1*eps_gamma_part1; /* [4.90] what camber is worth as spin */
+    const double eps_gamma = PECP1*eps_gamma_part1; /* [4.90] equivalent spin of camber */
     const double B_xphi_part1 = 1.0 + square(PDXP3)*square(kappa_in);
     const double K_xkappa_part4 = exp(K_xkappa_part3);
     const double K_ygamma0 = F_z_limited*K_ygamma0_part1*K_ygamma0_part2*LKYC; /* [4.E30] camber stiffness */
@@ -2654,11 +2654,11 @@ static void jacobian_parameters_general(const double inputs[], const double para
     const double G_xa0_w = C_xalpha*G_xa0_w_part1; /* [4.1] angle of the Magic Formula */
     const double LMUX_shift = (CONVENTION > 0.5 ? 10.0*LMUX_star/(1.0 + 9.0*LMUX_star) : LMUX_star); /* [4.E8] friction scale of the shifts of Fx */
     const double LMUY_shift = (CONVENTION > 0.5 ? 10.0*LMUY_star/(1.0 + 9.0*LMUY_star) : LMUY_star); /* [4.E8] friction scale of the shifts of Fy */
-    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] what spin leaves of D_x */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] what spin leaves of D_y */
-    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] what spin leaves of the cornering stiffness */
-    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] what spin leaves of the trail */
-    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] what spin leaves of B_r */
+    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
+    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
+    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
     const double mu_x_loaded = LMUX_star*mu_x_loaded_part1*mu_x_loaded_part2*mu_x_loaded_part3; /* [4.E13] peak friction */
     const double mu_y_loaded = LMUY_star*mu_y_loaded_part1*mu_y_loaded_part2*mu_y_loaded_part3; /* [4.E23] peak friction */
     const double mu_y_loaded_g0 = LMUY_star*mu_y_loaded_g0_part1*mu_y_loaded_g0_part2; /* [4.E23] peak friction */
@@ -2737,8 +2737,8 @@ static void jacobian_parameters_general(const double inputs[], const double para
     const double B_y_part3 = 1.0/B_y_part2;
     const double B_y_g0_part3 = 1.0/B_y_g0_part2;
     const double B_x = B_x_part3*K_xkappa; /* [4.E16] stiffness factor */
-    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] what side slip leaves of Fx */
-    const double kappa_share = square(K_xkappa)*square(kappa_in)*square(kappa_share_part1); /* [4.E77] slip angle that kappa is worth, squared */
+    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] weighting of Fx by side slip */
+    const double kappa_share = square(K_xkappa)*square(kappa_in)*square(kappa_share_part1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
     const double F_x0_v_part1 = fast_atan(F_x0_u);
     const double B_Hyphi = B_Hyphi_part1*B_Hyphi_part3*K_ygamma0; /* [4.88] shift by spin, stiffness */
@@ -2775,7 +2775,7 @@ static void jacobian_parameters_general(const double inputs[], const double para
     const double D_r = -1.0 + zeta_8 + D_r_part7*D_r_part8*D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS; /* [4.E47] peak factor of the residual moment */
     const double slip_alpha_teq = slip_alpha_teq_part2; /* [4.E77] size of the equivalent slip */
     const double alpha_teq_part1 = fast_atan(slip_alpha_teq);
-    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] weighting of Fy by longitudinal slip */
     const double G_yk_g0 = G_yk_g0_part2*G_yk_g0_part3; /* [4.E74] G_yk without inclination */
     const double M_zphi90 = 2.0*G_yk*M_zphi90_part3*M_zphi_inf/PI; /* [4.103] moment by spin at 90 deg of slip */
     const double F_y1_part1 = (CONVENTION > 0.5 ? G_yk_g0 : G_yk);
@@ -2783,7 +2783,7 @@ static void jacobian_parameters_general(const double inputs[], const double para
     const double F_x0_part1 = fast_sin(F_x0_w);
     const double S_Hyphi_w = PHYP1*S_Hyphi_w_part1; /* [4.1] angle of the Magic Formula */
     const double S_Hyphi_part2 = fast_sin(S_Hyphi_w);
-    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] what side slip leaves of the moment by spin */
+    const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] reduction of the moment by spin with side slip */
     const double alpha_teq_part2 = (CONVENTION > 0.5 ? slip_alpha_teq : alpha_teq_part1);
     const double zeta_7_cosine_size = fabs(zeta_7_cosine); /* [4.104] its size */
     const double zeta_7_beyond_1 = (zeta_7_cosine > 0.0 ? 0.0 : 2.0); /* [4.104] zeta_7 where the size is above 1: its real part */
@@ -5630,7 +5630,7 @@ void mf61_jacobian_inputs_straight(const double inputs[], const double parameter
     const double SSZ3 = parameters[MF61_SSZ3];
     const double SSZ4 = parameters[MF61_SSZ4];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi_part1 = 1.0/NOMPRES;
@@ -5874,7 +5874,7 @@ void mf61_jacobian_inputs_straight(const double inputs[], const double parameter
     const double F_y0_g0_v = F_y0_g0_u - E_y_g0*F_y0_g0_v_part2; /* [4.1] B x bent by E */
     const double S_Hy = LHY*S_Hy_part1 + S_Hy_part2*S_Hy_part3; /* [4.E27] horizontal shift */
     const double F_y0_g0_w_part1 = fast_atan(F_y0_g0_v);
-    const double kappa_share = square(K_xkappa)*square(kappa)*square(kappa_share_part1); /* [4.E77] slip angle that kappa is worth, squared */
+    const double kappa_share = square(K_xkappa)*square(kappa)*square(kappa_share_part1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
     const double alpha_r = S_Hy + alpha_star + S_Vy*alpha_r_part1; /* [4.E37] slip angle of the residual moment */
     const double E_y_part3 = sgn1(alpha_y);
@@ -5889,7 +5889,7 @@ void mf61_jacobian_inputs_straight(const double inputs[], const double parameter
     const double G_yk0_w = C_ykappa*G_yk0_w_part1; /* [4.1] angle of the Magic Formula */
     const double F_x0 = F_x0_part2*F_x0_part3; /* [4.E9] longitudinal force in pure slip */
     const double E_y = E_y_part1*E_y_part4*LEY; /* [4.E24] curvature factor */
-    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] what side slip leaves of Fx */
+    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] weighting of Fx by side slip */
     const double G_yk_part1 = fast_cos(G_yk0_w);
     const double G_yk_part3 = fast_cos(G_yk_w);
     const double Fx_part1 = F_x0*G_xa;
@@ -5911,7 +5911,7 @@ void mf61_jacobian_inputs_straight(const double inputs[], const double parameter
     const double F_y0_g0_part2 = S_Vy_g0 + D_y_g0*F_y0_g0_part1;
     const double alpha_teq_part1 = fast_atan(slip_alpha_teq);
     const double F_y0_g0 = F_y0_g0_part2*F_y0_g0_part3; /* [4.E19] side force in pure slip */
-    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] weighting of Fy by longitudinal slip */
     const double slip_alpha_req = slip_alpha_req_part2; /* [4.E78] size of the equivalent slip */
     const double F_y1 = F_y0_g0*G_yk; /* [4.E74] side force that the trail carries */
     const double alpha_req_part1 = fast_atan(slip_alpha_req);
@@ -6764,7 +6764,7 @@ void mf61_jacobian_parameters_straight(const double inputs[], const double param
     const double SSZ3 = parameters[MF61_SSZ3];
     const double SSZ4 = parameters[MF61_SSZ4];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi_part1 = 1.0/NOMPRES;
@@ -7008,7 +7008,7 @@ void mf61_jacobian_parameters_straight(const double inputs[], const double param
     const double F_y0_g0_v = F_y0_g0_u - E_y_g0*F_y0_g0_v_part2; /* [4.1] B x bent by E */
     const double S_Hy = LHY*S_Hy_part1 + S_Hy_part2*S_Hy_part3; /* [4.E27] horizontal shift */
     const double F_y0_g0_w_part1 = fast_atan(F_y0_g0_v);
-    const double kappa_share = square(K_xkappa)*square(kappa)*square(kappa_share_part1); /* [4.E77] slip angle that kappa is worth, squared */
+    const double kappa_share = square(K_xkappa)*square(kappa)*square(kappa_share_part1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
     const double alpha_r = S_Hy + alpha_star + S_Vy*alpha_r_part1; /* [4.E37] slip angle of the residual moment */
     const double E_y_part3 = sgn1(alpha_y);
@@ -7023,7 +7023,7 @@ void mf61_jacobian_parameters_straight(const double inputs[], const double param
     const double G_yk0_w = C_ykappa*G_yk0_w_part1; /* [4.1] angle of the Magic Formula */
     const double F_x0 = F_x0_part2*F_x0_part3; /* [4.E9] longitudinal force in pure slip */
     const double E_y = E_y_part1*E_y_part4*LEY; /* [4.E24] curvature factor */
-    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] what side slip leaves of Fx */
+    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] weighting of Fx by side slip */
     const double G_yk_part1 = fast_cos(G_yk0_w);
     const double G_yk_part3 = fast_cos(G_yk_w);
     const double Fx_part1 = F_x0*G_xa;
@@ -7045,7 +7045,7 @@ void mf61_jacobian_parameters_straight(const double inputs[], const double param
     const double F_y0_g0_part2 = S_Vy_g0 + D_y_g0*F_y0_g0_part1;
     const double alpha_teq_part1 = fast_atan(slip_alpha_teq);
     const double F_y0_g0 = F_y0_g0_part2*F_y0_g0_part3; /* [4.E19] side force in pure slip */
-    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] weighting of Fy by longitudinal slip */
     const double slip_alpha_req = slip_alpha_req_part2; /* [4.E78] size of the equivalent slip */
     const double F_y1 = F_y0_g0*G_yk; /* [4.E74] side force that the trail carries */
     const double alpha_req_part1 = fast_atan(slip_alpha_req);

@@ -37,7 +37,7 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 
-/* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define ROUNDING 6755399441055744.0
 
 /* Up to here a multiple of pi/2 is taken off exactly. */
@@ -323,11 +323,11 @@ void mf96_quantities(const double inputs[], const double parameters[], double re
     const double B_xalpha = LXA*RBX1/sqrt(1.0 + square(RBX2)*square(kappa)); /* [4.E54] stiffness of G_xa */
     const double G_xa_w = RCX1*fast_atan(B_xalpha*(RHX1 + alpha)); /* [4.E51] angle of the weighting function */
     const double G_xa_w0 = RCX1*fast_atan(B_xalpha*RHX1); /* [4.E52] the same at zero slip */
-    const double G_xa = fast_cos(G_xa_w)/fast_cos(G_xa_w0); /* [4.E51] what side slip leaves of Fx */
+    const double G_xa = fast_cos(G_xa_w)/fast_cos(G_xa_w0); /* [4.E51] weighting of Fx by side slip */
     const double B_ykappa = LYK*RBY1/sqrt(1.0 + square(RBY2)*square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */
     const double G_yk_w = RCY1*fast_atan(B_ykappa*(RHY1 + kappa)); /* [4.E59] angle of the weighting function */
     const double G_yk_w0 = RCY1*fast_atan(B_ykappa*RHY1); /* [4.E60] the same at zero slip */
-    const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk_w0); /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk_w0); /* [4.E59] weighting of Fy by longitudinal slip */
     const double D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/sqrt(1.0 + square(RVY4)*square(alpha)); /* [4.E67] peak of S_Vyk */
     const double S_Vyk = D_Vyk*LVYK*fast_sin(RVY5*fast_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
     const double Fy = (Fz <= 1e-06 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
@@ -349,7 +349,7 @@ void mf96_quantities(const double inputs[], const double parameters[], double re
     const double trail_0 = D_t*fast_cos(alpha)*fast_cos(trail_0_w); /* [4.E33] trail in pure slip */
     const double M_zr0 = D_r*fast_cos(alpha)/sqrt(1.0 + square(B_r)*square(alpha_r)); /* [4.E36] residual moment in pure slip */
     const double M_z0 = M_zr0 - F_y0*trail_0; /* [4.E31] aligning moment in pure slip */
-    const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha); /* [4.E77] slip angle that kappa is worth, squared */
+    const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha); /* [4.E77] equivalent slip angle of kappa, squared */
     const double alpha_teq = alpha_t*sqrt(1.0 + kappa_share/(1e-06 + square(alpha_t))); /* [4.E77] equivalent slip of the trail */
     const double alpha_req = alpha_r*sqrt(1.0 + kappa_share/(1e-06 + square(alpha_r))); /* [4.E78] equivalent slip of the residual moment */
     const double trail_u = B_t*alpha_teq; /* [4.1] B x */
@@ -518,7 +518,7 @@ void mf96_forces(const double inputs[], const double parameters[], double result
     const double SSZ3 = parameters[MF96_SSZ3];
     const double SSZ4 = parameters[MF96_SSZ4];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
     const double F_z01 = FNOMIN*LFZ0; /* [4.E1] nominal load, scaled */
     const double gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
@@ -559,13 +559,13 @@ void mf96_forces(const double inputs[], const double parameters[], double result
     const double E_t = (1.0 + (QEZ4 + QEZ5*gamma_s)*fast_atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)); /* [4.E44] curvature factor of the trail */
     const double K_yalpha = F_z01*LFZ0*LKA*PKY1*(1.0 - PKY3*sign_gamma)*fast_sin(K_yalpha_w); /* [4.E25] cornering stiffness */
     const double F_x0_u = B_x*kappa_x; /* [4.1] B x */
-    const double G_xa = fast_cos(G_xa_w)/fast_cos(G_xa_w0); /* [4.E51] what side slip leaves of Fx */
-    const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk_w0); /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_xa = fast_cos(G_xa_w)/fast_cos(G_xa_w0); /* [4.E51] weighting of Fx by side slip */
+    const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk_w0); /* [4.E59] weighting of Fy by longitudinal slip */
     const double S_Vyk = D_Vyk*LVYK*fast_sin(RVY5*fast_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
     const double F_x0_v = F_x0_u - E_x*(F_x0_u - fast_atan(F_x0_u)); /* [4.1] B x bent by E */
     const double B_y = K_yalpha/(C_y*D_y); /* [4.E26] stiffness factor */
     const double S_Hf = S_Hy + S_Vy/K_yalpha; /* [4.E38] shift of the residual moment */
-    const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha); /* [4.E77] slip angle that kappa is worth, squared */
+    const double kappa_share = square(K_xkappa)*square(kappa)/square(K_yalpha); /* [4.E77] equivalent slip angle of kappa, squared */
     const double F_x0_w = C_x*fast_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
     const double alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
     const double F_y0_u = B_y*alpha_y; /* [4.1] B x */
@@ -699,7 +699,7 @@ void mf96_slip_stiffnesses(const double inputs[], const double parameters[], dou
     const double SSZ3 = parameters[MF96_SSZ3];
     const double SSZ4 = parameters[MF96_SSZ4];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
     const double F_z01 = FNOMIN*LFZ0; /* [4.E1] nominal load, scaled */
     const double gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
@@ -839,7 +839,7 @@ void mf96_slip_stiffnesses(const double inputs[], const double parameters[], dou
     const double G_yk_part1 = fast_cos(G_yk_w0);
     const double G_yk_part3 = fast_cos(G_yk_w);
     const double S_Hf = S_Hy + S_Hf_part1*S_Vy; /* [4.E38] shift of the residual moment */
-    const double kappa_share = square(K_xkappa)*square(kappa)*square(kappa_share_part1); /* [4.E77] slip angle that kappa is worth, squared */
+    const double kappa_share = square(K_xkappa)*square(kappa)*square(kappa_share_part1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
     const double alpha_req_part1 = 1e-06 + square(alpha_r);
     const double G_xa_part2 = 1.0/G_xa_part1;
@@ -850,10 +850,10 @@ void mf96_slip_stiffnesses(const double inputs[], const double parameters[], dou
     const double F_x0_part1 = fast_sin(F_x0_w);
     const double F_y0_v = F_y0_u - E_y*F_y0_v_part2; /* [4.1] B x bent by E */
     const double F_y0_w_part1 = fast_atan(F_y0_v);
-    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] what side slip leaves of Fx */
+    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] weighting of Fx by side slip */
     const double alpha_teq_part3 = 1.0 + alpha_teq_part2*kappa_share;
     const double alpha_req_part3 = 1.0 + alpha_req_part2*kappa_share;
-    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] weighting of Fy by longitudinal slip */
     const double alpha_teq_part4 = sqrt(alpha_teq_part3);
     const double alpha_req_part4 = sqrt(alpha_req_part3);
     const double alpha_teq = alpha_t*alpha_teq_part4; /* [4.E77] equivalent slip of the trail */

@@ -37,7 +37,7 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 
-/* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define ROUNDING 6755399441055744.0
 
 /* Up to here a multiple of pi/2 is taken off exactly. */
@@ -277,7 +277,7 @@ void mf96_jacobian_inputs(const double inputs[], const double parameters[], doub
     const double SSZ3 = parameters[MF96_SSZ3];
     const double SSZ4 = parameters[MF96_SSZ4];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
     const double F_z01 = FNOMIN*LFZ0; /* [4.E1] nominal load, scaled */
     const double gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
@@ -417,7 +417,7 @@ void mf96_jacobian_inputs(const double inputs[], const double parameters[], doub
     const double G_yk_part1 = fast_cos(G_yk_w0);
     const double G_yk_part3 = fast_cos(G_yk_w);
     const double S_Hf = S_Hy + S_Hf_part1*S_Vy; /* [4.E38] shift of the residual moment */
-    const double kappa_share = square(K_xkappa)*square(kappa)*square(kappa_share_part1); /* [4.E77] slip angle that kappa is worth, squared */
+    const double kappa_share = square(K_xkappa)*square(kappa)*square(kappa_share_part1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
     const double alpha_req_part1 = 1e-06 + square(alpha_r);
     const double G_xa_part2 = 1.0/G_xa_part1;
@@ -428,10 +428,10 @@ void mf96_jacobian_inputs(const double inputs[], const double parameters[], doub
     const double F_x0_part1 = fast_sin(F_x0_w);
     const double F_y0_v = F_y0_u - E_y*F_y0_v_part2; /* [4.1] B x bent by E */
     const double F_y0_w_part1 = fast_atan(F_y0_v);
-    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] what side slip leaves of Fx */
+    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] weighting of Fx by side slip */
     const double alpha_teq_part3 = 1.0 + alpha_teq_part2*kappa_share;
     const double alpha_req_part3 = 1.0 + alpha_req_part2*kappa_share;
-    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] weighting of Fy by longitudinal slip */
     const double alpha_teq_part4 = sqrt(alpha_teq_part3);
     const double alpha_req_part4 = sqrt(alpha_req_part3);
     const double alpha_teq = alpha_t*alpha_teq_part4; /* [4.E77] equivalent slip of the trail */
@@ -929,7 +929,7 @@ void mf96_jacobian_parameters(const double inputs[], const double parameters[], 
     const double SSZ3 = parameters[MF96_SSZ3];
     const double SSZ4 = parameters[MF96_SSZ4];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
     const double F_z01 = FNOMIN*LFZ0; /* [4.E1] nominal load, scaled */
     const double gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
@@ -1069,7 +1069,7 @@ void mf96_jacobian_parameters(const double inputs[], const double parameters[], 
     const double G_yk_part1 = fast_cos(G_yk_w0);
     const double G_yk_part3 = fast_cos(G_yk_w);
     const double S_Hf = S_Hy + S_Hf_part1*S_Vy; /* [4.E38] shift of the residual moment */
-    const double kappa_share = square(K_xkappa)*square(kappa)*square(kappa_share_part1); /* [4.E77] slip angle that kappa is worth, squared */
+    const double kappa_share = square(K_xkappa)*square(kappa)*square(kappa_share_part1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
     const double alpha_req_part1 = 1e-06 + square(alpha_r);
     const double G_xa_part2 = 1.0/G_xa_part1;
@@ -1080,10 +1080,10 @@ void mf96_jacobian_parameters(const double inputs[], const double parameters[], 
     const double F_x0_part1 = fast_sin(F_x0_w);
     const double F_y0_v = F_y0_u - E_y*F_y0_v_part2; /* [4.1] B x bent by E */
     const double F_y0_w_part1 = fast_atan(F_y0_v);
-    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] what side slip leaves of Fx */
+    const double G_xa = G_xa_part2*G_xa_part3; /* [4.E51] weighting of Fx by side slip */
     const double alpha_teq_part3 = 1.0 + alpha_teq_part2*kappa_share;
     const double alpha_req_part3 = 1.0 + alpha_req_part2*kappa_share;
-    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] what longitudinal slip leaves of Fy */
+    const double G_yk = G_yk_part2*G_yk_part3; /* [4.E59] weighting of Fy by longitudinal slip */
     const double alpha_teq_part4 = sqrt(alpha_teq_part3);
     const double alpha_req_part4 = sqrt(alpha_req_part3);
     const double alpha_teq = alpha_t*alpha_teq_part4; /* [4.E77] equivalent slip of the trail */

@@ -32,8 +32,8 @@ def jacobian_inputs(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Inputs
-    fade = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW >= ca.fabs(V), ca.fabs(V)/VXLOW, 1), 1)  # [MFeval] what low speed leaves of kappa and phit
-    fade_smooth = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW >= ca.fabs(V), 0.5 - 0.5*ca.cos(ca.pi*V/VXLOW), 1), 1)  # [MFeval] what low speed leaves of the shifts, the trail and the residual moment
+    fade = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW >= ca.fabs(V), ca.fabs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
+    fade_smooth = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW >= ca.fabs(V), 0.5 - 0.5*ca.cos(ca.pi*V/VXLOW), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
     phit_in = ca.if_else(LIMITS > 0.5, fade*phit*ca.if_else(V < 0, -1, 1)*ca.cos(alpha), phit)  # [MFeval] turn slip, within limits
     speed_sum = ca.if_else(LIMITS > 0.5, ca.fabs(V) + ca.fabs(V*ca.tan(alpha)), 1)  # [MFeval] rolling and sliding speed
     alpha_low = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW > speed_sum, alpha*speed_sum/VXLOW, alpha), alpha)  # [MFeval] slip angle, faded out at low speed
@@ -107,7 +107,7 @@ def jacobian_inputs(inputs, parameters):
 
     # Turn slip
     eps_gamma_part1 = 1 + PECP2*dfz
-    eps_gamma = PECP1*eps_gamma_part1  # [4.90] what camber is worth as spin
+    eps_gamma = PECP1*eps_gamma_part1  # [4.90] equivalent spin of camber
     V_spin_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
     V_spin_part2 = VXLOW*V_spin_part1
     V_spin = ca.if_else(VXLOW > ca.fabs(V), V_spin_part2, ca.if_else(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
@@ -124,16 +124,16 @@ def jacobian_inputs(inputs, parameters):
     B_xphi_part3 = 1/B_xphi_part2
     B_xphi_part4 = 1 + PDXP2*dfz
     B_xphi = B_xphi_part3*B_xphi_part4*PDXP1  # [4.106] fall of D_x with spin
-    zeta_1 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] what spin leaves of D_x
+    zeta_1 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi_part1 = 1 + PDYP3**2*tan_alpha**2
     B_yphi_part2 = ca.sqrt(B_yphi_part1)
     B_yphi_part3 = 1/B_yphi_part2
     B_yphi_part4 = 1 + PDYP2*dfz
     B_yphi = B_yphi_part3*B_yphi_part4*PDYP1  # [4.78] fall of D_y with spin
-    zeta_2 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] what spin leaves of D_y
-    zeta_3 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] what spin leaves of the cornering stiffness
-    zeta_5 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] what spin leaves of the trail
-    zeta_6 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] what spin leaves of B_r
+    zeta_2 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx_part1 = PHX1 + PHX2*dfz
@@ -252,7 +252,7 @@ def jacobian_inputs(inputs, parameters):
     G_xa_part1 = ca.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = ca.cos(G_xa_w)
-    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] weighting of Fx by side slip
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa_part1 = REY1 + REY2*dfz
     E_ykappa = ca.if_else(LIMITS > 0.5, ca.if_else(REY1 + REY2*dfz > 1, 1, REY1 + REY2*dfz), E_ykappa_part1)  # [4.E64] curvature of G_yk
@@ -279,7 +279,7 @@ def jacobian_inputs(inputs, parameters):
     G_yk_part1 = ca.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = ca.cos(G_yk_w)
-    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk_part1 = 1 + RVY4**2*alpha_star**2
     D_Vyk_part2 = ca.sqrt(D_Vyk_part1)
     D_Vyk_part3 = 1/D_Vyk_part2
@@ -354,7 +354,7 @@ def jacobian_inputs(inputs, parameters):
     M_zphi90_part3 = ca.atan(M_zphi90_part2)
     M_zphi90 = 2*G_yk*M_zphi90_part3*M_zphi_inf/ca.pi  # [4.103] moment by spin at 90 deg of slip
     D_rphi_size = ca.if_else(D_rphi == 0, 1, ca.if_else(CONVENTION > 0.5, 1e-06, 0) + ca.fabs(D_rphi))  # [4.104] size of the moment by spin; 1 where there is none
-    zeta_7_cosine = ca.if_else(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] what side slip leaves of the moment by spin
+    zeta_7_cosine = ca.if_else(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] reduction of the moment by spin with side slip
     zeta_7_cosine_size = ca.fabs(zeta_7_cosine)  # [4.104] its size
     zeta_7_below_1 = ca.if_else(zeta_7_cosine_size >= 1, 0, zeta_7_cosine)  # [4.104] the same where its size is below 1
     zeta_7_above_1 = ca.if_else(zeta_7_cosine_size > 1, zeta_7_cosine_size, 2)  # [4.104] its size where that is above 1
@@ -378,7 +378,7 @@ def jacobian_inputs(inputs, parameters):
     D_r_part9 = ca.sign(V)
     D_r = -1 + zeta_8 + D_r_part7*D_r_part8*D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
     kappa_share_part1 = 1/K_yalpha1
-    kappa_share = K_xkappa**2*kappa_in**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa_in**2*kappa_share_part1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = ca.if_else(CONVENTION > 0.5, alpha_t, ca.tan(alpha_t))  # [4.E77] the same as a slip
     slip_alpha_teq_part1 = 1e-60 + kappa_share + tan_alpha_teq**2
     slip_alpha_teq_part2 = ca.sqrt(slip_alpha_teq_part1)
@@ -1551,8 +1551,8 @@ def jacobian_parameters(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Inputs
-    fade = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW >= ca.fabs(V), ca.fabs(V)/VXLOW, 1), 1)  # [MFeval] what low speed leaves of kappa and phit
-    fade_smooth = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW >= ca.fabs(V), 0.5 - 0.5*ca.cos(ca.pi*V/VXLOW), 1), 1)  # [MFeval] what low speed leaves of the shifts, the trail and the residual moment
+    fade = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW >= ca.fabs(V), ca.fabs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
+    fade_smooth = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW >= ca.fabs(V), 0.5 - 0.5*ca.cos(ca.pi*V/VXLOW), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
     phit_in = ca.if_else(LIMITS > 0.5, fade*phit*ca.if_else(V < 0, -1, 1)*ca.cos(alpha), phit)  # [MFeval] turn slip, within limits
     speed_sum = ca.if_else(LIMITS > 0.5, ca.fabs(V) + ca.fabs(V*ca.tan(alpha)), 1)  # [MFeval] rolling and sliding speed
     alpha_low = ca.if_else(LIMITS > 0.5, ca.if_else(VXLOW > speed_sum, alpha*speed_sum/VXLOW, alpha), alpha)  # [MFeval] slip angle, faded out at low speed
@@ -1626,7 +1626,7 @@ def jacobian_parameters(inputs, parameters):
 
     # Turn slip
     eps_gamma_part1 = 1 + PECP2*dfz
-    eps_gamma = PECP1*eps_gamma_part1  # [4.90] what camber is worth as spin
+    eps_gamma = PECP1*eps_gamma_part1  # [4.90] equivalent spin of camber
     V_spin_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
     V_spin_part2 = VXLOW*V_spin_part1
     V_spin = ca.if_else(VXLOW > ca.fabs(V), V_spin_part2, ca.if_else(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
@@ -1643,16 +1643,16 @@ def jacobian_parameters(inputs, parameters):
     B_xphi_part3 = 1/B_xphi_part2
     B_xphi_part4 = 1 + PDXP2*dfz
     B_xphi = B_xphi_part3*B_xphi_part4*PDXP1  # [4.106] fall of D_x with spin
-    zeta_1 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] what spin leaves of D_x
+    zeta_1 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi_part1 = 1 + PDYP3**2*tan_alpha**2
     B_yphi_part2 = ca.sqrt(B_yphi_part1)
     B_yphi_part3 = 1/B_yphi_part2
     B_yphi_part4 = 1 + PDYP2*dfz
     B_yphi = B_yphi_part3*B_yphi_part4*PDYP1  # [4.78] fall of D_y with spin
-    zeta_2 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] what spin leaves of D_y
-    zeta_3 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] what spin leaves of the cornering stiffness
-    zeta_5 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] what spin leaves of the trail
-    zeta_6 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] what spin leaves of B_r
+    zeta_2 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx_part1 = PHX1 + PHX2*dfz
@@ -1771,7 +1771,7 @@ def jacobian_parameters(inputs, parameters):
     G_xa_part1 = ca.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = ca.cos(G_xa_w)
-    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] weighting of Fx by side slip
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa_part1 = REY1 + REY2*dfz
     E_ykappa = ca.if_else(LIMITS > 0.5, ca.if_else(REY1 + REY2*dfz > 1, 1, REY1 + REY2*dfz), E_ykappa_part1)  # [4.E64] curvature of G_yk
@@ -1798,7 +1798,7 @@ def jacobian_parameters(inputs, parameters):
     G_yk_part1 = ca.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = ca.cos(G_yk_w)
-    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk_part1 = 1 + RVY4**2*alpha_star**2
     D_Vyk_part2 = ca.sqrt(D_Vyk_part1)
     D_Vyk_part3 = 1/D_Vyk_part2
@@ -1873,7 +1873,7 @@ def jacobian_parameters(inputs, parameters):
     M_zphi90_part3 = ca.atan(M_zphi90_part2)
     M_zphi90 = 2*G_yk*M_zphi90_part3*M_zphi_inf/ca.pi  # [4.103] moment by spin at 90 deg of slip
     D_rphi_size = ca.if_else(D_rphi == 0, 1, ca.if_else(CONVENTION > 0.5, 1e-06, 0) + ca.fabs(D_rphi))  # [4.104] size of the moment by spin; 1 where there is none
-    zeta_7_cosine = ca.if_else(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] what side slip leaves of the moment by spin
+    zeta_7_cosine = ca.if_else(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] reduction of the moment by spin with side slip
     zeta_7_cosine_size = ca.fabs(zeta_7_cosine)  # [4.104] its size
     zeta_7_below_1 = ca.if_else(zeta_7_cosine_size >= 1, 0, zeta_7_cosine)  # [4.104] the same where its size is below 1
     zeta_7_above_1 = ca.if_else(zeta_7_cosine_size > 1, zeta_7_cosine_size, 2)  # [4.104] its size where that is above 1
@@ -1897,7 +1897,7 @@ def jacobian_parameters(inputs, parameters):
     D_r_part9 = ca.sign(V)
     D_r = -1 + zeta_8 + D_r_part7*D_r_part8*D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
     kappa_share_part1 = 1/K_yalpha1
-    kappa_share = K_xkappa**2*kappa_in**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa_in**2*kappa_share_part1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = ca.if_else(CONVENTION > 0.5, alpha_t, ca.tan(alpha_t))  # [4.E77] the same as a slip
     slip_alpha_teq_part1 = 1e-60 + kappa_share + tan_alpha_teq**2
     slip_alpha_teq_part2 = ca.sqrt(slip_alpha_teq_part1)
@@ -4933,7 +4933,7 @@ def jacobian_inputs_straight(inputs, parameters):
     G_xa_part1 = ca.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = ca.cos(G_xa_w)
-    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] weighting of Fx by side slip
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = REY1 + REY2*dfz  # [4.E64] curvature of G_yk
     C_ykappa = RCY1  # [4.E63] shape of G_yk
@@ -4959,7 +4959,7 @@ def jacobian_inputs_straight(inputs, parameters):
     G_yk_part1 = ca.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = ca.cos(G_yk_w)
-    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk_part1 = 1 + RVY4**2*alpha_star**2
     D_Vyk_part2 = ca.sqrt(D_Vyk_part1)
     D_Vyk_part3 = 1/D_Vyk_part2
@@ -5011,7 +5011,7 @@ def jacobian_inputs_straight(inputs, parameters):
     D_r_part9 = ca.sign(V)
     D_r = D_r_part7*D_r_part8*D_r_part9*F_z*LMUY*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
     kappa_share_part1 = 1/K_yalpha1
-    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = ca.tan(alpha_t)  # [4.E77] the same as a slip
     slip_alpha_teq_part1 = 1e-60 + kappa_share + tan_alpha_teq**2
     slip_alpha_teq_part2 = ca.sqrt(slip_alpha_teq_part1)
@@ -5813,7 +5813,7 @@ def jacobian_parameters_straight(inputs, parameters):
     G_xa_part1 = ca.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = ca.cos(G_xa_w)
-    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] weighting of Fx by side slip
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = REY1 + REY2*dfz  # [4.E64] curvature of G_yk
     C_ykappa = RCY1  # [4.E63] shape of G_yk
@@ -5839,7 +5839,7 @@ def jacobian_parameters_straight(inputs, parameters):
     G_yk_part1 = ca.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = ca.cos(G_yk_w)
-    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk_part1 = 1 + RVY4**2*alpha_star**2
     D_Vyk_part2 = ca.sqrt(D_Vyk_part1)
     D_Vyk_part3 = 1/D_Vyk_part2
@@ -5891,7 +5891,7 @@ def jacobian_parameters_straight(inputs, parameters):
     D_r_part9 = ca.sign(V)
     D_r = D_r_part7*D_r_part8*D_r_part9*F_z*LMUY*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
     kappa_share_part1 = 1/K_yalpha1
-    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = ca.tan(alpha_t)  # [4.E77] the same as a slip
     slip_alpha_teq_part1 = 1e-60 + kappa_share + tan_alpha_teq**2
     slip_alpha_teq_part2 = ca.sqrt(slip_alpha_teq_part1)

@@ -124,11 +124,11 @@ def quantities(inputs, parameters):
     B_xalpha = LXA*RBX1/ca.sqrt(1 + RBX2**2*kappa**2)  # [4.E54] stiffness of G_xa
     G_xa_w = RCX1*ca.atan(B_xalpha*(RHX1 + alpha))  # [4.E51] angle of the weighting function
     G_xa_w0 = RCX1*ca.atan(B_xalpha*RHX1)  # [4.E52] the same at zero slip
-    G_xa = ca.cos(G_xa_w)/ca.cos(G_xa_w0)  # [4.E51] what side slip leaves of Fx
+    G_xa = ca.cos(G_xa_w)/ca.cos(G_xa_w0)  # [4.E51] weighting of Fx by side slip
     B_ykappa = LYK*RBY1/ca.sqrt(1 + RBY2**2*(alpha - RBY3)**2)  # [4.E62] stiffness of G_yk
     G_yk_w = RCY1*ca.atan(B_ykappa*(RHY1 + kappa))  # [4.E59] angle of the weighting function
     G_yk_w0 = RCY1*ca.atan(B_ykappa*RHY1)  # [4.E60] the same at zero slip
-    G_yk = ca.cos(G_yk_w)/ca.cos(G_yk_w0)  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = ca.cos(G_yk_w)/ca.cos(G_yk_w0)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/ca.sqrt(1 + RVY4**2*alpha**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYK*ca.sin(RVY5*ca.atan(RVY6*kappa))  # [4.E66] side force made by longitudinal slip
     Fy = ca.if_else(Fz <= 1e-06, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
@@ -150,7 +150,7 @@ def quantities(inputs, parameters):
     trail_0 = D_t*ca.cos(alpha)*ca.cos(trail_0_w)  # [4.E33] trail in pure slip
     M_zr0 = D_r*ca.cos(alpha)/ca.sqrt(1 + B_r**2*alpha_r**2)  # [4.E36] residual moment in pure slip
     M_z0 = M_zr0 - F_y0*trail_0  # [4.E31] aligning moment in pure slip
-    kappa_share = K_xkappa**2*kappa**2/K_yalpha**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa**2/K_yalpha**2  # [4.E77] equivalent slip angle of kappa, squared
     alpha_teq = alpha_t*ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2))  # [4.E77] equivalent slip of the trail
     alpha_req = alpha_r*ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2))  # [4.E78] equivalent slip of the residual moment
     trail_u = B_t*alpha_teq  # [4.1] B x
@@ -270,11 +270,11 @@ def forces(inputs, parameters):
     B_xalpha = LXA*RBX1/ca.sqrt(1 + RBX2**2*kappa**2)  # [4.E54] stiffness of G_xa
     G_xa_w = RCX1*ca.atan(B_xalpha*(RHX1 + alpha))  # [4.E51] angle of the weighting function
     G_xa_w0 = RCX1*ca.atan(B_xalpha*RHX1)  # [4.E52] the same at zero slip
-    G_xa = ca.cos(G_xa_w)/ca.cos(G_xa_w0)  # [4.E51] what side slip leaves of Fx
+    G_xa = ca.cos(G_xa_w)/ca.cos(G_xa_w0)  # [4.E51] weighting of Fx by side slip
     B_ykappa = LYK*RBY1/ca.sqrt(1 + RBY2**2*(alpha - RBY3)**2)  # [4.E62] stiffness of G_yk
     G_yk_w = RCY1*ca.atan(B_ykappa*(RHY1 + kappa))  # [4.E59] angle of the weighting function
     G_yk_w0 = RCY1*ca.atan(B_ykappa*RHY1)  # [4.E60] the same at zero slip
-    G_yk = ca.cos(G_yk_w)/ca.cos(G_yk_w0)  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = ca.cos(G_yk_w)/ca.cos(G_yk_w0)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma)/ca.sqrt(1 + RVY4**2*alpha**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYK*ca.sin(RVY5*ca.atan(RVY6*kappa))  # [4.E66] side force made by longitudinal slip
     Fx = ca.if_else(Fz <= 1e-06, 0, F_x0*G_xa)  # [4.E50] longitudinal force
@@ -291,7 +291,7 @@ def forces(inputs, parameters):
     E_t = (1 + (QEZ4 + QEZ5*gamma_s)*ca.atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)  # [4.E44] curvature factor of the trail
     B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY  # [4.E45] stiffness factor of the residual moment
     D_r = F_z*LMR*LMUY*UNLOADED_RADIUS*(QDZ6 + QDZ7*dfz + gamma_s*(QDZ8 + QDZ9*dfz))  # [4.E47] peak factor of the residual moment
-    kappa_share = K_xkappa**2*kappa**2/K_yalpha**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa**2/K_yalpha**2  # [4.E77] equivalent slip angle of kappa, squared
     alpha_teq = alpha_t*ca.sqrt(1 + kappa_share/(1e-06 + alpha_t**2))  # [4.E77] equivalent slip of the trail
     alpha_req = alpha_r*ca.sqrt(1 + kappa_share/(1e-06 + alpha_r**2))  # [4.E78] equivalent slip of the residual moment
     trail_u = B_t*alpha_teq  # [4.1] B x
@@ -422,7 +422,7 @@ def slip_stiffnesses(inputs, parameters):
     G_xa_part1 = ca.cos(G_xa_w0)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = ca.cos(G_xa_w)
-    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] weighting of Fx by side slip
     B_ykappa_part1 = alpha - RBY3
     B_ykappa_part2 = 1 + B_ykappa_part1**2*RBY2**2
     B_ykappa_part3 = ca.sqrt(B_ykappa_part2)
@@ -438,7 +438,7 @@ def slip_stiffnesses(inputs, parameters):
     G_yk_part1 = ca.cos(G_yk_w0)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = ca.cos(G_yk_w)
-    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk_part1 = 1 + RVY4**2*alpha**2
     D_Vyk_part2 = ca.sqrt(D_Vyk_part1)
     D_Vyk_part3 = 1/D_Vyk_part2
@@ -482,7 +482,7 @@ def slip_stiffnesses(inputs, parameters):
     D_r_part2 = QDZ6 + D_r_part1*gamma_s + QDZ7*dfz
     D_r = D_r_part2*F_z*LMR*LMUY*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
     kappa_share_part1 = 1/K_yalpha
-    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] equivalent slip angle of kappa, squared
     alpha_teq_part1 = 1e-06 + alpha_t**2
     alpha_teq_part2 = 1/alpha_teq_part1
     alpha_teq_part3 = 1 + alpha_teq_part2*kappa_share

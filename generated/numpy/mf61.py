@@ -139,8 +139,8 @@ def quantities(inputs, parameters):
     ) = parameters
 
     # Inputs
-    fade = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), np.abs(V)/VXLOW, 1), 1)  # [MFeval] what low speed leaves of kappa and phit
-    fade_smooth = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), 0.5 - 0.5*np.cos(np.pi*V/VXLOW), 1), 1)  # [MFeval] what low speed leaves of the shifts, the trail and the residual moment
+    fade = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), np.abs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
+    fade_smooth = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), 0.5 - 0.5*np.cos(np.pi*V/VXLOW), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
     phit_in = np.where(LIMITS > 0.5, fade*phit*np.where(V < 0, -1, 1)*np.cos(alpha), phit)  # [MFeval] turn slip, within limits
     speed_sum = np.where(LIMITS > 0.5, np.abs(V) + np.abs(V*np.tan(alpha)), 1)  # [MFeval] rolling and sliding speed
     alpha_low = np.where(LIMITS > 0.5, np.where(VXLOW > speed_sum, alpha*speed_sum/VXLOW, alpha), alpha)  # [MFeval] slip angle, faded out at low speed
@@ -186,18 +186,18 @@ def quantities(inputs, parameters):
     R_e = R_omega - sink  # [P 7] effective rolling radius
 
     # Turn slip
-    eps_gamma = PECP1*(1 + PECP2*dfz)  # [4.90] what camber is worth as spin
+    eps_gamma = PECP1*(1 + PECP2*dfz)  # [4.90] equivalent spin of camber
     V_spin = np.where(VXLOW > np.abs(V), VXLOW*np.where(V >= 0, 1, np.sign(V)), np.where(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
     phi = (phit_in + omega*(1 - eps_gamma)*np.sin(gamma_in)/V_spin)*np.where(CONVENTION > 0.5, 1, -1)  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
     zeta_0 = np.where(phit_in == 0, 1, 0)  # [4.83] camber acts through its spin
     B_xphi = PDXP1*(1 + PDXP2*dfz)/np.sqrt(1 + PDXP3**2*kappa_in**2)  # [4.106] fall of D_x with spin
-    zeta_1 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] what spin leaves of D_x
+    zeta_1 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi = PDYP1*(1 + PDYP2*dfz)/np.sqrt(1 + PDYP3**2*tan_alpha**2)  # [4.78] fall of D_y with spin
-    zeta_2 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_yphi**2*(PDYP4*np.sqrt(1e-60 + np.abs(R_0_phi)) + np.abs(R_0_phi))**2))  # [4.77] what spin leaves of D_y
-    zeta_3 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] what spin leaves of the cornering stiffness
-    zeta_5 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] what spin leaves of the trail
-    zeta_6 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] what spin leaves of B_r
+    zeta_2 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_yphi**2*(PDYP4*np.sqrt(1e-60 + np.abs(R_0_phi)) + np.abs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx = LHX*fade_smooth*(PHX1 + PHX2*dfz)  # [4.E17] horizontal shift
@@ -269,7 +269,7 @@ def quantities(inputs, parameters):
     G_xa0_u = B_xalpha*RHX1  # [4.1] B x
     G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - np.atan(G_xa0_u))  # [4.1] B x bent by E
     G_xa0_w = C_xalpha*np.atan(G_xa0_v)  # [4.1] angle of the Magic Formula
-    G_xa = np.cos(G_xa_w)/np.cos(G_xa0_w)  # [4.E51] what side slip leaves of Fx
+    G_xa = np.cos(G_xa_w)/np.cos(G_xa0_w)  # [4.E51] weighting of Fx by side slip
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = np.where(LIMITS > 0.5, np.where(REY1 + REY2*dfz > 1, 1, REY1 + REY2*dfz), REY1 + REY2*dfz)  # [4.E64] curvature of G_yk
     C_ykappa = RCY1  # [4.E63] shape of G_yk
@@ -280,7 +280,7 @@ def quantities(inputs, parameters):
     G_yk0_u = B_ykappa*S_Hyk  # [4.1] B x
     G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - np.atan(G_yk0_u))  # [4.1] B x bent by E
     G_yk0_w = C_ykappa*np.atan(G_yk0_v)  # [4.1] angle of the Magic Formula
-    G_yk = np.cos(G_yk_w)/np.cos(G_yk0_w)  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = np.cos(G_yk_w)/np.cos(G_yk0_w)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/np.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*fade_smooth*np.sin(RVY5*np.atan(RVY6*kappa_in))  # [4.E66] side force made by longitudinal slip
     Fx = np.where(Fz <= 0, 0, F_x0*G_xa)  # [4.E50] longitudinal force
@@ -303,7 +303,7 @@ def quantities(inputs, parameters):
     D_rphi = D_Drphi*np.sin(QDRP1*np.atan(B_Drphi*UNLOADED_RADIUS*phit_in))  # [4.93] moment by spin
     M_zphi90 = 2*G_yk*M_zphi_inf*np.atan(QCRP2*UNLOADED_RADIUS*np.abs(phit_in))/np.pi  # [4.103] moment by spin at 90 deg of slip
     D_rphi_size = np.where(D_rphi == 0, 1, np.where(CONVENTION > 0.5, 1e-06, 0) + np.abs(D_rphi))  # [4.104] size of the moment by spin; 1 where there is none
-    zeta_7_cosine = np.where(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] what side slip leaves of the moment by spin
+    zeta_7_cosine = np.where(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] reduction of the moment by spin with side slip
     zeta_7_cosine_size = np.abs(zeta_7_cosine)  # [4.104] its size
     zeta_7_below_1 = np.where(zeta_7_cosine_size >= 1, 0, zeta_7_cosine)  # [4.104] the same where its size is below 1
     zeta_7_above_1 = np.where(zeta_7_cosine_size > 1, zeta_7_cosine_size, 2)  # [4.104] its size where that is above 1
@@ -321,7 +321,7 @@ def quantities(inputs, parameters):
     M_zr0_spun = np.where(zeta_7_cosine_size > 1, np.where(CONVENTION > 0.5, 1, 0.5*M_zr0_grown + 0.5/M_zr0_grown), 1)*np.cos(M_zr0_w*zeta_7)  # [4.E75] fall of the residual moment with turn slip
     M_zr0 = D_r*cos_alpha*np.where(phit_in == 0, 1/np.sqrt(1 + B_r**2*alpha_r**2), M_zr0_spun)  # [4.E36] residual moment in pure slip
     M_z0 = M_zr0 - F_y0_00*trail_0  # [4.E31] aligning moment in pure slip
-    kappa_share = K_xkappa**2*kappa_in**2/K_yalpha1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa_in**2/K_yalpha1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = np.where(CONVENTION > 0.5, alpha_t, np.tan(alpha_t))  # [4.E77] the same as a slip
     slip_alpha_teq = np.sqrt(1e-60 + kappa_share + tan_alpha_teq**2)  # [4.E77] size of the equivalent slip
     alpha_teq = np.where(CONVENTION > 0.5, slip_alpha_teq, np.atan(slip_alpha_teq))*np.sign(alpha_t)  # [4.E77] equivalent slip of the trail
@@ -462,8 +462,8 @@ def forces(inputs, parameters):
     ) = parameters
 
     # Inputs
-    fade = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), np.abs(V)/VXLOW, 1), 1)  # [MFeval] what low speed leaves of kappa and phit
-    fade_smooth = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), 0.5 - 0.5*np.cos(np.pi*V/VXLOW), 1), 1)  # [MFeval] what low speed leaves of the shifts, the trail and the residual moment
+    fade = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), np.abs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
+    fade_smooth = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), 0.5 - 0.5*np.cos(np.pi*V/VXLOW), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
     phit_in = np.where(LIMITS > 0.5, fade*phit*np.where(V < 0, -1, 1)*np.cos(alpha), phit)  # [MFeval] turn slip, within limits
     speed_sum = np.where(LIMITS > 0.5, np.abs(V) + np.abs(V*np.tan(alpha)), 1)  # [MFeval] rolling and sliding speed
     alpha_low = np.where(LIMITS > 0.5, np.where(VXLOW > speed_sum, alpha*speed_sum/VXLOW, alpha), alpha)  # [MFeval] slip angle, faded out at low speed
@@ -507,18 +507,18 @@ def forces(inputs, parameters):
     omega = V*(1 + kappa)/R_e_2  # [2.5] wheel speed
 
     # Turn slip
-    eps_gamma = PECP1*(1 + PECP2*dfz)  # [4.90] what camber is worth as spin
+    eps_gamma = PECP1*(1 + PECP2*dfz)  # [4.90] equivalent spin of camber
     V_spin = np.where(VXLOW > np.abs(V), VXLOW*np.where(V >= 0, 1, np.sign(V)), np.where(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
     phi = (phit_in + omega*(1 - eps_gamma)*np.sin(gamma_in)/V_spin)*np.where(CONVENTION > 0.5, 1, -1)  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
     zeta_0 = np.where(phit_in == 0, 1, 0)  # [4.83] camber acts through its spin
     B_xphi = PDXP1*(1 + PDXP2*dfz)/np.sqrt(1 + PDXP3**2*kappa_in**2)  # [4.106] fall of D_x with spin
-    zeta_1 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] what spin leaves of D_x
+    zeta_1 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi = PDYP1*(1 + PDYP2*dfz)/np.sqrt(1 + PDYP3**2*tan_alpha**2)  # [4.78] fall of D_y with spin
-    zeta_2 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_yphi**2*(PDYP4*np.sqrt(1e-60 + np.abs(R_0_phi)) + np.abs(R_0_phi))**2))  # [4.77] what spin leaves of D_y
-    zeta_3 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] what spin leaves of the cornering stiffness
-    zeta_5 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] what spin leaves of the trail
-    zeta_6 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] what spin leaves of B_r
+    zeta_2 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_yphi**2*(PDYP4*np.sqrt(1e-60 + np.abs(R_0_phi)) + np.abs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx = LHX*fade_smooth*(PHX1 + PHX2*dfz)  # [4.E17] horizontal shift
@@ -589,7 +589,7 @@ def forces(inputs, parameters):
     G_xa0_u = B_xalpha*RHX1  # [4.1] B x
     G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - np.atan(G_xa0_u))  # [4.1] B x bent by E
     G_xa0_w = C_xalpha*np.atan(G_xa0_v)  # [4.1] angle of the Magic Formula
-    G_xa = np.cos(G_xa_w)/np.cos(G_xa0_w)  # [4.E51] what side slip leaves of Fx
+    G_xa = np.cos(G_xa_w)/np.cos(G_xa0_w)  # [4.E51] weighting of Fx by side slip
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = np.where(LIMITS > 0.5, np.where(REY1 + REY2*dfz > 1, 1, REY1 + REY2*dfz), REY1 + REY2*dfz)  # [4.E64] curvature of G_yk
     C_ykappa = RCY1  # [4.E63] shape of G_yk
@@ -600,7 +600,7 @@ def forces(inputs, parameters):
     G_yk0_u = B_ykappa*S_Hyk  # [4.1] B x
     G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - np.atan(G_yk0_u))  # [4.1] B x bent by E
     G_yk0_w = C_ykappa*np.atan(G_yk0_v)  # [4.1] angle of the Magic Formula
-    G_yk = np.cos(G_yk_w)/np.cos(G_yk0_w)  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = np.cos(G_yk_w)/np.cos(G_yk0_w)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/np.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*fade_smooth*np.sin(RVY5*np.atan(RVY6*kappa_in))  # [4.E66] side force made by longitudinal slip
     Fx = np.where(Fz <= 0, 0, F_x0*G_xa)  # [4.E50] longitudinal force
@@ -630,7 +630,7 @@ def forces(inputs, parameters):
     D_rphi = D_Drphi*np.sin(QDRP1*np.atan(B_Drphi*UNLOADED_RADIUS*phit_in))  # [4.93] moment by spin
     M_zphi90 = 2*G_yk*M_zphi_inf*np.atan(QCRP2*UNLOADED_RADIUS*np.abs(phit_in))/np.pi  # [4.103] moment by spin at 90 deg of slip
     D_rphi_size = np.where(D_rphi == 0, 1, np.where(CONVENTION > 0.5, 1e-06, 0) + np.abs(D_rphi))  # [4.104] size of the moment by spin; 1 where there is none
-    zeta_7_cosine = np.where(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] what side slip leaves of the moment by spin
+    zeta_7_cosine = np.where(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] reduction of the moment by spin with side slip
     zeta_7_cosine_size = np.abs(zeta_7_cosine)  # [4.104] its size
     zeta_7_below_1 = np.where(zeta_7_cosine_size >= 1, 0, zeta_7_cosine)  # [4.104] the same where its size is below 1
     zeta_7_above_1 = np.where(zeta_7_cosine_size > 1, zeta_7_cosine_size, 2)  # [4.104] its size where that is above 1
@@ -639,7 +639,7 @@ def forces(inputs, parameters):
     zeta_7_imaginary = 2*np.log(zeta_7_above_1 + np.sqrt(-1 + zeta_7_above_1**2))/np.pi  # [MFeval] imaginary part of zeta_7, of which MFeval prints the real part of the result
     zeta_8 = np.where(phit_in == 0, 1, 1 + D_rphi)  # [4.92] moment by spin
     D_r = -1 + zeta_8 + F_zm*LMUY_star*UNLOADED_RADIUS*(LRES*zeta_2*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*zeta_0*((1 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*np.abs(gamma_star)))*np.cos(alpha_star)*np.sign(V)  # [4.E47] peak factor of the residual moment
-    kappa_share = K_xkappa**2*kappa_in**2/K_yalpha1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa_in**2/K_yalpha1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = np.where(CONVENTION > 0.5, alpha_t, np.tan(alpha_t))  # [4.E77] the same as a slip
     slip_alpha_teq = np.sqrt(1e-60 + kappa_share + tan_alpha_teq**2)  # [4.E77] size of the equivalent slip
     alpha_teq = np.where(CONVENTION > 0.5, slip_alpha_teq, np.atan(slip_alpha_teq))*np.sign(alpha_t)  # [4.E77] equivalent slip of the trail
@@ -705,8 +705,8 @@ def slip_stiffnesses(inputs, parameters):
     ) = parameters
 
     # Inputs
-    fade = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), np.abs(V)/VXLOW, 1), 1)  # [MFeval] what low speed leaves of kappa and phit
-    fade_smooth = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), 0.5 - 0.5*np.cos(np.pi*V/VXLOW), 1), 1)  # [MFeval] what low speed leaves of the shifts, the trail and the residual moment
+    fade = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), np.abs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
+    fade_smooth = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), 0.5 - 0.5*np.cos(np.pi*V/VXLOW), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
     phit_in = np.where(LIMITS > 0.5, fade*phit*np.where(V < 0, -1, 1)*np.cos(alpha), phit)  # [MFeval] turn slip, within limits
     speed_sum = np.where(LIMITS > 0.5, np.abs(V) + np.abs(V*np.tan(alpha)), 1)  # [MFeval] rolling and sliding speed
     alpha_low = np.where(LIMITS > 0.5, np.where(VXLOW > speed_sum, alpha*speed_sum/VXLOW, alpha), alpha)  # [MFeval] slip angle, faded out at low speed
@@ -780,7 +780,7 @@ def slip_stiffnesses(inputs, parameters):
 
     # Turn slip
     eps_gamma_part1 = 1 + PECP2*dfz
-    eps_gamma = PECP1*eps_gamma_part1  # [4.90] what camber is worth as spin
+    eps_gamma = PECP1*eps_gamma_part1  # [4.90] equivalent spin of camber
     V_spin_part1 = np.where(V >= 0, 1, np.sign(V))
     V_spin_part2 = VXLOW*V_spin_part1
     V_spin = np.where(VXLOW > np.abs(V), V_spin_part2, np.where(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
@@ -797,16 +797,16 @@ def slip_stiffnesses(inputs, parameters):
     B_xphi_part3 = 1/B_xphi_part2
     B_xphi_part4 = 1 + PDXP2*dfz
     B_xphi = B_xphi_part3*B_xphi_part4*PDXP1  # [4.106] fall of D_x with spin
-    zeta_1 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] what spin leaves of D_x
+    zeta_1 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi_part1 = 1 + PDYP3**2*tan_alpha**2
     B_yphi_part2 = np.sqrt(B_yphi_part1)
     B_yphi_part3 = 1/B_yphi_part2
     B_yphi_part4 = 1 + PDYP2*dfz
     B_yphi = B_yphi_part3*B_yphi_part4*PDYP1  # [4.78] fall of D_y with spin
-    zeta_2 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_yphi**2*(PDYP4*np.sqrt(1e-60 + np.abs(R_0_phi)) + np.abs(R_0_phi))**2))  # [4.77] what spin leaves of D_y
-    zeta_3 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] what spin leaves of the cornering stiffness
-    zeta_5 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] what spin leaves of the trail
-    zeta_6 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] what spin leaves of B_r
+    zeta_2 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_yphi**2*(PDYP4*np.sqrt(1e-60 + np.abs(R_0_phi)) + np.abs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx_part1 = PHX1 + PHX2*dfz
@@ -995,7 +995,7 @@ def slip_stiffnesses(inputs, parameters):
     G_xa_part1 = np.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = np.cos(G_xa_w)
-    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] weighting of Fx by side slip
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa_part1 = REY1 + REY2*dfz
     E_ykappa = np.where(LIMITS > 0.5, np.where(REY1 + REY2*dfz > 1, 1, REY1 + REY2*dfz), E_ykappa_part1)  # [4.E64] curvature of G_yk
@@ -1022,7 +1022,7 @@ def slip_stiffnesses(inputs, parameters):
     G_yk_part1 = np.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = np.cos(G_yk_w)
-    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk_part1 = 1 + RVY4**2*alpha_star**2
     D_Vyk_part2 = np.sqrt(D_Vyk_part1)
     D_Vyk_part3 = 1/D_Vyk_part2
@@ -1115,7 +1115,7 @@ def slip_stiffnesses(inputs, parameters):
     M_zphi90_part3 = np.atan(M_zphi90_part2)
     M_zphi90 = 2*G_yk*M_zphi90_part3*M_zphi_inf/np.pi  # [4.103] moment by spin at 90 deg of slip
     D_rphi_size = np.where(D_rphi == 0, 1, np.where(CONVENTION > 0.5, 1e-06, 0) + np.abs(D_rphi))  # [4.104] size of the moment by spin; 1 where there is none
-    zeta_7_cosine = np.where(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] what side slip leaves of the moment by spin
+    zeta_7_cosine = np.where(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] reduction of the moment by spin with side slip
     zeta_7_cosine_size = np.abs(zeta_7_cosine)  # [4.104] its size
     zeta_7_below_1 = np.where(zeta_7_cosine_size >= 1, 0, zeta_7_cosine)  # [4.104] the same where its size is below 1
     zeta_7_above_1 = np.where(zeta_7_cosine_size > 1, zeta_7_cosine_size, 2)  # [4.104] its size where that is above 1
@@ -1139,7 +1139,7 @@ def slip_stiffnesses(inputs, parameters):
     D_r_part9 = np.sign(V)
     D_r = -1 + zeta_8 + D_r_part7*D_r_part8*D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
     kappa_share_part1 = 1/K_yalpha1
-    kappa_share = K_xkappa**2*kappa_in**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa_in**2*kappa_share_part1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = np.where(CONVENTION > 0.5, alpha_t, np.tan(alpha_t))  # [4.E77] the same as a slip
     slip_alpha_teq_part1 = 1e-60 + kappa_share + tan_alpha_teq**2
     slip_alpha_teq_part2 = np.sqrt(slip_alpha_teq_part1)
@@ -1930,7 +1930,7 @@ def relaxation(inputs, parameters):
     ) = parameters
 
     # Inputs
-    fade = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), np.abs(V)/VXLOW, 1), 1)  # [MFeval] what low speed leaves of kappa and phit
+    fade = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), np.abs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
     phit_in = np.where(LIMITS > 0.5, fade*phit*np.where(V < 0, -1, 1)*np.cos(alpha), phit)  # [MFeval] turn slip, within limits
     speed_sum = np.where(LIMITS > 0.5, np.abs(V) + np.abs(V*np.tan(alpha)), 1)  # [MFeval] rolling and sliding speed
     alpha_low = np.where(LIMITS > 0.5, np.where(VXLOW > speed_sum, alpha*speed_sum/VXLOW, alpha), alpha)  # [MFeval] slip angle, faded out at low speed
@@ -1963,11 +1963,11 @@ def relaxation(inputs, parameters):
     omega = V*(1 + kappa)/R_e_2  # [2.5] wheel speed
 
     # Turn slip
-    eps_gamma = PECP1*(1 + PECP2*dfz)  # [4.90] what camber is worth as spin
+    eps_gamma = PECP1*(1 + PECP2*dfz)  # [4.90] equivalent spin of camber
     V_spin = np.where(VXLOW > np.abs(V), VXLOW*np.where(V >= 0, 1, np.sign(V)), np.where(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
     phi = (phit_in + omega*(1 - eps_gamma)*np.sin(gamma_in)/V_spin)*np.where(CONVENTION > 0.5, 1, -1)  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
-    zeta_3 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] what spin leaves of the cornering stiffness
+    zeta_3 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
 
     # Longitudinal force, pure slip
     K_xkappa = F_z_limited*LKX*(PKX1 + PKX2*dfz)*(1 + PPX1*dpi + PPX2*dpi**2)*np.exp(PKX3*dfz)  # [4.E15] longitudinal slip stiffness
@@ -2087,7 +2087,7 @@ def forces_straight(inputs, parameters):
     G_xa0_u = B_xalpha*RHX1  # [4.1] B x
     G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - np.atan(G_xa0_u))  # [4.1] B x bent by E
     G_xa0_w = C_xalpha*np.atan(G_xa0_v)  # [4.1] angle of the Magic Formula
-    G_xa = np.cos(G_xa_w)/np.cos(G_xa0_w)  # [4.E51] what side slip leaves of Fx
+    G_xa = np.cos(G_xa_w)/np.cos(G_xa0_w)  # [4.E51] weighting of Fx by side slip
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = REY1 + REY2*dfz  # [4.E64] curvature of G_yk
     C_ykappa = RCY1  # [4.E63] shape of G_yk
@@ -2098,7 +2098,7 @@ def forces_straight(inputs, parameters):
     G_yk0_u = B_ykappa*S_Hyk  # [4.1] B x
     G_yk0_v = G_yk0_u - E_ykappa*(G_yk0_u - np.atan(G_yk0_u))  # [4.1] B x bent by E
     G_yk0_w = C_ykappa*np.atan(G_yk0_v)  # [4.1] angle of the Magic Formula
-    G_yk = np.cos(G_yk_w)/np.cos(G_yk0_w)  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = np.cos(G_yk_w)/np.cos(G_yk0_w)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma_star)/np.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*np.sin(RVY5*np.atan(RVY6*kappa))  # [4.E66] side force made by longitudinal slip
     Fx = np.where(Fz <= 0, 0, F_x0*G_xa)  # [4.E50] longitudinal force
@@ -2114,7 +2114,7 @@ def forces_straight(inputs, parameters):
     E_t = (1 + (2*QEZ4 + 2*QEZ5*gamma_star)*np.atan(B_t*C_t*alpha_t)/np.pi)*(QEZ1 + QEZ2*dfz + QEZ3*dfz**2)  # [4.E44] curvature factor of the trail
     B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY  # [4.E45] stiffness factor of the residual moment
     D_r = F_z*LMUY*UNLOADED_RADIUS*(LRES*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*((1 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*np.abs(gamma_star)))*np.cos(alpha_star)*np.sign(V)  # [4.E47] peak factor of the residual moment
-    kappa_share = K_xkappa**2*kappa**2/K_yalpha1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa**2/K_yalpha1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = np.tan(alpha_t)  # [4.E77] the same as a slip
     slip_alpha_teq = np.sqrt(1e-60 + kappa_share + tan_alpha_teq**2)  # [4.E77] size of the equivalent slip
     alpha_teq = np.atan(slip_alpha_teq)*np.sign(alpha_t)  # [4.E77] equivalent slip of the trail
@@ -2355,7 +2355,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     G_xa_part1 = np.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = np.cos(G_xa_w)
-    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] weighting of Fx by side slip
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = REY1 + REY2*dfz  # [4.E64] curvature of G_yk
     C_ykappa = RCY1  # [4.E63] shape of G_yk
@@ -2381,7 +2381,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     G_yk_part1 = np.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = np.cos(G_yk_w)
-    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk_part1 = 1 + RVY4**2*alpha_star**2
     D_Vyk_part2 = np.sqrt(D_Vyk_part1)
     D_Vyk_part3 = 1/D_Vyk_part2
@@ -2433,7 +2433,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     D_r_part9 = np.sign(V)
     D_r = D_r_part7*D_r_part8*D_r_part9*F_z*LMUY*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
     kappa_share_part1 = 1/K_yalpha1
-    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = np.tan(alpha_t)  # [4.E77] the same as a slip
     slip_alpha_teq_part1 = 1e-60 + kappa_share + tan_alpha_teq**2
     slip_alpha_teq_part2 = np.sqrt(slip_alpha_teq_part1)

@@ -32,8 +32,8 @@ def jacobian_inputs(inputs, parameters):
     ) = parameters
 
     # Inputs
-    fade = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), np.abs(V)/VXLOW, 1), 1)  # [MFeval] what low speed leaves of kappa and phit
-    fade_smooth = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), 0.5 - 0.5*np.cos(np.pi*V/VXLOW), 1), 1)  # [MFeval] what low speed leaves of the shifts, the trail and the residual moment
+    fade = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), np.abs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
+    fade_smooth = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), 0.5 - 0.5*np.cos(np.pi*V/VXLOW), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
     phit_in = np.where(LIMITS > 0.5, fade*phit*np.where(V < 0, -1, 1)*np.cos(alpha), phit)  # [MFeval] turn slip, within limits
     speed_sum = np.where(LIMITS > 0.5, np.abs(V) + np.abs(V*np.tan(alpha)), 1)  # [MFeval] rolling and sliding speed
     alpha_low = np.where(LIMITS > 0.5, np.where(VXLOW > speed_sum, alpha*speed_sum/VXLOW, alpha), alpha)  # [MFeval] slip angle, faded out at low speed
@@ -107,7 +107,7 @@ def jacobian_inputs(inputs, parameters):
 
     # Turn slip
     eps_gamma_part1 = 1 + PECP2*dfz
-    eps_gamma = PECP1*eps_gamma_part1  # [4.90] what camber is worth as spin
+    eps_gamma = PECP1*eps_gamma_part1  # [4.90] equivalent spin of camber
     V_spin_part1 = np.where(V >= 0, 1, np.sign(V))
     V_spin_part2 = VXLOW*V_spin_part1
     V_spin = np.where(VXLOW > np.abs(V), V_spin_part2, np.where(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
@@ -124,16 +124,16 @@ def jacobian_inputs(inputs, parameters):
     B_xphi_part3 = 1/B_xphi_part2
     B_xphi_part4 = 1 + PDXP2*dfz
     B_xphi = B_xphi_part3*B_xphi_part4*PDXP1  # [4.106] fall of D_x with spin
-    zeta_1 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] what spin leaves of D_x
+    zeta_1 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi_part1 = 1 + PDYP3**2*tan_alpha**2
     B_yphi_part2 = np.sqrt(B_yphi_part1)
     B_yphi_part3 = 1/B_yphi_part2
     B_yphi_part4 = 1 + PDYP2*dfz
     B_yphi = B_yphi_part3*B_yphi_part4*PDYP1  # [4.78] fall of D_y with spin
-    zeta_2 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_yphi**2*(PDYP4*np.sqrt(1e-60 + np.abs(R_0_phi)) + np.abs(R_0_phi))**2))  # [4.77] what spin leaves of D_y
-    zeta_3 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] what spin leaves of the cornering stiffness
-    zeta_5 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] what spin leaves of the trail
-    zeta_6 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] what spin leaves of B_r
+    zeta_2 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_yphi**2*(PDYP4*np.sqrt(1e-60 + np.abs(R_0_phi)) + np.abs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx_part1 = PHX1 + PHX2*dfz
@@ -322,7 +322,7 @@ def jacobian_inputs(inputs, parameters):
     G_xa_part1 = np.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = np.cos(G_xa_w)
-    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] weighting of Fx by side slip
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa_part1 = REY1 + REY2*dfz
     E_ykappa = np.where(LIMITS > 0.5, np.where(REY1 + REY2*dfz > 1, 1, REY1 + REY2*dfz), E_ykappa_part1)  # [4.E64] curvature of G_yk
@@ -349,7 +349,7 @@ def jacobian_inputs(inputs, parameters):
     G_yk_part1 = np.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = np.cos(G_yk_w)
-    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk_part1 = 1 + RVY4**2*alpha_star**2
     D_Vyk_part2 = np.sqrt(D_Vyk_part1)
     D_Vyk_part3 = 1/D_Vyk_part2
@@ -442,7 +442,7 @@ def jacobian_inputs(inputs, parameters):
     M_zphi90_part3 = np.atan(M_zphi90_part2)
     M_zphi90 = 2*G_yk*M_zphi90_part3*M_zphi_inf/np.pi  # [4.103] moment by spin at 90 deg of slip
     D_rphi_size = np.where(D_rphi == 0, 1, np.where(CONVENTION > 0.5, 1e-06, 0) + np.abs(D_rphi))  # [4.104] size of the moment by spin; 1 where there is none
-    zeta_7_cosine = np.where(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] what side slip leaves of the moment by spin
+    zeta_7_cosine = np.where(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] reduction of the moment by spin with side slip
     zeta_7_cosine_size = np.abs(zeta_7_cosine)  # [4.104] its size
     zeta_7_below_1 = np.where(zeta_7_cosine_size >= 1, 0, zeta_7_cosine)  # [4.104] the same where its size is below 1
     zeta_7_above_1 = np.where(zeta_7_cosine_size > 1, zeta_7_cosine_size, 2)  # [4.104] its size where that is above 1
@@ -466,7 +466,7 @@ def jacobian_inputs(inputs, parameters):
     D_r_part9 = np.sign(V)
     D_r = -1 + zeta_8 + D_r_part7*D_r_part8*D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
     kappa_share_part1 = 1/K_yalpha1
-    kappa_share = K_xkappa**2*kappa_in**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa_in**2*kappa_share_part1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = np.where(CONVENTION > 0.5, alpha_t, np.tan(alpha_t))  # [4.E77] the same as a slip
     slip_alpha_teq_part1 = 1e-60 + kappa_share + tan_alpha_teq**2
     slip_alpha_teq_part2 = np.sqrt(slip_alpha_teq_part1)
@@ -1848,8 +1848,8 @@ def jacobian_parameters(inputs, parameters):
     ) = parameters
 
     # Inputs
-    fade = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), np.abs(V)/VXLOW, 1), 1)  # [MFeval] what low speed leaves of kappa and phit
-    fade_smooth = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), 0.5 - 0.5*np.cos(np.pi*V/VXLOW), 1), 1)  # [MFeval] what low speed leaves of the shifts, the trail and the residual moment
+    fade = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), np.abs(V)/VXLOW, 1), 1)  # [MFeval] reduction of kappa and phit at low speed
+    fade_smooth = np.where(LIMITS > 0.5, np.where(VXLOW >= np.abs(V), 0.5 - 0.5*np.cos(np.pi*V/VXLOW), 1), 1)  # [MFeval] reduction of the shifts, the trail and the residual moment at low speed
     phit_in = np.where(LIMITS > 0.5, fade*phit*np.where(V < 0, -1, 1)*np.cos(alpha), phit)  # [MFeval] turn slip, within limits
     speed_sum = np.where(LIMITS > 0.5, np.abs(V) + np.abs(V*np.tan(alpha)), 1)  # [MFeval] rolling and sliding speed
     alpha_low = np.where(LIMITS > 0.5, np.where(VXLOW > speed_sum, alpha*speed_sum/VXLOW, alpha), alpha)  # [MFeval] slip angle, faded out at low speed
@@ -1923,7 +1923,7 @@ def jacobian_parameters(inputs, parameters):
 
     # Turn slip
     eps_gamma_part1 = 1 + PECP2*dfz
-    eps_gamma = PECP1*eps_gamma_part1  # [4.90] what camber is worth as spin
+    eps_gamma = PECP1*eps_gamma_part1  # [4.90] equivalent spin of camber
     V_spin_part1 = np.where(V >= 0, 1, np.sign(V))
     V_spin_part2 = VXLOW*V_spin_part1
     V_spin = np.where(VXLOW > np.abs(V), V_spin_part2, np.where(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
@@ -1940,16 +1940,16 @@ def jacobian_parameters(inputs, parameters):
     B_xphi_part3 = 1/B_xphi_part2
     B_xphi_part4 = 1 + PDXP2*dfz
     B_xphi = B_xphi_part3*B_xphi_part4*PDXP1  # [4.106] fall of D_x with spin
-    zeta_1 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] what spin leaves of D_x
+    zeta_1 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi_part1 = 1 + PDYP3**2*tan_alpha**2
     B_yphi_part2 = np.sqrt(B_yphi_part1)
     B_yphi_part3 = 1/B_yphi_part2
     B_yphi_part4 = 1 + PDYP2*dfz
     B_yphi = B_yphi_part3*B_yphi_part4*PDYP1  # [4.78] fall of D_y with spin
-    zeta_2 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_yphi**2*(PDYP4*np.sqrt(1e-60 + np.abs(R_0_phi)) + np.abs(R_0_phi))**2))  # [4.77] what spin leaves of D_y
-    zeta_3 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] what spin leaves of the cornering stiffness
-    zeta_5 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] what spin leaves of the trail
-    zeta_6 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] what spin leaves of B_r
+    zeta_2 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + B_yphi**2*(PDYP4*np.sqrt(1e-60 + np.abs(R_0_phi)) + np.abs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = np.where(phit_in == 0, 1, 1/np.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx_part1 = PHX1 + PHX2*dfz
@@ -2138,7 +2138,7 @@ def jacobian_parameters(inputs, parameters):
     G_xa_part1 = np.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = np.cos(G_xa_w)
-    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] weighting of Fx by side slip
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa_part1 = REY1 + REY2*dfz
     E_ykappa = np.where(LIMITS > 0.5, np.where(REY1 + REY2*dfz > 1, 1, REY1 + REY2*dfz), E_ykappa_part1)  # [4.E64] curvature of G_yk
@@ -2165,7 +2165,7 @@ def jacobian_parameters(inputs, parameters):
     G_yk_part1 = np.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = np.cos(G_yk_w)
-    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk_part1 = 1 + RVY4**2*alpha_star**2
     D_Vyk_part2 = np.sqrt(D_Vyk_part1)
     D_Vyk_part3 = 1/D_Vyk_part2
@@ -2258,7 +2258,7 @@ def jacobian_parameters(inputs, parameters):
     M_zphi90_part3 = np.atan(M_zphi90_part2)
     M_zphi90 = 2*G_yk*M_zphi90_part3*M_zphi_inf/np.pi  # [4.103] moment by spin at 90 deg of slip
     D_rphi_size = np.where(D_rphi == 0, 1, np.where(CONVENTION > 0.5, 1e-06, 0) + np.abs(D_rphi))  # [4.104] size of the moment by spin; 1 where there is none
-    zeta_7_cosine = np.where(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] what side slip leaves of the moment by spin
+    zeta_7_cosine = np.where(D_rphi == 0, 0, M_zphi90/D_rphi_size)  # [4.104] reduction of the moment by spin with side slip
     zeta_7_cosine_size = np.abs(zeta_7_cosine)  # [4.104] its size
     zeta_7_below_1 = np.where(zeta_7_cosine_size >= 1, 0, zeta_7_cosine)  # [4.104] the same where its size is below 1
     zeta_7_above_1 = np.where(zeta_7_cosine_size > 1, zeta_7_cosine_size, 2)  # [4.104] its size where that is above 1
@@ -2282,7 +2282,7 @@ def jacobian_parameters(inputs, parameters):
     D_r_part9 = np.sign(V)
     D_r = -1 + zeta_8 + D_r_part7*D_r_part8*D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
     kappa_share_part1 = 1/K_yalpha1
-    kappa_share = K_xkappa**2*kappa_in**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa_in**2*kappa_share_part1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = np.where(CONVENTION > 0.5, alpha_t, np.tan(alpha_t))  # [4.E77] the same as a slip
     slip_alpha_teq_part1 = 1e-60 + kappa_share + tan_alpha_teq**2
     slip_alpha_teq_part2 = np.sqrt(slip_alpha_teq_part1)
@@ -5760,7 +5760,7 @@ def jacobian_inputs_straight(inputs, parameters):
     G_xa_part1 = np.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = np.cos(G_xa_w)
-    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] weighting of Fx by side slip
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = REY1 + REY2*dfz  # [4.E64] curvature of G_yk
     C_ykappa = RCY1  # [4.E63] shape of G_yk
@@ -5786,7 +5786,7 @@ def jacobian_inputs_straight(inputs, parameters):
     G_yk_part1 = np.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = np.cos(G_yk_w)
-    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk_part1 = 1 + RVY4**2*alpha_star**2
     D_Vyk_part2 = np.sqrt(D_Vyk_part1)
     D_Vyk_part3 = 1/D_Vyk_part2
@@ -5838,7 +5838,7 @@ def jacobian_inputs_straight(inputs, parameters):
     D_r_part9 = np.sign(V)
     D_r = D_r_part7*D_r_part8*D_r_part9*F_z*LMUY*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
     kappa_share_part1 = 1/K_yalpha1
-    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = np.tan(alpha_t)  # [4.E77] the same as a slip
     slip_alpha_teq_part1 = 1e-60 + kappa_share + tan_alpha_teq**2
     slip_alpha_teq_part2 = np.sqrt(slip_alpha_teq_part1)
@@ -6778,7 +6778,7 @@ def jacobian_parameters_straight(inputs, parameters):
     G_xa_part1 = np.cos(G_xa0_w)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = np.cos(G_xa_w)
-    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] weighting of Fx by side slip
     S_Hyk = RHY1 + RHY2*dfz  # [4.E65] shift of G_yk
     E_ykappa = REY1 + REY2*dfz  # [4.E64] curvature of G_yk
     C_ykappa = RCY1  # [4.E63] shape of G_yk
@@ -6804,7 +6804,7 @@ def jacobian_parameters_straight(inputs, parameters):
     G_yk_part1 = np.cos(G_yk0_w)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = np.cos(G_yk_w)
-    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk_part1 = 1 + RVY4**2*alpha_star**2
     D_Vyk_part2 = np.sqrt(D_Vyk_part1)
     D_Vyk_part3 = 1/D_Vyk_part2
@@ -6856,7 +6856,7 @@ def jacobian_parameters_straight(inputs, parameters):
     D_r_part9 = np.sign(V)
     D_r = D_r_part7*D_r_part8*D_r_part9*F_z*LMUY*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
     kappa_share_part1 = 1/K_yalpha1
-    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = np.tan(alpha_t)  # [4.E77] the same as a slip
     slip_alpha_teq_part1 = 1e-60 + kappa_share + tan_alpha_teq**2
     slip_alpha_teq_part2 = np.sqrt(slip_alpha_teq_part1)

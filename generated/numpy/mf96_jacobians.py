@@ -122,7 +122,7 @@ def jacobian_inputs(inputs, parameters):
     G_xa_part1 = np.cos(G_xa_w0)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = np.cos(G_xa_w)
-    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] weighting of Fx by side slip
     B_ykappa_part1 = alpha - RBY3
     B_ykappa_part2 = 1 + B_ykappa_part1**2*RBY2**2
     B_ykappa_part3 = np.sqrt(B_ykappa_part2)
@@ -138,7 +138,7 @@ def jacobian_inputs(inputs, parameters):
     G_yk_part1 = np.cos(G_yk_w0)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = np.cos(G_yk_w)
-    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk_part1 = 1 + RVY4**2*alpha**2
     D_Vyk_part2 = np.sqrt(D_Vyk_part1)
     D_Vyk_part3 = 1/D_Vyk_part2
@@ -182,7 +182,7 @@ def jacobian_inputs(inputs, parameters):
     D_r_part2 = QDZ6 + D_r_part1*gamma_s + QDZ7*dfz
     D_r = D_r_part2*F_z*LMR*LMUY*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
     kappa_share_part1 = 1/K_yalpha
-    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] equivalent slip angle of kappa, squared
     alpha_teq_part1 = 1e-06 + alpha_t**2
     alpha_teq_part2 = 1/alpha_teq_part1
     alpha_teq_part3 = 1 + alpha_teq_part2*kappa_share
@@ -695,7 +695,7 @@ def jacobian_parameters(inputs, parameters):
     G_xa_part1 = np.cos(G_xa_w0)
     G_xa_part2 = 1/G_xa_part1
     G_xa_part3 = np.cos(G_xa_w)
-    G_xa = G_xa_part2*G_xa_part3  # [4.E51] what side slip leaves of Fx
+    G_xa = G_xa_part2*G_xa_part3  # [4.E51] weighting of Fx by side slip
     B_ykappa_part1 = alpha - RBY3
     B_ykappa_part2 = 1 + B_ykappa_part1**2*RBY2**2
     B_ykappa_part3 = np.sqrt(B_ykappa_part2)
@@ -711,7 +711,7 @@ def jacobian_parameters(inputs, parameters):
     G_yk_part1 = np.cos(G_yk_w0)
     G_yk_part2 = 1/G_yk_part1
     G_yk_part3 = np.cos(G_yk_w)
-    G_yk = G_yk_part2*G_yk_part3  # [4.E59] what longitudinal slip leaves of Fy
+    G_yk = G_yk_part2*G_yk_part3  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk_part1 = 1 + RVY4**2*alpha**2
     D_Vyk_part2 = np.sqrt(D_Vyk_part1)
     D_Vyk_part3 = 1/D_Vyk_part2
@@ -755,7 +755,7 @@ def jacobian_parameters(inputs, parameters):
     D_r_part2 = QDZ6 + D_r_part1*gamma_s + QDZ7*dfz
     D_r = D_r_part2*F_z*LMR*LMUY*UNLOADED_RADIUS  # [4.E47] peak factor of the residual moment
     kappa_share_part1 = 1/K_yalpha
-    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] slip angle that kappa is worth, squared
+    kappa_share = K_xkappa**2*kappa**2*kappa_share_part1**2  # [4.E77] equivalent slip angle of kappa, squared
     alpha_teq_part1 = 1e-06 + alpha_t**2
     alpha_teq_part2 = 1/alpha_teq_part1
     alpha_teq_part3 = 1 + alpha_teq_part2*kappa_share

@@ -15,14 +15,14 @@ from .routines import LOCAL, STRAIGHT, Assignment, Routine, jacobians_of, side_b
 
 INCLUDES = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
 #: Above lines that are not in the book's order.
-SIDE_BY_SIDE = "What can be computed side by side stands together; quantities has the book's order"
+SIDE_BY_SIDE = "Independent computations are next to each other; quantities has the book's order"
 PRINTER = PlainCPrinter()
 #: What every routine takes.
 ARRAYS = "const double inputs[], const double parameters[], double results[]"
 
 
 def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
-    """Return the header: sizes, places of inputs, parameters and results, prototypes.
+    """Return the header: sizes, indices of inputs, parameters and results, prototypes.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
     """
     quantities, _, slips, *_ = routines
     prefix = model.name.upper()
-    remarks = {name: f"{card.description} [{card.unit}]" for name, card in model.coefficients.items()}
+    remarks = {name: f"{each.description} [{each.unit}]" for name, each in model.coefficients.items()}
     remarks |= {option.parameter: _meaning(option) for option in model.options}
     parts = [
         heading(model, "C99"),

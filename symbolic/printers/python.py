@@ -39,7 +39,7 @@ class PythonFlavor:
     unpack : str
         How inputs and parameters are taken apart.
     vector, matrix : str
-        What the results are wrapped in; ``{}`` stands for the comma-separated values.
+        What the results are wrapped in; ``{}`` represents the comma-separated values.
     shapes : str
         What inputs, parameters and results are, for the docstring.
     epilogue : str

@@ -236,9 +236,9 @@ def test_load_exponents_are_the_option_of_absolute_stiffness():
 
 def test_an_effect_that_is_off_is_its_coefficients_at_neutral():
     book = MODELS["brush"]
-    cards = {name: card.neutral for name, card in book.coefficients.items() if card.neutral is not None}
-    assert cards.keys() == LOAD_EXPONENTS.keys()
-    neutral = {sp.Symbol(name, real=True): sp.nsimplify(value) for name, value in cards.items()}
+    declarations = {name: each.neutral for name, each in book.coefficients.items() if each.neutral is not None}
+    assert declarations.keys() == LOAD_EXPONENTS.keys()
+    neutral = {sp.Symbol(name, real=True): sp.nsimplify(value) for name, value in declarations.items()}
     lines = {name: line.subs(neutral) for name, line in book.as_written(book.effects).items()}
     assert lines == book.as_written([])
 

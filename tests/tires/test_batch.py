@@ -22,7 +22,7 @@ def model(request):
 @pytest.fixture
 def parameters(model):
     book = MODELS[model]
-    values = [card.generic if card.generic else 0.01 for card in book.coefficients.values()]
+    values = [declaration.generic if declaration.generic else 0.01 for declaration in book.coefficients.values()]
     given = dict(zip(book.coefficients, values, strict=True)) | {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
     return np.array([given.get(name, 0.0) for name in book.parameters])
 
@@ -118,9 +118,10 @@ def test_rows_that_no_kernel_covers(model, parameters):
 def test_options_and_turn_slip_everywhere(name):
     book = MODELS[name]
     rows = rows_of(name, 100)
-    cards = {key: card.generic for key, card in book.coefficients.items()} | {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    given = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    known = {key: each.generic for key, each in book.coefficients.items()} | given
     for option in book.options:
-        values = np.array([cards.get(key, float(key == option.parameter)) for key in book.parameters])
+        values = np.array([known.get(key, float(key == option.parameter)) for key in book.parameters])
         assert_same(name, code_for(name, "batch").forces(rows, values), code_for(name, "numpy").forces(rows, values))
 
 

@@ -94,8 +94,8 @@ def test_a_published_tire_is_written_as_it_was_read(tmp_path, name):
 )
 def test_a_text_is_read_back_to_the_letter(tmp_path, text):
     tire = replace(published("trento_hoosier"), name=text, about={"source": text, "after": "the next line"})
-    tire.save(tmp_path / "told.tir")
-    again = read_tir(tmp_path / "told.tir")
+    tire.save(tmp_path / "written.tir")
+    again = read_tir(tmp_path / "written.tir")
     assert again.name == again.about["source"] == text
     assert again.about["after"] == "the next line"
     # What another reader takes for a comment, or for a second line, is not there.
@@ -106,8 +106,8 @@ def test_a_text_is_read_back_to_the_letter(tmp_path, text):
 @pytest.mark.parametrize("key", ["name", "effects", "fittyp", "pky1", "length", "fzmin", "tirefmu_model", "core_pky1"])
 def test_what_is_told_about_a_tire_is_never_taken_for_its_values(tmp_path, key):
     tire = replace(published("trento_hoosier"), about={key: "7"}, effects=["camber_thrust"])
-    tire.save(tmp_path / "told.tir")
-    assert read_tir(tmp_path / "told.tir") == tire.in_signs("iso")
+    tire.save(tmp_path / "written.tir")
+    assert read_tir(tmp_path / "written.tir") == tire.in_signs("iso")
 
 
 def test_numbers_of_numpy_are_written_as_numbers(tmp_path):
