@@ -24,7 +24,7 @@ def generic(model: str, effects: set[str]) -> Tire:
     book = book_of(model)
     values = {name: card.generic or 0.01 for name, card in book.coefficients.items()}
     values |= {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
-    return Tire(model, values, effects=(book.usual_effects - {"turn_slip"}) | effects)
+    return Tire(model, values, effects=(book.default_effects - {"turn_slip"}) | effects)
 
 
 def measure(tire: Tire) -> tuple[float, float]:

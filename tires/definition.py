@@ -84,7 +84,7 @@ class TireDefinition:
 
     def _present(self) -> frozenset[str]:
         if self.effects is None:
-            return self.book.usual_effects | {effect.name for effect in self.added if effect.name not in library()}
+            return self.book.default_effects | {effect.name for effect in self.added if effect.name not in library()}
         for name in self.effects:
             if name not in self.book.effects:
                 raise UnknownName(f"effect of {self.model}", name, [*self.book.effects, *library()])
@@ -223,8 +223,8 @@ class TireDefinition:
         """True if slips lag behind their inputs: the tire has an effect of relaxation, such as relax_lat."""
         return bool(self.has & self.book.relaxing_effects)
 
-    def asked(self, rows: FloatArray) -> FloatArray:
-        """Return the rows of inputs without what would ask for an effect that the tire has not."""
+    def effective_inputs(self, rows: FloatArray) -> FloatArray:
+        """Return the rows of inputs, those inputs 0 that would request an effect that the tire does not have."""
         silent = [name for effect, name in self.book.on_demand if effect not in self.has]
         return np.where(np.isin(self.inputs, silent)[:, None], 0.0, rows) if silent else rows
 

@@ -63,7 +63,7 @@ def forces(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike], code: str 
     columns = [np.asarray(inputs.get(name, tire.nominal(name)), dtype=np.float64) for name in tire.inputs]
     shape = np.broadcast_shapes(*(column.shape for column in columns))
     rows = np.stack([np.broadcast_to(column, shape).ravel() for column in columns])
-    results = _code(tire.book, code, rows.shape[1]).forces(tire.asked(rows), tire.parameters())
+    results = _code(tire.book, code, rows.shape[1]).forces(tire.effective_inputs(rows), tire.parameters())
     return Forces({name: row.reshape(shape) for name, row in zip(tire.outputs, results, strict=True)})
 
 
@@ -121,7 +121,7 @@ def _inputs(
         t, speed = _finite(given["t"], "t"), _finite(given["V"], "V")
         given = given.assign(distance=rolled_distance(t, speed, hold=conventions.hold))
     columns = {name: given.get(name, pd.Series(tire.nominal(name), table.index)) for name in tire.inputs}
-    rows = tire.asked(np.stack([_finite(column, name) for name, column in columns.items()]))
+    rows = tire.effective_inputs(np.stack([_finite(column, name) for name, column in columns.items()]))
     in_the_lines = any(option.name == "limits" for option in tire.book.options)
     if conventions.limits and not in_the_lines:
         bounds = np.array([tire.ranges.get(name, (-np.inf, np.inf)) for name in tire.inputs])

@@ -25,7 +25,7 @@ def tire_text(tire: TireDefinition) -> str:
     """
     name = f" {excerpt(tire.name, LONGEST_NAME)!r}" if tire.name else ""
     side = f", {tire.side} side" if tire.side else ""
-    absent = [effect for effect in tire.book.effects if effect not in tire.has and effect in tire.book.usual_effects]
+    absent = [effect for effect in tire.book.effects if effect not in tire.has and effect in tire.book.default_effects]
     given = len(tire.values) - len(tire.defaulted)
     lines = [
         f"Tire{name}: {tire.model} ({tire.book.title}), {tire.signs} signs{side}",

@@ -250,7 +250,7 @@ class Model:
         return changed
 
     @cached_property
-    def usual_effects(self) -> frozenset[str]:
+    def default_effects(self) -> frozenset[str]:
         """The effects that a tire has by default."""
         return frozenset(name for name, effect in self.effects.items() if not effect.optional)
 

@@ -137,7 +137,7 @@ def golden_tire(folder, name, model, more, without, values):
     (path,) = folder.glob(f"{model}_*_params.json")
     told, book = json.loads(path.read_text(encoding="utf-8")), MODELS[model]
     known = {key: value for key, value in told.items() if key in book.coefficients}
-    return Tire(model, {**known, **values}, effects=(book.usual_effects | more) - without, name=name)
+    return Tire(model, {**known, **values}, effects=(book.default_effects | more) - without, name=name)
 
 
 @pytest.fixture(scope="session")

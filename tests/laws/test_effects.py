@@ -75,7 +75,7 @@ def test_each_effect_is_felt(tire, points, forces_of, scale_of):
     """Else being off would not differ from being on."""
     rows = points(tire)
     forces = forces_of(tire, rows)
-    for effect in tire.book.usual_effects:  # the others act over time
+    for effect in tire.book.default_effects:  # the others act over time
         without = forces_of(replace(tire, effects=tire.book.effects.keys() - {effect}), rows)
         assert np.max(np.abs(without - forces) / scale_of(tire)) > 1e-5, effect
 

@@ -84,7 +84,7 @@ def test_what_is_assumed_for_an_absent_effect_is_left_to_the_tire(effects, tmp_p
 @pytest.mark.parametrize(("lines", "has"), [("SIGX = 0.3", True), ("SIGX = 0", False), ("", False)])
 def test_a_relaxation_length_in_a_file_acts(lines, has, tmp_path):
     tire = read_tir(written(tmp_path / "t.tir", small(lines)))
-    assert tire.has == MODELS["mf61"].usual_effects | ({"relax_lon"} if has else set())
+    assert tire.has == MODELS["mf61"].default_effects | ({"relax_lon"} if has else set())
     assert tire.values["SIGX"] == (0.3 if has else 0.0)
     without = read_tir(written(tmp_path / "t.tir", small(f"{lines}\n[TIREFMU]\nEFFECTS = ''")))
     assert without.has == set()

@@ -26,7 +26,7 @@ BODY = {
 def lagging(name="mf61", *effects, **values):
     book = model(name)
     given = {key: value for key, value in {**BODY, **values}.items() if key in book.coefficients}
-    return Tire(name, given, effects=book.usual_effects | set(effects))
+    return Tire(name, given, effects=book.default_effects | set(effects))
 
 
 def recording(n=40, step=0.05, seed=0):

@@ -146,7 +146,7 @@ class _Reader:
         values |= {key.removeprefix("CORE_"): self._number(own[key], 1.0) for key in own if key.startswith("CORE_")}
         self._refuse_crossed(values)
         effects = self._effects(own, book) if "EFFECTS" in own else self._effects_by_coefficients(values, book)
-        assumed = self._assume(values, book, book.usual_effects if effects is None else effects)
+        assumed = self._assume(values, book, book.default_effects if effects is None else effects)
         ranges = {**dict(self._ranges(book)), **dict(self._own_ranges())}
         about = [self._take("TIREFMU_ABOUT", key) for key in self._keys_of("TIREFMU_ABOUT")]
         about_texts = {entry.key.lower(): _text(entry, self.path) for entry in about}
@@ -262,12 +262,12 @@ class _Reader:
         """Return the effects of a file that names none, or None where they are the default ones."""
         beyond = {effect.name for effect in book.added}
         found = {}
-        for effect in book.effects.keys() - book.usual_effects - beyond:
+        for effect in book.effects.keys() - book.default_effects - beyond:
             own = sorted(book.owned(effect) & values.keys())
             if acting := [name for name in own if values[name] != book.coefficients[name].neutral]:
                 found[effect] = ", ".join(acting)
         self.notes += [f"the tire has the effect {effect}: {found[effect]} given" for effect in sorted(found)]
-        return book.usual_effects | beyond - library().keys() | found.keys() if found else None
+        return book.default_effects | beyond - library().keys() | found.keys() if found else None
 
     def _assume(self, values: dict[str, float], book: Model, effects: frozenset[str]) -> tuple[OtherEntry, ...]:
         """Fill in missing coefficients, as other programs do, and return the lines that name them.

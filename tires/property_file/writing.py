@@ -118,7 +118,7 @@ def _only_here(tire: TireDefinition) -> list[str]:
     """Return the lines of what a .tir file cannot state otherwise."""
     own = {"TIREFMU_MODEL": f"'{tire.model}'", "NAME": _quoted(tire.name)}
     absent = [effect for name, effect in tire.book.effects.items() if name not in tire.has]
-    if tire.has != tire.book.usual_effects:
+    if tire.has != tire.book.default_effects:
         own["EFFECTS"] = f"'{','.join(name for name in tire.book.effects if name in tire.has)}'"
     # An absent effect may rescale a coefficient for other readers; its own value is stored here with every digit.
     own |= {f"CORE_{name}": repr(tire.values[name]) for effect in absent for name, _ in effect.rescales}
