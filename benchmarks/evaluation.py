@@ -24,8 +24,8 @@ import sympy as sp
 from tirefmu.symbolic import model as book_of
 from tirefmu.symbolic.model import Model, reaching
 from tirefmu.tires.code import code_for
-from tirefmu.tires.compiler import shared_library
-from tirefmu.tires.printed import casadi_module
+from tirefmu.tires.code.compiler import shared_library
+from tirefmu.tires.code.modules import casadi_module
 
 FloatArray = npt.NDArray[np.float64]
 RANGES = {"kappa": (-0.3, 0.3), "alpha": (-0.3, 0.3), "gamma": (-0.1, 0.1), "p": (1.8e5, 2.8e5), "V": (8.0, 30.0)}

@@ -15,8 +15,8 @@ from tirefmu.fmu.packaging.binaries import FLAGS
 from tirefmu.fmu.packaging.export import contents, fmi_headers
 from tirefmu.symbolic import model as book_of
 from tirefmu.tires import Tire
-from tirefmu.tires.compiler import FLAGS as COMPILER_FLAGS
-from tirefmu.tires.compiler import find_compiler
+from tirefmu.tires.code.compiler import FLAGS as COMPILER_FLAGS
+from tirefmu.tires.code.compiler import find_compiler
 
 
 def generic(model: str, effects: set[str]) -> Tire:
@@ -24,7 +24,7 @@ def generic(model: str, effects: set[str]) -> Tire:
     book = book_of(model)
     values = {name: declared.generic or 0.01 for name, declared in book.coefficients.items()}
     values |= {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
-    return Tire(model, values, effects=(book.usual_effects - {"turn_slip"}) | effects)
+    return Tire(model, values, effects=(book.default_effects - {"turn_slip"}) | effects)
 
 
 def measure(tire: Tire) -> tuple[float, float]:

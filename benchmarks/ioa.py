@@ -162,7 +162,7 @@ def by_trf(given: Block) -> tuple[Run, FloatArray]:
     """Solve by scipy's bounded least squares with the exact Jacobian of the same compiled code."""
     problem, clock = given.problem, Clock()
     code = fastest_code(problem.tire.book)
-    inputs, root = problem.tire.asked(problem.rows.inputs), np.sqrt(problem.weights[0, given.output])
+    inputs, root = problem.tire.effective_inputs(problem.rows.inputs), np.sqrt(problem.weights[0, given.output])
     force, coefficient = code.entries
     index = {int(column): i for i, column in enumerate(problem.columns)}
     entries = [i for i, (f, c) in enumerate(zip(force, coefficient, strict=True)) if f == given.output and c in index]

@@ -29,7 +29,7 @@ from tirefmu.symbolic import model
 EVERY = 4
 #: Effects of camber in the public contract, and all effects of camber.
 CAMBER = ("camber_thrust", "camber_stiffness", "camber_friction")
-ALL_CAMBER = tuple(sorted(name for name in model("mf61").usual_effects if name.startswith("camber")))
+ALL_CAMBER = tuple(sorted(name for name in model("mf61").default_effects if name.startswith("camber")))
 COMBINED = ("combined_Gxa", "combined_Gyk", "kappa_sideforce_SVyk")
 NOMINAL = {"Fz0": 1700.0, "R0": 0.23, "p0": 83e3, "V0": 11.2}
 

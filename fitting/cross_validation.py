@@ -120,7 +120,7 @@ def _computed(tire: Tire, recording: Recording) -> FloatArray:
     """Return forces in adapted SAE, shape (n, n_forces)."""
     ours = tire.in_signs("adapted-sae")
     rows = Rows.of(recording.with_signs("adapted-sae").table, ours, ())
-    return fastest_code(ours.book).forces(ours.asked(rows.inputs), ours.parameters()).T
+    return fastest_code(ours.book).forces(ours.effective_inputs(rows.inputs), ours.parameters()).T
 
 
 def _errors(

@@ -203,7 +203,7 @@ def _effects(
     book: Model, start: Tire | None, effects: Collection[str] | None, without: Collection[str]
 ) -> frozenset[str]:
     given = start.has if effects is None and start is not None else effects
-    return (book.usual_effects if given is None else book.known_effects(given)) - book.known_effects(without)
+    return (book.default_effects if given is None else book.known_effects(given)) - book.known_effects(without)
 
 
 def _starting_tire(

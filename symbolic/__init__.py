@@ -1,12 +1,12 @@
-"""The book: the Magic Formula as named, numbered lines, and the passes over them."""
+"""Tire models as named, numbered equations, and the passes over them."""
 
 from collections.abc import Collection, Sequence
 
 from .added import AddedEffect, effect_text, library
-from .discovery import DEFAULT_MODEL, found_models
 from .effects import EFFECTS
 from .errors import UnknownName
 from .model import Model
+from .model.discovery import DEFAULT_MODEL, found_models
 
 #: Every model by name: those of this package's folders; see CONTRIBUTING.md, "Adding a model".
 MODELS: dict[str, Model] = found_models()
@@ -21,7 +21,7 @@ def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
     ----------
     name : str
     added : sequence of AddedEffect
-        Effects beyond the book that stand in its lines too.
+        Effects beyond the book to be put into its lines.
 
     Returns
     -------
@@ -33,7 +33,7 @@ def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
     UnknownName
         If there is none; the message offers the nearest.
     EffectError
-        If an added effect has no place in the model.
+        If an added effect does not fit the model.
 
     Examples
     --------

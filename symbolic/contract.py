@@ -1,7 +1,7 @@
-"""What a model declares besides its lines: roles, property file, physical constraints, how it is fitted.
+"""What a model declares in addition to its lines: roles, property file, physical constraints, how it is fitted.
 
-`tirefmu.symbolic.model.Model` holds these declarations; `tirefmu.symbolic.verification` checks them. All other packages
-read them and name no model and no coefficient of one.
+`tirefmu.symbolic.model.Model` holds these declarations; `tirefmu.symbolic.model.verification` checks them. All other
+packages read them and name no model and no coefficient of one.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from math import inf
 
 from .notation import Quantity
 
-#: What a quantity can be for the other packages, with its usual letter. A model declares which of its named quantities
+#: What a quantity can be for the other packages, with its symbol. A model declares which of its named quantities
 #: has which role; a role without a quantity is one that the model lacks.
 ROLES: dict[str, Quantity] = {
     "friction_x": Quantity("mu_x", "1", "largest |Fx| per load"),
@@ -55,7 +55,7 @@ class Role:
         quantity is proportional to it, or a shift or an offset has it as a term.
     per : str
         The factor of the leading coefficient in an offset, by which other terms of the same quantity are scaled:
-        "Fz", say.
+        Such as "Fz".
 
     Examples
     --------
@@ -86,7 +86,7 @@ class PropertyFile:
     shared_formats : tuple of str
         Values that several models share: the coefficients in the file decide.
     differs_from : str
-        The model of the same formats from which the coefficients tell this one: those that the other one lacks.
+        The model of the same formats from which this one is distinguished by coefficients that the other one lacks.
     written_format : str
         The written PROPERTY_FILE_FORMAT.
     header : mapping of str to str
@@ -128,7 +128,7 @@ class PhysicalConstraint:
     over : tuple of str
         The inputs on which the quantity depends.
     size : float
-        Its usual size, for the solver.
+        A typical value, for the solver.
     kind : str
         "signs", "curvature", "friction_falling", "stiffness_saturating" or "extrapolation".
     measure : str
@@ -137,7 +137,7 @@ class PhysicalConstraint:
     effect : str
         Without this effect the quantity has no meaning; empty where it always has.
     on_request : bool
-        Whether a fit enforces it only if asked to.
+        Whether a fit enforces it only on request.
     """
 
     quantity: str

@@ -22,7 +22,7 @@ class TirefmuError(Exception):
     ----------
     sentence : str
         May quote a file: what is not printable becomes an escape sequence, and the middle of what is longer than
-        `LONGEST` is left out.
+        `LONGEST` is omitted.
 
     Examples
     --------
@@ -35,7 +35,7 @@ class TirefmuError(Exception):
 
 
 class UnknownName(TirefmuError):
-    """A name that nobody declared; the sentence offers the nearest known one.
+    """An unknown name; the sentence offers the nearest known one.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ class WrongType(TirefmuError, TypeError):
 
 
 class ModelError(TirefmuError):
-    """A model that does not keep what it declares; model and coefficient or quantity stand in the sentence."""
+    """A model that violates its declarations; the sentence names model and coefficient or quantity."""
 
 
 class TireError(TirefmuError):
@@ -92,15 +92,15 @@ class TireError(TirefmuError):
 
 
 class EffectError(TirefmuError):
-    """A file of an added effect that cannot be read, or one that has no place in a model."""
+    """A file of an added effect that cannot be read, or one that does not fit a model."""
 
 
 class TirError(TirefmuError):
-    """A .tir file that cannot be read: file, line and key stand in the sentence."""
+    """A .tir file that cannot be read; the sentence names file, line and key."""
 
 
 class DataError(TirefmuError):
-    """A table or recording that cannot be used: file, row and channel stand in the sentence."""
+    """A table or recording that cannot be used; the sentence names file, row and channel."""
 
 
 class FitError(TirefmuError):

@@ -1,7 +1,7 @@
 """One escaping function per target for text that comes from files: comments in code, XML, TOML, file names, terminals.
 
 A description in a tire file, a column of a table or the name of a recording is arbitrary text. Wherever such text is
-written, it passes the function of its target, which keeps ordinary text as it is and makes everything else visible
+written, it passes the function of its target, which returns ordinary text unchanged and makes everything else visible
 and harmless. HTML pages that are not written by Jinja with autoescape take `html_text`.
 """
 
@@ -49,7 +49,7 @@ def visible(text: str) -> str:
 
 
 def shortened(text: str, most: int) -> str:
-    """Return a text of at most so many characters; of a longer one both ends, as either may say what matters.
+    """Return a text limited to a number of characters; both ends of a longer one, as either may be informative.
 
     Parameters
     ----------

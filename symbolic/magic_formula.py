@@ -1,4 +1,4 @@
-"""What the Magic Formula models share besides their lines: roles, and the physical constraints on Fx and Fy."""
+"""What the Magic Formula models share in addition to their lines: roles, and the physical constraints on Fx and Fy."""
 
 from __future__ import annotations
 

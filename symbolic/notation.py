@@ -18,7 +18,7 @@ from .detection import Detection
 
 @dataclass
 class Coefficient:
-    """A coefficient of the book, declared once: the card that every other room reads.
+    """A coefficient, declared once: every package reads this declaration.
 
     Attributes
     ----------
@@ -27,7 +27,7 @@ class Coefficient:
     unit : str
         SI unit; "1" where it has none.
     lower, upper : float
-        Bounds that a plausible tire keeps, in adapted SAE signs.
+        Bounds of plausible tires, in adapted SAE signs.
     neutral : float or None
         The value at which the coefficient does nothing; None for one that the model cannot do without.
     start : float or None
@@ -37,7 +37,7 @@ class Coefficient:
     assumed : float or None
         What the field's readers take, in ISO-W, where a .tir file lacks the key; the default where None.
     channels : tuple of str
-        The outputs from which it can be read, the most telling first; those of its section where empty.
+        The outputs from which it can be identified, the most informative first; those of its section if empty.
     fitted : bool or None
         Whether a fit may free it without naming it; as its section where None.
     name, section : str
@@ -65,7 +65,7 @@ class Coefficient:
 
     @property
     def default(self) -> float:
-        """The value that a tire has where nobody gave one: neutral, else the generic start.
+        """The default value of a tire: neutral, else the generic start.
 
         A neutral value beyond the bounds is a limit (PKY2: stiffness proportional to load), no default.
         """
@@ -82,8 +82,8 @@ class Coefficient:
 class Section:
     """A section of the .tir file; its coefficients are the class attributes.
 
-    The class takes the section's title and, for the coefficients that do not say otherwise, the `channels` from which
-    they can be read (Fx, Fy and Mz where left out) and whether a fit may free them (`fitted`).
+    The class takes the section's title and, for the coefficients that do not declare them, the `channels` from which
+    they can be identified (default: Fx, Fy and Mz) and whether a fit may free them (`fitted`).
 
     Examples
     --------
@@ -100,11 +100,11 @@ class Section:
         cls, *, title: str, channels: tuple[str, ...] = ("Fx", "Fy", "Mz"), fitted: bool = True
     ) -> None:
         cls.title = title
-        cls.coefficients = {name: card for name, card in vars(cls).items() if isinstance(card, Coefficient)}
-        for card in cls.coefficients.values():
-            card.section = title
-            card.channels = card.channels or channels
-            card.fitted = fitted if card.fitted is None else card.fitted
+        cls.coefficients = {name: each for name, each in vars(cls).items() if isinstance(each, Coefficient)}
+        for declaration in cls.coefficients.values():
+            declaration.section = title
+            declaration.channels = declaration.channels or channels
+            declaration.fitted = fitted if declaration.fitted is None else declaration.fitted
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ class Quantity:
     nominal : str or float
         The value of an absent input: a number, or the coefficient that holds it.
     typical : float
-        The usual size, for scaling.
+        A typical value, for scaling.
     """
 
     name: str
@@ -137,26 +137,26 @@ class Quantity:
 
 
 class Switch(sp.Function):
-    """A place in a line that an effect owns: ``Switch(effect, on, off)``. Gone before anything is printed."""
+    """A term of a line that an effect owns: ``Switch(effect, on, off)``. Gone before anything is printed."""
 
     nargs = 3
 
 
 class Choice(sp.Function):
-    """A place in a line that an option decides: ``Choice(option, first, second)``."""
+    """A term of a line that an option decides: ``Choice(option, first, second)``."""
 
     nargs = 3
 
 
 class Variant(sp.Function):
-    """A place where the models that share a line differ: ``Variant(model, its own, the others')``."""
+    """A term in which the models that share a line differ: ``Variant(model, its own, the others')``."""
 
     nargs = 3
 
 
 @dataclass(frozen=True)
 class Option:
-    """A named convention that whoever evaluates a tire may choose.
+    """A named convention, chosen when a tire is evaluated.
 
     It is no property of the tire. In generated code it is an entry of the parameter vector behind the
     coefficients, in upper case: 0 for the first value, 1 for the second.
@@ -185,12 +185,12 @@ class Option:
         return self.name.upper()
 
     def either(self, first: Any, second: Any) -> sp.Expr:
-        """Return the place where the lines have `first` by default and `second` with the other value."""
+        """Return a term that is `first` by default and `second` with the other value."""
         return Choice(sp.Symbol(self.parameter, real=True), sp.sympify(first), sp.sympify(second))
 
 
 def only(model: str, own: Any, others: Any) -> sp.Expr:
-    """Return the place where a model has `own` and the others that share the line have `others`.
+    """Return a term that is `own` in one model and `others` in the others that share the line.
 
     Examples
     --------
@@ -202,7 +202,7 @@ def only(model: str, own: Any, others: Any) -> sp.Expr:
 
 @dataclass(frozen=True)
 class Effect:
-    """A named physical thing that a model has or lacks, wherever it stands in the lines.
+    """A named physical phenomenon that a model has or lacks, with all its terms in the lines.
 
     Which coefficients it owns is not written down: they are those that reach no output when it is off
     (`tirefmu.symbolic.model.Model.owned`).
@@ -217,7 +217,7 @@ class Effect:
         Coefficients whose meaning changes when the effect is off, and the factor by which a file written
         for readers without switches multiplies them (all owned coefficients at neutral).
     optional : bool
-        True for one that a tire has only where it is asked for by name.
+        True for one that a tire has only if it is requested by name.
     detection : Detection or None
         How a diagnosis looks for it; without it, a diagnosis tries a model's own and user-defined effects only.
 
@@ -235,7 +235,7 @@ class Effect:
     detection: Detection | None = None
 
     def either(self, on: Any, off: Any) -> sp.Expr:
-        """Return the place where the lines have `on` with this effect and `off` without it."""
+        """Return a term that is `on` with this effect and `off` without it."""
         return Switch(sp.Symbol(self.name), sp.sympify(on), sp.sympify(off))
 
     def term(self, expression: Any) -> sp.Expr:

@@ -1,6 +1,6 @@
-"""The conventions that whoever evaluates a tire may choose, by their public names.
+"""The conventions that can be chosen when a tire is evaluated, by their public names.
 
-Where an option acts stands in the chapters (``option.either(default, other)``).
+The chapters have the terms in which an option acts (``option.either(default, other)``).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ slip_angle = Option(
 limits = Option(
     "limits",
     ("off", "on"),
-    "on: inputs are kept within the tire's ranges, slips fade out below VXLOW, curvature factors are 1 at most",
+    "on: inputs are limited to the tire's ranges, slips fade out below VXLOW, curvature factors are 1 at most",
 )
 signs = Option(
     "signs",

@@ -1,8 +1,8 @@
 """Words that a name from a file cannot be, as generated code, other languages, systems or .tir files take them.
 
 A coefficient becomes a variable in C and Python, a variable of an FMU and a key of a .tir file; an effect becomes a
-section of a .tir file and the name of a file. Languages are compared without regard to case: some do not tell cases
-apart, and nobody is helped by a coefficient called ``FOR``.
+section of a .tir file and the name of a file. Languages are compared without regard to case: some do not distinguish
+cases, and a coefficient called ``FOR`` would be misleading.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from tirefmu.fitting import FitResult, fit
     from tirefmu.fmu import CheckResult, check, export
     from tirefmu.measurements import Recording, VirtualBench, read_recording
-    from tirefmu.tires.drawing import draw
+    from tirefmu.tires.drawing.files import draw
 
 __version__ = version("tirefmu")
 
@@ -26,7 +26,7 @@ __version__ = version("tirefmu")
 _ON_DEMAND = {
     "diagnose": "diagnosis",
     "Diagnosis": "diagnosis",
-    "draw": "tires.drawing",
+    "draw": "tires.drawing.files",
     "fit": "fitting",
     "FitResult": "fitting",
     "export": "fmu",

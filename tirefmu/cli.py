@@ -315,7 +315,7 @@ def check(
 @common
 def info(tire: Path, every: bool, quiet: bool, json_file: Path | None) -> int:
     """Summarize TIRE: model, ranges, effects, coefficients, warnings."""
-    from tirefmu.tires.tir import read_tir_with_notes
+    from tirefmu.tires.property_file.reading import read_tir_with_notes
 
     from .description import describe
 
@@ -339,13 +339,13 @@ def draw(
     json_file: Path | None,
 ) -> int:  # fmt: skip
     """Draw TIRE at several loads: pure slip, surfaces of Fx and Fy over both slips, Fy against Fx."""
-    from tirefmu.tires.drawing import draw as run
-    from tirefmu.tires.drawing import usual_loads
+    from tirefmu.tires.drawing.files import draw as run
+    from tirefmu.tires.drawing.tire_figures import default_loads
 
     terminal = Terminal(quiet)
     check_output_paths(json_file, folder=output)
     loaded = tire_from(tire)
-    loads = usual_loads(loaded) if loads is None else loads
+    loads = default_loads(loaded) if loads is None else loads
     with terminal.working("drawing"):
         drawn = run(loaded, output, loads=loads, signs=signs, suffix=suffix)
     write_json(json_file, {"ok": True, "loads": list(loads), "signs": signs, "figures": [str(p) for p in drawn]})

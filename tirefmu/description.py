@@ -7,8 +7,7 @@ from math import isfinite
 from typing import Any
 
 from tirefmu.tires import Tire
-from tirefmu.tires.tir import not_given
-from tirefmu.tires.tir_names import MOST_SEARCHED, OWN_SECTIONS, near_miss, unit_of
+from tirefmu.tires.property_file.names import MOST_SEARCHED, OWN_SECTIONS, near_miss, not_given, unit_of
 
 from .implausible import implausible
 

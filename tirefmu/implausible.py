@@ -10,7 +10,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.tires import Tire
-from tirefmu.tires.tire import RANGES
+from tirefmu.tires.definition import RANGES
 
 #: Largest plausible magnitude of the ends of an input's range, and the probable unit of a larger number. They replace
 #: the bounds in the declarations of the coefficients.

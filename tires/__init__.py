@@ -1,9 +1,10 @@
 """Tires: values for a model's coefficients, .tir files, published tires, sign conventions."""
 
 from .forces import Forces
+from .property_file.reading import read_tir
+from .property_file.writing import write_tir
 from .published import PUBLISHED, published
 from .signs import SIGNS, TABLE_INPUTS, TABLE_OUTPUTS, convert_signs
-from .tir import read_tir, write_tir
 from .tire import Tire
 from .tire_argument import TireLike, tire_from
 

@@ -1,30 +1,29 @@
-"""A tire evaluated for the rows of a table: conventions, transient slip, forces and every named quantity."""
+"""The evaluation of a tire: forces at given inputs, and a table's forces, quantities and transient slip."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.symbolic.errors import DataError
+from tirefmu.symbolic.errors import DataError, UnknownName
+from tirefmu.symbolic.model import Model
 
-from .code import Code
+from .code import Code, code_for, fastest_code
+from .definition import TireDefinition
+from .forces import Forces
 from .signs import MIRRORED, TABLE_INPUTS, convert_signs, reversed_columns
 from .transient import lagged, rolled_distance
-
-if TYPE_CHECKING:
-    from .tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Conventions:
-    """How a table is written and how the lines are read; `Tire.evaluate` says what each means."""
+    """Conventions of a table and of the evaluation; `Tire.evaluate` documents each."""
 
     signs: str = "iso"
     convention: str = "tno"
@@ -42,7 +41,7 @@ class Conventions:
 
     @property
     def options(self) -> dict[str, str]:
-        """What the lines leave open."""
+        """The options of the lines, by name."""
         return {
             "convention": self.convention,
             "slip_angle": self.slip_angle,
@@ -50,17 +49,37 @@ class Conventions:
         }
 
 
-def evaluate(tire: Tire, table: pd.DataFrame, conventions: Conventions, code: Code) -> pd.DataFrame:
-    """Return forces and named quantities for each row of a table, beside its input columns.
+def forces(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike], code: str = "auto") -> Forces:
+    """Return forces and moments in the tire's own signs, in steady state; `Tire.forces` documents the parameters.
+
+    Raises
+    ------
+    UnknownName
+        If an input is none of the public tables.
+    """
+    for name in inputs:
+        if name not in TABLE_INPUTS:
+            raise UnknownName("input", name, TABLE_INPUTS)
+    columns = [np.asarray(inputs.get(name, tire.nominal(name)), dtype=np.float64) for name in tire.inputs]
+    shape = np.broadcast_shapes(*(column.shape for column in columns))
+    rows = np.stack([np.broadcast_to(column, shape).ravel() for column in columns])
+    results = _code(tire.book, code, rows.shape[1]).forces(tire.effective_inputs(rows), tire.parameters())
+    return Forces({name: row.reshape(shape) for name, row in zip(tire.outputs, results, strict=True)})
+
+
+def evaluate(
+    tire: TireDefinition, table: pd.DataFrame, conventions: Conventions, language: str = "auto"
+) -> pd.DataFrame:
+    """Return forces and named quantities for each row of a table, together with its input columns.
 
     Parameters
     ----------
-    tire : Tire
+    tire : TireDefinition
     table : pandas.DataFrame
         Input columns in SI units.
     conventions : Conventions
-    code : Code
-        Which generated code evaluates.
+    language : str
+        Which generated code evaluates; "auto": the fastest for the number of rows.
 
     Returns
     -------
@@ -73,45 +92,55 @@ def evaluate(tire: Tire, table: pd.DataFrame, conventions: Conventions, code: Co
         If an input is NaN or infinite.
     """
     tire = tire.in_signs(conventions.formula)
+    code = _code(tire.book, language, len(table))
     parameters = tire.parameters(**conventions.options)
     columns, rows = _inputs(tire, table, conventions)
     acting, lag = _acting(tire, table, rows, parameters, conventions, code)
     seen = _turned(acting, tire.inputs, conventions.mirror)
-    forces = _turned(code.forces(seen, parameters), tire.outputs, conventions.mirror)
+    outputs = _turned(code.forces(seen, parameters), tire.outputs, conventions.mirror)
     quantities = dict(zip(code.quantities_names, code.quantities(seen, parameters), strict=True))
-    kept = table[[name for name in TABLE_INPUTS if name in table]]
+    given = table[[name for name in TABLE_INPUTS if name in table]]
     absent = {name: columns[name] for name in tire.inputs if name not in table}
     lag = {f"{name}_lagged": convert_signs(pd.DataFrame({name: slip}), conventions.formula, conventions.signs)[name]
            .to_numpy() for name, slip in lag.items()}  # fmt: skip
-    told = {**absent, **dict(zip(tire.outputs, forces, strict=True))}
-    written = convert_signs(pd.DataFrame(told, table.index), conventions.formula, conventions.signs)
-    return pd.concat([kept, written, pd.DataFrame({**lag, **quantities}, table.index)], axis=1)
+    computed = {**absent, **dict(zip(tire.outputs, outputs, strict=True))}
+    written = convert_signs(pd.DataFrame(computed, table.index), conventions.formula, conventions.signs)
+    return pd.concat([given, written, pd.DataFrame({**lag, **quantities}, table.index)], axis=1)
+
+
+def _code(book: Model, language: str, n_rows: int) -> Code:
+    return fastest_code(book, n_rows) if language == "auto" else code_for(book, language)
 
 
 def _inputs(
-    tire: Tire, table: pd.DataFrame, conventions: Conventions
+    tire: TireDefinition, table: pd.DataFrame, conventions: Conventions
 ) -> tuple[dict[str, pd.Series[float]], FloatArray]:
-    """Return the model's inputs by name, and as rows: finite, and what the tire has no effect for left out."""
+    """Return the model's inputs by name, and as finite rows without inputs that request an absent effect."""
     given = convert_signs(table, conventions.signs, conventions.formula)
     if "distance" in tire.inputs and "distance" not in given and {"t", "V"} <= set(given):
         t, speed = _finite(given["t"], "t"), _finite(given["V"], "V")
         given = given.assign(distance=rolled_distance(t, speed, hold=conventions.hold))
     columns = {name: given.get(name, pd.Series(tire.nominal(name), table.index)) for name in tire.inputs}
-    rows = tire.asked(np.stack([_finite(column, name) for name, column in columns.items()]))
+    rows = tire.effective_inputs(np.stack([_finite(column, name) for name, column in columns.items()]))
     in_the_lines = any(option.name == "limits" for option in tire.book.options)
     if conventions.limits and not in_the_lines:
         bounds = np.array([tire.ranges.get(name, (-np.inf, np.inf)) for name in tire.inputs])
         load = tire.inputs.index("Fz")
-        lifted = rows[load] <= 0  # and stays so
+        lifted = rows[load] <= 0  # and remains so when clipped
         rows = np.clip(rows, bounds[:, :1], bounds[:, 1:])
         rows[load, lifted] = 0.0
     return columns, rows
 
 
 def _acting(
-    tire: Tire, table: pd.DataFrame, rows: FloatArray, parameters: FloatArray, conventions: Conventions, code: Code
+    tire: TireDefinition,
+    table: pd.DataFrame,
+    rows: FloatArray,
+    parameters: FloatArray,
+    conventions: Conventions,
+    code: Code,
 ) -> tuple[FloatArray, dict[str, FloatArray]]:
-    """Return the inputs that act, slips lagging behind where the tire has that, and the lagged slips by name."""
+    """Return the acting inputs, with lagged slips where the tire has relaxation, and these slips by name."""
     if "t" not in table or conventions.steady or not tire.lags:
         return rows, {}
     t = _finite(table["t"], "t")

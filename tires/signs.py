@@ -64,7 +64,7 @@ def convert_signs(table: pd.DataFrame, source: str, target: str) -> pd.DataFrame
     Parameters
     ----------
     table : pandas.DataFrame
-        SI columns with the names of the public contract; others are left alone.
+        SI columns with the names of the public contract; others are unchanged.
     source, target : str
         One of ``iso``, ``adapted-sae``, ``sae``.
 

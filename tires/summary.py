@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from tirefmu.symbolic.escaping import excerpt
 
+from .definition import TireDefinition
 from .notebook import html_details, html_summary, html_table
-
-if TYPE_CHECKING:
-    from .tire import Tire
 
 #: The longest name that a summary shows, in characters.
 LONGEST_NAME = 80
 
 
-def tire_text(tire: Tire) -> str:
+def tire_text(tire: TireDefinition) -> str:
     """Return what a tire is, in a few lines.
 
     Examples
@@ -29,7 +25,7 @@ def tire_text(tire: Tire) -> str:
     """
     name = f" {excerpt(tire.name, LONGEST_NAME)!r}" if tire.name else ""
     side = f", {tire.side} side" if tire.side else ""
-    absent = [effect for effect in tire.book.effects if effect not in tire.has and effect in tire.book.usual_effects]
+    absent = [effect for effect in tire.book.effects if effect not in tire.has and effect in tire.book.default_effects]
     given = len(tire.values) - len(tire.defaulted)
     lines = [
         f"Tire{name}: {tire.model} ({tire.book.title}), {tire.signs} signs{side}",
@@ -44,7 +40,7 @@ def tire_text(tire: Tire) -> str:
     return "\n".join(lines)
 
 
-def tire_html(tire: Tire) -> str:
+def tire_html(tire: TireDefinition) -> str:
     """Return the same as HTML, with the coefficients that were given.
 
     Examples
@@ -53,13 +49,13 @@ def tire_html(tire: Tire) -> str:
     >>> "<td>PDY1</td>" in tire_html(published("trento_hoosier"))
     True
     """
-    given = [card for name, card in tire.book.coefficients.items() if name not in tire.defaulted]
-    rows = [(card.name, tire.values[card.name], card.unit, card.description) for card in given]
+    given = [each for name, each in tire.book.coefficients.items() if name not in tire.defaulted]
+    rows = [(each.name, tire.values[each.name], each.unit, each.description) for each in given]
     table = html_table(["coefficient", "value", "unit", "description"], rows)
     return html_summary(tire_text(tire), html_details(f"Coefficients ({tire.signs} signs)", table))
 
 
-def _nominal(tire: Tire) -> list[tuple[str, float, str]]:
+def _nominal(tire: TireDefinition) -> list[tuple[str, float, str]]:
     """Return name, value and unit of the nominal inputs that are not 0."""
     values = [(q.name, tire.nominal(q.name), "" if q.unit == "1" else q.unit) for q in tire.book.inputs]
     return [each for each in values if each[1] != 0.0]

@@ -1,6 +1,6 @@
-"""What `Tire.evaluate` accepts as a table: a DataFrame as it is, anything else by the reader of the front door.
+"""What `Tire.evaluate` accepts as a table: a DataFrame as it is, anything else through the reader of `tirefmu`.
 
-Recordings and their files belong to `tirefmu.measurements`, which builds on this room. The front door (`tirefmu`)
+Recordings and their files belong to `tirefmu.measurements`, which builds on this package. The package `tirefmu`
 connects the two, so that nothing here depends on the readers.
 """
 

@@ -1,7 +1,7 @@
 """Transient slip: tan(alpha) and kappa lag behind their inputs by a rolled distance.
 
-d x/dt = |V| / sigma (u - x): the exact solution over each step, whatever its length; nothing moves while the
-wheel stands. Pacejka, Tire and Vehicle Dynamics (2012), section 7.2.1 has the single contact point model; here
+d x/dt = |V| / sigma (u - x): the exact solution over each step, whatever its length; nothing changes while the
+wheel does not roll. Pacejka, Tire and Vehicle Dynamics (2012), section 7.2.1 has the single contact point model; here
 the lag acts on the slip itself.
 """
 
@@ -52,18 +52,18 @@ def lagged(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray
     held, following = slip[:-1], slip[1:]
     with np.errstate(invalid="ignore"):
         rolled = np.where(h > 0, h * (rate[:-1] if hold else (rate[:-1] + rate[1:]) / 2), 0.0)
-    kept = np.exp(-rolled)
+    decay = np.exp(-rolled)
     if hold:
         gained = held * -np.expm1(-rolled)
     else:
         some = (rolled > 0) & np.isfinite(rolled)
         mean_lag = np.where(some, -np.expm1(-rolled) / np.where(some, rolled, 1.0), np.where(rolled > 0, 0.0, 1.0))
         gained = (following - held) * (1 - mean_lag) - held * np.expm1(-rolled)
-    kept, gained = np.where(h < 0, 0.0, kept), np.where(h < 0, following, gained)
+    decay, gained = np.where(h < 0, 0.0, decay), np.where(h < 0, following, gained)
     acts = np.empty_like(slip)
     x = acts[0] = slip[0]
     for i in range(len(h)):
-        x = acts[i + 1] = kept[i] * x + gained[i]
+        x = acts[i + 1] = decay[i] * x + gained[i]
     return np.where(sigma > AT_ONCE, acts, slip)
 
 

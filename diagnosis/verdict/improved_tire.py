@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from tirefmu.symbolic.added import AddedEffect
-from tirefmu.tires.tire import RANGES, Tire
+from tirefmu.tires.definition import RANGES
+from tirefmu.tires.tire import Tire
 
 from ..least_squares import LeastSquares, Solution
 

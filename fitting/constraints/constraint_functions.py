@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.symbolic.model import Model
-from tirefmu.tires.printed import casadi_module
+from tirefmu.tires.code.modules import casadi_module
 
 from ..problem.weighted_residuals import Problem
 from .physical import TOLERANCE, Constraint

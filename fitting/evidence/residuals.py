@@ -58,7 +58,7 @@ class Residuals:
     def computed(self) -> Mapping[str, FloatArray]:
         """The tire's channels at every row, each of shape (n,)."""
         rows = Rows.of(self.table, self.tire, ())
-        forces = fastest_code(self.tire.book).forces(self.tire.asked(rows.inputs), self.tire.parameters())
+        forces = fastest_code(self.tire.book).forces(self.tire.effective_inputs(rows.inputs), self.tire.parameters())
         return {name: forces[self.tire.outputs.index(name)] for name in self.channels}
 
     @cached_property

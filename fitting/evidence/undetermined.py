@@ -192,7 +192,7 @@ class _Asked:
         order = list(tire.book.parameters)
         columns = np.array([order.index(name) for name in self.free])
         reach = self._sizes * np.array([tire.rescaled.get(name, 1.0) for name in self.free])
-        jacobian = fastest_code(tire.book).jacobian_parameters(tire.asked(inputs), tire.parameters())
+        jacobian = fastest_code(tire.book).jacobian_parameters(tire.effective_inputs(inputs), tire.parameters())
         matrix = np.zeros((len(self.free), len(self.free)))
         for name, sigma in self._sigma.items():
             part = np.nan_to_num(jacobian[:, tire.outputs.index(name), columns]) * reach

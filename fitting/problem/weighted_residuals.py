@@ -154,7 +154,7 @@ class Problem:
             (chosen, freed[chosen])
             for chosen in (np.flatnonzero((force == i) & (freed >= 0)) for i in range(len(self.tire.outputs)))
         ]
-        self._inputs = np.ascontiguousarray(self.tire.asked(self.rows.inputs))
+        self._inputs = np.ascontiguousarray(self.tire.effective_inputs(self.rows.inputs))
         self._parameters = self.tire.parameters()
         self._measured = np.ascontiguousarray(np.nan_to_num(self.rows.measured.T))
         self._weighed: FloatArray | None = None  # the weights to which the next two belong

@@ -11,7 +11,7 @@ from pathlib import Path
 from platform import machine
 
 from tirefmu.symbolic.errors import FmuError
-from tirefmu.tires.compiler import (
+from tirefmu.tires.code.compiler import (
     CompilerError,
     CrossCompiler,
     NoCompilerError,

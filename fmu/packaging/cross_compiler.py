@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tirefmu.symbolic.errors import FmuError
-from tirefmu.tires.compiler import CrossCompiler
+from tirefmu.tires.code.compiler import CrossCompiler
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.tires import Tire
-from tirefmu.tires.printed import code_folder
+from tirefmu.tires.code.modules import code_folder
 
 from ..description.model_description import xml_bytes
 from ..description.variables import Variable

@@ -13,7 +13,7 @@ from tirefmu.symbolic.printers.c import comment
 from tirefmu.symbolic.printers.definitions import calling_math, definitions
 from tirefmu.symbolic.printers.expressions import PlainCPrinter
 from tirefmu.symbolic.printers.operations import rolling_radius_lines
-from tirefmu.tires.printed import c_folder
+from tirefmu.tires.code.modules import c_folder
 
 from ..description.interface import Interface, host_input_indices
 from ..description.model_description import xml_bytes

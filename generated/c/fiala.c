@@ -12,7 +12,7 @@ static inline double square(double x) { return x*x; }
 
 static inline double cube(double x) { return x*x*x; }
 
-/* No branches, which nobody could predict; NaN stays NaN (the second operand of a comparison that fails). */
+/* No branches, which are unpredictable here; NaN stays NaN (the second operand of a comparison that fails). */
 static inline double sgn(double x)
 {
     const double y = x*1e300*1e300, above = -1.0 > y ? -1.0 : y;
@@ -46,7 +46,7 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 
-/* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define ROUNDING 6755399441055744.0
 
 /* Up to here a multiple of pi/2 is taken off exactly. */
@@ -252,7 +252,7 @@ void fiala_forces(const double inputs[], const double parameters[], double resul
     const double ROLLING_RESISTANCE = parameters[FIALA_ROLLING_RESISTANCE];
     const double SIGNS = parameters[FIALA_SIGNS];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
     const double tan_alpha = fast_tan(alpha); /* [tirefmu] tangent of the side slip angle */
@@ -295,7 +295,7 @@ void fiala_slip_stiffnesses(const double inputs[], const double parameters[], do
     const double UMAX = parameters[FIALA_UMAX];
     const double SIGNS = parameters[FIALA_SIGNS];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
     const double tan_alpha = fast_tan(alpha); /* [tirefmu] tangent of the side slip angle */
@@ -370,200 +370,6 @@ void fiala_slip_stiffnesses(const double inputs[], const double parameters[], do
     results[7] = 0.0;
 }
 
-/* Derivatives of the forces by the inputs. */
-void fiala_jacobian_inputs(const double inputs[], const double parameters[], double results[])
-{
-    const double kappa = inputs[FIALA_kappa];
-    const double alpha = inputs[FIALA_alpha];
-    const double Fz = inputs[FIALA_Fz];
-    const double V = inputs[FIALA_V];
-    const double WIDTH = parameters[FIALA_WIDTH];
-    const double CSLIP = parameters[FIALA_CSLIP];
-    const double CALPHA = parameters[FIALA_CALPHA];
-    const double UMIN = parameters[FIALA_UMIN];
-    const double UMAX = parameters[FIALA_UMAX];
-    const double ROLLING_RESISTANCE = parameters[FIALA_ROLLING_RESISTANCE];
-    const double SIGNS = parameters[FIALA_SIGNS];
-
-    /* What can be computed side by side stands together; quantities has the book's order */
-    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
-    const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
-    const double tan_alpha = fast_tan(alpha); /* [tirefmu] tangent of the side slip angle */
-    const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */
-    const double K_xkappa = CSLIP; /* [Adams] longitudinal slip stiffness */
-    const double t_0 = 0.3333333333333333*WIDTH; /* [Adams] pneumatic trail at zero slip */
-    const double My_part1 = sgn(V);
-    const double F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */
-    const double K_yalpha = CALPHA*sense; /* [Adams] cornering stiffness */
-    const double S_square = square(kappa) + square(tan_alpha); /* [Adams] comprehensive slip, squared */
-    const double F_y_linear = K_yalpha*tan_alpha; /* [Adams] side force without sliding */
-    const double sliding_y_part1 = sgn(F_y_linear);
-    const double S_square_inside = ((S_square >= 1.0) || (S_square <= 0.0) ? 1.0 : S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
-    const double S_s_alpha = (S_square <= 0.0 ? 0.0 : sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
-    const double U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
-    const double mu_x = U; /* [Adams] largest |Fx| per load at this comprehensive slip */
-    const double mu_y = U; /* [Adams] largest |Fy| per load at this comprehensive slip */
-    const double F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
-    const double F_y_limit = F_z*mu_y; /* [Adams] largest side force */
-    const double sliding_y = (fabs(F_y_linear) >= 3.0*F_y_limit ? sliding_y_part1 : 0.3333333333333333*F_y_linear/F_y_limit); /* [Adams] 1 - H with the sense of the side force: share of the contact that slides */
-    const double Fy_part1 = fabs(sliding_y);
-    const double Fy_part2 = 3.0 + square(sliding_y) - 3.0*Fy_part1;
-
-    /* Partial derivatives of each line */
-    const double F_z_by_Fz = (Fz <= 1e-06 ? 0.0 : 1.0);
-    const double tan_alpha_by_alpha = 1.0 + square(tan_alpha);
-    const double S_square_by_kappa = 2.0*kappa;
-    const double S_square_by_tan_alpha = 2.0*tan_alpha;
-    const double S_square_inside_by_S_square = ((S_square >= 1.0) || (S_square <= 0.0) ? 0.0 : 1.0);
-    const double S_s_alpha_by_S_square_inside = (S_square <= 0.0 ? 0.0 : 0.5/sqrt(S_square_inside));
-    const double Fx_shared2 = 0.5*F_x_limit;
-    const double Fx_by_F_x_limit = (Fz <= 1e-06 ? 0.0 : (Fx_shared2 >= fabs(F_x_linear) ? 0.0 : -Fx_shared2/F_x_linear + sgn(F_x_linear)));
-    const double Fx_by_F_x_linear = (Fz <= 1e-06 ? 0.0 : (Fx_shared2 >= fabs(F_x_linear) ? 1.0 : 0.25*square(F_x_limit)/square(F_x_linear)));
-    const double sliding_y_by_F_y_limit = (fabs(F_y_linear) >= 3.0*F_y_limit ? 0.0 : -0.3333333333333333*F_y_linear/square(F_y_limit));
-    const double sliding_y_by_F_y_linear = (fabs(F_y_linear) >= 3.0*F_y_limit ? 0.0 : 0.3333333333333333/F_y_limit);
-    const double Fy_part1_by_sliding_y = sgn(sliding_y);
-    const double Fy_part2_by_sliding_y = 2.0*sliding_y;
-    const double Fy_part3_by_F_y_limit = Fy_part2*sliding_y;
-    const double Fy_part3_by_Fy_part2 = F_y_limit*sliding_y;
-    const double Fy_part3_by_sliding_y = F_y_limit*Fy_part2;
-    const double Fy_by_Fy_part3 = (Fz <= 1e-06 ? 0.0 : 1.0);
-    const double Mz_shared2 = sliding_y*t_0;
-    const double Mz_shared3 = 1.0 - fabs(sliding_y);
-    const double Mz_shared4 = 3.0*cube(Mz_shared3);
-    const double Mz_shared5 = F_y_limit*Mz_shared4;
-    const double Mz_by_F_y_limit = (Fz <= 1e-06 ? 0.0 : -Mz_shared2*Mz_shared4);
-    const double Mz_by_sliding_y = (Fz <= 1e-06 ? 0.0 : -Mz_shared5*t_0 + 9.0*F_y_limit*Mz_shared2*square(Mz_shared3)*sgn(sliding_y));
-    const double My_shared1 = ROLLING_RESISTANCE*sense;
-    const double My_part2_by_F_z = My_part1*My_shared1;
-    const double My_by_My_part2 = (Fz <= 1e-06 ? 0.0 : 1.0);
-
-    /* Chain rule */
-    const double dFy_part2_dsliding_y = Fy_part2_by_sliding_y - 3.0*Fy_part1_by_sliding_y;
-    const double dsliding_y_dtan_alpha = K_yalpha*sliding_y_by_F_y_linear;
-    const double dS_square_dalpha = S_square_by_tan_alpha*tan_alpha_by_alpha;
-    const double dS_s_alpha_dS_square = S_s_alpha_by_S_square_inside*S_square_inside_by_S_square;
-    const double dF_x_limit_dS_s_alpha = -F_z*mu_x_fall;
-    const double dFy_part3_dsliding_y = Fy_part3_by_sliding_y + Fy_part3_by_Fy_part2*dFy_part2_dsliding_y;
-    const double dMy_dF_z = My_by_My_part2*My_part2_by_F_z;
-    const double dFx_dF_z = Fx_by_F_x_limit*mu_x;
-    const double dS_s_alpha_dkappa = S_square_by_kappa*dS_s_alpha_dS_square;
-    const double dS_s_alpha_dalpha = dS_s_alpha_dS_square*dS_square_dalpha;
-    const double dF_y_limit_dS_s_alpha = -F_z*mu_x_fall;
-    const double dFx_dS_s_alpha = Fx_by_F_x_limit*dF_x_limit_dS_s_alpha;
-    const double dsliding_y_dalpha = dsliding_y_dtan_alpha*tan_alpha_by_alpha;
-    const double dFy_dsliding_y = Fy_by_Fy_part3*dFy_part3_dsliding_y;
-    const double dF_y_limit_dFz = F_z_by_Fz*mu_y;
-    const double dF_y_limit_dkappa = dF_y_limit_dS_s_alpha*dS_s_alpha_dkappa;
-    const double dF_y_limit_dalpha = dF_y_limit_dS_s_alpha*dS_s_alpha_dalpha;
-    const double dMz_dF_y_limit = Mz_by_F_y_limit + Mz_by_sliding_y*sliding_y_by_F_y_limit;
-    const double dFy_dF_y_limit = Fy_by_Fy_part3*Fy_part3_by_F_y_limit + dFy_dsliding_y*sliding_y_by_F_y_limit;
-
-    results[0] = Fx_by_F_x_linear*K_xkappa + dFx_dS_s_alpha*dS_s_alpha_dkappa;
-    results[1] = dFx_dS_s_alpha*dS_s_alpha_dalpha;
-    results[2] = F_z_by_Fz*dFx_dF_z;
-    results[3] = 0.0;
-    results[4] = dF_y_limit_dkappa*dFy_dF_y_limit;
-    results[5] = dF_y_limit_dalpha*dFy_dF_y_limit + dFy_dsliding_y*dsliding_y_dalpha;
-    results[6] = dF_y_limit_dFz*dFy_dF_y_limit;
-    results[7] = 0.0;
-    results[8] = dF_y_limit_dkappa*dMz_dF_y_limit;
-    results[9] = Mz_by_sliding_y*dsliding_y_dalpha + dF_y_limit_dalpha*dMz_dF_y_limit;
-    results[10] = dF_y_limit_dFz*dMz_dF_y_limit;
-    results[11] = 0.0;
-    results[12] = 0.0;
-    results[13] = 0.0;
-    results[14] = F_z_by_Fz*dMy_dF_z;
-    results[15] = 0.0;
-}
-
-/* Derivatives of the forces by the coefficients. */
-void fiala_jacobian_parameters(const double inputs[], const double parameters[], double results[])
-{
-    const double kappa = inputs[FIALA_kappa];
-    const double alpha = inputs[FIALA_alpha];
-    const double Fz = inputs[FIALA_Fz];
-    const double V = inputs[FIALA_V];
-    const double WIDTH = parameters[FIALA_WIDTH];
-    const double CSLIP = parameters[FIALA_CSLIP];
-    const double CALPHA = parameters[FIALA_CALPHA];
-    const double UMIN = parameters[FIALA_UMIN];
-    const double UMAX = parameters[FIALA_UMAX];
-    const double SIGNS = parameters[FIALA_SIGNS];
-
-    /* What can be computed side by side stands together; quantities has the book's order */
-    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
-    const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
-    const double tan_alpha = fast_tan(alpha); /* [tirefmu] tangent of the side slip angle */
-    const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */
-    const double K_xkappa = CSLIP; /* [Adams] longitudinal slip stiffness */
-    const double t_0 = 0.3333333333333333*WIDTH; /* [Adams] pneumatic trail at zero slip */
-    const double My_part1 = sgn(V);
-    const double F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */
-    const double K_yalpha = CALPHA*sense; /* [Adams] cornering stiffness */
-    const double S_square = square(kappa) + square(tan_alpha); /* [Adams] comprehensive slip, squared */
-    const double F_y_linear = K_yalpha*tan_alpha; /* [Adams] side force without sliding */
-    const double sliding_y_part1 = sgn(F_y_linear);
-    const double S_square_inside = ((S_square >= 1.0) || (S_square <= 0.0) ? 1.0 : S_square); /* [tirefmu] the same between 0 and 1, and 1 elsewhere: what the root is taken of */
-    const double S_s_alpha = (S_square <= 0.0 ? 0.0 : sqrt(S_square_inside)); /* [Adams] comprehensive slip, 1 at most */
-    const double U = UMAX - S_s_alpha*mu_x_fall; /* [Adams] friction at this comprehensive slip */
-    const double mu_x = U; /* [Adams] largest |Fx| per load at this comprehensive slip */
-    const double mu_y = U; /* [Adams] largest |Fy| per load at this comprehensive slip */
-    const double F_x_limit = F_z*mu_x; /* [Adams] largest longitudinal force */
-    const double F_y_limit = F_z*mu_y; /* [Adams] largest side force */
-    const double sliding_y = (fabs(F_y_linear) >= 3.0*F_y_limit ? sliding_y_part1 : 0.3333333333333333*F_y_linear/F_y_limit); /* [Adams] 1 - H with the sense of the side force: share of the contact that slides */
-    const double Fy_part1 = fabs(sliding_y);
-    const double Fy_part2 = 3.0 + square(sliding_y) - 3.0*Fy_part1;
-
-    /* Partial derivatives of each line */
-    const double Fx_shared2 = 0.5*F_x_limit;
-    const double Fx_by_F_x_limit = (Fz <= 1e-06 ? 0.0 : (Fx_shared2 >= fabs(F_x_linear) ? 0.0 : -Fx_shared2/F_x_linear + sgn(F_x_linear)));
-    const double Fx_by_F_x_linear = (Fz <= 1e-06 ? 0.0 : (Fx_shared2 >= fabs(F_x_linear) ? 1.0 : 0.25*square(F_x_limit)/square(F_x_linear)));
-    const double sliding_y_by_F_y_limit = (fabs(F_y_linear) >= 3.0*F_y_limit ? 0.0 : -0.3333333333333333*F_y_linear/square(F_y_limit));
-    const double sliding_y_by_F_y_linear = (fabs(F_y_linear) >= 3.0*F_y_limit ? 0.0 : 0.3333333333333333/F_y_limit);
-    const double Fy_part1_by_sliding_y = sgn(sliding_y);
-    const double Fy_part2_by_sliding_y = 2.0*sliding_y;
-    const double Fy_part3_by_F_y_limit = Fy_part2*sliding_y;
-    const double Fy_part3_by_Fy_part2 = F_y_limit*sliding_y;
-    const double Fy_part3_by_sliding_y = F_y_limit*Fy_part2;
-    const double Fy_by_Fy_part3 = (Fz <= 1e-06 ? 0.0 : 1.0);
-    const double Mz_shared2 = sliding_y*t_0;
-    const double Mz_shared3 = 1.0 - fabs(sliding_y);
-    const double Mz_shared4 = 3.0*cube(Mz_shared3);
-    const double Mz_shared5 = F_y_limit*Mz_shared4;
-    const double Mz_by_F_y_limit = (Fz <= 1e-06 ? 0.0 : -Mz_shared2*Mz_shared4);
-    const double Mz_by_sliding_y = (Fz <= 1e-06 ? 0.0 : -Mz_shared5*t_0 + 9.0*F_y_limit*Mz_shared2*square(Mz_shared3)*sgn(sliding_y));
-    const double Mz_by_t_0 = (Fz <= 1e-06 ? 0.0 : -Mz_shared5*sliding_y);
-    const double My_shared2 = F_z*My_part1;
-    const double My_part2_by_ROLLING_RESISTANCE = My_shared2*sense;
-    const double My_by_My_part2 = (Fz <= 1e-06 ? 0.0 : 1.0);
-
-    /* Chain rule */
-    const double dU_dUMAX = 1.0 - S_s_alpha;
-    const double dF_y_linear_dCALPHA = sense*tan_alpha;
-    const double dFy_part2_dsliding_y = Fy_part2_by_sliding_y - 3.0*Fy_part1_by_sliding_y;
-    const double dFx_dmu_x = F_z*Fx_by_F_x_limit;
-    const double dFy_part3_dsliding_y = Fy_part3_by_sliding_y + Fy_part3_by_Fy_part2*dFy_part2_dsliding_y;
-    const double dsliding_y_dCALPHA = dF_y_linear_dCALPHA*sliding_y_by_F_y_linear;
-    const double dFy_dsliding_y = Fy_by_Fy_part3*dFy_part3_dsliding_y;
-    const double dF_y_limit_dUMAX = F_z*dU_dUMAX;
-    const double dF_y_limit_dUMIN = F_z*S_s_alpha;
-    const double dMz_dF_y_limit = Mz_by_F_y_limit + Mz_by_sliding_y*sliding_y_by_F_y_limit;
-    const double dFy_dF_y_limit = Fy_by_Fy_part3*Fy_part3_by_F_y_limit + dFy_dsliding_y*sliding_y_by_F_y_limit;
-
-    memset(results, 0, 52*sizeof(double));
-    results[5] = Fx_by_F_x_linear*kappa;
-    results[8] = S_s_alpha*dFx_dmu_x;
-    results[9] = dFx_dmu_x*dU_dUMAX;
-    results[19] = dFy_dsliding_y*dsliding_y_dCALPHA;
-    results[21] = dF_y_limit_dUMIN*dFy_dF_y_limit;
-    results[22] = dF_y_limit_dUMAX*dFy_dF_y_limit;
-    results[27] = 0.3333333333333333*Mz_by_t_0;
-    results[32] = Mz_by_sliding_y*dsliding_y_dCALPHA;
-    results[34] = dF_y_limit_dUMIN*dMz_dF_y_limit;
-    results[35] = dF_y_limit_dUMAX*dMz_dF_y_limit;
-    results[49] = My_by_My_part2*My_part2_by_ROLLING_RESISTANCE;
-}
-
 /* Relaxation lengths that act on kappa and tan(alpha). */
 void fiala_relaxation(const double inputs[], const double parameters[], double results[])
 {
@@ -571,7 +377,7 @@ void fiala_relaxation(const double inputs[], const double parameters[], double r
     const double REL_LEN_LON = parameters[FIALA_REL_LEN_LON];
     const double REL_LEN_LAT = parameters[FIALA_REL_LEN_LAT];
 
-    /* What can be computed side by side stands together; quantities has the book's order */
+    /* Independent computations are next to each other; quantities has the book's order */
     const double sigma_kappa = REL_LEN_LON; /* [Adams] relaxation length that acts on kappa */
     const double sigma_alpha = REL_LEN_LAT; /* [Adams] relaxation length that acts on tan(alpha) */
 

@@ -17,7 +17,7 @@
    the polynomials are tirefmu's own: interpolation in 60 digits at the Chebyshev nodes of the reduced range, rounded
    to double. The error, measured against 36 digits, is below 3 units in the last place; that of lanes_pow about
    |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
-   infinities) they give NaN: whoever called the kernel computes that row again by itself. */
+   infinities) they give NaN: the caller of the kernel computes that row again separately. */
 
 #if defined(LANES)
 #elif defined(__AVX512F__)
@@ -74,7 +74,7 @@ static inline lanes lanes_sgn(lanes x)
     return (lanes)((lane_bits)with_sign_of(each(1.0), x) & (x != 0.0)) + (x - x);
 }
 
-/* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define LANES_ROUNDING 6755399441055744.0
 
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
@@ -164,7 +164,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes Fz = *(const lanes_in_array *)(inputs + FIALA_Fz*BLOCK + i);
         const lanes V = *(const lanes_in_array *)(inputs + FIALA_V*BLOCK + i);
 
-        /* What can be computed side by side stands together; quantities has the book's order */
+        /* Independent computations are next to each other; quantities has the book's order */
         const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, kept above 0 */
         const lanes tan_alpha = lanes_tan(alpha); /* [tirefmu] tangent of the side slip angle */
         const lanes My_part1 = lanes_sgn(V);

@@ -219,7 +219,7 @@ enum {
     MF52_PDYP2, /* the same, change with load [1] */
     MF52_PDYP3, /* the same, fall with alpha [1/rad] */
     MF52_PDYP4, /* the same, square root of spin [1] */
-    MF52_PECP1, /* what camber is worth as spin, eps_gamma [1] */
+    MF52_PECP1, /* equivalent spin of camber, eps_gamma [1] */
     MF52_PECP2, /* the same, change with load [1] */
     MF52_QDTP1, /* trail, fall with spin [1] */
     MF52_QCRP1, /* moment of turning on the spot [1] */
@@ -232,7 +232,7 @@ enum {
     MF52_SIGK, /* share of the Magic Formula's own relaxation lengths [1] */
     MF52_CONVENTION, /* tno: as the industry's solvers compute (TNO MF-Tyre, MFeval); book: as Pacejka (2012), section 4.E, prints: 0 tno, 1 book */
     MF52_SLIP_ANGLE, /* tan: alpha* = tan(alpha) sgn(V) and gamma* = sin(gamma), eqs. (4.E3), (4.E4); angle: alpha and gamma themselves: 0 tan, 1 angle */
-    MF52_LIMITS, /* on: inputs are kept within the tire's ranges, slips fade out below VXLOW, curvature factors are 1 at most: 0 off, 1 on */
+    MF52_LIMITS, /* on: inputs are limited to the tire's ranges, slips fade out below VXLOW, curvature factors are 1 at most: 0 off, 1 on */
     MF52_SIGNS, /* how the coefficients are written; read by lines whose sign depends on the convention while no coefficient does: 0 iso, 1 adapted-sae */
 };
 

@@ -23,7 +23,7 @@ static inline double fourth(double x) { return (x*x)*(x*x); }
    the polynomials are tirefmu's own: interpolation in 60 digits at the Chebyshev nodes of the reduced range, rounded
    to double. The error, measured against 36 digits, is below 3 units in the last place; that of lanes_pow about
    |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
-   infinities) they give NaN: whoever called the kernel computes that row again by itself. */
+   infinities) they give NaN: the caller of the kernel computes that row again separately. */
 
 #if defined(LANES)
 #elif defined(__AVX512F__)
@@ -92,7 +92,7 @@ static inline lanes lanes_sgn1(lanes x)
     return with_sign_of(each(1.0), x + 0.0) + (x - x);
 }
 
-/* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define LANES_ROUNDING 6755399441055744.0
 
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
@@ -358,7 +358,7 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes p = *(const lanes_in_array *)(inputs + MF52_p*BLOCK + i);
         const lanes V = *(const lanes_in_array *)(inputs + MF52_V*BLOCK + i);
 
-        /* What can be computed side by side stands together; quantities has the book's order */
+        /* Independent computations are next to each other; quantities has the book's order */
         const lanes F_z = choose(Fz < 0.0, each(0.0), Fz); /* [MFeval] load, 0 off the ground */
         const lanes dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
         const lanes tan_alpha = lanes_tan(alpha); /* [2.11] lateral slip */
@@ -423,13 +423,13 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes K_yalpha1 = K_yalpha + 1e-06*lanes_sgn1(K_yalpha); /* [4.E39] cornering stiffness, not 0 */
         const lanes B_y = K_yalpha/(1e-06*lanes_sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */
         const lanes alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
-        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha1); /* [4.E77] slip angle that kappa is worth, squared */
-        const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa0_w); /* [4.E51] what side slip leaves of Fx */
+        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
+        const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa0_w); /* [4.E51] weighting of Fx by side slip */
         const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */
         const lanes B_r = B_y*C_y*QBZ10 + LKY*QBZ9/LMUY; /* [4.E45] stiffness factor of the residual moment */
         const lanes F_y0_v = F_y0_u - E_y*(F_y0_u - lanes_atan(F_y0_u)); /* [4.1] B x bent by E */
         const lanes tan_alpha_req = lanes_tan(alpha_r); /* [4.E78] the same as a slip */
-        const lanes G_yk = lanes_cos(G_yk_w)/lanes_cos(G_yk0_w); /* [4.E59] what longitudinal slip leaves of Fy */
+        const lanes G_yk = lanes_cos(G_yk_w)/lanes_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
         const lanes slip_alpha_teq = lanes_sqrt(1e-60 + kappa_share + lanes_square(tan_alpha_teq)); /* [4.E77] size of the equivalent slip */
         const lanes F_y0_w = C_y*lanes_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
         const lanes slip_alpha_req = lanes_sqrt(1e-60 + kappa_share + lanes_square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */

@@ -23,7 +23,7 @@ static inline double fourth(double x) { return (x*x)*(x*x); }
    the polynomials are tirefmu's own: interpolation in 60 digits at the Chebyshev nodes of the reduced range, rounded
    to double. The error, measured against 36 digits, is below 3 units in the last place; that of lanes_pow about
    |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
-   infinities) they give NaN: whoever called the kernel computes that row again by itself. */
+   infinities) they give NaN: the caller of the kernel computes that row again separately. */
 
 #if defined(LANES)
 #elif defined(__AVX512F__)
@@ -92,7 +92,7 @@ static inline lanes lanes_sgn1(lanes x)
     return with_sign_of(each(1.0), x + 0.0) + (x - x);
 }
 
-/* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define LANES_ROUNDING 6755399441055744.0
 
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
@@ -386,7 +386,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes p = *(const lanes_in_array *)(inputs + MF52_p*BLOCK + i);
         const lanes V = *(const lanes_in_array *)(inputs + MF52_V*BLOCK + i);
 
-        /* What can be computed side by side stands together; quantities has the book's order */
+        /* Independent computations are next to each other; quantities has the book's order */
         const lanes F_z = choose(Fz < 0.0, each(0.0), Fz); /* [MFeval] load, 0 off the ground */
         const lanes dpi_part2 = p - NOMPRES;
         const lanes tan_alpha = lanes_tan(alpha); /* [2.11] lateral slip */
@@ -574,7 +574,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes G_yk_w_part1 = lanes_atan(G_yk_v);
         const lanes G_yk0_w_part1 = lanes_atan(G_yk0_v);
         const lanes alpha_r = S_Hy + alpha_star + S_Vy*alpha_r_part1; /* [4.E37] slip angle of the residual moment */
-        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)*lanes_square(kappa_share_part1); /* [4.E77] slip angle that kappa is worth, squared */
+        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)*lanes_square(kappa_share_part1); /* [4.E77] equivalent slip angle of kappa, squared */
         const lanes tan_alpha_req = lanes_tan(alpha_r); /* [4.E78] the same as a slip */
         const lanes alpha_req_part2 = lanes_sgn(alpha_r);
         const lanes G_xa_part2 = 1.0/G_xa_part1;
@@ -585,7 +585,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes G_yk0_w = C_ykappa*G_yk0_w_part1; /* [4.1] angle of the Magic Formula */
         const lanes F_x0 = F_x0_part2*F_x0_part3; /* [4.E9] longitudinal force in pure slip */
         const lanes F_y0_w_part1 = lanes_atan(F_y0_v);
-        const lanes G_xa = G_xa_part2*G_xa_part3; /* [4.E51] what side slip leaves of Fx */
+        const lanes G_xa = G_xa_part2*G_xa_part3; /* [4.E51] weighting of Fx by side slip */
         const lanes G_yk_part1 = lanes_cos(G_yk0_w);
         const lanes G_yk_part3 = lanes_cos(G_yk_w);
         const lanes Fx_part1 = F_x0*G_xa;
@@ -601,7 +601,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes F_y0_part1 = lanes_sin(F_y0_w);
         const lanes slip_alpha_teq = slip_alpha_teq_part2; /* [4.E77] size of the equivalent slip */
         const lanes alpha_teq_part1 = lanes_atan(slip_alpha_teq);
-        const lanes G_yk = G_yk_part2*G_yk_part3; /* [4.E59] what longitudinal slip leaves of Fy */
+        const lanes G_yk = G_yk_part2*G_yk_part3; /* [4.E59] weighting of Fy by longitudinal slip */
         const lanes slip_alpha_req = slip_alpha_req_part2; /* [4.E78] size of the equivalent slip */
         const lanes alpha_req_part1 = lanes_atan(slip_alpha_req);
         const lanes F_y0_part2 = S_Vy + D_y*F_y0_part1;

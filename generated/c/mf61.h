@@ -224,7 +224,7 @@ enum {
     MF61_PHYP2, /* shift by spin, size [rad] */
     MF61_PHYP3, /* shift by spin, change of size with load [rad] */
     MF61_PHYP4, /* shift by spin, curvature [1] */
-    MF61_PECP1, /* what camber is worth as spin, eps_gamma [1] */
+    MF61_PECP1, /* equivalent spin of camber, eps_gamma [1] */
     MF61_PECP2, /* the same, change with load [1] */
     MF61_QDTP1, /* trail, fall with spin [1] */
     MF61_QCRP1, /* moment of turning on the spot [1] */
@@ -237,7 +237,7 @@ enum {
     MF61_SIGK, /* share of the Magic Formula's own relaxation lengths [1] */
     MF61_CONVENTION, /* tno: as the industry's solvers compute (TNO MF-Tyre, MFeval); book: as Pacejka (2012), section 4.E, prints: 0 tno, 1 book */
     MF61_SLIP_ANGLE, /* tan: alpha* = tan(alpha) sgn(V) and gamma* = sin(gamma), eqs. (4.E3), (4.E4); angle: alpha and gamma themselves: 0 tan, 1 angle */
-    MF61_LIMITS, /* on: inputs are kept within the tire's ranges, slips fade out below VXLOW, curvature factors are 1 at most: 0 off, 1 on */
+    MF61_LIMITS, /* on: inputs are limited to the tire's ranges, slips fade out below VXLOW, curvature factors are 1 at most: 0 off, 1 on */
     MF61_SIGNS, /* how the coefficients are written; read by lines whose sign depends on the convention while no coefficient does: 0 iso, 1 adapted-sae */
 };
 

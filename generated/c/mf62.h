@@ -232,7 +232,7 @@ enum {
     MF62_PHYP2, /* shift by spin, size [rad] */
     MF62_PHYP3, /* shift by spin, change of size with load [rad] */
     MF62_PHYP4, /* shift by spin, curvature [1] */
-    MF62_PECP1, /* what camber is worth as spin, eps_gamma [1] */
+    MF62_PECP1, /* equivalent spin of camber, eps_gamma [1] */
     MF62_PECP2, /* the same, change with load [1] */
     MF62_QDTP1, /* trail, fall with spin [1] */
     MF62_QCRP1, /* moment of turning on the spot [1] */
@@ -245,7 +245,7 @@ enum {
     MF62_SIGK, /* share of the Magic Formula's own relaxation lengths [1] */
     MF62_CONVENTION, /* tno: as the industry's solvers compute (TNO MF-Tyre, MFeval); book: as Pacejka (2012), section 4.E, prints: 0 tno, 1 book */
     MF62_SLIP_ANGLE, /* tan: alpha* = tan(alpha) sgn(V) and gamma* = sin(gamma), eqs. (4.E3), (4.E4); angle: alpha and gamma themselves: 0 tan, 1 angle */
-    MF62_LIMITS, /* on: inputs are kept within the tire's ranges, slips fade out below VXLOW, curvature factors are 1 at most: 0 off, 1 on */
+    MF62_LIMITS, /* on: inputs are limited to the tire's ranges, slips fade out below VXLOW, curvature factors are 1 at most: 0 off, 1 on */
     MF62_SIGNS, /* how the coefficients are written; read by lines whose sign depends on the convention while no coefficient does: 0 iso, 1 adapted-sae */
 };
 

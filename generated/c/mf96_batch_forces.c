@@ -19,7 +19,7 @@ static inline double square(double x) { return x*x; }
    the polynomials are tirefmu's own: interpolation in 60 digits at the Chebyshev nodes of the reduced range, rounded
    to double. The error, measured against 36 digits, is below 3 units in the last place; that of lanes_pow about
    |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
-   infinities) they give NaN: whoever called the kernel computes that row again by itself. */
+   infinities) they give NaN: the caller of the kernel computes that row again separately. */
 
 #if defined(LANES)
 #elif defined(__AVX512F__)
@@ -73,7 +73,7 @@ static inline lanes lanes_sqrt(lanes x)
 
 static inline lanes lanes_square(lanes x) { return x*x; }
 
-/* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define LANES_ROUNDING 6755399441055744.0
 
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
@@ -280,7 +280,7 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes gamma = *(const lanes_in_array *)(inputs + MF96_gamma*BLOCK + i);
         const lanes Fz = *(const lanes_in_array *)(inputs + MF96_Fz*BLOCK + i);
 
-        /* What can be computed side by side stands together; quantities has the book's order */
+        /* Independent computations are next to each other; quantities has the book's order */
         const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, kept above 0 */
         const lanes gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
         const lanes B_xalpha = LXA*RBX1/lanes_sqrt(1.0 + square(RBX2)*lanes_square(kappa)); /* [4.E54] stiffness of G_xa */
@@ -317,13 +317,13 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes E_t = (1.0 + (QEZ4 + QEZ5*gamma_s)*lanes_atan(B_t*C_t*alpha_t))*(QEZ1 + QEZ2*dfz + QEZ3*lanes_square(dfz)); /* [4.E44] curvature factor of the trail */
         const lanes K_yalpha = F_z01*LFZ0*LKA*PKY1*(1.0 - PKY3*sign_gamma)*lanes_sin(K_yalpha_w); /* [4.E25] cornering stiffness */
         const lanes F_x0_u = B_x*kappa_x; /* [4.1] B x */
-        const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa_w0); /* [4.E51] what side slip leaves of Fx */
-        const lanes G_yk = lanes_cos(G_yk_w)/lanes_cos(G_yk_w0); /* [4.E59] what longitudinal slip leaves of Fy */
+        const lanes G_xa = lanes_cos(G_xa_w)/lanes_cos(G_xa_w0); /* [4.E51] weighting of Fx by side slip */
+        const lanes G_yk = lanes_cos(G_yk_w)/lanes_cos(G_yk_w0); /* [4.E59] weighting of Fy by longitudinal slip */
         const lanes S_Vyk = D_Vyk*LVYK*lanes_sin(RVY5*lanes_atan(RVY6*kappa)); /* [4.E66] side force made by longitudinal slip */
         const lanes F_x0_v = F_x0_u - E_x*(F_x0_u - lanes_atan(F_x0_u)); /* [4.1] B x bent by E */
         const lanes B_y = K_yalpha/(C_y*D_y); /* [4.E26] stiffness factor */
         const lanes S_Hf = S_Hy + S_Vy/K_yalpha; /* [4.E38] shift of the residual moment */
-        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha); /* [4.E77] slip angle that kappa is worth, squared */
+        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)/lanes_square(K_yalpha); /* [4.E77] equivalent slip angle of kappa, squared */
         const lanes F_x0_w = C_x*lanes_atan(F_x0_v); /* [4.1] angle of the Magic Formula */
         const lanes alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
         const lanes F_y0_u = B_y*alpha_y; /* [4.1] B x */

@@ -19,7 +19,7 @@ static inline double square(double x) { return x*x; }
    the polynomials are tirefmu's own: interpolation in 60 digits at the Chebyshev nodes of the reduced range, rounded
    to double. The error, measured against 36 digits, is below 3 units in the last place; that of lanes_pow about
    |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
-   infinities) they give NaN: whoever called the kernel computes that row again by itself. */
+   infinities) they give NaN: the caller of the kernel computes that row again separately. */
 
 #if defined(LANES)
 #elif defined(__AVX512F__)
@@ -73,7 +73,7 @@ static inline lanes lanes_sqrt(lanes x)
 
 static inline lanes lanes_square(lanes x) { return x*x; }
 
-/* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define LANES_ROUNDING 6755399441055744.0
 
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where
@@ -297,7 +297,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes gamma = *(const lanes_in_array *)(inputs + MF96_gamma*BLOCK + i);
         const lanes Fz = *(const lanes_in_array *)(inputs + MF96_Fz*BLOCK + i);
 
-        /* What can be computed side by side stands together; quantities has the book's order */
+        /* Independent computations are next to each other; quantities has the book's order */
         const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, kept above 0 */
         const lanes gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
         const lanes B_xalpha_part1 = 1.0 + square(RBX2)*lanes_square(kappa);
@@ -424,7 +424,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes G_yk_part1 = lanes_cos(G_yk_w0);
         const lanes G_yk_part3 = lanes_cos(G_yk_w);
         const lanes S_Hf = S_Hy + S_Hf_part1*S_Vy; /* [4.E38] shift of the residual moment */
-        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)*lanes_square(kappa_share_part1); /* [4.E77] slip angle that kappa is worth, squared */
+        const lanes kappa_share = lanes_square(K_xkappa)*lanes_square(kappa)*lanes_square(kappa_share_part1); /* [4.E77] equivalent slip angle of kappa, squared */
         const lanes alpha_r = S_Hf + alpha; /* [4.E37] slip angle of the residual moment */
         const lanes alpha_req_part1 = 1e-06 + lanes_square(alpha_r);
         const lanes G_xa_part2 = 1.0/G_xa_part1;
@@ -435,10 +435,10 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes F_x0_part1 = lanes_sin(F_x0_w);
         const lanes F_y0_v = F_y0_u - E_y*F_y0_v_part2; /* [4.1] B x bent by E */
         const lanes F_y0_w_part1 = lanes_atan(F_y0_v);
-        const lanes G_xa = G_xa_part2*G_xa_part3; /* [4.E51] what side slip leaves of Fx */
+        const lanes G_xa = G_xa_part2*G_xa_part3; /* [4.E51] weighting of Fx by side slip */
         const lanes alpha_teq_part3 = 1.0 + alpha_teq_part2*kappa_share;
         const lanes alpha_req_part3 = 1.0 + alpha_req_part2*kappa_share;
-        const lanes G_yk = G_yk_part2*G_yk_part3; /* [4.E59] what longitudinal slip leaves of Fy */
+        const lanes G_yk = G_yk_part2*G_yk_part3; /* [4.E59] weighting of Fy by longitudinal slip */
         const lanes alpha_teq_part4 = lanes_sqrt(alpha_teq_part3);
         const lanes alpha_req_part4 = lanes_sqrt(alpha_req_part3);
         const lanes alpha_teq = alpha_t*alpha_teq_part4; /* [4.E77] equivalent slip of the trail */

@@ -10,7 +10,7 @@ dissipates most, (mu_x^2 v_x, mu_y^2 v_y) / |(mu_x v_x, mu_y v_y)| q_z for the s
 frictions it opposes the sliding velocity; with equal stiffnesses too, the lines are those of the book:
 F = mu Fz (3 psi - 3 psi^2 + psi^3) and trail = a/3 (1 - psi)^3 / (1 - psi + psi^2/3).
 
-Inclination and turn slip are left out, and so is the moment that Fx has about the laterally deflected patch.
+Inclination and turn slip are neglected, and so is the moment that Fx has about the laterally deflected patch.
 """
 
 from __future__ import annotations

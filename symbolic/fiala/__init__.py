@@ -15,7 +15,7 @@ from .coefficients import SECTIONS
 FIALA = Model(
     name="fiala",
     title="Fiala tire (Adams, MotionSolve)",
-    # The speed tells the sense of rolling and how fast slips relax; the file has none.
+    # The sense of rolling and the rate of relaxation follow from the speed; the file has none.
     inputs=(KAPPA, ALPHA, FZ, replace(V, nominal=V.typical)),
     outputs=(FX, FY, MZ, MY),
     sections=SECTIONS,
@@ -37,7 +37,7 @@ FIALA = Model(
         header={"USE_MODE": "2"},
         aliases={"RELAX_LENGTH_X": "REL_LEN_LON", "RELAX_LENGTH_Y": "REL_LEN_LAT"},
         per_angle=True,
-        # Adams' sample files give these in metres beside lengths in millimetres.
+        # Adams' sample files give these in metres although lengths are in millimetres.
         in_si=("RELAX_LENGTH_X", "RELAX_LENGTH_Y"),
     ),
     constraints={

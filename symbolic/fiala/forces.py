@@ -5,7 +5,7 @@ within mu Fz, their resultant within sqrt(2) mu Fz. The longitudinal force is li
 side force a cubic up to the critical slip angle. Inclination makes no force.
 
 The form is ours: the forces are written as odd functions of one argument, which needs no quotient by the slip at zero.
-The argument of the side force is held within -1 and 1, so that its cubic ends in full sliding by itself.
+The argument of the side force is limited to -1 and 1, so that its cubic ends in full sliding.
 """
 
 from __future__ import annotations

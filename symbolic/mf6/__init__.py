@@ -1,4 +1,4 @@
-"""MF5.2, MF6.1 and MF6.2: one set of lines, in which the three differ where a line says so (`only`).
+"""MF5.2, MF6.1 and MF6.2: one set of lines, in which the three differ only in marked terms (`only`).
 
 What the industry's solvers compute: Pacejka, Tire and Vehicle Dynamics (2012), section 4.E [4.E..]; Besselink,
 Schmeitz, Pacejka, An improved Magic Formula/Swift tyre model that can handle inflation pressure changes (2010)
@@ -125,7 +125,7 @@ def _model(name: str, title: str, file: PropertyFile) -> Model:
     )
 
 
-# FITTYP 5 stands in MF-Tyre 5.0 to 5.2 sets, 6 and 21 in MF-Tyre 5.2 sets. MFeval takes 5, 51, 52 for MF6.1, whose
+# FITTYP 5 occurs in MF-Tyre 5.0 to 5.2 sets, 6 and 21 in MF-Tyre 5.2 sets. MFeval takes 5, 51, 52 for MF6.1, whose
 # lines do without PHY3, the camber shift of such sets.
 MF52 = _model("mf52", "Magic Formula 5.2", _file((6, 5, 21, 51, 52), ("PAC2002", "MF_05", "MF-TYRE", "MF52"), "mf61"))
 MF61 = _model("mf61", "Magic Formula 6.1", _file((61, 60), ("MF61",), "mf52"))

@@ -108,7 +108,7 @@ peak   = eq("4.104", "D_rphi_size",
             "N m", "size of the moment by spin; 1 where there is none", named=False)
 fall   = eq("4.104", "zeta_7_cosine",
             where(Eq(Drphi, 0), 0, Mzp90 / peak),
-            "1", "what side slip leaves of the moment by spin", named=False)
+            "1", "reduction of the moment by spin with side slip", named=False)
 size   = eq("4.104", "zeta_7_cosine_size",
             absolute(fall),
             "1", "its size", named=False)
@@ -166,7 +166,7 @@ Mz0    = eq("4.E31", "M_z0",
 
 share  = eq("4.E77", "kappa_share",
             (Kxk / Kya1 * kappa)**2,
-            "rad^2", "slip angle that kappa is worth, squared", named=False)
+            "rad^2", "equivalent slip angle of kappa, squared", named=False)
 
 
 def equivalent(name: str, number: str, alpha: Symbol, text: str) -> Symbol:

@@ -45,7 +45,7 @@ Cxa  = eq("4.E55", "C_xalpha",
           "1", "shape of G_xa")
 Gxa  = eq("4.E51", "G_xa",
           combined_Gxa.factor(weighting("G_xa", Bxa, Cxa, Exa, alphas, px.RHX1)),
-          "1", "what side slip leaves of Fx")
+          "1", "weighting of Fx by side slip")
 SHyk = eq("4.E65", "S_Hyk",
           combined_Gyk.term(py.RHY1 + py.RHY2*dfz),
           "1", "shift of G_yk", named=False)
@@ -58,7 +58,7 @@ Cyk  = eq("4.E63", "C_ykappa",
 Byk  = stiffness_ykappa(gammas, "", named=True)
 Gyk  = eq("4.E59", "G_yk",
           combined_Gyk.factor(weighting("G_yk", Byk, Cyk, Eyk, kappa, SHyk)),
-          "1", "what longitudinal slip leaves of Fy")
+          "1", "weighting of Fy by longitudinal slip")
 DVyk = eq("4.E67", "D_Vyk",
           kappa_sideforce_SVyk.term(
               muy_at * Fz * (py.RVY1 + py.RVY2*dfz + py.RVY3*gammas) * cos(atan(py.RVY4*alphas)) * zeta2),

@@ -24,7 +24,7 @@ R0, Fz0 = Dimension.UNLOADED_RADIUS, v.FNOMIN
 
 #: Steps of the secant for the loaded radius of MF6.2.
 STEPS = 8
-#: Deflection that stands for none, in MFeval's words.
+#: The deflection by which MFeval represents none.
 NO_DEFLECTION = Float("1e-6")
 #: How far the tire may sink, per radius: beyond any rim.
 DEEPEST = Float("0.95")

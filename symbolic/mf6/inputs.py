@@ -1,7 +1,7 @@
 """The inputs as the lines see them: as given, or within limits.
 
-With the option limits the order is MFeval's: slips fade out below VXLOW, then everything is kept within the
-ranges of the .tir file (the load from above only). Some lines see the inputs before that, as their chapters say.
+With the option limits the order is MFeval's: slips fade out below VXLOW, then everything is limited to the
+ranges of the .tir file (the load from above only). Some lines see the inputs before that, as their chapters state.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ def within(name: str, unit: str, x: Expr, lower: Symbol, upper: Symbol) -> Symbo
 
 fade  = eq("MFeval", "fade",
            limits.either(1, where(speed <= VXLOW, speed / VXLOW, 1)),
-           "1", "what low speed leaves of kappa and phit", named=False)
+           "1", "reduction of kappa and phit at low speed", named=False)
 rs    = eq("MFeval", "fade_smooth",
            limits.either(1, where(speed <= VXLOW, (1 - cos(pi * V.symbol / VXLOW)) / 2, 1)),
-           "1", "what low speed leaves of the shifts, the trail and the residual moment", named=False)
+           "1", "reduction of the shifts, the trail and the residual moment at low speed", named=False)
 phit  = eq("MFeval", "phit_in",
            limits.either(PHIT.symbol, PHIT.symbol * cos(ALPHA.symbol) * fade * where(V.symbol < 0, -1, 1)),
            "1/m", "turn slip, within limits", named=False)

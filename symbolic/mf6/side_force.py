@@ -1,6 +1,6 @@
 """Side force in pure slip. Pacejka (2012), eqs. (4.E19)-(4.E30) and, for turn slip, (4.80)-(4.89).
 
-The lines stand three times: with the inclination; without it (``_g0``) for F'y, the side force that the pneumatic
+The lines occur three times: with the inclination; without it (``_g0``) for F'y, the side force that the pneumatic
 trail carries; and without inclination and turn slip (``_00``) for M_z0. MF5.2 has the 1996 camber thrust, a
 horizontal shift PHY3 for the camber stiffness K_ygamma0.
 """

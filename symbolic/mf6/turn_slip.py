@@ -1,6 +1,6 @@
 """Turn slip: spin and the factors zeta. Pacejka (2012), eqs. (4.76)-(4.106).
 
-It acts in rows with phit; elsewhere every zeta is 1. zeta4 stands with the side force, zeta7 and zeta8 with the
+It acts in rows with phit; elsewhere every zeta is 1. zeta4 is with the side force, zeta7 and zeta8 with the
 aligning moment. With the convention tno the spin has the sign opposite to the book's phi, which S_Hyphi alone
 notices, and camber counts as spin at V_c where the book has V_cx. With the book's sign the shift by a vanishing
 spin is the camber shift of straight running; with tno's it jumps there.
@@ -26,14 +26,14 @@ R0 = Dimension.UNLOADED_RADIUS
 
 
 def turning(on: Expr | int, off: Expr | int = 1) -> Expr:
-    """Return the place where rows with turn slip have `on` and others `off`."""
+    """Return a term that is `on` in rows with turn slip and `off` in others."""
     return turn_slip.either(where(Eq(phit, 0), off, on), off)
 
 
 # fmt: off
 epsg  = eq("4.90", "eps_gamma",
            t.PECP1 * (1 + t.PECP2*dfz),
-           "1", "what camber is worth as spin", named=False)
+           "1", "equivalent spin of camber", named=False)
 Vspin = eq("4.76", "V_spin",
            where(absolute(V.symbol) < Model.VXLOW, Model.VXLOW * sgn1(V.symbol), convention.either(Vc, V.symbol)),
            "m/s", "speed that the spin refers to", named=False)
@@ -51,19 +51,19 @@ Bxphi = eq("4.106", "B_xphi",
            "1", "fall of D_x with spin", named=False)
 zeta1 = eq("4.105", "zeta_1",
            turning(cos(atan(Bxphi * u))),
-           "1", "what spin leaves of D_x", named=False)
+           "1", "reduction of D_x by spin", named=False)
 Byphi = eq("4.78", "B_yphi",
            t.PDYP1 * (1 + t.PDYP2*dfz) * cos(atan(t.PDYP3*tan_alpha)),
            "1", "fall of D_y with spin", named=False)
 zeta2 = eq("4.77", "zeta_2",
            turning(cos(atan(Byphi * (absolute(u) + t.PDYP4 * sqrt(absolute(u) + TINY))))),
-           "1", "what spin leaves of D_y", named=False)
+           "1", "reduction of D_y by spin", named=False)
 zeta3 = eq("4.79", "zeta_3",
            turning(cos(atan(t.PKYP1 * u**2))),
-           "1", "what spin leaves of the cornering stiffness", named=False)
+           "1", "reduction of the cornering stiffness by spin", named=False)
 zeta5 = eq("4.91", "zeta_5",
            turning(cos(atan(t.QDTP1 * u))),
-           "1", "what spin leaves of the trail", named=False)
+           "1", "reduction of the trail by spin", named=False)
 zeta6 = eq("4.102", "zeta_6",
            turning(cos(atan(t.QBRP1 * u))),
-           "1", "what spin leaves of B_r", named=False)
+           "1", "reduction of B_r by spin", named=False)

@@ -80,7 +80,7 @@ Mz0    = eq("4.E31", "M_z0",
 
 share  = eq("4.E77", "kappa_share",
             (Kxk / Kya * KAPPA.symbol)**2,
-            "rad^2", "slip angle that kappa is worth, squared", named=False)
+            "rad^2", "equivalent slip angle of kappa, squared", named=False)
 alphateq = eq("4.E77", "alpha_teq",
               alphat * sqrt(1 + share / (alphat**2 + SIGN_SMOOTHING)),
               "rad", "equivalent slip of the trail")

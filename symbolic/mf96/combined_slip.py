@@ -41,13 +41,13 @@ Bxa  = eq("4.E54", "B_xalpha",
           "1/rad", "stiffness of G_xa")
 Gxa  = eq("4.E51", "G_xa",
           combined_Gxa.factor(weighting("G_xa", ("4.E51", "4.E52"), Bxa, px.RCX1, alpha, px.RHX1)),
-          "1", "what side slip leaves of Fx")
+          "1", "weighting of Fx by side slip")
 Byk  = eq("4.E62", "B_ykappa",
           py.RBY1 * s.LYK / sqrt(1 + py.RBY2**2 * (alpha - py.RBY3)**2),
           "1", "stiffness of G_yk")
 Gyk  = eq("4.E59", "G_yk",
           combined_Gyk.factor(weighting("G_yk", ("4.E59", "4.E60"), Byk, py.RCY1, kappa, py.RHY1)),
-          "1", "what longitudinal slip leaves of Fy")
+          "1", "weighting of Fy by longitudinal slip")
 DVyk = eq("4.E67", "D_Vyk",
           muy * Fz * (py.RVY1 + py.RVY2*dfz + py.RVY3*GAMMA.symbol) / sqrt(1 + py.RVY4**2 * alpha**2),
           "N", "peak of S_Vyk")

@@ -1,7 +1,7 @@
 """Longitudinal force in pure slip. Pacejka (2012), eqs. (4.E9)-(4.E18), in the Trento worksheet's form.
 
 It differs from the book: K_xkappa falls with exp(-PKX3 dfz); the inclination is scaled by LGAMMAY; the sign
-in E_x is smoothed; E_x is not clamped; no epsilon stands in B_x (a tire with mu_x = 0 has none).
+in E_x is smoothed; E_x is not clamped; B_x has no epsilon (and no value at mu_x = 0).
 """
 
 from __future__ import annotations

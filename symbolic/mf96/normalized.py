@@ -1,7 +1,7 @@
 """Normalized inputs, as the Trento worksheet has them.
 
 Equation numbers in this folder are those of Pacejka (2012), section 4.E, for the line of that name; the form
-is the Trento worksheet's MF96, of which each chapter says where it leaves the book.
+is the Trento worksheet's MF96, of which each chapter states the deviations from the book.
 """
 
 from __future__ import annotations

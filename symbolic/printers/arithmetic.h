@@ -8,7 +8,7 @@ static inline double fourth(double x) { return (x*x)*(x*x); }
 
 static inline double cubed_sqrt(double x) { return x*sqrt(x); }
 
-/* No branches, which nobody could predict; NaN stays NaN (the second operand of a comparison that fails). */
+/* No branches, which are unpredictable here; NaN stays NaN (the second operand of a comparison that fails). */
 static inline double sgn(double x)
 {
     const double y = x*1e300*1e300, above = -1.0 > y ? -1.0 : y;

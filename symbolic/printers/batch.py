@@ -17,7 +17,7 @@ def batch_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]
 
     The exported ``<model>_batch_<routine>`` takes n rows whose columns lie `stride` numbers apart, inputs and results
     alike. It holds for rows without turn slip under default options, and marks the rows for which it gave no finite
-    result: whoever calls it computes them one by one. Of `jacobian_parameters` it gives the entries that are not 0
+    result: the caller computes them one by one. Of `jacobian_parameters` it gives the entries that are not 0
     everywhere, row by row (`tirefmu.symbolic.printers.routines.entries`).
 
     Parameters
@@ -35,8 +35,8 @@ def batch_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]
         general = by_name[name]
         routine = by_name.get(f"{name}_{STRAIGHT}", general)
         values = [value for row in routine.results for value in row]
-        places = entries(general) if name == "jacobian_parameters" else range(len(values))
-        sources[name] = _source(model, routine, [values[place] for place in places])
+        chosen = entries(general) if name == "jacobian_parameters" else range(len(values))
+        sources[name] = _source(model, routine, [values[i] for i in chosen])
     return sources
 
 
@@ -54,7 +54,7 @@ def _source(model: Model, routine: Routine, values: list[object]) -> str:
 
 
 def _kernel(model: Model, routine: Routine, values: list[object]) -> str:
-    """Print the loop over a block; what depends on parameters only stands before it."""
+    """Print the loop over a block; what depends on parameters only is computed before it."""
     prefix = model.name.upper()
     inputs = routine.uses([quantity.name for quantity in model.inputs])
     printer = LanesPrinter(_varying(inputs, routine))

@@ -1,4 +1,4 @@
-"""A model as a C99 source and its header: plain doubles, no state, no allocation, one file that stands alone."""
+"""A model as C99 sources and their header: plain doubles, no state, no allocation."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from ..notation import Option
 from .definitions import definitions
 from .expressions import PlainCPrinter
 from .python import HEADER, STRAIGHT_ROWS
-from .routines import LOCAL, STRAIGHT, Assignment, Routine, side_by_side
+from .routines import LOCAL, STRAIGHT, Assignment, Routine, jacobians_of, side_by_side, values_of
 
 INCLUDES = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
 #: Above lines that are not in the book's order.
-SIDE_BY_SIDE = "What can be computed side by side stands together; quantities has the book's order"
+SIDE_BY_SIDE = "Independent computations are next to each other; quantities has the book's order"
 PRINTER = PlainCPrinter()
 #: What every routine takes.
 ARRAYS = "const double inputs[], const double parameters[], double results[]"
 
 
 def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
-    """Return the header: sizes, places of inputs, parameters and results, prototypes.
+    """Return the header: sizes, indices of inputs, parameters and results, prototypes.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
     """
     quantities, _, slips, *_ = routines
     prefix = model.name.upper()
-    remarks = {name: f"{card.description} [{card.unit}]" for name, card in model.coefficients.items()}
+    remarks = {name: f"{each.description} [{each.unit}]" for name, each in model.coefficients.items()}
     remarks |= {option.parameter: _meaning(option) for option in model.options}
     parts = [
         heading(model, "C99"),
@@ -54,8 +54,10 @@ def c_header(model: Model, routines: tuple[Routine, ...]) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def c_source(model: Model, routines: tuple[Routine, ...]) -> str:
-    """Return the source with every routine of a model.
+def c_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]:
+    """Return the two sources of a model by the names of their files, without the ending.
+
+    ``<model>`` has every routine but the Jacobians, ``<model>_jacobians`` these. Neither calls the other.
 
     Parameters
     ----------
@@ -64,14 +66,21 @@ def c_source(model: Model, routines: tuple[Routine, ...]) -> str:
 
     Returns
     -------
-    str
+    dict of str to str
     """
+    return {
+        model.name: _source(model, "C99", values_of(routines), [_rows(model)]),
+        f"{model.name}_jacobians": _source(model, "C99: Jacobians", jacobians_of(routines), []),
+    }
+
+
+def _source(model: Model, what: str, routines: tuple[Routine, ...], more: list[str]) -> str:
     parts = [_function(model, routine, routines) for routine in routines]
-    doubled = [routine for routine in routines if routine.variant == STRAIGHT]
-    if doubled:
-        parts += [_is_straight(model), *(_chooser(model, routine) for routine in doubled)]
-    functions = "\n\n".join([*parts, _rows(model)])
-    parts = [heading(model, "C99"), f'#include "{model.name}.h"', INCLUDES, definitions(functions), functions]
+    straight = [routine for routine in routines if routine.variant == STRAIGHT]
+    if straight:
+        parts += [_is_straight(model), *(_chooser(model, routine) for routine in straight)]
+    functions = "\n\n".join([*parts, *more])
+    parts = [heading(model, what), f'#include "{model.name}.h"', INCLUDES, definitions(functions), functions]
     return "\n\n".join(parts) + "\n"
 
 

@@ -1,7 +1,7 @@
 """The definitions that generated C files share: each file gets those that it uses, and what these use in turn.
 
-A file with more would not compile without warnings: clang reports static functions that nobody calls. Definitions
-stand in headers beside this module, one a paragraph, in an order in which each uses only earlier ones.
+A file with more would not compile without warnings: clang reports unused static functions. Definitions
+are in headers in this folder, one a paragraph, in an order in which each uses only earlier ones.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def definitions(code: str, headers: tuple[str, ...] = PLAIN) -> str:
     >>> print(definitions("double f(double x) { return sgn1(x) + PI; }"))
     #define PI 3.14159265358979323846
     <BLANKLINE>
-    /* No branches, which nobody could predict; NaN stays NaN (the second operand of a comparison that fails). */
+    /* No branches, which are unpredictable here; NaN stays NaN (the second operand of a comparison that fails). */
     static inline double sgn(double x)
     {
         const double y = x*1e300*1e300, above = -1.0 > y ? -1.0 : y;
@@ -83,7 +83,7 @@ def definitions(code: str, headers: tuple[str, ...] = PLAIN) -> str:
 
 
 def calling_math(code: str) -> str:
-    """Return code that calls the functions of math.h in place of the fast ones: slower, small, other roundings.
+    """Return code that calls the functions of math.h instead of the fast ones: slower, small, other roundings.
 
     Examples
     --------

@@ -89,7 +89,7 @@ class _Splitter:
         self.pulled: dict[sp.Expr, sp.Symbol] = {}
 
     def shortened(self, expression: sp.Expr) -> sp.Expr:
-        """Return the expression with steps in the place of its parts."""
+        """Return the expression with its parts replaced by steps."""
         if expression.is_Atom:
             return expression
         if isinstance(expression, sp.Piecewise):
@@ -124,7 +124,7 @@ class _Splitter:
 
 
 def _is_smooth(node: sp.Expr) -> bool:
-    """Tell whether an operation has a finite derivative everywhere."""
+    """Return whether an operation has a finite derivative everywhere."""
     smooth = (sp.Add, sp.Mul, sp.sin, sp.cos, sp.atan, sgn, absolute)
     return bool(node.is_Atom or isinstance(node, smooth) or _is_plain_power(node))
 
@@ -142,7 +142,7 @@ def _is_product(part: sp.Expr) -> bool:
 
 
 def _partials(symbol: sp.Symbol, expression: sp.Expr) -> dict[sp.Symbol, sp.Expr]:
-    """Partial derivatives of a step; where its own value stands in one, its symbol does."""
+    """Partial derivatives of a step; written with the step's symbol where its own value occurs."""
     found = {}
     for by in sorted(expression.free_symbols, key=str):
         if expression.is_Pow and expression.exp.is_Symbol:
@@ -164,17 +164,17 @@ def _without_repetition(name: str, steps: Sequence[tuple[sp.Symbol, sp.Expr, dic
     names = (sp.Symbol(f"{name}_shared{i}", real=True) for i in range(1, 1000))
     shared, reduced = sp.cse(partials, symbols=names, list=True) if len(partials) > 1 else ([], partials)
     constants: dict[sp.Symbol, sp.Expr] = {}  # conditions stay where they are read, so do 1/pi and its kin
-    kept = []
+    retained = []
     for common, value in shared:
         whole = value.xreplace(constants)
         if isinstance(whole, Boolean) or not whole.free_symbols:
             constants[common] = whole
         else:
-            kept.append((common, whole))
+            retained.append((common, whole))
     rest = (partial.xreplace(constants) for partial in reduced)
     return SplitLine(
         tuple(Step(symbol, inner, tuple((by, next(rest)) for by in found)) for symbol, inner, found in steps),
-        tuple(kept),
+        tuple(retained),
     )
 
 
@@ -201,7 +201,7 @@ class ChainRule:
         self.users.setdefault(lower, {})[upper] = None
 
     def total(self, outputs: Sequence[sp.Symbol], by: Sequence[sp.Symbol]) -> tuple[tuple[sp.Expr, ...], ...]:
-        """Return the derivatives of the outputs by the asked symbols, one row an output."""
+        """Return the derivatives of the outputs by the given symbols, one row an output."""
         self._keep_between(outputs, by)
         costs = {symbol: self._cost(symbol) for symbol in self.edges if symbol not in set(outputs)}
         while costs:
@@ -214,14 +214,14 @@ class ChainRule:
         return tuple(tuple(self.edges.get(y, {}).get(x, ZERO) for x in by) for y in outputs)
 
     def _keep_between(self, outputs: Iterable[sp.Symbol], by: Iterable[sp.Symbol]) -> None:
-        """Drop every edge that is on no path from an asked symbol to an output."""
+        """Drop every edge that is on no path from a given symbol to an output."""
         above = _reached(outputs, self.edges)
         below = _reached(by, self.users)
-        kept = above & below
+        retained = above & below
         self.edges = {
-            upper: {lower: d for lower, d in edges.items() if lower in kept}
+            upper: {lower: d for lower, d in edges.items() if lower in retained}
             for upper, edges in self.edges.items()
-            if upper in kept
+            if upper in retained
         }
         self.edges = {upper: edges for upper, edges in self.edges.items() if edges}
         self.users = {
@@ -264,7 +264,7 @@ class ChainRule:
 
 
 def is_short(derivative: sp.Expr) -> bool:
-    """Tell whether a derivative can stand in a product as it is: a constant, a symbol or a symbol's negative."""
+    """Return whether a derivative can be a factor unchanged: a constant, a symbol or a symbol's negative."""
     return bool(derivative.is_Symbol or (-derivative).is_Symbol or not derivative.free_symbols)
 
 

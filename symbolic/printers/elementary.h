@@ -25,7 +25,7 @@ static inline double double_of(uint64_t bits)
     return x;
 }
 
-/* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define ROUNDING 6755399441055744.0
 
 /* Up to here a multiple of pi/2 is taken off exactly. */

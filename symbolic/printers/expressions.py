@@ -39,7 +39,7 @@ class NumberPrinter(StrPrinter):
 
 
 class ArrayPrinter(NumberPrinter, PythonCodePrinter):
-    """Python text calling the elementary functions of a module; `NumpyPrinter` and `CasadiPrinter` say which."""
+    """Python text calling the elementary functions of a module; `NumpyPrinter` and `CasadiPrinter` name it."""
 
     module = ""
     where = ""
@@ -128,7 +128,7 @@ class CasadiPrinter(ArrayPrinter):
         return reduce(lambda joined, arg: f"{function}({joined}, {arg})", [str(self._print(arg)) for arg in expr.args])
 
 
-#: Powers that C code writes as a call; the inline functions stand in `tirefmu.symbolic.printers.c`.
+#: Powers that C code writes as a call; the inline functions are in `arithmetic.h`.
 CALLED_POWERS = {
     sp.Rational(1, 2): "sqrt",
     sp.Rational(3, 2): "cubed_sqrt",
@@ -192,7 +192,7 @@ class PlainCPrinter(NumberPrinter, C99CodePrinter):
 
 
 class LanesPrinter(PlainCPrinter):
-    """C text in which some symbols stand for several rows at a time, see lanes.h.
+    """C text in which some symbols represent several rows at a time, see lanes.h.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ class LanesPrinter(PlainCPrinter):
         self._varying = varying
 
     def varies(self, expr: Any) -> bool:
-        """Tell whether an expression differs from row to row."""
+        """Return whether an expression differs from row to row."""
         return any(symbol.name in self._varying for symbol in expr.free_symbols)
 
     def in_lanes(self, expr: Any) -> str:

@@ -10,11 +10,11 @@ from pathlib import Path
 
 from .. import MODELS
 from ..model import Model
-from ..verification import verify
+from ..model.verification import verify
 from .batch import batch_sources
-from .c import c_header, c_source
+from .c import c_header, c_sources
 from .operations import c_operations
-from .python import CASADI, NUMPY, python_module
+from .python import CASADI, NUMPY, python_modules
 from .routines import routines
 
 
@@ -52,7 +52,7 @@ def render_model(model: Model) -> dict[str, str]:
     Raises
     ------
     ModelError
-        If the model does not keep what it declares; see `tirefmu.symbolic.verification`.
+        If the model violates its declarations; see `tirefmu.symbolic.model.verification`.
 
     Examples
     --------
@@ -63,10 +63,16 @@ def render_model(model: Model) -> dict[str, str]:
     verify(model)
     parts = routines(model)
     kernels = {f"c/{model.name}_batch_{name}.c": text for name, text in batch_sources(model, parts).items()}
-    return kernels | {
-        f"numpy/{model.name}.py": python_module(model, parts, NUMPY),
-        f"casadi/{model.name}.py": python_module(model, parts, CASADI),
-        f"c/{model.name}.c": c_source(model, parts),
+    sources = {f"c/{name}.c": text for name, text in c_sources(model, parts).items()}
+    modules = {
+        f"{folder}/{name}.py": text
+        for folder, flavor in (("numpy", NUMPY), ("casadi", CASADI))
+        for name, text in python_modules(model, parts, flavor).items()
+    }
+    return {
+        **kernels,
+        **modules,
+        **sources,
         f"c/{model.name}.h": c_header(model, parts),
         f"c/{model.name}_operations.h": c_operations(model),
     }
@@ -126,7 +132,7 @@ def difference(folder: Path) -> str:
 
 
 def _text(path: Path) -> str | None:
-    """Return the text as it lies on disk, line ends included, or None."""
+    """Return the text on disk, line ends included, or None."""
     return path.read_bytes().decode("utf-8") if path.is_file() else None
 
 

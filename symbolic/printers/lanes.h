@@ -4,7 +4,7 @@
    the polynomials are tirefmu's own: interpolation in 60 digits at the Chebyshev nodes of the reduced range, rounded
    to double. The error, measured against 36 digits, is below 3 units in the last place; that of lanes_pow about
    |y log x| more. Outside the range of a reduction (angles beyond 1.8e7, exp beyond 700, log of 0 and subnormals,
-   infinities) they give NaN: whoever called the kernel computes that row again by itself. */
+   infinities) they give NaN: the caller of the kernel computes that row again separately. */
 
 #if defined(LANES)
 #elif defined(__AVX512F__)
@@ -75,7 +75,7 @@ static inline lanes lanes_sgn1(lanes x)
     return with_sign_of(each(1.0), x + 0.0) + (x - x);
 }
 
-/* Added and subtracted again, it rounds to a whole number, which stands in the lowest bits in between. */
+/* Added and subtracted again, it rounds to a whole number, which is in the lowest bits in between. */
 #define LANES_ROUNDING 6755399441055744.0
 
 /* (-1)^n sin(angle - (n - shift) pi), n being the whole number that brings it next to 0: the sine of the angle where

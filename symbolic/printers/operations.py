@@ -1,7 +1,7 @@
 """A model as a list of single operations, along which derivatives are carried forward or backward at run time.
 
 Printed derivative routines are fast and long. Where they are wanted now and then, a short interpreter that goes along
-this list gives the same numbers from a tenth of the code: each operation is differentiated where it stands, with the
+this list gives the same numbers from a tenth of the code: each operation is differentiated in sequence, with the
 values found there (Griewank and Walther, Evaluating Derivatives (2008), chapters 3 and 4).
 """
 
@@ -26,7 +26,7 @@ CODES = (
 TURNING = "turning"
 ROLLING_RADIUS = "rolling_radius"
 
-#: By class: the operation, and whether its operands change places.
+#: By class: the operation, and whether its operands are exchanged.
 _RELATIONS: dict[type[sp.Basic], tuple[str, bool]] = {
     sp.StrictLessThan: ("LESS", False),
     sp.LessThan: ("AT_MOST", False),
@@ -39,7 +39,7 @@ _COMMUTE = ("ADD", "MULTIPLY", "EQUAL", "AND", "OR")
 
 @dataclass(frozen=True)
 class Operation:
-    """What is done with what stands in some slots, and the line that begins with it."""
+    """An operation on the numbers in some slots, and the line that begins with it."""
 
     code: str
     operands: tuple[int, ...]
@@ -57,14 +57,14 @@ class Tape:
     constants : tuple of float
     operations : tuple of Operation
         In an order in which each reads only earlier slots. What is equal is computed once.
-    places : dict of str to int
+    slots : dict of str to int
         The slots of leaves and lines by name.
     """
 
     leaves: tuple[str, ...]
     constants: tuple[float, ...]
     operations: tuple[Operation, ...]
-    places: dict[str, int]
+    slots: dict[str, int]
 
 
 def taped(lines: Sequence[Equation], leaves: Sequence[str]) -> Tape:
@@ -91,48 +91,48 @@ def taped(lines: Sequence[Equation], leaves: Sequence[str]) -> Tape:
     >>> eq, x, B = Chapter("Force"), *sp.symbols("x B", real=True)
     >>> y = eq("1", "y", 2 * sp.atan(B * x) - x)
     >>> tape = taped(eq.equations, ["x", "B"])
-    >>> tape.constants, tape.places["y"]
+    >>> tape.constants, tape.slots["y"]
     ((2.0,), 6)
     >>> [(operation.code, operation.operands) for operation in tape.operations]
     [('MULTIPLY', (0, 1)), ('ATAN', (3,)), ('MULTIPLY', (2, 4)), ('SUBTRACT', (5, 0))]
     """
-    recorder = _Recorder({name: place for place, name in enumerate(leaves)})
+    recorder = _Recorder({name: slot for slot, name in enumerate(leaves)})
     for line in lines:
         recorder.record(line)
     first, n = len(leaves), len(recorder.constants)
     # While operations are found, constants have numbers below 0.
-    shifted = {-1 - place: first + place for place in range(n)}
-    shifted |= {first + place: first + n + place for place in range(len(recorder.found))}
+    shifted = {-1 - i: first + i for i in range(n)}
+    shifted |= {first + i: first + n + i for i in range(len(recorder.found))}
     operations = (
         replace(step, operands=tuple(shifted.get(k, k) for k in step.operands), begins=recorder.begins.get(step, ""))
         for step in recorder.found
     )
-    places = {name: shifted.get(place, place) for name, place in recorder.places.items()}
-    return Tape(tuple(leaves), tuple(recorder.constants), tuple(operations), places)
+    slots = {name: shifted.get(slot, slot) for name, slot in recorder.slots.items()}
+    return Tape(tuple(leaves), tuple(recorder.constants), tuple(operations), slots)
 
 
 @dataclass
 class _Recorder:
     """Finds the operations of lines one after the other."""
 
-    places: dict[str, int]
+    slots: dict[str, int]
     constants: dict[float, int] = field(default_factory=dict)
     found: dict[Operation, int] = field(default_factory=dict)
     begins: dict[Operation, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self._first = len(self.places)
+        self._first = len(self.slots)
 
     def record(self, line: Equation) -> None:
         known = len(self.found)
-        self.places[line.symbol.name] = self._slot(line.expression)
+        self.slots[line.symbol.name] = self._slot(line.expression)
         for operation in list(self.found)[known : known + 1]:
             self.begins[operation] = f"[{line.number}] {line.symbol}"
 
     def _slot(self, expression: sp.Expr) -> int:
-        """Return where the value of an expression stands once it has been computed."""
+        """Return the slot of an expression's value after its computation."""
         if expression.is_Symbol:
-            return self.places[expression.name]
+            return self.slots[expression.name]
         if not expression.free_symbols:
             return self.constants.setdefault(float(expression), -1 - len(self.constants))
         if expression.is_Add:
@@ -162,7 +162,7 @@ class _Recorder:
         return slot
 
     def _product(self, factors: Sequence[sp.Expr]) -> int:
-        """Multiply what stands above the line, and divide by the product of what stands below."""
+        """Multiply the factors of the numerator, and divide by the product of those of the denominator."""
         if factors[0] == -1:
             return self._step("SUBTRACT", self._slot(sp.S.Zero), self._slot(sp.Mul(*factors[1:])))
         below = [factor for factor in factors if factor.is_Pow and factor.exp.could_extract_minus_sign()]
@@ -199,7 +199,7 @@ class _Recorder:
 def rolling_radius_lines(model: Model) -> list[Equation]:
     """Return the lines of the effective rolling radius of a wheel whose speed of turning is given.
 
-    In the book the radius stands in a ring with kappa, by which that speed is found.
+    In the book the radius depends on kappa, which depends on that speed.
 
     Parameters
     ----------
@@ -231,7 +231,7 @@ def model_tape(model: Model) -> Tape:
     --------
     >>> from tirefmu.symbolic import model
     >>> tape = model_tape(model("mf96"))
-    >>> tape.leaves[:4], tape.leaves[tape.places["rolling_radius"]]
+    >>> tape.leaves[:4], tape.leaves[tape.slots["rolling_radius"]]
     (('kappa', 'alpha', 'gamma', 'Fz'), 'UNLOADED_RADIUS')
     """
     lines = model.lines()
@@ -242,8 +242,8 @@ def model_tape(model: Model) -> Tape:
     own = [replace(line, symbol=renamed[line.symbol], expression=line.expression.xreplace(renamed)) for line in wheel]
     inputs = [quantity.name for quantity in model.inputs]
     tape = taped([*reaching(lines, targets), *own], [*inputs, *model.parameters, TURNING])
-    radius = tape.places[f"{model.quantity('rolling_radius')}_wheel" if wheel else "UNLOADED_RADIUS"]
-    return replace(tape, places=tape.places | {ROLLING_RADIUS: radius})
+    radius = tape.slots[f"{model.quantity('rolling_radius')}_wheel" if wheel else "UNLOADED_RADIUS"]
+    return replace(tape, slots=tape.slots | {ROLLING_RADIUS: radius})
 
 
 def c_operations(model: Model) -> str:
@@ -269,10 +269,10 @@ def c_operations(model: Model) -> str:
         comment("Slots: inputs, parameters, the speed at which a wheel turns, constants, results of operations."),
         "\n".join(f"#define {prefix}_N_{name} {size}" for name, size in sizes.items()),
         f"#define {prefix}_N_SLOTS {sum(sizes.values())}",
-        f"#define {prefix}_ROLLING_RADIUS {tape.places[ROLLING_RADIUS]}",
+        f"#define {prefix}_ROLLING_RADIUS {tape.slots[ROLLING_RADIUS]}",
         _table(f"{prefix}_CONSTANTS", _wrapped(", ".join(map(repr, tape.constants)))),
-        _table(f"{prefix}_FORCE_SLOTS", _wrapped(", ".join(str(tape.places[name]) for name in outputs))),
-        _table(f"{prefix}_QUANTITY_SLOTS", _wrapped(", ".join(str(tape.places[name]) for name in named))),
+        _table(f"{prefix}_FORCE_SLOTS", _wrapped(", ".join(str(tape.slots[name]) for name in outputs))),
+        _table(f"{prefix}_QUANTITY_SLOTS", _wrapped(", ".join(str(tape.slots[name]) for name in named))),
         _table(f"{prefix}_OPERATIONS", _rows(tape.operations)),
         "#endif",
     ]

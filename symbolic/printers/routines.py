@@ -23,7 +23,7 @@ STRAIGHT = "straight"
 
 @dataclass(frozen=True)
 class Assignment:
-    """One statement: a symbol and its expression, with the remark and the heading that stand by it."""
+    """One statement: a symbol and its expression, with its remark and heading."""
 
     symbol: sp.Symbol
     expression: sp.Expr
@@ -56,7 +56,7 @@ class Routine:
 
     @property
     def full_name(self) -> str:
-        """The name that tells it from its variants."""
+        """The name with the variant."""
         return f"{self.name}_{self.variant}" if self.variant else self.name
 
     def uses(self, names: Sequence[str]) -> list[str]:
@@ -77,7 +77,7 @@ def routines(model: Model) -> tuple[Routine, ...]:
     -------
     tuple of Routine
         quantities, forces, slip_stiffnesses, jacobian_inputs, jacobian_parameters; relaxation, where slips can lag;
-        where options and turn slip stand in the lines, all but the first once more, straight.
+        if options and turn slip are in the lines, all but the first again, straight.
 
     Examples
     --------
@@ -93,6 +93,23 @@ def routines(model: Model) -> tuple[Routine, ...]:
     return tuple(printed)
 
 
+def jacobians_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
+    """Return the Jacobians among routines: most of the text, which is printed into files of its own.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic import model
+    >>> [routine.name for routine in jacobians_of(routines(model("mf96")))]
+    ['jacobian_inputs', 'jacobian_parameters']
+    """
+    return tuple(routine for routine in routines if routine.name.startswith("jacobian_"))
+
+
+def values_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
+    """Return the routines that are no Jacobians: quantities, forces, slip stiffnesses, relaxation lengths."""
+    return tuple(routine for routine in routines if not routine.name.startswith("jacobian_"))
+
+
 #: Roughly how long a result of each operation takes, in multiplications.
 LATENCY = {sp.Pow: 3, sp.exp: 6, sp.log: 6, sp.acos: 6, sp.atan: 8, sp.sin: 8, sp.cos: 8, sp.tan: 10}
 
@@ -101,7 +118,7 @@ def side_by_side(body: Sequence[Assignment]) -> list[Assignment]:
     """Return statements in the order in which their arguments are ready, without headings.
 
     In the book's order every line waits for the one above it. A processor looks some hundred instructions ahead: it
-    overlaps the arcus tangents of seven curves where they stand next to each other, which saves a quarter of the time.
+    overlaps the arcus tangents of seven curves if they are next to each other, which saves a quarter of the time.
 
     Parameters
     ----------
@@ -129,9 +146,9 @@ def side_by_side(body: Sequence[Assignment]) -> list[Assignment]:
 
 
 def entries(jacobian: Routine) -> list[int]:
-    """Return the places in a Jacobian, counted row by row, of the entries that are not 0 everywhere."""
+    """Return the indices in a Jacobian, counted row by row, of the entries that are not 0 everywhere."""
     values = [value for row in jacobian.results for value in row]
-    return [place for place, value in enumerate(values) if value != 0]
+    return [i for i, value in enumerate(values) if value != 0]
 
 
 def _named(model: Model, lines: Sequence[Equation]) -> list[sp.Symbol]:
@@ -164,12 +181,12 @@ def _forces_and_derivatives(model: Model, lines: Sequence[Equation], variant: st
 
 
 def _values(name: str, summary: str, lines: Sequence[Equation], targets: list[sp.Symbol]) -> Routine:
-    kept = reaching(lines, [target.name for target in targets])
-    return Routine(name, summary, tuple(_printed(kept)), (tuple(targets),), tuple(t.name for t in targets))
+    found = reaching(lines, [target.name for target in targets])
+    return Routine(name, summary, tuple(_printed(found)), (tuple(targets),), tuple(t.name for t in targets))
 
 
 def _printed(lines: Sequence[Equation]) -> list[Assignment]:
-    """Value lines with the book's number beside them and the chapter's title above the first of each."""
+    """Value lines with the book's number as remark and the chapter's title above the first of each."""
     return _headed(
         [Assignment(e.symbol, e.expression, f"[{e.number}] {e.description}".rstrip(), e.chapter) for e in lines]
     )
@@ -204,16 +221,16 @@ def _derivatives(
 
 def _needed(statements: Sequence[Assignment], needed: set[sp.Symbol]) -> list[Assignment]:
     """Return the statements that something needs; what they need in turn goes into `needed`."""
-    kept = []
+    found = []
     for statement in reversed(statements):
         if statement.symbol in needed:
-            kept.append(statement)
+            found.append(statement)
             needed |= statement.expression.free_symbols
-    return kept[::-1]
+    return found[::-1]
 
 
 def _headed(assignments: Sequence[Assignment]) -> list[Assignment]:
-    """Keep a heading above the first of the statements that it stands for."""
+    """Remove a heading above all but the first of the statements under it."""
     if not assignments:
         return []
     above = ["", *(assignment.heading for assignment in assignments[:-1])]

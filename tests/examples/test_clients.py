@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tirefmu.tires.compiler import CompilerError, find_compiler
+from tirefmu.tires.code.compiler import CompilerError, find_compiler
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

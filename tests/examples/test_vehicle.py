@@ -10,7 +10,7 @@ import pytest
 from fmpy.validation import validate_fmu
 
 from tirefmu.fmu.packaging.binaries import host_platform
-from tirefmu.tires.compiler import CompilerError, find_compiler
+from tirefmu.tires.code.compiler import CompilerError, find_compiler
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

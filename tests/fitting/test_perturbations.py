@@ -18,7 +18,7 @@ from tirefmu.diagnosis import diagnose
 from tirefmu.fitting import fit
 from tirefmu.fitting.problem import influence, weighted_residuals
 from tirefmu.measurements import Noise, Recording, read_recording
-from tirefmu.tires import batch, code
+from tirefmu.tires.code import kernel, selection
 
 from ..diagnosis.suite import make_case
 
@@ -41,10 +41,10 @@ def features():
 def kernels(machine):
     """Build the kernels for another instruction set."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(batch, "FLAGS", batch.flags(machine))
-        code._code_for.cache_clear()
+        patch.setattr(kernel, "FLAGS", kernel.flags(machine))
+        selection._code_for.cache_clear()
         yield
-    code._code_for.cache_clear()
+    selection._code_for.cache_clear()
 
 
 @contextmanager

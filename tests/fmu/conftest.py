@@ -15,7 +15,7 @@ from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import TABLE_OUTPUTS, Tire, published
-from tirefmu.tires.compiler import CompilerError, find_compiler
+from tirefmu.tires.code.compiler import CompilerError, find_compiler
 
 OK, DISCARD, ERROR = 0, 2, 3
 
@@ -137,7 +137,7 @@ def golden_tire(folder, name, model, more, without, values):
     (path,) = folder.glob(f"{model}_*_params.json")
     reported, book = json.loads(path.read_text(encoding="utf-8")), MODELS[model]
     known = {key: value for key, value in reported.items() if key in book.coefficients}
-    return Tire(model, {**known, **values}, effects=(book.usual_effects | more) - without, name=name)
+    return Tire(model, {**known, **values}, effects=(book.default_effects | more) - without, name=name)
 
 
 @pytest.fixture(scope="session")

@@ -20,7 +20,7 @@ from tirefmu.fmu import check
 from tirefmu.fmu.packaging.binaries import binary_path
 from tirefmu.fmu.simulation import simulate
 from tirefmu.symbolic.errors import FmuError
-from tirefmu.tires.tir import tir_text
+from tirefmu.tires.property_file.writing import tir_text
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="the hostile FMU is written for POSIX systems")
 

@@ -13,7 +13,7 @@ from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.packaging.binaries import FLAGS, SMALL
 from tirefmu.fmu.packaging.export import contents, fmi_headers
 from tirefmu.fmu.packaging.model_code import model_files
-from tirefmu.tires.compiler import compiled_object
+from tirefmu.tires.code.compiler import compiled_object
 
 SOURCE = Path(__file__).with_name("robust.c")
 CASES = re.findall(r"CASE\((\w+)\)", SOURCE.read_text(encoding="ascii").split("CASES[] =")[1])

@@ -29,8 +29,8 @@ from tirefmu.fmu.simulation.simulate import read_description
 from tirefmu.measurements import INPUTS, check_plausible, read_recording
 from tirefmu.symbolic.added import effect_text, read_effect
 from tirefmu.tires import published, read_tir, write_tir
-from tirefmu.tires.tir import tir_text
-from tirefmu.tires.tir_units import unit_factor
+from tirefmu.tires.property_file.units import unit_factor
+from tirefmu.tires.property_file.writing import tir_text
 
 from ..hostile import HOSTILE
 from .mutations import BINARY, compressed, mutated, rejsoned, rezipped

@@ -10,7 +10,7 @@ import warnings
 import zipfile
 import zlib
 
-from tirefmu.tires.tir_units import UNITS
+from tirefmu.tires.property_file.units import UNITS
 
 from ..hostile import HOSTILE
 

@@ -68,14 +68,14 @@ def test_other_line_ends_show(copy):
     assert "generated/numpy/mf96.py" in difference(copy)
 
 
-@pytest.mark.parametrize("name", ["numpy/mf96.py", "c/mf96.h", "casadi/mf96.py", "MANIFEST.json"])
+@pytest.mark.parametrize("name", ["numpy/mf96.py", "c/mf96.h", "casadi/mf96_jacobians.py", "MANIFEST.json"])
 def test_a_missing_file_shows_and_is_written(copy, name):
     (copy / name).unlink()
     assert f"generated/{name}" in difference(copy)
     assert write(copy) == [copy / name]
 
 
-@pytest.mark.parametrize("name", ["numpy/mf95.py", "casadi/mf95.py", "c/mf95.c", "c/mf95.h"])
+@pytest.mark.parametrize("name", ["numpy/mf95.py", "casadi/mf95_jacobians.py", "c/mf95.c", "c/mf95.h"])
 def test_a_file_of_no_model_shows_and_is_removed(copy, name):
     (copy / name).write_text("left over\n", encoding="ascii")
     assert f"generated/{name}" in difference(copy)
@@ -102,3 +102,21 @@ def test_every_file_says_where_it_comes_from():
         assert text.isascii()
         assert "\t" not in text
         assert not [line for line in text.splitlines() if line != line.rstrip()], name
+
+
+FORCES = """
+import sys
+from tirefmu.tires import Tire
+tire = Tire("fiala", {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3})
+tire.forces(alpha=0.1)
+before = [name for name in sys.modules if name.endswith("_jacobians")]
+from tirefmu.generated.numpy import fiala, fiala_jacobians
+assert fiala.jacobian_inputs is fiala_jacobians.jacobian_inputs
+assert not hasattr(fiala, "jacobian_of_nothing")
+print(before)
+"""
+
+
+def test_forces_do_not_import_the_jacobians():
+    done = subprocess.run([sys.executable, "-c", FORCES], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"

@@ -10,8 +10,8 @@ import pytest
 
 from tirefmu.symbolic.printers.c import INCLUDES
 from tirefmu.symbolic.printers.definitions import KERNEL, definitions
-from tirefmu.tires.batch import FLAGS
-from tirefmu.tires.compiler import CompilerError, shared_library
+from tirefmu.tires.code.kernel import FLAGS
+from tirefmu.tires.code.compiler import CompilerError, shared_library
 
 #: Largest error in units in the last place that the headers promise.
 PROMISED = 3.0

@@ -40,8 +40,8 @@ def parameters_of(golden):
     """Return a function: the numbers of a model's golden tire, .tir name to value."""
 
     def parameters(model):
-        told = json.loads((golden / f"{SETS[model]}_params.json").read_text(encoding="utf-8"))
-        return {name: value for name, value in told.items() if not isinstance(value, str)}
+        answer = json.loads((golden / f"{SETS[model]}_params.json").read_text(encoding="utf-8"))
+        return {name: value for name, value in answer.items() if not isinstance(value, str)}
 
     return parameters
 

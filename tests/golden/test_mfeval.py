@@ -105,8 +105,8 @@ def disagreeing(answer, rows, case, values) -> dict[str, float]:
 
 
 def test_no_column_and_hardly_a_row_is_left_out(rows, case, values):
-    told = {"kind", "iKya_rowdiff_ignore", *COLUMNS, *INPUTS.values(), *(f"{name}_in" for name in INPUTS)}
-    assert set(rows.columns) == told
+    columns = {"kind", "iKya_rowdiff_ignore", *COLUMNS, *INPUTS.values(), *(f"{name}_in" for name in INPUTS)}
+    assert set(rows.columns) == columns
     assert len(rows) == {"mf52": 600, "mf61": 600, "mf62": 300}[case.model] or "turnslip" in case.table
     assert unloadable(rows, values).sum() <= (case.model == "mf62")
     assert not rows[list(COLUMNS)].isna().any(axis=None)

@@ -56,4 +56,4 @@ def test_the_misprints(at_zero_slip):
     at_5_deg = at_zero_slip.loc["5 deg"]
     assert round(at_5_deg["D_y"], 2) == 2657.12
     assert round(at_5_deg["B_r"], 4) == -4.4359
-    assert round(at_5_deg["mu_x"], 4) == 1.8273  # not the 2.3724 that stands beside this name
+    assert round(at_5_deg["mu_x"], 4) == 1.8273  # not the 2.3724 printed with this name

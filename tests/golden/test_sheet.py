@@ -111,9 +111,9 @@ def test_every_quantity_is_compared(sheet, model, values):
 
 def test_no_coefficient_is_neutral(model, values):
     """A coefficient at neutral would let a wrong line pass."""
-    cards = MODELS[model].coefficients
-    assert cards.keys() - values.keys() <= LAG  # lags of our own, in no equation of the sheet
-    neutral = {name for name in cards.keys() & values.keys() if values[name] == cards[name].neutral}
+    declarations = MODELS[model].coefficients
+    assert declarations.keys() - values.keys() <= LAG  # lags of our own, in no equation of the sheet
+    neutral = {name for name in declarations.keys() & values.keys() if values[name] == declarations[name].neutral}
     assert neutral <= {"Q_A1", "Q_A2"}  # 0 in every other tire: then MF5.2 estimates them
 
 

@@ -148,9 +148,9 @@ def test_another_tire(seed, code):
     """Every coefficient anywhere within a tenth of its bounds around the generic start, signs included."""
     rng = np.random.default_rng(100 + seed)
     values = {}
-    for name, card in model("mf96").coefficients.items():
-        bound = card.upper if rng.random() < 0.5 else card.lower
-        values[name] = card.generic + rng.uniform(0.02, 0.1) * (bound - card.generic)
+    for name, declaration in model("mf96").coefficients.items():
+        bound = declaration.upper if rng.random() < 0.5 else declaration.lower
+        values[name] = declaration.generic + rng.uniform(0.02, 0.1) * (bound - declaration.generic)
     values |= {"FNOMIN": rng.uniform(500, 6000), "UNLOADED_RADIUS": rng.uniform(0.2, 0.5)}
     tire = Tire("mf96", values, signs="adapted-sae")
     inputs = random_inputs(rng, values["FNOMIN"])

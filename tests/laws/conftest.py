@@ -9,7 +9,7 @@ import pytest
 
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import Tire
-from tirefmu.tires.tire import RANGES
+from tirefmu.tires.definition import RANGES
 
 #: What a body, its ranges and its nominal conditions are like; a tenth of the way to a bound would be no tire.
 BODY = ("MODEL", "DIMENSION", "OPERATING_CONDITIONS", "VERTICAL", "STRUCTURAL", "CONTACT_PATCH")
@@ -28,13 +28,14 @@ def made_tire(model, seed):
     """
     rng = np.random.default_rng(seed)
     values = {}
-    for name, card in MODELS[model].coefficients.items():
-        bound = card.upper if rng.random() < 0.5 or card.lower == card.generic else card.lower
-        values[name] = card.generic + rng.uniform(0.03, 0.1) * (bound - card.generic)
-        if card.section in BODY:
-            values[name] = (CONTOUR.get(name, card.generic) or 0.1) * rng.uniform(0.9, 1.1)
-        if card.section.endswith("_RANGE"):
-            values[name] = card.generic
+    for name, declaration in MODELS[model].coefficients.items():
+        upward = rng.random() < 0.5 or declaration.lower == declaration.generic
+        bound = declaration.upper if upward else declaration.lower
+        values[name] = declaration.generic + rng.uniform(0.03, 0.1) * (bound - declaration.generic)
+        if declaration.section in BODY:
+            values[name] = (CONTOUR.get(name, declaration.generic) or 0.1) * rng.uniform(0.9, 1.1)
+        if declaration.section.endswith("_RANGE"):
+            values[name] = declaration.generic
     load = rng.uniform(500, 6000)
     values |= {"FNOMIN": load, "UNLOADED_RADIUS": rng.uniform(0.25, 0.5)}
     values |= {name: values[name] * share for name, share in SMALL.items() if name in values}

@@ -106,6 +106,6 @@ def test_every_coefficient_that_leads_to_a_force_moves_one(tire, points):
             jacobian = printed(tire, "jacobian_parameters", points(tire) * speed, parameters)
             moved = np.maximum(moved, np.abs(jacobian).max(axis=(0, 1)))
     leading = {str(s) for line in reaching(tire.book.lines(), tire.outputs) for s in line.expression.free_symbols}
-    cards = tire.book.coefficients
-    asked = [name in leading and not cards[name].section.endswith("_RANGE") for name in cards]
-    assert [name for name, zero, it_is in zip(cards, moved == 0, asked, strict=True) if it_is and zero] == []
+    declarations = tire.book.coefficients
+    expected = [name in leading and not declarations[name].section.endswith("_RANGE") for name in declarations]
+    assert [name for name, zero, it_is in zip(declarations, moved == 0, expected, strict=True) if it_is and zero] == []

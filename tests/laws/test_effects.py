@@ -75,7 +75,7 @@ def test_each_effect_is_felt(tire, points, forces_of, scale_of):
     """Else being off would not differ from being on."""
     rows = points(tire)
     forces = forces_of(tire, rows)
-    for effect in tire.book.usual_effects:  # the others act over time
+    for effect in tire.book.default_effects:  # the others act over time
         without = forces_of(replace(tire, effects=tire.book.effects.keys() - {effect}), rows)
         assert np.max(np.abs(without - forces) / scale_of(tire)) > 1e-5, effect
 
@@ -98,12 +98,12 @@ def test_every_coefficient_reaches_an_output(model):
 @pytest.mark.parametrize("model", MODELS)
 def test_the_core_reaches_an_output_without_any_effect(model):
     book = MODELS[model]
-    ranges = {name for name, card in book.coefficients.items() if card.section.endswith("_RANGE")}
+    ranges = {name for name, declaration in book.coefficients.items() if declaration.section.endswith("_RANGE")}
     elsewhere = {quantity.nominal for quantity in book.inputs} | set(INDISPENSABLE)
     assert book.core <= book.live([]) | elsewhere | ranges
     # What no effect owns and is not the core is given: scaling factors, and what makes radii and deflection.
     rest = [book.coefficients[name] for name in book.live([]) - book.core - ranges]
-    assert {card.section for card in rest if card.fitted} <= RELAXATION.get(model, set())
+    assert {declaration.section for declaration in rest if declaration.fitted} <= RELAXATION.get(model, set())
 
 
 def test_coefficients_of_an_absent_effect_have_no_say(tire, points, forces_of):

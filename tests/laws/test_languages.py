@@ -10,7 +10,7 @@ import pytest
 
 from tirefmu.symbolic import MODELS
 from tirefmu.tires.code import code_for
-from tirefmu.tires.compiler import compiled_model
+from tirefmu.tires.code.compiler import compiled_model
 
 ROUTINES = ("quantities", "forces", "slip_stiffnesses", "jacobian_inputs", "jacobian_parameters")
 
@@ -24,7 +24,7 @@ def from_numpy(model, routine, rows, parameters):
 
 
 def from_c(model, routine, rows, parameters, size):
-    library = compiled_model(model)
+    library = compiled_model(model, jacobians=routine.startswith("jacobian_"))
     function = getattr(library, f"{model}_{routine}")
     results = np.full((rows.shape[1], size), np.nan)
     for point, row in zip(np.ascontiguousarray(rows.T), results, strict=True):

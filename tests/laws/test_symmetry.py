@@ -81,8 +81,8 @@ def test_every_coefficient_that_flips_must(made, points, model):
     table, iso = pd.DataFrame(dict(zip(tire.inputs, points(tire), strict=True))), tire.in_signs("iso")
     shown = [*tire.outputs, *(name for name in ("R_l",) if name in tire.book.results)]
     right = iso.evaluate(table)[shown]
-    for name, card in tire.book.coefficients.items():
-        if card.flips:
+    for name, declaration in tire.book.coefficients.items():
+        if declaration.flips:
             forgotten = replace(iso, values={**iso.values, name: tire.values[name]}).evaluate(table)[shown]
             # An exponent of a negative number is no number: felt as well.
             felt = ~(np.abs(forgotten - right) <= 1e-6 * np.abs(right).max())

@@ -1,4 +1,4 @@
-"""Dimensions: a tire told in other units of force, length and time is the same tire.
+"""Dimensions: a tire in other units of force, length and time is the same tire.
 
 Every coefficient, input and line carries a unit. With forces counted in units of a newton, lengths in units of b
 metres and time in units of c seconds, each number changes by its own power of a, b and c; a wrong unit or formula
@@ -49,9 +49,9 @@ def test_other_units_of_force_length_and_time(tire, points, narrowed, options):
     table = pd.DataFrame(dict(zip(tire.inputs, rows, strict=True)))
     units = {quantity.name: quantity.unit for quantity in tire.book.inputs}
     units |= {line.symbol.name: line.unit for line in tire.book.equations}
-    values = {name: tire.values[name] * factor(card.unit) for name, card in tire.book.coefficients.items()}
+    values = {name: tire.values[name] * factor(each.unit) for name, each in tire.book.coefficients.items()}
     ranges = {name: tuple(end * factor(units[name]) for end in ends) for name, ends in tire.ranges.items()}
-    told = replace(tire, values=values, ranges=ranges).evaluate(
+    answer = replace(tire, values=values, ranges=ranges).evaluate(
         table.assign(**{name: table[name] * factor(units[name]) for name in table}), signs=tire.signs, **options
     )
     error = ERRORS[tire.model]
@@ -61,4 +61,4 @@ def test_other_units_of_force_length_and_time(tire, points, narrowed, options):
             # relative to the column: a sum of large parts may be small
             size = np.abs(expected).max()
             assert np.isfinite(size), name
-            np.testing.assert_allclose(told[name], expected, rtol=error, atol=error * size, err_msg=name)
+            np.testing.assert_allclose(answer[name], expected, rtol=error, atol=error * size, err_msg=name)

@@ -48,7 +48,7 @@ def test_an_effect_owns_its_coefficients(name):
 
 def test_with_every_added_effect_at_neutral_a_model_is_itself():
     plain = Tire("mf61", VALUES).evaluate(TABLE)
-    added = Tire("mf61", VALUES, effects=[*model("mf61").usual_effects, *LIBRARY]).evaluate(TABLE)
+    added = Tire("mf61", VALUES, effects=[*model("mf61").default_effects, *LIBRARY]).evaluate(TABLE)
     for name in ("Fx", "Fy", "Mz", "Mx", "My", "mu_y", "K_yalpha"):
         np.testing.assert_array_equal(added[name], plain[name])
 

@@ -1,4 +1,4 @@
-"""Every model as declared: each coefficient with its card, each line with its number, using earlier ones only."""
+"""Every model: each coefficient with its declaration, each line with its number, using earlier lines only."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ def book(request):
 
 
 def test_every_coefficient_has_a_complete_card(book):
-    for name, card in book.coefficients.items():
-        assert card.name == name == name.upper()
-        assert card.description[0].islower() or card.description.startswith(("F", "MF5.2: ")), name
-        assert card.unit in UNITS, name
-        assert card.lower < card.upper, name
-        assert math.isfinite(card.lower), name
-        assert math.isfinite(card.upper), name
-        assert card.lower <= card.generic <= card.upper, name
-        assert card.section in {section.title for section in book.sections}
-        if card.neutral is None:
-            assert card.start is not None, f"{name} has neither a neutral value nor a start"
+    for name, declaration in book.coefficients.items():
+        assert declaration.name == name == name.upper()
+        assert declaration.description[0].islower() or declaration.description.startswith(("F", "MF5.2: ")), name
+        assert declaration.unit in UNITS, name
+        assert declaration.lower < declaration.upper, name
+        assert math.isfinite(declaration.lower), name
+        assert math.isfinite(declaration.upper), name
+        assert declaration.lower <= declaration.generic <= declaration.upper, name
+        assert declaration.section in {section.title for section in book.sections}
+        if declaration.neutral is None:
+            assert declaration.start is not None, f"{name} has neither a neutral value nor a start"
 
 
 def test_every_coefficient_is_declared_once(book):

@@ -20,8 +20,8 @@ from tirefmu.measurements import Recording
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
-from tirefmu.tires.drawing import draw
-from tirefmu.tires.tir import read_tir
+from tirefmu.tires.drawing.files import draw
+from tirefmu.tires.property_file.reading import read_tir
 
 SIZE = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3}
 LOAD_EXPONENTS = {"NSTIFF": 0.7, "NMU": -0.12, "NPATCH": 0.6}
@@ -236,9 +236,9 @@ def test_load_exponents_are_the_option_of_absolute_stiffness():
 
 def test_an_effect_that_is_off_is_its_coefficients_at_neutral():
     book = MODELS["brush"]
-    cards = {name: card.neutral for name, card in book.coefficients.items() if card.neutral is not None}
-    assert cards.keys() == LOAD_EXPONENTS.keys()
-    neutral = {sp.Symbol(name, real=True): sp.nsimplify(value) for name, value in cards.items()}
+    declarations = {name: each.neutral for name, each in book.coefficients.items() if each.neutral is not None}
+    assert declarations.keys() == LOAD_EXPONENTS.keys()
+    neutral = {sp.Symbol(name, real=True): sp.nsimplify(value) for name, value in declarations.items()}
     lines = {name: line.subs(neutral) for name, line in book.as_written(book.effects).items()}
     assert lines == book.as_written([])
 

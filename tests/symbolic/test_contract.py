@@ -17,13 +17,14 @@ from tirefmu.fmu import check, export
 from tirefmu.measurements import Recording
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.contract import PropertyFile, Role, positive
-from tirefmu.symbolic.discovery import register
 from tirefmu.symbolic.errors import ModelError
-from tirefmu.symbolic.verification import verify
+from tirefmu.symbolic.model.discovery import register
+from tirefmu.symbolic.model.verification import verify
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
-from tirefmu.tires.drawing import draw
-from tirefmu.tires.tir import not_given, read_tir
+from tirefmu.tires.drawing.files import draw
+from tirefmu.tires.property_file.names import not_given
+from tirefmu.tires.property_file.reading import read_tir
 
 ROOT = Path(__file__).parents[2]
 VALUES = {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.3, "UMAX": 1.2, "USOFT": -0.2, "CLONG": 2.5e4, "CSIDE": 1.8e4}
@@ -58,8 +59,8 @@ def test_a_forgotten_flip_is_named_before_there_is_a_number(made, monkeypatch):
 
 @pytest.mark.parametrize(("name", "coefficient"), [("mf96", "PVY1"), ("mf96", "PDY1"), ("mf96", "SSZ3")])
 def test_a_planted_mark_is_named(name, coefficient, monkeypatch):
-    card = MODELS[name].coefficients[coefficient]
-    monkeypatch.setattr(card, "flips", not card.flips)
+    declaration = MODELS[name].coefficients[coefficient]
+    monkeypatch.setattr(declaration, "flips", not declaration.flips)
     with pytest.raises(ModelError, match=coefficient):
         verify(MODELS[name])
 
@@ -213,7 +214,7 @@ def written(path):
 def test_no_other_package_names_a_model_or_its_coefficients():
     # What every model or every property file has in common is no model's own.
     shared = {"FNOMIN", "UNLOADED_RADIUS", "NOMPRES", "INFLPRES", "LONGVL", "WIDTH", "RIM_RADIUS", "VERTICAL_STIFFNESS"}
-    own = {name for book in MODELS.values() for name, card in book.coefficients.items() if card.fitted} | set(MODELS)
+    own = {name for book in MODELS.values() for name, each in book.coefficients.items() if each.fitted} | set(MODELS)
     own |= {"SIGX", "SIGY", "SIGC", "SIGK", "VXLOW"}
     found = {}
     for folder in ("tires", "measurements", "fitting", "fmu", "diagnosis", "tirefmu"):

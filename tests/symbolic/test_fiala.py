@@ -17,8 +17,9 @@ from tirefmu.generated.casadi import fiala as casadi_fiala
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
-from tirefmu.tires.drawing import draw
-from tirefmu.tires.tir import not_given, read_tir, read_tir_with_notes
+from tirefmu.tires.drawing.files import draw
+from tirefmu.tires.property_file.names import not_given
+from tirefmu.tires.property_file.reading import read_tir, read_tir_with_notes
 
 LOAD = 3000.0
 VALUES = {
@@ -52,9 +53,9 @@ def rows():
     rng = np.random.default_rng(0)
     kappa, alpha = rng.uniform(-1.0, 1.0, 300) ** 3 * 1.5, rng.uniform(-1.0, 1.0, 300) ** 3
     drawn = np.array([kappa, alpha, rng.uniform(300.0, 6000.0, 300), rng.choice([-8.0, 20.0], 300)])
-    told = TIRE.evaluate(pd.DataFrame(dict(zip(TIRE.inputs, drawn, strict=True))))
+    answer = TIRE.evaluate(pd.DataFrame(dict(zip(TIRE.inputs, drawn, strict=True))))
     near = np.array(
-        [np.abs(kappa) - told["kappa_crit"], np.abs(alpha) - told["alpha_crit"], np.hypot(kappa, np.tan(alpha)) - 1]
+        [np.abs(kappa) - answer["kappa_crit"], np.abs(alpha) - answer["alpha_crit"], np.hypot(kappa, np.tan(alpha)) - 1]
     )
     kept = drawn[:, (np.abs(near) > 1e-4).all(axis=0)]
     assert kept.shape[1] > 250
@@ -131,12 +132,12 @@ def test_it_makes_no_force_off_the_ground_and_passes_on_what_is_no_number():
 
 def test_full_sliding_is_the_friction_and_has_no_moment():
     alpha = np.array([0.2, 0.5, 1.2])
-    told = TIRE.evaluate(pd.DataFrame({"alpha": [*alpha, *-alpha], "Fz": LOAD}))
-    assert (np.abs(told["alpha"]) > told["alpha_crit"]).all()
-    np.testing.assert_allclose(told["Fy"], -np.sign(told["alpha"]) * told["U"] * LOAD, rtol=1e-14)
-    assert (told["Mz"] == 0).all()
+    answer = TIRE.evaluate(pd.DataFrame({"alpha": [*alpha, *-alpha], "Fz": LOAD}))
+    assert (np.abs(answer["alpha"]) > answer["alpha_crit"]).all()
+    np.testing.assert_allclose(answer["Fy"], -np.sign(answer["alpha"]) * answer["U"] * LOAD, rtol=1e-14)
+    assert (answer["Mz"] == 0).all()
     # With UMAX - UMIN lost at comprehensive slip 1, UMIN is what remains from there on.
-    assert told["U"].to_numpy()[[2, 5]] == pytest.approx(VALUES["UMIN"])
+    assert answer["U"].to_numpy()[[2, 5]] == pytest.approx(VALUES["UMIN"])
     locked = TIRE.forces(kappa=-1e9, Fz=LOAD)["Fx"]
     assert locked == pytest.approx(-VALUES["UMIN"] * LOAD, rel=1e-9)
 
@@ -280,11 +281,11 @@ def test_its_fmu_is_the_tire_at_its_slips(tmp_path):
 def test_its_fmu_on_a_wheel_computes_slips_from_velocities(tmp_path):
     fmu = export(TIRE, tmp_path / "fiala.fmu", inputs="wheel")
     given = {"V_x": 20.0, "V_y": 0.8, "omega": 21.0 / VALUES["UNLOADED_RADIUS"], "Fz": LOAD}
-    told = simulate_fmu(str(fmu), start_values=given, stop_time=0.1, output=[*TIRE.outputs, "R_l"])[-1]
+    answer = simulate_fmu(str(fmu), start_values=given, stop_time=0.1, output=[*TIRE.outputs, "R_l"])[-1]
     expected = TIRE.forces(kappa=0.05, alpha=atan(0.04), Fz=LOAD, V=20.0)
     for name in TIRE.outputs:
-        assert float(told[name]) == pytest.approx(float(expected[name]), rel=1e-9), name
-    assert float(told["R_l"]) == pytest.approx(VALUES["UNLOADED_RADIUS"] - LOAD / VALUES["VERTICAL_STIFFNESS"])
+        assert float(answer[name]) == pytest.approx(float(expected[name]), rel=1e-9), name
+    assert float(answer["R_l"]) == pytest.approx(VALUES["UNLOADED_RADIUS"] - LOAD / VALUES["VERTICAL_STIFFNESS"])
 
 
 def test_a_diagnosis_names_the_relaxation_that_it_lacks():

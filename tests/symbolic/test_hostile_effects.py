@@ -20,7 +20,7 @@ from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.notation import Chapter, Coefficient, Section
 from tirefmu.symbolic.printers.generate import render_model
 from tirefmu.symbolic.quantities import BEYOND
-from tirefmu.tires.compiler import CompilerError, find_compiler
+from tirefmu.tires.code.compiler import CompilerError, find_compiler
 
 from .hostile import NASTY, hostile_texts
 
@@ -53,11 +53,11 @@ SMALL = small_model()
 def effect(**texts):
     """Return an effect with the given texts, the others plain."""
     said = {"description": WORDS, "unit": "1", "physics": WORDS, "source": WORDS} | texts
-    card = Coefficient(said["description"], said["unit"], -1.0, 1.0)
-    card.name = "OWN1"
+    declaration = Coefficient(said["description"], said["unit"], -1.0, 1.0)
+    declaration.name = "OWN1"
     own, temperature = sp.Symbol("OWN1", real=True), BEYOND["T"].symbol
     acts = (Act("mu_y", "factor", 1 + own * temperature),)
-    return AddedEffect("own", said["physics"], said["source"], (card,), acts)
+    return AddedEffect("own", said["physics"], said["source"], (declaration,), acts)
 
 
 def printed(**texts):
@@ -160,8 +160,8 @@ def test_a_file_with_any_text_reads_back_equal(text):
 def test_a_name_that_means_something_else_is_refused(changed, message):
     own = effect()
     if "coefficient" in changed:
-        (card,) = own.cards
-        card.name = changed["coefficient"]
+        (declaration,) = own.cards
+        declaration.name = changed["coefficient"]
     if "reads" in changed:
         acts = (replace(own.acts[0], expression=1 + sp.Symbol(changed["reads"], real=True)),)
         own = replace(own, acts=acts)

@@ -64,7 +64,7 @@ def test_a_section_collects_its_coefficients_in_order():
         D = Coefficient("no value at all", neutral=None)
 
     assert list(Made.coefficients) == ["B", "A", "C", "D"]
-    assert [card.section for card in Made.coefficients.values()] == ["MADE"] * 4
+    assert [declaration.section for declaration in Made.coefficients.values()] == ["MADE"] * 4
     assert [Made.coefficients[name].default for name in "BAC"] == [2.0, 1.0, 0.0]
     assert [Made.coefficients[name].generic for name in "BAC"] == [2.0, 1.0, 3.0]
     assert np.isnan(Made.coefficients["D"].default)

@@ -51,7 +51,7 @@ def values_of(tape, leaves):
     with np.errstate(all="ignore"):  # in branches that are not taken
         for operation in tape.operations:
             slots.append(DOES[operation.code](*(slots[place] for place in operation.operands)))
-    return {name: float(slots[place]) for name, place in tape.places.items()}
+    return {name: float(slots[i]) for name, i in tape.slots.items()}
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -59,9 +59,9 @@ def test_operations_compute_what_the_printed_code_computes(model, golden):
     book, tape = MODELS[model], model_tape(MODELS[model])
     printed, outputs = code_for(model, "numpy"), [quantity.name for quantity in book.outputs]
     rng = np.random.default_rng(4)
-    cards = [card.neutral if card.neutral is not None else card.start for card in book.coefficients.values()]
-    options = [0.0] * (len(book.parameters) - len(cards))
-    parameters = np.array([*(np.array(cards) + rng.uniform(0.05, 0.2, len(cards))), *options])
+    declarations = [each.neutral if each.neutral is not None else each.start for each in book.coefficients.values()]
+    options = [0.0] * (len(book.parameters) - len(declarations))
+    parameters = np.array([*(np.array(declarations) + rng.uniform(0.05, 0.2, len(declarations))), *options])
     for row in range(4):
         inputs = np.array([ROWS[quantity.name][row] for quantity in book.inputs])
         found = values_of(tape, [*map(np.float64, inputs), *parameters, np.float64(0.0)])

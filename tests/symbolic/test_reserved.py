@@ -15,8 +15,8 @@ from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.printers.c import INCLUDES
 from tirefmu.symbolic.reserved import LONGEST_NAME, no_coefficient, no_effect
-from tirefmu.tires.compiler import CompilerError, find_compiler
-from tirefmu.tires.tir_names import OWN_SECTIONS
+from tirefmu.tires.code.compiler import CompilerError, find_compiler
+from tirefmu.tires.property_file.names import OWN_SECTIONS
 
 
 @pytest.mark.parametrize("name", "PI NAN INFINITY N_INPUTS LANES BLOCK I DBL_MAX MF61_N_INPUTS FOR NUL COM1".split())  # noqa: SIM905
@@ -36,7 +36,7 @@ def test_ordinary_names_are_taken():
     assert not [name for model in MODELS.values() for name in model.coefficients if no_coefficient(name)]
     for effect in library().values():
         assert not no_effect(effect.name)
-        assert not [card.name for card in effect.cards if no_coefficient(card.name)]
+        assert not [declaration.name for declaration in effect.cards if no_coefficient(declaration.name)]
     assert not no_coefficient("A" * LONGEST_NAME)
 
 
@@ -55,7 +55,7 @@ def test_no_macro_of_the_c_library_is_a_coefficient(standard):
 
 def test_no_name_that_generated_code_defines_is_a_coefficient():
     folder = files("tirefmu.generated")
-    for name in ("c/mf61.h", "c/mf61.c", "c/mf61_operations.h", "c/mf62_batch_forces.c"):
+    for name in ("c/mf61.h", "c/mf61.c", "c/mf61_jacobians.c", "c/mf61_operations.h", "c/mf62_batch_forces.c"):
         defined = re.findall(r"^#define (?:MF6[12]_)?(\w+)", (folder / name).read_text(encoding="ascii"), re.MULTILINE)
         assert defined
         assert [macro for macro in defined if not no_coefficient(macro)] == []

@@ -12,7 +12,7 @@ from tirefmu.description import describe
 from tirefmu.implausible import implausible, loads
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import Tire, published
-from tirefmu.tires.tir import read_tir_with_notes
+from tirefmu.tires.property_file.reading import read_tir_with_notes
 
 FILES = ["MagicFormula52", "MagicFormula61", "MagicFormula62"]
 #: The models with the coefficients that these tests spoil.

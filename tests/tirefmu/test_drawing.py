@@ -16,6 +16,7 @@ from matplotlib.image import imread
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirefmuError, UnknownName
 from tirefmu.tires import PUBLISHED, Tire, published
+from tirefmu.tires.drawing import files
 from tirefmu.tires.drawing import tire_figures as drawing
 
 from ..hostile import HOSTILE
@@ -50,8 +51,8 @@ def coarse(monkeypatch):
     ids=["unicamp_small_tire", "trento_hoosier", *MODELS],
 )
 def test_every_model_and_published_tire_is_drawn(tire, loads, tmp_path):
-    drawn = drawing.draw(tire, tmp_path / "new" / "folder", loads=loads)
-    loads = loads or drawing.usual_loads(tire)
+    drawn = files.draw(tire, tmp_path / "new" / "folder", loads=loads)
+    loads = loads or drawing.default_loads(tire)
     names = ["pure.png", *(f"surfaces_{load:g}N.png" for load in loads), "combined.png"]
     assert [path.name for path in drawn] == names
     assert sorted(path.name for path in (tmp_path / "new" / "folder").iterdir()) == sorted(names)
@@ -59,15 +60,15 @@ def test_every_model_and_published_tire_is_drawn(tire, loads, tmp_path):
         assert len(np.unique(imread(path)[..., 0])) > 100
 
 
-@pytest.mark.parametrize("suffix", drawing.FORMATS)
+@pytest.mark.parametrize("suffix", files.FORMATS)
 def test_the_same_tire_gives_the_same_bytes(small, suffix):
-    sketch = drawing._Sketch(small, "iso", (60.0,))
-    first, second = (drawing._rendered(drawing._surfaces(sketch, 60.0), suffix) for _ in range(2))
+    sketch = drawing.Sketch(small, "iso", (60.0,))
+    first, second = (files._rendered(drawing.surfaces(sketch, 60.0), suffix) for _ in range(2))
     assert first == second
 
 
 def test_files_have_the_format_of_their_name(small, tmp_path):
-    paths = drawing.draw(small, tmp_path, loads=[60.0], suffix="svg")
+    paths = files.draw(small, tmp_path, loads=[60.0], suffix="svg")
     assert [path.name for path in paths] == ["pure.svg", "surfaces_60N.svg", "combined.svg"]
     assert all(path.read_bytes().startswith(b"<?xml") for path in paths)
 
@@ -76,7 +77,7 @@ def test_files_have_the_format_of_their_name(small, tmp_path):
 @pytest.mark.parametrize("model", MODELS)
 def test_the_curves_are_the_tires(model, signs):
     tire = generic(model)
-    figure = drawing._pure(drawing._Sketch(tire, signs, (500.0, 1500.0)))
+    figure = drawing.pure(drawing.Sketch(tire, signs, (500.0, 1500.0)))
     for ax, (channel, slip) in zip(figure.axes, drawing.PURE, strict=True):
         curves = lines(ax)
         assert list(curves) == ["500 N", "1500 N"]
@@ -90,8 +91,8 @@ def test_the_curves_are_the_tires(model, signs):
 
 
 def test_the_side_force_over_the_longitudinal_force_is_the_tires(small):
-    sketch = drawing._Sketch(small, "adapted-sae", (110.0,))
-    (ax,) = drawing._combined(sketch).axes
+    sketch = drawing.Sketch(small, "adapted-sae", (110.0,))
+    (ax,) = drawing.combined(sketch).axes
     curves = lines(ax)
     assert list(curves) == [f"{angle} deg" for angle in range(-20, 21, 5)]
     kappa = sketch.grid("kappa", 301)
@@ -102,25 +103,25 @@ def test_the_side_force_over_the_longitudinal_force_is_the_tires(small):
 
 
 def test_what_is_zero_is_not_drawn_but_reported(small):
-    figure = drawing._pure(drawing._Sketch(small, "iso", (60.0,)))
+    figure = drawing.pure(drawing.Sketch(small, "iso", (60.0,)))
     assert [ax.get_ylabel() for ax in figure.axes] == ["$F_x$ (N)", "$F_y$ (N)"]
     assert "$M_z$ 0 everywhere" in figure.get_supxlabel()
 
 
 def test_a_load_beyond_the_range_is_reported(small):
     for loads, said in (((60.0, 160.0), False), ((60.0, 300.0), True)):
-        text = drawing._pure(drawing._Sketch(small, "iso", loads)).get_supxlabel()
+        text = drawing.pure(drawing.Sketch(small, "iso", loads)).get_supxlabel()
         assert ("300 N: outside 60 to 160 N" in text.replace("\n", " ")) is said
 
 
 def test_the_small_tires_loads_are_the_papers(small):
-    assert drawing.usual_loads(small) == (60.0, 110.0, 160.0)
+    assert drawing.default_loads(small) == (60.0, 110.0, 160.0)
 
 
 @given(st.floats(0.0, 1e4), st.floats(0.0, 1e4), st.floats(10.0, 1e4))
-def test_the_usual_loads_lie_in_the_range(first, second, nominal):
+def test_the_default_loads_lie_in_the_range(first, second, nominal):
     low, high = sorted((first, second))
-    loads = drawing.usual_loads(Tire("mf96", {**SIZE, "FNOMIN": nominal}, ranges={"Fz": (low, high)}))
+    loads = drawing.default_loads(Tire("mf96", {**SIZE, "FNOMIN": nominal}, ranges={"Fz": (low, high)}))
     assert list(loads) == sorted(set(loads))
     assert 1 <= len(loads) <= 3
     assert all(isfinite(load) and load > 0.0 for load in loads)
@@ -131,22 +132,22 @@ def test_the_usual_loads_lie_in_the_range(first, second, nominal):
 @pytest.mark.parametrize("loads", [[], [0.0], [-60.0], [nan], [float("inf")], [60.0, -1.0]])
 def test_what_is_no_load_is_refused(small, loads, tmp_path):
     with pytest.raises(TirefmuError, match="load"):
-        drawing.draw(small, tmp_path / "figures", loads=loads)
+        files.draw(small, tmp_path / "figures", loads=loads)
     assert not (tmp_path / "figures").exists()
 
 
 def test_names_are_checked(small, tmp_path):
     with pytest.raises(UnknownName, match="did you mean png"):
-        drawing.draw(small, tmp_path, suffix="pgn")
+        files.draw(small, tmp_path, suffix="pgn")
     with pytest.raises(UnknownName, match="did you mean iso"):
-        drawing.draw(small, tmp_path, signs="iso8855")
+        files.draw(small, tmp_path, signs="iso8855")
 
 
 def test_a_tire_without_force_is_refused(tmp_path):
     dead = dict.fromkeys(("PDX1", "PDX2", "PDY1", "PDY2", "PKX1", "PKX2", "PKY1", "QDZ1"), 0.0)
     tire = Tire("mf61", {**SIZE, **dead}, effects=())
     with pytest.raises(TirefmuError, match="makes no force at 500 N"):
-        drawing.draw(tire, tmp_path / "figures", loads=[500.0])
+        files.draw(tire, tmp_path / "figures", loads=[500.0])
     assert not (tmp_path / "figures").exists()
 
 
@@ -158,14 +159,14 @@ def test_a_force_that_is_not_finite_is_refused_with_its_place(small, tmp_path, m
 
     monkeypatch.setattr(Tire, "evaluate", broken)
     with pytest.raises(TirefmuError, match=r"Fy is not finite at kappa = -0.5, alpha = -0.349066, Fz = 60"):
-        drawing.draw(small, tmp_path / "figures")
+        files.draw(small, tmp_path / "figures")
     assert not (tmp_path / "figures").exists()
 
 
 def test_a_folder_that_cannot_be_made_is_one_line(small, tmp_path):
     (tmp_path / "taken").write_text("", encoding="utf-8")
     with pytest.raises(TirefmuError, match="figures cannot be written"):
-        drawing.draw(small, tmp_path / "taken" / "figures", loads=[60.0])
+        files.draw(small, tmp_path / "taken" / "figures", loads=[60.0])
 
 
 # ------------------------------------------------------------------ the command
@@ -220,8 +221,8 @@ def test_other_commands_take_a_published_name_too(command, name):
 def test_a_tires_name_is_drawn_literally(text, tmp_path):
     """An SVG stays an SVG: well-formed, with nothing in it that runs or is loaded."""
     tire = Tire("mf96", {**SIZE, "PDY1": 1.0, "PKY1": 10.0, "PCY1": 1.3}, effects=(), name=text)
-    sketch = drawing._Sketch(tire, "iso", (1000.0,))
-    root = ET.fromstring(drawing._rendered(drawing._pure(sketch), "svg"))
+    sketch = drawing.Sketch(tire, "iso", (1000.0,))
+    root = ET.fromstring(files._rendered(drawing.pure(sketch), "svg"))
     tags = {element.tag.rpartition("}")[2] for element in root.iter()}
     assert not tags & {"script", "image", "foreignObject", "a"}
     assert not any(name.startswith("on") for element in root.iter() for name in element.attrib)

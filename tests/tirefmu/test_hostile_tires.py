@@ -12,7 +12,7 @@ from tirefmu.cli import main
 from tirefmu.symbolic.added import effect_text, read_effect
 from tirefmu.symbolic.escaping import toml_string
 from tirefmu.tires import published, write_tir
-from tirefmu.tires.compiler import CompilerError, find_compiler
+from tirefmu.tires.code.compiler import CompilerError, find_compiler
 
 EFFECT = """
 name = "own"

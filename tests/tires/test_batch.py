@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from tirefmu.symbolic import MODELS
-from tirefmu.tires import batch, code
-from tirefmu.tires.batch import BLOCK
-from tirefmu.tires.code import MANY_ROWS, code_for, fastest_code
-from tirefmu.tires.compiler import CompilerError
+from tirefmu.tires.code import MANY_ROWS, code_for, fastest_code, kernel, numpy_code, selection
+from tirefmu.tires.code.compiler import CompilerError
+from tirefmu.tires.code.kernel import BLOCK
 
 #: Rounding of what a force is made of, as a share of the largest force.
 ROUNDING = 1e-12
@@ -23,7 +22,7 @@ def model(request):
 @pytest.fixture
 def parameters(model):
     book = MODELS[model]
-    values = [card.generic if card.generic else 0.01 for card in book.coefficients.values()]
+    values = [declaration.generic if declaration.generic else 0.01 for declaration in book.coefficients.values()]
     given = dict(zip(book.coefficients, values, strict=True)) | {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
     return np.array([given.get(name, 0.0) for name in book.parameters])
 
@@ -119,9 +118,10 @@ def test_rows_that_no_kernel_covers(model, parameters):
 def test_options_and_turn_slip_everywhere(name):
     book = MODELS[name]
     rows = rows_of(name, 100)
-    cards = {key: card.generic for key, card in book.coefficients.items()} | {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    given = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+    known = {key: each.generic for key, each in book.coefficients.items()} | given
     for option in book.options:
-        values = np.array([cards.get(key, float(key == option.parameter)) for key in book.parameters])
+        values = np.array([known.get(key, float(key == option.parameter)) for key in book.parameters])
         assert_same(name, code_for(name, "batch").forces(rows, values), code_for(name, "numpy").forces(rows, values))
 
 
@@ -137,7 +137,7 @@ def test_threads_change_nothing(model, parameters):
 def test_numpy_in_chunks_is_numpy(model, parameters, monkeypatch):
     rows = rows_of(model, 100)
     whole = code_for(model, "numpy").forces(rows, parameters)
-    monkeypatch.setattr(code, "CHUNK", 7)
+    monkeypatch.setattr(numpy_code, "CHUNK", 7)
     np.testing.assert_array_equal(code_for(model, "numpy").forces(rows, parameters), whole)
 
 
@@ -148,17 +148,17 @@ def test_the_fastest_code(monkeypatch):
     def none(*arguments):
         raise CompilerError("no C compiler found")
 
-    monkeypatch.setattr(code, "_BatchCode", none)
-    code._code_for.cache_clear()
+    monkeypatch.setattr(selection, "batch_code", none)
+    selection._code_for.cache_clear()
     assert fastest_code("mf96", MANY_ROWS) is code_for("mf96", "numpy")
-    code._code_for.cache_clear()
+    selection._code_for.cache_clear()
 
 
 def test_flags_that_the_compiler_refuses_are_left_out(monkeypatch, tmp_path, parameters, model):
     monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path))
-    monkeypatch.setattr(batch, "FLAGS", (("-no-such-flag-as-this",), batch.FUSED))
-    kernel = batch.Kernel(MODELS[model], "forces", len(MODELS[model].outputs))
+    monkeypatch.setattr(kernel, "FLAGS", (("-no-such-flag-as-this",), kernel.FUSED))
+    built = kernel.Kernel(MODELS[model], "forces", len(MODELS[model].outputs))
     rows = rows_of(model, 70)
-    results, undone = kernel(rows, parameters)
+    results, undone = built(rows, parameters)
     assert not undone.any()
     assert_same(model, results, code_for(model, "numpy").forces(rows, parameters))

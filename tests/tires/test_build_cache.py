@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from tirefmu.symbolic import model, with_library
-from tirefmu.tires import build_cache, printed
-from tirefmu.tires.build_cache import RECORD, cache_folder, cached
+from tirefmu.tires.code import build_cache, modules
+from tirefmu.tires.code.build_cache import RECORD, cache_folder, cached
 
 unix = pytest.mark.skipif(not hasattr(os, "geteuid"), reason="this system has no owners and permissions of this kind")
 root = pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root can give files away")
@@ -63,7 +63,7 @@ def test_an_entry_is_made_once(cache):
     assert content_of(first) == "content"
     assert names(cache) == ["entry"]
     assert names(first) == ["below", "other", RECORD]
-    assert cached("entry", make, anew=True) == first
+    assert cached("entry", make, rebuild=True) == first
     assert make.made == 2
 
 
@@ -286,12 +286,12 @@ def test_printed_code_that_was_changed_is_not_run(cache, monkeypatch, tmp_path, 
         calls.append(book)
         return {f"{language}/{book.name}.py": "VALUE = 42\n"}
 
-    monkeypatch.setattr(printed, "_render", lambda: rendered)
-    load = {"numpy": printed.numpy_module, "casadi": printed.casadi_module}[language]
+    monkeypatch.setattr(modules, "_render", lambda: rendered)
+    load = {"numpy": modules.numpy_module, "casadi": modules.casadi_module}[language]
 
     def fresh():
-        printed.printed_folder.cache_clear()
-        printed._module.cache_clear()
+        modules.printed_folder.cache_clear()
+        modules._module.cache_clear()
         return load(book)
 
     assert fresh().VALUE == fresh().VALUE == 42
@@ -303,5 +303,5 @@ def test_printed_code_that_was_changed_is_not_run(cache, monkeypatch, tmp_path, 
         assert fresh().VALUE == 42
     assert len(calls) == 3
     assert not trap.exists()
-    printed.printed_folder.cache_clear()
-    printed._module.cache_clear()
+    modules.printed_folder.cache_clear()
+    modules._module.cache_clear()

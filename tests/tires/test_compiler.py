@@ -10,8 +10,8 @@ import sys
 
 import pytest
 
-from tirefmu.tires.build_cache import RECORD
-from tirefmu.tires.compiler import CompilerError, find_compiler, loaded_library, shared_library
+from tirefmu.tires.code.build_cache import RECORD
+from tirefmu.tires.code.compiler import CompilerError, find_compiler, loaded_library, shared_library
 
 needs_compiler = pytest.mark.skipif(
     not any(shutil.which(name) for name in ("cc", "gcc", "clang")), reason="no C compiler on this machine"

@@ -24,7 +24,7 @@ MAGIC = ("mf96", "mf52", "mf61", "mf62")
 
 def lopsided(name):
     """Return a tire with plysteer, conicity and all."""
-    cards = Tire(name, BODY).book.coefficients
+    declarations = Tire(name, BODY).book.coefficients
     more = {
         "QSX1": 0.01,
         "QSX2": 0.5,
@@ -36,7 +36,7 @@ def lopsided(name):
         "PHYP2": 0.1,
         "QCRP1": 0.2,
     }
-    return Tire(name, {**BODY, **LOPSIDED, **{key: value for key, value in more.items() if key in cards}})
+    return Tire(name, {**BODY, **LOPSIDED, **{key: value for key, value in more.items() if key in declarations}})
 
 
 def drawn(n=50, seed=0):
@@ -70,7 +70,7 @@ def test_the_other_side_is_the_mirror_image(tire, signs):
     answer = tire.evaluate(table, signs=signs, mirror=True)
     np.testing.assert_allclose(answer[forces], expected, rtol=1e-12, atol=1e-9)
     for name in set(table) & set(answer):
-        np.testing.assert_array_equal(answer[name], table[name])  # the inputs are told as they were given
+        np.testing.assert_array_equal(answer[name], table[name])  # the inputs come back as given
     other = tire.evaluate(table, signs=signs)
     assert np.max(np.abs(answer["Fy"] - other["Fy"])) > 10.0  # a lopsided tire shows it
 

@@ -13,11 +13,13 @@ from hypothesis import strategies as st
 
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError
-from tirefmu.tires import PUBLISHED, Tire, published, read_tir, tir_reading, write_tir
-from tirefmu.tires import tir_text as form
-from tirefmu.tires.tir import not_given, read_tir_with_notes, tir_text
-from tirefmu.tires.tir_names import MOST_SEARCHED
-from tirefmu.tires.tire import RANGES
+from tirefmu.tires import PUBLISHED, Tire, published, read_tir, write_tir
+from tirefmu.tires.definition import RANGES
+from tirefmu.tires.property_file import reading
+from tirefmu.tires.property_file import text as form
+from tirefmu.tires.property_file.names import MOST_SEARCHED, not_given
+from tirefmu.tires.property_file.reading import read_tir_with_notes
+from tirefmu.tires.property_file.writing import tir_text
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
 positive = st.floats(1e-3, 1e6)
@@ -92,8 +94,8 @@ def test_a_published_tire_is_written_as_it_was_read(tmp_path, name):
 )
 def test_a_text_is_read_back_to_the_letter(tmp_path, text):
     tire = replace(published("trento_hoosier"), name=text, about={"source": text, "after": "the next line"})
-    tire.save(tmp_path / "told.tir")
-    again = read_tir(tmp_path / "told.tir")
+    tire.save(tmp_path / "written.tir")
+    again = read_tir(tmp_path / "written.tir")
     assert again.name == again.about["source"] == text
     assert again.about["after"] == "the next line"
     # What another reader takes for a comment, or for a second line, is not there.
@@ -104,8 +106,8 @@ def test_a_text_is_read_back_to_the_letter(tmp_path, text):
 @pytest.mark.parametrize("key", ["name", "effects", "fittyp", "pky1", "length", "fzmin", "tirefmu_model", "core_pky1"])
 def test_what_is_told_about_a_tire_is_never_taken_for_its_values(tmp_path, key):
     tire = replace(published("trento_hoosier"), about={key: "7"}, effects=["camber_thrust"])
-    tire.save(tmp_path / "told.tir")
-    assert read_tir(tmp_path / "told.tir") == tire.in_signs("iso")
+    tire.save(tmp_path / "written.tir")
+    assert read_tir(tmp_path / "written.tir") == tire.in_signs("iso")
 
 
 def test_numbers_of_numpy_are_written_as_numbers(tmp_path):
@@ -281,7 +283,7 @@ def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("tirefmu.tires.tir_writing.os.replace", full)
+    monkeypatch.setattr("tirefmu.tires.property_file.writing.os.replace", full)
     with pytest.raises(TirError, match=r"tire\.tir: cannot be written \(No space left on device\)"):
         published("trento_hoosier").save(path)
     assert path.read_text(encoding="utf-8") == "the old one"
@@ -334,8 +336,8 @@ def test_each_key_is_looked_at_once(tmp_path, monkeypatch):
         steps.clear()
         text = BASE + "[OTHER]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(n))
         (tmp_path / "many.tir").write_text(text, encoding="ascii")
-        reader = tir_reading._Reader(tmp_path / "many.tir")
-        reader.left = Counted(reader.left)
+        reader = reading._Reader(tmp_path / "many.tir")
+        reader.unread = Counted(reader.unread)
         assert reader.reading().tire.values == published("trento_hoosier").in_signs("iso").values
         return len(steps)
 
@@ -345,9 +347,9 @@ def test_each_key_is_looked_at_once(tmp_path, monkeypatch):
 
 def test_similar_names_are_looked_for_a_limited_number_of_times(tmp_path, monkeypatch):
     searched = []
-    monkeypatch.setattr(tir_reading, "near_miss", lambda key, names: searched.append(key))
+    monkeypatch.setattr(reading, "near_miss", lambda key, names: searched.append(key))
     text = BASE + "[LATERAL_COEFFICIENTS]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(2 * MOST_SEARCHED))
     (tmp_path / "many.tir").write_text(text, encoding="ascii")
-    reading = read_tir_with_notes(tmp_path / "many.tir")
+    result = read_tir_with_notes(tmp_path / "many.tir")
     assert len(searched) == MOST_SEARCHED
-    assert sum("no similar coefficients are looked for" in note for note in reading.notes) == 1
+    assert sum("no similar coefficients are looked for" in note for note in result.notes) == 1

@@ -11,7 +11,9 @@ import pytest
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError
 from tirefmu.tires import read_tir, write_tir
-from tirefmu.tires.tir import not_given, read_tir_with_notes, tir_text
+from tirefmu.tires.property_file.names import not_given
+from tirefmu.tires.property_file.reading import read_tir_with_notes
+from tirefmu.tires.property_file.writing import tir_text
 
 FILES = {"mf52": "MagicFormula52", "mf61": "MagicFormula61", "mf62": "MagicFormula62"}
 
@@ -82,7 +84,7 @@ def test_what_is_assumed_for_an_absent_effect_is_left_to_the_tire(effects, tmp_p
 @pytest.mark.parametrize(("lines", "has"), [("SIGX = 0.3", True), ("SIGX = 0", False), ("", False)])
 def test_a_relaxation_length_in_a_file_acts(lines, has, tmp_path):
     tire = read_tir(written(tmp_path / "t.tir", small(lines)))
-    assert tire.has == MODELS["mf61"].usual_effects | ({"relax_lon"} if has else set())
+    assert tire.has == MODELS["mf61"].default_effects | ({"relax_lon"} if has else set())
     assert tire.values["SIGX"] == (0.3 if has else 0.0)
     without = read_tir(written(tmp_path / "t.tir", small(f"{lines}\n[TIREFMU]\nEFFECTS = ''")))
     assert without.has == set()
@@ -147,7 +149,7 @@ def test_the_number_of_a_model(fittyp, model, tmp_path):
         ("USER", "PKY6 = -1", "mf61"),
         ("USER", "PHY3 = 0.1", "mf52"),
         ("USER", "Q_CAM3 = 0.1\nPKY6 = -1", "mf62"),
-        ("USER", None, "no FITTYP in [MODEL], and 'USER' does not tell the model"),
+        ("USER", None, "no FITTYP in [MODEL], and 'USER' does not identify the model"),
         ("TMEASY", None, "PROPERTY_FILE_FORMAT 'TMEASY' is not a model of this version: known are "),
         ("PAC2003", None, "did you mean PAC2002?"),
     ],

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from tirefmu.symbolic.errors import TirError
 from tirefmu.tires import read_tir, write_tir
-from tirefmu.tires.tir import read_tir_with_notes
-from tirefmu.tires.tir_units import UNITS
+from tirefmu.tires.property_file.reading import read_tir_with_notes
+from tirefmu.tires.property_file.units import UNITS
 
 #: Factors to SI, written down apart from the code that is tested.
 SI = {

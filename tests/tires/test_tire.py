@@ -160,7 +160,7 @@ def test_evaluate_clamps_to_the_ranges_on_demand(hoosier):
     inside = pd.DataFrame({"alpha": [0.1, hoosier.ranges["alpha"][1]], "Fz": [120.0, 1220.0]})
     clamped = hoosier.evaluate(wide, signs="adapted-sae", limits=True)
     np.testing.assert_array_equal(clamped["Fy"], hoosier.evaluate(inside, signs="adapted-sae")["Fy"])
-    np.testing.assert_array_equal(clamped["Fz"], wide["Fz"])  # the inputs are told as they were given
+    np.testing.assert_array_equal(clamped["Fz"], wide["Fz"])  # the inputs come back as given
     assert (hoosier.evaluate(wide, signs="adapted-sae")["Fy"] != clamped["Fy"]).all()
     in_sae = hoosier.evaluate(convert_signs(wide, "adapted-sae", "sae"), signs="sae", limits=True)
     np.testing.assert_allclose(in_sae["Fy"], clamped["Fy"])

@@ -26,7 +26,7 @@ BODY = {
 def lagging(name="mf61", *effects, **values):
     book = model(name)
     given = {key: value for key, value in {**BODY, **values}.items() if key in book.coefficients}
-    return Tire(name, given, effects=book.usual_effects | set(effects))
+    return Tire(name, given, effects=book.default_effects | set(effects))
 
 
 def recording(n=40, step=0.05, seed=0):
@@ -188,7 +188,7 @@ def test_lagging_forces_are_the_steady_ones_at_the_slips_that_act(name):
     answer = tire.evaluate(table)
     at = table.drop(columns="t").assign(kappa=answer["kappa_lagged"], alpha=answer["alpha_lagged"])
     pd.testing.assert_frame_equal(tire.evaluate(at)[list(tire.outputs)], answer[list(tire.outputs)])
-    pd.testing.assert_frame_equal(answer[list(table)], table)  # the inputs are told as they were given
+    pd.testing.assert_frame_equal(answer[list(table)], table)  # the inputs come back as given
 
 
 @pytest.mark.parametrize("name", SIX)
@@ -254,11 +254,11 @@ def test_steady_rows_know_nothing_of_each_other(name):
 def test_slips_that_act_are_told_in_the_tables_signs(signs):
     tire, table = lagging("mf61", "relax_lat", "relax_lon"), recording()
     way = -1.0 if signs == "sae" else 1.0
-    told = tire.evaluate(table.assign(alpha=way * table["alpha"], Fz=way * table["Fz"]), signs=signs)
+    answer = tire.evaluate(table.assign(alpha=way * table["alpha"], Fz=way * table["Fz"]), signs=signs)
     expected = tire.evaluate(table)
-    np.testing.assert_allclose(way * told["alpha_lagged"], expected["alpha_lagged"], rtol=1e-12)
-    np.testing.assert_allclose(told["kappa_lagged"], expected["kappa_lagged"], rtol=1e-12)
-    np.testing.assert_allclose(-told["Fy"], expected["Fy"], rtol=1e-10)
+    np.testing.assert_allclose(way * answer["alpha_lagged"], expected["alpha_lagged"], rtol=1e-12)
+    np.testing.assert_allclose(answer["kappa_lagged"], expected["kappa_lagged"], rtol=1e-12)
+    np.testing.assert_allclose(-answer["Fy"], expected["Fy"], rtol=1e-10)
 
 
 @pytest.mark.parametrize("code", ["c", "casadi"])

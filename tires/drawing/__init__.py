@@ -1,5 +1,1 @@
-"""Figures of a tire, and the style that all figures share."""
-
-from .tire_figures import draw, plot, usual_loads
-
-__all__ = ["draw", "plot", "usual_loads"]
+"""Figures of a tire (`tire_figures`, written by `files`), and the style that all figures share."""

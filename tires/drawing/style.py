@@ -70,7 +70,7 @@ def letter(signs: str, channel: str) -> str:
 
 
 def held_text(signs: str, held: Mapping[str, float]) -> str:
-    """Return what is held at which level."""
+    """Return the constant channels and their levels."""
     return ", ".join(f"{letter(signs, name)} = {level_text(name, level)}" for name, level in held.items())
 
 
@@ -88,7 +88,7 @@ def panels(count: int, title: str) -> tuple[Figure, list[Axes]]:
 def level_colors(count: int, by: str) -> list[RGB]:
     """Return colors ordered like the levels: one map for loads, another for angles."""
     colormap = colormaps["viridis" if by == "Fz" else "plasma"]
-    # The light end of the maps is left out: it does not stand out from white.
+    # Without the light end of the maps, which is invisible on white.
     rows = [colormap(value) for value in np.linspace(0.0, 0.85, max(count, 2))[:count]]
     return [(red, green, blue) for red, green, blue, _ in rows]
 
@@ -122,7 +122,7 @@ def finish(ax: Axes, slip: str, ylabel: str) -> None:
 
 
 def place_legend(ax: Axes, title: str | None = None) -> None:
-    """Put the legend beside the axes, where it covers nothing."""
+    """Put the legend outside the axes, where it covers nothing."""
     corner = (1.0, 1.0)
     ax.legend(title=title, loc="upper left", bbox_to_anchor=corner, fontsize=8, title_fontsize=8, frameon=False)
 

@@ -7,27 +7,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import ceil, isfinite, radians
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-from matplotlib import colormaps, rc_context
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from tirefmu.symbolic.errors import TirefmuError, UnknownName, path_from
+from tirefmu.symbolic.errors import TirefmuError, UnknownName
 from tirefmu.symbolic.escaping import figure_text
 
+from ..definition import TireDefinition
+from ..evaluation import Conventions, evaluate
 from ..signs import REVERSED, SIGNS
-from ..tire import Tire
-from ..tire_argument import TireLike, tire_from
 from .style import (
-    DPI,
     LETTER,
     draw_line,
     drawn_unit,
@@ -37,14 +35,11 @@ from .style import (
     level_colors,
     level_text,
     per_si,
-    rendered,
     write_footnote,
-    write_whole,
 )
 
 FloatArray = npt.NDArray[np.float64]
 
-FORMATS = ("png", "svg", "pdf")
 #: The figures of a tire, by the names that `plot` takes.
 KINDS = ("pure", "surfaces", "combined")
 #: Slips beyond these are not drawn, however far the tire is known.
@@ -57,105 +52,49 @@ MARKED = (-0.5, -0.2, -0.1, -0.05, 0.05, 0.1, 0.2, 0.5)
 _COLORS = LinearSegmentedColormap.from_list("forces", colormaps["RdBu_r"](np.linspace(0.1, 0.9, 256)))
 _POINTS = 301  # of a curve
 _MESH = 81  # points of a surface along each slip
-_DATELESS = {"png": None, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
-def draw(
-    tire: TireLike,
-    folder: str | Path,
-    *,
-    loads: Sequence[float] | None = None,
-    signs: str = "iso",
-    suffix: str = "png",
-) -> list[Path]:
-    """Draw a tire: one file of its pure curves, one of surfaces per load, one of Fy against Fx.
-
-    Parameters
-    ----------
-    tire : Tire, path of a .tir file, or name of a published tire
-        Upright and, but for load and slips, at its nominal inputs.
-    folder : str or Path
-        Made where it is not there.
-    loads : sequence of float, N, optional
-        `usual_loads` where left out.
-    signs : {"iso", "adapted-sae", "sae"}
-        Convention in which the figures are drawn.
-    suffix : {"png", "svg", "pdf"}
-
-    Returns
-    -------
-    list of Path
-        ``pure``, ``surfaces_<load>N`` and ``combined``; the same bytes for the same tire.
-
-    Raises
-    ------
-    UnknownName
-        If the convention or the format does not exist.
-    TirefmuError
-        If a load is not above 0, the tire makes no force or one that is not finite, or a file cannot be
-        written. No file is left half-written.
-
-    Examples
-    --------
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     [path.name for path in draw("unicamp_small_tire", folder, loads=[60.0])]
-    ['pure.png', 'surfaces_60N.png', 'combined.png']
-    """
-    if suffix not in FORMATS:
-        raise UnknownName("format of figures", suffix, FORMATS)
-    sketch = _sketch(tire, loads, signs)
-    target = path_from(folder, "folder")
-    figures = {"pure": _pure(sketch)}
-    figures |= {f"surfaces_{load:g}N": _surfaces(sketch, load) for load in sketch.loads}
-    figures["combined"] = _combined(sketch)
-    # All are rendered before the first is written: a failure leaves the folder as it was.
-    images = {f"{name}.{suffix}": _rendered(figure, suffix) for name, figure in figures.items()}
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-        return [write_whole(target / name, image) for name, image in images.items()]
-    except OSError as error:
-        raise TirefmuError(f"{target}: figures cannot be written ({error.strerror or error})") from None
-
-
-def plot(tire: TireLike, kind: str = "pure", *, loads: Sequence[float] | None = None, signs: str = "iso") -> Figure:
+def plot(
+    tire: TireDefinition, kind: str = "pure", *, loads: Sequence[float] | None = None, signs: str = "iso"
+) -> Figure:
     """Return one figure of a tire; `Tire.plot` documents the parameters.
 
     Raises
     ------
     UnknownName
-        If the kind, the tire or the convention does not exist.
+        If the kind or the convention does not exist.
     TirefmuError
         If a load is not positive, or the tire makes no force or one that is not finite.
 
     Examples
     --------
-    >>> len(plot("unicamp_small_tire", "combined", loads=[60.0, 110.0]).axes)
+    >>> from tirefmu.tires import published
+    >>> len(plot(published("unicamp_small_tire"), "combined", loads=[60.0, 110.0]).axes)
     2
     """
     if kind not in KINDS:
         raise UnknownName("kind of figure", kind, KINDS)
-    sketch = _sketch(tire, loads, signs)
+    sketch = sketched(tire, loads, signs)
     if kind == "surfaces":
-        return _surfaces(sketch, sketch.loads[len(sketch.loads) // 2])
-    return _pure(sketch) if kind == "pure" else _combined(sketch)
+        return surfaces(sketch, sketch.loads[len(sketch.loads) // 2])
+    return pure(sketch) if kind == "pure" else combined(sketch)
 
 
-def _sketch(tire: TireLike, loads: Sequence[float] | None, signs: str) -> _Sketch:
+def sketched(tire: TireDefinition, loads: Sequence[float] | None, signs: str) -> Sketch:
+    """Return what the figures of a tire share, or report what cannot be drawn."""
     if signs not in SIGNS:
         raise UnknownName("sign convention", signs, SIGNS)
-    tire = tire_from(tire)
-    return _Sketch(tire, signs, usual_loads(tire) if loads is None else _checked(loads))
+    return Sketch(tire, signs, default_loads(tire) if loads is None else _checked(loads))
 
 
-def usual_loads(tire: TireLike) -> tuple[float, ...]:
+def default_loads(tire: TireDefinition) -> tuple[float, ...]:
     """Return three loads over the range in which a tire is known, as round as the range allows.
 
     Parameters
     ----------
-    tire : Tire
-        Of a range, the part from a quarter of the nominal load to three times it; up to twice where the tire
-        says nothing.
+    tire : TireDefinition
+        Of its range, the part from a quarter of the nominal load to three times it; up to twice the nominal load
+        where it has no range.
 
     Returns
     -------
@@ -164,10 +103,10 @@ def usual_loads(tire: TireLike) -> tuple[float, ...]:
 
     Examples
     --------
-    >>> usual_loads("unicamp_small_tire")
+    >>> from tirefmu.tires import published
+    >>> default_loads(published("unicamp_small_tire"))
     (60.0, 110.0, 160.0)
     """
-    tire = tire_from(tire)
     nominal = tire.values["FNOMIN"]
     low, high = tire.ranges.get("Fz", (0.0, 2.0 * nominal))
     high = min(high, 3.0 * nominal) if high > 0.0 else 2.0 * nominal
@@ -178,10 +117,10 @@ def usual_loads(tire: TireLike) -> tuple[float, ...]:
     return tuple(dict.fromkeys(loads))
 
 
-class _Sketch:
+class Sketch:
     """A tire, loads and a convention: evaluates what the figures show."""
 
-    def __init__(self, tire: Tire, signs: str, loads: Sequence[float]) -> None:
+    def __init__(self, tire: TireDefinition, signs: str, loads: Sequence[float]) -> None:
         self.tire, self.signs, self.loads = tire, signs, tuple(loads)
         self.name = tire.name or tire.model
         self.title = figure_text(self.name)
@@ -191,14 +130,14 @@ class _Sketch:
             raise TirefmuError(f"{self.name} makes no force at {', '.join(f'{load:g}' for load in loads)} N")
 
     def span(self, slip: str) -> tuple[float, float]:
-        """Return the slips at which the tire is known, as far as they are worth drawing."""
+        """Return the slips at which the tire is known, limited to what is drawn."""
         widest = WIDEST[slip]
         known = self.tire.ranges.get(slip, widest)
         low, high = max(known[0], widest[0]), min(known[1], widest[1])
         return (low, high) if low < high else widest
 
     def grid(self, slip: str, count: int) -> FloatArray:
-        """Return so many slips, denser towards zero, where the forces turn; zero among them."""
+        """Return `count` slips, denser towards zero, where the forces turn; zero among them."""
         low, high = self.span(slip)
         if not low < 0.0 < high:
             return np.linspace(low, high, count)
@@ -215,7 +154,7 @@ class _Sketch:
         kappa, alpha = np.broadcast_arrays(np.asarray(kappa, dtype=float), np.asarray(alpha, dtype=float))
         signed = -load if "Fz" in REVERSED[self.signs] else load
         table = pd.DataFrame({"kappa": kappa.ravel(), "alpha": alpha.ravel(), "gamma": 0.0, "Fz": signed})
-        forces = self.tire.evaluate(table, signs=self.signs)[list(self.tire.outputs)]
+        forces = evaluate(self.tire, table, Conventions(self.signs))[list(self.tire.outputs)]
         for name in ("Fx", "Fy", "Mz"):
             bad = np.flatnonzero(~np.isfinite(forces[name])) if name in forces else np.array([], dtype=int)
             if bad.size:
@@ -225,7 +164,7 @@ class _Sketch:
         return forces
 
     def footnotes(self) -> list[str]:
-        """Tell what all figures have in common, and which loads are beyond the tire's range."""
+        """Return what all figures have in common, and which loads are beyond the tire's range."""
         held = [f"$p$ = {self.tire.nominal('p') / 1000.0:.0f} kPa"] if "p" in self.tire.inputs else []
         notes = [f"model {self.tire.model}", ", ".join([r"$\gamma$ = 0", *held])]
         low, high = self.tire.ranges.get("Fz", (0.0, float("inf")))
@@ -250,11 +189,11 @@ def _checked(loads: Sequence[float]) -> tuple[float, ...]:
             raise TirefmuError(f"load {load:g} N: a load is above 0")
     if not loads:
         raise TirefmuError("no load to draw the tire at")
-    # To the digits of the files' names, which tell them apart.
+    # Rounded to the digits of the file names, which distinguish them.
     return tuple(dict.fromkeys(float(f"{load:g}") for load in sorted(loads)))
 
 
-def _pure(sketch: _Sketch) -> Figure:
+def pure(sketch: Sketch) -> Figure:
     """Fx over kappa, Fy and Mz over alpha, one curve for each load."""
     shown = [(channel, slip) for channel, slip in PURE if channel in sketch.channels]
     figure = Figure(figsize=(4.9 * len(shown) + 1.2, 4.9), layout="constrained")
@@ -273,18 +212,18 @@ def _pure(sketch: _Sketch) -> Figure:
     return figure
 
 
-def _left_out(sketch: _Sketch) -> list[str]:
+def _left_out(sketch: Sketch) -> list[str]:
     zero = [LETTER[name] for name, _ in PURE if name in sketch.tire.outputs and name not in sketch.channels]
     return [f"{' and '.join(zero)} 0 everywhere and not drawn"] if zero else []
 
 
 def _shared_legend(figure: Figure, ax: Axes, title: str) -> None:
-    """Put one legend for all axes beside them."""
+    """Add one legend for all axes."""
     handles, labels = ax.get_legend_handles_labels()
     figure.legend(handles, labels, title=title, loc="outside right center", fontsize=9, frameon=False)
 
 
-def _surfaces(sketch: _Sketch, load: float) -> Figure:
+def surfaces(sketch: Sketch, load: float) -> Figure:
     """Fx and Fy over both slips at one load: as surfaces, and below as maps to read values from."""
     shown = [name for name in ("Fx", "Fy") if name in sketch.channels] or sketch.channels
     kappa, alpha = sketch.mesh(_MESH)
@@ -333,7 +272,7 @@ def _draw_map(ax: Axes, kappa: FloatArray, alpha: FloatArray, force: FloatArray,
     ax.set(xlabel=f"{LETTER['kappa']} ({drawn_unit('kappa')})", ylabel=f"{LETTER['alpha']} ({drawn_unit('alpha')})")
 
 
-def _combined(sketch: _Sketch) -> Figure:
+def combined(sketch: Sketch) -> Figure:
     """Fy against Fx at constant slip angle, kappa running: one panel for each load."""
     columns = 2 if len(sketch.loads) == 4 else min(len(sketch.loads), 3)
     rows = ceil(len(sketch.loads) / columns)
@@ -352,12 +291,12 @@ def _combined(sketch: _Sketch) -> Figure:
     return figure
 
 
-def _marked(sketch: _Sketch) -> list[float]:
+def _marked(sketch: Sketch) -> list[float]:
     low, high = sketch.span("kappa")
     return [kappa for kappa in MARKED if low <= kappa <= high]
 
 
-def _draw_shared(ax: Axes, sketch: _Sketch, load: float) -> None:
+def _draw_shared(ax: Axes, sketch: Sketch, load: float) -> None:
     angles, kappa = sketch.angles(), sketch.grid("kappa", _POINTS)
     for slip in _marked(sketch):
         across = sketch.over(load, slip, sketch.grid("alpha", _POINTS))
@@ -372,9 +311,3 @@ def _draw_shared(ax: Axes, sketch: _Sketch, load: float) -> None:
     ax.grid(alpha=0.3)
     ax.axhline(0.0, color="0.3", lw=0.8)
     ax.axvline(0.0, color="0.3", lw=0.8)
-
-
-def _rendered(figure: Figure, suffix: str) -> bytes:
-    """Return the figure as a file's bytes, the same each time."""
-    with rc_context({"svg.hashsalt": "tirefmu"}):
-        return rendered(figure, suffix, DPI, metadata=_DATELESS[suffix])

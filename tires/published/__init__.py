@@ -7,7 +7,7 @@ from typing import overload
 
 from tirefmu.symbolic.errors import UnknownName
 
-from ..tir import read_tir
+from ..property_file.reading import read_tir
 from ..tire import Tire
 
 #: The published tires and the signs in which their source writes them.
@@ -29,8 +29,8 @@ def published(name: str | None = None) -> Tire | tuple[str, ...]:
     ----------
     name : str, optional
         ``trento_hoosier``: Hoosier 6.0/18.0-10 LCO, MF96, University of Trento, Dynamics of Vehicles, team 6.
-        ``unicamp_small_tire``: 4PR Imsa, 152.4 x 50.8 mm, MF6.1, University of Campinas. Its ``about`` says what
-        was printed, and what had to be inferred, replaced and left out.
+        ``unicamp_small_tire``: 4PR Imsa, 152.4 x 50.8 mm, MF6.1, University of Campinas. Its ``about`` states what
+        was printed, and what had to be inferred, replaced and omitted.
 
     Returns
     -------

@@ -92,7 +92,7 @@ class TurnSlip(Section, title="TURNSLIP_COEFFICIENTS"):
     PHYP2 = Coefficient("shift by spin, size", "rad", -1.0, 1.0, assumed=0.15)
     PHYP3 = Coefficient("shift by spin, change of size with load", "rad", -1.0, 1.0)
     PHYP4 = Coefficient("shift by spin, curvature", "1", -20.0, 1.0, assumed=-4.0)
-    PECP1 = Coefficient("what camber is worth as spin, eps_gamma", "1", -2.0, 0.99, assumed=0.5)
+    PECP1 = Coefficient("equivalent spin of camber, eps_gamma", "1", -2.0, 0.99, assumed=0.5)
     PECP2 = Coefficient("the same, change with load", "1", -2.0, 2.0)
     QDTP1 = Coefficient("trail, fall with spin", "1", -50.0, 50.0, assumed=10.0, channels=("Mz",))
     QCRP1 = Coefficient("moment of turning on the spot", "1", 0.0, 5.0, assumed=0.2, channels=("Mz",))

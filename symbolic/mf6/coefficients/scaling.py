@@ -6,7 +6,7 @@ from ...notation import Coefficient, Section
 
 
 def factor(description: str, *, signed: bool = False) -> Coefficient:
-    """Return the card of a scaling factor: 1 does nothing; one of a shift or a moment may be zero or negative."""
+    """Declare a scaling factor: 1 does nothing; one of a shift or a moment may be zero or negative."""
     return Coefficient(f"scale of {description}", "1", -10.0 if signed else 0.1, 10.0, 1.0)
 
 

@@ -1,6 +1,6 @@
 """The sign law: one tire, written in ISO or in adapted SAE, makes the same forces, Fy, My and Mz reversed.
 
-The two differ in the signs of the coefficients whose cards have `flips`, and in the option `signs` where the lines read
+The two differ in the signs of the coefficients declared with `flips`, and in the option `signs` where the lines read
 it; the inputs are the same. Where a mark is missing or too many, a fit to a table in one convention would save a tire
 with a wrong sign in the other. So the lines are computed in both at a few random tires and rows.
 """
@@ -13,11 +13,12 @@ import random
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from .errors import ModelError
-from .model import Model, reaching
-from .notation import Coefficient, Quantity
-from .options import signs
-from .printers.operations import Tape, taped
+from ..errors import ModelError
+from ..notation import Coefficient, Quantity
+from ..options import signs
+from ..printers.operations import Tape, taped
+from .definition import Model
+from .lines import reaching
 
 #: The columns that adapted SAE writes with the opposite sign of ISO.
 REVERSED = frozenset({"Fy", "My", "Mz"})
@@ -25,7 +26,7 @@ REVERSED = frozenset({"Fy", "My", "Mz"})
 LENGTHS = ("rolling_radius", "loaded_radius", "relaxation_x", "relaxation_y")
 #: Random tires, one row each, with options at their first and at their second values.
 ROWS = 12
-#: Fewer rows with finite numbers tell nothing of an output.
+#: With fewer finite rows an output is not checked.
 FEWEST_ROWS = 3
 #: Two numbers count as equal within this share of the larger one.
 EQUAL = 1e-7
@@ -34,7 +35,7 @@ Values = Mapping[str, float]
 
 
 def check_signs(model: Model) -> None:
-    """Raise `ModelError` where a model does not keep the sign law, with the coefficients that are marked wrongly.
+    """Raise `ModelError` where a model violates the sign law, with the coefficients that are marked wrongly.
 
     Parameters
     ----------
@@ -50,7 +51,7 @@ def check_signs(model: Model) -> None:
     >>> check_signs(model("mf96"))
     """
     check = _Check(model)
-    marked = frozenset(name for name, card in model.coefficients.items() if card.flips)
+    marked = frozenset(name for name, declaration in model.coefficients.items() if declaration.flips)
     errors = check.errors(marked)
     for name, error in errors.items():
         if math.isinf(error):
@@ -119,16 +120,16 @@ class _Check:
 
 
 def _row(model: Model, draw: random.Random, *, second: bool) -> _Row:
-    tire = {name: _drawn(card, draw) for name, card in model.coefficients.items()}
+    tire = {name: _drawn(declaration, draw) for name, declaration in model.coefficients.items()}
     inputs = {quantity.name: _input(quantity, tire, draw) for quantity in model.inputs}
     options = {option.parameter: float(second) for option in model.options}
     return _Row(tire, {**inputs, **options})
 
 
-def _drawn(card: Coefficient, draw: random.Random) -> float:
+def _drawn(declaration: Coefficient, draw: random.Random) -> float:
     """Return a value off the neutral one and within the bounds."""
-    size = max(0.3 * abs(card.generic), min(0.3, 0.3 * (card.upper - card.lower)))
-    return min(max(card.generic + draw.uniform(-1.0, 1.0) * size, card.lower), card.upper)
+    size = max(0.3 * abs(declaration.generic), min(0.3, 0.3 * (declaration.upper - declaration.lower)))
+    return min(max(declaration.generic + draw.uniform(-1.0, 1.0) * size, declaration.lower), declaration.upper)
 
 
 def _input(quantity: Quantity, tire: Values, draw: random.Random) -> float:
@@ -142,10 +143,10 @@ def _run(tape: Tape, leaves: Values) -> Values:
     slots = [leaves[name] for name in tape.leaves] + list(tape.constants)
     for operation in tape.operations:
         try:
-            slots.append(float(_STEPS[operation.code](*(slots[place] for place in operation.operands))))
+            slots.append(float(_STEPS[operation.code](*(slots[i] for i in operation.operands))))
         except (ArithmeticError, ValueError, TypeError):  # a root of a negative power is complex
             slots.append(math.nan)
-    return {name: slots[place] for name, place in tape.places.items()}
+    return {name: slots[i] for name, i in tape.slots.items()}
 
 
 def _sgn(x: float) -> float:

@@ -12,7 +12,8 @@ from tirefmu.symbolic.added import effect_text, library
 from tirefmu.symbolic.errors import TirError, path_from
 from tirefmu.symbolic.escaping import visible
 
-from .tir_names import (
+from ..definition import RANGES, TireDefinition
+from .names import (
     ADDED,
     ASSUMED,
     HEADER,
@@ -24,16 +25,15 @@ from .tir_names import (
     not_given,
     written_sections,
 )
-from .tir_units import WRITTEN
-from .tire import RANGES, Tire
+from .units import WRITTEN
 
 
-def write_tir(tire: Tire, path: str | Path) -> None:
+def write_tir(tire: TireDefinition, path: str | Path) -> None:
     """Write a tire as a .tir file: complete or not at all.
 
     Parameters
     ----------
-    tire : Tire
+    tire : TireDefinition
         Written in ISO-W, whatever its own signs.
     path : str or Path
 
@@ -53,18 +53,18 @@ def write_tir(tire: Tire, path: str | Path) -> None:
         raise TirError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
-def tir_text(tire: Tire) -> str:
+def tir_text(tire: TireDefinition) -> str:
     """Return the text of a tire's .tir file.
 
     Parameters
     ----------
-    tire : Tire
+    tire : TireDefinition
 
     Returns
     -------
     str
-        What the file that the tire was read from said beside the coefficients stands where it stood, by
-        section; what only tirefmu knows stands at the end in sections [TIREFMU...], which other readers skip.
+        Other entries of the file that the tire was read from are in their former sections. What only tirefmu
+        knows is at the end, in sections [TIREFMU...], which other readers skip.
 
     Examples
     --------
@@ -73,13 +73,13 @@ def tir_text(tire: Tire) -> str:
     '[MDI_HEADER]'
     """
     tire = tire.in_signs("iso")
-    kept = [line for line in in_written_order(tire.kept, tire.book) if line[0] != ASSUMED]
-    replaced = {(section, key) for section, key, _ in kept if key}
+    entries = [line for line in in_written_order(tire.kept, tire.book) if line[0] != ASSUMED]
+    replaced = {(section, key) for section, key, _ in entries if key}
     sections: dict[str, list[str]] = {title: [] for title in ("", *written_sections(tire.book))}
     for section, key, line in _own_lines(tire):
         if (section, key) not in replaced:
             sections[section].append(line)
-    for section, key, value in kept:
+    for section, key, value in entries:
         sections.setdefault(section, []).append(f"{key} = {value}" if key else value)
     lines = sections.pop("")
     for title, content in sections.items():
@@ -88,8 +88,8 @@ def tir_text(tire: Tire) -> str:
     return "\n".join(lines[not lines[0] :]) + "\n"
 
 
-def _own_lines(tire: Tire) -> Iterable[tuple[str, str, str]]:
-    """Yield section, key and line of all that the field's readers look for."""
+def _own_lines(tire: TireDefinition) -> Iterable[tuple[str, str, str]]:
+    """Yield section, key and line of all entries that other programs read."""
     book = tire.book
     yield from (("MDI_HEADER", key, f"{key} = {value}") for key, value in HEADER.items())
     yield from (("UNITS", key, f"{key} = '{unit}'") for key, unit in WRITTEN.items())
@@ -101,12 +101,12 @@ def _own_lines(tire: Tire) -> Iterable[tuple[str, str, str]]:
     beyond = {effect.name for effect in book.added} - tire.has
     silent = book.owned(*sorted(beyond)) if beyond else frozenset()
     for section in book.sections:
-        for name, card in section.coefficients.items():
+        for name, declaration in section.coefficients.items():
             if name in written and name not in silent:
                 yield (
                     section.title,
                     name,
-                    f"{name} = {written[name]!r}  $ {visible(f'{card.description} [{card.unit}]')}",
+                    f"{name} = {written[name]!r}  $ {visible(f'{declaration.description} [{declaration.unit}]')}",
                 )
     for name, (title, _) in RANGE_SECTIONS.items():
         for key, bound in zip(RANGES[name], tire.ranges.get(name, ()), strict=False):
@@ -114,13 +114,13 @@ def _own_lines(tire: Tire) -> Iterable[tuple[str, str, str]]:
                 yield title, key, f"{key} = {bound!r}"
 
 
-def _only_here(tire: Tire) -> list[str]:
-    """Return the lines of what a .tir file cannot say otherwise."""
+def _only_here(tire: TireDefinition) -> list[str]:
+    """Return the lines of what a .tir file cannot state otherwise."""
     own = {"TIREFMU_MODEL": f"'{tire.model}'", "NAME": _quoted(tire.name)}
     absent = [effect for name, effect in tire.book.effects.items() if name not in tire.has]
-    if tire.has != tire.book.usual_effects:
+    if tire.has != tire.book.default_effects:
         own["EFFECTS"] = f"'{','.join(name for name in tire.book.effects if name in tire.has)}'"
-    # An absent effect may rescale a coefficient for other readers; its own value is kept here, every digit.
+    # An absent effect may rescale a coefficient for other readers; its own value is stored here with every digit.
     own |= {f"CORE_{name}": repr(tire.values[name]) for effect in absent for name, _ in effect.rescales}
     own_files = [effect for effect in tire.added if library().get(effect.name) != effect]
     ranges = {key: tire.ranges[name] for name, key in OWN_RANGES.items() if name in tire.ranges}
@@ -140,7 +140,7 @@ def _section(title: str, values: dict[str, str]) -> list[str]:
 
 
 def _quoted(text: str) -> str:
-    """Return a text of our own sections on one line, without a sign that starts a comment or ends a quote."""
+    """Return a text of our own sections on one line, without a character that starts a comment or ends a quote."""
     if text.isprintable() and not set(text) & set("'\"$!\\"):
         return f"'{text}'"
     inner = json.dumps(text)[1:-1].replace('\\"', "\\u0022")

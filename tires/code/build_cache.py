@@ -1,9 +1,9 @@
 """The user's cache of compiled libraries and printed code: nothing in it is used before it has been checked.
 
 An entry is a folder ``NAME-DIGEST`` with its files and a record of their sizes and SHA-256 digests. It is made in a
-temporary folder and renamed into place, so that another process finds all of it or nothing. An entry that is damaged,
-or that somebody else could have written, is made again. Where the cache cannot be trusted or written, a private
-temporary folder takes its place for the life of this process. Windows keeps a user's cache folder to that user; there
+temporary folder and renamed in one step, so that another process finds all of it or nothing. An entry that is damaged,
+or that another user could have written, is made again. Where the cache cannot be trusted or written, a private
+temporary folder replaces it until this process ends. On Windows only the user can access the cache folder; there
 only the digests are checked.
 """
 
@@ -32,14 +32,14 @@ RECORD = "sha256sums"
 MOST_BYTES = 500_000_000
 #: An entry used within this time may still be in use in another process and stays, s.
 IN_USE = 86_400.0
-#: How often an entry is put into its place where other processes do the same with theirs.
+#: Attempts to store an entry while other processes store theirs.
 ATTEMPTS = 5
 
 #: What begins the name of an unfinished or a removed entry.
 _SCRATCH = ".scratch-"
 #: Entries that this process uses.
 _used: set[Path] = set()
-#: The folder that takes the place of the cache in this process, where it needs one.
+#: The folder that replaces the cache in this process, if it needs one.
 _private: list[Path] = []
 
 
@@ -50,16 +50,16 @@ def cache_folder() -> Path:
     return platformdirs.user_cache_path("tirefmu", appauthor=False, opinion=False)
 
 
-def cached(name: str, make: Callable[[Path], None], *, anew: bool = False) -> Path:
+def cached(name: str, make: Callable[[Path], None], *, rebuild: bool = False) -> Path:
     """Return the folder of an entry, made where it is missing or damaged.
 
     Parameters
     ----------
     name : str
-        A file name that says all of the content: equal names mean equal entries.
+        A file name that identifies the content: equal names mean equal entries.
     make : callable
         Writes the files into an empty folder.
-    anew : bool
+    rebuild : bool
         Make the entry again: its content is as recorded, but of no use here.
 
     Returns
@@ -80,25 +80,25 @@ def cached(name: str, make: Callable[[Path], None], *, anew: bool = False) -> Pa
     """
     cache = _trusted_cache()
     for folder in (cache, *_private):
-        if folder and not anew and _is_intact(folder / name):
+        if folder and not rebuild and _is_intact(folder / name):
             return _in_use(folder / name)
     with tempfile.TemporaryDirectory(prefix="tirefmu-") as scratch:
         made = Path(scratch) / name
         made.mkdir()
         make(made)
-        (made / RECORD).write_text(_record(made, whoever=True), encoding="utf-8")
+        (made / RECORD).write_text(_record(made, any_writer=True), encoding="utf-8")
         if cache:
             try:
-                _store(made, cache / name, anew)
+                _store(made, cache / name, rebuild)
             except OSError as error:
                 _warn(f"{cache}: cannot be written ({error.strerror or error})")
             else:
                 with contextlib.suppress(OSError):  # another process removes the same
                     _prune(cache)
                 return _in_use(cache / name)
-        place = _private_folder() / name
-        _store(made, place, anew)
-    return _in_use(place)
+        target = _private_folder() / name
+        _store(made, target, rebuild)
+    return _in_use(target)
 
 
 def _trusted_cache() -> Path | None:
@@ -117,14 +117,14 @@ def _trusted_cache() -> Path | None:
 def _doubt(folder: Path) -> str:
     """Return why files in a folder could be another user's, or nothing.
 
-    Whoever can write into one of the folders above can put another one in its place, unless the sticky bit is set.
+    A user who can write into one of the folders above can replace it, unless the sticky bit is set.
     """
-    for place in (folder, *folder.parents):
-        status = place.stat()
+    for each in (folder, *folder.parents):
+        status = each.stat()
         if not _ours(status):
-            return f"{place}: belongs to another user"
-        if _others_write(status) and (place == folder or not status.st_mode & stat.S_ISVTX):
-            return f"{place}: other users can write into it"
+            return f"{each}: belongs to another user"
+        if _others_write(status) and (each == folder or not status.st_mode & stat.S_ISVTX):
+            return f"{each}: other users can write into it"
     return ""
 
 
@@ -159,35 +159,35 @@ def _private_folder() -> Path:
     return _private[0]
 
 
-def _is_intact(place: Path) -> bool:
+def _is_intact(target: Path) -> bool:
     """Return whether an entry is there with the content that was recorded, and only this user could write it.
 
-    What was checked is what is loaded afterwards: in a folder that only this user can write, nobody else can exchange
+    What was checked is what is loaded afterwards: in a folder that only this user can write, no other user can exchange
     a file in between.
     """
     try:
-        return _record(place) == _content(place / RECORD).decode()
+        return _record(target) == _content(target / RECORD).decode()
     except (OSError, UnicodeDecodeError):
         return False
 
 
-def _record(place: Path, whoever: bool = False) -> str:
+def _record(target: Path, any_writer: bool = False) -> str:
     """Return digest, size and name of every file of an entry.
 
     Raises
     ------
     OSError
-        If something in it is neither file nor folder, or, unless `whoever` may write, others could have written it.
+        If something in it is neither file nor folder, or, unless `any_writer` is set, others could have written it.
     """
     lines = []
-    for path in (place, *sorted(place.rglob("*"))):
+    for path in (target, *sorted(target.rglob("*"))):
         status = path.lstat()
-        if not whoever and (not _ours(status) or _others_write(status)):
+        if not any_writer and (not _ours(status) or _others_write(status)):
             raise PermissionError(f"{path}: other users can write it")
-        if stat.S_ISDIR(status.st_mode) or path == place / RECORD:
+        if stat.S_ISDIR(status.st_mode) or path == target / RECORD:
             continue
         content = _content(path)
-        lines.append(f"{hashlib.sha256(content).hexdigest()} {len(content)} {path.relative_to(place).as_posix()}\n")
+        lines.append(f"{hashlib.sha256(content).hexdigest()} {len(content)} {path.relative_to(target).as_posix()}\n")
     return "".join(lines)
 
 
@@ -200,37 +200,37 @@ def _content(path: Path) -> bytes:
         return file.read()
 
 
-def _in_use(place: Path) -> Path:
+def _in_use(target: Path) -> Path:
     """Remember that an entry is used, now and by this process."""
-    _used.add(place)
+    _used.add(target)
     with contextlib.suppress(OSError):  # a cache that may only be read
-        os.utime(place)
-    return place
+        os.utime(target)
+    return target
 
 
-def _store(made: Path, place: Path, anew: bool) -> None:
-    """Copy an entry to its place in one step; one that another process stored meanwhile stays."""
-    scratch = Path(tempfile.mkdtemp(prefix=_SCRATCH, dir=place.parent))
+def _store(made: Path, target: Path, rebuild: bool) -> None:
+    """Store an entry in one step; one that another process stored meanwhile is kept."""
+    scratch = Path(tempfile.mkdtemp(prefix=_SCRATCH, dir=target.parent))
     try:
-        copy = scratch / place.name
+        copy = scratch / target.name
         for path in (made, *sorted(made.rglob("*"))):
-            target = copy / path.relative_to(made)
+            copied = copy / path.relative_to(made)
             if path.is_dir():
-                target.mkdir(mode=0o700)
+                copied.mkdir(mode=0o700)
             else:
-                target.write_bytes(path.read_bytes())
-                target.chmod(0o600)
+                copied.write_bytes(path.read_bytes())
+                copied.chmod(0o600)
         for attempt in range(ATTEMPTS):
             try:
-                os.rename(copy, place)
+                os.rename(copy, target)
                 return
             except OSError:  # there is one already
                 if attempt == ATTEMPTS - 1:
                     raise
-            if _is_intact(place) and (attempt or not anew):
+            if _is_intact(target) and (attempt or not rebuild):
                 return
             with contextlib.suppress(FileNotFoundError):  # another process is at the same
-                os.rename(place, scratch / f"damaged-{attempt}")
+                os.rename(target, scratch / f"damaged-{attempt}")
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
 

@@ -1,22 +1,23 @@
-"""Whether a model keeps what it declares: checked before its code is printed.
+"""Whether a model satisfies its declarations: checked before its code is printed.
 
-Printing is the one way by which any program comes to a model's numbers, so a model that fails here can be neither
-evaluated nor fitted. Most of it compares names. The sign law is a matter of numbers (`tirefmu.symbolic.sign_law`).
+All numbers of a model come from its printed code, so a model that fails here can be neither
+evaluated nor fitted. Most checks compare names. The sign law is checked by numbers
+(`tirefmu.symbolic.model.sign_law`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-from .contract import ROLES
-from .errors import ModelError, nearest
-from .model import INDISPENSABLE, Model
-from .quantities import BEYOND
+from ..contract import ROLES
+from ..errors import ModelError, nearest
+from ..quantities import BEYOND
+from .definition import INDISPENSABLE, Model
 from .sign_law import check_signs
 
 
 def verify(model: Model) -> None:
-    """Raise `ModelError` for the first declaration that a model does not keep.
+    """Raise `ModelError` for the first declaration that a model violates.
 
     Parameters
     ----------
@@ -48,27 +49,28 @@ def _check_tables(model: Model) -> None:
     for name in ("Fx", "Fy", *outputs):
         if name not in outputs or name not in filed:
             raise ModelError(f"{model.name}: no line makes the output {name}")
-    cards = _declared(model)
+    declarations = _declared(model)
     # An added effect may read T without a coefficient for its reference: a table without T then has its typical value.
     nominal = (q.nominal for q in model.inputs if isinstance(q.nominal, str) and q.name not in BEYOND)
     for name in (*INDISPENSABLE, *nominal):
-        if name not in cards:
+        if name not in declarations:
             raise ModelError(f"{model.name}: no section has the coefficient {name}")
 
 
 def _check_coefficients(model: Model) -> None:
-    cards = _declared(model)
-    for name, card in model.coefficients.items():
-        if card.default != card.default:
+    declarations = _declared(model)
+    for name, declaration in model.coefficients.items():
+        if declaration.default != declaration.default:
             raise ModelError(f"{model.name}: coefficient {name} has neither a neutral value nor a start")
     named = [(f"role {role}", name) for role, own in model.roles.items() for name in own.coefficients]
     named += [("the baseline", name) for name in model.baseline]
     named += [("the relaxation lengths", name) for name in model.relaxation]
     named += [("the low speed", name) for name in (model.low_speed,) if name]
     named += [("a start", name) for start in model.starts for name in start]
-    for place, name in named:
-        if name not in cards:
-            raise ModelError(f"{model.name}: {place} has {name}, which is no coefficient of it{nearest(name, cards)}")
+    for where, name in named:
+        if name not in declarations:
+            near = nearest(name, declarations)
+            raise ModelError(f"{model.name}: {where} has {name}, which is no coefficient of it{near}")
 
 
 def _check_quantities(model: Model) -> None:
@@ -97,10 +99,10 @@ def _check_quantities(model: Model) -> None:
             raise ModelError(f"{model.name}: role {missing[0]} is missing: {why}")
 
 
-def _check_named(model: Model, place: str, name: str, named: Iterable[str]) -> None:
+def _check_named(model: Model, where: str, name: str, named: Iterable[str]) -> None:
     known = list(named)
     if name not in known:
-        raise ModelError(f"{model.name}: {place} has {name}, which is no named quantity of it{nearest(name, known)}")
+        raise ModelError(f"{model.name}: {where} has {name}, which is no named quantity of it{nearest(name, known)}")
 
 
 def _declared(model: Model) -> set[str]:

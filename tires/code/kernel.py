@@ -12,7 +12,7 @@ import numpy.typing as npt
 from tirefmu.symbolic.model import Model
 
 from .compiler import CompilerError, instruction_set, loaded_library, processor
-from .printed import c_folder
+from .modules import c_folder
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -26,7 +26,7 @@ WIDE = ("-mprefer-vector-width=512", "-fschedule-insns", "-fsched-pressure")
 
 
 def flags(machine: str) -> tuple[tuple[str, ...], ...]:
-    """Return what is tried in turn; the plain machine last, unless another one is asked for by name."""
+    """Return the flags to try in turn; those of the plain machine last, unless another machine is named."""
     chosen = (*FUSED, f"-march={machine}")
     return ((*chosen, *WIDE), chosen, *([FUSED] if machine == "native" else []))
 
@@ -89,8 +89,8 @@ class Kernel:
         share = -(-n // (BLOCK * max(threads, 1))) * BLOCK
 
         def run(start: int) -> None:
-            places = (array.ctypes.data + start * array.itemsize for array in (columns, results, undone))
-            into, out, marks = places
+            addresses = (array.ctypes.data + start * array.itemsize for array in (columns, results, undone))
+            into, out, marks = addresses
             self._call(min(share, n - start), n, into, values.ctypes.data, out, marks)
 
         starts = range(0, n, share) if n else range(0)

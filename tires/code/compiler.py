@@ -61,7 +61,7 @@ class CrossCompiler:
     system : str
         That machine's, named as by sys.platform.
     version : str
-        Another one builds anew.
+        Another one is built again.
     """
 
     command: tuple[str, ...]
@@ -75,7 +75,7 @@ def find_compiler() -> list[str]:
     Raises
     ------
     CompilerError
-        If there is none; the message says what to install.
+        If there is none; the message states what to install.
     """
     named = os.environ.get("CC", "").strip()
     if named:
@@ -97,7 +97,7 @@ def instruction_set() -> str:
     """Return which instruction set the kernels use: TIREFMU_MACHINE, as the compiler's -march names it.
 
     Such as x86-64 (SSE2), x86-64-v3 (AVX2) or x86-64-v4 (AVX-512), to see what another processor would compute;
-    this machine's own where nothing is said.
+    this machine's own by default.
     """
     return os.environ.get("TIREFMU_MACHINE", "").strip() or "native"
 
@@ -112,7 +112,7 @@ def shared_library(
     libraries: Sequence[str] = ("-lm",),
     machine: str = "",
     cross: CrossCompiler | None = None,
-    anew: bool = False,
+    rebuild: bool = False,
 ) -> Path:
     """Return a shared library built from C sources or object files, from the cache where it is there.
 
@@ -121,7 +121,7 @@ def shared_library(
     name : str
         What the file begins with.
     sources, headers : sequence of Path
-        Sources to compile and headers that they include; their content decides whether to build anew.
+        Sources to compile and headers that they include; their content decides whether to build again.
     include : sequence of Path
         Folders to search for headers.
     flags : sequence of str
@@ -129,10 +129,10 @@ def shared_library(
     libraries : sequence of str
         What to link with.
     machine : str
-        What the flags depend on beside the compiler, such as the processor where it is asked for its own.
+        What the flags depend on in addition to the compiler, such as the processor.
     cross : CrossCompiler, optional
         Build for another machine.
-    anew : bool
+    rebuild : bool
         Build it again although it is there: it cannot be loaded.
 
     Returns
@@ -147,7 +147,7 @@ def shared_library(
     system = cross.system if cross else sys.platform
     defined = ["-Wl,-z,defs"] if system.startswith("linux") else []
     options = ["-shared", *flags, *defined]
-    return _built(name, suffix(system), sources, headers, include, options, libraries, machine, cross, anew)
+    return _built(name, suffix(system), sources, headers, include, options, libraries, machine, cross, rebuild)
 
 
 def loaded_library(name: str, sources: Sequence[Path], **options: Any) -> ctypes.CDLL:
@@ -169,8 +169,8 @@ def loaded_library(name: str, sources: Sequence[Path], **options: Any) -> ctypes
     """
     try:
         return ctypes.CDLL(str(shared_library(name, sources, **options)))
-    except OSError:  # built on another system that shares the cache, say
-        path = shared_library(name, sources, **options, anew=True)
+    except OSError:  # for instance built on another system that shares the cache
+        path = shared_library(name, sources, **options, rebuild=True)
     try:
         return ctypes.CDLL(str(path))
     except OSError as error:
@@ -220,7 +220,7 @@ def _built(
     libraries: Sequence[str],
     machine: str = "",
     cross: CrossCompiler | None = None,
-    anew: bool = False,
+    rebuild: bool = False,
 ) -> Path:
     """Return what the compiler makes of the sources, from the cache where it is there."""
     compiler = list(cross.command) if cross else find_compiler()
@@ -237,20 +237,22 @@ def _built(
         _run([*compiler, *options, *folders, *map(str, sources), "-o", str(folder / file), *libraries])
 
     try:
-        return cached(f"{name}-{digest.hexdigest()[:24]}", build, anew=anew) / file
+        return cached(f"{name}-{digest.hexdigest()[:24]}", build, rebuild=rebuild) / file
     except OSError as error:
         raise CompilerError(f"{file}: cannot be written ({error.strerror or error})") from error
 
 
-def compiled_model(model: str, folder: Path | None = None) -> ctypes.CDLL:
-    """Return the compiled code of a model.
+def compiled_model(model: str, folder: Path | None = None, *, jacobians: bool = False) -> ctypes.CDLL:
+    """Return the compiled code of a model: all routines but its Jacobians, or these.
 
     Parameters
     ----------
     model : str
         Name of the model.
     folder : Path, optional
-        Where its C files are; those that the package brings where None.
+        Location of its C files; the package's own where None.
+    jacobians : bool
+        Jacobians are most of the code: they are a library of their own, compiled when one is first used.
 
     Returns
     -------
@@ -261,14 +263,15 @@ def compiled_model(model: str, folder: Path | None = None) -> ctypes.CDLL:
     CompilerError
         If it cannot be compiled.
     """
+    name = f"{model}_jacobians" if jacobians else model
     with as_file(files("tirefmu.generated") / "c") as generated:
-        place = folder or generated
-        source, header = place / f"{model}.c", place / f"{model}.h"
+        sources = folder or generated
+        source, header = sources / f"{name}.c", sources / f"{model}.h"
         own = ["-fvisibility=default", "-ffp-contract=fast", f"-march={instruction_set()}"]
         try:
-            return loaded_library(model, [source], headers=[header], flags=own, machine=processor())
-        except CompilerError:  # not every compiler can ask for its own machine
-            return loaded_library(model, [source], headers=[header], flags=own[:2])
+            return loaded_library(name, [source], headers=[header], flags=own, machine=processor())
+        except CompilerError:  # not every compiler supports its own machine
+            return loaded_library(name, [source], headers=[header], flags=own[:2])
 
 
 def _run(command: list[str]) -> None:
@@ -278,7 +281,7 @@ def _run(command: list[str]) -> None:
 
 
 def _errors(output: str) -> str:
-    r"""Return what a compiler or linker complains of: its first errors, or its last lines where none is called so.
+    r"""Return the first errors of a compiler or linker, or its last lines if it reports none as such.
 
     Examples
     --------
@@ -292,7 +295,7 @@ def _errors(output: str) -> str:
 
 @lru_cache(maxsize=1)
 def processor() -> str:
-    """Return what tells this processor's instructions from another's: code for one may not run on the other.
+    """Return what identifies this processor's instruction set: code for one may not run on another.
 
     Examples
     --------
@@ -302,6 +305,6 @@ def processor() -> str:
     described = Path("/proc/cpuinfo")
     if described.is_file():
         lines = described.read_text(encoding="utf-8", errors="replace").splitlines()
-        told = {line.split(":")[0].strip(): line for line in reversed(lines) if ":" in line}
-        return "\n".join(told.get(key, "") for key in ("vendor_id", "model name", "flags", "Features", "CPU part"))
+        fields = {line.split(":")[0].strip(): line for line in reversed(lines) if ":" in line}
+        return "\n".join(fields.get(key, "") for key in ("vendor_id", "model name", "flags", "Features", "CPU part"))
     return f"{platform.machine()} {platform.processor()}"

@@ -9,9 +9,9 @@ from pathlib import Path
 from tirefmu.symbolic.errors import TirError, nearest
 from tirefmu.symbolic.escaping import quoted
 
-from .tir_names import IDLE_UNITS
-from .tir_text import Entry, unquoted
-from .tir_units import UNITS, factor_of, unit_factor
+from .names import IDLE_UNITS
+from .text import Entry, unquoted
+from .units import UNITS, factor_of, unit_factor
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class UnitSystem:
     ----------
     factors : mapping of str to float
         To SI, by LENGTH, FORCE, ...; what is absent is SI.
-    foreign : mapping of str to str
+    other_units : mapping of str to str
         Those that are not SI, as the file writes them.
 
     Examples
@@ -33,7 +33,7 @@ class UnitSystem:
     """
 
     factors: Mapping[str, float]
-    foreign: Mapping[str, str]
+    other_units: Mapping[str, str]
 
     def factor(self, unit: str, section: str, *, per_angle: bool = False) -> float:
         """Return the factor to SI of a value with an SI unit in a section; `per_angle` as in `factor_of`."""
@@ -55,20 +55,20 @@ def unit_system(entries: MutableMapping[tuple[str, str], Entry], path: Path) -> 
     Returns
     -------
     (UnitSystem, list of str)
-        The units, and what to tell about them.
+        The units, and notes about them.
 
     Raises
     ------
     TirError
         If a unit, or a key of [UNITS], is not known.
     """
-    declared = [place for place in entries if place[0] == "UNITS" or _names_unit(entries[place])]
-    declared.sort(key=lambda place: place[0] == "UNITS")  # [UNITS] has the last word over a header
+    declared = [key for key in entries if key[0] == "UNITS" or _names_unit(entries[key])]
+    declared.sort(key=lambda key: key[0] == "UNITS")  # [UNITS] overrides a header
     factors: dict[str, float] = {}
-    foreign: dict[str, str] = {}
+    other_units: dict[str, str] = {}
     notes: list[str] = []
-    for place in declared:
-        entry = entries.pop(place)
+    for key in declared:
+        entry = entries.pop(key)
         where = f"{path}:{entry.line}"
         if entry.key not in UNITS:
             if entry.key in IDLE_UNITS:
@@ -77,16 +77,16 @@ def unit_system(entries: MutableMapping[tuple[str, str], Entry], path: Path) -> 
         spelling = unquoted(entry.value)
         factor = unit_factor(entry.key, spelling)
         if factor is None:
-            said = f"{entry.key} in {quoted(spelling)}" if spelling else f"{entry.key} in [UNITS] has no value"
-            raise TirError(f"{where}: {said}{nearest(spelling, UNITS[entry.key])}")
+            problem = f"{entry.key} in {quoted(spelling)}" if spelling else f"{entry.key} in [UNITS] has no value"
+            raise TirError(f"{where}: {problem}{nearest(spelling, UNITS[entry.key])}")
         factors[entry.key] = factor
-        foreign.pop(entry.key, None)
+        other_units.pop(entry.key, None)
         if factor != 1.0:
-            foreign[entry.key] = entry.value
-    notes += [f"{key} is in {unquoted(unit)}: converted to SI" for key, unit in foreign.items()]
+            other_units[entry.key] = entry.value
+    notes += [f"{key} is in {unquoted(unit)}: converted to SI" for key, unit in other_units.items()]
     if not factors:
         notes.append("the file declares no units: SI is taken")
-    return UnitSystem(factors, foreign), notes
+    return UnitSystem(factors, other_units), notes
 
 
 def _names_unit(entry: Entry) -> bool:

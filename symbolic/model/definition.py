@@ -1,4 +1,4 @@
-"""A model: an ordered table of named lines, and the passes over it."""
+"""A model: an ordered table of named lines, and all that other packages need of it."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from types import new_class
 
 import sympy as sp
 
-from .added import AddedEffect
-from .added.checks import check_effects
-from .contract import PhysicalConstraint, PropertyFile, Role
-from .detection import Detection
-from .effects import EFFECTS
-from .errors import EffectError, UnknownName, nearest
-from .escaping import quoted
-from .functions import where
-from .notation import Chapter, Choice, Coefficient, Effect, Equation, Option, Quantity, Section, Switch, Variant
-from .options import OPTIONS, signs
-from .quantities import BEYOND
+from ..added import AddedEffect
+from ..added.checks import check_effects
+from ..contract import PhysicalConstraint, PropertyFile, Role
+from ..detection import Detection
+from ..effects import EFFECTS
+from ..errors import EffectError, UnknownName, nearest
+from ..escaping import quoted
+from ..notation import Chapter, Choice, Coefficient, Effect, Equation, Option, Quantity, Section, Variant
+from ..options import OPTIONS, signs
+from ..quantities import BEYOND
+from .lines import decided, reaching, reduced, switched, switches
 
 #: Coefficients of every model: other packages scale loads and lengths by them.
 INDISPENSABLE = ("FNOMIN", "UNLOADED_RADIUS")
@@ -42,28 +42,28 @@ class Model:
     chapters : tuple of Chapter
         The lines, in an order in which each uses only earlier ones.
     results : tuple of str
-        Named quantities that users take as results beside the outputs, such as radii: what reaches one of
-        them is no idle coefficient.
+        Named quantities that are results in addition to the outputs, such as radii: a coefficient that reaches
+        one of them is not idle.
     on_demand : tuple of (str, str)
-        Effects that act only in rows whose input asks for it, and the input's name (turn_slip: phit).
+        Effects that act only in rows in which an input is not 0, and the input's name (turn_slip: phit).
     own_effects : tuple of Effect
         Effects of its lines that `tirefmu.symbolic.effects` does not have.
     roles : mapping of str to Role
-        Which named quantity has which of `tirefmu.symbolic.contract.ROLES`; a role left out is one that it lacks.
+        Which named quantity has which of `tirefmu.symbolic.contract.ROLES`; it lacks the others.
     property_file : PropertyFile
         How its .tir files are recognized and written.
     constraints : mapping of str to tuple of PhysicalConstraint
         What a fit enforces, by the output that it belongs to.
     recipe : str
-        The fit recipe where nobody names one: one of the package's, or of its own.
+        The default fit recipe: one of the package's, or of its own.
     recipes : tuple of str
         Its own recipes: ``<name>.toml`` in its folder.
     folder : str
-        Its package, where these files lie: ``__name__`` of the folder's ``__init__.py``.
+        Its package, with these files: ``__name__`` of the folder's ``__init__.py``.
     baseline : tuple of str
         The coefficients that a tire without effects is fitted by.
     starts : tuple of mapping of str to float
-        Several starts of the baseline in adapted SAE, against local optima; what is left out starts generic.
+        Several starts of the baseline in adapted SAE, against local optima; others start at generic values.
     spread : mapping of str to float
         Standard deviation among tires of coefficients of the baseline that a recording may leave undetermined.
     refinements : tuple of mapping of str to float
@@ -113,7 +113,7 @@ class Model:
 
     @cached_property
     def coefficients(self) -> dict[str, Coefficient]:
-        """The card of every coefficient that a line reads, by .tir name, in the order of the parameter vector."""
+        """Every coefficient that a line reads, by .tir name, in the order of the parameter vector."""
         read = {str(symbol) for line in self.equations for symbol in line.expression.free_symbols}
         read |= {str(quantity.nominal) for quantity in self.inputs} | set(INDISPENSABLE)
         cards = {name: card for section in self.sections for name, card in section.coefficients.items()}
@@ -121,8 +121,8 @@ class Model:
 
     @cached_property
     def options(self) -> tuple[Option, ...]:
-        """The conventions that the lines leave to whoever evaluates them."""
-        read = {str(place.args[0]) for line in self.equations for place in line.expression.atoms(Choice)}
+        """The conventions that are chosen when the lines are evaluated."""
+        read = {str(choice.args[0]) for line in self.equations for choice in line.expression.atoms(Choice)}
         return tuple(option for option in OPTIONS.values() if option.parameter in read)
 
     @cached_property
@@ -140,7 +140,7 @@ class Model:
 
     @cached_property
     def equations(self) -> tuple[Equation, ...]:
-        """Every line as written, effects standing in it as switches, options as choices."""
+        """Every line as written, with effects as switches and options as choices."""
         written = (equation for chapter in self.chapters for equation in chapter.equations)
         lines = [replace(line, expression=self._own(line.expression)) for line in written]
         for effect in self.added:
@@ -149,8 +149,8 @@ class Model:
 
     @cached_property
     def effects(self) -> dict[str, Effect]:
-        """The effects that stand in the lines, in the order of their first place."""
-        names = (str(switch.args[0]) for line in self.equations for switch in _switches(line.expression))
+        """The effects in the lines, in the order in which they occur first."""
+        names = (str(switch.args[0]) for line in self.equations for switch in switches(line.expression))
         beyond = {
             effect.name: Effect(effect.name, effect.physics, optional=True, detection=effect.detection)
             for effect in self.added
@@ -206,7 +206,7 @@ class Model:
         return named.issuperset(effect.acts_on) and known.issuperset(read)
 
     def extended(self, effects: Sequence[AddedEffect]) -> Model:
-        """Return this model with effects beyond the book standing in its lines.
+        """Return this model with effects beyond the book in its lines.
 
         Parameters
         ----------
@@ -240,7 +240,7 @@ class Model:
         return extended
 
     def _check_names(self, effects: Sequence[AddedEffect]) -> None:
-        """Raise `EffectError` where an effect or a coefficient is called like something of this model."""
+        """Raise `EffectError` where an effect or a coefficient has a name that this model uses."""
         quantities = {quantity.name for quantity in (*self.inputs, *self.outputs, *BEYOND.values())}
         quantities |= {line.symbol.name for line in self.equations}
         cards = {name for section in self.sections for name in section.coefficients}
@@ -253,7 +253,7 @@ class Model:
                     raise EffectError(f"effect {effect.name}: {name} is {taken[name]} of {self.name} already")
 
     def _check_added(self) -> None:
-        """Raise `EffectError` where an added effect reads what does not stand before the line that it acts on."""
+        """Raise `EffectError` where an added effect reads what is not computed before the line that it acts on."""
         known = {quantity.name for quantity in self.inputs}
         known |= {name for section in self.sections for name in section.coefficients}
         acts = [
@@ -283,21 +283,21 @@ class Model:
         return changed
 
     @cached_property
-    def usual_effects(self) -> frozenset[str]:
-        """The effects that a tire has where nobody names them."""
+    def default_effects(self) -> frozenset[str]:
+        """The effects that a tire has by default."""
         return frozenset(name for name, effect in self.effects.items() if not effect.optional)
 
     @cached_property
     def core(self) -> frozenset[str]:
-        """Coefficients that the model cannot do without."""
+        """Coefficients without a neutral value: the model needs them."""
         return frozenset(name for name, card in self.coefficients.items() if card.neutral is None)
 
     @cached_property
     def relaxing_effects(self) -> frozenset[str]:
-        """The effects that stand in the lines of the relaxation lengths: with one of them, slips lag."""
+        """The effects in the lines of the relaxation lengths: with one of them, slips lag."""
         lengths = {self.quantity("relaxation_x"), self.quantity("relaxation_y")}
         lines = (line for line in self.equations if line.symbol.name in lengths)
-        return frozenset(str(switch.args[0]) for line in lines for switch in _switches(line.expression))
+        return frozenset(str(switch.args[0]) for line in lines for switch in switches(line.expression))
 
     def lines(self, effects: Collection[str] | None = None, *, straight: bool = False) -> tuple[Equation, ...]:
         """Return the lines with effects switched.
@@ -307,13 +307,13 @@ class Model:
         effects : collection of str, optional
             The effects that the tire has; all of the model where None.
         straight : bool
-            Leave out what most rows do not ask for: effects on demand are off, options but the signs have their first
+            Omit what most rows do not need: effects on demand are off, options but the signs have their first
             value. Otherwise an option is read from the parameter vector, row by row.
 
         Returns
         -------
         tuple of Equation
-            No switch is left in them.
+            Without switches.
 
         Raises
         ------
@@ -324,23 +324,7 @@ class Model:
         if straight:
             present -= {effect for effect, _ in self.on_demand}
         left = {signs.parameter} if straight else {option.parameter for option in OPTIONS.values()}
-        lines: list[Equation] = []
-        known: dict[sp.Symbol, sp.Expr] = {}  # a line that is 0 or 1 now makes later terms vanish
-        for line in self.equations:
-            expression = _decided(_switched(line.expression, present), left).xreplace(known)
-            symbol = line.symbol
-            if expression.is_Number or (expression.is_Symbol and not line.named):
-                known[symbol] = expression
-            if expression.is_Symbol and not line.named:
-                continue
-            step = next((i for i, e in enumerate(lines) if e.symbol == expression and not e.named), None)
-            if step is None:
-                lines.append(replace(line, expression=expression))
-                continue
-            known[expression] = symbol  # a step that is now the whole of this line takes its name
-            lines[step] = replace(line, expression=lines[step].expression)
-            lines[step + 1 :] = [replace(e, expression=e.expression.xreplace(known)) for e in lines[step + 1 :]]
-        return tuple(lines)
+        return reduced(self.equations, present, left)
 
     def as_written(self, effects: Collection[str]) -> dict[str, sp.Expr]:
         """Return every line's right-hand side with effects switched and options at their first value, no line gone.
@@ -348,7 +332,7 @@ class Model:
         For reading; `lines` is what is printed as code.
         """
         present = self.known_effects(effects)
-        return {line.symbol.name: _decided(_switched(line.expression, present), ()) for line in self.equations}
+        return {line.symbol.name: decided(switched(line.expression, present), ()) for line in self.equations}
 
     def known_effects(self, names: Iterable[str]) -> frozenset[str]:
         """Return the names as a set, or raise `UnknownName` for one that this model has not."""
@@ -391,30 +375,8 @@ class Model:
         return self.live() - self.live(self.effects.keys() - self.known_effects(effects))
 
 
-def reaching(lines: Iterable[Equation], targets: Collection[str]) -> list[Equation]:
-    """Return the lines on which the targets depend, in order.
-
-    Parameters
-    ----------
-    lines : iterable of Equation
-        Each uses only earlier symbols.
-    targets : collection of str
-        Symbols asked for.
-
-    Returns
-    -------
-    list of Equation
-    """
-    needed, kept = set(targets), []
-    for line in reversed(list(lines)):
-        if line.symbol.name in needed:
-            kept.append(line)
-            needed |= {symbol.name for symbol in line.expression.free_symbols}
-    return kept[::-1]
-
-
 def _sections(effects: Sequence[AddedEffect]) -> list[type[Section]]:
-    """Return a .tir section for each effect; a coefficient that two share stands in the first."""
+    """Return a .tir section for each effect; a coefficient that two share is in the first."""
     seen: dict[str, Coefficient] = {}
     sections = []
     for effect in effects:
@@ -430,7 +392,7 @@ def _sections(effects: Sequence[AddedEffect]) -> list[type[Section]]:
 
 
 def _filled(cards: dict[str, Coefficient], space: dict[str, object]) -> None:
-    """Put cards into a class body."""
+    """Put declarations into a class body."""
     space.update(cards)
 
 
@@ -442,24 +404,3 @@ def _places(name: str, lines: Sequence[Equation], effect: AddedEffect) -> set[st
     acting = {line.symbol.name for line in lines if line.acts_for == name}
     before = {line.symbol.name for line in reaching(lines, [name])}
     return acting if acting & before else {name, *acting}
-
-
-def _switches(expression: sp.Expr) -> list[sp.Expr]:
-    """Every switch of an expression in the order of a walk through it."""
-    return [node for node in sp.preorder_traversal(expression) if isinstance(node, Switch)]
-
-
-def _decided(expression: sp.Expr, left: Collection[str]) -> sp.Expr:
-    """Leave options to the parameter vector, or give those that are not named their first value."""
-
-    def decide(option: sp.Symbol, first: sp.Expr, second: sp.Expr) -> sp.Expr:
-        if first == second or str(option) not in left:
-            return first
-        return where(option > sp.Rational(1, 2), second, first)
-
-    return expression.replace(Choice, decide)
-
-
-def _switched(expression: sp.Expr, present: Collection[str]) -> sp.Expr:
-    """Put `on` or `off` in the place of every switch."""
-    return expression.replace(Switch, lambda effect, on, off: on if str(effect) in present else off)

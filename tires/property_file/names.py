@@ -12,8 +12,8 @@ from collections.abc import Collection, Iterable
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.model import Model
 
-from .tir_text import unquoted
-from .tire import Tire
+from ..definition import TireDefinition
+from .text import unquoted
 
 #: Keys of the field that no model here reads and that have no unit.
 _PLAIN_KEYS = (
@@ -24,7 +24,7 @@ _PLAIN_KEYS = (
     "ELLIPS_ORDER", "ELLIPS_NWIDTH", "ELLIPS_NLENGTH", "ENV_C1", "ENV_C2", "Q_CFG1", "LGAX", "LGAY", "LGAZ", "LGYR",
     "LCZ", "LIP", "QTZ1", "QFZ1", "QFZ2", "QFZ3", "QPFZ1", "QREO", "QV1", "QV2", "QFCX1", "QFCY1", "QFCG1",
 )  # fmt: skip
-#: Keys of the field that no model here reads, with their SI unit: kept, and converted with the file's units.
+#: Keys of the field that no model here reads, with their SI unit: retained, and converted with the file's units.
 OTHER_KEYS: dict[str, str] = {
     **dict.fromkeys(("IXX", "IYY", "BELT_IXX", "BELT_IYY"), "kg m^2"),
     **dict.fromkeys(("MASS", "BELT_MASS", "TIRE_MASS", "MBELT"), "kg"),
@@ -39,7 +39,7 @@ OTHER_KEYS: dict[str, str] = {
 }
 #: Keys of [UNITS] that concern nothing that a tire file holds.
 IDLE_UNITS = ("TEMPERATURE", "CURRENT", "VOLTAGE")
-#: What every written file says of itself; a file's own words replace them.
+#: Header of every written file; entries of the file that was read replace them.
 HEADER = {"FILE_TYPE": "'tir'", "FILE_VERSION": "3.0", "FILE_FORMAT": "'ASCII'"}
 
 #: Section and unit of an input's range.
@@ -55,20 +55,20 @@ RANGE_SECTIONS = {
 OWN_RANGES = {"V": "V", "phit": "PHIT", "T": "TEMPERATURE", "t": "TIME"}
 #: Unknown keys for which a similar coefficient is looked for.
 MOST_SEARCHED = 500
-#: The section that names the coefficients that nobody gave.
+#: The section that names the coefficients that were not given.
 ASSUMED = "TIREFMU_ASSUMED"
-#: The section that names the units of what was kept without a known unit.
+#: The section that names the units of retained entries without a known unit.
 KEPT_UNITS = "TIREFMU_KEPT_UNITS"
 #: The section that holds the files of added effects which no library has.
 ADDED = "TIREFMU_ADDED"
 #: Sections of ours that hold no coefficients.
 OWN_SECTIONS = ("TIREFMU", ADDED, "TIREFMU_ABOUT", "TIREFMU_RANGES", ASSUMED, KEPT_UNITS)
 
-Kept = tuple[str, str, str]
+OtherEntry = tuple[str, str, str]
 
 
 def unit_of(key: str) -> str | None:
-    """Return the SI unit of a key of the field, or None where nobody knows it.
+    """Return the SI unit of a key of the field, or None if it is unknown.
 
     Examples
     --------
@@ -153,7 +153,7 @@ def model_by_coefficients(format_: str, keys: Collection[str]) -> str | None:
 
 
 def model_lines(book: Model) -> dict[str, str]:
-    """Return what every written file says in [MODEL], by key; a file's own words replace it.
+    """Return the entries of [MODEL] in every written file, by key; those of the file that was read replace them.
 
     Examples
     --------
@@ -178,12 +178,12 @@ def written_sections(book: Model) -> tuple[str, ...]:
     return tuple(dict.fromkeys(titles))
 
 
-def not_given(tire: Tire) -> tuple[str, ...]:
-    """Return the coefficients that nobody gave: at their default, or as the field's readers assume them.
+def not_given(tire: TireDefinition) -> tuple[str, ...]:
+    """Return the coefficients that were not given: at their default, or as other programs assume them.
 
     Parameters
     ----------
-    tire : Tire
+    tire : TireDefinition
         Read from a file, or made from values.
 
     Returns
@@ -193,6 +193,7 @@ def not_given(tire: Tire) -> tuple[str, ...]:
 
     Examples
     --------
+    >>> from tirefmu.tires import Tire
     >>> not_given(Tire("mf96", {name: 1.0 for name in MODELS["mf96"].coefficients if name != "PKY2"}))
     ('PKY2',)
     """
@@ -200,7 +201,7 @@ def not_given(tire: Tire) -> tuple[str, ...]:
     return tuple(name for name in tire.book.coefficients if name in assumed or name in tire.defaulted)
 
 
-def assumed_lines(names: Collection[str], book: Model) -> tuple[Kept, ...]:
+def assumed_lines(names: Collection[str], book: Model) -> tuple[OtherEntry, ...]:
     """Return the lines of [TIREFMU_ASSUMED] that name coefficients, one for each section.
 
     Examples
@@ -223,16 +224,16 @@ def listed(text: str) -> tuple[str, ...]:
     return tuple(name for name in (part.strip() for part in unquoted(text).split(",")) if name)
 
 
-def in_written_order(kept: Iterable[Kept], book: Model) -> tuple[Kept, ...]:
-    """Return what was kept in the order of a written file: by section, each in its own order.
+def in_written_order(entries: Iterable[OtherEntry], book: Model) -> tuple[OtherEntry, ...]:
+    """Return retained entries in the order of a written file: by section, each in its own order.
 
     Examples
     --------
-    >>> kept = [("SHAPE", "", "1 0"), ("MODEL", "USE_MODE", "14"), ("SHAPE", "", "1 1")]
-    >>> in_written_order(kept, MODELS["mf96"])
+    >>> entries = [("SHAPE", "", "1 0"), ("MODEL", "USE_MODE", "14"), ("SHAPE", "", "1 1")]
+    >>> in_written_order(entries, MODELS["mf96"])
     (('MODEL', 'USE_MODE', '14'), ('SHAPE', '', '1 0'), ('SHAPE', '', '1 1'))
     """
-    kept = list(kept)
-    order = dict.fromkeys(["", *written_sections(book), *(section for section, _, _ in kept)])
-    place = {title: i for i, title in enumerate(order)}
-    return tuple(sorted(kept, key=lambda line: place[line[0]]))
+    entries = list(entries)
+    order = dict.fromkeys(["", *written_sections(book), *(section for section, _, _ in entries)])
+    position = {title: i for i, title in enumerate(order)}
+    return tuple(sorted(entries, key=lambda line: position[line[0]]))

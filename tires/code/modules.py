@@ -1,4 +1,4 @@
-"""The code of a model: what lies in generated/, or printed once and stored by content.
+"""The code of a model: committed in generated/, or printed once and stored by content.
 
 Printed are models with effects beyond the book, which have the same routines under the same names as their base, and
 models of which generated/ has nothing, such as one that a program has registered by itself.
@@ -17,6 +17,7 @@ from importlib.resources import files
 from importlib.util import MAGIC_NUMBER, module_from_spec, spec_from_loader
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.added import effect_text
@@ -27,12 +28,12 @@ from .build_cache import cached
 
 
 def numpy_module(book: Model) -> ModuleType:
-    """Return the NumPy module of a model."""
+    """Return the NumPy module of a model; its Jacobians are loaded when one is first used."""
     return _module(book, "numpy")
 
 
 def casadi_module(book: Model) -> ModuleType:
-    """Return the CasADi module of a model."""
+    """Return the CasADi module of a model; its Jacobians are loaded when one is first used."""
     return _module(book, "casadi")
 
 
@@ -65,12 +66,28 @@ def _module(book: Model, language: str) -> ModuleType:
             raise TirefmuError(f'the generated code of {book.name} is stale: run "tirefmu generate"')
         return module
     folder = printed_folder(book)
-    name = f"tirefmu_printed_{folder.name}_{language}".replace("-", "_")
+    module = _loaded(folder, language, book.name)
+
+    def jacobian(routine: str) -> Any:
+        """Replace the module's own ``__getattr__``, which imports from a package: a printed model has none."""
+        if not routine.startswith("jacobian_"):
+            raise AttributeError(f"module {module.__name__!r} has no attribute {routine!r}")
+        checked = printed_folder.__wrapped__(book)  # again: time has passed since the module was loaded
+        return getattr(_loaded(checked, language, f"{book.name}_jacobians"), routine)
+
+    module.__dict__["__getattr__"] = jacobian
+    return module
+
+
+@lru_cache(maxsize=64)
+def _loaded(folder: Path, language: str, file: str) -> ModuleType:
+    """Return a module of a printed model."""
+    name = f"tirefmu_printed_{folder.name}_{language}_{file}".replace("-", "_")
     # The compiled file has been checked with the rest of the entry. Python would look for one of its own elsewhere.
-    loader = SourcelessFileLoader(name, str(folder / language / f"{book.name}.pyc"))
+    loader = SourcelessFileLoader(name, str(folder / language / f"{file}.pyc"))
     spec = spec_from_loader(name, loader)
     if spec is None:
-        raise TirefmuError(f"{folder}: the printed code of {book.name} cannot be loaded")
+        raise TirefmuError(f"{folder}: the printed code of {file} cannot be loaded")
     module = module_from_spec(spec)
     loader.exec_module(module)
     return module
@@ -93,9 +110,9 @@ def printed_folder(book: Model) -> Path:
     Raises
     ------
     ModelError
-        If the model does not keep what it declares.
+        If the model violates its declarations.
     TirefmuError
-        If it can be written nowhere.
+        If it cannot be written.
     """
     manifest = (files("tirefmu.generated") / "MANIFEST.json").read_bytes()
     content = "\0".join(effect_text(effect) for effect in book.added)

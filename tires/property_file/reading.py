@@ -1,9 +1,9 @@
-"""Reading .tir files: which model, which values in SI, what to keep, and what a reader should be told.
+"""Reading .tir files: which model, which values in SI, which other entries to retain, and notes for the user.
 
-Where a key stands twice the last one counts; a coefficient is taken from its own section before any other. A missing
-or empty coefficient takes what the field's readers assume (the card's `assumed`), else its default, and is named in
-`Tire.defaulted`. A file without [TIREFMU] EFFECTS has the default effects, and an optional effect where one of the
-effect's own coefficients is given and not neutral. All other keys and tables are kept and written again. What files
+If a key occurs twice, the last one counts; a coefficient is taken from its own section before any other. A missing
+or empty coefficient takes the value that other programs assume (`assumed` of its declaration), else its default, and
+is in `Tire.defaulted`. A file without [TIREFMU] EFFECTS has the default effects, and an optional effect if one of its
+own coefficients is given and not neutral. All other keys and tables are retained and written again. What files
 hold beyond a model is no error, as the field's files always hold more than one reader wants; where only tirefmu writes
 the files of a model (`PropertyFile.strict`), a key that almost is a coefficient is refused.
 """
@@ -22,8 +22,10 @@ from tirefmu.symbolic.errors import TirefmuError, TirError, UnknownName, nearest
 from tirefmu.symbolic.escaping import excerpt, quoted
 from tirefmu.symbolic.model import INDISPENSABLE, Model
 
-from .tir_model import model_of
-from .tir_names import (
+from ..definition import RANGES
+from ..tire import Tire
+from .model_identification import model_of
+from .names import (
     ADDED,
     ASSUMED,
     HEADER,
@@ -32,7 +34,7 @@ from .tir_names import (
     OWN_RANGES,
     OWN_SECTIONS,
     RANGE_SECTIONS,
-    Kept,
+    OtherEntry,
     aliases,
     assumed_lines,
     in_written_order,
@@ -41,12 +43,11 @@ from .tir_names import (
     near_miss,
     unit_of,
 )
-from .tir_text import Entry, Row, number_and_rest, read_lines, unquoted, without_comment
-from .tir_unit_system import unit_system
-from .tir_units import unit_contradicts
-from .tire import RANGES, Tire
+from .text import Entry, Row, number_and_rest, read_lines, unquoted, without_comment
+from .unit_system import unit_system
+from .units import unit_contradicts
 
-#: Sections that only hold ``KEY = value``, beside those of the coefficients.
+#: Sections that only hold ``KEY = value``, in addition to those of the coefficients.
 _STRICT = ("UNITS", "MODEL", *OWN_SECTIONS)
 
 
@@ -58,7 +59,7 @@ class TirReading:
     ----------
     tire : Tire
     notes : tuple of str
-        What the file left open and how it was taken, a sentence each: units converted, keys that almost are
+        What the file does not state and how it was interpreted, a sentence each: units converted, keys that almost are
         coefficients, keys given twice, ...
     """
 
@@ -83,13 +84,13 @@ def read_tir(path: str | Path) -> Tire:
     Raises
     ------
     TirError
-        If the file is missing or broken; file, line and key stand in the message.
+        If the file is missing or broken; the message names file, line and key.
     """
     return read_tir_with_notes(path).tire
 
 
 def read_tir_with_notes(path: str | Path) -> TirReading:
-    """Read a tire from a .tir file, and tell what the file left open.
+    """Read a tire from a .tir file, with notes on what the file does not state.
 
     Parameters
     ----------
@@ -108,7 +109,7 @@ def read_tir_with_notes(path: str | Path) -> TirReading:
 
 
 class _Reader:
-    """One file on its way to a tire: lines are taken out of `left`, what remains is kept."""
+    """The state of reading one file: entries are removed from `unread`; what remains is retained."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
@@ -116,23 +117,23 @@ class _Reader:
         self.given: dict[str, Entry] = {}
         lines = read_lines(path)
         self.rows = [line for line in lines if isinstance(line, Row)]
-        self.left: dict[tuple[str, str], Entry] = {}
+        self.unread: dict[tuple[str, str], Entry] = {}
         for entry in lines:
             if isinstance(entry, Entry):
                 self._file(entry)
-        self.places: dict[str, list[tuple[str, str]]] = {}
-        for place in self.left:
-            self.places.setdefault(place[1], []).append(place)
+        self.sections: dict[str, list[tuple[str, str]]] = {}
+        for section, key in self.unread:
+            self.sections.setdefault(key, []).append((section, key))
         self.searched = 0
-        if not self.left:
+        if not self.unread:
             raise TirError(f"{path}: no line 'KEY = value' found: not a .tir file")
 
     def reading(self) -> TirReading:
         """Return the tire and the notes."""
-        own = {key: self.left.pop(("TIREFMU", key)) for key in self._keys_of("TIREFMU")}
-        self.units, said = unit_system(self.left, self.path)
-        name, why = model_of(self.left, own, self.path)
-        self.notes += [*why, *said]
+        own = {key: self.unread.pop(("TIREFMU", key)) for key in self._keys_of("TIREFMU")}
+        self.units, unit_notes = unit_system(self.unread, self.path)
+        name, why = model_of(self.unread, own, self.path)
+        self.notes += [*why, *unit_notes]
         added = tuple(self._added(self._take(ADDED, key)) for key in self._keys_of(ADDED))
         named = listed(own["EFFECTS"].value) if "EFFECTS" in own else ()
         try:
@@ -145,62 +146,62 @@ class _Reader:
         values |= {key.removeprefix("CORE_"): self._number(own[key], 1.0) for key in own if key.startswith("CORE_")}
         self._refuse_crossed(values)
         effects = self._effects(own, book) if "EFFECTS" in own else self._effects_by_coefficients(values, book)
-        assumed = self._assume(values, book, book.usual_effects if effects is None else effects)
+        assumed = self._assume(values, book, book.default_effects if effects is None else effects)
         ranges = {**dict(self._ranges(book)), **dict(self._own_ranges())}
         about = [self._take("TIREFMU_ABOUT", key) for key in self._keys_of("TIREFMU_ABOUT")]
-        told = {entry.key.lower(): _text(entry, self.path) for entry in about}
+        about_texts = {entry.key.lower(): _text(entry, self.path) for entry in about}
         title = _text(own["NAME"], self.path) if "NAME" in own else self.path.stem
         side = self._side()
-        kept = in_written_order([*self._kept(book), *assumed], book)
+        entries = in_written_order([*self._other_entries(book), *assumed], book)
         try:
-            tire = Tire(name, values, effects, name=title, about=told, ranges=ranges, side=side, added=added,
-                        kept=kept)  # fmt: skip
+            tire = Tire(name, values, effects, name=title, about=about_texts, ranges=ranges, side=side, added=added,
+                        kept=entries)  # fmt: skip
         except TirefmuError as error:
             raise TirError(f"{self.path}: {error}") from error
         return TirReading(tire, tuple(self.notes))
 
     def _file(self, entry: Entry) -> None:
-        earlier = self.left.pop((entry.section, entry.key), None)
-        self.left[entry.section, entry.key] = entry
+        earlier = self.unread.pop((entry.section, entry.key), None)
+        self.unread[entry.section, entry.key] = entry
         if earlier and earlier.value != entry.value:
             value = excerpt(earlier.value)
             self.notes.append(f"line {earlier.line}: {entry.key} = {value} is given again in line {entry.line}")
 
     def _keys_of(self, section: str) -> list[str]:
-        return [key for title, key in self.left if title == section]
+        return [key for title, key in self.unread if title == section]
 
     def _take(self, section: str, key: str) -> Entry:
-        return self.left.pop((section, key))
+        return self.unread.pop((section, key))
 
-    def _place(self, entry: Entry) -> str:
+    def _line_of(self, entry: Entry) -> str:
         return f"{self.path}:{entry.line}"
 
     def _find(self, key: str, section: str) -> Entry | None:
         """Take a key out of its own section, or out of the last other one that has it."""
-        places = (place for place in self.places.get(key, ()) if place in self.left)
-        found = [place for place in places if place[0] not in ("UNITS", *OWN_SECTIONS)]
+        unread = (each for each in self.sections.get(key, ()) if each in self.unread)
+        found = [each for each in unread if each[0] not in ("UNITS", *OWN_SECTIONS)]
         home = (section, key)
-        entry = self.left[home if home in found else found[-1]] if found else None
-        for place in found:
-            del self.left[place]
+        entry = self.unread[home if home in found else found[-1]] if found else None
+        for each in found:
+            del self.unread[each]
         return entry
 
     def _values(self, book: Model) -> Iterator[tuple[str, float]]:
         spelled = book.property_file.aliases
         spellings = {known: alias for alias, known in spelled.items() if alias not in book.coefficients}
-        for name, card in book.coefficients.items():
-            entry = self._find(name, card.section)
+        for name, declaration in book.coefficients.items():
+            entry = self._find(name, declaration.section)
             if (entry is None or not entry.value) and name in spellings:
-                entry = self._find(spellings[name], card.section) or entry
+                entry = self._find(spellings[name], declaration.section) or entry
             if entry is None:
                 continue
             if not unquoted(entry.value):
                 if name in INDISPENSABLE:
-                    raise TirError(f"{self._place(entry)}: {entry.key} has no value: a tire needs it")
+                    raise TirError(f"{self._line_of(entry)}: {entry.key} has no value: a tire needs it")
                 continue
             self.given[name] = entry
             in_si = entry.key in book.property_file.in_si
-            factor = self.units.factor(card.unit, card.section, per_angle=book.property_file.per_angle)
+            factor = self.units.factor(declaration.unit, declaration.section, per_angle=book.property_file.per_angle)
             yield name, self._number(entry, 1.0 if in_si else factor)
 
     def _ranges(self, book: Model) -> Iterator[tuple[str, tuple[float, float]]]:
@@ -217,8 +218,8 @@ class _Reader:
     def _refuse_crossed(self, values: Mapping[str, float]) -> None:
         for low, high in RANGES.values():
             if low in self.given and high in self.given and values.get(low, 0.0) > values.get(high, math.inf):
-                place = self._place(self.given[low])
-                raise TirError(f"{place}: {low} = {values[low]} lies above {high} = {values[high]}")
+                where = self._line_of(self.given[low])
+                raise TirError(f"{where}: {low} = {values[low]} lies above {high} = {values[high]}")
 
     def _own_ranges(self) -> Iterator[tuple[str, tuple[float, float]]]:
         """Yield the ranges that only a file of ours holds."""
@@ -227,57 +228,57 @@ class _Reader:
             entry = self._take("TIREFMU_RANGES", key)
             ends = [number_and_rest(part)[0] for part in listed(entry.value)]
             if key not in inputs:
-                raise TirError(f"{self._place(entry)}: unknown key {key}{nearest(key, inputs)}")
+                raise TirError(f"{self._line_of(entry)}: unknown key {key}{nearest(key, inputs)}")
             if len(ends) != 2 or not ends[0] <= ends[1]:
-                raise TirError(f"{self._place(entry)}: {key} = {excerpt(entry.value)} is not a range 'lower,upper'")
+                raise TirError(f"{self._line_of(entry)}: {key} = {excerpt(entry.value)} is not a range 'lower,upper'")
             yield inputs[key], (ends[0], ends[1])
 
     def _number(self, entry: Entry, factor: float) -> float:
         number, rest = number_and_rest(entry.value)
         shown = f"{entry.key} = {quoted(entry.value)}"
         if math.isnan(number) or not math.isnan(number_and_rest(rest)[0]):
-            raise TirError(f"{self._place(entry)}: {shown} is not a number")
+            raise TirError(f"{self._line_of(entry)}: {shown} is not a number")
         word = rest.partition(" ")[0]
         if unit_contradicts(word, factor):
-            raise TirError(f"{self._place(entry)}: {shown}: units are declared in [UNITS] only")
+            raise TirError(f"{self._line_of(entry)}: {shown}: units are declared in [UNITS] only")
         if rest:
             self.notes.append(f"line {entry.line}: text behind {entry.key} is not read: {quoted(rest)}")
         scaled = number * factor if factor != 1.0 else number
         if not math.isfinite(scaled):
-            raise TirError(f"{self._place(entry)}: {shown} is too large")
+            raise TirError(f"{self._line_of(entry)}: {shown} is too large")
         return scaled
 
     def _added(self, entry: Entry) -> AddedEffect:
-        """Return the effect whose file stands in a line of ours."""
-        return read_effect(_text(entry, self.path), self._place(entry))
+        """Return the effect whose file is in a line of ours."""
+        return read_effect(_text(entry, self.path), self._line_of(entry))
 
     def _effects(self, own: dict[str, Entry], book: Model) -> frozenset[str]:
         try:
             return book.known_effects(listed(own["EFFECTS"].value))
         except UnknownName as error:
-            raise TirError(f"{self._place(own['EFFECTS'])}: {error}") from None
+            raise TirError(f"{self._line_of(own['EFFECTS'])}: {error}") from None
 
     def _effects_by_coefficients(self, values: Mapping[str, float], book: Model) -> frozenset[str] | None:
         """Return the effects of a file that names none, or None where they are the default ones."""
         beyond = {effect.name for effect in book.added}
         found = {}
-        for effect in book.effects.keys() - book.usual_effects - beyond:
+        for effect in book.effects.keys() - book.default_effects - beyond:
             own = sorted(book.owned(effect) & values.keys())
             if acting := [name for name in own if values[name] != book.coefficients[name].neutral]:
                 found[effect] = ", ".join(acting)
         self.notes += [f"the tire has the effect {effect}: {found[effect]} given" for effect in sorted(found)]
-        return book.usual_effects | beyond - library().keys() | found.keys() if found else None
+        return book.default_effects | beyond - library().keys() | found.keys() if found else None
 
-    def _assume(self, values: dict[str, float], book: Model, effects: frozenset[str]) -> tuple[Kept, ...]:
-        """Fill in what nobody gave, as the field's readers do, and return the lines that name it.
+    def _assume(self, values: dict[str, float], book: Model, effects: frozenset[str]) -> tuple[OtherEntry, ...]:
+        """Fill in missing coefficients, as other programs do, and return the lines that name them.
 
-        What they take as the model's default, or what only an absent effect reads, is left to the tire.
+        The tire fills in those at the model's default and those that only an absent effect reads.
         """
         named = self._named_as_assumed(book)
-        for name, card in book.coefficients.items():
-            if name not in values and card.assumed is not None:
+        for name, declaration in book.coefficients.items():
+            if name not in values and declaration.assumed is not None:
                 named.add(name)
-                values[name] = card.assumed
+                values[name] = declaration.assumed
         defaults = Tire(book.name, dict.fromkeys(INDISPENSABLE, 1.0)).values
         idle = book.owned(*sorted(book.effects.keys() - effects))
         for name in named & values.keys():
@@ -288,44 +289,44 @@ class _Reader:
         return assumed_lines(named & values.keys(), book)
 
     def _named_as_assumed(self, book: Model) -> set[str]:
-        """Return the coefficients of which a file of ours says that nobody gave them."""
+        """Return the coefficients that a file of ours lists as not given."""
         names: set[str] = set()
         for key in self._keys_of(ASSUMED):
             entry = self._take(ASSUMED, key)
             for name in listed(entry.value):
                 if name not in book.coefficients:
                     known = nearest(name, book.coefficients)
-                    raise TirError(f"{self._place(entry)}: unknown coefficient {name} of {book.name}{known}")
+                    raise TirError(f"{self._line_of(entry)}: unknown coefficient {name} of {book.name}{known}")
                 names.add(name)
         return names
 
     def _side(self) -> str:
-        entry = self.left.get(("MODEL", "TYRESIDE"))
+        entry = self.unread.get(("MODEL", "TYRESIDE"))
         side = unquoted(entry.value).lower() if entry else ""
         if side in ("left", "right"):
             self._take("MODEL", "TYRESIDE")
             return side
         return ""
 
-    def _kept(self, book: Model) -> tuple[Kept, ...]:
-        """Return the lines that are left, numbers with a known unit in SI, and look at the keys among them."""
-        lines: list[Entry | Row] = [*self.rows, *self.left.values()]
+    def _other_entries(self, book: Model) -> tuple[OtherEntry, ...]:
+        """Return the remaining lines, numbers with a known unit in SI, and check their keys."""
+        lines: list[Entry | Row] = [*self.rows, *self.unread.values()]
         titles = {section.title for section in book.sections}
-        kept = []
+        entries: list[OtherEntry] = []
         for line in sorted(lines, key=lambda line: line.line):
             if isinstance(line, Row):
-                kept.append((line.section, "", line.text))
-            elif self._says_more(line, book):
-                kept.append((line.section, line.key, self._in_si(line)))
-                self._look_at(line, book, titles)
-        if self.units.foreign and any(self._is_open(line) for line in lines):
-            kept += [(KEPT_UNITS, key, unit) for key, unit in self.units.foreign.items()]
+                entries.append((line.section, "", line.text))
+            elif self._is_informative(line, book):
+                entries.append((line.section, line.key, self._in_si(line)))
+                self._check_key(line, book, titles)
+        if self.units.other_units and any(self._has_unknown_unit(line) for line in lines):
+            entries += [(KEPT_UNITS, key, unit) for key, unit in self.units.other_units.items()]
             self.notes.append("kept keys and tables without a known unit stay in the file's units")
-        return tuple(kept)
+        return tuple(entries)
 
-    def _says_more(self, entry: Entry, book: Model) -> bool:
-        usual = {"MDI_HEADER": HEADER, "MODEL": model_lines(book)}.get(entry.section, {})
-        return usual.get(entry.key, "").casefold() != entry.value.casefold() and entry.key != "FITTYP"
+    def _is_informative(self, entry: Entry, book: Model) -> bool:
+        expected = {"MDI_HEADER": HEADER, "MODEL": model_lines(book)}.get(entry.section, {})
+        return expected.get(entry.key, "").casefold() != entry.value.casefold() and entry.key != "FITTYP"
 
     def _in_si(self, entry: Entry) -> str:
         unit = unit_of(entry.key)
@@ -333,13 +334,13 @@ class _Reader:
         number, rest = number_and_rest(entry.value)
         return entry.value if factor == 1.0 or math.isnan(number) or rest else repr(number * factor)
 
-    def _is_open(self, line: Entry | Row) -> bool:
-        """Return whether a line holds numbers of which nobody knows the unit."""
+    def _has_unknown_unit(self, line: Entry | Row) -> bool:
+        """Return whether a line holds numbers of unknown unit."""
         if isinstance(line, Row):
             return line.section != "SHAPE" and any(not math.isnan(number_and_rest(w)[0]) for w in line.text.split())
         return unit_of(line.key) is None and not math.isnan(number_and_rest(line.value)[0])
 
-    def _look_at(self, entry: Entry, book: Model, titles: Collection[str]) -> None:
+    def _check_key(self, entry: Entry, book: Model, titles: Collection[str]) -> None:
         """Refuse or note a key that almost is a coefficient."""
         if entry.section not in titles or unit_of(entry.key) is not None or entry.key in aliases():
             return
@@ -350,7 +351,7 @@ class _Reader:
             return
         near = near_miss(entry.key, book.coefficients)
         if near and (book.property_file.strict or entry.section.startswith("TIREFMU")):
-            raise TirError(f"{self._place(entry)}: unknown key {entry.key} of {book.name}: did you mean {near}?")
+            raise TirError(f"{self._line_of(entry)}: unknown key {entry.key} of {book.name}: did you mean {near}?")
         if near:
             self.notes.append(f"line {entry.line}: unknown key {entry.key} (near {near}) is kept, not used")
 
@@ -365,11 +366,11 @@ class _Reader:
         known = ["TIREFMU_MODEL", "NAME", "EFFECTS", *(f"CORE_{name}" for name in book.coefficients)]
         for key, entry in own.items():
             if key not in known:
-                raise TirError(f"{self._place(entry)}: unknown key {key} of {book.name}{nearest(key, known)}")
+                raise TirError(f"{self._line_of(entry)}: unknown key {key} of {book.name}{nearest(key, known)}")
 
 
 def _text(entry: Entry, path: Path) -> str:
-    """Return what was written as a text of ours; also a plain text that somebody typed without quotes."""
+    """Return what was written as a text of ours; also a plain text typed without quotes."""
     if entry.value.startswith('"'):
         try:
             return str(json.loads(entry.value))

@@ -46,7 +46,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Row:
-    """A line that is no entry, as it stands: of a table where a heading in braces stands above it."""
+    """A line that is no entry, unchanged: of a table if a heading in braces is above it."""
 
     section: str
     text: str
@@ -55,7 +55,7 @@ class Row:
 
 
 def read_lines(path: Path) -> list[Entry | Row]:
-    """Read the lines of a .tir file that say something.
+    """Read the entries and rows of a .tir file.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def read_lines(path: Path) -> list[Entry | Row]:
     Returns
     -------
     list of Entry or Row
-        In the file's order; comments, blank lines and prose before the first section are left out.
+        In the file's order; comments, blank lines and prose before the first section are skipped.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def read_lines(path: Path) -> list[Entry | Row]:
 
 
 def parse_lines(text: str, path: Path) -> list[Entry | Row]:
-    r"""Return the lines of a text that say something, as `read_lines` does.
+    r"""Return the entries and rows of a text, as `read_lines` does.
 
     Examples
     --------
@@ -112,7 +112,7 @@ def parse_lines(text: str, path: Path) -> list[Entry | Row]:
 
 
 def without_comment(line: str) -> str:
-    """Return a line up to its comment; a quote that nobody closes is an apostrophe.
+    """Return a line up to its comment; a quote that is not closed is an apostrophe.
 
     Examples
     --------
@@ -171,7 +171,7 @@ def number_and_rest(value: str) -> tuple[float, str]:
 
 
 def _opened(value: str) -> tuple[str, str]:
-    """Return what stands in a value's quotes, and the text behind them; a value without quotes as it is."""
+    """Return the text in a value's quotes and the text behind them; a value without quotes unchanged."""
     match = _QUOTED.fullmatch(value.strip())
     return (match[2].strip(), match[3].strip()) if match else (" ".join(value.split()), "")
 
@@ -186,10 +186,10 @@ def _decoded(content: bytes) -> str:
         return content.decode("latin-1")  # what the field's own tools wrote: a degree sign, an umlaut
 
 
-def _section(line: str, place: str) -> str:
+def _section(line: str, where: str) -> str:
     match = _SECTION.fullmatch(line)
     if match is None:
-        raise TirError(f"{place}: section {quoted(line)} is not closed by ']'")
+        raise TirError(f"{where}: section {quoted(line)} is not closed by ']'")
     if match[2].strip():
-        raise TirError(f"{place}: text behind section [{excerpt(match[1].strip())}]: {quoted(match[2].strip())}")
+        raise TirError(f"{where}: text behind section [{excerpt(match[1].strip())}]: {quoted(match[2].strip())}")
     return match[1].strip().upper()

@@ -85,13 +85,13 @@ UNITS: dict[str, dict[str, float]] = {
 }
 #: How a file of ours names its units.
 WRITTEN = {"LENGTH": "meter", "FORCE": "newton", "ANGLE": "radians", "MASS": "kg", "TIME": "second"}
-#: The symbols of SI that stand in a unit, and the unit key that rules them.
+#: SI symbols in a unit, and the unit key that applies to them.
 _RULED_BY = {"m": "LENGTH", "N": "FORCE", "rad": "ANGLE", "kg": "MASS", "s": "TIME", "Pa": "PRESSURE"}
 _SYMBOL = re.compile(r"([A-Za-z]+)(?:\^(\d))?")
 
 
 def unit_factor(key: str, spelling: str) -> float | None:
-    """Return the factor from a unit to SI, or None where nobody spells a unit so.
+    """Return the factor from a unit to SI, or None for an unknown spelling.
 
     Examples
     --------
@@ -107,7 +107,7 @@ def factor_of(unit: str, factors: Mapping[str, float], *, per_angle: bool = Fals
     Parameters
     ----------
     unit : str
-        A card's unit: "N/m", "kg m^2", "rad", "1".
+        Unit of a declaration: "N/m", "kg m^2", "rad", "1".
     factors : mapping of str to float
         The file's units by key; SI where one is missing.
     per_angle : bool

@@ -1,14 +1,14 @@
-"""The models of the package, found by themselves: every folder beside this module that has `MODELS`."""
+"""The models of the package: every folder of `tirefmu.symbolic` that has `MODELS`."""
 
 from __future__ import annotations
 
 from importlib import import_module
 from pkgutil import iter_modules
 
-from .errors import ModelError
-from .model import Model
+from ..errors import ModelError
+from .definition import Model
 
-#: The model of a fit or a diagnosis where nobody names one.
+#: The default model of a fit or a diagnosis.
 DEFAULT_MODEL = "mf61"
 
 
@@ -24,7 +24,7 @@ def found_models() -> dict[str, Model]:
     ModelError
         If two have one name or one FITTYP.
     """
-    package = __name__.rpartition(".")[0]
+    package = __name__.rsplit(".", 2)[0]  # tirefmu.symbolic
     folders = [found.name for found in iter_modules(import_module(package).__path__) if found.ispkg]
     models: dict[str, Model] = {}
     for folder in folders:
@@ -34,7 +34,7 @@ def found_models() -> dict[str, Model]:
 
 
 def register(model: Model, models: dict[str, Model]) -> None:
-    """Put a model beside others.
+    """Add a model to others.
 
     Parameters
     ----------

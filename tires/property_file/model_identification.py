@@ -10,14 +10,14 @@ from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError, nearest
 from tirefmu.symbolic.escaping import excerpt, quoted
 
-from .tir_names import folded, model_by_coefficients
-from .tir_text import Entry, number_and_rest, unquoted
+from .names import folded, model_by_coefficients
+from .text import Entry, number_and_rest, unquoted
 
 
 def model_of(
     entries: Mapping[tuple[str, str], Entry], own: Mapping[str, Entry], path: Path
 ) -> tuple[str, tuple[str, ...]]:
-    """Return the model of a file, and what to tell where the file does not say it plainly.
+    """Return the model of a file, with notes where the file does not state it explicitly.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def model_of(
     Raises
     ------
     TirError
-        If the file is for no model of this version, or tells none.
+        If the file is for no model of this version, or states none.
     """
     if "TIREFMU_MODEL" in own:
         return _named(own["TIREFMU_MODEL"], path), ()
@@ -57,7 +57,7 @@ def model_of(
         )
     found = model_by_coefficients(spelled, {key for _, key in entries})
     if found is None:
-        raise TirError(f"{path}: no FITTYP in [MODEL], and {quoted(spelled)} does not tell the model")
+        raise TirError(f"{path}: no FITTYP in [MODEL], and {quoted(spelled)} does not identify the model")
     return found, (f"no FITTYP: {found} by the coefficients in the file",)
 
 

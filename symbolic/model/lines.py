@@ -1,0 +1,89 @@
+"""Passes over the lines of a model: which lines a result depends on, effects switched, options decided."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import replace
+
+import sympy as sp
+
+from ..functions import where
+from ..notation import Choice, Equation, Switch
+
+
+def reaching(lines: Iterable[Equation], targets: Collection[str]) -> list[Equation]:
+    """Return the lines on which the targets depend, in order.
+
+    Parameters
+    ----------
+    lines : iterable of Equation
+        Each uses only earlier symbols.
+    targets : collection of str
+        Names of symbols.
+
+    Returns
+    -------
+    list of Equation
+    """
+    needed, found = set(targets), []
+    for line in reversed(list(lines)):
+        if line.symbol.name in needed:
+            found.append(line)
+            needed |= {symbol.name for symbol in line.expression.free_symbols}
+    return found[::-1]
+
+
+def reduced(equations: Iterable[Equation], present: Collection[str], read: Collection[str]) -> tuple[Equation, ...]:
+    """Return lines with effects switched and options decided, without the lines that this makes trivial.
+
+    Parameters
+    ----------
+    equations : iterable of Equation
+        Each uses only earlier symbols.
+    present : collection of str
+        The effects that are on.
+    read : collection of str
+        The options that stay in the lines; the others have their first value.
+
+    Returns
+    -------
+    tuple of Equation
+    """
+    lines: list[Equation] = []
+    known: dict[sp.Symbol, sp.Expr] = {}  # a line that is 0 or 1 now removes later terms
+    for line in equations:
+        expression = decided(switched(line.expression, present), read).xreplace(known)
+        symbol = line.symbol
+        if expression.is_Number or (expression.is_Symbol and not line.named):
+            known[symbol] = expression
+        if expression.is_Symbol and not line.named:
+            continue
+        step = next((i for i, e in enumerate(lines) if e.symbol == expression and not e.named), None)
+        if step is None:
+            lines.append(replace(line, expression=expression))
+            continue
+        known[expression] = symbol  # a step that is now the whole of this line takes its name
+        lines[step] = replace(line, expression=lines[step].expression)
+        lines[step + 1 :] = [replace(e, expression=e.expression.xreplace(known)) for e in lines[step + 1 :]]
+    return tuple(lines)
+
+
+def switches(expression: sp.Expr) -> list[sp.Expr]:
+    """Return every switch of an expression, in the order of a traversal."""
+    return [node for node in sp.preorder_traversal(expression) if isinstance(node, Switch)]
+
+
+def decided(expression: sp.Expr, read: Collection[str]) -> sp.Expr:
+    """Return an expression that reads the named options from the parameter vector, the others at their first value."""
+
+    def decide(option: sp.Symbol, first: sp.Expr, second: sp.Expr) -> sp.Expr:
+        if first == second or str(option) not in read:
+            return first
+        return where(option > sp.Rational(1, 2), second, first)
+
+    return expression.replace(Choice, decide)
+
+
+def switched(expression: sp.Expr, present: Collection[str]) -> sp.Expr:
+    """Return an expression with every switch replaced by its `on` or `off` side."""
+    return expression.replace(Switch, lambda effect, on, off: on if str(effect) in present else off)

@@ -1,0 +1,133 @@
+"""The batch kernels of a model; the C code computes the rows that they do not cover."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.symbolic.model import Model
+
+from .c_code import c_code
+from .interface import Code, as_matrices, chunks_of, jacobian_entries_of, slices, straight_rows
+from .kernel import Kernel
+from .modules import numpy_module
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def batch_code(book: Model, threads: int = 1) -> Code:
+    """Return the batch kernels of a model, among whose threads the rows of a table are divided.
+
+    Raises
+    ------
+    CompilerError
+        If they cannot be compiled.
+    """
+    return _BatchCode(book, threads)
+
+
+def forces_of_each(code: Code, inputs: FloatArray, population: FloatArray) -> FloatArray:
+    """Return the forces of many tires of one model at the same rows.
+
+    Parameters
+    ----------
+    code : Code
+    inputs : ndarray, shape (n_inputs, n)
+    population : ndarray, shape (n_tires, n_parameters)
+        They differ in coefficients, not in options.
+
+    Returns
+    -------
+    ndarray, shape (n_tires, n_forces, n)
+    """
+    if isinstance(code, _BatchCode):
+        return code.forces_of_each(inputs, population)
+    return np.stack([code.forces(inputs, parameters) for parameters in population])
+
+
+class _BatchCode:
+    """Kernels for whole tables; what they do not cover is computed row by row in C."""
+
+    def __init__(self, book: Model, threads: int) -> None:
+        self._book, self._threads = book, threads
+        self._module = numpy_module(book)
+        self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
+        self.entries = jacobian_entries_of(self._module)
+        self._kernels: dict[str, Kernel] = {}
+        self._kernel("forces")  # raises CompilerError here rather than at the first use
+
+    def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._table("forces", inputs, parameters)
+
+    def forces_of_each(self, inputs: FloatArray, population: FloatArray) -> FloatArray:
+        straight = straight_rows(self._book, inputs, population[0])
+        results, undone = self._kernel("forces").each(inputs, population)
+        undone |= ~straight
+        for i in np.flatnonzero(undone.any(axis=1)):
+            results[i][:, undone[i]] = self._single.forces(inputs[:, undone[i]], population[i])
+        return results
+
+    def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._single.quantities(inputs, parameters)
+
+    def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return as_matrices(self._table("jacobian_inputs", inputs, parameters), len(self._module.FORCES))
+
+    def jacobian_parameters(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        force, coefficient = self.entries
+        jacobian = np.zeros((inputs.shape[1], len(self._module.FORCES), len(self._module.COEFFICIENTS)))
+        jacobian[:, force, coefficient] = self.jacobian_entries(inputs, parameters).T
+        return jacobian
+
+    def jacobian_entries(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._table("jacobian_parameters", inputs, parameters)
+
+    def jacobian_chunks(
+        self, inputs: FloatArray, parameters: FloatArray, size: int
+    ) -> Iterator[tuple[slice, FloatArray]]:
+        if not straight_rows(self._book, inputs, parameters).all():
+            yield from chunks_of(self, inputs, parameters, size)
+            return
+        kernel, buffer = self._kernel("jacobian_parameters"), np.empty(self.entries.shape[1] * size)
+        for rows in slices(inputs.shape[1], size):
+            columns = inputs[:, rows]
+            # One buffer for all chunks: it stays in the processor's cache, and the system need not provide new memory.
+            results = buffer[: len(self.entries[0]) * columns.shape[1]].reshape(-1, columns.shape[1])
+            _, undone = kernel(columns, parameters, into=results)
+            if undone.any():
+                results[:, undone] = self._row_by_row("jacobian_parameters", columns[:, undone], parameters)
+            yield rows, results
+
+    @property
+    def _single(self) -> Code:
+        return c_code(self._book)
+
+    def _kernel(self, routine: str) -> Kernel:
+        if routine not in self._kernels:
+            forces, inputs = len(self._module.FORCES), len(self._module.INPUTS)
+            sizes = {
+                "forces": forces,
+                "jacobian_inputs": forces * inputs,
+                "jacobian_parameters": self.entries.shape[1],
+            }
+            self._kernels[routine] = Kernel(self._book, routine, sizes[routine])
+        return self._kernels[routine]
+
+    def _table(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        straight = straight_rows(self._book, inputs, parameters)
+        if not straight.any():
+            return self._row_by_row(routine, inputs, parameters)
+        results, undone = self._kernel(routine)(inputs, parameters, self._threads)
+        undone |= ~straight
+        if undone.any():
+            results[:, undone] = self._row_by_row(routine, inputs[:, undone], parameters)
+        return results
+
+    def _row_by_row(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        if routine == "forces":
+            return self._single.forces(inputs, parameters)
+        if routine == "jacobian_inputs":
+            return self._single.jacobian_inputs(inputs, parameters).reshape(inputs.shape[1], -1).T
+        return self._single.jacobian_entries(inputs, parameters)

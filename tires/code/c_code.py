@@ -1,0 +1,80 @@
+"""The C code of a model, compiled once on this machine."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator
+from functools import cached_property, lru_cache
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.symbolic.model import Model
+
+from .compiler import compiled_model
+from .interface import Code, chunks_of, jacobian_entries_of
+from .modules import c_folder, numpy_module
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@lru_cache(maxsize=64)
+def c_code(book: Model) -> Code:
+    """Return the C code of a model, one object for each."""
+    return _CCode(book)
+
+
+class _CCode:
+    """The C source, compiled once on this machine."""
+
+    def __init__(self, book: Model) -> None:
+        self._model, self._folder = book.name, c_folder(book)
+        self._library = compiled_model(self._model, self._folder)
+        metadata = numpy_module(book)
+        self.quantities_names: tuple[str, ...] = metadata.QUANTITIES
+        self._sizes = {
+            "forces": (len(metadata.FORCES),),
+            "quantities": (len(metadata.QUANTITIES),),
+            "jacobian_inputs": (len(metadata.FORCES), len(metadata.INPUTS)),
+            "jacobian_parameters": (len(metadata.FORCES), len(metadata.COEFFICIENTS)),
+        }
+        self.entries = jacobian_entries_of(metadata)
+
+    def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._rows("forces", inputs, parameters).T
+
+    def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._rows("quantities", inputs, parameters).T
+
+    def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._rows("jacobian_inputs", inputs, parameters)
+
+    def jacobian_parameters(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._rows("jacobian_parameters", inputs, parameters)
+
+    def jacobian_entries(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        force, coefficient = self.entries
+        return self.jacobian_parameters(inputs, parameters)[:, force, coefficient].T
+
+    def jacobian_chunks(
+        self, inputs: FloatArray, parameters: FloatArray, size: int
+    ) -> Iterator[tuple[slice, FloatArray]]:
+        return chunks_of(self, inputs, parameters, size)
+
+    @cached_property
+    def _jacobians(self) -> ctypes.CDLL:
+        return compiled_model(self._model, self._folder, jacobians=True)
+
+    def _rows(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        rows = np.ascontiguousarray(inputs.T)
+        parameters = np.ascontiguousarray(parameters)
+        size = self._sizes[routine]
+        results = np.empty((len(rows), *size))
+        library = self._jacobians if routine.startswith("jacobian_") else self._library
+        getattr(self._library, f"{self._model}_rows")(
+            ctypes.cast(getattr(library, f"{self._model}_{routine}"), ctypes.c_void_p),
+            ctypes.c_size_t(len(rows)),
+            ctypes.c_size_t(int(np.prod(size))),
+            *(array.ctypes.data_as(ctypes.c_void_p) for array in (rows, parameters, results)),
+        )
+        return results

@@ -1,0 +1,73 @@
+"""The NumPy code of a model, some thousand rows at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.symbolic.model import Model
+
+from .interface import Code, as_matrices, chunks_of, jacobian_entries_of, straight_rows
+from .modules import numpy_module
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Rows that NumPy takes at a time: its intermediate results stay in the processor's cache.
+CHUNK = 8192
+
+
+def numpy_code(book: Model) -> Code:
+    """Return the NumPy code of a model."""
+    return _NumpyCode(book)
+
+
+class _NumpyCode:
+    """The NumPy module, some thousand rows at a time."""
+
+    def __init__(self, book: Model) -> None:
+        self._book, self._module = book, numpy_module(book)
+        self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
+        self.entries = jacobian_entries_of(self._module)
+
+    def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._rows("forces", inputs, parameters)
+
+    def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._rows("quantities", inputs, parameters)
+
+    def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return as_matrices(self._rows("jacobian_inputs", inputs, parameters), len(self._module.FORCES))
+
+    def jacobian_parameters(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return as_matrices(self._rows("jacobian_parameters", inputs, parameters), len(self._module.FORCES))
+
+    def jacobian_entries(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        force, coefficient = self.entries
+        table = self._rows("jacobian_parameters", inputs, parameters)
+        chosen: FloatArray = table[force * len(self._module.COEFFICIENTS) + coefficient]
+        return chosen
+
+    def jacobian_chunks(
+        self, inputs: FloatArray, parameters: FloatArray, size: int
+    ) -> Iterator[tuple[slice, FloatArray]]:
+        return chunks_of(self, inputs, parameters, size)
+
+    def _rows(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Results, row by row of a matrix, shape (n_results, n)."""
+        straight = f"{routine}_straight"
+        if hasattr(self._module, straight) and straight_rows(self._book, inputs, parameters).all():
+            routine = straight
+        starts = range(0, inputs.shape[1], CHUNK) or range(1)
+        return np.concatenate([self._chunk(routine, inputs[:, i : i + CHUNK], parameters) for i in starts], axis=1)
+
+    def _chunk(self, routine: str, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        # Far outside a tire's range a line may divide by zero; the row then has NaN or infinity.
+        with np.errstate(all="ignore"):
+            results = getattr(self._module, routine)(inputs, parameters)
+        values = [value for row in results for value in row] if isinstance(results[0], tuple) else results
+        table = np.empty((len(values), inputs.shape[1]))
+        for row, value in zip(table, values, strict=True):
+            row[:] = value
+        return table

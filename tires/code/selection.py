@@ -1,0 +1,85 @@
+"""Which code evaluates a model: by the name of a language, or the fastest for a number of rows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+
+from tirefmu.symbolic import model as model_of
+from tirefmu.symbolic.errors import UnknownName
+from tirefmu.symbolic.model import Model
+
+from .batch_code import batch_code
+from .c_code import c_code
+from .casadi_code import casadi_code
+from .compiler import CompilerError
+from .interface import Code
+from .numpy_code import numpy_code
+
+LANGUAGES = ("numpy", "c", "casadi", "batch")
+
+#: Rows from which on the kernels' blocks and threads pay.
+MANY_ROWS = 2000
+
+
+def code_for(model: str | Model, language: str, threads: int = 1) -> Code:
+    """Return the code of a model in a language.
+
+    Parameters
+    ----------
+    model : str or Model
+        Its name, or the model itself where it has added effects.
+    language : {"numpy", "c", "casadi", "batch"}
+        "batch" is C for whole tables, vectorized for this machine.
+    threads : int
+        Processors among which "batch" divides the rows.
+
+    Returns
+    -------
+    Code
+
+    Raises
+    ------
+    UnknownName
+        If the language is none of these.
+    CompilerError
+        If it has to be compiled and cannot be.
+
+    Examples
+    --------
+    >>> code_for("mf96", "numpy").quantities_names[-2:]
+    ('M_zr', 's')
+    """
+    return _code_for(model_of(model) if isinstance(model, str) else model, language, threads)
+
+
+def fastest_code(model: str | Model, n_rows: int = MANY_ROWS, threads: int = 1) -> Code:
+    """Return the fastest code for a number of rows, with a compiler or without.
+
+    Parameters
+    ----------
+    model : str or Model
+    n_rows : int
+    threads : int
+
+    Returns
+    -------
+    Code
+        NumPy for few rows, which needs no compiler; the batch kernels for many, or NumPy where they cannot be built.
+    """
+    if n_rows < MANY_ROWS:
+        return code_for(model, "numpy")
+    try:
+        return code_for(model, "batch", threads)
+    except CompilerError:
+        return code_for(model, "numpy")
+
+
+@lru_cache(maxsize=64)
+def _code_for(book: Model, language: str, threads: int) -> Code:
+    kinds: dict[str, Callable[[Model], Code]] = {"numpy": numpy_code, "c": c_code, "casadi": casadi_code}
+    if language == "batch":
+        return batch_code(book, threads)
+    if language not in kinds:
+        raise UnknownName("language of the generated code", language, LANGUAGES)
+    return kinds[language](book)

@@ -1,0 +1,258 @@
+"""What defines a tire: a model, the effects that it has, the values of its coefficients, and where they hold."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.symbolic import model as model_of
+from tirefmu.symbolic import with_library
+from tirefmu.symbolic.added import AddedEffect, library
+from tirefmu.symbolic.errors import TireError, UnknownName
+from tirefmu.symbolic.model import INDISPENSABLE, Model
+from tirefmu.symbolic.notation import Coefficient
+from tirefmu.symbolic.options import OPTIONS
+
+from .signs import TABLE_INPUTS
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Keys of the ranges in which a tire is known, by input.
+RANGES = {
+    "kappa": ("KPUMIN", "KPUMAX"),
+    "alpha": ("ALPMIN", "ALPMAX"),
+    "gamma": ("CAMMIN", "CAMMAX"),
+    "Fz": ("FZMIN", "FZMAX"),
+    "p": ("PRESMIN", "PRESMAX"),
+}
+
+
+@dataclass(frozen=True, repr=False)
+class TireDefinition:
+    """A model, effects and values for every coefficient; `Tire` adds what can be done with them.
+
+    Evaluation, property files and figures need no more than this. `Tire` documents the attributes.
+    """
+
+    model: str
+    values: Mapping[str, float]
+    effects: Collection[str] | None = None
+    signs: str = "iso"
+    name: str = ""
+    about: Mapping[str, str] = field(default_factory=dict)
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    side: str = ""
+    added: tuple[AddedEffect, ...] = ()
+    kept: tuple[tuple[str, str, str], ...] = ()
+    defaulted: tuple[str, ...] = field(init=False, default=(), compare=False)
+
+    def __post_init__(self) -> None:
+        if self.signs not in ("iso", "adapted-sae"):
+            raise UnknownName("sign convention of a tire", self.signs, ("iso", "adapted-sae"))
+        if self.side not in ("left", "right", ""):
+            raise UnknownName("side of the vehicle", self.side, ("left", "right"))
+        object.__setattr__(self, "added", with_library(self.model, self.effects or (), self.added))
+        declarations = self.book.coefficients
+        present = self._present()
+        given = {**self._range_values(), **self.values}
+        for name in given:
+            if name not in declarations:
+                raise UnknownName(f"coefficient of {self.model}", name, declarations)
+        for name in INDISPENSABLE:
+            if name not in given:
+                raise TireError(f"a tire needs {name} ({declarations[name].description}, {declarations[name].unit})")
+        absent = self.book.owned(*sorted(self.book.effects.keys() - present))
+        defaults = {name: card.default for name, card in declarations.items()}
+        values = defaults if self.signs == "adapted-sae" else _mirrored(declarations, defaults)
+        neutral = {name: declarations[name].neutral for name in absent}
+        values |= {name: value for name, value in neutral.items() if value is not None}
+        values |= {name: _number(name, value) for name, value in given.items() if name not in absent}
+        object.__setattr__(self, "defaulted", tuple(name for name in declarations if name not in given))
+        object.__setattr__(self, "values", values)
+        object.__setattr__(self, "effects", present)
+        object.__setattr__(self, "about", {_word(key): str(text) for key, text in self.about.items()})
+        known = {name: pair for name, pair in RANGES.items() if set(pair) <= given.keys()}
+        ranges = {**self.ranges, **{name: (values[low], values[high]) for name, (low, high) in known.items()}}
+        object.__setattr__(self, "ranges", {name: _range(name, *r) for name, r in ranges.items()})
+
+    def _present(self) -> frozenset[str]:
+        if self.effects is None:
+            return self.book.default_effects | {effect.name for effect in self.added if effect.name not in library()}
+        for name in self.effects:
+            if name not in self.book.effects:
+                raise UnknownName(f"effect of {self.model}", name, [*self.book.effects, *library()])
+        return frozenset(self.effects)
+
+    def _range_values(self) -> dict[str, float]:
+        """Return the given ranges as coefficients of the model, where it has them."""
+        declarations = self.book.coefficients
+        pairs = ((RANGES[name], ends) for name, ends in self.ranges.items() if name in RANGES)
+        return {key: end for keys, ends in pairs for key, end in zip(keys, ends, strict=True) if key in declarations}
+
+    @cached_property
+    def book(self) -> Model:
+        """The model of the book, the added effects in its lines."""
+        return model_of(self.model, self.added)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """Names of the inputs that the model reads."""
+        return tuple(quantity.name for quantity in self.book.inputs)
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the forces and moments that the model gives."""
+        return tuple(quantity.name for quantity in self.book.outputs)
+
+    @property
+    def has(self) -> frozenset[str]:
+        """The effects that the tire has."""
+        return frozenset(self.effects or ())
+
+    @property
+    def rescaled(self) -> dict[str, float]:
+        """Coefficients whose meaning an absent effect changes, and their factor in `parameters`.
+
+        Examples
+        --------
+        >>> core = TireDefinition("mf96", {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.3}, effects=())
+        >>> core.rescaled
+        {'PKY1': 500000.0}
+        """
+        absent = (effect for name, effect in self.book.effects.items() if name not in self.has)
+        return {name: factor for effect in absent for name, factor in effect.rescales}
+
+    def parameters(self, **options: str) -> FloatArray:
+        """Return the parameter vector of the generated code, absent effects at neutral.
+
+        Parameters
+        ----------
+        **options : str
+            Conventions by name (`tirefmu.symbolic.options`), the default where absent; those that the model
+            does not have are ignored.
+
+        Returns
+        -------
+        ndarray, shape (n_parameters,)
+            In the order of ``PARAMETERS`` of the generated modules.
+
+        Raises
+        ------
+        UnknownName
+            If an option or its value does not exist.
+        """
+        factors = self.rescaled
+        values = [self.values[name] * factors.get(name, 1.0) for name in self.book.coefficients]
+        chosen = {"signs": self.signs, **options}
+        for name, value in chosen.items():
+            if name not in OPTIONS:
+                raise UnknownName("option", name, OPTIONS)
+            if value not in OPTIONS[name].values:
+                raise UnknownName(f"value of {name}", value, OPTIONS[name].values)
+        indices = [option.values.index(chosen.get(option.name, option.values[0])) for option in self.book.options]
+        return np.array([*values, *indices], dtype=np.float64)
+
+    def in_signs(self, signs: str) -> Self:
+        """Return the same tire written in another convention.
+
+        Parameters
+        ----------
+        signs : str
+            "iso" or "adapted-sae".
+
+        Returns
+        -------
+        Tire
+            Its forces at an input are those of this tire with Fy, Mz and My reversed.
+        """
+        if signs == self.signs:
+            return self
+        given = {name: value for name, value in self.values.items() if name not in self.defaulted}
+        return replace(self, values=_mirrored(self.book.coefficients, given), signs=signs)
+
+    def with_values(self, **coefficients: float) -> Self:
+        """Return the same tire with other values of some coefficients.
+
+        Parameters
+        ----------
+        **coefficients : float
+            By .tir name, SI, in the signs of the tire. Bounds of a fit are not enforced.
+
+        Returns
+        -------
+        Tire
+
+        Raises
+        ------
+        UnknownName
+            If the model has no such coefficient.
+        TireError
+            If a value is not a finite number, or only an effect that the tire does not have reads it.
+
+        Examples
+        --------
+        >>> from tirefmu.tires import published
+        >>> softer = published("trento_hoosier").with_values(PDY1=2.5)
+        >>> softer.values["PDY1"]
+        2.5
+        """
+        given = {name: value for name, value in self.values.items() if name not in self.defaulted}
+        changed = replace(self, values={**given, **coefficients})
+        for name, value in coefficients.items():
+            if changed.values[name] != float(value):
+                effects = [effect for effect in self.book.effects if name in self.book.owned(effect)]
+                raise TireError(f"{name} has no influence: the tire does not have {' or '.join(effects)}")
+        return changed
+
+    def nominal(self, name: str) -> float:
+        """Return the value of an input that is not given."""
+        (quantity,) = (quantity for quantity in self.book.inputs if quantity.name == name)
+        if isinstance(quantity.nominal, str):  # a formula may read T without a coefficient for its reference
+            return self.values.get(quantity.nominal, quantity.typical)
+        return quantity.nominal
+
+    @property
+    def lags(self) -> bool:
+        """True if slips lag behind their inputs: the tire has an effect of relaxation, such as relax_lat."""
+        return bool(self.has & self.book.relaxing_effects)
+
+    def effective_inputs(self, rows: FloatArray) -> FloatArray:
+        """Return the rows of inputs, those inputs 0 that would request an effect that the tire does not have."""
+        silent = [name for effect, name in self.book.on_demand if effect not in self.has]
+        return np.where(np.isin(self.inputs, silent)[:, None], 0.0, rows) if silent else rows
+
+
+def _number(name: str, value: float) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not math.isfinite(number):
+        raise TireError(f"{name} is {value!r}: a coefficient is a finite number")
+    return number
+
+
+def _mirrored(declarations: Mapping[str, Coefficient], values: Mapping[str, float]) -> dict[str, float]:
+    """Write coefficients in the other convention; a zero stays a plain 0.0."""
+    return {name: -value if declarations[name].flips and value else value for name, value in values.items()}
+
+
+def _word(key: str) -> str:
+    if not re.fullmatch("[a-z][a-z0-9_]*", key):
+        raise TireError(f"about {key!r}: a key is a word of lower-case letters, digits and _")
+    return key
+
+
+def _range(name: str, lower: float, upper: float) -> tuple[float, float]:
+    if name not in TABLE_INPUTS:
+        raise UnknownName("input", name, TABLE_INPUTS)
+    if not lower <= upper:
+        raise TireError(f"the range of {name} is crossed: {lower} to {upper}")
+    return float(lower), float(upper)

@@ -1,0 +1,82 @@
+"""The figures of a tire, written as files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from matplotlib import rc_context
+from matplotlib.figure import Figure
+
+from tirefmu.symbolic.errors import TirefmuError, UnknownName, path_from
+
+from ..tire_argument import TireLike, tire_from
+from .style import DPI, rendered, write_whole
+from .tire_figures import combined, pure, sketched, surfaces
+
+FORMATS = ("png", "svg", "pdf")
+_DATELESS = {"png": None, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
+
+
+def draw(
+    tire: TireLike,
+    folder: str | Path,
+    *,
+    loads: Sequence[float] | None = None,
+    signs: str = "iso",
+    suffix: str = "png",
+) -> list[Path]:
+    """Draw a tire: one file of its pure curves, one of surfaces per load, one of Fy against Fx.
+
+    Parameters
+    ----------
+    tire : Tire, path of a .tir file, or name of a published tire
+        Upright and, but for load and slips, at its nominal inputs.
+    folder : str or Path
+        Made where it is not there.
+    loads : sequence of float, N, optional
+        `default_loads` where None.
+    signs : {"iso", "adapted-sae", "sae"}
+        Convention in which the figures are drawn.
+    suffix : {"png", "svg", "pdf"}
+
+    Returns
+    -------
+    list of Path
+        ``pure``, ``surfaces_<load>N`` and ``combined``; the same bytes for the same tire.
+
+    Raises
+    ------
+    UnknownName
+        If the convention or the format does not exist.
+    TirefmuError
+        If a load is not above 0, the tire makes no force or one that is not finite, or a file cannot be
+        written. No file is left half-written.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     [path.name for path in draw("unicamp_small_tire", folder, loads=[60.0])]
+    ['pure.png', 'surfaces_60N.png', 'combined.png']
+    """
+    if suffix not in FORMATS:
+        raise UnknownName("format of figures", suffix, FORMATS)
+    sketch = sketched(tire_from(tire), loads, signs)
+    target = path_from(folder, "folder")
+    figures = {"pure": pure(sketch)}
+    figures |= {f"surfaces_{load:g}N": surfaces(sketch, load) for load in sketch.loads}
+    figures["combined"] = combined(sketch)
+    # All are rendered before the first is written: a failure leaves the folder as it was.
+    images = {f"{name}.{suffix}": _rendered(figure, suffix) for name, figure in figures.items()}
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+        return [write_whole(target / name, image) for name, image in images.items()]
+    except OSError as error:
+        raise TirefmuError(f"{target}: figures cannot be written ({error.strerror or error})") from None
+
+
+def _rendered(figure: Figure, suffix: str) -> bytes:
+    """Return the figure as a file's bytes, the same each time."""
+    with rc_context({"svg.hashsalt": "tirefmu"}):
+        return rendered(figure, suffix, DPI, metadata=_DATELESS[suffix])
