@@ -106,7 +106,7 @@ BAD = {
     "export good.tir -o new.fmu --fmi 4": "'4' is not one of '2', '3'",
     "export good.tir -o new.fmu --inputs wheels": "inputs 'wheels' are unknown",
     "check missing.fmu good.csv --json new.json": "missing.fmu: no such file",
-    "check good.csv good.csv --json new.json": "good.csv: not an FMU",
+    "check good.csv good.csv --json new.json": "good.csv: not a readable FMU",
     "check good.fmu missing.csv --json new.json": "missing.csv: no such file",
     "check good.fmu degrees.csv --json new.json": "degrees.csv: alpha reaches",
     "check good.fmu negative.csv --json new.json": "negative.csv: Fz is negative in 100 % of the rows",
