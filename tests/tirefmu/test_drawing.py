@@ -41,7 +41,7 @@ def small():
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch):
     """Draw with fewer pixels: what is looked at here is not their number."""
-    monkeypatch.setattr(drawing, "DPI", 40)
+    monkeypatch.setattr(files, "DPI", 40)
 
 
 @pytest.mark.parametrize(
