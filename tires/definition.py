@@ -69,7 +69,7 @@ class TireDefinition:
             if name not in given:
                 raise TireError(f"a tire needs {name} ({declarations[name].description}, {declarations[name].unit})")
         absent = self.book.owned(*sorted(self.book.effects.keys() - present))
-        defaults = {name: card.default for name, card in declarations.items()}
+        defaults = {name: each.default for name, each in declarations.items()}
         values = defaults if self.signs == "adapted-sae" else _mirrored(declarations, defaults)
         neutral = {name: declarations[name].neutral for name in absent}
         values |= {name: value for name, value in neutral.items() if value is not None}

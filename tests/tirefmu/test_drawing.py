@@ -41,7 +41,7 @@ def small():
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch):
     """Draw with fewer pixels: what is looked at here is not their number."""
-    monkeypatch.setattr(drawing, "DPI", 40)
+    monkeypatch.setattr(files, "DPI", 40)
 
 
 @pytest.mark.parametrize(
@@ -152,12 +152,12 @@ def test_a_tire_without_force_is_refused(tmp_path):
 
 
 def test_a_force_that_is_not_finite_is_refused_with_its_place(small, tmp_path, monkeypatch):
-    evaluate = Tire.evaluate
+    evaluate = drawing.evaluate
 
-    def broken(tire, table, **options):
-        return evaluate(tire, table, **options).assign(Fy=nan)
+    def broken(tire, table, conventions):
+        return evaluate(tire, table, conventions).assign(Fy=nan)
 
-    monkeypatch.setattr(Tire, "evaluate", broken)
+    monkeypatch.setattr(drawing, "evaluate", broken)
     with pytest.raises(TirefmuError, match=r"Fy is not finite at kappa = -0.5, alpha = -0.349066, Fz = 60"):
         files.draw(small, tmp_path / "figures")
     assert not (tmp_path / "figures").exists()

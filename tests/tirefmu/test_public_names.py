@@ -10,7 +10,7 @@ import pytest
 
 import tirefmu
 from tirefmu import diagnosis, evaluation, fitting, fmu, measurements, tires
-from tirefmu.tires import drawing
+from tirefmu.tires.drawing import files as drawing
 
 #: The public contract: where each name comes from.
 NAMES = {

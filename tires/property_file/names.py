@@ -102,7 +102,7 @@ def near_miss(key: str, names: Iterable[str]) -> str | None:
 
 
 def aliases() -> frozenset[str]:
-    """Return the spellings of the field that stand for a coefficient of some model.
+    """Return the spellings of the field that mean a coefficient of some model.
 
     Examples
     --------
