@@ -10,7 +10,7 @@ from tirefmu.measurements import TableLike, recording_from
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic import model as book_of
 from tirefmu.symbolic.added import AddedEffect, library
-from tirefmu.symbolic.errors import UnknownName
+from tirefmu.symbolic.errors import UnknownName, no_single_text
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
@@ -76,6 +76,7 @@ def diagnose(
     recording = recording_from(table, signs=signs)
     began = time.perf_counter()
     say = progress or (lambda sentence: None)
+    no_single_text("candidates", candidates)
     own = tuple(one for one in candidates or () if isinstance(one, AddedEffect))
     named = tuple(one for one in candidates or () if isinstance(one, str))
     start = _start_model(model, effects, nominal, None if tire is None else tire_from(tire), own)
@@ -103,6 +104,7 @@ def _start_model(
             if name not in NOMINAL:
                 raise UnknownName("nominal value", name, NOMINAL)
             values |= dict.fromkeys(set(NOMINAL[name]) & book_of(model).coefficients.keys(), value)
+        no_single_text("effects", effects)
         tire = Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
     known = [effect for effect in library().values() if tire.book.has_place_for(effect)]
     beyond = {effect.name: effect for effect in (*tire.added, *known, *own)}

@@ -83,6 +83,21 @@ class WrongType(TirefmuError, TypeError):
         super().__init__(f"{parameter} is {' '.join(shown.split())}: it has to be {accepted}")
 
 
+def no_single_text(parameter: str, names: object) -> None:
+    """Raise `WrongType` if a text is given where a collection of names is expected: its letters would be the names.
+
+    Examples
+    --------
+    >>> no_single_text("effects", ["plysteer"])
+    >>> no_single_text("effects", "plysteer")
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.WrongType: effects is 'plysteer' (str): it has to be a list of names, such as ['plysteer']
+    """
+    if isinstance(names, str):
+        raise WrongType(parameter, names, f"a list of names, such as [{names[:40]!r}]")
+
+
 class ModelError(TirefmuError):
     """A model that violates its declarations; the sentence names model and coefficient or quantity."""
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from tirefmu.symbolic import model as model_of
 from tirefmu.symbolic import with_library
 from tirefmu.symbolic.added import AddedEffect, library
-from tirefmu.symbolic.errors import TireError, UnknownName
+from tirefmu.symbolic.errors import TireError, UnknownName, no_single_text
 from tirefmu.symbolic.model import INDISPENSABLE, Model
 from tirefmu.symbolic.notation import Coefficient
 from tirefmu.symbolic.options import OPTIONS
@@ -58,6 +58,7 @@ class TireDefinition:
             raise UnknownName("sign convention of a tire", self.signs, ("iso", "adapted-sae"))
         if self.side not in ("left", "right", ""):
             raise UnknownName("side of the vehicle", self.side, ("left", "right"))
+        no_single_text("effects", self.effects)
         object.__setattr__(self, "added", with_library(self.model, self.effects or (), self.added))
         declarations = self.book.coefficients
         present = self._present()

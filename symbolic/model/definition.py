@@ -15,7 +15,7 @@ from ..added.checks import check_effects
 from ..contract import PhysicalConstraint, PropertyFile, Role
 from ..detection import Detection
 from ..effects import EFFECTS
-from ..errors import EffectError, UnknownName, nearest
+from ..errors import EffectError, UnknownName, nearest, no_single_text
 from ..escaping import quoted
 from ..notation import Chapter, Choice, Coefficient, Effect, Equation, Option, Quantity, Section, Variant
 from ..options import OPTIONS, signs
@@ -336,6 +336,7 @@ class Model:
 
     def known_effects(self, names: Iterable[str]) -> frozenset[str]:
         """Return the names as a set, or raise `UnknownName` for one that this model has not."""
+        no_single_text("effects", names)
         chosen = frozenset(names)
         for name in sorted(chosen - self.effects.keys()):
             raise UnknownName(f"effect of {self.name}", name, self.effects)

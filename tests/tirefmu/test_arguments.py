@@ -183,3 +183,14 @@ def test_an_unknown_value_of_any_type_is_one_sentence(bench):
         ):  # fmt: skip
             with pytest.raises(TirefmuError, match=r"^unknown "):
                 function(wrong)
+
+
+def test_a_single_text_is_not_a_list_of_names(bench_csv):
+    size = {"FNOMIN": 1000.0, "UNLOADED_RADIUS": 0.3}
+    for call in (
+        lambda: tirefmu.Tire("mf96", size, effects="plysteer"),
+        lambda: tirefmu.fit(bench_csv, "mf96", effects="plysteer"),
+        lambda: tirefmu.diagnose(bench_csv, signs="adapted-sae", effects="plysteer"),
+    ):
+        with pytest.raises(WrongType, match=r"^effects is 'plysteer' .* such as \['plysteer'\]$"):
+            call()
