@@ -17,7 +17,7 @@ from scipy import fft, optimize
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-#: Memories of drift from which the fit to a periodogram starts, and its bounds, s.
+#: Correlation times of drift from which the fit to a periodogram starts, and its bounds, s.
 MEMORIES = (0.5, 2.0, 8.0)
 SHORTEST, LONGEST = 0.3, 60.0
 #: What the share of noise without any memory is believed to be, and how firmly (in log variances, of one row).
@@ -29,7 +29,7 @@ LONG_AGO = 1e9
 
 
 @dataclass(frozen=True)
-class Memories:
+class NoiseParts:
     """The noise of a channel in three parts.
 
     Attributes
@@ -49,7 +49,7 @@ class Memories:
     memory: float
 
 
-def memories_of(residual: FloatArray, present: BoolArray, step: float) -> Memories:
+def noise_parts(residual: FloatArray, present: BoolArray, step: float) -> NoiseParts:
     """Read a channel's noise from what a fit leaves.
 
     Parameters
@@ -62,14 +62,14 @@ def memories_of(residual: FloatArray, present: BoolArray, step: float) -> Memori
 
     Returns
     -------
-    Memories
+    NoiseParts
 
     Examples
     --------
     >>> rng = np.random.default_rng(3)
     >>> from scipy.signal import lfilter
     >>> drift = lfilter([np.sqrt(1.0 - 0.99**2)], [1.0, -0.99], rng.standard_normal(6000))
-    >>> found = memories_of(drift + rng.standard_normal(6000), np.ones(6000, dtype=bool), 0.02)
+    >>> found = noise_parts(drift + rng.standard_normal(6000), np.ones(6000, dtype=bool), 0.02)
     >>> bool(0.6 < found.drift < 1.6), bool(1.0 < found.memory < 4.0)
     (True, True)
     """
@@ -78,9 +78,9 @@ def memories_of(residual: FloatArray, present: BoolArray, step: float) -> Memori
     wave = np.cos(2.0 * np.pi * fft.rfftfreq(len(rows))[1:-1])
     whole = max(float(np.sum(rows**2)) / max(int(present.sum()), 1), LEAST_POWER)
 
-    def memories(x: FloatArray) -> Memories:
+    def memories(x: FloatArray) -> NoiseParts:
         white, short, drift, memory = (float(value) for value in np.exp(x[[0, 1, 2, 4]]))
-        return Memories(white * whole, short * whole, drift * whole, float(1.0 / (1.0 + np.exp(-x[3]))), memory)
+        return NoiseParts(white * whole, short * whole, drift * whole, float(1.0 / (1.0 + np.exp(-x[3]))), memory)
 
     def loss(x: FloatArray) -> float:
         spectrum = _spectrum(memories(x), wave, step)
@@ -97,7 +97,7 @@ def memories_of(residual: FloatArray, present: BoolArray, step: float) -> Memori
     return memories(min(tries, key=lambda one: float(one.fun)).x)
 
 
-def _spectrum(noise: Memories, wave: FloatArray, step: float) -> FloatArray:
+def _spectrum(noise: NoiseParts, wave: FloatArray, step: float) -> FloatArray:
     """Return the power at frequencies whose cosine from row to row is `wave`."""
     total = np.full_like(wave, noise.white)
     for variance, kept in ((noise.short, noise.fading), (noise.drift, float(np.exp(-step / noise.memory)))):
@@ -110,14 +110,14 @@ class Whitening:
 
     Parameters
     ----------
-    noise : sequence of Memories, one a channel
+    noise : sequence of NoiseParts, one a channel
         Of rows weighted by `root`.
     t : ndarray, shape (n,), s
     root : ndarray, shape (n_channels, n)
         Weights; 0 where a row takes no part. A drift is as large in N everywhere, so its weighted size follows them.
     """
 
-    def __init__(self, noise: tuple[Memories, ...], t: FloatArray, root: FloatArray) -> None:
+    def __init__(self, noise: tuple[NoiseParts, ...], t: FloatArray, root: FloatArray) -> None:
         present = root > 0.0
         typical = np.sqrt(np.sum(root**2, axis=1) / np.maximum(present.sum(axis=1), 1))
         self._size = np.ascontiguousarray((root / np.maximum(typical, 1e-300)[:, None]).T)

@@ -61,7 +61,7 @@ def cross_validate(
         If there are fewer than two folds, or fewer conditions than folds in every recording.
     """
     recordings = recordings_from(tables, signs=options.pop("signs", None))
-    parts = deal(recordings, folds, seed)
+    parts = assign_folds(recordings, folds, seed)
     whole = fit(recordings, model, **options) if whole is None else whole
     model = whole.tire.model
     # The nominal values belong to the meaning of the coefficients: those of the whole.
@@ -84,7 +84,7 @@ def cross_validate(
     )
 
 
-def deal(tables: TableLike | Iterable[TableLike], folds: int, seed: int = 0) -> list[npt.NDArray[np.int64]]:
+def assign_folds(tables: TableLike | Iterable[TableLike], folds: int, seed: int = 0) -> list[npt.NDArray[np.int64]]:
     """Return the fold of each row of each recording.
 
     Parameters

@@ -92,7 +92,7 @@ def fit(
         Convention of files and DataFrames, where it is not the default (that of the format; "iso" for a DataFrame).
     screening : bool
         Whether to set aside rows of a cold tread, of transitions between levels, of a lifted or standing wheel, and
-        outliers; `FitResult.set_aside` tells which. Scores count every row.
+        outliers; `FitResult.excluded_rows` tells which. Scores count every row.
     rows : str
         How rows count: "condition" (every load, inclination, pressure, ... that a recording held counts the same,
         however often or slowly it was logged), "equal" (every row the same), or "independent" (as "condition", and

@@ -109,15 +109,15 @@ class FitRun:
 
     def state(self) -> State:
         """Return what the next stage goes on from."""
-        broken = [(constraint.name, points) for constraint, points in self._conditions.broken]
+        violated = [(constraint.name, points) for constraint, points in self._conditions.violated]
         ended = [end for end, _ in self._ends]
-        return State(self._done, dict(self._tire.values), self._freed, broken, self._stages, ended, self._notes)
+        return State(self._done, dict(self._tire.values), self._freed, violated, self._stages, ended, self._notes)
 
     def restore(self, state: State, source: str) -> None:
         """Go on from a state; FitError, which names its source, where it is not one of this fit."""
         known = {constraint.name: constraint for constraint, _ in self._conditions.of(self._fitted)}
         self._refuse_foreign(state, known.keys(), source)
-        self._conditions.broken = [(known[name], points) for name, points in state.broken]
+        self._conditions.violated = [(known[name], points) for name, points in state.violated]
         for end in state.ended:
             stage = self._plan.stages[end.stage]
             table, channels = self._table(stage)
@@ -133,8 +133,8 @@ class FitRun:
         if (
             state.done > stages
             or not names <= self._book.coefficients.keys()
-            or not {name for name, _ in state.broken} <= constraints
-            or any(len(points) != inputs for _, points in state.broken)
+            or not {name for name, _ in state.violated} <= constraints
+            or any(len(points) != inputs for _, points in state.violated)
             or any(end.stage >= stages or len(end.x) != len(end.free) for end in state.ended)
         ):
             raise FitError(f"{source}: is a broken progress file (of stages or coefficients that this fit has not)")
@@ -274,7 +274,7 @@ class FitRun:
         stage_type: str,
     ) -> Solution:
         """Solve, verify the constraints on the dense grid, and solve again with the points that broke them."""
-        known = self._conditions.of(channels) + self._conditions.broken
+        known = self._conditions.of(channels) + self._conditions.violated
         dense = self._conditions.of(channels, density=APPROACHED if stage_type == "intermediate" else VERIFIED)
         settle = partial(
             self._solver, problem, lower=lower, upper=upper, ridge=ridge, stage_type=stage_type, progress=report,
@@ -331,7 +331,7 @@ class FitRun:
             tire.in_signs("iso"), self._tire.signs, coefficients, channels,
             tuple(self._stages), self._conditions.margins(self._fitted, self._tire.parameters()),
             tuple(self._notes), seconds, self._plan.name, directions,
-            self._fit_data.set_aside, self._interrupted(),
+            self._fit_data.excluded_rows, self._interrupted(),
             evidence=Residuals(table, tuple(distinct([r.source for r in recordings])), self._tire, self._tire.signs),
             covariance=covariance,
         )  # fmt: skip

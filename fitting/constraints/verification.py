@@ -61,7 +61,7 @@ class VerifiedConstraints:
 
     Attributes
     ----------
-    broken : list of (Constraint, ndarray of shape (n_inputs, n_points))
+    violated : list of (Constraint, ndarray of shape (n_inputs, n_points))
         What verifying has added so far.
     """
 
@@ -71,7 +71,7 @@ class VerifiedConstraints:
         by_output: Mapping[str, Sequence[Constraint]],
         ranges: Mapping[str, tuple[float, float]],
     ) -> None:
-        self.broken: list[Placed] = []
+        self.violated: list[Placed] = []
         self._book, self._inputs, self._ranges = tire.book, tire.inputs, dict(ranges)
         self._nominal = {name: tire.nominal(name) for name in tire.inputs}
         self._by_output = {
@@ -94,16 +94,16 @@ class VerifiedConstraints:
 
     def violations(self, placed: Sequence[Placed], parameters: FloatArray) -> list[Placed]:
         """Return, and remember, the worst point of each broken condition and some of the others that break it."""
-        broken = []
+        found = []
         for constraint, points in placed:
             distance = constraint.distance(self._values(constraint, points, parameters))
             outside = np.flatnonzero(distance < -TOLERANCE)
             if outside.size:
                 order = outside[np.argsort(distance[outside], kind="stable")]
                 some = np.unique(np.linspace(0, len(order) - 1, MOST_ADDED).astype(int))
-                broken.append((constraint, points[:, order[some]]))
-        self.broken += broken
-        return broken
+                found.append((constraint, points[:, order[some]]))
+        self.violated += found
+        return found
 
     def margins(self, outputs: Sequence[str], parameters: FloatArray) -> tuple[Margin, ...]:
         """Verify every condition on a grid denser than the one that it was imposed on."""

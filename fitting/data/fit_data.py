@@ -32,7 +32,7 @@ ROWS = ("condition", "equal", "independent")
 
 
 @dataclass(frozen=True)
-class SetAside:
+class ExcludedRows:
     """Rows of a recording that were not fitted; scores count them all the same.
 
     Attributes
@@ -67,7 +67,7 @@ class FitData:
         Every row, in adapted SAE, with the columns ``recording`` and ``segment`` (numbers), ``kept`` (whether it is
         fitted) and ``weight`` (how much it counts, on average 1 over a recording's kept rows). Channels that a
         recording tells nothing of are NaN.
-    set_aside : tuple of SetAside
+    excluded_rows : tuple of ExcludedRows
     notes : tuple of str
         What looks odd, what the data cannot tell, what is not fitted.
     rows : str
@@ -75,7 +75,7 @@ class FitData:
     """
 
     table: pd.DataFrame
-    set_aside: tuple[SetAside, ...]
+    excluded_rows: tuple[ExcludedRows, ...]
     notes: tuple[str, ...]
     rows: str = "condition"
 
@@ -116,7 +116,7 @@ def prepare(
     if rows not in ROWS:
         raise UnknownName("way for rows to count", rows, ROWS)
     tables: list[pd.DataFrame] = []
-    set_aside: list[SetAside] = []
+    excluded_rows: list[ExcludedRows] = []
     for each in recordings:
         each.measured()  # raises where there is none, and suggests which column may be a misnamed channel
     notes = [note for each in recordings for note in (*convention_notes(each), *coverage_notes(each))]
@@ -125,7 +125,7 @@ def prepare(
     segments = 0
     for number, recording in enumerate(recordings):
         kept, found = _screened(recording) if screening else (np.ones(len(recording), dtype=np.bool_), ())
-        set_aside += found
+        excluded_rows += found
         weight = np.ones(len(recording)) if rows == "equal" else group_by_condition(recording).weights(kept)
         segment = _segment_numbers(recording) + segments
         segments = int(segment[-1]) + 1
@@ -134,20 +134,20 @@ def prepare(
         tables.append(table.assign(recording=number, segment=segment, kept=kept, weight=weight))
     data = pd.concat(tables, ignore_index=True)
     if not data["kept"].any():
-        raise DataError(f"no row is left to fit (--all-rows keeps them): {'; '.join(map(str, set_aside))}")
+        raise DataError(f"no row is left to fit (--all-rows keeps them): {'; '.join(map(str, excluded_rows))}")
     outputs = [quantity.name for quantity in book.outputs]
     if not any(name in data and data.loc[data["kept"], name].notna().any() for name in outputs):
         raise FitError(
             "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *unfitted])
         )
-    return FitData(data, tuple(set_aside), (*notes, *unfitted), rows)
+    return FitData(data, tuple(excluded_rows), (*notes, *unfitted), rows)
 
 
-def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[SetAside, ...]]:
+def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[ExcludedRows, ...]]:
     """Return which rows are kept, and a line for each reason why others are not."""
     found = exclude_rows(recording)
     return found.included, tuple(
-        SetAside(
+        ExcludedRows(
             recording.source, reason, EXCLUSION_REASONS[reason], count, len(recording),
             tuple(finding for finding in found.notes if finding.startswith(f"{reason}:")),
         )

@@ -25,7 +25,7 @@ FloatArray = npt.NDArray[np.float64]
 T = TypeVar("T")
 
 #: Of the file's form: a file of another one is not read.
-VERSION = 2
+VERSION = 3
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class State:
     values : dict of str to float
         Coefficients of the tire so far, in adapted SAE.
     freed : dict of str to Release
-    broken : list of (str, ndarray of shape (n_inputs, n_points))
+    violated : list of (str, ndarray of shape (n_inputs, n_points))
         Constraints by name, with the points that verifying added.
     stages : list of StageFit
     ended : list of Ended
@@ -79,7 +79,7 @@ class State:
     done: int = 0
     values: dict[str, float] = field(default_factory=dict)
     freed: dict[str, Release] = field(default_factory=dict)
-    broken: list[tuple[str, FloatArray]] = field(default_factory=list)
+    violated: list[tuple[str, FloatArray]] = field(default_factory=list)
     stages: list[StageFit] = field(default_factory=list)
     ended: list[Ended] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -218,7 +218,7 @@ def _state(content: Mapping[str, Any]) -> State:
         done=_count(content["done"]),
         values=_values(content["values"]),
         freed={name: _release(_of(dict, item)) for name, item in _of(dict, content["freed"]).items()},
-        broken=[(_of(str, name), _array(points, 2)) for name, points in _of(list, content["broken"])],
+        violated=[(_of(str, name), _array(points, 2)) for name, points in _of(list, content["violated"])],
         stages=[_stage(item) for item in _of(list, content["stages"])],
         ended=[_ended(_of(dict, item)) for item in _of(list, content["ended"])],
         notes=[_of(str, note) for note in _of(list, content["notes"])],

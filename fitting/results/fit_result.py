@@ -16,7 +16,7 @@ from tirefmu.tires.tire import Tire
 
 from ..constraints.physical import TOLERANCE
 from ..constraints.verification import Margin
-from ..data.fit_data import SetAside
+from ..data.fit_data import ExcludedRows
 from ..evidence.diagnostics import Findings, find
 from ..evidence.residuals import Residuals
 from ..evidence.uncertainty import Direction
@@ -47,7 +47,7 @@ class FitResult:
     recipe : str
     directions : tuple of Direction
         Combinations of coefficients that the data leave open.
-    set_aside : tuple of SetAside
+    excluded_rows : tuple of ExcludedRows
         Rows that were not fitted, and why.
     interrupted : str
         Where the fit was asked to stop; empty where it went all the way.
@@ -74,7 +74,7 @@ class FitResult:
     seconds: float = 0.0
     recipe: str = ""
     directions: tuple[Direction, ...] = ()
-    set_aside: tuple[SetAside, ...] = ()
+    excluded_rows: tuple[ExcludedRows, ...] = ()
     interrupted: str = ""
     method: str = "ipopt"
     held_out: tuple[HeldOut, ...] = ()
@@ -187,8 +187,10 @@ class FitResult:
             "signs": self.signs,
             "values": dict(self.tire.values),
         }
-        for name in ("coefficients", "channels", "stages", "margins", "directions", "set_aside", "held_out"):
+        for name in ("coefficients", "channels", "stages", "margins", "directions"):
             plain[name] = [vars(item) for item in getattr(self, name)]
+        plain["set_aside"] = [vars(rows) for rows in self.excluded_rows]
+        plain["held_out"] = [vars(error) for error in self.held_out]
         plain["findings"] = {name: [vars(item) for item in items] for name, items in vars(self.findings).items()}
         known = self.covariance.index[np.isfinite(np.diag(self.covariance))] if len(self.covariance) else []
         matrix = self.covariance.loc[known, known].to_numpy().tolist() if len(known) else []

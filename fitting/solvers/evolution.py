@@ -65,7 +65,7 @@ class Evolution:
         The same seed gives the same fit.
     goal : float
         Stop at this cost.
-    patient : bool
+    run_to_limit : bool
         Go on to the limit, as the paper does, also where there is no gain.
 
     Examples
@@ -75,9 +75,9 @@ class Evolution:
     """
 
     def __init__(
-        self, max_iterations: int = ITERATIONS, seed: int = 0, goal: float = 0.0, *, patient: bool = False
+        self, max_iterations: int = ITERATIONS, seed: int = 0, goal: float = 0.0, *, run_to_limit: bool = False
     ) -> None:
-        self.max_iterations, self.seed, self.goal, self.patient = max_iterations, seed, goal, patient
+        self.max_iterations, self.seed, self.goal, self.run_to_limit = max_iterations, seed, goal, run_to_limit
         self._search: _Search | None = None
 
     def __call__(
@@ -131,7 +131,7 @@ class Evolution:
         search = self._search
         search.impose(imposed)
         limit = max(1, round(self.max_iterations * (SHORTER if stage_type == "intermediate" or again else 1.0)))
-        patience = limit if self.patient else max(round(PATIENCE * limit), LEAST_PATIENCE)
+        patience = limit if self.run_to_limit else max(round(PATIENCE * limit), LEAST_PATIENCE)
         share = LEAST_GAIN[stage_type][1]
         costs: list[float] = []  # the best cost within the conditions after each generation
         reason = LIMIT

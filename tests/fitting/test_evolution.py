@@ -147,7 +147,7 @@ def test_no_further_gain_ends_it_unless_it_is_patient(known, make, bounds, start
     assert (settled.converged, settled.reason) == (True, SETTLED)
     assert settled.iterations < 1500
     assert settled.cost == pytest.approx(solve(noisy, start, *bounds(), []).cost, rel=1e-4)
-    patient = Evolution(settled.iterations + 1, patient=True)(noisy, start, *bounds(), [])
+    patient = Evolution(settled.iterations + 1, run_to_limit=True)(noisy, start, *bounds(), [])
     assert patient.reason == LIMIT
 
 

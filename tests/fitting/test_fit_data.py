@@ -48,11 +48,11 @@ def test_bad_rows_do_not_bend_a_fit(once, known, make):
         fit([data], "mf96", screening=screening, **options)
         for data, screening in ((once, True), (bad, True), (bad, False))
     )
-    (aside,) = kept.set_aside
+    (aside,) = kept.excluded_rows
     assert (aside.reason, aside.rows, aside.of) == ("outlier", len(rows), len(once))
     assert len(aside.findings) == len(rows)
     assert aside.findings[0].startswith("outlier: row 21: Fy is 9000 N, the running median is ")
-    assert clean.set_aside == bent.set_aside == ()
+    assert clean.excluded_rows == bent.excluded_rows == ()
     points = pd.DataFrame({"alpha": np.tile(np.linspace(-0.2, 0.2, 21), 2), "Fz": np.repeat([500.0, 1000.0], 21)})
     curves = [result.tire.evaluate(points)["Fy"] for result in (clean, kept, bent)]
     assert np.abs(curves[1] - curves[0]).max() < 10.0
@@ -118,7 +118,7 @@ def test_a_file_that_is_all_warm_up_is_set_aside_beside_others(once):
     cold = replace(once, source="warmup.csv", table=once.table.assign(Fy=0.5 * once.table["Fy"]))
     data = prepare([once, cold], BOOK)
     assert set(data.fitted["recording"]) == {0}
-    assert [str(aside) for aside in data.set_aside] == [
+    assert [str(aside) for aside in data.excluded_rows] == [
         f"warmup.csv: {len(cold)} of {len(cold)} rows set aside: warm-up (the tread is still cold)"
     ]
     with pytest.raises(DataError, match=r"no row is left to fit \(--all-rows keeps them\): warmup.csv: "):

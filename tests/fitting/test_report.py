@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 import pytest
 
 from tirefmu.fitting.constraints.verification import Margin
-from tirefmu.fitting.data.fit_data import SetAside
+from tirefmu.fitting.data.fit_data import ExcludedRows
 from tirefmu.fitting.evidence.consistency import Disagreement
 from tirefmu.fitting.evidence.diagnostics import Findings
 from tirefmu.fitting.evidence.slip_stiffness import SlipStiffness
@@ -89,7 +89,7 @@ def with_text(result, text):
         result, tire=tire, recipe=text, interrupted=text, notes=(text,),
         channels=each(result.channels, "recording"), stages=each(result.stages, "name", "reason"),
         held_out=(HeldOut(text, "Fy", "N", 3, 1.0, 2.0),),
-        set_aside=(SetAside(text, "outlier", text, 1, 9, (text,)),),
+        excluded_rows=(ExcludedRows(text, "outlier", text, 1, 9, (text,)),),
     )  # fmt: skip
     findings = Findings(
         conditions=each(found.conditions, "recording"),
