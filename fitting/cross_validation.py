@@ -66,21 +66,21 @@ def cross_validate(
     model = whole.tire.model
     # The nominal values belong to the meaning of the coefficients: those of the whole.
     nominal = {name: whole.tire.values[key] for name, key in NOMINAL.items() if key in whole.tire.values}
-    foretold = [np.full((len(recording), len(whole.tire.outputs)), np.nan) for recording in recordings]
+    predicted = [np.full((len(recording), len(whole.tire.outputs)), np.nan) for recording in recordings]
     for fold in range(folds):
-        kept = [
+        training = [
             replace(recording, table=recording.table[part != fold])
             for recording, part in zip(recordings, parts, strict=True)
             if (part != fold).any()
         ]
-        tire = fit(kept, model, **{**options, "nominal": nominal}).tire
-        for computed, recording, part in zip(foretold, recordings, parts, strict=True):
-            left = part == fold
-            if left.any():
-                computed[left] = _computed(tire, replace(recording, table=recording.table[left]))
+        tire = fit(training, model, **{**options, "nominal": nominal}).tire
+        for computed, recording, part in zip(predicted, recordings, parts, strict=True):
+            held_out = part == fold
+            if held_out.any():
+                computed[held_out] = _computed(tire, replace(recording, table=recording.table[held_out]))
     return tuple(
         HeldOut(c.recording, c.channel, c.unit, c.rows, c.rmse, error)
-        for c, error in zip(whole.channels, _errors(whole.channels, recordings, foretold, whole.tire), strict=True)
+        for c, error in zip(whole.channels, _errors(whole.channels, recordings, predicted, whole.tire), strict=True)
     )
 
 
@@ -103,36 +103,38 @@ def assign_folds(tables: TableLike | Iterable[TableLike], folds: int, seed: int 
     """
     if folds < 2:
         raise FitError(f"{folds} folds: it takes two at least")
-    parts = [_dealt(recording, folds, np.random.default_rng(seed)) for recording in recordings_from(tables)]
+    parts = [_folds(recording, folds, np.random.default_rng(seed)) for recording in recordings_from(tables)]
     if not any(len(set(part)) == folds for part in parts):
         raise FitError(f"{folds} folds need as many held conditions in some recording")
     return parts
 
 
-def _dealt(recording: Recording, folds: int, random: np.random.Generator) -> npt.NDArray[np.int64]:
+def _folds(recording: Recording, folds: int, random: np.random.Generator) -> npt.NDArray[np.int64]:
     """Return the fold of each row: conditions shuffled and dealt like cards."""
     conditions = group_by_condition(recording, most_levels=MOST_LEVELS).labels
-    places = random.permutation(int(conditions.max(initial=0)) + 1)
-    return np.asarray(places[conditions] % folds, dtype=np.int64)
+    indices = random.permutation(int(conditions.max(initial=0)) + 1)
+    return np.asarray(indices[conditions] % folds, dtype=np.int64)
 
 
 def _computed(tire: Tire, recording: Recording) -> FloatArray:
     """Return forces in adapted SAE, shape (n, n_forces)."""
-    ours = tire.in_signs("adapted-sae")
-    rows = Rows.of(recording.with_signs("adapted-sae").table, ours, ())
-    return fastest_code(ours.book).forces(ours.asked(rows.inputs), ours.parameters()).T
+    turned = tire.in_signs("adapted-sae")
+    rows = Rows.of(recording.with_signs("adapted-sae").table, turned, ())
+    return fastest_code(turned.book).forces(turned.asked(rows.inputs), turned.parameters()).T
 
 
 def _errors(
-    channels: Sequence[Any], recordings: Sequence[Recording], foretold: Sequence[FloatArray], tire: Tire
+    channels: Sequence[Any], recordings: Sequence[Recording], predicted: Sequence[FloatArray], tire: Tire
 ) -> list[float]:
     """Return the root mean square error of every channel that the whole fit tells of."""
     names = list(dict.fromkeys(channel.recording for channel in channels))
-    places: Mapping[str, int] = {name: number for number, name in enumerate(names)}
+    indices: Mapping[str, int] = {name: number for number, name in enumerate(names)}
     errors = []
     for channel in channels:
-        number = places[channel.recording]
+        number = indices[channel.recording]
         table = recordings[number].with_signs("adapted-sae").table
-        missed = foretold[number][:, tire.outputs.index(channel.channel)] - table[channel.channel].to_numpy(dtype=float)
-        errors.append(float(np.sqrt(np.nanmean(missed**2))))
+        residual = predicted[number][:, tire.outputs.index(channel.channel)] - table[channel.channel].to_numpy(
+            dtype=float
+        )
+        errors.append(float(np.sqrt(np.nanmean(residual**2))))
     return errors

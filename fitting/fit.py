@@ -138,7 +138,7 @@ def fit(
     plan = load_recipe(recipe, book.name)
     if resume and checkpoint is None:
         raise FitError("to go on takes the file of the finished stages (checkpoint)")
-    conditions = chosen_constraints(book.name, constraints, without_constraints)
+    chosen = chosen_constraints(book.name, constraints, without_constraints)
     solver = solver_for(method, iterations, seed)
     if method != "ipopt" and loss != "squares":
         raise FitError(f"loss {loss} is for method ipopt: {method} minimizes squares")
@@ -158,13 +158,13 @@ def fit(
         "loss": loss,
         "method": f"{method}, {iterations or 'usual'} iterations, seed {seed}",
         "start": FEATURES if features else "values",
-        "constraints": ",".join(each.name for own in conditions.values() for each in own),
+        "constraints": ",".join(each.name for own in chosen.values() for each in own),
     }
     saved = Checkpoint(Path(checkpoint), _identity(data, tire, plan, options)) if checkpoint else None
     with Interruption(progress) as interruption:
         run = FitRun(
             book, tire, data, plan, interruption, notes,
-            solver=solver, given=tire_given is not None, read=read, conditions=conditions, loss=loss,
+            solver=solver, given=tire_given is not None, read=read, constraints=chosen, loss=loss,
         )  # fmt: skip
         if resume and saved:
             run.restore(saved.load(), str(saved.path))
@@ -190,7 +190,7 @@ def _identity(data: FitData, tire: Tire, plan: Recipe, options: Mapping[str, str
     """Return what a fit depends on, by what a user calls it."""
     return {
         "version of tirefmu": version("tirefmu"),
-        "data": fingerprint(data.table.drop(columns=["kept", "weight"])),
+        "data": fingerprint(data.table.drop(columns=["included", "weight"])),
         "model": tire.model,
         "effects": ",".join(sorted(tire.has)),
         "recipe": repr(plan),

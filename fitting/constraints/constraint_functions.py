@@ -22,7 +22,7 @@ from .physical import TOLERANCE, Constraint
 
 FloatArray = npt.NDArray[np.float64]
 #: At how many random points beside the present one it is looked whether a free coefficient moves a quantity.
-LOOKS = 3
+PROBES = 3
 
 
 class ConstraintFunctions:
@@ -149,16 +149,16 @@ class _Block:
     def __init__(self, problem: Problem, constraint: Constraint, points: FloatArray) -> None:
         self._value, self.function, reached = _functions(problem.tire.book, constraint.quantity, constraint.measure)
         self.points, self.size, self.bounds = points, constraint.size, constraint.scaled_bounds
-        place = {int(column): i for i, column in enumerate(problem.columns)}
+        index = {int(column): i for i, column in enumerate(problem.columns)}
         self.width = len(reached)
-        moving = self._moving(problem) if self.width else np.zeros(0, dtype=np.bool_)
-        picked = [(i, place[column]) for i, column in enumerate(reached) if column in place and moving[i]]
+        influential = self._influential(problem) if self.width else np.zeros(0, dtype=np.bool_)
+        picked = [(i, index[column]) for i, column in enumerate(reached) if column in index and influential[i]]
         self.free = np.array([free for _, free in picked], dtype=int)
         self.reach = problem.reach[self.free] / self.size
         within = np.array([i for i, _ in picked], dtype=int)
         self.entries = np.add.outer(self.width * np.arange(points.shape[1]), within).ravel()
 
-    def _moving(self, problem: Problem) -> npt.NDArray[np.bool_]:
+    def _influential(self, problem: Problem) -> npt.NDArray[np.bool_]:
         """Tell which derivatives are not 0 wherever one looks.
 
         Where PDX2 is fixed at 0, nothing that is free makes friction fall with load: rows of zeros, which an
@@ -166,12 +166,12 @@ class _Block:
         """
         random, n = np.random.default_rng(0), self.points.shape[1]
         present = np.array([problem.tire.values[name] for name in problem.free]) / problem.scale
-        moving = np.zeros(self.width, dtype=np.bool_)
-        for _ in range(LOOKS):
-            beside = problem.parameters(present + random.uniform(-0.3, 0.3, len(present)))
-            gradients = self.function.map(n)(self.points, np.repeat(beside[:, None], n, axis=1))[1]
-            moving |= np.any(np.array(gradients).reshape(self.width, n) != 0.0, axis=1)
-        return moving
+        influential = np.zeros(self.width, dtype=np.bool_)
+        for _ in range(PROBES):
+            nearby = problem.parameters(present + random.uniform(-0.3, 0.3, len(present)))
+            gradients = self.function.map(n)(self.points, np.repeat(nearby[:, None], n, axis=1))[1]
+            influential |= np.any(np.array(gradients).reshape(self.width, n) != 0.0, axis=1)
+        return influential
 
     def written_out(self, parameters: Any) -> list[Any]:
         """Return the value at each point as an expression of the parameters."""

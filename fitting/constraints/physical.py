@@ -126,8 +126,8 @@ def chosen_constraints(
     >>> [each.name for each in chosen_constraints("mf96", without=["signs", "extrapolation", "curvature"])["Fy"]]
     ['friction_falling:mu_y', 'stiffness_saturating:K_yalpha']
     """
-    conditions = declared_constraints(model)
-    single = [each.name for own in conditions.values() for each in own]
+    declared = declared_constraints(model)
+    single = [each.name for own in declared.values() for each in own]
     known = ["all", *KINDS, *single]
     for name in (*also, *without):
         if name not in known:
@@ -138,7 +138,7 @@ def chosen_constraints(
 
     return {
         output: tuple(each for each in own if not meant(each, without) and (not each.on_request or meant(each, also)))
-        for output, own in conditions.items()
+        for output, own in declared.items()
     }
 
 

@@ -19,7 +19,7 @@ FloatArray = npt.NDArray[np.float64]
 #: there; and how many points of a broken one are added at a time.
 VERIFIED, APPROACHED, MOST_ADDED = 4, 2, 12
 #: A condition and points at which it holds, shape (n_inputs, n_points).
-Placed = tuple[Constraint, FloatArray]
+ConstraintPoints = tuple[Constraint, FloatArray]
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class VerifiedConstraints:
         by_output: Mapping[str, Sequence[Constraint]],
         ranges: Mapping[str, tuple[float, float]],
     ) -> None:
-        self.violated: list[Placed] = []
+        self.violated: list[ConstraintPoints] = []
         self._book, self._inputs, self._ranges = tire.book, tire.inputs, dict(ranges)
         self._nominal = {name: tire.nominal(name) for name in tire.inputs}
         self._by_output = {
@@ -82,20 +82,20 @@ class VerifiedConstraints:
         #: Parameters, and by grid all quantities there.
         self._evaluated: tuple[FloatArray, dict[int, tuple[FloatArray, FloatArray]]] = (np.zeros(0), {})
 
-    def of(self, outputs: Sequence[str], *, density: int = 0) -> list[Placed]:
+    def of(self, outputs: Sequence[str], *, density: int = 0) -> list[ConstraintPoints]:
         """Return the conditions of some outputs on a grid: on its corners, or denser where they are verified."""
-        placed = []
+        pairs = []
         for constraint in (each for output in outputs for each in self._by_output.get(output, ())):
             key = constraint.over, constraint.kind == "extrapolation", density
             if key not in self._grids:
                 self._grids[key] = grid(constraint, self._ranges, self._nominal, density=density)
-            placed.append((constraint, self._grids[key]))
-        return placed
+            pairs.append((constraint, self._grids[key]))
+        return pairs
 
-    def violations(self, placed: Sequence[Placed], parameters: FloatArray) -> list[Placed]:
+    def violations(self, pairs: Sequence[ConstraintPoints], parameters: FloatArray) -> list[ConstraintPoints]:
         """Return, and remember, the worst point of each broken condition and some of the others that break it."""
         found = []
-        for constraint, points in placed:
+        for constraint, points in pairs:
             distance = constraint.distance(self._values(constraint, points, parameters))
             outside = np.flatnonzero(distance < -TOLERANCE)
             if outside.size:

@@ -82,8 +82,8 @@ class FitData:
     @property
     def fitted(self) -> pd.DataFrame:
         """The rows that are fitted."""
-        kept = self.table["kept"].to_numpy()
-        return self.table if kept.all() else self.table[kept]
+        included = self.table["included"].to_numpy()
+        return self.table if included.all() else self.table[included]
 
 
 def prepare(
@@ -124,19 +124,19 @@ def prepare(
     unfitted: list[str] = []
     segments = 0
     for number, recording in enumerate(recordings):
-        kept, found = _screened(recording) if screening else (np.ones(len(recording), dtype=np.bool_), ())
+        included, found = _screened(recording) if screening else (np.ones(len(recording), dtype=np.bool_), ())
         excluded_rows += found
-        weight = np.ones(len(recording)) if rows == "equal" else group_by_condition(recording).weights(kept)
+        weight = np.ones(len(recording)) if rows == "equal" else group_by_condition(recording).weights(included)
         segment = _segment_numbers(recording) + segments
         segments = int(segment[-1]) + 1
-        table, silent = _telling(recording.with_signs("adapted-sae").table, kept, book)
-        unfitted += [f"{recording.source}: {what}" for what in silent]
-        tables.append(table.assign(recording=number, segment=segment, kept=kept, weight=weight))
+        table, unfitted_channels = _without_constant_slip(recording.with_signs("adapted-sae").table, included, book)
+        unfitted += [f"{recording.source}: {what}" for what in unfitted_channels]
+        tables.append(table.assign(recording=number, segment=segment, included=included, weight=weight))
     data = pd.concat(tables, ignore_index=True)
-    if not data["kept"].any():
+    if not data["included"].any():
         raise DataError(f"no row is left to fit (--all-rows keeps them): {'; '.join(map(str, excluded_rows))}")
     outputs = [quantity.name for quantity in book.outputs]
-    if not any(name in data and data.loc[data["kept"], name].notna().any() for name in outputs):
+    if not any(name in data and data.loc[data["included"], name].notna().any() for name in outputs):
         raise FitError(
             "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *unfitted])
         )
@@ -160,10 +160,12 @@ def _segment_numbers(recording: Recording) -> npt.NDArray[np.int64]:
     return np.repeat(np.arange(len(pieces)), [piece.stop - piece.start for piece in pieces])
 
 
-def _telling(table: pd.DataFrame, kept: npt.NDArray[np.bool_], book: Model) -> tuple[pd.DataFrame, list[str]]:
+def _without_constant_slip(
+    table: pd.DataFrame, included: npt.NDArray[np.bool_], book: Model
+) -> tuple[pd.DataFrame, list[str]]:
     """Take out channels whose slip a recording does not vary."""
     notes = []
-    fitted = table if kept.all() else table[kept]
+    fitted = table if included.all() else table[included]
     for channel in (quantity.name for quantity in book.outputs if quantity.name in table):
         by = EXCITED_BY[channel]
         if by and not any(slip in table and _width(fitted[slip]) >= LEAST_VARIATION for slip in by):

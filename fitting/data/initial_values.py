@@ -32,7 +32,7 @@ MOST_ROWS = 2000
 #: A curve has flattened where its sweep comes this near to its height.
 FLATTENED = 0.9
 #: The share of readings by which the size of a force is told: single ones do not make it.
-USUAL = 0.95
+SIZE_QUANTILE = 0.95
 #: C_t of the trail that is read: what the cards start from.
 TRAIL_SHAPE = 1.1
 #: Into how many parts loads are dealt that were not held.
@@ -144,20 +144,20 @@ def _curve(slip: FloatArray, force: FloatArray) -> dict[str, float]:
     """Return slope at zero, shift, and height where the curve has flattened; nothing where it shows no slope."""
     if len(slip) < FEWEST_ROWS or not slip.min() < 0 < slip.max():
         return {}
-    size, reach = float(np.quantile(np.abs(force), USUAL)), float(np.abs(slip).max())
+    size, reach = float(np.quantile(np.abs(force), SIZE_QUANTILE)), float(np.abs(slip).max())
     if not size > 0:
         return {}
     # Four numbers of any saturating curve: slope and height of their usual size, shift, shape.
-    usual = np.array([2.0 * size / reach, size, 0.1 * reach, 1.0])
+    typical = np.array([2.0 * size / reach, size, 0.1 * reach, 1.0])
 
-    def missed(x: FloatArray) -> FloatArray:
-        slope, height, shift, shape = x * usual
+    def residual(x: FloatArray) -> FloatArray:
+        slope, height, shift, shape = x * typical
         curve = height * np.sin(shape * np.arctan(slope / (shape * height) * (slip + shift)))
         return np.asarray((curve - force) / size)
 
     bounds = ([0.01, 0.2, -10.0, 1.0], [100.0, 5.0, 10.0, 2.2])
     slope, height, shift, shape = (
-        least_squares(missed, [1.0, 1.0, 0.0, 1.5], bounds=bounds, loss="soft_l1", f_scale=0.1).x * usual
+        least_squares(residual, [1.0, 1.0, 0.0, 1.5], bounds=bounds, loss="soft_l1", f_scale=0.1).x * typical
     )
     flat = np.sin(min(shape * np.arctan(slope / (shape * height) * reach), pi / 2.0)) >= FLATTENED
     return {"slope": float(slope), "shift": float(shift), **({"height": float(height)} if flat else {})}
@@ -169,42 +169,44 @@ def _trail(part: pd.DataFrame) -> dict[str, float]:
     if len(part) < FEWEST_ROWS:
         return {}
     alpha, force, moment = (part[name].to_numpy(dtype=float) for name in ("alpha", "Fy", "Mz"))
-    size, reach = float(np.quantile(np.abs(moment), USUAL)), float(np.abs(alpha).max())
+    size, reach = float(np.quantile(np.abs(moment), SIZE_QUANTILE)), float(np.abs(alpha).max())
     if not size > 0:
         return {}
-    arm = size / float(np.quantile(np.abs(force), USUAL))
-    usual = np.array([2.0 * arm, 2.0 / reach, 0.1 * size])
+    arm = size / float(np.quantile(np.abs(force), SIZE_QUANTILE))
+    typical = np.array([2.0 * arm, 2.0 / reach, 0.1 * size])
 
-    def missed(x: FloatArray) -> FloatArray:
-        trail, fall, left = x * usual
-        return np.asarray((left - trail * np.cos(TRAIL_SHAPE * np.arctan(fall * alpha)) * force - moment) / size)
+    def residual(x: FloatArray) -> FloatArray:
+        trail, fall, offset = x * typical
+        return np.asarray((offset - trail * np.cos(TRAIL_SHAPE * np.arctan(fall * alpha)) * force - moment) / size)
 
     bounds = ([0.01, 0.01, -10.0], [20.0, 20.0, 10.0])
-    trail, fall, _ = least_squares(missed, [1.0, 1.0, 0.0], bounds=bounds, loss="soft_l1", f_scale=0.1).x * usual
+    trail, fall, _ = least_squares(residual, [1.0, 1.0, 0.0], bounds=bounds, loss="soft_l1", f_scale=0.1).x * typical
     return {"trail": float(trail), "trail_fall": float(fall)}
 
 
 def _solved(tire: Tire, quantity: str, reading: Reading, names: list[str]) -> dict[str, float]:
     """Return the coefficients with which a quantity comes nearest to what was read."""
     book, code = tire.book, fastest_code(tire.book, len(reading.loads))
-    place = code.quantities_names.index(quantity)
+    index = code.quantities_names.index(quantity)
     order = list(book.parameters)
     columns = [order.index(name) for name in names]
     points = np.array([np.full(len(reading.loads), tire.nominal(name)) for name in tire.inputs])
     for name, row in zip(tire.inputs, points, strict=True):
         row[:] = reading.loads if name == "Fz" else 0.0 if name in ("kappa", "alpha", "gamma", "phit") else row
-    cards = [book.coefficients[name] for name in names]
+    declarations = [book.coefficients[name] for name in names]
     factors = np.array([tire.rescaled.get(name, 1.0) for name in names])
     size = float(np.abs(reading.values).max()) or 1.0
 
-    def missed(x: FloatArray) -> FloatArray:
+    def residual(x: FloatArray) -> FloatArray:
         parameters = tire.parameters()
         parameters[columns] = x * factors
-        return np.asarray((code.quantities(points, parameters)[place] - reading.values) / size)
+        return np.asarray((code.quantities(points, parameters)[index] - reading.values) / size)
 
-    lower, upper = (np.array([getattr(card, side) for card in cards]) for side in ("lower", "upper"))
-    start = np.clip([card.generic for card in cards], lower + 1e-6, upper - 1e-6)
-    solution = least_squares(missed, start, bounds=(lower, upper), x_scale=np.maximum(np.abs(start), 0.1))
+    lower, upper = (
+        np.array([getattr(declaration, side) for declaration in declarations]) for side in ("lower", "upper")
+    )
+    start = np.clip([declaration.generic for declaration in declarations], lower + 1e-6, upper - 1e-6)
+    solution = least_squares(residual, start, bounds=(lower, upper), x_scale=np.maximum(np.abs(start), 0.1))
     return {name: float(value) for name, value in zip(names, solution.x, strict=True)}
 
 

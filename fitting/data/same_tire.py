@@ -43,7 +43,7 @@ def tire_notes(recordings: Sequence[Recording]) -> list[str]:
     >>> tire_notes([Recording(sweep, "iso", "a.csv"), Recording(other, "iso", "b.csv")])
     ['two tires? at 900 N, mu_y is 1.66 in a.csv and 0.998 in b.csv']
     """
-    read = [(place, _read(table)) for recording in recordings for place, table in _parts(recording)]
+    read = [(label, _read(table)) for recording in recordings for label, table in _parts(recording)]
     notes = []
     for (one, first), (other, second) in combinations(read, 2):
         found = [
@@ -76,8 +76,8 @@ def _parts(recording: Recording) -> list[tuple[str, pd.DataFrame]]:
 def _read(table: pd.DataFrame) -> dict[str, Reading]:
     """Read the channels whose own slip was swept: a few held slips make no curve to compare."""
     swept = {slip: slip in table and not levels(table[slip]) for slip in ("kappa", "alpha")}
-    silent = [name for name, slip in (("Fx", "kappa"), ("Fy", "alpha")) if not swept[slip] and name in table]
-    return readings(table.drop(columns=silent))
+    unswept = [name for name, slip in (("Fx", "kappa"), ("Fy", "alpha")) if not swept[slip] and name in table]
+    return readings(table.drop(columns=unswept))
 
 
 def _pairs(one: Reading | None, other: Reading | None) -> list[tuple[float, float, float]]:

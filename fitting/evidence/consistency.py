@@ -78,12 +78,12 @@ def disagreeing_files(residuals: Residuals) -> tuple[Disagreement, ...]:
     -------
     tuple of Disagreement
     """
-    numbers, told = residuals.recording, []
+    numbers, differences = residuals.recording, []
     for a, b in combinations(range(len(residuals.sources)), 2):
         for channel in residuals.channels:
             sides = np.flatnonzero(numbers == a), np.flatnonzero(numbers == b)
-            told.append(_compared(residuals, channel, sides, (residuals.sources[a], residuals.sources[b])))
-    return tuple(each for each in told if each is not None)
+            differences.append(_compared(residuals, channel, sides, (residuals.sources[a], residuals.sources[b])))
+    return tuple(each for each in differences if each is not None)
 
 
 def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
@@ -98,15 +98,15 @@ def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
     tuple of Disagreement
         The most significant one of each recording and channel that repeats conditions.
     """
-    told = []
+    differences = []
     for number, source in enumerate(residuals.sources):
         segments = list(_pieces(residuals.segment, np.flatnonzero(residuals.recording == number)))
-        alike: dict[int, list[int]] = {}  # the segments that were mostly in one condition
+        by_condition_number: dict[int, list[int]] = {}  # the segments that were mostly in one condition
         for k, rows in enumerate(segments):
-            alike.setdefault(int(np.bincount(residuals.condition[rows]).argmax()), []).append(k)
+            by_condition_number.setdefault(int(np.bincount(residuals.condition[rows]).argmax()), []).append(k)
         pairs = [
             (k, (segments[k], np.concatenate([segments[other] for other in same if other != k])))
-            for same in alike.values()
+            for same in by_condition_number.values()
             if len(same) > 1
             for k in same
         ]
@@ -116,8 +116,8 @@ def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
             ]
             known = [each for each in found if each is not None]
             if known:
-                told.append(max(known, key=lambda each: abs(each.sigmas)))
-    return tuple(told)
+                differences.append(max(known, key=lambda each: abs(each.sigmas)))
+    return tuple(differences)
 
 
 def sweep_differences(residuals: Residuals) -> tuple[Disagreement, ...]:
@@ -132,37 +132,39 @@ def sweep_differences(residuals: Residuals) -> tuple[Disagreement, ...]:
     tuple of Disagreement
         One for each recording and channel in which a slip runs both ways; `first` is "file, slip up".
     """
-    told = []
+    differences = []
     for number, source in enumerate(residuals.sources):
-        here = np.flatnonzero(residuals.recording == number)
+        rows_of_recording = np.flatnonzero(residuals.recording == number)
         rates = {
-            slip: _direction(residuals, here, slip) for slip in ("kappa", "alpha") if _swept(residuals, here, slip)
+            slip: _direction(residuals, rows_of_recording, slip)
+            for slip in ("kappa", "alpha")
+            if _swept(residuals, rows_of_recording, slip)
         }
         for channel in residuals.channels if rates else ():
             own = OWN_SLIP.get(channel, "alpha")
             slip = own if own in rates else next(iter(rates))
-            sides = here[rates[slip] > 0], here[rates[slip] < 0]
-            told.append(_compared(residuals, channel, sides, (f"{source}, {slip} up", "down")))
-    return tuple(each for each in told if each is not None)
+            sides = rows_of_recording[rates[slip] > 0], rows_of_recording[rates[slip] < 0]
+            differences.append(_compared(residuals, channel, sides, (f"{source}, {slip} up", "down")))
+    return tuple(each for each in differences if each is not None)
 
 
-def _swept(residuals: Residuals, here: IntArray, slip: str) -> bool:
+def _swept(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> bool:
     """Tell whether a recording sweeps a slip, not holds it at levels."""
     if slip not in residuals.table:
         return False
-    values = residuals.table[slip].iloc[here]
+    values = residuals.table[slip].iloc[rows_of_recording]
     return bool(np.ptp(values.to_numpy()) >= LEAST_SWEEP) and not held_levels(values)
 
 
-def _direction(residuals: Residuals, here: IntArray, slip: str) -> FloatArray:
+def _direction(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> FloatArray:
     """Return 1 where a slip grows, -1 where it falls, 0 where it hardly moves; shape (n_here,)."""
     values = residuals.table[slip].to_numpy(dtype=float)
     rate = np.zeros(len(values))
-    for rows in _pieces(residuals.segment, here):
+    for rows in _pieces(residuals.segment, rows_of_recording):
         if len(rows) > SMOOTHED:
             rate[rows] = np.gradient(uniform_filter1d(values[rows], SMOOTHED, mode="nearest"))
-    usual = float(np.quantile(np.abs(rate[here]), 0.9))
-    return np.where(np.abs(rate[here]) > MOVES * usual, np.sign(rate[here]), 0.0)
+    usual = float(np.quantile(np.abs(rate[rows_of_recording]), 0.9))
+    return np.where(np.abs(rate[rows_of_recording]) > MOVES * usual, np.sign(rate[rows_of_recording]), 0.0)
 
 
 def _pieces(segment: IntArray, rows: IntArray) -> Iterator[IntArray]:
@@ -174,17 +176,17 @@ def _compared(
     residuals: Residuals, channel: str, sides: tuple[IntArray, IntArray], names: tuple[str, str]
 ) -> Disagreement | None:
     """Return how two sides differ in a channel; None where they share too little."""
-    missed = residuals.missed[channel]
-    chosen = [side[np.isfinite(missed[side])] for side in sides]
-    kept = _shared_cells(residuals.cell, chosen)
-    rows = [side[np.isin(residuals.cell[side], kept)] for side in chosen]
+    values = residuals.measured_minus_computed[channel]
+    chosen = [side[np.isfinite(values[side])] for side in sides]
+    shared = _shared_cells(residuals.cell, chosen)
+    rows = [side[np.isin(residuals.cell[side], shared)] for side in chosen]
     if min(len(side) for side in rows) < FEWEST_ROWS:
         return None
-    sums = [_by_cell(kept, residuals.cell[side], missed[side]) for side in rows]
+    sums = [_by_cell(shared, residuals.cell[side], values[side]) for side in rows]
     (n1, mean1, var1), (n2, mean2, var2) = sums
     difference, weight = mean1 - mean2, n1 * n2 / (n1 + n2)
     noises = [
-        missed[side] - at[np.searchsorted(kept, residuals.cell[side])]
+        values[side] - at[np.searchsorted(shared, residuals.cell[side])]
         for side, (_, at, _) in zip(rows, sums, strict=True)
     ]
     lengths = [correlation_length(e, residuals.segment[side]) for e, side in zip(noises, rows, strict=True)]
@@ -197,11 +199,11 @@ def _compared(
     by_condition = {c: np.average(difference[condition == c], weights=weight[condition == c]) for c in set(condition)}
     worst = max(by_condition, key=lambda c: abs(by_condition[c]))
     typical = float(weight @ difference**2 - weight @ noise) / total
-    turned = residuals.turned(channel)
+    sign = residuals.sign(channel)
     unit = next(output.unit for output in residuals.tire.book.outputs if output.name == channel)
     return Disagreement(
-        channel, unit, *names, turned * mean, max(typical, 0.0) ** 0.5, turned * mean / sd if sd > 0 else 0.0,
-        min(len(side) for side in rows), residuals.at(int(worst)), turned * float(by_condition[worst]),
+        channel, unit, *names, sign * mean, max(typical, 0.0) ** 0.5, sign * mean / sd if sd > 0 else 0.0,
+        min(len(side) for side in rows), residuals.at(int(worst)), sign * float(by_condition[worst]),
     )  # fmt: skip
 
 
@@ -211,10 +213,10 @@ def _shared_cells(cell: IntArray, sides: Sequence[IntArray]) -> IntArray:
     return np.intersect1d(first[n1 >= FEWEST_IN_CELL], second[n2 >= FEWEST_IN_CELL])
 
 
-def _by_cell(kept: IntArray, cell: IntArray, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _by_cell(shared: IntArray, cell: IntArray, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return rows, mean and variance of each cell."""
-    place = np.searchsorted(kept, cell)
-    n = np.bincount(place, minlength=len(kept)).astype(float)
-    mean = np.bincount(place, values, len(kept)) / n
-    variance = np.bincount(place, (values - mean[place]) ** 2, len(kept)) / np.maximum(n - 1, 1)
+    index = np.searchsorted(shared, cell)
+    n = np.bincount(index, minlength=len(shared)).astype(float)
+    mean = np.bincount(index, values, len(shared)) / n
+    variance = np.bincount(index, (values - mean[index]) ** 2, len(shared)) / np.maximum(n - 1, 1)
     return n, mean, variance

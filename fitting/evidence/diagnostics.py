@@ -67,14 +67,14 @@ class Findings:
 
     def worst(self, recording: str, channel: str) -> ConditionFit | None:
         """Return the condition that a channel of a recording misses most; None where there are not several."""
-        mine = [each for each in self.conditions if (each.recording, each.channel) == (recording, channel)]
-        return max(mine, key=lambda each: each.rmse) if len(mine) > 1 else None
+        conditions = [each for each in self.conditions if (each.recording, each.channel) == (recording, channel)]
+        return max(conditions, key=lambda each: each.rmse) if len(conditions) > 1 else None
 
 
 def find(
     residuals: Residuals,
     free: Sequence[str],
-    open_: Sequence[tuple[str, ...]],
+    sets: Sequence[tuple[str, ...]],
     bounded: Sequence[str],
     effective: Mapping[str, float],
 ) -> Findings:
@@ -96,7 +96,7 @@ def find(
     -------
     Findings
     """
-    reasons = undetermined(residuals, free, open_, effective)
+    reasons = undetermined(residuals, free, sets, effective)
     reasons += at_bounds(residuals, [*free, *bounded], bounded, effective)
     return Findings(
         by_condition(residuals), slip_stiffnesses(residuals), reasons,
@@ -119,18 +119,16 @@ def by_condition(residuals: Residuals) -> tuple[ConditionFit, ...]:
     if not residuals.levels:
         return ()
     units = {output.name: output.unit for output in residuals.tire.book.outputs}
-    told = []
+    records = []
     for number, source in enumerate(residuals.sources):
         for channel in residuals.channels:
-            missed = residuals.missed[channel]
-            here = np.flatnonzero((residuals.recording == number) & np.isfinite(missed))
-            conditions, place = np.unique(residuals.condition[here], return_inverse=True)
-            rows = np.bincount(place, minlength=len(conditions))
-            squares, sums = (
-                np.bincount(place, values, len(conditions)) for values in (missed[here] ** 2, missed[here])
-            )
+            values = residuals.measured_minus_computed[channel]
+            here = np.flatnonzero((residuals.recording == number) & np.isfinite(values))
+            conditions, index = np.unique(residuals.condition[here], return_inverse=True)
+            rows = np.bincount(index, minlength=len(conditions))
+            squares, sums = (np.bincount(index, each, len(conditions)) for each in (values[here] ** 2, values[here]))
             for k in np.flatnonzero(rows >= FEWEST_ROWS):
-                rmse, mean = float(np.sqrt(squares[k] / rows[k])), residuals.turned(channel) * float(sums[k] / rows[k])
+                rmse, mean = float(np.sqrt(squares[k] / rows[k])), residuals.sign(channel) * float(sums[k] / rows[k])
                 at = residuals.at(int(conditions[k]))
-                told.append(ConditionFit(source, channel, units[channel], at, int(rows[k]), rmse, mean))
-    return tuple(told)
+                records.append(ConditionFit(source, channel, units[channel], at, int(rows[k]), rmse, mean))
+    return tuple(records)

@@ -62,7 +62,7 @@ class Residuals:
         return {name: forces[self.tire.outputs.index(name)] for name in self.channels}
 
     @cached_property
-    def missed(self) -> Mapping[str, FloatArray]:
+    def measured_minus_computed(self) -> Mapping[str, FloatArray]:
         """Measured less computed, each of shape (n,); NaN where not measured."""
         return {name: self.table[name].to_numpy(dtype=float) - self.computed[name] for name in self.channels}
 
@@ -94,11 +94,11 @@ class Residuals:
 
     def at(self, condition: int) -> dict[str, float]:
         """Return the levels of a held condition by its number."""
-        told: dict[str, float] = {}
+        levels: dict[str, float] = {}
         for name, held in reversed(list(self.levels.items())):
-            condition, place = divmod(condition, len(held))
-            told[name] = float(held[place])
-        return dict(reversed(list(told.items())))
+            condition, index = divmod(condition, len(held))
+            levels[name] = float(held[index])
+        return dict(reversed(list(levels.items())))
 
     @cached_property
     def cell(self) -> IntArray:
@@ -111,7 +111,7 @@ class Residuals:
                 number = number * SLIP_PARTS + np.minimum(part, SLIP_PARTS - 1)
         return number
 
-    def turned(self, channel: str) -> float:
+    def sign(self, channel: str) -> float:
         """Return -1 for a channel that changes its sign on the way to the told convention."""
         return -1.0 if channel in reversed_columns("adapted-sae", self.signs) else 1.0
 
@@ -125,8 +125,8 @@ def condition_text(at: Mapping[str, float]) -> str:
     'Fz 1100 N, gamma 2 deg, p 83 kPa'
     """
     scales = {"gamma": (degrees(1.0), "deg", 1), "alpha": (degrees(1.0), "deg", 1), "p": (1e-3, "kPa", 0)}
-    told = []
+    parts = []
     for name, value in at.items():
         scale, unit, digits = scales.get(name, (1.0, CHANNELS[name].unit.replace("-", ""), 3 if name == "kappa" else 0))
-        told.append(f"{name} {round(value * scale, digits) + 0.0:.12g} {unit}".rstrip())  # + 0.0: no -0
-    return ", ".join(told)
+        parts.append(f"{name} {round(value * scale, digits) + 0.0:.12g} {unit}".rstrip())  # + 0.0: no -0
+    return ", ".join(parts)

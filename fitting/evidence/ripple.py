@@ -62,15 +62,15 @@ def ripple(residuals: Residuals) -> tuple[Ripple, ...]:
 
 def _of_recording(residuals: Residuals, number: int, radius: float) -> Iterator[Ripple]:
     """Yield the ripple of each channel of a recording."""
-    here = residuals.recording == number
-    channels = [name for name in residuals.channels if np.isfinite(residuals.missed[name][here]).any()]
+    rows = residuals.recording == number
+    channels = [name for name in residuals.channels if np.isfinite(residuals.measured_minus_computed[name][rows]).any()]
     if not channels:
         return
-    t, speed = (residuals.table[name].to_numpy(dtype=float)[here] for name in ("t", "V"))
+    t, speed = (residuals.table[name].to_numpy(dtype=float)[rows] for name in ("t", "V"))
     if "kappa" in residuals.table:
-        speed = speed * (1.0 + residuals.table["kappa"].to_numpy(dtype=float)[here])
-    missed = np.stack([residuals.missed[name][here] for name in channels])
-    found = once_per_revolution(t, speed, missed, residuals.segment[here], radius)
+        speed = speed * (1.0 + residuals.table["kappa"].to_numpy(dtype=float)[rows])
+    values = np.stack([residuals.measured_minus_computed[name][rows] for name in channels])
+    found = once_per_revolution(t, speed, values, residuals.segment[rows], radius)
     if found is None:
         return
     units = {output.name: output.unit for output in residuals.tire.book.outputs}

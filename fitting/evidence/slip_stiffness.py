@@ -57,7 +57,7 @@ def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
         By recording, channel and load; none where no sweep passes zero slip with the other slip at rest.
     """
     loads = np.array(residuals.levels.get("Fz", ()))
-    told = []
+    records = []
     for number, source in enumerate(residuals.sources):
         for slip, channel in FORCES.items():
             if channel not in residuals.channels or slip not in residuals.table:
@@ -68,11 +68,11 @@ def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
             load, read, fitted = np.array(slopes).T
             level = np.abs(load[:, None] - loads).argmin(axis=1) if loads.size else np.zeros(len(load), dtype=int)
             for each in np.unique(level):
-                mine = level == each
-                at, data, tire = (float(np.abs(values[mine]).mean()) for values in (load, read, fitted))
+                selected = level == each
+                at, data, tire = (float(np.abs(values[selected]).mean()) for values in (load, read, fitted))
                 unit = "N/rad" if slip == "alpha" else "N"
-                told.append(SlipStiffness(source, channel, slip, unit, at, data, tire, int(mine.sum())))
-    return tuple(told)
+                records.append(SlipStiffness(source, channel, slip, unit, at, data, tire, int(selected.sum())))
+    return tuple(records)
 
 
 def _slopes(residuals: Residuals, number: int, slip: str, channel: str) -> list[tuple[float, float, float]]:

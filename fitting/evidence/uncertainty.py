@@ -29,9 +29,9 @@ FloatArray = npt.NDArray[np.float64]
 QUANTILE = 1.959964
 #: A direction whose standard deviation is more than one size of its coefficients (a quarter of their plausible range)
 #: is one that the data leave open, and so is one with less than this share of the largest curvature.
-OPEN, LEAST_CURVATURE = 1.0, 1e-13
+LARGEST_SD, LEAST_CURVATURE = 1.0, 1e-13
 #: A coefficient takes part in a direction, and is not determined by itself, from this share of a unit vector on.
-TAKES_PART = 0.1
+LEAST_PART = 0.1
 
 
 @dataclass(frozen=True)
@@ -122,29 +122,29 @@ def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = ()) -> U
 def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str]) -> Uncertainty:
     curvature, middle, effective = _sandwich(problem, x)
     names = [name for name in problem.free if name not in fixed]
-    moving = np.array([i for i, name in enumerate(problem.free) if name not in fixed], dtype=int)
-    if not moving.size:
+    unfixed = np.array([i for i, name in enumerate(problem.free) if name not in fixed], dtype=int)
+    if not unfixed.size:
         return Uncertainty({}, (), effective, pd.DataFrame(dtype=np.float64))
-    values, vectors = np.linalg.eigh(curvature[np.ix_(moving, moving)])
-    held = values > LEAST_CURVATURE * max(float(values[-1]), 0.0)
-    inverse = np.where(held, 1.0 / np.where(held, values, 1.0), 0.0)
+    values, vectors = np.linalg.eigh(curvature[np.ix_(unfixed, unfixed)])
+    identified = values > LEAST_CURVATURE * max(float(values[-1]), 0.0)
+    inverse = np.where(identified, 1.0 / np.where(identified, values, 1.0), 0.0)
     # In the directions of the eigenvectors: what the noise makes of each, together with the others.
-    spread = vectors.T @ middle[np.ix_(moving, moving)] @ vectors * np.outer(inverse, inverse)
-    along = np.where(held, np.sqrt(np.maximum(np.diag(spread), 0.0)), np.inf)
-    open_ = ~(along <= OPEN)
+    spread = vectors.T @ middle[np.ix_(unfixed, unfixed)] @ vectors * np.outer(inverse, inverse)
+    along = np.where(identified, np.sqrt(np.maximum(np.diag(spread), 0.0)), np.inf)
+    unidentified = ~(along <= LARGEST_SD)
     directions = tuple(
-        Direction(_taking_part(vectors[:, k], names), float(along[k])) for k in np.flatnonzero(open_)
+        Direction(_members(vectors[:, k], names), float(along[k])) for k in np.flatnonzero(unidentified)
     )  # from the least determined on, as the eigenvalues come
     # An open direction reaches as far as is plausible, one size, and takes along what has a small part in it.
-    spread[open_, :] = spread[:, open_] = 0.0
-    spread[open_, open_] = OPEN**2
+    spread[unidentified, :] = spread[:, unidentified] = 0.0
+    spread[unidentified, unidentified] = LARGEST_SD**2
     variance = np.einsum("ik,kl,il->i", vectors, spread, vectors)
-    lost = np.sum(vectors[:, open_] ** 2, axis=1) > TAKES_PART
-    scale = problem.scale[moving]
-    half = np.where(lost, np.inf, QUANTILE * np.sqrt(np.maximum(variance, 0.0)) * scale)
+    undetermined = np.sum(vectors[:, unidentified] ** 2, axis=1) > LEAST_PART
+    scale = problem.scale[unfixed]
+    half = np.where(undetermined, np.inf, QUANTILE * np.sqrt(np.maximum(variance, 0.0)) * scale)
     covariance = vectors @ spread @ vectors.T * np.outer(scale, scale)
     np.fill_diagonal(covariance, np.maximum(variance, 0.0) * scale**2)
-    covariance[lost, :] = covariance[:, lost] = np.nan
+    covariance[undetermined, :] = covariance[:, undetermined] = np.nan
     named = pd.DataFrame(covariance, index=names, columns=names)
     return Uncertainty(dict(zip(names, half.tolist(), strict=True)), directions, effective, named)
 
@@ -157,22 +157,22 @@ def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, 
         rows = problem.rows.take(np.flatnonzero(problem.rows.group == group))
         # The Jacobian of all rows: how much of them the loss leaves is the same everywhere but for chance.
         part = replace(problem, rows=rows, loss=LOSSES["squares"], limits=None)
-        residual, there = part.residual(x), np.isfinite(rows.measured.T)
-        twice = _twice_weighed(part, x)
+        residual, present = part.residual(x), np.isfinite(rows.measured.T)
+        squared_weights = _squared_weights(part, x)
         for channel, free, _, squares in part.by_output(x):
-            missed, slope = residual[channel, there[channel]], 1.0
+            own, slope = residual[channel, present[channel]], 1.0
             if problem.limits is not None:
-                over = np.abs(missed) / problem.limits[group, channel]
-                missed, slope = missed * problem.loss.weight(over), float(np.mean(problem.loss.slope(over)))
-            length, variance = correlation_length(missed, rows.segment[there[channel]]), float(np.mean(missed**2))
-            effective[group, channel] = len(missed) / length
+                over = np.abs(own) / problem.limits[group, channel]
+                own, slope = own * problem.loss.weight(over), float(np.mean(problem.loss.slope(over)))
+            length, variance = correlation_length(own, rows.segment[present[channel]]), float(np.mean(own**2))
+            effective[group, channel] = len(own) / length
             curvature[np.ix_(free, free)] += slope * squares
             noise = length * variance * problem.weights[group, channel]
-            middle[np.ix_(free, free)] += noise * twice.get(channel, squares)
+            middle[np.ix_(free, free)] += noise * squared_weights.get(channel, squares)
     return curvature, middle, effective
 
 
-def _twice_weighed(part: Problem, x: FloatArray) -> dict[int, FloatArray]:
+def _squared_weights(part: Problem, x: FloatArray) -> dict[int, FloatArray]:
     """Return J^T W J of each output with the square of each row's own weight; nothing where every row counts alike."""
     if (part.rows.weight == 1.0).all():
         return {}
@@ -180,6 +180,6 @@ def _twice_weighed(part: Problem, x: FloatArray) -> dict[int, FloatArray]:
     return {output: squares for output, _, _, squares in squared.by_output(x)}
 
 
-def _taking_part(vector: FloatArray, names: Sequence[str]) -> tuple[str, ...]:
+def _members(vector: FloatArray, names: Sequence[str]) -> tuple[str, ...]:
     order = np.argsort(-np.abs(vector), kind="stable")
-    return tuple(names[i] for i in order if vector[i] ** 2 > TAKES_PART)
+    return tuple(names[i] for i in order if vector[i] ** 2 > LEAST_PART)

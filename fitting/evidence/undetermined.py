@@ -20,12 +20,12 @@ from tirefmu.tires.tire import Tire
 
 from ..problem.weighted_residuals import LEAST_NOISE, OWN_SLIP
 from .residuals import Residuals
-from .uncertainty import OPEN
+from .uncertainty import LARGEST_SD
 
 FloatArray = npt.NDArray[np.float64]
 
 #: Measured rows that stand for all, and how many independent rows a further program is worth.
-SAMPLE, WORTH = 2000, 300.0
+SAMPLE, PROGRAM_ROWS = 2000, 300.0
 #: The information along a direction of which nothing tells.
 LEAST = 1e-9
 #: How a slip has to be, or to reach, for a program with more of it, rad or 1.
@@ -55,7 +55,7 @@ class Undetermined:
 
 
 def undetermined(
-    residuals: Residuals, free: Sequence[str], open_: Sequence[tuple[str, ...]], effective: Mapping[str, float]
+    residuals: Residuals, free: Sequence[str], sets: Sequence[tuple[str, ...]], effective: Mapping[str, float]
 ) -> tuple[Undetermined, ...]:
     """Say of each set of open coefficients what the data lack.
 
@@ -74,12 +74,12 @@ def undetermined(
     tuple of Undetermined
         Sets with one reason are put together.
     """
-    if not open_:
+    if not sets:
         return ()
-    asked = _Asked(residuals, tuple(free), effective)
+    identifiability = _Identifiability(residuals, tuple(free), effective)
     found: dict[str, list[str]] = {}
-    for names in open_:
-        found.setdefault(asked.reason(names), []).extend(names)
+    for names in sets:
+        found.setdefault(identifiability.reason(names), []).extend(names)
     return tuple(Undetermined(tuple(dict.fromkeys(names)), reason) for reason, names in found.items())
 
 
@@ -105,36 +105,40 @@ def at_bounds(
     """
     if not bounded:
         return ()
-    asked = _Asked(residuals, tuple(free), effective)
+    identifiability = _Identifiability(residuals, tuple(free), effective)
     found: dict[str, list[str]] = {}
     for name in bounded:
-        reason = "the data ask for more" if asked.holds(name) else f"only the bound holds it, {asked.reason([name])}"
+        reason = (
+            "the data ask for more"
+            if identifiability.determines(name)
+            else f"only the bound holds it, {identifiability.reason([name])}"
+        )
         found.setdefault(f"at a bound: {reason}", []).append(name)
     return tuple(Undetermined(tuple(names), reason) for reason, names in found.items())
 
 
 @dataclass(frozen=True, eq=False)
-class _Asked:
+class _Identifiability:
     """What the data know, and what further programs would."""
 
     residuals: Residuals
     free: tuple[str, ...]
     effective: Mapping[str, float]
 
-    def holds(self, name: str) -> bool:
+    def determines(self, name: str) -> bool:
         """Return whether the data determine a coefficient as they are."""
-        return bool(_spreads(self._known)[self.free.index(name)] <= OPEN)
+        return bool(_spreads(self._known)[self.free.index(name)] <= LARGEST_SD)
 
     def reason(self, names: Sequence[str]) -> str:
         """Return what the data lack to determine some coefficients."""
-        places = [self.free.index(name) for name in names]
+        indices = [self.free.index(name) for name in names]
         for count in (1, 2):
-            spreads = {p: self._spreads[p][places].max() for p in self._programs if len(p) == count}
+            spreads = {p: self._spreads[p][indices].max() for p in self._programs if len(p) == count}
             best = min(spreads, key=lambda program: spreads[program])
-            if spreads[best] <= OPEN:
-                return self._lacking(best, places[0])
-        alone = max(float(matrix[places[0], places[0]]) for matrix in self._information.values())
-        if len(names) == 1 and alone < 1.0 / OPEN**2:
+            if spreads[best] <= LARGEST_SD:
+                return self._lacking(best, indices[0])
+        alone = max(float(matrix[indices[0], indices[0]]) for matrix in self._information.values())
+        if len(names) == 1 and alone < 1.0 / LARGEST_SD**2:
             return "hardly any force changes where the others have the values found"
         return "other coefficients do the same at every load, slip, inclination and pressure tried"
 
@@ -147,10 +151,11 @@ class _Asked:
     @cached_property
     def _sigma(self) -> Mapping[str, float]:
         """The noise of each channel; numbers without noise leave only rounding."""
-        missed, table = self.residuals.missed, self.residuals.table
+        residual_values, table = self.residuals.measured_minus_computed, self.residuals.table
         return {
             name: max(
-                _root_mean_square(missed[name]), LEAST_NOISE * _root_mean_square(table[name].to_numpy(dtype=float))
+                _root_mean_square(residual_values[name]),
+                LEAST_NOISE * _root_mean_square(table[name].to_numpy(dtype=float)),
             )
             for name in self.residuals.channels
         }
@@ -164,12 +169,12 @@ class _Asked:
             table[name].to_numpy(dtype=float) if name in table else np.full(len(table), self._tire.nominal(name))
             for name in self._tire.inputs
         ])  # fmt: skip
-        there = {name: np.isfinite(table[name].to_numpy(dtype=float)) for name in self.residuals.channels}
-        return self._weighed(inputs, there, self.effective)
+        present = {name: np.isfinite(table[name].to_numpy(dtype=float)) for name in self.residuals.channels}
+        return self._weighted_information(inputs, present, self.effective)
 
     @cached_property
     def _information(self) -> Mapping[tuple[str, ...], FloatArray]:
-        return {program: self._weighed(self._rows(program), {}, {}) for program in self._programs}
+        return {program: self._weighted_information(self._rows(program), {}, {}) for program in self._programs}
 
     @cached_property
     def _spreads(self) -> Mapping[tuple[str, ...], FloatArray]:
@@ -180,11 +185,11 @@ class _Asked:
     def _tire(self) -> Tire:
         return self.residuals.tire
 
-    def _weighed(
+    def _weighted_information(
         self,
         inputs: FloatArray,
-        there: Mapping[str, npt.NDArray[np.bool_]],
-        worth: Mapping[str, float],
+        present: Mapping[str, npt.NDArray[np.bool_]],
+        effective_rows: Mapping[str, float],
         only: str = "",
     ) -> FloatArray:
         """Return the information of rows; of channels where they were measured, or of one channel."""
@@ -196,15 +201,15 @@ class _Asked:
         matrix = np.zeros((len(self.free), len(self.free)))
         for name, sigma in self._sigma.items():
             part = np.nan_to_num(jacobian[:, tire.outputs.index(name), columns]) * reach
-            part = part[there[name]] if name in there else part
+            part = part[present[name]] if name in present else part
             if len(part) and sigma > 0 and only in ("", name):
-                matrix += worth.get(name, WORTH) / len(part) * part.T @ part / sigma**2
+                matrix += effective_rows.get(name, PROGRAM_ROWS) / len(part) * part.T @ part / sigma**2
         return matrix
 
     @cached_property
     def _sizes(self) -> FloatArray:
-        cards = [self._tire.book.coefficients[name] for name in self.free]
-        spans = [0.25 * (card.upper - card.lower) for card in cards]
+        declarations = [self._tire.book.coefficients[name] for name in self.free]
+        spans = [0.25 * (declaration.upper - declaration.lower) for declaration in declarations]
         return np.array([span if np.isfinite(span) else 1.0 for span in spans])
 
     @cached_property
@@ -243,14 +248,14 @@ class _Asked:
     def _reach(self, slip: str) -> float:
         return max(map(abs, self._ranges[slip]))
 
-    def _lacking(self, program: tuple[str, ...], place: int) -> str:
+    def _lacking(self, program: tuple[str, ...], index: int) -> str:
         """Put into words what the data lack."""
-        return " together with ".join(self._lack(name, place) for name in program)
+        return " together with ".join(self._lack(name, index) for name in program)
 
-    def _lack(self, name: str, place: int) -> str:
+    def _lack(self, name: str, index: int) -> str:
         low, high = self._ranges.get(name, (0.0, 0.0))
         if name == "Fz":
-            return self._lacking_load(place)
+            return self._lacking_load(index)
         if name == "gamma":
             reach, other = sorted((abs(low), abs(high)), reverse=True)
             if reach < NO_INCLINATION:
@@ -274,13 +279,13 @@ class _Asked:
             return False
         return bool(((table["kappa"].abs() > NO_SLIP) & (table["alpha"].abs() > NO_SLIP)).any())
 
-    def _lacking_load(self, place: int) -> str:
+    def _lacking_load(self, index: int) -> str:
         """Say what loads are missing: a second one, one with as much slip as the best, or ones further out."""
         loads = np.array(self.residuals.levels.get("Fz", ()))
         low, high = self._ranges["Fz"]
         if len(loads) < 2 and high - low < 0.3 * high:
             return "one load only"
-        channel = self._channel(place)
+        channel = self._channel(index)
         slip = OWN_SLIP.get(channel, "alpha")
         table = self.residuals.table
         if len(loads) > 1 and slip in table:
@@ -292,11 +297,14 @@ class _Asked:
                 return f"no second load above {reaches[-2]:.2g} {slip}"
         return f"no load beyond {low:.4g} to {high:.4g} N"
 
-    def _channel(self, place: int) -> str:
+    def _channel(self, index: int) -> str:
         """Return the channel that tells most of a coefficient."""
         everywhere = self._rows(("Fz", "both"))
-        told = {name: float(self._weighed(everywhere, {}, {}, name)[place, place]) for name in self.residuals.channels}
-        return max(told, key=lambda name: told[name])
+        information = {
+            name: float(self._weighted_information(everywhere, {}, {}, name)[index, index])
+            for name in self.residuals.channels
+        }
+        return max(information, key=lambda name: information[name])
 
 
 def _spreads(information: FloatArray) -> FloatArray:

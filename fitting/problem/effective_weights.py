@@ -29,14 +29,14 @@ def effective_weights(problem: Problem, x: FloatArray) -> FloatArray:
     -------
     ndarray, shape (n_groups, n_forces)
     """
-    residual, there = problem.residual(x), np.isfinite(problem.rows.measured.T)
+    residual, present = problem.residual(x), np.isfinite(problem.rows.measured.T)
     squares, lengths = np.zeros_like(problem.weights), np.ones_like(problem.weights)
     for group, channel in np.argwhere(problem.weights > 0):
-        rows = np.flatnonzero(there[channel] & (problem.rows.group == group))
+        rows = np.flatnonzero(present[channel] & (problem.rows.group == group))
         if rows.size:
-            missed = residual[channel, rows]
-            squares[group, channel] = float(missed**2 @ problem.rows.weight[rows])
-            lengths[group, channel] = correlation_length(missed, problem.rows.segment[rows])
+            own = residual[channel, rows]
+            squares[group, channel] = float(own**2 @ problem.rows.weight[rows])
+            lengths[group, channel] = correlation_length(own, problem.rows.segment[rows])
     weights = problem.weights / lengths
     before, after = (float(np.sum(each * squares)) for each in (problem.weights, weights))
     return weights * (before / after) if after > 0 else weights

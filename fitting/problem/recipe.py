@@ -185,77 +185,79 @@ def load_recipe(name: str | None, model: str) -> Recipe:
 
 def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
     _check_kind(item, dict, f"{where}, stage")
-    place = f"{where}, stage {item.get('name', '?')!r}"
-    _check_keys(item, STAGE_KEYS, place)
+    location = f"{where}, stage {item.get('name', '?')!r}"
+    _check_keys(item, STAGE_KEYS, location)
     inputs = [quantity.name for quantity in book.inputs]
     channels, effects, rows = item.get("channels", []), item.get("effects"), item.get("rows")
     sections = item.get("sections", [])
     for channel in channels:
-        _check_name(f"channel in {place}", channel, {q.name: q for known in MODELS.values() for q in known.outputs})
+        _check_name(f"channel in {location}", channel, {q.name: q for known in MODELS.values() for q in known.outputs})
     for section in sections:
-        _check_name(f"section in {place}", section, {s.title: s for known in MODELS.values() for s in known.sections})
+        _check_name(
+            f"section in {location}", section, {s.title: s for known in MODELS.values() for s in known.sections}
+        )
     for coefficient in item.get("free", {}):
-        _check_name(f"coefficient in {place}", coefficient, book.coefficients)
+        _check_name(f"coefficient in {location}", coefficient, book.coefficients)
     for channel in item.get("where", {}):
-        _check_name(f"input in {place}", channel, inputs)
+        _check_name(f"input in {location}", channel, inputs)
     for effect in effects or ():
-        _check_name(f"effect in {place}", effect, {**EFFECTS, **book.effects})
+        _check_name(f"effect in {location}", effect, {**EFFECTS, **book.effects})
     for channel in item.get("hold", []):
-        _check_name(f"held input without a condition in {place}", channel, item.get("where", {}))
+        _check_name(f"held input without a condition in {location}", channel, item.get("where", {}))
     weights = item.get("weights", "equal")
-    _check_name(f"weights in {place}", weights, ("equal", "noise"))
+    _check_name(f"weights in {location}", weights, ("equal", "noise"))
     if rows is not None and rows < 1:
-        raise FitError(f"{place}: rows = {rows} is not a number of rows")
+        raise FitError(f"{location}: rows = {rows} is not a number of rows")
     return Stage(
         name=item.get("name", "?"),
         channels=tuple(channels),
         where={
-            channel: [_condition(level, place) for level in (levels if isinstance(levels, list) else [levels])]
+            channel: [_condition(level, location) for level in (levels if isinstance(levels, list) else [levels])]
             for channel, levels in item.get("where", {}).items()
         },
         hold=tuple(item.get("hold", [])),
-        free={name: _freed(given, f"{place}, {name}") for name, given in item.get("free", {}).items()},
+        free={name: _freed(given, f"{location}, {name}") for name, given in item.get("free", {}).items()},
         sections=tuple(sections),
         effects=None if effects is None else tuple(sorted(set(effects) & book.effects.keys())),
         rows=rows,
         weights=weights,
-        again=tuple(_values(given, f"{place}, again") for given in item.get("again", [])),
+        again=tuple(_values(given, f"{location}, again") for given in item.get("again", [])),
     )
 
 
-def _values(given: dict[str, float], place: str) -> dict[str, float]:
+def _values(given: dict[str, float], location: str) -> dict[str, float]:
     """Return starting values; what a model lacks of them is left out when a stage is solved."""
-    _check_kind(given, dict, place)
-    known = {name: card for book in MODELS.values() for name, card in book.coefficients.items()}
+    _check_kind(given, dict, location)
+    known = {name: declaration for book in MODELS.values() for name, declaration in book.coefficients.items()}
     for name, value in given.items():
-        _check_name(f"coefficient in {place}", name, known)
-        _check_kind(value, float, f"{place}, {name}")
+        _check_name(f"coefficient in {location}", name, known)
+        _check_kind(value, float, f"{location}, {name}")
     return {name: float(value) for name, value in given.items()}
 
 
-def _freed(given: dict[str, float], place: str) -> Freed:
-    _check_kind(given, dict, place)
-    _check_keys(given, {"guess": float, "lower": float, "upper": float}, place)
+def _freed(given: dict[str, float], location: str) -> Freed:
+    _check_kind(given, dict, location)
+    _check_keys(given, {"guess": float, "lower": float, "upper": float}, location)
     lower, upper, guess = given.get("lower", -inf), given.get("upper", inf), given.get("guess", 0.0)
     if lower > upper:
-        raise FitError(f"{place}: bounds cross: lower {lower:g} is above upper {upper:g}")
+        raise FitError(f"{location}: bounds cross: lower {lower:g} is above upper {upper:g}")
     if isnan(lower) or isnan(upper) or not isfinite(guess):
-        raise FitError(f"{place}: a guess is a finite number, a bound is not nan")
+        raise FitError(f"{location}: a guess is a finite number, a bound is not nan")
     return Freed(float(guess), float(lower), float(upper))
 
 
-def _condition(text: object, place: str) -> tuple[float, float]:
+def _condition(text: object, location: str) -> tuple[float, float]:
     match = CONDITION.match(text) if isinstance(text, str) else None
     if not match or match["unit"] not in UNITS:
-        raise FitError(f"{place}: {text!r} is not like '220 +- 100 N' (units: {', '.join(filter(None, UNITS))})")
+        raise FitError(f"{location}: {text!r} is not like '220 +- 100 N' (units: {', '.join(filter(None, UNITS))})")
     factor = UNITS[match["unit"]]
     return float(match["value"]) * factor, float(match["tolerance"]) * factor
 
 
-def _check_keys(table: dict[str, Any], keys: dict[str, type], place: str) -> None:
+def _check_keys(table: dict[str, Any], keys: dict[str, type], location: str) -> None:
     for key, value in table.items():
-        _check_name(f"key in {place}", key, keys)
-        _check_kind(value, keys[key], f"{place}, {key}")
+        _check_name(f"key in {location}", key, keys)
+        _check_kind(value, keys[key], f"{location}, {key}")
 
 
 def _check_name(kind: str, name: object, known: Iterable[str]) -> None:
@@ -264,6 +266,6 @@ def _check_name(kind: str, name: object, known: Iterable[str]) -> None:
         raise UnknownName(kind, name if isinstance(name, str) else repr(name), names)
 
 
-def _check_kind(value: object, kind: type, place: str) -> None:
+def _check_kind(value: object, kind: type, location: str) -> None:
     if not isinstance(value, (int, float) if kind is float else kind) or isinstance(value, bool) != (kind is bool):
-        raise FitError(f"{place}: {value!r} is not {KINDS[kind]}")
+        raise FitError(f"{location}: {value!r} is not {KINDS[kind]}")

@@ -147,8 +147,8 @@ class Problem:
         self.columns = np.array([names.index(name) for name in self.free])
         self.reach = self.scale * np.array([factors.get(name, 1.0) for name in self.free])
         force, coefficient = self._code.entries
-        place = {int(column): i for i, column in enumerate(self.columns)}
-        freed = np.array([place.get(int(column), -1) for column in coefficient], dtype=int)
+        index = {int(column): i for i, column in enumerate(self.columns)}
+        freed = np.array([index.get(int(column), -1) for column in coefficient], dtype=int)
         #: By output: which entries of the Jacobian are by free coefficients, and by which of them.
         self._entries = [
             (chosen, freed[chosen])
@@ -157,9 +157,9 @@ class Problem:
         self._inputs = np.ascontiguousarray(self.tire.asked(self.rows.inputs))
         self._parameters = self.tire.parameters()
         self._measured = np.ascontiguousarray(np.nan_to_num(self.rows.measured.T))
-        self._weighed: FloatArray | None = None  # the weights to which the next two belong
+        self._applied: FloatArray | None = None  # the weights to which the next two belong
         self._root = np.zeros_like(self._measured)
-        self._there: list[tuple[int, npt.NDArray[np.int64]]] = []
+        self._present: list[tuple[int, npt.NDArray[np.int64]]] = []
         self._latest: tuple[FloatArray, float, FloatArray, FloatArray] | None = None
 
     def parameters(self, x: FloatArray) -> FloatArray:
@@ -185,20 +185,20 @@ class Problem:
         ndarray, shape (n_points,)
             The cost, or above the limit some part of it; infinite where there is none.
         """
-        self._weigh()
+        self._apply_weights()
         parameters = np.repeat(self._parameters[None, :], len(population), axis=0)
         parameters[:, self.columns] = population * self.reach
-        costs, racing = np.zeros(len(population)), np.arange(len(population))
+        costs, remaining = np.zeros(len(population)), np.arange(len(population))
         for start in range(0, len(self.rows), CHUNK):
             chunk = slice(start, start + CHUNK)
-            forces = forces_of_each(self._code, self._inputs[:, chunk], parameters[racing])
-            for output, _ in self._there:
+            forces = forces_of_each(self._code, self._inputs[:, chunk], parameters[remaining])
+            for output, _ in self._present:
                 root = self._root[output, chunk]
                 with np.errstate(over="ignore", invalid="ignore"):
                     residual = np.where(root > 0, (forces[:, output] - self._measured[output, chunk]) * root, 0.0)
-                    costs[racing] += 0.5 * np.einsum("ij,ij->i", residual, residual)
-            racing = racing[costs[racing] <= limits[racing]]
-            if not racing.size:
+                    costs[remaining] += 0.5 * np.einsum("ij,ij->i", residual, residual)
+            remaining = remaining[costs[remaining] <= limits[remaining]]
+            if not remaining.size:
                 break
         return np.where(np.isfinite(costs), costs, np.inf)
 
@@ -214,15 +214,15 @@ class Problem:
     def by_output(self, x: FloatArray) -> list[tuple[int, npt.NDArray[np.int64], FloatArray, FloatArray]]:
         """Return what each weighed output adds: its place, the free coefficients that reach it, gradient and matrix."""
         _, root, residual = self._at(x)
-        outputs = [(o, there, *self._entries[o]) for o, there in self._there if self._entries[o][0].size]
+        outputs = [(o, present, *self._entries[o]) for o, present in self._present if self._entries[o][0].size]
         gradients = [np.zeros(len(entries)) for _, _, entries, _ in outputs]
         matrices = [np.zeros((len(entries), len(entries)), order="F") for _, _, entries, _ in outputs]
         for chunk, jacobian in self._code.jacobian_chunks(self._inputs, self.parameters(x), CHUNK):
-            for k, (output, there, entries, _) in enumerate(outputs):
-                first, last = np.searchsorted(there, (chunk.start, chunk.stop))
+            for k, (output, present, entries, _) in enumerate(outputs):
+                first, last = np.searchsorted(present, (chunk.start, chunk.stop))
                 if first == last:
                     continue
-                here = there[first:last]
+                here = present[first:last]
                 # Rows without a weight are left out: what is not measured there may not even be finite.
                 every = len(here) == jacobian.shape[1]
                 weighted = jacobian[entries] if every else jacobian[np.ix_(entries, here - chunk.start)]
@@ -238,13 +238,13 @@ class Problem:
 
     def residual(self, x: FloatArray) -> FloatArray:
         """Return computed minus measured, shape (n_forces, n); 0 where a channel was not measured or has no weight."""
-        self._weigh()
+        self._apply_weights()
         forces = self._code.forces(self._inputs, self.parameters(x))
         return np.where(self._root > 0, forces - self._measured, 0.0)
 
     def _at(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
         """Return cost, roots of weights and residuals times these; kept for the point at which a solver asks again."""
-        self._weigh()
+        self._apply_weights()
         if self._latest is None or not np.array_equal(self._latest[0], x):
             residual, root = self.residual(x), self._root
             if self.limits is None:
@@ -259,15 +259,15 @@ class Problem:
             self._latest = x.copy(), cost, root, weighted
         return self._latest[1:]
 
-    def _weigh(self) -> None:
+    def _apply_weights(self) -> None:
         """Spread the weights over the rows."""
-        if self._weighed is self.weights:
+        if self._applied is self.weights:
             return
         root = np.sqrt(self.weights[self.rows.group].T * self.rows.weight)
         self._root = np.ascontiguousarray(np.where(np.isfinite(self.rows.measured.T), root, 0.0))
         rows = [np.flatnonzero(channel) for channel in self._root]
-        self._there = [(output, there) for output, there in enumerate(rows) if there.size]
-        self._weighed, self._latest = self.weights, None
+        self._present = [(output, present) for output, present in enumerate(rows) if present.size]
+        self._applied, self._latest = self.weights, None
 
 
 @lru_cache(maxsize=16)
@@ -334,10 +334,10 @@ def noise_weights(problem: Problem, x: FloatArray, factors: FloatArray | None = 
     The factors, shape (n_groups, n_forces), say what counts more than its noise tells.
     """
     weights, robust = np.zeros_like(problem.weights), np.isfinite(problem.loss.constant)
-    weighed = np.isfinite(problem.rows.measured) & (problem.weights > 0)[problem.rows.group]
+    weighted_rows = np.isfinite(problem.rows.measured) & (problem.weights > 0)[problem.rows.group]
     for group, channel, residual, least in _by_channel(problem, x):
         deviation = robust_scale(residual) if robust else float(np.sqrt(np.mean(residual**2)))
-        weights[group, channel] = 1.0 / (max(deviation, least) ** 2 * np.sum(weighed))
+        weights[group, channel] = 1.0 / (max(deviation, least) ** 2 * np.sum(weighted_rows))
     return weights if factors is None else weights * factors[: len(weights)]
 
 
@@ -345,7 +345,7 @@ def _by_channel(problem: Problem, x: FloatArray) -> Iterator[tuple[int, int, Flo
     """Go through what has a weight: recording, channel, its residuals, and the least noise it may have."""
     residual, measured = problem.residual(x), problem.rows.measured.T
     for group, channel in np.argwhere(problem.weights > 0):
-        there = (problem.rows.group == group) & np.isfinite(measured[channel])
-        if there.any():
-            least = LEAST_NOISE * float(np.sqrt(np.mean(measured[channel, there] ** 2)))
-            yield int(group), int(channel), residual[channel, there], least
+        present = (problem.rows.group == group) & np.isfinite(measured[channel])
+        if present.any():
+            least = LEAST_NOISE * float(np.sqrt(np.mean(measured[channel, present] ** 2)))
+            yield int(group), int(channel), residual[channel, present], least

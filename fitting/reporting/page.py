@@ -14,7 +14,7 @@ from tirefmu.symbolic.escaping import visible
 from tirefmu.tires.drawing.style import write_whole
 
 
-def page_text(room: str, filters: Mapping[str, Callable[..., object]], **content: Any) -> str:
+def page_text(package: str, filters: Mapping[str, Callable[..., object]], **content: Any) -> str:
     """Return the text of a room's report.
 
     Every text is made visible (no control characters, no marks that turn the direction of writing) and escaped; the
@@ -38,7 +38,7 @@ def page_text(room: str, filters: Mapping[str, Callable[..., object]], **content
         finalize=lambda value: visible(str(value)),
     )  # fmt: skip
     environment.filters |= filters
-    template = environment.from_string((files(room) / "report.html").read_text(encoding="utf-8"))
+    template = environment.from_string((files(package) / "report.html").read_text(encoding="utf-8"))
     return template.render(**content)
 
 

@@ -18,7 +18,7 @@ SIGNIFICANT = 4.0
 
 
 @dataclass(frozen=True)
-class Condition:
+class ConstraintRow:
     """A constraint in words, in the operating range and beyond it."""
 
     constraint: str
@@ -43,17 +43,17 @@ def worst_text(result: FitResult, recording: str, channel: str) -> str:
     return f"{worst.rmse:.3g} at {condition_text(worst.at)}" if worst else ""
 
 
-def constraint_rows(margins: Sequence[Margin]) -> list[Condition]:
+def constraint_rows(margins: Sequence[Margin]) -> list[ConstraintRow]:
     """Put what holds inside the range of the data and what holds beyond it side by side."""
     beyond = {margin.name.partition(":")[2]: margin for margin in margins if margin.name.startswith("extrapolation:")}
-    told = []
+    lines = []
     for margin in margins:
         kind, _, quantity = margin.name.partition(":")
         if kind in ("signs", "curvature"):
-            told.append(Condition(margin.constraint, margin, beyond.pop(quantity, None)))
+            lines.append(ConstraintRow(margin.constraint, margin, beyond.pop(quantity, None)))
         elif kind != "extrapolation":
-            told.append(Condition(margin.constraint, margin, None))
-    return told + [Condition(margin.constraint, margin, None) for margin in beyond.values()]
+            lines.append(ConstraintRow(margin.constraint, margin, None))
+    return lines + [ConstraintRow(margin.constraint, margin, None) for margin in beyond.values()]
 
 
 def extrapolation_text(result: FitResult) -> str:
@@ -72,12 +72,11 @@ def significant_differences(result: FitResult) -> list[Disagreement]:
 
 def ripple_texts(ripples: Sequence[Ripple]) -> list[str]:
     """Say what repeats with the wheel, one sentence for each recording."""
-    told = []
+    lines = []
     for recording in dict.fromkeys(each.recording for each in ripples):
-        mine = [each for each in ripples if each.recording == recording and each.stands_out]
-        if mine:
-            what = ", ".join(f"{each.channel} {each.amplitude:.3g} {each.unit} ({each.share:.0%})" for each in mine)
-            told.append(
-                f"{recording}: once per revolution ({mine[0].frequency:.1f} Hz, radius {mine[0].radius:.3f} m): {what}"
-            )
-    return told
+        distinct = [each for each in ripples if each.recording == recording and each.stands_out]
+        if distinct:
+            what = ", ".join(f"{each.channel} {each.amplitude:.3g} {each.unit} ({each.share:.0%})" for each in distinct)
+            wheel = f"{distinct[0].frequency:.1f} Hz, radius {distinct[0].radius:.3f} m"
+            lines.append(f"{recording}: once per revolution ({wheel}): {what}")
+    return lines

@@ -267,7 +267,9 @@ def _values(given: Any) -> dict[str, float]:
 def _stage(item: Any) -> StageFit:
     kinds: dict[str, Callable[[Any], Any]] = {"str": partial(_of, str), "int": _count,
                                               "bool": partial(_of, bool), "float": _number}  # fmt: skip
-    return StageFit(**{card.name: kinds[str(card.type)](_of(dict, item)[card.name]) for card in fields(StageFit)})
+    return StageFit(
+        **{record.name: kinds[str(record.type)](_of(dict, item)[record.name]) for record in fields(StageFit)}
+    )
 
 
 def _freed(item: Any) -> Freed:

@@ -110,13 +110,13 @@ class FitResult:
             raise UnknownName("sign convention of coefficients", signs, ("iso", "adapted-sae"))
         if signs == self.signs:
             return self
-        cards = self.tire.book.coefficients
-        turned = np.array([-1.0 if cards[name].flips else 1.0 for name in self.covariance.index])
+        declarations = self.tire.book.coefficients
+        flips = np.array([-1.0 if declarations[name].flips else 1.0 for name in self.covariance.index])
         return replace(
             self,
             signs=signs,
-            coefficients=tuple(c.mirrored() if cards[c.name].flips else c for c in self.coefficients),
-            covariance=self.covariance * np.outer(turned, turned),
+            coefficients=tuple(c.mirrored() if declarations[c.name].flips else c for c in self.coefficients),
+            covariance=self.covariance * np.outer(flips, flips),
             evidence=None if self.evidence is None else replace(self.evidence, signs=signs),
         )
 
@@ -137,8 +137,8 @@ class FitResult:
         unseen = [(c.name,) for c in self.coefficients if not c.determined]
         effective: dict[str, float] = {}
         for c in self.channels:  # where no stage took all rows of a channel, a hundredth of them
-            worth = c.effective_rows if c.effective_rows > 0 else 0.01 * c.rows
-            effective[c.channel] = effective.get(c.channel, 0.0) + worth
+            effective_rows = c.effective_rows if c.effective_rows > 0 else 0.01 * c.rows
+            effective[c.channel] = effective.get(c.channel, 0.0) + effective_rows
         known = [tuple(n for n in d.coefficients if n in free) for d in self.directions]
         bounded = [c.name for c in self.coefficients if c.at_bound]
         return find(self.evidence, free, [names for names in (*known, *unseen) if names], bounded, effective)
@@ -156,13 +156,13 @@ class FitResult:
     def status(self) -> str:
         """One line: how the fit ended."""
         failed = [stage for stage in self.stages if not stage.converged]
-        broken = [margin for margin in self.margins if not margin.margin >= -TOLERANCE]
+        violated = [margin for margin in self.margins if not margin.margin >= -TOLERANCE]
         if self.interrupted:
             return f"interrupted in {self.interrupted}: the values are the best so far"
         if failed:
             return f"not converged: stage {failed[0].name!r} ended: {failed[0].reason}"
-        if broken:
-            return f"constraint {broken[0].constraint} broken by {-broken[0].margin:.3g}"
+        if violated:
+            return f"constraint {violated[0].constraint} broken by {-violated[0].margin:.3g}"
         return "converged"
 
     def channel(self, recording: str, channel: str) -> ChannelFit:

@@ -148,8 +148,8 @@ def quality(measured: FloatArray, computed: FloatArray) -> tuple[int, float, flo
     >>> quality(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0]))[2]
     0.5
     """
-    there = np.isfinite(measured)
-    y, residual = measured[there], (computed - measured)[there]
+    measured_rows = np.isfinite(measured)
+    y, residual = measured[measured_rows], (computed - measured)[measured_rows]
     if not len(y):
         return 0, float("nan"), float("nan"), float("nan")
     squares, about, total = (float(np.sum(v**2)) for v in (residual, y - y.mean(), y))

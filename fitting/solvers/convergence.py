@@ -25,7 +25,7 @@ from ..problem.weighted_residuals import LEAST_NOISE, Problem
 
 FloatArray = npt.NDArray[np.float64]
 #: The step that counts as none, in standard errors.
-TENTH = 0.1
+STEP_TOLERANCE = 0.1
 #: In scaled coefficients: from the least for which the matrix is safely regular, anew at each step.
 DAMPING = Damping(first=1e-7, least=1e-7, most=1.0, up=10.0, down=0.0, by_curvature=False, trusted=0.1)
 
@@ -74,7 +74,7 @@ def noise_of(problem: Problem, x: FloatArray) -> tuple[float, float]:
     return LEAST_NOISE**2 * signal, effective
 
 
-class _Enough:
+class _Criterion:
     """The predicted reduction at which a point of a problem counts as the optimum; what it is a share of."""
 
     def __init__(self, problem: Problem) -> None:
@@ -84,7 +84,7 @@ class _Enough:
     def __call__(self, x: FloatArray, cost: float) -> float:
         noise, rows = noise_of(self._problem, x)
         self._whole, self._size = "cost" if cost >= noise else "least noise", max(cost, noise)
-        return TENTH**2 * self._size * min(len(x) / max(rows, 1.0), 1.0)
+        return STEP_TOLERANCE**2 * self._size * min(len(x) / max(rows, 1.0), 1.0)
 
     def share(self, reduction: float) -> str:
         """Return what a reduction is of the cost, or of the least noise where there is less than that."""
@@ -119,7 +119,7 @@ def last_steps(
     -------
     LastSteps
     """
-    enough = _Enough(cost.problem)
+    enough = _Criterion(cost.problem)
     end = minimize(cost, x, lower, upper, enough, DAMPING, steps=steps, constraints=imposed, stop=stop)
     reason = end.reason
     if np.isfinite(end.predicted):

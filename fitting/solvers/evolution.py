@@ -25,14 +25,14 @@ BoolArray = npt.NDArray[np.bool_]
 #: The paper's limit of iterations, and its share for an intermediate stage, or where a fit is continued.
 ITERATIONS, SHORTER = 10_000, 0.1
 #: Over which share of the limit, and over how many generations at least, there has to be some gain.
-PATIENCE, LEAST_PATIENCE = 0.1, 250
+WINDOW, LEAST_WINDOW = 0.1, 250
 #: Individuals: so many for each free coefficient, within limits.
 PER_COEFFICIENT, FEWEST, MOST = 4, 40, 120
 #: Control genes F, CP, MP and range: their bounds.
 LEAST_CONTROL = np.array([0.4, 0.2, 0.02, 0.005])
 MOST_CONTROL = np.array([1.0, 1.0, 0.1, 0.1])
 #: Why it stopped: the first two count as converged.
-SETTLED, GOAL = "no further gain", "error goal reached"
+NO_GAIN, GOAL = "no further gain", "error goal reached"
 
 
 class Evolution:
@@ -131,7 +131,7 @@ class Evolution:
         search = self._search
         search.impose(imposed)
         limit = max(1, round(self.max_iterations * (SHORTER if stage_type == "intermediate" or again else 1.0)))
-        patience = limit if self.run_to_limit else max(round(PATIENCE * limit), LEAST_PATIENCE)
+        window = limit if self.run_to_limit else max(round(WINDOW * limit), LEAST_WINDOW)
         share = LEAST_GAIN[stage_type][1]
         costs: list[float] = []  # the best cost within the conditions after each generation
         reason = LIMIT
@@ -139,19 +139,19 @@ class Evolution:
             search.step()
             if progress is not None:
                 progress(search.generation, search.best_cost)
-            if search.keeps:
+            if search.feasible:
                 costs.append(search.best_cost)
             if costs and costs[-1] <= self.goal:
                 reason = GOAL
-            elif len(costs) > patience and costs[-1 - patience] - costs[-1] < share * abs(costs[-1]):
-                reason = SETTLED
+            elif len(costs) > window and costs[-1 - window] - costs[-1] < share * abs(costs[-1]):
+                reason = NO_GAIN
             elif stop():
                 reason = INTERRUPTED
             else:
                 continue
             break
         x = search.best
-        return Solution(x, problem.cost(x), search.generation, reason in (SETTLED, GOAL), reason)
+        return Solution(x, problem.cost(x), search.generation, reason in (NO_GAIN, GOAL), reason)
 
 
 @dataclass
@@ -208,7 +208,7 @@ class _Search:
         return float(self._now.costs[self._now.best])
 
     @property
-    def keeps(self) -> bool:
+    def feasible(self) -> bool:
         """Whether the best individual keeps every condition."""
         return bool(self._now.violations[self._now.best] == 0)
 
@@ -244,23 +244,23 @@ class _Search:
     def _judge(self, trials: _Population, parents: _Population) -> BoolArray:
         """Work out costs and violations as far as it takes, and return which trials replace their parents."""
         rivals = parents.violations == 0  # their trials have to be cheaper first, which is soon seen
-        worth = np.ones(len(rivals), dtype=bool)
+        promising = np.ones(len(rivals), dtype=bool)
         if rivals.any():
             trials.costs[rivals] = self._costs(trials.points[rivals], parents.costs[rivals])
-            worth[rivals] = trials.costs[rivals] <= parents.costs[rivals]
-        trials.violations[worth] = self._violations(trials.points[worth])
-        new = worth & ~rivals & (trials.violations == 0)
+            promising[rivals] = trials.costs[rivals] <= parents.costs[rivals]
+        trials.violations[promising] = self._violations(trials.points[promising])
+        new = promising & ~rivals & (trials.violations == 0)
         if new.any():
             trials.costs[new] = self._costs(trials.points[new], np.full(int(new.sum()), np.inf))
-        return np.asarray(worth & (trials.violations <= parents.violations), dtype=np.bool_)
+        return np.asarray(promising & (trials.violations <= parents.violations), dtype=np.bool_)
 
     def _values(self, points: FloatArray) -> FloatArray:
         return self._low + points * self._span
 
     def _costs(self, points: FloatArray, limits: FloatArray) -> FloatArray:
         values = self._values(points)
-        pulled: FloatArray = 0.5 * self._ridge * np.sum((values - self._start) ** 2, axis=1)
-        return self.problem.costs(values, limits - pulled) + pulled
+        penalty: FloatArray = 0.5 * self._ridge * np.sum((values - self._start) ** 2, axis=1)
+        return self.problem.costs(values, limits - penalty) + penalty
 
     def _violations(self, points: FloatArray) -> FloatArray:
         """Return by how much the conditions are broken, summed; infinite where a quantity has no value."""
@@ -277,9 +277,13 @@ class _Search:
 
 def _box(problem: Problem, start: FloatArray, lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return bounds that are all finite: a card's, widened to the start, where none is given."""
-    cards = [problem.tire.book.coefficients[name] for name in problem.free]
-    low = np.where(np.isfinite(lower), lower, np.array([card.lower for card in cards]) / problem.scale)
-    high = np.where(np.isfinite(upper), upper, np.array([card.upper for card in cards]) / problem.scale)
+    declarations = [problem.tire.book.coefficients[name] for name in problem.free]
+    low = np.where(
+        np.isfinite(lower), lower, np.array([declaration.lower for declaration in declarations]) / problem.scale
+    )
+    high = np.where(
+        np.isfinite(upper), upper, np.array([declaration.upper for declaration in declarations]) / problem.scale
+    )
     for name, bounded in zip(problem.free, np.isfinite(low) & np.isfinite(high), strict=True):
         if not bounded:
             raise FitError(f"method ioa seeks within bounds, and {name} has none: give it some in the recipe")

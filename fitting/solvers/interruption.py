@@ -45,20 +45,20 @@ class Interruption:
 
     def __enter__(self) -> Interruption:
         """Take Ctrl-C over from Python's own handler."""
-        here = threading.current_thread() is threading.main_thread()
-        if here and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        in_main_thread = threading.current_thread() is threading.main_thread()
+        if in_main_thread and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             self._before = signal.signal(signal.SIGINT, self._request)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         """Give it back."""
-        self._give_back()
+        self._restore_handler()
 
     def _request(self, number: int, frame: FrameType | None) -> None:
         self.requested = True
-        self._give_back()
+        self._restore_handler()
 
-    def _give_back(self) -> None:
+    def _restore_handler(self) -> None:
         if self._before is not None:
             signal.signal(signal.SIGINT, self._before)
             self._before = None

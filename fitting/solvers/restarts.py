@@ -19,7 +19,7 @@ NEAR_BOUND, LEAST_BETTER = 1e-3, 1e-5
 def best_end(
     problem: Problem,
     first: Solution,
-    settle: Callable[[FloatArray], Solution],
+    solve_from: Callable[[FloatArray], Solution],
     lower: FloatArray,
     upper: FloatArray,
     again: Sequence[Mapping[str, float]],
@@ -49,13 +49,13 @@ def best_end(
     """
     best = first
     for values in again:
-        there = np.array([i for i, name in enumerate(problem.free) if name in values], dtype=int)
-        on_bound = np.minimum(best.x - lower, upper - best.x)[there] < NEAR_BOUND
-        if not there.size or not (always or on_bound.any()):
+        indices = np.array([i for i, name in enumerate(problem.free) if name in values], dtype=int)
+        on_bound = np.minimum(best.x - lower, upper - best.x)[indices] < NEAR_BOUND
+        if not indices.size or not (always or on_bound.any()):
             continue
         start = best.x.copy()
-        start[there] = [values[problem.free[i]] / problem.scale[i] for i in there]
-        other = settle(np.clip(start, lower, upper))
+        start[indices] = [values[problem.free[i]] / problem.scale[i] for i in indices]
+        other = solve_from(np.clip(start, lower, upper))
         if other.converged and (not best.converged or other.cost < (1 - LEAST_BETTER) * best.cost):
             best = replace(other, iterations=best.iterations + other.iterations)
     return best

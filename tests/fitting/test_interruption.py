@@ -58,8 +58,8 @@ def whole(recording, make):
 
 def same(one, other):
     """Compare two results to the last digit; only the time may differ."""
-    told = [{**result.to_json(), "seconds": 0.0} for result in (one, other)]
-    assert told[0] == told[1]
+    records = [{**result.to_json(), "seconds": 0.0} for result in (one, other)]
+    assert records[0] == records[1]
 
 
 @pytest.mark.parametrize("how", [raised, pressed])
@@ -140,8 +140,8 @@ def test_another_thread_has_no_handler_to_take_over():
 def test_a_resumed_fit_ends_as_one_without_interrupt(recording, whole, make, tmp_path, stage):
     path = tmp_path / "tire.progress.json"
     options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
-    broken_off = fit([recording], "mf96", **options, progress=stopping(stage, 2, raised))
-    assert broken_off.interrupted
+    interrupted = fit([recording], "mf96", **options, progress=stopping(stage, 2, raised))
+    assert interrupted.interrupted
     assert json.loads(path.read_text(encoding="utf-8"))["done"] > 0
     stages = []
     resumed = fit([recording], "mf96", **options, resume=True, progress=lambda *call: stages.append(call[0]))
