@@ -1,4 +1,4 @@
-"""The state of a running fit: the stages of a recipe solved one after another, and the result."""
+"""The state of a running fit: it solves the stages of a recipe one after another and returns the result."""
 
 from __future__ import annotations
 
@@ -46,10 +46,10 @@ from .solvers.restarts import best_end
 from .solvers.selection import Solver
 
 FloatArray = npt.NDArray[np.float64]
-#: How often what breaks the conditions is added.
+#: Upper limit of the rounds in which points that violate a constraint are added.
 ROUNDS = 12
-#: The pull of scaled coefficients to where a stage starts, by its weights: the residual weights make the cost about
-#: 1/2, the others about the share of noise.
+#: Strength of the regularization of scaled coefficients, by the weights of the stage: with noise weights the cost is
+#: about 1/2, with equal weights about the share of noise.
 RIDGE = {"equal": 1e-8, "noise": 1e-5}
 
 
@@ -72,8 +72,8 @@ class FitRun:
         loss: str = "squares",
     ) -> None:
         self._loss = loss_named(loss)
-        self._given = given  # the tire's values are somebody's, not to be replaced by generic ones
-        self._read = read  # what the data told before the first stage; generic values for the rest
+        self._given = given  # the caller gave a start tire: generic values do not replace its values
+        self._read = read  # initial values read from the data; all others are generic
         self._book, self._tire, self._plan = book, tire, plan
         self._fit_data, self._data = data, data.fitted
         self._interruption = interruption
@@ -87,13 +87,13 @@ class FitRun:
         self._ends: list[tuple[Ended, Problem]] = []
         self._freed: dict[str, Release] = {}
         asked = [self._data[name].any() for _, name in book.on_demand if name in self._data]
-        self._straight = not any(asked)  # no row turns: what acts in a turn alone reaches no channel
+        self._straight = not any(asked)  # no row has turn slip: its coefficients have no influence
         measured = self._data.notna().any()
         self._fitted = [quantity.name for quantity in book.outputs if measured.get(quantity.name, False)]
-        self._done = 0  # stages of the recipe that are behind
+        self._done = 0  # completed stages of the recipe
 
     def run(self, checkpoint: Checkpoint | None = None) -> None:
-        """Solve stage after stage, until a stop is requested; save each finished one to the checkpoint."""
+        """Solve the stages until a stop is requested; save each completed stage to the checkpoint."""
         for stage in self._plan.stages[self._done :]:
             if self._stop():
                 break
@@ -108,13 +108,13 @@ class FitRun:
         return self._interruption.requested
 
     def state(self) -> State:
-        """Return what the next stage goes on from."""
+        """Return the state from which the next stage continues."""
         violated = [(constraint.name, points) for constraint, points in self._constraints.violated]
         ended = [end for end, _ in self._ends]
         return State(self._done, dict(self._tire.values), self._freed, violated, self._stages, ended, self._notes)
 
     def restore(self, state: State, source: str) -> None:
-        """Go on from a state; FitError, which names its source, where it is not one of this fit."""
+        """Continue from a state; raise FitError with its source if it does not belong to this fit."""
         known = {constraint.name: constraint for constraint, _ in self._constraints.of(self._fitted)}
         self._check_state(state, known.keys(), source)
         self._constraints.violated = [(known[name], points) for name, points in state.violated]
@@ -137,22 +137,22 @@ class FitRun:
             or any(len(points) != inputs for _, points in state.violated)
             or any(end.stage >= stages or len(end.x) != len(end.free) for end in state.ended)
         ):
-            raise FitError(f"{source}: is a broken progress file (of stages or coefficients that this fit has not)")
+            raise FitError(f"{source}: invalid progress file (its stages or coefficients are not those of this fit)")
 
     def _table(self, stage: Stage) -> tuple[pd.DataFrame, list[str]]:
-        """Return the rows of a stage, all of them, and its channels."""
+        """Return all rows of a stage, and its channels."""
         channels = self._channels_of(stage)
         table = stage.select(self._data)
         return (table[table[channels].notna().any(axis=1)] if channels else table[:0]), channels
 
     def _run(self, stage: Stage) -> None:
-        """Solve one stage and keep its values."""
+        """Solve one stage and store its values in the tire."""
         table, channels = self._table(stage)
         if not channels and not stage.free:
-            return  # a recipe for all channels, of which these were not measured
+            return  # the recipe covers channels that were not measured
         if table.empty:
-            asked = ", ".join(stage.channels) or "the data"
-            self._notes.append(f"stage {stage.name!r} skipped: no row of {asked} meets its conditions")
+            requested = ", ".join(stage.channels) or "the data"
+            self._notes.append(f"stage {stage.name!r} skipped: no row of {requested} meets its conditions")
             return
         rows = Rows.of(table, self._tire, channels)
         self._set_initial_values(stage)
@@ -168,7 +168,7 @@ class FitRun:
         return [name for name in self._fitted if not stage.channels or name in stage.channels]
 
     def _candidates(self, stage: Stage) -> list[str]:
-        """Return what a stage may free: what reaches one of its channels in some row, by section and effect."""
+        """Return the coefficients that a stage may free: those that influence its channels, by section and effect."""
         reaching = coefficients_by_output(self._book, straight=self._straight)
         reaches = frozenset[str]().union(*(reaching[name] for name in self._channels_of(stage)))
         live = self._book.live(self._tire.has) & reaches
@@ -187,11 +187,11 @@ class FitRun:
     def _bounds(self, name: str, stage: Stage) -> Freed:
         declaration = self._book.coefficients[name]
         guess = self._tire.values[name]
-        asked = stage.free.get(name, Freed(guess, declaration.lower, declaration.upper))
-        return Freed(guess, asked.lower, asked.upper)
+        given = stage.free.get(name, Freed(guess, declaration.lower, declaration.upper))
+        return Freed(guess, given.lower, given.upper)
 
     def _set_initial_values(self, stage: Stage) -> None:
-        """Put the stage's own guesses into the tire, or generic ones for what no stage has seen yet."""
+        """Set the guesses of the stage, or generic values of coefficients that no stage has determined yet."""
         declarations = self._book.coefficients
         if stage.free:
             guesses = {n: min(max(f.guess, f.lower), f.upper) for n, f in stage.free.items()}
@@ -204,7 +204,7 @@ class FitRun:
         self._tire = replace(self._tire, values={**self._tire.values, **guesses})
 
     def _determined(self, bounds: dict[str, Freed], rows: Rows, stage: Stage) -> dict[str, Freed]:
-        """Leave out what the rows cannot see; undo its generic start value, which nobody measured."""
+        """Return the coefficients that the rows determine; reset the others from generic values to their defaults."""
         seen = influence(self._tire, rows.sample(1000), list(bounds))
         for name, freed in bounds.items():
             before = self._freed.get(name)
@@ -232,7 +232,7 @@ class FitRun:
         solution = best_end(problem, first, solve_from, lower, upper, stage.again, always=self._given)
         values = dict(zip(free, (solution.x * scale).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})
-        if stage.rows is None or len(rows) < stage.rows:  # rows drawn at random tell nothing of time
+        if stage.rows is None or len(rows) < stage.rows:  # a random sample has no correlation in time
             self._ends.append((Ended(self._plan.stages.index(stage), before, free, solution.x), problem))
         self._stages.append(
             StageFit(
@@ -242,7 +242,7 @@ class FitRun:
         )  # fmt: skip
 
     def _problem_of(self, stage: Stage, tire: Tire, rows: Rows, free: Mapping[str, Freed]) -> Problem:
-        """Return the problem of a stage, weighed by what its start leaves."""
+        """Return the problem of a stage, with weights from the residuals at its initial values."""
         declarations = self._book.coefficients
         scale = np.array(
             [typical_size(declarations[name].lower, declarations[name].upper, f.guess) for name, f in free.items()]
@@ -257,9 +257,9 @@ class FitRun:
         return problem
 
     def _stage_type(self, stage: Stage) -> str:
-        """Return how near the end a stage is: random rows lead to more random rows, or to all rows.
+        """Return the stage type: intermediate, penultimate (before a stage with all rows), or final.
 
-        A stage whose coefficients no later one frees is itself the end.
+        A stage is final if it uses all rows, or if no later stage frees all of its coefficients.
         """
         following = self._plan.stages[self._plan.stages.index(stage) + 1 :]
         own = set(self._candidates(stage))
@@ -279,7 +279,7 @@ class FitRun:
         ridge: float,
         stage_type: str,
     ) -> Solution:
-        """Solve, verify the constraints on the dense grid, and solve again with the points that broke them."""
+        """Solve, verify the constraints on the dense grid, and solve again with the points that violate them."""
         known = self._constraints.of(channels) + self._constraints.violated
         dense = self._constraints.of(channels, density=APPROACHED if stage_type == "intermediate" else VERIFIED)
         solve_from = partial(
@@ -306,9 +306,9 @@ class FitRun:
         return 1 - float(np.mean(squares[present.any(axis=0)]))
 
     def result(self, recordings: Sequence[Recording], seconds: float) -> FitResult:
-        """Tell the whole fit, coefficients in adapted SAE, in which it was solved."""
+        """Return the result, with coefficients in adapted SAE."""
         if not self._stages and self._stop():
-            raise KeyboardInterrupt  # there is nothing yet to keep
+            raise KeyboardInterrupt  # no values to return yet
         if not self._stages:
             raise FitError("no stage of the recipe found rows to fit: " + "; ".join(self._notes))
         ranges = {name: bounds for name, bounds in self._ranges.items() if name in self._data and bounds[0] < bounds[1]}
@@ -329,10 +329,10 @@ class FitRun:
         coefficients = tuple(replace(c, interval=intervals.get(name, nan)) for name, c in fitted.items())
         undetermined = [c.name for c in coefficients if not c.determined]
         if undetermined:
-            self._notes.append(f"not determined by these data, left as they were: {', '.join(undetermined)}")
+            self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
         channels = self._channels(recordings, tire, effective)
         self._notes += [
-            f"{c.recording}: the fit explains nothing of {c.channel} (R2 {c.r2:.2f})" for c in channels if c.r2 < 0
+            f"{c.recording}: the fit does not explain {c.channel} (R2 {c.r2:.2f})" for c in channels if c.r2 < 0
         ]
         table = self._data.assign(**{n: self._tire.nominal(n) for n in self._tire.inputs if n not in self._data})
         return FitResult(
@@ -345,7 +345,7 @@ class FitRun:
         )  # fmt: skip
 
     def _interrupted(self) -> str:
-        """Return where the fit was asked to stop and what it left undone; nothing where it went all the way."""
+        """Return where the fit was stopped and how many stages are complete; empty if it is complete."""
         remaining = len(self._plan.stages) - self._done
         if not self._stop() or not remaining:
             return ""
@@ -354,9 +354,9 @@ class FitRun:
     def _uncertainty(
         self, fitted: Mapping[str, FittedCoefficient]
     ) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray, pd.DataFrame]:
-        """Return intervals, open directions, effective rows and covariance.
+        """Return intervals, directions that are not identifiable, effective sample sizes and covariance.
 
-        Each comes from the last stage that freed or fitted it.
+        Each value is that of the last stage that freed the coefficient or fitted the channel.
         """
         intervals: dict[str, float] = {}
         directions: tuple[Direction, ...] = ()
@@ -381,7 +381,7 @@ class FitRun:
         freed = self._freed[name]
         declaration, value = self._book.coefficients[name], self._tire.values[name]
         guess, lower, upper = freed.bounds.guess, freed.bounds.lower, freed.bounds.upper
-        # An interior-point solution keeps a little off its bounds.
+        # An interior-point solution is slightly inside its bounds.
         near = 1e-3 * max(abs(value), upper - lower if np.isfinite(upper - lower) else 0.0)
         at_bound = freed.determined and (value - lower <= near or upper - value <= near)
         return FittedCoefficient(
