@@ -15,8 +15,8 @@ FloatArray = npt.NDArray[np.float64]
 def effective_weights(problem: Problem, x: FloatArray) -> FloatArray:
     """Return the weights of a problem, each divided by the correlation length of its residuals at x.
 
-    What a tire misses at one row it misses at the next: a channel of a recording counts by its effective sample size,
-    not by the rows that were logged. The cost at x does not change.
+    Residuals of neighboring rows are correlated. Therefore a channel of a recording is weighted by its effective sample
+    size instead of its number of rows. The cost at x does not change.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a coefficient starts from, its size for the solver, and whether rows of measurement see it."""
+"""Generic value and typical size of a coefficient, and its influence on the forces at measured rows."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from .weighted_residuals import CHUNK, Rows
 
 
 def generic(declaration: Coefficient) -> float:
-    """Return where a coefficient starts: its card's start, else what readers assume, else its default."""
+    """Return the generic value of a coefficient: its declared start, else the value assumed by readers, else its default."""
     if declaration.start is not None or declaration.assumed is None:
         return declaration.generic
-    assumed = -declaration.assumed if declaration.flips else declaration.assumed  # cards tell that in ISO-W
+    assumed = -declaration.assumed if declaration.flips else declaration.assumed  # declared in ISO-W
     return min(max(assumed, declaration.lower), declaration.upper)
 
 
 def typical_size(lower: float, upper: float, guess: float) -> float:
-    """Return the size of a coefficient for the solver: a quarter of its card's range, not less than its guess."""
+    """Return the typical size of a coefficient: a quarter of its declared range, at least the magnitude of its guess."""
     span = upper - lower
     return max(abs(guess), 0.25 * span if np.isfinite(span) else 1.0, 1e-3)
 
 
 def influence(tire: Tire, rows: Rows, names: Sequence[str]) -> set[str]:
-    """Return the coefficients that change some measured force at these rows.
+    """Return the coefficients that influence a measured force at these rows.
 
-    Looked at from the present values and from two random points beside them: where a factor is at neutral,
-    what it multiplies shows nothing, though it may once the factor moves.
+    The Jacobian is evaluated at the present values and at two random points nearby: if a factor is 0, the coefficients
+    that it multiplies have no influence at the present values.
     """
     book, code = tire.book, fastest_code(tire.book)
     order = list(book.parameters)

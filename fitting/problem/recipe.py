@@ -1,4 +1,4 @@
-"""Recipes: how a fit proceeds, stage by stage, as readable TOML files."""
+"""Recipes: the stages of a fit, as TOML files."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.errors import FitError, UnknownName
 from tirefmu.symbolic.model import Model
 
-#: The largest recipe that is read, bytes.
+#: Largest size of a recipe file, bytes.
 LARGEST_FILE = 1_000_000
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling")
 UNITS = {"": 1.0, "rad": 1.0, "deg": radians(1.0), "N": 1.0, "kN": 1e3, "%": 0.01}
-#: The keys of a recipe and of a stage, and of what kind their values are.
+#: The keys of a recipe and of a stage, with the types of their values.
 RECIPE_KEYS: dict[str, type] = {"name": str, "description": str, "models": list, "scales": bool, "stage": list}
 STAGE_KEYS: dict[str, type] = {
     "name": str, "channels": list, "where": dict, "hold": list, "free": dict, "sections": list, "effects": list,
@@ -46,7 +46,7 @@ CONDITION = re.compile(rf"^\s*(?P<value>[-+]?{NUMBER})\s*\+-\s*(?P<tolerance>{NU
 
 @dataclass(frozen=True)
 class Freed:
-    """A coefficient that a stage frees: where it starts and its bounds, in adapted SAE."""
+    """Guess and bounds of a coefficient that a stage frees, in adapted SAE."""
 
     guess: float
     lower: float
@@ -61,26 +61,26 @@ class Stage:
     ----------
     name : str
     channels : tuple of str
-        The channels that it fits; all measured ones where empty.
+        The fitted channels; all measured channels if empty.
     where : dict of str to list of (float, float)
-        Conditions: an input within tolerance of one of some values, SI units, adapted SAE.
+        Operating conditions: values and tolerances of inputs, SI units, adapted SAE.
     hold : tuple of str
-        Inputs that count as exactly at the level of their condition, not as measured around it.
+        Inputs whose measured values are replaced by the nearest value in `where`.
     free : dict of str to Freed
-        What it frees; every coefficient of the core and of its effects where empty.
+        The free coefficients; all coefficients of the core and of the effects if empty.
     sections : tuple of str
-        Only coefficients of these sections of the .tir file; of all where empty.
+        Only coefficients of these sections of the .tir file; of all sections if empty.
     effects : tuple of str or None
-        The effects whose coefficients it frees, of those that the tire has; all of them where None. A recipe is
-        written for several models: channels, sections and effects that one of them lacks are left out there.
+        Only coefficients of the core and of these effects of the tire; of all effects if None. A recipe may apply to
+        several models: channels, sections and effects that a model does not have are ignored.
     rows : int or None
-        How many random rows it uses; all where None.
+        Number of random rows; all rows if None.
     weights : str
-        "equal": every channel by its mean square; "noise": every recording's channel by the residual that the
-        stage before left, doubled where the channel's own slip is swept there.
+        "equal": weight of a channel by its mean square; "noise": weight of a channel of a recording by its residual
+        variance at the initial values, times `SWEPT` if the slip of the channel is swept.
     again : tuple of mapping of str to float
-        Other values of a few coefficients, from which the end is sought again where a start tire was given or one
-        of these coefficients ended on a bound; the best end counts. Adapted SAE.
+        Other initial values of a few coefficients. The stage is repeated from them if a start tire was given or one of
+        these coefficients is at a bound; the best solution is used. Adapted SAE.
     """
 
     name: str
@@ -95,7 +95,7 @@ class Stage:
     again: tuple[Mapping[str, float], ...] = ()
 
     def select(self, table: pd.DataFrame) -> pd.DataFrame:
-        """Return the rows of a table (adapted SAE) that meet every condition, held inputs at their level."""
+        """Return the rows of a table (adapted SAE) that meet all conditions, with held inputs at their levels."""
         chosen = np.ones(len(table), dtype=bool)
         for channel, levels in self.where.items():
             values = table[channel].to_numpy() if channel in table else np.zeros(len(table))
@@ -111,14 +111,14 @@ class Stage:
 
 @dataclass(frozen=True)
 class Recipe:
-    """How a fit proceeds.
+    """The stages of a fit.
 
     Attributes
     ----------
     name, description : str
     stages : tuple of Stage
     scales : bool
-        It scales a given tire, and needs one to start from.
+        Whether it scales a given tire and requires a start tire.
     """
 
     name: str
@@ -133,9 +133,9 @@ def load_recipe(name: str | None, model: str) -> Recipe:
     Parameters
     ----------
     name : str or None
-        One of `RECIPES` or of the model's own, or the path of a file ending in .toml; the model's default where None.
+        One of `RECIPES`, a recipe of the model, or the path of a .toml file; by default the recipe of the model.
     model : str
-        The model that it is for.
+        The model that is fitted.
 
     Returns
     -------
@@ -146,7 +146,7 @@ def load_recipe(name: str | None, model: str) -> Recipe:
     UnknownName
         If there is no such recipe.
     FitError
-        If the file is broken, or not for this model; file, stage and key stand in the message.
+        If the file is invalid or not for this model. The message names file, stage and key.
 
     Examples
     --------
@@ -170,7 +170,7 @@ def load_recipe(name: str | None, model: str) -> Recipe:
         raise UnknownName("recipe", name, (*RECIPES, *book.recipes))
     try:
         content = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # ValueError also of integers with thousands of digits
+    except (ValueError, RecursionError) as error:  # integers with thousands of digits raise ValueError, too
         raise FitError(f"{where}: {error}") from error
     _check_keys(content, RECIPE_KEYS, where)
     models = content.get("models", list(MODELS))
@@ -226,7 +226,7 @@ def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
 
 
 def _values(given: dict[str, float], location: str) -> dict[str, float]:
-    """Return starting values; what a model lacks of them is left out when a stage is solved."""
+    """Return initial values; a stage ignores those of coefficients that the model does not have."""
     _check_kind(given, dict, location)
     known = {name: declaration for book in MODELS.values() for name, declaration in book.coefficients.items()}
     for name, value in given.items():
