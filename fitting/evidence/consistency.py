@@ -1,8 +1,8 @@
-"""Where the data disagree with themselves: rows of one condition at equal slip, measured twice.
+"""Inconsistent data at equal operating conditions and slips.
 
-Files may hold the same condition, segments of one file may, and an up-sweep passes what a down-sweep passes. What a
-fit misses is compared cell by cell (condition and slips): what the tire does wrong is the same on both sides and drops
-out, and so does what differs in slip within a cell.
+Two files or two segments of a file may contain the same operating condition, and so do the up-sweep and the down-sweep.
+The residuals of the two sides are compared in cells of equal operating condition and slips. Errors of the tire model
+are the same on both sides and cancel, and so do differences of slip within a cell.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ from .residuals import Residuals
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-#: Rows of both sides that a comparison needs, and rows of a side in a cell.
+#: Fewest rows of each side of a comparison, and of each side in a cell.
 FEWEST_ROWS, FEWEST_IN_CELL = 50, 3
-#: A slip that covers less is not swept.
+#: Least range of a swept slip.
 LEAST_SWEEP = 0.05
-#: A slip moves where it changes faster than this share of its usual fast rate (the 90 % quantile).
+#: Least rate of a changing slip, relative to the 90 % quantile of its rate.
 MOVES = 0.25
-#: Over how many rows a slip is smoothed before its rate is taken.
+#: Number of rows over which a slip is averaged before its rate is computed.
 SMOOTHED = 21
 
 
 @dataclass(frozen=True)
 class Disagreement:
-    """Two sides that measured the same conditions.
+    """Difference between two measurements of the same operating conditions.
 
     Attributes
     ----------
@@ -44,15 +44,15 @@ class Disagreement:
     first, second : str
         Names of files, "file, segment k" and "others", or "up" and "down".
     mean, typical : float
-        Mean difference first less second, and the root mean square over the cells less what noise makes of it.
+        Mean difference first minus second, and the root mean square over the cells without the contribution of noise.
     sigmas : float
-        The mean difference in its standard deviations under time-correlated noise.
+        The mean difference in standard deviations under time-correlated noise.
     rows : int
-        Of the side with fewer.
+        Of the side with fewer rows.
     at : dict of str to float
-        The held condition in which they differ most.
+        The operating condition with the largest difference.
     most : float
-        By how much they differ there, on average over its slips.
+        The difference in this operating condition, averaged over its slips.
     """
 
     channel: str
@@ -68,7 +68,7 @@ class Disagreement:
 
 
 def disagreeing_files(residuals: Residuals) -> tuple[Disagreement, ...]:
-    """Compare every two recordings, channel by channel, where they share conditions and slips.
+    """Compare all pairs of recordings by channel, at common operating conditions and slips.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def disagreeing_files(residuals: Residuals) -> tuple[Disagreement, ...]:
 
 
 def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
-    """Compare every segment with the others of its recording that have its conditions.
+    """Compare each segment with the other segments of its recording in the same operating condition.
 
     Parameters
     ----------
@@ -96,12 +96,12 @@ def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
     Returns
     -------
     tuple of Disagreement
-        The most significant one of each recording and channel that repeats conditions.
+        The most significant one of each recording and channel with repeated operating conditions.
     """
     differences = []
     for number, source in enumerate(residuals.sources):
         segments = list(_pieces(residuals.segment, np.flatnonzero(residuals.recording == number)))
-        by_condition_number: dict[int, list[int]] = {}  # the segments that were mostly in one condition
+        by_condition_number: dict[int, list[int]] = {}  # segments by their most frequent operating condition
         for k, rows in enumerate(segments):
             by_condition_number.setdefault(int(np.bincount(residuals.condition[rows]).argmax()), []).append(k)
         pairs = [
@@ -121,7 +121,7 @@ def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
 
 
 def sweep_differences(residuals: Residuals) -> tuple[Disagreement, ...]:
-    """Compare rows with a growing slip against rows with a falling one, at equal slip.
+    """Compare rows with increasing slip and rows with decreasing slip, at equal slip.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def sweep_differences(residuals: Residuals) -> tuple[Disagreement, ...]:
     Returns
     -------
     tuple of Disagreement
-        One for each recording and channel in which a slip runs both ways; `first` is "file, slip up".
+        One for each recording and channel with a slip that is swept in both directions; `first` is "file, slip up".
     """
     differences = []
     for number, source in enumerate(residuals.sources):
@@ -149,7 +149,7 @@ def sweep_differences(residuals: Residuals) -> tuple[Disagreement, ...]:
 
 
 def _swept(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> bool:
-    """Tell whether a recording sweeps a slip, not holds it at levels."""
+    """Return whether a recording sweeps a slip instead of holding it at levels."""
     if slip not in residuals.table:
         return False
     values = residuals.table[slip].iloc[rows_of_recording]
@@ -157,7 +157,7 @@ def _swept(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> bool
 
 
 def _direction(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> FloatArray:
-    """Return 1 where a slip grows, -1 where it falls, 0 where it hardly moves; shape (n_here,)."""
+    """Return 1 for increasing slip, -1 for decreasing slip, 0 for almost constant slip; shape (n_rows,)."""
     values = residuals.table[slip].to_numpy(dtype=float)
     rate = np.zeros(len(values))
     for rows in _pieces(residuals.segment, rows_of_recording):
@@ -168,14 +168,14 @@ def _direction(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> 
 
 
 def _pieces(segment: IntArray, rows: IntArray) -> Iterator[IntArray]:
-    """Yield rows segment by segment."""
+    """Yield the rows of each segment."""
     yield from np.split(rows, np.flatnonzero(np.diff(segment[rows])) + 1)
 
 
 def _compared(
     residuals: Residuals, channel: str, sides: tuple[IntArray, IntArray], names: tuple[str, str]
 ) -> Disagreement | None:
-    """Return how two sides differ in a channel; None where they share too little."""
+    """Return the difference of two sides in a channel; None if they have too few common rows."""
     values = residuals.measured_minus_computed[channel]
     chosen = [side[np.isfinite(values[side])] for side in sides]
     shared = _shared_cells(residuals.cell, chosen)
@@ -190,7 +190,7 @@ def _compared(
         for side, (_, at, _) in zip(rows, sums, strict=True)
     ]
     lengths = [correlation_length(e, residuals.segment[side]) for e, side in zip(noises, rows, strict=True)]
-    noise = var1 * lengths[0] / n1 + var2 * lengths[1] / n2  # variance of each cell's difference
+    noise = var1 * lengths[0] / n1 + var2 * lengths[1] / n2  # variance of the difference in each cell
     total = float(weight.sum())
     mean = float(weight @ difference) / total
     sd = sum(float(np.var(e)) * length / len(e) for e, length in zip(noises, lengths, strict=True)) ** 0.5
@@ -208,7 +208,7 @@ def _compared(
 
 
 def _shared_cells(cell: IntArray, sides: Sequence[IntArray]) -> IntArray:
-    """Return the cells in which both sides have rows enough."""
+    """Return the cells in which both sides have enough rows."""
     (first, n1), (second, n2) = (np.unique(cell[side], return_counts=True) for side in sides)
     return np.intersect1d(first[n1 >= FEWEST_IN_CELL], second[n2 >= FEWEST_IN_CELL])
 

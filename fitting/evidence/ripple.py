@@ -1,4 +1,4 @@
-"""What repeats with the wheel's revolution in the residuals of a fit, recording by recording."""
+"""Ripple of the residuals once per wheel revolution, for each recording."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from .residuals import Residuals
 
 @dataclass(frozen=True)
 class Ripple:
-    """What a channel of a recording does once per revolution.
+    """Ripple of a channel of a recording once per wheel revolution.
 
     Attributes
     ----------
     recording, channel, unit : str
     amplitude : float
-        Of the first harmonic, in the channel's unit, without what noise adds.
+        Of the first harmonic, in the channel's unit, without the contribution of noise.
     share : float
-        Of the mean square that the fit misses.
+        Share of the mean squared residual.
     frequency : float
-        1/s, of the wheel, on average.
+        Mean frequency of the wheel, 1/s.
     radius : float
-        m, at which it repeats.
+        Rolling radius at which the residuals repeat, m.
     stands_out : bool
-        Whether it is more than other periods show.
+        Whether it is significant in comparison with other periods.
     """
 
     recording: str
@@ -43,7 +43,7 @@ class Ripple:
 
 
 def ripple(residuals: Residuals) -> tuple[Ripple, ...]:
-    """Look for what repeats with the wheel's revolution.
+    """Return the ripple of each recording and channel.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def ripple(residuals: Residuals) -> tuple[Ripple, ...]:
     Returns
     -------
     tuple of Ripple
-        One for each recording and channel; none where the data have no clock or no speed.
+        One for each recording and channel; empty if the data have no time or no speed.
     """
     own = residuals.tire.values.get("UNLOADED_RADIUS", nan)
     if not {"t", "V"} <= set(residuals.table.columns) or not own > 0:

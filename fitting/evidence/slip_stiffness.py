@@ -1,4 +1,4 @@
-"""Slip stiffness of the fitted tire against what is read from the data without a tire."""
+"""Slip stiffness of the fitted tire compared with the slope of the data at zero slip."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from .curves import SLOPE_WINDOW, slope_at_zero
 from .residuals import Residuals
 
-#: The force that each slip makes.
+#: The force of each slip.
 FORCES = {"kappa": "Fx", "alpha": "Fy"}
 
 
@@ -23,10 +23,10 @@ class SlipStiffness:
     load : float
         N.
     read, fitted : float
-        Magnitude of the slope of the measured rows, and of the tire at the same rows, read in the same way and
-        averaged over the inclinations, pressures and so on of that load.
+        Magnitude of the slope of the measured rows, and of the tire at the same rows, read in the same way and averaged
+        over the operating conditions at that load.
     conditions : int
-        How many these are.
+        Number of these operating conditions.
     """
 
     recording: str
@@ -40,12 +40,12 @@ class SlipStiffness:
 
     @property
     def off(self) -> float:
-        """By what share the tire is off."""
+        """Relative error of the tire."""
         return self.fitted / self.read - 1.0
 
 
 def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
-    """Read slip stiffnesses from the data, condition by condition, and from the tire at the same rows.
+    """Read slip stiffnesses from the data in each operating condition, and from the tire at the same rows.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
     Returns
     -------
     tuple of SlipStiffness
-        By recording, channel and load; none where no sweep passes zero slip with the other slip at rest.
+        By recording, channel and load; empty without a sweep through zero slip at zero other slip.
     """
     loads = np.array(residuals.levels.get("Fz", ()))
     records = []
@@ -76,7 +76,7 @@ def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
 
 
 def _slopes(residuals: Residuals, number: int, slip: str, channel: str) -> list[tuple[float, float, float]]:
-    """Return load, slope read and slope fitted of each held condition that is swept through zero."""
+    """Return load, measured slope and fitted slope of each operating condition with a sweep through zero slip."""
     table = residuals.table
     measured = table[channel].to_numpy(dtype=float)
     other = "kappa" if slip == "alpha" else "alpha"

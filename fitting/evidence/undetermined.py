@@ -1,8 +1,8 @@
-"""Why a coefficient is not determined: the least that a bench would have to do beside, for the data to tell.
+"""Why a coefficient is not identifiable: the smallest additional test program that would determine it.
 
-Programs that a bench could run are evaluated with the tire's exact derivatives: further loads, inclinations, pressures,
-more slip, both slips together, turn slip; one of them, or else two. The one that determines a coefficient best, if to
-one of its sizes (a quarter of its plausible range) at least, names what the data lack.
+Additional test programs are evaluated with exact derivatives of the tire: further loads, inclinations, pressures, more
+slip, combined slip, turn slip; first single programs, then pairs. The program that determines a coefficient best, with
+a standard deviation of at most its typical size (a quarter of its plausible range), states what the data lack.
 """
 
 from __future__ import annotations
@@ -24,30 +24,31 @@ from .uncertainty import LARGEST_SD
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Measured rows that stand for all, and how many independent rows a further program is worth.
+#: Number of measured rows that are evaluated as a sample; effective sample size of an additional program.
 SAMPLE, PROGRAM_ROWS = 2000, 300.0
-#: The information along a direction of which nothing tells.
+#: Lower limit of the eigenvalues of the information matrix.
 LEAST = 1e-9
-#: How a slip has to be, or to reach, for a program with more of it, rad or 1.
+#: Least slip range of a program with more slip, rad or 1.
 FULL_SLIP = {"kappa": 0.3, "alpha": 0.25}
-#: A slip of less than this is none, and a load whose sweeps reach less than this share of the others' reaches short.
+#: Slip below which there is no slip; share of the largest slip range below which a range is short.
 NO_SLIP, SHORT = 0.02, 0.8
-#: An inclination of less than this is none, rad.
+#: Inclination below which there is no inclination, rad.
 NO_INCLINATION = 0.01
-#: What further programs vary.
+#: The inputs that additional programs vary.
 PROGRAMS = ("Fz", "gamma", "p", "kappa", "alpha", "both", "phit")
 
 
 @dataclass(frozen=True)
 class Undetermined:
-    """Coefficients that the data leave open, and why.
+    """Coefficients that are not identifiable, and the reason.
 
     Attributes
     ----------
     coefficients : tuple of str
-        One that no row responds to, several of which only a combination counts, or those that lie on a bound.
+        One without influence at the measured rows, several of which only a combination is determined, or those at a
+        bound.
     reason : str
-        What the data lack; of a coefficient on a bound also that they ask for more.
+        What the data lack; for a coefficient at a bound also that the optimum is beyond it.
     """
 
     coefficients: tuple[str, ...]
@@ -57,22 +58,22 @@ class Undetermined:
 def undetermined(
     residuals: Residuals, free: Sequence[str], sets: Sequence[tuple[str, ...]], effective: Mapping[str, float]
 ) -> tuple[Undetermined, ...]:
-    """Say of each set of open coefficients what the data lack.
+    """Return what the data lack for each set of coefficients that is not identifiable.
 
     Parameters
     ----------
     residuals : Residuals
     free : sequence of str
-        The coefficients that the data had to determine.
-    open_ : sequence of tuple of str
+        The free coefficients.
+    sets : sequence of tuple of str
         The sets, their names among `free`.
     effective : mapping of str to float
-        Independent rows of each channel.
+        Effective sample size of each channel.
 
     Returns
     -------
     tuple of Undetermined
-        Sets with one reason are put together.
+        Sets with the same reason are combined.
     """
     if not sets:
         return ()
@@ -86,22 +87,22 @@ def undetermined(
 def at_bounds(
     residuals: Residuals, free: Sequence[str], bounded: Sequence[str], effective: Mapping[str, float]
 ) -> tuple[Undetermined, ...]:
-    """Say of coefficients on a bound whether the data drove them there, or left them to it.
+    """Return for coefficients at a bound whether the optimum is beyond it, or whether they are not identifiable.
 
     Parameters
     ----------
     residuals : Residuals
     free : sequence of str
-        The coefficients that the data had to determine, with those on a bound.
+        The free coefficients, with those at a bound.
     bounded : sequence of str
-        Those on a bound.
+        Those at a bound.
     effective : mapping of str to float
-        Independent rows of each channel.
+        Effective sample size of each channel.
 
     Returns
     -------
     tuple of Undetermined
-        Those with one reason are put together.
+        Those with the same reason are combined.
     """
     if not bounded:
         return ()
@@ -109,9 +110,9 @@ def at_bounds(
     found: dict[str, list[str]] = {}
     for name in bounded:
         reason = (
-            "the data ask for more"
+            "the optimum is beyond it"
             if identifiability.determines(name)
-            else f"only the bound holds it, {identifiability.reason([name])}"
+            else f"not identifiable, {identifiability.reason([name])}"
         )
         found.setdefault(f"at a bound: {reason}", []).append(name)
     return tuple(Undetermined(tuple(names), reason) for reason, names in found.items())
@@ -119,14 +120,14 @@ def at_bounds(
 
 @dataclass(frozen=True, eq=False)
 class _Identifiability:
-    """What the data know, and what further programs would."""
+    """Information in the data and in additional test programs."""
 
     residuals: Residuals
     free: tuple[str, ...]
     effective: Mapping[str, float]
 
     def determines(self, name: str) -> bool:
-        """Return whether the data determine a coefficient as they are."""
+        """Return whether the measured data determine a coefficient."""
         return bool(_spreads(self._known)[self.free.index(name)] <= LARGEST_SD)
 
     def reason(self, names: Sequence[str]) -> str:
@@ -139,8 +140,8 @@ class _Identifiability:
                 return self._lacking(best, indices[0])
         alone = max(float(matrix[indices[0], indices[0]]) for matrix in self._information.values())
         if len(names) == 1 and alone < 1.0 / LARGEST_SD**2:
-            return "hardly any force changes where the others have the values found"
-        return "other coefficients do the same at every load, slip, inclination and pressure tried"
+            return "it has almost no influence with the fitted values of the other coefficients"
+        return "other coefficients have the same influence at every tested load, slip, inclination and pressure"
 
     @cached_property
     def _programs(self) -> list[tuple[str, ...]]:
@@ -150,7 +151,7 @@ class _Identifiability:
 
     @cached_property
     def _sigma(self) -> Mapping[str, float]:
-        """The noise of each channel; numbers without noise leave only rounding."""
+        """The noise of each channel, at least `LEAST_NOISE` of its signal."""
         residual_values, table = self.residuals.measured_minus_computed, self.residuals.table
         return {
             name: max(
@@ -178,7 +179,7 @@ class _Identifiability:
 
     @cached_property
     def _spreads(self) -> Mapping[tuple[str, ...], FloatArray]:
-        """The standard deviation of every coefficient, in its sizes, after each program."""
+        """The standard deviation of every coefficient, in typical sizes, with each program."""
         return {program: _spreads(self._known + more) for program, more in self._information.items()}
 
     @property
@@ -192,7 +193,7 @@ class _Identifiability:
         effective_rows: Mapping[str, float],
         only: str = "",
     ) -> FloatArray:
-        """Return the information of rows; of channels where they were measured, or of one channel."""
+        """Return the information matrix of rows, for the measured channels or for one channel."""
         tire = self._tire
         order = list(tire.book.parameters)
         columns = np.array([order.index(name) for name in self.free])
@@ -220,7 +221,7 @@ class _Identifiability:
         return {**nominal, **{name: (float(table[name].min()), float(table[name].max())) for name in measured}}
 
     def _rows(self, program: tuple[str, ...]) -> FloatArray:
-        """Return the rows of a program: what it varies, at the slips that the data reach or at more."""
+        """Return the rows of a program, with the slip ranges of the data or larger ones."""
         nominal = {name: self._tire.nominal(name) for name in self._tire.inputs}
         loads, pressure = self._ranges["Fz"], nominal.get("p", 0.0)
         middle = 0.5 * (loads[0] + loads[1])
@@ -249,7 +250,7 @@ class _Identifiability:
         return max(map(abs, self._ranges[slip]))
 
     def _lacking(self, program: tuple[str, ...], index: int) -> str:
-        """Put into words what the data lack."""
+        """Return what the data lack as a text."""
         return " together with ".join(self._lack(name, index) for name in program)
 
     def _lack(self, name: str, index: int) -> str:
@@ -280,7 +281,7 @@ class _Identifiability:
         return bool(((table["kappa"].abs() > NO_SLIP) & (table["alpha"].abs() > NO_SLIP)).any())
 
     def _lacking_load(self, index: int) -> str:
-        """Say what loads are missing: a second one, one with as much slip as the best, or ones further out."""
+        """Return which loads the data lack: a second load, a second load with a large slip range, or a wider range."""
         loads = np.array(self.residuals.levels.get("Fz", ()))
         low, high = self._ranges["Fz"]
         if len(loads) < 2 and high - low < 0.3 * high:
@@ -298,7 +299,7 @@ class _Identifiability:
         return f"no load beyond {low:.4g} to {high:.4g} N"
 
     def _channel(self, index: int) -> str:
-        """Return the channel that tells most of a coefficient."""
+        """Return the channel with the most information on a coefficient."""
         everywhere = self._rows(("Fz", "both"))
         information = {
             name: float(self._weighted_information(everywhere, {}, {}, name)[index, index])

@@ -14,7 +14,7 @@ from .weighted_residuals import CHUNK, Rows
 
 
 def generic(declaration: Coefficient) -> float:
-    """Return the generic value of a coefficient: its declared start, else the value assumed by readers, else its default."""
+    """Return the generic value of a coefficient: its start, else the value that readers assume, else its default."""
     if declaration.start is not None or declaration.assumed is None:
         return declaration.generic
     assumed = -declaration.assumed if declaration.flips else declaration.assumed  # declared in ISO-W
@@ -22,7 +22,7 @@ def generic(declaration: Coefficient) -> float:
 
 
 def typical_size(lower: float, upper: float, guess: float) -> float:
-    """Return the typical size of a coefficient: a quarter of its declared range, at least the magnitude of its guess."""
+    """Return the typical size of a coefficient: a quarter of its range, at least the magnitude of its guess."""
     span = upper - lower
     return max(abs(guess), 0.25 * span if np.isfinite(span) else 1.0, 1e-3)
 
