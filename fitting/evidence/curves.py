@@ -87,7 +87,7 @@ class Comparison:
         return level_tolerance(self.table[channel], channel)
 
     def pure(self, channel: str, slip: str) -> list[Family]:
-        """Return the families of pure slip: by load at the smallest inclination, by inclination near the nominal load."""
+        """Return the families of pure slip: by load at the smallest inclination, by inclination at the nominal load."""
         rows = self._measured(channel, "lateral" if slip == "alpha" else "longitudinal")
         if slip == "kappa":
             rows = self._near(rows, "alpha", 0.0)
