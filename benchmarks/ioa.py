@@ -134,7 +134,7 @@ class Clock:
 def by_ioa(given: Block, iterations: int, seed: int) -> tuple[Run, FloatArray]:
     """Solve by IOA up to the last iteration, as in the paper."""
     clock = Clock()
-    search = Evolution(iterations, seed, patient=True)
+    search = Evolution(iterations, seed, run_to_limit=True)
     found = search(
         given.problem, given.start, given.lower, given.upper, [],
         progress=lambda count, cost: clock.record(cost * given.squares),

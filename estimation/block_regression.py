@@ -125,14 +125,14 @@ def autocovariance(residual: FloatArray, present: npt.NDArray[np.bool_], lags: i
         The longest; Parzen's taper keeps the spectrum positive.
     """
     size = fft.next_fast_len(residual.shape[1] + lags + 1)
-    waves, there = fft.rfft(residual, size), fft.rfft(present.astype(np.float64), size)
+    waves, mask = fft.rfft(residual, size), fft.rfft(present.astype(np.float64), size)
 
     def products(x: npt.NDArray[np.complex128]) -> FloatArray:
         return np.asarray(fft.irfft(x.conj()[:, None] * x[None, :], size)[:, :, : lags + 1])
 
-    count = np.maximum(products(there), 1.0)
-    place = np.arange(lags + 1) / (lags + 1)
-    taper = np.where(place <= 0.5, 1.0 - 6.0 * place**2 + 6.0 * place**3, 2.0 * (1.0 - place) ** 3)
+    count = np.maximum(products(mask), 1.0)
+    lag = np.arange(lags + 1) / (lags + 1)
+    taper = np.where(lag <= 0.5, 1.0 - 6.0 * lag**2 + 6.0 * lag**3, 2.0 * (1.0 - lag) ** 3)
     return np.asarray(products(waves) / count * taper)
 
 

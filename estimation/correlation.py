@@ -116,10 +116,10 @@ def _summed(values: FloatArray, stretch: int) -> FloatArray:
 def _geyer(pieces: list[FloatArray], known: list[FloatArray]) -> float:
     """Return the initial monotone sequence estimate over pieces that are 0 where they are not known."""
     products, pairs = np.zeros((2, max(len(piece) for piece in pieces)))
-    for piece, there in zip(pieces, known, strict=True):
+    for piece, mask in zip(pieces, known, strict=True):
         if len(piece):
             products[: len(piece)] += _autocorrelation(piece)
-            pairs[: len(piece)] += np.round(_autocorrelation(there))
+            pairs[: len(piece)] += np.round(_autocorrelation(mask))
     if products[0] <= 0.0:
         return 1.0
     rho = np.where(pairs > 0, products / np.maximum(pairs, 1.0), 0.0) / (products[0] / pairs[0])

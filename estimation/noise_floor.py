@@ -57,7 +57,7 @@ def noise_floor(table: pd.DataFrame, channels: Sequence[str]) -> dict[str, tuple
         Root mean square in the channel's unit, NaN where no cell has rows enough, and a share between 0 and 1.
     """
     inputs = [name for name in CONDITIONS if name in table and np.ptp(table[name].to_numpy()) > 0]
-    cells = _numbered([place for place, _ in _places(table)], len(table))
+    cells = _numbered([index for index, _ in _indices(table)], len(table))
     order = np.argsort(cells, kind="stable")
     groups = np.split(order, np.flatnonzero(np.diff(cells[order])) + 1)
     at = table[inputs].to_numpy(dtype=float)
@@ -76,28 +76,28 @@ def _scatter(at: FloatArray, measured: FloatArray, groups: Sequence[npt.NDArray[
         squares += float(np.sum((measured[rows] - plane @ solution) ** 2))
         freedom += len(rows) - int(rank)
         used += len(rows)
-    there = int(np.isfinite(measured).sum())
-    return ((squares / freedom) ** 0.5 if freedom else float("nan")), used / there if there else 0.0
+    measured_rows = int(np.isfinite(measured).sum())
+    return ((squares / freedom) ** 0.5 if freedom else float("nan")), used / measured_rows if measured_rows else 0.0
 
 
-def _places(table: pd.DataFrame) -> list[tuple[npt.NDArray[np.int64], bool]]:
+def _indices(table: pd.DataFrame) -> list[tuple[npt.NDArray[np.int64], bool]]:
     """Return for every condition where each row lies in it, and whether it was held."""
-    places = []
+    indices = []
     for name in CONDITIONS:
         if name not in table or not np.ptp(table[name].to_numpy()) > 0:
             continue
         values = table[name].to_numpy(dtype=float)
         found = np.array(held_levels(table[name]))
         if found.size:
-            places.append((np.abs(values[:, None] - found).argmin(axis=1), True))
+            indices.append((np.abs(values[:, None] - found).argmin(axis=1), True))
         else:
             part = ((values - values.min()) / np.ptp(values) * PARTS).astype(np.int64)
-            places.append((np.minimum(part, PARTS - 1), False))
-    return places
+            indices.append((np.minimum(part, PARTS - 1), False))
+    return indices
 
 
-def _numbered(places: Sequence[npt.NDArray[np.int64]], n: int) -> npt.NDArray[np.int64]:
+def _numbered(indices: Sequence[npt.NDArray[np.int64]], n: int) -> npt.NDArray[np.int64]:
     """Return one number for each combination of places."""
-    if not places:
+    if not indices:
         return np.zeros(n, dtype=np.int64)
-    return np.unique(np.stack(places), axis=1, return_inverse=True)[1].ravel().astype(np.int64)
+    return np.unique(np.stack(indices), axis=1, return_inverse=True)[1].ravel().astype(np.int64)

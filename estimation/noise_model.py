@@ -17,19 +17,19 @@ from scipy import fft, optimize
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-#: Memories of drift from which the fit to a periodogram starts, and its bounds, s.
-MEMORIES = (0.5, 2.0, 8.0)
+#: Correlation times of drift from which the fit to a periodogram starts, and its bounds, s.
+DRIFT_TIMES = (0.5, 2.0, 8.0)
 SHORTEST, LONGEST = 0.3, 60.0
 #: What the share of noise without any memory is believed to be, and how firmly (in log variances, of one row).
-WHITE_SHARE, WHITE_BELIEF = 0.05, 1e-3
+WHITE_SHARE, WHITE_PRIOR = 0.05, 1e-3
 #: Mean square below which a weighted residual is taken for exact.
 LEAST_POWER = 1e-6
 #: A time beyond every memory, s: before the first row.
-LONG_AGO = 1e9
+BEFORE_START = 1e9
 
 
 @dataclass(frozen=True)
-class Memories:
+class NoiseParts:
     """The noise of a channel in three parts.
 
     Attributes
@@ -49,7 +49,7 @@ class Memories:
     memory: float
 
 
-def memories_of(residual: FloatArray, present: BoolArray, step: float) -> Memories:
+def noise_parts(residual: FloatArray, present: BoolArray, step: float) -> NoiseParts:
     """Read a channel's noise from what a fit leaves.
 
     Parameters
@@ -62,14 +62,14 @@ def memories_of(residual: FloatArray, present: BoolArray, step: float) -> Memori
 
     Returns
     -------
-    Memories
+    NoiseParts
 
     Examples
     --------
     >>> rng = np.random.default_rng(3)
     >>> from scipy.signal import lfilter
     >>> drift = lfilter([np.sqrt(1.0 - 0.99**2)], [1.0, -0.99], rng.standard_normal(6000))
-    >>> found = memories_of(drift + rng.standard_normal(6000), np.ones(6000, dtype=bool), 0.02)
+    >>> found = noise_parts(drift + rng.standard_normal(6000), np.ones(6000, dtype=bool), 0.02)
     >>> bool(0.6 < found.drift < 1.6), bool(1.0 < found.memory < 4.0)
     (True, True)
     """
@@ -78,30 +78,30 @@ def memories_of(residual: FloatArray, present: BoolArray, step: float) -> Memori
     wave = np.cos(2.0 * np.pi * fft.rfftfreq(len(rows))[1:-1])
     whole = max(float(np.sum(rows**2)) / max(int(present.sum()), 1), LEAST_POWER)
 
-    def memories(x: FloatArray) -> Memories:
+    def parts(x: FloatArray) -> NoiseParts:
         white, short, drift, memory = (float(value) for value in np.exp(x[[0, 1, 2, 4]]))
-        return Memories(white * whole, short * whole, drift * whole, float(1.0 / (1.0 + np.exp(-x[3]))), memory)
+        return NoiseParts(white * whole, short * whole, drift * whole, float(1.0 / (1.0 + np.exp(-x[3]))), memory)
 
     def loss(x: FloatArray) -> float:
-        spectrum = _spectrum(memories(x), wave, step)
-        belief = WHITE_BELIEF * float(x[0] - np.log(WHITE_SHARE)) ** 2
-        return float(np.mean(np.log(spectrum / whole) + power / spectrum)) + belief
+        spectrum = _spectrum(parts(x), wave, step)
+        prior = WHITE_PRIOR * float(x[0] - np.log(WHITE_SHARE)) ** 2
+        return float(np.mean(np.log(spectrum / whole) + power / spectrum)) + prior
 
     bounds = [(-9.0, 0.0), (-7.0, 0.7), (-13.0, 1.1), (-4.0, 3.0), (np.log(SHORTEST), np.log(LONGEST))]
-    tries = [
+    solutions = [
         optimize.minimize(
             loss, [np.log(WHITE_SHARE), -0.2, -2.3, 0.0, np.log(memory)], method="L-BFGS-B", bounds=bounds
         )
-        for memory in MEMORIES
+        for memory in DRIFT_TIMES
     ]
-    return memories(min(tries, key=lambda one: float(one.fun)).x)
+    return parts(min(solutions, key=lambda one: float(one.fun)).x)
 
 
-def _spectrum(noise: Memories, wave: FloatArray, step: float) -> FloatArray:
+def _spectrum(noise: NoiseParts, wave: FloatArray, step: float) -> FloatArray:
     """Return the power at frequencies whose cosine from row to row is `wave`."""
     total = np.full_like(wave, noise.white)
-    for variance, kept in ((noise.short, noise.fading), (noise.drift, float(np.exp(-step / noise.memory)))):
-        total += variance * (1.0 - kept**2) / (1.0 - 2.0 * kept * wave + kept**2)
+    for variance, decay in ((noise.short, noise.fading), (noise.drift, float(np.exp(-step / noise.memory)))):
+        total += variance * (1.0 - decay**2) / (1.0 - 2.0 * decay * wave + decay**2)
     return total
 
 
@@ -110,31 +110,31 @@ class Whitening:
 
     Parameters
     ----------
-    noise : sequence of Memories, one a channel
+    noise : sequence of NoiseParts, one a channel
         Of rows weighted by `root`.
     t : ndarray, shape (n,), s
     root : ndarray, shape (n_channels, n)
         Weights; 0 where a row takes no part. A drift is as large in N everywhere, so its weighted size follows them.
     """
 
-    def __init__(self, noise: tuple[Memories, ...], t: FloatArray, root: FloatArray) -> None:
+    def __init__(self, noise: tuple[NoiseParts, ...], t: FloatArray, root: FloatArray) -> None:
         present = root > 0.0
         typical = np.sqrt(np.sum(root**2, axis=1) / np.maximum(present.sum(axis=1), 1))
         self._size = np.ascontiguousarray((root / np.maximum(typical, 1e-300)[:, None]).T)
         steps = np.diff(t, prepend=t[0])
-        usual = float(np.median(steps[1:]))
-        steps = np.maximum(steps, usual)
-        steps[0] = LONG_AGO
+        typical_step = float(np.median(steps[1:]))
+        steps = np.maximum(steps, typical_step)
+        steps[0] = BEFORE_START
         fading, memory = np.array([one.fading for one in noise]), np.array([one.memory for one in noise])
-        self._kept = np.stack([fading ** (steps[:, None] / usual), np.exp(-steps[:, None] / memory)], axis=1)
-        self._gain = np.zeros_like(self._kept)
+        self._decay = np.stack([fading ** (steps[:, None] / typical_step), np.exp(-steps[:, None] / memory)], axis=1)
+        self._gain = np.zeros_like(self._decay)
         variance = np.ones(self._size.shape)
         white, start = np.array([one.white for one in noise]), np.array([[one.short, one.drift] for one in noise]).T
         state = np.zeros((2, 2, len(noise)))
-        for k, (kept, size) in enumerate(zip(self._kept, self._size, strict=True)):
-            state = kept[:, None] * state * kept[None, :]
-            state[0, 0] += start[0] * (1.0 - kept[0] ** 2)
-            state[1, 1] += start[1] * (1.0 - kept[1] ** 2)
+        for k, (decay, size) in enumerate(zip(self._decay, self._size, strict=True)):
+            state = decay[:, None] * state * decay[None, :]
+            state[0, 0] += start[0] * (1.0 - decay[0] ** 2)
+            state[1, 1] += start[1] * (1.0 - decay[1] ** 2)
             seen = state[:, 0] + state[:, 1] * size
             variance[k] = seen[0] + seen[1] * size + white
             self._gain[k] = np.where(present[:, k], seen / variance[k], 0.0)
@@ -152,14 +152,14 @@ class Whitening:
         if rows.ndim == 2:
             return self(rows[:, :, None])[:, :, 0]
         given = np.ascontiguousarray(rows.transpose(1, 0, 2))
-        surprise = np.empty_like(given)
+        innovation = np.empty_like(given)
         short, drift = np.zeros(given.shape[1:]), np.zeros(given.shape[1:])
-        kept, gain, size = self._kept[..., None], self._gain[..., None], self._size[..., None]
+        decay, gain, size = self._decay[..., None], self._gain[..., None], self._size[..., None]
         for k in range(len(given)):
-            short *= kept[k, 0]
-            drift *= kept[k, 1]
+            short *= decay[k, 0]
+            drift *= decay[k, 1]
             new = given[k] - short - size[k] * drift
-            surprise[k] = new
+            innovation[k] = new
             short += gain[k, 0] * new
             drift += gain[k, 1] * new
-        return np.asarray(surprise.transpose(1, 0, 2) * self._root[:, :, None])
+        return np.asarray(innovation.transpose(1, 0, 2) * self._root[:, :, None])

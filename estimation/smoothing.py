@@ -50,14 +50,14 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     if deviation == 0.0:
         return values, 0.0
     lower, upper = values - 3.0 * deviation, values + 3.0 * deviation  # a row beside a step stays as it is
-    best, going = values.copy(), np.ones(n, dtype=bool)
+    best, widening = values.copy(), np.ones(n, dtype=bool)
     for half in HALF_WIDTHS:
         width = 2 * half + 1
         line = savgol_filter(values, width, 2)
         spread = deviation * np.sqrt(_variance_factor(width, correlation))
         lower, upper = np.maximum(lower, line - AGREEMENT * spread), np.minimum(upper, line + AGREEMENT * spread)
-        going &= lower <= upper
-        best[going] = line[going]
+        widening &= lower <= upper
+        best[widening] = line[widening]
     return best, deviation
 
 
@@ -65,17 +65,17 @@ def noise_of(values: FloatArray) -> tuple[float, float]:
     """Return the noise's standard deviation, and its correlation from one row to the next."""
     away = -savgol_coeffs(WINDOW, 2)
     away[WINDOW // 2] += 1.0
-    rest = values - savgol_filter(values, WINDOW, 2)
-    typical = 1.4826 * float(np.median(np.abs(rest)))
+    residual = values - savgol_filter(values, WINDOW, 2)
+    typical = 1.4826 * float(np.median(np.abs(residual)))
     if typical == 0.0:  # exact, but for steps
         return 0.0, 0.0
-    calm = np.where(np.abs(rest) < 2.5 * typical, rest, 0.0)
-    lag = float(np.sum(calm[1:] * calm[:-1])) / float(np.sum(calm**2))
+    regular = np.where(np.abs(residual) < 2.5 * typical, residual, 0.0)
+    lag = float(np.sum(regular[1:] * regular[:-1])) / float(np.sum(regular**2))
     of_white = float(away[1:] @ away[:-1]) / float(away @ away)
     correlation = float(np.clip(lag - of_white, 0.0, 0.9))
     rows = np.arange(WINDOW)
-    kept = float(away @ correlation ** np.abs(rows[:, None] - rows) @ away)
-    return typical / float(np.sqrt(kept)), correlation
+    factor = float(away @ correlation ** np.abs(rows[:, None] - rows) @ away)
+    return typical / float(np.sqrt(factor)), correlation
 
 
 def _variance_factor(width: int, correlation: float) -> float:

@@ -121,11 +121,11 @@ def _stretches(
     for rows in np.split(np.arange(len(speed)), np.flatnonzero(np.diff(segment)) + 1):
         for start in range(0, len(rows) - length + 1, length):
             piece = rows[start : start + length]
-            there = np.isfinite(residual[:, piece])
-            if np.all(speed[piece] > 0) and there.mean(axis=1).min() >= MEASURED:
+            mask = np.isfinite(residual[:, piece])
+            if np.all(speed[piece] > 0) and mask.mean(axis=1).min() >= MEASURED:
                 complete = [
                     values if known.all() else np.interp(piece, piece[known], values[known])
-                    for values, known in zip(residual[:, piece], there, strict=True)
+                    for values, known in zip(residual[:, piece], mask, strict=True)
                 ]
                 yield np.cumsum(speed[piece]) * step, np.stack(complete, axis=1)
 
@@ -139,10 +139,10 @@ def _spectra(stretches: list[tuple[FloatArray, FloatArray]], radii: FloatArray) 
         too_fast = tau * radii < FEWEST_SAMPLES * advance
         too_slow = tau * radii * FEWEST_TURNS > distance[-1] - distance[0]
         window = np.hanning(len(distance))
-        place = distance - distance.mean()
-        slow = np.vander(place / place[-1], 3)
+        position = distance - distance.mean()
+        slow = np.vander(position / position[-1], 3)
         centred = (residual - slow @ np.linalg.lstsq(slow, residual, rcond=None)[0]) * window[:, None]
-        turning = np.exp(-1j * place / radii[:, None])
+        turning = np.exp(-1j * position / radii[:, None])
         power += np.abs(2.0 * turning @ centred / window.sum()) ** 2
         power[too_fast | too_slow] = np.nan
         square += np.mean(residual**2, axis=0)

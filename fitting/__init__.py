@@ -1,6 +1,6 @@
 """Fitting a tire to measurements under physical constraints, by CasADi and IPOPT."""
 
-from .cross_validation import cross_validate, deal
+from .cross_validation import assign_folds, cross_validate
 from .evidence.diagnostics import Findings
 from .fit import fit
 from .problem.recipe import RECIPES, load_recipe
@@ -9,5 +9,6 @@ from .results.fit_result import FitResult
 from .results.records import HeldOut
 
 __all__ = [
-    "RECIPES", "Findings", "FitResult", "HeldOut", "cross_validate", "deal", "draw_figures", "fit", "load_recipe",
+    "RECIPES", "Findings", "FitResult", "HeldOut", "assign_folds", "cross_validate", "draw_figures", "fit",
+    "load_recipe",
 ]  # fmt: skip

@@ -1,7 +1,7 @@
-"""How well a fitted tire foretells conditions that it has not seen: blocked cross-validation.
+"""Blocked cross-validation: prediction error of a fitted tire at operating conditions that were not fitted.
 
-Rows of one sweep are much alike, so rows left out at random are no test. Whole held conditions are left out: a load
-at an inclination and a pressure, with its up and down sweeps and its repeats.
+Neighboring rows of a sweep are almost equal, so a random hold-out set of rows is no test. The hold-out sets contain
+whole operating conditions: a load at an inclination and a pressure, with its up and down sweeps and its repeats.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def cross_validate(
     whole: FitResult | None = None,
     **options: Any,
 ) -> tuple[HeldOut, ...]:
-    """Fit once to everything, then without each part of the held conditions, and compare.
+    """Fit all data, then the data without each fold of operating conditions, and compare the errors.
 
     Parameters
     ----------
@@ -44,12 +44,12 @@ def cross_validate(
     model : str, optional
         As for `tirefmu.fitting.fit`.
     folds : int
-        Into how many parts the conditions of every recording are dealt, at random.
+        Number of parts into which the operating conditions of each recording are divided at random.
     seed : int
     whole : FitResult, optional
-        The fit to everything, where it is already there.
+        The fit of all data, if it exists already.
     **options
-        Those of `tirefmu.fitting.fit`.
+        Options of `tirefmu.fitting.fit`.
 
     Returns
     -------
@@ -61,30 +61,30 @@ def cross_validate(
         If there are fewer than two folds, or fewer conditions than folds in every recording.
     """
     recordings = recordings_from(tables, signs=options.pop("signs", None))
-    parts = deal(recordings, folds, seed)
+    parts = assign_folds(recordings, folds, seed)
     whole = fit(recordings, model, **options) if whole is None else whole
     model = whole.tire.model
-    # The nominal values belong to the meaning of the coefficients: those of the whole.
+    # The coefficients refer to the nominal values, so all fits use those of the fit of all data.
     nominal = {name: whole.tire.values[key] for name, key in NOMINAL.items() if key in whole.tire.values}
-    foretold = [np.full((len(recording), len(whole.tire.outputs)), np.nan) for recording in recordings]
+    predicted = [np.full((len(recording), len(whole.tire.outputs)), np.nan) for recording in recordings]
     for fold in range(folds):
-        kept = [
+        training = [
             replace(recording, table=recording.table[part != fold])
             for recording, part in zip(recordings, parts, strict=True)
             if (part != fold).any()
         ]
-        tire = fit(kept, model, **{**options, "nominal": nominal}).tire
-        for computed, recording, part in zip(foretold, recordings, parts, strict=True):
-            left = part == fold
-            if left.any():
-                computed[left] = _computed(tire, replace(recording, table=recording.table[left]))
+        tire = fit(training, model, **{**options, "nominal": nominal}).tire
+        for computed, recording, part in zip(predicted, recordings, parts, strict=True):
+            held_out = part == fold
+            if held_out.any():
+                computed[held_out] = _computed(tire, replace(recording, table=recording.table[held_out]))
     return tuple(
         HeldOut(c.recording, c.channel, c.unit, c.rows, c.rmse, error)
-        for c, error in zip(whole.channels, _errors(whole.channels, recordings, foretold, whole.tire), strict=True)
+        for c, error in zip(whole.channels, _errors(whole.channels, recordings, predicted, whole.tire), strict=True)
     )
 
 
-def deal(tables: TableLike | Iterable[TableLike], folds: int, seed: int = 0) -> list[npt.NDArray[np.int64]]:
+def assign_folds(tables: TableLike | Iterable[TableLike], folds: int, seed: int = 0) -> list[npt.NDArray[np.int64]]:
     """Return the fold of each row of each recording.
 
     Parameters
@@ -102,37 +102,39 @@ def deal(tables: TableLike | Iterable[TableLike], folds: int, seed: int = 0) -> 
         If there are fewer than two folds, or fewer conditions than folds in every recording.
     """
     if folds < 2:
-        raise FitError(f"{folds} folds: it takes two at least")
-    parts = [_dealt(recording, folds, np.random.default_rng(seed)) for recording in recordings_from(tables)]
+        raise FitError(f"{folds} folds: at least two are required")
+    parts = [_folds(recording, folds, np.random.default_rng(seed)) for recording in recordings_from(tables)]
     if not any(len(set(part)) == folds for part in parts):
-        raise FitError(f"{folds} folds need as many held conditions in some recording")
+        raise FitError(f"{folds} folds require at least {folds} operating conditions in one recording")
     return parts
 
 
-def _dealt(recording: Recording, folds: int, random: np.random.Generator) -> npt.NDArray[np.int64]:
-    """Return the fold of each row: conditions shuffled and dealt like cards."""
+def _folds(recording: Recording, folds: int, random: np.random.Generator) -> npt.NDArray[np.int64]:
+    """Return the fold of each row: operating conditions in random order, distributed evenly over the folds."""
     conditions = group_by_condition(recording, most_levels=MOST_LEVELS).labels
-    places = random.permutation(int(conditions.max(initial=0)) + 1)
-    return np.asarray(places[conditions] % folds, dtype=np.int64)
+    indices = random.permutation(int(conditions.max(initial=0)) + 1)
+    return np.asarray(indices[conditions] % folds, dtype=np.int64)
 
 
 def _computed(tire: Tire, recording: Recording) -> FloatArray:
     """Return forces in adapted SAE, shape (n, n_forces)."""
-    ours = tire.in_signs("adapted-sae")
-    rows = Rows.of(recording.with_signs("adapted-sae").table, ours, ())
-    return fastest_code(ours.book).forces(ours.effective_inputs(rows.inputs), ours.parameters()).T
+    converted = tire.in_signs("adapted-sae")
+    rows = Rows.of(recording.with_signs("adapted-sae").table, converted, ())
+    return fastest_code(converted.book).forces(converted.effective_inputs(rows.inputs), converted.parameters()).T
 
 
 def _errors(
-    channels: Sequence[Any], recordings: Sequence[Recording], foretold: Sequence[FloatArray], tire: Tire
+    channels: Sequence[Any], recordings: Sequence[Recording], predicted: Sequence[FloatArray], tire: Tire
 ) -> list[float]:
-    """Return the root mean square error of every channel that the whole fit tells of."""
+    """Return the root mean square error of every channel of the fit of all data."""
     names = list(dict.fromkeys(channel.recording for channel in channels))
-    places: Mapping[str, int] = {name: number for number, name in enumerate(names)}
+    indices: Mapping[str, int] = {name: number for number, name in enumerate(names)}
     errors = []
     for channel in channels:
-        number = places[channel.recording]
+        number = indices[channel.recording]
         table = recordings[number].with_signs("adapted-sae").table
-        missed = foretold[number][:, tire.outputs.index(channel.channel)] - table[channel.channel].to_numpy(dtype=float)
-        errors.append(float(np.sqrt(np.nanmean(missed**2))))
+        residual = predicted[number][:, tire.outputs.index(channel.channel)] - table[channel.channel].to_numpy(
+            dtype=float
+        )
+        errors.append(float(np.sqrt(np.nanmean(residual**2))))
     return errors

@@ -1,4 +1,4 @@
-"""From recordings to a tire: the data made ready, the recipe's stages solved one after another, the result told."""
+"""Fit of a tire to recordings: preprocesses the data, runs the stages of the recipe, returns the result."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ from .results.fit_result import FitResult
 from .solvers.interruption import Interruption, Progress
 from .solvers.selection import solver_for
 
-#: What --nominal may name, and the coefficient that it sets.
+#: Names that --nominal accepts, and the coefficient that each sets.
 NOMINAL = {"Fz0": "FNOMIN", "R0": "UNLOADED_RADIUS", "p0": "NOMPRES", "V0": "LONGVL"}
 
-#: What to start from where it is no tire: what the data show by themselves.
+#: Value of `start` for initial values that are read from the data.
 FEATURES = "features"
 
 
@@ -62,64 +62,64 @@ def fit(
     Parameters
     ----------
     tables : path, DataFrame or Recording, or a sequence of them
-        Together they are the data; each may have its own signs.
+        The data of one fit; recordings may have different sign conventions.
     model : str, optional
-        Where None, that of the start tire; without one, "mf61".
+        By default the model of the start tire; without a start tire "mf61".
     start : Tire, path of a .tir file, name of a published tire, or "features", optional
-        Initial values: a tire's, or what the data show by themselves (`tirefmu.fitting.data.initial_values`);
-        generic ones where None. "features" is a path only if there is such a file.
+        Initial values: those of a tire, or with "features" values read from the data
+        (`tirefmu.fitting.data.initial_values`); by default generic values. "features" is a path only if such a file
+        exists.
     effects : collection of str, optional
-        Exactly these effects on top of the model's core; all of the model where None.
+        Exactly these effects in addition to the model's core; by default all effects of the model.
     without : collection of str
-        Effects to leave out.
+        Effects to exclude.
     recipe : str, optional
-        "progressive", "joint", "trento", "scaling" (of the start tire), a recipe of the model's own or the path of a
-        TOML file; the model's default where None.
+        "progressive", "joint", "trento", "scaling" (of the start tire), a recipe that the model defines, or the path of
+        a TOML file; by default the recipe of the model.
     loss : {"squares", "huber", "cauchy"}
-        What a residual costs: where a few rows are grossly wrong, "huber" lets one count by its size instead of its
-        square, "cauchy" hardly at all; from 1.3 and 2.4 standard deviations of its own channel's noise on.
+        Cost of a residual. "huber" (linear) and "cauchy" (logarithmic) reduce the influence of outliers. They apply
+        above 1.3 and 2.4 standard deviations of the noise of the channel.
     method : {"ipopt", "ioa"}
         IPOPT with exact derivatives, or the UNICAMP paper's evolutionary algorithm
         (`tirefmu.fitting.solvers.evolution`).
     iterations : int, optional
-        The most that a stage may take; the method's own limit (300, 10,000) where None.
+        Upper limit for each stage; by default the limit of the method (300, 10,000).
     seed : int
-        Of a method that draws at random.
+        Seed of a random method.
     nominal : mapping of str to float, optional
-        Fz0 (N), R0 (m), p0 (Pa), V0 (m/s), as far as the model has them; the medians of the data and 0.3 m where
-        not given.
+        Fz0 (N), R0 (m), p0 (Pa), V0 (m/s), as far as the model has them; by default the medians of the data and 0.3 m.
     signs : str, optional
-        Convention of files and DataFrames, where it is not the default (that of the format; "iso" for a DataFrame).
+        Sign convention of files and DataFrames; by default that of the format, and "iso" for a DataFrame.
     screening : bool
-        Whether to set aside rows of a cold tread, of transitions between levels, of a lifted or standing wheel, and
-        outliers; `FitResult.set_aside` tells which. Scores count every row.
+        Whether to exclude outliers and rows of a cold tread, of transitions between levels, and of a lifted or
+        stationary wheel (`FitResult.excluded_rows`). Goodness of fit is computed over all rows.
     rows : str
-        How rows count: "condition" (every load, inclination, pressure, ... that a recording held counts the same,
-        however often or slowly it was logged), "equal" (every row the same), or "independent" (as "condition", and
-        each recording's channel by how many independent rows it is worth).
+        Weights of rows: "condition" (equal weight of every operating condition of a recording, independent of its
+        number of rows), "equal" (equal weight of every row), or "independent" (as "condition", and each channel of a
+        recording by its effective sample size).
     progress : callable, optional
         Called with stage, iteration and cost.
     constraints, without_constraints : collection of str
-        Physical conditions to keep beside the usual ones, and not to keep, by name or kind
-        (`tirefmu.fitting.constraints.physical`); "all" means every one.
+        Physical constraints to enforce in addition to the default ones, and constraints not to enforce, by name or kind
+        (`tirefmu.fitting.constraints.physical`); "all" means all constraints.
     checkpoint : path, optional
-        File for the finished stages; removed when all of them are done.
+        File in which completed stages are saved; it is removed when the fit is complete.
     resume : bool
-        Go on after the stages in that file.
+        Continue after the stages in that file.
 
     Returns
     -------
     FitResult
-        Coefficients are in ISO-W, as in the tire file; `FitResult.in_signs` converts them. Also where the
-        solver did not converge, or the fit was interrupted (Ctrl-C, or a `KeyboardInterrupt` of ``progress``) and
-        kept the best values so far: `FitResult.ok` and `FitResult.status` say so.
+        Coefficients are in ISO-W, as in the tire file; `FitResult.in_signs` converts them. A fit that does not
+        converge, or that is interrupted (Ctrl-C, or a `KeyboardInterrupt` of ``progress``), returns the best values so
+        far. `FitResult.ok` and `FitResult.status` report this.
 
     Raises
     ------
     UnknownName, DataError, FitError
-        If something that was asked for does not exist or does not fit together.
+        If an argument names something unknown, or arguments or data are inconsistent.
     WrongType
-        If a table or the start is of another type.
+        If a table or the start has a wrong type.
 
     Examples
     --------
@@ -137,13 +137,13 @@ def fit(
     book = book_of(model if model is not None else tire_given.model if tire_given else DEFAULT_MODEL)
     plan = load_recipe(recipe, book.name)
     if resume and checkpoint is None:
-        raise FitError("to go on takes the file of the finished stages (checkpoint)")
-    conditions = chosen_constraints(book.name, constraints, without_constraints)
+        raise FitError("resume requires the file of the completed stages (checkpoint)")
+    chosen = chosen_constraints(book.name, constraints, without_constraints)
     solver = solver_for(method, iterations, seed)
     if method != "ipopt" and loss != "squares":
         raise FitError(f"loss {loss} is for method ipopt: {method} minimizes squares")
     if plan.scales and tire_given is None:
-        raise FitError(f"recipe {plan.name} scales a given tire: say which to start from (--start)")
+        raise FitError(f"recipe {plan.name} scales a given tire: a start tire is required (--start)")
     recordings = recordings_from(tables, signs=signs)
     if not recordings:
         raise FitError("no table to fit")
@@ -156,15 +156,15 @@ def fit(
         "rows": rows,
         "screening": str(screening),
         "loss": loss,
-        "method": f"{method}, {iterations or 'usual'} iterations, seed {seed}",
+        "method": f"{method}, {iterations or 'default'} iterations, seed {seed}",
         "start": FEATURES if features else "values",
-        "constraints": ",".join(each.name for own in conditions.values() for each in own),
+        "constraints": ",".join(each.name for own in chosen.values() for each in own),
     }
     saved = Checkpoint(Path(checkpoint), _identity(data, tire, plan, options)) if checkpoint else None
     with Interruption(progress) as interruption:
         run = FitRun(
             book, tire, data, plan, interruption, notes,
-            solver=solver, given=tire_given is not None, read=read, conditions=conditions, loss=loss,
+            solver=solver, given=tire_given is not None, read=read, constraints=chosen, loss=loss,
         )  # fmt: skip
         if resume and saved:
             run.restore(saved.load(), str(saved.path))
@@ -177,7 +177,7 @@ def fit(
 
 
 def _start_tire(start: TireLike) -> Tire:
-    """Return the tire to start from; where there is none of that name, "features" is a possibility, too."""
+    """Return the start tire; an error message for an unknown name also suggests "features"."""
     try:
         return tire_from(start, "start")
     except WrongType:
@@ -187,14 +187,14 @@ def _start_tire(start: TireLike) -> Tire:
 
 
 def _identity(data: FitData, tire: Tire, plan: Recipe, options: Mapping[str, str]) -> dict[str, str]:
-    """Return what a fit depends on, by what a user calls it."""
+    """Return the inputs of a fit by the names that a user knows."""
     return {
         "version of tirefmu": version("tirefmu"),
-        "data": fingerprint(data.table.drop(columns=["kept", "weight"])),
+        "data": fingerprint(data.table.drop(columns=["included", "weight"])),
         "model": tire.model,
         "effects": ",".join(sorted(tire.has)),
         "recipe": repr(plan),
-        "values to start from": repr(sorted(tire.values.items())),
+        "initial values": repr(sorted(tire.values.items())),
         **options,
     }
 
@@ -220,7 +220,7 @@ def _starting_tire(
         if not nominal[name] > 0:
             raise FitError(f"nominal {name} = {nominal[name]:g} is not positive")
         if NOMINAL[name] not in book.coefficients:
-            notes.append(f"nominal {name} has no place in {book.name}")
+            notes.append(f"nominal {name} is not used by {book.name}")
     given = {NOMINAL[name]: value for name, value in nominal.items() if NOMINAL[name] in book.coefficients}
     if start is not None:
         if start.model != book.name:
@@ -231,12 +231,12 @@ def _starting_tire(
     if "UNLOADED_RADIUS" not in given:
         notes.append("radius R0 not given: 0.3 m (it only scales the moment coefficients)")
     if "FNOMIN" not in values:
-        raise FitError("no load Fz in the data: say --nominal Fz0=...")
+        raise FitError("no load Fz in the data: specify --nominal Fz0=...")
     return Tire(book.name, values, effects=present, signs="adapted-sae")
 
 
 def _medians(book: Model, data: pd.DataFrame, given: Mapping[str, float], notes: list[str]) -> dict[str, float]:
-    """Return the nominal values that nobody gave, from the data: medians of two digits, noted."""
+    """Return the nominal values that the caller did not give: medians of the data with two digits, each with a note."""
     values = {}
     for name, coefficient, text, unit in (
         ("Fz", "FNOMIN", "load", "N"),
@@ -250,6 +250,6 @@ def _medians(book: Model, data: pd.DataFrame, given: Mapping[str, float], notes:
             values[coefficient] = median
             notes.append(f"nominal {text} not given: the median, {median:g} {unit}")
     if "INFLPRES" in book.coefficients and {"NOMPRES"} & {*values, *given.keys()}:
-        # Where a user of the tire says nothing of pressure, it has the nominal one.
+        # The tire has nominal pressure if its user specifies none.
         values["INFLPRES"] = given.get("NOMPRES", values.get("NOMPRES", 0.0))
     return values

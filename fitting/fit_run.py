@@ -1,4 +1,4 @@
-"""The state of a running fit: the stages of a recipe solved one after another, and the result."""
+"""The state of a running fit: it solves the stages of a recipe one after another and returns the result."""
 
 from __future__ import annotations
 
@@ -46,10 +46,10 @@ from .solvers.restarts import best_end
 from .solvers.selection import Solver
 
 FloatArray = npt.NDArray[np.float64]
-#: How often what breaks the conditions is added.
+#: Upper limit of the rounds in which points that violate a constraint are added.
 ROUNDS = 12
-#: The pull of scaled coefficients to where a stage starts, by its weights: the residual weights make the cost about
-#: 1/2, the others about the share of noise.
+#: Strength of the regularization of scaled coefficients, by the weights of the stage: with noise weights the cost is
+#: about 1/2, with equal weights about the share of noise.
 RIDGE = {"equal": 1e-8, "noise": 1e-5}
 
 
@@ -68,32 +68,32 @@ class FitRun:
         solver: Solver,
         given: bool,
         read: Mapping[str, float],
-        conditions: Mapping[str, Sequence[Constraint]] | None = None,
+        constraints: Mapping[str, Sequence[Constraint]] | None = None,
         loss: str = "squares",
     ) -> None:
         self._loss = loss_named(loss)
-        self._given = given  # the tire's values are somebody's, not to be replaced by generic ones
-        self._read = read  # what the data told before the first stage; generic values for the rest
+        self._given = given  # the caller gave a start tire: generic values do not replace its values
+        self._read = read  # initial values read from the data; all others are generic
         self._book, self._tire, self._plan = book, tire, plan
         self._fit_data, self._data = data, data.fitted
         self._interruption = interruption
         self._notes, self._solver = notes, solver
         self._emphasis = emphasis(self._data, tire.outputs)
         self._ranges = operating_range(self._data, tire.inputs)
-        self._conditions = VerifiedConstraints(
-            tire, chosen_constraints(book.name) if conditions is None else conditions, self._ranges
+        self._constraints = VerifiedConstraints(
+            tire, chosen_constraints(book.name) if constraints is None else constraints, self._ranges
         )
         self._stages: list[StageFit] = []
         self._ends: list[tuple[Ended, Problem]] = []
         self._freed: dict[str, Release] = {}
         asked = [self._data[name].any() for _, name in book.on_demand if name in self._data]
-        self._straight = not any(asked)  # no row turns: what acts in a turn alone reaches no channel
+        self._straight = not any(asked)  # no row has turn slip: its coefficients have no influence
         measured = self._data.notna().any()
         self._fitted = [quantity.name for quantity in book.outputs if measured.get(quantity.name, False)]
-        self._done = 0  # stages of the recipe that are behind
+        self._done = 0  # completed stages of the recipe
 
     def run(self, checkpoint: Checkpoint | None = None) -> None:
-        """Solve stage after stage, until a stop is requested; save each finished one to the checkpoint."""
+        """Solve the stages until a stop is requested; save each completed stage to the checkpoint."""
         for stage in self._plan.stages[self._done :]:
             if self._stop():
                 break
@@ -108,87 +108,91 @@ class FitRun:
         return self._interruption.requested
 
     def state(self) -> State:
-        """Return what the next stage goes on from."""
-        broken = [(constraint.name, points) for constraint, points in self._conditions.broken]
+        """Return the state from which the next stage continues."""
+        violated = [(constraint.name, points) for constraint, points in self._constraints.violated]
         ended = [end for end, _ in self._ends]
-        return State(self._done, dict(self._tire.values), self._freed, broken, self._stages, ended, self._notes)
+        return State(self._done, dict(self._tire.values), self._freed, violated, self._stages, ended, self._notes)
 
     def restore(self, state: State, source: str) -> None:
-        """Go on from a state; FitError, which names its source, where it is not one of this fit."""
-        known = {constraint.name: constraint for constraint, _ in self._conditions.of(self._fitted)}
-        self._refuse_foreign(state, known.keys(), source)
-        self._conditions.broken = [(known[name], points) for name, points in state.broken]
+        """Continue from a state; raise FitError with its source if it does not belong to this fit."""
+        known = {constraint.name: constraint for constraint, _ in self._constraints.of(self._fitted)}
+        self._check_state(state, known.keys(), source)
+        self._constraints.violated = [(known[name], points) for name, points in state.violated]
         for end in state.ended:
             stage = self._plan.stages[end.stage]
             table, channels = self._table(stage)
             tire = replace(self._tire, values=end.values)
             rows = Rows.of(table, tire, channels)
-            self._ends.append((end, self._posed(stage, tire, rows.sample(stage.rows or len(rows)), end.free)))
+            self._ends.append((end, self._problem_of(stage, tire, rows.sample(stage.rows or len(rows)), end.free)))
         self._tire = replace(self._tire, values=state.values)
         self._done, self._freed, self._stages, self._notes = state.done, state.freed, state.stages, state.notes
 
-    def _refuse_foreign(self, state: State, constraints: Set[str], source: str) -> None:
+    def _check_state(self, state: State, constraints: Set[str], source: str) -> None:
         stages, inputs = len(self._plan.stages), len(self._tire.inputs)
         names = {*state.values, *state.freed}.union(*({*end.values, *end.free} for end in state.ended))
         if (
             state.done > stages
             or not names <= self._book.coefficients.keys()
-            or not {name for name, _ in state.broken} <= constraints
-            or any(len(points) != inputs for _, points in state.broken)
+            or not {name for name, _ in state.violated} <= constraints
+            or any(len(points) != inputs for _, points in state.violated)
             or any(end.stage >= stages or len(end.x) != len(end.free) for end in state.ended)
         ):
-            raise FitError(f"{source}: is a broken progress file (of stages or coefficients that this fit has not)")
+            raise FitError(f"{source}: invalid progress file (its stages or coefficients are not those of this fit)")
 
     def _table(self, stage: Stage) -> tuple[pd.DataFrame, list[str]]:
-        """Return the rows of a stage, all of them, and its channels."""
-        channels = self._chosen(stage)
+        """Return all rows of a stage, and its channels."""
+        channels = self._channels_of(stage)
         table = stage.select(self._data)
         return (table[table[channels].notna().any(axis=1)] if channels else table[:0]), channels
 
     def _run(self, stage: Stage) -> None:
-        """Solve one stage and keep its values."""
+        """Solve one stage and store its values in the tire."""
         table, channels = self._table(stage)
         if not channels and not stage.free:
-            return  # a recipe for all channels, of which these were not measured
+            return  # the recipe covers channels that were not measured
         if table.empty:
-            asked = ", ".join(stage.channels) or "the data"
-            self._notes.append(f"stage {stage.name!r} skipped: no row of {asked} meets its conditions")
+            requested = ", ".join(stage.channels) or "the data"
+            self._notes.append(f"stage {stage.name!r} skipped: no row of {requested} meets its conditions")
             return
         rows = Rows.of(table, self._tire, channels)
-        self._guess(stage)
-        every = {name: self._bounds(name, stage) for name in self._candidates(stage)}
+        self._set_initial_values(stage)
+        bounds = {name: self._bounds(name, stage) for name in self._candidates(stage)}
         part = rows.sample(stage.rows) if stage.rows else rows
-        free = self._determined(every, part, stage)
+        free = self._determined(bounds, part, stage)
         if not free:
             self._notes.append(f"stage {stage.name!r} skipped: its rows determine none of its coefficients")
             return
         self._solve(stage, part, free, channels)
 
-    def _chosen(self, stage: Stage) -> list[str]:
+    def _channels_of(self, stage: Stage) -> list[str]:
         return [name for name in self._fitted if not stage.channels or name in stage.channels]
 
     def _candidates(self, stage: Stage) -> list[str]:
-        """Return what a stage may free: what reaches one of its channels in some row, by section and effect."""
+        """Return the coefficients that a stage may free: those that influence its channels, by section and effect."""
         reaching = coefficients_by_output(self._book, straight=self._straight)
-        reaches = frozenset[str]().union(*(reaching[name] for name in self._chosen(stage)))
+        reaches = frozenset[str]().union(*(reaching[name] for name in self._channels_of(stage)))
         live = self._book.live(self._tire.has) & reaches
         if stage.free:
             return [name for name in stage.free if name in live]
         if stage.effects is not None:
             live &= self._book.live(self._tire.has.intersection(stage.effects))
-        cards = self._book.coefficients
-        named = [name for name, card in cards.items() if (card.section in stage.sections or not stage.sections)]
-        return [name for name in named if name in live and (stage.sections or cards[name].fitted)]
+        declarations = self._book.coefficients
+        named = [
+            name
+            for name, declaration in declarations.items()
+            if (declaration.section in stage.sections or not stage.sections)
+        ]
+        return [name for name in named if name in live and (stage.sections or declarations[name].fitted)]
 
     def _bounds(self, name: str, stage: Stage) -> Freed:
-        card = self._book.coefficients[name]
+        declaration = self._book.coefficients[name]
         guess = self._tire.values[name]
-        asked = stage.free.get(name, Freed(guess, card.lower, card.upper))
-        return Freed(guess, asked.lower, asked.upper)
+        given = stage.free.get(name, Freed(guess, declaration.lower, declaration.upper))
+        return Freed(guess, given.lower, given.upper)
 
-    def _guess(self, stage: Stage) -> None:
-        """Put the stage's own guesses into the tire, or generic ones for what no stage has seen yet."""
-        cards = self._book.coefficients
+    def _set_initial_values(self, stage: Stage) -> None:
+        """Set the guesses of the stage, or generic values of coefficients that no stage has determined yet."""
+        declarations = self._book.coefficients
         if stage.free:
             guesses = {n: min(max(f.guess, f.lower), f.upper) for n, f in stage.free.items()}
         elif self._given:
@@ -196,39 +200,39 @@ class FitRun:
         else:
             known = {name for name, release in self._freed.items() if release.determined}
             new = [name for name in self._candidates(stage) if name not in known]
-            guesses = {name: self._read.get(name, generic(cards[name])) for name in new}
+            guesses = {name: self._read.get(name, generic(declarations[name])) for name in new}
         self._tire = replace(self._tire, values={**self._tire.values, **guesses})
 
-    def _determined(self, every: dict[str, Freed], rows: Rows, stage: Stage) -> dict[str, Freed]:
-        """Leave out what the rows cannot see; undo its generic start value, which nobody measured."""
-        seen = influence(self._tire, rows.sample(1000), list(every))
-        for name, freed in every.items():
+    def _determined(self, bounds: dict[str, Freed], rows: Rows, stage: Stage) -> dict[str, Freed]:
+        """Return the coefficients that the rows determine; reset the others from generic values to their defaults."""
+        seen = influence(self._tire, rows.sample(1000), list(bounds))
+        for name, freed in bounds.items():
             before = self._freed.get(name)
             if before is None or name in seen or not before.determined:
                 first = freed.guess if before is None else before.bounds.guess
                 self._freed[name] = Release(replace(freed, guess=first), stage.name, name in seen)
-        unseen = {n: self._book.coefficients[n].default for n in every if not self._freed[n].determined}
+        unseen = {n: self._book.coefficients[n].default for n in bounds if not self._freed[n].determined}
         if not stage.free and not self._given:
             self._tire = replace(self._tire, values={**self._tire.values, **unseen})
-        return {name: freed for name, freed in every.items() if name in seen}
+        return {name: freed for name, freed in bounds.items() if name in seen}
 
     def _solve(self, stage: Stage, rows: Rows, free: dict[str, Freed], channels: Sequence[str]) -> None:
         before = dict(self._tire.values)
-        problem = self._posed(stage, self._tire, rows, free)
+        problem = self._problem_of(stage, self._tire, rows, free)
         scale = problem.scale
         start = np.array([f.guess for f in free.values()]) / scale
         lower = np.array([f.lower for f in free.values()]) / scale
         upper = np.array([f.upper for f in free.values()]) / scale
         report = partial(self._interruption.report, stage.name)
-        settle = partial(
-            self._solved, problem, lower=lower, upper=upper, channels=channels, report=report,
+        solve_from = partial(
+            self._solve_with_constraints, problem, lower=lower, upper=upper, channels=channels, report=report,
             ridge=RIDGE[stage.weights], stage_type=self._stage_type(stage),
         )  # fmt: skip
-        first = settle(np.clip(start, lower, upper))
-        solution = best_end(problem, first, settle, lower, upper, stage.again, always=self._given)
+        first = solve_from(np.clip(start, lower, upper))
+        solution = best_end(problem, first, solve_from, lower, upper, stage.again, always=self._given)
         values = dict(zip(free, (solution.x * scale).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})
-        if stage.rows is None or len(rows) < stage.rows:  # rows drawn at random tell nothing of time
+        if stage.rows is None or len(rows) < stage.rows:  # a random sample has no correlation in time
             self._ends.append((Ended(self._plan.stages.index(stage), before, free, solution.x), problem))
         self._stages.append(
             StageFit(
@@ -237,10 +241,12 @@ class FitRun:
             )
         )  # fmt: skip
 
-    def _posed(self, stage: Stage, tire: Tire, rows: Rows, free: Mapping[str, Freed]) -> Problem:
-        """Return the problem of a stage, weighed by what its start leaves."""
-        cards = self._book.coefficients
-        scale = np.array([typical_size(cards[name].lower, cards[name].upper, f.guess) for name, f in free.items()])
+    def _problem_of(self, stage: Stage, tire: Tire, rows: Rows, free: Mapping[str, Freed]) -> Problem:
+        """Return the problem of a stage, with weights from the residuals at its initial values."""
+        declarations = self._book.coefficients
+        scale = np.array(
+            [typical_size(declarations[name].lower, declarations[name].upper, f.guess) for name, f in free.items()]
+        )
         problem = Problem(tire, rows, tuple(free), equal_weights(rows), scale, self._loss)
         start = np.array([f.guess for f in free.values()]) / scale
         if stage.weights == "noise":
@@ -251,9 +257,9 @@ class FitRun:
         return problem
 
     def _stage_type(self, stage: Stage) -> str:
-        """Return how near the end a stage is: random rows lead to more random rows, or to all rows.
+        """Return the stage type: intermediate, penultimate (before a stage with all rows), or final.
 
-        A stage whose coefficients no later one frees is itself the end.
+        A stage is final if it uses all rows, or if no later stage frees all of its coefficients.
         """
         following = self._plan.stages[self._plan.stages.index(stage) + 1 :]
         own = set(self._candidates(stage))
@@ -261,7 +267,7 @@ class FitRun:
             return "final"
         return "penultimate" if following[0].rows is None else "intermediate"
 
-    def _solved(
+    def _solve_with_constraints(
         self,
         problem: Problem,
         start: FloatArray,
@@ -273,36 +279,36 @@ class FitRun:
         ridge: float,
         stage_type: str,
     ) -> Solution:
-        """Solve, verify the constraints on the dense grid, and solve again with the points that broke them."""
-        known = self._conditions.of(channels) + self._conditions.broken
-        dense = self._conditions.of(channels, density=APPROACHED if stage_type == "intermediate" else VERIFIED)
-        settle = partial(
+        """Solve, verify the constraints on the dense grid, and solve again with the points that violate them."""
+        known = self._constraints.of(channels) + self._constraints.violated
+        dense = self._constraints.of(channels, density=APPROACHED if stage_type == "intermediate" else VERIFIED)
+        solve_from = partial(
             self._solver, problem, lower=lower, upper=upper, ridge=ridge, stage_type=stage_type, progress=report,
             stop=self._stop,
         )  # fmt: skip
-        solution = settle(start, constraints=known)
+        solution = solve_from(start, constraints=known)
         for _ in range(1 if stage_type == "intermediate" else ROUNDS):
             if self._stop():
                 break
-            broken = self._conditions.violations(dense, problem.parameters(solution.x))
-            if not broken:
+            violated = self._constraints.violations(dense, problem.parameters(solution.x))
+            if not violated:
                 break
-            known = known + broken
+            known = known + violated
             if stage_type != "intermediate":
-                solution = settle(solution.x, constraints=known)
+                solution = solve_from(solution.x, constraints=known)
         return solution
 
     def _stage_r2(self, rows: Rows) -> float:
         computed = fastest_code(self._tire.book).forces(rows.inputs, self._tire.parameters()).T
-        there = np.isfinite(rows.measured)
-        weighed = np.where(there, computed - rows.measured, 0.0) ** 2 * rows.weight[:, None]
-        squares = np.sum(weighed, axis=0) * equal_weights(rows)[0]
-        return 1 - float(np.mean(squares[there.any(axis=0)]))
+        present = np.isfinite(rows.measured)
+        weighted = np.where(present, computed - rows.measured, 0.0) ** 2 * rows.weight[:, None]
+        squares = np.sum(weighted, axis=0) * equal_weights(rows)[0]
+        return 1 - float(np.mean(squares[present.any(axis=0)]))
 
     def result(self, recordings: Sequence[Recording], seconds: float) -> FitResult:
-        """Tell the whole fit, coefficients in adapted SAE, in which it was solved."""
+        """Return the result, with coefficients in adapted SAE."""
         if not self._stages and self._stop():
-            raise KeyboardInterrupt  # there is nothing yet to keep
+            raise KeyboardInterrupt  # no values to return yet
         if not self._stages:
             raise FitError("no stage of the recipe found rows to fit: " + "; ".join(self._notes))
         ranges = {name: bounds for name, bounds in self._ranges.items() if name in self._data and bounds[0] < bounds[1]}
@@ -311,56 +317,58 @@ class FitRun:
             "recipe": self._plan.name,
             "data": ", ".join(r.source for r in recordings),
         }
-        cards = self._book.coefficients
+        declarations = self._book.coefficients
         values = {
-            name: value for name, value in self._tire.values.items() if not cards[name].section.endswith("_RANGE")
+            name: value
+            for name, value in self._tire.values.items()
+            if not declarations[name].section.endswith("_RANGE")
         }
         tire = replace(self._tire, values=values, ranges=ranges, about=about)  # the same inputs in ISO
-        told = {name: self._told(name) for name in self._book.coefficients if name in self._freed}
-        intervals, directions, effective, covariance = self._uncertainty(told)
-        coefficients = tuple(replace(c, interval=intervals.get(name, nan)) for name, c in told.items())
+        fitted = {name: self._fitted_coefficient(name) for name in self._book.coefficients if name in self._freed}
+        intervals, directions, effective, covariance = self._uncertainty(fitted)
+        coefficients = tuple(replace(c, interval=intervals.get(name, nan)) for name, c in fitted.items())
         undetermined = [c.name for c in coefficients if not c.determined]
         if undetermined:
-            self._notes.append(f"not determined by these data, left as they were: {', '.join(undetermined)}")
+            self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
         channels = self._channels(recordings, tire, effective)
         self._notes += [
-            f"{c.recording}: the fit explains nothing of {c.channel} (R2 {c.r2:.2f})" for c in channels if c.r2 < 0
+            f"{c.recording}: the fit does not explain {c.channel} (R2 {c.r2:.2f})" for c in channels if c.r2 < 0
         ]
         table = self._data.assign(**{n: self._tire.nominal(n) for n in self._tire.inputs if n not in self._data})
         return FitResult(
             tire.in_signs("iso"), self._tire.signs, coefficients, channels,
-            tuple(self._stages), self._conditions.margins(self._fitted, self._tire.parameters()),
+            tuple(self._stages), self._constraints.margins(self._fitted, self._tire.parameters()),
             tuple(self._notes), seconds, self._plan.name, directions,
-            self._fit_data.set_aside, self._interrupted(),
+            self._fit_data.excluded_rows, self._interrupted(),
             evidence=Residuals(table, tuple(distinct([r.source for r in recordings])), self._tire, self._tire.signs),
             covariance=covariance,
         )  # fmt: skip
 
     def _interrupted(self) -> str:
-        """Return where the fit was asked to stop and what it left undone; nothing where it went all the way."""
-        left = len(self._plan.stages) - self._done
-        if not self._stop() or not left:
+        """Return where the fit was stopped and how many stages are complete; empty if it is complete."""
+        remaining = len(self._plan.stages) - self._done
+        if not self._stop() or not remaining:
             return ""
         return f"{self._interruption.where}, {self._done} of {len(self._plan.stages)} stages done"
 
     def _uncertainty(
-        self, told: Mapping[str, FittedCoefficient]
+        self, fitted: Mapping[str, FittedCoefficient]
     ) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray, pd.DataFrame]:
-        """Return intervals, open directions, effective rows and covariance.
+        """Return intervals, directions that are not identifiable, effective sample sizes and covariance.
 
-        Each comes from the last stage that freed or fitted it.
+        Each value is that of the last stage that freed the coefficient or fitted the channel.
         """
         intervals: dict[str, float] = {}
         directions: tuple[Direction, ...] = ()
-        covariance = pd.DataFrame(nan, index=list(told), columns=list(told))
+        covariance = pd.DataFrame(nan, index=list(fitted), columns=list(fitted))
         effective = np.full((int(self._data["recording"].max()) + 1, len(self._tire.outputs)), nan)
         for end, problem in self._ends:
             stage = self._plan.stages[end.stage].name
-            if not any(told[name].stage == stage for name in problem.free):
+            if not any(fitted[name].stage == stage for name in problem.free):
                 continue
-            fixed = [name for name in problem.free if told[name].at_bound]
+            fixed = [name for name in problem.free if fitted[name].at_bound]
             known = uncertainty(problem, end.x, fixed)
-            last = {name for name in problem.free if told[name].stage == stage}
+            last = {name for name in problem.free if fitted[name].stage == stage}
             intervals.update({name: half for name, half in known.intervals.items() if name in last})
             block = [name for name in known.covariance.index if name in last]
             covariance.loc[block, block] = known.covariance.loc[block, block]
@@ -369,27 +377,31 @@ class FitRun:
             rows[known.effective_rows > 0] = known.effective_rows[known.effective_rows > 0]
         return intervals, directions, effective, across_stages(covariance)
 
-    def _told(self, name: str) -> FittedCoefficient:
+    def _fitted_coefficient(self, name: str) -> FittedCoefficient:
         freed = self._freed[name]
-        card, value = self._book.coefficients[name], self._tire.values[name]
+        declaration, value = self._book.coefficients[name], self._tire.values[name]
         guess, lower, upper = freed.bounds.guess, freed.bounds.lower, freed.bounds.upper
-        # An interior-point solution keeps a little off its bounds.
+        # An interior-point solution is slightly inside its bounds.
         near = 1e-3 * max(abs(value), upper - lower if np.isfinite(upper - lower) else 0.0)
         at_bound = freed.determined and (value - lower <= near or upper - value <= near)
-        return FittedCoefficient(name, card.unit, guess, lower, upper, value, at_bound, freed.determined, freed.stage)
+        return FittedCoefficient(
+            name, declaration.unit, guess, lower, upper, value, at_bound, freed.determined, freed.stage
+        )
 
     def _channels(self, recordings: Sequence[Recording], tire: Tire, effective: FloatArray) -> tuple[ChannelFit, ...]:
         units = {quantity.name: quantity.unit for quantity in self._book.outputs}
-        every = self._fit_data.table
-        told = []
+        all_rows = self._fit_data.table
+        fitted = []
         for number, name in enumerate(distinct([recording.source for recording in recordings])):
-            table = every[every["recording"] == number]
+            table = all_rows[all_rows["recording"] == number]
             rows = Rows.of(table, tire, self._fitted)
             computed = fastest_code(tire.book).forces(rows.inputs, tire.parameters())
             floors = noise_floor(table, [name for name in self._fitted if table[name].notna().any()])
             for index, channel in enumerate(tire.outputs):
                 n, rmse, r2, uncentred = quality(rows.measured[:, index], computed[index])
                 if n:
-                    floor, worth = floors[channel][0], float(effective[number, index])
-                    told.append(ChannelFit(name, channel, units[channel], n, rmse, r2, uncentred, floor, worth))
-        return tuple(told)
+                    floor, effective_rows = floors[channel][0], float(effective[number, index])
+                    fitted.append(
+                        ChannelFit(name, channel, units[channel], n, rmse, r2, uncentred, floor, effective_rows)
+                    )
+        return tuple(fitted)

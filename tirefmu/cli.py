@@ -176,7 +176,7 @@ def fit(
     Ctrl-C stops a fit; the best values so far are written, and the exit code is 1. NAME.progress.json, in the folder of
     the tire, has the completed stages. --resume continues after them. A completed fit deletes the file.
     """
-    from tirefmu.fitting import cross_validate, deal
+    from tirefmu.fitting import assign_folds, cross_validate
     from tirefmu.fitting import fit as run
     from tirefmu.fitting.reporting.figures import draw_figures
     from tirefmu.measurements import recordings_from
@@ -185,7 +185,7 @@ def fit(
     check_output_paths(output, json_file, report, folder=figures)
     recordings = recordings_from(tables, signs=signs)
     if folds:
-        deal(recordings, folds)  # raises before the fit if there are too few parts
+        assign_folds(recordings, folds)  # raises before the fit if there are too few parts
     finished_stages = output.with_name(f"{output.stem}.progress.json")
     options: dict[str, Any] = {
         "start": None if start is None else str(start), "effects": effects, "without": without, "recipe": recipe,

@@ -61,7 +61,7 @@ def fit_lines(result: FitResult) -> Iterator[Table | str]:
     yield from ripple_texts(result.findings.ripples)
     for each in result.findings.undetermined:
         yield f"not identifiable: {', '.join(each.coefficients)}: {each.reason}"
-    for rows in result.set_aside:
+    for rows in result.excluded_rows:
         yield f"note: {rows}"
     for note in result.notes:
         yield f"note: {note}"

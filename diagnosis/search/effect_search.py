@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.noise_model import Whitening, memories_of
+from tirefmu.estimation.noise_model import Whitening, noise_parts
 from tirefmu.symbolic.detection import Form
 
 from ..least_squares import LeastSquares, Solution
@@ -104,7 +104,7 @@ class Search:
         t = signals.t[signals.rows]
         rest, step = self.problem.weighted(self.solution.residual), float(np.median(np.diff(t)))
         root = self.problem.root
-        noise = tuple(memories_of(*rows, step) for rows in zip(rest, root > 0.0, strict=True))
+        noise = tuple(noise_parts(*rows, step) for rows in zip(rest, root > 0.0, strict=True))
         whitening = Whitening(noise, t, root)
         precise, same = replace(self.problem, whitening=whitening), self.solution is before.solution
         self.solution = precise.solve(self.solution.parameters, self.solution.free, iterations=SETTLED)

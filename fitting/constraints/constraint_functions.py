@@ -1,7 +1,7 @@
-"""Conditions at their points, as IPOPT wants them: values and a sparse Jacobian by the free coefficients.
+"""Values of the constraints at their points and the sparse Jacobian with respect to the free coefficients.
 
-A quantity of the book, or how it grows with load, is differentiated once, by CasADi, by every coefficient that it
-depends on; a solve then evaluates it at its points and picks what is free.
+CasADi differentiates a quantity of the model, or its change with load, once with respect to all its coefficients. A
+solver evaluates it at its points and selects the derivatives by free coefficients.
 """
 
 from __future__ import annotations
@@ -21,27 +21,27 @@ from ..problem.weighted_residuals import Problem
 from .physical import TOLERANCE, Constraint
 
 FloatArray = npt.NDArray[np.float64]
-#: At how many random points beside the present one it is looked whether a free coefficient moves a quantity.
-LOOKS = 3
+#: Number of random points near the initial values at which the influence of a coefficient is tested.
+PROBES = 3
 
 
 class ConstraintFunctions:
-    """Conditions on the free coefficients of a problem, each divided by its usual size.
+    """Constraints on the free coefficients of a problem, each divided by its typical size.
 
-    A quantity that no free coefficient reaches cannot be constrained and is left out.
+    A quantity that no free coefficient influences cannot be constrained and is omitted.
 
     Parameters
     ----------
     problem : Problem
     constraints : sequence of (Constraint, ndarray of shape (n_inputs, n_points))
-        Conditions and the points at which they hold.
+        Constraints, each with the points at which it is imposed.
 
     Attributes
     ----------
-    low, high : ndarray, shape (n_conditions,)
+    low, high : ndarray, shape (n_constraints,)
         Bounds of `values`.
     sparsity : casadi.Sparsity
-        Of `jacobian`, shape (n_conditions, n_free).
+        Of `jacobian`, shape (n_constraints, n_free).
     """
 
     def __init__(self, problem: Problem, constraints: Sequence[tuple[Constraint, FloatArray]]) -> None:
@@ -57,11 +57,11 @@ class ConstraintFunctions:
         row = _joined((np.repeat(first + np.arange(n), block.free.size)
                        for block, n, first in zip(blocks, sizes, firsts, strict=False)), int)  # fmt: skip
         column = _joined((np.tile(block.free, n) for block, n in zip(blocks, sizes, strict=True)), int)
-        order = np.lexsort((row, column))  # CasADi keeps nonzeros column by column
+        order = np.lexsort((row, column))  # CasADi stores nonzeros by column
         shape = len(self.low), len(problem.free)
         self.sparsity = ca.Sparsity.triplet(*shape, row[order].tolist(), column[order].tolist())
         starts = np.cumsum([0, *(block.width * n for block, n in zip(blocks, sizes, strict=True))])
-        #: Of all derivatives: which are by a free coefficient, in CasADi's order, and what they count.
+        #: Indices of the derivatives by free coefficients, in CasADi's order, and their scale factors.
         self._picked = _joined((first + block.entries for block, first in zip(blocks, starts, strict=False)), int)[
             order
         ]
@@ -74,11 +74,11 @@ class ConstraintFunctions:
         return len(self.low)
 
     def values(self, x: FloatArray) -> FloatArray:
-        """Return the conditioned quantities at scaled free values x."""
+        """Return the constrained quantities at scaled free values x."""
         return self._at(x)[0]
 
     def values_of_each(self, population: FloatArray) -> FloatArray:
-        """Return the conditioned quantities at many points at once.
+        """Return the constrained quantities at many points at once.
 
         Parameters
         ----------
@@ -86,7 +86,7 @@ class ConstraintFunctions:
 
         Returns
         -------
-        ndarray, shape (n, n_conditions)
+        ndarray, shape (n, n_constraints)
         """
         if not len(self) or not len(population):
             return np.zeros((len(population), len(self)))
@@ -101,14 +101,14 @@ class ConstraintFunctions:
         for i, column in enumerate(self._problem.columns):
             parameters[int(column)] = x[i] * self._problem.reach[i]
         values = [value for block in self._blocks for value in block.written_out(parameters)]
-        return ca.Function("conditions", [x], [ca.vertcat(*values)])
+        return ca.Function("constraints", [x], [ca.vertcat(*values)])
 
     def jacobian(self, x: FloatArray) -> Any:
         """Return their derivatives by x as a sparse casadi.DM."""
         return ca.DM(self.sparsity, self._at(x)[1])
 
     def _at(self, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return values and the entries of the Jacobian; kept for the point at which a solver asks again."""
+        """Return values and the entries of the Jacobian, cached for repeated calls at one point."""
         if self._function is None:
             return np.zeros(0), np.zeros(0)
         if self._latest is None or not np.array_equal(self._latest[0], x):
@@ -118,60 +118,60 @@ class ConstraintFunctions:
         return self._latest[1:]
 
     def slopes(self, x: FloatArray) -> FloatArray:
-        """Return the whole `jacobian`, shape (n_conditions, n_free)."""
+        """Return the dense `jacobian`, shape (n_constraints, n_free)."""
         return np.array(self.jacobian(x)).reshape(len(self), len(x))
 
     def satisfied(self, values: FloatArray) -> bool:
-        """Return whether such values are within the bounds; NaN is not."""
+        """Return whether values are within the bounds; NaN is not."""
         return bool(np.all(values >= self.low - TOLERANCE) and np.all(values <= self.high + TOLERANCE))
 
 
 class _Block:
-    """One condition at its points.
+    """One constraint at its points.
 
     Attributes
     ----------
     points : ndarray, shape (n_inputs, n_points)
     size : float
-        What the quantity is divided by.
+        Typical size, by which the quantity is divided.
     bounds : tuple of (float, float)
-        Of the quantity over its size.
+        Of the quantity divided by its size.
     function : casadi.Function
         The quantity and its nonzero derivatives by parameters, `width` of them, at one point.
     free : ndarray of int, shape (n_reached,)
-        The free coefficients that reach it.
+        The free coefficients that influence it.
     reach : ndarray, shape (n_reached,)
-        What a derivative counts in the solver's scale.
+        Scale factors of the derivatives.
     entries : ndarray of int, shape (n_points * n_reached,)
-        Place of each derivative by a free coefficient among all of them, point by point.
+        Indices of the derivatives by free coefficients among all derivatives, point by point.
     """
 
     def __init__(self, problem: Problem, constraint: Constraint, points: FloatArray) -> None:
         self._value, self.function, reached = _functions(problem.tire.book, constraint.quantity, constraint.measure)
         self.points, self.size, self.bounds = points, constraint.size, constraint.scaled_bounds
-        place = {int(column): i for i, column in enumerate(problem.columns)}
+        index = {int(column): i for i, column in enumerate(problem.columns)}
         self.width = len(reached)
-        moving = self._moving(problem) if self.width else np.zeros(0, dtype=np.bool_)
-        picked = [(i, place[column]) for i, column in enumerate(reached) if column in place and moving[i]]
+        influential = self._influential(problem) if self.width else np.zeros(0, dtype=np.bool_)
+        picked = [(i, index[column]) for i, column in enumerate(reached) if column in index and influential[i]]
         self.free = np.array([free for _, free in picked], dtype=int)
         self.reach = problem.reach[self.free] / self.size
         within = np.array([i for i, _ in picked], dtype=int)
         self.entries = np.add.outer(self.width * np.arange(points.shape[1]), within).ravel()
 
-    def _moving(self, problem: Problem) -> npt.NDArray[np.bool_]:
-        """Tell which derivatives are not 0 wherever one looks.
+    def _influential(self, problem: Problem) -> npt.NDArray[np.bool_]:
+        """Return which derivatives are nonzero at any tested point.
 
-        Where PDX2 is fixed at 0, nothing that is free makes friction fall with load: rows of zeros, which an
-        interior-point method cannot keep off a bound, are left out.
+        If PDX2 is fixed at 0, no free coefficient changes the decrease of friction with load. Such rows of zeros are
+        omitted, because an interior-point method cannot move them away from a bound.
         """
         random, n = np.random.default_rng(0), self.points.shape[1]
         present = np.array([problem.tire.values[name] for name in problem.free]) / problem.scale
-        moving = np.zeros(self.width, dtype=np.bool_)
-        for _ in range(LOOKS):
-            beside = problem.parameters(present + random.uniform(-0.3, 0.3, len(present)))
-            gradients = self.function.map(n)(self.points, np.repeat(beside[:, None], n, axis=1))[1]
-            moving |= np.any(np.array(gradients).reshape(self.width, n) != 0.0, axis=1)
-        return moving
+        influential = np.zeros(self.width, dtype=np.bool_)
+        for _ in range(PROBES):
+            nearby = problem.parameters(present + random.uniform(-0.3, 0.3, len(present)))
+            gradients = self.function.map(n)(self.points, np.repeat(nearby[:, None], n, axis=1))[1]
+            influential |= np.any(np.array(gradients).reshape(self.width, n) != 0.0, axis=1)
+        return influential
 
     def written_out(self, parameters: Any) -> list[Any]:
         """Return the value at each point as an expression of the parameters."""
@@ -191,12 +191,12 @@ def _all_of(blocks: Sequence[_Block], n_parameters: int) -> Any:
 
 
 def _joined(arrays: Iterable[npt.NDArray[Any]], kind: type = float) -> npt.NDArray[Any]:
-    """Return arrays one after the other, also none of them."""
+    """Return the concatenation of any number of arrays, also of none."""
     return np.concatenate([np.zeros(0, dtype=kind), *arrays])
 
 
 def measured_values(book: Model, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
-    """Return what a condition bounds, at points.
+    """Return the values that a constraint bounds, at points.
 
     Parameters
     ----------
@@ -216,7 +216,7 @@ def measured_values(book: Model, constraint: Constraint, points: FloatArray, par
 
 @lru_cache(maxsize=256)
 def _functions(book: Model, quantity: str, measure: str) -> tuple[Any, Any, tuple[int, ...]]:
-    """Return what is bounded, the same with its nonzero derivatives, and by which parameters these are."""
+    """Return the bounded value, the value with its nonzero derivatives, and the parameters of these derivatives."""
     generated = casadi_module(book)
     inputs, parameters = ca.SX.sym("inputs", len(generated.INPUTS)), ca.SX.sym("parameters", len(generated.PARAMETERS))
     value = generated.quantities(inputs, parameters)[generated.QUANTITIES.index(quantity)]

@@ -1,22 +1,22 @@
-"""Physical conditions that a fitted tire keeps over its whole operating range, each with a name.
+"""Physical constraints that a fitted tire satisfies over its operating range, each with a name.
 
-A name is a kind and a quantity, ``signs:mu_x``; the kind alone means all of its conditions:
+A name consists of a kind and a quantity, ``signs:mu_x``; the kind alone selects all of its constraints:
 
 signs
     C, mu (and with it D), B, G, slip stiffness and trail are positive: the Trento report's table 1.2.5.
 curvature
-    E <= 1, of that table too.
+    E <= 1, from the same table.
 friction_falling
-    mu does not grow with load.
+    mu does not increase with load.
 stiffness_saturating
-    Slip stiffness grows no faster than load.
+    Slip stiffness increases at most in proportion to load.
 extrapolation
-    The first two kinds also where loads and slips reach 1.5 times as far as in the data: there no sign flips, and
-    as E above 1 is what turns a curve over, no kink comes. On request only.
+    The first two kinds in a range of loads and slips 1.5 times as large as that of the data. In this range no sign
+    changes, and no curve turns over (which E above 1 would cause). Only on request.
 
-Each model declares its own (`tirefmu.symbolic.contract.PhysicalConstraint`). They are imposed on the corners of the
-range of the data, verified on a dense grid that has these corners, and imposed where they were broken there. Bounds are
-in adapted SAE signs.
+Each model declares its constraints (`tirefmu.symbolic.contract.PhysicalConstraint`). They are imposed at the corners of
+the range of the data and verified on a dense grid that contains these corners; points that violate a constraint are
+added. Bounds are in adapted SAE signs.
 """
 
 from __future__ import annotations
@@ -34,44 +34,44 @@ from tirefmu.symbolic.contract import PhysicalConstraint
 from tirefmu.symbolic.errors import UnknownName
 
 FloatArray = npt.NDArray[np.float64]
-#: By how much a quantity may miss its bound before the constraint counts as broken.
+#: Tolerance within which a constraint is satisfied, in the unit of the quantity.
 TOLERANCE = 1e-6
-#: The kinds of conditions.
+#: The kinds of constraints.
 KINDS = ("signs", "curvature", "friction_falling", "stiffness_saturating", "extrapolation")
-#: How much further than in the data loads and slips reach in an extrapolation.
+#: Factor by which the constraints of the kind extrapolation widen the range of loads and slips.
 REACH = 1.5
 
 
 @dataclass(frozen=True)
 class Constraint(PhysicalConstraint):
-    """A physical constraint of a model, and how a solver sees it."""
+    """A physical constraint of a model, with its scaled bounds for a solver."""
 
     @property
     def scaled_bounds(self) -> tuple[float, float]:
-        """The bounds of quantity / size, so narrowed that what the solver calls kept is kept in the quantity's unit."""
+        """Bounds of quantity / size, reduced so that the solver's tolerance holds in the quantity's unit."""
         narrowed = TOLERANCE if self.size > 1.0 else 0.0
         return self.lower / self.size + narrowed, self.upper / self.size - narrowed
 
     @property
     def name(self) -> str:
-        """What a user calls it: ``curvature:E_x``."""
+        """Name for users: ``curvature:E_x``."""
         return f"{self.kind}:{self.quantity}"
 
     @property
     def text(self) -> str:
-        """The condition as it is written: ``E_x <= 1``."""
+        """The constraint as a formula: ``E_x <= 1``."""
         if self.measure != "value":
             return f"{self.quantity} {'falls with load' if self.measure == 'growth' else 'saturates with load'}"
         bound = f"{self.quantity} <= {self.upper:g}" if self.upper < inf else f"{self.quantity} > 0"
         return f"{bound}, {REACH:g} x the range" if self.kind == "extrapolation" else bound
 
     def distance(self, values: FloatArray) -> FloatArray:
-        """Return how far values lie inside the bounds; negative outside, minus infinity where there is no value."""
+        """Return the distance of values to the nearest bound; negative outside, minus infinity for NaN."""
         distance = np.minimum(values - self.lower, self.upper - values)
         return np.where(np.isnan(distance), -inf, distance)
 
     def within(self, ranges: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
-        """Return the ranges over which it has to hold, given those of the data.
+        """Return the ranges in which the constraint is enforced, given those of the data.
 
         Examples
         --------
@@ -87,7 +87,7 @@ class Constraint(PhysicalConstraint):
 
 
 def declared_constraints(model: str) -> dict[str, tuple[Constraint, ...]]:
-    """Return every constraint that a model declares, by the output that it belongs to.
+    """Return all constraints that a model declares, by output.
 
     Examples
     --------
@@ -101,23 +101,23 @@ def declared_constraints(model: str) -> dict[str, tuple[Constraint, ...]]:
 def chosen_constraints(
     model: str, also: Collection[str] = (), without: Collection[str] = ()
 ) -> dict[str, tuple[Constraint, ...]]:
-    """Return the conditions of a model by name: the usual ones, and those that are asked for, less some.
+    """Return the constraints of a model: the default ones and those in `also`, without those in `without`.
 
     Parameters
     ----------
     model : str
     also, without : collection of str
-        Names of single conditions or of kinds; "all" means every one.
+        Names of single constraints or of kinds; "all" means all constraints.
 
     Returns
     -------
     dict of str to tuple of Constraint
-        By the output that they belong to.
+        By output.
 
     Raises
     ------
     UnknownName
-        If the model has no such condition.
+        If the model has no such constraint.
 
     Examples
     --------
@@ -126,8 +126,8 @@ def chosen_constraints(
     >>> [each.name for each in chosen_constraints("mf96", without=["signs", "extrapolation", "curvature"])["Fy"]]
     ['friction_falling:mu_y', 'stiffness_saturating:K_yalpha']
     """
-    conditions = declared_constraints(model)
-    single = [each.name for own in conditions.values() for each in own]
+    declared = declared_constraints(model)
+    single = [each.name for own in declared.values() for each in own]
     known = ["all", *KINDS, *single]
     for name in (*also, *without):
         if name not in known:
@@ -138,12 +138,12 @@ def chosen_constraints(
 
     return {
         output: tuple(each for each in own if not meant(each, without) and (not each.on_request or meant(each, also)))
-        for output, own in conditions.items()
+        for output, own in declared.items()
     }
 
 
 def operating_range(table: pd.DataFrame, inputs: tuple[str, ...]) -> dict[str, tuple[float, float]]:
-    """Return the range of each input in a table; (0, 0) for one that is not there.
+    """Return the range of each input in a table; (0, 0) for an absent input.
 
     Parameters
     ----------
@@ -172,10 +172,10 @@ def grid(
     ranges : mapping of str to (float, float)
         Operating range of every input, in the model's order; `Constraint.within` may widen it.
     nominal : mapping of str to float
-        Value of the inputs on which the quantity does not depend.
+        Values of the inputs on which the quantity does not depend.
     density : int
-        0: the corners, and zero slip. 1: loads in five steps, inclination and pressure in three, slips at their
-        ends, at zero and near it.
+        0: the corners, and zero slip. 1: five loads, three inclinations and pressures, slips at their limits, at zero
+        and near zero.
 
     Returns
     -------
@@ -197,7 +197,7 @@ def grid(
         elif density == 0:
             axes.append(np.array([low, min(max(low, 0.0), high), high]))
         else:
-            near = 0.02 * max(abs(low), abs(high))  # E takes its two branches beside zero slip
+            near = 0.02 * max(abs(low), abs(high))  # E has different branches on the two sides of zero slip
             axes.append(np.concatenate([np.linspace(low, high, 2 * density + 1), [-near, 0.0, near]]))
     mesh = np.meshgrid(*(np.unique(axis) for axis in axes), indexing="ij")
     return np.stack([points.ravel() for points in mesh])

@@ -1,4 +1,4 @@
-"""The conditions of a fit: where they are imposed, where they are verified, what broke them, and their margins."""
+"""Verification of the constraints of a fit: grids on which they are imposed and verified, violations, margins."""
 
 from __future__ import annotations
 
@@ -15,29 +15,29 @@ from .constraint_functions import measured_values
 from .physical import TOLERANCE, Constraint, grid
 
 FloatArray = npt.NDArray[np.float64]
-#: How much denser than where they are imposed the grid is on which conditions are verified, at the end and on the way
-#: there; and how many points of a broken one are added at a time.
+#: Densities of the grid for verification in final and intermediate stages; largest number of points that are added at
+#: a time for a violated constraint.
 VERIFIED, APPROACHED, MOST_ADDED = 4, 2, 12
-#: A condition and points at which it holds, shape (n_inputs, n_points).
-Placed = tuple[Constraint, FloatArray]
+#: A constraint and the points at which it is imposed, shape (n_inputs, n_points).
+ConstraintPoints = tuple[Constraint, FloatArray]
 
 
 @dataclass(frozen=True)
 class Margin:
-    """The tightest place of a constraint, verified on a denser grid than it was imposed on.
+    """The smallest margin of a constraint, verified on a denser grid than it was imposed on.
 
     Attributes
     ----------
     constraint : str
-        As it is written: ``E_x <= 1``.
+        As a formula: ``E_x <= 1``.
     worst : float
-        Value of the quantity there, or of how it goes with load.
+        Value of the quantity, or of its change with load, at the smallest margin.
     margin : float
-        Distance to the bound; negative where it is broken.
+        Distance to the bound; negative if the constraint is violated.
     at : dict of str to float
-        The inputs there.
+        The inputs at the smallest margin.
     name : str
-        What switches it: ``curvature:E_x``.
+        Name by which it is selected: ``curvature:E_x``.
     """
 
     constraint: str
@@ -48,21 +48,21 @@ class Margin:
 
 
 class VerifiedConstraints:
-    """What a tire keeps over its operating range.
+    """Constraints of a tire over its operating range.
 
     Parameters
     ----------
     tire : Tire
-        Of the model, effects and nominal values that are fitted.
+        A tire with the model, effects and nominal values of the fit.
     by_output : mapping of str to sequence of Constraint
-        Those of each output; what belongs to an effect that the tire lacks is left out.
+        Constraints of each output; those of effects that the tire does not have are omitted.
     ranges : mapping of str to (float, float)
         Smallest and largest value of each input.
 
     Attributes
     ----------
-    broken : list of (Constraint, ndarray of shape (n_inputs, n_points))
-        What verifying has added so far.
+    violated : list of (Constraint, ndarray of shape (n_inputs, n_points))
+        Points that verification has added.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class VerifiedConstraints:
         by_output: Mapping[str, Sequence[Constraint]],
         ranges: Mapping[str, tuple[float, float]],
     ) -> None:
-        self.broken: list[Placed] = []
+        self.violated: list[ConstraintPoints] = []
         self._book, self._inputs, self._ranges = tire.book, tire.inputs, dict(ranges)
         self._nominal = {name: tire.nominal(name) for name in tire.inputs}
         self._by_output = {
@@ -79,34 +79,34 @@ class VerifiedConstraints:
             for output, own in by_output.items()
         }
         self._grids: dict[tuple[tuple[str, ...], bool, int], FloatArray] = {}
-        #: Parameters, and by grid all quantities there.
+        #: Parameters, and all quantities for them by grid.
         self._evaluated: tuple[FloatArray, dict[int, tuple[FloatArray, FloatArray]]] = (np.zeros(0), {})
 
-    def of(self, outputs: Sequence[str], *, density: int = 0) -> list[Placed]:
-        """Return the conditions of some outputs on a grid: on its corners, or denser where they are verified."""
-        placed = []
+    def of(self, outputs: Sequence[str], *, density: int = 0) -> list[ConstraintPoints]:
+        """Return the constraints of some outputs with a grid: its corners to impose them, denser to verify them."""
+        pairs = []
         for constraint in (each for output in outputs for each in self._by_output.get(output, ())):
             key = constraint.over, constraint.kind == "extrapolation", density
             if key not in self._grids:
                 self._grids[key] = grid(constraint, self._ranges, self._nominal, density=density)
-            placed.append((constraint, self._grids[key]))
-        return placed
+            pairs.append((constraint, self._grids[key]))
+        return pairs
 
-    def violations(self, placed: Sequence[Placed], parameters: FloatArray) -> list[Placed]:
-        """Return, and remember, the worst point of each broken condition and some of the others that break it."""
-        broken = []
-        for constraint, points in placed:
+    def violations(self, pairs: Sequence[ConstraintPoints], parameters: FloatArray) -> list[ConstraintPoints]:
+        """Return, and store, the worst point and some other points of each violated constraint."""
+        found = []
+        for constraint, points in pairs:
             distance = constraint.distance(self._values(constraint, points, parameters))
             outside = np.flatnonzero(distance < -TOLERANCE)
             if outside.size:
                 order = outside[np.argsort(distance[outside], kind="stable")]
                 some = np.unique(np.linspace(0, len(order) - 1, MOST_ADDED).astype(int))
-                broken.append((constraint, points[:, order[some]]))
-        self.broken += broken
-        return broken
+                found.append((constraint, points[:, order[some]]))
+        self.violated += found
+        return found
 
     def margins(self, outputs: Sequence[str], parameters: FloatArray) -> tuple[Margin, ...]:
-        """Verify every condition on a grid denser than the one that it was imposed on."""
+        """Verify all constraints on a grid denser than the one on which they were imposed."""
         margins = []
         for constraint, points in self.of(outputs, density=VERIFIED):
             values = self._values(constraint, points, parameters)
@@ -117,7 +117,7 @@ class VerifiedConstraints:
         return tuple(margins)
 
     def _values(self, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
-        """Return what a constraint bounds; quantities on one grid are evaluated together."""
+        """Return the values that a constraint bounds; quantities on one grid are evaluated together."""
         if constraint.measure != "value":
             return measured_values(self._book, constraint, points, parameters)
         code = fastest_code(self._book)

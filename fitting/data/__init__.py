@@ -1,1 +1,1 @@
-"""From recordings to the table of a fit: preprocessed rows, initial values, whether all are of one tire."""
+"""Data of a fit: preprocessed rows, initial values, test whether recordings are of one tire."""

@@ -1,4 +1,4 @@
-"""Recordings made ready for a fit: one table, what is set aside, how much each row counts."""
+"""Preprocessed recordings of a fit: one table, excluded rows, weights of rows."""
 
 from __future__ import annotations
 
@@ -23,26 +23,26 @@ from tirefmu.symbolic.model import Model
 
 from .same_tire import tire_notes
 
-#: The inputs of which one has to vary by 0.01 for a channel to tell something of the tire; none for My.
+#: The inputs of which at least one has to vary by `LEAST_VARIATION` for a channel to be fitted; none for My.
 EXCITED_BY = {"Fx": ("kappa",), "Fy": ("alpha",), "Mz": ("alpha",), "Mx": ("alpha", "gamma"), "My": ()}
 LEAST_VARIATION = 0.01
-#: How rows may count: each held condition of a recording the same, each row the same, or each condition the same and
-#: each recording's channel by the independent rows that it is worth.
+#: Weights of rows: equal for each operating condition of a recording, equal for each row, or equal for each operating
+#: condition with each channel of a recording weighted by its effective sample size.
 ROWS = ("condition", "equal", "independent")
 
 
 @dataclass(frozen=True)
-class SetAside:
-    """Rows of a recording that were not fitted; scores count them all the same.
+class ExcludedRows:
+    """Rows of a recording that were not fitted; the goodness of fit includes them.
 
     Attributes
     ----------
     recording, reason, meaning : str
         The reason is a name of `tirefmu.measurements.EXCLUSION_REASONS`.
     rows, of : int
-        How many, of how many.
+        Number of excluded rows, and of all rows.
     findings : tuple of str
-        What was found, and in which rows.
+        Details with row numbers.
     """
 
     recording: str
@@ -53,8 +53,8 @@ class SetAside:
     findings: tuple[str, ...]
 
     def __str__(self) -> str:
-        """Say it in a line."""
-        return f"{self.recording}: {self.rows} of {self.of} rows set aside: {self.reason} ({self.meaning})"
+        """Return a summary in one line."""
+        return f"{self.recording}: {self.rows} of {self.of} rows excluded: {self.reason} ({self.meaning})"
 
 
 @dataclass(frozen=True)
@@ -64,41 +64,41 @@ class FitData:
     Attributes
     ----------
     table : pandas.DataFrame
-        Every row, in adapted SAE, with the columns ``recording`` and ``segment`` (numbers), ``kept`` (whether it is
-        fitted) and ``weight`` (how much it counts, on average 1 over a recording's kept rows). Channels that a
-        recording tells nothing of are NaN.
-    set_aside : tuple of SetAside
+        All rows, in adapted SAE, with the columns ``recording`` and ``segment`` (numbers), ``included`` (whether the
+        row is fitted) and ``weight`` (mean 1 over the included rows of a recording). Channels that are not fitted are
+        NaN.
+    excluded_rows : tuple of ExcludedRows
     notes : tuple of str
-        What looks odd, what the data cannot tell, what is not fitted.
+        Implausible data, missing information, channels that are not fitted.
     rows : str
-        How rows count: a name of `ROWS`.
+        Weights of rows: a name of `ROWS`.
     """
 
     table: pd.DataFrame
-    set_aside: tuple[SetAside, ...]
+    excluded_rows: tuple[ExcludedRows, ...]
     notes: tuple[str, ...]
     rows: str = "condition"
 
     @property
     def fitted(self) -> pd.DataFrame:
-        """The rows that are fitted."""
-        kept = self.table["kept"].to_numpy()
-        return self.table if kept.all() else self.table[kept]
+        """The included rows."""
+        included = self.table["included"].to_numpy()
+        return self.table if included.all() else self.table[included]
 
 
 def prepare(
     recordings: Sequence[Recording], book: Model, *, screening: bool = True, rows: str = "condition"
 ) -> FitData:
-    """Put recordings into one table, set aside what says nothing of the steady tire, weigh what repeats.
+    """Combine recordings in one table, mark excluded rows, and set the weights of rows.
 
     Parameters
     ----------
     recordings : sequence of Recording
     book : Model
     screening : bool
-        Whether to set rows aside (`tirefmu.measurements.exclude_rows`).
+        Whether to exclude rows (`tirefmu.measurements.exclude_rows`).
     rows : str
-        How they count: a name of `ROWS`.
+        Weights of rows: a name of `ROWS`.
 
     Returns
     -------
@@ -107,47 +107,47 @@ def prepare(
     Raises
     ------
     UnknownName
-        If rows cannot count like that.
+        If `rows` is not a name of `ROWS`.
     DataError
-        If a recording has no measured output, or every row is set aside.
+        If a recording has no measured output, or every row is excluded.
     FitError
         If no output is measured over a varying slip.
     """
     if rows not in ROWS:
-        raise UnknownName("way for rows to count", rows, ROWS)
+        raise UnknownName("weighting of rows", rows, ROWS)
     tables: list[pd.DataFrame] = []
-    set_aside: list[SetAside] = []
+    excluded_rows: list[ExcludedRows] = []
     for each in recordings:
-        each.measured()  # raises where there is none, and suggests which column may be a misnamed channel
+        each.measured()  # raises if no output is measured, and suggests columns that may be misnamed channels
     notes = [note for each in recordings for note in (*convention_notes(each), *coverage_notes(each))]
     notes += identity_notes(recordings) or tire_notes(recordings)
     unfitted: list[str] = []
     segments = 0
     for number, recording in enumerate(recordings):
-        kept, found = _screened(recording) if screening else (np.ones(len(recording), dtype=np.bool_), ())
-        set_aside += found
-        weight = np.ones(len(recording)) if rows == "equal" else group_by_condition(recording).weights(kept)
+        included, found = _screened(recording) if screening else (np.ones(len(recording), dtype=np.bool_), ())
+        excluded_rows += found
+        weight = np.ones(len(recording)) if rows == "equal" else group_by_condition(recording).weights(included)
         segment = _segment_numbers(recording) + segments
         segments = int(segment[-1]) + 1
-        table, silent = _telling(recording.with_signs("adapted-sae").table, kept, book)
-        unfitted += [f"{recording.source}: {what}" for what in silent]
-        tables.append(table.assign(recording=number, segment=segment, kept=kept, weight=weight))
+        table, unfitted_channels = _without_constant_slip(recording.with_signs("adapted-sae").table, included, book)
+        unfitted += [f"{recording.source}: {what}" for what in unfitted_channels]
+        tables.append(table.assign(recording=number, segment=segment, included=included, weight=weight))
     data = pd.concat(tables, ignore_index=True)
-    if not data["kept"].any():
-        raise DataError(f"no row is left to fit (--all-rows keeps them): {'; '.join(map(str, set_aside))}")
+    if not data["included"].any():
+        raise DataError(f"all rows are excluded (--all-rows includes them): {'; '.join(map(str, excluded_rows))}")
     outputs = [quantity.name for quantity in book.outputs]
-    if not any(name in data and data.loc[data["kept"], name].notna().any() for name in outputs):
+    if not any(name in data and data.loc[data["included"], name].notna().any() for name in outputs):
         raise FitError(
             "; ".join([f"none of {', '.join(outputs)} is measured over a varying slip: nothing to fit", *unfitted])
         )
-    return FitData(data, tuple(set_aside), (*notes, *unfitted), rows)
+    return FitData(data, tuple(excluded_rows), (*notes, *unfitted), rows)
 
 
-def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[SetAside, ...]]:
-    """Return which rows are kept, and a line for each reason why others are not."""
+def _screened(recording: Recording) -> tuple[npt.NDArray[np.bool_], tuple[ExcludedRows, ...]]:
+    """Return which rows are included, and the excluded rows by reason."""
     found = exclude_rows(recording)
     return found.included, tuple(
-        SetAside(
+        ExcludedRows(
             recording.source, reason, EXCLUSION_REASONS[reason], count, len(recording),
             tuple(finding for finding in found.notes if finding.startswith(f"{reason}:")),
         )
@@ -160,10 +160,12 @@ def _segment_numbers(recording: Recording) -> npt.NDArray[np.int64]:
     return np.repeat(np.arange(len(pieces)), [piece.stop - piece.start for piece in pieces])
 
 
-def _telling(table: pd.DataFrame, kept: npt.NDArray[np.bool_], book: Model) -> tuple[pd.DataFrame, list[str]]:
-    """Take out channels whose slip a recording does not vary."""
+def _without_constant_slip(
+    table: pd.DataFrame, included: npt.NDArray[np.bool_], book: Model
+) -> tuple[pd.DataFrame, list[str]]:
+    """Set channels to NaN whose slip does not vary in a recording; return notes on them."""
     notes = []
-    fitted = table if kept.all() else table[kept]
+    fitted = table if included.all() else table[included]
     for channel in (quantity.name for quantity in book.outputs if quantity.name in table):
         by = EXCITED_BY[channel]
         if by and not any(slip in table and _width(fitted[slip]) >= LEAST_VARIATION for slip in by):

@@ -1,9 +1,8 @@
-"""Values to start from, read from the data: slip stiffness, friction, shifts and trail, load by load.
+"""Initial values from the data: slip stiffness, friction, shifts and trail at each load.
 
-Each is what the sweeps at one load show by themselves: the slope at zero, the crossing of zero and the height of a
-plain saturating curve laid through them, and how the aligning moment goes with the side force. The coefficients that
-a model declares for these roles follow by least squares through its own lines, so that any model and any choice of
-effects gets its own.
+A saturating curve is fitted to the sweeps at one load; its slope at zero, zero crossing and height are the values. The
+trail is the ratio of aligning moment to side force. The coefficients that a model declares for these roles follow by
+least squares with the equations of the model, for any model and any set of effects.
 """
 
 from __future__ import annotations
@@ -24,24 +23,24 @@ from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
 
-#: The other slip and the inclination count as zero up to here.
+#: Largest magnitude of the other slip and of the inclination that counts as zero.
 PURE = {"kappa": 0.01, "alpha": radians(1.0), "gamma": radians(1.0)}
 FEWEST_ROWS = 12
-#: More rows than this tell no more of a curve of four numbers.
+#: Largest number of rows for a curve with four parameters; more rows do not improve it.
 MOST_ROWS = 2000
-#: A curve has flattened where its sweep comes this near to its height.
+#: A curve has reached its peak if it exceeds this share of its height.
 FLATTENED = 0.9
-#: The share of readings by which the size of a force is told: single ones do not make it.
-USUAL = 0.95
-#: C_t of the trail that is read: what the cards start from.
+#: Quantile of the magnitude that is the size of a force; single outliers do not affect it.
+SIZE_QUANTILE = 0.95
+#: C_t of the trail curve: the generic value of the declarations.
 TRAIL_SHAPE = 1.1
-#: Into how many parts loads are dealt that were not held.
+#: Number of parts into which varying loads are divided.
 PARTS = 4
 
 
 @dataclass(frozen=True)
 class Reading:
-    """A quantity of the book as the data show it.
+    """A quantity of the model, read from the data.
 
     Attributes
     ----------
@@ -54,7 +53,7 @@ class Reading:
 
 
 def readings(table: pd.DataFrame) -> dict[str, Reading]:
-    """Read what slip sweeps show by themselves.
+    """Read slip stiffness, shift, friction and trail from slip sweeps.
 
     Parameters
     ----------
@@ -64,7 +63,8 @@ def readings(table: pd.DataFrame) -> dict[str, Reading]:
     Returns
     -------
     dict of str to Reading
-        By the role of the quantity (`tirefmu.symbolic.contract.ROLES`), as far as the data show it at some load.
+        By the role of the quantity (`tirefmu.symbolic.contract.ROLES`); only quantities that the data show at some
+        load.
 
     Examples
     --------
@@ -82,30 +82,30 @@ def readings(table: pd.DataFrame) -> dict[str, Reading]:
             load = float(part["Fz"].median())
             curve = _curve(part[slip].to_numpy(dtype=float), part[force].to_numpy(dtype=float))
             trail = _trail(part) if force == "Fy" and curve else {}
-            told = {
+            values = {
                 name: curve[key] for name, key in zip(names, ("slope", "shift", "height"), strict=True) if key in curve
             }
-            if names[2] in told:
-                told[names[2]] /= load
-            for name, value in {**told, **trail}.items():
+            if names[2] in values:
+                values[names[2]] /= load
+            for name, value in {**values, **trail}.items():
                 found.setdefault(name, []).append((load, value))
     return {name: Reading(*np.array(pairs).T) for name, pairs in found.items()}
 
 
 def starting_values(tire: Tire, table: pd.DataFrame) -> dict[str, float]:
-    """Return values of the coefficients that the data tell of by themselves.
+    """Return initial values of the coefficients that can be read from the data.
 
     Parameters
     ----------
     tire : Tire
-        In adapted SAE; what it has decides which coefficients there are.
+        In adapted SAE; its effects determine the coefficients.
     table : pandas.DataFrame
         Measured rows in adapted SAE.
 
     Returns
     -------
     dict of str to float
-        Within the bounds of the coefficients' cards, in adapted SAE.
+        Within the bounds of the coefficients' declarations, in adapted SAE.
     """
     live = tire.book.live(tire.has)
     values: dict[str, float] = {}
@@ -118,7 +118,7 @@ def starting_values(tire: Tire, table: pd.DataFrame) -> dict[str, float]:
 
 
 def _pure(table: pd.DataFrame, force: str, slip: str, other: str) -> list[pd.DataFrame]:
-    """Return the rows of pure, upright slip, load by load."""
+    """Return the rows of pure slip at the smallest inclination, by load."""
     if force not in table or slip not in table or "Fz" not in table:
         return []
     chosen = table[force].notna().to_numpy() & (table["Fz"].to_numpy() > 0)
@@ -141,88 +141,90 @@ def _pure(table: pd.DataFrame, force: str, slip: str, other: str) -> list[pd.Dat
 
 
 def _curve(slip: FloatArray, force: FloatArray) -> dict[str, float]:
-    """Return slope at zero, shift, and height where the curve has flattened; nothing where it shows no slope."""
+    """Return slope at zero, shift, and height if the sweep reaches the peak; empty without a slope."""
     if len(slip) < FEWEST_ROWS or not slip.min() < 0 < slip.max():
         return {}
-    size, reach = float(np.quantile(np.abs(force), USUAL)), float(np.abs(slip).max())
+    size, reach = float(np.quantile(np.abs(force), SIZE_QUANTILE)), float(np.abs(slip).max())
     if not size > 0:
         return {}
-    # Four numbers of any saturating curve: slope and height of their usual size, shift, shape.
-    usual = np.array([2.0 * size / reach, size, 0.1 * reach, 1.0])
+    # Typical sizes of the four parameters of a saturating curve: slope, height, shift, shape.
+    typical = np.array([2.0 * size / reach, size, 0.1 * reach, 1.0])
 
-    def missed(x: FloatArray) -> FloatArray:
-        slope, height, shift, shape = x * usual
+    def residual(x: FloatArray) -> FloatArray:
+        slope, height, shift, shape = x * typical
         curve = height * np.sin(shape * np.arctan(slope / (shape * height) * (slip + shift)))
         return np.asarray((curve - force) / size)
 
     bounds = ([0.01, 0.2, -10.0, 1.0], [100.0, 5.0, 10.0, 2.2])
     slope, height, shift, shape = (
-        least_squares(missed, [1.0, 1.0, 0.0, 1.5], bounds=bounds, loss="soft_l1", f_scale=0.1).x * usual
+        least_squares(residual, [1.0, 1.0, 0.0, 1.5], bounds=bounds, loss="soft_l1", f_scale=0.1).x * typical
     )
     flat = np.sin(min(shape * np.arctan(slope / (shape * height) * reach), pi / 2.0)) >= FLATTENED
     return {"slope": float(slope), "shift": float(shift), **({"height": float(height)} if flat else {})}
 
 
 def _trail(part: pd.DataFrame) -> dict[str, float]:
-    """Return the trail at zero slip, and how fast it falls, from the aligning moment over the side force."""
+    """Return the trail at zero slip and its rate of decrease, from aligning moment and side force."""
     part = part[part["Mz"].notna()] if "Mz" in part else part[:0]
     if len(part) < FEWEST_ROWS:
         return {}
     alpha, force, moment = (part[name].to_numpy(dtype=float) for name in ("alpha", "Fy", "Mz"))
-    size, reach = float(np.quantile(np.abs(moment), USUAL)), float(np.abs(alpha).max())
+    size, reach = float(np.quantile(np.abs(moment), SIZE_QUANTILE)), float(np.abs(alpha).max())
     if not size > 0:
         return {}
-    arm = size / float(np.quantile(np.abs(force), USUAL))
-    usual = np.array([2.0 * arm, 2.0 / reach, 0.1 * size])
+    arm = size / float(np.quantile(np.abs(force), SIZE_QUANTILE))
+    typical = np.array([2.0 * arm, 2.0 / reach, 0.1 * size])
 
-    def missed(x: FloatArray) -> FloatArray:
-        trail, fall, left = x * usual
-        return np.asarray((left - trail * np.cos(TRAIL_SHAPE * np.arctan(fall * alpha)) * force - moment) / size)
+    def residual(x: FloatArray) -> FloatArray:
+        trail, fall, offset = x * typical
+        return np.asarray((offset - trail * np.cos(TRAIL_SHAPE * np.arctan(fall * alpha)) * force - moment) / size)
 
     bounds = ([0.01, 0.01, -10.0], [20.0, 20.0, 10.0])
-    trail, fall, _ = least_squares(missed, [1.0, 1.0, 0.0], bounds=bounds, loss="soft_l1", f_scale=0.1).x * usual
+    trail, fall, _ = least_squares(residual, [1.0, 1.0, 0.0], bounds=bounds, loss="soft_l1", f_scale=0.1).x * typical
     return {"trail": float(trail), "trail_fall": float(fall)}
 
 
 def _solved(tire: Tire, quantity: str, reading: Reading, names: list[str]) -> dict[str, float]:
-    """Return the coefficients with which a quantity comes nearest to what was read."""
+    """Return the coefficients by least squares between a quantity and its reading."""
     book, code = tire.book, fastest_code(tire.book, len(reading.loads))
-    place = code.quantities_names.index(quantity)
+    index = code.quantities_names.index(quantity)
     order = list(book.parameters)
     columns = [order.index(name) for name in names]
     points = np.array([np.full(len(reading.loads), tire.nominal(name)) for name in tire.inputs])
     for name, row in zip(tire.inputs, points, strict=True):
         row[:] = reading.loads if name == "Fz" else 0.0 if name in ("kappa", "alpha", "gamma", "phit") else row
-    cards = [book.coefficients[name] for name in names]
+    declarations = [book.coefficients[name] for name in names]
     factors = np.array([tire.rescaled.get(name, 1.0) for name in names])
     size = float(np.abs(reading.values).max()) or 1.0
 
-    def missed(x: FloatArray) -> FloatArray:
+    def residual(x: FloatArray) -> FloatArray:
         parameters = tire.parameters()
         parameters[columns] = x * factors
-        return np.asarray((code.quantities(points, parameters)[place] - reading.values) / size)
+        return np.asarray((code.quantities(points, parameters)[index] - reading.values) / size)
 
-    lower, upper = (np.array([getattr(card, side) for card in cards]) for side in ("lower", "upper"))
-    start = np.clip([card.generic for card in cards], lower + 1e-6, upper - 1e-6)
-    solution = least_squares(missed, start, bounds=(lower, upper), x_scale=np.maximum(np.abs(start), 0.1))
+    lower, upper = (
+        np.array([getattr(declaration, side) for declaration in declarations]) for side in ("lower", "upper")
+    )
+    start = np.clip([declaration.generic for declaration in declarations], lower + 1e-6, upper - 1e-6)
+    solution = least_squares(residual, start, bounds=(lower, upper), x_scale=np.maximum(np.abs(start), 0.1))
     return {name: float(value) for name, value in zip(names, solution.x, strict=True)}
 
 
 def starts_from(tire: Tire, table: pd.DataFrame, notes: list[str]) -> Mapping[str, float]:
-    """Return `starting_values`, and note what they are.
+    """Return `starting_values`, and add a note with them.
 
     Parameters
     ----------
     tire : Tire
     table : pandas.DataFrame
     notes : list of str
-        Appended to.
+        The note is appended.
 
     Returns
     -------
     mapping of str to float
     """
     values = starting_values(tire, table)
-    told = ", ".join(f"{name} {value:.3g}" for name, value in values.items())
-    notes.append(f"started from what the data show: {told or 'nothing, so from generic values'}")
+    summary = ", ".join(f"{name} {value:.3g}" for name, value in values.items())
+    notes.append(f"initial values read from the data: {summary or 'none, generic values used'}")
     return values

@@ -1,4 +1,4 @@
-"""Do recordings look like one tire? What their sweeps show at equal loads is compared before anything is fitted."""
+"""Test whether recordings are of one tire: stiffness and friction of their sweeps are compared at equal loads."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from tirefmu.symbolic.contract import ROLES
 
 from .initial_values import Reading, readings
 
-#: By how much a quantity may differ at equal load before it takes two tires: inflation, inclination and a warm tread
-#: change friction by less than a fifth and stiffness by less than a third.
+#: Largest plausible ratio of a quantity at equal load for one tire. Inflation pressure, inclination and tread
+#: temperature change friction by less than a fifth and stiffness by less than a third.
 MOST = {"friction_y": 1.3, "friction_x": 1.3, "stiffness_y": 1.5, "stiffness_x": 1.5}
-#: Loads are equal within this factor.
+#: Largest ratio of equal loads.
 EQUAL_LOAD = 1.1
-#: A clock that starts again more often than this does not tell parts of a file.
+#: Largest number of parts of a file, as determined by restarts of its clock.
 MOST_PARTS = 10
 
 
 def tire_notes(recordings: Sequence[Recording]) -> list[str]:
-    """Say where sweeps at one load differ by more than one tire can.
+    """Report sweeps at equal load that differ more than is plausible for one tire.
 
     Parameters
     ----------
@@ -32,8 +32,8 @@ def tire_notes(recordings: Sequence[Recording]) -> list[str]:
     Returns
     -------
     list of str
-        A sentence for each pair of recordings, or of parts of one between which the clock starts again, that looks
-        like two tires: the quantity that differs most.
+        One sentence for each such pair of recordings, or of parts of a recording between restarts of its clock, with
+        the quantity that differs most.
 
     Examples
     --------
@@ -43,7 +43,7 @@ def tire_notes(recordings: Sequence[Recording]) -> list[str]:
     >>> tire_notes([Recording(sweep, "iso", "a.csv"), Recording(other, "iso", "b.csv")])
     ['two tires? at 900 N, mu_y is 1.66 in a.csv and 0.998 in b.csv']
     """
-    read = [(place, _read(table)) for recording in recordings for place, table in _parts(recording)]
+    read = [(label, _read(table)) for recording in recordings for label, table in _parts(recording)]
     notes = []
     for (one, first), (other, second) in combinations(read, 2):
         found = [
@@ -61,7 +61,7 @@ def tire_notes(recordings: Sequence[Recording]) -> list[str]:
 
 
 def _parts(recording: Recording) -> list[tuple[str, pd.DataFrame]]:
-    """Return the parts of a recording between which its clock starts again, with what to call them."""
+    """Return the parts of a recording between restarts of its clock, each with a label."""
     table = recording.with_signs("adapted-sae").table
     clock = table["t"].to_numpy(dtype=float) if "t" in table else np.zeros(len(table))
     starts = [0, *(np.flatnonzero(np.diff(clock) < 0) + 1).tolist(), len(table)]
@@ -74,14 +74,14 @@ def _parts(recording: Recording) -> list[tuple[str, pd.DataFrame]]:
 
 
 def _read(table: pd.DataFrame) -> dict[str, Reading]:
-    """Read the channels whose own slip was swept: a few held slips make no curve to compare."""
+    """Read the channels whose slip was swept; a few held slips do not define a curve."""
     swept = {slip: slip in table and not levels(table[slip]) for slip in ("kappa", "alpha")}
-    silent = [name for name, slip in (("Fx", "kappa"), ("Fy", "alpha")) if not swept[slip] and name in table]
-    return readings(table.drop(columns=silent))
+    unswept = [name for name, slip in (("Fx", "kappa"), ("Fy", "alpha")) if not swept[slip] and name in table]
+    return readings(table.drop(columns=unswept))
 
 
 def _pairs(one: Reading | None, other: Reading | None) -> list[tuple[float, float, float]]:
-    """Return load and both values wherever both were read at one load."""
+    """Return load and both values for each load at which both were read."""
     if one is None or other is None:
         return []
     return [

@@ -1,1 +1,1 @@
-"""What the data show of a finished fit: residuals, uncertainty, identifiability, consistency."""
+"""Evidence on the quality of a fit: residuals, uncertainty, identifiability, consistency of the data."""

@@ -1,8 +1,8 @@
-"""Where the data disagree with themselves: rows of one condition at equal slip, measured twice.
+"""Inconsistent data at equal operating conditions and slips.
 
-Files may hold the same condition, segments of one file may, and an up-sweep passes what a down-sweep passes. What a
-fit misses is compared cell by cell (condition and slips): what the tire does wrong is the same on both sides and drops
-out, and so does what differs in slip within a cell.
+Two files or two segments of a file may contain the same operating condition, and so do the up-sweep and the down-sweep.
+The residuals of the two sides are compared in cells of equal operating condition and slips. Errors of the tire model
+are the same on both sides and cancel, and so do differences of slip within a cell.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ from .residuals import Residuals
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-#: Rows of both sides that a comparison needs, and rows of a side in a cell.
+#: Fewest rows of each side of a comparison, and of each side in a cell.
 FEWEST_ROWS, FEWEST_IN_CELL = 50, 3
-#: A slip that covers less is not swept.
+#: Least range of a swept slip.
 LEAST_SWEEP = 0.05
-#: A slip moves where it changes faster than this share of its usual fast rate (the 90 % quantile).
+#: Least rate of a changing slip, relative to the 90 % quantile of its rate.
 MOVES = 0.25
-#: Over how many rows a slip is smoothed before its rate is taken.
+#: Number of rows over which a slip is averaged before its rate is computed.
 SMOOTHED = 21
 
 
 @dataclass(frozen=True)
 class Disagreement:
-    """Two sides that measured the same conditions.
+    """Difference between two measurements of the same operating conditions.
 
     Attributes
     ----------
@@ -44,15 +44,15 @@ class Disagreement:
     first, second : str
         Names of files, "file, segment k" and "others", or "up" and "down".
     mean, typical : float
-        Mean difference first less second, and the root mean square over the cells less what noise makes of it.
+        Mean difference first minus second, and the root mean square over the cells without the contribution of noise.
     sigmas : float
-        The mean difference in its standard deviations under time-correlated noise.
+        The mean difference in standard deviations under time-correlated noise.
     rows : int
-        Of the side with fewer.
+        Of the side with fewer rows.
     at : dict of str to float
-        The held condition in which they differ most.
+        The operating condition with the largest difference.
     most : float
-        By how much they differ there, on average over its slips.
+        The difference in this operating condition, averaged over its slips.
     """
 
     channel: str
@@ -68,7 +68,7 @@ class Disagreement:
 
 
 def disagreeing_files(residuals: Residuals) -> tuple[Disagreement, ...]:
-    """Compare every two recordings, channel by channel, where they share conditions and slips.
+    """Compare all pairs of recordings by channel, at common operating conditions and slips.
 
     Parameters
     ----------
@@ -78,16 +78,16 @@ def disagreeing_files(residuals: Residuals) -> tuple[Disagreement, ...]:
     -------
     tuple of Disagreement
     """
-    numbers, told = residuals.recording, []
+    numbers, differences = residuals.recording, []
     for a, b in combinations(range(len(residuals.sources)), 2):
         for channel in residuals.channels:
             sides = np.flatnonzero(numbers == a), np.flatnonzero(numbers == b)
-            told.append(_compared(residuals, channel, sides, (residuals.sources[a], residuals.sources[b])))
-    return tuple(each for each in told if each is not None)
+            differences.append(_compared(residuals, channel, sides, (residuals.sources[a], residuals.sources[b])))
+    return tuple(each for each in differences if each is not None)
 
 
 def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
-    """Compare every segment with the others of its recording that have its conditions.
+    """Compare each segment with the other segments of its recording in the same operating condition.
 
     Parameters
     ----------
@@ -96,17 +96,17 @@ def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
     Returns
     -------
     tuple of Disagreement
-        The most significant one of each recording and channel that repeats conditions.
+        The most significant one of each recording and channel with repeated operating conditions.
     """
-    told = []
+    differences = []
     for number, source in enumerate(residuals.sources):
         segments = list(_pieces(residuals.segment, np.flatnonzero(residuals.recording == number)))
-        alike: dict[int, list[int]] = {}  # the segments that were mostly in one condition
+        by_condition_number: dict[int, list[int]] = {}  # segments by their most frequent operating condition
         for k, rows in enumerate(segments):
-            alike.setdefault(int(np.bincount(residuals.condition[rows]).argmax()), []).append(k)
+            by_condition_number.setdefault(int(np.bincount(residuals.condition[rows]).argmax()), []).append(k)
         pairs = [
             (k, (segments[k], np.concatenate([segments[other] for other in same if other != k])))
-            for same in alike.values()
+            for same in by_condition_number.values()
             if len(same) > 1
             for k in same
         ]
@@ -116,12 +116,12 @@ def disagreeing_segments(residuals: Residuals) -> tuple[Disagreement, ...]:
             ]
             known = [each for each in found if each is not None]
             if known:
-                told.append(max(known, key=lambda each: abs(each.sigmas)))
-    return tuple(told)
+                differences.append(max(known, key=lambda each: abs(each.sigmas)))
+    return tuple(differences)
 
 
 def sweep_differences(residuals: Residuals) -> tuple[Disagreement, ...]:
-    """Compare rows with a growing slip against rows with a falling one, at equal slip.
+    """Compare rows with increasing slip and rows with decreasing slip, at equal slip.
 
     Parameters
     ----------
@@ -130,65 +130,67 @@ def sweep_differences(residuals: Residuals) -> tuple[Disagreement, ...]:
     Returns
     -------
     tuple of Disagreement
-        One for each recording and channel in which a slip runs both ways; `first` is "file, slip up".
+        One for each recording and channel with a slip that is swept in both directions; `first` is "file, slip up".
     """
-    told = []
+    differences = []
     for number, source in enumerate(residuals.sources):
-        here = np.flatnonzero(residuals.recording == number)
+        rows_of_recording = np.flatnonzero(residuals.recording == number)
         rates = {
-            slip: _direction(residuals, here, slip) for slip in ("kappa", "alpha") if _swept(residuals, here, slip)
+            slip: _direction(residuals, rows_of_recording, slip)
+            for slip in ("kappa", "alpha")
+            if _swept(residuals, rows_of_recording, slip)
         }
         for channel in residuals.channels if rates else ():
             own = OWN_SLIP.get(channel, "alpha")
             slip = own if own in rates else next(iter(rates))
-            sides = here[rates[slip] > 0], here[rates[slip] < 0]
-            told.append(_compared(residuals, channel, sides, (f"{source}, {slip} up", "down")))
-    return tuple(each for each in told if each is not None)
+            sides = rows_of_recording[rates[slip] > 0], rows_of_recording[rates[slip] < 0]
+            differences.append(_compared(residuals, channel, sides, (f"{source}, {slip} up", "down")))
+    return tuple(each for each in differences if each is not None)
 
 
-def _swept(residuals: Residuals, here: IntArray, slip: str) -> bool:
-    """Tell whether a recording sweeps a slip, not holds it at levels."""
+def _swept(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> bool:
+    """Return whether a recording sweeps a slip instead of holding it at levels."""
     if slip not in residuals.table:
         return False
-    values = residuals.table[slip].iloc[here]
+    values = residuals.table[slip].iloc[rows_of_recording]
     return bool(np.ptp(values.to_numpy()) >= LEAST_SWEEP) and not held_levels(values)
 
 
-def _direction(residuals: Residuals, here: IntArray, slip: str) -> FloatArray:
-    """Return 1 where a slip grows, -1 where it falls, 0 where it hardly moves; shape (n_here,)."""
+def _direction(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> FloatArray:
+    """Return 1 for increasing slip, -1 for decreasing slip, 0 for almost constant slip; shape (n_rows,)."""
     values = residuals.table[slip].to_numpy(dtype=float)
     rate = np.zeros(len(values))
-    for rows in _pieces(residuals.segment, here):
+    for rows in _pieces(residuals.segment, rows_of_recording):
         if len(rows) > SMOOTHED:
             rate[rows] = np.gradient(uniform_filter1d(values[rows], SMOOTHED, mode="nearest"))
-    usual = float(np.quantile(np.abs(rate[here]), 0.9))
-    return np.where(np.abs(rate[here]) > MOVES * usual, np.sign(rate[here]), 0.0)
+    usual = float(np.quantile(np.abs(rate[rows_of_recording]), 0.9))
+    return np.where(np.abs(rate[rows_of_recording]) > MOVES * usual, np.sign(rate[rows_of_recording]), 0.0)
 
 
 def _pieces(segment: IntArray, rows: IntArray) -> Iterator[IntArray]:
-    """Yield rows segment by segment."""
+    """Yield the rows of each segment."""
     yield from np.split(rows, np.flatnonzero(np.diff(segment[rows])) + 1)
 
 
 def _compared(
     residuals: Residuals, channel: str, sides: tuple[IntArray, IntArray], names: tuple[str, str]
 ) -> Disagreement | None:
-    """Return how two sides differ in a channel; None where they share too little."""
-    missed = residuals.missed[channel]
-    chosen = [side[np.isfinite(missed[side])] for side in sides]
-    kept = _shared_cells(residuals.cell, chosen)
-    rows = [side[np.isin(residuals.cell[side], kept)] for side in chosen]
+    """Return the difference of two sides in a channel; None if they have too few common rows."""
+    values = residuals.measured_minus_computed[channel]
+    chosen = [side[np.isfinite(values[side])] for side in sides]
+    shared = _shared_cells(residuals.cell, chosen)
+    rows = [side[np.isin(residuals.cell[side], shared)] for side in chosen]
     if min(len(side) for side in rows) < FEWEST_ROWS:
         return None
-    sums = [_by_cell(kept, residuals.cell[side], missed[side]) for side in rows]
+    sums = [_by_cell(shared, residuals.cell[side], values[side]) for side in rows]
     (n1, mean1, var1), (n2, mean2, var2) = sums
     difference, weight = mean1 - mean2, n1 * n2 / (n1 + n2)
     noises = [
-        missed[side] - at[np.searchsorted(kept, residuals.cell[side])]
+        values[side] - at[np.searchsorted(shared, residuals.cell[side])]
         for side, (_, at, _) in zip(rows, sums, strict=True)
     ]
     lengths = [correlation_length(e, residuals.segment[side]) for e, side in zip(noises, rows, strict=True)]
-    noise = var1 * lengths[0] / n1 + var2 * lengths[1] / n2  # variance of each cell's difference
+    noise = var1 * lengths[0] / n1 + var2 * lengths[1] / n2  # variance of the difference in each cell
     total = float(weight.sum())
     mean = float(weight @ difference) / total
     sd = sum(float(np.var(e)) * length / len(e) for e, length in zip(noises, lengths, strict=True)) ** 0.5
@@ -197,24 +199,24 @@ def _compared(
     by_condition = {c: np.average(difference[condition == c], weights=weight[condition == c]) for c in set(condition)}
     worst = max(by_condition, key=lambda c: abs(by_condition[c]))
     typical = float(weight @ difference**2 - weight @ noise) / total
-    turned = residuals.turned(channel)
+    sign = residuals.sign(channel)
     unit = next(output.unit for output in residuals.tire.book.outputs if output.name == channel)
     return Disagreement(
-        channel, unit, *names, turned * mean, max(typical, 0.0) ** 0.5, turned * mean / sd if sd > 0 else 0.0,
-        min(len(side) for side in rows), residuals.at(int(worst)), turned * float(by_condition[worst]),
+        channel, unit, *names, sign * mean, max(typical, 0.0) ** 0.5, sign * mean / sd if sd > 0 else 0.0,
+        min(len(side) for side in rows), residuals.at(int(worst)), sign * float(by_condition[worst]),
     )  # fmt: skip
 
 
 def _shared_cells(cell: IntArray, sides: Sequence[IntArray]) -> IntArray:
-    """Return the cells in which both sides have rows enough."""
+    """Return the cells in which both sides have enough rows."""
     (first, n1), (second, n2) = (np.unique(cell[side], return_counts=True) for side in sides)
     return np.intersect1d(first[n1 >= FEWEST_IN_CELL], second[n2 >= FEWEST_IN_CELL])
 
 
-def _by_cell(kept: IntArray, cell: IntArray, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _by_cell(shared: IntArray, cell: IntArray, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return rows, mean and variance of each cell."""
-    place = np.searchsorted(kept, cell)
-    n = np.bincount(place, minlength=len(kept)).astype(float)
-    mean = np.bincount(place, values, len(kept)) / n
-    variance = np.bincount(place, (values - mean[place]) ** 2, len(kept)) / np.maximum(n - 1, 1)
+    index = np.searchsorted(shared, cell)
+    n = np.bincount(index, minlength=len(shared)).astype(float)
+    mean = np.bincount(index, values, len(shared)) / n
+    variance = np.bincount(index, (values - mean[index]) ** 2, len(shared)) / np.maximum(n - 1, 1)
     return n, mean, variance

@@ -1,4 +1,4 @@
-"""Data and tire side by side: rows grouped by the levels that a bench held, and the tire's curve through each."""
+"""Comparison of data and tire: rows grouped by the levels of held inputs, and the tire's curve for each group."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Half the width of the window in which a slope at zero slip is read: wide enough to average ripple and the
-#: jitter of the slip, narrow enough for a cubic to follow the curve.
+#: Half the width of the window in which a slope at zero slip is read: wide enough to average ripple and noise of the
+#: slip, narrow enough for a cubic.
 SLOPE_WINDOW = {"kappa": 0.04, "alpha": radians(2.0)}
-_FEWEST = 12  # rows from which a slope is read
+_FEWEST = 12  # rows for a slope
 _POINTS = 301  # of a curve
-_UPRIGHT = 0.2  # of a tolerance: a held camber nearer to zero than this was meant to be zero
+_UPRIGHT = 0.2  # of a tolerance: a smaller held inclination is taken as zero
 
 
 @dataclass(frozen=True)
@@ -37,16 +37,16 @@ class Group:
 
 @dataclass(frozen=True)
 class Family:
-    """Groups whose curves belong into one picture.
+    """Groups whose curves are drawn in one panel.
 
     Attributes
     ----------
     channel, slip, by : str
-        What is drawn over which slip, with one curve for each level of which channel.
+        The output, the slip on the horizontal axis, and the channel with one curve for each level.
     groups : tuple of Group
-        From the smallest level to the largest, by magnitude.
+        In increasing magnitude of the level.
     held : dict of str to float
-        The levels that all groups share.
+        Common levels of all groups.
     """
 
     channel: str
@@ -58,13 +58,13 @@ class Family:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Recordings and a tire, row by row in one convention.
+    """Measured and computed values by row, in one sign convention.
 
     Attributes
     ----------
     tire : Tire
     signs : str
-        That of the recordings, or iso where they differ.
+        That of the recordings, or iso if they differ.
     sources : tuple of str
     table : pandas.DataFrame
         Inputs (nominal where not recorded), measured outputs, the tire's as ``Fx_fit`` and so on,
@@ -83,11 +83,11 @@ class Comparison:
         return tuple(name for name in OUTPUTS if f"{name}_fit" in self.table)
 
     def tolerance(self, channel: str) -> float:
-        """Return how far a held channel wanders."""
+        """Return the tolerance of the levels of a channel."""
         return level_tolerance(self.table[channel], channel)
 
     def pure(self, channel: str, slip: str) -> list[Family]:
-        """Return the families of a pure slip: per load without camber, per camber next to the nominal load."""
+        """Return the families of pure slip: by load at the smallest inclination, by inclination at the nominal load."""
         rows = self._measured(channel, "lateral" if slip == "alpha" else "longitudinal")
         if slip == "kappa":
             rows = self._near(rows, "alpha", 0.0)
@@ -100,9 +100,10 @@ class Comparison:
         return [per_load, per_camber] if len(per_camber.groups) > 1 else [per_load]
 
     def combined(self) -> list[Family]:
-        """Return the families of combined slip over kappa; none without a held slip angle other than zero.
+        """Return the families of combined slip over kappa; empty without a held nonzero slip angle.
 
-        Fx and Fy per slip angle at one load, without camber; Fy per load and per camber at the largest angle.
+        Fx and Fy by slip angle at one load and the smallest inclination; Fy by load and by inclination at the largest
+        slip angle.
         """
         families = []
         for channel in [name for name in ("Fx", "Fy") if name in self.channels]:
@@ -128,7 +129,7 @@ class Comparison:
         return [family for family in families if family.groups]
 
     def groups(self, rows: pd.DataFrame, channel: str) -> tuple[Group, ...]:
-        """Return the rows near each level of a channel, from the smallest magnitude to the largest."""
+        """Return the rows near each level of a channel, in increasing magnitude."""
         found = np.array(sorted(self._levels(rows, channel), key=abs))
         if not len(found):
             return ()
@@ -144,14 +145,14 @@ class Comparison:
         ----------
         group : Group
         slip : {"kappa", "alpha"}
-            Runs over the group's range, on a grid that holds zero where the group does.
+            Varies over the range of the group; the grid contains zero if the range does.
         tire : Tire, optional
-            Another than the compared one.
+            By default the compared tire.
 
         Returns
         -------
         pandas.DataFrame
-            As `Tire.evaluate`, in the comparison's signs.
+            As from `Tire.evaluate`, in the signs of the comparison.
         """
         low, high = float(group.rows[slip].min()), float(group.rows[slip].max())
         grid = np.linspace(low, high, _POINTS)
@@ -162,8 +163,8 @@ class Comparison:
     def along(self, rows: pd.DataFrame, channel: str, values: FloatArray, tire: Tire | None = None) -> pd.DataFrame:
         """Return the tire evaluated at values of one input, the others at their medians in the rows.
 
-        A camber that differs from zero by no more than a sensor's offset is taken for zero: formulas with
-        sign(gamma) jump there.
+        An inclination within the offset of a sensor is replaced by zero, because formulas with sign(gamma) are
+        discontinuous there.
         """
         names = [name for name in ("kappa", "alpha", "gamma", "Fz", *self.tire.inputs) if name != channel]
         held = {name: float(rows[name].median()) for name in dict.fromkeys(names)}
@@ -173,7 +174,7 @@ class Comparison:
         return (tire or self.tire).evaluate(table, signs=self.signs)
 
     def slopes_at_zero(self, family: Family) -> list[tuple[float, float]]:
-        """Return magnitudes of load and of the measured rows' slope at zero slip, group by group."""
+        """Return the magnitudes of load and measured slope at zero slip of each group."""
         read = []
         for group in family.groups:
             slip, force = (group.rows[name].to_numpy(dtype=float) for name in (family.slip, family.channel))
@@ -183,7 +184,7 @@ class Comparison:
         return read
 
     def _measured(self, channel: str, sweep: str) -> pd.DataFrame:
-        """Rows of a kind of sweep in which a channel was measured."""
+        """Rows of a sweep type in which a channel was measured."""
         if channel not in self.channels:
             return self.table[:0]
         return self.table[self.table[sweep] & self.table[channel].notna()]
@@ -192,8 +193,8 @@ class Comparison:
         return rows[(rows[channel] - value).abs() <= self.tolerance(channel)]
 
     def _levels(self, rows: pd.DataFrame, channel: str) -> list[float]:
-        """Levels of a channel; where it was swept, five of its quantiles stand for them."""
-        # A sweep of alpha passes every slip angle while kappa rests at zero; it must not hide the held ones.
+        """Levels of a channel; five quantiles if it was swept."""
+        # Sweeps of alpha at zero kappa contain all slip angles and are excluded, so that held slip angles are found.
         moving = rows[rows["kappa"].abs() > self.tolerance("kappa")] if channel == "alpha" else rows
         values = (moving if len(moving) else rows)[channel]
         found = levels(values, tolerance=self.tolerance(channel) or None)
@@ -207,7 +208,7 @@ class Comparison:
 
 
 def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: str | None = None) -> Comparison:
-    """Put recordings into one table and the tire's outputs beside the measured ones.
+    """Combine recordings in one table with measured outputs and outputs of the tire.
 
     Parameters
     ----------
@@ -215,7 +216,7 @@ def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: 
     recordings : path, DataFrame or Recording, or a sequence of them
         Of any signs.
     signs : str, optional
-        Convention of the comparison; where None that of the recordings, or iso where they differ.
+        Convention of the comparison; by default that of the recordings, or iso if they differ.
 
     Returns
     -------
@@ -245,7 +246,7 @@ def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: 
         signs = conventions.pop() if len(conventions) == 1 else "iso"
     tables = []
     for number, recording in enumerate(given):
-        recording.measured()  # refuses a recording without outputs
+        recording.measured()  # raises for a recording without outputs
         table = recording.with_signs("iso").table
         absent = {name: tire.nominal(name) for name in tire.inputs if name not in table}
         table = convert_signs(table.assign(**absent), "iso", signs)
@@ -261,7 +262,7 @@ def compare(tire: TireLike, recordings: TableLike | Iterable[TableLike], signs: 
 
 
 def _sweeps(recording: Recording, table: pd.DataFrame) -> dict[str, npt.NDArray[np.bool_]]:
-    """Tell for each row whether alpha, and whether kappa, was swept there."""
+    """Return for each row whether alpha is swept and whether kappa is swept."""
     swept = {name: np.zeros(len(table), dtype=np.bool_) for name in ("alpha", "kappa")}
     for rows in recording.segments():
         for name, marks in swept.items():
@@ -274,20 +275,20 @@ def _sweeps(recording: Recording, table: pd.DataFrame) -> dict[str, npt.NDArray[
 def slope_at_zero(slip: FloatArray, force: FloatArray, window: float) -> float:
     """Read the slope of measured points at zero slip, without a tire model.
 
-    A cubic is fitted to the points in the window, those near zero counting more (tricube) and outliers less
-    (Huber): local regression after Cleveland, J. Am. Stat. Assoc. 74 (1979).
+    A cubic is fitted to the points in the window with tricube weights by distance from zero and Huber weights against
+    outliers: local regression after Cleveland, J. Am. Stat. Assoc. 74 (1979).
 
     Parameters
     ----------
     slip, force : ndarray, shape (n,)
-        NaN is left out.
+        NaN is ignored.
     window : float
         Half width, in the unit of the slip.
 
     Returns
     -------
     float
-        NaN where the points do not surround zero, or are fewer than 12.
+        NaN if the points are on one side of zero, or fewer than 12.
 
     Examples
     --------
@@ -308,6 +309,6 @@ def slope_at_zero(slip: FloatArray, force: FloatArray, window: float) -> float:
         coefficients = np.linalg.lstsq(powers * root[:, None], y * root, rcond=None)[0]
         slope, residual = float(coefficients[1]), np.abs(y - powers @ coefficients)
         knee = 1.345 * 1.4826 * float(np.median(residual))
-        # Where half of the points are met exactly there is nothing left to weigh down.
+        # A knee of 0 means that half of the points are exact: no outlier weights.
         weight = tricube * np.minimum(1.0, knee / np.maximum(residual, knee)) if knee > 0.0 else tricube
     return slope / window

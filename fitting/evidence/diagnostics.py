@@ -1,6 +1,6 @@
-"""What the data say of a finished fit: where it misses, what the data leave open, and where they contradict themselves.
+"""Diagnostics of a fit: residuals by operating condition, identifiability, inconsistent data.
 
-Reckoned when first asked for: a fit in a loop need not pay for it.
+They are computed at the first access, so they cost nothing if they are not used.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from .ripple import Ripple, ripple
 from .slip_stiffness import SlipStiffness, slip_stiffnesses
 from .undetermined import Undetermined, at_bounds, undetermined
 
-#: Rows from which a condition is told by itself.
+#: Fewest rows of an operating condition that is reported.
 FEWEST_ROWS = 20
 
 
 @dataclass(frozen=True)
 class ConditionFit:
-    """How well a channel is met in one held condition of a recording.
+    """Goodness of fit of a channel in one operating condition of a recording.
 
     Attributes
     ----------
     recording, channel, unit : str
     at : dict of str to float
-        The levels of what was held at several: load, inclination, pressure.
+        The levels of inputs with several levels: load, inclination, pressure.
     rows : int
     rmse, mean : float
-        Root mean square and mean of measured less computed.
+        Root mean square and mean of measured minus computed.
     """
 
     recording: str
@@ -45,7 +45,7 @@ class ConditionFit:
 
 @dataclass(frozen=True)
 class Findings:
-    """What the data say of a fit.
+    """Diagnostics of a fit.
 
     Attributes
     ----------
@@ -53,7 +53,7 @@ class Findings:
     stiffnesses : tuple of SlipStiffness
     undetermined : tuple of Undetermined
     files, segments, sweeps : tuple of Disagreement
-        Recordings against each other, segments against others of their condition, up- against down-sweeps.
+        Differences between recordings, between segments of one operating condition, between up- and down-sweeps.
     ripples : tuple of Ripple
     """
 
@@ -66,37 +66,37 @@ class Findings:
     ripples: tuple[Ripple, ...] = ()
 
     def worst(self, recording: str, channel: str) -> ConditionFit | None:
-        """Return the condition that a channel of a recording misses most; None where there are not several."""
-        mine = [each for each in self.conditions if (each.recording, each.channel) == (recording, channel)]
-        return max(mine, key=lambda each: each.rmse) if len(mine) > 1 else None
+        """Return the operating condition with the largest error of a channel; None if there is only one."""
+        conditions = [each for each in self.conditions if (each.recording, each.channel) == (recording, channel)]
+        return max(conditions, key=lambda each: each.rmse) if len(conditions) > 1 else None
 
 
 def find(
     residuals: Residuals,
     free: Sequence[str],
-    open_: Sequence[tuple[str, ...]],
+    sets: Sequence[tuple[str, ...]],
     bounded: Sequence[str],
     effective: Mapping[str, float],
 ) -> Findings:
-    """Look at what a fit misses.
+    """Compute the diagnostics of a fit.
 
     Parameters
     ----------
     residuals : Residuals
     free : sequence of str
-        The coefficients that the data had to determine.
-    open_ : sequence of tuple of str
-        Sets of them that the data leave open.
+        The free coefficients.
+    sets : sequence of tuple of str
+        Sets of them that are not identifiable.
     bounded : sequence of str
-        Coefficients on a bound; not among `free`.
+        Coefficients at a bound; not among `free`.
     effective : mapping of str to float
-        Independent rows of each channel.
+        Effective sample size of each channel.
 
     Returns
     -------
     Findings
     """
-    reasons = undetermined(residuals, free, open_, effective)
+    reasons = undetermined(residuals, free, sets, effective)
     reasons += at_bounds(residuals, [*free, *bounded], bounded, effective)
     return Findings(
         by_condition(residuals), slip_stiffnesses(residuals), reasons,
@@ -105,7 +105,7 @@ def find(
 
 
 def by_condition(residuals: Residuals) -> tuple[ConditionFit, ...]:
-    """Tell how well each channel of each recording is met, condition by condition.
+    """Return the goodness of fit of each channel and recording by operating condition.
 
     Parameters
     ----------
@@ -114,23 +114,21 @@ def by_condition(residuals: Residuals) -> tuple[ConditionFit, ...]:
     Returns
     -------
     tuple of ConditionFit
-        None where nothing was held at several levels.
+        Empty if no input has several levels.
     """
     if not residuals.levels:
         return ()
     units = {output.name: output.unit for output in residuals.tire.book.outputs}
-    told = []
+    records = []
     for number, source in enumerate(residuals.sources):
         for channel in residuals.channels:
-            missed = residuals.missed[channel]
-            here = np.flatnonzero((residuals.recording == number) & np.isfinite(missed))
-            conditions, place = np.unique(residuals.condition[here], return_inverse=True)
-            rows = np.bincount(place, minlength=len(conditions))
-            squares, sums = (
-                np.bincount(place, values, len(conditions)) for values in (missed[here] ** 2, missed[here])
-            )
+            values = residuals.measured_minus_computed[channel]
+            here = np.flatnonzero((residuals.recording == number) & np.isfinite(values))
+            conditions, index = np.unique(residuals.condition[here], return_inverse=True)
+            rows = np.bincount(index, minlength=len(conditions))
+            squares, sums = (np.bincount(index, each, len(conditions)) for each in (values[here] ** 2, values[here]))
             for k in np.flatnonzero(rows >= FEWEST_ROWS):
-                rmse, mean = float(np.sqrt(squares[k] / rows[k])), residuals.turned(channel) * float(sums[k] / rows[k])
+                rmse, mean = float(np.sqrt(squares[k] / rows[k])), residuals.sign(channel) * float(sums[k] / rows[k])
                 at = residuals.at(int(conditions[k]))
-                told.append(ConditionFit(source, channel, units[channel], at, int(rows[k]), rmse, mean))
-    return tuple(told)
+                records.append(ConditionFit(source, channel, units[channel], at, int(rows[k]), rmse, mean))
+    return tuple(records)

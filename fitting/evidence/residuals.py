@@ -1,4 +1,4 @@
-"""What a fit misses, row by row, and under which held condition each row was measured."""
+"""Residuals of a fit by row, with the operating condition of each row."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from ..problem.weighted_residuals import Rows
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-#: The held inputs that make a nominal condition; the slips run within it.
+#: The held inputs that define an operating condition.
 NOMINAL_INPUTS = ("Fz", "gamma", "p", "V")
-#: Into how many parts the range of a slip is divided, to compare rows at equal slip.
+#: Number of parts of a slip range, to compare rows at equal slip.
 SLIP_PARTS = 40
 
 
 @dataclass(frozen=True, eq=False)
 class Residuals:
-    """Measured rows beside a tire.
+    """Measured rows and a tire.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Residuals:
     tire : Tire
         In adapted SAE.
     signs : str
-        The convention in which differences are told.
+        The sign convention of reported differences.
     """
 
     table: pd.DataFrame
@@ -62,8 +62,8 @@ class Residuals:
         return {name: forces[self.tire.outputs.index(name)] for name in self.channels}
 
     @cached_property
-    def missed(self) -> Mapping[str, FloatArray]:
-        """Measured less computed, each of shape (n,); NaN where not measured."""
+    def measured_minus_computed(self) -> Mapping[str, FloatArray]:
+        """Measured minus computed, each of shape (n,); NaN if not measured."""
         return {name: self.table[name].to_numpy(dtype=float) - self.computed[name] for name in self.channels}
 
     @cached_property
@@ -78,14 +78,14 @@ class Residuals:
 
     @cached_property
     def levels(self) -> Mapping[str, Sequence[float]]:
-        """The levels of each input that was held at several, over all recordings."""
+        """The levels of each input with several levels, over all recordings."""
         varied = [name for name in NOMINAL_INPUTS if name in self.table and np.ptp(self.table[name].to_numpy()) > 0]
         found = {name: held_levels(self.table[name]) for name in varied}
         return {name: held for name, held in found.items() if len(held) > 1}
 
     @cached_property
     def condition(self) -> IntArray:
-        """The number of each row's held condition: the nearest level of each held input."""
+        """The number of the operating condition of each row: the nearest level of each held input."""
         number = np.zeros(len(self.table), dtype=np.int64)
         for name, held in self.levels.items():
             away = np.abs(self.table[name].to_numpy(dtype=float)[:, None] - np.array(held))
@@ -93,16 +93,16 @@ class Residuals:
         return number
 
     def at(self, condition: int) -> dict[str, float]:
-        """Return the levels of a held condition by its number."""
-        told: dict[str, float] = {}
+        """Return the levels of an operating condition by its number."""
+        levels: dict[str, float] = {}
         for name, held in reversed(list(self.levels.items())):
-            condition, place = divmod(condition, len(held))
-            told[name] = float(held[place])
-        return dict(reversed(list(told.items())))
+            condition, index = divmod(condition, len(held))
+            levels[name] = float(held[index])
+        return dict(reversed(list(levels.items())))
 
     @cached_property
     def cell(self) -> IntArray:
-        """A number for each row: rows of one condition at equal slips have the same."""
+        """The number of the cell of each row: rows of one operating condition with equal slips."""
         number = self.condition.copy()
         for name in ("kappa", "alpha"):
             if name in self.table and np.ptp(self.table[name].to_numpy()) > 0:
@@ -111,13 +111,13 @@ class Residuals:
                 number = number * SLIP_PARTS + np.minimum(part, SLIP_PARTS - 1)
         return number
 
-    def turned(self, channel: str) -> float:
-        """Return -1 for a channel that changes its sign on the way to the told convention."""
+    def sign(self, channel: str) -> float:
+        """Return -1 for a channel whose sign differs between adapted SAE and the reported convention."""
         return -1.0 if channel in reversed_columns("adapted-sae", self.signs) else 1.0
 
 
 def condition_text(at: Mapping[str, float]) -> str:
-    """Return a held condition in words, in the units that a bench is run in.
+    """Return an operating condition as a text, in the units of a test bench.
 
     Examples
     --------
@@ -125,8 +125,8 @@ def condition_text(at: Mapping[str, float]) -> str:
     'Fz 1100 N, gamma 2 deg, p 83 kPa'
     """
     scales = {"gamma": (degrees(1.0), "deg", 1), "alpha": (degrees(1.0), "deg", 1), "p": (1e-3, "kPa", 0)}
-    told = []
+    parts = []
     for name, value in at.items():
         scale, unit, digits = scales.get(name, (1.0, CHANNELS[name].unit.replace("-", ""), 3 if name == "kappa" else 0))
-        told.append(f"{name} {round(value * scale, digits) + 0.0:.12g} {unit}".rstrip())  # + 0.0: no -0
-    return ", ".join(told)
+        parts.append(f"{name} {round(value * scale, digits) + 0.0:.12g} {unit}".rstrip())  # + 0.0: no -0
+    return ", ".join(parts)

@@ -1,4 +1,4 @@
-"""What repeats with the wheel's revolution in the residuals of a fit, recording by recording."""
+"""Ripple of the residuals once per wheel revolution, for each recording."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from .residuals import Residuals
 
 @dataclass(frozen=True)
 class Ripple:
-    """What a channel of a recording does once per revolution.
+    """Ripple of a channel of a recording once per wheel revolution.
 
     Attributes
     ----------
     recording, channel, unit : str
     amplitude : float
-        Of the first harmonic, in the channel's unit, without what noise adds.
+        Of the first harmonic, in the channel's unit, without the contribution of noise.
     share : float
-        Of the mean square that the fit misses.
+        Share of the mean squared residual.
     frequency : float
-        1/s, of the wheel, on average.
+        Mean frequency of the wheel, 1/s.
     radius : float
-        m, at which it repeats.
+        Rolling radius at which the residuals repeat, m.
     stands_out : bool
-        Whether it is more than other periods show.
+        Whether it is significant in comparison with other periods.
     """
 
     recording: str
@@ -43,7 +43,7 @@ class Ripple:
 
 
 def ripple(residuals: Residuals) -> tuple[Ripple, ...]:
-    """Look for what repeats with the wheel's revolution.
+    """Return the ripple of each recording and channel.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def ripple(residuals: Residuals) -> tuple[Ripple, ...]:
     Returns
     -------
     tuple of Ripple
-        One for each recording and channel; none where the data have no clock or no speed.
+        One for each recording and channel; empty if the data have no time or no speed.
     """
     own = residuals.tire.values.get("UNLOADED_RADIUS", nan)
     if not {"t", "V"} <= set(residuals.table.columns) or not own > 0:
@@ -62,15 +62,15 @@ def ripple(residuals: Residuals) -> tuple[Ripple, ...]:
 
 def _of_recording(residuals: Residuals, number: int, radius: float) -> Iterator[Ripple]:
     """Yield the ripple of each channel of a recording."""
-    here = residuals.recording == number
-    channels = [name for name in residuals.channels if np.isfinite(residuals.missed[name][here]).any()]
+    rows = residuals.recording == number
+    channels = [name for name in residuals.channels if np.isfinite(residuals.measured_minus_computed[name][rows]).any()]
     if not channels:
         return
-    t, speed = (residuals.table[name].to_numpy(dtype=float)[here] for name in ("t", "V"))
+    t, speed = (residuals.table[name].to_numpy(dtype=float)[rows] for name in ("t", "V"))
     if "kappa" in residuals.table:
-        speed = speed * (1.0 + residuals.table["kappa"].to_numpy(dtype=float)[here])
-    missed = np.stack([residuals.missed[name][here] for name in channels])
-    found = once_per_revolution(t, speed, missed, residuals.segment[here], radius)
+        speed = speed * (1.0 + residuals.table["kappa"].to_numpy(dtype=float)[rows])
+    values = np.stack([residuals.measured_minus_computed[name][rows] for name in channels])
+    found = once_per_revolution(t, speed, values, residuals.segment[rows], radius)
     if found is None:
         return
     units = {output.name: output.unit for output in residuals.tire.book.outputs}

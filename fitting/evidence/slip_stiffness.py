@@ -1,4 +1,4 @@
-"""Slip stiffness of the fitted tire against what is read from the data without a tire."""
+"""Slip stiffness of the fitted tire compared with the slope of the data at zero slip."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from .curves import SLOPE_WINDOW, slope_at_zero
 from .residuals import Residuals
 
-#: The force that each slip makes.
+#: The force of each slip.
 FORCES = {"kappa": "Fx", "alpha": "Fy"}
 
 
@@ -23,10 +23,10 @@ class SlipStiffness:
     load : float
         N.
     read, fitted : float
-        Magnitude of the slope of the measured rows, and of the tire at the same rows, read in the same way and
-        averaged over the inclinations, pressures and so on of that load.
+        Magnitude of the slope of the measured rows, and of the tire at the same rows, read in the same way and averaged
+        over the operating conditions at that load.
     conditions : int
-        How many these are.
+        Number of these operating conditions.
     """
 
     recording: str
@@ -40,12 +40,12 @@ class SlipStiffness:
 
     @property
     def off(self) -> float:
-        """By what share the tire is off."""
+        """Relative error of the tire."""
         return self.fitted / self.read - 1.0
 
 
 def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
-    """Read slip stiffnesses from the data, condition by condition, and from the tire at the same rows.
+    """Read slip stiffnesses from the data in each operating condition, and from the tire at the same rows.
 
     Parameters
     ----------
@@ -54,10 +54,10 @@ def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
     Returns
     -------
     tuple of SlipStiffness
-        By recording, channel and load; none where no sweep passes zero slip with the other slip at rest.
+        By recording, channel and load; empty without a sweep through zero slip at zero other slip.
     """
     loads = np.array(residuals.levels.get("Fz", ()))
-    told = []
+    records = []
     for number, source in enumerate(residuals.sources):
         for slip, channel in FORCES.items():
             if channel not in residuals.channels or slip not in residuals.table:
@@ -68,15 +68,15 @@ def slip_stiffnesses(residuals: Residuals) -> tuple[SlipStiffness, ...]:
             load, read, fitted = np.array(slopes).T
             level = np.abs(load[:, None] - loads).argmin(axis=1) if loads.size else np.zeros(len(load), dtype=int)
             for each in np.unique(level):
-                mine = level == each
-                at, data, tire = (float(np.abs(values[mine]).mean()) for values in (load, read, fitted))
+                selected = level == each
+                at, data, tire = (float(np.abs(values[selected]).mean()) for values in (load, read, fitted))
                 unit = "N/rad" if slip == "alpha" else "N"
-                told.append(SlipStiffness(source, channel, slip, unit, at, data, tire, int(mine.sum())))
-    return tuple(told)
+                records.append(SlipStiffness(source, channel, slip, unit, at, data, tire, int(selected.sum())))
+    return tuple(records)
 
 
 def _slopes(residuals: Residuals, number: int, slip: str, channel: str) -> list[tuple[float, float, float]]:
-    """Return load, slope read and slope fitted of each held condition that is swept through zero."""
+    """Return load, measured slope and fitted slope of each operating condition with a sweep through zero slip."""
     table = residuals.table
     measured = table[channel].to_numpy(dtype=float)
     other = "kappa" if slip == "alpha" else "alpha"

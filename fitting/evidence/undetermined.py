@@ -1,8 +1,8 @@
-"""Why a coefficient is not determined: the least that a bench would have to do beside, for the data to tell.
+"""Why a coefficient is not identifiable: the smallest additional test program that would determine it.
 
-Programs that a bench could run are evaluated with the tire's exact derivatives: further loads, inclinations, pressures,
-more slip, both slips together, turn slip; one of them, or else two. The one that determines a coefficient best, if to
-one of its sizes (a quarter of its plausible range) at least, names what the data lack.
+Additional test programs are evaluated with exact derivatives of the tire: further loads, inclinations, pressures, more
+slip, combined slip, turn slip; first single programs, then pairs. The program that determines a coefficient best, with
+a standard deviation of at most its typical size (a quarter of its plausible range), states what the data lack.
 """
 
 from __future__ import annotations
@@ -20,34 +20,35 @@ from tirefmu.tires.tire import Tire
 
 from ..problem.weighted_residuals import LEAST_NOISE, OWN_SLIP
 from .residuals import Residuals
-from .uncertainty import OPEN
+from .uncertainty import LARGEST_SD
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Measured rows that stand for all, and how many independent rows a further program is worth.
-SAMPLE, WORTH = 2000, 300.0
-#: The information along a direction of which nothing tells.
+#: Number of measured rows that are evaluated as a sample; effective sample size of an additional program.
+SAMPLE, PROGRAM_ROWS = 2000, 300.0
+#: Lower limit of the eigenvalues of the information matrix.
 LEAST = 1e-9
-#: How a slip has to be, or to reach, for a program with more of it, rad or 1.
+#: Least slip range of a program with more slip, rad or 1.
 FULL_SLIP = {"kappa": 0.3, "alpha": 0.25}
-#: A slip of less than this is none, and a load whose sweeps reach less than this share of the others' reaches short.
+#: Slip below which there is no slip; share of the largest slip range below which a range is short.
 NO_SLIP, SHORT = 0.02, 0.8
-#: An inclination of less than this is none, rad.
+#: Inclination below which there is no inclination, rad.
 NO_INCLINATION = 0.01
-#: What further programs vary.
+#: The inputs that additional programs vary.
 PROGRAMS = ("Fz", "gamma", "p", "kappa", "alpha", "both", "phit")
 
 
 @dataclass(frozen=True)
 class Undetermined:
-    """Coefficients that the data leave open, and why.
+    """Coefficients that are not identifiable, and the reason.
 
     Attributes
     ----------
     coefficients : tuple of str
-        One that no row responds to, several of which only a combination counts, or those that lie on a bound.
+        One without influence at the measured rows, several of which only a combination is determined, or those at a
+        bound.
     reason : str
-        What the data lack; of a coefficient on a bound also that they ask for more.
+        What the data lack; for a coefficient at a bound also that the optimum is beyond it.
     """
 
     coefficients: tuple[str, ...]
@@ -55,88 +56,92 @@ class Undetermined:
 
 
 def undetermined(
-    residuals: Residuals, free: Sequence[str], open_: Sequence[tuple[str, ...]], effective: Mapping[str, float]
+    residuals: Residuals, free: Sequence[str], sets: Sequence[tuple[str, ...]], effective: Mapping[str, float]
 ) -> tuple[Undetermined, ...]:
-    """Say of each set of open coefficients what the data lack.
+    """Return what the data lack for each set of coefficients that is not identifiable.
 
     Parameters
     ----------
     residuals : Residuals
     free : sequence of str
-        The coefficients that the data had to determine.
-    open_ : sequence of tuple of str
+        The free coefficients.
+    sets : sequence of tuple of str
         The sets, their names among `free`.
     effective : mapping of str to float
-        Independent rows of each channel.
+        Effective sample size of each channel.
 
     Returns
     -------
     tuple of Undetermined
-        Sets with one reason are put together.
+        Sets with the same reason are combined.
     """
-    if not open_:
+    if not sets:
         return ()
-    asked = _Asked(residuals, tuple(free), effective)
+    identifiability = _Identifiability(residuals, tuple(free), effective)
     found: dict[str, list[str]] = {}
-    for names in open_:
-        found.setdefault(asked.reason(names), []).extend(names)
+    for names in sets:
+        found.setdefault(identifiability.reason(names), []).extend(names)
     return tuple(Undetermined(tuple(dict.fromkeys(names)), reason) for reason, names in found.items())
 
 
 def at_bounds(
     residuals: Residuals, free: Sequence[str], bounded: Sequence[str], effective: Mapping[str, float]
 ) -> tuple[Undetermined, ...]:
-    """Say of coefficients on a bound whether the data drove them there, or left them to it.
+    """Return for coefficients at a bound whether the optimum is beyond it, or whether they are not identifiable.
 
     Parameters
     ----------
     residuals : Residuals
     free : sequence of str
-        The coefficients that the data had to determine, with those on a bound.
+        The free coefficients, with those at a bound.
     bounded : sequence of str
-        Those on a bound.
+        Those at a bound.
     effective : mapping of str to float
-        Independent rows of each channel.
+        Effective sample size of each channel.
 
     Returns
     -------
     tuple of Undetermined
-        Those with one reason are put together.
+        Those with the same reason are combined.
     """
     if not bounded:
         return ()
-    asked = _Asked(residuals, tuple(free), effective)
+    identifiability = _Identifiability(residuals, tuple(free), effective)
     found: dict[str, list[str]] = {}
     for name in bounded:
-        reason = "the data ask for more" if asked.holds(name) else f"only the bound holds it, {asked.reason([name])}"
+        reason = (
+            "the optimum is beyond it"
+            if identifiability.determines(name)
+            else f"not identifiable, {identifiability.reason([name])}"
+        )
         found.setdefault(f"at a bound: {reason}", []).append(name)
     return tuple(Undetermined(tuple(names), reason) for reason, names in found.items())
 
 
 @dataclass(frozen=True, eq=False)
-class _Asked:
-    """What the data know, and what further programs would."""
+class _Identifiability:
+    """Information in the data and in additional test programs."""
 
     residuals: Residuals
     free: tuple[str, ...]
     effective: Mapping[str, float]
 
-    def holds(self, name: str) -> bool:
-        """Return whether the data determine a coefficient as they are."""
-        return bool(_spreads(self._known)[self.free.index(name)] <= OPEN)
+    def determines(self, name: str) -> bool:
+        """Return whether the measured data determine a coefficient."""
+        return bool(_spreads(self._known)[self.free.index(name)] <= LARGEST_SD)
 
     def reason(self, names: Sequence[str]) -> str:
         """Return what the data lack to determine some coefficients."""
-        places = [self.free.index(name) for name in names]
+        indices = [self.free.index(name) for name in names]
         for count in (1, 2):
-            spreads = {p: self._spreads[p][places].max() for p in self._programs if len(p) == count}
+            spreads = {p: self._spreads[p][indices].max() for p in self._programs if len(p) == count}
             best = min(spreads, key=lambda program: spreads[program])
-            if spreads[best] <= OPEN:
-                return self._lacking(best, places[0])
-        alone = max(float(matrix[places[0], places[0]]) for matrix in self._information.values())
-        if len(names) == 1 and alone < 1.0 / OPEN**2:
-            return "hardly any force changes where the others have the values found"
-        return "other coefficients do the same at every load, slip, inclination and pressure tried"
+            if spreads[best] <= LARGEST_SD:
+                return self._lacking(best, indices[0])
+        alone = max(float(matrix[indices[0], indices[0]]) for matrix in self._information.values())
+        if len(names) == 1 and alone < 1.0 / LARGEST_SD**2:
+            return "it has almost no influence with the fitted values of the other coefficients"
+        return "other coefficients have the same influence at every tested load, slip, inclination and pressure"
 
     @cached_property
     def _programs(self) -> list[tuple[str, ...]]:
@@ -146,11 +151,12 @@ class _Asked:
 
     @cached_property
     def _sigma(self) -> Mapping[str, float]:
-        """The noise of each channel; numbers without noise leave only rounding."""
-        missed, table = self.residuals.missed, self.residuals.table
+        """The noise of each channel, at least `LEAST_NOISE` of its signal."""
+        residual_values, table = self.residuals.measured_minus_computed, self.residuals.table
         return {
             name: max(
-                _root_mean_square(missed[name]), LEAST_NOISE * _root_mean_square(table[name].to_numpy(dtype=float))
+                _root_mean_square(residual_values[name]),
+                LEAST_NOISE * _root_mean_square(table[name].to_numpy(dtype=float)),
             )
             for name in self.residuals.channels
         }
@@ -164,30 +170,30 @@ class _Asked:
             table[name].to_numpy(dtype=float) if name in table else np.full(len(table), self._tire.nominal(name))
             for name in self._tire.inputs
         ])  # fmt: skip
-        there = {name: np.isfinite(table[name].to_numpy(dtype=float)) for name in self.residuals.channels}
-        return self._weighed(inputs, there, self.effective)
+        present = {name: np.isfinite(table[name].to_numpy(dtype=float)) for name in self.residuals.channels}
+        return self._weighted_information(inputs, present, self.effective)
 
     @cached_property
     def _information(self) -> Mapping[tuple[str, ...], FloatArray]:
-        return {program: self._weighed(self._rows(program), {}, {}) for program in self._programs}
+        return {program: self._weighted_information(self._rows(program), {}, {}) for program in self._programs}
 
     @cached_property
     def _spreads(self) -> Mapping[tuple[str, ...], FloatArray]:
-        """The standard deviation of every coefficient, in its sizes, after each program."""
+        """The standard deviation of every coefficient, in typical sizes, with each program."""
         return {program: _spreads(self._known + more) for program, more in self._information.items()}
 
     @property
     def _tire(self) -> Tire:
         return self.residuals.tire
 
-    def _weighed(
+    def _weighted_information(
         self,
         inputs: FloatArray,
-        there: Mapping[str, npt.NDArray[np.bool_]],
-        worth: Mapping[str, float],
+        present: Mapping[str, npt.NDArray[np.bool_]],
+        effective_rows: Mapping[str, float],
         only: str = "",
     ) -> FloatArray:
-        """Return the information of rows; of channels where they were measured, or of one channel."""
+        """Return the information matrix of rows, for the measured channels or for one channel."""
         tire = self._tire
         order = list(tire.book.parameters)
         columns = np.array([order.index(name) for name in self.free])
@@ -196,15 +202,15 @@ class _Asked:
         matrix = np.zeros((len(self.free), len(self.free)))
         for name, sigma in self._sigma.items():
             part = np.nan_to_num(jacobian[:, tire.outputs.index(name), columns]) * reach
-            part = part[there[name]] if name in there else part
+            part = part[present[name]] if name in present else part
             if len(part) and sigma > 0 and only in ("", name):
-                matrix += worth.get(name, WORTH) / len(part) * part.T @ part / sigma**2
+                matrix += effective_rows.get(name, PROGRAM_ROWS) / len(part) * part.T @ part / sigma**2
         return matrix
 
     @cached_property
     def _sizes(self) -> FloatArray:
-        cards = [self._tire.book.coefficients[name] for name in self.free]
-        spans = [0.25 * (card.upper - card.lower) for card in cards]
+        declarations = [self._tire.book.coefficients[name] for name in self.free]
+        spans = [0.25 * (declaration.upper - declaration.lower) for declaration in declarations]
         return np.array([span if np.isfinite(span) else 1.0 for span in spans])
 
     @cached_property
@@ -215,7 +221,7 @@ class _Asked:
         return {**nominal, **{name: (float(table[name].min()), float(table[name].max())) for name in measured}}
 
     def _rows(self, program: tuple[str, ...]) -> FloatArray:
-        """Return the rows of a program: what it varies, at the slips that the data reach or at more."""
+        """Return the rows of a program, with the slip ranges of the data or larger ones."""
         nominal = {name: self._tire.nominal(name) for name in self._tire.inputs}
         loads, pressure = self._ranges["Fz"], nominal.get("p", 0.0)
         middle = 0.5 * (loads[0] + loads[1])
@@ -243,14 +249,14 @@ class _Asked:
     def _reach(self, slip: str) -> float:
         return max(map(abs, self._ranges[slip]))
 
-    def _lacking(self, program: tuple[str, ...], place: int) -> str:
-        """Put into words what the data lack."""
-        return " together with ".join(self._lack(name, place) for name in program)
+    def _lacking(self, program: tuple[str, ...], index: int) -> str:
+        """Return what the data lack as a text."""
+        return " together with ".join(self._lack(name, index) for name in program)
 
-    def _lack(self, name: str, place: int) -> str:
+    def _lack(self, name: str, index: int) -> str:
         low, high = self._ranges.get(name, (0.0, 0.0))
         if name == "Fz":
-            return self._lacking_load(place)
+            return self._lacking_load(index)
         if name == "gamma":
             reach, other = sorted((abs(low), abs(high)), reverse=True)
             if reach < NO_INCLINATION:
@@ -274,13 +280,13 @@ class _Asked:
             return False
         return bool(((table["kappa"].abs() > NO_SLIP) & (table["alpha"].abs() > NO_SLIP)).any())
 
-    def _lacking_load(self, place: int) -> str:
-        """Say what loads are missing: a second one, one with as much slip as the best, or ones further out."""
+    def _lacking_load(self, index: int) -> str:
+        """Return which loads the data lack: a second load, a second load with a large slip range, or a wider range."""
         loads = np.array(self.residuals.levels.get("Fz", ()))
         low, high = self._ranges["Fz"]
         if len(loads) < 2 and high - low < 0.3 * high:
             return "one load only"
-        channel = self._channel(place)
+        channel = self._channel(index)
         slip = OWN_SLIP.get(channel, "alpha")
         table = self.residuals.table
         if len(loads) > 1 and slip in table:
@@ -292,11 +298,14 @@ class _Asked:
                 return f"no second load above {reaches[-2]:.2g} {slip}"
         return f"no load beyond {low:.4g} to {high:.4g} N"
 
-    def _channel(self, place: int) -> str:
-        """Return the channel that tells most of a coefficient."""
+    def _channel(self, index: int) -> str:
+        """Return the channel with the most information on a coefficient."""
         everywhere = self._rows(("Fz", "both"))
-        told = {name: float(self._weighed(everywhere, {}, {}, name)[place, place]) for name in self.residuals.channels}
-        return max(told, key=lambda name: told[name])
+        information = {
+            name: float(self._weighted_information(everywhere, {}, {}, name)[index, index])
+            for name in self.residuals.channels
+        }
+        return max(information, key=lambda name: information[name])
 
 
 def _spreads(information: FloatArray) -> FloatArray:

@@ -15,8 +15,8 @@ FloatArray = npt.NDArray[np.float64]
 def effective_weights(problem: Problem, x: FloatArray) -> FloatArray:
     """Return the weights of a problem, each divided by the correlation length of its residuals at x.
 
-    What a tire misses at one row it misses at the next: a channel of a recording counts by its effective sample size,
-    not by the rows that were logged. The cost at x does not change.
+    Residuals of neighboring rows are correlated. Therefore a channel of a recording is weighted by its effective sample
+    size instead of its number of rows. The cost at x does not change.
 
     Parameters
     ----------
@@ -29,14 +29,14 @@ def effective_weights(problem: Problem, x: FloatArray) -> FloatArray:
     -------
     ndarray, shape (n_groups, n_forces)
     """
-    residual, there = problem.residual(x), np.isfinite(problem.rows.measured.T)
+    residual, present = problem.residual(x), np.isfinite(problem.rows.measured.T)
     squares, lengths = np.zeros_like(problem.weights), np.ones_like(problem.weights)
     for group, channel in np.argwhere(problem.weights > 0):
-        rows = np.flatnonzero(there[channel] & (problem.rows.group == group))
+        rows = np.flatnonzero(present[channel] & (problem.rows.group == group))
         if rows.size:
-            missed = residual[channel, rows]
-            squares[group, channel] = float(missed**2 @ problem.rows.weight[rows])
-            lengths[group, channel] = correlation_length(missed, problem.rows.segment[rows])
+            own = residual[channel, rows]
+            squares[group, channel] = float(own**2 @ problem.rows.weight[rows])
+            lengths[group, channel] = correlation_length(own, problem.rows.segment[rows])
     weights = problem.weights / lengths
     before, after = (float(np.sum(each * squares)) for each in (problem.weights, weights))
     return weights * (before / after) if after > 0 else weights

@@ -1,4 +1,4 @@
-"""What a coefficient starts from, its size for the solver, and whether rows of measurement see it."""
+"""Generic value and typical size of a coefficient, and its influence on the forces at measured rows."""
 
 from __future__ import annotations
 
@@ -13,43 +13,45 @@ from tirefmu.tires.tire import Tire
 from .weighted_residuals import CHUNK, Rows
 
 
-def generic(card: Coefficient) -> float:
-    """Return where a coefficient starts: its card's start, else what readers assume, else its default."""
-    if card.start is not None or card.assumed is None:
-        return card.generic
-    assumed = -card.assumed if card.flips else card.assumed  # cards tell that in ISO-W
-    return min(max(assumed, card.lower), card.upper)
+def generic(declaration: Coefficient) -> float:
+    """Return the generic value of a coefficient: its start, else the value that readers assume, else its default."""
+    if declaration.start is not None or declaration.assumed is None:
+        return declaration.generic
+    assumed = -declaration.assumed if declaration.flips else declaration.assumed  # declared in ISO-W
+    return min(max(assumed, declaration.lower), declaration.upper)
 
 
 def typical_size(lower: float, upper: float, guess: float) -> float:
-    """Return the size of a coefficient for the solver: a quarter of its card's range, not less than its guess."""
+    """Return the typical size of a coefficient: a quarter of its range, at least the magnitude of its guess."""
     span = upper - lower
     return max(abs(guess), 0.25 * span if np.isfinite(span) else 1.0, 1e-3)
 
 
 def influence(tire: Tire, rows: Rows, names: Sequence[str]) -> set[str]:
-    """Return the coefficients that change some measured force at these rows.
+    """Return the coefficients that influence a measured force at these rows.
 
-    Looked at from the present values and from two random points beside them: where a factor is at neutral,
-    what it multiplies shows nothing, though it may once the factor moves.
+    The Jacobian is evaluated at the present values and at two random points nearby: if a factor is 0, the coefficients
+    that it multiplies have no influence at the present values.
     """
     book, code = tire.book, fastest_code(tire.book)
     order = list(book.parameters)
-    cards = [book.coefficients[name] for name in names]
+    declarations = [book.coefficients[name] for name in names]
     columns, factors = np.array([order.index(name) for name in names], dtype=int), tire.rescaled
-    sizes = np.array([typical_size(c.lower, c.upper, tire.values[c.name]) * factors.get(c.name, 1.0) for c in cards])
-    there = np.isfinite(rows.measured)
-    squares = np.sum(np.where(there, rows.measured, 0.0) ** 2, axis=0)
-    forces = np.sqrt(np.where(squares > 0, squares, np.inf) / np.maximum(there.sum(axis=0), 1))
+    sizes = np.array(
+        [typical_size(c.lower, c.upper, tire.values[c.name]) * factors.get(c.name, 1.0) for c in declarations]
+    )
+    present = np.isfinite(rows.measured)
+    squares = np.sum(np.where(present, rows.measured, 0.0) ** 2, axis=0)
+    forces = np.sqrt(np.where(squares > 0, squares, np.inf) / np.maximum(present.sum(axis=0), 1))
     force, coefficient = code.entries
-    every = np.zeros(len(order))
-    every[columns] = sizes
+    reach_of_each = np.zeros(len(order))
+    reach_of_each[columns] = sizes
     random = np.random.default_rng(0)
     seen: set[int] = set()
     for reach in (0.0, 0.1, 0.1):
         parameters, most = tire.parameters(), np.zeros(code.entries.shape[1])
         parameters[columns] += reach * sizes * random.uniform(-1.0, 1.0, len(names))
         for chunk, jacobian in code.jacobian_chunks(rows.inputs, parameters, CHUNK):
-            most = np.fmax(most, np.fmax.reduce(np.where(there[chunk].T[force], np.abs(jacobian), 0.0), axis=1))
-        seen.update(coefficient[most * every[coefficient] > 1e-6 * forces[force]].tolist())
+            most = np.fmax(most, np.fmax.reduce(np.where(present[chunk].T[force], np.abs(jacobian), 0.0), axis=1))
+        seen.update(coefficient[most * reach_of_each[coefficient] > 1e-6 * forces[force]].tolist())
     return {name for name, column in zip(names, columns, strict=True) if int(column) in seen}

@@ -1,8 +1,8 @@
-"""What a residual costs: its square, or less where it is too large to be noise.
+"""Loss functions of residuals: squares, and robust losses that reduce the influence of outliers.
 
-A loss rho of u = residual / scale is u^2/2 for small u. Its derivative over u is the weight that a row keeps: with it,
-gradient and Gauss-Newton matrix are those of weighted least squares at this point (Holland and Welsch, 1977; Huber,
-Robust Statistics, 1981). The constants make each 95 % as efficient as least squares under normal noise.
+A loss rho of u = residual / scale is u^2/2 for small u. Its derivative divided by u is the robust weight of a row: with
+it, gradient and Gauss-Newton matrix are those of weighted least squares at this point (Holland and Welsch, 1977; Huber,
+Robust Statistics, 1981). With these constants each loss has 95 % of the efficiency of least squares under normal noise.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy.typing as npt
 from tirefmu.symbolic.errors import UnknownName
 
 FloatArray = npt.NDArray[np.float64]
-#: The standard deviation of normal noise per median of its size.
+#: Standard deviation of normal noise divided by the median of its magnitude.
 PER_MEDIAN = 1.482602
 
 
@@ -28,13 +28,13 @@ class Loss:
     ----------
     name : str
     constant : float
-        From how many standard deviations on a residual counts less than its square; infinite: never.
+        Number of standard deviations above which the loss is less than the square; infinite for squares.
     value : callable
         2 rho / (constant scale)^2, v^2 for small v.
     weight : callable
-        What is left of a row's weight, between 0 and 1.
+        Robust weight, between 0 and 1.
     slope : callable
-        Second derivative of the loss, 1 for small v: how much a row still tells of the coefficients.
+        Second derivative of the loss, 1 for small v: the information of a row relative to least squares.
     """
 
     name: str
@@ -92,7 +92,7 @@ def loss_named(name: str) -> Loss:
 
 
 def robust_scale(residual: FloatArray) -> float:
-    """Return the standard deviation of the noise in residuals of which a few may be anything.
+    """Return the standard deviation of the noise in residuals with outliers.
 
     Parameters
     ----------

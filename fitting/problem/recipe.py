@@ -1,4 +1,4 @@
-"""Recipes: how a fit proceeds, stage by stage, as readable TOML files."""
+"""Recipes: the stages of a fit, as TOML files."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.errors import FitError, UnknownName
 from tirefmu.symbolic.model import Model
 
-#: The largest recipe that is read, bytes.
+#: Largest size of a recipe file, bytes.
 LARGEST_FILE = 1_000_000
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling")
 UNITS = {"": 1.0, "rad": 1.0, "deg": radians(1.0), "N": 1.0, "kN": 1e3, "%": 0.01}
-#: The keys of a recipe and of a stage, and of what kind their values are.
+#: The keys of a recipe and of a stage, with the types of their values.
 RECIPE_KEYS: dict[str, type] = {"name": str, "description": str, "models": list, "scales": bool, "stage": list}
 STAGE_KEYS: dict[str, type] = {
     "name": str, "channels": list, "where": dict, "hold": list, "free": dict, "sections": list, "effects": list,
@@ -46,7 +46,7 @@ CONDITION = re.compile(rf"^\s*(?P<value>[-+]?{NUMBER})\s*\+-\s*(?P<tolerance>{NU
 
 @dataclass(frozen=True)
 class Freed:
-    """A coefficient that a stage frees: where it starts and its bounds, in adapted SAE."""
+    """Guess and bounds of a coefficient that a stage frees, in adapted SAE."""
 
     guess: float
     lower: float
@@ -61,26 +61,26 @@ class Stage:
     ----------
     name : str
     channels : tuple of str
-        The channels that it fits; all measured ones where empty.
+        The fitted channels; all measured channels if empty.
     where : dict of str to list of (float, float)
-        Conditions: an input within tolerance of one of some values, SI units, adapted SAE.
+        Operating conditions: values and tolerances of inputs, SI units, adapted SAE.
     hold : tuple of str
-        Inputs that count as exactly at the level of their condition, not as measured around it.
+        Inputs whose measured values are replaced by the nearest value in `where`.
     free : dict of str to Freed
-        What it frees; every coefficient of the core and of its effects where empty.
+        The free coefficients; all coefficients of the core and of the effects if empty.
     sections : tuple of str
-        Only coefficients of these sections of the .tir file; of all where empty.
+        Only coefficients of these sections of the .tir file; of all sections if empty.
     effects : tuple of str or None
-        The effects whose coefficients it frees, of those that the tire has; all of them where None. A recipe is
-        written for several models: channels, sections and effects that one of them lacks are left out there.
+        Only coefficients of the core and of these effects of the tire; of all effects if None. A recipe may apply to
+        several models: channels, sections and effects that a model does not have are ignored.
     rows : int or None
-        How many random rows it uses; all where None.
+        Number of random rows; all rows if None.
     weights : str
-        "equal": every channel by its mean square; "noise": every recording's channel by the residual that the
-        stage before left, doubled where the channel's own slip is swept there.
+        "equal": weight of a channel by its mean square; "noise": weight of a channel of a recording by its residual
+        variance at the initial values, times `SWEPT` if the slip of the channel is swept.
     again : tuple of mapping of str to float
-        Other values of a few coefficients, from which the end is sought again where a start tire was given or one
-        of these coefficients ended on a bound; the best end counts. Adapted SAE.
+        Other initial values of a few coefficients. The stage is repeated from them if a start tire was given or one of
+        these coefficients is at a bound; the best solution is used. Adapted SAE.
     """
 
     name: str
@@ -95,7 +95,7 @@ class Stage:
     again: tuple[Mapping[str, float], ...] = ()
 
     def select(self, table: pd.DataFrame) -> pd.DataFrame:
-        """Return the rows of a table (adapted SAE) that meet every condition, held inputs at their level."""
+        """Return the rows of a table (adapted SAE) that meet all conditions, with held inputs at their levels."""
         chosen = np.ones(len(table), dtype=bool)
         for channel, levels in self.where.items():
             values = table[channel].to_numpy() if channel in table else np.zeros(len(table))
@@ -111,14 +111,14 @@ class Stage:
 
 @dataclass(frozen=True)
 class Recipe:
-    """How a fit proceeds.
+    """The stages of a fit.
 
     Attributes
     ----------
     name, description : str
     stages : tuple of Stage
     scales : bool
-        It scales a given tire, and needs one to start from.
+        Whether it scales a given tire and requires a start tire.
     """
 
     name: str
@@ -133,9 +133,9 @@ def load_recipe(name: str | None, model: str) -> Recipe:
     Parameters
     ----------
     name : str or None
-        One of `RECIPES` or of the model's own, or the path of a file ending in .toml; the model's default where None.
+        One of `RECIPES`, a recipe of the model, or the path of a .toml file; by default the recipe of the model.
     model : str
-        The model that it is for.
+        The model that is fitted.
 
     Returns
     -------
@@ -146,7 +146,7 @@ def load_recipe(name: str | None, model: str) -> Recipe:
     UnknownName
         If there is no such recipe.
     FitError
-        If the file is broken, or not for this model; file, stage and key stand in the message.
+        If the file is invalid or not for this model. The message names file, stage and key.
 
     Examples
     --------
@@ -170,7 +170,7 @@ def load_recipe(name: str | None, model: str) -> Recipe:
         raise UnknownName("recipe", name, (*RECIPES, *book.recipes))
     try:
         content = tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # ValueError also of integers with thousands of digits
+    except (ValueError, RecursionError) as error:  # integers with thousands of digits raise ValueError, too
         raise FitError(f"{where}: {error}") from error
     _check_keys(content, RECIPE_KEYS, where)
     models = content.get("models", list(MODELS))
@@ -185,77 +185,79 @@ def load_recipe(name: str | None, model: str) -> Recipe:
 
 def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
     _check_kind(item, dict, f"{where}, stage")
-    place = f"{where}, stage {item.get('name', '?')!r}"
-    _check_keys(item, STAGE_KEYS, place)
+    location = f"{where}, stage {item.get('name', '?')!r}"
+    _check_keys(item, STAGE_KEYS, location)
     inputs = [quantity.name for quantity in book.inputs]
     channels, effects, rows = item.get("channels", []), item.get("effects"), item.get("rows")
     sections = item.get("sections", [])
     for channel in channels:
-        _check_name(f"channel in {place}", channel, {q.name: q for known in MODELS.values() for q in known.outputs})
+        _check_name(f"channel in {location}", channel, {q.name: q for known in MODELS.values() for q in known.outputs})
     for section in sections:
-        _check_name(f"section in {place}", section, {s.title: s for known in MODELS.values() for s in known.sections})
+        _check_name(
+            f"section in {location}", section, {s.title: s for known in MODELS.values() for s in known.sections}
+        )
     for coefficient in item.get("free", {}):
-        _check_name(f"coefficient in {place}", coefficient, book.coefficients)
+        _check_name(f"coefficient in {location}", coefficient, book.coefficients)
     for channel in item.get("where", {}):
-        _check_name(f"input in {place}", channel, inputs)
+        _check_name(f"input in {location}", channel, inputs)
     for effect in effects or ():
-        _check_name(f"effect in {place}", effect, {**EFFECTS, **book.effects})
+        _check_name(f"effect in {location}", effect, {**EFFECTS, **book.effects})
     for channel in item.get("hold", []):
-        _check_name(f"held input without a condition in {place}", channel, item.get("where", {}))
+        _check_name(f"held input without a condition in {location}", channel, item.get("where", {}))
     weights = item.get("weights", "equal")
-    _check_name(f"weights in {place}", weights, ("equal", "noise"))
+    _check_name(f"weights in {location}", weights, ("equal", "noise"))
     if rows is not None and rows < 1:
-        raise FitError(f"{place}: rows = {rows} is not a number of rows")
+        raise FitError(f"{location}: rows = {rows} is not a number of rows")
     return Stage(
         name=item.get("name", "?"),
         channels=tuple(channels),
         where={
-            channel: [_condition(level, place) for level in (levels if isinstance(levels, list) else [levels])]
+            channel: [_condition(level, location) for level in (levels if isinstance(levels, list) else [levels])]
             for channel, levels in item.get("where", {}).items()
         },
         hold=tuple(item.get("hold", [])),
-        free={name: _freed(given, f"{place}, {name}") for name, given in item.get("free", {}).items()},
+        free={name: _freed(given, f"{location}, {name}") for name, given in item.get("free", {}).items()},
         sections=tuple(sections),
         effects=None if effects is None else tuple(sorted(set(effects) & book.effects.keys())),
         rows=rows,
         weights=weights,
-        again=tuple(_values(given, f"{place}, again") for given in item.get("again", [])),
+        again=tuple(_values(given, f"{location}, again") for given in item.get("again", [])),
     )
 
 
-def _values(given: dict[str, float], place: str) -> dict[str, float]:
-    """Return starting values; what a model lacks of them is left out when a stage is solved."""
-    _check_kind(given, dict, place)
-    known = {name: card for book in MODELS.values() for name, card in book.coefficients.items()}
+def _values(given: dict[str, float], location: str) -> dict[str, float]:
+    """Return initial values; a stage ignores those of coefficients that the model does not have."""
+    _check_kind(given, dict, location)
+    known = {name: declaration for book in MODELS.values() for name, declaration in book.coefficients.items()}
     for name, value in given.items():
-        _check_name(f"coefficient in {place}", name, known)
-        _check_kind(value, float, f"{place}, {name}")
+        _check_name(f"coefficient in {location}", name, known)
+        _check_kind(value, float, f"{location}, {name}")
     return {name: float(value) for name, value in given.items()}
 
 
-def _freed(given: dict[str, float], place: str) -> Freed:
-    _check_kind(given, dict, place)
-    _check_keys(given, {"guess": float, "lower": float, "upper": float}, place)
+def _freed(given: dict[str, float], location: str) -> Freed:
+    _check_kind(given, dict, location)
+    _check_keys(given, {"guess": float, "lower": float, "upper": float}, location)
     lower, upper, guess = given.get("lower", -inf), given.get("upper", inf), given.get("guess", 0.0)
     if lower > upper:
-        raise FitError(f"{place}: bounds cross: lower {lower:g} is above upper {upper:g}")
+        raise FitError(f"{location}: bounds cross: lower {lower:g} is above upper {upper:g}")
     if isnan(lower) or isnan(upper) or not isfinite(guess):
-        raise FitError(f"{place}: a guess is a finite number, a bound is not nan")
+        raise FitError(f"{location}: a guess is a finite number, a bound is not nan")
     return Freed(float(guess), float(lower), float(upper))
 
 
-def _condition(text: object, place: str) -> tuple[float, float]:
+def _condition(text: object, location: str) -> tuple[float, float]:
     match = CONDITION.match(text) if isinstance(text, str) else None
     if not match or match["unit"] not in UNITS:
-        raise FitError(f"{place}: {text!r} is not like '220 +- 100 N' (units: {', '.join(filter(None, UNITS))})")
+        raise FitError(f"{location}: {text!r} is not like '220 +- 100 N' (units: {', '.join(filter(None, UNITS))})")
     factor = UNITS[match["unit"]]
     return float(match["value"]) * factor, float(match["tolerance"]) * factor
 
 
-def _check_keys(table: dict[str, Any], keys: dict[str, type], place: str) -> None:
+def _check_keys(table: dict[str, Any], keys: dict[str, type], location: str) -> None:
     for key, value in table.items():
-        _check_name(f"key in {place}", key, keys)
-        _check_kind(value, keys[key], f"{place}, {key}")
+        _check_name(f"key in {location}", key, keys)
+        _check_kind(value, keys[key], f"{location}, {key}")
 
 
 def _check_name(kind: str, name: object, known: Iterable[str]) -> None:
@@ -264,6 +266,6 @@ def _check_name(kind: str, name: object, known: Iterable[str]) -> None:
         raise UnknownName(kind, name if isinstance(name, str) else repr(name), names)
 
 
-def _check_kind(value: object, kind: type, place: str) -> None:
+def _check_kind(value: object, kind: type, location: str) -> None:
     if not isinstance(value, (int, float) if kind is float else kind) or isinstance(value, bool) != (kind is bool):
-        raise FitError(f"{place}: {value!r} is not {KINDS[kind]}")
+        raise FitError(f"{location}: {value!r} is not {KINDS[kind]}")

@@ -1,4 +1,4 @@
-"""The cost that a stage minimizes: that of its problem and a weak pull to where it starts."""
+"""The cost that a stage minimizes: the cost of its problem and a weak regularization towards the initial values."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Ridge:
-    """A problem with a pull of every scaled value towards its start, against directions that the data leave open.
+    """A problem with ridge regularization towards the initial values, for directions that are not identifiable.
 
     Parameters
     ----------
     problem : Problem
     start : ndarray, shape (n_free,)
     strength : float
-        The cost of one unit away from the start is half of it.
+        Twice the cost of one unit of distance from the start.
     """
 
     def __init__(self, problem: Problem, start: FloatArray, strength: float) -> None:

@@ -1,6 +1,6 @@
-"""The fit as a problem: rows of measurement, weights, free coefficients; cost, gradient, Gauss-Newton matrix.
+"""The least-squares problem: measured rows, weights, free coefficients; cost, gradient, Gauss-Newton matrix.
 
-Everything in here is in adapted SAE signs, in which cards and recipes write their bounds.
+All signs are adapted SAE, the convention of the bounds in declarations and recipes.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from .loss import LOSSES, Loss, robust_scale
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Rows evaluated at a time: their Jacobian, 4 kB a row, stays in the processor's cache.
+#: Rows evaluated at a time: their Jacobian, 4 kB per row, fits in the processor cache.
 CHUNK = 256
-#: The least noise of a channel, as a share of its root mean square.
+#: Least noise of a channel, relative to its root mean square.
 LEAST_NOISE = 1e-4
-#: The slip that a channel is a curve over, and how much more it counts where that is swept.
+#: The slip of each channel, and the weight factor of recordings that sweep it.
 OWN_SLIP = {"Fx": "kappa", "Fy": "alpha", "Mz": "alpha"}
 SWEPT = 1.75
 
@@ -41,13 +41,13 @@ class Rows:
     inputs : ndarray, shape (n_inputs, n)
         In the model's order, SI units.
     measured : ndarray, shape (n, n_forces)
-        NaN where a channel was not measured or is not to be fitted.
+        NaN if a channel was not measured or is not fitted.
     group : ndarray of int, shape (n,)
-        The recording that each row comes from.
+        Number of the recording of each row.
     segment : ndarray of int, shape (n,)
-        What was logged without a gap; a recording is one where nobody says.
+        Number of the segment without gaps of each row; by default each recording is one segment.
     weight : ndarray, shape (n,)
-        How much each row counts beside the others of its recording; 1 where nobody says.
+        Weight of each row within its recording; by default 1.
     """
 
     inputs: FloatArray
@@ -64,7 +64,7 @@ class Rows:
 
     @classmethod
     def of(cls, table: pd.DataFrame, tire: Tire, channels: Sequence[str]) -> Rows:
-        """Take the rows of a table; only the given channels are fitted."""
+        """Return the rows of a table; only the given channels are fitted."""
         absent = pd.Series(np.nan, table.index)
         inputs = [table.get(name, pd.Series(tire.nominal(name), table.index)) for name in tire.inputs]
         measured = [table.get(name, absent) if name in channels else absent for name in tire.outputs]
@@ -82,10 +82,10 @@ class Rows:
         return len(self.measured)
 
     def sample(self, n: int, seed: int = 0) -> Rows:
-        """Return about n random rows, in their order; all where there are no more.
+        """Return about n random rows, in their order; all rows if there are no more.
 
-        Every k-th row would alias with sweeps. Each recording is drawn from by itself, so that the rows drawn do not
-        depend on the order of the recordings.
+        Every k-th row would alias with sweeps. Each recording is sampled separately, so the sample does not depend on
+        the order of the recordings.
         """
         if n >= len(self):
             return self
@@ -111,22 +111,22 @@ class Problem:
     Attributes
     ----------
     tire : Tire
-        Holds the value of every coefficient that is not free, in adapted SAE.
+        Contains the value of each coefficient that is not free, in adapted SAE.
     rows : Rows
     free : tuple of str
         Free coefficients.
     weights : ndarray, shape (n_groups, n_forces)
         Weight of a squared residual by recording and channel.
     scale : ndarray, shape (n_free,)
-        Size of each free coefficient: the solver sees ``value / scale``.
+        Size of each free coefficient: the variables of the solver are ``value / scale``.
     loss : Loss
-        What a residual costs.
+        Loss function of the residuals.
     limits : ndarray, shape (n_groups, n_forces), optional
-        The residual of each recording's channel from which on it counts less than its square.
+        Residual of each channel of a recording above which the loss is less than the square.
     columns : ndarray of int, shape (n_free,)
-        Place of each free coefficient in the parameter vector of the generated code.
+        Index of each free coefficient in the parameter vector of the generated code.
     reach : ndarray, shape (n_free,)
-        What the parameter vector changes by there, per unit of the scaled value.
+        Derivative of that parameter by the scaled value.
     """
 
     tire: Tire
@@ -147,9 +147,9 @@ class Problem:
         self.columns = np.array([names.index(name) for name in self.free])
         self.reach = self.scale * np.array([factors.get(name, 1.0) for name in self.free])
         force, coefficient = self._code.entries
-        place = {int(column): i for i, column in enumerate(self.columns)}
-        freed = np.array([place.get(int(column), -1) for column in coefficient], dtype=int)
-        #: By output: which entries of the Jacobian are by free coefficients, and by which of them.
+        index = {int(column): i for i, column in enumerate(self.columns)}
+        freed = np.array([index.get(int(column), -1) for column in coefficient], dtype=int)
+        #: By output: the entries of the Jacobian by free coefficients, and the indices of these coefficients.
         self._entries = [
             (chosen, freed[chosen])
             for chosen in (np.flatnonzero((force == i) & (freed >= 0)) for i in range(len(self.tire.outputs)))
@@ -157,23 +157,23 @@ class Problem:
         self._inputs = np.ascontiguousarray(self.tire.effective_inputs(self.rows.inputs))
         self._parameters = self.tire.parameters()
         self._measured = np.ascontiguousarray(np.nan_to_num(self.rows.measured.T))
-        self._weighed: FloatArray | None = None  # the weights to which the next two belong
+        self._applied: FloatArray | None = None  # the weights of the next two attributes
         self._root = np.zeros_like(self._measured)
-        self._there: list[tuple[int, npt.NDArray[np.int64]]] = []
+        self._present: list[tuple[int, npt.NDArray[np.int64]]] = []
         self._latest: tuple[FloatArray, float, FloatArray, FloatArray] | None = None
 
     def parameters(self, x: FloatArray) -> FloatArray:
-        """Return the whole parameter vector for scaled free values x."""
+        """Return the complete parameter vector for scaled free values x."""
         parameters = self._parameters.copy()
         parameters[self.columns] = x * self.reach
         return parameters
 
     def cost(self, x: FloatArray) -> float:
-        """Return half the weighted sum of squares, or of what the loss makes of them."""
+        """Return half the weighted sum of squares, or of the loss."""
         return self._at(x)[0]
 
     def costs(self, population: FloatArray, limits: FloatArray) -> FloatArray:
-        """Return the costs of many points, each worked out no further than needed to see that it exceeds its limit.
+        """Return the costs of many points; the computation of a point stops when it exceeds its limit.
 
         Parameters
         ----------
@@ -183,22 +183,22 @@ class Problem:
         Returns
         -------
         ndarray, shape (n_points,)
-            The cost, or above the limit some part of it; infinite where there is none.
+            The cost, or a part of it above the limit; infinite if it is not finite.
         """
-        self._weigh()
+        self._apply_weights()
         parameters = np.repeat(self._parameters[None, :], len(population), axis=0)
         parameters[:, self.columns] = population * self.reach
-        costs, racing = np.zeros(len(population)), np.arange(len(population))
+        costs, remaining = np.zeros(len(population)), np.arange(len(population))
         for start in range(0, len(self.rows), CHUNK):
             chunk = slice(start, start + CHUNK)
-            forces = forces_of_each(self._code, self._inputs[:, chunk], parameters[racing])
-            for output, _ in self._there:
+            forces = forces_of_each(self._code, self._inputs[:, chunk], parameters[remaining])
+            for output, _ in self._present:
                 root = self._root[output, chunk]
                 with np.errstate(over="ignore", invalid="ignore"):
                     residual = np.where(root > 0, (forces[:, output] - self._measured[output, chunk]) * root, 0.0)
-                    costs[racing] += 0.5 * np.einsum("ij,ij->i", residual, residual)
-            racing = racing[costs[racing] <= limits[racing]]
-            if not racing.size:
+                    costs[remaining] += 0.5 * np.einsum("ij,ij->i", residual, residual)
+            remaining = remaining[costs[remaining] <= limits[remaining]]
+            if not remaining.size:
                 break
         return np.where(np.isfinite(costs), costs, np.inf)
 
@@ -212,18 +212,18 @@ class Problem:
         return self.cost(x), gradient, matrix
 
     def by_output(self, x: FloatArray) -> list[tuple[int, npt.NDArray[np.int64], FloatArray, FloatArray]]:
-        """Return what each weighed output adds: its place, the free coefficients that reach it, gradient and matrix."""
+        """Return the contribution of each weighted output: its index, its free coefficients, gradient and matrix."""
         _, root, residual = self._at(x)
-        outputs = [(o, there, *self._entries[o]) for o, there in self._there if self._entries[o][0].size]
+        outputs = [(o, present, *self._entries[o]) for o, present in self._present if self._entries[o][0].size]
         gradients = [np.zeros(len(entries)) for _, _, entries, _ in outputs]
         matrices = [np.zeros((len(entries), len(entries)), order="F") for _, _, entries, _ in outputs]
         for chunk, jacobian in self._code.jacobian_chunks(self._inputs, self.parameters(x), CHUNK):
-            for k, (output, there, entries, _) in enumerate(outputs):
-                first, last = np.searchsorted(there, (chunk.start, chunk.stop))
+            for k, (output, present, entries, _) in enumerate(outputs):
+                first, last = np.searchsorted(present, (chunk.start, chunk.stop))
                 if first == last:
                     continue
-                here = there[first:last]
-                # Rows without a weight are left out: what is not measured there may not even be finite.
+                here = present[first:last]
+                # Rows without a weight are omitted: their derivatives may not be finite.
                 every = len(here) == jacobian.shape[1]
                 weighted = jacobian[entries] if every else jacobian[np.ix_(entries, here - chunk.start)]
                 rows = chunk if every else here
@@ -237,14 +237,14 @@ class Problem:
         return parts
 
     def residual(self, x: FloatArray) -> FloatArray:
-        """Return computed minus measured, shape (n_forces, n); 0 where a channel was not measured or has no weight."""
-        self._weigh()
+        """Return computed minus measured, shape (n_forces, n); 0 if a channel was not measured or has no weight."""
+        self._apply_weights()
         forces = self._code.forces(self._inputs, self.parameters(x))
         return np.where(self._root > 0, forces - self._measured, 0.0)
 
     def _at(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-        """Return cost, roots of weights and residuals times these; kept for the point at which a solver asks again."""
-        self._weigh()
+        """Return cost, roots of weights and weighted residuals, cached for repeated calls at one point."""
+        self._apply_weights()
         if self._latest is None or not np.array_equal(self._latest[0], x):
             residual, root = self.residual(x), self._root
             if self.limits is None:
@@ -259,20 +259,20 @@ class Problem:
             self._latest = x.copy(), cost, root, weighted
         return self._latest[1:]
 
-    def _weigh(self) -> None:
-        """Spread the weights over the rows."""
-        if self._weighed is self.weights:
+    def _apply_weights(self) -> None:
+        """Compute the weight of each row and output from `weights`."""
+        if self._applied is self.weights:
             return
         root = np.sqrt(self.weights[self.rows.group].T * self.rows.weight)
         self._root = np.ascontiguousarray(np.where(np.isfinite(self.rows.measured.T), root, 0.0))
         rows = [np.flatnonzero(channel) for channel in self._root]
-        self._there = [(output, there) for output, there in enumerate(rows) if there.size]
-        self._weighed, self._latest = self.weights, None
+        self._present = [(output, present) for output, present in enumerate(rows) if present.size]
+        self._applied, self._latest = self.weights, None
 
 
 @lru_cache(maxsize=16)
 def coefficients_by_output(book: Model, *, straight: bool = False) -> dict[str, frozenset[str]]:
-    """Return the coefficients that each output of a model depends on in some row, or in a straight one."""
+    """Return the coefficients on which each output of a model depends, or depends without turn slip."""
     lines = book.lines(straight=straight)
     return {
         output.name: frozenset(
@@ -284,17 +284,17 @@ def coefficients_by_output(book: Model, *, straight: bool = False) -> dict[str, 
 
 
 def equal_weights(rows: Rows) -> FloatArray:
-    """Return weights that make the cost half the sum of 1 - R2 (uncentred) over the channels: the report's cost."""
+    """Return weights for the cost of the Trento report: half the sum of 1 - R2 (uncentred) over the channels."""
     squares = np.nansum(rows.measured**2 * rows.weight[:, None], axis=0)
     groups = int(rows.group.max(initial=0)) + 1
     return np.broadcast_to(1.0 / np.where(squares > 0, squares, 1.0), (groups, rows.measured.shape[1])).copy()
 
 
 def emphasis(data: pd.DataFrame, outputs: Sequence[str]) -> FloatArray:
-    """Return how much each recording's channel counts beside its noise: more where its own slip is swept.
+    """Return weight factors by recording and channel: more than 1 if the slip of the channel is swept.
 
-    Where files disagree, a whole curve tells more of the tire than rows at the few slips that a bench held: the
-    pure side force belongs to the cornering test, to drive and brake what is left of it.
+    If recordings are inconsistent, a sweep contains more information on a force than rows at a few held slips. So the
+    cornering test determines the pure side force, and the drive and brake test its reduction by longitudinal slip.
 
     Parameters
     ----------
@@ -317,7 +317,7 @@ def emphasis(data: pd.DataFrame, outputs: Sequence[str]) -> FloatArray:
 
 
 def limits_of(problem: Problem, x: FloatArray) -> FloatArray | None:
-    """Return the limits of a problem's loss by the noise that each recording's channel has at x; None for squares."""
+    """Return the limits of the loss from the noise of each channel of a recording at x; None for squares."""
     if not np.isfinite(problem.loss.constant):
         return None
     limits = np.ones_like(problem.weights)
@@ -327,25 +327,25 @@ def limits_of(problem: Problem, x: FloatArray) -> FloatArray | None:
 
 
 def noise_weights(problem: Problem, x: FloatArray, factors: FloatArray | None = None) -> FloatArray:
-    """Return weights by the residual variance that each recording's channel has at x, one mean square for all.
+    """Return weights by the residual variance of each channel of a recording at x.
 
-    Residuals below a ten thousandth of the channel count as that: numbers without noise leave only rounding. A loss
-    other than squares takes the variance of the noise without what the loss is there for.
-    The factors, shape (n_groups, n_forces), say what counts more than its noise tells.
+    The noise is assumed to be at least `LEAST_NOISE` of the signal: residuals of exact data are rounding errors. For
+    robust losses the variance is estimated without outliers. The factors, shape (n_groups, n_forces), multiply the
+    weights.
     """
     weights, robust = np.zeros_like(problem.weights), np.isfinite(problem.loss.constant)
-    weighed = np.isfinite(problem.rows.measured) & (problem.weights > 0)[problem.rows.group]
+    weighted_rows = np.isfinite(problem.rows.measured) & (problem.weights > 0)[problem.rows.group]
     for group, channel, residual, least in _by_channel(problem, x):
         deviation = robust_scale(residual) if robust else float(np.sqrt(np.mean(residual**2)))
-        weights[group, channel] = 1.0 / (max(deviation, least) ** 2 * np.sum(weighed))
+        weights[group, channel] = 1.0 / (max(deviation, least) ** 2 * np.sum(weighted_rows))
     return weights if factors is None else weights * factors[: len(weights)]
 
 
 def _by_channel(problem: Problem, x: FloatArray) -> Iterator[tuple[int, int, FloatArray, float]]:
-    """Go through what has a weight: recording, channel, its residuals, and the least noise it may have."""
+    """Yield recording, channel, residuals, and least noise of everything that has a weight."""
     residual, measured = problem.residual(x), problem.rows.measured.T
     for group, channel in np.argwhere(problem.weights > 0):
-        there = (problem.rows.group == group) & np.isfinite(measured[channel])
-        if there.any():
-            least = LEAST_NOISE * float(np.sqrt(np.mean(measured[channel, there] ** 2)))
-            yield int(group), int(channel), residual[channel, there], least
+        present = (problem.rows.group == group) & np.isfinite(measured[channel])
+        if present.any():
+            least = LEAST_NOISE * float(np.sqrt(np.mean(measured[channel, present] ** 2)))
+            yield int(group), int(channel), residual[channel, present], least

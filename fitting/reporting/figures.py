@@ -1,4 +1,4 @@
-"""Figures of a tire against measurements, in the manner of the Trento report's figures 1 to 17 and 19, 20."""
+"""Figures of a tire and measurements, similar to figures 1 to 17, 19 and 20 of the Trento report."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ from tirefmu.tires.tire import Tire
 from ..evidence.curves import SLOPE_WINDOW, Comparison, Family, compare
 from ..results.records import quality
 
-MOST_SOURCES = 30  # recordings named below a figure
+MOST_SOURCES = 30  # recordings listed below a figure
 
 
 def draw_figures(
@@ -53,33 +53,33 @@ def draw_figures(
     truth: Tire | None = None,
     signs: str | None = "iso",
 ) -> list[Path]:
-    """Draw a tire against the recordings, one PNG for each kind of curve that the data hold.
+    """Draw a tire and recordings, one PNG for each kind of curve in the data.
 
     Parameters
     ----------
     tire : Tire, path of a .tir file, or name of a published tire
     recordings : path, DataFrame or Recording, or a sequence of them
-        Of any program and signs.
+        Of any test program and sign convention.
     folder : str or Path
-        Made where it is not there.
+        Created if it does not exist.
     prefix : str
-        Of the files' names.
+        Of the file names.
     truth : Tire, optional
-        The tire behind a virtual recording: its stiffnesses are drawn beside the fitted ones.
+        The true tire of a virtual recording: its stiffnesses are drawn, too.
     signs : str, optional
-        Convention of the figures, which their footnotes state: that of tire files; where None that of the
-        recordings, or iso where they differ.
+        Sign convention of the figures, stated in their footnotes: by default that of tire files; with None that of the
+        recordings, or iso if they differ.
 
     Returns
     -------
     list of Path
         Of ``pure_Fx``, ``pure_Fy``, ``pure_Mz``, ``combined``, ``weighting``, ``stiffness`` and
-        ``residuals`` those whose data are there.
+        ``residuals`` those for which there are data.
 
     Raises
     ------
     FitError
-        If there is no recording, or a file cannot be written. No file is left half-written.
+        If there is no recording, or a file cannot be written. No incomplete file remains.
     DataError
         If a recording has no measured output.
     """
@@ -93,7 +93,7 @@ def draw_figures(
         "stiffness": _stiffness(comparison, truth),
         "residuals": _residuals(comparison),
     }
-    # All are rendered before the first is written: a failure leaves the folder as it was.
+    # All figures are rendered before the first is written: after a failure the folder is unchanged.
     images = {f"{prefix}{name}.png": png(figure) for name, figure in drawn.items() if figure is not None}
     target = Path(folder)
     try:
@@ -104,7 +104,7 @@ def draw_figures(
 
 
 def _families(comparison: Comparison, families: Sequence[Family], title: str) -> Figure | None:
-    """One panel a family: measured points and the tire's curves."""
+    """One panel for each family: measured points and curves of the tire."""
     if not families:
         return None
     figure, axes = panels(len(families), title)
@@ -134,7 +134,7 @@ def _draw_family(ax: Axes, comparison: Comparison, family: Family) -> None:
 
 
 def _weighting(comparison: Comparison) -> Figure | None:
-    """Weights of combined slip over kappa for each slip angle: the report's figures 13 and 15."""
+    """Weighting functions of combined slip over kappa for each slip angle: figures 13 and 15 of the Trento report."""
     book = comparison.tire.book
     names = {
         "Fx": (book.quantity("weighting_x"), r"$G_{x\alpha}$"),
@@ -155,13 +155,13 @@ def _weighting(comparison: Comparison) -> Figure | None:
         finish(ax, "kappa", f"{symbol} (-)")
         ax.axhline(1.0, color="0.3", lw=0.8, ls=":")
         place_legend(ax, f"{LEVEL['alpha']} {LETTER['alpha']}")
-    note = "weights of the tire, above 0 in a valid one, over the data's slip; a bench does not measure them"
+    note = "weighting functions of the tire (positive for a valid tire) over the measured slip range; not measurable"
     write_footnote(figure, comparison.signs, note)
     return figure
 
 
 def _stiffness(comparison: Comparison, truth: Tire | None) -> Figure | None:
-    """Slip stiffnesses over load with slopes read from the data, and slopes along the slip."""
+    """Slip stiffnesses over load with slopes read from the data, and slopes over slip."""
     book = comparison.tire.book
     kinds = [
         (channel, slip, book.quantity(f"stiffness_{channel[1]}"), book.quantity(f"slope_{channel[1]}"))
@@ -237,7 +237,7 @@ def _draw_slopes(comparison: Comparison, family: Family, quantity: str, truth: T
 
 
 def _residuals(comparison: Comparison) -> Figure:
-    """Residuals over time and how they are spread, for each recording and measured channel."""
+    """Residuals over time and their histogram, for each recording and measured channel."""
     table = comparison.table
     parts = [
         (source, channel, rows)
@@ -246,12 +246,12 @@ def _residuals(comparison: Comparison) -> Figure:
         if len(rows := table[(table["recording"] == number) & table[channel].notna()])
     ]
     figure = Figure(figsize=(11, 1.0 + 1.65 * len(parts)), layout="constrained")
-    figure.suptitle("Residuals: data less tire", fontweight="bold")
+    figure.suptitle("Residuals: data minus tire", fontweight="bold")
     grid = figure.subplots(len(parts), 2, squeeze=False, sharey="row", width_ratios=(5, 1))
     for (over_time, spread), (source, channel, rows) in zip(grid, parts, strict=True):
         _draw_residual(over_time, spread, source, channel, rows)
     grid[-1, 1].set_xlabel("number of rows")
-    note = "the scales hold 99.9 % of the rows"
+    note = "the axes contain 99.9 % of the rows"
     write_footnote(figure, comparison.signs, note, data_text(comparison, table))
     return figure
 
@@ -277,7 +277,7 @@ def _draw_residual(over_time: Axes, spread: Axes, source: str, channel: str, row
 
 
 def data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
-    """Tell which recordings the rows come from, and at which inflation pressures."""
+    """Return the recordings of the rows and their inflation pressures as a text."""
     numbers = sorted(set(rows["recording"].tolist()))
     sources = [figure_text(name) for name in dict.fromkeys(comparison.sources[number] for number in numbers)]
     text = f"data: {', '.join(sources[:MOST_SOURCES])}"

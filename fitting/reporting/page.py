@@ -1,4 +1,4 @@
-"""A report as one HTML page that needs nothing else and runs nothing, whatever text stands in it."""
+"""A report as one self-contained HTML page without active content, whatever texts it shows."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ from tirefmu.symbolic.escaping import visible
 from tirefmu.tires.drawing.style import write_whole
 
 
-def page_text(room: str, filters: Mapping[str, Callable[..., object]], **content: Any) -> str:
-    """Return the text of a room's report.
+def page_text(package: str, filters: Mapping[str, Callable[..., object]], **content: Any) -> str:
+    """Return the text of a package's report.
 
-    Every text is made visible (no control characters, no marks that turn the direction of writing) and escaped; the
-    template's own policy lets a browser run nothing and load nothing but the images inside.
+    All texts are escaped, and control characters and marks of the writing direction are made visible. The content
+    security policy of the template forbids scripts, and allows only embedded images.
 
     Parameters
     ----------
-    room : str
+    package : str
         Package with the template ``report.html``: "tirefmu.fitting.reporting", "tirefmu.diagnosis.reporting".
     filters : mapping of str to callable
-        Of the template, by name.
+        Filters of the template by name.
     **content
-        What the template shows.
+        Variables of the template.
 
     Returns
     -------
@@ -38,7 +38,7 @@ def page_text(room: str, filters: Mapping[str, Callable[..., object]], **content
         finalize=lambda value: visible(str(value)),
     )  # fmt: skip
     environment.filters |= filters
-    template = environment.from_string((files(room) / "report.html").read_text(encoding="utf-8"))
+    template = environment.from_string((files(package) / "report.html").read_text(encoding="utf-8"))
     return template.render(**content)
 
 
@@ -48,7 +48,7 @@ def inlined(images: list[Path]) -> list[tuple[str, str]]:
 
 
 def write_page(page: str, path: Path) -> None:
-    """Write a page, whole or not at all.
+    """Write a page; the file is complete or not written.
 
     Raises
     ------

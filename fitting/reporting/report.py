@@ -1,4 +1,4 @@
-"""The fit as one HTML page: status, quality, figures, coefficients, constraints, stages; nothing outside the file."""
+"""Report of a fit as one HTML file: status, goodness of fit, figures, coefficients, constraints, stages."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def write_report(result: FitResult, recordings: TableLike | Iterable[TableLike],
     ----------
     result : FitResult
     recordings : path, DataFrame or Recording, or a sequence of them
-        What was fitted, for the figures.
+        The fitted recordings, for the figures.
     path : str or Path
 
     Raises

@@ -1,4 +1,4 @@
-"""A fit in words: short sentences and cells that the terminal and the HTML report share."""
+"""Texts and table cells of a fit that the terminal and the HTML report have in common."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from ..evidence.residuals import condition_text
 from ..evidence.ripple import Ripple
 from ..results.fit_result import FitResult
 
-#: A difference within the data is told where it is this many standard deviations.
+#: Number of standard deviations above which a difference within the data is reported.
 SIGNIFICANT = 4.0
 
 
 @dataclass(frozen=True)
-class Condition:
-    """A constraint in words, in the operating range and beyond it."""
+class ConstraintRow:
+    """A constraint with its margin in the operating range and in the extrapolated range."""
 
     constraint: str
     inside: Margin
@@ -27,57 +27,57 @@ class Condition:
 
 
 def interval_text(half: float) -> str:
-    """Return half an interval: "open" where the data hold nothing, empty where there is none.
+    """Return half an interval: "not identifiable" if it is infinite, empty if there is none.
 
     Examples
     --------
     >>> interval_text(0.01234), interval_text(float("inf")), interval_text(float("nan"))
-    ('0.0123', 'open', '')
+    ('0.0123', 'not identifiable', '')
     """
-    return "open" if isinf(half) else f"{half:.3g}" if isfinite(half) else ""
+    return "not identifiable" if isinf(half) else f"{half:.3g}" if isfinite(half) else ""
 
 
 def worst_text(result: FitResult, recording: str, channel: str) -> str:
-    """Return where a channel of a recording is missed most, and by how much; empty without several conditions."""
+    """Return the largest error of a channel and its operating condition; empty for a single operating condition."""
     worst = result.findings.worst(recording, channel)
     return f"{worst.rmse:.3g} at {condition_text(worst.at)}" if worst else ""
 
 
-def constraint_rows(margins: Sequence[Margin]) -> list[Condition]:
-    """Put what holds inside the range of the data and what holds beyond it side by side."""
+def constraint_rows(margins: Sequence[Margin]) -> list[ConstraintRow]:
+    """Return each constraint with its margins in the range of the data and beyond it."""
     beyond = {margin.name.partition(":")[2]: margin for margin in margins if margin.name.startswith("extrapolation:")}
-    told = []
+    lines = []
     for margin in margins:
         kind, _, quantity = margin.name.partition(":")
         if kind in ("signs", "curvature"):
-            told.append(Condition(margin.constraint, margin, beyond.pop(quantity, None)))
+            lines.append(ConstraintRow(margin.constraint, margin, beyond.pop(quantity, None)))
         elif kind != "extrapolation":
-            told.append(Condition(margin.constraint, margin, None))
-    return told + [Condition(margin.constraint, margin, None) for margin in beyond.values()]
+            lines.append(ConstraintRow(margin.constraint, margin, None))
+    return lines + [ConstraintRow(margin.constraint, margin, None) for margin in beyond.values()]
 
 
 def extrapolation_text(result: FitResult) -> str:
-    """Say how far the extrapolation goes; or that nothing is kept there."""
+    """Return the extrapolated range in which constraints are enforced, or that there is none."""
     far = [margin.at for margin in result.margins if margin.name.startswith("extrapolation:")]
     if not far:
-        return "nothing is kept beyond the data (--constraint extrapolation)"
-    return f"beyond: slips {REACH:g} times as far as the data, loads {REACH:g} times as high and as low"
+        return "constraints are not enforced outside the measured range (--constraint extrapolation)"
+    return f"extrapolated range: slips up to {REACH:g} times, loads from 1/{REACH:g} to {REACH:g} times the measured
+    range"
 
 
 def significant_differences(result: FitResult) -> list[Disagreement]:
-    """Return the differences within the data that are more than noise: files, then sweeps, then segments."""
+    """Return the significant differences within the data: between files, then sweeps, then segments."""
     found = result.findings
     return [each for each in (*found.files, *found.sweeps, *found.segments) if abs(each.sigmas) >= SIGNIFICANT]
 
 
 def ripple_texts(ripples: Sequence[Ripple]) -> list[str]:
-    """Say what repeats with the wheel, one sentence for each recording."""
-    told = []
+    """Return a sentence on significant ripple for each recording."""
+    lines = []
     for recording in dict.fromkeys(each.recording for each in ripples):
-        mine = [each for each in ripples if each.recording == recording and each.stands_out]
-        if mine:
-            what = ", ".join(f"{each.channel} {each.amplitude:.3g} {each.unit} ({each.share:.0%})" for each in mine)
-            told.append(
-                f"{recording}: once per revolution ({mine[0].frequency:.1f} Hz, radius {mine[0].radius:.3f} m): {what}"
-            )
-    return told
+        distinct = [each for each in ripples if each.recording == recording and each.stands_out]
+        if distinct:
+            what = ", ".join(f"{each.channel} {each.amplitude:.3g} {each.unit} ({each.share:.0%})" for each in distinct)
+            wheel = f"{distinct[0].frequency:.1f} Hz, radius {distinct[0].radius:.3f} m"
+            lines.append(f"{recording}: once per revolution ({wheel}): {what}")
+    return lines

@@ -1,4 +1,4 @@
-"""Finished stages of a fit on disk, so that what was interrupted can go on."""
+"""File with the completed stages of a fit, from which an interrupted fit is resumed."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from .records import StageFit
 FloatArray = npt.NDArray[np.float64]
 T = TypeVar("T")
 
-#: Of the file's form: a file of another one is not read.
-VERSION = 2
+#: Version of the file format; other versions are rejected.
+VERSION = 3
 
 
 @dataclass(frozen=True)
 class Release:
-    """A coefficient freed: its first guess with its last bounds, the last stage that saw it, and whether one did."""
+    """A freed coefficient: its first guess and last bounds, the last stage that determined it, whether one did."""
 
     bounds: Freed
     stage: str
@@ -39,17 +39,17 @@ class Release:
 
 @dataclass(frozen=True)
 class Ended:
-    """What a stage ended with that took all of its rows: enough to pose its problem again.
+    """The end of a stage that used all of its rows: the information required to set up its problem again.
 
     Attributes
     ----------
     stage : int
-        Its place in the recipe.
+        Its index in the recipe.
     values : dict of str to float
-        The tire's coefficients before it was solved.
+        Coefficients of the tire before the stage.
     free : dict of str to Freed
     x : ndarray, shape (n_free,)
-        Scaled free values at its end.
+        Scaled free values of the solution.
     """
 
     stage: int
@@ -65,12 +65,12 @@ class State:
     Attributes
     ----------
     done : int
-        Stages of the recipe that are behind.
+        Number of completed stages.
     values : dict of str to float
         Coefficients of the tire so far, in adapted SAE.
     freed : dict of str to Release
-    broken : list of (str, ndarray of shape (n_inputs, n_points))
-        Constraints by name, with the points that verifying added.
+    violated : list of (str, ndarray of shape (n_inputs, n_points))
+        Constraints by name, with the points that verification added.
     stages : list of StageFit
     ended : list of Ended
     notes : list of str
@@ -79,7 +79,7 @@ class State:
     done: int = 0
     values: dict[str, float] = field(default_factory=dict)
     freed: dict[str, Release] = field(default_factory=dict)
-    broken: list[tuple[str, FloatArray]] = field(default_factory=list)
+    violated: list[tuple[str, FloatArray]] = field(default_factory=list)
     stages: list[StageFit] = field(default_factory=list)
     ended: list[Ended] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -87,13 +87,13 @@ class State:
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """The file of a fit's finished stages.
+    """The file of the completed stages of a fit.
 
     Parameters
     ----------
     path : Path
     identity : mapping of str to str
-        What the fit depends on, by what a user calls it (data, model, recipe, ...); see `fingerprint`.
+        Inputs of the fit by the names that a user knows (data, model, recipe, ...); see `fingerprint`.
 
     Examples
     --------
@@ -109,7 +109,7 @@ class Checkpoint:
     identity: Mapping[str, str]
 
     def save(self, state: State) -> None:
-        """Write the state, whole or not at all.
+        """Write the state; the file is complete or not written.
 
         Parameters
         ----------
@@ -131,12 +131,12 @@ class Checkpoint:
 
     @staticmethod
     def sealed(content: Mapping[str, Any]) -> str:
-        """Return the file's text: JSON, with a digest by which a changed number is noticed."""
+        """Return the text of the file: JSON with a digest that detects changes."""
         bare = {key: value for key, value in content.items() if key != "digest"}
         return json.dumps({**bare, "digest": _digest(bare)})
 
     def load(self) -> State:
-        """Return the state that was written.
+        """Return the saved state.
 
         Returns
         -------
@@ -145,31 +145,32 @@ class Checkpoint:
         Raises
         ------
         FitError
-            If there is no such file, it is broken, or it belongs to a fit of other data or options; says which.
+            If the file does not exist, is invalid, or belongs to a fit of other data or options. The message states
+            which.
         """
         try:
             content = json.loads(self.path.read_text(encoding="utf-8"))
         except FileNotFoundError:
-            raise FitError(f"{self.path}: no such file: there is no interrupted fit to go on with") from None
+            raise FitError(f"{self.path}: no such file: there is no interrupted fit to resume") from None
         except OSError as error:
             raise FitError(f"{self.path}: cannot be read ({error.strerror or error})") from error
         except (ValueError, RecursionError) as error:  # no JSON, or no text
-            raise FitError(f"{self.path}: is no progress file ({error})") from error
+            raise FitError(f"{self.path}: not a progress file ({error})") from error
         if not isinstance(content, dict) or content.get("version") != VERSION:
-            raise FitError(f"{self.path}: is no progress file of this version of tirefmu")
+            raise FitError(f"{self.path}: not a progress file of this version of tirefmu")
         if content.pop("digest", None) != _digest(content):
-            raise FitError(f"{self.path}: is a broken progress file (it was changed after it was written)")
+            raise FitError(f"{self.path}: invalid progress file (it was changed after it was written)")
         before = content.get("identity")
         known = before if isinstance(before, dict) else {}
         other = [name for name, value in self.identity.items() if known.get(name) != value]
         if other:
             raise FitError(
-                f"{self.path}: belongs to a fit with other {', '.join(other)}: run it as it was, or without --resume"
+                f"{self.path}: belongs to a fit with other {', '.join(other)}: restore them, or run without --resume"
             )
         try:
             return _state(content)
         except (KeyError, TypeError, ValueError, OverflowError) as error:
-            raise FitError(f"{self.path}: is a broken progress file ({error!r})") from error
+            raise FitError(f"{self.path}: invalid progress file ({error!r})") from error
 
     def remove(self) -> None:
         """Remove the file, if there is one."""
@@ -177,12 +178,12 @@ class Checkpoint:
 
 
 def fingerprint(table: pd.DataFrame) -> str:
-    """Return what tells a table from any other.
+    """Return a hash of a table.
 
     Parameters
     ----------
     table : pandas.DataFrame
-        Numbers.
+        With numbers only.
 
     Returns
     -------
@@ -196,7 +197,7 @@ def fingerprint(table: pd.DataFrame) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Return JSON's kinds of values: infinite bounds as texts, arrays as lists."""
+    """Return JSON values: infinite bounds as strings, arrays as lists."""
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -213,12 +214,12 @@ def _digest(content: Mapping[str, Any]) -> str:
 
 
 def _state(content: Mapping[str, Any]) -> State:
-    """Return the state that JSON describes; KeyError, TypeError or ValueError where it describes none."""
+    """Return the state from JSON; raise KeyError, TypeError or ValueError if it is invalid."""
     return State(
         done=_count(content["done"]),
         values=_values(content["values"]),
         freed={name: _release(_of(dict, item)) for name, item in _of(dict, content["freed"]).items()},
-        broken=[(_of(str, name), _array(points, 2)) for name, points in _of(list, content["broken"])],
+        violated=[(_of(str, name), _array(points, 2)) for name, points in _of(list, content["violated"])],
         stages=[_stage(item) for item in _of(list, content["stages"])],
         ended=[_ended(_of(dict, item)) for item in _of(list, content["ended"])],
         notes=[_of(str, note) for note in _of(list, content["notes"])],
@@ -235,25 +236,25 @@ def _ended(item: Mapping[str, Any]) -> Ended:
 
 
 def _of(kind: type[T], value: Any) -> T:
-    """Return a value if it is of its kind."""
+    """Return a value if it has the required type."""
     if not isinstance(value, kind):
-        raise TypeError(f"{value!r} is no {kind.__name__}")
+        raise TypeError(f"{value!r} is not of type {kind.__name__}")
     return value
 
 
 def _count(value: Any) -> int:
     if isinstance(value, bool) or _of(int, value) < 0:
-        raise TypeError(f"{value!r} is no count")
+        raise TypeError(f"{value!r} is not a count")
     return int(value)
 
 
 def _number(value: Any) -> float:
-    """Return a number, or an infinity from its text; NaN is none."""
+    """Return a number, or an infinity from its string; NaN is invalid."""
     if isinstance(value, bool) or (isinstance(value, str) and value not in ("inf", "-inf")):
-        raise TypeError(f"{value!r} is no number")
+        raise TypeError(f"{value!r} is not a number")
     number = float(value)
     if isnan(number):
-        raise ValueError("nan is no number")
+        raise ValueError("nan is not a number")
     return number
 
 
@@ -267,7 +268,9 @@ def _values(given: Any) -> dict[str, float]:
 def _stage(item: Any) -> StageFit:
     kinds: dict[str, Callable[[Any], Any]] = {"str": partial(_of, str), "int": _count,
                                               "bool": partial(_of, bool), "float": _number}  # fmt: skip
-    return StageFit(**{card.name: kinds[str(card.type)](_of(dict, item)[card.name]) for card in fields(StageFit)})
+    return StageFit(
+        **{record.name: kinds[str(record.type)](_of(dict, item)[record.name]) for record in fields(StageFit)}
+    )
 
 
 def _freed(item: Any) -> Freed:
@@ -277,5 +280,5 @@ def _freed(item: Any) -> Freed:
 def _array(numbers: Any, dimensions: int) -> FloatArray:
     array = np.array(numbers, dtype=np.float64)
     if array.ndim != dimensions or not np.isfinite(array).all():
-        raise ValueError(f"{numbers!r} is no array of {dimensions} dimensions")
+        raise ValueError(f"{numbers!r} is not an array of {dimensions} dimensions")
     return array

@@ -1,4 +1,4 @@
-"""The result of a fit: tire, coefficients, quality per channel, margins of the constraints, stages, diagnostics."""
+"""The result of a fit: tire, coefficients, goodness of fit by channel, constraint margins, stages, diagnostics."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tirefmu.tires.tire import Tire
 
 from ..constraints.physical import TOLERANCE
 from ..constraints.verification import Margin
-from ..data.fit_data import SetAside
+from ..data.fit_data import ExcludedRows
 from ..evidence.diagnostics import Findings, find
 from ..evidence.residuals import Residuals
 from ..evidence.uncertainty import Direction
@@ -28,40 +28,40 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, repr=False)
 class FitResult:
-    """A finished fit.
+    """The result of a fit.
 
     Attributes
     ----------
     tire : Tire
         In ISO-W.
     signs : str
-        Sign convention of ``coefficients``, ``covariance`` and ``findings``: "iso", as the tire file, unless
-        `in_signs` changed it. Margins are always in adapted SAE, in which the physical conditions are written.
+        Sign convention of ``coefficients``, ``covariance`` and ``findings``: "iso", as in the tire file, unless
+        `in_signs` changed it. Margins are always in adapted SAE, the convention of the physical constraints.
     coefficients : tuple of FittedCoefficient
     channels : tuple of ChannelFit
     stages : tuple of StageFit
     margins : tuple of Margin
     notes : tuple of str
-        What a reader should know: what was left aside, assumed or not determined.
+        Notes for the user: what was skipped, assumed or not determined.
     seconds : float
     recipe : str
     directions : tuple of Direction
-        Combinations of coefficients that the data leave open.
-    set_aside : tuple of SetAside
-        Rows that were not fitted, and why.
+        Combinations of coefficients that are not identifiable.
+    excluded_rows : tuple of ExcludedRows
+        Rows that were not fitted, with the reason.
     interrupted : str
-        Where the fit was asked to stop; empty where it went all the way.
+        Where the fit was stopped; empty if it is complete.
     held_out : tuple of HeldOut
-        A blocked cross-validation, where one was asked for.
+        Results of a blocked cross-validation, if requested.
     evidence : Residuals or None
         The fitted rows, for `findings`.
     method : str
-        What solved the stages.
+        The method that solved the stages.
     covariance : pandas.DataFrame
         Of the coefficients by name, in their units and `signs`, under time-correlated noise: half an interval is
-        1.96 times the root of the diagonal. Rows and columns are NaN where a coefficient has no finite interval
-        (on a bound, not determined by itself, freed by no stage with all its rows). A stage takes the values of
-        earlier stages as known: between coefficients of different stages (`FittedCoefficient.stage`) it is 0.
+        1.96 times the root of the diagonal. Rows and columns are NaN for a coefficient without a finite interval (at a
+        bound, not identifiable, or not freed by a stage with all its rows). A stage assumes that the values of earlier
+        stages are known, so the covariance of coefficients of different stages (`FittedCoefficient.stage`) is 0.
     """
 
     tire: Tire
@@ -74,7 +74,7 @@ class FitResult:
     seconds: float = 0.0
     recipe: str = ""
     directions: tuple[Direction, ...] = ()
-    set_aside: tuple[SetAside, ...] = ()
+    excluded_rows: tuple[ExcludedRows, ...] = ()
     interrupted: str = ""
     method: str = "ipopt"
     held_out: tuple[HeldOut, ...] = ()
@@ -83,7 +83,7 @@ class FitResult:
 
     @property
     def correlation(self) -> pd.DataFrame:
-        """Correlation of the coefficients by name; NaN where `covariance` is, or where a variance is 0."""
+        """Correlation of the coefficients by name; NaN if the covariance is NaN or a variance is 0."""
         deviation = np.sqrt(np.diag(self.covariance)) if len(self.covariance) else np.empty(0)
         deviation = np.where(deviation > 0.0, deviation, nan)
         return self.covariance.div(deviation, axis=0).div(deviation, axis=1)
@@ -94,7 +94,7 @@ class FitResult:
         Parameters
         ----------
         signs : {"iso", "adapted-sae"}
-            "adapted-sae" is that of the formula for data in SAE and adapted SAE.
+            "adapted-sae" is the convention of the formula for data in SAE and adapted SAE.
 
         Returns
         -------
@@ -104,48 +104,48 @@ class FitResult:
         Raises
         ------
         UnknownName
-            If coefficients are not written in this convention.
+            If coefficients do not exist in this convention.
         """
         if signs not in ("iso", "adapted-sae"):
             raise UnknownName("sign convention of coefficients", signs, ("iso", "adapted-sae"))
         if signs == self.signs:
             return self
-        cards = self.tire.book.coefficients
-        turned = np.array([-1.0 if cards[name].flips else 1.0 for name in self.covariance.index])
+        declarations = self.tire.book.coefficients
+        flips = np.array([-1.0 if declarations[name].flips else 1.0 for name in self.covariance.index])
         return replace(
             self,
             signs=signs,
-            coefficients=tuple(c.mirrored() if cards[c.name].flips else c for c in self.coefficients),
-            covariance=self.covariance * np.outer(turned, turned),
+            coefficients=tuple(c.mirrored() if declarations[c.name].flips else c for c in self.coefficients),
+            covariance=self.covariance * np.outer(flips, flips),
             evidence=None if self.evidence is None else replace(self.evidence, signs=signs),
         )
 
     def __repr__(self) -> str:
-        """Return a few lines: how the fit ended, quality by channel, what the data do not determine."""
+        """Return a few lines: status, goodness of fit by channel, coefficients that are not determined."""
         return fit_text(self)
 
     def _repr_html_(self) -> str:
-        """Return the same with tables of quality and coefficients, for a notebook."""
+        """Return the same with a table of the coefficients, for a notebook."""
         return fit_html(self)
 
     @cached_property
     def findings(self) -> Findings:
-        """What the data say of the fit: reckoned when first asked for, empty without `evidence`."""
+        """Diagnostics of the fit, computed at the first access; empty without `evidence`."""
         if self.evidence is None:
             return Findings()
         free = [c.name for c in self.coefficients if not c.at_bound]
         unseen = [(c.name,) for c in self.coefficients if not c.determined]
         effective: dict[str, float] = {}
-        for c in self.channels:  # where no stage took all rows of a channel, a hundredth of them
-            worth = c.effective_rows if c.effective_rows > 0 else 0.01 * c.rows
-            effective[c.channel] = effective.get(c.channel, 0.0) + worth
+        for c in self.channels:  # a hundredth of the rows if no stage used all rows of a channel
+            effective_rows = c.effective_rows if c.effective_rows > 0 else 0.01 * c.rows
+            effective[c.channel] = effective.get(c.channel, 0.0) + effective_rows
         known = [tuple(n for n in d.coefficients if n in free) for d in self.directions]
         bounded = [c.name for c in self.coefficients if c.at_bound]
         return find(self.evidence, free, [names for names in (*known, *unseen) if names], bounded, effective)
 
     @property
     def ok(self) -> bool:
-        """Whether every stage ran and converged and every constraint holds."""
+        """Whether all stages ran and converged and all constraints are satisfied."""
         return (
             not self.interrupted
             and all(stage.converged for stage in self.stages)
@@ -154,19 +154,19 @@ class FitResult:
 
     @property
     def status(self) -> str:
-        """One line: how the fit ended."""
+        """Status of the fit in one line."""
         failed = [stage for stage in self.stages if not stage.converged]
-        broken = [margin for margin in self.margins if not margin.margin >= -TOLERANCE]
+        violated = [margin for margin in self.margins if not margin.margin >= -TOLERANCE]
         if self.interrupted:
             return f"interrupted in {self.interrupted}: the values are the best so far"
         if failed:
             return f"not converged: stage {failed[0].name!r} ended: {failed[0].reason}"
-        if broken:
-            return f"constraint {broken[0].constraint} broken by {-broken[0].margin:.3g}"
+        if violated:
+            return f"constraint {violated[0].constraint} violated by {-violated[0].margin:.3g}"
         return "converged"
 
     def channel(self, recording: str, channel: str) -> ChannelFit:
-        """Return how well a channel of a recording is met."""
+        """Return the goodness of fit of a channel of a recording."""
         (found,) = (c for c in self.channels if c.recording == recording and c.channel == channel)
         return found
 
@@ -175,7 +175,7 @@ class FitResult:
         return pd.DataFrame([vars(coefficient) for coefficient in self.coefficients])
 
     def to_json(self) -> dict[str, Any]:
-        """Return everything as plain JSON values; a missing bound is null."""
+        """Return the result as JSON values; a missing bound is null."""
         plain = {
             "ok": self.ok,
             "status": self.status,
@@ -187,8 +187,10 @@ class FitResult:
             "signs": self.signs,
             "values": dict(self.tire.values),
         }
-        for name in ("coefficients", "channels", "stages", "margins", "directions", "set_aside", "held_out"):
+        for name in ("coefficients", "channels", "stages", "margins", "directions"):
             plain[name] = [vars(item) for item in getattr(self, name)]
+        plain["set_aside"] = [vars(rows) for rows in self.excluded_rows]
+        plain["held_out"] = [vars(error) for error in self.held_out]
         plain["findings"] = {name: [vars(item) for item in items] for name, items in vars(self.findings).items()}
         known = self.covariance.index[np.isfinite(np.diag(self.covariance))] if len(self.covariance) else []
         matrix = self.covariance.loc[known, known].to_numpy().tolist() if len(known) else []

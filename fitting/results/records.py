@@ -1,4 +1,4 @@
-"""The records of a fit result: fitted coefficients, quality by channel, stages, cross-validation."""
+"""The records of a fit result: fitted coefficients, goodness of fit by channel, stages, cross-validation."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ class FittedCoefficient:
     ----------
     name, unit : str
     guess, lower, upper, value : float
-        The guess is the first one: what the fit started from.
+        The guess is the initial value of the fit.
     at_bound : bool
-        The value lies on one of its bounds.
+        The value is at one of its bounds.
     determined : bool
-        False where the data do not change with it; it then stays at its default, or at what the start tire or
-        the recipe says.
+        False if the coefficient has no influence at the measured rows; it then has its default, or the value of the
+        start tire or the recipe.
     stage : str
-        The last stage that freed and saw it.
+        The last stage that freed and determined it.
     interval : float
-        Half the width of its 95 % interval under time-correlated noise; infinite where the data determine it only
-        together with others, NaN on a bound, or where no stage with all its rows freed it.
+        Half the width of its 95 % interval under time-correlated noise; infinite if the data determine it only
+        together with others, NaN at a bound, or if no stage with all its rows freed it.
     """
 
     name: str
@@ -51,7 +51,7 @@ class FittedCoefficient:
 
 @dataclass(frozen=True)
 class ChannelFit:
-    """How well a channel of a recording is met.
+    """Goodness of fit of a channel of a recording.
 
     Attributes
     ----------
@@ -60,13 +60,14 @@ class ChannelFit:
     rmse : float
         In the channel's unit.
     r2 : float
-        1 - residual variance over variance about the mean: the usual, centred.
+        Coefficient of determination: 1 - residual variance over variance about the mean.
     r2_uncentred : float
-        1 - sum of squared residuals over sum of squares: the Trento report's.
+        1 - sum of squared residuals over sum of squares, as in the Trento report.
     noise_floor : float
-        What no function of the inputs can follow (`tirefmu.estimation.noise_floor`); NaN where no condition repeats.
+        Scatter that no function of the inputs can explain (`tirefmu.estimation.noise_floor`); NaN if no operating
+        condition is repeated.
     effective_rows : float
-        How many independent rows these are worth, as the residuals of the last stage are correlated in time.
+        Effective sample size: the residuals of the last stage are correlated in time.
     """
 
     recording: str
@@ -82,7 +83,7 @@ class ChannelFit:
 
 @dataclass(frozen=True)
 class StageFit:
-    """How a stage ended.
+    """The result of a stage.
 
     Attributes
     ----------
@@ -91,13 +92,13 @@ class StageFit:
     converged : bool
         By the criterion of `tirefmu.fitting.solvers.convergence`.
     reason : str
-        Why it is the optimum or not, in plain words.
+        Why it is an optimum or not, as a text for the user.
     cost : float
         Half the weighted sum of squares.
     r2_uncentred : float
         Of its rows and channels.
     detail : str
-        The solver's own word for why it stopped.
+        Return status of the solver.
     """
 
     name: str
@@ -113,14 +114,15 @@ class StageFit:
 
 @dataclass(frozen=True)
 class HeldOut:
-    """A channel of a recording, foretold by fits that had not seen the condition.
+    """Prediction error of a channel of a recording at operating conditions that were not fitted.
 
     Attributes
     ----------
     recording, channel, unit : str
     rows : int
     in_sample, held_out : float
-        Root mean square error over all rows: of the fit to everything, and of the fits without each row's condition.
+        Root mean square error over all rows: of the fit of all data, and of the fits without the operating condition of
+        the row.
     """
 
     recording: str
@@ -141,15 +143,15 @@ def quality(measured: FloatArray, computed: FloatArray) -> tuple[int, float, flo
     Returns
     -------
     tuple of (int, float, float, float)
-        NaN where a channel has no variation, or where a measured row has no computed number.
+        NaN if a channel has no variation or a measured row has no computed value.
 
     Examples
     --------
     >>> quality(np.array([1.0, 2.0, 3.0]), np.array([1.0, 2.0, 2.0]))[2]
     0.5
     """
-    there = np.isfinite(measured)
-    y, residual = measured[there], (computed - measured)[there]
+    measured_rows = np.isfinite(measured)
+    y, residual = measured[measured_rows], (computed - measured)[measured_rows]
     if not len(y):
         return 0, float("nan"), float("nan"), float("nan")
     squares, about, total = (float(np.sum(v**2)) for v in (residual, y - y.mean(), y))

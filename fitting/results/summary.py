@@ -1,4 +1,4 @@
-"""A fit in a few lines, as ``repr`` and notebooks show it."""
+"""Summary of a fit in a few lines, for ``repr`` and notebooks."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from tirefmu.tires.tire import Tire
 
 from .records import ChannelFit, FittedCoefficient
 
-#: The longest name of a recording, in characters, and how many channels of recordings are listed.
+#: Longest name of a recording, in characters, and largest number of channels that are listed.
 LONGEST_NAME, MOST_CHANNELS = 40, 12
 
 
 class Summarized(Protocol):
-    """What a summary shows of a fit result."""
+    """The attributes of a fit result that a summary shows."""
 
     @property
     def tire(self) -> Tire:
@@ -28,7 +28,7 @@ class Summarized(Protocol):
 
     @property
     def status(self) -> str:
-        """How the fit ended, in one line."""
+        """Status of the fit in one line."""
 
     @property
     def signs(self) -> str:
@@ -44,11 +44,11 @@ class Summarized(Protocol):
 
     @property
     def channels(self) -> Sequence[ChannelFit]:
-        """Quality by recording and channel."""
+        """Goodness of fit by recording and channel."""
 
 
 def fit_text(result: Summarized) -> str:
-    """Return how a fit ended and how good it is, in a few lines."""
+    """Return status and goodness of fit in a few lines."""
     effects = len(result.tire.has)
     name = f" {excerpt(result.tire.name, LONGEST_NAME)!r}" if result.tire.name else ""
     recipe = visible(result.recipe)

@@ -1,11 +1,11 @@
-r"""Whether a point is the optimum of a fit, by what a step from it could still gain; and the last steps to it.
+r"""The convergence criterion of a fit: the predicted reduction of the cost; and the last Gauss-Newton steps.
 
-`tirefmu.estimation.gauss_newton` takes the steps. How little predicted reduction is little enough follows from the
-noise. N independent rows with cost F = N sigma^2 / 2 give n coefficients an error whose squared length, in the measure
-of J^T W J, is n sigma^2: fitting noise lowers the cost by n F / N. A predicted reduction of `TENTH`^2 of that is a step
-of a tenth of a standard error, root mean square over the coefficients. N is the effective sample size, as noise is
-correlated in time. Data without noise count as having the least that weights are made for (`LEAST_NOISE`): the
-remaining cost is rounding.
+`tirefmu.estimation.gauss_newton` takes the steps. The noise determines the tolerance. With N independent rows and the
+cost F = N sigma^2 / 2, the estimation error of n coefficients has the squared length n sigma^2 in the norm of J^T W J:
+fitting noise reduces the cost by n F / N. A predicted reduction of `STEP_TOLERANCE`^2 times this value is a step of a
+tenth of a standard error, root mean square over the coefficients. N is the effective sample size, because noise is
+correlated in time. The noise is assumed to be at least `LEAST_NOISE` of the signal: below it, the cost is rounding
+error.
 """
 
 from __future__ import annotations
@@ -24,24 +24,24 @@ from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import LEAST_NOISE, Problem
 
 FloatArray = npt.NDArray[np.float64]
-#: The step that counts as none, in standard errors.
-TENTH = 0.1
-#: In scaled coefficients: from the least for which the matrix is safely regular, anew at each step.
+#: Largest step of a converged fit, in standard errors.
+STEP_TOLERANCE = 0.1
+#: In scaled coefficients. Each step starts at the least damping for which the matrix is regular.
 DAMPING = Damping(first=1e-7, least=1e-7, most=1.0, up=10.0, down=0.0, by_curvature=False, trusted=0.1)
 
 
 @dataclass(frozen=True)
 class LastSteps:
-    """Where the last steps ended.
+    """The result of the last steps.
 
     Attributes
     ----------
     x : ndarray, shape (n_free,)
     steps : int
-        Taken, the last one not counted.
+        Number of steps, without the last one.
     converged : bool
     reason : str
-        In plain words.
+        A text for the user.
     """
 
     x: FloatArray
@@ -51,7 +51,7 @@ class LastSteps:
 
 
 def noise_of(problem: Problem, x: FloatArray) -> tuple[float, float]:
-    """Return what the least noise that data may have costs, and how many independent rows the residuals show.
+    """Return the cost of the least noise that is assumed, and the effective sample size of the residuals.
 
     Parameters
     ----------
@@ -74,8 +74,8 @@ def noise_of(problem: Problem, x: FloatArray) -> tuple[float, float]:
     return LEAST_NOISE**2 * signal, effective
 
 
-class _Enough:
-    """The predicted reduction at which a point of a problem counts as the optimum; what it is a share of."""
+class _Criterion:
+    """The predicted reduction at which a point is the optimum, and the cost to which it is compared."""
 
     def __init__(self, problem: Problem) -> None:
         self._problem = problem
@@ -84,10 +84,10 @@ class _Enough:
     def __call__(self, x: FloatArray, cost: float) -> float:
         noise, rows = noise_of(self._problem, x)
         self._whole, self._size = "cost" if cost >= noise else "least noise", max(cost, noise)
-        return TENTH**2 * self._size * min(len(x) / max(rows, 1.0), 1.0)
+        return STEP_TOLERANCE**2 * self._size * min(len(x) / max(rows, 1.0), 1.0)
 
     def share(self, reduction: float) -> str:
-        """Return what a reduction is of the cost, or of the least noise where there is less than that."""
+        """Return a reduction relative to the cost, or to the least noise if the cost is smaller."""
         return f"{reduction / self._size:.0e} of the {self._whole}"
 
 
@@ -101,7 +101,7 @@ def last_steps(
     steps: int,
     stop: Callable[[], bool] = lambda: False,
 ) -> LastSteps:
-    """Take Gauss-Newton steps until the point is the optimum by the criterion of this module, and report whether it is.
+    """Take Gauss-Newton steps until the criterion of this module is met or no step is possible.
 
     Parameters
     ----------
@@ -111,15 +111,15 @@ def last_steps(
     imposed : ConstraintFunctions
         The physical constraints.
     steps : int
-        Upper limit; with 0 of them x is only judged.
+        Upper limit; with 0 the criterion is only evaluated at x.
     stop : callable
-        Called after every step: whether to end there.
+        Called after every step; True ends the loop.
 
     Returns
     -------
     LastSteps
     """
-    enough = _Enough(cost.problem)
+    enough = _Criterion(cost.problem)
     end = minimize(cost, x, lower, upper, enough, DAMPING, steps=steps, constraints=imposed, stop=stop)
     reason = end.reason
     if np.isfinite(end.predicted):

@@ -1,8 +1,8 @@
-"""IOA: differential evolution whose control parameters evolve with the points that they make.
+"""IOA: differential evolution with self-adaptive control parameters.
 
 After Cabrera et al. (2004, the IMMa optimization algorithm) with the self-adaptation of Ortiz et al. (2009), as
-the UNICAMP paper on combined slip of small tires describes it. No derivatives; the same problem, bounds and
-conditions as IPOPT's, so that the two can be compared.
+described in the UNICAMP paper on combined slip of small tires. It uses no derivatives. Problem, bounds and constraints
+are those of IPOPT, so the two can be compared.
 """
 
 from __future__ import annotations
@@ -22,51 +22,51 @@ from .ipopt import INTERRUPTED, LEAST_GAIN, LIMIT, Progress, Solution
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
-#: The paper's limit of iterations, and its share for an intermediate stage, or where a fit is continued.
+#: Iteration limit of the paper, and its share for an intermediate stage or a continued fit.
 ITERATIONS, SHORTER = 10_000, 0.1
-#: Over which share of the limit, and over how many generations at least, there has to be some gain.
-PATIENCE, LEAST_PATIENCE = 0.1, 250
-#: Individuals: so many for each free coefficient, within limits.
+#: Stopping window: its share of the iteration limit, and its least number of generations.
+WINDOW, LEAST_WINDOW = 0.1, 250
+#: Population size: individuals per free coefficient, lower and upper limit.
 PER_COEFFICIENT, FEWEST, MOST = 4, 40, 120
-#: Control genes F, CP, MP and range: their bounds.
+#: Bounds of the control genes F, CP, MP and range.
 LEAST_CONTROL = np.array([0.4, 0.2, 0.02, 0.005])
 MOST_CONTROL = np.array([1.0, 1.0, 0.1, 0.1])
-#: Why it stopped: the first two count as converged.
-SETTLED, GOAL = "no further gain", "error goal reached"
+#: Reasons that count as converged.
+NO_GAIN, GOAL = "no further gain", "error goal reached"
 
 
 class Evolution:
     """IOA as a solver, called like `tirefmu.fitting.solvers.ipopt.solve`.
 
-    The paper's: a random population within the bounds; each individual carries its own F, CP, MP and range. A trial
-    is best + F (x1 - x2), two others drawn at random, taken coefficient by coefficient with probability CP; each of
-    its coefficients is moved with probability MP by at most +-range of its span; it is clipped to the bounds, and
-    replaces its parent if it is no worse. Stop at the limit of iterations or at the error goal.
+    From the paper: the initial population is random within the bounds. Each individual has its own F, CP, MP and range.
+    A trial is best + F (x1 - x2) with two random individuals x1 and x2; crossover takes each coefficient of it with
+    probability CP. Mutation changes each coefficient with probability MP by up to +-range of its span. The trial is
+    clipped to the bounds and replaces its parent if it is no worse. The algorithm stops at the iteration limit or at
+    the error goal.
 
-    What the paper leaves open, and was chosen here: four individuals per free coefficient, 40 at least and 120 at
-    most; F in 0.4 .. 1, CP in 0.2 .. 1, MP in 0.02 .. 0.1, range in 0.005 .. 0.1 (with a smaller F a population
-    collapses where it happens to be, and without mutation it never leaves that place), made by the same crossing and
-    mutation as the coefficients, with the parent's genes, and used for the trial that carries them; the start is one
-    of the first population; a whole generation is made before any of it is judged. Conditions by the rules of
-    feasibility (Deb 2000): what keeps them beats what does not; among the first the lower cost counts, among the
-    others the smaller sum of violations. A coefficient that a recipe leaves unbounded is sought within its card's
-    bounds.
+    Not specified by the paper and chosen here: four individuals per free coefficient, between 40 and 120. F is in 0.4
+    .. 1, CP in 0.2 .. 1, MP in 0.02 .. 0.1, range in 0.005 .. 0.1; with a smaller F or without mutation the population
+    converges prematurely. Crossover and mutation of these control genes are those of the coefficients, with the genes
+    of the parent; the trial uses the new genes. The initial population contains the start. A generation is complete
+    before it is evaluated. Constraints follow the feasibility rules (Deb 2000): a feasible individual is better than an
+    infeasible one; the cost decides between feasible individuals, the sum of violations between infeasible ones. A
+    coefficient without bounds in the recipe has the bounds of its declaration.
 
-    Beyond the paper it also stops where a tenth of the limit's generations, 250 at least, has brought the cost down by
-    less than the share that makes IPOPT stop. That is called converged, though no derivative shows it: nothing
-    proves that there is no better point.
+    In addition to the paper, the algorithm stops if the cost decreases by less than the least gain of IPOPT within the
+    stopping window, a tenth of the iteration limit and at least 250 generations. This counts as converged, although
+    without derivatives an optimum cannot be proved.
 
     Parameters
     ----------
     max_iterations : int
-        Generations. An intermediate stage gets a tenth of them, and so does a fit that goes on from where it had ended,
-        with the conditions that it broke there.
+        Upper limit of generations. An intermediate stage has a tenth of it, and so has a fit that is continued with the
+        constraints that its solution violates.
     seed : int
-        The same seed gives the same fit.
+        Equal seeds give equal fits.
     goal : float
-        Stop at this cost.
-    patient : bool
-        Go on to the limit, as the paper does, also where there is no gain.
+        The algorithm stops at this cost.
+    run_to_limit : bool
+        Continue to the limit without a stopping window, as in the paper.
 
     Examples
     --------
@@ -75,9 +75,9 @@ class Evolution:
     """
 
     def __init__(
-        self, max_iterations: int = ITERATIONS, seed: int = 0, goal: float = 0.0, *, patient: bool = False
+        self, max_iterations: int = ITERATIONS, seed: int = 0, goal: float = 0.0, *, run_to_limit: bool = False
     ) -> None:
-        self.max_iterations, self.seed, self.goal, self.patient = max_iterations, seed, goal, patient
+        self.max_iterations, self.seed, self.goal, self.run_to_limit = max_iterations, seed, goal, run_to_limit
         self._search: _Search | None = None
 
     def __call__(
@@ -98,30 +98,29 @@ class Evolution:
         Parameters
         ----------
         problem : Problem
-            Where it is the one of the call before, its last population goes on.
+            If it is that of the previous call, the search continues with its last population.
         start, lower, upper : ndarray, shape (n_free,)
             Scaled free values.
         constraints : sequence of (Constraint, ndarray of shape (n_inputs, n_points))
-            Conditions and the points at which they hold.
+            Constraints, each with the points at which it is imposed.
         ridge : float
-            Pull of every scaled value towards its start, as in IPOPT's cost.
+            Strength of the regularization towards the initial values, as in IPOPT's cost.
         stage_type : {"intermediate", "penultimate", "final"}
-            An intermediate stage stops earlier: another fit continues from there.
+            An intermediate stage stops earlier, because a later stage continues.
         progress : callable, optional
             Called with generation and best cost.
         stop : callable
-            Asked after every generation whether to end there.
+            Called after every generation; True ends the search.
 
         Returns
         -------
         Solution
-            The best individual; `converged` where there was no further gain within the conditions, or the goal is
-            reached.
+            The best individual; `converged` if a feasible solution has no further gain or the goal is reached.
 
         Raises
         ------
         FitError
-            If a coefficient has no finite bounds, neither here nor on its card.
+            If a coefficient has no finite bounds, neither here nor in its declaration.
         """
         imposed = ConstraintFunctions(problem, constraints)
         again = self._search is not None and self._search.problem is problem
@@ -131,32 +130,32 @@ class Evolution:
         search = self._search
         search.impose(imposed)
         limit = max(1, round(self.max_iterations * (SHORTER if stage_type == "intermediate" or again else 1.0)))
-        patience = limit if self.patient else max(round(PATIENCE * limit), LEAST_PATIENCE)
+        window = limit if self.run_to_limit else max(round(WINDOW * limit), LEAST_WINDOW)
         share = LEAST_GAIN[stage_type][1]
-        costs: list[float] = []  # the best cost within the conditions after each generation
+        costs: list[float] = []  # the best feasible cost after each generation
         reason = LIMIT
         for _ in range(limit):
             search.step()
             if progress is not None:
                 progress(search.generation, search.best_cost)
-            if search.keeps:
+            if search.feasible:
                 costs.append(search.best_cost)
             if costs and costs[-1] <= self.goal:
                 reason = GOAL
-            elif len(costs) > patience and costs[-1 - patience] - costs[-1] < share * abs(costs[-1]):
-                reason = SETTLED
+            elif len(costs) > window and costs[-1 - window] - costs[-1] < share * abs(costs[-1]):
+                reason = NO_GAIN
             elif stop():
                 reason = INTERRUPTED
             else:
                 continue
             break
         x = search.best
-        return Solution(x, problem.cost(x), search.generation, reason in (SETTLED, GOAL), reason)
+        return Solution(x, problem.cost(x), search.generation, reason in (NO_GAIN, GOAL), reason)
 
 
 @dataclass
 class _Population:
-    """Individuals: coefficients as shares of their span, control genes, costs, violations of the conditions."""
+    """Individuals: coefficients as shares of their span, control genes, costs, violations of the constraints."""
 
     points: FloatArray
     controls: FloatArray
@@ -170,12 +169,12 @@ class _Population:
 
     @property
     def best(self) -> int:
-        """The place of the best individual by the rules of feasibility."""
+        """Index of the best individual by the feasibility rules."""
         return int(np.lexsort((self.costs, self.violations))[0])
 
 
 class _Search:
-    """A population on its way."""
+    """State of a search: the population and its generation."""
 
     def __init__(
         self, problem: Problem, start: FloatArray, low: FloatArray, high: FloatArray, ridge: float,
@@ -194,7 +193,7 @@ class _Search:
         self._judge(self._now, self._now)
 
     def impose(self, imposed: ConstraintFunctions) -> None:
-        """Judge the population by these conditions from now on."""
+        """Evaluate the population with these constraints from now on."""
         self._imposed = imposed if len(imposed) else None
         self._now.violations = self._violations(self._now.points)
 
@@ -208,16 +207,16 @@ class _Search:
         return float(self._now.costs[self._now.best])
 
     @property
-    def keeps(self) -> bool:
-        """Whether the best individual keeps every condition."""
+    def feasible(self) -> bool:
+        """Whether the best individual satisfies all constraints."""
         return bool(self._now.violations[self._now.best] == 0)
 
     def step(self) -> None:
-        """Make a generation of trials and keep those that are no worse than their parents."""
+        """Create a generation of trials; each replaces its parent if it is no worse."""
         now, random = self._now, self._random
         size, n = now.points.shape
         best = now.best
-        # Two others than the individual itself, and than each other.
+        # Two individuals that differ from the parent and from each other.
         shift = 1 + np.argsort(random.random((size, size - 1)), axis=1)[:, :2]
         one, two = ((np.arange(size) + shift[:, i]) % size for i in (0, 1))
         span = MOST_CONTROL - LEAST_CONTROL
@@ -232,38 +231,38 @@ class _Search:
         self, genes: FloatArray, best: int, one: npt.NDArray[np.intp], two: npt.NDArray[np.intp], controls: FloatArray,
         span: FloatArray,
     ) -> FloatArray:  # fmt: skip
-        """Return genes crossed with best + F (one - two) and mutated, all by the given control genes."""
+        """Return genes after crossover with best + F (one - two) and mutation, by the given control genes."""
         f, cp, mp, reach = (controls[:, [i]] for i in range(4))
         random, shape = self._random, genes.shape
         crossing = random.random(shape) < cp
-        crossing[np.arange(shape[0]), random.integers(shape[1], size=shape[0])] = True  # one at least
+        crossing[np.arange(shape[0]), random.integers(shape[1], size=shape[0])] = True  # at least one
         crossed = np.where(crossing, genes[best] + f * (genes[one] - genes[two]), genes)
         mutation = random.uniform(-1.0, 1.0, shape) * reach * span
         return np.where(random.random(shape) < mp, crossed + mutation, crossed)
 
     def _judge(self, trials: _Population, parents: _Population) -> BoolArray:
-        """Work out costs and violations as far as it takes, and return which trials replace their parents."""
-        rivals = parents.violations == 0  # their trials have to be cheaper first, which is soon seen
-        worth = np.ones(len(rivals), dtype=bool)
+        """Compute costs and violations as far as necessary, and return which trials replace their parents."""
+        rivals = parents.violations == 0  # a trial needs a lower cost than a feasible parent: this is checked first
+        promising = np.ones(len(rivals), dtype=bool)
         if rivals.any():
             trials.costs[rivals] = self._costs(trials.points[rivals], parents.costs[rivals])
-            worth[rivals] = trials.costs[rivals] <= parents.costs[rivals]
-        trials.violations[worth] = self._violations(trials.points[worth])
-        new = worth & ~rivals & (trials.violations == 0)
+            promising[rivals] = trials.costs[rivals] <= parents.costs[rivals]
+        trials.violations[promising] = self._violations(trials.points[promising])
+        new = promising & ~rivals & (trials.violations == 0)
         if new.any():
             trials.costs[new] = self._costs(trials.points[new], np.full(int(new.sum()), np.inf))
-        return np.asarray(worth & (trials.violations <= parents.violations), dtype=np.bool_)
+        return np.asarray(promising & (trials.violations <= parents.violations), dtype=np.bool_)
 
     def _values(self, points: FloatArray) -> FloatArray:
         return self._low + points * self._span
 
     def _costs(self, points: FloatArray, limits: FloatArray) -> FloatArray:
         values = self._values(points)
-        pulled: FloatArray = 0.5 * self._ridge * np.sum((values - self._start) ** 2, axis=1)
-        return self.problem.costs(values, limits - pulled) + pulled
+        penalty: FloatArray = 0.5 * self._ridge * np.sum((values - self._start) ** 2, axis=1)
+        return self.problem.costs(values, limits - penalty) + penalty
 
     def _violations(self, points: FloatArray) -> FloatArray:
-        """Return by how much the conditions are broken, summed; infinite where a quantity has no value."""
+        """Return the sum of the constraint violations; infinite if a quantity is not finite."""
         imposed = self._imposed
         if imposed is None:
             return np.zeros(len(points))
@@ -276,11 +275,15 @@ class _Search:
 
 
 def _box(problem: Problem, start: FloatArray, lower: FloatArray, upper: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return bounds that are all finite: a card's, widened to the start, where none is given."""
-    cards = [problem.tire.book.coefficients[name] for name in problem.free]
-    low = np.where(np.isfinite(lower), lower, np.array([card.lower for card in cards]) / problem.scale)
-    high = np.where(np.isfinite(upper), upper, np.array([card.upper for card in cards]) / problem.scale)
+    """Return finite bounds: those of the declaration where none are given, extended to include the start."""
+    declarations = [problem.tire.book.coefficients[name] for name in problem.free]
+    low = np.where(
+        np.isfinite(lower), lower, np.array([declaration.lower for declaration in declarations]) / problem.scale
+    )
+    high = np.where(
+        np.isfinite(upper), upper, np.array([declaration.upper for declaration in declarations]) / problem.scale
+    )
     for name, bounded in zip(problem.free, np.isfinite(low) & np.isfinite(high), strict=True):
         if not bounded:
-            raise FitError(f"method ioa seeks within bounds, and {name} has none: give it some in the recipe")
+            raise FitError(f"method ioa requires bounds, and {name} has none: specify them in the recipe")
     return np.minimum(low, start), np.maximum(high, start)

@@ -1,4 +1,4 @@
-"""A request to stop a fit: the solver ends at its next iteration, and the best values so far are the result."""
+"""A request to stop a fit: the solver stops at its next iteration and returns the best values so far."""
 
 from __future__ import annotations
 
@@ -15,11 +15,10 @@ Progress = Callable[[str, int, float], None]
 class Interruption:
     """Whether a fit is requested to stop, by Ctrl-C or by the progress callback.
 
-    Between ``with`` and its end the first Ctrl-C only requests a stop; a second one ends the program as usual. A solver
-    in compiled code swallows what its callbacks raise, so nothing is raised there: a `KeyboardInterrupt` of the
-    progress callback requests a stop, too, and any other exception of it is raised by `raise_failure` after the solver
-    has returned. Outside the main thread, or where the program handles the signal itself, only the callback can
-    request a stop.
+    In the ``with`` block the first Ctrl-C only requests a stop; a second one ends the program. Exceptions of callbacks
+    are lost in compiled solvers. Therefore a `KeyboardInterrupt` of the progress callback also requests a stop, and
+    `raise_failure` raises any other exception of the callback after the solver has returned. Outside the main thread,
+    and in programs with their own signal handler, only the callback can request a stop.
 
     Parameters
     ----------
@@ -28,9 +27,9 @@ class Interruption:
 
     Examples
     --------
-    >>> def impatient(stage, iteration, cost):
+    >>> def cancel(stage, iteration, cost):
     ...     raise KeyboardInterrupt
-    >>> with Interruption(impatient) as interruption:
+    >>> with Interruption(cancel) as interruption:
     ...     interruption.report("Fx", 3, 0.1)
     >>> interruption.requested, interruption.where
     (True, "stage 'Fx', iteration 3")
@@ -44,28 +43,28 @@ class Interruption:
         self.requested = False
 
     def __enter__(self) -> Interruption:
-        """Take Ctrl-C over from Python's own handler."""
-        here = threading.current_thread() is threading.main_thread()
-        if here and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        """Replace Python's default handler of Ctrl-C."""
+        in_main_thread = threading.current_thread() is threading.main_thread()
+        if in_main_thread and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
             self._before = signal.signal(signal.SIGINT, self._request)
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        """Give it back."""
-        self._give_back()
+        """Restore the handler."""
+        self._restore_handler()
 
     def _request(self, number: int, frame: FrameType | None) -> None:
         self.requested = True
-        self._give_back()
+        self._restore_handler()
 
-    def _give_back(self) -> None:
+    def _restore_handler(self) -> None:
         if self._before is not None:
             signal.signal(signal.SIGINT, self._before)
             self._before = None
 
     @property
     def where(self) -> str:
-        """How far the fit was: stage and iteration."""
+        """Stage and iteration of the latest report."""
         stage, iteration = self._latest
         return f"stage {stage!r}, iteration {iteration}" if stage else "before the first stage"
 
@@ -82,6 +81,6 @@ class Interruption:
             self._failure, self.requested = error, True
 
     def raise_failure(self) -> None:
-        """Raise what the progress callback raised."""
+        """Raise the exception of the progress callback, if there was one."""
         if self._failure is not None:
             raise self._failure

@@ -1,8 +1,8 @@
-"""IPOPT through CasADi: our cost with exact gradient and Gauss-Newton Hessian, the book's constraints with AD.
+"""IPOPT through CasADi: cost with exact gradient and Gauss-Newton Hessian, constraints with exact derivatives.
 
-The cost comes from compiled code over all rows, so CasADi sees it as a callback; so do the constraints, which
-the generated CasADi functions give with exact derivatives. IPOPT leads to the optimum; whether it is one is decided at
-the point that it returns (`convergence`), whatever word it ends with.
+Compiled code evaluates the cost over all rows, so it is a CasADi callback. The constraints are callbacks of the
+generated CasADi functions. `convergence` decides at the point that IPOPT returns whether it is an optimum, whatever the
+return status is.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from ..problem.weighted_residuals import Problem
 from .convergence import last_steps
 
 FloatArray = npt.NDArray[np.float64]
-#: The cost is about 1 at the start and 0.001 at the end; IPOPT's barrier is made for larger numbers.
+#: The cost decreases from about 1 to 0.001; IPOPT's barrier parameters are intended for larger values.
 OBJECTIVE_SCALE = 1e3
-#: Levenberg-Marquardt: what is added to the Gauss-Newton matrix, in scaled coefficients, and how it follows success.
+#: Levenberg-Marquardt damping in scaled coefficients: first value, limits, and factors after a failure and a success.
 DAMPING, LEAST_DAMPING, MOST_DAMPING = 1e-3, 1e-7, 1.0
 DAMPING_UP, DAMPING_DOWN = 10.0, 0.2
 #: Stopping window and least gain by type of stage: IPOPT is stopped when that many iterations lower the best feasible
@@ -33,24 +33,23 @@ DAMPING_UP, DAMPING_DOWN = 10.0, 0.2
 #: penultimate by a fit of the same coefficients to all rows. Three steps without a gain prove nothing: the cost still
 #: falls after them where its valley is narrow.
 LEAST_GAIN = {"intermediate": (2, 1e-2), "penultimate": (4, 1e-5), "final": (10, 1e-5)}
-#: The last steps after IPOPT, at most.
+#: Upper limit of Gauss-Newton steps after IPOPT.
 LAST_STEPS = 20
-#: What is tried where IPOPT ends away from the optimum: its own options and the damping to begin with.
+#: Options of IPOPT and initial damping of each attempt; the next attempt follows if the point is not an optimum.
 ATTEMPTS: tuple[tuple[dict[str, str | float], float], ...] = (
     ({}, DAMPING),
     ({"mu_strategy": "adaptive"}, MOST_DAMPING),
     ({"mu_init": 1e-2, "linear_system_scaling": "none"}, MOST_DAMPING),
 )
-#: The reasons of a solution that somebody asked to end, of one that was not reached in time, and of one that need not
-#: be the optimum, as a later stage goes on from it.
-INTERRUPTED, LIMIT, HANDED_ON = "interrupted", "iteration limit", "little more to gain before the next stage"
-#: Called with (iteration, cost) as the solver goes on.
+#: Reasons: a stop was requested, the iteration limit was reached, or a later stage continues and needs no optimum.
+INTERRUPTED, LIMIT, CONTINUED = "interrupted", "iteration limit", "little further gain before the next stage"
+#: Called with (iteration, cost) in each iteration.
 Progress = Callable[[int, float], None]
 
 
 @dataclass(frozen=True)
 class Solution:
-    """Where a solver ended.
+    """The result of a solver.
 
     Attributes
     ----------
@@ -60,11 +59,11 @@ class Solution:
     iterations : int
     converged : bool
         By the criterion of `tirefmu.fitting.solvers.convergence` at x; in a stage that a later one continues with the
-        same coefficients, also where little more was gained.
+        same coefficients, also if further gains are small.
     reason : str
-        Why it is the optimum or not, in plain words.
+        Why x is an optimum or not, as a text for the user.
     detail : str
-        The solver's own word for why it stopped.
+        Return status of the solver.
     """
 
     x: FloatArray
@@ -76,7 +75,7 @@ class Solution:
 
 
 class _Numeric(ca.Callback):  # type: ignore[misc]
-    """A CasADi function whose values a Python function computes."""
+    """A CasADi function that calls a Python function."""
 
     def __init__(self, name: str, compute: Callable[..., list[Any]], into: list[Any], out: list[Any]) -> None:
         ca.Callback.__init__(self)
@@ -99,8 +98,8 @@ class _Numeric(ca.Callback):  # type: ignore[misc]
         return self._compute(*(np.array(argument, dtype=float) for argument in arguments))
 
 
-class _Watch(ca.Callback):  # type: ignore[misc]
-    """Keep the best point within the constraints, and stop when there is nothing more to gain."""
+class _IterationMonitor(ca.Callback):  # type: ignore[misc]
+    """Stores the best feasible point, and stops IPOPT if the cost does not decrease in the stopping window."""
 
     def __init__(self, n: int, imposed: ConstraintFunctions, stop: Callable[[], bool], *, stage_type: str) -> None:
         ca.Callback.__init__(self)
@@ -108,7 +107,7 @@ class _Watch(ca.Callback):  # type: ignore[misc]
         self._window, self._least = LEAST_GAIN[stage_type]
         self._costs: list[float] = []  # the best cost after each iteration
         self.x: FloatArray | None = None
-        self.settled = self.stopped = False
+        self.no_gain = self.stopped = False
         self.construct("watch", {})
 
     def get_n_in(self) -> int:
@@ -126,18 +125,18 @@ class _Watch(ca.Callback):  # type: ignore[misc]
         return ca.Sparsity.dense(sizes[name], 1) if name in sizes else ca.Sparsity.dense(0, 0)
 
     def eval(self, arguments: list[Any]) -> list[Any]:
-        told = dict(zip((ca.nlpsol_out(i) for i in range(self.get_n_in())), arguments, strict=True))
-        g, cost = np.array(told["g"]).ravel(), float(told["f"])
+        outputs = dict(zip((ca.nlpsol_out(i) for i in range(self.get_n_in())), arguments, strict=True))
+        g, cost = np.array(outputs["g"]).ravel(), float(outputs["f"])
         if self._imposed.satisfied(g) and (self.x is None or cost < self._costs[-1]):
-            self.x = np.array(told["x"]).ravel()
+            self.x = np.array(outputs["x"]).ravel()
             self._costs.append(cost)
         elif self.x is not None:
             self._costs.append(self._costs[-1])
         if len(self._costs) > self._window:
             gain = self._costs[-1 - self._window] - self._costs[-1]
-            self.settled = gain < self._least * abs(self._costs[-1])
-        self.stopped = not self.settled and self._stop()
-        return [int(self.settled or self.stopped)]
+            self.no_gain = gain < self._least * abs(self._costs[-1])
+        self.stopped = not self.no_gain and self._stop()
+        return [int(self.no_gain or self.stopped)]
 
 
 def solve(
@@ -161,71 +160,71 @@ def solve(
     start, lower, upper : ndarray, shape (n_free,)
         Scaled free values.
     constraints : list of (Constraint, ndarray of shape (n_inputs, n_points))
-        Conditions and the points at which they hold.
+        Constraints, each with the points at which it is imposed.
     ridge : float
-        Pull of every scaled value towards its start, against directions that the data leave open.
+        Strength of the regularization towards the initial values, for directions that are not identifiable.
     stage_type : {"intermediate", "penultimate", "final"}
-        How little has to be gained to stop there: less before the end, where other fits go on.
+        Selects the stopping window and the least gain (`LEAST_GAIN`).
     max_iterations : int
     progress : callable, optional
     stop : callable
-        Asked after every iteration whether to end there, with the best point within the constraints, or the start
-        where there was none.
+        Called after every iteration; True ends the solver with the best feasible point, or with the start if there is
+        none.
 
     Returns
     -------
     Solution
-        Also where there is no optimum to be found: then `converged` is False and `reason` says why.
+        If no optimum is found, `converged` is False and `reason` states why.
     """
     imposed = ConstraintFunctions(problem, constraints)
-    memory = _Memory(problem, start, ridge, progress)
-    x, iterations, words = start, 0, list[str]()
+    cached = _CachedCost(problem, start, ridge, progress)
+    x, iterations, statuses = start, 0, list[str]()
     for options, damping in ATTEMPTS:
-        memory.damping = damping
-        watch = _Watch(len(start), imposed, stop, stage_type=stage_type)
+        cached.damping = damping
+        monitor = _IterationMonitor(len(start), imposed, stop, stage_type=stage_type)
         options = {**options, "max_iter": max_iterations - iterations}
-        last, word, taken = _ipopt(memory, x, lower, upper, imposed, watch, options)
-        if watch.x is not None and (not words or memory.cost(watch.x) < memory.cost(x)):
-            x = np.clip(watch.x, lower, upper)
-        elif watch.x is None and not watch.stopped and np.isfinite(last).all():
+        last, status, taken = _ipopt(cached, x, lower, upper, imposed, monitor, options)
+        if monitor.x is not None and (not statuses or cached.cost(monitor.x) < cached.cost(x)):
+            x = np.clip(monitor.x, lower, upper)
+        elif monitor.x is None and not monitor.stopped and np.isfinite(last).all():
             x = np.clip(last, lower, upper)
-        iterations, words = iterations + taken, [*words, word]
-        if watch.stopped:
+        iterations, statuses = iterations + taken, [*statuses, status]
+        if monitor.stopped:
             return Solution(x, problem.cost(x), iterations, False, INTERRUPTED, "")
-        if watch.settled and stage_type != "final":
-            return Solution(x, problem.cost(x), iterations, True, HANDED_ON, ", ".join(words))
+        if monitor.no_gain and stage_type != "final":
+            return Solution(x, problem.cost(x), iterations, True, CONTINUED, ", ".join(statuses))
         steps = min(LAST_STEPS, max_iterations - iterations)
-        rest = last_steps(memory, x, lower, upper, imposed, steps=steps, stop=stop)
-        x, iterations = rest.x, iterations + rest.steps
-        if rest.converged or iterations >= max_iterations or stop():
+        last_point = last_steps(cached, x, lower, upper, imposed, steps=steps, stop=stop)
+        x, iterations = last_point.x, iterations + last_point.steps
+        if last_point.converged or iterations >= max_iterations or stop():
             break
-    reason = rest.reason
-    if not rest.converged and (stop() or iterations >= max_iterations):
+    reason = last_point.reason
+    if not last_point.converged and (stop() or iterations >= max_iterations):
         reason = INTERRUPTED if stop() else f"{LIMIT}: {reason}"
-    return Solution(x, problem.cost(x), iterations, rest.converged, reason, ", ".join(words))
+    return Solution(x, problem.cost(x), iterations, last_point.converged, reason, ", ".join(statuses))
 
 
 def _ipopt(
-    memory: _Memory, start: FloatArray, lower: FloatArray, upper: FloatArray, imposed: ConstraintFunctions,
-    watch: _Watch, own: Mapping[str, str | float],
+    cached: _CachedCost, start: FloatArray, lower: FloatArray, upper: FloatArray, imposed: ConstraintFunctions,
+    monitor: _IterationMonitor, overrides: Mapping[str, str | float],
 ) -> tuple[FloatArray, str, int]:  # fmt: skip
-    """Return IPOPT's last point, its word for why it stopped there, and its iterations."""
+    """Return the last point of IPOPT, its return status, and its iterations."""
     n, m = len(start), len(imposed)
     dense, none = ca.Sparsity.dense, ca.Sparsity.dense(0, 0)
     triangle = ca.Sparsity.upper(n)
     z = ca.MX.sym("x", n)
-    cost = _Numeric("f", lambda x: [memory.cost(x.ravel())], [dense(n, 1)], [dense(1, 1)])
+    cost = _Numeric("f", lambda x: [cached.cost(x.ravel())], [dense(n, 1)], [dense(1, 1)])
     gradient = _Numeric(
-        "grad_f", lambda x, p: list(memory.derivatives(x.ravel())[:2]), [dense(n, 1), none],
+        "grad_f", lambda x, p: list(cached.derivatives(x.ravel())[:2]), [dense(n, 1), none],
         [dense(1, 1), dense(n, 1)],
     )  # fmt: skip
     hessian = _Numeric(
         "hess_lag",
-        lambda x, p, of_cost, of_g: [ca.project(ca.DM(of_cost.item() * memory.damped(x.ravel())), triangle)],
+        lambda x, p, of_cost, of_g: [ca.project(ca.DM(of_cost.item() * cached.damped(x.ravel())), triangle)],
         [dense(n, 1), none, dense(1, 1), dense(m, 1)],
         [triangle],
     )
-    conditions = _Numeric("g", lambda x: [imposed.values(x.ravel())], [dense(n, 1)], [dense(m, 1)])
+    constraint_values = _Numeric("g", lambda x: [imposed.values(x.ravel())], [dense(n, 1)], [dense(m, 1)])
     jacobian = _Numeric(
         "jac_g",
         lambda x, p: [imposed.values(x.ravel()), imposed.jacobian(x.ravel())],
@@ -236,7 +235,7 @@ def _ipopt(
         "grad_f": gradient,
         "hess_lag": hessian,
         "jac_g": jacobian,
-        "iteration_callback": watch,
+        "iteration_callback": monitor,
         "no_nlp_grad": True,
         "calc_lam_p": False,
         "print_time": False,
@@ -244,55 +243,55 @@ def _ipopt(
         "ipopt": {
             "print_level": 0,
             "sb": "yes",
-            # Far from a perfect model Gauss-Newton steps close in linearly, and IPOPT's own criterion would take
-            # hundreds of iterations that gain nothing; what stops a fit then is the watch.
+            # With large residuals Gauss-Newton steps converge linearly, and IPOPT's own criterion would take hundreds
+            # of iterations without gain. The monitor stops such a fit.
             "tol": 1e-7,
             "acceptable_iter": 0,
-            # Starting values are good ones: do not push them far into the interior.
+            # Initial values are good: IPOPT should not move them far into the interior.
             "mu_init": 1e-4,
             "bound_push": 1e-4,
             "bound_frac": 1e-4,
-            # Second-order corrections step far away where the constraints bend, which our Hessian leaves out.
+            # The Hessian has no curvature of the constraints, so second-order corrections would step far away.
             "max_soc": 0,
-            # Shortened steps are the damping's business; a watchdog's full ones leave the valley.
+            # Damping shortens the steps; full steps of the watchdog increase the cost.
             "watchdog_shortened_iter_trigger": 0,
             "nlp_scaling_method": "none",
             "obj_scaling_factor": OBJECTIVE_SCALE,
             "bound_relax_factor": 0.0,
-            **own,
+            **overrides,
         },
     }
-    g = conditions(z) if m else ca.MX(0, 1)
+    g = constraint_values(z) if m else ca.MX(0, 1)
     solver = ca.nlpsol("solver", "ipopt", {"x": z, "f": cost(z), "g": g}, options)
-    # Matrices of a few thousand rows by a hundred columns: BLAS threads would spend their time waiting.
+    # The matrices (a few thousand rows by a hundred columns) are too small for BLAS threads.
     with threadpool_limits(limits=1, user_api="blas"):
         result = solver(x0=start, lbx=lower, ubx=upper, lbg=imposed.low, ubg=imposed.high)
     stats = solver.stats()
-    word = "No_Further_Gain" if watch.settled else str(stats["return_status"])
-    return np.array(result["x"]).ravel(), word, int(stats["iter_count"])
+    status = "No_Further_Gain" if monitor.no_gain else str(stats["return_status"])
+    return np.array(result["x"]).ravel(), status, int(stats["iter_count"])
 
 
-class _Memory(Ridge):
-    """Cost and derivatives, kept for the point at which a solver asks again, and the damping that follows success."""
+class _CachedCost(Ridge):
+    """Cost and derivatives, cached for repeated calls at one point, and the damping, adapted to the last step."""
 
     def __init__(self, problem: Problem, start: FloatArray, strength: float, progress: Progress | None) -> None:
         super().__init__(problem, start, strength)
         self.damping, self._progress, self._count = DAMPING, progress, 0
         self._x: FloatArray | None = None
-        self._kept: tuple[float, FloatArray, FloatArray] = (np.inf, np.zeros(0), np.zeros((0, 0)))
+        self._derivatives: tuple[float, FloatArray, FloatArray] = (np.inf, np.zeros(0), np.zeros((0, 0)))
 
     def derivatives(self, x: FloatArray) -> tuple[float, FloatArray, FloatArray]:
         """Return cost, gradient and Gauss-Newton matrix."""
         if self._x is None or not np.array_equal(x, self._x):
-            before = self._kept[0]
-            self._kept, self._x = super().derivatives(x), x.copy()
+            before = self._derivatives[0]
+            self._derivatives, self._x = super().derivatives(x), x.copy()
             self._count += 1
             if np.isfinite(before):
-                factor = DAMPING_UP if self._kept[0] > before * (1 + 1e-9) else DAMPING_DOWN
+                factor = DAMPING_UP if self._derivatives[0] > before * (1 + 1e-9) else DAMPING_DOWN
                 self.damping = min(max(self.damping * factor, LEAST_DAMPING), MOST_DAMPING)
             if self._progress is not None:
-                self._progress(self._count, self._kept[0])
-        return self._kept
+                self._progress(self._count, self._derivatives[0])
+        return self._derivatives
 
     def damped(self, x: FloatArray) -> FloatArray:
         """Return the damped Gauss-Newton matrix."""

@@ -1,4 +1,4 @@
-"""Other starts for the few coefficients whose end may be a wrong one."""
+"""Restarts of a stage from other initial values of a few coefficients, against local minima."""
 
 from __future__ import annotations
 
@@ -12,50 +12,50 @@ from ..problem.weighted_residuals import Problem
 from .ipopt import Solution
 
 FloatArray = npt.NDArray[np.float64]
-#: A scaled value this near to a bound lies on it; another start's end is kept where it costs less by this share.
+#: Largest distance of a scaled value at a bound; least relative reduction of the cost for which a restart is accepted.
 NEAR_BOUND, LEAST_BETTER = 1e-3, 1e-5
 
 
 def best_end(
     problem: Problem,
     first: Solution,
-    settle: Callable[[FloatArray], Solution],
+    solve_from: Callable[[FloatArray], Solution],
     lower: FloatArray,
     upper: FloatArray,
     again: Sequence[Mapping[str, float]],
     *,
     always: bool,
 ) -> Solution:
-    """Solve again from other values of a few coefficients, everything else at the end so far; return the best end.
+    """Solve again from other values of a few coefficients, with all others at the best solution; return the best.
 
     Parameters
     ----------
     problem : Problem
     first : Solution
-        Where the stage ended.
+        The solution of the stage.
     settle : callable
-        Solves from scaled values.
+        Solves the stage from scaled values.
     lower, upper : ndarray, shape (n_free,)
         Scaled bounds.
     again : sequence of mapping of str to float
-        The values, try by try.
+        The values of each restart.
     always : bool
-        Try all; else only where one of a try's coefficients ended on a bound, as wrong ends do.
+        Run all restarts; otherwise only those of which one coefficient is at a bound, as in most local minima.
 
     Returns
     -------
     Solution
-        Its iterations are those of the first end and of the one that replaced it.
+        Its iterations are those of the first solution and of the accepted restarts.
     """
     best = first
     for values in again:
-        there = np.array([i for i, name in enumerate(problem.free) if name in values], dtype=int)
-        on_bound = np.minimum(best.x - lower, upper - best.x)[there] < NEAR_BOUND
-        if not there.size or not (always or on_bound.any()):
+        indices = np.array([i for i, name in enumerate(problem.free) if name in values], dtype=int)
+        on_bound = np.minimum(best.x - lower, upper - best.x)[indices] < NEAR_BOUND
+        if not indices.size or not (always or on_bound.any()):
             continue
         start = best.x.copy()
-        start[there] = [values[problem.free[i]] / problem.scale[i] for i in there]
-        other = settle(np.clip(start, lower, upper))
+        start[indices] = [values[problem.free[i]] / problem.scale[i] for i in indices]
+        other = solve_from(np.clip(start, lower, upper))
         if other.converged and (not best.converged or other.cost < (1 - LEAST_BETTER) * best.cost):
             best = replace(other, iterations=best.iterations + other.iterations)
     return best

@@ -1,4 +1,4 @@
-"""The methods that solve a stage, by name."""
+"""Selection of the solver by the name of its method."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from .evolution import ITERATIONS, Evolution
 from .ipopt import Progress, Solution, solve
 
 FloatArray = npt.NDArray[np.float64]
-#: IPOPT with exact derivatives, and the UNICAMP paper's evolutionary algorithm, without any.
+#: IPOPT with exact derivatives, and the derivative-free evolutionary algorithm of the UNICAMP paper.
 METHODS = ("ipopt", "ioa")
 
 
 class Solver(Protocol):
-    """What a stage is solved by."""
+    """A solver of one stage."""
 
     def __call__(
         self,
@@ -47,9 +47,9 @@ def solver_for(method: str, iterations: int | None = None, seed: int = 0) -> Sol
     ----------
     method : {"ipopt", "ioa"}
     iterations : int, optional
-        The most that a stage may take; the method's own limit where None.
+        Upper limit for each stage; by default the limit of the method.
     seed : int
-        Of a method that draws at random.
+        Seed of a random method.
 
     Returns
     -------
@@ -70,9 +70,9 @@ def solver_for(method: str, iterations: int | None = None, seed: int = 0) -> Sol
     if method not in METHODS:
         raise UnknownName("method", method, METHODS)
     if iterations is not None and iterations < 1:
-        raise FitError(f"iterations = {iterations}: at least one")
+        raise FitError(f"iterations = {iterations}: at least one is required")
     if seed < 0:
-        raise FitError(f"seed = {seed}: a whole number from 0 on")
+        raise FitError(f"seed = {seed}: must not be negative")
     if method == "ioa":
         return Evolution(ITERATIONS if iterations is None else iterations, seed)
     return solve if iterations is None else partial(solve, max_iterations=iterations)

@@ -2,10 +2,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from tirefmu.estimation.noise_model import Memories, Whitening, memories_of
+from tirefmu.estimation.noise_model import NoiseParts, Whitening, noise_parts
 
 STEP = 0.02
-NOISE = Memories(white=0.05, short=1.0, drift=0.3, fading=0.5, memory=2.0)
+NOISE = NoiseParts(white=0.05, short=1.0, drift=0.3, fading=0.5, memory=2.0)
 
 
 def faded(rng, n, kept):
@@ -42,7 +42,7 @@ def test_the_memories_are_read_from_a_residual():
     rng, n = np.random.default_rng(1), 6000
     present = np.ones(n, dtype=bool)
     present[1000:1120] = present[4000:4120] = False
-    found = memories_of(np.where(present, made(rng, n), 0.0), present, STEP)
+    found = noise_parts(np.where(present, made(rng, n), 0.0), present, STEP)
     assert found.drift == pytest.approx(NOISE.drift, rel=0.5)
     assert found.memory == pytest.approx(NOISE.memory, rel=0.7)
     assert found.short + found.white == pytest.approx(NOISE.short + NOISE.white, rel=0.15)

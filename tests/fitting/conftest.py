@@ -60,12 +60,12 @@ def anywhere(n=4000, seed=1):
 def other_tire(seed):
     """Return the known tire with every coefficient elsewhere."""
     rng = np.random.default_rng(seed)
-    kept = ("FNOMIN", "UNLOADED_RADIUS", "PCY1", "RCX1", "RCY1")  # these lie near their bounds
-    values = {name: value * (1.0 if name in kept else rng.uniform(0.6, 1.4)) for name, value in KNOWN.items()}
+    unchanged = ("FNOMIN", "UNLOADED_RADIUS", "PCY1", "RCX1", "RCY1")  # these lie near their bounds
+    values = {name: value * (1.0 if name in unchanged else rng.uniform(0.6, 1.4)) for name, value in KNOWN.items()}
     return Tire("mf96", values, effects=EFFECTS, signs="adapted-sae")
 
 
-def told(result):
+def coefficients(result):
     """Return the coefficients of a result by name, in the signs of the known tire and of recipes."""
     return {coefficient.name: coefficient for coefficient in result.in_signs("adapted-sae").coefficients}
 
@@ -86,8 +86,8 @@ def known():
 def make():
     """Return what the tests make of tires and results."""
     return SimpleNamespace(
-        bench=bench, sideways=sideways, anywhere=anywhere, other_tire=other_tire, told=told, recipe=recipe,
-        effects=EFFECTS, nominal=NOMINAL,
+        bench=bench, sideways=sideways, anywhere=anywhere, other_tire=other_tire,
+        coefficients=coefficients, recipe=recipe, effects=EFFECTS, nominal=NOMINAL,
     )  # fmt: skip
 
 

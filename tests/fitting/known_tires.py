@@ -42,7 +42,7 @@ VALUES = {
     "SSZ1": 0.02, "SSZ2": 0.015, "SSZ3": 0.15, "SSZ4": 0.06,
 }  # fmt: skip
 #: Where a model's coefficient of that name means something else.
-OTHERWISE = {"mf96": {"PKY3": 0.1, "QBZ5": -0.15}}
+EXCEPTIONS = {"mf96": {"PKY3": 0.1, "QBZ5": -0.15}}
 NOMINAL = {"Fz0": VALUES["FNOMIN"], "R0": VALUES["UNLOADED_RADIUS"], "p0": VALUES["NOMPRES"], "V0": VALUES["LONGVL"]}
 #: What the coefficients refer to.
 NAMED = ("FNOMIN", "UNLOADED_RADIUS", "NOMPRES", "INFLPRES", "LONGVL")
@@ -55,9 +55,9 @@ PRESSURES = (7.0e4, 8.3e4, 9.7e4)
 
 def known_tire(model: str) -> Tire:
     """Return the tire of a model, in adapted SAE."""
-    values = {**VALUES, **OTHERWISE.get(model, {})}
-    mine = {name: value for name, value in values.items() if name in MODELS[model].coefficients}
-    return Tire(model, mine, signs="adapted-sae", name=f"known {model}")
+    values = {**VALUES, **EXCEPTIONS.get(model, {})}
+    own = {name: value for name, value in values.items() if name in MODELS[model].coefficients}
+    return Tire(model, own, signs="adapted-sae", name=f"known {model}")
 
 
 def program(rows: int) -> Program:
@@ -85,8 +85,8 @@ def recorded(tire: Tire, rows: int, *, seed: int = 0, level: float = 1.0, correl
     """Return what the bench records of Fx, Fy and Mz; a row takes the time that makes the whole 100 Hz."""
     bench = VirtualBench(tire, noise(level, correlation_time), seed)
     recording = bench.run(program(rows))
-    kept = recording.table.drop(columns=[name for name in ("Mx", "My") if name in recording.table])
-    return Recording(kept, recording.signs, recording.source, recording.about)
+    table = recording.table.drop(columns=[name for name in ("Mx", "My") if name in recording.table])
+    return Recording(table, recording.signs, recording.source, recording.about)
 
 
 def moved(tire: Tire, share: float, seed: int) -> Tire:
@@ -94,6 +94,6 @@ def moved(tire: Tire, share: float, seed: int) -> Tire:
     rng = np.random.default_rng(seed)
     values = dict(tire.values)
     for name in (n for n in VALUES if n not in NAMED and n in tire.book.coefficients):
-        card = tire.book.coefficients[name]
-        values[name] = min(max(values[name] * rng.uniform(1 - share, 1 + share), card.lower), card.upper)
+        declaration = tire.book.coefficients[name]
+        values[name] = min(max(values[name] * rng.uniform(1 - share, 1 + share), declaration.lower), declaration.upper)
     return Tire(tire.model, values, effects=tire.has, signs=tire.signs)

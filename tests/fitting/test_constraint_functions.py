@@ -25,11 +25,15 @@ def problem_of(model, free=None):
     book = MODELS[model]
     rng = np.random.default_rng(4)
     values = {"FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, "NOMPRES": 8.5e4}
-    fitted = [name for name, card in book.coefficients.items() if card.fitted and FORCES & set(card.channels)]
+    fitted = [
+        name
+        for name, declaration in book.coefficients.items()
+        if declaration.fitted and FORCES & set(declaration.channels)
+    ]
     for name in fitted:
-        card = book.coefficients[name]
-        bound = card.upper if rng.random() < 0.5 else card.lower
-        values[name] = card.generic + 0.05 * rng.random() * (bound - card.generic)
+        declaration = book.coefficients[name]
+        bound = declaration.upper if rng.random() < 0.5 else declaration.lower
+        values[name] = declaration.generic + 0.05 * rng.random() * (bound - declaration.generic)
     values = {name: value for name, value in values.items() if name in book.coefficients}
     tire = Tire(model, values, signs="adapted-sae")
     free = tuple(free or fitted)
@@ -38,7 +42,7 @@ def problem_of(model, free=None):
     return Problem(tire, rows, free, np.ones((1, outputs)), rng.uniform(0.1, 3.0, len(free)))
 
 
-def conditions(model):
+def constraints(model):
     ranges = {quantity.name: RANGES[quantity.name] for quantity in MODELS[model].inputs}
     nominal = {"Fz": 1500.0, "p": 8.5e4, "V": 11.0}
     every = [constraint for channel in declared_constraints(model).values() for constraint in channel]
@@ -47,7 +51,7 @@ def conditions(model):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_values_are_the_quantities_of_the_book(model):
-    problem, every = problem_of(model), conditions(model)
+    problem, every = problem_of(model), constraints(model)
     imposed, x = (
         ConstraintFunctions(problem, every),
         np.array([problem.tire.values[n] for n in problem.free]) / problem.scale,
@@ -55,8 +59,8 @@ def test_values_are_the_quantities_of_the_book(model):
     code = code_for(model, "numpy")
 
     def value(constraint, points):
-        place = code.quantities_names.index(constraint.quantity)
-        return code.quantities(points, problem.parameters(x))[place]
+        index = code.quantities_names.index(constraint.quantity)
+        return code.quantities(points, problem.parameters(x))[index]
 
     def expected_of(constraint, points):
         q = value(constraint, points)
@@ -72,10 +76,10 @@ def test_values_are_the_quantities_of_the_book(model):
     assert len(imposed) == sum(points.shape[1] for _, points in every)
     ends = np.cumsum([points.shape[1] for _, points in every])
     for (constraint, points), one, within in zip(every, expected, np.split(imposed.values(x), ends[:-1]), strict=True):
-        told = measured_values(problem.tire.book, constraint, points, problem.parameters(x)) / constraint.size
+        measured = measured_values(problem.tire.book, constraint, points, problem.parameters(x)) / constraint.size
         differenced = constraint.measure != "value"
         exactly = {"rtol": 1e-5, "atol": 1e-8} if differenced else {"rtol": 1e-9, "atol": 1e-12}
-        np.testing.assert_allclose(told, one, **exactly, err_msg=constraint.name)
+        np.testing.assert_allclose(measured, one, **exactly, err_msg=constraint.name)
         np.testing.assert_allclose(within, one, **exactly, err_msg=constraint.name)
 
 
@@ -83,7 +87,7 @@ def test_values_are_the_quantities_of_the_book(model):
 def test_the_jacobian_is_that_of_the_values(model):
     problem = problem_of(model)
     imposed, x = (
-        ConstraintFunctions(problem, conditions(model)),
+        ConstraintFunctions(problem, constraints(model)),
         np.array([problem.tire.values[n] for n in problem.free]),
     )
     x = x / problem.scale
@@ -100,7 +104,7 @@ def test_the_jacobian_is_that_of_the_values(model):
 
 def test_what_no_free_coefficient_reaches_is_left_out():
     problem = problem_of("mf61", free=("PDX1", "PDX2"))
-    every = conditions("mf61")
+    every = constraints("mf61")
     imposed = ConstraintFunctions(problem, every)
     reached = [(c, points.shape[1]) for c, points in every if c.quantity in ("mu_x", "B_x")]
     assert len(imposed) == sum(n for _, n in reached)
@@ -114,9 +118,9 @@ def test_what_the_fixed_values_make_idle_is_left_out():
     problem = problem_of("mf61", free=("PDX1", "PPX3", "PDX3"))
     problem.tire = replace(problem.tire, values={**problem.tire.values, "PDX2": 0.0})
     problem = Problem(problem.tire, problem.rows, problem.free, problem.weights, problem.scale)
-    (falling,) = ((c, points) for c, points in conditions("mf61") if c.name == "friction_falling:mu_x")
+    (falling,) = ((c, points) for c, points in constraints("mf61") if c.name == "friction_falling:mu_x")
     assert len(ConstraintFunctions(problem, [falling])) == 0
-    (positive,) = ((c, points) for c, points in conditions("mf61") if c.name == "signs:mu_x")
+    (positive,) = ((c, points) for c, points in constraints("mf61") if c.name == "signs:mu_x")
     assert len(ConstraintFunctions(problem, [positive])) == positive[1].shape[1]
 
 

@@ -96,11 +96,11 @@ def test_a_condition_varies_every_input_on_which_its_quantity_depends(case):
     code, book = code_for(model, "numpy"), MODELS[model]
     rng = np.random.default_rng(0)
     values = []
-    for card in book.coefficients.values():  # a tire with every effect
-        bound = card.upper if rng.random() < 0.5 else card.lower
-        values.append(card.generic + (0.1 * (bound - card.generic) if card.fitted else 0.0))
+    for declaration in book.coefficients.values():  # a tire with every effect
+        bound = declaration.upper if rng.random() < 0.5 else declaration.lower
+        values.append(declaration.generic + (0.1 * (bound - declaration.generic) if declaration.fitted else 0.0))
     parameters = np.array([*values, *(0.0 for _ in book.options)])
-    place = code.quantities_names.index(constraint.quantity)
+    index = code.quantities_names.index(constraint.quantity)
     free = {
         "kappa": (-0.3, 0.3), "alpha": (-0.2, 0.2), "gamma": (-0.1, 0.1), "Fz": (500.0, 3000.0), "p": (1.8e5, 2.6e5),
         "V": (10.0, 30.0), "phit": (0.0, 0.0),
@@ -110,7 +110,7 @@ def test_a_condition_varies_every_input_on_which_its_quantity_depends(case):
     moved = np.array(
         [np.full(50, here[name]) if name in constraint.over else rng.uniform(*free[name], 50) for name in names]
     )
-    values = code.quantities(moved, parameters)[place]
+    values = code.quantities(moved, parameters)[index]
     np.testing.assert_allclose(values, values[0], rtol=1e-9)
 
 
@@ -145,17 +145,17 @@ def test_margins_are_distances_to_the_bound_that_is_near(known):
 
 def test_every_condition_has_a_name_of_its_own():
     for model in MODELS:
-        conditions = declared_constraints(model)
-        every = [each for own in conditions.values() for each in own]
+        declared = declared_constraints(model)
+        every = [each for own in declared.values() for each in own]
         assert len({each.name for each in every}) == len(every)
         assert len({each.text for each in every}) == len(every)
         assert {each.kind for each in every} <= set(KINDS)
-        usual, asked_for = (
+        default, requested = (
             {each.name for own in chosen_constraints(model, also=also).values() for each in own}
             for also in ([], ["all"])
         )
-        assert asked_for == {each.name for each in every}
-        assert asked_for - usual == {each.name for each in every if each.on_request}
+        assert requested == {each.name for each in every}
+        assert requested - default == {each.name for each in every if each.on_request}
 
 
 @pytest.mark.parametrize(("without", "left_out"), [
@@ -163,13 +163,13 @@ def test_every_condition_has_a_name_of_its_own():
     (["friction_falling"], {"friction_falling:mu_x", "friction_falling:mu_y"}),
     (["stiffness_saturating", "signs:C_x"], {"stiffness_saturating:K_yalpha", "signs:C_x"}),
 ])  # fmt: skip
-def test_conditions_are_switched_by_name(without, left_out):
-    usual, rest = (
+def test_conditions_are_switched_by_name(without, removed):
+    default, rest = (
         {each.name for own in chosen_constraints("mf61", without=names).values() for each in own}
         for names in ([], without)
     )
-    assert usual - rest == left_out
-    assert rest < usual
+    assert default - rest == removed
+    assert rest < default
 
 
 def test_a_misspelt_name_is_refused():
@@ -183,12 +183,12 @@ def test_a_published_tire_keeps_what_is_asked_of_every_tire():
     """What is usual must not bend the fit of a sound tire; what it does break is on request."""
     tire = bench_tire().in_signs("adapted-sae")
     ranges = {"kappa": (-0.2, 0.2), "alpha": (-0.2, 0.2), "gamma": (0.0, 0.07), "Fz": (220.0, 1120.0)}
-    broken = set()
+    violated = set()
     for own in declared_constraints(tire.model).values():
         for each in own:
             values = measured_values(tire.book, each, grid(each, ranges, NOMINAL, density=4), tire.parameters())
-            broken |= {each.kind} if each.distance(values).min() < 0 else set()
-    assert broken == {"extrapolation"}
+            violated |= {each.kind} if each.distance(values).min() < 0 else set()
+    assert violated == {"extrapolation"}
 
 
 def test_an_extrapolation_reaches_further_in_load_and_slip_alone():

@@ -41,7 +41,7 @@ def truth(known, exact):
     return np.array([known.values[name] for name in FREE]) / exact.scale
 
 
-class Breaking(Problem):
+class Failing(Problem):
     """A problem whose gradient is no number at some of its evaluations."""
 
     at = range(0)
@@ -53,20 +53,20 @@ class Breaking(Problem):
         return cost, gradient * (np.nan if self.count in self.at else 1.0), matrix
 
 
-def breaking(problem, at):
-    broken = Breaking(problem.tire, problem.rows, problem.free, problem.weights, problem.scale)
-    broken.at = at
-    return broken
+def failing(problem, at):
+    faulty = Failing(problem.tire, problem.rows, problem.free, problem.weights, problem.scale)
+    faulty.at = at
+    return faulty
 
 
-def judged(problem, x, conditions=(), *, lower=-inf, upper=inf, steps=0):
+def evaluated(problem, x, constraints=(), *, lower=-inf, upper=inf, steps=0):
     bounds = (np.full(len(x), bound) if np.isscalar(bound) else bound for bound in (lower, upper))
-    return last_steps(Ridge(problem, x, 0.0), x, *bounds, ConstraintFunctions(problem, conditions), steps=steps)
+    return last_steps(Ridge(problem, x, 0.0), x, *bounds, ConstraintFunctions(problem, constraints), steps=steps)
 
 
-def bounded(place, value):
+def bounded(index, value):
     bound = np.full(len(FREE), inf)
-    bound[place] = value
+    bound[index] = value
     return bound
 
 
@@ -74,56 +74,56 @@ def bounded(place, value):
 
 
 def test_exact_data_have_converged_at_the_truth(exact, truth):
-    found = judged(exact, truth)
+    found = evaluated(exact, truth)
     assert found.converged
     assert found.reason.endswith("of the least noise")
 
 
 def test_a_point_away_from_the_optimum_has_not_converged(exact, noisy, truth):
     for problem in (exact, noisy):
-        found = judged(problem, truth * 1.02)
+        found = evaluated(problem, truth * 1.02)
         assert not found.converged
         assert found.reason.startswith("predicted reduction")
 
 
 def test_the_measure_is_the_standard_error(noisy, truth):
     """A hundredth of a standard error away from the optimum is at it; one of each coefficient is not."""
-    optimum = judged(noisy, truth, steps=20).x
+    optimum = evaluated(noisy, truth, steps=20).x
     _, _, matrix = noisy.derivatives(optimum)
     values, vectors = np.linalg.eigh(matrix)
     error = np.sqrt(2.0 * noisy.cost(optimum) / len(noisy.rows) / values)
     away = vectors @ error
-    assert judged(noisy, optimum + 0.01 * away).converged
-    assert not judged(noisy, optimum + away).converged
+    assert evaluated(noisy, optimum + 0.01 * away).converged
+    assert not evaluated(noisy, optimum + away).converged
 
 
 def test_at_a_bound_the_gradient_may_point_beyond_it(noisy, truth):
-    place = FREE.index("PDY1")
-    bound = bounded(place, 0.9 * truth[place])
-    found = judged(noisy, np.minimum(truth, bound), upper=bound, steps=20)
+    index = FREE.index("PDY1")
+    bound = bounded(index, 0.9 * truth[index])
+    found = evaluated(noisy, np.minimum(truth, bound), upper=bound, steps=20)
     assert found.converged
-    assert found.x[place] == pytest.approx(bound[place], rel=1e-12)
-    assert not judged(noisy, found.x).converged  # without the bound there is more to gain
+    assert found.x[index] == pytest.approx(bound[index], rel=1e-12)
+    assert not evaluated(noisy, found.x).converged  # without the bound there is more to gain
 
 
 def test_at_an_active_condition_too(noisy, truth):
-    held = [(Constraint("mu_y", -inf, 1.7, ()), LOAD)]  # the tire has 1.9
+    constraints = [(Constraint("mu_y", -inf, 1.7, ()), LOAD)]  # the tire has 1.9
     start = truth.copy()
     start[FREE.index("PDY1")] *= 0.85
-    found = judged(noisy, start, held, steps=20)
+    found = evaluated(noisy, start, constraints, steps=20)
     assert found.converged
-    assert ConstraintFunctions(noisy, held).values(found.x) == pytest.approx(1.7, abs=2e-6)
-    assert not judged(noisy, found.x).converged
+    assert ConstraintFunctions(noisy, constraints).values(found.x) == pytest.approx(1.7, abs=2e-6)
+    assert not evaluated(noisy, found.x).converged
 
 
 def test_what_breaks_a_condition_has_not_converged(noisy, truth):
-    found = judged(noisy, truth, [(Constraint("mu_y", -inf, 1.7, ()), LOAD)], steps=5)
+    found = evaluated(noisy, truth, [(Constraint("mu_y", -inf, 1.7, ()), LOAD)], steps=5)
     assert (found.converged, found.steps) == (False, 0)
     assert found.reason.startswith("a constraint is violated by 2e-01")
 
 
 def test_what_is_no_number_has_not_converged(noisy, truth):
-    found = judged(breaking(noisy, range(1, 2)), truth, steps=5)
+    found = evaluated(failing(noisy, range(1, 2)), truth, steps=5)
     assert (found.converged, found.reason) == (False, "cost, constraints or derivatives are not finite")
 
 
@@ -132,7 +132,7 @@ def test_what_is_no_number_has_not_converged(noisy, truth):
 
 def test_a_solver_that_fails_at_the_optimum_has_found_it(exact, truth):
     everywhere = np.full(len(FREE), inf)
-    solution = solve(breaking(exact, range(6, 7)), truth * 1.02, -everywhere, everywhere, [])
+    solution = solve(failing(exact, range(6, 7)), truth * 1.02, -everywhere, everywhere, [])
     assert solution.detail == "Invalid_Number_Detected"
     assert solution.converged
     np.testing.assert_allclose(solution.x, truth, atol=1e-6)
@@ -141,7 +141,7 @@ def test_a_solver_that_fails_at_the_optimum_has_found_it(exact, truth):
 def test_one_that_fails_on_the_way_is_led_on(noisy, truth):
     everywhere = np.full(len(FREE), inf)
     whole = solve(noisy, truth * 1.1, -everywhere, everywhere, [])
-    solution = solve(breaking(noisy, range(3, 4)), truth * 1.1, -everywhere, everywhere, [])
+    solution = solve(failing(noisy, range(3, 4)), truth * 1.1, -everywhere, everywhere, [])
     assert solution.detail.startswith("Invalid_Number_Detected")
     assert solution.converged
     assert solution.cost == pytest.approx(whole.cost, rel=1e-4)
@@ -149,7 +149,7 @@ def test_one_that_fails_on_the_way_is_led_on(noisy, truth):
 
 def test_one_that_fails_for_good_says_so(noisy, truth):
     everywhere = np.full(len(FREE), inf)
-    solution = solve(breaking(noisy, range(3, 1000)), truth * 1.1, -everywhere, everywhere, [])
+    solution = solve(failing(noisy, range(3, 1000)), truth * 1.1, -everywhere, everywhere, [])
     assert not solution.converged
     assert solution.reason == "cost, constraints or derivatives are not finite"
     assert solution.detail == ", ".join(3 * ["Invalid_Number_Detected"])

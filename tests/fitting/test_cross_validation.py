@@ -34,28 +34,28 @@ def test_each_condition_is_left_out_once_and_whole(known, make, monkeypatch):
     cross_validate([recording], "mf96", folds=3, effects=make.effects)
     whole, *parts = seen
     assert len(whole[0]) == len(recording)
-    left = [set(recording.table.index) - set(part[0]) for part in parts]
-    assert len(left) == 3
-    assert sum(len(rows) for rows in left) == len(recording)  # each once
-    assert set().union(*left) == set(recording.table.index)
-    for rows in left:
+    held_out = [set(recording.table.index) - set(part[0]) for part in parts]
+    assert len(held_out) == 3
+    assert sum(len(rows) for rows in held_out) == len(recording)  # each once
+    assert set().union(*held_out) == set(recording.table.index)
+    for rows in held_out:
         chosen = np.isin(recording.table.index, list(rows))
         assert not set(conditions[chosen]) & set(conditions[~chosen])
         assert len(set(conditions[chosen])) == 6
 
 
 def test_nominal_values_are_those_of_the_whole(known, make, monkeypatch):
-    asked, run = [], cross_validation.fit
+    nominal_values, run = [], cross_validation.fit
 
     def recorded(recordings, model, **options):
-        asked.append(options.get("nominal"))
+        nominal_values.append(options.get("nominal"))
         return run(recordings, model, **options)
 
     monkeypatch.setattr(cross_validation, "fit", recorded)
     cross_validate([make.sideways(known, loads=LOADS)], "mf96", folds=2, effects=make.effects)
-    assert asked[0] is None
-    assert asked[1] == asked[2]
-    assert set(asked[1]) == {"Fz0", "R0"}
+    assert nominal_values[0] is None
+    assert nominal_values[1] == nominal_values[2]
+    assert set(nominal_values[1]) == {"Fz0", "R0"}
 
 
 @pytest.mark.parametrize("folds", [0, 1, 50])

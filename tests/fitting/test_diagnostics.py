@@ -36,9 +36,9 @@ def recorded(tire, seed=0, loads=LOADS, repeats=1, recording=0):
     table = pd.concat([table] * repeats, ignore_index=True).assign(V=11.0)
     random = np.random.default_rng(seed)
     table["Fy"] += NOISE * random.normal(size=len(table))
-    breaks = np.cumsum(np.r_[0, np.abs(np.diff(table["Fz"])) > 100.0])  # a segment for each load in its turn
+    segment = np.cumsum(np.r_[0, np.abs(np.diff(table["Fz"])) > 100.0])  # a segment for each load in its turn
     table["t"] = np.arange(len(table)) / 100.0
-    return table[["t", "kappa", "alpha", "gamma", "Fz", "V", "Fy"]].assign(recording=recording, segment=breaks)
+    return table[["t", "kappa", "alpha", "gamma", "Fz", "V", "Fy"]].assign(recording=recording, segment=segment)
 
 
 def residuals_of(tire, *tables):
@@ -57,24 +57,24 @@ def clean(known):
 
 def test_conditions_are_those_that_were_held_and_the_worst_is_named(known, clean):
     odd = clean.copy()
-    there = (odd["Fz"] > 900.0) & (odd["gamma"] > 0.03)
-    odd.loc[there, "Fy"] += 40.0
-    told = by_condition(residuals_of(known, odd))
-    assert len(told) == len(LOADS) * len(CAMBERS)
-    assert sum(each.rows for each in told) == len(odd)
-    worst = max(told, key=lambda each: each.rmse)
+    rows = (odd["Fz"] > 900.0) & (odd["gamma"] > 0.03)
+    odd.loc[rows, "Fy"] += 40.0
+    found = by_condition(residuals_of(known, odd))
+    assert len(found) == len(LOADS) * len(CAMBERS)
+    assert sum(each.rows for each in found) == len(odd)
+    worst = max(found, key=lambda each: each.rmse)
     assert (worst.at["Fz"], worst.at["gamma"]) == pytest.approx((1120.0, 0.07), rel=0.02)
     assert worst.mean == pytest.approx(40.0, abs=2.0)
-    assert min(each.rmse for each in told) == pytest.approx(NOISE, rel=0.1)
+    assert min(each.rmse for each in found) == pytest.approx(NOISE, rel=0.1)
 
 
 def test_an_offset_between_files_is_found_and_noise_alone_is_not(known, clean):
     shifted = recorded(known, seed=1).assign(Fy=lambda t: t["Fy"] + 12.0)
-    (told,) = disagreeing_files(residuals_of(known, clean, shifted))
-    assert (told.channel, told.first, told.second) == ("Fy", "file 0", "file 1")
-    assert told.mean == pytest.approx(-12.0, abs=1.0)
-    assert told.typical == pytest.approx(12.0, abs=1.0)
-    assert told.sigmas < -20
+    (found,) = disagreeing_files(residuals_of(known, clean, shifted))
+    assert (found.channel, found.first, found.second) == ("Fy", "file 0", "file 1")
+    assert found.mean == pytest.approx(-12.0, abs=1.0)
+    assert found.typical == pytest.approx(12.0, abs=1.0)
+    assert found.sigmas < -20
     (quiet,) = disagreeing_files(residuals_of(known, clean, recorded(known, seed=1)))
     assert abs(quiet.sigmas) < 4
     assert quiet.typical < 2.0
@@ -88,8 +88,8 @@ def test_differences_are_told_in_the_asked_signs(known, clean):
 
 def test_what_the_tire_does_wrong_is_no_disagreement(known, clean):
     wrong = replace(known, values={**known.values, "PKY1": 0.8 * known.values["PKY1"]})
-    (told,) = disagreeing_files(residuals_of(wrong, clean, recorded(known, seed=1)))
-    assert abs(told.sigmas) < 4
+    (found,) = disagreeing_files(residuals_of(wrong, clean, recorded(known, seed=1)))
+    assert abs(found.sigmas) < 4
 
 
 def test_files_without_a_common_condition_are_not_compared(known):
@@ -102,9 +102,9 @@ def test_a_segment_that_drifted_away_is_named(known):
     assert disagreeing_segments(residuals_of(known, table))  # repeats are compared
     chosen = table["segment"].unique()[4]
     table.loc[table["segment"] == chosen, "Fy"] -= 10.0
-    (told,) = disagreeing_segments(residuals_of(known, table))
-    assert told.first == f"file 0, segment {chosen + 1}"
-    assert told.mean == pytest.approx(-10.0, abs=1.0)
+    (found,) = disagreeing_segments(residuals_of(known, table))
+    assert found.first == f"file 0, segment {chosen + 1}"
+    assert found.mean == pytest.approx(-10.0, abs=1.0)
 
 
 def test_a_lag_is_a_difference_between_up_and_down(known, clean):
@@ -112,22 +112,22 @@ def test_a_lag_is_a_difference_between_up_and_down(known, clean):
     assert abs(quiet.sigmas) < 4
     late = clean.copy()
     late["Fy"] = late["Fy"].shift(5, fill_value=0.0)
-    (told,) = sweep_differences(residuals_of(known, late))
-    assert (told.first, told.second) == ("file 0, alpha up", "down")
-    assert abs(told.sigmas) > 20
-    assert told.typical > 20.0
+    (found,) = sweep_differences(residuals_of(known, late))
+    assert (found.first, found.second) == ("file 0, alpha up", "down")
+    assert abs(found.sigmas) > 20
+    assert found.typical > 20.0
 
 
 def test_a_ripple_is_found_at_its_radius(known, clean):
     radius, size = 0.21, 8.0  # the tire says 0.23
     odd = clean.assign(Fy=clean["Fy"] + size * np.sin(11.0 * clean["t"] / radius))
-    (told,) = ripple(residuals_of(known, odd))
-    assert told.stands_out
-    assert told.amplitude == pytest.approx(size, rel=0.1)
-    assert told.radius == pytest.approx(radius, rel=0.01)
-    assert told.frequency == pytest.approx(11.0 / (tau * radius), rel=0.01)
-    assert told.share == pytest.approx(size**2 / 2 / (size**2 / 2 + NOISE**2), rel=0.1)
-    assert "once per revolution" in ripple_texts((told,))[0]
+    (found,) = ripple(residuals_of(known, odd))
+    assert found.stands_out
+    assert found.amplitude == pytest.approx(size, rel=0.1)
+    assert found.radius == pytest.approx(radius, rel=0.01)
+    assert found.frequency == pytest.approx(11.0 / (tau * radius), rel=0.01)
+    assert found.share == pytest.approx(size**2 / 2 / (size**2 / 2 + NOISE**2), rel=0.1)
+    assert "once per revolution" in ripple_texts((found,))[0]
     (quiet,) = ripple(residuals_of(known, clean))
     assert not quiet.stands_out
     assert quiet.amplitude < 1.5
@@ -142,9 +142,9 @@ def test_no_ripple_is_told_without_a_clock_or_a_speed(known, clean):
 def test_slip_stiffness_is_read_from_the_data(known, clean):
     soft = replace(known, values={**known.values, "PKY1": 0.9 * known.values["PKY1"]})
     for tire, off in ((known, 0.0), (soft, -0.1)):
-        told = slip_stiffnesses(residuals_of(tire, clean))
-        assert [each.channel for each in told] == ["Fy"] * len(LOADS)
-        for each, load in zip(told, LOADS, strict=True):
+        found = slip_stiffnesses(residuals_of(tire, clean))
+        assert [each.channel for each in found] == ["Fy"] * len(LOADS)
+        for each, load in zip(found, LOADS, strict=True):
             assert each.load == pytest.approx(load, rel=0.02)
             assert each.conditions == len(CAMBERS)
             assert each.off == pytest.approx(off, abs=0.02)
@@ -164,17 +164,17 @@ def test_the_reason_is_what_the_bench_left_out(known, loads, cambers, slip, coef
     table["Fy"] = known.evaluate(table, signs="adapted-sae")["Fy"] + NOISE * random.normal(size=n)
     residuals = residuals_of(known, table.assign(segment=0))
     free = ["PCY1", "PDY1", "PDY2", "PDY3", "PEY1", "PKY1", "PKY2"]
-    (told,) = undetermined(residuals, free, [(coefficient,)], {"Fy": float(n)})
-    assert told.coefficients == (coefficient,)
-    assert told.reason == reason
+    (found,) = undetermined(residuals, free, [(coefficient,)], {"Fy": float(n)})
+    assert found.coefficients == (coefficient,)
+    assert found.reason == reason
 
 
 def test_a_bound_that_the_data_ask_to_pass_is_told_from_one_that_holds_what_they_leave(known, clean):
     data = residuals_of(known, clean.iloc[::7])
     free = ["PDY1", "PDY2", "PEY1", "PKY1", "PKY2", "PCY1", "PDX1"]
-    told = {each.coefficients: each.reason for each in at_bounds(data, free, ["PDY1", "PDX1"], {"Fy": 500.0})}
-    assert told["PDY1",] == "at a bound: the data ask for more"
-    assert told["PDX1",].startswith("at a bound: only the bound holds it")
+    found = {each.coefficients: each.reason for each in at_bounds(data, free, ["PDY1", "PDX1"], {"Fy": 500.0})}
+    assert found["PDY1",] == "at a bound: the data ask for more"
+    assert found["PDX1",].startswith("at a bound: only the bound holds it")
     assert at_bounds(data, free, [], {"Fy": 500.0}) == ()
 
 
@@ -186,8 +186,8 @@ def test_a_bound_that_the_data_ask_to_pass_is_told_from_one_that_holds_what_they
 def test_what_lacks_of_inclination(known, clean, cambers, reason):
     table = clean.iloc[::7].assign(gamma=lambda t: np.resize(cambers, len(t)))
     table["Fy"] = known.evaluate(table, signs="adapted-sae")["Fy"] + NOISE
-    (told,) = undetermined(residuals_of(known, table), ["PDY1", "PDY3"], [("PDY3",)], {"Fy": 0.01})
-    assert told.reason == reason
+    (found,) = undetermined(residuals_of(known, table), ["PDY1", "PDY3"], [("PDY3",)], {"Fy": 0.01})
+    assert found.reason == reason
 
 
 def test_a_load_with_little_slip_is_said_to_have_little(known):
@@ -198,9 +198,9 @@ def test_a_load_with_little_slip_is_said_to_have_little(known):
     table["Fx"] = known.evaluate(table, signs="adapted-sae")["Fx"] + NOISE * random.normal(size=n)
     residuals = residuals_of(known, table.assign(segment=0))
     free = ["PCX1", "PDX1", "PDX2", "PEX1", "PEX2", "PEX3", "PKX1", "PKX2", "PKX3"]
-    (told,) = undetermined(residuals, free, [("PEX2", "PEX3")], {"Fx": 5.0})
-    assert told.coefficients == ("PEX2", "PEX3")
-    assert told.reason == "no second load above 0.1 kappa"
+    (found,) = undetermined(residuals, free, [("PEX2", "PEX3")], {"Fx": 5.0})
+    assert found.coefficients == ("PEX2", "PEX3")
+    assert found.reason == "no second load above 0.1 kappa"
 
 
 def test_the_result_tells_it_all_in_strict_json(side_fit):
@@ -218,10 +218,10 @@ def test_the_result_tells_it_all_in_strict_json(side_fit):
 def test_every_margin_is_told_once_beside_its_extrapolation(side_fit):
     far = Margin("mu_y > 0, 1.5 x the range", 0.5, 0.49, {"Fz": 1680.0}, "extrapolation:mu_y")
     result = replace(side_fit[0], margins=(*side_fit[0].margins, far))
-    told = constraint_rows(result.margins)
-    shown = [margin.name for each in told for margin in (each.inside, each.beyond) if margin is not None]
+    found = constraint_rows(result.margins)
+    shown = [margin.name for each in found for margin in (each.inside, each.beyond) if margin is not None]
     assert sorted(shown) == sorted(margin.name for margin in result.margins)
     assert "1.5 times" in extrapolation_text(result)
     assert "nothing is kept" in extrapolation_text(side_fit[0])
-    (friction,) = (each for each in told if each.constraint == "mu_y > 0")
+    (friction,) = (each for each in found if each.constraint == "mu_y > 0")
     assert friction.beyond == far

@@ -11,7 +11,7 @@ import pytest
 from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.physical import Constraint
 from tirefmu.fitting.problem.weighted_residuals import Problem, Rows, equal_weights
-from tirefmu.fitting.solvers.evolution import GOAL, SETTLED, Evolution
+from tirefmu.fitting.solvers.evolution import GOAL, NO_GAIN, Evolution
 from tirefmu.fitting.solvers.ipopt import INTERRUPTED, LIMIT, solve
 from tirefmu.fitting.solvers.selection import METHODS, solver_for
 from tirefmu.symbolic import MODELS
@@ -41,10 +41,12 @@ def start(problem):
 @pytest.fixture
 def bounds(problem):
     """Return a function that writes bounds in the solver's scale: the cards' where none are given."""
-    cards = problem.tire.book.coefficients
+    declarations = problem.tire.book.coefficients
 
     def write(**given):
-        lower, upper = zip(*(given.get(name, (cards[name].lower, cards[name].upper)) for name in FREE), strict=True)
+        lower, upper = zip(
+            *(given.get(name, (declarations[name].lower, declarations[name].upper)) for name in FREE), strict=True
+        )
         return np.array(lower) / problem.scale, np.array(upper) / problem.scale
 
     return write
@@ -87,13 +89,13 @@ def test_conditions_are_kept_where_the_optimum_breaks_them(problem, start, bound
     points = np.array([[0.0, 0.0], [0.1, 0.1], [0.0, 0.0], [220.0, 1120.0]])
     ceiling = (Constraint("mu_y", -inf, 1.6, ("Fz",)), points)
     free = Evolution(300)(problem, start, *bounds(), [])
-    kept = Evolution(300)(problem, start, *bounds(), [ceiling])
-    oracle = solve(problem, start, *bounds(), [ceiling])
+    constrained = Evolution(300)(problem, start, *bounds(), [ceiling])
+    reference = solve(problem, start, *bounds(), [ceiling])
     code = code_for("mf96", "numpy")
-    place = code.quantities_names.index("mu_y")
-    assert code.quantities(points, problem.parameters(free.x))[place].max() > 1.8
-    assert code.quantities(points, problem.parameters(kept.x))[place].max() <= 1.6 + 2e-6
-    assert kept.cost == pytest.approx(oracle.cost, rel=1e-2)
+    index = code.quantities_names.index("mu_y")
+    assert code.quantities(points, problem.parameters(free.x))[index].max() > 1.8
+    assert code.quantities(points, problem.parameters(constrained.x))[index].max() <= 1.6 + 2e-6
+    assert constrained.cost == pytest.approx(reference.cost, rel=1e-2)
 
 
 def test_it_starts_outside_the_conditions_and_gets_inside(problem, start, bounds):
@@ -143,22 +145,22 @@ def test_the_error_goal_ends_it(problem, start, bounds):
 def test_no_further_gain_ends_it_unless_it_is_patient(known, make, bounds, start):
     table = make.sideways(known, cambers=(0.0,)).table
     noisy = problem_of(known, table.assign(Fy=table["Fy"] + np.random.default_rng(3).normal(0.0, 20.0, len(table))))
-    settled = Evolution(1500)(noisy, start, *bounds(), [])
-    assert (settled.converged, settled.reason) == (True, SETTLED)
-    assert settled.iterations < 1500
-    assert settled.cost == pytest.approx(solve(noisy, start, *bounds(), []).cost, rel=1e-4)
-    patient = Evolution(settled.iterations + 1, patient=True)(noisy, start, *bounds(), [])
-    assert patient.reason == LIMIT
+    stopped = Evolution(1500)(noisy, start, *bounds(), [])
+    assert (stopped.converged, stopped.reason) == (True, NO_GAIN)
+    assert stopped.iterations < 1500
+    assert stopped.cost == pytest.approx(solve(noisy, start, *bounds(), []).cost, rel=1e-4)
+    full_length = Evolution(stopped.iterations + 1, run_to_limit=True)(noisy, start, *bounds(), [])
+    assert full_length.reason == LIMIT
 
 
 def test_who_stops_it_gets_the_best_so_far(problem, start, bounds):
-    told = []
-    asked = count(1)
+    calls = []
+    requests = count(1)
     solution = Evolution(1000)(
-        problem, start, *bounds(), [], progress=lambda *call: told.append(call), stop=lambda: next(asked) == 20
+        problem, start, *bounds(), [], progress=lambda *call: calls.append(call), stop=lambda: next(requests) == 20
     )
     assert (solution.reason, solution.converged, solution.iterations) == (INTERRUPTED, False, 20)
-    generations, costs = zip(*told, strict=True)
+    generations, costs = zip(*calls, strict=True)
     assert generations == tuple(range(1, 21))
     assert list(costs) == sorted(costs, reverse=True)
     assert solution.cost == pytest.approx(costs[-1])
@@ -206,12 +208,16 @@ def test_a_misspelt_method_and_odd_numbers_are_refused():
 def test_every_card_bounds_the_search(known, make, problem, start):
     """So that a recipe's open bounds can be sought within the card's."""
     for book in MODELS.values():
-        assert all(np.isfinite([card.lower, card.upper]).all() for card in book.coefficients.values())
+        assert all(
+            np.isfinite([declaration.lower, declaration.upper]).all() for declaration in book.coefficients.values()
+        )
     wide = np.full(len(FREE), inf)
     solution = Evolution(20)(problem, start, -wide, wide, [])
-    cards = [problem.tire.book.coefficients[name] for name in FREE]
+    declarations = [problem.tire.book.coefficients[name] for name in FREE]
     values = solution.x * problem.scale
-    assert all(card.lower <= value <= card.upper for card, value in zip(cards, values, strict=True))
+    assert all(
+        declaration.lower <= value <= declaration.upper for declaration, value in zip(declarations, values, strict=True)
+    )
 
 
 # ------------------------------------------------------------------ many points at once

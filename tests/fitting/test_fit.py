@@ -36,8 +36,8 @@ def test_known_coefficients_are_recovered_from_generic_values(known, make, seed)
     for name, share in differences(result.tire, truth, make.anywhere()).items():
         assert share < 1e-3, name
     for name in ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2", "PCX1", "PDX1", "PKX1", "PVY3", "QBZ1", "QDZ1"):
-        assert make.told(result)[name].value == pytest.approx(truth.values[name], rel=0.01), name
-        assert make.told(result)[name].determined
+        assert make.coefficients(result)[name].value == pytest.approx(truth.values[name], rel=0.01), name
+        assert make.coefficients(result)[name].determined
 
 
 def test_noise_does_not_lead_it_astray(known, make):
@@ -112,7 +112,7 @@ def test_bounds_are_kept_and_named(known, make, tmp_path):
         """,
     )
     result = fit([make.sideways(known)], "mf96", effects=make.effects, nominal=make.nominal, recipe=path)
-    coefficients = make.told(result)
+    coefficients = make.coefficients(result)
     assert set(coefficients) == {"PCY1", "PDY1", "PKY1", "PKY2"}
     for coefficient in coefficients.values():
         assert coefficient.lower <= coefficient.value <= coefficient.upper
@@ -137,16 +137,16 @@ def test_a_curvature_above_one_is_refused_over_the_whole_range(known, make):
     assert curvature.margin == pytest.approx(0.0, abs=1e-3)
     assert curvature.worst == pytest.approx(1.0, abs=1e-3)
     assert 500.0 < curvature.at["Fz"] < 1000.0
-    coefficients = make.told(result)
+    coefficients = make.coefficients(result)
     assert not any(coefficients[name].at_bound for name in ("PEX1", "PEX2", "PEX3"))  # it is the condition that holds
     # The data want more: with the condition lifted, E_x of their best fit arches to 1.3.
     loads = np.linspace(220.0, 1120.0, 400)
     rows = np.stack([np.full(400, 0.1), np.zeros(400), np.zeros(400), loads])
     code = code_for("mf96", "numpy")
-    place = code.quantities_names.index("E_x")
-    kept, true = (code.quantities(rows, tire.in_signs("iso").parameters())[place] for tire in (result.tire, odd))
+    index = code.quantities_names.index("E_x")
+    constrained, true = (code.quantities(rows, tire.in_signs("iso").parameters())[index] for tire in (result.tire, odd))
     assert true.max() == pytest.approx(1.3, abs=0.01)
-    assert kept.max() < 1.02  # between the verified loads, too
+    assert constrained.max() < 1.02  # between the verified loads, too
 
 
 def test_the_curvature_is_not_held_where_no_condition_is(known, make):
@@ -154,15 +154,15 @@ def test_the_curvature_is_not_held_where_no_condition_is(known, make):
     values = {**known.values, "PEY1": 0.6, "PEY2": 1.2}
     odd = Tire("mf96", values, effects=make.effects, signs="adapted-sae")
     recording = make.sideways(odd)
-    kept = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
-    broken = fit([recording], "mf96", effects=make.effects, nominal=make.nominal, without_constraints=["all"])
-    assert broken.margins == ()
+    constrained = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
+    unconstrained = fit([recording], "mf96", effects=make.effects, nominal=make.nominal, without_constraints=["all"])
+    assert unconstrained.margins == ()
     at_top = {"Fz": 1120.0, "alpha": 0.2}
 
     def curvature(result):
         return float(result.tire.evaluate(pd.DataFrame([at_top]))["E_y"].iloc[0])
 
-    assert curvature(broken) > 1.2
-    assert curvature(kept) <= 1.0 + 1e-6
-    assert min(margin.margin for margin in kept.margins) >= -1e-6
-    assert broken.channels[0].rmse < kept.channels[0].rmse
+    assert curvature(unconstrained) > 1.2
+    assert curvature(constrained) <= 1.0 + 1e-6
+    assert min(margin.margin for margin in constrained.margins) >= -1e-6
+    assert unconstrained.channels[0].rmse < constrained.channels[0].rmse

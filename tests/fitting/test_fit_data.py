@@ -44,23 +44,23 @@ def test_bad_rows_do_not_bend_a_fit(once, known, make):
     rows = np.arange(20, len(once), 60)
     bad = spoiled(once, rows)
     options = {"effects": ("load_friction", "load_stiffness", "plysteer"), "nominal": make.nominal}
-    clean, kept, bent = (
+    clean, screened, bent = (
         fit([data], "mf96", screening=screening, **options)
         for data, screening in ((once, True), (bad, True), (bad, False))
     )
-    (aside,) = kept.set_aside
-    assert (aside.reason, aside.rows, aside.of) == ("outlier", len(rows), len(once))
-    assert len(aside.findings) == len(rows)
-    assert aside.findings[0].startswith("outlier: row 21: Fy is 9000 N, the running median is ")
-    assert clean.set_aside == bent.set_aside == ()
+    (excluded,) = screened.excluded_rows
+    assert (excluded.reason, excluded.rows, excluded.of) == ("outlier", len(rows), len(once))
+    assert len(excluded.findings) == len(rows)
+    assert excluded.findings[0].startswith("outlier: row 21: Fy is 9000 N, the running median is ")
+    assert clean.excluded_rows == bent.excluded_rows == ()
     points = pd.DataFrame({"alpha": np.tile(np.linspace(-0.2, 0.2, 21), 2), "Fz": np.repeat([500.0, 1000.0], 21)})
-    curves = [result.tire.evaluate(points)["Fy"] for result in (clean, kept, bent)]
+    curves = [result.tire.evaluate(points)["Fy"] for result in (clean, screened, bent)]
     assert np.abs(curves[1] - curves[0]).max() < 10.0
     assert np.abs(curves[2] - curves[0]).max() > 100.0
     # The score counts every row, the bad ones too.
-    assert kept.channels[0].rows == len(once)
-    assert kept.channels[0].rmse > 10 * clean.channels[0].rmse
-    assert kept.to_json()["set_aside"][0]["rows"] == len(rows)
+    assert screened.channels[0].rows == len(once)
+    assert screened.channels[0].rmse > 10 * clean.channels[0].rmse
+    assert screened.to_json()["set_aside"][0]["rows"] == len(rows)
 
 
 def test_a_range_is_that_of_the_rows_that_are_fitted(once):
@@ -103,22 +103,22 @@ def test_independent_rows_weigh_a_recording_by_what_it_is_worth(once, known, mak
     drifting = replace(once, table=once.table.assign(Fy=shifted + slow), source="slow")
     noisy = replace(once, table=once.table.assign(Fy=once.table["Fy"] + quick), source="quick")
     options = {"effects": make.effects, "nominal": make.nominal, "screening": False}
-    by_row, by_worth = (fit([drifting, noisy], "mf96", rows=rows, **options) for rows in ("equal", "independent"))
-    assert by_worth.ok
+    by_row, by_sample_size = (fit([drifting, noisy], "mf96", rows=rows, **options) for rows in ("equal", "independent"))
+    assert by_sample_size.ok
     true = once.table["Fy"].to_numpy()
 
-    def missed(result):
+    def error(result):
         force = result.tire.evaluate(once.table, signs=once.signs)["Fy"].to_numpy()
         return float(np.sqrt(np.mean((force - true) ** 2)))
 
-    assert missed(by_worth) < 0.7 * missed(by_row)
+    assert error(by_sample_size) < 0.7 * error(by_row)
 
 
 def test_a_file_that_is_all_warm_up_is_set_aside_beside_others(once):
     cold = replace(once, source="warmup.csv", table=once.table.assign(Fy=0.5 * once.table["Fy"]))
     data = prepare([once, cold], BOOK)
     assert set(data.fitted["recording"]) == {0}
-    assert [str(aside) for aside in data.set_aside] == [
+    assert [str(excluded) for excluded in data.excluded_rows] == [
         f"warmup.csv: {len(cold)} of {len(cold)} rows set aside: warm-up (the tread is still cold)"
     ]
     with pytest.raises(DataError, match=r"no row is left to fit \(--all-rows keeps them\): warmup.csv: "):

@@ -18,7 +18,7 @@ BOOK = model("mf96")
 
 def test_cornering_alone_leaves_drive_and_brake_undetermined(known, make):
     result = fit([make.bench(known, kappa=False)], "mf96", effects=make.effects, nominal=make.nominal)
-    coefficients = make.told(result)
+    coefficients = make.coefficients(result)
     for name in ("RBY1", "RBY2", "RBY3", "RCY1", "RHY1"):
         assert not coefficients[name].determined, name
         assert not coefficients[name].at_bound
@@ -37,7 +37,7 @@ def test_cornering_alone_leaves_drive_and_brake_undetermined(known, make):
 def test_one_load_and_no_camber_leave_their_coefficients_undetermined(known, make):
     recording = make.sideways(known, loads=(700.0,), cambers=(0.0,))
     result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
-    coefficients = make.told(result)
+    coefficients = make.coefficients(result)
     for name in ("PDY2", "PEY2", "PHY2", "PVY2", "PHY3", "PVY3", "PVY4", "PDY3"):
         assert not coefficients[name].determined, name
         assert result.tire.values[name] == 0.0
@@ -61,7 +61,7 @@ def test_a_later_stage_does_not_forget_what_an_earlier_one_measured(known, make,
     )
     recording = make.sideways(known, loads=(220.0, 700.0, 1120.0))
     result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal, recipe=path)
-    coefficients = make.told(result)
+    coefficients = make.coefficients(result)
     assert result.tire.values["PDY2"] == pytest.approx(known.values["PDY2"], rel=1e-3)
     assert coefficients["PDY2"].determined
     assert coefficients["PDY2"].stage == "all loads"  # the last that saw it

@@ -22,7 +22,7 @@ def test_the_coefficients_of_absent_effects_stay_neutral(known, make):
     assert {"PHY3", "PVY3", "PVY4", "PHY1", "PHY2"} <= absent
     for name in absent:
         assert result.tire.values[name] == BOOK.coefficients[name].neutral
-    assert not absent & set(make.told(result))
+    assert not absent & set(make.coefficients(result))
 
 
 def test_the_core_alone_and_other_tools_read_the_same_tire(known, make, tmp_path):
@@ -33,7 +33,7 @@ def test_the_core_alone_and_other_tools_read_the_same_tire(known, make, tmp_path
     assert result.tire.has == frozenset()
     assert result.channels[0].r2 > 0.99999
     assert -result.tire.values["PKY1"] == pytest.approx(core.values["PKY1"], rel=1e-4)
-    assert make.told(result)["PKY1"].value == pytest.approx(core.values["PKY1"], rel=1e-4)
+    assert make.coefficients(result)["PKY1"].value == pytest.approx(core.values["PKY1"], rel=1e-4)
     path = tmp_path / "core.tir"
     result.tire.save(path)
     lines = path.read_text(encoding="utf-8").splitlines()
@@ -57,7 +57,7 @@ def test_constraints_and_influence_know_what_an_absent_effect_rescales(make, kno
     assert result.channels[0].r2 > 0.99999
     (stiff,) = (margin for margin in result.margins if margin.constraint == "B_y > 0")
     assert 1.0 < stiff.worst < 100.0
-    assert make.told(result)["PKY1"].determined
+    assert make.coefficients(result)["PKY1"].determined
 
 
 # ------------------------------------------------------------------ start, nominal, progress
@@ -70,9 +70,9 @@ def test_a_start_tire_gives_values_and_effects(known, make):
     assert result.tire.name == "known"
     assert result.tire.values["FNOMIN"] == 700.0
     assert result.channels[0].rmse < 1e-3
-    assert make.told(result)["PDY1"].guess == known.values["PDY1"]
+    assert make.coefficients(result)["PDY1"].guess == known.values["PDY1"]
     # What these data cannot see is still the start's.
-    assert not make.told(result)["RBY1"].determined
+    assert not make.coefficients(result)["RBY1"].determined
     for name in ("PCX1", "PKX1", "QBZ1", "RBY1"):
         assert result.tire.values[name] == known.values[name]
     less = fit([recording], "mf96", start=known, without=["camber_thrust"])
@@ -126,6 +126,6 @@ def test_the_operating_range_is_kept_with_the_tire(side_fit):
 
 def test_two_recordings_of_one_name_are_told_apart(known, make):
     result = fit([make.sideways(known), make.sideways(known)], "mf96", nominal=make.nominal)
-    told = {channel.recording for channel in result.channels}
-    assert len(told) == 2
-    assert all(result.channel(name, "Fy").rows for name in told)
+    names = {channel.recording for channel in result.channels}
+    assert len(names) == 2
+    assert all(result.channel(name, "Fy").rows for name in names)

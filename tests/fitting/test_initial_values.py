@@ -34,8 +34,8 @@ def test_what_is_read_is_nearer_to_the_truth_than_generic_values(make, seed):
     read = starting_values(blank(make), measured(make, truth))
     assert set(read) == FROM_DATA - {"PHX1"}  # of an absent effect
     points = pd.DataFrame({"Fz": [300.0, 700.0, 1100.0]})
-    cards = truth.book.coefficients
-    generic = {name: cards[name].generic for name in read}
+    declarations = truth.book.coefficients
+    generic = {name: declarations[name].generic for name in read}
 
     def quantities(values):
         tire = Tire("mf96", {**truth.values, **values}, effects=make.effects, signs="adapted-sae")
@@ -56,8 +56,8 @@ def test_a_fit_from_there_ends_no_worse(make, seed):
     )
     assert read.ok
     assert read.channels[0].rmse <= generic.channels[0].rmse * 1.001
-    guess = make.told(read)["PKY1"].guess
-    assert guess != make.told(generic)["PKY1"].guess
+    guess = make.coefficients(read)["PKY1"].guess
+    assert guess != make.coefficients(generic)["PKY1"].guess
     assert any(f"started from what the data show: PKY1 {guess:.3g}" in note for note in read.notes)
 
 

@@ -58,8 +58,8 @@ def whole(recording, make):
 
 def same(one, other):
     """Compare two results to the last digit; only the time may differ."""
-    told = [{**result.to_json(), "seconds": 0.0} for result in (one, other)]
-    assert told[0] == told[1]
+    records = [{**result.to_json(), "seconds": 0.0} for result in (one, other)]
+    assert records[0] == records[1]
 
 
 @pytest.mark.parametrize("how", [raised, pressed])
@@ -140,8 +140,8 @@ def test_another_thread_has_no_handler_to_take_over():
 def test_a_resumed_fit_ends_as_one_without_interrupt(recording, whole, make, tmp_path, stage):
     path = tmp_path / "tire.progress.json"
     options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
-    broken_off = fit([recording], "mf96", **options, progress=stopping(stage, 2, raised))
-    assert broken_off.interrupted
+    interrupted = fit([recording], "mf96", **options, progress=stopping(stage, 2, raised))
+    assert interrupted.interrupted
     assert json.loads(path.read_text(encoding="utf-8"))["done"] > 0
     stages = []
     resumed = fit([recording], "mf96", **options, resume=True, progress=lambda *call: stages.append(call[0]))
@@ -181,11 +181,11 @@ def test_the_file_belongs_to_one_fit(recording, make, tmp_path):
         (None, "no such file: there is no interrupted fit"),
         ("{", "is no progress file"),
         ("[]", "is no progress file of this version"),
-        ('{"version": 1}', "is no progress file of this version"),
-        ('{"version": 2}', "was changed after it was written"),
+        ('{"version": 2}', "is no progress file of this version"),
+        ('{"version": 3}', "was changed after it was written"),
         ("[" * 100_000, "is no progress file"),
-        (Checkpoint.sealed({"version": 2}), "belongs to a fit with other"),
-        (Checkpoint.sealed({"version": 2, "identity": [1]}), "belongs to a fit with other"),
+        (Checkpoint.sealed({"version": 3}), "belongs to a fit with other"),
+        (Checkpoint.sealed({"version": 3, "identity": [1]}), "belongs to a fit with other"),
     ],
 )
 def test_a_file_that_is_none(recording, make, tmp_path, text, message):
@@ -205,8 +205,8 @@ WRONG = (
     ("values", {"PDY1": float("nan")}, "nan is no number"),
     ("values", {"<script>": 1.0}, "that this fit has not"),
     ("freed", {"PDY1": 1}, "is no dict"),
-    ("broken", [["no such", [[1.0]]]], "that this fit has not"),
-    ("broken", [3], "TypeError"),
+    ("violated", [["no such", [[1.0]]]], "that this fit has not"),
+    ("violated", [3], "TypeError"),
     ("stages", [{}], "KeyError"),
     ("ended", [{"stage": 77, "values": {}, "free": {}, "x": []}], "that this fit has not"),
     ("notes", "a note", "is no list"),

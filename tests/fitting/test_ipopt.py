@@ -53,16 +53,16 @@ def bounds():
 @pytest.fixture(scope="module")
 def curvature(known, table):
     """Return the condition E_y <= 1 with its points, and E_y at points for scaled values."""
-    (condition,) = (c for c in declared_constraints("mf96")["Fy"] if c.name == "curvature:E_y")
+    (constraint,) = (c for c in declared_constraints("mf96")["Fy"] if c.name == "curvature:E_y")
     ranges = operating_range(table, known.inputs)
     nominal = {name: known.nominal(name) for name in known.inputs}
     code = code_for("mf96", "numpy")
 
     def values(problem, x, density):
-        points = grid(condition, ranges, nominal, density=density)
+        points = grid(constraint, ranges, nominal, density=density)
         return code.quantities(points, problem.parameters(x))[code.quantities_names.index("E_y")]
 
-    return (condition, grid(condition, ranges, nominal)), values
+    return (constraint, grid(constraint, ranges, nominal)), values
 
 
 def test_it_finds_the_least_squares(problem, start, bounds):
@@ -73,11 +73,11 @@ def test_it_finds_the_least_squares(problem, start, bounds):
         measured = problem.rows.measured[:, 1]
         return (forces[1] - measured) / np.sqrt(np.sum(measured**2))
 
-    oracle = least_squares(residual, start, xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    reference = least_squares(residual, start, xtol=1e-12, ftol=1e-12, gtol=1e-12)
     assert solution.converged
-    assert solution.cost == pytest.approx(oracle.cost, rel=1e-5)
+    assert solution.cost == pytest.approx(reference.cost, rel=1e-5)
     assert solution.cost == problem.cost(solution.x)
-    np.testing.assert_allclose(solution.x, oracle.x, atol=0.02)
+    np.testing.assert_allclose(solution.x, reference.x, atol=0.02)
 
 
 def test_bounds_are_kept(problem, start, bounds, known):
@@ -100,16 +100,16 @@ def test_equal_bounds_hold_a_coefficient(problem, start, bounds):
 
 
 def test_a_constraint_is_kept_where_the_optimum_breaks_it(problem, start, bounds, curvature):
-    (condition, points), curvature_at = curvature
+    (constraint, points), curvature_at = curvature
     free = solve(problem, start, *bounds(problem), [])
     # The known tire's E_y is below 1: hold it below what the free fit finds.
     highest = float(curvature_at(problem, free.x, 1).max())
     ceiling = highest - 0.3
-    tight = Constraint(condition.quantity, -inf, ceiling, condition.over)
-    kept = solve(problem, start, *bounds(problem), [(tight, points)])
-    assert kept.converged
-    assert curvature_at(problem, kept.x, 4).max() == pytest.approx(ceiling, abs=1e-3)
-    assert kept.cost > free.cost
+    tight = Constraint(constraint.quantity, -inf, ceiling, constraint.over)
+    constrained = solve(problem, start, *bounds(problem), [(tight, points)])
+    assert constrained.converged
+    assert curvature_at(problem, constrained.x, 4).max() == pytest.approx(ceiling, abs=1e-3)
+    assert constrained.cost > free.cost
 
 
 def test_a_constraint_that_nothing_free_reaches_does_not_stop_the_fit(problem, start, bounds, known, table):
@@ -139,25 +139,25 @@ def test_impossible_constraints_are_a_result(problem, start, bounds):
 
 
 def test_progress_is_told(problem, start, bounds):
-    told = []
-    solution = solve(problem, start, *bounds(problem), [], progress=lambda count, cost: told.append((count, cost)))
-    counts, costs = zip(*told, strict=True)
-    assert counts == tuple(range(1, len(told) + 1))
-    assert len(told) >= solution.iterations
+    calls = []
+    solution = solve(problem, start, *bounds(problem), [], progress=lambda count, cost: calls.append((count, cost)))
+    counts, costs = zip(*calls, strict=True)
+    assert counts == tuple(range(1, len(calls) + 1))
+    assert len(calls) >= solution.iterations
     assert costs[0] == pytest.approx(problem.cost(start), rel=0.01)  # the start is moved a little off its bounds
     assert costs[-1] == pytest.approx(solution.cost, rel=1e-3)
 
 
 def test_what_the_data_leave_open_stays_where_it_was(known, table, bounds):
     rows = Rows.of(table[table["Fz"] == 500.0], known, ["Fy"])
-    open_pair = Problem(known, rows, ("PDY1", "PDY2"), equal_weights(rows), np.array([1.9, 0.2]))
-    start = np.array([1.7, -0.5]) / open_pair.scale
+    pair = Problem(known, rows, ("PDY1", "PDY2"), equal_weights(rows), np.array([1.9, 0.2]))
+    start = np.array([1.7, -0.5]) / pair.scale
     wide = np.full(2, 50.0)
-    solution = solve(open_pair, start, -wide, wide, [])
+    solution = solve(pair, start, -wide, wide, [])
     dfz = (500.0 - 700.0) / 700.0
-    value = solution.x * open_pair.scale
+    value = solution.x * pair.scale
     assert solution.converged
     assert value[0] + value[1] * dfz == pytest.approx(1.9 - 0.2 * dfz, rel=0.01)  # this the data tell
     # Along the direction that they leave open, it stays where it was.
-    along = np.array([-dfz, 1.0]) / open_pair.scale
+    along = np.array([-dfz, 1.0]) / pair.scale
     assert (solution.x - start) @ along == pytest.approx(0.0, abs=0.05)

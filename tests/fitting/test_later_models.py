@@ -83,20 +83,20 @@ def test_what_coefficients_refer_to_is_given_and_noted(fitted):
     notes = "\n".join(result.notes)
     for text in ("nominal load not given", "nominal pressure p0 not given: the median, 83000 Pa", "radius R0"):
         assert text in notes
-    cards = truth.book.coefficients
-    assert not [c.name for c in result.coefficients if not cards[c.name].fitted]
+    declarations = truth.book.coefficients
+    assert not [c.name for c in result.coefficients if not declarations[c.name].fitted]
     # No row turns: of turn slip there is nothing to tell.
-    assert not [c.name for c in result.coefficients if cards[c.name].section == "TURNSLIP_COEFFICIENTS"]
+    assert not [c.name for c in result.coefficients if declarations[c.name].section == "TURNSLIP_COEFFICIENTS"]
     assert set(result.tire.ranges) == {"kappa", "alpha", "gamma", "Fz", "p"}
     assert result.tire.ranges["p"] == (7e4, 9.7e4)
 
 
 def test_pressure_is_found_and_conditions_are_verified_over_it(fitted):
     truth, result = fitted
-    told = {c.name: c for c in result.coefficients}
+    coefficients = {c.name: c for c in result.coefficients}
     if "PPY3" in truth.book.coefficients and "pressure_friction" in truth.book.effects:
-        assert told["PPY3"].value == pytest.approx(-0.3, abs=0.02)
-        assert told["PPY3"].interval < 0.05
+        assert coefficients["PPY3"].value == pytest.approx(-0.3, abs=0.02)
+        assert coefficients["PPY3"].interval < 0.05
     margins = {margin.constraint: margin for margin in result.margins}
     expected = [c.text for channel in chosen_constraints(truth.model).values() for c in channel]
     assert list(margins) == expected

@@ -37,17 +37,17 @@ def computed(tire, recording):
 
 @pytest.mark.parametrize(("recording", "channel"), MOST)
 def test_every_channel_is_met_by_one_tire(measured, recording, channel):
-    told = measured.channel(recording, channel)
-    assert told.rmse <= MOST[recording, channel]
-    assert told.rows in (59_965, 76_484)  # all of them
-    assert told.noise_floor < told.rmse
-    assert 100 < told.effective_rows < 0.1 * told.rows
+    channel_fit = measured.channel(recording, channel)
+    assert channel_fit.rmse <= MOST[recording, channel]
+    assert channel_fit.rows in (59_965, 76_484)  # all of them
+    assert channel_fit.noise_floor < channel_fit.rmse
+    assert 100 < channel_fit.effective_rows < 0.1 * channel_fit.rows
 
 
 def test_the_aligning_moment_of_drive_and_brake_is_met_without_its_ripple(measured, recordings):
     recording = recordings[1]
-    missed = computed(measured.tire, recording)["Mz"].to_numpy() - recording.table["Mz"].to_numpy()
-    smooth = [uniform_filter1d(missed[rows], 25, mode="nearest") for rows in recording.segments()]
+    residual = computed(measured.tire, recording)["Mz"].to_numpy() - recording.table["Mz"].to_numpy()
+    smooth = [uniform_filter1d(residual[rows], 25, mode="nearest") for rows in recording.segments()]
     assert np.sqrt(np.mean(np.concatenate(smooth) ** 2)) <= 16.0
 
 
@@ -69,17 +69,17 @@ def test_cornering_stiffness_is_that_of_the_sweeps(measured, recordings):
 
 def test_every_condition_holds_over_the_operating_range(measured):
     assert measured.status == "converged"
-    kept = [each.name for own in chosen_constraints("mf61").values() for each in own]
-    assert [margin.name for margin in measured.margins] == kept
+    names = [each.name for own in chosen_constraints("mf61").values() for each in own]
+    assert [margin.name for margin in measured.margins] == names
     for margin in measured.margins:
         assert margin.margin >= -1e-6, margin
 
 
 def test_what_the_data_leave_open_is_named(measured):
-    told = {coefficient.name: coefficient for coefficient in measured.coefficients}
+    channel_fit = {coefficient.name: coefficient for coefficient in measured.coefficients}
     assert any({"PKX2", "PKX3"} <= set(direction.coefficients) for direction in measured.directions)
-    assert np.isinf(told["PKX2"].interval)
-    assert told["PDY1"].interval < 0.1 * told["PDY1"].value
+    assert np.isinf(channel_fit["PKX2"].interval)
+    assert channel_fit["PDY1"].interval < 0.1 * channel_fit["PDY1"].value
 
 
 def test_what_the_data_say_of_the_fit(measured):

@@ -56,12 +56,12 @@ def printed(text):
 
 
 @pytest.mark.parametrize(("place", "row"), list(enumerate(TRENTO)), ids=[row[0] for row in TRENTO])
-def test_trento_is_the_report(place, row):
+def test_trento_is_the_report(index, row):
     name, channel, text = row
-    stage = load_recipe("trento", "mf96").stages[place]
+    stage = load_recipe("trento", "mf96").stages[index]
     assert (stage.name, stage.channels, stage.weights, stage.rows) == (name, (channel,), "equal", None)
-    told = {n: (f.guess, f.lower, f.upper) for n, f in stage.free.items()}
-    assert told == printed(text)
+    freed = {n: (f.guess, f.lower, f.upper) for n, f in stage.free.items()}
+    assert freed == printed(text)
 
 
 def test_trento_slices_are_those_of_the_report():

@@ -16,7 +16,7 @@ TRUTH = known_tire(MODEL)
 RECORDING = recorded(TRUTH, ROWS, correlation_time=0.5)
 
 
-def missed(tire, other=TRUTH):
+def difference(tire, other=TRUTH):
     """Return the largest root mean square difference of a channel, as a share of its noise."""
     table = RECORDING.with_signs("adapted-sae").table
     inputs = {name: table[name].to_numpy() for name in TRUTH.inputs}
@@ -31,27 +31,27 @@ def found():
 
 def test_predictions_are_within_the_noise(found):
     assert found.ok, found.status
-    assert missed(found.tire) < 0.4
+    assert difference(found.tire) < 0.4
     for channel in found.channels:
         assert channel.rmse == pytest.approx(SIZES[channel.channel], rel=0.1)
 
 
 def test_intervals_hold_the_true_values(found):
     truth = TRUTH.in_signs(found.signs)
-    told = [c for c in found.coefficients if np.isfinite(c.interval) and not c.at_bound]
-    inside = [abs(c.value - truth.values[c.name]) <= c.interval for c in told]
+    known = [c for c in found.coefficients if np.isfinite(c.interval) and not c.at_bound]
+    inside = [abs(c.value - truth.values[c.name]) <= c.interval for c in known]
     assert len(inside) > 60
     assert np.mean(inside) > 0.87  # one recording; benchmarks/recovery.py counts many
-    assert np.mean([abs(c.value - truth.values[c.name]) <= 0.2 * c.interval for c in told]) < 0.6  # nor far too wide
+    assert np.mean([abs(c.value - truth.values[c.name]) <= 0.2 * c.interval for c in known]) < 0.6  # nor far too wide
 
 
 @pytest.mark.parametrize(("share", "seed"), [(0.3, 0), (0.3, 2), (0.6, 2)])
 def test_other_starts_end_in_the_same_place(found, share, seed):
     start = moved(TRUTH, share, seed)
-    assert missed(start) > 5.0
+    assert difference(start) > 5.0
     result = fit([RECORDING], MODEL, start=start)
     assert result.ok, result.status
-    assert missed(result.tire, found.tire) < 0.1
+    assert difference(result.tire, found.tire) < 0.1
 
 
 @pytest.mark.parametrize("model", ["mf96", "mf52", "mf61"])
@@ -60,6 +60,6 @@ def test_the_known_tires_keep_every_condition(model):
     table = recorded(tire, 300, level=0.0).with_signs("adapted-sae").table
     ranges = operating_range(table, tire.inputs)
     nominal = {name: tire.nominal(name) for name in tire.inputs}
-    for condition in (c for channel in CHANNELS for c in chosen_constraints(model)[channel]):
-        values = measured_values(tire.book, condition, grid(condition, ranges, nominal, density=2), tire.parameters())
-        assert condition.distance(values).min() > 0, condition.name
+    for constraint in (c for channel in CHANNELS for c in chosen_constraints(model)[channel]):
+        values = measured_values(tire.book, constraint, grid(constraint, ranges, nominal, density=2), tire.parameters())
+        assert constraint.distance(values).min() > 0, constraint.name

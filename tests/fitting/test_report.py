@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 import pytest
 
 from tirefmu.fitting.constraints.verification import Margin
-from tirefmu.fitting.data.fit_data import SetAside
+from tirefmu.fitting.data.fit_data import ExcludedRows
 from tirefmu.fitting.evidence.consistency import Disagreement
 from tirefmu.fitting.evidence.diagnostics import Findings
 from tirefmu.fitting.evidence.slip_stiffness import SlipStiffness
@@ -70,8 +70,8 @@ def test_the_page_says_what_the_fit_says(side_fit):
 
 def test_what_went_wrong_stands_in_the_page(side_fit):
     result, _ = side_fit
-    broken = replace(result, margins=(Margin("E_y <= 1", 1.25, -0.25, {"Fz": 1120.0}),))
-    assert "constraint E_y <= 1 broken by 0.25" in Page(report_page(broken, [])).text
+    violated = replace(result, margins=(Margin("E_y <= 1", 1.25, -0.25, {"Fz": 1120.0}),))
+    assert "constraint E_y <= 1 broken by 0.25" in Page(report_page(violated, [])).text
 
 
 def with_text(result, text):
@@ -89,7 +89,7 @@ def with_text(result, text):
         result, tire=tire, recipe=text, interrupted=text, notes=(text,),
         channels=each(result.channels, "recording"), stages=each(result.stages, "name", "reason"),
         held_out=(HeldOut(text, "Fy", "N", 3, 1.0, 2.0),),
-        set_aside=(SetAside(text, "outlier", text, 1, 9, (text,)),),
+        excluded_rows=(ExcludedRows(text, "outlier", text, 1, 9, (text,)),),
     )  # fmt: skip
     findings = Findings(
         conditions=each(found.conditions, "recording"),

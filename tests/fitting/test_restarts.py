@@ -19,11 +19,11 @@ PROBLEM = SimpleNamespace(free=("RBY2", "RBY3"), scale=np.array([2.0, 0.5]))
 def ends_at(cost, starts, *, converged=True):
     """Return a solver that stays where it starts and says what that costs; it notes its starts."""
 
-    def settle(start):
+    def solve_from(start):
         starts.append(start.tolist())
         return Solution(start, cost, 5, converged, "told")
 
-    return settle
+    return solve_from
 
 
 def first(x, cost=1.0):
@@ -40,8 +40,8 @@ def test_a_better_end_replaces_the_first():
 @pytest.mark.parametrize(("cost", "converged"), [(1.0, True), (2.0, True), (0.5, False)])
 def test_a_worse_end_or_none_does_not(cost, converged):
     solution = first([1.0, 2.0])
-    settle = ends_at(cost, [], converged=converged)
-    assert best_end(PROBLEM, solution, settle, LOWER, UPPER, [{"RBY2": 8.0}], always=True) is solution
+    solve_from = ends_at(cost, [], converged=converged)
+    assert best_end(PROBLEM, solution, solve_from, LOWER, UPPER, [{"RBY2": 8.0}], always=True) is solution
 
 
 def test_without_a_given_start_only_what_ended_on_a_bound_is_tried():

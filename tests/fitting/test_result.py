@@ -64,9 +64,9 @@ def test_ok_asks_for_converged_stages_and_kept_constraints(side_fit):
     late = replace(result, stages=(*result.stages, failed))
     assert not late.ok
     assert late.status == "not converged: stage 'late' ended: iteration limit"
-    broken = replace(result, margins=(*result.margins, Margin("E_y <= 1", 1.25, -0.25, {"Fz": 1120.0})))
-    assert not broken.ok
-    assert broken.status == "constraint E_y <= 1 broken by 0.25"
+    violated = replace(result, margins=(*result.margins, Margin("E_y <= 1", 1.25, -0.25, {"Fz": 1120.0})))
+    assert not violated.ok
+    assert violated.status == "constraint E_y <= 1 broken by 0.25"
     hairline = replace(result, margins=(Margin("E_y <= 1", 1.0, -1e-9, {}),))
     assert hairline.ok
 
@@ -108,18 +108,18 @@ def test_coefficients_in_other_signs_are_those_of_the_tire_in_other_signs(side_f
     other = result.in_signs("adapted-sae")
     assert (result.signs, other.signs) == ("iso", "adapted-sae")
     values = result.tire.in_signs("adapted-sae").values
-    cards = result.tire.book.coefficients
-    turned = {name for name in result.covariance if cards[name].flips}
-    assert {"PKY1"} <= turned < set(result.covariance)
+    declarations = result.tire.book.coefficients
+    flipped = {name for name in result.covariance if declarations[name].flips}
+    assert {"PKY1"} <= flipped < set(result.covariance)
     for ours, theirs in zip(result.coefficients, other.coefficients, strict=True):
         assert theirs.value == values[theirs.name]
         assert theirs.lower <= theirs.value <= theirs.upper
         assert (ours.interval == theirs.interval) or np.isnan(ours.interval)
-        if ours.name in turned:
+        if ours.name in flipped:
             assert (ours.lower, ours.upper) == (-theirs.upper, -theirs.lower)
     known = result.covariance.notna() & (result.covariance != 0.0)
     for one, two in zip(*np.nonzero(known), strict=True):
-        sign = -1.0 if (result.covariance.index[one] in turned) != (result.covariance.index[two] in turned) else 1.0
+        sign = -1.0 if (result.covariance.index[one] in flipped) != (result.covariance.index[two] in flipped) else 1.0
         assert other.covariance.iloc[one, two] == sign * result.covariance.iloc[one, two]
     back = other.in_signs("iso")
     assert back.coefficients == result.coefficients

@@ -136,15 +136,15 @@ def test_a_channel_without_force_gets_a_finite_weight(problem):
 def test_noise_weights_give_each_recording_and_channel_its_share(problem, x):
     weights = noise_weights(problem, x)
     residual = weighted_residual(problem, x)  # with the weights as they were: the place of each number
-    there = np.isfinite(problem.rows.measured)
+    present = np.isfinite(problem.rows.measured)
     squares = np.zeros(problem.rows.measured.shape)
-    squares[there] = residual**2
+    squares[present] = residual**2
     squares *= (weights / problem.weights)[problem.rows.group]
-    n = there.sum()
+    n = present.sum()
     for group in (0, 1):
         rows = problem.rows.group == group
         for channel in range(3):
-            share = there[rows, channel].sum() / n
+            share = present[rows, channel].sum() / n
             assert squares[rows, channel].sum() == pytest.approx(share, rel=1e-9)
     problem.weights = weights
     assert problem.cost(x) == pytest.approx(0.5, rel=1e-9)

@@ -211,7 +211,7 @@ def read_checkpoint(path: Path) -> None:
     assert isinstance(state.done, int)
     assert all(isinstance(value, float) and math.isfinite(value) for value in state.values.values())
     assert all(isinstance(release.bounds.lower, float) for release in state.freed.values())
-    assert all(points.ndim == 2 for _, points in state.broken)
+    assert all(points.ndim == 2 for _, points in state.violated)
     assert all(stage.rows + stage.iterations >= 0 and stage.cost <= math.inf for stage in state.stages)
     assert all(isinstance(note, str) for note in state.notes)
     Checkpoint(path, IDENTITY).save(state)

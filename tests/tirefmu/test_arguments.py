@@ -8,7 +8,7 @@ import pytest
 
 import tirefmu
 from tirefmu.diagnosis import residual_map
-from tirefmu.fitting import cross_validate, deal, draw_figures, fit
+from tirefmu.fitting import assign_folds, cross_validate, draw_figures, fit
 from tirefmu.fmu.packaging.export import fmi_version
 from tirefmu.measurements import Noise, Recording, alpha_sweeps, recording_from, recordings_from
 from tirefmu.symbolic.errors import DataError, FmuError, TirefmuError, TirError, UnknownName, WrongType
@@ -66,7 +66,7 @@ def test_maps_and_figures_take_them_too(forms, tires, bench, tmp_path):
     np.testing.assert_allclose(residual_map(tires["str"], forms["str"], "Fy").mean, expected, atol=1e-9)
     drawn = draw_figures(NAME, forms["DataFrame"], tmp_path)
     assert "pure_Fy.png" in {path.name for path in drawn}
-    np.testing.assert_array_equal(deal(bench.table, 2)[0], deal([bench], 2)[0])
+    np.testing.assert_array_equal(assign_folds(bench.table, 2)[0], assign_folds([bench], 2)[0])
 
 
 def test_signs_are_those_of_the_table_and_a_contradiction_is_refused(bench):
@@ -82,7 +82,7 @@ def test_signs_are_those_of_the_table_and_a_contradiction_is_refused(bench):
 
 @pytest.mark.parametrize("wrong", [None, 3, {"alpha": [0.1]}, np.zeros((3, 2))], ids=["None", "int", "dict", "array"])
 def test_what_is_no_table_is_refused_by_name(wrong):
-    for function in (fit, cross_validate, lambda t: deal(t, 2), lambda t: draw_figures(NAME, t, "figures")):
+    for function in (fit, cross_validate, lambda t: assign_folds(t, 2), lambda t: draw_figures(NAME, t, "figures")):
         with pytest.raises(WrongType, match=r"^tables is .* it has to be the path of a file, a DataFrame or a Rec"):
             function(wrong)
     for function in (recording_from, lambda t: tirefmu.evaluate(NAME, t)):
