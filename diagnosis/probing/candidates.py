@@ -95,7 +95,7 @@ def _undeclared(name: str, book: Model) -> Candidate | None:
         if effect.name == name:
             detection = effect.detection or Detection()
             channels = detection.channels or CHANNELS
-            return Candidate(name, (_by_bounds(effect.cards),), detection.requires, channels, detection.contains)
+            return Candidate(name, (_by_bounds(effect.declarations),), detection.requires, channels, detection.contains)
     return None
 
 

@@ -115,7 +115,9 @@ def unknown_of(structure: Structure, effect: AddedEffect | None, added: Added | 
     formula, why = structure.formula, ""
     if added:
         place = added.problem.simulator.place
-        formula = structure.formula_with([added.solution.parameters[place[card.name]] for card in added.effect.cards])
+        formula = structure.formula_with(
+            [added.solution.parameters[place[card.name]] for card in added.effect.declarations]
+        )
     elif effect:
         why = "the rows kept apart do not come closer by it"
     else:
@@ -159,7 +161,9 @@ def added_if_better(
         None where the hold-out does not improve, or the book has no place for the formula.
     """
     beside = problem.disturbances.extended(
-        tuple(card.name for card in effect.cards), structure.columns, np.abs(structure.trace.estimate) * REACH + 1e-6
+        tuple(card.name for card in effect.declarations),
+        structure.columns,
+        np.abs(structure.trace.estimate) * REACH + 1e-6,
     )
     tried = replace(problem, disturbances=beside).solve(solution.parameters, solution.free, iterations=3)
     if not _better(problem, solution, tried):
@@ -172,10 +176,10 @@ def added_if_better(
     parameters = tire.parameters()
     for name in problem.simulator.names:
         parameters[simulator.place[name]] = solution.parameters[problem.simulator.place[name]]
-    for card, size in zip(effect.cards, structure.trace.estimate, strict=True):
+    for card, size in zip(effect.declarations, structure.trace.estimate, strict=True):
         parameters[simulator.place[card.name]] = size
     whole = replace(problem, simulator=simulator)
-    free = (*solution.free, *(card.name for card in effect.cards))
+    free = (*solution.free, *(card.name for card in effect.declarations))
     fitted = whole.solve(parameters, free, iterations=8)
     return Added(effect, tire, whole, fitted) if _better(problem, solution, fitted) else None
 

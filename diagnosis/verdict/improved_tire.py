@@ -31,7 +31,7 @@ def tire_of(start: Tire, problem: LeastSquares, solution: Solution, more: Collec
     reads = {s.name for e in start.added if e.name in present for act in e.acts for s in act.expression.free_symbols}
     nominal = {str(quantity.nominal) for quantity in start.book.inputs if quantity.name in reads}
     used = tuple(  # an effect that is off comes along where its card is an input's nominal value
-        e for e in start.added if e.name in present or nominal & {card.name for card in e.cards}
+        e for e in start.added if e.name in present or nominal & {card.name for card in e.declarations}
     )
     bare = replace(start, effects=tuple(present), added=used, values={
         name: value for name, value in start.values.items() if name not in _beyond(start, used)})  # fmt: skip
@@ -45,5 +45,5 @@ def tire_of(start: Tire, problem: LeastSquares, solution: Solution, more: Collec
 
 def _beyond(start: Tire, used: Collection[AddedEffect]) -> set[str]:
     """Return the coefficients of added effects that a tire does not take along."""
-    kept = {card.name for effect in used for card in effect.cards}
-    return {card.name for effect in start.added for card in effect.cards} - kept
+    kept = {card.name for effect in used for card in effect.declarations}
+    return {card.name for effect in start.added for card in effect.declarations} - kept

@@ -60,11 +60,11 @@ def _objections(effect: AddedEffect) -> Iterator[str]:
     for key, text in (("physics", effect.physics), ("source", effect.source)):
         if len(text) > LONGEST_TEXT:
             yield f"{key} has more than {LONGEST_TEXT} characters"
-    if len(effect.cards) > MOST_COEFFICIENTS:
-        yield f"an effect has at most {MOST_COEFFICIENTS} coefficients, not {len(effect.cards)}"
+    if len(effect.declarations) > MOST_COEFFICIENTS:
+        yield f"an effect has at most {MOST_COEFFICIENTS} coefficients, not {len(effect.declarations)}"
     if len(effect.acts) > MOST_ACTS:
         yield f"an effect has at most {MOST_ACTS} [[acts]], not {len(effect.acts)}"
-    for card in effect.cards:
+    for card in effect.declarations:
         for reason in _of_card(card):
             yield f"coefficient {reason}"
 

@@ -62,7 +62,7 @@ class AddedEffect:
     Attributes
     ----------
     name, physics, source : str
-    cards : tuple of Coefficient
+    declarations : tuple of Coefficient
         Its coefficients; neutral ones make it vanish.
     acts : tuple of Act
     detection : Detection or None
@@ -72,7 +72,7 @@ class AddedEffect:
     name: str
     physics: str
     source: str
-    cards: tuple[Coefficient, ...]
+    declarations: tuple[Coefficient, ...]
     acts: tuple[Act, ...]
     detection: Detection | None = None
 
@@ -187,7 +187,7 @@ def effect_text(effect: AddedEffect) -> str:
     lines = [f"{key} = {toml_string(text)}" for key, text in (("name", effect.name), ("physics", effect.physics))]
     lines += [f"source = {toml_string(effect.source)}"] if effect.source else []
     lines += ["", "[coefficients]"]
-    for card in effect.cards:
+    for card in effect.declarations:
         numbers = {"lower": card.lower, "upper": card.upper, "neutral": card.default, "start": card.start}
         said = {"description": toml_string(card.description), "unit": toml_string(card.unit)}
         said |= {key: repr(float(x)) for key, x in numbers.items() if x is not None and isfinite(x)}
@@ -204,7 +204,7 @@ def effect_text(effect: AddedEffect) -> str:
 
 def _check_sizes(effect: AddedEffect, source: str) -> None:
     """Raise `EffectError` where a coefficient that is probed leaves its bounds."""
-    cards, detection = {card.name: card for card in effect.cards}, effect.detection or Detection()
+    cards, detection = {card.name: card for card in effect.declarations}, effect.detection or Detection()
     for form in (*detection.forms, *detection.refinements):
         for name, size in (item for probe in form.probes for item in probe.items()):
             card = cards[name]
