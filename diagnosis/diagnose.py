@@ -14,7 +14,7 @@ from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
-from .probing.baseline_fit import fit_base
+from .probing.baseline_fit import fit_baseline
 from .probing.candidates import Candidate, candidates_for
 from .probing.effect_probing import Screen
 from .recording.signals import FORMULA_SIGNS, signals_of
@@ -75,26 +75,26 @@ def diagnose(
     """
     recording = recording_from(table, signs=signs)
     began = time.perf_counter()
-    say = progress or (lambda sentence: None)
-    own = tuple(one for one in candidates or () if isinstance(one, AddedEffect))
-    named = tuple(one for one in candidates or () if isinstance(one, str))
-    start = _start_model(model, effects, nominal, None if tire is None else tire_from(tire), own)
-    tried = _chosen(candidates_for(start), named)
+    report = progress or (lambda sentence: None)
+    user_defined = tuple(one for one in candidates or () if isinstance(one, AddedEffect))
+    selected = tuple(one for one in candidates or () if isinstance(one, str))
+    start = _start_model(model, effects, nominal, None if tire is None else tire_from(tire), user_defined)
+    candidates_tried = _chosen(candidates_for(start), selected)
     signals = signals_of(recording.table, start, recording.signs)
-    say("fitting the start model")
-    problem, solution = fit_base(start, signals, known=tire is not None)
+    report("fitting the start model")
+    problem, solution = fit_baseline(start, signals, known=tire is not None)
     before = Screen(problem, solution)
-    search = Search(problem, solution, tried, say)
+    search = Search(problem, solution, candidates_tried, report)
     search.run()
-    unknown, start = _unknown(start, search, say)
-    before = search.settle(before)
-    say("weighing what else could explain it")
-    return composed(SearchOutcome(recording, start, tried, before, search, unknown), began).in_signs("iso")
+    unknown, start = _unknown_structure(start, search, report)
+    before = search.refit_whitened(before)
+    report("weighing what else could explain it")
+    return composed(SearchOutcome(recording, start, candidates_tried, before, search, unknown), began).in_signs("iso")
 
 
 def _start_model(
     model: str, effects: Collection[str], nominal: Mapping[str, float] | None, tire: Tire | None,
-    own: tuple[AddedEffect, ...],
+    user_defined: tuple[AddedEffect, ...],
 ) -> Tire:  # fmt: skip
     """Return the start model with every effect beyond the book in its lines, switched off."""
     if tire is None:
@@ -105,31 +105,31 @@ def _start_model(
             values |= dict.fromkeys(set(NOMINAL[name]) & book_of(model).coefficients.keys(), value)
         tire = Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
     known = [effect for effect in library().values() if tire.book.has_place_for(effect)]
-    beyond = {effect.name: effect for effect in (*tire.added, *known, *own)}
-    whole = replace(tire.in_signs(FORMULA_SIGNS), added=tuple(beyond.values()), effects=tire.has)
-    return whole
+    beyond = {effect.name: effect for effect in (*tire.added, *known, *user_defined)}
+    baseline = replace(tire.in_signs(FORMULA_SIGNS), added=tuple(beyond.values()), effects=tire.has)
+    return baseline
 
 
-def _unknown(start: Tire, search: Search, say: Callable[[str], None]) -> tuple[tuple[Unknown, ...], Tire]:
+def _unknown_structure(start: Tire, search: Search, report: Callable[[str], None]) -> tuple[tuple[Unknown, ...], Tire]:
     """Return unknown structure, and the start model with its formula in it where the hold-out improves."""
-    told = []
+    unknowns = []
     for structure in search.structures:
         effect = effect_of(structure)
         added = None
         if effect:
-            say("writing the proposed formula into the book")
+            report("writing the proposed formula into the book")
             added = added_if_better(structure, effect, start, search.problem, search.solution)
         if added:
             start = added.tire
             search.problem, search.solution = added.problem, added.solution
             search.screen = Screen(search.problem, search.solution)
             search.last = search.probe()
-        told.append(unknown_of(structure, effect, added))
-    return tuple(told), start
+        unknowns.append(unknown_of(structure, effect, added))
+    return tuple(unknowns), start
 
 
-def _chosen(known: dict[str, Candidate], named: tuple[str, ...]) -> dict[str, Candidate]:
-    for name in named:
+def _chosen(known: dict[str, Candidate], selected: tuple[str, ...]) -> dict[str, Candidate]:
+    for name in selected:
         if name not in known:
             raise UnknownName("effect that could be missing", name, known)
-    return {name: known[name] for name in named} if named else known
+    return {name: known[name] for name in selected} if selected else known

@@ -1,1 +1,1 @@
-"""Which effects can be missing, the baseline model's fit, and the traces of effects in its residual."""
+"""Which effects can be missing, the baseline model's fit, and the responses of effects in its residual."""

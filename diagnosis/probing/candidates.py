@@ -11,7 +11,7 @@ from tirefmu.symbolic.notation import Coefficient
 from tirefmu.tires.tire import Tire
 
 from ..recording.signals import Signals
-from ..thresholds import LEAST_VARIATION, LEAST_VARIATION_IN_NOISE
+from ..thresholds import MIN_VARIATION, MIN_VARIATION_IN_NOISE
 
 #: The outputs of an effect that declares none.
 CHANNELS = ("Fx", "Fy", "Mz", "Mx", "My")
@@ -76,16 +76,20 @@ def declared_candidate(name: str, book: Model, present: frozenset[str] = frozens
     Candidate or None
         Where the model has none of the declared coefficients, its own for the effect are probed by their bounds.
     """
-    detection, cards = book.detections.get(name), book.coefficients
-    if detection and any(set(form.free) & cards.keys() for form in detection.forms):
+    detection, declarations = book.detections.get(name), book.coefficients
+    if detection and any(set(form.free) & declarations.keys() for form in detection.forms):
         forms = tuple(form for form in detection.forms if form.given in present)
         forms = forms or tuple(form for form in detection.forms if not form.given)
         return Candidate(name, forms, detection.requires, detection.channels or CHANNELS, detection.contains)
     own = name in {effect.name for effect in book.own_effects}
     if name not in book.effects or name in {effect.name for effect in book.added} or not (detection or own):
         return None
-    owned = [card for key, card in cards.items() if key in book.owned(name) and card.neutral is not None]
-    channels = tuple(dict.fromkeys(channel for card in owned for channel in card.channels))
+    owned = [
+        declaration
+        for key, declaration in declarations.items()
+        if key in book.owned(name) and declaration.neutral is not None
+    ]
+    channels = tuple(dict.fromkeys(channel for declaration in owned for channel in declaration.channels))
     return Candidate(name, (_by_bounds(owned),), detection.requires if detection else (), channels) if owned else None
 
 
@@ -99,19 +103,24 @@ def _undeclared(name: str, book: Model) -> Candidate | None:
     return None
 
 
-def _by_bounds(cards: Sequence[Coefficient]) -> Form:
+def _by_bounds(declarations: Sequence[Coefficient]) -> Form:
     """Return the form of coefficients that are probed by an eighth of their range."""
-    return Form.each({card.name: (card.upper - card.default) / 8.0 + _limit(card) for card in cards})
+    return Form.each(
+        {
+            declaration.name: (declaration.upper - declaration.default) / 8.0 + _limit(declaration)
+            for declaration in declarations
+        }
+    )
 
 
-def _limit(card: Coefficient) -> float:
+def _limit(declaration: Coefficient) -> float:
     """Return the default of a coefficient whose neutral value is a limit outside its bounds, else 0."""
-    return 0.0 if counts_from_neutral(card) else card.default
+    return 0.0 if counts_from_neutral(declaration) else declaration.default
 
 
-def counts_from_neutral(card: Coefficient) -> bool:
+def counts_from_neutral(declaration: Coefficient) -> bool:
     """Return whether a probe's size is a difference from the neutral value, and not the value itself."""
-    return card.neutral is not None and card.lower <= card.neutral <= card.upper
+    return declaration.neutral is not None and declaration.lower <= declaration.neutral <= declaration.upper
 
 
 def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]:
@@ -139,6 +148,6 @@ def varies(signals: Signals, tire: Tire, name: str) -> bool:
     if name not in signals.recorded or name not in signals.names:
         return False
     values = signals.named()[name]
-    least = LEAST_VARIATION.get(name, 0.0) * (tire.values["FNOMIN"] if name == "Fz" else 1.0)
+    least = MIN_VARIATION.get(name, 0.0) * (tire.values["FNOMIN"] if name == "Fz" else 1.0)
     spread = float(values.max() - values.min())
-    return spread > max(least, LEAST_VARIATION_IN_NOISE * signals.input_noise.get(name, 0.0), 1e-9)
+    return spread > max(least, MIN_VARIATION_IN_NOISE * signals.input_noise.get(name, 0.0), 1e-9)

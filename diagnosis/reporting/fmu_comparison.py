@@ -60,23 +60,23 @@ def export_and_simulate(
     FmuError
         If an FMU cannot be built or run.
     """
-    recording, further = recording_from(recording, parameter="recording"), recordings_from(others)
-    kept = diagnosis.kept_apart(len(recording))
-    told: dict[str, Any] = {}
+    recording, additional = recording_from(recording, parameter="recording"), recordings_from(others)
+    holdout = diagnosis.holdout_mask(len(recording))
+    summary: dict[str, Any] = {}
     for when, tire, name in (("before", diagnosis.base_tire, "base"), ("after", diagnosis.tire, "improved")):
         path = export(replace(tire.in_signs("iso"), name=tire.name or name), Path(folder) / f"{name}.fmu", fmi=3)
         error, difference = simulated_error(path, tire, recording)
-        told[when] = {"rmse": _rms(error), "training": _rms(error[~kept]), "holdout": _rms(error[kept])}
-        told[when]["recordings"] = {}
-        for source, other in zip(distinct([other.source for other in further]), further, strict=True):
-            error, more = simulated_error(path, tire, other)
-            told[when]["recordings"][source] = _rms(error)
-            difference = max(difference, more)
-        told[when]["difference_from_direct_evaluation"] = difference
-    told["ok"] = all(
-        told[when]["difference_from_direct_evaluation"] <= EVALUATION_TOLERANCE for when in ("before", "after")
+        summary[when] = {"rmse": _rms(error), "training": _rms(error[~holdout]), "holdout": _rms(error[holdout])}
+        summary[when]["recordings"] = {}
+        for source, other in zip(distinct([other.source for other in additional]), additional, strict=True):
+            error, other_difference = simulated_error(path, tire, other)
+            summary[when]["recordings"][source] = _rms(error)
+            difference = max(difference, other_difference)
+        summary[when]["difference_from_direct_evaluation"] = difference
+    summary["ok"] = all(
+        summary[when]["difference_from_direct_evaluation"] <= EVALUATION_TOLERANCE for when in ("before", "after")
     )
-    return told
+    return summary
 
 
 def simulated_error(path: str | Path, tire: Tire, recording: Recording) -> tuple[pd.DataFrame, float]:

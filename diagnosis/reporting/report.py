@@ -105,16 +105,16 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     >>> [line.after for line in changed_lines(plain, richer)][0]
     'mu_x = LMUX_star*(PDX1 + PDX2*dfz)*(-PDX3*gamma_in**2 + 1)'
     """
-    more = after.has - before.has
+    gained = after.has - before.has
     old = after.book.as_written(before.has & after.book.effects.keys())
     new = after.book.as_written(after.has)
     changed = []
     for line in after.book.equations:
-        stands = {str(place.args[0]) for place in line.expression.atoms(Switch)}
+        present = {str(switch.args[0]) for switch in line.expression.atoms(Switch)}
         name = line.symbol.name
-        if stands & more and old[name] != new[name] and not line.variant:
-            told = [f"{line.acts_for or name} = {lines[name]}" for lines in (old, new)]
-            changed.append(ChangedLine(line.number, line.description, *told))
+        if present & gained and old[name] != new[name] and not line.variant:
+            formulas = [f"{line.acts_for or name} = {lines[name]}" for lines in (old, new)]
+            changed.append(ChangedLine(line.number, line.description, *formulas))
     return tuple(changed)
 
 

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from tirefmu.tires.drawing.style import LETTER, drawn_unit, per_si, png, write_whole
 
-from ..thresholds import FEWEST_ROWS_OF_CELL
+from ..thresholds import MIN_ROWS_OF_CELL
 
 #: Mean residuals of this many noise deviations have the full color.
 FULL = 3.0
@@ -64,10 +64,10 @@ def _draw_map(ax: Axes, shown: Mapping[str, Any], norm: Normalize) -> None:
     mean = np.array([[np.nan if cell is None else cell for cell in row] for row in shown["mean"]], dtype=np.float64)
     count = np.asarray(shown["count"])
     ax.set_facecolor("0.85")
-    shaded = np.ma.masked_invalid(np.where(count >= FEWEST_ROWS_OF_CELL, mean, np.nan).T)
+    shaded = np.ma.masked_invalid(np.where(count >= MIN_ROWS_OF_CELL, mean, np.nan).T)
     ax.pcolormesh(x, y, shaded, cmap=colormaps["RdBu_r"], norm=norm, ec="white", lw=0.3)
     for i, j in np.argwhere(count > 0):
-        dark = count[i, j] >= FEWEST_ROWS_OF_CELL and abs(mean[i, j]) > 0.6 * FULL
+        dark = count[i, j] >= MIN_ROWS_OF_CELL and abs(mean[i, j]) > 0.6 * FULL
         middle = 0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1])
         ax.text(*middle, str(count[i, j]), ha="center", va="center", fontsize=5.5, color="w" if dark else "k")
     ax.set(**{f"{side}label": _label(name) for side, name in zip("xy", shown["over"], strict=True)})

@@ -12,10 +12,13 @@ from tirefmu.symbolic.detection import Form
 
 from ..least_squares import Solution
 from ..probing.candidates import Candidate
-from ..probing.effect_probing import Screen, Trace
+from ..probing.effect_probing import Response, Screen
 from ..thresholds import EFFECT_ERRORS, EFFECT_GAIN, EFFECT_P, EFFECT_P_OF_BLOCKS, PREFERRED_ERRORS
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Prefix of the names of refinements; the effect, or "core", follows.
+REFINEMENT = "refinement of "
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +38,7 @@ class Refit:
         Of cross-validation, as a share of the base's squared misfit.
     gains : ndarray, shape (n_blocks,)
         Gain by block of time, in squared noise deviations.
-    trace : Trace
+    response : Response
     """
 
     name: str
@@ -46,22 +49,22 @@ class Refit:
     gain: float
     gain_error: float
     gains: FloatArray
-    trace: Trace
+    response: Response
 
     @property
     def passes(self) -> bool:
         """Whether it is more than noise."""
-        significant = self.p < EFFECT_P and self.trace.p_blocks < EFFECT_P_OF_BLOCKS
+        significant = self.p < EFFECT_P and self.response.p_blocks < EFFECT_P_OF_BLOCKS
         return significant and self.gain > max(EFFECT_ERRORS * self.gain_error, EFFECT_GAIN)
 
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """A form of a candidate with its trace in the residual."""
+    """A form of a candidate with its response in the residual."""
 
     name: str
     form: Form
-    trace: Trace
+    response: Response
 
 
 def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit:
@@ -77,8 +80,8 @@ def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit
         difference = best.gains - other.gains
         error = float(np.sqrt(len(difference)) * np.std(difference, ddof=1))
         contains = candidates[best.name].contains == other.name if best.name in candidates else False
-        finer = best.name.startswith("finer ") and not other.name.startswith("finer ")
-        if (contains or finer) and difference.sum() < PREFERRED_ERRORS * error:
+        refinement = best.name.startswith(REFINEMENT) and not other.name.startswith(REFINEMENT)
+        if (contains or refinement) and difference.sum() < PREFERRED_ERRORS * error:
             best = other
     return best
 
@@ -87,5 +90,5 @@ def distinct(tried: list[Tried]) -> list[Tried]:
     """Return the first form of each name, in order."""
     seen: dict[str, Tried] = {}
     for one in tried:
-        seen.setdefault(one.name if not one.name.startswith("finer ") else f"{one.name}{one.form.free}", one)
+        seen.setdefault(one.name if not one.name.startswith(REFINEMENT) else f"{one.name}{one.form.free}", one)
     return list(seen.values())

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..least_squares import LeastSquares, Solution
-from ..thresholds import BEYOND, LARGEST_CHANGE
+from ..thresholds import EXTRAPOLATED_SHARE, MAX_CHANGE
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -18,7 +18,7 @@ ROWS = 300
 
 
 @dataclass(frozen=True)
-class Reach:
+class Extrapolation:
     """How far an input of a found effect reached in the recording.
 
     Attributes
@@ -43,7 +43,7 @@ class Reach:
     @property
     def doubtful(self) -> bool:
         """Whether the model changes so much beyond the recording that it should not be used there."""
-        return self.change > LARGEST_CHANGE
+        return self.change > MAX_CHANGE
 
     def __str__(self) -> str:
         advice = ": do not use it there unmeasured" if self.doubtful else ""
@@ -53,7 +53,9 @@ class Reach:
         )
 
 
-def reaches(problem: LeastSquares, solution: Solution, effects: dict[str, Collection[str]]) -> tuple[Reach, ...]:
+def extrapolations(
+    problem: LeastSquares, solution: Solution, effects: dict[str, Collection[str]]
+) -> tuple[Extrapolation, ...]:
     """Return how far the inputs of found effects reached, and what the improved model does beyond.
 
     Parameters
@@ -66,37 +68,37 @@ def reaches(problem: LeastSquares, solution: Solution, effects: dict[str, Collec
 
     Returns
     -------
-    tuple of Reach
+    tuple of Extrapolation
         In the order of the effects; slips and time are left out, of which every recording has its own range.
     """
     signals = problem.simulator.signals
     named = signals.named()
-    told = []
+    extrapolated = []
     for effect, inputs in effects.items():
         for name in inputs:
             if name not in named or name not in signals.recorded or name in ("t", "alpha", "kappa"):
                 continue
             lower, upper = (float(edge) for edge in np.quantile(named[name], [0.005, 0.995]))
             change, channel = _change(problem, solution, name, lower, upper)
-            told.append(Reach(effect, name, lower, upper, change, channel))
-    return tuple(told)
+            extrapolated.append(Extrapolation(effect, name, lower, upper, change, channel))
+    return tuple(extrapolated)
 
 
 def _change(problem: LeastSquares, solution: Solution, name: str, lower: float, upper: float) -> tuple[float, str]:
     signals = problem.simulator.signals
-    some = signals.rows[:: max(1, len(signals.rows) // ROWS)]
-    place = signals.names.index(name)
+    rows = signals.rows[:: max(1, len(signals.rows) // ROWS)]
+    index = signals.names.index(name)
 
     def forces(value: float) -> FloatArray:
-        inputs = signals.inputs[:, some].copy()
-        inputs[place] = value
-        still = replace(signals, inputs=inputs, rows=np.arange(len(some)), timed=False)
-        return problem.simulator.over(still).forces(solution.parameters)
+        inputs = signals.inputs[:, rows].copy()
+        inputs[index] = value
+        still = replace(signals, inputs=inputs, rows=np.arange(len(rows)), timed=False)
+        return problem.simulator.with_signals(still).forces(solution.parameters)
 
-    further = BEYOND * (upper - lower)
+    margin = EXTRAPOLATED_SHARE * (upper - lower)
     least = 0.0 if name in ("Fz", "p") else -np.inf
     worst = np.zeros(len(signals.channels))
-    for edge, value in ((lower, max(lower - further, least)), (upper, upper + further)):
+    for edge, value in ((lower, max(lower - margin, least)), (upper, upper + margin)):
         inside, beyond = forces(edge), forces(value)
         if name == "Fz":  # more load is more force: what counts is the coefficient of friction
             inside, beyond = inside / max(edge, 1.0), beyond / max(value, 1.0)

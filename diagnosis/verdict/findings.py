@@ -32,7 +32,7 @@ class Finding:
     coefficients : mapping of str to Interval
         In the signs of the diagnosis.
     p : float
-        Probability of such a trace by chance, under coloured noise, adjusted for everything tried.
+        Probability of such a response by chance, under coloured noise, adjusted for everything tried.
     cv_gain, cv_gain_se : float
         Share of the squared misfit that it takes away in blocked cross-validation, and its standard error.
     when : tuple of (float, float)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..probing.effect_probing import Screen
-from ..thresholds import FEWEST_ROWS_OF_CELL
+from ..thresholds import MIN_ROWS_OF_CELL
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -33,19 +33,21 @@ def residual_maps(screen: Screen) -> list[dict[str, Any]]:
     """
     signals = screen.signals
     named = signals.named()
-    told = []
-    for channel, residual, root in zip(signals.channels, screen.residual, screen.problem.root, strict=True):
-        there = root > 0.0
+    maps = []
+    for channel, residual, inverse_noise in zip(
+        signals.channels, screen.residual, screen.problem.inverse_noise, strict=True
+    ):
+        used = inverse_noise > 0.0
         for first, second in PAIRS:
             if not {first, second} <= named.keys() or not {first, second} & signals.recorded:
                 continue
             if max(np.ptp(named[first]), np.ptp(named[second])) == 0.0:
                 continue
-            told.append(
+            maps.append(
                 {"channel": channel, "over": [first, second]}
-                | _mapped(named[first][there], named[second][there], residual[there])
+                | _mapped(named[first][used], named[second][used], residual[used])
             )
-    return told
+    return maps
 
 
 def time_course(before: Screen, after: Screen) -> dict[str, dict[str, list[float]]]:
@@ -63,14 +65,14 @@ def time_course(before: Screen, after: Screen) -> dict[str, dict[str, list[float
     """
     signals, edges = after.signals, after.edges
     begins = signals.t[signals.rows][edges[:-1]].tolist()
-    told = {}
+    courses = {}
     for i, channel in enumerate(signals.channels):
-        told[channel] = {"t": begins}
+        courses[channel] = {"t": begins}
         for name, screen in (("before", before), ("after", after)):
-            counts = np.maximum(np.add.reduceat((screen.problem.root[i] > 0.0).astype(float), edges[:-1]), 1.0)
+            counts = np.maximum(np.add.reduceat((screen.problem.inverse_noise[i] > 0.0).astype(float), edges[:-1]), 1.0)
             power = np.add.reduceat(screen.residual[i] ** 2, edges[:-1])
-            told[channel][name] = np.sqrt(power / counts).tolist()
-    return told
+            courses[channel][name] = np.sqrt(power / counts).tolist()
+    return courses
 
 
 def _mapped(x: FloatArray, y: FloatArray, residual: FloatArray) -> dict[str, Any]:
@@ -78,7 +80,7 @@ def _mapped(x: FloatArray, y: FloatArray, residual: FloatArray) -> dict[str, Any
     count, _, _ = np.histogram2d(x, y, bins=edges)
     total, _, _ = np.histogram2d(x, y, bins=edges, weights=residual)
     mean = np.where(count > 0, total / np.maximum(count, 1.0), np.nan)
-    i, j = np.unravel_index(int(np.argmax(np.where(count >= FEWEST_ROWS_OF_CELL, np.abs(mean), -1.0))), mean.shape)
+    i, j = np.unravel_index(int(np.argmax(np.where(count >= MIN_ROWS_OF_CELL, np.abs(mean), -1.0))), mean.shape)
     worst = {
         "from": [float(edges[0][i]), float(edges[1][j])],
         "to": [float(edges[0][i + 1]), float(edges[1][j + 1])],

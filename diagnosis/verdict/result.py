@@ -19,7 +19,7 @@ from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
 from ..unexplained.formula_proposal import Unknown
-from .extrapolation import Reach
+from .extrapolation import Extrapolation
 from .findings import Finding, turned_sign
 from .summary import diagnosis_html, diagnosis_text
 
@@ -50,7 +50,7 @@ class Diagnosis:
         train, cv, holdout -> channel -> before, after, floor: root mean squares, N and N m, with the recording's
         disturbances taken out.
     detectable : mapping of str to mapping of str to float
-        By effect and channel: the smallest trace, root mean square, that would have been named.
+        By effect and channel: the smallest response, root mean square, that would have been named.
     where, where_after : list of dict
         Residuals of the start model and the improved one over noise, by channel and pairs of inputs
         (`residual_location.residual_maps`).
@@ -59,7 +59,7 @@ class Diagnosis:
     recording : mapping
         What belongs to the recording: offsets, drift, cross-talk, ripple, quantisation, outliers, noise of inputs and
         the windows over which it was smoothed, channels left aside and why.
-    reach : tuple of Reach
+    reach : tuple of Extrapolation
         How far the inputs of found effects reached: beyond, the improved model extrapolates.
     untouched : tuple of (int, int)
         First and last row, counted from 0, of the stretches that no decision has seen: the hold-out.
@@ -86,8 +86,8 @@ class Diagnosis:
     where_after: list[dict[str, Any]]
     time_course: Mapping[str, Mapping[str, list[float]]]
     recording: Mapping[str, Any]
-    reach: tuple[Reach, ...]
-    untouched: tuple[tuple[int, int], ...]
+    extrapolation: tuple[Extrapolation, ...]
+    holdout_rows: tuple[tuple[int, int], ...]
     base_tire: Tire
     tire: Tire
     signs: str
@@ -114,21 +114,23 @@ class Diagnosis:
         """
         if signs not in ("iso", "adapted-sae"):
             raise UnknownName("sign convention of coefficients", signs, ("iso", "adapted-sae"))
-        turned = reversed_columns(self.signs, signs)
-        if not turned:
+        reversed_names = reversed_columns(self.signs, signs)
+        if not reversed_names:
             return self
-        cards = self.tire.book.coefficients
-        offset = {name: turned_sign(value, name in turned) for name, value in self.recording["offset"].items()}
+        declarations = self.tire.book.coefficients
+        offset = {name: turned_sign(value, name in reversed_names) for name, value in self.recording["offset"].items()}
         cross_talk = {  # the share of one force in another: Fx_in_Fy
-            name: turned_sign(value, len(turned & set(name.split("_in_"))) == 1)
+            name: turned_sign(value, len(reversed_names & set(name.split("_in_"))) == 1)
             for name, value in self.recording["cross_talk"].items()
         }
         return replace(
             self,
             signs=signs,
-            found=tuple(one.mirrored({name for name in one.coefficients if cards[name].flips}) for one in self.found),
-            where=[_mirrored_map(one) if one["channel"] in turned else one for one in self.where],
-            where_after=[_mirrored_map(one) if one["channel"] in turned else one for one in self.where_after],
+            found=tuple(
+                one.mirrored({name for name in one.coefficients if declarations[name].flips}) for one in self.found
+            ),
+            where=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where],
+            where_after=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where_after],
             recording={**self.recording, "offset": offset, "cross_talk": cross_talk},
         )
 
@@ -144,7 +146,7 @@ class Diagnosis:
         """Return the same with a table of coefficients, for a notebook."""
         return diagnosis_html(*self._summarized)
 
-    def kept_apart(self, n: int) -> npt.NDArray[np.bool_]:
+    def holdout_mask(self, n: int) -> npt.NDArray[np.bool_]:
         """Return which of a recording's n rows are the hold-out.
 
         Parameters
@@ -152,7 +154,7 @@ class Diagnosis:
         n : int
         """
         rows = np.zeros(n, dtype=bool)
-        for first, last in self.untouched:
+        for first, last in self.holdout_rows:
             rows[first : last + 1] = True
         return rows
 
@@ -169,7 +171,7 @@ class Diagnosis:
         dict
             Only what JSON knows; a number that does not exist is null.
         """
-        told = {
+        content = {
             "version": VERSION,
             "verdict": self.verdict,
             "found": [
@@ -208,8 +210,8 @@ class Diagnosis:
             "where_after": self.where_after,
             "time_course": self.time_course,
             "recording": self.recording,
-            "extrapolation": [{**vars(one), "doubtful": one.doubtful} for one in self.reach],
-            "holdout_rows": [list(stretch) for stretch in self.untouched],
+            "extrapolation": [{**vars(one), "doubtful": one.doubtful} for one in self.extrapolation],
+            "holdout_rows": [list(stretch) for stretch in self.holdout_rows],
             "signs": self.signs,
             "recording_signs": self.recording_signs,
             "tire": tire,
@@ -218,7 +220,7 @@ class Diagnosis:
             "base_fmu": base_fmu,
             "seconds": round(self.seconds, 2),
         }
-        return dict(_plain(told))
+        return dict(_plain(content))
 
     def save(self, folder: str | Path) -> Path:
         """Write diagnosis.json, both tires and proposed effects (NAME.toml) into a folder, made where missing.
@@ -237,18 +239,18 @@ class Diagnosis:
         DataError
             If the folder cannot be written.
         """
-        place = path_from(folder, "folder")
+        path = path_from(folder, "folder")
         try:
-            place.mkdir(parents=True, exist_ok=True)
-            self.tire.save(place / "improved.tir")
-            self.base_tire.save(place / "base.tir")
+            path.mkdir(parents=True, exist_ok=True)
+            self.tire.save(path / "improved.tir")
+            self.base_tire.save(path / "base.tir")
             for proposed in (one.effect for one in self.unknown if one.effect):
-                (place / f"{proposed.name}.toml").write_text(effect_text(proposed), encoding="utf-8")
-            told = self.to_json(tire="improved.tir", base_tire="base.tir")
-            (place / "diagnosis.json").write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+                (path / f"{proposed.name}.toml").write_text(effect_text(proposed), encoding="utf-8")
+            content = self.to_json(tire="improved.tir", base_tire="base.tir")
+            (path / "diagnosis.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
         except OSError as error:
-            raise DataError(f"{place}: cannot be written ({error.strerror or error})") from None
-        return place / "diagnosis.json"
+            raise DataError(f"{path}: cannot be written ({error.strerror or error})") from None
+        return path / "diagnosis.json"
 
 
 def _mirrored_map(one: dict[str, Any]) -> dict[str, Any]:

@@ -64,21 +64,24 @@ def _objections(effect: AddedEffect) -> Iterator[str]:
         yield f"an effect has at most {MOST_COEFFICIENTS} coefficients, not {len(effect.declarations)}"
     if len(effect.acts) > MOST_ACTS:
         yield f"an effect has at most {MOST_ACTS} [[acts]], not {len(effect.acts)}"
-    for card in effect.declarations:
-        for reason in _of_card(card):
+    for declaration in effect.declarations:
+        for reason in _declaration_objections(declaration):
             yield f"coefficient {reason}"
 
 
-def _of_card(card: Coefficient) -> Iterator[str]:
-    if reason := no_coefficient(card.name):
-        yield f"{quoted(card.name)} {reason}"
-    for key, text, longest in (("description", card.description, LONGEST_TEXT), ("unit", card.unit, LONGEST_UNIT)):
+def _declaration_objections(declaration: Coefficient) -> Iterator[str]:
+    if reason := no_coefficient(declaration.name):
+        yield f"{quoted(declaration.name)} {reason}"
+    for key, text, longest in (
+        ("description", declaration.description, LONGEST_TEXT),
+        ("unit", declaration.unit, LONGEST_UNIT),
+    ):
         if len(text) > longest:
-            yield f"{card.name}: {key} has more than {longest} characters"
-    if not card.lower < card.upper:
-        yield f"{card.name}: lower {card.lower} is not below upper {card.upper}"
-    for key, value in (("neutral", card.neutral), ("start", card.start)):
-        if value is not None and not (isfinite(value) and card.lower <= value <= card.upper):
-            yield f"{card.name}: {key} {value} is not between lower {card.lower} and upper {card.upper}"
-    if card.neutral is None:
-        yield f"{card.name}: an effect beyond the book has a neutral value for each of its coefficients"
+            yield f"{declaration.name}: {key} has more than {longest} characters"
+    if not declaration.lower < declaration.upper:
+        yield f"{declaration.name}: lower {declaration.lower} is not below upper {declaration.upper}"
+    for key, value in (("neutral", declaration.neutral), ("start", declaration.start)):
+        if value is not None and not (isfinite(value) and declaration.lower <= value <= declaration.upper):
+            yield f"{declaration.name}: {key} {value} is not between lower {declaration.lower} and upper {declaration.upper}"
+    if declaration.neutral is None:
+        yield f"{declaration.name}: an effect beyond the book has a neutral value for each of its coefficients"

@@ -38,8 +38,8 @@ from .checks import LONGEST_FILE, check_effect
 from .detection_file import detection_text, known_keys, read_detection
 from .formula import formula, formula_text
 
-#: What a card may say.
-CARD_KEYS = {"description": str, "unit": str, "lower": float, "upper": float, "neutral": float, "start": float,
+#: What a declaration may say.
+DECLARATION_KEYS = {"description": str, "unit": str, "lower": float, "upper": float, "neutral": float, "start": float,
              "flips": bool}  # fmt: skip
 _KINDS = {str: "text", float: "finite number", bool: "truth value: true or false"}
 #: The largest double.
@@ -110,7 +110,10 @@ def read_effect(text: str, source: str) -> AddedEffect:
     told = _parsed(text, source)
     known_keys(told, ("name", "physics", "source", "coefficients", "acts", "diagnosis"), source)
     name = _text(told, "name", source)
-    cards = tuple(_card(key, card, source, f"TIREFMU_{name.upper()}") for key, card in _table(told, source).items())
+    declarations = tuple(
+        _declaration(key, declaration, source, f"TIREFMU_{name.upper()}")
+        for key, declaration in _table(told, source).items()
+    )
     acts = told.get("acts")
     if not isinstance(acts, list) or not acts:
         raise EffectError(f"{source}: an effect has at least one [[acts]]")
@@ -118,13 +121,17 @@ def read_effect(text: str, source: str) -> AddedEffect:
         name,
         _text(told, "physics", source),
         _text(told, "source", source) if "source" in told else "",
-        cards,
+        declarations,
         tuple(_act(act, source) for act in acts),
-        read_detection(told["diagnosis"], source, {card.name for card in cards}) if "diagnosis" in told else None,
+        read_detection(told["diagnosis"], source, {declaration.name for declaration in declarations})
+        if "diagnosis" in told
+        else None,
     )
     check_effect(effect, source)
     _check_sizes(effect, source)
-    unused = {card.name for card in cards} - {s.name for act in effect.acts for s in act.expression.free_symbols}
+    unused = {declaration.name for declaration in declarations} - {
+        s.name for act in effect.acts for s in act.expression.free_symbols
+    }
     if unused:
         raise EffectError(f"{source}: {min(unused)} is declared but acts on nothing")
     return effect
@@ -187,13 +194,18 @@ def effect_text(effect: AddedEffect) -> str:
     lines = [f"{key} = {toml_string(text)}" for key, text in (("name", effect.name), ("physics", effect.physics))]
     lines += [f"source = {toml_string(effect.source)}"] if effect.source else []
     lines += ["", "[coefficients]"]
-    for card in effect.declarations:
-        numbers = {"lower": card.lower, "upper": card.upper, "neutral": card.default, "start": card.start}
-        said = {"description": toml_string(card.description), "unit": toml_string(card.unit)}
+    for declaration in effect.declarations:
+        numbers = {
+            "lower": declaration.lower,
+            "upper": declaration.upper,
+            "neutral": declaration.default,
+            "start": declaration.start,
+        }
+        said = {"description": toml_string(declaration.description), "unit": toml_string(declaration.unit)}
         said |= {key: repr(float(x)) for key, x in numbers.items() if x is not None and isfinite(x)}
-        if card.flips:
+        if declaration.flips:
             said["flips"] = "true"
-        lines.append(f"{card.name} = {{{', '.join(f'{key} = {value}' for key, value in said.items())}}}")
+        lines.append(f"{declaration.name} = {{{', '.join(f'{key} = {value}' for key, value in said.items())}}}")
     for act in effect.acts:
         lines += ["", "[[acts]]", f"on = {toml_string(act.on)}"]
         lines += [f"{act.how} = {toml_string(formula_text(act.expression))}"]
@@ -204,13 +216,16 @@ def effect_text(effect: AddedEffect) -> str:
 
 def _check_sizes(effect: AddedEffect, source: str) -> None:
     """Raise `EffectError` where a coefficient that is probed leaves its bounds."""
-    cards, detection = {card.name: card for card in effect.declarations}, effect.detection or Detection()
+    declarations, detection = (
+        {declaration.name: declaration for declaration in effect.declarations},
+        effect.detection or Detection(),
+    )
     for form in (*detection.forms, *detection.refinements):
         for name, size in (item for probe in form.probes for item in probe.items()):
-            card = cards[name]
-            if not card.lower <= card.default + size <= card.upper:
+            declaration = declarations[name]
+            if not declaration.lower <= declaration.default + size <= declaration.upper:
                 place = f"{source}: [diagnosis] {name}"
-                raise EffectError(f"{place}: neutral {card.default} and size {size} are beyond its bounds")
+                raise EffectError(f"{place}: neutral {declaration.default} and size {size} are beyond its bounds")
 
 
 def _text(told: dict[str, Any], key: str, source: str) -> str:
@@ -221,25 +236,25 @@ def _text(told: dict[str, Any], key: str, source: str) -> str:
 
 
 def _table(told: dict[str, Any], source: str) -> dict[str, Any]:
-    cards = told.get("coefficients", {})
-    if not isinstance(cards, dict):
+    declarations = told.get("coefficients", {})
+    if not isinstance(declarations, dict):
         raise EffectError(f"{source}: [coefficients] is not a table")
-    return cards
+    return declarations
 
 
-def _card(name: str, told: object, source: str, section: str) -> Coefficient:
+def _declaration(name: str, told: object, source: str, section: str) -> Coefficient:
     if reason := no_coefficient(name):
         raise EffectError(f"{source}: coefficient {quoted(name)} {reason}")
     place = f"{source}: coefficient {name}"
     if not isinstance(told, dict):
         raise EffectError(f"{place} is not a table {{description = ..., unit = ...}}")
-    known_keys(told, CARD_KEYS, place)
+    known_keys(told, DECLARATION_KEYS, place)
     for key, value in told.items():
-        if not (_is_number(value) if CARD_KEYS[key] is float else isinstance(value, CARD_KEYS[key])):
-            raise EffectError(f"{place}: {key} = {visible(repr(value))[:80]} is not a {_KINDS[CARD_KEYS[key]]}")
-    card = Coefficient(**{"description": "", **told})
-    card.name, card.section = name, section
-    return card
+        if not (_is_number(value) if DECLARATION_KEYS[key] is float else isinstance(value, DECLARATION_KEYS[key])):
+            raise EffectError(f"{place}: {key} = {visible(repr(value))[:80]} is not a {_KINDS[DECLARATION_KEYS[key]]}")
+    declaration = Coefficient(**{"description": "", **told})
+    declaration.name, declaration.section = name, section
+    return declaration
 
 
 def _is_number(value: object) -> bool:
