@@ -17,27 +17,27 @@ from .recording.simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]
 
-#: A declaration's range is this many standard deviations of the weak belief that a coefficient is about its start.
+#: Width of a coefficient's bounds in standard deviations of its weak prior.
 RANGE_IN_DEVIATIONS = 4.0
-#: Coefficients are in their own units: the damping follows their curvature. Any step that lowers the cost is accepted.
+#: Damping is scaled by the curvature, as coefficients have different units. Any step that lowers the cost is accepted.
 DAMPING = Damping(first=1e-3, least=1e-7, most=10.0, up=8.0, down=0.1, by_curvature=True, trusted=0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Where a fit ended.
+    """Solution of a fit.
 
     Attributes
     ----------
     parameters : ndarray, shape (n_parameters,)
-        Of the generated code.
+        Parameter vector of the generated code.
     free : tuple of str
     disturbance : ndarray, shape (n_disturbances,)
         Coefficients of the recording's disturbances.
     cost : float
-        Half the weighted sum of squares, penalty included.
+        Half the weighted sum of squares, priors included.
     residual : ndarray, shape (n_channels, n)
-        Measured less simulated and disturbances, in N and N m.
+        Measured minus simulated minus disturbances, N and N m.
     """
 
     parameters: FloatArray
@@ -49,18 +49,18 @@ class Solution:
 
 @dataclass(frozen=True, eq=False)
 class LeastSquares:
-    """The problem: signals, weights, disturbances, and the belief about each coefficient.
+    """The least-squares problem: signals, weights, disturbances, and the prior of each coefficient.
 
     Attributes
     ----------
     simulator : Simulator
     inverse_noise : ndarray, shape (n_channels, n)
-        One over each row's noise; 0 where a row takes no part.
+        Reciprocal noise standard deviation of each row; 0 for excluded rows.
     disturbances : Disturbances
     center : mapping of str to float
-        Where a coefficient is believed to lie, of those not at their declaration's start.
+        Prior means that differ from the declared default.
     whitening : Whitening, optional
-        What is known of the noise's memory; without it every row counts for itself.
+        Filter for time-correlated noise; without it, rows are independent.
     """
 
     simulator: Simulator
@@ -78,7 +78,7 @@ class LeastSquares:
         return lower * factor, upper * factor
 
     def prior(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
-        """Return centers and standard deviations of the weak belief about coefficients."""
+        """Return means and standard deviations of the weak priors of coefficients."""
         declarations, factors = self.simulator.book.coefficients, self._factors(free)
         lower, upper = self.bounds(free)
         center = np.array([self.center.get(name, declarations[name].default) for name in free]) * factors
@@ -87,9 +87,9 @@ class LeastSquares:
         return center, np.minimum((upper - lower) / RANGE_IN_DEVIATIONS, spread)
 
     def _factors(self, free: Sequence[str]) -> FloatArray:
-        """Return what the generated code's coefficients are per value of their declarations.
+        """Return the factors from declared coefficients to parameters of the generated code.
 
-        An absent load_stiffness stands there as an enormous PKY2, with PKY1 to match.
+        Without load_stiffness the code has a very large PKY2, and PKY1 is scaled accordingly.
         """
         factors = {} if "PKY2" in free else self.simulator.rescaled
         return np.array([factors.get(name, 1.0) for name in free])
@@ -98,17 +98,17 @@ class LeastSquares:
         self, start: FloatArray, free: Sequence[str], *, rows: slice | None = None, iterations: int = 30,
         tolerance: float = 1e-5,
     ) -> Solution:  # fmt: skip
-        """Return the fit from a start.
+        """Fit the coefficients from initial values.
 
         Parameters
         ----------
         start : ndarray, shape (n_parameters,)
         free : sequence of str
         rows : slice, optional
-            Of the compared rows; all where None.
+            Subset of the compared rows; default: all.
         iterations : int
         tolerance : float
-            Predicted reduction, as a share of the cost, at which an iteration is the last.
+            Iterations stop when the predicted reduction is below this share of the cost.
         """
         subsample = self._subsampled(rows)
         lower, upper = subsample.bounds(free)
@@ -118,24 +118,24 @@ class LeastSquares:
         return self.at(projected.parameters(end.x), free)
 
     def at(self, parameters: FloatArray, free: Sequence[str]) -> Solution:
-        """Return the solution that parameters are, with the disturbances that fit best."""
+        """Return the solution at given parameters, with the best-fitting disturbances."""
         misfit = self.misfit(parameters)
         disturbance = self.best_disturbance(misfit)
         residual = misfit - self.disturbances.columns @ disturbance
         return Solution(parameters, tuple(free), disturbance, self._cost(parameters, free, disturbance), residual)
 
     def misfit(self, parameters: FloatArray) -> FloatArray:
-        """Return measured less simulated forces, shape (n_channels, n)."""
+        """Return measured minus simulated forces, shape (n_channels, n)."""
         return self.simulator.signals.measured - self.simulator.forces(parameters)
 
     def best_disturbance(self, misfit: FloatArray) -> FloatArray:
-        """Return the disturbances that explain a misfit best."""
+        """Return the best-fitting disturbances for a misfit."""
         weighted, matrix = self._disturbance_system
         target = np.einsum("cn,cnq->q", self.weighted(misfit), weighted)
         return np.asarray(np.linalg.solve(matrix, target))
 
     def weighted(self, rows: FloatArray) -> FloatArray:
-        """Return rows of the channels over their noise, shape (n_channels, n) or (n_channels, n, m)."""
+        """Return rows divided by their noise, shape (n_channels, n) or (n_channels, n, m)."""
         over = self.inverse_noise.reshape(*self.inverse_noise.shape, *(1,) * (rows.ndim - 2)) * rows
         return self.whitening(over) if self.whitening else np.asarray(over)
 
@@ -163,7 +163,7 @@ class LeastSquares:
     def _normal(
         self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return matrix and gradient in the coefficients, the disturbances eliminated."""
+        """Return Gauss-Newton matrix and descent direction in the coefficients, the disturbances eliminated."""
         tangent = self.tangent(parameters, free)
         residual = self.weighted(self.misfit(parameters) - self.disturbances.columns @ disturbance)
         n, (center, deviation) = len(free), self.prior(free)
@@ -194,7 +194,7 @@ class LeastSquares:
 
 
 class _Projected:
-    """The cost of a problem over its free coefficients, the disturbances at their best for each of their values.
+    """The cost as a function of the free coefficients, minimized over the disturbances (variable projection).
 
     Attributes
     ----------
@@ -208,7 +208,7 @@ class _Projected:
         self._latest: tuple[FloatArray, float, FloatArray] | None = None
 
     def parameters(self, x: FloatArray) -> FloatArray:
-        """Return all parameters with the free ones at x."""
+        """Return all parameters, with the free coefficients set to x."""
         parameters = self._start.copy()
         parameters[self.indices] = x
         return parameters
@@ -224,7 +224,7 @@ class _Projected:
         return cost, -descent, matrix
 
     def _at(self, x: FloatArray) -> tuple[float, FloatArray]:
-        """Return cost and disturbances; the derivatives of an accepted step are evaluated next."""
+        """Return cost and disturbances; cached, as the derivatives of an accepted step are evaluated next."""
         if self._latest is None or not np.array_equal(self._latest[0], x):
             parameters = self.parameters(x)
             disturbance = self._problem.best_disturbance(self._problem.misfit(parameters))

@@ -1,4 +1,4 @@
-"""The start model fitted to a recording: from generic starts, several times, with weights by the noise found."""
+"""Fit of the baseline model to a recording: several initial values, then weights from the estimated noise."""
 
 from __future__ import annotations
 
@@ -23,20 +23,21 @@ from .candidates import declared_candidate, varies
 
 FloatArray = npt.NDArray[np.float64]
 
-#: The slip that makes each force.
+#: The slip that generates each force.
 OWN_SLIP = {"Fx": "kappa", "Fy": "alpha"}
 
 
 def readable(names: tuple[str, ...], signals: Signals, book: Model) -> tuple[str, ...]:
-    """Return the coefficients of a model that the measured channels say something about."""
+    """Return the coefficients of a model that influence a measured channel."""
     declarations, measured = book.coefficients, set(signals.channels)
     return tuple(name for name in names if name in declarations and measured & set(declarations[name].channels))
 
 
 def _in_baseline(declaration: Coefficient, tire: Tire, signals: Signals) -> bool:
-    """Return whether a coefficient of the baseline is fitted: its force is measured, or a moment while its slip varies.
+    """Return whether a coefficient of the baseline is fitted.
 
-    The slip stiffness of kappa, say, is seen in Mz alone where kappa counts as a slip angle of the trail.
+    It is if its force is measured, or if a moment is measured and its slip varies. Example: Mz alone depends on the
+    longitudinal slip stiffness, as kappa enters the equivalent slip angle of the trail.
     """
     measured = set(declaration.channels) & set(signals.channels)
     return bool(measured & OWN_SLIP.keys()) or (
@@ -46,7 +47,7 @@ def _in_baseline(declaration: Coefficient, tire: Tire, signals: Signals) -> bool
 
 
 def baseline_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
-    """Return the coefficients that a tire's own effects leave to fit.
+    """Return the coefficients that the fit of a baseline model adjusts.
 
     Parameters
     ----------
@@ -71,20 +72,20 @@ def baseline_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
 
 
 def fit_baseline(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSquares, Solution]:
-    """Fit the start model.
+    """Fit the baseline model.
 
     Parameters
     ----------
     tire : Tire
-        Its effects; its values where ``known``, else only size and nominal values count.
+        The baseline model. Its coefficients are initial values if ``known``; otherwise only nominal values are used.
     signals : Signals
     known : bool
-        Whether the tire's values are a start (a fitted tire) rather than defaults.
+        Whether the coefficients are those of a fitted tire, not defaults.
 
     Returns
     -------
     LeastSquares
-        With the weights found.
+        With weights from the estimated noise.
     Solution
     """
     free = baseline_coefficients(tire, signals)
@@ -141,7 +142,7 @@ def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) ->
 
 
 def _per_unit(tire: Tire, role: str, values: Mapping[str, float]) -> float:
-    """Return the quantity of a role at nominal inputs per unit of its leading coefficient; 1 where it is none."""
+    """Return the quantity of a role at nominal inputs per unit of its leading coefficient; 1 if not positive."""
     book = tire.book
     one = replace(tire, values={**tire.values, **values, book.leading(role): 1.0})
     code = code_for(book, "numpy")
@@ -151,7 +152,7 @@ def _per_unit(tire: Tire, role: str, values: Mapping[str, float]) -> float:
 
 
 def reweighted(problem: LeastSquares, solution: Solution) -> LeastSquares:
-    """Return the problem with weights by the noise that a solution leaves, outliers out.
+    """Return the problem with weights from the noise of a solution's residual, outliers excluded.
 
     Parameters
     ----------
@@ -161,7 +162,7 @@ def reweighted(problem: LeastSquares, solution: Solution) -> LeastSquares:
     Returns
     -------
     LeastSquares
-        The noise of a channel has a constant and a proportional part, read from the short-range scatter.
+        The noise of a channel has a constant and a proportional part, estimated from the short-range scatter.
     """
     signals = problem.simulator.signals
     simulated = signals.measured - solution.residual
@@ -184,7 +185,7 @@ def reweighted(problem: LeastSquares, solution: Solution) -> LeastSquares:
 
 
 def _two_parts(scatter: FloatArray, force: FloatArray) -> tuple[float, float]:
-    """Return the constant and the proportional deviation of noise."""
+    """Return the constant and the proportional standard deviation of noise."""
     order = np.argsort(np.abs(force))
     parts = np.array_split(order, 10)
     size = np.array([np.mean(force[part] ** 2) for part in parts])

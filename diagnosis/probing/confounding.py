@@ -1,4 +1,4 @@
-"""Which other explanations a finding has: effects and sensor errors whose responses the data cannot tell from its own."""
+"""Explanations that are confounded with an identified effect: other effects and sensor errors."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .effect_probing import Screen
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Sensor errors that imitate effects: an input and how far off it is.
+#: Sensor errors that are confounded with effects: the input and its error, rad, rad and 1.
 ALIASES: Mapping[str, Mapping[str, float]] = {
     "slip_angle_zero_offset": {"alpha": 1e-3},
     "inclination_zero_offset": {"gamma": 2e-3},
@@ -23,7 +23,7 @@ ALIASES: Mapping[str, Mapping[str, float]] = {
 
 
 def alias_columns(screen: Screen) -> dict[str, FloatArray]:
-    """Return what sensor errors do to the forces, weighted, shape (n_channels, n, 1), by name."""
+    """Return the weighted response of the forces to sensor errors, shape (n_channels, n, 1), by name."""
     problem, parameters = screen.problem, screen.solution.parameters
     at = problem.simulator.forces(parameters)
     read = set(problem.simulator.signals.names)
@@ -34,24 +34,24 @@ def alias_columns(screen: Screen) -> dict[str, FloatArray]:
 def correlations(
     screen: Screen, coefficients: Sequence[str], others: Mapping[str, FloatArray], found: Mapping[str, FloatArray]
 ) -> dict[str, float]:
-    """Return how much of a finding's response each other explanation can imitate.
+    """Return the correlation of an identified effect's response with that of each other explanation.
 
     Parameters
     ----------
     screen : Screen
-        Of the solution with the finding.
+        Of the solution with the identified effect.
     coefficients : sequence of str
-        The finding's own.
+        Coefficients of the identified effect.
     others : mapping of str to ndarray, shapes (n_channels, n, k)
         Weighted responses of other explanations.
     found : mapping of str to ndarray
-        The same of other findings, which stand in the model.
+        Weighted responses of the other identified effects, which are in the model.
 
     Returns
     -------
     dict of str to float
-        0 to 1: the correlation of the finding's response with the best mixture of the other's, both without what
-        the rest of the model and the recording's disturbances can do.
+        0 to 1: the correlation of the effect's response with the best linear combination of the other responses. The
+        responses to the remaining coefficients and to the disturbances of the recording are projected out of both.
     """
     solution = screen.solution
     own = np.array([name in coefficients for name in solution.free] + [False] * len(screen.problem.disturbances.names))
@@ -76,7 +76,7 @@ def correlations(
     parts = projected_out(screen.tangent[:, :, own] * values)
     sizes = np.linalg.norm(parts, axis=0)
     size = float(np.linalg.norm(projected))
-    directions = [projected / max(size, 1e-300)]  # as a norms, and each coefficient's own share where that is large
+    directions = [projected / max(size, 1e-300)]  # the total response, and large single ones
     directions += [
         part / own_size for part, own_size in zip(parts.T, sizes, strict=True) if own_size > MIN_SHARE * size > 0.0
     ]
@@ -101,7 +101,7 @@ def separating_measurement(first: str, second: str, detections: Mapping[str, Det
     first, second : str
         Effects or sensor errors.
     detections : mapping of str to Detection
-        What the effects' files declare: of the pair, else of the first or the second by itself.
+        Declarations of the effect files: of the pair, otherwise of the first or the second effect alone.
 
     Examples
     --------

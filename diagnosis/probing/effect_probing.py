@@ -1,4 +1,4 @@
-"""Which missing effects a residual shows responses of: finite probes, the base's own freedom projected out."""
+"""Effect screening: finite probes of each effect, tested on the residual with the baseline model projected out."""
 
 from __future__ import annotations
 
@@ -28,24 +28,24 @@ IntArray = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """What a form's probes do to the forces, and what the residual says about them.
+    """Response of the forces to the probes of a form, and its estimate from the residual.
 
     Attributes
     ----------
     columns : ndarray, shape (n_channels, n, k)
-        Weighted.
+        Weighted responses, one per probe.
     estimate : ndarray, shape (k,)
-        In probes.
+        Amplitudes, in units of the probes.
     p_coloured, p_blocks : float
-        Probability of an estimate at least this far from 0 by chance: by the noise's autocovariance, by blocks.
+        p-values of the Wald test: from the autocovariance of the noise, and from the jackknife over blocks.
     error : ndarray, shape (k,)
         Standard errors of the estimate, the larger of the two.
     loss : ndarray, shape (n_blocks,)
-        Of blocks left out, with the response.
+        Cross-validated loss of each block with the response.
     independent_share : float
-        Share of the responses' size that the base's freedom leaves.
+        Largest share of a response's norm that is orthogonal to the baseline's tangent space.
     size : float
-        Root mean square of the largest response, in noise deviations.
+        Root mean square of the largest response, in noise standard deviations.
     """
 
     columns: FloatArray
@@ -59,12 +59,12 @@ class Response:
 
     @property
     def p(self) -> float:
-        """The larger of the two probabilities."""
+        """The larger of the two p-values."""
         return max(self.p_coloured, self.p_blocks)
 
 
 class Screen:
-    """A solution's residual, its freedom, and responses tried against both.
+    """Linearization at a solution, for tests of responses on its residual.
 
     Parameters
     ----------
@@ -92,15 +92,15 @@ class Screen:
 
     @property
     def n_blocks(self) -> int:
-        """The number of blocks that take part."""
+        """The number of blocks with data."""
         return len(self.edges) - 1
 
     def columns(self, form: Form) -> FloatArray:
-        """Return what a form's probes do to the forces, weighted, shape (n_channels, n, k)."""
+        """Return the weighted responses of the forces to a form's probes, shape (n_channels, n, k)."""
         return np.stack([self._column(form, probe) for probe in form.probes], axis=-1)
 
     def probed(self, form: Form, probe: Probe) -> FloatArray:
-        """Return the parameters with a probe's coefficients; those that are fitted already are moved by it."""
+        """Return the parameters with a probe applied; coefficients that are already fitted are shifted by it."""
         simulator, parameters = self.problem.simulator, self.solution.parameters.copy()
         declarations = simulator.book.coefficients
         for name, size in probe.items():
@@ -124,12 +124,12 @@ class Screen:
         return self.problem.weighted(np.nan_to_num(moved - self._baseline_forces))
 
     def project(self, columns: FloatArray) -> FloatArray:
-        """Return columns without what the base's freedom can do."""
+        """Return columns with the baseline's tangent space projected out."""
         cross = np.einsum("cnq,cnk->qk", self.tangent, columns)
         return np.asarray(columns - self.tangent @ (self.baseline.inverse @ cross))
 
     def learn_noise(self, responses: Mapping[int, FloatArray]) -> None:
-        """Take for noise what all responses together leave of the residual."""
+        """Estimate the noise as the part of the residual that no combination of responses explains."""
         self._noise = self.residual
         if responses:
             combined = np.concatenate([self.project(columns) for columns in responses.values()], axis=-1)
@@ -144,7 +144,7 @@ class Screen:
         self.covariance = autocovariance(self._noise, self.problem.inverse_noise > 0.0, lags)
 
     def response(self, columns: FloatArray) -> Response:
-        """Return what the residual says about columns of responses."""
+        """Return the regression of the residual on columns of responses."""
         k = columns.shape[-1]
         free = self.project(columns)
         independent, size = np.sqrt(np.sum(free**2, axis=(0, 1))), np.sqrt(np.sum(columns**2, axis=(0, 1)))
@@ -186,7 +186,7 @@ class Screen:
 
 
 def _edges(block: IntArray, inverse_noise: FloatArray) -> IntArray:
-    """Return the first row of each block that takes part, and the last; rows share apart lie in their neighbours."""
+    """Return the first row of each block with data, and the number of rows; hold-out rows join their neighbours."""
     first = np.flatnonzero(np.diff(block, prepend=-1))
     counts = np.add.reduceat((inverse_noise > 0.0).any(axis=0).astype(np.int64), first)
     least = min(MIN_ROWS_OF_BLOCK, 0.5 * float(np.median(counts[counts > 0])))

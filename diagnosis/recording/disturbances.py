@@ -1,4 +1,4 @@
-"""What belongs to a recording and not to its tire: offsets, slow drift, cross-talk. Modelled beside the tire."""
+"""Linear disturbances of a recording (offsets, slow drift, cross-talk), fitted together with the tire."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Disturbances:
     names : tuple of str
         offset_Fy, drift1_Fy, ..., cross_talk_Fx_in_Fy.
     columns : ndarray, shape (n_channels, n, n_disturbances)
-        What one unit of each does, N and N m.
+        Change of the forces per unit of each, N and N m.
     deviation : ndarray, shape (n_disturbances,)
-        Standard deviation of the belief that each is 0.
+        Standard deviation of the zero-mean prior of each.
     """
 
     names: tuple[str, ...]
@@ -33,11 +33,11 @@ class Disturbances:
     deviation: FloatArray
 
     def subsampled(self, rows: slice) -> Disturbances:
-        """Return the same at some rows only."""
+        """Return the disturbances at a subset of the rows."""
         return replace(self, columns=self.columns[:, rows])
 
     def plausible(self, values: FloatArray) -> Disturbances:
-        """Return these without cross-talk that would have to be larger than a bench's."""
+        """Return the disturbances without cross-talk that is larger than that of a bench."""
         plausible = np.array(
             [not name.startswith("cross_talk") or abs(value) <= MAX_CROSS_TALK
              for name, value in zip(self.names, values, strict=True)]
@@ -46,7 +46,7 @@ class Disturbances:
         return Disturbances(names, self.columns[:, :, plausible], self.deviation[plausible])
 
     def extended(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> Disturbances:
-        """Return these and more columns beside the tire: structure that no coefficient of the model explains."""
+        """Return the disturbances with additional columns, for structure that no coefficient of the model explains."""
         return Disturbances(
             (*self.names, *names),
             np.concatenate([self.columns, columns], axis=-1),
@@ -92,7 +92,7 @@ def disturbances_of(signals: Signals, noise: FloatArray) -> Disturbances:
 
 
 def reported_disturbances(disturbances: Disturbances, values: FloatArray, signals: Signals) -> dict[str, Any]:
-    """Return what a recording's disturbances came to.
+    """Return the estimated disturbances of a recording.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
     Returns
     -------
     dict
-        offset, drift (root mean square), outliers (rows left out) by channel; cross_talk; input_noise.
+        offset, drift (root mean square), outliers (number of excluded rows) by channel; cross_talk; input_noise.
     """
     named = dict(zip(disturbances.names, values.tolist(), strict=True))
     drift = {

@@ -1,4 +1,4 @@
-"""Forces of a tire over signals, and their derivatives by its coefficients, relaxation included."""
+"""Forces of a tire over signals and their derivatives by its coefficients, with transient slip."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Simulator:
     Parameters
     ----------
     tire : Tire
-        Names the model; every coefficient of its book is at hand, whatever its effects.
+        Determines the model. All coefficients of the model are available, also those of effects that the tire lacks.
     signals : Signals
     """
 
@@ -54,7 +54,7 @@ class Simulator:
         return other
 
     def _inactive_inputs(self) -> list[tuple[int, IntArray, FloatArray]]:
-        """Return, of effects on demand that the tire lacks: the input's row, its coefficients' indices, their values."""
+        """Return input row, coefficient indices and their values for each on-demand effect that the tire lacks."""
         values, inputs = self.tire.parameters(), list(self.tire.inputs)
         inactive = []
         for effect, name in self.book.on_demand:
@@ -64,7 +64,7 @@ class Simulator:
         return inactive
 
     def active_inputs(self, parameters: FloatArray) -> FloatArray:
-        """Return the inputs of all rows, 0 where they ask for an effect whose coefficients are at rest."""
+        """Return the inputs of all rows; inputs of on-demand effects are 0 while their coefficients are unchanged."""
         unused = [row for row, indices, values in self._inactive if np.array_equal(parameters[indices], values)]
         if not self.signals.inputs[unused].any():
             return self.signals.inputs
@@ -73,7 +73,7 @@ class Simulator:
         return inputs
 
     def effective_inputs(self, parameters: FloatArray) -> FloatArray:
-        """Return the inputs that act at the compared rows, shape (n_inputs, n): slips lag where lengths are set."""
+        """Return the inputs at the compared rows, shape (n_inputs, n), with transient slips if there is relaxation."""
         signals, inputs = self.signals, self.active_inputs(parameters)
         lags = any(parameters[self.index[name]] for name in self.book.relaxation)
         if not signals.timed or not self._sigma or not lags:
@@ -95,7 +95,7 @@ class Simulator:
         ----------
         parameters : ndarray, shape (n_parameters,)
         shifts : mapping of str to float, optional
-            Added to inputs by name: what a sensor's zero offset does.
+            Offsets added to inputs by name, as by a sensor with a zero error.
         """
         rows = self.effective_inputs(parameters)
         for name, shift in (shifts or {}).items():

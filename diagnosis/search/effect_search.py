@@ -1,4 +1,4 @@
-"""The search: probe every effect that is missing, refit the best, rank by blocked cross-validation, gate, repeat."""
+"""Stepwise search: probe all candidates, refit the best, rank by blocked cross-validation, test, repeat."""
 
 from __future__ import annotations
 
@@ -43,23 +43,23 @@ class Search:
     ----------
     problem : LeastSquares
     solution : Solution
-        Of the base and all that was found.
+        Of the baseline model with the identified effects.
     candidates : mapping of str to Candidate
     found : list of Refit
     refinements : list of Refit
-        Finer forms of effects that were there before.
+        Refinements of effects that the model already had.
     structures, forms : list of Structure
-        What no known effect explains; and the same where it is another form of what the model has.
+        Structure that no candidate explains; and structure that only corrects the functional form of the model.
     last : list of Tried
-        The last round's responses.
+        Candidates of the last round with their responses.
     screen : Screen
-        Of the present solution.
+        Of the current solution.
     whitened : Screen
-        Of the settled solution, its rows whitened: what intervals are read from.
+        Of the final solution with whitened rows, for confidence intervals.
     tests : int
-        How many forms a round tries.
+        Number of forms tested in a round.
     progress : callable
-        Takes a sentence.
+        Called with a sentence at each step.
     """
 
     problem: LeastSquares
@@ -76,7 +76,7 @@ class Search:
     tests: int = 0
 
     def run(self) -> None:
-        """Search until nothing passes."""
+        """Repeat rounds until no candidate passes the criteria."""
         for _ in range(ROUNDS):
             best = self.round()
             if best is None:
@@ -91,10 +91,10 @@ class Search:
         self.last = self.probe()
 
     def refit_whitened(self, before: Screen) -> Screen:
-        """Fit the start model and what was found once more, the noise weighed by its memory; return the first's screen.
+        """Refit the baseline model and the final model with whitened noise; return the screen of the baseline model.
 
-        Decisions are made without it: what is missing itself looks like noise with a memory, and whitening magnifies
-        what is wrong with the form of a model.
+        The search itself uses rows of equal weight. A missing effect resembles correlated noise, and whitening
+        amplifies errors in the functional form of a model.
         """
         self.whitened = self.screen
         signals = self.problem.simulator.signals
@@ -118,7 +118,7 @@ class Search:
         return Screen(before.problem, start)
 
     def round(self) -> Refit | Structure | None:
-        """Try every candidate on what is left; return the best that passes, or structure that far exceeds it."""
+        """Return the best candidate that passes, or unexplained structure with a much larger gain."""
         best = self.best_effect()
         structure = structure_of(self.screen)
         if structure is None or not structure.passes or (best and best.gain > PREFERRED_SHARE * structure.gain):
@@ -126,14 +126,14 @@ class Search:
         return best if best and self._joint_gain(best) > PREFERRED_JOINT_SHARE * structure.gain else structure
 
     def best_effect(self) -> Refit | None:
-        """Try every candidate on what is left; return the best that passes."""
+        """Test all candidates on the residual and return the best one that passes."""
         self.screen = Screen(self.problem, self.solution)
         self.last = self.probe()
         self.tests = len(self.last)
         ordered = sorted(self.last, key=lambda tried: float(tried.response.loss.sum()))
-        own = [tried for tried in ordered if not tried.name.startswith(REFINEMENT)]
+        effects = [tried for tried in ordered if not tried.name.startswith(REFINEMENT)]
         chosen = (
-            distinct(own)[:REFITTED]
+            distinct(effects)[:REFITTED]
             + distinct([t for t in ordered if t.name.startswith(REFINEMENT)])[:REFITTED_REFINEMENTS]
         )
         promising = [t for t in chosen if t.response.p_coloured * self.tests < REFIT_P_FACTOR * EFFECT_P]
@@ -146,9 +146,9 @@ class Search:
         self.solution = refit.solution
 
     def _joint_gain(self, first: Refit) -> float:
-        """Return what a named effect gains together with those that would be named after it.
+        """Return the gain of an effect together with those that the next rounds would identify.
 
-        Several effects at once, each of them a part, look like structure that none of them explains.
+        If several effects are missing, no single one explains the residual.
         """
         lookahead = Search(self.problem, self.solution, self.candidates, lambda sentence: None)
         lookahead.found, lookahead.refinements = list(self.found), list(self.refinements)
@@ -158,22 +158,22 @@ class Search:
                 break
             lookahead._accept_effect(refit)
             refit = lookahead.best_effect()
-        total, left = (
+        total, remaining = (
             float(screen.baseline.loss.sum()) for screen in (self.screen, Screen(self.problem, lookahead.solution))
         )
-        return (total - left) / total
+        return (total - remaining) / total
 
     def _accept_structure(self, structure: Structure) -> bool:
-        """Carry structure beside the tire where it is another form of what it has; return whether that is so."""
+        """Add structure to the disturbances if it only corrects the form of the model; return whether it does."""
         varied = {name for refit in self.found for name in self.candidates[refit.name].requires}
         if {"distance", "T"} & varied:
             varied |= {"T", "distance"}
         if not set(structure.depends_on) <= CORE_INPUTS | varied:
             self.structures.append(structure)
-            self.progress(f"unknown structure: {structure.formula}")
+            self.progress(f"unexplained structure: {structure.formula}")
             return False
         self.forms.append(structure)
-        self.progress(f"another form of the base: {structure.formula}")
+        self.progress(f"correction of the functional form: {structure.formula}")
         sizes = np.maximum(np.abs(structure.response.estimate), 1e-6) * 20.0
         names = tuple(f"form_{len(self.forms)}_{i}" for i in range(len(sizes)))
         disturbances = self.problem.disturbances.extended(names, structure.columns, sizes)
@@ -182,7 +182,7 @@ class Search:
         return True
 
     def _is_form_artefact(self, refit: Refit) -> bool:
-        """Return whether a candidate only mends the form of a finding that it can hardly be told from."""
+        """Return whether a candidate is an artefact of model-form error: confounded with an identified effect."""
         columns = {refit.name: self.screen.columns(refit.form)}
         return any(
             correlations(self.screen, one.form.free, columns, {}).get(refit.name, 0.0) > CONFOUNDED
@@ -190,7 +190,7 @@ class Search:
         )  # fmt: skip
 
     def probe(self) -> list[Tried]:
-        """Learn the noise and return every form that could show, with its response."""
+        """Estimate the noise, and return every testable form with its response."""
         signals, tire = self.problem.simulator.signals, self.problem.simulator.tire
         identified = frozenset(refit.name for refit in self.found)
         forms: list[tuple[str, Form]] = []
@@ -199,20 +199,20 @@ class Search:
                 continue
             forms += [(name, form) for form in candidate.forms]
         forms += [(f"{REFINEMENT}{name}", form) for name, form in refinements_for(tire, identified)]
-        tried = [(name, form) for name, whole in forms if (form := self._readable(whole))]
+        tried = [(name, form) for name, declared in forms if (form := self._readable(declared))]
         columns = {i: self.screen.columns(form) for i, (_, form) in enumerate(tried)}
         self.screen.learn_noise(columns)
         return [Tried(name, form, self.screen.response(columns[i])) for i, (name, form) in enumerate(tried)]
 
     def _readable(self, form: Form) -> Form | None:
-        """Return a form with the coefficients that the channels show and that are not free already."""
+        """Return a form with the coefficients that influence a channel and are not yet free."""
         already_free, simulator = self.solution.free, self.problem.simulator
         names = [n for n in readable(form.free, simulator.signals, simulator.book) if n not in already_free]
         probes = tuple(probe for probe in form.probes if set(probe) & set(names))
         return replace(form, free=tuple(names), probes=probes) if names and probes else None
 
     def refit(self, tried: Tried) -> Refit | None:
-        """Fit a form jointly with what is there, from its starts."""
+        """Fit a form jointly with the current model, from its initial values."""
         form, response = tried.form, tried.response
         order = self.problem.simulator.names
         free = tuple(sorted({*self.solution.free, *form.free}, key=order.index))

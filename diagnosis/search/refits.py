@@ -1,4 +1,4 @@
-"""Candidates fitted jointly with the base: what they gain, whether they pass the gates, and which is preferred."""
+"""Candidates fitted jointly with the baseline: their gain, the acceptance criteria, and the preferred one."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ REFINEMENT = "refinement of "
 
 @dataclass(frozen=True, eq=False)
 class Refit:
-    """A candidate fitted jointly with the base.
+    """A candidate fitted jointly with the baseline.
 
     Attributes
     ----------
@@ -31,13 +31,13 @@ class Refit:
     form : Form
     solution : Solution
     screen : Screen
-        Of its solution.
+        Linearization at the solution.
     p : float
-        Adjusted for all forms tried.
+        p-value, adjusted for all forms tested.
     gain, gain_error : float
-        Of cross-validation, as a share of the base's squared misfit.
+        Cross-validated gain, as a share of the squared misfit of the baseline, and its standard error.
     gains : ndarray, shape (n_blocks,)
-        Gain by block of time, in squared noise deviations.
+        Gain of each time block, in squared noise standard deviations.
     response : Response
     """
 
@@ -53,7 +53,7 @@ class Refit:
 
     @property
     def passes(self) -> bool:
-        """Whether it is more than noise."""
+        """Whether the gain is significant and material."""
         significant = self.p < EFFECT_P and self.response.p_blocks < EFFECT_P_OF_BLOCKS
         return significant and self.gain > max(EFFECT_ERRORS * self.gain_error, EFFECT_GAIN)
 
@@ -70,8 +70,8 @@ class Tried:
 def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit:
     """Return the best of several refits that pass.
 
-    The largest gain wins; a finer form of the base, an effect that contains another and a richer form have to be
-    better by more than the standard error of the difference, twice of it for a finer form.
+    The one with the largest gain is preferred. A refinement must exceed an effect, and an effect must exceed another that
+    it contains, by `PREFERRED_ERRORS` standard errors of the difference.
     """
     best = max(refits, key=lambda refit: refit.gain)
     for other in sorted(refits, key=lambda refit: -refit.gain):
@@ -87,7 +87,7 @@ def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit
 
 
 def distinct(tried: list[Tried]) -> list[Tried]:
-    """Return the first form of each name, in order."""
+    """Return the first form of each effect, in order; all refinements are distinct."""
     seen: dict[str, Tried] = {}
     for one in tried:
         seen.setdefault(one.name if not one.name.startswith(REFINEMENT) else f"{one.name}{one.form.free}", one)

@@ -1,7 +1,7 @@
-"""What structure may depend on that no named effect explains: physical features and the quantities they act on.
+"""Physical features for the regression of unexplained structure, and the model quantities that they act on.
 
-A sparse regression on these instead of on anonymous polynomials: each product is a factor on a quantity of the book
-or a term in it, and so can be expressible into the book.
+A sparse regression on physical features replaces one on polynomials. Each product is a factor or a term of a named
+quantity, so that it can be added to the model equations.
 """
 
 from __future__ import annotations
@@ -30,16 +30,17 @@ class Feature:
     Attributes
     ----------
     text : str
-        As a formula in inputs and coefficients of size; of a rate or a memory: in words.
+        Formula in inputs and nominal values; a description for rates and memories.
     depends_on : frozenset of str
     values : ndarray, shape (n,)
-        Dimensionless, of the order of 1.
+        Dimensionless, of order 1.
     odd : bool
-        Whether it turns with the side: a term of its own; others are factors or turn a term's size.
+        Whether the sign changes under mirroring left to right. Odd features are terms; even ones are factors, or
+        scale a term.
     expressible : bool
-        Whether an effect file can say it.
+        Whether an effect file can contain the formula.
     parts : tuple of str
-        The texts of a product's two features.
+        Texts of the two features of a product.
     """
 
     text: str
@@ -66,20 +67,20 @@ def _bracketed(text: str) -> str:
 
 @dataclass(frozen=True)
 class Location:
-    """Where structure can act in a model.
+    """A part of the model in which structure can act.
 
     Attributes
     ----------
     name : str
-        For a reader: friction, slip stiffness, ...
+        Friction, slip stiffness, ...
     how : str
         "factor" or "term".
     quantities : tuple of str
-        Named quantities of the model.
+        Named quantities of the model that change.
     coefficients : tuple of str
-        Whose derivatives, times their values for a factor, are what it does to the forces.
+        Coefficients whose derivatives (for a factor: times their values) are the response of the forces.
     per : str
-        What a term is multiplied by, so that its coefficient is a pure number; '' for nothing.
+        Multiplier of a term that makes its coefficient dimensionless; '' if none.
     flips : bool
         Whether such a term changes its sign between adapted SAE and ISO.
     """
@@ -93,11 +94,11 @@ class Location:
 
     @property
     def proportional_to(self) -> tuple[str, ...]:
-        """The inputs that what acts there is proportional to."""
+        """The inputs that a term is proportional to."""
         return ("Fz",) if "Fz" in self.per.split("*") else ()
 
 
-#: Places by name: how structure acts there, and the roles of the quantities.
+#: Places by name: how structure acts, and the roles of the quantities.
 LOCATIONS = {
     "friction": ("factor", ("friction_x", "friction_y")),
     "slip stiffness": ("factor", ("stiffness_x", "stiffness_y")),
@@ -111,7 +112,7 @@ LOCATIONS = {
 
 
 def locations_of(book: Model) -> list[Location]:
-    """Return the locations at which structure can act in a model: those whose roles it has.
+    """Return the locations of a model in which structure can act: those whose roles it declares.
 
     Examples
     --------
@@ -131,7 +132,7 @@ def locations_of(book: Model) -> list[Location]:
 
 
 def directions(screen: Screen) -> dict[str, FloatArray]:
-    """Return what each location does to the forces, N and N m, shape (n_channels, n), by name.
+    """Return the response of the forces to each location, N and N m, shape (n_channels, n), by name of location.
 
     Parameters
     ----------
@@ -141,18 +142,18 @@ def directions(screen: Screen) -> dict[str, FloatArray]:
     locations = locations_of(simulator.book)
     names = [name for location in locations for name in location.coefficients]
     jacobian = simulator.jacobian(parameters, names)
-    changes = {}
+    responses = {}
     for location in locations:
         parts = [
             jacobian[:, :, names.index(name)] * (parameters[simulator.index[name]] if location.how == "factor" else 1.0)
             for name in location.coefficients
         ]  # fmt: skip
-        changes[location.name] = np.sum(parts, axis=0)
-    return changes
+        responses[location.name] = np.sum(parts, axis=0)
+    return responses
 
 
 def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]]:
-    """Return even features (of conditions and sizes of slip) and odd ones (that turn with the side).
+    """Return even features (operating conditions, magnitudes of slip) and odd features (sign of a lateral input).
 
     Parameters
     ----------
@@ -206,7 +207,7 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
 
 
 def _add_rates(add: Callable[..., None], t: FloatArray, named: Mapping[str, FloatArray]) -> None:
-    """Add features of rates of change and of memory."""
+    """Add features of rates of change and of memory: first-order lags of the inputs."""
     steps = np.diff(t)
     step = float(np.median(steps[steps > 0.0]))
     width = max(3, round(0.1 / step))
@@ -244,6 +245,6 @@ def _add_rates(add: Callable[..., None], t: FloatArray, named: Mapping[str, Floa
 
 
 def _low_pass(values: FloatArray, share: float) -> FloatArray:
-    """Return a first-order memory of a signal; a step takes `share` of it in."""
+    """Return a signal behind a first-order lag; `share` is the ratio of time step and time constant."""
     decay = float(np.exp(-share))
     return np.asarray(lfilter([1.0 - decay], [1.0, -decay], values, zi=[decay * values[0]])[0])

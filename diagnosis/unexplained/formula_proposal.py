@@ -1,4 +1,4 @@
-"""Unknown structure as an effect of the book: its file, and the test on rows that no decision has seen."""
+"""Unexplained structure as a proposed effect: its file, and the test on the hold-out set."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Unknown:
-    """Structure that no known effect explains.
+    """Structure that no candidate effect explains.
 
     Attributes
     ----------
     depends_on : tuple of str
     formula : str
-        As it would stand in an effect file: "quantity: factor or term".
+        As in an effect file: "quantity, factor or term: formula".
     added : bool
-        Whether the improved tire has it: only if the untouched hold-out improves.
+        Whether the improved tire contains it: only if the error on the hold-out set decreases.
     effect : AddedEffect or None
         The proposed effect file.
     not_added_because : str
-        "" where it was added.
+        Reason; "" if it was added.
     next_measurement : str
-        What would show its form.
+        The measurement that determines its form.
     """
 
     depends_on: tuple[str, ...]
@@ -49,13 +49,13 @@ class Unknown:
 
 @dataclass(frozen=True, eq=False)
 class Added:
-    """A formula that stands in the model now.
+    """A proposed formula that was added to the model.
 
     Attributes
     ----------
     effect : AddedEffect
     tire : Tire
-        The start model with the formula's effect extended its own.
+        The baseline model with the effect of the formula.
     problem : LeastSquares
     solution : Solution
     """
@@ -67,7 +67,7 @@ class Added:
 
 
 def effect_of(structure: Structure) -> AddedEffect | None:
-    """Return structure as an effect file would have it, or None where no file can say it.
+    """Return structure as an effect, or None if an effect file cannot express it.
 
     Parameters
     ----------
@@ -102,15 +102,15 @@ def effect_of(structure: Structure) -> AddedEffect | None:
 
 
 def unknown_of(structure: Structure, effect: AddedEffect | None, added: Added | None) -> Unknown:
-    """Return what a verdict tells of structure that no known effect explains.
+    """Return the report of structure that no candidate effect explains.
 
     Parameters
     ----------
     structure : Structure
     effect : AddedEffect or None
-        What `effect_of` made of it.
+        Result of `effect_of`.
     added : Added or None
-        What `added_if_better` made of it.
+        Result of `added_if_better`.
     """
     formula, why = structure.formula, ""
     if added:
@@ -119,17 +119,17 @@ def unknown_of(structure: Structure, effect: AddedEffect | None, added: Added | 
             [added.solution.parameters[index[declaration.name]] for declaration in added.effect.declarations]
         )
     elif effect:
-        why = "the rows holdout apart do not come closer by it"
+        why = "the formula does not reduce the error on the hold-out set"
     else:
-        why = "it depends on how an input changes: an effect file knows the inputs of the moment, no rate and no memory"
+        why = "it depends on the rate or history of an input, which an effect file cannot contain (current inputs only)"
     measurements = [_MEASUREMENTS[name] for name in structure.depends_on if name in _MEASUREMENTS]
     return Unknown(
         structure.depends_on, formula, added is not None, effect, why, measurements[0] if measurements else ""
     )
 
 
-#: What shows the form of structure that depends on a rate: a lag goes by distance rolled, a delay by time, friction
-#: within the carcass by the direction alone.
+#: Measurement that determines the form of structure that depends on a rate. Relaxation depends on the distance rolled,
+#: a delay on time, friction within the carcass on the direction only.
 _MEASUREMENTS = {
     "dalpha/dt": "sweep alpha at three rates and two speeds, up and down",
     "dkappa/dt": "sweep kappa at three rates and two speeds, up and down",
@@ -145,22 +145,22 @@ def _bound(size: float) -> float:
 def added_if_better(
     structure: Structure, effect: AddedEffect, start: Tire, problem: LeastSquares, solution: Solution
 ) -> Added | None:
-    """Put a formula into the model and keep it if the untouched hold-out improves.
+    """Add a formula to the model if the error on the hold-out set decreases.
 
     Parameters
     ----------
     structure : Structure
     effect : AddedEffect
-        What `effect_of` made of it.
+        Result of `effect_of`.
     start : Tire
     problem : LeastSquares
     solution : Solution
-        Before the formula.
+        Solution without the formula.
 
     Returns
     -------
     Added or None
-        None where the hold-out does not improve, or the book has no place for the formula.
+        None if the hold-out error does not decrease, or the model cannot contain the formula.
     """
     extended = problem.disturbances.extended(
         tuple(declaration.name for declaration in effect.declarations),
@@ -187,7 +187,7 @@ def added_if_better(
 
 
 def _better(problem: LeastSquares, before: Solution, after: Solution) -> bool:
-    """Return whether the hold-out's squared misfit, in the training rows' own, falls."""
+    """Return whether the squared misfit on the hold-out set, relative to that of the training rows, decreases."""
     signals = problem.simulator.signals
     holdout = signals.present & signals.holdout
     training = problem.inverse_noise > 0.0

@@ -1,4 +1,4 @@
-"""What is left when nothing known explains it: which variables it depends on, and a proposed formula."""
+"""Unexplained structure: the variables that the residual depends on, and a proposed formula."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from .features import Feature, Location, directions, features, locations_of
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Inputs of the steady core: structure in these alone is another form of the base, no missing effect.
+#: Inputs of the steady-state core. Structure in these alone is an error of the functional form, not a missing effect.
 CORE_INPUTS = frozenset({"alpha", "kappa", "Fz"})
 
 
@@ -43,16 +43,16 @@ class Structure:
     location : Location
     terms : tuple of Feature
     response : Response
-        Of all terms together.
+        Response of all terms together.
     gain, gain_error : float
-        Of blocked cross-validation, as a share of the squared misfit.
+        Gain in blocked cross-validation, as a share of the squared misfit, and its standard error.
     gains : ndarray, shape (n_blocks,)
     p : float
-        Under coloured noise, adjusted for all columns tried.
+        p-value under coloured noise, adjusted for all columns tested.
     columns : ndarray, shape (n_channels, n, n_terms)
-        What one unit of each term does to the forces, N and N m.
+        Change of the forces per unit of each term, N and N m.
     stretch_gains : ndarray, shape (STRETCHES,)
-        Gain in each long stretch of the recording by what the others say, as a share of the squared misfit of all.
+        Gain in each long stretch, estimated from the other stretches, as a share of the total squared misfit.
     """
 
     location: Location
@@ -67,13 +67,13 @@ class Structure:
 
     @property
     def passes(self) -> bool:
-        """Whether it is more than noise; the many forms tried make the bar higher than that of a named effect."""
+        """Whether the gain is significant; the criteria are stricter than for effects, as many forms are tested."""
         significant = self.p < STRUCTURE_P and self.response.p_blocks < STRUCTURE_P_OF_BLOCKS
         return significant and self.gain > max(STRUCTURE_ERRORS * self.gain_error, STRUCTURE_GAIN) and self.generalizes
 
     @property
     def generalizes(self) -> bool:
-        """Whether what it was fitted to elsewhere holds in nearly every part of the recording."""
+        """Whether the structure, estimated from the other stretches, is present in nearly every stretch."""
         everywhere = int(np.sum(self.stretch_gains > 0.0)) >= MIN_STRETCHES
         return everywhere and float(self.stretch_gains.sum()) > MIN_RETAINED_GAIN * self.gain
 
@@ -84,21 +84,21 @@ class Structure:
 
     @property
     def expressible(self) -> bool:
-        """Whether an effect file can say it."""
+        """Whether an effect file can contain it."""
         return all(term.expressible for term in self.terms)
 
     @property
     def formula(self) -> str:
-        """The proposal as a reader sees it."""
+        """The proposed formula as text."""
         return self.formula_with(self.response.estimate)
 
     def formula_with(self, sizes: Sequence[float] | FloatArray) -> str:
-        """Return the proposal with coefficients of these sizes.
+        """Return the proposed formula with given coefficients.
 
         Parameters
         ----------
         sizes : sequence of float
-            By term.
+            One per term.
         """
         terms = " ".join(f"{value:+.3g}*{_bracketed(term)}" for value, term in zip(sizes, self.terms, strict=True))
         head = "1 " if self.location.how == "factor" else ""
@@ -110,15 +110,15 @@ def _bracketed(term: Feature) -> str:
 
 
 def structure_of(screen: Screen) -> Structure | None:
-    """Return the structure that explains most of a residual, or None where there is none at all.
+    """Return the structure that explains most of a residual, or None if there are no features.
 
     Parameters
     ----------
     screen : Screen
-        Its noise learnt.
+        With estimated noise (`learn_noise`).
     """
-    columns, what = _dictionary(screen)
-    if not what:
+    columns, candidates = _dictionary(screen)
+    if not candidates:
         return None
     scores = _scores(screen, columns)
     best: tuple[float, int, Response] | None = None
@@ -129,13 +129,13 @@ def structure_of(screen: Screen) -> Structure | None:
             best = (loss, int(i), response)
     assert best is not None
     chosen, response = [best[1]], best[2]
-    chosen, response = _extended_terms(screen, columns, what, chosen, response)
-    location = what[chosen[0]][0]
+    chosen, response = _extended_terms(screen, columns, candidates, chosen, response)
+    location = candidates[chosen[0]][0]
     gains = screen.baseline.loss - response.loss
     total = float(screen.baseline.loss.sum())
     error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1)) / total
-    p = min(1.0, response.p_coloured * len(what))
-    terms = tuple(what[i][1] for i in chosen)
+    p = min(1.0, response.p_coloured * len(candidates))
+    terms = tuple(candidates[i][1] for i in chosen)
     acts = directions(screen)[location.name]
     unweighted = np.stack([acts * term.values for term in terms], axis=-1)
     stretch_gains = _stretch_gains(screen, response.columns)
@@ -143,7 +143,7 @@ def structure_of(screen: Screen) -> Structure | None:
 
 
 def _stretch_gains(screen: Screen, columns: FloatArray) -> FloatArray:
-    """Return the gain of columns in each long stretch when it is left out, as a share of the squared misfit of all."""
+    """Return the cross-validated gain of columns in each long stretch, as a share of the total squared misfit."""
     marks = np.round(np.linspace(0, screen.n_blocks, STRETCHES + 1)).astype(int)
     edges, n_columns = screen.edges[marks], columns.shape[-1]
     baseline = regression(
@@ -157,24 +157,28 @@ def _stretch_gains(screen: Screen, columns: FloatArray) -> FloatArray:
 
 
 def _extended_terms(
-    screen: Screen, columns: FloatArray, what: list[tuple[Location, Feature]], chosen: list[int], response: Response
+    screen: Screen,
+    columns: FloatArray,
+    candidates: list[tuple[Location, Feature]],
+    chosen: list[int],
+    response: Response,
 ) -> tuple[list[int], Response]:
-    """Add terms at the same location for as long as they are worth it.
+    """Add terms at the same location while their gain is significant.
 
-    Beside those that explain most, the parts of a product are tried: from where its parts are counted is arbitrary, and
-    with them it does not matter (marginality: Nelder, A reformulation of linear models, 1977).
+    Tested are the terms that explain most, and the factors of products: with these the result does not depend on the
+    arbitrary origin of each factor (marginality: Nelder, A reformulation of linear models, 1977).
     """
-    location = what[chosen[0]][0]
-    same = [i for i, (other, _) in enumerate(what) if other == location]
+    location = candidates[chosen[0]][0]
+    same = [i for i, (other, _) in enumerate(candidates) if other == location]
     while len(chosen) < MAX_TERMS:
         fitted = columns[:, :, chosen] @ response.estimate
         rest = screen.residual - screen.project(fitted[:, :, None])[:, :, 0]
         order = [same[k] for k in np.argsort(-_scores(screen, columns[:, :, same], rest))]
-        parts = {part for i in chosen for part in what[i][1].parts}
-        options = [*order[:4], *(i for i in order[4:] if what[i][1].text in parts)]
+        parts = {part for i in chosen for part in candidates[i][1].parts}
+        options = [*order[:4], *(i for i in order[4:] if candidates[i][1].text in parts)]
         responses = [(screen.response(columns[:, :, [*chosen, i]]), i) for i in options if i not in chosen]
-        known = frozenset().union(location.proportional_to, *(what[i][1].depends_on for i in chosen))
-        best = _best(screen, response, [(more, i, what[i][1].depends_on <= known) for more, i in responses])
+        known = frozenset().union(location.proportional_to, *(candidates[i][1].depends_on for i in chosen))
+        best = _best(screen, response, [(more, i, candidates[i][1].depends_on <= known) for more, i in responses])
         if best is None:
             break
         response, i = best
@@ -183,15 +187,15 @@ def _extended_terms(
 
 
 def _best(screen: Screen, response: Response, richer: list[tuple[Response, int, bool]]) -> tuple[Response, int] | None:
-    """Return the richer response that is most worth it, or None; one without a further variable comes first.
+    """Return the extended response with the largest significant gain, or None; known variables have priority.
 
     Parameters
     ----------
     screen : Screen
     response : Response
-        So far.
+        Of the current terms.
     richer : list of (Response, int, bool)
-        With the added column, and whether its variables are known.
+        Extended response, index of the added column, and whether its variables are already in the formula.
     """
     least = TERM_GAIN * float(np.sum(screen.baseline.loss - response.loss))
     for known_only in (True, False):
@@ -205,32 +209,32 @@ def _best(screen: Screen, response: Response, richer: list[tuple[Response, int, 
 
 
 def _adds(response: Response, more: Response, errors: float) -> float:
-    """Return what a richer response gains in cross-validation; 0 where that is within so many standard errors."""
+    """Return the cross-validated gain of an extended response; 0 if it is within `errors` standard errors."""
     gains = response.loss - more.loss
     error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
     return float(gains.sum()) if float(gains.sum()) > errors * error else 0.0
 
 
 def _dictionary(screen: Screen) -> tuple[FloatArray, list[tuple[Location, Feature]]]:
-    """Return columns, shape (n_channels, n, m), and what each is."""
+    """Return columns, shape (n_channels, n, m), with the location and feature of each."""
     signals, tire = screen.signals, screen.problem.simulator.tire
     even, odd = features(signals, tire)
-    own = [f for f in even if f.expressible]
-    pairs = [a * b for i, a in enumerate(own) for b in own[i:]]
-    turned = [a * b for a in odd for b in own]
+    expressible = [f for f in even if f.expressible]
+    pairs = [a * b for i, a in enumerate(expressible) for b in expressible[i:]]
+    odd_pairs = [a * b for a in odd for b in expressible]
     at = {name: screen.problem.inverse_noise * acts for name, acts in directions(screen).items()}
-    what: list[tuple[Location, Feature]] = []
+    candidates: list[tuple[Location, Feature]] = []
     for location in locations_of(screen.problem.simulator.book):
         if not np.any(at[location.name]):
             continue
-        allowed = [*even, *pairs] if location.how == "factor" else [*odd, *turned, *even]
-        what += [(location, feature) for feature in allowed]
-    columns = np.stack([at[location.name] * feature.values for location, feature in what], axis=-1)
-    return columns, what
+        allowed = [*even, *pairs] if location.how == "factor" else [*odd, *odd_pairs, *even]
+        candidates += [(location, feature) for feature in allowed]
+    columns = np.stack([at[location.name] * feature.values for location, feature in candidates], axis=-1)
+    return columns, candidates
 
 
 def _scores(screen: Screen, columns: FloatArray, residual: FloatArray | None = None) -> FloatArray:
-    """Return how much of the squared residual each column explains by itself, the base's freedom allowed for."""
+    """Return the squared residual that each column alone explains, with the baseline model projected out."""
     rest = (screen.residual if residual is None else residual).ravel()
     flat = columns.reshape(len(rest), -1)
     tangent = screen.tangent.reshape(len(rest), -1)
@@ -239,5 +243,5 @@ def _scores(screen: Screen, columns: FloatArray, residual: FloatArray | None = N
     power = np.einsum("nk,nk->k", flat, flat) - np.einsum("qk,qk->k", cross, inner)
     target = flat.T @ rest - inner.T @ (tangent.T @ rest)
     total = np.einsum("nk,nk->k", flat, flat)
-    seen = power > 1e-3 * total
-    return np.where(seen, target**2 / np.where(seen, power, 1.0), 0.0)
+    independent = power > 1e-3 * total
+    return np.where(independent, target**2 / np.where(independent, power, 1.0), 0.0)

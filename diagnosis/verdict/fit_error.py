@@ -1,4 +1,4 @@
-"""How far model and measurement are apart: before, after, and the noise floor, in training and out of it."""
+"""Fit error of the baseline and the improved model and noise floor: training, cross-validation, hold-out."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ FitErrors = dict[str, dict[str, dict[str, float]]]
 
 
 def noise_floor(signals: Signals) -> dict[str, float]:
-    """Return each channel's noise without a model: scatter about local parabolas, correlation allowed for.
+    """Return each channel's noise, estimated without a model: scatter about local parabolas, corrected for correlation.
 
     Parameters
     ----------
@@ -39,12 +39,12 @@ def noise_floor(signals: Signals) -> dict[str, float]:
 
 
 def fit_errors(before: Screen, after: Screen) -> FitErrors:
-    """Return root mean squared misfits, the recording's disturbances taken out.
+    """Return root mean square residuals, with the disturbances of the recording removed.
 
     Parameters
     ----------
     before, after : Screen
-        Of the start model's and the improved model's solution.
+        Of the solutions of the baseline model and the improved model.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def fit_errors(before: Screen, after: Screen) -> FitErrors:
 
 
 def _cross_validated(screen: Screen) -> FloatArray:
-    """Return residuals of each block by the other blocks' estimate, in N and N m."""
+    """Return the residuals of each block with the estimate from the other blocks, N and N m."""
     residual = screen.residual.copy()
     for g, (first, last) in enumerate(zip(screen.edges[:-1], screen.edges[1:], strict=True)):
         residual[:, first:last] -= screen.tangent[:, first:last] @ screen.baseline.others[g]

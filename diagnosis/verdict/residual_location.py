@@ -1,4 +1,4 @@
-"""Where start model and recording disagree: residual over noise by pairs of inputs, with sample counts."""
+"""Location of residuals: mean residual over noise by pairs of inputs with sample counts, and misfit over time."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ CELLS = 8
 
 
 def residual_maps(screen: Screen) -> list[dict[str, Any]]:
-    """Return mean residuals in noise deviations, by channel, over pairs of inputs.
+    """Return mean residuals in noise standard deviations, by channel, over pairs of inputs.
 
     Parameters
     ----------
     screen : Screen
-        Of a model's solution.
+        Of the solution of a model.
 
     Returns
     -------
     list of dict
-        channel, over (two inputs), edges (two lists), mean and count (rows of cells; mean is None without rows),
-        worst: the cell with the largest mean by magnitude, of those with ten rows or more.
+        channel, over (two inputs), edges (two lists), mean and count (lists of cells; the mean is None without data),
+        worst: the cell with the largest magnitude of the mean, of those with at least ten rows.
     """
     signals = screen.signals
     named = signals.named()
@@ -51,17 +51,17 @@ def residual_maps(screen: Screen) -> list[dict[str, Any]]:
 
 
 def time_course(before: Screen, after: Screen) -> dict[str, dict[str, list[float]]]:
-    """Return each channel's misfit over time: root mean square over noise, by block of time.
+    """Return each channel's misfit over time: root mean square over noise, by time block.
 
     Parameters
     ----------
     before, after : Screen
-        Of the start model's and the improved model's solution.
+        Of the solutions of the baseline model and the improved model.
 
     Returns
     -------
     dict
-        channel -> t (where blocks begin, s), before, after.
+        channel -> t (start of each block, s), before, after.
     """
     signals, edges = after.signals, after.edges
     begins = signals.t[signals.rows][edges[:-1]].tolist()

@@ -1,4 +1,4 @@
-"""What a diagnosis says: the result object and its JSON."""
+"""The result of a diagnosis and its JSON."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ from .extrapolation import Extrapolation
 from .findings import Finding, turned_sign
 from .summary import diagnosis_html, diagnosis_text
 
-#: Version of diagnosis.json: a new key raises the second number, a changed meaning the first.
+#: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
 VERSION = "2.0"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis:
-    """The answer to the question which effect is missing.
+    """Result of a diagnosis: missing effects, evidence, fit errors and the improved tire.
 
     Attributes
     ----------
@@ -38,38 +38,38 @@ class Diagnosis:
     found : tuple of Finding
         In order of evidence.
     confounded_with : mapping of str to mapping of str to float
-        By finding: other explanations and their correlation with it.
+        By identified effect: other explanations and their correlation with it.
     next_measurement : tuple of str
-        What would tell them apart.
+        Measurements that separate confounded explanations.
     unknown : tuple of Unknown
     not_identifiable : mapping of str to str
-        Effects that this recording could not have shown, and why.
+        Effects that this recording cannot identify, and the reason.
     refined : tuple of str
-        Finer forms of effects that the model had already.
+        Refinements of effects that the baseline model already had.
     gap : mapping
-        train, cv, holdout -> channel -> before, after, floor: root mean squares, N and N m, with the recording's
-        disturbances taken out.
+        train, cv, holdout -> channel -> before, after, floor: root mean square residuals, N and N m, with the
+        disturbances of the recording removed.
     detectable : mapping of str to mapping of str to float
-        By effect and channel: the smallest response, root mean square, that would have been named.
+        By effect and channel: the smallest change of the force, root mean square, that would have been identified.
     where, where_after : list of dict
-        Residuals of the start model and the improved one over noise, by channel and pairs of inputs
+        Residuals of the baseline and the improved model over noise, by channel and pairs of inputs
         (`residual_location.residual_maps`).
     time_course : mapping
-        Misfit over noise by channel and block of time (`residual_location.time_course`).
+        Misfit over noise by channel and time block (`residual_location.time_course`).
     recording : mapping
-        What belongs to the recording: offsets, drift, cross-talk, ripple, quantisation, outliers, noise of inputs and
-        the windows over which it was smoothed, channels left aside and why.
-    reach : tuple of Extrapolation
-        How far the inputs of found effects reached: beyond, the improved model extrapolates.
-    untouched : tuple of (int, int)
-        First and last row, counted from 0, of the stretches that no decision has seen: the hold-out.
+        Properties of the recording: offsets, drift, cross-talk, ripple, quantisation, outliers, noise of the inputs,
+        smoothing windows, excluded channels with the reason.
+    extrapolation : tuple of Extrapolation
+        Measured ranges of the inputs of identified effects, and the change of the improved model outside them.
+    holdout_rows : tuple of (int, int)
+        First and last row, counted from 0, of each stretch of the hold-out set, which no decision uses.
     base_tire, tire : Tire
-        The start model and the improved one, fitted to the training rows.
+        The baseline model and the improved one, fitted to the training rows.
     signs : str
         Sign convention of coefficients, of ``recording`` (offset, cross-talk) and of residuals (``where``): "iso",
-        as the tire file, unless `in_signs` changed it. What is a root mean square or an amplitude has no sign.
+        as the tire file, unless changed by `in_signs`. Root mean squares and amplitudes have no sign.
     recording_signs : str
-        The convention in which the recording was given; that of ``rows``.
+        Sign convention of the recording and of ``rows``.
     seconds : float
     """
 
@@ -110,7 +110,7 @@ class Diagnosis:
         Raises
         ------
         UnknownName
-            If coefficients are not written in this convention.
+            If this is not a sign convention of coefficients.
         """
         if signs not in ("iso", "adapted-sae"):
             raise UnknownName("sign convention of coefficients", signs, ("iso", "adapted-sae"))
@@ -139,15 +139,15 @@ class Diagnosis:
         return self.verdict, self.found, self.gap["holdout"], len(self.rows), self.signs
 
     def __repr__(self) -> str:
-        """Return a few lines: the verdict, findings with their evidence, how the gap shrank."""
+        """Return the verdict, the findings with their evidence, and the hold-out error before and after."""
         return diagnosis_text(*self._summarized)
 
     def _repr_html_(self) -> str:
-        """Return the same with a table of coefficients, for a notebook."""
+        """Return the summary with a table of coefficients, for a notebook."""
         return diagnosis_html(*self._summarized)
 
     def holdout_mask(self, n: int) -> npt.NDArray[np.bool_]:
-        """Return which of a recording's n rows are the hold-out.
+        """Return which of a recording's n rows are in the hold-out set.
 
         Parameters
         ----------
@@ -159,17 +159,17 @@ class Diagnosis:
         return rows
 
     def to_json(self, *, tire: str = "", base_tire: str = "", fmu: str = "", base_fmu: str = "") -> dict[str, Any]:
-        """Return what diagnosis.json holds.
+        """Return the contents of diagnosis.json.
 
         Parameters
         ----------
         tire, base_tire, fmu, base_fmu : str
-            Paths of what was written, relative to the folder.
+            Paths of the written files, relative to the folder.
 
         Returns
         -------
         dict
-            Only what JSON knows; a number that does not exist is null.
+            JSON types only; a number that does not exist is null.
         """
         content = {
             "version": VERSION,
@@ -223,7 +223,7 @@ class Diagnosis:
         return dict(_plain(content))
 
     def save(self, folder: str | Path) -> Path:
-        """Write diagnosis.json, both tires and proposed effects (NAME.toml) into a folder, made where missing.
+        """Write diagnosis.json, both tires and proposed effects (NAME.toml) into a folder, created if necessary.
 
         Parameters
         ----------
@@ -232,7 +232,7 @@ class Diagnosis:
         Returns
         -------
         Path
-            Of diagnosis.json.
+            Path of diagnosis.json.
 
         Raises
         ------
@@ -260,7 +260,7 @@ def _mirrored_map(one: dict[str, Any]) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value in JSON's own types."""
+    """Return a value as JSON types."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

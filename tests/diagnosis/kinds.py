@@ -42,7 +42,9 @@ EFFECTS_OF_COLUMN = {
 #: Effects that a bench may well have known before.
 COMMON = tuple(
     name for name in SIZES
-    if name not in (*DEFAULT_EFFECTS, "wear_drift", "relax_load", "overturning_Mx", "rolling_resistance_My", "turn_slip")
+    if name not in (
+        *DEFAULT_EFFECTS, "wear_drift", "relax_load", "overturning_Mx", "rolling_resistance_My", "turn_slip"
+    )
 )  # fmt: skip
 
 
