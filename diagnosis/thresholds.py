@@ -77,8 +77,8 @@ MIN_SHARE = 0.4
 
 # ------------------------------------------------------------------ identified effects
 
-#: p-value under coloured noise with Bonferroni correction. Convention: one false identification in 1000 recordings if the
-#: noise model were exact. It is not, hence three further criteria.
+#: p-value under coloured noise with Bonferroni correction. Convention: one false identification in 1000 recordings if
+#: the noise model were exact. It is not, hence three further criteria.
 EFFECT_P = 1e-3
 #: p-value of the block jackknife. The limit is higher, as blocks are few and unequal. Not recorded.
 EFFECT_P_OF_BLOCKS = 1e-2

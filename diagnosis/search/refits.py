@@ -70,8 +70,8 @@ class Tried:
 def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit:
     """Return the best of several refits that pass.
 
-    The one with the largest gain is preferred. A refinement must exceed an effect, and an effect must exceed another that
-    it contains, by `PREFERRED_ERRORS` standard errors of the difference.
+    The one with the largest gain is preferred. A refinement must exceed an effect, and an effect another that it
+    contains, by `PREFERRED_ERRORS` standard errors of the difference.
     """
     best = max(refits, key=lambda refit: refit.gain)
     for other in sorted(refits, key=lambda refit: -refit.gain):

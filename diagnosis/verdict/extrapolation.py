@@ -48,8 +48,8 @@ class Extrapolation:
     def __str__(self) -> str:
         advice = "; do not use the model there without measurements" if self.doubtful else ""
         return (
-            f"{self.effect} was measured for {self.input} from {self.lower:.4g} to {self.upper:.4g}; up to half of that "
-            f"range outside, {self.channel} changes by up to {100.0 * self.change:.0f} %{advice}"
+            f"{self.effect} was measured for {self.input} from {self.lower:.4g} to {self.upper:.4g}; up to half of "
+            f"that range outside, {self.channel} changes by up to {100.0 * self.change:.0f} %{advice}"
         )
 
 
