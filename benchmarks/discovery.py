@@ -20,7 +20,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from diagnosis.kinds import WHOLE, case_of
+from diagnosis.kinds import NUMBER_OF_CASES, case_of
 from discovery_score import Outcome, score
 from discovery_table import put_table, split_page, table_of
 
@@ -62,7 +62,9 @@ def main() -> None:
     """Run the requested kinds, print a line per case and the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument(
-        "--only", default=",".join(WHOLE), help=f"kinds, of {', '.join(WHOLE)}; kind:NUMBER is one case"
+        "--only",
+        default=",".join(NUMBER_OF_CASES),
+        help=f"kinds, of {', '.join(NUMBER_OF_CASES)}; kind:NUMBER is one case",
     )
     parser.add_argument("--quick", action="store_true", help=f"the first {QUICK} cases of each kind")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
@@ -74,11 +76,11 @@ def main() -> None:
     tasks: list[tuple[str, int]] = []
     for word in options.only.split(","):
         kind, _, number = word.partition(":")
-        if kind not in WHOLE:
-            parser.error(f"--only {kind}: not one of {', '.join(WHOLE)}")
-        if number and not (number.isdigit() and int(number) < WHOLE[kind]):
-            parser.error(f"--only {word}: {kind} has the cases 0 to {WHOLE[kind] - 1}")
-        count = min(WHOLE[kind], QUICK) if options.quick else WHOLE[kind]
+        if kind not in NUMBER_OF_CASES:
+            parser.error(f"--only {kind}: not one of {', '.join(NUMBER_OF_CASES)}")
+        if number and not (number.isdigit() and int(number) < NUMBER_OF_CASES[kind]):
+            parser.error(f"--only {word}: {kind} has the cases 0 to {NUMBER_OF_CASES[kind] - 1}")
+        count = min(NUMBER_OF_CASES[kind], QUICK) if options.quick else NUMBER_OF_CASES[kind]
         tasks += [(kind, int(number))] if number else [(kind, i) for i in range(count)]
     results = []
     for outcome in outcomes(tasks, options.jobs):
@@ -87,7 +89,7 @@ def main() -> None:
         if options.json:
             with options.json.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(asdict(outcome)) + "\n")
-    arguments = (f" --only {options.only}" if options.only != ",".join(WHOLE) else "") + (
+    arguments = (f" --only {options.only}" if options.only != ",".join(NUMBER_OF_CASES) else "") + (
         " --quick" if options.quick else ""
     )
     table = table_of(results, f"`python benchmarks/discovery.py{arguments}`, {version_text()}")

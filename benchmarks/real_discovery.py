@@ -76,7 +76,7 @@ def run(case: Case, folder: Path) -> None:
         print(f"  {one.effect}: gain {100 * one.cv_gain:.1f} +- {100 * one.cv_gain_se:.1f} %; {', '.join(values)}")
     for name, confounded in diagnosis.confounded_with.items():
         print(f"  {name} is confounded with {', '.join(f'{other} ({r:.2f})' for other, r in confounded.items())}")
-    for line in (*diagnosis.next_measurement, *map(str, diagnosis.reach)):
+    for line in (*diagnosis.next_measurement, *map(str, diagnosis.extrapolation)):
         print(f"  {line}")
     print_errors(diagnosis, recording, holdout, case)
     print_correlates(recording.table)

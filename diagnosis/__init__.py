@@ -1,4 +1,4 @@
-"""Where a fitted tire and its data disagree, and which effect is missing."""
+"""Diagnosis: residuals of a fitted tire by operating condition, and the effect that the model lacks."""
 
 from .diagnose import diagnose
 from .reporting.fmu_comparison import export_and_simulate

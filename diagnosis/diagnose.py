@@ -1,4 +1,4 @@
-"""The missing-effect workflow: from a recording and a start model to a verdict and an improved tire."""
+"""The diagnosis workflow: from a recording and a baseline model to a verdict and an improved tire."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tirefmu.symbolic.errors import UnknownName, no_single_text
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
-from .probing.baseline_fit import fit_base
+from .probing.baseline_fit import fit_baseline
 from .probing.candidates import Candidate, candidates_for
 from .probing.effect_probing import Screen
 from .recording.signals import FORMULA_SIGNS, signals_of
@@ -38,31 +38,31 @@ def diagnose(
     candidates: Collection[AddedEffect | str] | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Diagnosis:
-    """Find the effect that a start model lacks to explain a recording.
+    """Identify the effects that a baseline model lacks to explain a recording.
 
     Parameters
     ----------
     table : path, DataFrame or Recording
-        SI: ``t`` and inputs, and at least one output.
+        SI units: ``t``, the inputs and at least one output.
     signs : {"iso", "sae", "adapted-sae"}, optional
-        The table's convention, where it is not the default: that of the format of a file, "iso" for a DataFrame.
+        Sign convention of the table. Default: that of the file format, "iso" for a DataFrame.
     model : str
-        Of the start model, where no tire is given.
+        Model of the baseline if no tire is given.
     effects : collection of str
-        What the start model has on top of the core formula.
+        Effects of the baseline model in addition to the core formula.
     nominal : mapping of str to float
-        Fz0, R0, p0, V0 in SI; Fz0 and R0 are indispensable without a tire.
+        Fz0, R0, p0, V0 in SI units; Fz0 and R0 are required without a tire.
     tire : Tire, path of a .tir file, or name of a published tire, optional
-        The start model, already fitted; `model`, `effects` and `nominal` are then left aside.
+        Fitted tire as the baseline model; `model`, `effects` and `nominal` are then ignored.
     candidates : collection of str or AddedEffect, optional
-        Try only these effects; a user's own `AddedEffect` is tried beside the known ones where only such are given.
+        Names: test only these effects. An `AddedEffect` is user-defined; without names it is tested with all others.
     progress : callable, optional
-        Takes a sentence on what is being done.
+        Called with a sentence at each step.
 
     Returns
     -------
     Diagnosis
-        Coefficients and offsets are in ISO-W, as in the tire file; `Diagnosis.in_signs` converts them.
+        Coefficients and offsets are in ISO-W signs, as in the tire file; `Diagnosis.in_signs` converts them.
 
     Raises
     ------
@@ -75,29 +75,29 @@ def diagnose(
     """
     recording = recording_from(table, signs=signs)
     began = time.perf_counter()
-    say = progress or (lambda sentence: None)
+    report = progress or (lambda sentence: None)
     no_single_text("candidates", candidates)
-    own = tuple(one for one in candidates or () if isinstance(one, AddedEffect))
-    named = tuple(one for one in candidates or () if isinstance(one, str))
-    start = _start_model(model, effects, nominal, None if tire is None else tire_from(tire), own)
-    tried = _chosen(candidates_for(start), named)
+    user_defined = tuple(one for one in candidates or () if isinstance(one, AddedEffect))
+    selected = tuple(one for one in candidates or () if isinstance(one, str))
+    start = _start_model(model, effects, nominal, None if tire is None else tire_from(tire), user_defined)
+    candidates_tried = _chosen(candidates_for(start), selected)
     signals = signals_of(recording.table, start, recording.signs)
-    say("fitting the start model")
-    problem, solution = fit_base(start, signals, known=tire is not None)
+    report("fitting the baseline model")
+    problem, solution = fit_baseline(start, signals, known=tire is not None)
     before = Screen(problem, solution)
-    search = Search(problem, solution, tried, say)
+    search = Search(problem, solution, candidates_tried, report)
     search.run()
-    unknown, start = _unknown(start, search, say)
-    before = search.settle(before)
-    say("weighing what else could explain it")
-    return composed(SearchOutcome(recording, start, tried, before, search, unknown), began).in_signs("iso")
+    unknown, start = _unknown_structure(start, search, report)
+    before = search.refit_whitened(before)
+    report("computing confounded explanations and detectable sizes")
+    return composed(SearchOutcome(recording, start, candidates_tried, before, search, unknown), began).in_signs("iso")
 
 
 def _start_model(
     model: str, effects: Collection[str], nominal: Mapping[str, float] | None, tire: Tire | None,
-    own: tuple[AddedEffect, ...],
+    user_defined: tuple[AddedEffect, ...],
 ) -> Tire:  # fmt: skip
-    """Return the start model with every effect beyond the book in its lines, switched off."""
+    """Return the baseline model with all added effects in its equations, switched off."""
     if tire is None:
         values: dict[str, float] = {}
         for name, value in (nominal or {}).items():
@@ -107,31 +107,30 @@ def _start_model(
         no_single_text("effects", effects)
         tire = Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
     known = [effect for effect in library().values() if tire.book.has_place_for(effect)]
-    beyond = {effect.name: effect for effect in (*tire.added, *known, *own)}
-    whole = replace(tire.in_signs(FORMULA_SIGNS), added=tuple(beyond.values()), effects=tire.has)
-    return whole
+    added = {effect.name: effect for effect in (*tire.added, *known, *user_defined)}
+    return replace(tire.in_signs(FORMULA_SIGNS), added=tuple(added.values()), effects=tire.has)
 
 
-def _unknown(start: Tire, search: Search, say: Callable[[str], None]) -> tuple[tuple[Unknown, ...], Tire]:
-    """Return unknown structure, and the start model with its formula in it where the hold-out improves."""
-    told = []
+def _unknown_structure(start: Tire, search: Search, report: Callable[[str], None]) -> tuple[tuple[Unknown, ...], Tire]:
+    """Return the unexplained structure, and the baseline model with the formulas that improve the hold-out set."""
+    unknowns = []
     for structure in search.structures:
         effect = effect_of(structure)
         added = None
         if effect:
-            say("writing the proposed formula into the book")
+            report("adding the proposed formula to the model equations")
             added = added_if_better(structure, effect, start, search.problem, search.solution)
         if added:
             start = added.tire
             search.problem, search.solution = added.problem, added.solution
             search.screen = Screen(search.problem, search.solution)
             search.last = search.probe()
-        told.append(unknown_of(structure, effect, added))
-    return tuple(told), start
+        unknowns.append(unknown_of(structure, effect, added))
+    return tuple(unknowns), start
 
 
-def _chosen(known: dict[str, Candidate], named: tuple[str, ...]) -> dict[str, Candidate]:
-    for name in named:
+def _chosen(known: dict[str, Candidate], selected: tuple[str, ...]) -> dict[str, Candidate]:
+    for name in selected:
         if name not in known:
-            raise UnknownName("effect that could be missing", name, known)
-    return {name: known[name] for name in named} if named else known
+            raise UnknownName("effect that the model can lack", name, known)
+    return {name: known[name] for name in selected} if selected else known

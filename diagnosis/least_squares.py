@@ -17,27 +17,27 @@ from .recording.simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]
 
-#: A card's range is this many standard deviations of the weak belief that a coefficient is about its start.
+#: Width of a coefficient's bounds in standard deviations of its weak prior.
 RANGE_IN_DEVIATIONS = 4.0
-#: Coefficients are in their own units: the damping follows their curvature. Any step that lowers the cost is accepted.
+#: Damping is scaled by the curvature, as coefficients have different units. Any step that lowers the cost is accepted.
 DAMPING = Damping(first=1e-3, least=1e-7, most=10.0, up=8.0, down=0.1, by_curvature=True, trusted=0.0)
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """Where a fit ended.
+    """Solution of a fit.
 
     Attributes
     ----------
     parameters : ndarray, shape (n_parameters,)
-        Of the generated code.
+        Parameter vector of the generated code.
     free : tuple of str
     disturbance : ndarray, shape (n_disturbances,)
         Coefficients of the recording's disturbances.
     cost : float
-        Half the weighted sum of squares, beliefs included.
+        Half the weighted sum of squares, priors included.
     residual : ndarray, shape (n_channels, n)
-        Measured less simulated and disturbances, in N and N m.
+        Measured minus simulated minus disturbances, N and N m.
     """
 
     parameters: FloatArray
@@ -49,47 +49,47 @@ class Solution:
 
 @dataclass(frozen=True, eq=False)
 class LeastSquares:
-    """The problem: signals, weights, disturbances, and the belief about each coefficient.
+    """The least-squares problem: signals, weights, disturbances, and the prior of each coefficient.
 
     Attributes
     ----------
     simulator : Simulator
-    root : ndarray, shape (n_channels, n)
-        One over each row's noise; 0 where a row takes no part.
+    inverse_noise : ndarray, shape (n_channels, n)
+        Reciprocal noise standard deviation of each row; 0 for excluded rows.
     disturbances : Disturbances
     center : mapping of str to float
-        Where a coefficient is believed to lie, of those not at their card's start.
+        Prior means that differ from the declared default.
     whitening : Whitening, optional
-        What is known of the noise's memory; without it every row counts for itself.
+        Filter for time-correlated noise; without it, rows are independent.
     """
 
     simulator: Simulator
-    root: FloatArray
+    inverse_noise: FloatArray
     disturbances: Disturbances
     center: Mapping[str, float]
     whitening: Whitening | None = None
 
     def bounds(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
         """Return the lower and upper bounds of coefficients."""
-        cards = self.simulator.book.coefficients
-        lower = np.array([cards[name].lower for name in free])
-        upper = np.array([cards[name].upper for name in free])
+        declarations = self.simulator.book.coefficients
+        lower = np.array([declarations[name].lower for name in free])
+        upper = np.array([declarations[name].upper for name in free])
         factor = self._factors(free)
         return lower * factor, upper * factor
 
-    def belief(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
-        """Return centers and standard deviations of the weak belief about coefficients."""
-        cards, factors = self.simulator.book.coefficients, self._factors(free)
+    def prior(self, free: Sequence[str]) -> tuple[FloatArray, FloatArray]:
+        """Return means and standard deviations of the weak priors of coefficients."""
+        declarations, factors = self.simulator.book.coefficients, self._factors(free)
         lower, upper = self.bounds(free)
-        center = np.array([self.center.get(name, cards[name].default) for name in free]) * factors
+        center = np.array([self.center.get(name, declarations[name].default) for name in free]) * factors
         known = self.simulator.book.prior_spread
         spread = np.array([known.get(name, np.inf) for name in free]) * np.abs(factors)
         return center, np.minimum((upper - lower) / RANGE_IN_DEVIATIONS, spread)
 
     def _factors(self, free: Sequence[str]) -> FloatArray:
-        """Return what the generated code's coefficients are per value of their cards.
+        """Return the factors from declared coefficients to parameters of the generated code.
 
-        An absent load_stiffness stands there as an enormous PKY2, with PKY1 to match.
+        Without load_stiffness the code has a very large PKY2, and PKY1 is scaled accordingly.
         """
         factors = {} if "PKY2" in free else self.simulator.rescaled
         return np.array([factors.get(name, 1.0) for name in free])
@@ -98,45 +98,45 @@ class LeastSquares:
         self, start: FloatArray, free: Sequence[str], *, rows: slice | None = None, iterations: int = 30,
         tolerance: float = 1e-5,
     ) -> Solution:  # fmt: skip
-        """Return the fit from a start.
+        """Fit the coefficients from initial values.
 
         Parameters
         ----------
         start : ndarray, shape (n_parameters,)
         free : sequence of str
         rows : slice, optional
-            Of the compared rows; all where None.
+            Subset of the compared rows; default: all.
         iterations : int
         tolerance : float
-            Predicted reduction, as a share of the cost, at which an iteration is the last.
+            Iterations stop when the predicted reduction is below this share of the cost.
         """
-        thin = self._thinned(rows)
-        lower, upper = thin.bounds(free)
-        projected = _Projected(thin, start, free)
-        first = np.clip(start[projected.places], lower, upper)
+        subsample = self._subsampled(rows)
+        lower, upper = subsample.bounds(free)
+        projected = _Projected(subsample, start, free)
+        first = np.clip(start[projected.indices], lower, upper)
         end = minimize(projected, first, lower, upper, lambda _, cost: tolerance * cost, DAMPING, steps=iterations)
         return self.at(projected.parameters(end.x), free)
 
     def at(self, parameters: FloatArray, free: Sequence[str]) -> Solution:
-        """Return the solution that parameters are, with the disturbances that fit best."""
+        """Return the solution at given parameters, with the best-fitting disturbances."""
         misfit = self.misfit(parameters)
         disturbance = self.best_disturbance(misfit)
         residual = misfit - self.disturbances.columns @ disturbance
         return Solution(parameters, tuple(free), disturbance, self._cost(parameters, free, disturbance), residual)
 
     def misfit(self, parameters: FloatArray) -> FloatArray:
-        """Return measured less simulated forces, shape (n_channels, n)."""
+        """Return measured minus simulated forces, shape (n_channels, n)."""
         return self.simulator.signals.measured - self.simulator.forces(parameters)
 
     def best_disturbance(self, misfit: FloatArray) -> FloatArray:
-        """Return the disturbances that explain a misfit best."""
+        """Return the best-fitting disturbances for a misfit."""
         weighted, matrix = self._disturbance_system
         target = np.einsum("cn,cnq->q", self.weighted(misfit), weighted)
         return np.asarray(np.linalg.solve(matrix, target))
 
     def weighted(self, rows: FloatArray) -> FloatArray:
-        """Return rows of the channels over their noise, shape (n_channels, n) or (n_channels, n, m)."""
-        over = self.root.reshape(*self.root.shape, *(1,) * (rows.ndim - 2)) * rows
+        """Return rows divided by their noise, shape (n_channels, n) or (n_channels, n, m)."""
+        over = self.inverse_noise.reshape(*self.inverse_noise.shape, *(1,) * (rows.ndim - 2)) * rows
         return self.whitening(over) if self.whitening else np.asarray(over)
 
     @cached_property
@@ -147,12 +147,12 @@ class LeastSquares:
 
     def _cost(self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray) -> float:
         residual = self.misfit(parameters) - self.disturbances.columns @ disturbance
-        center, deviation = self.belief(free)
-        values = parameters[[self.simulator.place[name] for name in free]]
-        beliefs = np.sum(((values - center) / deviation) ** 2) + np.sum(
+        center, deviation = self.prior(free)
+        values = parameters[[self.simulator.index[name] for name in free]]
+        penalty = np.sum(((values - center) / deviation) ** 2) + np.sum(
             (disturbance / self.disturbances.deviation) ** 2
         )
-        return 0.5 * float(np.sum(self.weighted(residual) ** 2) + beliefs)
+        return 0.5 * float(np.sum(self.weighted(residual) ** 2) + penalty)
 
     def tangent(self, parameters: FloatArray, free: Sequence[str]) -> FloatArray:
         """Return weighted derivatives by coefficients and disturbances, shape (n_channels * n, n_free + n_dist)."""
@@ -163,48 +163,54 @@ class LeastSquares:
     def _normal(
         self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """Return matrix and gradient in the coefficients, the disturbances eliminated."""
+        """Return Gauss-Newton matrix and descent direction in the coefficients, the disturbances eliminated."""
         tangent = self.tangent(parameters, free)
         residual = self.weighted(self.misfit(parameters) - self.disturbances.columns @ disturbance)
-        n, (center, deviation) = len(free), self.belief(free)
+        n, (center, deviation) = len(free), self.prior(free)
         full, slope = tangent.T @ tangent, tangent.T @ residual.ravel()
         full += np.diag(np.concatenate([deviation, self.disturbances.deviation]) ** -2)
-        values = parameters[[self.simulator.place[name] for name in free]]
+        values = parameters[[self.simulator.index[name] for name in free]]
         slope -= np.concatenate([(values - center) / deviation**2, disturbance / self.disturbances.deviation**2])
         inner = np.linalg.solve(full[n:, n:], np.column_stack([full[n:, :n], slope[n:]]))
         return full[:n, :n] - full[:n, n:] @ inner[:, :n], slope[:n] - full[:n, n:] @ inner[:, n]
 
-    def _thinned(self, rows: slice | None) -> LeastSquares:
+    def _subsampled(self, rows: slice | None) -> LeastSquares:
         if rows is None:
             return self
         signals = self.simulator.signals
-        thin = replace(
+        subsample = replace(
             signals, rows=signals.rows[rows], measured=signals.measured[:, rows], present=signals.present[:, rows],
             block=signals.block[rows], holdout=signals.holdout[rows],
         )  # fmt: skip
-        simulator = self.simulator.over(thin)
-        disturbances = self.disturbances.thinned(rows)
-        return replace(self, simulator=simulator, root=self.root[:, rows], disturbances=disturbances, whitening=None)
+        simulator = self.simulator.with_signals(subsample)
+        disturbances = self.disturbances.subsampled(rows)
+        return replace(
+            self,
+            simulator=simulator,
+            inverse_noise=self.inverse_noise[:, rows],
+            disturbances=disturbances,
+            whitening=None,
+        )
 
 
 class _Projected:
-    """The cost of a problem over its free coefficients, the disturbances at their best for each of their values.
+    """The cost as a function of the free coefficients, minimized over the disturbances (variable projection).
 
     Attributes
     ----------
-    places : list of int
+    indices : list of int
         Index of each free coefficient among the parameters.
     """
 
     def __init__(self, problem: LeastSquares, start: FloatArray, free: Sequence[str]) -> None:
         self._problem, self._start, self._free = problem, start, free
-        self.places = [problem.simulator.place[name] for name in free]
+        self.indices = [problem.simulator.index[name] for name in free]
         self._latest: tuple[FloatArray, float, FloatArray] | None = None
 
     def parameters(self, x: FloatArray) -> FloatArray:
-        """Return all parameters with the free ones at x."""
+        """Return all parameters, with the free coefficients set to x."""
         parameters = self._start.copy()
-        parameters[self.places] = x
+        parameters[self.indices] = x
         return parameters
 
     def cost(self, x: FloatArray) -> float:
@@ -218,7 +224,7 @@ class _Projected:
         return cost, -descent, matrix
 
     def _at(self, x: FloatArray) -> tuple[float, FloatArray]:
-        """Return cost and disturbances; the derivatives of an accepted step are evaluated next."""
+        """Return cost and disturbances; cached, as the derivatives of an accepted step are evaluated next."""
         if self._latest is None or not np.array_equal(self._latest[0], x):
             parameters = self.parameters(x)
             disturbance = self._problem.best_disturbance(self._problem.misfit(parameters))

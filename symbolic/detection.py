@@ -1,6 +1,6 @@
-"""How a diagnosis looks for an effect: what has to vary, sizes to probe with, refinements, what it is confounded with.
+"""How a diagnosis detects an effect: required inputs, probe sizes, refinements, confounded explanations.
 
-The declaration is the table ``[diagnosis]`` of an effect's file (`tirefmu.symbolic.added.detection_file`).
+The declaration is the table ``[diagnosis]`` of an effect file (`tirefmu.symbolic.added.detection_file`).
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-#: An effect is believed to be at most this many times as large as the size that its file declares.
+#: Prior standard deviation and upper limit of an effect, as a multiple of the size that its file declares.
 LARGEST_IN_SIZES = 5.0
 
 Probe = Mapping[str, float]
@@ -21,17 +21,17 @@ class Form:
     Attributes
     ----------
     free : tuple of str
-        The coefficients that a fit frees.
+        Coefficients that are fitted.
     probes : tuple of mapping of str to float
-        Typical sizes, as differences from the coefficients' neutral values; each probe gives a trace of its own. A
-        coefficient whose neutral value is a limit outside its bounds takes the size itself.
+        Typical sizes, as differences from the coefficients' neutral values; each probe is a regression column. For a
+        coefficient whose neutral value is outside its bounds, the size is the value itself.
     scalable : bool
-        True where the effect is proportional to its coefficients; otherwise each probe is a start of a fit.
+        Whether the effect is proportional to its coefficients; otherwise each probe is an initial value of a fit.
     given : str
-        The effect that a tire already has where this form applies instead of the others; '' for none.
+        If the tire has this effect, the form replaces the other forms; '' for none.
     holds : str
-        The role of a quantity (`tirefmu.symbolic.contract.ROLES`) that a probe leaves as it is at nominal inputs, by
-        rescaling its leading coefficient; '' for none.
+        The role of a quantity (`tirefmu.symbolic.contract.ROLES`) that a probe does not change at nominal inputs,
+        because its leading coefficient is rescaled; '' for none.
 
     Examples
     --------
@@ -47,13 +47,13 @@ class Form:
 
     @classmethod
     def each(cls, sizes: Mapping[str, float], given: str = "", holds: str = "") -> Form:
-        """Return the form in which every coefficient is probed by itself."""
+        """Return the form that probes every coefficient separately."""
         return cls(tuple(sizes), tuple({name: size} for name, size in sizes.items()), given=given, holds=holds)
 
 
 @dataclass(frozen=True)
 class Confounded:
-    """Another explanation for the same forces, an effect or a sensor error, and the measurement that separates both."""
+    """A confounded explanation, an effect or a sensor error, and the measurement that separates the two."""
 
     other: str
     separate_by: str
@@ -61,28 +61,28 @@ class Confounded:
 
 @dataclass(frozen=True)
 class Detection:
-    """How a diagnosis looks for an effect.
+    """How a diagnosis detects an effect.
 
     Attributes
     ----------
     requires : tuple of str
-        Inputs that have to vary, each of them.
+        Inputs that must all vary.
     channels : tuple of str
-        The outputs in which the effect shows: one of them has to be measured. All where empty.
+        Outputs that the effect changes, one of which must be measured; all if empty.
     forms : tuple of Form
-        From the plainest to the richest. A model tries those of the coefficients that it has. Where it has none of
-        them, or no form is declared, the coefficients are probed by an eighth of their range.
+        From the simplest to the most general, with the coefficients that a model has. If it has none of them, or no
+        form is declared, the coefficients of the effect are probed by an eighth of their range.
     refinements : tuple of Form
-        Tried where the tire has the effect, so that a base of another form is not taken for a missing effect.
+        Tested if the tire has the effect, so that an error of its form is not identified as a missing effect.
     contains : str
         An effect that is a special case of this one, or ''.
     spread : mapping of str to float
-        Standard deviation among tires of coefficients that a recording leaves undetermined. For a scalable form it is
-        `LARGEST_IN_SIZES` times the size where nothing is declared.
+        Prior standard deviation of coefficients, from the scatter among tires. Default for scalable forms:
+        `LARGEST_IN_SIZES` times the size.
     separate_by : str
-        The measurement that separates the effect from an explanation that `confounded` does not list.
+        The measurement that separates the effect from explanations that are not in `confounded`.
     confounded : tuple of Confounded
-        Known pairs; one of the two files declares a pair.
+        Known pairs; each is declared in one of the two files.
     """
 
     requires: tuple[str, ...] = ()
@@ -96,7 +96,7 @@ class Detection:
 
     @property
     def prior_center(self) -> dict[str, float]:
-        """Where coefficients are believed to lie that have no neutral value of their own: a form's first start."""
+        """Prior means of the coefficients of forms that are not scalable: the first initial values of a form."""
         starts: dict[str, float] = {}
         for form in self.forms:
             if not form.scalable and not form.given:
@@ -105,7 +105,7 @@ class Detection:
 
     @property
     def prior_spread(self) -> dict[str, float]:
-        """The declared spread, and that of the coefficients of scalable forms."""
+        """The declared spread, and the default spread of the coefficients of scalable forms."""
         spread = dict(self.spread)
         for form in self.forms:
             if form.scalable and not form.given:

@@ -1,1 +1,1 @@
-"""Which effects can be missing, the baseline model's fit, and the traces of effects in its residual."""
+"""Candidate effects, the fit of the baseline model, and the test of each effect on its residual."""

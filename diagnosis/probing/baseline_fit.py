@@ -1,4 +1,4 @@
-"""The start model fitted to a recording: from generic starts, several times, with weights by the noise found."""
+"""Fit of the baseline model to a recording: several initial values, then weights from the estimated noise."""
 
 from __future__ import annotations
 
@@ -23,29 +23,31 @@ from .candidates import declared_candidate, varies
 
 FloatArray = npt.NDArray[np.float64]
 
-#: The slip that makes each force.
+#: The slip that generates each force.
 OWN_SLIP = {"Fx": "kappa", "Fy": "alpha"}
 
 
 def readable(names: tuple[str, ...], signals: Signals, book: Model) -> tuple[str, ...]:
-    """Return the coefficients of a model that the measured channels say something about."""
-    cards, measured = book.coefficients, set(signals.channels)
-    return tuple(name for name in names if name in cards and measured & set(cards[name].channels))
+    """Return the coefficients of a model that influence a measured channel."""
+    declarations, measured = book.coefficients, set(signals.channels)
+    return tuple(name for name in names if name in declarations and measured & set(declarations[name].channels))
 
 
-def _in_baseline(card: Coefficient, tire: Tire, signals: Signals) -> bool:
-    """Return whether a coefficient of the baseline is fitted: its force is measured, or a moment while its slip varies.
+def _in_baseline(declaration: Coefficient, tire: Tire, signals: Signals) -> bool:
+    """Return whether a coefficient of the baseline is fitted.
 
-    The slip stiffness of kappa, say, is seen in Mz alone where kappa counts as a slip angle of the trail.
+    It is if its force is measured, or if a moment is measured and its slip varies. Example: Mz alone depends on the
+    longitudinal slip stiffness, as kappa enters the equivalent slip angle of the trail.
     """
-    measured = set(card.channels) & set(signals.channels)
+    measured = set(declaration.channels) & set(signals.channels)
     return bool(measured & OWN_SLIP.keys()) or (
-        bool(measured) and (card.channels[0] not in OWN_SLIP or varies(signals, tire, OWN_SLIP[card.channels[0]]))
+        bool(measured)
+        and (declaration.channels[0] not in OWN_SLIP or varies(signals, tire, OWN_SLIP[declaration.channels[0]]))
     )
 
 
-def base_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
-    """Return the coefficients that a tire's own effects leave to fit.
+def baseline_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
+    """Return the coefficients that the fit of a baseline model adjusts.
 
     Parameters
     ----------
@@ -58,46 +60,48 @@ def base_coefficients(tire: Tire, signals: Signals) -> tuple[str, ...]:
         In the order of the model.
     """
     book = tire.book
-    cards = book.coefficients
-    free = {name for name in book.baseline if name in cards and _in_baseline(cards[name], tire, signals)}
+    declarations = book.coefficients
+    free = {name for name in book.baseline if name in declarations and _in_baseline(declarations[name], tire, signals)}
     for effect in tire.has:
         candidate = declared_candidate(effect, book)
         if candidate:
             free |= set(candidate.forms[0].free)
         elif effect in book.effects and effect not in book.relaxing_effects:
-            free |= {name for name in book.owned(effect) if cards[name].neutral is not None}
-    return tuple(name for name in readable(tuple(cards), signals, book) if name in free)
+            free |= {name for name in book.owned(effect) if declarations[name].neutral is not None}
+    return tuple(name for name in readable(tuple(declarations), signals, book) if name in free)
 
 
-def fit_base(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSquares, Solution]:
-    """Fit the start model.
+def fit_baseline(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSquares, Solution]:
+    """Fit the baseline model.
 
     Parameters
     ----------
     tire : Tire
-        Its effects; its values where ``known``, else only size and nominal values count.
+        The baseline model. Its coefficients are initial values if ``known``; otherwise only nominal values are used.
     signals : Signals
     known : bool
-        Whether the tire's values are a start (a fitted tire) rather than defaults.
+        Whether the coefficients are those of a fitted tire, not defaults.
 
     Returns
     -------
     LeastSquares
-        With the weights found.
+        With weights from the estimated noise.
     Solution
     """
-    free = base_coefficients(tire, signals)
+    free = baseline_coefficients(tire, signals)
     simulator = Simulator(tire, signals)
-    learns = signals.present & ~signals.holdout
-    noise = np.array([0.02 * np.std(row[there]) + 1e-9 for row, there in zip(signals.measured, learns, strict=True)])
-    root = np.where(learns, 1.0 / noise[:, None], 0.0)
+    training = signals.present & ~signals.holdout
+    noise = np.array([0.02 * np.std(row[used]) + 1e-9 for row, used in zip(signals.measured, training, strict=True)])
+    inverse_noise = np.where(training, 1.0 / noise[:, None], 0.0)
     center = tire.book.prior_center | ({name: tire.values[name] for name in free} if known else {})
-    problem = LeastSquares(simulator, root, disturbances_of(signals, noise), center)
-    thin = slice(None, None, max(1, len(signals.rows) // 1500))
-    tries = [problem.solve(start, free, rows=thin, iterations=25) for start in _starts(tire, signals, free, known)]
-    best = problem.solve(min(tries, key=lambda solution: solution.cost).parameters, free, iterations=4)
+    problem = LeastSquares(simulator, inverse_noise, disturbances_of(signals, noise), center)
+    subsample = slice(None, None, max(1, len(signals.rows) // 1500))
+    solutions = [
+        problem.solve(start, free, rows=subsample, iterations=25) for start in _starts(tire, signals, free, known)
+    ]
+    best = problem.solve(min(solutions, key=lambda solution: solution.cost).parameters, free, iterations=4)
     for _ in range(2):
-        problem = weighed(problem, best)
+        problem = reweighted(problem, best)
         trial = problem.at(best.parameters, free).disturbance
         problem = replace(problem, disturbances=problem.disturbances.plausible(trial))
         best = problem.solve(best.parameters, free, iterations=8)
@@ -132,13 +136,13 @@ def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) ->
         parameters = own.copy()
         for name, value in values.items():
             if name in free:
-                parameters[simulator.place[name]] = value * rescaled.get(name, 1.0)
+                parameters[simulator.index[name]] = value * rescaled.get(name, 1.0)
         starts.append(parameters)
     return starts
 
 
 def _per_unit(tire: Tire, role: str, values: Mapping[str, float]) -> float:
-    """Return the quantity of a role at nominal inputs per unit of its leading coefficient; 1 where it is none."""
+    """Return the quantity of a role at nominal inputs per unit of its leading coefficient; 1 if not positive."""
     book = tire.book
     one = replace(tire, values={**tire.values, **values, book.leading(role): 1.0})
     code = code_for(book, "numpy")
@@ -147,8 +151,8 @@ def _per_unit(tire: Tire, role: str, values: Mapping[str, float]) -> float:
     return found if np.isfinite(found) and found > 0.0 else 1.0
 
 
-def weighed(problem: LeastSquares, solution: Solution) -> LeastSquares:
-    """Return the problem with weights by the noise that a solution leaves, outliers out.
+def reweighted(problem: LeastSquares, solution: Solution) -> LeastSquares:
+    """Return the problem with weights from the noise of a solution's residual, outliers excluded.
 
     Parameters
     ----------
@@ -158,32 +162,34 @@ def weighed(problem: LeastSquares, solution: Solution) -> LeastSquares:
     Returns
     -------
     LeastSquares
-        The noise of a channel has a constant and a proportional part, read from the short-range scatter.
+        The noise of a channel has a constant and a proportional part, estimated from the short-range scatter.
     """
     signals = problem.simulator.signals
     simulated = signals.measured - solution.residual
     present = signals.present.copy()
-    roots = np.zeros_like(problem.root)
+    inverse_noise = np.zeros_like(problem.inverse_noise)
     level = np.zeros(len(signals.channels))
     for i, residual in enumerate(solution.residual):
-        there = signals.present[i]
-        rest = np.where(there, residual - uniform_filter1d(residual, 15, mode="nearest"), 0.0)
-        typical = 1.4826 * float(np.median(np.abs(rest[there]))) + 1e-12
-        present[i] &= np.abs(rest) < OUTLIER * 2.0 * max(typical, 1e-12)
-        constant, proportional = _two_parts(rest[present[i]], simulated[i][present[i]])
+        used = signals.present[i]
+        scatter = np.where(used, residual - uniform_filter1d(residual, 15, mode="nearest"), 0.0)
+        typical = 1.4826 * float(np.median(np.abs(scatter[used]))) + 1e-12
+        present[i] &= np.abs(scatter) < OUTLIER * 2.0 * max(typical, 1e-12)
+        constant, proportional = _two_parts(scatter[present[i]], simulated[i][present[i]])
         deviation = np.sqrt(constant**2 + (proportional * simulated[i]) ** 2)
         level[i] = float(np.sqrt(np.mean(deviation**2)))
-        roots[i] = np.where(present[i] & ~signals.holdout, 1.0 / deviation, 0.0)
-    simulator = problem.simulator.over(replace(signals, present=present))
-    return replace(problem, simulator=simulator, root=roots, disturbances=disturbances_of(signals, level))
+        inverse_noise[i] = np.where(present[i] & ~signals.holdout, 1.0 / deviation, 0.0)
+    simulator = problem.simulator.with_signals(replace(signals, present=present))
+    return replace(
+        problem, simulator=simulator, inverse_noise=inverse_noise, disturbances=disturbances_of(signals, level)
+    )
 
 
-def _two_parts(rest: FloatArray, force: FloatArray) -> tuple[float, float]:
-    """Return the constant and the proportional deviation of noise."""
+def _two_parts(scatter: FloatArray, force: FloatArray) -> tuple[float, float]:
+    """Return the constant and the proportional standard deviation of noise."""
     order = np.argsort(np.abs(force))
     parts = np.array_split(order, 10)
     size = np.array([np.mean(force[part] ** 2) for part in parts])
-    power = np.array([(1.4826 * np.median(np.abs(rest[part]))) ** 2 for part in parts])
+    power = np.array([(1.4826 * np.median(np.abs(scatter[part]))) ** 2 for part in parts])
     slope, level = np.polyfit(size, power, 1, w=1.0 / (power + 1e-12 + 0.1 * power.mean()))
     level = max(level, 0.1 * float(power.mean()), 1e-12)
     return float(np.sqrt(level)), float(np.sqrt(max(slope, 0.0)))

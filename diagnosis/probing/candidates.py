@@ -1,4 +1,4 @@
-"""The effects that a diagnosis tries: what their files declare, for the coefficients that a model has."""
+"""Candidate effects of a diagnosis: the declarations of their files, for the coefficients that a model has."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from tirefmu.symbolic.notation import Coefficient
 from tirefmu.tires.tire import Tire
 
 from ..recording.signals import Signals
-from ..thresholds import LEAST_VARIATION, LEAST_VARIATION_IN_NOISE
+from ..thresholds import MIN_VARIATION, MIN_VARIATION_IN_NOISE
 
 #: The outputs of an effect that declares none.
 CHANNELS = ("Fx", "Fy", "Mz", "Mx", "My")
@@ -19,17 +19,17 @@ CHANNELS = ("Fx", "Fy", "Mz", "Mx", "My")
 
 @dataclass(frozen=True)
 class Candidate:
-    """An effect that may be missing.
+    """An effect that the model may lack.
 
     Attributes
     ----------
     name : str
     forms : tuple of Form
-        From the plainest to the richest.
+        From the simplest to the most general.
     requires : tuple of str
-        Inputs that have to vary, each of them.
+        Inputs that must all vary.
     channels : tuple of str
-        It shows in one of these.
+        Outputs that the effect changes.
     contains : str
         An effect that is a special case of this one, or ''.
     """
@@ -42,12 +42,12 @@ class Candidate:
 
 
 def candidates_for(tire: Tire) -> dict[str, Candidate]:
-    """Return the effects that a tire lacks and its model can have.
+    """Return the effects that a tire lacks and that its model supports.
 
     Parameters
     ----------
     tire : Tire
-        Effects that are put into the lines of its model (the library's, user-defined ones) are among its `added` ones.
+        Library and user-defined effects are in its `added` ones.
 
     Returns
     -------
@@ -62,7 +62,7 @@ def candidates_for(tire: Tire) -> dict[str, Candidate]:
 
 
 def declared_candidate(name: str, book: Model, present: frozenset[str] = frozenset()) -> Candidate | None:
-    """Return the candidate that an effect's file or its model declares, or None where neither does.
+    """Return the candidate that an effect file or the model declares, or None.
 
     Parameters
     ----------
@@ -74,44 +74,54 @@ def declared_candidate(name: str, book: Model, present: frozenset[str] = frozens
     Returns
     -------
     Candidate or None
-        Where the model has none of the declared coefficients, its own for the effect are probed by their bounds.
+        If the model has none of the declared coefficients, its own coefficients of the effect are probed by their
+        bounds.
     """
-    detection, cards = book.detections.get(name), book.coefficients
-    if detection and any(set(form.free) & cards.keys() for form in detection.forms):
+    detection, declarations = book.detections.get(name), book.coefficients
+    if detection and any(set(form.free) & declarations.keys() for form in detection.forms):
         forms = tuple(form for form in detection.forms if form.given in present)
         forms = forms or tuple(form for form in detection.forms if not form.given)
         return Candidate(name, forms, detection.requires, detection.channels or CHANNELS, detection.contains)
     own = name in {effect.name for effect in book.own_effects}
     if name not in book.effects or name in {effect.name for effect in book.added} or not (detection or own):
         return None
-    owned = [card for key, card in cards.items() if key in book.owned(name) and card.neutral is not None]
-    channels = tuple(dict.fromkeys(channel for card in owned for channel in card.channels))
+    owned = [
+        declaration
+        for key, declaration in declarations.items()
+        if key in book.owned(name) and declaration.neutral is not None
+    ]
+    channels = tuple(dict.fromkeys(channel for declaration in owned for channel in declaration.channels))
     return Candidate(name, (_by_bounds(owned),), detection.requires if detection else (), channels) if owned else None
 
 
 def _undeclared(name: str, book: Model) -> Candidate | None:
-    """Return the candidate that a user-defined effect without forms is."""
+    """Return the candidate of a user-defined effect without declared forms."""
     for effect in book.added:
         if effect.name == name:
             detection = effect.detection or Detection()
             channels = detection.channels or CHANNELS
-            return Candidate(name, (_by_bounds(effect.cards),), detection.requires, channels, detection.contains)
+            return Candidate(name, (_by_bounds(effect.declarations),), detection.requires, channels, detection.contains)
     return None
 
 
-def _by_bounds(cards: Sequence[Coefficient]) -> Form:
-    """Return the form of coefficients that are probed by an eighth of their range."""
-    return Form.each({card.name: (card.upper - card.default) / 8.0 + _limit(card) for card in cards})
+def _by_bounds(declarations: Sequence[Coefficient]) -> Form:
+    """Return the form that probes each coefficient by an eighth of its range."""
+    return Form.each(
+        {
+            declaration.name: (declaration.upper - declaration.default) / 8.0 + _limit(declaration)
+            for declaration in declarations
+        }
+    )
 
 
-def _limit(card: Coefficient) -> float:
-    """Return the default of a coefficient whose neutral value is a limit outside its bounds, else 0."""
-    return 0.0 if counts_from_neutral(card) else card.default
+def _limit(declaration: Coefficient) -> float:
+    """Return the default of a coefficient whose neutral value is outside its bounds, otherwise 0."""
+    return 0.0 if counts_from_neutral(declaration) else declaration.default
 
 
-def counts_from_neutral(card: Coefficient) -> bool:
-    """Return whether a probe's size is a difference from the neutral value, and not the value itself."""
-    return card.neutral is not None and card.lower <= card.neutral <= card.upper
+def counts_from_neutral(declaration: Coefficient) -> bool:
+    """Return whether the size of a probe is a difference from the neutral value, not the value itself."""
+    return declaration.neutral is not None and declaration.lower <= declaration.neutral <= declaration.upper
 
 
 def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]:
@@ -121,7 +131,7 @@ def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]
     ----------
     tire : Tire
     found : frozenset of str
-        The effects that were found missing.
+        The identified effects.
     """
     forms = [("core", Form.each(sizes)) for sizes in tire.book.refinements]
     return forms + [
@@ -139,6 +149,6 @@ def varies(signals: Signals, tire: Tire, name: str) -> bool:
     if name not in signals.recorded or name not in signals.names:
         return False
     values = signals.named()[name]
-    least = LEAST_VARIATION.get(name, 0.0) * (tire.values["FNOMIN"] if name == "Fz" else 1.0)
+    least = MIN_VARIATION.get(name, 0.0) * (tire.values["FNOMIN"] if name == "Fz" else 1.0)
     spread = float(values.max() - values.min())
-    return spread > max(least, LEAST_VARIATION_IN_NOISE * signals.input_noise.get(name, 0.0), 1e-9)
+    return spread > max(least, MIN_VARIATION_IN_NOISE * signals.input_noise.get(name, 0.0), 1e-9)

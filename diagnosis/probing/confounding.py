@@ -1,4 +1,4 @@
-"""Which other explanations a finding has: effects and sensor errors whose traces the data cannot tell from its own."""
+"""Explanations that are confounded with an identified effect: other effects and sensor errors."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.detection import Detection
 
-from ..thresholds import LEAST_SHARE
+from ..thresholds import MIN_SHARE
 from .effect_probing import Screen
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Sensor errors that imitate effects: an input and how far off it is.
+#: Sensor errors that are confounded with effects: the input and its error, rad, rad and 1.
 ALIASES: Mapping[str, Mapping[str, float]] = {
     "slip_angle_zero_offset": {"alpha": 1e-3},
     "inclination_zero_offset": {"gamma": 2e-3},
@@ -23,71 +23,74 @@ ALIASES: Mapping[str, Mapping[str, float]] = {
 
 
 def alias_columns(screen: Screen) -> dict[str, FloatArray]:
-    """Return what sensor errors do to the forces, weighted, shape (n_channels, n, 1), by name."""
+    """Return the weighted response of the forces to sensor errors, shape (n_channels, n, 1), by name."""
     problem, parameters = screen.problem, screen.solution.parameters
     at = problem.simulator.forces(parameters)
     read = set(problem.simulator.signals.names)
     moved = {name: problem.simulator.forces(parameters, shift) for name, shift in ALIASES.items() if read >= set(shift)}
-    return {name: (problem.root * (forces - at))[:, :, None] for name, forces in moved.items()}
+    return {name: (problem.inverse_noise * (forces - at))[:, :, None] for name, forces in moved.items()}
 
 
 def correlations(
     screen: Screen, coefficients: Sequence[str], others: Mapping[str, FloatArray], found: Mapping[str, FloatArray]
 ) -> dict[str, float]:
-    """Return how much of a finding's trace each other explanation can imitate.
+    """Return the correlation of an identified effect's response with that of each other explanation.
 
     Parameters
     ----------
     screen : Screen
-        Of the solution with the finding.
+        Of the solution with the identified effect.
     coefficients : sequence of str
-        The finding's own.
+        Coefficients of the identified effect.
     others : mapping of str to ndarray, shapes (n_channels, n, k)
-        Weighted traces of other explanations.
+        Weighted responses of other explanations.
     found : mapping of str to ndarray
-        The same of other findings, which stand in the model.
+        Weighted responses of the other identified effects, which are in the model.
 
     Returns
     -------
     dict of str to float
-        0 to 1: the correlation of the finding's trace with the best mixture of the other's, both without what
-        the rest of the model and the recording's disturbances can do.
+        0 to 1: the correlation of the effect's response with the best linear combination of the other responses. The
+        responses to the remaining coefficients and to the disturbances of the recording are projected out of both.
     """
     solution = screen.solution
     own = np.array([name in coefficients for name in solution.free] + [False] * len(screen.problem.disturbances.names))
     parameters = solution.parameters.copy()
-    cards = screen.problem.simulator.book.coefficients
-    place = screen.problem.simulator.place
+    declarations = screen.problem.simulator.book.coefficients
+    index = screen.problem.simulator.index
     values = np.array(
-        [parameters[place[name]] - cards[name].default for name in np.array(solution.free)[own[: len(solution.free)]]]
+        [
+            parameters[index[name]] - declarations[name].default
+            for name in np.array(solution.free)[own[: len(solution.free)]]
+        ]
     )
-    trace = screen.tangent[:, :, own] @ values
+    response = screen.tangent[:, :, own] @ values
     rest = screen.tangent[:, :, ~own].reshape(-1, int((~own).sum()))
-    normal = rest.T @ rest + np.diag(screen.belief[~own])
+    normal = rest.T @ rest + np.diag(screen.prior_precision[~own])
 
-    def free(columns: FloatArray) -> FloatArray:
+    def projected_out(columns: FloatArray) -> FloatArray:
         flat = columns.reshape(rest.shape[0], -1)
         return np.asarray(flat - rest @ np.linalg.solve(normal, rest.T @ flat))
 
-    mine = free(trace)[:, 0]
-    parts = free(screen.tangent[:, :, own] * values)
+    projected = projected_out(response)[:, 0]
+    parts = projected_out(screen.tangent[:, :, own] * values)
     sizes = np.linalg.norm(parts, axis=0)
-    size = float(np.linalg.norm(mine))
-    views = [mine / max(size, 1e-300)]  # as a whole, and each coefficient's own share where that is large
-    views += [
-        part / own_size for part, own_size in zip(parts.T, sizes, strict=True) if own_size > LEAST_SHARE * size > 0.0
+    size = float(np.linalg.norm(projected))
+    directions = [projected / max(size, 1e-300)]  # the total response, and large single ones
+    directions += [
+        part / own_size for part, own_size in zip(parts.T, sizes, strict=True) if own_size > MIN_SHARE * size > 0.0
     ]
-    told: dict[str, float] = {}
+    correlation: dict[str, float] = {}
     for name, columns in {**others, **found}.items():
         flat = columns.reshape(rest.shape[0], -1)
-        theirs = free(columns)
-        whole = np.linalg.norm(flat, axis=0)
-        theirs = theirs[:, np.linalg.norm(theirs, axis=0) > np.maximum(1e-3 * whole, 1e-9)]
-        if not theirs.shape[1] or size == 0.0:
+        other = projected_out(columns)
+        norms = np.linalg.norm(flat, axis=0)
+        other = other[:, np.linalg.norm(other, axis=0) > np.maximum(1e-3 * norms, 1e-9)]
+        if not other.shape[1] or size == 0.0:
             continue
-        basis, _ = np.linalg.qr(theirs / np.linalg.norm(theirs, axis=0))
-        told[name] = max(float(np.linalg.norm(basis.T @ view)) for view in views)
-    return told
+        basis, _ = np.linalg.qr(other / np.linalg.norm(other, axis=0))
+        correlation[name] = max(float(np.linalg.norm(basis.T @ direction)) for direction in directions)
+    return correlation
 
 
 def separating_measurement(first: str, second: str, detections: Mapping[str, Detection]) -> str:
@@ -98,7 +101,7 @@ def separating_measurement(first: str, second: str, detections: Mapping[str, Det
     first, second : str
         Effects or sensor errors.
     detections : mapping of str to Detection
-        What the effects' files declare: of the pair, else of the first or the second by itself.
+        Declarations of the effect files: of the pair, otherwise of the first or the second effect alone.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Which missing effects a residual shows traces of: finite probes, the base's own freedom projected out."""
+"""Effect screening: finite probes of each effect, tested on the residual with the baseline model projected out."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from tirefmu.estimation.block_regression import (
 from tirefmu.symbolic.detection import Form, Probe
 
 from ..least_squares import LeastSquares, Solution
-from ..thresholds import ABSORBED, FEWEST_ROWS_OF_BLOCK, MEMORY, PROBE_BELIEF
+from ..thresholds import MAX_CORRELATION_TIME, MIN_INDEPENDENT_SHARE, MIN_ROWS_OF_BLOCK, PROBE_PRIOR
 from .candidates import counts_from_neutral
 
 FloatArray = npt.NDArray[np.float64]
@@ -27,25 +27,25 @@ IntArray = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Trace:
-    """What a form's probes do to the forces, and what the residual says about them.
+class Response:
+    """Response of the forces to the probes of a form, and its estimate from the residual.
 
     Attributes
     ----------
     columns : ndarray, shape (n_channels, n, k)
-        Weighted.
+        Weighted responses, one per probe.
     estimate : ndarray, shape (k,)
-        In probes.
+        Amplitudes, in units of the probes.
     p_coloured, p_blocks : float
-        Probability of an estimate at least this far from 0 by chance: by the noise's autocovariance, by blocks.
+        p-values of the Wald test: from the autocovariance of the noise, and from the jackknife over blocks.
     error : ndarray, shape (k,)
         Standard errors of the estimate, the larger of the two.
     loss : ndarray, shape (n_blocks,)
-        Of blocks left out, with the trace.
-    kept : float
-        Share of the traces' size that the base's freedom leaves.
+        Cross-validated loss of each block with the response.
+    independent_share : float
+        Largest share of a response's norm that is orthogonal to the baseline's tangent space.
     size : float
-        Root mean square of the largest trace, in noise deviations.
+        Root mean square of the largest response, in noise standard deviations.
     """
 
     columns: FloatArray
@@ -54,17 +54,17 @@ class Trace:
     p_blocks: float
     error: FloatArray
     loss: FloatArray
-    kept: float
+    independent_share: float
     size: float
 
     @property
     def p(self) -> float:
-        """The larger of the two probabilities."""
+        """The larger of the two p-values."""
         return max(self.p_coloured, self.p_blocks)
 
 
 class Screen:
-    """A solution's residual, its freedom, and traces tried against both.
+    """Linearization at a solution, for tests of responses on its residual.
 
     Parameters
     ----------
@@ -75,38 +75,38 @@ class Screen:
     def __init__(self, problem: LeastSquares, solution: Solution) -> None:
         self.problem, self.solution = problem, solution
         self.signals = problem.simulator.signals
-        shape = problem.root.shape
+        shape = problem.inverse_noise.shape
         self.tangent = problem.tangent(solution.parameters, solution.free).reshape(*shape, -1)
         self.residual = problem.weighted(solution.residual)
-        center, deviation = problem.belief(solution.free)
-        values = solution.parameters[[problem.simulator.place[name] for name in solution.free]]
-        self.belief = np.concatenate([deviation, problem.disturbances.deviation]) ** -2.0
-        self.pull = np.concatenate(
+        center, deviation = problem.prior(solution.free)
+        values = solution.parameters[[problem.simulator.index[name] for name in solution.free]]
+        self.prior_precision = np.concatenate([deviation, problem.disturbances.deviation]) ** -2.0
+        self.prior_gradient = np.concatenate(
             [-(values - center) / deviation**2, -solution.disturbance / problem.disturbances.deviation**2]
         )
-        self.edges = _edges(self.signals.block, problem.root)
+        self.edges = _edges(self.signals.block, problem.inverse_noise)
         self.sums = block_sums(self.tangent, self.residual, self.edges)
-        self.base = regression(self.sums, self.belief, self.pull)
+        self.baseline = regression(self.sums, self.prior_precision, self.prior_gradient)
         self._noise = self.residual
-        self._at_base = problem.simulator.forces(solution.parameters)
+        self._baseline_forces = problem.simulator.forces(solution.parameters)
 
     @property
     def n_blocks(self) -> int:
-        """The number of blocks that take part."""
+        """The number of blocks with data."""
         return len(self.edges) - 1
 
     def columns(self, form: Form) -> FloatArray:
-        """Return what a form's probes do to the forces, weighted, shape (n_channels, n, k)."""
+        """Return the weighted responses of the forces to a form's probes, shape (n_channels, n, k)."""
         return np.stack([self._column(form, probe) for probe in form.probes], axis=-1)
 
     def probed(self, form: Form, probe: Probe) -> FloatArray:
-        """Return the parameters with a probe's coefficients; those that are fitted already are moved by it."""
+        """Return the parameters with a probe applied; coefficients that are already fitted are shifted by it."""
         simulator, parameters = self.problem.simulator, self.solution.parameters.copy()
-        cards = simulator.book.coefficients
+        declarations = simulator.book.coefficients
         for name, size in probe.items():
-            place, card = simulator.place[name], cards[name]
-            adds = counts_from_neutral(card) and (card.neutral != 0.0 or name in self.solution.free)
-            parameters[place] = parameters[place] + size if adds else size
+            index, declaration = simulator.index[name], declarations[name]
+            adds = counts_from_neutral(declaration) and (declaration.neutral != 0.0 or name in self.solution.free)
+            parameters[index] = parameters[index] + size if adds else size
         if form.holds and not set(probe) & set(self.solution.free):
             self._hold(form.holds, parameters)
         return parameters
@@ -115,79 +115,79 @@ class Screen:
         """Rescale the leading coefficient of a role so that its quantity at nominal inputs is the solution's."""
         simulator = self.problem.simulator
         leading = simulator.book.leading(role)
-        if leading in simulator.place:
+        if leading in simulator.index:
             before, after = (simulator.at_nominal(role, each) for each in (self.solution.parameters, parameters))
-            parameters[simulator.place[leading]] *= before / after if before * after > 0.0 else 1.0
+            parameters[simulator.index[leading]] *= before / after if before * after > 0.0 else 1.0
 
     def _column(self, form: Form, probe: Probe) -> FloatArray:
         moved = self.problem.simulator.forces(self.probed(form, probe))
-        return self.problem.weighted(np.nan_to_num(moved - self._at_base))
+        return self.problem.weighted(np.nan_to_num(moved - self._baseline_forces))
 
     def project(self, columns: FloatArray) -> FloatArray:
-        """Return columns without what the base's freedom can do."""
+        """Return columns with the baseline's tangent space projected out."""
         cross = np.einsum("cnq,cnk->qk", self.tangent, columns)
-        return np.asarray(columns - self.tangent @ (self.base.inverse @ cross))
+        return np.asarray(columns - self.tangent @ (self.baseline.inverse @ cross))
 
-    def learn_noise(self, traces: Mapping[int, FloatArray]) -> None:
-        """Take for noise what all traces together leave of the residual."""
+    def learn_noise(self, responses: Mapping[int, FloatArray]) -> None:
+        """Estimate the noise as the part of the residual that no combination of responses explains."""
         self._noise = self.residual
-        if traces:
-            every = np.concatenate([self.project(columns) for columns in traces.values()], axis=-1)
-            flat = every.reshape(-1, every.shape[-1])
+        if responses:
+            combined = np.concatenate([self.project(columns) for columns in responses.values()], axis=-1)
+            flat = combined.reshape(-1, combined.shape[-1])
             matrix = flat.T @ flat
             matrix += np.diag(1e-3 * np.diag(matrix) + 1e-9)
-            self._noise = self.residual - (every @ np.linalg.solve(matrix, flat.T @ self.residual.ravel()))
+            self._noise = self.residual - (combined @ np.linalg.solve(matrix, flat.T @ self.residual.ravel()))
         t = self.signals.t[self.signals.rows]
-        step = float(np.median(np.diff(t))) if self.signals.timed else MEMORY / 25.0
-        lags = int(np.clip(MEMORY / max(step, 1e-6), 5, 200))
-        self._noise = np.where(self.problem.root > 0.0, self._noise, 0.0)
-        self.covariance = autocovariance(self._noise, self.problem.root > 0.0, lags)
+        step = float(np.median(np.diff(t))) if self.signals.timed else MAX_CORRELATION_TIME / 25.0
+        lags = int(np.clip(MAX_CORRELATION_TIME / max(step, 1e-6), 5, 200))
+        self._noise = np.where(self.problem.inverse_noise > 0.0, self._noise, 0.0)
+        self.covariance = autocovariance(self._noise, self.problem.inverse_noise > 0.0, lags)
 
-    def trace(self, columns: FloatArray) -> Trace:
-        """Return what the residual says about columns of traces."""
+    def response(self, columns: FloatArray) -> Response:
+        """Return the regression of the residual on columns of responses."""
         k = columns.shape[-1]
         free = self.project(columns)
-        own, size = np.sqrt(np.sum(free**2, axis=(0, 1))), np.sqrt(np.sum(columns**2, axis=(0, 1)))
-        there = own > np.maximum(ABSORBED * size, 1e-6)
-        rows = max(int((self.problem.root > 0.0).sum()), 1)
-        kept = float(np.max(own / np.maximum(size, 1e-300)))
-        if not there.any():
+        independent, size = np.sqrt(np.sum(free**2, axis=(0, 1))), np.sqrt(np.sum(columns**2, axis=(0, 1)))
+        testable = independent > np.maximum(MIN_INDEPENDENT_SHARE * size, 1e-6)
+        rows = max(int((self.problem.inverse_noise > 0.0).sum()), 1)
+        share = float(np.max(independent / np.maximum(size, 1e-300)))
+        if not testable.any():
             nothing = np.zeros(k)
-            return Trace(
-                columns, nothing, 1.0, 1.0, nothing + np.inf, self.base.loss, kept, float(size.max() / rows**0.5)
+            return Response(
+                columns, nothing, 1.0, 1.0, nothing + np.inf, self.baseline.loss, share, float(size.max() / rows**0.5)
             )
-        whole = np.concatenate([self.tangent, columns], axis=-1)
-        sums = self._extended(columns, whole)
+        extended = np.concatenate([self.tangent, columns], axis=-1)
+        sums = self._extended(columns, extended)
         q = self.tangent.shape[-1]
-        belief = np.concatenate([self.belief, np.full(k, PROBE_BELIEF**-2.0)])
-        fit = regression(sums, belief, np.concatenate([self.pull, np.zeros(k)]))
+        prior = np.concatenate([self.prior_precision, np.full(k, PROBE_PRIOR**-2.0)])
+        fit = regression(sums, prior, np.concatenate([self.prior_gradient, np.zeros(k)]))
         inner = fit.inverse[q:, q:]
         coloured = inner @ coloured_covariance(free, self.covariance) @ inner
         jackknife = fit.jackknife[q:, q:]
         estimate = fit.estimate[q:]
-        use = np.ix_(there, there)
-        p_coloured = wald_p(estimate[there], coloured[use])
-        p_blocks = wald_p(estimate[there], jackknife[use], self.n_blocks)
+        use = np.ix_(testable, testable)
+        p_coloured = wald_p(estimate[testable], coloured[use])
+        p_blocks = wald_p(estimate[testable], jackknife[use], self.n_blocks)
         error = np.sqrt(np.maximum(np.diag(coloured), np.diag(jackknife)))
-        return Trace(columns, estimate, p_coloured, p_blocks, error, fit.loss, kept, float(size.max() / rows**0.5))
+        return Response(columns, estimate, p_coloured, p_blocks, error, fit.loss, share, float(size.max() / rows**0.5))
 
-    def _extended(self, columns: FloatArray, whole: FloatArray) -> BlockSums:
-        q, m = self.tangent.shape[-1], whole.shape[-1]
+    def _extended(self, columns: FloatArray, extended: FloatArray) -> BlockSums:
+        q, m = self.tangent.shape[-1], extended.shape[-1]
         matrix = np.empty((self.n_blocks, m, m))
         matrix[:, :q, :q] = self.sums.matrix
         target = np.empty((self.n_blocks, m))
         target[:, :q] = self.sums.target
         for g, (first, last) in enumerate(zip(self.edges[:-1], self.edges[1:], strict=True)):
             part = columns[:, first:last].reshape(-1, m - q)
-            cross = whole[:, first:last].reshape(-1, m).T @ part
+            cross = extended[:, first:last].reshape(-1, m).T @ part
             matrix[g, :, q:], matrix[g, q:, :] = cross, cross.T
             target[g, q:] = part.T @ self.residual[:, first:last].ravel()
         return BlockSums(matrix, target, self.sums.power)
 
 
-def _edges(block: IntArray, root: FloatArray) -> IntArray:
-    """Return the first row of each block that takes part, and the last; rows kept apart lie in their neighbours."""
+def _edges(block: IntArray, inverse_noise: FloatArray) -> IntArray:
+    """Return the first row of each block with data, and the number of rows; hold-out rows join their neighbours."""
     first = np.flatnonzero(np.diff(block, prepend=-1))
-    counts = np.add.reduceat((root > 0.0).any(axis=0).astype(np.int64), first)
-    least = min(FEWEST_ROWS_OF_BLOCK, 0.5 * float(np.median(counts[counts > 0])))
+    counts = np.add.reduceat((inverse_noise > 0.0).any(axis=0).astype(np.int64), first)
+    least = min(MIN_ROWS_OF_BLOCK, 0.5 * float(np.median(counts[counts > 0])))
     return np.concatenate([first[counts > least], [len(block)]]).astype(np.int64)

@@ -1,1 +1,1 @@
-"""A preprocessed recording: its signals, its own disturbances, and a tire simulated over it."""
+"""The preprocessed recording: signals, disturbances, measurement artefacts, and simulation of a tire over it."""

@@ -1,4 +1,4 @@
-"""What belongs to a recording and not to its tire: offsets, slow drift, cross-talk. Modelled beside the tire."""
+"""Linear disturbances of a recording (offsets, slow drift, cross-talk), fitted together with the tire."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from ..thresholds import CROSS_TALK_BELIEF, DRIFT_BELIEF, DRIFT_WAVES, MOST_CROSS_TALK, OFFSET_BELIEF
+from ..thresholds import CROSS_TALK_PRIOR, DRIFT_PRIOR, DRIFT_WAVES, MAX_CROSS_TALK, OFFSET_PRIOR
 from .signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
@@ -23,30 +23,30 @@ class Disturbances:
     names : tuple of str
         offset_Fy, drift1_Fy, ..., cross_talk_Fx_in_Fy.
     columns : ndarray, shape (n_channels, n, n_disturbances)
-        What one unit of each does, N and N m.
+        Change of the forces per unit of each, N and N m.
     deviation : ndarray, shape (n_disturbances,)
-        Standard deviation of the belief that each is 0.
+        Standard deviation of the zero-mean prior of each.
     """
 
     names: tuple[str, ...]
     columns: FloatArray
     deviation: FloatArray
 
-    def thinned(self, rows: slice) -> Disturbances:
-        """Return the same at some rows only."""
+    def subsampled(self, rows: slice) -> Disturbances:
+        """Return the disturbances at a subset of the rows."""
         return replace(self, columns=self.columns[:, rows])
 
     def plausible(self, values: FloatArray) -> Disturbances:
-        """Return these without cross-talk that would have to be larger than a bench's."""
-        kept = np.array(
-            [not name.startswith("cross_talk") or abs(value) <= MOST_CROSS_TALK
+        """Return the disturbances without cross-talk that is larger than that of a bench."""
+        plausible = np.array(
+            [not name.startswith("cross_talk") or abs(value) <= MAX_CROSS_TALK
              for name, value in zip(self.names, values, strict=True)]
         )  # fmt: skip
-        names = tuple(name for name, keeps in zip(self.names, kept, strict=True) if keeps)
-        return Disturbances(names, self.columns[:, :, kept], self.deviation[kept])
+        names = tuple(name for name, is_plausible in zip(self.names, plausible, strict=True) if is_plausible)
+        return Disturbances(names, self.columns[:, :, plausible], self.deviation[plausible])
 
     def extended(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> Disturbances:
-        """Return these and more columns beside the tire: structure that no coefficient of the model explains."""
+        """Return the disturbances with additional columns, for structure that no coefficient of the model explains."""
         return Disturbances(
             (*self.names, *names),
             np.concatenate([self.columns, columns], axis=-1),
@@ -78,7 +78,7 @@ def disturbances_of(signals: Signals, noise: FloatArray) -> Disturbances:
             column[i] = wave
             names.append(f"offset_{channel}" if k == 0 else f"drift{k}_{channel}")
             columns.append(column)
-            deviation.append(noise[i] * (OFFSET_BELIEF if k == 0 else DRIFT_BELIEF))
+            deviation.append(noise[i] * (OFFSET_PRIOR if k == 0 else DRIFT_PRIOR))
     forces = [i for i, channel in enumerate(signals.channels) if channel in ("Fx", "Fy")]
     for i in forces:
         for j in forces:
@@ -87,12 +87,12 @@ def disturbances_of(signals: Signals, noise: FloatArray) -> Disturbances:
                 column[i] = signals.measured[j]
                 names.append(f"cross_talk_{signals.channels[j]}_in_{signals.channels[i]}")
                 columns.append(column)
-                deviation.append(CROSS_TALK_BELIEF)
+                deviation.append(CROSS_TALK_PRIOR)
     return Disturbances(tuple(names), np.stack(columns, axis=-1), np.array(deviation))
 
 
 def reported_disturbances(disturbances: Disturbances, values: FloatArray, signals: Signals) -> dict[str, Any]:
-    """Return what a recording's disturbances came to.
+    """Return the estimated disturbances of a recording.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
     Returns
     -------
     dict
-        offset, drift (root mean square), outliers (rows left out) by channel; cross_talk; input_noise.
+        offset, drift (root mean square), outliers (number of excluded rows) by channel; cross_talk; input_noise.
     """
     named = dict(zip(disturbances.names, values.tolist(), strict=True))
     drift = {
@@ -114,8 +114,8 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
     }
     missing = ~np.isfinite(signals.measured) | (signals.measured == 0.0)
     outliers = {
-        name: int((~there & ~gone).sum())
-        for name, there, gone in zip(signals.channels, signals.present, missing, strict=True)
+        name: int((~present & ~missing_rows).sum())
+        for name, present, missing_rows in zip(signals.channels, signals.present, missing, strict=True)
     }
     return {
         "offset": {channel: named[f"offset_{channel}"] for channel in signals.channels},

@@ -1,4 +1,4 @@
-"""Measurement artefacts of a channel: a ripple once per revolution, and steps of quantisation."""
+"""Measurement artefacts of a channel: ripple once per wheel revolution, and quantisation."""
 
 from __future__ import annotations
 
@@ -11,20 +11,20 @@ from .signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
 
-#: A pause of this many steps of time ends a segment.
+#: A pause of this many time steps ends a segment.
 PAUSE = 5.0
 
 
 def ripple(signals: Signals, residual: FloatArray, radius: float) -> dict[str, float]:
-    """Return the amplitude of what turns once with the wheel, by channel; channels without it are omitted.
+    """Return the amplitude of the ripple once per wheel revolution, by channel; channels without it are omitted.
 
     Parameters
     ----------
     signals : Signals
     residual : ndarray, shape (n_channels, n)
-        Without what the tire and slow disturbances explain, N and N m.
+        Residual of the tire and the slow disturbances, N and N m.
     radius : float
-        Unloaded, m; the rolling radius is searched for about it (`once_per_revolution`).
+        Unloaded radius, m; the rolling radius is searched around it (`once_per_revolution`).
 
     Returns
     -------
@@ -51,7 +51,7 @@ def ripple(signals: Signals, residual: FloatArray, radius: float) -> dict[str, f
 
 
 def quantisation(values: FloatArray) -> float:
-    """Return the step of a quantised channel, 0 where there is none.
+    """Return the quantisation step of a channel, 0 if it is not quantised.
 
     Parameters
     ----------

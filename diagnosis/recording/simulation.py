@@ -1,4 +1,4 @@
-"""Forces of a tire over signals, and their derivatives by its coefficients, relaxation included."""
+"""Forces of a tire over signals and their derivatives by its coefficients, with transient slip."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Simulator:
     Parameters
     ----------
     tire : Tire
-        Names the model; every coefficient of its book is at hand, whatever its effects.
+        Determines the model. All coefficients of the model are available, also those of effects that the tire lacks.
     signals : Signals
     """
 
@@ -41,41 +41,41 @@ class Simulator:
         self.book, self.rescaled = self.tire.book, self.tire.rescaled
         self._code = code_for(self.book, "c")
         self.names = list(self.book.coefficients)
-        self.place = {name: i for i, name in enumerate(self.book.parameters)}
-        self._unasked = self._inputs_unasked()
+        self.index = {name: i for i, name in enumerate(self.book.parameters)}
+        self._inactive = self._inactive_inputs()
         known = self._code.quantities_names
         lengths = map(self.book.quantity, ("relaxation_x", "relaxation_y"))
         self._sigma = [known.index(name) for name in lengths if name]
 
-    def over(self, signals: Signals) -> Simulator:
+    def with_signals(self, signals: Signals) -> Simulator:
         """Return a simulator of the same tire over other signals."""
         other = copy(self)
         other.signals = signals
         return other
 
-    def _inputs_unasked(self) -> list[tuple[int, IntArray, FloatArray]]:
-        """Return, of effects on demand that the tire lacks: the input's row, its coefficients' places, their values."""
+    def _inactive_inputs(self) -> list[tuple[int, IntArray, FloatArray]]:
+        """Return input row, coefficient indices and their values for each on-demand effect that the tire lacks."""
         values, inputs = self.tire.parameters(), list(self.tire.inputs)
-        told = []
+        inactive = []
         for effect, name in self.book.on_demand:
             if effect not in self.tire.has:
-                places = np.array([self.place[owned] for owned in self.book.owned(effect) if owned in self.place])
-                told.append((inputs.index(name), places, values[places]))
-        return told
+                indices = np.array([self.index[owned] for owned in self.book.owned(effect) if owned in self.index])
+                inactive.append((inputs.index(name), indices, values[indices]))
+        return inactive
 
-    def asked(self, parameters: FloatArray) -> FloatArray:
-        """Return the inputs of all rows, 0 where they ask for an effect whose coefficients are at rest."""
-        silent = [row for row, places, values in self._unasked if np.array_equal(parameters[places], values)]
-        if not self.signals.inputs[silent].any():
+    def active_inputs(self, parameters: FloatArray) -> FloatArray:
+        """Return the inputs of all rows; inputs of on-demand effects are 0 while their coefficients are unchanged."""
+        unused = [row for row, indices, values in self._inactive if np.array_equal(parameters[indices], values)]
+        if not self.signals.inputs[unused].any():
             return self.signals.inputs
         inputs = self.signals.inputs.copy()
-        inputs[silent] = 0.0
+        inputs[unused] = 0.0
         return inputs
 
-    def acting(self, parameters: FloatArray) -> FloatArray:
-        """Return the inputs that act at the compared rows, shape (n_inputs, n): slips lag where lengths are set."""
-        signals, inputs = self.signals, self.asked(parameters)
-        lags = any(parameters[self.place[name]] for name in self.book.relaxation)
+    def effective_inputs(self, parameters: FloatArray) -> FloatArray:
+        """Return the inputs at the compared rows, shape (n_inputs, n), with transient slips if there is relaxation."""
+        signals, inputs = self.signals, self.active_inputs(parameters)
+        lags = any(parameters[self.index[name]] for name in self.book.relaxation)
         if not signals.timed or not self._sigma or not lags:
             return inputs[:, signals.rows]
         named = dict(zip(signals.names, inputs, strict=True))
@@ -95,13 +95,13 @@ class Simulator:
         ----------
         parameters : ndarray, shape (n_parameters,)
         shifts : mapping of str to float, optional
-            Added to inputs by name: what a sensor's zero offset does.
+            Offsets added to inputs by name, as by a sensor with a zero error.
         """
-        rows = self.acting(parameters)
+        rows = self.effective_inputs(parameters)
         for name, shift in (shifts or {}).items():
             rows = rows.copy()
             rows[self.signals.names.index(name)] += shift
-        return self._code.forces(rows, parameters)[self.signals.places]
+        return self._code.forces(rows, parameters)[self.signals.output_index]
 
     def at_nominal(self, role: str, parameters: FloatArray) -> float:
         """Return the quantity of a role at nominal inputs."""
@@ -111,17 +111,17 @@ class Simulator:
 
     def jacobian(self, parameters: FloatArray, free: Sequence[str], at: FloatArray | None = None) -> FloatArray:
         """Return derivatives of the forces by coefficients, shape (n_channels, n, n_free)."""
-        rows = self.acting(parameters)
-        columns = [self.place[name] for name in free]
+        rows = self.effective_inputs(parameters)
+        columns = [self.index[name] for name in free]
         parts = []
         for start in range(0, rows.shape[1], CHUNK):
             whole = self._code.jacobian_parameters(np.ascontiguousarray(rows[:, start : start + CHUNK]), parameters)
-            parts.append(whole[:, self.signals.places][:, :, columns])
+            parts.append(whole[:, self.signals.output_index][:, :, columns])
         jacobian = np.concatenate(parts).transpose(1, 0, 2)
         for i, name in enumerate(free):
             if name in self.book.relaxation and self.signals.timed:
                 step = 0.01 if self.book.coefficients[name].unit == "m" else 0.02
                 moved = parameters.copy()
-                moved[self.place[name]] += step
+                moved[self.index[name]] += step
                 jacobian[:, :, i] = (self.forces(moved) - self.forces(parameters)) / step
         return np.asarray(jacobian)

@@ -1,1 +1,1 @@
-"""What a diagnosis writes: the page, figures of residuals, FMUs compared with the recording."""
+"""Output of a diagnosis: the HTML report, figures of residuals, comparison of the FMUs with the recording."""

@@ -1,4 +1,4 @@
-"""Both tires as FMUs, simulated by fmpy over training and hold-out: what each leaves, and that it is its tire."""
+"""Both tires exported as FMUs and simulated by fmpy: errors on training and hold-out rows, and FMU against tire."""
 
 from __future__ import annotations
 
@@ -24,75 +24,75 @@ from tirefmu.tires.tire import Tire
 from ..verdict.result import Diagnosis
 
 FloatArray = npt.NDArray[np.float64]
-#: Step of a table without a column t, s.
+#: Time step of a table without a column t, s.
 STEP = 0.01
 
 
 def export_and_simulate(
     diagnosis: Diagnosis, recording: TableLike, folder: str | Path, others: TableLike | Iterable[TableLike] = ()
 ) -> dict[str, Any]:
-    """Write base.fmu and improved.fmu, simulate both, and return what each leaves of every measured channel.
+    """Write base.fmu and improved.fmu, simulate both, and return the error of every measured channel.
 
-    Inputs are held over each step, a gap in time is one long step: the simulation is what
-    ``tirefmu evaluate --hold`` computes from the tire files, to `tirefmu.fmu.comparison.result.EVALUATION_TOLERANCE`.
+    Inputs are constant over each step, and a gap in time is one long step. The simulation equals
+    ``tirefmu evaluate --hold`` of the tire files to `tirefmu.fmu.comparison.result.EVALUATION_TOLERANCE`.
 
     Parameters
     ----------
     diagnosis : Diagnosis
     recording : path, DataFrame or Recording
-        What was diagnosed.
+        The diagnosed recording.
     folder : str or Path
-        Exists.
+        Existing folder.
     others : path, DataFrame or Recording, or a sequence of them
-        Untouched recordings beside it.
+        Additional recordings that the diagnosis did not use.
 
     Returns
     -------
     dict
         ``ok``; and ``before`` and ``after``, each with ``rmse`` (all rows), ``training``, ``holdout``, ``recordings``
-        (by source), all by channel in N and N m with nothing taken out, and ``difference_from_direct_evaluation``:
+        (by source), all by channel in N and N m, disturbances included, and ``difference_from_direct_evaluation``:
         the largest |FMU - evaluate --hold| / (1 + |evaluate --hold|).
 
     Raises
     ------
     DataError
-        If a recording has an input that is no finite number, or nothing that the tire computes.
+        If an input is not finite, or no measured channel is an output of the tire.
     FmuError
         If an FMU cannot be built or run.
     """
-    recording, further = recording_from(recording, parameter="recording"), recordings_from(others)
-    kept = diagnosis.kept_apart(len(recording))
-    told: dict[str, Any] = {}
+    recording, additional = recording_from(recording, parameter="recording"), recordings_from(others)
+    holdout = diagnosis.holdout_mask(len(recording))
+    summary: dict[str, Any] = {}
     for when, tire, name in (("before", diagnosis.base_tire, "base"), ("after", diagnosis.tire, "improved")):
         path = export(replace(tire.in_signs("iso"), name=tire.name or name), Path(folder) / f"{name}.fmu", fmi=3)
         error, difference = simulated_error(path, tire, recording)
-        told[when] = {"rmse": _rms(error), "training": _rms(error[~kept]), "holdout": _rms(error[kept])}
-        told[when]["recordings"] = {}
-        for source, other in zip(distinct([other.source for other in further]), further, strict=True):
-            error, more = simulated_error(path, tire, other)
-            told[when]["recordings"][source] = _rms(error)
-            difference = max(difference, more)
-        told[when]["difference_from_direct_evaluation"] = difference
-    told["ok"] = all(
-        told[when]["difference_from_direct_evaluation"] <= EVALUATION_TOLERANCE for when in ("before", "after")
+        summary[when] = {"rmse": _rms(error), "training": _rms(error[~holdout]), "holdout": _rms(error[holdout])}
+        summary[when]["recordings"] = {}
+        for source, other in zip(distinct([other.source for other in additional]), additional, strict=True):
+            error, other_difference = simulated_error(path, tire, other)
+            summary[when]["recordings"][source] = _rms(error)
+            difference = max(difference, other_difference)
+        summary[when]["difference_from_direct_evaluation"] = difference
+    summary["ok"] = all(
+        summary[when]["difference_from_direct_evaluation"] <= EVALUATION_TOLERANCE for when in ("before", "after")
     )
-    return told
+    return summary
 
 
 def simulated_error(path: str | Path, tire: Tire, recording: Recording) -> tuple[pd.DataFrame, float]:
-    """Simulate an FMU over a recording, as one run for as long as time goes forward.
+    """Simulate an FMU over a recording; a new run starts where time decreases.
 
     Parameters
     ----------
     path : str or Path
     tire : Tire
-        Its own, for the direct evaluation.
+        The tire in the FMU, for direct evaluation.
     recording : Recording
 
     Returns
     -------
     DataFrame
-        Measured less simulated, ISO signs, by measured channel.
+        Measured minus simulated, ISO signs, by measured channel.
     float
         Largest |FMU - direct| / (1 + |direct|).
     """
@@ -110,7 +110,7 @@ def simulated_error(path: str | Path, tire: Tire, recording: Recording) -> tuple
         rows = table[present].to_numpy(dtype=np.float64)
         if not np.isfinite(rows).all():
             row, column = np.argwhere(~np.isfinite(rows))[0]
-            raise DataError(f"{recording.source}: row {row + 1}: {present[column]} is no finite number")
+            raise DataError(f"{recording.source}: row {row + 1}: {present[column]} is not a finite number")
         simulated = np.vstack([slave.run(run, time, rows, present, outputs) for run in runs])
     given = table[present].assign(t=time)
     direct = np.vstack([tire.evaluate(given.iloc[run], hold=True)[outputs].to_numpy() for run in runs])

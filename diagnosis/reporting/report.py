@@ -1,4 +1,4 @@
-"""The diagnosis as one HTML page: verdict, where, what, alternatives, how much, next measurement, the equation."""
+"""The diagnosis as one HTML page: verdict, residuals, effects, alternatives, fit error, next measurement, equations."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from tirefmu.symbolic.notation import Switch
 from tirefmu.tires.tire import Tire
 
 from ..verdict.result import Diagnosis
-from .residual_figure import draw_where
+from .residual_figure import draw_residual_location
 
 
 @dataclass(frozen=True)
 class ChangedLine:
-    """A line of the book before and after an effect was added."""
+    """An equation of the model before and after an effect was added."""
 
     number: str
     description: str
@@ -37,10 +37,10 @@ def write_report(
     ----------
     diagnosis : Diagnosis
     recording : path, DataFrame or Recording
-        What was diagnosed.
+        The diagnosed recording.
     path : str or Path
     simulated : mapping, optional
-        What `export_and_simulate` returned.
+        Result of `export_and_simulate`.
 
     Returns
     -------
@@ -61,7 +61,7 @@ def write_report(
 
 
 def report_page(diagnosis: Diagnosis, recording: Recording, simulated: Mapping[str, Any] | None = None) -> str:
-    """Return the page's text, its figures inside.
+    """Return the HTML text of the page, figures included.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def report_page(diagnosis: Diagnosis, recording: Recording, simulated: Mapping[s
 
 
 def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
-    """Return the lines of the book in which effects stand that one tire has and the other lacks.
+    """Return the equations with effects that only the second tire has.
 
     Parameters
     ----------
@@ -105,25 +105,25 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     >>> [line.after for line in changed_lines(plain, richer)][0]
     'mu_x = LMUX_star*(PDX1 + PDX2*dfz)*(-PDX3*gamma_in**2 + 1)'
     """
-    more = after.has - before.has
+    gained = after.has - before.has
     old = after.book.as_written(before.has & after.book.effects.keys())
     new = after.book.as_written(after.has)
     changed = []
     for line in after.book.equations:
-        stands = {str(place.args[0]) for place in line.expression.atoms(Switch)}
+        present = {str(switch.args[0]) for switch in line.expression.atoms(Switch)}
         name = line.symbol.name
-        if stands & more and old[name] != new[name] and not line.variant:
-            told = [f"{line.acts_for or name} = {lines[name]}" for lines in (old, new)]
-            changed.append(ChangedLine(line.number, line.description, *told))
+        if present & gained and old[name] != new[name] and not line.variant:
+            formulas = [f"{line.acts_for or name} = {lines[name]}" for lines in (old, new)]
+            changed.append(ChangedLine(line.number, line.description, *formulas))
     return tuple(changed)
 
 
 def _maps(diagnosis: Diagnosis, folder: Path) -> list[Path]:
-    """Draw where each channel is missed before and after, one file for each channel."""
+    """Draw the residual maps of each channel before and after, one file for each channel."""
     drawn = []
     for channel, course in diagnosis.time_course.items():
         before, after = (
             [one for one in maps if one["channel"] == channel] for maps in (diagnosis.where, diagnosis.where_after)
         )
-        drawn.append(draw_where(before, after, course, folder / f"{channel}.png"))
+        drawn.append(draw_residual_location(before, after, course, folder / f"{channel}.png"))
     return drawn

@@ -1,4 +1,4 @@
-"""Where a channel is missed: maps of residual over noise with sample counts, before and after, and over time."""
+"""Figure of a channel's residuals: maps over pairs of inputs with sample counts, before and after, and over time."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from matplotlib.figure import Figure
 
 from tirefmu.tires.drawing.style import LETTER, drawn_unit, per_si, png, write_whole
 
-from ..thresholds import FEWEST_ROWS_OF_CELL
+from ..thresholds import MIN_ROWS_OF_CELL
 
-#: Mean residuals of this many noise deviations have the full color.
+#: Mean residual at the ends of the color scale, in noise standard deviations.
 FULL = 3.0
 
 
-def draw_where(
+def draw_residual_location(
     before: Sequence[Mapping[str, Any]], after: Sequence[Mapping[str, Any]], course: Mapping[str, Any], path: str | Path
 ) -> Path:
-    """Draw one channel's maps, the start model above the improved one, and its misfit over time below.
+    """Draw the maps of one channel for the baseline model and the improved model, and its misfit over time.
 
     Parameters
     ----------
     before, after : sequence of mapping
-        As `residual_location.residual_maps` returns them, of one channel and over the same pairs.
+        Results of `residual_location.residual_maps` for one channel, over the same pairs.
     course : mapping
-        As `residual_location.time_course` returns it for the channel.
+        Result of `residual_location.time_course` for the channel.
     path : str or Path
-        The PNG; written whole or not at all.
+        PNG file; written completely or not at all.
 
     Returns
     -------
@@ -43,12 +43,12 @@ def draw_where(
     figure = Figure(figsize=(3.6 * max(len(before), 2), 8.2), layout="constrained")
     grid = figure.add_gridspec(3, len(before), height_ratios=(1.0, 1.0, 0.6))
     axes = [[figure.add_subplot(grid[i, j]) for j in range(len(before))] for i in range(2)]
-    for row, maps, title in zip(axes, (before, after), ("start model", "improved"), strict=True):
+    for row, maps, title in zip(axes, (before, after), ("baseline model", "improved model"), strict=True):
         for ax, shown in zip(row, maps, strict=True):
             _draw_map(ax, shown, norm)
             ax.set_title(f"{title}: largest mean {shown['worst']['mean']:+.1f}", fontsize=9)
     flat = [ax for row in axes for ax in row]
-    label = "mean residual in noise deviations"
+    label = "mean residual in noise standard deviations"
     figure.colorbar(ScalarMappable(norm, colors), ax=flat, label=label, extend="both", pad=0.01)
     ax = figure.add_subplot(grid[2, :])
     for name, style in (("before", "C3"), ("after", "C0")):
@@ -64,10 +64,10 @@ def _draw_map(ax: Axes, shown: Mapping[str, Any], norm: Normalize) -> None:
     mean = np.array([[np.nan if cell is None else cell for cell in row] for row in shown["mean"]], dtype=np.float64)
     count = np.asarray(shown["count"])
     ax.set_facecolor("0.85")
-    shaded = np.ma.masked_invalid(np.where(count >= FEWEST_ROWS_OF_CELL, mean, np.nan).T)
+    shaded = np.ma.masked_invalid(np.where(count >= MIN_ROWS_OF_CELL, mean, np.nan).T)
     ax.pcolormesh(x, y, shaded, cmap=colormaps["RdBu_r"], norm=norm, ec="white", lw=0.3)
     for i, j in np.argwhere(count > 0):
-        dark = count[i, j] >= FEWEST_ROWS_OF_CELL and abs(mean[i, j]) > 0.6 * FULL
+        dark = count[i, j] >= MIN_ROWS_OF_CELL and abs(mean[i, j]) > 0.6 * FULL
         middle = 0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1])
         ax.text(*middle, str(count[i, j]), ha="center", va="center", fontsize=5.5, color="w" if dark else "k")
     ax.set(**{f"{side}label": _label(name) for side, name in zip("xy", shown["over"], strict=True)})

@@ -1,4 +1,4 @@
-"""Where a tire and a recording disagree: the mean residual over two inputs. A missing effect has a pattern there."""
+"""Residual map: the mean residual of a tire on a recording over two inputs. A missing effect shows as a pattern."""
 
 from __future__ import annotations
 
@@ -24,20 +24,21 @@ from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
 
-FEWEST = 10  # rows of a bin whose mean says something
-_MOST_NUMBERS = 200  # cells that are written into; more would be too small to read
+MIN_ROWS_OF_BIN = 10  # for a bin to be the worst one
+_MAX_NUMBERS = 200  # cells with numbers; in more cells the numbers would be too small to read
 
 
 @dataclass(frozen=True)
 class Bin:
-    """One cell of a map.
+    """One bin of a residual map.
 
     Attributes
     ----------
     at : dict of str to float
-        Its middle (of a stepped channel: the level), SI.
+        Its center, SI units; for a stepped channel: the level.
     mean, rms, standard_error : float
-        Of the residuals in it, SI. The error is that of independent rows: ripple and drift make it larger.
+        Of the residuals in it, SI units. The standard error assumes independent rows: with ripple and drift it is
+        larger.
     count : int
     """
 
@@ -50,19 +51,19 @@ class Bin:
 
 @dataclass(frozen=True, eq=False)
 class ResidualMap:
-    """Residuals, data less tire, in bins over two inputs.
+    """Residuals, measured minus computed, in bins over two inputs.
 
     Attributes
     ----------
     channel, signs : str
-        What the residual is of, and the convention of the recording.
+        Channel of the residuals, and sign convention of the recording.
     over : tuple of (str, str)
     edges : tuple of ndarray, shapes (n0 + 1,), (n1 + 1,)
         Ascending, SI.
     steps : tuple of ndarray, shapes (n0,) or (0,), (n1,) or (0,)
-        The levels of a stepped channel; none of a swept one.
+        Levels of a stepped channel; empty for a swept channel.
     mean, rms, standard_error : ndarray, shape (n0, n1)
-        SI; NaN where there is no data (the error: fewer than two rows).
+        SI units; NaN in bins without data (standard error: with fewer than two rows).
     counts : ndarray of int, shape (n0, n1)
     """
 
@@ -78,7 +79,7 @@ class ResidualMap:
 
     @property
     def middles(self) -> tuple[FloatArray, FloatArray]:
-        """The levels of a stepped channel, the middles of a swept channel's bins."""
+        """The levels of a stepped channel, the bin centers of a swept channel."""
         first, second = (
             steps if len(steps) else 0.5 * (edges[1:] + edges[:-1])
             for edges, steps in zip(self.edges, self.steps, strict=True)
@@ -105,7 +106,7 @@ class ResidualMap:
 
     @property
     def _worst(self) -> tuple[int, int]:
-        enough = self.counts >= min(FEWEST, int(self.counts.max()))
+        enough = self.counts >= min(MIN_ROWS_OF_BIN, int(self.counts.max()))
         i, j = np.unravel_index(np.argmax(np.where(enough, np.abs(self.mean), -1.0)), self.mean.shape)
         return int(i), int(j)
 
@@ -117,20 +118,20 @@ def residual_map(
     over: tuple[str, str] = ("alpha", "gamma"),
     bins: int | Mapping[str, npt.ArrayLike] = 12,
 ) -> ResidualMap:
-    """Average what the tire leaves unexplained in bins over two inputs.
+    """Average the residual of a tire in bins over two inputs.
 
     Parameters
     ----------
     tire : Tire, path of a .tir file, or name of a published tire
     recording : path, DataFrame or Recording
-        In any signs; the map is in them. A DataFrame is in iso.
+        In any sign convention, which is also that of the map. A DataFrame is in ISO signs.
     channel : str
-        A measured output that the tire computes.
+        Measured output that the tire computes.
     over : tuple of (str, str)
         Columns of the recording.
     bins : int or mapping of str to array_like
-        How many bins a swept channel gets, or the ascending edges by channel. A stepped channel without
-        edges gets one bin for each level. Rows outside given edges are left out.
+        Number of bins of a swept channel, or ascending edges by channel. A stepped channel without edges has one bin
+        per level. Rows outside the given edges are excluded.
 
     Returns
     -------
@@ -139,7 +140,7 @@ def residual_map(
     Raises
     ------
     DataError
-        If a column is missing, the tire does not compute the channel, or bins do not make sense.
+        If a column is missing, the tire does not compute the channel, or the bins are invalid.
 
     Examples
     --------
@@ -168,7 +169,7 @@ def residual_map(
         variance = np.maximum(square - mean**2, 0.0) * counts / (counts - 1.0)
         error = np.where(counts > 1, np.sqrt(variance / counts), np.nan)
     if not counts.any():
-        raise DataError(f"residual map of {channel}: no row lies within the bins")
+        raise DataError(f"residual map of {channel}: no row is within the bins")
     whole = counts.astype(np.int64)
     return ResidualMap(channel, recording.signs, over, edges, steps, mean, np.sqrt(square), error, whole)
 
@@ -178,7 +179,7 @@ def _usable_rows(tire: Tire, recording: Recording, channel: str, over: tuple[str
         hint = nearest(channel, tire.outputs)
         raise DataError(f"residual map: {tire.model} computes {', '.join(tire.outputs)}, not {channel!r}{hint}")
     if len(set(over)) != 2:
-        raise DataError(f"residual map: it lies over two different channels, not {' and '.join(over)}")
+        raise DataError(f"residual map: two different channels are required, not {' and '.join(over)}")
     table = recording.table
     for name in (channel, *over):
         if name not in table:
@@ -186,40 +187,40 @@ def _usable_rows(tire: Tire, recording: Recording, channel: str, over: tuple[str
             raise DataError(f"{recording.source}: no column {name!r} for the residual map{hint}")
     table = table[table[[channel, *over]].notna().all(axis=1)]
     if table.empty:
-        raise DataError(f"{recording.source}: no row holds {channel}, {over[0]} and {over[1]}")
+        raise DataError(f"{recording.source}: no row contains {channel}, {over[0]} and {over[1]}")
     return table
 
 
 def _edges(values: pd.Series, name: str, bins: int | Mapping[str, npt.ArrayLike]) -> tuple[FloatArray, FloatArray]:
-    """Return the bins' edges and, of a stepped channel, the levels; all values lie within, if no edges are given."""
+    """Return the bin edges, and the levels of a stepped channel; without given edges, the bins contain all values."""
     none = np.empty(0)
     if not isinstance(bins, int) and name in bins:
         edges = np.asarray(bins[name], dtype=np.float64)
         if edges.ndim != 1 or len(edges) < 2 or not (np.diff(edges) > 0.0).all():
-            raise DataError(f"residual map: the edges for {name} have to ascend, at least two of them")
+            raise DataError(f"residual map: the edges for {name} must be at least two ascending numbers")
         return edges, none
     number = bins if isinstance(bins, int) else 12
     if number < 1:
-        raise DataError(f"residual map: {number} bins for {name}: at least one is needed")
+        raise DataError(f"residual map: {number} bins for {name}: at least one is required")
     low, high = float(values.min()), float(values.max())
     found = np.array(levels(values)) if low < high else np.array([low])
     if len(found):
         between = 0.5 * (found[1:] + found[:-1])
-        # The outer bins reach as far beyond their level as inward, or as the data do.
+        # The outer bins are symmetric about their level, or extend to the limits of the data.
         reach = float(np.diff(found).min()) / 2.0 if len(found) > 1 else 1e-9 + 1e-3 * abs(low)
         return np.array([min(low, found[0] - reach), *between, max(high, found[-1] + reach)]), found
     return np.linspace(low, high, number + 1), none
 
 
 def draw_residual_maps(maps: Sequence[tuple[str, ResidualMap]], path: str | Path) -> Path:
-    """Draw maps side by side on one color scale: mean residual in color, rows in each bin as numbers.
+    """Draw maps side by side on one color scale, with the number of rows in each bin.
 
     Parameters
     ----------
     maps : sequence of (str, ResidualMap)
-        Titles and maps, all of one channel and convention.
+        Titles and maps, all of one channel and sign convention.
     path : str or Path
-        The PNG; it is written whole or not at all.
+        PNG file; written completely or not at all.
 
     Returns
     -------
@@ -231,7 +232,7 @@ def draw_residual_maps(maps: Sequence[tuple[str, ResidualMap]], path: str | Path
         If there is no map, their channels or conventions differ, or the file cannot be written.
     """
     if len({(shown.channel, shown.signs) for _, shown in maps}) != 1:
-        raise DataError("residual maps on one scale need one channel and one sign convention")
+        raise DataError("residual maps on one scale require one channel and one sign convention")
     channel, signs = maps[0][1].channel, maps[0][1].signs
     limit = max(shown.largest_mean for _, shown in maps) or 1.0
     norm, colors = Normalize(-limit, limit), colormaps["RdBu_r"].with_extremes(bad="0.8")
@@ -241,12 +242,14 @@ def draw_residual_maps(maps: Sequence[tuple[str, ResidualMap]], path: str | Path
         _draw_map(ax, title, shown, norm)
         x, y = (edges * per_si(name) for edges, name in zip(shown.edges, shown.over, strict=True))
         ax.pcolormesh(x, y, np.ma.masked_invalid(shown.mean.T), cmap=colors, norm=norm, ec="white", lw=0.3)
-    beyond = any(np.nanmax(np.abs(shown.mean)) > limit for _, shown in maps)  # a bin of few rows
+    beyond = any(np.nanmax(np.abs(shown.mean)) > limit for _, shown in maps)  # in a bin of few rows
     extend, unit = "both" if beyond else "neither", drawn_unit(channel)
-    label = f"mean residual of {LETTER[channel]}, data less tire ({unit})"
+    label = f"mean residual of {LETTER[channel]}, measured minus computed ({unit})"
     figure.colorbar(ScalarMappable(norm, colors), ax=list(axes), label=label, extend=extend, pad=0.01)
-    figure.suptitle(f"What the tire leaves of {LETTER[channel]}", fontweight="bold")
-    note = f"numbers: rows in the bin; gray: no data; frame: largest mean of the bins with {FEWEST} rows or more"
+    figure.suptitle(f"Residual of {LETTER[channel]}", fontweight="bold")
+    note = (
+        f"numbers: rows in the bin; gray: no data; frame: largest mean of the bins with {MIN_ROWS_OF_BIN} rows or more"
+    )
     write_footnote(figure, signs, note)
     try:
         return write_whole(Path(path), png(figure))
@@ -266,7 +269,7 @@ def _draw_map(ax: Axes, title: str, shown: ResidualMap, norm: Normalize) -> None
     for axis, steps, scale in zip((ax.xaxis, ax.yaxis), shown.steps, scales, strict=True):
         if len(steps):
             axis.set_ticks(steps * scale, [_tick(step) for step in steps * scale])
-    for i, j in np.argwhere(shown.counts > 0) if shown.counts.size <= _MOST_NUMBERS else ():
+    for i, j in np.argwhere(shown.counts > 0) if shown.counts.size <= _MAX_NUMBERS else ():
         dark = abs(shown.mean[i, j]) > 0.6 * float(norm.vmax or 1.0)
         middle = 0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1])
         ax.text(*middle, str(shown.counts[i, j]), ha="center", va="center", fontsize=6.5, color="w" if dark else "k")

@@ -1,1 +1,1 @@
-"""The search for missing effects: probe, refit, rank, gate, repeat."""
+"""Stepwise search for missing effects: probe, refit, rank, apply the acceptance criteria, repeat."""

@@ -1,4 +1,4 @@
-"""The search: probe every effect that is missing, refit the best, rank by blocked cross-validation, gate, repeat."""
+"""Stepwise search: probe all candidates, refit the best, rank by blocked cross-validation, test, repeat."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from ..least_squares import LeastSquares, Solution
 from ..probing.baseline_fit import readable
 from ..probing.candidates import Candidate, refinements_for, varies
 from ..probing.confounding import correlations
-from ..probing.effect_probing import Screen, Trace
+from ..probing.effect_probing import Response, Screen
 from ..thresholds import (
-    AHEAD,
     CONFOUNDED,
     EFFECT_P,
-    ENOUGH,
-    PROMISING,
+    FINAL_ITERATIONS,
+    LOOKAHEAD,
+    PREFERRED_JOINT_SHARE,
+    PREFERRED_SHARE,
+    REFIT_P_FACTOR,
     REFITTED,
     REFITTED_REFINEMENTS,
     ROUNDS,
     SEARCH_ROWS,
-    SETTLED,
-    TOGETHER,
 )
 from ..unexplained.structure import CORE_INPUTS, Structure, structure_of
-from .refits import Refit, Tried, distinct, preferred
+from .refits import REFINEMENT, Refit, Tried, distinct, preferred
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -43,23 +43,23 @@ class Search:
     ----------
     problem : LeastSquares
     solution : Solution
-        Of the base and all that was found.
+        Of the baseline model with the identified effects.
     candidates : mapping of str to Candidate
     found : list of Refit
-    finer : list of Refit
-        Finer forms of effects that were there before.
+    refinements : list of Refit
+        Refinements of effects that the model already had.
     structures, forms : list of Structure
-        What no known effect explains; and the same where it is another form of what the model has.
+        Structure that no candidate explains; and structure that only corrects the functional form of the model.
     last : list of Tried
-        The last round's traces.
+        Candidates of the last round with their responses.
     screen : Screen
-        Of the present solution.
-    precise : Screen
-        Of the settled solution, its rows whitened: what intervals are read from.
+        Of the current solution.
+    whitened : Screen
+        Of the final solution with whitened rows, for confidence intervals.
     tests : int
-        How many forms a round tries.
+        Number of forms tested in a round.
     progress : callable
-        Takes a sentence.
+        Called with a sentence at each step.
     """
 
     problem: LeastSquares
@@ -67,121 +67,122 @@ class Search:
     candidates: Mapping[str, Candidate]
     progress: Callable[[str], None]
     found: list[Refit] = field(default_factory=list)
-    finer: list[Refit] = field(default_factory=list)
+    refinements: list[Refit] = field(default_factory=list)
     structures: list[Structure] = field(default_factory=list)
     forms: list[Structure] = field(default_factory=list)
     last: list[Tried] = field(default_factory=list)
     screen: Screen = field(init=False)
-    precise: Screen = field(init=False)
+    whitened: Screen = field(init=False)
     tests: int = 0
 
     def run(self) -> None:
-        """Search until nothing passes."""
+        """Repeat rounds until no candidate passes the criteria."""
         for _ in range(ROUNDS):
             best = self.round()
             if best is None:
                 break
             if isinstance(best, Structure):
-                if not self._take(best):
+                if not self._accept_structure(best):
                     break
             else:
-                self._take_named(best)
-                what = "a finer form" if best.name.startswith("finer ") else "found"
-                self.progress(f"{what}: {best.name} (gain {100 * best.gain:.2f} %)")
+                self._accept_effect(best)
+                self.progress(f"identified: {best.name} (gain {100 * best.gain:.2f} %)")
         self.screen = Screen(self.problem, self.solution)
         self.last = self.probe()
 
-    def settle(self, before: Screen) -> Screen:
-        """Fit the start model and what was found once more, the noise weighed by its memory; return the first's screen.
+    def refit_whitened(self, before: Screen) -> Screen:
+        """Refit the baseline model and the final model with whitened noise; return the screen of the baseline model.
 
-        Decisions are made without it: what is missing itself looks like noise with a memory, and whitening magnifies
-        what is wrong with the form of a model.
+        The search itself uses rows of equal weight. A missing effect resembles correlated noise, and whitening
+        amplifies errors in the functional form of a model.
         """
-        self.precise = self.screen
+        self.whitened = self.screen
         signals = self.problem.simulator.signals
         if not signals.timed:
             return before
         t = signals.t[signals.rows]
         rest, step = self.problem.weighted(self.solution.residual), float(np.median(np.diff(t)))
-        root = self.problem.root
-        noise = tuple(noise_parts(*rows, step) for rows in zip(rest, root > 0.0, strict=True))
-        whitening = Whitening(noise, t, root)
-        precise, same = replace(self.problem, whitening=whitening), self.solution is before.solution
-        self.solution = precise.solve(self.solution.parameters, self.solution.free, iterations=SETTLED)
+        inverse_noise = self.problem.inverse_noise
+        noise = tuple(noise_parts(*rows, step) for rows in zip(rest, inverse_noise > 0.0, strict=True))
+        whitening = Whitening(noise, t, inverse_noise)
+        whitened, same = replace(self.problem, whitening=whitening), self.solution is before.solution
+        self.solution = whitened.solve(self.solution.parameters, self.solution.free, iterations=FINAL_ITERATIONS)
         start = self.solution
         if not same:
             first = replace(before.problem, whitening=whitening)
-            start = first.solve(before.solution.parameters, before.solution.free, iterations=SETTLED)
-        self.precise = Screen(precise, self.solution)
-        self.precise.learn_noise({})
+            start = first.solve(before.solution.parameters, before.solution.free, iterations=FINAL_ITERATIONS)
+        self.whitened = Screen(whitened, self.solution)
+        self.whitened.learn_noise({})
         self.screen = Screen(self.problem, self.solution)
         self.last = self.probe()
         return Screen(before.problem, start)
 
     def round(self) -> Refit | Structure | None:
-        """Try every candidate on what is left; return the best that passes, or structure that far exceeds it."""
-        best = self.named()
+        """Return the best candidate that passes, or unexplained structure with a much larger gain."""
+        best = self.best_effect()
         structure = structure_of(self.screen)
-        if structure is None or not structure.passes or (best and best.gain > ENOUGH * structure.gain):
+        if structure is None or not structure.passes or (best and best.gain > PREFERRED_SHARE * structure.gain):
             return best
-        return best if best and self._named_together(best) > TOGETHER * structure.gain else structure
+        return best if best and self._joint_gain(best) > PREFERRED_JOINT_SHARE * structure.gain else structure
 
-    def named(self) -> Refit | None:
-        """Try every candidate on what is left; return the best that passes."""
+    def best_effect(self) -> Refit | None:
+        """Test all candidates on the residual and return the best one that passes."""
         self.screen = Screen(self.problem, self.solution)
         self.last = self.probe()
         self.tests = len(self.last)
-        ordered = sorted(self.last, key=lambda tried: float(tried.trace.loss.sum()))
-        own = [tried for tried in ordered if not tried.name.startswith("finer ")]
+        ordered = sorted(self.last, key=lambda tried: float(tried.response.loss.sum()))
+        effects = [tried for tried in ordered if not tried.name.startswith(REFINEMENT)]
         chosen = (
-            distinct(own)[:REFITTED]
-            + distinct([t for t in ordered if t.name.startswith("finer ")])[:REFITTED_REFINEMENTS]
+            distinct(effects)[:REFITTED]
+            + distinct([t for t in ordered if t.name.startswith(REFINEMENT)])[:REFITTED_REFINEMENTS]
         )
-        promising = [t for t in chosen if t.trace.p_coloured * self.tests < PROMISING * EFFECT_P]
+        promising = [t for t in chosen if t.response.p_coloured * self.tests < REFIT_P_FACTOR * EFFECT_P]
         refits = [refit for tried in promising if (refit := self.refit(tried)) is not None]
-        passing = [refit for refit in refits if refit.passes and not self._is_ghost(refit)]
+        passing = [refit for refit in refits if refit.passes and not self._is_form_artefact(refit)]
         return preferred(passing, self.candidates) if passing else None
 
-    def _take_named(self, refit: Refit) -> None:
-        (self.finer if refit.name.startswith("finer ") else self.found).append(refit)
+    def _accept_effect(self, refit: Refit) -> None:
+        (self.refinements if refit.name.startswith(REFINEMENT) else self.found).append(refit)
         self.solution = refit.solution
 
-    def _named_together(self, first: Refit) -> float:
-        """Return what a named effect gains together with those that would be named after it.
+    def _joint_gain(self, first: Refit) -> float:
+        """Return the gain of an effect together with those that the next rounds would identify.
 
-        Several effects at once, each of them a part, look like structure that none of them explains.
+        If several effects are missing, no single one explains the residual.
         """
-        ahead = Search(self.problem, self.solution, self.candidates, lambda sentence: None)
-        ahead.found, ahead.finer = list(self.found), list(self.finer)
+        lookahead = Search(self.problem, self.solution, self.candidates, lambda sentence: None)
+        lookahead.found, lookahead.refinements = list(self.found), list(self.refinements)
         refit: Refit | None = first
-        for _ in range(AHEAD):
+        for _ in range(LOOKAHEAD):
             if refit is None:
                 break
-            ahead._take_named(refit)
-            refit = ahead.named()
-        total, left = (float(screen.base.loss.sum()) for screen in (self.screen, Screen(self.problem, ahead.solution)))
-        return (total - left) / total
+            lookahead._accept_effect(refit)
+            refit = lookahead.best_effect()
+        total, remaining = (
+            float(screen.baseline.loss.sum()) for screen in (self.screen, Screen(self.problem, lookahead.solution))
+        )
+        return (total - remaining) / total
 
-    def _take(self, structure: Structure) -> bool:
-        """Carry structure beside the tire where it is another form of what it has; return whether that is so."""
+    def _accept_structure(self, structure: Structure) -> bool:
+        """Add structure to the disturbances if it only corrects the form of the model; return whether it does."""
         varied = {name for refit in self.found for name in self.candidates[refit.name].requires}
         if {"distance", "T"} & varied:
             varied |= {"T", "distance"}
         if not set(structure.depends_on) <= CORE_INPUTS | varied:
             self.structures.append(structure)
-            self.progress(f"unknown structure: {structure.formula}")
+            self.progress(f"unexplained structure: {structure.formula}")
             return False
         self.forms.append(structure)
-        self.progress(f"another form of the base: {structure.formula}")
-        sizes = np.maximum(np.abs(structure.trace.estimate), 1e-6) * 20.0
+        self.progress(f"correction of the functional form: {structure.formula}")
+        sizes = np.maximum(np.abs(structure.response.estimate), 1e-6) * 20.0
         names = tuple(f"form_{len(self.forms)}_{i}" for i in range(len(sizes)))
         disturbances = self.problem.disturbances.extended(names, structure.columns, sizes)
         self.problem = replace(self.problem, disturbances=disturbances)
         self.solution = self.problem.solve(self.solution.parameters, self.solution.free, iterations=4)
         return True
 
-    def _is_ghost(self, refit: Refit) -> bool:
-        """Return whether a candidate only mends the form of a finding that it can hardly be told from."""
+    def _is_form_artefact(self, refit: Refit) -> bool:
+        """Return whether a candidate is an artefact of model-form error: confounded with an identified effect."""
         columns = {refit.name: self.screen.columns(refit.form)}
         return any(
             correlations(self.screen, one.form.free, columns, {}).get(refit.name, 0.0) > CONFOUNDED
@@ -189,50 +190,50 @@ class Search:
         )  # fmt: skip
 
     def probe(self) -> list[Tried]:
-        """Learn the noise and return every form that could show, with its trace."""
+        """Estimate the noise, and return every testable form with its response."""
         signals, tire = self.problem.simulator.signals, self.problem.simulator.tire
-        gone = frozenset(refit.name for refit in self.found)
+        identified = frozenset(refit.name for refit in self.found)
         forms: list[tuple[str, Form]] = []
         for name, candidate in self.candidates.items():
-            if name in gone or not all(varies(signals, tire, needed) for needed in candidate.requires):
+            if name in identified or not all(varies(signals, tire, needed) for needed in candidate.requires):
                 continue
             forms += [(name, form) for form in candidate.forms]
-        forms += [(f"finer {name}", form) for name, form in refinements_for(tire, gone)]
-        tried = [(name, form) for name, whole in forms if (form := self._readable(whole))]
+        forms += [(f"{REFINEMENT}{name}", form) for name, form in refinements_for(tire, identified)]
+        tried = [(name, form) for name, declared in forms if (form := self._readable(declared))]
         columns = {i: self.screen.columns(form) for i, (_, form) in enumerate(tried)}
         self.screen.learn_noise(columns)
-        return [Tried(name, form, self.screen.trace(columns[i])) for i, (name, form) in enumerate(tried)]
+        return [Tried(name, form, self.screen.response(columns[i])) for i, (name, form) in enumerate(tried)]
 
     def _readable(self, form: Form) -> Form | None:
-        """Return a form with the coefficients that the channels show and that are not free already."""
-        taken, simulator = self.solution.free, self.problem.simulator
-        names = [n for n in readable(form.free, simulator.signals, simulator.book) if n not in taken]
+        """Return a form with the coefficients that influence a channel and are not yet free."""
+        already_free, simulator = self.solution.free, self.problem.simulator
+        names = [n for n in readable(form.free, simulator.signals, simulator.book) if n not in already_free]
         probes = tuple(probe for probe in form.probes if set(probe) & set(names))
         return replace(form, free=tuple(names), probes=probes) if names and probes else None
 
     def refit(self, tried: Tried) -> Refit | None:
-        """Fit a form jointly with what is there, from its starts."""
-        form, trace = tried.form, tried.trace
+        """Fit a form jointly with the current model, from its initial values."""
+        form, response = tried.form, tried.response
         order = self.problem.simulator.names
         free = tuple(sorted({*self.solution.free, *form.free}, key=order.index))
         thin = slice(None, None, max(1, len(self.problem.simulator.signals.rows) // SEARCH_ROWS))
-        tries = [self.problem.solve(start, free, rows=thin, iterations=8) for start in self._starts(form, trace)]
+        tries = [self.problem.solve(start, free, rows=thin, iterations=8) for start in self._starts(form, response)]
         best = min(tries, key=lambda solution: solution.cost)
         solution = self.problem.solve(best.parameters, free, iterations=4)
         screen = Screen(self.problem, solution)
-        gains = self.screen.base.loss - screen.base.loss
-        total = float(self.screen.base.loss.sum())
+        gains = self.screen.baseline.loss - screen.baseline.loss
+        total = float(self.screen.baseline.loss.sum())
         error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
-        p = min(1.0, trace.p_coloured * self.tests)
+        p = min(1.0, response.p_coloured * self.tests)
         return Refit(
-            tried.name, form, solution, screen, p, float(gains.sum()) / total, error / total, gains, trace
+            tried.name, form, solution, screen, p, float(gains.sum()) / total, error / total, gains, response
         )  # fmt: skip
 
-    def _starts(self, form: Form, trace: Trace) -> list[FloatArray]:
+    def _starts(self, form: Form, response: Response) -> list[FloatArray]:
         if not form.scalable:
             return [self.screen.probed(form, probe) for probe in form.probes]
         start = self.solution.parameters.copy()
-        for probe, times in zip(form.probes, trace.estimate, strict=True):
+        for probe, times in zip(form.probes, response.estimate, strict=True):
             for name, value in probe.items():
-                start[self.problem.simulator.place[name]] += float(np.clip(times, -3.0, 3.0)) * value
+                start[self.problem.simulator.index[name]] += float(np.clip(times, -3.0, 3.0)) * value
         return [start]

@@ -1,4 +1,4 @@
-"""Candidates fitted jointly with the base: what they gain, whether they pass the gates, and which is preferred."""
+"""Candidates fitted jointly with the baseline: their gain, the acceptance criteria, and the preferred one."""
 
 from __future__ import annotations
 
@@ -12,15 +12,18 @@ from tirefmu.symbolic.detection import Form
 
 from ..least_squares import Solution
 from ..probing.candidates import Candidate
-from ..probing.effect_probing import Screen, Trace
+from ..probing.effect_probing import Response, Screen
 from ..thresholds import EFFECT_ERRORS, EFFECT_GAIN, EFFECT_P, EFFECT_P_OF_BLOCKS, PREFERRED_ERRORS
 
 FloatArray = npt.NDArray[np.float64]
 
+#: Prefix of the names of refinements; the effect, or "core", follows.
+REFINEMENT = "refinement of "
+
 
 @dataclass(frozen=True, eq=False)
 class Refit:
-    """A candidate fitted jointly with the base.
+    """A candidate fitted jointly with the baseline.
 
     Attributes
     ----------
@@ -28,14 +31,14 @@ class Refit:
     form : Form
     solution : Solution
     screen : Screen
-        Of its solution.
+        Linearization at the solution.
     p : float
-        Adjusted for all forms tried.
+        p-value, adjusted for all forms tested.
     gain, gain_error : float
-        Of cross-validation, as a share of the base's squared misfit.
+        Cross-validated gain, as a share of the squared misfit of the baseline, and its standard error.
     gains : ndarray, shape (n_blocks,)
-        Gain by block of time, in squared noise deviations.
-    trace : Trace
+        Gain of each time block, in squared noise standard deviations.
+    response : Response
     """
 
     name: str
@@ -46,29 +49,29 @@ class Refit:
     gain: float
     gain_error: float
     gains: FloatArray
-    trace: Trace
+    response: Response
 
     @property
     def passes(self) -> bool:
-        """Whether it is more than noise."""
-        significant = self.p < EFFECT_P and self.trace.p_blocks < EFFECT_P_OF_BLOCKS
+        """Whether the gain is significant and material."""
+        significant = self.p < EFFECT_P and self.response.p_blocks < EFFECT_P_OF_BLOCKS
         return significant and self.gain > max(EFFECT_ERRORS * self.gain_error, EFFECT_GAIN)
 
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """A form of a candidate with its trace in the residual."""
+    """A form of a candidate with its response in the residual."""
 
     name: str
     form: Form
-    trace: Trace
+    response: Response
 
 
 def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit:
     """Return the best of several refits that pass.
 
-    The largest gain wins; a finer form of the base, an effect that contains another and a richer form have to be
-    better by more than the standard error of the difference, twice of it for a finer form.
+    The one with the largest gain is preferred. A refinement must exceed an effect, and an effect another that it
+    contains, by `PREFERRED_ERRORS` standard errors of the difference.
     """
     best = max(refits, key=lambda refit: refit.gain)
     for other in sorted(refits, key=lambda refit: -refit.gain):
@@ -77,15 +80,15 @@ def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit
         difference = best.gains - other.gains
         error = float(np.sqrt(len(difference)) * np.std(difference, ddof=1))
         contains = candidates[best.name].contains == other.name if best.name in candidates else False
-        finer = best.name.startswith("finer ") and not other.name.startswith("finer ")
-        if (contains or finer) and difference.sum() < PREFERRED_ERRORS * error:
+        refinement = best.name.startswith(REFINEMENT) and not other.name.startswith(REFINEMENT)
+        if (contains or refinement) and difference.sum() < PREFERRED_ERRORS * error:
             best = other
     return best
 
 
 def distinct(tried: list[Tried]) -> list[Tried]:
-    """Return the first form of each name, in order."""
+    """Return the first form of each effect, in order; all refinements are distinct."""
     seen: dict[str, Tried] = {}
     for one in tried:
-        seen.setdefault(one.name if not one.name.startswith("finer ") else f"{one.name}{one.form.free}", one)
+        seen.setdefault(one.name if not one.name.startswith(REFINEMENT) else f"{one.name}{one.form.free}", one)
     return list(seen.values())

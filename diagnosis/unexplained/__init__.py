@@ -1,1 +1,1 @@
-"""Structure in the residual that no known effect explains, and a formula proposed for it."""
+"""Structure in the residual that no candidate effect explains, and a formula proposed for it."""

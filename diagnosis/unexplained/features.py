@@ -1,7 +1,7 @@
-"""What structure may depend on that no named effect explains: physical features and the quantities they act on.
+"""Physical features for the regression of unexplained structure, and the model quantities that they act on.
 
-A sparse regression on these instead of on anonymous polynomials: each product is a factor on a quantity of the book
-or a term in it, and so can be written into the book.
+A sparse regression on physical features replaces one on polynomials. Each product is a factor or a term of a named
+quantity, so that it can be added to the model equations.
 """
 
 from __future__ import annotations
@@ -30,23 +30,24 @@ class Feature:
     Attributes
     ----------
     text : str
-        As a formula in inputs and coefficients of size; of a rate or a memory: in words.
+        Formula in inputs and nominal values; a description for rates and memories.
     depends_on : frozenset of str
     values : ndarray, shape (n,)
-        Dimensionless, of the order of 1.
+        Dimensionless, of order 1.
     odd : bool
-        Whether it turns with the side: a term of its own; others are factors or turn a term's size.
-    written : bool
-        Whether an effect file can say it.
+        Whether the sign changes under mirroring left to right. Odd features are terms; even ones are factors, or
+        scale a term.
+    expressible : bool
+        Whether an effect file can contain the formula.
     parts : tuple of str
-        The texts of a product's two features.
+        Texts of the two features of a product.
     """
 
     text: str
     depends_on: frozenset[str]
     values: FloatArray
     odd: bool = False
-    written: bool = True
+    expressible: bool = True
     parts: tuple[str, ...] = ()
 
     def __mul__(self, other: Feature) -> Feature:
@@ -55,7 +56,7 @@ class Feature:
             self.depends_on | other.depends_on,
             self.values * other.values,
             self.odd != other.odd,
-            self.written and other.written,
+            self.expressible and other.expressible,
             (self.text, other.text),
         )
 
@@ -65,21 +66,21 @@ def _bracketed(text: str) -> str:
 
 
 @dataclass(frozen=True)
-class Place:
-    """Where structure can act in a model.
+class Location:
+    """A part of the model in which structure can act.
 
     Attributes
     ----------
     name : str
-        For a reader: friction, slip stiffness, ...
+        Friction, slip stiffness, ...
     how : str
         "factor" or "term".
     quantities : tuple of str
-        Named quantities of the model.
+        Named quantities of the model that change.
     coefficients : tuple of str
-        Whose derivatives, times their values for a factor, are what it does to the forces.
+        Coefficients whose derivatives (for a factor: times their values) are the response of the forces.
     per : str
-        What a term is multiplied by, so that its coefficient is a pure number; '' for nothing.
+        Multiplier of a term that makes its coefficient dimensionless; '' if none.
     flips : bool
         Whether such a term changes its sign between adapted SAE and ISO.
     """
@@ -92,13 +93,13 @@ class Place:
     flips: bool = False
 
     @property
-    def carries(self) -> tuple[str, ...]:
-        """The inputs that what acts there is proportional to."""
+    def proportional_to(self) -> tuple[str, ...]:
+        """The inputs that a term is proportional to."""
         return ("Fz",) if "Fz" in self.per.split("*") else ()
 
 
-#: Places by name: how structure acts there, and the roles of the quantities.
-PLACES = {
+#: Places by name: how structure acts, and the roles of the quantities.
+LOCATIONS = {
     "friction": ("factor", ("friction_x", "friction_y")),
     "slip stiffness": ("factor", ("stiffness_x", "stiffness_y")),
     "force": ("factor", ("friction_x", "friction_y", "stiffness_x", "stiffness_y")),
@@ -110,49 +111,49 @@ PLACES = {
 }
 
 
-def places_of(book: Model) -> list[Place]:
-    """Return the places at which structure can act in a model: those whose roles it has.
+def locations_of(book: Model) -> list[Location]:
+    """Return the locations of a model in which structure can act: those whose roles it declares.
 
     Examples
     --------
     >>> from tirefmu.symbolic import model
-    >>> places_of(model("mf96"))[0].coefficients
+    >>> locations_of(model("mf96"))[0].coefficients
     ('PDX1', 'PDY1')
     """
-    cards, found = book.coefficients, []
-    for name, (how, roles) in PLACES.items():
-        there = [book.roles[role] for role in roles if book.leading(role) in cards]
+    declarations, found = book.coefficients, []
+    for name, (how, roles) in LOCATIONS.items():
+        there = [book.roles[role] for role in roles if book.leading(role) in declarations]
         if there:
             quantities = tuple(dict.fromkeys(role.quantity for role in there))
             leading = tuple(dict.fromkeys(role.leading for role in there))
-            flips = how == "term" and cards[leading[0]].flips
-            found.append(Place(name, how, quantities, leading, there[0].per if how == "term" else "", flips))
+            flips = how == "term" and declarations[leading[0]].flips
+            found.append(Location(name, how, quantities, leading, there[0].per if how == "term" else "", flips))
     return found
 
 
 def directions(screen: Screen) -> dict[str, FloatArray]:
-    """Return what each place does to the forces, N and N m, shape (n_channels, n), by name.
+    """Return the response of the forces to each location, N and N m, shape (n_channels, n), by name of location.
 
     Parameters
     ----------
     screen : Screen
     """
     simulator, parameters = screen.problem.simulator, screen.solution.parameters
-    places = places_of(simulator.book)
-    names = [name for place in places for name in place.coefficients]
+    locations = locations_of(simulator.book)
+    names = [name for location in locations for name in location.coefficients]
     jacobian = simulator.jacobian(parameters, names)
-    told = {}
-    for place in places:
+    responses = {}
+    for location in locations:
         parts = [
-            jacobian[:, :, names.index(name)] * (parameters[simulator.place[name]] if place.how == "factor" else 1.0)
-            for name in place.coefficients
+            jacobian[:, :, names.index(name)] * (parameters[simulator.index[name]] if location.how == "factor" else 1.0)
+            for name in location.coefficients
         ]  # fmt: skip
-        told[place.name] = np.sum(parts, axis=0)
-    return told
+        responses[location.name] = np.sum(parts, axis=0)
+    return responses
 
 
 def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]]:
-    """Return even features (of conditions and sizes of slip) and odd ones (that turn with the side).
+    """Return even features (operating conditions, magnitudes of slip) and odd features (sign of a lateral input).
 
     Parameters
     ----------
@@ -161,55 +162,55 @@ def features(signals: Signals, tire: Tire) -> tuple[list[Feature], list[Feature]
     """
     named = dict(zip(signals.names, signals.inputs, strict=True))
     nominal = tire.values
-    even: list[Feature] = []
-    odd: list[Feature] = []
+    even_ones: list[Feature] = []
+    odd_ones: list[Feature] = []
     rows = signals.rows
 
-    def put(text: str, depends: str, values: FloatArray, *, turns: bool = False, written: bool = True) -> None:
+    def add(text: str, depends: str, values: FloatArray, *, odd: bool = False, expressible: bool = True) -> None:
         at = values[rows]
         size = float(np.std(at))
         if size > 1e-9 and set(depends.split()) & (signals.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}):
-            (odd if turns else even).append(Feature(text, frozenset(depends.split()), at, turns, written))
+            (odd_ones if odd else even_ones).append(Feature(text, frozenset(depends.split()), at, odd, expressible))
 
     slip = np.sqrt(np.tan(named["alpha"]) ** 2 + named["kappa"] ** 2)
     load = named["Fz"] / nominal["FNOMIN"]
     has_speed = "V" in named and "LONGVL" in nominal
     speed = np.abs(named["V"]) / nominal["LONGVL"] if has_speed else np.ones_like(load)
-    put("Fz/FNOMIN - 1", "Fz", load - 1.0)
+    add("Fz/FNOMIN - 1", "Fz", load - 1.0)
     if "p" in named and "p" in signals.recorded and "NOMPRES" in nominal:
-        put("3*(p/NOMPRES - 1)", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
+        add("3*(p/NOMPRES - 1)", "p", 3.0 * (named["p"] / nominal["NOMPRES"] - 1.0))
     if has_speed and "V" in signals.recorded:
-        put("3*(absolute(V)/LONGVL - 1)", "V", 3.0 * (speed - 1.0))
+        add("3*(absolute(V)/LONGVL - 1)", "V", 3.0 * (speed - 1.0))
     if "phit" in signals.recorded and "phit" in named:
-        put("2*absolute(phit)*UNLOADED_RADIUS", "phit", 2.0 * np.abs(named["phit"]) * nominal["UNLOADED_RADIUS"])
+        add("2*absolute(phit)*UNLOADED_RADIUS", "phit", 2.0 * np.abs(named["phit"]) * nominal["UNLOADED_RADIUS"])
     if "T" in signals.recorded and "T" in named:
         middle = round(float(named["T"].mean()))
-        put(f"(T - {middle})/20", "T", (named["T"] - middle) / 20.0)
+        add(f"(T - {middle})/20", "T", (named["T"] - middle) / 20.0)
     if signals.timed and "distance" in named:
-        put("distance/1000", "distance", named["distance"] / 1000.0)
+        add("distance/1000", "distance", named["distance"] / 1000.0)
     if "gamma" in named:
-        put("10*absolute(gamma)", "gamma", 10.0 * np.abs(named["gamma"]))
-    put("5*absolute(tan(alpha))", "alpha", 5.0 * np.abs(np.tan(named["alpha"])))
-    put("5*absolute(kappa)", "kappa", 5.0 * np.abs(named["kappa"]))
-    put("5*sqrt(tan(alpha)**2 + kappa**2)", "alpha kappa", 5.0 * slip)
-    put("5*absolute(tan(alpha))*absolute(V)/LONGVL", "alpha V", 5.0 * np.abs(np.tan(named["alpha"])) * speed)
-    put("5*sqrt(tan(alpha)**2 + kappa**2)*absolute(V)/LONGVL*Fz/FNOMIN", "alpha kappa V Fz", 5.0 * slip * speed * load)
-    put("5*absolute(tan(alpha))*absolute(V)/LONGVL*Fz/FNOMIN", "alpha V Fz",
+        add("10*absolute(gamma)", "gamma", 10.0 * np.abs(named["gamma"]))
+    add("5*absolute(tan(alpha))", "alpha", 5.0 * np.abs(np.tan(named["alpha"])))
+    add("5*absolute(kappa)", "kappa", 5.0 * np.abs(named["kappa"]))
+    add("5*sqrt(tan(alpha)**2 + kappa**2)", "alpha kappa", 5.0 * slip)
+    add("5*absolute(tan(alpha))*absolute(V)/LONGVL", "alpha V", 5.0 * np.abs(np.tan(named["alpha"])) * speed)
+    add("5*sqrt(tan(alpha)**2 + kappa**2)*absolute(V)/LONGVL*Fz/FNOMIN", "alpha kappa V Fz", 5.0 * slip * speed * load)
+    add("5*absolute(tan(alpha))*absolute(V)/LONGVL*Fz/FNOMIN", "alpha V Fz",
         5.0 * np.abs(np.tan(named["alpha"])) * speed * load)  # fmt: skip
     if "gamma" in named:
-        put("10*gamma", "gamma", 10.0 * named["gamma"], turns=True)
-    put("5*tan(alpha)", "alpha", 5.0 * np.tan(named["alpha"]), turns=True)
-    put("5*kappa", "kappa", 5.0 * named["kappa"])
+        add("10*gamma", "gamma", 10.0 * named["gamma"], odd=True)
+    add("5*tan(alpha)", "alpha", 5.0 * np.tan(named["alpha"]), odd=True)
+    add("5*kappa", "kappa", 5.0 * named["kappa"])
     if signals.timed:
-        _put_rates(put, signals.t, named)
-    return even, odd
+        _add_rates(add, signals.t, named)
+    return even_ones, odd_ones
 
 
-def _put_rates(put: Callable[..., None], t: FloatArray, named: Mapping[str, FloatArray]) -> None:
-    """Add features of rates of change and of memory."""
+def _add_rates(add: Callable[..., None], t: FloatArray, named: Mapping[str, FloatArray]) -> None:
+    """Add features of rates of change and of memory: first-order lags of the inputs."""
     steps = np.diff(t)
-    usual = float(np.median(steps[steps > 0.0]))
-    width = max(3, round(0.1 / usual))
+    step = float(np.median(steps[steps > 0.0]))
+    width = max(3, round(0.1 / step))
 
     def rate(name: str) -> FloatArray:
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -219,31 +220,31 @@ def _put_rates(put: Callable[..., None], t: FloatArray, named: Mapping[str, Floa
 
     turning = rate("alpha")
     typical = 0.3 * float(np.sqrt(np.mean(turning**2))) + 1e-9
-    put("rate of alpha", "dalpha/dt", turning / (3.3 * typical), turns=True, written=False)
-    put("direction of alpha's change", "dalpha/dt memory", np.tanh(turning / typical), turns=True, written=False)
+    add("rate of alpha", "dalpha/dt", turning / (3.3 * typical), odd=True, expressible=False)
+    add("direction of alpha's change", "dalpha/dt memory", np.tanh(turning / typical), odd=True, expressible=False)
     loading = np.tanh(turning / typical) * np.tanh(named["alpha"] / 0.02)
-    put("alpha growing or falling", "dalpha/dt memory alpha", loading, written=False)
+    add("alpha growing or falling", "dalpha/dt memory alpha", loading, expressible=False)
     changing = rate("kappa")
     typical = 0.3 * float(np.sqrt(np.mean(changing**2))) + 1e-9
-    put("direction of kappa's change", "dkappa/dt memory", np.tanh(changing / typical), written=False)
-    put("kappa growing or falling", "dkappa/dt memory kappa",
-        np.tanh(changing / typical) * np.tanh(named["kappa"] / 0.02), written=False)  # fmt: skip
+    add("direction of kappa's change", "dkappa/dt memory", np.tanh(changing / typical), expressible=False)
+    add("kappa growing or falling", "dkappa/dt memory kappa",
+        np.tanh(changing / typical) * np.tanh(named["kappa"] / 0.02), expressible=False)  # fmt: skip
     pressing = rate("Fz")
-    put("rate of Fz", "dFz/dt", pressing / (float(np.std(pressing)) + 1e-9), written=False)
+    add("rate of Fz", "dFz/dt", pressing / (float(np.std(pressing)) + 1e-9), expressible=False)
     for seconds in (1.0, 5.0):
         slide = np.abs(np.tan(named["alpha"])) + np.abs(named["kappa"])
-        put(f"slip of the last {seconds:g} s", "memory alpha kappa",
-            5.0 * _faded(slide, usual / seconds), written=False)  # fmt: skip
-    put(
+        add(f"slip of the last {seconds:g} s", "memory alpha kappa",
+            5.0 * _low_pass(slide, step / seconds), expressible=False)  # fmt: skip
+    add(
         "alpha of the last 0.3 s",
         "dalpha/dt memory",
-        5.0 * _faded(named["alpha"], usual / 0.3),
-        turns=True,
-        written=False,
+        5.0 * _low_pass(named["alpha"], step / 0.3),
+        odd=True,
+        expressible=False,
     )
 
 
-def _faded(values: FloatArray, share: float) -> FloatArray:
-    """Return a first-order memory of a signal; a step takes `share` of it in."""
-    kept = float(np.exp(-share))
-    return np.asarray(lfilter([1.0 - kept], [1.0, -kept], values, zi=[kept * values[0]])[0])
+def _low_pass(values: FloatArray, share: float) -> FloatArray:
+    """Return a signal behind a first-order lag; `share` is the ratio of time step and time constant."""
+    decay = float(np.exp(-share))
+    return np.asarray(lfilter([1.0 - decay], [1.0, -decay], values, zi=[decay * values[0]])[0])

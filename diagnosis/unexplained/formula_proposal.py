@@ -1,4 +1,4 @@
-"""Unknown structure as an effect of the book: its file, and the test on rows that no decision has seen."""
+"""Unexplained structure as a proposed effect: its file, and the test on the hold-out set."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tirefmu.tires.tire import Tire
 
 from ..least_squares import LeastSquares, Solution
 from ..recording.simulation import Simulator
-from ..thresholds import LEAST_IMPROVEMENT, REACH
+from ..thresholds import COEFFICIENT_BOUND_FACTOR, MIN_IMPROVEMENT
 from .structure import Structure
 
 FloatArray = npt.NDArray[np.float64]
@@ -22,21 +22,21 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Unknown:
-    """Structure that no known effect explains.
+    """Structure that no candidate effect explains.
 
     Attributes
     ----------
     depends_on : tuple of str
     formula : str
-        As it would stand in an effect file: "quantity: factor or term".
+        As in an effect file: "quantity, factor or term: formula".
     added : bool
-        Whether the improved tire has it: only if the untouched hold-out improves.
+        Whether the improved tire contains it: only if the error on the hold-out set decreases.
     effect : AddedEffect or None
         The proposed effect file.
     not_added_because : str
-        "" where it was added.
+        Reason; "" if it was added.
     next_measurement : str
-        What would show its form.
+        The measurement that determines its form.
     """
 
     depends_on: tuple[str, ...]
@@ -49,13 +49,13 @@ class Unknown:
 
 @dataclass(frozen=True, eq=False)
 class Added:
-    """A formula that stands in the model now.
+    """A proposed formula that was added to the model.
 
     Attributes
     ----------
     effect : AddedEffect
     tire : Tire
-        The start model with the formula's effect beside its own.
+        The baseline model with the effect of the formula.
     problem : LeastSquares
     solution : Solution
     """
@@ -67,7 +67,7 @@ class Added:
 
 
 def effect_of(structure: Structure) -> AddedEffect | None:
-    """Return structure as an effect file would have it, or None where no file can say it.
+    """Return structure as an effect, or None if an effect file cannot express it.
 
     Parameters
     ----------
@@ -77,56 +77,60 @@ def effect_of(structure: Structure) -> AddedEffect | None:
     -------
     AddedEffect or None
     """
-    if not structure.written:
+    if not structure.expressible:
         return None
-    sizes = structure.trace.estimate
+    sizes = structure.response.estimate
     names = [f"FOUND{i + 1}" for i in range(len(sizes))]
-    cards = "\n".join(
-        f'{name} = {{description = {toml_string("found: " + term.text)}, unit = "1", lower = {-_reach(size)!r}, '
-        f"upper = {_reach(size)!r}{', flips = true' if structure.place.flips else ''}}}"
+    declarations = "\n".join(
+        f'{name} = {{description = {toml_string("found: " + term.text)}, unit = "1", lower = {-_bound(size)!r}, '
+        f"upper = {_bound(size)!r}{', flips = true' if structure.location.flips else ''}}}"
         for name, term, size in zip(names, structure.terms, sizes, strict=True)
     )
     total = " + ".join(f"{name}*({term.text})" for name, term in zip(names, structure.terms, strict=True))
-    carried = f"{structure.place.per}*" if structure.place.per else ""
+    per = f"{structure.location.per}*" if structure.location.per else ""
     acts = "\n".join(
-        f'[[acts]]\non = "{quantity}"\n{structure.place.how} = '
-        + (f'"1 + {total}"' if structure.place.how == "factor" else f'"{carried}({total})"')
-        for quantity in structure.place.quantities
+        f'[[acts]]\non = "{quantity}"\n{structure.location.how} = '
+        + (f'"1 + {total}"' if structure.location.how == "factor" else f'"{per}({total})"')
+        for quantity in structure.location.quantities
     )
     name = "found_" + "_".join(structure.depends_on).lower()
     text = (
-        f'name = "{name}"\nphysics = "{structure.place.name} changes with {", ".join(structure.depends_on)}"\n'
-        f'source = "proposed by the diagnosis of a recording"\n[coefficients]\n{cards}\n{acts}\n'
+        f'name = "{name}"\nphysics = "{structure.location.name} changes with {", ".join(structure.depends_on)}"\n'
+        f'source = "proposed by the diagnosis of a recording"\n[coefficients]\n{declarations}\n{acts}\n'
     )
     return read_effect(text, f"{name}.toml")
 
 
 def unknown_of(structure: Structure, effect: AddedEffect | None, added: Added | None) -> Unknown:
-    """Return what a verdict tells of structure that no known effect explains.
+    """Return the report of structure that no candidate effect explains.
 
     Parameters
     ----------
     structure : Structure
     effect : AddedEffect or None
-        What `effect_of` made of it.
+        Result of `effect_of`.
     added : Added or None
-        What `added_if_better` made of it.
+        Result of `added_if_better`.
     """
     formula, why = structure.formula, ""
     if added:
-        place = added.problem.simulator.place
-        formula = structure.formula_with([added.solution.parameters[place[card.name]] for card in added.effect.cards])
+        index = added.problem.simulator.index
+        formula = structure.formula_with(
+            [added.solution.parameters[index[declaration.name]] for declaration in added.effect.declarations]
+        )
     elif effect:
-        why = "the rows kept apart do not come closer by it"
+        why = "the formula does not reduce the error on the hold-out set"
     else:
-        why = "it depends on how an input changes: an effect file knows the inputs of the moment, no rate and no memory"
-    asks = [_SHOWN_BY[name] for name in structure.depends_on if name in _SHOWN_BY]
-    return Unknown(structure.depends_on, formula, added is not None, effect, why, asks[0] if asks else "")
+        why = "it depends on the rate or history of an input, which an effect file cannot contain (current inputs only)"
+    measurements = [_MEASUREMENTS[name] for name in structure.depends_on if name in _MEASUREMENTS]
+    return Unknown(
+        structure.depends_on, formula, added is not None, effect, why, measurements[0] if measurements else ""
+    )
 
 
-#: What shows the form of structure that depends on a rate: a lag goes by distance rolled, a delay by time, friction
-#: within the carcass by the direction alone.
-_SHOWN_BY = {
+#: Measurement that determines the form of structure that depends on a rate. Relaxation depends on the distance rolled,
+#: a delay on time, friction within the carcass on the direction only.
+_MEASUREMENTS = {
     "dalpha/dt": "sweep alpha at three rates and two speeds, up and down",
     "dkappa/dt": "sweep kappa at three rates and two speeds, up and down",
     "dFz/dt": "step the load at constant slip, at two speeds",
@@ -134,34 +138,36 @@ _SHOWN_BY = {
 }
 
 
-def _reach(size: float) -> float:
-    return max(abs(float(size)), 1e-4) * REACH
+def _bound(size: float) -> float:
+    return max(abs(float(size)), 1e-4) * COEFFICIENT_BOUND_FACTOR
 
 
 def added_if_better(
     structure: Structure, effect: AddedEffect, start: Tire, problem: LeastSquares, solution: Solution
 ) -> Added | None:
-    """Put a formula into the model and keep it if the untouched hold-out improves.
+    """Add a formula to the model if the error on the hold-out set decreases.
 
     Parameters
     ----------
     structure : Structure
     effect : AddedEffect
-        What `effect_of` made of it.
+        Result of `effect_of`.
     start : Tire
     problem : LeastSquares
     solution : Solution
-        Before the formula.
+        Solution without the formula.
 
     Returns
     -------
     Added or None
-        None where the hold-out does not improve, or the book has no place for the formula.
+        None if the hold-out error does not decrease, or the model cannot contain the formula.
     """
-    beside = problem.disturbances.extended(
-        tuple(card.name for card in effect.cards), structure.columns, np.abs(structure.trace.estimate) * REACH + 1e-6
+    extended = problem.disturbances.extended(
+        tuple(declaration.name for declaration in effect.declarations),
+        structure.columns,
+        np.abs(structure.response.estimate) * COEFFICIENT_BOUND_FACTOR + 1e-6,
     )
-    tried = replace(problem, disturbances=beside).solve(solution.parameters, solution.free, iterations=3)
+    tried = replace(problem, disturbances=extended).solve(solution.parameters, solution.free, iterations=3)
     if not _better(problem, solution, tried):
         return None
     try:
@@ -171,25 +177,25 @@ def added_if_better(
         return None
     parameters = tire.parameters()
     for name in problem.simulator.names:
-        parameters[simulator.place[name]] = solution.parameters[problem.simulator.place[name]]
-    for card, size in zip(effect.cards, structure.trace.estimate, strict=True):
-        parameters[simulator.place[card.name]] = size
-    whole = replace(problem, simulator=simulator)
-    free = (*solution.free, *(card.name for card in effect.cards))
-    fitted = whole.solve(parameters, free, iterations=8)
-    return Added(effect, tire, whole, fitted) if _better(problem, solution, fitted) else None
+        parameters[simulator.index[name]] = solution.parameters[problem.simulator.index[name]]
+    for declaration, size in zip(effect.declarations, structure.response.estimate, strict=True):
+        parameters[simulator.index[declaration.name]] = size
+    extended_problem = replace(problem, simulator=simulator)
+    free = (*solution.free, *(declaration.name for declaration in effect.declarations))
+    fitted = extended_problem.solve(parameters, free, iterations=8)
+    return Added(effect, tire, extended_problem, fitted) if _better(problem, solution, fitted) else None
 
 
 def _better(problem: LeastSquares, before: Solution, after: Solution) -> bool:
-    """Return whether the hold-out's squared misfit, in the training rows' own, falls."""
+    """Return whether the squared misfit on the hold-out set, relative to that of the training rows, decreases."""
     signals = problem.simulator.signals
-    kept = signals.present & signals.holdout
-    learns = problem.root > 0.0
+    holdout = signals.present & signals.holdout
+    training = problem.inverse_noise > 0.0
     sums = []
     for solution in (before, after):
         total = 0.0
         for i in range(len(signals.channels)):
-            scale = float(np.mean(before.residual[i][learns[i]] ** 2)) if learns[i].any() else np.inf
-            total += float(np.sum(solution.residual[i][kept[i]] ** 2)) / scale
+            scale = float(np.mean(before.residual[i][training[i]] ** 2)) if training[i].any() else np.inf
+            total += float(np.sum(solution.residual[i][holdout[i]] ** 2)) / scale
         sums.append(total)
-    return sums[1] < (1.0 - LEAST_IMPROVEMENT) * sums[0]
+    return sums[1] < (1.0 - MIN_IMPROVEMENT) * sums[0]

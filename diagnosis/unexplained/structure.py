@@ -1,4 +1,4 @@
-"""What is left when nothing known explains it: which variables it depends on, and a proposed formula."""
+"""Unexplained structure: the variables that the residual depends on, and a proposed formula."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy.typing as npt
 
 from tirefmu.estimation.block_regression import block_sums, regression
 
-from ..probing.effect_probing import Screen, Trace
+from ..probing.effect_probing import Response, Screen
 from ..thresholds import (
-    LEAST_CARRIED,
-    LEAST_STRETCHES,
-    MOST_TERMS,
-    PROBE_BELIEF,
+    MAX_TERMS,
+    MIN_RETAINED_GAIN,
+    MIN_STRETCHES,
+    PROBE_PRIOR,
     SHORTLIST,
     STRETCHES,
     STRUCTURE_ERRORS,
@@ -26,11 +26,11 @@ from ..thresholds import (
     TERM_ERRORS_OF_VARIABLE,
     TERM_GAIN,
 )
-from .features import Feature, Place, directions, features, places_of
+from .features import Feature, Location, directions, features, locations_of
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Inputs of the steady core: structure in these alone is another form of the base, no missing effect.
+#: Inputs of the steady-state core. Structure in these alone is an error of the functional form, not a missing effect.
 CORE_INPUTS = frozenset({"alpha", "kappa", "Fz"})
 
 
@@ -40,200 +40,208 @@ class Structure:
 
     Attributes
     ----------
-    place : Place
+    location : Location
     terms : tuple of Feature
-    trace : Trace
-        Of all terms together.
+    response : Response
+        Response of all terms together.
     gain, gain_error : float
-        Of blocked cross-validation, as a share of the squared misfit.
+        Gain in blocked cross-validation, as a share of the squared misfit, and its standard error.
     gains : ndarray, shape (n_blocks,)
     p : float
-        Under coloured noise, adjusted for all columns tried.
+        p-value under coloured noise, adjusted for all columns tested.
     columns : ndarray, shape (n_channels, n, n_terms)
-        What one unit of each term does to the forces, N and N m.
-    carried : ndarray, shape (STRETCHES,)
-        Gain in each long stretch of the recording by what the others say, as a share of the squared misfit of all.
+        Change of the forces per unit of each term, N and N m.
+    stretch_gains : ndarray, shape (STRETCHES,)
+        Gain in each long stretch, estimated from the other stretches, as a share of the total squared misfit.
     """
 
-    place: Place
+    location: Location
     terms: tuple[Feature, ...]
-    trace: Trace
+    response: Response
     gain: float
     gain_error: float
     gains: FloatArray
     p: float
     columns: FloatArray
-    carried: FloatArray
+    stretch_gains: FloatArray
 
     @property
     def passes(self) -> bool:
-        """Whether it is more than noise; the many forms tried make the bar higher than that of a named effect."""
-        significant = self.p < STRUCTURE_P and self.trace.p_blocks < STRUCTURE_P_OF_BLOCKS
-        return significant and self.gain > max(STRUCTURE_ERRORS * self.gain_error, STRUCTURE_GAIN) and self.carries_over
+        """Whether the gain is significant; the criteria are stricter than for effects, as many forms are tested."""
+        significant = self.p < STRUCTURE_P and self.response.p_blocks < STRUCTURE_P_OF_BLOCKS
+        return significant and self.gain > max(STRUCTURE_ERRORS * self.gain_error, STRUCTURE_GAIN) and self.generalizes
 
     @property
-    def carries_over(self) -> bool:
-        """Whether what it was fitted to elsewhere holds in nearly every part of the recording."""
-        everywhere = int(np.sum(self.carried > 0.0)) >= LEAST_STRETCHES
-        return everywhere and float(self.carried.sum()) > LEAST_CARRIED * self.gain
+    def generalizes(self) -> bool:
+        """Whether the structure, estimated from the other stretches, is present in nearly every stretch."""
+        everywhere = int(np.sum(self.stretch_gains > 0.0)) >= MIN_STRETCHES
+        return everywhere and float(self.stretch_gains.sum()) > MIN_RETAINED_GAIN * self.gain
 
     @property
     def depends_on(self) -> tuple[str, ...]:
         """The variables, sorted."""
-        return tuple(sorted(frozenset(self.place.carries).union(*(term.depends_on for term in self.terms))))
+        return tuple(sorted(frozenset(self.location.proportional_to).union(*(term.depends_on for term in self.terms))))
 
     @property
-    def written(self) -> bool:
-        """Whether an effect file can say it."""
-        return all(term.written for term in self.terms)
+    def expressible(self) -> bool:
+        """Whether an effect file can contain it."""
+        return all(term.expressible for term in self.terms)
 
     @property
     def formula(self) -> str:
-        """The proposal as a reader sees it."""
-        return self.formula_with(self.trace.estimate)
+        """The proposed formula as text."""
+        return self.formula_with(self.response.estimate)
 
     def formula_with(self, sizes: Sequence[float] | FloatArray) -> str:
-        """Return the proposal with coefficients of these sizes.
+        """Return the proposed formula with given coefficients.
 
         Parameters
         ----------
         sizes : sequence of float
-            By term.
+            One per term.
         """
-        terms = " ".join(f"{value:+.3g}*{_told(term)}" for value, term in zip(sizes, self.terms, strict=True))
-        head = "1 " if self.place.how == "factor" else ""
-        return f"{' and '.join(self.place.quantities)}, {self.place.how}: {head}{terms}"
+        terms = " ".join(f"{value:+.3g}*{_bracketed(term)}" for value, term in zip(sizes, self.terms, strict=True))
+        head = "1 " if self.location.how == "factor" else ""
+        return f"{' and '.join(self.location.quantities)}, {self.location.how}: {head}{terms}"
 
 
-def _told(term: Feature) -> str:
+def _bracketed(term: Feature) -> str:
     return f"({term.text})" if " " in term.text else term.text
 
 
 def structure_of(screen: Screen) -> Structure | None:
-    """Return the structure that explains most of a residual, or None where there is none at all.
+    """Return the structure that explains most of a residual, or None if there are no features.
 
     Parameters
     ----------
     screen : Screen
-        Its noise learnt.
+        With estimated noise (`learn_noise`).
     """
-    columns, what = _dictionary(screen)
-    if not what:
+    columns, candidates = _dictionary(screen)
+    if not candidates:
         return None
     scores = _scores(screen, columns)
-    best: tuple[float, int, Trace] | None = None
+    best: tuple[float, int, Response] | None = None
     for i in np.argsort(-scores)[:SHORTLIST]:
-        trace = screen.trace(columns[:, :, [i]])
-        loss = float(trace.loss.sum())
+        response = screen.response(columns[:, :, [i]])
+        loss = float(response.loss.sum())
         if best is None or loss < best[0]:
-            best = (loss, int(i), trace)
+            best = (loss, int(i), response)
     assert best is not None
-    chosen, trace = [best[1]], best[2]
-    chosen, trace = _grown(screen, columns, what, chosen, trace)
-    place = what[chosen[0]][0]
-    gains = screen.base.loss - trace.loss
-    total = float(screen.base.loss.sum())
+    chosen, response = [best[1]], best[2]
+    chosen, response = _extended_terms(screen, columns, candidates, chosen, response)
+    location = candidates[chosen[0]][0]
+    gains = screen.baseline.loss - response.loss
+    total = float(screen.baseline.loss.sum())
     error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1)) / total
-    p = min(1.0, trace.p_coloured * len(what))
-    terms = tuple(what[i][1] for i in chosen)
-    acts = directions(screen)[place.name]
-    plain = np.stack([acts * term.values for term in terms], axis=-1)
-    carried = _carried(screen, trace.columns)
-    return Structure(place, terms, trace, float(gains.sum()) / total, error, gains, p, plain, carried)
+    p = min(1.0, response.p_coloured * len(candidates))
+    terms = tuple(candidates[i][1] for i in chosen)
+    acts = directions(screen)[location.name]
+    unweighted = np.stack([acts * term.values for term in terms], axis=-1)
+    stretch_gains = _stretch_gains(screen, response.columns)
+    return Structure(location, terms, response, float(gains.sum()) / total, error, gains, p, unweighted, stretch_gains)
 
 
-def _carried(screen: Screen, columns: FloatArray) -> FloatArray:
-    """Return the gain of columns in each long stretch when it is left out, as a share of the squared misfit of all."""
+def _stretch_gains(screen: Screen, columns: FloatArray) -> FloatArray:
+    """Return the cross-validated gain of columns in each long stretch, as a share of the total squared misfit."""
     marks = np.round(np.linspace(0, screen.n_blocks, STRETCHES + 1)).astype(int)
     edges, n_columns = screen.edges[marks], columns.shape[-1]
-    without = regression(block_sums(screen.tangent, screen.residual, edges), screen.belief, screen.pull)
-    whole = np.concatenate([screen.tangent, columns], axis=-1)
-    belief = np.concatenate([screen.belief, np.full(n_columns, PROBE_BELIEF**-2.0)])
-    pull = np.concatenate([screen.pull, np.zeros(n_columns)])
-    beside = regression(block_sums(whole, screen.residual, edges), belief, pull)
-    return np.asarray((without.loss - beside.loss) / without.loss.sum())
+    baseline = regression(
+        block_sums(screen.tangent, screen.residual, edges), screen.prior_precision, screen.prior_gradient
+    )
+    total = np.concatenate([screen.tangent, columns], axis=-1)
+    prior = np.concatenate([screen.prior_precision, np.full(n_columns, PROBE_PRIOR**-2.0)])
+    gradient = np.concatenate([screen.prior_gradient, np.zeros(n_columns)])
+    extended = regression(block_sums(total, screen.residual, edges), prior, gradient)
+    return np.asarray((baseline.loss - extended.loss) / baseline.loss.sum())
 
 
-def _grown(
-    screen: Screen, columns: FloatArray, what: list[tuple[Place, Feature]], chosen: list[int], trace: Trace
-) -> tuple[list[int], Trace]:
-    """Add terms at the same place for as long as they are worth it.
+def _extended_terms(
+    screen: Screen,
+    columns: FloatArray,
+    candidates: list[tuple[Location, Feature]],
+    chosen: list[int],
+    response: Response,
+) -> tuple[list[int], Response]:
+    """Add terms at the same location while their gain is significant.
 
-    Beside those that explain most, the parts of a product are tried: from where its parts are counted is arbitrary, and
-    with them it does not matter (marginality: Nelder, A reformulation of linear models, 1977).
+    Tested are the terms that explain most, and the factors of products: with these the result does not depend on the
+    arbitrary origin of each factor (marginality: Nelder, A reformulation of linear models, 1977).
     """
-    place = what[chosen[0]][0]
-    same = [i for i, (other, _) in enumerate(what) if other == place]
-    while len(chosen) < MOST_TERMS:
-        fitted = columns[:, :, chosen] @ trace.estimate
+    location = candidates[chosen[0]][0]
+    same = [i for i, (other, _) in enumerate(candidates) if other == location]
+    while len(chosen) < MAX_TERMS:
+        fitted = columns[:, :, chosen] @ response.estimate
         rest = screen.residual - screen.project(fitted[:, :, None])[:, :, 0]
         order = [same[k] for k in np.argsort(-_scores(screen, columns[:, :, same], rest))]
-        parts = {part for i in chosen for part in what[i][1].parts}
-        options = [*order[:4], *(i for i in order[4:] if what[i][1].text in parts)]
-        traces = [(screen.trace(columns[:, :, [*chosen, i]]), i) for i in options if i not in chosen]
-        known = frozenset().union(place.carries, *(what[i][1].depends_on for i in chosen))
-        best = _best(screen, trace, [(more, i, what[i][1].depends_on <= known) for more, i in traces])
+        parts = {part for i in chosen for part in candidates[i][1].parts}
+        options = [*order[:4], *(i for i in order[4:] if candidates[i][1].text in parts)]
+        responses = [(screen.response(columns[:, :, [*chosen, i]]), i) for i in options if i not in chosen]
+        known = frozenset().union(location.proportional_to, *(candidates[i][1].depends_on for i in chosen))
+        best = _best(screen, response, [(more, i, candidates[i][1].depends_on <= known) for more, i in responses])
         if best is None:
             break
-        trace, i = best
+        response, i = best
         chosen = [*chosen, i]
-    return chosen, trace
+    return chosen, response
 
 
-def _best(screen: Screen, trace: Trace, richer: list[tuple[Trace, int, bool]]) -> tuple[Trace, int] | None:
-    """Return the richer trace that is most worth it, or None; one without a further variable comes first.
+def _best(screen: Screen, response: Response, richer: list[tuple[Response, int, bool]]) -> tuple[Response, int] | None:
+    """Return the extended response with the largest significant gain, or None; known variables have priority.
 
     Parameters
     ----------
     screen : Screen
-    trace : Trace
-        So far.
-    richer : list of (Trace, int, bool)
-        With the added column, and whether its variables are known.
+    response : Response
+        Of the current terms.
+    richer : list of (Response, int, bool)
+        Extended response, index of the added column, and whether its variables are already in the formula.
     """
-    least = TERM_GAIN * float(np.sum(screen.base.loss - trace.loss))
-    for wanted in (True, False):
-        errors = TERM_ERRORS if wanted else TERM_ERRORS_OF_VARIABLE
-        worth = [(more, i) for more, i, known in richer if known == wanted and _adds(trace, more, errors) > least]
-        if worth:
-            return min(worth, key=lambda one: float(one[0].loss.sum()))
+    least = TERM_GAIN * float(np.sum(screen.baseline.loss - response.loss))
+    for known_only in (True, False):
+        errors = TERM_ERRORS if known_only else TERM_ERRORS_OF_VARIABLE
+        gaining = [
+            (more, i) for more, i, known in richer if known == known_only and _adds(response, more, errors) > least
+        ]
+        if gaining:
+            return min(gaining, key=lambda one: float(one[0].loss.sum()))
     return None
 
 
-def _adds(trace: Trace, more: Trace, errors: float) -> float:
-    """Return what a richer trace gains in cross-validation; 0 where that is within so many standard errors."""
-    gains = trace.loss - more.loss
+def _adds(response: Response, more: Response, errors: float) -> float:
+    """Return the cross-validated gain of an extended response; 0 if it is within `errors` standard errors."""
+    gains = response.loss - more.loss
     error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
     return float(gains.sum()) if float(gains.sum()) > errors * error else 0.0
 
 
-def _dictionary(screen: Screen) -> tuple[FloatArray, list[tuple[Place, Feature]]]:
-    """Return columns, shape (n_channels, n, m), and what each is."""
+def _dictionary(screen: Screen) -> tuple[FloatArray, list[tuple[Location, Feature]]]:
+    """Return columns, shape (n_channels, n, m), with the location and feature of each."""
     signals, tire = screen.signals, screen.problem.simulator.tire
     even, odd = features(signals, tire)
-    own = [f for f in even if f.written]
-    pairs = [a * b for i, a in enumerate(own) for b in own[i:]]
-    turned = [a * b for a in odd for b in own]
-    at = {name: screen.problem.root * acts for name, acts in directions(screen).items()}
-    what: list[tuple[Place, Feature]] = []
-    for place in places_of(screen.problem.simulator.book):
-        if not np.any(at[place.name]):
+    expressible = [f for f in even if f.expressible]
+    pairs = [a * b for i, a in enumerate(expressible) for b in expressible[i:]]
+    odd_pairs = [a * b for a in odd for b in expressible]
+    at = {name: screen.problem.inverse_noise * acts for name, acts in directions(screen).items()}
+    candidates: list[tuple[Location, Feature]] = []
+    for location in locations_of(screen.problem.simulator.book):
+        if not np.any(at[location.name]):
             continue
-        allowed = [*even, *pairs] if place.how == "factor" else [*odd, *turned, *even]
-        what += [(place, feature) for feature in allowed]
-    columns = np.stack([at[place.name] * feature.values for place, feature in what], axis=-1)
-    return columns, what
+        allowed = [*even, *pairs] if location.how == "factor" else [*odd, *odd_pairs, *even]
+        candidates += [(location, feature) for feature in allowed]
+    columns = np.stack([at[location.name] * feature.values for location, feature in candidates], axis=-1)
+    return columns, candidates
 
 
 def _scores(screen: Screen, columns: FloatArray, residual: FloatArray | None = None) -> FloatArray:
-    """Return how much of the squared residual each column explains by itself, the base's freedom allowed for."""
+    """Return the squared residual that each column alone explains, with the baseline model projected out."""
     rest = (screen.residual if residual is None else residual).ravel()
     flat = columns.reshape(len(rest), -1)
     tangent = screen.tangent.reshape(len(rest), -1)
     cross = tangent.T @ flat
-    inner = screen.base.inverse @ cross
+    inner = screen.baseline.inverse @ cross
     power = np.einsum("nk,nk->k", flat, flat) - np.einsum("qk,qk->k", cross, inner)
     target = flat.T @ rest - inner.T @ (tangent.T @ rest)
-    whole = np.einsum("nk,nk->k", flat, flat)
-    seen = power > 1e-3 * whole
-    return np.where(seen, target**2 / np.where(seen, power, 1.0), 0.0)
+    total = np.einsum("nk,nk->k", flat, flat)
+    independent = power > 1e-3 * total
+    return np.where(independent, target**2 / np.where(independent, power, 1.0), 0.0)

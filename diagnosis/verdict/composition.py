@@ -1,4 +1,4 @@
-"""The answer put together: findings with intervals, what they are confounded with, fit errors, and the verdict."""
+"""The result of a diagnosis: findings with intervals, confounded explanations, fit errors, and the verdict."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from tirefmu.tires.tire import Tire
 
 from ..probing.candidates import Candidate
 from ..probing.confounding import alias_columns, correlations, separating_measurement
-from ..probing.effect_probing import Screen, Trace
+from ..probing.effect_probing import Response, Screen
 from ..recording.disturbances import reported_disturbances
 from ..recording.measurement_artefacts import quantisation, ripple
 from ..recording.signals import FORMULA_SIGNS, Signals
 from ..search.effect_search import Search
-from ..search.refits import Refit
-from ..thresholds import CARRIED_EVIDENCE, CONFOUNDED, REPORTED, SHOWN
+from ..search.refits import REFINEMENT, Refit
+from ..thresholds import CHANNEL_SHARE, CONFOUNDED, REPORTED, REPORTED_EVIDENCE
 from ..unexplained.formula_proposal import Unknown
 from .detectability import detectable_sizes
-from .extrapolation import reaches
+from .extrapolation import extrapolations
 from .findings import Finding, Interval
-from .fit_error import gaps
+from .fit_error import fit_errors
 from .improved_tire import tire_of
 from .residual_location import residual_maps, time_course
 from .result import Diagnosis
@@ -39,18 +39,18 @@ FloatArray = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class SearchOutcome:
-    """What a search for missing effects ended with.
+    """The outcome of a search for missing effects.
 
     Attributes
     ----------
     recording : Recording
     start : Tire
-        The start model, with the proposed formulas that were added to it.
+        The baseline model, with the proposed formulas that were added to it.
     tried : mapping of str to Candidate
     before : Screen
-        Of the start model's solution.
+        Of the baseline solution.
     search : Search
-        Settled.
+        Completed, after `Search.refit_whitened`.
     unknown : tuple of Unknown
     """
 
@@ -68,18 +68,17 @@ class SearchOutcome:
 
 
 def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
-    """Return the diagnosis, in the signs of the formula.
+    """Return the diagnosis, in the sign convention of the formula.
 
     Parameters
     ----------
     outcome : SearchOutcome
     began : float
-        When the diagnosis began, by `time.perf_counter`, s.
+        Start time of the diagnosis by `time.perf_counter`, s.
     """
     search, after = outcome.search, outcome.search.screen
     before = outcome.before
-    covariance = _covariance(search.precise)
-    findings = _in_order(outcome, covariance)
+    findings = _in_order(outcome, _standard_errors(search.whitened))
     confounded = confounded_with(outcome)
     next_measurement = tuple(
         dict.fromkeys(
@@ -91,10 +90,10 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
             + [one.next_measurement for one in outcome.unknown if one.next_measurement]
         )
     )
-    gap = gaps(before, after)
-    more = [refit.name for refit in search.found]
-    more += [one.effect.name for one in outcome.unknown if one.added and one.effect]
-    detectable, blind = detectable_sizes(search, outcome.tried, outcome.start)
+    gap = fit_errors(before, after)
+    added = [refit.name for refit in search.found]
+    added += [one.effect.name for one in outcome.unknown if one.added and one.effect]
+    detectable, not_identifiable = detectable_sizes(search, outcome.tried, outcome.start)
     verdict = _verdict(findings, outcome.unknown, confounded, detectable, gap)
     return Diagnosis(
         verdict=verdict,
@@ -102,18 +101,20 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         confounded_with=confounded,
         next_measurement=next_measurement,
         unknown=outcome.unknown,
-        not_identifiable=blind,
-        refined=tuple(f"{one.name.removeprefix('finer ')}: {', '.join(one.form.free)}" for one in search.finer),
+        not_identifiable=not_identifiable,
+        refined=tuple(f"{one.name.removeprefix(REFINEMENT)}: {', '.join(one.form.free)}" for one in search.refinements),
         gap=gap,
         detectable=detectable,
         where=residual_maps(before),
         where_after=residual_maps(after),
         time_course=time_course(before, after),
         recording=_of_the_recording(outcome),
-        reach=reaches(search.problem, search.solution, {name: _inputs_of(outcome, name) for name in more}),
-        untouched=_untouched(outcome.signals),
+        extrapolation=extrapolations(
+            search.problem, search.solution, {name: _inputs_of(outcome, name) for name in added}
+        ),
+        holdout_rows=_holdout_rows(outcome.signals),
         base_tire=tire_of(outcome.start, search.problem, before.solution, ()),
-        tire=tire_of(outcome.start, search.problem, search.solution, more),
+        tire=tire_of(outcome.start, search.problem, search.solution, added),
         signs=FORMULA_SIGNS,
         recording_signs=outcome.recording.signs,
         seconds=time.perf_counter() - began,
@@ -122,7 +123,7 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
 
 
 def _inputs_of(outcome: SearchOutcome, effect: str) -> tuple[str, ...]:
-    """Return the inputs that an effect acts by."""
+    """Return the inputs that an effect depends on."""
     added = [one for one in outcome.start.added if one.name == effect]
     read = {symbol.name for one in added for act in one.acts for symbol in act.expression.free_symbols}
     known = outcome.tried[effect].requires if effect in outcome.tried else ()
@@ -130,60 +131,61 @@ def _inputs_of(outcome: SearchOutcome, effect: str) -> tuple[str, ...]:
 
 
 def _of_the_recording(outcome: SearchOutcome) -> dict[str, Any]:
-    """Return what belongs to the recording and not to its tire."""
+    """Return the disturbances and measurement artefacts of the recording."""
     search, signals = outcome.search, outcome.signals
-    told = reported_disturbances(search.problem.disturbances, search.solution.disturbance, signals)
-    told["ripple"] = ripple(signals, search.solution.residual, outcome.start.values["UNLOADED_RADIUS"])
-    told["quantisation"] = {
+    summary = reported_disturbances(search.problem.disturbances, search.solution.disturbance, signals)
+    summary["ripple"] = ripple(signals, search.solution.residual, outcome.start.values["UNLOADED_RADIUS"])
+    summary["quantisation"] = {
         name: quantisation(outcome.recording.table[name].to_numpy(np.float64)) for name in signals.channels
     }
-    told["smoothing_windows"] = [2 * half + 1 for half in HALF_WIDTHS] if any(signals.input_noise.values()) else []
-    told["left_aside"] = dict(signals.left_aside)
-    return told
+    summary["smoothing_windows"] = [2 * half + 1 for half in HALF_WIDTHS] if any(signals.input_noise.values()) else []
+    summary["left_aside"] = dict(signals.excluded_channels)
+    return summary
 
 
-def _untouched(signals: Signals) -> tuple[tuple[int, int], ...]:
-    """Return first and last row of each stretch of the hold-out."""
+def _holdout_rows(signals: Signals) -> tuple[tuple[int, int], ...]:
+    """Return first and last row of each stretch of the hold-out set."""
     edges = np.flatnonzero(np.diff(signals.holdout.astype(int), prepend=0, append=0))
     return tuple((int(signals.rows[first]), int(signals.rows[last - 1])) for first, last in edges.reshape(-1, 2))
 
 
-def _covariance(screen: Screen) -> FloatArray:
-    """Return standard errors of a solution's coefficients: the coloured sandwich, or blocks left out where larger."""
-    inverse = screen.base.inverse
+def _standard_errors(screen: Screen) -> FloatArray:
+    """Return standard errors of all coefficients: sandwich estimator for coloured noise, or jackknife if larger."""
+    inverse = screen.baseline.inverse
     coloured = np.diag(inverse @ coloured_covariance(screen.tangent, screen.covariance) @ inverse)
-    blocks = np.maximum(np.diag(screen.base.jackknife), 0.0)
-    # A sandwich of few correlated rows can come out negative: it then says nothing.
+    blocks = np.maximum(np.diag(screen.baseline.jackknife), 0.0)
+    # With few correlated rows the sandwich estimate can be negative. It is then ignored.
     return np.asarray(np.sqrt(np.where(coloured > 0.0, np.maximum(coloured, 0.5 * (coloured + blocks)), blocks)))
 
 
 def _in_order(outcome: SearchOutcome, errors: FloatArray) -> tuple[Finding, ...]:
-    """Return findings and unknown structure in order of evidence."""
-    named = [_finding(outcome, refit, errors) for refit in outcome.search.found]
+    """Return identified effects and unexplained structure in order of evidence."""
+    identified = [_finding(outcome, refit, errors) for refit in outcome.search.found]
     unknown = [
-        Finding("UNKNOWN", _shown(one.trace, outcome.signals), {}, one.p, one.gain, one.gain_error)
+        Finding("UNKNOWN", _shown(one.response, outcome.signals), {}, one.p, one.gain, one.gain_error)
         for one in outcome.search.structures
     ]
-    return tuple(sorted([*named, *unknown], key=lambda finding: -finding.cv_gain))
+    return tuple(sorted([*identified, *unknown], key=lambda finding: -finding.cv_gain))
 
 
-def _shown(trace: Trace, signals: Signals) -> tuple[str, ...]:
-    """Return the channels in which a trace shows."""
-    power = np.mean((trace.columns @ trace.estimate) ** 2, axis=1)
-    return tuple(name for name, size in zip(signals.channels, power, strict=True) if size > SHOWN * power.max())
+def _shown(response: Response, signals: Signals) -> tuple[str, ...]:
+    """Return the channels with a significant share of a response."""
+    power = np.mean((response.columns @ response.estimate) ** 2, axis=1)
+    return tuple(name for name, size in zip(signals.channels, power, strict=True) if size > CHANNEL_SHARE * power.max())
 
 
 def _finding(outcome: SearchOutcome, refit: Refit, errors: FloatArray) -> Finding:
     solution = outcome.search.solution
-    wide = float(stats.t.ppf(0.975, outcome.search.screen.n_blocks - 1))
+    quantile = float(stats.t.ppf(0.975, outcome.search.screen.n_blocks - 1))
     coefficients = {}
     for name in refit.form.free:
         i = solution.free.index(name)
-        value, error = float(solution.parameters[outcome.search.problem.simulator.place[name]]), float(errors[i]) * wide
+        value = float(solution.parameters[outcome.search.problem.simulator.index[name]])
+        error = float(errors[i]) * quantile
         coefficients[name] = Interval(value, value - error, value + error)
     return Finding(
         refit.name,
-        _shown(refit.trace, outcome.signals),
+        _shown(refit.response, outcome.signals),
         coefficients,
         refit.p,
         refit.gain,
@@ -193,12 +195,12 @@ def _finding(outcome: SearchOutcome, refit: Refit, errors: FloatArray) -> Findin
 
 
 def _stretches(refit: Refit, signals: Signals) -> tuple[tuple[float, float], ...]:
-    """Return the stretches of time that carry two thirds of the evidence."""
+    """Return the stretches of time with two thirds of the evidence."""
     order = np.argsort(-refit.gains)
-    carried = np.cumsum(np.maximum(refit.gains[order], 0.0))
-    if carried[-1] <= 0.0:
+    cumulative = np.cumsum(np.maximum(refit.gains[order], 0.0))
+    if cumulative[-1] <= 0.0:
         return ()
-    chosen = sorted(order[: int(np.searchsorted(carried, CARRIED_EVIDENCE * carried[-1])) + 1].tolist())
+    chosen = sorted(order[: int(np.searchsorted(cumulative, REPORTED_EVIDENCE * cumulative[-1])) + 1].tolist())
     t, edges = signals.t[signals.rows], refit.screen.edges
     spans: list[tuple[float, float]] = []
     for g in chosen:
@@ -211,26 +213,26 @@ def _stretches(refit: Refit, signals: Signals) -> tuple[tuple[float, float], ...
 
 
 def confounded_with(outcome: SearchOutcome) -> dict[str, dict[str, float]]:
-    """Return, by finding, the other explanations that the data cannot tell from it."""
+    """Return the confounded explanations of each identified effect, with their correlation."""
     search, screen = outcome.search, outcome.search.screen
     names = {refit.name for refit in search.found}
     others = {
-        name: np.concatenate([tried.trace.columns for tried in search.last if tried.name == name], axis=-1)
+        name: np.concatenate([tried.response.columns for tried in search.last if tried.name == name], axis=-1)
         for name in outcome.tried if name not in names and any(tried.name == name for tried in search.last)
     }  # fmt: skip
-    told = {}
+    confounded = {}
     for refit in search.found:
         found = {
             other.name: screen.tangent[:, :, [search.solution.free.index(name) for name in other.form.free]]
             for other in search.found if other is not refit
         }  # fmt: skip
         size = correlations(screen, refit.form.free, {**others, **alias_columns(screen)}, found)
-        told[refit.name] = {
+        confounded[refit.name] = {
             name: value
             for name, value in size.items()
             if value > REPORTED and name != outcome.tried[refit.name].contains
         }
-    return {name: others for name, others in told.items() if others}
+    return {name: others for name, others in confounded.items() if others}
 
 
 def _verdict(
@@ -239,15 +241,15 @@ def _verdict(
 ) -> str:  # fmt: skip
     """Return the verdict in one line."""
     if findings:
-        told = []
+        missing = []
         for one in findings:
             if one.effect == "UNKNOWN":
-                told.append(f"an unknown effect that depends on {', '.join(unknown[0].depends_on)}")
+                missing.append(f"an unexplained effect that depends on {', '.join(unknown[0].depends_on)}")
                 continue
             size = confounded.get(one.effect, {})
             others = ", ".join(sorted((name for name in size if size[name] > CONFOUNDED), key=lambda x: -size[x]))
-            told.append(one.effect + (f" (the data cannot tell it from {others})" if others else ""))
-        return f"Missing: {'; '.join(told)}"
+            missing.append(one.effect + (f" (confounded with {others})" if others else ""))
+        return f"Missing: {'; '.join(missing)}"
     sizes = {channel: sorted(one[channel] for one in detectable.values() if channel in one) for channel in gap["train"]}
     units = {"Fx": "N", "Fy": "N"}
     text = ", ".join(
@@ -255,4 +257,4 @@ def _verdict(
         for channel, size in sizes.items()
         if size
     )
-    return f"Nothing material is missing (smallest detectable gap, median over effects: {text})"
+    return f"Nothing material is missing (smallest detectable effect, median: {text})"

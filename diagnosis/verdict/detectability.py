@@ -1,4 +1,4 @@
-"""What could have been found: the smallest detectable size of each effect, and the effects that cannot show."""
+"""Detection limits: the smallest detectable size of each effect, and the effects that are not identifiable."""
 
 from __future__ import annotations
 
@@ -18,50 +18,52 @@ from ..thresholds import EFFECT_P, NOT_IDENTIFIABLE
 def detectable_sizes(
     search: Search, tried: Mapping[str, Candidate], start: Tire
 ) -> tuple[dict[str, dict[str, float]], dict[str, str]]:
-    """Return the smallest traces that would have been identified, and the effects that are not identifiable.
+    """Return the smallest identifiable change of the forces by effect, and the effects that are not identifiable.
 
     Parameters
     ----------
     search : Search
-        Settled.
+        Completed, after `Search.refit_whitened`.
     tried : mapping of str to Candidate
     start : Tire
-        The start model.
+        The baseline model.
 
     Returns
     -------
     dict of str to dict of str to float
         By effect and channel: root mean square, N and N m.
     dict of str to str
-        By effect: why this recording could not have shown it.
+        By effect: the reason why this recording cannot identify it.
     """
     signals = search.problem.simulator.signals
     found = {refit.name for refit in search.found}
-    root = search.screen.problem.root
-    away = float(np.sqrt(stats.chi2.isf(EFFECT_P / max(search.tests, 1), 1)))
+    inverse_noise = search.screen.problem.inverse_noise
+    threshold = float(np.sqrt(stats.chi2.isf(EFFECT_P / max(search.tests, 1), 1)))
     detectable: dict[str, dict[str, float]] = {}
-    blind: dict[str, str] = {}
+    not_identifiable: dict[str, str] = {}
     for name, candidate in tried.items():
         if name in found:
             continue
-        still = [needed for needed in candidate.requires if not varies(signals, start, needed)]
-        traces = [one.trace for one in search.last if one.name == name]
-        if still:
-            blind[name] = f"{' and '.join(still)} does not vary, or was not recorded"
-        elif not traces or not set(candidate.channels) & set(signals.channels):
-            blind[name] = f"it shows in {', '.join(candidate.channels)}, not recorded here"
-        elif traces[0].kept < NOT_IDENTIFIABLE:
-            blind[name] = "the start model's own coefficients can imitate it here"
+        constant = [needed for needed in candidate.requires if not varies(signals, start, needed)]
+        responses = [one.response for one in search.last if one.name == name]
+        if constant:
+            not_identifiable[name] = f"{' and '.join(constant)} does not vary or was not recorded"
+        elif not responses or not set(candidate.channels) & set(signals.channels):
+            not_identifiable[name] = f"it changes {', '.join(candidate.channels)} only, which was not recorded"
+        elif responses[0].independent_share < NOT_IDENTIFIABLE:
+            not_identifiable[name] = "it is confounded with coefficients of the baseline model in this recording"
         else:
-            trace = traces[0]
-            k = int(np.argmin(trace.error))
-            least = away * float(trace.error[k])
-            if least > LARGEST_IN_SIZES:
-                blind[name] = "it would have to be five times as large as usual to be seen here"
+            response = responses[0]
+            k = int(np.argmin(response.error))
+            smallest = threshold * float(response.error[k])
+            if smallest > LARGEST_IN_SIZES:
+                not_identifiable[name] = "its detection limit is more than five times its typical size"
                 continue
-            moved = np.where(root > 0.0, trace.columns[:, :, k] / np.where(root > 0.0, root, 1.0), 0.0)
-            rms = least * np.sqrt(np.sum(moved**2, axis=1) / np.maximum(np.sum(root > 0.0, axis=1), 1))
+            change = np.where(
+                inverse_noise > 0.0, response.columns[:, :, k] / np.where(inverse_noise > 0.0, inverse_noise, 1.0), 0.0
+            )
+            rms = smallest * np.sqrt(np.sum(change**2, axis=1) / np.maximum(np.sum(inverse_noise > 0.0, axis=1), 1))
             detectable[name] = {
                 channel: float(size) for channel, size in zip(signals.channels, rms, strict=True) if size > 0.0
             }
-    return detectable, blind
+    return detectable, not_identifiable

@@ -1,4 +1,4 @@
-"""Where the improved model extrapolates: how far an effect's inputs reached, and what it would do beyond."""
+"""Extrapolation of the improved model: the measured range of an effect's inputs, and the change outside it."""
 
 from __future__ import annotations
 
@@ -9,28 +9,28 @@ import numpy as np
 import numpy.typing as npt
 
 from ..least_squares import LeastSquares, Solution
-from ..thresholds import BEYOND, LARGEST_CHANGE
+from ..thresholds import EXTRAPOLATED_SHARE, MAX_CHANGE
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Rows at which it is asked.
+#: Number of rows at which the model is evaluated.
 ROWS = 300
 
 
 @dataclass(frozen=True)
-class Reach:
-    """How far an input of a found effect reached in the recording.
+class Extrapolation:
+    """The measured range of an input of an identified effect, and the change of the forces outside it.
 
     Attributes
     ----------
     effect, input : str
     lower, upper : float
-        SI, without the outermost rows.
+        Limits of the range, SI units, without the outermost 0.5 % of the rows on each side.
     change : float
-        Largest change of a measured channel, as a share of its root mean square, where the input goes half of that
-        range further on either side and everything else stays.
+        Largest change of a measured channel, as a share of its root mean square, if the input exceeds the range by half
+        of its width on either side and all other inputs are unchanged.
     channel : str
-        Where that is.
+        The channel with this change.
     """
 
     effect: str
@@ -42,19 +42,21 @@ class Reach:
 
     @property
     def doubtful(self) -> bool:
-        """Whether the model changes so much beyond the recording that it should not be used there."""
-        return self.change > LARGEST_CHANGE
+        """Whether the change is so large that the model should not be used outside the range without measurements."""
+        return self.change > MAX_CHANGE
 
     def __str__(self) -> str:
-        advice = ": do not use it there unmeasured" if self.doubtful else ""
+        advice = "; do not use the model there without measurements" if self.doubtful else ""
         return (
-            f"{self.effect} was seen for {self.input} from {self.lower:.4g} to {self.upper:.4g}; half of that range "
-            f"beyond, {self.channel} changes by up to {100.0 * self.change:.0f} %{advice}"
+            f"{self.effect} was measured for {self.input} from {self.lower:.4g} to {self.upper:.4g}; up to half of "
+            f"that range outside, {self.channel} changes by up to {100.0 * self.change:.0f} %{advice}"
         )
 
 
-def reaches(problem: LeastSquares, solution: Solution, effects: dict[str, Collection[str]]) -> tuple[Reach, ...]:
-    """Return how far the inputs of found effects reached, and what the improved model does beyond.
+def extrapolations(
+    problem: LeastSquares, solution: Solution, effects: dict[str, Collection[str]]
+) -> tuple[Extrapolation, ...]:
+    """Return the measured ranges of the inputs of identified effects, and the change of the forces outside them.
 
     Parameters
     ----------
@@ -62,43 +64,43 @@ def reaches(problem: LeastSquares, solution: Solution, effects: dict[str, Collec
     solution : Solution
         Of the improved model.
     effects : dict of str to collection of str
-        By found effect: the inputs that it acts by.
+        By identified effect: the inputs that it depends on.
 
     Returns
     -------
-    tuple of Reach
-        In the order of the effects; slips and time are left out, of which every recording has its own range.
+    tuple of Extrapolation
+        In the order of the effects; without slips and time, whose range depends on the test program.
     """
     signals = problem.simulator.signals
     named = signals.named()
-    told = []
+    extrapolated = []
     for effect, inputs in effects.items():
         for name in inputs:
             if name not in named or name not in signals.recorded or name in ("t", "alpha", "kappa"):
                 continue
             lower, upper = (float(edge) for edge in np.quantile(named[name], [0.005, 0.995]))
             change, channel = _change(problem, solution, name, lower, upper)
-            told.append(Reach(effect, name, lower, upper, change, channel))
-    return tuple(told)
+            extrapolated.append(Extrapolation(effect, name, lower, upper, change, channel))
+    return tuple(extrapolated)
 
 
 def _change(problem: LeastSquares, solution: Solution, name: str, lower: float, upper: float) -> tuple[float, str]:
     signals = problem.simulator.signals
-    some = signals.rows[:: max(1, len(signals.rows) // ROWS)]
-    place = signals.names.index(name)
+    rows = signals.rows[:: max(1, len(signals.rows) // ROWS)]
+    index = signals.names.index(name)
 
     def forces(value: float) -> FloatArray:
-        inputs = signals.inputs[:, some].copy()
-        inputs[place] = value
-        still = replace(signals, inputs=inputs, rows=np.arange(len(some)), timed=False)
-        return problem.simulator.over(still).forces(solution.parameters)
+        inputs = signals.inputs[:, rows].copy()
+        inputs[index] = value
+        still = replace(signals, inputs=inputs, rows=np.arange(len(rows)), timed=False)
+        return problem.simulator.with_signals(still).forces(solution.parameters)
 
-    further = BEYOND * (upper - lower)
+    margin = EXTRAPOLATED_SHARE * (upper - lower)
     least = 0.0 if name in ("Fz", "p") else -np.inf
     worst = np.zeros(len(signals.channels))
-    for edge, value in ((lower, max(lower - further, least)), (upper, upper + further)):
+    for edge, value in ((lower, max(lower - margin, least)), (upper, upper + margin)):
         inside, beyond = forces(edge), forces(value)
-        if name == "Fz":  # more load is more force: what counts is the coefficient of friction
+        if name == "Fz":  # forces grow with load: compare force per load
             inside, beyond = inside / max(edge, 1.0), beyond / max(value, 1.0)
         size = np.sqrt(np.mean(inside**2, axis=1))
         moved = np.sqrt(np.mean((beyond - inside) ** 2, axis=1))

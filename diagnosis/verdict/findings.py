@@ -1,4 +1,4 @@
-"""What was found: effects with their coefficients' intervals and their evidence."""
+"""Identified effects with confidence intervals of their coefficients and their evidence."""
 
 from __future__ import annotations
 
@@ -8,35 +8,35 @@ from dataclasses import dataclass, replace
 
 @dataclass(frozen=True)
 class Interval:
-    """A coefficient's value and the 95 % interval under coloured noise."""
+    """A coefficient's value and its 95 % confidence interval under coloured noise."""
 
     value: float
     lower: float
     upper: float
 
     def mirrored(self) -> Interval:
-        """Return the same with the opposite sign."""
+        """Return the interval with the opposite sign."""
         return Interval(turned_sign(self.value), turned_sign(self.upper), turned_sign(self.lower))
 
 
 @dataclass(frozen=True)
 class Finding:
-    """A missing effect.
+    """An identified missing effect.
 
     Attributes
     ----------
     effect : str
-        Its name, or "UNKNOWN".
+        Name, or "UNKNOWN" for unexplained structure.
     channels : tuple of str
-        Those in which it shows.
+        Channels that the effect changes.
     coefficients : mapping of str to Interval
-        In the signs of the diagnosis.
+        In the sign convention of the diagnosis.
     p : float
-        Probability of such a trace by chance, under coloured noise, adjusted for everything tried.
+        p-value under coloured noise, adjusted for the number of forms tested.
     cv_gain, cv_gain_se : float
-        Share of the squared misfit that it takes away in blocked cross-validation, and its standard error.
+        Reduction of the squared misfit in blocked cross-validation, as a share, and its standard error.
     when : tuple of (float, float)
-        The stretches of time, s, that carry most of the evidence.
+        Stretches of time with most of the evidence, s.
     """
 
     effect: str
@@ -48,11 +48,11 @@ class Finding:
     when: tuple[tuple[float, float], ...] = ()
 
     def mirrored(self, names: Collection[str]) -> Finding:
-        """Return the same with the opposite sign of some coefficients."""
+        """Return the finding with the opposite sign of some coefficients."""
         coefficients = {name: one.mirrored() if name in names else one for name, one in self.coefficients.items()}
         return replace(self, coefficients=coefficients)
 
 
 def turned_sign(value: float, turned: bool = True) -> float:
-    """Return a number with the opposite sign, or as it is; never -0.0."""
+    """Return a number with the opposite sign if `turned`; never -0.0."""
     return 0.0 - value if turned else value

@@ -1,4 +1,4 @@
-"""How far model and measurement are apart: before, after, and the noise floor, in training and out of it."""
+"""Fit error of the baseline and the improved model and noise floor: training, cross-validation, hold-out."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from ..recording.signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
 
-Gap = dict[str, dict[str, dict[str, float]]]
+FitErrors = dict[str, dict[str, dict[str, float]]]
 
 
 def noise_floor(signals: Signals) -> dict[str, float]:
-    """Return each channel's noise without a model: scatter about local parabolas, correlation allowed for.
+    """Return each channel's noise, estimated without a model: scatter about local parabolas, corrected for correlation.
 
     Parameters
     ----------
@@ -29,22 +29,22 @@ def noise_floor(signals: Signals) -> dict[str, float]:
         Root mean square, N and N m.
     """
     found = {}
-    for name, force, there in zip(signals.channels, signals.measured, signals.present, strict=True):
+    for name, force, present in zip(signals.channels, signals.measured, signals.present, strict=True):
         rest = force - savgol_filter(force, WINDOW, 2)
-        parts = np.array_split(np.argsort(np.abs(force[there])), 10)
-        power = float(np.mean([(1.4826 * np.median(np.abs(rest[there][part]))) ** 2 for part in parts]))
-        whole = noise_of(force)[0] / (1.4826 * float(np.median(np.abs(rest))) + 1e-300)
-        found[name] = float(np.sqrt(power)) * whole
+        parts = np.array_split(np.argsort(np.abs(force[present])), 10)
+        power = float(np.mean([(1.4826 * np.median(np.abs(rest[present][part]))) ** 2 for part in parts]))
+        correction = noise_of(force)[0] / (1.4826 * float(np.median(np.abs(rest))) + 1e-300)
+        found[name] = float(np.sqrt(power)) * correction
     return found
 
 
-def gaps(before: Screen, after: Screen) -> Gap:
-    """Return root mean squared misfits, the recording's disturbances taken out.
+def fit_errors(before: Screen, after: Screen) -> FitErrors:
+    """Return root mean square residuals, with the disturbances of the recording removed.
 
     Parameters
     ----------
     before, after : Screen
-        Of the start model's and the improved model's solution.
+        Of the solutions of the baseline model and the improved model.
 
     Returns
     -------
@@ -53,37 +53,37 @@ def gaps(before: Screen, after: Screen) -> Gap:
     """
     signals = after.signals
     floor = noise_floor(signals)
-    rows = {"train": after.problem.root > 0.0, "holdout": signals.present & signals.holdout}
-    told: Gap = {}
-    for part, there in rows.items():
-        told[part] = {
+    rows = {"train": after.problem.inverse_noise > 0.0, "holdout": signals.present & signals.holdout}
+    errors: FitErrors = {}
+    for part, present in rows.items():
+        errors[part] = {
             name: {
-                "before": _rms(before.solution.residual[i], there[i]),
-                "after": _rms(after.solution.residual[i], there[i]),
+                "before": _rms(before.solution.residual[i], present[i]),
+                "after": _rms(after.solution.residual[i], present[i]),
                 "floor": floor[name],
             }
             for i, name in enumerate(signals.channels)
         }
-    left_out = [_left_out(screen) for screen in (before, after)]
-    told["cv"] = {
+    cross_validated = [_cross_validated(screen) for screen in (before, after)]
+    errors["cv"] = {
         name: {
-            "before": _rms(left_out[0][i], rows["train"][i]),
-            "after": _rms(left_out[1][i], rows["train"][i]),
+            "before": _rms(cross_validated[0][i], rows["train"][i]),
+            "after": _rms(cross_validated[1][i], rows["train"][i]),
             "floor": floor[name],
         }
         for i, name in enumerate(signals.channels)
     }
-    return told
+    return errors
 
 
-def _left_out(screen: Screen) -> FloatArray:
-    """Return residuals of each block by the other blocks' estimate, in N and N m."""
+def _cross_validated(screen: Screen) -> FloatArray:
+    """Return the residuals of each block with the estimate from the other blocks, N and N m."""
     residual = screen.residual.copy()
     for g, (first, last) in enumerate(zip(screen.edges[:-1], screen.edges[1:], strict=True)):
-        residual[:, first:last] -= screen.tangent[:, first:last] @ screen.base.others[g]
-    root = screen.problem.root
-    return np.where(root > 0.0, residual / np.where(root > 0.0, root, 1.0), 0.0)
+        residual[:, first:last] -= screen.tangent[:, first:last] @ screen.baseline.others[g]
+    inverse_noise = screen.problem.inverse_noise
+    return np.where(inverse_noise > 0.0, residual / np.where(inverse_noise > 0.0, inverse_noise, 1.0), 0.0)
 
 
-def _rms(residual: FloatArray, there: npt.NDArray[np.bool_]) -> float:
-    return float(np.sqrt(np.mean(residual[there] ** 2))) if there.any() else float("nan")
+def _rms(residual: FloatArray, present: npt.NDArray[np.bool_]) -> float:
+    return float(np.sqrt(np.mean(residual[present] ** 2))) if present.any() else float("nan")

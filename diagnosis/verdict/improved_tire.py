@@ -1,4 +1,4 @@
-"""The tire that a solution is: the start model with the effects that were found, or without."""
+"""The tire of a solution: the baseline model with or without the identified effects."""
 
 from __future__ import annotations
 
@@ -14,37 +14,38 @@ from tirefmu.tires.tire import Tire
 from ..least_squares import LeastSquares, Solution
 
 
-def tire_of(start: Tire, problem: LeastSquares, solution: Solution, more: Collection[str]) -> Tire:
-    """Return the tire that a solution is.
+def tire_of(start: Tire, problem: LeastSquares, solution: Solution, added: Collection[str]) -> Tire:
+    """Return the tire of a solution.
 
     Parameters
     ----------
     start : Tire
-        The start model.
+        The baseline model.
     problem : LeastSquares
     solution : Solution
-    more : collection of str
-        Names of the effects that were added to it.
+    added : collection of str
+        Names of the effects that are added to it.
     """
-    present = set(start.has) | set(more)
+    present = set(start.has) | set(added)
     if "relax_load" in present:
         present.discard("relax_lat")
-    reads = {s.name for e in start.added if e.name in present for act in e.acts for s in act.expression.free_symbols}
-    nominal = {str(quantity.nominal) for quantity in start.book.inputs if quantity.name in reads}
-    used = tuple(  # an effect that is off comes along where its card is an input's nominal value
-        e for e in start.added if e.name in present or nominal & {card.name for card in e.cards}
+    read = {s.name for e in start.added if e.name in present for act in e.acts for s in act.expression.free_symbols}
+    nominal = {str(quantity.nominal) for quantity in start.book.inputs if quantity.name in read}
+    used = tuple(  # also effects that are off but declare the nominal value of an input
+        e for e in start.added if e.name in present or nominal & {declaration.name for declaration in e.declarations}
     )
-    bare = replace(start, effects=tuple(present), added=used, values={
-        name: value for name, value in start.values.items() if name not in _beyond(start, used)})  # fmt: skip
-    place, factors = problem.simulator.place, bare.rescaled
-    values = {name: float(solution.parameters[place[name]]) / factors.get(name, 1.0) for name in bare.book.coefficients}
+    unused = _unused_coefficients(start, used)
+    values = {name: value for name, value in start.values.items() if name not in unused}
+    tire = replace(start, effects=tuple(present), added=used, values=values)
+    index, factors = problem.simulator.index, tire.rescaled
+    values = {name: float(solution.parameters[index[name]]) / factors.get(name, 1.0) for name in tire.book.coefficients}
     inputs = problem.simulator.signals.named()
-    seen = [name for name in RANGES if name in inputs and np.ptp(inputs[name]) > 0.0]
-    ranges = {name: (float(inputs[name].min()), float(inputs[name].max())) for name in seen}
-    return replace(bare, values=values, ranges=ranges)
+    varied = [name for name in RANGES if name in inputs and np.ptp(inputs[name]) > 0.0]
+    ranges = {name: (float(inputs[name].min()), float(inputs[name].max())) for name in varied}
+    return replace(tire, values=values, ranges=ranges)
 
 
-def _beyond(start: Tire, used: Collection[AddedEffect]) -> set[str]:
-    """Return the coefficients of added effects that a tire does not take along."""
-    kept = {card.name for effect in used for card in effect.cards}
-    return {card.name for effect in start.added for card in effect.cards} - kept
+def _unused_coefficients(start: Tire, used: Collection[AddedEffect]) -> set[str]:
+    """Return the coefficients of added effects that the tire does not contain."""
+    retained = {declaration.name for effect in used for declaration in effect.declarations}
+    return {declaration.name for effect in start.added for declaration in effect.declarations} - retained

@@ -1,4 +1,4 @@
-"""Where start model and recording disagree: residual over noise by pairs of inputs, with sample counts."""
+"""Location of residuals: mean residual over noise by pairs of inputs with sample counts, and misfit over time."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ..probing.effect_probing import Screen
-from ..thresholds import FEWEST_ROWS_OF_CELL
+from ..thresholds import MIN_ROWS_OF_CELL
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -18,59 +18,61 @@ CELLS = 8
 
 
 def residual_maps(screen: Screen) -> list[dict[str, Any]]:
-    """Return mean residuals in noise deviations, by channel, over pairs of inputs.
+    """Return mean residuals in noise standard deviations, by channel, over pairs of inputs.
 
     Parameters
     ----------
     screen : Screen
-        Of a model's solution.
+        Of the solution of a model.
 
     Returns
     -------
     list of dict
-        channel, over (two inputs), edges (two lists), mean and count (rows of cells; mean is None without rows),
-        worst: the cell with the largest mean by magnitude, of those with ten rows or more.
+        channel, over (two inputs), edges (two lists), mean and count (lists of cells; the mean is None without data),
+        worst: the cell with the largest magnitude of the mean, of those with at least ten rows.
     """
     signals = screen.signals
     named = signals.named()
-    told = []
-    for channel, residual, root in zip(signals.channels, screen.residual, screen.problem.root, strict=True):
-        there = root > 0.0
+    maps = []
+    for channel, residual, inverse_noise in zip(
+        signals.channels, screen.residual, screen.problem.inverse_noise, strict=True
+    ):
+        used = inverse_noise > 0.0
         for first, second in PAIRS:
             if not {first, second} <= named.keys() or not {first, second} & signals.recorded:
                 continue
             if max(np.ptp(named[first]), np.ptp(named[second])) == 0.0:
                 continue
-            told.append(
+            maps.append(
                 {"channel": channel, "over": [first, second]}
-                | _mapped(named[first][there], named[second][there], residual[there])
+                | _mapped(named[first][used], named[second][used], residual[used])
             )
-    return told
+    return maps
 
 
 def time_course(before: Screen, after: Screen) -> dict[str, dict[str, list[float]]]:
-    """Return each channel's misfit over time: root mean square over noise, by block of time.
+    """Return each channel's misfit over time: root mean square over noise, by time block.
 
     Parameters
     ----------
     before, after : Screen
-        Of the start model's and the improved model's solution.
+        Of the solutions of the baseline model and the improved model.
 
     Returns
     -------
     dict
-        channel -> t (where blocks begin, s), before, after.
+        channel -> t (start of each block, s), before, after.
     """
     signals, edges = after.signals, after.edges
     begins = signals.t[signals.rows][edges[:-1]].tolist()
-    told = {}
+    courses = {}
     for i, channel in enumerate(signals.channels):
-        told[channel] = {"t": begins}
+        courses[channel] = {"t": begins}
         for name, screen in (("before", before), ("after", after)):
-            counts = np.maximum(np.add.reduceat((screen.problem.root[i] > 0.0).astype(float), edges[:-1]), 1.0)
+            counts = np.maximum(np.add.reduceat((screen.problem.inverse_noise[i] > 0.0).astype(float), edges[:-1]), 1.0)
             power = np.add.reduceat(screen.residual[i] ** 2, edges[:-1])
-            told[channel][name] = np.sqrt(power / counts).tolist()
-    return told
+            courses[channel][name] = np.sqrt(power / counts).tolist()
+    return courses
 
 
 def _mapped(x: FloatArray, y: FloatArray, residual: FloatArray) -> dict[str, Any]:
@@ -78,7 +80,7 @@ def _mapped(x: FloatArray, y: FloatArray, residual: FloatArray) -> dict[str, Any
     count, _, _ = np.histogram2d(x, y, bins=edges)
     total, _, _ = np.histogram2d(x, y, bins=edges, weights=residual)
     mean = np.where(count > 0, total / np.maximum(count, 1.0), np.nan)
-    i, j = np.unravel_index(int(np.argmax(np.where(count >= FEWEST_ROWS_OF_CELL, np.abs(mean), -1.0))), mean.shape)
+    i, j = np.unravel_index(int(np.argmax(np.where(count >= MIN_ROWS_OF_CELL, np.abs(mean), -1.0))), mean.shape)
     worst = {
         "from": [float(edges[0][i]), float(edges[1][j])],
         "to": [float(edges[0][i + 1]), float(edges[1][j + 1])],

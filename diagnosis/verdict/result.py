@@ -1,4 +1,4 @@
-"""What a diagnosis says: the result object and its JSON."""
+"""The result of a diagnosis and its JSON."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
 from ..unexplained.formula_proposal import Unknown
-from .extrapolation import Reach
+from .extrapolation import Extrapolation
 from .findings import Finding, turned_sign
 from .summary import diagnosis_html, diagnosis_text
 
-#: Version of diagnosis.json: a new key raises the second number, a changed meaning the first.
+#: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
 VERSION = "2.0"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis:
-    """The answer to the question which effect is missing.
+    """Result of a diagnosis: missing effects, evidence, fit errors and the improved tire.
 
     Attributes
     ----------
@@ -38,38 +38,38 @@ class Diagnosis:
     found : tuple of Finding
         In order of evidence.
     confounded_with : mapping of str to mapping of str to float
-        By finding: other explanations and their correlation with it.
+        By identified effect: other explanations and their correlation with it.
     next_measurement : tuple of str
-        What would tell them apart.
+        Measurements that separate confounded explanations.
     unknown : tuple of Unknown
     not_identifiable : mapping of str to str
-        Effects that this recording could not have shown, and why.
+        Effects that this recording cannot identify, and the reason.
     refined : tuple of str
-        Finer forms of effects that the model had already.
+        Refinements of effects that the baseline model already had.
     gap : mapping
-        train, cv, holdout -> channel -> before, after, floor: root mean squares, N and N m, with the recording's
-        disturbances taken out.
+        train, cv, holdout -> channel -> before, after, floor: root mean square residuals, N and N m, with the
+        disturbances of the recording removed.
     detectable : mapping of str to mapping of str to float
-        By effect and channel: the smallest trace, root mean square, that would have been named.
+        By effect and channel: the smallest change of the force, root mean square, that would have been identified.
     where, where_after : list of dict
-        Residuals of the start model and the improved one over noise, by channel and pairs of inputs
+        Residuals of the baseline and the improved model over noise, by channel and pairs of inputs
         (`residual_location.residual_maps`).
     time_course : mapping
-        Misfit over noise by channel and block of time (`residual_location.time_course`).
+        Misfit over noise by channel and time block (`residual_location.time_course`).
     recording : mapping
-        What belongs to the recording: offsets, drift, cross-talk, ripple, quantisation, outliers, noise of inputs and
-        the windows over which it was smoothed, channels left aside and why.
-    reach : tuple of Reach
-        How far the inputs of found effects reached: beyond, the improved model extrapolates.
-    untouched : tuple of (int, int)
-        First and last row, counted from 0, of the stretches that no decision has seen: the hold-out.
+        Properties of the recording: offsets, drift, cross-talk, ripple, quantisation, outliers, noise of the inputs,
+        smoothing windows, excluded channels with the reason.
+    extrapolation : tuple of Extrapolation
+        Measured ranges of the inputs of identified effects, and the change of the improved model outside them.
+    holdout_rows : tuple of (int, int)
+        First and last row, counted from 0, of each stretch of the hold-out set, which no decision uses.
     base_tire, tire : Tire
-        The start model and the improved one, fitted to the training rows.
+        The baseline model and the improved one, fitted to the training rows.
     signs : str
         Sign convention of coefficients, of ``recording`` (offset, cross-talk) and of residuals (``where``): "iso",
-        as the tire file, unless `in_signs` changed it. What is a root mean square or an amplitude has no sign.
+        as the tire file, unless changed by `in_signs`. Root mean squares and amplitudes have no sign.
     recording_signs : str
-        The convention in which the recording was given; that of ``rows``.
+        Sign convention of the recording and of ``rows``.
     seconds : float
     """
 
@@ -86,8 +86,8 @@ class Diagnosis:
     where_after: list[dict[str, Any]]
     time_course: Mapping[str, Mapping[str, list[float]]]
     recording: Mapping[str, Any]
-    reach: tuple[Reach, ...]
-    untouched: tuple[tuple[int, int], ...]
+    extrapolation: tuple[Extrapolation, ...]
+    holdout_rows: tuple[tuple[int, int], ...]
     base_tire: Tire
     tire: Tire
     signs: str
@@ -110,25 +110,27 @@ class Diagnosis:
         Raises
         ------
         UnknownName
-            If coefficients are not written in this convention.
+            If this is not a sign convention of coefficients.
         """
         if signs not in ("iso", "adapted-sae"):
             raise UnknownName("sign convention of coefficients", signs, ("iso", "adapted-sae"))
-        turned = reversed_columns(self.signs, signs)
-        if not turned:
+        reversed_names = reversed_columns(self.signs, signs)
+        if not reversed_names:
             return self
-        cards = self.tire.book.coefficients
-        offset = {name: turned_sign(value, name in turned) for name, value in self.recording["offset"].items()}
+        declarations = self.tire.book.coefficients
+        offset = {name: turned_sign(value, name in reversed_names) for name, value in self.recording["offset"].items()}
         cross_talk = {  # the share of one force in another: Fx_in_Fy
-            name: turned_sign(value, len(turned & set(name.split("_in_"))) == 1)
+            name: turned_sign(value, len(reversed_names & set(name.split("_in_"))) == 1)
             for name, value in self.recording["cross_talk"].items()
         }
         return replace(
             self,
             signs=signs,
-            found=tuple(one.mirrored({name for name in one.coefficients if cards[name].flips}) for one in self.found),
-            where=[_mirrored_map(one) if one["channel"] in turned else one for one in self.where],
-            where_after=[_mirrored_map(one) if one["channel"] in turned else one for one in self.where_after],
+            found=tuple(
+                one.mirrored({name for name in one.coefficients if declarations[name].flips}) for one in self.found
+            ),
+            where=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where],
+            where_after=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where_after],
             recording={**self.recording, "offset": offset, "cross_talk": cross_talk},
         )
 
@@ -137,39 +139,39 @@ class Diagnosis:
         return self.verdict, self.found, self.gap["holdout"], len(self.rows), self.signs
 
     def __repr__(self) -> str:
-        """Return a few lines: the verdict, findings with their evidence, how the gap shrank."""
+        """Return the verdict, the findings with their evidence, and the hold-out error before and after."""
         return diagnosis_text(*self._summarized)
 
     def _repr_html_(self) -> str:
-        """Return the same with a table of coefficients, for a notebook."""
+        """Return the summary with a table of coefficients, for a notebook."""
         return diagnosis_html(*self._summarized)
 
-    def kept_apart(self, n: int) -> npt.NDArray[np.bool_]:
-        """Return which of a recording's n rows are the hold-out.
+    def holdout_mask(self, n: int) -> npt.NDArray[np.bool_]:
+        """Return which of a recording's n rows are in the hold-out set.
 
         Parameters
         ----------
         n : int
         """
         rows = np.zeros(n, dtype=bool)
-        for first, last in self.untouched:
+        for first, last in self.holdout_rows:
             rows[first : last + 1] = True
         return rows
 
     def to_json(self, *, tire: str = "", base_tire: str = "", fmu: str = "", base_fmu: str = "") -> dict[str, Any]:
-        """Return what diagnosis.json holds.
+        """Return the contents of diagnosis.json.
 
         Parameters
         ----------
         tire, base_tire, fmu, base_fmu : str
-            Paths of what was written, relative to the folder.
+            Paths of the written files, relative to the folder.
 
         Returns
         -------
         dict
-            Only what JSON knows; a number that does not exist is null.
+            JSON types only; a number that does not exist is null.
         """
-        told = {
+        content = {
             "version": VERSION,
             "verdict": self.verdict,
             "found": [
@@ -208,8 +210,8 @@ class Diagnosis:
             "where_after": self.where_after,
             "time_course": self.time_course,
             "recording": self.recording,
-            "extrapolation": [{**vars(one), "doubtful": one.doubtful} for one in self.reach],
-            "holdout_rows": [list(stretch) for stretch in self.untouched],
+            "extrapolation": [{**vars(one), "doubtful": one.doubtful} for one in self.extrapolation],
+            "holdout_rows": [list(stretch) for stretch in self.holdout_rows],
             "signs": self.signs,
             "recording_signs": self.recording_signs,
             "tire": tire,
@@ -218,10 +220,10 @@ class Diagnosis:
             "base_fmu": base_fmu,
             "seconds": round(self.seconds, 2),
         }
-        return dict(_plain(told))
+        return dict(_plain(content))
 
     def save(self, folder: str | Path) -> Path:
-        """Write diagnosis.json, both tires and proposed effects (NAME.toml) into a folder, made where missing.
+        """Write diagnosis.json, both tires and proposed effects (NAME.toml) into a folder, created if necessary.
 
         Parameters
         ----------
@@ -230,25 +232,25 @@ class Diagnosis:
         Returns
         -------
         Path
-            Of diagnosis.json.
+            Path of diagnosis.json.
 
         Raises
         ------
         DataError
             If the folder cannot be written.
         """
-        place = path_from(folder, "folder")
+        path = path_from(folder, "folder")
         try:
-            place.mkdir(parents=True, exist_ok=True)
-            self.tire.save(place / "improved.tir")
-            self.base_tire.save(place / "base.tir")
+            path.mkdir(parents=True, exist_ok=True)
+            self.tire.save(path / "improved.tir")
+            self.base_tire.save(path / "base.tir")
             for proposed in (one.effect for one in self.unknown if one.effect):
-                (place / f"{proposed.name}.toml").write_text(effect_text(proposed), encoding="utf-8")
-            told = self.to_json(tire="improved.tir", base_tire="base.tir")
-            (place / "diagnosis.json").write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+                (path / f"{proposed.name}.toml").write_text(effect_text(proposed), encoding="utf-8")
+            content = self.to_json(tire="improved.tir", base_tire="base.tir")
+            (path / "diagnosis.json").write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
         except OSError as error:
-            raise DataError(f"{place}: cannot be written ({error.strerror or error})") from None
-        return place / "diagnosis.json"
+            raise DataError(f"{path}: cannot be written ({error.strerror or error})") from None
+        return path / "diagnosis.json"
 
 
 def _mirrored_map(one: dict[str, Any]) -> dict[str, Any]:
@@ -258,7 +260,7 @@ def _mirrored_map(one: dict[str, Any]) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value in JSON's own types."""
+    """Return a value as JSON types."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

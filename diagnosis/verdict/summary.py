@@ -1,4 +1,4 @@
-"""A diagnosis in a few lines, as ``repr`` and notebooks show it."""
+"""Summary of a diagnosis in a few lines, for ``repr`` and notebooks."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .findings import Finding
 def diagnosis_text(
     verdict: str, found: Sequence[Finding], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
 ) -> str:
-    """Return the verdict, findings with their evidence, and how the gap shrank, in a few lines.
+    """Return the verdict, the findings with their evidence, and the hold-out error before and after.
 
     Parameters
     ----------
@@ -23,14 +23,14 @@ def diagnosis_text(
         By channel: root mean square on the hold-out ``before`` and ``after``, N and N m.
     n_rows : int
     signs : str
-        Convention of the coefficients.
+        Sign convention of the coefficients.
     """
     lines = [f"Diagnosis: {verdict}"]
     for one in found:
         values = ", ".join(f"{name} {interval.value:.4g}" for name, interval in one.coefficients.items())
         lines.append(f"  {one.effect} in {', '.join(one.channels)}: p {one.p:.2g}{'; ' * bool(values)}{values}")
-    for channel, gap in holdout.items():
-        lines.append(f"  {channel} on the hold-out: RMSE {gap['before']:.4g} before, {gap['after']:.4g} after")
+    for channel, error in holdout.items():
+        lines.append(f"  {channel} on the hold-out set: RMSE {error['before']:.4g} before, {error['after']:.4g} after")
     lines.append(f"  {n_rows} rows; coefficients in {signs} signs")
     return "\n".join(visible(line) for line in lines)
 
@@ -38,7 +38,7 @@ def diagnosis_text(
 def diagnosis_html(
     verdict: str, found: Sequence[Finding], holdout: Mapping[str, Mapping[str, float]], n_rows: int, signs: str
 ) -> str:
-    """Return the same as HTML, with the coefficients of the findings."""
+    """Return the summary as HTML, with the coefficients of the findings."""
     rows = [
         (one.effect, name, interval.value, interval.lower, interval.upper)
         for one in found

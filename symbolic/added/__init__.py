@@ -1,7 +1,7 @@
-"""Effects that are put into the lines of a model: files that say which named quantity they multiply or add to.
+"""Effects that are added to the equations of a model: files that declare which named quantity changes, and how.
 
-The library is in the folder `tirefmu.symbolic.effects`; a user-defined effect and a formula proposed by the diagnosis
-have the same form (`tirefmu.symbolic.added.file`).
+The library is in the folder `tirefmu.symbolic.effects`. User-defined effects and formulas proposed by the diagnosis have
+the same form (`tirefmu.symbolic.added.file`).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ __all__ = ["AddedEffect", "effect_text", "library", "read_effect"]
 
 @lru_cache(maxsize=1)
 def library() -> dict[str, AddedEffect]:
-    """Return the effects of the library by name: those that every tire may have without declaring them.
+    """Return the effects of the library by name. Every tire can have them without declaring them.
 
     Examples
     --------

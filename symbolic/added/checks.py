@@ -1,4 +1,4 @@
-"""What every added effect keeps to, whether a file, a tire or a program brings it: names, texts, numbers, sizes."""
+"""Checks of added effects from files, tires and programs: names, texts, numbers, sizes."""
 
 from __future__ import annotations
 
@@ -15,42 +15,42 @@ from .formula import formula, formula_text
 if TYPE_CHECKING:
     from .file import AddedEffect
 
-#: Bounds, in characters and in numbers of things.
+#: Upper limits, in characters and in numbers of items.
 LONGEST_FILE, LONGEST_TEXT, LONGEST_UNIT = 100_000, 600, 40
 MOST_COEFFICIENTS, MOST_ACTS, MOST_EFFECTS = 50, 50, 50
 
 
-def check_effect(effect: AddedEffect, place: str) -> None:
-    """Raise `EffectError` where an effect does not keep to the rules.
+def check_effect(effect: AddedEffect, location: str) -> None:
+    """Raise `EffectError` if an effect violates the rules.
 
     Parameters
     ----------
     effect : AddedEffect
-        Its formulas as `formula` returned them.
-    place : str
-        Where it comes from, for messages.
+        With formulas as returned by `formula`.
+    location : str
+        Origin of the effect, for messages.
     """
     if reason := next(_objections(effect), ""):
-        raise EffectError(f"{place}: {reason}")
+        raise EffectError(f"{location}: {reason}")
 
 
 def check_effects(effects: Sequence[AddedEffect]) -> None:
-    """Raise `EffectError` where effects, formulas included, do not keep to the rules, or two have one name.
+    """Raise `EffectError` if effects or their formulas violate the rules, or if two have the same name.
 
     Parameters
     ----------
     effects : sequence of AddedEffect
     """
     if len(effects) > MOST_EFFECTS:
-        raise EffectError(f"a tire has at most {MOST_EFFECTS} effects beyond the book, not {len(effects)}")
+        raise EffectError(f"a tire has at most {MOST_EFFECTS} added effects, not {len(effects)}")
     seen: set[str] = set()
     for effect in effects:
-        place = f"effect {quoted(effect.name)}"
-        check_effect(effect, place)
+        location = f"effect {quoted(effect.name)}"
+        check_effect(effect, location)
         for act in effect.acts:
-            formula(formula_text(act.expression), place)
-        if effect.name.lower() in seen:  # a .tir file does not tell cases apart
-            raise EffectError(f"two effects beyond the book are called {effect.name}")
+            formula(formula_text(act.expression), location)
+        if effect.name.lower() in seen:  # keys of .tir files are not case-sensitive
+            raise EffectError(f"two added effects have the name {effect.name}")
         seen.add(effect.name.lower())
 
 
@@ -60,25 +60,29 @@ def _objections(effect: AddedEffect) -> Iterator[str]:
     for key, text in (("physics", effect.physics), ("source", effect.source)):
         if len(text) > LONGEST_TEXT:
             yield f"{key} has more than {LONGEST_TEXT} characters"
-    if len(effect.cards) > MOST_COEFFICIENTS:
-        yield f"an effect has at most {MOST_COEFFICIENTS} coefficients, not {len(effect.cards)}"
+    if len(effect.declarations) > MOST_COEFFICIENTS:
+        yield f"an effect has at most {MOST_COEFFICIENTS} coefficients, not {len(effect.declarations)}"
     if len(effect.acts) > MOST_ACTS:
         yield f"an effect has at most {MOST_ACTS} [[acts]], not {len(effect.acts)}"
-    for card in effect.cards:
-        for reason in _of_card(card):
+    for declaration in effect.declarations:
+        for reason in _declaration_objections(declaration):
             yield f"coefficient {reason}"
 
 
-def _of_card(card: Coefficient) -> Iterator[str]:
-    if reason := no_coefficient(card.name):
-        yield f"{quoted(card.name)} {reason}"
-    for key, text, longest in (("description", card.description, LONGEST_TEXT), ("unit", card.unit, LONGEST_UNIT)):
+def _declaration_objections(declaration: Coefficient) -> Iterator[str]:
+    if reason := no_coefficient(declaration.name):
+        yield f"{quoted(declaration.name)} {reason}"
+    for key, text, longest in (
+        ("description", declaration.description, LONGEST_TEXT),
+        ("unit", declaration.unit, LONGEST_UNIT),
+    ):
         if len(text) > longest:
-            yield f"{card.name}: {key} has more than {longest} characters"
-    if not card.lower < card.upper:
-        yield f"{card.name}: lower {card.lower} is not below upper {card.upper}"
-    for key, value in (("neutral", card.neutral), ("start", card.start)):
-        if value is not None and not (isfinite(value) and card.lower <= value <= card.upper):
-            yield f"{card.name}: {key} {value} is not between lower {card.lower} and upper {card.upper}"
-    if card.neutral is None:
-        yield f"{card.name}: an effect beyond the book has a neutral value for each of its coefficients"
+            yield f"{declaration.name}: {key} has more than {longest} characters"
+    if not declaration.lower < declaration.upper:
+        yield f"{declaration.name}: lower {declaration.lower} is not below upper {declaration.upper}"
+    for key, value in (("neutral", declaration.neutral), ("start", declaration.start)):
+        if value is not None and not (isfinite(value) and declaration.lower <= value <= declaration.upper):
+            limits = f"lower {declaration.lower} and upper {declaration.upper}"
+            yield f"{declaration.name}: {key} {value} is not between {limits}"
+    if declaration.neutral is None:
+        yield f"{declaration.name}: an added effect requires a neutral value for each coefficient"

@@ -1,4 +1,4 @@
-"""The file of an effect: its physics, coefficients, what it acts on, how a diagnosis looks for it.
+"""The file of an effect: physics, coefficients, changed quantities, and its detection by a diagnosis.
 
 Examples
 --------
@@ -38,17 +38,17 @@ from .checks import LONGEST_FILE, check_effect
 from .detection_file import detection_text, known_keys, read_detection
 from .formula import formula, formula_text
 
-#: What a card may say.
-CARD_KEYS = {"description": str, "unit": str, "lower": float, "upper": float, "neutral": float, "start": float,
+#: Keys of a coefficient declaration and their types.
+DECLARATION_KEYS = {"description": str, "unit": str, "lower": float, "upper": float, "neutral": float, "start": float,
              "flips": bool}  # fmt: skip
 _KINDS = {str: "text", float: "finite number", bool: "truth value: true or false"}
-#: The largest double.
-MOST = sys.float_info.max
+#: Largest finite double.
+LARGEST_DOUBLE = sys.float_info.max
 
 
 @dataclass(frozen=True)
 class Act:
-    """What an added effect does to one named quantity, given by name or by role: ``how`` is "factor" or "term"."""
+    """Change of one named quantity, given by name or role, by an added effect: ``how`` is "factor" or "term"."""
 
     on: str
     how: str
@@ -57,22 +57,22 @@ class Act:
 
 @dataclass(frozen=True)
 class AddedEffect:
-    """An effect beyond the book.
+    """An effect that is added to the equations of a model.
 
     Attributes
     ----------
     name, physics, source : str
-    cards : tuple of Coefficient
-        Its coefficients; neutral ones make it vanish.
+    declarations : tuple of Coefficient
+        Its coefficients; at neutral values the effect vanishes.
     acts : tuple of Act
     detection : Detection or None
-        How a diagnosis looks for it, where its file declares that.
+        How a diagnosis detects it, if the file declares that.
     """
 
     name: str
     physics: str
     source: str
-    cards: tuple[Coefficient, ...]
+    declarations: tuple[Coefficient, ...]
     acts: tuple[Act, ...]
     detection: Detection | None = None
 
@@ -88,14 +88,14 @@ class AddedEffect:
 
 
 def read_effect(text: str, source: str) -> AddedEffect:
-    """Return the effect that a file's text describes.
+    """Return the effect that the text of a file declares.
 
     Parameters
     ----------
     text : str
         TOML.
     source : str
-        The file's name, for messages.
+        Name of the file, for messages.
 
     Returns
     -------
@@ -104,34 +104,41 @@ def read_effect(text: str, source: str) -> AddedEffect:
     Raises
     ------
     EffectError
-        If the text is no TOML, says something that has no place in an effect, has a name that means something else
-        (`tirefmu.symbolic.reserved`), or is beyond the bounds of formulas and texts.
+        If the text is not TOML, has an entry that an effect cannot have, uses a reserved name
+        (`tirefmu.symbolic.reserved`), or exceeds the limits of formulas and texts.
     """
-    told = _parsed(text, source)
-    known_keys(told, ("name", "physics", "source", "coefficients", "acts", "diagnosis"), source)
-    name = _text(told, "name", source)
-    cards = tuple(_card(key, card, source, f"TIREFMU_{name.upper()}") for key, card in _table(told, source).items())
-    acts = told.get("acts")
+    table = _parsed(text, source)
+    known_keys(table, ("name", "physics", "source", "coefficients", "acts", "diagnosis"), source)
+    name = _text(table, "name", source)
+    declarations = tuple(
+        _declaration(key, declaration, source, f"TIREFMU_{name.upper()}")
+        for key, declaration in _table(table, source).items()
+    )
+    acts = table.get("acts")
     if not isinstance(acts, list) or not acts:
         raise EffectError(f"{source}: an effect has at least one [[acts]]")
     effect = AddedEffect(
         name,
-        _text(told, "physics", source),
-        _text(told, "source", source) if "source" in told else "",
-        cards,
+        _text(table, "physics", source),
+        _text(table, "source", source) if "source" in table else "",
+        declarations,
         tuple(_act(act, source) for act in acts),
-        read_detection(told["diagnosis"], source, {card.name for card in cards}) if "diagnosis" in told else None,
+        read_detection(table["diagnosis"], source, {declaration.name for declaration in declarations})
+        if "diagnosis" in table
+        else None,
     )
     check_effect(effect, source)
     _check_sizes(effect, source)
-    unused = {card.name for card in cards} - {s.name for act in effect.acts for s in act.expression.free_symbols}
+    unused = {declaration.name for declaration in declarations} - {
+        s.name for act in effect.acts for s in act.expression.free_symbols
+    }
     if unused:
-        raise EffectError(f"{source}: {min(unused)} is declared but acts on nothing")
+        raise EffectError(f"{source}: {min(unused)} is declared but not used")
     return effect
 
 
 def read_declared(text: str, file: str) -> Effect | AddedEffect:
-    r"""Return the effect of a file of the package: in the lines of chapters where it has no [[acts]].
+    r"""Return the effect of a file of the package; without [[acts]] it belongs to the equations of chapters.
 
     Parameters
     ----------
@@ -139,7 +146,7 @@ def read_declared(text: str, file: str) -> Effect | AddedEffect:
         TOML. In addition to the keys of `read_effect`, a file without [[acts]] may have ``optional`` and ``rescales``
         (`tirefmu.symbolic.notation.Effect`).
     file : str
-        The file's name: that of the effect and ``.toml``.
+        Name of the file: the effect's name and ``.toml``.
 
     Returns
     -------
@@ -148,29 +155,29 @@ def read_declared(text: str, file: str) -> Effect | AddedEffect:
     Raises
     ------
     EffectError
-        As `read_effect`, or if the file has another name than its effect.
+        As `read_effect`, or if the names of file and effect differ.
 
     Examples
     --------
     >>> read_declared('name = "snow"\nphysics = "less grip"\noptional = true', "snow.toml")
     Effect(name='snow', physics='less grip', rescales=(), optional=True, detection=None)
     """
-    told = _parsed(text, file)
-    name = _text(told, "name", file)
+    table = _parsed(text, file)
+    name = _text(table, "name", file)
     if f"{name}.toml" != file:
-        raise EffectError(f"{file}: the effect {quoted(name)} has a file of its own name")
-    if "acts" in told:
+        raise EffectError(f"{file}: the file of the effect {quoted(name)} must have the effect's name")
+    if "acts" in table:
         return read_effect(text, file)
-    known_keys(told, ("name", "physics", "optional", "rescales", "diagnosis"), file)
+    known_keys(table, ("name", "physics", "optional", "rescales", "diagnosis"), file)
     if reason := no_effect(name):
         raise EffectError(f"{file}: name {quoted(name)} {reason}")
-    rescales, optional = told.get("rescales", {}), told.get("optional", False)
+    rescales, optional = table.get("rescales", {}), table.get("optional", False)
     if not isinstance(rescales, dict) or not all(map(_is_number, rescales.values())):
         raise EffectError(f"{file}: rescales is not a table of coefficients and factors")
     if not isinstance(optional, bool):
         raise EffectError(f"{file}: optional is not a {_KINDS[bool]}")
-    detection = read_detection(told["diagnosis"], file) if "diagnosis" in told else None
-    return Effect(name, _text(told, "physics", file), tuple(rescales.items()), optional, detection)
+    detection = read_detection(table["diagnosis"], file) if "diagnosis" in table else None
+    return Effect(name, _text(table, "physics", file), tuple(rescales.items()), optional, detection)
 
 
 def _parsed(text: str, source: str) -> dict[str, Any]:
@@ -178,22 +185,27 @@ def _parsed(text: str, source: str) -> dict[str, Any]:
         raise EffectError(f"{source}: the file of an effect has at most {LONGEST_FILE} characters")
     try:
         return tomllib.loads(text)
-    except (ValueError, RecursionError) as error:  # ValueError also of integers with thousands of digits
+    except (ValueError, RecursionError) as error:  # also ValueError from integers with thousands of digits
         raise EffectError(f"{source}: {visible(str(error))}") from None
 
 
 def effect_text(effect: AddedEffect) -> str:
-    """Return the file's text of an effect."""
+    """Return the text of an effect's file."""
     lines = [f"{key} = {toml_string(text)}" for key, text in (("name", effect.name), ("physics", effect.physics))]
     lines += [f"source = {toml_string(effect.source)}"] if effect.source else []
     lines += ["", "[coefficients]"]
-    for card in effect.cards:
-        numbers = {"lower": card.lower, "upper": card.upper, "neutral": card.default, "start": card.start}
-        said = {"description": toml_string(card.description), "unit": toml_string(card.unit)}
-        said |= {key: repr(float(x)) for key, x in numbers.items() if x is not None and isfinite(x)}
-        if card.flips:
-            said["flips"] = "true"
-        lines.append(f"{card.name} = {{{', '.join(f'{key} = {value}' for key, value in said.items())}}}")
+    for declaration in effect.declarations:
+        numbers = {
+            "lower": declaration.lower,
+            "upper": declaration.upper,
+            "neutral": declaration.default,
+            "start": declaration.start,
+        }
+        fields = {"description": toml_string(declaration.description), "unit": toml_string(declaration.unit)}
+        fields |= {key: repr(float(x)) for key, x in numbers.items() if x is not None and isfinite(x)}
+        if declaration.flips:
+            fields["flips"] = "true"
+        lines.append(f"{declaration.name} = {{{', '.join(f'{key} = {value}' for key, value in fields.items())}}}")
     for act in effect.acts:
         lines += ["", "[[acts]]", f"on = {toml_string(act.on)}"]
         lines += [f"{act.how} = {toml_string(formula_text(act.expression))}"]
@@ -203,56 +215,61 @@ def effect_text(effect: AddedEffect) -> str:
 
 
 def _check_sizes(effect: AddedEffect, source: str) -> None:
-    """Raise `EffectError` where a coefficient that is probed leaves its bounds."""
-    cards, detection = {card.name: card for card in effect.cards}, effect.detection or Detection()
+    """Raise `EffectError` if a probe exceeds the bounds of a coefficient."""
+    declarations, detection = (
+        {declaration.name: declaration for declaration in effect.declarations},
+        effect.detection or Detection(),
+    )
     for form in (*detection.forms, *detection.refinements):
         for name, size in (item for probe in form.probes for item in probe.items()):
-            card = cards[name]
-            if not card.lower <= card.default + size <= card.upper:
-                place = f"{source}: [diagnosis] {name}"
-                raise EffectError(f"{place}: neutral {card.default} and size {size} are beyond its bounds")
+            declaration = declarations[name]
+            if not declaration.lower <= declaration.default + size <= declaration.upper:
+                location = f"{source}: [diagnosis] {name}"
+                raise EffectError(f"{location}: neutral {declaration.default} and size {size} exceed its bounds")
 
 
-def _text(told: dict[str, Any], key: str, source: str) -> str:
-    value = told.get(key)
+def _text(table: dict[str, Any], key: str, source: str) -> str:
+    value = table.get(key)
     if not isinstance(value, str) or not value.strip():
-        raise EffectError(f"{source}: {key} is missing, or is no text")
+        raise EffectError(f"{source}: {key} is missing or not a text")
     return value
 
 
-def _table(told: dict[str, Any], source: str) -> dict[str, Any]:
-    cards = told.get("coefficients", {})
-    if not isinstance(cards, dict):
+def _table(table: dict[str, Any], source: str) -> dict[str, Any]:
+    declarations = table.get("coefficients", {})
+    if not isinstance(declarations, dict):
         raise EffectError(f"{source}: [coefficients] is not a table")
-    return cards
+    return declarations
 
 
-def _card(name: str, told: object, source: str, section: str) -> Coefficient:
+def _declaration(name: str, table: object, source: str, section: str) -> Coefficient:
     if reason := no_coefficient(name):
         raise EffectError(f"{source}: coefficient {quoted(name)} {reason}")
-    place = f"{source}: coefficient {name}"
-    if not isinstance(told, dict):
-        raise EffectError(f"{place} is not a table {{description = ..., unit = ...}}")
-    known_keys(told, CARD_KEYS, place)
-    for key, value in told.items():
-        if not (_is_number(value) if CARD_KEYS[key] is float else isinstance(value, CARD_KEYS[key])):
-            raise EffectError(f"{place}: {key} = {visible(repr(value))[:80]} is not a {_KINDS[CARD_KEYS[key]]}")
-    card = Coefficient(**{"description": "", **told})
-    card.name, card.section = name, section
-    return card
+    location = f"{source}: coefficient {name}"
+    if not isinstance(table, dict):
+        raise EffectError(f"{location} is not a table {{description = ..., unit = ...}}")
+    known_keys(table, DECLARATION_KEYS, location)
+    for key, value in table.items():
+        if not (_is_number(value) if DECLARATION_KEYS[key] is float else isinstance(value, DECLARATION_KEYS[key])):
+            raise EffectError(
+                f"{location}: {key} = {visible(repr(value))[:80]} is not a {_KINDS[DECLARATION_KEYS[key]]}"
+            )
+    declaration = Coefficient(**{"description": "", **table})
+    declaration.name, declaration.section = name, section
+    return declaration
 
 
 def _is_number(value: object) -> bool:
-    """Return whether a value is a number that a double holds."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= MOST
+    """Return whether a value is a number in the range of a double."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and abs(value) <= LARGEST_DOUBLE
 
 
-def _act(told: object, source: str) -> Act:
-    place = f"{source}: [[acts]]"
-    if not isinstance(told, dict):
-        raise EffectError(f"{place} is not a table")
-    known_keys(told, ("on", "factor", "term"), place)
-    ways = [how for how in ("factor", "term") if how in told]
+def _act(table: object, source: str) -> Act:
+    location = f"{source}: [[acts]]"
+    if not isinstance(table, dict):
+        raise EffectError(f"{location} is not a table")
+    known_keys(table, ("on", "factor", "term"), location)
+    ways = [how for how in ("factor", "term") if how in table]
     if len(ways) != 1:
-        raise EffectError(f"{place}: say one of factor and term")
-    return Act(_text(told, "on", place), ways[0], formula(_text(told, ways[0], place), place))
+        raise EffectError(f"{location}: either factor or term is required")
+    return Act(_text(table, "on", location), ways[0], formula(_text(table, ways[0], location), location))

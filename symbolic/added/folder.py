@@ -1,4 +1,4 @@
-"""The folder of effect files that come with the package; every TOML file found in it is an effect."""
+"""The folder of the effect files of the package; every TOML file in it is an effect."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ def declared_effects() -> dict[str, Effect | AddedEffect]:
     Returns
     -------
     dict of str to Effect or AddedEffect
-        An `Effect` is in the lines of chapters, an `AddedEffect` is put into the lines of a model.
+        An `Effect` belongs to the equations of chapters, an `AddedEffect` is added to the equations of a model.
 
     Raises
     ------
     EffectError
-        If a file cannot be read, or declares an effect of another name than its own.
+        If a file cannot be read, or the names of file and effect differ.
 
     Examples
     --------
     >>> declared_effects()["turn_slip"].physics
-    'a turning contact patch takes from the forces and makes a moment'
+    'turn slip reduces the forces and generates a moment'
     """
     texts = {file.name: file.read_text(encoding="utf-8") for file in FOLDER.iterdir() if file.name.endswith(".toml")}
     return {name.removesuffix(".toml"): read_declared(texts[name], name) for name in sorted(texts)}

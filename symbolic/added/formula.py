@@ -1,7 +1,7 @@
-"""A formula as text and back: arithmetic, a few functions, names; nothing that could run, and nothing without bounds.
+"""Conversion of formulas from and to text: arithmetic, a few functions, names; no executable code, limited size.
 
-The text is hostile until it has been read. Its length, depth and size are bounded before anything is computed; what
-holds numbers only is computed here, in fractions and floats of bounded size, never by SymPy, which would work out
+The text is untrusted input. Its length, depth and size are checked before anything is computed. Subexpressions of
+numbers are evaluated here in fractions and floats of limited size, not by SymPy, which would evaluate
 ``exp(exp(exp(99)))`` to the last digit.
 """
 
@@ -23,9 +23,9 @@ from ..errors import EffectError, nearest
 from ..escaping import quoted
 from ..functions import absolute, sgn, sgn1
 
-#: Bounds of a formula: characters; operations within each other (a sum of n is n deep); names, numbers, operations.
+#: Limits of a formula: characters; nesting depth (n for a sum of n terms); names, numbers and operations.
 LONGEST, DEEPEST, MOST_PARTS = 2000, 80, 600
-#: Bounds of what stands in it: numbers other than 0 lie between 1/LARGEST and LARGEST.
+#: Limits of its numbers: other than 0 they are between 1/LARGEST and LARGEST; powers.
 LARGEST, HIGHEST_POWER = 1e50, 99
 
 FUNCTIONS: dict[str, Any] = {
@@ -39,7 +39,7 @@ OPERATORS: dict[type[ast.operator], Callable[..., Any]] = {
     ast.Div: operator.truediv,
     ast.Pow: operator.pow,
 }
-#: The functions on numbers.
+#: The same functions for numbers.
 ON_NUMBERS: dict[str, Callable[..., Any]] = {
     **{name: getattr(math, name) for name in ("sin", "cos", "tan", "atan", "exp", "log", "sqrt", "tanh")},
     "abs": abs,
@@ -48,35 +48,35 @@ ON_NUMBERS: dict[str, Callable[..., Any]] = {
     "sgn1": lambda x: 1 if x >= 0 else -1,
 }
 
-#: How many forms of an expression are tried until one is read as it is written.
+#: Maximum number of conversions until the printed text of an expression is read as the same expression.
 MOST_FORMS = 5
 
-_FOREIGN = re.compile(r"[^A-Za-z0-9_+\-*/().\s]")
+_NOT_ALLOWED = re.compile(r"[^A-Za-z0-9_+\-*/().\s]")
 
 
 class _Refused(ValueError):
-    """Why a part of a formula has no value."""
+    """Reason why a part of a formula is rejected."""
 
 
-def formula(text: str, place: str) -> sp.Expr:
-    """Return the expression that a text describes.
+def formula(text: str, location: str) -> sp.Expr:
+    """Return the expression of a text.
 
     Parameters
     ----------
     text : str
         ``1 + TMU1*(T - TREF)``: + - * / **, brackets, numbers, ``pi``, and the functions of `FUNCTIONS`.
-    place : str
-        Where it stands, for messages.
+    location : str
+        Origin of the text, for messages.
 
     Returns
     -------
     sympy.Expr
-        Every name is a real symbol. Every number in it is rational or a double, finite and of bounded size.
+        Names are real symbols. Numbers are rational or doubles, finite and of limited size.
 
     Raises
     ------
     EffectError
-        If the text is no formula, is beyond the bounds of this module, or a part of it has no real value.
+        If the text is not a formula, exceeds the limits of this module, or a part of it has no real value.
 
     Examples
     --------
@@ -88,19 +88,19 @@ def formula(text: str, place: str) -> sp.Expr:
     tirefmu.symbolic.errors.EffectError: example: 'T / (2 - 2)' divides by 0
     """
     try:
-        expression = _read(_tree(text), place)
-        for _ in range(MOST_FORMS):  # SymPy may write a sum in brackets and read it without
-            again = _read(_tree(formula_text(expression)), place)
+        expression = _read(_tree(text), location)
+        for _ in range(MOST_FORMS):  # SymPy may print brackets that it removes on reading
+            again = _read(_tree(formula_text(expression)), location)
             if again == expression:
                 return expression
             expression = again
     except _Refused as error:
-        raise EffectError(f"{place}: {quoted(text)} {error}") from None
-    raise EffectError(f"{place}: {quoted(text)} reads differently each time it is written")
+        raise EffectError(f"{location}: {quoted(text)} {error}") from None
+    raise EffectError(f"{location}: {quoted(text)} has no reproducible text")
 
 
 def formula_text(expression: sp.Expr) -> str:
-    """Return the text of an expression, from which `formula` reads an equal one.
+    """Return the text of an expression; `formula` is the inverse.
 
     Examples
     --------
@@ -111,18 +111,18 @@ def formula_text(expression: sp.Expr) -> str:
 
 
 class _TextPrinter(StrPrinter):
-    """SymPy's text with every digit of a float."""
+    """SymPy's text with all digits of floats."""
 
     def _print_Float(self, expr: Any) -> str:
         return repr(float(expr))
 
 
 def _tree(text: str) -> ast.expr:
-    """Return the syntax tree of a text within the bounds."""
+    """Return the syntax tree of a text within the limits."""
     if len(text) > LONGEST:
         raise _Refused(f"has more than {LONGEST} characters")
-    if foreign := _FOREIGN.search(text):
-        raise _Refused(f"is no formula: {foreign[0]!r} has no place in a formula")
+    if character := _NOT_ALLOWED.search(text):
+        raise _Refused(f"is not a formula: {character[0]!r} is not allowed in a formula")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # 1or 2
@@ -134,54 +134,54 @@ def _tree(text: str) -> ast.expr:
         parts += len(level)
         level = [below for node in level for below in ast.iter_child_nodes(node) if isinstance(below, ast.expr)]
     if level:
-        raise _Refused(f"has operations within each other more than {DEEPEST} deep")
+        raise _Refused(f"is nested more than {DEEPEST} levels deep")
     if parts > MOST_PARTS:
         raise _Refused(f"has more than {MOST_PARTS} numbers, names and operations")
     return tree
 
 
-def _read(node: ast.expr, place: str) -> sp.Expr:
-    """Return the expression of a node, checked."""
+def _read(node: ast.expr, location: str) -> sp.Expr:
+    """Return the checked expression of a node."""
     if isinstance(node, ast.Constant) and isinstance(node.value, (int, float)) and not isinstance(node.value, bool):
         value = node.value
-        return _worked_out(node, place, lambda: _number(value))
+        return _worked_out(node, location, lambda: _number(value))
     if isinstance(node, ast.Name):
         return sp.Float(math.pi) if node.id == "pi" else sp.Symbol(node.id, real=True)
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, (ast.USub, ast.UAdd)):
-        value = _read(node.operand, place)
+        value = _read(node.operand, location)
         return -value if isinstance(node.op, ast.USub) else value
     if isinstance(node, ast.BinOp) and type(node.op) in OPERATORS:
         operands = [node.left, node.right]
         apply = on_numbers = OPERATORS[type(node.op)]
     elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) == 1 and not node.keywords:
         if node.func.id not in FUNCTIONS:
-            raise EffectError(f"{place}: unknown function {node.func.id!r}{nearest(node.func.id, FUNCTIONS)}")
+            raise EffectError(f"{location}: unknown function {node.func.id!r}{nearest(node.func.id, FUNCTIONS)}")
         operands, apply = node.args, FUNCTIONS[node.func.id]
         on_numbers = ON_NUMBERS[node.func.id]
     else:
-        raise EffectError(f"{place}: {quoted(ast.unparse(node))} has no place in a formula")
-    values = [_read(operand, place) for operand in operands]
-    return _worked_out(node, place, lambda: _applied(node, values, apply, on_numbers))
+        raise EffectError(f"{location}: {quoted(ast.unparse(node))} is not allowed in a formula")
+    values = [_read(operand, location) for operand in operands]
+    return _worked_out(node, location, lambda: _applied(node, values, apply, on_numbers))
 
 
-def _worked_out(node: ast.expr, place: str, compute: Callable[[], sp.Expr]) -> sp.Expr:
+def _worked_out(node: ast.expr, location: str, compute: Callable[[], sp.Expr]) -> sp.Expr:
     try:
         return compute()
     except _Refused as error:
-        raise EffectError(f"{place}: {quoted(ast.unparse(node))} {error}") from None
+        raise EffectError(f"{location}: {quoted(ast.unparse(node))} {error}") from None
 
 
 def _applied(
     node: ast.expr, values: list[sp.Expr], apply: Callable[..., Any], on_numbers: Callable[..., Any]
 ) -> sp.Expr:
-    """Return an operation on operands: a number where they are numbers, else an expression of bounded size."""
+    """Return the result of an operation: a number if the operands are numbers, otherwise an expression of limited size."""
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
         _refuse_power(*values)
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) and values[1].is_zero:
         raise _Refused("divides by 0")
     if all(value.is_Number for value in values):
         return _of_numbers(on_numbers, [_plain(value) for value in values])
-    # sqrt(x**2) is Abs(x) to SymPy, and ours has a derivative at 0.
+    # SymPy simplifies sqrt(x**2) to Abs(x); `absolute` has a derivative at 0.
     made = sp.sympify(apply(*values)).replace(sp.Abs, absolute)
     return _settled(made)
 
@@ -190,7 +190,7 @@ def _refuse_power(base: sp.Expr, power: sp.Expr) -> None:
     if power.is_Number and abs(power) > HIGHEST_POWER:
         raise _Refused(f"has a power of {float(power):.9g}: it is too high")
     if base.is_Number and base <= 0 and not power.is_Number:
-        raise _Refused("has a base that is not positive under a power that changes")
+        raise _Refused("has a variable power of a base that is not positive")
 
 
 def _of_numbers(apply: Callable[..., Any], values: list[Fraction | float]) -> sp.Expr:
@@ -209,7 +209,7 @@ def _plain(number: sp.Expr) -> Fraction | float:
 
 
 def _number(value: Any) -> sp.Expr:
-    """Return an int, a Fraction or a float as a number of a formula, if it lies within the bounds."""
+    """Return an int, a Fraction or a float as a number of a formula if it is within the limits."""
     if isinstance(value, complex):
         raise _Refused("has no real value")
     if value == 0:
@@ -224,7 +224,7 @@ def _number(value: Any) -> sp.Expr:
 
 
 def _settled(expression: sp.Expr) -> sp.Expr:
-    """Return an expression with numbers for its constant parts, or refuse what is beyond the bounds."""
+    """Return an expression with constant parts evaluated, or reject it if it exceeds the limits."""
     parts = 0
     constants: dict[sp.Expr, sp.Expr] = {}
     level = [expression]
@@ -246,14 +246,14 @@ def _settled(expression: sp.Expr) -> sp.Expr:
                 below += node.args
         level = below
     if level or parts > MOST_PARTS:
-        raise _Refused("is too large a formula when it is written out")
+        raise _Refused("is too large when expanded")
     return expression.xreplace(constants) if constants else expression
 
 
 def _constant(node: sp.Expr) -> sp.Expr:
-    """Return the value of a power of numbers, which SymPy takes out of brackets: sqrt(2) of sqrt(2*x)."""
+    """Return the value of a power of numbers, which SymPy separates: sqrt(2) from sqrt(2*x)."""
     if not node.is_Pow:
-        raise _Refused("has a constant part: write its value")
+        raise _Refused("has a constant part: enter its value")
     _refuse_power(*node.args)
     base, power = (_plain(argument) for argument in node.args)
     return _of_numbers(operator.pow, [base, power])

@@ -1,9 +1,9 @@
-"""The effects that a tire model has or lacks: a TOML file for each, in this folder.
+"""The effects of tire models: one TOML file per effect in this folder.
 
-A file with [[acts]] is an effect that acts on named quantities of any model: the library
-(`tirefmu.symbolic.added.library`). A file without them is an effect in the lines of chapters (``effect.term``,
-``effect.factor``, ``effect.either``), which import it by name: ``from ..effects import turn_slip``. What the keys mean
-is in docs/effects.md.
+A file with [[acts]] declares an effect on named quantities of any model. These files are the library
+(`tirefmu.symbolic.added.library`). A file without [[acts]] declares an effect that is part of the equations of chapters
+(``effect.term``, ``effect.factor``, ``effect.either``). The chapters import it by name: ``from ..effects import
+turn_slip``. docs/effects.md explains the keys.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 from ..added.folder import declared_effects
 from ..notation import Effect
 
-#: Every effect of the chapters by its public name.
+#: Effects of the chapters by public name.
 EFFECTS: dict[str, Effect] = {name: effect for name, effect in declared_effects().items() if isinstance(effect, Effect)}
 
 

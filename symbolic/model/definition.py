@@ -200,7 +200,9 @@ class Model:
         ['temp_friction', 'temp_stiffness', 'wear_drift']
         """
         named = {line.symbol.name for line in self.equations if line.named} | self.roles.keys()
-        known = {quantity.name for quantity in self.inputs} | BEYOND.keys() | {card.name for card in effect.cards}
+        known = (
+            {quantity.name for quantity in self.inputs} | BEYOND.keys() | {card.name for card in effect.declarations}
+        )
         known |= {name for section in self.sections for name in section.coefficients}
         read = {symbol.name for act in effect.acts for symbol in act.expression.free_symbols}
         return named.issuperset(effect.acts_on) and known.issuperset(read)
@@ -248,7 +250,7 @@ class Model:
         taken = {**dict.fromkeys(quantities, "a quantity"), **dict.fromkeys(cards, "a coefficient")}
         taken |= {**dict.fromkeys(options, "an option"), **dict.fromkeys(EFFECTS, "an effect")}
         for effect in effects:
-            for name in (effect.name, *(card.name for card in effect.cards)):
+            for name in (effect.name, *(card.name for card in effect.declarations)):
                 if name in taken:
                     raise EffectError(f"effect {effect.name}: {name} is {taken[name]} of {self.name} already")
 
@@ -381,10 +383,10 @@ def _sections(effects: Sequence[AddedEffect]) -> list[type[Section]]:
     seen: dict[str, Coefficient] = {}
     sections = []
     for effect in effects:
-        for card in effect.cards:
+        for card in effect.declarations:
             if card.name in seen and seen[card.name] != card:
                 raise EffectError(f"{card.name} of {effect.name} is another coefficient elsewhere")
-        own = {card.name: copy(card) for card in effect.cards if card.name not in seen}
+        own = {card.name: copy(card) for card in effect.declarations if card.name not in seen}
         seen |= own
         if own:
             keywords = {"title": effect.section}

@@ -58,15 +58,15 @@ def problem(tire, table):
     """Return the least-squares problem of the recording, at the noise that it was made with."""
     signals = signals_of(table, tire, "adapted-sae", smooth=False)
     noise = np.array([NOISE[name] for name in signals.channels])
-    root = np.where(signals.present & ~signals.holdout, 1.0 / noise[:, None], 0.0)
+    inverse_noise = np.where(signals.present & ~signals.holdout, 1.0 / noise[:, None], 0.0)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(simulation, "code_for", lambda book, _: code_for(book, "numpy"))  # nothing to compile
         simulator = Simulator(tire, signals)
-    return LeastSquares(simulator, root, disturbances_of(signals, noise), tire.book.prior_center | VALUES)
+    return LeastSquares(simulator, inverse_noise, disturbances_of(signals, noise), tire.book.prior_center | VALUES)
 
 
 @pytest.fixture(scope="session")
-def at_the_truth(problem, tire):
+def at_true_values(problem, tire):
     """Return a screen at the coefficients that the recording was made with."""
     screen = Screen(problem, problem.at(tire.parameters(), FREE))
     screen.learn_noise({})
@@ -79,7 +79,7 @@ def without_camber(problem, tire):
     made = replace(tire, values={**tire.values, "PVY3": 0.3})
     rows = measured(made, sweeps())
     signals = signals_of(rows, tire, "adapted-sae", smooth=False)
-    other = replace(problem, simulator=problem.simulator.over(signals))
+    other = replace(problem, simulator=problem.simulator.with_signals(signals))
     screen = Screen(other, other.at(tire.parameters(), FREE))
     screen.learn_noise({})
     return screen

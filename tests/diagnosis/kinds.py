@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from .suite import BENT, SIZES, TROUBLES, UNKNOWN, USUAL, Case, make_case
+from .suite import ARTEFACTS, BENT, DEFAULT_EFFECTS, SIZES, UNKNOWN, Case, make_case
 
 #: How many cases make the whole of a kind: every effect twice, thirty recordings with nothing missing.
-WHOLE = {
+NUMBER_OF_CASES = {
     "single": 2 * len(SIZES),
     "bent": 10,
     "double": 6,
@@ -33,8 +33,8 @@ CONFOUNDED = (
     ("small_slip", "pressure_friction", "pressure_stiffness", "pressure_stiffness", "small and large slip"),
 )
 #: What benches of some kinds do not record, and the effects that then cannot be known.
-GONE = (("T",), ("p",), ("Fx",), ("Mz",), ("T", "V"))
-NEEDS = {
+MISSING_COLUMNS = (("T",), ("p",), ("Fx",), ("Mz",), ("T", "V"))
+EFFECTS_OF_COLUMN = {
     "T": ("temp_friction", "temp_stiffness"), "p": ("pressure_stiffness", "pressure_friction"),
     "V": ("speed_friction", "relax_lat", "relax_lon", "relax_load", "wear_drift"),
     "Fx": ("relax_lon", "combined_Gxa", "Mz_from_Fx"), "Mz": ("residual_torque_Mzr", "trail_load", "Mz_from_Fx"),
@@ -42,7 +42,9 @@ NEEDS = {
 #: Effects that a bench may well have known before.
 COMMON = tuple(
     name for name in SIZES
-    if name not in (*USUAL, "wear_drift", "relax_load", "overturning_Mx", "rolling_resistance_My", "turn_slip")
+    if name not in (
+        *DEFAULT_EFFECTS, "wear_drift", "relax_load", "overturning_Mx", "rolling_resistance_My", "turn_slip"
+    )
 )  # fmt: skip
 
 
@@ -52,37 +54,37 @@ def case_of(kind: str, i: int) -> Case:
     Parameters
     ----------
     kind : str
-        Of `WHOLE`.
+        Of `NUMBER_OF_CASES`.
     i : int
         Its number, from 0.
     """
-    rng = np.random.default_rng([list(WHOLE).index(kind), i])
-    seed = 1000 * (1 + list(WHOLE).index(kind)) + i
-    trouble = tuple(str(name) for name in rng.choice(TROUBLES, rng.integers(0, 3), replace=False))
+    rng = np.random.default_rng([list(NUMBER_OF_CASES).index(kind), i])
+    seed = 1000 * (1 + list(NUMBER_OF_CASES).index(kind)) + i
+    artefacts = tuple(str(name) for name in rng.choice(ARTEFACTS, rng.integers(0, 3), replace=False))
     noise, signs = float(rng.choice([0.6, 1.0, 1.5])), str(rng.choice(["adapted-sae", "iso"]))
     rate = float(rng.choice([50.0, 30.0, 100.0], p=[0.6, 0.25, 0.15]))
     known = _chosen(rng, COMMON, int(rng.integers(0, 4)))
     if kind == "null":
-        gone = GONE[i // 2 % len(GONE)] if i % 2 else ()
-        known = tuple(name for name in known if not any(name in NEEDS[column] for column in gone))
-        return make_case(seed, noise=noise, extra=known, trouble=trouble, rate=rate, without=gone, signs=signs)
+        gone = MISSING_COLUMNS[i // 2 % len(MISSING_COLUMNS)] if i % 2 else ()
+        known = tuple(name for name in known if not any(name in EFFECTS_OF_COLUMN[column] for column in gone))
+        return make_case(seed, noise=noise, extra=known, artefacts=artefacts, rate=rate, without=gone, signs=signs)
     if kind == "unknown":
         what = tuple(UNKNOWN)[i % len(UNKNOWN)]
-        return make_case(seed, noise=noise, extra=known[:1], trouble=trouble, unknown=what, rate=rate, signs=signs)
+        return make_case(seed, noise=noise, extra=known[:1], artefacts=artefacts, unknown=what, rate=rate, signs=signs)
     if kind == "confounded":
         program, hidden, *_ = CONFOUNDED[i]
         return make_case(seed, (hidden,), noise=noise, strength=1.5, kind=program, signs=signs)
     if kind in ("double", "triple"):
         hidden = _chosen(rng, (*COMMON, "combined_Gxa", "load_friction"), 2 if kind == "double" else 3)
-        return make_case(seed, hidden, noise=noise, trouble=trouble, rate=rate, signs=signs)
+        return make_case(seed, hidden, noise=noise, artefacts=artefacts, rate=rate, signs=signs)
     if kind == "bent":
-        hidden = _chosen(rng, (*COMMON, *USUAL), 1)
-        return make_case(seed, hidden, noise=noise, trouble=trouble, signs=signs, bent=BENT[i % len(BENT)])
+        hidden = _chosen(rng, (*COMMON, *DEFAULT_EFFECTS), 1)
+        return make_case(seed, hidden, noise=noise, artefacts=artefacts, signs=signs, bent=BENT[i % len(BENT)])
     one = list(SIZES)[i % len(SIZES)]
     known = _chosen(rng, tuple(name for name in known if name != one), 3, beside=(one,))
     strength = float(rng.choice([0.7, 1.0, 1.5]))
     program = "turning" if one == "turn_slip" else "full"
-    return make_case(seed, (one,), noise=noise, extra=known, trouble=trouble, strength=strength, rate=rate,
+    return make_case(seed, (one,), noise=noise, extra=known, artefacts=artefacts, strength=strength, rate=rate,
                      signs=signs, kind=program)  # fmt: skip
 
 

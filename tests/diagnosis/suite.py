@@ -20,7 +20,7 @@ from tirefmu.tires.tire import Tire
 
 from .programs import program, slow
 
-USUAL = ("load_friction", "load_stiffness", "combined_Gyk", "combined_Gxa")
+DEFAULT_EFFECTS = ("load_friction", "load_stiffness", "combined_Gyk", "combined_Gxa")
 
 #: Coefficients that switch each effect on, adapted SAE; sizes as in nature, times the case's strength.
 SIZES: Mapping[str, Mapping[str, float]] = {
@@ -70,7 +70,7 @@ UNKNOWN: Mapping[str, frozenset[str]] = {
 #: What a base formula of another form does: see `_bent`.
 BENT = ("slip", "peak", "load", "shoulder")
 #: Disturbances of the recording.
-TROUBLES = ("ripple", "outliers", "cross_talk", "drift", "coarse", "noisy_inputs", "offsets")
+ARTEFACTS = ("ripple", "outliers", "cross_talk", "drift", "coarse", "noisy_inputs", "offsets")
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class Case:
 
 def make_case(
     seed: int, hidden: tuple[str, ...] = (), *, strength: float = 1.0, noise: float = 1.0, extra: tuple[str, ...] = (),
-    trouble: tuple[str, ...] = (), unknown: str = "", rate: float = 50.0, sweeps: int = 30,
+    artefacts: tuple[str, ...] = (), unknown: str = "", rate: float = 50.0, sweeps: int = 30,
     without: tuple[str, ...] = (), kind: str = "full", bent: str = "", signs: str = "adapted-sae",
 ) -> Case:  # fmt: skip
     """Make a recording.
@@ -124,8 +124,8 @@ def make_case(
         1: as in nature, as on a bench.
     extra : tuple of str
         Effects that tire and start model have beside the usual ones.
-    trouble : tuple of str
-        Of the recording: names of `TROUBLES`.
+    artefacts : tuple of str
+        Of the recording: names of `ARTEFACTS`.
     unknown : str
         Structure that no library knows: a name of `UNKNOWN`.
     rate : float, Hz
@@ -140,7 +140,7 @@ def make_case(
         Of the tables.
     """
     rng = np.random.default_rng(seed)
-    base = tuple(dict.fromkeys(name for name in (*USUAL, *extra) if name not in hidden))
+    base = tuple(dict.fromkeys(name for name in (*DEFAULT_EFFECTS, *extra) if name not in hidden))
     tire = _tire(rng, (*base, *hidden), strength)
     nominal = {"Fz0": tire.values["FNOMIN"], "R0": tire.values["UNLOADED_RADIUS"], "p0": 220e3, "V0": 16.7}
     others = kind if kind in ("cornering", "turning") else "full"
@@ -149,9 +149,9 @@ def make_case(
         for part, n, which in ((1, sweeps, kind), (2, 10, others))
     )
     truth, test = (_answer(tire, table, unknown, bent) for table in (imposed, other))
-    recorded = _recorded(rng, truth, noise, trouble).drop(columns=list(without))
+    recorded = _recorded(rng, truth, noise, artefacts).drop(columns=list(without))
     what = "+".join((*hidden, unknown)).strip("+") or "nothing"
-    name = " ".join((f"{seed} {what} x{strength:g} noise {noise:g}", *trouble, bent)).strip()
+    name = " ".join((f"{seed} {what} x{strength:g} noise {noise:g}", *artefacts, bent)).strip()
     recorded, truth, test = (convert_signs(table, "adapted-sae", signs) for table in (recorded, truth, test))
     return Case(name, hidden, base, nominal, recorded, truth, test, tire, signs, unknown)
 
@@ -169,7 +169,7 @@ def _tire(rng: np.random.Generator, effects: tuple[str, ...], strength: float) -
     }  # fmt: skip
     for effect in effects:
         for name, size in SIZES[effect].items():
-            own = 1.0 if name in UNSCALED or effect in USUAL else strength
+            own = 1.0 if name in UNSCALED or effect in DEFAULT_EFFECTS else strength
             sign = rng.choice([-1.0, 1.0]) if effect in EITHER_SIGN else 1.0
             values[name] = about(size, 0.15) * own * sign
     if "load_stiffness" not in effects:
@@ -224,7 +224,7 @@ def _add_unknown(forces: pd.DataFrame, table: pd.DataFrame, load: float, unknown
         forces["Mz"] *= 1.0 - 0.3 * (table["V"] / 16.7 - 1.0) * relative
 
 
-def _recorded(rng: np.random.Generator, truth: pd.DataFrame, noise: float, trouble: tuple[str, ...]) -> pd.DataFrame:
+def _recorded(rng: np.random.Generator, truth: pd.DataFrame, noise: float, artefacts: tuple[str, ...]) -> pd.DataFrame:
     """Return what the bench records of the truth."""
     n = len(truth)
 
@@ -237,24 +237,24 @@ def _recorded(rng: np.random.Generator, truth: pd.DataFrame, noise: float, troub
         true = truth[name].to_numpy()
         size = float(np.abs(true).max())
         drift = gaussian_filter1d(rng.standard_normal(n + 4000), 800)[2000:-2000]
-        drift *= (0.004 if "drift" in trouble else 0.001) * size / (np.std(drift) + 1e-12)
+        drift *= (0.004 if "drift" in artefacts else 0.001) * size / (np.std(drift) + 1e-12)
         deviation = noise * np.hypot(0.004 * size, 0.01 * true)
-        offset = (0.01 if "offsets" in trouble else 0.002) * size * rng.standard_normal()
+        offset = (0.01 if "offsets" in artefacts else 0.002) * size * rng.standard_normal()
         recorded[name] = true + deviation * random(0.5) + offset + drift
-        if "ripple" in trouble:
+        if "ripple" in artefacts:
             angle = np.cumsum(truth["V"].to_numpy()) * (t[1] - t[0]) / 0.29
             recorded[name] += 0.005 * size * np.sin(angle + rng.uniform(0.0, 6.0))
-        if "outliers" in trouble:
+        if "outliers" in artefacts:
             recorded.loc[rng.choice(n, 12, replace=False), name] += 0.3 * size * rng.choice([-1.0, 1.0], 12)
-        step = size / (400.0 if "coarse" in trouble else 2500.0)
+        step = size / (400.0 if "coarse" in artefacts else 2500.0)
         recorded[name] = np.round(recorded[name] / step) * step
-    if "cross_talk" in trouble:
+    if "cross_talk" in artefacts:
         recorded["Fx"] += 0.003 * truth["Fy"]
         recorded["Fy"] -= 0.003 * truth["Fx"]
     sizes = {
         "kappa": 4e-4, "alpha": 2e-4, "gamma": 5e-5, "Fz": 0.0025 * truth["Fz"].mean(), "p": 300.0, "V": 0.02, "T": 0.4,
     }  # fmt: skip
-    scale = 2.5 if "noisy_inputs" in trouble else 1.0
+    scale = 2.5 if "noisy_inputs" in artefacts else 1.0
     for name, size in sizes.items():
         recorded[name] = truth[name] + scale * noise * size * random(0.2)
     return recorded

@@ -93,7 +93,7 @@ def test_a_probe_of_stiffness_holds_it_at_nominal_load(without_camber, tire):
     before = without_camber.solution.parameters
     for probe in form.probes:
         after = without_camber.probed(form, probe)
-        assert after[simulator.place["PKY2"]] == probe["PKY2"]
-        assert after[simulator.place["PKY1"]] != before[simulator.place["PKY1"]]
+        assert after[simulator.index["PKY2"]] == probe["PKY2"]
+        assert after[simulator.index["PKY1"]] != before[simulator.index["PKY1"]]
         held = [simulator.at_nominal("stiffness_y", each) for each in (before, after)]
         np.testing.assert_allclose(held[1], held[0], rtol=1e-12)

@@ -156,9 +156,9 @@ def test_the_json_is_json_whatever_stands_in_it(thrust, text, tmp_path):
     assert json.loads(told, parse_constant=refuse)["verdict"] == text
 
 
-@pytest.mark.parametrize(("seed", "trouble"), [(11, ()), (12, ("outliers",)), (13, ("ripple", "drift"))])
-def test_nothing_is_found_where_nothing_is_missing(seed, trouble):
-    diagnosis = answer(make_case(seed, extra=("camber_thrust",), trouble=trouble))
+@pytest.mark.parametrize(("seed", "artefacts"), [(11, ()), (12, ("outliers",)), (13, ("ripple", "drift"))])
+def test_nothing_is_found_where_nothing_is_missing(seed, artefacts):
+    diagnosis = answer(make_case(seed, extra=("camber_thrust",), artefacts=artefacts))
     assert diagnosis.found == ()
     assert diagnosis.verdict.startswith("Nothing material is missing")
     assert diagnosis.detectable["temp_friction"]["Fy"] > 0.0

@@ -14,28 +14,28 @@ FRICTION = Form(("PDY3",), ({"PDY3": 3.0},))
 
 
 def test_a_missing_effect_is_seen_at_its_size_and_improves_the_prediction(without_camber):
-    trace = without_camber.trace(without_camber.columns(THRUST))
-    assert trace.p < 1e-6
-    assert trace.estimate == pytest.approx([0.3 / 0.15], rel=0.1)
-    assert abs(trace.estimate[0] - 2.0) < 4.0 * trace.error[0]
-    assert trace.loss.sum() < 0.5 * without_camber.base.loss.sum()
+    response = without_camber.response(without_camber.columns(THRUST))
+    assert response.p < 1e-6
+    assert response.estimate == pytest.approx([0.3 / 0.15], rel=0.1)
+    assert abs(response.estimate[0] - 2.0) < 4.0 * response.error[0]
+    assert response.loss.sum() < 0.5 * without_camber.baseline.loss.sum()
 
 
-def test_what_is_not_missing_is_not_seen(at_the_truth):
+def test_what_is_not_missing_is_not_seen(at_true_values):
     for form in (THRUST, FRICTION):
-        trace = at_the_truth.trace(at_the_truth.columns(form))
-        assert trace.p > 1e-3
-        assert abs(trace.estimate[0]) < 4.0 * trace.error[0] < 0.2
-        assert trace.loss.sum() > 0.99 * at_the_truth.base.loss.sum()
+        response = at_true_values.response(at_true_values.columns(form))
+        assert response.p > 1e-3
+        assert abs(response.estimate[0]) < 4.0 * response.error[0] < 0.2
+        assert response.loss.sum() > 0.99 * at_true_values.baseline.loss.sum()
 
 
 def test_what_the_base_can_do_itself_cannot_be_seen(without_camber):
     column = without_camber.tangent[:, :, [2]]
     free = without_camber.project(column)
     assert np.linalg.norm(free) < 0.02 * np.linalg.norm(column)
-    trace = without_camber.trace(column)
-    assert (trace.p, trace.estimate.tolist()) == (1.0, [0.0])
-    assert np.isinf(trace.error).all()
+    response = without_camber.response(column)
+    assert (response.p, response.estimate.tolist()) == (1.0, [0.0])
+    assert np.isinf(response.error).all()
 
 
 def test_a_projection_is_at_right_angles_to_the_freedom_and_leaves_the_rest(without_camber):
@@ -43,7 +43,7 @@ def test_a_projection_is_at_right_angles_to_the_freedom_and_leaves_the_rest(with
     free = without_camber.project(columns)
     tangent = without_camber.tangent.reshape(-1, without_camber.tangent.shape[-1])
     cosines = (tangent.T @ free.reshape(-1)) / np.linalg.norm(tangent, axis=0) / np.linalg.norm(free)
-    firm = without_camber.belief < 0.01 * np.sum(tangent**2, axis=0)  # a belief that pulls leaves some of it
+    firm = without_camber.prior_precision < 0.01 * np.sum(tangent**2, axis=0)  # a belief that pulls leaves some of it
     assert firm.any()
     assert np.max(np.abs(cosines[firm])) < 0.02
     np.testing.assert_allclose(without_camber.project(free), free, atol=0.02 * np.abs(free).max())
@@ -52,24 +52,24 @@ def test_a_projection_is_at_right_angles_to_the_freedom_and_leaves_the_rest(with
 # ------------------------------------------------------------------ other explanations
 
 
-def test_a_zero_offset_imitates_what_it_shifts(at_the_truth):
+def test_a_zero_offset_imitates_what_it_shifts(at_true_values):
     """An error of the slip angle is a horizontal shift; one of the inclination is not."""
-    aliases = alias_columns(at_the_truth)
-    told = correlations(at_the_truth, ("PHY1",), aliases, {})
+    aliases = alias_columns(at_true_values)
+    told = correlations(at_true_values, ("PHY1",), aliases, {})
     assert told["slip_angle_zero_offset"] > CONFOUNDED > told["slip_zero_offset"]
     assert all(0.0 <= value <= 1.0 + 1e-9 for value in told.values())
 
 
-def test_an_explanation_imitates_itself_whatever_its_size_and_sign(at_the_truth):
-    own = at_the_truth.tangent[:, :, [5]]  # of PHY1
-    told = correlations(at_the_truth, ("PHY1",), {"itself": own, "reversed": -7.0 * own}, {"other": own * 0.0})
+def test_an_explanation_imitates_itself_whatever_its_size_and_sign(at_true_values):
+    own = at_true_values.tangent[:, :, [5]]  # of PHY1
+    told = correlations(at_true_values, ("PHY1",), {"itself": own, "reversed": -7.0 * own}, {"other": own * 0.0})
     assert told == pytest.approx({"itself": 1.0, "reversed": 1.0})
 
 
-def test_what_the_rest_of_the_model_can_do_does_not_tell_explanations_apart(at_the_truth):
-    own, friction = at_the_truth.tangent[:, :, [5]], at_the_truth.tangent[:, :, [2]]  # of PHY1 and PDY1
+def test_what_the_rest_of_the_model_can_do_does_not_tell_explanations_apart(at_true_values):
+    own, friction = at_true_values.tangent[:, :, [5]], at_true_values.tangent[:, :, [2]]  # of PHY1 and PDY1
     friction = friction * np.linalg.norm(own) / np.linalg.norm(friction)
-    told = correlations(at_the_truth, ("PHY1",), {"mixed": own + 2.0 * friction}, {})
+    told = correlations(at_true_values, ("PHY1",), {"mixed": own + 2.0 * friction}, {})
     assert told["mixed"] == pytest.approx(1.0, abs=1e-3)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from tirefmu.diagnosis.least_squares import LeastSquares
 from tirefmu.diagnosis.recording.disturbances import reported_disturbances
-from tirefmu.diagnosis.thresholds import MOST_CROSS_TALK
+from tirefmu.diagnosis.thresholds import MAX_CROSS_TALK
 from tirefmu.symbolic import model as book_of
 from tirefmu.symbolic.added import library
 from tirefmu.tires.tire import Tire
@@ -17,13 +17,13 @@ FREE = ("PDX1", "PKX1", "PDY1", "PDY2", "PKY1", "PHY1", "QDZ1")
 
 def test_a_tire_is_found_again_from_elsewhere(problem, tire):
     start = tire.parameters()
-    places = [problem.simulator.place[name] for name in FREE]
+    places = [problem.simulator.index[name] for name in FREE]
     truth = start[places].copy()
     start[places] *= 0.8
     solution = problem.solve(start, FREE)
     deviation = np.sqrt(np.diag(np.linalg.inv(problem._normal(solution.parameters, FREE, solution.disturbance)[0])))
     assert np.max(np.abs(solution.parameters[places] - truth) / deviation) < 4.0
-    assert solution.cost < 0.5 * problem.root.size
+    assert solution.cost < 0.5 * problem.inverse_noise.size
     np.testing.assert_array_equal(np.delete(solution.parameters, places), np.delete(start, places))
 
 
@@ -37,8 +37,8 @@ def test_the_gradient_is_the_slope_of_the_cost(problem, tire):
         costs = []
         for sign in (1.0, -1.0):
             moved = parameters.copy()
-            step = 1e-5 * abs(moved[held.simulator.place[name]])
-            moved[held.simulator.place[name]] += sign * step
+            step = 1e-5 * abs(moved[held.simulator.index[name]])
+            moved[held.simulator.index[name]] += sign * step
             costs.append(held._cost(moved, FREE, held.best_disturbance(held.misfit(moved))))
         assert (costs[1] - costs[0]) / (2.0 * step) == pytest.approx(descent[i], rel=1e-4)
 
@@ -52,8 +52,8 @@ class BoundFriction(LeastSquares):
 
 
 def test_a_coefficient_that_is_pushed_against_its_bound_ends_on_it(problem, tire):
-    bound = BoundFriction(problem.simulator, problem.root, problem.disturbances, problem.center)
-    place = problem.simulator.place["PDY1"]
+    bound = BoundFriction(problem.simulator, problem.inverse_noise, problem.disturbances, problem.center)
+    place = problem.simulator.index["PDY1"]
     assert tire.parameters()[place] > 1.5
     solution = bound.solve(tire.parameters(), FREE)
     assert solution.parameters[place] == 1.5
@@ -62,11 +62,11 @@ def test_a_coefficient_that_is_pushed_against_its_bound_ends_on_it(problem, tire
 
 
 def test_rows_that_take_no_part_have_no_influence(problem, tire):
-    parameters, silent = tire.parameters(), problem.root == 0.0
+    parameters, silent = tire.parameters(), problem.inverse_noise == 0.0
     signals = problem.simulator.signals
     assert silent.any()
     spoiled = replace(signals, measured=np.where(silent, 1e4, signals.measured))
-    other = replace(problem, simulator=problem.simulator.over(spoiled))
+    other = replace(problem, simulator=problem.simulator.with_signals(spoiled))
     one, two = (each.best_disturbance(each.misfit(parameters)) for each in (problem, other))
     np.testing.assert_allclose(one, two, atol=1e-9)
 
@@ -74,13 +74,13 @@ def test_rows_that_take_no_part_have_no_influence(problem, tire):
 def test_priors_are_about_coefficients_and_narrower_than_their_bounds():
     size = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
     books = (book_of("mf96"), Tire("mf61", size, added=tuple(library().values())).book)
-    cards = {**books[0].coefficients, **books[1].coefficients}
+    declarations = {**books[0].coefficients, **books[1].coefficients}
     for book in books:
         assert {"PCY1", "PDY2", "RBY1"} < book.prior_spread.keys()
         for name, spread in book.prior_spread.items():
-            assert 0.0 < spread < cards[name].upper - cards[name].lower, name
+            assert 0.0 < spread < declarations[name].upper - declarations[name].lower, name
         for name, center in book.prior_center.items():
-            assert cards[name].lower <= center <= cards[name].upper, name
+            assert declarations[name].lower <= center <= declarations[name].upper, name
 
 
 # ------------------------------------------------------------------ what belongs to the recording
@@ -94,7 +94,7 @@ def test_offsets_drifts_and_cross_talk_of_a_bench_are_found(problem, tire):
     measured[place["Fx"]] += 12.0
     measured[place["Mz"]] += 0.6 * np.cos(2.0 * along)
     measured[place["Fy"]] += 0.004 * signals.measured[place["Fx"]]
-    other = replace(problem, simulator=problem.simulator.over(replace(signals, measured=measured)))
+    other = replace(problem, simulator=problem.simulator.with_signals(replace(signals, measured=measured)))
     found = other.best_disturbance(other.misfit(tire.parameters()))
     told = reported_disturbances(problem.disturbances, found, other.simulator.signals)
     assert told["offset"]["Fx"] == pytest.approx(12.0, abs=1.0)
@@ -108,8 +108,8 @@ def test_offsets_drifts_and_cross_talk_of_a_bench_are_found(problem, tire):
 def test_large_cross_talk_is_something_of_the_tire(problem):
     disturbances = problem.disturbances
     values = np.full(len(disturbances.names), 1e3)
-    values[disturbances.names.index("cross_talk_Fx_in_Fy")] = 0.9 * MOST_CROSS_TALK
-    values[disturbances.names.index("cross_talk_Fy_in_Fx")] = -1.1 * MOST_CROSS_TALK
+    values[disturbances.names.index("cross_talk_Fx_in_Fy")] = 0.9 * MAX_CROSS_TALK
+    values[disturbances.names.index("cross_talk_Fy_in_Fx")] = -1.1 * MAX_CROSS_TALK
     kept = disturbances.plausible(values)
     assert set(disturbances.names) - set(kept.names) == {"cross_talk_Fy_in_Fx"}
     for i, name in enumerate(kept.names):

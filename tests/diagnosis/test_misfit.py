@@ -5,22 +5,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tirefmu.diagnosis.probing.baseline_fit import weighed
+from tirefmu.diagnosis.probing.baseline_fit import reweighted
 from tirefmu.diagnosis.recording.measurement_artefacts import quantisation, ripple
-from tirefmu.diagnosis.thresholds import LARGEST_CHANGE, OUTLIER
-from tirefmu.diagnosis.verdict.extrapolation import reaches
-from tirefmu.diagnosis.verdict.fit_error import gaps, noise_floor
+from tirefmu.diagnosis.thresholds import MAX_CHANGE, OUTLIER
+from tirefmu.diagnosis.verdict.extrapolation import extrapolations
+from tirefmu.diagnosis.verdict.fit_error import fit_errors, noise_floor
 from tirefmu.diagnosis.verdict.residual_location import residual_maps, time_course
 
 NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
 
 
-def test_the_noise_floor_is_the_noise(at_the_truth):
-    assert noise_floor(at_the_truth.signals) == pytest.approx(NOISE, rel=0.1)
+def test_the_noise_floor_is_the_noise(at_true_values):
+    assert noise_floor(at_true_values.signals) == pytest.approx(NOISE, rel=0.1)
 
 
-def test_at_the_truth_nothing_is_left_but_noise(at_the_truth, without_camber):
-    told = gaps(without_camber, at_the_truth)
+def test_at_the_truth_nothing_is_left_but_noise(at_true_values, without_camber):
+    told = fit_errors(without_camber, at_true_values)
     for part in ("train", "cv", "holdout"):
         for channel, noise in NOISE.items():
             assert told[part][channel]["after"] == pytest.approx(noise, rel=0.15)
@@ -29,20 +29,23 @@ def test_at_the_truth_nothing_is_left_but_noise(at_the_truth, without_camber):
         assert told["cv"][channel]["after"] >= told["train"][channel]["after"]
 
 
-def test_the_map_of_a_missing_effect_grows_with_its_input(without_camber, at_the_truth):
+def test_the_map_of_a_missing_effect_grows_with_its_input(without_camber, at_true_values):
     def worst(screen):
         maps = residual_maps(screen)
         return {(one["channel"], *one["over"]): one["worst"] for one in maps}
 
-    seen, flat = worst(without_camber)["Fy", "Fz", "gamma"], worst(at_the_truth)["Fy", "Fz", "gamma"]
+    seen, flat = worst(without_camber)["Fy", "Fz", "gamma"], worst(at_true_values)["Fy", "Fz", "gamma"]
     assert abs(seen["mean"]) > 2.0 > 1.5 > abs(flat["mean"])
     assert min(abs(seen["from"][1]), abs(seen["to"][1])) > 0.02
-    assert sum(map(sum, residual_maps(at_the_truth)[0]["count"])) == (at_the_truth.problem.root[0] > 0.0).sum()
+    assert (
+        sum(map(sum, residual_maps(at_true_values)[0]["count"]))
+        == (at_true_values.problem.inverse_noise[0] > 0.0).sum()
+    )
 
 
-def test_the_course_of_the_misfit_is_one_where_only_noise_is_left(without_camber, at_the_truth):
-    told = time_course(without_camber, at_the_truth)["Fy"]
-    assert len(told["t"]) == len(told["before"]) == at_the_truth.n_blocks
+def test_the_course_of_the_misfit_is_one_where_only_noise_is_left(without_camber, at_true_values):
+    told = time_course(without_camber, at_true_values)["Fy"]
+    assert len(told["t"]) == len(told["before"]) == at_true_values.n_blocks
     np.testing.assert_allclose(told["after"], 1.0, atol=0.4)
     assert max(told["before"]) > 1.5
 
@@ -55,12 +58,12 @@ def test_weights_are_one_over_the_noise_and_spikes_are_left_out(problem, tire):
     rows = np.flatnonzero(~signals.holdout)[100::200]
     measured = signals.measured.copy()
     measured[1, rows] += 20.0 * OUTLIER * NOISE["Fy"]
-    other = replace(problem, simulator=problem.simulator.over(replace(signals, measured=measured)))
-    found = weighed(other, other.at(tire.parameters(), ("PDY1",)))
-    assert not found.root[1, rows].any()
-    assert not found.root[:, signals.holdout].any()
+    other = replace(problem, simulator=problem.simulator.with_signals(replace(signals, measured=measured)))
+    found = reweighted(other, other.at(tire.parameters(), ("PDY1",)))
+    assert not found.inverse_noise[1, rows].any()
+    assert not found.inverse_noise[:, signals.holdout].any()
     for i, name in enumerate(signals.channels):
-        weights = found.root[i][found.root[i] > 0.0]
+        weights = found.inverse_noise[i][found.inverse_noise[i] > 0.0]
         assert np.sqrt(np.mean(weights**-2.0)) == pytest.approx(NOISE[name], rel=0.15)
         assert len(weights) > 0.97 * (~signals.holdout).sum() - len(rows)
 
@@ -68,35 +71,35 @@ def test_weights_are_one_over_the_noise_and_spikes_are_left_out(problem, tire):
 # ------------------------------------------------------------------ beyond the recording
 
 
-def test_an_effect_reaches_as_far_as_its_input(at_the_truth):
-    told = reaches(at_the_truth.problem, at_the_truth.solution, {"load_friction": ("Fz", "alpha", "T")})
+def test_an_effect_reaches_as_far_as_its_input(at_true_values):
+    told = extrapolations(at_true_values.problem, at_true_values.solution, {"load_friction": ("Fz", "alpha", "T")})
     (reach,) = told  # slips have their own range in every recording, and there is no T
     assert (reach.effect, reach.input) == ("load_friction", "Fz")
     assert reach.lower == pytest.approx(600.0, rel=0.02)
     assert reach.upper == pytest.approx(1400.0, rel=0.02)
-    assert reach.doubtful == (reach.change > LARGEST_CHANGE)
+    assert reach.doubtful == (reach.change > MAX_CHANGE)
 
 
 def test_what_counts_beyond_a_load_is_force_per_load(problem, tire):
     """A tire of constant friction: Fx and Fy over Fz stay; Mz over Fz is in proportion to load, as the trail is."""
     simulator, parameters = problem.simulator, tire.parameters()
     for name in simulator.book.owned("load_friction") | {"PHY2", "QDZ2", "QBZ2"}:
-        if name in simulator.place:
-            parameters[simulator.place[name]] = 0.0
-    parameters[simulator.place["PKY2"]] = 1e6  # stiffness in proportion to load
-    parameters[simulator.place["PKY1"]] = 2e7
-    (reach,) = reaches(problem, problem.at(parameters, ("PDY1",)), {"load_friction": ("Fz",)})
+        if name in simulator.index:
+            parameters[simulator.index[name]] = 0.0
+    parameters[simulator.index["PKY2"]] = 1e6  # stiffness in proportion to load
+    parameters[simulator.index["PKY1"]] = 2e7
+    (reach,) = extrapolations(problem, problem.at(parameters, ("PDY1",)), {"load_friction": ("Fz",)})
     assert reach.channel == "Mz"
     further = 0.5 * (reach.upper - reach.lower)
     assert reach.change == pytest.approx(further / reach.lower, rel=0.01)
 
 
-# ------------------------------------------------------------------ traces of the bench
+# ------------------------------------------------------------------ responses of the bench
 
 
-def test_a_ripple_once_per_revolution_is_found_in_its_channel(at_the_truth):
+def test_a_ripple_once_per_revolution_is_found_in_its_channel(at_true_values):
     """At 10 m/s and a rolling radius of 0.29 m; the wheel turns with the longitudinal slip, too."""
-    signals, rng = at_the_truth.signals, np.random.default_rng(0)
+    signals, rng = at_true_values.signals, np.random.default_rng(0)
     speed = np.full((1, len(signals.t)), 10.0)
     signals = replace(signals, names=(*signals.names, "V"), inputs=np.concatenate([signals.inputs, speed]))
     assert ripple(signals, rng.normal(size=signals.measured.shape), 0.3) == {}  # V is nominal: not recorded

@@ -89,7 +89,7 @@ def test_ripple_steps_and_channels_that_show_nothing_are_of_the_recording():
     assert answer.recording["ripple"]["Fy"] == pytest.approx(40.0, rel=0.15)
     assert answer.recording["quantisation"]["Fy"] == pytest.approx(5.0)
     assert list(answer.recording["left_aside"]) == ["Fx"]
-    kept = answer.kept_apart(len(table))
+    kept = answer.holdout_mask(len(table))
     assert 0.05 < kept.mean() < 0.2
 
 

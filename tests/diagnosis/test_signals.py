@@ -89,5 +89,5 @@ def test_what_cannot_be_used_is_said(table, tire, change, said):
 def test_without_a_slip_the_longitudinal_force_is_left_aside(table, tire):
     signals = signals_of(table.assign(kappa=0.0), tire, "adapted-sae")
     assert signals.channels == ("Fy", "Mz")
-    assert list(signals.left_aside) == ["Fx"]
-    assert signals.places.tolist() == [1, 2]
+    assert list(signals.excluded_channels) == ["Fx"]
+    assert signals.output_index.tolist() == [1, 2]

@@ -13,8 +13,8 @@ from tirefmu.diagnosis.unexplained.features import features
 from tirefmu.symbolic.added.folder import declared_effects
 from tirefmu.symbolic.added.formula import formula
 
-from .kinds import CONFOUNDED, WHOLE, case_of
-from .suite import BENT, SIZES, TROUBLES, UNKNOWN, make_case
+from .kinds import CONFOUNDED, NUMBER_OF_CASES, case_of
+from .suite import ARTEFACTS, BENT, SIZES, UNKNOWN, make_case
 
 
 def answer(case):
@@ -36,11 +36,11 @@ def closed(case, diagnosis):
 
 def test_every_effect_that_a_diagnosis_tries_is_hidden():
     assert set(SIZES) == {name for name, effect in declared_effects().items() if effect.detection}
-    assert WHOLE["single"] >= 2 * len(SIZES)
-    assert WHOLE["null"] >= 30
-    assert WHOLE["double"] >= 5
-    assert WHOLE["bent"] >= 10
-    assert WHOLE["confounded"] == len(CONFOUNDED)
+    assert NUMBER_OF_CASES["single"] >= 2 * len(SIZES)
+    assert NUMBER_OF_CASES["null"] >= 30
+    assert NUMBER_OF_CASES["double"] >= 5
+    assert NUMBER_OF_CASES["bent"] >= 10
+    assert NUMBER_OF_CASES["confounded"] == len(CONFOUNDED)
 
 
 def test_a_number_is_always_the_same_recording():
@@ -49,9 +49,9 @@ def test_a_number_is_always_the_same_recording():
     assert not first.table.equals(case_of("null", 4).table)
 
 
-@pytest.mark.parametrize("trouble", TROUBLES)
-def test_every_trouble_changes_the_recording_alone(trouble):
-    plain, troubled = (make_case(5, sweeps=2, trouble=names) for names in ((), (trouble,)))
+@pytest.mark.parametrize("artefacts", ARTEFACTS)
+def test_every_trouble_changes_the_recording_alone(artefacts):
+    plain, troubled = (make_case(5, sweeps=2, artefacts=names) for names in ((), (artefacts,)))
     pd.testing.assert_frame_equal(plain.truth, troubled.truth)
     assert not plain.table.equals(troubled.table)
 

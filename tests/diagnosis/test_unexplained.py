@@ -6,48 +6,48 @@ import numpy as np
 import pytest
 
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.thresholds import LEAST_STRETCHES, STRETCHES
-from tirefmu.diagnosis.unexplained.features import Feature, _faded, directions, features, places_of
+from tirefmu.diagnosis.thresholds import MIN_STRETCHES, STRETCHES
+from tirefmu.diagnosis.unexplained.features import Feature, _low_pass, directions, features, locations_of
 from tirefmu.diagnosis.unexplained.structure import structure_of
 
 
 @pytest.fixture(scope="module")
-def faded_friction(problem, at_the_truth):
+def faded_friction(problem, at_true_values):
     """Return a screen of a recording whose friction falls with sliding speed, which the tire does not know."""
     signals = problem.simulator.signals
     fall = -0.1 * 5.0 * np.abs(np.tan(signals.named()["alpha"]))
-    missing = directions(at_the_truth)["friction"] * fall
+    missing = directions(at_true_values)["friction"] * fall
     measured = signals.measured + missing
-    other = replace(problem, simulator=problem.simulator.over(replace(signals, measured=measured)))
-    screen = Screen(other, other.at(at_the_truth.solution.parameters, at_the_truth.solution.free))
-    screen.learn_noise({0: (problem.root * missing)[:, :, None]})
+    other = replace(problem, simulator=problem.simulator.with_signals(replace(signals, measured=measured)))
+    screen = Screen(other, other.at(at_true_values.solution.parameters, at_true_values.solution.free))
+    screen.learn_noise({0: (problem.inverse_noise * missing)[:, :, None]})
     return screen
 
 
 def test_structure_is_found_with_its_place_variable_and_size(faded_friction):
     found = structure_of(faded_friction)
     assert found.passes
-    assert found.carries_over
-    assert (found.carried > 0.0).sum() == STRETCHES
+    assert found.generalizes
+    assert (found.stretch_gains > 0.0).sum() == STRETCHES
     assert found.depends_on == ("alpha",)
     assert found.written
     (size,) = [
-        value for value, term in zip(found.trace.estimate, found.terms, strict=True) if "tan(alpha)" in term.text
+        value for value, term in zip(found.response.estimate, found.terms, strict=True) if "tan(alpha)" in term.text
     ]
     assert size == pytest.approx(-0.1, rel=0.3)
     assert f"{size:+.3g}" in found.formula
 
 
-def test_noise_has_no_structure_that_passes(at_the_truth):
-    found = structure_of(at_the_truth)
+def test_noise_has_no_structure_that_passes(at_true_values):
+    found = structure_of(at_true_values)
     assert found is None or not found.passes
 
 
 def test_structure_of_one_part_of_a_recording_does_not_carry_over(faded_friction):
     found = structure_of(faded_friction)
-    carried = np.where(np.arange(STRETCHES) < LEAST_STRETCHES - 1, found.carried, -1e-3)
-    assert not replace(found, carried=carried).passes
-    assert not replace(found, carried=0.3 * found.carried).passes
+    stretch_gains = np.where(np.arange(STRETCHES) < MIN_STRETCHES - 1, found.carried, -1e-3)
+    assert not replace(found, stretch_gains=stretch_gains).passes
+    assert not replace(found, stretch_gains=0.3 * found.stretch_gains).passes
     assert not replace(found, gain_error=found.gain).passes
 
 
@@ -62,9 +62,9 @@ def test_a_product_turns_with_the_side_where_one_of_its_parts_does():
     np.testing.assert_array_equal((even * odd).values, values**2)
 
 
-def test_features_keep_or_change_their_sign_with_the_side(at_the_truth):
+def test_features_keep_or_change_their_sign_with_the_side(at_true_values):
     """The mirrored recording has the same conditions and the opposite turns: rates and memories too."""
-    signals, tire = at_the_truth.signals, at_the_truth.problem.simulator.tire
+    signals, tire = at_true_values.signals, at_true_values.problem.simulator.tire
     inputs = signals.inputs.copy()
     for name in ("alpha", "gamma"):
         inputs[signals.names.index(name)] *= -1.0
@@ -78,22 +78,22 @@ def test_features_keep_or_change_their_sign_with_the_side(at_the_truth):
 
 def test_a_memory_takes_in_a_step_as_a_first_order_lag():
     step = np.r_[0.0, np.ones(50)]
-    np.testing.assert_allclose(_faded(step, 0.1), 1.0 - np.exp(-0.1 * np.arange(51)), atol=1e-12)
-    np.testing.assert_allclose(_faded(np.full(20, 3.0), 0.1), 3.0)
+    np.testing.assert_allclose(_low_pass(step, 0.1), 1.0 - np.exp(-0.1 * np.arange(51)), atol=1e-12)
+    np.testing.assert_allclose(_low_pass(np.full(20, 3.0), 0.1), 3.0)
 
 
-def test_a_place_acts_as_its_quantity_does(at_the_truth):
+def test_a_place_acts_as_its_quantity_does(at_true_values):
     """A factor on friction and one on stiffness together scale the forces' size and their slip, each a part."""
-    book = at_the_truth.problem.simulator.book
-    assert {place.name for place in places_of(book)} >= {"friction", "slip stiffness", "slip angle"}
-    simulator, parameters = at_the_truth.problem.simulator, at_the_truth.solution.parameters
-    acts = directions(at_the_truth)
+    book = at_true_values.problem.simulator.book
+    assert {place.name for place in locations_of(book)} >= {"friction", "slip stiffness", "slip angle"}
+    simulator, parameters = at_true_values.problem.simulator, at_true_values.solution.parameters
+    acts = directions(at_true_values)
     for name, scaled in (("friction", ("PDX1", "PDY1")), ("slip stiffness", ("PKX1", "PKY1"))):
         changes = []
         for share in (1e-5, -1e-5):
             moved = parameters.copy()
             for coefficient in scaled:
-                moved[simulator.place[coefficient]] *= 1.0 + share
+                moved[simulator.index[coefficient]] *= 1.0 + share
             changes.append(simulator.forces(moved))
         expected = (changes[0] - changes[1]) / 2e-5
         np.testing.assert_allclose(acts[name], expected, atol=1e-4 * np.abs(expected).max())

@@ -160,7 +160,7 @@ def test_a_file_with_any_text_reads_back_equal(text):
 def test_a_name_that_means_something_else_is_refused(changed, message):
     own = effect()
     if "coefficient" in changed:
-        (declaration,) = own.cards
+        (declaration,) = own.declarations
         declaration.name = changed["coefficient"]
     if "reads" in changed:
         acts = (replace(own.acts[0], expression=1 + sp.Symbol(changed["reads"], real=True)),)

@@ -36,7 +36,7 @@ def test_ordinary_names_are_taken():
     assert not [name for model in MODELS.values() for name in model.coefficients if no_coefficient(name)]
     for effect in library().values():
         assert not no_effect(effect.name)
-        assert not [declaration.name for declaration in effect.cards if no_coefficient(declaration.name)]
+        assert not [declaration.name for declaration in effect.declarations if no_coefficient(declaration.name)]
     assert not no_coefficient("A" * LONGEST_NAME)
 
 
