@@ -61,8 +61,8 @@ def extrapolation_text(result: FitResult) -> str:
     far = [margin.at for margin in result.margins if margin.name.startswith("extrapolation:")]
     if not far:
         return "constraints are not enforced outside the measured range (--constraint extrapolation)"
-    return f"extrapolated range: slips up to {REACH:g} times, loads from 1/{REACH:g} to {REACH:g} times the measured
-    range"
+    loads = f"loads from 1/{REACH:g} to {REACH:g} times the measured range"
+    return f"extrapolated range: slips up to {REACH:g} times, {loads}"
 
 
 def significant_differences(result: FitResult) -> list[Disagreement]:
