@@ -54,10 +54,15 @@ def best_step(
     size = float(np.linalg.norm(pull))
     if size == 0.0:
         return np.zeros(len(gradient)), 0.0
-    sides = np.concatenate([rows, -rows]) floors = np.concatenate([least, -most]) reached = np.isfinite(floors) sides,
-    floors = sides[reached], floors[reached] lengths = np.linalg.norm(sides, axis=1) binding = np.zeros(len(sides),
-    dtype=np.bool_) nearest = np.zeros(len(gradient))  # in the metric of the factor, relative to the unbounded minimum,
-    divided by its distance while True:
+    sides = np.concatenate([rows, -rows])
+    floors = np.concatenate([least, -most])
+    reached = np.isfinite(floors)
+    sides, floors = sides[reached], floors[reached]
+    lengths = np.linalg.norm(sides, axis=1)
+    binding = np.zeros(len(sides), dtype=np.bool_)
+    # In the metric of the factor, relative to the unbounded minimum, divided by its distance from the start.
+    nearest = np.zeros(len(gradient))
+    while True:
         step = solve_triangular(factor, size * nearest - pull, lower=True, trans=1)
         crossed = sides @ step < floors - ROUNDING * lengths * np.linalg.norm(step)
         if not (crossed & ~binding).any():
