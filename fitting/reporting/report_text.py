@@ -77,7 +77,9 @@ def ripple_texts(ripples: Sequence[Ripple]) -> list[str]:
     for recording in dict.fromkeys(each.recording for each in ripples):
         distinct = [each for each in ripples if each.recording == recording and each.stands_out]
         if distinct:
-            what = ", ".join(f"{each.channel} {each.amplitude:.3g} {each.unit} ({each.share:.0%})" for each in distinct)
+            channels = ", ".join(
+                f"{each.channel} {each.amplitude:.3g} {each.unit} ({each.share:.0%})" for each in distinct
+            )
             wheel = f"{distinct[0].frequency:.1f} Hz, radius {distinct[0].radius:.3f} m"
-            lines.append(f"{recording}: once per revolution ({wheel}): {what}")
+            lines.append(f"{recording}: once per revolution ({wheel}): {channels}")
     return lines
