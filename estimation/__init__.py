@@ -1,1 +1,1 @@
-"""Estimation shared by the fit and the diagnosis: damped Gauss-Newton, noise, resampling, what repeats."""
+"""Estimation methods of the fit and the diagnosis: damped Gauss-Newton, noise models, resampling, periodicity."""

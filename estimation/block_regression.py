@@ -1,8 +1,8 @@
-"""Linear regression on traces with noise that is correlated in time: estimates, covariances, cross-validation.
+"""Linear regression with noise that is correlated in time: estimates, covariances, cross-validation.
 
-Blocks of time are left out one at a time (the jackknife, which is the variance CR3 of clusters: Bell and McCaffrey,
-Bias reduction in standard errors for linear regression with multi-stage samples, 2002), and, beside that, the noise's
-own autocovariance is carried through the estimate.
+There are two covariances of the estimate. The jackknife omits one block of time at a time (the cluster variance CR3:
+Bell and McCaffrey, Bias reduction in standard errors for linear regression with multi-stage samples, 2002). The other
+is propagated from the autocovariance of the noise.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ IntArray = npt.NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class BlockSums:
-    """Cross products of columns and a residual, block by block.
+    """Cross products of columns and a residual for each block.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ def block_sums(columns: FloatArray, residual: FloatArray, edges: IntArray) -> Bl
     residual : ndarray, shape (n_channels, n)
         Weighted.
     edges : ndarray of int, shape (n_blocks + 1,)
-        First row of each block, and the number of rows.
+        First row of each block, and the number of all rows.
     """
     m = columns.shape[-1]
     matrix, target, power = [], [], []
@@ -60,17 +60,17 @@ def block_sums(columns: FloatArray, residual: FloatArray, edges: IntArray) -> Bl
 
 @dataclass(frozen=True, eq=False)
 class Regression:
-    """A residual's regression on columns.
+    """Regression of a residual on columns.
 
     Attributes
     ----------
     estimate : ndarray, shape (m,)
     jackknife : ndarray, shape (m, m)
-        Covariance of the estimate by leaving out blocks.
+        Covariance of the estimate by the jackknife over blocks.
     loss : ndarray, shape (n_blocks,)
-        Sum of squares in each block of what the other blocks' estimate leaves.
+        Sum of squared residuals in each block with the estimate from the other blocks.
     inverse : ndarray, shape (m, m)
-        Of the normal matrix with the beliefs.
+        Inverse of the normal matrix with the priors.
     others : ndarray, shape (n_blocks, m)
         The estimate without each block.
     """
@@ -83,15 +83,15 @@ class Regression:
 
 
 def regression(sums: BlockSums, belief: FloatArray, pull: FloatArray | None = None) -> Regression:
-    """Return the regression with each block left out in turn.
+    """Return the regression, and the estimates without each block.
 
     Parameters
     ----------
     sums : BlockSums
     belief : ndarray, shape (m,)
-        One over the variance of the belief that each coefficient is 0.
+        Precision (inverse variance) of the prior of each coefficient, with mean 0.
     pull : ndarray, shape (m,), optional
-        The beliefs' share of the target, where the residual belongs to coefficients off their centers.
+        Contribution of the priors to the target, if the residual belongs to coefficients away from the prior means.
     """
     matrix, target = sums.matrix.sum(axis=0) + np.diag(belief), sums.target.sum(axis=0)
     if pull is not None:
@@ -119,10 +119,10 @@ def autocovariance(residual: FloatArray, present: npt.NDArray[np.bool_], lags: i
     Parameters
     ----------
     residual : ndarray, shape (n_channels, n)
-        Weighted, 0 where not present.
+        Weighted, 0 if not present.
     present : ndarray of bool, shape (n_channels, n)
     lags : int
-        The longest; Parzen's taper keeps the spectrum positive.
+        The largest lag; Parzen's taper makes the spectrum positive.
     """
     size = fft.next_fast_len(residual.shape[1] + lags + 1)
     waves, mask = fft.rfft(residual, size), fft.rfft(present.astype(np.float64), size)
@@ -137,12 +137,12 @@ def autocovariance(residual: FloatArray, present: npt.NDArray[np.bool_], lags: i
 
 
 def coloured_covariance(traces: FloatArray, covariance: FloatArray) -> FloatArray:
-    """Return the covariance of the traces' products with coloured noise, shape (m, m).
+    """Return the covariance of products of traces and coloured noise, shape (m, m).
 
     Parameters
     ----------
     traces : ndarray, shape (n_channels, n, m)
-        0 where a row takes no part.
+        0 in rows that are not used.
     covariance : ndarray, shape (n_channels, n_channels, lags + 1)
         From `autocovariance`.
     """
@@ -160,14 +160,14 @@ def coloured_covariance(traces: FloatArray, covariance: FloatArray) -> FloatArra
 
 
 def wald_p(estimate: FloatArray, covariance: FloatArray, n_blocks: int | None = None) -> float:
-    """Return the probability of an estimate at least this far from 0 by chance.
+    """Return the p-value of Wald's test that the true values are 0.
 
     Parameters
     ----------
     estimate : ndarray, shape (k,)
     covariance : ndarray, shape (k, k)
     n_blocks : int, optional
-        The blocks that the covariance comes from (Hotelling's distribution); known where None.
+        Number of blocks from which the covariance was estimated (Hotelling's distribution); None if it is known.
 
     Examples
     --------

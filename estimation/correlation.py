@@ -1,14 +1,18 @@
-"""The correlation length of residuals: how many rows of a slow recording carry the information of one independent row.
+"""The correlation length of residuals: the number of correlated rows with the information of one independent row.
 
-Three estimators were compared on noise of known correlation (`tests/estimation/test_correlation.py` repeats the study).
-Geyer's sums of autocovariances are right for noise that fades within a few rows and for slow drift, but a ripple that
-repeats with the wheel ends them early: with a fifth of the variance in a ripple they report 10.7 rows of 15.2, on
-recordings of drive and brake a seventh. Variances of sums over stretches of rows average the ripple out, but need many
-stretches, each much longer than the memory of the noise: of a length of 399 rows they report 177 at 20,000 rows and 16
-at 2,000, so that intervals become too narrow. Geyer's sums over such stretches have neither fault. The longest of the
-lengths at several stretches is used; it is about a tenth too long for white noise, and too long (3.3 instead of 1.5 at
-equal parts of ripple and noise) where nearly all is ripple. No estimator converges for noise of unbounded memory, whose
-correlation length grows with the recording.
+Three estimators were compared on noise of known correlation (`tests/estimation/test_correlation.py` repeats the study):
+
+- Geyer's sums of autocovariances are correct for noise with a short correlation and for slow drift. A ripple with the
+  wheel frequency truncates them: with a fifth of the variance in a ripple they give 10.7 rows instead of 15.2, in drive
+  and brake recordings a seventh of the correct length.
+- Variances of sums over batches of rows average the ripple. They require many batches, each much longer than the
+  correlation of the noise: instead of 399 rows they give 177 with 20,000 rows and 16 with 2,000 rows, and the intervals
+  are too narrow.
+- Geyer's sums over such batches have neither error.
+
+The module uses the maximum of the third estimator over several batch sizes. It is about a tenth too large for white
+noise, and too large (3.3 instead of 1.5 with equal parts of ripple and noise) if ripple dominates. No estimator
+converges for noise of unbounded memory, whose correlation length increases with the duration of the recording.
 """
 
 from __future__ import annotations
@@ -19,24 +23,24 @@ import numpy.typing as npt
 from tirefmu.symbolic.errors import DataError
 
 FloatArray = npt.NDArray[np.float64]
-#: Rows that are added up before their autocovariances are taken, and the fewest sums for which that is done.
+#: Batch sizes: numbers of rows that are summed before autocovariances are computed; fewest sums for a batch size.
 STRETCHES, FEWEST_SUMS = (1, 4, 16, 64), 200
 
 
 def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = None) -> float:
     """Return the integrated autocorrelation time of a residual, in rows.
 
-    1 + 2 sum rho_k over lags k, cut where the sum of two neighbors is no longer positive, and monotone: the initial
-    monotone sequence of Geyer, Practical Markov chain Monte Carlo, 1992; the longest of those of rows and of sums over
-    `STRETCHES` of rows. The residual is taken about 0, its expectation under a correct model, not about its mean: an
-    error that lasts for a whole sweep correlates over all of it. Neither sums nor pairs span segments.
+    1 + 2 sum rho_k over lags k, truncated at the first sum of two neighbors that is not positive, and monotone: the
+    initial monotone sequence of Geyer, Practical Markov chain Monte Carlo, 1992; the maximum over the batch sizes
+    `STRETCHES`. Autocovariances are about 0, the expectation under a correct model, not about the mean: a constant
+    error of a whole sweep is fully correlated. Neither sums nor pairs span segments.
 
     Parameters
     ----------
     residual : array_like, shape (n,)
-        In the order of time; NaN where nothing was measured.
+        In the order of time; NaN if not measured.
     segment : array_like of int, shape (n,), optional
-        Rows that were logged without a gap have one number; one segment where None.
+        Number of the segment without gaps of each row; by default one segment.
 
     Returns
     -------
@@ -70,7 +74,7 @@ def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = 
         sums, rows = ([_summed(piece, stretch) for piece in each] for each in pieces)
         if stretch > 1 and sum(map(len, sums)) < FEWEST_SUMS:
             break
-        # By how much the variance of a sum exceeds that of a sum of independent rows.
+        # Variance of a sum relative to that of a sum of independent rows.
         counted = sum(float(np.sum(each)) for each in rows)
         excess = sum(float(np.sum(each**2)) for each in sums) / (power * counted) if counted else 0.0
         longest = max(longest, excess * _geyer(sums, [(each > 0.0).astype(np.float64) for each in rows]))
@@ -78,19 +82,19 @@ def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = 
 
 
 def effective_sample_size(residual: npt.ArrayLike, segment: npt.ArrayLike | None = None) -> float:
-    """Return the number of independent rows that carry the information of a correlated residual.
+    """Return the number of independent rows with the information of a correlated residual.
 
     Parameters
     ----------
     residual : array_like, shape (n,)
-        Measured minus model; NaN where nothing was measured.
+        Measured minus computed; NaN if not measured.
     segment : array_like of int, shape (n,), optional
-        Rows that were logged without a gap have one number; one segment where None.
+        Number of the segment without gaps of each row; by default one segment.
 
     Returns
     -------
     float
-        The number of finite residuals over their `correlation_length`.
+        The number of finite residuals divided by their `correlation_length`.
 
     Raises
     ------
@@ -108,13 +112,13 @@ def effective_sample_size(residual: npt.ArrayLike, segment: npt.ArrayLike | None
 
 
 def _summed(values: FloatArray, stretch: int) -> FloatArray:
-    """Return sums over stretches of rows, without the rows that fill none."""
+    """Return sums over batches of rows, without an incomplete batch."""
     whole = len(values) // stretch * stretch
     return np.asarray(values[:whole].reshape(-1, stretch).sum(axis=1))
 
 
 def _geyer(pieces: list[FloatArray], known: list[FloatArray]) -> float:
-    """Return the initial monotone sequence estimate over pieces that are 0 where they are not known."""
+    """Return the initial monotone sequence estimate over segments with 0 for unknown values."""
     products, pairs = np.zeros((2, max(len(piece) for piece in pieces)))
     for piece, mask in zip(pieces, known, strict=True):
         if len(piece):
@@ -124,7 +128,7 @@ def _geyer(pieces: list[FloatArray], known: list[FloatArray]) -> float:
         return 1.0
     rho = np.where(pairs > 0, products / np.maximum(pairs, 1.0), 0.0) / (products[0] / pairs[0])
     couples = rho[: len(rho) // 2 * 2].reshape(-1, 2).sum(axis=1)
-    # Few pairs make a noisy sum: the sequence has to fall as well.
+    # Sums of few pairs are noisy: the sequence is made monotone as well.
     ends = np.flatnonzero(couples <= 0.0)
     falling = np.minimum.accumulate(couples[: ends[0] if len(ends) else len(couples)])
     return max(1.0, float(2.0 * falling.sum() - 1.0))

@@ -1,13 +1,13 @@
-r"""Damped Gauss-Newton within bounds and linearized constraints: the one loop behind the fit and the diagnosis.
+r"""Damped Gauss-Newton with bounds and linearized constraints, used by the fit and the diagnosis.
 
-Each step minimizes the quadratic model of the cost, g'p + p'(H + damping D)p/2, over the steps that bounds and
-linearized constraints allow (`quadratic_step`): Levenberg and Marquardt's method with the exact solution of the bounded
-subproblem. Nocedal and Wright, Numerical Optimization, 2nd ed. 2006, chapters 10.3 (Gauss-Newton with damping), 12
-(active constraints), 16 (the quadratic program) and 18 (sequential programs).
+Each step minimizes the quadratic model of the cost, g'p + p'(H + damping D)p/2, subject to bounds and linearized
+constraints (`quadratic_step`): the Levenberg-Marquardt method with the exact solution of the bounded subproblem.
+Nocedal and Wright, Numerical Optimization, 2nd ed. 2006, chapters 10.3 (Gauss-Newton with damping), 12 (active
+constraints), 16 (the quadratic program) and 18 (sequential programs).
 
-The loop ends where the predicted reduction, the most that the model promises, is at most what the caller calls
-enough. It is half the squared norm of the projected gradient in the measure of the inverse of the model's matrix, so
-it depends neither on units nor on the path to the point.
+The loop ends when the predicted reduction of the quadratic model is at most the tolerance of the caller. The predicted
+reduction is half the squared norm of the projected gradient in the metric of the inverse matrix of the model. It
+depends neither on units nor on the path to the point.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from threadpoolctl import threadpool_limits
 from .quadratic_step import best_step
 
 FloatArray = npt.NDArray[np.float64]
-#: How often a step is corrected for constraints that it violates, as these are not linear.
+#: Upper limit of corrections of a step that violates constraints because they are nonlinear.
 CORRECTIONS = 2
 
 
@@ -55,20 +55,20 @@ class Constraints(Protocol):
         """Return their derivatives by x, shape (m, n)."""
 
     def satisfied(self, values: FloatArray) -> bool:
-        """Return whether such values are within the bounds, with the caller's tolerance; NaN is not."""
+        """Return whether values are within the bounds, with the tolerance of the caller; NaN is not."""
 
 
 class Unconstrained:
-    """No constraints beside the bounds."""
+    """No constraints except the bounds."""
 
     low = high = np.zeros(0)
 
     def values(self, x: FloatArray) -> FloatArray:
-        """Return nothing."""
+        """Return an empty array."""
         return np.zeros(0)
 
     def slopes(self, x: FloatArray) -> FloatArray:
-        """Return nothing."""
+        """Return an empty array."""
         return np.zeros((0, len(x)))
 
     def satisfied(self, values: FloatArray) -> bool:
@@ -78,14 +78,14 @@ class Unconstrained:
 
 @dataclass(frozen=True)
 class Damping:
-    """How a step is damped.
+    """Settings of the damping.
 
     Attributes
     ----------
     first, least, most : float
-        At the first step, and the limits. Without an accepted step at `most` the loop ends.
+        Initial value and limits. The loop ends if the step with damping `most` is rejected.
     up, down : float
-        Factors after a rejected and after an accepted step; with ``down`` 0 each iteration starts at the least.
+        Factors after a rejected and an accepted step; with ``down`` 0 each iteration starts with `least`.
     by_curvature : bool
         Whether D is the diagonal of H (Marquardt), for coefficients in their own units, or the identity (Levenberg),
         for scaled ones.
@@ -104,21 +104,21 @@ class Damping:
 
 @dataclass(frozen=True, eq=False)
 class Minimum:
-    """Where the loop ended.
+    """The result of the loop.
 
     Attributes
     ----------
     x : ndarray, shape (n,)
     cost : float
-        There.
+        The cost at x.
     steps : int
-        Taken, the last one after the criterion was met not counted.
+        Number of steps, without the last one after convergence.
     converged : bool
-        Whether the predicted reduction is enough.
+        Whether the predicted reduction is within the tolerance.
     predicted : float
-        The predicted reduction; infinite where it cannot be computed.
+        The predicted reduction; infinite if it cannot be computed.
     reason : str
-        Why there is no optimum: empty where it converged, or where `steps` or `stop` ended the loop.
+        Why there is no optimum; empty if the loop converged, or if `steps` or `stop` ended it.
     """
 
     x: FloatArray
@@ -149,19 +149,19 @@ def minimize(
     x, lower, upper : ndarray, shape (n,)
         Start, within the bounds, and the bounds.
     enough : callable
-        Of x and the cost there: the predicted reduction at which the point counts as the optimum. The step that still
-        promises it is taken.
+        Returns for x and its cost the largest predicted reduction of an optimum (the tolerance). The last step is
+        taken, too.
     damping : Damping
     steps : int
-        Upper limit; with 0 the start is only judged.
+        Upper limit; with 0 the criterion is only evaluated at the start.
     constraints : Constraints, optional
     stop : callable
-        Called after every step: whether to end there.
+        Called after every step; True ends the loop.
 
     Returns
     -------
     Minimum
-        Also where the start violates a constraint, something is not finite, or no step is accepted.
+        Also if the start violates a constraint, a value is not finite, or no step is accepted.
 
     Examples
     --------
@@ -179,7 +179,7 @@ def minimize(
     """
     limits = constraints or Unconstrained()
     damped = damping.first
-    with threadpool_limits(limits=1, user_api="blas"):  # matrices too small to share
+    with threadpool_limits(limits=1, user_api="blas"):  # the matrices are too small for threads
         for taken in range(steps + 1):
             here = _Point.at(objective, limits, x, lower, upper)
             if here.reason:
@@ -199,7 +199,7 @@ def minimize(
 
 @dataclass(frozen=True, eq=False)
 class _Step:
-    """The step from a point: the predicted reduction, and where it leads (None: nowhere) at which damping."""
+    """The step from a point: the predicted reduction, the new point (None if no step is accepted), the damping."""
 
     predicted: float
     x: FloatArray | None
@@ -209,7 +209,7 @@ class _Step:
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """A point with the model of the cost and of the constraints there."""
+    """A point with the quadratic model of the cost and the linearized constraints."""
 
     objective: Objective
     constraints: Constraints
@@ -238,10 +238,11 @@ class _Point:
         return cls(objective, constraints, x, lower, upper, cost, gradient, matrix, values, slopes, reason)
 
     def step(self, damping: Damping, damped: float, tolerance: float) -> _Step:
-        """Return the step of the least damped model that is trusted, and its predicted reduction.
+        """Return the step with the least damping that is accepted, and its predicted reduction.
 
-        Where the reduction is not worth a step, a model need not be trusted, as more damping predicts less. A step is
-        tried all the same: the last one leads exactly to the bounds and constraints that hold the optimum.
+        If the first predicted reduction is within the tolerance, it is returned even if its step is rejected, because
+        more damping predicts less. A step is tried nevertheless: the last one leads exactly to the active bounds and
+        constraints.
         """
         predicted = np.inf
         while damped <= damping.most:
@@ -254,7 +255,7 @@ class _Point:
         return _Step(predicted, None, self.cost, damped)
 
     def _tried(self, damped: float, damping: Damping) -> tuple[float, FloatArray | None, float]:
-        """Return the predicted reduction of a damped model, and where it leads with the cost there if trusted."""
+        """Return the predicted reduction of a damped model, the new point if it is accepted, and its cost."""
         n = len(self.x)
         size = np.sqrt(np.diag(self.matrix)) if damping.by_curvature else np.ones(n)
         size = np.where(size > 0.0, size, 1.0)  # steps are scaled, so that the damping is the identity
@@ -264,7 +265,7 @@ class _Point:
         for correction in range(1 + CORRECTIONS):
             least = np.concatenate([(self.lower - self.x) * size, self.constraints.low - now])
             most = np.concatenate([(self.upper - self.x) * size, self.constraints.high - now])
-            if not correction:  # what is satisfied within the tolerance is satisfied
+            if not correction:  # constraints may be violated within the tolerance
                 least, most = np.minimum(least, 0.0), np.maximum(most, 0.0)
             try:
                 scaled, reduction = best_step(self.gradient / size, matrix, rows, least, most)

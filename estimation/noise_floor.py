@@ -1,4 +1,4 @@
-"""What no tire model can follow: how much rows differ that were measured under the same conditions."""
+"""Noise floor of a channel: scatter of rows at equal operating conditions, a lower limit of the error of any model."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from tirefmu.measurements import levels
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Inputs that make a condition.
+#: Inputs that define an operating condition.
 CONDITIONS = ("kappa", "alpha", "gamma", "Fz", "p", "V")
-#: Into how many parts the range of a swept channel is divided.
+#: Number of parts of the range of a swept input.
 PARTS = 20
-#: A channel that stood at more levels than these was swept in steps.
+#: Largest number of levels of a held input; with more levels it was swept in steps.
 MOST_LEVELS = 12
-#: Rows per unknown of the plane through a cell, at least.
+#: Fewest rows in a cell per coefficient of its plane.
 ROWS_PER_UNKNOWN = 3
 
 
 def held_levels(column: pd.Series) -> list[float]:
-    """Return the levels at which a channel was held; none for one that was swept.
+    """Return the levels of a held channel; empty for a swept one.
 
     Parameters
     ----------
@@ -39,11 +39,11 @@ def held_levels(column: pd.Series) -> list[float]:
 
 
 def noise_floor(table: pd.DataFrame, channels: Sequence[str]) -> dict[str, tuple[float, float]]:
-    """Return the scatter of each channel about its own local mean, and the share of rows that tell of it.
+    """Return the scatter of each channel about local planes, and the share of rows that are used.
 
-    Rows within a cell, held channels at one level and swept ones within a twentieth of their range, come from up and
-    down sweeps and from repeats. A plane over the inputs follows what differs between them; what is left is noise,
-    hysteresis, temperature and ripple: no function of the inputs can follow it.
+    A cell contains the rows with equal levels of held inputs and with swept inputs within a twentieth of their range:
+    rows of up- and down-sweeps and of repeats. A plane over the inputs describes the differences of inputs within a
+    cell. The remainder is noise, hysteresis, temperature and ripple, which no function of the inputs can explain.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def noise_floor(table: pd.DataFrame, channels: Sequence[str]) -> dict[str, tuple
     Returns
     -------
     dict of str to (float, float)
-        Root mean square in the channel's unit, NaN where no cell has rows enough, and a share between 0 and 1.
+        Root mean square in the channel's unit, NaN if no cell has enough rows, and a share between 0 and 1.
     """
     inputs = [name for name in CONDITIONS if name in table and np.ptp(table[name].to_numpy()) > 0]
     cells = _numbered([index for index, _ in _indices(table)], len(table))
@@ -81,7 +81,7 @@ def _scatter(at: FloatArray, measured: FloatArray, groups: Sequence[npt.NDArray[
 
 
 def _indices(table: pd.DataFrame) -> list[tuple[npt.NDArray[np.int64], bool]]:
-    """Return for every condition where each row lies in it, and whether it was held."""
+    """Return for each varying input the index of the level or part of each row, and whether the input was held."""
     indices = []
     for name in CONDITIONS:
         if name not in table or not np.ptp(table[name].to_numpy()) > 0:
@@ -97,7 +97,7 @@ def _indices(table: pd.DataFrame) -> list[tuple[npt.NDArray[np.int64], bool]]:
 
 
 def _numbered(indices: Sequence[npt.NDArray[np.int64]], n: int) -> npt.NDArray[np.int64]:
-    """Return one number for each combination of places."""
+    """Return a number for each combination of indices."""
     if not indices:
         return np.zeros(n, dtype=np.int64)
     return np.unique(np.stack(indices), axis=1, return_inverse=True)[1].ravel().astype(np.int64)

@@ -1,9 +1,10 @@
-"""A recording's noise as two fading memories, short-range noise and slow drift, and the filter that whitens it.
+"""Noise model of a recording (white noise, short-range noise and slow drift), and the filter that whitens it.
 
-Drift of the same pace as the sweeps costs a plain least squares more than all short-range noise together. Generalised
-least squares weighs it for what it is. The memories are read from the residual's periodogram (Whittle, Estimation and
-information in stationary time series, 1953); the innovations of a Kalman filter, which bridges rows that take no part,
-are the whitened rows (Harvey, Forecasting, Structural Time Series Models and the Kalman Filter, 1989, section 3.4).
+Drift at the rate of the sweeps increases the variance of ordinary least squares more than all short-range noise.
+Generalised least squares takes its correlation into account. The parameters are estimated from the periodogram of the
+residual (Whittle, Estimation and information in stationary time series, 1953). The whitened rows are the innovations of
+a Kalman filter, which bridges unused rows (Harvey, Forecasting, Structural Time Series Models and the Kalman Filter,
+1989, section 3.4).
 """
 
 from __future__ import annotations
@@ -17,14 +18,14 @@ from scipy import fft, optimize
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 
-#: Correlation times of drift from which the fit to a periodogram starts, and its bounds, s.
+#: Initial correlation times of drift for the fit to a periodogram, and their bounds, s.
 DRIFT_TIMES = (0.5, 2.0, 8.0)
 SHORTEST, LONGEST = 0.3, 60.0
-#: What the share of noise without any memory is believed to be, and how firmly (in log variances, of one row).
+#: Prior of the share of white noise: its value, and its weight (in log variances, relative to one row).
 WHITE_SHARE, WHITE_PRIOR = 0.05, 1e-3
-#: Mean square below which a weighted residual is taken for exact.
+#: Lower limit of the mean square of a weighted residual.
 LEAST_POWER = 1e-6
-#: A time beyond every memory, s: before the first row.
+#: Time before the first row, s: much longer than any correlation.
 BEFORE_START = 1e9
 
 
@@ -50,14 +51,14 @@ class NoiseParts:
 
 
 def noise_parts(residual: FloatArray, present: BoolArray, step: float) -> NoiseParts:
-    """Read a channel's noise from what a fit leaves.
+    """Estimate the noise of a channel from its residual.
 
     Parameters
     ----------
     residual : ndarray, shape (n,)
-        At about equal steps of time.
+        At approximately equal time steps.
     present : ndarray of bool, shape (n,)
-        False where a row takes no part.
+        False for rows that are not used.
     step : float, s
 
     Returns
@@ -98,7 +99,7 @@ def noise_parts(residual: FloatArray, present: BoolArray, step: float) -> NoiseP
 
 
 def _spectrum(noise: NoiseParts, wave: FloatArray, step: float) -> FloatArray:
-    """Return the power at frequencies whose cosine from row to row is `wave`."""
+    """Return the power at frequencies with the cosine `wave` of the phase per row."""
     total = np.full_like(wave, noise.white)
     for variance, decay in ((noise.short, noise.fading), (noise.drift, float(np.exp(-step / noise.memory)))):
         total += variance * (1.0 - decay**2) / (1.0 - 2.0 * decay * wave + decay**2)
@@ -106,7 +107,7 @@ def _spectrum(noise: NoiseParts, wave: FloatArray, step: float) -> FloatArray:
 
 
 class Whitening:
-    """The filter that turns rows with coloured noise into rows with white noise of variance 1.
+    """Filter that transforms rows with coloured noise to rows with white noise of variance 1.
 
     Parameters
     ----------
@@ -114,7 +115,7 @@ class Whitening:
         Of rows weighted by `root`.
     t : ndarray, shape (n,), s
     root : ndarray, shape (n_channels, n)
-        Weights; 0 where a row takes no part. A drift is as large in N everywhere, so its weighted size follows them.
+        Weights; 0 for rows that are not used. Drift is constant in N, so the weighted drift is proportional to them.
     """
 
     def __init__(self, noise: tuple[NoiseParts, ...], t: FloatArray, root: FloatArray) -> None:

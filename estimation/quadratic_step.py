@@ -1,8 +1,8 @@
-"""The step that a quadratic model promises most of, within linear bounds.
+"""The minimizing step of a quadratic model with linear bounds.
 
-Minimizing g'p + p'Hp/2 within bounds on A p is finding the point of a polyhedron nearest to the origin once the
-Cholesky factor of H is the measure of length; that is a least-squares problem without negative values (Lawson and
-Hanson, Solving Least Squares Problems, 1974, chapter 23).
+In the metric of the Cholesky factor of H, the minimum of g'p + p'Hp/2 subject to bounds on A p is the point of a
+polyhedron nearest to the origin. This is a non-negative least-squares problem (Lawson and Hanson, Solving Least Squares
+Problems, 1974, chapter 23).
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import nnls
 
 FloatArray = npt.NDArray[np.float64]
-#: A row counts as kept within this share of its own length times the step's.
+#: Tolerance of a satisfied row, relative to its length times the length of the step.
 ROUNDING = 1e-12
 
 
 def best_step(
     gradient: FloatArray, matrix: FloatArray, rows: FloatArray, least: FloatArray, most: FloatArray
 ) -> tuple[FloatArray, float]:
-    """Return the step with the least value of a quadratic model within bounds, and by how much it lowers the model.
+    """Return the step that minimizes a quadratic model within bounds, and the reduction of the model.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def best_step(
         Positive definite.
     rows : ndarray, shape (m, n)
     least, most : ndarray, shape (m,)
-        Bounds of ``rows @ step``; infinite where there is none. No step at all has to be within them.
+        Bounds of ``rows @ step``; infinite without a bound. A step of zero must be within them.
 
     Returns
     -------
@@ -60,19 +60,20 @@ def best_step(
     sides, floors = sides[reached], floors[reached]
     lengths = np.linalg.norm(sides, axis=1)
     binding = np.zeros(len(sides), dtype=np.bool_)
-    nearest = np.zeros(len(gradient))  # in the measure of the factor, from the model's own minimum, over its distance
+    # In the metric of the factor, relative to the unbounded minimum, divided by its distance from the start.
+    nearest = np.zeros(len(gradient))
     while True:
         step = solve_triangular(factor, size * nearest - pull, lower=True, trans=1)
         crossed = sides @ step < floors - ROUNDING * lengths * np.linalg.norm(step)
         if not (crossed & ~binding).any():
             break
-        binding |= crossed  # few of many conditions hold a step: the others never enter
+        binding |= crossed  # only the few active bounds enter the least-squares problem
         nearest = _nearest(factor, sides[binding], floors[binding], pull, size)
     return step, -float(gradient @ step + 0.5 * step @ matrix @ step)
 
 
 def _nearest(factor: FloatArray, sides: FloatArray, floors: FloatArray, pull: FloatArray, size: float) -> FloatArray:
-    """Return the shortest z with ``sides @ step >= floors`` for the step that z stands for."""
+    """Return the shortest z with ``sides @ step >= floors`` for the step of z."""
     directions = solve_triangular(factor, sides.T, lower=True).T
     heights = (floors + directions @ pull) / size
     lengths = np.linalg.norm(directions, axis=1)

@@ -1,8 +1,9 @@
-"""Noise in measured inputs taken out by local parabolas, each row with the widest window that the data allow.
+"""Smoothing of measured inputs by local parabolas with an adaptive window for each row.
 
-Noise in a slip imitates relaxation and a loss of stiffness; a window across a step is worse than none. Windows grow
-around each row for as long as their estimates agree (intersection of confidence intervals: Goldenshluger and
-Nemirovski, On spatially adaptive estimation of nonparametric regression, 1997; Katkovnik, 1999).
+Noise of a slip is confounded with relaxation and with reduced stiffness. A window across a step is worse than no
+smoothing. Therefore the window of each row is widened as long as its estimates agree (intersection of confidence
+intervals: Goldenshluger and Nemirovski, On spatially adaptive estimation of nonparametric regression, 1997; Katkovnik,
+1999).
 """
 
 from __future__ import annotations
@@ -15,25 +16,25 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Half widths of the windows, in rows.
 HALF_WIDTHS = (2, 3, 4, 6, 9, 13, 18)
-#: Rows of the local parabola about which noise is measured.
+#: Rows of the local parabola from which the noise is estimated.
 WINDOW = 11
-#: How far estimates may differ, in their standard deviations.
+#: Largest difference of agreeing estimates, in standard deviations.
 AGREEMENT = 1.0
 
 
 def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
-    """Return a channel without its short-range noise, and that noise's standard deviation.
+    """Return a channel without its short-range noise, and the standard deviation of this noise.
 
     Parameters
     ----------
     values : ndarray, shape (n,)
-        At about equal steps of time.
+        At approximately equal time steps.
 
     Returns
     -------
     ndarray, shape (n,)
     float
-        0 where nothing was smoothed.
+        0 if the channel was not smoothed.
 
     Examples
     --------
@@ -49,7 +50,7 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     deviation, correlation = noise_of(values)
     if deviation == 0.0:
         return values, 0.0
-    lower, upper = values - 3.0 * deviation, values + 3.0 * deviation  # a row beside a step stays as it is
+    lower, upper = values - 3.0 * deviation, values + 3.0 * deviation  # a row next to a step is not changed
     best, widening = values.copy(), np.ones(n, dtype=bool)
     for half in HALF_WIDTHS:
         width = 2 * half + 1
@@ -62,12 +63,12 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
 
 
 def noise_of(values: FloatArray) -> tuple[float, float]:
-    """Return the noise's standard deviation, and its correlation from one row to the next."""
+    """Return the standard deviation of the noise, and its correlation between neighboring rows."""
     away = -savgol_coeffs(WINDOW, 2)
     away[WINDOW // 2] += 1.0
     residual = values - savgol_filter(values, WINDOW, 2)
     typical = 1.4826 * float(np.median(np.abs(residual)))
-    if typical == 0.0:  # exact, but for steps
+    if typical == 0.0:  # exact except for steps
         return 0.0, 0.0
     regular = np.where(np.abs(residual) < 2.5 * typical, residual, 0.0)
     lag = float(np.sum(regular[1:] * regular[:-1])) / float(np.sum(regular**2))
@@ -79,7 +80,7 @@ def noise_of(values: FloatArray) -> tuple[float, float]:
 
 
 def _variance_factor(width: int, correlation: float) -> float:
-    """Return the variance in the middle of a local parabola, of noise with variance 1 that fades geometrically."""
+    """Return the variance at the center of a local parabola for noise of variance 1 with geometric correlation."""
     weights = savgol_coeffs(width, 2)
     rows = np.arange(width)
     return float(weights @ correlation ** np.abs(rows[:, None] - rows) @ weights)

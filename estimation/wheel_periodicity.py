@@ -1,8 +1,8 @@
-"""What repeats with the wheel's revolution in residuals: runout, imbalance, non-uniformity of the tire.
+"""Periodicity of residuals with the wheel revolution: runout, imbalance, non-uniformity of the tire.
 
-The wheel turns by distance / R_e. The effective rolling radius R_e is searched for: the radius at which the residuals
-repeat best, in short stretches, over all channels of a recording together. What stretches show at other radii is noise
-and is subtracted.
+The rotation angle of the wheel is distance / R_e. The effective rolling radius R_e is estimated: at this radius the
+residuals of all channels of a recording have the largest periodic power, averaged over short intervals. The power at
+other radii is noise and is subtracted.
 """
 
 from __future__ import annotations
@@ -17,35 +17,35 @@ from scipy import stats
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Length of a stretch, s, and the largest number of stretches of a recording that are evaluated.
+#: Length of an interval, s, and largest number of intervals of a recording that are evaluated.
 STRETCH, MOST_STRETCHES = 2.5, 60
-#: The radii that are tried, as shares of the expected one, and their number.
+#: Range of the tested radii, relative to the expected radius, and their number.
 RADII, TRIED = (0.5, 1.6), 160
-#: The fewest samples in a revolution, and revolutions in a stretch.
+#: Fewest samples per revolution, and fewest revolutions per interval.
 FEWEST_SAMPLES, FEWEST_TURNS = 4.0, 4.0
-#: The fewest rows of a stretch, and the share of them that every channel has to have.
+#: Fewest rows of an interval, and least share of measured rows of each channel.
 FEWEST_ROWS, MEASURED = 16, 0.8
-#: A channel repeats significantly where its power is this many times what the other radii show (median), and more than
-#: noise has at any radius with this probability.
+#: A channel is significantly periodic if the ratio of its power to the median over all radii exceeds `SIGNIFICANT`, and
+#: noise exceeds the ratio at any radius with a probability of at most `BY_CHANCE`.
 SIGNIFICANT, BY_CHANCE = 5.0, 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Periodicity:
-    """What the channels of a recording do once per revolution.
+    """Periodic part of the channels of a recording once per revolution.
 
     Attributes
     ----------
     radius : float
-        m, at which they repeat best.
+        Effective rolling radius, m.
     frequency : float
-        1/s, of the wheel, on average.
+        Mean frequency of the wheel, 1/s.
     amplitude : ndarray, shape (n_channels,)
-        Of the first harmonic, in the channel's unit, without what noise adds.
+        Of the first harmonic, in the channel's unit, without the contribution of noise.
     share : ndarray, shape (n_channels,)
-        Of the mean square of the residual.
+        Share of the mean squared residual.
     significant : ndarray of bool, shape (n_channels,)
-        Whether it is more than other radii show.
+        Whether the power is significant in comparison with other radii.
     """
 
     radius: float
@@ -58,25 +58,25 @@ class Periodicity:
 def once_per_revolution(
     t: FloatArray, speed: FloatArray, residual: FloatArray, segment: npt.NDArray[np.int64], radius: float
 ) -> Periodicity | None:
-    """Search for what repeats with the wheel's revolution.
+    """Estimate the periodic part of residuals with the wheel revolution.
 
     Parameters
     ----------
     t : ndarray, shape (n,), s
-        At about equal steps within a segment.
+        With approximately equal steps within a segment.
     speed : ndarray, shape (n,), m/s
         Circumferential speed of the wheel.
     residual : ndarray, shape (n_channels, n)
-        NaN where a row takes no part.
+        NaN for rows that are not used.
     segment : ndarray of int, shape (n,)
-        Rows that were logged without a gap have one number.
+        Number of the segment without gaps of each row.
     radius : float, m
-        About which the rolling radius is searched for (`RADII`).
+        Expected rolling radius; `RADII` is the search range.
 
     Returns
     -------
     Periodicity or None
-        None where no stretch is long enough for any radius.
+        None if no interval is long enough for any radius.
 
     Examples
     --------
@@ -106,7 +106,7 @@ def once_per_revolution(
 
 
 def _threshold(stretches: int) -> float:
-    """Return the significant ratio of power to the median: the power of noise is chi-squared, two degrees a stretch."""
+    """Return the significant ratio of power to its median: noise power is chi-squared, two degrees per interval."""
     noise = stats.chi2(2 * stretches)
     return max(SIGNIFICANT, float(noise.isf(BY_CHANCE / TRIED) / noise.median()))
 
@@ -114,7 +114,7 @@ def _threshold(stretches: int) -> float:
 def _stretches(
     speed: FloatArray, residual: FloatArray, segment: npt.NDArray[np.int64], step: float
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Yield the distance that the wheel rolled, shape (n,), and the residuals on it, shape (n, n_channels)."""
+    """Yield the rolled distance, shape (n,), and the residuals, shape (n, n_channels), of each interval."""
     length = int(STRETCH / step) if step > 0 else 0
     if length < FEWEST_ROWS or not len(residual):
         return
@@ -131,7 +131,7 @@ def _stretches(
 
 
 def _spectra(stretches: list[tuple[FloatArray, FloatArray]], radii: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-    """Return the mean squared amplitude by radius and channel, the mean square, and the distance from row to row."""
+    """Return the mean squared amplitude by radius and channel, the mean square, and the distance per row."""
     channels = stretches[0][1].shape[1]
     power, square, advances = np.zeros((len(radii), channels)), np.zeros(channels), 0.0
     for distance, residual in stretches:

@@ -58,7 +58,7 @@ def cross_validate(
     Raises
     ------
     FitError
-        If there are fewer than two folds, or fewer conditions than folds in every recording.
+        If there are fewer than two folds, or fewer operating conditions than folds in every recording.
     """
     recordings = recordings_from(tables, signs=options.pop("signs", None))
     parts = assign_folds(recordings, folds, seed)
@@ -99,7 +99,7 @@ def assign_folds(tables: TableLike | Iterable[TableLike], folds: int, seed: int 
     Raises
     ------
     FitError
-        If there are fewer than two folds, or fewer conditions than folds in every recording.
+        If there are fewer than two folds, or fewer operating conditions than folds in every recording.
     """
     if folds < 2:
         raise FitError(f"{folds} folds: at least two are required")

@@ -54,7 +54,7 @@ RIDGE = {"equal": 1e-8, "noise": 1e-5}
 
 
 class FitRun:
-    """A running fit: the tire so far and the results of its stages."""
+    """State of a running fit: the current tire and the results of its stages."""
 
     def __init__(
         self,
@@ -86,8 +86,8 @@ class FitRun:
         self._stages: list[StageFit] = []
         self._ends: list[tuple[Ended, Problem]] = []
         self._freed: dict[str, Release] = {}
-        asked = [self._data[name].any() for _, name in book.on_demand if name in self._data]
-        self._straight = not any(asked)  # no row has turn slip: its coefficients have no influence
+        turning = [self._data[name].any() for _, name in book.on_demand if name in self._data]
+        self._straight = not any(turning)  # no row has turn slip: its coefficients have no influence
         measured = self._data.notna().any()
         self._fitted = [quantity.name for quantity in book.outputs if measured.get(quantity.name, False)]
         self._done = 0  # completed stages of the recipe

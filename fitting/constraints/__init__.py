@@ -1,1 +1,1 @@
-"""Physical constraints: their catalogue, their values and derivatives, and where they are verified."""
+"""Physical constraints: definitions, values and derivatives, verification."""

@@ -130,7 +130,7 @@ def prepare(
         segment = _segment_numbers(recording) + segments
         segments = int(segment[-1]) + 1
         table, unfitted_channels = _without_constant_slip(recording.with_signs("adapted-sae").table, included, book)
-        unfitted += [f"{recording.source}: {what}" for what in unfitted_channels]
+        unfitted += [f"{recording.source}: {note}" for note in unfitted_channels]
         tables.append(table.assign(recording=number, segment=segment, included=included, weight=weight))
     data = pd.concat(tables, ignore_index=True)
     if not data["included"].any():

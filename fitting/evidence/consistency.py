@@ -163,8 +163,8 @@ def _direction(residuals: Residuals, rows_of_recording: IntArray, slip: str) -> 
     for rows in _pieces(residuals.segment, rows_of_recording):
         if len(rows) > SMOOTHED:
             rate[rows] = np.gradient(uniform_filter1d(values[rows], SMOOTHED, mode="nearest"))
-    usual = float(np.quantile(np.abs(rate[rows_of_recording]), 0.9))
-    return np.where(np.abs(rate[rows_of_recording]) > MOVES * usual, np.sign(rate[rows_of_recording]), 0.0)
+    fast = float(np.quantile(np.abs(rate[rows_of_recording]), 0.9))
+    return np.where(np.abs(rate[rows_of_recording]) > MOVES * fast, np.sign(rate[rows_of_recording]), 0.0)
 
 
 def _pieces(segment: IntArray, rows: IntArray) -> Iterator[IntArray]:

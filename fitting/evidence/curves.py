@@ -67,9 +67,8 @@ class Comparison:
         That of the recordings, or iso if they differ.
     sources : tuple of str
     table : pandas.DataFrame
-        Inputs (nominal where not recorded), measured outputs, the tire's as ``Fx_fit`` and so on,
-        ``recording`` (its number), ``lateral`` (row of a sweep of alpha at kappa 0) and ``longitudinal``
-        (row of a sweep of kappa).
+        Inputs (nominal if not recorded), measured outputs, computed outputs as ``Fx_fit`` etc., ``recording`` (number),
+        ``lateral`` (row of a sweep of alpha at kappa 0) and ``longitudinal`` (row of a sweep of kappa).
     """
 
     tire: Tire

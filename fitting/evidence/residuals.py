@@ -35,7 +35,7 @@ class Residuals:
     Attributes
     ----------
     table : pandas.DataFrame
-        In adapted SAE, with the columns ``recording`` and ``segment``; NaN where a channel is not fitted.
+        In adapted SAE, with the columns ``recording`` and ``segment``; NaN if a channel is not fitted.
     sources : tuple of str
         Name of each recording.
     tire : Tire

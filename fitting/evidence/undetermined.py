@@ -30,9 +30,9 @@ SAMPLE, PROGRAM_ROWS = 2000, 300.0
 LEAST = 1e-9
 #: Least slip range of a program with more slip, rad or 1.
 FULL_SLIP = {"kappa": 0.3, "alpha": 0.25}
-#: Slip below which there is no slip; share of the largest slip range below which a range is short.
+#: Slip that counts as zero; share of the largest slip range below which a range is short.
 NO_SLIP, SHORT = 0.02, 0.8
-#: Inclination below which there is no inclination, rad.
+#: Inclination that counts as zero, rad.
 NO_INCLINATION = 0.01
 #: The inputs that additional programs vary.
 PROGRAMS = ("Fz", "gamma", "p", "kappa", "alpha", "both", "phit")

@@ -1,1 +1,1 @@
-"""The least-squares problem of a stage: weighted residuals, loss, regularization, and the recipe that chooses it."""
+"""The least-squares problem of a stage: weighted residuals, loss, regularization, recipes."""

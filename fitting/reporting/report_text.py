@@ -61,8 +61,8 @@ def extrapolation_text(result: FitResult) -> str:
     far = [margin.at for margin in result.margins if margin.name.startswith("extrapolation:")]
     if not far:
         return "constraints are not enforced outside the measured range (--constraint extrapolation)"
-    return f"extrapolated range: slips up to {REACH:g} times, loads from 1/{REACH:g} to {REACH:g} times the measured
-    range"
+    loads = f"loads from 1/{REACH:g} to {REACH:g} times the measured range"
+    return f"extrapolated range: slips up to {REACH:g} times, {loads}"
 
 
 def significant_differences(result: FitResult) -> list[Disagreement]:
@@ -77,7 +77,9 @@ def ripple_texts(ripples: Sequence[Ripple]) -> list[str]:
     for recording in dict.fromkeys(each.recording for each in ripples):
         distinct = [each for each in ripples if each.recording == recording and each.stands_out]
         if distinct:
-            what = ", ".join(f"{each.channel} {each.amplitude:.3g} {each.unit} ({each.share:.0%})" for each in distinct)
+            channels = ", ".join(
+                f"{each.channel} {each.amplitude:.3g} {each.unit} ({each.share:.0%})" for each in distinct
+            )
             wheel = f"{distinct[0].frequency:.1f} Hz, radius {distinct[0].radius:.3f} m"
-            lines.append(f"{recording}: once per revolution ({wheel}): {what}")
+            lines.append(f"{recording}: once per revolution ({wheel}): {channels}")
     return lines

@@ -1,1 +1,1 @@
-"""What minimizes the cost of a stage, and what decides whether a point is the optimum."""
+"""Solvers of a stage, convergence criterion, restarts, and interruption."""

@@ -31,7 +31,7 @@ DAMPING_UP, DAMPING_DOWN = 10.0, 0.2
 #: Stopping window and least gain by type of stage: IPOPT is stopped when that many iterations lower the best feasible
 #: cost by less than that share of it. An intermediate stage on random rows is followed by another one, the
 #: penultimate by a fit of the same coefficients to all rows. Three steps without a gain prove nothing: the cost still
-#: falls after them where its valley is narrow.
+#: decreases after them in a narrow valley.
 LEAST_GAIN = {"intermediate": (2, 1e-2), "penultimate": (4, 1e-5), "final": (10, 1e-5)}
 #: Upper limit of Gauss-Newton steps after IPOPT.
 LAST_STEPS = 20

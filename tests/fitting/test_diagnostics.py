@@ -173,8 +173,8 @@ def test_a_bound_that_the_data_ask_to_pass_is_told_from_one_that_holds_what_they
     data = residuals_of(known, clean.iloc[::7])
     free = ["PDY1", "PDY2", "PEY1", "PKY1", "PKY2", "PCY1", "PDX1"]
     found = {each.coefficients: each.reason for each in at_bounds(data, free, ["PDY1", "PDX1"], {"Fy": 500.0})}
-    assert found["PDY1",] == "at a bound: the data ask for more"
-    assert found["PDX1",].startswith("at a bound: only the bound holds it")
+    assert found["PDY1",] == "at a bound: the optimum is beyond it"
+    assert found["PDX1",].startswith("at a bound: not identifiable, ")
     assert at_bounds(data, free, [], {"Fy": 500.0}) == ()
 
 
@@ -222,6 +222,6 @@ def test_every_margin_is_told_once_beside_its_extrapolation(side_fit):
     shown = [margin.name for each in found for margin in (each.inside, each.beyond) if margin is not None]
     assert sorted(shown) == sorted(margin.name for margin in result.margins)
     assert "1.5 times" in extrapolation_text(result)
-    assert "nothing is kept" in extrapolation_text(side_fit[0])
+    assert "not enforced outside the measured range" in extrapolation_text(side_fit[0])
     (friction,) = (each for each in found if each.constraint == "mu_y > 0")
     assert friction.beyond == far

@@ -200,7 +200,7 @@ def test_a_misspelt_method_and_odd_numbers_are_refused():
         solver_for("iao")
     with pytest.raises(FitError, match="at least one"):
         solver_for("ioa", iterations=0)
-    with pytest.raises(FitError, match="from 0 on"):
+    with pytest.raises(FitError, match="must not be negative"):
         solver_for("ioa", seed=-1)
     assert {method: solver_for(method, 7) for method in METHODS}["ioa"].max_iterations == 7
 

@@ -119,15 +119,15 @@ def test_a_file_that_is_all_warm_up_is_set_aside_beside_others(once):
     data = prepare([once, cold], BOOK)
     assert set(data.fitted["recording"]) == {0}
     assert [str(excluded) for excluded in data.excluded_rows] == [
-        f"warmup.csv: {len(cold)} of {len(cold)} rows set aside: warm-up (the tread is still cold)"
+        f"warmup.csv: {len(cold)} of {len(cold)} rows excluded: warm-up (the tread is still cold)"
     ]
-    with pytest.raises(DataError, match=r"no row is left to fit \(--all-rows keeps them\): warmup.csv: "):
+    with pytest.raises(DataError, match=r"all rows are excluded \(--all-rows includes them\): warmup.csv: "):
         prepare([cold], BOOK)
     assert len(prepare([cold], BOOK, screening=False).fitted) == len(cold)
 
 
 def test_rows_count_in_ways_that_have_names(once):
-    with pytest.raises(UnknownName, match="unknown way for rows to count 'independant': did you mean independent"):
+    with pytest.raises(UnknownName, match="unknown weighting of rows 'independant': did you mean independent"):
         prepare([once], BOOK, rows="independant")
 
 

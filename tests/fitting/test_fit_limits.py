@@ -105,7 +105,7 @@ def test_tables_that_cannot_be_fitted(known, make):
         (DataError, "no rows", table[:0]),
         (DataError, "no measured output", table.drop(columns="Fy")),
         (FitError, "nothing to fit", table.assign(alpha=0.0)),
-        (FitError, "say --nominal Fz0", table.drop(columns="Fz")),
+        (FitError, "specify --nominal Fz0", table.drop(columns="Fz")),
     ]
     for kind, message, odd in cases:
         with pytest.raises(kind, match=message) as caught:

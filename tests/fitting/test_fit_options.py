@@ -85,7 +85,7 @@ def test_nominal_values(known, make):
     result = fit([recording], "mf96", effects=make.effects, nominal={"Fz0": 900.0, "R0": 0.25, "p0": 1e5})
     assert result.tire.values["FNOMIN"] == 900.0
     assert result.tire.values["UNLOADED_RADIUS"] == 0.25
-    assert any("nominal p0 has no place in mf96" in note for note in result.notes)
+    assert any("nominal p0 is not used by mf96" in note for note in result.notes)
     assert result.channels[0].r2 > 0.9999  # the same curve, told about another load
     generic = fit([recording], "mf96", effects=())
     assert generic.tire.values["FNOMIN"] == float(f"{np.median(recording.table['Fz']):.2g}")

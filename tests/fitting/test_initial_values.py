@@ -58,7 +58,7 @@ def test_a_fit_from_there_ends_no_worse(make, seed):
     assert read.channels[0].rmse <= generic.channels[0].rmse * 1.001
     guess = make.coefficients(read)["PKY1"].guess
     assert guess != make.coefficients(generic)["PKY1"].guess
-    assert any(f"started from what the data show: PKY1 {guess:.3g}" in note for note in read.notes)
+    assert any(f"initial values read from the data: PKY1 {guess:.3g}" in note for note in read.notes)
 
 
 def test_a_later_model_reads_its_own_coefficients(make):

@@ -166,11 +166,11 @@ def test_the_file_belongs_to_one_fit(recording, make, tmp_path):
         (moved, {}, "data"),
         (recording, {"effects": make.effects[1:]}, "effects"),
         (recording, {"recipe": "joint"}, "recipe"),
-        (recording, {"nominal": {"Fz0": 800.0, "R0": 0.23}}, "values to start from"),
+        (recording, {"nominal": {"Fz0": 800.0, "R0": 0.23}}, "initial values"),
         (recording, {"rows": "equal"}, "rows"),
         (recording, {"screening": False}, "screening"),
     ):
-        with pytest.raises(FitError, match=rf"belongs to a fit with other {name}: run it as it was"):
+        with pytest.raises(FitError, match=rf"belongs to a fit with other {name}: restore them"):
             fit([data], "mf96", **{**options, **changed}, resume=True)
     assert path.exists()
 
@@ -179,11 +179,11 @@ def test_the_file_belongs_to_one_fit(recording, make, tmp_path):
     ("text", "message"),
     [
         (None, "no such file: there is no interrupted fit"),
-        ("{", "is no progress file"),
-        ("[]", "is no progress file of this version"),
-        ('{"version": 2}', "is no progress file of this version"),
+        ("{", "not a progress file"),
+        ("[]", "not a progress file of this version"),
+        ('{"version": 2}', "not a progress file of this version"),
         ('{"version": 3}', "was changed after it was written"),
-        ("[" * 100_000, "is no progress file"),
+        ("[" * 100_000, "not a progress file"),
         (Checkpoint.sealed({"version": 3}), "belongs to a fit with other"),
         (Checkpoint.sealed({"version": 3, "identity": [1]}), "belongs to a fit with other"),
     ],
@@ -196,20 +196,20 @@ def test_a_file_that_is_none(recording, make, tmp_path, text, message):
         fit([recording], "mf96", effects=make.effects, nominal=make.nominal, checkpoint=path, resume=True)
 
 
-#: What a file of this fit may say that no fit wrote: key, value, what is told.
+#: Invalid content of a progress file: key, value, message.
 WRONG = (
-    ("done", "all", "is no int"),
-    ("done", 99, "that this fit has not"),
-    ("values", [], "is no dict"),
+    ("done", "all", "is not of type int"),
+    ("done", 99, "not those of this fit"),
+    ("values", [], "is not of type dict"),
     ("values", {"PDY1": None}, "TypeError"),
-    ("values", {"PDY1": float("nan")}, "nan is no number"),
-    ("values", {"<script>": 1.0}, "that this fit has not"),
-    ("freed", {"PDY1": 1}, "is no dict"),
-    ("violated", [["no such", [[1.0]]]], "that this fit has not"),
+    ("values", {"PDY1": float("nan")}, "nan is not a number"),
+    ("values", {"<script>": 1.0}, "not those of this fit"),
+    ("freed", {"PDY1": 1}, "is not of type dict"),
+    ("violated", [["no such", [[1.0]]]], "not those of this fit"),
     ("violated", [3], "TypeError"),
     ("stages", [{}], "KeyError"),
-    ("ended", [{"stage": 77, "values": {}, "free": {}, "x": []}], "that this fit has not"),
-    ("notes", "a note", "is no list"),
+    ("ended", [{"stage": 77, "values": {}, "free": {}, "x": []}], "not those of this fit"),
+    ("notes", "a note", "is not of type list"),
 )
 
 
@@ -225,10 +225,10 @@ def test_a_broken_file_of_this_fit(recording, make, tmp_path):
         *((Checkpoint.sealed({**whole, key: value}), message) for key, value, message in WRONG),
     ):
         path.write_text(text, encoding="utf-8")
-        with pytest.raises(FitError, match=rf"tire\.progress\.json: is a broken progress file .*{message}"):
+        with pytest.raises(FitError, match=rf"tire\.progress\.json: invalid progress file .*{message}"):
             fit([recording], "mf96", **options, resume=True)
 
 
 def test_resuming_takes_a_file(recording, make):
-    with pytest.raises(FitError, match="takes the file of the finished stages"):
+    with pytest.raises(FitError, match="requires the file of the completed stages"):
         fit([recording], "mf96", effects=make.effects, nominal=make.nominal, resume=True)

@@ -66,7 +66,7 @@ def test_ok_asks_for_converged_stages_and_kept_constraints(side_fit):
     assert late.status == "not converged: stage 'late' ended: iteration limit"
     violated = replace(result, margins=(*result.margins, Margin("E_y <= 1", 1.25, -0.25, {"Fz": 1120.0})))
     assert not violated.ok
-    assert violated.status == "constraint E_y <= 1 broken by 0.25"
+    assert violated.status == "constraint E_y <= 1 violated by 0.25"
     hairline = replace(result, margins=(Margin("E_y <= 1", 1.0, -1e-9, {}),))
     assert hairline.ok
 

@@ -42,9 +42,9 @@ REFUSED = {
     ),
     "all rows lifted": (
         lambda t: [t.assign(Fz=0.0)],
-        "no row is left to fit (--all-rows keeps them): a.csv: 1200 of 1200 rows set aside: lifted",
+        "all rows are excluded (--all-rows includes them): a.csv: 1200 of 1200 rows excluded: lifted",
     ),
-    "all rows standing": (lambda t: [t.assign(V=0.0)], "1200 of 1200 rows set aside: standing (the wheel does not"),
+    "all rows standing": (lambda t: [t.assign(V=0.0)], "1200 of 1200 rows excluded: standing (the wheel does not"),
     "all loads out of range": (lambda t: [t.assign(Fz=5e6)], "a.csv: Fz reaches 5e+06 N: in another unit?"),
     "load in kN": (lambda t: [t.assign(Fz=t["Fz"] / 1e3)], "a.csv: no |Fz| is above 0.9 N: in kN? declare it"),
     "load of the other sign": (
@@ -90,7 +90,7 @@ TOLD = {
     ),
     "a wild reading": (
         lambda t: [side_alone(t).assign(Fy=t["Fy"].where(t.index != 70, 9e3))],
-        "a.csv: 1 of 600 rows set aside: outlier (a value is far from the running median of its channel)",
+        "a.csv: 1 of 600 rows excluded: outlier (a value is far from the running median of its channel)",
     ),
 }  # fmt: skip
 

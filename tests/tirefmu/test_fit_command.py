@@ -59,5 +59,5 @@ def test_cross_validation_is_reported(command, bench_csv, tmp_path):
 def test_more_folds_than_conditions_are_refused_before_the_work(command, bench_csv, tmp_path):
     outcome = command("fit", bench_csv, "--model", "mf96", "--cross-validate", "500", "-o", tmp_path / "t.tir")
     assert outcome.status == 2
-    assert "500 folds need as many held conditions" in outcome.err
+    assert "500 folds require at least 500 operating conditions" in outcome.err
     assert list(tmp_path.iterdir()) == []

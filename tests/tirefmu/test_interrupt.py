@@ -55,5 +55,5 @@ def test_resuming_without_a_file_is_one_clear_line(command, bench_csv, tmp_path)
     outcome = command("fit", bench_csv, "--model", "mf96", "--effects", "none", "-o", tmp_path / "tire.tir", "--resume")
     assert outcome.status == 2
     (message,) = outcome.err.splitlines()
-    assert message.endswith("tire.progress.json: no such file: there is no interrupted fit to go on with")
+    assert message.endswith("tire.progress.json: no such file: there is no interrupted fit to resume")
     assert list(tmp_path.iterdir()) == []
