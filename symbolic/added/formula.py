@@ -174,7 +174,7 @@ def _worked_out(node: ast.expr, location: str, compute: Callable[[], sp.Expr]) -
 def _applied(
     node: ast.expr, values: list[sp.Expr], apply: Callable[..., Any], on_numbers: Callable[..., Any]
 ) -> sp.Expr:
-    """Return the result of an operation: a number if the operands are numbers, otherwise an expression of limited size."""
+    """Return the result of an operation: a number if the operands are numbers, else an expression of limited size."""
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
         _refuse_power(*values)
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Div) and values[1].is_zero:

@@ -1,4 +1,4 @@
-"""A small recording of a known tire, and what the diagnosis computes on it without a fit."""
+"""A small recording of a known tire, and the intermediate results of a diagnosis of it, without a fit."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ VALUES = {
     "PEY1": -0.3, "PKY1": 40.0, "PKY2": 2.0, "QBZ1": 7.0, "QCZ1": 1.2, "QDZ1": 0.1, "PDY2": -0.2, "PHY1": 0.003,
 }  # fmt: skip
 EFFECTS = ("load_friction", "load_stiffness", "plysteer", "camber_thrust")
-#: Deviations of white noise, N and N m.
+#: Standard deviations of white noise, N and N m.
 NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
 FREE = ("PDX1", "PKX1", "PDY1", "PDY2", "PKY1", "PHY1", "QDZ1")
 
 
 def sweeps(n=2400, rate=50.0):
-    """Return the inputs of a bench that varies everything."""
+    """Return bench inputs in which all channels vary."""
     t = np.arange(n) / rate
     return pd.DataFrame({
         "t": t, "alpha": 0.15 * np.sin(1.9 * t), "kappa": 0.12 * np.sin(1.1 * t + 0.5),
@@ -37,7 +37,7 @@ def sweeps(n=2400, rate=50.0):
 
 
 def measured(tire, inputs, seed=0):
-    """Return the inputs with a tire's forces and noise beside them, in adapted SAE."""
+    """Return the inputs with the noisy forces of a tire, in adapted SAE."""
     rng = np.random.default_rng(seed)
     forces = tire.evaluate(inputs.drop(columns="t"), signs="adapted-sae", code="numpy")
     return inputs.assign(**{name: forces[name] + size * rng.normal(size=len(inputs)) for name, size in NOISE.items()})
@@ -55,19 +55,19 @@ def table(tire):
 
 @pytest.fixture(scope="session")
 def problem(tire, table):
-    """Return the least-squares problem of the recording, at the noise that it was made with."""
+    """Return the least-squares problem of the recording, with the true noise."""
     signals = signals_of(table, tire, "adapted-sae", smooth=False)
     noise = np.array([NOISE[name] for name in signals.channels])
     inverse_noise = np.where(signals.present & ~signals.holdout, 1.0 / noise[:, None], 0.0)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(simulation, "code_for", lambda book, _: code_for(book, "numpy"))  # nothing to compile
+        patch.setattr(simulation, "code_for", lambda book, _: code_for(book, "numpy"))  # no compilation
         simulator = Simulator(tire, signals)
     return LeastSquares(simulator, inverse_noise, disturbances_of(signals, noise), tire.book.prior_center | VALUES)
 
 
 @pytest.fixture(scope="session")
 def at_true_values(problem, tire):
-    """Return a screen at the coefficients that the recording was made with."""
+    """Return a screen at the true coefficients."""
     screen = Screen(problem, problem.at(tire.parameters(), FREE))
     screen.learn_noise({})
     return screen
@@ -75,7 +75,7 @@ def at_true_values(problem, tire):
 
 @pytest.fixture(scope="session")
 def without_camber(problem, tire):
-    """Return a screen at a tire that is right but for its camber thrust, whose coefficients are 0."""
+    """Return a screen at a tire that lacks camber thrust and is otherwise true."""
     made = replace(tire, values={**tire.values, "PVY3": 0.3})
     rows = measured(made, sweeps())
     signals = signals_of(rows, tire, "adapted-sae", smooth=False)

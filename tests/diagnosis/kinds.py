@@ -1,4 +1,4 @@
-"""The suite's cases by kind: the same recording for the same number, whoever makes it."""
+"""The benchmark cases by kind; a number always gives the same recording."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from .suite import ARTEFACTS, BENT, DEFAULT_EFFECTS, SIZES, UNKNOWN, Case, make_case
 
-#: How many cases make the whole of a kind: every effect twice, thirty recordings with nothing missing.
+#: Number of cases of each kind: every effect twice, thirty recordings without a missing effect.
 NUMBER_OF_CASES = {
     "single": 2 * len(SIZES),
     "bent": 10,
@@ -16,8 +16,8 @@ NUMBER_OF_CASES = {
     "confounded": 6,
     "null": 30,
 }
-#: Programs that confound: what is hidden in each, what else may be named first, what has to be told as not to be
-#: distinguished from it, and words of the right next test.
+#: Confounding programs: hidden effect, other effects that may be identified first, effects that must be reported as
+#: confounded, and words of the separating measurement.
 CONFOUNDED = (
     ("warming", "temp_friction", "wear_drift", "wear_drift", "at the same temp|cooled"),
     ("one_sided", "conicity", "plysteer", "plysteer", "both signs"),
@@ -32,14 +32,14 @@ CONFOUNDED = (
     ("one_sided", "plysteer", "conicity", "conicity", "both signs"),
     ("small_slip", "pressure_friction", "pressure_stiffness", "pressure_stiffness", "small and large slip"),
 )
-#: What benches of some kinds do not record, and the effects that then cannot be known.
+#: Columns that some benches do not record, and the effects that are then not identifiable.
 MISSING_COLUMNS = (("T",), ("p",), ("Fx",), ("Mz",), ("T", "V"))
 EFFECTS_OF_COLUMN = {
     "T": ("temp_friction", "temp_stiffness"), "p": ("pressure_stiffness", "pressure_friction"),
     "V": ("speed_friction", "relax_lat", "relax_lon", "relax_load", "wear_drift"),
     "Fx": ("relax_lon", "combined_Gxa", "Mz_from_Fx"), "Mz": ("residual_torque_Mzr", "trail_load", "Mz_from_Fx"),
 }  # fmt: skip
-#: Effects that a bench may well have known before.
+#: Effects that baseline models often have.
 COMMON = tuple(
     name for name in SIZES
     if name not in (
@@ -54,9 +54,9 @@ def case_of(kind: str, i: int) -> Case:
     Parameters
     ----------
     kind : str
-        Of `NUMBER_OF_CASES`.
+        Key of `NUMBER_OF_CASES`.
     i : int
-        Its number, from 0.
+        Number of the case, from 0.
     """
     rng = np.random.default_rng([list(NUMBER_OF_CASES).index(kind), i])
     seed = 1000 * (1 + list(NUMBER_OF_CASES).index(kind)) + i
@@ -81,19 +81,19 @@ def case_of(kind: str, i: int) -> Case:
         hidden = _chosen(rng, (*COMMON, *DEFAULT_EFFECTS), 1)
         return make_case(seed, hidden, noise=noise, artefacts=artefacts, signs=signs, bent=BENT[i % len(BENT)])
     one = list(SIZES)[i % len(SIZES)]
-    known = _chosen(rng, tuple(name for name in known if name != one), 3, beside=(one,))
+    known = _chosen(rng, tuple(name for name in known if name != one), 3, present=(one,))
     strength = float(rng.choice([0.7, 1.0, 1.5]))
     program = "turning" if one == "turn_slip" else "full"
     return make_case(seed, (one,), noise=noise, extra=known, artefacts=artefacts, strength=strength, rate=rate,
                      signs=signs, kind=program)  # fmt: skip
 
 
-def _chosen(rng: np.random.Generator, names: tuple[str, ...], n: int, beside: tuple[str, ...] = ()) -> tuple[str, ...]:
-    """Return up to n names of which at most one, those beside them counted, is a lateral relaxation."""
+def _chosen(rng: np.random.Generator, names: tuple[str, ...], n: int, present: tuple[str, ...] = ()) -> tuple[str, ...]:
+    """Return up to n names; at most one of them and of `present` is a lateral relaxation."""
     drawn = [str(name) for name in rng.permutation(names)]
-    told: list[str] = []
+    chosen: list[str] = []
     for name in drawn:
         lateral = name in ("relax_lat", "relax_load")
-        if not lateral or not {"relax_lat", "relax_load"} & {*told, *beside}:
-            told.append(name)
-    return tuple(told[:n])
+        if not lateral or not {"relax_lat", "relax_load"} & {*chosen, *present}:
+            chosen.append(name)
+    return tuple(chosen[:n])

@@ -1,4 +1,4 @@
-"""What a bench imposes on a tire: sweeps of either slip at steps of load, camber, pressure and speed."""
+"""Bench programs: sweeps of either slip at steps of load, camber, pressure and speed."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pandas as pd
 from scipy.ndimage import gaussian_filter1d
 from scipy.signal import lfilter
 
-#: Shares of the kinds of sweep: of alpha, of kappa, of kappa at a slip angle, of everything at once.
+#: Probabilities of the kinds of sweep: alpha, kappa, kappa at a slip angle, all inputs simultaneously.
 KINDS = {
     "full": (0.45, 0.3, 0.15, 0.1),
     "cornering": (1.0, 0.0, 0.0, 0.0),
@@ -19,18 +19,18 @@ KINDS = {
 
 
 def program(rng: np.random.Generator, load: float, rate: float, sweeps: int, kind: str = "full") -> pd.DataFrame:
-    """Return a bench's inputs.
+    """Return the inputs of a bench program.
 
     Parameters
     ----------
     rng : numpy.random.Generator
     load : float, N
-        Nominal.
+        Nominal load.
     rate : float, Hz
     sweeps : int
-        Of 3 s each.
+        Number of sweeps of 3 s.
     kind : str
-        "full"; "cornering" (no longitudinal slip), "warming" (the tread only ever warms up), "one_sided" (slip angles
+        "full"; "cornering" (no longitudinal slip), "warming" (the tread only warms up), "one_sided" (slip angles
         of one sign), "small_slip" (pure slip angles below the peak), "turning" (with a turn slip).
     """
     reach = 0.055 if kind == "small_slip" else rng.uniform(0.15, 0.2)
@@ -79,6 +79,6 @@ def _sweep(
 
 
 def slow(values: np.ndarray, rows: float) -> np.ndarray:
-    """Return a signal behind a first-order lag of so many rows."""
-    kept = float(np.exp(-1.0 / max(rows, 1e-3)))
-    return np.asarray(lfilter([1.0 - kept], [1.0, -kept], values, zi=[kept * values[0]])[0])
+    """Return a signal behind a first-order lag with a time constant in rows."""
+    decay = float(np.exp(-1.0 / max(rows, 1e-3)))
+    return np.asarray(lfilter([1.0 - decay], [1.0, -decay], values, zi=[decay * values[0]])[0])

@@ -1,7 +1,7 @@
-"""Recordings with a hidden effect: other tires, strengths, programs and noise at every seed.
+"""Recordings with a hidden effect: tire, effect size, program and noise depend on the seed.
 
-The truth is evaluated at warped inputs (a temperature that saturates, a wear that slows down), so that an effect's
-form is never quite the library's.
+The true forces are evaluated at transformed inputs (a temperature that saturates, wear that slows down), so that the
+functional form of an effect differs from that of the library.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .programs import program, slow
 
 DEFAULT_EFFECTS = ("load_friction", "load_stiffness", "combined_Gyk", "combined_Gxa")
 
-#: Coefficients that switch each effect on, adapted SAE; sizes as in nature, times the case's strength.
+#: Coefficients of each effect, adapted SAE: typical sizes, multiplied by the strength of the case.
 SIZES: Mapping[str, Mapping[str, float]] = {
     "load_friction": {"PDY2": -0.15, "PDX2": -0.12},
     "load_stiffness": {"PKY2": 1.8},
@@ -52,22 +52,22 @@ SIZES: Mapping[str, Mapping[str, float]] = {
     "rolling_resistance_My": {"QSY1": 0.012, "QSY2": 0.05},
     "turn_slip": {"PDYP1": 1.0, "PKYP1": 2.0},
 }
-#: Coefficients that a strength multiplies as it is; of the others only the effect's size is meant.
+#: Coefficients that the strength does not multiply.
 UNSCALED = {"PKY2", "RBX1", "RBX2", "RCX1", "RBY1", "RBY2", "RCY1", "RVY4", "RVY5", "RVY6", "SIGC"}
 OUTPUTS = ("Fx", "Fy", "Mz", "Mx", "My")
-#: Effects by the moment that is measured only where the tire has them.
+#: Moments that are recorded only if the tire has the effect.
 OF_MOMENT = {"Mx": "overturning_Mx", "My": "rolling_resistance_My"}
 EITHER_SIGN = ("plysteer", "conicity", "curvature_asym", "temp_stiffness")
 
 
-#: Structure that no library knows, and what it depends on.
+#: Structure that is not in the library, and its variables.
 UNKNOWN: Mapping[str, frozenset[str]] = {
     "power": frozenset({"T", "alpha", "V", "Fz"}),
     "hysteresis": frozenset({"dalpha/dt", "memory", "Fz"}),
     "crown": frozenset({"gamma", "p"}),
     "whirl": frozenset({"V", "Fz"}),
 }
-#: What a base formula of another form does: see `_bent`.
+#: Errors of the functional form of the baseline formula: see `_bend`.
 BENT = ("slip", "peak", "load", "shoulder")
 #: Disturbances of the recording.
 ARTEFACTS = ("ripple", "outliers", "cross_talk", "drift", "coarse", "noisy_inputs", "offsets")
@@ -75,23 +75,23 @@ ARTEFACTS = ("ripple", "outliers", "cross_talk", "drift", "coarse", "noisy_input
 
 @dataclass(frozen=True)
 class Case:
-    """A recording and what is hidden in it.
+    """A recording and its hidden effects.
 
     Attributes
     ----------
     name : str
     hidden : tuple of str
     effects : tuple of str
-        Those of the start model.
+        Effects of the baseline model.
     nominal : mapping of str to float
     table, truth : pandas.DataFrame
-        As recorded; and without the recording's disturbances.
+        The recording, and the same without disturbances.
     test : pandas.DataFrame
-        Other manoeuvres, as they are in truth.
+        Other manoeuvres without disturbances.
     tire : Tire
-        The true one, but for what no library knows.
+        The true tire, without structure outside the library.
     signs : str
-        Of the three tables.
+        Sign convention of the three tables.
     unknown : str
         A name of `UNKNOWN`, or "".
     """
@@ -119,25 +119,25 @@ def make_case(
     ----------
     seed : int
     hidden : tuple of str
-        Effects that the start model lacks.
+        Effects that the baseline model lacks.
     strength, noise : float
-        1: as in nature, as on a bench.
+        Factors on typical effect sizes and on typical bench noise.
     extra : tuple of str
-        Effects that tire and start model have beside the usual ones.
+        Effects of tire and baseline model in addition to the default ones.
     artefacts : tuple of str
-        Of the recording: names of `ARTEFACTS`.
+        Measurement artefacts: names of `ARTEFACTS`.
     unknown : str
-        Structure that no library knows: a name of `UNKNOWN`.
+        Structure that is not in the library: a name of `UNKNOWN`.
     rate : float, Hz
     sweeps : int
     without : tuple of str
-        Columns that were not recorded.
+        Columns that are not recorded.
     kind : str
-        Of program.
+        Kind of program.
     bent : str
-        How the truth's base formula differs from the book's: a name of `BENT`.
+        Form error of the baseline formula: a name of `BENT`.
     signs : str
-        Of the tables.
+        Sign convention of the tables.
     """
     rng = np.random.default_rng(seed)
     base = tuple(dict.fromkeys(name for name in (*DEFAULT_EFFECTS, *extra) if name not in hidden))
@@ -178,7 +178,7 @@ def _tire(rng: np.random.Generator, effects: tuple[str, ...], strength: float) -
 
 
 def _answer(tire: Tire, table: pd.DataFrame, unknown: str, bent: str) -> pd.DataFrame:
-    """Return inputs and true forces; effects act by warped inputs."""
+    """Return inputs and true forces; effects depend on transformed inputs."""
     warped = table.copy()
     warped["T"] = 50.0 + 40.0 * np.tanh((table["T"] - 50.0) / 40.0)
     distance = np.concatenate([[0.0], np.cumsum(np.diff(table["t"]) * table["V"].to_numpy()[1:])])
@@ -196,7 +196,7 @@ def _answer(tire: Tire, table: pd.DataFrame, unknown: str, bent: str) -> pd.Data
 
 
 def _bend(forces: pd.DataFrame, table: pd.DataFrame, load: float, bent: str) -> None:
-    """Give the base formula another form: of the peak, of the load's influence, of the curve's shoulder."""
+    """Change the functional form of the baseline formula: peak, load dependence, or shoulder of the curve."""
     slip = np.hypot(np.tan(table["alpha"]), table["kappa"])
     if bent == "peak":
         forces *= (1.0 - 0.05 * slip**2 / (slip**2 + 0.08**2)).to_numpy()[:, None]
@@ -208,7 +208,7 @@ def _bend(forces: pd.DataFrame, table: pd.DataFrame, load: float, bent: str) -> 
 
 
 def _add_unknown(forces: pd.DataFrame, table: pd.DataFrame, load: float, unknown: str) -> None:
-    """Add what no library knows."""
+    """Add structure that is not in the library."""
     relative = table["Fz"] / load
     if unknown == "power":
         power = np.abs(np.tan(table["alpha"])) * table["V"] / 16.7 * relative
@@ -225,7 +225,7 @@ def _add_unknown(forces: pd.DataFrame, table: pd.DataFrame, load: float, unknown
 
 
 def _recorded(rng: np.random.Generator, truth: pd.DataFrame, noise: float, artefacts: tuple[str, ...]) -> pd.DataFrame:
-    """Return what the bench records of the truth."""
+    """Return the recording of the true forces, with noise and artefacts."""
     n = len(truth)
 
     def random(memory: float) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Which effects a diagnosis tries, and with what: read from the files of effects alone."""
+"""Candidate effects and their forms depend on the effect files only."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def started(book="mf61", has=(), own=()):
 
 @pytest.fixture
 def library_folder(tmp_path, monkeypatch):
-    """Return a copy of the library's folder that is read instead of it."""
+    """Return a copy of the library folder that replaces it."""
     copy = tmp_path / "effects"
     shutil.copytree(Path(effects.__file__).parent, copy, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(folder, "FOLDER", copy)
@@ -42,7 +42,7 @@ def library_folder(tmp_path, monkeypatch):
     added.library.cache_clear()
 
 
-def test_a_file_placed_next_to_the_library_is_offered_without_another_edit(library_folder):
+def test_a_new_file_in_the_library_folder_is_a_candidate(library_folder):
     assert "wet_grip" not in candidates_for(started())
     (library_folder / "wet_grip.toml").write_text(DECLARED, encoding="utf-8")
     added.library.cache_clear()
@@ -51,14 +51,14 @@ def test_a_file_placed_next_to_the_library_is_offered_without_another_edit(libra
     assert started().book.prior_spread["WET1"] == pytest.approx(0.25)
 
 
-def test_a_user_file_is_treated_like_one_of_the_library():
+def test_a_user_defined_effect_is_treated_like_one_of_the_library():
     declared = candidates_for(started(own=(read_effect(DECLARED, "own.toml"),)))["wet_grip"]
     assert (declared.forms[0].probes, declared.requires, declared.channels) == (({"WET1": 0.05},), ("V",), ("Fy",))
     plain = candidates_for(started(own=(read_effect(NEW, "own.toml"),)))["wet_grip"]
     assert (plain.forms[0].probes, plain.requires, len(plain.channels)) == (({"WET1": 0.125},), (), 5)
 
 
-def test_a_model_tries_the_coefficients_that_it_has():
+def test_forms_contain_the_coefficients_of_the_model():
     fiala, brush = candidates_for(started("fiala")), candidates_for(started("brush"))
     assert fiala["relax_lat"].requires == ("t", "alpha")
     assert fiala["relax_lat"].forms[0].free == ("REL_LEN_LAT",)
@@ -67,7 +67,7 @@ def test_a_model_tries_the_coefficients_that_it_has():
     assert brush["load_stiffness"].forms[0].probes == ({"NSTIFF": 0.125},)  # of a neutral value of 1
 
 
-def test_an_effect_that_the_tire_has_is_not_tried_again_in_its_special_case():
+def test_special_cases_of_present_effects_are_no_candidates():
     assert {"relax_lat", "relax_load"} <= candidates_for(started()).keys()
     lag = candidates_for(started(has=["relax_lat"]))
     assert "relax_lat" not in lag
@@ -75,7 +75,7 @@ def test_an_effect_that_the_tire_has_is_not_tried_again_in_its_special_case():
     assert not {"relax_lat", "relax_load"} & candidates_for(started(has=["relax_load"])).keys()
 
 
-def test_refinements_are_those_of_the_baseline_and_of_effects_that_are_there():
+def test_refinements_belong_to_the_baseline_and_to_present_effects():
     tire = started(has=["conicity"])
     assert {name for name, _ in refinements_for(tire, frozenset())} == {"core", "conicity"}
     assert {name for name, _ in refinements_for(tire, frozenset({"temp_friction"}))} == {
@@ -84,8 +84,8 @@ def test_refinements_are_those_of_the_baseline_and_of_effects_that_are_there():
     assert refinements_for(started("brush"), frozenset()) == []
 
 
-def test_a_probe_of_stiffness_holds_it_at_nominal_load(without_camber, tire):
-    """Without load_stiffness the cornering stiffness is proportional to load; the probe only bends it."""
+def test_a_probe_of_load_stiffness_keeps_the_nominal_stiffness(without_camber, tire):
+    """Without load_stiffness the cornering stiffness is proportional to load. The probe changes the curvature only."""
     form = model("mf96").detections["load_stiffness"].forms[0]
     simulator = without_camber.problem.simulator
     free = tuple(name for name in without_camber.solution.free if name != "PKY2")

@@ -23,7 +23,7 @@ def answer(case, **more):
     return diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal, **more)
 
 
-def squared_gap(tire, case, diagnosis):
+def squared_error(tire, case, diagnosis):
     computed = tire.evaluate(case.test.drop(columns=["Fx", "Fy", "Mz"]), signs="adapted-sae")
     return sum(
         np.mean((computed[name] - case.test[name]) ** 2) / part["floor"] ** 2
@@ -37,28 +37,28 @@ def thrust():
     return case, answer(case)
 
 
-def test_the_hidden_effect_is_named_and_closes_the_gap(thrust):
+def test_the_hidden_effect_is_identified_and_reduces_the_error(thrust):
     case, diagnosis = thrust
     assert [one.effect for one in diagnosis.found] == ["camber_thrust"]
     assert diagnosis.verdict.startswith("Missing: camber_thrust")
-    before, after = (squared_gap(tire, case, diagnosis) for tire in (diagnosis.base_tire, diagnosis.tire))
+    before, after = (squared_error(tire, case, diagnosis) for tire in (diagnosis.base_tire, diagnosis.tire))
     assert after < 0.1 * before
     assert diagnosis.found[0].channels == ("Fy",)
 
 
-def test_the_folder_holds_what_the_result_says(thrust, tmp_path):
+def test_the_saved_files_agree_with_the_result(thrust, tmp_path):
     case, diagnosis = thrust
-    told = json.loads(diagnosis.save(tmp_path).read_text())
-    assert told["found"][0]["effect"] == "camber_thrust"
-    assert {"verdict", "confounded_with", "unknown", "not_identifiable", "gap", "fmu"} <= told.keys()
-    assert set(told["gap"]) == {"train", "cv", "holdout"}
+    reported = json.loads(diagnosis.save(tmp_path).read_text())
+    assert reported["found"][0]["effect"] == "camber_thrust"
+    assert {"verdict", "confounded_with", "unknown", "not_identifiable", "gap", "fmu"} <= reported.keys()
+    assert set(reported["gap"]) == {"train", "cv", "holdout"}
     for key, tire in (("tire", diagnosis.tire), ("base_tire", diagnosis.base_tire)):
-        read = tirefmu.load(tmp_path / told[key])
+        read = tirefmu.load(tmp_path / reported[key])
         expected, computed = (x.evaluate(case.truth, signs="adapted-sae") for x in (tire, read))
         pd.testing.assert_frame_equal(computed[["Fx", "Fy", "Mz"]], expected[["Fx", "Fy", "Mz"]], rtol=1e-9)
 
 
-def test_signs_of_the_recording_change_the_words_only(thrust):
+def test_the_result_does_not_depend_on_the_signs_of_the_recording(thrust):
     case, diagnosis = thrust
     turned = case.table.assign(Fy=-case.table["Fy"], Mz=-case.table["Mz"])
     other = diagnose(turned, signs="iso", effects=case.effects, nominal=case.nominal)
@@ -72,7 +72,7 @@ def test_signs_of_the_recording_change_the_words_only(thrust):
         assert other.recording["offset"][channel] == pytest.approx(offset, rel=1e-4, abs=1e-6)
 
 
-def test_a_diagnosis_in_the_signs_of_its_formula(thrust):
+def test_a_diagnosis_in_another_sign_convention(thrust):
     _, diagnosis = thrust
     assert diagnosis.in_signs("iso") is diagnosis
     other = diagnosis.in_signs("adapted-sae")
@@ -91,7 +91,7 @@ def test_a_diagnosis_in_the_signs_of_its_formula(thrust):
         diagnosis.in_signs("sae")
 
 
-def test_a_diagnosis_is_shown_in_a_few_lines(thrust):
+def test_the_summary_has_few_lines(thrust):
     _, diagnosis = thrust
     shown = repr(diagnosis)
     assert len(shown.splitlines()) < 10
@@ -102,7 +102,7 @@ def test_a_diagnosis_is_shown_in_a_few_lines(thrust):
     assert "<td>PKY6</td>" in hostile._repr_html_()
 
 
-def test_what_is_no_table_or_no_tire_is_refused_by_name(tmp_path, thrust):
+def test_invalid_tables_and_tires_raise_an_error_with_the_parameter_name(tmp_path, thrust):
     case, _ = thrust
     case.table.head(50).to_csv(tmp_path / "short.csv", index=False)
     for path in (tmp_path / "short.csv", str(tmp_path / "short.csv")):
@@ -118,7 +118,7 @@ def test_what_is_no_table_or_no_tire_is_refused_by_name(tmp_path, thrust):
 
 
 def with_text(diagnosis, text):
-    """Return a diagnosis and a simulation as if every text that a file or a user may bring were this one."""
+    """Return a diagnosis and a simulation in which every text from files and users is this one."""
     unknown = Unknown((text,), text, False, None, text)
     finding = replace(diagnosis.found[0], effect=text, coefficients={text: Interval(1.0, 0.0, 2.0)})
     left = {**diagnosis.recording, "left_aside": {text: text}}
@@ -132,7 +132,7 @@ def with_text(diagnosis, text):
 
 
 @pytest.mark.parametrize("text", HOSTILE)
-def test_no_text_changes_the_page(thrust, text, monkeypatch):
+def test_no_text_changes_the_structure_of_the_page(thrust, text, monkeypatch):
     monkeypatch.setattr(report, "_maps", lambda *_: [])
     case, diagnosis = thrust
     pages = []
@@ -148,23 +148,23 @@ def test_no_text_changes_the_page(thrust, text, monkeypatch):
 
 
 @pytest.mark.parametrize("text", HOSTILE)
-def test_the_json_is_json_whatever_stands_in_it(thrust, text, tmp_path):
+def test_the_json_is_valid_for_any_text(thrust, text, tmp_path):
     def refuse(constant):
         raise AssertionError(f"{constant} is not JSON")
 
-    told = with_text(thrust[1], text)[0].save(tmp_path).read_text(encoding="utf-8")
-    assert json.loads(told, parse_constant=refuse)["verdict"] == text
+    reported = with_text(thrust[1], text)[0].save(tmp_path).read_text(encoding="utf-8")
+    assert json.loads(reported, parse_constant=refuse)["verdict"] == text
 
 
 @pytest.mark.parametrize(("seed", "artefacts"), [(11, ()), (12, ("outliers",)), (13, ("ripple", "drift"))])
-def test_nothing_is_found_where_nothing_is_missing(seed, artefacts):
+def test_no_effect_is_identified_without_a_missing_effect(seed, artefacts):
     diagnosis = answer(make_case(seed, extra=("camber_thrust",), artefacts=artefacts))
     assert diagnosis.found == ()
     assert diagnosis.verdict.startswith("Nothing material is missing")
     assert diagnosis.detectable["temp_friction"]["Fy"] > 0.0
 
 
-def test_sensor_aliases_are_told_and_never_found():
+def test_sensor_errors_are_reported_as_confounded_only():
     diagnosis = answer(make_case(21, ("plysteer",)))
     assert [one.effect for one in diagnosis.found] == ["plysteer"]
     assert "slip_angle_zero_offset" in diagnosis.confounded_with["plysteer"]
@@ -178,18 +178,18 @@ def test_what_was_not_recorded_is_not_identifiable():
     assert "T" in diagnosis.not_identifiable["temp_friction"]
 
 
-def test_structure_that_no_effect_explains_is_unknown():
+def test_unexplained_structure_is_reported_as_unknown():
     case = make_case(41, unknown="hysteresis")
     diagnosis = answer(case)
     assert [one.effect for one in diagnosis.found] == ["UNKNOWN"]
     assert "dalpha/dt" in diagnosis.unknown[0].depends_on
     assert not diagnosis.unknown[0].added
-    assert "no memory" in diagnosis.unknown[0].not_added_because
+    assert "current inputs only" in diagnosis.unknown[0].not_added_because
     assert any("at three rates" in text for text in diagnosis.next_measurement)
-    assert squared_gap(diagnosis.tire, case, diagnosis) <= 1.001 * squared_gap(diagnosis.base_tire, case, diagnosis)
+    assert squared_error(diagnosis.tire, case, diagnosis) <= 1.001 * squared_error(diagnosis.base_tire, case, diagnosis)
 
 
-def test_bad_input_is_one_clear_line():
+def test_invalid_input_raises_a_clear_error():
     case = make_case(1)
     with pytest.raises(UnknownName, match="camber_thrust"):
         diagnose(case.table, signs=case.signs, effects=("camber_trust",), nominal=case.nominal)

@@ -1,4 +1,4 @@
-"""Traces of missing effects: seen where they are, not seen where they are not, and told from the base's freedom."""
+"""Effect screening: detection of missing effects, no false detection, and projection of the baseline model."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ THRUST = Form(("PVY3",), ({"PVY3": 0.15},))
 FRICTION = Form(("PDY3",), ({"PDY3": 3.0},))
 
 
-def test_a_missing_effect_is_seen_at_its_size_and_improves_the_prediction(without_camber):
+def test_a_missing_effect_is_detected_with_its_size_and_improves_the_prediction(without_camber):
     response = without_camber.response(without_camber.columns(THRUST))
     assert response.p < 1e-6
     assert response.estimate == pytest.approx([0.3 / 0.15], rel=0.1)
@@ -21,7 +21,7 @@ def test_a_missing_effect_is_seen_at_its_size_and_improves_the_prediction(withou
     assert response.loss.sum() < 0.5 * without_camber.baseline.loss.sum()
 
 
-def test_what_is_not_missing_is_not_seen(at_true_values):
+def test_an_effect_that_is_not_missing_is_not_detected(at_true_values):
     for form in (THRUST, FRICTION):
         response = at_true_values.response(at_true_values.columns(form))
         assert response.p > 1e-3
@@ -29,7 +29,7 @@ def test_what_is_not_missing_is_not_seen(at_true_values):
         assert response.loss.sum() > 0.99 * at_true_values.baseline.loss.sum()
 
 
-def test_what_the_base_can_do_itself_cannot_be_seen(without_camber):
+def test_a_response_in_the_tangent_space_of_the_baseline_is_not_testable(without_camber):
     column = without_camber.tangent[:, :, [2]]
     free = without_camber.project(column)
     assert np.linalg.norm(free) < 0.02 * np.linalg.norm(column)
@@ -38,12 +38,12 @@ def test_what_the_base_can_do_itself_cannot_be_seen(without_camber):
     assert np.isinf(response.error).all()
 
 
-def test_a_projection_is_at_right_angles_to_the_freedom_and_leaves_the_rest(without_camber):
+def test_a_projection_is_orthogonal_to_the_tangent_space_and_idempotent(without_camber):
     columns = without_camber.columns(THRUST)
     free = without_camber.project(columns)
     tangent = without_camber.tangent.reshape(-1, without_camber.tangent.shape[-1])
     cosines = (tangent.T @ free.reshape(-1)) / np.linalg.norm(tangent, axis=0) / np.linalg.norm(free)
-    firm = without_camber.prior_precision < 0.01 * np.sum(tangent**2, axis=0)  # a belief that pulls leaves some of it
+    firm = without_camber.prior_precision < 0.01 * np.sum(tangent**2, axis=0)  # a strong prior leaves a remainder
     assert firm.any()
     assert np.max(np.abs(cosines[firm])) < 0.02
     np.testing.assert_allclose(without_camber.project(free), free, atol=0.02 * np.abs(free).max())
@@ -52,28 +52,28 @@ def test_a_projection_is_at_right_angles_to_the_freedom_and_leaves_the_rest(with
 # ------------------------------------------------------------------ other explanations
 
 
-def test_a_zero_offset_imitates_what_it_shifts(at_true_values):
-    """An error of the slip angle is a horizontal shift; one of the inclination is not."""
+def test_a_zero_offset_is_confounded_with_a_shift(at_true_values):
+    """An error of the slip angle is a horizontal shift; an error of the longitudinal slip is not."""
     aliases = alias_columns(at_true_values)
-    told = correlations(at_true_values, ("PHY1",), aliases, {})
-    assert told["slip_angle_zero_offset"] > CONFOUNDED > told["slip_zero_offset"]
-    assert all(0.0 <= value <= 1.0 + 1e-9 for value in told.values())
+    reported = correlations(at_true_values, ("PHY1",), aliases, {})
+    assert reported["slip_angle_zero_offset"] > CONFOUNDED > reported["slip_zero_offset"]
+    assert all(0.0 <= value <= 1.0 + 1e-9 for value in reported.values())
 
 
-def test_an_explanation_imitates_itself_whatever_its_size_and_sign(at_true_values):
+def test_the_correlation_does_not_depend_on_size_and_sign(at_true_values):
     own = at_true_values.tangent[:, :, [5]]  # of PHY1
-    told = correlations(at_true_values, ("PHY1",), {"itself": own, "reversed": -7.0 * own}, {"other": own * 0.0})
-    assert told == pytest.approx({"itself": 1.0, "reversed": 1.0})
+    reported = correlations(at_true_values, ("PHY1",), {"itself": own, "reversed": -7.0 * own}, {"other": own * 0.0})
+    assert reported == pytest.approx({"itself": 1.0, "reversed": 1.0})
 
 
-def test_what_the_rest_of_the_model_can_do_does_not_tell_explanations_apart(at_true_values):
+def test_correlations_ignore_responses_of_the_remaining_model(at_true_values):
     own, friction = at_true_values.tangent[:, :, [5]], at_true_values.tangent[:, :, [2]]  # of PHY1 and PDY1
     friction = friction * np.linalg.norm(own) / np.linalg.norm(friction)
-    told = correlations(at_true_values, ("PHY1",), {"mixed": own + 2.0 * friction}, {})
-    assert told["mixed"] == pytest.approx(1.0, abs=1e-3)
+    reported = correlations(at_true_values, ("PHY1",), {"mixed": own + 2.0 * friction}, {})
+    assert reported["mixed"] == pytest.approx(1.0, abs=1e-3)
 
 
-def test_separating_two_explanations_does_not_depend_on_their_order():
+def test_the_separating_measurement_does_not_depend_on_the_order():
     pairs = [("temp_friction", "wear_drift"), ("plysteer", "conicity"), ("a", "b")]
     detections = model("mf61").extended(tuple(library().values())).detections
     for first, second in pairs:

@@ -1,4 +1,4 @@
-"""The damped least squares of a diagnosis: its cost, its derivatives, its bounds, and the tire that it finds again."""
+"""Least squares of the diagnosis: cost, derivatives, bounds, recovery of a known tire, disturbances."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ from tirefmu.tires.tire import Tire
 FREE = ("PDX1", "PKX1", "PDY1", "PDY2", "PKY1", "PHY1", "QDZ1")
 
 
-def test_a_tire_is_found_again_from_elsewhere(problem, tire):
+def test_a_tire_is_recovered_from_other_initial_values(problem, tire):
     start = tire.parameters()
     places = [problem.simulator.index[name] for name in FREE]
     truth = start[places].copy()
@@ -27,8 +27,8 @@ def test_a_tire_is_found_again_from_elsewhere(problem, tire):
     np.testing.assert_array_equal(np.delete(solution.parameters, places), np.delete(start, places))
 
 
-def test_the_gradient_is_the_slope_of_the_cost(problem, tire):
-    """With the disturbances at their best, and beliefs that pull: the cost is half the squares of all of them."""
+def test_the_gradient_equals_finite_differences_of_the_cost(problem, tire):
+    """With optimal disturbances and informative priors; the cost is half the sum of all squares."""
     held = replace(problem, center={**problem.center, "PDY1": 1.2, "PKY1": 60.0})
     parameters = tire.parameters()
     disturbance = held.best_disturbance(held.misfit(parameters))
@@ -44,24 +44,24 @@ def test_the_gradient_is_the_slope_of_the_cost(problem, tire):
 
 
 class BoundFriction(LeastSquares):
-    """A problem in which PDY1 may not be what it is."""
+    """A problem in which the bound of PDY1 excludes the true value."""
 
     def bounds(self, free):
         lower, upper = super().bounds(free)
         return lower, np.where(np.array(free) == "PDY1", 1.5, upper)
 
 
-def test_a_coefficient_that_is_pushed_against_its_bound_ends_on_it(problem, tire):
+def test_a_coefficient_beyond_its_bound_ends_at_the_bound(problem, tire):
     bound = BoundFriction(problem.simulator, problem.inverse_noise, problem.disturbances, problem.center)
     place = problem.simulator.index["PDY1"]
     assert tire.parameters()[place] > 1.5
     solution = bound.solve(tire.parameters(), FREE)
     assert solution.parameters[place] == 1.5
     _, descent = bound._normal(solution.parameters, FREE, solution.disturbance)
-    assert descent[FREE.index("PDY1")] > 0.0  # a larger one would lower the cost
+    assert descent[FREE.index("PDY1")] > 0.0  # a larger value would decrease the cost
 
 
-def test_rows_that_take_no_part_have_no_influence(problem, tire):
+def test_excluded_rows_have_no_influence(problem, tire):
     parameters, silent = tire.parameters(), problem.inverse_noise == 0.0
     signals = problem.simulator.signals
     assert silent.any()
@@ -71,7 +71,7 @@ def test_rows_that_take_no_part_have_no_influence(problem, tire):
     np.testing.assert_allclose(one, two, atol=1e-9)
 
 
-def test_priors_are_about_coefficients_and_narrower_than_their_bounds():
+def test_priors_are_within_the_bounds_and_narrower():
     size = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
     books = (book_of("mf96"), Tire("mf61", size, added=tuple(library().values())).book)
     declarations = {**books[0].coefficients, **books[1].coefficients}
@@ -83,10 +83,10 @@ def test_priors_are_about_coefficients_and_narrower_than_their_bounds():
             assert declarations[name].lower <= center <= declarations[name].upper, name
 
 
-# ------------------------------------------------------------------ what belongs to the recording
+# ------------------------------------------------------------------ disturbances of the recording
 
 
-def test_offsets_drifts_and_cross_talk_of_a_bench_are_found(problem, tire):
+def test_offsets_drifts_and_cross_talk_are_estimated(problem, tire):
     signals = problem.simulator.signals
     along = np.linspace(0.0, np.pi, signals.measured.shape[1])
     place = {name: i for i, name in enumerate(signals.channels)}
@@ -96,23 +96,23 @@ def test_offsets_drifts_and_cross_talk_of_a_bench_are_found(problem, tire):
     measured[place["Fy"]] += 0.004 * signals.measured[place["Fx"]]
     other = replace(problem, simulator=problem.simulator.with_signals(replace(signals, measured=measured)))
     found = other.best_disturbance(other.misfit(tire.parameters()))
-    told = reported_disturbances(problem.disturbances, found, other.simulator.signals)
-    assert told["offset"]["Fx"] == pytest.approx(12.0, abs=1.0)
-    assert told["offset"]["Fy"] == pytest.approx(0.0, abs=1.0)
-    assert told["drift"]["Mz"] == pytest.approx(0.6 / np.sqrt(2.0), rel=0.2)
-    assert told["drift"]["Fx"] < 1.0
-    assert told["cross_talk"]["Fx_in_Fy"] == pytest.approx(0.004, rel=0.15)
-    assert abs(told["cross_talk"]["Fy_in_Fx"]) < 0.0005
+    reported = reported_disturbances(problem.disturbances, found, other.simulator.signals)
+    assert reported["offset"]["Fx"] == pytest.approx(12.0, abs=1.0)
+    assert reported["offset"]["Fy"] == pytest.approx(0.0, abs=1.0)
+    assert reported["drift"]["Mz"] == pytest.approx(0.6 / np.sqrt(2.0), rel=0.2)
+    assert reported["drift"]["Fx"] < 1.0
+    assert reported["cross_talk"]["Fx_in_Fy"] == pytest.approx(0.004, rel=0.15)
+    assert abs(reported["cross_talk"]["Fy_in_Fx"]) < 0.0005
 
 
-def test_large_cross_talk_is_something_of_the_tire(problem):
+def test_large_cross_talk_is_not_a_disturbance(problem):
     disturbances = problem.disturbances
     values = np.full(len(disturbances.names), 1e3)
     values[disturbances.names.index("cross_talk_Fx_in_Fy")] = 0.9 * MAX_CROSS_TALK
     values[disturbances.names.index("cross_talk_Fy_in_Fx")] = -1.1 * MAX_CROSS_TALK
-    kept = disturbances.plausible(values)
-    assert set(disturbances.names) - set(kept.names) == {"cross_talk_Fy_in_Fx"}
-    for i, name in enumerate(kept.names):
+    plausible = disturbances.plausible(values)
+    assert set(disturbances.names) - set(plausible.names) == {"cross_talk_Fy_in_Fx"}
+    for i, name in enumerate(plausible.names):
         j = disturbances.names.index(name)
-        np.testing.assert_array_equal(kept.columns[:, :, i], disturbances.columns[:, :, j])
-        assert kept.deviation[i] == disturbances.deviation[j]
+        np.testing.assert_array_equal(plausible.columns[:, :, i], disturbances.columns[:, :, j])
+        assert plausible.deviation[i] == disturbances.deviation[j]

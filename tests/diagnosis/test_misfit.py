@@ -1,4 +1,4 @@
-"""How far model and recording are apart: noise floor, gap, maps, extrapolation, and what turns with the wheel."""
+"""Fit error and noise floor, residual maps, weights, extrapolation, and measurement artefacts."""
 
 from dataclasses import replace
 
@@ -15,18 +15,18 @@ from tirefmu.diagnosis.verdict.residual_location import residual_maps, time_cour
 NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
 
 
-def test_the_noise_floor_is_the_noise(at_true_values):
+def test_the_noise_floor_equals_the_noise(at_true_values):
     assert noise_floor(at_true_values.signals) == pytest.approx(NOISE, rel=0.1)
 
 
-def test_at_the_truth_nothing_is_left_but_noise(at_true_values, without_camber):
-    told = fit_errors(without_camber, at_true_values)
+def test_the_error_of_the_true_tire_is_the_noise(at_true_values, without_camber):
+    reported = fit_errors(without_camber, at_true_values)
     for part in ("train", "cv", "holdout"):
         for channel, noise in NOISE.items():
-            assert told[part][channel]["after"] == pytest.approx(noise, rel=0.15)
-        assert told[part]["Fy"]["before"] > 1.2 * NOISE["Fy"]
-    for channel in NOISE:  # what was not fitted is foretold a little worse
-        assert told["cv"][channel]["after"] >= told["train"][channel]["after"]
+            assert reported[part][channel]["after"] == pytest.approx(noise, rel=0.15)
+        assert reported[part]["Fy"]["before"] > 1.2 * NOISE["Fy"]
+    for channel in NOISE:  # out-of-sample errors are slightly larger
+        assert reported["cv"][channel]["after"] >= reported["train"][channel]["after"]
 
 
 def test_the_map_of_a_missing_effect_grows_with_its_input(without_camber, at_true_values):
@@ -43,17 +43,17 @@ def test_the_map_of_a_missing_effect_grows_with_its_input(without_camber, at_tru
     )
 
 
-def test_the_course_of_the_misfit_is_one_where_only_noise_is_left(without_camber, at_true_values):
-    told = time_course(without_camber, at_true_values)["Fy"]
-    assert len(told["t"]) == len(told["before"]) == at_true_values.n_blocks
-    np.testing.assert_allclose(told["after"], 1.0, atol=0.4)
-    assert max(told["before"]) > 1.5
+def test_the_misfit_over_time_of_the_true_tire_is_one(without_camber, at_true_values):
+    reported = time_course(without_camber, at_true_values)["Fy"]
+    assert len(reported["t"]) == len(reported["before"]) == at_true_values.n_blocks
+    np.testing.assert_allclose(reported["after"], 1.0, atol=0.4)
+    assert max(reported["before"]) > 1.5
 
 
-# ------------------------------------------------------------------ weights by the noise that is left
+# ------------------------------------------------------------------ weights from the noise of the residual
 
 
-def test_weights_are_one_over_the_noise_and_spikes_are_left_out(problem, tire):
+def test_weights_are_the_reciprocal_noise_and_outliers_are_excluded(problem, tire):
     signals = problem.simulator.signals
     rows = np.flatnonzero(~signals.holdout)[100::200]
     measured = signals.measured.copy()
@@ -68,19 +68,19 @@ def test_weights_are_one_over_the_noise_and_spikes_are_left_out(problem, tire):
         assert len(weights) > 0.97 * (~signals.holdout).sum() - len(rows)
 
 
-# ------------------------------------------------------------------ beyond the recording
+# ------------------------------------------------------------------ extrapolation
 
 
-def test_an_effect_reaches_as_far_as_its_input(at_true_values):
-    told = extrapolations(at_true_values.problem, at_true_values.solution, {"load_friction": ("Fz", "alpha", "T")})
-    (reach,) = told  # slips have their own range in every recording, and there is no T
+def test_the_measured_range_of_an_effect_is_that_of_its_input(at_true_values):
+    reported = extrapolations(at_true_values.problem, at_true_values.solution, {"load_friction": ("Fz", "alpha", "T")})
+    (reach,) = reported  # no slips, and T was not recorded
     assert (reach.effect, reach.input) == ("load_friction", "Fz")
     assert reach.lower == pytest.approx(600.0, rel=0.02)
     assert reach.upper == pytest.approx(1400.0, rel=0.02)
     assert reach.doubtful == (reach.change > MAX_CHANGE)
 
 
-def test_what_counts_beyond_a_load_is_force_per_load(problem, tire):
+def test_extrapolation_in_load_compares_force_per_load(problem, tire):
     """A tire of constant friction: Fx and Fy over Fz stay; Mz over Fz is in proportion to load, as the trail is."""
     simulator, parameters = problem.simulator, tire.parameters()
     for name in simulator.book.owned("load_friction") | {"PHY2", "QDZ2", "QBZ2"}:
@@ -94,7 +94,7 @@ def test_what_counts_beyond_a_load_is_force_per_load(problem, tire):
     assert reach.change == pytest.approx(further / reach.lower, rel=0.01)
 
 
-# ------------------------------------------------------------------ responses of the bench
+# ------------------------------------------------------------------ measurement artefacts
 
 
 def test_a_ripple_once_per_revolution_is_found_in_its_channel(at_true_values):

@@ -1,4 +1,4 @@
-"""A user's own effect, of a physics not in the library: hidden, found, written, evaluated, exported."""
+"""A user-defined effect that is not in the library: hidden, identified, saved, evaluated, exported."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ BASE = ("load_friction", "load_stiffness", "combined_Gxa", "combined_Gyk")
 
 @pytest.fixture(scope="module")
 def answered(tmp_path_factory):
-    """Return the folder of an answer and the recording: Fx and Fy of 18 sweeps at several loads and speeds, noisy."""
+    """Return the folder of a diagnosis and the recording: noisy Fx and Fy, 18 sweeps at several loads and speeds."""
     folder = tmp_path_factory.mktemp("own effect")
     case = make_case(7, sweeps=18)
     size = {"FNOMIN": case.nominal["Fz0"], "UNLOADED_RADIUS": 0.3, "NOMPRES": 220e3, "INFLPRES": 220e3, "LONGVL": 16.7}
@@ -47,19 +47,19 @@ def answered(tmp_path_factory):
     return folder / "answer", folder / "bench.csv"
 
 
-def test_it_is_found_among_all_that_are_known(answered):
-    told = json.loads((answered[0] / "diagnosis.json").read_text(encoding="utf-8"))
-    assert [one["effect"] for one in told["found"]] == [EFFECT.name]
-    size = told["found"][0]["coefficients"]["FLASH1"]
+def test_it_is_identified_among_all_candidates(answered):
+    reported = json.loads((answered[0] / "diagnosis.json").read_text(encoding="utf-8"))
+    assert [one["effect"] for one in reported["found"]] == [EFFECT.name]
+    size = reported["found"][0]["coefficients"]["FLASH1"]
     assert size["lower"] < size["value"] < size["upper"]
     assert size["value"] == pytest.approx(HIDDEN, rel=0.15)
-    gap = told["gap"]["holdout"]["Fy"]
+    gap = reported["gap"]["holdout"]["Fy"]
     assert gap["after"] < 1.2 * gap["floor"] < 0.5 * gap["before"]
-    assert told["confounded_with"][EFFECT.name] == ["speed_friction"]  # both grow with V
-    assert {one["input"] for one in told["extrapolation"]} == {"Fz", "V"}
+    assert reported["confounded_with"][EFFECT.name] == ["speed_friction"]  # both grow with V
+    assert {one["input"] for one in reported["extrapolation"]} == {"Fz", "V"}
 
 
-def test_the_book_has_its_lines(answered):
+def test_the_improved_tire_contains_its_equations(answered):
     improved = read_tir(answered[0] / "improved.tir")
     assert EFFECT.name in improved.has
     assert improved.values["FLASH1"] == pytest.approx(HIDDEN, rel=0.15)
@@ -68,50 +68,50 @@ def test_the_book_has_its_lines(answered):
     assert "FLASH1*sqrt(" in page
 
 
-def test_fmu_and_tire_file_are_one(answered, tmp_path):
+def test_fmu_and_tire_file_agree(answered, tmp_path):
     folder, table = answered
-    told = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
+    reported = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
     for when, tire, fmu in (("before", "base_tire", "base_fmu"), ("after", "tire", "fmu")):
-        simulated = told["simulated"][when]
+        simulated = reported["simulated"][when]
         assert simulated["difference_from_direct_evaluation"] < 1e-9
         output = tmp_path / f"{when}.csv"
-        arguments = ["evaluate", str(folder / told[tire]), str(table), "--signs", "adapted-sae", "--hold"]
+        arguments = ["evaluate", str(folder / reported[tire]), str(table), "--signs", "adapted-sae", "--hold"]
         assert main([*arguments, "-o", str(output), "--quiet"]) == 0
-        again = check(folder / told[fmu], table, signs="adapted-sae")
+        again = check(folder / reported[fmu], table, signs="adapted-sae")
         assert again.evaluation_difference is not None
         assert again.evaluation_difference < 1e-9
         evaluated, measured = (np.genfromtxt(path, delimiter=",", names=True) for path in (output, table))
         for name, rmse in simulated["rmse"].items():
             assert np.sqrt(np.mean((evaluated[name] - measured[name]) ** 2)) == pytest.approx(rmse, rel=1e-9)
-    assert told["simulated"]["after"]["holdout"]["Fy"] < 0.8 * told["simulated"]["before"]["holdout"]["Fy"]
+    assert reported["simulated"]["after"]["holdout"]["Fy"] < 0.8 * reported["simulated"]["before"]["holdout"]["Fy"]
 
 
-def test_a_tire_exported_by_itself_carries_the_effect(answered, tmp_path):
+def test_an_exported_tire_file_contains_the_effect(answered, tmp_path):
     folder, table = answered
     assert main(["export", str(folder / "improved.tir"), "-o", str(tmp_path / "own.fmu"), "--quiet"]) == 0
     assert check(tmp_path / "own.fmu", table, signs="adapted-sae").ok
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new", "message"),
     [
-        ("sqrt(Fz", "__import__('os').system('id')*sqrt(Fz", "has no place in a formula"),
-        ("FLASH1*sqrt", "FLASH1.__class__*sqrt", "has no place in a formula"),
+        ("sqrt(Fz", "__import__('os').system('id')*sqrt(Fz", "is not allowed in a formula"),
+        ("FLASH1*sqrt", "FLASH1.__class__*sqrt", "is not allowed in a formula"),
         ("FLASH1*sqrt", "__builtins__*FLASH1*sqrt", "__builtins__"),
         ("kappa**2", "kappa**999999999", "too high"),
         ("kappa**2", "9**9**9**9", "a power of 387420489: it is too high"),
         ("abs(V)", "abs(VV)", "reads 'VV', which"),
-        ("abs(V)", "[V for V in (1,)][0]", "has no place in a formula"),
+        ("abs(V)", "[V for V in (1,)][0]", "is not allowed in a formula"),
         ('on = "mu_y"', 'on = "mu"', "acts on 'mu', which is no named quantity"),
     ],
 )
-def test_a_hostile_file_is_one_line_and_nothing_is_written(answered, tmp_path, capsys, old, new, said):
+def test_an_invalid_file_raises_one_line_and_writes_nothing(answered, tmp_path, capsys, old, new, message):
     text = FILE.read_text(encoding="utf-8")
     assert old in text
     (tmp_path / "own.toml").write_text(text.replace(old, new), encoding="utf-8")
     arguments = ["diagnose", str(answered[1]), "--nominal", "Fz0=3000,R0=0.3", "--effect", str(tmp_path / "own.toml")]
     assert main([*arguments, "-o", str(tmp_path / "answer"), "--quiet"]) == 2
     error = capsys.readouterr().err
-    assert said in error
+    assert message in error
     assert len(error.strip().splitlines()) == 1
     assert not (tmp_path / "answer").exists()

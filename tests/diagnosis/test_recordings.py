@@ -1,4 +1,4 @@
-"""Recordings as they come: other rates, signs and files, missing columns, start models of other families."""
+"""Recordings with various rates, signs, formats and missing columns; baseline models of other families."""
 
 from __future__ import annotations
 
@@ -53,17 +53,17 @@ def test_a_bare_parquet_file_of_side_force(tmp_path, rate, dropped):
     status = main(["diagnose", str(tmp_path / "bench.parquet"), "--effects", ",".join(EFFECTS), "--nominal", nominal,
                    "--no-fmu", "-o", str(tmp_path / "answer"), "--quiet"])  # fmt: skip
     assert status == 0
-    told = json.loads((tmp_path / "answer" / "diagnosis.json").read_text(encoding="utf-8"))
-    assert [one["effect"] for one in told["found"]] == ["camber_thrust"]
-    assert (told["signs"], told["recording_signs"]) == ("iso", "iso")
+    reported = json.loads((tmp_path / "answer" / "diagnosis.json").read_text(encoding="utf-8"))
+    assert [one["effect"] for one in reported["found"]] == ["camber_thrust"]
+    assert (reported["signs"], reported["recording_signs"]) == ("iso", "iso")
     absent = {"temp_friction", "speed_friction", "pressure_friction", "relax_lon", "combined_Gyk", "Mz_from_Fx"}
-    assert absent | ({"relax_lat", "wear_drift"} if "t" in dropped else set()) <= set(told["not_identifiable"])
-    gap = told["gap"]["holdout"]["Fy"]
+    assert absent | ({"relax_lat", "wear_drift"} if "t" in dropped else set()) <= set(reported["not_identifiable"])
+    gap = reported["gap"]["holdout"]["Fy"]
     assert gap["after"] < 0.6 * gap["before"]
 
 
 @pytest.mark.parametrize("family", ["mf96", "mf52"])
-def test_a_fitted_tire_of_another_family_is_a_start(family):
+def test_a_fitted_tire_of_another_family_is_a_baseline(family):
     if family == "mf96":
         whole = published("trento_hoosier")
         whole = Tire("mf96", {**whole.values, "PHY3": 0.05, "PVY3": 0.0}, effects=whole.has, signs=whole.signs)
@@ -80,7 +80,7 @@ def test_a_fitted_tire_of_another_family_is_a_start(family):
     assert answer.tire.model == family
 
 
-def test_ripple_steps_and_channels_that_show_nothing_are_of_the_recording():
+def test_ripple_quantisation_and_uninformative_channels_are_reported():
     table = measured(hidden(), sweeps(50.0, 8.0)).assign(V=16.7, Fx=2.0)
     turned = 16.7 * table["t"] / (0.97 * 0.3)
     table["Fy"] = np.round((table["Fy"] + 40.0 * np.sin(turned)) / 5.0) * 5.0
@@ -89,11 +89,11 @@ def test_ripple_steps_and_channels_that_show_nothing_are_of_the_recording():
     assert answer.recording["ripple"]["Fy"] == pytest.approx(40.0, rel=0.15)
     assert answer.recording["quantisation"]["Fy"] == pytest.approx(5.0)
     assert list(answer.recording["left_aside"]) == ["Fx"]
-    kept = answer.holdout_mask(len(table))
-    assert 0.05 < kept.mean() < 0.2
+    holdout = answer.holdout_mask(len(table))
+    assert 0.05 < holdout.mean() < 0.2
 
 
-def test_noise_alone_is_no_ripple():
+def test_noise_is_not_reported_as_ripple():
     case = make_case(3, sweeps=10)
     tire = Tire("mf61", VALUES, effects=EFFECTS, signs="adapted-sae")
     signals = signals_of(case.table, tire, "adapted-sae")
@@ -102,7 +102,7 @@ def test_noise_alone_is_no_ripple():
 
 
 @pytest.mark.parametrize(
-    ("spoiled", "said"),
+    ("spoiled", "message"),
     [
         (lambda table: table.drop(columns="Fz"), "no column 'Fz'"),
         (lambda table: table.drop(columns="Fy"), "no measured output"),
@@ -110,6 +110,6 @@ def test_noise_alone_is_no_ripple():
         (lambda table: table.assign(t=np.inf), "row 1: t is inf"),
     ],
 )
-def test_what_cannot_be_diagnosed_is_told_in_a_line(spoiled, said):
-    with pytest.raises(DataError, match=said):
+def test_unusable_recordings_raise_a_clear_error(spoiled, message):
+    with pytest.raises(DataError, match=message):
         diagnose(spoiled(measured(hidden(), sweeps())), signs="adapted-sae", nominal=NOMINAL)

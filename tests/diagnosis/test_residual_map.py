@@ -1,4 +1,4 @@
-"""A map is flat where the tire is right, and shows a missing effect in its shape, sign and size."""
+"""Residual maps: zero for the true tire; shape, sign and size of a missing effect."""
 
 from dataclasses import replace
 from math import radians
@@ -21,7 +21,7 @@ TRUTH = VirtualBench(TIRE, Noise.none()).run(PROGRAM)
 
 
 @pytest.mark.parametrize("channel", ["Fx", "Fy", "Mz"])
-def test_the_true_tire_leaves_nothing(channel):
+def test_the_true_tire_has_no_residual(channel):
     recording = VirtualBench(TIRE, Noise.none()).run(trento_program())
     for over in (("alpha", "gamma"), ("kappa", "Fz"), ("t", "p")):
         flat = residual_map(TIRE, recording, channel, over)
@@ -38,8 +38,8 @@ def test_a_stepped_channel_has_a_bin_for_each_level():
     assert (found.counts.sum(axis=0) == len(TRUTH) // 5).all()
 
 
-def test_missing_camber_thrust_shows_itself():
-    """The residual is the effect: none without camber, odd in camber, as large as the vertical shift."""
+def test_the_residual_of_missing_camber_thrust():
+    """The residual equals the effect: zero without camber, odd in camber, as large as the vertical shift."""
     found = residual_map(BLIND, TRUTH, "Fy")
     seen, known = (tire.evaluate(TRUTH.table, signs=TRUTH.signs)["Fy"] for tire in (TIRE, BLIND))
     effect = (seen - known).to_numpy()
@@ -53,7 +53,7 @@ def test_missing_camber_thrust_shows_itself():
     assert abs(found.worst.at["gamma"]) == pytest.approx(radians(4.0))
 
 
-def test_with_noise_the_effect_still_stands_out_and_the_true_map_is_flat():
+def test_with_noise_the_effect_is_significant():
     recording = VirtualBench(TIRE, replace_offsets(Noise()), seed=3).run(PROGRAM)
     flat, missing = (residual_map(tire, recording, "Fy") for tire in (TIRE, BLIND))
     assert missing.largest_mean > 3.0 * flat.largest_mean
@@ -62,7 +62,7 @@ def test_with_noise_the_effect_still_stands_out_and_the_true_map_is_flat():
 
 
 def replace_offsets(noise):
-    """Return the noise without constant errors and drift, which no map can tell from an effect."""
+    """Return the noise without offsets and drift, which are confounded with effects in a map."""
     still = {name: replace(one, offset=0.0, drift=0.0) for name, one in noise.channels.items()}
     return replace(noise, channels=still)
 
@@ -81,7 +81,7 @@ def test_every_row_is_counted_and_the_means_add_up(number, second):
 
 
 @pytest.mark.parametrize("signs", SIGNS)
-def test_another_convention_mirrors_the_map(signs):
+def test_another_sign_convention_mirrors_the_map(signs):
     native = residual_map(BLIND, TRUTH, "Fy", ("t", "gamma"))
     other = residual_map(BLIND, TRUTH.with_signs(signs), "Fy", ("t", "gamma"))
     turn = -1.0 if (signs == "iso") != (TRUTH.signs == "iso") else 1.0
@@ -89,7 +89,7 @@ def test_another_convention_mirrors_the_map(signs):
     assert other.mean == pytest.approx(turn * native.mean, nan_ok=True)
 
 
-def test_given_edges_leave_out_what_lies_outside():
+def test_rows_outside_given_edges_are_excluded():
     edges = {"alpha": np.radians([-2.0, 0.0, 2.0]), "gamma": [radians(1.0), radians(5.0)]}
     found = residual_map(BLIND, TRUTH, "Fy", bins=edges)
     table = TRUTH.table
@@ -107,7 +107,7 @@ def test_the_worst_bin_is_not_one_of_a_handful_of_rows():
     assert found.worst.at == {"alpha": 0.5, "gamma": 0.75}
 
 
-def test_rows_that_were_not_measured_are_left_out():
+def test_rows_without_measurement_are_excluded():
     table = TRUTH.table.copy()
     table.loc[table.index[:100], "Fy"] = np.nan
     assert residual_map(TIRE, replace(TRUTH, table=table), "Fy").counts.sum() == len(TRUTH) - 100
@@ -120,22 +120,22 @@ def test_rows_that_were_not_measured_are_left_out():
         ({"over": ("alpha", "gama")}, "no column 'gama' for the residual map: did you mean gamma"),
         ({"over": ("alpha", "alpha")}, "two different channels"),
         ({"bins": 0}, "0 bins for alpha"),
-        ({"bins": {"alpha": [0.1, 0.0]}}, "edges for alpha have to ascend"),
-        ({"bins": {"alpha": [1.0, 1.1]}}, "no row lies within the bins"),
+        ({"bins": {"alpha": [0.1, 0.0]}}, "edges for alpha must be at least two ascending numbers"),
+        ({"bins": {"alpha": [1.0, 1.1]}}, "no row is within the bins"),
     ],
 )
-def test_bad_questions(arguments, message):
+def test_invalid_arguments(arguments, message):
     with pytest.raises(DataError, match=message):
         residual_map(TIRE, TRUTH, **{"channel": "Fy", **arguments})
 
 
 def test_nothing_measured():
     table = TRUTH.table.assign(Fy=np.nan)
-    with pytest.raises(DataError, match="no row holds Fy, alpha and gamma"):
+    with pytest.raises(DataError, match="no row contains Fy, alpha and gamma"):
         residual_map(TIRE, Recording(table, TRUTH.signs, "a.csv"), "Fy")
 
 
-def test_maps_are_drawn_whole_or_not_at_all(tmp_path):
+def test_figures_are_written_completely_or_not_at_all(tmp_path):
     two = [(name, residual_map(tire, TRUTH, "Fy")) for name, tire in (("without", BLIND), ("with", TIRE))]
     path = draw_residual_maps(two, tmp_path / "map.png")
     assert path.read_bytes().endswith(b"IEND\xaeB`\x82")
@@ -148,7 +148,7 @@ def test_maps_are_drawn_whole_or_not_at_all(tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["map.png"]
 
 
-def test_a_map_with_holes_and_too_many_cells_for_numbers_is_drawn(tmp_path):
+def test_a_map_with_empty_cells_and_without_numbers_is_drawn(tmp_path):
     fine = residual_map(BLIND, TRUTH, "Fy", ("Fy", "alpha"), bins=40)
     assert (fine.counts == 0).any()
     assert draw_residual_maps([("fine", fine)], tmp_path / "fine.png").exists()

@@ -1,4 +1,4 @@
-"""What the diagnosis reads of a table: signs, blocks of time, the rows kept apart, and what it refuses."""
+"""Preprocessing of a recording: signs, time blocks, the hold-out set, and rejected input."""
 
 import numpy as np
 import pandas as pd
@@ -17,7 +17,7 @@ def edges(signals):
     return _edges(signals.block, np.where(signals.present & ~signals.holdout, 1.0, 0.0))
 
 
-def test_every_convention_comes_to_the_same_signals(table, tire):
+def test_all_sign_conventions_give_the_same_signals(table, tire):
     expected = signals_of(table, tire, "adapted-sae")
     for signs in ("iso", "sae"):
         found = signals_of(convert_signs(table, "adapted-sae", signs), tire, signs)
@@ -25,7 +25,7 @@ def test_every_convention_comes_to_the_same_signals(table, tire):
         np.testing.assert_allclose(found.inputs, expected.inputs, rtol=1e-12)
 
 
-def test_blocks_cover_the_recording_in_order_and_some_are_kept_apart(table, tire):
+def test_blocks_are_in_order_and_every_nth_is_in_the_hold_out_set(table, tire):
     signals = signals_of(table, tire, "adapted-sae")
     assert set(np.diff(signals.block)) == {0, 1}
     apart = np.unique(signals.block[signals.holdout])
@@ -43,8 +43,8 @@ def test_a_gap_in_time_does_not_make_a_block_longer(table, tire):
 
 
 @pytest.mark.parametrize(("rows", "step"), [(200, 0.02), (240, 2.0), (900, 0.5), (2400, 0.02), (3000, 0.001)])
-def test_any_recording_that_is_read_has_blocks_to_leave_out(table, tire, rows, step):
-    """However slowly it was sampled: a block is a stretch of time, not a number of rows."""
+def test_every_accepted_recording_has_blocks_for_cross_validation(table, tire, rows, step):
+    """At any sampling rate: a block is an interval of time, not a number of rows."""
     slow = pd.concat([table, table], ignore_index=True)[:rows].assign(t=step * np.arange(rows))
     signals = signals_of(slow, tire, "adapted-sae")
     found = edges(signals)
@@ -54,39 +54,39 @@ def test_any_recording_that_is_read_has_blocks_to_leave_out(table, tire, rows, s
     assert (np.diff(found) > 0).all()
 
 
-def test_what_gaps_leave_of_a_block_goes_to_its_neighbour(table, tire):
+def test_a_block_with_few_rows_joins_its_neighbour(table, tire):
     signals = signals_of(table, tire, "adapted-sae")
     whole = edges(signals)
     present = signals.present.copy()
     rest = np.flatnonzero(signals.block == 3)
     present[:, rest[5:]] = False
-    left = _edges(signals.block, np.where(present & ~signals.holdout, 1.0, 0.0))
-    assert set(whole) - set(left) == {rest[0]}
+    remaining = _edges(signals.block, np.where(present & ~signals.holdout, 1.0, 0.0))
+    assert set(whole) - set(remaining) == {rest[0]}
 
 
-def test_outputs_measured_in_few_parts_are_refused(table, tire):
+def test_outputs_measured_in_few_blocks_are_rejected(table, tire):
     brief = table.copy()
     brief.loc[400:, OUTPUTS] = np.nan
-    with pytest.raises(DataError, match=r"Fx, Fy, Mz: measured in 4 of 19 equal parts of the recording: .* 8 at least"):
+    with pytest.raises(DataError, match=r"Fx, Fy, Mz: measured in 4 of 19 equal parts of the recording: .* at least 8"):
         signals_of(brief, tire, "adapted-sae")
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         (lambda table: table[:199], "199 rows"),
         (lambda table: table.drop(columns="Fz"), "no column 'Fz'"),
         (lambda table: table.drop(columns=OUTPUTS), "no measured output"),
         (lambda table: table.assign(Fz=0.0), "0 rows under load"),
-        (lambda table: table.assign(alpha=np.nan), "row 1: alpha is no finite number"),
+        (lambda table: table.assign(alpha=np.nan), "row 1: alpha is not a finite number"),
     ],
 )
-def test_what_cannot_be_used_is_said(table, tire, change, said):
-    with pytest.raises(DataError, match=said):
+def test_unusable_tables_raise_a_clear_error(table, tire, change, message):
+    with pytest.raises(DataError, match=message):
         signals_of(change(table), tire, "adapted-sae")
 
 
-def test_without_a_slip_the_longitudinal_force_is_left_aside(table, tire):
+def test_without_longitudinal_slip_fx_is_excluded(table, tire):
     signals = signals_of(table.assign(kappa=0.0), tire, "adapted-sae")
     assert signals.channels == ("Fy", "Mz")
     assert list(signals.excluded_channels) == ["Fx"]

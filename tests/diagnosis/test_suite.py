@@ -1,4 +1,4 @@
-"""A few cases of the suite, and that the suite is what it says; `make discovery` runs all of it."""
+"""Some cases of the benchmark, and checks of the benchmark itself; `make discovery` runs all cases."""
 
 import re
 
@@ -22,7 +22,7 @@ def answer(case):
 
 
 def closed(case, diagnosis):
-    """Return the share of the squared gap on other manoeuvres that the improved tire closes."""
+    """Return the share of the squared error on other manoeuvres that the improved tire removes."""
     inputs = case.test.drop(columns=list(diagnosis.gap["train"]))
     before, after = (
         sum(
@@ -34,7 +34,7 @@ def closed(case, diagnosis):
     return 1.0 - after / before
 
 
-def test_every_effect_that_a_diagnosis_tries_is_hidden():
+def test_the_benchmark_hides_every_candidate_effect():
     assert set(SIZES) == {name for name, effect in declared_effects().items() if effect.detection}
     assert NUMBER_OF_CASES["single"] >= 2 * len(SIZES)
     assert NUMBER_OF_CASES["null"] >= 30
@@ -43,7 +43,7 @@ def test_every_effect_that_a_diagnosis_tries_is_hidden():
     assert NUMBER_OF_CASES["confounded"] == len(CONFOUNDED)
 
 
-def test_a_number_is_always_the_same_recording():
+def test_a_case_number_always_gives_the_same_recording():
     first, again = case_of("null", 3), case_of("null", 3)
     pd.testing.assert_frame_equal(first.table, again.table)
     assert not first.table.equals(case_of("null", 4).table)
@@ -57,18 +57,18 @@ def test_every_trouble_changes_the_recording_alone(artefacts):
 
 
 @pytest.mark.parametrize("bent", BENT)
-def test_a_bent_formula_differs_by_a_few_percent(bent):
+def test_a_form_error_changes_the_forces_by_a_few_percent(bent):
     plain, other = (make_case(5, sweeps=4, bent=name).truth[["Fx", "Fy"]] for name in ("", bent))
     assert 0.003 < np.sqrt(((other - plain) ** 2).mean() / (plain**2).mean()).max() < 0.15
 
 
-def test_the_text_of_a_feature_is_its_values():
+def test_the_text_of_a_feature_evaluates_to_its_values():
     case = make_case(5, sweeps=6)
     tire = case.tire.in_signs("adapted-sae")
     signals = signals_of(case.table, tire, "adapted-sae")
     named = signals.named()
     known = {**tire.values, **named}
-    for feature in [one for many in features(signals, tire) for one in many if one.written]:
+    for feature in [one for many in features(signals, tire) for one in many if one.expressible]:
         expression = formula(feature.text, "a feature")
         names = sorted(symbol.name for symbol in expression.free_symbols)
         compute = sp.lambdify(
@@ -78,7 +78,7 @@ def test_the_text_of_a_feature_is_its_values():
         assert set(feature.depends_on) <= set(named)
 
 
-def test_an_unknown_effect_is_written_into_the_book():
+def test_an_unexplained_effect_is_added_to_the_model():
     case = case_of("unknown", list(UNKNOWN).index("whirl"))
     diagnosis = answer(case)
     assert [one.effect for one in diagnosis.found] == ["UNKNOWN"]
@@ -87,17 +87,17 @@ def test_an_unknown_effect_is_written_into_the_book():
     assert closed(case, diagnosis) > 0.9
 
 
-def test_a_confounding_program_is_told_with_what_separates():
+def test_confounded_effects_are_reported_with_the_separating_measurement():
     _, hidden, others, confounded, words = CONFOUNDED[1]
     diagnosis = answer(case_of("confounded", 1))
     names = {hidden, *others.split()}
     assert diagnosis.found[0].effect in names
-    told = {diagnosis.found[0].effect, *diagnosis.confounded_with[diagnosis.found[0].effect]}
-    assert {hidden, *confounded.split()} <= told
+    reported = {diagnosis.found[0].effect, *diagnosis.confounded_with[diagnosis.found[0].effect]}
+    assert {hidden, *confounded.split()} <= reported
     assert any(re.search(words, text) for text in diagnosis.next_measurement)
 
 
-def test_turn_slip_is_found_where_it_was_recorded():
+def test_turn_slip_is_identified_if_it_was_recorded():
     case = case_of("single", list(SIZES).index("turn_slip"))
     diagnosis = answer(case)
     assert [one.effect for one in diagnosis.found] == ["turn_slip"]

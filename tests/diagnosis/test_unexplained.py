@@ -1,4 +1,4 @@
-"""Structure that no known effect explains: the features it is made of, and the formula that is proposed."""
+"""Unexplained structure: its features, and the proposed formula."""
 
 from dataclasses import replace
 
@@ -12,8 +12,8 @@ from tirefmu.diagnosis.unexplained.structure import structure_of
 
 
 @pytest.fixture(scope="module")
-def faded_friction(problem, at_true_values):
-    """Return a screen of a recording whose friction falls with sliding speed, which the tire does not know."""
+def velocity_dependent_friction(problem, at_true_values):
+    """Return a screen of a recording whose friction decreases with sliding speed, unlike that of the tire."""
     signals = problem.simulator.signals
     fall = -0.1 * 5.0 * np.abs(np.tan(signals.named()["alpha"]))
     missing = directions(at_true_values)["friction"] * fall
@@ -24,13 +24,13 @@ def faded_friction(problem, at_true_values):
     return screen
 
 
-def test_structure_is_found_with_its_place_variable_and_size(faded_friction):
-    found = structure_of(faded_friction)
+def test_structure_is_identified_with_its_location_variable_and_size(velocity_dependent_friction):
+    found = structure_of(velocity_dependent_friction)
     assert found.passes
     assert found.generalizes
     assert (found.stretch_gains > 0.0).sum() == STRETCHES
     assert found.depends_on == ("alpha",)
-    assert found.written
+    assert found.expressible
     (size,) = [
         value for value, term in zip(found.response.estimate, found.terms, strict=True) if "tan(alpha)" in term.text
     ]
@@ -43,27 +43,27 @@ def test_noise_has_no_structure_that_passes(at_true_values):
     assert found is None or not found.passes
 
 
-def test_structure_of_one_part_of_a_recording_does_not_carry_over(faded_friction):
-    found = structure_of(faded_friction)
-    stretch_gains = np.where(np.arange(STRETCHES) < MIN_STRETCHES - 1, found.carried, -1e-3)
+def test_structure_in_one_part_of_a_recording_is_rejected(velocity_dependent_friction):
+    found = structure_of(velocity_dependent_friction)
+    stretch_gains = np.where(np.arange(STRETCHES) < MIN_STRETCHES - 1, found.stretch_gains, -1e-3)
     assert not replace(found, stretch_gains=stretch_gains).passes
     assert not replace(found, stretch_gains=0.3 * found.stretch_gains).passes
     assert not replace(found, gain_error=found.gain).passes
 
 
-def test_a_product_turns_with_the_side_where_one_of_its_parts_does():
+def test_a_product_is_odd_if_one_of_its_factors_is():
     values = np.array([1.0, -2.0])
     even, odd = Feature("Fz", frozenset({"Fz"}), values), Feature("10*gamma", frozenset({"gamma"}), values, odd=True)
-    rate = Feature("rate of alpha", frozenset({"dalpha/dt"}), values, odd=True, written=False)
+    rate = Feature("rate of alpha", frozenset({"dalpha/dt"}), values, odd=True, expressible=False)
     assert [(a * b).odd for a, b in ((even, even), (even, odd), (odd, even), (odd, odd))] == [False, True, True, False]
-    assert not (even * rate).written
+    assert not (even * rate).expressible
     assert (even * odd).text == "Fz*10*gamma"
     assert (even * odd).depends_on == {"Fz", "gamma"}
     np.testing.assert_array_equal((even * odd).values, values**2)
 
 
-def test_features_keep_or_change_their_sign_with_the_side(at_true_values):
-    """The mirrored recording has the same conditions and the opposite turns: rates and memories too."""
+def test_even_and_odd_features_under_mirroring(at_true_values):
+    """The mirrored recording has opposite lateral inputs; this includes rates and memories."""
     signals, tire = at_true_values.signals, at_true_values.problem.simulator.tire
     inputs = signals.inputs.copy()
     for name in ("alpha", "gamma"):
@@ -76,16 +76,16 @@ def test_features_keep_or_change_their_sign_with_the_side(at_true_values):
             np.testing.assert_allclose(other.values, sign * one.values, atol=1e-9)
 
 
-def test_a_memory_takes_in_a_step_as_a_first_order_lag():
+def test_a_memory_is_a_first_order_lag():
     step = np.r_[0.0, np.ones(50)]
     np.testing.assert_allclose(_low_pass(step, 0.1), 1.0 - np.exp(-0.1 * np.arange(51)), atol=1e-12)
     np.testing.assert_allclose(_low_pass(np.full(20, 3.0), 0.1), 3.0)
 
 
-def test_a_place_acts_as_its_quantity_does(at_true_values):
-    """A factor on friction and one on stiffness together scale the forces' size and their slip, each a part."""
+def test_the_response_at_a_location_equals_finite_differences(at_true_values):
+    """A factor on friction or stiffness has the response of the leading coefficients."""
     book = at_true_values.problem.simulator.book
-    assert {place.name for place in locations_of(book)} >= {"friction", "slip stiffness", "slip angle"}
+    assert {location.name for location in locations_of(book)} >= {"friction", "slip stiffness", "slip angle"}
     simulator, parameters = at_true_values.problem.simulator, at_true_values.solution.parameters
     acts = directions(at_true_values)
     for name, scaled in (("friction", ("PDX1", "PDY1")), ("slip stiffness", ("PKX1", "PKY1"))):

@@ -62,30 +62,30 @@ def test_a_user_file_declares_all_that_a_library_file_does_and_survives_its_text
     ("old", "new", "message"),
     [
         ("requires", "require", "unknown key 'require': did you mean requires"),
-        ('["V"]', '["v_x"]', "requires has 'v_x'"),
+        ('["V"]', '["v_x"]', "requires contains the unknown name 'v_x'"),
         ('["V"]', '"V"', "requires is not a list of names"),
-        ('["Fy"]', '["Fy", "Fy"]', "channels has a name twice"),
-        ('["Fy"]', '["Fyy"]', "channels has 'Fyy': did you mean Fy"),
+        ('["Fy"]', '["Fy", "Fy"]', "channels contains a name twice"),
+        ('["Fy"]', '["Fyy"]', "channels contains the unknown name 'Fyy': did you mean Fy"),
         ('contains = "speed_friction"', 'contains = "nul"', "contains 'nul' is a device of Windows"),
         ('contains = "speed_friction"', f'contains = "{"a" * 65}"', "has more than 64 characters"),
         ('"repeat it on a dry road"', f'"{"a" * 601}"', "separate_by is not a text of at most 600 characters"),
         ("{WET2 = 0.5}", "{WET2 = -0.5}", "WET2 = -0.5 is not a positive number"),
-        ("{WET2 = 0.5}", "{WET3 = 0.5}", "WET3 is no coefficient of this effect: did you mean WET"),
+        ("{WET2 = 0.5}", "{WET3 = 0.5}", "WET3 is not a coefficient of this effect: did you mean WET"),
         ("sizes = {WET1 = 0.1}", "sizes = {WET1 = 0}", "WET1 = 0 is not a number other than 0"),
         ("sizes = {WET1 = 0.1}", "sizes = {WET1 = nan}", "WET1 = nan is not a number"),
         ("sizes = {WET1 = 0.1}", "sizes = {WET1 = inf}", "WET1 = inf is not a number"),
         ("sizes = {WET1 = 0.1}", "sizes = {WET1 = true}", "WET1 = True is not a number"),
-        ("sizes = {WET1 = 0.1}", "sizes = {WET1 = 1.1}", "neutral 0.0 and size 1.1 are beyond its bounds"),
-        ("sizes = {WET2 = -0.5}", "sizes = {WET2 = -1.5}", "neutral 1.0 and size -1.5 are beyond its bounds"),
+        ("sizes = {WET1 = 0.1}", "sizes = {WET1 = 1.1}", "neutral 0.0 and size 1.1 exceed its bounds"),
+        ("sizes = {WET2 = -0.5}", "sizes = {WET2 = -1.5}", "neutral 1.0 and size -1.5 exceed its bounds"),
         ("sizes = {WET1 = 0.1}", "sizes = {}", "is not a table of 1 to 50 coefficients"),
         ("sizes = {WET1 = 0.1}", "size = {WET1 = 0.1}", "unknown key 'size': did you mean sizes"),
-        ("sizes = {WET1 = 0.1}", 'free = ["WET1"]', "either sizes, or free and starts are needed"),
-        ('free = ["WET1", "WET2"]', 'free = ["WET1"]', "starts has WET2, which free has not"),
-        ('free = ["WET1", "WET2"]', 'free = ["WET1", "WET1"]', "free has a coefficient twice"),
-        ('free = ["WET1", "WET2"]', 'free = ["WET1", ["WET2"]]', "is no text"),
-        ('"stiffness_y"', '"stiffness"', "holds = 'stiffness' is no role of a quantity: did you mean stiffness_"),
+        ("sizes = {WET1 = 0.1}", 'free = ["WET1"]', "either sizes, or free and starts are required"),
+        ('free = ["WET1", "WET2"]', 'free = ["WET1"]', "starts contains WET2, which is not in free"),
+        ('free = ["WET1", "WET2"]', 'free = ["WET1", "WET1"]', "free contains a coefficient twice"),
+        ('free = ["WET1", "WET2"]', 'free = ["WET1", ["WET2"]]', "is not a text"),
+        ('"stiffness_y"', '"stiffness"', "holds = 'stiffness' is not a role of a quantity: did you mean stiffness_"),
         ('with = "temp_friction"', 'other = "temp_friction"', "unknown key 'other'"),
-        ('with = "temp_friction"', "", "with and separate_by are needed"),
+        ('with = "temp_friction"', "", "with and separate_by are required"),
         ("[[diagnosis.refinements]]\nsizes", "[diagnosis.refinements]\nsizes", "refinements is not a list of tables"),
         ("[[diagnosis.refinements]]", "[[diagnosis.refinements]]\n[[diagnosis.refinements]]", "either sizes"),
     ],
@@ -100,7 +100,7 @@ def test_a_wrong_declaration_is_one_line_with_the_file(old, new, message):
 
 def test_counts_are_bounded():
     many = OWN + '[[diagnosis.confounded]]\nwith = "conicity"\nseparate_by = "turn the tire"\n' * 20
-    with pytest.raises(EffectError, match="confounded has 21 tables, 20 at most"):
+    with pytest.raises(EffectError, match="confounded has 21 tables, at most 20 are allowed"):
         read_effect(many, "own.toml")
 
 
@@ -166,7 +166,7 @@ def test_chapters_and_library_share_the_folder():
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ('name = "snow"\nphysics = "cold"', "ice.toml: the effect 'snow' has a file of its own name"),
+        ('name = "snow"\nphysics = "cold"', "ice.toml: the file of the effect 'snow' must have the effect's name"),
         ('name = "ice"\nphysics = "cold"\noptional = 1', "optional is not a truth value"),
         ('name = "ice"\nphysics = "cold"\nrescales = {PKY1 = "a"}', "rescales is not a table"),
         ('name = "ice"\nphysics = "cold"\nsource = "a"', "unknown key 'source'"),

@@ -170,7 +170,7 @@ def test_a_name_that_means_something_else_is_refused(changed, message):
 
 
 def test_two_effects_of_one_name_are_refused():
-    with pytest.raises(EffectError, match="two effects beyond the book are called OWN"):
+    with pytest.raises(EffectError, match="two added effects have the name OWN"):
         SMALL.extended([effect(), replace(effect(), name="OWN")])
 
 
