@@ -44,7 +44,7 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         name for name, one in declared.items() if one.neutral is not None and plain.values[name] == one.neutral
     ]
     idle = [name for name in book.effects if name in tire.has and book.owned(name) <= set(at_neutral)]
-    stored = tire.kept
+    stored = tire.other_entries
     entries = [
         {"section": section, "key": key, "value": value}
         for section, key, value in stored

@@ -50,7 +50,7 @@ class TireDefinition:
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     side: str = ""
     added: tuple[AddedEffect, ...] = ()
-    kept: tuple[tuple[str, str, str], ...] = ()
+    other_entries: tuple[tuple[str, str, str], ...] = ()
     defaulted: tuple[str, ...] = field(init=False, default=(), compare=False)
 
     def __post_init__(self) -> None:

@@ -46,7 +46,7 @@ class Tire(TireDefinition):
         It changes nothing by itself; see `mirror` of `evaluate`.
     added : tuple of AddedEffect
         Effects beyond the book. Those of the library are added by their names in `effects`.
-    kept : tuple of (str, str, str)
+    other_entries : tuple of (str, str, str)
         Section, key and text of a file's entries that the model does not use, written again when the tire is saved.
 
     Raises

@@ -163,7 +163,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes V = *(const lanes_in_array *)(inputs + FIALA_V*BLOCK + i);
 
         /* Independent computations are next to each other; quantities has the book's order */
-        const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, kept above 0 */
+        const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, limited to positive values */
         const lanes tan_alpha = lanes_tan(alpha); /* [tirefmu] tangent of the side slip angle */
         const lanes My_part1 = lanes_sgn(V);
         const lanes F_x_linear = K_xkappa*kappa; /* [Adams] longitudinal force without sliding */

@@ -88,7 +88,7 @@ void fiala_jacobian_inputs(const double inputs[], const double parameters[], dou
     const double SIGNS = parameters[FIALA_SIGNS];
 
     /* Independent computations are next to each other; quantities has the book's order */
-    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
+    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
     const double tan_alpha = fast_tan(alpha); /* [tirefmu] tangent of the side slip angle */
     const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */
@@ -193,7 +193,7 @@ void fiala_jacobian_parameters(const double inputs[], const double parameters[],
     const double SIGNS = parameters[FIALA_SIGNS];
 
     /* Independent computations are next to each other; quantities has the book's order */
-    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
+    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double sense = (SIGNS > 0.5 ? 1.0 : -1.0); /* [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE */
     const double tan_alpha = fast_tan(alpha); /* [tirefmu] tangent of the side slip angle */
     const double mu_x_fall = UMAX - UMIN; /* [Adams] what mu_x loses up to comprehensive slip 1 */

@@ -638,8 +638,8 @@ void mf62_quantities(const double inputs[], const double parameters[], double re
     const double F_z62_0 = FNOMIN*f_c_0*(Q_FZ1*rho_0/UNLOADED_RADIUS + Q_FZ2*square(rho_0)/square(UNLOADED_RADIUS)); /* [M] load carried */
     const double F_z62_0_rise = (F_z62_0 == F_z62_near ? 1.0 : F_z62_0 - F_z62_near); /* [M] what the last step changed in the load */
     const double sunk_0_moved = rho_upright - 0.09999999999999998*rho_upright*(F_z62_0 - F_z)/F_z62_0_rise; /* [M] step of the secant */
-    const double sunk_0_kept = (sunk_0_moved > 0.0 ? sunk_0_moved : 0.5*rho_upright); /* [M] the same, kept above 0 */
-    const double sunk_1 = (sunk_0_kept > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_0_kept); /* [M] free radius less loaded radius */
+    const double sunk_0_above = (sunk_0_moved > 0.0 ? sunk_0_moved : 0.5*rho_upright); /* [M] the same, limited to positive values */
+    const double sunk_1 = (sunk_0_above > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_0_above); /* [M] free radius less loaded radius */
     const double R_l_1 = R_omega - sunk_1; /* [M] loaded radius */
     const double rho_gamma_1 = (crown == 0.0 ? 0.0 : -Q_CAM3*sunk_1*fabs(gamma_in) + 0.125*r_tw*square(Q_CAM1*R_l_1 + Q_CAM2*square(R_l_1))*fabs(fast_tan(gamma_in))/square(crown)); /* [M] camber deflection */
     const double rho_1 = (rho_gamma_1 + sunk_1 < 1e-12 ? 1e-12 : rho_gamma_1 + sunk_1); /* [M] deflection */
@@ -648,8 +648,8 @@ void mf62_quantities(const double inputs[], const double parameters[], double re
     const double F_z62_1 = FNOMIN*f_c_1*(Q_FZ1*rho_1/UNLOADED_RADIUS + Q_FZ2*square(rho_1)/square(UNLOADED_RADIUS)); /* [M] load carried */
     const double F_z62_1_rise = (F_z62_0 == F_z62_1 ? 1.0 : F_z62_1 - F_z62_0); /* [M] what the last step changed in the load */
     const double sunk_1_moved = sunk_1 - (F_z62_1 - F_z)*(sunk_1 - rho_upright)/F_z62_1_rise; /* [M] step of the secant */
-    const double sunk_1_kept = (sunk_1_moved > 0.0 ? sunk_1_moved : 0.5*sunk_1); /* [M] the same, kept above 0 */
-    const double sunk_2 = (sunk_1_kept > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_1_kept); /* [M] free radius less loaded radius */
+    const double sunk_1_above = (sunk_1_moved > 0.0 ? sunk_1_moved : 0.5*sunk_1); /* [M] the same, limited to positive values */
+    const double sunk_2 = (sunk_1_above > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_1_above); /* [M] free radius less loaded radius */
     const double R_l_2 = R_omega - sunk_2; /* [M] loaded radius */
     const double rho_gamma_2 = (crown == 0.0 ? 0.0 : -Q_CAM3*sunk_2*fabs(gamma_in) + 0.125*r_tw*square(Q_CAM1*R_l_2 + Q_CAM2*square(R_l_2))*fabs(fast_tan(gamma_in))/square(crown)); /* [M] camber deflection */
     const double rho_2 = (rho_gamma_2 + sunk_2 < 1e-12 ? 1e-12 : rho_gamma_2 + sunk_2); /* [M] deflection */
@@ -658,8 +658,8 @@ void mf62_quantities(const double inputs[], const double parameters[], double re
     const double F_z62_2 = FNOMIN*f_c_2*(Q_FZ1*rho_2/UNLOADED_RADIUS + Q_FZ2*square(rho_2)/square(UNLOADED_RADIUS)); /* [M] load carried */
     const double F_z62_2_rise = (F_z62_1 == F_z62_2 ? 1.0 : F_z62_2 - F_z62_1); /* [M] what the last step changed in the load */
     const double sunk_2_moved = sunk_2 - (F_z62_2 - F_z)*(sunk_2 - sunk_1)/F_z62_2_rise; /* [M] step of the secant */
-    const double sunk_2_kept = (sunk_2_moved > 0.0 ? sunk_2_moved : 0.5*sunk_2); /* [M] the same, kept above 0 */
-    const double sunk_3 = (sunk_2_kept > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_2_kept); /* [M] free radius less loaded radius */
+    const double sunk_2_above = (sunk_2_moved > 0.0 ? sunk_2_moved : 0.5*sunk_2); /* [M] the same, limited to positive values */
+    const double sunk_3 = (sunk_2_above > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_2_above); /* [M] free radius less loaded radius */
     const double R_l_3 = R_omega - sunk_3; /* [M] loaded radius */
     const double rho_gamma_3 = (crown == 0.0 ? 0.0 : -Q_CAM3*sunk_3*fabs(gamma_in) + 0.125*r_tw*square(Q_CAM1*R_l_3 + Q_CAM2*square(R_l_3))*fabs(fast_tan(gamma_in))/square(crown)); /* [M] camber deflection */
     const double rho_3 = (rho_gamma_3 + sunk_3 < 1e-12 ? 1e-12 : rho_gamma_3 + sunk_3); /* [M] deflection */
@@ -668,8 +668,8 @@ void mf62_quantities(const double inputs[], const double parameters[], double re
     const double F_z62_3 = FNOMIN*f_c_3*(Q_FZ1*rho_3/UNLOADED_RADIUS + Q_FZ2*square(rho_3)/square(UNLOADED_RADIUS)); /* [M] load carried */
     const double F_z62_3_rise = (F_z62_2 == F_z62_3 ? 1.0 : F_z62_3 - F_z62_2); /* [M] what the last step changed in the load */
     const double sunk_3_moved = sunk_3 - (F_z62_3 - F_z)*(sunk_3 - sunk_2)/F_z62_3_rise; /* [M] step of the secant */
-    const double sunk_3_kept = (sunk_3_moved > 0.0 ? sunk_3_moved : 0.5*sunk_3); /* [M] the same, kept above 0 */
-    const double sunk_4 = (sunk_3_kept > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_3_kept); /* [M] free radius less loaded radius */
+    const double sunk_3_above = (sunk_3_moved > 0.0 ? sunk_3_moved : 0.5*sunk_3); /* [M] the same, limited to positive values */
+    const double sunk_4 = (sunk_3_above > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_3_above); /* [M] free radius less loaded radius */
     const double R_l_4 = R_omega - sunk_4; /* [M] loaded radius */
     const double rho_gamma_4 = (crown == 0.0 ? 0.0 : -Q_CAM3*sunk_4*fabs(gamma_in) + 0.125*r_tw*square(Q_CAM1*R_l_4 + Q_CAM2*square(R_l_4))*fabs(fast_tan(gamma_in))/square(crown)); /* [M] camber deflection */
     const double rho_4 = (rho_gamma_4 + sunk_4 < 1e-12 ? 1e-12 : rho_gamma_4 + sunk_4); /* [M] deflection */
@@ -678,8 +678,8 @@ void mf62_quantities(const double inputs[], const double parameters[], double re
     const double F_z62_4 = FNOMIN*f_c_4*(Q_FZ1*rho_4/UNLOADED_RADIUS + Q_FZ2*square(rho_4)/square(UNLOADED_RADIUS)); /* [M] load carried */
     const double F_z62_4_rise = (F_z62_3 == F_z62_4 ? 1.0 : F_z62_4 - F_z62_3); /* [M] what the last step changed in the load */
     const double sunk_4_moved = sunk_4 - (F_z62_4 - F_z)*(sunk_4 - sunk_3)/F_z62_4_rise; /* [M] step of the secant */
-    const double sunk_4_kept = (sunk_4_moved > 0.0 ? sunk_4_moved : 0.5*sunk_4); /* [M] the same, kept above 0 */
-    const double sunk_5 = (sunk_4_kept > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_4_kept); /* [M] free radius less loaded radius */
+    const double sunk_4_above = (sunk_4_moved > 0.0 ? sunk_4_moved : 0.5*sunk_4); /* [M] the same, limited to positive values */
+    const double sunk_5 = (sunk_4_above > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_4_above); /* [M] free radius less loaded radius */
     const double R_l_5 = R_omega - sunk_5; /* [M] loaded radius */
     const double rho_gamma_5 = (crown == 0.0 ? 0.0 : -Q_CAM3*sunk_5*fabs(gamma_in) + 0.125*r_tw*square(Q_CAM1*R_l_5 + Q_CAM2*square(R_l_5))*fabs(fast_tan(gamma_in))/square(crown)); /* [M] camber deflection */
     const double rho_5 = (rho_gamma_5 + sunk_5 < 1e-12 ? 1e-12 : rho_gamma_5 + sunk_5); /* [M] deflection */
@@ -688,8 +688,8 @@ void mf62_quantities(const double inputs[], const double parameters[], double re
     const double F_z62_5 = FNOMIN*f_c_5*(Q_FZ1*rho_5/UNLOADED_RADIUS + Q_FZ2*square(rho_5)/square(UNLOADED_RADIUS)); /* [M] load carried */
     const double F_z62_5_rise = (F_z62_4 == F_z62_5 ? 1.0 : F_z62_5 - F_z62_4); /* [M] what the last step changed in the load */
     const double sunk_5_moved = sunk_5 - (F_z62_5 - F_z)*(sunk_5 - sunk_4)/F_z62_5_rise; /* [M] step of the secant */
-    const double sunk_5_kept = (sunk_5_moved > 0.0 ? sunk_5_moved : 0.5*sunk_5); /* [M] the same, kept above 0 */
-    const double sunk_6 = (sunk_5_kept > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_5_kept); /* [M] free radius less loaded radius */
+    const double sunk_5_above = (sunk_5_moved > 0.0 ? sunk_5_moved : 0.5*sunk_5); /* [M] the same, limited to positive values */
+    const double sunk_6 = (sunk_5_above > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_5_above); /* [M] free radius less loaded radius */
     const double R_l_6 = R_omega - sunk_6; /* [M] loaded radius */
     const double rho_gamma_6 = (crown == 0.0 ? 0.0 : -Q_CAM3*sunk_6*fabs(gamma_in) + 0.125*r_tw*square(Q_CAM1*R_l_6 + Q_CAM2*square(R_l_6))*fabs(fast_tan(gamma_in))/square(crown)); /* [M] camber deflection */
     const double rho_6 = (rho_gamma_6 + sunk_6 < 1e-12 ? 1e-12 : rho_gamma_6 + sunk_6); /* [M] deflection */
@@ -698,8 +698,8 @@ void mf62_quantities(const double inputs[], const double parameters[], double re
     const double F_z62_6 = FNOMIN*f_c_6*(Q_FZ1*rho_6/UNLOADED_RADIUS + Q_FZ2*square(rho_6)/square(UNLOADED_RADIUS)); /* [M] load carried */
     const double F_z62_6_rise = (F_z62_5 == F_z62_6 ? 1.0 : F_z62_6 - F_z62_5); /* [M] what the last step changed in the load */
     const double sunk_6_moved = sunk_6 - (F_z62_6 - F_z)*(sunk_6 - sunk_5)/F_z62_6_rise; /* [M] step of the secant */
-    const double sunk_6_kept = (sunk_6_moved > 0.0 ? sunk_6_moved : 0.5*sunk_6); /* [M] the same, kept above 0 */
-    const double sunk_7 = (sunk_6_kept > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_6_kept); /* [M] free radius less loaded radius */
+    const double sunk_6_above = (sunk_6_moved > 0.0 ? sunk_6_moved : 0.5*sunk_6); /* [M] the same, limited to positive values */
+    const double sunk_7 = (sunk_6_above > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_6_above); /* [M] free radius less loaded radius */
     const double R_l_7 = R_omega - sunk_7; /* [M] loaded radius */
     const double rho_gamma_7 = (crown == 0.0 ? 0.0 : -Q_CAM3*sunk_7*fabs(gamma_in) + 0.125*r_tw*square(Q_CAM1*R_l_7 + Q_CAM2*square(R_l_7))*fabs(fast_tan(gamma_in))/square(crown)); /* [M] camber deflection */
     const double rho_7 = (rho_gamma_7 + sunk_7 < 1e-12 ? 1e-12 : rho_gamma_7 + sunk_7); /* [M] deflection */
@@ -708,8 +708,8 @@ void mf62_quantities(const double inputs[], const double parameters[], double re
     const double F_z62_7 = FNOMIN*f_c_7*(Q_FZ1*rho_7/UNLOADED_RADIUS + Q_FZ2*square(rho_7)/square(UNLOADED_RADIUS)); /* [M] load carried */
     const double F_z62_7_rise = (F_z62_6 == F_z62_7 ? 1.0 : F_z62_7 - F_z62_6); /* [M] what the last step changed in the load */
     const double sunk_7_moved = sunk_7 - (F_z62_7 - F_z)*(sunk_7 - sunk_6)/F_z62_7_rise; /* [M] step of the secant */
-    const double sunk_7_kept = (sunk_7_moved > 0.0 ? sunk_7_moved : 0.5*sunk_7); /* [M] the same, kept above 0 */
-    const double sunk_8 = (sunk_7_kept > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_7_kept); /* [M] free radius less loaded radius */
+    const double sunk_7_above = (sunk_7_moved > 0.0 ? sunk_7_moved : 0.5*sunk_7); /* [M] the same, limited to positive values */
+    const double sunk_8 = (sunk_7_above > 0.95*UNLOADED_RADIUS ? 0.95*UNLOADED_RADIUS : sunk_7_above); /* [M] free radius less loaded radius */
     const double R_l_8 = R_omega - sunk_8; /* [M] loaded radius */
     const double rho_gamma_8 = (crown == 0.0 ? 0.0 : -Q_CAM3*sunk_8*fabs(gamma_in) + 0.125*r_tw*square(Q_CAM1*R_l_8 + Q_CAM2*square(R_l_8))*fabs(fast_tan(gamma_in))/square(crown)); /* [M] camber deflection */
     const double rho_8 = (rho_gamma_8 + sunk_8 < 1e-12 ? 1e-12 : rho_gamma_8 + sunk_8); /* [M] deflection */

@@ -604,7 +604,7 @@ enum {
     {EQUAL,1370,1410}, {SUBTRACT,1410,1370}, {CHOOSE,1411,237,1412}, \
     /* [M] sunk_0_moved */ \
     {SUBTRACT,1410,311}, {MULTIPLY,252,1289}, {MULTIPLY,1414,1415}, {DIVIDE,1416,1413}, {SUBTRACT,1289,1417}, \
-    /* [M] sunk_0_kept */ \
+    /* [M] sunk_0_above */ \
     {LESS,239,1418}, {MULTIPLY,236,1289}, {CHOOSE,1419,1418,1420}, \
     /* [M] sunk_1 */ \
     {MULTIPLY,253,9}, {LESS,1422,1421}, {CHOOSE,1423,1422,1421}, \
@@ -629,7 +629,7 @@ enum {
     {EQUAL,1410,1464}, {SUBTRACT,1464,1410}, {CHOOSE,1465,237,1466}, \
     /* [M] sunk_1_moved */ \
     {SUBTRACT,1464,311}, {SUBTRACT,1424,1289}, {MULTIPLY,1468,1469}, {DIVIDE,1470,1467}, {SUBTRACT,1424,1471}, \
-    /* [M] sunk_1_kept */ \
+    /* [M] sunk_1_above */ \
     {LESS,239,1472}, {MULTIPLY,236,1424}, {CHOOSE,1473,1472,1474}, \
     /* [M] sunk_2 */ \
     {LESS,1422,1475}, {CHOOSE,1476,1422,1475}, \
@@ -654,7 +654,7 @@ enum {
     {EQUAL,1464,1517}, {SUBTRACT,1517,1464}, {CHOOSE,1518,237,1519}, \
     /* [M] sunk_2_moved */ \
     {SUBTRACT,1517,311}, {SUBTRACT,1477,1424}, {MULTIPLY,1521,1522}, {DIVIDE,1523,1520}, {SUBTRACT,1477,1524}, \
-    /* [M] sunk_2_kept */ \
+    /* [M] sunk_2_above */ \
     {LESS,239,1525}, {MULTIPLY,236,1477}, {CHOOSE,1526,1525,1527}, \
     /* [M] sunk_3 */ \
     {LESS,1422,1528}, {CHOOSE,1529,1422,1528}, \
@@ -679,7 +679,7 @@ enum {
     {EQUAL,1517,1570}, {SUBTRACT,1570,1517}, {CHOOSE,1571,237,1572}, \
     /* [M] sunk_3_moved */ \
     {SUBTRACT,1570,311}, {SUBTRACT,1530,1477}, {MULTIPLY,1574,1575}, {DIVIDE,1576,1573}, {SUBTRACT,1530,1577}, \
-    /* [M] sunk_3_kept */ \
+    /* [M] sunk_3_above */ \
     {LESS,239,1578}, {MULTIPLY,236,1530}, {CHOOSE,1579,1578,1580}, \
     /* [M] sunk_4 */ \
     {LESS,1422,1581}, {CHOOSE,1582,1422,1581}, \
@@ -704,7 +704,7 @@ enum {
     {EQUAL,1570,1623}, {SUBTRACT,1623,1570}, {CHOOSE,1624,237,1625}, \
     /* [M] sunk_4_moved */ \
     {SUBTRACT,1623,311}, {SUBTRACT,1583,1530}, {MULTIPLY,1627,1628}, {DIVIDE,1629,1626}, {SUBTRACT,1583,1630}, \
-    /* [M] sunk_4_kept */ \
+    /* [M] sunk_4_above */ \
     {LESS,239,1631}, {MULTIPLY,236,1583}, {CHOOSE,1632,1631,1633}, \
     /* [M] sunk_5 */ \
     {LESS,1422,1634}, {CHOOSE,1635,1422,1634}, \
@@ -729,7 +729,7 @@ enum {
     {EQUAL,1623,1676}, {SUBTRACT,1676,1623}, {CHOOSE,1677,237,1678}, \
     /* [M] sunk_5_moved */ \
     {SUBTRACT,1676,311}, {SUBTRACT,1636,1583}, {MULTIPLY,1680,1681}, {DIVIDE,1682,1679}, {SUBTRACT,1636,1683}, \
-    /* [M] sunk_5_kept */ \
+    /* [M] sunk_5_above */ \
     {LESS,239,1684}, {MULTIPLY,236,1636}, {CHOOSE,1685,1684,1686}, \
     /* [M] sunk_6 */ \
     {LESS,1422,1687}, {CHOOSE,1688,1422,1687}, \
@@ -754,7 +754,7 @@ enum {
     {EQUAL,1676,1729}, {SUBTRACT,1729,1676}, {CHOOSE,1730,237,1731}, \
     /* [M] sunk_6_moved */ \
     {SUBTRACT,1729,311}, {SUBTRACT,1689,1636}, {MULTIPLY,1733,1734}, {DIVIDE,1735,1732}, {SUBTRACT,1689,1736}, \
-    /* [M] sunk_6_kept */ \
+    /* [M] sunk_6_above */ \
     {LESS,239,1737}, {MULTIPLY,236,1689}, {CHOOSE,1738,1737,1739}, \
     /* [M] sunk_7 */ \
     {LESS,1422,1740}, {CHOOSE,1741,1422,1740}, \
@@ -779,7 +779,7 @@ enum {
     {EQUAL,1729,1782}, {SUBTRACT,1782,1729}, {CHOOSE,1783,237,1784}, \
     /* [M] sunk_7_moved */ \
     {SUBTRACT,1782,311}, {SUBTRACT,1742,1689}, {MULTIPLY,1786,1787}, {DIVIDE,1788,1785}, {SUBTRACT,1742,1789}, \
-    /* [M] sunk_7_kept */ \
+    /* [M] sunk_7_above */ \
     {LESS,239,1790}, {MULTIPLY,236,1742}, {CHOOSE,1791,1790,1792}, \
     /* [M] sunk_8 */ \
     {LESS,1422,1793}, {CHOOSE,1794,1422,1793}, \

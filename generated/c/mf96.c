@@ -278,7 +278,7 @@ void mf96_quantities(const double inputs[], const double parameters[], double re
     const double SSZ4 = parameters[MF96_SSZ4];
 
     /* Normalized inputs */
-    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
+    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double F_z01 = FNOMIN*LFZ0; /* [4.E1] nominal load, scaled */
     const double dfz = -1.0 + F_z/F_z01; /* [4.E2a] normalized change in load */
     const double gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
@@ -519,7 +519,7 @@ void mf96_forces(const double inputs[], const double parameters[], double result
     const double SSZ4 = parameters[MF96_SSZ4];
 
     /* Independent computations are next to each other; quantities has the book's order */
-    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
+    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double F_z01 = FNOMIN*LFZ0; /* [4.E1] nominal load, scaled */
     const double gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
     const double C_x = LCX*PCX1; /* [4.E11] shape factor */
@@ -700,7 +700,7 @@ void mf96_slip_stiffnesses(const double inputs[], const double parameters[], dou
     const double SSZ4 = parameters[MF96_SSZ4];
 
     /* Independent computations are next to each other; quantities has the book's order */
-    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
+    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double F_z01 = FNOMIN*LFZ0; /* [4.E1] nominal load, scaled */
     const double gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
     const double C_x = LCX*PCX1; /* [4.E11] shape factor */

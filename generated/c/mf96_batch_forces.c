@@ -281,7 +281,7 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes Fz = *(const lanes_in_array *)(inputs + MF96_Fz*BLOCK + i);
 
         /* Independent computations are next to each other; quantities has the book's order */
-        const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, kept above 0 */
+        const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, limited to positive values */
         const lanes gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
         const lanes B_xalpha = LXA*RBX1/lanes_sqrt(1.0 + square(RBX2)*lanes_square(kappa)); /* [4.E54] stiffness of G_xa */
         const lanes B_ykappa = LYK*RBY1/lanes_sqrt(1.0 + square(RBY2)*lanes_square(alpha - RBY3)); /* [4.E62] stiffness of G_yk */

@@ -298,7 +298,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes Fz = *(const lanes_in_array *)(inputs + MF96_Fz*BLOCK + i);
 
         /* Independent computations are next to each other; quantities has the book's order */
-        const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, kept above 0 */
+        const lanes F_z = choose(Fz <= 1e-06, each(1e-06), Fz); /* [tirefmu] load, limited to positive values */
         const lanes gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
         const lanes B_xalpha_part1 = 1.0 + square(RBX2)*lanes_square(kappa);
         const lanes G_xa_w_part1 = RHX1 + alpha;

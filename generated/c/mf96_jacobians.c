@@ -278,7 +278,7 @@ void mf96_jacobian_inputs(const double inputs[], const double parameters[], doub
     const double SSZ4 = parameters[MF96_SSZ4];
 
     /* Independent computations are next to each other; quantities has the book's order */
-    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
+    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double F_z01 = FNOMIN*LFZ0; /* [4.E1] nominal load, scaled */
     const double gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
     const double C_x = LCX*PCX1; /* [4.E11] shape factor */
@@ -930,7 +930,7 @@ void mf96_jacobian_parameters(const double inputs[], const double parameters[], 
     const double SSZ4 = parameters[MF96_SSZ4];
 
     /* Independent computations are next to each other; quantities has the book's order */
-    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, kept above 0 */
+    const double F_z = (Fz <= 1e-06 ? 1e-06 : Fz); /* [tirefmu] load, limited to positive values */
     const double F_z01 = FNOMIN*LFZ0; /* [4.E1] nominal load, scaled */
     const double gamma_s = LGAMMAY*gamma; /* [4.E4] inclination, scaled */
     const double C_x = LCX*PCX1; /* [4.E11] shape factor */

@@ -18,7 +18,7 @@ def jacobian_inputs(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Fiala tire
-    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, kept above 0
+    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
     sense = ca.if_else(SIGNS > 0.5, 1, -1)  # [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE
     tan_alpha = ca.tan(alpha)  # [tirefmu] tangent of the side slip angle
     S_square = kappa**2 + tan_alpha**2  # [Adams] comprehensive slip, squared
@@ -127,7 +127,7 @@ def jacobian_parameters(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Fiala tire
-    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, kept above 0
+    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
     sense = ca.if_else(SIGNS > 0.5, 1, -1)  # [tirefmu] sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE
     tan_alpha = ca.tan(alpha)  # [tirefmu] tangent of the side slip angle
     S_square = kappa**2 + tan_alpha**2  # [Adams] comprehensive slip, squared

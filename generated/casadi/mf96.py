@@ -79,7 +79,7 @@ def quantities(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Normalized inputs
-    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, kept above 0
+    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
     F_z01 = FNOMIN*LFZ0  # [4.E1] nominal load, scaled
     dfz = -1 + F_z/F_z01  # [4.E2a] normalized change in load
     gamma_s = LGAMMAY*gamma  # [4.E4] inclination, scaled
@@ -227,7 +227,7 @@ def forces(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Normalized inputs
-    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, kept above 0
+    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
     F_z01 = FNOMIN*LFZ0  # [4.E1] nominal load, scaled
     dfz = -1 + F_z/F_z01  # [4.E2a] normalized change in load
     gamma_s = LGAMMAY*gamma  # [4.E4] inclination, scaled
@@ -323,7 +323,7 @@ def slip_stiffnesses(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Normalized inputs
-    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, kept above 0
+    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
     F_z01 = FNOMIN*LFZ0  # [4.E1] nominal load, scaled
     dfz_part1 = 1/F_z01
     dfz = -1 + F_z*dfz_part1  # [4.E2a] normalized change in load

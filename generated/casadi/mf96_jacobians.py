@@ -23,7 +23,7 @@ def jacobian_inputs(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Normalized inputs
-    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, kept above 0
+    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
     F_z01 = FNOMIN*LFZ0  # [4.E1] nominal load, scaled
     dfz_part1 = 1/F_z01
     dfz = -1 + F_z*dfz_part1  # [4.E2a] normalized change in load
@@ -596,7 +596,7 @@ def jacobian_parameters(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Normalized inputs
-    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, kept above 0
+    F_z = ca.if_else(Fz <= 1e-06, 1e-06, Fz)  # [tirefmu] load, limited to positive values
     F_z01 = FNOMIN*LFZ0  # [4.E1] nominal load, scaled
     dfz_part1 = 1/F_z01
     dfz = -1 + F_z*dfz_part1  # [4.E2a] normalized change in load

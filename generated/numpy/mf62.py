@@ -371,8 +371,8 @@ def quantities(inputs, parameters):
     F_z62_0 = FNOMIN*f_c_0*(Q_FZ1*rho_0/UNLOADED_RADIUS + Q_FZ2*rho_0**2/UNLOADED_RADIUS**2)  # [M] load carried
     F_z62_0_rise = np.where(F_z62_0 == F_z62_near, 1, F_z62_0 - F_z62_near)  # [M] what the last step changed in the load
     sunk_0_moved = rho_upright - 0.09999999999999998*rho_upright*(F_z62_0 - F_z)/F_z62_0_rise  # [M] step of the secant
-    sunk_0_kept = np.where(sunk_0_moved > 0, sunk_0_moved, 0.5*rho_upright)  # [M] the same, kept above 0
-    sunk_1 = np.where(sunk_0_kept > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_0_kept)  # [M] free radius less loaded radius
+    sunk_0_above = np.where(sunk_0_moved > 0, sunk_0_moved, 0.5*rho_upright)  # [M] the same, limited to positive values
+    sunk_1 = np.where(sunk_0_above > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_0_above)  # [M] free radius less loaded radius
     R_l_1 = R_omega - sunk_1  # [M] loaded radius
     rho_gamma_1 = np.where(crown == 0, 0, -Q_CAM3*sunk_1*np.abs(gamma_in) + 0.125*r_tw*(Q_CAM1*R_l_1 + Q_CAM2*R_l_1**2)**2*np.abs(np.tan(gamma_in))/crown**2)  # [M] camber deflection
     rho_1 = np.where(rho_gamma_1 + sunk_1 < 1e-12, 1e-12, rho_gamma_1 + sunk_1)  # [M] deflection
@@ -381,8 +381,8 @@ def quantities(inputs, parameters):
     F_z62_1 = FNOMIN*f_c_1*(Q_FZ1*rho_1/UNLOADED_RADIUS + Q_FZ2*rho_1**2/UNLOADED_RADIUS**2)  # [M] load carried
     F_z62_1_rise = np.where(F_z62_0 == F_z62_1, 1, F_z62_1 - F_z62_0)  # [M] what the last step changed in the load
     sunk_1_moved = sunk_1 - (F_z62_1 - F_z)*(sunk_1 - rho_upright)/F_z62_1_rise  # [M] step of the secant
-    sunk_1_kept = np.where(sunk_1_moved > 0, sunk_1_moved, 0.5*sunk_1)  # [M] the same, kept above 0
-    sunk_2 = np.where(sunk_1_kept > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_1_kept)  # [M] free radius less loaded radius
+    sunk_1_above = np.where(sunk_1_moved > 0, sunk_1_moved, 0.5*sunk_1)  # [M] the same, limited to positive values
+    sunk_2 = np.where(sunk_1_above > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_1_above)  # [M] free radius less loaded radius
     R_l_2 = R_omega - sunk_2  # [M] loaded radius
     rho_gamma_2 = np.where(crown == 0, 0, -Q_CAM3*sunk_2*np.abs(gamma_in) + 0.125*r_tw*(Q_CAM1*R_l_2 + Q_CAM2*R_l_2**2)**2*np.abs(np.tan(gamma_in))/crown**2)  # [M] camber deflection
     rho_2 = np.where(rho_gamma_2 + sunk_2 < 1e-12, 1e-12, rho_gamma_2 + sunk_2)  # [M] deflection
@@ -391,8 +391,8 @@ def quantities(inputs, parameters):
     F_z62_2 = FNOMIN*f_c_2*(Q_FZ1*rho_2/UNLOADED_RADIUS + Q_FZ2*rho_2**2/UNLOADED_RADIUS**2)  # [M] load carried
     F_z62_2_rise = np.where(F_z62_1 == F_z62_2, 1, F_z62_2 - F_z62_1)  # [M] what the last step changed in the load
     sunk_2_moved = sunk_2 - (F_z62_2 - F_z)*(sunk_2 - sunk_1)/F_z62_2_rise  # [M] step of the secant
-    sunk_2_kept = np.where(sunk_2_moved > 0, sunk_2_moved, 0.5*sunk_2)  # [M] the same, kept above 0
-    sunk_3 = np.where(sunk_2_kept > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_2_kept)  # [M] free radius less loaded radius
+    sunk_2_above = np.where(sunk_2_moved > 0, sunk_2_moved, 0.5*sunk_2)  # [M] the same, limited to positive values
+    sunk_3 = np.where(sunk_2_above > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_2_above)  # [M] free radius less loaded radius
     R_l_3 = R_omega - sunk_3  # [M] loaded radius
     rho_gamma_3 = np.where(crown == 0, 0, -Q_CAM3*sunk_3*np.abs(gamma_in) + 0.125*r_tw*(Q_CAM1*R_l_3 + Q_CAM2*R_l_3**2)**2*np.abs(np.tan(gamma_in))/crown**2)  # [M] camber deflection
     rho_3 = np.where(rho_gamma_3 + sunk_3 < 1e-12, 1e-12, rho_gamma_3 + sunk_3)  # [M] deflection
@@ -401,8 +401,8 @@ def quantities(inputs, parameters):
     F_z62_3 = FNOMIN*f_c_3*(Q_FZ1*rho_3/UNLOADED_RADIUS + Q_FZ2*rho_3**2/UNLOADED_RADIUS**2)  # [M] load carried
     F_z62_3_rise = np.where(F_z62_2 == F_z62_3, 1, F_z62_3 - F_z62_2)  # [M] what the last step changed in the load
     sunk_3_moved = sunk_3 - (F_z62_3 - F_z)*(sunk_3 - sunk_2)/F_z62_3_rise  # [M] step of the secant
-    sunk_3_kept = np.where(sunk_3_moved > 0, sunk_3_moved, 0.5*sunk_3)  # [M] the same, kept above 0
-    sunk_4 = np.where(sunk_3_kept > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_3_kept)  # [M] free radius less loaded radius
+    sunk_3_above = np.where(sunk_3_moved > 0, sunk_3_moved, 0.5*sunk_3)  # [M] the same, limited to positive values
+    sunk_4 = np.where(sunk_3_above > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_3_above)  # [M] free radius less loaded radius
     R_l_4 = R_omega - sunk_4  # [M] loaded radius
     rho_gamma_4 = np.where(crown == 0, 0, -Q_CAM3*sunk_4*np.abs(gamma_in) + 0.125*r_tw*(Q_CAM1*R_l_4 + Q_CAM2*R_l_4**2)**2*np.abs(np.tan(gamma_in))/crown**2)  # [M] camber deflection
     rho_4 = np.where(rho_gamma_4 + sunk_4 < 1e-12, 1e-12, rho_gamma_4 + sunk_4)  # [M] deflection
@@ -411,8 +411,8 @@ def quantities(inputs, parameters):
     F_z62_4 = FNOMIN*f_c_4*(Q_FZ1*rho_4/UNLOADED_RADIUS + Q_FZ2*rho_4**2/UNLOADED_RADIUS**2)  # [M] load carried
     F_z62_4_rise = np.where(F_z62_3 == F_z62_4, 1, F_z62_4 - F_z62_3)  # [M] what the last step changed in the load
     sunk_4_moved = sunk_4 - (F_z62_4 - F_z)*(sunk_4 - sunk_3)/F_z62_4_rise  # [M] step of the secant
-    sunk_4_kept = np.where(sunk_4_moved > 0, sunk_4_moved, 0.5*sunk_4)  # [M] the same, kept above 0
-    sunk_5 = np.where(sunk_4_kept > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_4_kept)  # [M] free radius less loaded radius
+    sunk_4_above = np.where(sunk_4_moved > 0, sunk_4_moved, 0.5*sunk_4)  # [M] the same, limited to positive values
+    sunk_5 = np.where(sunk_4_above > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_4_above)  # [M] free radius less loaded radius
     R_l_5 = R_omega - sunk_5  # [M] loaded radius
     rho_gamma_5 = np.where(crown == 0, 0, -Q_CAM3*sunk_5*np.abs(gamma_in) + 0.125*r_tw*(Q_CAM1*R_l_5 + Q_CAM2*R_l_5**2)**2*np.abs(np.tan(gamma_in))/crown**2)  # [M] camber deflection
     rho_5 = np.where(rho_gamma_5 + sunk_5 < 1e-12, 1e-12, rho_gamma_5 + sunk_5)  # [M] deflection
@@ -421,8 +421,8 @@ def quantities(inputs, parameters):
     F_z62_5 = FNOMIN*f_c_5*(Q_FZ1*rho_5/UNLOADED_RADIUS + Q_FZ2*rho_5**2/UNLOADED_RADIUS**2)  # [M] load carried
     F_z62_5_rise = np.where(F_z62_4 == F_z62_5, 1, F_z62_5 - F_z62_4)  # [M] what the last step changed in the load
     sunk_5_moved = sunk_5 - (F_z62_5 - F_z)*(sunk_5 - sunk_4)/F_z62_5_rise  # [M] step of the secant
-    sunk_5_kept = np.where(sunk_5_moved > 0, sunk_5_moved, 0.5*sunk_5)  # [M] the same, kept above 0
-    sunk_6 = np.where(sunk_5_kept > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_5_kept)  # [M] free radius less loaded radius
+    sunk_5_above = np.where(sunk_5_moved > 0, sunk_5_moved, 0.5*sunk_5)  # [M] the same, limited to positive values
+    sunk_6 = np.where(sunk_5_above > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_5_above)  # [M] free radius less loaded radius
     R_l_6 = R_omega - sunk_6  # [M] loaded radius
     rho_gamma_6 = np.where(crown == 0, 0, -Q_CAM3*sunk_6*np.abs(gamma_in) + 0.125*r_tw*(Q_CAM1*R_l_6 + Q_CAM2*R_l_6**2)**2*np.abs(np.tan(gamma_in))/crown**2)  # [M] camber deflection
     rho_6 = np.where(rho_gamma_6 + sunk_6 < 1e-12, 1e-12, rho_gamma_6 + sunk_6)  # [M] deflection
@@ -431,8 +431,8 @@ def quantities(inputs, parameters):
     F_z62_6 = FNOMIN*f_c_6*(Q_FZ1*rho_6/UNLOADED_RADIUS + Q_FZ2*rho_6**2/UNLOADED_RADIUS**2)  # [M] load carried
     F_z62_6_rise = np.where(F_z62_5 == F_z62_6, 1, F_z62_6 - F_z62_5)  # [M] what the last step changed in the load
     sunk_6_moved = sunk_6 - (F_z62_6 - F_z)*(sunk_6 - sunk_5)/F_z62_6_rise  # [M] step of the secant
-    sunk_6_kept = np.where(sunk_6_moved > 0, sunk_6_moved, 0.5*sunk_6)  # [M] the same, kept above 0
-    sunk_7 = np.where(sunk_6_kept > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_6_kept)  # [M] free radius less loaded radius
+    sunk_6_above = np.where(sunk_6_moved > 0, sunk_6_moved, 0.5*sunk_6)  # [M] the same, limited to positive values
+    sunk_7 = np.where(sunk_6_above > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_6_above)  # [M] free radius less loaded radius
     R_l_7 = R_omega - sunk_7  # [M] loaded radius
     rho_gamma_7 = np.where(crown == 0, 0, -Q_CAM3*sunk_7*np.abs(gamma_in) + 0.125*r_tw*(Q_CAM1*R_l_7 + Q_CAM2*R_l_7**2)**2*np.abs(np.tan(gamma_in))/crown**2)  # [M] camber deflection
     rho_7 = np.where(rho_gamma_7 + sunk_7 < 1e-12, 1e-12, rho_gamma_7 + sunk_7)  # [M] deflection
@@ -441,8 +441,8 @@ def quantities(inputs, parameters):
     F_z62_7 = FNOMIN*f_c_7*(Q_FZ1*rho_7/UNLOADED_RADIUS + Q_FZ2*rho_7**2/UNLOADED_RADIUS**2)  # [M] load carried
     F_z62_7_rise = np.where(F_z62_6 == F_z62_7, 1, F_z62_7 - F_z62_6)  # [M] what the last step changed in the load
     sunk_7_moved = sunk_7 - (F_z62_7 - F_z)*(sunk_7 - sunk_6)/F_z62_7_rise  # [M] step of the secant
-    sunk_7_kept = np.where(sunk_7_moved > 0, sunk_7_moved, 0.5*sunk_7)  # [M] the same, kept above 0
-    sunk_8 = np.where(sunk_7_kept > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_7_kept)  # [M] free radius less loaded radius
+    sunk_7_above = np.where(sunk_7_moved > 0, sunk_7_moved, 0.5*sunk_7)  # [M] the same, limited to positive values
+    sunk_8 = np.where(sunk_7_above > 0.95*UNLOADED_RADIUS, 0.95*UNLOADED_RADIUS, sunk_7_above)  # [M] free radius less loaded radius
     R_l_8 = R_omega - sunk_8  # [M] loaded radius
     rho_gamma_8 = np.where(crown == 0, 0, -Q_CAM3*sunk_8*np.abs(gamma_in) + 0.125*r_tw*(Q_CAM1*R_l_8 + Q_CAM2*R_l_8**2)**2*np.abs(np.tan(gamma_in))/crown**2)  # [M] camber deflection
     rho_8 = np.where(rho_gamma_8 + sunk_8 < 1e-12, 1e-12, rho_gamma_8 + sunk_8)  # [M] deflection

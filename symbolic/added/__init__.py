@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from .file import AddedEffect, effect_text, read_effect
+from .effect import AddedEffect
+from .file import effect_text, read_effect
 from .folder import declared_effects
 
 __all__ = ["AddedEffect", "effect_text", "library", "read_effect"]

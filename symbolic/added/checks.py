@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from math import isfinite
-from typing import TYPE_CHECKING
 
 from ..errors import EffectError
 from ..escaping import quoted
 from ..notation import Coefficient
 from ..reserved import no_coefficient, no_effect
+from .effect import AddedEffect
 from .formula import formula, formula_text
-
-if TYPE_CHECKING:
-    from .file import AddedEffect
 
 #: Upper limits, in characters and in numbers of items.
 LONGEST_FILE, LONGEST_TEXT, LONGEST_UNIT = 100_000, 600, 40

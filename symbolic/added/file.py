@@ -23,11 +23,8 @@ from __future__ import annotations
 
 import sys
 import tomllib
-from dataclasses import dataclass
 from math import isfinite
 from typing import Any
-
-import sympy as sp
 
 from ..detection import Detection
 from ..errors import EffectError
@@ -36,6 +33,7 @@ from ..notation import Coefficient, Effect
 from ..reserved import no_coefficient, no_effect
 from .checks import LONGEST_FILE, check_effect
 from .detection_file import detection_text, known_keys, read_detection
+from .effect import Act, AddedEffect
 from .formula import formula, formula_text
 
 #: Keys of a coefficient declaration and their types.
@@ -44,47 +42,6 @@ DECLARATION_KEYS = {"description": str, "unit": str, "lower": float, "upper": fl
 _KINDS = {str: "text", float: "finite number", bool: "truth value: true or false"}
 #: Largest finite double.
 LARGEST_DOUBLE = sys.float_info.max
-
-
-@dataclass(frozen=True)
-class Act:
-    """Change of one named quantity, given by name or role, by an added effect: ``how`` is "factor" or "term"."""
-
-    on: str
-    how: str
-    expression: sp.Expr
-
-
-@dataclass(frozen=True)
-class AddedEffect:
-    """An effect that is added to the equations of a model.
-
-    Attributes
-    ----------
-    name, physics, source : str
-    declarations : tuple of Coefficient
-        Its coefficients; at neutral values the effect vanishes.
-    acts : tuple of Act
-    detection : Detection or None
-        How a diagnosis detects it, if the file declares that.
-    """
-
-    name: str
-    physics: str
-    source: str
-    declarations: tuple[Coefficient, ...]
-    acts: tuple[Act, ...]
-    detection: Detection | None = None
-
-    @property
-    def acts_on(self) -> tuple[str, ...]:
-        """The named quantities that it changes, by name or by role."""
-        return tuple(dict.fromkeys(act.on for act in self.acts))
-
-    @property
-    def section(self) -> str:
-        """The .tir section of its coefficients."""
-        return f"TIREFMU_{self.name.upper()}"
 
 
 def read_effect(text: str, source: str) -> AddedEffect:

@@ -6,7 +6,8 @@ from importlib.resources import files
 from importlib.resources.abc import Traversable
 
 from ..notation import Effect
-from .file import AddedEffect, read_declared
+from .effect import AddedEffect
+from .file import read_declared
 
 FOLDER: Traversable = files(__package__.rpartition(".")[0]) / "effects"
 

@@ -35,7 +35,7 @@ def on_ground(expression: Expr) -> Expr:
 # fmt: off
 Fz     = eq("tirefmu", "F_z",
             where(load <= LIFT_OFF, LIFT_OFF, load),
-            "N", "load, kept above 0", named=False)
+            "N", "load, limited to positive values", named=False)
 side   = eq("tirefmu", "sense",
             signs.either(-1, 1),
             "1", "sense of the side force at positive slip angle: -1 in ISO, 1 in adapted SAE", named=False)

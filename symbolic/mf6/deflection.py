@@ -103,12 +103,12 @@ def secant(before: Expr, load_before: Symbol, at: Symbol) -> tuple[Symbol, Symbo
         moved = eq("M", f"sunk_{k}_moved",
                    at - (load - Fz_in) * (at - before) / rise,
                    "m", "step of the secant", named=False)
-        kept  = eq("M", f"sunk_{k}_kept",
+        above = eq("M", f"sunk_{k}_above",
                    where(moved > 0, moved, at / 2),
-                   "m", "the same, kept above 0", named=False)
+                   "m", "the same, limited to positive values", named=False)
         before, load_before = at, load
         at    = eq("M", f"sunk_{k + 1}",
-                   where(kept > DEEPEST * R0, DEEPEST * R0, kept),
+                   where(above > DEEPEST * R0, DEEPEST * R0, above),
                    "m", "free radius less loaded radius", named=False)
         rho, load = balance(at, k + 1)
     return at, rho

@@ -1,8 +1,8 @@
 """Effective rolling radius and wheel speed. Besselink et al. (2010), eqs. (1), (5), (7).
 
-kappa, omega and R_e hang together in a ring, which MFeval walks round until the first row of a table stands
-still: three times, wherever Q_V1 is not 0. Three times are written out here, which makes each row its own:
-hence omega = (1 + kappa) V / R_e with the R_e of the second time round. Load and kappa are seen before limits.
+kappa, omega and R_e depend on each other. MFeval iterates until the first row of a table no longer changes, which takes
+three iterations where Q_V1 is not 0. Here three iterations are written out, so that rows do not influence each other:
+omega = (1 + kappa) V / R_e with the R_e of the second iteration. Load and kappa are used before limits apply.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ def on_ground(expression: Expr) -> Expr:
 # fmt: off
 Fz    = eq("tirefmu", "F_z",
            Piecewise((LIFT_OFF, FZ.symbol <= LIFT_OFF), (FZ.symbol, True)),
-           "N", "load, kept above 0", named=False)
+           "N", "load, limited to positive values", named=False)
 Fz01  = eq("4.E1", "F_z01",
            s.LFZ0 * v.FNOMIN,
            "N", "nominal load, scaled")

@@ -116,8 +116,10 @@ class Model:
         """Every coefficient that a line reads, by .tir name, in the order of the parameter vector."""
         read = {str(symbol) for line in self.equations for symbol in line.expression.free_symbols}
         read |= {str(quantity.nominal) for quantity in self.inputs} | set(INDISPENSABLE)
-        cards = {name: card for section in self.sections for name, card in section.coefficients.items()}
-        return {name: card for name, card in cards.items() if name in read}
+        declarations = {
+            name: declaration for section in self.sections for name, declaration in section.coefficients.items()
+        }
+        return {name: declaration for name, declaration in declarations.items() if name in read}
 
     @cached_property
     def options(self) -> tuple[Option, ...]:
@@ -201,7 +203,9 @@ class Model:
         """
         named = {line.symbol.name for line in self.equations if line.named} | self.roles.keys()
         known = (
-            {quantity.name for quantity in self.inputs} | BEYOND.keys() | {card.name for card in effect.declarations}
+            {quantity.name for quantity in self.inputs}
+            | BEYOND.keys()
+            | {declaration.name for declaration in effect.declarations}
         )
         known |= {name for section in self.sections for name in section.coefficients}
         read = {symbol.name for act in effect.acts for symbol in act.expression.free_symbols}
@@ -245,12 +249,12 @@ class Model:
         """Raise `EffectError` where an effect or a coefficient has a name that this model uses."""
         quantities = {quantity.name for quantity in (*self.inputs, *self.outputs, *BEYOND.values())}
         quantities |= {line.symbol.name for line in self.equations}
-        cards = {name for section in self.sections for name in section.coefficients}
+        declarations = {name for section in self.sections for name in section.coefficients}
         options = {option.parameter for option in OPTIONS.values()}
-        taken = {**dict.fromkeys(quantities, "a quantity"), **dict.fromkeys(cards, "a coefficient")}
+        taken = {**dict.fromkeys(quantities, "a quantity"), **dict.fromkeys(declarations, "a coefficient")}
         taken |= {**dict.fromkeys(options, "an option"), **dict.fromkeys(EFFECTS, "an effect")}
         for effect in effects:
-            for name in (effect.name, *(card.name for card in effect.declarations)):
+            for name in (effect.name, *(declaration.name for declaration in effect.declarations)):
                 if name in taken:
                     raise EffectError(f"effect {effect.name}: {name} is {taken[name]} of {self.name} already")
 
@@ -292,7 +296,7 @@ class Model:
     @cached_property
     def core(self) -> frozenset[str]:
         """Coefficients without a neutral value: the model needs them."""
-        return frozenset(name for name, card in self.coefficients.items() if card.neutral is None)
+        return frozenset(name for name, declaration in self.coefficients.items() if declaration.neutral is None)
 
     @cached_property
     def relaxing_effects(self) -> frozenset[str]:
@@ -360,7 +364,7 @@ class Model:
     def _live(self, effects: frozenset[str]) -> frozenset[str]:
         outputs = {quantity.name for quantity in self.outputs} | set(self.results)
         symbols = {str(s) for line in reaching(self.lines(effects), outputs) for s in line.expression.free_symbols}
-        ranges = {name for name, card in self.coefficients.items() if card.section.endswith("_RANGE")}
+        ranges = {name for name, declaration in self.coefficients.items() if declaration.section.endswith("_RANGE")}
         return frozenset(symbols & self.coefficients.keys()) | ranges
 
     @lru_cache(maxsize=256)  # noqa: B019  (models live as long as the program)
@@ -383,10 +387,12 @@ def _sections(effects: Sequence[AddedEffect]) -> list[type[Section]]:
     seen: dict[str, Coefficient] = {}
     sections = []
     for effect in effects:
-        for card in effect.declarations:
-            if card.name in seen and seen[card.name] != card:
-                raise EffectError(f"{card.name} of {effect.name} is another coefficient elsewhere")
-        own = {card.name: copy(card) for card in effect.declarations if card.name not in seen}
+        for declaration in effect.declarations:
+            if declaration.name in seen and seen[declaration.name] != declaration:
+                raise EffectError(f"{declaration.name} of {effect.name} is another coefficient elsewhere")
+        own = {
+            declaration.name: copy(declaration) for declaration in effect.declarations if declaration.name not in seen
+        }
         seen |= own
         if own:
             keywords = {"title": effect.section}
@@ -394,9 +400,9 @@ def _sections(effects: Sequence[AddedEffect]) -> list[type[Section]]:
     return sections
 
 
-def _filled(cards: dict[str, Coefficient], space: dict[str, object]) -> None:
+def _filled(declarations: dict[str, Coefficient], space: dict[str, object]) -> None:
     """Put declarations into a class body."""
-    space.update(cards)
+    space.update(declarations)
 
 
 def _places(name: str, lines: Sequence[Equation], effect: AddedEffect) -> set[str]:

@@ -13,7 +13,7 @@ from hypothesis import example, given, settings
 
 from tirefmu.symbolic import model
 from tirefmu.symbolic.added import AddedEffect, effect_text, read_effect
-from tirefmu.symbolic.added.file import Act
+from tirefmu.symbolic.added.effect import Act
 from tirefmu.symbolic.contract import Role
 from tirefmu.symbolic.errors import EffectError
 from tirefmu.symbolic.model import Model

@@ -125,7 +125,7 @@ def test_the_way_of_writing_does_not_matter(field_file, way, tmp_path):
     tire, other = read_tir(path), read_tir(tmp_path / path.name)
     assert bits(other) == bits(tire)
     assert (other.model, other.side, other.ranges) == (tire.model, tire.side, tire.ranges)
-    assert [line[:2] for line in other.kept] == [line[:2] for line in tire.kept]
+    assert [line[:2] for line in other.other_entries] == [line[:2] for line in tire.other_entries]
 
 
 @pytest.mark.parametrize(
@@ -182,7 +182,7 @@ def test_keys_belong_to_their_section(tmp_path):
     lines += "[LONGITUDINAL_COEFFICIENTS]\nPDX1 = 1.1\nPDX1 = 1.2\n[ELSEWHERE]\nPDX1 = 3"
     reading = read_tir_with_notes(written(tmp_path / "t.tir", small(lines)))
     assert (reading.tire.values["PCX1"], reading.tire.values["PDX1"]) == (1.5, 1.2)
-    assert reading.tire.kept[0] == ("INERTIA", "MASS", "8.1")
+    assert reading.tire.other_entries[0] == ("INERTIA", "MASS", "8.1")
     assert "line 16: PDX1 = 1.1 is given again in line 17" in reading.notes
 
 
@@ -197,7 +197,7 @@ def test_other_spellings(alias, name, tmp_path):
     assert name not in not_given(tire)
     both = read_tir(written(tmp_path / "t.tir", small(f"{alias} = 0.7\n{name} = 0.9")))
     assert both.values[name] == 0.9
-    assert ("VERTICAL", alias, "0.7") in both.kept
+    assert ("VERTICAL", alias, "0.7") in both.other_entries
 
 
 def test_an_empty_value_is_a_missing_one(tmp_path):
@@ -232,8 +232,8 @@ def test_a_key_that_almost_is_a_coefficient_is_noted_and_kept(tmp_path):
     lines = "[LATERAL_COEFFICIENTS]\nPDYI = 1.2\nLGAY = 1\n[SHOP]\nPDYI = 3"
     reading = read_tir_with_notes(written(tmp_path / "t.tir", small(lines)))
     (note,) = (note for note in reading.notes if "unknown" in note)
-    assert note == "line 8: unknown key PDYI (near PDY1) is kept, not used"
-    assert ("LATERAL_COEFFICIENTS", "PDYI", "1.2") in reading.tire.kept
+    assert note == "line 8: unknown key PDYI (near PDY1) is stored, not used"
+    assert ("LATERAL_COEFFICIENTS", "PDYI", "1.2") in reading.tire.other_entries
 
 
 def test_tables_headers_and_sections_of_others_are_kept_to_the_letter(tmp_path):
@@ -242,7 +242,7 @@ def test_tables_headers_and_sections_of_others_are_kept_to_the_letter(tmp_path):
     )
     lines += "{pen fz}\n0 0\nMORE = 'a $ b'\n[SHOP]\nPRICE = it's 5\nno equals sign"
     tire = read_tir(written(tmp_path / "t.tir", small(lines)))
-    assert tire.kept[:10] == (
+    assert tire.other_entries[:10] == (
         ("MDI_HEADER", "", "(COMMENTS)"),
         ("MDI_HEADER", "", "{comment_string}"),
         ("MDI_HEADER", "", "'Tire = x'"),

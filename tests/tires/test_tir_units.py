@@ -81,7 +81,11 @@ def read(path, text):
 
 
 def numbers(tire):
-    kept = {key: float(value) for section, key, value in tire.kept if section in ("INERTIA", "DIMENSION", "VERTICAL")}
+    kept = {
+        key: float(value)
+        for section, key, value in tire.other_entries
+        if section in ("INERTIA", "DIMENSION", "VERTICAL")
+    }
     return {**tire.values, **kept}
 
 
@@ -156,7 +160,7 @@ def test_units_in_a_header_count(path):
 
 def test_a_mass_is_no_unit_of_mass(path):
     tire = read(path, "[UNITS]\nMASS = 'gram'\n" + text_in({"LENGTH": "mm"}))
-    assert ("INERTIA", "MASS", repr(9.0 * 1e-3)) in tire.kept
+    assert ("INERTIA", "MASS", repr(9.0 * 1e-3)) in tire.other_entries
 
 
 def test_a_unit_behind_a_value_is_believed_only_where_it_says_the_same(path):
@@ -172,11 +176,11 @@ def test_what_nobody_knows_the_unit_of_is_said(path):
     text = text_in({"LENGTH": "mm"}) + "\n[BOTTOMING_CURVE]\n{pen fz}\n0 0\n[SHOP]\nPRICE = 3\n[SHAPE]\n1 0"
     path.write_text(text, encoding="utf-8")
     reading = read_tir_with_notes(path)
-    assert ("SHOP", "PRICE", "3") in reading.tire.kept
-    assert ("TIREFMU_KEPT_UNITS", "LENGTH", "'mm'") in reading.tire.kept
-    assert "kept keys and tables without a known unit stay in the file's units" in reading.notes
+    assert ("SHOP", "PRICE", "3") in reading.tire.other_entries
+    assert ("TIREFMU_KEPT_UNITS", "LENGTH", "'mm'") in reading.tire.other_entries
+    assert "other entries and tables without a known unit stay in the file's units" in reading.notes
     assert "LENGTH is in mm: converted to SI" in reading.notes
     path.write_text(text_in({"LENGTH": "mm"}) + "\n[SHAPE]\n1 0", encoding="utf-8")
-    assert not any(section == "TIREFMU_KEPT_UNITS" for section, _, _ in read_tir(path).kept)
+    assert not any(section == "TIREFMU_KEPT_UNITS" for section, _, _ in read_tir(path).other_entries)
     path.write_text(text_in({}), encoding="utf-8")
     assert "the file declares no units: SI is taken" in read_tir_with_notes(path).notes

@@ -209,7 +209,7 @@ def _in_use(target: Path) -> Path:
 
 
 def _store(made: Path, target: Path, rebuild: bool) -> None:
-    """Store an entry in one step; one that another process stored meanwhile is kept."""
+    """Store an entry in one step; one that another process stored in the meantime is not replaced."""
     scratch = Path(tempfile.mkdtemp(prefix=_SCRATCH, dir=target.parent))
     try:
         copy = scratch / target.name

@@ -197,7 +197,7 @@ def not_given(tire: TireDefinition) -> tuple[str, ...]:
     >>> not_given(Tire("mf96", {name: 1.0 for name in MODELS["mf96"].coefficients if name != "PKY2"}))
     ('PKY2',)
     """
-    assumed = {name for section, _, text in tire.kept if section == ASSUMED for name in listed(text)}
+    assumed = {name for section, _, text in tire.other_entries if section == ASSUMED for name in listed(text)}
     return tuple(name for name in tire.book.coefficients if name in assumed or name in tire.defaulted)
 
 

@@ -155,7 +155,7 @@ class _Reader:
         entries = in_written_order([*self._other_entries(book), *assumed], book)
         try:
             tire = Tire(name, values, effects, name=title, about=about_texts, ranges=ranges, side=side, added=added,
-                        kept=entries)  # fmt: skip
+                        other_entries=entries)  # fmt: skip
         except TirefmuError as error:
             raise TirError(f"{self.path}: {error}") from error
         return TirReading(tire, tuple(self.notes))
@@ -321,7 +321,7 @@ class _Reader:
                 self._check_key(line, book, titles)
         if self.units.other_units and any(self._has_unknown_unit(line) for line in lines):
             entries += [(KEPT_UNITS, key, unit) for key, unit in self.units.other_units.items()]
-            self.notes.append("kept keys and tables without a known unit stay in the file's units")
+            self.notes.append("other entries and tables without a known unit stay in the file's units")
         return tuple(entries)
 
     def _is_informative(self, entry: Entry, book: Model) -> bool:
@@ -353,7 +353,7 @@ class _Reader:
         if near and (book.property_file.strict or entry.section.startswith("TIREFMU")):
             raise TirError(f"{self._line_of(entry)}: unknown key {entry.key} of {book.name}: did you mean {near}?")
         if near:
-            self.notes.append(f"line {entry.line}: unknown key {entry.key} (near {near}) is kept, not used")
+            self.notes.append(f"line {entry.line}: unknown key {entry.key} (near {near}) is stored, not used")
 
     def _refuse_rows(self, book: Model) -> None:
         strict = {*_STRICT, *(section.title for section in book.sections)}

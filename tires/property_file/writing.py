@@ -73,7 +73,7 @@ def tir_text(tire: TireDefinition) -> str:
     '[MDI_HEADER]'
     """
     tire = tire.in_signs("iso")
-    entries = [line for line in in_written_order(tire.kept, tire.book) if line[0] != ASSUMED]
+    entries = [line for line in in_written_order(tire.other_entries, tire.book) if line[0] != ASSUMED]
     replaced = {(section, key) for section, key, _ in entries if key}
     sections: dict[str, list[str]] = {title: [] for title in ("", *written_sections(tire.book))}
     for section, key, line in _own_lines(tire):
