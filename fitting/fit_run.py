@@ -230,7 +230,8 @@ class FitRun:
         )  # fmt: skip
         first = solve_from(np.clip(start, lower, upper))
         solution = best_end(problem, first, solve_from, lower, upper, stage.again, always=self._given)
-        values = dict(zip(free, (solution.x * scale).tolist(), strict=True))
+        bounds = ([f.lower for f in free.values()], [f.upper for f in free.values()])  # scaling back may round beyond
+        values = dict(zip(free, np.clip(solution.x * scale, *bounds).tolist(), strict=True))
         self._tire = replace(self._tire, values={**self._tire.values, **values})
         if stage.rows is None or len(rows) < stage.rows:  # a random sample has no correlation in time
             self._ends.append((Ended(self._plan.stages.index(stage), before, free, solution.x), problem))

@@ -44,7 +44,7 @@ def test_the_whole_circle(command, tmp_path):
     assert "camber_thrust" not in read_tir(folder / "without_camber_thrust.tir").has
     truth = read_tir(folder / "truth.tir").in_signs("adapted-sae")
     assert truth.parameters() == pytest.approx(bench_tire().parameters(), rel=1e-15)
-    for step in ("1 Bench.", "2 Fit.", "3 FMU.", "4 A missing effect.", "5 Diagnosis."):
+    for step in ("1 Virtual bench.", "2 Fit.", "3 FMU.", "4 A missing effect.", "5 Diagnosis."):
         assert step in outcome.out
 
 
