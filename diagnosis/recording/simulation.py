@@ -115,8 +115,8 @@ class Simulator:
         columns = [self.index[name] for name in free]
         parts = []
         for start in range(0, rows.shape[1], CHUNK):
-            whole = self._code.jacobian_parameters(np.ascontiguousarray(rows[:, start : start + CHUNK]), parameters)
-            parts.append(whole[:, self.signals.output_index][:, :, columns])
+            chunk = np.ascontiguousarray(rows[:, start : start + CHUNK])
+            parts.append(self._code.jacobian_parameters(chunk, parameters)[:, self.signals.output_index][:, :, columns])
         jacobian = np.concatenate(parts).transpose(1, 0, 2)
         for i, name in enumerate(free):
             if name in self.book.relaxation and self.signals.timed:

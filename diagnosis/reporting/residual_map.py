@@ -170,8 +170,8 @@ def residual_map(
         error = np.where(counts > 1, np.sqrt(variance / counts), np.nan)
     if not counts.any():
         raise DataError(f"residual map of {channel}: no row is within the bins")
-    whole = counts.astype(np.int64)
-    return ResidualMap(channel, recording.signs, over, edges, steps, mean, np.sqrt(square), error, whole)
+    integer_counts = counts.astype(np.int64)
+    return ResidualMap(channel, recording.signs, over, edges, steps, mean, np.sqrt(square), error, integer_counts)
 
 
 def _usable_rows(tire: Tire, recording: Recording, channel: str, over: tuple[str, str]) -> pd.DataFrame:

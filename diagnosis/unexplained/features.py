@@ -122,12 +122,12 @@ def locations_of(book: Model) -> list[Location]:
     """
     declarations, found = book.coefficients, []
     for name, (how, roles) in LOCATIONS.items():
-        there = [book.roles[role] for role in roles if book.leading(role) in declarations]
-        if there:
-            quantities = tuple(dict.fromkeys(role.quantity for role in there))
-            leading = tuple(dict.fromkeys(role.leading for role in there))
+        available = [book.roles[role] for role in roles if book.leading(role) in declarations]
+        if available:
+            quantities = tuple(dict.fromkeys(role.quantity for role in available))
+            leading = tuple(dict.fromkeys(role.leading for role in available))
             flips = how == "term" and declarations[leading[0]].flips
-            found.append(Location(name, how, quantities, leading, there[0].per if how == "term" else "", flips))
+            found.append(Location(name, how, quantities, leading, available[0].per if how == "term" else "", flips))
     return found
 
 

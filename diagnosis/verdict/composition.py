@@ -90,11 +90,11 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
             + [one.next_measurement for one in outcome.unknown if one.next_measurement]
         )
     )
-    gap = fit_errors(before, after)
+    errors = fit_errors(before, after)
     added = [refit.name for refit in search.found]
     added += [one.effect.name for one in outcome.unknown if one.added and one.effect]
     detectable, not_identifiable = detectable_sizes(search, outcome.tried, outcome.start)
-    verdict = _verdict(findings, outcome.unknown, confounded, detectable, gap)
+    verdict = _verdict(findings, outcome.unknown, confounded, detectable, errors)
     return Diagnosis(
         verdict=verdict,
         found=findings,
@@ -103,7 +103,7 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         unknown=outcome.unknown,
         not_identifiable=not_identifiable,
         refined=tuple(f"{one.name.removeprefix(REFINEMENT)}: {', '.join(one.form.free)}" for one in search.refinements),
-        gap=gap,
+        gap=errors,
         detectable=detectable,
         where=residual_maps(before),
         where_after=residual_maps(after),
@@ -237,7 +237,7 @@ def confounded_with(outcome: SearchOutcome) -> dict[str, dict[str, float]]:
 
 def _verdict(
     findings: tuple[Finding, ...], unknown: tuple[Unknown, ...], confounded: Mapping[str, Mapping[str, float]],
-    detectable: Mapping[str, Mapping[str, float]], gap: Mapping[str, Mapping[str, Mapping[str, float]]],
+    detectable: Mapping[str, Mapping[str, float]], errors: Mapping[str, Mapping[str, Mapping[str, float]]],
 ) -> str:  # fmt: skip
     """Return the verdict in one line."""
     if findings:
@@ -250,7 +250,8 @@ def _verdict(
             others = ", ".join(sorted((name for name in size if size[name] > CONFOUNDED), key=lambda x: -size[x]))
             missing.append(one.effect + (f" (confounded with {others})" if others else ""))
         return f"Missing: {'; '.join(missing)}"
-    sizes = {channel: sorted(one[channel] for one in detectable.values() if channel in one) for channel in gap["train"]}
+    channels = errors["train"]
+    sizes = {channel: sorted(one[channel] for one in detectable.values() if channel in one) for channel in channels}
     units = {"Fx": "N", "Fy": "N"}
     text = ", ".join(
         f"{size[len(size) // 2]:.2g} {units.get(channel, 'N m')} in {channel}"

@@ -17,14 +17,14 @@ FREE = ("PDX1", "PKX1", "PDY1", "PDY2", "PKY1", "PHY1", "QDZ1")
 
 def test_a_tire_is_recovered_from_other_initial_values(problem, tire):
     start = tire.parameters()
-    places = [problem.simulator.index[name] for name in FREE]
-    truth = start[places].copy()
-    start[places] *= 0.8
+    indices = [problem.simulator.index[name] for name in FREE]
+    truth = start[indices].copy()
+    start[indices] *= 0.8
     solution = problem.solve(start, FREE)
     deviation = np.sqrt(np.diag(np.linalg.inv(problem._normal(solution.parameters, FREE, solution.disturbance)[0])))
-    assert np.max(np.abs(solution.parameters[places] - truth) / deviation) < 4.0
+    assert np.max(np.abs(solution.parameters[indices] - truth) / deviation) < 4.0
     assert solution.cost < 0.5 * problem.inverse_noise.size
-    np.testing.assert_array_equal(np.delete(solution.parameters, places), np.delete(start, places))
+    np.testing.assert_array_equal(np.delete(solution.parameters, indices), np.delete(start, indices))
 
 
 def test_the_gradient_equals_finite_differences_of_the_cost(problem, tire):
@@ -53,10 +53,10 @@ class BoundFriction(LeastSquares):
 
 def test_a_coefficient_beyond_its_bound_ends_at_the_bound(problem, tire):
     bound = BoundFriction(problem.simulator, problem.inverse_noise, problem.disturbances, problem.center)
-    place = problem.simulator.index["PDY1"]
-    assert tire.parameters()[place] > 1.5
+    index = problem.simulator.index["PDY1"]
+    assert tire.parameters()[index] > 1.5
     solution = bound.solve(tire.parameters(), FREE)
-    assert solution.parameters[place] == 1.5
+    assert solution.parameters[index] == 1.5
     _, descent = bound._normal(solution.parameters, FREE, solution.disturbance)
     assert descent[FREE.index("PDY1")] > 0.0  # a larger value would decrease the cost
 
@@ -89,11 +89,11 @@ def test_priors_are_within_the_bounds_and_narrower():
 def test_offsets_drifts_and_cross_talk_are_estimated(problem, tire):
     signals = problem.simulator.signals
     along = np.linspace(0.0, np.pi, signals.measured.shape[1])
-    place = {name: i for i, name in enumerate(signals.channels)}
+    index = {name: i for i, name in enumerate(signals.channels)}
     measured = signals.measured.copy()
-    measured[place["Fx"]] += 12.0
-    measured[place["Mz"]] += 0.6 * np.cos(2.0 * along)
-    measured[place["Fy"]] += 0.004 * signals.measured[place["Fx"]]
+    measured[index["Fx"]] += 12.0
+    measured[index["Mz"]] += 0.6 * np.cos(2.0 * along)
+    measured[index["Fy"]] += 0.004 * signals.measured[index["Fx"]]
     other = replace(problem, simulator=problem.simulator.with_signals(replace(signals, measured=measured)))
     found = other.best_disturbance(other.misfit(tire.parameters()))
     reported = reported_disturbances(problem.disturbances, found, other.simulator.signals)

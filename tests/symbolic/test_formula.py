@@ -34,7 +34,7 @@ from tirefmu.symbolic.errors import EffectError
         ("(-1)**T", "has a variable power of a base that is not positive"),
         ("0**T", "has a variable power of a base that is not positive"),
         ("(" * 300 + "T" + ")" * 300, "is not a formula"),
-        ("-" * 300 + "T", f"more than {DEEPEST} deep"),
+        ("-" * 300 + "T", f"more than {DEEPEST} levels deep"),
         ("tanh(" * 50 + "T" + ")" * 50, "too large when expanded"),
         ("+".join(["sin(T)*cos(T)*A"] * 75), "more than 600 numbers, names and operations"),
         ("T" * (LONGEST + 1), f"more than {LONGEST} characters"),
