@@ -28,7 +28,7 @@ def test_correlation_length_of_autoregressive_noise(rho):
     assert 1.0 - 4.0 * deviation < found < 1.0 + max(4.0 * deviation, 0.17)
 
 
-def test_the_mean_of_correlated_rows_scatters_as_the_effective_size_says():
+def test_the_effective_sample_size_predicts_the_variance_of_a_mean():
     rows, rho, seeds = 4000, 0.9, 300
     noise = [autoregressive(rho, rows, seed) for seed in range(seeds)]
     scatter = np.var([values.mean() for values in noise])
@@ -68,12 +68,12 @@ def test_rows_that_were_not_measured_do_not_count():
     assert effective_sample_size(holes) < 0.8 * effective_sample_size(noise)
 
 
-def test_an_error_that_stays_for_a_sweep_makes_it_one_row():
+def test_a_constant_error_of_a_sweep_counts_as_one_row():
     offsets = np.repeat([1.0, -1.0, 1.0, -1.0], 500)
     assert effective_sample_size(offsets, np.arange(2000) // 500) < 8.0
 
 
-def test_nothing_finite():
+def test_no_finite_residual_is_an_error():
     with pytest.raises(DataError, match="no residual is finite"):
         correlation_length([np.nan])
 
@@ -94,7 +94,7 @@ def faded(rng, rows, rho):
 @pytest.mark.parametrize(
     ("rows", "rho", "most"), [(2000, 0.9, 0.5), (2000, 0.995, 1.2), (20_000, 0.98, 0.45), (20_000, 0.995, 0.6)]
 )
-def test_slow_noise_is_not_taken_for_fast(rows, rho, most):
+def test_the_length_of_slow_noise_is_not_underestimated(rows, rho, most):
     """Variances of sums over 64 and more stretches are wrong by 0.7, 3.2, 0.2 and 0.8 here."""
     assert log_error(lambda rng, n: faded(rng, n, rho), (1.0 + rho) / (1.0 - rho), rows) < most
 
@@ -119,7 +119,7 @@ def test_a_ripple_does_not_hide_the_noise_below_it():
     assert log_error(mixture, 0.8 * 19.0, 20_000) < 0.25
 
 
-def test_what_repeats_with_the_wheel_is_at_most_a_third_of_a_revolution():
+def test_the_correlation_length_of_a_ripple_is_at_most_a_third_of_a_revolution():
     """The sum of a cosine's autocorrelation up to its first zero is a period over 2 pi on either side."""
     for period in (7.3, 12.3, 40.0):
         wave = np.cos(2.0 * np.pi * np.arange(20_000) / period)

@@ -42,13 +42,13 @@ def test_noise_is_not_significant_however_short_the_recording(seconds):
     assert sum(int(each.significant.sum()) for each in found) < 3
 
 
-def test_a_slow_sweep_is_not_taken_for_a_revolution():
+def test_a_slow_sweep_is_not_significant():
     t, speed, channels = made(amplitude=0.0)
     found = found_in(t, speed, channels + 50.0 * np.sin(2.0 * np.pi * t / 12.0))
     assert not found.significant.any()
 
 
-def test_rows_that_take_no_part_change_little():
+def test_unused_rows_have_little_effect():
     t, speed, channels = made()
     channels[:, np.random.default_rng(1).random(len(t)) < 0.03] = np.nan
     found = found_in(t, speed, channels)

@@ -29,13 +29,13 @@ def stiffness_errors(tire, quantity):
     return found / true - 1
 
 
-def test_both_converge_and_keep_every_constraint(fits):
+def test_both_recipes_converge_and_satisfy_every_constraint(fits):
     for recipe, result in fits.items():
         assert result.status == "converged", recipe
         assert len(result.stages) == {"trento": 13, "joint": 3}[recipe]
 
 
-def test_the_reports_way_ends_at_the_reports_kind_of_result(fits):
+def test_the_report_recipe_reproduces_the_properties_of_the_report(fits):
     report = fits["trento"].in_signs("adapted-sae")
     coefficients = {coefficient.name: coefficient for coefficient in report.coefficients}
     # One load cannot tell PKY1 from PKY2: it stays within the report's narrow bounds (there 4.98); the tire has 3.9.
@@ -52,7 +52,7 @@ def test_the_reports_way_ends_at_the_reports_kind_of_result(fits):
         assert stages[name] > 0.99, name
 
 
-def test_joint_beats_it_on_every_channel(fits):
+def test_joint_has_smaller_errors_on_every_channel(fits):
     staged = {channel.channel: channel.rmse for channel in fits["trento"].channels}
     joint = {channel.channel: channel.rmse for channel in fits["joint"].channels}
     assert set(joint) == {"Fx", "Fy", "Mz"}

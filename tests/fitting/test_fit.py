@@ -40,7 +40,7 @@ def test_known_coefficients_are_recovered_from_generic_values(known, make, seed)
         assert make.coefficients(result)[name].determined
 
 
-def test_noise_does_not_lead_it_astray(known, make):
+def test_noise_has_a_small_effect(known, make):
     recording = make.bench(known, noise=Noise())
     result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
     assert result.ok
@@ -66,7 +66,7 @@ def test_the_signs_of_the_data_do_not_matter(side_fit, make, data):
     assert side.rmse == pytest.approx(reference.channel(recording.source, "Fy").rmse, rel=1e-6, abs=1e-9)
 
 
-def test_recordings_of_different_signs_go_together(known, make):
+def test_recordings_of_different_signs_are_combined(known, make):
     whole = make.sideways(known)
     half = np.arange(len(whole)) < len(whole) // 2
     parts = [Recording(whole.table[rows], whole.signs, name) for rows, name in ((half, "one"), (~half, "two"))]
@@ -97,7 +97,7 @@ def test_a_fit_is_repeatable(side_fit, make):
 # ------------------------------------------------------------------ bounds and constraints
 
 
-def test_bounds_are_kept_and_named(known, make, tmp_path):
+def test_bounds_are_satisfied_and_reported(known, make, tmp_path):
     path = make.recipe(
         tmp_path,
         """
@@ -122,7 +122,7 @@ def test_bounds_are_kept_and_named(known, make, tmp_path):
     assert coefficients["PKY2"].guess == 5.0  # a guess beyond its bounds is moved onto them
 
 
-def test_a_curvature_above_one_is_refused_over_the_whole_range(known, make):
+def test_the_curvature_constraint_is_satisfied_over_the_whole_range(known, make):
     """E_x of the tire arches above 1 between the loads at which the condition is first imposed."""
     values = {**known.values, "FNOMIN": 500.0, "PEX1": 0.3, "PEX2": 4.0, "PEX3": -4.0}
     effects = ("load_friction", "load_stiffness", "load_curvature")
@@ -149,7 +149,7 @@ def test_a_curvature_above_one_is_refused_over_the_whole_range(known, make):
     assert constrained.max() < 1.02  # between the verified loads, too
 
 
-def test_the_curvature_is_not_held_where_no_condition_is(known, make):
+def test_without_constraints_the_curvature_exceeds_one(known, make):
     """The counterpart: without conditions the same kind of data lead beyond 1."""
     values = {**known.values, "PEY1": 0.6, "PEY2": 1.2}
     odd = Tire("mf96", values, effects=make.effects, signs="adapted-sae")

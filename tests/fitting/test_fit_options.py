@@ -49,7 +49,7 @@ def test_the_core_alone_and_other_tools_read_the_same_tire(known, make, tmp_path
 
 
 @pytest.mark.parametrize("stiffness", [(), ("load_stiffness",)], ids=["proportional", "saturating"])
-def test_constraints_and_influence_know_what_an_absent_effect_rescales(make, known, stiffness):
+def test_constraints_and_influence_use_rescaled_coefficients(make, known, stiffness):
     effects = ("camber_thrust", "load_friction", *stiffness)
     truth = Tire("mf96", known.values, effects=effects, signs="adapted-sae")
     result = fit([make.sideways(truth)], "mf96", effects=effects, nominal=make.nominal)
@@ -92,7 +92,7 @@ def test_nominal_values(known, make):
     assert sum("not given" in note for note in generic.notes) == 2
 
 
-def test_progress_is_told_stage_by_stage(known, make):
+def test_progress_is_reported_by_stage(known, make):
     calls = []
     result = fit(
         [make.sideways(known)], "mf96", effects=(), nominal=make.nominal, progress=lambda *call: calls.append(call)
@@ -115,7 +115,7 @@ def test_a_fit_that_does_not_converge_is_a_result(known, make):
     assert np.isfinite(list(result.tire.values.values())).all()
 
 
-def test_the_operating_range_is_kept_with_the_tire(side_fit):
+def test_the_operating_range_is_stored_in_the_tire(side_fit):
     result, recording = side_fit
     ranges = result.tire.ranges
     assert ranges["Fz"] == (220.0, 1120.0)
@@ -124,7 +124,7 @@ def test_the_operating_range_is_kept_with_the_tire(side_fit):
     assert "kappa" not in ranges
 
 
-def test_two_recordings_of_one_name_are_told_apart(known, make):
+def test_two_recordings_with_equal_names_are_distinguished(known, make):
     result = fit([make.sideways(known), make.sideways(known)], "mf96", nominal=make.nominal)
     names = {channel.recording for channel in result.channels}
     assert len(names) == 2

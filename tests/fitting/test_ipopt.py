@@ -80,7 +80,7 @@ def test_it_finds_the_least_squares(problem, start, bounds):
     np.testing.assert_allclose(solution.x, reference.x, atol=0.02)
 
 
-def test_bounds_are_kept(problem, start, bounds, known):
+def test_bounds_are_satisfied(problem, start, bounds, known):
     lower, upper = bounds(problem, PDY1=(0.1, 1.7), PKY2=(2.6, 5.0), PCY1=(1.0, 2.0))
     solution = solve(problem, np.clip(start, lower, upper), lower, upper, [])
     assert solution.converged
@@ -93,13 +93,13 @@ def test_bounds_are_kept(problem, start, bounds, known):
     assert free.cost < solution.cost
 
 
-def test_equal_bounds_hold_a_coefficient(problem, start, bounds):
+def test_equal_bounds_fix_a_coefficient(problem, start, bounds):
     lower, upper = bounds(problem, PDY1=(1.5, 1.5))
     solution = solve(problem, start, lower, upper, [])
     assert solution.x[FREE.index("PDY1")] * problem.scale[FREE.index("PDY1")] == pytest.approx(1.5, rel=1e-12)
 
 
-def test_a_constraint_is_kept_where_the_optimum_breaks_it(problem, start, bounds, curvature):
+def test_a_constraint_is_satisfied_if_the_optimum_violates_it(problem, start, bounds, curvature):
     (constraint, points), curvature_at = curvature
     free = solve(problem, start, *bounds(problem), [])
     # The known tire's E_y is below 1: hold it below what the free fit finds.
@@ -112,7 +112,7 @@ def test_a_constraint_is_kept_where_the_optimum_breaks_it(problem, start, bounds
     assert constrained.cost > free.cost
 
 
-def test_a_constraint_that_nothing_free_reaches_does_not_stop_the_fit(problem, start, bounds, known, table):
+def test_a_constraint_without_a_free_coefficient_does_not_stop_the_fit(problem, start, bounds, known, table):
     impossible = Constraint("mu_x", 10.0, inf, ())
     points = np.array([[0.0], [0.0], [0.0], [700.0]])
     solution = solve(problem, start, *bounds(problem), [(impossible, points)])
@@ -129,7 +129,7 @@ def test_too_few_iterations_are_a_result(problem, start, bounds):
     assert np.isfinite(solution.cost)
 
 
-def test_impossible_constraints_are_a_result(problem, start, bounds):
+def test_infeasible_constraints_are_a_result(problem, start, bounds):
     points = np.array([[0.0], [0.0], [0.0], [700.0]])
     pair = [(Constraint("mu_y", 3.0, inf, ()), points), (Constraint("mu_y", -inf, 1.0, ()), points)]
     solution = solve(problem, start, *bounds(problem), pair, max_iterations=50)
@@ -138,7 +138,7 @@ def test_impossible_constraints_are_a_result(problem, start, bounds):
     assert np.isfinite(solution.x).all()
 
 
-def test_progress_is_told(problem, start, bounds):
+def test_progress_is_reported(problem, start, bounds):
     calls = []
     solution = solve(problem, start, *bounds(problem), [], progress=lambda count, cost: calls.append((count, cost)))
     counts, costs = zip(*calls, strict=True)
@@ -148,7 +148,7 @@ def test_progress_is_told(problem, start, bounds):
     assert costs[-1] == pytest.approx(solution.cost, rel=1e-3)
 
 
-def test_what_the_data_leave_open_stays_where_it_was(known, table, bounds):
+def test_a_direction_that_is_not_identifiable_does_not_change(known, table, bounds):
     rows = Rows.of(table[table["Fz"] == 500.0], known, ["Fy"])
     pair = Problem(known, rows, ("PDY1", "PDY2"), equal_weights(rows), np.array([1.9, 0.2]))
     start = np.array([1.7, -0.5]) / pair.scale

@@ -124,7 +124,7 @@ def small(request, known, make):
 
 
 @pytest.mark.parametrize("how", WAYS)
-def test_a_fit_says_the_same(small, how):
+def test_a_perturbed_fit_has_the_same_result(small, how):
     recordings, run, reference = small
     assert reference.status == "converged"
     agree(perturbed(how, recordings, run), reference, recordings)
@@ -138,7 +138,7 @@ def measured(data_folder):
 
 @pytest.mark.skipif(not LARGE, reason="TIREFMU_PERTURB=1")
 @pytest.mark.parametrize("how", WAYS)
-def test_a_fit_of_measured_recordings_says_the_same(measured, how):
+def test_a_perturbed_fit_of_measured_recordings_has_the_same_result(measured, how):
     recordings, reference = measured
     result = perturbed(how, recordings, lambda given: fit(given, "mf61"))
     agree(result, reference, recordings)
@@ -160,7 +160,7 @@ def diagnosed():
 
 @pytest.mark.skipif(not LARGE, reason="TIREFMU_PERTURB=1")
 @pytest.mark.parametrize("how", DIGITS)
-def test_a_diagnosis_says_the_same(diagnosed, how):
+def test_a_perturbed_diagnosis_has_the_same_result(diagnosed, how):
     recordings, run, reference = diagnosed
     assert reference[1]
     assert perturbed(how, recordings, run) == reference

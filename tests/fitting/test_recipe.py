@@ -85,7 +85,7 @@ def test_trento_slices_are_those_of_the_report():
 
 
 @pytest.mark.parametrize("name", RECIPES)
-def test_recipes_know_the_models_that_they_are_for(name):
+def test_recipes_are_restricted_to_their_models(name):
     text = (files("tirefmu.fitting") / "recipes" / f"{name}.toml").read_text(encoding="utf-8")
     models = tomllib.loads(text).get("models", list(MODELS))
     for model in MODELS.keys() - models:
@@ -99,7 +99,7 @@ def test_recipes_know_the_models_that_they_are_for(name):
             assert stage.free.keys() <= MODELS[model].coefficients.keys()
 
 
-def test_joint_frees_everything_at_last():
+def test_joint_finally_frees_everything():
     *_, last = load_recipe("joint", "mf96").stages
     assert (last.channels, last.where, last.free, last.effects, last.rows) == ((), {}, {}, None, None)
 
@@ -113,7 +113,7 @@ def written(folder, text, name="own.toml"):
     return str(path)
 
 
-def test_a_recipe_of_ones_own(tmp_path):
+def test_a_user_defined_recipe(tmp_path):
     path = written(
         tmp_path,
         """
@@ -140,7 +140,7 @@ def test_a_recipe_of_ones_own(tmp_path):
     assert stage.select(table[["Fz"]]).empty  # a slip that was not recorded was 0
 
 
-def test_a_held_input_lies_at_the_level_of_its_condition(tmp_path):
+def test_a_held_input_is_set_to_its_level(tmp_path):
     path = written(
         tmp_path,
         """
@@ -201,7 +201,7 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("text", BROKEN)
-def test_a_broken_file_is_told_in_one_line(tmp_path, text):
+def test_an_invalid_file_gives_a_message_of_one_line(tmp_path, text):
     path = written(tmp_path, text)
     with pytest.raises(TirefmuError) as caught:
         load_recipe(path, "mf96")
@@ -232,7 +232,7 @@ def test_files_that_cannot_be_read(tmp_path):
     [("#" * 1_000_001, r"cannot be read \(larger than 1 MB\)"), ("a = " + "[" * 100_000, "recursion"),
      ("a = " + "9" * 5000, "digits")],
 )  # fmt: skip
-def test_a_recipe_of_any_size_is_one_line(tmp_path, text, message):
+def test_an_excessive_recipe_gives_a_message_of_one_line(tmp_path, text, message):
     path = tmp_path / "large.toml"
     path.write_text(text, encoding="ascii")
     with pytest.raises(FitError, match=rf"large\.toml: .*{message}"):
