@@ -95,12 +95,12 @@ def faded(rng, rows, rho):
     ("rows", "rho", "most"), [(2000, 0.9, 0.5), (2000, 0.995, 1.2), (20_000, 0.98, 0.45), (20_000, 0.995, 0.6)]
 )
 def test_the_length_of_slow_noise_is_not_underestimated(rows, rho, most):
-    """Variances of sums over 64 and more stretches are wrong by 0.7, 3.2, 0.2 and 0.8 here."""
+    """Variances of sums over 64 and more batches have errors of 0.7, 3.2, 0.2 and 0.8 in these cases."""
     assert log_error(lambda rng, n: faded(rng, n, rho), (1.0 + rho) / (1.0 - rho), rows) < most
 
 
 def test_a_slow_drift_below_short_noise_counts():
-    """A fifth of the variance drifts: the correlation length is that of the mixture, 83 rows, not that of the noise."""
+    """A fifth of the variance is drift: the correlation length is that of the mixture, 83 rows."""
 
     def mixture(rng, rows):
         return np.sqrt(0.8) * faded(rng, rows, 0.6) + np.sqrt(0.2) * faded(rng, rows, 0.995)
@@ -110,7 +110,7 @@ def test_a_slow_drift_below_short_noise_counts():
 
 
 def test_a_ripple_does_not_hide_the_noise_below_it():
-    """Sums of autocovariances row by row end within a quarter of a revolution: they are wrong by 0.35."""
+    """Sums of autocovariances of rows end within a quarter of a revolution: their error is 0.35."""
 
     def mixture(rng, rows):
         wave = np.cos(2.0 * np.pi * np.arange(rows) / 7.3 + rng.uniform(0.0, 6.0))
@@ -127,7 +127,7 @@ def test_the_correlation_length_of_a_ripple_is_at_most_a_third_of_a_revolution()
 
 
 def test_noise_of_unbounded_memory_has_no_length():
-    """Random walks between 0 and the end: the longer the recording, the longer the memory that is found."""
+    """For random walks the estimated correlation length increases with the duration of the recording."""
     walks = [np.cumsum(np.random.default_rng(seed).standard_normal(16_000)) for seed in range(10)]
     short, whole = (np.median([correlation_length(walk[:rows]) for walk in walks]) for rows in (1000, 16_000))
     assert whole > 4.0 * short

@@ -42,7 +42,7 @@ class Decay:
 
 
 class Curved:
-    """a b <= most: a constraint that is not linear."""
+    """The nonlinear constraint a b <= most."""
 
     low, high = np.array([-inf]), np.array([1.5])
 

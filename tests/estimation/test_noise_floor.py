@@ -1,4 +1,4 @@
-"""What no function of the inputs can follow."""
+"""The noise floor on synthetic data with known noise."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_missing_values_are_ignored():
 
 
 def test_a_plane_through_few_rows_does_not_hide_their_noise():
-    """Six rows a cell, two of them used up by the plane: the variance is by the four that are free."""
+    """Six rows per cell and a plane with two coefficients leave four degrees of freedom for the variance."""
     alpha = np.linspace(-0.2, 0.2, 120)
     rng = np.random.default_rng(0)
     tables = [pd.DataFrame({"alpha": alpha, "Fy": rng.normal(size=120)}) for _ in range(50)]

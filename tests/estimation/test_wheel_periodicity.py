@@ -1,4 +1,4 @@
-"""What turns with the wheel is found at its radius with its amplitude; noise and sweeps are not taken for it."""
+"""Ripple with the wheel revolution is found with radius and amplitude; noise and sweeps are not significant."""
 
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ def test_radius_frequency_and_amplitude_are_found_whatever_is_expected(expected)
 
 @pytest.mark.parametrize("seconds", [3.0, 6.0, 30.0])
 def test_noise_is_not_significant_however_short_the_recording(seconds):
-    """One recording in a thousand a channel may be: the chance that 400 channels have three is 1 %."""
+    """One of a thousand channels may be significant: the probability of three of 400 is 1 %."""
     found = [found_in(*made(seconds, seed, amplitude=0.0)) for seed in range(200)]
     assert sum(int(each.significant.sum()) for each in found) < 3
 

@@ -1,4 +1,4 @@
-"""The virtual Hoosier on the report's program: the report's way and everything at once, against the truth."""
+"""The virtual Hoosier tire with the program of the Trento report: the recipes trento and joint against the true tire."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def fits():
 
 
 def stiffness_errors(tire, quantity):
-    """Return how far a stiffness lies above the true one, by load."""
+    """Return the relative error of a stiffness by load."""
     table = pd.DataFrame({"Fz": LOADS})
     found, true = (t.evaluate(table, signs="adapted-sae")[quantity].to_numpy() for t in (tire, bench_tire()))
     return found / true - 1

@@ -1,4 +1,4 @@
-"""Conditions as the solver sees them: exact derivatives, nothing but what a free coefficient reaches."""
+"""Constraints for the solver: exact derivatives, only quantities that a free coefficient influences."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def test_constraints_without_a_free_coefficient_are_omitted():
 
 
 def test_constraints_without_influence_at_the_fixed_values_are_omitted():
-    """Without a change of friction with load nothing moves its growth: rows of zeros would stop the solver."""
+    """If friction does not depend on load, its constraint has rows of zeros, which would stop the solver."""
     problem = problem_of("mf61", free=("PDX1", "PPX3", "PDX3"))
     problem.tire = replace(problem.tire, values={**problem.tire.values, "PDX2": 0.0})
     problem = Problem(problem.tire, problem.rows, problem.free, problem.weights, problem.scale)

@@ -1,4 +1,4 @@
-"""The conditions of a fitted tire: where they are imposed, and that they miss nothing."""
+"""The physical constraints: their grids, names, margins and selection."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_a_constraint_refers_to_a_quantity_of_the_model(case):
 
 @pytest.mark.parametrize("case", ALL, ids=label)
 def test_a_constraint_varies_every_input_of_its_quantity(case):
-    """What is left out of `over` must have no influence, or the condition would be checked at one place of many."""
+    """Inputs that are not in `over` must have no influence, because the grid contains only one value of them."""
     model, _, constraint = case
     code, book = code_for(model, "numpy"), MODELS[model]
     rng = np.random.default_rng(0)
@@ -123,7 +123,7 @@ def test_distance_and_name():
 
 @pytest.mark.parametrize("size", [0.1, 1.0, 5e4])
 def test_a_constraint_within_the_solver_tolerance_is_satisfied(size):
-    """The solver sees quantity / size, and may miss its bounds by its own tolerance, above as below."""
+    """The solver's variable is quantity / size, which may violate both bounds within the solver's tolerance."""
     constraint = Constraint("K_x", -2.0, 3.0, (), size=size)
     low, high = constraint.scaled_bounds
     assert low < high
@@ -132,7 +132,7 @@ def test_a_constraint_within_the_solver_tolerance_is_satisfied(size):
 
 
 def test_margins_are_distances_to_the_nearest_bound(known):
-    """Positive where a condition holds; the tire's own curvature decides about an upper bound."""
+    """A margin is positive if the constraint is satisfied; E_x has an upper bound."""
     ranges = {"kappa": (-0.1, 0.1), "alpha": (-0.1, 0.1), "gamma": (0.0, 0.0), "Fz": (500.0, 900.0)}
     curvature = {"Fx": chosen_constraints("mf96", also=["curvature"])["Fx"]}
     for value, holds in ((-0.5, True), (1.5, False)):
@@ -158,7 +158,7 @@ def test_every_constraint_has_a_unique_name():
         assert requested - default == {each.name for each in every if each.on_request}
 
 
-@pytest.mark.parametrize(("without", "left_out"), [
+@pytest.mark.parametrize(("without", "removed"), [
     (["curvature:E_y"], {"curvature:E_y"}),
     (["friction_falling"], {"friction_falling:mu_x", "friction_falling:mu_y"}),
     (["stiffness_saturating", "signs:C_x"], {"stiffness_saturating:K_yalpha", "signs:C_x"}),
@@ -180,7 +180,7 @@ def test_an_unknown_constraint_is_rejected():
 
 
 def test_a_published_tire_satisfies_the_default_constraints():
-    """What is usual must not bend the fit of a sound tire; what it does break is on request."""
+    """Default constraints must not affect the fit of a valid tire; those that it violates are on request only."""
     tire = bench_tire().in_signs("adapted-sae")
     ranges = {"kappa": (-0.2, 0.2), "alpha": (-0.2, 0.2), "gamma": (0.0, 0.07), "Fz": (220.0, 1120.0)}
     violated = set()

@@ -1,4 +1,4 @@
-"""Whether a point is the optimum is decided there, whatever way led to it; what ends elsewhere is led on."""
+"""The convergence criterion depends only on the point; a solver that ends elsewhere is continued."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def truth(known, exact):
 
 
 class Failing(Problem):
-    """A problem whose gradient is no number at some of its evaluations."""
+    """A problem whose gradient is NaN at some evaluations."""
 
     at = range(0)
     count = 0
@@ -87,7 +87,7 @@ def test_a_point_away_from_the_optimum_has_not_converged(exact, noisy, truth):
 
 
 def test_the_measure_is_the_standard_error(noisy, truth):
-    """A hundredth of a standard error away from the optimum is at it; one of each coefficient is not."""
+    """A point within a hundredth of a standard error has converged; a point at one standard error has not."""
     optimum = evaluated(noisy, truth, steps=20).x
     _, _, matrix = noisy.derivatives(optimum)
     values, vectors = np.linalg.eigh(matrix)
@@ -157,7 +157,7 @@ def test_a_solver_that_always_fails_reports_it(noisy, truth):
 
 
 def test_rounding_errors_change_nothing(exact, truth):
-    """Emulates another processor at its worst: the cost of exact data is nothing but rounding."""
+    """Emulates another processor in the worst case: the cost of exact data is rounding error."""
 
     class Rounded(Problem):
         def derivatives(self, x):

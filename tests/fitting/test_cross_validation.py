@@ -1,4 +1,4 @@
-"""Cross-validation leaves out whole conditions, and tells a tire that learnt its data by heart."""
+"""Cross-validation holds out whole operating conditions and predicts them."""
 
 from __future__ import annotations
 

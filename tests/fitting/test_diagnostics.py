@@ -1,4 +1,4 @@
-"""What is planted in the data is found in what the fit tells, and what is not planted is not."""
+"""The diagnostics of a fit find effects that were added to the data, and no others."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""IOA: it recovers a small tire, keeps bounds and conditions, repeats itself, and says how it ended."""
+"""IOA: it recovers a small tire, satisfies bounds and constraints, is reproducible, and reports its status."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def start(problem):
 
 @pytest.fixture
 def bounds(problem):
-    """Return a function that writes bounds in the solver's scale: the cards' where none are given."""
+    """Return a function that returns scaled bounds, by default the declared ones."""
     declarations = problem.tire.book.coefficients
 
     def write(**given):
@@ -206,7 +206,7 @@ def test_invalid_methods_and_numbers_are_rejected():
 
 
 def test_declared_bounds_limit_the_search(known, make, problem, start):
-    """So that a recipe's open bounds can be sought within the card's."""
+    """Coefficients without bounds in a recipe have the bounds of their declarations."""
     for book in MODELS.values():
         assert all(
             np.isfinite([declaration.lower, declaration.upper]).all() for declaration in book.coefficients.values()

@@ -1,4 +1,4 @@
-"""Figures show what the data hold, in the data's own convention; what is read from the data is what the tire does."""
+"""Figures of the data and the tire in the requested sign convention; slopes read from the data are correct."""
 
 from dataclasses import replace
 from importlib import import_module
@@ -48,7 +48,7 @@ def per_load(comparison, channel, slip):
 
 @pytest.fixture(scope="module")
 def bench():
-    """Return a noisy recording of everything."""
+    """Return a noisy recording of all channels."""
     return run(concatenate([LATERAL, DRIVEN]), Noise())
 
 
@@ -230,7 +230,7 @@ def test_measured_recordings(data_folder, tmp_path):
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_a_name_is_drawn_without_interpretation(text):
-    """Matplotlib takes text between dollar signs for a formula, and fails where it is none."""
+    """Matplotlib interprets text between dollar signs as a formula, and raises if it is invalid."""
     figure = Figure(figsize=(4.0, 2.0), layout="constrained")
     style.write_footnote(figure, "iso", f"data: {figure_text(text)}")
     figure.suptitle(f"{figure_text(text)}, $F_y$: $p$ = 80 kPa")

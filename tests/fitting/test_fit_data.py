@@ -1,4 +1,4 @@
-"""Which rows a fit takes, how much they count, and what it says of those that it sets aside."""
+"""The data of a fit: included and excluded rows, weights, notes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ BOOK = model("mf96")
 
 @pytest.fixture(scope="module")
 def bench(known):
-    """Return a recording of the side force at 25 Hz: a course in time."""
+    """Return a recording of the side force at 25 Hz, as a time series."""
 
     def run(*programs, noise=None, seed=2):
         recording = VirtualBench(known, noise or Noise(), seed=seed).run(concatenate(programs))
@@ -95,7 +95,7 @@ def test_an_error_in_repeats_has_less_weight_if_conditions_are_weighted_equally(
 
 
 def test_independent_weights_use_the_effective_sample_size(once, known, make):
-    """One recording misses slowly, the other at random, by as much: the second tells more."""
+    """Two recordings have errors of equal size, one slow and one random: the second contains more information."""
     size, n = 60.0, len(once)
     slow = size * np.sqrt(2.0) * np.sin(2 * np.pi * np.arange(n) / n + 0.7)
     quick = np.random.default_rng(0).normal(0.0, size, n)
@@ -132,7 +132,7 @@ def test_an_unknown_weighting_of_rows_is_rejected(once):
 
 
 def test_the_effect_of_pressure_is_not_reported_as_two_tires(once, known):
-    """A tenth more friction and stiffness is what inflation does."""
+    """Inflation pressure may change friction and stiffness by a tenth."""
     stiffer = replace(once, table=once.table.assign(Fy=1.12 * once.table["Fy"]), source="other")
     assert tire_notes([once, stiffer]) == []
     weak = replace(once, table=once.table.assign(Fy=0.7 * once.table["Fy"]), source="weak")
@@ -153,7 +153,7 @@ def test_tires_without_a_common_load_are_not_compared(once):
 
 @pytest.mark.parametrize(("degrees", "fitted"), [(1.2, True), (0.3, False)])
 def test_a_channel_is_fitted_if_its_slip_varies_sufficiently(degrees, fitted):
-    """A degree of slip angle tells the cornering stiffness; the ripple of a held one tells nothing."""
+    """A sweep of one degree determines the cornering stiffness; variation of a held slip angle does not."""
     alpha = np.radians(degrees) * np.linspace(-0.5, 0.5, 300)
     table = pd.DataFrame({"alpha": alpha, "kappa": np.linspace(-0.1, 0.1, 300), "Fz": 700.0, "Fx": 1.0, "Fy": alpha})
     data = prepare([Recording(table, "adapted-sae", "small")], BOOK, screening=False)

@@ -1,4 +1,4 @@
-"""What data cannot tell is named; what cannot be fitted is refused in one line."""
+"""A fit reports coefficients that the data do not determine, and rejects invalid input with one line."""
 
 from __future__ import annotations
 
@@ -64,9 +64,9 @@ def test_a_later_stage_preserves_values_that_it_does_not_determine(known, make, 
     coefficients = make.coefficients(result)
     assert result.tire.values["PDY2"] == pytest.approx(known.values["PDY2"], rel=1e-3)
     assert coefficients["PDY2"].determined
-    assert coefficients["PDY2"].stage == "all loads"  # the last that saw it
+    assert coefficients["PDY2"].stage == "all loads"  # the last stage that determined it
     assert coefficients["PDY1"].stage == "one load"
-    for name, coefficient in coefficients.items():  # told is what the fit started from
+    for name, coefficient in coefficients.items():  # the guess is the initial value of the fit
         if coefficient.determined:
             assert coefficient.guess == BOOK.coefficients[name].generic
 

@@ -1,4 +1,4 @@
-"""What can be asked of a fit: effects, a start, nominal values, progress; and that failing is a result."""
+"""Options of a fit: effects, start, nominal values, progress; a fit that does not converge is a result."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_the_coefficients_of_absent_effects_stay_neutral(known, make):
 
 
 def test_the_core_alone_and_other_tools_read_the_same_tire(known, make, tmp_path):
-    """Without load_stiffness the file has another PKY1 and PKY2, for readers that know no effects."""
+    """Without load_stiffness the file has another PKY1 and PKY2, for readers without effects."""
     core = Tire("mf96", known.values, effects=(), signs="adapted-sae")
     result = fit([make.sideways(core)], "mf96", effects=(), nominal=make.nominal)
     assert result.status == "converged"

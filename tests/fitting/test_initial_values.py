@@ -1,4 +1,4 @@
-"""What a fit can read from the data before it begins: nearer to the truth than generic values, and never in the way."""
+"""Initial values read from the data: closer to the truth than generic values, and never harmful."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A fit that is asked to stop keeps what it has, says so, and goes on from its finished stages."""
+"""A stopped fit returns and reports the best values so far, and resumes after its completed stages."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STAGES = ["Fy: core, load, combined slip", "Fy", "Fx, Fy, Mz, random rows", "Fx,
 
 
 def stopping(at_stage, at_iteration, how):
-    """Return a progress callback that asks to stop somewhere."""
+    """Return a progress callback that requests a stop at a stage and iteration."""
 
     def progress(stage, iteration, cost):
         if (stage, iteration) == (at_stage, at_iteration):
@@ -40,7 +40,7 @@ def pressed():
 
 @pytest.fixture(autouse=True)
 def listening():
-    """Listen to Ctrl-C, which a shell takes from what it runs in the background."""
+    """Install the default handler of Ctrl-C, which shells disable for background processes."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -74,7 +74,7 @@ def test_an_interrupt_returns_the_best_values_so_far(recording, whole, make, how
     assert [(stage.name, stage.converged, stage.reason) for stage in result.stages[1:]] == [
         ("Fy", False, "interrupted")
     ]
-    # The second stage had gained something by then, and less than the whole fit.
+    # The second stage has improved the fit, but less than the complete fit.
     first = replace(result, stages=result.stages[:1])
     assert whole.channels[0].rmse < result.channels[0].rmse
     assert result.stages[1].cost < first.stages[0].cost

@@ -1,4 +1,4 @@
-"""The solver: its optimum, its bounds and constraints, and how it says that it did not get there."""
+"""IPOPT: its optimum, bounds and constraints, and the status without convergence."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ START = {"PCY1": 1.2, "PDY1": 1.5, "PKY1": 30.0, "PKY2": 1.5}
 
 @pytest.fixture(scope="module")
 def table(known, make):
-    """Return a side force that the tire cannot meet in full: it has noise of 20 N."""
+    """Return a side force with noise of 20 N, which the tire cannot fit exactly."""
     recording = make.sideways(known)
     noise = np.random.default_rng(3).normal(0.0, 20.0, len(recording))
     return recording.table.assign(Fy=recording.table["Fy"] + noise)
@@ -40,7 +40,7 @@ def start(problem, known):
 
 @pytest.fixture
 def bounds():
-    """Return a function that writes bounds of some coefficients in the solver's scale."""
+    """Return a function that returns scaled bounds of some coefficients."""
 
     def write(problem, **given):
         lower = np.array([given.get(name, (-inf, inf))[0] for name in FREE]) / problem.scale
@@ -52,7 +52,7 @@ def bounds():
 
 @pytest.fixture(scope="module")
 def curvature(known, table):
-    """Return the condition E_y <= 1 with its points, and E_y at points for scaled values."""
+    """Return the constraint E_y <= 1 with its points, and a function for E_y at points."""
     (constraint,) = (c for c in declared_constraints("mf96")["Fy"] if c.name == "curvature:E_y")
     ranges = operating_range(table, known.inputs)
     nominal = {name: known.nominal(name) for name in known.inputs}
@@ -102,7 +102,7 @@ def test_equal_bounds_fix_a_coefficient(problem, start, bounds):
 def test_a_constraint_is_satisfied_if_the_optimum_violates_it(problem, start, bounds, curvature):
     (constraint, points), curvature_at = curvature
     free = solve(problem, start, *bounds(problem), [])
-    # The known tire's E_y is below 1: hold it below what the free fit finds.
+    # E_y of the known tire is below 1: the bound is below the unconstrained solution.
     highest = float(curvature_at(problem, free.x, 1).max())
     ceiling = highest - 0.3
     tight = Constraint(constraint.quantity, -inf, ceiling, constraint.over)
@@ -157,7 +157,7 @@ def test_a_direction_that_is_not_identifiable_does_not_change(known, table, boun
     dfz = (500.0 - 700.0) / 700.0
     value = solution.x * pair.scale
     assert solution.converged
-    assert value[0] + value[1] * dfz == pytest.approx(1.9 - 0.2 * dfz, rel=0.01)  # this the data tell
-    # Along the direction that they leave open, it stays where it was.
+    assert value[0] + value[1] * dfz == pytest.approx(1.9 - 0.2 * dfz, rel=0.01)  # this combination is identifiable
+    # Along the other direction the values do not change.
     along = np.array([-dfz, 1.0]) / pair.scale
     assert (solution.x - start) @ along == pytest.approx(0.0, abs=0.05)

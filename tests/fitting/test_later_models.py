@@ -1,4 +1,4 @@
-"""MF5.2, MF6.1 and MF6.2: known tires recovered from data with pressure, under the conditions of the later models."""
+"""MF5.2, MF6.1 and MF6.2: known tires recovered from data with pressure, with the constraints of these models."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tirefmu.symbolic.errors import FitError
 from tirefmu.tires import Tire
 
 LATER = ("mf52", "mf61", "mf62")
-#: A tire of no special kind, in adapted SAE; what a model lacks is left out.
+#: A typical tire, in adapted SAE; a model uses the coefficients that it has.
 VALUES = {
     "FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, "NOMPRES": 8.3e4, "INFLPRES": 8.3e4, "LONGVL": 11.0,
     "PCX1": 1.5, "PDX1": 1.5, "PDX2": -0.2, "PEX1": 0.2, "PEX2": 0.1, "PKX1": 28.0, "PKX2": 1.0, "PKX3": 0.1,
@@ -85,7 +85,7 @@ def test_nominal_values_are_set_and_noted(fitted):
         assert text in notes
     declarations = truth.book.coefficients
     assert not [c.name for c in result.coefficients if not declarations[c.name].fitted]
-    # No row turns: of turn slip there is nothing to tell.
+    # No row has turn slip.
     assert not [c.name for c in result.coefficients if declarations[c.name].section == "TURNSLIP_COEFFICIENTS"]
     assert set(result.tire.ranges) == {"kappa", "alpha", "gamma", "Fz", "p"}
     assert result.tire.ranges["p"] == (7e4, 9.7e4)

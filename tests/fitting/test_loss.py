@@ -1,4 +1,4 @@
-"""Losses other than squares: their derivatives, and fits of recordings in which some rows are grossly wrong."""
+"""Robust losses: their derivatives, and fits of recordings with outliers."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ ROBUST = ("huber", "cauchy")
 
 @pytest.fixture(scope="module")
 def outliers(known, make):
-    """Return a side force of which every twentieth row is off by up to a hundred times the noise, to one side."""
+    """Return a side force with errors in every twentieth row, one-sided and up to a hundred times the noise."""
     recording = make.sideways(known, noise=Noise({"Fy": ChannelNoise(constant=SIZE)}))
     rng = np.random.default_rng(8)
     wrong = rng.random(len(recording)) < 0.05
@@ -101,6 +101,6 @@ def test_robust_losses_resist_outliers_and_squares_do_not(known, make, outliers)
         fitted = result.tire.in_signs("adapted-sae").forces(**inputs)["Fy"]
         errors[loss] = float(np.sqrt(np.mean((fitted - true) ** 2)))
         intervals[loss] = make.coefficients(result)["PDY1"].interval
-    assert errors["squares"] > SIZE  # pulled by more than the noise
+    assert errors["squares"] > SIZE  # the error exceeds the noise
     assert max(errors["huber"], errors["cauchy"]) < 0.4 * SIZE
     assert max(intervals["huber"], intervals["cauchy"]) < 0.5 * intervals["squares"]

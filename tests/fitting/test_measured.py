@@ -13,7 +13,7 @@ from tirefmu.fitting.reporting.report_text import significant_differences
 from tirefmu.measurements import read_recording
 
 FILES = ("cornering.mat", "drivebrake.mat")
-#: Root mean square error over all rows that one MF6.1 tire has to stay below.
+#: Upper limits of the root mean square error of one MF6.1 tire over all rows.
 MOST = {
     ("cornering.mat", "Fy"): 70.0, ("cornering.mat", "Mz"): 5.0, ("drivebrake.mat", "Fx"): 112.0,
     ("drivebrake.mat", "Fy"): 75.0,
@@ -52,7 +52,7 @@ def test_the_aligning_moment_of_drive_and_brake_is_fitted_except_for_ripple(meas
 
 
 def test_cornering_stiffness_is_that_of_the_sweeps(measured, recordings):
-    """The slope of a cubic through 2 deg about zero slip, averaged over inclination and pressure, load by load."""
+    """Slope of a cubic within 2 deg of zero slip, averaged over inclination and pressure, for each load."""
     recording, slopes = recordings[0], []
     force = computed(measured.tire, recording)["Fy"]
     for rows in recording.segments():
@@ -89,7 +89,7 @@ def test_the_findings_agree_with_the_recordings(measured):
     turning = {each.recording: each for each in found.ripples if each.stands_out}
     assert set(turning) == set(FILES)
     for each in turning.values():
-        assert 0.18 < each.radius < 0.25  # of a tire of 0.2 m; the fit was told none
+        assert 0.18 < each.radius < 0.25  # a tire of 0.2 m; the radius was not given to the fit
     assert {"Fy", "Mz"} <= {each.channel for each in significant_differences(measured) if each.first in FILES}
     conditions = [each for each in found.conditions if (each.recording, each.channel) == ("cornering.mat", "Fy")]
     assert len(conditions) == 45  # five loads, three inclinations, three pressures

@@ -1,4 +1,4 @@
-"""Recipes: the report's stages as printed, and files that say what is wrong with them."""
+"""Recipes: the stages of the Trento report as printed, and messages for invalid files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tirefmu.symbolic.errors import FitError, TirefmuError, UnknownName
 
 DEG = radians(1.0)
 PURE_LOAD, ALL_ANGLES = (220.0, 100.0), [0.0, 3.0, -3.0, 6.0, -6.0]
-#: The report's stages: what they free in its own spelling, guess and bounds as printed (None: no bound).
+#: The stages of the report: free coefficients in its spelling, guesses and bounds as printed (-: no bound).
 TRENTO = [
     ("FX0 pure", "Fx", "pCx1 1 1 2, pDx1 2 .1 4, pEx1 1 0 1, pEx4 0 0 1, pHx1 0 -10 10, pKx1 1 0 100, pVx1 0 -10 10"),
     ("FX0(Fz)", "Fx", "pDx2 0, pEx2 0, pEx3 0, pHx2 0, pKx2 0, pKx3 0, pVx2 0"),
@@ -55,7 +55,7 @@ def printed(text):
     return freed
 
 
-@pytest.mark.parametrize(("place", "row"), list(enumerate(TRENTO)), ids=[row[0] for row in TRENTO])
+@pytest.mark.parametrize(("index", "row"), list(enumerate(TRENTO)), ids=[row[0] for row in TRENTO])
 def test_trento_is_the_report(index, row):
     name, channel, text = row
     stage = load_recipe("trento", "mf96").stages[index]

@@ -1,4 +1,4 @@
-"""A small version of benchmarks/recovery.py: a complete MF96 tire found again, in its intervals and from elsewhere."""
+"""A small version of benchmarks/recovery.py: recovery of a complete MF96 tire, intervals, other initial values."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ RECORDING = recorded(TRUTH, ROWS, correlation_time=0.5)
 
 
 def difference(tire, other=TRUTH):
-    """Return the largest root mean square difference of a channel, as a share of its noise."""
+    """Return the largest root mean square difference of a channel, relative to its noise."""
     table = RECORDING.with_signs("adapted-sae").table
     inputs = {name: table[name].to_numpy() for name in TRUTH.inputs}
     one, two = tire.in_signs("adapted-sae").forces(**inputs), other.in_signs("adapted-sae").forces(**inputs)

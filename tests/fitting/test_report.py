@@ -1,4 +1,4 @@
-"""The report is one file that says what the fit says."""
+"""The report is one file with all results of the fit."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ VOID = {"meta", "img", "br", "hr", "link", "input", "col"}
 
 
 class Page(HTMLParser):
-    """The text and the attributes of a page; fails where a tag is not closed."""
+    """The text and the attributes of a page; fails if a tag is not closed."""
 
     def __init__(self, text):
         super().__init__()
@@ -75,7 +75,7 @@ def test_a_violated_constraint_is_on_the_page(side_fit):
 
 
 def with_text(result, text):
-    """Return the result as if every text that a file or a user may bring were this one."""
+    """Return the result with all texts from files or users replaced by this one."""
 
     def other(value, *names):
         return replace(value, **dict.fromkeys(names, text))

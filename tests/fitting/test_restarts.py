@@ -1,4 +1,4 @@
-"""Other starts for a few coefficients: when they are tried, and which end counts."""
+"""Restarts from other values of a few coefficients: when they run, and which solution is returned."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PROBLEM = SimpleNamespace(free=("RBY2", "RBY3"), scale=np.array([2.0, 0.5]))
 
 
 def ends_at(cost, starts, *, converged=True):
-    """Return a solver that stays where it starts and says what that costs; it notes its starts."""
+    """Return a solver that returns its start with a given cost, and records its starts."""
 
     def solve_from(start):
         starts.append(start.tolist())

@@ -1,4 +1,4 @@
-"""What a fit tells: quality by its definition, status, strict JSON."""
+"""The result of a fit: goodness of fit by its definition, status, strict JSON."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_quality_of_a_perfect_fit_and_of_the_mean():
 
 
 def test_a_computed_nan_is_not_ignored():
-    """A tire without a value at a measured row does not meet that row."""
+    """A NaN of the tire at a measured row is not ignored."""
     n, rmse, centred, uncentred = quality(np.array([1.0, 2.0, 4.0, nan]), np.array([1.0, nan, 4.0, 5.0]))
     assert n == 3
     assert np.isnan([rmse, centred, uncentred]).all()

@@ -1,4 +1,4 @@
-"""Intervals that hold under noise that stays alike for many rows, and directions that data leave open."""
+"""Intervals under correlated noise, and directions that are not identifiable."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def sweeps(tire, noise, free=FREE, loads=(300.0, 700.0, 1100.0)):
 
 @pytest.mark.parametrize("stays", [0.0, 0.95])
 def test_intervals_have_their_nominal_coverage(known, stays):
-    """One Gauss-Newton step from the truth is the fit: so near to it the model is linear."""
+    """One Gauss-Newton step from the truth is the fit, because the model is almost linear in that range."""
     inside, white = [], []
     for seed in range(100):
         problem = sweeps(known, correlated(np.random.default_rng(seed), stays))

@@ -41,13 +41,13 @@ def problem(known, make, request):
 
 @pytest.fixture
 def x(problem):
-    """Return scaled values beside the tire's own."""
+    """Return scaled values near those of the tire."""
     own = np.array([problem.tire.values[name] for name in problem.free])
     return own * np.random.default_rng(4).uniform(0.8, 1.2, len(own)) / problem.scale
 
 
 def weighted_residual(problem, x):
-    """The residual written out with a tire of these values: (forces - measured) sqrt(w), where measured."""
+    """The residual of a tire with these values: (forces - measured) sqrt(w) at measured rows."""
     values = dict(zip(problem.free, x * problem.scale, strict=True))
     tire = replace(problem.tire, values={**problem.tire.values, **values})
     forces = tire.forces(**dict(zip(tire.inputs, problem.rows.inputs, strict=True)))
@@ -162,7 +162,7 @@ def test_noise_weights_of_exact_data_are_finite(known, make):
 
 
 def test_a_swept_channel_has_a_larger_weight():
-    """Cornering decides about Fy, drive and brake about Fx; a file alone keeps the proportions of its channels."""
+    """Cornering tests dominate Fy, drive and brake tests Fx."""
     sweep, held = np.linspace(-0.2, 0.2, 400), np.repeat([-0.1, 0.0, 0.1, 0.05], 100)
     cornering = pd.DataFrame({"kappa": 0.0, "alpha": sweep, "recording": 0})
     driving = pd.DataFrame({"kappa": sweep, "alpha": held, "recording": 1})
