@@ -61,7 +61,7 @@ def known_tire(model: str) -> Tire:
 
 
 def program(rows: int) -> Program:
-    """Return sweeps of slip angle and of slip at every load, inclination and pressure, with about that number of rows."""
+    """Return sweeps of slip angle and of slip at all loads, inclinations and pressures, with about `rows` rows."""
     cambers = [radians(angle) for angle in (-2.0, 0.0, 4.0)]
     angles = [radians(angle) for angle in (0.0, -3.0, 6.0)]
 

@@ -1,4 +1,4 @@
-"""The virtual Hoosier tire with the program of the Trento report: the recipes trento and joint against the true tire."""
+"""The virtual Hoosier tire with the program of the Trento report: the recipes trento and joint, and the true tire."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_both_recipes_converge_and_satisfy_every_constraint(fits):
 def test_the_report_recipe_reproduces_the_properties_of_the_report(fits):
     report = fits["trento"].in_signs("adapted-sae")
     coefficients = {coefficient.name: coefficient for coefficient in report.coefficients}
-    # One load cannot tell PKY1 from PKY2: it stays within the report's narrow bounds (there 4.98); the tire has 3.9.
+    # One load does not identify PKY2: it stays within the report's narrow bounds (there 4.98); the tire has 3.9.
     assert 4.9 <= coefficients["PKY2"].value <= 5.1
     # Bounds that the report ended at, too. (Its QEZ1 ended at the bound as well; the optimum here is 2 % away from it.)
     assert {"QCZ1", "RVY3"} <= {name for name, coefficient in coefficients.items() if coefficient.at_bound}

@@ -119,7 +119,7 @@ def test_a_lag_is_a_difference_between_up_and_down(known, clean):
 
 
 def test_a_ripple_is_found_at_its_radius(known, clean):
-    radius, size = 0.21, 8.0  # the tire says 0.23
+    radius, size = 0.21, 8.0  # UNLOADED_RADIUS is 0.23
     odd = clean.assign(Fy=clean["Fy"] + size * np.sin(11.0 * clean["t"] / radius))
     (found,) = ripple(residuals_of(known, odd))
     assert found.stands_out

@@ -82,7 +82,7 @@ def test_every_candidate_is_within_the_bounds(problem, start, bounds, monkeypatc
     assert (tried <= upper + rounding).all()
     values = dict(zip(FREE, solution.x * problem.scale, strict=True))
     assert values["PCY1"] == pytest.approx(1.2, rel=1e-12)
-    assert values["PDY1"] == pytest.approx(1.7, abs=1e-2)  # the data want 1.9
+    assert values["PDY1"] == pytest.approx(1.7, abs=1e-2)  # the optimum is 1.9
 
 
 def test_constraints_are_satisfied_if_the_optimum_violates_them(problem, start, bounds):
@@ -171,7 +171,7 @@ def test_a_stopped_search_returns_the_best_individual(problem, start, bounds):
 
 
 def test_a_fit_by_ioa_reports_its_method_and_is_reproducible(known, make, tmp_path):
-    free = "\n".join(f"{name} = {{ guess = {START[name]} }}" for name in FREE)  # no bounds: the cards'
+    free = "\n".join(f"{name} = {{ guess = {START[name]} }}" for name in FREE)  # declared bounds
     path = make.recipe(tmp_path, f'[[stage]]\nname = "side"\nchannels = ["Fy"]\n[stage.free]\n{free}\n')
     recording = make.sideways(known, cambers=(0.0,))
     results = [
@@ -227,7 +227,7 @@ def test_declared_bounds_limit_the_search(known, make, problem, start):
 def test_the_forces_of_many_tires_are_those_of_each(known, make, language):
     code = code_for("mf96", language)
     inputs = np.stack([make.anywhere(300)[name] for name in known.inputs])
-    inputs[0, 5] = 1e9  # far out, where a kernel hands over to the code of single rows
+    inputs[0, 5] = 1e9  # outside the range of the batch kernel, which calls the code for single rows
     population = np.stack([make.other_tire(seed).parameters() for seed in range(4)])
     together = forces_of_each(code, inputs, population)
     for parameters, forces in zip(population, together, strict=True):

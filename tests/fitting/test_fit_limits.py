@@ -25,7 +25,7 @@ def test_cornering_does_not_determine_drive_and_brake(known, make):
         assert result.tire.values[name] == BOOK.coefficients[name].default
     assert any("Fx is not fitted, kappa does not vary" in note for note in result.notes)
     assert [channel.channel for channel in result.channels] == ["Fy", "Mz"]
-    # Mz lies on Fy alone where kappa does not vary, so that nothing tells of Fx.
+    # Without variation of kappa, Mz depends on Fy only and contains no information on Fx.
     for name in ("PCX1", "PDX1", "PKX1", "RBX1"):
         assert name not in coefficients or not coefficients[name].determined
         assert result.tire.values[name] == BOOK.coefficients[name].default
@@ -44,7 +44,7 @@ def test_one_load_without_inclination_does_not_determine_their_coefficients(know
     for name in ("PCY1", "PDY1", "PEY1", "PKY1", "PHY1", "PVY1"):
         assert coefficients[name].determined, name
     assert result.channels[0].r2 > 0.99999
-    assert result.tire.ranges.keys() == {"alpha"}  # what did not vary has no range
+    assert result.tire.ranges.keys() == {"alpha"}  # constant inputs have no range
 
 
 def test_a_later_stage_preserves_values_that_it_does_not_determine(known, make, tmp_path):

@@ -86,7 +86,7 @@ def test_nominal_values(known, make):
     assert result.tire.values["FNOMIN"] == 900.0
     assert result.tire.values["UNLOADED_RADIUS"] == 0.25
     assert any("nominal p0 is not used by mf96" in note for note in result.notes)
-    assert result.channels[0].r2 > 0.9999  # the same curve, told about another load
+    assert result.channels[0].r2 > 0.9999  # the same curve with another nominal load
     generic = fit([recording], "mf96", effects=())
     assert generic.tire.values["FNOMIN"] == float(f"{np.median(recording.table['Fz']):.2g}")
     assert sum("not given" in note for note in generic.notes) == 2

@@ -87,7 +87,7 @@ def test_bounds_are_satisfied(problem, start, bounds, known):
     assert (solution.x >= lower).all()
     assert (solution.x <= upper).all()
     values = dict(zip(FREE, solution.x * problem.scale, strict=True))
-    assert values["PDY1"] == pytest.approx(1.7, abs=1e-3)  # the data want 1.9
+    assert values["PDY1"] == pytest.approx(1.7, abs=1e-3)  # the optimum is 1.9
     assert values["PKY2"] == pytest.approx(2.6, abs=1e-3)  # and 2.2
     free = solve(problem, start, *bounds(problem), [])
     assert free.cost < solution.cost

@@ -151,7 +151,7 @@ def diagnosed():
 
     def run(given):
         found = diagnose(given[0].table, signs=case.signs, effects=case.effects, nominal=case.nominal)
-        verdict = found.verdict.split("(")[0]  # what follows are numbers
+        verdict = found.verdict.split("(")[0]  # numbers follow
         return verdict, [each.effect for each in found.found]
 
     recordings = [Recording(case.table, case.signs, "made")]

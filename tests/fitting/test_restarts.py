@@ -33,7 +33,7 @@ def first(x, cost=1.0):
 def test_a_better_solution_replaces_the_first():
     starts = []
     end = best_end(PROBLEM, first([1.0, 2.0]), ends_at(0.5, starts), LOWER, UPPER, [{"RBY2": 8.0}], always=True)
-    assert starts == [[4.0, 2.0]]  # 8 in units of 2; the rest where it was
+    assert starts == [[4.0, 2.0]]  # 8 in units of 2; the others are unchanged
     assert (end.cost, end.iterations) == (0.5, 12)
 
 
