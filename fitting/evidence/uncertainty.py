@@ -6,9 +6,9 @@ w of residuals with variance s^2 and correlation length tau has, to first order,
     H^-1 (sum of tau s^2 w H_c) H^-1,
 
 where H = J^T W J is the sum of its parts H_c by recording and channel. This is the sandwich estimator of White (1980)
-with the long-run variance of Newey and West (1987). For a robust loss, s^2 is the variance of the weighted residual, and
-the mean slope of the loss reduces H (Huber). The estimator assumes that J changes more slowly than the noise, which is
-the case on a bench. Active constraints are not taken into account.
+with the long-run variance of Newey and West (1987). For a robust loss, s^2 is the variance of the weighted residual,
+and the mean slope of the loss reduces H (Huber). The estimator assumes that J changes more slowly than the noise, which
+is the case on a bench. Active constraints are not taken into account.
 """
 
 from __future__ import annotations

@@ -82,19 +82,18 @@ class Rows:
         return len(self.measured)
 
     def sample(self, n: int, seed: int = 0) -> Rows:
-        """Return about n random rows, in their order; all rows if there are no more.
+        """Return n random rows, in their order; all rows if there are no more.
 
-        Every k-th row would alias with sweeps. Each recording is sampled separately, so the sample does not depend on
-        the order of the recordings.
+        Every k-th row would alias with sweeps. Rows are drawn from the recordings in the order of their size, so the
+        sample does not depend on the order in which they are given.
         """
         if n >= len(self):
             return self
-        share = n / len(self)
-        drawn = []
-        for group in np.unique(self.group):
-            rows = np.flatnonzero(self.group == group)
-            drawn.append(np.random.default_rng(seed).choice(rows, round(share * len(rows)), replace=False))
-        return self.take(np.sort(np.concatenate(drawn)))
+        groups, sizes = np.unique(self.group, return_counts=True)
+        contents = [self.measured[self.group == group].tobytes() for group in groups]
+        order = sorted(range(len(groups)), key=lambda i: (-sizes[i], contents[i]))
+        rows = np.concatenate([np.flatnonzero(self.group == groups[i]) for i in order])
+        return self.take(np.sort(np.random.default_rng(seed).choice(rows, n, replace=False)))
 
     def take(self, chosen: npt.NDArray[np.int64]) -> Rows:
         """Return some of the rows."""

@@ -9,7 +9,7 @@ def coloured(rng, n, memory):
     return lfilter([np.sqrt(1.0 - memory**2)], [1.0, -memory], rng.standard_normal(n))
 
 
-def test_leaving_out_a_block_is_a_regression_without_its_rows():
+def test_omitting_a_block_is_a_regression_without_its_rows():
     rng = np.random.default_rng(0)
     columns, residual = rng.standard_normal((2, 120, 3)), rng.standard_normal((2, 120))
     edges = np.array([0, 30, 70, 120])
@@ -23,7 +23,7 @@ def test_leaving_out_a_block_is_a_regression_without_its_rows():
         assert fit.loss[g] == pytest.approx(np.sum(left**2), rel=1e-9)
 
 
-def test_leaving_out_rows_of_a_mean_gives_its_variance():
+def test_the_jackknife_of_a_mean_is_its_variance():
     """The jackknife of a mean is the sample variance over the number of rows, exactly."""
     values = np.random.default_rng(4).standard_normal(30)
     fit = regression(block_sums(np.ones((1, 30, 1)), values[None], np.arange(31)), np.zeros(1))
@@ -44,7 +44,7 @@ def test_the_covariance_of_products_with_coloured_noise_is_what_many_draws_have(
     assert expected > 4.0 * white
 
 
-def test_autocovariance_forgets_rows_that_take_no_part():
+def test_autocovariance_ignores_unused_rows():
     rng = np.random.default_rng(2)
     noise = coloured(rng, 20000, 0.6)[None, :]
     present = np.ones_like(noise, dtype=bool)
@@ -55,7 +55,7 @@ def test_autocovariance_forgets_rows_that_take_no_part():
 
 
 @pytest.mark.parametrize("blocks", [None, 40])
-def test_probabilities_of_nothing_are_uniform(blocks):
+def test_p_values_without_an_effect_are_uniform(blocks):
     rng = np.random.default_rng(3)
     if blocks is None:
         values = [wald_p(rng.standard_normal(2), np.eye(2)) for _ in range(2000)]
@@ -68,5 +68,5 @@ def test_probabilities_of_nothing_are_uniform(blocks):
     assert abs(share - 0.05) < 4.0 * np.sqrt(0.05 * 0.95 / 2000)
 
 
-def test_too_few_blocks_prove_nothing():
+def test_too_few_blocks_give_no_significance():
     assert wald_p(np.array([100.0, 100.0]), np.eye(2), 3) == 1.0

@@ -28,7 +28,7 @@ def test_correlation_length_of_autoregressive_noise(rho):
     assert 1.0 - 4.0 * deviation < found < 1.0 + max(4.0 * deviation, 0.17)
 
 
-def test_the_mean_of_correlated_rows_scatters_as_the_effective_size_says():
+def test_the_effective_sample_size_predicts_the_variance_of_a_mean():
     rows, rho, seeds = 4000, 0.9, 300
     noise = [autoregressive(rho, rows, seed) for seed in range(seeds)]
     scatter = np.var([values.mean() for values in noise])
@@ -68,12 +68,12 @@ def test_rows_that_were_not_measured_do_not_count():
     assert effective_sample_size(holes) < 0.8 * effective_sample_size(noise)
 
 
-def test_an_error_that_stays_for_a_sweep_makes_it_one_row():
+def test_a_constant_error_of_a_sweep_counts_as_one_row():
     offsets = np.repeat([1.0, -1.0, 1.0, -1.0], 500)
     assert effective_sample_size(offsets, np.arange(2000) // 500) < 8.0
 
 
-def test_nothing_finite():
+def test_no_finite_residual_is_an_error():
     with pytest.raises(DataError, match="no residual is finite"):
         correlation_length([np.nan])
 
@@ -94,13 +94,13 @@ def faded(rng, rows, rho):
 @pytest.mark.parametrize(
     ("rows", "rho", "most"), [(2000, 0.9, 0.5), (2000, 0.995, 1.2), (20_000, 0.98, 0.45), (20_000, 0.995, 0.6)]
 )
-def test_slow_noise_is_not_taken_for_fast(rows, rho, most):
-    """Variances of sums over 64 and more stretches are wrong by 0.7, 3.2, 0.2 and 0.8 here."""
+def test_the_length_of_slow_noise_is_not_underestimated(rows, rho, most):
+    """Variances of sums over 64 and more batches have errors of 0.7, 3.2, 0.2 and 0.8 in these cases."""
     assert log_error(lambda rng, n: faded(rng, n, rho), (1.0 + rho) / (1.0 - rho), rows) < most
 
 
 def test_a_slow_drift_below_short_noise_counts():
-    """A fifth of the variance drifts: the correlation length is that of the mixture, 83 rows, not that of the noise."""
+    """A fifth of the variance is drift: the correlation length is that of the mixture, 83 rows."""
 
     def mixture(rng, rows):
         return np.sqrt(0.8) * faded(rng, rows, 0.6) + np.sqrt(0.2) * faded(rng, rows, 0.995)
@@ -110,7 +110,7 @@ def test_a_slow_drift_below_short_noise_counts():
 
 
 def test_a_ripple_does_not_hide_the_noise_below_it():
-    """Sums of autocovariances row by row end within a quarter of a revolution: they are wrong by 0.35."""
+    """Sums of autocovariances of rows end within a quarter of a revolution: their error is 0.35."""
 
     def mixture(rng, rows):
         wave = np.cos(2.0 * np.pi * np.arange(rows) / 7.3 + rng.uniform(0.0, 6.0))
@@ -119,7 +119,7 @@ def test_a_ripple_does_not_hide_the_noise_below_it():
     assert log_error(mixture, 0.8 * 19.0, 20_000) < 0.25
 
 
-def test_what_repeats_with_the_wheel_is_at_most_a_third_of_a_revolution():
+def test_the_correlation_length_of_a_ripple_is_at_most_a_third_of_a_revolution():
     """The sum of a cosine's autocorrelation up to its first zero is a period over 2 pi on either side."""
     for period in (7.3, 12.3, 40.0):
         wave = np.cos(2.0 * np.pi * np.arange(20_000) / period)
@@ -127,7 +127,7 @@ def test_what_repeats_with_the_wheel_is_at_most_a_third_of_a_revolution():
 
 
 def test_noise_of_unbounded_memory_has_no_length():
-    """Random walks between 0 and the end: the longer the recording, the longer the memory that is found."""
+    """For random walks the estimated correlation length increases with the duration of the recording."""
     walks = [np.cumsum(np.random.default_rng(seed).standard_normal(16_000)) for seed in range(10)]
     short, whole = (np.median([correlation_length(walk[:rows]) for walk in walks]) for rows in (1000, 16_000))
     assert whole > 4.0 * short

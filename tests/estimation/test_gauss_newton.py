@@ -42,7 +42,7 @@ class Decay:
 
 
 class Curved:
-    """a b <= most: a constraint that is not linear."""
+    """The nonlinear constraint a b <= most."""
 
     low, high = np.array([-inf]), np.array([1.5])
 
@@ -117,7 +117,7 @@ def test_the_predicted_reduction_is_the_gain_of_a_linear_problem():
     assert judged.predicted == pytest.approx(judged.cost - taken.cost, rel=1e-5)
 
 
-def test_what_cannot_be_improved_says_why():
+def test_a_failed_minimization_has_a_reason():
     class Broken(Decay):
         def derivatives(self, x):
             cost, gradient, matrix = super().derivatives(x)

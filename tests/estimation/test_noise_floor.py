@@ -1,4 +1,4 @@
-"""What no function of the inputs can follow."""
+"""The noise floor on synthetic data with known noise."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ def test_it_is_the_noise(seed, noise):
     assert share > 0.95
 
 
-def test_what_differs_by_direction_belongs_to_it():
+def test_differences_between_directions_are_part_of_the_floor():
     assert noise_floor(sweeps(0, 1.0, hysteresis=80.0), ["Fy"])["Fy"][0] == pytest.approx(80.0, rel=0.15)
 
 
-def test_without_noise_little_is_left():
+def test_without_noise_the_floor_is_small():
     table = sweeps(0, 0.0)
     assert noise_floor(table, ["Fy"])["Fy"][0] < 0.02 * table["Fy"].std()
 
 
-def test_where_nothing_repeats_there_is_no_number():
+def test_without_repeated_conditions_the_floor_is_nan():
     rng = np.random.default_rng(0)
     n = 300
     table = pd.DataFrame({name: rng.uniform(-1, 1, n) for name in ("kappa", "alpha", "gamma", "Fz")})
@@ -47,7 +47,7 @@ def test_where_nothing_repeats_there_is_no_number():
     assert share == 0.0
 
 
-def test_missing_values_are_left_out():
+def test_missing_values_are_ignored():
     table = sweeps(0, 50.0)
     holes = table.assign(Fy=table["Fy"].where(np.arange(len(table)) % 3 > 0))
     floor, share = noise_floor(holes, ["Fy"])["Fy"]
@@ -56,7 +56,7 @@ def test_missing_values_are_left_out():
 
 
 def test_a_plane_through_few_rows_does_not_hide_their_noise():
-    """Six rows a cell, two of them used up by the plane: the variance is by the four that are free."""
+    """Six rows per cell and a plane with two coefficients leave four degrees of freedom for the variance."""
     alpha = np.linspace(-0.2, 0.2, 120)
     rng = np.random.default_rng(0)
     tables = [pd.DataFrame({"alpha": alpha, "Fy": rng.normal(size=120)}) for _ in range(50)]

@@ -38,7 +38,7 @@ def test_the_whitened_rows_square_to_the_likelihood_of_the_present_rows():
     assert not white[~there].any()
 
 
-def test_the_memories_are_read_from_a_residual():
+def test_the_noise_parts_are_estimated_from_a_residual():
     rng, n = np.random.default_rng(1), 6000
     present = np.ones(n, dtype=bool)
     present[1000:1120] = present[4000:4120] = False

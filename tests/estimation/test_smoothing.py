@@ -9,7 +9,7 @@ def sweeps(n=3000):
 
 
 @pytest.mark.parametrize("noise", [2e-4, 1e-3, 4e-3])
-def test_smoothing_brings_sweeps_nearer_to_the_truth(noise):
+def test_smoothing_reduces_the_error_of_sweeps(noise):
     true = sweeps()
     raw = true + noise * np.random.default_rng(1).standard_normal(len(true))
     clean, found = smoothed(raw)
@@ -17,14 +17,14 @@ def test_smoothing_brings_sweeps_nearer_to_the_truth(noise):
     assert found == pytest.approx(noise, rel=0.2)
 
 
-def test_a_step_stays_a_step():
+def test_a_step_is_not_smoothed():
     true = np.repeat([0.0, 0.1, -0.05], 500)
     raw = true + 2e-4 * np.random.default_rng(2).standard_normal(1500)
     clean, _ = smoothed(raw)
     assert np.max(np.abs(clean - true)) < 10 * 2e-4
 
 
-def test_exact_and_constant_channels_are_left_alone():
+def test_exact_and_constant_channels_are_not_changed():
     for values in (sweeps(), np.full(2000, 3.0)):
         clean, _ = smoothed(values)
         np.testing.assert_allclose(clean, values, atol=1e-3 * (np.ptp(values) + 1e-12))

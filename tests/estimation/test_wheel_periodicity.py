@@ -1,4 +1,4 @@
-"""What turns with the wheel is found at its radius with its amplitude; noise and sweeps are not taken for it."""
+"""Ripple with the wheel revolution is found with radius and amplitude; noise and sweeps are not significant."""
 
 import numpy as np
 import pytest
@@ -37,18 +37,18 @@ def test_radius_frequency_and_amplitude_are_found_whatever_is_expected(expected)
 
 @pytest.mark.parametrize("seconds", [3.0, 6.0, 30.0])
 def test_noise_is_not_significant_however_short_the_recording(seconds):
-    """One recording in a thousand a channel may be: the chance that 400 channels have three is 1 %."""
+    """One of a thousand channels may be significant: the probability of three of 400 is 1 %."""
     found = [found_in(*made(seconds, seed, amplitude=0.0)) for seed in range(200)]
     assert sum(int(each.significant.sum()) for each in found) < 3
 
 
-def test_a_slow_sweep_is_not_taken_for_a_revolution():
+def test_a_slow_sweep_is_not_significant():
     t, speed, channels = made(amplitude=0.0)
     found = found_in(t, speed, channels + 50.0 * np.sin(2.0 * np.pi * t / 12.0))
     assert not found.significant.any()
 
 
-def test_rows_that_take_no_part_change_little():
+def test_unused_rows_have_little_effect():
     t, speed, channels = made()
     channels[:, np.random.default_rng(1).random(len(t)) < 0.03] = np.nan
     found = found_in(t, speed, channels)

@@ -16,7 +16,7 @@ EFFECTS = (
     "load_friction", "load_stiffness", "load_curvature", "camber_thrust", "camber_friction", "plysteer",
     "conicity", "combined_Gxa", "combined_Gyk", "residual_torque_Mzr", "trail_load",
 )  # fmt: skip
-#: A tire of no special kind, in adapted SAE.
+#: A typical tire, in adapted SAE.
 KNOWN = {
     "FNOMIN": 700.0, "UNLOADED_RADIUS": 0.23,
     "PCX1": 1.6, "PDX1": 1.8, "PDX2": -0.15, "PDX3": 2.0, "PEX1": 0.2, "PEX2": 0.1, "PEX3": -0.05,
@@ -31,7 +31,7 @@ NOMINAL = {"Fz0": 700.0, "R0": 0.23}
 
 
 def bench(tire, loads=(220.0, 500.0, 800.0, 1120.0), cambers=(0.0, 2.0, 4.0), *, kappa=True, noise=None):
-    """Return a recording of few rows; without noise where none is given."""
+    """Return a recording of few rows; by default without noise."""
     inclined = [radians(angle) for angle in cambers]
     programs = [alpha_sweeps(loads, inclined, sample_rate=3.0)]
     if kappa:
@@ -41,13 +41,13 @@ def bench(tire, loads=(220.0, 500.0, 800.0, 1120.0), cambers=(0.0, 2.0, 4.0), *,
 
 
 def sideways(tire, **program):
-    """Return a recording of the side force alone: a fit of a second."""
+    """Return a recording of the side force only, which is fitted in a second."""
     recording = bench(tire, kappa=False, **program)
     return Recording(recording.table.drop(columns=["Fx", "Mz"]), recording.signs, "sideways")
 
 
 def anywhere(n=4000, seed=1):
-    """Return inputs all over the range of the bench."""
+    """Return random inputs in the range of the bench."""
     rng = np.random.default_rng(seed)
     return {
         "kappa": rng.uniform(-0.3, 0.3, n),
@@ -58,9 +58,9 @@ def anywhere(n=4000, seed=1):
 
 
 def other_tire(seed):
-    """Return the known tire with every coefficient elsewhere."""
+    """Return the known tire with every coefficient changed at random."""
     rng = np.random.default_rng(seed)
-    unchanged = ("FNOMIN", "UNLOADED_RADIUS", "PCY1", "RCX1", "RCY1")  # these lie near their bounds
+    unchanged = ("FNOMIN", "UNLOADED_RADIUS", "PCY1", "RCX1", "RCY1")  # these are near their bounds
     values = {name: value * (1.0 if name in unchanged else rng.uniform(0.6, 1.4)) for name, value in KNOWN.items()}
     return Tire("mf96", values, effects=EFFECTS, signs="adapted-sae")
 
@@ -84,7 +84,7 @@ def known():
 
 @pytest.fixture(scope="session")
 def make():
-    """Return what the tests make of tires and results."""
+    """Return functions and constants that the tests share."""
     return SimpleNamespace(
         bench=bench, sideways=sideways, anywhere=anywhere, other_tire=other_tire,
         coefficients=coefficients, recipe=recipe, effects=EFFECTS, nominal=NOMINAL,
@@ -93,6 +93,6 @@ def make():
 
 @pytest.fixture(scope="session")
 def side_fit(known):
-    """Return a fit of the side force alone, camber and load in it, and its recording."""
+    """Return a fit of the side force at several inclinations and loads, and its recording."""
     recording = sideways(known)
     return fit([recording], "mf96", effects=EFFECTS, nominal=NOMINAL), recording

@@ -1,4 +1,4 @@
-"""Complete tires with every coefficient of Fx, Fy and Mz somewhere plausible, and their run on a virtual bench.
+"""Complete tires with plausible values of all coefficients of Fx, Fy and Mz, and their recordings on a virtual bench.
 
 Made up for this purpose, in the size of a Formula SAE tire: loads of 400 to 2,800 N, 70 to 97 kPa.
 """
@@ -22,7 +22,7 @@ from tirefmu.measurements import (
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import Tire
 
-#: In adapted SAE; a model takes what it has.
+#: In adapted SAE; a model uses the coefficients that it has.
 VALUES = {
     "FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, "NOMPRES": 8.3e4, "INFLPRES": 8.3e4, "LONGVL": 11.0,
     "PCX1": 1.55, "PDX1": 1.4, "PDX2": -0.14, "PDX3": 3.0, "PEX1": -0.2, "PEX2": 0.3, "PEX3": -0.1, "PEX4": 0.1,
@@ -41,10 +41,10 @@ VALUES = {
     "QHZ1": 0.004, "QHZ2": 0.002, "QHZ3": 0.06, "QHZ4": 0.03, "PPZ1": 0.4, "PPZ2": -0.3,
     "SSZ1": 0.02, "SSZ2": 0.015, "SSZ3": 0.15, "SSZ4": 0.06,
 }  # fmt: skip
-#: Where a model's coefficient of that name means something else.
+#: Values of coefficients that have another meaning in a model.
 EXCEPTIONS = {"mf96": {"PKY3": 0.1, "QBZ5": -0.15}}
 NOMINAL = {"Fz0": VALUES["FNOMIN"], "R0": VALUES["UNLOADED_RADIUS"], "p0": VALUES["NOMPRES"], "V0": VALUES["LONGVL"]}
-#: What the coefficients refer to.
+#: Nominal values.
 NAMED = ("FNOMIN", "UNLOADED_RADIUS", "NOMPRES", "INFLPRES", "LONGVL")
 CHANNELS = ("Fx", "Fy", "Mz")
 #: The bench's noise in each, N and N m.
@@ -61,7 +61,7 @@ def known_tire(model: str) -> Tire:
 
 
 def program(rows: int) -> Program:
-    """Return sweeps of slip angle and of slip at every load, inclination and pressure: about so many rows."""
+    """Return sweeps of slip angle and of slip at all loads, inclinations and pressures, with about `rows` rows."""
     cambers = [radians(angle) for angle in (-2.0, 0.0, 4.0)]
     angles = [radians(angle) for angle in (0.0, -3.0, 6.0)]
 
@@ -77,12 +77,12 @@ def program(rows: int) -> Program:
 
 
 def noise(level: float = 1.0, correlation_time: float = 0.0) -> Noise:
-    """Return noise of the forces and the moment alone: about that of a bench, its correlation time in s."""
+    """Return noise of the outputs with the size of a typical bench; correlation time in s."""
     return Noise({name: ChannelNoise(constant=level * size) for name, size in SIZES.items()}, correlation_time)
 
 
 def recorded(tire: Tire, rows: int, *, seed: int = 0, level: float = 1.0, correlation_time: float = 0.0) -> Recording:
-    """Return what the bench records of Fx, Fy and Mz; a row takes the time that makes the whole 100 Hz."""
+    """Return a recording of Fx, Fy and Mz; the duration of the program depends on the number of rows at 100 Hz."""
     bench = VirtualBench(tire, noise(level, correlation_time), seed)
     recording = bench.run(program(rows))
     table = recording.table.drop(columns=[name for name in ("Mx", "My") if name in recording.table])

@@ -1,4 +1,4 @@
-"""The virtual Hoosier on the report's program: the report's way and everything at once, against the truth."""
+"""The virtual Hoosier tire with the program of the Trento report: the recipes trento and joint, and the true tire."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ def fits():
 
 
 def stiffness_errors(tire, quantity):
-    """Return how far a stiffness lies above the true one, by load."""
+    """Return the relative error of a stiffness by load."""
     table = pd.DataFrame({"Fz": LOADS})
     found, true = (t.evaluate(table, signs="adapted-sae")[quantity].to_numpy() for t in (tire, bench_tire()))
     return found / true - 1
 
 
-def test_both_converge_and_keep_every_constraint(fits):
+def test_both_recipes_converge_and_satisfy_every_constraint(fits):
     for recipe, result in fits.items():
         assert result.status == "converged", recipe
         assert len(result.stages) == {"trento": 13, "joint": 3}[recipe]
 
 
-def test_the_reports_way_ends_at_the_reports_kind_of_result(fits):
+def test_the_report_recipe_reproduces_the_properties_of_the_report(fits):
     report = fits["trento"].in_signs("adapted-sae")
     coefficients = {coefficient.name: coefficient for coefficient in report.coefficients}
-    # One load cannot tell PKY1 from PKY2: it stays within the report's narrow bounds (there 4.98); the tire has 3.9.
+    # One load does not identify PKY2: it stays within the report's narrow bounds (there 4.98); the tire has 3.9.
     assert 4.9 <= coefficients["PKY2"].value <= 5.1
     # Bounds that the report ended at, too. (Its QEZ1 ended at the bound as well; the optimum here is 2 % away from it.)
     assert {"QCZ1", "RVY3"} <= {name for name, coefficient in coefficients.items() if coefficient.at_bound}
@@ -52,7 +52,7 @@ def test_the_reports_way_ends_at_the_reports_kind_of_result(fits):
         assert stages[name] > 0.99, name
 
 
-def test_joint_beats_it_on_every_channel(fits):
+def test_joint_has_smaller_errors_on_every_channel(fits):
     staged = {channel.channel: channel.rmse for channel in fits["trento"].channels}
     joint = {channel.channel: channel.rmse for channel in fits["joint"].channels}
     assert set(joint) == {"Fx", "Fy", "Mz"}

@@ -1,4 +1,4 @@
-"""Conditions as the solver sees them: exact derivatives, nothing but what a free coefficient reaches."""
+"""Constraints for the solver: exact derivatives, only quantities that a free coefficient influences."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def test_the_jacobian_is_that_of_the_values(model):
         np.testing.assert_allclose(jacobian[:, column], slope, rtol=1e-4, atol=size, err_msg=problem.free[column])
 
 
-def test_what_no_free_coefficient_reaches_is_left_out():
+def test_constraints_without_a_free_coefficient_are_omitted():
     problem = problem_of("mf61", free=("PDX1", "PDX2"))
     every = constraints("mf61")
     imposed = ConstraintFunctions(problem, every)
@@ -113,8 +113,8 @@ def test_what_no_free_coefficient_reaches_is_left_out():
     assert len(ConstraintFunctions(problem, [])) == 0
 
 
-def test_what_the_fixed_values_make_idle_is_left_out():
-    """Without a change of friction with load nothing moves its growth: rows of zeros would stop the solver."""
+def test_constraints_without_influence_at_the_fixed_values_are_omitted():
+    """If friction does not depend on load, its constraint has rows of zeros, which would stop the solver."""
     problem = problem_of("mf61", free=("PDX1", "PPX3", "PDX3"))
     problem.tire = replace(problem.tire, values={**problem.tire.values, "PDX2": 0.0})
     problem = Problem(problem.tire, problem.rows, problem.free, problem.weights, problem.scale)
@@ -124,7 +124,7 @@ def test_what_the_fixed_values_make_idle_is_left_out():
     assert len(ConstraintFunctions(problem, [positive])) == positive[1].shape[1]
 
 
-def test_bounds_are_told_in_the_usual_size_and_nan_is_not_kept():
+def test_bounds_are_scaled_and_nan_is_a_violation():
     problem = problem_of("mf61", free=("PKX1",))
     stiff = Constraint("K_xkappa", 1.0, np.inf, ("Fz",), 1e4)
     imposed = ConstraintFunctions(problem, [(stiff, grid(stiff, RANGES, {}, density=0))])

@@ -1,4 +1,4 @@
-"""The conditions of a fitted tire: where they are imposed, and that they miss nothing."""
+"""The physical constraints: their grids, names, margins and selection."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def test_the_grid_has_the_ends_of_every_range_and_zero_slip(ranges, over, densit
 
 @settings(max_examples=25)
 @given(ranges=RANGES, over=st.sets(st.sampled_from(INPUTS), min_size=1))
-def test_the_verifying_grid_contains_the_imposed_one(ranges, over):
+def test_the_verification_grid_contains_the_imposed_one(ranges, over):
     constraint = Constraint("E_y", -inf, 1.0, tuple(over))
     imposed, verified = (grid(constraint, ranges, NOMINAL, density=density) for density in (1, 4))
     size = np.array([max(abs(v) for v in ranges[name]) for name in INPUTS])[:, None] + 1e-12
@@ -82,7 +82,7 @@ def test_the_verifying_grid_contains_the_imposed_one(ranges, over):
 
 
 @pytest.mark.parametrize("case", ALL, ids=label)
-def test_a_condition_names_a_quantity_of_the_model(case):
+def test_a_constraint_refers_to_a_quantity_of_the_model(case):
     model, output, constraint = case
     assert constraint.quantity in import_module(f"tirefmu.generated.numpy.{model}").QUANTITIES
     assert output in {quantity.name for quantity in MODELS[model].outputs}
@@ -90,8 +90,8 @@ def test_a_condition_names_a_quantity_of_the_model(case):
 
 
 @pytest.mark.parametrize("case", ALL, ids=label)
-def test_a_condition_varies_every_input_on_which_its_quantity_depends(case):
-    """What is left out of `over` must have no influence, or the condition would be checked at one place of many."""
+def test_a_constraint_varies_every_input_of_its_quantity(case):
+    """Inputs that are not in `over` must have no influence, because the grid contains only one value of them."""
     model, _, constraint = case
     code, book = code_for(model, "numpy"), MODELS[model]
     rng = np.random.default_rng(0)
@@ -122,8 +122,8 @@ def test_distance_and_name():
 
 
 @pytest.mark.parametrize("size", [0.1, 1.0, 5e4])
-def test_what_the_solver_calls_kept_is_kept(size):
-    """The solver sees quantity / size, and may miss its bounds by its own tolerance, above as below."""
+def test_a_constraint_within_the_solver_tolerance_is_satisfied(size):
+    """The solver's variable is quantity / size, which may violate both bounds within the solver's tolerance."""
     constraint = Constraint("K_x", -2.0, 3.0, (), size=size)
     low, high = constraint.scaled_bounds
     assert low < high
@@ -131,8 +131,8 @@ def test_what_the_solver_calls_kept_is_kept(size):
     assert constraint.distance(reached).min() >= -TOLERANCE * (1.0 + 1e-6)
 
 
-def test_margins_are_distances_to_the_bound_that_is_near(known):
-    """Positive where a condition holds; the tire's own curvature decides about an upper bound."""
+def test_margins_are_distances_to_the_nearest_bound(known):
+    """A margin is positive if the constraint is satisfied; E_x has an upper bound."""
     ranges = {"kappa": (-0.1, 0.1), "alpha": (-0.1, 0.1), "gamma": (0.0, 0.0), "Fz": (500.0, 900.0)}
     curvature = {"Fx": chosen_constraints("mf96", also=["curvature"])["Fx"]}
     for value, holds in ((-0.5, True), (1.5, False)):
@@ -143,7 +143,7 @@ def test_margins_are_distances_to_the_bound_that_is_near(known):
         assert found.margin == pytest.approx(1.0 - found.worst, rel=1e-12)
 
 
-def test_every_condition_has_a_name_of_its_own():
+def test_every_constraint_has_a_unique_name():
     for model in MODELS:
         declared = declared_constraints(model)
         every = [each for own in declared.values() for each in own]
@@ -158,12 +158,12 @@ def test_every_condition_has_a_name_of_its_own():
         assert requested - default == {each.name for each in every if each.on_request}
 
 
-@pytest.mark.parametrize(("without", "left_out"), [
+@pytest.mark.parametrize(("without", "removed"), [
     (["curvature:E_y"], {"curvature:E_y"}),
     (["friction_falling"], {"friction_falling:mu_x", "friction_falling:mu_y"}),
     (["stiffness_saturating", "signs:C_x"], {"stiffness_saturating:K_yalpha", "signs:C_x"}),
 ])  # fmt: skip
-def test_conditions_are_switched_by_name(without, removed):
+def test_constraints_are_selected_by_name(without, removed):
     default, rest = (
         {each.name for own in chosen_constraints("mf61", without=names).values() for each in own}
         for names in ([], without)
@@ -172,15 +172,15 @@ def test_conditions_are_switched_by_name(without, removed):
     assert rest < default
 
 
-def test_a_misspelt_name_is_refused():
+def test_an_unknown_constraint_is_rejected():
     with pytest.raises(UnknownName, match="constraint of mf61 'friction_faling': did you mean friction_falling"):
         chosen_constraints("mf61", without=["friction_faling"])
     with pytest.raises(UnknownName, match="curvature:E_q"):
         chosen_constraints("mf61", also=["curvature:E_q"])
 
 
-def test_a_published_tire_keeps_what_is_asked_of_every_tire():
-    """What is usual must not bend the fit of a sound tire; what it does break is on request."""
+def test_a_published_tire_satisfies_the_default_constraints():
+    """Default constraints must not affect the fit of a valid tire; those that it violates are on request only."""
     tire = bench_tire().in_signs("adapted-sae")
     ranges = {"kappa": (-0.2, 0.2), "alpha": (-0.2, 0.2), "gamma": (0.0, 0.07), "Fz": (220.0, 1120.0)}
     violated = set()
@@ -191,7 +191,7 @@ def test_a_published_tire_keeps_what_is_asked_of_every_tire():
     assert violated == {"extrapolation"}
 
 
-def test_an_extrapolation_reaches_further_in_load_and_slip_alone():
+def test_an_extrapolation_widens_only_load_and_slip():
     ranges = {"kappa": (-0.2, 0.1), "alpha": (-0.1, 0.2), "gamma": (0.0, 0.05), "Fz": (300.0, 1200.0), "p": (7e4, 1e5)}
     far = Constraint("G_xa", 0.01, inf, tuple(ranges), kind="extrapolation")
     points = grid(far, ranges, {}, density=4)
@@ -207,6 +207,6 @@ def test_operating_range(known, make):
     assert ranges["Fz"] == (220.0, 1120.0)
 
 
-def test_no_value_is_outside_every_bound():
+def test_nan_is_outside_every_bound():
     distance = Constraint("E_y", -inf, 1.0, ()).distance(np.array([0.25, 3.0, np.nan]))
     assert distance.tolist() == [0.75, -2.0, -inf]

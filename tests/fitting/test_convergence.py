@@ -1,4 +1,4 @@
-"""Whether a point is the optimum is decided there, whatever way led to it; what ends elsewhere is led on."""
+"""The convergence criterion depends only on the point; a solver that ends elsewhere is continued."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def truth(known, exact):
 
 
 class Failing(Problem):
-    """A problem whose gradient is no number at some of its evaluations."""
+    """A problem whose gradient is NaN at some evaluations."""
 
     at = range(0)
     count = 0
@@ -87,7 +87,7 @@ def test_a_point_away_from_the_optimum_has_not_converged(exact, noisy, truth):
 
 
 def test_the_measure_is_the_standard_error(noisy, truth):
-    """A hundredth of a standard error away from the optimum is at it; one of each coefficient is not."""
+    """A point within a hundredth of a standard error has converged; a point at one standard error has not."""
     optimum = evaluated(noisy, truth, steps=20).x
     _, _, matrix = noisy.derivatives(optimum)
     values, vectors = np.linalg.eigh(matrix)
@@ -106,7 +106,7 @@ def test_at_a_bound_the_gradient_may_point_beyond_it(noisy, truth):
     assert not evaluated(noisy, found.x).converged  # without the bound there is more to gain
 
 
-def test_at_an_active_condition_too(noisy, truth):
+def test_an_active_constraint_is_part_of_the_criterion(noisy, truth):
     constraints = [(Constraint("mu_y", -inf, 1.7, ()), LOAD)]  # the tire has 1.9
     start = truth.copy()
     start[FREE.index("PDY1")] *= 0.85
@@ -116,13 +116,13 @@ def test_at_an_active_condition_too(noisy, truth):
     assert not evaluated(noisy, found.x).converged
 
 
-def test_what_breaks_a_condition_has_not_converged(noisy, truth):
+def test_a_point_that_violates_a_constraint_has_not_converged(noisy, truth):
     found = evaluated(noisy, truth, [(Constraint("mu_y", -inf, 1.7, ()), LOAD)], steps=5)
     assert (found.converged, found.steps) == (False, 0)
     assert found.reason.startswith("a constraint is violated by 2e-01")
 
 
-def test_what_is_no_number_has_not_converged(noisy, truth):
+def test_a_nan_gradient_has_not_converged(noisy, truth):
     found = evaluated(failing(noisy, range(1, 2)), truth, steps=5)
     assert (found.converged, found.reason) == (False, "cost, constraints or derivatives are not finite")
 
@@ -130,7 +130,7 @@ def test_what_is_no_number_has_not_converged(noisy, truth):
 # ------------------------------------------------------------------ a solver that fails
 
 
-def test_a_solver_that_fails_at_the_optimum_has_found_it(exact, truth):
+def test_a_solver_that_fails_at_the_optimum_has_converged(exact, truth):
     everywhere = np.full(len(FREE), inf)
     solution = solve(failing(exact, range(6, 7)), truth * 1.02, -everywhere, everywhere, [])
     assert solution.detail == "Invalid_Number_Detected"
@@ -138,7 +138,7 @@ def test_a_solver_that_fails_at_the_optimum_has_found_it(exact, truth):
     np.testing.assert_allclose(solution.x, truth, atol=1e-6)
 
 
-def test_one_that_fails_on_the_way_is_led_on(noisy, truth):
+def test_a_solver_that_fails_before_the_optimum_is_continued(noisy, truth):
     everywhere = np.full(len(FREE), inf)
     whole = solve(noisy, truth * 1.1, -everywhere, everywhere, [])
     solution = solve(failing(noisy, range(3, 4)), truth * 1.1, -everywhere, everywhere, [])
@@ -147,7 +147,7 @@ def test_one_that_fails_on_the_way_is_led_on(noisy, truth):
     assert solution.cost == pytest.approx(whole.cost, rel=1e-4)
 
 
-def test_one_that_fails_for_good_says_so(noisy, truth):
+def test_a_solver_that_always_fails_reports_it(noisy, truth):
     everywhere = np.full(len(FREE), inf)
     solution = solve(failing(noisy, range(3, 1000)), truth * 1.1, -everywhere, everywhere, [])
     assert not solution.converged
@@ -156,8 +156,8 @@ def test_one_that_fails_for_good_says_so(noisy, truth):
     assert np.isfinite(solution.x).all()
 
 
-def test_numbers_that_are_wrong_in_their_last_digits_change_nothing(exact, truth):
-    """Emulates another processor at its worst: the cost of exact data is nothing but rounding."""
+def test_rounding_errors_change_nothing(exact, truth):
+    """Emulates another processor in the worst case: the cost of exact data is rounding error."""
 
     class Rounded(Problem):
         def derivatives(self, x):

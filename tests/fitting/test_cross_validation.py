@@ -1,4 +1,4 @@
-"""Cross-validation leaves out whole conditions, and tells a tire that learnt its data by heart."""
+"""Cross-validation holds out whole operating conditions and predicts them."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from tirefmu.symbolic.errors import FitError
 LOADS, CAMBERS = (220.0, 400.0, 600.0, 800.0, 1000.0, 1120.0), (0.0, 2.0, 4.0)
 
 
-def test_a_true_model_foretells_what_it_has_not_seen(known, make):
+def test_a_true_model_predicts_out_of_sample(known, make):
     recording = make.sideways(known, loads=LOADS, cambers=CAMBERS, noise=Noise())
     (held,) = cross_validate([recording], "mf96", effects=make.effects, nominal=make.nominal)
     assert (held.recording, held.channel, held.unit, held.rows) == (recording.source, "Fy", "N", len(recording))
     assert 0.98 * held.in_sample < held.held_out < 1.1 * held.in_sample
 
 
-def test_each_condition_is_left_out_once_and_whole(known, make, monkeypatch):
+def test_each_condition_is_held_out_once_and_completely(known, make, monkeypatch):
     recording = make.sideways(known, loads=LOADS, cambers=CAMBERS)
     conditions = group_by_condition(recording, most_levels=MOST_LEVELS).labels
     assert len(set(conditions)) == 18
@@ -44,7 +44,7 @@ def test_each_condition_is_left_out_once_and_whole(known, make, monkeypatch):
         assert len(set(conditions[chosen])) == 6
 
 
-def test_nominal_values_are_those_of_the_whole(known, make, monkeypatch):
+def test_nominal_values_are_those_of_the_fit_of_all_data(known, make, monkeypatch):
     nominal_values, run = [], cross_validation.fit
 
     def recorded(recordings, model, **options):
@@ -59,6 +59,6 @@ def test_nominal_values_are_those_of_the_whole(known, make, monkeypatch):
 
 
 @pytest.mark.parametrize("folds", [0, 1, 50])
-def test_folds_need_conditions(known, make, folds):
+def test_invalid_numbers_of_folds_are_rejected(known, make, folds):
     with pytest.raises(FitError, match=r"at least two are required|operating conditions in one recording"):
         cross_validate([make.sideways(known)], "mf96", folds=folds, effects=make.effects)

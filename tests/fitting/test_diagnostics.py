@@ -1,4 +1,4 @@
-"""What is planted in the data is found in what the fit tells, and what is not planted is not."""
+"""The diagnostics of a fit find effects that were added to the data, and no others."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def clean(known):
     return recorded(known)
 
 
-def test_conditions_are_those_that_were_held_and_the_worst_is_named(known, clean):
+def test_the_worst_operating_condition_is_identified(known, clean):
     odd = clean.copy()
     rows = (odd["Fz"] > 900.0) & (odd["gamma"] > 0.03)
     odd.loc[rows, "Fy"] += 40.0
@@ -68,7 +68,7 @@ def test_conditions_are_those_that_were_held_and_the_worst_is_named(known, clean
     assert min(each.rmse for each in found) == pytest.approx(NOISE, rel=0.1)
 
 
-def test_an_offset_between_files_is_found_and_noise_alone_is_not(known, clean):
+def test_an_offset_between_files_is_significant_and_noise_is_not(known, clean):
     shifted = recorded(known, seed=1).assign(Fy=lambda t: t["Fy"] + 12.0)
     (found,) = disagreeing_files(residuals_of(known, clean, shifted))
     assert (found.channel, found.first, found.second) == ("Fy", "file 0", "file 1")
@@ -80,13 +80,13 @@ def test_an_offset_between_files_is_found_and_noise_alone_is_not(known, clean):
     assert quiet.typical < 2.0
 
 
-def test_differences_are_told_in_the_asked_signs(known, clean):
+def test_differences_have_the_requested_signs(known, clean):
     shifted = recorded(known, seed=1).assign(Fy=lambda t: t["Fy"] + 12.0)
     iso = replace(residuals_of(known, clean, shifted), signs="iso")
     assert disagreeing_files(iso)[0].mean == pytest.approx(12.0, abs=1.0)
 
 
-def test_what_the_tire_does_wrong_is_no_disagreement(known, clean):
+def test_model_errors_are_not_inconsistent_data(known, clean):
     wrong = replace(known, values={**known.values, "PKY1": 0.8 * known.values["PKY1"]})
     (found,) = disagreeing_files(residuals_of(wrong, clean, recorded(known, seed=1)))
     assert abs(found.sigmas) < 4
@@ -97,7 +97,7 @@ def test_files_without_a_common_condition_are_not_compared(known):
     assert disagreeing_files(residuals_of(known, light, heavy)) == ()
 
 
-def test_a_segment_that_drifted_away_is_named(known):
+def test_a_segment_with_an_offset_is_identified(known):
     table = recorded(known, repeats=3)
     assert disagreeing_segments(residuals_of(known, table))  # repeats are compared
     chosen = table["segment"].unique()[4]
@@ -119,7 +119,7 @@ def test_a_lag_is_a_difference_between_up_and_down(known, clean):
 
 
 def test_a_ripple_is_found_at_its_radius(known, clean):
-    radius, size = 0.21, 8.0  # the tire says 0.23
+    radius, size = 0.21, 8.0  # UNLOADED_RADIUS is 0.23
     odd = clean.assign(Fy=clean["Fy"] + size * np.sin(11.0 * clean["t"] / radius))
     (found,) = ripple(residuals_of(known, odd))
     assert found.stands_out
@@ -134,7 +134,7 @@ def test_a_ripple_is_found_at_its_radius(known, clean):
     assert ripple_texts((quiet,)) == []
 
 
-def test_no_ripple_is_told_without_a_clock_or_a_speed(known, clean):
+def test_ripple_requires_time_and_speed(known, clean):
     assert ripple(residuals_of(known, clean.drop(columns="t"))) == ()
     assert ripple(residuals_of(known, clean.drop(columns="V"))) == ()
 
@@ -157,7 +157,7 @@ def test_slip_stiffness_is_read_from_the_data(known, clean):
     (LOADS, (0.0,), 0.2, "PDY3", "no inclination"),
     (LOADS, CAMBERS, 0.02, "PDY1", "no alpha beyond 0.02 rad"),
 ])  # fmt: skip
-def test_the_reason_is_what_the_bench_left_out(known, loads, cambers, slip, coefficient, reason):
+def test_the_reason_is_the_missing_test_program(known, loads, cambers, slip, coefficient, reason):
     random, n = np.random.default_rng(2), 600
     alpha, load, camber = (random.uniform(-slip, slip, n), random.choice(loads, n), random.choice(cambers, n))
     table = pd.DataFrame({"kappa": 0.0, "alpha": alpha, "gamma": camber, "Fz": load})
@@ -169,7 +169,7 @@ def test_the_reason_is_what_the_bench_left_out(known, loads, cambers, slip, coef
     assert found.reason == reason
 
 
-def test_a_bound_that_the_data_ask_to_pass_is_told_from_one_that_holds_what_they_leave(known, clean):
+def test_an_active_bound_is_distinguished_from_a_coefficient_without_information(known, clean):
     data = residuals_of(known, clean.iloc[::7])
     free = ["PDY1", "PDY2", "PEY1", "PKY1", "PKY2", "PCY1", "PDX1"]
     found = {each.coefficients: each.reason for each in at_bounds(data, free, ["PDY1", "PDX1"], {"Fy": 500.0})}
@@ -183,14 +183,14 @@ def test_a_bound_that_the_data_ask_to_pass_is_told_from_one_that_holds_what_they
     ((0.0, 0.05), "inclination to one side only"),
     ((-0.05, 0.05), "no inclination beyond 2.9 deg"),
 ])  # fmt: skip
-def test_what_lacks_of_inclination(known, clean, cambers, reason):
+def test_the_missing_inclination_is_reported(known, clean, cambers, reason):
     table = clean.iloc[::7].assign(gamma=lambda t: np.resize(cambers, len(t)))
     table["Fy"] = known.evaluate(table, signs="adapted-sae")["Fy"] + NOISE
     (found,) = undetermined(residuals_of(known, table), ["PDY1", "PDY3"], [("PDY3",)], {"Fy": 0.01})
     assert found.reason == reason
 
 
-def test_a_load_with_little_slip_is_said_to_have_little(known):
+def test_a_load_with_a_small_slip_range_is_reported(known):
     random, n = np.random.default_rng(3), 900
     load = random.choice(LOADS, n)
     kappa = np.where(load == 700.0, 0.3, 0.1) * random.uniform(-1, 1, n)
@@ -203,7 +203,7 @@ def test_a_load_with_little_slip_is_said_to_have_little(known):
     assert found.reason == "no second load above 0.1 kappa"
 
 
-def test_the_result_tells_it_all_in_strict_json(side_fit):
+def test_all_findings_are_in_strict_json(side_fit):
     result, recording = side_fit
     found = result.findings
     assert found is result.findings  # once
@@ -215,7 +215,7 @@ def test_the_result_tells_it_all_in_strict_json(side_fit):
     assert replace(result, evidence=None).findings.conditions == ()
 
 
-def test_every_margin_is_told_once_beside_its_extrapolation(side_fit):
+def test_every_margin_is_reported_once_with_its_extrapolation(side_fit):
     far = Margin("mu_y > 0, 1.5 x the range", 0.5, 0.49, {"Fz": 1680.0}, "extrapolation:mu_y")
     result = replace(side_fit[0], margins=(*side_fit[0].margins, far))
     found = constraint_rows(result.margins)

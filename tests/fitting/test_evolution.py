@@ -1,4 +1,4 @@
-"""IOA: it recovers a small tire, keeps bounds and conditions, repeats itself, and says how it ended."""
+"""IOA: it recovers a small tire, satisfies bounds and constraints, is reproducible, and reports its status."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def start(problem):
 
 @pytest.fixture
 def bounds(problem):
-    """Return a function that writes bounds in the solver's scale: the cards' where none are given."""
+    """Return a function that returns scaled bounds, by default the declared ones."""
     declarations = problem.tire.book.coefficients
 
     def write(**given):
@@ -58,7 +58,7 @@ def test_it_recovers_known_coefficients(problem, start, bounds, known):
     assert solution.cost == problem.cost(solution.x)
 
 
-def test_a_seed_repeats_a_search_and_another_goes_elsewhere(problem, start, bounds):
+def test_equal_seeds_give_equal_searches(problem, start, bounds):
     first, again, other = (Evolution(30, seed)(problem, start, *bounds(), []) for seed in (4, 4, 5))
     np.testing.assert_array_equal(first.x, again.x)
     assert (first.cost, first.iterations) == (again.cost, again.iterations)
@@ -82,10 +82,10 @@ def test_every_candidate_is_within_the_bounds(problem, start, bounds, monkeypatc
     assert (tried <= upper + rounding).all()
     values = dict(zip(FREE, solution.x * problem.scale, strict=True))
     assert values["PCY1"] == pytest.approx(1.2, rel=1e-12)
-    assert values["PDY1"] == pytest.approx(1.7, abs=1e-2)  # the data want 1.9
+    assert values["PDY1"] == pytest.approx(1.7, abs=1e-2)  # the optimum is 1.9
 
 
-def test_conditions_are_kept_where_the_optimum_breaks_them(problem, start, bounds):
+def test_constraints_are_satisfied_if_the_optimum_violates_them(problem, start, bounds):
     points = np.array([[0.0, 0.0], [0.1, 0.1], [0.0, 0.0], [220.0, 1120.0]])
     ceiling = (Constraint("mu_y", -inf, 1.6, ("Fz",)), points)
     free = Evolution(300)(problem, start, *bounds(), [])
@@ -98,7 +98,7 @@ def test_conditions_are_kept_where_the_optimum_breaks_them(problem, start, bound
     assert constrained.cost == pytest.approx(reference.cost, rel=1e-2)
 
 
-def test_it_starts_outside_the_conditions_and_gets_inside(problem, start, bounds):
+def test_an_infeasible_start_becomes_feasible(problem, start, bounds):
     points = np.array([[0.0], [0.0], [0.0], [700.0]])
     floor = (Constraint("mu_y", 1.8, inf, ("Fz",)), points)  # the start has 1.5
     solution = Evolution(100)(problem, start, *bounds(), [floor])
@@ -106,7 +106,7 @@ def test_it_starts_outside_the_conditions_and_gets_inside(problem, start, bounds
     assert values["PDY1"] >= 1.8 - 2e-6
 
 
-def test_impossible_conditions_are_a_result(problem, start, bounds):
+def test_infeasible_constraints_are_a_result(problem, start, bounds):
     points = np.array([[0.0], [0.0], [0.0], [700.0]])
     pair = [(Constraint("mu_y", 3.0, inf, ()), points), (Constraint("mu_y", -inf, 1.0, ()), points)]
     solution = Evolution(150)(problem, start, *bounds(), pair)
@@ -115,7 +115,7 @@ def test_impossible_conditions_are_a_result(problem, start, bounds):
     assert np.isfinite(solution.x).all()
 
 
-def test_a_fit_goes_on_from_its_last_population_with_more_conditions(problem, start, bounds):
+def test_a_search_continues_with_its_population_and_more_constraints(problem, start, bounds):
     points = np.array([[0.0], [0.0], [0.0], [700.0]])
     ceiling = (Constraint("mu_y", -inf, 1.7, ()), points)
     search = Evolution(300)
@@ -128,7 +128,7 @@ def test_a_fit_goes_on_from_its_last_population_with_more_conditions(problem, st
 # ------------------------------------------------------------------ how it ends
 
 
-def test_the_limit_is_told_as_the_limit(problem, start, bounds):
+def test_the_iteration_limit_is_reported(problem, start, bounds):
     solution = Evolution(5)(problem, start, *bounds(), [])
     assert (solution.iterations, solution.converged) == (5, False)
     assert solution.reason == LIMIT == "iteration limit"
@@ -142,7 +142,7 @@ def test_the_error_goal_ends_it(problem, start, bounds):
     assert solution.iterations < 5000
 
 
-def test_no_further_gain_ends_it_unless_it_is_patient(known, make, bounds, start):
+def test_the_stopping_window_ends_a_search_unless_it_runs_to_the_limit(known, make, bounds, start):
     table = make.sideways(known, cambers=(0.0,)).table
     noisy = problem_of(known, table.assign(Fy=table["Fy"] + np.random.default_rng(3).normal(0.0, 20.0, len(table))))
     stopped = Evolution(1500)(noisy, start, *bounds(), [])
@@ -153,7 +153,7 @@ def test_no_further_gain_ends_it_unless_it_is_patient(known, make, bounds, start
     assert full_length.reason == LIMIT
 
 
-def test_who_stops_it_gets_the_best_so_far(problem, start, bounds):
+def test_a_stopped_search_returns_the_best_individual(problem, start, bounds):
     calls = []
     requests = count(1)
     solution = Evolution(1000)(
@@ -170,8 +170,8 @@ def test_who_stops_it_gets_the_best_so_far(problem, start, bounds):
 # ------------------------------------------------------------------ within a fit
 
 
-def test_a_fit_by_ioa_tells_its_method_and_repeats_itself(known, make, tmp_path):
-    free = "\n".join(f"{name} = {{ guess = {START[name]} }}" for name in FREE)  # no bounds: the cards'
+def test_a_fit_by_ioa_reports_its_method_and_is_reproducible(known, make, tmp_path):
+    free = "\n".join(f"{name} = {{ guess = {START[name]} }}" for name in FREE)  # declared bounds
     path = make.recipe(tmp_path, f'[[stage]]\nname = "side"\nchannels = ["Fy"]\n[stage.free]\n{free}\n')
     recording = make.sideways(known, cambers=(0.0,))
     results = [
@@ -195,7 +195,7 @@ def test_every_stage_of_the_default_recipe_can_be_solved_by_it(known, make):
     assert result.channels[0].rmse < 3 * by_ipopt.channels[0].rmse
 
 
-def test_a_misspelt_method_and_odd_numbers_are_refused():
+def test_invalid_methods_and_numbers_are_rejected():
     with pytest.raises(UnknownName, match="unknown method 'iao': did you mean ioa"):
         solver_for("iao")
     with pytest.raises(FitError, match="at least one"):
@@ -205,8 +205,8 @@ def test_a_misspelt_method_and_odd_numbers_are_refused():
     assert {method: solver_for(method, 7) for method in METHODS}["ioa"].max_iterations == 7
 
 
-def test_every_card_bounds_the_search(known, make, problem, start):
-    """So that a recipe's open bounds can be sought within the card's."""
+def test_declared_bounds_limit_the_search(known, make, problem, start):
+    """Coefficients without bounds in a recipe have the bounds of their declarations."""
     for book in MODELS.values():
         assert all(
             np.isfinite([declaration.lower, declaration.upper]).all() for declaration in book.coefficients.values()
@@ -227,7 +227,7 @@ def test_every_card_bounds_the_search(known, make, problem, start):
 def test_the_forces_of_many_tires_are_those_of_each(known, make, language):
     code = code_for("mf96", language)
     inputs = np.stack([make.anywhere(300)[name] for name in known.inputs])
-    inputs[0, 5] = 1e9  # far out, where a kernel hands over to the code of single rows
+    inputs[0, 5] = 1e9  # outside the range of the batch kernel, which calls the code for single rows
     population = np.stack([make.other_tire(seed).parameters() for seed in range(4)])
     together = forces_of_each(code, inputs, population)
     for parameters, forces in zip(population, together, strict=True):

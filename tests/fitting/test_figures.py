@@ -1,4 +1,4 @@
-"""Figures show what the data hold, in the data's own convention; what is read from the data is what the tire does."""
+"""Figures of the data and the tire in the requested sign convention; slopes read from the data are correct."""
 
 from dataclasses import replace
 from importlib import import_module
@@ -48,7 +48,7 @@ def per_load(comparison, channel, slip):
 
 @pytest.fixture(scope="module")
 def bench():
-    """Return a noisy recording of everything."""
+    """Return a noisy recording of all channels."""
     return run(concatenate([LATERAL, DRIVEN]), Noise())
 
 
@@ -58,7 +58,7 @@ def trento():
     return compare(TIRE, [run(trento_program())])
 
 
-def test_every_figure_is_written_whole_and_repeatably(bench, tmp_path):
+def test_every_figure_is_complete_and_reproducible(bench, tmp_path):
     first = draw_figures(TIRE, [bench], tmp_path / "a", prefix="fit_", truth=TIRE)
     second = draw_figures(TIRE, [bench], tmp_path / "b", prefix="fit_", truth=TIRE)
     assert [path.name for path in first] == [f"fit_{name}.png" for name in ALL]
@@ -76,19 +76,19 @@ def test_every_figure_is_written_whole_and_repeatably(bench, tmp_path):
     ],
     ids=["cornering only", "driving only", "combined only"],
 )
-def test_figures_without_data_are_left_out(program, drawn, tmp_path):
+def test_figures_without_data_are_omitted(program, drawn, tmp_path):
     paths = draw_figures(TIRE, [run(program)], tmp_path)
     assert [path.stem for path in paths] == drawn
 
 
-def test_a_channel_that_was_not_measured_is_left_out(bench, tmp_path):
+def test_a_channel_that_was_not_measured_is_omitted(bench, tmp_path):
     blind = replace(bench, table=bench.table.drop(columns="Mz").assign(Fy=np.nan))
     assert [path.stem for path in draw_figures(TIRE, [blind], tmp_path)] == [
         "pure_Fx", "combined", "weighting", "stiffness", "residuals",
     ]  # fmt: skip
 
 
-def test_nothing_is_written_where_something_is_wrong(bench, tmp_path):
+def test_invalid_input_writes_no_file(bench, tmp_path):
     blocked = tmp_path / "file"
     blocked.write_text("mine")
     with pytest.raises(FitError, match="figures cannot be written"):
@@ -129,7 +129,7 @@ def test_one_segment_without_a_clock_still_shows_its_levels():
     assert np.degrees([group.level for group in angles]) == pytest.approx([0.0, 6.0], abs=0.01)
 
 
-def test_groups_share_no_row_and_keep_their_conditions(bench):
+def test_groups_are_disjoint_and_have_equal_conditions(bench):
     comparison = compare(TIRE, [bench])
     families = comparison.pure("Fy", "alpha") + comparison.pure("Fx", "kappa") + comparison.combined()
     assert len(families) == 8
@@ -156,7 +156,7 @@ def test_the_convention_of_the_data_changes_signs_only(bench, signs):
         assert abs(here).to_numpy() == pytest.approx(abs(there).to_numpy(), abs=1e-9)
 
 
-def test_recordings_of_different_conventions_meet_in_iso(bench):
+def test_recordings_of_different_conventions_are_compared_in_iso(bench):
     sae = bench.with_signs("sae")
     comparison = compare(TIRE, [bench, sae])
     assert comparison.signs == "iso"
@@ -200,7 +200,7 @@ def test_the_slope_of_a_cubic_is_read_exactly(coefficients, window):
 
 
 @given(st.lists(st.integers(0, 200), min_size=1, max_size=15, unique=True))
-def test_outliers_hardly_move_the_slope(spoiled):
+def test_outliers_hardly_change_the_slope(spoiled):
     rng = np.random.default_rng(0)
     slip = np.linspace(-1.0, 1.0, 201)
     force = 100.0 * slip + rng.normal(0.0, 1.0, len(slip))
@@ -229,19 +229,19 @@ def test_measured_recordings(data_folder, tmp_path):
 
 
 @pytest.mark.parametrize("text", HOSTILE)
-def test_a_name_is_drawn_as_it_stands(text):
-    """Matplotlib takes text between dollar signs for a formula, and fails where it is none."""
+def test_a_name_is_drawn_without_interpretation(text):
+    """Matplotlib interprets text between dollar signs as a formula, and raises if it is invalid."""
     figure = Figure(figsize=(4.0, 2.0), layout="constrained")
     style.write_footnote(figure, "iso", f"data: {figure_text(text)}")
     figure.suptitle(f"{figure_text(text)}, $F_y$: $p$ = 80 kPa")
     assert style.png(figure)
 
 
-def test_few_of_many_recordings_are_named(bench):
+def test_only_some_of_many_recordings_are_listed(bench):
     comparison = replace(compare(TIRE, [bench]), sources=tuple(f"run{n}.mat" for n in range(100)))
     rows = comparison.table.iloc[:100].assign(recording=np.arange(100))
     assert "run29.mat and 70 more" in data_text(comparison, rows)
 
 
-def test_recordings_of_one_name_are_told_apart(bench):
+def test_recordings_with_equal_names_are_distinguished(bench):
     assert compare(TIRE, [bench, bench]).sources == (bench.source, f"{bench.source} (2)")

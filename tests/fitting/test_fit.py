@@ -1,4 +1,4 @@
-"""A fit finds the tire that made the data, whatever its signs, keeps what it promises, and says what it cannot know."""
+"""A fit recovers the true tire from data in any signs, and satisfies its bounds and constraints."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ BOOK = model("mf96")
 
 
 def differences(tire, truth, inputs):
-    """Return the largest difference of each force, as a share of the largest force."""
+    """Return the largest difference of each force, relative to the largest force."""
     found, true = (t.in_signs("iso").forces(**inputs) for t in (tire, truth))
     return {name: float(np.max(np.abs(found[name] - true[name])) / np.max(np.abs(true[name]))) for name in true}
 
 
-# ------------------------------------------------------------------ what made the data is found
+# ------------------------------------------------------------------ recovery
 
 
 @pytest.mark.parametrize("seed", [None, 0, 1, 2])
@@ -40,7 +40,7 @@ def test_known_coefficients_are_recovered_from_generic_values(known, make, seed)
         assert make.coefficients(result)[name].determined
 
 
-def test_noise_does_not_lead_it_astray(known, make):
+def test_noise_has_a_small_effect(known, make):
     recording = make.bench(known, noise=Noise())
     result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
     assert result.ok
@@ -66,7 +66,7 @@ def test_the_signs_of_the_data_do_not_matter(side_fit, make, data):
     assert side.rmse == pytest.approx(reference.channel(recording.source, "Fy").rmse, rel=1e-6, abs=1e-9)
 
 
-def test_recordings_of_different_signs_go_together(known, make):
+def test_recordings_of_different_signs_are_combined(known, make):
     whole = make.sideways(known)
     half = np.arange(len(whole)) < len(whole) // 2
     parts = [Recording(whole.table[rows], whole.signs, name) for rows, name in ((half, "one"), (~half, "two"))]
@@ -97,7 +97,7 @@ def test_a_fit_is_repeatable(side_fit, make):
 # ------------------------------------------------------------------ bounds and constraints
 
 
-def test_bounds_are_kept_and_named(known, make, tmp_path):
+def test_bounds_are_satisfied_and_reported(known, make, tmp_path):
     path = make.recipe(
         tmp_path,
         """
@@ -122,8 +122,8 @@ def test_bounds_are_kept_and_named(known, make, tmp_path):
     assert coefficients["PKY2"].guess == 5.0  # a guess beyond its bounds is moved onto them
 
 
-def test_a_curvature_above_one_is_refused_over_the_whole_range(known, make):
-    """E_x of the tire arches above 1 between the loads at which the condition is first imposed."""
+def test_the_curvature_constraint_is_satisfied_over_the_whole_range(known, make):
+    """E_x of the tire exceeds 1 between the loads at which the constraint is first imposed."""
     values = {**known.values, "FNOMIN": 500.0, "PEX1": 0.3, "PEX2": 4.0, "PEX3": -4.0}
     effects = ("load_friction", "load_stiffness", "load_curvature")
     odd = Tire("mf96", values, effects=effects, signs="adapted-sae")
@@ -138,8 +138,8 @@ def test_a_curvature_above_one_is_refused_over_the_whole_range(known, make):
     assert curvature.worst == pytest.approx(1.0, abs=1e-3)
     assert 500.0 < curvature.at["Fz"] < 1000.0
     coefficients = make.coefficients(result)
-    assert not any(coefficients[name].at_bound for name in ("PEX1", "PEX2", "PEX3"))  # it is the condition that holds
-    # The data want more: with the condition lifted, E_x of their best fit arches to 1.3.
+    assert not any(coefficients[name].at_bound for name in ("PEX1", "PEX2", "PEX3"))  # the constraint is active
+    # The true E_x reaches 1.3.
     loads = np.linspace(220.0, 1120.0, 400)
     rows = np.stack([np.full(400, 0.1), np.zeros(400), np.zeros(400), loads])
     code = code_for("mf96", "numpy")
@@ -149,8 +149,8 @@ def test_a_curvature_above_one_is_refused_over_the_whole_range(known, make):
     assert constrained.max() < 1.02  # between the verified loads, too
 
 
-def test_the_curvature_is_not_held_where_no_condition_is(known, make):
-    """The counterpart: without conditions the same kind of data lead beyond 1."""
+def test_without_constraints_the_curvature_exceeds_one(known, make):
+    """The counterpart: without constraints similar data lead to values above 1."""
     values = {**known.values, "PEY1": 0.6, "PEY2": 1.2}
     odd = Tire("mf96", values, effects=make.effects, signs="adapted-sae")
     recording = make.sideways(odd)

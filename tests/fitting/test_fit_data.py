@@ -1,4 +1,4 @@
-"""Which rows a fit takes, how much they count, and what it says of those that it sets aside."""
+"""The data of a fit: included and excluded rows, weights, notes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ BOOK = model("mf96")
 
 @pytest.fixture(scope="module")
 def bench(known):
-    """Return a recording of the side force at 25 Hz: a course in time."""
+    """Return a recording of the side force at 25 Hz, as a time series."""
 
     def run(*programs, noise=None, seed=2):
         recording = VirtualBench(known, noise or Noise(), seed=seed).run(concatenate(programs))
@@ -40,7 +40,7 @@ def spoiled(recording, rows, force=9e3):
     return replace(recording, table=table)
 
 
-def test_bad_rows_do_not_bend_a_fit(once, known, make):
+def test_excluded_outliers_do_not_change_a_fit(once, known, make):
     rows = np.arange(20, len(once), 60)
     bad = spoiled(once, rows)
     options = {"effects": ("load_friction", "load_stiffness", "plysteer"), "nominal": make.nominal}
@@ -71,7 +71,7 @@ def test_a_range_is_that_of_the_rows_that_are_fitted(once):
     assert data.table["Fz"].max() == 40e3
 
 
-def test_a_repeated_condition_counts_once_unless_asked(bench):
+def test_repeated_conditions_count_once_by_default(bench):
     sweep = alpha_sweeps([400.0, 700.0, 1100.0], [0.0], sample_rate=25.0)
     again = alpha_sweeps([1100.0], [0.0], sample_rate=25.0)
     recording = bench(sweep, again, again, again)
@@ -82,7 +82,7 @@ def test_a_repeated_condition_counts_once_unless_asked(bench):
     assert share["condition"] == pytest.approx(1 / 3, rel=0.02)
 
 
-def test_a_disturbance_in_repeats_weighs_less_where_they_count_once(bench, known, make):
+def test_an_error_in_repeats_has_less_weight_if_conditions_are_weighted_equally(bench, known, make):
     sweep = alpha_sweeps([400.0, 700.0, 1100.0], [0.0], sample_rate=25.0)
     again = alpha_sweeps([1100.0], [0.0], sample_rate=25.0)
     recording = bench(sweep, again, again, again, noise=Noise.none())
@@ -94,8 +94,8 @@ def test_a_disturbance_in_repeats_weighs_less_where_they_count_once(bench, known
     assert abs(friction[1] - lighter) < abs(friction[0] - lighter)
 
 
-def test_independent_rows_weigh_a_recording_by_what_it_is_worth(once, known, make):
-    """One recording misses slowly, the other at random, by as much: the second tells more."""
+def test_independent_weights_use_the_effective_sample_size(once, known, make):
+    """Two recordings have errors of equal size, one slow and one random: the second contains more information."""
     size, n = 60.0, len(once)
     slow = size * np.sqrt(2.0) * np.sin(2 * np.pi * np.arange(n) / n + 0.7)
     quick = np.random.default_rng(0).normal(0.0, size, n)
@@ -114,7 +114,7 @@ def test_independent_rows_weigh_a_recording_by_what_it_is_worth(once, known, mak
     assert error(by_sample_size) < 0.7 * error(by_row)
 
 
-def test_a_file_that_is_all_warm_up_is_set_aside_beside_others(once):
+def test_a_file_with_warm_up_only_is_excluded(once):
     cold = replace(once, source="warmup.csv", table=once.table.assign(Fy=0.5 * once.table["Fy"]))
     data = prepare([once, cold], BOOK)
     assert set(data.fitted["recording"]) == {0}
@@ -126,13 +126,13 @@ def test_a_file_that_is_all_warm_up_is_set_aside_beside_others(once):
     assert len(prepare([cold], BOOK, screening=False).fitted) == len(cold)
 
 
-def test_rows_count_in_ways_that_have_names(once):
+def test_an_unknown_weighting_of_rows_is_rejected(once):
     with pytest.raises(UnknownName, match="unknown weighting of rows 'independant': did you mean independent"):
         prepare([once], BOOK, rows="independant")
 
 
-def test_one_tire_at_two_pressures_is_one_tire(once, known):
-    """A tenth more friction and stiffness is what inflation does."""
+def test_the_effect_of_pressure_is_not_reported_as_two_tires(once, known):
+    """Inflation pressure may change friction and stiffness by a tenth."""
     stiffer = replace(once, table=once.table.assign(Fy=1.12 * once.table["Fy"]), source="other")
     assert tire_notes([once, stiffer]) == []
     weak = replace(once, table=once.table.assign(Fy=0.7 * once.table["Fy"]), source="weak")
@@ -152,8 +152,8 @@ def test_tires_without_a_common_load_are_not_compared(once):
 
 
 @pytest.mark.parametrize(("degrees", "fitted"), [(1.2, True), (0.3, False)])
-def test_a_channel_is_fitted_from_a_small_sweep_on(degrees, fitted):
-    """A degree of slip angle tells the cornering stiffness; the ripple of a held one tells nothing."""
+def test_a_channel_is_fitted_if_its_slip_varies_sufficiently(degrees, fitted):
+    """A sweep of one degree determines the cornering stiffness; variation of a held slip angle does not."""
     alpha = np.radians(degrees) * np.linspace(-0.5, 0.5, 300)
     table = pd.DataFrame({"alpha": alpha, "kappa": np.linspace(-0.1, 0.1, 300), "Fz": 700.0, "Fx": 1.0, "Fy": alpha})
     data = prepare([Recording(table, "adapted-sae", "small")], BOOK, screening=False)

@@ -1,4 +1,4 @@
-"""What data cannot tell is named; what cannot be fitted is refused in one line."""
+"""A fit reports coefficients that the data do not determine, and rejects invalid input with one line."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tirefmu.symbolic.errors import DataError, FitError, TirefmuError, UnknownNa
 BOOK = model("mf96")
 
 
-def test_cornering_alone_leaves_drive_and_brake_undetermined(known, make):
+def test_cornering_does_not_determine_drive_and_brake(known, make):
     result = fit([make.bench(known, kappa=False)], "mf96", effects=make.effects, nominal=make.nominal)
     coefficients = make.coefficients(result)
     for name in ("RBY1", "RBY2", "RBY3", "RCY1", "RHY1"):
@@ -25,7 +25,7 @@ def test_cornering_alone_leaves_drive_and_brake_undetermined(known, make):
         assert result.tire.values[name] == BOOK.coefficients[name].default
     assert any("Fx is not fitted, kappa does not vary" in note for note in result.notes)
     assert [channel.channel for channel in result.channels] == ["Fy", "Mz"]
-    # Mz lies on Fy alone where kappa does not vary, so that nothing tells of Fx.
+    # Without variation of kappa, Mz depends on Fy only and contains no information on Fx.
     for name in ("PCX1", "PDX1", "PKX1", "RBX1"):
         assert name not in coefficients or not coefficients[name].determined
         assert result.tire.values[name] == BOOK.coefficients[name].default
@@ -34,7 +34,7 @@ def test_cornering_alone_leaves_drive_and_brake_undetermined(known, make):
         assert (coefficient.name in named.partition(": ")[2].split(", ")) == (not coefficient.determined)
 
 
-def test_one_load_and_no_camber_leave_their_coefficients_undetermined(known, make):
+def test_one_load_without_inclination_does_not_determine_their_coefficients(known, make):
     recording = make.sideways(known, loads=(700.0,), cambers=(0.0,))
     result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
     coefficients = make.coefficients(result)
@@ -44,10 +44,10 @@ def test_one_load_and_no_camber_leave_their_coefficients_undetermined(known, mak
     for name in ("PCY1", "PDY1", "PEY1", "PKY1", "PHY1", "PVY1"):
         assert coefficients[name].determined, name
     assert result.channels[0].r2 > 0.99999
-    assert result.tire.ranges.keys() == {"alpha"}  # what did not vary has no range
+    assert result.tire.ranges.keys() == {"alpha"}  # constant inputs have no range
 
 
-def test_a_later_stage_does_not_forget_what_an_earlier_one_measured(known, make, tmp_path):
+def test_a_later_stage_preserves_values_that_it_does_not_determine(known, make, tmp_path):
     path = make.recipe(
         tmp_path,
         """
@@ -64,9 +64,9 @@ def test_a_later_stage_does_not_forget_what_an_earlier_one_measured(known, make,
     coefficients = make.coefficients(result)
     assert result.tire.values["PDY2"] == pytest.approx(known.values["PDY2"], rel=1e-3)
     assert coefficients["PDY2"].determined
-    assert coefficients["PDY2"].stage == "all loads"  # the last that saw it
+    assert coefficients["PDY2"].stage == "all loads"  # the last stage that determined it
     assert coefficients["PDY1"].stage == "one load"
-    for name, coefficient in coefficients.items():  # told is what the fit started from
+    for name, coefficient in coefficients.items():  # the guess is the initial value of the fit
         if coefficient.determined:
             assert coefficient.guess == BOOK.coefficients[name].generic
 
@@ -74,7 +74,7 @@ def test_a_later_stage_does_not_forget_what_an_earlier_one_measured(known, make,
 # ------------------------------------------------------------------ bad input
 
 
-def test_bad_requests_are_told_in_one_line(known, make):
+def test_invalid_arguments_give_a_message_of_one_line(known, make):
     recording = make.sideways(known)
     cases = [
         (UnknownName, "unknown model 'mf69': did you mean mf96", {"model": "mf69"}),
@@ -121,7 +121,7 @@ def test_a_recipe_that_finds_no_rows(known, make, tmp_path):
         fit([make.sideways(known)], "mf96", recipe=path, effects=())
 
 
-def test_rows_at_lift_off_do_not_disturb(known, make):
+def test_rows_without_load_have_no_effect(known, make):
     whole = make.sideways(known)
     lifted = whole.table.assign(
         Fz=whole.table["Fz"].where(whole.table.index % 50 != 0, 0.0),

@@ -1,4 +1,4 @@
-"""What can be asked of a fit: effects, a start, nominal values, progress; and that failing is a result."""
+"""Options of a fit: effects, start, nominal values, progress; a fit that does not converge is a result."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def test_the_coefficients_of_absent_effects_stay_neutral(known, make):
 
 
 def test_the_core_alone_and_other_tools_read_the_same_tire(known, make, tmp_path):
-    """Without load_stiffness the file has another PKY1 and PKY2, for readers that know no effects."""
+    """Without load_stiffness the file has another PKY1 and PKY2, for readers without effects."""
     core = Tire("mf96", known.values, effects=(), signs="adapted-sae")
     result = fit([make.sideways(core)], "mf96", effects=(), nominal=make.nominal)
     assert result.status == "converged"
@@ -49,7 +49,7 @@ def test_the_core_alone_and_other_tools_read_the_same_tire(known, make, tmp_path
 
 
 @pytest.mark.parametrize("stiffness", [(), ("load_stiffness",)], ids=["proportional", "saturating"])
-def test_constraints_and_influence_know_what_an_absent_effect_rescales(make, known, stiffness):
+def test_constraints_and_influence_use_rescaled_coefficients(make, known, stiffness):
     effects = ("camber_thrust", "load_friction", *stiffness)
     truth = Tire("mf96", known.values, effects=effects, signs="adapted-sae")
     result = fit([make.sideways(truth)], "mf96", effects=effects, nominal=make.nominal)
@@ -86,13 +86,13 @@ def test_nominal_values(known, make):
     assert result.tire.values["FNOMIN"] == 900.0
     assert result.tire.values["UNLOADED_RADIUS"] == 0.25
     assert any("nominal p0 is not used by mf96" in note for note in result.notes)
-    assert result.channels[0].r2 > 0.9999  # the same curve, told about another load
+    assert result.channels[0].r2 > 0.9999  # the same curve with another nominal load
     generic = fit([recording], "mf96", effects=())
     assert generic.tire.values["FNOMIN"] == float(f"{np.median(recording.table['Fz']):.2g}")
     assert sum("not given" in note for note in generic.notes) == 2
 
 
-def test_progress_is_told_stage_by_stage(known, make):
+def test_progress_is_reported_by_stage(known, make):
     calls = []
     result = fit(
         [make.sideways(known)], "mf96", effects=(), nominal=make.nominal, progress=lambda *call: calls.append(call)
@@ -115,7 +115,7 @@ def test_a_fit_that_does_not_converge_is_a_result(known, make):
     assert np.isfinite(list(result.tire.values.values())).all()
 
 
-def test_the_operating_range_is_kept_with_the_tire(side_fit):
+def test_the_operating_range_is_stored_in_the_tire(side_fit):
     result, recording = side_fit
     ranges = result.tire.ranges
     assert ranges["Fz"] == (220.0, 1120.0)
@@ -124,7 +124,7 @@ def test_the_operating_range_is_kept_with_the_tire(side_fit):
     assert "kappa" not in ranges
 
 
-def test_two_recordings_of_one_name_are_told_apart(known, make):
+def test_two_recordings_with_equal_names_are_distinguished(known, make):
     result = fit([make.sideways(known), make.sideways(known)], "mf96", nominal=make.nominal)
     names = {channel.recording for channel in result.channels}
     assert len(names) == 2

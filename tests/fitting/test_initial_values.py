@@ -1,4 +1,4 @@
-"""What a fit can read from the data before it begins: nearer to the truth than generic values, and never in the way."""
+"""Initial values read from the data: closer to the truth than generic values, and never harmful."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def measured(make, tire, **program):
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3, 4])
-def test_what_is_read_is_nearer_to_the_truth_than_generic_values(make, seed):
+def test_values_from_the_data_are_closer_to_the_truth_than_generic_ones(make, seed):
     truth = make.other_tire(seed)
     read = starting_values(blank(make), measured(make, truth))
     assert set(read) == FROM_DATA - {"PHX1"}  # of an absent effect
@@ -49,7 +49,7 @@ def test_what_is_read_is_nearer_to_the_truth_than_generic_values(make, seed):
 
 
 @pytest.mark.parametrize("seed", [1, 2])
-def test_a_fit_from_there_ends_no_worse(make, seed):
+def test_a_fit_from_these_values_is_not_worse(make, seed):
     recording = make.sideways(make.other_tire(seed), noise=Noise())
     generic, read = (
         fit([recording], "mf96", effects=make.effects, nominal=make.nominal, start=s) for s in (None, "features")
@@ -72,12 +72,12 @@ def test_a_later_model_reads_its_own_coefficients(make):
         assert value == pytest.approx(values[name], rel=0.1, abs=0.002), name
 
 
-def test_a_core_without_load_stiffness_reads_one_number(make, known):
+def test_a_core_without_load_stiffness_has_one_stiffness_coefficient(make, known):
     table = measured(make, Tire("mf96", known.values, effects=(), signs="adapted-sae"))
     assert set(starting_values(blank(make, effects=()), table)) == {"PDX1", "PDY1", "PKX1", "PKY1", "QBZ1", "QDZ1"}
 
 
-def test_single_bad_readings_do_not_turn_it(make):
+def test_outliers_hardly_change_the_initial_values(make):
     table = measured(make, make.other_tire(1))
     random = np.random.default_rng(5)
     spoiled = table.assign(Fy=np.where(random.random(len(table)) < 0.02, 20e3, table["Fy"]))
@@ -85,7 +85,7 @@ def test_single_bad_readings_do_not_turn_it(make):
     assert odd["PKY1"] == pytest.approx(clean["PKY1"], rel=0.3)
 
 
-def test_what_the_data_do_not_show_is_not_made_up(make):
+def test_quantities_that_the_data_do_not_show_have_no_reading(make):
     table = measured(make, make.other_tire(1))
     short = table[np.abs(table["alpha"]) < 0.02]
     assert "mu_y" not in readings(short)  # no peak in sight

@@ -1,4 +1,4 @@
-"""A fit that is asked to stop keeps what it has, says so, and goes on from its finished stages."""
+"""A stopped fit returns and reports the best values so far, and resumes after its completed stages."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ STAGES = ["Fy: core, load, combined slip", "Fy", "Fx, Fy, Mz, random rows", "Fx,
 
 
 def stopping(at_stage, at_iteration, how):
-    """Return a progress callback that asks to stop somewhere."""
+    """Return a progress callback that requests a stop at a stage and iteration."""
 
     def progress(stage, iteration, cost):
         if (stage, iteration) == (at_stage, at_iteration):
@@ -40,7 +40,7 @@ def pressed():
 
 @pytest.fixture(autouse=True)
 def listening():
-    """Listen to Ctrl-C, which a shell takes from what it runs in the background."""
+    """Install the default handler of Ctrl-C, which shells disable for background processes."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -63,7 +63,7 @@ def same(one, other):
 
 
 @pytest.mark.parametrize("how", [raised, pressed])
-def test_an_interrupt_keeps_the_best_values_so_far(recording, whole, make, how):
+def test_an_interrupt_returns_the_best_values_so_far(recording, whole, make, how):
     handler = signal.getsignal(signal.SIGINT)
     progress = stopping("Fy", 8, how)
     result = fit([recording], "mf96", effects=make.effects, nominal=make.nominal, progress=progress)
@@ -74,14 +74,14 @@ def test_an_interrupt_keeps_the_best_values_so_far(recording, whole, make, how):
     assert [(stage.name, stage.converged, stage.reason) for stage in result.stages[1:]] == [
         ("Fy", False, "interrupted")
     ]
-    # The second stage had gained something by then, and less than the whole fit.
+    # The second stage has improved the fit, but less than the complete fit.
     first = replace(result, stages=result.stages[:1])
     assert whole.channels[0].rmse < result.channels[0].rmse
     assert result.stages[1].cost < first.stages[0].cost
     assert all(margin.margin >= -1e-6 for margin in result.margins)
 
 
-def test_before_the_first_stage_there_is_nothing_to_keep(recording, make, monkeypatch):
+def test_an_interrupt_before_the_first_stage_has_no_result(recording, make, monkeypatch):
     from tirefmu.fitting import fit_run
 
     def pressed_too_early(*arguments):
@@ -93,7 +93,7 @@ def test_before_the_first_stage_there_is_nothing_to_keep(recording, make, monkey
         fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
 
 
-def test_what_the_progress_callback_raises_is_raised(recording, make):
+def test_an_exception_of_the_progress_callback_is_raised(recording, make):
     def wrong(stage, iteration, cost):
         raise ValueError("mine")
 
@@ -101,7 +101,7 @@ def test_what_the_progress_callback_raises_is_raised(recording, make):
         fit([recording], "mf96", effects=make.effects, nominal=make.nominal, progress=wrong)
 
 
-def test_a_second_interrupt_is_not_held_back():
+def test_a_second_interrupt_is_not_delayed():
     def twice():
         with Interruption():
             pressed()
@@ -111,7 +111,7 @@ def test_a_second_interrupt_is_not_held_back():
         twice()
 
 
-def test_a_handler_of_the_program_stays_in_force():
+def test_a_signal_handler_of_the_program_is_not_replaced():
     seen = []
     before = signal.signal(signal.SIGINT, lambda number, frame: seen.append(number))
     try:
@@ -122,7 +122,7 @@ def test_a_handler_of_the_program_stays_in_force():
     assert (seen, interruption.requested) == ([signal.SIGINT], False)
 
 
-def test_another_thread_has_no_handler_to_take_over():
+def test_another_thread_does_not_replace_the_handler():
     outcome = []
 
     def run():
@@ -137,7 +137,7 @@ def test_another_thread_has_no_handler_to_take_over():
 
 
 @pytest.mark.parametrize("stage", STAGES[1:])
-def test_a_resumed_fit_ends_as_one_without_interrupt(recording, whole, make, tmp_path, stage):
+def test_a_resumed_fit_equals_an_uninterrupted_one(recording, whole, make, tmp_path, stage):
     path = tmp_path / "tire.progress.json"
     options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
     interrupted = fit([recording], "mf96", **options, progress=stopping(stage, 2, raised))
@@ -150,14 +150,14 @@ def test_a_resumed_fit_ends_as_one_without_interrupt(recording, whole, make, tmp
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_fit_without_resume_begins_anew(recording, whole, make, tmp_path):
+def test_a_fit_without_resume_restarts(recording, whole, make, tmp_path):
     path = tmp_path / "tire.progress.json"
     options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
     fit([recording], "mf96", **options, progress=stopping(STAGES[-1], 1, raised))
     same(fit([recording], "mf96", **options), whole)
 
 
-def test_the_file_belongs_to_one_fit(recording, make, tmp_path):
+def test_a_progress_file_of_another_fit_is_rejected(recording, make, tmp_path):
     path = tmp_path / "tire.progress.json"
     options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
     fit([recording], "mf96", **options, progress=stopping(STAGES[1], 1, raised))
@@ -188,7 +188,7 @@ def test_the_file_belongs_to_one_fit(recording, make, tmp_path):
         (Checkpoint.sealed({"version": 3, "identity": [1]}), "belongs to a fit with other"),
     ],
 )
-def test_a_file_that_is_none(recording, make, tmp_path, text, message):
+def test_an_invalid_progress_file_is_rejected(recording, make, tmp_path, text, message):
     path = tmp_path / "tire.progress.json"
     if text is not None:
         path.write_text(text, encoding="utf-8")
@@ -213,7 +213,7 @@ WRONG = (
 )
 
 
-def test_a_broken_file_of_this_fit(recording, make, tmp_path):
+def test_a_modified_progress_file_is_rejected(recording, make, tmp_path):
     path = tmp_path / "tire.progress.json"
     options = {"effects": make.effects, "nominal": make.nominal, "checkpoint": path}
     fit([recording], "mf96", **options, progress=stopping(STAGES[1], 1, raised))
@@ -229,6 +229,6 @@ def test_a_broken_file_of_this_fit(recording, make, tmp_path):
             fit([recording], "mf96", **options, resume=True)
 
 
-def test_resuming_takes_a_file(recording, make):
+def test_resuming_requires_a_file(recording, make):
     with pytest.raises(FitError, match="requires the file of the completed stages"):
         fit([recording], "mf96", effects=make.effects, nominal=make.nominal, resume=True)

@@ -1,4 +1,4 @@
-"""The solver: its optimum, its bounds and constraints, and how it says that it did not get there."""
+"""IPOPT: its optimum, bounds and constraints, and the status without convergence."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ START = {"PCY1": 1.2, "PDY1": 1.5, "PKY1": 30.0, "PKY2": 1.5}
 
 @pytest.fixture(scope="module")
 def table(known, make):
-    """Return a side force that the tire cannot meet in full: it has noise of 20 N."""
+    """Return a side force with noise of 20 N, which the tire cannot fit exactly."""
     recording = make.sideways(known)
     noise = np.random.default_rng(3).normal(0.0, 20.0, len(recording))
     return recording.table.assign(Fy=recording.table["Fy"] + noise)
@@ -40,7 +40,7 @@ def start(problem, known):
 
 @pytest.fixture
 def bounds():
-    """Return a function that writes bounds of some coefficients in the solver's scale."""
+    """Return a function that returns scaled bounds of some coefficients."""
 
     def write(problem, **given):
         lower = np.array([given.get(name, (-inf, inf))[0] for name in FREE]) / problem.scale
@@ -52,7 +52,7 @@ def bounds():
 
 @pytest.fixture(scope="module")
 def curvature(known, table):
-    """Return the condition E_y <= 1 with its points, and E_y at points for scaled values."""
+    """Return the constraint E_y <= 1 with its points, and a function for E_y at points."""
     (constraint,) = (c for c in declared_constraints("mf96")["Fy"] if c.name == "curvature:E_y")
     ranges = operating_range(table, known.inputs)
     nominal = {name: known.nominal(name) for name in known.inputs}
@@ -80,29 +80,29 @@ def test_it_finds_the_least_squares(problem, start, bounds):
     np.testing.assert_allclose(solution.x, reference.x, atol=0.02)
 
 
-def test_bounds_are_kept(problem, start, bounds, known):
+def test_bounds_are_satisfied(problem, start, bounds, known):
     lower, upper = bounds(problem, PDY1=(0.1, 1.7), PKY2=(2.6, 5.0), PCY1=(1.0, 2.0))
     solution = solve(problem, np.clip(start, lower, upper), lower, upper, [])
     assert solution.converged
     assert (solution.x >= lower).all()
     assert (solution.x <= upper).all()
     values = dict(zip(FREE, solution.x * problem.scale, strict=True))
-    assert values["PDY1"] == pytest.approx(1.7, abs=1e-3)  # the data want 1.9
+    assert values["PDY1"] == pytest.approx(1.7, abs=1e-3)  # the optimum is 1.9
     assert values["PKY2"] == pytest.approx(2.6, abs=1e-3)  # and 2.2
     free = solve(problem, start, *bounds(problem), [])
     assert free.cost < solution.cost
 
 
-def test_equal_bounds_hold_a_coefficient(problem, start, bounds):
+def test_equal_bounds_fix_a_coefficient(problem, start, bounds):
     lower, upper = bounds(problem, PDY1=(1.5, 1.5))
     solution = solve(problem, start, lower, upper, [])
     assert solution.x[FREE.index("PDY1")] * problem.scale[FREE.index("PDY1")] == pytest.approx(1.5, rel=1e-12)
 
 
-def test_a_constraint_is_kept_where_the_optimum_breaks_it(problem, start, bounds, curvature):
+def test_a_constraint_is_satisfied_if_the_optimum_violates_it(problem, start, bounds, curvature):
     (constraint, points), curvature_at = curvature
     free = solve(problem, start, *bounds(problem), [])
-    # The known tire's E_y is below 1: hold it below what the free fit finds.
+    # E_y of the known tire is below 1: the bound is below the unconstrained solution.
     highest = float(curvature_at(problem, free.x, 1).max())
     ceiling = highest - 0.3
     tight = Constraint(constraint.quantity, -inf, ceiling, constraint.over)
@@ -112,7 +112,7 @@ def test_a_constraint_is_kept_where_the_optimum_breaks_it(problem, start, bounds
     assert constrained.cost > free.cost
 
 
-def test_a_constraint_that_nothing_free_reaches_does_not_stop_the_fit(problem, start, bounds, known, table):
+def test_a_constraint_without_a_free_coefficient_does_not_stop_the_fit(problem, start, bounds, known, table):
     impossible = Constraint("mu_x", 10.0, inf, ())
     points = np.array([[0.0], [0.0], [0.0], [700.0]])
     solution = solve(problem, start, *bounds(problem), [(impossible, points)])
@@ -129,7 +129,7 @@ def test_too_few_iterations_are_a_result(problem, start, bounds):
     assert np.isfinite(solution.cost)
 
 
-def test_impossible_constraints_are_a_result(problem, start, bounds):
+def test_infeasible_constraints_are_a_result(problem, start, bounds):
     points = np.array([[0.0], [0.0], [0.0], [700.0]])
     pair = [(Constraint("mu_y", 3.0, inf, ()), points), (Constraint("mu_y", -inf, 1.0, ()), points)]
     solution = solve(problem, start, *bounds(problem), pair, max_iterations=50)
@@ -138,7 +138,7 @@ def test_impossible_constraints_are_a_result(problem, start, bounds):
     assert np.isfinite(solution.x).all()
 
 
-def test_progress_is_told(problem, start, bounds):
+def test_progress_is_reported(problem, start, bounds):
     calls = []
     solution = solve(problem, start, *bounds(problem), [], progress=lambda count, cost: calls.append((count, cost)))
     counts, costs = zip(*calls, strict=True)
@@ -148,7 +148,7 @@ def test_progress_is_told(problem, start, bounds):
     assert costs[-1] == pytest.approx(solution.cost, rel=1e-3)
 
 
-def test_what_the_data_leave_open_stays_where_it_was(known, table, bounds):
+def test_a_direction_that_is_not_identifiable_does_not_change(known, table, bounds):
     rows = Rows.of(table[table["Fz"] == 500.0], known, ["Fy"])
     pair = Problem(known, rows, ("PDY1", "PDY2"), equal_weights(rows), np.array([1.9, 0.2]))
     start = np.array([1.7, -0.5]) / pair.scale
@@ -157,7 +157,7 @@ def test_what_the_data_leave_open_stays_where_it_was(known, table, bounds):
     dfz = (500.0 - 700.0) / 700.0
     value = solution.x * pair.scale
     assert solution.converged
-    assert value[0] + value[1] * dfz == pytest.approx(1.9 - 0.2 * dfz, rel=0.01)  # this the data tell
-    # Along the direction that they leave open, it stays where it was.
+    assert value[0] + value[1] * dfz == pytest.approx(1.9 - 0.2 * dfz, rel=0.01)  # this combination is identifiable
+    # Along the other direction the values do not change.
     along = np.array([-dfz, 1.0]) / pair.scale
     assert (solution.x - start) @ along == pytest.approx(0.0, abs=0.05)

@@ -1,4 +1,4 @@
-"""MF5.2, MF6.1 and MF6.2: known tires recovered from data with pressure, under the conditions of the later models."""
+"""MF5.2, MF6.1 and MF6.2: known tires recovered from data with pressure, with the constraints of these models."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tirefmu.symbolic.errors import FitError
 from tirefmu.tires import Tire
 
 LATER = ("mf52", "mf61", "mf62")
-#: A tire of no special kind, in adapted SAE; what a model lacks is left out.
+#: A typical tire, in adapted SAE; a model uses the coefficients that it has.
 VALUES = {
     "FNOMIN": 1500.0, "UNLOADED_RADIUS": 0.25, "NOMPRES": 8.3e4, "INFLPRES": 8.3e4, "LONGVL": 11.0,
     "PCX1": 1.5, "PDX1": 1.5, "PDX2": -0.2, "PEX1": 0.2, "PEX2": 0.1, "PKX1": 28.0, "PKX2": 1.0, "PKX3": 0.1,
@@ -63,7 +63,7 @@ def fitted(request):
     return tire_of(request.param), fit([measured(tire_of(request.param), noise=0.01)], request.param)
 
 
-def test_the_tire_is_found_again_from_generic_values(fitted):
+def test_the_tire_is_recovered_from_generic_values(fitted):
     truth, result = fitted
     assert result.ok, result.status
     elsewhere = inputs(7, 2000)
@@ -74,7 +74,7 @@ def test_the_tire_is_found_again_from_generic_values(fitted):
         assert error < 0.015, name  # the noise is 1 % of a typical force
 
 
-def test_what_coefficients_refer_to_is_given_and_noted(fitted):
+def test_nominal_values_are_set_and_noted(fitted):
     truth, result = fitted
     # The data's medians, not the true tire's: 1200 or 1800 N, of two digits.
     assert result.tire.values["FNOMIN"] in (1200.0, 1800.0, 1500.0)
@@ -85,13 +85,13 @@ def test_what_coefficients_refer_to_is_given_and_noted(fitted):
         assert text in notes
     declarations = truth.book.coefficients
     assert not [c.name for c in result.coefficients if not declarations[c.name].fitted]
-    # No row turns: of turn slip there is nothing to tell.
+    # No row has turn slip.
     assert not [c.name for c in result.coefficients if declarations[c.name].section == "TURNSLIP_COEFFICIENTS"]
     assert set(result.tire.ranges) == {"kappa", "alpha", "gamma", "Fz", "p"}
     assert result.tire.ranges["p"] == (7e4, 9.7e4)
 
 
-def test_pressure_is_found_and_conditions_are_verified_over_it(fitted):
+def test_pressure_coefficients_are_found_and_constraints_verified_over_pressure(fitted):
     truth, result = fitted
     coefficients = {c.name: c for c in result.coefficients}
     if "PPY3" in truth.book.coefficients and "pressure_friction" in truth.book.effects:
@@ -104,7 +104,7 @@ def test_pressure_is_found_and_conditions_are_verified_over_it(fitted):
     assert set(margins["mu_y > 0"].at) == {"Fz", "gamma", "p"}
 
 
-def test_given_nominal_values_are_kept():
+def test_given_nominal_values_are_used():
     nominal = {"Fz0": 1000.0, "R0": 0.2, "p0": 9e4, "V0": 20.0}
     result = fit([measured(tire_of("mf61"), n=800, noise=0.01)], "mf61", nominal=nominal)
     values = result.tire.values
@@ -113,7 +113,7 @@ def test_given_nominal_values_are_kept():
     assert not [note for note in result.notes if "not given" in note]
 
 
-def test_a_recipe_of_one_stage_scales_a_tire_to_another_ground():
+def test_the_scaling_recipe_adapts_a_tire_to_another_surface():
     truth = tire_of("mf61")
     icy = Tire("mf61", {**truth.values, "LMUX": 0.6, "LMUY": 0.55, "LKY": 0.8}, signs="adapted-sae")
     result = fit([measured(icy)], "mf61", start=truth, recipe="scaling")
@@ -125,6 +125,6 @@ def test_a_recipe_of_one_stage_scales_a_tire_to_another_ground():
     assert {truth.book.coefficients[c.name].section for c in result.coefficients} == {"SCALING_COEFFICIENTS"}
 
 
-def test_scaling_needs_a_tire():
+def test_scaling_requires_a_start_tire():
     with pytest.raises(FitError, match="recipe scaling scales a given tire"):
         fit([measured(tire_of("mf61"), n=100)], "mf61", recipe="scaling")

@@ -1,4 +1,4 @@
-"""Losses other than squares: their derivatives, and fits of recordings in which some rows are grossly wrong."""
+"""Robust losses: their derivatives, and fits of recordings with outliers."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ ROBUST = ("huber", "cauchy")
 
 @pytest.fixture(scope="module")
 def outliers(known, make):
-    """Return a side force of which every twentieth row is off by up to a hundred times the noise, to one side."""
+    """Return a side force with errors in every twentieth row, one-sided and up to a hundred times the noise."""
     recording = make.sideways(known, noise=Noise({"Fy": ChannelNoise(constant=SIZE)}))
     rng = np.random.default_rng(8)
     wrong = rng.random(len(recording)) < 0.05
@@ -46,14 +46,14 @@ def test_weight_and_slope_are_those_of_the_value(name):
 
 
 @pytest.mark.parametrize("name", ROBUST)
-def test_constants_cost_a_twentieth_of_the_efficiency(name):
+def test_constants_give_95_percent_efficiency(name):
     loss, u = LOSSES[name], np.random.default_rng(0).normal(size=400_000)
     v = np.abs(u) / loss.constant
     efficiency = np.mean(loss.slope(v)) ** 2 / np.mean((u * loss.weight(v)) ** 2)
     assert efficiency == pytest.approx(0.95, abs=0.01)
 
 
-def test_an_unknown_loss_names_the_nearest():
+def test_an_unknown_loss_suggests_the_nearest_name():
     with pytest.raises(UnknownName, match="huber"):
         loss_named("hubert")
 
@@ -75,7 +75,7 @@ def test_gradient_is_the_slope_of_the_cost(known, outliers, name):
     assert np.linalg.eigvalsh(matrix)[0] > 0
 
 
-def test_weights_do_without_the_outliers(known, outliers):
+def test_noise_weights_ignore_outliers(known, outliers):
     rows = Rows.of(outliers.with_signs("adapted-sae").table, known, ["Fy"])
     problems = [Problem(known, rows, ("PDY1",), equal_weights(rows), np.ones(1), LOSSES[n]) for n in LOSSES]
     x = np.array([known.values["PDY1"]])
@@ -86,11 +86,11 @@ def test_weights_do_without_the_outliers(known, outliers):
     assert limits_of(problems[1], x)[0, 1] == pytest.approx(1.345 * SIZE, rel=0.15)
 
 
-def test_robust_scale_of_nothing_is_nothing():
+def test_robust_scale_of_no_residuals_is_zero():
     assert robust_scale(np.zeros(0)) == 0.0
 
 
-def test_a_robust_fit_is_near_the_truth_and_squares_are_not(known, make, outliers):
+def test_robust_losses_resist_outliers_and_squares_do_not(known, make, outliers):
     table = outliers.with_signs("adapted-sae").table
     inputs = {name: table[name].to_numpy() for name in known.inputs}
     true = known.forces(**inputs)["Fy"]
@@ -101,6 +101,6 @@ def test_a_robust_fit_is_near_the_truth_and_squares_are_not(known, make, outlier
         fitted = result.tire.in_signs("adapted-sae").forces(**inputs)["Fy"]
         errors[loss] = float(np.sqrt(np.mean((fitted - true) ** 2)))
         intervals[loss] = make.coefficients(result)["PDY1"].interval
-    assert errors["squares"] > SIZE  # pulled by more than the noise
+    assert errors["squares"] > SIZE  # the error exceeds the noise
     assert max(errors["huber"], errors["cauchy"]) < 0.4 * SIZE
     assert max(intervals["huber"], intervals["cauchy"]) < 0.5 * intervals["squares"]

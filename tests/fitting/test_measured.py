@@ -13,7 +13,7 @@ from tirefmu.fitting.reporting.report_text import significant_differences
 from tirefmu.measurements import read_recording
 
 FILES = ("cornering.mat", "drivebrake.mat")
-#: Root mean square error over all rows that one MF6.1 tire has to stay below.
+#: Upper limits of the root mean square error of one MF6.1 tire over all rows.
 MOST = {
     ("cornering.mat", "Fy"): 70.0, ("cornering.mat", "Mz"): 5.0, ("drivebrake.mat", "Fx"): 112.0,
     ("drivebrake.mat", "Fy"): 75.0,
@@ -36,7 +36,7 @@ def computed(tire, recording):
 
 
 @pytest.mark.parametrize(("recording", "channel"), MOST)
-def test_every_channel_is_met_by_one_tire(measured, recording, channel):
+def test_one_tire_fits_every_channel(measured, recording, channel):
     channel_fit = measured.channel(recording, channel)
     assert channel_fit.rmse <= MOST[recording, channel]
     assert channel_fit.rows in (59_965, 76_484)  # all of them
@@ -44,7 +44,7 @@ def test_every_channel_is_met_by_one_tire(measured, recording, channel):
     assert 100 < channel_fit.effective_rows < 0.1 * channel_fit.rows
 
 
-def test_the_aligning_moment_of_drive_and_brake_is_met_without_its_ripple(measured, recordings):
+def test_the_aligning_moment_of_drive_and_brake_is_fitted_except_for_ripple(measured, recordings):
     recording = recordings[1]
     residual = computed(measured.tire, recording)["Mz"].to_numpy() - recording.table["Mz"].to_numpy()
     smooth = [uniform_filter1d(residual[rows], 25, mode="nearest") for rows in recording.segments()]
@@ -52,7 +52,7 @@ def test_the_aligning_moment_of_drive_and_brake_is_met_without_its_ripple(measur
 
 
 def test_cornering_stiffness_is_that_of_the_sweeps(measured, recordings):
-    """The slope of a cubic through 2 deg about zero slip, averaged over inclination and pressure, load by load."""
+    """Slope of a cubic within 2 deg of zero slip, averaged over inclination and pressure, for each load."""
     recording, slopes = recordings[0], []
     force = computed(measured.tire, recording)["Fy"]
     for rows in recording.segments():
@@ -67,7 +67,7 @@ def test_cornering_stiffness_is_that_of_the_sweeps(measured, recordings):
     np.testing.assert_allclose(ratio, 1.0, atol=0.03)
 
 
-def test_every_condition_holds_over_the_operating_range(measured):
+def test_every_constraint_is_satisfied_over_the_operating_range(measured):
     assert measured.status == "converged"
     names = [each.name for own in chosen_constraints("mf61").values() for each in own]
     assert [margin.name for margin in measured.margins] == names
@@ -75,21 +75,21 @@ def test_every_condition_holds_over_the_operating_range(measured):
         assert margin.margin >= -1e-6, margin
 
 
-def test_what_the_data_leave_open_is_named(measured):
+def test_coefficients_that_are_not_identifiable_are_reported(measured):
     channel_fit = {coefficient.name: coefficient for coefficient in measured.coefficients}
     assert any({"PKX2", "PKX3"} <= set(direction.coefficients) for direction in measured.directions)
     assert np.isinf(channel_fit["PKX2"].interval)
     assert channel_fit["PDY1"].interval < 0.1 * channel_fit["PDY1"].value
 
 
-def test_what_the_data_say_of_the_fit(measured):
+def test_the_findings_agree_with_the_recordings(measured):
     found = measured.findings
     stiff = {round(each.load / 550): each for each in found.stiffnesses if each.channel == "Fy"}
     assert all(abs(stiff[load].off) < 0.03 for load in (2, 3, 4, 5))
     turning = {each.recording: each for each in found.ripples if each.stands_out}
     assert set(turning) == set(FILES)
     for each in turning.values():
-        assert 0.18 < each.radius < 0.25  # of a tire of 0.2 m; the fit was told none
+        assert 0.18 < each.radius < 0.25  # a tire of 0.2 m; the radius was not given to the fit
     assert {"Fy", "Mz"} <= {each.channel for each in significant_differences(measured) if each.first in FILES}
     conditions = [each for each in found.conditions if (each.recording, each.channel) == ("cornering.mat", "Fy")]
     assert len(conditions) == 45  # five loads, three inclinations, three pressures

@@ -1,4 +1,4 @@
-"""Nothing that a fit says depends on the last digits of its way: another processor is emulated in several ways.
+"""The result of a fit does not depend on rounding errors: other processors are emulated in several ways.
 
 `TIREFMU_PERTURB=1` (make perturb) does the same with all channels, the measured recordings and a diagnosis.
 """
@@ -23,8 +23,8 @@ from tirefmu.tires.code import kernel, selection
 from ..diagnosis.suite import make_case
 
 LARGE = os.environ.get("TIREFMU_PERTURB") == "1"
-#: By how much predictions may differ, of the root mean square of what the fit misses: a tenth of a standard error of
-#: each coefficient moves them by a tenth of sqrt(n coefficients / n independent rows) of the noise, 0.02 here.
+#: Largest difference of predictions, relative to the root mean square residual: a tenth of a standard error of each
+#: coefficient changes them by a tenth of sqrt(n coefficients / n independent rows) of the noise, 0.02 here.
 SHARE = 0.02
 
 
@@ -67,7 +67,7 @@ def last_digits(recordings):
 
 
 def perturbed(how, recordings, run):
-    """Return what a run says of recordings under a perturbation."""
+    """Return the result of a run with a perturbation."""
     if how == "last digits":
         return run(last_digits(recordings))
     if how == "files in another order":
@@ -79,26 +79,26 @@ def perturbed(how, recordings, run):
         return run(recordings)
 
 
-#: What changes digits only, and the order of the recordings.
+#: Perturbations of digits only, and with the order of the recordings.
 DIGITS = ("last digits", "chunks of 100", "chunks of 1000", *features())
 WAYS = (*DIGITS, "files in another order")
 
 
 def findings(result):
-    """Return what a fit says in words."""
+    """Return the qualitative results of a fit."""
     return {
         "status": result.status,
         "stages": [(stage.name, stage.converged) for stage in result.stages],
         "at a bound": sorted(c.name for c in result.coefficients if c.at_bound),
         "determined": sorted(c.name for c in result.coefficients if c.determined),
-        "kept": sorted(margin.name for margin in result.margins if margin.margin >= -1e-6),
+        "satisfied": sorted(margin.name for margin in result.margins if margin.margin >= -1e-6),
         "active": sorted(margin.name for margin in result.margins if abs(margin.margin) < 1e-5),
         "directions": sorted(sorted(direction.coefficients) for direction in result.directions),
     }
 
 
 def agree(result, reference, recordings):
-    """Compare what two fits say and foretell."""
+    """Compare qualitative results and predictions of two fits."""
     assert findings(result) == findings(reference)
     for recording in recordings:
         one, other = (each.tire.evaluate(recording.table, signs=recording.signs) for each in (result, reference))
@@ -111,7 +111,7 @@ def agree(result, reference, recordings):
 
 @pytest.fixture(scope="module", params=["exact", "noisy"])
 def small(request, known, make):
-    """Return two recordings of one tire, a way to fit them, and what that says."""
+    """Return two recordings of one tire, a function that fits them, and its result."""
     noise = Noise() if request.param == "noisy" else None
     made = make.bench if LARGE else make.sideways
     parts = [made(make.other_tire(1), cambers=cambers, noise=noise) for cambers in ((0.0, 2.0), (4.0,))]
@@ -124,7 +124,7 @@ def small(request, known, make):
 
 
 @pytest.mark.parametrize("how", WAYS)
-def test_a_fit_says_the_same(small, how):
+def test_a_perturbed_fit_has_the_same_result(small, how):
     recordings, run, reference = small
     assert reference.status == "converged"
     agree(perturbed(how, recordings, run), reference, recordings)
@@ -138,7 +138,7 @@ def measured(data_folder):
 
 @pytest.mark.skipif(not LARGE, reason="TIREFMU_PERTURB=1")
 @pytest.mark.parametrize("how", WAYS)
-def test_a_fit_of_measured_recordings_says_the_same(measured, how):
+def test_a_perturbed_fit_of_measured_recordings_has_the_same_result(measured, how):
     recordings, reference = measured
     result = perturbed(how, recordings, lambda given: fit(given, "mf61"))
     agree(result, reference, recordings)
@@ -146,12 +146,12 @@ def test_a_fit_of_measured_recordings_says_the_same(measured, how):
 
 @pytest.fixture(scope="module")
 def diagnosed():
-    """Return a recording of a tire with an effect that the start model lacks, and what the diagnosis names."""
+    """Return a recording of a tire with an effect that the baseline model does not have, and its diagnosis."""
     case = make_case(1, ("camber_thrust",))
 
     def run(given):
         found = diagnose(given[0].table, signs=case.signs, effects=case.effects, nominal=case.nominal)
-        verdict = found.verdict.split("(")[0]  # what follows are numbers
+        verdict = found.verdict.split("(")[0]  # numbers follow
         return verdict, [each.effect for each in found.found]
 
     recordings = [Recording(case.table, case.signs, "made")]
@@ -160,7 +160,7 @@ def diagnosed():
 
 @pytest.mark.skipif(not LARGE, reason="TIREFMU_PERTURB=1")
 @pytest.mark.parametrize("how", DIGITS)
-def test_a_diagnosis_says_the_same(diagnosed, how):
+def test_a_perturbed_diagnosis_has_the_same_result(diagnosed, how):
     recordings, run, reference = diagnosed
     assert reference[1]
     assert perturbed(how, recordings, run) == reference

@@ -1,4 +1,4 @@
-"""Recipes: the report's stages as printed, and files that say what is wrong with them."""
+"""Recipes: the stages of the Trento report as printed, and messages for invalid files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tirefmu.symbolic.errors import FitError, TirefmuError, UnknownName
 
 DEG = radians(1.0)
 PURE_LOAD, ALL_ANGLES = (220.0, 100.0), [0.0, 3.0, -3.0, 6.0, -6.0]
-#: The report's stages: what they free in its own spelling, guess and bounds as printed (None: no bound).
+#: The stages of the report: free coefficients in its spelling, guesses and bounds as printed (-: no bound).
 TRENTO = [
     ("FX0 pure", "Fx", "pCx1 1 1 2, pDx1 2 .1 4, pEx1 1 0 1, pEx4 0 0 1, pHx1 0 -10 10, pKx1 1 0 100, pVx1 0 -10 10"),
     ("FX0(Fz)", "Fx", "pDx2 0, pEx2 0, pEx3 0, pHx2 0, pKx2 0, pKx3 0, pVx2 0"),
@@ -55,7 +55,7 @@ def printed(text):
     return freed
 
 
-@pytest.mark.parametrize(("place", "row"), list(enumerate(TRENTO)), ids=[row[0] for row in TRENTO])
+@pytest.mark.parametrize(("index", "row"), list(enumerate(TRENTO)), ids=[row[0] for row in TRENTO])
 def test_trento_is_the_report(index, row):
     name, channel, text = row
     stage = load_recipe("trento", "mf96").stages[index]
@@ -85,7 +85,7 @@ def test_trento_slices_are_those_of_the_report():
 
 
 @pytest.mark.parametrize("name", RECIPES)
-def test_recipes_know_the_models_that_they_are_for(name):
+def test_recipes_are_restricted_to_their_models(name):
     text = (files("tirefmu.fitting") / "recipes" / f"{name}.toml").read_text(encoding="utf-8")
     models = tomllib.loads(text).get("models", list(MODELS))
     for model in MODELS.keys() - models:
@@ -99,7 +99,7 @@ def test_recipes_know_the_models_that_they_are_for(name):
             assert stage.free.keys() <= MODELS[model].coefficients.keys()
 
 
-def test_joint_frees_everything_at_last():
+def test_joint_finally_frees_everything():
     *_, last = load_recipe("joint", "mf96").stages
     assert (last.channels, last.where, last.free, last.effects, last.rows) == ((), {}, {}, None, None)
 
@@ -113,7 +113,7 @@ def written(folder, text, name="own.toml"):
     return str(path)
 
 
-def test_a_recipe_of_ones_own(tmp_path):
+def test_a_user_defined_recipe(tmp_path):
     path = written(
         tmp_path,
         """
@@ -140,7 +140,7 @@ def test_a_recipe_of_ones_own(tmp_path):
     assert stage.select(table[["Fz"]]).empty  # a slip that was not recorded was 0
 
 
-def test_a_held_input_lies_at_the_level_of_its_condition(tmp_path):
+def test_a_held_input_is_set_to_its_level(tmp_path):
     path = written(
         tmp_path,
         """
@@ -201,7 +201,7 @@ BROKEN = {
 
 
 @pytest.mark.parametrize("text", BROKEN)
-def test_a_broken_file_is_told_in_one_line(tmp_path, text):
+def test_an_invalid_file_gives_a_message_of_one_line(tmp_path, text):
     path = written(tmp_path, text)
     with pytest.raises(TirefmuError) as caught:
         load_recipe(path, "mf96")
@@ -232,7 +232,7 @@ def test_files_that_cannot_be_read(tmp_path):
     [("#" * 1_000_001, r"cannot be read \(larger than 1 MB\)"), ("a = " + "[" * 100_000, "recursion"),
      ("a = " + "9" * 5000, "digits")],
 )  # fmt: skip
-def test_a_recipe_of_any_size_is_one_line(tmp_path, text, message):
+def test_an_excessive_recipe_gives_a_message_of_one_line(tmp_path, text, message):
     path = tmp_path / "large.toml"
     path.write_text(text, encoding="ascii")
     with pytest.raises(FitError, match=rf"large\.toml: .*{message}"):

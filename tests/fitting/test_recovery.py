@@ -1,4 +1,4 @@
-"""A small version of benchmarks/recovery.py: a complete MF96 tire found again, in its intervals and from elsewhere."""
+"""A small version of benchmarks/recovery.py: recovery of a complete MF96 tire, intervals, other initial values."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ RECORDING = recorded(TRUTH, ROWS, correlation_time=0.5)
 
 
 def difference(tire, other=TRUTH):
-    """Return the largest root mean square difference of a channel, as a share of its noise."""
+    """Return the largest root mean square difference of a channel, relative to its noise."""
     table = RECORDING.with_signs("adapted-sae").table
     inputs = {name: table[name].to_numpy() for name in TRUTH.inputs}
     one, two = tire.in_signs("adapted-sae").forces(**inputs), other.in_signs("adapted-sae").forces(**inputs)
@@ -36,7 +36,7 @@ def test_predictions_are_within_the_noise(found):
         assert channel.rmse == pytest.approx(SIZES[channel.channel], rel=0.1)
 
 
-def test_intervals_hold_the_true_values(found):
+def test_intervals_contain_the_true_values(found):
     truth = TRUTH.in_signs(found.signs)
     known = [c for c in found.coefficients if np.isfinite(c.interval) and not c.at_bound]
     inside = [abs(c.value - truth.values[c.name]) <= c.interval for c in known]
@@ -46,7 +46,7 @@ def test_intervals_hold_the_true_values(found):
 
 
 @pytest.mark.parametrize(("share", "seed"), [(0.3, 0), (0.3, 2), (0.6, 2)])
-def test_other_starts_end_in_the_same_place(found, share, seed):
+def test_other_starts_have_the_same_solution(found, share, seed):
     start = moved(TRUTH, share, seed)
     assert difference(start) > 5.0
     result = fit([RECORDING], MODEL, start=start)
@@ -55,7 +55,7 @@ def test_other_starts_end_in_the_same_place(found, share, seed):
 
 
 @pytest.mark.parametrize("model", ["mf96", "mf52", "mf61"])
-def test_the_known_tires_keep_every_condition(model):
+def test_the_known_tires_satisfy_every_constraint(model):
     tire = known_tire(model)
     table = recorded(tire, 300, level=0.0).with_signs("adapted-sae").table
     ranges = operating_range(table, tire.inputs)

@@ -1,4 +1,4 @@
-"""The report is one file that says what the fit says."""
+"""The report is one file with all results of the fit."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ VOID = {"meta", "img", "br", "hr", "link", "input", "col"}
 
 
 class Page(HTMLParser):
-    """The text and the attributes of a page; fails where a tag is not closed."""
+    """The text and the attributes of a page; fails if a tag is not closed."""
 
     def __init__(self, text):
         super().__init__()
@@ -51,7 +51,7 @@ class Page(HTMLParser):
         return " ".join(" ".join(self.words).split())
 
 
-def test_the_page_says_what_the_fit_says(side_fit):
+def test_the_page_contains_the_result(side_fit):
     result, recording = side_fit
     text = Page(report_page(result, [])).text
     assert result.status in text
@@ -68,14 +68,14 @@ def test_the_page_says_what_the_fit_says(side_fit):
         assert " ".join(note.split()) in text
 
 
-def test_what_went_wrong_stands_in_the_page(side_fit):
+def test_a_violated_constraint_is_on_the_page(side_fit):
     result, _ = side_fit
     violated = replace(result, margins=(Margin("E_y <= 1", 1.25, -0.25, {"Fz": 1120.0}),))
     assert "constraint E_y <= 1 violated by 0.25" in Page(report_page(violated, [])).text
 
 
 def with_text(result, text):
-    """Return the result as if every text that a file or a user may bring were this one."""
+    """Return the result with all texts from files or users replaced by this one."""
 
     def other(value, *names):
         return replace(value, **dict.fromkeys(names, text))
@@ -116,7 +116,7 @@ def test_no_text_changes_the_page(side_fit, text):
     assert shown.text.count(visible(text)) >= 12  # all of it can be read
 
 
-def test_the_file_needs_nothing_outside_it(side_fit, tmp_path):
+def test_the_file_is_self_contained(side_fit, tmp_path):
     result, recording = side_fit
     path = tmp_path / "report.html"
     write_report(result, [recording], path)

@@ -1,4 +1,4 @@
-"""Other starts for a few coefficients: when they are tried, and which end counts."""
+"""Restarts from other values of a few coefficients: when they run, and which solution is returned."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ PROBLEM = SimpleNamespace(free=("RBY2", "RBY3"), scale=np.array([2.0, 0.5]))
 
 
 def ends_at(cost, starts, *, converged=True):
-    """Return a solver that stays where it starts and says what that costs; it notes its starts."""
+    """Return a solver that returns its start with a given cost, and records its starts."""
 
     def solve_from(start):
         starts.append(start.tolist())
@@ -30,21 +30,21 @@ def first(x, cost=1.0):
     return Solution(np.array(x), cost, 7, True, "told")
 
 
-def test_a_better_end_replaces_the_first():
+def test_a_better_solution_replaces_the_first():
     starts = []
     end = best_end(PROBLEM, first([1.0, 2.0]), ends_at(0.5, starts), LOWER, UPPER, [{"RBY2": 8.0}], always=True)
-    assert starts == [[4.0, 2.0]]  # 8 in units of 2; the rest where it was
+    assert starts == [[4.0, 2.0]]  # 8 in units of 2; the others are unchanged
     assert (end.cost, end.iterations) == (0.5, 12)
 
 
 @pytest.mark.parametrize(("cost", "converged"), [(1.0, True), (2.0, True), (0.5, False)])
-def test_a_worse_end_or_none_does_not(cost, converged):
+def test_a_worse_or_unconverged_solution_does_not(cost, converged):
     solution = first([1.0, 2.0])
     solve_from = ends_at(cost, [], converged=converged)
     assert best_end(PROBLEM, solution, solve_from, LOWER, UPPER, [{"RBY2": 8.0}], always=True) is solution
 
 
-def test_without_a_given_start_only_what_ended_on_a_bound_is_tried():
+def test_without_a_start_tire_only_coefficients_at_a_bound_are_restarted():
     again, starts = [{"RBY2": 8.0}, {"RBY3": 1.0}, {"PDY1": 1.0}], []
     best_end(PROBLEM, first([1.0, 10.0]), ends_at(2.0, starts), LOWER, UPPER, again, always=False)
     assert starts == [[1.0, 2.0]]
@@ -52,13 +52,13 @@ def test_without_a_given_start_only_what_ended_on_a_bound_is_tried():
     assert len(starts) == 1
 
 
-def test_a_start_beyond_its_bounds_begins_on_them():
+def test_a_start_outside_its_bounds_is_moved_to_them():
     starts = []
     best_end(PROBLEM, first([1.0, 2.0]), ends_at(2.0, starts), LOWER, UPPER, [{"RBY2": 900.0}], always=True)
     assert starts == [[10.0, 2.0]]
 
 
-def test_a_recipe_that_begins_again_elsewhere_names_coefficients(make, tmp_path):
+def test_restart_values_of_a_recipe_refer_to_coefficients(make, tmp_path):
     path = make.recipe(tmp_path, '[[stage]]\nname = "one"\nagain = [{ RBY2 = 20, RBY3 = -0.05 }]\n')
     assert load_recipe(path, "mf61").stages[0].again == ({"RBY2": 20.0, "RBY3": -0.05},)
     wrong = make.recipe(tmp_path, '[[stage]]\nname = "one"\nagain = [{ RBY22 = 20 }]\n')

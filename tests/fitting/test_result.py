@@ -1,4 +1,4 @@
-"""What a fit tells: quality by its definition, status, strict JSON."""
+"""The result of a fit: goodness of fit by its definition, status, strict JSON."""
 
 from __future__ import annotations
 
@@ -49,14 +49,14 @@ def test_quality_of_a_perfect_fit_and_of_the_mean():
     assert np.isnan(quality(np.zeros(4), np.zeros(4))[3])
 
 
-def test_a_computed_nan_is_not_left_out():
-    """A tire without a value at a measured row does not meet that row."""
+def test_a_computed_nan_is_not_ignored():
+    """A NaN of the tire at a measured row is not ignored."""
     n, rmse, centred, uncentred = quality(np.array([1.0, 2.0, 4.0, nan]), np.array([1.0, nan, 4.0, 5.0]))
     assert n == 3
     assert np.isnan([rmse, centred, uncentred]).all()
 
 
-def test_ok_asks_for_converged_stages_and_kept_constraints(side_fit):
+def test_ok_requires_converged_stages_and_satisfied_constraints(side_fit):
     result, _ = side_fit
     assert result.ok
     assert result.status == "converged"
@@ -169,14 +169,14 @@ def test_a_result_is_shown_in_a_few_lines(side_fit):
     assert "<td>PKY1</td>" in page
 
 
-def test_a_channel_is_asked_for_by_recording_and_name(side_fit):
+def test_a_channel_is_selected_by_recording_and_name(side_fit):
     result, recording = side_fit
     assert result.channel(recording.source, "Fy") is result.channels[0]
     assert result.channels[0].unit == "N"
     assert result.channels[0].rows == len(recording)
 
 
-def test_the_stages_tell_what_they_used(side_fit):
+def test_the_stages_report_rows_and_coefficients(side_fit):
     result, recording = side_fit
     first, *_, last = result.stages
     assert last.rows == len(recording)

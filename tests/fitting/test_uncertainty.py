@@ -1,4 +1,4 @@
-"""Intervals that hold under noise that stays alike for many rows, and directions that data leave open."""
+"""Intervals under correlated noise, and directions that are not identifiable."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def sweeps(tire, noise, free=FREE, loads=(300.0, 700.0, 1100.0)):
 
 
 @pytest.mark.parametrize("stays", [0.0, 0.95])
-def test_intervals_cover_what_they_say(known, stays):
-    """One Gauss-Newton step from the truth is the fit: so near to it the model is linear."""
+def test_intervals_have_their_nominal_coverage(known, stays):
+    """One Gauss-Newton step from the truth is the fit, because the model is almost linear in that range."""
     inside, white = [], []
     for seed in range(100):
         problem = sweeps(known, correlated(np.random.default_rng(seed), stays))
@@ -66,7 +66,7 @@ def test_intervals_do_not_depend_on_the_unit_of_the_weights(known, of):
     assert other == pytest.approx(one, rel=1e-9)
 
 
-def test_effective_rows_are_rows_over_what_is_alike(known):
+def test_the_effective_sample_size_is_rows_over_correlation_length(known):
     problem = sweeps(known, correlated(np.random.default_rng(3), 0.9))
     truth = np.array([known.values[name] for name in FREE]) / problem.scale
     rows = uncertainty(problem, truth).effective_rows
@@ -75,7 +75,7 @@ def test_effective_rows_are_rows_over_what_is_alike(known):
     assert (rows[0, 0], rows[0, 2]) == (0.0, 0.0)
 
 
-def test_one_load_leaves_its_change_open_and_the_rest_sure(known):
+def test_one_load_does_not_identify_the_load_dependence(known):
     problem = sweeps(known, np.random.default_rng(0).normal(size=N), free=("PDY1", "PDY2", "PHY1"), loads=(300.0,))
     truth = np.array([known.values[name] for name in problem.free]) / problem.scale
     found = uncertainty(problem, truth)
@@ -88,14 +88,14 @@ def test_one_load_leaves_its_change_open_and_the_rest_sure(known):
     assert direction.sd > 1.0
 
 
-def test_two_loads_close_it(known):
+def test_two_loads_identify_the_load_dependence(known):
     problem = sweeps(known, np.random.default_rng(0).normal(size=N), free=("PDY1", "PDY2"), loads=(300.0, 1100.0))
     found = uncertainty(problem, np.array([1.9, -0.2]) / problem.scale)
     assert found.directions == ()
     assert max(found.intervals.values()) < 0.05
 
 
-def test_what_nothing_responds_to_is_open_without_end(known):
+def test_a_coefficient_without_influence_has_an_infinite_interval(known):
     upright = Tire("mf96", known.values, effects=known.effects, signs="adapted-sae")
     problem = sweeps(upright, np.random.default_rng(0).normal(size=N), free=("PDY1", "PDY3"))  # PDY3: camber
     found = uncertainty(problem, np.array([1.9, 3.0]) / problem.scale)
@@ -104,7 +104,7 @@ def test_what_nothing_responds_to_is_open_without_end(known):
     assert [(d.coefficients, d.sd) for d in found.directions] == [(("PDY3",), inf)]
 
 
-def test_what_lies_on_a_bound_is_taken_as_known(known):
+def test_a_coefficient_at_a_bound_is_treated_as_known(known):
     problem = sweeps(known, np.random.default_rng(0).normal(size=N))
     truth = np.array([known.values[name] for name in FREE]) / problem.scale
     free, fixed = uncertainty(problem, truth), uncertainty(problem, truth, fixed=("PCY1",))

@@ -41,13 +41,13 @@ def problem(known, make, request):
 
 @pytest.fixture
 def x(problem):
-    """Return scaled values beside the tire's own."""
+    """Return scaled values near those of the tire."""
     own = np.array([problem.tire.values[name] for name in problem.free])
     return own * np.random.default_rng(4).uniform(0.8, 1.2, len(own)) / problem.scale
 
 
 def weighted_residual(problem, x):
-    """The residual written out with a tire of these values: (forces - measured) sqrt(w), where measured."""
+    """The residual of a tire with these values: (forces - measured) sqrt(w) at measured rows."""
     values = dict(zip(problem.free, x * problem.scale, strict=True))
     tire = replace(problem.tire, values={**problem.tire.values, **values})
     forces = tire.forces(**dict(zip(tire.inputs, problem.rows.inputs, strict=True)))
@@ -89,7 +89,7 @@ def test_gradient_is_the_slope_of_the_cost(problem, x):
         assert gradient @ way == pytest.approx(slope, rel=1e-5)
 
 
-def test_chunks_add_up(problem, x, monkeypatch):
+def test_the_sum_over_chunks_is_the_total(problem, x, monkeypatch):
     whole = problem.derivatives(x)
     monkeypatch.setattr(module, "CHUNK", 7)
     for one, other in zip(whole, problem.derivatives(x), strict=True):
@@ -101,7 +101,7 @@ def test_parameters_are_those_of_the_tire(problem):
     np.testing.assert_allclose(problem.parameters(own / problem.scale), problem.tire.parameters(), rtol=1e-15)
 
 
-def test_what_is_not_measured_has_no_influence(problem, x):
+def test_unmeasured_rows_have_no_influence(problem, x):
     gap = np.isnan(problem.rows.measured).all(axis=1)
     assert not gap.all()
     silent = replace(problem.rows, measured=np.where(np.arange(60)[:, None] < 20, np.nan, problem.rows.measured))
@@ -114,7 +114,7 @@ def test_what_is_not_measured_has_no_influence(problem, x):
 # ------------------------------------------------------------------ weights
 
 
-def test_equal_weights_make_the_cost_of_the_report(problem, x):
+def test_equal_weights_give_the_cost_of_the_report(problem, x):
     problem.weights = equal_weights(problem.rows)
     values = dict(zip(problem.free, x * problem.scale, strict=True))
     forces = replace(problem.tire, values={**problem.tire.values, **values}).forces(
@@ -127,13 +127,13 @@ def test_equal_weights_make_the_cost_of_the_report(problem, x):
     assert problem.cost(x) == pytest.approx(0.5 * unexplained, rel=1e-12)
 
 
-def test_a_channel_without_force_gets_a_finite_weight(problem):
+def test_a_channel_of_zeros_has_a_finite_weight(problem):
     measured = problem.rows.measured.copy()
     measured[:, 0], measured[:, 2] = np.nan, 0.0
     assert np.isfinite(equal_weights(replace(problem.rows, measured=measured))).all()
 
 
-def test_noise_weights_give_each_recording_and_channel_its_share(problem, x):
+def test_noise_weights_normalize_each_recording_and_channel(problem, x):
     weights = noise_weights(problem, x)
     residual = weighted_residual(problem, x)  # with the weights as they were: the place of each number
     present = np.isfinite(problem.rows.measured)
@@ -161,8 +161,8 @@ def test_noise_weights_of_exact_data_are_finite(known, make):
     np.testing.assert_allclose(noise_weights(problem, x), expected[None, :], rtol=1e-12)
 
 
-def test_a_swept_curve_outweighs_the_same_force_at_held_slips():
-    """Cornering decides about Fy, drive and brake about Fx; a file alone keeps the proportions of its channels."""
+def test_a_swept_channel_has_a_larger_weight():
+    """Cornering tests dominate Fy, drive and brake tests Fx."""
     sweep, held = np.linspace(-0.2, 0.2, 400), np.repeat([-0.1, 0.0, 0.1, 0.05], 100)
     cornering = pd.DataFrame({"kappa": 0.0, "alpha": sweep, "recording": 0})
     driving = pd.DataFrame({"kappa": sweep, "alpha": held, "recording": 1})
@@ -192,7 +192,7 @@ def test_rows_of_a_table(known):
     np.testing.assert_array_equal(alone.group, [0, 0])
 
 
-def test_a_sample_is_random_but_always_the_same(problem):
+def test_a_sample_is_random_and_reproducible(problem):
     rows = problem.rows
     one, two, other = rows.sample(25), rows.sample(25), rows.sample(25, seed=1)
     np.testing.assert_array_equal(one.inputs, two.inputs)

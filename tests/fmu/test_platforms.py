@@ -52,7 +52,9 @@ def test_requested_platforms(requested, platforms):
     assert chosen_platforms(requested) == platforms
 
 
-@pytest.mark.parametrize(("requested", "said"), [("x86_64-macos", "x86_64-darwin"), ("", "known platforms are host"), ([], "no")])
+@pytest.mark.parametrize(
+    ("requested", "said"), [("x86_64-macos", "x86_64-darwin"), ("", "known platforms are host"), ([], "no")]
+)
 def test_unknown_platforms_are_errors(requested, said):
     with pytest.raises(FmuError, match=said) as caught:
         chosen_platforms(requested)
