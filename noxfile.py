@@ -22,10 +22,10 @@ OLDEST = "--resolution=lowest-direct"
 
 
 def run_suite(session: nox.Session, compiler: str, *options: str) -> None:
-    """Run the tests with one C compiler; arguments after ``--`` replace ``-n auto``."""
+    """Run the tests with one C compiler; arguments after ``--`` replace the options for pytest-xdist."""
     if shutil.which(compiler) is None:
         session.skip(f"{compiler} is not installed")
-    session.run("pytest", *options, *(session.posargs or ["-n", "auto"]), env={"CC": compiler})
+    session.run("pytest", *options, *(session.posargs or ["-n", "auto", "--dist", "loadfile"]), env={"CC": compiler})
 
 
 @nox.session(python=PYTHONS)

@@ -91,7 +91,7 @@ class Rows:
             return self
         groups, sizes = np.unique(self.group, return_counts=True)
         contents = [self.measured[self.group == group].tobytes() for group in groups]
-        order = sorted(range(len(groups)), key=lambda i: (-sizes[i], contents[i]))
+        order = sorted(range(len(groups)), key=lambda i: (sizes[i], contents[i]))
         rows = np.concatenate([np.flatnonzero(self.group == groups[i]) for i in order])
         return self.take(np.sort(np.random.default_rng(seed).choice(rows, n, replace=False)))
 
