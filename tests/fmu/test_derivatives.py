@@ -85,7 +85,7 @@ EDGES = {"gamma": 0.02}
 
 @pytest.mark.parametrize("inputs", ["slip", "wheel"])
 @pytest.mark.parametrize("name", ["first", "mf61", "rolling", "mf62"])
-def test_they_are_differences_of_what_is_shown(turned, name, inputs):
+def test_they_are_differences_of_the_outputs(turned, name, inputs):
     with contextlib.ExitStack() as stack:
         host = Host(stack.enter_context(loaded(turned[name, inputs]))).start()
         moved = {"V_x": 12.0, "V_y": -0.4, "omega": 41.0, "psi_dot": 0.2} if inputs == "wheel" else POINTS[0]

@@ -93,7 +93,7 @@ def test_text_changes_no_structure(tmp_path_factory, plain, text):
     assert read_tir(path) == tire_with(text).in_signs("iso")
 
 
-def test_a_unit_that_is_code_is_no_unit():
+def test_code_is_rejected_as_a_unit():
     with pytest.raises(FmuError, match="unknown factor") as caught:
         files_of(tire_with(WORDS, unit="*/ int x; /*\n"))
     assert str(caught.value).isprintable()

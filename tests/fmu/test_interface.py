@@ -136,7 +136,7 @@ def test_friction_use_is_one_where_all_friction_is_used(hosts, name, fmi):
     assert 0.9 < max(used) < 1.1
 
 
-def test_leaving_the_known_range_is_reported_once(hosts):
+def test_exceeding_the_known_range_is_reported_once(hosts):
     host = hosts("mf61", 3).start()
     host.set(**POINT)
     host.get("Fx")
@@ -181,7 +181,7 @@ def test_sae_axes_are_the_evaluation_in_sae(tires, compiler, tmp_path, fmi):
                 assert host.step(row["t"], 0.02) == OK
 
 
-def test_check_knows_the_axes(tires, compiler, tmp_path):
+def test_check_uses_the_axes_of_the_fmu(tires, compiler, tmp_path):
     path = export(tires["mf61"], tmp_path / "sae.fmu", axes="sae")
     table = pd.DataFrame({"alpha": np.linspace(-0.1, 0.1, 21), "Fz": 3000.0})
     table["Fy"] = tires["mf61"].forces(alpha=table["alpha"], Fz=3000.0)["Fy"]
@@ -191,7 +191,7 @@ def test_check_knows_the_axes(tires, compiler, tmp_path):
         assert result.channels[0].r2 == pytest.approx(1.0, abs=1e-12)
 
 
-def test_the_file_reports_how_it_speaks(tires):
+def test_the_file_states_its_conventions(tires):
     for inputs, axes in (("slip", "iso"), ("wheel", "sae")):
         reported = json.loads(contents(tires["mf61"], 3, "t", inputs=inputs, axes=axes)["resources/interface.json"])
         assert reported == {"inputs": inputs, "axes": axes}

@@ -160,7 +160,7 @@ def test_the_step_size_does_not_matter(hosts, lagging, fmi):
     assert distance(np.array(found[2]), np.array(found[0])) < 1e-9
 
 
-def test_nothing_moves_at_standstill(rolling):
+def test_states_are_constant_at_standstill(rolling):
     rolling.set(**POINT | {"V": 0.0})
     for k in range(3):
         assert rolling.step(10.0 * k, 10.0) == OK
@@ -197,7 +197,7 @@ def test_without_a_length_a_slip_acts_at_once(hosts, tires):
     assert distance(host.get(*host.outputs), steady(tires, "rolling", **POINT)) < 1e-9
 
 
-def test_a_refused_value_leaves_the_slips_alone(rolling):
+def test_a_rejected_value_does_not_change_the_slips(rolling):
     rolling.set(**POINT)
     assert rolling.step(0.0, 0.01) == OK
     before = rolling.everything()
@@ -241,7 +241,7 @@ def test_slips_are_saved_restored_and_serialized(rolling, hosts, lagging, fmi):
         owner.call("FreeFMUState" if fmi == 3 else "FreeFMUstate", ctypes.byref(stored))
 
 
-def test_a_serialized_slip_of_nan_is_no_state(rolling, fmi):
+def test_a_serialized_slip_of_nan_is_rejected(rolling, fmi):
     rolling.set(**POINT)
     assert rolling.step(0.0, 0.01) == OK
     state = saved(rolling)
@@ -257,7 +257,7 @@ def test_a_serialized_slip_of_nan_is_no_state(rolling, fmi):
     assert rolling.log[-1] == "the bytes are not a serialized state of this FMU"
 
 
-def test_reset_forgets_the_slips(rolling):
+def test_reset_clears_the_slips(rolling):
     rolling.set(**POINT)
     assert rolling.step(0.0, 0.5) == OK
     assert np.all(rolling.get(*SLIPS) != 0.0)

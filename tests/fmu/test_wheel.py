@@ -55,7 +55,7 @@ def test_it_is_valid(wheel_fmus, name, fmi):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_at_speed_it_is_the_tire_at_the_slips_that_it_tells(wheels, tires, name):
+def test_at_speed_it_is_the_tire_at_the_reported_slips(wheels, tires, name):
     host = wheels(name).start()
     rng, time = np.random.default_rng(2), 0.0
     for _ in range(25):
@@ -156,7 +156,7 @@ def test_a_standing_tire_is_a_spring_with_a_damper(wheels, tires):
     assert 0.001 < position[-1] < 0.1
 
 
-def test_low_speed_damping_never_goes_beyond_friction(wheels, tires):
+def test_low_speed_damping_never_exceeds_friction(wheels, tires):
     host = wheels("rolling").start()
     table = pd.DataFrame({"kappa": [0.0], "alpha": [0.0]})
     row = tires["rolling"].evaluate(table, steady=True).iloc[0]

@@ -42,7 +42,7 @@ def test_no_warning(compiler, source, standard, tmp_path):
 
 
 @pytest.mark.parametrize("header", HEADERS)
-def test_header_stands_alone_and_may_come_twice(header, tmp_path):
+def test_header_is_self_contained_and_may_be_included_twice(header, tmp_path):
     source = tmp_path / "use.c"
     source.write_text(f'#include "{header}.h"\n#include "{header}.h"\nint main(void) {{ return 0; }}\n', encoding="ascii")
     command = [*find_compiler(), "-std=c99", *STRICT, f"-I{FOLDER}", "-c", str(source)]

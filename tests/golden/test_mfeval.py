@@ -104,7 +104,7 @@ def disagreeing(answer, rows, case, values) -> dict[str, float]:
     return {name: error for name, error in errors(answer, rows, case, values).items() if not error < 1}
 
 
-def test_no_column_and_hardly_a_row_is_left_out(rows, case, values):
+def test_every_column_and_almost_every_row_is_compared(rows, case, values):
     columns = {"kind", "iKya_rowdiff_ignore", *COLUMNS, *INPUTS.values(), *(f"{name}_in" for name in INPUTS)}
     assert set(rows.columns) == columns
     assert len(rows) == {"mf52": 600, "mf61": 600, "mf62": 300}[case.model] or "turnslip" in case.table
@@ -112,7 +112,7 @@ def test_no_column_and_hardly_a_row_is_left_out(rows, case, values):
     assert not rows[list(COLUMNS)].isna().any(axis=None)
 
 
-def test_inputs_came_through_unchanged(rows):
+def test_inputs_are_returned_unchanged(rows):
     for ours, theirs in INPUTS.items():
         assert (rows[f"{ours}_in"] == rows[theirs]).all()
 
@@ -129,7 +129,7 @@ def test_the_file_itself(rows, case, values, golden):
     assert disagreeing(tire.evaluate(inputs(rows)), rows, case, values) == {}
 
 
-def test_nan_is_no_agreement(rows, case, values, tire):
+def test_nan_is_a_difference(rows, case, values, tire):
     answer = tire.evaluate(inputs(rows))
     answer.loc[7, "B_t"] = np.nan
     assert disagreeing(answer, rows, case, values) == {}
@@ -138,7 +138,7 @@ def test_nan_is_no_agreement(rows, case, values, tire):
 
 
 @pytest.mark.parametrize("column", COLUMNS)
-def test_a_column_slightly_off_is_no_agreement(rows, case, values, tire, column):
+def test_a_small_error_in_a_column_is_detected(rows, case, values, tire, column):
     answer = tire.evaluate(inputs(rows))
     answer[COLUMNS[column]] *= 1 + 1e-3
     assert column in disagreeing(answer, rows, case, values)

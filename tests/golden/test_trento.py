@@ -43,13 +43,13 @@ def largest_error(ours: pd.DataFrame, theirs: pd.DataFrame) -> float:
     return float(np.max(np.abs(ours[list(COLUMNS.values())].to_numpy() - reference) / (1 + np.abs(reference))))
 
 
-def test_nan_is_no_agreement(rows, worksheet_tire):
+def test_nan_is_a_difference(rows, worksheet_tire):
     ours = worksheet_tire.evaluate(rows[INPUTS], signs="adapted-sae")
     ours.loc[7, "B_t"] = np.nan
     assert not largest_error(ours, rows) < 1e-9
 
 
-def test_no_column_is_left_out(rows):
+def test_every_column_is_compared(rows):
     assert set(rows.columns) == {"id", "block", *INPUTS, *COLUMNS}
     assert len(rows) == 600
 

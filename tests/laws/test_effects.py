@@ -71,7 +71,7 @@ def test_random_subsets(tire, points, forces_of, scale_of):
         check(tire, present, points(tire), forces_of, scale_of)
 
 
-def test_each_effect_is_felt(tire, points, forces_of, scale_of):
+def test_each_effect_changes_an_output(tire, points, forces_of, scale_of):
     """Else being off would not differ from being on."""
     rows = points(tire)
     forces = forces_of(tire, rows)
@@ -106,7 +106,7 @@ def test_the_core_reaches_an_output_without_any_effect(model):
     assert {declaration.section for declaration in rest if declaration.fitted} <= RELAXATION.get(model, set())
 
 
-def test_coefficients_of_an_absent_effect_have_no_say(tire, points, forces_of):
+def test_coefficients_of_an_absent_effect_have_no_influence(tire, points, forces_of):
     rows = points(tire)
     effect = "camber_thrust"
     plain = replace(tire, effects=tire.book.effects.keys() - {effect})

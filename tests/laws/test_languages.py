@@ -63,7 +63,7 @@ def test_three_languages_one_number(tire, points, routine):
 
 
 @pytest.mark.parametrize("routine", ["forces", "quantities", "jacobian_parameters"])
-def test_whole_tables_go_through_the_same_code(tire, points, routine):
+def test_tables_are_evaluated_by_the_same_code(tire, points, routine):
     rows, parameters = points(tire, n=20), tire.parameters()
     expected = getattr(code_for(tire.model, "numpy"), routine)(rows, parameters)
     for language in ("c", "casadi"):
@@ -73,7 +73,7 @@ def test_whole_tables_go_through_the_same_code(tire, points, routine):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_the_modules_name_what_the_book_names(model):
+def test_the_modules_list_the_names_of_the_book(model):
     book = MODELS[model]
     for language in ("numpy", "casadi"):
         module = import_module(f"tirefmu.generated.{language}.{model}")

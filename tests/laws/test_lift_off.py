@@ -42,12 +42,12 @@ def test_jacobians_stay_finite(tire, points, code):
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
-def test_an_unknown_load_is_no_lifted_tire(tire, points, code):
+def test_a_load_of_nan_is_not_a_lifted_tire(tire, points, code):
     rows = with_load(tire, points(tire, n=5), np.nan)
     assert np.isnan(code_for(tire.model, code).forces(rows, tire.parameters())).all()
 
 
-def test_forces_come_up_from_zero(tire, points, forces_of):
+def test_forces_start_at_zero(tire, points, forces_of):
     """Friction is far below 100: the forces at a small load are small, and there from the first load on."""
     first = 1e-6 if tire.model == "mf96" else 0.0  # MF96 counts 1e-6 N as none
     assert (forces_of(tire, with_load(tire, points(tire), first)) == 0).all()

@@ -21,7 +21,7 @@ def forces_of_table(tire, table, **options):
 
 
 @pytest.mark.parametrize("options", OTHERS, ids=str)
-def test_each_convention_changes_something_where_the_model_has_it(tire, points, scale_of, narrowed, options):
+def test_each_option_changes_a_result_of_models_that_have_it(tire, points, scale_of, narrowed, options):
     tire, (name,) = narrowed(tire), options
     table = table_of(tire, points(tire))
     change = np.abs(forces_of_table(tire, table, **options) - forces_of_table(tire, table)) / scale_of(tire)
@@ -31,13 +31,13 @@ def test_each_convention_changes_something_where_the_model_has_it(tire, points, 
         assert (change == 0).all()
 
 
-def test_without_ranges_limits_are_nothing_to_mf96(made, points):
+def test_limits_without_ranges_do_not_change_mf96(made, points):
     tire = made("mf96", 0)
     table = table_of(tire, points(tire))
     np.testing.assert_array_equal(forces_of_table(tire, table, limits=True), forces_of_table(tire, table))
 
 
-def test_beyond_its_range_a_tire_is_as_at_the_end(tire, points, narrowed):
+def test_outside_its_range_a_tire_is_evaluated_at_the_limit(tire, points, narrowed):
     """Radii, and M_y by them, see kappa and load as they are; so does turn slip by the wheel's speed."""
     tire, rows = narrowed(tire), points(tire)
     still = {"phit": 0.0} if "phit" in tire.inputs else {}
@@ -121,7 +121,7 @@ def test_with_limits_forces_are_finite_wherever_the_inputs_are(
 @settings(max_examples=40)
 @given(kappa=SANE, alpha=SANE, gamma=SANE, load=SANE, pressure=SANE, speed=SANE, spin=SANE)
 @pytest.mark.parametrize("model", ["mf96", *SIX])
-def test_a_tire_does_not_mind_in_which_axes_it_is_told(made, model, kappa, alpha, gamma, load, pressure, speed, spin):
+def test_inputs_in_other_axes_give_the_same_tire(made, model, kappa, alpha, gamma, load, pressure, speed, spin):
     tire = made(model, 0)
     row = pd.DataFrame([{
         "kappa": kappa, "alpha": alpha, "gamma": 0.3 * gamma, "Fz": (1.01 + load) * tire.values["FNOMIN"],

@@ -48,7 +48,7 @@ def test_without_side_slip_the_longitudinal_force_is_pure(tire, points):
     assert answer["Fx"].to_numpy() == pytest.approx(answer["F_x0"].to_numpy(), rel=1e-13)
 
 
-def test_combined_slip_takes_from_both_forces(tire, points):
+def test_combined_slip_reduces_both_forces(tire, points):
     """Else the laws above say nothing."""
     answer = evaluated(tire, points(tire))
     assert (abs(answer["G_xa"] - 1) > 1e-3).mean() > 0.9

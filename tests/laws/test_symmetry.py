@@ -38,12 +38,12 @@ def asymmetry(tire, rows, forces_of):
     return np.abs(forces_of(tire, turned) - signs_of(tire.outputs, MIRRORED) * forces_of(tire, rows))
 
 
-def test_left_is_right_without_asymmetric_coefficients(tire, points, forces_of, scale_of):
+def test_a_tire_without_asymmetric_coefficients_is_symmetric(tire, points, forces_of, scale_of):
     assert np.max(asymmetry(symmetric(tire), points(tire), forces_of) / scale_of(tire)) < 1e-12
 
 
 @pytest.mark.parametrize(("model", "name"), CASES)
-def test_each_asymmetric_coefficient_tells_left_from_right(made, points, forces_of, scale_of, model, name):
+def test_each_asymmetric_coefficient_makes_left_and_right_differ(made, points, forces_of, scale_of, model, name):
     tire = made(model, 0)
     lopsided = symmetric(tire, **{name: tire.values[name]})
     assert np.max(asymmetry(lopsided, points(tire), forces_of) / scale_of(tire)) > 1e-6
@@ -57,7 +57,7 @@ def test_iso_and_adapted_sae_are_mirrors(tire, points, forces_of, scale_of):
 
 
 @pytest.mark.parametrize("options", [{"convention": "book"}, {"slip_angle": "angle"}, {"limits": True}], ids=str)
-def test_they_are_in_every_convention(tire, points, scale_of, options):
+def test_iso_and_adapted_sae_are_mirrors_with_every_option(tire, points, scale_of, options):
     """Bodies too: a radius has no sign."""
     table = pd.DataFrame(dict(zip(tire.inputs, points(tire), strict=True)))
     names = [*tire.outputs, *tire.book.results]
@@ -75,7 +75,7 @@ def test_mirrored_twice_is_the_same_tire(tire):
 
 
 @pytest.mark.parametrize("model", ASYMMETRIC_BY_MODEL)
-def test_every_coefficient_that_flips_must(made, points, model):
+def test_every_declared_sign_change_is_necessary(made, points, model):
     """A sign left behind in the mirror shows in a force, or in how deep the tire sinks."""
     tire = made(model, 0)
     table, iso = pd.DataFrame(dict(zip(tire.inputs, points(tire), strict=True))), tire.in_signs("iso")

@@ -201,7 +201,7 @@ def test_pure_slip_is_the_limit_of_combined_slip(tire):
         np.testing.assert_allclose(answer[force], limit * (3 * s - 3 * s * abs(s) + s**3), rtol=1e-12, atol=1e-9)
 
 
-def test_left_is_right_and_driving_is_braking(tire):
+def test_left_equals_right_and_driving_equals_braking(tire):
     rows = grid()
     there, back = (evaluated(tire, rows * np.array([1, side, 1])[:, None]) for side in (1, -1))
     np.testing.assert_array_equal(there[["Fx", "Fy", "Mz"]] * [1, -1, -1], back[["Fx", "Fy", "Mz"]])
@@ -300,7 +300,7 @@ def bench(tire, n, *, loads, noise=0.0, signs="iso"):
     return pd.concat([table, forces + noise * rng.normal(size=forces.shape) * [10.0, 10.0, 0.3]], axis=1)
 
 
-def test_ten_rows_tell_a_tire():
+def test_ten_rows_determine_a_tire():
     """From generic values, in both conventions; at one load the exponents are not identifiable and keep defaults."""
     truth = made(NSTIFF=1.0, NMU=0.0, NPATCH=0.5)
     for signs in ("iso", "adapted-sae"):
@@ -311,7 +311,7 @@ def test_ten_rows_tell_a_tire():
         assert {name: result.tire.values[name] for name in LOAD_EXPONENTS} == {"NSTIFF": 1.0, "NMU": 0.0, "NPATCH": 0.5}
 
 
-def test_loads_tell_the_exponents():
+def test_several_loads_determine_the_exponents():
     recording = Recording(bench(made(), 300, loads=[1500.0, 3000.0, 4500.0], noise=1.0), "iso", "bench.csv")
     result = fit([recording], "brush", nominal={"Fz0": 3000.0, "R0": 0.3}, screening=False)
     assert result.ok

@@ -46,11 +46,11 @@ def tire(toy):
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_every_model_keeps_what_it_declares(name):
+def test_every_model_satisfies_its_declarations(name):
     verify(MODELS[name])
 
 
-def test_a_forgotten_flip_is_named_before_there_is_a_number(made, monkeypatch):
+def test_a_missing_sign_change_is_reported_before_evaluation(made, monkeypatch):
     monkeypatch.setitem(MODELS, "unmarked", made("unmarked", flips=False))
     tire = Tire("unmarked", VALUES, signs="adapted-sae")
     with pytest.raises(ModelError, match=r"unmarked: Fy and Mz .*: CSIDE has to flip"):
@@ -58,7 +58,7 @@ def test_a_forgotten_flip_is_named_before_there_is_a_number(made, monkeypatch):
 
 
 @pytest.mark.parametrize(("name", "coefficient"), [("mf96", "PVY1"), ("mf96", "PDY1"), ("mf96", "SSZ3")])
-def test_a_planted_mark_is_named(name, coefficient, monkeypatch):
+def test_a_wrong_sign_mark_is_reported(name, coefficient, monkeypatch):
     declaration = MODELS[name].coefficients[coefficient]
     monkeypatch.setattr(declaration, "flips", not declaration.flips)
     with pytest.raises(ModelError, match=coefficient):
@@ -114,7 +114,7 @@ def test_every_code_agrees_and_differentiates(tire):
             np.testing.assert_allclose(getattr(code, routine)(rows, parameters), expected, rtol=1e-9, atol=1e-9)
 
 
-def test_a_property_file_of_its_own_comes_back(tire, tmp_path):
+def test_a_property_file_of_its_own_format_survives_a_round_trip(tire, tmp_path):
     tire.save(tmp_path / "toy.tir")
     text = (tmp_path / "toy.tir").read_text(encoding="utf-8")
     assert "PROPERTY_FILE_FORMAT = 'TOY'" in text
@@ -164,7 +164,7 @@ def test_a_fit_finds_it_in_adapted_sae_and_saves_it_in_iso(tire, tmp_path, start
     assert read_tir(tmp_path / "toy.tir").values["CSIDE"] == pytest.approx(-VALUES["CSIDE"], rel=0.02)
 
 
-def test_its_own_recipe_lies_in_its_folder(made, monkeypatch, tmp_path):
+def test_its_recipe_is_in_its_folder(made, monkeypatch, tmp_path):
     (tmp_path / "toy_folder").mkdir()
     (tmp_path / "toy_folder" / "__init__.py").write_text("", encoding="utf-8")
     stages = 'name = "short"\n[[stage]]\nname = "all"\nsections = ["PARAMETER"]\n'
@@ -189,7 +189,7 @@ def test_its_fmu_is_the_tire(tire, tmp_path, inputs):
         assert all(channel.r2 > 0.999 for channel in result.channels)
 
 
-def test_a_diagnosis_names_the_effect_that_it_lacks(tire):
+def test_a_diagnosis_identifies_the_missing_effect(tire):
     nominal = {"Fz0": 1000.0, "R0": 0.3, "p0": 2e5}
     found = diagnose(bench(tire, 1200), signs="adapted-sae", model="toy", nominal=nominal)
     assert [one.effect for one in found.found] == ["softening"]

@@ -93,7 +93,7 @@ def test_html_has_one_text_and_no_element(text):
 
 
 @of_all
-def test_what_is_shown_is_one_printable_line(text):
+def test_displayed_text_is_one_printable_line(text):
     assert escaping.visible(text).isprintable()
     assert escaping.quoted(text).isprintable()
     assert len(escaping.quoted("\U0001f600" * 1000)) < 100

@@ -76,7 +76,7 @@ def test_other_powers_are_still_right_in_python(power):
     assert float(eval(text, {"np": np, **POINT})) == pytest.approx(1.7 ** float(power) * 1.3, rel=1e-14)
 
 
-def test_casadi_joins_conditions_and_keeps_nan():
+def test_casadi_combines_conditions_and_propagates_nan():
     both = sp.Piecewise((x, sp.And(x > 1, y < 2)), (sgn1(y), True))
     text = CasadiPrinter().doprint(both)
     assert text == "ca.if_else(ca.logic_and(x > 1, y < 2), x, ca.if_else(y >= 0, 1, ca.sign(y)))"

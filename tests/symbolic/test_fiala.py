@@ -122,7 +122,7 @@ def test_jacobians_are_finite_where_branches_meet(umin, point):
             assert np.isfinite(getattr(code, routine)(column, tire.parameters())).all(), (language, routine)
 
 
-def test_it_makes_no_force_off_the_ground_and_passes_on_what_is_no_number():
+def test_it_has_no_force_off_the_ground_and_propagates_nan():
     lifted = TIRE.forces(kappa=[0.1, -0.2], alpha=[0.3, 0.0], Fz=[0.0, -500.0])
     assert all((values == 0).all() for values in lifted.values())
     for name in ("kappa", "alpha", "Fz"):
@@ -223,7 +223,7 @@ IN_SI = {
         ("REL_LEN_LON = 50\nREL_LEN_LAT = 150\n", (0.05, 0.15)),
     ],
 )
-def test_a_property_file_of_adams_is_read_in_si_and_comes_back(lengths, read, tmp_path):
+def test_a_property_file_of_adams_is_read_in_si_and_survives_a_round_trip(lengths, read, tmp_path):
     (tmp_path / "adams.tir").write_text(ADAMS + lengths, encoding="utf-8")
     reading = read_tir_with_notes(tmp_path / "adams.tir")
     tire, notes = reading.tire, reading.notes
@@ -288,7 +288,7 @@ def test_its_fmu_on_a_wheel_computes_slips_from_velocities(tmp_path):
     assert float(answer["R_l"]) == pytest.approx(VALUES["UNLOADED_RADIUS"] - LOAD / VALUES["VERTICAL_STIFFNESS"])
 
 
-def test_a_diagnosis_names_the_relaxation_that_it_lacks():
+def test_a_diagnosis_identifies_the_missing_relaxation():
     lengths = {"REL_LEN_LON": 0.2, "REL_LEN_LAT": 0.4}
     lagging = Tire("fiala", {**VALUES, **lengths}, effects=TIRE.has | {"relax_lon", "relax_lat"})
     nominal = {"Fz0": LOAD, "R0": VALUES["UNLOADED_RADIUS"]}

@@ -109,7 +109,7 @@ def test_text_changes_nothing_but_comments(plain, text):
         assert (without_comments(code) if "c/" in name else bare(code)) == plain[name], name
 
 
-def test_the_test_sees_what_a_compiler_would_see():
+def test_the_test_detects_what_a_compiler_would_detect():
     assert without_comments("a /* x */ b // y ??/\nz\n c") == ["a", "b", "c"]
     assert without_comments('a /* "*/ b "/* x */" c') == ["a", "b", '"/*', "x", '*/"', "c"]
     hostile = f"int a; /* {CODE} */"
@@ -157,7 +157,7 @@ def test_a_file_with_any_text_reads_back_equal(text):
         ({"reads": "LIMITS"}, "reads 'LIMITS', which small has not before it"),
     ],
 )
-def test_a_name_that_means_something_else_is_refused(changed, message):
+def test_a_name_with_another_meaning_is_rejected(changed, message):
     own = effect()
     if "coefficient" in changed:
         (declaration,) = own.declarations
@@ -169,7 +169,7 @@ def test_a_name_that_means_something_else_is_refused(changed, message):
         SMALL.extended([replace(own, name=changed.get("name", own.name))])
 
 
-def test_two_effects_of_one_name_are_refused():
+def test_two_effects_with_the_same_name_are_rejected():
     with pytest.raises(EffectError, match="two added effects have the name OWN"):
         SMALL.extended([effect(), replace(effect(), name="OWN")])
 

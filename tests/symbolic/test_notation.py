@@ -71,7 +71,7 @@ def test_a_section_collects_its_coefficients_in_order():
     assert sp.Symbol("A", real=True) == Made.A
 
 
-def test_an_effect_stands_in_a_line_as_a_switch():
+def test_an_effect_is_a_switch_in_a_line():
     effect = Effect("wear_drift", "the tread wears")
     assert effect.term(x).args[1:] == (x, 0)
     assert effect.factor(x).args[1:] == (x, 1)

@@ -133,7 +133,7 @@ def test_it_is_fitted_and_reported(fitted, fault):
     assert left == ["new.tir"]
 
 
-def test_good_data_are_not_complained_about(fitted):
+def test_good_data_give_no_message(fitted):
     outcome, _ = fitted([side_alone(sweeps()).iloc[:300], side_alone(sweeps(seed=1)).iloc[300:].assign(p=80e3)])
     notes = [line for line in outcome.out.splitlines() if line.startswith("note: ") and "only one load" not in line]
     assert notes == []

@@ -33,7 +33,7 @@ def strict(text):
 # ------------------------------------------------------------------ the whole way
 
 
-def test_every_step_of_the_way_succeeds(chain):
+def test_every_step_of_the_workflow_succeeds(chain):
     _, outcomes = chain
     for step, outcome in outcomes.items():
         assert outcome.status == 0, (step, outcome.err)
@@ -66,7 +66,7 @@ def test_the_fit_is_the_same_everywhere(chain):
         assert coefficient["name"] in page
 
 
-def test_the_check_reports_how_far_the_tire_is_from_the_data(chain):
+def test_the_check_reports_the_error_against_the_data(chain):
     folder, outcomes = chain
     fitted = {c["channel"]: c["rmse"] for c in strict((folder / "fit.json").read_text())["channels"]}
     for fmi in "23":
@@ -78,7 +78,7 @@ def test_the_check_reports_how_far_the_tire_is_from_the_data(chain):
             assert name in outcomes[f"check {fmi}"].out
 
 
-def test_a_check_that_does_not_hold_exits_with_1(chain, command, bench_csv):
+def test_a_failed_check_exits_with_1(chain, command, bench_csv):
     folder, _ = chain
     assert command("check", folder / "fmi3.fmu", bench_csv, "--tolerance", "1e-6").status == 1
     assert command("check", folder / "fmi3.fmu", bench_csv, "--tolerance", "0.5").status == 0
@@ -107,7 +107,7 @@ def test_the_evolutionary_method_reports_that_its_limit_ended_it(command, bench_
     assert read_tir(tmp_path / "evolved.tir").has == frozenset()
 
 
-def test_a_fit_from_a_tire_and_a_recipe_of_ones_own(chain, command, bench_csv, tmp_path):
+def test_a_fit_from_a_tire_and_a_user_defined_recipe(chain, command, bench_csv, tmp_path):
     folder, _ = chain
     recipe = tmp_path / "friction [only].toml"
     recipe.write_text('[[stage]]\nname = "[friction]"\n[stage.free]\nPDY1 = { guess = 2, lower = 1, upper = 4 }\n')
@@ -190,7 +190,7 @@ def test_evaluate_takes_nominal_values_and_clamps_on_request(command, chain, tmp
     assert clamped.loc[1, "alpha"] == free.loc[1, "alpha"]  # the input comes back as it was given
 
 
-def test_evaluate_answers_in_the_convention_of_the_table(command, chain, bench_csv, tmp_path):
+def test_evaluate_writes_the_convention_of_the_table(command, chain, bench_csv, tmp_path):
     folder, _ = chain
     recording = read_recording(bench_csv)
     results = {}
@@ -209,7 +209,7 @@ def test_evaluate_answers_in_the_convention_of_the_table(command, chain, bench_c
 # ------------------------------------------------------------------ what is printed
 
 
-def test_json_on_standard_output_is_alone_there(chain, command, bench_csv, published_tir, tmp_path):
+def test_json_is_the_only_standard_output(chain, command, bench_csv, published_tir, tmp_path):
     folder, _ = chain
     calls = [
         ("generate", "--check"),
@@ -288,12 +288,12 @@ def generated(tmp_path, monkeypatch):
     return folder
 
 
-def test_what_is_committed_is_what_the_book_prints(command):
+def test_the_committed_code_is_what_the_book_generates(command):
     outcome = command("generate", "--check")
     assert outcome.status == 0, outcome.out
 
 
-def test_a_planted_edit_is_found_shown_and_mended(command, generated):
+def test_a_planted_edit_is_found_shown_and_repaired(command, generated):
     source = generated / "c" / "mf96.c"
     right = source.read_text(encoding="utf-8")
     source.write_text(right.replace("sin(", "cos(", 1), encoding="utf-8")

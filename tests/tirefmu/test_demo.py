@@ -10,7 +10,7 @@ from tirefmu.demo import BENCH_TIRE, bench_tire
 from tirefmu.tires import published, read_tir
 
 
-def test_the_whole_circle(command, tmp_path):
+def test_the_end_to_end_workflow(command, tmp_path):
     folder = tmp_path / "made for it" / "demo"
     outcome = command("demo", "-o", folder, "--json", tmp_path / "demo.json")
     assert outcome.status == 0, outcome.out + outcome.err

@@ -35,7 +35,7 @@ def doubts(tire):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_a_generic_tire_raises_no_doubt(model):
+def test_a_generic_tire_has_no_doubts(model):
     assert doubts(generic(model)) == {}
 
 
@@ -106,7 +106,7 @@ def test_a_file_of_the_field_is_reported_in_full(name, golden):
     assert all(reported["values"][key] == value for key, value in reported["missing"].items())
 
 
-def test_a_quantity_that_is_no_number_is_reported_as_none():
+def test_a_quantity_that_is_not_finite_is_reported_as_none():
     reported = describe(generic("mf96", PKX3=-2.0, PKX1=0.0, PDX1=0.0, PCX1=0.0))
     assert json.dumps(reported, allow_nan=False)
     assert not any(value is not None and math.isnan(value) for value in [d["value"] for d in reported["implausible"]])

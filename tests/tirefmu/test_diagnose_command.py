@@ -37,7 +37,7 @@ def recording(tmp_path_factory):
     return path
 
 
-def test_a_hidden_effect_is_named_and_written(recording, tmp_path):
+def test_a_hidden_effect_is_identified_and_written(recording, tmp_path):
     folder = tmp_path / "answer"
     arguments = ["diagnose", str(recording), "--signs", "adapted-sae", "--effects", ",".join(EFFECTS), "--nominal",
                  "Fz0=3000,R0=0.3,p0=200000,V0=16.7", "-o", str(folder), "--no-fmu", "--quiet"]  # fmt: skip

@@ -102,7 +102,7 @@ def test_the_side_force_over_the_longitudinal_force_is_the_tires(small):
         np.testing.assert_allclose(y, forces["Fy"], rtol=1e-9, atol=1e-9)
 
 
-def test_what_is_zero_is_not_drawn_but_reported(small):
+def test_a_zero_output_is_reported_instead_of_drawn(small):
     figure = drawing.pure(drawing.Sketch(small, "iso", (60.0,)))
     assert [ax.get_ylabel() for ax in figure.axes] == ["$F_x$ (N)", "$F_y$ (N)"]
     assert "$M_z$ 0 everywhere" in figure.get_supxlabel()
@@ -130,7 +130,7 @@ def test_the_default_loads_lie_in_the_range(first, second, nominal):
 
 
 @pytest.mark.parametrize("loads", [[], [0.0], [-60.0], [nan], [float("inf")], [60.0, -1.0]])
-def test_what_is_no_load_is_refused(small, loads, tmp_path):
+def test_invalid_loads_are_rejected(small, loads, tmp_path):
     with pytest.raises(TirefmuError, match="load"):
         files.draw(small, tmp_path / "figures", loads=loads)
     assert not (tmp_path / "figures").exists()
@@ -151,7 +151,7 @@ def test_a_tire_without_force_is_refused(tmp_path):
     assert not (tmp_path / "figures").exists()
 
 
-def test_a_force_that_is_not_finite_is_refused_with_its_place(small, tmp_path, monkeypatch):
+def test_a_force_that_is_not_finite_is_rejected_with_its_condition(small, tmp_path, monkeypatch):
     evaluate = drawing.evaluate
 
     def broken(tire, table, conventions):
@@ -211,7 +211,7 @@ def test_bad_input_is_one_line(command, arguments, said, tmp_path):
 
 
 @pytest.mark.parametrize("name", sorted(PUBLISHED))
-def test_other_commands_take_a_published_name_too(command, name):
+def test_other_commands_accept_a_published_name(command, name):
     outcome = command("info", name, "--quiet", "--json", "-")
     assert outcome.status == 0, outcome.err
     assert json.loads(outcome.out)["about"] == published(name).about

@@ -66,7 +66,7 @@ LARGE = ("casadi", "fmpy", "matplotlib", "scipy", "pythonfmu")
 
 
 @pytest.mark.parametrize("statement", ["import tirefmu", "import tirefmu.cli"])
-def test_importing_brings_no_large_library_along(statement):
+def test_importing_loads_no_large_library(statement):
     code = f"import sys; {statement}; print(*[name for name in {LARGE!r} if name in sys.modules])"
     reported = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert reported.stdout.split() == []

@@ -94,7 +94,7 @@ def test_the_command_line_is_reported_back_as_text(position, text, capsys):
     assert captured.err.startswith("tirefmu: error: ")
 
 
-def test_a_terminal_that_lacks_a_letter_still_gets_the_line(monkeypatch, tmp_path):
+def test_a_terminal_without_a_character_still_shows_the_line(monkeypatch, tmp_path):
     path = tmp_path / "tire.tir"
     replace(published("trento_hoosier"), name="Stra\u00dfe \u65e5").save(path)
     screen = io.BytesIO()

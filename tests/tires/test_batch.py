@@ -76,7 +76,7 @@ def test_jacobians(model, parameters, routine):
     assert np.max(np.abs(answer - expected) * sizes / terms) < ROUNDING
 
 
-def test_the_entries_are_all_that_is_not_zero(model, parameters):
+def test_the_entries_are_all_nonzero_derivatives(model, parameters):
     rows = rows_of(model, 200)
     kernels, numpy = code_for(model, "batch"), code_for(model, "numpy")
     dense, (force, coefficient) = kernels.jacobian_parameters(rows, parameters), kernels.entries
@@ -101,7 +101,7 @@ def test_chunks_are_the_entries_in_turn(model, parameters, language):
         np.testing.assert_array_equal(np.concatenate([entries for _, entries in chunks], axis=1), whole)
 
 
-def test_rows_that_no_kernel_covers(model, parameters):
+def test_rows_outside_the_range_of_the_kernels(model, parameters):
     rows = rows_of(model, 3 * BLOCK)
     strange = [np.nan, np.inf, -np.inf, 0.0, -0.0, 1e-310]  # a huge angle would show its own rounding only
     for place, value in enumerate(strange):
@@ -154,7 +154,7 @@ def test_the_fastest_code(monkeypatch):
     selection._code_for.cache_clear()
 
 
-def test_flags_that_the_compiler_refuses_are_left_out(monkeypatch, tmp_path, parameters, model):
+def test_flags_that_the_compiler_rejects_are_omitted(monkeypatch, tmp_path, parameters, model):
     monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path))
     monkeypatch.setattr(kernel, "FLAGS", (("-no-such-flag-as-this",), kernel.FUSED))
     built = kernel.Kernel(MODELS[model], "forces", len(MODELS[model].outputs))

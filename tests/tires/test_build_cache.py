@@ -76,7 +76,7 @@ def test_only_the_user_can_enter_it(cache):
 
 @unix
 @pytest.mark.parametrize("place", [".", "below", "other", "below/file", RECORD])
-def test_what_others_can_write_is_made_again(cache, place):
+def test_an_entry_that_others_can_write_is_built_again(cache, place):
     make = Maker()
     (cached("entry", make) / place).chmod(0o777)
     assert content_of(cached("entry", make)) == "content"
@@ -85,7 +85,7 @@ def test_what_others_can_write_is_made_again(cache, place):
 
 @root
 @pytest.mark.parametrize("place", [".", "other", "below/file"])
-def test_what_belongs_to_another_user_is_made_again(cache, place):
+def test_an_entry_of_another_user_is_built_again(cache, place):
     make = Maker()
     os.chown(cached("entry", make) / place, STRANGER, STRANGER)
     cached("entry", make)
@@ -191,7 +191,7 @@ def test_a_folder_that_cannot_be_written(cache, caplog, monkeypatch):
 
 
 @pytest.mark.parametrize("before", ["nothing", "damaged"])
-def test_many_that_make_the_same_at_once(cache, caplog, before):
+def test_concurrent_builds_of_one_entry(cache, caplog, before):
     n = 8
     if before == "damaged":
         (cached("entry", Maker()) / "other").write_bytes(b"")
@@ -212,7 +212,7 @@ def test_many_that_make_the_same_at_once(cache, caplog, before):
     assert not caplog.records
 
 
-def test_one_that_another_process_stored_stays(cache):
+def test_an_entry_stored_by_another_process_is_preserved(cache):
     def make(folder):
         Maker("ours")(folder)
         cached("entry", Maker("theirs"))
@@ -221,7 +221,7 @@ def test_one_that_another_process_stored_stays(cache):
     assert names(cache) == ["entry"]
 
 
-def test_what_fails_leaves_nothing(cache):
+def test_a_failed_build_leaves_no_files(cache):
     def make(folder):
         (folder / "half").write_text("half", encoding="ascii")
         raise ValueError("no further")
@@ -262,7 +262,7 @@ def test_the_cache_does_not_grow_without_limit(cache, aged, monkeypatch):
     assert names(cache) == ["middle", "new", "newer", "not ours", "recent"]  # may be in use, here and elsewhere
 
 
-def test_the_cache_is_the_users_unless_told(monkeypatch, tmp_path):
+def test_the_default_cache_is_that_of_the_user(monkeypatch, tmp_path):
     monkeypatch.delenv("TIREFMU_CACHE")
     if sys.platform.startswith("linux"):
         monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
@@ -278,7 +278,7 @@ def test_the_cache_is_the_users_unless_told(monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize("language", ["numpy", "casadi"])
-def test_printed_code_that_was_changed_is_not_run(cache, monkeypatch, tmp_path, language):
+def test_modified_generated_code_is_not_run(cache, monkeypatch, tmp_path, language):
     book = model("mf61", with_library("mf61", ["speed_friction"], ()))
     calls = []
 

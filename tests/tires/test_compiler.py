@@ -97,7 +97,7 @@ def test_another_content_compiler_or_flag_is_another_library(empty_cache, source
 
 
 @needs_compiler
-def test_what_the_compiler_refuses(empty_cache, source):
+def test_source_that_does_not_compile(empty_cache, source):
     source.write_text("int answer(void) { return }\n", encoding="ascii")
     with pytest.raises(CompilerError) as caught:
         built(source)
@@ -167,7 +167,7 @@ def test_a_library_that_cannot_be_loaded_is_built_again(empty_cache, source):
 
 
 @needs_compiler
-def test_what_can_never_be_loaded_is_one_line(empty_cache, source):
+def test_a_library_that_never_loads_gives_one_line(empty_cache, source):
     with pytest.raises(CompilerError, match=r"answer\S* is built, but cannot be loaded: ") as caught:
         loaded_library("answer", [source], headers=[source.with_suffix(".h")], flags=["-c"])
     assert "\n" not in str(caught.value)

@@ -106,7 +106,7 @@ def test_forces_are_the_evaluation_at_its_defaults(tire):
 
 
 @pytest.mark.parametrize("model", MAGIC[1:])
-def test_turn_slip_is_silent_in_a_tire_without_it(model):
+def test_turn_slip_has_no_influence_on_a_tire_without_it(model):
     tire = lopsided(model)
     plain = replace(tire, effects=tire.has - {"turn_slip"})
     table, forces = drawn(), list(tire.outputs)

@@ -92,7 +92,7 @@ def test_a_published_tire_is_written_as_it_was_read(tmp_path, name):
         "50 % ! = [x]",
     ],
 )
-def test_a_text_is_read_back_to_the_letter(tmp_path, text):
+def test_a_text_is_read_back_exactly(tmp_path, text):
     tire = replace(published("trento_hoosier"), name=text, about={"source": text, "after": "the next line"})
     tire.save(tmp_path / "written.tir")
     again = read_tir(tmp_path / "written.tir")
@@ -104,7 +104,7 @@ def test_a_text_is_read_back_to_the_letter(tmp_path, text):
 
 
 @pytest.mark.parametrize("key", ["name", "effects", "fittyp", "pky1", "length", "fzmin", "tirefmu_model", "core_pky1"])
-def test_what_is_told_about_a_tire_is_never_taken_for_its_values(tmp_path, key):
+def test_metadata_is_never_read_as_values(tmp_path, key):
     tire = replace(published("trento_hoosier"), about={key: "7"}, effects=["camber_thrust"])
     tire.save(tmp_path / "written.tir")
     assert read_tir(tmp_path / "written.tir") == tire.in_signs("iso")
@@ -142,7 +142,7 @@ def test_a_core_tire_is_written_for_readers_without_switches(tmp_path):
         np.testing.assert_allclose(ours[name], theirs[name], rtol=1e-9)
 
 
-def test_a_file_of_another_hand(tmp_path):
+def test_a_file_of_another_author(tmp_path):
     """Comments, cases, blanks, a table of shapes, sections that nobody knows, numbers of Fortran."""
     (tmp_path / "other.tir").write_text(
         """! a comment
@@ -235,7 +235,7 @@ def test_a_missing_coefficient_is_named(tmp_path):
         ("FITTYP = 'PAC'", "FITTYP = \"'PAC'\" is not a number"),
     ],
 )
-def test_a_model_that_is_not_ours(tmp_path, model, said):
+def test_an_unsupported_model(tmp_path, model, said):
     path = tmp_path / "model.tir"
     path.write_text(f"[MODEL]\nOTHER = 1\n{model}\n[VERTICAL]\nFNOMIN = 1000\n", encoding="utf-8")
     with pytest.raises(TirError) as caught:
@@ -244,7 +244,7 @@ def test_a_model_that_is_not_ours(tmp_path, model, said):
 
 
 @pytest.mark.parametrize("content", ["", "\n\n", "a letter to somebody\n", "[MODEL]\n"])
-def test_no_tire_file_at_all(tmp_path, content):
+def test_a_file_that_is_not_a_tire(tmp_path, content):
     path = tmp_path / "letter.tir"
     path.write_text(content, encoding="utf-8")
     with pytest.raises(TirError, match=r"letter\.tir: no line 'KEY = value' found: not a \.tir file"):
@@ -258,7 +258,7 @@ def test_a_missing_file_and_a_folder(tmp_path):
         read_tir(tmp_path)
 
 
-def test_nothing_is_left_behind_where_writing_fails(tmp_path):
+def test_a_failed_write_creates_no_file(tmp_path):
     tire = published("trento_hoosier")
     (tmp_path / "a_folder.tir").mkdir()
     with pytest.raises(TirError, match=r"a_folder\.tir: cannot be written"):
@@ -269,14 +269,14 @@ def test_nothing_is_left_behind_where_writing_fails(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="no folder is read-only for this user")
-def test_nothing_is_left_behind_in_a_read_only_folder(tmp_path):
+def test_a_failed_write_in_a_read_only_folder_creates_no_file(tmp_path):
     tmp_path.chmod(0o500)
     with pytest.raises(TirError, match="cannot be written"):
         published("trento_hoosier").save(tmp_path / "tire.tir")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
+def test_a_failed_write_preserves_the_old_file(tmp_path, monkeypatch):
     path = tmp_path / "tire.tir"
     path.write_text("the old one", encoding="utf-8")
 
@@ -310,7 +310,7 @@ def test_a_file_of_any_size_is_one_line(tmp_path):
 
 
 @pytest.mark.parametrize("value", ["9" * 100_000, "9" * 100_000 + "x", "1e" + "9" * 100_000, "." + "9" * 100_000])
-def test_digits_without_end_are_no_number(tmp_path, value):
+def test_a_number_with_too_many_digits_is_rejected(tmp_path, value):
     text = BASE + f"[LATERAL_COEFFICIENTS]\nPKY1 = {value}\n"
     refused(tmp_path, text, r"PKY1 = '[1.9][9e]+\.\.\.9+x?' is not a number")
 
@@ -322,7 +322,7 @@ def test_a_number_may_have_all_digits_of_a_double(tmp_path):
     assert read_tir(tmp_path / "exact.tir").values["PKY1"] == 5e-324
 
 
-def test_each_key_is_looked_at_once(tmp_path, monkeypatch):
+def test_each_key_is_read_once(tmp_path, monkeypatch):
     """Twice the keys mean twice the steps: no coefficient's search goes over all of them."""
     steps = []
 
@@ -345,7 +345,7 @@ def test_each_key_is_looked_at_once(tmp_path, monkeypatch):
     assert many - few <= 10 * 500
 
 
-def test_similar_names_are_looked_for_a_limited_number_of_times(tmp_path, monkeypatch):
+def test_the_search_for_similar_names_is_bounded(tmp_path, monkeypatch):
     searched = []
     monkeypatch.setattr(reading, "near_miss", lambda key, names: searched.append(key))
     text = BASE + "[LATERAL_COEFFICIENTS]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(2 * MOST_SEARCHED))

@@ -39,7 +39,7 @@ def small(lines, model="FITTYP = 61"):
     return f"[MODEL]\n{model}\n[DIMENSION]\nUNLOADED_RADIUS = 0.3\n[VERTICAL]\nFNOMIN = 4000\n{lines}\n"
 
 
-def test_values_are_those_that_the_reference_reader_has(field_file, golden):
+def test_values_are_those_of_the_reference_reader(field_file, golden):
     """Given or missing: every coefficient is what MFeval evaluated its golden rows with."""
     model, path = field_file
     tire = read_tir(path)
@@ -57,7 +57,7 @@ def test_what_the_file_lacks_is_listed(field_file):
     assert set(not_given(read_tir(path))) == MODELS[model].coefficients.keys() - keys
 
 
-def test_a_file_written_again_is_the_same_tire_with_all_that_it_held(field_file, tmp_path):
+def test_a_rewritten_file_is_the_same_tire_with_the_same_content(field_file, tmp_path):
     _, path = field_file
     tire = read_tir(path)
     again = tmp_path / path.name
@@ -73,7 +73,7 @@ def test_a_file_written_again_is_the_same_tire_with_all_that_it_held(field_file,
 
 
 @pytest.mark.parametrize("effects", ["'load_friction,camber_stiffness'", "''"])
-def test_what_is_assumed_for_an_absent_effect_is_left_to_the_tire(effects, tmp_path):
+def test_defaults_of_an_absent_effect_are_those_of_the_tire(effects, tmp_path):
     tire = read_tir(written(tmp_path / "t.tir", small(f"[TIREFMU]\nEFFECTS = {effects}")))
     write_tir(tire, tmp_path / "t.tir")
     assert read_tir(tmp_path / "t.tir") == tire
@@ -118,7 +118,7 @@ WAYS = {
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_the_way_of_writing_does_not_matter(field_file, way, tmp_path):
+def test_the_notation_does_not_matter(field_file, way, tmp_path):
     _, path = field_file
     text = path.read_text(encoding="utf-8")
     (tmp_path / path.name).write_bytes(WAYS[way](text))
@@ -221,14 +221,14 @@ def test_numbers(value, number, tmp_path):
 @pytest.mark.parametrize(
     "value", ["1,5", "1.5.2", "1e", "0x10", "1_000", "inf", "NaN", "1e999", "1 2", "'1", "--1", "1.5kN"]
 )
-def test_what_is_no_number_is_named(value, tmp_path):
+def test_a_value_that_is_not_a_number_is_reported(value, tmp_path):
     path = written(tmp_path / "t.tir", small(f"PDX1 = {value}"))
     with pytest.raises(TirError) as caught:
         read_tir(path)
     assert str(caught.value) == f"{path}:7: PDX1 = {value!r} is not a number"
 
 
-def test_a_key_that_almost_is_a_coefficient_is_noted_and_kept(tmp_path):
+def test_a_key_similar_to_a_coefficient_is_reported_and_preserved(tmp_path):
     lines = "[LATERAL_COEFFICIENTS]\nPDYI = 1.2\nLGAY = 1\n[SHOP]\nPDYI = 3"
     reading = read_tir_with_notes(written(tmp_path / "t.tir", small(lines)))
     (note,) = (note for note in reading.notes if "unknown" in note)
@@ -236,7 +236,7 @@ def test_a_key_that_almost_is_a_coefficient_is_noted_and_kept(tmp_path):
     assert ("LATERAL_COEFFICIENTS", "PDYI", "1.2") in reading.tire.other_entries
 
 
-def test_tables_headers_and_sections_of_others_are_kept_to_the_letter(tmp_path):
+def test_tables_headers_and_unknown_sections_are_preserved_exactly(tmp_path):
     lines = (
         "[MDI_HEADER]\n(COMMENTS)\n{comment_string}\n'Tire = x'\n[SHAPE]\n{radial width}\n 1.0\t0.0 $ a\n[VERTICAL]\n"
     )
@@ -275,7 +275,7 @@ def test_ranges_that_only_our_sections_hold(tmp_path):
         ("[LONG_SLIP_RANGE]\nKPUMIN = 1\nKPUMAX = -1", "KPUMIN = 1.0 lies above KPUMAX = -1.0"),
     ],
 )
-def test_what_is_broken_in_our_own_sections_is_named(lines, said, tmp_path):
+def test_faults_in_the_sections_of_tirefmu_are_reported(lines, said, tmp_path):
     path = written(tmp_path / "t.tir", small(lines))
     with pytest.raises(TirError) as caught:
         read_tir(path)

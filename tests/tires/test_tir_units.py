@@ -103,7 +103,7 @@ def test_any_units_are_the_same_tire(path, units):
 
 
 @pytest.mark.parametrize("key", SI)
-def test_a_unit_changes_what_is_made_of_it_and_nothing_else(path, key):
+def test_a_unit_changes_its_own_values_only(path, key):
     """Neither a unit that nobody applies, nor one that leaks into other values."""
     spelling, factor = sorted(SI[key].items(), key=lambda unit: unit[1])[-1]
     if key == "ANGLE":
@@ -158,12 +158,12 @@ def test_units_in_a_header_count(path):
     assert read(path, both).values["UNLOADED_RADIUS"] == 0.31
 
 
-def test_a_mass_is_no_unit_of_mass(path):
+def test_the_value_of_a_mass_is_not_a_unit(path):
     tire = read(path, "[UNITS]\nMASS = 'gram'\n" + text_in({"LENGTH": "mm"}))
     assert ("INERTIA", "MASS", repr(9.0 * 1e-3)) in tire.other_entries
 
 
-def test_a_unit_behind_a_value_is_believed_only_where_it_says_the_same(path):
+def test_a_unit_after_a_value_must_agree_with_the_declared_one(path):
     text = re.sub(r"(UNLOADED_RADIUS = \S+)", r"\1 mm free radius", text_in({"LENGTH": "mm"}))
     assert read(path, text).values["UNLOADED_RADIUS"] == 0.31
     with pytest.raises(
@@ -172,7 +172,7 @@ def test_a_unit_behind_a_value_is_believed_only_where_it_says_the_same(path):
         read(path, text.replace("LENGTH = 'mm'", "LENGTH = 'cm'"))
 
 
-def test_what_nobody_knows_the_unit_of_is_said(path):
+def test_a_value_of_unknown_unit_is_reported(path):
     text = text_in({"LENGTH": "mm"}) + "\n[BOTTOMING_CURVE]\n{pen fz}\n0 0\n[SHOP]\nPRICE = 3\n[SHAPE]\n1 0"
     path.write_text(text, encoding="utf-8")
     reading = read_tir_with_notes(path)

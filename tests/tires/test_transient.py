@@ -106,7 +106,7 @@ def test_smooth_inputs_converge_to_the_differential_equation():
 
 
 @pytest.mark.parametrize("hold", [True, False])
-def test_nothing_moves_at_standstill(hold):
+def test_states_are_constant_at_standstill(hold):
     t = np.arange(6.0)
     slip, speed = np.array([0.0, 0.1, 0.1, -0.3, 0.2, 0.2]), np.array([2.0, 2.0, 0.0, 0.0, 0.0, 0.0])
     acts = lagged(t, slip, speed, np.full(6, 3.0), hold=hold)
@@ -115,7 +115,7 @@ def test_nothing_moves_at_standstill(hold):
 
 
 @pytest.mark.parametrize("hold", [True, False])
-def test_the_way_that_it_rolls_does_not_matter(hold):
+def test_the_rolling_direction_does_not_matter(hold):
     table = recording()
     sigma = np.full(len(table), 0.4)
     t, slip, speed = (table[name].to_numpy() for name in ("t", "alpha", "V"))
@@ -151,7 +151,7 @@ RECORDING = st.lists(
 
 @settings(max_examples=100)
 @given(rows=RECORDING, hold=st.booleans())
-def test_what_acts_lies_among_what_was_put_in(rows, hold):
+def test_lagged_slips_are_within_the_range_of_the_inputs(rows, hold):
     h, slip, speed, sigma = np.array(rows).T
     acts = lagged(np.cumsum(h), slip, speed, sigma, hold=hold)
     assert acts[0] == slip[0]
@@ -170,7 +170,7 @@ def test_the_lag_is_linear_in_the_slip(rows, hold, size):
 
 @pytest.mark.parametrize("name", SIX)
 @pytest.mark.parametrize("effects", [("relax_lat", "relax_lon"), ("relax_load",), ("relax_mf",)], ids="+".join)
-def test_held_inputs_do_not_ask_for_a_step_size(name, effects):
+def test_held_inputs_require_no_step_size(name, effects):
     """Rows every 50 ms, each held, are the same as rows every 1 ms."""
     tire, coarse = lagging(name, *effects), recording(30, 0.05)
     fine = coarse.loc[coarse.index.repeat(50)].reset_index(drop=True).assign(t=0.001 * np.arange(50 * len(coarse)))
@@ -183,7 +183,7 @@ def test_held_inputs_do_not_ask_for_a_step_size(name, effects):
 
 
 @pytest.mark.parametrize("name", SIX)
-def test_lagging_forces_are_the_steady_ones_at_the_slips_that_act(name):
+def test_transient_forces_are_the_steady_forces_at_the_lagged_slips(name):
     tire, table = lagging(name, "relax_lat", "relax_lon"), recording()
     answer = tire.evaluate(table)
     at = table.drop(columns="t").assign(kappa=answer["kappa_lagged"], alpha=answer["alpha_lagged"])
@@ -225,7 +225,7 @@ def test_where_time_goes_backward_another_recording_begins(name, hold):
     pd.testing.assert_frame_equal(whole, alone, check_exact=True)
 
 
-def test_at_rest_the_tire_keeps_what_it_had():
+def test_the_state_is_preserved_at_rest():
     """The relaxed slip stays however the wheel is turned; loads still act at once."""
     tire = lagging("mf61", "relax_lat", "relax_lon")
     table = recording()
@@ -237,7 +237,7 @@ def test_at_rest_the_tire_keeps_what_it_had():
 
 
 @pytest.mark.parametrize("name", SIX)
-def test_steady_rows_know_nothing_of_each_other(name):
+def test_steady_rows_are_independent(name):
     table = recording()
     tires = {effect: lagging(name, effect) for effect in ("relax_lat", "relax_lon", "relax_load", "relax_mf")}
     expected = lagging(name).evaluate(table)
@@ -251,7 +251,7 @@ def test_steady_rows_know_nothing_of_each_other(name):
 
 
 @pytest.mark.parametrize("signs", ["adapted-sae", "sae"])
-def test_slips_that_act_are_told_in_the_tables_signs(signs):
+def test_lagged_slips_are_returned_in_the_signs_of_the_table(signs):
     tire, table = lagging("mf61", "relax_lat", "relax_lon"), recording()
     way = -1.0 if signs == "sae" else 1.0
     answer = tire.evaluate(table.assign(alpha=way * table["alpha"], Fz=way * table["Fz"]), signs=signs)
@@ -268,7 +268,7 @@ def test_every_language_lags_alike(code):
     np.testing.assert_allclose(acting(answer), acting(expected), rtol=1e-12)
 
 
-def test_a_time_that_is_no_number_is_refused():
+def test_a_time_that_is_not_finite_is_rejected():
     table = recording()
     table.loc[3, "t"] = np.nan
     with pytest.raises(DataError, match=r"row 4: t is NaN \(1 of 40 rows\)"):
@@ -276,7 +276,7 @@ def test_a_time_that_is_no_number_is_refused():
     lagging("mf61").evaluate(table)  # who does not read the time does not mind
 
 
-def test_no_rows_are_no_recording():
+def test_a_recording_without_rows_is_rejected():
     assert lagging("mf61", "relax_lat").evaluate(recording().iloc[:0]).shape[0] == 0
     one = lagging("mf61", "relax_lat").evaluate(recording().iloc[:1])
     assert one["alpha_lagged"].iloc[0] == pytest.approx(one["alpha"].iloc[0], rel=1e-15)

@@ -40,7 +40,7 @@ def test_a_file_that_crashes_its_reader_is_refused_and_the_next_one_read(good, t
         assert len(read_recording(good)) == 5
 
 
-def test_a_process_that_dies_is_told_and_replaced(good, tmp_path, monkeypatch):
+def test_a_process_that_dies_is_reported_and_replaced(good, tmp_path, monkeypatch):
     monkeypatch.setattr(native_reader.reader_process, "__file__", str(tmp_path / "dies.py"))
     (tmp_path / "dies.py").write_text("import os, sys; sys.stdin.buffer.read(1); os.abort()\n", encoding="utf-8")
     native_reader.close()
@@ -61,7 +61,7 @@ def test_a_process_that_hangs_is_ended(good, tmp_path, monkeypatch):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux enforces the memory limit in every case")
 @pytest.mark.parametrize("rows", [2**29, 2**31 - 1])
-def test_a_header_that_claims_gigabytes_gets_none(tmp_path, rows):
+def test_a_header_that_claims_gigabytes_allocates_none(tmp_path, rows):
     """A level 4 file declares its size in 20 bytes."""
     path = tmp_path / "big.mat"
     path.write_bytes(struct.pack("<5i", 0, rows, 8, 0, 3) + b"ET\0" + bytes(80))
@@ -78,7 +78,7 @@ def test_nothing_in_the_working_folder_is_imported(good, tmp_path, monkeypatch):
     assert not (tmp_path / "ran").exists()
 
 
-def test_threads_get_their_own_answers(good, tmp_path):
+def test_threads_have_separate_results(good, tmp_path):
     tables = [pd.DataFrame({"alpha": np.full(3 + n, 0.1), "Fz": 900.0, "Fy": float(n)}) for n in range(4)]
     for n, table in enumerate(tables):
         table.to_parquet(tmp_path / f"{n}.parquet")
@@ -95,7 +95,7 @@ def test_threads_get_their_own_answers(good, tmp_path):
         pd.testing.assert_frame_equal(read[n], table)
 
 
-def test_a_small_file_that_holds_far_too_much_is_refused(tmp_path, monkeypatch):
+def test_a_small_file_with_a_huge_content_is_rejected(tmp_path, monkeypatch):
     """Damage in a header of HDF5 turned 7 KB into 700 MB of nothing; Parquet and zlib can claim as much."""
     path = tmp_path / "flat.mat"
     columns = {name: np.full((20_000, 1), 1.0) for name in CHANNELS}

@@ -14,7 +14,7 @@ SPIKES = {"alpha": 0.1, "Fz": 1500.0, "p": 30e3, "V": 4.0, "T": 40.0, "Fy": 3000
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_noisy_bench_has_none(make_raw, seed):
+def test_a_noisy_bench_has_no_outliers(make_raw, seed):
     assert outliers(make_raw(seed=seed).recording) == []
 
 
@@ -41,7 +41,7 @@ def test_every_spike_is_found_and_only_it(raw, channel, rows, sign, signs):
     assert [reading.value for reading in found] == spoilt.table[channel].iloc[at].tolist()
 
 
-def test_what_was_not_measured_is_no_outlier_and_hides_none(raw):
+def test_missing_values_are_not_outliers_and_hide_none(raw):
     table = raw.recording.table.copy()
     table.loc[::3, "Fy"] = np.nan
     table.loc[700, "Fy"] = 9e3
