@@ -144,9 +144,9 @@ def test_characters_that_xml_cannot_contain_are_omitted(fmi):
 def test_states_that_a_tire_was_converted():
     tire = published("trento_hoosier")
     assert tire.signs == "adapted-sae"
-    for given, said in ((tire, True), (tire.in_signs("iso"), False)):
+    for given, stated in ((tire, True), (tire.in_signs("iso"), False)):
         text = contents(given, 3, "t")["modelDescription.xml"].decode()
-        assert ("converted from adapted-sae signs" in text) == said
+        assert ("converted from adapted-sae signs" in text) == stated
 
 
 def test_token_ties_tire_code_and_description(tires):

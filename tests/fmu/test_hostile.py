@@ -25,7 +25,7 @@ from tirefmu.tires.property_file.writing import tir_text
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="the hostile FMU is written for POSIX systems")
 
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="hostile" guid="{deed}">
+<fmiModelDescription fmiVersion="2.0" modelName="hostile" guid="{fault}">
 <CoSimulation modelIdentifier="{identifier}" canHandleVariableCommunicationStepSize="true"/>
 <ModelVariables>
 <ScalarVariable name="alpha" valueReference="1" causality="input"><Real start="0" unit="rad"/></ScalarVariable>
@@ -47,12 +47,12 @@ def hostile_library(compiler, tmp_path_factory):
 
 @pytest.fixture
 def hostile(hostile_library, tmp_path):
-    """Return a function that packs an FMU which does a deed, with further files."""
+    """Return a function that packs an FMU which has a fault, with additional files."""
 
-    def pack(deed="", identifier="hostile", output="Fy", unit="N", **resources):
+    def pack(fault="", identifier="hostile", output="Fy", unit="N", **resources):
         path = tmp_path / "hostile.fmu"
         with zipfile.ZipFile(path, "w") as archive:
-            description = DESCRIPTION.format(deed=deed, identifier=identifier, output=output, unit=unit)
+            description = DESCRIPTION.format(fault=fault, identifier=identifier, output=output, unit=unit)
             archive.writestr("modelDescription.xml", description)
             archive.writestr(binary_path(2, "hostile"), hostile_library)
             for name, content in resources.items():
@@ -78,7 +78,7 @@ def table():
 
 
 @pytest.mark.parametrize(
-    ("deed", "message"),
+    ("fault", "message"),
     [
         ("load crash", r"the FMU crashed \(SIGSEGV\)"),
         ("step crash", r"the FMU crashed \(SIGSEGV\)"),
@@ -89,15 +89,15 @@ def table():
         ("step refuse", r"row 0: fmi2DoStep failed with status 3 \(error\): \\x1b\[2J a line\\x0aand another"),
     ],
 )
-def test_a_failure_is_reported_in_one_line(hostile, table, temporary, deed, message):
+def test_a_failure_is_reported_in_one_line(hostile, table, temporary, fault, message):
     with pytest.raises(FmuError, match=rf"hostile\.fmu: {message}$"):
-        check(hostile(deed), table)
+        check(hostile(fault), table)
 
 
-@pytest.mark.parametrize("deed", ["load hang", "step hang"])
-def test_an_fmu_that_hangs_is_terminated(hostile, table, temporary, deed):
+@pytest.mark.parametrize("fault", ["load hang", "step hang"])
+def test_an_fmu_that_hangs_is_terminated(hostile, table, temporary, fault):
     with pytest.raises(FmuError, match=r"hostile\.fmu: the FMU does not end within 1\.5 s; --timeout SECONDS"):
-        check(hostile(deed), table, timeout=1.5)
+        check(hostile(fault), table, timeout=1.5)
 
 
 @pytest.mark.parametrize("timeout", [0.0, -1.0, float("nan"), float("inf")])

@@ -40,7 +40,7 @@ factor = "1 + OWN1*(Fz - FNOMIN)/FNOMIN"
 def tire_with(text, unit="1"):
     """Return a tire of which every text is the given one, those of an effect of its own included."""
     texts = {"physics": f"x{text}", "source": f"x{text}", "description": text, "unit": unit}
-    own = read_effect(EFFECT.format(**{key: toml_string(said) for key, said in texts.items()}), "own.toml")
+    own = read_effect(EFFECT.format(**{key: toml_string(value) for key, value in texts.items()}), "own.toml")
     first = published("trento_hoosier")
     return replace(first, effects=[*first.effects, "own"], name=text, about={"about": text}, added=(own,))
 

@@ -210,8 +210,8 @@ def test_icon_and_terminals(fmus, fmi):
                 assert f'variableName="{name}"' in terminals
     assert ("model.png" in names) == (fmi == 2)
     assert ("terminalsAndIcons/icon.png" in names) == (fmi == 3)
-    for said in ("How to connect", "licenses/license.txt", "range of Fz"):
-        assert said in page
+    for text in ("How to connect", "licenses/license.txt", "range of Fz"):
+        assert text in page
 
 
 # ------------------------------------------------------------------ derivatives

@@ -53,10 +53,10 @@ def test_requested_platforms(requested, platforms):
 
 
 @pytest.mark.parametrize(
-    ("requested", "said"), [("x86_64-macos", "x86_64-darwin"), ("", "known platforms are host"), ([], "no")]
+    ("requested", "message"), [("x86_64-macos", "x86_64-darwin"), ("", "known platforms are host"), ([], "no")]
 )
-def test_unknown_platforms_are_errors(requested, said):
-    with pytest.raises(FmuError, match=said) as caught:
+def test_unknown_platforms_are_errors(requested, message):
+    with pytest.raises(FmuError, match=message) as caught:
         chosen_platforms(requested)
     assert "\n" not in str(caught.value)
 

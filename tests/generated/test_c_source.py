@@ -1,4 +1,4 @@
-"""The C source by itself: it compiles without a warning, stands alone, and keeps to its memory."""
+"""The C source: it compiles without a warning, is self-contained, and accesses only its own memory."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ STRICT = ["-Wall", "-Wextra", "-Wshadow", "-Wpedantic", "-Wconversion", "-Wstric
 
 
 def compilers():
-    """Return the machine's own C compiler and the other well-known ones that it has."""
+    """Return the default C compiler of the machine and the other known compilers that it has."""
     try:
         found = {Path(shutil.which(find_compiler()[0]) or "").resolve(): find_compiler()}
     except CompilerError:

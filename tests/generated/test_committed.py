@@ -1,4 +1,4 @@
-"""What lies in generated/ is what the book prints, to the byte."""
+"""The files in generated/ equal the generated code of the book, to the byte."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ sys.stdout.buffer.write("".join(f"{name}:{text}" for name, text in render_model(
 
 @pytest.fixture
 def copy(tmp_path) -> Path:
-    """Return a copy of what is committed."""
+    """Return a copy of the committed files."""
     return Path(shutil.copytree(COMMITTED, tmp_path / "generated", ignore=shutil.ignore_patterns("__pycache__")))
 
 
@@ -77,7 +77,7 @@ def test_a_missing_file_is_detected_and_written(copy, name):
 
 @pytest.mark.parametrize("name", ["numpy/mf95.py", "casadi/mf95_jacobians.py", "c/mf95.c", "c/mf95.h"])
 def test_a_file_without_a_model_is_detected_and_removed(copy, name):
-    (copy / name).write_text("left over\n", encoding="ascii")
+    (copy / name).write_text("outdated\n", encoding="ascii")
     assert f"generated/{name}" in difference(copy)
     assert write(copy) == [copy / name]
     assert not (copy / name).exists()

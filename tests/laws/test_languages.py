@@ -39,9 +39,9 @@ def from_casadi(model, routine, rows, parameters):
 
 
 def sizes(tire, routine, rows, parameters, expected):
-    """Return what a result's rounding is relative to, shape (n_results,): its own size in other rows.
+    """Return the size to which the rounding of a result is relative, shape (n_results,): that in other rows.
 
-    A derivative may be the small rest of large parts: the force per argument counts a hundredth, too.
+    A derivative may be a small difference of large terms: a hundredth of the force per argument is included.
     """
     size = np.maximum(np.abs(expected).max(axis=0), 1e-12)
     if not routine.startswith("jacobian"):

@@ -1,4 +1,4 @@
-"""Options and speeds: what each convention changes, limits, and the way through low speed to standstill."""
+"""Options and speeds: the influence of each option, limits, low speed and standstill."""
 
 from __future__ import annotations
 
@@ -38,11 +38,11 @@ def test_limits_without_ranges_do_not_change_mf96(made, points):
 
 
 def test_outside_its_range_a_tire_is_evaluated_at_the_limit(tire, points, narrowed):
-    """Radii, and M_y by them, see kappa and load as they are; so does turn slip by the wheel's speed."""
+    """Radii, and M_y by them, use kappa and load without limits, as turn slip does through the wheel speed."""
     tire, rows = narrowed(tire), points(tire)
     still = {"phit": 0.0} if "phit" in tire.inputs else {}
     bounds = np.array([tire.ranges.get(name, (-np.inf, np.inf)) for name in tire.inputs])
-    if tire.model != "mf96":  # the load is kept within from above only
+    if tire.model != "mf96":  # the load has an upper limit only
         bounds[tire.inputs.index("Fz"), 0] = -np.inf
     inside = np.clip(rows, bounds[:, :1], bounds[:, 1:])
     assert (inside != rows).any(axis=0).mean() > 0.8
@@ -50,7 +50,7 @@ def test_outside_its_range_a_tire_is_evaluated_at_the_limit(tire, points, narrow
     limited = forces_of_table(tire, table_of(tire, rows, **still), limits=True)[seen]
     np.testing.assert_array_equal(limited, forces_of_table(tire, table_of(tire, inside, **still), limits=True)[seen])
     free = tire.evaluate(table_of(tire, inside, **still), signs=tire.signs)
-    # In MF5.2 to 6.2 limits also hold curvature factors below 1, and M_z has a load of FZMIN at least.
+    # In MF5.2 to 6.2 limits also bound curvature factors to 1, and M_z has a load of FZMIN at least.
     plain = (free["Fz"] >= tire.ranges["Fz"][0]).to_numpy()
     if tire.model != "mf96":
         plain = plain & (free[["E_x", "E_y", "E_t"]] <= 1).all(axis=1).to_numpy()
@@ -79,7 +79,7 @@ def test_no_jump_where_slips_begin_to_fade(made, points, scale_of, model, conven
 
 @pytest.mark.parametrize("model", SIX)
 def test_the_tire_comes_to_rest_without_a_jump(made, points, scale_of, model):
-    """With limits slips, shifts and moments fade with speed, whichever way it goes; inclination still presses M_x."""
+    """With limits slips, shifts and moments decrease with speed in both directions; inclination still produces M_x."""
     tire = made(model, 1)
     rows, pressed = points(tire), tire.outputs.index("Mx")
     rest = forces_of_table(tire, table_of(tire, rows, V=0.0), limits=True)
@@ -134,5 +134,5 @@ def test_inputs_in_other_axes_give_the_same_tire(made, model, kappa, alpha, gamm
     scale = max(abs(iso[name].iloc[0]) for name in tire.outputs)
     for name in tire.outputs:
         way = -1.0 if name in ("Fy", "Mz", "My") else 1.0
-        # alpha of "sae" is turned as well: the same tire seen at the same slip
+        # alpha of "sae" has the other sign as well: the same tire at the same slip
         assert way * sae[name].iloc[0] == pytest.approx(iso[name].iloc[0], rel=1e-9, abs=1e-11 * scale)

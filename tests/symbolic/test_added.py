@@ -40,9 +40,9 @@ def test_a_file_written_and_read_is_the_same_effect(name):
 @pytest.mark.parametrize("name", LIBRARY)
 def test_an_effect_owns_its_coefficients(name):
     book = model("mf61", tuple(library().values()))
-    own = {card.name for card in library()[name].declarations}
+    own = {declaration.name for declaration in library()[name].declarations}
     assert book.owned(name) <= own
-    assert book.owned(*LIBRARY) == {card.name for effect in library().values() for card in effect.declarations}
+    assert book.owned(*LIBRARY) == {declaration.name for effect in library().values() for declaration in effect.declarations}
     assert book.effects[name].optional
 
 

@@ -134,7 +134,7 @@ def test_the_document_explains_every_key():
 
 
 def test_every_declared_coefficient_belongs_to_the_effect_in_some_model():
-    owned = {name: {card.name for card in effect.declarations} for name, effect in library().items()}
+    owned = {name: {declaration.name for declaration in effect.declarations} for name, effect in library().items()}
     for book in (MODELS[name] for name in ("mf96", "mf52", "mf61")):
         for name in DECLARED.keys() & book.effects.keys():
             related = {other for other, one in DECLARED.items() if one.contains == name} | {DECLARED[name].contains}

@@ -72,7 +72,7 @@ def test_both_conventions_are_one_tire(tire):
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"roles": {"grip": Role("mu")}}, "unknown role 'grip'"),
         ({"roles": {"friction_x": Role("mu_x")}}, "role friction_x has mu_x, which is no named quantity"),
@@ -85,19 +85,19 @@ def test_both_conventions_are_one_tire(tire):
         ({"sections": ()}, "no section has the coefficient FNOMIN"),
     ],
 )
-def test_a_wrong_declaration_is_named(made, change, said):
-    with pytest.raises(ModelError, match=said):
+def test_a_wrong_declaration_is_named(made, change, message):
+    with pytest.raises(ModelError, match=message):
         verify(replace(made(), **change))
 
 
 def test_names_and_numbers_are_taken_once(made):
     twin = replace(made("twin"), property_file=MODELS["mf61"].property_file)
-    for wrong, said in (
+    for wrong, message in (
         (made("mf61"), "is there twice"),
         (made("My tire"), "lower-case"),
         (twin, "FITTYP 6[01] is mf61's"),
     ):
-        with pytest.raises(ModelError, match=said):
+        with pytest.raises(ModelError, match=message):
             register(wrong, dict(MODELS))
 
 

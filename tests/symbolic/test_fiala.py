@@ -57,9 +57,9 @@ def rows():
     near = np.array(
         [np.abs(kappa) - answer["kappa_crit"], np.abs(alpha) - answer["alpha_crit"], np.hypot(kappa, np.tan(alpha)) - 1]
     )
-    kept = drawn[:, (np.abs(near) > 1e-4).all(axis=0)]
-    assert kept.shape[1] > 250
-    return kept
+    distant = drawn[:, (np.abs(near) > 1e-4).all(axis=0)]
+    assert distant.shape[1] > 250
+    return distant
 
 
 def bench(tire, n=400, **settings):

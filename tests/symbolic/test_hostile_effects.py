@@ -50,14 +50,14 @@ def small_model():
 SMALL = small_model()
 
 
-def effect(**texts):
+def effect(**given):
     """Return an effect with the given texts, the others plain."""
-    said = {"description": WORDS, "unit": "1", "physics": WORDS, "source": WORDS} | texts
-    declaration = Coefficient(said["description"], said["unit"], -1.0, 1.0)
+    texts = {"description": WORDS, "unit": "1", "physics": WORDS, "source": WORDS} | given
+    declaration = Coefficient(texts["description"], texts["unit"], -1.0, 1.0)
     declaration.name = "OWN1"
     own, temperature = sp.Symbol("OWN1", real=True), BEYOND["T"].symbol
     acts = (Act("mu_y", "factor", 1 + own * temperature),)
-    return AddedEffect("own", said["physics"], said["source"], (declaration,), acts)
+    return AddedEffect("own", texts["physics"], texts["source"], (declaration,), acts)
 
 
 def printed(**texts):

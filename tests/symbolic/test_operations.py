@@ -50,7 +50,7 @@ def values_of(tape, leaves):
     slots = [*leaves, *tape.constants]
     with np.errstate(all="ignore"):  # in branches that are not taken
         for operation in tape.operations:
-            slots.append(DOES[operation.code](*(slots[place] for place in operation.operands)))
+            slots.append(DOES[operation.code](*(slots[slot] for slot in operation.operands)))
     return {name: float(slots[i]) for name, i in tape.slots.items()}
 
 

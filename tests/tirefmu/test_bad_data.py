@@ -65,7 +65,7 @@ REFUSED = {
     ),
 }  # fmt: skip
 
-TOLD = {
+REPORTED = {
     "no load": (lambda t: [side_alone(t).drop(columns="Fz")], "a.csv: no column Fz: every row is evaluated at the"),
     "no slip": (lambda t: [t.drop(columns="kappa")], "a.csv: Fx is not fitted, kappa does not vary there"),
     "constant slip angle": (lambda t: [t.assign(alpha=0.05)], "a.csv: Fy is not fitted, alpha does not vary there"),
@@ -124,9 +124,9 @@ def test_it_is_refused_in_one_line(fitted, fault):
     assert left == []
 
 
-@pytest.mark.parametrize("fault", TOLD)
+@pytest.mark.parametrize("fault", REPORTED)
 def test_it_is_fitted_and_reported(fitted, fault):
-    change, message = TOLD[fault]
+    change, message = REPORTED[fault]
     outcome, left = fitted(change(sweeps()))
     assert outcome.status in (0, 1), outcome.err
     assert [line for line in outcome.out.splitlines() if line.startswith("note: ") and message in line]

@@ -21,8 +21,8 @@ MAGIC = [name for name, book in MODELS.items() if "PDX1" in book.coefficients]
 
 def generic(model="mf61", **values):
     """Return a tire of generic values that nothing is wrong with, but for those given."""
-    cards = MODELS[model].coefficients
-    start = {name: declared.generic for name, declared in cards.items() if declared.neutral is None}
+    declarations = MODELS[model].coefficients
+    start = {name: declared.generic for name, declared in declarations.items() if declared.neutral is None}
     return Tire(model, {**start, **values}, signs="adapted-sae")
 
 

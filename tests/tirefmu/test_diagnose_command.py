@@ -53,7 +53,7 @@ def test_a_hidden_effect_is_identified_and_written(recording, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("more", "said"),
+    ("more", "message"),
     [
         (["--effects", "camber_trust"], "camber_thrust"),
         (["--effect", "missing.toml"], "missing.toml: cannot be read"),
@@ -61,10 +61,10 @@ def test_a_hidden_effect_is_identified_and_written(recording, tmp_path):
         (["--model", "mf69"], "unknown model 'mf69'"),
     ],
 )
-def test_bad_input_is_one_line(recording, tmp_path, capsys, more, said):
+def test_bad_input_is_one_line(recording, tmp_path, capsys, more, message):
     nominal = [] if "--nominal" in more else ["--nominal", "Fz0=3000,R0=0.3"]
     assert main(["diagnose", str(recording), *nominal, *more, "-o", str(tmp_path / "answer"), "--quiet"]) == 2
     error = capsys.readouterr().err
-    assert said in error
+    assert message in error
     assert len(error.strip().splitlines()) == 1
     assert not (tmp_path / "answer").exists()

@@ -109,9 +109,9 @@ def test_a_zero_output_is_reported_instead_of_drawn(small):
 
 
 def test_a_load_beyond_the_range_is_reported(small):
-    for loads, said in (((60.0, 160.0), False), ((60.0, 300.0), True)):
+    for loads, noted in (((60.0, 160.0), False), ((60.0, 300.0), True)):
         text = drawing.pure(drawing.Sketch(small, "iso", loads)).get_supxlabel()
-        assert ("300 N: outside 60 to 160 N" in text.replace("\n", " ")) is said
+        assert ("300 N: outside 60 to 160 N" in text.replace("\n", " ")) is noted
 
 
 def test_the_small_tires_loads_are_the_papers(small):
@@ -192,7 +192,7 @@ def test_the_command_draws_a_file_and_reports_it_as_json(command, published_tir,
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (("unicamp_small_tyre",), "did you mean unicamp_small_tire?"),
         (("missing.tir",), "missing.tir"),
@@ -201,11 +201,11 @@ def test_the_command_draws_a_file_and_reports_it_as_json(command, published_tir,
         (("unicamp_small_tire", "--signs", "din"), "'din' is not one of"),
     ],
 )
-def test_bad_input_is_one_line(command, arguments, said, tmp_path):
+def test_bad_input_is_one_line(command, arguments, message, tmp_path):
     outcome = command("draw", *arguments, "-o", tmp_path / "figures")
     assert outcome.status == 2
     assert outcome.out == ""
-    assert said in outcome.err
+    assert message in outcome.err
     assert len(outcome.err.splitlines()) == 1
     assert not (tmp_path / "figures").exists()
 

@@ -21,8 +21,8 @@ NAMES = {
 
 
 def test_every_name_is_that_of_its_package():
-    for name, room in NAMES.items():
-        assert getattr(tirefmu, name) is getattr(room, name), name
+    for name, package in NAMES.items():
+        assert getattr(tirefmu, name) is getattr(package, name), name
     assert set(tirefmu.__all__) == NAMES.keys() | {"TirefmuError", "load"}
     assert tirefmu.__all__ == sorted(tirefmu.__all__)
 

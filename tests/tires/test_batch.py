@@ -95,8 +95,8 @@ def test_chunks_are_the_entries_in_turn(model, parameters, language):
     if MODELS[model].on_demand and language != "numpy":
         rows[row_of(model, "phit"), 140] = 0.1
     for inputs in (rows, rows[:, :130]):
-        chunks = [(place, entries.copy()) for place, entries in code.jacobian_chunks(inputs, parameters, 64)]
-        assert [place.stop - place.start for place, _ in chunks] == [64, 64, inputs.shape[1] - 128]
+        chunks = [(rows_of_chunk, entries.copy()) for rows_of_chunk, entries in code.jacobian_chunks(inputs, parameters, 64)]
+        assert [rows_of_chunk.stop - rows_of_chunk.start for rows_of_chunk, _ in chunks] == [64, 64, inputs.shape[1] - 128]
         whole = code.jacobian_entries(inputs, parameters)
         np.testing.assert_array_equal(np.concatenate([entries for _, entries in chunks], axis=1), whole)
 
@@ -104,9 +104,9 @@ def test_chunks_are_the_entries_in_turn(model, parameters, language):
 def test_rows_outside_the_range_of_the_kernels(model, parameters):
     rows = rows_of(model, 3 * BLOCK)
     strange = [np.nan, np.inf, -np.inf, 0.0, -0.0, 1e-310]  # a huge angle would show its own rounding only
-    for place, value in enumerate(strange):
+    for position, value in enumerate(strange):
         for k in range(len(rows)):
-            rows[k, 7 * place + k] = value
+            rows[k, 7 * position + k] = value
     if MODELS[model].on_demand:
         rows[row_of(model, "phit"), -5:] = 0.1
     assert_same(

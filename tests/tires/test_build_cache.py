@@ -75,22 +75,22 @@ def test_only_the_user_can_enter_it(cache):
 
 
 @unix
-@pytest.mark.parametrize("place", [".", "below", "other", "below/file", RECORD])
-def test_an_entry_that_others_can_write_is_built_again(cache, place):
+@pytest.mark.parametrize("part", [".", "below", "other", "below/file", RECORD])
+def test_an_entry_that_others_can_write_is_built_again(cache, part):
     make = Maker()
-    (cached("entry", make) / place).chmod(0o777)
+    (cached("entry", make) / part).chmod(0o777)
     assert content_of(cached("entry", make)) == "content"
     assert make.made == 2
 
 
 @root
-@pytest.mark.parametrize("place", [".", "other", "below/file"])
-def test_an_entry_of_another_user_is_built_again(cache, place):
+@pytest.mark.parametrize("part", [".", "other", "below/file"])
+def test_an_entry_of_another_user_is_built_again(cache, part):
     make = Maker()
-    os.chown(cached("entry", make) / place, STRANGER, STRANGER)
+    os.chown(cached("entry", make) / part, STRANGER, STRANGER)
     cached("entry", make)
     assert make.made == 2
-    assert (cache / "entry" / place).stat().st_uid == os.geteuid()
+    assert (cache / "entry" / part).stat().st_uid == os.geteuid()
 
 
 def private(entry, cache, caplog):
@@ -236,10 +236,10 @@ def aged(cache, monkeypatch):
     """Return a function that stores an entry as by another process, so many days ago."""
 
     def store(name, days):
-        place = cached(name, Maker())
-        monkeypatch.setattr(build_cache, "_used", build_cache._used - {place})
-        os.utime(place, (time.time() - days * 86_400.0,) * 2)
-        return place
+        path = cached(name, Maker())
+        monkeypatch.setattr(build_cache, "_used", build_cache._used - {path})
+        os.utime(path, (time.time() - days * 86_400.0,) * 2)
+        return path
 
     return store
 

@@ -118,17 +118,17 @@ def test_turn_slip_has_no_influence_on_a_tire_without_it(model):
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         ({"convention": "tnt"}, "unknown value of convention 'tnt': did you mean tno?"),
         ({"slip_angle": "angel"}, "unknown value of slip_angle 'angel': did you mean angle?"),
         ({"signs": "isso"}, "unknown sign convention 'isso': did you mean iso?"),
     ],
 )
-def test_an_unknown_convention_is_refused(tire, options, said):
+def test_an_unknown_convention_is_refused(tire, options, message):
     with pytest.raises(UnknownName) as caught:
         tire.evaluate(drawn(), **options)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 

@@ -174,7 +174,7 @@ def test_a_file_of_another_author(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("replaced", "by", "said"),
+    ("replaced", "by", "expected"),
     [
         ("PCY1 = 1", "PCY1 1", "'PCY1 1.1348519668471597' in [LATERAL_COEFFICIENTS] is not 'KEY = value'"),
         ("[VERTICAL]", "[VERTICAL", "section '[VERTICAL' is not closed by ']'"),
@@ -201,7 +201,7 @@ def test_a_file_of_another_author(tmp_path):
         ("NAME = ", "EFECTS = 'none' $", "unknown key EFECTS of mf96: did you mean EFFECTS?"),
     ],
 )
-def test_a_broken_line_is_named(tmp_path, replaced, by, said):
+def test_a_broken_line_is_named(tmp_path, replaced, by, expected):
     text = tir_text(published("trento_hoosier"))
     before, found, after = text.partition(replaced)
     assert found
@@ -212,7 +212,7 @@ def test_a_broken_line_is_named(tmp_path, replaced, by, said):
         read_tir(path)
     message = str(caught.value)
     assert message.startswith(f"{path}:{line}: ")
-    assert said in message
+    assert expected in message
     assert "\n" not in message
 
 
@@ -225,7 +225,7 @@ def test_a_missing_coefficient_is_named(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("model", "said"),
+    ("model", "expected"),
     [
         (
             "FITTYP = 97",
@@ -235,12 +235,12 @@ def test_a_missing_coefficient_is_named(tmp_path):
         ("FITTYP = 'PAC'", "FITTYP = \"'PAC'\" is not a number"),
     ],
 )
-def test_an_unsupported_model(tmp_path, model, said):
+def test_an_unsupported_model(tmp_path, model, expected):
     path = tmp_path / "model.tir"
     path.write_text(f"[MODEL]\nOTHER = 1\n{model}\n[VERTICAL]\nFNOMIN = 1000\n", encoding="utf-8")
     with pytest.raises(TirError) as caught:
         read_tir(path)
-    assert said in str(caught.value)
+    assert expected in str(caught.value)
 
 
 @pytest.mark.parametrize("content", ["", "\n\n", "a letter to somebody\n", "[MODEL]\n"])

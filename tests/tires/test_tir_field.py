@@ -265,7 +265,7 @@ def test_ranges_that_only_our_sections_hold(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("lines", "said"),
+    ("lines", "message"),
     [
         ("[TIREFMU]\nEFECTS = ''", "unknown key EFECTS of mf61: did you mean EFFECTS?"),
         ("[TIREFMU_ASSUMED]\nVERTICAL = 'Q_RE9'", "unknown coefficient Q_RE9 of mf61: did you mean Q_RE0?"),
@@ -275,9 +275,9 @@ def test_ranges_that_only_our_sections_hold(tmp_path):
         ("[LONG_SLIP_RANGE]\nKPUMIN = 1\nKPUMAX = -1", "KPUMIN = 1.0 lies above KPUMAX = -1.0"),
     ],
 )
-def test_faults_in_the_sections_of_tirefmu_are_reported(lines, said, tmp_path):
+def test_faults_in_the_sections_of_tirefmu_are_reported(lines, message, tmp_path):
     path = written(tmp_path / "t.tir", small(lines))
     with pytest.raises(TirError) as caught:
         read_tir(path)
     assert str(caught.value).startswith(f"{path}:8: ")
-    assert said in str(caught.value)
+    assert message in str(caught.value)

@@ -81,12 +81,12 @@ def read(path, text):
 
 
 def numbers(tire):
-    kept = {
+    converted = {
         key: float(value)
         for section, key, value in tire.other_entries
         if section in ("INERTIA", "DIMENSION", "VERTICAL")
     }
-    return {**tire.values, **kept}
+    return {**tire.values, **converted}
 
 
 @given(units=st.fixed_dictionaries({key: st.sampled_from(sorted(SI[key])) for key in SI}))
@@ -131,7 +131,7 @@ def test_no_spelling_has_two_meanings():
 
 
 @pytest.mark.parametrize(
-    ("line", "said"),
+    ("line", "message"),
     [
         ("LENGTH = 'parsec'", "LENGTH in 'parsec'"),
         ("LENGTH = 'millimetr'", "LENGTH in 'millimetr': did you mean millimetre?"),
@@ -144,11 +144,11 @@ def test_no_spelling_has_two_meanings():
         ("LENGTH = ", "LENGTH in [UNITS] has no value"),
     ],
 )
-def test_an_unknown_unit_is_an_error_with_its_line(line, said, path):
+def test_an_unknown_unit_is_an_error_with_its_line(line, message, path):
     path.write_text(f"[UNITS]\n{line}\n{text_in({})}", encoding="utf-8")
     with pytest.raises(TirError) as caught:
         read_tir(path)
-    assert str(caught.value).startswith(f"{path}:2: {said}")
+    assert str(caught.value).startswith(f"{path}:2: {message}")
 
 
 def test_units_in_a_header_count(path):

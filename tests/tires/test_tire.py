@@ -23,7 +23,7 @@ def hoosier():
 
 
 @pytest.mark.parametrize(
-    ("change", "error", "said"),
+    ("change", "error", "message"),
     [
         ({"model": "mf69"}, UnknownName, "unknown model 'mf69': did you mean mf96?"),
         ({"effects": ["camber_trust"]}, UnknownName, "effect of mf96 'camber_trust': did you mean camber_thrust?"),
@@ -42,10 +42,10 @@ def hoosier():
         ({"ranges": {"gama": (0, 1)}}, UnknownName, "unknown input 'gama': did you mean gamma?"),
     ],
 )
-def test_invalid_arguments(change, error, said):
+def test_invalid_arguments(change, error, message):
     with pytest.raises(error) as caught:
         Tire(**{"model": "mf96", "values": SMALL, **change})
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
@@ -169,13 +169,13 @@ def test_evaluate_clamps_to_the_ranges_on_demand(hoosier):
 
 
 @pytest.mark.parametrize(
-    ("value", "said"),
+    ("value", "message"),
     [(math.nan, "row 2: alpha is NaN (1 of 3 rows)"), (-math.inf, "row 2: alpha is infinite (1 of 3 rows)")],
 )
-def test_evaluate_rejects_inputs_that_are_not_finite_numbers(hoosier, table, value, said):
+def test_evaluate_rejects_inputs_that_are_not_finite_numbers(hoosier, table, value, message):
     with pytest.raises(DataError) as caught:
         hoosier.evaluate(table.assign(alpha=[0.0, value, 0.1]), limits=True)
-    assert str(caught.value) == said
+    assert str(caught.value) == message
 
 
 def test_evaluate_refuses_an_unknown_convention(hoosier, table):
@@ -194,7 +194,7 @@ def test_published_tires_have_the_signs_of_their_source(name):
     tire = published(name)
     assert tire.signs == PUBLISHED[name]
     assert "source" in tire.about
-    # The small tire's paper gives Fx and Fy only: what it does not give is neutral, and said so in the file.
+    # The small tire's paper gives Fx and Fy only: what it does not give is neutral, and message so in the file.
     assert tire.defaulted == () if name == "trento_hoosier" else "left_out" in tire.about
 
 
