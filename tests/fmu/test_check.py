@@ -1,4 +1,4 @@
-"""The FMU against data and against its own tire."""
+"""The FMU against data and against the direct evaluation of its tire."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tirefmu.tires.signs import convert_signs
 
 @pytest.fixture(scope="module")
 def table(tires):
-    """Return two sweeps in ISO signs, a pause between them, with the first tire's own forces."""
+    """Return two sweeps in ISO signs, a pause between them, with the forces of the first tire."""
     n = 120
     frame = pd.DataFrame(
         {
@@ -119,7 +119,7 @@ def test_a_difference_from_the_embedded_tire_is_detected(fmus, tires, table, tmp
 
 
 def test_nan_is_a_difference(tires, table):
-    """A NaN that the tire's own code does not have must not pass as agreement."""
+    """A NaN that the direct evaluation does not have must not pass as agreement."""
     direct = tires["first"].evaluate(table)[["Fx", "Fy", "Mz"]]
     simulated = direct.copy()
     assert _difference(direct, simulated) == 0.0
@@ -221,7 +221,7 @@ def test_an_fmu_without_a_binary_for_this_machine(fmu, table, tmp_path):
 
 
 def test_a_refused_row_is_named(fmus, table, tmp_path):
-    # A description that takes the output Fx for the input kappa, and the other way round.
+    # A description that exchanges the output Fx and the input kappa.
     swaps = {b'"kappa" valueReference="1"': b'"kappa" valueReference="5"'}
     swaps[b'"Fx" valueReference="5"'] = b'"Fx" valueReference="1"'
     with zipfile.ZipFile(fmus["first", 3]) as one, zipfile.ZipFile(tmp_path / "odd.fmu", "w") as out:

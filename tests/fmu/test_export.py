@@ -1,4 +1,4 @@
-"""Writing the file: its bytes, its contents, and what goes wrong."""
+"""Writing the file: its bytes, its contents, and errors."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def test_identifiers_are_c(name):
     assert c_identifier(name) != "double"
 
 
-# ------------------------------------------------------------------ what goes wrong
+# ------------------------------------------------------------------ errors
 
 
 def fails(tire, path, message, **options):

@@ -127,7 +127,7 @@ def is_alive(process):
         os.kill(process, 0)
     except ProcessLookupError:
         return False
-    # Where nobody waits for orphans, an ended one stays as a zombie.
+    # Without a process that waits for orphans, a terminated one remains a zombie.
     state = Path(f"/proc/{process}/stat")
     return not state.is_file() or state.read_text(encoding="ascii").rpartition(")")[2].split()[0] != "Z"
 

@@ -1,4 +1,4 @@
-"""What an instance of the FMU does and what it refuses, in both versions."""
+"""Valid and invalid calls of an instance of the FMU, in both versions."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 OK, DISCARD, ERROR = 0, 2, 3
 INPUTS = ("kappa", "alpha", "gamma", "Fz")
 OUTPUTS = ("Fx", "Fy", "Mz")
-#: A point in the middle of a combined sweep, used where any point would do.
+#: A point of a combined sweep, for tests that need an arbitrary point.
 POINT = {"kappa": 0.05, "alpha": -0.08, "gamma": 0.03, "Fz": 900.0}
-#: The same for a model that reads more.
+#: The same for a model with more inputs.
 FULL_POINT = POINT | {"p": 2.1e5, "V": 21.0}
 
 
@@ -155,7 +155,7 @@ def test_hidden_variables_are_not_accessible(hosts, tires, fmi):
 
 def test_two_instances_are_independent(hosts, tires, fmi):
     first, second = hosts("first", fmi).start(), hosts("second", fmi).start()
-    for load in (300.0, 800.0, 1200.0):  # turn by turn
+    for load in (300.0, 800.0, 1200.0):  # alternately
         point = POINT | {"Fz": load}
         found = [first.forces(**point), second.forces(**point)]
         assert distance(found[0], direct(tires["first"], **point)) < 1e-9
@@ -163,7 +163,7 @@ def test_two_instances_are_independent(hosts, tires, fmi):
         assert np.all(found[0] != found[1])
 
 
-# ------------------------------------------------------------------ refusals
+# ------------------------------------------------------------------ invalid calls
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
@@ -274,7 +274,7 @@ def test_the_log_can_be_chosen(running):
 
 
 def play(host):
-    """Return what a run gives: sweep with a coefficient changed midway."""
+    """Return the results of a run: a sweep with a coefficient changed midway."""
     host.start(0.5)
     found = []
     for i, alpha in enumerate(np.linspace(-0.2, 0.2, 21)):
@@ -320,7 +320,7 @@ def test_a_saved_state_restores_everything(running):
     assert np.any(running.everything() != before)
     assert restore(running, state) == OK
     assert np.array_equal(running.everything(), before)
-    assert running.step(0.25, 0.1) == OK  # time too
+    assert running.step(0.25, 0.1) == OK  # including the time
     free(running, state)
     assert restore(running, ctypes.c_void_p()) == ERROR
 

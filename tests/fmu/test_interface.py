@@ -234,7 +234,7 @@ def test_adjoint_and_directional_derivatives_are_one_matrix(hosts, name):
     by_columns = [host.derivative(unknowns, [known], [1.0])[1] for known in knowns]
     by_rows = [adjoint(host, [unknown], knowns, [1.0]) for unknown in unknowns]
     assert all(status == OK for status, _ in by_rows)
-    # One is summed up from the outputs backward, the other from the inputs forward: all but the last digits.
+    # Reverse mode against forward mode: equal except for the last digits.
     np.testing.assert_allclose(np.array(by_columns).T, [row for _, row in by_rows], rtol=1e-12, atol=1e-13)
     seed = np.linspace(-1.0, 2.0, len(unknowns))
     np.testing.assert_allclose(adjoint(host, unknowns, knowns, seed)[1], seed @ np.array(by_columns).T, rtol=1e-12)
@@ -251,7 +251,7 @@ def test_derivatives_of_rates_and_by_states(hosts, fmi, tires):
     assert by_input == pytest.approx(POINT["V"] / sigma["sigma_kappa"], rel=1e-6)
     status, (by_state,) = host.derivative(["der(kappa_lagged)"], ["kappa_lagged"], [1.0])
     assert by_state == pytest.approx(-by_input, rel=1e-6)
-    # Side force by the tangent of the slip that acts: in steady state what it is by the slip itself.
+    # Side force by the tangent of the lagged slip: in steady state equal to that by the slip.
     kappa, alpha = host.get("kappa_lagged", "alpha_lagged")
     _, (by_tangent,) = host.derivative(["Fy"], ["tan_alpha_lagged"], [1.0])
     step = 1e-6

@@ -16,14 +16,14 @@ from tirefmu.fmu.packaging.binaries import binary_path, chosen_platforms
 from tirefmu.fmu.packaging.cross_compiler import PLATFORMS, universal
 from tirefmu.symbolic.errors import FmuError
 
-#: What a binary begins with: its format, and where it tells the processor.
+#: The first bytes of a binary: its format, and the offset of the processor type.
 FORMATS = {
     "x86_64-linux": (b"\x7fELF", 18, 62),
     "aarch64-linux": (b"\x7fELF", 18, 183),
     "x86_64-darwin": (b"\xcf\xfa\xed\xfe", 4, 0x0007),
     "aarch64-darwin": (b"\xcf\xfa\xed\xfe", 4, 0x000C),
 }
-#: Windows alone takes zig a minute at its first time: `make wine` builds for it.
+#: Excluded: the first build for Windows takes zig a minute; `make wine` runs it.
 QUICK = tuple(FORMATS)
 
 

@@ -1,4 +1,4 @@
-"""The FMU with Python inside: valid, equal to the native one, safe against what hosts do, and hackable."""
+"""The FMU with Python inside: valid, equal to the native one, robust against misuse, and editable."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def python_host(hosts, fmus, python_fmus):
 
 
 def drive(tire, n=120):
-    """Return a recording that moves every input, in uneven steps."""
+    """Return a recording with a variation of every input, in uneven steps."""
     draw = np.random.default_rng(2)
     t = np.cumsum(draw.uniform(0.001, 0.05, n))
     spans = {"kappa": 0.2, "alpha": 0.25, "gamma": 0.1, "phit": 0.05}
@@ -164,7 +164,7 @@ def test_its_files_can_be_changed(python_fmus, tires, tmp_path):
             if name == f"resources/{slave}.py":
                 assert content.count(b"map(float, forces)") == 1
                 content = content.replace(b"map(float, forces)", b"(0.5 * float(force) for force in forces)")
-            # Python, which has loaded the file by its name before, is given another one.
+            # Python has loaded a file of this name before, so the name changes.
             if name == "resources/slavemodule.txt":
                 content = b"changed_tire"
             position = name.replace(slave, "changed_tire").replace("/first.", "/changed.")
@@ -188,12 +188,12 @@ def test_contents(python_fmus, tires, tmp_path):
 
 
 def test_equal_tires_give_equal_bytes(python_host, python_fmus, tires, tmp_path):
-    python_host("first").start()  # which brings a pythonfmu of its own into this process
+    python_host("first").start()  # which loads its copy of pythonfmu into this process
     again = export(tires["rolling"], tmp_path / "rolling.fmu", kind="pythonfmu")
     assert again.read_bytes() == python_fmus["rolling"].read_bytes()
 
 
-# ------------------------------------------------------------------ what goes wrong
+# ------------------------------------------------------------------ errors
 
 
 def test_fmi_3_is_refused(tires, tmp_path):

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-#: M_z0 does not contain turn slip; in MF5.2 its side force is that of the upright tire, while the trail carries all of F_y.
+#: M_z0 does not contain turn slip. In MF5.2 its side force is that of the upright tire; the trail acts on all of F_y.
 STRAIGHT = {"mf96": {}, "mf52": {"phit": 0.0, "gamma": 0.0}, "mf61": {"phit": 0.0}, "mf62": {"phit": 0.0}}
 
 

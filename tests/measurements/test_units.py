@@ -1,4 +1,4 @@
-"""Units come to SI, and nothing else passes for one."""
+"""Units are converted to SI, and anything else is rejected."""
 
 import numpy as np
 import pytest

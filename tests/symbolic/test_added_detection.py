@@ -1,4 +1,4 @@
-"""The table [diagnosis] of effect files: what the package's files declare, and what a hostile one is refused for."""
+"""The table [diagnosis] of effect files: the declarations of the package, and the rejection of invalid ones."""
 
 from __future__ import annotations
 

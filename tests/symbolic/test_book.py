@@ -67,7 +67,7 @@ def test_every_line_uses_only_earlier_lines(book):
 
 
 def test_lines_stay_short(book):
-    """A line that swells into others would be many times as long."""
+    """A line with others substituted into it would be many times as long."""
     assert max(line.expression.count_ops() for line in book.lines()) <= 55
 
 
@@ -79,7 +79,7 @@ def test_the_lines_contain_no_switch(book, effects):
 
 
 def test_inner_steps_reach_a_named_quantity(book):
-    """No line is written for nothing."""
+    """Every line is used."""
     targets = {line.symbol.name for line in book.equations if line.named}
     assert reaching(book.equations, targets) == list(book.equations)
 

@@ -1,4 +1,4 @@
-"""A model is what it declares: its faults are named before a number comes of it, and nothing else knows it."""
+"""A model is its declarations: faults are reported before it is evaluated, and no other package names it."""
 
 from __future__ import annotations
 
@@ -196,11 +196,11 @@ def test_a_diagnosis_identifies_the_missing_effect(tire):
     assert found.found[0].coefficients["USOFT"].value == pytest.approx(VALUES["USOFT"], rel=0.1)
 
 
-#: Where the candidates of a diagnosis and the effect load_stiffness still have the Magic Formula's coefficients.
+#: Files on the candidates of a diagnosis and the effect load_stiffness that name coefficients of the Magic Formula.
 EFFECTS_OF_THE_MAGIC_FORMULA = {
     "diagnosis/candidates.py", "diagnosis/screening.py", "diagnosis/search.py", "diagnosis/least_squares.py",
 }  # fmt: skip
-#: The built-in demonstration is of one tire.
+#: The built-in demonstration uses one tire.
 OF_ONE_MODEL = {"tirefmu/demo.py"}
 
 
@@ -212,7 +212,7 @@ def written(path):
 
 
 def test_no_other_package_names_a_model_or_its_coefficients():
-    # What every model or every property file has in common is no model's own.
+    # Names common to every model or every property file belong to no model.
     shared = {"FNOMIN", "UNLOADED_RADIUS", "NOMPRES", "INFLPRES", "LONGVL", "WIDTH", "RIM_RADIUS", "VERTICAL_STIFFNESS"}
     own = {name for book in MODELS.values() for name, each in book.coefficients.items() if each.fitted} | set(MODELS)
     own |= {"SIGX", "SIGY", "SIGC", "SIGK", "VXLOW"}

@@ -1,4 +1,4 @@
-"""Sentences of errors."""
+"""Error messages."""
 
 from __future__ import annotations
 

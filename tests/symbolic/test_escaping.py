@@ -1,4 +1,4 @@
-"""One escaping function per target: whatever the text, what is written reads back as text and as nothing else."""
+"""One escaping function per target: any text is read back as the same text."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ cheap = settings(max_examples=150, deadline=None)
 
 
 def of_all(test):
-    """Try every nasty text, and drawn ones."""
+    """Test every known hostile text and random ones."""
     test = cheap(given(hostile_texts())(test))
     for text in NASTY:
         test = example(text)(test)

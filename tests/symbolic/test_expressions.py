@@ -1,4 +1,4 @@
-"""How expressions are written in Python and in C, and that both still mean the same number."""
+"""Expressions are printed in Python and in C with the same value."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_meaning(expression):
     )
     python = NumpyPrinter().doprint(expression)
     assert float(eval(python, {"np": np, **POINT})) == pytest.approx(expected, rel=1e-14)
-    if "?" not in PlainCPrinter().doprint(expression):  # the rest of C's expressions reads as Python
+    if "?" not in PlainCPrinter().doprint(expression):  # other C expressions are valid Python
         powers = {"square": lambda a: a * a, "cube": lambda a: a**3, "fourth": lambda a: a**4}
         powers |= {"cubed_sqrt": lambda a: a * math.sqrt(a), "PI": math.pi}
         powers |= {f"fast_{name}": getattr(math, name) for name in ("sin", "cos", "tan", "atan")}

@@ -1,4 +1,4 @@
-"""The Fiala tire: its equations, its limits, and everything that a model of the package has to do."""
+"""The Fiala tire: its equations, its limits, and every feature of a model of the package."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def by_the_book(kappa, alpha, Fz, V):
 
 @pytest.fixture(scope="module")
 def rows():
-    """Return kappa, alpha, Fz and V, none nearer than 1e-4 to where a branch changes."""
+    """Return kappa, alpha, Fz and V, none within 1e-4 of a change of branch."""
     rng = np.random.default_rng(0)
     kappa, alpha = rng.uniform(-1.0, 1.0, 300) ** 3 * 1.5, rng.uniform(-1.0, 1.0, 300) ** 3
     drawn = np.array([kappa, alpha, rng.uniform(300.0, 6000.0, 300), rng.choice([-8.0, 20.0], 300)])
@@ -92,7 +92,7 @@ def test_every_code_agrees_and_differentiates(rows):
 
 
 def by_casadi(routine, rows, parameters):
-    """Return derivatives by CasADi's own differentiation, shape (n, n_forces, n_by)."""
+    """Return derivatives by the differentiation of CasADi, shape (n, n_forces, n_by)."""
     x, p = ca.SX.sym("x", len(rows)), ca.SX.sym("p", len(parameters))
     by = x if routine == "jacobian_inputs" else p[: len(TIRE.book.coefficients)]
     function = ca.Function("jacobian", [x, p], [ca.jacobian(casadi_fiala.forces(x, p), by)])
@@ -136,7 +136,7 @@ def test_full_sliding_is_the_friction_and_has_no_moment():
     assert (np.abs(answer["alpha"]) > answer["alpha_crit"]).all()
     np.testing.assert_allclose(answer["Fy"], -np.sign(answer["alpha"]) * answer["U"] * LOAD, rtol=1e-14)
     assert (answer["Mz"] == 0).all()
-    # With UMAX - UMIN lost at comprehensive slip 1, UMIN is what remains from there on.
+    # Friction decreases by UMAX - UMIN up to comprehensive slip 1, and is UMIN from there on.
     assert answer["U"].to_numpy()[[2, 5]] == pytest.approx(VALUES["UMIN"])
     locked = TIRE.forces(kappa=-1e9, Fz=LOAD)["Fx"]
     assert locked == pytest.approx(-VALUES["UMIN"] * LOAD, rel=1e-9)
@@ -232,7 +232,7 @@ def test_a_property_file_of_adams_is_read_in_si_and_survives_a_round_trip(length
     assert (tire.values["REL_LEN_LON"], tire.values["REL_LEN_LAT"]) == pytest.approx(read)
     assert tire.lags == bool(lengths)
     assert any("relax_lon" in note for note in notes) == bool(lengths)
-    # The file has no nominal load: one is assumed, and named.
+    # The file has no nominal load: one is assumed and reported.
     assert tire.values["FNOMIN"] == 4000.0
     assert "FNOMIN" in not_given(tire)
     tire.save(tmp_path / "adams.tir")

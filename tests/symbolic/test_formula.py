@@ -79,7 +79,7 @@ def test_a_nested_formula_within_the_bounds_can_be_written_again():
 
 
 def formula_or_line(text):
-    """Return the formula of a text, or None where it is refused in a line."""
+    """Return the formula of a text, or None if it is rejected in one line."""
     try:
         return formula(text, "here")
     except EffectError as error:

@@ -1,4 +1,4 @@
-"""Text of an effect's file in generated code: comments are all that it changes, whatever it says."""
+"""Text of an effect file in generated code: any text changes comments only."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ WORDS = "a plain text"
 
 
 def small_model():
-    """Return a model of three lines, which is printed in no time."""
+    """Return a model of three lines, which is printed quickly."""
 
     class Size(Section, title="SIZE"):
         FNOMIN = Coefficient("load", "N", neutral=None, start=1000.0)
@@ -51,7 +51,7 @@ SMALL = small_model()
 
 
 def effect(**given):
-    """Return an effect with the given texts, the others plain."""
+    """Return an effect with the given texts; the others are plain."""
     texts = {"description": WORDS, "unit": "1", "physics": WORDS, "source": WORDS} | given
     declaration = Coefficient(texts["description"], texts["unit"], -1.0, 1.0)
     declaration.name = "OWN1"
@@ -65,7 +65,7 @@ def printed(**texts):
 
 
 def without_comments(code):
-    """Return C code as a compiler sees it: trigraphs replaced, lines spliced, then comments taken out."""
+    """Return C code as a compiler sees it: trigraphs replaced, lines spliced, then comments removed."""
     for sign, meant in zip("=/'()!<>-", "#\\^[]|{}~", strict=True):
         code = code.replace(f"??{sign}", meant)
     code, seen, i = code.replace("\\\n", ""), [], 0
@@ -135,7 +135,7 @@ def test_hostile_text_compiles_without_a_warning(tmp_path):
 @given(hostile_texts())
 def test_a_file_with_any_text_reads_back_equal(text):
     written = effect_text(effect(description=text, unit=text[:40], physics=f"x{text}", source=f"x{text}"))
-    text = re.sub("[\ud800-\udfff]", "\ufffd", text)  # which no file can hold
+    text = re.sub("[\ud800-\udfff]", "\ufffd", text)  # which no file can contain
     assert read_effect(written, "own.toml") == effect(
         description=text, unit=text[:40], physics=f"x{text}", source=f"x{text}"
     )

@@ -34,7 +34,7 @@ DOES = {
     "ACOS": np.arccos,
 }
 DOES |= {code: getattr(np, code.lower()) for code in CODES if code not in DOES}
-#: In the middle, off the ground, in reverse, with turn slip.
+#: Mid-range, off the ground, in reverse, with turn slip.
 ROWS = {
     "kappa": (0.05, 0.0, -0.4, 0.02),
     "alpha": (-0.08, 0.0, 0.3, 0.01),

@@ -1,4 +1,4 @@
-"""Names from files: what would mean something else in generated code or in a .tir file is refused."""
+"""Names from files: a name with another meaning in generated code or in a .tir file is rejected."""
 
 from __future__ import annotations
 

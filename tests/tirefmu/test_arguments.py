@@ -1,4 +1,4 @@
-"""Where a table or a tire is needed, each of its forms gives the same, and anything else one clear sentence."""
+"""Every accepted form of a table or a tire has the same result, and anything else gives one clear sentence."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def test_invalid_tables_are_rejected_by_name(wrong):
             function(wrong)
     with pytest.raises(WrongType, match=r"^tables\[0\] is "):
         fit([wrong])
-    with pytest.raises(TypeError):  # ours are of Python's kind, too
+    with pytest.raises(TypeError):  # the exceptions are also built-in ones
         fit(wrong)
 
 

@@ -12,7 +12,7 @@ import pytest
 
 @pytest.fixture
 def folder(tmp_path, bench_csv, published_tir, chain, monkeypatch):
-    """Return a working folder with one file of each kind, and odd ones."""
+    """Return a working folder with one file of each kind, and unusual ones."""
     monkeypatch.chdir(tmp_path)
     shutil.copy(bench_csv, "good.csv")
     shutil.copy(published_tir, "good.tir")

@@ -1,4 +1,4 @@
-"""The command line: what it writes, what it says, and what it refuses."""
+"""The command line: its files, its messages, and its errors."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def strict(text):
     return json.loads(text, parse_constant=refuse)
 
 
-# ------------------------------------------------------------------ the whole way
+# ------------------------------------------------------------------ the full workflow
 
 
 def test_every_step_of_the_workflow_succeeds(chain):
@@ -60,7 +60,7 @@ def test_the_fit_is_the_same_everywhere(chain):
     assert "fit converged" in out
     for channel in reported["channels"]:
         assert f"{channel['r2']:.5f}" in out
-        assert channel["channel"] == "Mz" or channel["r2"] > 0.99  # the fit leaves out what makes Mz
+        assert channel["channel"] == "Mz" or channel["r2"] > 0.99  # the fit does not include the effects of Mz
     for coefficient in reported["coefficients"]:
         assert coefficient["name"] in out
         assert coefficient["name"] in page
@@ -127,7 +127,7 @@ def test_a_fit_from_a_tire_and_a_user_defined_recipe(chain, command, bench_csv, 
     before, after = read_tir(folder / "fitted.tir"), read_tir(tmp_path / "[new].tir")
     assert after.has == before.has
     assert {n for n in after.values if after.values[n] != before.values[n]} == {"PDY1"}
-    assert "[friction]" in outcome.out  # brackets in names are no markup
+    assert "[friction]" in outcome.out  # brackets in names are not markup
     assert f"tire: {tmp_path / '[new].tir'}" in outcome.out
 
 
@@ -187,7 +187,7 @@ def test_evaluate_takes_nominal_values_and_clamps_on_request(command, chain, tmp
     expected = known.forces(alpha=[np.radians(3.0), np.radians(30.0), highest], Fz=700.0)["Fy"]
     np.testing.assert_allclose(free["Fy"], expected[:2], rtol=1e-12)
     np.testing.assert_allclose(clamped["Fy"], expected[[0, 2]], rtol=1e-12)
-    assert clamped.loc[1, "alpha"] == free.loc[1, "alpha"]  # the input comes back as it was given
+    assert clamped.loc[1, "alpha"] == free.loc[1, "alpha"]  # the input is returned unchanged
 
 
 def test_evaluate_writes_the_convention_of_the_table(command, chain, bench_csv, tmp_path):
@@ -206,7 +206,7 @@ def test_evaluate_writes_the_convention_of_the_table(command, chain, bench_csv, 
             np.testing.assert_allclose(results[signs][name], flips * results["iso"][name], rtol=1e-9, atol=1e-9)
 
 
-# ------------------------------------------------------------------ what is printed
+# ------------------------------------------------------------------ printed output
 
 
 def test_json_is_the_only_standard_output(chain, command, bench_csv, published_tir, tmp_path):
@@ -249,7 +249,7 @@ def test_quiet_prints_nothing(chain, bench_csv, published_tir, tmp_path, capfd):
     ]
     for call in calls:
         assert tirefmu.cli.main([*map(str, call), "--quiet"]) == 0
-        assert capfd.readouterr() == ("", ""), call  # also what libraries write past Python
+        assert capfd.readouterr() == ("", ""), call  # includes output that libraries write directly
 
 
 def test_info_reports_what_is_in_a_tire(command, published_tir):
@@ -281,7 +281,7 @@ def test_help_names_every_command(command):
 
 @pytest.fixture
 def generated(tmp_path, monkeypatch):
-    """Return a copy of the generated code that the command takes for the real one."""
+    """Return a copy of the generated code that the command uses instead of the original."""
     folder = tmp_path / "generated"
     shutil.copytree(Path(tirefmu.generated.__file__).parent, folder, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(tirefmu.generated, "__file__", str(folder / "__init__.py"))
@@ -304,7 +304,7 @@ def test_a_planted_edit_is_found_shown_and_repaired(command, generated):
     added = [line for line in outcome.out.splitlines() if line.startswith("+") and "sin(" in line]
     assert len(removed) == len(added) == 1
     assert "generated/c/mf96.c" in outcome.out
-    assert source.read_bytes() == planted  # looked at, not touched
+    assert source.read_bytes() == planted  # checked, not changed
     reported = strict(command("generate", "--check", "--quiet", "--json", "-").out)
     assert reported["ok"] is False
     assert "generated/c/mf96.c" in reported["diff"]

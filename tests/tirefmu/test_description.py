@@ -1,4 +1,4 @@
-"""``tirefmu info``: what is in a tire, where its values come from, and what looks implausible."""
+"""``tirefmu info``: contents of a tire, sources of its values, and implausible values."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from tirefmu.tires import Tire, published
 from tirefmu.tires.property_file.reading import read_tir_with_notes
 
 FILES = ["MagicFormula52", "MagicFormula61", "MagicFormula62"]
-#: The models with the coefficients that these tests spoil.
+#: The models with the coefficients that these tests change.
 MAGIC = [name for name, book in MODELS.items() if "PDX1" in book.coefficients]
 
 
 def generic(model="mf61", **values):
-    """Return a tire of generic values that nothing is wrong with, but for those given."""
+    """Return a tire of plausible generic values, except for those given."""
     declarations = MODELS[model].coefficients
     start = {name: declared.generic for name, declared in declarations.items() if declared.neutral is None}
     return Tire(model, {**start, **values}, signs="adapted-sae")

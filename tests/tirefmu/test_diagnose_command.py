@@ -1,4 +1,4 @@
-"""``tirefmu diagnose``: the folder that it writes, and that the tires in it are what the report claims."""
+"""``tirefmu diagnose``: the files that it writes, and the agreement of the tires with the report."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ VALUES = {
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory):
-    """Slow alpha sweeps at three loads and three inclinations of a tire with camber thrust, Fy alone, noisy."""
+    """Slow alpha sweeps at three loads and three inclinations of a tire with camber thrust, Fy only, with noise."""
     rng = np.random.default_rng(5)
     rows = []
     for load in (1500.0, 3000.0, 4500.0):

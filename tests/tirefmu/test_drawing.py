@@ -1,4 +1,4 @@
-"""Figures of a tire by itself: what they show is what the tire computes, for every model and convention."""
+"""Figures of a tire: the curves are those that the tire computes, for every model and convention."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def small():
 
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch):
-    """Draw with fewer pixels: what is looked at here is not their number."""
+    """Draw with fewer pixels, whose number is not tested here."""
     monkeypatch.setattr(files, "DPI", 40)
 
 
@@ -219,7 +219,7 @@ def test_other_commands_accept_a_published_name(command, name):
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_a_tires_name_is_drawn_literally(text, tmp_path):
-    """An SVG stays an SVG: well-formed, with nothing in it that runs or is loaded."""
+    """The SVG is well-formed and contains no script and no external resource."""
     tire = Tire("mf96", {**SIZE, "PDY1": 1.0, "PKY1": 10.0, "PCY1": 1.3}, effects=(), name=text)
     sketch = drawing.Sketch(tire, "iso", (1000.0,))
     root = ET.fromstring(files._rendered(drawing.pure(sketch), "svg"))

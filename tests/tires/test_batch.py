@@ -10,7 +10,7 @@ from tirefmu.tires.code import MANY_ROWS, code_for, fastest_code, kernel, numpy_
 from tirefmu.tires.code.compiler import CompilerError
 from tirefmu.tires.code.kernel import BLOCK
 
-#: Rounding of what a force is made of, as a share of the largest force.
+#: Rounding of the terms of a force, relative to the largest force.
 ROUNDING = 1e-12
 
 
@@ -68,7 +68,7 @@ def test_jacobians(model, parameters, routine):
     expected = getattr(code_for(model, "numpy"), routine)(rows, parameters)
     assert answer.shape == expected.shape
     assert np.isfinite(expected).all()
-    # A derivative's rounding is that of the force by the size of what it is derived by.
+    # The rounding of a derivative is that of the force divided by the size of the argument.
     inputs = np.maximum(np.abs(rows).max(axis=1), 1e-3)
     sizes = inputs if routine == "jacobian_inputs" else np.maximum(np.abs(parameters[: expected.shape[2]]), 1e-3)
     forces = np.abs(code_for(model, "numpy").forces(rows, parameters)).max(axis=1)
@@ -91,19 +91,19 @@ def test_the_entries_are_all_nonzero_derivatives(model, parameters):
 @pytest.mark.parametrize("language", ["numpy", "c", "batch"])
 def test_chunks_are_the_entries_in_turn(model, parameters, language):
     code, rows = code_for(model, language), rows_of(model, 150)
-    # No row for a kernel; NumPy would take another routine, with other rounding, for the chunks without it.
+    # Not a row for a kernel; NumPy would use another routine, with other rounding, for the chunks without it.
     if MODELS[model].on_demand and language != "numpy":
         rows[row_of(model, "phit"), 140] = 0.1
     for inputs in (rows, rows[:, :130]):
-        chunks = [(rows_of_chunk, entries.copy()) for rows_of_chunk, entries in code.jacobian_chunks(inputs, parameters, 64)]
-        assert [rows_of_chunk.stop - rows_of_chunk.start for rows_of_chunk, _ in chunks] == [64, 64, inputs.shape[1] - 128]
+        chunks = [(part, entries.copy()) for part, entries in code.jacobian_chunks(inputs, parameters, 64)]
+        assert [part.stop - part.start for part, _ in chunks] == [64, 64, inputs.shape[1] - 128]
         whole = code.jacobian_entries(inputs, parameters)
         np.testing.assert_array_equal(np.concatenate([entries for _, entries in chunks], axis=1), whole)
 
 
 def test_rows_outside_the_range_of_the_kernels(model, parameters):
     rows = rows_of(model, 3 * BLOCK)
-    strange = [np.nan, np.inf, -np.inf, 0.0, -0.0, 1e-310]  # a huge angle would show its own rounding only
+    strange = [np.nan, np.inf, -np.inf, 0.0, -0.0, 1e-310]  # a huge angle would only show rounding
     for position, value in enumerate(strange):
         for k in range(len(rows)):
             rows[k, 7 * position + k] = value

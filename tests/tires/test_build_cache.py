@@ -1,4 +1,4 @@
-"""The cache: nothing damaged or foreign is used, nothing half written is seen, and the program works without it."""
+"""The cache: damaged or third-party entries are not used, entries are stored atomically, and the cache is optional."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ STRANGER = 54321
 
 @pytest.fixture(autouse=True)
 def nothing_yet(tmp_path, monkeypatch):
-    """Give each test a cache of its own, and forget what this process used and warned of."""
+    """Give each test a separate cache, and clear the record of used entries and warnings of this process."""
     monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(build_cache, "_used", set())
     monkeypatch.setattr(build_cache, "_private", [])
@@ -35,7 +35,7 @@ def cache(tmp_path):
 
 
 class Maker:
-    """Writes two files, and counts how often."""
+    """Write two files, and count the calls."""
 
     def __init__(self, content="content"):
         self.content, self.made = content, 0
@@ -94,7 +94,7 @@ def test_an_entry_of_another_user_is_built_again(cache, part):
 
 
 def private(entry, cache, caplog):
-    """Whether an entry is elsewhere, for this process only, after one line that says why."""
+    """Return whether an entry is in a temporary folder of this process, after one line with the reason."""
     (record,) = caplog.records
     assert record.name == "tirefmu"
     assert "\n" not in record.getMessage()
@@ -115,7 +115,7 @@ def test_a_folder_that_others_can_write_is_not_used(tmp_path, monkeypatch, caplo
     assert cached("entry", make) == entry
     assert make.made == 1
     assert names(folder) == []
-    if shared == "..":  # as in /tmp: nobody can put another folder in its place
+    if shared == "..":  # as in /tmp: no other user can replace the folder
         (folder / shared).chmod(0o1777)
         assert cached("other", make) == folder / "other"
 
@@ -144,7 +144,7 @@ def test_a_cache_that_is_no_folder(cache, caplog, monkeypatch, what):
 
 
 def full(monkeypatch, below):
-    """Let a disk be full where the path says so."""
+    """Simulate a full disk below a folder."""
     write = Path.write_bytes
 
     def write_bytes(path, content):
@@ -185,7 +185,7 @@ def test_a_folder_that_cannot_be_written(cache, caplog, monkeypatch):
 
     mkdtemp = build_cache.tempfile.mkdtemp
     monkeypatch.setattr(build_cache.tempfile, "mkdtemp", refuse)
-    assert cached("entry", make) == first  # what is there can be used
+    assert cached("entry", make) == first  # the existing entry can be used
     assert not caplog.records
     assert private(cached("other", make), cache, caplog)
 
@@ -233,7 +233,7 @@ def test_a_failed_build_leaves_no_files(cache):
 
 @pytest.fixture
 def aged(cache, monkeypatch):
-    """Return a function that stores an entry as by another process, so many days ago."""
+    """Return a function that stores an entry as another process would have, a number of days ago."""
 
     def store(name, days):
         path = cached(name, Maker())
@@ -282,7 +282,7 @@ def test_modified_generated_code_is_not_run(cache, monkeypatch, tmp_path, langua
     book = model("mf61", with_library("mf61", ["speed_friction"], ()))
     calls = []
 
-    def rendered(book):  # the real code takes its time
+    def rendered(book):  # the real code takes long
         calls.append(book)
         return {f"{language}/{book.name}.py": "VALUE = 42\n"}
 

@@ -1,4 +1,4 @@
-"""The published tires. The small tire's printed tables stand here, with its formula as printed: kappa in percent."""
+"""The published tires. The small tire's printed tables are copied here, with its printed formula: kappa in percent."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ COMBINED = {
     "RVY6": 55.0112,
 }  # fmt: skip
 PRINTED = PURE_FX | PURE_FY | COMBINED
-#: What the paper does not print.
+#: Values that the paper does not print.
 NOMINAL_LOAD, DPI = 60.0, 0.38
 
 LOADS = (60.0, 110.0, 160.0)
@@ -122,7 +122,7 @@ def test_the_small_tire_has_the_forces_of_the_printed_formula(small):
     exact = replace(small, values={**small.values, **printed})
     computed = exact.evaluate(table, signs="adapted-sae", slip_angle="angle")
     Fx, Fy, _ = paper_forces(100.0 * table["kappa"], table["alpha"], table["Fz"])
-    # The book's eps of 1e-6 N stands in the stiffness factors alone.
+    # The book's eps of 1e-6 N is in the stiffness factors only.
     np.testing.assert_allclose(computed["Fx"], Fx, rtol=1e-6, atol=1e-6)
     np.testing.assert_allclose(computed["Fy"], Fy, rtol=1e-6, atol=1e-6)
     assert {name for name in PURE_FX | PURE_FY if abs(PRINTED[name]) != abs(small.values[name])} == {

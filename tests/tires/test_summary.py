@@ -1,4 +1,4 @@
-"""A tire with other values, drawn, and shown in a few lines."""
+"""Changed values, figures and the summary of a tire."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Tire files: what is written is read back to the last bit; what is broken is said in one line."""
+"""Tire files: a written tire is read back to the last bit; an invalid file is reported in one line."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ texts = st.text(alphabet=st.one_of(st.characters(), st.sampled_from("'\"\\$!=[]\
 
 @st.composite
 def tires(draw):
-    """Any tire whatever: the file does not ask whether it is plausible."""
+    """Any tire: a file does not require that it is plausible."""
     book = MODELS[draw(st.sampled_from(sorted(MODELS)))]
     ends = {key for pair in RANGES.values() for key in pair}  # drawn as ranges, which are never crossed
     values = draw(st.dictionaries(st.sampled_from(sorted(book.coefficients.keys() - ends)), finite))
@@ -98,7 +98,7 @@ def test_a_text_is_read_back_exactly(tmp_path, text):
     again = read_tir(tmp_path / "written.tir")
     assert again.name == again.about["source"] == text
     assert again.about["after"] == "the next line"
-    # What another reader takes for a comment, or for a second line, is not there.
+    # The file contains nothing that another reader takes for a comment or for a second line.
     line = next(line for line in tir_text(tire).splitlines() if line.startswith("NAME = "))
     assert not set("$!") & set(line)
 
@@ -128,7 +128,7 @@ def test_a_written_tire_is_iso_and_its_forces_are_mirrored(tmp_path):
 
 
 def test_a_core_tire_is_written_for_readers_without_switches(tmp_path):
-    """PKY2 = 1e6 and PKY1 scaled: without our own section the file is the same tire with all effects on."""
+    """PKY2 = 1e6 and PKY1 scaled: without the section of tirefmu the file is the same tire with all effects on."""
     core = replace(published("trento_hoosier"), effects=[])
     text = tir_text(core)
     (tmp_path / "others.tir").write_text(text[: text.index("[TIREFMU]")], encoding="utf-8")
@@ -143,7 +143,7 @@ def test_a_core_tire_is_written_for_readers_without_switches(tmp_path):
 
 
 def test_a_file_of_another_author(tmp_path):
-    """Comments, cases, blanks, a table of shapes, sections that nobody knows, numbers of Fortran."""
+    """Comments, cases, blanks, a table of shapes, unknown sections, numbers of Fortran."""
     (tmp_path / "other.tir").write_text(
         """! a comment
         [MDI_HEADER]
@@ -323,7 +323,7 @@ def test_a_number_may_have_all_digits_of_a_double(tmp_path):
 
 
 def test_each_key_is_read_once(tmp_path, monkeypatch):
-    """Twice the keys mean twice the steps: no coefficient's search goes over all of them."""
+    """Twice the keys take twice the steps: the search for a coefficient does not visit all keys."""
     steps = []
 
     class Counted(dict):

@@ -1,4 +1,4 @@
-""".tir files as the field has them: every model number, every way to write a line, what is missing, what is more."""
+""".tir files of other tools: every model number, every notation, missing and additional keys."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FILES = {"mf52": "MagicFormula52", "mf61": "MagicFormula61", "mf62": "MagicFormu
 
 @pytest.fixture(params=FILES)
 def field_file(request, golden):
-    """Return the model and the path of a file of the field."""
+    """Return the model and the path of a file of another tool."""
     return request.param, golden / f"{FILES[request.param]}_Parameters.tir"
 
 
@@ -35,18 +35,18 @@ def written(path, content, **how):
 
 
 def small(lines, model="FITTYP = 61"):
-    """Return the text of a small file with some lines more."""
+    """Return the text of a small file with additional lines."""
     return f"[MODEL]\n{model}\n[DIMENSION]\nUNLOADED_RADIUS = 0.3\n[VERTICAL]\nFNOMIN = 4000\n{lines}\n"
 
 
 def test_values_are_those_of_the_reference_reader(field_file, golden):
-    """Given or missing: every coefficient is what MFeval evaluated its golden rows with."""
+    """Given or missing, every coefficient equals that of MFeval for its golden rows."""
     model, path = field_file
     tire = read_tir(path)
     reference = json.loads((golden / f"{model}_{FILES[model]}_params.json").read_text(encoding="utf-8"))
     assert tire.model == model
     compared = {name: value for name, value in tire.values.items() if name in reference}
-    # Ours alone: what MFeval does not read, and the relaxation of the transient model.
+    # Of tirefmu only: keys that MFeval does not read, and the relaxation of the transient model.
     assert tire.values.keys() - compared.keys() <= {"QBZ6", "LMUV", "Q_A1", "Q_A2", "SIGX", "SIGY", "SIGC", "SIGK"}
     assert compared == {name: reference[name] for name in compared}
 
@@ -91,7 +91,7 @@ def test_a_relaxation_length_in_a_file_acts(lines, has, tmp_path):
 
 
 def test_what_a_file_lacks_is_the_same_in_other_signs(field_file):
-    """What readers assume is in ISO: it is mirrored with the rest, not taken anew."""
+    """Defaults of a reader are in ISO: they are mirrored with the other values, not assumed again."""
     _, path = field_file
     tire = read_tir(path)
     assert bits(tire.in_signs("adapted-sae").in_signs("iso")) == bits(tire)
@@ -164,7 +164,7 @@ def test_a_file_without_number(form, lines, model, tmp_path):
     reading = read_tir_with_notes(path)
     assert reading.tire.model == model
     assert any(note.startswith(f"no FITTYP: {model} by ") for note in reading.notes)
-    # The name of the format comes back, beside a FITTYP that all readers understand.
+    # The name of the format is preserved, in addition to a FITTYP that all readers understand.
     text = tir_text(reading.tire)
     assert f"PROPERTY_FILE_FORMAT = '{form}'" in text
     assert re.search(r"^FITTYP = (6|61|62)$", text, re.MULTILINE)

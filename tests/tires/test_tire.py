@@ -1,4 +1,4 @@
-"""A tire as a Python object: what it refuses, what it fills in, and how it is evaluated."""
+"""A tire as a Python object: invalid arguments, defaults, and evaluation."""
 
 from __future__ import annotations
 
@@ -160,7 +160,7 @@ def test_evaluate_clamps_to_the_ranges_on_demand(hoosier):
     inside = pd.DataFrame({"alpha": [0.1, hoosier.ranges["alpha"][1]], "Fz": [120.0, 1220.0]})
     clamped = hoosier.evaluate(wide, signs="adapted-sae", limits=True)
     np.testing.assert_array_equal(clamped["Fy"], hoosier.evaluate(inside, signs="adapted-sae")["Fy"])
-    np.testing.assert_array_equal(clamped["Fz"], wide["Fz"])  # the inputs come back as given
+    np.testing.assert_array_equal(clamped["Fz"], wide["Fz"])  # the inputs are returned unchanged
     assert (hoosier.evaluate(wide, signs="adapted-sae")["Fy"] != clamped["Fy"]).all()
     in_sae = hoosier.evaluate(convert_signs(wide, "adapted-sae", "sae"), signs="sae", limits=True)
     np.testing.assert_allclose(in_sae["Fy"], clamped["Fy"])
@@ -194,7 +194,7 @@ def test_published_tires_have_the_signs_of_their_source(name):
     tire = published(name)
     assert tire.signs == PUBLISHED[name]
     assert "source" in tire.about
-    # The small tire's paper gives Fx and Fy only: what it does not give is neutral, and message so in the file.
+    # The paper of the small tire gives Fx and Fy only: all other coefficients are neutral, and the file states it.
     assert tire.defaulted == () if name == "trento_hoosier" else "left_out" in tire.about
 
 

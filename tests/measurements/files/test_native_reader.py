@@ -1,4 +1,4 @@
-"""Native code that reads a file may crash, hang or ask for all memory: a clear line, and the next file is read."""
+"""Native code that reads a file may crash, hang or request all memory: one clear line, and the next file is read."""
 
 import struct
 import sys
@@ -31,7 +31,7 @@ def refusal(path):
 
 
 def test_a_file_that_crashes_its_reader_is_refused_and_the_next_one_read(good, tmp_path):
-    """Numbers that call themselves a matrix or compressed kill scipy's reader; found by fuzzing."""
+    """Elements with a wrong type (matrix, compressed) crash scipy's reader; found by fuzzing."""
     content = bytearray(good.read_bytes())
     for kind in (14, 15):
         content[176:180] = kind.to_bytes(4, "little")
@@ -69,7 +69,7 @@ def test_a_header_that_claims_gigabytes_allocates_none(tmp_path, rows):
 
 
 def test_nothing_in_the_working_folder_is_imported(good, tmp_path, monkeypatch):
-    """A recording may come with a file that is called like a module."""
+    """A file next to a recording may have the name of a module."""
     for name in ("scipy", "pickle", "pandas", "numpy"):
         (tmp_path / f"{name}.py").write_text("open('ran', 'w')\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
@@ -96,7 +96,7 @@ def test_threads_have_separate_results(good, tmp_path):
 
 
 def test_a_small_file_with_a_huge_content_is_rejected(tmp_path, monkeypatch):
-    """Damage in a header of HDF5 turned 7 KB into 700 MB of nothing; Parquet and zlib can claim as much."""
+    """A damaged HDF5 header expanded 7 KB to 700 MB of zeros; Parquet and zlib can declare as much."""
     path = tmp_path / "flat.mat"
     columns = {name: np.full((20_000, 1), 1.0) for name in CHANNELS}
     savemat(path, {**columns, "FZ": np.full((20_000, 1), -900.0)}, do_compression=True)
@@ -107,7 +107,7 @@ def test_a_small_file_with_a_huge_content_is_rejected(tmp_path, monkeypatch):
 
 
 def test_compressed_numbers_that_are_damaged(good, tmp_path):
-    """What zlib raises is no error of scipy's; found by fuzzing."""
+    """The exceptions of zlib are not those of scipy; found by fuzzing."""
     element = b"\x0f\0\0\0" + (40).to_bytes(4, "little") + bytes(40)
     (tmp_path / "bad.mat").write_bytes(good.read_bytes()[:128] + element)
     assert "bad.mat: cannot be read as a MATLAB file: Error -3 while decompressing" in refusal(tmp_path / "bad.mat")

@@ -1,4 +1,4 @@
-"""CSV and Parquet: what is written comes back to the bit, and bad tables give one clear line."""
+"""CSV and Parquet: a round trip preserves every bit, and invalid tables give one clear line."""
 
 import sys
 
@@ -177,7 +177,7 @@ def test_a_failed_write_preserves_the_old_file_and_creates_no_other(tmp_path):
     path = tmp_path / "out.csv"
     write_table(pd.DataFrame({"Fy": [1.0]}), path)
     before = path.read_bytes()
-    rows = [*range(200_000), Unwritable()]  # the bad cell comes after much has been written
+    rows = [*range(200_000), Unwritable()]  # the invalid cell is reached after much has been written
     with pytest.raises(DataError, match=r"out\.csv: cannot be written: No space left"):
         write_table(pd.DataFrame({"Fy": pd.Series(rows, dtype=object)}), path)
     assert path.read_bytes() == before

@@ -1,4 +1,4 @@
-"""TYDEX: factors and offsets, constants that hold for every row, and files that cannot be used."""
+"""TYDEX: factors and offsets, constants that apply to every row, and files that cannot be used."""
 
 from math import radians
 

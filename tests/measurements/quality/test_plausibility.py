@@ -1,4 +1,4 @@
-"""What cannot be meant is refused with one line; what is unusual but possible passes."""
+"""Impossible values are rejected with one line; unusual but possible values are accepted."""
 
 import numpy as np
 import pandas as pd

@@ -126,7 +126,7 @@ def test_offset_and_drift_over_many_recordings():
     t = np.linspace(0.0, 900.0, 400)
     noise = Noise({"Mz": ChannelNoise(offset=2.0, drift=0.5)}, drift_period=900.0)
     errors = np.array([noise.record("Mz", 0.0 * t, t, np.random.default_rng(seed)) for seed in range(3000)])
-    assert errors.mean(axis=1).std() == pytest.approx(2.0, rel=0.05)  # the swing's mean is zero over its period
+    assert errors.mean(axis=1).std() == pytest.approx(2.0, rel=0.05)  # the mean of a sweep is zero over its period
     swings = errors - errors.mean(axis=1, keepdims=True)
     assert np.sqrt((swings**2).mean()) == pytest.approx(0.5, rel=0.05)
 
