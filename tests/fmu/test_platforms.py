@@ -23,7 +23,7 @@ FORMATS = {
     "x86_64-darwin": (b"\xcf\xfa\xed\xfe", 4, 0x0007),
     "aarch64-darwin": (b"\xcf\xfa\xed\xfe", 4, 0x000C),
 }
-#: Excluded: the first build for Windows takes zig a minute; `make wine` runs it.
+#: Windows is excluded, because its first build takes zig a minute; `make wine` runs it.
 QUICK = tuple(FORMATS)
 
 

@@ -164,7 +164,7 @@ def test_its_files_can_be_changed(python_fmus, tires, tmp_path):
             if name == f"resources/{slave}.py":
                 assert content.count(b"map(float, forces)") == 1
                 content = content.replace(b"map(float, forces)", b"(0.5 * float(force) for force in forces)")
-            # Python has loaded a file of this name before, so the name changes.
+            # Python has already loaded a module of the original name, so the changed one has another name.
             if name == "resources/slavemodule.txt":
                 content = b"changed_tire"
             position = name.replace(slave, "changed_tire").replace("/first.", "/changed.")

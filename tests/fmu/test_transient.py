@@ -98,7 +98,7 @@ def test_fmpys_own_simulation(fmus, tires, fmi):
         str(fmus["rolling", fmi]), stop_time=0.5, output_interval=0.01, input=signal, output=[*inputs, *names]
     )
     rows = pd.DataFrame({"t": result["time"], **{key: result[key] for key in inputs}})
-    # Each row appears a second time at the time of the next row, because inputs are held.
+    # The inputs of a row act in the step that ends at its time; from there on those of the next row act.
     going_on = rows.shift(-1).assign(t=rows["t"]).iloc[:-1]
     table = pd.concat([rows, going_on]).sort_values("t", kind="stable", ignore_index=True)
     reported = tires["rolling"].evaluate(table, hold=True)

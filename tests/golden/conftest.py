@@ -28,7 +28,7 @@ FIXED = ("UNLOADED_RADIUS", "RIM_RADIUS", "BOTTOM_OFFST", "NOMPRES", "INFLPRES",
 
 @pytest.fixture(scope="session")
 def sheet(golden):
-    """Return the module of the transcription, which pytest's import mode does not allow to import."""
+    """Return the module of the transcription; pytest's import mode does not permit an import statement."""
     spec = importlib.util.spec_from_file_location("sheet", golden / "sheet.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

@@ -45,8 +45,8 @@ def test_a_tire_without_asymmetric_coefficients_is_symmetric(tire, points, force
 @pytest.mark.parametrize(("model", "name"), CASES)
 def test_each_asymmetric_coefficient_makes_left_and_right_differ(made, points, forces_of, scale_of, model, name):
     tire = made(model, 0)
-    lopsided = symmetric(tire, **{name: tire.values[name]})
-    assert np.max(asymmetry(lopsided, points(tire), forces_of) / scale_of(tire)) > 1e-6
+    asymmetric = symmetric(tire, **{name: tire.values[name]})
+    assert np.max(asymmetry(asymmetric, points(tire), forces_of) / scale_of(tire)) > 1e-6
 
 
 def test_iso_and_adapted_sae_are_mirrors(tire, points, forces_of, scale_of):

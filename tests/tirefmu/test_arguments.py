@@ -90,7 +90,7 @@ def test_invalid_tables_are_rejected_by_name(wrong):
             function(wrong)
     with pytest.raises(WrongType, match=r"^tables\[0\] is "):
         fit([wrong])
-    with pytest.raises(TypeError):  # the exceptions are also built-in ones
+    with pytest.raises(TypeError):  # WrongType is also a TypeError
         fit(wrong)
 
 

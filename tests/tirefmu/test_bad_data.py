@@ -32,7 +32,7 @@ def side_alone(table):
 
 REFUSED = {
     "no output": (lambda t: [t.drop(columns=["Fx", "Fy", "Mz"])], "a.csv: no measured output (Fx, Fy, Mz, Mx, My)"),
-    "outputs that nobody measured": (lambda t: [t.assign(Fx=np.nan, Fy=np.nan, Mz=np.nan)], "a.csv: no measured"),
+    "outputs that were not measured": (lambda t: [t.assign(Fx=np.nan, Fy=np.nan, Mz=np.nan)], "a.csv: no measured"),
     "load under another name": (
         lambda t: [t.rename(columns={"Fz": "load"})], "column 'load' is not a channel: did you mean Fz?",
     ),

@@ -24,7 +24,7 @@ def test_a_process_that_gets_the_signal(command, bench_csv, tmp_path):
     positions = ["-o", where[0], "--json", where[1], "--report", where[2]]
     saved = tmp_path / "tire.progress.json"
 
-    def listening():  # the handler that a shell disables for background processes
+    def listening():  # a shell ignores SIGINT in background processes
         signal.signal(signal.SIGINT, signal.SIG_DFL)
 
     process = subprocess.Popen(

@@ -107,7 +107,7 @@ def test_source_that_does_not_compile(empty_cache, source):
 
 
 @needs_compiler
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only the linker of Linux checks this")
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only the linker of Linux has the option for this check")
 def test_an_undefined_function_is_found_when_linking(empty_cache, source):
     source.write_text("double missing(double); double answer(void) { return missing(1.0); }\n", encoding="ascii")
     with pytest.raises(CompilerError, match="missing"):
@@ -162,7 +162,7 @@ def test_a_library_that_cannot_be_loaded_is_built_again(empty_cache, source):
     path.write_bytes(content)
     record = f"{hashlib.sha256(content).hexdigest()} {len(content)} {path.name}\n"
     path.with_name(RECORD).write_text(record, encoding="ascii")
-    assert built(source).read_bytes() == content  # no file of the cache shows this
+    assert built(source).read_bytes() == content  # the cache cannot detect this
     assert loaded(source).answer() == 42
 
 

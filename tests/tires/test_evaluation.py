@@ -16,13 +16,13 @@ from tirefmu.tires.signs import MIRRORED
 
 BODY = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3, "PKY1": -18.0, "PKY2": 2.0, "PDY2": -0.2}
 #: One asymmetric coefficient of each kind.
-LOPSIDED = {"PHY1": 0.01, "PVY1": 0.02, "QDZ6": 0.01, "RHX1": 0.01, "PEY3": 0.1, "QDZ8": -0.3, "PVY3": -0.4}
+ASYMMETRIC = {"PHY1": 0.01, "PVY1": 0.02, "QDZ6": 0.01, "RHX1": 0.01, "PEY3": 0.1, "QDZ8": -0.3, "PVY3": -0.4}
 
 
 MAGIC = ("mf96", "mf52", "mf61", "mf62")
 
 
-def lopsided(name):
+def asymmetric(name):
     """Return a tire with plysteer, conicity and every other asymmetry."""
     declarations = Tire(name, BODY).book.coefficients
     more = {
@@ -36,7 +36,7 @@ def lopsided(name):
         "PHYP2": 0.1,
         "QCRP1": 0.2,
     }
-    return Tire(name, {**BODY, **LOPSIDED, **{key: value for key, value in more.items() if key in declarations}})
+    return Tire(name, {**BODY, **ASYMMETRIC, **{key: value for key, value in more.items() if key in declarations}})
 
 
 def drawn(n=50, seed=0):
@@ -60,7 +60,7 @@ def turned(table):
 
 @pytest.fixture(params=MAGIC)
 def tire(request):
-    return lopsided(request.param)
+    return asymmetric(request.param)
 
 
 @pytest.mark.parametrize("signs", ["iso", "adapted-sae", "sae"])
@@ -82,7 +82,7 @@ def test_the_other_side_is_the_mirror_image(tire, signs):
 )  # fmt: skip
 @pytest.mark.parametrize("name", MAGIC)
 def test_twice_in_the_mirror_is_the_tire(name, kappa, alpha, gamma, load, speed, spin):
-    tire = lopsided(name)
+    tire = asymmetric(name)
     row = pd.DataFrame([{"kappa": kappa, "alpha": alpha, "gamma": gamma, "Fz": load, "V": speed, "phit": spin}])
     forces = list(tire.outputs)
     mirrored = tire.evaluate(turned(row), mirror=True)
@@ -107,7 +107,7 @@ def test_forces_are_the_evaluation_at_its_defaults(tire):
 
 @pytest.mark.parametrize("model", MAGIC[1:])
 def test_turn_slip_has_no_influence_on_a_tire_without_it(model):
-    tire = lopsided(model)
+    tire = asymmetric(model)
     plain = replace(tire, effects=tire.has - {"turn_slip"})
     table, forces = drawn(), list(tire.outputs)
     straight = tire.evaluate(table.assign(phit=0.0))

@@ -243,7 +243,7 @@ def test_an_unsupported_model(tmp_path, model, expected):
     assert expected in str(caught.value)
 
 
-@pytest.mark.parametrize("content", ["", "\n\n", "a letter to somebody\n", "[MODEL]\n"])
+@pytest.mark.parametrize("content", ["", "\n\n", "a letter to a customer\n", "[MODEL]\n"])
 def test_a_file_that_is_not_a_tire(tmp_path, content):
     path = tmp_path / "letter.tir"
     path.write_text(content, encoding="utf-8")
