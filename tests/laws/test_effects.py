@@ -89,7 +89,7 @@ def test_each_effect_owns_coefficients(model, effect):
 
 @pytest.mark.parametrize("model", MODELS)
 def test_every_coefficient_reaches_an_output(model):
-    """Or a result. The others are values of absent inputs, limits, or sizes that other packages require of every tire."""
+    """Or a result. The others are values of absent inputs, limits, or sizes that other packages require of any tire."""
     book = MODELS[model]
     elsewhere = {quantity.nominal for quantity in book.inputs} | set(INDISPENSABLE)
     assert book.live() | elsewhere >= book.coefficients.keys()

@@ -58,7 +58,7 @@ def test_forces_start_at_zero(tire, points, forces_of):
 
 
 def test_forces_are_proportional_to_a_vanishing_load(tire, points, forces_of):
-    """Except M_y, which decreases faster. MF5.2 to 6.2 add 1e-6 N to a divisor in the stiffness: 1e-4 of the load."""
+    """Except M_y, which decreases faster. MF5.2 to 6.2 add 1e-6 N to divisors of stiffness: 1e-4 at these loads."""
     rows, loads, error = (
         (points(tire), (1e-3, 1e-4), 1e-4) if tire.model == "mf96" else (points(tire), (0.1, 0.05), 1e-3)
     )

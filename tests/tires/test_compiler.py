@@ -107,7 +107,7 @@ def test_source_that_does_not_compile(empty_cache, source):
 
 
 @needs_compiler
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only the linker of Linux has the option for this check")
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only the linker of Linux can check this")
 def test_an_undefined_function_is_found_when_linking(empty_cache, source):
     source.write_text("double missing(double); double answer(void) { return missing(1.0); }\n", encoding="ascii")
     with pytest.raises(CompilerError, match="missing"):
