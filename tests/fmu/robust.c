@@ -2,8 +2,9 @@
  *
  *     robust TOKEN
  *
- * Linked with the FMU's sources, so that sanitizers see both sides; FMI is 2 or 3.  Prints "NAME ok" or the failed
- * expectation of each case, and exits with 1 if any failed.  The tire is one of MF6.1 with lagging slips and slip inputs.
+ * Linked with the FMU's sources, so that sanitizers check both; FMI is 2 or 3.  Prints "NAME ok" or the failed
+ * expectation of each case, and exits with 1 if any failed.  The tire is one of MF6.1 with lagging slips and slip
+ * inputs.
  */
 #include "robust_host.h"
 
@@ -282,7 +283,7 @@ static void no_instance(void)
     CALL(FreeInstance)(NULL);
 }
 
-static void derivatives_of_other_variables(void)
+static void derivatives_of_invalid_variables(void)
 {
     double d = 0.0;
     WITH(t)
@@ -384,7 +385,7 @@ static const struct {
     CASE(initialized_twice), CASE(start_time_nan), CASE(terminated), CASE(solver_calls_in_cosimulation),
     CASE(step_in_model_exchange), CASE(reset_and_reused), CASE(state_into_another_instance),
     CASE(serialized_state_from_outside), CASE(no_state_to_restore), CASE(small_buffer), CASE(wrong_token),
-    CASE(no_logger), CASE(no_instance), CASE(derivatives_of_other_variables), CASE(derivatives_at_the_edges),
+    CASE(no_logger), CASE(no_instance), CASE(derivatives_of_invalid_variables), CASE(derivatives_at_the_edges),
     CASE(a_thousand_instances), CASE(eight_threads),
 };
 
