@@ -183,7 +183,7 @@ def stiffness_saturating(
 def with_extrapolation(
     constraints: Mapping[str, tuple[PhysicalConstraint, ...]],
 ) -> dict[str, tuple[PhysicalConstraint, ...]]:
-    """Return constraints with those of load and slip once more, beyond the data and on request.
+    """Return constraints and copies of those over load and slip, which apply outside the measured range on request.
 
     Examples
     --------

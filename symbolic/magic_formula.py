@@ -31,8 +31,8 @@ STARTS = (
     {"PCX1": 1.4, "PEX1": -1.0, "PCY1": 1.6, "PEY1": 0.3, "QBZ1": 6.0, "QCZ1": 1.3},
     {"PCX1": 1.8, "PEX1": 0.5, "PCY1": 1.25, "PEY1": -1.2, "QBZ1": 13.0, "QCZ1": 1.0},
 )
-#: Standard deviation of shapes among tires, about twice that of published ones: what a recording leaves undetermined
-#: stays near a tire's.
+#: Standard deviation of shapes among tires, about twice that of published ones: coefficients that a
+#: recording does not determine stay plausible.
 SPREAD = {"PCX1": 0.2, "PEX1": 1.0, "PCY1": 0.2, "PEY1": 1.0, "QBZ1": 4.0, "QCZ1": 0.2}
 #: Refinements of the baseline, with sizes to probe with.
 REFINEMENTS = ({"PEX3": 0.3}, {"QEZ1": -1.0}, {"PKX3": 0.1, "PKX2": 1.0})

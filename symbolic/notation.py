@@ -265,7 +265,7 @@ class Equation:
     acts_for : str
         The named quantity whose added effects change this line too; see `tirefmu.symbolic.model.Model.extended`.
     variant : bool
-        True for the same line once more under other conditions, such as without inclination.
+        True for a repetition of the line at other operating conditions, such as without inclination.
     """
 
     number: str

@@ -1,4 +1,4 @@
-"""Texts that mean something to a terminal, a page, a plot or a path; each may stand wherever a file has text."""
+"""Texts with a meaning in a terminal, a page, a plot or a path; each may occur in any text of a file."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ HOSTILE = (
 
 
 def is_plain(text: str) -> bool:
-    """Return whether a text has nothing that a terminal would act on: line feeds aside, every character prints."""
+    """Return whether a text is safe for a terminal: every character except line feeds is printable."""
     return all(character == "\n" or character.isprintable() for character in text) and not any(
         unicodedata.bidirectional(character) in ("RLO", "LRO", "RLE", "LRE", "PDF", "RLI", "LRI", "FSI", "PDI")
         for character in text
@@ -30,7 +30,7 @@ def is_plain(text: str) -> bool:
 
 
 class Skeleton(HTMLParser):
-    """Elements and names of attributes of a page, in order, and everything that is not text of ours or of a file."""
+    """Elements and names of attributes of a page, in order, and everything that is not text of tirefmu or of a file."""
 
     def __init__(self, page: str) -> None:
         super().__init__()

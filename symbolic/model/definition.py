@@ -167,12 +167,12 @@ class Model:
 
     @cached_property
     def prior_center(self) -> dict[str, float]:
-        """Where coefficients without a neutral value of their own are believed to lie, as the effects declare it."""
+        """Prior mean of coefficients without a neutral value, as declared by the effects."""
         return {name: value for one in self.detections.values() for name, value in one.prior_center.items()}
 
     @cached_property
     def prior_spread(self) -> dict[str, float]:
-        """Standard deviation of the belief about coefficients: among tires, of the baseline and of the effects.
+        """Prior standard deviation of coefficients: among tires, of the baseline and of the effects.
 
         Examples
         --------

@@ -84,7 +84,7 @@ def test_refinements_belong_to_the_baseline_and_to_present_effects():
     assert refinements_for(started("brush"), frozenset()) == []
 
 
-def test_a_probe_of_load_stiffness_keeps_the_nominal_stiffness(without_camber, tire):
+def test_a_probe_of_load_stiffness_preserves_the_nominal_stiffness(without_camber, tire):
     """Without load_stiffness the cornering stiffness is proportional to load. The probe changes the curvature only."""
     form = model("mf96").detections["load_stiffness"].forms[0]
     simulator = without_camber.problem.simulator

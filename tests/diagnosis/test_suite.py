@@ -50,7 +50,7 @@ def test_a_case_number_always_gives_the_same_recording():
 
 
 @pytest.mark.parametrize("artefacts", ARTEFACTS)
-def test_every_trouble_changes_the_recording_alone(artefacts):
+def test_every_artefact_changes_the_recording_only(artefacts):
     plain, troubled = (make_case(5, sweeps=2, artefacts=names) for names in ((), (artefacts,)))
     pd.testing.assert_frame_equal(plain.truth, troubled.truth)
     assert not plain.table.equals(troubled.table)

@@ -15,12 +15,12 @@ def test_omitting_a_block_is_a_regression_without_its_rows():
     edges = np.array([0, 30, 70, 120])
     fit = regression(block_sums(columns, residual, edges), np.full(3, 0.5))
     for g, (first, last) in enumerate([(0, 30), (30, 70), (70, 120)]):
-        kept = np.r_[0:first, last:120]
-        x, y = columns[:, kept].reshape(-1, 3), residual[:, kept].ravel()
-        alone = np.linalg.solve(x.T @ x + 0.5 * np.eye(3), x.T @ y)
-        np.testing.assert_allclose(fit.others[g], alone, rtol=1e-7)
-        left = residual[:, first:last] - columns[:, first:last] @ alone
-        assert fit.loss[g] == pytest.approx(np.sum(left**2), rel=1e-9)
+        others = np.r_[0:first, last:120]
+        x, y = columns[:, others].reshape(-1, 3), residual[:, others].ravel()
+        expected = np.linalg.solve(x.T @ x + 0.5 * np.eye(3), x.T @ y)
+        np.testing.assert_allclose(fit.others[g], expected, rtol=1e-7)
+        remaining = residual[:, first:last] - columns[:, first:last] @ expected
+        assert fit.loss[g] == pytest.approx(np.sum(remaining**2), rel=1e-9)
 
 
 def test_the_jackknife_of_a_mean_is_its_variance():

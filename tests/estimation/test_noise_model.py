@@ -8,8 +8,8 @@ STEP = 0.02
 NOISE = NoiseParts(white=0.05, short=1.0, drift=0.3, fading=0.5, memory=2.0)
 
 
-def faded(rng, n, kept):
-    return lfilter([np.sqrt(1.0 - kept**2)], [1.0, -kept], rng.standard_normal(n + 2000))[2000:]
+def faded(rng, n, correlation):
+    return lfilter([np.sqrt(1.0 - correlation**2)], [1.0, -correlation], rng.standard_normal(n + 2000))[2000:]
 
 
 def made(rng, n, size=1.0):

@@ -46,7 +46,7 @@ def test_the_report_recipe_reproduces_the_properties_of_the_report(fits):
     for name, guess in {"PVY4": 0.0, "QHZ4": 0.0, "QDZ9": 0.2}.items():
         assert (coefficients[name].value, coefficients[name].determined) == (guess, False)
     assert stiffness_errors(fits["trento"].tire, "K_yalpha")[-1] > 0.15
-    # The nominal slices are met as well as the report met its own.
+    # The nominal slices are fitted as accurately as in the report.
     stages = {stage.name: stage.r2_uncentred for stage in fits["trento"].stages}
     for name in ("FX0 pure", "FX0(Fz)", "FX0(gamma)", "FY0 pure", "FY0(Fz)", "FY0(gamma)", "FX combined"):
         assert stages[name] > 0.99, name

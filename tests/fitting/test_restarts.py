@@ -21,13 +21,13 @@ def ends_at(cost, starts, *, converged=True):
 
     def solve_from(start):
         starts.append(start.tolist())
-        return Solution(start, cost, 5, converged, "told")
+        return Solution(start, cost, 5, converged, "message")
 
     return solve_from
 
 
 def first(x, cost=1.0):
-    return Solution(np.array(x), cost, 7, True, "told")
+    return Solution(np.array(x), cost, 7, True, "message")
 
 
 def test_a_better_solution_replaces_the_first():

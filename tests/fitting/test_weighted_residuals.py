@@ -102,8 +102,8 @@ def test_parameters_are_those_of_the_tire(problem):
 
 
 def test_unmeasured_rows_have_no_influence(problem, x):
-    gap = np.isnan(problem.rows.measured).all(axis=1)
-    assert not gap.all()
+    missing = np.isnan(problem.rows.measured).all(axis=1)
+    assert not missing.all()
     silent = replace(problem.rows, measured=np.where(np.arange(60)[:, None] < 20, np.nan, problem.rows.measured))
     moved = replace(silent, inputs=np.where(np.arange(60) < 20, 0.5 * silent.inputs, silent.inputs))
     a, b = (Problem(problem.tire, rows, problem.free, problem.weights, problem.scale) for rows in (silent, moved))
@@ -135,7 +135,7 @@ def test_a_channel_of_zeros_has_a_finite_weight(problem):
 
 def test_noise_weights_normalize_each_recording_and_channel(problem, x):
     weights = noise_weights(problem, x)
-    residual = weighted_residual(problem, x)  # with the weights as they were: the place of each number
+    residual = weighted_residual(problem, x)  # with the weights as they were: the index of each number
     present = np.isfinite(problem.rows.measured)
     squares = np.zeros(problem.rows.measured.shape)
     squares[present] = residual**2
@@ -198,11 +198,11 @@ def test_a_sample_is_random_and_reproducible(problem):
     np.testing.assert_array_equal(one.inputs, two.inputs)
     np.testing.assert_array_equal(one.measured, two.measured)
     assert not np.array_equal(one.inputs, other.inputs)
-    places = [int(np.flatnonzero((row == rows.inputs.T).all(axis=1))[0]) for row in one.inputs.T]
-    assert places == sorted(set(places))
+    indices = [int(np.flatnonzero((row == rows.inputs.T).all(axis=1))[0]) for row in one.inputs.T]
+    assert indices == sorted(set(indices))
     assert len(one) == 25
-    assert len(set(np.diff(places))) > 1  # not every k-th row
-    np.testing.assert_array_equal(one.measured, rows.measured[places])
-    np.testing.assert_array_equal(one.group, rows.group[places])
+    assert len(set(np.diff(indices))) > 1  # not every k-th row
+    np.testing.assert_array_equal(one.measured, rows.measured[indices])
+    np.testing.assert_array_equal(one.group, rows.group[indices])
     assert rows.sample(60) is rows
     assert rows.sample(99) is rows

@@ -23,7 +23,7 @@ OK, DISCARD, ERROR = 0, 2, 3
 GOLDEN = {
     "mf52": ("mf52", set(), {"turn_slip"}, {}),
     "mf61": ("mf61", set(), set(), {}),
-    # Lags by the Magic Formula's own lengths, and by given ones, that of the side slip changing with load.
+    # Lags by the lengths of the Magic Formula, and by given ones; the lateral one changes with load.
     "mf62": ("mf62", {"relax_mf"}, {"turn_slip"}, {"SIGK": 1.0}),
     "rolling": ("mf61", {"relax_lon", "relax_load"}, set(), {"SIGX": 0.2, "SIGY": 0.5, "SIGC": 0.4}),
 }

@@ -1,4 +1,4 @@
-/* An FMU for Co-Simulation that does what it should not; its token says what. */
+/* An FMU for Co-Simulation with a fault that its token selects. */
 
 #include <signal.h>
 #include <stddef.h>
@@ -19,14 +19,14 @@ FUNCTION(SetRealInputDerivatives) FUNCTION(GetRealOutputDerivatives) FUNCTION(Ca
 FUNCTION(GetRealStatus) FUNCTION(GetIntegerStatus) FUNCTION(GetBooleanStatus) FUNCTION(GetStringStatus)
 
 typedef void (*logger_type)(void *, const char *, int, const char *, const char *, ...);
-static char deed[64];
-static logger_type say;
+static char fault[64];
+static logger_type log_message;
 
 static void act(const char *when)
 {
-    if (strncmp(deed, when, strlen(when)) != 0)
+    if (strncmp(fault, when, strlen(when)) != 0)
         return;
-    const char *what = deed + strlen(when);
+    const char *what = fault + strlen(when);
     if (strcmp(what, "hang") == 0)
         for (;;)
             pause();
@@ -52,20 +52,20 @@ static void act(const char *when)
 }
 
 __attribute__((visibility("default"))) void *fmi2Instantiate(const char *name, int type, const char *token,
-                                                             const char *place, const void *const *functions)
+                                                             const char *resources, const void *const *functions)
 {
-    (void)name, (void)type, (void)place;
-    strncpy(deed, token, sizeof deed - 1);
-    memcpy(&say, functions, sizeof say);
+    (void)name, (void)type, (void)resources;
+    strncpy(fault, token, sizeof fault - 1);
+    memcpy(&log_message, functions, sizeof log_message);
     act("load ");
-    return deed;
+    return fault;
 }
 
 __attribute__((visibility("default"))) int fmi2DoStep(void)
 {
     act("step ");
-    if (strcmp(deed, "step refuse") == 0) {
-        say(NULL, "hostile", 3, "error", "\033[2J a line\nand another");
+    if (strcmp(fault, "step refuse") == 0) {
+        log_message(NULL, "hostile", 3, "error", "\033[2J a line\nand another");
         return 3;
     }
     return 0;

@@ -1,9 +1,10 @@
-/* Everything a careless host may do to one FMU, case by case: expected status, log, and an untouched state.
+/* Misuse of one FMU by a host, case by case: expected status, log message, and an unchanged state.
  *
  *     robust TOKEN
  *
- * Linked with the FMU's sources, so that sanitizers see both sides; FMI is 2 or 3.  Prints "NAME ok" or what went
- * wrong for each case, and ends with 1 if anything did.  The tire is one of MF6.1 with lagging slips and slip inputs.
+ * Linked with the FMU's sources, so that sanitizers check both; FMI is 2 or 3.  Prints "NAME ok" or the failed
+ * expectation of each case, and exits with 1 if any failed.  The tire is one of MF6.1 with lagging slips and slip
+ * inputs.
  */
 #include "robust_host.h"
 
@@ -111,7 +112,7 @@ static void warned_once(void)
             EXPECT(set_one(t, LOAD, 1e6 + i) == OK);
             forces(t, found);
         }
-        EXPECT(times_said == 1 && strstr(last_said, "outside"));
+        EXPECT(n_messages == 1 && strstr(last_message, "outside"));
     }
 }
 
@@ -235,12 +236,12 @@ static void serialized_state_from_outside(void)
     {
         n = bytes_of(t, &bytes);
         EXPECT(deserialize(t, bytes, n - 1, &s) == ERROR && deserialize(t, bytes, 0, &s) == ERROR);
-        for (i = 0; i < n; i += 7) { /* any byte may be any other: refused, or a state that can be used */
-            Byte kept = bytes[i];
-            bytes[i] = (Byte) (kept ^ 0xff);
+        for (i = 0; i < n; i += 7) { /* any byte may have changed: rejected, or a valid state */
+            Byte original = bytes[i];
+            bytes[i] = (Byte) (original ^ 0xff);
             if (deserialize(t, bytes, n, &s) == OK)
                 EXPECT(drop(t, &s) == OK);
-            bytes[i] = kept;
+            bytes[i] = original;
         }
         EXPECT(deserialize(t, bytes, n, &s) == OK && restore(t, s) == OK && drop(t, &s) == OK);
         EXPECT(step(t, 0.01, 0.01) == OK);
@@ -262,12 +263,12 @@ static void small_buffer(void)
 
 static void wrong_token(void)
 {
-    times_said = 0;
-    EXPECT(create("{00000000-0000-0000-0000-000000000000}", 0, 1) == NULL && times_said == 1);
+    n_messages = 0;
+    EXPECT(create("{00000000-0000-0000-0000-000000000000}", 0, 1) == NULL && n_messages == 1);
     EXPECT(create(NULL, 0, 1) == NULL);
 }
 
-static void nobody_listens(void)
+static void no_logger(void)
 {
     Tire t = create(token, 0, 0);
     EXPECT(t && step(t, 0.0, -1.0) == ERROR && set_one(t, KAPPA, NAN) == DISCARD);
@@ -282,7 +283,7 @@ static void no_instance(void)
     CALL(FreeInstance)(NULL);
 }
 
-static void derivatives_of_what_is_none(void)
+static void derivatives_of_invalid_variables(void)
 {
     double d = 0.0;
     WITH(t)
@@ -384,7 +385,7 @@ static const struct {
     CASE(initialized_twice), CASE(start_time_nan), CASE(terminated), CASE(solver_calls_in_cosimulation),
     CASE(step_in_model_exchange), CASE(reset_and_reused), CASE(state_into_another_instance),
     CASE(serialized_state_from_outside), CASE(no_state_to_restore), CASE(small_buffer), CASE(wrong_token),
-    CASE(nobody_listens), CASE(no_instance), CASE(derivatives_of_what_is_none), CASE(derivatives_at_the_edges),
+    CASE(no_logger), CASE(no_instance), CASE(derivatives_of_invalid_variables), CASE(derivatives_at_the_edges),
     CASE(a_thousand_instances), CASE(eight_threads),
 };
 
@@ -398,7 +399,7 @@ int main(int argc, char **argv)
     for (i = 0; i < sizeof CASES / sizeof *CASES; i++) {
         case_name = CASES[i].name;
         wrong = 0;
-        last_said[0] = 0;
+        last_message[0] = 0;
         CASES[i].run();
         if (!wrong)
             printf("%s ok\n", case_name);

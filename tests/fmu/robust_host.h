@@ -1,5 +1,5 @@
-/* The careless host of robust.c in both versions of FMI: calls under one name each, what the FMU says, and how a case
- * complains.
+/* The host of robust.c in both versions of FMI: each call has one name for both, the log messages of the FMU are
+ * counted, and a failed expectation is printed.
  */
 #include <math.h>
 #include <pthread.h>
@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-static char last_said[512];
-static int times_said;
+static char last_message[512];
+static int n_messages;
 
 #if FMI == 2
 #include "fmi2Functions.h"
@@ -16,16 +16,17 @@ typedef fmi2Component Tire;
 typedef fmi2FMUstate Saved;
 typedef fmi2Byte Byte;
 #define CALL(name) fmi2##name
-static void hear(void *e, const char *i, fmi2Status s, const char *c, const char *message, ...)
+static void log_message(void *e, const char *i, fmi2Status s, const char *c, const char *message, ...)
 {
-    snprintf(last_said, sizeof last_said, "%s", message);
-    times_said++;
+    snprintf(last_message, sizeof last_message, "%s", message);
+    n_messages++;
 }
-static fmi2CallbackFunctions callbacks = {hear, calloc, free, NULL, NULL}, deaf = {NULL, calloc, free, NULL, NULL};
-static Tire create(const char *token, int kind, int listens)
+static fmi2CallbackFunctions callbacks = {log_message, calloc, free, NULL, NULL};
+static fmi2CallbackFunctions silent = {NULL, calloc, free, NULL, NULL};
+static Tire create(const char *token, int kind, int has_logger)
 {
-    return fmi2Instantiate("tire", kind ? fmi2ModelExchange : fmi2CoSimulation, token, NULL, listens ? &callbacks : &deaf,
-                           0, 0);
+    return fmi2Instantiate("tire", kind ? fmi2ModelExchange : fmi2CoSimulation, token, NULL,
+                           has_logger ? &callbacks : &silent, 0, 0);
 }
 static int initialize(Tire t, double start, double stop)
 {
@@ -51,16 +52,17 @@ typedef fmi3Instance Tire;
 typedef fmi3FMUState Saved;
 typedef fmi3Byte Byte;
 #define CALL(name) fmi3##name
-static void hear(void *e, fmi3Status s, const char *c, const char *message)
+static void log_message(void *e, fmi3Status s, const char *c, const char *message)
 {
-    snprintf(last_said, sizeof last_said, "%s", message);
-    times_said++;
+    snprintf(last_message, sizeof last_message, "%s", message);
+    n_messages++;
 }
-static Tire create(const char *token, int kind, int listens)
+static Tire create(const char *token, int kind, int has_logger)
 {
     if (kind)
-        return fmi3InstantiateModelExchange("tire", token, NULL, 0, 0, NULL, listens ? hear : NULL);
-    return fmi3InstantiateCoSimulation("tire", token, NULL, 0, 0, 0, 0, NULL, 0, NULL, listens ? hear : NULL, NULL);
+        return fmi3InstantiateModelExchange("tire", token, NULL, 0, 0, NULL, has_logger ? log_message : NULL);
+    return fmi3InstantiateCoSimulation("tire", token, NULL, 0, 0, 0, 0, NULL, 0, NULL,
+                                       has_logger ? log_message : NULL, NULL);
 }
 static int initialize(Tire t, double start, double stop)
 {
@@ -95,11 +97,11 @@ enum { N_FORCES = 5 };
 static const char *token, *case_name;
 static int failures, wrong;
 
-#define EXPECT(condition) ((condition) ? (void) 0 : complain(#condition, __LINE__))
+#define EXPECT(condition) ((condition) ? (void) 0 : report_failure(#condition, __LINE__))
 
-static void complain(const char *what, int line)
+static void report_failure(const char *what, int line)
 {
-    printf("%s: line %d: not so: %s (said: %s)\n", case_name, line, what, last_said);
+    printf("%s: line %d: failed: %s (last message: %s)\n", case_name, line, what, last_message);
     wrong = 1;
 }
 
@@ -125,7 +127,7 @@ static int all_finite(const double v[], int n)
     return 1;
 }
 
-/* A wheel at work: initialized, at a point, and one step on. */
+/* A running instance: initialized, with inputs set, after one step. */
 static Tire running(void)
 {
     static const unsigned references[] = {KAPPA, ALPHA, GAMMA, LOAD, SPEED};
@@ -137,8 +139,8 @@ static Tire running(void)
     EXPECT(CALL(ExitInitializationMode)(t) == OK);
     EXPECT(set(t, references, 5, point) == OK);
     EXPECT(step(t, 0.0, 0.01) == OK);
-    last_said[0] = 0;
-    times_said = 0;
+    last_message[0] = 0;
+    n_messages = 0;
     return t;
 }
 
@@ -154,14 +156,14 @@ static size_t bytes_of(Tire t, Byte **bytes)
     return n;
 }
 
-/* Does a call leave every bit of the state as it was, with this status and a word about it? */
+/* A call has this status, logs one message, and does not change a bit of the state. */
 #define UNTOUCHED(t, status, call)                                           \
     do {                                                                     \
         Byte *before_, *after_;                                              \
         size_t n_ = bytes_of(t, &before_);                                   \
-        int said_ = times_said;                                              \
+        int n_messages_ = n_messages;                                        \
         EXPECT((call) == (status));                                          \
-        EXPECT(times_said == said_ + 1 && last_said[0]);                     \
+        EXPECT(n_messages == n_messages_ + 1 && last_message[0]);            \
         EXPECT(bytes_of(t, &after_) == n_ && !memcmp(before_, after_, n_));  \
         free(before_);                                                       \
         free(after_);                                                        \

@@ -49,7 +49,7 @@ def refused(path, message):
     assert len(str(caught.value)) < 1000
 
 
-def test_files_and_folders_come_out_as_they_went_in(packed, temporary):
+def test_files_and_folders_survive_a_round_trip(packed, temporary):
     path = packed(("binaries/", b""), ("binaries/linux64/a.so", b"code"), ("documentation/Größe (2).html", b""))
     with unpacked(path) as folder:
         assert folder.parent == temporary
@@ -65,7 +65,7 @@ def test_files_and_folders_come_out_as_they_went_in(packed, temporary):
         "a\x1b[2J", "a" * 251, "a/..",
     ],
 )  # fmt: skip
-def test_a_name_that_leads_elsewhere(packed, temporary, tmp_path, name):
+def test_a_name_outside_the_folder(packed, temporary, tmp_path, name):
     path = packed((zipfile.ZipInfo(name or "?"), b"evil"))
     if not name:
         path.write_bytes(path.read_bytes().replace(b"?", b"/"))
@@ -137,7 +137,7 @@ def test_a_bomb_is_refused_before_anything_is_written(packed, temporary, monkeyp
     refused(path, r"more than 200 MB when unpacked")
 
 
-def test_a_size_that_is_a_lie(packed, temporary, monkeypatch):
+def test_a_false_size(packed, temporary, monkeypatch):
     """The entry declares 10 bytes and has 100,000: no more than declared is written."""
     path = packed(("liar", bytes(100_000)))
     content = bytearray(path.read_bytes())
@@ -147,7 +147,7 @@ def test_a_size_that_is_a_lie(packed, temporary, monkeypatch):
     refused(path, "Bad CRC-32")
 
 
-def test_what_comes_is_counted(packed, temporary, monkeypatch):
+def test_unpacked_bytes_are_counted(packed, temporary, monkeypatch):
     path = packed(("large", bytes(100_000)))
     monkeypatch.setattr(archive, "_check", lambda _: None)
     monkeypatch.setattr(archive, "MOST_BYTES", 50_000)

@@ -1,4 +1,4 @@
-"""The FMU against data and against its own tire."""
+"""The FMU against data and against the direct evaluation of its tire."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tirefmu.tires.signs import convert_signs
 
 @pytest.fixture(scope="module")
 def table(tires):
-    """Return two sweeps in ISO signs, a pause between them, with the first tire's own forces."""
+    """Return two sweeps in ISO signs, a pause between them, with the forces of the first tire."""
     n = 120
     frame = pd.DataFrame(
         {
@@ -88,7 +88,7 @@ def test_nan_in_an_output_is_not_measured(fmu, table):
     assert {c.name: c.measured for c in result.channels} == {"Fx": 240, "Fy": 80}
 
 
-def test_inputs_that_are_not_there_are_nominal(fmu, table, tires):
+def test_missing_inputs_are_nominal(fmu, table, tires):
     forces = tires["first"].forces(alpha=table["alpha"])
     result = check(fmu, pd.DataFrame({"alpha": table["alpha"], "Fy": forces["Fy"], "Fz_set": 1.0}))
     assert result.ok
@@ -101,7 +101,7 @@ def test_rows_of_equal_time(fmu, table):
     assert check(fmu, table.assign(t=np.repeat(np.arange(120) * 0.01, 2))).evaluation_difference < 1e-9
 
 
-def test_a_difference_from_the_embedded_tire_is_seen(fmus, tires, table, tmp_path):
+def test_a_difference_from_the_embedded_tire_is_detected(fmus, tires, table, tmp_path):
     # The binary of the first tire, the .tir file of one that differs in the ninth digit.
     almost = replace(tires["first"], values={**tires["first"].values, "LMUY": 1.0 + 3e-9})
     mixed = tmp_path / "mixed.fmu"
@@ -119,7 +119,7 @@ def test_a_difference_from_the_embedded_tire_is_seen(fmus, tires, table, tmp_pat
 
 
 def test_nan_is_a_difference(tires, table):
-    """A NaN that the tire's own code does not have must not pass as agreement."""
+    """A NaN that the direct evaluation does not have must not pass as agreement."""
     direct = tires["first"].evaluate(table)[["Fx", "Fy", "Mz"]]
     simulated = direct.copy()
     assert _difference(direct, simulated) == 0.0
@@ -159,7 +159,7 @@ def test_an_invalid_fmu_is_not_ok(fmus, table, tmp_path):
     assert "invalid:" in str(result)
 
 
-def test_json_and_text_say_the_same(fmu, table):
+def test_json_and_text_have_the_same_content(fmu, table):
     result = check(fmu, table.assign(Mz=0.0))
     plain = json.loads(json.dumps(result.to_json(), allow_nan=False))
     assert plain["channels"]["Mz"]["r2"] is None  # nothing to explain
@@ -221,7 +221,7 @@ def test_an_fmu_without_a_binary_for_this_machine(fmu, table, tmp_path):
 
 
 def test_a_refused_row_is_named(fmus, table, tmp_path):
-    # A description that takes the output Fx for the input kappa, and the other way round.
+    # A description that exchanges the output Fx and the input kappa.
     swaps = {b'"kappa" valueReference="1"': b'"kappa" valueReference="5"'}
     swaps[b'"Fx" valueReference="5"'] = b'"Fx" valueReference="1"'
     with zipfile.ZipFile(fmus["first", 3]) as one, zipfile.ZipFile(tmp_path / "odd.fmu", "w") as out:

@@ -1,4 +1,4 @@
-"""Derivatives of an FMU: the generated Jacobians where slips are inputs, differences of what it shows elsewhere."""
+"""Derivatives of an FMU: the generated Jacobians where slips are inputs, differences of its outputs elsewhere."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def matrix(host, unknowns, knowns):
 @pytest.mark.parametrize("name", TIRES)
 def test_they_are_the_generated_jacobians(hosts, tires, name):
     host, tire = hosts(name, 3), tires[name].in_signs("iso")
-    host.initialize()  # until its end nothing lags
+    host.initialize()  # until its end slips do not lag
     printed, coefficients = code_for(tire.book, "numpy"), [c for c in tire.book.coefficients if c in host.variables]
     positions = [list(tire.book.coefficients).index(c) for c in coefficients]
     shown = [position for position, known in enumerate(tire.inputs) if known in host.inputs]
@@ -64,7 +64,7 @@ def test_they_are_the_generated_jacobians(hosts, tires, name):
 
 @pytest.fixture(scope="module")
 def turned(tires, compiler, tmp_path_factory):
-    """Return FMUs that show all they can, in SAE axes."""
+    """Return FMUs with all outputs, in SAE axes."""
     folder = tmp_path_factory.mktemp("turned")
 
     class Fmus(dict):
@@ -77,15 +77,15 @@ def turned(tires, compiler, tmp_path_factory):
     return Fmus()
 
 
-#: Steps of the differences, small against where things bend.
+#: Steps of the differences, small compared with the curvature.
 STEPS = {"omega": 1e-3, "V_x": 1e-4, "V_y": 1e-4, "Fz": 1.0, "p": 10.0, "V": 1e-3}
-#: Where a slope jumps with the sign of what is exactly 0 here, or an inner limit of the book is met.
+#: Where a slope jumps with the sign of a quantity that is exactly 0, or an inner limit of the book is active.
 EDGES = {"gamma": 0.02}
 
 
 @pytest.mark.parametrize("inputs", ["slip", "wheel"])
 @pytest.mark.parametrize("name", ["first", "mf61", "rolling", "mf62"])
-def test_they_are_differences_of_what_is_shown(turned, name, inputs):
+def test_they_are_differences_of_the_outputs(turned, name, inputs):
     with contextlib.ExitStack() as stack:
         host = Host(stack.enter_context(loaded(turned[name, inputs]))).start()
         moved = {"V_x": 12.0, "V_y": -0.4, "omega": 41.0, "psi_dot": 0.2} if inputs == "wheel" else POINTS[0]

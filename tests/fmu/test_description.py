@@ -22,7 +22,7 @@ def described(name, fmus, fmi, tires):
     return tires[name], read_model_description(str(fmus[name, fmi]), validate=True)
 
 
-def test_fmpy_finds_nothing_to_complain_about(fmus, name, fmi):
+def test_fmpy_reports_no_problem(fmus, name, fmi):
     assert validate_fmu(str(fmus[name, fmi])) == []
 
 
@@ -35,7 +35,7 @@ def test_start_values_are_the_tire_to_the_last_bit(described):
     assert {v.variability for v in parameters} == {"tunable"}
 
 
-def test_limits_hold_the_start_values(described):
+def test_limits_contain_the_start_values(described):
     _, description = described
     for variable in description.modelVariables:
         if variable.causality == "parameter":
@@ -90,7 +90,7 @@ def test_states_and_what_they_depend_on(described):
     assert description.numberOfEventIndicators == 0
 
 
-def test_only_fmi_3_names_the_time(described):
+def test_only_fmi_3_lists_the_time(described):
     _, description = described
     independent = [v.name for v in description.modelVariables if v.causality == "independent"]
     assert independent == (["time"] if description.fmiVersion == "3.0" else [])
@@ -136,7 +136,7 @@ def test_names_of_any_kind_are_escaped(described, tires):
     assert description.modelName == tire.name
 
 
-def test_what_xml_cannot_hold_is_left_out(fmi):
+def test_characters_that_xml_cannot_contain_are_omitted(fmi):
     text = model_description(fmi, Header("a\x00\x07b\ud800", "a", "\ufffe", ("a.c",)), [TIME], "{1}")
     assert ET.fromstring(text).get("modelName") == "a\ufffd\ufffdb\ufffd"
 
@@ -144,9 +144,9 @@ def test_what_xml_cannot_hold_is_left_out(fmi):
 def test_states_that_a_tire_was_converted():
     tire = published("trento_hoosier")
     assert tire.signs == "adapted-sae"
-    for given, said in ((tire, True), (tire.in_signs("iso"), False)):
+    for given, stated in ((tire, True), (tire.in_signs("iso"), False)):
         text = contents(given, 3, "t")["modelDescription.xml"].decode()
-        assert ("converted from adapted-sae signs" in text) == said
+        assert ("converted from adapted-sae signs" in text) == stated
 
 
 def test_token_ties_tire_code_and_description(tires):

@@ -1,4 +1,4 @@
-"""Writing the file: its bytes, its contents, and what goes wrong."""
+"""Writing the file: its bytes, its contents, and errors."""
 
 from __future__ import annotations
 
@@ -61,14 +61,14 @@ def test_contents(fmus, fmi, tire):
     assert Path(binary).stem == f"first_{fmi}"
 
 
-def test_carries_the_tire(fmus, fmi, tire, tmp_path):
+def test_contains_the_tire(fmus, fmi, tire, tmp_path):
     with zipfile.ZipFile(fmus["first", fmi]) as archive:
         embedded = read_tir(archive.extract("resources/tire.tir", tmp_path))
     assert (embedded.model, embedded.signs, embedded.name) == (tire.model, "iso", tire.name)
     assert embedded.parameters().tolist() == tire.parameters().tolist()
 
 
-def test_nothing_in_it_names_this_machine(fmus):
+def test_it_contains_no_name_of_this_machine(fmus):
     for path in fmus.values():
         with zipfile.ZipFile(path) as archive:
             for name in archive.namelist():
@@ -98,7 +98,7 @@ def test_identifiers_are_c(name):
     assert c_identifier(name) != "double"
 
 
-# ------------------------------------------------------------------ what goes wrong
+# ------------------------------------------------------------------ errors
 
 
 def fails(tire, path, message, **options):
@@ -147,7 +147,7 @@ def test_a_compiler_that_fails_is_quoted(tire, tmp_path, monkeypatch, compiler):
     fails(tire, tmp_path / "t.fmu", "no-such-option")
 
 
-def test_an_existing_file_stays_when_export_fails(tire, tmp_path, monkeypatch, fresh_cache):
+def test_an_existing_file_is_preserved_if_export_fails(tire, tmp_path, monkeypatch, fresh_cache):
     path = tmp_path / "t.fmu"
     path.write_bytes(b"precious")
     monkeypatch.setenv("CC", "no-such-compiler")

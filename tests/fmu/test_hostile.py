@@ -25,7 +25,7 @@ from tirefmu.tires.property_file.writing import tir_text
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="the hostile FMU is written for POSIX systems")
 
 DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
-<fmiModelDescription fmiVersion="2.0" modelName="hostile" guid="{deed}">
+<fmiModelDescription fmiVersion="2.0" modelName="hostile" guid="{fault}">
 <CoSimulation modelIdentifier="{identifier}" canHandleVariableCommunicationStepSize="true"/>
 <ModelVariables>
 <ScalarVariable name="alpha" valueReference="1" causality="input"><Real start="0" unit="rad"/></ScalarVariable>
@@ -47,12 +47,12 @@ def hostile_library(compiler, tmp_path_factory):
 
 @pytest.fixture
 def hostile(hostile_library, tmp_path):
-    """Return a function that packs an FMU which does a deed, with further files."""
+    """Return a function that packs an FMU which has a fault, with additional files."""
 
-    def pack(deed="", identifier="hostile", output="Fy", unit="N", **resources):
+    def pack(fault="", identifier="hostile", output="Fy", unit="N", **resources):
         path = tmp_path / "hostile.fmu"
         with zipfile.ZipFile(path, "w") as archive:
-            description = DESCRIPTION.format(deed=deed, identifier=identifier, output=output, unit=unit)
+            description = DESCRIPTION.format(fault=fault, identifier=identifier, output=output, unit=unit)
             archive.writestr("modelDescription.xml", description)
             archive.writestr(binary_path(2, "hostile"), hostile_library)
             for name, content in resources.items():
@@ -78,7 +78,7 @@ def table():
 
 
 @pytest.mark.parametrize(
-    ("deed", "message"),
+    ("fault", "message"),
     [
         ("load crash", r"the FMU crashed \(SIGSEGV\)"),
         ("step crash", r"the FMU crashed \(SIGSEGV\)"),
@@ -89,19 +89,19 @@ def table():
         ("step refuse", r"row 0: fmi2DoStep failed with status 3 \(error\): \\x1b\[2J a line\\x0aand another"),
     ],
 )
-def test_what_goes_wrong_is_one_line(hostile, table, temporary, deed, message):
+def test_a_failure_is_reported_in_one_line(hostile, table, temporary, fault, message):
     with pytest.raises(FmuError, match=rf"hostile\.fmu: {message}$"):
-        check(hostile(deed), table)
+        check(hostile(fault), table)
 
 
-@pytest.mark.parametrize("deed", ["load hang", "step hang"])
-def test_one_that_hangs_is_ended(hostile, table, temporary, deed):
+@pytest.mark.parametrize("fault", ["load hang", "step hang"])
+def test_an_fmu_that_hangs_is_terminated(hostile, table, temporary, fault):
     with pytest.raises(FmuError, match=r"hostile\.fmu: the FMU does not end within 1\.5 s; --timeout SECONDS"):
-        check(hostile(deed), table, timeout=1.5)
+        check(hostile(fault), table, timeout=1.5)
 
 
 @pytest.mark.parametrize("timeout", [0.0, -1.0, float("nan"), float("inf")])
-def test_a_time_limit_is_a_time(hostile, table, temporary, timeout):
+def test_the_time_limit_must_be_a_positive_number(hostile, table, temporary, timeout):
     with pytest.raises(FmuError, match="is not a positive finite time"):
         check(hostile(), table, timeout=timeout)
 
@@ -127,7 +127,7 @@ def is_alive(process):
         os.kill(process, 0)
     except ProcessLookupError:
         return False
-    # Where nobody waits for orphans, an ended one stays as a zombie.
+    # Without a process that waits for orphans, a terminated one remains a zombie.
     state = Path(f"/proc/{process}/stat")
     return not state.is_file() or state.read_text(encoding="ascii").rpartition(")")[2].split()[0] != "Z"
 
@@ -140,7 +140,7 @@ def wait_until(condition):
     pytest.fail("did not happen within a minute")
 
 
-def test_what_it_started_ends_with_it(hostile, table, temporary, tmp_path, monkeypatch):
+def test_its_child_processes_end_with_it(hostile, table, temporary, tmp_path, monkeypatch):
     left = tmp_path / "left"
     monkeypatch.setenv("HOSTILE_FILE", str(left))
     assert check(hostile("load leave"), table).rows == 3
@@ -207,7 +207,7 @@ def test_a_library_outside_is_not_loaded(hostile, table, temporary, tmp_path):
         check(hostile(identifier="../../evil"), table)
 
 
-def test_what_a_terminal_would_obey_is_not_shown(hostile, table, temporary):
+def test_control_characters_are_not_shown(hostile, table, temporary):
     result = check(hostile(unit="&#x9b;2JN" + "m" * 1000), table)
     assert "\x9b" not in str(result)
     assert len(result.channels[0].unit) == 20

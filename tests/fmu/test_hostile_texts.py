@@ -1,4 +1,4 @@
-"""Texts of a tire in what an FMU is made of: XML, a page, tables in C; each has the structure of a plain text's."""
+"""Texts of a tire in the files of an FMU: XML, a page, tables in C; none changes the structure of a file."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ factor = "1 + OWN1*(Fz - FNOMIN)/FNOMIN"
 
 
 def tire_with(text, unit="1"):
-    """Return a tire of which every text is the given one, those of an effect of its own included."""
+    """Return a tire of which every text is the given one, including those of a user-defined effect."""
     texts = {"physics": f"x{text}", "source": f"x{text}", "description": text, "unit": unit}
-    own = read_effect(EFFECT.format(**{key: toml_string(said) for key, said in texts.items()}), "own.toml")
+    own = read_effect(EFFECT.format(**{key: toml_string(value) for key, value in texts.items()}), "own.toml")
     first = published("trento_hoosier")
     return replace(first, effects=[*first.effects, "own"], name=text, about={"about": text}, added=(own,))
 
@@ -73,7 +73,7 @@ def elements(page):
 
 @pytest.fixture(scope="module")
 def plain(tmp_path_factory):
-    """Return what the files of a tire with plain words look like, and the lines of its .tir file."""
+    """Return the structure of the files of a tire with plain words, and the lines of its .tir file."""
     path = tmp_path_factory.mktemp("plain") / "plain.tir"
     write_tir(tire_with(WORDS), path)
     described, page, config = files_of(tire_with(WORDS))
@@ -93,7 +93,7 @@ def test_text_changes_no_structure(tmp_path_factory, plain, text):
     assert read_tir(path) == tire_with(text).in_signs("iso")
 
 
-def test_a_unit_that_is_code_is_no_unit():
+def test_code_is_rejected_as_a_unit():
     with pytest.raises(FmuError, match="unknown factor") as caught:
         files_of(tire_with(WORDS, unit="*/ int x; /*\n"))
     assert str(caught.value).isprintable()

@@ -1,4 +1,4 @@
-"""What an instance of the FMU does and what it refuses, in both versions."""
+"""Valid and invalid calls of an instance of the FMU, in both versions."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 OK, DISCARD, ERROR = 0, 2, 3
 INPUTS = ("kappa", "alpha", "gamma", "Fz")
 OUTPUTS = ("Fx", "Fy", "Mz")
-#: A point in the middle of a combined sweep, used where any point would do.
+#: A point of a combined sweep, for tests that need an arbitrary point.
 POINT = {"kappa": 0.05, "alpha": -0.08, "gamma": 0.03, "Fz": 900.0}
-#: The same for a model that reads more.
+#: The same for a model with more inputs.
 FULL_POINT = POINT | {"p": 2.1e5, "V": 21.0}
 
 
@@ -143,7 +143,7 @@ def test_conventions_are_parameters(hosts, tires, parameter, options):
     assert plain != other
 
 
-def test_what_is_hidden_cannot_be_reached(hosts, tires, fmi):
+def test_hidden_variables_are_not_accessible(hosts, tires, fmi):
     host = hosts("mf52", fmi).start()
     assert not {"phit", "SIGNS"} & host.variables.keys()
     references = {variable.valueReference for variable in host.variables.values()}
@@ -153,9 +153,9 @@ def test_what_is_hidden_cannot_be_reached(hosts, tires, fmi):
     assert host.log[-1] == f"there is no value reference {hidden}"
 
 
-def test_two_tires_keep_their_own_results(hosts, tires, fmi):
+def test_two_instances_are_independent(hosts, tires, fmi):
     first, second = hosts("first", fmi).start(), hosts("second", fmi).start()
-    for load in (300.0, 800.0, 1200.0):  # turn by turn
+    for load in (300.0, 800.0, 1200.0):  # alternately
         point = POINT | {"Fz": load}
         found = [first.forces(**point), second.forces(**point)]
         assert distance(found[0], direct(tires["first"], **point)) < 1e-9
@@ -163,7 +163,7 @@ def test_two_tires_keep_their_own_results(hosts, tires, fmi):
         assert np.all(found[0] != found[1])
 
 
-# ------------------------------------------------------------------ refusals
+# ------------------------------------------------------------------ invalid calls
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
@@ -189,7 +189,7 @@ def test_a_coefficient_outside_its_limits_changes_nothing(running):
 
 
 @pytest.mark.parametrize("size", [0.0, -0.0, -0.1, np.nan, np.inf, -np.inf])
-def test_a_step_has_a_size(running, size):
+def test_a_step_size_must_be_positive_and_finite(running, size):
     before = running.everything()
     assert running.step(0.0, size) == ERROR
     assert running.log[-1].startswith("the step size must be positive and finite")
@@ -205,12 +205,12 @@ def test_a_step_starts_where_the_last_one_ended(running, point):
     assert running.step(0.1, 0.1) == OK
 
 
-def test_the_hosts_rounding_is_no_gap(running):
+def test_rounding_of_the_host_is_not_a_gap(running):
     for i in range(1000):
         assert running.step(i / 1000, 1 / 1000) == OK
 
 
-def test_no_step_leads_past_the_stop_time(host):
+def test_no_step_passes_the_stop_time(host):
     host.start(1.0, stop=2.0)
     assert host.step(1.0, 1.5) == ERROR
     assert "stop time" in host.log[-1]
@@ -274,7 +274,7 @@ def test_the_log_can_be_chosen(running):
 
 
 def play(host):
-    """Return what a run gives: sweep with a coefficient changed midway."""
+    """Return the results of a run: a sweep with a coefficient changed midway."""
     host.start(0.5)
     found = []
     for i, alpha in enumerate(np.linspace(-0.2, 0.2, 21)):
@@ -310,7 +310,7 @@ def free(host, state):
     assert state.value is None
 
 
-def test_a_saved_state_brings_everything_back(running):
+def test_a_saved_state_restores_everything(running):
     running.set(PDY1=running.get("PDY1")[0] * 1.02, **POINT)
     assert running.step(0.0, 0.25) == OK
     before = running.everything()
@@ -320,7 +320,7 @@ def test_a_saved_state_brings_everything_back(running):
     assert np.any(running.everything() != before)
     assert restore(running, state) == OK
     assert np.array_equal(running.everything(), before)
-    assert running.step(0.25, 0.1) == OK  # time too
+    assert running.step(0.25, 0.1) == OK  # including the time
     free(running, state)
     assert restore(running, ctypes.c_void_p()) == ERROR
 
@@ -341,7 +341,7 @@ def test_a_serialized_state_moves_to_another_instance(hosts, fmi):
         free(owner, stored)
 
 
-def test_foreign_bytes_are_no_state(hosts, fmi):
+def test_arbitrary_bytes_are_rejected_as_a_state(hosts, fmi):
     one, stranger = hosts("first", fmi).start(), hosts("second", fmi).start()
     state = saved(one)
     content = one.fmu.serializeFMUState(state)
@@ -403,6 +403,6 @@ def test_directional_derivatives_are_linear_in_the_seed(running):
 
 
 @pytest.mark.parametrize(("unknowns", "knowns"), [(["kappa"], ["kappa"]), (["Fx"], ["Fy"]), (["Fx"], [4_000_000_000])])
-def test_derivatives_are_of_outputs_by_what_can_be_set(running, unknowns, knowns):
+def test_derivatives_are_of_outputs_with_respect_to_settable_variables(running, unknowns, knowns):
     assert running.derivative(unknowns, knowns, [1.0])[0] == ERROR
     assert running.log

@@ -136,7 +136,7 @@ def test_friction_use_is_one_where_all_friction_is_used(hosts, name, fmi):
     assert 0.9 < max(used) < 1.1
 
 
-def test_leaving_the_known_range_is_reported_once(hosts):
+def test_exceeding_the_known_range_is_reported_once(hosts):
     host = hosts("mf61", 3).start()
     host.set(**POINT)
     host.get("Fx")
@@ -181,7 +181,7 @@ def test_sae_axes_are_the_evaluation_in_sae(tires, compiler, tmp_path, fmi):
                 assert host.step(row["t"], 0.02) == OK
 
 
-def test_check_knows_the_axes(tires, compiler, tmp_path):
+def test_check_uses_the_axes_of_the_fmu(tires, compiler, tmp_path):
     path = export(tires["mf61"], tmp_path / "sae.fmu", axes="sae")
     table = pd.DataFrame({"alpha": np.linspace(-0.1, 0.1, 21), "Fz": 3000.0})
     table["Fy"] = tires["mf61"].forces(alpha=table["alpha"], Fz=3000.0)["Fy"]
@@ -191,7 +191,7 @@ def test_check_knows_the_axes(tires, compiler, tmp_path):
         assert result.channels[0].r2 == pytest.approx(1.0, abs=1e-12)
 
 
-def test_the_file_reports_how_it_speaks(tires):
+def test_the_file_states_its_conventions(tires):
     for inputs, axes in (("slip", "iso"), ("wheel", "sae")):
         reported = json.loads(contents(tires["mf61"], 3, "t", inputs=inputs, axes=axes)["resources/interface.json"])
         assert reported == {"inputs": inputs, "axes": axes}
@@ -210,8 +210,8 @@ def test_icon_and_terminals(fmus, fmi):
                 assert f'variableName="{name}"' in terminals
     assert ("model.png" in names) == (fmi == 2)
     assert ("terminalsAndIcons/icon.png" in names) == (fmi == 3)
-    for said in ("How to connect", "licenses/license.txt", "range of Fz"):
-        assert said in page
+    for text in ("How to connect", "licenses/license.txt", "range of Fz"):
+        assert text in page
 
 
 # ------------------------------------------------------------------ derivatives
@@ -234,7 +234,7 @@ def test_adjoint_and_directional_derivatives_are_one_matrix(hosts, name):
     by_columns = [host.derivative(unknowns, [known], [1.0])[1] for known in knowns]
     by_rows = [adjoint(host, [unknown], knowns, [1.0]) for unknown in unknowns]
     assert all(status == OK for status, _ in by_rows)
-    # One is summed up from the outputs backward, the other from the inputs forward: all but the last digits.
+    # Reverse mode against forward mode: equal except for the last digits.
     np.testing.assert_allclose(np.array(by_columns).T, [row for _, row in by_rows], rtol=1e-12, atol=1e-13)
     seed = np.linspace(-1.0, 2.0, len(unknowns))
     np.testing.assert_allclose(adjoint(host, unknowns, knowns, seed)[1], seed @ np.array(by_columns).T, rtol=1e-12)
@@ -251,7 +251,7 @@ def test_derivatives_of_rates_and_by_states(hosts, fmi, tires):
     assert by_input == pytest.approx(POINT["V"] / sigma["sigma_kappa"], rel=1e-6)
     status, (by_state,) = host.derivative(["der(kappa_lagged)"], ["kappa_lagged"], [1.0])
     assert by_state == pytest.approx(-by_input, rel=1e-6)
-    # Side force by the tangent of the slip that acts: in steady state what it is by the slip itself.
+    # Side force by the tangent of the lagged slip: in steady state equal to that by the slip.
     kappa, alpha = host.get("kappa_lagged", "alpha_lagged")
     _, (by_tangent,) = host.derivative(["Fy"], ["tan_alpha_lagged"], [1.0])
     step = 1e-6

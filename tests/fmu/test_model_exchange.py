@@ -1,4 +1,4 @@
-"""Model Exchange: the same tire under a solver outside, against Co-Simulation and its exact states."""
+"""Model Exchange: the same tire with an external solver, against Co-Simulation and its exact states."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ STATES = ("kappa_lagged", "tan_alpha_lagged")
 
 @pytest.fixture
 def driving():
-    """Return inputs that jump: every jump a second row at the same time, as fmpy's events need it."""
+    """Return inputs that jump: every jump is a second row at the same time, as required by fmpy's events."""
     time = np.repeat(np.arange(0.0, 0.31, 0.05), 2)[1:-1]
     levels = np.repeat(np.random.default_rng(4).uniform(-1.0, 1.0, (6, 3)), 2, axis=0)
     signal = np.zeros(len(time), dtype=[(name, float) for name in ("time", "kappa", "alpha", "Fz", "V")])
@@ -42,7 +42,7 @@ def test_solver_and_exact_states_agree(fmus, tires, lagging, fmi, driving):
         for kind in ("ModelExchange", "CoSimulation")
     }
     cs, me = found["CoSimulation"], found["ModelExchange"]
-    # Between jumps: there the two tell what belongs to the same inputs.
+    # Between jumps, where both report results of the same inputs.
     inside = np.setdiff1d(np.round(cs["time"], 9), np.round(driving["time"], 9))
     rows = {kind: np.searchsorted(np.round(run["time"], 9), inside) for kind, run in found.items()}
     assert len(inside) > 20
@@ -109,7 +109,7 @@ def solver(fmus, lagging, fmi, tmp_path):
 
 
 def test_modes_follow_the_standard(solver):
-    assert solver.call("enterEventMode") == ERROR  # it is there already
+    assert solver.call("enterEventMode") == ERROR  # the state already has this value
     assert solver.set_states(0.0, 0.0) == ERROR
     solver.update()
     assert solver.call("enterContinuousTimeMode") == OK
@@ -164,7 +164,7 @@ def test_a_state_of_one_kind_is_none_of_the_other(hosts, fmus, fmi, tmp_path):
     solver.fmu.freeInstance()
 
 
-def test_what_steps_is_not_for_model_exchange(hosts):
+def test_an_fmu_with_fixed_steps_has_no_model_exchange(hosts):
     host = hosts("rolling", 3).start()
     assert host.call("EnterContinuousTimeMode") == ERROR
     assert host.log[-1] == "continuous-time mode is allowed in Model Exchange only"

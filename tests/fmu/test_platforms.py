@@ -16,14 +16,14 @@ from tirefmu.fmu.packaging.binaries import binary_path, chosen_platforms
 from tirefmu.fmu.packaging.cross_compiler import PLATFORMS, universal
 from tirefmu.symbolic.errors import FmuError
 
-#: What a binary begins with: its format, and where it tells the processor.
+#: The first bytes of a binary: its format, and the offset of the processor type.
 FORMATS = {
     "x86_64-linux": (b"\x7fELF", 18, 62),
     "aarch64-linux": (b"\x7fELF", 18, 183),
     "x86_64-darwin": (b"\xcf\xfa\xed\xfe", 4, 0x0007),
     "aarch64-darwin": (b"\xcf\xfa\xed\xfe", 4, 0x000C),
 }
-#: Windows alone takes zig a minute at its first time: `make wine` builds for it.
+#: Windows is excluded, because its first build takes zig a minute; `make wine` runs it.
 QUICK = tuple(FORMATS)
 
 
@@ -53,15 +53,15 @@ def test_requested_platforms(requested, platforms):
 
 
 @pytest.mark.parametrize(
-    ("requested", "said"), [("x86_64-macos", "x86_64-darwin"), ("", "known platforms are host"), ([], "no")]
+    ("requested", "message"), [("x86_64-macos", "x86_64-darwin"), ("", "known platforms are host"), ([], "no")]
 )
-def test_unknown_platforms_are_errors(requested, said):
-    with pytest.raises(FmuError, match=said) as caught:
+def test_unknown_platforms_are_errors(requested, message):
+    with pytest.raises(FmuError, match=message) as caught:
         chosen_platforms(requested)
     assert "\n" not in str(caught.value)
 
 
-def test_every_platform_has_a_place_of_its_own(fmi):
+def test_every_platform_has_its_own_folder(fmi):
     positions = {binary_path(fmi, "tire", platform) for platform in PLATFORMS}
     assert len(positions) == len(PLATFORMS)
     assert binary_path(fmi, "tire") in positions | {"binaries/aarch64-windows/tire.dll"}
@@ -89,7 +89,7 @@ def test_a_compiler_that_fails_is_not_replaced(tires, tmp_path, monkeypatch):
         export(tires["first"], tmp_path / "tire.fmu")
 
 
-def test_a_universal_binary_holds_its_slices_where_it_says():
+def test_a_universal_binary_has_its_slices_at_the_stated_offsets():
     slices = [
         struct.pack("<III", 0xFEEDFACF, cpu, 3) + bytes([cpu % 251]) * size for cpu, size in [(7, 10), (12, 40000)]
     ]
@@ -103,12 +103,12 @@ def test_a_universal_binary_holds_its_slices_where_it_says():
         assert made[offset : offset + size] == content
 
 
-def test_a_universal_binary_takes_macs_only():
+def test_a_universal_binary_accepts_macos_only():
     with pytest.raises(FmuError, match="Mach-O"):
         universal([b"\x7fELF" + bytes(20)])
 
 
-def test_binaries_are_for_the_machines_asked_for(ziglang, tires, fmi, tmp_path):
+def test_binaries_are_for_the_requested_machines(ziglang, tires, fmi, tmp_path):
     found = packed(export(tires["first"], tmp_path / "tire.fmu", fmi=fmi, platforms=QUICK))
     positions = {platform: binary_path(fmi, "tire", platform) for platform in QUICK}
     if fmi == 2:
@@ -138,7 +138,7 @@ def test_the_linux_binary_computes_what_the_hosts_does(ziglang, fmus, hosts, tir
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads a Linux binary")
-def test_the_linux_binary_asks_for_an_old_c_library(ziglang, tires, tmp_path):
+def test_the_linux_binary_requires_an_old_c_library_only(ziglang, tires, tmp_path):
     if not shutil.which("objdump"):
         pytest.skip("needs objdump")
     (content,) = packed(export(tires["first"], tmp_path / "tire.fmu", platforms="x86_64-linux")).values()

@@ -1,4 +1,4 @@
-"""The FMU with Python inside: valid, equal to the native one, safe against what hosts do, and hackable."""
+"""The FMU with Python inside: valid, equal to the native one, robust against misuse, and editable."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def python_host(hosts, fmus, python_fmus):
 
 
 def drive(tire, n=120):
-    """Return a recording that moves every input, in uneven steps."""
+    """Return a recording with a variation of every input, in uneven steps."""
     draw = np.random.default_rng(2)
     t = np.cumsum(draw.uniform(0.001, 0.05, n))
     spans = {"kappa": 0.2, "alpha": 0.25, "gamma": 0.1, "phit": 0.05}
@@ -53,7 +53,7 @@ def test_is_valid(python_fmus, name):
     assert validate_fmu(str(python_fmus[name])) == []
 
 
-def test_does_what_the_tire_does(python_fmus, tires, name):
+def test_outputs_are_those_of_the_tire(python_fmus, tires, name):
     result = check(python_fmus[name], drive(tires[name]))
     assert result.ok
     assert result.evaluation_difference < 1e-9
@@ -79,7 +79,7 @@ def test_equals_the_native_one(python_host, hosts, name):
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 @pytest.mark.parametrize("variable", ["alpha", "PCY1"])
-def test_what_is_not_finite_is_not_taken_over(python_host, variable, value):
+def test_values_that_are_not_finite_are_rejected(python_host, variable, value):
     host = python_host("first").start()
     before = host.forces(alpha=0.1, Fz=900.0)
     stored = host.get(variable)
@@ -91,7 +91,7 @@ def test_what_is_not_finite_is_not_taken_over(python_host, variable, value):
     assert host.step(0.0, 0.1) == OK
 
 
-def test_what_cannot_be_set_makes_no_step(python_host):
+def test_an_invalid_input_stops_the_step(python_host):
     host = python_host("first").start()
     before = host.everything()
     host.set(Fy=1.0)
@@ -103,7 +103,7 @@ def test_what_cannot_be_set_makes_no_step(python_host):
 
 
 @pytest.mark.parametrize("size", [0.0, -0.1, np.nan, np.inf])
-def test_no_step_of_a_size_that_cannot_be(python_host, lagging, size):
+def test_invalid_step_sizes_are_rejected(python_host, lagging, size):
     host = python_host(lagging).start()
     host.forces(alpha=0.1)
     before = host.everything()
@@ -122,7 +122,7 @@ def test_steps_do_not_depend_on_their_size(python_host, lagging):
     assert many.get(*many.outputs) == pytest.approx(one.get(*one.outputs), rel=1e-9)
 
 
-def test_reset_begins_anew(python_host, lagging):
+def test_reset_restarts(python_host, lagging):
     host = python_host(lagging)
     runs = []
     for _ in range(2):
@@ -134,7 +134,7 @@ def test_reset_begins_anew(python_host, lagging):
     assert runs[0].tolist() == runs[1].tolist()
 
 
-def test_a_saved_state_brings_back_the_run(python_host, lagging):
+def test_a_saved_state_restores_the_run(python_host, lagging):
     host = python_host(lagging).start()
     host.set(alpha=0.1, V=15.0)
     assert host.step(0.0, 0.01) == OK
@@ -147,7 +147,7 @@ def test_a_saved_state_brings_back_the_run(python_host, lagging):
     assert host.everything().tolist() == before.tolist()
 
 
-def test_two_tires_in_one_process_keep_their_own(python_host, tires):
+def test_two_tires_in_one_process_are_independent(python_host, tires):
     one, other = python_host("first").start(), python_host("mf61").start()
     for host, tire in ((one, tires["first"]), (other, tires["mf61"])):
         expected = tire.forces(alpha=0.1, Fz=800.0)["Fy"].item()
@@ -164,7 +164,7 @@ def test_its_files_can_be_changed(python_fmus, tires, tmp_path):
             if name == f"resources/{slave}.py":
                 assert content.count(b"map(float, forces)") == 1
                 content = content.replace(b"map(float, forces)", b"(0.5 * float(force) for force in forces)")
-            # Python, which has loaded the file by its name before, is given another one.
+            # Python has already loaded a module of the original name, so the changed one has another name.
             if name == "resources/slavemodule.txt":
                 content = b"changed_tire"
             position = name.replace(slave, "changed_tire").replace("/first.", "/changed.")
@@ -188,12 +188,12 @@ def test_contents(python_fmus, tires, tmp_path):
 
 
 def test_equal_tires_give_equal_bytes(python_host, python_fmus, tires, tmp_path):
-    python_host("first").start()  # which brings a pythonfmu of its own into this process
+    python_host("first").start()  # which loads its copy of pythonfmu into this process
     again = export(tires["rolling"], tmp_path / "rolling.fmu", kind="pythonfmu")
     assert again.read_bytes() == python_fmus["rolling"].read_bytes()
 
 
-# ------------------------------------------------------------------ what goes wrong
+# ------------------------------------------------------------------ errors
 
 
 def test_fmi_3_is_refused(tires, tmp_path):

@@ -1,4 +1,4 @@
-"""A careless host in C, linked with the FMU's own sources; with sanitizers where TIREFMU_SANITIZE is set."""
+"""Misuse by a host in C that is linked with the sources of the FMU; with sanitizers if TIREFMU_SANITIZE is set."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ SANITIZERS = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all",
 
 
 @pytest.fixture(scope="module", params=[2, 3], ids=["fmi2", "fmi3"])
-def said(request, tires, compiler, tmp_path_factory):
-    """Return what the program says of each case."""
+def results(request, tires, compiler, tmp_path_factory):
+    """Return the printed lines, the errors and the exit status of the program."""
     fmi, folder = request.param, tmp_path_factory.mktemp("robust")
     files = contents(tires["rolling"], fmi, "tire")
     sources = {name.removeprefix("sources/"): text for name, text in files.items() if name.startswith("sources/")}
@@ -68,12 +68,12 @@ def test_there_are_enough_cases():
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_case(said, case):
-    lines, _, _ = said
+def test_case(results, case):
+    lines, _, _ = results
     assert [line for line in lines if line.startswith(case)] == [f"{case} ok"]
 
 
-def test_nothing_else_is_reported(said):
-    _, errors, status = said
+def test_nothing_else_is_reported(results):
+    _, errors, status = results
     assert errors == ""
     assert status == 0

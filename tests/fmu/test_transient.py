@@ -1,4 +1,4 @@
-"""Slips that lag: the FMU's states against the exact solution and against the tire's own evaluation."""
+"""Lagged slips: the states of the FMU against the exact solution and the direct evaluation of the tire."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def distance(found, expected):
 
 
 def recording(n, seed):
-    """Return rows of everything that may happen to a wheel, some of them at equal times."""
+    """Return rows of all kinds of motion of a wheel, some of them at equal times."""
     rng = np.random.default_rng(seed)
     speed = np.where(rng.random(n) < 0.2, rng.choice([0.0, -5.0, -0.01, 60.0], n), rng.uniform(1.0, 30.0, n))
     return pd.DataFrame(
@@ -67,7 +67,7 @@ def test_it_is_the_evaluation_with_inputs_held(fmus, tires, lagging, fmi):
     result = check(fmus[lagging, fmi], table.assign(**at_once))
     assert result.ok
     assert result.evaluation_difference < 1e-9
-    assert result.channels[0].rmse > 100.0  # the lag is felt
+    assert result.channels[0].rmse > 100.0  # the lag has an influence
 
 
 def test_conventions_reach_the_lengths_too(hosts, tires):
@@ -86,7 +86,7 @@ def test_conventions_reach_the_lengths_too(hosts, tires):
 
 
 def test_fmpys_own_simulation(fmus, tires, fmi):
-    """fmpy sets inputs, steps, and reads what those inputs have come to at the end of the step."""
+    """fmpy sets inputs, makes a step, and reads the outputs at its end."""
     time = np.linspace(0.0, 0.5, 51)
     inputs = {"kappa": 0.2 * np.sin(20.0 * time), "alpha": 0.3 * np.cos(15.0 * time), "Fz": 4000.0 + 5000.0 * time}
     signal = np.zeros(len(time), dtype=[("time", float), *((key, float) for key in inputs)])
@@ -98,7 +98,7 @@ def test_fmpys_own_simulation(fmus, tires, fmi):
         str(fmus["rolling", fmi]), stop_time=0.5, output_interval=0.01, input=signal, output=[*inputs, *names]
     )
     rows = pd.DataFrame({"t": result["time"], **{key: result[key] for key in inputs}})
-    # Its inputs begin where the last row left off: every row a second time, as it goes on.
+    # The inputs of a row act in the step that ends at its time; from there on those of the next row act.
     going_on = rows.shift(-1).assign(t=rows["t"]).iloc[:-1]
     table = pd.concat([rows, going_on]).sort_values("t", kind="stable", ignore_index=True)
     reported = tires["rolling"].evaluate(table, hold=True)
@@ -133,7 +133,7 @@ def test_slips_follow_the_exponential(rolling, lengths):
     assert np.all(sigma > 0.05)
     before = rolling.get(*rolling.outputs)
     assert distance(rolling.forces(**POINT), before) < 0.1 * np.abs(before).max()
-    assert rolling.get(*SLIPS).tolist() == [0.0, 0.0]  # a jump of the input does not jump the slip that acts
+    assert rolling.get(*SLIPS).tolist() == [0.0, 0.0]  # a jump of the input is not a jump of the lagged slip
     end = np.array([POINT["kappa"], np.tan(POINT["alpha"])])
     for k in range(1, 30):
         assert rolling.step(0.01 * (k - 1), 0.01) == OK
@@ -160,7 +160,7 @@ def test_the_step_size_does_not_matter(hosts, lagging, fmi):
     assert distance(np.array(found[2]), np.array(found[0])) < 1e-9
 
 
-def test_nothing_moves_at_standstill(rolling):
+def test_states_are_constant_at_standstill(rolling):
     rolling.set(**POINT | {"V": 0.0})
     for k in range(3):
         assert rolling.step(10.0 * k, 10.0) == OK
@@ -197,7 +197,7 @@ def test_without_a_length_a_slip_acts_at_once(hosts, tires):
     assert distance(host.get(*host.outputs), steady(tires, "rolling", **POINT)) < 1e-9
 
 
-def test_a_refused_value_leaves_the_slips_alone(rolling):
+def test_a_rejected_value_does_not_change_the_slips(rolling):
     rolling.set(**POINT)
     assert rolling.step(0.0, 0.01) == OK
     before = rolling.everything()
@@ -217,7 +217,7 @@ def saved(host):
 
 
 def go_on(host):
-    """Return what follows: a few steps of the wheel as it is."""
+    """Return the results of a few more steps with the same inputs."""
     found = []
     for k in range(4):
         assert host.step(0.01 * (k + 1), 0.01) == OK
@@ -241,14 +241,14 @@ def test_slips_are_saved_restored_and_serialized(rolling, hosts, lagging, fmi):
         owner.call("FreeFMUState" if fmi == 3 else "FreeFMUstate", ctypes.byref(stored))
 
 
-def test_a_serialized_slip_of_nan_is_no_state(rolling, fmi):
+def test_a_serialized_slip_of_nan_is_rejected(rolling, fmi):
     rolling.set(**POINT)
     assert rolling.step(0.0, 0.01) == OK
     state = saved(rolling)
     content = rolling.fmu.serializeFMUState(state)
     rolling.call("FreeFMUState" if fmi == 3 else "FreeFMUstate", ctypes.byref(state))
     (kappa,) = rolling.get("kappa_lagged")
-    position = content.index(struct.pack("d", kappa))  # the state stands before the variable that shows it
+    position = content.index(struct.pack("d", kappa))  # the state is located before the variable that reports it
     bad = content[:position] + struct.pack("d", np.nan) + content[position + 8 :]
     kind = ctypes.c_uint8 if fmi == 3 else ctypes.c_char
     buffer, slot = ctypes.cast(ctypes.create_string_buffer(bad, len(bad)), ctypes.POINTER(kind)), ctypes.c_void_p()
@@ -257,7 +257,7 @@ def test_a_serialized_slip_of_nan_is_no_state(rolling, fmi):
     assert rolling.log[-1] == "the bytes are not a serialized state of this FMU"
 
 
-def test_reset_forgets_the_slips(rolling):
+def test_reset_clears_the_slips(rolling):
     rolling.set(**POINT)
     assert rolling.step(0.0, 0.5) == OK
     assert np.all(rolling.get(*SLIPS) != 0.0)
@@ -277,7 +277,7 @@ def test_derivatives_hold_the_lagging_slips(hosts, tires, lagging, fmi):
     assert np.all(steady_ones[0][:3] != 0.0)
     assert not np.any(rolling_ones[:2])
     np.testing.assert_array_equal(rolling_ones[2:], steady_ones[2:])
-    # With other inputs they belong to the slips that act, not to those that are given.
+    # With other inputs they are derivatives at the lagged slips, not at the inputs.
     host.set(kappa=0.3, alpha=0.3)
     np.testing.assert_array_equal(
         [host.derivative(host.outputs, [key], [1.0])[1] for key in names[2:]], steady_ones[2:]

@@ -44,7 +44,7 @@ def load(tires):
 
 
 def settled(host, time=0.0, size=30.0):
-    """Step until nothing lags any more and return the forces."""
+    """Step until the lag has decayed and return the forces."""
     assert host.step(time, size) == OK
     return host.get(*host.outputs)
 
@@ -55,7 +55,7 @@ def test_it_is_valid(wheel_fmus, name, fmi):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_at_speed_it_is_the_tire_at_the_slips_that_it_tells(wheels, tires, name):
+def test_at_speed_it_is_the_tire_at_the_reported_slips(wheels, tires, name):
     host = wheels(name).start()
     rng, time = np.random.default_rng(2), 0.0
     for _ in range(25):
@@ -85,7 +85,7 @@ def test_it_rolls_freely_at_the_start(wheels, name):
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("V_x", [0.0, -0.0, 1e-300, -1e-300, 1e-9, 0.004, -0.3, 0.999, -30.0, 80.0])
 def test_forces_are_finite_and_within_friction(wheels, tires, load, name, V_x):
-    """Whatever the wheel does: the formula's own friction, and no more."""
+    """In any motion of the wheel, friction is limited to that of the formula."""
     host = wheels(name).start()
     peak = 2.5 * load(name)  # the golden tires reach 1.0 to 2.2
     time = 0.0
@@ -127,7 +127,7 @@ def test_a_locked_wheel_has_slip_of_one(wheels):
 @pytest.mark.parametrize("name", NAMES)
 def test_forces_are_continuous_through_standstill(wheels, name):
     host = wheels(name).start()
-    speeds = np.linspace(-1.5, 1.5, 1201)  # LOW_SPEED and the lowest speed lie between
+    speeds = np.linspace(-1.5, 1.5, 1201)  # LOW_SPEED and the lowest speed are in this range
     found = []
     for V_x in speeds:
         host.set(V_x=V_x, V_y=0.05, omega=V_x / 0.3 + 0.2)
@@ -137,7 +137,7 @@ def test_forces_are_continuous_through_standstill(wheels, name):
 
 
 def test_a_standing_tire_is_a_spring_with_a_damper(wheels, tires):
-    """A mass on a standing wheel, pushed aside: it swings, comes to rest, and not where it began."""
+    """A mass on a wheel at standstill, under a lateral force: it oscillates and comes to rest at another position."""
     host = wheels("rolling").start()
     load = tires["rolling"].nominal("Fz")
     host.set(V_x=0.0, omega=0.0, V_y=0.0)
@@ -156,7 +156,7 @@ def test_a_standing_tire_is_a_spring_with_a_damper(wheels, tires):
     assert 0.001 < position[-1] < 0.1
 
 
-def test_low_speed_damping_never_goes_beyond_friction(wheels, tires):
+def test_low_speed_damping_never_exceeds_friction(wheels, tires):
     host = wheels("rolling").start()
     table = pd.DataFrame({"kappa": [0.0], "alpha": [0.0]})
     row = tires["rolling"].evaluate(table, steady=True).iloc[0]

@@ -1,4 +1,4 @@
-"""The Windows binary under wine: `make wine` runs this, the main suite does not, for zig's first time is long."""
+"""The Windows binary under wine: `make wine` runs this; the main suite does not, because zig's first build is slow."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def host(folder, platform, fmi):
     program = folder / f"host-{platform}.exe"
     source = Path(__file__).with_name("host.c")
     libraries = ["-ldl"] if platform.endswith("linux") else []
-    # Optimized as the FMU is: zig builds what Windows needs once for both.
+    # The same optimization as for the FMU, so that zig builds the Windows libraries once for both.
     command = [*cross_compiler.ziglang(platform).command, "-O2", f"-DFMI={fmi}", f"-I{fmi_headers()}"]
     subprocess.run([*command, str(source), "-o", str(program), *libraries], check=True, capture_output=True)
     return program

@@ -1,4 +1,4 @@
-"""The hand-written C: clean, complete, and at home in a host without Python."""
+"""The hand-written C: without warnings, complete, and usable in a host without Python."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def test_compiles_without_a_warning(compiler, tires, fmi, tmp_path, optimization
     shown = interface(tire, inputs=inputs)
     for file, content in sources(fmi, shown, "{1}").items():
         (tmp_path / file).write_bytes(content)
-    # Arguments that the standard's functions have and this FMU does not need are no fault.
+    # Unused arguments of the standard's functions are permitted.
     warnings = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wshadow", "-Wno-unused-parameter", "-Werror"]
     own = [file for file in c_files(fmi, shown) if tire.model == "mf96" or not file.startswith(tire.model)]
     for file in own:  # the larger models' code only takes longer
@@ -57,7 +57,7 @@ KINDS = {2: (FMU2Slave, FMU2Model), 3: (FMU3Slave, FMU3Model, FMU3ScheduledExecu
 def test_every_function_of_the_standard_is_there(fmus, fmi):
     with loaded(fmus["first", fmi]) as slave:
         for kind in KINDS[fmi]:
-            # fmpy looks every function up when it loads a library.
+            # fmpy resolves every function when it loads a library.
             library = kind(
                 guid="",
                 unzipDirectory=str(slave.folder),

@@ -63,7 +63,7 @@ def tir_seeds() -> list[bytes]:
 
 
 def declared(text: str) -> tuple[str, str] | None:
-    """Return the unit of length and the radius as a plain look at the file finds them; None where not once."""
+    """Return the unit of length and the radius by a plain search of the file; None unless each occurs once."""
     text = re.sub(r"[$!].*", "", text)
     units = re.findall(r"(?im)^\s*LENGTH\s*=\s*'?([\w ]*)'?\s*$", text)
     radii = re.findall(r"(?im)^\s*UNLOADED_RADIUS\s*=\s*(\S+)\s*$", text)
@@ -71,12 +71,12 @@ def declared(text: str) -> tuple[str, str] | None:
 
 
 def read_tire(path: Path) -> None:
-    """Read a tire; its values are finite, in the declared unit, and come back from what is written."""
+    """Read a tire; its values are finite, in the declared unit, and survive a round trip."""
     data = path.read_bytes()
     tire = read_tir(path)
     assert all(math.isfinite(value) for value in tire.values.values())
     look = declared(data.decode("latin-1")) if b"\x00" not in data and b"\x85" not in data else None
-    if look:  # never a unit that is overlooked
+    if look:  # no unit is overlooked
         expected = float(look[1].strip("'\"").lower().replace("d", "e")) * (unit_factor("LENGTH", look[0]) or math.nan)
         assert tire.values["UNLOADED_RADIUS"] == pytest.approx(expected, rel=1e-12)
     write_tir(tire, path)
@@ -175,7 +175,7 @@ def read_table(path: Path) -> None:
     check_plausible(recording)
 
 
-# ------------------------------------------------------------------ what steers a fit and a diagnosis
+# ------------------------------------------------------------------ files that control a fit and a diagnosis
 
 
 def recipe_seeds() -> list[bytes]:
@@ -188,7 +188,7 @@ def effect_seeds() -> list[bytes]:
 
 
 def read_user_effect(path: Path) -> None:
-    """Read an effect; it comes back from what is written of it."""
+    """Read an effect; it survives a round trip."""
     effect = user_effect(path)
     assert read_effect(effect_text(effect), "again.toml") == effect
 
@@ -218,7 +218,7 @@ def read_checkpoint(path: Path) -> None:
 
 
 def sealed(seed: int, originals: list[bytes]) -> bytes:
-    """Return a mutated progress file, its digest made right again where there is one."""
+    """Return a mutated progress file with a correct digest, if it has one."""
     data = rejsoned(seed, originals)
     try:
         content = json.loads(data)
@@ -244,7 +244,7 @@ def fmu_seeds() -> list[bytes]:
 
 
 def read_fmu(path: Path) -> None:
-    """Read what a check reads of an FMU before anything of it is loaded."""
+    """Read the parts of an FMU that a check reads before it loads the binary."""
     with unpacked(path) as folder:
         description = read_description(path, folder)
         outputs = [one.name for one in description.modelVariables if one.causality == "output" and one.name == "Fy"]

@@ -1,4 +1,4 @@
-"""What is done to a file: bytes and numbers changed, pieces lost, doubled and moved, words of mischief put in."""
+"""Mutations of a file: bytes and numbers changed, pieces removed, repeated and moved, hostile words inserted."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ WORDS = [
     b"9" * 400,
     b"[" * 3000,
 ]
-#: What a size, a count or an offset in a binary header may be instead.
+#: Replacements of a size, a count or an offset in a binary header.
 SIZES = [b"\xff" * 4, b"\xff\xff\xff\x7f", b"\0\0\0\x80", b"\0" * 4, b"\1\0\0\0", b"\x0e\0\0\0", b"\0\0\0\x40"]
-#: What a file in an archive may be called.
+#: Names of a file in an archive.
 NAMES = ["../out", "/tmp/out", "a/../../out", "x" * 300, "modelDescription.xml/", *HOSTILE[:10]]
 
 
@@ -77,7 +77,7 @@ def replace_value(draw, data):
 
 
 def change_sign(draw, data):
-    """Turn the sign of a number."""
+    """Change the sign of a number."""
     numbers = [m.start() for m in re.finditer(rb"\d+\.?\d*", data)]
     i = draw.choice(numbers) if numbers else 0
     return data[:i] + b"-" + data[i:]

@@ -22,7 +22,7 @@ MEMORY = 300_000
 
 
 def batches():
-    """Yield kinds and ranges of seeds, all files dealt out to the kinds."""
+    """Yield kinds and ranges of seeds, with the files distributed over the kinds."""
     for index, kind in enumerate(KINDS):
         count = FILES // len(KINDS) + (index < FILES % len(KINDS))
         for first in range(0, count, BATCH):
@@ -32,7 +32,7 @@ def batches():
 
 @pytest.fixture(scope="session")
 def whole_files(tmp_path_factory):
-    """Return what makes the whole files of a kind, once."""
+    """Return the function that makes the unmodified files of a kind, once."""
     made = {}
 
     def make(kind):
@@ -55,7 +55,7 @@ def peak_memory():
 
 
 def outcome(kind, path):
-    """Read a file; return whether it was read, and see that a refusal is one clear line."""
+    """Read a file; return whether it was read, and check that an error is one clear line."""
     try:
         KINDS[kind].read(path)
     except TirefmuError as error:

@@ -1,4 +1,4 @@
-"""The C source by itself: it compiles without a warning, stands alone, and keeps to its memory."""
+"""The C source: it compiles without a warning, is self-contained, and accesses only its own memory."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ STRICT = ["-Wall", "-Wextra", "-Wshadow", "-Wpedantic", "-Wconversion", "-Wstric
 
 
 def compilers():
-    """Return the machine's own C compiler and the other well-known ones that it has."""
+    """Return the default C compiler of the machine and the other known compilers that it has."""
     try:
         found = {Path(shutil.which(find_compiler()[0]) or "").resolve(): find_compiler()}
     except CompilerError:
@@ -42,7 +42,7 @@ def test_no_warning(compiler, source, standard, tmp_path):
 
 
 @pytest.mark.parametrize("header", HEADERS)
-def test_header_stands_alone_and_may_come_twice(header, tmp_path):
+def test_header_is_self_contained_and_may_be_included_twice(header, tmp_path):
     source = tmp_path / "use.c"
     source.write_text(f'#include "{header}.h"\n#include "{header}.h"\nint main(void) {{ return 0; }}\n', encoding="ascii")
     command = [*find_compiler(), "-std=c99", *STRICT, f"-I{FOLDER}", "-c", str(source)]

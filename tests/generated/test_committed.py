@@ -1,4 +1,4 @@
-"""What lies in generated/ is what the book prints, to the byte."""
+"""The files in generated/ equal the generated code of the book, to the byte."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ sys.stdout.buffer.write("".join(f"{name}:{text}" for name, text in render_model(
 
 @pytest.fixture
 def copy(tmp_path) -> Path:
-    """Return a copy of what is committed."""
+    """Return a copy of the committed files."""
     return Path(shutil.copytree(COMMITTED, tmp_path / "generated", ignore=shutil.ignore_patterns("__pycache__")))
 
 
@@ -49,7 +49,7 @@ def test_writing_again_changes_nothing(copy):
     assert write(copy) == []
 
 
-def test_an_edit_by_hand_shows(copy):
+def test_a_manual_edit_is_detected(copy):
     path = copy / "c" / "mf96.c"
     path.write_text(path.read_text(encoding="ascii").replace("D_x*fast_sin", "D_x*fast_cos", 1), encoding="ascii")
     shown = difference(copy).splitlines()
@@ -62,22 +62,22 @@ def test_an_edit_by_hand_shows(copy):
     assert difference(copy) == ""
 
 
-def test_other_line_ends_show(copy):
+def test_other_line_endings_are_detected(copy):
     path = copy / "numpy" / "mf96.py"
     path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))
     assert "generated/numpy/mf96.py" in difference(copy)
 
 
 @pytest.mark.parametrize("name", ["numpy/mf96.py", "c/mf96.h", "casadi/mf96_jacobians.py", "MANIFEST.json"])
-def test_a_missing_file_shows_and_is_written(copy, name):
+def test_a_missing_file_is_detected_and_written(copy, name):
     (copy / name).unlink()
     assert f"generated/{name}" in difference(copy)
     assert write(copy) == [copy / name]
 
 
 @pytest.mark.parametrize("name", ["numpy/mf95.py", "casadi/mf95_jacobians.py", "c/mf95.c", "c/mf95.h"])
-def test_a_file_of_no_model_shows_and_is_removed(copy, name):
-    (copy / name).write_text("left over\n", encoding="ascii")
+def test_a_file_without_a_model_is_detected_and_removed(copy, name):
+    (copy / name).write_text("outdated\n", encoding="ascii")
     assert f"generated/{name}" in difference(copy)
     assert write(copy) == [copy / name]
     assert not (copy / name).exists()
@@ -94,7 +94,7 @@ def test_the_text_does_not_depend_on_the_hash_seed():
     assert printed("1") == printed("2") == "".join(f"{name}:{text}" for name, text in files).encode()
 
 
-def test_every_file_says_where_it_comes_from():
+def test_every_file_states_its_source():
     for name, text in render().items():
         if name != "MANIFEST.json":
             assert 'Do not edit: run "make generate"' in text[:300], name

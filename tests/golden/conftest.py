@@ -1,4 +1,4 @@
-"""What the tests on numbers from elsewhere share: the plain transcription, and tires that leave nothing at neutral."""
+"""Fixtures of the tests on reference numbers: the plain transcription, and tires without neutral coefficients."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 
-#: Coefficients that are zero in the golden files, at a size that is felt but leaves the tire a tire.
+#: Plausible nonzero values of coefficients that are zero in the golden files.
 SILENT = {
     "Q_V1": 6e-4, "Q_V2": 0.04, "Q_FCX": 0.1, "Q_FCY": 0.25, "PFZ1": 0.7, "PCFX1": 0.15, "PCFX2": -0.15,
     "PCFX3": 0.2, "PCFY1": -0.2, "PCFY2": 0.07, "PCFY3": 0.7, "PPX1": -0.8, "PPX2": 0.7, "PPX3": -0.05,
@@ -21,14 +21,14 @@ SILENT = {
     "FZMIN": 300.0, "Q_CAM1": 85.0, "Q_CAM2": 257.0, "Q_CAM3": 0.5,
 }  # fmt: skip
 SETS = {"mf52": "mf52_MagicFormula52", "mf61": "mf61_MagicFormula61", "mf62": "mf62_MagicFormula62"}
-#: What keeps its golden value in a random tire: lengths and ranges that belong together.
+#: Values that a random tire does not change: lengths and ranges that depend on each other.
 FIXED = ("UNLOADED_RADIUS", "RIM_RADIUS", "BOTTOM_OFFST", "NOMPRES", "INFLPRES", "PRESMIN", "PRESMAX", "KPUMIN",
          "KPUMAX", "ALPMIN", "ALPMAX", "CAMMIN", "CAMMAX")  # fmt: skip
 
 
 @pytest.fixture(scope="session")
 def sheet(golden):
-    """Return the module of the transcription; pytest's import mode gives tests no other way to a neighbour."""
+    """Return the module of the transcription; pytest's import mode does not permit an import statement."""
     spec = importlib.util.spec_from_file_location("sheet", golden / "sheet.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

@@ -1,10 +1,10 @@
-"""MF5.2, MF6.1 and MF6.2 line by line in plain NumPy: what the book's code is held against where no golden row is.
+"""MF5.2, MF6.1 and MF6.2 line by line in plain NumPy: the reference for conditions without golden rows.
 
 Equations: H. B. Pacejka, Tire and Vehicle Dynamics, 3rd ed. (2012), section 4.E; I. J. M. Besselink, A. J. C. Schmeitz
 and H. B. Pacejka, An improved Magic Formula/Swift tyre model that can handle inflation pressure changes, Vehicle
 System Dynamics 48 (2010), equations (1)-(19) and A48-A60; MF-Tyre/MF-Swift equation manual (TNO, 2013); and the
 behaviour of MFeval 4.3.1 where it is none of them. Transcribed for the tests, with no line of the book's code in it:
-no SymPy, no guard of a singular place. What is not a number in the equations is NaN here.
+no SymPy, no guard at a singular point. Undefined values are NaN.
 
 Convention "tno" is what MFeval computes; its acos of the spin moment is complex beyond 1, of which the columns are the
 real part. "book" is the printed section 4.E in ISO-W axes, so that rolling resistance stays negative; there the
@@ -21,7 +21,7 @@ from numpy import abs, arctan, cos, exp, pi, sign, sin, sqrt, tan
 #: One value for the book's small numbers eps_V, eps_x, eps_y, eps_K (and eps_r).
 EPS = 1e-6
 
-#: What evaluate returns, beside R_omega.
+#: The results of evaluate in addition to R_omega.
 QUANTITIES = """
     Fx Fy Mz Mx My kappa_x B_x C_x D_x E_x S_Vx S_Hx K_xkappa mu_x F_x0 G_xa alpha_y B_y C_y D_y E_y S_Vy S_Hy
     K_yalpha mu_y F_y0 G_yk S_Vyk B_r B_t C_t D_r D_t E_t alpha_r alpha_t M_z0 M_zr trail R_e R_l rho a b sigma_x
@@ -30,7 +30,7 @@ QUANTITIES = """
 
 
 class Coefficients(dict):
-    """Values by .tir name as attributes; a name that nobody gave is an error, but for two that .tir files lack."""
+    """Values by .tir name as attributes; a missing name is an error, except for two that .tir files lack."""
 
     def __getattr__(self, name):
         return self[name] if name in self or name not in ("LMUV", "QBZ6") else 0.0
@@ -81,7 +81,7 @@ def cos_mf(B, C, E, x):
 
 
 def admit(c, q, rows, turn_slip):
-    """Take the inputs as they come, or bounded (limits): `_in` are those that no limit touches."""
+    """Take the inputs unchanged, or bounded (limits): `_in` are those without limits."""
     q.V, q.Fz_in, q.kappa_in = rows["V"], np.maximum(rows["Fz"], 0.0), rows["kappa"]
     q.Fz, q.kappa, q.alpha, q.gamma = q.Fz_in, q.kappa_in, rows["alpha"], rows["gamma"]
     q.p, q.phit, q.rs = rows["p"], rows["phit"], np.ones_like(q.V)
@@ -269,7 +269,7 @@ def aligning(c, q, upright):
 
 
 def equivalent(q, slip):
-    """Slip that stands for slip and kappa together, (4.E77)-(4.E78); Besselink A54-A55 with tangents."""
+    """Equivalent slip of slip and kappa together, (4.E77)-(4.E78); Besselink A54-A55 with tangents."""
     both = (q.K_xkappa / q.K_ * q.kappa) ** 2
     if q.book:
         return sqrt(slip**2 + both) * sign(slip)
@@ -277,7 +277,7 @@ def equivalent(q, slip):
 
 
 def residual_peak(c, q, zeta0, zeta2):
-    """Peak of the residual moment without spin's own part, (4.E47)."""
+    """Peak of the residual moment without the part of spin, (4.E47)."""
     dfz, gs = q.dfz, q.gs
     by_camber = (c.QDZ8 + c.QDZ9 * dfz) * (1 + c.PPZ2 * q.dpi) + (c.QDZ10 + c.QDZ11 * dfz) * abs(gs)
     peak = (c.QDZ6 + c.QDZ7 * dfz) * c.LRES * zeta2 + by_camber * gs * c.LKZC * zeta0
@@ -337,7 +337,7 @@ def rolling_resistance(c, q):
         m = m + (c.QSY5 + c.QSY6 * Fz / q.Fz0) * q.gamma**2
         My = -q.R0 * level * c.LMY * m * (Fz / q.Fz0) ** c.QSY7 * (q.p / c.NOMPRES) ** c.QSY8
     if q.book:
-        q.My = My * sign(q.V)  # nothing resists at standstill
+        q.My = My * sign(q.V)  # no resistance at standstill
         return
     high = c.VXLOW / abs(q.V) - 1
     low = -c.VXLOW - c.VXLOW / abs(q.V)

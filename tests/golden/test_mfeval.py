@@ -1,4 +1,4 @@
-"""MFeval's own numbers for MF5.2, MF6.1, MF6.2 and turn slip: every column, from every language, and from the .tir."""
+"""Results of MFeval for MF5.2, MF6.1, MF6.2 and turn slip: every column, in every language, and from the .tir."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ import tirefmu
 from tirefmu.symbolic import MODELS
 from tirefmu.tires import Tire
 
-#: MFeval's column and ours.
+#: Columns of MFeval and names of tirefmu.
 COLUMNS = {
     "Fx": "Fx", "Fy": "Fy", "Mz": "Mz", "Mx": "Mx", "My": "My", "Re": "R_e", "omega": "omega", "rho": "rho",
     "Rl": "R_l", "Cz": "c_z", "2a": "a", "2b": "b", "t": "trail", "Mzr": "M_zr", "mux": "mu_x", "muy": "mu_y",
     "Kxk": "K_xkappa", "Kya": "K_yalpha", "Cx": "c_x", "Cy": "c_y", "sigmax": "sigma_x", "sigmay": "sigma_y",
 }  # fmt: skip
-#: The model's inputs as MFeval read them, and as it prints them again.
+#: The inputs as MFeval read them, and as it prints them.
 INPUTS = {"kappa": "kappa", "alpha": "alpha", "gamma": "gamma", "Fz": "Fz", "p": "P", "V": "Vx", "phit": "phit"}
-#: Of what hangs on MF6.2's loaded radius: the secant that made the golden values stops at 1e-6 nominal loads.
+#: For results of the loaded radius of MF6.2: the secant method of MFeval stops at 1e-6 nominal loads.
 SECANT = {"rho": 1e-7, "Rl": 1e-7, "Cz": 1e-5}
 TOLERANCE = 1e-10
 
 
 @dataclass(frozen=True)
 class Case:
-    """A golden file: what was computed, with which numbers."""
+    """A golden file: results and coefficients."""
 
     model: str
     table: str
@@ -74,9 +74,9 @@ def unloadable(rows: pd.DataFrame, values: dict[str, float]) -> pd.Series:
 
 
 def rounding(rows: pd.DataFrame, values: dict[str, float]) -> dict[str, float]:
-    """Return what double precision leaves of rho, Rl and Cz in (-q + sqrt(q^2 + 4 Q_FZ2 c)) / (2 Q_FZ2).
+    """Return the accuracy of rho, Rl and Cz in double precision in (-q + sqrt(q^2 + 4 Q_FZ2 c)) / (2 Q_FZ2).
 
-    MFeval's form cancels where Q_FZ2 is small: a few units in the last place of q count 1 / (2 Q_FZ2) times.
+    MFeval's form cancels where Q_FZ2 is small: an error of a few ulp of q is multiplied by 1 / (2 Q_FZ2).
     """
     linear = values["VERTICAL_STIFFNESS"] * values["UNLOADED_RADIUS"] / values["FNOMIN"]
     length = 4 * np.finfo(float).eps * linear / (2 * values["Q_FZ2"]) * values["UNLOADED_RADIUS"]
@@ -84,7 +84,7 @@ def rounding(rows: pd.DataFrame, values: dict[str, float]) -> dict[str, float]:
 
 
 def errors(answer: pd.DataFrame, rows: pd.DataFrame, case: Case, values: dict[str, float]) -> dict[str, float]:
-    """Return each column's largest |error| / (1 + |reference|) in units of what it may be; NaN where a number is."""
+    """Return each column's largest |error| / (1 + |reference|) in units of its tolerance; NaN if any number is NaN."""
     allowed = dict.fromkeys(COLUMNS, TOLERANCE)
     if case.model == "mf62":
         allowed |= SECANT
@@ -100,11 +100,11 @@ def errors(answer: pd.DataFrame, rows: pd.DataFrame, case: Case, values: dict[st
 
 
 def disagreeing(answer, rows, case, values) -> dict[str, float]:
-    """Return the columns whose error is not within what it may be."""
+    """Return the columns whose error exceeds the tolerance."""
     return {name: error for name, error in errors(answer, rows, case, values).items() if not error < 1}
 
 
-def test_no_column_and_hardly_a_row_is_left_out(rows, case, values):
+def test_every_column_and_almost_every_row_is_compared(rows, case, values):
     columns = {"kind", "iKya_rowdiff_ignore", *COLUMNS, *INPUTS.values(), *(f"{name}_in" for name in INPUTS)}
     assert set(rows.columns) == columns
     assert len(rows) == {"mf52": 600, "mf61": 600, "mf62": 300}[case.model] or "turnslip" in case.table
@@ -112,7 +112,7 @@ def test_no_column_and_hardly_a_row_is_left_out(rows, case, values):
     assert not rows[list(COLUMNS)].isna().any(axis=None)
 
 
-def test_inputs_came_through_unchanged(rows):
+def test_inputs_are_returned_unchanged(rows):
     for ours, theirs in INPUTS.items():
         assert (rows[f"{ours}_in"] == rows[theirs]).all()
 
@@ -123,13 +123,13 @@ def test_every_column_from_every_language(rows, case, values, tire, code):
 
 
 def test_the_file_itself(rows, case, values, golden):
-    """What the .tir leaves out is what MFeval takes for it."""
+    """The defaults for missing keys of the .tir are those of MFeval."""
     tire = tirefmu.load(golden / case.tir)
     assert tire.model == case.model
     assert disagreeing(tire.evaluate(inputs(rows)), rows, case, values) == {}
 
 
-def test_nan_is_no_agreement(rows, case, values, tire):
+def test_nan_is_a_difference(rows, case, values, tire):
     answer = tire.evaluate(inputs(rows))
     answer.loc[7, "B_t"] = np.nan
     assert disagreeing(answer, rows, case, values) == {}
@@ -138,7 +138,7 @@ def test_nan_is_no_agreement(rows, case, values, tire):
 
 
 @pytest.mark.parametrize("column", COLUMNS)
-def test_a_column_slightly_off_is_no_agreement(rows, case, values, tire, column):
+def test_a_small_error_in_a_column_is_detected(rows, case, values, tire, column):
     answer = tire.evaluate(inputs(rows))
     answer[COLUMNS[column]] *= 1 + 1e-3
     assert column in disagreeing(answer, rows, case, values)

@@ -1,7 +1,7 @@
 """The Trento report's section 4: "coefficients ... in the worst conditions for each case".
 
 It names neither load nor camber. The column FX0 is the tire at 1120 N and 4 deg, the columns FY0 and MZ0 at
-1120 N and 5 deg, all at zero slip: E_x, E_y and E_t (through the shifted slip), alpha_r and alpha_t tell.
+1120 N and 5 deg, all at zero slip: E_x, E_y and E_t (through the shifted slip), alpha_r and alpha_t show this.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MZ0_COLUMN = {
     "B_t": "1.4916", "D_t": "0.041", "E_t": "-0.1087", "alpha_r": "0.0052", "alpha_t": "-0.0426",
     "B_r": "-4.436",  # printed as -4.434: a misprint; it is -4.4359
 }  # fmt: skip
-#: These the report cut off instead of rounding them: 1.5387, 47.9998, 4.9995, 48.1451.
+#: The report truncated these instead of rounding them: 1.5387, 47.9998, 4.9995, 48.1451.
 CUT_OFF = {"C_x": "1.538", "S_Vy": "47.99", "C_t": "4.999", "D_r": "48.14"}
 
 

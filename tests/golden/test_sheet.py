@@ -1,6 +1,6 @@
-"""The book's code against a plain transcription of the equations, where no golden row is.
+"""The code of the book against a plain transcription of the equations, for conditions without golden rows.
 
-Random tires with nothing at neutral, random rows from standstill to far outside the range, every option.
+Random tires without neutral coefficients, random rows from standstill to far outside the range, every option.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ MODES = [
     for convention, slip_angle, limits in product(("tno", "book"), ("tan", "angle"), (False, True))
     for name in [f"{convention}-{slip_angle}-{'limits' if limits else 'free'}"]
 ]
-#: Where the equations have no value with turn slip: 0/0 at no load, ours is 0 there; at no load and no speed the
-#: shift by spin as well, and what hangs on it.
+#: Where the equations have no value with turn slip: 0/0 at no load, where tirefmu returns 0; at no load and no
+#: speed also the shift by spin and the results that depend on it.
 NO_VALUE_AT_NO_LOAD = {"Mz", "M_zr", "D_r", "M_z0"}
 NO_VALUE_AT_REST = {"Fy", "Mx", "F_y0", "S_Hy", "alpha_y", "alpha_r", "E_y", "B_r", "R_l", "rho", "c_z"}
 INPUTS = ("kappa", "alpha", "gamma", "Fz", "p", "V", "phit")
-#: Coefficients of the transient slips, which are ours.
+#: Coefficients of the transient slips, which are defined by tirefmu.
 LAG = {"SIGX", "SIGY", "SIGC", "SIGK"}
 TOLERANCE = 1e-9
 
@@ -49,9 +49,9 @@ def made(model: str, values: dict[str, float]) -> Tire:
 
 
 def rounding(model, values, reference) -> dict[str, np.ndarray]:
-    """Return what double precision leaves of rho, R_l and c_z in (-q + sqrt(q^2 + 4 Q_FZ2 c)) / (2 Q_FZ2).
+    """Return the accuracy of rho, R_l and c_z in double precision in (-q + sqrt(q^2 + 4 Q_FZ2 c)) / (2 Q_FZ2).
 
-    The form is MFeval's; written in another order, a few units in the last place of q count 1 / (2 Q_FZ2) times.
+    In MFeval's form another order of operations changes q by a few ulp, which is multiplied by 1 / (2 Q_FZ2).
     """
     if model == "mf62" or values["Q_FZ2"] == 0:
         return {}
@@ -64,7 +64,7 @@ def rounding(model, values, reference) -> dict[str, np.ndarray]:
 def compare(
     sheet, model, values, rows, code="numpy", **mode
 ) -> tuple[dict[str, str], dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Return what disagrees, the rows without a value in the transcription, and the transcription's values."""
+    """Return the differences, the rows without a value in the transcription, and the transcription's values."""
     answer = made(model, values).evaluate(pd.DataFrame(rows), code=code, **mode)
     assert not answer.isna().any(axis=None), f"NaN in {list(answer.columns[answer.isna().any()])}"
     wrong, without = {}, {}
@@ -72,7 +72,7 @@ def compare(
     rounded = rounding(model, values, expected)
     for name, reference in expected.items():
         ours = answer[name].to_numpy()
-        with np.errstate(invalid="ignore"):  # infinite both: c_z of a tire that the forces lift off the rim
+        with np.errstate(invalid="ignore"):  # both infinite: c_z of a tire that the forces lift off the rim
             error = np.where(ours == reference, 0.0, np.abs(ours - reference) / (1 + np.abs(reference)))
         valued = ~np.isnan(reference)
         bad = valued & ~(error < TOLERANCE + rounded.get(name, 0.0))
@@ -86,7 +86,7 @@ def compare(
 
 
 def without_balance(model, values, rows, without, forces) -> bool:
-    """Whether MF6.2's loaded radius alone has no value, and that only where the rim is on the ground.
+    """Return whether only the loaded radius of MF6.2 has no value, and only where the rim touches the ground.
 
     Fx and Fy soften the tire (Q_FCX, Q_FCY): it is on its rim under less load than when it rolls freely.
     """
@@ -94,8 +94,8 @@ def without_balance(model, values, rows, without, forces) -> bool:
         return True
     stiffness = values["VERTICAL_STIFFNESS"] * (1 + values["PFZ1"] * (rows["p"] / values["NOMPRES"] - 1))
     soft = [(values[key] * forces[name] / values["FNOMIN"]) ** 2 for key, name in (("Q_FCX", "Fx"), ("Q_FCY", "Fy"))]
-    room = values["UNLOADED_RADIUS"] - values["RIM_RADIUS"] - values["BOTTOM_OFFST"]
-    bottomed = rows["Fz"] > room * stiffness * (1 - sum(soft))
+    clearance = values["UNLOADED_RADIUS"] - values["RIM_RADIUS"] - values["BOTTOM_OFFST"]
+    bottomed = rows["Fz"] > clearance * stiffness * (1 - sum(soft))
     return (
         model == "mf62"
         and without.keys() == {"R_l", "rho", "c_z"}
@@ -110,9 +110,9 @@ def test_every_quantity_is_compared(sheet, model, values):
 
 
 def test_no_coefficient_is_neutral(model, values):
-    """A coefficient at neutral would let a wrong line pass."""
+    """A neutral coefficient would hide a wrong line."""
     declarations = MODELS[model].coefficients
-    assert declarations.keys() - values.keys() <= LAG  # lags of our own, in no equation of the sheet
+    assert declarations.keys() - values.keys() <= LAG  # lags of tirefmu, in no equation of the sheet
     neutral = {name for name in declarations.keys() & values.keys() if values[name] == declarations[name].neutral}
     assert neutral <= {"Q_A1", "Q_A2"}  # 0 in every other tire: then MF5.2 estimates them
 
@@ -137,7 +137,7 @@ def test_random_rows_in_other_languages(sheet, model, values, seed, random_rows,
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("load", [0.0, -500.0])
 def test_off_the_ground(sheet, model, values, seed, random_rows, mode, load):
-    """A negative load counts as none; without turn slip everything has a value."""
+    """A negative load is treated as no load; without turn slip all results are defined."""
     rows = random_rows(values, 200, seed + 100)
     rows["Fz"] = np.full(200, load)
     wrong, without, _ = compare(sheet, model, values, rows, **mode)

@@ -1,4 +1,4 @@
-"""The Trento worksheet's own numbers: every column, from every language, in every sign convention."""
+"""Results of the Trento worksheet: every column, in every language and sign convention."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from tirefmu.tires import Tire, convert_signs, published
 
-#: The worksheet's column and ours.
+#: Columns of the worksheet and names of tirefmu.
 COLUMNS = {
     "kappa__x": "kappa_x", "Bx": "B_x", "Cx": "C_x", "Dx": "D_x", "Ex": "E_x", "SVx": "S_Vx", "Kxk": "K_xkappa",
     "SHx": "S_Hx", "mu__x": "mu_x", "alpha__y": "alpha_y", "By": "B_y", "Cy": "C_y", "Dy": "D_y", "Ey": "E_y",
@@ -43,13 +43,13 @@ def largest_error(ours: pd.DataFrame, theirs: pd.DataFrame) -> float:
     return float(np.max(np.abs(ours[list(COLUMNS.values())].to_numpy() - reference) / (1 + np.abs(reference))))
 
 
-def test_nan_is_no_agreement(rows, worksheet_tire):
+def test_nan_is_a_difference(rows, worksheet_tire):
     ours = worksheet_tire.evaluate(rows[INPUTS], signs="adapted-sae")
     ours.loc[7, "B_t"] = np.nan
     assert not largest_error(ours, rows) < 1e-9
 
 
-def test_no_column_is_left_out(rows):
+def test_every_column_is_compared(rows):
     assert set(rows.columns) == {"id", "block", *INPUTS, *COLUMNS}
     assert len(rows) == 600
 
@@ -70,7 +70,7 @@ def test_a_bench_table_in_sae(rows, worksheet_tire):
     bench = convert_signs(rows[INPUTS], "adapted-sae", "sae")
     assert (bench["Fz"] < 0).all()
     answer = worksheet_tire.in_signs("iso").evaluate(bench, signs="sae")
-    # Forces and inputs come back in sae; the named quantities are those of the formula in adapted SAE.
+    # Forces and inputs are returned in sae; the named quantities are those of the formula in adapted SAE.
     assert largest_error(convert_signs(answer, "sae", "adapted-sae"), rows) < 1e-9
     pd.testing.assert_frame_equal(answer[INPUTS], bench)
 

@@ -1,7 +1,7 @@
-"""The worksheet's formulas once more, written by hand from its description in plain scalar mathematics.
+"""The formulas of the worksheet, transcribed from its description in plain scalar mathematics.
 
-The golden numbers know one tire with all scaling factors at 1. This transcription agrees with them, and then
-goes on to other tires and other scaling factors.
+The golden numbers are those of one tire with all scaling factors at 1. This transcription agrees with them and
+covers other tires and other scaling factors.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def magic(trig, B, C, D, E, x):
 
 
 def slope(B, C, D, E, x):
-    """The derivative by x with E constant, worked out by hand."""
+    """The derivative by x with E constant, derived by hand."""
     bent = B * x - E * (B * x - atan(B * x))
     return D * cos(C * atan(bent)) * C / (1 + bent**2) * (B - E * (B - B / (1 + (B * x) ** 2)))
 

@@ -11,19 +11,19 @@ from tirefmu.symbolic import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.definition import RANGES
 
-#: What a body, its ranges and its nominal conditions are like; a tenth of the way to a bound would be no tire.
+#: Dimensions, ranges and nominal conditions. Values a tenth of the way to a bound would not describe a tire.
 BODY = ("MODEL", "DIMENSION", "OPERATING_CONDITIONS", "VERTICAL", "STRUCTURAL", "CONTACT_PATCH")
-#: Deflection of MF6.2: sizes that a contour of 0.2 m has.
+#: Deflection of MF6.2: values of a contour of 0.2 m.
 CONTOUR = {"Q_V1": 1e-3, "Q_V2": 0.05, "Q_FZ2": 10.0, "Q_FCX": 0.1, "Q_FCY": 0.1, "Q_FCY2": -0.4, "Q_CAM1": 80.0,
            "Q_CAM2": 250.0, "Q_CAM3": 0.5, "Q_FYS1": 2e3, "Q_FYS2": 3e3, "Q_FYS3": -4e3, "PFZ1": 0.7}  # fmt: skip
-#: Bounds that are far from what a tire has, because they are there for the strange.
+#: Bounds that are far from the values of real tires.
 SMALL = {"QSY3": 0.1, "QSY4": 0.01, "PEY5": 0.1, "PKY5": 0.1, "RBX3": 0.1, "RBY4": 0.1, "PDYP4": 0.1}
 
 
 def made_tire(model, seed):
     """Return a tire with every coefficient moved off its generic start, a tenth of the way to either bound at most.
 
-    All effects act and all asymmetries are there; the tire is strange, but its friction is positive at
+    All effects and all asymmetries are present; the tire is unusual, but its friction is positive at
     inclinations up to 0.15 rad and loads up to twice the nominal.
     """
     rng = np.random.default_rng(seed)
@@ -39,7 +39,7 @@ def made_tire(model, seed):
     load = rng.uniform(500, 6000)
     values |= {"FNOMIN": load, "UNLOADED_RADIUS": rng.uniform(0.25, 0.5)}
     values |= {name: values[name] * share for name, share in SMALL.items() if name in values}
-    if "LMP" in values:  # a parking moment below 0 counts as none
+    if "LMP" in values:  # a parking moment below 0 is treated as 0
         values["LMP"] = 0.5 + abs(values["LMP"])
     if "LMUV" in values:  # friction that grows with slip speed grows without bounds
         values["LMUV"] = abs(values["LMUV"])
@@ -48,11 +48,11 @@ def made_tire(model, seed):
     return Tire(model, values, effects=MODELS[model].effects, signs="adapted-sae", name=f"made tire {seed}")
 
 
-#: Ranges that many of the drawn points lie beyond; loads and pressures in nominal ones.
+#: Ranges that exclude many of the drawn points; loads and pressures in units of the nominal ones.
 NARROW = {"kappa": (-0.2, 0.4), "alpha": (-0.2, 0.1), "gamma": (-0.05, 0.08), "Fz": (0.3, 1.2), "p": (0.9, 1.1)}
-#: The models of which these laws speak; others bring their own tests.
+#: The models to which these laws apply; other models have separate tests.
 MAGIC = ("mf96", "mf52", "mf61", "mf62")
-#: Two of each that share their lines are four of them.
+#: Two tires of models with common lines, four of them.
 MADE = [(model, seed) for model in MAGIC for seed in range(4 if model == "mf96" else 2)]
 
 
@@ -99,7 +99,7 @@ def forces_of():
 
 @pytest.fixture(scope="session")
 def scale_of():
-    """Return a function that gives the size of a tire's forces, shape (n_forces, 1): what errors are small to."""
+    """Return a function that gives the size of a tire's forces, shape (n_forces, 1), to which errors are relative."""
 
     def scale(tire):
         load = tire.values["FNOMIN"]

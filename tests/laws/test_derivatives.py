@@ -59,10 +59,10 @@ def by_differences(tire, routine, rows, parameters):
 
 
 def rounding_of(tire, routine, rows, parameters, n_by):
-    """Return what a derivative cannot tell from 0, by force and argument: the rounding of the force per argument.
+    """Return the rounding of the force per argument, below which a derivative is indistinguishable from 0.
 
-    A derivative may be the small rest of large parts (Mz by PHYP1: the trail and the arm of Fx share it out), so
-    that its own size says nothing about its rounding.
+    A derivative may be a small difference of large terms (Mz by PHYP1: terms of the trail and of the arm of Fx), so
+    that its size does not determine its rounding.
     """
     moved = rows if routine == "jacobian_inputs" else parameters[:n_by, None]
     forces = np.abs(forces_at(tire, rows, parameters)).max(axis=1)
@@ -81,11 +81,11 @@ def test_the_chain_rule_is_casadis(tire, points, routine):
 @pytest.mark.parametrize("routine", ROUTINES)
 def test_the_chain_rule_is_the_slope_of_the_forces(tire, points, routine):
     rows, parameters = points(tire, n=100), tire.parameters()
-    if "phit" in tire.inputs:  # turn slip sets in with a jump: a difference across it is no slope
+    if "phit" in tire.inputs:  # turn slip starts with a jump: a difference across it is not a slope
         rows = rows[:, rows[tire.inputs.index("phit")] != 0]
     ours, theirs = (f(tire, routine, rows, parameters) for f in (printed, by_differences))
     noise = rounding_of(tire, routine, rows, parameters, ours.shape[2]) / STEP
-    # What the fifth derivative leaves: a bend within 1e-3 of slip over steps of 1e-5, to the fourth, is 1e-8.
+    # The remainder of the fifth derivative: a bend within 1e-3 of slip over steps of 1e-5, to the fourth, is 1e-8.
     assert (np.abs(ours - theirs) <= 1e-7 * np.abs(theirs).max(axis=0) + noise).all()
 
 
@@ -97,7 +97,7 @@ def test_slip_stiffnesses_are_the_first_columns_of_the_jacobian(tire, points):
 
 
 def test_every_coefficient_that_leads_to_a_force_moves_one(tire, points):
-    """The derivative by none of them is zero everywhere, whatever the convention; limits act beyond them only."""
+    """No such derivative is zero everywhere, with any option. Limits have an influence outside the ranges only."""
     moved = np.zeros(len(tire.book.coefficients))
     crawling = np.array([[0.02 if name == "V" else 1.0] for name in tire.inputs])
     for convention in ("tno", "book"):

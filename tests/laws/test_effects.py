@@ -13,26 +13,26 @@ from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.model import INDISPENSABLE, reaching
 from tirefmu.symbolic.printers.expressions import NumpyPrinter
 
-#: The coefficients of MF5.2's own relaxation lengths stand among those of the forces.
+#: The coefficients of the relaxation lengths of MF5.2 are among those of the forces.
 RELAXATION = {"mf52": {"LONGITUDINAL_COEFFICIENTS", "LATERAL_COEFFICIENTS"}}
 EFFECTS = [(model, effect) for model, book in MODELS.items() for effect in book.effects]
 
 
 @cache
 def printed(expression):
-    """Print a line's right-hand side here and now, in NumPy."""
+    """Print the right-hand side of a line in NumPy."""
     return compile(NumpyPrinter().doprint(expression), "<line>", "eval")
 
 
 @cache
 def pruned_lines(model, present):
-    """Return the lines that lead to a force, other effects than these pruned away."""
+    """Return the lines that lead to a force, without the other effects."""
     book = MODELS[model]
     return reaching(book.lines(present), {quantity.name for quantity in book.outputs})
 
 
 def forces_of_lines(tire, present, rows):
-    """Evaluate the pruned lines, printed without anything of the generated code."""
+    """Evaluate the pruned lines independently of the generated code."""
     options = dict(zip(tire.book.parameters, tire.parameters(), strict=True))
     space = {"np": np, **options, **tire.values, **dict(zip(tire.inputs, rows, strict=True))}
     for line in pruned_lines(tire.model, frozenset(present)):
@@ -71,25 +71,25 @@ def test_random_subsets(tire, points, forces_of, scale_of):
         check(tire, present, points(tire), forces_of, scale_of)
 
 
-def test_each_effect_is_felt(tire, points, forces_of, scale_of):
-    """Else being off would not differ from being on."""
+def test_each_effect_changes_an_output(tire, points, forces_of, scale_of):
+    """Otherwise an effect that is off would equal one that is on."""
     rows = points(tire)
     forces = forces_of(tire, rows)
-    for effect in tire.book.default_effects:  # the others act over time
+    for effect in tire.book.default_effects:  # the others have a memory
         without = forces_of(replace(tire, effects=tire.book.effects.keys() - {effect}), rows)
         assert np.max(np.abs(without - forces) / scale_of(tire)) > 1e-5, effect
 
 
 @pytest.mark.parametrize(("model", "effect"), EFFECTS)
 def test_each_effect_owns_coefficients(model, effect):
-    # relax_load has the length itself beside its change: relax_lat alone owns nothing while that is there.
+    # relax_load has the length in addition to its change, so relax_lat alone owns no coefficient while it is present.
     together = {"relax_lat", "relax_load"} if effect == "relax_lat" else {effect}
     assert MODELS[model].owned(*(together & MODELS[model].effects.keys()))
 
 
 @pytest.mark.parametrize("model", MODELS)
 def test_every_coefficient_reaches_an_output(model):
-    """Or a result, it is the value of an absent input, a limit, or a size that other packages need of every tire."""
+    """Or a result. The others are values of absent inputs, limits, or sizes that other packages require of any tire."""
     book = MODELS[model]
     elsewhere = {quantity.nominal for quantity in book.inputs} | set(INDISPENSABLE)
     assert book.live() | elsewhere >= book.coefficients.keys()
@@ -101,12 +101,12 @@ def test_the_core_reaches_an_output_without_any_effect(model):
     ranges = {name for name, declaration in book.coefficients.items() if declaration.section.endswith("_RANGE")}
     elsewhere = {quantity.nominal for quantity in book.inputs} | set(INDISPENSABLE)
     assert book.core <= book.live([]) | elsewhere | ranges
-    # What no effect owns and is not the core is given: scaling factors, and what makes radii and deflection.
+    # Given values belong to no effect and not to the core: scaling factors, coefficients of radii and deflection.
     rest = [book.coefficients[name] for name in book.live([]) - book.core - ranges]
     assert {declaration.section for declaration in rest if declaration.fitted} <= RELAXATION.get(model, set())
 
 
-def test_coefficients_of_an_absent_effect_have_no_say(tire, points, forces_of):
+def test_coefficients_of_an_absent_effect_have_no_influence(tire, points, forces_of):
     rows = points(tire)
     effect = "camber_thrust"
     plain = replace(tire, effects=tire.book.effects.keys() - {effect})

@@ -39,9 +39,9 @@ def from_casadi(model, routine, rows, parameters):
 
 
 def sizes(tire, routine, rows, parameters, expected):
-    """Return what a result's rounding is relative to, shape (n_results,): its own size in other rows.
+    """Return the size to which the rounding of a result is relative, shape (n_results,): that in other rows.
 
-    A derivative may be the small rest of large parts: the force per argument counts a hundredth, too.
+    A derivative may be a small difference of large terms: a hundredth of the force per argument is included.
     """
     size = np.maximum(np.abs(expected).max(axis=0), 1e-12)
     if not routine.startswith("jacobian"):
@@ -63,7 +63,7 @@ def test_three_languages_one_number(tire, points, routine):
 
 
 @pytest.mark.parametrize("routine", ["forces", "quantities", "jacobian_parameters"])
-def test_whole_tables_go_through_the_same_code(tire, points, routine):
+def test_tables_are_evaluated_by_the_same_code(tire, points, routine):
     rows, parameters = points(tire, n=20), tire.parameters()
     expected = getattr(code_for(tire.model, "numpy"), routine)(rows, parameters)
     for language in ("c", "casadi"):
@@ -73,7 +73,7 @@ def test_whole_tables_go_through_the_same_code(tire, points, routine):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_the_modules_name_what_the_book_names(model):
+def test_the_modules_list_the_names_of_the_book(model):
     book = MODELS[model]
     for language in ("numpy", "casadi"):
         module = import_module(f"tirefmu.generated.{language}.{model}")

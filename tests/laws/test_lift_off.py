@@ -1,4 +1,4 @@
-"""Where the tire leaves the ground, and across zero slip: zero, finite, without a jump; NaN stays NaN."""
+"""Lift-off and zero slip: forces are zero or finite, without a jump; NaN is propagated."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def test_no_force_without_load(tire, points, code):
     language, parameters = code_for(tire.model, code), tire.parameters()
     assert (language.forces(rows, parameters) == 0).all()
     quantities = dict(zip(language.quantities_names, language.quantities(rows, parameters), strict=True))
-    quantities.pop("c_z", None)  # load per deflection: 0 by nothing
+    quantities.pop("c_z", None)  # load per deflection: 0 divided by 0
     assert all(np.isfinite(values).all() for values in quantities.values())
 
 
@@ -42,14 +42,14 @@ def test_jacobians_stay_finite(tire, points, code):
 
 
 @pytest.mark.parametrize("code", LANGUAGES)
-def test_an_unknown_load_is_no_lifted_tire(tire, points, code):
+def test_a_load_of_nan_is_not_a_lifted_tire(tire, points, code):
     rows = with_load(tire, points(tire, n=5), np.nan)
     assert np.isnan(code_for(tire.model, code).forces(rows, tire.parameters())).all()
 
 
-def test_forces_come_up_from_zero(tire, points, forces_of):
-    """Friction is far below 100: the forces at a small load are small, and there from the first load on."""
-    first = 1e-6 if tire.model == "mf96" else 0.0  # MF96 counts 1e-6 N as none
+def test_forces_start_at_zero(tire, points, forces_of):
+    """Friction is far below 100: the forces at a small load are small and not zero."""
+    first = 1e-6 if tire.model == "mf96" else 0.0  # MF96 treats 1e-6 N as no load
     assert (forces_of(tire, with_load(tire, points(tire), first)) == 0).all()
     for load in (1.001 * first + 1e-12, 1e-5, 1e-3, 1.0):
         forces = np.abs(forces_of(tire, with_load(tire, points(tire), load)))
@@ -58,7 +58,7 @@ def test_forces_come_up_from_zero(tire, points, forces_of):
 
 
 def test_forces_are_proportional_to_a_vanishing_load(tire, points, forces_of):
-    """But M_y, which falls faster. MF5.2 to 6.2 add 1e-6 N to what stiffness is divided by: 1e-4 at these loads."""
+    """Except M_y, which decreases faster. MF5.2 to 6.2 add 1e-6 N to divisors of stiffness: 1e-4 at these loads."""
     rows, loads, error = (
         (points(tire), (1e-3, 1e-4), 1e-4) if tire.model == "mf96" else (points(tire), (0.1, 0.05), 1e-3)
     )
@@ -71,12 +71,12 @@ def test_forces_are_proportional_to_a_vanishing_load(tire, points, forces_of):
 @pytest.mark.parametrize("name", ["kappa", "alpha", "gamma"])
 def test_no_jump_across_zero(tire, points, forces_of, scale_of, name):
     """No derivative in these tires exceeds 1e5 loads (K is below 1e2, a smoothed sign has a slope of 1e3)."""
-    rows, place = points(tire), tire.inputs.index(name)
+    rows, index = points(tire), tire.inputs.index(name)
     for other in ("kappa", "alpha", "gamma"):
         at_zero = rows.copy()
         at_zero[tire.inputs.index(other)] = 0.0
         left, right = at_zero.copy(), at_zero.copy()
-        left[place], right[place] = -1e-10, 1e-10
+        left[index], right[index] = -1e-10, 1e-10
         assert np.max(np.abs(forces_of(tire, right) - forces_of(tire, left)) / scale_of(tire)) < 2e-5
 
 

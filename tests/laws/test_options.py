@@ -1,4 +1,4 @@
-"""Options and speeds: what each convention changes, limits, and the way through low speed to standstill."""
+"""Options and speeds: the influence of each option, limits, low speed and standstill."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def forces_of_table(tire, table, **options):
 
 
 @pytest.mark.parametrize("options", OTHERS, ids=str)
-def test_each_convention_changes_something_where_the_model_has_it(tire, points, scale_of, narrowed, options):
+def test_each_option_changes_a_result_of_models_that_have_it(tire, points, scale_of, narrowed, options):
     tire, (name,) = narrowed(tire), options
     table = table_of(tire, points(tire))
     change = np.abs(forces_of_table(tire, table, **options) - forces_of_table(tire, table)) / scale_of(tire)
@@ -31,18 +31,18 @@ def test_each_convention_changes_something_where_the_model_has_it(tire, points, 
         assert (change == 0).all()
 
 
-def test_without_ranges_limits_are_nothing_to_mf96(made, points):
+def test_limits_without_ranges_do_not_change_mf96(made, points):
     tire = made("mf96", 0)
     table = table_of(tire, points(tire))
     np.testing.assert_array_equal(forces_of_table(tire, table, limits=True), forces_of_table(tire, table))
 
 
-def test_beyond_its_range_a_tire_is_as_at_the_end(tire, points, narrowed):
-    """Radii, and M_y by them, see kappa and load as they are; so does turn slip by the wheel's speed."""
+def test_outside_its_range_a_tire_is_evaluated_at_the_limit(tire, points, narrowed):
+    """Radii, and M_y by them, use kappa and load without limits, as turn slip does through the wheel speed."""
     tire, rows = narrowed(tire), points(tire)
     still = {"phit": 0.0} if "phit" in tire.inputs else {}
     bounds = np.array([tire.ranges.get(name, (-np.inf, np.inf)) for name in tire.inputs])
-    if tire.model != "mf96":  # the load is kept within from above only
+    if tire.model != "mf96":  # the load has an upper limit only
         bounds[tire.inputs.index("Fz"), 0] = -np.inf
     inside = np.clip(rows, bounds[:, :1], bounds[:, 1:])
     assert (inside != rows).any(axis=0).mean() > 0.8
@@ -50,7 +50,7 @@ def test_beyond_its_range_a_tire_is_as_at_the_end(tire, points, narrowed):
     limited = forces_of_table(tire, table_of(tire, rows, **still), limits=True)[seen]
     np.testing.assert_array_equal(limited, forces_of_table(tire, table_of(tire, inside, **still), limits=True)[seen])
     free = tire.evaluate(table_of(tire, inside, **still), signs=tire.signs)
-    # In MF5.2 to 6.2 limits also hold curvature factors below 1, and M_z has a load of FZMIN at least.
+    # In MF5.2 to 6.2 limits also bound curvature factors to 1, and M_z has a load of FZMIN at least.
     plain = (free["Fz"] >= tire.ranges["Fz"][0]).to_numpy()
     if tire.model != "mf96":
         plain = plain & (free[["E_x", "E_y", "E_t"]] <= 1).all(axis=1).to_numpy()
@@ -79,7 +79,7 @@ def test_no_jump_where_slips_begin_to_fade(made, points, scale_of, model, conven
 
 @pytest.mark.parametrize("model", SIX)
 def test_the_tire_comes_to_rest_without_a_jump(made, points, scale_of, model):
-    """With limits slips, shifts and moments fade with speed, whichever way it goes; inclination still presses M_x."""
+    """With limits slips, shifts and moments decrease with speed in both directions; inclination still produces M_x."""
     tire = made(model, 1)
     rows, pressed = points(tire), tire.outputs.index("Mx")
     rest = forces_of_table(tire, table_of(tire, rows, V=0.0), limits=True)
@@ -121,7 +121,7 @@ def test_with_limits_forces_are_finite_wherever_the_inputs_are(
 @settings(max_examples=40)
 @given(kappa=SANE, alpha=SANE, gamma=SANE, load=SANE, pressure=SANE, speed=SANE, spin=SANE)
 @pytest.mark.parametrize("model", ["mf96", *SIX])
-def test_a_tire_does_not_mind_in_which_axes_it_is_told(made, model, kappa, alpha, gamma, load, pressure, speed, spin):
+def test_inputs_in_other_axes_give_the_same_tire(made, model, kappa, alpha, gamma, load, pressure, speed, spin):
     tire = made(model, 0)
     row = pd.DataFrame([{
         "kappa": kappa, "alpha": alpha, "gamma": 0.3 * gamma, "Fz": (1.01 + load) * tire.values["FNOMIN"],
@@ -134,5 +134,5 @@ def test_a_tire_does_not_mind_in_which_axes_it_is_told(made, model, kappa, alpha
     scale = max(abs(iso[name].iloc[0]) for name in tire.outputs)
     for name in tire.outputs:
         way = -1.0 if name in ("Fy", "Mz", "My") else 1.0
-        # alpha of "sae" is turned as well: the same tire seen at the same slip
+        # alpha of "sae" has the other sign as well: the same tire at the same slip
         assert way * sae[name].iloc[0] == pytest.approx(iso[name].iloc[0], rel=1e-9, abs=1e-11 * scale)

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-#: M_z0 knows no turn slip; in MF5.2 its side force is that of the upright tire, while the trail carries all of F_y.
+#: M_z0 does not contain turn slip. In MF5.2 its side force is that of the upright tire; the trail acts on all of F_y.
 STRAIGHT = {"mf96": {}, "mf52": {"phit": 0.0, "gamma": 0.0}, "mf61": {"phit": 0.0}, "mf62": {"phit": 0.0}}
 
 
@@ -33,8 +33,8 @@ def test_without_longitudinal_slip_and_moment_arm_the_moment_is_pure(tire, point
     answer = evaluated(without_moment_arm(tire), points(tire), kappa=0.0, **STRAIGHT[tire.model])
     trail, residual = 1.0, 1.0
     if tire.model != "mf96":
-        # As the industry's solvers have it: LFZO stands in the trail only, one more cos(alpha') in M_zr0 only
-        # (the book's 1e-6 m/s keeps its quotient finite).
+        # As in the industry's solvers: LFZO is in the trail only, one more cos(alpha') in M_zr0 only
+        # (the book's 1e-6 m/s makes its quotient finite).
         trail = tire.values["LFZO"]
         residual = (1 / np.cos(answer["alpha"]) + 1e-6 / answer["V"]).to_numpy()
     assert answer["trail"].to_numpy() == pytest.approx(trail * answer["trail_0"].to_numpy(), rel=1e-12)
@@ -48,8 +48,8 @@ def test_without_side_slip_the_longitudinal_force_is_pure(tire, points):
     assert answer["Fx"].to_numpy() == pytest.approx(answer["F_x0"].to_numpy(), rel=1e-13)
 
 
-def test_combined_slip_takes_from_both_forces(tire, points):
-    """Else the laws above say nothing."""
+def test_combined_slip_reduces_both_forces(tire, points):
+    """Otherwise the laws above would test nothing."""
     answer = evaluated(tire, points(tire))
     assert (abs(answer["G_xa"] - 1) > 1e-3).mean() > 0.9
     assert (abs(answer["G_yk"] - 1) > 1e-3).mean() > 0.9

@@ -10,7 +10,7 @@ import pytest
 
 from tirefmu.tires.signs import MIRRORED, reversed_columns
 
-#: What makes a tire's left differ from its right, in every model. QBZ4 and QDZ3 are linear in the inclination where
+#: Coefficients that make a tire asymmetric, in every model. QBZ4 and QDZ3 are linear in the inclination where
 #: a symmetric tire has its square or its size.
 ASYMMETRIC = (
     "PHY1", "PHY2", "PVY1", "PVY2", "PEY3",
@@ -33,20 +33,20 @@ def signs_of(names, reversed_names):
 
 
 def asymmetry(tire, rows, forces_of):
-    """Return how far the forces of the mirrored inputs are from the mirrored forces."""
+    """Return the difference between the forces of the mirrored inputs and the mirrored forces."""
     turned = rows * signs_of(tire.inputs, MIRRORED)
     return np.abs(forces_of(tire, turned) - signs_of(tire.outputs, MIRRORED) * forces_of(tire, rows))
 
 
-def test_left_is_right_without_asymmetric_coefficients(tire, points, forces_of, scale_of):
+def test_a_tire_without_asymmetric_coefficients_is_symmetric(tire, points, forces_of, scale_of):
     assert np.max(asymmetry(symmetric(tire), points(tire), forces_of) / scale_of(tire)) < 1e-12
 
 
 @pytest.mark.parametrize(("model", "name"), CASES)
-def test_each_asymmetric_coefficient_tells_left_from_right(made, points, forces_of, scale_of, model, name):
+def test_each_asymmetric_coefficient_makes_left_and_right_differ(made, points, forces_of, scale_of, model, name):
     tire = made(model, 0)
-    lopsided = symmetric(tire, **{name: tire.values[name]})
-    assert np.max(asymmetry(lopsided, points(tire), forces_of) / scale_of(tire)) > 1e-6
+    asymmetric = symmetric(tire, **{name: tire.values[name]})
+    assert np.max(asymmetry(asymmetric, points(tire), forces_of) / scale_of(tire)) > 1e-6
 
 
 def test_iso_and_adapted_sae_are_mirrors(tire, points, forces_of, scale_of):
@@ -57,8 +57,8 @@ def test_iso_and_adapted_sae_are_mirrors(tire, points, forces_of, scale_of):
 
 
 @pytest.mark.parametrize("options", [{"convention": "book"}, {"slip_angle": "angle"}, {"limits": True}], ids=str)
-def test_they_are_in_every_convention(tire, points, scale_of, options):
-    """Bodies too: a radius has no sign."""
+def test_iso_and_adapted_sae_are_mirrors_with_every_option(tire, points, scale_of, options):
+    """This includes radii, which have no sign."""
     table = pd.DataFrame(dict(zip(tire.inputs, points(tire), strict=True)))
     names = [*tire.outputs, *tire.book.results]
     sizes = pd.Series(dict(zip(tire.outputs, scale_of(tire)[:, 0], strict=True)))
@@ -75,8 +75,8 @@ def test_mirrored_twice_is_the_same_tire(tire):
 
 
 @pytest.mark.parametrize("model", ASYMMETRIC_BY_MODEL)
-def test_every_coefficient_that_flips_must(made, points, model):
-    """A sign left behind in the mirror shows in a force, or in how deep the tire sinks."""
+def test_every_declared_sign_change_is_necessary(made, points, model):
+    """A sign that is not mirrored changes a force or the deflection."""
     tire = made(model, 0)
     table, iso = pd.DataFrame(dict(zip(tire.inputs, points(tire), strict=True))), tire.in_signs("iso")
     shown = [*tire.outputs, *(name for name in ("R_l",) if name in tire.book.results)]
@@ -84,6 +84,6 @@ def test_every_coefficient_that_flips_must(made, points, model):
     for name, declaration in tire.book.coefficients.items():
         if declaration.flips:
             forgotten = replace(iso, values={**iso.values, name: tire.values[name]}).evaluate(table)[shown]
-            # An exponent of a negative number is no number: felt as well.
+            # A power of a negative number is NaN, which is a difference as well.
             felt = ~(np.abs(forgotten - right) <= 1e-6 * np.abs(right).max())
             assert felt.to_numpy().any(), name

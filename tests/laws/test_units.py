@@ -1,8 +1,8 @@
 """Dimensions: a tire in other units of force, length and time is the same tire.
 
 Every coefficient, input and line carries a unit. With forces counted in units of a newton, lengths in units of b
-metres and time in units of c seconds, each number changes by its own power of a, b and c; a wrong unit or formula
-does not follow.
+metres and time in units of c seconds, each number changes by its power of a, b and c; a wrong unit or formula
+violates this.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ POWERS["Pa"] = POWERS["N"] / POWERS["m"] ** 2
 #: zeta_8 is 1 + a moment in the book, of which D_r takes 1 off again: no one factor changes it.
 MIXED = {"zeta_8"}
 #: MF5.2 to 6.2 add 1e-6 of whatever unit to divisors: to a speed (2 m/s at least here, 5e-7 of it), to forces, and
-#: in the book's (4.104) to the moment by spin. MF96 has nothing of the kind.
+#: in the book's (4.104) to the moment by spin. MF96 has no such terms.
 ERRORS = {"mf96": 1e-9, "mf52": 2e-6, "mf61": 2e-6, "mf62": 2e-6}
 OPTIONS = ({}, {"convention": "book"}, {"slip_angle": "angle"}, {"limits": True})
 
 
 def factor(unit):
-    """Return by what a number changes; an angle has no dimension."""
+    """Return the factor by which a number changes; an angle has no dimension."""
     over, _, under = unit.partition("/")
     return product(over) / product(under)
 
@@ -41,7 +41,7 @@ def slow_and_flat(tire):
     return replace(tire, values={**tire.values, **{name: hard[name] for name in hard if name in tire.values}})
 
 
-@pytest.mark.parametrize("options", OPTIONS, ids=lambda options: "-".join(map(str, options.values())) or "usual")
+@pytest.mark.parametrize("options", OPTIONS, ids=lambda options: "-".join(map(str, options.values())) or "default")
 def test_other_units_of_force_length_and_time(tire, points, narrowed, options):
     if "limits" in options:
         tire = slow_and_flat(narrowed(tire))

@@ -8,14 +8,14 @@ from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS
 
 
-def test_cards_are_the_contracts_columns():
+def test_declarations_are_the_columns_of_the_contract():
     assert set(INPUTS) == set(TABLE_INPUTS)
     assert set(OUTPUTS) == set(TABLE_OUTPUTS)
     assert tuple(CHANNELS) == INPUTS + OUTPUTS
 
 
 @pytest.mark.parametrize("name", CHANNELS)
-def test_card_is_in_si_and_whole(name):
+def test_each_declaration_is_in_si_and_complete(name):
     declared = channel(name)
     unit = unit_named(declared.unit)
     assert (unit.quantity, unit.factor, unit.offset) == (declared.quantity, 1.0, 0.0)
@@ -50,7 +50,7 @@ def test_not_meant(column):
     assert intended_channel(column) is None
 
 
-def test_every_single_slip_of_the_pen_is_recognized():
+def test_every_single_typing_error_is_recognized():
     for name in ("kappa", "alpha", "gamma", "phit"):
         for at in range(len(name)):
             assert intended_channel(name[:at] + name[at + 1 :]) == name
@@ -61,7 +61,7 @@ def test_every_single_slip_of_the_pen_is_recognized():
             assert intended_channel(swapped) == name
 
 
-def test_unit_has_to_fit_the_channel():
+def test_the_unit_must_fit_the_channel():
     assert unit_in_name("gamma_deg") == ("gamma", "deg")
     assert unit_in_name("gamma_kPa") is None
 

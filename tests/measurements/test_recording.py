@@ -42,7 +42,7 @@ def test_segments_are_the_logged_stretches(lengths, dt):
     assert [segment.stop - segment.start for segment in segments] == lengths
 
 
-def test_clock_that_starts_again_begins_a_segment():
+def test_a_restarted_clock_begins_a_segment():
     clock = np.concatenate([np.arange(5), np.arange(7)]) * 0.01
     assert Recording(pd.DataFrame({"t": clock}), "iso", "a.csv").segments() == [slice(0, 5), slice(5, 12)]
 

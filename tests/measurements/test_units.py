@@ -1,4 +1,4 @@
-"""Units come to SI, and nothing else passes for one."""
+"""Units are converted to SI, and anything else is rejected."""
 
 import numpy as np
 import pytest
@@ -52,7 +52,7 @@ def test_conversion_can_be_undone(value, spelling):
 
 @given(value=st.floats(allow_nan=False))
 @pytest.mark.parametrize("spelling", ["N", "rad", "Pa", "m/s", "sec", "none", "deg C", "N-m", "1/m"])
-def test_si_passes_bit_for_bit(value, spelling):
+def test_si_values_are_unchanged_to_the_bit(value, spelling):
     assert to_si(value, spelling) == value
 
 
@@ -61,11 +61,11 @@ def test_spelling_does_not_matter():
     assert unit_named("\u00b0C") == unit_named("deg C")
 
 
-def test_unknown_unit_offers_the_nearest():
+def test_an_unknown_unit_suggests_the_nearest():
     with pytest.raises(UnknownName, match="unknown unit 'kPas': did you mean kpa"):
         unit_named("kPas")
 
 
-def test_unit_of_another_quantity_is_refused():
+def test_a_unit_of_another_quantity_is_rejected():
     with pytest.raises(DataError, match="'kPa' measures pressure, not angle"):
         to_si([1.0], "kPa", "angle")

@@ -1,4 +1,4 @@
-"""A model that is not the package's: a saturating curve by axis, with names and sections of its own.
+"""A model outside the package: a saturating curve for each axis, with its own names and sections.
 
 It lacks pressure, shifts, trail, relaxation, combined slip weighting, M_x and M_y. The forces share one friction.
 """
@@ -15,11 +15,11 @@ from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.notation import Chapter, Coefficient, Effect, Section
 from tirefmu.symbolic.quantities import ALPHA, FX, FY, FZ, KAPPA, MZ
 
-softening = Effect("softening", "friction changes with load in this model's own way")
+softening = Effect("softening", "friction changes with load as this model defines it")
 
 
 def made_toy(name="toy", *, flips=True, folder="", recipes=()):
-    """Return the model; without `flips` nothing says that the side force turns round with the convention."""
+    """Return the model; without `flips` no declaration changes the sign of the side force with the convention."""
 
     class Size(Section, title="DIMENSION", fitted=False):
         UNLOADED_RADIUS = Coefficient("free radius", "m", 0.01, 3.0, neutral=None, start=0.3)
@@ -71,13 +71,13 @@ def made_toy(name="toy", *, flips=True, folder="", recipes=()):
 
 @pytest.fixture(scope="session")
 def made():
-    """Return the function that makes the toy."""
+    """Return the function that makes the model."""
     return made_toy
 
 
 @pytest.fixture(scope="module")
 def toy():
-    """Register the toy for a module."""
+    """Register the model for a module."""
     model = made_toy()
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(MODELS, model.name, model)

@@ -1,4 +1,4 @@
-"""Texts that try to become something else than text, for every target at once."""
+"""Texts that could be interpreted as code or markup, for every target."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NASTY = (
     "CON.txt",
     "é ° 摩 \U0001f600",
 )
-#: Pieces that mean something somewhere.
+#: Pieces with a meaning in some target.
 _PIECES = [
     "*", "/", "\\", "?", "*/", "/*", "//", "??/", "??=", '"', "'", '"""', "'''", "\n", "\r", "\t", "\x00", "\x0b",
     "\x1b", "\x7f", "\x85", "\u2028", "\u2029", "\u202e", "\ud83d", "#", "$", "!", "%", "<", ">", "&", "{", "}",

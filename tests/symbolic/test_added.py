@@ -1,4 +1,4 @@
-"""Effects beyond the book: their files, what they act on, and that a model with them is the model without."""
+"""Effects beyond the book: their files, the quantities that they change, and their neutral values."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ def test_a_file_written_and_read_is_the_same_effect(name):
 @pytest.mark.parametrize("name", LIBRARY)
 def test_an_effect_owns_its_coefficients(name):
     book = model("mf61", tuple(library().values()))
-    own = {card.name for card in library()[name].declarations}
-    assert book.owned(name) <= own
-    assert book.owned(*LIBRARY) == {card.name for effect in library().values() for card in effect.declarations}
+    declared = {each: {declaration.name for declaration in library()[each].declarations} for each in LIBRARY}
+    assert book.owned(name) <= declared[name]
+    assert book.owned(*LIBRARY) == set().union(*declared.values())
     assert book.effects[name].optional
 
 
@@ -54,7 +54,7 @@ def test_with_every_added_effect_at_neutral_a_model_is_itself():
 
 
 @pytest.mark.parametrize("code", ["numpy", "c", "casadi"])
-def test_each_does_what_its_file_says(code):
+def test_each_has_the_effect_that_its_file_describes(code):
     values = VALUES | {"TMU1": -2e-3, "TMU2": 1e-5, "TREF": 50.0, "TK1": -1e-3, "VMU1": -0.1, "WMU1": -1e-3}
     tire = Tire("mf61", values, effects=LIBRARY)
     answer, plain = tire.evaluate(TABLE, code=code), Tire("mf61", VALUES, effects=()).evaluate(TABLE, code=code)
@@ -111,7 +111,7 @@ def test_an_effect_without_a_place_is_named(text, message):
         (OWN.replace('"1 + HMU1*(p - NOMPRES)"', '"1 +"'), "is not a formula"),
     ],
 )
-def test_a_broken_file_is_told_in_a_line(text, message):
+def test_an_invalid_file_gives_a_message_of_one_line(text, message):
     with pytest.raises(EffectError, match=message) as caught:
         read_effect(text, "own.toml")
     assert str(caught.value).startswith("own.toml")

@@ -1,4 +1,4 @@
-"""The table [diagnosis] of effect files: what the package's files declare, and what a hostile one is refused for."""
+"""The table [diagnosis] of effect files: the declarations of the package, and the rejection of invalid ones."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ separate_by = "measure at two temperatures"
 DECLARED = {name: effect.detection for name, effect in folder.declared_effects().items() if effect.detection}
 
 
-def test_a_user_file_declares_all_that_a_library_file_does_and_survives_its_text():
+def test_a_user_file_has_the_keys_of_a_library_file_and_survives_a_round_trip():
     effect = read_effect(OWN, "own.toml")
     assert effect.detection is not None
     assert read_effect(effect_text(effect), "again.toml") == effect
@@ -113,7 +113,7 @@ VALUES = st.recursive(
 
 @settings(max_examples=60, deadline=None)
 @given(st.dictionaries(st.sampled_from(["forms", "requires", "spread", "contains", "confounded", "x"]), VALUES))
-def test_whatever_a_table_holds_it_is_read_or_refused(table):
+def test_any_table_is_read_or_rejected(table):
     sentence = ""
     try:
         read_detection(table, "own.toml", {"WET1"})
@@ -134,7 +134,7 @@ def test_the_document_explains_every_key():
 
 
 def test_every_declared_coefficient_belongs_to_the_effect_in_some_model():
-    owned = {name: {card.name for card in effect.declarations} for name, effect in library().items()}
+    owned = {name: {declaration.name for declaration in effect.declarations} for name, effect in library().items()}
     for book in (MODELS[name] for name in ("mf96", "mf52", "mf61")):
         for name in DECLARED.keys() & book.effects.keys():
             related = {other for other, one in DECLARED.items() if one.contains == name} | {DECLARED[name].contains}
@@ -152,7 +152,7 @@ def test_every_other_explanation_exists_and_each_pair_is_declared_once():
         assert name in DECLARED or name in ALIASES
 
 
-def test_effects_agree_on_what_they_believe_of_a_coefficient():
+def test_effects_agree_on_the_prior_of_a_coefficient():
     for prior in ("prior_center", "prior_spread"):
         declared = [item for detection in DECLARED.values() for item in getattr(detection, prior).items()]
         assert len(dict(declared)) == len(set(declared))

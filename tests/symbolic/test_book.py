@@ -22,7 +22,7 @@ def book(request):
     return MODELS[request.param]
 
 
-def test_every_coefficient_has_a_complete_card(book):
+def test_every_coefficient_has_a_complete_declaration(book):
     for name, declaration in book.coefficients.items():
         assert declaration.name == name == name.upper()
         assert declaration.description[0].islower() or declaration.description.startswith(("F", "MF5.2: ")), name
@@ -57,7 +57,7 @@ def test_every_line_has_number_unit_and_description(book):
         assert line.chapter
 
 
-def test_every_line_uses_only_what_stands_before_it(book):
+def test_every_line_uses_only_earlier_lines(book):
     known = {quantity.name for quantity in book.inputs} | set(book.parameters) | set(book.effects)
     for line in book.equations:
         assert {symbol.name for symbol in line.expression.free_symbols} <= known, line.symbol
@@ -67,19 +67,19 @@ def test_every_line_uses_only_what_stands_before_it(book):
 
 
 def test_lines_stay_short(book):
-    """A line that swells into others would be many times as long."""
+    """A line with others substituted into it would be many times as long."""
     assert max(line.expression.count_ops() for line in book.lines()) <= 55
 
 
 @pytest.mark.parametrize("effects", [None, [], ["camber_thrust"]])
-def test_no_switch_is_left_in_the_lines(book, effects):
+def test_the_lines_contain_no_switch(book, effects):
     effects = effects and [name for name in effects if name in book.effects]
     for straight in (False, True):
         assert not any(line.expression.has(Switch, Choice, Variant) for line in book.lines(effects, straight=straight))
 
 
 def test_inner_steps_reach_a_named_quantity(book):
-    """No line is written for nothing."""
+    """Every line is used."""
     targets = {line.symbol.name for line in book.equations if line.named}
     assert reaching(book.equations, targets) == list(book.equations)
 
@@ -122,7 +122,7 @@ def test_a_coefficient_of_two_effects_goes_with_both():
     assert "PEX2" not in book.owned("curvature_asym")
 
 
-def test_the_core_is_what_the_book_cannot_do_without():
+def test_the_core_is_what_every_model_of_the_book_requires():
     assert model("mf96").core == {
         "UNLOADED_RADIUS", "FNOMIN", "PCX1", "PDX1", "PEX1", "PKX1", "PCY1", "PDY1", "PEY1", "PKY1",
         "QBZ1", "QCZ1", "QDZ1",

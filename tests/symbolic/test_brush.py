@@ -52,7 +52,7 @@ def evaluated(tire, rows, **options):
 
 
 def by_bristles(tire, kappa, alpha, load):
-    """Integrate the bristles' forces over the patch, each as far as its own friction limit (ISO)."""
+    """Integrate the bristles' forces over the patch, each up to its friction limit (ISO)."""
     v, ratio = tire.values, load / SIZE["FNOMIN"]
     a = v["PATCH"] * ratio ** v["NPATCH"]
     mu = np.array([v["MUX"], v["MUY"]]) * ratio ** v["NMU"]
@@ -109,7 +109,7 @@ def test_a_soft_tire_sticks_even_while_the_wheel_turns_backward():
 
 @pytest.mark.parametrize(("kappa", "alpha"), [(0.03, -0.04), (-0.06, 0.05)])
 def test_bristles_with_memory_slide_as_the_closed_form_has_it(kappa, alpha):
-    """In the isotropic model a sliding bristle stays deflected along the slip: nothing is assumed of its direction."""
+    """In the isotropic model a sliding bristle stays deflected along the slip: no direction is assumed."""
     tire = made(ISOTROPIC)
     forces = list(tire.forces(kappa=kappa, alpha=alpha, Fz=3000.0).values())
     np.testing.assert_allclose(by_steps(tire, kappa, alpha, 3000.0), forces, rtol=1e-3)
@@ -201,7 +201,7 @@ def test_pure_slip_is_the_limit_of_combined_slip(tire):
         np.testing.assert_allclose(answer[force], limit * (3 * s - 3 * s * abs(s) + s**3), rtol=1e-12, atol=1e-9)
 
 
-def test_left_is_right_and_driving_is_braking(tire):
+def test_left_equals_right_and_driving_equals_braking(tire):
     rows = grid()
     there, back = (evaluated(tire, rows * np.array([1, side, 1])[:, None]) for side in (1, -1))
     np.testing.assert_array_equal(there[["Fx", "Fy", "Mz"]] * [1, -1, -1], back[["Fx", "Fy", "Mz"]])
@@ -288,7 +288,7 @@ def test_a_property_file_comes_back(tire, tmp_path):
     again = read_tir(path)
     assert again == replace(tire, name=again.name)
     path.write_text(text[: text.index("$ What follows")], encoding="utf-8")
-    assert read_tir(path).model == "brush"  # without the sections of ours too
+    assert read_tir(path).model == "brush"  # also without the sections of tirefmu
 
 
 def bench(tire, n, *, loads, noise=0.0, signs="iso"):
@@ -300,8 +300,8 @@ def bench(tire, n, *, loads, noise=0.0, signs="iso"):
     return pd.concat([table, forces + noise * rng.normal(size=forces.shape) * [10.0, 10.0, 0.3]], axis=1)
 
 
-def test_ten_rows_tell_a_tire():
-    """From generic values, in both conventions; at one load the exponents are not identifiable and keep defaults."""
+def test_ten_rows_determine_a_tire():
+    """From generic values, in both conventions; one load does not identify the exponents, which have defaults."""
     truth = made(NSTIFF=1.0, NMU=0.0, NPATCH=0.5)
     for signs in ("iso", "adapted-sae"):
         recording = Recording(bench(truth, 10, loads=[3000.0], signs=signs), signs, "ten.csv")
@@ -311,7 +311,7 @@ def test_ten_rows_tell_a_tire():
         assert {name: result.tire.values[name] for name in LOAD_EXPONENTS} == {"NSTIFF": 1.0, "NMU": 0.0, "NPATCH": 0.5}
 
 
-def test_loads_tell_the_exponents():
+def test_several_loads_determine_the_exponents():
     recording = Recording(bench(made(), 300, loads=[1500.0, 3000.0, 4500.0], noise=1.0), "iso", "bench.csv")
     result = fit([recording], "brush", nominal={"Fz0": 3000.0, "R0": 0.3}, screening=False)
     assert result.ok
@@ -320,7 +320,7 @@ def test_loads_tell_the_exponents():
 
 
 def test_default_physical_constraints_are_enforced():
-    """Friction that grows with load and stiffness that grows faster than it are fitted as near as is physical."""
+    """Friction that grows with load and stiffness that grows faster than it are fitted within the constraints."""
     table = bench(made(NSTIFF=1.4, NMU=0.2), 200, loads=[1500.0, 3000.0, 4500.0])
     nominal = {"Fz0": 3000.0, "R0": 0.3}
     result = fit([Recording(table, "iso", "bench.csv")], "brush", nominal=nominal, screening=False)

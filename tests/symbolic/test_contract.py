@@ -1,4 +1,4 @@
-"""A model is what it declares: its faults are named before a number comes of it, and nothing else knows it."""
+"""A model is its declarations: faults are reported before it is evaluated, and no other package names it."""
 
 from __future__ import annotations
 
@@ -46,11 +46,11 @@ def tire(toy):
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_every_model_keeps_what_it_declares(name):
+def test_every_model_satisfies_its_declarations(name):
     verify(MODELS[name])
 
 
-def test_a_forgotten_flip_is_named_before_there_is_a_number(made, monkeypatch):
+def test_a_missing_sign_change_is_reported_before_evaluation(made, monkeypatch):
     monkeypatch.setitem(MODELS, "unmarked", made("unmarked", flips=False))
     tire = Tire("unmarked", VALUES, signs="adapted-sae")
     with pytest.raises(ModelError, match=r"unmarked: Fy and Mz .*: CSIDE has to flip"):
@@ -58,7 +58,7 @@ def test_a_forgotten_flip_is_named_before_there_is_a_number(made, monkeypatch):
 
 
 @pytest.mark.parametrize(("name", "coefficient"), [("mf96", "PVY1"), ("mf96", "PDY1"), ("mf96", "SSZ3")])
-def test_a_planted_mark_is_named(name, coefficient, monkeypatch):
+def test_a_wrong_sign_mark_is_reported(name, coefficient, monkeypatch):
     declaration = MODELS[name].coefficients[coefficient]
     monkeypatch.setattr(declaration, "flips", not declaration.flips)
     with pytest.raises(ModelError, match=coefficient):
@@ -72,7 +72,7 @@ def test_both_conventions_are_one_tire(tire):
 
 
 @pytest.mark.parametrize(
-    ("change", "said"),
+    ("change", "message"),
     [
         ({"roles": {"grip": Role("mu")}}, "unknown role 'grip'"),
         ({"roles": {"friction_x": Role("mu_x")}}, "role friction_x has mu_x, which is no named quantity"),
@@ -85,19 +85,19 @@ def test_both_conventions_are_one_tire(tire):
         ({"sections": ()}, "no section has the coefficient FNOMIN"),
     ],
 )
-def test_a_wrong_declaration_is_named(made, change, said):
-    with pytest.raises(ModelError, match=said):
+def test_a_wrong_declaration_is_named(made, change, message):
+    with pytest.raises(ModelError, match=message):
         verify(replace(made(), **change))
 
 
 def test_names_and_numbers_are_taken_once(made):
     twin = replace(made("twin"), property_file=MODELS["mf61"].property_file)
-    for wrong, said in (
+    for wrong, message in (
         (made("mf61"), "is there twice"),
         (made("My tire"), "lower-case"),
         (twin, "FITTYP 6[01] is mf61's"),
     ):
-        with pytest.raises(ModelError, match=said):
+        with pytest.raises(ModelError, match=message):
             register(wrong, dict(MODELS))
 
 
@@ -114,7 +114,7 @@ def test_every_code_agrees_and_differentiates(tire):
             np.testing.assert_allclose(getattr(code, routine)(rows, parameters), expected, rtol=1e-9, atol=1e-9)
 
 
-def test_a_property_file_of_its_own_comes_back(tire, tmp_path):
+def test_a_property_file_of_its_own_format_survives_a_round_trip(tire, tmp_path):
     tire.save(tmp_path / "toy.tir")
     text = (tmp_path / "toy.tir").read_text(encoding="utf-8")
     assert "PROPERTY_FILE_FORMAT = 'TOY'" in text
@@ -164,7 +164,7 @@ def test_a_fit_finds_it_in_adapted_sae_and_saves_it_in_iso(tire, tmp_path, start
     assert read_tir(tmp_path / "toy.tir").values["CSIDE"] == pytest.approx(-VALUES["CSIDE"], rel=0.02)
 
 
-def test_its_own_recipe_lies_in_its_folder(made, monkeypatch, tmp_path):
+def test_its_recipe_is_in_its_folder(made, monkeypatch, tmp_path):
     (tmp_path / "toy_folder").mkdir()
     (tmp_path / "toy_folder" / "__init__.py").write_text("", encoding="utf-8")
     stages = 'name = "short"\n[[stage]]\nname = "all"\nsections = ["PARAMETER"]\n'
@@ -189,18 +189,18 @@ def test_its_fmu_is_the_tire(tire, tmp_path, inputs):
         assert all(channel.r2 > 0.999 for channel in result.channels)
 
 
-def test_a_diagnosis_names_the_effect_that_it_lacks(tire):
+def test_a_diagnosis_identifies_the_missing_effect(tire):
     nominal = {"Fz0": 1000.0, "R0": 0.3, "p0": 2e5}
     found = diagnose(bench(tire, 1200), signs="adapted-sae", model="toy", nominal=nominal)
     assert [one.effect for one in found.found] == ["softening"]
     assert found.found[0].coefficients["USOFT"].value == pytest.approx(VALUES["USOFT"], rel=0.1)
 
 
-#: Where the candidates of a diagnosis and the effect load_stiffness still have the Magic Formula's coefficients.
+#: Files on the candidates of a diagnosis and the effect load_stiffness that name coefficients of the Magic Formula.
 EFFECTS_OF_THE_MAGIC_FORMULA = {
     "diagnosis/candidates.py", "diagnosis/screening.py", "diagnosis/search.py", "diagnosis/least_squares.py",
 }  # fmt: skip
-#: The built-in demonstration is of one tire.
+#: The built-in demonstration uses one tire.
 OF_ONE_MODEL = {"tirefmu/demo.py"}
 
 
@@ -212,7 +212,7 @@ def written(path):
 
 
 def test_no_other_package_names_a_model_or_its_coefficients():
-    # What every model or every property file has in common is no model's own.
+    # Names common to every model or every property file belong to no model.
     shared = {"FNOMIN", "UNLOADED_RADIUS", "NOMPRES", "INFLPRES", "LONGVL", "WIDTH", "RIM_RADIUS", "VERTICAL_STIFFNESS"}
     own = {name for book in MODELS.values() for name, each in book.coefficients.items() if each.fitted} | set(MODELS)
     own |= {"SIGX", "SIGY", "SIGC", "SIGK", "VXLOW"}

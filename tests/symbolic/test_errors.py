@@ -1,4 +1,4 @@
-"""Sentences of errors."""
+"""Error messages."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def test_nearest_names(name, known, end):
     assert nearest(name, known) == end
 
 
-def test_unknown_name_carries_its_facts():
+def test_an_unknown_name_has_its_attributes():
     error = UnknownName("effect", "cambr", iter(["camber"]))
     assert (error.kind, error.name, error.known) == ("effect", "cambr", ("camber",))
     assert str(error) == "unknown effect 'cambr': did you mean camber?"

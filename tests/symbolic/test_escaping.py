@@ -1,4 +1,4 @@
-"""One escaping function per target: whatever the text, what is written reads back as text and as nothing else."""
+"""One escaping function per target: any text is read back as the same text."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ cheap = settings(max_examples=150, deadline=None)
 
 
 def of_all(test):
-    """Try every nasty text, and drawn ones."""
+    """Test every known hostile text and random ones."""
     test = cheap(given(hostile_texts())(test))
     for text in NASTY:
         test = example(text)(test)
@@ -93,7 +93,7 @@ def test_html_has_one_text_and_no_element(text):
 
 
 @of_all
-def test_what_is_shown_is_one_printable_line(text):
+def test_displayed_text_is_one_printable_line(text):
     assert escaping.visible(text).isprintable()
     assert escaping.quoted(text).isprintable()
     assert len(escaping.quoted("\U0001f600" * 1000)) < 100

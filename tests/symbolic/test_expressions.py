@@ -1,4 +1,4 @@
-"""How expressions are written in Python and in C, and that both still mean the same number."""
+"""Expressions are printed in Python and in C with the same value."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def test_meaning(expression):
     )
     python = NumpyPrinter().doprint(expression)
     assert float(eval(python, {"np": np, **POINT})) == pytest.approx(expected, rel=1e-14)
-    if "?" not in PlainCPrinter().doprint(expression):  # the rest of C's expressions reads as Python
+    if "?" not in PlainCPrinter().doprint(expression):  # other C expressions are valid Python
         powers = {"square": lambda a: a * a, "cube": lambda a: a**3, "fourth": lambda a: a**4}
         powers |= {"cubed_sqrt": lambda a: a * math.sqrt(a), "PI": math.pi}
         powers |= {f"fast_{name}": getattr(math, name) for name in ("sin", "cos", "tan", "atan")}
@@ -76,7 +76,7 @@ def test_other_powers_are_still_right_in_python(power):
     assert float(eval(text, {"np": np, **POINT})) == pytest.approx(1.7 ** float(power) * 1.3, rel=1e-14)
 
 
-def test_casadi_joins_conditions_and_keeps_nan():
+def test_casadi_combines_conditions_and_propagates_nan():
     both = sp.Piecewise((x, sp.And(x > 1, y < 2)), (sgn1(y), True))
     text = CasadiPrinter().doprint(both)
     assert text == "ca.if_else(ca.logic_and(x > 1, y < 2), x, ca.if_else(y >= 0, 1, ca.sign(y)))"

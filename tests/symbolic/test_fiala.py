@@ -1,4 +1,4 @@
-"""The Fiala tire: its equations, its limits, and everything that a model of the package has to do."""
+"""The Fiala tire: its equations, its limits, and every feature of a model of the package."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def by_the_book(kappa, alpha, Fz, V):
 
 @pytest.fixture(scope="module")
 def rows():
-    """Return kappa, alpha, Fz and V, none nearer than 1e-4 to where a branch changes."""
+    """Return kappa, alpha, Fz and V, none within 1e-4 of a change of branch."""
     rng = np.random.default_rng(0)
     kappa, alpha = rng.uniform(-1.0, 1.0, 300) ** 3 * 1.5, rng.uniform(-1.0, 1.0, 300) ** 3
     drawn = np.array([kappa, alpha, rng.uniform(300.0, 6000.0, 300), rng.choice([-8.0, 20.0], 300)])
@@ -57,9 +57,9 @@ def rows():
     near = np.array(
         [np.abs(kappa) - answer["kappa_crit"], np.abs(alpha) - answer["alpha_crit"], np.hypot(kappa, np.tan(alpha)) - 1]
     )
-    kept = drawn[:, (np.abs(near) > 1e-4).all(axis=0)]
-    assert kept.shape[1] > 250
-    return kept
+    distant = drawn[:, (np.abs(near) > 1e-4).all(axis=0)]
+    assert distant.shape[1] > 250
+    return distant
 
 
 def bench(tire, n=400, **settings):
@@ -92,7 +92,7 @@ def test_every_code_agrees_and_differentiates(rows):
 
 
 def by_casadi(routine, rows, parameters):
-    """Return derivatives by CasADi's own differentiation, shape (n, n_forces, n_by)."""
+    """Return derivatives by the differentiation of CasADi, shape (n, n_forces, n_by)."""
     x, p = ca.SX.sym("x", len(rows)), ca.SX.sym("p", len(parameters))
     by = x if routine == "jacobian_inputs" else p[: len(TIRE.book.coefficients)]
     function = ca.Function("jacobian", [x, p], [ca.jacobian(casadi_fiala.forces(x, p), by)])
@@ -122,7 +122,7 @@ def test_jacobians_are_finite_where_branches_meet(umin, point):
             assert np.isfinite(getattr(code, routine)(column, tire.parameters())).all(), (language, routine)
 
 
-def test_it_makes_no_force_off_the_ground_and_passes_on_what_is_no_number():
+def test_it_has_no_force_off_the_ground_and_propagates_nan():
     lifted = TIRE.forces(kappa=[0.1, -0.2], alpha=[0.3, 0.0], Fz=[0.0, -500.0])
     assert all((values == 0).all() for values in lifted.values())
     for name in ("kappa", "alpha", "Fz"):
@@ -136,7 +136,7 @@ def test_full_sliding_is_the_friction_and_has_no_moment():
     assert (np.abs(answer["alpha"]) > answer["alpha_crit"]).all()
     np.testing.assert_allclose(answer["Fy"], -np.sign(answer["alpha"]) * answer["U"] * LOAD, rtol=1e-14)
     assert (answer["Mz"] == 0).all()
-    # With UMAX - UMIN lost at comprehensive slip 1, UMIN is what remains from there on.
+    # Friction decreases by UMAX - UMIN up to comprehensive slip 1, and is UMIN from there on.
     assert answer["U"].to_numpy()[[2, 5]] == pytest.approx(VALUES["UMIN"])
     locked = TIRE.forces(kappa=-1e9, Fz=LOAD)["Fx"]
     assert locked == pytest.approx(-VALUES["UMIN"] * LOAD, rel=1e-9)
@@ -223,7 +223,7 @@ IN_SI = {
         ("REL_LEN_LON = 50\nREL_LEN_LAT = 150\n", (0.05, 0.15)),
     ],
 )
-def test_a_property_file_of_adams_is_read_in_si_and_comes_back(lengths, read, tmp_path):
+def test_a_property_file_of_adams_is_read_in_si_and_survives_a_round_trip(lengths, read, tmp_path):
     (tmp_path / "adams.tir").write_text(ADAMS + lengths, encoding="utf-8")
     reading = read_tir_with_notes(tmp_path / "adams.tir")
     tire, notes = reading.tire, reading.notes
@@ -232,7 +232,7 @@ def test_a_property_file_of_adams_is_read_in_si_and_comes_back(lengths, read, tm
     assert (tire.values["REL_LEN_LON"], tire.values["REL_LEN_LAT"]) == pytest.approx(read)
     assert tire.lags == bool(lengths)
     assert any("relax_lon" in note for note in notes) == bool(lengths)
-    # The file has no nominal load: one is assumed, and named.
+    # The file has no nominal load: one is assumed and reported.
     assert tire.values["FNOMIN"] == 4000.0
     assert "FNOMIN" in not_given(tire)
     tire.save(tmp_path / "adams.tir")
@@ -288,7 +288,7 @@ def test_its_fmu_on_a_wheel_computes_slips_from_velocities(tmp_path):
     assert float(answer["R_l"]) == pytest.approx(VALUES["UNLOADED_RADIUS"] - LOAD / VALUES["VERTICAL_STIFFNESS"])
 
 
-def test_a_diagnosis_names_the_relaxation_that_it_lacks():
+def test_a_diagnosis_identifies_the_missing_relaxation():
     lengths = {"REL_LEN_LON": 0.2, "REL_LEN_LAT": 0.4}
     lagging = Tire("fiala", {**VALUES, **lengths}, effects=TIRE.has | {"relax_lon", "relax_lat"})
     nominal = {"Fz0": LOAD, "R0": VALUES["UNLOADED_RADIUS"]}

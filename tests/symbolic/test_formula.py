@@ -47,7 +47,7 @@ from tirefmu.symbolic.errors import EffectError
         ("", "is not allowed in a formula"),
     ],
 )
-def test_what_has_no_bounded_real_value_is_refused(text, reason):
+def test_formulas_without_a_bounded_real_value_are_rejected(text, reason):
     with pytest.raises(EffectError, match=reason) as caught:
         formula(text, "own.toml: [[acts]]")
     assert str(caught.value).startswith("own.toml: [[acts]]: ")
@@ -69,7 +69,7 @@ def test_what_has_no_bounded_real_value_is_refused(text, reason):
         ("0.0 - 0", "0"),
     ],
 )
-def test_numbers_are_worked_out_in_fractions_and_doubles(text, expected):
+def test_numbers_are_computed_in_fractions_and_doubles(text, expected):
     assert formula_text(formula(text, "here")) == expected
 
 
@@ -79,7 +79,7 @@ def test_a_nested_formula_within_the_bounds_can_be_written_again():
 
 
 def formula_or_line(text):
-    """Return the formula of a text, or None where it is refused in a line."""
+    """Return the formula of a text, or None if it is rejected in one line."""
     try:
         return formula(text, "here")
     except EffectError as error:
@@ -105,7 +105,7 @@ formulas = st.recursive(
 
 @settings(max_examples=150, deadline=None)
 @given(formulas)
-def test_any_formula_is_refused_in_a_line_or_survives_its_text(text):
+def test_any_formula_is_rejected_in_one_line_or_survives_a_round_trip(text):
     once = formula_or_line(text)
     if once is None:
         return
@@ -118,5 +118,5 @@ def test_any_formula_is_refused_in_a_line_or_survives_its_text(text):
 
 @settings(max_examples=150, deadline=None)
 @given(st.text("TA019.e+-*/()_ sqrtlogpi", max_size=40))
-def test_any_text_is_a_formula_or_one_line(text):
+def test_any_text_is_a_formula_or_an_error_of_one_line(text):
     formula_or_line(text)

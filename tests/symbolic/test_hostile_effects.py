@@ -1,4 +1,4 @@
-"""Text of an effect's file in generated code: comments are all that it changes, whatever it says."""
+"""Text of an effect file in generated code: any text changes comments only."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ WORDS = "a plain text"
 
 
 def small_model():
-    """Return a model of three lines, which is printed in no time."""
+    """Return a model of three lines, which is printed quickly."""
 
     class Size(Section, title="SIZE"):
         FNOMIN = Coefficient("load", "N", neutral=None, start=1000.0)
@@ -50,14 +50,14 @@ def small_model():
 SMALL = small_model()
 
 
-def effect(**texts):
-    """Return an effect with the given texts, the others plain."""
-    said = {"description": WORDS, "unit": "1", "physics": WORDS, "source": WORDS} | texts
-    declaration = Coefficient(said["description"], said["unit"], -1.0, 1.0)
+def effect(**given):
+    """Return an effect with the given texts; the others are plain."""
+    texts = {"description": WORDS, "unit": "1", "physics": WORDS, "source": WORDS} | given
+    declaration = Coefficient(texts["description"], texts["unit"], -1.0, 1.0)
     declaration.name = "OWN1"
     own, temperature = sp.Symbol("OWN1", real=True), BEYOND["T"].symbol
     acts = (Act("mu_y", "factor", 1 + own * temperature),)
-    return AddedEffect("own", said["physics"], said["source"], (declaration,), acts)
+    return AddedEffect("own", texts["physics"], texts["source"], (declaration,), acts)
 
 
 def printed(**texts):
@@ -65,7 +65,7 @@ def printed(**texts):
 
 
 def without_comments(code):
-    """Return C code as a compiler sees it: trigraphs replaced, lines spliced, then comments taken out."""
+    """Return C code as a compiler sees it: trigraphs replaced, lines spliced, then comments removed."""
     for sign, meant in zip("=/'()!<>-", "#\\^[]|{}~", strict=True):
         code = code.replace(f"??{sign}", meant)
     code, seen, i = code.replace("\\\n", ""), [], 0
@@ -109,7 +109,7 @@ def test_text_changes_nothing_but_comments(plain, text):
         assert (without_comments(code) if "c/" in name else bare(code)) == plain[name], name
 
 
-def test_the_test_sees_what_a_compiler_would_see():
+def test_the_test_detects_what_a_compiler_would_detect():
     assert without_comments("a /* x */ b // y ??/\nz\n c") == ["a", "b", "c"]
     assert without_comments('a /* "*/ b "/* x */" c') == ["a", "b", '"/*', "x", '*/"', "c"]
     hostile = f"int a; /* {CODE} */"
@@ -135,7 +135,7 @@ def test_hostile_text_compiles_without_a_warning(tmp_path):
 @given(hostile_texts())
 def test_a_file_with_any_text_reads_back_equal(text):
     written = effect_text(effect(description=text, unit=text[:40], physics=f"x{text}", source=f"x{text}"))
-    text = re.sub("[\ud800-\udfff]", "\ufffd", text)  # which no file can hold
+    text = re.sub("[\ud800-\udfff]", "\ufffd", text)  # which no file can contain
     assert read_effect(written, "own.toml") == effect(
         description=text, unit=text[:40], physics=f"x{text}", source=f"x{text}"
     )
@@ -157,7 +157,7 @@ def test_a_file_with_any_text_reads_back_equal(text):
         ({"reads": "LIMITS"}, "reads 'LIMITS', which small has not before it"),
     ],
 )
-def test_a_name_that_means_something_else_is_refused(changed, message):
+def test_a_name_with_another_meaning_is_rejected(changed, message):
     own = effect()
     if "coefficient" in changed:
         (declaration,) = own.declarations
@@ -169,7 +169,7 @@ def test_a_name_that_means_something_else_is_refused(changed, message):
         SMALL.extended([replace(own, name=changed.get("name", own.name))])
 
 
-def test_two_effects_of_one_name_are_refused():
+def test_two_effects_with_the_same_name_are_rejected():
     with pytest.raises(EffectError, match="two added effects have the name OWN"):
         SMALL.extended([effect(), replace(effect(), name="OWN")])
 

@@ -1,4 +1,4 @@
-"""The notation: what a chapter files, and the shapes that it shares."""
+"""The notation: the lines of a chapter, and their common shapes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ x = sp.Symbol("x", real=True)
 
 
 def evaluated(eq, expression, at):
-    """Return an expression's values at the points, its filed steps worked out one after the other."""
+    """Return the values of an expression at the points, from its recorded steps in order."""
     space = {"x": at}
     for line in eq.equations:
         names = sorted(line.expression.free_symbols, key=str)
@@ -71,7 +71,7 @@ def test_a_section_collects_its_coefficients_in_order():
     assert sp.Symbol("A", real=True) == Made.A
 
 
-def test_an_effect_stands_in_a_line_as_a_switch():
+def test_an_effect_is_a_switch_in_a_line():
     effect = Effect("wear_drift", "the tread wears")
     assert effect.term(x).args[1:] == (x, 0)
     assert effect.factor(x).args[1:] == (x, 1)

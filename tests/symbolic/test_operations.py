@@ -34,7 +34,7 @@ DOES = {
     "ACOS": np.arccos,
 }
 DOES |= {code: getattr(np, code.lower()) for code in CODES if code not in DOES}
-#: In the middle, off the ground, in reverse, with turn slip.
+#: Mid-range, off the ground, in reverse, with turn slip.
 ROWS = {
     "kappa": (0.05, 0.0, -0.4, 0.02),
     "alpha": (-0.08, 0.0, 0.3, 0.01),
@@ -50,7 +50,7 @@ def values_of(tape, leaves):
     slots = [*leaves, *tape.constants]
     with np.errstate(all="ignore"):  # in branches that are not taken
         for operation in tape.operations:
-            slots.append(DOES[operation.code](*(slots[place] for place in operation.operands)))
+            slots.append(DOES[operation.code](*(slots[slot] for slot in operation.operands)))
     return {name: float(slots[i]) for name, i in tape.slots.items()}
 
 
@@ -70,7 +70,7 @@ def test_operations_compute_what_the_printed_code_computes(model, golden):
             np.testing.assert_allclose([found[name] for name in names], expected, rtol=1e-9, atol=1e-9)
 
 
-def test_a_turning_wheel_has_the_radius_of_its_turning():
+def test_the_radius_of_a_turning_wheel_depends_on_its_speed():
     tape = model_tape(MODELS["mf61"])
     leaves = dict.fromkeys(tape.leaves, 0.0) | {"UNLOADED_RADIUS": 0.3, "LONGVL": 16.0, "Q_RE0": 1.0, "Q_V1": 0.01}
     leaves |= {"NOMPRES": 1.0, "VERTICAL_STIFFNESS": 1.0, "FNOMIN": 1.0}
@@ -79,7 +79,7 @@ def test_a_turning_wheel_has_the_radius_of_its_turning():
     assert turning[ROLLING_RADIUS] == pytest.approx(0.3 * (1.0 + 0.01 * (100.0 * 0.3 / 16.0) ** 2))
 
 
-def test_what_is_equal_is_computed_once():
+def test_equal_expressions_are_computed_once():
     x = sp.Symbol("x", real=True)
     eq = Chapter("Twice")
     y = eq("1", "y", sp.sin(2 * x) ** 2)

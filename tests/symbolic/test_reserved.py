@@ -1,4 +1,4 @@
-"""Names from files: what would mean something else in generated code or in a .tir file is refused."""
+"""Names from files: a name with another meaning in generated code or in a .tir file is rejected."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ from tirefmu.tires.property_file.names import OWN_SECTIONS
 
 
 @pytest.mark.parametrize("name", "PI NAN INFINITY N_INPUTS LANES BLOCK I DBL_MAX MF61_N_INPUTS FOR NUL COM1".split())  # noqa: SIM905
-def test_what_means_something_else_is_refused(name):
+def test_names_with_another_meaning_are_rejected(name):
     assert no_coefficient(name)
 
 
 @pytest.mark.parametrize(
     "name", ["GRÖSSE", "\u03911", "tmu", "1A", "_A", "A_", "A__B", "A-B", "A B", "", "A\n", "A" * 65]
 )
-def test_other_than_plain_words_is_refused(name):
+def test_only_plain_words_are_accepted(name):
     assert no_coefficient(name)
     assert no_effect(name) or name == "tmu"
 
 
-def test_ordinary_names_are_taken():
+def test_ordinary_names_are_accepted():
     assert not [name for model in MODELS.values() for name in model.coefficients if no_coefficient(name)]
     for effect in library().values():
         assert not no_effect(effect.name)
@@ -74,7 +74,7 @@ def test_no_section_of_a_tir_file_is_an_effect():
 
 @settings(max_examples=100, deadline=None)
 @given(st.text(max_size=70))
-def test_whatever_is_taken_is_an_ascii_identifier_in_capitals(name):
+def test_every_accepted_name_is_an_ascii_identifier_in_capitals(name):
     if not no_coefficient(name):
         assert re.fullmatch("[A-Z][A-Z0-9_]{0,63}", name)
         assert name.isidentifier()

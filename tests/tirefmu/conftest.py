@@ -14,7 +14,7 @@ from tirefmu.demo import bench_tire
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps, write_table
 from tirefmu.tires import published
 
-#: Few enough for a fit of a second.
+#: Few enough for a fit that takes a second.
 EFFECTS = "load_friction,load_stiffness,camber_thrust,combined_Gxa,combined_Gyk"
 
 

@@ -1,4 +1,4 @@
-"""Where a table or a tire is needed, each of its forms gives the same, and anything else one clear sentence."""
+"""Every accepted form of a table or a tire has the same result, and anything else gives one clear sentence."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def test_signs_are_those_of_the_table_and_a_contradiction_is_refused(bench):
 
 
 @pytest.mark.parametrize("wrong", [None, 3, {"alpha": [0.1]}, np.zeros((3, 2))], ids=["None", "int", "dict", "array"])
-def test_what_is_no_table_is_refused_by_name(wrong):
+def test_invalid_tables_are_rejected_by_name(wrong):
     for function in (fit, cross_validate, lambda t: assign_folds(t, 2), lambda t: draw_figures(NAME, t, "figures")):
         with pytest.raises(WrongType, match=r"^tables is .* it has to be the path of a file, a DataFrame or a Rec"):
             function(wrong)
@@ -90,12 +90,12 @@ def test_what_is_no_table_is_refused_by_name(wrong):
             function(wrong)
     with pytest.raises(WrongType, match=r"^tables\[0\] is "):
         fit([wrong])
-    with pytest.raises(TypeError):  # ours are of Python's kind, too
+    with pytest.raises(TypeError):  # WrongType is also a TypeError
         fit(wrong)
 
 
 @pytest.mark.parametrize("wrong", [None, 3, [NAME]], ids=["None", "int", "list"])
-def test_what_is_no_tire_is_refused_by_name(wrong, bench, tmp_path):
+def test_invalid_tires_are_rejected_by_name(wrong, bench, tmp_path):
     functions = {
         "evaluate": lambda: tirefmu.evaluate(wrong, bench),
         "draw": lambda: tirefmu.draw(wrong, tmp_path / "figures"),
@@ -122,7 +122,7 @@ def test_names_and_files_that_do_not_exist(bench, tmp_path):
         fit(bench, start="feature")
 
 
-def test_a_folder_of_a_published_name_is_not_in_its_way(tmp_path, monkeypatch, bench):
+def test_a_folder_with_a_published_name_does_not_hide_the_tire(tmp_path, monkeypatch, bench):
     monkeypatch.chdir(tmp_path)
     (tmp_path / NAME).mkdir()
     assert len(tirefmu.evaluate(NAME, bench)) == len(bench)

@@ -32,7 +32,7 @@ def side_alone(table):
 
 REFUSED = {
     "no output": (lambda t: [t.drop(columns=["Fx", "Fy", "Mz"])], "a.csv: no measured output (Fx, Fy, Mz, Mx, My)"),
-    "outputs that nobody measured": (lambda t: [t.assign(Fx=np.nan, Fy=np.nan, Mz=np.nan)], "a.csv: no measured"),
+    "outputs that were not measured": (lambda t: [t.assign(Fx=np.nan, Fy=np.nan, Mz=np.nan)], "a.csv: no measured"),
     "load under another name": (
         lambda t: [t.rename(columns={"Fz": "load"})], "column 'load' is not a channel: did you mean Fz?",
     ),
@@ -65,7 +65,7 @@ REFUSED = {
     ),
 }  # fmt: skip
 
-TOLD = {
+REPORTED = {
     "no load": (lambda t: [side_alone(t).drop(columns="Fz")], "a.csv: no column Fz: every row is evaluated at the"),
     "no slip": (lambda t: [t.drop(columns="kappa")], "a.csv: Fx is not fitted, kappa does not vary there"),
     "constant slip angle": (lambda t: [t.assign(alpha=0.05)], "a.csv: Fy is not fitted, alpha does not vary there"),
@@ -124,16 +124,16 @@ def test_it_is_refused_in_one_line(fitted, fault):
     assert left == []
 
 
-@pytest.mark.parametrize("fault", TOLD)
+@pytest.mark.parametrize("fault", REPORTED)
 def test_it_is_fitted_and_reported(fitted, fault):
-    change, message = TOLD[fault]
+    change, message = REPORTED[fault]
     outcome, left = fitted(change(sweeps()))
     assert outcome.status in (0, 1), outcome.err
     assert [line for line in outcome.out.splitlines() if line.startswith("note: ") and message in line]
     assert left == ["new.tir"]
 
 
-def test_good_data_are_not_complained_about(fitted):
+def test_good_data_give_no_message(fitted):
     outcome, _ = fitted([side_alone(sweeps()).iloc[:300], side_alone(sweeps(seed=1)).iloc[300:].assign(p=80e3)])
     notes = [line for line in outcome.out.splitlines() if line.startswith("note: ") and "only one load" not in line]
     assert notes == []

@@ -12,7 +12,7 @@ import pytest
 
 @pytest.fixture
 def folder(tmp_path, bench_csv, published_tir, chain, monkeypatch):
-    """Return a working folder with one file of each kind, and odd ones."""
+    """Return a working folder with one file of each kind, and unusual ones."""
     monkeypatch.chdir(tmp_path)
     shutil.copy(bench_csv, "good.csv")
     shutil.copy(published_tir, "good.tir")
@@ -148,7 +148,7 @@ def test_a_broken_tire_file_is_named_with_its_line(folder, command):
         assert f"broken.tir:{number}: " in command(*call.split()).err
 
 
-def test_a_file_that_is_there_survives_a_failure(folder, command):
+def test_an_existing_file_survives_a_failure(folder, command):
     old = Path("good.tir").read_bytes()
     assert command("fit", "degrees.csv", "--model", "mf96", "-o", "good.tir").status == 2
     assert command("export", "broken.tir", "-o", "good.fmu").status == 2

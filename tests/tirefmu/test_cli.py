@@ -1,4 +1,4 @@
-"""The command line: what it writes, what it says, and what it refuses."""
+"""The command line: its files, its messages, and its errors."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ def strict(text):
     return json.loads(text, parse_constant=refuse)
 
 
-# ------------------------------------------------------------------ the whole way
+# ------------------------------------------------------------------ the full workflow
 
 
-def test_every_step_of_the_way_succeeds(chain):
+def test_every_step_of_the_workflow_succeeds(chain):
     _, outcomes = chain
     for step, outcome in outcomes.items():
         assert outcome.status == 0, (step, outcome.err)
@@ -60,13 +60,13 @@ def test_the_fit_is_the_same_everywhere(chain):
     assert "fit converged" in out
     for channel in reported["channels"]:
         assert f"{channel['r2']:.5f}" in out
-        assert channel["channel"] == "Mz" or channel["r2"] > 0.99  # the fit leaves out what makes Mz
+        assert channel["channel"] == "Mz" or channel["r2"] > 0.99  # the fit does not include the effects of Mz
     for coefficient in reported["coefficients"]:
         assert coefficient["name"] in out
         assert coefficient["name"] in page
 
 
-def test_the_check_reports_how_far_the_tire_is_from_the_data(chain):
+def test_the_check_reports_the_error_against_the_data(chain):
     folder, outcomes = chain
     fitted = {c["channel"]: c["rmse"] for c in strict((folder / "fit.json").read_text())["channels"]}
     for fmi in "23":
@@ -78,7 +78,7 @@ def test_the_check_reports_how_far_the_tire_is_from_the_data(chain):
             assert name in outcomes[f"check {fmi}"].out
 
 
-def test_a_check_that_does_not_hold_exits_with_1(chain, command, bench_csv):
+def test_a_failed_check_exits_with_1(chain, command, bench_csv):
     folder, _ = chain
     assert command("check", folder / "fmi3.fmu", bench_csv, "--tolerance", "1e-6").status == 1
     assert command("check", folder / "fmi3.fmu", bench_csv, "--tolerance", "0.5").status == 0
@@ -107,7 +107,7 @@ def test_the_evolutionary_method_reports_that_its_limit_ended_it(command, bench_
     assert read_tir(tmp_path / "evolved.tir").has == frozenset()
 
 
-def test_a_fit_from_a_tire_and_a_recipe_of_ones_own(chain, command, bench_csv, tmp_path):
+def test_a_fit_from_a_tire_and_a_user_defined_recipe(chain, command, bench_csv, tmp_path):
     folder, _ = chain
     recipe = tmp_path / "friction [only].toml"
     recipe.write_text('[[stage]]\nname = "[friction]"\n[stage.free]\nPDY1 = { guess = 2, lower = 1, upper = 4 }\n')
@@ -127,7 +127,7 @@ def test_a_fit_from_a_tire_and_a_recipe_of_ones_own(chain, command, bench_csv, t
     before, after = read_tir(folder / "fitted.tir"), read_tir(tmp_path / "[new].tir")
     assert after.has == before.has
     assert {n for n in after.values if after.values[n] != before.values[n]} == {"PDY1"}
-    assert "[friction]" in outcome.out  # brackets in names are no markup
+    assert "[friction]" in outcome.out  # brackets in names are not markup
     assert f"tire: {tmp_path / '[new].tir'}" in outcome.out
 
 
@@ -187,10 +187,10 @@ def test_evaluate_takes_nominal_values_and_clamps_on_request(command, chain, tmp
     expected = known.forces(alpha=[np.radians(3.0), np.radians(30.0), highest], Fz=700.0)["Fy"]
     np.testing.assert_allclose(free["Fy"], expected[:2], rtol=1e-12)
     np.testing.assert_allclose(clamped["Fy"], expected[[0, 2]], rtol=1e-12)
-    assert clamped.loc[1, "alpha"] == free.loc[1, "alpha"]  # the input comes back as it was given
+    assert clamped.loc[1, "alpha"] == free.loc[1, "alpha"]  # the input is returned unchanged
 
 
-def test_evaluate_answers_in_the_convention_of_the_table(command, chain, bench_csv, tmp_path):
+def test_evaluate_writes_the_convention_of_the_table(command, chain, bench_csv, tmp_path):
     folder, _ = chain
     recording = read_recording(bench_csv)
     results = {}
@@ -206,10 +206,10 @@ def test_evaluate_answers_in_the_convention_of_the_table(command, chain, bench_c
             np.testing.assert_allclose(results[signs][name], flips * results["iso"][name], rtol=1e-9, atol=1e-9)
 
 
-# ------------------------------------------------------------------ what is printed
+# ------------------------------------------------------------------ printed output
 
 
-def test_json_on_standard_output_is_alone_there(chain, command, bench_csv, published_tir, tmp_path):
+def test_json_is_the_only_standard_output(chain, command, bench_csv, published_tir, tmp_path):
     folder, _ = chain
     calls = [
         ("generate", "--check"),
@@ -249,7 +249,7 @@ def test_quiet_prints_nothing(chain, bench_csv, published_tir, tmp_path, capfd):
     ]
     for call in calls:
         assert tirefmu.cli.main([*map(str, call), "--quiet"]) == 0
-        assert capfd.readouterr() == ("", ""), call  # also what libraries write past Python
+        assert capfd.readouterr() == ("", ""), call  # includes output that libraries write directly
 
 
 def test_info_reports_what_is_in_a_tire(command, published_tir):
@@ -281,19 +281,19 @@ def test_help_names_every_command(command):
 
 @pytest.fixture
 def generated(tmp_path, monkeypatch):
-    """Return a copy of the generated code that the command takes for the real one."""
+    """Return a copy of the generated code that the command uses instead of the original."""
     folder = tmp_path / "generated"
     shutil.copytree(Path(tirefmu.generated.__file__).parent, folder, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(tirefmu.generated, "__file__", str(folder / "__init__.py"))
     return folder
 
 
-def test_what_is_committed_is_what_the_book_prints(command):
+def test_the_committed_code_is_what_the_book_generates(command):
     outcome = command("generate", "--check")
     assert outcome.status == 0, outcome.out
 
 
-def test_a_planted_edit_is_found_shown_and_mended(command, generated):
+def test_a_planted_edit_is_found_shown_and_repaired(command, generated):
     source = generated / "c" / "mf96.c"
     right = source.read_text(encoding="utf-8")
     source.write_text(right.replace("sin(", "cos(", 1), encoding="utf-8")
@@ -304,7 +304,7 @@ def test_a_planted_edit_is_found_shown_and_mended(command, generated):
     added = [line for line in outcome.out.splitlines() if line.startswith("+") and "sin(" in line]
     assert len(removed) == len(added) == 1
     assert "generated/c/mf96.c" in outcome.out
-    assert source.read_bytes() == planted  # looked at, not touched
+    assert source.read_bytes() == planted  # checked, not changed
     reported = strict(command("generate", "--check", "--quiet", "--json", "-").out)
     assert reported["ok"] is False
     assert "generated/c/mf96.c" in reported["diff"]

@@ -1,4 +1,4 @@
-"""The demo: the whole circle on the built-in bench, as a user runs it."""
+"""The demo: the end-to-end workflow on the built-in bench, as a user runs it."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from tirefmu.demo import BENCH_TIRE, bench_tire
 from tirefmu.tires import published, read_tir
 
 
-def test_the_whole_circle(command, tmp_path):
+def test_the_end_to_end_workflow(command, tmp_path):
     folder = tmp_path / "made for it" / "demo"
     outcome = command("demo", "-o", folder, "--json", tmp_path / "demo.json")
     assert outcome.status == 0, outcome.out + outcome.err
     reported = json.loads((tmp_path / "demo.json").read_text(encoding="utf-8"))
     assert reported["ok"] is True
     assert reported["checks"] == {"tire_fmi3.fmu": True, "tire_fmi2.fmu": True}
-    # Both recipes, against each other.
+    # Comparison of both recipes.
     rmse = {r: {c["channel"]: c["rmse"] for c in reported[r]["channels"]} for r in ("trento", "joint")}
     assert all(rmse["joint"][name] < rmse["trento"][name] for name in ("Fx", "Fy", "Mz"))
-    # A missing effect shows in the residuals, and no longer when it is there.
+    # A missing effect is visible in the residuals, and not after it was added.
     missing = reported["missing_effect"]
     assert (missing["effect"], missing["channel"]) == ("camber_thrust", "Fy")
     assert missing["rmse_without"] > 1.2 * missing["rmse_with"]
@@ -31,7 +31,7 @@ def test_the_whole_circle(command, tmp_path):
     assert diagnosis["gap"]["after"] < 0.7 * diagnosis["gap"]["before"]
     for when in ("before", "after"):
         assert diagnosis["simulated"][when]["difference_from_direct_evaluation"] < 1e-9
-    # What it says that it wrote is there.
+    # The reported files exist.
     files = {"bench.csv", "truth.tir", "trento.tir", "joint.tir", "without_camber_thrust.tir", "missing_effect.png"}
     made = {"figures", "diagnosis", "tire_fmi2.fmu", "tire_fmi3.fmu"}
     assert files | made == {path.name for path in folder.iterdir()}

@@ -1,4 +1,4 @@
-"""``tirefmu info``: what is in a tire, where its values come from, and what looks implausible."""
+"""``tirefmu info``: contents of a tire, sources of its values, and implausible values."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from tirefmu.tires import Tire, published
 from tirefmu.tires.property_file.reading import read_tir_with_notes
 
 FILES = ["MagicFormula52", "MagicFormula61", "MagicFormula62"]
-#: The models with the coefficients that these tests spoil.
+#: The models with the coefficients that these tests change.
 MAGIC = [name for name, book in MODELS.items() if "PDX1" in book.coefficients]
 
 
 def generic(model="mf61", **values):
-    """Return a tire of generic values that nothing is wrong with, but for those given."""
-    cards = MODELS[model].coefficients
-    start = {name: declared.generic for name, declared in cards.items() if declared.neutral is None}
+    """Return a tire of plausible generic values, except for those given."""
+    declarations = MODELS[model].coefficients
+    start = {name: declared.generic for name, declared in declarations.items() if declared.neutral is None}
     return Tire(model, {**start, **values}, signs="adapted-sae")
 
 
@@ -35,7 +35,7 @@ def doubts(tire):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_a_generic_tire_raises_no_doubt(model):
+def test_a_generic_tire_has_no_doubts(model):
     assert doubts(generic(model)) == {}
 
 
@@ -106,7 +106,7 @@ def test_a_file_of_the_field_is_reported_in_full(name, golden):
     assert all(reported["values"][key] == value for key, value in reported["missing"].items())
 
 
-def test_a_quantity_that_is_no_number_is_reported_as_none():
+def test_a_quantity_that_is_not_finite_is_reported_as_none():
     reported = describe(generic("mf96", PKX3=-2.0, PKX1=0.0, PDX1=0.0, PCX1=0.0))
     assert json.dumps(reported, allow_nan=False)
     assert not any(value is not None and math.isnan(value) for value in [d["value"] for d in reported["implausible"]])

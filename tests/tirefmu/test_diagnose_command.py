@@ -1,4 +1,4 @@
-"""``tirefmu diagnose``: the folder that it writes, and that the tires in it are what the report claims."""
+"""``tirefmu diagnose``: the files that it writes, and the agreement of the tires with the report."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ VALUES = {
 
 @pytest.fixture(scope="module")
 def recording(tmp_path_factory):
-    """Slow alpha sweeps at three loads and three inclinations of a tire with camber thrust, Fy alone, noisy."""
+    """Slow alpha sweeps at three loads and three inclinations of a tire with camber thrust, Fy only, with noise."""
     rng = np.random.default_rng(5)
     rows = []
     for load in (1500.0, 3000.0, 4500.0):
@@ -37,7 +37,7 @@ def recording(tmp_path_factory):
     return path
 
 
-def test_a_hidden_effect_is_named_and_written(recording, tmp_path):
+def test_a_hidden_effect_is_identified_and_written(recording, tmp_path):
     folder = tmp_path / "answer"
     arguments = ["diagnose", str(recording), "--signs", "adapted-sae", "--effects", ",".join(EFFECTS), "--nominal",
                  "Fz0=3000,R0=0.3,p0=200000,V0=16.7", "-o", str(folder), "--no-fmu", "--quiet"]  # fmt: skip
@@ -53,7 +53,7 @@ def test_a_hidden_effect_is_named_and_written(recording, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("more", "said"),
+    ("more", "message"),
     [
         (["--effects", "camber_trust"], "camber_thrust"),
         (["--effect", "missing.toml"], "missing.toml: cannot be read"),
@@ -61,10 +61,10 @@ def test_a_hidden_effect_is_named_and_written(recording, tmp_path):
         (["--model", "mf69"], "unknown model 'mf69'"),
     ],
 )
-def test_bad_input_is_one_line(recording, tmp_path, capsys, more, said):
+def test_bad_input_is_one_line(recording, tmp_path, capsys, more, message):
     nominal = [] if "--nominal" in more else ["--nominal", "Fz0=3000,R0=0.3"]
     assert main(["diagnose", str(recording), *nominal, *more, "-o", str(tmp_path / "answer"), "--quiet"]) == 2
     error = capsys.readouterr().err
-    assert said in error
+    assert message in error
     assert len(error.strip().splitlines()) == 1
     assert not (tmp_path / "answer").exists()

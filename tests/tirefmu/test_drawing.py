@@ -1,4 +1,4 @@
-"""Figures of a tire by itself: what they show is what the tire computes, for every model and convention."""
+"""Figures of a tire: the curves are those that the tire computes, for every model and convention."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def small():
 
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch):
-    """Draw with fewer pixels: what is looked at here is not their number."""
+    """Draw with fewer pixels, whose number is not tested here."""
     monkeypatch.setattr(files, "DPI", 40)
 
 
@@ -102,16 +102,16 @@ def test_the_side_force_over_the_longitudinal_force_is_the_tires(small):
         np.testing.assert_allclose(y, forces["Fy"], rtol=1e-9, atol=1e-9)
 
 
-def test_what_is_zero_is_not_drawn_but_reported(small):
+def test_a_zero_output_is_reported_instead_of_drawn(small):
     figure = drawing.pure(drawing.Sketch(small, "iso", (60.0,)))
     assert [ax.get_ylabel() for ax in figure.axes] == ["$F_x$ (N)", "$F_y$ (N)"]
     assert "$M_z$ 0 everywhere" in figure.get_supxlabel()
 
 
 def test_a_load_beyond_the_range_is_reported(small):
-    for loads, said in (((60.0, 160.0), False), ((60.0, 300.0), True)):
+    for loads, noted in (((60.0, 160.0), False), ((60.0, 300.0), True)):
         text = drawing.pure(drawing.Sketch(small, "iso", loads)).get_supxlabel()
-        assert ("300 N: outside 60 to 160 N" in text.replace("\n", " ")) is said
+        assert ("300 N: outside 60 to 160 N" in text.replace("\n", " ")) is noted
 
 
 def test_the_small_tires_loads_are_the_papers(small):
@@ -130,7 +130,7 @@ def test_the_default_loads_lie_in_the_range(first, second, nominal):
 
 
 @pytest.mark.parametrize("loads", [[], [0.0], [-60.0], [nan], [float("inf")], [60.0, -1.0]])
-def test_what_is_no_load_is_refused(small, loads, tmp_path):
+def test_invalid_loads_are_rejected(small, loads, tmp_path):
     with pytest.raises(TirefmuError, match="load"):
         files.draw(small, tmp_path / "figures", loads=loads)
     assert not (tmp_path / "figures").exists()
@@ -151,7 +151,7 @@ def test_a_tire_without_force_is_refused(tmp_path):
     assert not (tmp_path / "figures").exists()
 
 
-def test_a_force_that_is_not_finite_is_refused_with_its_place(small, tmp_path, monkeypatch):
+def test_a_force_that_is_not_finite_is_rejected_with_its_condition(small, tmp_path, monkeypatch):
     evaluate = drawing.evaluate
 
     def broken(tire, table, conventions):
@@ -192,7 +192,7 @@ def test_the_command_draws_a_file_and_reports_it_as_json(command, published_tir,
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "message"),
     [
         (("unicamp_small_tyre",), "did you mean unicamp_small_tire?"),
         (("missing.tir",), "missing.tir"),
@@ -201,17 +201,17 @@ def test_the_command_draws_a_file_and_reports_it_as_json(command, published_tir,
         (("unicamp_small_tire", "--signs", "din"), "'din' is not one of"),
     ],
 )
-def test_bad_input_is_one_line(command, arguments, said, tmp_path):
+def test_bad_input_is_one_line(command, arguments, message, tmp_path):
     outcome = command("draw", *arguments, "-o", tmp_path / "figures")
     assert outcome.status == 2
     assert outcome.out == ""
-    assert said in outcome.err
+    assert message in outcome.err
     assert len(outcome.err.splitlines()) == 1
     assert not (tmp_path / "figures").exists()
 
 
 @pytest.mark.parametrize("name", sorted(PUBLISHED))
-def test_other_commands_take_a_published_name_too(command, name):
+def test_other_commands_accept_a_published_name(command, name):
     outcome = command("info", name, "--quiet", "--json", "-")
     assert outcome.status == 0, outcome.err
     assert json.loads(outcome.out)["about"] == published(name).about
@@ -219,7 +219,7 @@ def test_other_commands_take_a_published_name_too(command, name):
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_a_tires_name_is_drawn_literally(text, tmp_path):
-    """An SVG stays an SVG: well-formed, with nothing in it that runs or is loaded."""
+    """The SVG is well-formed and contains no script and no external resource."""
     tire = Tire("mf96", {**SIZE, "PDY1": 1.0, "PKY1": 10.0, "PCY1": 1.3}, effects=(), name=text)
     sketch = drawing.Sketch(tire, "iso", (1000.0,))
     root = ET.fromstring(files._rendered(drawing.pure(sketch), "svg"))

@@ -1,4 +1,4 @@
-"""What `tirefmu fit` keeps, foretells and tells."""
+"""`tirefmu fit`: constraints, cross-validation and reports."""
 
 from __future__ import annotations
 

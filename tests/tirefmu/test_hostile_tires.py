@@ -1,4 +1,4 @@
-"""Tire files whose texts are C code with a constructor: nothing of it runs, in whatever is made of them."""
+"""Tire files whose texts are C code with a constructor: it does not run in anything generated from them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ TEXTS = {"description": '"friction"', "physics": '"friction by load"', "source":
 
 @pytest.fixture(scope="module")
 def table(tmp_path_factory):
-    """Return the path of a table with so many rows that a compiled kernel evaluates it."""
+    """Return the path of a table with enough rows for a compiled kernel."""
     path = tmp_path_factory.mktemp("table") / "rows.csv"
     t = np.arange(3000) * 1e-3
     pd.DataFrame({"t": t, "alpha": 0.1 * np.sin(t), "kappa": 0.0, "Fz": 1000.0}).to_csv(path, index=False)
@@ -44,7 +44,7 @@ def tire_file(folder, *positions):
     )
     own, first = read_effect(EFFECT, "own.toml"), published("trento_hoosier")
     write_tir(replace(first, effects=[*first.effects, "own"], added=(own,)), folder / "tire.tir")
-    # As a hostile hand would: into the text of the file.
+    # As an attacker would: into the text of the file.
     hostile = effect_text(own)
     for position in positions:
         hostile = hostile.replace(TEXTS[position], toml_string(code))

@@ -1,4 +1,4 @@
-"""Ctrl-C during a fit: the best values so far are written, and --resume ends where the whole fit would have."""
+"""Ctrl-C during a fit: the best values so far are written, and --resume has the result of an uninterrupted fit."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def test_a_process_that_gets_the_signal(command, bench_csv, tmp_path):
     positions = ["-o", where[0], "--json", where[1], "--report", where[2]]
     saved = tmp_path / "tire.progress.json"
 
-    def listening():  # to what a shell takes from what it runs in the background
+    def listening():  # a shell ignores SIGINT in background processes
         signal.signal(signal.SIGINT, signal.SIG_DFL)
 
     process = subprocess.Popen(

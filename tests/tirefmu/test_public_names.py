@@ -21,8 +21,8 @@ NAMES = {
 
 
 def test_every_name_is_that_of_its_package():
-    for name, room in NAMES.items():
-        assert getattr(tirefmu, name) is getattr(room, name), name
+    for name, package in NAMES.items():
+        assert getattr(tirefmu, name) is getattr(package, name), name
     assert set(tirefmu.__all__) == NAMES.keys() | {"TirefmuError", "load"}
     assert tirefmu.__all__ == sorted(tirefmu.__all__)
 
@@ -66,7 +66,7 @@ LARGE = ("casadi", "fmpy", "matplotlib", "scipy", "pythonfmu")
 
 
 @pytest.mark.parametrize("statement", ["import tirefmu", "import tirefmu.cli"])
-def test_importing_brings_no_large_library_along(statement):
+def test_importing_loads_no_large_library(statement):
     code = f"import sys; {statement}; print(*[name for name in {LARGE!r} if name in sys.modules])"
     reported = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert reported.stdout.split() == []

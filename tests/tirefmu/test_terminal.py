@@ -1,4 +1,4 @@
-"""Text that a file brings reaches the terminal as text: no escape sequence, no markup, no second line."""
+"""Text of a file is printed as text: no escape sequence, no markup, no second line."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_titles_and_cells_are_text(text, capsys):
     assert is_plain(out)
     assert len(out) < 3 * len(text) * 6 + 20 * LONGEST_CELL
     if "[bold]" in text or "{{" in text:
-        assert out.count(text) == 4  # as it stands, no markup and no emoji in it
+        assert out.count(text) == 4  # unchanged, without markup and emoji
 
 
 @pytest.mark.parametrize("text", HOSTILE)
@@ -84,7 +84,7 @@ def test_the_command_line_is_reported_back_as_text(position, text, capsys):
         "pairs": ["fit", "missing.csv", "-o", "new.tir", "--nominal", text],
     }[position]
     if position == "a file":
-        text = text.replace("\x00", "").replace("\ud800", "")  # which no system hands to a command
+        text = text.replace("\x00", "").replace("\ud800", "")  # which no system passes to a command
         arguments = ["info", text]
     assert main(arguments) == 2
     captured = capsys.readouterr()
@@ -94,7 +94,7 @@ def test_the_command_line_is_reported_back_as_text(position, text, capsys):
     assert captured.err.startswith("tirefmu: error: ")
 
 
-def test_a_terminal_that_lacks_a_letter_still_gets_the_line(monkeypatch, tmp_path):
+def test_a_terminal_without_a_character_still_shows_the_line(monkeypatch, tmp_path):
     path = tmp_path / "tire.tir"
     replace(published("trento_hoosier"), name="Stra\u00dfe \u65e5").save(path)
     screen = io.BytesIO()

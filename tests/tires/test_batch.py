@@ -10,7 +10,7 @@ from tirefmu.tires.code import MANY_ROWS, code_for, fastest_code, kernel, numpy_
 from tirefmu.tires.code.compiler import CompilerError
 from tirefmu.tires.code.kernel import BLOCK
 
-#: Rounding of what a force is made of, as a share of the largest force.
+#: Rounding of the terms of a force, relative to the largest force.
 ROUNDING = 1e-12
 
 
@@ -68,7 +68,7 @@ def test_jacobians(model, parameters, routine):
     expected = getattr(code_for(model, "numpy"), routine)(rows, parameters)
     assert answer.shape == expected.shape
     assert np.isfinite(expected).all()
-    # A derivative's rounding is that of the force by the size of what it is derived by.
+    # The rounding of a derivative is that of the force divided by the size of the argument.
     inputs = np.maximum(np.abs(rows).max(axis=1), 1e-3)
     sizes = inputs if routine == "jacobian_inputs" else np.maximum(np.abs(parameters[: expected.shape[2]]), 1e-3)
     forces = np.abs(code_for(model, "numpy").forces(rows, parameters)).max(axis=1)
@@ -76,7 +76,7 @@ def test_jacobians(model, parameters, routine):
     assert np.max(np.abs(answer - expected) * sizes / terms) < ROUNDING
 
 
-def test_the_entries_are_all_that_is_not_zero(model, parameters):
+def test_the_entries_are_all_nonzero_derivatives(model, parameters):
     rows = rows_of(model, 200)
     kernels, numpy = code_for(model, "batch"), code_for(model, "numpy")
     dense, (force, coefficient) = kernels.jacobian_parameters(rows, parameters), kernels.entries
@@ -91,22 +91,22 @@ def test_the_entries_are_all_that_is_not_zero(model, parameters):
 @pytest.mark.parametrize("language", ["numpy", "c", "batch"])
 def test_chunks_are_the_entries_in_turn(model, parameters, language):
     code, rows = code_for(model, language), rows_of(model, 150)
-    # No row for a kernel; NumPy would take another routine, with other rounding, for the chunks without it.
+    # Not a row for a kernel; NumPy would use another routine, with other rounding, for the chunks without it.
     if MODELS[model].on_demand and language != "numpy":
         rows[row_of(model, "phit"), 140] = 0.1
     for inputs in (rows, rows[:, :130]):
-        chunks = [(place, entries.copy()) for place, entries in code.jacobian_chunks(inputs, parameters, 64)]
-        assert [place.stop - place.start for place, _ in chunks] == [64, 64, inputs.shape[1] - 128]
+        chunks = [(part, entries.copy()) for part, entries in code.jacobian_chunks(inputs, parameters, 64)]
+        assert [part.stop - part.start for part, _ in chunks] == [64, 64, inputs.shape[1] - 128]
         whole = code.jacobian_entries(inputs, parameters)
         np.testing.assert_array_equal(np.concatenate([entries for _, entries in chunks], axis=1), whole)
 
 
-def test_rows_that_no_kernel_covers(model, parameters):
+def test_rows_outside_the_range_of_the_kernels(model, parameters):
     rows = rows_of(model, 3 * BLOCK)
-    strange = [np.nan, np.inf, -np.inf, 0.0, -0.0, 1e-310]  # a huge angle would show its own rounding only
-    for place, value in enumerate(strange):
+    strange = [np.nan, np.inf, -np.inf, 0.0, -0.0, 1e-310]  # a huge angle would only show rounding
+    for position, value in enumerate(strange):
         for k in range(len(rows)):
-            rows[k, 7 * place + k] = value
+            rows[k, 7 * position + k] = value
     if MODELS[model].on_demand:
         rows[row_of(model, "phit"), -5:] = 0.1
     assert_same(
@@ -154,7 +154,7 @@ def test_the_fastest_code(monkeypatch):
     selection._code_for.cache_clear()
 
 
-def test_flags_that_the_compiler_refuses_are_left_out(monkeypatch, tmp_path, parameters, model):
+def test_flags_that_the_compiler_rejects_are_omitted(monkeypatch, tmp_path, parameters, model):
     monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path))
     monkeypatch.setattr(kernel, "FLAGS", (("-no-such-flag-as-this",), kernel.FUSED))
     built = kernel.Kernel(MODELS[model], "forces", len(MODELS[model].outputs))

@@ -1,4 +1,4 @@
-"""The cache: nothing damaged or foreign is used, nothing half written is seen, and the program works without it."""
+"""The cache: damaged or third-party entries are not used, entries are stored atomically, and the cache is optional."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ STRANGER = 54321
 
 @pytest.fixture(autouse=True)
 def nothing_yet(tmp_path, monkeypatch):
-    """Give each test a cache of its own, and forget what this process used and warned of."""
+    """Give each test a separate cache, and clear the record of used entries and warnings of this process."""
     monkeypatch.setenv("TIREFMU_CACHE", str(tmp_path / "cache"))
     monkeypatch.setattr(build_cache, "_used", set())
     monkeypatch.setattr(build_cache, "_private", [])
@@ -35,7 +35,7 @@ def cache(tmp_path):
 
 
 class Maker:
-    """Writes two files, and counts how often."""
+    """Write two files, and count the calls."""
 
     def __init__(self, content="content"):
         self.content, self.made = content, 0
@@ -75,26 +75,26 @@ def test_only_the_user_can_enter_it(cache):
 
 
 @unix
-@pytest.mark.parametrize("place", [".", "below", "other", "below/file", RECORD])
-def test_what_others_can_write_is_made_again(cache, place):
+@pytest.mark.parametrize("part", [".", "below", "other", "below/file", RECORD])
+def test_an_entry_that_others_can_write_is_built_again(cache, part):
     make = Maker()
-    (cached("entry", make) / place).chmod(0o777)
+    (cached("entry", make) / part).chmod(0o777)
     assert content_of(cached("entry", make)) == "content"
     assert make.made == 2
 
 
 @root
-@pytest.mark.parametrize("place", [".", "other", "below/file"])
-def test_what_belongs_to_another_user_is_made_again(cache, place):
+@pytest.mark.parametrize("part", [".", "other", "below/file"])
+def test_an_entry_of_another_user_is_built_again(cache, part):
     make = Maker()
-    os.chown(cached("entry", make) / place, STRANGER, STRANGER)
+    os.chown(cached("entry", make) / part, STRANGER, STRANGER)
     cached("entry", make)
     assert make.made == 2
-    assert (cache / "entry" / place).stat().st_uid == os.geteuid()
+    assert (cache / "entry" / part).stat().st_uid == os.geteuid()
 
 
 def private(entry, cache, caplog):
-    """Whether an entry is elsewhere, for this process only, after one line that says why."""
+    """Return whether an entry is in a temporary folder of this process, after one line with the reason."""
     (record,) = caplog.records
     assert record.name == "tirefmu"
     assert "\n" not in record.getMessage()
@@ -115,7 +115,7 @@ def test_a_folder_that_others_can_write_is_not_used(tmp_path, monkeypatch, caplo
     assert cached("entry", make) == entry
     assert make.made == 1
     assert names(folder) == []
-    if shared == "..":  # as in /tmp: nobody can put another folder in its place
+    if shared == "..":  # as in /tmp: no other user can replace the folder
         (folder / shared).chmod(0o1777)
         assert cached("other", make) == folder / "other"
 
@@ -144,7 +144,7 @@ def test_a_cache_that_is_no_folder(cache, caplog, monkeypatch, what):
 
 
 def full(monkeypatch, below):
-    """Let a disk be full where the path says so."""
+    """Simulate a full disk below a folder."""
     write = Path.write_bytes
 
     def write_bytes(path, content):
@@ -185,13 +185,13 @@ def test_a_folder_that_cannot_be_written(cache, caplog, monkeypatch):
 
     mkdtemp = build_cache.tempfile.mkdtemp
     monkeypatch.setattr(build_cache.tempfile, "mkdtemp", refuse)
-    assert cached("entry", make) == first  # what is there can be used
+    assert cached("entry", make) == first  # the existing entry can be used
     assert not caplog.records
     assert private(cached("other", make), cache, caplog)
 
 
 @pytest.mark.parametrize("before", ["nothing", "damaged"])
-def test_many_that_make_the_same_at_once(cache, caplog, before):
+def test_concurrent_builds_of_one_entry(cache, caplog, before):
     n = 8
     if before == "damaged":
         (cached("entry", Maker()) / "other").write_bytes(b"")
@@ -212,7 +212,7 @@ def test_many_that_make_the_same_at_once(cache, caplog, before):
     assert not caplog.records
 
 
-def test_one_that_another_process_stored_stays(cache):
+def test_an_entry_stored_by_another_process_is_preserved(cache):
     def make(folder):
         Maker("ours")(folder)
         cached("entry", Maker("theirs"))
@@ -221,7 +221,7 @@ def test_one_that_another_process_stored_stays(cache):
     assert names(cache) == ["entry"]
 
 
-def test_what_fails_leaves_nothing(cache):
+def test_a_failed_build_leaves_no_files(cache):
     def make(folder):
         (folder / "half").write_text("half", encoding="ascii")
         raise ValueError("no further")
@@ -233,13 +233,13 @@ def test_what_fails_leaves_nothing(cache):
 
 @pytest.fixture
 def aged(cache, monkeypatch):
-    """Return a function that stores an entry as by another process, so many days ago."""
+    """Return a function that stores an entry as another process would have, a number of days ago."""
 
     def store(name, days):
-        place = cached(name, Maker())
-        monkeypatch.setattr(build_cache, "_used", build_cache._used - {place})
-        os.utime(place, (time.time() - days * 86_400.0,) * 2)
-        return place
+        path = cached(name, Maker())
+        monkeypatch.setattr(build_cache, "_used", build_cache._used - {path})
+        os.utime(path, (time.time() - days * 86_400.0,) * 2)
+        return path
 
     return store
 
@@ -262,7 +262,7 @@ def test_the_cache_does_not_grow_without_limit(cache, aged, monkeypatch):
     assert names(cache) == ["middle", "new", "newer", "not ours", "recent"]  # may be in use, here and elsewhere
 
 
-def test_the_cache_is_the_users_unless_told(monkeypatch, tmp_path):
+def test_the_default_cache_is_that_of_the_user(monkeypatch, tmp_path):
     monkeypatch.delenv("TIREFMU_CACHE")
     if sys.platform.startswith("linux"):
         monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
@@ -278,11 +278,11 @@ def test_the_cache_is_the_users_unless_told(monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize("language", ["numpy", "casadi"])
-def test_printed_code_that_was_changed_is_not_run(cache, monkeypatch, tmp_path, language):
+def test_modified_generated_code_is_not_run(cache, monkeypatch, tmp_path, language):
     book = model("mf61", with_library("mf61", ["speed_friction"], ()))
     calls = []
 
-    def rendered(book):  # the real code takes its time
+    def rendered(book):  # the real code takes long
         calls.append(book)
         return {f"{language}/{book.name}.py": "VALUE = 42\n"}
 

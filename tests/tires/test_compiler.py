@@ -1,4 +1,4 @@
-"""The C compiler: found or missed in one line, its libraries built once."""
+"""The C compiler: a missing one gives one line, and libraries are built once."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def test_another_content_compiler_or_flag_is_another_library(empty_cache, source
 
 
 @needs_compiler
-def test_what_the_compiler_refuses(empty_cache, source):
+def test_source_that_does_not_compile(empty_cache, source):
     source.write_text("int answer(void) { return }\n", encoding="ascii")
     with pytest.raises(CompilerError) as caught:
         built(source)
@@ -107,7 +107,7 @@ def test_what_the_compiler_refuses(empty_cache, source):
 
 
 @needs_compiler
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only the linker of Linux is told to look")
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only the linker of Linux can check this")
 def test_an_undefined_function_is_found_when_linking(empty_cache, source):
     source.write_text("double missing(double); double answer(void) { return missing(1.0); }\n", encoding="ascii")
     with pytest.raises(CompilerError, match="missing"):
@@ -162,12 +162,12 @@ def test_a_library_that_cannot_be_loaded_is_built_again(empty_cache, source):
     path.write_bytes(content)
     record = f"{hashlib.sha256(content).hexdigest()} {len(content)} {path.name}\n"
     path.with_name(RECORD).write_text(record, encoding="ascii")
-    assert built(source).read_bytes() == content  # nothing in the cache tells
+    assert built(source).read_bytes() == content  # the cache cannot detect this
     assert loaded(source).answer() == 42
 
 
 @needs_compiler
-def test_what_can_never_be_loaded_is_one_line(empty_cache, source):
+def test_a_library_that_never_loads_gives_one_line(empty_cache, source):
     with pytest.raises(CompilerError, match=r"answer\S* is built, but cannot be loaded: ") as caught:
         loaded_library("answer", [source], headers=[source.with_suffix(".h")], flags=["-c"])
     assert "\n" not in str(caught.value)

@@ -1,4 +1,4 @@
-"""A table evaluated: the other side of the vehicle, conventions by name, inputs that a tire has no effect for."""
+"""Evaluation of a table: the other side of the vehicle, conventions by name, inputs without influence on a tire."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from tirefmu.tires import Tire, convert_signs
 from tirefmu.tires.signs import MIRRORED
 
 BODY = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3, "PKY1": -18.0, "PKY2": 2.0, "PDY2": -0.2}
-#: One of each kind that tells left from right.
-LOPSIDED = {"PHY1": 0.01, "PVY1": 0.02, "QDZ6": 0.01, "RHX1": 0.01, "PEY3": 0.1, "QDZ8": -0.3, "PVY3": -0.4}
+#: One asymmetric coefficient of each kind.
+ASYMMETRIC = {"PHY1": 0.01, "PVY1": 0.02, "QDZ6": 0.01, "RHX1": 0.01, "PEY3": 0.1, "QDZ8": -0.3, "PVY3": -0.4}
 
 
 MAGIC = ("mf96", "mf52", "mf61", "mf62")
 
 
-def lopsided(name):
-    """Return a tire with plysteer, conicity and all."""
+def asymmetric(name):
+    """Return a tire with plysteer, conicity and every other asymmetry."""
     declarations = Tire(name, BODY).book.coefficients
     more = {
         "QSX1": 0.01,
@@ -36,7 +36,7 @@ def lopsided(name):
         "PHYP2": 0.1,
         "QCRP1": 0.2,
     }
-    return Tire(name, {**BODY, **LOPSIDED, **{key: value for key, value in more.items() if key in declarations}})
+    return Tire(name, {**BODY, **ASYMMETRIC, **{key: value for key, value in more.items() if key in declarations}})
 
 
 def drawn(n=50, seed=0):
@@ -54,13 +54,13 @@ def drawn(n=50, seed=0):
 
 
 def turned(table):
-    """Return a table of inputs or outputs as seen in a mirror in the wheel plane."""
+    """Return a table of inputs or outputs, mirrored in the wheel plane."""
     return table.assign(**{name: -table[name] for name in table if name in MIRRORED})
 
 
 @pytest.fixture(params=MAGIC)
 def tire(request):
-    return lopsided(request.param)
+    return asymmetric(request.param)
 
 
 @pytest.mark.parametrize("signs", ["iso", "adapted-sae", "sae"])
@@ -70,9 +70,9 @@ def test_the_other_side_is_the_mirror_image(tire, signs):
     answer = tire.evaluate(table, signs=signs, mirror=True)
     np.testing.assert_allclose(answer[forces], expected, rtol=1e-12, atol=1e-9)
     for name in set(table) & set(answer):
-        np.testing.assert_array_equal(answer[name], table[name])  # the inputs come back as given
+        np.testing.assert_array_equal(answer[name], table[name])  # the inputs are returned unchanged
     other = tire.evaluate(table, signs=signs)
-    assert np.max(np.abs(answer["Fy"] - other["Fy"])) > 10.0  # a lopsided tire shows it
+    assert np.max(np.abs(answer["Fy"] - other["Fy"])) > 10.0  # the tire is asymmetric
 
 
 @settings(max_examples=40)
@@ -82,12 +82,12 @@ def test_the_other_side_is_the_mirror_image(tire, signs):
 )  # fmt: skip
 @pytest.mark.parametrize("name", MAGIC)
 def test_twice_in_the_mirror_is_the_tire(name, kappa, alpha, gamma, load, speed, spin):
-    tire = lopsided(name)
+    tire = asymmetric(name)
     row = pd.DataFrame([{"kappa": kappa, "alpha": alpha, "gamma": gamma, "Fz": load, "V": speed, "phit": spin}])
     forces = list(tire.outputs)
     mirrored = tire.evaluate(turned(row), mirror=True)
     pd.testing.assert_frame_equal(turned(mirrored[forces]), tire.evaluate(row)[forces], check_exact=True)
-    # Its quantities are those of the tire as measured, at what it sees.
+    # Its quantities are those of the measured tire at the mirrored inputs.
     pd.testing.assert_series_equal(mirrored["K_yalpha"], tire.evaluate(row)["K_yalpha"], check_exact=True)
 
 
@@ -106,8 +106,8 @@ def test_forces_are_the_evaluation_at_its_defaults(tire):
 
 
 @pytest.mark.parametrize("model", MAGIC[1:])
-def test_turn_slip_is_silent_in_a_tire_without_it(model):
-    tire = lopsided(model)
+def test_turn_slip_has_no_influence_on_a_tire_without_it(model):
+    tire = asymmetric(model)
     plain = replace(tire, effects=tire.has - {"turn_slip"})
     table, forces = drawn(), list(tire.outputs)
     straight = tire.evaluate(table.assign(phit=0.0))
@@ -118,17 +118,17 @@ def test_turn_slip_is_silent_in_a_tire_without_it(model):
 
 
 @pytest.mark.parametrize(
-    ("options", "said"),
+    ("options", "message"),
     [
         ({"convention": "tnt"}, "unknown value of convention 'tnt': did you mean tno?"),
         ({"slip_angle": "angel"}, "unknown value of slip_angle 'angel': did you mean angle?"),
         ({"signs": "isso"}, "unknown sign convention 'isso': did you mean iso?"),
     ],
 )
-def test_an_unknown_convention_is_refused(tire, options, said):
+def test_an_unknown_convention_is_refused(tire, options, message):
     with pytest.raises(UnknownName) as caught:
         tire.evaluate(drawn(), **options)
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 

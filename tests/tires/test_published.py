@@ -1,4 +1,4 @@
-"""The published tires. The small tire's printed tables stand here, with its formula as printed: kappa in percent."""
+"""The published tires. The small tire's printed tables are copied here, with its printed formula: kappa in percent."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ COMBINED = {
     "RVY6": 55.0112,
 }  # fmt: skip
 PRINTED = PURE_FX | PURE_FY | COMBINED
-#: What the paper does not print.
+#: Values that the paper does not print.
 NOMINAL_LOAD, DPI = 60.0, 0.38
 
 LOADS = (60.0, 110.0, 160.0)
@@ -94,7 +94,7 @@ def turns(values):
 
 
 @pytest.mark.parametrize("name", sorted(PUBLISHED))
-def test_every_published_tire_can_be_read_and_carries_its_source(name):
+def test_every_published_tire_can_be_read_and_states_its_source(name):
     tire = published(name)
     assert tire.signs == PUBLISHED[name]
     assert tire.about["source"]
@@ -111,7 +111,7 @@ def test_a_published_tire_survives_writing(name, tmp_path):
     assert again.ranges == tire.ranges
 
 
-def test_an_unknown_one_is_named_with_its_neighbour():
+def test_an_unknown_tire_is_reported_with_the_nearest_name():
     with pytest.raises(UnknownName, match="unicamp_small_tire"):
         published("unicamp_smal_tire")
 
@@ -122,7 +122,7 @@ def test_the_small_tire_has_the_forces_of_the_printed_formula(small):
     exact = replace(small, values={**small.values, **printed})
     computed = exact.evaluate(table, signs="adapted-sae", slip_angle="angle")
     Fx, Fy, _ = paper_forces(100.0 * table["kappa"], table["alpha"], table["Fz"])
-    # The book's eps of 1e-6 N stands in the stiffness factors alone.
+    # The book's eps of 1e-6 N is in the stiffness factors only.
     np.testing.assert_allclose(computed["Fx"], Fx, rtol=1e-6, atol=1e-6)
     np.testing.assert_allclose(computed["Fy"], Fy, rtol=1e-6, atol=1e-6)
     assert {name for name in PURE_FX | PURE_FY if abs(PRINTED[name]) != abs(small.values[name])} == {
@@ -130,7 +130,7 @@ def test_the_small_tire_has_the_forces_of_the_printed_formula(small):
     }  # fmt: skip
 
 
-def test_the_tamed_weight_moves_the_side_force_less_than_the_paper_misses_its_data(small):
+def test_the_replaced_weight_changes_the_side_force_less_than_the_error_of_the_paper(small):
     table = bench()
     computed = small.evaluate(table, signs="adapted-sae", slip_angle="angle")
     Fx, Fy, _ = paper_forces(100.0 * table["kappa"], table["alpha"], table["Fz"])
@@ -140,7 +140,7 @@ def test_the_tamed_weight_moves_the_side_force_less_than_the_paper_misses_its_da
     assert moved[table["alpha"].abs() > 0.05].max() < 0.2
 
 
-def test_what_is_left_out_is_small_where_the_bench_measured_and_a_spike_at_zero(small):
+def test_the_omitted_term_is_small_in_the_measured_range_and_a_spike_at_zero(small):
     table = bench()
     _, _, own = paper_forces(100.0 * table["kappa"], table["alpha"], table["Fz"])
     straight = table["alpha"].abs() < 1e-12
@@ -161,7 +161,7 @@ def test_the_printed_cornering_stiffness_reverses_between_the_loads_and_the_repl
     assert turns(replaced) <= 1
 
 
-def test_the_small_tire_does_not_spike(small):
+def test_the_small_tire_has_no_spike(small):
     odd_angles, odd_slips = [0.0, PRINTED["RBY3"], -PRINTED["RHX1"]], [0.0]
     dfz = np.array(LOADS) / NOMINAL_LOAD - 1.0
     for first, second in (("RHY1", "RHY2"), ("PHX1", "PHX2")):
@@ -181,7 +181,7 @@ def test_the_small_tire_has_no_peak_of_the_longitudinal_force(small):
         assert np.all(np.diff(small.forces(kappa=slips, Fz=load)["Fx"]) > 0.0)
 
 
-def test_the_small_tire_says_what_is_not_printed(small):
+def test_the_small_tire_states_what_is_not_printed(small):
     assert {"printed", "inferred", "replaced", "left_out"} <= small.about.keys()
     assert small.ranges["Fz"] == (60.0, 160.0)
     assert small.ranges["alpha"] == pytest.approx((-radians(20.0), radians(20.0)))

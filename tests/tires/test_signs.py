@@ -40,7 +40,7 @@ def test_by_way_of_a_third(table, source, target):
         pd.testing.assert_frame_equal(detour, convert_signs(table, source, target))
 
 
-def test_missing_columns_do_not_matter_and_the_table_is_left_alone(table):
+def test_missing_columns_are_ignored_and_the_table_is_not_modified(table):
     slips = table[["kappa", "alpha"]]
     turned = convert_signs(slips, "sae", "iso")
     assert turned["alpha"].tolist() == (-slips["alpha"]).tolist()

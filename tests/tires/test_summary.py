@@ -1,4 +1,4 @@
-"""A tire with other values, drawn, and shown in a few lines."""
+"""Changed values, figures and the summary of a tire."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def test_other_values_make_another_tire():
     assert plain.with_values(FZMIN=500.0, FZMAX=900.0).ranges["Fz"] == (500.0, 900.0)
 
 
-def test_values_that_no_tire_can_have():
+def test_invalid_values():
     tire = Tire("mf61", SIZE, effects=["load_friction"])
     with pytest.raises(UnknownName, match="unknown coefficient of mf61 'PDYI': did you mean PDY"):
         tire.with_values(PDYI=1.3)
@@ -45,7 +45,7 @@ def test_a_tire_is_shown_in_a_few_lines(name):
     assert "<td>PDY1</td>" in tire._repr_html_()
 
 
-def test_what_a_file_says_is_shown_harmless():
+def test_text_of_a_file_is_escaped():
     tire = Tire("mf61", SIZE, name='"><script>alert(1)</script>\x1b[2J\n' + "x" * 500)
     shown = repr(tire)
     assert len(shown.splitlines()) <= 6

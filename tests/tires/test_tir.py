@@ -1,4 +1,4 @@
-"""Tire files: what is written is read back to the last bit; what is broken is said in one line."""
+"""Tire files: a written tire is read back to the last bit; an invalid file is reported in one line."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ texts = st.text(alphabet=st.one_of(st.characters(), st.sampled_from("'\"\\$!=[]\
 
 @st.composite
 def tires(draw):
-    """Any tire whatever: the file does not ask whether it is plausible."""
+    """Any tire: a file does not require that it is plausible."""
     book = MODELS[draw(st.sampled_from(sorted(MODELS)))]
     ends = {key for pair in RANGES.values() for key in pair}  # drawn as ranges, which are never crossed
     values = draw(st.dictionaries(st.sampled_from(sorted(book.coefficients.keys() - ends)), finite))
@@ -92,19 +92,19 @@ def test_a_published_tire_is_written_as_it_was_read(tmp_path, name):
         "50 % ! = [x]",
     ],
 )
-def test_a_text_is_read_back_to_the_letter(tmp_path, text):
+def test_a_text_is_read_back_exactly(tmp_path, text):
     tire = replace(published("trento_hoosier"), name=text, about={"source": text, "after": "the next line"})
     tire.save(tmp_path / "written.tir")
     again = read_tir(tmp_path / "written.tir")
     assert again.name == again.about["source"] == text
     assert again.about["after"] == "the next line"
-    # What another reader takes for a comment, or for a second line, is not there.
+    # The file contains nothing that another reader takes for a comment or for a second line.
     line = next(line for line in tir_text(tire).splitlines() if line.startswith("NAME = "))
     assert not set("$!") & set(line)
 
 
 @pytest.mark.parametrize("key", ["name", "effects", "fittyp", "pky1", "length", "fzmin", "tirefmu_model", "core_pky1"])
-def test_what_is_told_about_a_tire_is_never_taken_for_its_values(tmp_path, key):
+def test_metadata_is_never_read_as_values(tmp_path, key):
     tire = replace(published("trento_hoosier"), about={key: "7"}, effects=["camber_thrust"])
     tire.save(tmp_path / "written.tir")
     assert read_tir(tmp_path / "written.tir") == tire.in_signs("iso")
@@ -128,7 +128,7 @@ def test_a_written_tire_is_iso_and_its_forces_are_mirrored(tmp_path):
 
 
 def test_a_core_tire_is_written_for_readers_without_switches(tmp_path):
-    """PKY2 = 1e6 and PKY1 scaled: without our own section the file is the same tire with all effects on."""
+    """PKY2 = 1e6 and PKY1 scaled: without the section of tirefmu the file is the same tire with all effects on."""
     core = replace(published("trento_hoosier"), effects=[])
     text = tir_text(core)
     (tmp_path / "others.tir").write_text(text[: text.index("[TIREFMU]")], encoding="utf-8")
@@ -142,8 +142,8 @@ def test_a_core_tire_is_written_for_readers_without_switches(tmp_path):
         np.testing.assert_allclose(ours[name], theirs[name], rtol=1e-9)
 
 
-def test_a_file_of_another_hand(tmp_path):
-    """Comments, cases, blanks, a table of shapes, sections that nobody knows, numbers of Fortran."""
+def test_a_file_of_another_author(tmp_path):
+    """Comments, cases, blanks, a table of shapes, unknown sections, numbers of Fortran."""
     (tmp_path / "other.tir").write_text(
         """! a comment
         [MDI_HEADER]
@@ -174,7 +174,7 @@ def test_a_file_of_another_hand(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("replaced", "by", "said"),
+    ("replaced", "by", "expected"),
     [
         ("PCY1 = 1", "PCY1 1", "'PCY1 1.1348519668471597' in [LATERAL_COEFFICIENTS] is not 'KEY = value'"),
         ("[VERTICAL]", "[VERTICAL", "section '[VERTICAL' is not closed by ']'"),
@@ -201,7 +201,7 @@ def test_a_file_of_another_hand(tmp_path):
         ("NAME = ", "EFECTS = 'none' $", "unknown key EFECTS of mf96: did you mean EFFECTS?"),
     ],
 )
-def test_a_broken_line_is_named(tmp_path, replaced, by, said):
+def test_a_broken_line_is_named(tmp_path, replaced, by, expected):
     text = tir_text(published("trento_hoosier"))
     before, found, after = text.partition(replaced)
     assert found
@@ -212,7 +212,7 @@ def test_a_broken_line_is_named(tmp_path, replaced, by, said):
         read_tir(path)
     message = str(caught.value)
     assert message.startswith(f"{path}:{line}: ")
-    assert said in message
+    assert expected in message
     assert "\n" not in message
 
 
@@ -225,7 +225,7 @@ def test_a_missing_coefficient_is_named(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("model", "said"),
+    ("model", "expected"),
     [
         (
             "FITTYP = 97",
@@ -235,16 +235,16 @@ def test_a_missing_coefficient_is_named(tmp_path):
         ("FITTYP = 'PAC'", "FITTYP = \"'PAC'\" is not a number"),
     ],
 )
-def test_a_model_that_is_not_ours(tmp_path, model, said):
+def test_an_unsupported_model(tmp_path, model, expected):
     path = tmp_path / "model.tir"
     path.write_text(f"[MODEL]\nOTHER = 1\n{model}\n[VERTICAL]\nFNOMIN = 1000\n", encoding="utf-8")
     with pytest.raises(TirError) as caught:
         read_tir(path)
-    assert said in str(caught.value)
+    assert expected in str(caught.value)
 
 
-@pytest.mark.parametrize("content", ["", "\n\n", "a letter to somebody\n", "[MODEL]\n"])
-def test_no_tire_file_at_all(tmp_path, content):
+@pytest.mark.parametrize("content", ["", "\n\n", "a letter to a customer\n", "[MODEL]\n"])
+def test_a_file_that_is_not_a_tire(tmp_path, content):
     path = tmp_path / "letter.tir"
     path.write_text(content, encoding="utf-8")
     with pytest.raises(TirError, match=r"letter\.tir: no line 'KEY = value' found: not a \.tir file"):
@@ -258,7 +258,7 @@ def test_a_missing_file_and_a_folder(tmp_path):
         read_tir(tmp_path)
 
 
-def test_nothing_is_left_behind_where_writing_fails(tmp_path):
+def test_a_failed_write_creates_no_file(tmp_path):
     tire = published("trento_hoosier")
     (tmp_path / "a_folder.tir").mkdir()
     with pytest.raises(TirError, match=r"a_folder\.tir: cannot be written"):
@@ -269,14 +269,14 @@ def test_nothing_is_left_behind_where_writing_fails(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="no folder is read-only for this user")
-def test_nothing_is_left_behind_in_a_read_only_folder(tmp_path):
+def test_a_failed_write_in_a_read_only_folder_creates_no_file(tmp_path):
     tmp_path.chmod(0o500)
     with pytest.raises(TirError, match="cannot be written"):
         published("trento_hoosier").save(tmp_path / "tire.tir")
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_failed_write_leaves_the_old_file(tmp_path, monkeypatch):
+def test_a_failed_write_preserves_the_old_file(tmp_path, monkeypatch):
     path = tmp_path / "tire.tir"
     path.write_text("the old one", encoding="utf-8")
 
@@ -310,7 +310,7 @@ def test_a_file_of_any_size_is_one_line(tmp_path):
 
 
 @pytest.mark.parametrize("value", ["9" * 100_000, "9" * 100_000 + "x", "1e" + "9" * 100_000, "." + "9" * 100_000])
-def test_digits_without_end_are_no_number(tmp_path, value):
+def test_a_number_with_too_many_digits_is_rejected(tmp_path, value):
     text = BASE + f"[LATERAL_COEFFICIENTS]\nPKY1 = {value}\n"
     refused(tmp_path, text, r"PKY1 = '[1.9][9e]+\.\.\.9+x?' is not a number")
 
@@ -322,8 +322,8 @@ def test_a_number_may_have_all_digits_of_a_double(tmp_path):
     assert read_tir(tmp_path / "exact.tir").values["PKY1"] == 5e-324
 
 
-def test_each_key_is_looked_at_once(tmp_path, monkeypatch):
-    """Twice the keys mean twice the steps: no coefficient's search goes over all of them."""
+def test_each_key_is_read_once(tmp_path, monkeypatch):
+    """Twice the keys take twice the steps: the search for a coefficient does not visit all keys."""
     steps = []
 
     class Counted(dict):
@@ -345,7 +345,7 @@ def test_each_key_is_looked_at_once(tmp_path, monkeypatch):
     assert many - few <= 10 * 500
 
 
-def test_similar_names_are_looked_for_a_limited_number_of_times(tmp_path, monkeypatch):
+def test_the_search_for_similar_names_is_bounded(tmp_path, monkeypatch):
     searched = []
     monkeypatch.setattr(reading, "near_miss", lambda key, names: searched.append(key))
     text = BASE + "[LATERAL_COEFFICIENTS]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(2 * MOST_SEARCHED))

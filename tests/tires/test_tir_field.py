@@ -1,4 +1,4 @@
-""".tir files as the field has them: every model number, every way to write a line, what is missing, what is more."""
+""".tir files of other tools: every model number, every notation, missing and additional keys."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ FILES = {"mf52": "MagicFormula52", "mf61": "MagicFormula61", "mf62": "MagicFormu
 
 @pytest.fixture(params=FILES)
 def field_file(request, golden):
-    """Return the model and the path of a file of the field."""
+    """Return the model and the path of a file of another tool."""
     return request.param, golden / f"{FILES[request.param]}_Parameters.tir"
 
 
@@ -35,18 +35,18 @@ def written(path, content, **how):
 
 
 def small(lines, model="FITTYP = 61"):
-    """Return the text of a small file with some lines more."""
+    """Return the text of a small file with additional lines."""
     return f"[MODEL]\n{model}\n[DIMENSION]\nUNLOADED_RADIUS = 0.3\n[VERTICAL]\nFNOMIN = 4000\n{lines}\n"
 
 
-def test_values_are_those_that_the_reference_reader_has(field_file, golden):
-    """Given or missing: every coefficient is what MFeval evaluated its golden rows with."""
+def test_values_are_those_of_the_reference_reader(field_file, golden):
+    """Given or missing, every coefficient equals that of MFeval for its golden rows."""
     model, path = field_file
     tire = read_tir(path)
     reference = json.loads((golden / f"{model}_{FILES[model]}_params.json").read_text(encoding="utf-8"))
     assert tire.model == model
     compared = {name: value for name, value in tire.values.items() if name in reference}
-    # Ours alone: what MFeval does not read, and the relaxation of the transient model.
+    # Of tirefmu only: keys that MFeval does not read, and the relaxation of the transient model.
     assert tire.values.keys() - compared.keys() <= {"QBZ6", "LMUV", "Q_A1", "Q_A2", "SIGX", "SIGY", "SIGC", "SIGK"}
     assert compared == {name: reference[name] for name in compared}
 
@@ -57,7 +57,7 @@ def test_what_the_file_lacks_is_listed(field_file):
     assert set(not_given(read_tir(path))) == MODELS[model].coefficients.keys() - keys
 
 
-def test_a_file_written_again_is_the_same_tire_with_all_that_it_held(field_file, tmp_path):
+def test_a_rewritten_file_is_the_same_tire_with_the_same_content(field_file, tmp_path):
     _, path = field_file
     tire = read_tir(path)
     again = tmp_path / path.name
@@ -73,7 +73,7 @@ def test_a_file_written_again_is_the_same_tire_with_all_that_it_held(field_file,
 
 
 @pytest.mark.parametrize("effects", ["'load_friction,camber_stiffness'", "''"])
-def test_what_is_assumed_for_an_absent_effect_is_left_to_the_tire(effects, tmp_path):
+def test_defaults_of_an_absent_effect_are_those_of_the_tire(effects, tmp_path):
     tire = read_tir(written(tmp_path / "t.tir", small(f"[TIREFMU]\nEFFECTS = {effects}")))
     write_tir(tire, tmp_path / "t.tir")
     assert read_tir(tmp_path / "t.tir") == tire
@@ -91,7 +91,7 @@ def test_a_relaxation_length_in_a_file_acts(lines, has, tmp_path):
 
 
 def test_what_a_file_lacks_is_the_same_in_other_signs(field_file):
-    """What readers assume is in ISO: it is mirrored with the rest, not taken anew."""
+    """Defaults of a reader are in ISO: they are mirrored with the other values, not assumed again."""
     _, path = field_file
     tire = read_tir(path)
     assert bits(tire.in_signs("adapted-sae").in_signs("iso")) == bits(tire)
@@ -118,7 +118,7 @@ WAYS = {
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_the_way_of_writing_does_not_matter(field_file, way, tmp_path):
+def test_the_notation_does_not_matter(field_file, way, tmp_path):
     _, path = field_file
     text = path.read_text(encoding="utf-8")
     (tmp_path / path.name).write_bytes(WAYS[way](text))
@@ -164,7 +164,7 @@ def test_a_file_without_number(form, lines, model, tmp_path):
     reading = read_tir_with_notes(path)
     assert reading.tire.model == model
     assert any(note.startswith(f"no FITTYP: {model} by ") for note in reading.notes)
-    # The name of the format comes back, beside a FITTYP that all readers understand.
+    # The name of the format is preserved, in addition to a FITTYP that all readers understand.
     text = tir_text(reading.tire)
     assert f"PROPERTY_FILE_FORMAT = '{form}'" in text
     assert re.search(r"^FITTYP = (6|61|62)$", text, re.MULTILINE)
@@ -221,14 +221,14 @@ def test_numbers(value, number, tmp_path):
 @pytest.mark.parametrize(
     "value", ["1,5", "1.5.2", "1e", "0x10", "1_000", "inf", "NaN", "1e999", "1 2", "'1", "--1", "1.5kN"]
 )
-def test_what_is_no_number_is_named(value, tmp_path):
+def test_a_value_that_is_not_a_number_is_reported(value, tmp_path):
     path = written(tmp_path / "t.tir", small(f"PDX1 = {value}"))
     with pytest.raises(TirError) as caught:
         read_tir(path)
     assert str(caught.value) == f"{path}:7: PDX1 = {value!r} is not a number"
 
 
-def test_a_key_that_almost_is_a_coefficient_is_noted_and_kept(tmp_path):
+def test_a_key_similar_to_a_coefficient_is_reported_and_preserved(tmp_path):
     lines = "[LATERAL_COEFFICIENTS]\nPDYI = 1.2\nLGAY = 1\n[SHOP]\nPDYI = 3"
     reading = read_tir_with_notes(written(tmp_path / "t.tir", small(lines)))
     (note,) = (note for note in reading.notes if "unknown" in note)
@@ -236,7 +236,7 @@ def test_a_key_that_almost_is_a_coefficient_is_noted_and_kept(tmp_path):
     assert ("LATERAL_COEFFICIENTS", "PDYI", "1.2") in reading.tire.other_entries
 
 
-def test_tables_headers_and_sections_of_others_are_kept_to_the_letter(tmp_path):
+def test_tables_headers_and_unknown_sections_are_preserved_exactly(tmp_path):
     lines = (
         "[MDI_HEADER]\n(COMMENTS)\n{comment_string}\n'Tire = x'\n[SHAPE]\n{radial width}\n 1.0\t0.0 $ a\n[VERTICAL]\n"
     )
@@ -265,7 +265,7 @@ def test_ranges_that_only_our_sections_hold(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("lines", "said"),
+    ("lines", "message"),
     [
         ("[TIREFMU]\nEFECTS = ''", "unknown key EFECTS of mf61: did you mean EFFECTS?"),
         ("[TIREFMU_ASSUMED]\nVERTICAL = 'Q_RE9'", "unknown coefficient Q_RE9 of mf61: did you mean Q_RE0?"),
@@ -275,9 +275,9 @@ def test_ranges_that_only_our_sections_hold(tmp_path):
         ("[LONG_SLIP_RANGE]\nKPUMIN = 1\nKPUMAX = -1", "KPUMIN = 1.0 lies above KPUMAX = -1.0"),
     ],
 )
-def test_what_is_broken_in_our_own_sections_is_named(lines, said, tmp_path):
+def test_faults_in_the_sections_of_tirefmu_are_reported(lines, message, tmp_path):
     path = written(tmp_path / "t.tir", small(lines))
     with pytest.raises(TirError) as caught:
         read_tir(path)
     assert str(caught.value).startswith(f"{path}:8: ")
-    assert said in str(caught.value)
+    assert message in str(caught.value)

@@ -1,4 +1,4 @@
-"""[UNITS] of .tir files: whatever a file is written in, it is the same tire."""
+"""[UNITS] of .tir files: a file in any units is the same tire."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tirefmu.tires import read_tir, write_tir
 from tirefmu.tires.property_file.reading import read_tir_with_notes
 from tirefmu.tires.property_file.units import UNITS
 
-#: Factors to SI, written down apart from the code that is tested.
+#: Factors to SI, independent of the tested code.
 SI = {
     "LENGTH": {"meter": 1.0, "mm": 1e-3, "cm": 1e-2, "inch": 0.0254, "foot": 0.3048, "km": 1e3, "mile": 1609.344},
     "FORCE": {"newton": 1.0, "kN": 1e3, "pound_force": 4.4482216152605, "kgf": 9.80665, "KG_FORCE": 9.80665},
@@ -23,7 +23,7 @@ SI = {
     "TIME": {"second": 1.0, "milli": 1e-3, "min": 60.0, "hour": 3600.0},
     "PRESSURE": {"pascal": 1.0, "bar": 1e5, "kPa": 1e3, "psi": 6894.757293168361},
 }
-#: What each kind of value is made of: unit key and power.
+#: The dimension of each kind of value: unit key and power.
 DIMENSIONS = {
     "UNLOADED_RADIUS": {"LENGTH": 1},
     "WIDTH": {"LENGTH": 1},
@@ -81,12 +81,12 @@ def read(path, text):
 
 
 def numbers(tire):
-    kept = {
+    converted = {
         key: float(value)
         for section, key, value in tire.other_entries
         if section in ("INERTIA", "DIMENSION", "VERTICAL")
     }
-    return {**tire.values, **kept}
+    return {**tire.values, **converted}
 
 
 @given(units=st.fixed_dictionaries({key: st.sampled_from(sorted(SI[key])) for key in SI}))
@@ -94,17 +94,17 @@ def test_any_units_are_the_same_tire(path, units):
     plain, other = read(path, text_in({})), read(path, text_in(units))
     assert numbers(other) == pytest.approx(numbers(plain), rel=1e-12)
     assert other.ranges["alpha"] == pytest.approx((-0.3, 0.3), rel=1e-12)
-    # The Magic Formula's own coefficients pass untouched, whatever their radians.
+    # The coefficients of the Magic Formula are not converted, whatever the unit of angles.
     assert all(other.values[name] == VALUES[name] for name in ("PHY1", "PKY1", "PVY3", "KPUMAX"))
-    # Written again, a file is in SI, to the last bit.
+    # A rewritten file is in SI, to the last bit.
     write_tir(other, path)
     assert read_tir(path) == other
     assert "LENGTH = 'meter'" in path.read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize("key", SI)
-def test_a_unit_changes_what_is_made_of_it_and_nothing_else(path, key):
-    """Neither a unit that nobody applies, nor one that leaks into other values."""
+def test_a_unit_changes_its_own_values_only(path, key):
+    """No unit is ignored, and none affects other values."""
     spelling, factor = sorted(SI[key].items(), key=lambda unit: unit[1])[-1]
     if key == "ANGLE":
         spelling, factor = "deg", pi / 180
@@ -131,7 +131,7 @@ def test_no_spelling_has_two_meanings():
 
 
 @pytest.mark.parametrize(
-    ("line", "said"),
+    ("line", "message"),
     [
         ("LENGTH = 'parsec'", "LENGTH in 'parsec'"),
         ("LENGTH = 'millimetr'", "LENGTH in 'millimetr': did you mean millimetre?"),
@@ -144,26 +144,26 @@ def test_no_spelling_has_two_meanings():
         ("LENGTH = ", "LENGTH in [UNITS] has no value"),
     ],
 )
-def test_an_unknown_unit_is_an_error_with_its_line(line, said, path):
+def test_an_unknown_unit_is_an_error_with_its_line(line, message, path):
     path.write_text(f"[UNITS]\n{line}\n{text_in({})}", encoding="utf-8")
     with pytest.raises(TirError) as caught:
         read_tir(path)
-    assert str(caught.value).startswith(f"{path}:2: {said}")
+    assert str(caught.value).startswith(f"{path}:2: {message}")
 
 
 def test_units_in_a_header_count(path):
-    """Some files have no [UNITS] but the same keys in [HEADER]; [UNITS] has the last word."""
+    """Some files have no [UNITS] but the same keys in [HEADER]; [UNITS] takes precedence."""
     assert read(path, text_in({"LENGTH": "mm", "FORCE": "kN"}, "HEADER")).values["UNLOADED_RADIUS"] == 0.31
     both = text_in({"LENGTH": "mm"}) + "\n[HEADER]\nLENGTH = 'inch'"
     assert read(path, both).values["UNLOADED_RADIUS"] == 0.31
 
 
-def test_a_mass_is_no_unit_of_mass(path):
+def test_the_value_of_a_mass_is_not_a_unit(path):
     tire = read(path, "[UNITS]\nMASS = 'gram'\n" + text_in({"LENGTH": "mm"}))
     assert ("INERTIA", "MASS", repr(9.0 * 1e-3)) in tire.other_entries
 
 
-def test_a_unit_behind_a_value_is_believed_only_where_it_says_the_same(path):
+def test_a_unit_after_a_value_must_agree_with_the_declared_one(path):
     text = re.sub(r"(UNLOADED_RADIUS = \S+)", r"\1 mm free radius", text_in({"LENGTH": "mm"}))
     assert read(path, text).values["UNLOADED_RADIUS"] == 0.31
     with pytest.raises(
@@ -172,7 +172,7 @@ def test_a_unit_behind_a_value_is_believed_only_where_it_says_the_same(path):
         read(path, text.replace("LENGTH = 'mm'", "LENGTH = 'cm'"))
 
 
-def test_what_nobody_knows_the_unit_of_is_said(path):
+def test_a_value_of_unknown_unit_is_reported(path):
     text = text_in({"LENGTH": "mm"}) + "\n[BOTTOMING_CURVE]\n{pen fz}\n0 0\n[SHOP]\nPRICE = 3\n[SHAPE]\n1 0"
     path.write_text(text, encoding="utf-8")
     reading = read_tir_with_notes(path)

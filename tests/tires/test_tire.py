@@ -1,4 +1,4 @@
-"""A tire as a Python object: what it refuses, what it fills in, and how it is evaluated."""
+"""A tire as a Python object: invalid arguments, defaults, and evaluation."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def hoosier():
 
 
 @pytest.mark.parametrize(
-    ("change", "error", "said"),
+    ("change", "error", "message"),
     [
         ({"model": "mf69"}, UnknownName, "unknown model 'mf69': did you mean mf96?"),
         ({"effects": ["camber_trust"]}, UnknownName, "effect of mf96 'camber_trust': did you mean camber_thrust?"),
@@ -42,14 +42,14 @@ def hoosier():
         ({"ranges": {"gama": (0, 1)}}, UnknownName, "unknown input 'gama': did you mean gamma?"),
     ],
 )
-def test_what_no_tire_is_made_of(change, error, said):
+def test_invalid_arguments(change, error, message):
     with pytest.raises(error) as caught:
         Tire(**{"model": "mf96", "values": SMALL, **change})
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
-def test_what_is_left_out_is_filled_in_and_listed():
+def test_missing_values_are_filled_in_and_listed():
     tire = Tire("mf96", {**SMALL, "PDY1": 1.2})
     assert set(tire.defaulted) == tire.book.coefficients.keys() - {*SMALL, "PDY1"}
     assert (tire.values["PDY2"], tire.values["LMUY"], tire.values["PCX1"]) == (0.0, 1.0, 1.6)
@@ -65,7 +65,7 @@ def test_a_tire_of_defaults_pulls_the_right_way_in_both_conventions():
     assert sae.in_signs("iso").defaulted == sae.defaulted
 
 
-def test_zeros_stay_plain_zeros_in_the_mirror():
+def test_mirrored_zeros_are_positive():
     mirrored = Tire("mf96", SMALL).in_signs("adapted-sae")
     assert all(math.copysign(1.0, value) == 1.0 for value in mirrored.values.values() if value == 0)
 
@@ -89,7 +89,7 @@ def test_forces_of_scalars_lists_and_nothing(hoosier, code):
     assert hoosier.evaluate(pd.DataFrame({"alpha": []}), code=code).shape[0] == 0
 
 
-def test_an_input_left_out_is_nominal(hoosier):
+def test_an_omitted_input_is_nominal(hoosier):
     assert hoosier.forces(alpha=0.1).Fy == hoosier.forces(kappa=0, alpha=0.1, gamma=0, Fz=220.0).Fy
 
 
@@ -140,7 +140,7 @@ def test_evaluate_gives_inputs_forces_and_quantities(hoosier, table):
 
 
 @pytest.mark.parametrize("signs", ["iso", "adapted-sae", "sae"])
-def test_evaluate_answers_in_the_tables_convention(hoosier, table, signs):
+def test_evaluate_returns_the_convention_of_the_table(hoosier, table, signs):
     expected = hoosier.evaluate(table, signs="adapted-sae")
     answer = hoosier.evaluate(convert_signs(table, "adapted-sae", signs), signs=signs)
     back = convert_signs(answer, signs, "adapted-sae")
@@ -148,7 +148,7 @@ def test_evaluate_answers_in_the_tables_convention(hoosier, table, signs):
         np.testing.assert_allclose(back[name], expected[name], rtol=1e-12, atol=1e-12)
 
 
-def test_a_nominal_load_comes_back_in_the_tables_convention(hoosier):
+def test_a_nominal_load_is_returned_in_the_convention_of_the_table(hoosier):
     slips = pd.DataFrame({"alpha": [0.1]})
     assert hoosier.evaluate(slips, signs="sae")["Fz"].tolist() == [-220.0]
     assert hoosier.evaluate(slips, signs="iso")["Fz"].tolist() == [220.0]
@@ -160,7 +160,7 @@ def test_evaluate_clamps_to_the_ranges_on_demand(hoosier):
     inside = pd.DataFrame({"alpha": [0.1, hoosier.ranges["alpha"][1]], "Fz": [120.0, 1220.0]})
     clamped = hoosier.evaluate(wide, signs="adapted-sae", limits=True)
     np.testing.assert_array_equal(clamped["Fy"], hoosier.evaluate(inside, signs="adapted-sae")["Fy"])
-    np.testing.assert_array_equal(clamped["Fz"], wide["Fz"])  # the inputs come back as given
+    np.testing.assert_array_equal(clamped["Fz"], wide["Fz"])  # the inputs are returned unchanged
     assert (hoosier.evaluate(wide, signs="adapted-sae")["Fy"] != clamped["Fy"]).all()
     in_sae = hoosier.evaluate(convert_signs(wide, "adapted-sae", "sae"), signs="sae", limits=True)
     np.testing.assert_allclose(in_sae["Fy"], clamped["Fy"])
@@ -169,13 +169,13 @@ def test_evaluate_clamps_to_the_ranges_on_demand(hoosier):
 
 
 @pytest.mark.parametrize(
-    ("value", "said"),
+    ("value", "message"),
     [(math.nan, "row 2: alpha is NaN (1 of 3 rows)"), (-math.inf, "row 2: alpha is infinite (1 of 3 rows)")],
 )
-def test_evaluate_refuses_inputs_that_are_no_numbers(hoosier, table, value, said):
+def test_evaluate_rejects_inputs_that_are_not_finite_numbers(hoosier, table, value, message):
     with pytest.raises(DataError) as caught:
         hoosier.evaluate(table.assign(alpha=[0.0, value, 0.1]), limits=True)
-    assert str(caught.value) == said
+    assert str(caught.value) == message
 
 
 def test_evaluate_refuses_an_unknown_convention(hoosier, table):
@@ -183,18 +183,18 @@ def test_evaluate_refuses_an_unknown_convention(hoosier, table):
         hoosier.evaluate(table, signs="din")
 
 
-def test_evaluate_leaves_the_table_alone(hoosier, table):
+def test_evaluate_does_not_modify_the_table(hoosier, table):
     before = table.copy()
     hoosier.evaluate(table, signs="sae", limits=True)
     pd.testing.assert_frame_equal(table, before)
 
 
 @pytest.mark.parametrize("name", PUBLISHED)
-def test_published_tires_keep_the_signs_of_their_source(name):
+def test_published_tires_have_the_signs_of_their_source(name):
     tire = published(name)
     assert tire.signs == PUBLISHED[name]
     assert "source" in tire.about
-    # The small tire's paper gives Fx and Fy only: what it does not give is neutral, and said so in the file.
+    # The paper of the small tire gives Fx and Fy only: all other coefficients are neutral, and the file states it.
     assert tire.defaulted == () if name == "trento_hoosier" else "left_out" in tire.about
 
 

@@ -1,4 +1,4 @@
-"""Slips that lag behind: the update over a step, and the tire's evaluation of a recording."""
+"""Lagged slips: the update over a step, and the evaluation of a recording."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tirefmu.tires import Tire
 from tirefmu.tires.transient import AT_ONCE, lagged
 
 SIX = ["mf52", "mf61", "mf62"]
-#: A small car's tire; MF5.2's own relaxation lengths beside those of SIGX, SIGY.
+#: A small car's tire, with the relaxation lengths of MF5.2 in addition to SIGX and SIGY.
 BODY = {
     "FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3, "PKY1": -18.0, "PKY2": 2.0, "PDX2": -0.1, "PDY2": -0.2, "PKX3": 0.2,
     "LATERAL_STIFFNESS": 1.2e5, "LONGITUDINAL_STIFFNESS": 2.8e5, "PTX1": 1.1, "PTX2": 0.2, "PTY1": 2.0,
@@ -59,7 +59,7 @@ def test_a_constant_slip_stays():
 def test_a_step_is_the_exponential_of_the_rolled_distance():
     t = np.array([0.0, 0.01, 0.02, 0.05, 0.2, 3.0])
     acts = lagged(t, np.full(6, 0.1), np.full(6, 12.0), np.full(6, 0.5), hold=True)
-    np.testing.assert_allclose(acts, 0.1, rtol=1e-14)  # it starts in steady state
+    np.testing.assert_allclose(acts, 0.1, rtol=1e-14)  # the start is a steady state
     slip = np.array([0.0, 0.1, 0.1, 0.1, 0.1, 0.1])
     acts = lagged(t, slip, np.full(6, 12.0), np.full(6, 0.5), hold=True)
     np.testing.assert_allclose(acts[1:], 0.1 * -np.expm1(-12.0 / 0.5 * (t[1:] - t[1])), rtol=1e-13, atol=1e-16)
@@ -106,7 +106,7 @@ def test_smooth_inputs_converge_to_the_differential_equation():
 
 
 @pytest.mark.parametrize("hold", [True, False])
-def test_nothing_moves_at_standstill(hold):
+def test_states_are_constant_at_standstill(hold):
     t = np.arange(6.0)
     slip, speed = np.array([0.0, 0.1, 0.1, -0.3, 0.2, 0.2]), np.array([2.0, 2.0, 0.0, 0.0, 0.0, 0.0])
     acts = lagged(t, slip, speed, np.full(6, 3.0), hold=hold)
@@ -115,7 +115,7 @@ def test_nothing_moves_at_standstill(hold):
 
 
 @pytest.mark.parametrize("hold", [True, False])
-def test_the_way_that_it_rolls_does_not_matter(hold):
+def test_the_rolling_direction_does_not_matter(hold):
     table = recording()
     sigma = np.full(len(table), 0.4)
     t, slip, speed = (table[name].to_numpy() for name in ("t", "alpha", "V"))
@@ -130,7 +130,7 @@ def test_without_a_length_a_slip_acts_at_once(hold):
         np.testing.assert_array_equal(lagged(t, slip, speed, np.full(len(t), length), hold=hold), slip)
     some = np.where(np.arange(len(t)) % 4 == 0, 0.0, 0.4)
     acts = lagged(t, slip, 0 * speed, some, hold=hold)
-    np.testing.assert_array_equal(acts[some == 0], slip[some == 0])  # even where the wheel stands
+    np.testing.assert_array_equal(acts[some == 0], slip[some == 0])  # even at standstill
 
 
 @pytest.mark.parametrize("hold", [True, False])
@@ -138,7 +138,7 @@ def test_a_length_that_vanishes_is_the_limit_of_short_ones(hold):
     table = recording()
     t, slip, speed = (table[name].to_numpy() for name in ("t", "alpha", "V"))
     short = lagged(t, slip, speed, np.full(len(t), 1.1 * AT_ONCE), hold=hold)
-    # Held inputs act from the row's time on, and what acts in a row is what the row before it held.
+    # Held inputs act from the time of their row, so the inputs of the previous row act in a row.
     np.testing.assert_allclose(short[1:], slip[:-1] if hold else slip[1:], rtol=0, atol=1e-4)
 
 
@@ -151,7 +151,7 @@ RECORDING = st.lists(
 
 @settings(max_examples=100)
 @given(rows=RECORDING, hold=st.booleans())
-def test_what_acts_lies_among_what_was_put_in(rows, hold):
+def test_lagged_slips_are_within_the_range_of_the_inputs(rows, hold):
     h, slip, speed, sigma = np.array(rows).T
     acts = lagged(np.cumsum(h), slip, speed, sigma, hold=hold)
     assert acts[0] == slip[0]
@@ -170,7 +170,7 @@ def test_the_lag_is_linear_in_the_slip(rows, hold, size):
 
 @pytest.mark.parametrize("name", SIX)
 @pytest.mark.parametrize("effects", [("relax_lat", "relax_lon"), ("relax_load",), ("relax_mf",)], ids="+".join)
-def test_held_inputs_do_not_ask_for_a_step_size(name, effects):
+def test_held_inputs_require_no_step_size(name, effects):
     """Rows every 50 ms, each held, are the same as rows every 1 ms."""
     tire, coarse = lagging(name, *effects), recording(30, 0.05)
     fine = coarse.loc[coarse.index.repeat(50)].reset_index(drop=True).assign(t=0.001 * np.arange(50 * len(coarse)))
@@ -179,16 +179,16 @@ def test_held_inputs_do_not_ask_for_a_step_size(name, effects):
     difference = answer[columns].iloc[::50].to_numpy() - expected[columns].to_numpy()
     assert np.max(np.abs(difference) / np.abs(expected[columns]).max().to_numpy()) < 1e-9
     at_once = tire.evaluate(coarse, steady=True)
-    assert np.max(np.abs(at_once["Fy"] - expected["Fy"])) > 500.0  # the lag is felt
+    assert np.max(np.abs(at_once["Fy"] - expected["Fy"])) > 500.0  # the lag has an influence
 
 
 @pytest.mark.parametrize("name", SIX)
-def test_lagging_forces_are_the_steady_ones_at_the_slips_that_act(name):
+def test_transient_forces_are_the_steady_forces_at_the_lagged_slips(name):
     tire, table = lagging(name, "relax_lat", "relax_lon"), recording()
     answer = tire.evaluate(table)
     at = table.drop(columns="t").assign(kappa=answer["kappa_lagged"], alpha=answer["alpha_lagged"])
     pd.testing.assert_frame_equal(tire.evaluate(at)[list(tire.outputs)], answer[list(tire.outputs)])
-    pd.testing.assert_frame_equal(answer[list(table)], table)  # the inputs come back as given
+    pd.testing.assert_frame_equal(answer[list(table)], table)  # the inputs are returned unchanged
 
 
 @pytest.mark.parametrize("name", SIX)
@@ -225,8 +225,8 @@ def test_where_time_goes_backward_another_recording_begins(name, hold):
     pd.testing.assert_frame_equal(whole, alone, check_exact=True)
 
 
-def test_at_rest_the_tire_keeps_what_it_had():
-    """The relaxed slip stays however the wheel is turned; loads still act at once."""
+def test_the_state_is_preserved_at_rest():
+    """The lagged slip is constant for any steering; loads still act immediately."""
     tire = lagging("mf61", "relax_lat", "relax_lon")
     table = recording()
     table.loc[20:, "V"] = 0.0
@@ -237,11 +237,11 @@ def test_at_rest_the_tire_keeps_what_it_had():
 
 
 @pytest.mark.parametrize("name", SIX)
-def test_steady_rows_know_nothing_of_each_other(name):
+def test_steady_rows_are_independent(name):
     table = recording()
     tires = {effect: lagging(name, effect) for effect in ("relax_lat", "relax_lon", "relax_load", "relax_mf")}
     expected = lagging(name).evaluate(table)
-    assert not {"kappa_lagged", "alpha_lagged"} & set(expected)  # a tire without the effect has no lag to tell
+    assert not {"kappa_lagged", "alpha_lagged"} & set(expected)  # a tire without the effect reports no lag
     forces = list(lagging(name).outputs)
     for tire in tires.values():
         assert tire.lags
@@ -251,7 +251,7 @@ def test_steady_rows_know_nothing_of_each_other(name):
 
 
 @pytest.mark.parametrize("signs", ["adapted-sae", "sae"])
-def test_slips_that_act_are_told_in_the_tables_signs(signs):
+def test_lagged_slips_are_returned_in_the_signs_of_the_table(signs):
     tire, table = lagging("mf61", "relax_lat", "relax_lon"), recording()
     way = -1.0 if signs == "sae" else 1.0
     answer = tire.evaluate(table.assign(alpha=way * table["alpha"], Fz=way * table["Fz"]), signs=signs)
@@ -268,15 +268,15 @@ def test_every_language_lags_alike(code):
     np.testing.assert_allclose(acting(answer), acting(expected), rtol=1e-12)
 
 
-def test_a_time_that_is_no_number_is_refused():
+def test_a_time_that_is_not_finite_is_rejected():
     table = recording()
     table.loc[3, "t"] = np.nan
     with pytest.raises(DataError, match=r"row 4: t is NaN \(1 of 40 rows\)"):
         lagging("mf61", "relax_lat").evaluate(table)
-    lagging("mf61").evaluate(table)  # who does not read the time does not mind
+    lagging("mf61").evaluate(table)  # the time is ignored if no effect reads it
 
 
-def test_no_rows_are_no_recording():
+def test_a_recording_without_rows_is_rejected():
     assert lagging("mf61", "relax_lat").evaluate(recording().iloc[:0]).shape[0] == 0
     one = lagging("mf61", "relax_lat").evaluate(recording().iloc[:1])
     assert one["alpha_lagged"].iloc[0] == pytest.approx(one["alpha"].iloc[0], rel=1e-15)

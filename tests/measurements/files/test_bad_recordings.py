@@ -101,19 +101,19 @@ def test_signs_of_a_bench_in_a_table_declared_as_iso(messages):
     assert messages(table.assign(Fy=-table["Fy"], Mz=-table["Mz"]), signs="sae") == []
 
 
-def test_a_clock_that_starts_again_parts_the_segments(tmp_path):
+def test_a_restarted_clock_separates_the_segments(tmp_path):
     table = pd.concat([good_table(), good_table()])
     table.to_csv(tmp_path / "a.csv", index=False)
     assert read_recording(tmp_path / "a.csv").segments() == [slice(0, 600), slice(600, 1200)]
 
 
-def test_declared_percent_is_believed(tmp_path):
+def test_declared_percent_is_used(tmp_path):
     table = good_table().assign(kappa=20.0 * good_table()["kappa"]).rename(columns={"kappa": "kappa [1]"})
     table.to_csv(tmp_path / "a.csv", index=False)
     check_plausible(read_recording(tmp_path / "a.csv"))
 
 
-def test_an_unmeasured_fx_says_nothing_of_the_slip(tmp_path):
+def test_an_unmeasured_fx_does_not_affect_the_slip(tmp_path):
     table = good_table().assign(kappa=-5.0).drop(columns="Fx")
     table.to_csv(tmp_path / "a.csv", index=False)
     check_plausible(read_recording(tmp_path / "a.csv"))

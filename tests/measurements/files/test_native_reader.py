@@ -1,4 +1,4 @@
-"""Native code that reads a file may crash, hang or ask for all memory: a clear line, and the next file is read."""
+"""Native code that reads a file may crash, hang or request all memory: one clear line, and the next file is read."""
 
 import struct
 import sys
@@ -31,7 +31,7 @@ def refusal(path):
 
 
 def test_a_file_that_crashes_its_reader_is_refused_and_the_next_one_read(good, tmp_path):
-    """Numbers that call themselves a matrix or compressed kill scipy's reader; found by fuzzing."""
+    """Elements with a wrong type (matrix, compressed) crash scipy's reader; found by fuzzing."""
     content = bytearray(good.read_bytes())
     for kind in (14, 15):
         content[176:180] = kind.to_bytes(4, "little")
@@ -40,7 +40,7 @@ def test_a_file_that_crashes_its_reader_is_refused_and_the_next_one_read(good, t
         assert len(read_recording(good)) == 5
 
 
-def test_a_process_that_dies_is_told_and_replaced(good, tmp_path, monkeypatch):
+def test_a_process_that_dies_is_reported_and_replaced(good, tmp_path, monkeypatch):
     monkeypatch.setattr(native_reader.reader_process, "__file__", str(tmp_path / "dies.py"))
     (tmp_path / "dies.py").write_text("import os, sys; sys.stdin.buffer.read(1); os.abort()\n", encoding="utf-8")
     native_reader.close()
@@ -61,7 +61,7 @@ def test_a_process_that_hangs_is_ended(good, tmp_path, monkeypatch):
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux enforces the memory limit in every case")
 @pytest.mark.parametrize("rows", [2**29, 2**31 - 1])
-def test_a_header_that_claims_gigabytes_gets_none(tmp_path, rows):
+def test_a_header_that_claims_gigabytes_allocates_none(tmp_path, rows):
     """A level 4 file declares its size in 20 bytes."""
     path = tmp_path / "big.mat"
     path.write_bytes(struct.pack("<5i", 0, rows, 8, 0, 3) + b"ET\0" + bytes(80))
@@ -69,7 +69,7 @@ def test_a_header_that_claims_gigabytes_gets_none(tmp_path, rows):
 
 
 def test_nothing_in_the_working_folder_is_imported(good, tmp_path, monkeypatch):
-    """A recording may come with a file that is called like a module."""
+    """A file next to a recording may have the name of a module."""
     for name in ("scipy", "pickle", "pandas", "numpy"):
         (tmp_path / f"{name}.py").write_text("open('ran', 'w')\n", encoding="utf-8")
     monkeypatch.chdir(tmp_path)
@@ -78,7 +78,7 @@ def test_nothing_in_the_working_folder_is_imported(good, tmp_path, monkeypatch):
     assert not (tmp_path / "ran").exists()
 
 
-def test_threads_get_their_own_answers(good, tmp_path):
+def test_threads_have_separate_results(good, tmp_path):
     tables = [pd.DataFrame({"alpha": np.full(3 + n, 0.1), "Fz": 900.0, "Fy": float(n)}) for n in range(4)]
     for n, table in enumerate(tables):
         table.to_parquet(tmp_path / f"{n}.parquet")
@@ -95,8 +95,8 @@ def test_threads_get_their_own_answers(good, tmp_path):
         pd.testing.assert_frame_equal(read[n], table)
 
 
-def test_a_small_file_that_holds_far_too_much_is_refused(tmp_path, monkeypatch):
-    """Damage in a header of HDF5 turned 7 KB into 700 MB of nothing; Parquet and zlib can claim as much."""
+def test_a_small_file_with_a_huge_content_is_rejected(tmp_path, monkeypatch):
+    """A damaged HDF5 header expanded 7 KB to 700 MB of zeros; Parquet and zlib can declare as much."""
     path = tmp_path / "flat.mat"
     columns = {name: np.full((20_000, 1), 1.0) for name in CHANNELS}
     savemat(path, {**columns, "FZ": np.full((20_000, 1), -900.0)}, do_compression=True)
@@ -107,7 +107,7 @@ def test_a_small_file_that_holds_far_too_much_is_refused(tmp_path, monkeypatch):
 
 
 def test_compressed_numbers_that_are_damaged(good, tmp_path):
-    """What zlib raises is no error of scipy's; found by fuzzing."""
+    """The exceptions of zlib are not those of scipy; found by fuzzing."""
     element = b"\x0f\0\0\0" + (40).to_bytes(4, "little") + bytes(40)
     (tmp_path / "bad.mat").write_bytes(good.read_bytes()[:128] + element)
     assert "bad.mat: cannot be read as a MATLAB file: Error -3 while decompressing" in refusal(tmp_path / "bad.mat")

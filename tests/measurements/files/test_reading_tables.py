@@ -1,4 +1,4 @@
-"""CSV and Parquet: what is written comes back to the bit, and bad tables give one clear line."""
+"""CSV and Parquet: a round trip preserves every bit, and invalid tables give one clear line."""
 
 import sys
 
@@ -68,7 +68,7 @@ def test_declared_units(written):
     assert recording.about["declared"] == "alpha Fz p V T kappa"
 
 
-def test_signs_as_said(written):
+def test_signs_are_those_declared(written):
     assert read_recording(written("Fz\n-1\n"), signs="sae").signs == "sae"
     with pytest.raises(UnknownName, match="unknown sign convention 'SEA'"):
         read_recording(written("Fz\n1\n"), signs="SEA")
@@ -81,7 +81,7 @@ def test_outputs_may_be_unmeasured_and_columns_unknown(written):
     assert recording.table["kind"].iloc[0] == "purex"
 
 
-def test_near_miss_passes_where_the_channel_is_there(written):
+def test_a_similar_name_is_accepted_if_the_channel_is_present(written):
     assert list(read_recording(written("p,P,Fz,FX\n1e5,3,900,4\n")).table) == ["p", "P", "Fz", "FX"]
 
 
@@ -173,11 +173,11 @@ class Unwritable:
         raise OSError(28, "No space left on device")
 
 
-def test_a_write_that_fails_leaves_the_old_file_and_nothing_else(tmp_path):
+def test_a_failed_write_preserves_the_old_file_and_creates_no_other(tmp_path):
     path = tmp_path / "out.csv"
     write_table(pd.DataFrame({"Fy": [1.0]}), path)
     before = path.read_bytes()
-    rows = [*range(200_000), Unwritable()]  # the bad cell comes after much has been written
+    rows = [*range(200_000), Unwritable()]  # the invalid cell is reached after much has been written
     with pytest.raises(DataError, match=r"out\.csv: cannot be written: No space left"):
         write_table(pd.DataFrame({"Fy": pd.Series(rows, dtype=object)}), path)
     assert path.read_bytes() == before

@@ -1,4 +1,4 @@
-"""ASCII bench files in every dress the field has seen: titles, units lines, USCS, missing channels."""
+"""ASCII bench files in all known variants: titles, units lines, USCS, missing channels."""
 
 from math import radians
 

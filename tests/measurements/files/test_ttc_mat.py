@@ -1,4 +1,4 @@
-"""FSAE TTC files as the field has them: without units, odd fields, missing channels; and real ones."""
+"""FSAE TTC files: without units, with unusual fields, with missing channels; and measured ones."""
 
 import warnings
 from math import radians

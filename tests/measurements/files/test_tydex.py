@@ -1,4 +1,4 @@
-"""TYDEX: factors and offsets, constants that hold for every row, and files that cannot be used."""
+"""TYDEX: factors and offsets, constants that apply to every row, and files that cannot be used."""
 
 from math import radians
 
@@ -44,7 +44,7 @@ def test_factors_offsets_units_and_constants(written):
     assert recording.table["Fy"].iloc[1] == 200.0
 
 
-def test_a_measured_channel_outdoes_a_constant(written):
+def test_a_measured_channel_takes_precedence_over_a_constant(written):
     channels = [*CHANNELS, "INFLPRES  inflation pressure  bar  1  0  0"]
     recording = read_recording(written(channels, [row + " 2.2" for row in ROWS]))
     assert recording.table["p"].tolist() == pytest.approx([2.2e5, 2.2e5])

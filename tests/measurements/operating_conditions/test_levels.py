@@ -30,7 +30,7 @@ def test_intersection_is_selection_twice_in_any_order(values):
     pd.testing.assert_frame_equal(select(table), table)
 
 
-def test_nan_is_near_nothing():
+def test_nan_is_near_no_level():
     table = pd.DataFrame({"Fy": [np.nan, 1.0]})
     assert select(table, Fy=near(0.0, 1e9)).index.tolist() == [1]
 

@@ -29,7 +29,7 @@ def sweep(rows=500, **columns):
 @pytest.mark.parametrize(
     ("tire", "program"), [("trento_hoosier", trento_program()), ("unicamp_small_tire", small_tire_program())]
 )
-def test_whole_programs_lack_nothing(tire, program, signs):
+def test_complete_programs_have_no_missing_conditions(tire, program, signs):
     recording = VirtualBench(published(tire), seed=5).run(program).with_signs(signs)
     assert coverage_notes(recording) == []
 
@@ -48,7 +48,7 @@ def test_whole_programs_lack_nothing(tire, program, signs):
         (sweep(Fy=np.nan), []),
     ],
 )
-def test_each_lack_is_reported_once(recording, expected):
+def test_each_missing_condition_is_reported_once(recording, expected):
     notes = coverage_notes(recording)
     assert len(notes) == len(expected)
     assert all(note.startswith(start) for note, start in zip(notes, expected, strict=True))
@@ -88,7 +88,7 @@ def test_tires_of_two_names():
 
 
 @pytest.mark.parametrize("signs", ["iso", "sae"])
-def test_loads_that_no_one_tire_runs_at(signs):
+def test_loads_too_different_for_one_tire(signs):
     small = VirtualBench(published("unicamp_small_tire")).run(small_tire_program()).with_signs(signs)
     large = VirtualBench(published("trento_hoosier")).run(trento_program()).with_signs(signs)
     (note,) = identity_notes([large, small])
@@ -101,7 +101,7 @@ def test_two_files_in_one():
     assert note.startswith("two tires? both.csv: the clock restarts at row 501, and the loads reach 900 N in one part")
 
 
-def test_measured_files_lack_only_what_they_lack(data_folder):
+def test_measured_files_have_only_their_known_missing_conditions(data_folder):
     from tirefmu.measurements import read_recording
 
     both = [read_recording(data_folder / f"{name}.mat") for name in ("cornering", "drivebrake")]

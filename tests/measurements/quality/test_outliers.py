@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 from tirefmu.measurements import Recording, VirtualBench, outliers, small_tire_program, trento_program
 from tirefmu.tires import published
 
-#: What no wheel of the raw run does from one hundredth of a second to the next.
+#: Larger than any change in the raw run within 0.01 s.
 SPIKES = {"alpha": 0.1, "Fz": 1500.0, "p": 30e3, "V": 4.0, "T": 40.0, "Fy": 3000.0, "Mz": 60.0}
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_noisy_bench_has_none(make_raw, seed):
+def test_a_noisy_bench_has_no_outliers(make_raw, seed):
     assert outliers(make_raw(seed=seed).recording) == []
 
 
@@ -31,7 +31,7 @@ def test_the_virtual_benches_have_none():
     signs=st.sampled_from(["iso", "sae", "adapted-sae"]),
 )
 def test_every_spike_is_found_and_only_it(raw, channel, rows, sign, signs):
-    # Ten rows apart and more: seven of a running median's fifteen rows may be wrong, not eight.
+    # At least ten rows apart: a running median of fifteen rows tolerates seven outliers, not eight.
     at = sorted(row * 10 for row in rows)
     table = raw.recording.table.copy()
     table.loc[at, channel] += sign * SPIKES[channel]
@@ -41,7 +41,7 @@ def test_every_spike_is_found_and_only_it(raw, channel, rows, sign, signs):
     assert [reading.value for reading in found] == spoilt.table[channel].iloc[at].tolist()
 
 
-def test_what_was_not_measured_is_no_outlier_and_hides_none(raw):
+def test_missing_values_are_not_outliers_and_hide_none(raw):
     table = raw.recording.table.copy()
     table.loc[::3, "Fy"] = np.nan
     table.loc[700, "Fy"] = 9e3

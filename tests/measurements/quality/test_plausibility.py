@@ -1,4 +1,4 @@
-"""What cannot be meant is refused with one line; what is unusual but possible passes."""
+"""Impossible values are rejected with one line; unusual but possible values are accepted."""
 
 import numpy as np
 import pandas as pd
@@ -56,7 +56,7 @@ def test_possible(columns):
 
 
 @pytest.mark.parametrize(("name", "value"), [("alpha", 12.0), ("Fz", 1.0), ("p", 5.0)])
-def test_declared_unit_is_believed(name, value):
+def test_a_declared_unit_is_used(name, value):
     check_plausible(recording(declared=name, **{name: [value]}))
 
 

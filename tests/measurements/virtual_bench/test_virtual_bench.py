@@ -94,7 +94,7 @@ def test_recording_one_more_channel_changes_no_other():
     pd.testing.assert_frame_equal(with_speed[list(without)], without)
 
 
-def test_channels_err_independently():
+def test_channel_errors_are_independent():
     program = alpha_sweeps([900.0] * 20)
     bench = VirtualBench(BrushedTire(), Noise(correlation_time=0.0))
     errors = (bench.run(program).table - bench.truth(program)).drop(columns=["t", "kappa"])
@@ -103,7 +103,7 @@ def test_channels_err_independently():
 
 
 @pytest.mark.parametrize("correlation_time", [0.0, 0.01, 0.05])
-def test_noise_has_the_declared_size_and_memory(correlation_time):
+def test_noise_has_the_declared_size_and_correlation(correlation_time):
     t = np.arange(200_000) / 100.0
     true = np.full(len(t), 1000.0)
     noise = Noise({"Fy": ChannelNoise(constant=3.0, proportional=0.004)}, correlation_time=correlation_time)
@@ -114,7 +114,7 @@ def test_noise_has_the_declared_size_and_memory(correlation_time):
         assert lag_correlation(error, lag) == pytest.approx(expected, abs=0.03)
 
 
-def test_noise_is_as_large_in_the_first_row_and_forgets_across_a_pause():
+def test_noise_is_stationary_and_uncorrelated_across_a_pause():
     t = np.array([0.0, 0.001, 10.0])
     draws = np.array([correlated(t, 0.05, np.random.default_rng(seed)) for seed in range(4000)])
     assert draws.std(axis=0) == pytest.approx([1.0, 1.0, 1.0], rel=0.04)
@@ -126,7 +126,7 @@ def test_offset_and_drift_over_many_recordings():
     t = np.linspace(0.0, 900.0, 400)
     noise = Noise({"Mz": ChannelNoise(offset=2.0, drift=0.5)}, drift_period=900.0)
     errors = np.array([noise.record("Mz", 0.0 * t, t, np.random.default_rng(seed)) for seed in range(3000)])
-    assert errors.mean(axis=1).std() == pytest.approx(2.0, rel=0.05)  # the swing's mean is zero over its period
+    assert errors.mean(axis=1).std() == pytest.approx(2.0, rel=0.05)  # the mean of a sweep is zero over its period
     swings = errors - errors.mean(axis=1, keepdims=True)
     assert np.sqrt((swings**2).mean()) == pytest.approx(0.5, rel=0.05)
 
@@ -140,7 +140,7 @@ def test_record_is_quantized(step, seed):
     assert recorded / step == pytest.approx(np.round(recorded / step), abs=1e-6)
 
 
-def test_scaled_noise_keeps_the_slips():
+def test_scaled_noise_does_not_change_the_slips():
     scaled = Noise().scaled(0.05)
     assert scaled.channels["alpha"] == Noise().channels["alpha"]
     assert scaled.channels["Mz"].constant == pytest.approx(0.05 * Noise().channels["Mz"].constant)
@@ -196,7 +196,7 @@ def test_small_tire_program_is_unicamps():
 
 
 @given(rate=st.floats(1.0, 20.0), amplitude=st.floats(2.0, 20.0), sample_rate=st.sampled_from([50.0, 100.0]))
-def test_sweeps_keep_their_rate_and_amplitude(rate, amplitude, sample_rate):
+def test_sweeps_have_their_rate_and_amplitude(rate, amplitude, sample_rate):
     program = alpha_sweeps([500.0], amplitude=radians(amplitude), rate=radians(rate), sample_rate=sample_rate)
     t, alpha = program.table["t"].to_numpy(), np.degrees(program.table["alpha"].to_numpy())
     assert np.diff(t) == pytest.approx(1.0 / sample_rate)
@@ -213,7 +213,7 @@ def test_sweeps_are_segments_of_the_recording():
     assert len(VirtualBench(BrushedTire()).run(program).segments()) == 5
 
 
-def test_concatenate_keeps_every_row_in_order():
+def test_concatenate_preserves_every_row_in_order():
     first, second = alpha_sweeps([300.0]), kappa_sweeps([600.0])
     both = concatenate([first, second])
     assert both.table["Fz"].tolist() == first.table["Fz"].tolist() + second.table["Fz"].tolist()
