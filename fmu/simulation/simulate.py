@@ -186,7 +186,7 @@ def read_description(path: str | os.PathLike[str], folder: Path) -> Any:
         If it is invalid, or the FMU does not support Co-Simulation of FMI 2 or 3.
     """
     try:
-        description = fmpy.read_model_description(folder, validate=False)
+        description = fmpy.read_model_description(str(folder), validate=False)
     except Exception as error:  # fmpy raises many types for invalid XML
         raise FmuError(f"{path}: not an FMU ({DESCRIPTION}: {excerpt(error)})") from error
     if description.fmiVersion[:2] not in ("2.", "3."):

@@ -48,7 +48,7 @@ def test_windows_computes_the_same_digits(wine, tires, fmi, name, tmp_path):
         with zipfile.ZipFile(fmu) as archive:
             library = archive.extract(binary_path(fmi, "tire", platform), tmp_path)
         runner = [wine] if platform.endswith("windows") else []
-        command = [*runner, str(host(tmp_path, platform, fmi)), str(library), read_model_description(fmu).guid]
+        command = [*runner, str(host(tmp_path, platform, fmi)), str(library), read_model_description(str(fmu)).guid]
         environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")}
         done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
         assert done.returncode == 0, done.stdout + done.stderr

@@ -137,7 +137,7 @@ def test_a_host_without_python(compiler, fmus, fmi, tires, tmp_path):
     arguments = []
     for name in ("first", "second"):
         fmu = fmus[name, fmi]
-        arguments += [str(unpacked_binary(fmu, tmp_path)), read_model_description(fmu).guid]
+        arguments += [str(unpacked_binary(fmu, tmp_path)), read_model_description(str(fmu)).guid]
     done = subprocess.run(
         [str(program), *arguments],
         capture_output=True,
