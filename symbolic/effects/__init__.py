@@ -1,8 +1,8 @@
 """The effects of tire models: one TOML file per effect in this folder.
 
-A file with [[acts]] declares an effect on named quantities of any model. These files are the library
-(`tirefmu.symbolic.added.library`). A file without [[acts]] declares an effect that is part of the equations of chapters
-(``effect.term``, ``effect.factor``, ``effect.either``). The chapters import it by name: ``from ..effects import
+A file with [[acts]] declares an effect on named quantities of any model. `library` in `tirefmu.symbolic.added` returns
+these effects. A file without [[acts]] declares an effect that is part of the equations of chapters (``effect.term``,
+``effect.factor``, ``effect.either``). The chapters import it by name: ``from ..effects import
 turn_slip``. docs/effects.md explains the keys.
 """
 

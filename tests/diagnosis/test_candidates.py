@@ -11,8 +11,8 @@ import pytest
 import tirefmu.symbolic.effects as effects
 from tirefmu.diagnosis.diagnose import _start_model
 from tirefmu.diagnosis.probing.candidates import candidates_for, refinements_for
-from tirefmu.symbolic import added, model
-from tirefmu.symbolic.added import folder, read_effect
+from tirefmu.symbolic import model
+from tirefmu.symbolic.added import folder, library, read_effect
 from tirefmu.symbolic.detection import Form
 
 NEW = """
@@ -37,15 +37,15 @@ def library_folder(tmp_path, monkeypatch):
     copy = tmp_path / "effects"
     shutil.copytree(Path(effects.__file__).parent, copy, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(folder, "FOLDER", copy)
-    added.library.cache_clear()
+    library.cache_clear()
     yield copy
-    added.library.cache_clear()
+    library.cache_clear()
 
 
 def test_a_new_file_in_the_library_folder_is_a_candidate(library_folder):
     assert "wet_grip" not in candidates_for(started())
     (library_folder / "wet_grip.toml").write_text(DECLARED, encoding="utf-8")
-    added.library.cache_clear()
+    library.cache_clear()
     offered = candidates_for(started())["wet_grip"]
     assert (offered.forms, offered.requires, offered.channels) == ((Form.each({"WET1": 0.05}),), ("V",), ("Fy",))
     assert started().book.prior_spread["WET1"] == pytest.approx(0.25)
