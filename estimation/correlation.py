@@ -45,7 +45,7 @@ def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = 
     Returns
     -------
     float
-        At least 1; 1 for white noise and for a residual of 0.
+        At least 1; 1 for a residual of 0, about 1.1 for white noise.
 
     Raises
     ------
