@@ -387,7 +387,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes V = *(const lanes_in_array *)(inputs + MF52_V*BLOCK + i);
 
         /* Independent computations are next to each other; quantities has the book's order */
-        const lanes F_z = choose(Fz < 0.0, each(0.0), Fz); /* [MFeval] load, 0 off the ground */
+        const lanes F_z = choose(Fz < 1e-100, each(0.0), Fz); /* [MFeval] load, 0 off the ground */
         const lanes dpi_part2 = p - NOMPRES;
         const lanes tan_alpha = lanes_tan(alpha); /* [2.11] lateral slip */
         const lanes V_c_part3 = lanes_absolute(V);
@@ -589,7 +589,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes G_yk_part1 = lanes_cos(G_yk0_w);
         const lanes G_yk_part3 = lanes_cos(G_yk_w);
         const lanes Fx_part1 = F_x0*G_xa;
-        const lanes Fx = choose(Fz <= 0.0, each(0.0), Fx_part1); /* [4.E50] longitudinal force */
+        const lanes Fx = choose(Fz < 1e-100, each(0.0), Fx_part1); /* [4.E50] longitudinal force */
         const lanes slip_alpha_teq_part1 = 1e-60 + kappa_share + lanes_square(tan_alpha_teq);
         const lanes M_y_speed = QSY1 + M_y_speed_part3*QSY3 + Fx*M_y_speed_part4*QSY2 + M_y_speed_part5*M_y_speed_part6*QSY4; /* [4.E70] resistance by force and speed */
         const lanes M_y_full = -F_zy*LMY*M_y_speed*UNLOADED_RADIUS; /* [4.E70] rolling resistance moment of the rolling wheel */
@@ -608,7 +608,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes F_y0 = F_y0_part2*F_y0_part3; /* [4.E19] side force in pure slip */
         const lanes Fy_part1 = S_Vyk + F_y0*G_yk;
         const lanes alpha_teq = alpha_teq_part1*alpha_teq_part2; /* [4.E77] equivalent slip of the trail */
-        const lanes Fy = choose(Fz <= 0.0, each(0.0), Fy_part1); /* [4.E58] side force */
+        const lanes Fy = choose(Fz < 1e-100, each(0.0), Fy_part1); /* [4.E58] side force */
         const lanes trail_u = B_t*alpha_teq; /* [4.1] B x */
         const lanes alpha_req = alpha_req_part1*alpha_req_part2; /* [4.E78] equivalent slip of the residual moment */
         const lanes trail_v_part1 = lanes_atan(trail_u);
@@ -631,7 +631,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes trail = D_t*LFZO*cos_alpha*trail_part1; /* [4.E73] pneumatic trail */
 
         /* Partial derivatives of each line */
-        const lanes F_z_by_Fz = choose(Fz < 0.0, each(0.0), each(1.0));
+        const lanes F_z_by_Fz = choose(Fz < 1e-100, each(0.0), each(1.0));
         const lanes tan_alpha_by_alpha = 1.0 + lanes_square(tan_alpha);
         const lanes V_c_part1_by_tan_alpha = 2.0*tan_alpha;
         const lanes V_c_part2_by_V_c_part1 = 0.5/V_c_part2;
@@ -742,8 +742,8 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes S_Vyk_part4_by_S_Vyk_part3 = lanes_cos(S_Vyk_part3);
         const lanes S_Vyk_by_D_Vyk = LVYKA*S_Vyk_part4;
         const lanes S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYKA;
-        const lanes Fx_by_Fx_part1 = choose(Fz <= 0.0, each(0.0), each(1.0));
-        const lanes Fy_by_Fy_part1 = choose(Fz <= 0.0, each(0.0), each(1.0));
+        const lanes Fx_by_Fx_part1 = choose(Fz < 1e-100, each(0.0), each(1.0));
+        const lanes Fy_by_Fy_part1 = choose(Fz < 1e-100, each(0.0), each(1.0));
         const lanes alpha_r_part1_by_K_yalpha1 = -lanes_square(alpha_r_part1);
         const lanes B_t_shared1 = B_t_part4*LKY;
         const lanes B_t_shared2 = B_t_part1*B_t_part3;
@@ -801,7 +801,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes M_zr_part1_by_alpha_req = 2.0*alpha_req*lanes_square(B_r);
         const lanes M_zr_part2_by_M_zr_part1 = 0.5/M_zr_part2;
         const lanes M_zr_part3_by_M_zr_part2 = -lanes_square(M_zr_part3);
-        const lanes Mz_by_Mz_part1 = choose(Fz <= 0.0, each(0.0), each(1.0));
+        const lanes Mz_by_Mz_part1 = choose(Fz < 1e-100, each(0.0), each(1.0));
         const lanes F_zx_by_F_z = choose(FZMIN > F_z, 3.0*lanes_square(F_z)/square(FZMIN), each(1.0));
         const lanes M_x_hump_part2_by_F_zx = F_zx*M_x_hump_shared1*M_x_hump_shared2;
         const lanes M_x_hump_part3_by_M_x_hump_part2 = 1.0/(1.0 + lanes_square(M_x_hump_part2));
@@ -826,11 +826,11 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes Mx_shared19 = Mx_shared7*gamma;
         const lanes Mx_shared20 = Mx_shared19*QSX2;
         const lanes Mx_shared22 = lanes_sgn(gamma);
-        const lanes Mx_by_F_zx = choose(Fz <= 0.0, each(0.0), Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5));
-        const lanes Mx_by_Fy = choose(Fz <= 0.0, each(0.0), Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
-        const lanes Mx_by_M_x_hump = choose(Fz <= 0.0, each(0.0), Mx_shared7);
-        const lanes Mx_by_dpi = choose(Fz <= 0.0, each(0.0), -Mx_shared20*PPMX1);
-        const lanes Mx_by_gamma = choose(Fz <= 0.0, each(0.0), Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma) + Fy*Mx_shared22*QSX14));
+        const lanes Mx_by_F_zx = choose(Fz < 1e-100, each(0.0), Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5));
+        const lanes Mx_by_Fy = choose(Fz < 1e-100, each(0.0), Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
+        const lanes Mx_by_M_x_hump = choose(Fz < 1e-100, each(0.0), Mx_shared7);
+        const lanes Mx_by_dpi = choose(Fz < 1e-100, each(0.0), -Mx_shared20*PPMX1);
+        const lanes Mx_by_gamma = choose(Fz < 1e-100, each(0.0), Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma) + Fy*Mx_shared22*QSX14));
         const lanes F_zy_by_F_z = choose(FZMIN > F_z, 2.0*F_z/FZMIN, each(1.0));
         const lanes M_y_speed_part3_by_M_y_speed_part2 = lanes_sgn(M_y_speed_part2);
         const lanes M_y_speed_part6_by_V = 4.0*lanes_cube(V);
@@ -848,7 +848,7 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper;
         const lanes M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1;
         const lanes M_y_rolling_by_M_y_rolling_part2 = choose(V == 0.0, each(0.0), each(1.0));
-        const lanes My_by_M_y_rolling = choose(Fz <= 0.0, each(0.0), each(1.0));
+        const lanes My_by_M_y_rolling = choose(Fz < 1e-100, each(0.0), each(1.0));
 
         /* Chain rule */
         const lanes dV_c_part2_dtan_alpha = V_c_part1_by_tan_alpha*V_c_part2_by_V_c_part1;

@@ -398,7 +398,7 @@ static void jacobian_inputs_general(const double inputs[], const double paramete
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
-    const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi_part1 = 1.0/NOMPRES;
     const double V_c_part3 = fabs(V);
@@ -760,13 +760,13 @@ static void jacobian_inputs_general(const double inputs[], const double paramete
     const double M_zr_w = fast_atan(M_zr_w_part1); /* [4.E75] angle of the residual moment */
     const double Fx_part1 = F_x0*G_xa;
     const double F_y0_part2 = S_Vy + D_y*F_y0_part1;
-    const double Fx = (Fz <= 0.0 ? 0.0 : Fx_part1); /* [4.E50] longitudinal force */
+    const double Fx = (Fz < 1e-100 ? 0.0 : Fx_part1); /* [4.E50] longitudinal force */
     const double zeta_7_imaginary_part2 = sqrt(zeta_7_imaginary_part1);
     const double F_y0 = F_y0_part2*F_y0_part4; /* [4.E19] side force in pure slip */
     const double M_y_speed = QSY1 + M_y_speed_part3*QSY3 + Fx*M_y_speed_part4*QSY2 + M_y_speed_part5*M_y_speed_part6*QSY4; /* [4.E70] resistance by force and speed */
     const double Fy_part1 = S_Vyk + F_y0*G_yk;
     const double M_y_full = -F_zy*LMY*M_y_speed*UNLOADED_RADIUS; /* [4.E70] rolling resistance moment of the rolling wheel */
-    const double Fy = (Fz <= 0.0 ? 0.0 : Fy_part1); /* [4.E58] side force */
+    const double Fy = (Fz < 1e-100 ? 0.0 : Fy_part1); /* [4.E58] side force */
     const double zeta_7_imaginary_part3 = zeta_7_above_1 + zeta_7_imaginary_part2;
     const double s_part1 = (CONVENTION > 0.5 ? SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01 : SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN);
     const double F_y1 = Fy - S_Vyk; /* [4.E74] side force that the trail carries */
@@ -820,7 +820,7 @@ static void jacobian_inputs_general(const double inputs[], const double paramete
     const double gamma_in_by_gamma_raised = (LIMITS > 0.5 ? (CAMMAX < gamma_raised ? 0.0 : 1.0) : 1.0);
     const double p_raised_by_p = (LIMITS > 0.5 ? (PRESMIN > p ? 0.0 : 1.0) : 1.0);
     const double p_in_by_p_raised = (LIMITS > 0.5 ? (PRESMAX < p_raised ? 0.0 : 1.0) : 1.0);
-    const double F_z_by_Fz = (Fz < 0.0 ? 0.0 : 1.0);
+    const double F_z_by_Fz = (Fz < 1e-100 ? 0.0 : 1.0);
     const double F_z_limited_by_F_z = (LIMITS > 0.5 ? (FZMAX < F_z ? 0.0 : 1.0) : 1.0);
     const double F_zl_by_F_z_limited = (LIMITS > 0.5 ? (FZMIN > F_z_limited ? 0.0 : 1.0) : 1.0);
     const double F_zm_by_F_z_limited = (LIMITS > 0.5 ? 0.0 : 1.0);
@@ -1072,8 +1072,8 @@ static void jacobian_inputs_general(const double inputs[], const double paramete
     const double S_Vyk_by_D_Vyk = LVYKA*S_Vyk_shared1;
     const double S_Vyk_by_S_Vyk_part4 = S_Vyk_shared2*fade_smooth;
     const double S_Vyk_by_fade_smooth = S_Vyk_part4*S_Vyk_shared2;
-    const double Fx_by_Fx_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
-    const double Fy_by_Fy_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double Fx_by_Fx_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
+    const double Fy_by_Fy_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
     const double alpha_r_part1_by_K_yalpha1 = -square(alpha_r_part1);
     const double B_t_shared2 = B_t_part7*LKY;
     const double B_t_shared3 = B_t_part1*B_t_part2;
@@ -1232,7 +1232,7 @@ static void jacobian_inputs_general(const double inputs[], const double paramete
     const double s_part1_by_gamma_in = (CONVENTION > 0.5 ? 0.0 : s_shared5);
     const double s_part1_by_gamma_star = (CONVENTION > 0.5 ? s_shared5 : 0.0);
     const double s_by_s_part1 = LS*UNLOADED_RADIUS;
-    const double Mz_by_Mz_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double Mz_by_Mz_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
     const double F_zx_by_F_z_limited = (CONVENTION > 0.5 ? 1.0 : (FZMIN > F_z_limited ? 3.0*square(F_z_limited)/square(FZMIN) : 1.0));
     const double M_x_hump_shared1 = square(M_x_hump_part1);
     const double M_x_hump_shared2 = 2.0*square(QSX6);
@@ -1263,11 +1263,11 @@ static void jacobian_inputs_general(const double inputs[], const double paramete
     const double Mx_shared19 = Mx_shared7*gamma_in;
     const double Mx_shared20 = Mx_shared19*QSX2;
     const double Mx_shared22 = sgn(gamma_in);
-    const double Mx_by_F_zx = (Fz <= 0.0 ? 0.0 : Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5));
-    const double Mx_by_Fy = (Fz <= 0.0 ? 0.0 : Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
-    const double Mx_by_M_x_hump = (Fz <= 0.0 ? 0.0 : Mx_shared7);
-    const double Mx_by_dpi = (Fz <= 0.0 ? 0.0 : -Mx_shared20*PPMX1);
-    const double Mx_by_gamma_in = (Fz <= 0.0 ? 0.0 : Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma_in) + Fy*Mx_shared22*QSX14));
+    const double Mx_by_F_zx = (Fz < 1e-100 ? 0.0 : Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5));
+    const double Mx_by_Fy = (Fz < 1e-100 ? 0.0 : Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
+    const double Mx_by_M_x_hump = (Fz < 1e-100 ? 0.0 : Mx_shared7);
+    const double Mx_by_dpi = (Fz < 1e-100 ? 0.0 : -Mx_shared20*PPMX1);
+    const double Mx_by_gamma_in = (Fz < 1e-100 ? 0.0 : Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma_in) + Fy*Mx_shared22*QSX14));
     const double F_zy_by_F_z = (CONVENTION > 0.5 ? 0.0 : (FZMIN > F_z ? 2.0*F_z/FZMIN : 1.0));
     const double F_zy_by_F_z_limited = (CONVENTION > 0.5 ? 1.0 : 0.0);
     const double M_y_speed_part3_by_M_y_speed_part2 = sgn(M_y_speed_part2);
@@ -1288,7 +1288,7 @@ static void jacobian_inputs_general(const double inputs[], const double paramete
     const double M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper;
     const double M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1;
     const double M_y_rolling_by_M_y_rolling_part2 = (V == 0.0 ? 0.0 : 1.0);
-    const double My_by_M_y_rolling = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double My_by_M_y_rolling = (Fz < 1e-100 ? 0.0 : 1.0);
 
     /* Chain rule */
     const double ddpi_part2_dp = p_in_by_p_raised*p_raised_by_p;
@@ -2064,7 +2064,7 @@ static void jacobian_parameters_general(const double inputs[], const double para
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
-    const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi_part1 = 1.0/NOMPRES;
     const double V_c_part3 = fabs(V);
@@ -2426,13 +2426,13 @@ static void jacobian_parameters_general(const double inputs[], const double para
     const double M_zr_w = fast_atan(M_zr_w_part1); /* [4.E75] angle of the residual moment */
     const double Fx_part1 = F_x0*G_xa;
     const double F_y0_part2 = S_Vy + D_y*F_y0_part1;
-    const double Fx = (Fz <= 0.0 ? 0.0 : Fx_part1); /* [4.E50] longitudinal force */
+    const double Fx = (Fz < 1e-100 ? 0.0 : Fx_part1); /* [4.E50] longitudinal force */
     const double zeta_7_imaginary_part2 = sqrt(zeta_7_imaginary_part1);
     const double F_y0 = F_y0_part2*F_y0_part4; /* [4.E19] side force in pure slip */
     const double M_y_speed = QSY1 + M_y_speed_part3*QSY3 + Fx*M_y_speed_part4*QSY2 + M_y_speed_part5*M_y_speed_part6*QSY4; /* [4.E70] resistance by force and speed */
     const double Fy_part1 = S_Vyk + F_y0*G_yk;
     const double M_y_full = -F_zy*LMY*M_y_speed*UNLOADED_RADIUS; /* [4.E70] rolling resistance moment of the rolling wheel */
-    const double Fy = (Fz <= 0.0 ? 0.0 : Fy_part1); /* [4.E58] side force */
+    const double Fy = (Fz < 1e-100 ? 0.0 : Fy_part1); /* [4.E58] side force */
     const double zeta_7_imaginary_part3 = zeta_7_above_1 + zeta_7_imaginary_part2;
     const double s_part1 = (CONVENTION > 0.5 ? SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01 : SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN);
     const double F_y1 = Fy - S_Vyk; /* [4.E74] side force that the trail carries */
@@ -2803,8 +2803,8 @@ static void jacobian_parameters_general(const double inputs[], const double para
     const double S_Vyk_by_LVYKA = D_Vyk*S_Vyk_shared1;
     const double S_Vyk_by_S_Vyk_part4 = S_Vyk_shared2*fade_smooth;
     const double S_Vyk_by_fade_smooth = S_Vyk_part4*S_Vyk_shared2;
-    const double Fx_by_Fx_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
-    const double Fy_by_Fy_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double Fx_by_Fx_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
+    const double Fy_by_Fy_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
     const double alpha_r_part1_by_K_yalpha1 = -square(alpha_r_part1);
     const double B_t_shared2 = B_t_part7*LKY;
     const double B_t_shared3 = B_t_part1*B_t_part2;
@@ -3019,7 +3019,7 @@ static void jacobian_parameters_general(const double inputs[], const double para
     const double s_by_LS = UNLOADED_RADIUS*s_part1;
     const double s_by_UNLOADED_RADIUS = LS*s_part1;
     const double s_by_s_part1 = LS*UNLOADED_RADIUS;
-    const double Mz_by_Mz_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double Mz_by_Mz_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
     const double F_zx_by_FZMIN = (CONVENTION > 0.5 ? 0.0 : (FZMIN > F_z_limited ? -2.0*cube(F_z_limited)/cube(FZMIN) : 0.0));
     const double F_zx_by_F_z_limited = (CONVENTION > 0.5 ? 1.0 : (FZMIN > F_z_limited ? 3.0*square(F_z_limited)/square(FZMIN) : 1.0));
     const double M_x_hump_shared1 = square(M_x_hump_part1);
@@ -3059,24 +3059,24 @@ static void jacobian_parameters_general(const double inputs[], const double para
     const double Mx_shared20 = Mx_shared19*QSX2;
     const double Mx_shared21 = Fy*Mx_shared6;
     const double Mx_shared22 = sgn(gamma_in);
-    const double Mx_by_FNOMIN = (Fz <= 0.0 ? 0.0 : Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11));
-    const double Mx_by_F_zx = (Fz <= 0.0 ? 0.0 : Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5));
-    const double Mx_by_Fy = (Fz <= 0.0 ? 0.0 : Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
-    const double Mx_by_LMX = (Fz <= 0.0 ? 0.0 : Mx_shared18*UNLOADED_RADIUS);
-    const double Mx_by_LVMX = (Fz <= 0.0 ? 0.0 : Mx_shared7*QSX1);
-    const double Mx_by_M_x_hump = (Fz <= 0.0 ? 0.0 : Mx_shared7);
-    const double Mx_by_PPMX1 = (Fz <= 0.0 ? 0.0 : -Mx_shared20*dpi);
-    const double Mx_by_QSX1 = (Fz <= 0.0 ? 0.0 : LVMX*Mx_shared7);
-    const double Mx_by_QSX10 = (Fz <= 0.0 ? 0.0 : Mx_shared15*Mx_shared19);
-    const double Mx_by_QSX11 = (Fz <= 0.0 ? 0.0 : Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8);
-    const double Mx_by_QSX12 = (Fz <= 0.0 ? 0.0 : -Mx_shared11*Mx_shared19);
-    const double Mx_by_QSX13 = (Fz <= 0.0 ? 0.0 : Mx_shared21);
-    const double Mx_by_QSX14 = (Fz <= 0.0 ? 0.0 : Mx_shared11*Mx_shared21);
-    const double Mx_by_QSX2 = (Fz <= 0.0 ? 0.0 : -Mx_shared13*Mx_shared19);
-    const double Mx_by_QSX3 = (Fz <= 0.0 ? 0.0 : Mx_shared21*Mx_shared9);
-    const double Mx_by_UNLOADED_RADIUS = (Fz <= 0.0 ? 0.0 : LMX*Mx_shared18);
-    const double Mx_by_dpi = (Fz <= 0.0 ? 0.0 : -Mx_shared20*PPMX1);
-    const double Mx_by_gamma_in = (Fz <= 0.0 ? 0.0 : Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma_in) + Fy*Mx_shared22*QSX14));
+    const double Mx_by_FNOMIN = (Fz < 1e-100 ? 0.0 : Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11));
+    const double Mx_by_F_zx = (Fz < 1e-100 ? 0.0 : Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5));
+    const double Mx_by_Fy = (Fz < 1e-100 ? 0.0 : Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
+    const double Mx_by_LMX = (Fz < 1e-100 ? 0.0 : Mx_shared18*UNLOADED_RADIUS);
+    const double Mx_by_LVMX = (Fz < 1e-100 ? 0.0 : Mx_shared7*QSX1);
+    const double Mx_by_M_x_hump = (Fz < 1e-100 ? 0.0 : Mx_shared7);
+    const double Mx_by_PPMX1 = (Fz < 1e-100 ? 0.0 : -Mx_shared20*dpi);
+    const double Mx_by_QSX1 = (Fz < 1e-100 ? 0.0 : LVMX*Mx_shared7);
+    const double Mx_by_QSX10 = (Fz < 1e-100 ? 0.0 : Mx_shared15*Mx_shared19);
+    const double Mx_by_QSX11 = (Fz < 1e-100 ? 0.0 : Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8);
+    const double Mx_by_QSX12 = (Fz < 1e-100 ? 0.0 : -Mx_shared11*Mx_shared19);
+    const double Mx_by_QSX13 = (Fz < 1e-100 ? 0.0 : Mx_shared21);
+    const double Mx_by_QSX14 = (Fz < 1e-100 ? 0.0 : Mx_shared11*Mx_shared21);
+    const double Mx_by_QSX2 = (Fz < 1e-100 ? 0.0 : -Mx_shared13*Mx_shared19);
+    const double Mx_by_QSX3 = (Fz < 1e-100 ? 0.0 : Mx_shared21*Mx_shared9);
+    const double Mx_by_UNLOADED_RADIUS = (Fz < 1e-100 ? 0.0 : LMX*Mx_shared18);
+    const double Mx_by_dpi = (Fz < 1e-100 ? 0.0 : -Mx_shared20*PPMX1);
+    const double Mx_by_gamma_in = (Fz < 1e-100 ? 0.0 : Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma_in) + Fy*Mx_shared22*QSX14));
     const double F_zy_by_FZMIN = (CONVENTION > 0.5 ? 0.0 : (FZMIN > F_z ? -square(F_z)/square(FZMIN) : 0.0));
     const double F_zy_by_F_z_limited = (CONVENTION > 0.5 ? 1.0 : 0.0);
     const double M_y_speed_part1_by_LONGVL = -square(M_y_speed_part1);
@@ -3103,7 +3103,7 @@ static void jacobian_parameters_general(const double inputs[], const double para
     const double M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper;
     const double M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1;
     const double M_y_rolling_by_M_y_rolling_part2 = (V == 0.0 ? 0.0 : 1.0);
-    const double My_by_M_y_rolling = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double My_by_M_y_rolling = (Fz < 1e-100 ? 0.0 : 1.0);
 
     /* Chain rule */
     const double dV_c_part2_dtan_alpha = V_c_part1_by_tan_alpha*V_c_part2_by_V_c_part1;
@@ -4824,7 +4824,7 @@ void mf52_jacobian_inputs_straight(const double inputs[], const double parameter
     const double SSZ4 = parameters[MF52_SSZ4];
 
     /* Independent computations are next to each other; quantities has the book's order */
-    const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi_part1 = 1.0/NOMPRES;
     const double dpi_part2 = p - NOMPRES;
@@ -5044,7 +5044,7 @@ void mf52_jacobian_inputs_straight(const double inputs[], const double parameter
     const double G_yk_part1 = fast_cos(G_yk0_w);
     const double G_yk_part3 = fast_cos(G_yk_w);
     const double Fx_part1 = F_x0*G_xa;
-    const double Fx = (Fz <= 0.0 ? 0.0 : Fx_part1); /* [4.E50] longitudinal force */
+    const double Fx = (Fz < 1e-100 ? 0.0 : Fx_part1); /* [4.E50] longitudinal force */
     const double slip_alpha_teq_part1 = 1e-60 + kappa_share + square(tan_alpha_teq);
     const double M_y_speed = QSY1 + M_y_speed_part3*QSY3 + Fx*M_y_speed_part4*QSY2 + M_y_speed_part5*M_y_speed_part6*QSY4; /* [4.E70] resistance by force and speed */
     const double M_y_full = -F_zy*LMY*M_y_speed*UNLOADED_RADIUS; /* [4.E70] rolling resistance moment of the rolling wheel */
@@ -5063,7 +5063,7 @@ void mf52_jacobian_inputs_straight(const double inputs[], const double parameter
     const double F_y0 = F_y0_part2*F_y0_part3; /* [4.E19] side force in pure slip */
     const double Fy_part1 = S_Vyk + F_y0*G_yk;
     const double alpha_teq = alpha_teq_part1*alpha_teq_part2; /* [4.E77] equivalent slip of the trail */
-    const double Fy = (Fz <= 0.0 ? 0.0 : Fy_part1); /* [4.E58] side force */
+    const double Fy = (Fz < 1e-100 ? 0.0 : Fy_part1); /* [4.E58] side force */
     const double trail_u = B_t*alpha_teq; /* [4.1] B x */
     const double alpha_req = alpha_req_part1*alpha_req_part2; /* [4.E78] equivalent slip of the residual moment */
     const double trail_v_part1 = fast_atan(trail_u);
@@ -5086,7 +5086,7 @@ void mf52_jacobian_inputs_straight(const double inputs[], const double parameter
     const double trail = D_t*LFZO*cos_alpha*trail_part1; /* [4.E73] pneumatic trail */
 
     /* Partial derivatives of each line */
-    const double F_z_by_Fz = (Fz < 0.0 ? 0.0 : 1.0);
+    const double F_z_by_Fz = (Fz < 1e-100 ? 0.0 : 1.0);
     const double tan_alpha_by_alpha = 1.0 + square(tan_alpha);
     const double V_c_part1_by_tan_alpha = 2.0*tan_alpha;
     const double V_c_part2_by_V_c_part1 = 0.5/V_c_part2;
@@ -5198,8 +5198,8 @@ void mf52_jacobian_inputs_straight(const double inputs[], const double parameter
     const double S_Vyk_part4_by_S_Vyk_part3 = fast_cos(S_Vyk_part3);
     const double S_Vyk_by_D_Vyk = LVYKA*S_Vyk_part4;
     const double S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYKA;
-    const double Fx_by_Fx_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
-    const double Fy_by_Fy_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double Fx_by_Fx_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
+    const double Fy_by_Fy_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
     const double alpha_r_part1_by_K_yalpha1 = -square(alpha_r_part1);
     const double B_t_shared1 = B_t_part4*LKY;
     const double B_t_shared2 = B_t_part1*B_t_part3;
@@ -5261,7 +5261,7 @@ void mf52_jacobian_inputs_straight(const double inputs[], const double parameter
     const double M_zr_part3_by_M_zr_part2 = -square(M_zr_part3);
     const double s_part3_by_Fy = SSZ2*s_part2;
     const double s_by_s_part3 = LS*UNLOADED_RADIUS;
-    const double Mz_by_Mz_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double Mz_by_Mz_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
     const double F_zx_by_F_z = (FZMIN > F_z ? 3.0*square(F_z)/square(FZMIN) : 1.0);
     const double M_x_hump_shared1 = square(M_x_hump_part1);
     const double M_x_hump_shared2 = 2.0*square(QSX6);
@@ -5292,11 +5292,11 @@ void mf52_jacobian_inputs_straight(const double inputs[], const double parameter
     const double Mx_shared19 = Mx_shared7*gamma;
     const double Mx_shared20 = Mx_shared19*QSX2;
     const double Mx_shared22 = sgn(gamma);
-    const double Mx_by_F_zx = (Fz <= 0.0 ? 0.0 : Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5));
-    const double Mx_by_Fy = (Fz <= 0.0 ? 0.0 : Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
-    const double Mx_by_M_x_hump = (Fz <= 0.0 ? 0.0 : Mx_shared7);
-    const double Mx_by_dpi = (Fz <= 0.0 ? 0.0 : -Mx_shared20*PPMX1);
-    const double Mx_by_gamma = (Fz <= 0.0 ? 0.0 : Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma) + Fy*Mx_shared22*QSX14));
+    const double Mx_by_F_zx = (Fz < 1e-100 ? 0.0 : Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5));
+    const double Mx_by_Fy = (Fz < 1e-100 ? 0.0 : Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
+    const double Mx_by_M_x_hump = (Fz < 1e-100 ? 0.0 : Mx_shared7);
+    const double Mx_by_dpi = (Fz < 1e-100 ? 0.0 : -Mx_shared20*PPMX1);
+    const double Mx_by_gamma = (Fz < 1e-100 ? 0.0 : Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma) + Fy*Mx_shared22*QSX14));
     const double F_zy_by_F_z = (FZMIN > F_z ? 2.0*F_z/FZMIN : 1.0);
     const double M_y_speed_part3_by_M_y_speed_part2 = sgn(M_y_speed_part2);
     const double M_y_speed_part6_by_V = 4.0*cube(V);
@@ -5316,7 +5316,7 @@ void mf52_jacobian_inputs_straight(const double inputs[], const double parameter
     const double M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper;
     const double M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1;
     const double M_y_rolling_by_M_y_rolling_part2 = (V == 0.0 ? 0.0 : 1.0);
-    const double My_by_M_y_rolling = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double My_by_M_y_rolling = (Fz < 1e-100 ? 0.0 : 1.0);
 
     /* Chain rule */
     const double dV_c_part2_dtan_alpha = V_c_part1_by_tan_alpha*V_c_part2_by_V_c_part1;
@@ -5814,7 +5814,7 @@ void mf52_jacobian_parameters_straight(const double inputs[], const double param
     const double SSZ4 = parameters[MF52_SSZ4];
 
     /* Independent computations are next to each other; quantities has the book's order */
-    const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi_part1 = 1.0/NOMPRES;
     const double dpi_part2 = p - NOMPRES;
@@ -6034,7 +6034,7 @@ void mf52_jacobian_parameters_straight(const double inputs[], const double param
     const double G_yk_part1 = fast_cos(G_yk0_w);
     const double G_yk_part3 = fast_cos(G_yk_w);
     const double Fx_part1 = F_x0*G_xa;
-    const double Fx = (Fz <= 0.0 ? 0.0 : Fx_part1); /* [4.E50] longitudinal force */
+    const double Fx = (Fz < 1e-100 ? 0.0 : Fx_part1); /* [4.E50] longitudinal force */
     const double slip_alpha_teq_part1 = 1e-60 + kappa_share + square(tan_alpha_teq);
     const double M_y_speed = QSY1 + M_y_speed_part3*QSY3 + Fx*M_y_speed_part4*QSY2 + M_y_speed_part5*M_y_speed_part6*QSY4; /* [4.E70] resistance by force and speed */
     const double M_y_full = -F_zy*LMY*M_y_speed*UNLOADED_RADIUS; /* [4.E70] rolling resistance moment of the rolling wheel */
@@ -6053,7 +6053,7 @@ void mf52_jacobian_parameters_straight(const double inputs[], const double param
     const double F_y0 = F_y0_part2*F_y0_part3; /* [4.E19] side force in pure slip */
     const double Fy_part1 = S_Vyk + F_y0*G_yk;
     const double alpha_teq = alpha_teq_part1*alpha_teq_part2; /* [4.E77] equivalent slip of the trail */
-    const double Fy = (Fz <= 0.0 ? 0.0 : Fy_part1); /* [4.E58] side force */
+    const double Fy = (Fz < 1e-100 ? 0.0 : Fy_part1); /* [4.E58] side force */
     const double trail_u = B_t*alpha_teq; /* [4.1] B x */
     const double alpha_req = alpha_req_part1*alpha_req_part2; /* [4.E78] equivalent slip of the residual moment */
     const double trail_v_part1 = fast_atan(trail_u);
@@ -6202,8 +6202,8 @@ void mf52_jacobian_parameters_straight(const double inputs[], const double param
     const double S_Vyk_by_D_Vyk = LVYKA*S_Vyk_part4;
     const double S_Vyk_by_LVYKA = D_Vyk*S_Vyk_part4;
     const double S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYKA;
-    const double Fx_by_Fx_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
-    const double Fy_by_Fy_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double Fx_by_Fx_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
+    const double Fy_by_Fy_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
     const double alpha_r_part1_by_K_yalpha1 = -square(alpha_r_part1);
     const double B_t_shared1 = B_t_part4*LKY;
     const double B_t_shared2 = B_t_part1*B_t_part3;
@@ -6281,7 +6281,7 @@ void mf52_jacobian_parameters_straight(const double inputs[], const double param
     const double s_by_LS = UNLOADED_RADIUS*s_part3;
     const double s_by_UNLOADED_RADIUS = LS*s_part3;
     const double s_by_s_part3 = LS*UNLOADED_RADIUS;
-    const double Mz_by_Mz_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double Mz_by_Mz_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
     const double F_zx_by_FZMIN = (FZMIN > F_z ? -2.0*cube(F_z)/cube(FZMIN) : 0.0);
     const double M_x_hump_shared1 = square(M_x_hump_part1);
     const double M_x_hump_shared2 = 2.0*square(QSX6);
@@ -6319,23 +6319,23 @@ void mf52_jacobian_parameters_straight(const double inputs[], const double param
     const double Mx_shared19 = Mx_shared7*gamma;
     const double Mx_shared20 = Mx_shared19*QSX2;
     const double Mx_shared21 = Fy*Mx_shared6;
-    const double Mx_by_FNOMIN = (Fz <= 0.0 ? 0.0 : Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11));
-    const double Mx_by_F_zx = (Fz <= 0.0 ? 0.0 : Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5));
-    const double Mx_by_Fy = (Fz <= 0.0 ? 0.0 : Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
-    const double Mx_by_LMX = (Fz <= 0.0 ? 0.0 : Mx_shared18*UNLOADED_RADIUS);
-    const double Mx_by_LVMX = (Fz <= 0.0 ? 0.0 : Mx_shared7*QSX1);
-    const double Mx_by_M_x_hump = (Fz <= 0.0 ? 0.0 : Mx_shared7);
-    const double Mx_by_PPMX1 = (Fz <= 0.0 ? 0.0 : -Mx_shared20*dpi);
-    const double Mx_by_QSX1 = (Fz <= 0.0 ? 0.0 : LVMX*Mx_shared7);
-    const double Mx_by_QSX10 = (Fz <= 0.0 ? 0.0 : Mx_shared15*Mx_shared19);
-    const double Mx_by_QSX11 = (Fz <= 0.0 ? 0.0 : Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8);
-    const double Mx_by_QSX12 = (Fz <= 0.0 ? 0.0 : -Mx_shared11*Mx_shared19);
-    const double Mx_by_QSX13 = (Fz <= 0.0 ? 0.0 : Mx_shared21);
-    const double Mx_by_QSX14 = (Fz <= 0.0 ? 0.0 : Mx_shared11*Mx_shared21);
-    const double Mx_by_QSX2 = (Fz <= 0.0 ? 0.0 : -Mx_shared13*Mx_shared19);
-    const double Mx_by_QSX3 = (Fz <= 0.0 ? 0.0 : Mx_shared21*Mx_shared9);
-    const double Mx_by_UNLOADED_RADIUS = (Fz <= 0.0 ? 0.0 : LMX*Mx_shared18);
-    const double Mx_by_dpi = (Fz <= 0.0 ? 0.0 : -Mx_shared20*PPMX1);
+    const double Mx_by_FNOMIN = (Fz < 1e-100 ? 0.0 : Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11));
+    const double Mx_by_F_zx = (Fz < 1e-100 ? 0.0 : Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5));
+    const double Mx_by_Fy = (Fz < 1e-100 ? 0.0 : Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
+    const double Mx_by_LMX = (Fz < 1e-100 ? 0.0 : Mx_shared18*UNLOADED_RADIUS);
+    const double Mx_by_LVMX = (Fz < 1e-100 ? 0.0 : Mx_shared7*QSX1);
+    const double Mx_by_M_x_hump = (Fz < 1e-100 ? 0.0 : Mx_shared7);
+    const double Mx_by_PPMX1 = (Fz < 1e-100 ? 0.0 : -Mx_shared20*dpi);
+    const double Mx_by_QSX1 = (Fz < 1e-100 ? 0.0 : LVMX*Mx_shared7);
+    const double Mx_by_QSX10 = (Fz < 1e-100 ? 0.0 : Mx_shared15*Mx_shared19);
+    const double Mx_by_QSX11 = (Fz < 1e-100 ? 0.0 : Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8);
+    const double Mx_by_QSX12 = (Fz < 1e-100 ? 0.0 : -Mx_shared11*Mx_shared19);
+    const double Mx_by_QSX13 = (Fz < 1e-100 ? 0.0 : Mx_shared21);
+    const double Mx_by_QSX14 = (Fz < 1e-100 ? 0.0 : Mx_shared11*Mx_shared21);
+    const double Mx_by_QSX2 = (Fz < 1e-100 ? 0.0 : -Mx_shared13*Mx_shared19);
+    const double Mx_by_QSX3 = (Fz < 1e-100 ? 0.0 : Mx_shared21*Mx_shared9);
+    const double Mx_by_UNLOADED_RADIUS = (Fz < 1e-100 ? 0.0 : LMX*Mx_shared18);
+    const double Mx_by_dpi = (Fz < 1e-100 ? 0.0 : -Mx_shared20*PPMX1);
     const double F_zy_by_FZMIN = (FZMIN > F_z ? -square(F_z)/square(FZMIN) : 0.0);
     const double M_y_speed_part1_by_LONGVL = -square(M_y_speed_part1);
     const double M_y_speed_part3_by_M_y_speed_part2 = sgn(M_y_speed_part2);
@@ -6361,7 +6361,7 @@ void mf52_jacobian_parameters_straight(const double inputs[], const double param
     const double M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper;
     const double M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1;
     const double M_y_rolling_by_M_y_rolling_part2 = (V == 0.0 ? 0.0 : 1.0);
-    const double My_by_M_y_rolling = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double My_by_M_y_rolling = (Fz < 1e-100 ? 0.0 : 1.0);
 
     /* Chain rule */
     const double dF_x0_v_part2_dF_x0_u = 1.0 - F_x0_v_part1_by_F_x0_u;

@@ -389,7 +389,7 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes V = *(const lanes_in_array *)(inputs + MF61_V*BLOCK + i);
 
         /* Independent computations are next to each other; quantities has the book's order */
-        const lanes F_z = choose(Fz < 0.0, each(0.0), Fz); /* [MFeval] load, 0 off the ground */
+        const lanes F_z = choose(Fz < 1e-100, each(0.0), Fz); /* [MFeval] load, 0 off the ground */
         const lanes dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
         const lanes tan_alpha = lanes_tan(alpha); /* [2.11] lateral slip */
         const lanes gamma_star = lanes_sin(gamma); /* [4.E4] inclination gamma* */
@@ -478,7 +478,7 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes alpha_teq = lanes_atan(slip_alpha_teq)*lanes_sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
         const lanes F_y0_w = C_y*lanes_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
         const lanes slip_alpha_req = lanes_sqrt(1e-60 + kappa_share + lanes_square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
-        const lanes Fx = choose(Fz <= 0.0, each(0.0), F_x0*G_xa); /* [4.E50] longitudinal force */
+        const lanes Fx = choose(Fz < 1e-100, each(0.0), F_x0*G_xa); /* [4.E50] longitudinal force */
         const lanes M_y_speed = QSY1 + QSY3*lanes_absolute(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*lanes_fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
         const lanes F_y1 = F_y0_g0*G_yk; /* [4.E74] side force that the trail carries */
         const lanes alpha_req = lanes_atan(slip_alpha_req)*lanes_sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
@@ -486,16 +486,16 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes F_y0 = (S_Vy + D_y*lanes_sin(F_y0_w))*lanes_sgn1(V); /* [4.E19] side force in pure slip */
         const lanes trail_v = trail_u - E_t*(trail_u - lanes_atan(trail_u)); /* [4.1] B x bent by E */
         const lanes M_zr = D_r/lanes_sqrt(1.0 + lanes_square(B_r)*lanes_square(alpha_req)); /* [4.E75] residual moment */
-        const lanes Fy = choose(Fz <= 0.0, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+        const lanes Fy = choose(Fz < 1e-100, each(0.0), S_Vyk + F_y0*G_yk); /* [4.E58] side force */
         const lanes trail_w = C_t*lanes_atan(trail_v); /* [4.1] angle of the Magic Formula */
         const lanes M_y_full = -FNOMIN*LMY*UNLOADED_RADIUS*lanes_pow(F_zy_share, each(QSY7))*lanes_pow(p/NOMPRES, each(QSY8))*(M_y_speed + lanes_square(gamma)*(QSY5 + F_zy_share*QSY6)); /* [4.E70] rolling resistance moment of the rolling wheel */
         const lanes s = LS*UNLOADED_RADIUS*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
         const lanes M_x_hump = QSX4*lanes_cos(QSX5*lanes_atan(lanes_square(F_zx)*square(QSX6)/square(FNOMIN)))*lanes_sin(QSX7*gamma + QSX8*lanes_atan(Fy*QSX9/FNOMIN)); /* [M] hump of M_x over load and side force */
         const lanes trail = D_t*LFZO*cos_alpha*lanes_cos(trail_w); /* [4.E73] pneumatic trail */
         const lanes M_y_rolling = choose(V == 0.0, each(0.0), M_y_full*M_y_taper*lanes_sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
-        const lanes My = choose(Fz <= 0.0, each(0.0), M_y_rolling); /* [4.E70] rolling resistance moment */
-        const lanes Mz = choose(Fz <= 0.0, each(0.0), M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
-        const lanes Mx = choose(Fz <= 0.0, each(0.0), LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma*lanes_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma*lanes_absolute(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*lanes_absolute(gamma)))); /* [4.E69] overturning moment */
+        const lanes My = choose(Fz < 1e-100, each(0.0), M_y_rolling); /* [4.E70] rolling resistance moment */
+        const lanes Mz = choose(Fz < 1e-100, each(0.0), M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
+        const lanes Mx = choose(Fz < 1e-100, each(0.0), LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma*lanes_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma*lanes_absolute(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*lanes_absolute(gamma)))); /* [4.E69] overturning moment */
 
         *(lanes_in_array *)(results + 0*BLOCK + i) = Fx;
         *(lanes_in_array *)(results + 1*BLOCK + i) = Fy;

@@ -421,7 +421,7 @@ void mf62_quantities(const double inputs[], const double parameters[], double re
     const double gamma_in = (LIMITS > 0.5 ? (CAMMAX < gamma_raised ? CAMMAX : gamma_raised) : gamma_raised); /* [MFeval] gamma, within limits */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
     const double p_in = (LIMITS > 0.5 ? (PRESMAX < p_raised ? PRESMAX : p_raised) : p_raised); /* [MFeval] p, within limits */
-    const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z_limited = (LIMITS > 0.5 ? (FZMAX < F_z ? FZMAX : F_z) : F_z); /* [MFeval] load, within limits */
     const double F_zl = (LIMITS > 0.5 ? (FZMIN > F_z_limited ? FZMIN : F_z_limited) : F_z_limited); /* [MFeval] load of the deflection, not below FZMIN with limits */
     const double F_zm = (LIMITS > 0.5 ? (F_z_limited <= 0.0 ? 0.0 : F_zl) : F_z_limited); /* [MFeval] load of the aligning moment, the same but on the ground */
@@ -552,8 +552,8 @@ void mf62_quantities(const double inputs[], const double parameters[], double re
     const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
     const double D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/sqrt(1.0 + square(RVY4)*square(alpha_star)); /* [4.E67] peak of S_Vyk */
     const double S_Vyk = D_Vyk*LVYKA*fade_smooth*fast_sin(RVY5*fast_atan(RVY6*kappa_in)); /* [4.E66] side force made by longitudinal slip */
-    const double Fx = (Fz <= 0.0 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
-    const double Fy = (Fz <= 0.0 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+    const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
+    const double Fy = (Fz < 1e-100 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
 
     /* Aligning moment */
     const double S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz); /* [4.E35] shift of the trail */
@@ -1017,7 +1017,7 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
-    const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double omega_1 = 1.0362694300518136*V*(1.0 + kappa)/UNLOADED_RADIUS; /* [2.5] wheel speed */
     const double C_x = LCX*PCX1; /* [4.E11] shape factor */
@@ -1152,7 +1152,7 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double D_rphi_size = (D_rphi == 0.0 ? 1.0 : (CONVENTION > 0.5 ? 1e-06 : 0.0) + fabs(D_rphi)); /* [4.104] size of the moment by spin; 1 where there is none */
     const double zeta_8 = (phit_in == 0.0 ? 1.0 : 1.0 + D_rphi); /* [4.92] moment by spin */
-    const double Fx = (Fz <= 0.0 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
+    const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
     const double B_r = zeta_6*(B_y*C_y*QBZ10 + LKY*QBZ9/LMUY_star); /* [4.E45] stiffness factor of the residual moment */
     const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] reduction of the moment by spin with side slip */
     const double D_r = -1.0 + zeta_8 + F_zm*LMUY_star*UNLOADED_RADIUS*(LRES*zeta_2*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*zeta_0*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*fabs(gamma_star)))*fast_cos(alpha_star)*sgn(V); /* [4.E47] peak factor of the residual moment */
@@ -1173,7 +1173,7 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double trail_u = B_t*alpha_teq; /* [4.1] B x */
     const double trail_v = trail_u - E_t*(trail_u - fast_atan(trail_u)); /* [4.1] B x bent by E */
     const double M_y_rolling = (V == 0.0 ? 0.0 : M_y_full*M_y_taper*sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
-    const double My = (Fz <= 0.0 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
+    const double My = (Fz < 1e-100 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
     const double zeta_4 = (phit_in == 0.0 ? 1.0 : 1.0 + S_Hyphi - S_Vygamma/K_yalpha1); /* [4.84] shift by spin */
     const double zeta_4_g0 = (phit_in == 0.0 ? 1.0 : 1.0 + S_Hyphi); /* [4.84] shift by spin */
     const double S_Hy_g0 = fade_smooth*(-1.0 + zeta_4_g0 + LHY*(PHY1 + PHY2*dfz)); /* [4.E27] horizontal shift */
@@ -1198,14 +1198,14 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double F_y1 = F_y0_g0*(CONVENTION > 0.5 ? G_yk_g0 : G_yk); /* [4.E74] side force that the trail carries */
     const double F_y0 = (S_Vy + D_y*fast_sin(F_y0_w))*(SLIP_ANGLE > 0.5 ? 1.0 : sgn1(V)); /* [4.E19] side force in pure slip */
     const double M_zr_w = fast_atan(B_r*alpha_req); /* [4.E75] angle of the residual moment */
-    const double Fy = (Fz <= 0.0 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+    const double Fy = (Fz < 1e-100 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
     const double s = LS*UNLOADED_RADIUS*(CONVENTION > 0.5 ? SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01 : SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
     const double M_x_hump = QSX4*fast_cos(QSX5*fast_atan(square(F_zx)*square(QSX6)/square(FNOMIN)))*fast_sin(QSX7*gamma_in + QSX8*fast_atan(Fy*QSX9/FNOMIN)); /* [M] hump of M_x over load and side force */
     const double M_zr_grown = exp(M_zr_w*zeta_7_imaginary); /* [MFeval] exponential of the same */
     const double M_zr_spun = (zeta_7_cosine_size > 1.0 ? (CONVENTION > 0.5 ? 1.0 : 0.5*M_zr_grown + 0.5/M_zr_grown) : 1.0)*fast_cos(M_zr_w*zeta_7); /* [4.E75] fall of the residual moment with turn slip */
     const double M_zr = D_r*fade_smooth*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun); /* [4.E75] residual moment */
-    const double Mz = (Fz <= 0.0 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
-    const double Mx = (Fz <= 0.0 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*fast_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*fabs(gamma_in) - QSX2*gamma_in*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma_in)))); /* [4.E69] overturning moment */
+    const double Mz = (Fz < 1e-100 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
+    const double Mx = (Fz < 1e-100 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*fast_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*fabs(gamma_in) - QSX2*gamma_in*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma_in)))); /* [4.E69] overturning moment */
 
     results[0] = Fx;
     results[1] = Fy;
@@ -1420,7 +1420,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
-    const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi_part1 = 1.0/NOMPRES;
     const double V_c_part3 = fabs(V);
@@ -1839,7 +1839,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double Fx_part1 = F_x0*G_xa;
     const double zeta_4 = (phit_in == 0.0 ? 1.0 : 1.0 + S_Hyphi - S_Vygamma/K_yalpha1); /* [4.84] shift by spin */
     const double zeta_4_g0_part1 = 1.0 + S_Hyphi;
-    const double Fx = (Fz <= 0.0 ? 0.0 : Fx_part1); /* [4.E50] longitudinal force */
+    const double Fx = (Fz < 1e-100 ? 0.0 : Fx_part1); /* [4.E50] longitudinal force */
     const double zeta_7_imaginary_part2 = sqrt(zeta_7_imaginary_part1);
     const double zeta_4_g0 = (phit_in == 0.0 ? 1.0 : zeta_4_g0_part1); /* [4.84] shift by spin */
     const double M_y_speed = QSY1 + M_y_speed_part3*QSY3 + Fx*M_y_speed_part4*QSY2 + M_y_speed_part5*M_y_speed_part6*QSY4; /* [4.E70] resistance by force and speed */
@@ -1899,7 +1899,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double F_y0_part2 = S_Vy + D_y*F_y0_part1;
     const double F_y0 = F_y0_part2*F_y0_part4; /* [4.E19] side force in pure slip */
     const double Fy_part1 = S_Vyk + F_y0*G_yk;
-    const double Fy = (Fz <= 0.0 ? 0.0 : Fy_part1); /* [4.E58] side force */
+    const double Fy = (Fz < 1e-100 ? 0.0 : Fy_part1); /* [4.E58] side force */
     const double s_part1 = (CONVENTION > 0.5 ? SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01 : SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN);
     const double M_x_hump_part6 = Fy*M_x_hump_part1*QSX9;
     const double M_x_hump_part7 = fast_atan(M_x_hump_part6);
@@ -2096,8 +2096,8 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double S_Vyk_part4_by_S_Vyk_part3 = fast_cos(S_Vyk_part3);
     const double S_Vyk_by_D_Vyk = LVYKA*S_Vyk_shared1;
     const double S_Vyk_by_S_Vyk_part4 = S_Vyk_shared2*fade_smooth;
-    const double Fx_by_Fx_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
-    const double Fy_by_Fy_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double Fx_by_Fx_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
+    const double Fy_by_Fy_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
     const double B_ykappa_g0_part2_by_B_ykappa_g0_part1 = 2.0*B_ykappa_g0_part1*square(RBY2);
     const double B_ykappa_g0_part3_by_B_ykappa_g0_part2 = 0.5/B_ykappa_g0_part3;
     const double B_ykappa_g0_part4_by_B_ykappa_g0_part3 = -square(B_ykappa_g0_part4);
@@ -2208,7 +2208,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double G_yk_g0_part3_by_G_yk_g0_w = -fast_sin(G_yk_g0_w);
     const double F_y1_part1_by_G_yk = (CONVENTION > 0.5 ? 0.0 : 1.0);
     const double F_y1_part1_by_G_yk_g0 = (CONVENTION > 0.5 ? 1.0 : 0.0);
-    const double Mz_by_Mz_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double Mz_by_Mz_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
     const double M_x_hump_part6_by_Fy = M_x_hump_part1*QSX9;
     const double M_x_hump_part7_by_M_x_hump_part6 = 1.0/(1.0 + square(M_x_hump_part6));
     const double M_x_hump_part9_by_M_x_hump_part8 = fast_cos(M_x_hump_part8);
@@ -2219,8 +2219,8 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double Mx_shared9 = F_zx*Mx_shared8;
     const double Mx_shared11 = fabs(gamma_in);
     const double Mx_shared17 = QSX13 + Mx_shared11*QSX14;
-    const double Mx_by_Fy = (Fz <= 0.0 ? 0.0 : Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
-    const double Mx_by_M_x_hump = (Fz <= 0.0 ? 0.0 : Mx_shared7);
+    const double Mx_by_Fy = (Fz < 1e-100 ? 0.0 : Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
+    const double Mx_by_M_x_hump = (Fz < 1e-100 ? 0.0 : Mx_shared7);
     const double M_y_speed_by_Fx = M_y_speed_part4*QSY2;
     const double M_y_near_locked_shared1 = 0.5*PI*M_y_near_locked_part3;
     const double M_y_near_locked_part4_by_M_y_near_locked_part2 = M_y_near_locked_part1*M_y_near_locked_shared1;
@@ -2232,7 +2232,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper;
     const double M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1;
     const double M_y_rolling_by_M_y_rolling_part2 = (V == 0.0 ? 0.0 : 1.0);
-    const double My_by_M_y_rolling = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double My_by_M_y_rolling = (Fz < 1e-100 ? 0.0 : 1.0);
 
     /* Chain rule */
     const double dalpha_low_dalpha = alpha_low_by_alpha + alpha_low_by_speed_sum*speed_sum_by_alpha;
@@ -2657,7 +2657,7 @@ static void relaxation_general(const double inputs[], const double parameters[],
     const double speed_sum = (LIMITS > 0.5 ? fabs(V) + fabs(V*fast_tan(alpha)) : 1.0); /* [MFeval] rolling and sliding speed */
     const double gamma_raised = (LIMITS > 0.5 ? (CAMMIN > gamma ? CAMMIN : gamma) : gamma); /* [MFeval] gamma, with limits not below the lowest */
     const double p_raised = (LIMITS > 0.5 ? (PRESMIN > p ? PRESMIN : p) : p); /* [MFeval] p, with limits not below the lowest */
-    const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double omega_1 = 1.0362694300518136*V*(1.0 + kappa)/UNLOADED_RADIUS; /* [2.5] wheel speed */
     const double gamma_in = (LIMITS > 0.5 ? (CAMMAX < gamma_raised ? CAMMAX : gamma_raised) : gamma_raised); /* [MFeval] gamma, within limits */
@@ -2864,7 +2864,7 @@ void mf62_forces_straight(const double inputs[], const double parameters[], doub
     const double SSZ4 = parameters[MF62_SSZ4];
 
     /* Independent computations are next to each other; quantities has the book's order */
-    const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
     const double tan_alpha = fast_tan(alpha); /* [2.11] lateral slip */
@@ -2960,7 +2960,7 @@ void mf62_forces_straight(const double inputs[], const double parameters[], doub
     const double alpha_teq = fast_atan(slip_alpha_teq)*sgn(alpha_t); /* [4.E77] equivalent slip of the trail */
     const double F_y0_w = C_y*fast_atan(F_y0_v); /* [4.1] angle of the Magic Formula */
     const double slip_alpha_req = sqrt(1e-60 + kappa_share + square(tan_alpha_req)); /* [4.E78] size of the equivalent slip */
-    const double Fx = (Fz <= 0.0 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
+    const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
     const double M_y_speed = QSY1 + QSY3*fabs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*fourth(V)/fourth(LONGVL); /* [4.E70] resistance by force and speed */
     const double F_y1 = F_y0_g0*G_yk; /* [4.E74] side force that the trail carries */
     const double alpha_req = fast_atan(slip_alpha_req)*sgn(alpha_r); /* [4.E78] equivalent slip of the residual moment */
@@ -2968,16 +2968,16 @@ void mf62_forces_straight(const double inputs[], const double parameters[], doub
     const double F_y0 = (S_Vy + D_y*fast_sin(F_y0_w))*sgn1(V); /* [4.E19] side force in pure slip */
     const double trail_v = trail_u - E_t*(trail_u - fast_atan(trail_u)); /* [4.1] B x bent by E */
     const double M_zr = D_r/sqrt(1.0 + square(B_r)*square(alpha_req)); /* [4.E75] residual moment */
-    const double Fy = (Fz <= 0.0 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
+    const double Fy = (Fz < 1e-100 ? 0.0 : S_Vyk + F_y0*G_yk); /* [4.E58] side force */
     const double trail_w = C_t*fast_atan(trail_v); /* [4.1] angle of the Magic Formula */
     const double M_y_full = -FNOMIN*LMY*UNLOADED_RADIUS*pow(F_zy_share, QSY7)*pow(p/NOMPRES, QSY8)*(M_y_speed + square(gamma)*(QSY5 + F_zy_share*QSY6)); /* [4.E70] rolling resistance moment of the rolling wheel */
     const double s = LS*UNLOADED_RADIUS*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
     const double M_x_hump = QSX4*fast_cos(QSX5*fast_atan(square(F_zx)*square(QSX6)/square(FNOMIN)))*fast_sin(QSX7*gamma + QSX8*fast_atan(Fy*QSX9/FNOMIN)); /* [M] hump of M_x over load and side force */
     const double trail = D_t*LFZO*cos_alpha*fast_cos(trail_w); /* [4.E73] pneumatic trail */
     const double M_y_rolling = (V == 0.0 ? 0.0 : M_y_full*M_y_taper*sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
-    const double My = (Fz <= 0.0 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
-    const double Mz = (Fz <= 0.0 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
-    const double Mx = (Fz <= 0.0 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma*fast_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma*fabs(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma)))); /* [4.E69] overturning moment */
+    const double My = (Fz < 1e-100 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
+    const double Mz = (Fz < 1e-100 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
+    const double Mx = (Fz < 1e-100 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma*fast_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma*fabs(gamma) - QSX2*gamma*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma)))); /* [4.E69] overturning moment */
 
     results[0] = Fx;
     results[1] = Fy;
@@ -3145,7 +3145,7 @@ void mf62_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double SSZ4 = parameters[MF62_SSZ4];
 
     /* Independent computations are next to each other; quantities has the book's order */
-    const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi_part1 = 1.0/NOMPRES;
     const double dpi_part2 = p - NOMPRES;
@@ -3408,7 +3408,7 @@ void mf62_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double G_yk_part3 = fast_cos(G_yk_w);
     const double Fx_part1 = F_x0*G_xa;
     const double F_y0_g0_w = C_y_g0*F_y0_g0_w_part1; /* [4.1] angle of the Magic Formula */
-    const double Fx = (Fz <= 0.0 ? 0.0 : Fx_part1); /* [4.E50] longitudinal force */
+    const double Fx = (Fz < 1e-100 ? 0.0 : Fx_part1); /* [4.E50] longitudinal force */
     const double F_y0_g0_part1 = fast_sin(F_y0_g0_w);
     const double slip_alpha_teq_part1 = 1e-60 + kappa_share + square(tan_alpha_teq);
     const double M_y_speed = QSY1 + M_y_speed_part3*QSY3 + Fx*M_y_speed_part4*QSY2 + M_y_speed_part5*M_y_speed_part6*QSY4; /* [4.E70] resistance by force and speed */
@@ -3439,7 +3439,7 @@ void mf62_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double F_y0_part2 = S_Vy + D_y*F_y0_part1;
     const double F_y0 = F_y0_part2*F_y0_part3; /* [4.E19] side force in pure slip */
     const double Fy_part1 = S_Vyk + F_y0*G_yk;
-    const double Fy = (Fz <= 0.0 ? 0.0 : Fy_part1); /* [4.E58] side force */
+    const double Fy = (Fz < 1e-100 ? 0.0 : Fy_part1); /* [4.E58] side force */
     const double s_part3 = SSZ1 + gamma*s_part1 + Fy*SSZ2*s_part2;
     const double M_x_hump_part6 = Fy*M_x_hump_part1*QSX9;
     const double s = LS*UNLOADED_RADIUS*s_part3; /* [4.E76] moment arm of Fx */
@@ -3499,8 +3499,8 @@ void mf62_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double S_Vyk_part4_by_S_Vyk_part3 = fast_cos(S_Vyk_part3);
     const double S_Vyk_by_D_Vyk = LVYKA*S_Vyk_part4;
     const double S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYKA;
-    const double Fx_by_Fx_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
-    const double Fy_by_Fy_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double Fx_by_Fx_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
+    const double Fy_by_Fy_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
     const double E_t_part2_by_alpha_t = B_t*C_t;
     const double E_t_part3_by_E_t_part2 = 1.0/(1.0 + square(E_t_part2));
     const double E_t_part4_by_E_t_part3 = E_t_part1/PI;
@@ -3530,7 +3530,7 @@ void mf62_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double M_zr_part3_by_M_zr_part2 = -square(M_zr_part3);
     const double s_part3_by_Fy = SSZ2*s_part2;
     const double s_by_s_part3 = LS*UNLOADED_RADIUS;
-    const double Mz_by_Mz_part1 = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double Mz_by_Mz_part1 = (Fz < 1e-100 ? 0.0 : 1.0);
     const double M_x_hump_part6_by_Fy = M_x_hump_part1*QSX9;
     const double M_x_hump_part7_by_M_x_hump_part6 = 1.0/(1.0 + square(M_x_hump_part6));
     const double M_x_hump_part9_by_M_x_hump_part8 = fast_cos(M_x_hump_part8);
@@ -3541,8 +3541,8 @@ void mf62_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double Mx_shared9 = F_zx*Mx_shared8;
     const double Mx_shared11 = fabs(gamma);
     const double Mx_shared17 = QSX13 + Mx_shared11*QSX14;
-    const double Mx_by_Fy = (Fz <= 0.0 ? 0.0 : Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
-    const double Mx_by_M_x_hump = (Fz <= 0.0 ? 0.0 : Mx_shared7);
+    const double Mx_by_Fy = (Fz < 1e-100 ? 0.0 : Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
+    const double Mx_by_M_x_hump = (Fz < 1e-100 ? 0.0 : Mx_shared7);
     const double M_y_speed_by_Fx = M_y_speed_part4*QSY2;
     const double M_y_near_locked_shared1 = 0.5*PI*M_y_near_locked_part3;
     const double M_y_near_locked_part4_by_M_y_near_locked_part2 = M_y_near_locked_part1*M_y_near_locked_shared1;
@@ -3554,7 +3554,7 @@ void mf62_slip_stiffnesses_straight(const double inputs[], const double paramete
     const double M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper;
     const double M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1;
     const double M_y_rolling_by_M_y_rolling_part2 = (V == 0.0 ? 0.0 : 1.0);
-    const double My_by_M_y_rolling = (Fz <= 0.0 ? 0.0 : 1.0);
+    const double My_by_M_y_rolling = (Fz < 1e-100 ? 0.0 : 1.0);
 
     /* Chain rule */
     const double dV_c_part2_dtan_alpha = V_c_part1_by_tan_alpha*V_c_part2_by_V_c_part1;
@@ -3744,7 +3744,7 @@ void mf62_relaxation_straight(const double inputs[], const double parameters[], 
     const double SIGK = parameters[MF62_SIGK];
 
     /* Independent computations are next to each other; quantities has the book's order */
-    const double F_z = (Fz < 0.0 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
+    const double F_z = (Fz < 1e-100 ? 0.0 : Fz); /* [MFeval] load, 0 off the ground */
     const double F_z01 = FNOMIN*LFZO; /* [4.E1] nominal load, scaled */
     const double dpi = (p - NOMPRES)/NOMPRES; /* [4.E2b] normalized change in pressure */
     const double gamma_star = fast_sin(gamma); /* [4.E4] inclination gamma* */

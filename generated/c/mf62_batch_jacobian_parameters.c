@@ -441,7 +441,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes V = *(const lanes_in_array *)(inputs + MF62_V*BLOCK + i);
 
         /* Independent computations are next to each other; quantities has the book's order */
-        const lanes F_z = choose(Fz < 0.0, each(0.0), Fz); /* [MFeval] load, 0 off the ground */
+        const lanes F_z = choose(Fz < 1e-100, each(0.0), Fz); /* [MFeval] load, 0 off the ground */
         const lanes dpi_part2 = p - NOMPRES;
         const lanes tan_alpha = lanes_tan(alpha); /* [2.11] lateral slip */
         const lanes V_c_part3 = lanes_absolute(V);
@@ -682,7 +682,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes G_yk_part3 = lanes_cos(G_yk_w);
         const lanes Fx_part1 = F_x0*G_xa;
         const lanes F_y0_g0_w = C_y_g0*F_y0_g0_w_part1; /* [4.1] angle of the Magic Formula */
-        const lanes Fx = choose(Fz <= 0.0, each(0.0), Fx_part1); /* [4.E50] longitudinal force */
+        const lanes Fx = choose(Fz < 1e-100, each(0.0), Fx_part1); /* [4.E50] longitudinal force */
         const lanes F_y0_g0_part1 = lanes_sin(F_y0_g0_w);
         const lanes slip_alpha_teq_part1 = 1e-60 + kappa_share + lanes_square(tan_alpha_teq);
         const lanes M_y_speed = QSY1 + M_y_speed_part3*QSY3 + Fx*M_y_speed_part4*QSY2 + M_y_speed_part5*M_y_speed_part6*QSY4; /* [4.E70] resistance by force and speed */
@@ -713,7 +713,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes F_y0_part2 = S_Vy + D_y*F_y0_part1;
         const lanes F_y0 = F_y0_part2*F_y0_part3; /* [4.E19] side force in pure slip */
         const lanes Fy_part1 = S_Vyk + F_y0*G_yk;
-        const lanes Fy = choose(Fz <= 0.0, each(0.0), Fy_part1); /* [4.E58] side force */
+        const lanes Fy = choose(Fz < 1e-100, each(0.0), Fy_part1); /* [4.E58] side force */
         const lanes s_part3 = SSZ1 + gamma*s_part1 + Fy*SSZ2*s_part2;
         const lanes M_x_hump_part6 = Fy*M_x_hump_part1*QSX9;
         const lanes s = LS*UNLOADED_RADIUS*s_part3; /* [4.E76] moment arm of Fx */
@@ -888,8 +888,8 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes S_Vyk_by_D_Vyk = LVYKA*S_Vyk_part4;
         const lanes S_Vyk_by_LVYKA = D_Vyk*S_Vyk_part4;
         const lanes S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYKA;
-        const lanes Fx_by_Fx_part1 = choose(Fz <= 0.0, each(0.0), each(1.0));
-        const lanes Fy_by_Fy_part1 = choose(Fz <= 0.0, each(0.0), each(1.0));
+        const lanes Fx_by_Fx_part1 = choose(Fz < 1e-100, each(0.0), each(1.0));
+        const lanes Fy_by_Fy_part1 = choose(Fz < 1e-100, each(0.0), each(1.0));
         const lanes alpha_r_part1_by_K_yalpha1 = -lanes_square(alpha_r_part1);
         const lanes B_t_shared1 = B_t_part4*LKY;
         const lanes B_t_shared2 = B_t_part1*B_t_part3;
@@ -957,7 +957,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes s_part3_by_s_part2 = Fy*SSZ2;
         const lanes s_by_LS = UNLOADED_RADIUS*s_part3;
         const lanes s_by_UNLOADED_RADIUS = LS*s_part3;
-        const lanes Mz_by_Mz_part1 = choose(Fz <= 0.0, each(0.0), each(1.0));
+        const lanes Mz_by_Mz_part1 = choose(Fz < 1e-100, each(0.0), each(1.0));
         const lanes F_zx_by_FZMIN = choose(FZMIN > F_z, -2.0*lanes_cube(F_z)/cube(FZMIN), each(0.0));
         const lanes M_x_hump_shared3 = lanes_square(F_zx);
         const lanes M_x_hump_part2_by_F_zx = F_zx*M_x_hump_shared1*M_x_hump_shared2;
@@ -989,23 +989,23 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes Mx_shared19 = Mx_shared7*gamma;
         const lanes Mx_shared20 = Mx_shared19*QSX2;
         const lanes Mx_shared21 = Fy*Mx_shared6;
-        const lanes Mx_by_FNOMIN = choose(Fz <= 0.0, each(0.0), Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11));
-        const lanes Mx_by_F_zx = choose(Fz <= 0.0, each(0.0), Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5));
-        const lanes Mx_by_Fy = choose(Fz <= 0.0, each(0.0), Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
-        const lanes Mx_by_LMX = choose(Fz <= 0.0, each(0.0), Mx_shared18*UNLOADED_RADIUS);
-        const lanes Mx_by_LVMX = choose(Fz <= 0.0, each(0.0), Mx_shared7*QSX1);
-        const lanes Mx_by_M_x_hump = choose(Fz <= 0.0, each(0.0), Mx_shared7);
-        const lanes Mx_by_PPMX1 = choose(Fz <= 0.0, each(0.0), -Mx_shared20*dpi);
-        const lanes Mx_by_QSX1 = choose(Fz <= 0.0, each(0.0), LVMX*Mx_shared7);
-        const lanes Mx_by_QSX10 = choose(Fz <= 0.0, each(0.0), Mx_shared15*Mx_shared19);
-        const lanes Mx_by_QSX11 = choose(Fz <= 0.0, each(0.0), Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8);
-        const lanes Mx_by_QSX12 = choose(Fz <= 0.0, each(0.0), -Mx_shared11*Mx_shared19);
-        const lanes Mx_by_QSX13 = choose(Fz <= 0.0, each(0.0), Mx_shared21);
-        const lanes Mx_by_QSX14 = choose(Fz <= 0.0, each(0.0), Mx_shared11*Mx_shared21);
-        const lanes Mx_by_QSX2 = choose(Fz <= 0.0, each(0.0), -Mx_shared13*Mx_shared19);
-        const lanes Mx_by_QSX3 = choose(Fz <= 0.0, each(0.0), Mx_shared21*Mx_shared9);
-        const lanes Mx_by_UNLOADED_RADIUS = choose(Fz <= 0.0, each(0.0), LMX*Mx_shared18);
-        const lanes Mx_by_dpi = choose(Fz <= 0.0, each(0.0), -Mx_shared20*PPMX1);
+        const lanes Mx_by_FNOMIN = choose(Fz < 1e-100, each(0.0), Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11));
+        const lanes Mx_by_F_zx = choose(Fz < 1e-100, each(0.0), Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5));
+        const lanes Mx_by_Fy = choose(Fz < 1e-100, each(0.0), Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3));
+        const lanes Mx_by_LMX = choose(Fz < 1e-100, each(0.0), Mx_shared18*UNLOADED_RADIUS);
+        const lanes Mx_by_LVMX = choose(Fz < 1e-100, each(0.0), Mx_shared7*QSX1);
+        const lanes Mx_by_M_x_hump = choose(Fz < 1e-100, each(0.0), Mx_shared7);
+        const lanes Mx_by_PPMX1 = choose(Fz < 1e-100, each(0.0), -Mx_shared20*dpi);
+        const lanes Mx_by_QSX1 = choose(Fz < 1e-100, each(0.0), LVMX*Mx_shared7);
+        const lanes Mx_by_QSX10 = choose(Fz < 1e-100, each(0.0), Mx_shared15*Mx_shared19);
+        const lanes Mx_by_QSX11 = choose(Fz < 1e-100, each(0.0), Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8);
+        const lanes Mx_by_QSX12 = choose(Fz < 1e-100, each(0.0), -Mx_shared11*Mx_shared19);
+        const lanes Mx_by_QSX13 = choose(Fz < 1e-100, each(0.0), Mx_shared21);
+        const lanes Mx_by_QSX14 = choose(Fz < 1e-100, each(0.0), Mx_shared11*Mx_shared21);
+        const lanes Mx_by_QSX2 = choose(Fz < 1e-100, each(0.0), -Mx_shared13*Mx_shared19);
+        const lanes Mx_by_QSX3 = choose(Fz < 1e-100, each(0.0), Mx_shared21*Mx_shared9);
+        const lanes Mx_by_UNLOADED_RADIUS = choose(Fz < 1e-100, each(0.0), LMX*Mx_shared18);
+        const lanes Mx_by_dpi = choose(Fz < 1e-100, each(0.0), -Mx_shared20*PPMX1);
         const lanes F_zy_by_FZMIN = choose(FZMIN > F_z, -lanes_square(F_z)/square(FZMIN), each(0.0));
         const lanes F_zy_share_by_FNOMIN = choose(F_zy <= 0.0, each(0.0), -F_zy/square(FNOMIN));
         const lanes F_zy_share_by_F_zy = choose(F_zy <= 0.0, each(0.0), each(1.0/FNOMIN));
@@ -1036,7 +1036,7 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper;
         const lanes M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1;
         const lanes M_y_rolling_by_M_y_rolling_part2 = choose(V == 0.0, each(0.0), each(1.0));
-        const lanes My_by_M_y_rolling = choose(Fz <= 0.0, each(0.0), each(1.0));
+        const lanes My_by_M_y_rolling = choose(Fz < 1e-100, each(0.0), each(1.0));
 
         /* Chain rule */
         const lanes dF_x0_v_part2_dF_x0_u = 1.0 - F_x0_v_part1_by_F_x0_u;

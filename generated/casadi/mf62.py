@@ -154,7 +154,7 @@ def quantities(inputs, parameters):
     gamma_in = ca.if_else(LIMITS > 0.5, ca.if_else(CAMMAX < gamma_raised, CAMMAX, gamma_raised), gamma_raised)  # [MFeval] gamma, within limits
     p_raised = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMIN > p, PRESMIN, p), p)  # [MFeval] p, with limits not below the lowest
     p_in = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMAX < p_raised, PRESMAX, p_raised), p_raised)  # [MFeval] p, within limits
-    F_z = ca.if_else(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = ca.if_else(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
     F_z_limited = ca.if_else(LIMITS > 0.5, ca.if_else(FZMAX < F_z, FZMAX, F_z), F_z)  # [MFeval] load, within limits
     F_zl = ca.if_else(LIMITS > 0.5, ca.if_else(FZMIN > F_z_limited, FZMIN, F_z_limited), F_z_limited)  # [MFeval] load of the deflection, not below FZMIN with limits
     F_zm = ca.if_else(LIMITS > 0.5, ca.if_else(F_z_limited <= 0, 0, F_zl), F_z_limited)  # [MFeval] load of the aligning moment, the same but on the ground
@@ -285,8 +285,8 @@ def quantities(inputs, parameters):
     G_yk = ca.cos(G_yk_w)/ca.cos(G_yk0_w)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/ca.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*fade_smooth*ca.sin(RVY5*ca.atan(RVY6*kappa_in))  # [4.E66] side force made by longitudinal slip
-    Fx = ca.if_else(Fz <= 0, 0, F_x0*G_xa)  # [4.E50] longitudinal force
-    Fy = ca.if_else(Fz <= 0, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
+    Fx = ca.if_else(Fz < 1e-100, 0, F_x0*G_xa)  # [4.E50] longitudinal force
+    Fy = ca.if_else(Fz < 1e-100, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
 
     # Aligning moment
     S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz)  # [4.E35] shift of the trail
@@ -576,7 +576,7 @@ def forces(inputs, parameters):
     gamma_in = ca.if_else(LIMITS > 0.5, ca.if_else(CAMMAX < gamma_raised, CAMMAX, gamma_raised), gamma_raised)  # [MFeval] gamma, within limits
     p_raised = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMIN > p, PRESMIN, p), p)  # [MFeval] p, with limits not below the lowest
     p_in = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMAX < p_raised, PRESMAX, p_raised), p_raised)  # [MFeval] p, within limits
-    F_z = ca.if_else(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = ca.if_else(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
     F_z_limited = ca.if_else(LIMITS > 0.5, ca.if_else(FZMAX < F_z, FZMAX, F_z), F_z)  # [MFeval] load, within limits
     F_zl = ca.if_else(LIMITS > 0.5, ca.if_else(FZMIN > F_z_limited, FZMIN, F_z_limited), F_z_limited)  # [MFeval] load of the deflection, not below FZMIN with limits
     F_zm = ca.if_else(LIMITS > 0.5, ca.if_else(F_z_limited <= 0, 0, F_zl), F_z_limited)  # [MFeval] load of the aligning moment, the same but on the ground
@@ -704,8 +704,8 @@ def forces(inputs, parameters):
     G_yk = ca.cos(G_yk_w)/ca.cos(G_yk0_w)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/ca.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*fade_smooth*ca.sin(RVY5*ca.atan(RVY6*kappa_in))  # [4.E66] side force made by longitudinal slip
-    Fx = ca.if_else(Fz <= 0, 0, F_x0*G_xa)  # [4.E50] longitudinal force
-    Fy = ca.if_else(Fz <= 0, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
+    Fx = ca.if_else(Fz < 1e-100, 0, F_x0*G_xa)  # [4.E50] longitudinal force
+    Fy = ca.if_else(Fz < 1e-100, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
     B_ykappa_g0 = LYKA*RBY1/ca.sqrt(1 + RBY2**2*(alpha_star - RBY3)**2)  # [4.E62] stiffness of G_yk
     G_yk_g0_u = B_ykappa_g0*(S_Hyk + kappa_in)  # [4.1] B x
     G_yk_g0_v = G_yk_g0_u - E_ykappa*(G_yk_g0_u - ca.atan(G_yk_g0_u))  # [4.1] B x bent by E
@@ -758,12 +758,12 @@ def forces(inputs, parameters):
     s = LS*UNLOADED_RADIUS*ca.if_else(CONVENTION > 0.5, SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01, SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)  # [4.E76] moment arm of Fx
     G_yk_g0 = ca.cos(G_yk_g0_w)/ca.cos(G_yk_g00_w)  # [4.E74] G_yk without inclination
     F_y1 = F_y0_g0*ca.if_else(CONVENTION > 0.5, G_yk_g0, G_yk)  # [4.E74] side force that the trail carries
-    Mz = ca.if_else(Fz <= 0, 0, M_zr + Fx*s - F_y1*trail)  # [4.E71] aligning moment
+    Mz = ca.if_else(Fz < 1e-100, 0, M_zr + Fx*s - F_y1*trail)  # [4.E71] aligning moment
 
     # Overturning and rolling resistance moment
     F_zx = ca.if_else(CONVENTION > 0.5, F_z_limited, ca.if_else(FZMIN > F_z_limited, F_z_limited**3/FZMIN**2, F_z_limited))  # [MFeval] load of M_x
     M_x_hump = QSX4*ca.cos(QSX5*ca.atan(F_zx**2*QSX6**2/FNOMIN**2))*ca.sin(QSX7*gamma_in + QSX8*ca.atan(Fy*QSX9/FNOMIN))  # [M] hump of M_x over load and side force
-    Mx = ca.if_else(Fz <= 0, 0, LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*ca.atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*ca.fabs(gamma_in) - QSX2*gamma_in*(1 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*ca.fabs(gamma_in))))  # [4.E69] overturning moment
+    Mx = ca.if_else(Fz < 1e-100, 0, LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*ca.atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*ca.fabs(gamma_in) - QSX2*gamma_in*(1 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*ca.fabs(gamma_in))))  # [4.E69] overturning moment
     F_zy = ca.if_else(CONVENTION > 0.5, F_z_limited, ca.if_else(FZMIN > F_z, F_z**2/FZMIN, F_z))  # [MFeval] load of M_y
     F_zy_share = ca.if_else(F_zy <= 0, 1e-60, F_zy/FNOMIN)  # [MFeval] load of M_y in nominal loads, above 0
     M_y_speed = QSY1 + QSY3*ca.fabs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*V**4/LONGVL**4  # [4.E70] resistance by force and speed
@@ -772,7 +772,7 @@ def forces(inputs, parameters):
     M_y_taper = ca.if_else(CONVENTION > 0.5, 1, ca.if_else(kappa <= -1 + VXLOW/ca.fabs(V), M_y_backward, 1))  # [MFeval] the same, 1 where the wheel rolls
     M_y_full = -LMY*UNLOADED_RADIUS*F_zy_share**QSY7*(p_in/NOMPRES)**QSY8*(M_y_speed + gamma_in**2*(QSY5 + F_zy_share*QSY6))*ca.if_else(CONVENTION > 0.5, F_z_limited, FNOMIN)  # [4.E70] rolling resistance moment of the rolling wheel
     M_y_rolling = ca.if_else(V == 0, 0, M_y_full*M_y_taper*ca.if_else(V >= 0, 1, ca.sign(V)))  # [MFeval] rolling resistance moment, 0 at standstill
-    My = ca.if_else(Fz <= 0, 0, M_y_rolling)  # [4.E70] rolling resistance moment
+    My = ca.if_else(Fz < 1e-100, 0, M_y_rolling)  # [4.E70] rolling resistance moment
 
     return ca.vertcat(
         Fx,
@@ -821,7 +821,7 @@ def slip_stiffnesses(inputs, parameters):
     gamma_in = ca.if_else(LIMITS > 0.5, ca.if_else(CAMMAX < gamma_raised, CAMMAX, gamma_raised), gamma_raised)  # [MFeval] gamma, within limits
     p_raised = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMIN > p, PRESMIN, p), p)  # [MFeval] p, with limits not below the lowest
     p_in = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMAX < p_raised, PRESMAX, p_raised), p_raised)  # [MFeval] p, within limits
-    F_z = ca.if_else(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = ca.if_else(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
     F_z_limited = ca.if_else(LIMITS > 0.5, ca.if_else(FZMAX < F_z, FZMAX, F_z), F_z)  # [MFeval] load, within limits
     F_zl = ca.if_else(LIMITS > 0.5, ca.if_else(FZMIN > F_z_limited, FZMIN, F_z_limited), F_z_limited)  # [MFeval] load of the deflection, not below FZMIN with limits
     F_zm = ca.if_else(LIMITS > 0.5, ca.if_else(F_z_limited <= 0, 0, F_zl), F_z_limited)  # [MFeval] load of the aligning moment, the same but on the ground
@@ -1136,9 +1136,9 @@ def slip_stiffnesses(inputs, parameters):
     S_Vyk_part4 = ca.sin(S_Vyk_part3)
     S_Vyk = D_Vyk*LVYKA*S_Vyk_part4*fade_smooth  # [4.E66] side force made by longitudinal slip
     Fx_part1 = F_x0*G_xa
-    Fx = ca.if_else(Fz <= 0, 0, Fx_part1)  # [4.E50] longitudinal force
+    Fx = ca.if_else(Fz < 1e-100, 0, Fx_part1)  # [4.E50] longitudinal force
     Fy_part1 = S_Vyk + F_y0*G_yk
-    Fy = ca.if_else(Fz <= 0, 0, Fy_part1)  # [4.E58] side force
+    Fy = ca.if_else(Fz < 1e-100, 0, Fy_part1)  # [4.E58] side force
     B_ykappa_g0_part1 = alpha_star - RBY3
     B_ykappa_g0_part2 = 1 + B_ykappa_g0_part1**2*RBY2**2
     B_ykappa_g0_part3 = ca.sqrt(B_ykappa_g0_part2)
@@ -1504,8 +1504,8 @@ def slip_stiffnesses(inputs, parameters):
     S_Vyk_part4_by_S_Vyk_part3 = ca.cos(S_Vyk_part3)
     S_Vyk_by_D_Vyk = LVYKA*S_Vyk_shared1
     S_Vyk_by_S_Vyk_part4 = S_Vyk_shared2*fade_smooth
-    Fx_by_Fx_part1 = ca.if_else(Fz <= 0, 0, 1)
-    Fy_by_Fy_part1 = ca.if_else(Fz <= 0, 0, 1)
+    Fx_by_Fx_part1 = ca.if_else(Fz < 1e-100, 0, 1)
+    Fy_by_Fy_part1 = ca.if_else(Fz < 1e-100, 0, 1)
     B_ykappa_g0_part2_by_B_ykappa_g0_part1 = 2*B_ykappa_g0_part1*RBY2**2
     B_ykappa_g0_part3_by_B_ykappa_g0_part2 = 0.5/B_ykappa_g0_part3
     B_ykappa_g0_part4_by_B_ykappa_g0_part3 = -B_ykappa_g0_part4**2
@@ -1616,7 +1616,7 @@ def slip_stiffnesses(inputs, parameters):
     G_yk_g0_part3_by_G_yk_g0_w = -ca.sin(G_yk_g0_w)
     F_y1_part1_by_G_yk = ca.if_else(CONVENTION > 0.5, 0, 1)
     F_y1_part1_by_G_yk_g0 = ca.if_else(CONVENTION > 0.5, 1, 0)
-    Mz_by_Mz_part1 = ca.if_else(Fz <= 0, 0, 1)
+    Mz_by_Mz_part1 = ca.if_else(Fz < 1e-100, 0, 1)
     M_x_hump_part6_by_Fy = M_x_hump_part1*QSX9
     M_x_hump_part7_by_M_x_hump_part6 = 1/(1 + M_x_hump_part6**2)
     M_x_hump_part9_by_M_x_hump_part8 = ca.cos(M_x_hump_part8)
@@ -1627,8 +1627,8 @@ def slip_stiffnesses(inputs, parameters):
     Mx_shared9 = F_zx*Mx_shared8
     Mx_shared11 = ca.fabs(gamma_in)
     Mx_shared17 = QSX13 + Mx_shared11*QSX14
-    Mx_by_Fy = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_M_x_hump = ca.if_else(Fz <= 0, 0, Mx_shared7)
+    Mx_by_Fy = ca.if_else(Fz < 1e-100, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_M_x_hump = ca.if_else(Fz < 1e-100, 0, Mx_shared7)
     M_y_speed_by_Fx = M_y_speed_part4*QSY2
     M_y_near_locked_shared1 = 0.5*ca.pi*M_y_near_locked_part3
     M_y_near_locked_part4_by_M_y_near_locked_part2 = M_y_near_locked_part1*M_y_near_locked_shared1
@@ -1640,7 +1640,7 @@ def slip_stiffnesses(inputs, parameters):
     M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
     M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
     M_y_rolling_by_M_y_rolling_part2 = ca.if_else(V == 0, 0, 1)
-    My_by_M_y_rolling = ca.if_else(Fz <= 0, 0, 1)
+    My_by_M_y_rolling = ca.if_else(Fz < 1e-100, 0, 1)
 
     # Chain rule
     dalpha_low_dalpha = alpha_low_by_alpha + alpha_low_by_speed_sum*speed_sum_by_alpha
@@ -2043,7 +2043,7 @@ def relaxation(inputs, parameters):
     gamma_in = ca.if_else(LIMITS > 0.5, ca.if_else(CAMMAX < gamma_raised, CAMMAX, gamma_raised), gamma_raised)  # [MFeval] gamma, within limits
     p_raised = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMIN > p, PRESMIN, p), p)  # [MFeval] p, with limits not below the lowest
     p_in = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMAX < p_raised, PRESMAX, p_raised), p_raised)  # [MFeval] p, within limits
-    F_z = ca.if_else(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = ca.if_else(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
     F_z_limited = ca.if_else(LIMITS > 0.5, ca.if_else(FZMAX < F_z, FZMAX, F_z), F_z)  # [MFeval] load, within limits
 
     # Normalized inputs
@@ -2121,7 +2121,7 @@ def forces_straight(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Inputs
-    F_z = ca.if_else(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = ca.if_else(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
 
     # Normalized inputs
     F_z01 = FNOMIN*LFZO  # [4.E1] nominal load, scaled
@@ -2205,8 +2205,8 @@ def forces_straight(inputs, parameters):
     G_yk = ca.cos(G_yk_w)/ca.cos(G_yk0_w)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma_star)/ca.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*ca.sin(RVY5*ca.atan(RVY6*kappa))  # [4.E66] side force made by longitudinal slip
-    Fx = ca.if_else(Fz <= 0, 0, F_x0*G_xa)  # [4.E50] longitudinal force
-    Fy = ca.if_else(Fz <= 0, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
+    Fx = ca.if_else(Fz < 1e-100, 0, F_x0*G_xa)  # [4.E50] longitudinal force
+    Fy = ca.if_else(Fz < 1e-100, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
 
     # Aligning moment
     S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz)  # [4.E35] shift of the trail
@@ -2232,12 +2232,12 @@ def forces_straight(inputs, parameters):
     M_zr = D_r/ca.sqrt(1 + B_r**2*alpha_req**2)  # [4.E75] residual moment
     s = LS*UNLOADED_RADIUS*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)  # [4.E76] moment arm of Fx
     F_y1 = F_y0_g0*G_yk  # [4.E74] side force that the trail carries
-    Mz = ca.if_else(Fz <= 0, 0, M_zr + Fx*s - F_y1*trail)  # [4.E71] aligning moment
+    Mz = ca.if_else(Fz < 1e-100, 0, M_zr + Fx*s - F_y1*trail)  # [4.E71] aligning moment
 
     # Overturning and rolling resistance moment
     F_zx = ca.if_else(FZMIN > F_z, F_z**3/FZMIN**2, F_z)  # [MFeval] load of M_x
     M_x_hump = QSX4*ca.cos(QSX5*ca.atan(F_zx**2*QSX6**2/FNOMIN**2))*ca.sin(QSX7*gamma + QSX8*ca.atan(Fy*QSX9/FNOMIN))  # [M] hump of M_x over load and side force
-    Mx = ca.if_else(Fz <= 0, 0, LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma*ca.atan(F_zx*QSX11/FNOMIN) - QSX12*gamma*ca.fabs(gamma) - QSX2*gamma*(1 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*ca.fabs(gamma))))  # [4.E69] overturning moment
+    Mx = ca.if_else(Fz < 1e-100, 0, LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma*ca.atan(F_zx*QSX11/FNOMIN) - QSX12*gamma*ca.fabs(gamma) - QSX2*gamma*(1 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*ca.fabs(gamma))))  # [4.E69] overturning moment
     F_zy = ca.if_else(FZMIN > F_z, F_z**2/FZMIN, F_z)  # [MFeval] load of M_y
     F_zy_share = ca.if_else(F_zy <= 0, 1e-60, F_zy/FNOMIN)  # [MFeval] load of M_y in nominal loads, above 0
     M_y_speed = QSY1 + QSY3*ca.fabs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*V**4/LONGVL**4  # [4.E70] resistance by force and speed
@@ -2246,7 +2246,7 @@ def forces_straight(inputs, parameters):
     M_y_taper = ca.if_else(kappa <= -1 + VXLOW/ca.fabs(V), M_y_backward, 1)  # [MFeval] the same, 1 where the wheel rolls
     M_y_full = -FNOMIN*LMY*UNLOADED_RADIUS*F_zy_share**QSY7*(p/NOMPRES)**QSY8*(M_y_speed + gamma**2*(QSY5 + F_zy_share*QSY6))  # [4.E70] rolling resistance moment of the rolling wheel
     M_y_rolling = ca.if_else(V == 0, 0, M_y_full*M_y_taper*ca.if_else(V >= 0, 1, ca.sign(V)))  # [MFeval] rolling resistance moment, 0 at standstill
-    My = ca.if_else(Fz <= 0, 0, M_y_rolling)  # [4.E70] rolling resistance moment
+    My = ca.if_else(Fz < 1e-100, 0, M_y_rolling)  # [4.E70] rolling resistance moment
 
     return ca.vertcat(
         Fx,
@@ -2284,7 +2284,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Inputs
-    F_z = ca.if_else(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = ca.if_else(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
 
     # Normalized inputs
     F_z01 = FNOMIN*LFZO  # [4.E1] nominal load, scaled
@@ -2498,9 +2498,9 @@ def slip_stiffnesses_straight(inputs, parameters):
     S_Vyk_part4 = ca.sin(S_Vyk_part3)
     S_Vyk = D_Vyk*LVYKA*S_Vyk_part4  # [4.E66] side force made by longitudinal slip
     Fx_part1 = F_x0*G_xa
-    Fx = ca.if_else(Fz <= 0, 0, Fx_part1)  # [4.E50] longitudinal force
+    Fx = ca.if_else(Fz < 1e-100, 0, Fx_part1)  # [4.E50] longitudinal force
     Fy_part1 = S_Vyk + F_y0*G_yk
-    Fy = ca.if_else(Fz <= 0, 0, Fy_part1)  # [4.E58] side force
+    Fy = ca.if_else(Fz < 1e-100, 0, Fy_part1)  # [4.E58] side force
 
     # Aligning moment
     S_Ht_part1 = QHZ3 + QHZ4*dfz
@@ -2650,8 +2650,8 @@ def slip_stiffnesses_straight(inputs, parameters):
     S_Vyk_part4_by_S_Vyk_part3 = ca.cos(S_Vyk_part3)
     S_Vyk_by_D_Vyk = LVYKA*S_Vyk_part4
     S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYKA
-    Fx_by_Fx_part1 = ca.if_else(Fz <= 0, 0, 1)
-    Fy_by_Fy_part1 = ca.if_else(Fz <= 0, 0, 1)
+    Fx_by_Fx_part1 = ca.if_else(Fz < 1e-100, 0, 1)
+    Fy_by_Fy_part1 = ca.if_else(Fz < 1e-100, 0, 1)
     E_t_part2_by_alpha_t = B_t*C_t
     E_t_part3_by_E_t_part2 = 1/(1 + E_t_part2**2)
     E_t_part4_by_E_t_part3 = E_t_part1/ca.pi
@@ -2681,7 +2681,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     M_zr_part3_by_M_zr_part2 = -M_zr_part3**2
     s_part3_by_Fy = SSZ2*s_part2
     s_by_s_part3 = LS*UNLOADED_RADIUS
-    Mz_by_Mz_part1 = ca.if_else(Fz <= 0, 0, 1)
+    Mz_by_Mz_part1 = ca.if_else(Fz < 1e-100, 0, 1)
     M_x_hump_part6_by_Fy = M_x_hump_part1*QSX9
     M_x_hump_part7_by_M_x_hump_part6 = 1/(1 + M_x_hump_part6**2)
     M_x_hump_part9_by_M_x_hump_part8 = ca.cos(M_x_hump_part8)
@@ -2692,8 +2692,8 @@ def slip_stiffnesses_straight(inputs, parameters):
     Mx_shared9 = F_zx*Mx_shared8
     Mx_shared11 = ca.fabs(gamma)
     Mx_shared17 = QSX13 + Mx_shared11*QSX14
-    Mx_by_Fy = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_M_x_hump = ca.if_else(Fz <= 0, 0, Mx_shared7)
+    Mx_by_Fy = ca.if_else(Fz < 1e-100, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_M_x_hump = ca.if_else(Fz < 1e-100, 0, Mx_shared7)
     M_y_speed_by_Fx = M_y_speed_part4*QSY2
     M_y_near_locked_shared1 = 0.5*ca.pi*M_y_near_locked_part3
     M_y_near_locked_part4_by_M_y_near_locked_part2 = M_y_near_locked_part1*M_y_near_locked_shared1
@@ -2705,7 +2705,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
     M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
     M_y_rolling_by_M_y_rolling_part2 = ca.if_else(V == 0, 0, 1)
-    My_by_M_y_rolling = ca.if_else(Fz <= 0, 0, 1)
+    My_by_M_y_rolling = ca.if_else(Fz < 1e-100, 0, 1)
 
     # Chain rule
     dV_c_part2_dtan_alpha = V_c_part1_by_tan_alpha*V_c_part2_by_V_c_part1
@@ -2896,7 +2896,7 @@ def relaxation_straight(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Inputs
-    F_z = ca.if_else(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = ca.if_else(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
 
     # Normalized inputs
     F_z01 = FNOMIN*LFZO  # [4.E1] nominal load, scaled

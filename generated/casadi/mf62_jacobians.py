@@ -47,7 +47,7 @@ def jacobian_inputs(inputs, parameters):
     gamma_in = ca.if_else(LIMITS > 0.5, ca.if_else(CAMMAX < gamma_raised, CAMMAX, gamma_raised), gamma_raised)  # [MFeval] gamma, within limits
     p_raised = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMIN > p, PRESMIN, p), p)  # [MFeval] p, with limits not below the lowest
     p_in = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMAX < p_raised, PRESMAX, p_raised), p_raised)  # [MFeval] p, within limits
-    F_z = ca.if_else(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = ca.if_else(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
     F_z_limited = ca.if_else(LIMITS > 0.5, ca.if_else(FZMAX < F_z, FZMAX, F_z), F_z)  # [MFeval] load, within limits
     F_zl = ca.if_else(LIMITS > 0.5, ca.if_else(FZMIN > F_z_limited, FZMIN, F_z_limited), F_z_limited)  # [MFeval] load of the deflection, not below FZMIN with limits
     F_zm = ca.if_else(LIMITS > 0.5, ca.if_else(F_z_limited <= 0, 0, F_zl), F_z_limited)  # [MFeval] load of the aligning moment, the same but on the ground
@@ -362,9 +362,9 @@ def jacobian_inputs(inputs, parameters):
     S_Vyk_part4 = ca.sin(S_Vyk_part3)
     S_Vyk = D_Vyk*LVYKA*S_Vyk_part4*fade_smooth  # [4.E66] side force made by longitudinal slip
     Fx_part1 = F_x0*G_xa
-    Fx = ca.if_else(Fz <= 0, 0, Fx_part1)  # [4.E50] longitudinal force
+    Fx = ca.if_else(Fz < 1e-100, 0, Fx_part1)  # [4.E50] longitudinal force
     Fy_part1 = S_Vyk + F_y0*G_yk
-    Fy = ca.if_else(Fz <= 0, 0, Fy_part1)  # [4.E58] side force
+    Fy = ca.if_else(Fz < 1e-100, 0, Fy_part1)  # [4.E58] side force
     B_ykappa_g0_part1 = alpha_star - RBY3
     B_ykappa_g0_part2 = 1 + B_ykappa_g0_part1**2*RBY2**2
     B_ykappa_g0_part3 = ca.sqrt(B_ykappa_g0_part2)
@@ -577,7 +577,7 @@ def jacobian_inputs(inputs, parameters):
     gamma_in_by_gamma_raised = ca.if_else(LIMITS > 0.5, ca.if_else(CAMMAX < gamma_raised, 0, 1), 1)
     p_raised_by_p = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMIN > p, 0, 1), 1)
     p_in_by_p_raised = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMAX < p_raised, 0, 1), 1)
-    F_z_by_Fz = ca.if_else(Fz < 0, 0, 1)
+    F_z_by_Fz = ca.if_else(Fz < 1e-100, 0, 1)
     F_z_limited_by_F_z = ca.if_else(LIMITS > 0.5, ca.if_else(FZMAX < F_z, 0, 1), 1)
     F_zl_by_F_z_limited = ca.if_else(LIMITS > 0.5, ca.if_else(FZMIN > F_z_limited, 0, 1), 1)
     F_zm_by_F_z_limited = ca.if_else(LIMITS > 0.5, 0, 1)
@@ -894,8 +894,8 @@ def jacobian_inputs(inputs, parameters):
     S_Vyk_by_D_Vyk = LVYKA*S_Vyk_shared1
     S_Vyk_by_S_Vyk_part4 = S_Vyk_shared2*fade_smooth
     S_Vyk_by_fade_smooth = S_Vyk_part4*S_Vyk_shared2
-    Fx_by_Fx_part1 = ca.if_else(Fz <= 0, 0, 1)
-    Fy_by_Fy_part1 = ca.if_else(Fz <= 0, 0, 1)
+    Fx_by_Fx_part1 = ca.if_else(Fz < 1e-100, 0, 1)
+    Fy_by_Fy_part1 = ca.if_else(Fz < 1e-100, 0, 1)
     B_ykappa_g0_part2_by_B_ykappa_g0_part1 = 2*B_ykappa_g0_part1*RBY2**2
     B_ykappa_g0_part3_by_B_ykappa_g0_part2 = 0.5/B_ykappa_g0_part3
     B_ykappa_g0_part4_by_B_ykappa_g0_part3 = -B_ykappa_g0_part4**2
@@ -1067,7 +1067,7 @@ def jacobian_inputs(inputs, parameters):
     G_yk_g0_part3_by_G_yk_g0_w = -ca.sin(G_yk_g0_w)
     F_y1_part1_by_G_yk = ca.if_else(CONVENTION > 0.5, 0, 1)
     F_y1_part1_by_G_yk_g0 = ca.if_else(CONVENTION > 0.5, 1, 0)
-    Mz_by_Mz_part1 = ca.if_else(Fz <= 0, 0, 1)
+    Mz_by_Mz_part1 = ca.if_else(Fz < 1e-100, 0, 1)
     F_zx_by_F_z_limited = ca.if_else(CONVENTION > 0.5, 1, ca.if_else(FZMIN > F_z_limited, 3*F_z_limited**2/FZMIN**2, 1))
     M_x_hump_shared1 = M_x_hump_part1**2
     M_x_hump_shared2 = 2*QSX6**2
@@ -1098,11 +1098,11 @@ def jacobian_inputs(inputs, parameters):
     Mx_shared19 = Mx_shared7*gamma_in
     Mx_shared20 = Mx_shared19*QSX2
     Mx_shared22 = ca.sign(gamma_in)
-    Mx_by_F_zx = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
-    Mx_by_Fy = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_M_x_hump = ca.if_else(Fz <= 0, 0, Mx_shared7)
-    Mx_by_dpi = ca.if_else(Fz <= 0, 0, -Mx_shared20*PPMX1)
-    Mx_by_gamma_in = ca.if_else(Fz <= 0, 0, Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma_in) + Fy*Mx_shared22*QSX14))
+    Mx_by_F_zx = ca.if_else(Fz < 1e-100, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
+    Mx_by_Fy = ca.if_else(Fz < 1e-100, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_M_x_hump = ca.if_else(Fz < 1e-100, 0, Mx_shared7)
+    Mx_by_dpi = ca.if_else(Fz < 1e-100, 0, -Mx_shared20*PPMX1)
+    Mx_by_gamma_in = ca.if_else(Fz < 1e-100, 0, Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma_in) + Fy*Mx_shared22*QSX14))
     F_zy_by_F_z = ca.if_else(CONVENTION > 0.5, 0, ca.if_else(FZMIN > F_z, 2*F_z/FZMIN, 1))
     F_zy_by_F_z_limited = ca.if_else(CONVENTION > 0.5, 1, 0)
     F_zy_share_by_F_zy = ca.if_else(F_zy <= 0, 0, 1/FNOMIN)
@@ -1132,7 +1132,7 @@ def jacobian_inputs(inputs, parameters):
     M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
     M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
     M_y_rolling_by_M_y_rolling_part2 = ca.if_else(V == 0, 0, 1)
-    My_by_M_y_rolling = ca.if_else(Fz <= 0, 0, 1)
+    My_by_M_y_rolling = ca.if_else(Fz < 1e-100, 0, 1)
 
     # Chain rule
     dV_c_part2_dtan_alpha = V_c_part1_by_tan_alpha*V_c_part2_by_V_c_part1
@@ -1864,7 +1864,7 @@ def jacobian_parameters(inputs, parameters):
     gamma_in = ca.if_else(LIMITS > 0.5, ca.if_else(CAMMAX < gamma_raised, CAMMAX, gamma_raised), gamma_raised)  # [MFeval] gamma, within limits
     p_raised = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMIN > p, PRESMIN, p), p)  # [MFeval] p, with limits not below the lowest
     p_in = ca.if_else(LIMITS > 0.5, ca.if_else(PRESMAX < p_raised, PRESMAX, p_raised), p_raised)  # [MFeval] p, within limits
-    F_z = ca.if_else(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = ca.if_else(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
     F_z_limited = ca.if_else(LIMITS > 0.5, ca.if_else(FZMAX < F_z, FZMAX, F_z), F_z)  # [MFeval] load, within limits
     F_zl = ca.if_else(LIMITS > 0.5, ca.if_else(FZMIN > F_z_limited, FZMIN, F_z_limited), F_z_limited)  # [MFeval] load of the deflection, not below FZMIN with limits
     F_zm = ca.if_else(LIMITS > 0.5, ca.if_else(F_z_limited <= 0, 0, F_zl), F_z_limited)  # [MFeval] load of the aligning moment, the same but on the ground
@@ -2179,9 +2179,9 @@ def jacobian_parameters(inputs, parameters):
     S_Vyk_part4 = ca.sin(S_Vyk_part3)
     S_Vyk = D_Vyk*LVYKA*S_Vyk_part4*fade_smooth  # [4.E66] side force made by longitudinal slip
     Fx_part1 = F_x0*G_xa
-    Fx = ca.if_else(Fz <= 0, 0, Fx_part1)  # [4.E50] longitudinal force
+    Fx = ca.if_else(Fz < 1e-100, 0, Fx_part1)  # [4.E50] longitudinal force
     Fy_part1 = S_Vyk + F_y0*G_yk
-    Fy = ca.if_else(Fz <= 0, 0, Fy_part1)  # [4.E58] side force
+    Fy = ca.if_else(Fz < 1e-100, 0, Fy_part1)  # [4.E58] side force
     B_ykappa_g0_part1 = alpha_star - RBY3
     B_ykappa_g0_part2 = 1 + B_ykappa_g0_part1**2*RBY2**2
     B_ykappa_g0_part3 = ca.sqrt(B_ykappa_g0_part2)
@@ -2791,8 +2791,8 @@ def jacobian_parameters(inputs, parameters):
     S_Vyk_by_LVYKA = D_Vyk*S_Vyk_shared1
     S_Vyk_by_S_Vyk_part4 = S_Vyk_shared2*fade_smooth
     S_Vyk_by_fade_smooth = S_Vyk_part4*S_Vyk_shared2
-    Fx_by_Fx_part1 = ca.if_else(Fz <= 0, 0, 1)
-    Fy_by_Fy_part1 = ca.if_else(Fz <= 0, 0, 1)
+    Fx_by_Fx_part1 = ca.if_else(Fz < 1e-100, 0, 1)
+    Fy_by_Fy_part1 = ca.if_else(Fz < 1e-100, 0, 1)
     B_ykappa_g0_part2_by_B_ykappa_g0_part1 = 2*B_ykappa_g0_part1*RBY2**2
     B_ykappa_g0_part2_by_RBY2 = 2*RBY2*B_ykappa_g0_part1**2
     B_ykappa_g0_part3_by_B_ykappa_g0_part2 = 0.5/B_ykappa_g0_part3
@@ -3023,7 +3023,7 @@ def jacobian_parameters(inputs, parameters):
     G_yk_g0_part3_by_G_yk_g0_w = -ca.sin(G_yk_g0_w)
     F_y1_part1_by_G_yk = ca.if_else(CONVENTION > 0.5, 0, 1)
     F_y1_part1_by_G_yk_g0 = ca.if_else(CONVENTION > 0.5, 1, 0)
-    Mz_by_Mz_part1 = ca.if_else(Fz <= 0, 0, 1)
+    Mz_by_Mz_part1 = ca.if_else(Fz < 1e-100, 0, 1)
     F_zx_by_FZMIN = ca.if_else(CONVENTION > 0.5, 0, ca.if_else(FZMIN > F_z_limited, -2*F_z_limited**3/FZMIN**3, 0))
     F_zx_by_F_z_limited = ca.if_else(CONVENTION > 0.5, 1, ca.if_else(FZMIN > F_z_limited, 3*F_z_limited**2/FZMIN**2, 1))
     M_x_hump_shared1 = M_x_hump_part1**2
@@ -3063,24 +3063,24 @@ def jacobian_parameters(inputs, parameters):
     Mx_shared20 = Mx_shared19*QSX2
     Mx_shared21 = Fy*Mx_shared6
     Mx_shared22 = ca.sign(gamma_in)
-    Mx_by_FNOMIN = ca.if_else(Fz <= 0, 0, Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11))
-    Mx_by_F_zx = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
-    Mx_by_Fy = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_LMX = ca.if_else(Fz <= 0, 0, Mx_shared18*UNLOADED_RADIUS)
-    Mx_by_LVMX = ca.if_else(Fz <= 0, 0, Mx_shared7*QSX1)
-    Mx_by_M_x_hump = ca.if_else(Fz <= 0, 0, Mx_shared7)
-    Mx_by_PPMX1 = ca.if_else(Fz <= 0, 0, -Mx_shared20*dpi)
-    Mx_by_QSX1 = ca.if_else(Fz <= 0, 0, LVMX*Mx_shared7)
-    Mx_by_QSX10 = ca.if_else(Fz <= 0, 0, Mx_shared15*Mx_shared19)
-    Mx_by_QSX11 = ca.if_else(Fz <= 0, 0, Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8)
-    Mx_by_QSX12 = ca.if_else(Fz <= 0, 0, -Mx_shared11*Mx_shared19)
-    Mx_by_QSX13 = ca.if_else(Fz <= 0, 0, Mx_shared21)
-    Mx_by_QSX14 = ca.if_else(Fz <= 0, 0, Mx_shared11*Mx_shared21)
-    Mx_by_QSX2 = ca.if_else(Fz <= 0, 0, -Mx_shared13*Mx_shared19)
-    Mx_by_QSX3 = ca.if_else(Fz <= 0, 0, Mx_shared21*Mx_shared9)
-    Mx_by_UNLOADED_RADIUS = ca.if_else(Fz <= 0, 0, LMX*Mx_shared18)
-    Mx_by_dpi = ca.if_else(Fz <= 0, 0, -Mx_shared20*PPMX1)
-    Mx_by_gamma_in = ca.if_else(Fz <= 0, 0, Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma_in) + Fy*Mx_shared22*QSX14))
+    Mx_by_FNOMIN = ca.if_else(Fz < 1e-100, 0, Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11))
+    Mx_by_F_zx = ca.if_else(Fz < 1e-100, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
+    Mx_by_Fy = ca.if_else(Fz < 1e-100, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_LMX = ca.if_else(Fz < 1e-100, 0, Mx_shared18*UNLOADED_RADIUS)
+    Mx_by_LVMX = ca.if_else(Fz < 1e-100, 0, Mx_shared7*QSX1)
+    Mx_by_M_x_hump = ca.if_else(Fz < 1e-100, 0, Mx_shared7)
+    Mx_by_PPMX1 = ca.if_else(Fz < 1e-100, 0, -Mx_shared20*dpi)
+    Mx_by_QSX1 = ca.if_else(Fz < 1e-100, 0, LVMX*Mx_shared7)
+    Mx_by_QSX10 = ca.if_else(Fz < 1e-100, 0, Mx_shared15*Mx_shared19)
+    Mx_by_QSX11 = ca.if_else(Fz < 1e-100, 0, Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8)
+    Mx_by_QSX12 = ca.if_else(Fz < 1e-100, 0, -Mx_shared11*Mx_shared19)
+    Mx_by_QSX13 = ca.if_else(Fz < 1e-100, 0, Mx_shared21)
+    Mx_by_QSX14 = ca.if_else(Fz < 1e-100, 0, Mx_shared11*Mx_shared21)
+    Mx_by_QSX2 = ca.if_else(Fz < 1e-100, 0, -Mx_shared13*Mx_shared19)
+    Mx_by_QSX3 = ca.if_else(Fz < 1e-100, 0, Mx_shared21*Mx_shared9)
+    Mx_by_UNLOADED_RADIUS = ca.if_else(Fz < 1e-100, 0, LMX*Mx_shared18)
+    Mx_by_dpi = ca.if_else(Fz < 1e-100, 0, -Mx_shared20*PPMX1)
+    Mx_by_gamma_in = ca.if_else(Fz < 1e-100, 0, Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma_in) + Fy*Mx_shared22*QSX14))
     F_zy_by_FZMIN = ca.if_else(CONVENTION > 0.5, 0, ca.if_else(FZMIN > F_z, -F_z**2/FZMIN**2, 0))
     F_zy_by_F_z_limited = ca.if_else(CONVENTION > 0.5, 1, 0)
     F_zy_share_by_FNOMIN = ca.if_else(F_zy <= 0, 0, -F_zy/FNOMIN**2)
@@ -3121,7 +3121,7 @@ def jacobian_parameters(inputs, parameters):
     M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
     M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
     M_y_rolling_by_M_y_rolling_part2 = ca.if_else(V == 0, 0, 1)
-    My_by_M_y_rolling = ca.if_else(Fz <= 0, 0, 1)
+    My_by_M_y_rolling = ca.if_else(Fz < 1e-100, 0, 1)
 
     # Chain rule
     dV_c_part2_dtan_alpha = V_c_part1_by_tan_alpha*V_c_part2_by_V_c_part1
@@ -5627,7 +5627,7 @@ def jacobian_inputs_straight(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Inputs
-    F_z = ca.if_else(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = ca.if_else(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
 
     # Normalized inputs
     F_z01 = FNOMIN*LFZO  # [4.E1] nominal load, scaled
@@ -5841,9 +5841,9 @@ def jacobian_inputs_straight(inputs, parameters):
     S_Vyk_part4 = ca.sin(S_Vyk_part3)
     S_Vyk = D_Vyk*LVYKA*S_Vyk_part4  # [4.E66] side force made by longitudinal slip
     Fx_part1 = F_x0*G_xa
-    Fx = ca.if_else(Fz <= 0, 0, Fx_part1)  # [4.E50] longitudinal force
+    Fx = ca.if_else(Fz < 1e-100, 0, Fx_part1)  # [4.E50] longitudinal force
     Fy_part1 = S_Vyk + F_y0*G_yk
-    Fy = ca.if_else(Fz <= 0, 0, Fy_part1)  # [4.E58] side force
+    Fy = ca.if_else(Fz < 1e-100, 0, Fy_part1)  # [4.E58] side force
 
     # Aligning moment
     S_Ht_part1 = QHZ3 + QHZ4*dfz
@@ -5951,7 +5951,7 @@ def jacobian_inputs_straight(inputs, parameters):
     M_y_rolling_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
 
     # Partial derivatives of each line
-    F_z_by_Fz = ca.if_else(Fz < 0, 0, 1)
+    F_z_by_Fz = ca.if_else(Fz < 1e-100, 0, 1)
     tan_alpha_by_alpha = 1 + tan_alpha**2
     V_c_part1_by_tan_alpha = 2*tan_alpha
     V_c_part2_by_V_c_part1 = 0.5/V_c_part2
@@ -6091,8 +6091,8 @@ def jacobian_inputs_straight(inputs, parameters):
     S_Vyk_part4_by_S_Vyk_part3 = ca.cos(S_Vyk_part3)
     S_Vyk_by_D_Vyk = LVYKA*S_Vyk_part4
     S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYKA
-    Fx_by_Fx_part1 = ca.if_else(Fz <= 0, 0, 1)
-    Fy_by_Fy_part1 = ca.if_else(Fz <= 0, 0, 1)
+    Fx_by_Fx_part1 = ca.if_else(Fz < 1e-100, 0, 1)
+    Fy_by_Fy_part1 = ca.if_else(Fz < 1e-100, 0, 1)
     alpha_r_part1_by_K_yalpha1 = -alpha_r_part1**2
     B_t_shared1 = B_t_part4*LKY
     B_t_shared2 = B_t_part1*B_t_part3
@@ -6154,7 +6154,7 @@ def jacobian_inputs_straight(inputs, parameters):
     M_zr_part3_by_M_zr_part2 = -M_zr_part3**2
     s_part3_by_Fy = SSZ2*s_part2
     s_by_s_part3 = LS*UNLOADED_RADIUS
-    Mz_by_Mz_part1 = ca.if_else(Fz <= 0, 0, 1)
+    Mz_by_Mz_part1 = ca.if_else(Fz < 1e-100, 0, 1)
     F_zx_by_F_z = ca.if_else(FZMIN > F_z, 3*F_z**2/FZMIN**2, 1)
     M_x_hump_shared1 = M_x_hump_part1**2
     M_x_hump_shared2 = 2*QSX6**2
@@ -6185,11 +6185,11 @@ def jacobian_inputs_straight(inputs, parameters):
     Mx_shared19 = Mx_shared7*gamma
     Mx_shared20 = Mx_shared19*QSX2
     Mx_shared22 = ca.sign(gamma)
-    Mx_by_F_zx = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
-    Mx_by_Fy = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_M_x_hump = ca.if_else(Fz <= 0, 0, Mx_shared7)
-    Mx_by_dpi = ca.if_else(Fz <= 0, 0, -Mx_shared20*PPMX1)
-    Mx_by_gamma = ca.if_else(Fz <= 0, 0, Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma) + Fy*Mx_shared22*QSX14))
+    Mx_by_F_zx = ca.if_else(Fz < 1e-100, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
+    Mx_by_Fy = ca.if_else(Fz < 1e-100, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_M_x_hump = ca.if_else(Fz < 1e-100, 0, Mx_shared7)
+    Mx_by_dpi = ca.if_else(Fz < 1e-100, 0, -Mx_shared20*PPMX1)
+    Mx_by_gamma = ca.if_else(Fz < 1e-100, 0, Mx_shared6*(F_zx*(-Mx_shared12 - Mx_shared14 + Mx_shared15*QSX10 - Mx_shared22*QSX12*gamma) + Fy*Mx_shared22*QSX14))
     F_zy_by_F_z = ca.if_else(FZMIN > F_z, 2*F_z/FZMIN, 1)
     F_zy_share_by_F_zy = ca.if_else(F_zy <= 0, 0, 1/FNOMIN)
     M_y_speed_part3_by_M_y_speed_part2 = ca.sign(M_y_speed_part2)
@@ -6215,7 +6215,7 @@ def jacobian_inputs_straight(inputs, parameters):
     M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
     M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
     M_y_rolling_by_M_y_rolling_part2 = ca.if_else(V == 0, 0, 1)
-    My_by_M_y_rolling = ca.if_else(Fz <= 0, 0, 1)
+    My_by_M_y_rolling = ca.if_else(Fz < 1e-100, 0, 1)
 
     # Chain rule
     dV_c_part2_dtan_alpha = V_c_part1_by_tan_alpha*V_c_part2_by_V_c_part1
@@ -6646,7 +6646,7 @@ def jacobian_parameters_straight(inputs, parameters):
     ) = ca.vertsplit(parameters)
 
     # Inputs
-    F_z = ca.if_else(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = ca.if_else(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
 
     # Normalized inputs
     F_z01 = FNOMIN*LFZO  # [4.E1] nominal load, scaled
@@ -6860,9 +6860,9 @@ def jacobian_parameters_straight(inputs, parameters):
     S_Vyk_part4 = ca.sin(S_Vyk_part3)
     S_Vyk = D_Vyk*LVYKA*S_Vyk_part4  # [4.E66] side force made by longitudinal slip
     Fx_part1 = F_x0*G_xa
-    Fx = ca.if_else(Fz <= 0, 0, Fx_part1)  # [4.E50] longitudinal force
+    Fx = ca.if_else(Fz < 1e-100, 0, Fx_part1)  # [4.E50] longitudinal force
     Fy_part1 = S_Vyk + F_y0*G_yk
-    Fy = ca.if_else(Fz <= 0, 0, Fy_part1)  # [4.E58] side force
+    Fy = ca.if_else(Fz < 1e-100, 0, Fy_part1)  # [4.E58] side force
 
     # Aligning moment
     S_Ht_part1 = QHZ3 + QHZ4*dfz
@@ -7134,8 +7134,8 @@ def jacobian_parameters_straight(inputs, parameters):
     S_Vyk_by_D_Vyk = LVYKA*S_Vyk_part4
     S_Vyk_by_LVYKA = D_Vyk*S_Vyk_part4
     S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYKA
-    Fx_by_Fx_part1 = ca.if_else(Fz <= 0, 0, 1)
-    Fy_by_Fy_part1 = ca.if_else(Fz <= 0, 0, 1)
+    Fx_by_Fx_part1 = ca.if_else(Fz < 1e-100, 0, 1)
+    Fy_by_Fy_part1 = ca.if_else(Fz < 1e-100, 0, 1)
     alpha_r_part1_by_K_yalpha1 = -alpha_r_part1**2
     B_t_shared1 = B_t_part4*LKY
     B_t_shared2 = B_t_part1*B_t_part3
@@ -7213,7 +7213,7 @@ def jacobian_parameters_straight(inputs, parameters):
     s_by_LS = UNLOADED_RADIUS*s_part3
     s_by_UNLOADED_RADIUS = LS*s_part3
     s_by_s_part3 = LS*UNLOADED_RADIUS
-    Mz_by_Mz_part1 = ca.if_else(Fz <= 0, 0, 1)
+    Mz_by_Mz_part1 = ca.if_else(Fz < 1e-100, 0, 1)
     F_zx_by_FZMIN = ca.if_else(FZMIN > F_z, -2*F_z**3/FZMIN**3, 0)
     M_x_hump_shared1 = M_x_hump_part1**2
     M_x_hump_shared2 = 2*QSX6**2
@@ -7251,23 +7251,23 @@ def jacobian_parameters_straight(inputs, parameters):
     Mx_shared19 = Mx_shared7*gamma
     Mx_shared20 = Mx_shared19*QSX2
     Mx_shared21 = Fy*Mx_shared6
-    Mx_by_FNOMIN = ca.if_else(Fz <= 0, 0, Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11))
-    Mx_by_F_zx = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
-    Mx_by_Fy = ca.if_else(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_LMX = ca.if_else(Fz <= 0, 0, Mx_shared18*UNLOADED_RADIUS)
-    Mx_by_LVMX = ca.if_else(Fz <= 0, 0, Mx_shared7*QSX1)
-    Mx_by_M_x_hump = ca.if_else(Fz <= 0, 0, Mx_shared7)
-    Mx_by_PPMX1 = ca.if_else(Fz <= 0, 0, -Mx_shared20*dpi)
-    Mx_by_QSX1 = ca.if_else(Fz <= 0, 0, LVMX*Mx_shared7)
-    Mx_by_QSX10 = ca.if_else(Fz <= 0, 0, Mx_shared15*Mx_shared19)
-    Mx_by_QSX11 = ca.if_else(Fz <= 0, 0, Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8)
-    Mx_by_QSX12 = ca.if_else(Fz <= 0, 0, -Mx_shared11*Mx_shared19)
-    Mx_by_QSX13 = ca.if_else(Fz <= 0, 0, Mx_shared21)
-    Mx_by_QSX14 = ca.if_else(Fz <= 0, 0, Mx_shared11*Mx_shared21)
-    Mx_by_QSX2 = ca.if_else(Fz <= 0, 0, -Mx_shared13*Mx_shared19)
-    Mx_by_QSX3 = ca.if_else(Fz <= 0, 0, Mx_shared21*Mx_shared9)
-    Mx_by_UNLOADED_RADIUS = ca.if_else(Fz <= 0, 0, LMX*Mx_shared18)
-    Mx_by_dpi = ca.if_else(Fz <= 0, 0, -Mx_shared20*PPMX1)
+    Mx_by_FNOMIN = ca.if_else(Fz < 1e-100, 0, Mx_shared7*(-Mx_shared2*Mx_shared3 - F_zx*Mx_shared2*Mx_shared5*QSX11))
+    Mx_by_F_zx = ca.if_else(Fz < 1e-100, 0, Mx_shared6*(Mx_shared16 + Mx_shared10*Mx_shared5))
+    Mx_by_Fy = ca.if_else(Fz < 1e-100, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_LMX = ca.if_else(Fz < 1e-100, 0, Mx_shared18*UNLOADED_RADIUS)
+    Mx_by_LVMX = ca.if_else(Fz < 1e-100, 0, Mx_shared7*QSX1)
+    Mx_by_M_x_hump = ca.if_else(Fz < 1e-100, 0, Mx_shared7)
+    Mx_by_PPMX1 = ca.if_else(Fz < 1e-100, 0, -Mx_shared20*dpi)
+    Mx_by_QSX1 = ca.if_else(Fz < 1e-100, 0, LVMX*Mx_shared7)
+    Mx_by_QSX10 = ca.if_else(Fz < 1e-100, 0, Mx_shared15*Mx_shared19)
+    Mx_by_QSX11 = ca.if_else(Fz < 1e-100, 0, Mx_shared4*Mx_shared5*Mx_shared6*Mx_shared8)
+    Mx_by_QSX12 = ca.if_else(Fz < 1e-100, 0, -Mx_shared11*Mx_shared19)
+    Mx_by_QSX13 = ca.if_else(Fz < 1e-100, 0, Mx_shared21)
+    Mx_by_QSX14 = ca.if_else(Fz < 1e-100, 0, Mx_shared11*Mx_shared21)
+    Mx_by_QSX2 = ca.if_else(Fz < 1e-100, 0, -Mx_shared13*Mx_shared19)
+    Mx_by_QSX3 = ca.if_else(Fz < 1e-100, 0, Mx_shared21*Mx_shared9)
+    Mx_by_UNLOADED_RADIUS = ca.if_else(Fz < 1e-100, 0, LMX*Mx_shared18)
+    Mx_by_dpi = ca.if_else(Fz < 1e-100, 0, -Mx_shared20*PPMX1)
     F_zy_by_FZMIN = ca.if_else(FZMIN > F_z, -F_z**2/FZMIN**2, 0)
     F_zy_share_by_FNOMIN = ca.if_else(F_zy <= 0, 0, -F_zy/FNOMIN**2)
     F_zy_share_by_F_zy = ca.if_else(F_zy <= 0, 0, 1/FNOMIN)
@@ -7304,7 +7304,7 @@ def jacobian_parameters_straight(inputs, parameters):
     M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
     M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
     M_y_rolling_by_M_y_rolling_part2 = ca.if_else(V == 0, 0, 1)
-    My_by_M_y_rolling = ca.if_else(Fz <= 0, 0, 1)
+    My_by_M_y_rolling = ca.if_else(Fz < 1e-100, 0, 1)
 
     # Chain rule
     dF_x0_v_part2_dF_x0_u = 1 - F_x0_v_part1_by_F_x0_u

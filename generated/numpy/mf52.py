@@ -151,7 +151,7 @@ def quantities(inputs, parameters):
     gamma_in = np.where(LIMITS > 0.5, np.where(CAMMAX < gamma_raised, CAMMAX, gamma_raised), gamma_raised)  # [MFeval] gamma, within limits
     p_raised = np.where(LIMITS > 0.5, np.where(PRESMIN > p, PRESMIN, p), p)  # [MFeval] p, with limits not below the lowest
     p_in = np.where(LIMITS > 0.5, np.where(PRESMAX < p_raised, PRESMAX, p_raised), p_raised)  # [MFeval] p, within limits
-    F_z = np.where(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = np.where(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
     F_z_limited = np.where(LIMITS > 0.5, np.where(FZMAX < F_z, FZMAX, F_z), F_z)  # [MFeval] load, within limits
     F_zl = np.where(LIMITS > 0.5, np.where(FZMIN > F_z_limited, FZMIN, F_z_limited), F_z_limited)  # [MFeval] load of the deflection, not below FZMIN with limits
     F_zm = np.where(LIMITS > 0.5, np.where(F_z_limited <= 0, 0, F_zl), F_z_limited)  # [MFeval] load of the aligning moment, the same but on the ground
@@ -271,8 +271,8 @@ def quantities(inputs, parameters):
     G_yk = np.cos(G_yk_w)/np.cos(G_yk0_w)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/np.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*fade_smooth*np.sin(RVY5*np.atan(RVY6*kappa_in))  # [4.E66] side force made by longitudinal slip
-    Fx = np.where(Fz <= 0, 0, F_x0*G_xa)  # [4.E50] longitudinal force
-    Fy = np.where(Fz <= 0, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
+    Fx = np.where(Fz < 1e-100, 0, F_x0*G_xa)  # [4.E50] longitudinal force
+    Fy = np.where(Fz < 1e-100, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
 
     # Aligning moment
     S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz)  # [4.E35] shift of the trail
@@ -465,7 +465,7 @@ def forces(inputs, parameters):
     gamma_in = np.where(LIMITS > 0.5, np.where(CAMMAX < gamma_raised, CAMMAX, gamma_raised), gamma_raised)  # [MFeval] gamma, within limits
     p_raised = np.where(LIMITS > 0.5, np.where(PRESMIN > p, PRESMIN, p), p)  # [MFeval] p, with limits not below the lowest
     p_in = np.where(LIMITS > 0.5, np.where(PRESMAX < p_raised, PRESMAX, p_raised), p_raised)  # [MFeval] p, within limits
-    F_z = np.where(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = np.where(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
     F_z_limited = np.where(LIMITS > 0.5, np.where(FZMAX < F_z, FZMAX, F_z), F_z)  # [MFeval] load, within limits
     F_zl = np.where(LIMITS > 0.5, np.where(FZMIN > F_z_limited, FZMIN, F_z_limited), F_z_limited)  # [MFeval] load of the deflection, not below FZMIN with limits
     F_zm = np.where(LIMITS > 0.5, np.where(F_z_limited <= 0, 0, F_zl), F_z_limited)  # [MFeval] load of the aligning moment, the same but on the ground
@@ -568,8 +568,8 @@ def forces(inputs, parameters):
     G_yk = np.cos(G_yk_w)/np.cos(G_yk0_w)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z_limited*mu_y_pressed*zeta_2*(RVY1 + RVY2*dfz + RVY3*gamma_star)/np.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*fade_smooth*np.sin(RVY5*np.atan(RVY6*kappa_in))  # [4.E66] side force made by longitudinal slip
-    Fx = np.where(Fz <= 0, 0, F_x0*G_xa)  # [4.E50] longitudinal force
-    Fy = np.where(Fz <= 0, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
+    Fx = np.where(Fz < 1e-100, 0, F_x0*G_xa)  # [4.E50] longitudinal force
+    Fy = np.where(Fz < 1e-100, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
 
     # Aligning moment
     S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz)  # [4.E35] shift of the trail
@@ -614,12 +614,12 @@ def forces(inputs, parameters):
     M_zr = D_r*fade_smooth*np.where(phit_in == 0, 1/np.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun)  # [4.E75] residual moment
     s = LS*UNLOADED_RADIUS*np.where(CONVENTION > 0.5, SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01, SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)  # [4.E76] moment arm of Fx
     F_y1 = Fy - S_Vyk  # [4.E74] side force that the trail carries
-    Mz = np.where(Fz <= 0, 0, M_zr + Fx*s - F_y1*trail)  # [4.E71] aligning moment
+    Mz = np.where(Fz < 1e-100, 0, M_zr + Fx*s - F_y1*trail)  # [4.E71] aligning moment
 
     # Overturning and rolling resistance moment
     F_zx = np.where(CONVENTION > 0.5, F_z_limited, np.where(FZMIN > F_z_limited, F_z_limited**3/FZMIN**2, F_z_limited))  # [MFeval] load of M_x
     M_x_hump = QSX4*np.cos(QSX5*np.atan(F_zx**2*QSX6**2/FNOMIN**2))*np.sin(QSX7*gamma_in + QSX8*np.atan(Fy*QSX9/FNOMIN))  # [M] hump of M_x over load and side force
-    Mx = np.where(Fz <= 0, 0, LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*np.atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*np.abs(gamma_in) - QSX2*gamma_in*(1 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*np.abs(gamma_in))))  # [4.E69] overturning moment
+    Mx = np.where(Fz < 1e-100, 0, LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*np.atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*np.abs(gamma_in) - QSX2*gamma_in*(1 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*np.abs(gamma_in))))  # [4.E69] overturning moment
     F_zy = np.where(CONVENTION > 0.5, F_z_limited, np.where(FZMIN > F_z, F_z**2/FZMIN, F_z))  # [MFeval] load of M_y
     M_y_speed = QSY1 + QSY3*np.abs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*V**4/LONGVL**4  # [4.E70] resistance by force and speed
     M_y_near_locked = np.sin(0.5*np.pi*(1 + kappa)*np.abs(V)/VXLOW)  # [MFeval] fade near the locked wheel
@@ -627,7 +627,7 @@ def forces(inputs, parameters):
     M_y_taper = np.where(CONVENTION > 0.5, 1, np.where(kappa <= -1 + VXLOW/np.abs(V), M_y_backward, 1))  # [MFeval] the same, 1 where the wheel rolls
     M_y_full = -F_zy*LMY*M_y_speed*UNLOADED_RADIUS  # [4.E70] rolling resistance moment of the rolling wheel
     M_y_rolling = np.where(V == 0, 0, M_y_full*M_y_taper*np.where(V >= 0, 1, np.sign(V)))  # [MFeval] rolling resistance moment, 0 at standstill
-    My = np.where(Fz <= 0, 0, M_y_rolling)  # [4.E70] rolling resistance moment
+    My = np.where(Fz < 1e-100, 0, M_y_rolling)  # [4.E70] rolling resistance moment
 
     return (
         Fx,
@@ -675,7 +675,7 @@ def slip_stiffnesses(inputs, parameters):
     gamma_in = np.where(LIMITS > 0.5, np.where(CAMMAX < gamma_raised, CAMMAX, gamma_raised), gamma_raised)  # [MFeval] gamma, within limits
     p_raised = np.where(LIMITS > 0.5, np.where(PRESMIN > p, PRESMIN, p), p)  # [MFeval] p, with limits not below the lowest
     p_in = np.where(LIMITS > 0.5, np.where(PRESMAX < p_raised, PRESMAX, p_raised), p_raised)  # [MFeval] p, within limits
-    F_z = np.where(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = np.where(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
     F_z_limited = np.where(LIMITS > 0.5, np.where(FZMAX < F_z, FZMAX, F_z), F_z)  # [MFeval] load, within limits
     F_zl = np.where(LIMITS > 0.5, np.where(FZMIN > F_z_limited, FZMIN, F_z_limited), F_z_limited)  # [MFeval] load of the deflection, not below FZMIN with limits
     F_zm = np.where(LIMITS > 0.5, np.where(F_z_limited <= 0, 0, F_zl), F_z_limited)  # [MFeval] load of the aligning moment, the same but on the ground
@@ -920,9 +920,9 @@ def slip_stiffnesses(inputs, parameters):
     S_Vyk_part4 = np.sin(S_Vyk_part3)
     S_Vyk = D_Vyk*LVYKA*S_Vyk_part4*fade_smooth  # [4.E66] side force made by longitudinal slip
     Fx_part1 = F_x0*G_xa
-    Fx = np.where(Fz <= 0, 0, Fx_part1)  # [4.E50] longitudinal force
+    Fx = np.where(Fz < 1e-100, 0, Fx_part1)  # [4.E50] longitudinal force
     Fy_part1 = S_Vyk + F_y0*G_yk
-    Fy = np.where(Fz <= 0, 0, Fy_part1)  # [4.E58] side force
+    Fy = np.where(Fz < 1e-100, 0, Fy_part1)  # [4.E58] side force
 
     # Aligning moment
     S_Ht_part1 = QHZ3 + QHZ4*dfz
@@ -1228,8 +1228,8 @@ def slip_stiffnesses(inputs, parameters):
     S_Vyk_part4_by_S_Vyk_part3 = np.cos(S_Vyk_part3)
     S_Vyk_by_D_Vyk = LVYKA*S_Vyk_shared1
     S_Vyk_by_S_Vyk_part4 = S_Vyk_shared2*fade_smooth
-    Fx_by_Fx_part1 = np.where(Fz <= 0, 0, 1)
-    Fy_by_Fy_part1 = np.where(Fz <= 0, 0, 1)
+    Fx_by_Fx_part1 = np.where(Fz < 1e-100, 0, 1)
+    Fy_by_Fy_part1 = np.where(Fz < 1e-100, 0, 1)
     alpha_r_part1_by_K_yalpha1 = -alpha_r_part1**2
     B_t_shared2 = B_t_part7*LKY
     B_t_part1_by_LMUY_star = -B_t_part1**2
@@ -1327,7 +1327,7 @@ def slip_stiffnesses(inputs, parameters):
     s_shared4 = 1/FNOMIN
     s_part1_by_Fy = np.where(CONVENTION > 0.5, SSZ2*s_shared3, SSZ2*s_shared4)
     s_by_s_part1 = LS*UNLOADED_RADIUS
-    Mz_by_Mz_part1 = np.where(Fz <= 0, 0, 1)
+    Mz_by_Mz_part1 = np.where(Fz < 1e-100, 0, 1)
     M_x_hump_part6_by_Fy = M_x_hump_part1*QSX9
     M_x_hump_part7_by_M_x_hump_part6 = 1/(1 + M_x_hump_part6**2)
     M_x_hump_part9_by_M_x_hump_part8 = np.cos(M_x_hump_part8)
@@ -1338,8 +1338,8 @@ def slip_stiffnesses(inputs, parameters):
     Mx_shared9 = F_zx*Mx_shared8
     Mx_shared11 = np.abs(gamma_in)
     Mx_shared17 = QSX13 + Mx_shared11*QSX14
-    Mx_by_Fy = np.where(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_M_x_hump = np.where(Fz <= 0, 0, Mx_shared7)
+    Mx_by_Fy = np.where(Fz < 1e-100, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_M_x_hump = np.where(Fz < 1e-100, 0, Mx_shared7)
     M_y_speed_by_Fx = M_y_speed_part4*QSY2
     M_y_near_locked_shared1 = 0.5*np.pi*M_y_near_locked_part3
     M_y_near_locked_part4_by_M_y_near_locked_part2 = M_y_near_locked_part1*M_y_near_locked_shared1
@@ -1351,7 +1351,7 @@ def slip_stiffnesses(inputs, parameters):
     M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
     M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
     M_y_rolling_by_M_y_rolling_part2 = np.where(V == 0, 0, 1)
-    My_by_M_y_rolling = np.where(Fz <= 0, 0, 1)
+    My_by_M_y_rolling = np.where(Fz < 1e-100, 0, 1)
 
     # Chain rule
     dalpha_low_dalpha = alpha_low_by_alpha + alpha_low_by_speed_sum*speed_sum_by_alpha
@@ -1683,7 +1683,7 @@ def relaxation(inputs, parameters):
     # Inputs
     gamma_raised = np.where(LIMITS > 0.5, np.where(CAMMIN > gamma, CAMMIN, gamma), gamma)  # [MFeval] gamma, with limits not below the lowest
     gamma_in = np.where(LIMITS > 0.5, np.where(CAMMAX < gamma_raised, CAMMAX, gamma_raised), gamma_raised)  # [MFeval] gamma, within limits
-    F_z = np.where(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = np.where(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
     F_z_limited = np.where(LIMITS > 0.5, np.where(FZMAX < F_z, FZMAX, F_z), F_z)  # [MFeval] load, within limits
 
     # Normalized inputs
@@ -1730,7 +1730,7 @@ def forces_straight(inputs, parameters):
     ) = parameters
 
     # Inputs
-    F_z = np.where(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = np.where(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
 
     # Normalized inputs
     F_z01 = FNOMIN*LFZO  # [4.E1] nominal load, scaled
@@ -1800,8 +1800,8 @@ def forces_straight(inputs, parameters):
     G_yk = np.cos(G_yk_w)/np.cos(G_yk0_w)  # [4.E59] weighting of Fy by longitudinal slip
     D_Vyk = F_z*mu_y*(RVY1 + RVY2*dfz + RVY3*gamma_star)/np.sqrt(1 + RVY4**2*alpha_star**2)  # [4.E67] peak of S_Vyk
     S_Vyk = D_Vyk*LVYKA*np.sin(RVY5*np.atan(RVY6*kappa))  # [4.E66] side force made by longitudinal slip
-    Fx = np.where(Fz <= 0, 0, F_x0*G_xa)  # [4.E50] longitudinal force
-    Fy = np.where(Fz <= 0, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
+    Fx = np.where(Fz < 1e-100, 0, F_x0*G_xa)  # [4.E50] longitudinal force
+    Fy = np.where(Fz < 1e-100, 0, S_Vyk + F_y0*G_yk)  # [4.E58] side force
 
     # Aligning moment
     S_Ht = QHZ1 + QHZ2*dfz + gamma_star*(QHZ3 + QHZ4*dfz)  # [4.E35] shift of the trail
@@ -1827,12 +1827,12 @@ def forces_straight(inputs, parameters):
     M_zr = D_r/np.sqrt(1 + B_r**2*alpha_req**2)  # [4.E75] residual moment
     s = LS*UNLOADED_RADIUS*(SSZ1 + gamma*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)  # [4.E76] moment arm of Fx
     F_y1 = Fy - S_Vyk  # [4.E74] side force that the trail carries
-    Mz = np.where(Fz <= 0, 0, M_zr + Fx*s - F_y1*trail)  # [4.E71] aligning moment
+    Mz = np.where(Fz < 1e-100, 0, M_zr + Fx*s - F_y1*trail)  # [4.E71] aligning moment
 
     # Overturning and rolling resistance moment
     F_zx = np.where(FZMIN > F_z, F_z**3/FZMIN**2, F_z)  # [MFeval] load of M_x
     M_x_hump = QSX4*np.cos(QSX5*np.atan(F_zx**2*QSX6**2/FNOMIN**2))*np.sin(QSX7*gamma + QSX8*np.atan(Fy*QSX9/FNOMIN))  # [M] hump of M_x over load and side force
-    Mx = np.where(Fz <= 0, 0, LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma*np.atan(F_zx*QSX11/FNOMIN) - QSX12*gamma*np.abs(gamma) - QSX2*gamma*(1 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*np.abs(gamma))))  # [4.E69] overturning moment
+    Mx = np.where(Fz < 1e-100, 0, LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma*np.atan(F_zx*QSX11/FNOMIN) - QSX12*gamma*np.abs(gamma) - QSX2*gamma*(1 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*np.abs(gamma))))  # [4.E69] overturning moment
     F_zy = np.where(FZMIN > F_z, F_z**2/FZMIN, F_z)  # [MFeval] load of M_y
     M_y_speed = QSY1 + QSY3*np.abs(V/LONGVL) + Fx*QSY2/FNOMIN + QSY4*V**4/LONGVL**4  # [4.E70] resistance by force and speed
     M_y_near_locked = np.sin(0.5*np.pi*(1 + kappa)*np.abs(V)/VXLOW)  # [MFeval] fade near the locked wheel
@@ -1840,7 +1840,7 @@ def forces_straight(inputs, parameters):
     M_y_taper = np.where(kappa <= -1 + VXLOW/np.abs(V), M_y_backward, 1)  # [MFeval] the same, 1 where the wheel rolls
     M_y_full = -F_zy*LMY*M_y_speed*UNLOADED_RADIUS  # [4.E70] rolling resistance moment of the rolling wheel
     M_y_rolling = np.where(V == 0, 0, M_y_full*M_y_taper*np.where(V >= 0, 1, np.sign(V)))  # [MFeval] rolling resistance moment, 0 at standstill
-    My = np.where(Fz <= 0, 0, M_y_rolling)  # [4.E70] rolling resistance moment
+    My = np.where(Fz < 1e-100, 0, M_y_rolling)  # [4.E70] rolling resistance moment
 
     return (
         Fx,
@@ -1877,7 +1877,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     ) = parameters
 
     # Inputs
-    F_z = np.where(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = np.where(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
 
     # Normalized inputs
     F_z01 = FNOMIN*LFZO  # [4.E1] nominal load, scaled
@@ -2048,9 +2048,9 @@ def slip_stiffnesses_straight(inputs, parameters):
     S_Vyk_part4 = np.sin(S_Vyk_part3)
     S_Vyk = D_Vyk*LVYKA*S_Vyk_part4  # [4.E66] side force made by longitudinal slip
     Fx_part1 = F_x0*G_xa
-    Fx = np.where(Fz <= 0, 0, Fx_part1)  # [4.E50] longitudinal force
+    Fx = np.where(Fz < 1e-100, 0, Fx_part1)  # [4.E50] longitudinal force
     Fy_part1 = S_Vyk + F_y0*G_yk
-    Fy = np.where(Fz <= 0, 0, Fy_part1)  # [4.E58] side force
+    Fy = np.where(Fz < 1e-100, 0, Fy_part1)  # [4.E58] side force
 
     # Aligning moment
     S_Ht_part1 = QHZ3 + QHZ4*dfz
@@ -2190,8 +2190,8 @@ def slip_stiffnesses_straight(inputs, parameters):
     S_Vyk_part4_by_S_Vyk_part3 = np.cos(S_Vyk_part3)
     S_Vyk_by_D_Vyk = LVYKA*S_Vyk_part4
     S_Vyk_by_S_Vyk_part4 = D_Vyk*LVYKA
-    Fx_by_Fx_part1 = np.where(Fz <= 0, 0, 1)
-    Fy_by_Fy_part1 = np.where(Fz <= 0, 0, 1)
+    Fx_by_Fx_part1 = np.where(Fz < 1e-100, 0, 1)
+    Fy_by_Fy_part1 = np.where(Fz < 1e-100, 0, 1)
     E_t_part2_by_alpha_t = B_t*C_t
     E_t_part3_by_E_t_part2 = 1/(1 + E_t_part2**2)
     E_t_part4_by_E_t_part3 = E_t_part1/np.pi
@@ -2221,7 +2221,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     M_zr_part3_by_M_zr_part2 = -M_zr_part3**2
     s_part3_by_Fy = SSZ2*s_part2
     s_by_s_part3 = LS*UNLOADED_RADIUS
-    Mz_by_Mz_part1 = np.where(Fz <= 0, 0, 1)
+    Mz_by_Mz_part1 = np.where(Fz < 1e-100, 0, 1)
     M_x_hump_part6_by_Fy = M_x_hump_part1*QSX9
     M_x_hump_part7_by_M_x_hump_part6 = 1/(1 + M_x_hump_part6**2)
     M_x_hump_part9_by_M_x_hump_part8 = np.cos(M_x_hump_part8)
@@ -2232,8 +2232,8 @@ def slip_stiffnesses_straight(inputs, parameters):
     Mx_shared9 = F_zx*Mx_shared8
     Mx_shared11 = np.abs(gamma)
     Mx_shared17 = QSX13 + Mx_shared11*QSX14
-    Mx_by_Fy = np.where(Fz <= 0, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
-    Mx_by_M_x_hump = np.where(Fz <= 0, 0, Mx_shared7)
+    Mx_by_Fy = np.where(Fz < 1e-100, 0, Mx_shared6*(Mx_shared17 + Mx_shared9*QSX3))
+    Mx_by_M_x_hump = np.where(Fz < 1e-100, 0, Mx_shared7)
     M_y_speed_by_Fx = M_y_speed_part4*QSY2
     M_y_near_locked_shared1 = 0.5*np.pi*M_y_near_locked_part3
     M_y_near_locked_part4_by_M_y_near_locked_part2 = M_y_near_locked_part1*M_y_near_locked_shared1
@@ -2245,7 +2245,7 @@ def slip_stiffnesses_straight(inputs, parameters):
     M_y_rolling_part2_by_M_y_full = M_y_rolling_part1*M_y_taper
     M_y_rolling_part2_by_M_y_taper = M_y_full*M_y_rolling_part1
     M_y_rolling_by_M_y_rolling_part2 = np.where(V == 0, 0, 1)
-    My_by_M_y_rolling = np.where(Fz <= 0, 0, 1)
+    My_by_M_y_rolling = np.where(Fz < 1e-100, 0, 1)
 
     # Chain rule
     dV_c_part2_dtan_alpha = V_c_part1_by_tan_alpha*V_c_part2_by_V_c_part1
@@ -2425,7 +2425,7 @@ def relaxation_straight(inputs, parameters):
     ) = parameters
 
     # Inputs
-    F_z = np.where(Fz < 0, 0, Fz)  # [MFeval] load, 0 off the ground
+    F_z = np.where(Fz < 1e-100, 0, Fz)  # [MFeval] load, 0 off the ground
 
     # Normalized inputs
     F_z01 = FNOMIN*LFZO  # [4.E1] nominal load, scaled

@@ -6,7 +6,7 @@ ranges of the .tir file (the load from above only). Some lines see the inputs be
 
 from __future__ import annotations
 
-from sympy import Expr, Symbol, cos, pi, tan
+from sympy import Expr, Float, Symbol, cos, pi, tan
 
 from ..functions import absolute, where
 from ..notation import Chapter
@@ -15,6 +15,8 @@ from ..quantities import ALPHA, FZ, GAMMA, KAPPA, PHIT, P, V
 from .coefficients.body import InclinationRange, LoadRange, LongSlipRange, Model, PressureRange, SlipAngleRange
 
 eq = Chapter("Inputs")
+#: Below this load there is no contact, N: with turn slip, squares of moments would underflow in the derivatives.
+LIFT_OFF = Float("1e-100")
 speed = absolute(V.symbol)
 VXLOW = Model.VXLOW
 
@@ -52,7 +54,7 @@ alpha = within("alpha", "rad", alpha_low, SlipAngleRange.ALPMIN, SlipAngleRange.
 gamma = within("gamma", "rad", GAMMA.symbol, InclinationRange.CAMMIN, InclinationRange.CAMMAX)
 p     = within("p", "Pa", P.symbol, PressureRange.PRESMIN, PressureRange.PRESMAX)
 Fz_in = eq("MFeval", "F_z",
-           where(FZ.symbol < 0, 0, FZ.symbol),
+           where(FZ.symbol < LIFT_OFF, 0, FZ.symbol),
            "N", "load, 0 off the ground", named=False)
 Fz    = eq("MFeval", "F_z_limited",
            limits.either(Fz_in, where(Fz_in > LoadRange.FZMAX, LoadRange.FZMAX, Fz_in)),
@@ -72,4 +74,4 @@ def at_most_1(E: Expr) -> Expr:
 
 def on_ground(expression: Expr) -> Expr:
     """Return the expression, 0 where no load presses the tire to the ground (a load of NaN stays NaN)."""
-    return where(FZ.symbol <= 0, 0, expression)
+    return where(FZ.symbol < LIFT_OFF, 0, expression)
