@@ -89,9 +89,12 @@ class LeastSquares:
     def _factors(self, free: Sequence[str]) -> FloatArray:
         """Return the factors from declared coefficients to parameters of the generated code.
 
-        Without load_stiffness the code has a very large PKY2, and PKY1 is scaled accordingly.
+        An absent effect rescales coefficients (`Effect.rescales`) unless one of its own coefficients is free.
         """
-        factors = {} if "PKY2" in free else self.simulator.rescaled
+        book, factors = self.simulator.book, dict[str, float]()
+        for name, effect in book.effects.items():
+            if effect.rescales and name not in self.simulator.tire.has and book.owned(name).isdisjoint(free):
+                factors |= dict(effect.rescales)
         return np.array([factors.get(name, 1.0) for name in free])
 
     def solve(
