@@ -19,7 +19,8 @@ from .probing.candidates import Candidate, candidates_for
 from .probing.effect_probing import Screen
 from .recording.signals import FORMULA_SIGNS, signals_of
 from .search.effect_search import Search
-from .unexplained.formula_proposal import Unknown, added_if_better, effect_of, unknown_of
+from .search.settling import settle
+from .unexplained.formula_proposal import INEXPRESSIBLE, Added, Unknown, added_if_better, effect_of, unknown_of
 from .verdict.composition import SearchOutcome, composed
 from .verdict.result import Diagnosis
 
@@ -88,9 +89,9 @@ def diagnose(
     search = Search(problem, solution, candidates_tried, report)
     search.run()
     unknown, start = _unknown_structure(start, search, report)
-    before = search.refit_whitened(before)
+    settled = settle(search, before)
     report("computing confounded explanations and detectable sizes")
-    return composed(SearchOutcome(recording, start, candidates_tried, before, search, unknown), began).in_signs("iso")
+    return composed(SearchOutcome(recording, start, candidates_tried, settled, search, unknown), began).in_signs("iso")
 
 
 def _start_model(
@@ -116,11 +117,11 @@ def _unknown_structure(start: Tire, search: Search, report: Callable[[str], None
     unknowns = []
     for structure in search.structures:
         effect = effect_of(structure)
-        added = None
+        added: Added | str = INEXPRESSIBLE
         if effect:
             report("adding the proposed formula to the model equations")
             added = added_if_better(structure, effect, start, search.problem, search.solution)
-        if added:
+        if isinstance(added, Added):
             start = added.tire
             search.problem, search.solution = added.problem, added.solution
             search.screen = Screen(search.problem, search.solution)

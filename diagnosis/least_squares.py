@@ -127,6 +127,23 @@ class LeastSquares:
         residual = misfit - self.disturbances.columns @ disturbance
         return Solution(parameters, tuple(free), disturbance, self._cost(parameters, free, disturbance), residual)
 
+    def holdout_gain(self, before: Solution, after: Solution) -> float:
+        """Return the share of the squared misfit on the hold-out set by which a solution is better than another one.
+
+        Parameters
+        ----------
+        before, after : Solution
+            Channels are weighted by the misfit of `before` on the training rows.
+        """
+        signals = self.simulator.signals
+        holdout, training = signals.present & signals.holdout, self.inverse_noise > 0.0
+        sums = np.zeros(2)
+        for i in range(len(signals.channels)):
+            if training[i].any():
+                scale = float(np.mean(before.residual[i][training[i]] ** 2))
+                sums += [float(np.sum(each.residual[i][holdout[i]] ** 2)) / scale for each in (before, after)]
+        return float(1.0 - sums[1] / sums[0]) if sums[0] > 0.0 else 0.0
+
     def misfit(self, parameters: FloatArray) -> FloatArray:
         """Return measured minus simulated forces, shape (n_channels, n)."""
         return self.simulator.signals.measured - self.simulator.forces(parameters)

@@ -1,103 +1,167 @@
-"""Noise floor of a channel: scatter of rows at equal operating conditions, a lower limit of the error of any model."""
+"""Noise floor of a channel: what remains of a model's residual if any smooth function of the inputs is added to it.
+
+The smooth function is a ridge regression on random Fourier features of the inputs, an approximation of a Gaussian
+kernel (Rahimi and Recht, Random features for large-scale kernel machines, 2007). It is cross-validated over blocks of
+time, so that it cannot follow the noise. A model whose residual is at the floor lacks no effect of the inputs. A second
+floor is that of functions that also depend on the direction in which the slips change and on slow time: a model whose
+residual is at the first floor and far above the second one lacks a memory or an input that was not recorded.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
+from scipy.ndimage import uniform_filter1d
 
-from tirefmu.measurements import levels
+from .smoothing import noise_of
 
 FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
 
-#: Inputs that define an operating condition.
-CONDITIONS = ("kappa", "alpha", "gamma", "Fz", "p", "V")
-#: Number of parts of the range of a swept input.
-PARTS = 20
-#: Largest number of levels of a held input; with more levels it was swept in steps.
-MOST_LEVELS = 12
-#: Fewest rows in a cell per coefficient of its plane.
-ROWS_PER_UNKNOWN = 3
+#: Length scales of the smooth function, as shares of half an input's range: of the slips, which a program sweeps
+#: through the whole curve, and of all other inputs, on which forces depend weakly.
+SLIP_SCALE, SCALE = 0.2, 1.5
+SLIPS = ("kappa", "alpha")
+OTHERS = ("gamma", "Fz", "p", "V", "T", "phit")
+#: An input varies if its range exceeds this multiple of its noise, and this share of its largest magnitude.
+LEAST_RANGE_IN_NOISE, LEAST_SHARE = 8.0, 0.01
+#: Number of features, largest number of rows, and number of parts for cross-validation.
+FEATURES, MOST_ROWS, PARTS = 240, 4000, 8
+#: Length of a block of time, s, and its least number of rows.
+BLOCK, LEAST_ROWS = 0.5, 5
+#: Penalties of the ridge regression that are tried, relative to the mean square of a feature.
+PENALTIES = (1e-4, 1e-3, 1e-2, 1e-1)
+#: Time over which the direction of a slip's change is averaged, s.
+DIRECTION_TIME = 0.1
 
 
-def held_levels(column: pd.Series) -> list[float]:
-    """Return the levels of a held channel; empty for a swept one.
+@dataclass(frozen=True)
+class NoiseFloor:
+    """Noise floors of a channel, root mean square in its unit.
 
-    Parameters
+    Attributes
     ----------
-    column : pandas.Series
-        Its name gives the tolerance.
-
-    Returns
-    -------
-    list of float
+    floor : float
+        With a smooth function of the recorded inputs.
+    with_history : float
+        With a smooth function of the inputs, the direction in which the slips change, and slow time.
     """
-    found = levels(column)
-    return found if len(found) <= MOST_LEVELS else []
+
+    floor: float
+    with_history: float
 
 
-def noise_floor(table: pd.DataFrame, channels: Sequence[str]) -> dict[str, tuple[float, float]]:
-    """Return the scatter of each channel about local planes, and the share of rows that are used.
-
-    A cell contains the rows with equal levels of held inputs and with swept inputs within a twentieth of their range:
-    rows of up- and down-sweeps and of repeats. A plane over the inputs describes the differences of inputs within a
-    cell. The remainder is noise, hysteresis, temperature and ripple, which no function of the inputs can explain.
+def noise_floor(table: pd.DataFrame, residuals: Mapping[str, FloatArray]) -> dict[str, NoiseFloor]:
+    """Return the noise floors of the channels of a recording.
 
     Parameters
     ----------
     table : pandas.DataFrame
-        Of one recording.
-    channels : sequence of str
+        Inputs of the recording in SI units; with ``t`` if known.
+    residuals : mapping of str to ndarray, shape (n_rows,)
+        By channel: measured minus computed; NaN in rows that are not used.
 
     Returns
     -------
-    dict of str to (float, float)
-        Root mean square in the channel's unit, NaN if no cell has enough rows, and a share between 0 and 1.
+    dict of str to NoiseFloor
+        At most the root mean square of the residual; NaN if a channel has too few rows.
+
+    Examples
+    --------
+    >>> rng = np.random.default_rng(1)
+    >>> alpha = 0.2 * np.sin(np.linspace(0.0, 60.0, 3000))
+    >>> missing = 50.0 * np.cos(20.0 * alpha)
+    >>> table = pd.DataFrame({"t": np.arange(3000) / 50.0, "alpha": alpha})
+    >>> floors = noise_floor(table, {"Fy": missing + rng.normal(0.0, 10.0, 3000)})
+    >>> bool(9.0 < floors["Fy"].floor < 11.0)
+    True
     """
-    inputs = [name for name in CONDITIONS if name in table and np.ptp(table[name].to_numpy()) > 0]
-    cells = _numbered([index for index, _ in _indices(table)], len(table))
-    order = np.argsort(cells, kind="stable")
-    groups = np.split(order, np.flatnonzero(np.diff(cells[order])) + 1)
-    at = table[inputs].to_numpy(dtype=float)
-    at = (at - at.mean(axis=0)) / at.std(axis=0)
-    return {name: _scatter(at, table[name].to_numpy(dtype=float), groups) for name in channels}
+    n = len(table)
+    timed = "t" in table and n > 1
+    t = table["t"].to_numpy(dtype=np.float64) if timed else np.arange(n, dtype=np.float64)
+    step = float(np.median(np.diff(t))) if timed else 1.0
+    rows = np.arange(n)[:: max(1, -(-n // MOST_ROWS))]
+    length = max(LEAST_ROWS, round(BLOCK / (step * (rows[1] - rows[0])))) if timed and step > 0.0 else LEAST_ROWS
+    part = (np.arange(len(rows)) // length) % PARTS
+    inputs, scales = _inputs(table)
+    history = _history(table, t, step) if timed and step > 0.0 else []
+    targets = np.stack([residual[rows] for residual in residuals.values()])
+    errors = [
+        _cross_validated(_features([column[rows] for column in columns], lengths), targets, part)
+        for columns, lengths in ((inputs, scales), ([*inputs, *history], [*scales, *[1.0] * len(history)]))
+    ]
+    floors = {}
+    for i, (name, residual) in enumerate(residuals.items()):
+        known = residual[np.isfinite(residual)]
+        own = float(np.sqrt(np.mean(known**2))) if known.size else float("nan")
+        floor = min(own, errors[0][i]) if np.isfinite(errors[0][i]) else float("nan")
+        floors[name] = NoiseFloor(floor, min(floor, errors[1][i]) if np.isfinite(errors[1][i]) else floor)
+    return floors
 
 
-def _scatter(at: FloatArray, measured: FloatArray, groups: Sequence[npt.NDArray[np.int64]]) -> tuple[float, float]:
-    squares, freedom, used = 0.0, 0, 0
-    for group in groups:
-        rows = group[np.isfinite(measured[group])]
-        if len(rows) < ROWS_PER_UNKNOWN * (at.shape[1] + 1):
+def _inputs(table: pd.DataFrame) -> tuple[list[FloatArray], list[float]]:
+    """Return the inputs that vary, from -1 to 1, and their length scales."""
+    columns, scales = [], []
+    for name in (*SLIPS, *OTHERS):
+        if name not in table:
             continue
-        plane = np.column_stack([np.ones(len(rows)), at[rows]])
-        solution, _, rank, _ = np.linalg.lstsq(plane, measured[rows], rcond=1e-6)
-        squares += float(np.sum((measured[rows] - plane @ solution) ** 2))
-        freedom += len(rows) - int(rank)
-        used += len(rows)
-    measured_rows = int(np.isfinite(measured).sum())
-    return ((squares / freedom) ** 0.5 if freedom else float("nan")), used / measured_rows if measured_rows else 0.0
+        values = table[name].to_numpy(dtype=np.float64)
+        lower, upper = np.quantile(values, [0.005, 0.995])
+        noise = noise_of(values)[0] if len(values) > 3 * LEAST_ROWS else 0.0
+        if upper - lower > max(LEAST_RANGE_IN_NOISE * noise, LEAST_SHARE * float(np.abs(values).max())):
+            columns.append(2.0 * (values - lower) / (upper - lower) - 1.0)
+            scales.append(SLIP_SCALE if name in SLIPS else SCALE)
+    return columns, scales
 
 
-def _indices(table: pd.DataFrame) -> list[tuple[npt.NDArray[np.int64], bool]]:
-    """Return for each varying input the index of the level or part of each row, and whether the input was held."""
-    indices = []
-    for name in CONDITIONS:
-        if name not in table or not np.ptp(table[name].to_numpy()) > 0:
-            continue
-        values = table[name].to_numpy(dtype=float)
-        found = np.array(held_levels(table[name]))
-        if found.size:
-            indices.append((np.abs(values[:, None] - found).argmin(axis=1), True))
-        else:
-            part = ((values - values.min()) / np.ptp(values) * PARTS).astype(np.int64)
-            indices.append((np.minimum(part, PARTS - 1), False))
-    return indices
+def _history(table: pd.DataFrame, t: FloatArray, step: float) -> list[FloatArray]:
+    """Return the direction in which each slip changes, and time, from -1 to 1."""
+    width = max(3, round(DIRECTION_TIME / step))
+    columns = [2.0 * (t - t[0]) / max(float(t[-1] - t[0]), 1e-9) - 1.0]
+    for name in SLIPS:
+        if name in table and float(np.ptp(table[name].to_numpy())) > 0.0:
+            with np.errstate(divide="ignore", invalid="ignore"):
+                slope = np.gradient(table[name].to_numpy(dtype=np.float64), t)
+            slope = uniform_filter1d(np.where(np.isfinite(slope), slope, 0.0), width, mode="nearest")
+            columns.append(np.tanh(slope / (0.3 * float(np.sqrt(np.mean(slope**2))) + 1e-12)))
+    return columns
 
 
-def _numbered(indices: Sequence[npt.NDArray[np.int64]], n: int) -> npt.NDArray[np.int64]:
-    """Return a number for each combination of indices."""
-    if not indices:
-        return np.zeros(n, dtype=np.int64)
-    return np.unique(np.stack(indices), axis=1, return_inverse=True)[1].ravel().astype(np.int64)
+def _features(columns: Sequence[FloatArray], scales: Sequence[float]) -> FloatArray:
+    """Return random Fourier features, shape (n, FEATURES + 1); the same for the same inputs."""
+    rng = np.random.default_rng(0)
+    n = len(columns[0]) if columns else 0
+    if not columns:
+        return np.ones((n, 1))
+    waves = rng.standard_normal((len(columns), FEATURES))
+    at = np.stack([column / scale for column, scale in zip(columns, scales, strict=True)], axis=1)
+    turned = np.cos(at @ waves + rng.uniform(0.0, 2.0 * np.pi, FEATURES)) * np.sqrt(2.0)
+    return np.concatenate([turned, np.ones((n, 1))], axis=1)
+
+
+def _cross_validated(features: FloatArray, targets: FloatArray, part: npt.NDArray[np.int64]) -> FloatArray:
+    """Return the root mean square error of each target in parts that the regression did not use, the best penalty."""
+    errors = np.full(len(targets), np.nan)
+    masks = np.isfinite(targets)
+    for mask in np.unique(masks, axis=0):
+        same = np.flatnonzero((masks == mask).all(axis=1))
+        if int(mask.sum()) >= PARTS * LEAST_ROWS and len(features):
+            errors[same] = _errors(features[mask], targets[np.ix_(same, np.flatnonzero(mask))].T, part[mask])
+    return errors
+
+
+def _errors(features: FloatArray, targets: FloatArray, part: npt.NDArray[np.int64]) -> FloatArray:
+    pieces = [(features[part == k], targets[part == k]) for k in range(PARTS)]
+    matrices, products = [x.T @ x for x, _ in pieces], [x.T @ y for x, y in pieces]
+    matrix, product = np.sum(matrices, axis=0), np.sum(products, axis=0)
+    squares = np.zeros((len(PENALTIES), targets.shape[1]))
+    for (x, y), own, own_product in zip(pieces, matrices, products, strict=True):
+        for k, penalty in enumerate(PENALTIES):
+            ridge = penalty * len(features) * np.eye(features.shape[1])
+            estimate = np.linalg.solve(matrix - own + ridge, product - own_product)
+            squares[k] += np.sum((y - x @ estimate) ** 2, axis=0)
+    return np.asarray(np.sqrt(squares.min(axis=0) / len(features)))

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.noise_floor import MOST_LEVELS
+from tirefmu.measurements.operating_conditions.held_levels import MOST_LEVELS
 from tirefmu.measurements import Recording, TableLike, group_by_condition, recordings_from
 from tirefmu.symbolic.errors import FitError
 from tirefmu.tires.code import fastest_code

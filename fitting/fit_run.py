@@ -397,11 +397,11 @@ class FitRun:
             table = all_rows[all_rows["recording"] == number]
             rows = Rows.of(table, tire, self._fitted)
             computed = fastest_code(tire.book).forces(rows.inputs, tire.parameters())
-            floors = noise_floor(table, [name for name in self._fitted if table[name].notna().any()])
+            floors = noise_floor(table, dict(zip(tire.outputs, rows.measured.T - computed, strict=True)))
             for index, channel in enumerate(tire.outputs):
                 n, rmse, r2, uncentred = quality(rows.measured[:, index], computed[index])
                 if n:
-                    floor, effective_rows = floors[channel][0], float(effective[number, index])
+                    floor, effective_rows = floors[channel].floor, float(effective[number, index])
                     fitted.append(
                         ChannelFit(name, channel, units[channel], n, rmse, r2, uncentred, floor, effective_rows)
                     )

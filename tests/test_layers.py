@@ -61,7 +61,7 @@ SUBPACKAGES = {
         "recording": {"thresholds"},
         "probing": {"least_squares", "recording", "thresholds"},
         "unexplained": {"least_squares", "probing", "recording", "thresholds"},
-        "search": {"least_squares", "probing", "thresholds", "unexplained"},
+        "search": {"least_squares", "probing", "recording", "thresholds", "unexplained"},
         "verdict": {"least_squares", "probing", "recording", "search", "thresholds", "unexplained"},
         "reporting": {"thresholds", "verdict"},
     },

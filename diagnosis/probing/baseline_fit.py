@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
+from tirefmu.estimation.periodic_lines import periodic_lines
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.notation import Coefficient
 from tirefmu.tires.code import code_for
@@ -105,7 +106,25 @@ def fit_baseline(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSqu
         trial = problem.at(best.parameters, free).disturbance
         problem = replace(problem, disturbances=problem.disturbances.plausible(trial))
         best = problem.solve(best.parameters, free, iterations=8)
-    return problem, best
+    waving = _with_periodic_lines(problem, best)
+    return (problem, best) if waving is problem else (waving, waving.solve(best.parameters, free, iterations=4))
+
+
+def _with_periodic_lines(problem: LeastSquares, solution: Solution) -> LeastSquares:
+    """Return the problem with the periodic disturbances of the residual; the same problem if there are none."""
+    signals = problem.simulator.signals
+    if not signals.timed:
+        return problem
+    axes = {"t": signals.t[signals.rows]}
+    if "distance" in signals.names and "V" in signals.recorded:
+        axes["distance"] = signals.named()["distance"]
+    simulated = signals.measured - solution.residual
+    lines = periodic_lines(axes, problem.weighted(solution.residual), problem.inverse_noise > 0.0, simulated)
+    disturbances = problem.disturbances
+    noise = np.array([1.0 / np.median(row[row > 0.0]) if (row > 0.0).any() else 1.0 for row in problem.inverse_noise])
+    for line in lines:
+        disturbances = disturbances.with_waves(line, axes[line.over], noise, signals.channels)
+    return replace(problem, disturbances=disturbances) if lines else problem
 
 
 def _starts(tire: Tire, signals: Signals, free: tuple[str, ...], known: bool) -> list[FloatArray]:

@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from tirefmu.symbolic.detection import Detection, Form
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.notation import Coefficient
 from tirefmu.tires.tire import Tire
 
 from ..recording.signals import Signals
-from ..thresholds import MIN_VARIATION, MIN_VARIATION_IN_NOISE
+from ..thresholds import MIN_JOINT_SHARE, MIN_VARIATION, MIN_VARIATION_IN_NOISE
 
+#: Inputs whose common deviation from zero an effect of two of them requires.
+SLIPS = ("kappa", "alpha", "gamma", "phit")
 #: The outputs of an effect that declares none.
 CHANNELS = ("Fx", "Fy", "Mz", "Mx", "My")
 
@@ -142,6 +146,29 @@ def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]
     ]
 
 
+def excited(signals: Signals, tire: Tire, names: Sequence[str]) -> bool:
+    """Return whether inputs vary by more than their noise in a recording, and jointly.
+
+    An effect of two inputs is not determined if one of them varies only while the other one is constant: in a
+    recording of pure slip, noise of kappa times the slope of a curve resembles combined slip.
+
+    Parameters
+    ----------
+    signals : Signals
+    tire : Tire
+    names : sequence of str
+        Inputs, or "t".
+    """
+    if not all(varies(signals, tire, name) for name in names):
+        return False
+    inputs = [name for name in names if name != "t" and name in SLIPS]
+    if len(inputs) < 2:
+        return True
+    named = signals.named()
+    away = [np.abs(named[name]) > 0.5 * _least_variation(signals, tire, name) for name in inputs]
+    return float(np.mean(np.all(away, axis=0))) > MIN_JOINT_SHARE
+
+
 def varies(signals: Signals, tire: Tire, name: str) -> bool:
     """Return whether an input varies by more than its noise in a recording."""
     if name == "t":
@@ -149,6 +176,9 @@ def varies(signals: Signals, tire: Tire, name: str) -> bool:
     if name not in signals.recorded or name not in signals.names:
         return False
     values = signals.named()[name]
+    return float(values.max() - values.min()) > _least_variation(signals, tire, name)
+
+
+def _least_variation(signals: Signals, tire: Tire, name: str) -> float:
     least = MIN_VARIATION.get(name, 0.0) * (tire.values["FNOMIN"] if name == "Fz" else 1.0)
-    spread = float(values.max() - values.min())
-    return spread > max(least, MIN_VARIATION_IN_NOISE * signals.input_noise.get(name, 0.0), 1e-9)
+    return max(least, MIN_VARIATION_IN_NOISE * signals.input_noise.get(name, 0.0), 1e-9)

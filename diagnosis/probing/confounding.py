@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.detection import Detection
 
+from ..recording.skew import with_skew
 from ..thresholds import MIN_SHARE
 from .effect_probing import Screen
 
@@ -22,13 +23,35 @@ ALIASES: Mapping[str, Mapping[str, float]] = {
 }
 
 
+#: Differences of friction between the signs of a slip, which no effect of the models describes: role and slip.
+FRICTION_ALIASES: Mapping[str, tuple[str, str]] = {
+    "drive_brake_friction": ("friction_x", "kappa"),
+    "left_right_friction": ("friction_y", "alpha"),
+}
+#: The slip at which such a difference has three quarters of its size, 1 or rad.
+FRICTION_ALIAS_SLIP = 0.02
+
+
 def alias_columns(screen: Screen) -> dict[str, FloatArray]:
-    """Return the weighted response of the forces to sensor errors, shape (n_channels, n, 1), by name."""
+    """Return the weighted responses of the forces to errors of sensors and other explanations without an effect.
+
+    Each has the shape (n_channels, n, 1).
+    """
     problem, parameters = screen.problem, screen.solution.parameters
     at = problem.simulator.forces(parameters)
     read = set(problem.simulator.signals.names)
     moved = {name: problem.simulator.forces(parameters, shift) for name, shift in ALIASES.items() if read >= set(shift)}
-    return {name: (problem.inverse_noise * (forces - at))[:, :, None] for name, forces in moved.items()}
+    changes = {name: forces - at for name, forces in moved.items()}
+    simulator, named = problem.simulator, problem.simulator.signals.named()
+    for name, (role, slip) in FRICTION_ALIASES.items():
+        leading = simulator.book.leading(role)
+        if slip in named and leading in simulator.index:
+            response = simulator.jacobian(parameters, [leading])[:, :, 0] * parameters[simulator.index[leading]]
+            changes[name] = 0.05 * response * np.tanh(named[slip] / FRICTION_ALIAS_SLIP)
+    if problem.simulator.signals.timed:
+        column = with_skew(problem.disturbances, simulator, parameters).columns[:, :, -1]
+        changes["skew_of_forces"] = 0.01 * column
+    return {name: (problem.inverse_noise * change)[:, :, None] for name, change in changes.items()}
 
 
 def correlations(

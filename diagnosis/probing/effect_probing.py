@@ -95,6 +95,13 @@ class Screen:
         """The number of blocks with data."""
         return len(self.edges) - 1
 
+    def stretch_losses(self, number: int) -> FloatArray:
+        """Return the squared misfit of each long stretch with the estimate from the others, shape (number,)."""
+        edges = self.edges[np.round(np.linspace(0, self.n_blocks, number + 1)).astype(int)]
+        return regression(
+            block_sums(self.tangent, self.residual, edges), self.prior_precision, self.prior_gradient
+        ).loss
+
     def columns(self, form: Form) -> FloatArray:
         """Return the weighted responses of the forces to a form's probes, shape (n_channels, n, k)."""
         return np.stack([self._column(form, probe) for probe in form.probes], axis=-1)

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ..thresholds import CROSS_TALK_PRIOR, DRIFT_PRIOR, DRIFT_WAVES, MAX_CROSS_TALK, OFFSET_PRIOR
+from tirefmu.estimation.periodic_lines import Line
+
+from ..thresholds import CROSS_TALK_PRIOR_SHARE, DRIFT_PRIOR, DRIFT_WAVES, MAX_CROSS_TALK, OFFSET_PRIOR
 from .signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
+
+
+#: The disturbance of forces that are recorded later than the inputs; its unit is 1 s.
+SKEW = "skew"
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,11 +33,17 @@ class Disturbances:
         Change of the forces per unit of each, N and N m.
     deviation : ndarray, shape (n_disturbances,)
         Standard deviation of the zero-mean prior of each.
+    added : frozenset of str
+        Names of columns that are no disturbances of a recording: errors of the functional form of a model.
+    lines : tuple of Line
+        Periodic disturbances; the columns of the first one are wave1_cosine_Fx, wave1_sine_Fx, ...
     """
 
     names: tuple[str, ...]
     columns: FloatArray
     deviation: FloatArray
+    added: frozenset[str] = frozenset()
+    lines: tuple[Line, ...] = ()
 
     def subsampled(self, rows: slice) -> Disturbances:
         """Return the disturbances at a subset of the rows."""
@@ -39,11 +52,44 @@ class Disturbances:
     def plausible(self, values: FloatArray) -> Disturbances:
         """Return the disturbances without cross-talk that is larger than that of a bench."""
         plausible = np.array(
-            [not name.startswith("cross_talk") or abs(value) <= MAX_CROSS_TALK
+            [not name.startswith("cross_talk") or abs(value) <= MAX_CROSS_TALK[name.removeprefix("cross_talk_")]
              for name, value in zip(self.names, values, strict=True)]
         )  # fmt: skip
         names = tuple(name for name, is_plausible in zip(self.names, plausible, strict=True) if is_plausible)
         return Disturbances(names, self.columns[:, :, plausible], self.deviation[plausible])
+
+    def of_recording(self) -> Disturbances:
+        """Return the disturbances without the columns that `extended` added."""
+        added = np.array([name in self.added for name in self.names])
+        names = tuple(name for name in self.names if name not in self.added)
+        return Disturbances(names, self.columns[:, :, ~added], self.deviation[~added], lines=self.lines)
+
+    def with_waves(self, line: Line, at: FloatArray, noise: FloatArray, channels: Sequence[str]) -> Disturbances:
+        """Return the disturbances with a periodic disturbance of all channels.
+
+        Parameters
+        ----------
+        line : Line
+        at : ndarray, shape (n,)
+            Time or distance at the compared rows.
+        noise : ndarray, shape (n_channels,)
+        channels : sequence of str
+        """
+        names, columns, deviation = [], [], []
+        number = 1 + len(self.lines)
+        for i, channel in enumerate(channels):
+            for part, wave in zip(("cosine", "sine"), line.waves(at), strict=True):
+                column = np.zeros(self.columns.shape[:2])
+                column[i] = wave
+                names.append(f"wave{number}_{part}_{channel}")
+                columns.append(column)
+                deviation.append(OFFSET_PRIOR * noise[i])
+        extended = self.with_columns(tuple(names), np.stack(columns, axis=-1), np.array(deviation))
+        return replace(extended, lines=(*self.lines, line))
+
+    def with_columns(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> Disturbances:
+        """Return the disturbances with further disturbances of the recording."""
+        return replace(self.extended(names, columns, deviation), added=self.added)
 
     def extended(self, names: tuple[str, ...], columns: FloatArray, deviation: FloatArray) -> Disturbances:
         """Return the disturbances with additional columns, for structure that no coefficient of the model explains."""
@@ -51,6 +97,8 @@ class Disturbances:
             (*self.names, *names),
             np.concatenate([self.columns, columns], axis=-1),
             np.concatenate([self.deviation, deviation]),
+            self.added | set(names),
+            self.lines,
         )
 
 
@@ -87,7 +135,7 @@ def disturbances_of(signals: Signals, noise: FloatArray) -> Disturbances:
                 column[i] = signals.measured[j]
                 names.append(f"cross_talk_{signals.channels[j]}_in_{signals.channels[i]}")
                 columns.append(column)
-                deviation.append(CROSS_TALK_PRIOR)
+                deviation.append(CROSS_TALK_PRIOR_SHARE * MAX_CROSS_TALK[names[-1].removeprefix("cross_talk_")])
     return Disturbances(tuple(names), np.stack(columns, axis=-1), np.array(deviation))
 
 
@@ -103,7 +151,11 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
     Returns
     -------
     dict
-        offset, drift (root mean square), outliers (number of excluded rows) by channel; cross_talk; input_noise.
+        offset, drift (root mean square), outliers (number of excluded rows) by channel; cross_talk; input_noise;
+        periodic (waves over time or distance: frequency in 1/s or 1/m, amplitude, cosine and sine part by channel);
+        skew (delay of the forces behind the inputs, s); removed (by channel: offset, drift as the amplitudes of cosine
+        half waves over the recording) and removed_over (start and end of these waves, s);
+        outlier_rows (by channel, counted from 0).
     """
     named = dict(zip(disturbances.names, values.tolist(), strict=True))
     drift = {
@@ -114,13 +166,41 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
     }
     missing = ~np.isfinite(signals.measured) | (signals.measured == 0.0)
     outliers = {
-        name: int((~present & ~missing_rows).sum())
+        name: signals.rows[~present & ~missing_rows].tolist()
         for name, present, missing_rows in zip(signals.channels, signals.present, missing, strict=True)
     }
+    removed = {
+        channel: {
+            "offset": named[f"offset_{channel}"],
+            "drift": [v for name, v in named.items() if name.startswith("drift") and name.endswith(f"_{channel}")],
+        }
+        for channel in signals.channels
+    }
+    t = signals.t[signals.rows]
+    waves = [
+        {
+            "over": line.over,
+            "frequency": line.frequency,
+            "amplitude": {
+                channel: float(np.hypot(*(named[f"wave{k}_{part}_{channel}"] for part in ("cosine", "sine"))))
+                for channel in signals.channels
+            },
+            **{
+                part: {channel: named[f"wave{k}_{part}_{channel}"] for channel in signals.channels}
+                for part in ("cosine", "sine")
+            },
+        }
+        for k, line in enumerate(disturbances.lines, start=1)
+    ]
     return {
+        "periodic": waves,
+        "skew": named.get(SKEW, 0.0),
+        "removed": removed,
+        "removed_over": [float(t[0]), float(t[-1])],
+        "outlier_rows": outliers,
         "offset": {channel: named[f"offset_{channel}"] for channel in signals.channels},
         "drift": drift,
         "cross_talk": {name.removeprefix("cross_talk_"): v for name, v in named.items() if name.startswith("cross")},
-        "outliers": outliers,
+        "outliers": {name: len(rows) for name, rows in outliers.items()},
         "input_noise": dict(signals.input_noise),
     }

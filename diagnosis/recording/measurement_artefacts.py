@@ -1,18 +1,59 @@
-"""Measurement artefacts of a channel: ripple once per wheel revolution, and quantisation."""
+"""Errors of a recording: disturbances, ripple once per wheel revolution, quantisation, outliers, ignored columns."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.smoothing import HALF_WIDTHS
 from tirefmu.estimation.wheel_periodicity import once_per_revolution
+from tirefmu.measurements import Recording
+from tirefmu.measurements.channels import OUTPUTS
+from tirefmu.tires.tire import Tire
 
+from .disturbances import Disturbances, reported_disturbances
 from .signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
 
 #: A pause of this many time steps ends a segment.
 PAUSE = 5.0
+
+
+def recording_errors(
+    recording: Recording, signals: Signals, disturbances: Disturbances, values: FloatArray, residual: FloatArray,
+    tire: Tire,
+) -> dict[str, Any]:  # fmt: skip
+    """Return the disturbances and measurement artefacts of a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+    signals : Signals
+    disturbances : Disturbances
+    values : ndarray, shape (n_disturbances,)
+        Their estimates.
+    residual : ndarray, shape (n_channels, n)
+        Residual of the tire and the disturbances, N and N m.
+    tire : Tire
+        The baseline model.
+
+    Returns
+    -------
+    dict
+        As `Diagnosis.recording`.
+    """
+    table = recording.table
+    known = {"t", "distance", *tire.inputs, *OUTPUTS}
+    return reported_disturbances(disturbances, values, signals) | {
+        "ripple": ripple(signals, residual, tire.values["UNLOADED_RADIUS"]),
+        "quantisation": {name: quantisation(table[name].to_numpy(np.float64)) for name in signals.channels},
+        "smoothing_windows": [2 * half + 1 for half in HALF_WIDTHS] if any(signals.input_noise.values()) else [],
+        "left_aside": dict(signals.excluded_channels),
+        "ignored_columns": [str(name) for name in table if name not in known],
+    }
 
 
 def ripple(signals: Signals, residual: FloatArray, radius: float) -> dict[str, float]:

@@ -26,6 +26,7 @@ from ..thresholds import (
     MIN_LOAD,
     MIN_MEASURED_BLOCKS,
     MIN_ROWS,
+    MIN_ROWS_OF_BLOCK,
     TIME_GAP,
 )
 
@@ -188,9 +189,10 @@ def _smoothed_by_segment(values: FloatArray, t: FloatArray) -> tuple[FloatArray,
 
 
 def _blocks(t: FloatArray) -> IntArray:
-    """Return the index of each row's time block; gaps in time are not counted."""
+    """Return the index of each row's time block; gaps in time are not counted. Few rows are divided into fewer blocks."""
     steps = np.diff(t, prepend=t[0])
     typical = float(np.median(steps[1:]))
     run = np.cumsum(np.where((steps > 0.0) & (steps < TIME_GAP * typical), steps, typical))
-    number = int(np.clip(round((run[-1] - run[0]) / BLOCK_LENGTH), MIN_BLOCKS, MAX_BLOCKS))
+    of_rows = min(MAX_BLOCKS, max(MIN_BLOCKS, len(t) // MIN_ROWS_OF_BLOCK))
+    number = int(np.clip(round((run[-1] - run[0]) / BLOCK_LENGTH), MIN_BLOCKS, of_rows))
     return np.asarray(np.minimum((number * (run - run[0]) / (run[-1] - run[0])).astype(np.int64), number - 1))

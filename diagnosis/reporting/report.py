@@ -15,6 +15,7 @@ from tirefmu.symbolic.notation import Switch
 from tirefmu.tires.tire import Tire
 
 from ..verdict.result import Diagnosis
+from .curves_figure import draw_curves
 from .residual_figure import draw_residual_location
 
 
@@ -74,12 +75,14 @@ def report_page(diagnosis: Diagnosis, recording: Recording, simulated: Mapping[s
     str
     """
     with tempfile.TemporaryDirectory() as folder:
-        images = inlined(_maps(diagnosis, Path(folder)))
+        maps = inlined(_maps(diagnosis, Path(folder)))
+        curves = inlined([draw_curves(diagnosis, name, Path(folder, f"{name}.png")) for name in diagnosis.time_course])
     return page_text(
         "tirefmu.diagnosis.reporting",
         {"number": lambda value: "-" if value is None or value != value else f"{value:.4g}"},
         diagnosis=diagnosis,
-        images=images,
+        maps=maps,
+        curves=curves,
         changes=changed_lines(diagnosis.base_tire, diagnosis.tire),
         recording=recording,
         simulated=simulated or {},

@@ -71,6 +71,7 @@ def _draw_map(ax: Axes, shown: Mapping[str, Any], norm: Normalize) -> None:
         middle = 0.5 * (x[i] + x[i + 1]), 0.5 * (y[j] + y[j + 1])
         ax.text(*middle, str(count[i, j]), ha="center", va="center", fontsize=5.5, color="w" if dark else "k")
     ax.set(**{f"{side}label": _label(name) for side, name in zip("xy", shown["over"], strict=True)})
+    ax.ticklabel_format(useOffset=False)
     ax.tick_params(labelsize=7)
 
 

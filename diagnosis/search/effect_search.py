@@ -8,19 +8,21 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.noise_model import Whitening, noise_parts
 from tirefmu.symbolic.detection import Form
 
 from ..least_squares import LeastSquares, Solution
 from ..probing.baseline_fit import readable
-from ..probing.candidates import Candidate, refinements_for, varies
+from ..probing.candidates import Candidate, excited, refinements_for
 from ..probing.confounding import correlations
 from ..probing.effect_probing import Response, Screen
+from ..recording.disturbances import SKEW
+from ..recording.skew import with_skew
 from ..thresholds import (
     CONFOUNDED,
     EFFECT_P,
-    FINAL_ITERATIONS,
     LOOKAHEAD,
+    MAX_SKEW,
+    PREFERRED_ERRORS,
     PREFERRED_JOINT_SHARE,
     PREFERRED_SHARE,
     REFIT_P_FACTOR,
@@ -54,8 +56,6 @@ class Search:
         Candidates of the last round with their responses.
     screen : Screen
         Of the current solution.
-    whitened : Screen
-        Of the final solution with whitened rows, for confidence intervals.
     tests : int
         Number of forms tested in a round.
     progress : callable
@@ -72,7 +72,6 @@ class Search:
     forms: list[Structure] = field(default_factory=list)
     last: list[Tried] = field(default_factory=list)
     screen: Screen = field(init=False)
-    whitened: Screen = field(init=False)
     tests: int = 0
 
     def run(self) -> None:
@@ -81,48 +80,28 @@ class Search:
             best = self.round()
             if best is None:
                 break
+            if isinstance(best, Refit) and self._accept_skew(best):
+                continue
             if isinstance(best, Structure):
                 if not self._accept_structure(best):
                     break
             else:
-                self._accept_effect(best)
+                self.accept(best)
                 self.progress(f"identified: {best.name} (gain {100 * best.gain:.2f} %)")
         self.screen = Screen(self.problem, self.solution)
         self.last = self.probe()
-
-    def refit_whitened(self, before: Screen) -> Screen:
-        """Refit the baseline model and the final model with whitened noise; return the screen of the baseline model.
-
-        The search itself uses rows of equal weight. A missing effect resembles correlated noise, and whitening
-        amplifies errors in the functional form of a model.
-        """
-        self.whitened = self.screen
-        signals = self.problem.simulator.signals
-        if not signals.timed:
-            return before
-        t = signals.t[signals.rows]
-        rest, step = self.problem.weighted(self.solution.residual), float(np.median(np.diff(t)))
-        inverse_noise = self.problem.inverse_noise
-        noise = tuple(noise_parts(*rows, step) for rows in zip(rest, inverse_noise > 0.0, strict=True))
-        whitening = Whitening(noise, t, inverse_noise)
-        whitened, same = replace(self.problem, whitening=whitening), self.solution is before.solution
-        self.solution = whitened.solve(self.solution.parameters, self.solution.free, iterations=FINAL_ITERATIONS)
-        start = self.solution
-        if not same:
-            first = replace(before.problem, whitening=whitening)
-            start = first.solve(before.solution.parameters, before.solution.free, iterations=FINAL_ITERATIONS)
-        self.whitened = Screen(whitened, self.solution)
-        self.whitened.learn_noise({})
-        self.screen = Screen(self.problem, self.solution)
-        self.last = self.probe()
-        return Screen(before.problem, start)
 
     def round(self) -> Refit | Structure | None:
         """Return the best candidate that passes, or unexplained structure with a much larger gain."""
         best = self.best_effect()
         structure = structure_of(self.screen)
-        if structure is None or not structure.passes or (best and best.gain > PREFERRED_SHARE * structure.gain):
+        if structure is None or not structure.passes or not self._predicts_holdout(structure):
             return best
+        share = 1.0 if self._is_finer_form(structure) else PREFERRED_SHARE
+        if best and best.gain > share * structure.gain:
+            return best
+        if self._is_finer_form(structure):
+            return structure
         return best if best and self._joint_gain(best) > PREFERRED_JOINT_SHARE * structure.gain else structure
 
     def best_effect(self) -> Refit | None:
@@ -139,11 +118,31 @@ class Search:
         promising = [t for t in chosen if t.response.p_coloured * self.tests < REFIT_P_FACTOR * EFFECT_P]
         refits = [refit for tried in promising if (refit := self.refit(tried)) is not None]
         passing = [refit for refit in refits if refit.passes and not self._is_form_artefact(refit)]
-        return preferred(passing, self.candidates) if passing else None
+        found = {refit.name for refit in self.found}
+        return preferred(passing, self.candidates, found) if passing else None
 
-    def _accept_effect(self, refit: Refit) -> None:
+    def accept(self, refit: Refit) -> None:
+        """Add an effect or a refinement to the model."""
         (self.refinements if refit.name.startswith(REFINEMENT) else self.found).append(refit)
         self.solution = refit.solution
+
+    def _accept_skew(self, effect: Refit) -> bool:
+        """Add a skew between forces and inputs instead of a relaxation that does not gain significantly more."""
+        relaxing = self.problem.simulator.book.relaxing_effects
+        if effect.name not in relaxing or SKEW in self.problem.disturbances.names:
+            return False
+        before = self.screen
+        disturbances = with_skew(self.problem.disturbances, self.problem.simulator, self.solution.parameters)
+        problem = replace(self.problem, disturbances=disturbances)
+        solution = problem.solve(self.solution.parameters, self.solution.free, iterations=4)
+        delay = float(solution.disturbance[disturbances.names.index(SKEW)])
+        difference = effect.gains - (before.baseline.loss - Screen(problem, solution).baseline.loss)
+        error = float(np.sqrt(len(difference)) * np.std(difference, ddof=1))
+        if abs(delay) > MAX_SKEW or difference.sum() > PREFERRED_ERRORS * error:
+            return False
+        self.problem, self.solution = problem, solution
+        self.progress(f"forces are recorded {1000.0 * delay:.0f} ms after the inputs")
+        return True
 
     def _joint_gain(self, first: Refit) -> float:
         """Return the gain of an effect together with those that the next rounds would identify.
@@ -156,29 +155,46 @@ class Search:
         for _ in range(LOOKAHEAD):
             if refit is None:
                 break
-            lookahead._accept_effect(refit)
+            lookahead.accept(refit)
             refit = lookahead.best_effect()
         total, remaining = (
             float(screen.baseline.loss.sum()) for screen in (self.screen, Screen(self.problem, lookahead.solution))
         )
         return (total - remaining) / total
 
+    def _varied(self) -> set[str]:
+        """Return the inputs of the identified effects."""
+        varied = {name for refit in self.found for name in self.candidates[refit.name].requires}
+        return varied | {"T", "distance"} if {"distance", "T"} & varied else varied
+
+    def _is_finer_form(self, structure: Structure) -> bool:
+        """Return whether structure is an error of the form of an identified effect."""
+        varied = self._varied()
+        return set(structure.depends_on) <= CORE_INPUTS | varied and bool(
+            set(structure.depends_on) & varied - CORE_INPUTS
+        )
+
+    def _predicts_holdout(self, structure: Structure) -> bool:
+        """Return whether structure reduces the error on the hold-out set."""
+        return self.problem.holdout_gain(self.solution, self._with_structure(structure, "structure")[1]) > 0.0
+
+    def _with_structure(self, structure: Structure, name: str) -> tuple[LeastSquares, Solution]:
+        """Return problem and solution with structure as a disturbance."""
+        sizes = np.maximum(np.abs(structure.response.estimate), 1e-6) * 20.0
+        names = tuple(f"{name}_{i}" for i in range(len(sizes)))
+        disturbances = self.problem.disturbances.extended(names, structure.columns, sizes)
+        problem = replace(self.problem, disturbances=disturbances)
+        return problem, problem.solve(self.solution.parameters, self.solution.free, iterations=4)
+
     def _accept_structure(self, structure: Structure) -> bool:
         """Add structure to the disturbances if it only corrects the form of the model; return whether it does."""
-        varied = {name for refit in self.found for name in self.candidates[refit.name].requires}
-        if {"distance", "T"} & varied:
-            varied |= {"T", "distance"}
-        if not set(structure.depends_on) <= CORE_INPUTS | varied:
+        if not set(structure.depends_on) <= CORE_INPUTS | self._varied():
             self.structures.append(structure)
             self.progress(f"unexplained structure: {structure.formula}")
             return False
         self.forms.append(structure)
         self.progress(f"correction of the functional form: {structure.formula}")
-        sizes = np.maximum(np.abs(structure.response.estimate), 1e-6) * 20.0
-        names = tuple(f"form_{len(self.forms)}_{i}" for i in range(len(sizes)))
-        disturbances = self.problem.disturbances.extended(names, structure.columns, sizes)
-        self.problem = replace(self.problem, disturbances=disturbances)
-        self.solution = self.problem.solve(self.solution.parameters, self.solution.free, iterations=4)
+        self.problem, self.solution = self._with_structure(structure, f"form_{len(self.forms)}")
         return True
 
     def _is_form_artefact(self, refit: Refit) -> bool:
@@ -195,7 +211,7 @@ class Search:
         identified = frozenset(refit.name for refit in self.found)
         forms: list[tuple[str, Form]] = []
         for name, candidate in self.candidates.items():
-            if name in identified or not all(varies(signals, tire, needed) for needed in candidate.requires):
+            if name in identified or not excited(signals, tire, candidate.requires):
                 continue
             forms += [(name, form) for form in candidate.forms]
         forms += [(f"{REFINEMENT}{name}", form) for name, form in refinements_for(tire, identified)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,11 +67,19 @@ class Tried:
     response: Response
 
 
-def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit:
+def preferred(refits: list[Refit], candidates: Mapping[str, Candidate], found: Collection[str] = ()) -> Refit:
     """Return the best of several refits that pass.
 
-    The one with the largest gain is preferred. A refinement must exceed an effect, and an effect another that it
-    contains, by `PREFERRED_ERRORS` standard errors of the difference.
+    The one with the largest gain is preferred. A refinement of the baseline model must exceed an effect, and an effect
+    another that it contains, by `PREFERRED_ERRORS` standard errors of the difference. A refinement of an effect that
+    was identified in this recording has no such disadvantage, because the form of that effect is uncertain.
+
+    Parameters
+    ----------
+    refits : list of Refit
+    candidates : mapping of str to Candidate
+    found : collection of str
+        Names of the identified effects.
     """
     best = max(refits, key=lambda refit: refit.gain)
     for other in sorted(refits, key=lambda refit: -refit.gain):
@@ -81,6 +89,7 @@ def preferred(refits: list[Refit], candidates: Mapping[str, Candidate]) -> Refit
         error = float(np.sqrt(len(difference)) * np.std(difference, ddof=1))
         contains = candidates[best.name].contains == other.name if best.name in candidates else False
         refinement = best.name.startswith(REFINEMENT) and not other.name.startswith(REFINEMENT)
+        refinement = refinement and best.name.removeprefix(REFINEMENT) not in found
         if (contains or refinement) and difference.sum() < PREFERRED_ERRORS * error:
             best = other
     return best

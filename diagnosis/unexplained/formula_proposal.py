@@ -101,7 +101,7 @@ def effect_of(structure: Structure) -> AddedEffect | None:
     return read_effect(text, f"{name}.toml")
 
 
-def unknown_of(structure: Structure, effect: AddedEffect | None, added: Added | None) -> Unknown:
+def unknown_of(structure: Structure, effect: AddedEffect | None, added: Added | str) -> Unknown:
     """Return the report of structure that no candidate effect explains.
 
     Parameters
@@ -109,25 +109,26 @@ def unknown_of(structure: Structure, effect: AddedEffect | None, added: Added | 
     structure : Structure
     effect : AddedEffect or None
         Result of `effect_of`.
-    added : Added or None
-        Result of `added_if_better`.
+    added : Added or str
+        Result of `added_if_better`, or the reason why no formula was tried.
     """
-    formula, why = structure.formula, ""
-    if added:
+    formula = structure.formula
+    if isinstance(added, Added):
         index = added.problem.simulator.index
         formula = structure.formula_with(
             [added.solution.parameters[index[declaration.name]] for declaration in added.effect.declarations]
         )
-    elif effect:
-        why = "the formula does not reduce the error on the hold-out set"
-    else:
-        why = "it depends on the rate or history of an input, which an effect file cannot contain (current inputs only)"
     measurements = [_MEASUREMENTS[name] for name in structure.depends_on if name in _MEASUREMENTS]
     return Unknown(
-        structure.depends_on, formula, added is not None, effect, why, measurements[0] if measurements else ""
-    )
+        structure.depends_on, formula, isinstance(added, Added), effect, "" if isinstance(added, Added) else added,
+        measurements[0] if measurements else "",
+    )  # fmt: skip
 
 
+#: The reason why a formula with a rate or a memory is not added.
+INEXPRESSIBLE = (
+    "it depends on the rate or history of an input, which an effect file cannot contain (current inputs only)"
+)
 #: Measurement that determines the form of structure that depends on a rate. Relaxation depends on the distance rolled,
 #: a delay on time, friction within the carcass on the direction only.
 _MEASUREMENTS = {
@@ -144,7 +145,7 @@ def _bound(size: float) -> float:
 
 def added_if_better(
     structure: Structure, effect: AddedEffect, start: Tire, problem: LeastSquares, solution: Solution
-) -> Added | None:
+) -> Added | str:
     """Add a formula to the model if the error on the hold-out set decreases.
 
     Parameters
@@ -159,8 +160,8 @@ def added_if_better(
 
     Returns
     -------
-    Added or None
-        None if the hold-out error does not decrease, or the model cannot contain the formula.
+    Added or str
+        Otherwise the reason: the hold-out error does not decrease, or the model cannot contain the formula.
     """
     extended = problem.disturbances.extended(
         tuple(declaration.name for declaration in effect.declarations),
@@ -168,13 +169,13 @@ def added_if_better(
         np.abs(structure.response.estimate) * COEFFICIENT_BOUND_FACTOR + 1e-6,
     )
     tried = replace(problem, disturbances=extended).solve(solution.parameters, solution.free, iterations=3)
-    if not _better(problem, solution, tried):
-        return None
+    if (gain := problem.holdout_gain(solution, tried)) <= MIN_IMPROVEMENT:
+        return _too_small(gain)
     try:
         tire = replace(start, added=(*start.added, effect))
         simulator = Simulator(tire, problem.simulator.signals)
-    except EffectError:
-        return None
+    except EffectError as error:
+        return f"the model cannot contain the formula: {error}"
     parameters = tire.parameters()
     for name in problem.simulator.names:
         parameters[simulator.index[name]] = solution.parameters[problem.simulator.index[name]]
@@ -183,19 +184,11 @@ def added_if_better(
     extended_problem = replace(problem, simulator=simulator)
     free = (*solution.free, *(declaration.name for declaration in effect.declarations))
     fitted = extended_problem.solve(parameters, free, iterations=8)
-    return Added(effect, tire, extended_problem, fitted) if _better(problem, solution, fitted) else None
+    gain = problem.holdout_gain(solution, fitted)
+    return Added(effect, tire, extended_problem, fitted) if gain > MIN_IMPROVEMENT else _too_small(gain)
 
 
-def _better(problem: LeastSquares, before: Solution, after: Solution) -> bool:
-    """Return whether the squared misfit on the hold-out set, relative to that of the training rows, decreases."""
-    signals = problem.simulator.signals
-    holdout = signals.present & signals.holdout
-    training = problem.inverse_noise > 0.0
-    sums = []
-    for solution in (before, after):
-        total = 0.0
-        for i in range(len(signals.channels)):
-            scale = float(np.mean(before.residual[i][training[i]] ** 2)) if training[i].any() else np.inf
-            total += float(np.sum(solution.residual[i][holdout[i]] ** 2)) / scale
-        sums.append(total)
-    return sums[1] < (1.0 - MIN_IMPROVEMENT) * sums[0]
+def _too_small(gain: float) -> str:
+    """Return the reason why a formula with a gain on the hold-out set was not added."""
+    change = f"decreases it by {100.0 * gain:.1f} %" if gain > 0.0 else f"increases it by {-100.0 * gain:.1f} %"
+    return f"it does not reduce the squared error on the hold-out set by {100.0 * MIN_IMPROVEMENT:.0f} % (it {change})"

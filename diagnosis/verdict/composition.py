@@ -5,36 +5,41 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from scipy import stats
 
 from tirefmu.estimation.block_regression import coloured_covariance
-from tirefmu.estimation.smoothing import HALF_WIDTHS
 from tirefmu.measurements import Recording
 from tirefmu.tires.tire import Tire
 
 from ..probing.candidates import Candidate
 from ..probing.confounding import alias_columns, correlations, separating_measurement
 from ..probing.effect_probing import Response, Screen
-from ..recording.disturbances import reported_disturbances
-from ..recording.measurement_artefacts import quantisation, ripple
+from ..recording.measurement_artefacts import recording_errors
 from ..recording.signals import FORMULA_SIGNS, Signals
 from ..search.effect_search import Search
 from ..search.refits import REFINEMENT, Refit
-from ..thresholds import CHANNEL_SHARE, CONFOUNDED, REPORTED, REPORTED_EVIDENCE
+from ..search.settling import Settled
+from ..thresholds import CHANNEL_SHARE, REPORTED, REPORTED_EVIDENCE
 from ..unexplained.formula_proposal import Unknown
+from .adequacy import Adequacy, adequacies
+from .delivery import reasons_against
 from .detectability import detectable_sizes
 from .extrapolation import extrapolations
 from .findings import Finding, Interval
-from .fit_error import fit_errors
+from .fit_error import delivered_residual, fit_errors, floors_of, residual_sizes
 from .improved_tire import tire_of
+from .operating_range import change_over_spread
 from .residual_location import residual_maps, time_course
 from .result import Diagnosis
+from .verdict import verdict_text
 
 FloatArray = npt.NDArray[np.float64]
+
+#: The explanation that a recording without temperature cannot exclude for a change with the distance rolled.
+UNRECORDED_TEMPERATURE = "unrecorded_temperature"
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,17 +52,17 @@ class SearchOutcome:
     start : Tire
         The baseline model, with the proposed formulas that were added to it.
     tried : mapping of str to Candidate
-    before : Screen
-        Of the baseline solution.
+    settled : Settled
+        The final fits.
     search : Search
-        Completed, after `Search.refit_whitened`.
+        Completed, after `settle`.
     unknown : tuple of Unknown
     """
 
     recording: Recording
     start: Tire
     tried: Mapping[str, Candidate]
-    before: Screen
+    settled: Settled
     search: Search
     unknown: tuple[Unknown, ...]
 
@@ -76,9 +81,29 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     began : float
         Start time of the diagnosis by `time.perf_counter`, s.
     """
-    search, after = outcome.search, outcome.search.screen
-    before = outcome.before
-    findings = _in_order(outcome, _standard_errors(search.whitened))
+    search, settled = outcome.search, outcome.settled
+    before, after = settled.before, settled.after
+    added = {refit.name: refit.form.free for refit in search.found}
+    for one in outcome.unknown:
+        if one.added and one.effect:
+            added[one.effect.name] = tuple(declaration.name for declaration in one.effect.declarations)
+    base_tire = tire_of(before.problem.simulator.tire, before.problem, before.solution, ())
+    tire = tire_of(outcome.start, search.problem, search.solution, added)
+    residuals = tuple(
+        delivered_residual(one, outcome.recording, screen) for one, screen in ((base_tire, before), (tire, after))
+    )
+    floors = floors_of(outcome.recording, after)
+    errors = fit_errors(before, after, (residuals[0], residuals[1]), floors)
+    changes = change_over_spread(search.problem, _without_effects(outcome), search.solution, added)
+    against = reasons_against(errors, changes) if added or search.refinements else ()
+    if against:
+        tire, residuals = base_tire, (residuals[0], residuals[0])
+        errors = fit_errors(before, before, (residuals[0], residuals[0]), floors)
+    final = before if against else after
+    where_after = residual_maps(final)
+    adequacy = adequacies(residual_sizes(final), floors, where_after)
+    unknown = outcome.unknown or _unidentified(adequacy, search)
+    findings = _in_order(outcome, unknown, _standard_errors(settled.whitened))
     confounded = confounded_with(outcome)
     next_measurement = tuple(
         dict.fromkeys(
@@ -87,39 +112,65 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
                 for name, others in confounded.items()
                 for other in others
             ]
-            + [one.next_measurement for one in outcome.unknown if one.next_measurement]
+            + [one.next_measurement for one in unknown if one.next_measurement]
         )
     )
-    errors = fit_errors(before, after)
-    added = [refit.name for refit in search.found]
-    added += [one.effect.name for one in outcome.unknown if one.added and one.effect]
+    refined = tuple(f"{one.name.removeprefix(REFINEMENT)}: {', '.join(one.form.free)}" for one in search.refinements)
     detectable, not_identifiable = detectable_sizes(search, outcome.tried, outcome.start)
-    verdict = _verdict(findings, outcome.unknown, confounded, detectable, errors)
+    recording = recording_errors(
+        outcome.recording, outcome.signals, search.problem.disturbances, search.solution.disturbance,
+        search.solution.residual, outcome.start,
+    )  # fmt: skip
     return Diagnosis(
-        verdict=verdict,
+        verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, recording),
         found=findings,
         confounded_with=confounded,
         next_measurement=next_measurement,
-        unknown=outcome.unknown,
+        unknown=unknown,
         not_identifiable=not_identifiable,
-        refined=tuple(f"{one.name.removeprefix(REFINEMENT)}: {', '.join(one.form.free)}" for one in search.refinements),
+        refined=refined,
         gap=errors,
+        adequacy=adequacy,
+        delivered=not against,
+        not_delivered_because=against,
+        confirmed=settled.confirmed,
+        rejected=settled.rejected,
         detectable=detectable,
         where=residual_maps(before),
-        where_after=residual_maps(after),
+        where_after=where_after,
         time_course=time_course(before, after),
-        recording=_of_the_recording(outcome),
+        recording=recording,
         extrapolation=extrapolations(
             search.problem, search.solution, {name: _inputs_of(outcome, name) for name in added}
         ),
         holdout_rows=_holdout_rows(outcome.signals),
-        base_tire=tire_of(outcome.start, search.problem, before.solution, ()),
-        tire=tire_of(outcome.start, search.problem, search.solution, added),
+        base_tire=base_tire,
+        tire=tire,
         signs=FORMULA_SIGNS,
         recording_signs=outcome.recording.signs,
         seconds=time.perf_counter() - began,
         rows=outcome.recording.table,
     )
+
+
+def _without_effects(outcome: SearchOutcome) -> FloatArray:
+    """Return the parameters of the baseline model, in the parameter vector of the improved model."""
+    before, index = outcome.settled.before, outcome.search.problem.simulator.index
+    parameters = outcome.start.parameters()
+    for name, i in before.problem.simulator.index.items():
+        parameters[index[name]] = before.solution.parameters[i]
+    return parameters
+
+
+def _unidentified(adequacy: tuple[Adequacy, ...], search: Search) -> tuple[Unknown, ...]:
+    """Return the structure in channels far above their noise floor, if no effect was identified."""
+    red = [one for one in adequacy if not one.adequate]
+    if not red or search.found:
+        return ()
+    worst = max(red, key=lambda one: one.ratio)
+    depends_on = tuple(sorted({*worst.over, *(("memory",) if worst.memory else ())}))
+    reason = "no effect and no formula explains it"
+    return (Unknown(depends_on, "", False, None, reason, "hold or repeat the operating conditions of the residual"),)
 
 
 def _inputs_of(outcome: SearchOutcome, effect: str) -> tuple[str, ...]:
@@ -128,19 +179,6 @@ def _inputs_of(outcome: SearchOutcome, effect: str) -> tuple[str, ...]:
     read = {symbol.name for one in added for act in one.acts for symbol in act.expression.free_symbols}
     known = outcome.tried[effect].requires if effect in outcome.tried else ()
     return tuple(name for name in outcome.signals.names if name in read or name in known)
-
-
-def _of_the_recording(outcome: SearchOutcome) -> dict[str, Any]:
-    """Return the disturbances and measurement artefacts of the recording."""
-    search, signals = outcome.search, outcome.signals
-    summary = reported_disturbances(search.problem.disturbances, search.solution.disturbance, signals)
-    summary["ripple"] = ripple(signals, search.solution.residual, outcome.start.values["UNLOADED_RADIUS"])
-    summary["quantisation"] = {
-        name: quantisation(outcome.recording.table[name].to_numpy(np.float64)) for name in signals.channels
-    }
-    summary["smoothing_windows"] = [2 * half + 1 for half in HALF_WIDTHS] if any(signals.input_noise.values()) else []
-    summary["left_aside"] = dict(signals.excluded_channels)
-    return summary
 
 
 def _holdout_rows(signals: Signals) -> tuple[tuple[int, int], ...]:
@@ -158,14 +196,16 @@ def _standard_errors(screen: Screen) -> FloatArray:
     return np.asarray(np.sqrt(np.where(coloured > 0.0, np.maximum(coloured, 0.5 * (coloured + blocks)), blocks)))
 
 
-def _in_order(outcome: SearchOutcome, errors: FloatArray) -> tuple[Finding, ...]:
+def _in_order(outcome: SearchOutcome, unknown: tuple[Unknown, ...], errors: FloatArray) -> tuple[Finding, ...]:
     """Return identified effects and unexplained structure in order of evidence."""
     identified = [_finding(outcome, refit, errors) for refit in outcome.search.found]
-    unknown = [
+    structures = [
         Finding("UNKNOWN", _shown(one.response, outcome.signals), {}, one.p, one.gain, one.gain_error)
         for one in outcome.search.structures
     ]
-    return tuple(sorted([*identified, *unknown], key=lambda finding: -finding.cv_gain))
+    if unknown and not structures:  # nothing but a residual far above the noise floor
+        structures = [Finding("UNKNOWN", outcome.signals.channels, {}, float("nan"), 0.0, float("nan"))]
+    return tuple(sorted([*identified, *structures], key=lambda finding: -finding.cv_gain))
 
 
 def _shown(response: Response, signals: Signals) -> tuple[str, ...]:
@@ -191,7 +231,22 @@ def _finding(outcome: SearchOutcome, refit: Refit, errors: FloatArray) -> Findin
         refit.gain,
         refit.gain_error,
         _stretches(refit, outcome.signals),
+        _size(outcome, refit),
     )
+
+
+def _size(outcome: SearchOutcome, refit: Refit) -> dict[str, tuple[float, float]]:
+    """Return root mean square and largest change of each force by an effect."""
+    simulator, solution = outcome.search.problem.simulator, outcome.search.solution
+    absent, parameters = simulator.tire.parameters(), solution.parameters.copy()
+    indices = [simulator.index[name] for name in refit.form.free]
+    parameters[indices] = absent[indices]
+    change = np.nan_to_num(simulator.forces(solution.parameters) - simulator.forces(parameters))
+    return {
+        name: (float(np.sqrt(np.mean(row**2))), float(np.abs(row).max()))
+        for name, row in zip(outcome.signals.channels, change, strict=True)
+        if np.any(row)
+    }
 
 
 def _stretches(refit: Refit, signals: Signals) -> tuple[tuple[float, float], ...]:
@@ -232,30 +287,6 @@ def confounded_with(outcome: SearchOutcome) -> dict[str, dict[str, float]]:
             for name, value in size.items()
             if value > REPORTED and name != outcome.tried[refit.name].contains
         }
+        if "distance" in outcome.tried[refit.name].requires and "T" not in outcome.signals.recorded:
+            confounded[refit.name][UNRECORDED_TEMPERATURE] = 1.0
     return {name: others for name, others in confounded.items() if others}
-
-
-def _verdict(
-    findings: tuple[Finding, ...], unknown: tuple[Unknown, ...], confounded: Mapping[str, Mapping[str, float]],
-    detectable: Mapping[str, Mapping[str, float]], errors: Mapping[str, Mapping[str, Mapping[str, float]]],
-) -> str:  # fmt: skip
-    """Return the verdict in one line."""
-    if findings:
-        missing = []
-        for one in findings:
-            if one.effect == "UNKNOWN":
-                missing.append(f"an unexplained effect that depends on {', '.join(unknown[0].depends_on)}")
-                continue
-            size = confounded.get(one.effect, {})
-            others = ", ".join(sorted((name for name in size if size[name] > CONFOUNDED), key=lambda x: -size[x]))
-            missing.append(one.effect + (f" (confounded with {others})" if others else ""))
-        return f"Missing: {'; '.join(missing)}"
-    channels = errors["train"]
-    sizes = {channel: sorted(one[channel] for one in detectable.values() if channel in one) for channel in channels}
-    units = {"Fx": "N", "Fy": "N"}
-    text = ", ".join(
-        f"{size[len(size) // 2]:.2g} {units.get(channel, 'N m')} in {channel}"
-        for channel, size in sizes.items()
-        if size
-    )
-    return f"Nothing material is missing (smallest detectable effect, median: {text})"

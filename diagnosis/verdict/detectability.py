@@ -10,7 +10,7 @@ from scipy import stats
 from tirefmu.symbolic.detection import LARGEST_IN_SIZES
 from tirefmu.tires.tire import Tire
 
-from ..probing.candidates import Candidate, varies
+from ..probing.candidates import Candidate, excited, varies
 from ..search.effect_search import Search
 from ..thresholds import EFFECT_P, NOT_IDENTIFIABLE
 
@@ -23,7 +23,7 @@ def detectable_sizes(
     Parameters
     ----------
     search : Search
-        Completed, after `Search.refit_whitened`.
+        Completed, after `settle`.
     tried : mapping of str to Candidate
     start : Tire
         The baseline model.
@@ -48,6 +48,8 @@ def detectable_sizes(
         responses = [one.response for one in search.last if one.name == name]
         if constant:
             not_identifiable[name] = f"{' and '.join(constant)} does not vary or was not recorded"
+        elif not excited(signals, start, candidate.requires):
+            not_identifiable[name] = f"{' and '.join(candidate.requires)} do not vary simultaneously"
         elif not responses or not set(candidate.channels) & set(signals.channels):
             not_identifiable[name] = f"it changes {', '.join(candidate.channels)} only, which was not recorded"
         elif responses[0].independent_share < NOT_IDENTIFIABLE:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,8 @@ class Finding:
         Reduction of the squared misfit in blocked cross-validation, as a share, and its standard error.
     when : tuple of (float, float)
         Stretches of time with most of the evidence, s.
+    size : mapping of str to (float, float)
+        By channel: root mean square and largest change of the force by the effect in the recording, N and N m.
     """
 
     effect: str
@@ -46,6 +48,7 @@ class Finding:
     cv_gain: float
     cv_gain_se: float
     when: tuple[tuple[float, float], ...] = ()
+    size: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def mirrored(self, names: Collection[str]) -> Finding:
         """Return the finding with the opposite sign of some coefficients."""

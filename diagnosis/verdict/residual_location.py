@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from ..probing.candidates import varies
 from ..probing.effect_probing import Screen
 from ..thresholds import MIN_ROWS_OF_CELL
 
@@ -33,21 +35,34 @@ def residual_maps(screen: Screen) -> list[dict[str, Any]]:
     """
     signals = screen.signals
     named = signals.named()
+    pairs = _pairs([name for name in named if varies(signals, screen.problem.simulator.tire, name)])
     maps = []
     for channel, residual, inverse_noise in zip(
         signals.channels, screen.residual, screen.problem.inverse_noise, strict=True
     ):
         used = inverse_noise > 0.0
-        for first, second in PAIRS:
-            if not {first, second} <= named.keys() or not {first, second} & signals.recorded:
-                continue
-            if max(np.ptp(named[first]), np.ptp(named[second])) == 0.0:
-                continue
+        for first, second in pairs:
             maps.append(
                 {"channel": channel, "over": [first, second]}
                 | _mapped(named[first][used], named[second][used], residual[used])
             )
     return maps
+
+
+def _pairs(varying: Sequence[str]) -> list[tuple[str, str]]:
+    """Return the pairs of inputs that both vary; an input whose partner is constant is paired with a slip.
+
+    Examples
+    --------
+    >>> _pairs(["alpha", "Fz", "gamma", "T"])
+    [('Fz', 'gamma'), ('alpha', 'T')]
+    """
+    pairs = [pair for pair in PAIRS if set(pair) <= set(varying)]
+    paired = {name for pair in pairs for name in pair}
+    slips = [name for name in ("alpha", "kappa") if name in varying]
+    alone = [name for name in varying if name not in paired and name not in slips]
+    pairs += [(slips[0], name) for name in alone] if slips else []
+    return pairs or [(slips[0], slips[0])] * bool(slips)
 
 
 def time_course(before: Screen, after: Screen) -> dict[str, dict[str, list[float]]]:

@@ -18,13 +18,15 @@ from tirefmu.symbolic.errors import DataError, UnknownName, path_from
 from tirefmu.tires.signs import reversed_columns
 from tirefmu.tires.tire import Tire
 
+from ..search.confirmation import Confirmation
 from ..unexplained.formula_proposal import Unknown
+from .adequacy import Adequacy
 from .extrapolation import Extrapolation
 from .findings import Finding, turned_sign
 from .summary import diagnosis_html, diagnosis_text
 
 #: Version of diagnosis.json. New keys increment the second number, changed meanings the first.
-VERSION = "2.0"
+VERSION = "2.1"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -47,8 +49,16 @@ class Diagnosis:
     refined : tuple of str
         Refinements of effects that the baseline model already had.
     gap : mapping
-        train, cv, holdout -> channel -> before, after, floor: root mean square residuals, N and N m, with the
-        disturbances of the recording removed.
+        train, cv, holdout -> channel -> before, after, floor, floor_with_history: root mean square residuals of the
+        fitted tires over the recording, N and N m, with its offsets and drift removed (``recording``, ``removed``), and
+        noise floors (`tirefmu.estimation.noise_floor`). ``after`` is the residual of the delivered tire.
+    adequacy : tuple of Adequacy
+        By channel: residual over noise floor, and where the residual is largest.
+    delivered : bool
+        Whether `tire` is the improved tire; otherwise it is the baseline tire.
+    not_delivered_because : tuple of str
+    confirmed, rejected : mapping of str to Confirmation
+        Evidence in the final fit, for effects and refinements that it confirms and for those that it rejects.
     detectable : mapping of str to mapping of str to float
         By effect and channel: the smallest change of the force, root mean square, that would have been identified.
     where, where_after : list of dict
@@ -57,8 +67,9 @@ class Diagnosis:
     time_course : mapping
         Misfit over noise by channel and time block (`residual_location.time_course`).
     recording : mapping
-        Properties of the recording: offsets, drift, cross-talk, ripple, quantisation, outliers, noise of the inputs,
-        smoothing windows, excluded channels with the reason.
+        Errors of the recording: offsets, drift, cross-talk, ripple, quantisation, outliers, noise of the inputs,
+        smoothing windows, excluded channels with the reason, ignored columns; ``removed``: what is subtracted from the
+        residuals, by channel.
     extrapolation : tuple of Extrapolation
         Measured ranges of the inputs of identified effects, and the change of the improved model outside them.
     holdout_rows : tuple of (int, int)
@@ -81,6 +92,11 @@ class Diagnosis:
     not_identifiable: Mapping[str, str]
     refined: tuple[str, ...]
     gap: Mapping[str, Mapping[str, Mapping[str, float]]]
+    adequacy: tuple[Adequacy, ...]
+    delivered: bool
+    not_delivered_because: tuple[str, ...]
+    confirmed: Mapping[str, Confirmation]
+    rejected: Mapping[str, Confirmation]
     detectable: Mapping[str, Mapping[str, float]]
     where: list[dict[str, Any]]
     where_after: list[dict[str, Any]]
@@ -119,6 +135,21 @@ class Diagnosis:
             return self
         declarations = self.tire.book.coefficients
         offset = {name: turned_sign(value, name in reversed_names) for name, value in self.recording["offset"].items()}
+        removed = {
+            name: {
+                "offset": turned_sign(one["offset"], name in reversed_names),
+                "drift": [turned_sign(value, name in reversed_names) for value in one["drift"]],
+            }
+            for name, one in self.recording["removed"].items()
+        }
+        periodic = [
+            wave
+            | {
+                part: {name: turned_sign(value, name in reversed_names) for name, value in wave[part].items()}
+                for part in ("cosine", "sine")
+            }
+            for wave in self.recording["periodic"]
+        ]
         cross_talk = {  # the share of one force in another: Fx_in_Fy
             name: turned_sign(value, len(reversed_names & set(name.split("_in_"))) == 1)
             for name, value in self.recording["cross_talk"].items()
@@ -131,8 +162,20 @@ class Diagnosis:
             ),
             where=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where],
             where_after=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where_after],
-            recording={**self.recording, "offset": offset, "cross_talk": cross_talk},
+            recording={
+                **self.recording,
+                "offset": offset,
+                "cross_talk": cross_talk,
+                "removed": removed,
+                "periodic": periodic,
+            },
         )
+
+    @property
+    def rating(self) -> str:
+        """The worst rating of a channel: "green", "amber" or "red"; amber at best if the tire is not delivered."""
+        ratings = {one.rating for one in self.adequacy} | ({"amber"} if not self.delivered else set())
+        return next((color for color in ("red", "amber") if color in ratings), "green")
 
     @property
     def _summarized(self) -> tuple[str, tuple[Finding, ...], Mapping[str, Mapping[str, float]], int, str]:
@@ -183,6 +226,7 @@ class Diagnosis:
                     "cv_gain": one.cv_gain,
                     "cv_gain_se": one.cv_gain_se,
                     "when": [list(stretch) for stretch in one.when],
+                    "size": {name: {"rms": rms, "largest": largest} for name, (rms, largest) in one.size.items()},
                 }
                 for one in self.found
             ],
@@ -205,6 +249,21 @@ class Diagnosis:
             "not_identifiable_because": dict(self.not_identifiable),
             "refined": list(self.refined),
             "gap": self.gap,
+            "adequacy": {
+                one.channel: {
+                    "ratio": one.ratio,
+                    "residual": one.residual,
+                    "floor": one.floor,
+                    "adequate": one.adequate,
+                    "where": one.location,
+                    "memory": one.memory,
+                }
+                for one in self.adequacy
+            },
+            "delivered": self.delivered,
+            "not_delivered_because": list(self.not_delivered_because),
+            "confirmed": {name: vars(one) for name, one in self.confirmed.items()},
+            "rejected": {name: vars(one) for name, one in self.rejected.items()},
             "detectable": self.detectable,
             "where": self.where,
             "where_after": self.where_after,

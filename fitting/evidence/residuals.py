@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.estimation.noise_floor import held_levels
+from tirefmu.measurements.operating_conditions.held_levels import held_levels
 from tirefmu.measurements import CHANNELS
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.signs import reversed_columns

@@ -14,7 +14,7 @@ import numpy.typing as npt
 import pandas as pd
 from scipy.linalg.blas import dsyrk
 
-from tirefmu.estimation.noise_floor import held_levels
+from tirefmu.measurements.operating_conditions.held_levels import held_levels
 from tirefmu.symbolic.model import Model, reaching
 from tirefmu.tires.code import Code, fastest_code, forces_of_each
 from tirefmu.tires.tire import Tire

@@ -64,8 +64,8 @@ class ChannelFit:
     r2_uncentred : float
         1 - sum of squared residuals over sum of squares, as in the Trento report.
     noise_floor : float
-        Scatter that no function of the inputs can explain (`tirefmu.estimation.noise_floor`); NaN if no operating
-        condition is repeated.
+        Error that a smooth function of the inputs, added to the model, would leave
+        (`tirefmu.estimation.noise_floor`); NaN with few rows.
     effective_rows : float
         Effective sample size: the residuals of the last stage are correlated in time.
     """

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tirefmu.estimation.noise_floor import MOST_LEVELS
+from tirefmu.measurements.operating_conditions.held_levels import MOST_LEVELS
 from tirefmu.fitting import cross_validate, cross_validation
 from tirefmu.measurements import Noise, group_by_condition
 from tirefmu.symbolic.errors import FitError

@@ -1,0 +1,106 @@
+"""Figure of force over slip: measured points, baseline tire and improved tire, in the blocks with most evidence."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tirefmu.tires.drawing.style import LETTER, drawn_unit, per_si, png, write_whole
+from tirefmu.tires.signs import convert_signs
+from tirefmu.tires.tire import Tire
+
+from ..verdict.result import Diagnosis
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Number of blocks of time of a channel that are drawn.
+BLOCKS = 4
+#: Largest number of measured points of a block that are drawn.
+POINTS = 400
+#: Inputs in the title of a block.
+CONDITIONS = ("Fz", "gamma", "p", "V", "T")
+
+
+def draw_curves(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
+    """Draw measured and computed forces over the slip that varies most, for the blocks that the effects improve most.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+    channel : str
+    path : str or Path
+        PNG file; written completely or not at all.
+
+    Returns
+    -------
+    Path
+    """
+    table = diagnosis.rows
+    computed = {
+        "baseline tire": (_force(diagnosis.base_tire, diagnosis, channel), "C3"),
+        "improved tire" if diagnosis.delivered else "delivered tire": (
+            _force(diagnosis.tire, diagnosis, channel), "C0"
+        ),
+    }  # fmt: skip
+    figure = Figure(figsize=(13.0, 3.4), layout="constrained")
+    axes = figure.subplots(1, BLOCKS, squeeze=False)[0]
+    measured = _shown(diagnosis, channel)
+    for ax, block in zip(axes, _blocks(diagnosis, channel), strict=False):
+        _draw(ax, table.iloc[block], measured[block], {name: (y[block], c) for name, (y, c) in computed.items()})
+    for ax in axes:
+        ax.set_visible(bool(ax.lines))
+    axes[0].set_ylabel(f"{LETTER.get(channel, channel)} ({drawn_unit(channel)})")
+    axes[0].legend(fontsize=8)
+    return write_whole(Path(path), png(figure))
+
+
+def _force(tire: Tire, diagnosis: Diagnosis, channel: str) -> FloatArray:
+    inputs = [name for name in diagnosis.rows if name == "t" or name in tire.inputs]
+    forces = tire.evaluate(diagnosis.rows[inputs], signs=diagnosis.recording_signs)
+    return np.asarray(forces[channel], dtype=np.float64)
+
+
+def _shown(diagnosis: Diagnosis, channel: str) -> FloatArray:
+    """Return the measured force without the offset of the recording, in the signs of the recording."""
+    offset = diagnosis.recording["removed"][channel]["offset"]
+    signs = diagnosis.signs, diagnosis.recording_signs
+    own = float(convert_signs(pd.DataFrame({channel: [offset]}), *signs)[channel].iloc[0])
+    return np.asarray(diagnosis.rows[channel], dtype=np.float64) - own
+
+
+def _blocks(diagnosis: Diagnosis, channel: str) -> list[npt.NDArray[np.int64]]:
+    """Return the rows of the blocks with the largest reduction of the squared misfit, in order of time."""
+    course = diagnosis.time_course[channel]
+    gain = np.asarray(course["before"]) ** 2 - np.asarray(course["after"]) ** 2
+    worth = gain if np.ptp(gain) > 0.0 else np.asarray(course["before"])
+    starts = np.asarray(course["t"])
+    t = diagnosis.rows["t"].to_numpy() if "t" in diagnosis.rows else np.arange(len(diagnosis.rows))
+    ends = np.append(starts[1:], t[-1] + 1.0)
+    chosen = sorted(np.argsort(-worth)[:BLOCKS].tolist())
+    return [np.flatnonzero((t >= starts[k]) & (t < ends[k])) for k in chosen]
+
+
+def _draw(ax: Axes, rows: pd.DataFrame, measured: FloatArray, computed: dict[str, tuple[FloatArray, str]]) -> None:
+    slips = [name for name in ("alpha", "kappa") if name in rows]
+    if not slips or not len(rows):
+        return
+    slip = max(slips, key=lambda name: float(np.ptp(rows[name].to_numpy())))
+    x = rows[slip].to_numpy() * per_si(slip)
+    thin = slice(None, None, max(1, len(rows) // POINTS))
+    ax.plot(x[thin], measured[thin], ".", ms=3, color="0.6", label="measured")
+    for name, (force, color) in computed.items():
+        ax.plot(x, force, color=color, lw=1.2, label=name)
+    conditions = [
+        f"{LETTER.get(name, name)} {float(rows[name].mean()) * per_si(name):.3g} {drawn_unit(name)}"
+        for name in CONDITIONS
+        if name in rows
+    ]
+    ax.set_title("\n".join([", ".join(conditions[:3]), ", ".join(conditions[3:])]).strip(), fontsize=7)
+    ax.set_xlabel(f"{LETTER.get(slip, slip)} ({drawn_unit(slip)})")
+    ax.ticklabel_format(useOffset=False)
+    ax.tick_params(labelsize=7)

@@ -1,0 +1,153 @@
+"""The final fit after a search: without errors of the functional form, confirmed effects only, whitened noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tirefmu.estimation.noise_model import Whitening, noise_parts
+
+from ..least_squares import LeastSquares, Solution
+from ..probing.effect_probing import Screen
+from ..thresholds import FINAL_ITERATIONS, MAX_WHITENED_MISFIT
+from .confirmation import Confirmation, confirmation
+from .effect_search import Search
+from .refits import Refit
+
+
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """The final fits.
+
+    Attributes
+    ----------
+    before : Screen
+        Of the baseline model.
+    after : Screen
+        Of the model with the identified effects.
+    whitened : Screen
+        The same with whitened rows, for confidence intervals.
+    confirmed : mapping of str to Confirmation
+        By name of an identified effect or a refinement.
+    rejected : mapping of str to Confirmation
+        The effects that the search identified and the final fit did not confirm.
+    """
+
+    before: Screen
+    after: Screen
+    whitened: Screen
+    confirmed: Mapping[str, Confirmation]
+    rejected: Mapping[str, Confirmation]
+
+
+def settle(search: Search, before: Screen) -> Settled:
+    """Fit the baseline model and the model with the identified effects once more, as they are delivered.
+
+    Corrections of the functional form that the search used as disturbances are removed, as a tire does not contain
+    them. Effects that are not confirmed are removed from the search.
+
+    Parameters
+    ----------
+    search : Search
+        Completed.
+    before : Screen
+        Of the baseline model.
+
+    Returns
+    -------
+    Settled
+    """
+    if search.problem.disturbances.added:
+        search.problem = replace(search.problem, disturbances=search.problem.disturbances.of_recording())
+        search.solution = search.problem.solve(
+            search.solution.parameters, search.solution.free, iterations=FINAL_ITERATIONS
+        )
+    confirmed, rejected = _confirmed(search)
+    first, search.solution, whitened = _whitened(search.problem, search.solution, before)
+    search.screen = Screen(search.problem, search.solution)
+    search.last = search.probe()
+    return Settled(first, search.screen, whitened, confirmed, rejected)
+
+
+def _confirmed(search: Search) -> tuple[dict[str, Confirmation], dict[str, Confirmation]]:
+    """Remove the least significant unconfirmed effect and refit, until all remaining effects are confirmed."""
+    rejected: dict[str, Confirmation] = {}
+    absent = search.problem.simulator.tire.parameters()
+    while True:
+        judged = [
+            (refit, confirmation(search.problem, search.solution, _coefficients(refit, search), absent))
+            for refit in [*search.found, *search.refinements]
+        ]
+        failing = [(refit, one) for refit, one in judged if not one.passes]
+        if not failing:
+            return {refit.name: one for refit, one in judged}, rejected
+        worst, evidence = min(failing, key=lambda pair: pair[1].z)
+        rejected[worst.name] = evidence
+        search.progress(f"not confirmed: {worst.name} ({evidence.z:.1f} standard deviations)")
+        _remove(search, worst)
+
+
+def _coefficients(refit: Refit, search: Search) -> tuple[str, ...]:
+    """Return the free coefficients that belong to an effect, also those of its refinements."""
+    book = search.problem.simulator.book
+    owned = book.owned(refit.name) if refit.name in book.effects else frozenset()
+    return tuple(name for name in search.solution.free if name in refit.form.free or name in owned)
+
+
+def _remove(search: Search, refit: Refit) -> None:
+    """Remove an effect, its refinements and its coefficients, and fit the others again."""
+    names = _coefficients(refit, search)
+    search.found = [one for one in search.found if one is not refit]
+    search.refinements = [one for one in search.refinements if not set(one.form.free) <= set(names)]
+    parameters, absent = search.solution.parameters.copy(), search.problem.simulator.tire.parameters()
+    for name in names:
+        parameters[search.problem.simulator.index[name]] = absent[search.problem.simulator.index[name]]
+    free = tuple(name for name in search.solution.free if name not in names)
+    search.solution = search.problem.solve(parameters, free, iterations=FINAL_ITERATIONS)
+
+
+def _whitened(problem: LeastSquares, solution: Solution, before: Screen) -> tuple[Screen, Solution, Screen]:
+    """Refit baseline and final model with whitened noise.
+
+    The search itself uses rows of equal weight. A missing effect resembles correlated noise, and whitening amplifies
+    errors in the functional form of a model. Solutions that fit the rows worse than without whitening are not used.
+
+    Returns
+    -------
+    Screen
+        Of the baseline model.
+    Solution
+        Of the final model.
+    Screen
+        Of the final model with whitened rows.
+    """
+    signals = problem.simulator.signals
+    if not signals.timed:
+        screen = Screen(problem, solution)
+        screen.learn_noise({})
+        return before, solution, screen
+    t = signals.t[signals.rows]
+    rest, step = problem.weighted(solution.residual), float(np.median(np.diff(t)))
+    noise = tuple(noise_parts(*rows, step) for rows in zip(rest, problem.inverse_noise > 0.0, strict=True))
+    whitening = Whitening(noise, t, problem.inverse_noise)
+    whitened = replace(problem, whitening=whitening)
+    final = _not_worse(
+        problem, whitened.solve(solution.parameters, solution.free, iterations=FINAL_ITERATIONS), solution
+    )
+    of_base = before.solution
+    screen = Screen(whitened, whitened.at(final.parameters, final.free))
+    screen.learn_noise({})
+    if of_base is solution:
+        return Screen(before.problem, final), final, screen
+    first = replace(before.problem, whitening=whitening).solve(
+        of_base.parameters, of_base.free, iterations=FINAL_ITERATIONS
+    )
+    return Screen(before.problem, _not_worse(before.problem, first, of_base)), final, screen
+
+
+def _not_worse(problem: LeastSquares, whitened: Solution, equal: Solution) -> Solution:
+    """Return the whitened solution unless its misfit over rows of equal weight is much larger in a channel."""
+    squares = [np.sum(problem.weighted(solution.residual) ** 2, axis=1) for solution in (whitened, equal)]
+    return whitened if np.all(squares[0] <= MAX_WHITENED_MISFIT**2 * squares[1]) else equal

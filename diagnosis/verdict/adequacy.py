@@ -1,0 +1,89 @@
+"""Adequacy of the improved model: residual over noise floor, by channel, and where the residual is largest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from tirefmu.estimation.noise_floor import NoiseFloor
+
+from ..thresholds import INADEQUATE
+
+
+@dataclass(frozen=True)
+class Adequacy:
+    """The residual of one channel compared with its noise floor.
+
+    Attributes
+    ----------
+    channel : str
+    residual, floor : float
+        Root mean square, N or N m, with all errors of the recording removed. The floor is that of functions of the inputs and their history.
+    location : str
+        Where the mean residual is largest.
+    over : tuple of str
+        The inputs of that location.
+    memory : bool
+        Whether the residual is explained by the direction in which slips change or by slow time, not by the recorded
+        inputs alone.
+    """
+
+    channel: str
+    residual: float
+    floor: float
+    location: str
+    over: tuple[str, ...]
+    memory: bool
+
+    @property
+    def ratio(self) -> float:
+        """Residual over noise floor."""
+        return self.residual / self.floor if self.floor > 0.0 else float("nan")
+
+    @property
+    def adequate(self) -> bool:
+        """Whether the residual is near the noise floor."""
+        return not self.ratio > INADEQUATE
+
+    @property
+    def rating(self) -> str:
+        """Rating by color: "green" near the floor, "amber" above it, "red" if something is missing."""
+        return "red" if not self.adequate else "amber" if self.ratio > 0.5 * (1.0 + INADEQUATE) else "green"
+
+    def __str__(self) -> str:
+        """Return the sentence of the verdict."""
+        cause = "; it depends on the history of the slips, on time, or on an input that was not recorded"
+        return (
+            f"{self.channel} (residual {self.ratio:.1f} times the noise floor, largest at {self.location}"
+            f"{cause if self.memory else ''})"
+        )
+
+
+def adequacies(
+    residuals: Mapping[str, float], floors: Mapping[str, NoiseFloor], maps: Sequence[Mapping[str, Any]]
+) -> tuple[Adequacy, ...]:
+    """Return the adequacy of each channel.
+
+    Parameters
+    ----------
+    residuals : mapping of str to float
+        Root mean square residual of the delivered tire by channel, with all errors of the recording removed.
+    floors : mapping of str to NoiseFloor
+    maps : sequence of mapping
+        Residual maps of the improved model (`residual_location.residual_maps`).
+    """
+    found = []
+    for channel, residual in residuals.items():
+        own = [shown for shown in maps if shown["channel"] == channel and shown["worst"]["count"]]
+        largest = max(own, key=lambda shown: abs(shown["worst"]["mean"]), default=None)
+        location, over = "", tuple[str, ...]()
+        if largest:
+            over, worst = tuple(largest["over"]), largest["worst"]
+            location = ", ".join(
+                f"{name} {lower:.3g} to {upper:.3g}"
+                for name, lower, upper in zip(over, worst["from"], worst["to"], strict=True)
+            )
+        memory = residual <= INADEQUATE * floors[channel].floor
+        found.append(Adequacy(channel, residual, floors[channel].with_history, location, over, memory))
+    return tuple(found)

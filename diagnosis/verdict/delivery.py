@@ -1,0 +1,50 @@
+"""Whether the improved tire is delivered: it must not be worse than the baseline tire."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..thresholds import MAX_CHANGE_OVER_SPREAD, MAX_WORSE_CHANNEL
+from .fit_error import FitErrors
+
+#: The parts of a recording on which both tires are compared, as in a sentence.
+PARTS = {"train": "training rows", "holdout": "hold-out set"}
+
+
+def reasons_against(errors: FitErrors, changes: Mapping[str, float]) -> tuple[str, ...]:
+    """Return the reasons why an improved tire is not delivered; none if it is not worse than the baseline tire.
+
+    Parameters
+    ----------
+    errors : dict
+        Of the delivered tires (`fit_error.fit_errors`).
+    changes : mapping of str to float
+        Change of the forces over the operating range, relative to the spread among tires (`change_over_spread`).
+
+    Examples
+    --------
+    >>> worse = {"Fx": {"before": 62.0, "after": 153.0, "floor": 20.0, "floor_with_history": 20.0}}
+    >>> reasons_against({"train": worse, "holdout": worse}, {})[0]
+    'its residual on the training rows is larger than that of the baseline tire (Fx: 153 instead of 62 N)'
+    """
+    reasons = []
+    for part, text in PARTS.items():
+        ratios = {name: one["after"] / one["before"] for name, one in errors[part].items() if one["before"] > 0.0}
+        if not ratios:
+            continue
+        worst = max(ratios, key=lambda name: ratios[name])
+        total = sum(ratio**2 for ratio in ratios.values()) / len(ratios)
+        if total > 1.0 or ratios[worst] > MAX_WORSE_CHANNEL:
+            one, unit = errors[part][worst], "N" if worst.startswith("F") else "N m"
+            reasons.append(
+                f"its residual on the {text} is larger than that of the baseline tire ({worst}: {one['after']:.3g} "
+                f"instead of {one['before']:.3g} {unit})"
+            )
+    beyond = {name: ratio for name, ratio in changes.items() if ratio > MAX_CHANGE_OVER_SPREAD}
+    if beyond:
+        worst = max(beyond, key=lambda name: beyond[name])
+        reasons.append(
+            f"over the operating range it changes {worst} by {beyond[worst]:.1f} times the spread among tires, which "
+            "this recording cannot determine"
+        )
+    return tuple(reasons)

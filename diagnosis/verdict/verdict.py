@@ -1,0 +1,75 @@
+"""The verdict of a diagnosis in one line."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..thresholds import CONFOUNDED
+from ..unexplained.formula_proposal import Unknown
+from .adequacy import Adequacy
+from .findings import Finding
+
+
+def verdict_text(
+    findings: Sequence[Finding], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]],
+    refined: Sequence[str], adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]],
+    against: Sequence[str], recording: Mapping[str, Any],
+) -> str:  # fmt: skip
+    """Return the verdict: missing effects, finer forms, what is missing and was not identified, and reservations.
+
+    Parameters
+    ----------
+    findings : sequence of Finding
+    unknown : sequence of Unknown
+    confounded : mapping of str to mapping of str to float
+        Correlation with other explanations, by effect.
+    refined : sequence of str
+        Refinements of effects of the baseline model.
+    adequacy : sequence of Adequacy
+    detectable : mapping of str to mapping of str to float
+        Smallest detectable sizes, by effect and channel.
+    against : sequence of str
+        Reasons why the improved tire is not delivered.
+    recording : mapping
+        Errors of the recording.
+    """
+    parts = [_missing(findings, unknown, confounded)]
+    if refined:
+        parts.append(f"finer form needed of {'; '.join(refined)}")
+    red = [str(one) for one in adequacy if not one.adequate]
+    if red:
+        parts.append(f"something is missing and was not identified in {', '.join(red)}")
+    parts = [part for part in parts if part] or [_nothing(adequacy, detectable)]
+    if against:
+        parts.append(f"the improved tire is not delivered, because {'; '.join(against)}")
+    if recording["ignored_columns"]:
+        parts.append(f"ignored columns: {', '.join(recording['ignored_columns'])}")
+    text = "; ".join(parts)
+    return text[0].upper() + text[1:]
+
+
+def _missing(
+    findings: Sequence[Finding], unknown: Sequence[Unknown], confounded: Mapping[str, Mapping[str, float]]
+) -> str:
+    missing = []
+    for one in findings:
+        if one.effect == "UNKNOWN":
+            if unknown[0].formula:
+                missing.append(f"an unexplained effect that depends on {', '.join(unknown[0].depends_on)}")
+            continue
+        size = confounded.get(one.effect, {})
+        others = ", ".join(sorted((name for name in size if size[name] > CONFOUNDED), key=lambda x: -size[x]))
+        missing.append(one.effect + (f" (confounded with {others})" if others else ""))
+    return f"Missing: {'; '.join(missing)}" if missing else ""
+
+
+def _nothing(adequacy: Sequence[Adequacy], detectable: Mapping[str, Mapping[str, float]]) -> str:
+    channels = [one.channel for one in adequacy]
+    sizes = {channel: sorted(one[channel] for one in detectable.values() if channel in one) for channel in channels}
+    text = ", ".join(
+        f"{size[len(size) // 2]:.2g} {'N' if channel.startswith('F') else 'N m'} in {channel}"
+        for channel, size in sizes.items()
+        if size
+    )
+    return f"Nothing material is missing (smallest detectable effect, median: {text})"
