@@ -121,17 +121,16 @@ def _levels(outcomes: Sequence[Outcome]) -> str:
 def _delivered(outcomes: Sequence[Outcome]) -> str:
     """Return how the delivered tire compares with the start tire and with what the diagnosis reports."""
     compared = [one.delivered for one in outcomes if one.delivered]
-    found = [one.delivered for one in outcomes if one.delivered and one.found]
     rows = []
     for what, ratios in (
-        ("on its recording, training rows", [one.recording for one in found]),
-        ("on its recording, hold-out rows", [one.holdout for one in found]),
-        ("on other manoeuvres, noise-free", [one.manoeuvres for one in found]),
-        ("over the operating range, noise-free", [one.operating for one in found]),
+        ("on its recording, training rows", [one.recording for one in compared]),
+        ("on its recording, hold-out rows", [one.holdout for one in compared]),
+        ("on other manoeuvres, noise-free", [one.manoeuvres for one in compared]),
+        ("over the operating range, noise-free", [one.operating for one in compared]),
     ):
         count = sum(ratio > 1.0 + TOLERANCE for ratio in ratios)
         rows.append((f"worse than the start tire {what}", "0", *_count_and_largest(count, ratios)))
-    increases = [one.increase for one in found]
+    increases = [one.increase for one in compared]
     if increases:
         rows.append(("largest increase of the error over the operating range, share of the force", "-", "-",
                      f"{max(increases):.1%}"))  # fmt: skip
@@ -143,7 +142,7 @@ def _delivered(outcomes: Sequence[Outcome]) -> str:
     reasons = [one.failed.partition(":")[0] for one in outcomes if one.failed]
     counts = ", ".join(f"{reasons.count(name)} {name}" for name in dict.fromkeys(reasons)) or "-"
     rows.append(("no diagnosis", "-", f"{len(reasons)} of {len(outcomes)}", counts))
-    title = "### Delivered tire\n\nThe worst channel counts; of diagnoses with a finding. Worse is more than 2 %.\n\n"
+    title = "### Delivered tire\n\nThe worst channel counts. Worse is by more than 2 %.\n\n"
     return title + _grid(("criterion", "required", "cases", "largest ratio or extremes"), rows)
 
 
