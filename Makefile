@@ -32,7 +32,7 @@ mutants: $(VENV)/installed-dev  ## 33 single-line faults in a copy of the tree: 
 perturb: $(VENV)/installed-dev  ## fits and a diagnosis have equal results with other instruction sets and rounding
 	TIREFMU_PERTURB=1 $(BIN)/pytest tests/fitting/test_perturbations.py $(PYTEST_ARGS)
 
-discovery: $(VENV)/installed-dev  ## success rate of the diagnosis over 116 virtual recordings
+discovery: $(VENV)/installed-dev  ## success rate of the diagnosis over made recordings: two suites, see docs/discovery.md
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)
 
 recovery: $(VENV)/installed-dev  ## recovery of known coefficients: 100 fits per model, 50 starts; RECOVERY_ARGS=--quick for a short run

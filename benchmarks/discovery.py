@@ -1,9 +1,9 @@
 """Success rate of the diagnosis on simulated recordings: single effects, several effects, unknown and no effects.
 
 The tires differ from all published ones, the noise is of several kinds, and some tires have other formulas. The
-recordings are those of `tests/diagnosis/kinds.py`.
+recordings are those of `tests/diagnosis/kinds.py` (first suite) and `tests/diagnosis/independent` (second suite).
 
-    python benchmarks/discovery.py [--only single,null] [--quick] [--jobs 2] [--table docs/discovery.md]
+    python benchmarks/discovery.py [--suite second] [--only single,null] [--quick] [--jobs 2] [--table FILE]
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-from diagnosis.kinds import NUMBER_OF_CASES, case_of
-from discovery_score import Outcome, score
+from discovery_score import Outcome, failed, score
+from discovery_suites import SUITES
 from discovery_table import put_table, split_page, table_of
 
 from tirefmu.diagnosis import diagnose
@@ -30,17 +30,26 @@ from tirefmu.diagnosis import diagnose
 QUICK = 3
 
 
-def diagnosed(task: tuple[str, int]) -> Outcome:
-    """Diagnose one case."""
-    kind, i = task
-    case = case_of(kind, i)
+def diagnosed(task: tuple[str, str, int]) -> Outcome:
+    """Diagnose one case; an exception is an outcome."""
+    name, kind, i = task
+    suite = SUITES[name]
+    case = suite.case_of(kind, i)
     before = os.times()
-    result = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
-    after = os.times()
-    return score(kind, i, case, result, after.user - before.user + after.system - before.system)
+    try:
+        result = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
+    except Exception as error:
+        return failed(suite, kind, i, case, error, _since(before))
+    return score(suite, kind, i, case, result, _since(before))
 
 
-def outcomes(tasks: list[tuple[str, int]], jobs: int) -> Iterator[Outcome]:
+def _since(before: os.times_result) -> float:
+    """Return the CPU time of this process, s."""
+    now = os.times()
+    return now.user - before.user + now.system - before.system
+
+
+def outcomes(tasks: list[tuple[str, str, int]], jobs: int) -> Iterator[Outcome]:
     """Yield the outcome of each case, in order."""
     if jobs == 1:
         yield from map(diagnosed, tasks)
@@ -61,27 +70,25 @@ def version_text() -> str:
 def main() -> None:
     """Run the requested kinds, print a line per case and the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument(
-        "--only",
-        default=",".join(NUMBER_OF_CASES),
-        help=f"kinds, of {', '.join(NUMBER_OF_CASES)}; kind:NUMBER is one case",
-    )
+    parser.add_argument("--suite", choices=tuple(SUITES), default="first")
+    parser.add_argument("--only", help="kinds, such as single,null; kind:NUMBER is one case")
     parser.add_argument("--quick", action="store_true", help=f"the first {QUICK} cases of each kind")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--table", type=Path, help="a Markdown file in which the table is replaced")
     parser.add_argument("--json", type=Path, help="a file for the outcomes, one line per case")
     options = parser.parse_args()
+    cases = SUITES[options.suite].number_of_cases
     if options.table:
-        split_page(options.table)  # errors are reported before the long run
-    tasks: list[tuple[str, int]] = []
-    for word in options.only.split(","):
+        split_page(options.table, options.suite)  # errors are reported before the long run
+    tasks: list[tuple[str, str, int]] = []
+    for word in (options.only or ",".join(cases)).split(","):
         kind, _, number = word.partition(":")
-        if kind not in NUMBER_OF_CASES:
-            parser.error(f"--only {kind}: not one of {', '.join(NUMBER_OF_CASES)}")
-        if number and not (number.isdigit() and int(number) < NUMBER_OF_CASES[kind]):
-            parser.error(f"--only {word}: {kind} has the cases 0 to {NUMBER_OF_CASES[kind] - 1}")
-        count = min(NUMBER_OF_CASES[kind], QUICK) if options.quick else NUMBER_OF_CASES[kind]
-        tasks += [(kind, int(number))] if number else [(kind, i) for i in range(count)]
+        if kind not in cases:
+            parser.error(f"--only {kind}: not one of {', '.join(cases)}")
+        if number and not (number.isdigit() and int(number) < cases[kind]):
+            parser.error(f"--only {word}: {kind} has the cases 0 to {cases[kind] - 1}")
+        count = min(cases[kind], QUICK) if options.quick else cases[kind]
+        tasks += [(options.suite, kind, i) for i in ([int(number)] if number else range(count))]
     results = []
     for outcome in outcomes(tasks, options.jobs):
         results.append(outcome)
@@ -89,13 +96,13 @@ def main() -> None:
         if options.json:
             with options.json.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(asdict(outcome)) + "\n")
-    arguments = (f" --only {options.only}" if options.only != ",".join(NUMBER_OF_CASES) else "") + (
-        " --quick" if options.quick else ""
+    arguments = (f" --suite {options.suite}" if options.suite != "first" else "") + (
+        (f" --only {options.only}" if options.only else "") + (" --quick" if options.quick else "")
     )
     table = table_of(results, f"`python benchmarks/discovery.py{arguments}`, {version_text()}")
     print("\n" + table)
     if options.table:
-        put_table(options.table, table)
+        put_table(options.table, options.suite, table)
 
 
 if __name__ == "__main__":

@@ -5,14 +5,13 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from diagnosis.kinds import CONFOUNDED
-from diagnosis.suite import UNKNOWN, Case
+from diagnosis.case import Case
+from discovery_delivered import Delivered, delivered
+from discovery_suites import Suite
 
 from tirefmu.diagnosis import Diagnosis
 from tirefmu.tires.tire import Tire
 
-#: Effects that the true tire has at transformed inputs, so that their coefficients have no true values.
-WARPED = ("temp_friction", "temp_stiffness", "wear_drift")
 #: The reported variables of an unknown effect are right from this ratio of common to all reported or true variables.
 RIGHT_VARIABLES = 0.5
 
@@ -43,6 +42,14 @@ class Outcome:
         Unknown effect: whether its variables are right, and whether its formula was added.
     seconds : float
         CPU time.
+    rows : int
+        Rows of the recording.
+    confirmation : bool
+        Whether nobody tunes the diagnosis on this case.
+    delivered : Delivered or None
+        The delivered tire; None if there is none.
+    failed : str
+        Exception and reason if there is no diagnosis.
     """
 
     kind: str
@@ -62,10 +69,16 @@ class Outcome:
     variables: bool
     added: bool
     seconds: float
+    rows: int
+    confirmation: bool
+    delivered: Delivered | None
+    failed: str = ""
 
     @property
     def right(self) -> bool:
         """Whether the diagnosis is right."""
+        if self.failed:
+            return False
         if self.kind == "confounded":
             return self.first and not self.extra and self.reported and self.next_test
         if self.kind == "unknown":
@@ -75,6 +88,9 @@ class Outcome:
     @property
     def line(self) -> str:
         """The outcome in one line."""
+        if self.failed:
+            hidden = "+".join(self.hidden) or "nothing"
+            return f"{self.kind}:{self.number} FAILED {hidden}: {self.failed}, {self.seconds:.1f} s"
         summary = f"{'+'.join(self.hidden) or 'nothing'} -> {'+'.join(self.found) or 'nothing'}"
         more = f" [{' '.join(self.depends_on)}{', added' if self.added else ''}]" if self.depends_on else ""
         if self.kind == "confounded":
@@ -87,11 +103,12 @@ class Outcome:
         return f"{self.kind}:{self.number} {mark:5} {summary}{more}; closed {self.closed:.3f}, {self.seconds:.1f} s"
 
 
-def score(kind: str, number: int, case: Case, result: Diagnosis, seconds: float) -> Outcome:
+def score(suite: Suite, kind: str, number: int, case: Case, result: Diagnosis, seconds: float) -> Outcome:
     """Return the outcome of a diagnosis.
 
     Parameters
     ----------
+    suite : Suite
     kind : str
     number : int
     case : Case
@@ -102,16 +119,16 @@ def score(kind: str, number: int, case: Case, result: Diagnosis, seconds: float)
     hidden = ("UNKNOWN",) if case.unknown else case.hidden
     allowed, confounded_effects, words = set(hidden), set[str](), ""
     if kind == "confounded":
-        _, _, others, confounded, words = CONFOUNDED[number]
+        _, _, others, confounded, words = suite.confounded[number]
         allowed |= set(others.split())
         confounded_effects = {*confounded.split(), *hidden}
     before, after = (squared_error(tire, case, result) for tire in (result.base_tire, result.tire))
     covered, intervals = _covered(case, result) if kind in ("single", "double", "triple") else (0, 0)
     named = {*found, *result.confounded_with.get(found[0], ())} if found else set()
     depends = result.unknown[0].depends_on if result.unknown else ()
-    true = UNKNOWN.get(case.unknown, frozenset())
+    true = suite.unknown.get(case.unknown, frozenset())
     return Outcome(
-        kind=kind, number=number, name=case.name, hidden=(case.unknown,) if case.unknown else case.hidden, found=found,
+        kind=kind, number=number, name=case.name, hidden=_hidden(case), found=found,
         first=bool(found) and found[0] in allowed,
         extra=tuple(name for name in found if name not in allowed),
         exact=set(found) == set(hidden),
@@ -120,10 +137,32 @@ def score(kind: str, number: int, case: Case, result: Diagnosis, seconds: float)
         reported=confounded_effects <= named,
         next_test=bool(words) and any(re.search(words, text) for text in result.next_measurement),
         depends_on=depends,
-        variables=bool(true) and len(true & set(depends)) >= RIGHT_VARIABLES * len(true | set(depends)),
+        variables=bool(depends) and (not true or _share(true, set(depends)) >= RIGHT_VARIABLES),
         added=any(one.added for one in result.unknown),
         seconds=seconds,
+        rows=len(case.table),
+        confirmation=suite.halved and number % 2 == 1,
+        delivered=delivered(case, result),
     )  # fmt: skip
+
+
+def failed(suite: Suite, kind: str, number: int, case: Case, error: Exception, seconds: float) -> Outcome:
+    """Return the outcome of a diagnosis that raised an exception: nothing is found and no tire delivered."""
+    return Outcome(
+        kind=kind, number=number, name=case.name, hidden=_hidden(case), found=(), first=False, extra=(), exact=False,
+        closed=0.0, covered=0, intervals=0, reported=False, next_test=False, depends_on=(), variables=False,
+        added=False, seconds=seconds, rows=len(case.table), confirmation=suite.halved and number % 2 == 1,
+        delivered=None, failed=f"{type(error).__name__}: {error}",
+    )  # fmt: skip
+
+
+def _hidden(case: Case) -> tuple[str, ...]:
+    return (case.unknown,) if case.unknown else case.hidden
+
+
+def _share(true: frozenset[str], reported: set[str]) -> float:
+    """Return the number of common variables over that of all."""
+    return len(true & reported) / len(true | reported)
 
 
 def squared_error(tire: Tire, case: Case, result: Diagnosis) -> float:
@@ -136,10 +175,11 @@ def squared_error(tire: Tire, case: Case, result: Diagnosis) -> float:
 
 def _covered(case: Case, result: Diagnosis) -> tuple[int, int]:
     """Return the number of true values within their intervals, and the number of intervals."""
-    true = case.tire.in_signs(result.signs).values
+    comparable = [one for one in result.found if one.effect in case.same_form]
+    true = case.tire.in_signs(result.signs).values if comparable else {}
     inside = [
         one.lower <= true[name] <= one.upper
-        for finding in result.found if finding.effect in case.hidden and finding.effect not in WARPED
+        for finding in comparable
         for name, one in finding.coefficients.items()
     ]  # fmt: skip
     return sum(inside), len(inside)

@@ -6,9 +6,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
+from discovery_delivered import TOLERANCE
 from discovery_score import Outcome
 
-BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
+#: Marks of the table of a suite in a page.
+BEGIN, END = "<!-- {suite} suite: begin -->", "<!-- {suite} suite: end -->"
+#: Upper limits of the rows in the table of CPU times.
+ROWS = (1000, 3000, 6000, 10000, 1_000_000)
 
 
 def table_of(outcomes: Sequence[Outcome], source: str) -> str:
@@ -21,22 +25,25 @@ def table_of(outcomes: Sequence[Outcome], source: str) -> str:
         The command and the version.
     """
     kinds = list(dict.fromkeys(one.kind for one in outcomes))
-    parts = [f"Computed by {source}: {len(outcomes)} recordings.", _levels(outcomes), _kinds(outcomes, kinds)]
+    parts = [f"Computed by {source}: {len(outcomes)} recordings.", _levels(outcomes), _delivered(outcomes)]
+    parts.append(_kinds(outcomes, kinds))
     singles = [one for one in outcomes if one.kind == "single"]
     if singles:
         parts.append(_effects(singles))
+    parts.append(_times(outcomes))
     wrong = [one for one in outcomes if not one.right]
     lines = [f"- {one.line} ({one.name})" for one in wrong]
     parts.append("### Wrong cases\n\n" + ("\n".join(lines) or "None."))
     return "\n\n".join(parts)
 
 
-def split_page(page: Path) -> tuple[str, str]:
-    """Return the text of a page before and after the table, including the marks.
+def split_page(page: Path, suite: str) -> tuple[str, str]:
+    """Return the text of a page before and after the table of a suite, including the marks.
 
     Parameters
     ----------
     page : Path
+    suite : str
 
     Raises
     ------
@@ -47,20 +54,22 @@ def split_page(page: Path) -> tuple[str, str]:
         text = page.read_text(encoding="utf-8")
     except OSError as error:
         raise SystemExit(f"{page}: cannot be read ({error.strerror})") from None
-    if BEGIN not in text or END not in text:
-        raise SystemExit(f"{page}: the lines {BEGIN} and {END} are missing")
-    return text[: text.index(BEGIN)] + BEGIN, text[text.index(END) :]
+    begin, end = (mark.format(suite=suite) for mark in (BEGIN, END))
+    if begin not in text or end not in text:
+        raise SystemExit(f"{page}: the lines {begin} and {end} are missing")
+    return text[: text.index(begin)] + begin, text[text.index(end) :]
 
 
-def put_table(page: Path, table: str) -> None:
-    """Replace the table between the marks of a page.
+def put_table(page: Path, suite: str, table: str) -> None:
+    """Replace the table of a suite between its marks in a page.
 
     Parameters
     ----------
     page : Path
+    suite : str
     table : str
     """
-    head, tail = split_page(page)
+    head, tail = split_page(page, suite)
     page.write_text(f"{head}\n\n{table}\n\n{tail}", encoding="utf-8")
 
 
@@ -97,13 +106,61 @@ def _levels(outcomes: Sequence[Outcome]) -> str:
         ("unknown, error larger than before", "0", count(unknown, lambda one: one.closed < -0.001)),
         ("confounded, reported", "all", count(confounded, lambda one: one.first and one.reported)),
         ("confounded, right next test", "better: all", count(confounded, lambda one: one.next_test)),
-        ("baseline formula of another form, right effect first", "90 %", count(bent, lambda one: one.first)),
-        ("the same with wrong effects", "better: 0", count(bent, lambda one: bool(one.extra))),
         ("95 % intervals that contain the true value", "88-98 %",
          f"{inside} of {intervals} ({inside / intervals:.0%})" if intervals else "-"),
         ("CPU seconds per case, median and largest", "60", f"{np.median(seconds):.1f}, {seconds.max():.1f}"),
     ]  # fmt: skip
+    if bent:
+        rows += [
+            ("baseline formula of another form, right effect first", "90 %", count(bent, lambda one: one.first)),
+            ("the same with wrong effects", "better: 0", count(bent, lambda one: bool(one.extra))),
+        ]
     return _grid(("criterion", "required", "measured"), rows)
+
+
+def _delivered(outcomes: Sequence[Outcome]) -> str:
+    """Return how the delivered tire compares with the start tire and with what the diagnosis reports."""
+    compared = [one.delivered for one in outcomes if one.delivered]
+    rows = []
+    for what, ratios in (
+        ("on its recording, training rows", [one.recording for one in compared]),
+        ("on its recording, hold-out rows", [one.holdout for one in compared]),
+        ("on other manoeuvres, noise-free", [one.manoeuvres for one in compared]),
+        ("over the operating range, noise-free", [one.operating for one in compared]),
+    ):
+        count = sum(ratio > 1.0 + TOLERANCE for ratio in ratios)
+        rows.append((f"worse than the start tire {what}", "0", *_count_and_largest(count, ratios)))
+    increases = [one.increase for one in compared]
+    if increases:
+        rows.append(("largest increase of the error over the operating range, share of the force", "-", "-",
+                     f"{max(increases):.1%}"))  # fmt: skip
+    ratios = [ratio for one in compared for ratio in one.reported]
+    apart = sum(not one.consistent for one in compared)
+    extremes = f"{min(ratios):.3f}, {max(ratios):.3f}" if ratios else "-"
+    rows.append(("reported and recomputed residual differ by more than 2 %", "0", f"{apart} of {len(compared)}",
+                 extremes))  # fmt: skip
+    reasons = [one.failed.partition(":")[0] for one in outcomes if one.failed]
+    counts = ", ".join(f"{reasons.count(name)} {name}" for name in dict.fromkeys(reasons)) or "-"
+    rows.append(("no diagnosis", "-", f"{len(reasons)} of {len(outcomes)}", counts))
+    title = "### Delivered tire\n\nThe worst channel counts. Worse is by more than 2 %.\n\n"
+    return title + _grid(("criterion", "required", "cases", "largest ratio or extremes"), rows)
+
+
+def _count_and_largest(count: int, ratios: Sequence[float]) -> tuple[str, str]:
+    return f"{count} of {len(ratios)}", f"{max(ratios):.3f}" if ratios else "-"
+
+
+def _times(outcomes: Sequence[Outcome]) -> str:
+    """Return CPU seconds by the number of rows."""
+    rows, least = [], 0
+    for most in ROWS:
+        seconds = [one.seconds for one in outcomes if least < one.rows <= most]
+        if seconds:
+            rows.append(
+                (f"{least + 1} to {most}", str(len(seconds)), f"{np.median(seconds):.1f}", f"{max(seconds):.1f}")
+            )
+        least = most
+    return "### CPU seconds by rows\n\n" + _grid(("rows", "cases", "median", "largest"), rows)
 
 
 def _kinds(outcomes: Sequence[Outcome], kinds: Sequence[str]) -> str:
@@ -111,12 +168,19 @@ def _kinds(outcomes: Sequence[Outcome], kinds: Sequence[str]) -> str:
     for kind in kinds:
         cases = [one for one in outcomes if one.kind == kind]
         shares = [one.closed for one in cases]
+        halves = [one.right for one in cases if one.confirmation]
+        half = f"{sum(halves)} of {len(halves)}" if halves else "-"
         closed = ("-", "-") if kind == "null" else (f"{np.median(shares):.3f}", f"{min(shares):.3f}")
-        rows.append((kind, str(len(cases)), str(sum(one.right for one in cases)), str(sum(one.first for one in cases)),
-                     str(sum(bool(one.extra) for one in cases)), *closed,
-                     f"{np.median([one.seconds for one in cases]):.1f}"))  # fmt: skip
-    head = ("kind", "cases", "right", "right first", "wrong additional effects", "closed: median", "least", "seconds")
+        counts = (sum(one.right for one in cases), half, sum(one.first for one in cases), sum(map(_extra, cases)))
+        seconds = f"{np.median([one.seconds for one in cases]):.1f}"
+        rows.append((kind, str(len(cases)), *map(str, counts), *closed, seconds))
+    head = ("kind", "cases", "right", "right, confirmation half", "right first", "wrong additional effects",
+            "closed: median", "least", "seconds")  # fmt: skip
     return "### By kind\n\n" + _grid(head, rows)
+
+
+def _extra(outcome: Outcome) -> bool:
+    return bool(outcome.extra)
 
 
 def _effects(singles: Sequence[Outcome]) -> str:

@@ -16,6 +16,8 @@ KINDS = {
     "small_slip": (1.0, 0.0, 0.0, 0.0),
     "turning": (0.6, 0.4, 0.0, 0.0),
 }
+#: Conditions of the operating range.
+CONDITIONS = 1500
 
 
 def program(rng: np.random.Generator, load: float, rate: float, sweeps: int, kind: str = "full") -> pd.DataFrame:
@@ -76,6 +78,36 @@ def _sweep(
     part["p"] = np.full(rows, rng.choice([220e3, 180e3, 265e3], p=[0.6, 0.2, 0.2]))
     part["V"] = np.full(rows, rng.choice([16.7, 9.0, 28.0], p=[0.65, 0.18, 0.17]))
     return pd.DataFrame(part)
+
+
+def operating_range(rng: np.random.Generator, load: float, recorded: pd.DataFrame, kind: str) -> pd.DataFrame:
+    """Return random operating conditions: all slips, loads and inclinations, and the recorded range of other inputs.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+    load : float, N
+        Nominal load.
+    recorded : pandas.DataFrame
+        Inputs of the recording.
+    kind : str
+        Kind of program; "cornering" has no longitudinal slip.
+    """
+    n = CONDITIONS
+    size, angle = np.sqrt(rng.uniform(size=n)), rng.uniform(0.0, 2.0 * np.pi, n)
+    table = pd.DataFrame({
+        "kappa": (0.0 if kind == "cornering" else 0.15) * size * np.cos(angle), "alpha": 0.18 * size * np.sin(angle),
+        "gamma": rng.uniform(-0.07, 0.07, n), "Fz": load * rng.uniform(0.45, 1.5, n),
+    })  # fmt: skip
+    with_distance = recorded.assign(distance=distance_of(recorded))
+    for name in (name for name in ("p", "V", "T", "phit", "distance") if name in with_distance):
+        table[name] = rng.uniform(with_distance[name].min(), with_distance[name].max(), n)
+    return table
+
+
+def distance_of(table: pd.DataFrame) -> np.ndarray:
+    """Return the distance rolled since the start, m."""
+    return np.concatenate([[0.0], np.cumsum(np.diff(table["t"]) * table["V"].to_numpy()[1:])])
 
 
 def slow(values: np.ndarray, rows: float) -> np.ndarray:

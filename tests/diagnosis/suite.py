@@ -7,7 +7,6 @@ functional form of an effect differs from that of the library.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -18,7 +17,8 @@ from tirefmu.symbolic.added import library
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
-from .programs import program, slow
+from .case import Case
+from .programs import distance_of, operating_range, program, slow
 
 DEFAULT_EFFECTS = ("load_friction", "load_stiffness", "combined_Gyk", "combined_Gxa")
 
@@ -52,6 +52,8 @@ SIZES: Mapping[str, Mapping[str, float]] = {
     "rolling_resistance_My": {"QSY1": 0.012, "QSY2": 0.05},
     "turn_slip": {"PDYP1": 1.0, "PKYP1": 2.0},
 }
+#: Effects that the true tire has at transformed inputs, so that their coefficients have no true values.
+WARPED = ("temp_friction", "temp_stiffness", "wear_drift")
 #: Coefficients that the strength does not multiply.
 UNSCALED = {"PKY2", "RBX1", "RBX2", "RCX1", "RBY1", "RBY2", "RCY1", "RVY4", "RVY5", "RVY6", "SIGC"}
 OUTPUTS = ("Fx", "Fy", "Mz", "Mx", "My")
@@ -71,41 +73,6 @@ UNKNOWN: Mapping[str, frozenset[str]] = {
 BENT = ("slip", "peak", "load", "shoulder")
 #: Disturbances of the recording.
 ARTEFACTS = ("ripple", "outliers", "cross_talk", "drift", "coarse", "noisy_inputs", "offsets")
-
-
-@dataclass(frozen=True)
-class Case:
-    """A recording and its hidden effects.
-
-    Attributes
-    ----------
-    name : str
-    hidden : tuple of str
-    effects : tuple of str
-        Effects of the baseline model.
-    nominal : mapping of str to float
-    table, truth : pandas.DataFrame
-        The recording, and the same without disturbances.
-    test : pandas.DataFrame
-        Other manoeuvres without disturbances.
-    tire : Tire
-        The true tire, without structure outside the library.
-    signs : str
-        Sign convention of the three tables.
-    unknown : str
-        A name of `UNKNOWN`, or "".
-    """
-
-    name: str
-    hidden: tuple[str, ...]
-    effects: tuple[str, ...]
-    nominal: Mapping[str, float]
-    table: pd.DataFrame
-    truth: pd.DataFrame
-    test: pd.DataFrame
-    tire: Tire
-    signs: str = "adapted-sae"
-    unknown: str = ""
 
 
 def make_case(
@@ -149,11 +116,15 @@ def make_case(
         for part, n, which in ((1, sweeps, kind), (2, 10, others))
     )
     truth, test = (_answer(tire, table, unknown, bent) for table in (imposed, other))
+    grid = operating_range(np.random.default_rng([seed, 3]), tire.values["FNOMIN"], imposed, kind)
+    operating = _answer(tire, grid, unknown, bent)
     recorded = _recorded(rng, truth, noise, artefacts).drop(columns=list(without))
     what = "+".join((*hidden, unknown)).strip("+") or "nothing"
     name = " ".join((f"{seed} {what} x{strength:g} noise {noise:g}", *artefacts, bent)).strip()
-    recorded, truth, test = (convert_signs(table, "adapted-sae", signs) for table in (recorded, truth, test))
-    return Case(name, hidden, base, nominal, recorded, truth, test, tire, signs, unknown)
+    tables = (convert_signs(table, "adapted-sae", signs) for table in (recorded, truth, test, operating))
+    return Case(
+        name, hidden, base, nominal, *tables, lambda: tire, frozenset(hidden).difference(WARPED), signs, unknown
+    )
 
 
 def _tire(rng: np.random.Generator, effects: tuple[str, ...], strength: float) -> Tire:
@@ -181,7 +152,7 @@ def _answer(tire: Tire, table: pd.DataFrame, unknown: str, bent: str) -> pd.Data
     """Return inputs and true forces; effects depend on transformed inputs."""
     warped = table.copy()
     warped["T"] = 50.0 + 40.0 * np.tanh((table["T"] - 50.0) / 40.0)
-    distance = np.concatenate([[0.0], np.cumsum(np.diff(table["t"]) * table["V"].to_numpy()[1:])])
+    distance = table["distance"] if "distance" in table else distance_of(table)
     warped["distance"] = 3000.0 * (1.0 - np.exp(-distance / 3000.0))
     if bent == "slip":
         for name in ("alpha", "kappa"):
@@ -213,7 +184,7 @@ def _add_unknown(forces: pd.DataFrame, table: pd.DataFrame, load: float, unknown
     if unknown == "power":
         power = np.abs(np.tan(table["alpha"])) * table["V"] / 16.7 * relative
         forces *= (1.0 - 0.35 * power * (table["T"] - 60.0) / 20.0).to_numpy()[:, None]
-    if unknown == "hysteresis":
+    if unknown == "hysteresis" and "t" in table:  # it vanishes in steady state
         rate = 1.0 / float(table["t"].iloc[1] - table["t"].iloc[0])
         turning = np.gradient(table["alpha"], table["t"])
         forces["Fy"] += 0.05 * table["Fz"] * slow(np.tanh(turning / 0.05), 0.3 * rate)

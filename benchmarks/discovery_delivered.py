@@ -1,0 +1,143 @@
+"""Comparison of the tire that a diagnosis delivers with the tire from which it starts, and with what it reports."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+from diagnosis.case import Case
+from scipy.ndimage import median_filter
+
+from tirefmu.diagnosis import Diagnosis
+from tirefmu.tires.tire import Tire
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Half waves in time that represent the drift of a channel.
+DRIFT_WAVES = 6
+#: A spike: a measurement error beyond this share of the channel's size, relative to the median of so many rows.
+SPIKE, SPIKE_ROWS = 0.1, 5
+#: A residual is larger, or differs from the reported one, beyond this share.
+TOLERANCE = 0.02
+#: Median absolute deviation of a normal distribution with a standard deviation of 1.
+NORMAL_MEDIAN = 0.6745
+
+
+@dataclass(frozen=True)
+class Delivered:
+    """The delivered tire over the start tire: ratios of root mean square residuals, each of the worst channel.
+
+    Errors against noise-free forces include the noise of the channel, so that a change below it does not count.
+
+    Attributes
+    ----------
+    recording, holdout : float
+        On the training rows and the hold-out rows of the recording.
+    manoeuvres, operating : float
+        Against noise-free forces, on other manoeuvres and over the operating range.
+    increase : float
+        Largest increase of the error over the operating range, relative to the root mean square force.
+    reported : tuple of float
+        Reported residual over the residual recomputed from the delivered tire, for each channel and set of rows.
+    """
+
+    recording: float
+    holdout: float
+    manoeuvres: float
+    operating: float
+    increase: float
+    reported: tuple[float, ...]
+
+    @property
+    def consistent(self) -> bool:
+        """Whether all reported residuals are those of the delivered tire."""
+        return all(abs(ratio - 1.0) <= TOLERANCE for ratio in self.reported)
+
+
+def delivered(case: Case, result: Diagnosis) -> Delivered:
+    """Compare the delivered tire.
+
+    Parameters
+    ----------
+    case : Case
+    result : Diagnosis
+    """
+    channels = list(result.gap["train"])
+    held = result.holdout_mask(len(case.table))
+    tires = (result.base_tire, result.tire)
+    start, final = (_residuals(tire, case, channels, ~held) for tire in tires)
+    usual = _usual_rows(case, channels)
+    on_rows = {
+        part: [tuple(_rms(one[name][rows & usual[name]]) for one in (start, final)) for name in channels]
+        for part, rows in (("train", ~held), ("holdout", held))
+    }
+    noise = np.array([_noise(case, name) for name in channels])
+    manoeuvres, operating = (
+        np.array([_errors(tire, table, case.signs, channels) for tire in tires])
+        for table in (case.test, case.operating)
+    )
+    size = np.array([_rms(case.operating[name].to_numpy()) for name in channels])
+    reported = tuple(
+        result.gap[part][name]["after"] / after
+        for part, pairs in on_rows.items() for name, (_, after) in zip(channels, pairs, strict=True) if after > 0.0
+    )  # fmt: skip
+    return Delivered(
+        recording=max(after / before for before, after in on_rows["train"]),
+        holdout=max(after / before for before, after in on_rows["holdout"]),
+        manoeuvres=_worst(manoeuvres, noise),
+        operating=_worst(operating, noise),
+        increase=float(((operating[1] - operating[0]) / np.maximum(size, 1e-9)).max()),
+        reported=reported,
+    )
+
+
+def _residuals(tire: Tire, case: Case, channels: Sequence[str], train: npt.NDArray[np.bool_]) -> dict[str, FloatArray]:
+    """Return the residuals on the recording without offset, slow drift and cross-talk, fitted to the training rows."""
+    computed = tire.evaluate(case.table.drop(columns=list(channels)), signs=case.signs)
+    t = case.table["t"].to_numpy()
+    phase = np.pi * (t - t[0]) / (t[-1] - t[0])
+    waves = [np.cos(k * phase) for k in range(DRIFT_WAVES + 1)]
+    usual = _usual_rows(case, channels)
+    found = {}
+    for name in channels:
+        others = [case.table[other].to_numpy() for other in ("Fx", "Fy") if other in channels and other != name]
+        columns = np.column_stack([*waves, *others])
+        residual = case.table[name].to_numpy() - computed[name].to_numpy()
+        rows = train & usual[name]
+        fitted = np.linalg.lstsq(columns[rows], residual[rows], rcond=None)[0]
+        found[name] = residual - columns @ fitted
+    return found
+
+
+def _usual_rows(case: Case, channels: Sequence[str]) -> dict[str, npt.NDArray[np.bool_]]:
+    """Return the rows of each channel that no spike disturbs, by the true forces."""
+    found = {}
+    for name in channels:
+        error = (case.table[name] - case.truth[name]).to_numpy()
+        size = np.quantile(np.abs(case.truth[name]), 0.99)
+        found[name] = np.abs(error - median_filter(error, SPIKE_ROWS)) <= SPIKE * size
+    return found
+
+
+def _noise(case: Case, channel: str) -> float:
+    """Return the standard deviation of a channel's noise, from differences of successive rows."""
+    steps = np.diff(case.table[channel] - case.truth[channel])
+    return float(np.median(np.abs(steps)) / NORMAL_MEDIAN / np.sqrt(2.0))
+
+
+def _errors(tire: Tire, table: pd.DataFrame, signs: str, channels: Sequence[str]) -> list[float]:
+    """Return the root mean square error of each channel against noise-free forces."""
+    computed = tire.evaluate(table.drop(columns=list(channels)), signs=signs)
+    return [_rms((computed[name] - table[name]).to_numpy()) for name in channels]
+
+
+def _worst(errors: FloatArray, noise: FloatArray) -> float:
+    before, after = np.hypot(errors, noise)
+    return float((after / before).max())
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,46 @@
+"""The two suites of made recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from diagnosis.case import Case
+from diagnosis.independent import kinds as second
+from diagnosis.suite import UNKNOWN
+
+from diagnosis import kinds as first
+
+
+@dataclass(frozen=True)
+class Suite:
+    """A suite of made recordings.
+
+    Attributes
+    ----------
+    name : str
+    number_of_cases : mapping of str to int
+        By kind.
+    case_of : callable
+        Returns a case by kind and number.
+    unknown : mapping of str to frozenset of str
+        Variables of each structure that is not in the library; empty if any are right.
+    confounded : sequence
+        By number: program, hidden effect, other effects that may be identified first, effects that must be reported as
+        confounded, and words of the separating measurement.
+    halved : bool
+        Whether odd numbers are a confirmation half.
+    """
+
+    name: str
+    number_of_cases: Mapping[str, int]
+    case_of: Callable[[str, int], Case]
+    unknown: Mapping[str, frozenset[str]]
+    confounded: Sequence[tuple[str, str, str, str, str]]
+    halved: bool
+
+
+SUITES = {
+    "first": Suite("first", first.NUMBER_OF_CASES, first.case_of, UNKNOWN, first.CONFOUNDED, halved=False),
+    "second": Suite("second", second.NUMBER_OF_CASES, second.case_of, second.UNKNOWN, second.CONFOUNDED, halved=True),
+}

@@ -1,0 +1,1 @@
+"""Recordings whose truth is an independent NumPy program: the second suite of the benchmark of the diagnosis."""

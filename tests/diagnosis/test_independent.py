@@ -1,0 +1,208 @@
+"""Laws of the second suite of recordings: formulas, effects, programs, errors and cases. No test runs a diagnosis."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.symbolic.added.folder import declared_effects
+
+from .independent.effects import EFFECTS, LAGS, MOMENTS
+from .independent.formulas import forces
+from .independent.kinds import (
+    CONFOUNDED,
+    IN_BOOK_FORM,
+    NUMBER_OF_CASES,
+    SINGLES,
+    UNKNOWN,
+    _relaxed,
+    case_of,
+    library_tire,
+)
+from .independent.programs import operating_range, program
+from .independent.recording_errors import CROSS_TALK, ERRORS, SKEW, recorded
+from .independent.tires import BOOK_SIZES, CLASSES, specimen
+
+#: Effects that tell left from right.
+ASYMMETRIC = {"plysteer", "conicity", "curvature_asym", "residual_torque_Mzr", "kappa_sideforce_SVyk"}
+#: Effects in the form of the book that are in the equations of MF6.1 itself.
+OF_THE_BOOK = tuple(set(BOOK_SIZES) - {"speed_friction"})
+CASES = [(kind, number) for kind, count in NUMBER_OF_CASES.items() for number in range(count)]
+
+
+def tire(kind="passenger", effects=()):
+    return specimen(np.random.default_rng(7), kind, effects, {})
+
+
+def bench(one, kind="turning", rows=2000, rate=50.0):
+    return program(np.random.default_rng(8), one, rate, rows, kind)
+
+
+def arrays(table):
+    return {name: table[name].to_numpy() for name in table}
+
+
+def conditions(one):
+    return operating_range(np.random.default_rng(9), one, bench(one).inputs)
+
+
+@pytest.fixture(scope="module")
+def cases():
+    return {case: case_of(*case) for case in CASES}
+
+
+@pytest.mark.parametrize(("kind", "effects"), [("passenger", ()), ("formula_student", OF_THE_BOOK)])
+def test_the_core_formula_is_that_of_the_library(kind, effects):
+    one = tire(kind, effects)
+    table = conditions(one)
+    inputs = table.drop(columns=["phit", "sliding", "heat", "largest_slip"])
+    computed = library_tire(one, effects).evaluate(inputs, signs="adapted-sae", code="numpy")
+    for name, values in forces(one, arrays(table)).items():
+        np.testing.assert_allclose(computed[name], values, rtol=1e-9, atol=1e-9 * np.abs(values).max())
+
+
+def test_the_book_form_of_speed_friction_scales_friction():
+    one = tire(effects=("speed_friction",))
+    x = {**arrays(conditions(one)), "V": np.full(1500, 1.4 * one.speed)}
+    factor = 1.0 + 0.4 * one.values["VMU1"]
+    values = {name: value * (factor if name in ("PDX1", "PDY1") else 1.0) for name, value in one.values.items()}
+    scaled = replace(one, values={**values, "VMU1": 0.0})
+    for name, values in forces(scaled, x).items():
+        np.testing.assert_allclose(forces(one, x)[name], values, rtol=1e-12)
+
+
+@pytest.mark.parametrize("effect", [None, *sorted(set(EFFECTS) - ASYMMETRIC)])
+def test_a_tire_without_asymmetric_effects_is_symmetric(effect):
+    one = tire(effects=("load_stiffness", "camber_thrust", "camber_stiffness", "combined_Gxa", "combined_Gyk"))
+    effects = [EFFECTS[effect](1.0)] if effect else []
+    x = arrays(conditions(one))
+    left, right = forces(one, x, effects), forces(one, {**x, "alpha": -x["alpha"], "gamma": -x["gamma"]}, effects)
+    for name, sign in (("Fx", 1.0), ("Fy", -1.0), ("Mz", -1.0)):
+        np.testing.assert_allclose(right[name], sign * left[name], rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("effect", sorted(ASYMMETRIC))
+def test_an_asymmetric_effect_breaks_the_symmetry(effect):
+    one = tire()
+    x = arrays(conditions(one))
+    mirrored = {**x, "alpha": -x["alpha"], "gamma": -x["gamma"]}
+    left, right = (forces(one, inputs, [EFFECTS[effect](1.0)]) for inputs in (x, mirrored))
+    assert max(np.abs(right[name] - sign * left[name]).max() / np.abs(left[name]).max()
+               for name, sign in (("Fx", 1.0), ("Fy", -1.0), ("Mz", -1.0))) > 0.003  # fmt: skip
+
+
+@pytest.mark.parametrize("effect", sorted(EFFECTS))
+def test_an_effect_of_size_0_vanishes_and_a_typical_one_changes_forces_by_some_percent(effect):
+    one = tire()
+    x = arrays(conditions(one))
+    without, none, typical = (forces(one, x, effects) for effects in ((), *([EFFECTS[effect](s)] for s in (0.0, 1.0))))
+    change = []
+    for name, values in without.items():
+        np.testing.assert_allclose(none[name], values, rtol=1e-12)
+        change.append(np.sqrt(np.mean((typical[name] - values) ** 2) / np.mean(values**2)))
+    assert 0.004 < max(change) < 0.6
+
+
+def test_a_lag_follows_a_step_exponentially():
+    t = np.arange(200) / 100.0
+    found = _relaxed(t, np.where(t > 0.0, 1.0, 0.0), np.full(200, 8.0))
+    ramp = t[1]  # the step is a ramp between the first two rows
+    expected = 1.0 - np.exp(-8.0 * t) * (np.exp(8.0 * ramp) - 1.0) / (8.0 * ramp)
+    np.testing.assert_allclose(found[1:], expected[1:], atol=1e-4)
+
+
+@pytest.mark.parametrize("error", [error for error in ERRORS if error != "columns"])
+def test_every_error_changes_the_recording_only(error):
+    one = tire()
+    run = bench(one)
+    internal = pd.concat([run.inputs, pd.DataFrame(forces(one, arrays(run.inputs)))], axis=1)
+    before = internal.copy()
+    plain, troubled = (
+        recorded(np.random.default_rng(3), internal, run.every, one, 1.0, errors) for errors in ((), (error,))
+    )
+    pd.testing.assert_frame_equal(internal, before)
+    assert not plain.equals(troubled)
+    assert list(plain) == list(troubled)
+
+
+def test_cross_talk_and_skew_are_within_their_limits():
+    one = tire()
+    run = bench(one)
+    internal = pd.concat([run.inputs, pd.DataFrame(forces(one, arrays(run.inputs)))], axis=1)
+    for seed in range(5):
+        table = recorded(np.random.default_rng(seed), internal, run.every, one, 0.0, ("cross_talk", "skew"))
+        t, true = internal["t"], internal["Fy"]
+        delays = np.linspace(0.0, 2.0 * SKEW, 51)
+        late = [np.interp(t - delay, t, true)[run.rows] for delay in delays]
+        best = int(np.argmin([np.std(table["Fy"] - one_late) for one_late in late]))
+        assert 0.2 * SKEW < delays[best] < 1.2 * SKEW
+        fx = np.interp(t - delays[best], t, internal["Fx"])[run.rows]
+        share = np.polyfit(late[best], table["Fx"] - fx, 1)[0]
+        assert 0.2 * CROSS_TALK < abs(share) < 1.1 * CROSS_TALK
+
+
+def test_the_suite_hides_every_candidate_effect_in_another_form():
+    assert set(SINGLES) == {name for name, effect in declared_effects().items() if effect.detection}
+    assert set(SINGLES) == (set(EFFECTS) | set(MOMENTS) | set(LAGS)) - set(UNKNOWN)
+    assert set(IN_BOOK_FORM) <= set(BOOK_SIZES)
+    assert NUMBER_OF_CASES["confounded"] == len(CONFOUNDED)
+    assert NUMBER_OF_CASES["null"] >= 30
+    assert sum(NUMBER_OF_CASES.values()) >= 60
+
+
+def test_every_case_is_a_finite_recording_of_what_its_baseline_lacks(cases):
+    signs, rates, rows, nominal = set(), set(), set(), set()
+    for (kind, number), case in cases.items():
+        for table in (case.table, case.truth, case.test, case.operating):
+            assert np.isfinite(table.to_numpy(dtype=float)).all(), (kind, number)
+        assert not set(case.hidden) & set(case.effects)
+        assert bool(case.hidden or case.unknown) == (kind != "null")
+        assert case.same_form <= set(case.hidden)
+        signs.add(case.signs)
+        rates.add(round(1.0 / case.table["t"].iloc[1]))
+        rows.add(len(case.table))
+        nominal.add(round(case.nominal["p0"]))
+    assert signs == {"iso", "sae", "adapted-sae"}
+    assert (min(rates), max(rates)) == (4, 200)
+    assert (min(rows), max(rows)) == (200, 60000)
+    assert len(nominal) == len(CLASSES)
+
+
+def test_some_recordings_have_foreign_and_missing_columns(cases):
+    tables = [case.table for (kind, _), case in cases.items() if kind == "null"]
+    assert any("TreadTempC" in table for table in tables)
+    assert any("RunNo" in table for table in tables)
+    for name in ("T", "p", "V", "gamma", "Fx", "Mz"):
+        assert any(name not in table for table in tables)
+
+
+def test_a_case_number_always_gives_the_same_recording(cases):
+    again = case_of("null", 8)
+    pd.testing.assert_frame_equal(again.table, cases["null", 8].table)
+    pd.testing.assert_frame_equal(again.operating, cases["null", 8].operating)
+    assert not again.table.equals(cases["null", 6].table)
+
+
+@pytest.mark.parametrize("number", [1, 4, 12])
+def test_the_truth_of_a_null_is_its_baseline_model(cases, number):
+    case = cases["null", number]
+    true = case.tire
+    assert set(true.has) == set(case.effects)
+    for table in (case.truth, case.test, case.operating):
+        channels = [name for name in ("Fx", "Fy", "Mz") if name in table]
+        computed = true.evaluate(table.drop(columns=channels), signs=case.signs, code="numpy")
+        for name in channels:
+            np.testing.assert_allclose(computed[name], table[name], rtol=1e-9, atol=1e-9 * table[name].abs().max())
+
+
+@pytest.mark.parametrize("kind", list(CLASSES))
+def test_a_program_excites_loads_pressures_speeds_and_inclinations(kind):
+    one = tire(kind)
+    inputs = bench(one, "full", rows=4000).inputs
+    for name, of in (("Fz", one.load), ("p", one.pressure), ("V", one.speed)):
+        assert inputs[name].max() / of > 1.15
+        assert inputs[name].min() / of < 0.85
+    assert inputs["gamma"].min() < 0.0 < inputs["gamma"].max()
+    assert inputs["alpha"].abs().max() > 0.15
+    assert inputs["kappa"].abs().max() > 0.12
