@@ -14,10 +14,11 @@ from tirefmu.symbolic.errors import UnknownName, no_single_text
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
-from .probing.baseline_fit import fit_baseline
+from .probing.baseline_fit import fit_baseline, worse_by_smoothing
 from .probing.candidates import Candidate, candidates_for
 from .probing.effect_probing import Screen
 from .recording.signals import FORMULA_SIGNS, signals_of
+from .search.alignment import align
 from .search.effect_search import Search
 from .search.settling import settle
 from .unexplained.formula_proposal import INEXPRESSIBLE, Added, Unknown, added_if_better, effect_of, unknown_of
@@ -85,8 +86,12 @@ def diagnose(
     signals = signals_of(recording.table, start, recording.signs)
     report("fitting the baseline model")
     problem, solution = fit_baseline(start, signals, known=tire is not None)
-    before = Screen(problem, solution)
+    recorded = signals_of(recording.table, start, recording.signs, smooth=False)
+    if worse_by_smoothing(problem, solution, recorded):
+        problem, solution = fit_baseline(start, recorded, known=tire is not None)
     search = Search(problem, solution, candidates_tried, report)
+    align(search)
+    before = Screen(search.problem, search.solution)
     search.run()
     unknown, start = _unknown_structure(start, search, report)
     settled = settle(search, before)

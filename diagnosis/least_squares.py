@@ -199,8 +199,8 @@ class LeastSquares:
             return self
         signals = self.simulator.signals
         subsample = replace(
-            signals, rows=signals.rows[rows], measured=signals.measured[:, rows], present=signals.present[:, rows],
-            block=signals.block[rows], holdout=signals.holdout[rows],
+            signals, rows=signals.rows[rows], table_rows=signals.table_rows[rows], measured=signals.measured[:, rows],
+            present=signals.present[:, rows], block=signals.block[rows], holdout=signals.holdout[rows],
         )  # fmt: skip
         simulator = self.simulator.with_signals(subsample)
         disturbances = self.disturbances.subsampled(rows)

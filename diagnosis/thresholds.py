@@ -48,11 +48,14 @@ OFFSET_PRIOR, DRIFT_PRIOR = 20.0, 1.0
 #: Share of the other force: upper limit of cross-talk; more is attributed to the tire. Benches have up to 3 % of Fy in
 #: Fx, in which no tire has a share of Fy that is odd in alpha. The limit of Fx in Fy is lower, as side forces generated
 #: by kappa have the shape of Fx. Prior standard deviation, as a share of the limit. Convention.
-MAX_CROSS_TALK: Mapping[str, float] = {"Fy_in_Fx": 0.035, "Fx_in_Fy": 0.012}
+#: Of a force in a moment: the length of its lever, as a share of the tire's radius.
+MAX_CROSS_TALK: Mapping[str, float] = {"Fy_in_Fx": 0.035, "Fx_in_Fy": 0.012, "Fy_in_Mz": 0.004}
 CROSS_TALK_PRIOR_SHARE = 1.0 / 3.0
-#: Largest skew between forces and inputs, s: filters and multiplexers of a bench. More is attributed to the tire. From
-#: the requirements of the diagnosis.
-MAX_SKEW = 0.025
+#: Largest skew between forces and inputs, s: filters and multiplexers of a bench have up to 25 ms. More is attributed
+#: to the tire. Convention.
+MAX_SKEW = 0.03
+#: Smallest skew that is corrected, s. Derived: 1 ms is a hundredth of the rise time of a force at usual speeds.
+MIN_SKEW = 0.001
 #: Minimum range of an input that identifies an effect: 1, rad, rad and share of nominal load. Not recorded.
 MIN_VARIATION: Mapping[str, float] = {"kappa": 0.01, "alpha": 0.01, "gamma": 0.005, "Fz": 0.02}
 #: The same in standard deviations of the input's noise. Not recorded.
@@ -66,6 +69,8 @@ MIN_JOINT_SHARE = 0.02
 
 #: Outliers exceed twice this number of robust standard deviations of the short-range residual. Not recorded.
 OUTLIER = 7.0
+#: Rows over which the short-range residual is centred. Not recorded.
+LOCAL_ROWS = 15
 #: Prior standard deviation of an effect in the linear test, in probe sizes: practically free. Convention.
 PROBE_PRIOR = 20.0
 #: Longest lag of the noise covariance in the test, s; the block jackknife covers longer correlations. Not recorded.

@@ -18,6 +18,9 @@ FloatArray = npt.NDArray[np.float64]
 HALF_WIDTHS = (2, 3, 4, 6, 9, 13, 18)
 #: Rows of the local parabola from which the noise is estimated.
 WINDOW = 11
+#: Rows of a narrower parabola. A channel is sampled too coarsely to be smoothed if the noise about the wide parabola
+#: exceeds that about the narrow one by this factor: then it contains the curvature of the channel.
+NARROW_WINDOW, COARSE = 5, 1.5
 #: Largest difference of agreeing estimates, in standard deviations.
 AGREEMENT = 1.0
 
@@ -48,7 +51,7 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     if n < 4 * HALF_WIDTHS[-1] or np.ptp(values) == 0.0:
         return values, 0.0
     deviation, correlation = noise_of(values)
-    if deviation == 0.0:
+    if deviation == 0.0 or deviation > COARSE * noise_of(values, NARROW_WINDOW)[0]:
         return values, 0.0
     lower, upper = values - 3.0 * deviation, values + 3.0 * deviation  # a row next to a step is not changed
     best, widening = values.copy(), np.ones(n, dtype=bool)
@@ -62,11 +65,11 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     return best, deviation
 
 
-def noise_of(values: FloatArray) -> tuple[float, float]:
+def noise_of(values: FloatArray, window: int = WINDOW) -> tuple[float, float]:
     """Return the standard deviation of the noise, and its correlation between neighboring rows."""
-    away = -savgol_coeffs(WINDOW, 2)
-    away[WINDOW // 2] += 1.0
-    residual = values - savgol_filter(values, WINDOW, 2)
+    away = -savgol_coeffs(window, 2)
+    away[window // 2] += 1.0
+    residual = values - savgol_filter(values, window, 2)
     typical = 1.4826 * float(np.median(np.abs(residual)))
     if typical == 0.0:  # exact except for steps
         return 0.0, 0.0
@@ -74,7 +77,7 @@ def noise_of(values: FloatArray) -> tuple[float, float]:
     lag = float(np.sum(regular[1:] * regular[:-1])) / float(np.sum(regular**2))
     of_white = float(away[1:] @ away[:-1]) / float(away @ away)
     correlation = float(np.clip(lag - of_white, 0.0, 0.9))
-    rows = np.arange(WINDOW)
+    rows = np.arange(window)
     factor = float(away @ correlation ** np.abs(rows[:, None] - rows) @ away)
     return typical / float(np.sqrt(factor)), correlation
 

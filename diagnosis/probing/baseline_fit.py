@@ -19,7 +19,7 @@ from ..least_squares import LeastSquares, Solution
 from ..recording.disturbances import disturbances_of
 from ..recording.signals import Signals
 from ..recording.simulation import Simulator
-from ..thresholds import OUTLIER
+from ..thresholds import LOCAL_ROWS, OUTLIER
 from .candidates import declared_candidate, varies
 
 FloatArray = npt.NDArray[np.float64]
@@ -95,7 +95,9 @@ def fit_baseline(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSqu
     noise = np.array([0.02 * np.std(row[used]) + 1e-9 for row, used in zip(signals.measured, training, strict=True)])
     inverse_noise = np.where(training, 1.0 / noise[:, None], 0.0)
     center = tire.book.prior_center | ({name: tire.values[name] for name in free} if known else {})
-    problem = LeastSquares(simulator, inverse_noise, disturbances_of(signals, noise), center)
+    problem = LeastSquares(
+        simulator, inverse_noise, disturbances_of(signals, noise, tire.values["UNLOADED_RADIUS"]), center
+    )
     subsample = slice(None, None, max(1, len(signals.rows) // 1500))
     solutions = [
         problem.solve(start, free, rows=subsample, iterations=25) for start in _starts(tire, signals, free, known)
@@ -108,6 +110,29 @@ def fit_baseline(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSqu
         best = problem.solve(best.parameters, free, iterations=8)
     waving = _with_periodic_lines(problem, best)
     return (problem, best) if waving is problem else (waving, waving.solve(best.parameters, free, iterations=4))
+
+
+def worse_by_smoothing(problem: LeastSquares, solution: Solution, recorded: Signals) -> bool:
+    """Return whether the same tire has a smaller misfit with the inputs as recorded.
+
+    Smoothing removes noise of the inputs, but distorts channels that were sampled too coarsely.
+
+    Parameters
+    ----------
+    problem : LeastSquares
+        Of the smoothed signals.
+    solution : Solution
+    recorded : Signals
+        Of the same recording without smoothing.
+    """
+    if not any(problem.simulator.signals.input_noise.values()):
+        return False
+    other = replace(problem, simulator=problem.simulator.with_signals(recorded))
+    sizes = [
+        float(np.sum(one.weighted(one.at(solution.parameters, solution.free).residual) ** 2))
+        for one in (problem, other)
+    ]
+    return sizes[1] < sizes[0]
 
 
 def _with_periodic_lines(problem: LeastSquares, solution: Solution) -> LeastSquares:
@@ -190,7 +215,7 @@ def reweighted(problem: LeastSquares, solution: Solution) -> LeastSquares:
     level = np.zeros(len(signals.channels))
     for i, residual in enumerate(solution.residual):
         used = signals.present[i]
-        scatter = np.where(used, residual - uniform_filter1d(residual, 15, mode="nearest"), 0.0)
+        scatter = np.where(used, residual - uniform_filter1d(residual, LOCAL_ROWS, mode="nearest"), 0.0)
         typical = 1.4826 * float(np.median(np.abs(scatter[used]))) + 1e-12
         present[i] &= np.abs(scatter) < OUTLIER * 2.0 * max(typical, 1e-12)
         constant, proportional = _two_parts(scatter[present[i]], simulated[i][present[i]])
@@ -199,7 +224,10 @@ def reweighted(problem: LeastSquares, solution: Solution) -> LeastSquares:
         inverse_noise[i] = np.where(present[i] & ~signals.holdout, 1.0 / deviation, 0.0)
     simulator = problem.simulator.with_signals(replace(signals, present=present))
     return replace(
-        problem, simulator=simulator, inverse_noise=inverse_noise, disturbances=disturbances_of(signals, level)
+        problem,
+        simulator=simulator,
+        inverse_noise=inverse_noise,
+        disturbances=disturbances_of(signals, level, problem.simulator.tire.values["UNLOADED_RADIUS"]),
     )
 
 

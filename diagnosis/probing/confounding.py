@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from tirefmu.symbolic.detection import Detection
 
-from ..recording.skew import with_skew
+from ..recording.skew import delay_response
 from ..thresholds import MIN_SHARE
 from .effect_probing import Screen
 
@@ -49,8 +49,7 @@ def alias_columns(screen: Screen) -> dict[str, FloatArray]:
             response = simulator.jacobian(parameters, [leading])[:, :, 0] * parameters[simulator.index[leading]]
             changes[name] = 0.05 * response * np.tanh(named[slip] / FRICTION_ALIAS_SLIP)
     if problem.simulator.signals.timed:
-        column = with_skew(problem.disturbances, simulator, parameters).columns[:, :, -1]
-        changes["skew_of_forces"] = 0.01 * column
+        changes["skew_of_forces"] = 0.01 * delay_response(simulator, parameters)
     return {name: (problem.inverse_noise * change)[:, :, None] for name, change in changes.items()}
 
 

@@ -17,10 +17,6 @@ from .signals import Signals
 FloatArray = npt.NDArray[np.float64]
 
 
-#: The disturbance of forces that are recorded later than the inputs; its unit is 1 s.
-SKEW = "skew"
-
-
 @dataclass(frozen=True, eq=False)
 class Disturbances:
     """Linear disturbances of the channels.
@@ -64,6 +60,24 @@ class Disturbances:
         names = tuple(name for name in self.names if name not in self.added)
         return Disturbances(names, self.columns[:, :, ~added], self.deviation[~added], lines=self.lines)
 
+    def slow(self, signals: Signals, values: FloatArray, t: FloatArray) -> FloatArray:
+        """Return offset and drift of each channel at any times, shape (n_channels, len(t)).
+
+        Parameters
+        ----------
+        signals : Signals
+        values : ndarray, shape (n_disturbances,)
+        t : ndarray, s
+        """
+        named = dict(zip(self.names, values, strict=True))
+        waves = _slow_waves(signals, t)
+        return np.stack(
+            [
+                sum((named[f"{_slow_name(k)}_{channel}"] * wave for k, wave in enumerate(waves)), np.zeros(len(t)))
+                for channel in signals.channels
+            ]
+        )
+
     def with_waves(self, line: Line, at: FloatArray, noise: FloatArray, channels: Sequence[str]) -> Disturbances:
         """Return the disturbances with a periodic disturbance of all channels.
 
@@ -102,7 +116,7 @@ class Disturbances:
         )
 
 
-def disturbances_of(signals: Signals, noise: FloatArray) -> Disturbances:
+def disturbances_of(signals: Signals, noise: FloatArray, radius: float) -> Disturbances:
     """Return the disturbances that a recording may have.
 
     Parameters
@@ -110,33 +124,44 @@ def disturbances_of(signals: Signals, noise: FloatArray) -> Disturbances:
     signals : Signals
     noise : ndarray, shape (n_channels,)
         Standard deviation of each channel's noise.
+    radius : float, m
+        Unloaded radius, the length to which cross-talk of a force into a moment refers.
 
     Returns
     -------
     Disturbances
     """
     n_channels, n = signals.measured.shape
-    t = signals.t[signals.rows]
-    phase = np.pi * (t - t[0]) / max(t[-1] - t[0], 1e-9)
-    waves = [np.ones(n), *(np.cos(k * phase) for k in range(1, 1 + DRIFT_WAVES if signals.timed else 1))]
+    waves = _slow_waves(signals, signals.t[signals.rows])
     names, columns, deviation = [], [], []
     for i, channel in enumerate(signals.channels):
         for k, wave in enumerate(waves):
             column = np.zeros((n_channels, n))
             column[i] = wave
-            names.append(f"offset_{channel}" if k == 0 else f"drift{k}_{channel}")
+            names.append(f"{_slow_name(k)}_{channel}")
             columns.append(column)
             deviation.append(noise[i] * (OFFSET_PRIOR if k == 0 else DRIFT_PRIOR))
-    forces = [i for i, channel in enumerate(signals.channels) if channel in ("Fx", "Fy")]
-    for i in forces:
-        for j in forces:
-            if i != j:
-                column = np.zeros((n_channels, n))
-                column[i] = signals.measured[j]
-                names.append(f"cross_talk_{signals.channels[j]}_in_{signals.channels[i]}")
-                columns.append(column)
-                deviation.append(CROSS_TALK_PRIOR_SHARE * MAX_CROSS_TALK[names[-1].removeprefix("cross_talk_")])
+    for pair, limit in MAX_CROSS_TALK.items():
+        source, target = pair.split("_in_")
+        if {source, target} <= set(signals.channels):
+            column = np.zeros((n_channels, n))
+            length = radius if target == "Mz" else 1.0
+            column[signals.channels.index(target)] = length * signals.measured[signals.channels.index(source)]
+            names.append(f"cross_talk_{pair}")
+            columns.append(column)
+            deviation.append(CROSS_TALK_PRIOR_SHARE * limit)
     return Disturbances(tuple(names), np.stack(columns, axis=-1), np.array(deviation))
+
+
+def _slow_name(k: int) -> str:
+    return "offset" if k == 0 else f"drift{k}"
+
+
+def _slow_waves(signals: Signals, t: FloatArray) -> list[FloatArray]:
+    """Return a constant and half waves of drift over the recording, at any times."""
+    first, last = (float(signals.t[signals.rows[i]]) for i in (0, -1))
+    phase = np.pi * (t - first) / max(last - first, 1e-9)
+    return [np.ones(len(t)), *(np.cos(k * phase) for k in range(1, 1 + DRIFT_WAVES if signals.timed else 1))]
 
 
 def reported_disturbances(disturbances: Disturbances, values: FloatArray, signals: Signals) -> dict[str, Any]:
@@ -151,11 +176,10 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
     Returns
     -------
     dict
-        offset, drift (root mean square), outliers (number of excluded rows) by channel; cross_talk; input_noise;
+        offset, drift (root mean square) by channel; cross_talk; input_noise;
         periodic (waves over time or distance: frequency in 1/s or 1/m, amplitude, cosine and sine part by channel);
         skew (delay of the forces behind the inputs, s); removed (by channel: offset, drift as the amplitudes of cosine
-        half waves over the recording) and removed_over (start and end of these waves, s);
-        outlier_rows (by channel, counted from 0).
+        half waves over the recording) and removed_over (start and end of these waves, s).
     """
     named = dict(zip(disturbances.names, values.tolist(), strict=True))
     drift = {
@@ -163,11 +187,6 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
             np.sqrt(sum(v**2 for name, v in named.items() if name.startswith("drift") and name.endswith(channel)) / 2.0)
         )
         for channel in signals.channels
-    }
-    missing = ~np.isfinite(signals.measured) | (signals.measured == 0.0)
-    outliers = {
-        name: signals.rows[~present & ~missing_rows].tolist()
-        for name, present, missing_rows in zip(signals.channels, signals.present, missing, strict=True)
     }
     removed = {
         channel: {
@@ -194,13 +213,11 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
     ]
     return {
         "periodic": waves,
-        "skew": named.get(SKEW, 0.0),
+        "skew": signals.skew,
         "removed": removed,
         "removed_over": [float(t[0]), float(t[-1])],
-        "outlier_rows": outliers,
         "offset": {channel: named[f"offset_{channel}"] for channel in signals.channels},
         "drift": drift,
         "cross_talk": {name.removeprefix("cross_talk_"): v for name, v in named.items() if name.startswith("cross")},
-        "outliers": {name: len(rows) for name, rows in outliers.items()},
         "input_noise": dict(signals.input_noise),
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -46,11 +46,15 @@ class Signals:
     names : tuple of str
         Names of the inputs.
     t : ndarray, shape (m,), s
-        Time of all rows; transient slip is integrated over all of them.
+        Time of the rows over which transient slip is integrated: all rows, or every n-th of long recordings.
     inputs : ndarray, shape (n_inputs, m)
         Smoothed, in the order of the tire's inputs, adapted SAE.
     rows : ndarray of int, shape (n,)
-        Rows at which forces are compared.
+        Rows of `t` and `inputs` at which forces are compared.
+    table_rows : ndarray of int, shape (n,)
+        The same rows, counted in the recording.
+    loaded : ndarray of int
+        All rows of the recording under load.
     channels : tuple of str
         Measured outputs.
     output_index : ndarray of int, shape (n_channels,)
@@ -70,12 +74,16 @@ class Signals:
         Whether the recording has a column t.
     excluded_channels : mapping of str to str
         Measured channels that are not compared, and the reason.
+    skew : float, s
+        Time by which the inputs were delayed, because the forces are recorded later.
     """
 
     names: tuple[str, ...]
     t: FloatArray
     inputs: FloatArray
     rows: IntArray
+    table_rows: IntArray
+    loaded: IntArray
     channels: tuple[str, ...]
     output_index: IntArray
     measured: FloatArray
@@ -86,6 +94,21 @@ class Signals:
     input_noise: Mapping[str, float]
     timed: bool
     excluded_channels: Mapping[str, str] = field(default_factory=dict)
+    skew: float = 0.0
+
+    def delayed(self, seconds: float) -> Signals:
+        """Return the signals with inputs that are delayed by a further time, s."""
+        steps = np.diff(self.t, prepend=self.t[0])
+        parts = np.split(np.arange(len(self.t)), np.flatnonzero(steps < 0.0))
+        inputs = np.concatenate(
+            [
+                np.stack([np.interp(self.t[part] - seconds, self.t[part], row[part]) for row in self.inputs])
+                for part in parts
+                if len(part)
+            ],
+            axis=1,
+        )
+        return replace(self, inputs=inputs, skew=self.skew + seconds)
 
     def named(self) -> dict[str, FloatArray]:
         """Return the inputs at the compared rows by name."""
@@ -154,9 +177,11 @@ def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = Tr
             f"a diagnosis needs at least {MIN_MEASURED_BLOCKS}"
         )
     measured = np.where(present, measured, 0.0)
+    thin = np.arange(0, len(t), max(1, len(t) // (2 * MAX_ROWS)))
+    simulated = np.union1d(thin, rows)
     return Signals(
-        names, t, inputs, rows, channels, output_index, measured, present, block, holdout, recorded, noise, timed,
-        excluded,
+        names, t[simulated], inputs[:, simulated], np.searchsorted(simulated, rows), rows, loaded, channels,
+        output_index, measured, present, block, holdout, recorded, noise, timed, excluded,
     )  # fmt: skip
 
 
@@ -189,7 +214,7 @@ def _smoothed_by_segment(values: FloatArray, t: FloatArray) -> tuple[FloatArray,
 
 
 def _blocks(t: FloatArray) -> IntArray:
-    """Return the index of each row's time block; gaps in time are not counted. Few rows are divided into fewer blocks."""
+    """Return the index of each row's time block; gaps in time are not counted. Few rows have fewer blocks."""
     steps = np.diff(t, prepend=t[0])
     typical = float(np.median(steps[1:]))
     run = np.cumsum(np.where((steps > 0.0) & (steps < TIME_GAP * typical), steps, typical))

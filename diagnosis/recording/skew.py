@@ -1,4 +1,4 @@
-"""Skew of a recording: forces that are recorded later or earlier than the inputs."""
+"""Skew of a recording: forces that are recorded later than the inputs, and their response to a small delay."""
 
 from __future__ import annotations
 
@@ -7,27 +7,22 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from ..thresholds import MAX_SKEW
-from .disturbances import SKEW, Disturbances
 from .simulation import Simulator
 
 FloatArray = npt.NDArray[np.float64]
 
 
-def with_skew(disturbances: Disturbances, simulator: Simulator, parameters: FloatArray) -> Disturbances:
-    """Return the disturbances with a common delay of all forces, for small delays proportional to it.
+def delay_response(simulator: Simulator, parameters: FloatArray) -> FloatArray:
+    """Return the change of the forces per second of delay, shape (n_channels, n), N/s and N m/s.
 
     Parameters
     ----------
-    disturbances : Disturbances
     simulator : Simulator
         Of a recording with time.
     parameters : ndarray, shape (n_parameters,)
     """
     signals = simulator.signals
     every = simulator.with_signals(replace(signals, rows=np.arange(len(signals.t))))
-    t = signals.t
     with np.errstate(divide="ignore", invalid="ignore"):
-        rate = np.gradient(every.forces(parameters), t, axis=1)
-    column = -np.nan_to_num(rate, posinf=0.0, neginf=0.0)[:, signals.rows]
-    return disturbances.with_columns((SKEW,), column[:, :, None], np.array([MAX_SKEW]))
+        rate = np.gradient(every.forces(parameters), signals.t, axis=1)
+    return np.asarray(-np.nan_to_num(rate, posinf=0.0, neginf=0.0)[:, signals.rows])

@@ -15,14 +15,10 @@ from ..probing.baseline_fit import readable
 from ..probing.candidates import Candidate, excited, refinements_for
 from ..probing.confounding import correlations
 from ..probing.effect_probing import Response, Screen
-from ..recording.disturbances import SKEW
-from ..recording.skew import with_skew
 from ..thresholds import (
     CONFOUNDED,
     EFFECT_P,
     LOOKAHEAD,
-    MAX_SKEW,
-    PREFERRED_ERRORS,
     PREFERRED_JOINT_SHARE,
     PREFERRED_SHARE,
     REFIT_P_FACTOR,
@@ -80,8 +76,6 @@ class Search:
             best = self.round()
             if best is None:
                 break
-            if isinstance(best, Refit) and self._accept_skew(best):
-                continue
             if isinstance(best, Structure):
                 if not self._accept_structure(best):
                     break
@@ -125,24 +119,6 @@ class Search:
         """Add an effect or a refinement to the model."""
         (self.refinements if refit.name.startswith(REFINEMENT) else self.found).append(refit)
         self.solution = refit.solution
-
-    def _accept_skew(self, effect: Refit) -> bool:
-        """Add a skew between forces and inputs instead of a relaxation that does not gain significantly more."""
-        relaxing = self.problem.simulator.book.relaxing_effects
-        if effect.name not in relaxing or SKEW in self.problem.disturbances.names:
-            return False
-        before = self.screen
-        disturbances = with_skew(self.problem.disturbances, self.problem.simulator, self.solution.parameters)
-        problem = replace(self.problem, disturbances=disturbances)
-        solution = problem.solve(self.solution.parameters, self.solution.free, iterations=4)
-        delay = float(solution.disturbance[disturbances.names.index(SKEW)])
-        difference = effect.gains - (before.baseline.loss - Screen(problem, solution).baseline.loss)
-        error = float(np.sqrt(len(difference)) * np.std(difference, ddof=1))
-        if abs(delay) > MAX_SKEW or difference.sum() > PREFERRED_ERRORS * error:
-            return False
-        self.problem, self.solution = problem, solution
-        self.progress(f"forces are recorded {1000.0 * delay:.0f} ms after the inputs")
-        return True
 
     def _joint_gain(self, first: Refit) -> float:
         """Return the gain of an effect together with those that the next rounds would identify.

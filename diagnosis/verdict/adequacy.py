@@ -19,7 +19,8 @@ class Adequacy:
     ----------
     channel : str
     residual, floor : float
-        Root mean square, N or N m, with all errors of the recording removed. The floor is that of functions of the inputs and their history.
+        Root mean square, N or N m, with all errors of the recording removed. The floor is that of functions of the
+        inputs and their history.
     location : str
         Where the mean residual is largest.
     over : tuple of str

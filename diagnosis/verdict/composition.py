@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -29,7 +29,7 @@ from .delivery import reasons_against
 from .detectability import detectable_sizes
 from .extrapolation import extrapolations
 from .findings import Finding, Interval
-from .fit_error import delivered_residual, fit_errors, floors_of, residual_sizes
+from .fit_error import delivered_residuals, fit_errors, floors_of, residual_sizes
 from .improved_tire import tire_of
 from .operating_range import change_over_spread
 from .residual_location import residual_maps, time_course
@@ -89,16 +89,14 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
             added[one.effect.name] = tuple(declaration.name for declaration in one.effect.declarations)
     base_tire = tire_of(before.problem.simulator.tire, before.problem, before.solution, ())
     tire = tire_of(outcome.start, search.problem, search.solution, added)
-    residuals = tuple(
-        delivered_residual(one, outcome.recording, screen) for one, screen in ((base_tire, before), (tire, after))
-    )
+    residuals = delivered_residuals((base_tire, tire), outcome.recording, (before, after), outcome.signals.loaded)
     floors = floors_of(outcome.recording, after)
-    errors = fit_errors(before, after, (residuals[0], residuals[1]), floors)
-    changes = change_over_spread(search.problem, _without_effects(outcome), search.solution, added)
+    errors = fit_errors(before, after, residuals, floors)
+    changes = change_over_spread(search.problem, search.solution, added)
     against = reasons_against(errors, changes) if added or search.refinements else ()
     if against:
-        tire, residuals = base_tire, (residuals[0], residuals[0])
-        errors = fit_errors(before, before, (residuals[0], residuals[0]), floors)
+        tire = base_tire
+        errors = fit_errors(before, before, replace(residuals, after=residuals.before), floors)
     final = before if against else after
     where_after = residual_maps(final)
     adequacy = adequacies(residual_sizes(final), floors, where_after)
@@ -121,6 +119,8 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         outcome.recording, outcome.signals, search.problem.disturbances, search.solution.disturbance,
         search.solution.residual, outcome.start,
     )  # fmt: skip
+    outliers = residuals.outlier_rows(outcome.signals.channels)
+    recording |= {"outlier_rows": outliers, "outliers": {name: len(rows) for name, rows in outliers.items()}}
     return Diagnosis(
         verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, recording),
         found=findings,
@@ -153,15 +153,6 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     )
 
 
-def _without_effects(outcome: SearchOutcome) -> FloatArray:
-    """Return the parameters of the baseline model, in the parameter vector of the improved model."""
-    before, index = outcome.settled.before, outcome.search.problem.simulator.index
-    parameters = outcome.start.parameters()
-    for name, i in before.problem.simulator.index.items():
-        parameters[index[name]] = before.solution.parameters[i]
-    return parameters
-
-
 def _unidentified(adequacy: tuple[Adequacy, ...], search: Search) -> tuple[Unknown, ...]:
     """Return the structure in channels far above their noise floor, if no effect was identified."""
     red = [one for one in adequacy if not one.adequate]
@@ -184,7 +175,9 @@ def _inputs_of(outcome: SearchOutcome, effect: str) -> tuple[str, ...]:
 def _holdout_rows(signals: Signals) -> tuple[tuple[int, int], ...]:
     """Return first and last row of each stretch of the hold-out set."""
     edges = np.flatnonzero(np.diff(signals.holdout.astype(int), prepend=0, append=0))
-    return tuple((int(signals.rows[first]), int(signals.rows[last - 1])) for first, last in edges.reshape(-1, 2))
+    return tuple(
+        (int(signals.table_rows[first]), int(signals.table_rows[last - 1])) for first, last in edges.reshape(-1, 2)
+    )
 
 
 def _standard_errors(screen: Screen) -> FloatArray:

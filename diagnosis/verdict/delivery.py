@@ -19,7 +19,8 @@ def reasons_against(errors: FitErrors, changes: Mapping[str, float]) -> tuple[st
     errors : dict
         Of the delivered tires (`fit_error.fit_errors`).
     changes : mapping of str to float
-        Change of the forces over the operating range, relative to the spread among tires (`change_over_spread`).
+        By effect: change of the forces over the operating range, relative to the spread among tires
+        (`change_over_spread`).
 
     Examples
     --------
@@ -40,11 +41,9 @@ def reasons_against(errors: FitErrors, changes: Mapping[str, float]) -> tuple[st
                 f"its residual on the {text} is larger than that of the baseline tire ({worst}: {one['after']:.3g} "
                 f"instead of {one['before']:.3g} {unit})"
             )
-    beyond = {name: ratio for name, ratio in changes.items() if ratio > MAX_CHANGE_OVER_SPREAD}
-    if beyond:
-        worst = max(beyond, key=lambda name: beyond[name])
-        reasons.append(
-            f"over the operating range it changes {worst} by {beyond[worst]:.1f} times the spread among tires, which "
-            "this recording cannot determine"
-        )
+    reasons += [
+        f"over the operating range {effect} changes a force by {ratio:.1f} times its spread among tires"
+        for effect, ratio in changes.items()
+        if ratio > MAX_CHANGE_OVER_SPREAD
+    ]
     return tuple(reasons)

@@ -6,8 +6,12 @@ Offsets and drift of the recording are subtracted; they are in the result (`Diag
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
+from scipy.ndimage import uniform_filter1d
 
 from tirefmu.estimation.noise_floor import NoiseFloor, noise_floor
 from tirefmu.measurements import Recording
@@ -16,37 +20,102 @@ from tirefmu.tires.tire import Tire
 
 from ..probing.effect_probing import Screen
 from ..recording.signals import FORMULA_SIGNS
+from ..thresholds import LOCAL_ROWS, OUTLIER
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
 
 FitErrors = dict[str, dict[str, dict[str, float]]]
 
 
-def delivered_residual(tire: Tire, recording: Recording, screen: Screen) -> FloatArray:
-    """Return the residual of a tire over a recording, shape (n_channels, n), N and N m.
+@dataclass(frozen=True, eq=False)
+class Residuals:
+    """Residuals of the delivered tires over all rows under load of a recording, N and N m.
+
+    Attributes
+    ----------
+    rows : ndarray of int, shape (m,)
+        Rows of the recording.
+    before, after : ndarray, shape (n_channels, m)
+        Of the baseline tire and the improved tire, in the sign convention of the computation.
+    used : ndarray of bool, shape (n_channels, m)
+        False if a channel was not measured or is an outlier.
+    holdout : ndarray of bool, shape (m,)
+    compared : ndarray of int, shape (n,)
+        Positions of the rows that the diagnosis compared.
+    """
+
+    rows: IntArray
+    before: FloatArray
+    after: FloatArray
+    used: npt.NDArray[np.bool_]
+    holdout: npt.NDArray[np.bool_]
+    compared: IntArray
+
+    def outlier_rows(self, channels: Sequence[str]) -> dict[str, list[int]]:
+        """Return the rows that are outliers by channel, counted from 0."""
+        measured = np.isfinite(self.before)
+        return {
+            name: self.rows[known & ~used].tolist()
+            for name, known, used in zip(channels, measured, self.used, strict=True)
+        }
+
+
+def delivered_residuals(
+    tires: tuple[Tire, Tire], recording: Recording, screens: tuple[Screen, Screen], rows: IntArray
+) -> Residuals:
+    """Return the residuals of both tires over a recording.
 
     Parameters
     ----------
-    tire : Tire
+    tires : tuple of Tire
+        Baseline tire and improved tire.
     recording : Recording
-    screen : Screen
-        Its offsets and drift of the recording are subtracted. All other errors of the recording (cross-talk, waves, skew)
-        are part of the residual, as a tire that is used does not correct them.
+    screens : tuple of Screen
+        Of their solutions. Offsets and drift of the recording are subtracted. All other errors of the recording
+        (cross-talk, waves, skew) are part of the residuals, as a tire that is used does not correct them.
+    rows : ndarray of int, shape (m,)
+        Rows under load.
 
     Returns
     -------
-    ndarray
-        At the compared rows, in the sign convention of the computation.
+    Residuals
     """
+    signals = screens[0].signals
+    first, last = (_residual(tire, recording, screen, rows) for tire, screen in zip(tires, screens, strict=True))
+    used = np.stack([_without_outliers(row) for row in first])
+    compared = np.searchsorted(rows, signals.table_rows)
+    used[:, compared] &= signals.present
+    edges = np.flatnonzero(np.diff(signals.holdout.astype(int), prepend=0, append=0)).reshape(-1, 2)
+    holdout = np.zeros(len(rows), dtype=bool)
+    for start, end in edges:
+        holdout[compared[start] : compared[end - 1] + 1] = True
+    return Residuals(rows, first, last, used, holdout, compared)
+
+
+def _residual(tire: Tire, recording: Recording, screen: Screen, rows: IntArray) -> FloatArray:
     signals, disturbances = screen.signals, screen.problem.disturbances
-    slow = [i for i, name in enumerate(disturbances.names) if name.startswith(("offset", "drift"))]
     inputs = [name for name in recording.table if name == "t" or name in tire.inputs]
     computed = tire.evaluate(recording.table[inputs], signs=recording.signs)
-    forces = convert_signs(computed[list(signals.channels)], recording.signs, FORMULA_SIGNS)
-    simulated = forces.to_numpy(dtype=np.float64)[signals.rows].T
-    return np.asarray(
-        signals.measured - simulated - disturbances.columns[:, :, slow] @ screen.solution.disturbance[slow]
+    channels = list(signals.channels)
+    both = (convert_signs(table[channels], recording.signs, FORMULA_SIGNS) for table in (recording.table, computed))
+    measured, simulated = (table.to_numpy(dtype=np.float64)[rows].T for table in both)
+    t = (
+        recording.table["t"].to_numpy(dtype=np.float64)
+        if signals.timed
+        else np.arange(len(recording.table), dtype=np.float64)
     )
+    slow = disturbances.slow(signals, screen.solution.disturbance, t[rows])
+    return np.asarray(measured - simulated - slow)
+
+
+def _without_outliers(residual: FloatArray) -> npt.NDArray[np.bool_]:
+    """Return which rows are measured and no outliers, by the criterion of the weights of a fit."""
+    known = np.isfinite(residual)
+    values = np.where(known, residual, 0.0)
+    scatter = values - uniform_filter1d(values, LOCAL_ROWS, mode="nearest")
+    typical = 1.4826 * float(np.median(np.abs(scatter[known]))) if known.any() else 0.0
+    return np.asarray(known & (np.abs(scatter) < OUTLIER * 2.0 * max(typical, 1e-12)))
 
 
 def floors_of(recording: Recording, screen: Screen) -> dict[str, NoiseFloor]:
@@ -60,7 +129,7 @@ def floors_of(recording: Recording, screen: Screen) -> dict[str, NoiseFloor]:
     """
     signals = screen.signals
     residuals = np.where(signals.present, screen.solution.residual, np.nan)
-    return noise_floor(recording.table.iloc[signals.rows], dict(zip(signals.channels, residuals, strict=True)))
+    return noise_floor(recording.table.iloc[signals.table_rows], dict(zip(signals.channels, residuals, strict=True)))
 
 
 def residual_sizes(screen: Screen) -> dict[str, float]:
@@ -69,17 +138,15 @@ def residual_sizes(screen: Screen) -> dict[str, float]:
     return {name: _rms(screen.solution.residual[i], used[i]) for i, name in enumerate(screen.signals.channels)}
 
 
-def fit_errors(
-    before: Screen, after: Screen, residuals: tuple[FloatArray, FloatArray], floors: dict[str, NoiseFloor]
-) -> FitErrors:
-    """Return root mean square residuals of the delivered tires, with the disturbances of the recording removed.
+def fit_errors(before: Screen, after: Screen, residuals: Residuals, floors: dict[str, NoiseFloor]) -> FitErrors:
+    """Return root mean square residuals of the delivered tires, with offsets and drift of the recording removed.
 
     Parameters
     ----------
     before, after : Screen
         Of the solutions of the baseline model and the improved model.
-    residuals : tuple of ndarray, shapes (n_channels, n)
-        Residuals of both delivered tires (`delivered_residual`).
+    residuals : Residuals
+        Of both delivered tires.
     floors : dict of str to NoiseFloor
 
     Returns
@@ -87,23 +154,27 @@ def fit_errors(
     dict
         train, cv, holdout -> channel -> before, after, floor, floor_with_history.
     """
-    signals = after.signals
-    rows = {"train": after.problem.inverse_noise > 0.0, "holdout": signals.present & signals.holdout}
-    validated = tuple(
-        residual + _change_without_block(screen) for screen, residual in zip((before, after), residuals, strict=True)
-    )
-    parts = {"train": residuals, "cv": validated, "holdout": residuals}
+    compared, used = residuals.compared, residuals.used
+    both = (residuals.before, residuals.after)
+    validated = [
+        one[:, compared] + _change_without_block(screen) for one, screen in zip(both, (before, after), strict=True)
+    ]
+    parts = {
+        "train": (both, used & ~residuals.holdout),
+        "cv": (validated, (after.problem.inverse_noise > 0.0) & used[:, compared]),
+        "holdout": (both, used & residuals.holdout),
+    }
     return {
         part: {
             name: {
-                "before": _rms(first[i], rows.get(part, rows["train"])[i]),
-                "after": _rms(last[i], rows.get(part, rows["train"])[i]),
+                "before": _rms(rows[0][i], mask[i]),
+                "after": _rms(rows[1][i], mask[i]),
                 "floor": floors[name].floor,
                 "floor_with_history": floors[name].with_history,
             }
-            for i, name in enumerate(signals.channels)
+            for i, name in enumerate(after.signals.channels)
         }
-        for part, (first, last) in parts.items()
+        for part, (rows, mask) in parts.items()
     }
 
 

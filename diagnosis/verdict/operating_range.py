@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 from itertools import product
 
@@ -19,6 +19,8 @@ FloatArray = npt.NDArray[np.float64]
 ALONG, COMBINED = 13, 5
 #: Random tires from the prior of an effect's coefficients.
 TIRES = 16
+#: Share of the largest relative change of a channel, below which a channel is not compared.
+LEAST_SHARE = 0.1
 
 
 def operating_points(signals: Signals) -> FloatArray:
@@ -53,47 +55,55 @@ def operating_points(signals: Signals) -> FloatArray:
 
 
 def change_over_spread(
-    problem: LeastSquares, before: FloatArray, after: Solution, effects: Mapping[str, Collection[str]]
+    problem: LeastSquares, solution: Solution, effects: Mapping[str, Collection[str]]
 ) -> dict[str, float]:
-    """Return the change of each channel from one tire to another one, relative to the spread of the effects.
+    """Return the largest change of a force by each effect, relative to its spread among tires.
 
     Parameters
     ----------
     problem : LeastSquares
-    before : ndarray, shape (n_parameters,)
-        Parameters of the tire without the effects.
-    after : Solution
-        Of the tire with them.
+    solution : Solution
+        Of the tire with the effects.
     effects : mapping of str to collection of str
         Free coefficients of each effect.
 
     Returns
     -------
     dict of str to float
-        By channel: root mean square change over `operating_points`, divided by that of tires whose coefficients are
-        drawn from the prior (`Model.prior_spread`). Channels on which no effect acts are omitted.
+        By effect: root mean square change over `operating_points`, divided by that of tires whose coefficients are
+        drawn from the prior (`Model.prior_spread`), in the channel in which this ratio is largest. Channels with less
+        than a tenth of the effect's change, relative to their own size, are omitted.
     """
     signals = problem.simulator.signals
     points = operating_points(signals)
     simulator = problem.simulator.with_signals(
         replace(signals, inputs=points, rows=np.arange(points.shape[1]), timed=False)
     )
-    start = simulator.forces(before)
-    change = _rms(simulator.forces(after.parameters) - start)
-    spread = np.zeros(len(signals.channels))
-    for coefficients in effects.values():
-        spread += _spread(problem, simulator, before, start, tuple(coefficients)) ** 2
-    return {
-        name: float(moved / size)
-        for name, moved, size in zip(signals.channels, change, np.sqrt(spread), strict=True)
-        if size > 1e-9 * max(moved, 1e-9)
-    }
+    absent = problem.simulator.tire.parameters()
+    forces = simulator.forces(solution.parameters)
+    ratios = {}
+    for effect, coefficients in effects.items():
+        without = solution.parameters.copy()
+        indices = [simulator.index[name] for name in coefficients]
+        without[indices] = absent[indices]
+        start = simulator.forces(without)
+        change, spread = _rms(np.nan_to_num(forces - start)), _spread(problem, simulator, without, start, coefficients)
+        share = change / np.maximum(_rms(forces), 1e-12)
+        acts = (share > LEAST_SHARE * share.max()) & (spread > 0.0)
+        if acts.any():
+            ratios[effect] = float((change[acts] / spread[acts]).max())
+    return ratios
 
 
 def _spread(
-    problem: LeastSquares, simulator: Simulator, parameters: FloatArray, forces: FloatArray, names: Sequence[str]
+    problem: LeastSquares,
+    simulator: Simulator,
+    parameters: FloatArray,
+    forces: FloatArray,
+    coefficients: Collection[str],
 ) -> FloatArray:
     """Return the root mean square change by an effect over random tires, shape (n_channels,)."""
+    names = tuple(coefficients)
     center, deviation = problem.prior(names)
     lower, upper = problem.bounds(names)
     draws = np.random.default_rng(0).standard_normal((TIRES, len(names)))

@@ -62,7 +62,12 @@ def problem(tire, table):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(simulation, "code_for", lambda book, _: code_for(book, "numpy"))  # no compilation
         simulator = Simulator(tire, signals)
-    return LeastSquares(simulator, inverse_noise, disturbances_of(signals, noise), tire.book.prior_center | VALUES)
+    return LeastSquares(
+        simulator,
+        inverse_noise,
+        disturbances_of(signals, noise, VALUES["UNLOADED_RADIUS"]),
+        tire.book.prior_center | VALUES,
+    )
 
 
 @pytest.fixture(scope="session")

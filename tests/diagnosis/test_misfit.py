@@ -9,18 +9,27 @@ from tirefmu.diagnosis.probing.baseline_fit import reweighted
 from tirefmu.diagnosis.recording.measurement_artefacts import quantisation, ripple
 from tirefmu.diagnosis.thresholds import MAX_CHANGE, OUTLIER
 from tirefmu.diagnosis.verdict.extrapolation import extrapolations
-from tirefmu.diagnosis.verdict.fit_error import fit_errors, noise_floor
+from tirefmu.diagnosis.verdict.fit_error import delivered_residuals, fit_errors, floors_of, residual_sizes
 from tirefmu.diagnosis.verdict.residual_location import residual_maps, time_course
+from tirefmu.measurements import Recording
 
 NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
 
 
-def test_the_noise_floor_equals_the_noise(at_true_values):
-    assert noise_floor(at_true_values.signals) == pytest.approx(NOISE, rel=0.1)
+def test_the_noise_floor_equals_the_noise(at_true_values, without_camber, table):
+    recording = Recording(table, "adapted-sae", "bench")
+    for screen in (at_true_values, without_camber):  # a smooth error of the model is not part of it
+        floors = floors_of(recording, screen)
+        assert {name: one.floor for name, one in floors.items()} == pytest.approx(NOISE, rel=0.12)
 
 
-def test_the_error_of_the_true_tire_is_the_noise(at_true_values, without_camber):
-    reported = fit_errors(without_camber, at_true_values)
+def test_the_error_of_the_true_tire_is_the_noise(at_true_values, without_camber, tire, table):
+    recording = Recording(table, "adapted-sae", "bench")
+    screens, floors = (without_camber, at_true_values), floors_of(recording, at_true_values)
+    without = replace(tire, values={**tire.values, "PVY3": -0.3})  # as wrong as the tire of the other recording
+    residuals = delivered_residuals((without, tire), recording, screens, at_true_values.signals.loaded)
+    reported = fit_errors(*screens, residuals, floors)
+    assert residual_sizes(at_true_values) == pytest.approx(NOISE, rel=0.1)
     for part in ("train", "cv", "holdout"):
         for channel, noise in NOISE.items():
             assert reported[part][channel]["after"] == pytest.approx(noise, rel=0.15)

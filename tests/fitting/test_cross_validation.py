@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tirefmu.measurements.operating_conditions.held_levels import MOST_LEVELS
 from tirefmu.fitting import cross_validate, cross_validation
 from tirefmu.measurements import Noise, group_by_condition
+from tirefmu.measurements.operating_conditions.held_levels import MOST_LEVELS
 from tirefmu.symbolic.errors import FitError
 
 LOADS, CAMBERS = (220.0, 400.0, 600.0, 800.0, 1000.0, 1120.0), (0.0, 2.0, 4.0)

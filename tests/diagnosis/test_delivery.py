@@ -1,0 +1,181 @@
+"""What a diagnosis delivers is what it reports."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import tirefmu
+from tirefmu.diagnosis.diagnose import diagnose
+from tirefmu.diagnosis.search.confirmation import confirmation, joint_z
+from tirefmu.diagnosis.thresholds import CONFIRMED_Z, STRETCHES
+from tirefmu.diagnosis.verdict.adequacy import Adequacy, adequacies
+from tirefmu.diagnosis.verdict.delivery import reasons_against
+from tirefmu.diagnosis.verdict.operating_range import change_over_spread, operating_points
+from tirefmu.estimation.noise_floor import NoiseFloor
+
+from .suite import make_case
+
+
+@pytest.fixture(scope="module")
+def worn():
+    """Return a case with a skew, ripple, outliers and drift, and its diagnosis."""
+    case = make_case(51, ("wear_drift",), artefacts=("ripple", "outliers", "drift"), without=("T",))
+    table = case.table.assign(TreadTempC=20.0)
+    return case, diagnose(table, signs=case.signs, effects=case.effects, nominal=case.nominal)
+
+
+def recomputed(diagnosis, tire, signs):
+    """Return the root mean square residual by channel, with the offsets and drift that the JSON lists removed."""
+    table = diagnosis.rows
+    computed = tirefmu.evaluate(tire, table[[name for name in table if name not in ("Fx", "Fy", "Mz")]], signs=signs)
+    t = table["t"].to_numpy()
+    first, last = diagnosis.recording["removed_over"]
+    training = ~diagnosis.holdout_mask(len(table))
+    found = {}
+    for channel, removed in diagnosis.in_signs(signs).recording["removed"].items():
+        rest = (table[channel] - computed[channel]).to_numpy() - removed["offset"]
+        for k, size in enumerate(removed["drift"], start=1):
+            rest = rest - size * np.cos(k * np.pi * (t - first) / (last - first))
+        used = training.copy()
+        used[diagnosis.recording["outlier_rows"][channel]] = False
+        found[channel] = float(np.sqrt(np.mean(rest[used] ** 2)))
+    return found
+
+
+def test_the_reported_error_is_that_of_the_saved_tires(worn, tmp_path):
+    case, diagnosis = worn
+    diagnosis.save(tmp_path)
+    for name, when in (("base.tir", "before"), ("improved.tir", "after")):
+        errors = recomputed(diagnosis, tmp_path / name, case.signs)
+        assert errors == pytest.approx({c: one[when] for c, one in diagnosis.gap["train"].items()}, rel=0.02)
+
+
+def test_the_delivered_tire_is_better_than_the_baseline_tire(worn):
+    _, diagnosis = worn
+    assert [one.effect for one in diagnosis.found] == ["wear_drift"]
+    assert diagnosis.delivered
+    for part in ("train", "holdout"):
+        assert diagnosis.gap[part]["Fy"]["after"] < 0.9 * diagnosis.gap[part]["Fy"]["before"]
+
+
+def test_an_unrecorded_temperature_is_confounded_with_wear(worn):
+    _, diagnosis = worn
+    assert "unrecorded_temperature" in diagnosis.confounded_with["wear_drift"]
+    assert any("record the tread temperature" in text for text in diagnosis.next_measurement)
+
+
+def test_ignored_columns_are_in_the_verdict(worn):
+    _, diagnosis = worn
+    assert diagnosis.verdict.endswith("ignored columns: TreadTempC")
+
+
+def test_the_size_of_an_effect_is_in_newton(worn):
+    _, diagnosis = worn
+    rms, largest = diagnosis.found[0].size["Fy"]
+    assert 0.0 < rms < largest < np.abs(diagnosis.rows["Fy"]).max()
+
+
+def test_a_worse_tire_is_not_delivered():
+    def errors(before, after):
+        return {"Fx": {"before": before, "after": after}}
+
+    good, bad = errors(10.0, 8.0), errors(10.0, 12.0)
+    assert reasons_against({"train": good, "holdout": good}, {}) == ()
+    assert "hold-out set" in reasons_against({"train": good, "holdout": bad}, {})[0]
+    assert "training rows" in reasons_against({"train": bad, "holdout": good}, {})[0]
+    assert "combined_Gxa" in reasons_against({"train": good, "holdout": good}, {"combined_Gxa": 7.0})[0]
+
+
+def test_a_residual_far_above_the_floor_is_inadequate():
+    floors = {"Fx": NoiseFloor(10.0, 10.0), "Fy": NoiseFloor(19.0, 10.0)}
+    fx, fy = adequacies({"Fx": 12.0, "Fy": 20.0}, floors, [])
+    assert (fx.adequate, fx.memory) == (True, True)
+    assert (fy.adequate, fy.memory, fy.rating) == (False, True, "red")
+    assert "history" in str(fy)
+    assert Adequacy("Fx", 10.0, 10.0, "", (), False).rating == "green"
+
+
+# ------------------------------------------------------------------ confirmation
+
+
+def test_a_true_effect_is_confirmed_and_an_absent_one_is_not(at_true_values, tire):
+    problem = at_true_values.problem
+    absent = tire.parameters()
+    absent[problem.simulator.index["PHY1"]] = 0.0
+    solution = problem.solve(tire.parameters(), (*at_true_values.solution.free, "PVY3"))
+    true = confirmation(problem, solution, ("PHY1",), absent)
+    assert true.z > 3.0 * CONFIRMED_Z
+    assert true.stretches == STRETCHES
+    assert true.holdout_gain > 0.0
+    assert true.passes
+    false = confirmation(problem, solution, ("PVY3",), absent)
+    assert false.z < CONFIRMED_Z
+    assert not false.passes
+
+
+def test_more_coefficients_need_a_larger_estimate():
+    assert joint_z(5.0, 1) == pytest.approx(5.0)
+    assert joint_z(5.0, 1) > joint_z(5.0, 2) > joint_z(5.0, 5)
+    assert joint_z(-1.0, 1) == 0.0
+    assert joint_z(60.0, 3) > 50.0
+
+
+# ------------------------------------------------------------------ operating range
+
+
+def test_the_operating_points_include_combined_slip_that_was_not_measured(problem):
+    named = problem.simulator.signals.named()
+    signals = replace(
+        problem.simulator.signals,
+        inputs=np.where(
+            np.array(problem.simulator.signals.names)[:, None] == "kappa", 0.0, problem.simulator.signals.inputs
+        ),
+    )
+    points = dict(zip(signals.names, operating_points(problem.simulator.signals), strict=True))
+    assert points["Fz"].min() == pytest.approx(np.quantile(named["Fz"], 0.005))
+    assert np.any((np.abs(points["kappa"]) > 0.05) & (np.abs(points["alpha"]) > 0.05))
+    pure = dict(zip(signals.names, operating_points(signals), strict=True))
+    assert not pure["kappa"].any()
+
+
+def test_a_change_is_compared_with_the_spread_among_tires(problem, tire):
+    parameters = tire.parameters()
+    small = change_over_spread(problem, problem.at(parameters, ("PHY1",)), {"plysteer": ("PHY1",)})
+    assert small == {"plysteer": 0.0}  # the parameters of the tire itself
+    parameters[problem.simulator.index["PHY1"]] = 1.0
+    assert change_over_spread(problem, problem.at(parameters, ("PHY1",)), {"plysteer": ("PHY1",)})["plysteer"] > 3.0
+
+
+# ------------------------------------------------------------------ recordings that mislead
+
+
+def test_a_skew_is_not_relaxation():
+    case = make_case(61, ("camber_thrust",))
+    t = case.table["t"].to_numpy()
+    late = case.table.assign(**{name: np.interp(t - 0.02, t, case.table[name]) for name in ("Fx", "Fy", "Mz")})
+    diagnosis = diagnose(late, signs=case.signs, effects=case.effects, nominal=case.nominal)
+    assert [one.effect for one in diagnosis.found] == ["camber_thrust"]
+    assert diagnosis.recording["skew"] == pytest.approx(0.02, abs=0.003)
+
+
+def test_noise_of_kappa_in_pure_cornering_is_not_combined_slip():
+    case = make_case(71, kind="cornering")
+    noise = np.random.default_rng(0).normal(0.0, 2e-3, len(case.table))
+    table = case.table.assign(kappa=noise)
+    effects = tuple(name for name in case.effects if not name.startswith("combined"))
+    diagnosis = diagnose(table, signs=case.signs, effects=effects, nominal=case.nominal)
+    assert not [one.effect for one in diagnosis.found]
+    assert (
+        "simultaneously" in diagnosis.not_identifiable["combined_Gyk"]
+        or "kappa" in diagnosis.not_identifiable["combined_Gyk"]
+    )
+
+
+@pytest.mark.parametrize(("rate", "sweeps"), [(4.0, 33), (4.0, 17), (50.0, 2)])
+def test_few_rows_have_an_answer(rate, sweeps):
+    case = make_case(1, ("camber_thrust",), rate=rate, sweeps=sweeps)
+    diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
+    assert diagnosis.verdict
+    assert isinstance(diagnosis.rows, pd.DataFrame)
