@@ -45,8 +45,7 @@ def verdict_text(
         parts.append(f"the improved tire is not delivered, because {'; '.join(against)}")
     if recording["ignored_columns"]:
         parts.append(f"ignored columns: {', '.join(recording['ignored_columns'])}")
-    text = "; ".join(parts)
-    return text[0].upper() + text[1:]
+    return ". ".join(part[0].upper() + part[1:] for part in parts)
 
 
 def _missing(
