@@ -9,8 +9,9 @@ from typing import Any
 
 import click
 
-from tirefmu.symbolic import DEFAULT_MODEL, MODELS
+from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.symbolic.models import MODELS
 
 #: Option of the commands that do not need a tire.
 MODEL = click.option(

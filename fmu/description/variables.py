@@ -155,7 +155,7 @@ def direct_feedthrough(book: Model) -> dict[str, set[str]]:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> sorted(direct_feedthrough(model("mf96"))["Fx"])
     ['Fz', 'alpha', 'gamma', 'kappa']
     """

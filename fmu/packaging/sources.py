@@ -235,7 +235,7 @@ def rolling_radius(book: Model) -> str:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> print(rolling_radius(model("mf96")).splitlines()[-2].strip())
     return UNLOADED_RADIUS;
     """

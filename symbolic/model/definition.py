@@ -77,7 +77,7 @@ class Model:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> mf96 = model("mf96")
     >>> [quantity.name for quantity in mf96.inputs]
     ['kappa', 'alpha', 'gamma', 'Fz']
@@ -176,7 +176,7 @@ class Model:
 
         Examples
         --------
-        >>> from tirefmu.symbolic import model
+        >>> from tirefmu.symbolic.models import model
         >>> model("mf61").prior_spread["PDY2"], model("mf61").prior_spread["PCY1"]
         (0.75, 0.2)
         """
@@ -196,7 +196,7 @@ class Model:
 
         Examples
         --------
-        >>> from tirefmu.symbolic import model
+        >>> from tirefmu.symbolic.models import model
         >>> from tirefmu.symbolic.added import library
         >>> [name for name, effect in library().items() if model("mf96").has_place_for(effect)]
         ['temp_friction', 'temp_stiffness', 'wear_drift']
@@ -231,7 +231,7 @@ class Model:
 
         Examples
         --------
-        >>> from tirefmu.symbolic import model
+        >>> from tirefmu.symbolic.models import model
         >>> from tirefmu.symbolic.added import library
         >>> warm = model("mf61").extended([library()["temp_friction"]])
         >>> warm.inputs[-1].name, sorted(warm.owned("temp_friction"))

@@ -47,7 +47,7 @@ def check_signs(model: Model) -> None:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> check_signs(model("mf96"))
     """
     check = _Check(model)

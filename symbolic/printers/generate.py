@@ -8,9 +8,9 @@ import json
 from functools import lru_cache
 from pathlib import Path
 
-from .. import MODELS
 from ..model import Model
 from ..model.verification import verify
+from ..models import MODELS
 from .batch import batch_sources
 from .c import c_header, c_sources
 from .operations import c_operations
@@ -56,7 +56,7 @@ def render_model(model: Model) -> dict[str, str]:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> sorted(render_model(model("mf96")))[:3]
     ['c/mf96.c', 'c/mf96.h', 'c/mf96_batch_forces.c']
     """

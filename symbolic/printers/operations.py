@@ -229,7 +229,7 @@ def model_tape(model: Model) -> Tape:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> tape = model_tape(model("mf96"))
     >>> tape.leaves[:4], tape.leaves[tape.slots["rolling_radius"]]
     (('kappa', 'alpha', 'gamma', 'Fz'), 'UNLOADED_RADIUS')

@@ -81,7 +81,7 @@ def routines(model: Model) -> tuple[Routine, ...]:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> [routine.name for routine in routines(model("mf96"))]
     ['quantities', 'forces', 'slip_stiffnesses', 'jacobian_inputs', 'jacobian_parameters']
     """
@@ -98,7 +98,7 @@ def jacobians_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> [routine.name for routine in jacobians_of(routines(model("mf96")))]
     ['jacobian_inputs', 'jacobian_parameters']
     """

@@ -16,7 +16,7 @@ from tirefmu.symbolic.printers.generate import difference, render, write
 COMMITTED = Path(tirefmu.generated.__file__).parent
 PROGRAM = """
 import sys
-from tirefmu.symbolic import model
+from tirefmu.symbolic.models import model
 from tirefmu.symbolic.printers.generate import render_model
 sys.stdout.buffer.write("".join(f"{name}:{text}" for name, text in render_model(model("mf96")).items()).encode())
 """

@@ -8,10 +8,10 @@ from __future__ import annotations
 import pytest
 from sympy import atan, sqrt
 
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.contract import PropertyFile, Role, positive
 from tirefmu.symbolic.functions import where
 from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.notation import Chapter, Coefficient, Effect, Section
 from tirefmu.symbolic.quantities import ALPHA, FX, FY, FZ, KAPPA, MZ
 

@@ -11,12 +11,12 @@ import pytest
 import sympy as sp
 from hypothesis import example, given, settings
 
-from tirefmu.symbolic import model
 from tirefmu.symbolic.added import AddedEffect, effect_text, read_effect
 from tirefmu.symbolic.added.effect import Act
 from tirefmu.symbolic.contract import Role
 from tirefmu.symbolic.errors import EffectError
 from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.models import model
 from tirefmu.symbolic.notation import Chapter, Coefficient, Section
 from tirefmu.symbolic.printers.generate import render_model
 from tirefmu.symbolic.quantities import BEYOND

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tirefmu.symbolic import model, with_library
+from tirefmu.symbolic.models import model, with_library
 from tirefmu.tires.code import build_cache, modules
 from tirefmu.tires.code.build_cache import RECORD, cache_folder, cached
 
