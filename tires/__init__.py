@@ -3,7 +3,7 @@
 from .forces import Forces
 from .property_file.reading import read_tir
 from .property_file.writing import write_tir
-from .published import PUBLISHED, published
+from .published_tires import PUBLISHED, published
 from .signs import SIGNS, TABLE_INPUTS, TABLE_OUTPUTS, convert_signs
 from .tire import Tire
 from .tire_argument import TireLike, tire_from
