@@ -21,7 +21,8 @@ import numpy as np
 import numpy.typing as npt
 import sympy as sp
 
-from tirefmu.symbolic.model import Model, reaching
+from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.models import model as book_of
 from tirefmu.tires.code import code_for
 from tirefmu.tires.code.compiler import shared_library

@@ -41,7 +41,7 @@ COMMANDS: dict[str, tuple[str, ...]] = {
 TWICE = """
 import os
 def work():
-    {work}
+    WORK
 def cpu():
     return sum(os.times()[:4])
 work(); first = cpu(); work(); print(first, cpu())
@@ -82,7 +82,7 @@ def cpu_of(command: Sequence[str], folder: Path, environment: Mapping[str, str])
 
 def beyond(work: str, folder: Path, environment: Mapping[str, str]) -> float:
     """Return the CPU time that work needs the first time in a process beyond the second time, s."""
-    _, printed = cpu_of((sys.executable, "-c", TWICE.format(work=work)), folder, environment)
+    _, printed = cpu_of((sys.executable, "-c", TWICE.replace("WORK", work)), folder, environment)
     first, both = map(float, printed.split()[-2:])
     return first - (both - first)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
+from importlib.resources import files
 
 from .added import AddedEffect, effect_text, library
 from .errors import UnknownName
@@ -11,6 +12,12 @@ from .model.discovery import found_models
 
 #: Every model by name: those of this package's folders; see CONTRIBUTING.md, "Adding a model".
 MODELS: dict[str, Model] = found_models()
+
+for _model in MODELS.values():
+    # Stored with the generated code; read as data, because the packages of the code build on this one.
+    _stored = files("tirefmu.generated") / "structure" / f"{_model.name}.json"
+    if _stored.is_file():
+        _model.use(_stored)
 
 _EXTENDED: dict[tuple[Model, tuple[str, ...]], Model] = {}
 

@@ -13,11 +13,11 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.symbolic.added import AddedEffect, library
+from tirefmu.symbolic.declarations import Coefficient
 from tirefmu.symbolic.errors import TireError, UnknownName, no_single_text
 from tirefmu.symbolic.model import INDISPENSABLE, Model
 from tirefmu.symbolic.models import model as model_of
 from tirefmu.symbolic.models import with_library
-from tirefmu.symbolic.notation import Coefficient
 from tirefmu.symbolic.options import OPTIONS
 
 from .signs import TABLE_INPUTS

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from tirefmu.symbolic.declarations import Coefficient
 from tirefmu.symbolic.detection import Detection, Form
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.notation import Coefficient
 from tirefmu.tires.tire import Tire
 
 from ..recording.signals import Signals

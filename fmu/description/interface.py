@@ -8,9 +8,9 @@ from math import inf
 
 import pandas as pd
 
+from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.notation import Quantity
 from tirefmu.tires import Tire
 
 from .variables import TIME, Variable, feedthrough, option_variable, parameter_variable, read_inputs
@@ -197,7 +197,7 @@ def _stem(name: str) -> str:
 def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
     """Return the outputs in addition to the forces; `source` is their source in the C code."""
     book = tire.book
-    named = {line.symbol.name: line for line in book.equations if line.named}
+    named = book.structure.quantities
     taken = {*book.parameters, *(q.name for q in (*book.inputs, *book.outputs, *(MOTION if wheel else ())))}
     chosen = named if quantities else [name for name in map(book.quantity, ("rolling_radius", "loaded_radius")) if name]
     found = [Variable("friction_use", "output", "1", "force as a share of the friction ellipse",
@@ -213,9 +213,7 @@ def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
         found.append(Variable("alpha_lagged", "local", "rad", "side slip angle from its lagged tangent",
                               group="extra", source="ALPHA_LAGGED"))  # fmt: skip
     return found + [
-        Variable(
-            name, "output", named[name].unit, named[name].description, group="extra", source=f"FIRST_QUANTITY + {name}"
-        )
+        Variable(name, "output", *named[name], group="extra", source=f"FIRST_QUANTITY + {name}")
         for name in chosen
         if name not in taken
     ]

@@ -13,8 +13,8 @@ import random
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+from ..declarations import Coefficient, Quantity
 from ..errors import ModelError
-from ..notation import Coefficient, Quantity
 from ..options import signs
 from ..printers.operations import Tape, taped
 from .definition import Model

@@ -13,9 +13,11 @@ from textwrap import wrap
 
 import sympy as sp
 
-from ..model import Model, reaching
+from ..model import Model
+from ..model.lines import reaching
 from ..notation import Equation
-from .c import comment, heading
+from .c import heading
+from .definitions import comment
 
 #: Operations of two and three operands, then of one.
 CODES = (

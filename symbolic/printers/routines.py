@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from ..model import Model, reaching
+from ..model import Model
+from ..model.lines import reaching
 from ..notation import Equation
 from .derivatives import ChainRule, is_short, split
 

@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.symbolic.model import INDISPENSABLE, reaching
+from tirefmu.symbolic.model import INDISPENSABLE
+from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.printers.expressions import NumpyPrinter
 

@@ -8,7 +8,7 @@ import pytest
 
 from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.errors import UnknownName
-from tirefmu.symbolic.model import reaching
+from tirefmu.symbolic.model.lines import reaching
 from tirefmu.symbolic.models import MODELS, model
 from tirefmu.symbolic.notation import Choice, Switch, Variant
 

@@ -77,6 +77,24 @@ for arguments in ([], ["fit", "--help"], ["fit", "missing.csv", "-o", "new.tir"]
 """
 
 
+#: What needs the structure of a model only (`tirefmu.symbolic.model.structure`).
+NO_EQUATIONS = """
+import sys, tirefmu
+from tirefmu.cli import main
+from tirefmu.fmu.description.interface import interface
+from tirefmu.fmu.packaging.sources import sources
+with open("inputs.csv", "w") as file:
+    file.write("alpha,Fz\\n" + "".join(f"{0.004 * i - 0.1},{900 + i}\\n" for i in range(50)))
+assert main(["info", "unicamp_small_tire", "--quiet"]) == 0
+assert "pandas" not in sys.modules
+assert main(["evaluate", "trento_hoosier", "inputs.csv", "-o", "bench.csv", "--quiet"]) == 0
+fitted = tirefmu.fit("bench.csv", "fiala", nominal={"Fz0": 900.0, "R0": 0.2}, recipe="joint", iterations=1)
+fitted.tire.save("tire.tir")
+for inputs in ("slip", "wheel"):
+    assert sources(3, interface(tirefmu.load("tire.tir"), inputs=inputs), "{1}")
+"""
+
+
 def loaded_by(code, names):
     """Return which of the modules a program loads."""
     code += f"\nimport sys; print('loaded', *[name for name in {names!r} if name in sys.modules])"
@@ -87,6 +105,11 @@ def loaded_by(code, names):
 def test_importing_and_errors_load_no_large_library(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert loaded_by(NO_COMMAND, LOADED_LATER) == []
+
+
+def test_a_tire_is_evaluated_fitted_and_exported_without_its_equations(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert loaded_by(NO_EQUATIONS, ("sympy",)) == []
 
 
 def test_a_tire_is_evaluated_without_them():
