@@ -72,7 +72,7 @@ def quantities(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike]) -> dic
     --------
     >>> from tirefmu.tires import published
     >>> quantities(published("trento_hoosier"), {"Fz": [500.0, 1000.0]})["mu_y"].round(2)
-    array([2.81, 2.61])
+    array([2.61, 2.42])
     """
     rows, shape = _broadcast(tire, inputs)
     code = _code(tire.book, "auto", rows.shape[1])

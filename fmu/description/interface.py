@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import inf
 
-import pandas as pd
-
 from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.tires import Tire
+from tirefmu.tires.evaluation import quantities as quantities_of
 
 from .variables import TIME, Variable, feedthrough, option_variable, parameter_variable, read_inputs
 
@@ -153,7 +152,7 @@ def _slip_inputs(tire: Tire, read: set[str], rolls: bool) -> list[Variable]:
 
 def _wheel_inputs(tire: Tire, read: set[str]) -> list[Variable]:
     """Return the wheel's motion, free rolling at the start, and the remaining inputs of the model."""
-    nominal = tire.evaluate(pd.DataFrame({"kappa": [0.0]}), steady=True).iloc[0]
+    nominal = quantities_of(tire.in_signs("iso"), {"kappa": 0.0})
     speed = tire.nominal("V") if "V" in tire.inputs else SPEED
     radius = float(nominal.get(tire.book.quantity("rolling_radius"), tire.values["UNLOADED_RADIUS"]))
     starts = {"V_x": speed, "V_y": 0.0, "omega": speed / radius}

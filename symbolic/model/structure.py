@@ -87,7 +87,7 @@ class Structure:
     >>> from tirefmu.symbolic.models import model
     >>> structure = model("mf96").structure
     >>> structure.quantities["mu_y"]
-    ('1', 'side friction')
+    ('1', 'peak friction')
     >>> sorted(structure.reached(["mu_y"], ["load_friction"]) & set(structure.coefficients))
     ['FNOMIN', 'LFZ0', 'LMUY', 'PDY1', 'PDY2']
     """
