@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix fuzz mutants discovery recovery real wine sanitize examples perturb check generate types bench bench-fit clean
+.PHONY: demo test matrix fuzz mutants discovery recovery real wine sanitize examples perturb check generate types bench bench-fit bench-startup clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench

@@ -21,8 +21,9 @@ import numpy as np
 import numpy.typing as npt
 import sympy as sp
 
-from tirefmu.symbolic import model as book_of
-from tirefmu.symbolic.model import Model, reaching
+from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.model.lines import reaching
+from tirefmu.symbolic.models import model as book_of
 from tirefmu.tires.code import code_for
 from tirefmu.tires.code.compiler import shared_library
 from tirefmu.tires.code.modules import casadi_module

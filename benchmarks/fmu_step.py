@@ -13,7 +13,7 @@ from pathlib import Path
 
 from tirefmu.fmu.packaging.binaries import FLAGS
 from tirefmu.fmu.packaging.export import contents, fmi_headers
-from tirefmu.symbolic import model as book_of
+from tirefmu.symbolic.models import model as book_of
 from tirefmu.tires import Tire
 from tirefmu.tires.code.compiler import FLAGS as COMPILER_FLAGS
 from tirefmu.tires.code.compiler import find_compiler

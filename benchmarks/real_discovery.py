@@ -23,7 +23,7 @@ import pandas as pd
 from tirefmu.diagnosis import Diagnosis, diagnose
 from tirefmu.fitting import fit
 from tirefmu.measurements import Recording, read_recording
-from tirefmu.symbolic import model
+from tirefmu.symbolic.models import model
 
 #: Every n-th sweep is held out. n is coprime to the number of camber angles (three) and of loads in the test program.
 EVERY = 4

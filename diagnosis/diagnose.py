@@ -8,9 +8,9 @@ from dataclasses import replace
 
 from tirefmu.measurements import TableLike, recording_from
 from tirefmu.symbolic import DEFAULT_MODEL
-from tirefmu.symbolic import model as book_of
 from tirefmu.symbolic.added import AddedEffect, library
 from tirefmu.symbolic.errors import UnknownName, no_single_text
+from tirefmu.symbolic.models import model as book_of
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 

@@ -12,9 +12,9 @@ import pandas as pd
 
 from tirefmu.measurements import TableLike, recordings_from
 from tirefmu.symbolic import DEFAULT_MODEL
-from tirefmu.symbolic import model as book_of
 from tirefmu.symbolic.errors import FitError, UnknownName, WrongType
 from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.models import model as book_of
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 

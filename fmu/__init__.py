@@ -1,7 +1,35 @@
-"""Tires as FMUs: native export for FMI 2.0 and 3.0, simulation, and comparison with data."""
+"""Tires as FMUs: native export for FMI 2.0 and 3.0, simulation, and comparison with data.
 
-from .comparison.check import check
-from .comparison.result import Channel, CheckResult, WorstPoint
-from .packaging.export import export
+The names are loaded on first access: an export needs neither pandas nor fmpy.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .comparison.check import check
+    from .comparison.result import Channel, CheckResult, WorstPoint
+    from .packaging.export import export
+
+#: The module of each name.
+_ON_DEMAND = {
+    "Channel": "comparison.result",
+    "CheckResult": "comparison.result",
+    "WorstPoint": "comparison.result",
+    "check": "comparison.check",
+    "export": "packaging.export",
+}
 
 __all__ = ["Channel", "CheckResult", "WorstPoint", "check", "export"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _ON_DEMAND:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".{_ON_DEMAND[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

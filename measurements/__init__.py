@@ -1,31 +1,90 @@
-"""Recordings of tire test benches, measured and virtual: reading, checks, operating conditions, excluded rows."""
+"""Recordings of tire test benches, measured and virtual: reading, checks, operating conditions, excluded rows.
 
-from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
-from .files.reading import READERS, read_recording
-from .files.writing import write_table
-from .operating_conditions.grouping import Grouping, group_by_condition
-from .operating_conditions.levels import level_tolerance, levels
-from .operating_conditions.phases import Phase, phases, transitions
-from .operating_conditions.selection import Condition, Near, near, select
-from .quality.coverage import Coverage, coverage, coverage_notes
-from .quality.outliers import Outlier, outliers
-from .quality.plausibility import check_plausible, convention_notes
-from .quality.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
-from .quality.tire_identity import identity_notes
-from .recording import Recording
-from .table_argument import TableLike, recording_from, recordings_from
-from .units import to_si
-from .virtual_bench.bench import TestedTire, VirtualBench
-from .virtual_bench.programs import (
-    Program,
-    alpha_sweeps,
-    concatenate,
-    kappa_sweeps,
-    small_tire_program,
-    steady_points,
-    trento_program,
-)
-from .virtual_bench.sensor_noise import ChannelNoise, Noise
+The names are loaded on first access: reading a table needs no SciPy.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
+    from .files.reading import READERS, read_recording
+    from .files.writing import write_table
+    from .operating_conditions.grouping import Grouping, group_by_condition
+    from .operating_conditions.levels import level_tolerance, levels
+    from .operating_conditions.phases import Phase, phases, transitions
+    from .operating_conditions.selection import Condition, Near, near, select
+    from .quality.coverage import Coverage, coverage, coverage_notes
+    from .quality.outliers import Outlier, outliers
+    from .quality.plausibility import check_plausible, convention_notes
+    from .quality.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
+    from .quality.tire_identity import identity_notes
+    from .recording import Recording
+    from .table_argument import TableLike, recording_from, recordings_from
+    from .units import to_si
+    from .virtual_bench.bench import TestedTire, VirtualBench
+    from .virtual_bench.programs import (
+        Program,
+        alpha_sweeps,
+        concatenate,
+        kappa_sweeps,
+        small_tire_program,
+        steady_points,
+        trento_program,
+    )
+    from .virtual_bench.sensor_noise import ChannelNoise, Noise
+
+#: The module of each name.
+_ON_DEMAND = {
+    "CHANNELS": "channels",
+    "EXCLUSION_REASONS": "quality.row_exclusion",
+    "INPUTS": "channels",
+    "OUTPUTS": "channels",
+    "READERS": "files.reading",
+    "Channel": "channels",
+    "ChannelNoise": "virtual_bench.sensor_noise",
+    "Condition": "operating_conditions.selection",
+    "Coverage": "quality.coverage",
+    "Grouping": "operating_conditions.grouping",
+    "Near": "operating_conditions.selection",
+    "Noise": "virtual_bench.sensor_noise",
+    "Outlier": "quality.outliers",
+    "Phase": "operating_conditions.phases",
+    "Program": "virtual_bench.programs",
+    "Recording": "recording",
+    "RowExclusion": "quality.row_exclusion",
+    "TableLike": "table_argument",
+    "TestedTire": "virtual_bench.bench",
+    "VirtualBench": "virtual_bench.bench",
+    "alpha_sweeps": "virtual_bench.programs",
+    "channel": "channels",
+    "check_plausible": "quality.plausibility",
+    "concatenate": "virtual_bench.programs",
+    "convention_notes": "quality.plausibility",
+    "coverage": "quality.coverage",
+    "coverage_notes": "quality.coverage",
+    "exclude_rows": "quality.row_exclusion",
+    "group_by_condition": "operating_conditions.grouping",
+    "identity_notes": "quality.tire_identity",
+    "kappa_sweeps": "virtual_bench.programs",
+    "level_tolerance": "operating_conditions.levels",
+    "levels": "operating_conditions.levels",
+    "near": "operating_conditions.selection",
+    "outliers": "quality.outliers",
+    "phases": "operating_conditions.phases",
+    "read_recording": "files.reading",
+    "recording_from": "table_argument",
+    "recordings_from": "table_argument",
+    "select": "operating_conditions.selection",
+    "small_tire_program": "virtual_bench.programs",
+    "steady_points": "virtual_bench.programs",
+    "to_si": "units",
+    "transitions": "operating_conditions.phases",
+    "trento_program": "virtual_bench.programs",
+    "write_table": "files.writing",
+}
 
 __all__ = [
     "CHANNELS",
@@ -75,3 +134,13 @@ __all__ = [
     "trento_program",
     "write_table",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _ON_DEMAND:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".{_ON_DEMAND[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
-from .notation import Quantity
+from .declarations import Quantity
 
 #: What a quantity can be for the other packages, with its symbol. A model declares which of its named quantities
 #: has which role; a role without a quantity is one that the model lacks.

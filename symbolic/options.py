@@ -5,7 +5,7 @@ The chapters have the terms in which an option acts (``option.either(default, ot
 
 from __future__ import annotations
 
-from .notation import Option
+from .declarations import Option
 
 convention = Option(
     "convention",

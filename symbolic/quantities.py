@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .notation import Quantity
+from .declarations import Quantity
 
 KAPPA = Quantity("kappa", "1", "longitudinal slip (omega R_e - V_x)/|V_x|; positive drives", typical=0.1)
 ALPHA = Quantity("alpha", "rad", "side slip angle", typical=0.1)

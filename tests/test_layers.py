@@ -33,7 +33,7 @@ SUBPACKAGES = {
         "code": set(),
         "drawing": {"definition", "evaluation", "signs", "tire_argument"},
         "property_file": {"definition", "tire"},
-        "published": {"property_file", "tire"},
+        "published_tires": {"property_file", "tire"},
     },
     "measurements": {
         "files": {"channels", "recording", "thresholds", "units"},

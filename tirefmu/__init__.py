@@ -1,40 +1,47 @@
-"""From tire bench data to a fitted Magic Formula tire, exported as an FMU and checked against the data."""
+"""From tire bench data to a fitted Magic Formula tire, exported as an FMU and checked against the data.
+
+The names are loaded on first access: SymPy, pandas, CasADi and Matplotlib take seconds.
+"""
 
 from __future__ import annotations
 
 from importlib import import_module
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
-from tirefmu.symbolic.errors import TirefmuError
-from tirefmu.tires import Tire, published
-from tirefmu.tires import read_tir as load
 from tirefmu.tires.table_argument import read_tables_with
-
-from .evaluation import evaluate
 
 if TYPE_CHECKING:
     from tirefmu.diagnosis import Diagnosis, diagnose
     from tirefmu.fitting import FitResult, fit
     from tirefmu.fmu import CheckResult, check, export
     from tirefmu.measurements import Recording, VirtualBench, read_recording
+    from tirefmu.symbolic.errors import TirefmuError
+    from tirefmu.tires import Tire, published
+    from tirefmu.tires import read_tir as load
     from tirefmu.tires.drawing.files import draw
 
-__version__ = version("tirefmu")
+    from .evaluation import evaluate
 
-#: Names from packages that import large libraries, loaded on first access.
+    __version__: str
+
+#: The package or module of each name, and its name there if it is another one.
 _ON_DEMAND = {
-    "diagnose": "diagnosis",
-    "Diagnosis": "diagnosis",
-    "draw": "tires.drawing.files",
-    "fit": "fitting",
-    "FitResult": "fitting",
-    "export": "fmu",
-    "check": "fmu",
     "CheckResult": "fmu",
-    "read_recording": "measurements",
+    "Diagnosis": "diagnosis",
+    "FitResult": "fitting",
     "Recording": "measurements",
+    "Tire": "tires",
+    "TirefmuError": "symbolic.errors",
     "VirtualBench": "measurements",
+    "check": "fmu",
+    "diagnose": "diagnosis",
+    "draw": "tires.drawing.files",
+    "evaluate": "evaluation",
+    "export": "fmu",
+    "fit": "fitting",
+    "load": "tires:read_tir",
+    "published": "tires",
+    "read_recording": "measurements",
 }
 
 __all__ = [
@@ -58,9 +65,14 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("tirefmu")
     if name not in _ON_DEMAND:
         raise AttributeError(f"module 'tirefmu' has no attribute {name!r}")
-    return getattr(import_module(f"tirefmu.{_ON_DEMAND[name]}"), name)
+    module, _, renamed = _ON_DEMAND[name].partition(":")
+    return getattr(import_module(f"tirefmu.{module}"), renamed or name)
 
 
 def __dir__() -> list[str]:

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import click
 
-from tirefmu.symbolic import DEFAULT_MODEL, MODELS
+from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import TirefmuError
 
+#: The models of the package; the equations take too long to load for a help text.
+_MODELS = json.loads((files("tirefmu.generated") / "MANIFEST.json").read_text(encoding="ascii"))["lines"]
 #: Option of the commands that do not need a tire.
 MODEL = click.option(
-    "--model", help=f"Model: {', '.join(MODELS)}.  [default: that of the given tire, else {DEFAULT_MODEL}]"
+    "--model", help=f"Model: {', '.join(_MODELS)}.  [default: that of the given tire, else {DEFAULT_MODEL}]"
 )
 SIGNS = click.Choice(["iso", "sae", "adapted-sae"])
 FILE = click.Path(path_type=Path)
@@ -63,6 +66,16 @@ def common(command: Callable[..., Any]) -> Callable[..., Any]:
         command
     )
     return click.option("--quiet", is_flag=True, help="Print errors only.")(command)
+
+
+def check_input_paths(*paths: Path) -> None:
+    """Raise for a missing file, before the packages are loaded that read files.
+
+    A path without an extension may be the name of a published tire.
+    """
+    for path in paths:
+        if path.suffix and not path.exists():
+            raise TirefmuError(f"{path}: no such file")
 
 
 def check_output_paths(*files: Path | None, folder: Path | None = None) -> None:

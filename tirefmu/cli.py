@@ -1,7 +1,7 @@
 """The command line: ``tirefmu COMMAND``. Exit codes: 0 success, 1 completed but a check failed, 2 invalid input.
 
-A command imports its packages when it runs, because casadi, fmpy and matplotlib would delay every ``--help``. TIRE is a
-.tir file or the name of a published tire.
+A command imports its packages when it runs and its files exist: SymPy, pandas, CasADi and Matplotlib would delay every
+``--help`` and every error message. TIRE is a .tir file or the name of a published tire.
 """
 
 from __future__ import annotations
@@ -16,11 +16,20 @@ import click
 
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.escaping import excerpt, visible
-from tirefmu.tires import tire_from
 
-from .arguments import FILE, MODEL, SIGNS, Numbers, Pairs, check_output_paths, common, names, write_json
+from .arguments import (
+    FILE,
+    MODEL,
+    SIGNS,
+    Numbers,
+    Pairs,
+    check_input_paths,
+    check_output_paths,
+    common,
+    names,
+    write_json,
+)
 from .diagnose_command import diagnose
-from .terminal import Terminal
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -44,6 +53,8 @@ def generate(only_check: bool, quiet: bool, json_file: Path | None) -> int:
     """Generate the NumPy, CasADi and C code of all models in generated/."""
     import tirefmu.generated
     from tirefmu.symbolic.printers import generate as printers
+
+    from .terminal import Terminal
 
     terminal = Terminal(quiet)
     check_output_paths(json_file)
@@ -106,10 +117,14 @@ def evaluate(
 
     If TABLE has a column t and TIRE a relax_* effect, the slips have a first-order lag.
     """
+    check_output_paths(output, json_file)
+    check_input_paths(tire, table)
     from tirefmu.measurements import recording_from, write_table
+    from tirefmu.tires import tire_from
+
+    from .terminal import Terminal
 
     terminal = Terminal(quiet)
-    check_output_paths(output, json_file)
     loaded = tire_from(tire)
     recording = recording_from(table, signs=signs)
     with terminal.working(f"evaluating {len(recording)} rows"):
@@ -176,13 +191,15 @@ def fit(
     Ctrl-C stops a fit; the best values so far are written, and the exit code is 1. NAME.progress.json, in the folder of
     the tire, has the completed stages. --resume continues after them. A completed fit deletes the file.
     """
+    check_output_paths(output, json_file, report, folder=figures)
+    check_input_paths(*tables)
     from tirefmu.fitting import assign_folds, cross_validate
     from tirefmu.fitting import fit as run
-    from tirefmu.fitting.reporting.figures import draw_figures
     from tirefmu.measurements import recordings_from
 
+    from .terminal import Terminal
+
     terminal = Terminal(quiet)
-    check_output_paths(output, json_file, report, folder=figures)
     recordings = recordings_from(tables, signs=signs)
     if folds:
         assign_folds(recordings, folds)  # raises before the fit if there are too few parts
@@ -206,6 +223,8 @@ def fit(
     if result.interrupted and finished_stages.exists():
         terminal.print(f"completed stages: {finished_stages}; to continue, run the same command with --resume")
     if figures:
+        from tirefmu.fitting.reporting.figures import draw_figures
+
         with terminal.working("drawing figures"):
             drawn = draw_figures(result.tire, recordings, figures)
         terminal.print(f"figures: {len(drawn)} in {figures}")
@@ -253,10 +272,14 @@ def export(
     json_file: Path | None,
 ) -> int:
     """Export TIRE as an FMU: native (Co-Simulation and Model Exchange, no Python), or with editable Python."""
+    check_output_paths(output, json_file)
+    check_input_paths(tire)
     from tirefmu.fmu import export as run
+    from tirefmu.tires import tire_from
+
+    from .terminal import Terminal
 
     terminal = Terminal(quiet)
-    check_output_paths(output, json_file)
     loaded = tire_from(tire)
     version = int(fmi) if fmi else 3 if kind == "native" else 2
     with terminal.working("compiling" if kind == "native" else "packing"):
@@ -292,10 +315,13 @@ def check(
 
     FMU runs in a separate process: a crash or a hang is reported as an error. It is native code with your permissions.
     """
+    check_output_paths(json_file, folder=figures)
+    check_input_paths(fmu, table)
     from tirefmu.fmu import check as run
 
+    from .terminal import Terminal
+
     terminal = Terminal(quiet)
-    check_output_paths(json_file, folder=figures)
     with terminal.working(f"simulating {fmu.name} over {table.name}"):
         result = run(fmu, table, signs=signs, tolerance=tolerance, timeout=timeout)
     write_json(json_file, result.to_json())
@@ -315,11 +341,14 @@ def check(
 @common
 def info(tire: Path, every: bool, quiet: bool, json_file: Path | None) -> int:
     """Summarize TIRE: model, ranges, effects, coefficients, warnings."""
+    check_output_paths(json_file)
+    check_input_paths(tire)
+    from tirefmu.tires import tire_from
     from tirefmu.tires.property_file.reading import read_tir_with_notes
 
     from .description import describe
+    from .terminal import Terminal
 
-    check_output_paths(json_file)
     loaded = tire_from(tire)
     summary = describe(loaded, read_tir_with_notes(tire).notes if tire.is_file() else ())
     write_json(json_file, summary)
@@ -339,11 +368,15 @@ def draw(
     json_file: Path | None,
 ) -> int:  # fmt: skip
     """Draw TIRE at several loads: pure slip, surfaces of Fx and Fy over both slips, Fy against Fx."""
+    check_output_paths(json_file, folder=output)
+    check_input_paths(tire)
+    from tirefmu.tires import tire_from
     from tirefmu.tires.drawing.files import draw as run
     from tirefmu.tires.drawing.tire_figures import default_loads
 
+    from .terminal import Terminal
+
     terminal = Terminal(quiet)
-    check_output_paths(json_file, folder=output)
     loaded = tire_from(tire)
     loads = default_loads(loaded) if loads is None else loads
     with terminal.working("drawing"):
@@ -360,10 +393,11 @@ def draw(
 @common
 def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
     """Run the full workflow on the virtual bench: measurement, fit, tire, FMU, check, a missing effect."""
+    check_output_paths(json_file, folder=output)
     from .demo import run
+    from .terminal import Terminal
 
     terminal = Terminal(quiet)
-    check_output_paths(json_file, folder=output)
     summary = run(output, terminal)
     write_json(json_file, summary)
     return 0 if summary["ok"] else 1

@@ -9,10 +9,8 @@ import click
 
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import TirefmuError
-from tirefmu.tires import tire_from
 
-from .arguments import FILE, MODEL, SIGNS, Pairs, check_output_paths, common, names, write_json
-from .terminal import Terminal
+from .arguments import FILE, MODEL, SIGNS, Pairs, check_input_paths, check_output_paths, common, names, write_json
 
 
 @click.command()
@@ -36,14 +34,18 @@ def diagnose(
     fmus: bool, output: Path, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Identify the effect that a tire model lacks, from the recording TABLE; add it and report the smaller error."""
-    from tirefmu.diagnosis import diagnose as run
-    from tirefmu.diagnosis import export_and_simulate, write_report
-    from tirefmu.measurements import recordings_from
-
-    terminal = Terminal(quiet)
     check_output_paths(json_file, folder=output)
     if others and not fmus:
         raise TirefmuError("--holdout needs the FMUs; remove --no-fmu")
+    check_input_paths(table, *others, *user_files, *([tire] if tire else []))
+    from tirefmu.diagnosis import diagnose as run
+    from tirefmu.diagnosis import export_and_simulate, write_report
+    from tirefmu.measurements import recordings_from
+    from tirefmu.tires import tire_from
+
+    from .terminal import Terminal
+
+    terminal = Terminal(quiet)
     recording, *further = recordings_from([table, *others], signs=signs)
     for one in (recording, *further):
         one.measured()  # raises for a table without a measured output

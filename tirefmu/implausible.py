@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-import pandas as pd
 
 from tirefmu.tires import Tire
 from tirefmu.tires.definition import RANGES
+from tirefmu.tires.evaluation import quantities
 
 #: Largest plausible magnitude of the ends of an input's range, and the probable unit of a larger number. They replace
 #: the bounds in the declarations of the coefficients.
@@ -117,34 +117,29 @@ def _ranges(tire: Tire) -> Iterator[Doubt]:
 
 def _behaviour(tire: Tire) -> Iterator[Doubt]:
     """Yield doubts about named quantities over the range of loads, in adapted SAE."""
-    table = pd.DataFrame(
-        [(Fz, side * 0.5 * _end(tire, "kappa", 0.2), side * 0.5 * _end(tire, "alpha", 0.2))
-         for Fz in loads(tire) for side in (-1.0, 1.0)],
-        columns=["Fz", "kappa", "alpha"],
-    )  # fmt: skip
-    quantities = tire.evaluate(table, signs="adapted-sae", steady=True)
+    points = [(Fz, side * 0.5 * _end(tire, "kappa", 0.2), side * 0.5 * _end(tire, "alpha", 0.2))
+              for Fz in loads(tire) for side in (-1.0, 1.0)]  # fmt: skip
+    inputs = dict(zip(("Fz", "kappa", "alpha"), np.array(points).T, strict=True))
+    found, load = quantities(tire.in_signs("adapted-sae"), inputs), inputs["Fz"]
     book = tire.book
     for axis in ("x", "y"):
         friction, stiffness = book.quantity(f"friction_{axis}"), book.quantity(f"stiffness_{axis}")
-        yield from _sign(quantities, friction)
+        yield from _sign(friction, found[friction], load)
         if stiffness:
-            yield from _sign(quantities, stiffness)
-        if quantities[friction].min() > 0 and quantities[friction].iloc[-1] > quantities[friction].iloc[0] * (1 + 1e-9):
-            first, last = quantities[friction].iloc[0], quantities[friction].iloc[-1]
-            yield Doubt(
-                friction, float(last), f"increases with load, from {first:.3g} at {quantities['Fz'].iloc[0]:g} N"
-            )
+            yield from _sign(stiffness, found[stiffness], load)
+        first, last = found[friction][0], found[friction][-1]
+        if found[friction].min() > 0 and last > first * (1 + 1e-9):
+            yield Doubt(friction, float(last), f"increases with load, from {first:.3g} at {load[0]:g} N")
     for name in filter(None, map(book.quantity, CURVATURES)):
-        curvature = np.nan_to_num(quantities[name].to_numpy(dtype=np.float64), nan=-np.inf)
+        curvature = np.nan_to_num(found[name], nan=-np.inf)
         row = int(curvature.argmax())
         if curvature[row] > 1:
-            at = ", ".join(f"{key} = {table[key].iloc[row]:.3g}" for key in ("Fz", "kappa", "alpha"))
+            at = ", ".join(f"{key} = {values[row]:.3g}" for key, values in inputs.items())
             yield Doubt(name, float(curvature[row]), f"above 1 at {at}")
 
 
-def _sign(quantities: pd.DataFrame, name: str) -> Iterator[Doubt]:
+def _sign(name: str, values: npt.NDArray[np.float64], load: npt.NDArray[np.float64]) -> Iterator[Doubt]:
     """Yield a doubt if a quantity is not positive everywhere."""
-    values = quantities[name].to_numpy(dtype=np.float64)
     bad = np.flatnonzero(~(values > 0))
     if bad.size == 0:
         return
@@ -152,7 +147,7 @@ def _sign(quantities: pd.DataFrame, name: str) -> Iterator[Doubt]:
     reason = "is not a number" if np.isnan(values[row]) else "is not positive"
     if len(bad) < len(values) and not np.isnan(values[row]):
         reason = "changes sign within the range of loads"
-    yield Doubt(name, float(values[row]), f"{reason} (adapted SAE), Fz = {quantities['Fz'].iloc[row]:.4g} N")
+    yield Doubt(name, float(values[row]), f"{reason} (adapted SAE), Fz = {load[row]:.4g} N")
 
 
 def _end(tire: Tire, name: str, default: float) -> float:

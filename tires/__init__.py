@@ -1,12 +1,37 @@
-"""Tires: values for a model's coefficients, .tir files, published tires, sign conventions."""
+"""Tires: values for a model's coefficients, .tir files, published tires, sign conventions.
 
-from .forces import Forces
-from .property_file.reading import read_tir
-from .property_file.writing import write_tir
-from .published import PUBLISHED, published
-from .signs import SIGNS, TABLE_INPUTS, TABLE_OUTPUTS, convert_signs
-from .tire import Tire
-from .tire_argument import TireLike, tire_from
+The names are loaded on first access: the command line needs some of them without pandas and the models.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .forces import Forces
+    from .property_file.reading import read_tir
+    from .property_file.writing import write_tir
+    from .published_tires import PUBLISHED, published
+    from .signs import SIGNS, TABLE_INPUTS, TABLE_OUTPUTS, convert_signs
+    from .tire import Tire
+    from .tire_argument import TireLike, tire_from
+
+#: The module of each name.
+_ON_DEMAND = {
+    "PUBLISHED": "published_tires",
+    "SIGNS": "signs",
+    "TABLE_INPUTS": "signs",
+    "TABLE_OUTPUTS": "signs",
+    "Forces": "forces",
+    "Tire": "tire",
+    "TireLike": "tire_argument",
+    "convert_signs": "signs",
+    "published": "published_tires",
+    "read_tir": "property_file.reading",
+    "tire_from": "tire_argument",
+    "write_tir": "property_file.writing",
+}
 
 __all__ = [
     "PUBLISHED",
@@ -22,3 +47,13 @@ __all__ = [
     "tire_from",
     "write_tir",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _ON_DEMAND:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(f".{_ON_DEMAND[name]}", __name__), name)
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

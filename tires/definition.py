@@ -12,12 +12,12 @@ from typing import Self
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic import model as model_of
-from tirefmu.symbolic import with_library
 from tirefmu.symbolic.added import AddedEffect, library
+from tirefmu.symbolic.declarations import Coefficient
 from tirefmu.symbolic.errors import TireError, UnknownName, no_single_text
 from tirefmu.symbolic.model import INDISPENSABLE, Model
-from tirefmu.symbolic.notation import Coefficient
+from tirefmu.symbolic.models import model as model_of
+from tirefmu.symbolic.models import with_library
 from tirefmu.symbolic.options import OPTIONS
 
 from .signs import TABLE_INPUTS

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
-import pandas as pd
 
 from tirefmu.symbolic.errors import DataError, UnknownName
 from tirefmu.symbolic.model import Model
@@ -17,6 +17,9 @@ from .definition import TireDefinition
 from .forces import Forces
 from .signs import MIRRORED, TABLE_INPUTS, convert_signs, reversed_columns
 from .transient import lagged, rolled_distance
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -57,14 +60,35 @@ def forces(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike], code: str 
     UnknownName
         If an input is none of the public tables.
     """
+    rows, shape = _broadcast(tire, inputs)
+    results = _code(tire.book, code, rows.shape[1]).forces(rows, tire.parameters())
+    return Forces({name: row.reshape(shape) for name, row in zip(tire.outputs, results, strict=True)})
+
+
+def quantities(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike]) -> dict[str, FloatArray]:
+    """Return the named quantities in the tire's own signs, in steady state, by name; `inputs` as for `forces`.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> quantities(published("trento_hoosier"), {"Fz": [500.0, 1000.0]})["mu_y"].round(2)
+    array([2.61, 2.42])
+    """
+    rows, shape = _broadcast(tire, inputs)
+    code = _code(tire.book, "auto", rows.shape[1])
+    results = code.quantities(rows, tire.parameters())
+    return {name: row.reshape(shape) for name, row in zip(code.quantities_names, results, strict=True)}
+
+
+def _broadcast(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike]) -> tuple[FloatArray, tuple[int, ...]]:
+    """Return rows of the model's inputs, without those that request an absent effect, and the shape of the inputs."""
     for name in inputs:
         if name not in TABLE_INPUTS:
             raise UnknownName("input", name, TABLE_INPUTS)
     columns = [np.asarray(inputs.get(name, tire.nominal(name)), dtype=np.float64) for name in tire.inputs]
     shape = np.broadcast_shapes(*(column.shape for column in columns))
     rows = np.stack([np.broadcast_to(column, shape).ravel() for column in columns])
-    results = _code(tire.book, code, rows.shape[1]).forces(tire.effective_inputs(rows), tire.parameters())
-    return Forces({name: row.reshape(shape) for name, row in zip(tire.outputs, results, strict=True)})
+    return tire.effective_inputs(rows), shape
 
 
 def evaluate(
@@ -91,6 +115,8 @@ def evaluate(
     DataError
         If an input is NaN or infinite.
     """
+    import pandas as pd  # here, because `forces` does without
+
     tire = tire.in_signs(conventions.formula)
     code = _code(tire.book, language, len(table))
     parameters = tire.parameters(**conventions.options)
@@ -116,6 +142,8 @@ def _inputs(
     tire: TireDefinition, table: pd.DataFrame, conventions: Conventions
 ) -> tuple[dict[str, pd.Series[float]], FloatArray]:
     """Return the model's inputs by name, and as finite rows without inputs that request an absent effect."""
+    import pandas as pd
+
     given = convert_signs(table, conventions.signs, conventions.formula)
     if "distance" in tire.inputs and "distance" not in given and {"t", "V"} <= set(given):
         t, speed = _finite(given["t"], "t"), _finite(given["V"], "V")

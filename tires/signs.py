@@ -13,9 +13,12 @@ kappa, gamma, Fx and Mx are the same in all three.
 
 from __future__ import annotations
 
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from tirefmu.symbolic.errors import UnknownName
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: The input columns of the public tables; a model reads those that it knows.
 TABLE_INPUTS = ("t", "kappa", "alpha", "gamma", "Fz", "p", "V", "T", "phit")
@@ -75,6 +78,7 @@ def convert_signs(table: pd.DataFrame, source: str, target: str) -> pd.DataFrame
 
     Examples
     --------
+    >>> import pandas as pd
     >>> bench = pd.DataFrame({"alpha": [0.1], "Fz": [-1000.0], "Fy": [-900.0]})
     >>> convert_signs(bench, "sae", "iso").iloc[0].to_dict()
     {'alpha': -0.1, 'Fz': 1000.0, 'Fy': 900.0}

@@ -7,11 +7,12 @@ connects the two, so that nothing here depends on the readers.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Protocol
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any, Protocol
 
 from tirefmu.symbolic.errors import WrongType
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class SignedTable(Protocol):
@@ -70,9 +71,12 @@ def table_from(table: Any, signs: str | None = None) -> tuple[pd.DataFrame, str]
 
     Examples
     --------
+    >>> import pandas as pd
     >>> table_from(pd.DataFrame({"alpha": [0.1]}))[1]
     'iso'
     """
+    import pandas as pd  # every import of tirefmu imports this module
+
     if isinstance(table, pd.DataFrame):
         return table, "iso" if signs is None else signs
     recording = _reader(table, signs)

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
-import pandas as pd
 
 from .definition import TireDefinition
 from .evaluation import Conventions, evaluate, forces
@@ -17,6 +16,7 @@ from .summary import tire_html, tire_text
 from .table_argument import table_from
 
 if TYPE_CHECKING:
+    import pandas as pd
     from matplotlib.figure import Figure
 
 
@@ -151,6 +151,7 @@ class Tire(TireDefinition):
         Examples
         --------
         >>> from tirefmu.tires import published
+        >>> import pandas as pd
         >>> table = pd.DataFrame({"alpha": [0.0, -0.1], "Fz": 1000.0})
         >>> published("trento_hoosier").evaluate(table)["Fy"].round().tolist()
         [-89.0, 1948.0]

@@ -8,7 +8,7 @@ from pathlib import Path
 from tirefmu.symbolic.errors import UnknownName, WrongType
 
 from .property_file.reading import read_tir
-from .published import PUBLISHED, published
+from .published_tires import PUBLISHED, published
 from .tire import Tire
 
 #: What the functions of the public interface accept as a tire.

@@ -10,8 +10,8 @@ import numpy.typing as npt
 from scipy.ndimage import uniform_filter1d
 
 from tirefmu.estimation.periodic_lines import periodic_lines
+from tirefmu.symbolic.declarations import Coefficient
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.notation import Coefficient
 from tirefmu.tires.code import code_for
 from tirefmu.tires.tire import Tire
 

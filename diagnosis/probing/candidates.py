@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tirefmu.symbolic.declarations import Coefficient
 from tirefmu.symbolic.detection import Detection, Form
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.notation import Coefficient
 from tirefmu.tires.tire import Tire
 
 from ..recording.signals import Signals

@@ -127,7 +127,7 @@ def separating_measurement(first: str, second: str, detections: Mapping[str, Det
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> separating_measurement("plysteer", "slip_angle_zero_offset", model("mf61").detections)
     'turn the tire on the rim and repeat one alpha sweep'
     """

@@ -11,7 +11,6 @@ from typing import Any
 from tirefmu.fitting.reporting.page import inlined, page_text, write_page
 from tirefmu.measurements import Recording, TableLike, recording_from
 from tirefmu.symbolic.errors import DataError, path_from
-from tirefmu.symbolic.notation import Switch
 from tirefmu.tires.tire import Tire
 
 from ..verdict.result import Diagnosis
@@ -111,11 +110,11 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     gained = after.has - before.has
     old = after.book.as_written(before.has & after.book.effects.keys())
     new = after.book.as_written(after.has)
+    effects = {line.name: line.effects for line in after.book.structure.lines}
     changed = []
     for line in after.book.equations:
-        present = {str(switch.args[0]) for switch in line.expression.atoms(Switch)}
         name = line.symbol.name
-        if present & gained and old[name] != new[name] and not line.variant:
+        if gained.intersection(effects[name]) and old[name] != new[name] and not line.variant:
             formulas = [f"{line.acts_for or name} = {lines[name]}" for lines in (old, new)]
             changed.append(ChangedLine(line.number, line.description, *formulas))
     return tuple(changed)

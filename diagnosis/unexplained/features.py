@@ -116,7 +116,7 @@ def locations_of(book: Model) -> list[Location]:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> locations_of(model("mf96"))[0].coefficients
     ('PDX1', 'PDY1')
     """

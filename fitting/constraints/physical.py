@@ -29,9 +29,9 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.symbolic import model as model_of
 from tirefmu.symbolic.contract import PhysicalConstraint
 from tirefmu.symbolic.errors import UnknownName
+from tirefmu.symbolic.models import model as model_of
 
 FloatArray = npt.NDArray[np.float64]
 #: Tolerance within which a constraint is satisfied, in the unit of the quantity.

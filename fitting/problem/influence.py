@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tirefmu.symbolic.notation import Coefficient
+from tirefmu.symbolic.declarations import Coefficient
 from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 

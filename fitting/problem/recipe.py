@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tirefmu.symbolic import MODELS
-from tirefmu.symbolic import model as model_of
 from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.errors import FitError, UnknownName
 from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.models import MODELS
+from tirefmu.symbolic.models import model as model_of
 
 #: Largest size of a recipe file, bytes.
 LARGEST_FILE = 1_000_000

@@ -15,7 +15,7 @@ import pandas as pd
 from scipy.linalg.blas import dsyrk
 
 from tirefmu.measurements.operating_conditions.held_levels import held_levels
-from tirefmu.symbolic.model import Model, reaching
+from tirefmu.symbolic.model import Model
 from tirefmu.tires.code import Code, fastest_code, forces_of_each
 from tirefmu.tires.tire import Tire
 
@@ -272,14 +272,9 @@ class Problem:
 @lru_cache(maxsize=16)
 def coefficients_by_output(book: Model, *, straight: bool = False) -> dict[str, frozenset[str]]:
     """Return the coefficients on which each output of a model depends, or depends without turn slip."""
-    lines = book.lines(straight=straight)
-    return {
-        output.name: frozenset(
-            str(symbol) for line in reaching(lines, {output.name}) for symbol in line.expression.free_symbols
-        )
-        & book.coefficients.keys()
-        for output in book.outputs
-    }
+    names = [output.name for output in book.outputs]
+    read = {name: book.structure.straight[name] if straight else book.reached([name]) for name in names}
+    return {name: frozenset(read[name]) & book.coefficients.keys() for name in names}
 
 
 def equal_weights(rows: Rows) -> FloatArray:

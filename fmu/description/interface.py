@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import inf
 
-import pandas as pd
-
+from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.notation import Quantity
 from tirefmu.tires import Tire
+from tirefmu.tires.evaluation import quantities as quantities_of
 
 from .variables import TIME, Variable, feedthrough, option_variable, parameter_variable, read_inputs
 
@@ -153,7 +152,7 @@ def _slip_inputs(tire: Tire, read: set[str], rolls: bool) -> list[Variable]:
 
 def _wheel_inputs(tire: Tire, read: set[str]) -> list[Variable]:
     """Return the wheel's motion, free rolling at the start, and the remaining inputs of the model."""
-    nominal = tire.evaluate(pd.DataFrame({"kappa": [0.0]}), steady=True).iloc[0]
+    nominal = quantities_of(tire.in_signs("iso"), {"kappa": 0.0})
     speed = tire.nominal("V") if "V" in tire.inputs else SPEED
     radius = float(nominal.get(tire.book.quantity("rolling_radius"), tire.values["UNLOADED_RADIUS"]))
     starts = {"V_x": speed, "V_y": 0.0, "omega": speed / radius}
@@ -197,7 +196,7 @@ def _stem(name: str) -> str:
 def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
     """Return the outputs in addition to the forces; `source` is their source in the C code."""
     book = tire.book
-    named = {line.symbol.name: line for line in book.equations if line.named}
+    named = book.structure.quantities
     taken = {*book.parameters, *(q.name for q in (*book.inputs, *book.outputs, *(MOTION if wheel else ())))}
     chosen = named if quantities else [name for name in map(book.quantity, ("rolling_radius", "loaded_radius")) if name]
     found = [Variable("friction_use", "output", "1", "force as a share of the friction ellipse",
@@ -213,9 +212,7 @@ def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
         found.append(Variable("alpha_lagged", "local", "rad", "side slip angle from its lagged tangent",
                               group="extra", source="ALPHA_LAGGED"))  # fmt: skip
     return found + [
-        Variable(
-            name, "output", named[name].unit, named[name].description, group="extra", source=f"FIRST_QUANTITY + {name}"
-        )
+        Variable(name, "output", *named[name], group="extra", source=f"FIRST_QUANTITY + {name}")
         for name in chosen
         if name not in taken
     ]

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from math import inf
 
-from tirefmu.symbolic.model import Model, reaching
-from tirefmu.symbolic.notation import Coefficient, Option, Quantity
+from tirefmu.symbolic.declarations import Coefficient, Option, Quantity
+from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.options import signs
 from tirefmu.symbolic.quantities import BEYOND
 from tirefmu.tires import Tire
@@ -136,8 +136,7 @@ def read_inputs(tire: Tire) -> set[str]:
     >>> sorted(read_inputs(Tire("mf61", values, effects=["turn_slip"])) - read_inputs(Tire("mf61", values, effects=[])))
     ['phit']
     """
-    lines = reaching(tire.book.lines(tire.has), {*tire.outputs, *map(tire.book.quantity, LENGTHS)})
-    reached = {symbol.name for line in lines for symbol in line.expression.free_symbols}
+    reached = tire.book.reached({*tire.outputs, *map(tire.book.quantity, LENGTHS)}, tire.has)
     idle = {name for name in BEYOND if name not in reached}
     return set(tire.inputs) - idle - {name for effect, name in tire.book.on_demand if effect not in tire.has}
 
@@ -155,7 +154,7 @@ def direct_feedthrough(book: Model) -> dict[str, set[str]]:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> sorted(direct_feedthrough(model("mf96"))["Fx"])
     ['Fz', 'alpha', 'gamma', 'kappa']
     """
@@ -174,11 +173,8 @@ def feedthrough(book: Model, names: Iterable[str]) -> dict[str, set[str]]:
     -------
     dict of str to set of str
     """
-    lines, inputs = book.lines(), {quantity.name for quantity in book.inputs}
-    return {
-        name: {symbol.name for line in reaching(lines, [name]) for symbol in line.expression.free_symbols} & inputs
-        for name in names
-    }
+    inputs = {quantity.name for quantity in book.inputs}
+    return {name: inputs & book.reached([name]) for name in names}
 
 
 def _input(quantity: Quantity, tire: Tire) -> Variable:

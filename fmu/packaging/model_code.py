@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 
 from tirefmu.symbolic.errors import FmuError
-from tirefmu.symbolic.printers.c import INCLUDES
-from tirefmu.symbolic.printers.definitions import calling_math, definitions
+from tirefmu.symbolic.printers.definitions import INCLUDES, calling_math, definitions
 
 #: Routines that a host calls at every step, and routines that it calls rarely.
 FAST = ("forces", "relaxation")

@@ -8,11 +8,7 @@ from importlib.resources import files
 from math import inf, isfinite
 
 from tirefmu.symbolic.escaping import c_string
-from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.printers.c import comment
-from tirefmu.symbolic.printers.definitions import calling_math, definitions
-from tirefmu.symbolic.printers.expressions import PlainCPrinter
-from tirefmu.symbolic.printers.operations import rolling_radius_lines
+from tirefmu.symbolic.printers.definitions import comment
 from tirefmu.tires.code.modules import c_folder
 
 from ..description.interface import Interface, host_input_indices
@@ -85,7 +81,7 @@ def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
     found |= split_code(model, (generated / f"{model}.c").read_text(encoding="ascii"))
     found |= {name: (generated / name).read_bytes() for name in (f"{model}.h", f"{model}_operations.h")}
     if shown.wheel:
-        found[RADIUS] = rolling_radius(shown.tire.book).encode()
+        found[RADIUS] = (generated / f"{model}_{RADIUS}").read_bytes()
     return {**found, CONFIG: model_config(shown, token).encode()}
 
 
@@ -219,41 +215,6 @@ def _extra(variable: Variable, model: str) -> str:
     """Return the source of an extra output, as named in the C code."""
     kind, _, name = variable.source.partition(" + ")
     return f"{kind} + {model.upper()}_{name}" if name else kind
-
-
-def rolling_radius(book: Model) -> str:
-    """Return a header with the rolling radius of a wheel at a given angular speed.
-
-    Parameters
-    ----------
-    book : Model
-
-    Returns
-    -------
-    str
-        The free radius for a model without an effective rolling radius.
-
-    Examples
-    --------
-    >>> from tirefmu.symbolic import model
-    >>> print(rolling_radius(model("mf96")).splitlines()[-2].strip())
-    return UNLOADED_RADIUS;
-    """
-    prefix = book.name.upper()
-    needed = rolling_radius_lines(book)
-    turning = book.quantity("wheel_speed") or "omega"
-    read = {symbol.name for line in needed for symbol in line.expression.free_symbols} or {"UNLOADED_RADIUS"}
-    printer = PlainCPrinter()
-    lines = [f"const double {name} = parameters[{prefix}_{name}];" for name in book.parameters if name in read]
-    lines += [f"const double {q.name} = inputs[{prefix}_{q.name}];" for q in book.inputs if q.name in read]
-    lines += [f"const double {line.symbol} = {printer.doprint(line.expression)};" for line in needed]
-    lines += [] if needed else ["(void) inputs;", f"(void) {turning};"]
-    lines += [f"return {book.quantity('rolling_radius') if needed else 'UNLOADED_RADIUS'};"]
-    body = calling_math("\n".join(f"    {line}" for line in lines))
-    remark = comment("The effective rolling radius by load, pressure and angular speed, from the model's equations.")
-    head = f"static double rolling_radius(const double inputs[], double {turning}, const double parameters[])"
-    parts = [remark, definitions(body), f"{head}\n{{\n{body}\n}}"]
-    return "\n\n".join(part for part in parts if part) + "\n"
 
 
 def _table(name: str, entries: Sequence[str]) -> Iterable[str]:

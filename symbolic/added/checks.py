@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import isfinite
 
+from ..declarations import Coefficient
 from ..errors import EffectError
 from ..escaping import quoted
-from ..notation import Coefficient
 from ..reserved import no_coefficient, no_effect
 from .effect import AddedEffect
-from .formula import formula, formula_text
 
 #: Upper limits, in characters and in numbers of items.
 LONGEST_FILE, LONGEST_TEXT, LONGEST_UNIT = 100_000, 600, 40
@@ -38,6 +37,8 @@ def check_effects(effects: Sequence[AddedEffect]) -> None:
     ----------
     effects : sequence of AddedEffect
     """
+    from .formula import formula  # SymPy
+
     if len(effects) > MOST_EFFECTS:
         raise EffectError(f"a tire has at most {MOST_EFFECTS} added effects, not {len(effects)}")
     seen: set[str] = set()
@@ -45,7 +46,7 @@ def check_effects(effects: Sequence[AddedEffect]) -> None:
         location = f"effect {quoted(effect.name)}"
         check_effect(effect, location)
         for act in effect.acts:
-            formula(formula_text(act.expression), location)
+            formula(act.text, location)
         if effect.name.lower() in seen:  # keys of .tir files are not case-sensitive
             raise EffectError(f"two added effects have the name {effect.name}")
         seen.add(effect.name.lower())

@@ -2,21 +2,58 @@
 
 from __future__ import annotations
 
+import ast
+from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
+from functools import cached_property, partial
+from types import new_class
+from typing import TYPE_CHECKING
 
-import sympy as sp
-
+from ..declarations import Coefficient, Section
 from ..detection import Detection
-from ..notation import Coefficient
+from ..errors import EffectError
+
+if TYPE_CHECKING:
+    import sympy as sp
 
 
 @dataclass(frozen=True)
 class Act:
-    """Change of one named quantity, given by name or role, by an added effect: ``how`` is "factor" or "term"."""
+    """Change of one named quantity, given by name or role, by an added effect.
+
+    Attributes
+    ----------
+    on : str
+    how : str
+        "factor" or "term".
+    text : str
+        The formula as `tirefmu.symbolic.added.formula.formula_text` writes it.
+
+    Examples
+    --------
+    >>> act = Act("friction_y", "factor", "TMU1*(T - TREF) + 1")
+    >>> sorted(act.reads), act.expression
+    (['T', 'TMU1', 'TREF'], TMU1*(T - TREF) + 1)
+    """
 
     on: str
     how: str
-    expression: sp.Expr
+    text: str
+
+    @cached_property
+    def reads(self) -> frozenset[str]:
+        """The names that the formula reads."""
+        nodes = list(ast.walk(ast.parse(f"({self.text.strip()}\n)", mode="eval")))
+        functions = {id(node.func) for node in nodes if isinstance(node, ast.Call)}
+        return frozenset(node.id for node in nodes if isinstance(node, ast.Name) and id(node) not in functions)
+
+    @cached_property
+    def expression(self) -> sp.Expr:
+        """The formula as a SymPy expression."""
+        from .formula import formula
+
+        return formula(self.text, f"an effect on {self.on}")
 
 
 @dataclass(frozen=True)
@@ -49,3 +86,26 @@ class AddedEffect:
     def section(self) -> str:
         """The .tir section of its coefficients."""
         return f"TIREFMU_{self.name.upper()}"
+
+
+def sections_of(effects: Sequence[AddedEffect]) -> list[type[Section]]:
+    """Return a .tir section for each effect; a coefficient that two share is in the first."""
+    seen: dict[str, Coefficient] = {}
+    sections = []
+    for effect in effects:
+        for declaration in effect.declarations:
+            if declaration.name in seen and seen[declaration.name] != declaration:
+                raise EffectError(f"{declaration.name} of {effect.name} is another coefficient elsewhere")
+        own = {
+            declaration.name: copy(declaration) for declaration in effect.declarations if declaration.name not in seen
+        }
+        seen |= own
+        if own:
+            keywords = {"title": effect.section}
+            sections.append(new_class(effect.name, (Section,), keywords, partial(_filled, own)))
+    return sections
+
+
+def _filled(declarations: dict[str, Coefficient], space: dict[str, object]) -> None:
+    """Put declarations into a class body."""
+    space.update(declarations)

@@ -23,18 +23,18 @@ from __future__ import annotations
 
 import sys
 import tomllib
+from dataclasses import replace
 from math import isfinite
 from typing import Any
 
+from ..declarations import Coefficient, Effect
 from ..detection import Detection
 from ..errors import EffectError
 from ..escaping import quoted, toml_string, visible
-from ..notation import Coefficient, Effect
 from ..reserved import no_coefficient, no_effect
 from .checks import LONGEST_FILE, check_effect
 from .detection_file import detection_text, known_keys, read_detection
 from .effect import Act, AddedEffect
-from .formula import formula, formula_text
 
 #: Keys of a coefficient declaration and their types.
 DECLARATION_KEYS = {"description": str, "unit": str, "lower": float, "upper": float, "neutral": float, "start": float,
@@ -64,7 +64,24 @@ def read_effect(text: str, source: str) -> AddedEffect:
         If the text is not TOML, has an entry that an effect cannot have, uses a reserved name
         (`tirefmu.symbolic.reserved`), or exceeds the limits of formulas and texts.
     """
-    table = _parsed(text, source)
+    effect = _effect(_parsed(text, source), source)
+    effect = replace(effect, acts=tuple(_checked(act, f"{source}: [[acts]]") for act in effect.acts))
+    check_effect(effect, source)
+    _check_sizes(effect, source)
+    if unused := {each.name for each in effect.declarations} - {name for act in effect.acts for name in act.reads}:
+        raise EffectError(f"{source}: {min(unused)} is declared but not used")
+    return effect
+
+
+def _checked(act: Act, location: str) -> Act:
+    """Return an act with its formula as it is written again, after the checks of formulas."""
+    from .formula import formula, formula_text  # SymPy
+
+    return replace(act, text=formula_text(formula(act.text, location)))
+
+
+def _effect(table: dict[str, Any], source: str) -> AddedEffect:
+    """Return the effect of a file, its formulas as written there."""
     known_keys(table, ("name", "physics", "source", "coefficients", "acts", "diagnosis"), source)
     name = _text(table, "name", source)
     declarations = tuple(
@@ -74,7 +91,7 @@ def read_effect(text: str, source: str) -> AddedEffect:
     acts = table.get("acts")
     if not isinstance(acts, list) or not acts:
         raise EffectError(f"{source}: an effect has at least one [[acts]]")
-    effect = AddedEffect(
+    return AddedEffect(
         name,
         _text(table, "physics", source),
         _text(table, "source", source) if "source" in table else "",
@@ -84,14 +101,6 @@ def read_effect(text: str, source: str) -> AddedEffect:
         if "diagnosis" in table
         else None,
     )
-    check_effect(effect, source)
-    _check_sizes(effect, source)
-    unused = {declaration.name for declaration in declarations} - {
-        s.name for act in effect.acts for s in act.expression.free_symbols
-    }
-    if unused:
-        raise EffectError(f"{source}: {min(unused)} is declared but not used")
-    return effect
 
 
 def read_declared(text: str, file: str) -> Effect | AddedEffect:
@@ -101,7 +110,7 @@ def read_declared(text: str, file: str) -> Effect | AddedEffect:
     ----------
     text : str
         TOML. In addition to the keys of `read_effect`, a file without [[acts]] may have ``optional`` and ``rescales``
-        (`tirefmu.symbolic.notation.Effect`).
+        (`tirefmu.symbolic.declarations.Effect`).
     file : str
         Name of the file: the effect's name and ``.toml``.
 
@@ -123,8 +132,8 @@ def read_declared(text: str, file: str) -> Effect | AddedEffect:
     name = _text(table, "name", file)
     if f"{name}.toml" != file:
         raise EffectError(f"{file}: the file of the effect {quoted(name)} must have the effect's name")
-    if "acts" in table:
-        return read_effect(text, file)
+    if "acts" in table:  # the tests read these files as those of users
+        return _effect(table, file)
     known_keys(table, ("name", "physics", "optional", "rescales", "diagnosis"), file)
     if reason := no_effect(name):
         raise EffectError(f"{file}: name {quoted(name)} {reason}")
@@ -165,7 +174,7 @@ def effect_text(effect: AddedEffect) -> str:
         lines.append(f"{declaration.name} = {{{', '.join(f'{key} = {value}' for key, value in fields.items())}}}")
     for act in effect.acts:
         lines += ["", "[[acts]]", f"on = {toml_string(act.on)}"]
-        lines += [f"{act.how} = {toml_string(formula_text(act.expression))}"]
+        lines += [f"{act.how} = {toml_string(act.text)}"]
     if effect.detection is not None:
         lines += ["", detection_text(effect.detection)]
     return "\n".join(lines) + "\n"
@@ -229,4 +238,4 @@ def _act(table: object, source: str) -> Act:
     ways = [how for how in ("factor", "term") if how in table]
     if len(ways) != 1:
         raise EffectError(f"{location}: either factor or term is required")
-    return Act(_text(table, "on", location), ways[0], formula(_text(table, ways[0], location), location))
+    return Act(_text(table, "on", location), ways[0], _text(table, ways[0], location))

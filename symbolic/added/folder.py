@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 
-from ..notation import Effect
+from ..declarations import Effect
 from .effect import AddedEffect
 from .file import read_declared
 

@@ -6,8 +6,8 @@ Eight physical coefficients; five of them describe a tire at one load. It suits 
 from ..contract import PropertyFile, Role, friction_falling, positive, stiffness_saturating, with_extrapolation
 from ..model import Model
 from ..quantities import ALPHA, FX, FY, FZ, KAPPA, MZ
-from . import contact
 from .coefficients import SECTIONS
+from .effects import load_patch, load_stiffness
 
 BRUSH = Model(
     name="brush",
@@ -15,8 +15,9 @@ BRUSH = Model(
     inputs=(KAPPA, ALPHA, FZ),
     outputs=(FX, FY, MZ),
     sections=SECTIONS,
-    chapters=(contact.eq,),
-    own_effects=(contact.load_stiffness, contact.load_patch),
+    chapters=("contact",),
+    folder=__name__,
+    own_effects=(load_stiffness, load_patch),
     roles={
         "friction_x": Role("mu_x", ("MUX",)),
         "friction_y": Role("mu_y", ("MUY", "NMU")),

@@ -5,7 +5,7 @@ They are the same numbers in ISO and in adapted SAE: a line reads the option `si
 
 from __future__ import annotations
 
-from ..notation import Coefficient, Section
+from ..declarations import Coefficient, Section
 
 
 class Dimension(Section, title="DIMENSION", fitted=False):

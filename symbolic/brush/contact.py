@@ -17,24 +17,14 @@ from __future__ import annotations
 
 from sympy import Expr, Float, sqrt, tan
 
-from ..detection import Detection
 from ..effects import load_friction
 from ..functions import absolute, where
-from ..notation import Chapter, Effect
+from ..notation import Chapter
 from ..options import signs
 from ..quantities import ALPHA, FZ, KAPPA
 from .coefficients import Brush as c
 from .coefficients import Vertical
-
-#: The library's effect of this name rescales a coefficient of the Magic Formula.
-load_stiffness = Effect(
-    "load_stiffness", "slip stiffness is not proportional to load",
-    detection=Detection(requires=("Fz", "alpha"), separate_by="repeat one sweep at three loads"),
-)  # fmt: skip
-load_patch = Effect(
-    "load_patch", "the contact length does not grow with the square root of load",
-    detection=Detection(separate_by="repeat one sweep at three loads"),
-)  # fmt: skip
+from .effects import load_patch, load_stiffness
 
 eq = Chapter("Contact patch with bristles")
 kappa = KAPPA.symbol

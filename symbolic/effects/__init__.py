@@ -9,7 +9,7 @@ turn_slip``. docs/effects.md explains the keys.
 from __future__ import annotations
 
 from ..added.folder import declared_effects
-from ..notation import Effect
+from ..declarations import Effect
 
 #: Effects of the chapters by public name.
 EFFECTS: dict[str, Effect] = {name: effect for name, effect in declared_effects().items() if isinstance(effect, Effect)}

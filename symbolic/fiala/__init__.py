@@ -9,7 +9,6 @@ from dataclasses import replace
 from ..contract import PropertyFile, Role, positive
 from ..model import Model
 from ..quantities import ALPHA, FX, FY, FZ, KAPPA, MY, MZ, V
-from . import forces
 from .coefficients import SECTIONS
 
 FIALA = Model(
@@ -19,7 +18,8 @@ FIALA = Model(
     inputs=(KAPPA, ALPHA, FZ, replace(V, nominal=V.typical)),
     outputs=(FX, FY, MZ, MY),
     sections=SECTIONS,
-    chapters=(forces.eq,),
+    chapters=("forces",),
+    folder=__name__,
     results=("sigma_kappa", "sigma_alpha", "rho", "R_l", "d_z", "C_gamma"),
     roles={
         "friction_x": Role("mu_x", ("UMAX",)),

@@ -6,7 +6,7 @@ lengths as RELAX_LENGTH_X and RELAX_LENGTH_Y.
 
 from __future__ import annotations
 
-from ..notation import Coefficient, Section
+from ..declarations import Coefficient, Section
 
 
 class Dimension(Section, title="DIMENSION", fitted=False):

@@ -13,42 +13,23 @@ from ..magic_formula import BASELINE, REFINEMENTS, SPREAD, STARTS, force_constra
 from ..magic_formula import ROLES as COMMON_ROLES
 from ..model import Model
 from ..quantities import ALPHA, FX, FY, FZ, GAMMA, KAPPA, MX, MY, MZ, PHIT, P, V
-from . import (
-    aligning_moment,
-    combined_slip,
-    contact_patch,
-    deflection,
-    inputs,
-    longitudinal_force,
-    normalized,
-    other_moments,
-    relaxation,
-    rolling_radius,
-    side_force,
-    transient,
-    turn_slip,
-)
 from .coefficients import SECTIONS
 
-CHAPTERS = tuple(
-    chapter.eq
-    for chapter in (
-        inputs,
-        normalized,
-        rolling_radius,
-        turn_slip,
-        longitudinal_force,
-        side_force,
-        combined_slip,
-        aligning_moment,
-        other_moments,
-        deflection,
-        contact_patch,
-        relaxation,
-        transient,
-    )
+CHAPTERS = (
+    "inputs",
+    "normalized",
+    "rolling_radius",
+    "turn_slip",
+    "longitudinal_force",
+    "side_force",
+    "combined_slip",
+    "aligning_moment",
+    "other_moments",
+    "deflection",
+    "contact_patch",
+    "relaxation",
+    "transient",
 )
-
 
 ROLES = COMMON_ROLES | {
     "curvature_combined_x": Role("E_xalpha"),
@@ -96,6 +77,7 @@ def _model(name: str, title: str, file: PropertyFile) -> Model:
         outputs=(FX, FY, MZ, MX, MY),
         sections=SECTIONS,
         chapters=CHAPTERS,
+        folder=__name__,
         results=(
             "R_e",
             "omega",

@@ -4,7 +4,6 @@ from ..contract import PropertyFile, Role, curvature, positive, with_extrapolati
 from ..magic_formula import BASELINE, REFINEMENTS, ROLES, SPREAD, STARTS, force_constraints
 from ..model import Model
 from ..quantities import ALPHA, FX, FY, FZ, GAMMA, KAPPA, MZ
-from . import aligning_moment, combined_slip, longitudinal_force, normalized, side_force
 from .coefficients import SECTIONS
 
 MF96 = Model(
@@ -13,9 +12,8 @@ MF96 = Model(
     inputs=(KAPPA, ALPHA, GAMMA, FZ),
     outputs=(FX, FY, MZ),
     sections=SECTIONS,
-    chapters=tuple(
-        module.eq for module in (normalized, longitudinal_force, side_force, combined_slip, aligning_moment)
-    ),
+    chapters=("normalized", "longitudinal_force", "side_force", "combined_slip", "aligning_moment"),
+    folder=__name__,
     roles=ROLES | {"slope_x": Role("F_x0_slope"), "slope_y": Role("F_y0_slope")},
     # The field has no number for the Trento form; its files are ours.
     property_file=PropertyFile(fittyp=(96,), strict=True),

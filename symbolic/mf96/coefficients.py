@@ -7,7 +7,7 @@ scaling factors (LFZ0, LKXK, LKA, LXA, LYK, LVYK, LT, LMR, LGAMMAY).
 
 from __future__ import annotations
 
-from ..notation import Coefficient, Section
+from ..declarations import Coefficient, Section
 
 
 class Dimension(Section, title="DIMENSION", fitted=False):

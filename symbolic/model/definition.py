@@ -1,26 +1,34 @@
-"""A model: an ordered table of named lines, and all that other packages need of it."""
+"""A model: an ordered table of named lines, and all that other packages need of it.
+
+The declarations and the structure of the lines (`structure.py`) suffice to read, evaluate, fit and export a tire. The
+lines are loaded when code is printed, an effect is added or an equation is shown, and SymPy with them.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache, partial
-from types import new_class
-
-import sympy as sp
+from functools import cached_property, lru_cache
+from importlib import import_module
+from importlib.resources.abc import Traversable
+from typing import TYPE_CHECKING
 
 from ..added import AddedEffect
 from ..added.checks import check_effects
+from ..added.effect import sections_of
 from ..contract import PhysicalConstraint, PropertyFile, Role
+from ..declarations import Coefficient, Effect, Option, Quantity, Section
 from ..detection import Detection
 from ..effects import EFFECTS
-from ..errors import EffectError, UnknownName, nearest, no_single_text
-from ..escaping import quoted
-from ..notation import Chapter, Choice, Coefficient, Effect, Equation, Option, Quantity, Section, Variant
+from ..errors import EffectError, ModelError, UnknownName, no_single_text
 from ..options import OPTIONS, signs
 from ..quantities import BEYOND
-from .lines import decided, reaching, reduced, switched, switches
+from .structure import Structure
+
+if TYPE_CHECKING:
+    import sympy as sp
+
+    from ..notation import Chapter, Equation
 
 #: Coefficients of every model: other packages scale loads and lengths by them.
 INDISPENSABLE = ("FNOMIN", "UNLOADED_RADIUS")
@@ -39,8 +47,9 @@ class Model:
         kappa and alpha first, Fz among them; Fx and Fy among the outputs.
     sections : tuple of type[Section]
         The coefficients, by .tir section.
-    chapters : tuple of Chapter
-        The lines, in an order in which each uses only earlier ones.
+    chapters : tuple of str or Chapter
+        The lines, in an order in which each uses only earlier ones: chapters, or modules of its folder that have one
+        as ``eq`` and are imported when the lines are needed.
     results : tuple of str
         Named quantities that are results in addition to the outputs, such as radii: a coefficient that reaches
         one of them is not idle.
@@ -74,10 +83,12 @@ class Model:
         The coefficient below whose speed, m/s, slips are those of a standing wheel, if it has one.
     added : tuple of AddedEffect
         Effects beyond the book; see `extended`.
+    stored : file
+        The structure that is stored with the generated code, set by `use`; a changed model has none.
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> mf96 = model("mf96")
     >>> [quantity.name for quantity in mf96.inputs]
     ['kappa', 'alpha', 'gamma', 'Fz']
@@ -90,7 +101,7 @@ class Model:
     inputs: tuple[Quantity, ...]
     outputs: tuple[Quantity, ...]
     sections: tuple[type[Section], ...]
-    chapters: tuple[Chapter, ...]
+    chapters: tuple[str | Chapter, ...]
     results: tuple[str, ...] = ()
     on_demand: tuple[tuple[str, str], ...] = ()
     own_effects: tuple[Effect, ...] = ()
@@ -107,33 +118,65 @@ class Model:
     relaxation: tuple[str, ...] = ()
     low_speed: str = ""
     added: tuple[AddedEffect, ...] = ()
+    stored: Traversable | None = field(default=None, init=False)
 
     def __repr__(self) -> str:
         return f"<Model {self.name}>"
 
     @cached_property
+    def structure(self) -> Structure:
+        """What the lines determine: stored with the generated code, or derived from the lines.
+
+        Raises
+        ------
+        ModelError
+            If what is stored does not fit the declarations.
+        """
+        if self.stored is not None:
+            return self._read(self.stored)
+        from .derivation import structure_of
+
+        return structure_of(
+            self.equations,
+            self._declared,
+            required={str(quantity.nominal) for quantity in self.inputs} | set(INDISPENSABLE),
+            outputs=[quantity.name for quantity in self.outputs],
+            on_demand=[effect for effect, _ in self.on_demand],
+            lengths={self.quantity("relaxation_x"), self.quantity("relaxation_y")},
+        )
+
+    def use(self, stored: Traversable) -> None:
+        """Read the structure from a file when it is needed, instead of loading the lines."""
+        object.__setattr__(self, "stored", stored)
+
+    def _read(self, stored: Traversable) -> Structure:
+        try:
+            structure = Structure.from_text(stored.read_text(encoding="ascii"))
+        except (KeyError, TypeError, ValueError):
+            raise ModelError(f'{stored} is stale: run "tirefmu generate"') from None
+        if unknown := set(structure.coefficients) - self._declared.keys():
+            raise ModelError(f'{stored} is stale, it has {min(unknown)}: run "tirefmu generate"')
+        return structure
+
+    @cached_property
+    def _declared(self) -> dict[str, Coefficient]:
+        """Every declared coefficient, also those of other models with the same sections."""
+        return {name: declaration for section in self.sections for name, declaration in section.coefficients.items()}
+
+    @cached_property
     def coefficients(self) -> dict[str, Coefficient]:
         """Every coefficient that a line reads, by .tir name, in the order of the parameter vector."""
-        read = {str(symbol) for line in self.equations for symbol in line.expression.free_symbols}
-        read |= {str(quantity.nominal) for quantity in self.inputs} | set(INDISPENSABLE)
-        declarations = {
-            name: declaration for section in self.sections for name, declaration in section.coefficients.items()
-        }
-        return {name: declaration for name, declaration in declarations.items() if name in read}
+        return {name: self._declared[name] for name in self.structure.coefficients}
 
     @cached_property
     def options(self) -> tuple[Option, ...]:
         """The conventions that are chosen when the lines are evaluated."""
-        read = {str(choice.args[0]) for line in self.equations for choice in line.expression.atoms(Choice)}
-        return tuple(option for option in OPTIONS.values() if option.parameter in read)
+        return tuple(OPTIONS[name] for name in self.structure.options)
 
     @cached_property
     def straight_options(self) -> tuple[Option, ...]:
         """The options that act where no effect on demand does, but for the signs, which straight lines read too."""
-        rest = self.effects.keys() - {effect for effect, _ in self.on_demand}
-        lines = reaching(self.lines(rest), [quantity.name for quantity in self.outputs])
-        read = {symbol.name for line in lines for symbol in line.expression.free_symbols}
-        return tuple(option for option in self.options if option.parameter in read and option != signs)
+        return tuple(OPTIONS[name] for name in self.structure.straight_options)
 
     @cached_property
     def parameters(self) -> tuple[str, ...]:
@@ -143,22 +186,35 @@ class Model:
     @cached_property
     def equations(self) -> tuple[Equation, ...]:
         """Every line as written, with effects as switches and options as choices."""
-        written = (equation for chapter in self.chapters for equation in chapter.equations)
-        lines = [replace(line, expression=self._own(line.expression)) for line in written]
-        for effect in self.added:
-            lines = self._acted_on(lines, effect)
-        return tuple(reaching(lines, self._targets(lines)))
+        from .assembly import assembled
+
+        chapters = [self._chapter(chapter) for chapter in self.chapters]  # all: one may file lines in another
+        return assembled(self.name, chapters, self.added, self._quantities, self._outputs)
+
+    def _chapter(self, chapter: str | Chapter) -> Chapter:
+        if not isinstance(chapter, str):
+            return chapter
+        filed: Chapter = import_module(f"{self.folder}.{chapter}").eq
+        return filed
+
+    @property
+    def _quantities(self) -> dict[str, str]:
+        """The quantity that each role is."""
+        return {role: declared.quantity for role, declared in self.roles.items()}
+
+    @property
+    def _outputs(self) -> frozenset[str]:
+        return frozenset(quantity.name for quantity in self.outputs)
 
     @cached_property
     def effects(self) -> dict[str, Effect]:
         """The effects in the lines, in the order in which they occur first."""
-        names = (str(switch.args[0]) for line in self.equations for switch in switches(line.expression))
         beyond = {
             effect.name: Effect(effect.name, effect.physics, optional=True, detection=effect.detection)
             for effect in self.added
         }
         beyond |= {effect.name: effect for effect in self.own_effects}
-        return {name: beyond.get(name) or EFFECTS[name] for name in dict.fromkeys(names)}
+        return {name: beyond.get(name) or EFFECTS[name] for name in self.structure.effects}
 
     @cached_property
     def detections(self) -> dict[str, Detection]:
@@ -176,7 +232,7 @@ class Model:
 
         Examples
         --------
-        >>> from tirefmu.symbolic import model
+        >>> from tirefmu.symbolic.models import model
         >>> model("mf61").prior_spread["PDY2"], model("mf61").prior_spread["PCY1"]
         (0.75, 0.2)
         """
@@ -196,19 +252,19 @@ class Model:
 
         Examples
         --------
-        >>> from tirefmu.symbolic import model
+        >>> from tirefmu.symbolic.models import model
         >>> from tirefmu.symbolic.added import library
         >>> [name for name, effect in library().items() if model("mf96").has_place_for(effect)]
         ['temp_friction', 'temp_stiffness', 'wear_drift']
         """
-        named = {line.symbol.name for line in self.equations if line.named} | self.roles.keys()
+        named = self.structure.quantities.keys() | self.roles.keys()
         known = (
             {quantity.name for quantity in self.inputs}
             | BEYOND.keys()
             | {declaration.name for declaration in effect.declarations}
         )
-        known |= {name for section in self.sections for name in section.coefficients}
-        read = {symbol.name for act in effect.acts for symbol in act.expression.free_symbols}
+        known |= self._declared.keys()
+        read = {name for act in effect.acts for name in act.reads}
         return named.issuperset(effect.acts_on) and known.issuperset(read)
 
     def extended(self, effects: Sequence[AddedEffect]) -> Model:
@@ -231,62 +287,34 @@ class Model:
 
         Examples
         --------
-        >>> from tirefmu.symbolic import model
+        >>> from tirefmu.symbolic.models import model
         >>> from tirefmu.symbolic.added import library
         >>> warm = model("mf61").extended([library()["temp_friction"]])
         >>> warm.inputs[-1].name, sorted(warm.owned("temp_friction"))
         ('T', ['TMU1', 'TMU2', 'TREF'])
         """
+        from .assembly import check_reads
+
         check_effects(effects)
         self._check_names(effects)
-        read = {s.name for effect in effects for act in effect.acts for s in act.expression.free_symbols}
+        read = {name for effect in effects for act in effect.acts for name in act.reads}
         inputs = (*self.inputs, *(quantity for name, quantity in BEYOND.items() if name in read))
-        extended = replace(self, inputs=inputs, sections=(*self.sections, *_sections(effects)), added=tuple(effects))
-        extended._check_added()
+        extended = replace(self, inputs=inputs, sections=(*self.sections, *sections_of(effects)), added=tuple(effects))
+        known = {quantity.name for quantity in inputs} | extended._declared.keys()
+        check_reads(self.name, extended.equations, effects, self._quantities, known)
         return extended
 
     def _check_names(self, effects: Sequence[AddedEffect]) -> None:
         """Raise `EffectError` where an effect or a coefficient has a name that this model uses."""
         quantities = {quantity.name for quantity in (*self.inputs, *self.outputs, *BEYOND.values())}
         quantities |= {line.symbol.name for line in self.equations}
-        declarations = {name for section in self.sections for name in section.coefficients}
         options = {option.parameter for option in OPTIONS.values()}
-        taken = {**dict.fromkeys(quantities, "a quantity"), **dict.fromkeys(declarations, "a coefficient")}
+        taken = {**dict.fromkeys(quantities, "a quantity"), **dict.fromkeys(self._declared, "a coefficient")}
         taken |= {**dict.fromkeys(options, "an option"), **dict.fromkeys(EFFECTS, "an effect")}
         for effect in effects:
             for name in (effect.name, *(declaration.name for declaration in effect.declarations)):
                 if name in taken:
                     raise EffectError(f"effect {effect.name}: {name} is {taken[name]} of {self.name} already")
-
-    def _check_added(self) -> None:
-        """Raise `EffectError` where an added effect reads what is not computed before the line that it acts on."""
-        known = {quantity.name for quantity in self.inputs}
-        known |= {name for section in self.sections for name in section.coefficients}
-        acts = [
-            (act, _places(self.quantity(act.on) or act.on, self.equations, effect))
-            for effect in self.added
-            for act in effect.acts
-        ]
-        for line in self.equations:
-            acting = [act for act, places in acts if line.symbol.name in places]
-            for name in sorted({symbol.name for act in acting for symbol in act.expression.free_symbols} - known):
-                raise EffectError(f"an effect on {line.symbol} reads {name!r}, which {self.name} has not"
-                                  f" before it{nearest(name, known)}")  # fmt: skip
-            known.add(line.symbol.name)
-
-    def _acted_on(self, lines: list[Equation], effect: AddedEffect) -> list[Equation]:
-        """Put an added effect into the lines of the quantities that it acts on."""
-        places = {act.on: _places(self.quantity(act.on) or act.on, lines, effect) for act in effect.acts}
-        switch = Effect(effect.name, effect.physics, optional=True)
-        changed = []
-        for line in lines:
-            expression = line.expression
-            for act in effect.acts:
-                if line.symbol.name in places[act.on]:
-                    acted = expression * act.expression if act.how == "factor" else expression + act.expression
-                    expression = switch.either(acted, expression)
-            changed.append(replace(line, expression=expression))
-        return changed
 
     @cached_property
     def default_effects(self) -> frozenset[str]:
@@ -301,9 +329,7 @@ class Model:
     @cached_property
     def relaxing_effects(self) -> frozenset[str]:
         """The effects in the lines of the relaxation lengths: with one of them, slips lag."""
-        lengths = {self.quantity("relaxation_x"), self.quantity("relaxation_y")}
-        lines = (line for line in self.equations if line.symbol.name in lengths)
-        return frozenset(str(switch.args[0]) for line in lines for switch in switches(line.expression))
+        return frozenset(self.structure.relaxing_effects)
 
     def lines(self, effects: Collection[str] | None = None, *, straight: bool = False) -> tuple[Equation, ...]:
         """Return the lines with effects switched.
@@ -326,6 +352,8 @@ class Model:
         UnknownName
             If an effect is not one of this model.
         """
+        from .lines import reduced
+
         present = set(self.effects if effects is None else self.known_effects(effects))
         if straight:
             present -= {effect for effect, _ in self.on_demand}
@@ -337,6 +365,8 @@ class Model:
 
         For reading; `lines` is what is printed as code.
         """
+        from .lines import decided, switched
+
         present = self.known_effects(effects)
         return {line.symbol.name: decided(switched(line.expression, present), ()) for line in self.equations}
 
@@ -348,13 +378,20 @@ class Model:
             raise UnknownName(f"effect of {self.name}", name, self.effects)
         return chosen
 
-    def _own(self, expression: sp.Expr) -> sp.Expr:
-        """Take this model's side wherever models that share a line differ."""
-        return expression.replace(Variant, lambda name, own, others: own if str(name) == self.name else others)
+    def reached(self, targets: Iterable[str], effects: Collection[str] | None = None) -> frozenset[str]:
+        """Return the inputs, coefficients, options and lines that named quantities and outputs depend on.
 
-    def _targets(self, lines: Iterable[Equation]) -> set[str]:
-        """Return outputs and named quantities: a step that none of them uses belongs to another model."""
-        return {quantity.name for quantity in self.outputs} | {line.symbol.name for line in lines if line.named}
+        Parameters
+        ----------
+        targets : iterable of str
+        effects : collection of str, optional
+            The effects that the tire has; all of the model where None.
+
+        Returns
+        -------
+        frozenset of str
+        """
+        return self.structure.reached(targets, self.effects if effects is None else effects)
 
     def live(self, effects: Collection[str] | None = None) -> frozenset[str]:
         """Return the coefficients that reach an output with these effects; the ranges of inputs always do."""
@@ -362,10 +399,8 @@ class Model:
 
     @lru_cache(maxsize=256)  # noqa: B019  (models live as long as the program)
     def _live(self, effects: frozenset[str]) -> frozenset[str]:
-        outputs = {quantity.name for quantity in self.outputs} | set(self.results)
-        symbols = {str(s) for line in reaching(self.lines(effects), outputs) for s in line.expression.free_symbols}
         ranges = {name for name, declaration in self.coefficients.items() if declaration.section.endswith("_RANGE")}
-        return frozenset(symbols & self.coefficients.keys()) | ranges
+        return (self.reached(self._outputs.union(self.results), effects) & self.coefficients.keys()) | ranges
 
     @lru_cache(maxsize=256)  # noqa: B019  (models live as long as the program)
     def owned(self, *effects: str) -> frozenset[str]:
@@ -380,36 +415,3 @@ class Model:
         frozenset of str
         """
         return self.live() - self.live(self.effects.keys() - self.known_effects(effects))
-
-
-def _sections(effects: Sequence[AddedEffect]) -> list[type[Section]]:
-    """Return a .tir section for each effect; a coefficient that two share is in the first."""
-    seen: dict[str, Coefficient] = {}
-    sections = []
-    for effect in effects:
-        for declaration in effect.declarations:
-            if declaration.name in seen and seen[declaration.name] != declaration:
-                raise EffectError(f"{declaration.name} of {effect.name} is another coefficient elsewhere")
-        own = {
-            declaration.name: copy(declaration) for declaration in effect.declarations if declaration.name not in seen
-        }
-        seen |= own
-        if own:
-            keywords = {"title": effect.section}
-            sections.append(new_class(effect.name, (Section,), keywords, partial(_filled, own)))
-    return sections
-
-
-def _filled(declarations: dict[str, Coefficient], space: dict[str, object]) -> None:
-    """Put declarations into a class body."""
-    space.update(declarations)
-
-
-def _places(name: str, lines: Sequence[Equation], effect: AddedEffect) -> set[str]:
-    """Return the lines that an effect on a named quantity changes: its own, unless that reads one that acts for it."""
-    named = [line.symbol.name for line in lines if line.named]
-    if name not in named:
-        raise EffectError(f"{effect.name} acts on {quoted(name)}, which is no named quantity{nearest(name, named)}")
-    acting = {line.symbol.name for line in lines if line.acts_for == name}
-    before = {line.symbol.name for line in reaching(lines, [name])}
-    return acting if acting & before else {name, *acting}

@@ -8,9 +8,6 @@ from pkgutil import iter_modules
 from ..errors import ModelError
 from .definition import Model
 
-#: The default model of a fit or a diagnosis.
-DEFAULT_MODEL = "mf61"
-
 
 def found_models() -> dict[str, Model]:
     """Return the models of all folders that have them, by name and in the order of their names.

@@ -13,8 +13,8 @@ import random
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+from ..declarations import Coefficient, Quantity
 from ..errors import ModelError
-from ..notation import Coefficient, Quantity
 from ..options import signs
 from ..printers.operations import Tape, taped
 from .definition import Model
@@ -47,7 +47,7 @@ def check_signs(model: Model) -> None:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> check_signs(model("mf96"))
     """
     check = _Check(model)

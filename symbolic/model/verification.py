@@ -30,7 +30,7 @@ def verify(model: Model) -> None:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> verify(model("mf96"))
     """
     _check_tables(model)

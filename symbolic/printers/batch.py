@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..model import Model
-from .c import INCLUDES, comment, heading, in_order, parameters_read, statements
-from .definitions import KERNEL, definitions
+from .c import heading, in_order, parameters_read, statements
+from .definitions import INCLUDES, KERNEL, comment, definitions
 from .expressions import LanesPrinter
 from .routines import STRAIGHT, Routine, entries
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ..escaping import c_comment
+from ..declarations import Option
 from ..model import Model
-from ..notation import Option
-from .definitions import definitions
+from .definitions import INCLUDES, comment, definitions
 from .expressions import PlainCPrinter
 from .python import HEADER, STRAIGHT_ROWS
 from .routines import LOCAL, STRAIGHT, Assignment, Routine, jacobians_of, side_by_side, values_of
 
-INCLUDES = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
 #: Above lines that are not in the book's order.
 SIDE_BY_SIDE = "Independent computations are next to each other; quantities has the book's order"
 PRINTER = PlainCPrinter()
@@ -87,18 +85,6 @@ def _source(model: Model, what: str, routines: tuple[Routine, ...], more: list[s
 def heading(model: Model, what: str) -> str:
     """Return the comment at the head of a file."""
     return comment(f"{model.title}, in {what}.", HEADER.format(name=model.name))
-
-
-def comment(*lines: str) -> str:
-    """Return a comment of one or more lines: the only way in which text gets into generated C.
-
-    Examples
-    --------
-    >>> comment("grip */ int x; /*")
-    '/* grip * / int x; / * */'
-    """
-    inner = "\n   ".join(map(c_comment, lines))
-    return f"/* {inner} */"
 
 
 def _enumeration(prefix: str, kind: str, names: list[tuple[str, str]]) -> str:

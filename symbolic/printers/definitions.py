@@ -1,7 +1,8 @@
-"""The definitions that generated C files share: each file gets those that it uses, and what these use in turn.
+"""What generated C files share: includes, comments, definitions.
 
-A file with more would not compile without warnings: clang reports unused static functions. Definitions
-are in headers in this folder, one a paragraph, in an order in which each uses only earlier ones.
+Each file gets the definitions that it uses, and what these use in turn. A file with more would not compile without
+warnings: clang reports unused static functions. Definitions are in headers in this folder, one a paragraph, in an order
+in which each uses only earlier ones.
 """
 
 from __future__ import annotations
@@ -11,6 +12,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 
+from ..escaping import c_comment
+
+INCLUDES = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
 #: The headers, in the order in which they are printed.
 PLAIN = ("arithmetic.h", "elementary.h")
 KERNEL = (*PLAIN, "lanes.h", "blocks.h")
@@ -36,6 +40,18 @@ class Definition:
     text: str
     names: frozenset[str]
     uses: frozenset[str]
+
+
+def comment(*lines: str) -> str:
+    """Return a comment of one or more lines: the only way in which text gets into generated C.
+
+    Examples
+    --------
+    >>> comment("grip */ int x; /*")
+    '/* grip * / int x; / * */'
+    """
+    inner = "\n   ".join(map(c_comment, lines))
+    return f"/* {inner} */"
 
 
 def definitions(code: str, headers: tuple[str, ...] = PLAIN) -> str:

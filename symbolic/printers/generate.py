@@ -5,16 +5,18 @@ from __future__ import annotations
 import difflib
 import hashlib
 import json
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
-from .. import MODELS
 from ..model import Model
 from ..model.verification import verify
+from ..models import MODELS
 from .batch import batch_sources
 from .c import c_header, c_sources
 from .operations import c_operations
-from .python import CASADI, NUMPY, python_modules
+from .python import CASADI, HEADER, NUMPY, python_modules
+from .rolling_radius import c_rolling_radius
 from .routines import routines
 
 
@@ -30,10 +32,17 @@ def render() -> dict[str, str]:
     render_model : the files of one model.
     """
     files: dict[str, str] = {}
-    for model in MODELS.values():
+    models = [_from_lines(model) for model in MODELS.values()]
+    for model in models:
         files |= render_model(model)
-    files["MANIFEST.json"] = _manifest(files)
+    files["MANIFEST.json"] = _manifest(files, models)
     return files
+
+
+@lru_cache(maxsize=16)
+def _from_lines(model: Model) -> Model:
+    """Return a model without its stored structure, which may be outdated."""
+    return replace(model)
 
 
 @lru_cache(maxsize=16)
@@ -56,7 +65,7 @@ def render_model(model: Model) -> dict[str, str]:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> sorted(render_model(model("mf96")))[:3]
     ['c/mf96.c', 'c/mf96.h', 'c/mf96_batch_forces.c']
     """
@@ -75,6 +84,8 @@ def render_model(model: Model) -> dict[str, str]:
         **sources,
         f"c/{model.name}.h": c_header(model, parts),
         f"c/{model.name}_operations.h": c_operations(model),
+        f"c/{model.name}_rolling_radius.h": c_rolling_radius(model),
+        f"structure/{model.name}.json": model.structure.to_text(HEADER.format(name=model.name)),
     }
 
 
@@ -139,14 +150,14 @@ def _text(path: Path) -> str | None:
 def _strays(folder: Path, files: dict[str, str]) -> list[Path]:
     """Files that look generated but are not made (any more)."""
     made = {folder / name for name in files}
-    kinds = ("numpy/*.py", "casadi/*.py", "c/*.c", "c/*.h")
+    kinds = ("numpy/*.py", "casadi/*.py", "c/*.c", "c/*.h", "structure/*.json")
     found = {path for kind in kinds for path in folder.glob(kind) if path.name != "__init__.py"}
     return sorted(found - made)
 
 
-def _manifest(files: dict[str, str]) -> str:
+def _manifest(files: dict[str, str], models: list[Model]) -> str:
     content = {
-        "lines": {name: _lines_hash(model) for name, model in MODELS.items()},
+        "lines": {model.name: _lines_hash(model) for model in models},
         "files": {name: hashlib.sha256(text.encode()).hexdigest() for name, text in sorted(files.items())},
     }
     return json.dumps(content, indent=2) + "\n"

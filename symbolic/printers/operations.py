@@ -13,9 +13,11 @@ from textwrap import wrap
 
 import sympy as sp
 
-from ..model import Model, reaching
+from ..model import Model
+from ..model.lines import reaching
 from ..notation import Equation
-from .c import comment, heading
+from .c import heading
+from .definitions import comment
 
 #: Operations of two and three operands, then of one.
 CODES = (
@@ -229,7 +231,7 @@ def model_tape(model: Model) -> Tape:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> tape = model_tape(model("mf96"))
     >>> tape.leaves[:4], tape.leaves[tape.slots["rolling_radius"]]
     (('kappa', 'alpha', 'gamma', 'Fz'), 'UNLOADED_RADIUS')

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 import sympy as sp
 
-from ..model import Model, reaching
+from ..model import Model
+from ..model.lines import reaching
 from ..notation import Equation
 from .derivatives import ChainRule, is_short, split
 
@@ -81,7 +82,7 @@ def routines(model: Model) -> tuple[Routine, ...]:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> [routine.name for routine in routines(model("mf96"))]
     ['quantities', 'forces', 'slip_stiffnesses', 'jacobian_inputs', 'jacobian_parameters']
     """
@@ -98,7 +99,7 @@ def jacobians_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
 
     Examples
     --------
-    >>> from tirefmu.symbolic import model
+    >>> from tirefmu.symbolic.models import model
     >>> [routine.name for routine in jacobians_of(routines(model("mf96")))]
     ['jacobian_inputs', 'jacobian_parameters']
     """

@@ -11,9 +11,9 @@ import pytest
 import tirefmu.symbolic.effects as effects
 from tirefmu.diagnosis.diagnose import _start_model
 from tirefmu.diagnosis.probing.candidates import candidates_for, refinements_for
-from tirefmu.symbolic import model
 from tirefmu.symbolic.added import folder, library, read_effect
 from tirefmu.symbolic.detection import Form
+from tirefmu.symbolic.models import model
 
 NEW = """
 name = "wet_grip"

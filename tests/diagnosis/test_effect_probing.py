@@ -5,9 +5,9 @@ import pytest
 
 from tirefmu.diagnosis.probing.confounding import alias_columns, correlations, separating_measurement
 from tirefmu.diagnosis.thresholds import CONFOUNDED
-from tirefmu.symbolic import model
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.detection import Form
+from tirefmu.symbolic.models import model
 
 THRUST = Form(("PVY3",), ({"PVY3": 0.15},))
 FRICTION = Form(("PDY3",), ({"PDY3": 3.0},))

@@ -8,8 +8,8 @@ import pytest
 from tirefmu.diagnosis.least_squares import LeastSquares
 from tirefmu.diagnosis.recording.disturbances import reported_disturbances
 from tirefmu.diagnosis.thresholds import MAX_CROSS_TALK
-from tirefmu.symbolic import model as book_of
 from tirefmu.symbolic.added import library
+from tirefmu.symbolic.models import model as book_of
 from tirefmu.tires.tire import Tire
 
 FREE = ("PDX1", "PKX1", "PDY1", "PDY2", "PKY1", "PHY1", "QDZ1")

@@ -19,7 +19,7 @@ from tirefmu.measurements import (
     concatenate,
     kappa_sweeps,
 )
-from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 
 #: In adapted SAE; a model uses the coefficients that it has.

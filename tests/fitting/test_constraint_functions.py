@@ -10,7 +10,7 @@ import pytest
 from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions, measured_values
 from tirefmu.fitting.constraints.physical import Constraint, declared_constraints, grid
 from tirefmu.fitting.problem.weighted_residuals import Problem, Rows
-from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
 

@@ -23,8 +23,8 @@ from tirefmu.fitting.constraints.physical import (
     operating_range,
 )
 from tirefmu.fitting.constraints.verification import VerifiedConstraints
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import UnknownName
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires.code import code_for
 
 INPUTS = ("kappa", "alpha", "gamma", "Fz")

@@ -14,8 +14,8 @@ from tirefmu.fitting.problem.weighted_residuals import Problem, Rows, equal_weig
 from tirefmu.fitting.solvers.evolution import GOAL, NO_GAIN, Evolution
 from tirefmu.fitting.solvers.ipopt import INTERRUPTED, LIMIT, solve
 from tirefmu.fitting.solvers.selection import METHODS, solver_for
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import FitError, UnknownName
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires.code import code_for, forces_of_each
 
 FREE = ("PCY1", "PDY1", "PDY2", "PKY1", "PKY2")

@@ -8,7 +8,7 @@ import pytest
 
 from tirefmu.fitting import fit
 from tirefmu.measurements import Noise, Recording, write_table
-from tirefmu.symbolic import model
+from tirefmu.symbolic.models import model
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
 

@@ -12,8 +12,8 @@ from tirefmu.fitting import fit
 from tirefmu.fitting.data.fit_data import prepare
 from tirefmu.fitting.data.same_tire import tire_notes
 from tirefmu.measurements import Noise, Recording, VirtualBench, alpha_sweeps, concatenate
-from tirefmu.symbolic import model
 from tirefmu.symbolic.errors import DataError, UnknownName
+from tirefmu.symbolic.models import model
 
 BOOK = model("mf96")
 

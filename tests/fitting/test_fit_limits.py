@@ -10,8 +10,8 @@ import pytest
 
 from tirefmu.fitting import fit
 from tirefmu.measurements import Recording
-from tirefmu.symbolic import model
 from tirefmu.symbolic.errors import DataError, FitError, TirefmuError, UnknownName
+from tirefmu.symbolic.models import model
 
 BOOK = model("mf96")
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tirefmu.fitting import fit
-from tirefmu.symbolic import model
+from tirefmu.symbolic.models import model
 from tirefmu.tires import Tire, read_tir
 
 BOOK = model("mf96")

@@ -9,8 +9,8 @@ import pytest
 from tirefmu.fitting import fit
 from tirefmu.fitting.data.initial_values import readings, starting_values
 from tirefmu.measurements import Noise
-from tirefmu.symbolic import model
 from tirefmu.symbolic.errors import UnknownName
+from tirefmu.symbolic.models import model
 from tirefmu.tires import Tire
 
 

@@ -9,8 +9,8 @@ import pytest
 from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.physical import chosen_constraints
 from tirefmu.measurements import Recording
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import FitError
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 
 LATER = ("mf52", "mf61", "mf62")

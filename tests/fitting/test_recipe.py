@@ -12,8 +12,8 @@ import pytest
 
 from tirefmu.fitting import RECIPES, load_recipe
 from tirefmu.fitting.problem.recipe import Freed
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import FitError, TirefmuError, UnknownName
+from tirefmu.symbolic.models import MODELS
 
 DEG = radians(1.0)
 PURE_LOAD, ALL_ANGLES = (220.0, 100.0), [0.0, 3.0, -3.0, 6.0, -6.0]

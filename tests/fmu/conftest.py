@@ -13,7 +13,7 @@ from fmpy.fmi1 import FMICallException
 
 from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.simulation.simulate import loaded
-from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import TABLE_OUTPUTS, Tire, published
 from tirefmu.tires.code.compiler import CompilerError, find_compiler
 

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tirefmu.fmu.description.units import FACTORS, base_unit
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import FmuError
+from tirefmu.symbolic.models import MODELS
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from tirefmu.symbolic.printers.c import INCLUDES
+from tirefmu.symbolic.printers.definitions import INCLUDES
 from tirefmu.symbolic.printers.definitions import KERNEL, definitions
 from tirefmu.tires.code.kernel import FLAGS
 from tirefmu.tires.code.compiler import CompilerError, shared_library

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 import tirefmu
-from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 
 #: Columns of MFeval and names of tirefmu.

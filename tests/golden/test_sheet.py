@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 
 MODES = [

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.symbolic import model
+from tirefmu.symbolic.models import model
 from tirefmu.tires import Tire, published
 
 

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from tirefmu.symbolic.model import reaching
+from tirefmu.symbolic.model.lines import reaching
 
 ROUTINES = ("jacobian_inputs", "jacobian_parameters")
 

@@ -9,8 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.symbolic import MODELS
-from tirefmu.symbolic.model import INDISPENSABLE, reaching
+from tirefmu.symbolic.model import INDISPENSABLE
+from tirefmu.symbolic.model.lines import reaching
+from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.printers.expressions import NumpyPrinter
 
 #: The coefficients of the relaxation lengths of MF5.2 are among those of the forces.

@@ -8,11 +8,12 @@ from __future__ import annotations
 import pytest
 from sympy import atan, sqrt
 
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.contract import PropertyFile, Role, positive
+from tirefmu.symbolic.declarations import Coefficient, Effect, Section
 from tirefmu.symbolic.functions import where
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.notation import Chapter, Coefficient, Effect, Section
+from tirefmu.symbolic.models import MODELS
+from tirefmu.symbolic.notation import Chapter
 from tirefmu.symbolic.quantities import ALPHA, FX, FY, FZ, KAPPA, MZ
 
 softening = Effect("softening", "friction changes with load as this model defines it")

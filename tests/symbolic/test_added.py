@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.symbolic import model
 from tirefmu.symbolic.added import effect_text, library, read_effect
 from tirefmu.symbolic.added.formula import formula, formula_text
 from tirefmu.symbolic.errors import EffectError, UnknownName
+from tirefmu.symbolic.models import model
 from tirefmu.tires import Tire, read_tir
 
 OWN = """

@@ -6,9 +6,10 @@ import math
 
 import pytest
 
-from tirefmu.symbolic import EFFECTS, MODELS, model
+from tirefmu.symbolic.effects import EFFECTS
 from tirefmu.symbolic.errors import UnknownName
-from tirefmu.symbolic.model import reaching
+from tirefmu.symbolic.model.lines import reaching
+from tirefmu.symbolic.models import MODELS, model
 from tirefmu.symbolic.notation import Choice, Switch, Variant
 
 UNITS = {

@@ -17,7 +17,7 @@ from tirefmu.fitting import fit
 from tirefmu.fmu import check, export
 from tirefmu.generated.casadi import brush
 from tirefmu.measurements import Recording
-from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
 from tirefmu.tires.drawing.files import draw

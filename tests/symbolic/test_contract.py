@@ -15,11 +15,11 @@ from tirefmu.fitting import fit
 from tirefmu.fitting.problem.recipe import load_recipe
 from tirefmu.fmu import check, export
 from tirefmu.measurements import Recording
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.contract import PropertyFile, Role, positive
 from tirefmu.symbolic.errors import ModelError
 from tirefmu.symbolic.model.discovery import register
 from tirefmu.symbolic.model.verification import verify
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
 from tirefmu.tires.drawing.files import draw

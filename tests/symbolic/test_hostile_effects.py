@@ -11,15 +11,15 @@ import pytest
 import sympy as sp
 from hypothesis import example, given, settings
 
-from tirefmu.symbolic import model
 from tirefmu.symbolic.added import AddedEffect, effect_text, read_effect
 from tirefmu.symbolic.added.effect import Act
 from tirefmu.symbolic.contract import Role
+from tirefmu.symbolic.declarations import Coefficient, Section
 from tirefmu.symbolic.errors import EffectError
 from tirefmu.symbolic.model import Model
-from tirefmu.symbolic.notation import Chapter, Coefficient, Section
+from tirefmu.symbolic.models import model
+from tirefmu.symbolic.notation import Chapter
 from tirefmu.symbolic.printers.generate import render_model
-from tirefmu.symbolic.quantities import BEYOND
 from tirefmu.tires.code.compiler import CompilerError, find_compiler
 
 from .hostile import NASTY, hostile_texts
@@ -55,8 +55,7 @@ def effect(**given):
     texts = {"description": WORDS, "unit": "1", "physics": WORDS, "source": WORDS} | given
     declaration = Coefficient(texts["description"], texts["unit"], -1.0, 1.0)
     declaration.name = "OWN1"
-    own, temperature = sp.Symbol("OWN1", real=True), BEYOND["T"].symbol
-    acts = (Act("mu_y", "factor", 1 + own * temperature),)
+    acts = (Act("mu_y", "factor", "OWN1*T + 1"),)
     return AddedEffect("own", texts["physics"], texts["source"], (declaration,), acts)
 
 
@@ -163,7 +162,7 @@ def test_a_name_with_another_meaning_is_rejected(changed, message):
         (declaration,) = own.declarations
         declaration.name = changed["coefficient"]
     if "reads" in changed:
-        acts = (replace(own.acts[0], expression=1 + sp.Symbol(changed["reads"], real=True)),)
+        acts = (replace(own.acts[0], text=f"1 + {changed['reads']}"),)
         own = replace(own, acts=acts)
     with pytest.raises(EffectError, match=message):
         SMALL.extended([replace(own, name=changed.get("name", own.name))])

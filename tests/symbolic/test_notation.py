@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from tirefmu.symbolic.notation import Chapter, Coefficient, Effect, Section, magic, smooth_sign
+from tirefmu.symbolic.declarations import Coefficient, Effect, Section
+from tirefmu.symbolic.notation import Chapter, magic, smooth_sign
 
 x = sp.Symbol("x", real=True)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.notation import Chapter
 from tirefmu.symbolic.printers.operations import CODES, ROLLING_RADIUS, TURNING, model_tape, taped
 from tirefmu.tires.code import code_for

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.added import library
-from tirefmu.symbolic.printers.c import INCLUDES
+from tirefmu.symbolic.models import MODELS
+from tirefmu.symbolic.printers.definitions import INCLUDES
 from tirefmu.symbolic.reserved import LONGEST_NAME, no_coefficient, no_effect
 from tirefmu.tires.code.compiler import CompilerError, find_compiler
 from tirefmu.tires.property_file.names import OWN_SECTIONS

@@ -10,7 +10,7 @@ import pytest
 
 from tirefmu.description import describe
 from tirefmu.implausible import implausible, loads
-from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, published
 from tirefmu.tires.property_file.reading import read_tir_with_notes
 

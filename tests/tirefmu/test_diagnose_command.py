@@ -56,7 +56,7 @@ def test_a_hidden_effect_is_identified_and_written(recording, tmp_path):
     ("more", "message"),
     [
         (["--effects", "camber_trust"], "camber_thrust"),
-        (["--effect", "missing.toml"], "missing.toml: cannot be read"),
+        (["--effect", "missing.toml"], "missing.toml: no such file"),
         (["--nominal", "Fz=3000"], "Fz0"),
         (["--model", "mf69"], "unknown model 'mf69'"),
     ],

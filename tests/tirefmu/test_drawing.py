@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.image import imread
 
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirefmuError, UnknownName
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import PUBLISHED, Tire, published
 from tirefmu.tires.drawing import files
 from tirefmu.tires.drawing import tire_figures as drawing

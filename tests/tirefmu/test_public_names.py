@@ -63,19 +63,54 @@ def test_load_reads_what_a_tire_saved(tmp_path):
 
 
 LARGE = ("casadi", "fmpy", "matplotlib", "scipy", "pythonfmu")
+#: Not needed to show a help text or to reject a command either.
+LOADED_LATER = (*LARGE, "numpy", "pandas", "sympy", "rich", "tirefmu.symbolic.models", "tirefmu.tires.tire")
+#: None of these commands starts.
+NO_COMMAND = """
+import sys, tirefmu, tirefmu.tires
+from tirefmu.cli import main
+for arguments in ([], ["fit", "--help"], ["fit", "missing.csv", "-o", "new.tir"], ["info", "missing.tir"], ["inof"],
+                  ["check", "missing.fmu", "missing.csv"], ["diagnose", "missing.csv", "-o", "new"],
+                  ["draw", "missing.tir", "-o", "new"], ["evaluate", "missing.tir", "missing.csv", "-o", "new.csv"],
+                  ["export", "missing.tir", "-o", "new.fmu"], ["export", "missing.tir", "-o", "no folder/new.fmu"]):
+    assert main(arguments) == (0 if arguments in ([], ["fit", "--help"]) else 2), arguments
+"""
 
 
-@pytest.mark.parametrize("statement", ["import tirefmu", "import tirefmu.cli"])
-def test_importing_loads_no_large_library(statement):
-    code = f"import sys; {statement}; print(*[name for name in {LARGE!r} if name in sys.modules])"
+#: What needs the structure of a model only (`tirefmu.symbolic.model.structure`).
+NO_EQUATIONS = """
+import sys, tirefmu
+from tirefmu.cli import main
+from tirefmu.fmu.description.interface import interface
+from tirefmu.fmu.packaging.sources import sources
+with open("inputs.csv", "w") as file:
+    file.write("alpha,Fz\\n" + "".join(f"{0.004 * i - 0.1},{900 + i}\\n" for i in range(50)))
+assert main(["info", "unicamp_small_tire", "--quiet"]) == 0
+assert "pandas" not in sys.modules
+assert main(["evaluate", "trento_hoosier", "inputs.csv", "-o", "bench.csv", "--quiet"]) == 0
+fitted = tirefmu.fit("bench.csv", "fiala", nominal={"Fz0": 900.0, "R0": 0.2}, recipe="joint", iterations=1)
+fitted.tire.save("tire.tir")
+for inputs in ("slip", "wheel"):
+    assert sources(3, interface(tirefmu.load("tire.tir"), inputs=inputs), "{1}")
+"""
+
+
+def loaded_by(code, names):
+    """Return which of the modules a program loads."""
+    code += f"\nimport sys; print('loaded', *[name for name in {names!r} if name in sys.modules])"
     reported = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert reported.stdout.split() == []
+    return reported.stdout.splitlines()[-1].split()[1:]
+
+
+def test_importing_and_errors_load_no_large_library(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert loaded_by(NO_COMMAND, LOADED_LATER) == []
+
+
+def test_a_tire_is_evaluated_fitted_and_exported_without_its_equations(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert loaded_by(NO_EQUATIONS, ("sympy",)) == []
 
 
 def test_a_tire_is_evaluated_without_them():
-    code = (
-        "import sys, tirefmu; tirefmu.published('trento_hoosier').forces(alpha=0.1, Fz=700.0); "
-        f"print(*[name for name in {LARGE!r} if name in sys.modules])"
-    )
-    reported = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert reported.stdout.split() == []
+    assert loaded_by("import tirefmu; tirefmu.published('trento_hoosier').forces(alpha=0.1, Fz=700.0)", LARGE) == []

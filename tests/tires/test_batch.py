@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tirefmu.symbolic import MODELS
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires.code import MANY_ROWS, code_for, fastest_code, kernel, numpy_code, selection
 from tirefmu.tires.code.compiler import CompilerError
 from tirefmu.tires.code.kernel import BLOCK

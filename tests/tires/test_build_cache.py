@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tirefmu.symbolic import model, with_library
+from tirefmu.symbolic.models import model, with_library
 from tirefmu.tires.code import build_cache, modules
 from tirefmu.tires.code.build_cache import RECORD, cache_folder, cached
 
@@ -190,29 +190,57 @@ def test_a_folder_that_cannot_be_written(cache, caplog, monkeypatch):
     assert private(cached("other", make), cache, caplog)
 
 
-@pytest.mark.parametrize("before", ["nothing", "damaged"])
-def test_concurrent_builds_of_one_entry(cache, caplog, before):
-    n = 8
-    if before == "damaged":
-        (cached("entry", Maker()) / "other").write_bytes(b"")
-    barrier, entries = threading.Barrier(n), []
-
-    def make(folder):
-        barrier.wait(timeout=60.0)
-        Maker()(folder)
-
+def in_threads(n, make):
+    """Return the entries that n threads get, each of which needs the same one."""
+    entries = []
     threads = [threading.Thread(target=lambda: entries.append(cached("entry", make))) for _ in range(n)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert entries == [cache / "entry"] * n
+    return entries
+
+
+@pytest.mark.parametrize("before", ["nothing", "damaged"])
+def test_one_builds_and_the_others_wait(cache, caplog, before):
+    if before == "damaged":
+        (cached("entry", Maker()) / "other").write_bytes(b"")
+    make = Maker()
+
+    def slow(folder):
+        time.sleep(0.2)  # the others arrive meanwhile
+        make(folder)
+
+    assert in_threads(8, slow) == [cache / "entry"] * 8
+    assert make.made == 1
+    assert names(cache) == ["entry"]
+    assert not caplog.records
+
+
+@pytest.mark.parametrize("before", ["nothing", "damaged"])
+def test_concurrent_builds_without_a_lock(cache, caplog, monkeypatch, before):
+    def refuse(path, timeout):
+        raise NotImplementedError  # a file system without locks
+
+    monkeypatch.setattr(build_cache.filelock, "FileLock", refuse)
+    if before == "damaged":
+        (cached("entry", Maker()) / "other").write_bytes(b"")
+    barrier = threading.Barrier(8)
+
+    def make(folder):
+        barrier.wait(timeout=60.0)
+        Maker()(folder)
+
+    entries = in_threads(8, make)
+    assert entries == [cache / "entry"] * 8
     assert content_of(entries[0]) == "content"
     assert names(cache) == ["entry"]
     assert not caplog.records
 
 
-def test_an_entry_stored_by_another_process_is_preserved(cache):
+def test_an_entry_stored_by_another_process_is_preserved(cache, monkeypatch):
+    monkeypatch.setattr(build_cache, "LONGEST_BUILD", 0.0)  # the other one does not wait
+
     def make(folder):
         Maker("ours")(folder)
         cached("entry", Maker("theirs"))

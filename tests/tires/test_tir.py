@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import PUBLISHED, Tire, published, read_tir, write_tir
 from tirefmu.tires.definition import RANGES
 from tirefmu.tires.property_file import reading

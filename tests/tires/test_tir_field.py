@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import pytest
 
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import read_tir, write_tir
 from tirefmu.tires.property_file.names import not_given
 from tirefmu.tires.property_file.reading import read_tir_with_notes

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from tirefmu.symbolic import model
 from tirefmu.symbolic.errors import DataError, UnknownName
+from tirefmu.symbolic.models import model
 from tirefmu.tires import Tire
 from tirefmu.tires.transient import AT_ONCE, lagged
 

@@ -2,9 +2,9 @@
 
 An entry is a folder ``NAME-DIGEST`` with its files and a record of their sizes and SHA-256 digests. It is made in a
 temporary folder and renamed in one step, so that another process finds all of it or nothing. An entry that is damaged,
-or that another user could have written, is made again. Where the cache cannot be trusted or written, a private
-temporary folder replaces it until this process ends. On Windows only the user can access the cache folder; there
-only the digests are checked.
+or that another user could have written, is made again. If several processes need the same entry, one builds it and the
+others wait. Where the cache cannot be trusted or written, a private temporary folder replaces it until this process
+ends. On Windows only the user can access the cache folder; there only the digests are checked.
 """
 
 from __future__ import annotations
@@ -18,10 +18,11 @@ import shutil
 import stat
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import lru_cache
 from pathlib import Path
 
+import filelock
 import platformdirs
 
 from tirefmu.symbolic.escaping import visible
@@ -32,10 +33,12 @@ RECORD = "sha256sums"
 MOST_BYTES = 500_000_000
 #: An entry used within this time may still be in use in another process and stays, s.
 IN_USE = 86_400.0
+#: Longest wait for another process that builds the same entry, s; afterwards it is built here, too.
+LONGEST_BUILD = 600.0
 #: Attempts to store an entry while other processes store theirs.
 ATTEMPTS = 5
 
-#: What begins the name of an unfinished or a removed entry.
+#: What begins the name of an unfinished or a removed entry, and of a lock.
 _SCRATCH = ".scratch-"
 #: Entries that this process uses.
 _used: set[Path] = set()
@@ -79,9 +82,44 @@ def cached(name: str, make: Callable[[Path], None], *, rebuild: bool = False) ->
     'made once'
     """
     cache = _trusted_cache()
+    found = None if rebuild else _found(cache, name)
+    if found or not cache:
+        return found or _built(None, name, make, rebuild)
+    with _locked(cache, name):
+        # Another process may have built it in the meantime.
+        return (None if rebuild else _found(cache, name)) or _built(cache, name, make, rebuild)
+
+
+def _found(cache: Path | None, name: str) -> Path | None:
+    """Return an entry that is there and intact."""
     for folder in (cache, *_private):
-        if folder and not rebuild and _is_intact(folder / name):
+        if folder and _is_intact(folder / name):
             return _in_use(folder / name)
+    return None
+
+
+@contextlib.contextmanager
+def _locked(cache: Path, name: str) -> Iterator[None]:
+    """Wait until no other process builds an entry, and let others wait; without a lock where there can be none.
+
+    The lock only saves work: entries are stored in one step, so that two builds do no harm. Its file can therefore be
+    removed although another process may wait for it.
+    """
+    path = cache / f"{_SCRATCH}{name}"
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError, NotImplementedError):
+            stack.enter_context(filelock.FileLock(path, timeout=LONGEST_BUILD))
+            stack.callback(_remove, path)
+        yield
+
+
+def _remove(path: Path) -> None:
+    with contextlib.suppress(OSError):  # on Windows an open file cannot be removed; filelock does it
+        path.unlink()
+
+
+def _built(cache: Path | None, name: str, make: Callable[[Path], None], rebuild: bool) -> Path:
+    """Build an entry and return its folder, a private one where it cannot be stored in the cache."""
     with tempfile.TemporaryDirectory(prefix="tirefmu-") as scratch:
         made = Path(scratch) / name
         made.mkdir()

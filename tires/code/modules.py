@@ -19,10 +19,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.added import effect_text
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.models import MODELS
 
 from .build_cache import cached
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import lru_cache
 
-from tirefmu.symbolic import model as model_of
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.models import model as model_of
 
 from .batch_code import batch_code
 from .c_code import c_code

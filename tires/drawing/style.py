@@ -20,7 +20,7 @@ from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import ArrayLike
 
 from tirefmu.symbolic import quantities
-from tirefmu.symbolic.notation import Quantity
+from tirefmu.symbolic.declarations import Quantity
 
 RGB = tuple[float, float, float]
 

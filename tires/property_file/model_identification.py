@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 from pathlib import Path
 
-from tirefmu.symbolic import MODELS
 from tirefmu.symbolic.errors import TirError, nearest
 from tirefmu.symbolic.escaping import excerpt, quoted
+from tirefmu.symbolic.models import MODELS
 
 from .names import folded, model_by_coefficients
 from .text import Entry, number_and_rest, unquoted

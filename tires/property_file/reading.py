@@ -16,11 +16,11 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from tirefmu.symbolic import model, with_library
 from tirefmu.symbolic.added import AddedEffect, library, read_effect
 from tirefmu.symbolic.errors import TirefmuError, TirError, UnknownName, nearest, path_from
 from tirefmu.symbolic.escaping import excerpt, quoted
 from tirefmu.symbolic.model import INDISPENSABLE, Model
+from tirefmu.symbolic.models import model, with_library
 
 from ..definition import RANGES
 from ..tire import Tire

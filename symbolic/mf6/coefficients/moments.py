@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...notation import Coefficient, Section
+from ...declarations import Coefficient, Section
 
 
 class Overturning(Section, title="OVERTURNING_COEFFICIENTS", channels=("Mx",)):

@@ -1,0 +1,111 @@
+"""The lines of a model, assembled from its chapters and the effects that are added to them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
+
+import sympy as sp
+
+from ..added import AddedEffect
+from ..declarations import Effect
+from ..errors import EffectError, nearest
+from ..escaping import quoted
+from ..notation import Chapter, Equation, Variant
+from .lines import reaching
+
+
+def assembled(
+    model: str,
+    chapters: Sequence[Chapter],
+    added: Iterable[AddedEffect],
+    quantities: Mapping[str, str],
+    outputs: Collection[str],
+) -> tuple[Equation, ...]:
+    """Return every line of a model, with effects as switches and options as choices.
+
+    Parameters
+    ----------
+    model : str
+        Its name; where models that share a line differ, its side is taken.
+    chapters : sequence of Chapter
+    added : iterable of AddedEffect
+    quantities : mapping of str to str
+        The quantity that each role is.
+    outputs : collection of str
+
+    Returns
+    -------
+    tuple of Equation
+        Without steps that no output and no named quantity uses: they belong to another model.
+
+    Raises
+    ------
+    EffectError
+        If an added effect acts on a quantity that the model does not have.
+    """
+    written = (equation for chapter in chapters for equation in chapter.equations)
+    lines = [replace(line, expression=_own(line.expression, model)) for line in written]
+    for effect in added:
+        lines = _acted_on(lines, effect, quantities)
+    return tuple(reaching(lines, set(outputs) | {line.symbol.name for line in lines if line.named}))
+
+
+def check_reads(
+    model: str,
+    lines: Iterable[Equation],
+    added: Iterable[AddedEffect],
+    quantities: Mapping[str, str],
+    known: Iterable[str],
+) -> None:
+    """Raise `EffectError` where an added effect reads what is not computed before the line that it acts on.
+
+    Parameters
+    ----------
+    model : str
+        Its name, for the message.
+    lines : iterable of Equation
+        With the added effects.
+    added, quantities
+        As for `assembled`.
+    known : iterable of str
+        Inputs and coefficients.
+    """
+    lines, before = list(lines), set(known)
+    acts = [(act, _places(quantities.get(act.on, act.on), lines, effect)) for effect in added for act in effect.acts]
+    for line in lines:
+        acting = [act for act, places in acts if line.symbol.name in places]
+        for name in sorted({name for act in acting for name in act.reads} - before):
+            raise EffectError(f"an effect on {line.symbol} reads {name!r}, which {model} has not"
+                              f" before it{nearest(name, before)}")  # fmt: skip
+        before.add(line.symbol.name)
+
+
+def _own(expression: sp.Expr, model: str) -> sp.Expr:
+    """Take a model's side wherever models that share a line differ."""
+    return expression.replace(Variant, lambda name, own, others: own if str(name) == model else others)
+
+
+def _acted_on(lines: list[Equation], effect: AddedEffect, quantities: Mapping[str, str]) -> list[Equation]:
+    """Put an added effect into the lines of the quantities that it acts on."""
+    places = {on: _places(quantities.get(on, on), lines, effect) for on in effect.acts_on}
+    switch = Effect(effect.name, effect.physics, optional=True)
+    changed = []
+    for line in lines:
+        expression = line.expression
+        for act in effect.acts:
+            if line.symbol.name in places[act.on]:
+                acted = expression * act.expression if act.how == "factor" else expression + act.expression
+                expression = switch.either(acted, expression)
+        changed.append(replace(line, expression=expression))
+    return changed
+
+
+def _places(name: str, lines: Sequence[Equation], effect: AddedEffect) -> frozenset[str]:
+    """Return the lines that an effect on a named quantity changes: its own, unless that reads one that acts for it."""
+    named = [line.symbol.name for line in lines if line.named]
+    if name not in named:
+        raise EffectError(f"{effect.name} acts on {quoted(name)}, which is no named quantity{nearest(name, named)}")
+    acting = frozenset(line.symbol.name for line in lines if line.acts_for == name)
+    before = {line.symbol.name for line in reaching(lines, [name])}
+    return acting if acting & before else frozenset({name, *acting})

@@ -1,0 +1,118 @@
+"""The structure of a model, derived from its lines."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import product
+
+import sympy as sp
+
+from ..declarations import Option
+from ..notation import Choice, Equation
+from ..options import OPTIONS, signs
+from .lines import decided, reaching, reduced, switched, switches
+from .structure import Case, Line, Structure
+
+
+def structure_of(
+    equations: Sequence[Equation],
+    declared: Iterable[str],
+    *,
+    required: Iterable[str],
+    outputs: Sequence[str],
+    on_demand: Iterable[str],
+    lengths: Collection[str],
+) -> Structure:
+    """Return what the lines of a model determine.
+
+    Parameters
+    ----------
+    equations : sequence of Equation
+        Every line, with effects as switches and options as choices.
+    declared : iterable of str
+        The coefficients, in the order of their declarations.
+    required : iterable of str
+        Coefficients that the model has although no line reads them.
+    outputs : sequence of str
+    on_demand : iterable of str
+        Effects that an input activates.
+    lengths : collection of str
+        The relaxation lengths.
+
+    Returns
+    -------
+    Structure
+    """
+    read = {symbol.name for line in equations for symbol in line.expression.free_symbols} | set(required)
+    chosen = {str(choice.args[0]) for line in equations for choice in line.expression.atoms(Choice)}
+    options = [option for option in OPTIONS.values() if option.parameter in chosen]
+    effects = tuple(dict.fromkeys(name for line in equations for name in _effects(line)))
+    relaxing = (name for line in equations if line.symbol.name in lengths for name in _effects(line))
+    rest = set(effects) - set(on_demand)
+    straight = reaching(reduced(equations, rest, {signs.parameter}), outputs)
+    return Structure(
+        coefficients=tuple(name for name in declared if name in read),
+        options=tuple(option.name for option in options),
+        straight_options=_straight_options(equations, rest, options, outputs),
+        effects=effects,
+        relaxing_effects=tuple(sorted(set(relaxing))),
+        quantities={line.symbol.name: (line.unit, line.description) for line in equations if line.named},
+        straight={output: _read_by(straight, output) for output in outputs},
+        lines=_lines(equations),
+    )
+
+
+def _effects(line: Equation) -> list[str]:
+    """Return the effects of a line, in the order in which it has them."""
+    return list(dict.fromkeys(str(switch.args[0]) for switch in switches(line.expression)))
+
+
+def _straight_options(
+    equations: Sequence[Equation], effects: set[str], options: Sequence[Option], outputs: Sequence[str]
+) -> tuple[str, ...]:
+    lines = reaching(reduced(equations, effects, {option.parameter for option in OPTIONS.values()}), outputs)
+    read = {symbol.name for line in lines for symbol in line.expression.free_symbols}
+    return tuple(option.name for option in options if option.parameter in read and option != signs)
+
+
+def _read_by(lines: Sequence[Equation], output: str) -> tuple[str, ...]:
+    read = {symbol.name for line in reaching(lines, {output}) for symbol in line.expression.free_symbols}
+    return tuple(sorted(read))
+
+
+def _lines(equations: Sequence[Equation]) -> tuple[Line, ...]:
+    """Return what each line reads in all cases: with every choice of its effects, and of the earlier lines' numbers."""
+    options = {option.parameter for option in OPTIONS.values()}
+    possible: dict[str, list[str]] = {}  # numbers that a line may be, '' for an expression
+    numbers: dict[str, sp.Expr] = {}
+    found = []
+    for line in equations:
+        effects = _effects(line)
+        earlier = sorted(symbol.name for symbol in line.expression.free_symbols if symbol.name in possible)
+        cases = []
+        for switched_on in product((False, True), repeat=len(effects)):
+            present = tuple(name for name, is_on in zip(effects, switched_on, strict=True) if is_on)
+            expression = decided(switched(line.expression, present), options)
+            for values in product(*(possible[name] for name in earlier)):
+                known = {name: numbers[value] for name, value in zip(earlier, values, strict=True) if value}
+                cases.append(_case(expression, present, values, known, numbers))
+        found.append(Line(line.symbol.name, tuple(effects), tuple(earlier), tuple(cases)))
+        results = sorted({case.number for case in cases})
+        if results != [""]:
+            possible[line.symbol.name] = results
+    return tuple(found)
+
+
+def _case(
+    expression: sp.Expr,
+    present: tuple[str, ...],
+    values: tuple[str, ...],
+    known: Mapping[str, sp.Expr],
+    numbers: dict[str, sp.Expr],
+) -> Case:
+    """Return what an expression is with earlier lines that are numbers; a new number is added to `numbers`."""
+    result = expression.xreplace({sp.Symbol(name, real=True): number for name, number in known.items()})
+    if not result.is_Number:
+        return Case(present, values, "", tuple(sorted(symbol.name for symbol in result.free_symbols)))
+    numbers[str(result)] = result
+    return Case(present, values, str(result), ())

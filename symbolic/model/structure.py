@@ -1,0 +1,154 @@
+"""What the lines of a model determine: which coefficients, options and effects they have and what each line reads.
+
+It is stored with the generated code, so that reading a tire, evaluating, fitting and exporting it need no SymPy. The
+lines themselves are loaded to print code, to add effects and to show equations.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a line is under certain conditions: a number, as text, or an expression that reads names.
+
+    Attributes
+    ----------
+    present : tuple of str
+        The effects of the line that are on.
+    numbers : tuple of str
+        The numbers that earlier lines are, '' for an expression; in the order of `Line.earlier`.
+    number : str
+        What the line is then; '' for an expression.
+    reads : tuple of str
+        What the expression reads.
+    """
+
+    present: tuple[str, ...]
+    numbers: tuple[str, ...]
+    number: str
+    reads: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Line:
+    """What a line reads, as its effects and the earlier lines that may be numbers decide.
+
+    Attributes
+    ----------
+    name : str
+    effects, earlier : tuple of str
+    cases : tuple of Case
+        One for each combination.
+    """
+
+    name: str
+    effects: tuple[str, ...]
+    earlier: tuple[str, ...]
+    cases: tuple[Case, ...]
+
+    @cached_property
+    def _by_condition(self) -> dict[tuple[frozenset[str], tuple[str, ...]], Case]:
+        return {(frozenset(case.present), case.numbers): case for case in self.cases}
+
+    def case(self, present: Collection[str], numbers: Mapping[str, str]) -> Case:
+        """Return what the line is with these effects and earlier lines that are numbers."""
+        key = (frozenset(present).intersection(self.effects), tuple(numbers.get(name, "") for name in self.earlier))
+        return self._by_condition[key]
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What the lines of a model determine.
+
+    Attributes
+    ----------
+    coefficients : tuple of str
+        Those that a line reads, in the order of the parameter vector.
+    options, straight_options : tuple of str
+        The options that a line reads; those that act in rows without an effect on demand, but for the signs.
+    effects : tuple of str
+        In the order in which the lines have them.
+    relaxing_effects : tuple of str
+        The effects in the lines of the relaxation lengths.
+    quantities : mapping of str to (str, str)
+        Unit and description of each named quantity.
+    straight : mapping of str to tuple of str
+        What each output reads in rows without an effect on demand, under default options.
+    lines : tuple of Line
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic.models import model
+    >>> structure = model("mf96").structure
+    >>> structure.quantities["mu_y"]
+    ('1', 'peak friction')
+    >>> sorted(structure.reached(["mu_y"], ["load_friction"]) & set(structure.coefficients))
+    ['FNOMIN', 'LFZ0', 'LMUY', 'PDY1', 'PDY2']
+    """
+
+    coefficients: tuple[str, ...]
+    options: tuple[str, ...]
+    straight_options: tuple[str, ...]
+    effects: tuple[str, ...]
+    relaxing_effects: tuple[str, ...]
+    quantities: Mapping[str, tuple[str, str]]
+    straight: Mapping[str, tuple[str, ...]]
+    lines: tuple[Line, ...]
+
+    def reached(self, targets: Iterable[str], effects: Collection[str]) -> frozenset[str]:
+        """Return the names on which lines depend with these effects: inputs, coefficients, options, earlier lines."""
+        numbers: dict[str, str] = {}
+        reads: dict[str, tuple[str, ...]] = {}
+        for line in self.lines:
+            case = line.case(effects, numbers)
+            reads[line.name] = case.reads
+            if case.number:
+                numbers[line.name] = case.number
+        needed = set(targets)
+        found: set[str] = set()
+        for line in reversed(self.lines):
+            if line.name in needed:
+                needed.update(reads[line.name])
+                found.update(reads[line.name])
+        return frozenset(found)
+
+    def to_text(self, about: str) -> str:
+        """Return the text of the stored file: JSON, one line of the model a line.
+
+        `from_text` is the inverse, without the remark about the file.
+        """
+        content = {"about": about, **asdict(self)}
+        lines = [_without_names(line) for line in content.pop("lines")]
+        fields = [f"{json.dumps(key)}: {json.dumps(value)}" for key, value in content.items()]
+        rows = ",\n  ".join(json.dumps(line) for line in lines)
+        return "{\n" + ",\n".join([*fields, f'"lines": [\n  {rows}\n]']) + "\n}\n"
+
+    @classmethod
+    def from_text(cls, text: str) -> Structure:
+        """Return the structure of a stored text."""
+        content = json.loads(text)
+        del content["about"]
+        lines = tuple(
+            Line(name, tuple(effects), tuple(earlier), tuple(_case(*case) for case in cases))
+            for name, effects, earlier, cases in content.pop("lines")
+        )
+        quantities = {name: (unit, description) for name, (unit, description) in content.pop("quantities").items()}
+        straight = {name: tuple(reads) for name, reads in content.pop("straight").items()}
+        names = {key: tuple(value) for key, value in content.items()}
+        return cls(**names, quantities=quantities, straight=straight, lines=lines)
+
+
+def _without_names(line: dict[str, Any]) -> list[Any]:
+    """Return the fields of a line and its cases as lists, which are shorter than mappings."""
+    cases = [list(case.values()) for case in line["cases"]]
+    return [line["name"], line["effects"], line["earlier"], cases]
+
+
+def _case(present: list[str], numbers: list[str], number: str, reads: list[str]) -> Case:
+    return Case(tuple(present), tuple(numbers), number, tuple(reads))

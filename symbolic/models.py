@@ -1,0 +1,90 @@
+"""Every model by name, with added effects in its lines where a tire has them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from importlib.resources import files
+
+from .added import AddedEffect, effect_text, library
+from .errors import UnknownName
+from .model import Model
+from .model.discovery import found_models
+
+#: Every model by name: those of this package's folders; see CONTRIBUTING.md, "Adding a model".
+MODELS: dict[str, Model] = found_models()
+
+for _model in MODELS.values():
+    # Stored with the generated code; read as data, because the packages of the code build on this one.
+    _stored = files("tirefmu.generated") / "structure" / f"{_model.name}.json"
+    if _stored.is_file():
+        _model.use(_stored)
+
+_EXTENDED: dict[tuple[Model, tuple[str, ...]], Model] = {}
+
+
+def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
+    """Return a model of the book by its name on the command line.
+
+    Parameters
+    ----------
+    name : str
+    added : sequence of AddedEffect
+        Effects beyond the book to be put into its lines.
+
+    Returns
+    -------
+    Model
+        One object for one model and the same effects.
+
+    Raises
+    ------
+    UnknownName
+        If there is none; the message offers the nearest.
+    EffectError
+        If an added effect does not fit the model.
+
+    Examples
+    --------
+    >>> model("mf96").title
+    'Magic Formula 1996, Trento form'
+    """
+    if name not in tuple(MODELS):  # a value that has no hash is unknown, too
+        raise UnknownName("model", name, MODELS)
+    if not added:
+        return MODELS[name]
+    key = (MODELS[name], tuple(effect_text(effect) for effect in added))
+    if key not in _EXTENDED:
+        _EXTENDED[key] = MODELS[name].extended(added)
+    return _EXTENDED[key]
+
+
+def with_library(name: str, effects: Collection[str], added: Sequence[AddedEffect] = ()) -> tuple[AddedEffect, ...]:
+    """Return the added effects of a tire: those given, and the library where one of its effects is named.
+
+    The library comes whole, so that few models have to be printed; a model that lacks what some of it acts on or reads
+    gets what is named.
+
+    Parameters
+    ----------
+    name : str
+        The model.
+    effects : collection of str
+        Names of effects, those of the book among them.
+    added : sequence of AddedEffect
+
+    Returns
+    -------
+    tuple of AddedEffect
+
+    Examples
+    --------
+    >>> [effect.name for effect in with_library("mf96", ["camber_thrust", "temp_friction"])]
+    ['temp_friction']
+    """
+    book = model(name)
+    there = {effect.name for effect in added} | book.effects.keys()
+    named = [effect for effect in library() if effect in effects and effect not in there]
+    if not named:
+        return tuple(added)
+    wanted = library() if all(map(book.has_place_for, library().values())) else named
+    return (*added, *(library()[effect] for effect in wanted if effect not in there))

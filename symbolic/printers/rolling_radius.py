@@ -1,0 +1,47 @@
+"""The effective rolling radius of a wheel at a given speed, in C: an FMU with wheel inputs computes kappa from it."""
+
+from __future__ import annotations
+
+from ..model import Model
+from .definitions import calling_math, comment, definitions
+from .expressions import PlainCPrinter
+from .operations import rolling_radius_lines
+from .python import HEADER
+
+
+def c_rolling_radius(book: Model) -> str:
+    """Return a header with the rolling radius of a wheel at a given angular speed.
+
+    Parameters
+    ----------
+    book : Model
+
+    Returns
+    -------
+    str
+        The free radius for a model without an effective rolling radius.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic.models import model
+    >>> print(c_rolling_radius(model("mf96")).splitlines()[-2].strip())
+    return UNLOADED_RADIUS;
+    """
+    prefix = book.name.upper()
+    needed = rolling_radius_lines(book)
+    turning = book.quantity("wheel_speed") or "omega"
+    read = {symbol.name for line in needed for symbol in line.expression.free_symbols} or {"UNLOADED_RADIUS"}
+    printer = PlainCPrinter()
+    lines = [f"const double {name} = parameters[{prefix}_{name}];" for name in book.parameters if name in read]
+    lines += [f"const double {q.name} = inputs[{prefix}_{q.name}];" for q in book.inputs if q.name in read]
+    lines += [f"const double {line.symbol} = {printer.doprint(line.expression)};" for line in needed]
+    lines += [] if needed else ["(void) inputs;", f"(void) {turning};"]
+    lines += [f"return {book.quantity('rolling_radius') if needed else 'UNLOADED_RADIUS'};"]
+    body = calling_math("\n".join(f"    {line}" for line in lines))
+    remark = comment(
+        "The effective rolling radius by load, pressure and angular speed, from the model's equations.",
+        HEADER.format(name=book.name),
+    )
+    head = f"static double rolling_radius(const double inputs[], double {turning}, const double parameters[])"
+    parts = [remark, definitions(body), f"{head}\n{{\n{body}\n}}"]
+    return "\n\n".join(part for part in parts if part) + "\n"

@@ -1,0 +1,68 @@
+"""The stored structure of the lines against the lines themselves."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import replace
+
+import pytest
+
+from tirefmu.symbolic.errors import ModelError
+from tirefmu.symbolic.model.lines import reaching
+from tirefmu.symbolic.model.structure import Structure
+from tirefmu.symbolic.models import MODELS
+
+ALL = sorted(MODELS)
+
+
+def read_by(lines, targets):
+    return {symbol.name for line in reaching(lines, set(targets)) for symbol in line.expression.free_symbols}
+
+
+def outside(book, names):
+    """Return which of the names are inputs, coefficients or options: steps of lines may be merged."""
+    return set(names) & {*book.parameters, *(quantity.name for quantity in book.inputs)}
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_it_reaches_what_the_lines_reach(name):
+    book = MODELS[name]
+    rng = random.Random(name)
+    targets = [quantity.name for quantity in book.outputs]
+    sets = [set(book.effects), set(), *({effect for effect in book.effects if rng.random() < 0.5} for _ in range(2))]
+    for effects in sets:
+        lines = book.lines(effects)
+        for wanted in ([*targets, *book.results], targets[:1], targets[-1:]):
+            assert outside(book, book.reached(wanted, effects)) == outside(book, read_by(lines, wanted)), effects
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_straight_rows_read_what_the_straight_lines_read(name):
+    book = MODELS[name]
+    lines = book.lines(straight=True)
+    for quantity in book.outputs:
+        assert outside(book, book.structure.straight[quantity.name]) == outside(book, read_by(lines, [quantity.name]))
+
+
+def test_the_stored_text_contains_all_of_it():
+    for book in MODELS.values():
+        assert Structure.from_text(book.structure.to_text("a test")) == book.structure
+
+
+def test_a_changed_model_does_not_use_it(made):
+    stored = MODELS["mf96"]
+    changed = replace(stored, chapters=(*stored.chapters[:-1],), outputs=stored.outputs[:2])
+    assert "QDZ1" in stored.coefficients
+    assert "QDZ1" not in changed.coefficients
+    toy = made()
+    assert set(toy.coefficients) == {"UNLOADED_RADIUS", "FNOMIN", "UMAX", "USOFT", "CLONG", "CSIDE", "ARM"}
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", MODELS["mf96"].structure.to_text("a test")])
+def test_an_outdated_one_is_an_error_where_it_is_used(made, tmp_path, text):
+    toy, stored = made(), tmp_path / "toy.json"
+    stored.write_text(text, encoding="ascii")
+    toy.use(stored)
+    with pytest.raises(ModelError, match=r'toy\.json is stale.*: run "tirefmu generate"'):
+        _ = toy.coefficients
+    assert set(replace(toy).coefficients) == set(made().coefficients)  # as the generator uses it
