@@ -9,17 +9,12 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 from diagnosis.case import Case
-from scipy.ndimage import median_filter
 
 from tirefmu.diagnosis import Diagnosis
 from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Half waves in time that represent the drift of a channel.
-DRIFT_WAVES = 6
-#: A spike: a measurement error beyond this share of the channel's size, relative to the median of so many rows.
-SPIKE, SPIKE_ROWS = 0.1, 5
 #: A residual is larger, or differs from the reported one, beyond this share.
 TOLERANCE = 0.02
 #: Median absolute deviation of a normal distribution with a standard deviation of 1.
@@ -68,8 +63,8 @@ def delivered(case: Case, result: Diagnosis) -> Delivered:
     channels = list(result.gap["train"])
     held = result.holdout_mask(len(case.table))
     tires = (result.base_tire, result.tire)
-    start, final = (_residuals(tire, case, channels, ~held) for tire in tires)
-    usual = _usual_rows(case, channels)
+    start, final = (_residuals(tire, case, result) for tire in tires)
+    usual = _usual_rows(case, result)
     on_rows = {
         part: [tuple(_rms(one[name][rows & usual[name]]) for one in (start, final)) for name in channels]
         for part, rows in (("train", ~held), ("holdout", held))
@@ -94,31 +89,26 @@ def delivered(case: Case, result: Diagnosis) -> Delivered:
     )
 
 
-def _residuals(tire: Tire, case: Case, channels: Sequence[str], train: npt.NDArray[np.bool_]) -> dict[str, FloatArray]:
-    """Return the residuals on the recording without offset, slow drift and cross-talk, fitted to the training rows."""
-    computed = tire.evaluate(case.table.drop(columns=list(channels)), signs=case.signs)
+def _residuals(tire: Tire, case: Case, result: Diagnosis) -> dict[str, FloatArray]:
+    """Return the residuals on the recording without the offsets and the drift that the diagnosis lists."""
+    computed = tire.evaluate(case.table.drop(columns=list(result.gap["train"])), signs=case.signs)
     t = case.table["t"].to_numpy()
-    phase = np.pi * (t - t[0]) / (t[-1] - t[0])
-    waves = [np.cos(k * phase) for k in range(DRIFT_WAVES + 1)]
-    usual = _usual_rows(case, channels)
+    listed = result.in_signs("iso" if case.signs == "iso" else "adapted-sae").recording
+    first, last = listed["removed_over"]
+    phase = np.pi * (t - first) / (last - first)
     found = {}
-    for name in channels:
-        others = [case.table[other].to_numpy() for other in ("Fx", "Fy") if other in channels and other != name]
-        columns = np.column_stack([*waves, *others])
-        residual = case.table[name].to_numpy() - computed[name].to_numpy()
-        rows = train & usual[name]
-        fitted = np.linalg.lstsq(columns[rows], residual[rows], rcond=None)[0]
-        found[name] = residual - columns @ fitted
+    for name, removed in listed["removed"].items():
+        drift = sum(size * np.cos(k * phase) for k, size in enumerate(removed["drift"], start=1))
+        found[name] = (case.table[name] - computed[name]).to_numpy() - removed["offset"] - drift
     return found
 
 
-def _usual_rows(case: Case, channels: Sequence[str]) -> dict[str, npt.NDArray[np.bool_]]:
-    """Return the rows of each channel that no spike disturbs, by the true forces."""
+def _usual_rows(case: Case, result: Diagnosis) -> dict[str, npt.NDArray[np.bool_]]:
+    """Return the rows of each channel that are measured and that the diagnosis does not list as outliers."""
     found = {}
-    for name in channels:
-        error = (case.table[name] - case.truth[name]).to_numpy()
-        size = np.quantile(np.abs(case.truth[name]), 0.99)
-        found[name] = np.abs(error - median_filter(error, SPIKE_ROWS)) <= SPIKE * size
+    for name, outliers in result.recording["outlier_rows"].items():
+        found[name] = case.table[name].notna().to_numpy()
+        found[name][outliers] = False
     return found
 
 

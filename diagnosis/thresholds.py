@@ -156,9 +156,9 @@ COEFFICIENT_BOUND_FACTOR = 10.0
 #: Largest ratio of the residual of a channel, improved over baseline tire. Convention: 5 % more in one channel if the
 #: total is smaller.
 MAX_WORSE_CHANNEL = 1.05
-#: Largest change of a force over the operating range, in multiples of the spread of the effects among tires. Derived: a
-#: larger effect is less plausible than none.
-MAX_CHANGE_OVER_SPREAD = 1.0
+#: Largest uncertainty of an effect over the operating range, as a share of its spread among tires. Derived: above it,
+#: three quarters of the knowledge about the effect's variance come from other tires, not from the recording.
+MAX_UNCERTAINTY = 0.5
 #: Residual over noise floor above which a channel lacks something that was not identified.
 INADEQUATE = 1.5
 

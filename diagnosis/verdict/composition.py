@@ -31,7 +31,7 @@ from .extrapolation import extrapolations
 from .findings import Finding, Interval
 from .fit_error import delivered_residuals, fit_errors, floors_of, residual_sizes
 from .improved_tire import tire_of
-from .operating_range import change_over_spread
+from .operating_range import uncertainty_over_spread
 from .residual_location import residual_maps, time_course
 from .result import Diagnosis
 from .verdict import verdict_text
@@ -92,8 +92,9 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     residuals = delivered_residuals((base_tire, tire), outcome.recording, (before, after), outcome.signals.loaded)
     floors = floors_of(outcome.recording, after)
     errors = fit_errors(before, after, residuals, floors)
-    changes = change_over_spread(search.problem, search.solution, added)
-    against = reasons_against(errors, changes) if added or search.refinements else ()
+    against = (
+        reasons_against(errors, uncertainty_over_spread(settled.whitened, added)) if added or search.refinements else ()
+    )
     if against:
         tire = base_tire
         errors = fit_errors(before, before, replace(residuals, after=residuals.before), floors)

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..thresholds import MAX_CHANGE_OVER_SPREAD, MAX_WORSE_CHANNEL
+from ..thresholds import MAX_UNCERTAINTY, MAX_WORSE_CHANNEL
 from .fit_error import FitErrors
 
 #: The parts of a recording on which both tires are compared, as in a sentence.
 PARTS = {"train": "training rows", "holdout": "hold-out set"}
 
 
-def reasons_against(errors: FitErrors, changes: Mapping[str, float]) -> tuple[str, ...]:
+def reasons_against(errors: FitErrors, uncertainties: Mapping[str, float]) -> tuple[str, ...]:
     """Return the reasons why an improved tire is not delivered; none if it is not worse than the baseline tire.
 
     Parameters
     ----------
     errors : dict
         Of the delivered tires (`fit_error.fit_errors`).
-    changes : mapping of str to float
-        By effect: change of the forces over the operating range, relative to the spread among tires
-        (`change_over_spread`).
+    uncertainties : mapping of str to float
+        By effect: uncertainty over the operating range, relative to the spread among tires
+        (`uncertainty_over_spread`).
 
     Examples
     --------
@@ -42,8 +42,9 @@ def reasons_against(errors: FitErrors, changes: Mapping[str, float]) -> tuple[st
                 f"instead of {one['before']:.3g} {unit})"
             )
     reasons += [
-        f"over the operating range {effect} changes a force by {ratio:.1f} times its spread among tires"
-        for effect, ratio in changes.items()
-        if ratio > MAX_CHANGE_OVER_SPREAD
+        f"over the operating range the recording does not determine {effect}: its uncertainty is {ratio:.1f} times its "
+        "spread among tires"
+        for effect, ratio in uncertainties.items()
+        if ratio > MAX_UNCERTAINTY
     ]
     return tuple(reasons)

@@ -1,15 +1,15 @@
-"""Change of the forces by identified effects over the operating range, compared with the spread among tires."""
+"""Uncertainty of identified effects over the operating range, compared with the spread among tires."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import numpy.typing as npt
 
-from ..least_squares import LeastSquares, Solution
+from ..probing.effect_probing import Screen
 from ..recording.signals import Signals
 from ..recording.simulation import Simulator
 
@@ -17,10 +17,10 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Points along a slip curve, and along each slip of combined slip.
 ALONG, COMBINED = 13, 5
-#: Random tires from the prior of an effect's coefficients.
+#: Number of random tires.
 TIRES = 16
-#: Share of the largest relative change of a channel, below which a channel is not compared.
-LEAST_SHARE = 0.1
+#: Spread among tires, as a share of a force, below which an effect is taken not to act on it.
+LEAST_SHARE = 0.002
 
 
 def operating_points(signals: Signals) -> FloatArray:
@@ -54,65 +54,62 @@ def operating_points(signals: Signals) -> FloatArray:
     return np.array([[point[name] for point in points] for name in signals.names])
 
 
-def change_over_spread(
-    problem: LeastSquares, solution: Solution, effects: Mapping[str, Collection[str]]
-) -> dict[str, float]:
-    """Return the largest change of a force by each effect, relative to its spread among tires.
+def uncertainty_over_spread(whitened: Screen, effects: Mapping[str, Collection[str]]) -> dict[str, float]:
+    """Return the uncertainty of each effect over the operating range, relative to its spread among tires.
 
     Parameters
     ----------
-    problem : LeastSquares
-    solution : Solution
-        Of the tire with the effects.
+    whitened : Screen
+        Of the tire with the effects; its normal matrix gives the covariance of the coefficients.
     effects : mapping of str to collection of str
         Free coefficients of each effect.
 
     Returns
     -------
     dict of str to float
-        By effect: root mean square change over `operating_points`, divided by that of tires whose coefficients are
-        drawn from the prior (`Model.prior_spread`), in the channel in which this ratio is largest. Channels with less
-        than a tenth of the effect's change, relative to their own size, are omitted.
+        By effect: standard deviation of a force over random tires from the posterior distribution of the coefficients,
+        divided by that from their prior (`Model.prior_spread`), root mean squares over `operating_points`, in the
+        channel in which this ratio is largest. 1: the recording does not determine the effect there. Channels on which
+        the effect hardly acts are omitted.
     """
+    problem, solution = whitened.problem, whitened.solution
     signals = problem.simulator.signals
     points = operating_points(signals)
     simulator = problem.simulator.with_signals(
         replace(signals, inputs=points, rows=np.arange(points.shape[1]), timed=False)
     )
-    absent = problem.simulator.tire.parameters()
-    forces = simulator.forces(solution.parameters)
+    size = _rms(simulator.forces(solution.parameters))
     ratios = {}
     for effect, coefficients in effects.items():
-        without = solution.parameters.copy()
-        indices = [simulator.index[name] for name in coefficients]
-        without[indices] = absent[indices]
-        start = simulator.forces(without)
-        change, spread = _rms(np.nan_to_num(forces - start)), _spread(problem, simulator, without, start, coefficients)
-        share = change / np.maximum(_rms(forces), 1e-12)
-        acts = (share > LEAST_SHARE * share.max()) & (spread > 0.0)
+        names = tuple(coefficients)
+        own = [solution.free.index(name) for name in names]
+        indices = [simulator.index[name] for name in names]
+        center, deviation = problem.prior(names)
+        bounds = problem.bounds(names)
+        covariance = whitened.baseline.inverse[np.ix_(own, own)]
+        both = (
+            _spread(simulator, solution.parameters, indices, mean, matrix, bounds)
+            for mean, matrix in ((solution.parameters[indices], covariance), (center, np.diag(deviation**2)))
+        )
+        posterior, prior = both
+        acts = prior > LEAST_SHARE * size
         if acts.any():
-            ratios[effect] = float((change[acts] / spread[acts]).max())
+            ratios[effect] = float((posterior[acts] / prior[acts]).max())
     return ratios
 
 
 def _spread(
-    problem: LeastSquares,
-    simulator: Simulator,
-    parameters: FloatArray,
-    forces: FloatArray,
-    coefficients: Collection[str],
-) -> FloatArray:
-    """Return the root mean square change by an effect over random tires, shape (n_channels,)."""
-    names = tuple(coefficients)
-    center, deviation = problem.prior(names)
-    lower, upper = problem.bounds(names)
-    draws = np.random.default_rng(0).standard_normal((TIRES, len(names)))
-    squares = np.zeros(len(forces))
+    simulator: Simulator, parameters: FloatArray, indices: Sequence[int], mean: FloatArray, covariance: FloatArray,
+    bounds: tuple[FloatArray, FloatArray],
+) -> FloatArray:  # fmt: skip
+    """Return the standard deviation of each force over random tires, shape (n_channels,)."""
+    draws = np.random.default_rng(0).multivariate_normal(mean, covariance, TIRES, method="eigh")
+    forces = []
     for draw in draws:
         moved = parameters.copy()
-        moved[[simulator.index[name] for name in names]] = np.clip(center + deviation * draw, lower, upper)
-        squares += _rms(np.nan_to_num(simulator.forces(moved) - forces)) ** 2
-    return np.asarray(np.sqrt(squares / TIRES))
+        moved[list(indices)] = np.clip(draw, *bounds)
+        forces.append(np.nan_to_num(simulator.forces(moved)))
+    return np.asarray(np.sqrt(np.mean(np.var(np.stack(forces), axis=0), axis=-1)))
 
 
 def _rms(rows: FloatArray) -> FloatArray:

@@ -8,11 +8,12 @@ import pytest
 
 import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
+from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.search.confirmation import confirmation, joint_z
 from tirefmu.diagnosis.thresholds import CONFIRMED_Z, STRETCHES
 from tirefmu.diagnosis.verdict.adequacy import Adequacy, adequacies
 from tirefmu.diagnosis.verdict.delivery import reasons_against
-from tirefmu.diagnosis.verdict.operating_range import change_over_spread, operating_points
+from tirefmu.diagnosis.verdict.operating_range import operating_points, uncertainty_over_spread
 from tirefmu.estimation.noise_floor import NoiseFloor
 
 from .suite import make_case
@@ -85,7 +86,7 @@ def test_a_worse_tire_is_not_delivered():
     assert reasons_against({"train": good, "holdout": good}, {}) == ()
     assert "hold-out set" in reasons_against({"train": good, "holdout": bad}, {})[0]
     assert "training rows" in reasons_against({"train": bad, "holdout": good}, {})[0]
-    assert "combined_Gxa" in reasons_against({"train": good, "holdout": good}, {"combined_Gxa": 7.0})[0]
+    assert "combined_Gxa" in reasons_against({"train": good, "holdout": good}, {"combined_Gxa": 0.9})[0]
 
 
 def test_a_residual_far_above_the_floor_is_inadequate():
@@ -140,12 +141,14 @@ def test_the_operating_points_include_combined_slip_that_was_not_measured(proble
     assert not pure["kappa"].any()
 
 
-def test_a_change_is_compared_with_the_spread_among_tires(problem, tire):
-    parameters = tire.parameters()
-    small = change_over_spread(problem, problem.at(parameters, ("PHY1",)), {"plysteer": ("PHY1",)})
-    assert small == {}  # the parameters of the tire itself: no change
-    parameters[problem.simulator.index["PHY1"]] = 1.0
-    assert change_over_spread(problem, problem.at(parameters, ("PHY1",)), {"plysteer": ("PHY1",)})["plysteer"] > 3.0
+def test_an_effect_that_the_recording_determines_is_certain(at_true_values):
+    assert uncertainty_over_spread(at_true_values, {"plysteer": ("PHY1",)})["plysteer"] < 0.1
+
+
+def test_an_effect_that_the_recording_does_not_determine_is_as_uncertain_as_its_prior(at_true_values):
+    blind = replace(at_true_values.problem, inverse_noise=1e-6 * at_true_values.problem.inverse_noise)
+    screen = Screen(blind, at_true_values.solution)
+    assert uncertainty_over_spread(screen, {"plysteer": ("PHY1",)})["plysteer"] == pytest.approx(1.0, abs=0.3)
 
 
 # ------------------------------------------------------------------ recordings that mislead
