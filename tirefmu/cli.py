@@ -254,6 +254,7 @@ def export(
 ) -> int:
     """Export TIRE as an FMU: native (Co-Simulation and Model Exchange, no Python), or with editable Python."""
     from tirefmu.fmu import export as run
+    from tirefmu.fmu.description.interface import with_lengths
 
     terminal = Terminal(quiet)
     check_output_paths(output, json_file)
@@ -268,6 +269,8 @@ def export(
     write_json(json_file, summary)
     interfaces = "Co-Simulation and Model Exchange" if kind == "native" else "Co-Simulation"
     terminal.print(f"FMI {version}.0 {interfaces}, {kind}, {inputs} inputs, {size / 1024:.0f} KB: {written}")
+    if inputs == "wheel" and (note := with_lengths(loaded)[1]):
+        terminal.print(f"note: {note}")
     return 0
 
 
