@@ -190,7 +190,7 @@ def with_lengths(tire: Tire) -> tuple[Tire, str]:
     >>> from tirefmu.tires import published
     >>> tire, note = with_lengths(published("trento_hoosier"))
     >>> tire.lags, note
-    (False, 'the tire has no relaxation: the relaxation lengths are half of its free radius, 0.114 m (DEFAULT_SIGMA)')
+    (False, 'the tire has no relaxation: the relaxation lengths are half of its free radius, 0.115 m (DEFAULT_SIGMA)')
     """
     if tire.lags:
         return tire, ""

@@ -410,3 +410,17 @@ def test_sliding_steadily_dissipates(standing, tires, name):
         kappa = (host.get("omega")[0] * radius) - V_x
         power.append(host.get("Fx", "Fy") @ [kappa, -V_y])
     assert min(power) >= -1e-9 * max(power)
+
+
+def test_sae_axes_turn_the_same_way(tires, compiler, tmp_path):
+    path = export(tires["mf61"], tmp_path / "sae.fmu", inputs="wheel", axes="sae")
+    with loaded(path) as slave:
+        host = Host(slave)
+        host.initialize()
+        host.set(V_x=0.0, V_y=0.0, omega=0.0, psi_dot=0.5)
+        host.call("ExitInitializationMode")
+        assert host.step(0.0, 1.0) == OK
+        Fy, Mz, twist = host.get("Fy", "Mz", "twist")
+        assert Fy == 0.0
+        assert Mz < -100.0
+        assert twist > 0.05
