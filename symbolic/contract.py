@@ -38,6 +38,7 @@ ROLES: dict[str, Quantity] = {
     "relaxation_y": Quantity("sigma_alpha", "m", "relaxation length that acts on tan(alpha)"),
     "rolling_radius": Quantity("R_e", "m", "effective rolling radius"),
     "loaded_radius": Quantity("R_l", "m", "distance of the wheel centre from the road"),
+    "turning_torque": Quantity("M_zphi_inf", "N m", "friction torque of a wheel that turns on the spot"),
     "wheel_speed": Quantity("omega", "rad/s", "speed at which the wheel turns"),
 }
 

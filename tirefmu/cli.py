@@ -275,6 +275,7 @@ def export(
     check_output_paths(output, json_file)
     check_input_paths(tire)
     from tirefmu.fmu import export as run
+    from tirefmu.fmu.description.interface import with_lengths
     from tirefmu.tires import tire_from
 
     from .terminal import Terminal
@@ -291,6 +292,8 @@ def export(
     write_json(json_file, summary)
     interfaces = "Co-Simulation and Model Exchange" if kind == "native" else "Co-Simulation"
     terminal.print(f"FMI {version}.0 {interfaces}, {kind}, {inputs} inputs, {size / 1024:.0f} KB: {written}")
+    if inputs == "wheel" and (note := with_lengths(loaded)[1]):
+        terminal.print(f"note: {note}")
     return 0
 
 

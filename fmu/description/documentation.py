@@ -84,6 +84,7 @@ def index_html(tire: Tire, header: Header, variables: Sequence[Variable]) -> byt
         f"<p>{html_text(header.description)}</p>",
         f"<p>Model: {html_text(tire.book.title)}. Effects: {html_text(', '.join(sorted(tire.has)) or 'none')}.",
         "The tire file is resources/tire.tir. License: licenses/license.txt.</p>",
+        *((f"<p>Assumption: {html_text(header.note)}.</p>",) if header.note else ()),
         *_about(tire),
         *_how_to_connect(by_causality["input"]),
         "<h2>Inputs</h2>",
@@ -123,11 +124,30 @@ def _how_to_connect(inputs: Sequence[Variable]) -> Iterable[str]:
     if "V_x" in names:
         yield "<p>V_x and V_y are the velocity of the contact point, which moves with the wheel's centre, in the plane"
         yield "of the road: along the wheel plane and across it. omega is the angular speed of the wheel, 0 if locked."
-        yield "Apply Fx at the loaded radius R_l, if it is an output, in the wheel's equation of motion. Below"
-        yield "LOW_SPEED a tire with relaxation acts as a spring and a damper limited by friction, and a tire without"
-        yield "relaxation as a damper.</p>"
+        yield "Apply Fx at the loaded radius R_l, if it is an output, in the wheel's equation of motion.</p>"
+        yield from _standstill("psi_dot" in names)
     else:
         yield "<p>kappa = (omega R_e - V_x)/|V_x|, tan(alpha) = V_y/|V_x|.</p>"
+
+
+def _standstill(turns: bool) -> Iterable[str]:
+    """Yield the section about a wheel at rest and close to it."""
+    yield "<h2>Standstill</h2>"
+    yield "<p>A tire at rest is a spring with a damper (LOW_SPEED_DAMPING, relative to the critical damping of"
+    yield "the load; one tenth of it for a wheel that turns). It holds a car on a slope without creep. A"
+    yield "relaxation length that the tire lacks is DEFAULT_SIGMA; with DEFAULT_SIGMA = 0 the slip has no lag,"
+    yield "and the tire is a damper only. Below LOW_SPEED the forces at zero slip (shifts, ply-steer, conicity,"
+    yield "camber thrust) fade out. The vector of Fx and Fy is limited to the friction ellipse below 2"
+    yield "LOW_SPEED; the limit fades out up to 3 LOW_SPEED.</p>"
+    if turns:
+        yield "<p>Turn slip psi_dot/V fades out below LOW_SPEED. A wheel that turns on the spot has no side force"
+        yield "and a moment that grows with the twist of the contact patch up to the friction torque"
+        yield "M_zphi_inf.</p>"
+    yield "<p>A host that holds forces over a step must resolve the oscillation of the wheel on the tire's"
+    yield "spring: with inertia J, slip stiffness K and relaxation length sigma, steps below sqrt(J sigma / K)"
+    yield "/ R, 2 to 5 ms for a passenger car. Set the velocities at the end of the step before doStep: with"
+    yield "those of its begin, the coupling itself excites the wheel. With the FMU's directional derivatives in"
+    yield "an implicit method, steps of 20 ms are stable.</p>"
 
 
 def _transient(local: Sequence[Variable]) -> Iterable[str]:
@@ -136,6 +156,9 @@ def _transient(local: Sequence[Variable]) -> Iterable[str]:
     yield "<p>The slips have a first-order lag: d x/dt = |V|/sigma (u - x) for kappa and tan(alpha). Co-Simulation uses"
     yield "the exact solution for inputs that are constant over a step of any size. The slips start in steady state for"
     yield "the inputs at the end of initialization: set the inputs before. The distance starts at its start value.</p>"
+    if "twist" in {variable.name for variable in local}:
+        yield "<p>The twist of the contact patch follows the yaw rate, d twist/dt = psi_dot - (|psi_dot|/0.1 rad +"
+        yield "|V|/0.1 m) twist. It starts at 0.</p>"
     yield from _table(local, "")
 
 

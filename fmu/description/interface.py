@@ -20,7 +20,7 @@ AXES = ("iso", "sae")
 #: Axes of the FMU and the sign convention in which its tire is evaluated.
 FORMULA = {"iso": "iso", "sae": "adapted-sae"}
 #: Variables that SAE axes reverse in addition to the signs of the formula: z points down, y to the right.
-REVERSED_IN_SAE = frozenset({"alpha", "Fz", "V_y", "psi_dot", "tan_alpha_lagged", "alpha_lagged"})
+REVERSED_IN_SAE = frozenset({"alpha", "Fz", "V_y", "psi_dot", "tan_alpha_lagged", "alpha_lagged", "twist"})
 
 #: The motion of the wheel at its contact point, in the wheel's axes.
 MOTION = (
@@ -33,14 +33,21 @@ YAWING = Quantity("psi_dot", "rad/s", "yaw rate of the wheel", typical=1.0)
 SPEED = 15.0
 LOW_SPEED = Variable("LOW_SPEED", "parameter", "m/s", "speed below which standstill is approximated", 1.0, 1e-3, inf)
 LOW_SPEED_DAMPING = Variable(
-    "LOW_SPEED_DAMPING", "parameter", "1", "damping ratio of the tire at standstill", 0.3, 0.0, inf
+    "LOW_SPEED_DAMPING", "parameter", "1", "damping ratio of the tire at standstill", 0.7, 0.0, inf
+)
+DEFAULT_SIGMA = Variable(
+    "DEFAULT_SIGMA", "parameter", "m", "relaxation length of a slip for which the tire has none", 0.15, 0.0, inf
 )
 
 KAPPA_LAGGED = Quantity("kappa_lagged", "1", "lagged longitudinal slip", typical=0.1)
 TAN_ALPHA_LAGGED = Quantity(
     "tan_alpha_lagged", "1", "lagged tangent of the side slip angle, used by the force formulas", typical=0.1
 )
+TWIST = Quantity("twist", "rad", "twist of the contact patch, by turning on the spot", typical=0.1)
 DISTANCE = Quantity("distance", "m", "distance rolled", typical=1000.0)
+
+
+LAGGED_SLIPS = frozenset({KAPPA_LAGGED.name, TAN_ALPHA_LAGGED.name})
 
 
 @dataclass(frozen=True)
@@ -58,12 +65,15 @@ class Interface:
     variables : tuple of Variable
         In the order of their value references: ``time``, inputs, forces, parameters, states, their derivatives,
         extra outputs.
+    relaxation_note : str
+        The relaxation lengths assumed for a tire that has none; empty if none are assumed.
     """
 
     tire: Tire
     inputs: str
     axes: str
     variables: tuple[Variable, ...]
+    relaxation_note: str = ""
 
     def group(self, name: str) -> list[Variable]:
         """Return the variables of a group: input, force, parameter, state, derivative or extra."""
@@ -73,6 +83,16 @@ class Interface:
     def wheel(self) -> bool:
         """True if the inputs are velocities."""
         return self.inputs == "wheel"
+
+    @property
+    def lags(self) -> bool:
+        """True if kappa and tan(alpha) are states: the tire has relaxation, or its inputs are velocities."""
+        return self.tire.lags or self.wheel
+
+    @property
+    def twists(self) -> bool:
+        """True if the twist of the contact patch is a state."""
+        return any(variable.name == TWIST.name for variable in self.group("state"))
 
     @property
     def has_distance(self) -> bool:
@@ -97,7 +117,9 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
     Returns
     -------
     Interface
-        The input of an on-demand or added effect is present if the tire has an effect that reads it.
+        The input of an on-demand or added effect is present if the tire has an effect that reads it. With wheel inputs
+        a tire without relaxation has the lengths of `with_lengths`: at standstill slip is 0/0, and a lagged slip is a
+        deflection.
 
     Raises
     ------
@@ -115,15 +137,20 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
             raise UnknownName(what, given, known)
     tire = tire.in_signs(FORMULA[axes])
     book, wheel = tire.book, inputs == "wheel"
+    tire, note = with_lengths(tire) if wheel else (tire, "")
     read = read_inputs(tire)
-    states = [*((KAPPA_LAGGED, TAN_ALPHA_LAGGED) if tire.lags else ()), *((DISTANCE,) if "distance" in read else ())]
+    states = [
+        *((KAPPA_LAGGED, TAN_ALPHA_LAGGED) if tire.lags or wheel else ()),
+        *((TWIST,) if wheel and "phit" in read else ()),
+        *((DISTANCE,) if "distance" in read else ()),
+    ]
     hosts = _wheel_inputs(tire, read) if wheel else _slip_inputs(tire, read, bool(states))
     values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
     extras = _extras(tire, wheel, quantities)
     parameters = [
         *(parameter_variable(declared, values[name], tire.signs) for name, declared in book.coefficients.items()),
         *(option_variable(option, values[option.parameter]) for option in book.options),
-        *(_low_speed(tire) if wheel else ()),
+        *(_standstill(tire) if wheel else ()),
     ]
     plain = (
         TIME,
@@ -139,7 +166,44 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         replace(v, reversed=True, start=None if v.start is None else -v.start) if _stem(v.name) in reverse else v
         for v in plain
     )
-    return Interface(tire, inputs, axes, _with_structure(turned, book, wheel))
+    return Interface(tire, inputs, axes, _with_structure(turned, book, wheel), note)
+
+
+def with_lengths(tire: Tire) -> tuple[Tire, str]:
+    """Return a tire with relaxation lengths for an FMU with wheel inputs, and a note about assumed ones.
+
+    Parameters
+    ----------
+    tire : Tire
+
+    Returns
+    -------
+    Tire
+        The tire itself if it has relaxation. Otherwise it has the lengths of its model, such as sigma = K/c of the
+        Magic Formula, provided that the tire has values of the coefficients they need.
+    str
+        Empty if the tire has relaxation.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> tire, note = with_lengths(published("trento_hoosier"))
+    >>> tire.lags, note
+    (False, 'the tire has no relaxation: the relaxation lengths are half of its free radius, 0.115 m (DEFAULT_SIGMA)')
+    """
+    if tire.lags:
+        return tire, ""
+    half = f"half of its free radius, {_default_length(tire):.3g} m (DEFAULT_SIGMA)"
+    scale, *needed = tire.book.own_relaxation or ("",)
+    if not scale or set(needed) & set(tire.defaulted):
+        return tire, f"the tire has no relaxation: the relaxation lengths are {half}"
+    (effect,) = (each for each in tire.book.relaxing_effects if scale in tire.book.owned(each))
+    given = {name: value for name, value in tire.values.items() if name not in tire.defaulted}
+    relaxing = replace(tire, effects=tire.has | {effect}, values={**given, scale: 1.0})
+    return relaxing, (
+        f"the tire has no relaxation: the relaxation lengths are those of its model ({scale} = 1);"
+        f" where they are 0, {half}"
+    )
 
 
 def _slip_inputs(tire: Tire, read: set[str], rolls: bool) -> list[Variable]:
@@ -169,10 +233,19 @@ def _input(quantity: Quantity, start: float) -> Variable:
     return Variable(*described, start=start, nominal=quantity.typical, group="input")
 
 
-def _low_speed(tire: Tire) -> tuple[Variable, Variable]:
+def _standstill(tire: Tire) -> tuple[Variable, ...]:
     """Return the parameters of standstill; the start value of LOW_SPEED is the model's own low speed, if any."""
     own = tire.values.get(tire.book.low_speed, 0.0)
-    return replace(LOW_SPEED, start=own if own >= LOW_SPEED.lower else LOW_SPEED.start), LOW_SPEED_DAMPING
+    return (
+        replace(LOW_SPEED, start=own if own >= LOW_SPEED.lower else LOW_SPEED.start),
+        LOW_SPEED_DAMPING,
+        replace(DEFAULT_SIGMA, start=_default_length(tire)),
+    )
+
+
+def _default_length(tire: Tire) -> float:
+    """Return a typical relaxation length where the tire does not determine one, m."""
+    return 0.5 * tire.values["UNLOADED_RADIUS"]
 
 
 def _state(state: Quantity) -> Variable:
@@ -184,7 +257,7 @@ def _state(state: Quantity) -> Variable:
 
 
 def _derivative(state: Quantity) -> Variable:
-    unit = "m/s" if state is DISTANCE else "1/s"
+    unit = {"m": "m/s", "rad": "rad/s"}.get(state.unit, "1/s")
     return Variable(f"der({state.name})", "local", unit, f"rate of {state.name}", group="derivative")
 
 
@@ -208,7 +281,7 @@ def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
             Variable("alpha", "output", "rad", "side slip angle from the wheel's motion", nominal=0.1, group="extra",
                      source="ALPHA_GIVEN"),
         ]  # fmt: skip
-    if tire.lags:
+    if tire.lags or wheel:
         found.append(Variable("alpha_lagged", "local", "rad", "side slip angle from its lagged tangent",
                               group="extra", source="ALPHA_LAGGED"))  # fmt: skip
     return found + [
@@ -236,10 +309,13 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, wheel: bool) -> t
                 if name in references and listed[references[name]].group == "input"
             ]
             own = references[_stem(variable.name)]
+            if variable.name == f"der({TWIST.name})":
+                return tuple(sorted({*rolled, references[YAWING.name], own}))
             return tuple(rolled) if variable.name == "der(distance)" else (*inputs, own)
         known = reached.get(variable.name, {"kappa", "alpha"})
         lag = [r for r in states if listed[r].name == "distance" and "distance" in known]
-        lag += [r for r in states if listed[r].name != "distance" and known & {"kappa", "alpha"}]
+        lag += [r for r in states if listed[r].name in LAGGED_SLIPS and known & {"kappa", "alpha"}]
+        lag += [r for r in states if listed[r].name == TWIST.name and variable.name == "Mz"]
         given = inputs if wheel else [r for r in inputs if listed[r].name in known]
         return tuple(sorted({*given, *lag}))
 

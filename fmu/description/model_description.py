@@ -14,9 +14,10 @@ from .variables import Variable
 
 #: Log categories of both FMI versions.
 LOG_CATEGORIES = {
+    "logEvents": "an assumption of the FMU at the end of initialization",
     "logStatusWarning": "an input is outside the valid range of the tire",
-    "logStatusDiscard": "a value was rejected: not finite, or outside its limits",
-    "logStatusError": "a call was rejected: not allowed, or not supported",
+    "logStatusDiscard": "a value was rejected or a result is not available: not finite, or outside its limits",
+    "logStatusError": "a call was rejected: not allowed, not supported, or with a pointer that is NULL",
 }
 
 
@@ -36,6 +37,8 @@ class Header:
         The C files to compile, for hosts that compile them.
     model_exchange : bool
         Whether the FMU supports Model Exchange in addition to Co-Simulation.
+    note : str
+        What the FMU assumes; empty if nothing.
     """
 
     name: str
@@ -43,6 +46,7 @@ class Header:
     description: str
     sources: tuple[str, ...]
     model_exchange: bool = False
+    note: str = ""
 
 
 def model_description(fmi: int, header: Header, variables: Sequence[Variable], token: str) -> bytes:

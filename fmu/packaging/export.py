@@ -62,7 +62,7 @@ def export(
     inputs : {"slip", "wheel"}
         ``slip``: kappa, alpha, gamma, Fz and so on, as the model reads them. ``wheel``: velocities V_x and V_y of
         the contact point and the angular speed omega of the wheel. The FMU computes slips and rolling radius, also at
-        standstill and in reverse.
+        standstill and in reverse. A tire without relaxation has default relaxation lengths there; the FMU logs them.
     axes : {"iso", "sae"}
         TYDEX W (z up), or SAE (z down, y to the right), as `signs` of `Tire.evaluate`.
     quantities : bool
@@ -202,9 +202,10 @@ def contents(
     name, iso = tire.name or identifier, tire.in_signs("iso")
     listed = shown.variables if native else variables(iso)
     rewritten = "" if written_in == shown.tire.signs else f", converted from {written_in} signs"
-    what = "Tire with relaxation" if tire.lags else "Steady-state tire"
+    assumed = "Tire with relaxation lengths by default" if shown.relaxation_note else "Steady-state tire"
+    what = "Tire with relaxation" if tire.lags else assumed
     sentence = f"{what} {name}: {tire.book.title}; {inputs} inputs; {AXES_NAMES[axes]} axes{rewritten}"
-    header = Header(name, identifier, sentence, c_files(fmi, shown), model_exchange=native)
+    header = Header(name, identifier, sentence, c_files(fmi, shown), native, shown.relaxation_note)
 
     # The token connects description and binary; it depends on everything that determines the FMU's behaviour.
     blank = sources(fmi, shown, "") if native else {}

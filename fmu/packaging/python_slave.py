@@ -28,7 +28,8 @@ class TireSlave(Fmi2Slave):
     """One tire: an array of values by value reference, as in the native FMU.
 
     Outputs are computed when they are read. A value that is not finite or outside its limits is rejected: an error is
-    logged, and the next step is discarded. No exception is raised, as it would be fatal for the host.
+    logged, and the next step is discarded. So it is after a force that is not finite. No exception is raised, as it
+    would be fatal for the host.
 
     Parameters
     ----------
@@ -130,6 +131,9 @@ class TireSlave(Fmi2Slave):
             forces = self.code.forces(inputs, self._parameters())
         self.values[self.first_output : self.first_parameter] = map(float, forces)
         self.outputs_known = True
+        if not all(isfinite(value) for value in self.values[self.first_output : self.first_parameter]):
+            self.rejected = True  # get_real cannot return a status
+            self._log_error("a force is not finite: the inputs or parameters are not those of a tire")
 
     def _input(self, name: str) -> float:
         return float(self.values[1 + self.code.INPUTS.index(name)])

@@ -19,13 +19,15 @@ from .model_code import model_files, split_code
 #: The translation units of the wrapper, by FMI version.
 WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c")}
 COMMON = ("instance.c", "values.c", "derivatives.c", "terms.c", "chain_rule.c", "continuous.c", "saved_state.c")
-#: The file of the contact kinematics, by whether inputs are velocities; the file of the slips, by whether they lag.
-CONTACT = {False: "slip_inputs.c", True: "wheel_inputs.c"}
+#: The files of the contact kinematics, by whether inputs are velocities; the file of the slips, by whether they lag.
+CONTACT = {False: ("slip_inputs.c",), True: ("wheel_inputs.c", "standstill.c")}
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
-HEADERS = ("instance.h", "contact.h", "slips.h", "terms.h", "chain_rule.h")
+HEADERS = ("instance.h", "contact.h", "slips.h", "standstill.h", "terms.h", "chain_rule.h")
 CONFIG, RADIUS = "model_config.h", "rolling_radius.h"
 #: Roles of the quantities that the wrapper reads.
-ROLES = ("friction_x", "friction_y", "stiffness_x", "stiffness_y", "relaxation_x", "relaxation_y")
+ROLES = (
+    "friction_x", "friction_y", "stiffness_x", "stiffness_y", "relaxation_x", "relaxation_y", "turning_torque",
+)  # fmt: skip
 
 
 def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
@@ -49,7 +51,7 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     >>> c_files(2, interface(published("trento_hoosier")))[-4:]
     ('slip_inputs.c', 'direct_slips.c', 'mf96.c', 'mf96_quantities.c')
     """
-    return (*WRAPPER[fmi], *COMMON, CONTACT[shown.wheel], SLIPS[shown.tire.lags], *model_files(shown.tire.model))
+    return (*WRAPPER[fmi], *COMMON, *CONTACT[shown.wheel], SLIPS[shown.lags], *model_files(shown.tire.model))
 
 
 def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
@@ -123,6 +125,7 @@ def model_config(shown: Interface, token: str) -> str:
         f'#include "{model}_operations.h"',
         "",
         f"#define INSTANTIATION_TOKEN {c_string(token)}",
+        f"#define RELAXATION_NOTE {c_string(shown.relaxation_note)}",
         *_sizes(shown),
         *_indices(shown),
         "",
@@ -152,9 +155,12 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define N_HOST_PARAMETERS {len(shown.group('parameter'))}"
     yield f"#define N_STATES {len(shown.group('state'))}"
     yield f"#define N_EXTRAS {len(shown.group('extra'))}"
-    yield f"#define LAGS {int(shown.tire.lags)}"
+    relaxes = shown.lags and bool(shown.tire.book.relaxing_effects)
+    yield f"#define LAGS {int(shown.lags)}"
+    yield f"#define RELAXES {int(relaxes)}"
+    yield f"#define TWISTS {int(shown.twists)}"
     yield f"#define WHEEL {int(shown.wheel)}"
-    for routine in ["forces", "quantities", *(["relaxation"] if shown.tire.lags else [])]:
+    for routine in ["forces", "quantities", *(["relaxation"] if relaxes else [])]:
         yield f"#define model_{routine} {model}_{routine}"
     for table in ("CONSTANTS", "OPERATIONS"):
         yield f"#define N_{table} {prefix}_N_{table}"
@@ -167,7 +173,8 @@ def _indices(shown: Interface) -> Iterable[str]:
     """Yield the indices of values that the wrapper uses by name."""
     tire, prefix = shown.tire, shown.tire.model.upper()
     known = {"KAPPA": "kappa", "ALPHA": "alpha", "LOAD": "Fz", "SPEED": "V"}
-    known |= {"LONGITUDINAL_FORCE": "Fx", "SIDE_FORCE": "Fy"}
+    known |= {"LONGITUDINAL_FORCE": "Fx", "SIDE_FORCE": "Fy", "ALIGNING_MOMENT": "Mz", "OVERTURNING_MOMENT": "Mx"}
+    known |= {"INCLINATION": "gamma"}
     known |= {"DISTANCE": "distance"} if shown.has_distance else {}
     for name, value in known.items():
         if value in (*tire.inputs, *tire.outputs):
@@ -186,7 +193,7 @@ def _indices(shown: Interface) -> Iterable[str]:
             yield f"#define {macro} {inputs.index(name)}"
     if shown.wheel:
         own = [variable.name for variable in shown.group("parameter")]
-        for name in ("LOW_SPEED", "LOW_SPEED_DAMPING"):
+        for name in ("LOW_SPEED", "LOW_SPEED_DAMPING", "DEFAULT_SIGMA"):
             yield f"#define {name} {own.index(name)}"
 
 

@@ -10,15 +10,18 @@
 
 /* Compute `state->contact`:
  *   inputs   the model's inputs, with the given slips (without lag)
- *   target   steady-state value of the lagged slips; their rate is speed / length (target - slip)
- *   sliding  target times speed, m/s, finite at standstill
+ *   target   steady-state value of the lagged slips; their rate is rolling / length (target - slip)
+ *   sliding  target times rolling, m/s, finite at standstill
  *   bounds   largest magnitude of the lagged slips
  *   friction, stiffness   near standstill: mu Fz, N, and slip stiffness
  *   sense    sign of the model's kappa: -1 for some models in reverse
- *   speed    |V|, m/s */
+ *   speed    |V|, m/s
+ *   rolling  the speed at which deflections decay: |V|, smooth at 0, m/s
+ *   yawing   yaw rate of the wheel, rad/s */
 void contact_find(State *state);
 
-/* Correct the forces near standstill; `inputs` are the model's inputs with the acting slips. */
+/* Correct the forces near standstill; `inputs` are the model's inputs with the acting slips.  For wheel inputs it is
+   in standstill.c. */
 void contact_settle(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS]);
 
 /* Tangents of the model's inputs for a change of the host's values. */
@@ -33,7 +36,7 @@ typedef struct {
     double length, by[N_LEAVES];
 } Radius;
 
-/* Whether contact_differentiate is valid here: no limit or damper of standstill is active. */
+/* Whether contact_differentiate is valid here: no correction of standstill is active. */
 int contact_is_smooth(const State *state);
 /* Compute `given`, and the speed and sliding of `motion`, for seeds in the model's signs by value reference.  Slip
    inputs need no radius. */

@@ -8,10 +8,10 @@
 
 static const double NOMINAL[] = STATE_NOMINALS;
 
-static Status expect_count(const Instance *self, size_t n, size_t expected, const char *what)
+static Status expect_array(const Instance *self, const double values[], size_t n, size_t expected, const char *what)
 {
     if (n == expected)
-        return STATUS_OK;
+        return instance_expect_pointer(self, values, n, what);
     return instance_refuse(self, STATUS_ERROR, "this FMU has %lu %s, not %lu", (unsigned long) expected, what,
                            (unsigned long) n);
 }
@@ -48,6 +48,8 @@ Status instance_update_discrete(Instance *self, int *states_changed)
     if (expect_kind(self, "an update of discrete states") != STATUS_OK ||
         instance_expect(self, EVENT, EVENT, "an update of discrete states") != STATUS_OK)
         return STATUS_ERROR;
+    if (instance_expect_pointer(self, states_changed, 1, "the event information") != STATUS_OK)
+        return STATUS_ERROR;
     *states_changed = slips_settle(&self->state);
     if (*states_changed)
         state_changed(&self->state);
@@ -77,14 +79,14 @@ static Status copy_shown(Instance *self, size_t first, double shown[], size_t n,
 {
     size_t i;
 
-    if (expect_kind(self, what) != STATUS_OK || expect_count(self, n, N_STATES, "states") != STATUS_OK)
+    if (expect_kind(self, what) != STATUS_OK || expect_array(self, shown, n, N_STATES, "states") != STATUS_OK)
         return STATUS_ERROR;
     if (self->state.mode == INSTANTIATED)
         return instance_refuse(self, STATUS_ERROR, "there are no %s while instantiated", what);
     state_compute_outputs(&self->state);
     for (i = 0; i < n; i++)
         shown[i] = self->state.values[first + i];
-    return STATUS_OK;
+    return instance_expect_finite(self, shown, n, what);
 }
 
 Status instance_get_states(Instance *self, double states[], size_t n)
@@ -101,7 +103,8 @@ Status instance_set_states(Instance *self, const double states[], size_t n)
 {
     size_t i;
 
-    if (expect_kind(self, "setting states") != STATUS_OK || expect_count(self, n, N_STATES, "states") != STATUS_OK ||
+    if (expect_kind(self, "setting states") != STATUS_OK ||
+        expect_array(self, states, n, N_STATES, "states") != STATUS_OK ||
         instance_expect(self, CONTINUOUS, CONTINUOUS, "setting states") != STATUS_OK)
         return STATUS_ERROR;
     for (i = 0; i < n; i++)
@@ -125,7 +128,7 @@ Status instance_get_nominals(Instance *self, double nominals[], size_t n)
     size_t i;
 
     if (expect_kind(self, "nominal values of states") != STATUS_OK ||
-        expect_count(self, n, N_STATES, "states") != STATUS_OK)
+        expect_array(self, nominals, n, N_STATES, "states") != STATUS_OK)
         return STATUS_ERROR;
     for (i = 0; i < n; i++)
         nominals[i] = NOMINAL[i];
@@ -136,5 +139,5 @@ Status instance_get_indicators(Instance *self, size_t n)
 {
     if (expect_kind(self, "event indicators") != STATUS_OK)
         return STATUS_ERROR;
-    return expect_count(self, n, 0, "event indicators");
+    return expect_array(self, NULL, n, 0, "event indicators");
 }

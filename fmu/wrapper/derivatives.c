@@ -54,6 +54,14 @@ static Status expect_differentiable(const Instance *self, const unsigned unknown
     return STATUS_OK;
 }
 
+static Status expect_arrays(const Instance *self, const double seed[], size_t n_seed, const double sensitivity[],
+                            size_t n_sensitivity)
+{
+    if (instance_expect_pointer(self, seed, n_seed, "the seed") != STATUS_OK)
+        return STATUS_ERROR;
+    return instance_expect_pointer(self, sensitivity, n_sensitivity, "the sensitivity");
+}
+
 /* Compute the values of all slots with the given or the acting slips. */
 static void find_values(State *state, Point point, double values[N_SLOTS])
 {
@@ -218,6 +226,8 @@ Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_u
 
     if (expect_differentiable(self, unknowns, n_unknowns, knowns, n_knowns) != STATUS_OK)
         return STATUS_ERROR;
+    if (expect_arrays(self, seed, n_knowns, sensitivity, n_unknowns) != STATUS_OK)
+        return STATUS_ERROR;
     state_compute_outputs(state);
     for (i = 0; i < n_unknowns; i++)
         sensitivity[i] = 0.0;
@@ -227,7 +237,7 @@ Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_u
             sensitivity[i] += seed[j] * column[i];
     }
     if (!contact_is_smooth(state))
-        return STATUS_OK;
+        return instance_expect_finite(self, sensitivity, n_unknowns, "a derivative");
     for (j = 0; j < n_knowns; j++)
         seeds[knowns[j]] += seed[j] * value_direction(knowns[j]);
     find_radius(state, &radius);
@@ -235,7 +245,7 @@ Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_u
     add_forward(state, GIVEN, &tangent, seeds, unknowns, n_unknowns, sensitivity);
     add_forward(state, ACTING, &tangent, seeds, unknowns, n_unknowns, sensitivity);
     add_motion(state, &tangent, unknowns, n_unknowns, sensitivity);
-    return STATUS_OK;
+    return instance_expect_finite(self, sensitivity, n_unknowns, "a derivative");
 }
 
 Status instance_adjoint(Instance *self, const unsigned unknowns[], size_t n_unknowns, const unsigned knowns[],
@@ -248,18 +258,20 @@ Status instance_adjoint(Instance *self, const unsigned unknowns[], size_t n_unkn
 
     if (expect_differentiable(self, unknowns, n_unknowns, knowns, n_knowns) != STATUS_OK)
         return STATUS_ERROR;
+    if (expect_arrays(self, seed, n_unknowns, sensitivity, n_knowns) != STATUS_OK)
+        return STATUS_ERROR;
     state_compute_outputs(state);
     for (j = 0; j < n_knowns && !contact_is_smooth(state); j++) {
         find_differences(state, knowns[j], unknowns, n_unknowns, column);
         sensitivity[j] = product(seed, column, n_unknowns);
     }
     if (!contact_is_smooth(state))
-        return STATUS_OK;
+        return instance_expect_finite(self, sensitivity, n_knowns, "a derivative");
     find_radius(state, &radius);
     find_gradient(state, GIVEN, unknowns, n_unknowns, seed, given);
     find_gradient(state, ACTING, unknowns, n_unknowns, seed, acting);
     find_gradient(state, MOTION, unknowns, n_unknowns, seed, motion);
     for (j = 0; j < n_knowns; j++)
         sensitivity[j] = weighted_derivative(state, knowns[j], &radius, given, acting, motion);
-    return STATUS_OK;
+    return instance_expect_finite(self, sensitivity, n_knowns, "a derivative");
 }

@@ -29,11 +29,11 @@ void slips_advance(State *state, double h)
     (void) h;
 }
 
-double slips_length(State *state, size_t slip, int *of_model)
+double slips_length(State *state, size_t slip, LengthOrigin *origin)
 {
     (void) state;
     (void) slip;
-    *of_model = 0;
+    *origin = CONSTANT_LENGTH;
     return 1.0;
 }
 
@@ -42,7 +42,7 @@ void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *ta
     (void) state;
     (void) seeds;
     memcpy(tangent->acting, tangent->given, sizeof tangent->acting);
-    memset(tangent->motion + LAGGING, 0, N_SLIPS * sizeof *tangent->motion);
+    memset(tangent->motion + LAGGING, 0, N_LAGGING * sizeof *tangent->motion);
 }
 
 void slips_show(State *state, double slips[], double rates[])

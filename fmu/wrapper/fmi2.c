@@ -6,6 +6,11 @@
 typedef char discards_agree[(int) STATUS_DISCARD == (int) fmi2Discard ? 1 : -1];
 typedef char errors_agree[(int) STATUS_ERROR == (int) fmi2Error ? 1 : -1];
 
+#define EXPECT(pointer, what)                                          \
+    do                                                                 \
+        if (instance_expect_pointer(c, pointer, 1, what) != STATUS_OK) \
+            return fmi2Error;                                          \
+    while (0)
 #define UNSUPPORTED(function) return (fmi2Status) instance_unsupported(c, #function)
 
 /* ---------------------------------------------------------------- instantiation */
@@ -142,6 +147,7 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind s, fmi2Boo
 {
     if (s != fmi2Terminated || !c)
         UNSUPPORTED(fmi2GetBooleanStatus of this kind);
+    EXPECT(value, "the status");
     *value = fmi2False;
     return fmi2OK;
 }
@@ -150,6 +156,7 @@ fmi2Status fmi2GetStatus(fmi2Component c, const fmi2StatusKind s, fmi2Status *va
 {
     if (s != fmi2DoStepStatus || !c)
         UNSUPPORTED(fmi2GetStatus of this kind);
+    EXPECT(value, "the status");
     *value = fmi2OK;
     return fmi2OK;
 }
@@ -185,8 +192,10 @@ fmi2Status fmi2EnterEventMode(fmi2Component c) { return (fmi2Status) instance_en
 fmi2Status fmi2NewDiscreteStates(fmi2Component c, fmi2EventInfo *eventInfo)
 {
     int changed = 0;
-    Status status = instance_update_discrete(c, &changed);
+    Status status;
 
+    EXPECT(eventInfo, "the event information");
+    status = instance_update_discrete(c, &changed);
     if (status != STATUS_OK)
         return (fmi2Status) status;
     eventInfo->newDiscreteStatesNeeded = fmi2False;
@@ -203,6 +212,8 @@ fmi2Status fmi2EnterContinuousTimeMode(fmi2Component c) { return (fmi2Status) in
 fmi2Status fmi2CompletedIntegratorStep(fmi2Component c, fmi2Boolean noSetFMUStatePriorToCurrentPoint,
                                        fmi2Boolean *enterEventMode, fmi2Boolean *terminateSimulation)
 {
+    EXPECT(enterEventMode, "the event information");
+    EXPECT(terminateSimulation, "the event information");
     *enterEventMode = fmi2False;
     *terminateSimulation = fmi2False;
     return (fmi2Status) instance_complete_step(c);

@@ -6,6 +6,11 @@
 typedef char discards_agree[(int) STATUS_DISCARD == (int) fmi3Discard ? 1 : -1];
 typedef char errors_agree[(int) STATUS_ERROR == (int) fmi3Error ? 1 : -1];
 
+#define EXPECT(pointer, what)                                                 \
+    do                                                                        \
+        if (instance_expect_pointer(instance, pointer, 1, what) != STATUS_OK) \
+            return fmi3Error;                                                 \
+    while (0)
 #define LACKS(type) return (fmi3Status) instance_lacks_type(instance, nValueReferences, type)
 
 /* ---------------------------------------------------------------- instantiation */
@@ -239,8 +244,15 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance instance, fmi3Boolean *discrete
                                     fmi3Boolean *nextEventTimeDefined, fmi3Float64 *nextEventTime)
 {
     int changed = 0;
-    Status status = instance_update_discrete(instance, &changed);
+    Status status;
 
+    EXPECT(discreteStatesNeedUpdate, "the event information");
+    EXPECT(terminateSimulation, "the event information");
+    EXPECT(nominalsOfContinuousStatesChanged, "the event information");
+    EXPECT(valuesOfContinuousStatesChanged, "the event information");
+    EXPECT(nextEventTimeDefined, "the event information");
+    EXPECT(nextEventTime, "the event information");
+    status = instance_update_discrete(instance, &changed);
     if (status != STATUS_OK)
         return (fmi3Status) status;
     *discreteStatesNeedUpdate = fmi3False;
@@ -260,6 +272,8 @@ fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance instance)
 fmi3Status fmi3CompletedIntegratorStep(fmi3Instance instance, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
                                        fmi3Boolean *enterEventMode, fmi3Boolean *terminateSimulation)
 {
+    EXPECT(enterEventMode, "the event information");
+    EXPECT(terminateSimulation, "the event information");
     *enterEventMode = fmi3False;
     *terminateSimulation = fmi3False;
     return (fmi3Status) instance_complete_step(instance);
@@ -301,16 +315,14 @@ fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 
 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventIndicators)
 {
-    if (!instance)
-        return fmi3Error;
+    EXPECT(nEventIndicators, "the number");
     *nEventIndicators = 0;
     return fmi3OK;
 }
 
 fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance instance, size_t *nContinuousStates)
 {
-    if (!instance)
-        return fmi3Error;
+    EXPECT(nContinuousStates, "the number");
     *nContinuousStates = N_STATES;
     return fmi3OK;
 }

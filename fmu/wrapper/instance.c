@@ -45,7 +45,7 @@ Instance *instance_create(const char *name, const char *token, Kind kind, LogCal
     self->log_message = log_message;
     self->logger = logger;
     self->environment = environment;
-    self->logs_warnings = self->logs_discards = self->logs_errors = 1;
+    self->logs_events = self->logs_warnings = self->logs_discards = self->logs_errors = 1;
     self->state.kind = kind;
     self->name = malloc(strlen(given_name) + 1);
     if (!self->name) {
@@ -72,6 +72,8 @@ void instance_free(Instance *self)
 /* The log category of a status, or NULL if the host has switched it off. */
 static const char *category(const Instance *self, Status status)
 {
+    if (status == STATUS_OK)
+        return self->logs_events ? "logEvents" : NULL;
     if (status == STATUS_WARNING)
         return self->logs_warnings ? "logStatusWarning" : NULL;
     if (status == STATUS_DISCARD)
@@ -107,13 +109,17 @@ Status instance_lacks_type(const Instance *self, size_t n, const char *type)
 
 Status instance_choose_log(Instance *self, int on, size_t n, const char *const categories[])
 {
-    int warnings = n == 0, discards = n == 0, errors = n == 0;
+    int events = n == 0, warnings = n == 0, discards = n == 0, errors = n == 0;
     size_t i;
 
-    if (!self)
+    if (instance_expect_pointer(self, categories, n, "log categories") != STATUS_OK)
         return STATUS_ERROR;
     for (i = 0; i < n; i++) {
-        if (strcmp(categories[i], "logStatusWarning") == 0)
+        if (instance_expect_pointer(self, categories[i], 1, "a log category") != STATUS_OK)
+            return STATUS_ERROR;
+        if (strcmp(categories[i], "logEvents") == 0)
+            events = 1;
+        else if (strcmp(categories[i], "logStatusWarning") == 0)
             warnings = 1;
         else if (strcmp(categories[i], "logStatusDiscard") == 0)
             discards = 1;
@@ -122,12 +128,34 @@ Status instance_choose_log(Instance *self, int on, size_t n, const char *const c
         else
             return instance_refuse(self, STATUS_ERROR, "unknown log category");
     }
+    if (events)
+        self->logs_events = on;
     if (warnings)
         self->logs_warnings = on;
     if (discards)
         self->logs_discards = on;
     if (errors)
         self->logs_errors = on;
+    return STATUS_OK;
+}
+
+Status instance_expect_pointer(const Instance *self, const void *pointer, size_t n, const char *what)
+{
+    if (!self)
+        return STATUS_ERROR;
+    if (!pointer && n > 0)
+        return instance_refuse(self, STATUS_ERROR, "the pointer to %s is NULL", what);
+    return STATUS_OK;
+}
+
+Status instance_expect_finite(const Instance *self, const double values[], size_t n, const char *what)
+{
+    size_t i;
+
+    for (i = 0; i < n; i++)
+        if (!isfinite(values[i]))
+            return instance_refuse(self, STATUS_DISCARD, "%s would be %g: the inputs or parameters are not those of a tire",
+                                   what, values[i]);
     return STATUS_OK;
 }
 
@@ -188,9 +216,35 @@ Status instance_exit_initialization(Instance *self)
     if (expect_mode(self, INITIALIZATION, "the end of initialization") != STATUS_OK)
         return STATUS_ERROR;
     slips_begin(&self->state);
+    if (*RELAXATION_NOTE)
+        instance_refuse(self, STATUS_OK, "%s", RELAXATION_NOTE);
     self->state.mode = self->state.kind == MODEL_EXCHANGE ? EVENT : STEPPING;
     return STATUS_OK;
 }
+
+#if N_STATES > 0
+/* Integrate the states, which remain unchanged if one would not be finite. */
+static Status advance(Instance *self, double size)
+{
+    State *state = &self->state;
+    const double distance = state->distance;
+    double lagging[N_LAGGING];
+    Status status;
+
+    memcpy(lagging, state->lagging, sizeof lagging);
+    contact_find(state);
+    slips_advance(state, size);
+    state->distance += state->contact.speed * size;
+    status = instance_expect_finite(self, state->lagging, N_LAGGING, "a lagged slip");
+    if (status == STATUS_OK)
+        status = instance_expect_finite(self, &state->distance, 1, "the distance");
+    if (status != STATUS_OK) {
+        memcpy(state->lagging, lagging, sizeof lagging);
+        state->distance = distance;
+    }
+    return status;
+}
+#endif
 
 Status instance_step(Instance *self, double point, double size)
 {
@@ -208,9 +262,8 @@ Status instance_step(Instance *self, double point, double size)
         return instance_refuse(self, STATUS_ERROR, "the step ends at t = %.17g, after the stop time %.17g",
                                point + size, self->state.stop_time);
 #if N_STATES > 0
-    contact_find(&self->state);
-    slips_advance(&self->state, size);
-    self->state.distance += self->state.contact.speed * size;
+    if (advance(self, size) != STATUS_OK)
+        return STATUS_DISCARD;
 #ifdef DISTANCE
     state_changed(&self->state); /* the model reads the distance */
 #endif

@@ -3,8 +3,8 @@
  * Hand-written C99.  fmi2.c and fmi3.c translate calls; the checks of allowed calls are here only.
  *
  * A function either completes, or it rejects the call and changes nothing.
- *   STATUS_DISCARD  a value is not finite or outside its declared limits
- *   STATUS_ERROR    the standard or this FMU does not allow the call
+ *   STATUS_DISCARD  a value is not finite or outside its declared limits, or a result would not be finite
+ *   STATUS_ERROR    the standard or this FMU does not allow the call, or a pointer is NULL
  * The host's logger receives one line for each rejected call.
  */
 #ifndef INSTANCE_H
@@ -41,11 +41,19 @@ typedef enum { CO_SIMULATION, MODEL_EXCHANGE } Kind;
 /* After initialization, Co-Simulation is in STEPPING; Model Exchange is in EVENT or CONTINUOUS. */
 typedef enum { INSTANTIATED, INITIALIZATION, STEPPING, EVENT, CONTINUOUS, TERMINATED } Mode;
 
-/* kappa and tan(alpha) */
-enum { LONGITUDINAL, LATERAL, N_SLIPS };
+/* The lagged quantities: kappa, tan(alpha) and, if the wheel can turn on the spot, the twist of its contact patch. */
+enum { LONGITUDINAL, LATERAL, N_SLIPS, TWIST = N_SLIPS, N_LAGGING = N_SLIPS + TWISTS };
 
-/* What the rates of lagged slips depend on in addition to the model: |V|, sliding velocities, and the slips. */
-enum { ROLLING, SLIDING, LAGGING = SLIDING + N_SLIPS, N_MOTION = LAGGING + N_SLIPS };
+/* What the rates of lagged quantities depend on in addition to the model: |V|, sliding velocities, the yaw rate, the
+   default relaxation length, and the lagged quantities. */
+enum {
+    ROLLING,
+    SLIDING,
+    YAWING = SLIDING + N_SLIPS,
+    DEFAULT_LENGTH,
+    LAGGING,
+    N_MOTION = LAGGING + N_LAGGING
+};
 
 /* The kinematics at the contact point; see contact.h. */
 typedef struct {
@@ -55,7 +63,8 @@ typedef struct {
     double bounds[N_SLIPS];
     double friction[N_SLIPS], stiffness[N_SLIPS];
     double sense;
-    double speed;
+    double speed, rolling;
+    double yawing;
 } Contact;
 
 /* Everything that changes in an instance.  It has no pointers: a copy is a saved state, the bytes a serialized one. */
@@ -66,9 +75,10 @@ typedef struct {
     int contact_known, lengths_known, outputs_known, extras_known;
     int stop_defined;
     double stop_time;
-    double lagging[N_SLIPS]; /* since the end of initialization; see slips.h */
+    double lagging[N_LAGGING]; /* since the end of initialization; see slips.h */
     double distance;         /* rolled, m */
     double lengths[N_SLIPS];
+    int length_is_default[N_SLIPS];
     Contact contact;
     double values[N_VALUES];
 } State;
@@ -84,7 +94,7 @@ struct Instance {
     void (*logger)(void); /* the host's function; `log_message` converts its type */
     void *environment;
     char *name;
-    int logs_warnings, logs_discards, logs_errors;
+    int logs_events, logs_warnings, logs_discards, logs_errors;
     int warned;
 };
 
@@ -92,13 +102,17 @@ Instance *instance_create(const char *name, const char *token, Kind kind, LogCal
                           void (*logger)(void), void *environment);
 void instance_free(Instance *self);
 
-/* Log why a call is rejected; returns `status`.  `self` may be NULL: then nothing is logged. */
+/* Log why a call is rejected, or with STATUS_OK an assumption; returns `status`.  `self` may be NULL: then nothing is logged. */
 Status instance_refuse(const Instance *self, Status status, const char *format, ...);
 Status instance_unsupported(const Instance *self, const char *function);
 /* For calls about variables of a type that this FMU lacks: accepted for zero variables, rejected otherwise. */
 Status instance_lacks_type(const Instance *self, size_t n, const char *type);
 Status instance_choose_log(Instance *self, int on, size_t n, const char *const categories[]);
 
+/* Reject a NULL pointer to n > 0 values; `what` names the values. */
+Status instance_expect_pointer(const Instance *self, const void *pointer, size_t n, const char *what);
+/* Reject results that are not finite. */
+Status instance_expect_finite(const Instance *self, const double values[], size_t n, const char *what);
 /* Reject the call unless the instance is in one of two modes. */
 Status instance_expect(const Instance *self, Mode mode, Mode other, const char *what);
 /* Whether initialization is complete: lagged slips have their own values. */

@@ -1,4 +1,4 @@
-/* Lagged slips: dx/dt = |V| / sigma (u - x) for kappa and tan(alpha).  See slips.h.
+/* Lagged slips: dx/dt = |V| / sigma (u - x) for kappa and tan(alpha), and the twist of the contact patch.  See slips.h.
  *
  * The inputs are constant over a step, so V, sigma and u are constant and the exponential is the exact solution.  The
  * result does not depend on the step size.
@@ -10,16 +10,51 @@
 
 /* Below this relaxation length a slip has no lag, m. */
 #define SHORTEST_LENGTH 1e-6
-/* Relaxation length of a state without lag in Model Exchange: short, but not stiff, m. */
+/* Relaxation length of a state without lag in Model Exchange, and of the twist: short, but not stiff, m. */
 #define FOLLOWING_LENGTH 0.1
+/* The twist at which turning on the spot reaches the friction torque, rad; tirefmu's own value. */
+#define SATURATION_TWIST 0.1
 /* Below this speed the quotient of sliding and speed is not used, m/s. */
 #define STANDSTILL_SPEED 1e-12
 
+/* Wheel inputs need a lag at standstill, where slip is 0/0: a length that the tire does not have is DEFAULT_SIGMA. */
+static int defaulted(const double length)
+{
+#if WHEEL
+    return !(length > SHORTEST_LENGTH);
+#else
+    (void) length;
+    return 0;
+#endif
+}
+
+static double default_length(const State *state)
+{
+#if WHEEL
+    return state->values[FIRST_PARAMETER + DEFAULT_SIGMA];
+#else
+    (void) state;
+    return 0.0;
+#endif
+}
+
 static void find_lengths(State *state)
 {
+    size_t i;
+
     contact_find(state);
-    if (!state->lengths_known)
-        model_relaxation(state->contact.inputs, state->values + FIRST_PARAMETER, state->lengths);
+    if (state->lengths_known)
+        return;
+#if RELAXES
+    model_relaxation(state->contact.inputs, state->values + FIRST_PARAMETER, state->lengths);
+#else
+    memset(state->lengths, 0, sizeof state->lengths);
+#endif
+    for (i = 0; i < N_SLIPS; i++) {
+        state->length_is_default[i] = defaulted(state->lengths[i]);
+        if (state->length_is_default[i])
+            state->lengths[i] = default_length(state);
+    }
     state->lengths_known = 1;
 }
 
@@ -78,6 +113,38 @@ int slips_settle(State *state)
     return moved;
 }
 
+#if TWISTS
+double slips_twist(const State *state)
+{
+    const double share = state_has_begun(state) ? state->lagging[TWIST] / SATURATION_TWIST : 0.0;
+    return share > 1.0 ? 1.0 : share < -1.0 ? -1.0 : share;
+}
+
+double slips_twist_decay(const State *state, double *by_yawing, double *by_speed)
+{
+    *by_yawing = 1.0 / SATURATION_TWIST;
+    *by_speed = 1.0 / FOLLOWING_LENGTH;
+    return fabs(state->contact.yawing) * *by_yawing + state->contact.rolling * *by_speed;
+}
+
+static double twist_rate(const State *state)
+{
+    double by_yawing, by_speed;
+    return state->contact.yawing - slips_twist_decay(state, &by_yawing, &by_speed) * state->lagging[TWIST];
+}
+
+/* The exact solution: a twist that the yaw rate builds up to its saturation, and that rolling removes. */
+static void advance_twist(State *state, double h)
+{
+    double by_yawing, by_speed;
+    const double decay = slips_twist_decay(state, &by_yawing, &by_speed);
+
+    if (decay > 0.0)
+        state->lagging[TWIST] =
+            exp(-decay * h) * state->lagging[TWIST] - expm1(-decay * h) * (state->contact.yawing / decay);
+}
+#endif
+
 void slips_advance(State *state, double h)
 {
     const Contact *contact = &state->contact;
@@ -90,20 +157,25 @@ void slips_advance(State *state, double h)
             continue;
         }
         state->lagging[i] = bounded(state, i);
-        if (contact->speed > STANDSTILL_SPEED) {
-            rolled = h * (contact->speed / state->lengths[i]);
+        if (contact->rolling > STANDSTILL_SPEED) {
+            rolled = h * (contact->rolling / state->lengths[i]);
             state->lagging[i] = exp(-rolled) * state->lagging[i] - expm1(-rolled) * contact->target[i];
         } else {
             state->lagging[i] += contact->sliding[i] * (h / state->lengths[i]);
         }
         state->lagging[i] = bounded(state, i);
     }
+#if TWISTS
+    advance_twist(state, h);
+#endif
 }
 
-double slips_length(State *state, size_t slip, int *of_model)
+double slips_length(State *state, size_t slip, LengthOrigin *origin)
 {
-    *of_model = slips_lag(state, slip);
-    return *of_model ? state->lengths[slip] : FOLLOWING_LENGTH;
+    const int lags = slips_lag(state, slip);
+
+    *origin = !lags ? CONSTANT_LENGTH : state->length_is_default[slip] ? DEFAULTED_LENGTH : MODEL_LENGTH;
+    return lags ? state->lengths[slip] : FOLLOWING_LENGTH;
 }
 
 void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *tangent)
@@ -112,7 +184,10 @@ void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *ta
     const double x = state->lagging[LATERAL];
 
     memcpy(tangent->acting, tangent->given, sizeof tangent->acting);
-    memcpy(tangent->motion + LAGGING, moved, N_SLIPS * sizeof *moved);
+    memcpy(tangent->motion + LAGGING, moved, N_LAGGING * sizeof *moved);
+#if WHEEL
+    tangent->motion[DEFAULT_LENGTH] = seeds[FIRST_PARAMETER + DEFAULT_SIGMA];
+#endif
     if (!state_has_begun(state))
         return;
     if (slips_lag(state, LONGITUDINAL))
@@ -126,8 +201,8 @@ static double rate(State *state, size_t slip)
 {
     const Contact *contact = &state->contact;
     const double x = state->lagging[slip];
-    int of_model;
-    const double found = (contact->sliding[slip] - contact->speed * x) / slips_length(state, slip, &of_model);
+    LengthOrigin origin;
+    const double found = (contact->sliding[slip] - contact->rolling * x) / slips_length(state, slip, &origin);
 
     return fabs(x) >= contact->bounds[slip] && found * x > 0.0 ? 0.0 : found;
 }
@@ -141,4 +216,8 @@ void slips_show(State *state, double slips[], double rates[])
         slips[i] = state->kind == MODEL_EXCHANGE && state_has_begun(state) ? state->lagging[i] : acting(state, i);
         rates[i] = state_has_begun(state) ? rate(state, i) : 0.0;
     }
+#if TWISTS
+    slips[TWIST] = state->lagging[TWIST];
+    rates[TWIST] = state_has_begun(state) ? twist_rate(state) : 0.0;
+#endif
 }

@@ -69,7 +69,7 @@ static int is_state(const State *state)
     for (i = 0; i < FIRST_STATE; i++)
         if ((i < FIRST_OUTPUT || i >= FIRST_PARAMETER) && !isfinite(state->values[i]))
             return 0;
-    for (i = 0; i < N_SLIPS; i++)
+    for (i = 0; i < N_LAGGING; i++)
         if (!isfinite(state->lagging[i]))
             return 0;
     return 1;

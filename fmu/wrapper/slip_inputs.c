@@ -21,7 +21,7 @@ void contact_find(State *state)
     contact->inputs[DISTANCE] = state->distance;
 #endif
 #if N_STATES > 0
-    contact->speed = fabs(host_value(state, FIRST_INPUT + HOST_SPEED));
+    contact->speed = contact->rolling = fabs(host_value(state, FIRST_INPUT + HOST_SPEED));
 #endif
 #if LAGS
     contact->target[LONGITUDINAL] = contact->inputs[KAPPA];

@@ -23,8 +23,18 @@ int slips_settle(State *state);
 /* Integrate over h > 0 seconds with constant inputs. */
 void slips_advance(State *state, double h);
 
-/* The relaxation length of a slip; `of_model` is 1 if the model computes it, 0 if it is a constant. */
-double slips_length(State *state, size_t slip, int *of_model);
+/* The origin of a relaxation length: a constant, the parameter DEFAULT_SIGMA, or the model. */
+typedef enum { CONSTANT_LENGTH, DEFAULTED_LENGTH, MODEL_LENGTH } LengthOrigin;
+
+double slips_length(State *state, size_t slip, LengthOrigin *origin);
+
+#if TWISTS
+/* The twist of the contact patch as a share of the twist at which the friction torque is reached, -1 to 1. */
+double slips_twist(const State *state);
+/* The twist follows the yaw rate and decays: d twist/dt = yawing - decay twist.  Returns the decay and its derivatives
+   by |yaw rate| and by |V|. */
+double slips_twist_decay(const State *state, double *by_yawing, double *by_speed);
+#endif
 
 /* Compute the rest of a tangent; call contact_differentiate before. */
 void slips_differentiate(State *state, const double seeds[N_VALUES], Tangent *tangent);

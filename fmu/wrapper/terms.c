@@ -44,18 +44,41 @@ static size_t friction_terms(State *state, Term terms[MOST_TERMS])
 /* (sliding - |V| x) / length */
 static size_t rate_terms(State *state, unsigned slip, Term terms[MOST_TERMS])
 {
+#if RELAXES
     static const unsigned lengths[] = {RELAXATION_X, RELAXATION_Y};
+#endif
     const double rate = host_value(state, FIRST_DERIVATIVE + slip);
-    int of_model;
-    const double length = slips_length(state, slip, &of_model);
+    LengthOrigin origin;
+    const double length = slips_length(state, slip, &origin);
     size_t n = 0;
 
     if (!state_has_begun(state))
         return 0;
     n = add(terms, n, MOTION, SLIDING + slip, 1.0 / length);
-    n = add(terms, n, MOTION, LAGGING + slip, -state->contact.speed / length);
+    n = add(terms, n, MOTION, LAGGING + slip, -state->contact.rolling / length);
     n = add(terms, n, MOTION, ROLLING, -state->lagging[slip] / length);
-    return of_model ? add(terms, n, GIVEN, chain_quantity(lengths[slip]), -rate / length) : n;
+#if RELAXES
+    if (origin == MODEL_LENGTH)
+        n = add(terms, n, GIVEN, chain_quantity(lengths[slip]), -rate / length);
+#endif
+    return origin == DEFAULTED_LENGTH ? add(terms, n, MOTION, DEFAULT_LENGTH, -rate / length) : n;
+}
+#endif
+
+#if TWISTS
+/* yawing - decay twist */
+static size_t twist_terms(const State *state, Term terms[MOST_TERMS])
+{
+    const double twist = state->lagging[TWIST], way = state->contact.yawing < 0.0 ? -1.0 : 1.0;
+    double by_yawing, by_speed;
+    const double decay = slips_twist_decay(state, &by_yawing, &by_speed);
+    size_t n = 0;
+
+    if (!state_has_begun(state))
+        return 0;
+    n = add(terms, n, MOTION, YAWING, 1.0 - way * by_yawing * twist);
+    n = add(terms, n, MOTION, ROLLING, -by_speed * twist);
+    return add(terms, n, MOTION, LAGGING + TWIST, -decay);
 }
 #endif
 
@@ -69,6 +92,10 @@ static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
 #if LAGS
     if (unknown < FIRST_DERIVATIVE + N_SLIPS)
         return rate_terms(state, unknown - FIRST_DERIVATIVE, terms);
+#endif
+#if TWISTS
+    if (unknown == FIRST_DERIVATIVE + TWIST)
+        return twist_terms(state, terms);
 #endif
     if (unknown < FIRST_EXTRA)
         return add(terms, 0, MOTION, ROLLING, 1.0); /* of the distance */

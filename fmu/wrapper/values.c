@@ -52,7 +52,7 @@ Status instance_expect_known(const Instance *self, const unsigned references[], 
 {
     size_t i;
 
-    if (!self)
+    if (instance_expect_pointer(self, references, n, "value references") != STATUS_OK)
         return STATUS_ERROR;
     for (i = 0; i < n; i++)
         if (references[i] >= N_VALUES || KINDS[references[i]] == HIDDEN)
@@ -163,7 +163,8 @@ Status instance_get(Instance *self, const unsigned references[], size_t n, doubl
 {
     size_t i;
 
-    if (instance_expect_known(self, references, n) != STATUS_OK)
+    if (instance_expect_known(self, references, n) != STATUS_OK ||
+        instance_expect_pointer(self, values, n, "values") != STATUS_OK)
         return STATUS_ERROR;
     for (i = 0; i < n; i++) {
         if (KINDS[references[i]] == OUTPUT || KINDS[references[i]] == LOCAL || KINDS[references[i]] == STORED) {
@@ -176,6 +177,9 @@ Status instance_get(Instance *self, const unsigned references[], size_t n, doubl
         }
         values[i] = self->state.values[references[i]];
     }
+    for (i = 0; i < n; i++)
+        if (instance_expect_finite(self, values + i, 1, NAMES[references[i]]) != STATUS_OK)
+            return STATUS_DISCARD;
     return STATUS_OK;
 }
 
@@ -199,7 +203,8 @@ Status instance_set(Instance *self, const unsigned references[], size_t n, const
     size_t i;
     unsigned r;
 
-    if (instance_expect_known(self, references, n) != STATUS_OK)
+    if (instance_expect_known(self, references, n) != STATUS_OK ||
+        instance_expect_pointer(self, values, n, "values") != STATUS_OK)
         return STATUS_ERROR;
     if (self->state.mode == TERMINATED)
         return instance_refuse(self, STATUS_ERROR, "values cannot be set while terminated");

@@ -1,35 +1,26 @@
 /* Slips from the velocities of the contact point and the angular speed of the wheel.  See contact.h.
  *
  * Slip is the sliding velocity divided by the speed, which is 0/0 at standstill.  Below the parameter LOW_SPEED:
- * - A slip without lag uses a reference speed of at least half of LOW_SPEED.  There the force damps the sliding, and
- *   the formula limits the force to friction.
  * - A lagged slip is a deflection per length, d x/dt = (sliding - |V| x) / sigma, which needs no quotient: the tire at
- *   standstill is a spring.  The slip is limited to three times the slip of peak friction.  A damper acts in parallel;
- *   it fades out up to LOW_SPEED, and the force is limited to friction.
+ *   standstill is a spring.  The slip is limited to three times the slip of peak friction.
+ * - A slip without lag uses a reference speed of at least half of LOW_SPEED.  There the force damps the sliding.
+ * - Turn slip, yaw rate by reference speed, fades out: the twist of the contact patch replaces it.
+ * standstill.c corrects the forces.
  * After Pacejka, Tire and Vehicle Dynamics (2012), section 8.6; the limits and the reference speed are tirefmu's own.
  */
 #include "contact.h"
 
 #include "chain_rule.h"
 #include "rolling_radius.h"
-#include "slips.h"
+#include "standstill.h"
 
 #include <math.h>
-#include <string.h>
 
-/* Lowest speed that the model receives: at 0 the direction is undefined, m/s. */
-#define LOWEST_SPEED 0.01
 #define STANDSTILL_SPEED 1e-12
-#define PI 3.14159265358979323846
-/* Converts load to mass, for damping relative to critical damping, m/s^2. */
-#define GRAVITY 9.81
 
 static const int HOST_INDEX[] = HOST_INPUT_INDICES;
 static const double UNCONNECTED[] = UNCONNECTED_INPUTS;
 
-static double low_speed(const State *state) { return state->values[FIRST_PARAMETER + LOW_SPEED]; }
-
-#if LAGS
 /* Near standstill: friction, slip stiffness, and the bounds of the lagged slips. */
 static void find_bounds(State *state, double reference)
 {
@@ -37,7 +28,7 @@ static void find_bounds(State *state, double reference)
     static const int friction[] = {FRICTION_X, FRICTION_Y};
     Contact *contact = &state->contact;
     const double load = contact->inputs[LOAD] > 0.0 ? contact->inputs[LOAD] : 0.0;
-    const double near = 1.0 - contact->speed / low_speed(state);
+    const double near = 1.0 - contact->speed / standstill_speed(state);
     double found[N_QUANTITIES], bound, given;
     size_t i;
 
@@ -56,7 +47,13 @@ static void find_bounds(State *state, double reference)
             contact->bounds[i] = given;
     }
 }
-#endif
+
+/* |V|, but with the derivative 0 at V = 0. */
+static double rolling_speed(double speed)
+{
+    const double share = speed / LOWEST_SPEED;
+    return share < 1.0 ? speed * share * (2.0 - share) : speed;
+}
 
 void contact_find(State *state)
 {
@@ -76,10 +73,11 @@ void contact_find(State *state)
     forward = host_value(state, FIRST_INPUT + HOST_SPEED);
     turning = host_value(state, FIRST_INPUT + HOST_TURNING);
     contact->speed = fabs(forward);
+    contact->rolling = rolling_speed(contact->speed);
     contact->sense = 1.0;
     reference = contact->speed;
-    if (reference < low_speed(state))
-        reference = 0.5 * (reference * reference / low_speed(state) + low_speed(state));
+    if (reference < standstill_speed(state))
+        reference = 0.5 * (reference * reference / standstill_speed(state) + standstill_speed(state));
 #ifdef SPEED
     if (forward < 0.0)
         contact->sense = -1.0;
@@ -89,22 +87,20 @@ void contact_find(State *state)
     contact->sliding[LATERAL] = host_value(state, FIRST_INPUT + HOST_SIDEWAYS);
     for (i = 0; i < N_SLIPS; i++)
         contact->target[i] =
-            contact->sliding[i] / (contact->speed > STANDSTILL_SPEED ? contact->speed : STANDSTILL_SPEED);
+            contact->sliding[i] / (contact->rolling > STANDSTILL_SPEED ? contact->rolling : STANDSTILL_SPEED);
     contact->inputs[KAPPA] = contact->sense * contact->sliding[LONGITUDINAL] / reference;
     contact->inputs[ALPHA] = atan(contact->sliding[LATERAL] / reference);
 #ifdef TURN
-    contact->inputs[TURN] = host_value(state, FIRST_INPUT + HOST_YAWING) / reference;
+    contact->yawing = host_value(state, FIRST_INPUT + HOST_YAWING);
+    contact->inputs[TURN] = contact->yawing / reference * (1.0 - standstill_share(state));
 #endif
-#if LAGS
     find_bounds(state, reference);
-#endif
     state->contact_known = 1;
 }
 
 int contact_is_smooth(const State *state)
 {
-    const double low = low_speed(state);
-    return state->contact.speed >= (low > LOWEST_SPEED ? low : LOWEST_SPEED);
+    return state->contact.speed >= LIMIT_END * standstill_speed(state) && state->contact.speed >= LOWEST_SPEED;
 }
 
 void contact_differentiate(const State *state, const double seeds[N_VALUES], const Radius *radius, Tangent *tangent)
@@ -132,64 +128,13 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], con
     tangent->motion[ROLLING] = by_speed * moved[HOST_SPEED];
     sliding[LONGITUDINAL] = turning * radius_moved + radius->length * moved[HOST_TURNING] - moved[HOST_SPEED];
     sliding[LATERAL] = moved[HOST_SIDEWAYS];
+    tangent->motion[YAWING] = 0.0;
     for (i = 0; i < N_SLIPS; i++)
         slip[i] = (sliding[i] - contact->target[i] * tangent->motion[ROLLING]) / speed;
     given[KAPPA] = contact->sense * slip[LONGITUDINAL];
     given[ALPHA] = slip[LATERAL] / (1.0 + contact->target[LATERAL] * contact->target[LATERAL]);
 #ifdef TURN
+    tangent->motion[YAWING] = moved[HOST_YAWING];
     given[TURN] = (moved[HOST_YAWING] - contact->inputs[TURN] * tangent->motion[ROLLING]) / speed;
-#endif
-}
-
-#if LAGS
-/* The force with the damper that acts in parallel with the spring of a tire at standstill. */
-static double damped(const State *state, size_t slip, double sense, double force)
-{
-    const Contact *contact = &state->contact;
-    const double *parameters = state->values + FIRST_PARAMETER;
-    const double spring = contact->stiffness[slip] / state->lengths[slip];
-    const double critical = 2.0 * sqrt(spring * (contact->inputs[LOAD] > 0.0 ? contact->inputs[LOAD] : 0.0) / GRAVITY);
-    const double fade = 0.5 * (1.0 + cos(PI * contact->speed / low_speed(state)));
-    const double limit = fabs(force) > contact->friction[slip] ? fabs(force) : contact->friction[slip];
-    const double sum = force + sense * fade * parameters[LOW_SPEED_DAMPING] * critical * contact->sliding[slip];
-
-    return sum > limit ? limit : sum < -limit ? -limit : sum;
-}
-#endif
-
-/* Some terms of a model change sign with the direction of travel: between -LOWEST_SPEED and LOWEST_SPEED the forces of
-   both directions are interpolated. */
-static void blend(const State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
-{
-#ifdef SPEED
-    const double share = 0.5 * (1.0 + state->contact.speed / LOWEST_SPEED);
-    double turned[N_INPUTS], other[N_OUTPUTS];
-    size_t i;
-
-    if (share >= 1.0)
-        return;
-    memcpy(turned, inputs, sizeof turned);
-    turned[SPEED] = -inputs[SPEED];
-    turned[KAPPA] = -inputs[KAPPA];
-    model_forces(turned, state->values + FIRST_PARAMETER, other);
-    for (i = 0; i < N_OUTPUTS; i++)
-        forces[i] = share * forces[i] + (1.0 - share) * other[i];
-#else
-    (void) state;
-    (void) inputs;
-    (void) forces;
-#endif
-}
-
-void contact_settle(State *state, const double inputs[N_INPUTS], double forces[N_OUTPUTS])
-{
-    blend(state, inputs, forces);
-#if LAGS
-    if (state->contact.speed < low_speed(state)) {
-        if (slips_lag(state, LONGITUDINAL))
-            forces[LONGITUDINAL_FORCE] = damped(state, LONGITUDINAL, 1.0, forces[LONGITUDINAL_FORCE]);
-        if (slips_lag(state, LATERAL))
-            forces[SIDE_FORCE] = damped(state, LATERAL, SIDE_FORCE_SENSE, forces[SIDE_FORCE]);
-    }
 #endif
 }

@@ -446,18 +446,19 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     const double R_e = R_omega - sink; /* [P 7] effective rolling radius */
 
     /* Turn slip */
+    const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
     const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
     const double V_spin = (VXLOW > fabs(V) ? VXLOW*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
     const double phi = (phit_in + omega*(1.0 - eps_gamma)*fast_sin(gamma_in)/V_spin)*(CONVENTION > 0.5 ? 1.0 : -1.0); /* [4.76] spin by path curvature and camber */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
-    const double zeta_0 = (phit_in == 0.0 ? 1.0 : 0.0); /* [4.83] camber acts through its spin */
+    const double zeta_0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share); /* [4.83] camber acts through its spin */
     const double B_xphi = PDXP1*(1.0 + PDXP2*dfz)/sqrt(1.0 + square(PDXP3)*square(kappa_in)); /* [4.106] fall of D_x with spin */
-    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
+    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
     const double B_yphi = PDYP1*(1.0 + PDYP2*dfz)/sqrt(1.0 + square(PDYP3)*square(tan_alpha)); /* [4.78] fall of D_y with spin */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
-    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
-    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
-    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
+    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
+    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
 
     /* Longitudinal force, pure slip */
     const double S_Hx = LHX*fade_smooth*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
@@ -559,7 +560,7 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     const double zeta_7_beyond_1 = (zeta_7_cosine > 0.0 ? 0.0 : 2.0); /* [4.104] zeta_7 where the size is above 1: its real part */
     const double zeta_7 = (zeta_7_cosine_size >= 1.0 ? zeta_7_beyond_1 : 2.0*acos(zeta_7_below_1)/PI); /* [4.104] shape factor of the residual moment with turn slip, C_r */
     const double zeta_7_imaginary = 2.0*log(zeta_7_above_1 + sqrt(-1.0 + square(zeta_7_above_1)))/PI; /* [MFeval] imaginary part of zeta_7, of which MFeval prints the real part of the result */
-    const double zeta_8 = (phit_in == 0.0 ? 1.0 : 1.0 + D_rphi); /* [4.92] moment by spin */
+    const double zeta_8 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share*(1.0 + D_rphi)); /* [4.92] moment by spin */
     const double D_r = -1.0 + zeta_8 + F_zm*LMUY_star*UNLOADED_RADIUS*(LRES*zeta_2*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*zeta_0*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*fabs(gamma_star)))*fast_cos(alpha_star)*sgn(V); /* [4.E47] peak factor of the residual moment */
     const double trail_0_u = B_t*alpha_t; /* [4.1] B x */
     const double trail_0_v = trail_0_u - E_t*(trail_0_u - fast_atan(trail_0_u)); /* [4.1] B x bent by E */
@@ -568,7 +569,7 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     const double M_zr0_w = fast_atan(B_r*alpha_r); /* [4.E75] angle of the residual moment */
     const double M_zr0_grown = exp(M_zr0_w*zeta_7_imaginary); /* [MFeval] exponential of the same */
     const double M_zr0_spun = (zeta_7_cosine_size > 1.0 ? (CONVENTION > 0.5 ? 1.0 : 0.5*M_zr0_grown + 0.5/M_zr0_grown) : 1.0)*fast_cos(M_zr0_w*zeta_7); /* [4.E75] fall of the residual moment with turn slip */
-    const double M_zr0 = D_r*cos_alpha*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_r)) : M_zr0_spun); /* [4.E36] residual moment in pure slip */
+    const double M_zr0 = D_r*cos_alpha*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_r)) : M_zr0_spun*turn_share + (1.0 - turn_share)/sqrt(1.0 + square(B_r)*square(alpha_r))); /* [4.E36] residual moment in pure slip */
     const double M_z0 = M_zr0 - F_y0_00*trail_0; /* [4.E31] aligning moment in pure slip */
     const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double tan_alpha_teq = (CONVENTION > 0.5 ? alpha_t : fast_tan(alpha_t)); /* [4.E77] the same as a slip */
@@ -584,7 +585,7 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     const double M_zr_w = fast_atan(B_r*alpha_req); /* [4.E75] angle of the residual moment */
     const double M_zr_grown = exp(M_zr_w*zeta_7_imaginary); /* [MFeval] exponential of the same */
     const double M_zr_spun = (zeta_7_cosine_size > 1.0 ? (CONVENTION > 0.5 ? 1.0 : 0.5*M_zr_grown + 0.5/M_zr_grown) : 1.0)*fast_cos(M_zr_w*zeta_7); /* [4.E75] fall of the residual moment with turn slip */
-    const double M_zr = D_r*fade_smooth*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun); /* [4.E75] residual moment */
+    const double M_zr = D_r*fade_smooth*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun*turn_share + (1.0 - turn_share)/sqrt(1.0 + square(B_r)*square(alpha_req))); /* [4.E75] residual moment */
     const double s = LS*UNLOADED_RADIUS*(CONVENTION > 0.5 ? SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01 : SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
 
     /* Deflection and loaded radius */
@@ -666,26 +667,27 @@ void mf52_quantities(const double inputs[], const double parameters[], double re
     results[43] = D_t;
     results[44] = E_t;
     results[45] = B_r;
-    results[46] = D_r;
-    results[47] = trail_0;
-    results[48] = M_zr0;
-    results[49] = M_z0;
-    results[50] = alpha_teq;
-    results[51] = alpha_req;
-    results[52] = trail;
-    results[53] = M_zr;
-    results[54] = s;
-    results[55] = R_l;
-    results[56] = rho;
-    results[57] = c_z;
-    results[58] = a;
-    results[59] = b;
-    results[60] = c_x;
-    results[61] = c_y;
-    results[62] = sigma_x;
-    results[63] = sigma_y;
-    results[64] = sigma_kappa;
-    results[65] = sigma_alpha;
+    results[46] = M_zphi_inf;
+    results[47] = D_r;
+    results[48] = trail_0;
+    results[49] = M_zr0;
+    results[50] = M_z0;
+    results[51] = alpha_teq;
+    results[52] = alpha_req;
+    results[53] = trail;
+    results[54] = M_zr;
+    results[55] = s;
+    results[56] = R_l;
+    results[57] = rho;
+    results[58] = c_z;
+    results[59] = a;
+    results[60] = b;
+    results[61] = c_x;
+    results[62] = c_y;
+    results[63] = sigma_x;
+    results[64] = sigma_y;
+    results[65] = sigma_kappa;
+    results[66] = sigma_alpha;
 }
 
 /* Forces and moments. */
@@ -929,13 +931,14 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double S_Hx = LHX*fade_smooth*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
     const double S_Hy = fade_smooth*(LHY*(PHY1 + PHY2*dfz) + LKYC*PHY3*gamma_star); /* [4.E27] horizontal shift */
     const double M_y_backward = (kappa >= -VXLOW - VXLOW/fabs(V) ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
-    const double zeta_0 = (phit_in == 0.0 ? 1.0 : 0.0); /* [4.83] camber acts through its spin */
+    const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
     const double kappa_x = S_Hx + kappa_in; /* [4.E10] longitudinal slip, shifted */
     const double E_x = (LIMITS > 0.5 ? (LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz)) > 1.0 ? 1.0 : LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz))) : LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz))); /* [4.E14] curvature factor */
     const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
     const double alpha_in = (LIMITS > 0.5 ? (ALPMAX < alpha_raised ? ALPMAX : alpha_raised) : alpha_raised); /* [MFeval] alpha, within limits */
     const double M_y_taper = (CONVENTION > 0.5 ? 1.0 : (kappa <= -1.0 + VXLOW/fabs(V) ? M_y_backward : 1.0)); /* [MFeval] the same, 1 where the wheel rolls */
     const double tan_alpha = fast_tan(alpha_in); /* [2.11] lateral slip */
+    const double zeta_0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share); /* [4.83] camber acts through its spin */
     const double G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
     const double R_e_1 = R_omega_1 - sink; /* [P 7] effective rolling radius */
     const double G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - fast_atan(G_xa0_u)); /* [4.1] B x bent by E */
@@ -978,11 +981,11 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*sqrt(1e-60 + F_zm/F_z01)*fabs(mu_y_pressed); /* [4.95] moment of turning on the spot */
     const double E_t = (LIMITS > 0.5 ? ((1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)) > 1.0 ? 1.0 : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))) : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))); /* [4.E44] curvature factor of the trail */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
-    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
-    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
-    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
-    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
+    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
+    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
+    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
     const double M_zphi_inf = (M_zphi_inf_signed <= 0.0 ? 1e-06 : M_zphi_inf_signed); /* [4.95] moment of turning on the spot, above 0 */
     const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
     const double D_Drphi = M_zphi_inf/fast_sin(0.5*PI*QDRP1); /* [4.94] peak of the moment by spin */
@@ -1008,7 +1011,7 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double alpha_r = S_Hy + alpha_star + S_Vy/K_yalpha1; /* [4.E37] slip angle of the residual moment */
     const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double D_rphi_size = (D_rphi == 0.0 ? 1.0 : (CONVENTION > 0.5 ? 1e-06 : 0.0) + fabs(D_rphi)); /* [4.104] size of the moment by spin; 1 where there is none */
-    const double zeta_8 = (phit_in == 0.0 ? 1.0 : 1.0 + D_rphi); /* [4.92] moment by spin */
+    const double zeta_8 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share*(1.0 + D_rphi)); /* [4.92] moment by spin */
     const double F_y0_u = B_y*alpha_y; /* [4.1] B x */
     const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
     const double B_r = zeta_6*(B_y*C_y*QBZ10 + LKY*QBZ9/LMUY_star); /* [4.E45] stiffness factor of the residual moment */
@@ -1043,9 +1046,9 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double M_zr_grown = exp(M_zr_w*zeta_7_imaginary); /* [MFeval] exponential of the same */
     const double trail = D_t*cos_alpha*fade_smooth*(CONVENTION > 0.5 ? 1.0 : LFZO)*fast_cos(trail_w); /* [4.E73] pneumatic trail */
     const double M_zr_spun = (zeta_7_cosine_size > 1.0 ? (CONVENTION > 0.5 ? 1.0 : 0.5*M_zr_grown + 0.5/M_zr_grown) : 1.0)*fast_cos(M_zr_w*zeta_7); /* [4.E75] fall of the residual moment with turn slip */
-    const double M_zr = D_r*fade_smooth*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun); /* [4.E75] residual moment */
-    const double Mz = (Fz < 1e-100 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
+    const double M_zr = D_r*fade_smooth*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun*turn_share + (1.0 - turn_share)/sqrt(1.0 + square(B_r)*square(alpha_req))); /* [4.E75] residual moment */
     const double Mx = (Fz < 1e-100 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*fast_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*fabs(gamma_in) - QSX2*gamma_in*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma_in)))); /* [4.E69] overturning moment */
+    const double Mz = (Fz < 1e-100 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
 
     results[0] = Fx;
     results[1] = Fy;
@@ -1389,7 +1392,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double D_t_part4 = fabs(gamma_star);
     const double K_zgammar0_part2 = fabs(gamma_star);
     const double D_r_part5 = fabs(gamma_star);
-    const double zeta_0 = (phit_in == 0.0 ? 1.0 : 0.0); /* [4.83] camber acts through its spin */
+    const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
     const double kappa_x = S_Hx + kappa_in; /* [4.E10] longitudinal slip, shifted */
     const double K_yalpha_part3 = 1.0 - K_yalpha_part2*PKY3;
     const double S_Hy = S_Hy_part2*fade_smooth; /* [4.E27] horizontal shift */
@@ -1418,10 +1421,12 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double K_yalpha_part8 = 1.0/K_yalpha_part7;
     const double tan_alpha = fast_tan(alpha_in); /* [2.11] lateral slip */
     const double omega_2_part1 = 1.0/R_e_1;
+    const double zeta_0_part1 = 1.0 - turn_share;
     const double E_x = (LIMITS > 0.5 ? (LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz)) > 1.0 ? 1.0 : LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz))) : E_x_part4); /* [4.E14] curvature factor */
     const double S_Vyk_part3 = RVY5*S_Vyk_part2;
     const double B_t_part7 = (CONVENTION > 0.5 ? B_t_part4 : B_t_part6);
     const double D_t_part7 = (CONVENTION > 0.5 ? D_t_part5 : D_t_part6);
+    const double zeta_0 = (phit_in == 0.0 ? 1.0 : zeta_0_part1); /* [4.83] camber acts through its spin */
     const double B_xphi_part3 = 1.0/B_xphi_part2;
     const double B_xalpha_part3 = 1.0/B_xalpha_part2;
     const double S_Vyk_part4 = fast_sin(S_Vyk_part3);
@@ -1491,11 +1496,11 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double G_xa0_w = C_xalpha*G_xa0_w_part1; /* [4.1] angle of the Magic Formula */
     const double LMUX_shift = (CONVENTION > 0.5 ? 10.0*LMUX_star/(1.0 + 9.0*LMUX_star) : LMUX_star); /* [4.E8] friction scale of the shifts of Fx */
     const double LMUY_shift = (CONVENTION > 0.5 ? 10.0*LMUY_star/(1.0 + 9.0*LMUY_star) : LMUY_star); /* [4.E8] friction scale of the shifts of Fy */
-    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
-    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
-    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
-    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
+    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
+    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
+    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
     const double mu_x_loaded = LMUX_star*mu_x_loaded_part1*mu_x_loaded_part2*mu_x_loaded_part3; /* [4.E13] peak friction */
     const double mu_y_loaded = LMUY_star*mu_y_loaded_part1*mu_y_loaded_part2*mu_y_loaded_part3; /* [4.E23] peak friction */
     const double G_xa_part1 = fast_cos(G_xa0_w);
@@ -1580,8 +1585,9 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double zeta_8_part1 = 1.0 + D_rphi;
     const double F_y0_w_part1 = fast_atan(F_y0_v);
     const double G_yk_part2 = 1.0/G_yk_part1;
-    const double zeta_8 = (phit_in == 0.0 ? 1.0 : zeta_8_part1); /* [4.92] moment by spin */
+    const double zeta_8_part2 = 1.0 - turn_share + turn_share*zeta_8_part1;
     const double slip_alpha_req_part2 = sqrt(slip_alpha_req_part1);
+    const double zeta_8 = (phit_in == 0.0 ? 1.0 : zeta_8_part2); /* [4.92] moment by spin */
     const double D_r = -1.0 + zeta_8 + D_r_part7*D_r_part8*D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS; /* [4.E47] peak factor of the residual moment */
     const double slip_alpha_teq = slip_alpha_teq_part2; /* [4.E77] size of the equivalent slip */
     const double alpha_teq_part1 = fast_atan(slip_alpha_teq);
@@ -1640,7 +1646,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double M_zr_spun_part1 = (zeta_7_cosine_size > 1.0 ? (CONVENTION > 0.5 ? 1.0 : 0.5*M_zr_grown + 0.5/M_zr_grown) : 1.0);
     const double trail = D_t*cos_alpha*fade_smooth*trail_part1*trail_part2; /* [4.E73] pneumatic trail */
     const double M_zr_spun = M_zr_spun_part1*M_zr_spun_part3; /* [4.E75] fall of the residual moment with turn slip */
-    const double M_zr_part1 = (phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun);
+    const double M_zr_part1 = (phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun*turn_share + (1.0 - turn_share)/sqrt(1.0 + square(B_r)*square(alpha_req)));
 
     /* Partial derivatives of each line */
     const double phit_in_shared1 = (V < 0.0 ? -1.0 : 1.0);
@@ -1690,20 +1696,24 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double omega_part1_by_R_e_2 = -square(omega_part1);
     const double omega_by_omega_part1 = V*omega_part2;
     const double omega_by_omega_part2 = V*omega_part1;
+    const double turn_share_by_phit_in = (1000000.0*fabs(phit_in) < 1.0 ? -2e+18*square(fabs(phit_in))*sgn(phit_in) + 2000000000000.0*(3.0 - 2000000.0*fabs(phit_in))*fabs(phit_in)*sgn(phit_in) : 0.0);
     const double V_spin_by_V_c = (VXLOW > fabs(V) ? 0.0 : (CONVENTION > 0.5 ? 0.0 : 1.0));
     const double phi_shared1 = phi_part2*phi_part3;
     const double phi_part1_by_V_spin = -square(phi_part1);
     const double phi_part4_by_omega = phi_part1*phi_shared1;
     const double phi_part4_by_phi_part1 = omega*phi_shared1;
+    const double zeta_0_by_zeta_0_part1 = (phit_in == 0.0 ? 0.0 : 1.0);
     const double B_xphi_part1_by_kappa_in = 2.0*kappa_in*square(PDXP3);
     const double B_xphi_part2_by_B_xphi_part1 = 0.5/B_xphi_part2;
     const double B_xphi_part3_by_B_xphi_part2 = -square(B_xphi_part3);
     const double B_xphi_by_B_xphi_part3 = B_xphi_part4*PDXP1;
     const double zeta_1_shared2 = square(R_0_phi);
     const double zeta_1_shared3 = square(B_xphi);
-    const double zeta_1_shared4 = 1.0/cubed_sqrt(1.0 + zeta_1_shared2*zeta_1_shared3);
-    const double zeta_1_by_B_xphi = (phit_in == 0.0 ? 0.0 : -B_xphi*zeta_1_shared2*zeta_1_shared4);
-    const double zeta_1_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -R_0_phi*zeta_1_shared3*zeta_1_shared4);
+    const double zeta_1_shared4 = 1.0 + zeta_1_shared2*zeta_1_shared3;
+    const double zeta_1_shared5 = turn_share/cubed_sqrt(zeta_1_shared4);
+    const double zeta_1_by_B_xphi = (phit_in == 0.0 ? 0.0 : -B_xphi*zeta_1_shared2*zeta_1_shared5);
+    const double zeta_1_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -R_0_phi*zeta_1_shared3*zeta_1_shared5);
+    const double zeta_1_by_turn_share = (phit_in == 0.0 ? 0.0 : -1.0 + 1.0/sqrt(zeta_1_shared4));
     const double B_yphi_part1_by_tan_alpha = 2.0*tan_alpha*square(PDYP3);
     const double B_yphi_part2_by_B_yphi_part1 = 0.5/B_yphi_part2;
     const double B_yphi_part3_by_B_yphi_part2 = -square(B_yphi_part3);
@@ -1713,23 +1723,31 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double zeta_2_shared4 = zeta_2_shared2 + PDYP4*zeta_2_shared3;
     const double zeta_2_shared5 = square(zeta_2_shared4);
     const double zeta_2_shared6 = square(B_yphi);
-    const double zeta_2_shared7 = 1.0/cubed_sqrt(1.0 + zeta_2_shared5*zeta_2_shared6);
-    const double zeta_2_shared8 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared7;
-    const double zeta_2_shared9 = sgn(R_0_phi);
-    const double zeta_2_by_B_yphi = (phit_in == 0.0 ? 0.0 : -B_yphi*zeta_2_shared5*zeta_2_shared7);
-    const double zeta_2_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -0.5*zeta_2_shared8*(2.0*zeta_2_shared9 + PDYP4*zeta_2_shared9/zeta_2_shared3));
+    const double zeta_2_shared7 = 1.0 + zeta_2_shared5*zeta_2_shared6;
+    const double zeta_2_shared8 = turn_share/cubed_sqrt(zeta_2_shared7);
+    const double zeta_2_shared9 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared8;
+    const double zeta_2_shared10 = sgn(R_0_phi);
+    const double zeta_2_by_B_yphi = (phit_in == 0.0 ? 0.0 : -B_yphi*zeta_2_shared5*zeta_2_shared8);
+    const double zeta_2_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -0.5*zeta_2_shared9*(2.0*zeta_2_shared10 + PDYP4*zeta_2_shared10/zeta_2_shared3));
+    const double zeta_2_by_turn_share = (phit_in == 0.0 ? 0.0 : -1.0 + 1.0/sqrt(zeta_2_shared7));
     const double zeta_3_shared2 = fourth(R_0_phi);
     const double zeta_3_shared3 = square(PKYP1);
-    const double zeta_3_shared4 = 1.0/cubed_sqrt(1.0 + zeta_3_shared2*zeta_3_shared3);
-    const double zeta_3_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -2.0*zeta_3_shared3*zeta_3_shared4*cube(R_0_phi));
+    const double zeta_3_shared4 = 1.0 + zeta_3_shared2*zeta_3_shared3;
+    const double zeta_3_shared5 = turn_share/cubed_sqrt(zeta_3_shared4);
+    const double zeta_3_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -2.0*zeta_3_shared3*zeta_3_shared5*cube(R_0_phi));
+    const double zeta_3_by_turn_share = (phit_in == 0.0 ? 0.0 : -1.0 + 1.0/sqrt(zeta_3_shared4));
     const double zeta_5_shared2 = square(R_0_phi);
     const double zeta_5_shared3 = square(QDTP1);
-    const double zeta_5_shared4 = 1.0/cubed_sqrt(1.0 + zeta_5_shared2*zeta_5_shared3);
-    const double zeta_5_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -R_0_phi*zeta_5_shared3*zeta_5_shared4);
+    const double zeta_5_shared4 = 1.0 + zeta_5_shared2*zeta_5_shared3;
+    const double zeta_5_shared5 = turn_share/cubed_sqrt(zeta_5_shared4);
+    const double zeta_5_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -R_0_phi*zeta_5_shared3*zeta_5_shared5);
+    const double zeta_5_by_turn_share = (phit_in == 0.0 ? 0.0 : -1.0 + 1.0/sqrt(zeta_5_shared4));
     const double zeta_6_shared2 = square(R_0_phi);
     const double zeta_6_shared3 = square(QBRP1);
-    const double zeta_6_shared4 = 1.0/cubed_sqrt(1.0 + zeta_6_shared2*zeta_6_shared3);
-    const double zeta_6_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -R_0_phi*zeta_6_shared3*zeta_6_shared4);
+    const double zeta_6_shared4 = 1.0 + zeta_6_shared2*zeta_6_shared3;
+    const double zeta_6_shared5 = turn_share/cubed_sqrt(zeta_6_shared4);
+    const double zeta_6_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -R_0_phi*zeta_6_shared3*zeta_6_shared5);
+    const double zeta_6_by_turn_share = (phit_in == 0.0 ? 0.0 : -1.0 + 1.0/sqrt(zeta_6_shared4));
     const double mu_x_loaded_shared1 = mu_x_loaded_part2*mu_x_loaded_part3;
     const double mu_x_loaded_by_LMUX_star = mu_x_loaded_part1*mu_x_loaded_shared1;
     const double mu_x_by_mu_x_loaded = (F_z_limited <= 0.0 ? 0.0 : 1.0);
@@ -1847,9 +1865,12 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double zeta_7_imaginary_part1_by_zeta_7_above_1 = 2.0*zeta_7_above_1;
     const double zeta_7_imaginary_part2_by_zeta_7_imaginary_part1 = 0.5/zeta_7_imaginary_part2;
     const double zeta_7_imaginary_part4_by_zeta_7_imaginary_part3 = 1.0/zeta_7_imaginary_part3;
-    const double zeta_8_by_zeta_8_part1 = (phit_in == 0.0 ? 0.0 : 1.0);
+    const double zeta_8_part2_by_turn_share = -1.0 + zeta_8_part1;
+    const double zeta_8_by_zeta_8_part2 = (phit_in == 0.0 ? 0.0 : 1.0);
+    const double D_r_shared2 = D_r_part6*LKZC;
     const double D_r_shared3 = D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS;
     const double D_r_shared5 = D_r_part7*D_r_part8*D_r_part9*F_zm;
+    const double D_r_part7_by_zeta_0 = D_r_shared2*gamma_star;
     const double D_r_part7_by_zeta_2 = D_r_part1*LRES;
     const double D_r_part8_by_alpha_star = -fast_sin(alpha_star);
     const double D_r_by_D_r_part7 = D_r_part8*D_r_shared3;
@@ -1885,10 +1906,15 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double M_zr_spun_part3_by_M_zr_spun_part2 = -fast_sin(M_zr_spun_part2);
     const double M_zr_shared1 = square(alpha_req);
     const double M_zr_shared2 = square(B_r);
-    const double M_zr_shared3 = 1.0/cubed_sqrt(1.0 + M_zr_shared1*M_zr_shared2);
-    const double M_zr_part1_by_B_r = (phit_in == 0.0 ? -B_r*M_zr_shared1*M_zr_shared3 : 0.0);
-    const double M_zr_part1_by_M_zr_spun = (phit_in == 0.0 ? 0.0 : 1.0);
-    const double M_zr_part1_by_alpha_req = (phit_in == 0.0 ? -M_zr_shared2*M_zr_shared3*alpha_req : 0.0);
+    const double M_zr_shared3 = 1.0 + M_zr_shared1*M_zr_shared2;
+    const double M_zr_shared4 = 1.0/cubed_sqrt(M_zr_shared3);
+    const double M_zr_shared5 = B_r*M_zr_shared1*M_zr_shared4;
+    const double M_zr_shared7 = 1.0 - turn_share;
+    const double M_zr_shared8 = M_zr_shared2*M_zr_shared4*alpha_req;
+    const double M_zr_part1_by_B_r = (phit_in == 0.0 ? -M_zr_shared5 : -M_zr_shared5*M_zr_shared7);
+    const double M_zr_part1_by_M_zr_spun = (phit_in == 0.0 ? 0.0 : turn_share);
+    const double M_zr_part1_by_alpha_req = (phit_in == 0.0 ? -M_zr_shared8 : -M_zr_shared7*M_zr_shared8);
+    const double M_zr_part1_by_turn_share = (phit_in == 0.0 ? 0.0 : M_zr_spun - 1.0/sqrt(M_zr_shared3));
     const double M_zr_by_D_r = M_zr_part1*fade_smooth;
     const double M_zr_by_M_zr_part1 = D_r*fade_smooth;
     const double s_shared3 = 1.0/F_z01;
@@ -1989,7 +2015,6 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double dD_Vyk_part3_dalpha_star = D_Vyk_part3_by_D_Vyk_part2*dD_Vyk_part2_dalpha_star;
     const double dS_Vyk_part2_dkappa_in = RVY6*S_Vyk_part2_by_S_Vyk_part1;
     const double dS_Vyk_part3_dkappa_in = RVY5*dS_Vyk_part2_dkappa_in;
-    const double dD_t_dR_0_phi = D_t_by_zeta_5*zeta_5_by_R_0_phi;
     const double dM_zphi_inf_signed_dmu_y_pressed = M_zphi_inf_signed_by_M_zphi_inf_signed_part4*M_zphi_inf_signed_part4_by_mu_y_pressed;
     const double dB_Drphi_dD_Drphi = B_Drphi_by_B_Drphi_part1*B_Drphi_part1_by_D_Drphi;
     const double dD_rphi_part3_dD_rphi_part1 = D_rphi_part2_by_D_rphi_part1*QDRP1;
@@ -2020,19 +2045,20 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double dM_y_backward_dkappa = M_y_backward_by_M_y_near_locked*dM_y_near_locked_dkappa;
     const double dM_y_taper_dkappa = M_y_taper_by_M_y_backward*dM_y_backward_dkappa;
     const double dM_y_full_dFx = M_y_full_by_M_y_speed*M_y_speed_by_Fx;
-    const double dM_zphi90_dphit_in = M_zphi90_by_M_zphi90_part3*dM_zphi90_part3_dphit_in;
     const double dalpha_in_dalpha = alpha_in_by_alpha_raised*dalpha_raised_dalpha;
     const double dV_c_dtan_alpha = V_c_part3*dV_c_part2_dtan_alpha;
     const double dtrail_dV_c = dcos_alpha_dV_c*trail_by_cos_alpha;
     const double dphi_part4_dV_c = dphi_part1_dV_c*phi_part4_by_phi_part1;
     const double dF_x0_part2_dLMUX_star = LMUX_shift_by_LMUX_star*S_Vx_by_LMUX_shift;
     const double dD_x_dLMUX_star = D_x_by_mu_x*dmu_x_dLMUX_star;
+    const double dphi_part4_dkappa = domega_dkappa*phi_part4_by_omega;
+    const double dphi_part4_dtan_alpha = dV_c_dtan_alpha*dphi_part4_dV_c;
+    const double dR_0_phi_dphi_part4 = UNLOADED_RADIUS*phi_part5;
+    const double dtrail_dzeta_5 = D_t_by_zeta_5*trail_by_D_t;
     const double dF_x0_u_dD_x = dB_x_dD_x*kappa_x;
     const double dF_x0_part2_dF_x0_u = D_x*dF_x0_part1_dF_x0_u;
     const double dD_x_dslide = LMUX_star_by_slide*dD_x_dLMUX_star;
     const double dF_x0_part2_dD_x = F_x0_part1 + dF_x0_part2_dF_x0_u*dF_x0_u_dD_x;
-    const double dzeta_1_dkappa_in = dB_xphi_dkappa_in*zeta_1_by_B_xphi;
-    const double dF_x0_part2_dzeta_1 = S_Vx_by_zeta_1 + D_x_by_zeta_1*dF_x0_part2_dD_x;
     const double dF_y0_part2_dF_y0_u = D_y*dF_y0_part1_dF_y0_u;
     const double dmu_y_pressed_dLMUY_star = mu_y_loaded_by_LMUY_star*mu_y_pressed_by_mu_y_loaded;
     const double dM_zphi_inf_dmu_y_pressed = M_zphi_inf_by_M_zphi_inf_signed*dM_zphi_inf_signed_dmu_y_pressed;
@@ -2056,9 +2082,9 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double dM_zphi_inf_dLMUY_star = dM_zphi_inf_dmu_y_pressed*dmu_y_pressed_dLMUY_star;
     const double dD_Drphi_dLMUY_star = D_Drphi_part3*dM_zphi_inf_dLMUY_star;
     const double dD_rphi_part1_dD_Drphi = D_rphi_part1_by_B_Drphi*dB_Drphi_dD_Drphi;
-    const double dD_rphi_part1_dalpha = D_rphi_part1_by_phit_in*phit_in_by_alpha;
     const double dD_rphi_part1_dLMUY_star = dD_Drphi_dLMUY_star*dD_rphi_part1_dD_Drphi;
     const double dD_rphi_dD_rphi_part1 = D_Drphi*dD_rphi_part4_dD_rphi_part1;
+    const double dD_r_part7_dturn_share = -D_r_part7_by_zeta_0*zeta_0_by_zeta_0_part1;
     const double dalpha_req_dslip_alpha_req_part1 = alpha_req_part3*dalpha_req_part2_dslip_alpha_req_part1;
     const double dtrail_u_dslip_alpha_teq_part1 = B_t*dalpha_teq_dslip_alpha_teq_part1;
     const double dtrail_u_dLMUY_star = alpha_teq*dB_t_dLMUY_star;
@@ -2077,27 +2103,25 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double dM_y_rolling_part2_dkappa = M_y_rolling_part2_by_M_y_taper*dM_y_taper_dkappa;
     const double dM_y_rolling_part2_dFx = M_y_rolling_part2_by_M_y_full*dM_y_full_dFx;
     const double dMy_dM_y_rolling_part2 = M_y_rolling_by_M_y_rolling_part2*My_by_M_y_rolling;
-    const double dphi_part4_dkappa = domega_dkappa*phi_part4_by_omega;
-    const double dphi_part4_dtan_alpha = dV_c_dtan_alpha*dphi_part4_dV_c;
-    const double dR_0_phi_dphi_part4 = UNLOADED_RADIUS*phi_part5;
-    const double dF_x0_part2_dslide = LMUX_star_by_slide*dF_x0_part2_dLMUX_star + dD_x_dslide*dF_x0_part2_dD_x;
-    const double dF_x0_part2_dkappa_in = B_x*dF_x0_part2_dF_x0_u + dF_x0_part2_dzeta_1*dzeta_1_dkappa_in;
-    const double dF_x0_part2_dR_0_phi = dF_x0_part2_dzeta_1*zeta_1_by_R_0_phi;
+    const double dzeta_1_dkappa_in = dB_xphi_dkappa_in*zeta_1_by_B_xphi;
+    const double dF_x0_part2_dzeta_1 = S_Vx_by_zeta_1 + D_x_by_zeta_1*dF_x0_part2_dD_x;
     const double dFx_part1_dF_x0_part2 = F_x0_part3*G_xa;
-    const double dK_yalpha_dR_0_phi = K_yalpha_by_zeta_3*zeta_3_by_R_0_phi;
-    const double dslip_alpha_req_part1_dK_yalpha = dalpha_r_dK_yalpha*dslip_alpha_req_part1_dalpha_r - kappa_share_by_kappa_share_part1*kappa_share_shared1;
-    const double dslip_alpha_teq_part1_dK_yalpha = -kappa_share_by_kappa_share_part1*kappa_share_shared1;
-    const double dM_zphi90_dalpha = dM_zphi90_dphit_in*phit_in_by_alpha;
+    const double dFx_part1_dkappa_in = F_x0*dG_xa_dkappa_in;
+    const double dFx_part1_dalpha_star = F_x0*dG_xa_dalpha_star;
+    const double dM_zphi90_dphit_in = M_zphi90_by_M_zphi90_part3*dM_zphi90_part3_dphit_in;
     const double dM_zphi90_dLMUY_star = M_zphi90_by_M_zphi_inf*dM_zphi_inf_dLMUY_star;
     const double dM_zr_spun_dM_zphi90 = dM_zr_spun_dzeta_7_cosine*zeta_7_cosine_by_M_zphi90;
     const double dslip_alpha_teq_part1_dalpha_star = slip_alpha_teq_part1_by_tan_alpha_teq*tan_alpha_teq_by_alpha_t;
-    const double dslip_alpha_teq_part1_dR_0_phi = dK_yalpha_dR_0_phi*dslip_alpha_teq_part1_dK_yalpha;
+    const double dslip_alpha_teq_part1_dK_yalpha = -kappa_share_by_kappa_share_part1*kappa_share_shared1;
     const double dtrail_v_dslip_alpha_teq_part1 = dtrail_u_dslip_alpha_teq_part1*dtrail_v_dtrail_u;
-    const double dtrail_dR_0_phi = dD_t_dR_0_phi*trail_by_D_t;
-    const double dtrail_dtrail_v = dtrail_part2_dtrail_v*trail_by_trail_part2;
-    const double dtrail_dtan_alpha = dV_c_dtan_alpha*dtrail_dV_c;
-    const double dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1;
-    const double dFx_part1_dslide = dF_x0_part2_dslide*dFx_part1_dF_x0_part2;
+    const double dD_rphi_dphit_in = D_rphi_part1_by_phit_in*dD_rphi_dD_rphi_part1;
+    const double dM_zr_spun_dphit_in = dM_zphi90_dphit_in*dM_zr_spun_dM_zphi90;
+    const double dF_x0_part2_dslide = LMUX_star_by_slide*dF_x0_part2_dLMUX_star + dD_x_dslide*dF_x0_part2_dD_x;
+    const double dF_x0_part2_dkappa_in = B_x*dF_x0_part2_dF_x0_u + dF_x0_part2_dslide*slide_by_kappa_in + dF_x0_part2_dzeta_1*dzeta_1_dkappa_in;
+    const double dF_x0_part2_dR_0_phi = dF_x0_part2_dzeta_1*zeta_1_by_R_0_phi;
+    const double dF_x0_part2_dturn_share = dF_x0_part2_dzeta_1*zeta_1_by_turn_share;
+    const double dF_x0_part2_dtan_alpha = dF_x0_part2_dslide*slide_by_tan_alpha;
+    const double dFx_dF_x0_part2 = Fx_by_Fx_part1*dFx_part1_dF_x0_part2;
     const double dD_y_dLMUY_star = D_y_by_mu_y_loaded*mu_y_loaded_by_LMUY_star;
     const double dB_y_dD_y = K_yalpha*dB_y_part3_dD_y;
     const double dS_Vy_part2_dzeta_2 = S_Vy_part2_by_zeta_2 + S_Vygamma_by_zeta_2;
@@ -2111,94 +2135,109 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double dG_yk_dalpha_star = dB_ykappa_dalpha_star*dG_yk_dB_ykappa + dG_yk_dG_yk_u*dG_yk_u_dalpha_star;
     const double dG_yk_dkappa_in = B_ykappa*dG_yk_dG_yk_u;
     const double dM_zr_spun_dG_yk = M_zphi90_by_G_yk*dM_zr_spun_dM_zphi90;
-    const double dFx_part1_dkappa_in = F_x0*dG_xa_dkappa_in + dF_x0_part2_dkappa_in*dFx_part1_dF_x0_part2 + dFx_part1_dslide*slide_by_kappa_in;
-    const double dFx_part1_dalpha_star = F_x0*dG_xa_dalpha_star;
-    const double dFx_part1_dR_0_phi = dF_x0_part2_dR_0_phi*dFx_part1_dF_x0_part2;
-    const double dFx_part1_dtan_alpha = dFx_part1_dslide*slide_by_tan_alpha;
     const double dD_rphi_dLMUY_star = D_rphi_part4*dD_Drphi_dLMUY_star + dD_rphi_dD_rphi_part1*dD_rphi_part1_dLMUY_star;
-    const double dD_rphi_dalpha = dD_rphi_dD_rphi_part1*dD_rphi_part1_dalpha;
+    const double dD_rphi_dalpha = dD_rphi_dphit_in*phit_in_by_alpha;
+    const double dD_r_dD_rphi = turn_share*zeta_8_by_zeta_8_part2;
     const double dM_zr_spun_dD_rphi = dM_zr_spun_dzeta_7_cosine*dzeta_7_cosine_dD_rphi;
-    const double dD_r_dLMUY_star = D_r_by_LMUY_star + dD_rphi_dLMUY_star*zeta_8_by_zeta_8_part1;
-    const double dD_r_dzeta_2 = D_r_by_D_r_part7*D_r_part7_by_zeta_2;
-    const double dD_r_dalpha_star = D_r_by_D_r_part8*D_r_part8_by_alpha_star;
-    const double dD_r_dalpha = dD_rphi_dalpha*zeta_8_by_zeta_8_part1;
     const double dtrail_v_dalpha_star = dslip_alpha_teq_part1_dalpha_star*dtrail_v_dslip_alpha_teq_part1 - E_t_by_alpha_t*trail_v_part2;
     const double dtrail_v_dLMUY_star = dtrail_u_dLMUY_star*dtrail_v_dtrail_u - dE_t_dLMUY_star*trail_v_part2;
     const double dtrail_v_dkappa_in = dtrail_v_dslip_alpha_teq_part1*kappa_share_by_kappa_in;
-    const double dtrail_v_dR_0_phi = dslip_alpha_teq_part1_dR_0_phi*dtrail_v_dslip_alpha_teq_part1;
-    const double dMz_part1_dtrail_v = -F_y1*dtrail_dtrail_v;
-    const double dkappa_in_dkappa = dkappa_raised_dkappa*kappa_in_by_kappa_raised;
-    const double dFy_part1_dkappa_in = F_y0*dG_yk_dkappa_in + S_Vyk_by_S_Vyk_part4*dS_Vyk_part4_dkappa_in;
-    const double dMz_part1_dkappa_in = dMz_part1_dtrail_v*dtrail_v_dkappa_in - dF_y1_dkappa_in*trail;
-    const double dLMUY_star_dkappa_in = LMUY_star_by_slide*slide_by_kappa_in;
-    const double dM_zr_spun_dkappa_in = dG_yk_dkappa_in*dM_zr_spun_dG_yk;
-    const double dFx_dkappa_in = Fx_by_Fx_part1*dFx_part1_dkappa_in;
+    const double dtrail_v_dK_yalpha = dslip_alpha_teq_part1_dK_yalpha*dtrail_v_dslip_alpha_teq_part1;
+    const double dtrail_dtrail_v = dtrail_part2_dtrail_v*trail_by_trail_part2;
+    const double dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1;
+    const double dD_r_dLMUY_star = D_r_by_LMUY_star + dD_r_dD_rphi*dD_rphi_dLMUY_star;
+    const double dD_r_dalpha_star = D_r_by_D_r_part8*D_r_part8_by_alpha_star;
+    const double dD_r_dturn_share = D_r_by_D_r_part7*dD_r_part7_dturn_share + zeta_8_by_zeta_8_part2*zeta_8_part2_by_turn_share;
+    const double dD_r_dzeta_2 = D_r_by_D_r_part7*D_r_part7_by_zeta_2;
+    const double dD_r_dalpha = dD_r_dD_rphi*dD_rphi_dalpha;
     const double dtan_alpha_dalpha = dalpha_in_dalpha*tan_alpha_by_alpha_in;
     const double dalpha_star_dtan_alpha = alpha_star_by_alpha_star_part2*alpha_star_part1;
     const double dzeta_2_dtan_alpha = dB_yphi_dtan_alpha*zeta_2_by_B_yphi;
+    const double dtrail_dtan_alpha = dV_c_dtan_alpha*dtrail_dV_c;
     const double dR_0_phi_dtan_alpha = dR_0_phi_dphi_part4*dphi_part4_dtan_alpha;
-    const double dMz_part1_dtan_alpha = -F_y1*dtrail_dtan_alpha;
     const double dLMUY_star_dtan_alpha = LMUY_star_by_slide*slide_by_tan_alpha;
-    const double dFx_dtan_alpha = Fx_by_Fx_part1*dFx_part1_dtan_alpha;
+    const double dFx_dtan_alpha = dF_x0_part2_dtan_alpha*dFx_dF_x0_part2;
+    const double dturn_share_dalpha = phit_in_by_alpha*turn_share_by_phit_in;
+    const double dK_yalpha_dturn_share = K_yalpha_by_zeta_3*zeta_3_by_turn_share;
+    const double dtrail_dturn_share = dtrail_dzeta_5*zeta_5_by_turn_share;
+    const double dB_r_dturn_share = B_r_part2*zeta_6_by_turn_share;
+    const double dFx_dturn_share = dF_x0_part2_dturn_share*dFx_dF_x0_part2;
+    const double dMz_part1_dturn_share = M_zr_by_D_r*dD_r_dturn_share + M_zr_by_M_zr_part1*M_zr_part1_by_turn_share;
+    const double dK_yalpha_dR_0_phi = K_yalpha_by_zeta_3*zeta_3_by_R_0_phi;
+    const double dK_yalpha_dalpha = dK_yalpha_dturn_share*dturn_share_dalpha;
+    const double dslip_alpha_req_part1_dK_yalpha = dalpha_r_dK_yalpha*dslip_alpha_req_part1_dalpha_r - kappa_share_by_kappa_share_part1*kappa_share_shared1;
+    const double dtrail_dK_yalpha = dtrail_dtrail_v*dtrail_v_dK_yalpha;
+    const double dtrail_dR_0_phi = dK_yalpha_dR_0_phi*dtrail_dK_yalpha + dtrail_dzeta_5*zeta_5_by_R_0_phi;
+    const double dtrail_dalpha_star = dtrail_dtrail_v*dtrail_v_dalpha_star;
+    const double dtrail_dLMUY_star = dtrail_dtrail_v*dtrail_v_dLMUY_star;
+    const double dtrail_dkappa_in = dtrail_dtrail_v*dtrail_v_dkappa_in;
+    const double dtrail_dalpha = dK_yalpha_dalpha*dtrail_dK_yalpha + dtan_alpha_dalpha*dtrail_dtan_alpha + dtrail_dturn_share*dturn_share_dalpha;
+    const double dkappa_in_dkappa = dkappa_raised_dkappa*kappa_in_by_kappa_raised;
+    const double dFy_part1_dkappa_in = F_y0*dG_yk_dkappa_in + S_Vyk_by_S_Vyk_part4*dS_Vyk_part4_dkappa_in;
+    const double dMz_part1_dkappa_in = -F_y1*dtrail_dkappa_in - dF_y1_dkappa_in*trail;
+    const double dFx_dkappa_in = Fx_by_Fx_part1*dFx_part1_dkappa_in + dF_x0_part2_dkappa_in*dFx_dF_x0_part2;
+    const double dLMUY_star_dkappa_in = LMUY_star_by_slide*slide_by_kappa_in;
+    const double dM_zr_spun_dkappa_in = dG_yk_dkappa_in*dM_zr_spun_dG_yk;
     const double dalpha_star_dalpha = alpha_star_by_alpha_in*dalpha_in_dalpha + dalpha_star_dtan_alpha*dtan_alpha_dalpha;
     const double dD_Vyk_dalpha_star = D_Vyk_by_D_Vyk_part3*dD_Vyk_part3_dalpha_star;
+    const double dFx_dalpha_star = Fx_by_Fx_part1*dFx_part1_dalpha_star;
     const double dFy_part1_dalpha_star = F_y0*dG_yk_dalpha_star + dF_y0_part2_dalpha_star*dFy_part1_dF_y0_part2;
     const double dM_zr_spun_dalpha_star = dG_yk_dalpha_star*dM_zr_spun_dG_yk;
-    const double dFx_dalpha_star = Fx_by_Fx_part1*dFx_part1_dalpha_star;
-    const double dMz_part1_dalpha_star = M_zr_by_D_r*dD_r_dalpha_star + dMz_part1_dtrail_v*dtrail_v_dalpha_star;
+    const double dMz_part1_dalpha_star = M_zr_by_D_r*dD_r_dalpha_star - F_y1*dtrail_dalpha_star;
     const double dM_zr_spun_dB_r = dM_zr_spun_dM_zr_w*dM_zr_w_dB_r;
     const double dM_zr_spun_dslip_alpha_req_part1 = dM_zr_spun_dM_zr_w*dM_zr_w_dslip_alpha_req_part1;
-    const double dM_zr_spun_dalpha = dD_rphi_dalpha*dM_zr_spun_dD_rphi + dM_zphi90_dalpha*dM_zr_spun_dM_zphi90 + dM_zr_spun_dalpha_star*dalpha_star_dalpha;
     const double dM_zr_spun_dLMUY_star = dD_rphi_dLMUY_star*dM_zr_spun_dD_rphi + dM_zphi90_dLMUY_star*dM_zr_spun_dM_zphi90;
+    const double dM_zr_spun_dalpha = dD_rphi_dalpha*dM_zr_spun_dD_rphi + dM_zr_spun_dalpha_star*dalpha_star_dalpha + dM_zr_spun_dphit_in*phit_in_by_alpha;
     const double dM_zr_spun_dkappa = dM_zr_spun_dkappa_in*dkappa_in_dkappa;
     const double dMz_part1_dM_zr_spun = M_zr_by_M_zr_part1*M_zr_part1_by_M_zr_spun;
     const double dB_r_dR_0_phi = B_r_part2*zeta_6_by_R_0_phi;
     const double dB_r_dB_y = B_r_part2_by_B_y*zeta_6;
     const double dB_r_dLMUY_star = dB_r_part2_dLMUY_star*zeta_6;
+    const double dB_r_dalpha = dB_r_dturn_share*dturn_share_dalpha;
     const double dMz_part1_dB_r = M_zr_by_M_zr_part1*M_zr_part1_by_B_r + dM_zr_spun_dB_r*dMz_part1_dM_zr_spun;
-    const double dslip_alpha_req_part1_dR_0_phi = dK_yalpha_dR_0_phi*dslip_alpha_req_part1_dK_yalpha;
     const double dslip_alpha_req_part1_dzeta_2 = dS_Vy_part2_dzeta_2*dslip_alpha_req_part1_dS_Vy_part2;
     const double dslip_alpha_req_part1_dLMUY_star = dS_Vy_part2_dLMUY_star*dslip_alpha_req_part1_dS_Vy_part2;
+    const double dslip_alpha_req_part1_dR_0_phi = dK_yalpha_dR_0_phi*dslip_alpha_req_part1_dK_yalpha;
+    const double dslip_alpha_req_part1_dalpha = dK_yalpha_dalpha*dslip_alpha_req_part1_dK_yalpha + dalpha_star_dalpha*dslip_alpha_req_part1_dalpha_r;
     const double dslip_alpha_req_part1_dkappa = dkappa_in_dkappa*kappa_share_by_kappa_in;
-    const double dslip_alpha_req_part1_dalpha = dalpha_star_dalpha*dslip_alpha_req_part1_dalpha_r;
     const double dMz_part1_dslip_alpha_req_part1 = M_zr_by_M_zr_part1*dM_zr_part1_dslip_alpha_req_part1 + dM_zr_spun_dslip_alpha_req_part1*dMz_part1_dM_zr_spun;
-    const double dB_y_dR_0_phi = B_y_part3*dK_yalpha_dR_0_phi;
-    const double dB_y_dzeta_2 = D_y_by_zeta_2*dB_y_dD_y;
-    const double dB_y_dLMUY_star = dB_y_dD_y*dD_y_dLMUY_star;
-    const double dFy_part1_dB_y = dF_y0_part2_dB_y*dFy_part1_dF_y0_part2;
-    const double dMz_part1_dB_y = dB_r_dB_y*dMz_part1_dB_r;
-    const double dLMUY_star_dkappa = dLMUY_star_dkappa_in*dkappa_in_dkappa;
-    const double dLMUY_star_dalpha = dLMUY_star_dtan_alpha*dtan_alpha_dalpha;
     const double dD_Vyk_dLMUY_star = D_Vyk_by_mu_y_pressed*dmu_y_pressed_dLMUY_star;
-    const double dFy_part1_dLMUY_star = dB_y_dLMUY_star*dFy_part1_dB_y + dF_y0_part2_dLMUY_star*dFy_part1_dF_y0_part2;
-    const double dMz_part1_dLMUY_star = M_zr_by_D_r*dD_r_dLMUY_star + dB_r_dLMUY_star*dMz_part1_dB_r + dB_y_dLMUY_star*dMz_part1_dB_y + dM_zr_spun_dLMUY_star*dMz_part1_dM_zr_spun + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dLMUY_star + dMz_part1_dtrail_v*dtrail_v_dLMUY_star;
-    const double dFy_part1_dzeta_2 = dB_y_dzeta_2*dFy_part1_dB_y + dF_y0_part2_dzeta_2*dFy_part1_dF_y0_part2;
-    const double dFy_part1_dkappa = dFy_part1_dLMUY_star*dLMUY_star_dkappa + dFy_part1_dkappa_in*dkappa_in_dkappa;
-    const double dFy_part1_dalpha = dFy_part1_dLMUY_star*dLMUY_star_dalpha + dFy_part1_dalpha_star*dalpha_star_dalpha;
-    const double dFy_part1_dR_0_phi = dB_y_dR_0_phi*dFy_part1_dB_y;
-    const double dzeta_2_dalpha = dtan_alpha_dalpha*dzeta_2_dtan_alpha;
-    const double dMz_part1_dzeta_2 = M_zr_by_D_r*dD_r_dzeta_2 + dB_y_dzeta_2*dMz_part1_dB_y + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dzeta_2;
-    const double dFy_dzeta_2 = Fy_by_Fy_part1*dFy_part1_dzeta_2;
-    const double dD_Vyk_dalpha = D_Vyk_by_zeta_2*dzeta_2_dalpha + dD_Vyk_dLMUY_star*dLMUY_star_dalpha + dD_Vyk_dalpha_star*dalpha_star_dalpha;
-    const double dD_Vyk_dkappa = dD_Vyk_dLMUY_star*dLMUY_star_dkappa;
-    const double dD_Vyk_dR_0_phi = D_Vyk_by_zeta_2*zeta_2_by_R_0_phi;
+    const double dD_Vyk_dalpha = dD_Vyk_dalpha_star*dalpha_star_dalpha;
     const double dMz_part1_dD_Vyk = S_Vyk_by_D_Vyk*trail;
-    const double dFy_dD_Vyk = Fy_by_Fy_part1*S_Vyk_by_D_Vyk;
+    const double dFy_part1_dB_y = dF_y0_part2_dB_y*dFy_part1_dF_y0_part2;
+    const double dFy_part1_dzeta_2 = D_Vyk_by_zeta_2*S_Vyk_by_D_Vyk + dF_y0_part2_dzeta_2*dFy_part1_dF_y0_part2;
+    const double dFy_part1_dLMUY_star = S_Vyk_by_D_Vyk*dD_Vyk_dLMUY_star + dF_y0_part2_dLMUY_star*dFy_part1_dF_y0_part2;
+    const double dFy_part1_dkappa = dFy_part1_dkappa_in*dkappa_in_dkappa;
+    const double dFy_part1_dalpha = S_Vyk_by_D_Vyk*dD_Vyk_dalpha + dFy_part1_dalpha_star*dalpha_star_dalpha;
+    const double dLMUY_star_dalpha = dLMUY_star_dtan_alpha*dtan_alpha_dalpha;
+    const double dLMUY_star_dkappa = dLMUY_star_dkappa_in*dkappa_in_dkappa;
+    const double dB_y_dLMUY_star = dB_y_dD_y*dD_y_dLMUY_star;
+    const double dMz_part1_dLMUY_star = M_zr_by_D_r*dD_r_dLMUY_star + dB_r_dLMUY_star*dMz_part1_dB_r + dD_Vyk_dLMUY_star*dMz_part1_dD_Vyk + dM_zr_spun_dLMUY_star*dMz_part1_dM_zr_spun + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dLMUY_star - F_y1*dtrail_dLMUY_star;
+    const double dFy_dLMUY_star = Fy_by_Fy_part1*dFy_part1_dLMUY_star;
+    const double dzeta_2_dalpha = dtan_alpha_dalpha*dzeta_2_dtan_alpha + dturn_share_dalpha*zeta_2_by_turn_share;
+    const double dB_y_dzeta_2 = D_y_by_zeta_2*dB_y_dD_y;
+    const double dMz_part1_dzeta_2 = D_Vyk_by_zeta_2*dMz_part1_dD_Vyk + M_zr_by_D_r*dD_r_dzeta_2 + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dzeta_2;
+    const double dFy_dzeta_2 = Fy_by_Fy_part1*dFy_part1_dzeta_2;
+    const double dB_y_dR_0_phi = B_y_part3*dK_yalpha_dR_0_phi + dB_y_dzeta_2*zeta_2_by_R_0_phi;
+    const double dB_y_dalpha = B_y_part3*dK_yalpha_dalpha + dB_y_dLMUY_star*dLMUY_star_dalpha + dB_y_dzeta_2*dzeta_2_dalpha;
+    const double dB_y_dkappa = dB_y_dLMUY_star*dLMUY_star_dkappa;
+    const double dMz_part1_dB_y = dB_r_dB_y*dMz_part1_dB_r;
+    const double dFy_dB_y = Fy_by_Fy_part1*dFy_part1_dB_y;
     const double dMz_part1_dFy = -trail + Fx*ds_dFy;
-    const double dMz_part1_dR_0_phi = dB_r_dR_0_phi*dMz_part1_dB_r + dB_y_dR_0_phi*dMz_part1_dB_y + dD_Vyk_dR_0_phi*dMz_part1_dD_Vyk + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dR_0_phi + dMz_part1_dtrail_v*dtrail_v_dR_0_phi + dMz_part1_dzeta_2*zeta_2_by_R_0_phi - F_y1*dtrail_dR_0_phi;
-    const double dMz_part1_dalpha = M_zr_by_D_r*dD_r_dalpha + dD_Vyk_dalpha*dMz_part1_dD_Vyk + dLMUY_star_dalpha*dMz_part1_dLMUY_star + dM_zr_spun_dalpha*dMz_part1_dM_zr_spun + dMz_part1_dalpha_star*dalpha_star_dalpha + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha + dMz_part1_dtan_alpha*dtan_alpha_dalpha + dMz_part1_dzeta_2*dzeta_2_dalpha;
-    const double dMz_part1_dkappa = dD_Vyk_dkappa*dMz_part1_dD_Vyk + dLMUY_star_dkappa*dMz_part1_dLMUY_star + dM_zr_spun_dkappa*dMz_part1_dM_zr_spun + dMz_part1_dkappa_in*dkappa_in_dkappa + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dkappa;
+    const double dMz_part1_dalpha = M_zr_by_D_r*dD_r_dalpha + dB_r_dalpha*dMz_part1_dB_r + dB_y_dalpha*dMz_part1_dB_y + dD_Vyk_dalpha*dMz_part1_dD_Vyk + dLMUY_star_dalpha*dMz_part1_dLMUY_star + dM_zr_spun_dalpha*dMz_part1_dM_zr_spun + dMz_part1_dalpha_star*dalpha_star_dalpha + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha + dMz_part1_dturn_share*dturn_share_dalpha + dMz_part1_dzeta_2*dzeta_2_dalpha - F_y1*dtrail_dalpha;
+    const double dMz_part1_dR_0_phi = dB_r_dR_0_phi*dMz_part1_dB_r + dB_y_dR_0_phi*dMz_part1_dB_y + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dR_0_phi + dMz_part1_dzeta_2*zeta_2_by_R_0_phi - F_y1*dtrail_dR_0_phi;
+    const double dMz_part1_dkappa = dB_y_dkappa*dMz_part1_dB_y + dLMUY_star_dkappa*dMz_part1_dLMUY_star + dM_zr_spun_dkappa*dMz_part1_dM_zr_spun + dMz_part1_dkappa_in*dkappa_in_dkappa + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dkappa;
     const double dR_0_phi_dkappa = dR_0_phi_dphi_part4*dphi_part4_dkappa;
     const double dR_0_phi_dalpha = dR_0_phi_dphi_part4*phit_in_by_alpha + dR_0_phi_dtan_alpha*dtan_alpha_dalpha;
-    const double dFx_dR_0_phi = Fx_by_Fx_part1*dFx_part1_dR_0_phi;
-    const double dFy_dR_0_phi = Fy_by_Fy_part1*dFy_part1_dR_0_phi + dD_Vyk_dR_0_phi*dFy_dD_Vyk + dFy_dzeta_2*zeta_2_by_R_0_phi;
+    const double dFx_dR_0_phi = dF_x0_part2_dR_0_phi*dFx_dF_x0_part2;
+    const double dFy_dR_0_phi = dB_y_dR_0_phi*dFy_dB_y + dFy_dzeta_2*zeta_2_by_R_0_phi;
     const double dMz_dR_0_phi = Mz_by_Mz_part1*dMz_part1_dR_0_phi;
+    const double dFx_dalpha = dFx_dR_0_phi*dR_0_phi_dalpha + dFx_dalpha_star*dalpha_star_dalpha + dFx_dtan_alpha*dtan_alpha_dalpha + dFx_dturn_share*dturn_share_dalpha;
     const double dFx_dkappa = dFx_dR_0_phi*dR_0_phi_dkappa + dFx_dkappa_in*dkappa_in_dkappa;
-    const double dFx_dalpha = dFx_dR_0_phi*dR_0_phi_dalpha + dFx_dalpha_star*dalpha_star_dalpha + dFx_dtan_alpha*dtan_alpha_dalpha;
     const double dMy_dFx = dM_y_rolling_part2_dFx*dMy_dM_y_rolling_part2;
     const double dMz_dFx = Mz_by_Mz_part1*s;
-    const double dFy_dkappa = Fy_by_Fy_part1*dFy_part1_dkappa + dD_Vyk_dkappa*dFy_dD_Vyk + dFy_dR_0_phi*dR_0_phi_dkappa;
-    const double dFy_dalpha = Fy_by_Fy_part1*dFy_part1_dalpha + dD_Vyk_dalpha*dFy_dD_Vyk + dFy_dR_0_phi*dR_0_phi_dalpha + dFy_dzeta_2*dzeta_2_dalpha;
+    const double dFy_dkappa = Fy_by_Fy_part1*dFy_part1_dkappa + dB_y_dkappa*dFy_dB_y + dFy_dLMUY_star*dLMUY_star_dkappa + dFy_dR_0_phi*dR_0_phi_dkappa;
+    const double dFy_dalpha = Fy_by_Fy_part1*dFy_part1_dalpha + dB_y_dalpha*dFy_dB_y + dFy_dLMUY_star*dLMUY_star_dalpha + dFy_dR_0_phi*dR_0_phi_dalpha + dFy_dzeta_2*dzeta_2_dalpha;
     const double dMx_dFy = Mx_by_Fy + Mx_by_M_x_hump*dM_x_hump_dFy;
     const double dMz_dFy = Mz_by_Mz_part1*dMz_part1_dFy;
 

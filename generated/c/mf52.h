@@ -247,7 +247,7 @@ enum {
     MF52_My, /* rolling resistance moment [N m] */
 };
 
-#define MF52_N_QUANTITIES 66
+#define MF52_N_QUANTITIES 67
 enum {
     MF52_dfz,
     MF52_dpi,
@@ -295,6 +295,7 @@ enum {
     MF52_D_t,
     MF52_E_t,
     MF52_B_r,
+    MF52_M_zphi_inf,
     MF52_D_r,
     MF52_trail_0,
     MF52_M_zr0,

@@ -447,18 +447,19 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double R_e = R_omega - sink; /* [P 7] effective rolling radius */
 
     /* Turn slip */
+    const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
     const double eps_gamma = PECP1*(1.0 + PECP2*dfz); /* [4.90] equivalent spin of camber */
     const double V_spin = (VXLOW > fabs(V) ? VXLOW*sgn1(V) : (CONVENTION > 0.5 ? V : V_c)); /* [4.76] speed that the spin refers to */
     const double phi = (phit_in + omega*(1.0 - eps_gamma)*fast_sin(gamma_in)/V_spin)*(CONVENTION > 0.5 ? 1.0 : -1.0); /* [4.76] spin by path curvature and camber */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
-    const double zeta_0 = (phit_in == 0.0 ? 1.0 : 0.0); /* [4.83] camber acts through its spin */
+    const double zeta_0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share); /* [4.83] camber acts through its spin */
     const double B_xphi = PDXP1*(1.0 + PDXP2*dfz)/sqrt(1.0 + square(PDXP3)*square(kappa_in)); /* [4.106] fall of D_x with spin */
-    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
+    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
     const double B_yphi = PDYP1*(1.0 + PDYP2*dfz)/sqrt(1.0 + square(PDYP3)*square(tan_alpha)); /* [4.78] fall of D_y with spin */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
-    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
-    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
-    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
+    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
+    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
 
     /* Longitudinal force, pure slip */
     const double S_Hx = LHX*fade_smooth*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
@@ -492,7 +493,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double S_Hyphi = D_Hyphi*sgn(V)*fast_sin(S_Hyphi_w); /* [4.80] shift by spin */
     const double K_yalpha_00 = F_z01*LKY*PKY1*(1.0 + PPY1*dpi)*fast_sin(PKY4*fast_atan(F_z_limited/(F_z01*PKY2*(1.0 + PPY2*dpi)))); /* [4.E25] cornering stiffness */
     const double S_Vygamma = F_z_limited*LKYC*LMUY_shift*gamma_star*zeta_2*(PVY3 + PVY4*dfz); /* [4.E28] vertical shift by inclination */
-    const double zeta_4 = (phit_in == 0.0 ? 1.0 : 1.0 + S_Hyphi - S_Vygamma/K_yalpha1); /* [4.84] shift by spin */
+    const double zeta_4 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share*(1.0 + S_Hyphi - S_Vygamma/K_yalpha1)); /* [4.84] shift by spin */
     const double S_Hy = fade_smooth*(-1.0 + zeta_4 + LHY*(PHY1 + PHY2*dfz) + zeta_0*(-S_Vygamma + K_ygamma0*gamma_star)/K_yalpha1); /* [4.E27] horizontal shift */
     const double alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
     const double C_y = LCY*PCY1; /* [4.E21] shape factor */
@@ -571,7 +572,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double zeta_7_beyond_1 = (zeta_7_cosine > 0.0 ? 0.0 : 2.0); /* [4.104] zeta_7 where the size is above 1: its real part */
     const double zeta_7 = (zeta_7_cosine_size >= 1.0 ? zeta_7_beyond_1 : 2.0*acos(zeta_7_below_1)/PI); /* [4.104] shape factor of the residual moment with turn slip, C_r */
     const double zeta_7_imaginary = 2.0*log(zeta_7_above_1 + sqrt(-1.0 + square(zeta_7_above_1)))/PI; /* [MFeval] imaginary part of zeta_7, of which MFeval prints the real part of the result */
-    const double zeta_8 = (phit_in == 0.0 ? 1.0 : 1.0 + D_rphi); /* [4.92] moment by spin */
+    const double zeta_8 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share*(1.0 + D_rphi)); /* [4.92] moment by spin */
     const double D_r = -1.0 + zeta_8 + F_zm*LMUY_star*UNLOADED_RADIUS*(LRES*zeta_2*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*zeta_0*((1.0 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*fabs(gamma_star)))*fast_cos(alpha_star)*sgn(V); /* [4.E47] peak factor of the residual moment */
     const double trail_0_u = B_t*alpha_t; /* [4.1] B x */
     const double trail_0_v = trail_0_u - E_t*(trail_0_u - fast_atan(trail_0_u)); /* [4.1] B x bent by E */
@@ -580,7 +581,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double M_zr0_w = fast_atan(B_r*alpha_r); /* [4.E75] angle of the residual moment */
     const double M_zr0_grown = exp(M_zr0_w*zeta_7_imaginary); /* [MFeval] exponential of the same */
     const double M_zr0_spun = (zeta_7_cosine_size > 1.0 ? (CONVENTION > 0.5 ? 1.0 : 0.5*M_zr0_grown + 0.5/M_zr0_grown) : 1.0)*fast_cos(M_zr0_w*zeta_7); /* [4.E75] fall of the residual moment with turn slip */
-    const double M_zr0 = D_r*cos_alpha*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_r)) : M_zr0_spun); /* [4.E36] residual moment in pure slip */
+    const double M_zr0 = D_r*cos_alpha*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_r)) : M_zr0_spun*turn_share + (1.0 - turn_share)/sqrt(1.0 + square(B_r)*square(alpha_r))); /* [4.E36] residual moment in pure slip */
     const double M_z0 = M_zr0 - F_y0_00*trail_0; /* [4.E31] aligning moment in pure slip */
     const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double tan_alpha_teq = (CONVENTION > 0.5 ? alpha_t : fast_tan(alpha_t)); /* [4.E77] the same as a slip */
@@ -596,7 +597,7 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     const double M_zr_w = fast_atan(B_r*alpha_req); /* [4.E75] angle of the residual moment */
     const double M_zr_grown = exp(M_zr_w*zeta_7_imaginary); /* [MFeval] exponential of the same */
     const double M_zr_spun = (zeta_7_cosine_size > 1.0 ? (CONVENTION > 0.5 ? 1.0 : 0.5*M_zr_grown + 0.5/M_zr_grown) : 1.0)*fast_cos(M_zr_w*zeta_7); /* [4.E75] fall of the residual moment with turn slip */
-    const double M_zr = D_r*fade_smooth*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun); /* [4.E75] residual moment */
+    const double M_zr = D_r*fade_smooth*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun*turn_share + (1.0 - turn_share)/sqrt(1.0 + square(B_r)*square(alpha_req))); /* [4.E75] residual moment */
     const double s = LS*UNLOADED_RADIUS*(CONVENTION > 0.5 ? SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01 : SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN); /* [4.E76] moment arm of Fx */
 
     /* Deflection and loaded radius */
@@ -676,26 +677,27 @@ void mf61_quantities(const double inputs[], const double parameters[], double re
     results[43] = D_t;
     results[44] = E_t;
     results[45] = B_r;
-    results[46] = D_r;
-    results[47] = trail_0;
-    results[48] = M_zr0;
-    results[49] = M_z0;
-    results[50] = alpha_teq;
-    results[51] = alpha_req;
-    results[52] = trail;
-    results[53] = M_zr;
-    results[54] = s;
-    results[55] = R_l;
-    results[56] = rho;
-    results[57] = c_z;
-    results[58] = a;
-    results[59] = b;
-    results[60] = c_x;
-    results[61] = c_y;
-    results[62] = sigma_x;
-    results[63] = sigma_y;
-    results[64] = sigma_kappa;
-    results[65] = sigma_alpha;
+    results[46] = M_zphi_inf;
+    results[47] = D_r;
+    results[48] = trail_0;
+    results[49] = M_zr0;
+    results[50] = M_z0;
+    results[51] = alpha_teq;
+    results[52] = alpha_req;
+    results[53] = trail;
+    results[54] = M_zr;
+    results[55] = s;
+    results[56] = R_l;
+    results[57] = rho;
+    results[58] = c_z;
+    results[59] = a;
+    results[60] = b;
+    results[61] = c_x;
+    results[62] = c_y;
+    results[63] = sigma_x;
+    results[64] = sigma_y;
+    results[65] = sigma_kappa;
+    results[66] = sigma_alpha;
 }
 
 /* Forces and moments. */
@@ -953,13 +955,14 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double K_zgammar0 = F_zm*LKZC*UNLOADED_RADIUS*(CONVENTION > 0.5 ? QDZ8 + QDZ9*dfz + (QDZ10 + QDZ11*dfz)*fabs(gamma_star) : QDZ10 + dfz*(SIGNS > 0.5 ? -QDZ8*QDZ9 : QDZ8*QDZ9) + QDZ11*dfz*fabs(gamma_in)); /* [4.99] camber torque stiffness */
     const double S_Hx = LHX*fade_smooth*(PHX1 + PHX2*dfz); /* [4.E17] horizontal shift */
     const double M_y_backward = (kappa >= -VXLOW - VXLOW/fabs(V) ? M_y_near_locked : -1.0); /* [MFeval] the same, -1 where the wheel turns backward */
-    const double zeta_0 = (phit_in == 0.0 ? 1.0 : 0.0); /* [4.83] camber acts through its spin */
+    const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
     const double kappa_x = S_Hx + kappa_in; /* [4.E10] longitudinal slip, shifted */
     const double E_x = (LIMITS > 0.5 ? (LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz)) > 1.0 ? 1.0 : LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz))) : LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz))); /* [4.E14] curvature factor */
     const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
     const double alpha_in = (LIMITS > 0.5 ? (ALPMAX < alpha_raised ? ALPMAX : alpha_raised) : alpha_raised); /* [MFeval] alpha, within limits */
     const double M_y_taper = (CONVENTION > 0.5 ? 1.0 : (kappa <= -1.0 + VXLOW/fabs(V) ? M_y_backward : 1.0)); /* [MFeval] the same, 1 where the wheel rolls */
     const double tan_alpha = fast_tan(alpha_in); /* [2.11] lateral slip */
+    const double zeta_0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share); /* [4.83] camber acts through its spin */
     const double G_xa0_u = B_xalpha*RHX1; /* [4.1] B x */
     const double R_e_1 = R_omega_1 - sink; /* [P 7] effective rolling radius */
     const double G_xa0_v = G_xa0_u - E_xalpha*(G_xa0_u - fast_atan(G_xa0_u)); /* [4.1] B x bent by E */
@@ -1008,11 +1011,11 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double M_zphi_inf_signed = F_zm*LMP*QCRP1*UNLOADED_RADIUS*sqrt(1e-60 + F_zm/F_z01)*fabs(mu_y_pressed); /* [4.95] moment of turning on the spot */
     const double E_t = (LIMITS > 0.5 ? ((1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz)) > 1.0 ? 1.0 : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))) : (1.0 + (2.0*QEZ4 + 2.0*QEZ5*gamma_star)*fast_atan(B_t*C_t*alpha_t)/PI)*(QEZ1 + QEZ2*dfz + QEZ3*square(dfz))); /* [4.E44] curvature factor of the trail */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
-    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
-    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
-    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
-    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
+    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
+    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
+    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
     const double G_yk_g0 = fast_cos(G_yk_g0_w)/fast_cos(G_yk_g00_w); /* [4.E74] G_yk without inclination */
     const double M_zphi_inf = (M_zphi_inf_signed <= 0.0 ? 1e-06 : M_zphi_inf_signed); /* [4.95] moment of turning on the spot, above 0 */
     const double G_yk = fast_cos(G_yk_w)/fast_cos(G_yk0_w); /* [4.E59] weighting of Fy by longitudinal slip */
@@ -1045,7 +1048,7 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double B_y = K_yalpha/(1e-06*sgn1(D_y) + C_y*D_y); /* [4.E26] stiffness factor */
     const double kappa_share = square(K_xkappa)*square(kappa_in)/square(K_yalpha1); /* [4.E77] equivalent slip angle of kappa, squared */
     const double D_rphi_size = (D_rphi == 0.0 ? 1.0 : (CONVENTION > 0.5 ? 1e-06 : 0.0) + fabs(D_rphi)); /* [4.104] size of the moment by spin; 1 where there is none */
-    const double zeta_8 = (phit_in == 0.0 ? 1.0 : 1.0 + D_rphi); /* [4.92] moment by spin */
+    const double zeta_8 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share*(1.0 + D_rphi)); /* [4.92] moment by spin */
     const double Fx = (Fz < 1e-100 ? 0.0 : F_x0*G_xa); /* [4.E50] longitudinal force */
     const double B_r = zeta_6*(B_y*C_y*QBZ10 + LKY*QBZ9/LMUY_star); /* [4.E45] stiffness factor of the residual moment */
     const double zeta_7_cosine = (D_rphi == 0.0 ? 0.0 : M_zphi90/D_rphi_size); /* [4.104] reduction of the moment by spin with side slip */
@@ -1068,8 +1071,8 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double trail_v = trail_u - E_t*(trail_u - fast_atan(trail_u)); /* [4.1] B x bent by E */
     const double M_y_rolling = (V == 0.0 ? 0.0 : M_y_full*M_y_taper*sgn1(V)); /* [MFeval] rolling resistance moment, 0 at standstill */
     const double My = (Fz < 1e-100 ? 0.0 : M_y_rolling); /* [4.E70] rolling resistance moment */
-    const double zeta_4 = (phit_in == 0.0 ? 1.0 : 1.0 + S_Hyphi - S_Vygamma/K_yalpha1); /* [4.84] shift by spin */
-    const double zeta_4_g0 = (phit_in == 0.0 ? 1.0 : 1.0 + S_Hyphi); /* [4.84] shift by spin */
+    const double zeta_4 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share*(1.0 + S_Hyphi - S_Vygamma/K_yalpha1)); /* [4.84] shift by spin */
+    const double zeta_4_g0 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share*(1.0 + S_Hyphi)); /* [4.84] shift by spin */
     const double S_Hy_g0 = fade_smooth*(-1.0 + zeta_4_g0 + LHY*(PHY1 + PHY2*dfz)); /* [4.E27] horizontal shift */
     const double alpha_y_g0 = S_Hy_g0 + alpha_star; /* [4.E20] slip angle, shifted */
     const double E_y_g0 = (LIMITS > 0.5 ? (LEY*(1.0 - PEY3*sgn1(alpha_y_g0))*(PEY1 + PEY2*dfz) > 1.0 ? 1.0 : LEY*(1.0 - PEY3*sgn1(alpha_y_g0))*(PEY1 + PEY2*dfz)) : LEY*(1.0 - PEY3*sgn1(alpha_y_g0))*(PEY1 + PEY2*dfz)); /* [4.E24] curvature factor */
@@ -1097,7 +1100,7 @@ static void forces_general(const double inputs[], const double parameters[], dou
     const double M_x_hump = QSX4*fast_cos(QSX5*fast_atan(square(F_zx)*square(QSX6)/square(FNOMIN)))*fast_sin(QSX7*gamma_in + QSX8*fast_atan(Fy*QSX9/FNOMIN)); /* [M] hump of M_x over load and side force */
     const double M_zr_grown = exp(M_zr_w*zeta_7_imaginary); /* [MFeval] exponential of the same */
     const double M_zr_spun = (zeta_7_cosine_size > 1.0 ? (CONVENTION > 0.5 ? 1.0 : 0.5*M_zr_grown + 0.5/M_zr_grown) : 1.0)*fast_cos(M_zr_w*zeta_7); /* [4.E75] fall of the residual moment with turn slip */
-    const double M_zr = D_r*fade_smooth*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun); /* [4.E75] residual moment */
+    const double M_zr = D_r*fade_smooth*(phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun*turn_share + (1.0 - turn_share)/sqrt(1.0 + square(B_r)*square(alpha_req))); /* [4.E75] residual moment */
     const double Mz = (Fz < 1e-100 ? 0.0 : M_zr + Fx*s - F_y1*trail); /* [4.E71] aligning moment */
     const double Mx = (Fz < 1e-100 ? 0.0 : LMX*UNLOADED_RADIUS*(F_zx*(M_x_hump + LVMX*QSX1 + Fy*QSX3/FNOMIN + QSX10*gamma_in*fast_atan(F_zx*QSX11/FNOMIN) - QSX12*gamma_in*fabs(gamma_in) - QSX2*gamma_in*(1.0 + PPMX1*dpi)) + Fy*(QSX13 + QSX14*fabs(gamma_in)))); /* [4.E69] overturning moment */
 
@@ -1483,7 +1486,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double D_t_part4 = fabs(gamma_star);
     const double K_zgammar0_part2 = fabs(gamma_star);
     const double D_r_part5 = fabs(gamma_star);
-    const double zeta_0 = (phit_in == 0.0 ? 1.0 : 0.0); /* [4.83] camber acts through its spin */
+    const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
     const double kappa_x = S_Hx + kappa_in; /* [4.E10] longitudinal slip, shifted */
     const double K_yalpha_part3 = 1.0 - K_yalpha_part2*PKY3;
     const double B_t_part4 = 1.0 + B_t_part3*QBZ5 + QBZ6*square(gamma_star);
@@ -1513,10 +1516,12 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double K_yalpha_part8 = 1.0/K_yalpha_part7;
     const double tan_alpha = fast_tan(alpha_in); /* [2.11] lateral slip */
     const double omega_2_part1 = 1.0/R_e_1;
+    const double zeta_0_part1 = 1.0 - turn_share;
     const double E_x = (LIMITS > 0.5 ? (LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz)) > 1.0 ? 1.0 : LEX*(1.0 - PEX4*sgn(kappa_x))*(PEX1 + PEX2*dfz + PEX3*square(dfz))) : E_x_part4); /* [4.E14] curvature factor */
     const double S_Vyk_part3 = RVY5*S_Vyk_part2;
     const double B_t_part7 = (CONVENTION > 0.5 ? B_t_part4 : B_t_part6);
     const double D_t_part7 = (CONVENTION > 0.5 ? D_t_part5 : D_t_part6);
+    const double zeta_0 = (phit_in == 0.0 ? 1.0 : zeta_0_part1); /* [4.83] camber acts through its spin */
     const double B_xphi_part3 = 1.0/B_xphi_part2;
     const double B_xalpha_part3 = 1.0/B_xalpha_part2;
     const double S_Vyk_part4 = fast_sin(S_Vyk_part3);
@@ -1587,11 +1592,11 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double G_xa0_w = C_xalpha*G_xa0_w_part1; /* [4.1] angle of the Magic Formula */
     const double LMUX_shift = (CONVENTION > 0.5 ? 10.0*LMUX_star/(1.0 + 9.0*LMUX_star) : LMUX_star); /* [4.E8] friction scale of the shifts of Fx */
     const double LMUY_shift = (CONVENTION > 0.5 ? 10.0*LMUY_star/(1.0 + 9.0*LMUY_star) : LMUY_star); /* [4.E8] friction scale of the shifts of Fy */
-    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
-    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
-    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
-    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
-    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
+    const double zeta_1 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_xphi)*square(R_0_phi))); /* [4.105] reduction of D_x by spin */
+    const double zeta_2 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(B_yphi)*square(PDYP4*sqrt(1e-60 + fabs(R_0_phi)) + fabs(R_0_phi)))); /* [4.77] reduction of D_y by spin */
+    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
+    const double zeta_5 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QDTP1)*square(R_0_phi))); /* [4.91] reduction of the trail by spin */
+    const double zeta_6 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(QBRP1)*square(R_0_phi))); /* [4.102] reduction of B_r by spin */
     const double mu_x_loaded = LMUX_star*mu_x_loaded_part1*mu_x_loaded_part2*mu_x_loaded_part3; /* [4.E13] peak friction */
     const double mu_y_loaded = LMUY_star*mu_y_loaded_part1*mu_y_loaded_part2*mu_y_loaded_part3; /* [4.E23] peak friction */
     const double mu_y_loaded_g0 = LMUY_star*mu_y_loaded_g0_part1*mu_y_loaded_g0_part2; /* [4.E23] peak friction */
@@ -1703,8 +1708,9 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double D_rphi_size = (D_rphi == 0.0 ? 1.0 : (CONVENTION > 0.5 ? 1e-06 : 0.0) + fabs(D_rphi)); /* [4.104] size of the moment by spin; 1 where there is none */
     const double zeta_8_part1 = 1.0 + D_rphi;
     const double G_yk_part2 = 1.0/G_yk_part1;
-    const double zeta_8 = (phit_in == 0.0 ? 1.0 : zeta_8_part1); /* [4.92] moment by spin */
+    const double zeta_8_part2 = 1.0 - turn_share + turn_share*zeta_8_part1;
     const double G_yk_g0_part2 = 1.0/G_yk_g0_part1;
+    const double zeta_8 = (phit_in == 0.0 ? 1.0 : zeta_8_part2); /* [4.92] moment by spin */
     const double D_r = -1.0 + zeta_8 + D_r_part7*D_r_part8*D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS; /* [4.E47] peak factor of the residual moment */
     const double slip_alpha_teq = slip_alpha_teq_part2; /* [4.E77] size of the equivalent slip */
     const double alpha_teq_part1 = fast_atan(slip_alpha_teq);
@@ -1731,65 +1737,66 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double F_x0 = F_x0_part2*F_x0_part3; /* [4.E9] longitudinal force in pure slip */
     const double S_Hyphi = D_Hyphi*S_Hyphi_part1*S_Hyphi_part2; /* [4.80] shift by spin */
     const double Fx_part1 = F_x0*G_xa;
-    const double zeta_4 = (phit_in == 0.0 ? 1.0 : 1.0 + S_Hyphi - S_Vygamma/K_yalpha1); /* [4.84] shift by spin */
+    const double zeta_4 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share*(1.0 + S_Hyphi - S_Vygamma/K_yalpha1)); /* [4.84] shift by spin */
     const double zeta_4_g0_part1 = 1.0 + S_Hyphi;
     const double Fx = (Fz < 1e-100 ? 0.0 : Fx_part1); /* [4.E50] longitudinal force */
     const double zeta_7_imaginary_part2 = sqrt(zeta_7_imaginary_part1);
-    const double zeta_4_g0 = (phit_in == 0.0 ? 1.0 : zeta_4_g0_part1); /* [4.84] shift by spin */
+    const double zeta_4_g0_part2 = 1.0 - turn_share + turn_share*zeta_4_g0_part1;
     const double M_y_speed = QSY1 + M_y_speed_part3*QSY3 + Fx*M_y_speed_part4*QSY2 + M_y_speed_part5*M_y_speed_part6*QSY4; /* [4.E70] resistance by force and speed */
-    const double S_Hy_g0_part2 = -1.0 + zeta_4_g0 + LHY*S_Hy_g0_part1;
+    const double zeta_4_g0 = (phit_in == 0.0 ? 1.0 : zeta_4_g0_part2); /* [4.84] shift by spin */
     const double M_y_full_part6 = M_y_speed + M_y_full_part5*square(gamma_in);
-    const double S_Hy_g0 = S_Hy_g0_part2*fade_smooth; /* [4.E27] horizontal shift */
+    const double S_Hy_g0_part2 = -1.0 + zeta_4_g0 + LHY*S_Hy_g0_part1;
     const double S_Hy_part4 = -1.0 + zeta_4 + LHY*S_Hy_part1 + S_Hy_part2*S_Hy_part3*zeta_0;
-    const double alpha_y_g0 = S_Hy_g0 + alpha_star; /* [4.E20] slip angle, shifted */
+    const double S_Hy_g0 = S_Hy_g0_part2*fade_smooth; /* [4.E27] horizontal shift */
     const double zeta_7_imaginary_part3 = zeta_7_above_1 + zeta_7_imaginary_part2;
     const double S_Hy = S_Hy_part4*fade_smooth; /* [4.E27] horizontal shift */
-    const double E_y_g0_part1 = sgn1(alpha_y_g0);
-    const double F_y0_g0_u = B_y_g0*alpha_y_g0; /* [4.1] B x */
+    const double alpha_y_g0 = S_Hy_g0 + alpha_star; /* [4.E20] slip angle, shifted */
     const double zeta_7_imaginary_part4 = log(zeta_7_imaginary_part3);
     const double trail_v_part2 = trail_u - trail_v_part1;
     const double alpha_y = S_Hy + alpha_star; /* [4.E20] slip angle, shifted */
-    const double E_y_g0_part2 = 1.0 - E_y_g0_part1*PEY3;
-    const double F_y0_g0_v_part1 = fast_atan(F_y0_g0_u);
+    const double E_y_g0_part1 = sgn1(alpha_y_g0);
+    const double F_y0_g0_u = B_y_g0*alpha_y_g0; /* [4.1] B x */
     const double alpha_r = S_Hy + alpha_star + S_Vy*alpha_r_part1; /* [4.E37] slip angle of the residual moment */
     const double trail_v = trail_u - E_t*trail_v_part2; /* [4.1] B x bent by E */
     const double M_y_full = -LMY*M_y_full_part1*M_y_full_part4*M_y_full_part6*M_y_full_part7*UNLOADED_RADIUS; /* [4.E70] rolling resistance moment of the rolling wheel */
     const double E_y_part3 = sgn1(alpha_y);
     const double F_y0_u = B_y*alpha_y; /* [4.1] B x */
-    const double E_y_g0_part4 = E_y_g0_part2*E_y_g0_part3*LEY;
+    const double E_y_g0_part2 = 1.0 - E_y_g0_part1*PEY3;
+    const double F_y0_g0_v_part1 = fast_atan(F_y0_g0_u);
     const double tan_alpha_req = (CONVENTION > 0.5 ? alpha_r : fast_tan(alpha_r)); /* [4.E78] the same as a slip */
     const double alpha_req_part3 = sgn(alpha_r);
     const double trail_w_part1 = fast_atan(trail_v);
     const double E_y_part4 = 1.0 + PEY5*square(gamma_star) - E_y_part2*E_y_part3;
     const double F_y0_v_part1 = fast_atan(F_y0_u);
+    const double E_y_g0_part4 = E_y_g0_part2*E_y_g0_part3*LEY;
     const double E_y_g0 = (LIMITS > 0.5 ? (LEY*(1.0 - PEY3*sgn1(alpha_y_g0))*(PEY1 + PEY2*dfz) > 1.0 ? 1.0 : LEY*(1.0 - PEY3*sgn1(alpha_y_g0))*(PEY1 + PEY2*dfz)) : E_y_g0_part4); /* [4.E24] curvature factor */
     const double E_y_part5 = E_y_part1*E_y_part4*LEY;
     const double zeta_7_imaginary = 2.0*zeta_7_imaginary_part4/PI; /* [MFeval] imaginary part of zeta_7, of which MFeval prints the real part of the result */
     const double E_y = (LIMITS > 0.5 ? (LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y)) > 1.0 ? 1.0 : LEY*(PEY1 + PEY2*dfz)*(1.0 + PEY5*square(gamma_star) - (PEY3 + PEY4*gamma_star)*sgn1(alpha_y))) : E_y_part5); /* [4.E24] curvature factor */
     const double F_y0_g0_v_part2 = F_y0_g0_u - F_y0_g0_v_part1;
-    const double F_y0_g0_v = F_y0_g0_u - E_y_g0*F_y0_g0_v_part2; /* [4.1] B x bent by E */
     const double trail_w = C_t*trail_w_part1; /* [4.1] angle of the Magic Formula */
     const double F_y0_v_part2 = F_y0_u - F_y0_v_part1;
-    const double F_y0_g0_w_part1 = fast_atan(F_y0_g0_v);
+    const double F_y0_g0_v = F_y0_g0_u - E_y_g0*F_y0_g0_v_part2; /* [4.1] B x bent by E */
     const double trail_part2 = fast_cos(trail_w);
+    const double F_y0_g0_w_part1 = fast_atan(F_y0_g0_v);
     const double slip_alpha_req_part1 = 1e-60 + kappa_share + square(tan_alpha_req);
     const double F_y0_v = F_y0_u - E_y*F_y0_v_part2; /* [4.1] B x bent by E */
     const double F_y0_w_part1 = fast_atan(F_y0_v);
     const double slip_alpha_req_part2 = sqrt(slip_alpha_req_part1);
-    const double F_y0_g0_w = C_y_g0*F_y0_g0_w_part1; /* [4.1] angle of the Magic Formula */
     const double slip_alpha_req = slip_alpha_req_part2; /* [4.E78] size of the equivalent slip */
     const double trail = D_t*cos_alpha*fade_smooth*trail_part1*trail_part2; /* [4.E73] pneumatic trail */
-    const double F_y0_g0_part1 = fast_sin(F_y0_g0_w);
+    const double F_y0_g0_w = C_y_g0*F_y0_g0_w_part1; /* [4.1] angle of the Magic Formula */
     const double alpha_req_part1 = fast_atan(slip_alpha_req);
+    const double F_y0_g0_part1 = fast_sin(F_y0_g0_w);
     const double F_y0_w = C_y*F_y0_w_part1; /* [4.1] angle of the Magic Formula */
     const double F_y0_part1 = fast_sin(F_y0_w);
-    const double F_y0_g0_part2 = S_Vy_g0 + D_y_g0*F_y0_g0_part1;
     const double alpha_req_part2 = (CONVENTION > 0.5 ? slip_alpha_req : alpha_req_part1);
-    const double F_y0_g0 = F_y0_g0_part2*F_y0_g0_part4; /* [4.E19] side force in pure slip */
+    const double F_y0_g0_part2 = S_Vy_g0 + D_y_g0*F_y0_g0_part1;
     const double alpha_req = alpha_req_part2*alpha_req_part3; /* [4.E78] equivalent slip of the residual moment */
+    const double F_y0_g0 = F_y0_g0_part2*F_y0_g0_part4; /* [4.E19] side force in pure slip */
     const double M_zr_w_part1 = B_r*alpha_req;
-    const double F_y1 = F_y0_g0*F_y1_part1; /* [4.E74] side force that the trail carries */
     const double M_zr_w = fast_atan(M_zr_w_part1); /* [4.E75] angle of the residual moment */
+    const double F_y1 = F_y0_g0*F_y1_part1; /* [4.E74] side force that the trail carries */
     const double F_y0_part2 = S_Vy + D_y*F_y0_part1;
     const double F_y0 = F_y0_part2*F_y0_part4; /* [4.E19] side force in pure slip */
     const double Fy_part1 = S_Vyk + F_y0*G_yk;
@@ -1805,7 +1812,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double M_x_hump_part8 = M_x_hump_part7*QSX8 + QSX7*gamma_in;
     const double M_zr_spun_part1 = (zeta_7_cosine_size > 1.0 ? (CONVENTION > 0.5 ? 1.0 : 0.5*M_zr_grown + 0.5/M_zr_grown) : 1.0);
     const double M_zr_spun = M_zr_spun_part1*M_zr_spun_part3; /* [4.E75] fall of the residual moment with turn slip */
-    const double M_zr_part1 = (phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun);
+    const double M_zr_part1 = (phit_in == 0.0 ? 1.0/sqrt(1.0 + square(B_r)*square(alpha_req)) : M_zr_spun*turn_share + (1.0 - turn_share)/sqrt(1.0 + square(B_r)*square(alpha_req)));
 
     /* Partial derivatives of each line */
     const double phit_in_shared1 = (V < 0.0 ? -1.0 : 1.0);
@@ -1855,20 +1862,24 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double omega_part1_by_R_e_2 = -square(omega_part1);
     const double omega_by_omega_part1 = V*omega_part2;
     const double omega_by_omega_part2 = V*omega_part1;
+    const double turn_share_by_phit_in = (1000000.0*fabs(phit_in) < 1.0 ? -2e+18*square(fabs(phit_in))*sgn(phit_in) + 2000000000000.0*(3.0 - 2000000.0*fabs(phit_in))*fabs(phit_in)*sgn(phit_in) : 0.0);
     const double V_spin_by_V_c = (VXLOW > fabs(V) ? 0.0 : (CONVENTION > 0.5 ? 0.0 : 1.0));
     const double phi_shared1 = phi_part2*phi_part3;
     const double phi_part1_by_V_spin = -square(phi_part1);
     const double phi_part4_by_omega = phi_part1*phi_shared1;
     const double phi_part4_by_phi_part1 = omega*phi_shared1;
+    const double zeta_0_by_zeta_0_part1 = (phit_in == 0.0 ? 0.0 : 1.0);
     const double B_xphi_part1_by_kappa_in = 2.0*kappa_in*square(PDXP3);
     const double B_xphi_part2_by_B_xphi_part1 = 0.5/B_xphi_part2;
     const double B_xphi_part3_by_B_xphi_part2 = -square(B_xphi_part3);
     const double B_xphi_by_B_xphi_part3 = B_xphi_part4*PDXP1;
     const double zeta_1_shared2 = square(R_0_phi);
     const double zeta_1_shared3 = square(B_xphi);
-    const double zeta_1_shared4 = 1.0/cubed_sqrt(1.0 + zeta_1_shared2*zeta_1_shared3);
-    const double zeta_1_by_B_xphi = (phit_in == 0.0 ? 0.0 : -B_xphi*zeta_1_shared2*zeta_1_shared4);
-    const double zeta_1_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -R_0_phi*zeta_1_shared3*zeta_1_shared4);
+    const double zeta_1_shared4 = 1.0 + zeta_1_shared2*zeta_1_shared3;
+    const double zeta_1_shared5 = turn_share/cubed_sqrt(zeta_1_shared4);
+    const double zeta_1_by_B_xphi = (phit_in == 0.0 ? 0.0 : -B_xphi*zeta_1_shared2*zeta_1_shared5);
+    const double zeta_1_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -R_0_phi*zeta_1_shared3*zeta_1_shared5);
+    const double zeta_1_by_turn_share = (phit_in == 0.0 ? 0.0 : -1.0 + 1.0/sqrt(zeta_1_shared4));
     const double B_yphi_part1_by_tan_alpha = 2.0*tan_alpha*square(PDYP3);
     const double B_yphi_part2_by_B_yphi_part1 = 0.5/B_yphi_part2;
     const double B_yphi_part3_by_B_yphi_part2 = -square(B_yphi_part3);
@@ -1878,23 +1889,31 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double zeta_2_shared4 = zeta_2_shared2 + PDYP4*zeta_2_shared3;
     const double zeta_2_shared5 = square(zeta_2_shared4);
     const double zeta_2_shared6 = square(B_yphi);
-    const double zeta_2_shared7 = 1.0/cubed_sqrt(1.0 + zeta_2_shared5*zeta_2_shared6);
-    const double zeta_2_shared8 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared7;
-    const double zeta_2_shared9 = sgn(R_0_phi);
-    const double zeta_2_by_B_yphi = (phit_in == 0.0 ? 0.0 : -B_yphi*zeta_2_shared5*zeta_2_shared7);
-    const double zeta_2_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -0.5*zeta_2_shared8*(2.0*zeta_2_shared9 + PDYP4*zeta_2_shared9/zeta_2_shared3));
+    const double zeta_2_shared7 = 1.0 + zeta_2_shared5*zeta_2_shared6;
+    const double zeta_2_shared8 = turn_share/cubed_sqrt(zeta_2_shared7);
+    const double zeta_2_shared9 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared8;
+    const double zeta_2_shared10 = sgn(R_0_phi);
+    const double zeta_2_by_B_yphi = (phit_in == 0.0 ? 0.0 : -B_yphi*zeta_2_shared5*zeta_2_shared8);
+    const double zeta_2_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -0.5*zeta_2_shared9*(2.0*zeta_2_shared10 + PDYP4*zeta_2_shared10/zeta_2_shared3));
+    const double zeta_2_by_turn_share = (phit_in == 0.0 ? 0.0 : -1.0 + 1.0/sqrt(zeta_2_shared7));
     const double zeta_3_shared2 = fourth(R_0_phi);
     const double zeta_3_shared3 = square(PKYP1);
-    const double zeta_3_shared4 = 1.0/cubed_sqrt(1.0 + zeta_3_shared2*zeta_3_shared3);
-    const double zeta_3_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -2.0*zeta_3_shared3*zeta_3_shared4*cube(R_0_phi));
+    const double zeta_3_shared4 = 1.0 + zeta_3_shared2*zeta_3_shared3;
+    const double zeta_3_shared5 = turn_share/cubed_sqrt(zeta_3_shared4);
+    const double zeta_3_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -2.0*zeta_3_shared3*zeta_3_shared5*cube(R_0_phi));
+    const double zeta_3_by_turn_share = (phit_in == 0.0 ? 0.0 : -1.0 + 1.0/sqrt(zeta_3_shared4));
     const double zeta_5_shared2 = square(R_0_phi);
     const double zeta_5_shared3 = square(QDTP1);
-    const double zeta_5_shared4 = 1.0/cubed_sqrt(1.0 + zeta_5_shared2*zeta_5_shared3);
-    const double zeta_5_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -R_0_phi*zeta_5_shared3*zeta_5_shared4);
+    const double zeta_5_shared4 = 1.0 + zeta_5_shared2*zeta_5_shared3;
+    const double zeta_5_shared5 = turn_share/cubed_sqrt(zeta_5_shared4);
+    const double zeta_5_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -R_0_phi*zeta_5_shared3*zeta_5_shared5);
+    const double zeta_5_by_turn_share = (phit_in == 0.0 ? 0.0 : -1.0 + 1.0/sqrt(zeta_5_shared4));
     const double zeta_6_shared2 = square(R_0_phi);
     const double zeta_6_shared3 = square(QBRP1);
-    const double zeta_6_shared4 = 1.0/cubed_sqrt(1.0 + zeta_6_shared2*zeta_6_shared3);
-    const double zeta_6_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -R_0_phi*zeta_6_shared3*zeta_6_shared4);
+    const double zeta_6_shared4 = 1.0 + zeta_6_shared2*zeta_6_shared3;
+    const double zeta_6_shared5 = turn_share/cubed_sqrt(zeta_6_shared4);
+    const double zeta_6_by_R_0_phi = (phit_in == 0.0 ? 0.0 : -R_0_phi*zeta_6_shared3*zeta_6_shared5);
+    const double zeta_6_by_turn_share = (phit_in == 0.0 ? 0.0 : -1.0 + 1.0/sqrt(zeta_6_shared4));
     const double mu_x_loaded_shared1 = mu_x_loaded_part2*mu_x_loaded_part3;
     const double mu_x_loaded_by_LMUX_star = mu_x_loaded_part1*mu_x_loaded_shared1;
     const double mu_x_by_mu_x_loaded = (F_z_limited <= 0.0 ? 0.0 : 1.0);
@@ -1924,12 +1943,15 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double S_Vygamma_shared3 = F_z_limited*LKYC*LMUY_shift*S_Vygamma_part1;
     const double S_Vygamma_by_LMUY_shift = S_Vygamma_part1*S_Vygamma_shared2;
     const double S_Vygamma_by_zeta_2 = S_Vygamma_shared3*gamma_star;
-    const double zeta_4_by_K_yalpha1 = (phit_in == 0.0 ? 0.0 : S_Vygamma/square(K_yalpha1));
-    const double zeta_4_by_S_Hyphi = (phit_in == 0.0 ? 0.0 : 1.0);
-    const double zeta_4_by_S_Vygamma = (phit_in == 0.0 ? 0.0 : -1.0/K_yalpha1);
+    const double zeta_4_shared2 = 1.0/K_yalpha1;
+    const double zeta_4_by_K_yalpha1 = (phit_in == 0.0 ? 0.0 : S_Vygamma*turn_share/square(K_yalpha1));
+    const double zeta_4_by_S_Hyphi = (phit_in == 0.0 ? 0.0 : turn_share);
+    const double zeta_4_by_S_Vygamma = (phit_in == 0.0 ? 0.0 : -turn_share*zeta_4_shared2);
+    const double zeta_4_by_turn_share = (phit_in == 0.0 ? 0.0 : S_Hyphi - S_Vygamma*zeta_4_shared2);
     const double S_Hy_part2_by_K_yalpha1 = -square(S_Hy_part2);
     const double S_Hy_part4_by_S_Hy_part2 = S_Hy_part3*zeta_0;
     const double S_Hy_part4_by_S_Hy_part3 = S_Hy_part2*zeta_0;
+    const double S_Hy_part4_by_zeta_0 = S_Hy_part2*S_Hy_part3;
     const double mu_y_loaded_shared1 = mu_y_loaded_part2*mu_y_loaded_part3;
     const double mu_y_loaded_by_LMUY_star = mu_y_loaded_part1*mu_y_loaded_shared1;
     const double D_y_by_mu_y_loaded = F_z_limited*zeta_2;
@@ -1941,7 +1963,8 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double F_y0_v_part1_by_F_y0_u = 1.0/(1.0 + square(F_y0_u));
     const double F_y0_w_part1_by_F_y0_v = 1.0/(1.0 + square(F_y0_v));
     const double F_y0_part1_by_F_y0_w = fast_cos(F_y0_w);
-    const double zeta_4_g0_by_zeta_4_g0_part1 = (phit_in == 0.0 ? 0.0 : 1.0);
+    const double zeta_4_g0_part2_by_turn_share = -1.0 + zeta_4_g0_part1;
+    const double zeta_4_g0_by_zeta_4_g0_part2 = (phit_in == 0.0 ? 0.0 : 1.0);
     const double mu_y_loaded_g0_by_LMUY_star = mu_y_loaded_g0_part1*mu_y_loaded_g0_part2;
     const double D_y_g0_by_mu_y_loaded_g0 = F_z_limited*zeta_2;
     const double D_y_g0_by_zeta_2 = F_z_limited*mu_y_loaded_g0;
@@ -2049,9 +2072,12 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double zeta_7_imaginary_part1_by_zeta_7_above_1 = 2.0*zeta_7_above_1;
     const double zeta_7_imaginary_part2_by_zeta_7_imaginary_part1 = 0.5/zeta_7_imaginary_part2;
     const double zeta_7_imaginary_part4_by_zeta_7_imaginary_part3 = 1.0/zeta_7_imaginary_part3;
-    const double zeta_8_by_zeta_8_part1 = (phit_in == 0.0 ? 0.0 : 1.0);
+    const double zeta_8_part2_by_turn_share = -1.0 + zeta_8_part1;
+    const double zeta_8_by_zeta_8_part2 = (phit_in == 0.0 ? 0.0 : 1.0);
+    const double D_r_shared2 = D_r_part6*LKZC;
     const double D_r_shared3 = D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS;
     const double D_r_shared5 = D_r_part7*D_r_part8*D_r_part9*F_zm;
+    const double D_r_part7_by_zeta_0 = D_r_shared2*gamma_star;
     const double D_r_part7_by_zeta_2 = D_r_part1*LRES;
     const double D_r_part8_by_alpha_star = -fast_sin(alpha_star);
     const double D_r_by_D_r_part7 = D_r_part8*D_r_shared3;
@@ -2087,10 +2113,15 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double M_zr_spun_part3_by_M_zr_spun_part2 = -fast_sin(M_zr_spun_part2);
     const double M_zr_shared1 = square(alpha_req);
     const double M_zr_shared2 = square(B_r);
-    const double M_zr_shared3 = 1.0/cubed_sqrt(1.0 + M_zr_shared1*M_zr_shared2);
-    const double M_zr_part1_by_B_r = (phit_in == 0.0 ? -B_r*M_zr_shared1*M_zr_shared3 : 0.0);
-    const double M_zr_part1_by_M_zr_spun = (phit_in == 0.0 ? 0.0 : 1.0);
-    const double M_zr_part1_by_alpha_req = (phit_in == 0.0 ? -M_zr_shared2*M_zr_shared3*alpha_req : 0.0);
+    const double M_zr_shared3 = 1.0 + M_zr_shared1*M_zr_shared2;
+    const double M_zr_shared4 = 1.0/cubed_sqrt(M_zr_shared3);
+    const double M_zr_shared5 = B_r*M_zr_shared1*M_zr_shared4;
+    const double M_zr_shared7 = 1.0 - turn_share;
+    const double M_zr_shared8 = M_zr_shared2*M_zr_shared4*alpha_req;
+    const double M_zr_part1_by_B_r = (phit_in == 0.0 ? -M_zr_shared5 : -M_zr_shared5*M_zr_shared7);
+    const double M_zr_part1_by_M_zr_spun = (phit_in == 0.0 ? 0.0 : turn_share);
+    const double M_zr_part1_by_alpha_req = (phit_in == 0.0 ? -M_zr_shared8 : -M_zr_shared7*M_zr_shared8);
+    const double M_zr_part1_by_turn_share = (phit_in == 0.0 ? 0.0 : M_zr_spun - 1.0/sqrt(M_zr_shared3));
     const double M_zr_by_D_r = M_zr_part1*fade_smooth;
     const double M_zr_by_M_zr_part1 = D_r*fade_smooth;
     const double s_shared3 = 1.0/F_z01;
@@ -2171,7 +2202,7 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double dF_y0_w_part1_dF_y0_u = F_y0_w_part1_by_F_y0_v*dF_y0_v_dF_y0_u;
     const double dF_y0_w_dF_y0_u = C_y*dF_y0_w_part1_dF_y0_u;
     const double dF_y0_part1_dF_y0_u = F_y0_part1_by_F_y0_w*dF_y0_w_dF_y0_u;
-    const double dalpha_y_g0_dS_Hyphi = fade_smooth*zeta_4_g0_by_zeta_4_g0_part1;
+    const double dalpha_y_g0_dzeta_4_g0_part2 = fade_smooth*zeta_4_g0_by_zeta_4_g0_part2;
     const double dB_y_g0_part3_dD_y_g0 = B_y_g0_part3_by_B_y_g0_part2*C_y_g0;
     const double dF_y0_g0_v_part2_dF_y0_g0_u = 1.0 - F_y0_g0_v_part1_by_F_y0_g0_u;
     const double dF_y0_g0_v_dF_y0_g0_u = 1.0 - E_y_g0*dF_y0_g0_v_part2_dF_y0_g0_u;
@@ -2222,7 +2253,6 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double dG_yk_g00_v_dB_ykappa_g0 = S_Hyk - E_ykappa*dG_yk_g00_v_part2_dB_ykappa_g0;
     const double dG_yk_g00_w_part1_dB_ykappa_g0 = G_yk_g00_w_part1_by_G_yk_g00_v*dG_yk_g00_v_dB_ykappa_g0;
     const double dG_yk_g00_w_dB_ykappa_g0 = RCY1*dG_yk_g00_w_part1_dB_ykappa_g0;
-    const double dD_t_dR_0_phi = D_t_by_zeta_5*zeta_5_by_R_0_phi;
     const double dM_zphi_inf_signed_dmu_y_pressed = M_zphi_inf_signed_by_M_zphi_inf_signed_part4*M_zphi_inf_signed_part4_by_mu_y_pressed;
     const double dB_Drphi_dD_Drphi = B_Drphi_by_B_Drphi_part1*B_Drphi_part1_by_D_Drphi;
     const double dD_rphi_part3_dD_rphi_part1 = D_rphi_part2_by_D_rphi_part1*QDRP1;
@@ -2256,28 +2286,27 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double dM_y_backward_dkappa = M_y_backward_by_M_y_near_locked*dM_y_near_locked_dkappa;
     const double dM_y_taper_dkappa = M_y_taper_by_M_y_backward*dM_y_backward_dkappa;
     const double dM_y_full_dFx = M_y_full_by_M_y_full_part6*M_y_speed_by_Fx;
-    const double dM_zphi90_dphit_in = M_zphi90_by_M_zphi90_part3*dM_zphi90_part3_dphit_in;
     const double dalpha_in_dalpha = alpha_in_by_alpha_raised*dalpha_raised_dalpha;
     const double dV_c_dtan_alpha = V_c_part3*dV_c_part2_dtan_alpha;
     const double dtrail_dV_c = dcos_alpha_dV_c*trail_by_cos_alpha;
     const double dphi_part4_dV_c = dphi_part1_dV_c*phi_part4_by_phi_part1;
     const double dF_x0_part2_dLMUX_star = LMUX_shift_by_LMUX_star*S_Vx_by_LMUX_shift;
     const double dD_x_dLMUX_star = D_x_by_mu_x*dmu_x_dLMUX_star;
+    const double dphi_part4_dkappa = domega_dkappa*phi_part4_by_omega;
+    const double dphi_part4_dtan_alpha = dV_c_dtan_alpha*dphi_part4_dV_c;
+    const double dR_0_phi_dphi_part4 = UNLOADED_RADIUS*phi_part5;
+    const double dtrail_dzeta_5 = D_t_by_zeta_5*trail_by_D_t;
     const double dF_x0_u_dD_x = dB_x_dD_x*kappa_x;
     const double dF_x0_part2_dF_x0_u = D_x*dF_x0_part1_dF_x0_u;
     const double dD_x_dslide = LMUX_star_by_slide*dD_x_dLMUX_star;
     const double dF_x0_part2_dD_x = F_x0_part1 + dF_x0_part2_dF_x0_u*dF_x0_u_dD_x;
-    const double dzeta_1_dkappa_in = dB_xphi_dkappa_in*zeta_1_by_B_xphi;
-    const double dF_x0_part2_dzeta_1 = S_Vx_by_zeta_1 + D_x_by_zeta_1*dF_x0_part2_dD_x;
-    const double dK_yalpha_g0_dR_0_phi = K_yalpha_g0_by_zeta_3*zeta_3_by_R_0_phi;
     const double dS_Hyphi_u_dK_yalpha_g0 = R_0_phi*dB_Hyphi_dK_yalpha_g0;
-    const double dS_Hyphi_u_dR_0_phi = B_Hyphi + dK_yalpha_g0_dR_0_phi*dS_Hyphi_u_dK_yalpha_g0;
+    const double dS_Hyphi_u_dzeta_3 = K_yalpha_g0_by_zeta_3*dS_Hyphi_u_dK_yalpha_g0;
     const double dS_Hyphi_dS_Hyphi_u = S_Hyphi_by_S_Hyphi_part2*dS_Hyphi_part2_dS_Hyphi_u;
-    const double dS_Hyphi_dR_0_phi = dS_Hyphi_dS_Hyphi_u*dS_Hyphi_u_dR_0_phi;
-    const double dF_y0_g0_u_dS_Hyphi = B_y_g0*dalpha_y_g0_dS_Hyphi;
     const double dS_Hy_part4_dS_Vygamma = zeta_4_by_S_Vygamma - S_Hy_part4_by_S_Hy_part3;
+    const double dF_y0_g0_u_dzeta_4_g0_part2 = B_y_g0*dalpha_y_g0_dzeta_4_g0_part2;
     const double dB_y_g0_dD_y_g0 = K_yalpha_g0*dB_y_g0_part3_dD_y_g0;
-    const double dB_y_g0_dR_0_phi = B_y_g0_part3*dK_yalpha_g0_dR_0_phi;
+    const double dB_y_g0_dzeta_3 = B_y_g0_part3*K_yalpha_g0_by_zeta_3;
     const double dmu_y_pressed_dLMUY_star = mu_y_loaded_by_LMUY_star*mu_y_pressed_by_mu_y_loaded;
     const double dM_zphi_inf_dmu_y_pressed = M_zphi_inf_by_M_zphi_inf_signed*dM_zphi_inf_signed_dmu_y_pressed;
     const double dB_xalpha_dkappa_in = B_xalpha_by_B_xalpha_part3*dB_xalpha_part3_dkappa_in;
@@ -2300,9 +2329,9 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double dM_zphi_inf_dLMUY_star = dM_zphi_inf_dmu_y_pressed*dmu_y_pressed_dLMUY_star;
     const double dD_Drphi_dLMUY_star = D_Drphi_part3*dM_zphi_inf_dLMUY_star;
     const double dD_rphi_part1_dD_Drphi = D_rphi_part1_by_B_Drphi*dB_Drphi_dD_Drphi;
-    const double dD_rphi_part1_dalpha = D_rphi_part1_by_phit_in*phit_in_by_alpha;
     const double dD_rphi_part1_dLMUY_star = dD_Drphi_dLMUY_star*dD_rphi_part1_dD_Drphi;
     const double dD_rphi_dD_rphi_part1 = D_Drphi*dD_rphi_part4_dD_rphi_part1;
+    const double dD_r_part7_dturn_share = -D_r_part7_by_zeta_0*zeta_0_by_zeta_0_part1;
     const double dalpha_req_dslip_alpha_req_part1 = alpha_req_part3*dalpha_req_part2_dslip_alpha_req_part1;
     const double dtrail_u_dslip_alpha_teq_part1 = B_t*dalpha_teq_dslip_alpha_teq_part1;
     const double dtrail_u_dLMUY_star = alpha_teq*dB_t_dLMUY_star;
@@ -2325,149 +2354,173 @@ static void slip_stiffnesses_general(const double inputs[], const double paramet
     const double dMy_dM_y_rolling_part2 = M_y_rolling_by_M_y_rolling_part2*My_by_M_y_rolling;
     const double dS_Vy_part2_dLMUY_shift = S_Vy_part2_by_LMUY_shift + S_Vygamma_by_LMUY_shift;
     const double dS_Hy_part4_dLMUY_shift = S_Vygamma_by_LMUY_shift*dS_Hy_part4_dS_Vygamma;
-    const double dphi_part4_dkappa = domega_dkappa*phi_part4_by_omega;
-    const double dphi_part4_dtan_alpha = dV_c_dtan_alpha*dphi_part4_dV_c;
-    const double dR_0_phi_dphi_part4 = UNLOADED_RADIUS*phi_part5;
-    const double dF_x0_part2_dslide = LMUX_star_by_slide*dF_x0_part2_dLMUX_star + dD_x_dslide*dF_x0_part2_dD_x;
-    const double dF_x0_part2_dkappa_in = B_x*dF_x0_part2_dF_x0_u + dF_x0_part2_dzeta_1*dzeta_1_dkappa_in;
-    const double dF_x0_part2_dR_0_phi = dF_x0_part2_dzeta_1*zeta_1_by_R_0_phi;
-    const double dFx_part1_dF_x0_part2 = F_x0_part3*G_xa;
+    const double dzeta_1_dkappa_in = dB_xphi_dkappa_in*zeta_1_by_B_xphi;
+    const double dF_x0_part2_dzeta_1 = S_Vx_by_zeta_1 + D_x_by_zeta_1*dF_x0_part2_dD_x;
     const double dF_y0_u_dS_Hy_part4 = B_y*fade_smooth;
     const double dF_y0_part2_dF_y0_u = D_y*dF_y0_part1_dF_y0_u;
-    const double dF_y0_g0_u_dR_0_phi = alpha_y_g0*dB_y_g0_dR_0_phi + dF_y0_g0_u_dS_Hyphi*dS_Hyphi_dR_0_phi;
-    const double dF_y0_g0_u_dD_y_g0 = alpha_y_g0*dB_y_g0_dD_y_g0;
-    const double dF_y0_g0_part2_dF_y0_g0_u = D_y_g0*dF_y0_g0_part1_dF_y0_g0_u;
-    const double dD_y_g0_dLMUY_star = D_y_g0_by_mu_y_loaded_g0*mu_y_loaded_g0_by_LMUY_star;
-    const double dF_y0_g0_part2_dD_y_g0 = F_y0_g0_part1 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dD_y_g0;
     const double dD_Vyk_dalpha_star = D_Vyk_by_D_Vyk_part3*dD_Vyk_part3_dalpha_star;
     const double dD_Vyk_dLMUY_star = D_Vyk_by_mu_y_pressed*dmu_y_pressed_dLMUY_star;
+    const double dFx_part1_dF_x0_part2 = F_x0_part3*G_xa;
+    const double dFx_part1_dkappa_in = F_x0*dG_xa_dkappa_in;
+    const double dFx_part1_dalpha_star = F_x0*dG_xa_dalpha_star;
     const double dalpha_r_dS_Vy_part2 = alpha_r_part1*fade_smooth;
     const double dalpha_r_dK_yalpha = S_Vy*alpha_r_part1_by_K_yalpha1;
     const double dslip_alpha_req_part1_dalpha_r = slip_alpha_req_part1_by_tan_alpha_req*tan_alpha_req_by_alpha_r;
-    const double dM_zphi90_dalpha = dM_zphi90_dphit_in*phit_in_by_alpha;
+    const double dM_zphi90_dphit_in = M_zphi90_by_M_zphi90_part3*dM_zphi90_part3_dphit_in;
     const double dM_zphi90_dLMUY_star = M_zphi90_by_M_zphi_inf*dM_zphi_inf_dLMUY_star;
     const double dM_zr_spun_dM_zphi90 = dM_zr_spun_dzeta_7_cosine*zeta_7_cosine_by_M_zphi90;
     const double dslip_alpha_teq_part1_dalpha_star = slip_alpha_teq_part1_by_tan_alpha_teq*tan_alpha_teq_by_alpha_t;
     const double dslip_alpha_teq_part1_dK_yalpha = -kappa_share_by_kappa_share_part1*kappa_share_shared1;
     const double dtrail_v_dslip_alpha_teq_part1 = dtrail_u_dslip_alpha_teq_part1*dtrail_v_dtrail_u;
-    const double dtrail_dR_0_phi = dD_t_dR_0_phi*trail_by_D_t;
-    const double dtrail_dtrail_v = dtrail_part2_dtrail_v*trail_by_trail_part2;
-    const double dtrail_dtan_alpha = dV_c_dtan_alpha*dtrail_dV_c;
-    const double dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1;
     const double dF_y1_part1_dalpha_star = F_y1_part1_by_G_yk_g0*dG_yk_g0_dalpha_star;
     const double dF_y1_part1_dkappa_in = F_y1_part1_by_G_yk_g0*dG_yk_g0_dkappa_in;
     const double dMz_part1_dF_y1_part1 = -F_y0_g0*trail;
-    const double dFx_part1_dslide = dF_x0_part2_dslide*dFx_part1_dF_x0_part2;
-    const double dK_yalpha_dR_0_phi = K_yalpha_by_zeta_3*zeta_3_by_R_0_phi;
+    const double dD_rphi_dphit_in = D_rphi_part1_by_phit_in*dD_rphi_dD_rphi_part1;
+    const double dM_zr_spun_dphit_in = dM_zphi90_dphit_in*dM_zr_spun_dM_zphi90;
+    const double dF_x0_part2_dslide = LMUX_star_by_slide*dF_x0_part2_dLMUX_star + dD_x_dslide*dF_x0_part2_dD_x;
+    const double dF_x0_part2_dkappa_in = B_x*dF_x0_part2_dF_x0_u + dF_x0_part2_dslide*slide_by_kappa_in + dF_x0_part2_dzeta_1*dzeta_1_dkappa_in;
+    const double dF_x0_part2_dR_0_phi = dF_x0_part2_dzeta_1*zeta_1_by_R_0_phi;
+    const double dF_x0_part2_dturn_share = dF_x0_part2_dzeta_1*zeta_1_by_turn_share;
+    const double dF_x0_part2_dtan_alpha = dF_x0_part2_dslide*slide_by_tan_alpha;
+    const double dFx_dF_x0_part2 = Fx_by_Fx_part1*dFx_part1_dF_x0_part2;
     const double dS_Hy_part4_dK_yalpha = zeta_4_by_K_yalpha1 + S_Hy_part2_by_K_yalpha1*S_Hy_part4_by_S_Hy_part2;
     const double dslip_alpha_req_part1_dK_yalpha = dalpha_r_dK_yalpha*dslip_alpha_req_part1_dalpha_r - kappa_share_by_kappa_share_part1*kappa_share_shared1;
     const double dtrail_v_dK_yalpha = dslip_alpha_teq_part1_dK_yalpha*dtrail_v_dslip_alpha_teq_part1;
+    const double dS_Hyphi_dR_0_phi = B_Hyphi*dS_Hyphi_dS_Hyphi_u;
+    const double dS_Hyphi_dzeta_3 = dS_Hyphi_dS_Hyphi_u*dS_Hyphi_u_dzeta_3;
+    const double dF_y0_g0_u_dS_Hyphi = dF_y0_g0_u_dzeta_4_g0_part2*turn_share;
     const double dD_y_dLMUY_star = D_y_by_mu_y_loaded*mu_y_loaded_by_LMUY_star;
     const double dB_y_dD_y = K_yalpha*dB_y_part3_dD_y;
     const double dS_Vy_part2_dzeta_2 = S_Vy_part2_by_zeta_2 + S_Vygamma_by_zeta_2;
     const double dS_Vy_part2_dLMUY_star = LMUY_shift_by_LMUY_star*dS_Vy_part2_dLMUY_shift;
     const double dslip_alpha_req_part1_dS_Vy_part2 = dalpha_r_dS_Vy_part2*dslip_alpha_req_part1_dalpha_r;
-    const double dF_y0_g0_part2_dzeta_2 = S_Vy_g0_by_zeta_2 + D_y_g0_by_zeta_2*dF_y0_g0_part2_dD_y_g0;
-    const double dF_y0_g0_part2_dLMUY_star = LMUY_shift_by_LMUY_star*S_Vy_g0_by_LMUY_shift + dD_y_g0_dLMUY_star*dF_y0_g0_part2_dD_y_g0;
-    const double dF_y0_g0_part2_dalpha_star = B_y_g0*dF_y0_g0_part2_dF_y0_g0_u;
-    const double dF_y0_g0_part2_dR_0_phi = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dR_0_phi;
+    const double dD_y_g0_dLMUY_star = D_y_g0_by_mu_y_loaded_g0*mu_y_loaded_g0_by_LMUY_star;
+    const double dF_y0_g0_u_dD_y_g0 = alpha_y_g0*dB_y_g0_dD_y_g0;
+    const double dF_y0_g0_part2_dzeta_2 = S_Vy_g0_by_zeta_2 + D_y_g0_by_zeta_2*F_y0_g0_part1;
+    const double dF_y0_g0_part2_dF_y0_g0_u = D_y_g0*dF_y0_g0_part1_dF_y0_g0_u;
+    const double dF_y0_g0_part2_dLMUY_star = F_y0_g0_part1*dD_y_g0_dLMUY_star + LMUY_shift_by_LMUY_star*S_Vy_g0_by_LMUY_shift;
     const double dMz_part1_dF_y0_g0_part2 = -dF_y1_dF_y0_g0_part2*trail;
-    const double dFx_part1_dkappa_in = F_x0*dG_xa_dkappa_in + dF_x0_part2_dkappa_in*dFx_part1_dF_x0_part2 + dFx_part1_dslide*slide_by_kappa_in;
-    const double dFx_part1_dalpha_star = F_x0*dG_xa_dalpha_star;
-    const double dFx_part1_dR_0_phi = dF_x0_part2_dR_0_phi*dFx_part1_dF_x0_part2;
-    const double dFx_part1_dtan_alpha = dFx_part1_dslide*slide_by_tan_alpha;
     const double dD_rphi_dLMUY_star = D_rphi_part4*dD_Drphi_dLMUY_star + dD_rphi_dD_rphi_part1*dD_rphi_part1_dLMUY_star;
-    const double dD_rphi_dalpha = dD_rphi_dD_rphi_part1*dD_rphi_part1_dalpha;
+    const double dD_rphi_dalpha = dD_rphi_dphit_in*phit_in_by_alpha;
+    const double dD_r_dD_rphi = turn_share*zeta_8_by_zeta_8_part2;
     const double dM_zr_spun_dD_rphi = dM_zr_spun_dzeta_7_cosine*dzeta_7_cosine_dD_rphi;
-    const double dD_r_dLMUY_star = D_r_by_LMUY_star + dD_rphi_dLMUY_star*zeta_8_by_zeta_8_part1;
-    const double dD_r_dzeta_2 = D_r_by_D_r_part7*D_r_part7_by_zeta_2;
-    const double dD_r_dalpha_star = D_r_by_D_r_part8*D_r_part8_by_alpha_star;
-    const double dD_r_dalpha = dD_rphi_dalpha*zeta_8_by_zeta_8_part1;
     const double dtrail_v_dalpha_star = dslip_alpha_teq_part1_dalpha_star*dtrail_v_dslip_alpha_teq_part1 - E_t_by_alpha_t*trail_v_part2;
     const double dtrail_v_dLMUY_star = dtrail_u_dLMUY_star*dtrail_v_dtrail_u - dE_t_dLMUY_star*trail_v_part2;
     const double dtrail_v_dkappa_in = dtrail_v_dslip_alpha_teq_part1*kappa_share_by_kappa_in;
-    const double dtrail_v_dR_0_phi = dK_yalpha_dR_0_phi*dtrail_v_dK_yalpha;
-    const double dMz_part1_dtrail_v = -F_y1*dtrail_dtrail_v;
+    const double dtrail_v_dzeta_3 = K_yalpha_by_zeta_3*dtrail_v_dK_yalpha;
+    const double dtrail_dtrail_v = dtrail_part2_dtrail_v*trail_by_trail_part2;
+    const double dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1;
     const double dF_y0_part2_dB_y = alpha_y*dF_y0_part2_dF_y0_u;
     const double dF_y0_part2_dalpha_star = B_y*dF_y0_part2_dF_y0_u;
     const double dF_y0_part2_dS_Hy_part4 = dF_y0_part2_dF_y0_u*dF_y0_u_dS_Hy_part4;
     const double dF_y0_part2_dzeta_2 = D_y_by_zeta_2*F_y0_part1 + dS_Vy_part2_dzeta_2*fade_smooth;
     const double dF_y0_part2_dLMUY_star = F_y0_part1*dD_y_dLMUY_star + dS_Vy_part2_dLMUY_star*fade_smooth;
     const double dFy_part1_dF_y0_part2 = F_y0_part4*G_yk;
+    const double dD_r_dLMUY_star = D_r_by_LMUY_star + dD_r_dD_rphi*dD_rphi_dLMUY_star;
+    const double dD_r_dalpha_star = D_r_by_D_r_part8*D_r_part8_by_alpha_star;
+    const double dD_r_dturn_share = D_r_by_D_r_part7*dD_r_part7_dturn_share + zeta_8_by_zeta_8_part2*zeta_8_part2_by_turn_share;
+    const double dD_r_dzeta_2 = D_r_by_D_r_part7*D_r_part7_by_zeta_2;
+    const double dD_r_dalpha = dD_r_dD_rphi*dD_rphi_dalpha;
     const double dM_zr_spun_dB_r = dM_zr_spun_dM_zr_w*dM_zr_w_dB_r;
     const double dM_zr_spun_dslip_alpha_req_part1 = dM_zr_spun_dM_zr_w*dM_zr_w_dslip_alpha_req_part1;
     const double dM_zr_spun_dG_yk = M_zphi90_by_G_yk*dM_zr_spun_dM_zphi90;
-    const double dM_zr_spun_dalpha = dD_rphi_dalpha*dM_zr_spun_dD_rphi + dM_zphi90_dalpha*dM_zr_spun_dM_zphi90;
     const double dM_zr_spun_dLMUY_star = dD_rphi_dLMUY_star*dM_zr_spun_dD_rphi + dM_zphi90_dLMUY_star*dM_zr_spun_dM_zphi90;
+    const double dM_zr_spun_dalpha = dD_rphi_dalpha*dM_zr_spun_dD_rphi + dM_zr_spun_dphit_in*phit_in_by_alpha;
     const double dMz_part1_dM_zr_spun = M_zr_by_M_zr_part1*M_zr_part1_by_M_zr_spun;
-    const double dB_r_dR_0_phi = B_r_part2*zeta_6_by_R_0_phi;
-    const double dB_r_dB_y = B_r_part2_by_B_y*zeta_6;
-    const double dB_r_dLMUY_star = dB_r_part2_dLMUY_star*zeta_6;
-    const double dMz_part1_dB_r = M_zr_by_M_zr_part1*M_zr_part1_by_B_r + dM_zr_spun_dB_r*dMz_part1_dM_zr_spun;
     const double dG_yk_dalpha_star = dB_ykappa_dalpha_star*dG_yk_dB_ykappa + dG_yk_dG_yk_u*dG_yk_u_dalpha_star;
     const double dG_yk_dkappa_in = B_ykappa*dG_yk_dG_yk_u;
     const double dMz_part1_dG_yk = F_y1_part1_by_G_yk*dMz_part1_dF_y1_part1 + dM_zr_spun_dG_yk*dMz_part1_dM_zr_spun;
+    const double dB_r_dR_0_phi = B_r_part2*zeta_6_by_R_0_phi;
+    const double dB_r_dturn_share = B_r_part2*zeta_6_by_turn_share;
+    const double dB_r_dB_y = B_r_part2_by_B_y*zeta_6;
+    const double dB_r_dLMUY_star = dB_r_part2_dLMUY_star*zeta_6;
+    const double dMz_part1_dB_r = M_zr_by_M_zr_part1*M_zr_part1_by_B_r + dM_zr_spun_dB_r*dMz_part1_dM_zr_spun;
     const double dkappa_in_dkappa = dkappa_raised_dkappa*kappa_in_by_kappa_raised;
     const double dFy_part1_dkappa_in = F_y0*dG_yk_dkappa_in + S_Vyk_by_S_Vyk_part4*dS_Vyk_part4_dkappa_in;
-    const double dMz_part1_dkappa_in = dF_y1_part1_dkappa_in*dMz_part1_dF_y1_part1 + dG_yk_dkappa_in*dMz_part1_dG_yk + dMz_part1_dtrail_v*dtrail_v_dkappa_in;
+    const double dFx_dkappa_in = Fx_by_Fx_part1*dFx_part1_dkappa_in + dF_x0_part2_dkappa_in*dFx_dF_x0_part2;
+    const double dMz_part1_dkappa_in = dF_y1_part1_dkappa_in*dMz_part1_dF_y1_part1 + dG_yk_dkappa_in*dMz_part1_dG_yk;
     const double dLMUY_star_dkappa_in = LMUY_star_by_slide*slide_by_kappa_in;
-    const double dFx_dkappa_in = Fx_by_Fx_part1*dFx_part1_dkappa_in;
+    const double dtrail_dkappa_in = dtrail_dtrail_v*dtrail_v_dkappa_in;
     const double dtan_alpha_dalpha = dalpha_in_dalpha*tan_alpha_by_alpha_in;
     const double dalpha_star_dtan_alpha = alpha_star_by_alpha_star_part2*alpha_star_part1;
     const double dzeta_2_dtan_alpha = dB_yphi_dtan_alpha*zeta_2_by_B_yphi;
+    const double dtrail_dtan_alpha = dV_c_dtan_alpha*dtrail_dV_c;
     const double dR_0_phi_dtan_alpha = dR_0_phi_dphi_part4*dphi_part4_dtan_alpha;
-    const double dMz_part1_dtan_alpha = -F_y1*dtrail_dtan_alpha;
     const double dLMUY_star_dtan_alpha = LMUY_star_by_slide*slide_by_tan_alpha;
-    const double dFx_dtan_alpha = Fx_by_Fx_part1*dFx_part1_dtan_alpha;
+    const double dFx_dtan_alpha = dF_x0_part2_dtan_alpha*dFx_dF_x0_part2;
     const double dalpha_star_dalpha = alpha_star_by_alpha_in*dalpha_in_dalpha + dalpha_star_dtan_alpha*dtan_alpha_dalpha;
     const double dFy_part1_dalpha_star = F_y0*dG_yk_dalpha_star + S_Vyk_by_D_Vyk*dD_Vyk_dalpha_star + dF_y0_part2_dalpha_star*dFy_part1_dF_y0_part2;
-    const double dMz_part1_dalpha_star = M_zr_by_D_r*dD_r_dalpha_star + dF_y0_g0_part2_dalpha_star*dMz_part1_dF_y0_g0_part2 + dF_y1_part1_dalpha_star*dMz_part1_dF_y1_part1 + dG_yk_dalpha_star*dMz_part1_dG_yk + dMz_part1_dtrail_v*dtrail_v_dalpha_star;
     const double dFx_dalpha_star = Fx_by_Fx_part1*dFx_part1_dalpha_star;
-    const double dS_Hy_part4_dR_0_phi = dK_yalpha_dR_0_phi*dS_Hy_part4_dK_yalpha + dS_Hyphi_dR_0_phi*zeta_4_by_S_Hyphi;
-    const double dS_Hy_part4_dzeta_2 = S_Vygamma_by_zeta_2*dS_Hy_part4_dS_Vygamma;
-    const double dS_Hy_part4_dLMUY_star = LMUY_shift_by_LMUY_star*dS_Hy_part4_dLMUY_shift;
-    const double dslip_alpha_req_part1_dS_Hy_part4 = dslip_alpha_req_part1_dalpha_r*fade_smooth;
+    const double dMz_part1_dalpha_star = M_zr_by_D_r*dD_r_dalpha_star + dF_y1_part1_dalpha_star*dMz_part1_dF_y1_part1 + dG_yk_dalpha_star*dMz_part1_dG_yk;
+    const double dtrail_dalpha_star = dtrail_dtrail_v*dtrail_v_dalpha_star;
+    const double dB_y_dzeta_3 = B_y_part3*K_yalpha_by_zeta_3;
+    const double dB_y_dzeta_2 = D_y_by_zeta_2*dB_y_dD_y;
+    const double dB_y_dLMUY_star = dB_y_dD_y*dD_y_dLMUY_star;
+    const double dFy_part1_dB_y = dF_y0_part2_dB_y*dFy_part1_dF_y0_part2;
+    const double dMz_part1_dB_y = dB_r_dB_y*dMz_part1_dB_r;
+    const double dF_y0_g0_u_dturn_share = dF_y0_g0_u_dzeta_4_g0_part2*zeta_4_g0_part2_by_turn_share;
+    const double dF_y0_g0_u_dzeta_3 = alpha_y_g0*dB_y_g0_dzeta_3 + dF_y0_g0_u_dS_Hyphi*dS_Hyphi_dzeta_3;
+    const double dF_y0_g0_u_dR_0_phi = dF_y0_g0_u_dS_Hyphi*dS_Hyphi_dR_0_phi;
+    const double dF_y0_g0_u_dzeta_2 = D_y_g0_by_zeta_2*dF_y0_g0_u_dD_y_g0;
+    const double dF_y0_g0_u_dLMUY_star = dD_y_g0_dLMUY_star*dF_y0_g0_u_dD_y_g0;
+    const double dF_y0_g0_u_dalpha = B_y_g0*dalpha_star_dalpha;
+    const double dMz_part1_dF_y0_g0_u = dF_y0_g0_part2_dF_y0_g0_u*dMz_part1_dF_y0_g0_part2;
+    const double dturn_share_dalpha = phit_in_by_alpha*turn_share_by_phit_in;
+    const double dS_Hy_part4_dturn_share = zeta_4_by_turn_share - S_Hy_part4_by_zeta_0*zeta_0_by_zeta_0_part1;
+    const double dtrail_dturn_share = dtrail_dzeta_5*zeta_5_by_turn_share;
+    const double dFx_dturn_share = dF_x0_part2_dturn_share*dFx_dF_x0_part2;
+    const double dMz_part1_dturn_share = M_zr_by_D_r*dD_r_dturn_share + M_zr_by_M_zr_part1*M_zr_part1_by_turn_share + dB_r_dturn_share*dMz_part1_dB_r + dF_y0_g0_u_dturn_share*dMz_part1_dF_y0_g0_u;
+    const double dtrail_dR_0_phi = dtrail_dzeta_5*zeta_5_by_R_0_phi;
+    const double dtrail_dLMUY_star = dtrail_dtrail_v*dtrail_v_dLMUY_star;
+    const double dtrail_dzeta_3 = dtrail_dtrail_v*dtrail_v_dzeta_3;
+    const double dtrail_dkappa = dkappa_in_dkappa*dtrail_dkappa_in;
+    const double dtrail_dalpha = dalpha_star_dalpha*dtrail_dalpha_star + dtan_alpha_dalpha*dtrail_dtan_alpha + dtrail_dturn_share*dturn_share_dalpha;
+    const double dFy_part1_dzeta_2 = D_Vyk_by_zeta_2*S_Vyk_by_D_Vyk + dB_y_dzeta_2*dFy_part1_dB_y + dF_y0_part2_dzeta_2*dFy_part1_dF_y0_part2;
+    const double dFy_part1_dLMUY_star = S_Vyk_by_D_Vyk*dD_Vyk_dLMUY_star + dB_y_dLMUY_star*dFy_part1_dB_y + dF_y0_part2_dLMUY_star*dFy_part1_dF_y0_part2;
     const double dFy_part1_dS_Hy_part4 = dF_y0_part2_dS_Hy_part4*dFy_part1_dF_y0_part2;
-    const double dslip_alpha_req_part1_dR_0_phi = dK_yalpha_dR_0_phi*dslip_alpha_req_part1_dK_yalpha + dS_Hy_part4_dR_0_phi*dslip_alpha_req_part1_dS_Hy_part4;
-    const double dslip_alpha_req_part1_dzeta_2 = dS_Hy_part4_dzeta_2*dslip_alpha_req_part1_dS_Hy_part4 + dS_Vy_part2_dzeta_2*dslip_alpha_req_part1_dS_Vy_part2;
-    const double dslip_alpha_req_part1_dLMUY_star = dS_Hy_part4_dLMUY_star*dslip_alpha_req_part1_dS_Hy_part4 + dS_Vy_part2_dLMUY_star*dslip_alpha_req_part1_dS_Vy_part2;
+    const double dFy_part1_dkappa = dFy_part1_dkappa_in*dkappa_in_dkappa;
+    const double dFy_part1_dalpha = dFy_part1_dalpha_star*dalpha_star_dalpha;
+    const double dFy_part1_dzeta_3 = dB_y_dzeta_3*dFy_part1_dB_y;
+    const double dslip_alpha_req_part1_dS_Hy_part4 = dslip_alpha_req_part1_dalpha_r*fade_smooth;
+    const double dslip_alpha_req_part1_dzeta_3 = K_yalpha_by_zeta_3*dslip_alpha_req_part1_dK_yalpha;
+    const double dslip_alpha_req_part1_dzeta_2 = dS_Vy_part2_dzeta_2*dslip_alpha_req_part1_dS_Vy_part2;
+    const double dslip_alpha_req_part1_dLMUY_star = dS_Vy_part2_dLMUY_star*dslip_alpha_req_part1_dS_Vy_part2;
     const double dslip_alpha_req_part1_dkappa = dkappa_in_dkappa*kappa_share_by_kappa_in;
     const double dslip_alpha_req_part1_dalpha = dalpha_star_dalpha*dslip_alpha_req_part1_dalpha_r;
     const double dMz_part1_dslip_alpha_req_part1 = M_zr_by_M_zr_part1*dM_zr_part1_dslip_alpha_req_part1 + dM_zr_spun_dslip_alpha_req_part1*dMz_part1_dM_zr_spun;
     const double dLMUY_star_dkappa = dLMUY_star_dkappa_in*dkappa_in_dkappa;
     const double dLMUY_star_dalpha = dLMUY_star_dtan_alpha*dtan_alpha_dalpha;
-    const double dFy_part1_dLMUY_star = S_Vyk_by_D_Vyk*dD_Vyk_dLMUY_star + dF_y0_part2_dLMUY_star*dFy_part1_dF_y0_part2 + dFy_part1_dS_Hy_part4*dS_Hy_part4_dLMUY_star;
-    const double dB_y_dLMUY_star = dB_y_dD_y*dD_y_dLMUY_star;
-    const double dMz_part1_dLMUY_star = M_zr_by_D_r*dD_r_dLMUY_star + dB_r_dLMUY_star*dMz_part1_dB_r + dF_y0_g0_part2_dLMUY_star*dMz_part1_dF_y0_g0_part2 + dM_zr_spun_dLMUY_star*dMz_part1_dM_zr_spun + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dLMUY_star + dMz_part1_dtrail_v*dtrail_v_dLMUY_star;
-    const double dFy_part1_dzeta_2 = D_Vyk_by_zeta_2*S_Vyk_by_D_Vyk + dF_y0_part2_dzeta_2*dFy_part1_dF_y0_part2 + dFy_part1_dS_Hy_part4*dS_Hy_part4_dzeta_2;
-    const double dFy_part1_dB_y = dF_y0_part2_dB_y*dFy_part1_dF_y0_part2;
-    const double dFy_part1_dkappa = dFy_part1_dLMUY_star*dLMUY_star_dkappa + dFy_part1_dkappa_in*dkappa_in_dkappa;
-    const double dFy_part1_dalpha = dFy_part1_dLMUY_star*dLMUY_star_dalpha + dFy_part1_dalpha_star*dalpha_star_dalpha;
-    const double dFy_part1_dR_0_phi = dFy_part1_dS_Hy_part4*dS_Hy_part4_dR_0_phi;
-    const double dzeta_2_dalpha = dtan_alpha_dalpha*dzeta_2_dtan_alpha;
-    const double dB_y_dzeta_2 = D_y_by_zeta_2*dB_y_dD_y;
-    const double dMz_part1_dzeta_2 = M_zr_by_D_r*dD_r_dzeta_2 + dF_y0_g0_part2_dzeta_2*dMz_part1_dF_y0_g0_part2 + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dzeta_2;
+    const double dS_Hy_part4_dLMUY_star = LMUY_shift_by_LMUY_star*dS_Hy_part4_dLMUY_shift;
+    const double dMz_part1_dLMUY_star = M_zr_by_D_r*dD_r_dLMUY_star + dB_r_dLMUY_star*dMz_part1_dB_r + dB_y_dLMUY_star*dMz_part1_dB_y + dF_y0_g0_part2_dLMUY_star*dMz_part1_dF_y0_g0_part2 + dF_y0_g0_u_dLMUY_star*dMz_part1_dF_y0_g0_u + dM_zr_spun_dLMUY_star*dMz_part1_dM_zr_spun + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dLMUY_star - F_y1*dtrail_dLMUY_star;
+    const double dFy_dLMUY_star = Fy_by_Fy_part1*dFy_part1_dLMUY_star;
+    const double dzeta_2_dalpha = dtan_alpha_dalpha*dzeta_2_dtan_alpha + dturn_share_dalpha*zeta_2_by_turn_share;
+    const double dS_Hy_part4_dzeta_2 = S_Vygamma_by_zeta_2*dS_Hy_part4_dS_Vygamma;
+    const double dMz_part1_dzeta_2 = M_zr_by_D_r*dD_r_dzeta_2 + dB_y_dzeta_2*dMz_part1_dB_y + dF_y0_g0_part2_dzeta_2*dMz_part1_dF_y0_g0_part2 + dF_y0_g0_u_dzeta_2*dMz_part1_dF_y0_g0_u + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dzeta_2;
     const double dFy_dzeta_2 = Fy_by_Fy_part1*dFy_part1_dzeta_2;
-    const double dB_y_dR_0_phi = B_y_part3*dK_yalpha_dR_0_phi + dB_y_dzeta_2*zeta_2_by_R_0_phi;
-    const double dB_y_dkappa = dB_y_dLMUY_star*dLMUY_star_dkappa;
-    const double dB_y_dalpha = dB_y_dLMUY_star*dLMUY_star_dalpha + dB_y_dzeta_2*dzeta_2_dalpha;
-    const double dMz_part1_dB_y = dB_r_dB_y*dMz_part1_dB_r;
-    const double dFy_dB_y = Fy_by_Fy_part1*dFy_part1_dB_y;
+    const double dzeta_3_dalpha = dturn_share_dalpha*zeta_3_by_turn_share;
+    const double dS_Hy_part4_dzeta_3 = K_yalpha_by_zeta_3*dS_Hy_part4_dK_yalpha + dS_Hyphi_dzeta_3*zeta_4_by_S_Hyphi;
+    const double dMz_part1_dzeta_3 = dB_y_dzeta_3*dMz_part1_dB_y + dF_y0_g0_u_dzeta_3*dMz_part1_dF_y0_g0_u + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dzeta_3 - F_y1*dtrail_dzeta_3;
+    const double dFy_dzeta_3 = Fy_by_Fy_part1*dFy_part1_dzeta_3;
+    const double dS_Hy_part4_dR_0_phi = dS_Hy_part4_dzeta_2*zeta_2_by_R_0_phi + dS_Hy_part4_dzeta_3*zeta_3_by_R_0_phi + dS_Hyphi_dR_0_phi*zeta_4_by_S_Hyphi;
+    const double dS_Hy_part4_dalpha = dLMUY_star_dalpha*dS_Hy_part4_dLMUY_star + dS_Hy_part4_dturn_share*dturn_share_dalpha + dS_Hy_part4_dzeta_2*dzeta_2_dalpha + dS_Hy_part4_dzeta_3*dzeta_3_dalpha;
+    const double dS_Hy_part4_dkappa = dLMUY_star_dkappa*dS_Hy_part4_dLMUY_star;
+    const double dFy_dS_Hy_part4 = Fy_by_Fy_part1*dFy_part1_dS_Hy_part4;
+    const double dMz_part1_dS_Hy_part4 = dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dS_Hy_part4;
     const double dMz_part1_dFy = Fx*ds_dFy;
-    const double dMz_part1_dR_0_phi = dB_r_dR_0_phi*dMz_part1_dB_r + dB_y_dR_0_phi*dMz_part1_dB_y + dF_y0_g0_part2_dR_0_phi*dMz_part1_dF_y0_g0_part2 + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dR_0_phi + dMz_part1_dtrail_v*dtrail_v_dR_0_phi + dMz_part1_dzeta_2*zeta_2_by_R_0_phi - F_y1*dtrail_dR_0_phi;
-    const double dMz_part1_dalpha = M_zr_by_D_r*dD_r_dalpha + dB_y_dalpha*dMz_part1_dB_y + dLMUY_star_dalpha*dMz_part1_dLMUY_star + dM_zr_spun_dalpha*dMz_part1_dM_zr_spun + dMz_part1_dalpha_star*dalpha_star_dalpha + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha + dMz_part1_dtan_alpha*dtan_alpha_dalpha + dMz_part1_dzeta_2*dzeta_2_dalpha;
-    const double dMz_part1_dkappa = dB_y_dkappa*dMz_part1_dB_y + dLMUY_star_dkappa*dMz_part1_dLMUY_star + dMz_part1_dkappa_in*dkappa_in_dkappa + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dkappa;
+    const double dMz_part1_dalpha = M_zr_by_D_r*dD_r_dalpha + dF_y0_g0_u_dalpha*dMz_part1_dF_y0_g0_u + dLMUY_star_dalpha*dMz_part1_dLMUY_star + dM_zr_spun_dalpha*dMz_part1_dM_zr_spun + dMz_part1_dS_Hy_part4*dS_Hy_part4_dalpha + dMz_part1_dalpha_star*dalpha_star_dalpha + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha + dMz_part1_dturn_share*dturn_share_dalpha + dMz_part1_dzeta_2*dzeta_2_dalpha + dMz_part1_dzeta_3*dzeta_3_dalpha - F_y1*dtrail_dalpha;
+    const double dMz_part1_dR_0_phi = dB_r_dR_0_phi*dMz_part1_dB_r + dF_y0_g0_u_dR_0_phi*dMz_part1_dF_y0_g0_u + dMz_part1_dS_Hy_part4*dS_Hy_part4_dR_0_phi + dMz_part1_dzeta_2*zeta_2_by_R_0_phi + dMz_part1_dzeta_3*zeta_3_by_R_0_phi - F_y1*dtrail_dR_0_phi;
+    const double dMz_part1_dkappa = dLMUY_star_dkappa*dMz_part1_dLMUY_star + dMz_part1_dS_Hy_part4*dS_Hy_part4_dkappa + dMz_part1_dkappa_in*dkappa_in_dkappa + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dkappa - F_y1*dtrail_dkappa;
     const double dR_0_phi_dkappa = dR_0_phi_dphi_part4*dphi_part4_dkappa;
     const double dR_0_phi_dalpha = dR_0_phi_dphi_part4*phit_in_by_alpha + dR_0_phi_dtan_alpha*dtan_alpha_dalpha;
-    const double dFx_dR_0_phi = Fx_by_Fx_part1*dFx_part1_dR_0_phi;
-    const double dFy_dR_0_phi = Fy_by_Fy_part1*dFy_part1_dR_0_phi + dB_y_dR_0_phi*dFy_dB_y + dFy_dzeta_2*zeta_2_by_R_0_phi;
+    const double dFx_dR_0_phi = dF_x0_part2_dR_0_phi*dFx_dF_x0_part2;
+    const double dFy_dR_0_phi = dFy_dS_Hy_part4*dS_Hy_part4_dR_0_phi + dFy_dzeta_2*zeta_2_by_R_0_phi + dFy_dzeta_3*zeta_3_by_R_0_phi;
     const double dMz_dR_0_phi = Mz_by_Mz_part1*dMz_part1_dR_0_phi;
     const double dFx_dkappa = dFx_dR_0_phi*dR_0_phi_dkappa + dFx_dkappa_in*dkappa_in_dkappa;
-    const double dFx_dalpha = dFx_dR_0_phi*dR_0_phi_dalpha + dFx_dalpha_star*dalpha_star_dalpha + dFx_dtan_alpha*dtan_alpha_dalpha;
+    const double dFx_dalpha = dFx_dR_0_phi*dR_0_phi_dalpha + dFx_dalpha_star*dalpha_star_dalpha + dFx_dtan_alpha*dtan_alpha_dalpha + dFx_dturn_share*dturn_share_dalpha;
     const double dMy_dFx = dM_y_rolling_part2_dFx*dMy_dM_y_rolling_part2;
     const double dMz_dFx = Mz_by_Mz_part1*s;
-    const double dFy_dkappa = Fy_by_Fy_part1*dFy_part1_dkappa + dB_y_dkappa*dFy_dB_y + dFy_dR_0_phi*dR_0_phi_dkappa;
-    const double dFy_dalpha = Fy_by_Fy_part1*dFy_part1_dalpha + dB_y_dalpha*dFy_dB_y + dFy_dR_0_phi*dR_0_phi_dalpha + dFy_dzeta_2*dzeta_2_dalpha;
+    const double dFy_dkappa = Fy_by_Fy_part1*dFy_part1_dkappa + dFy_dLMUY_star*dLMUY_star_dkappa + dFy_dR_0_phi*dR_0_phi_dkappa + dFy_dS_Hy_part4*dS_Hy_part4_dkappa;
+    const double dFy_dalpha = Fy_by_Fy_part1*dFy_part1_dalpha + dFy_dLMUY_star*dLMUY_star_dalpha + dFy_dR_0_phi*dR_0_phi_dalpha + dFy_dS_Hy_part4*dS_Hy_part4_dalpha + dFy_dzeta_2*dzeta_2_dalpha + dFy_dzeta_3*dzeta_3_dalpha;
     const double dMx_dFy = Mx_by_Fy + Mx_by_M_x_hump*dM_x_hump_dFy;
     const double dMz_dFy = Mz_by_Mz_part1*dMz_part1_dFy;
 
@@ -2569,6 +2622,7 @@ static void relaxation_general(const double inputs[], const double parameters[],
     const double c_y = LATERAL_STIFFNESS*(1.0 + PCFY3*dpi)*(1.0 + PCFY1*dfz + PCFY2*square(dfz)); /* [P 18] lateral stiffness of the standing tire */
     const double sink = FNOMIN*(DREFF*fast_atan(BREFF*F_z/FNOMIN) + FREFF*F_z/FNOMIN)/c_zn; /* [P 7] by how much load lowers the effective radius */
     const double alpha_low = (LIMITS > 0.5 ? (VXLOW > speed_sum ? alpha*speed_sum/VXLOW : alpha) : alpha); /* [MFeval] slip angle, faded out at low speed */
+    const double turn_share = (1000000.0*fabs(phit_in) < 1.0 ? 1000000000000.0*square(fabs(phit_in))*(3.0 - 2000000.0*fabs(phit_in)) : 1.0); /* [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight */
     const double alpha_raised = (LIMITS > 0.5 ? (ALPMIN > alpha_low ? ALPMIN : alpha_low) : alpha_low); /* [MFeval] alpha, with limits not below the lowest */
     const double alpha_in = (LIMITS > 0.5 ? (ALPMAX < alpha_raised ? ALPMAX : alpha_raised) : alpha_raised); /* [MFeval] alpha, within limits */
     const double sigma_x = fabs(K_xkappa/c_x); /* [P 19] longitudinal relaxation length */
@@ -2583,7 +2637,7 @@ static void relaxation_general(const double inputs[], const double parameters[],
     const double omega = V*(1.0 + kappa)/R_e_2; /* [2.5] wheel speed */
     const double phi = (phit_in + omega*(1.0 - eps_gamma)*fast_sin(gamma_in)/V_spin)*(CONVENTION > 0.5 ? 1.0 : -1.0); /* [4.76] spin by path curvature and camber */
     const double R_0_phi = UNLOADED_RADIUS*phi; /* [4.76] spin per radius */
-    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
+    const double zeta_3 = (phit_in == 0.0 ? 1.0 : 1.0 - turn_share + turn_share/sqrt(1.0 + square(PKYP1)*fourth(R_0_phi))); /* [4.79] reduction of the cornering stiffness by spin */
     const double K_yalpha = F_z01*LKY*PKY1*zeta_3*(1.0 + PPY1*dpi)*(1.0 - PKY3*fabs(gamma_star))*fast_sin(PKY4*fast_atan(F_z_limited/(F_z01*(1.0 + PPY2*dpi)*(PKY2 + PKY5*square(gamma_star))))); /* [4.E25] cornering stiffness */
     const double sigma_y = fabs(K_yalpha/c_y); /* [P 19] lateral relaxation length */
     const double sigma_alpha = SIGK*sigma_y + SIGY*(1.0 + SIGC*dfz); /* [tirefmu] relaxation length that acts on tan(alpha) */

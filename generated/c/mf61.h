@@ -252,7 +252,7 @@ enum {
     MF61_My, /* rolling resistance moment [N m] */
 };
 
-#define MF61_N_QUANTITIES 66
+#define MF61_N_QUANTITIES 67
 enum {
     MF61_dfz,
     MF61_dpi,
@@ -300,6 +300,7 @@ enum {
     MF61_D_t,
     MF61_E_t,
     MF61_B_r,
+    MF61_M_zphi_inf,
     MF61_D_r,
     MF61_trail_0,
     MF61_M_zr0,

@@ -260,7 +260,7 @@ enum {
     MF62_My, /* rolling resistance moment [N m] */
 };
 
-#define MF62_N_QUANTITIES 66
+#define MF62_N_QUANTITIES 67
 enum {
     MF62_dfz,
     MF62_dpi,
@@ -308,6 +308,7 @@ enum {
     MF62_D_t,
     MF62_E_t,
     MF62_B_r,
+    MF62_M_zphi_inf,
     MF62_D_r,
     MF62_trail_0,
     MF62_M_zr0,

@@ -106,6 +106,7 @@ def jacobian_inputs(inputs, parameters):
     omega = V*omega_part1*omega_part2  # [2.5] wheel speed
 
     # Turn slip
+    turn_share = ca.if_else(1000000.0*ca.fabs(phit_in) < 1, 1000000000000.0*ca.fabs(phit_in)**2*(3 - 2000000.0*ca.fabs(phit_in)), 1)  # [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight
     eps_gamma_part1 = 1 + PECP2*dfz
     eps_gamma = PECP1*eps_gamma_part1  # [4.90] equivalent spin of camber
     V_spin_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
@@ -118,22 +119,23 @@ def jacobian_inputs(inputs, parameters):
     phi_part5 = ca.if_else(CONVENTION > 0.5, 1, -1)
     phi = phi_part4*phi_part5  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
-    zeta_0 = ca.if_else(phit_in == 0, 1, 0)  # [4.83] camber acts through its spin
+    zeta_0_part1 = 1 - turn_share
+    zeta_0 = ca.if_else(phit_in == 0, 1, zeta_0_part1)  # [4.83] camber acts through its spin
     B_xphi_part1 = 1 + PDXP3**2*kappa_in**2
     B_xphi_part2 = ca.sqrt(B_xphi_part1)
     B_xphi_part3 = 1/B_xphi_part2
     B_xphi_part4 = 1 + PDXP2*dfz
     B_xphi = B_xphi_part3*B_xphi_part4*PDXP1  # [4.106] fall of D_x with spin
-    zeta_1 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
+    zeta_1 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi_part1 = 1 + PDYP3**2*tan_alpha**2
     B_yphi_part2 = ca.sqrt(B_yphi_part1)
     B_yphi_part3 = 1/B_yphi_part2
     B_yphi_part4 = 1 + PDYP2*dfz
     B_yphi = B_yphi_part3*B_yphi_part4*PDYP1  # [4.78] fall of D_y with spin
-    zeta_2 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
-    zeta_3 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
-    zeta_5 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
-    zeta_6 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
+    zeta_2 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx_part1 = PHX1 + PHX2*dfz
@@ -366,7 +368,8 @@ def jacobian_inputs(inputs, parameters):
     zeta_7_imaginary_part4 = ca.log(zeta_7_imaginary_part3)
     zeta_7_imaginary = 2*zeta_7_imaginary_part4/ca.pi  # [MFeval] imaginary part of zeta_7, of which MFeval prints the real part of the result
     zeta_8_part1 = 1 + D_rphi
-    zeta_8 = ca.if_else(phit_in == 0, 1, zeta_8_part1)  # [4.92] moment by spin
+    zeta_8_part2 = 1 - turn_share + turn_share*zeta_8_part1
+    zeta_8 = ca.if_else(phit_in == 0, 1, zeta_8_part2)  # [4.92] moment by spin
     D_r_part1 = QDZ6 + QDZ7*dfz
     D_r_part2 = 1 + PPZ2*dpi
     D_r_part3 = QDZ8 + QDZ9*dfz
@@ -412,7 +415,7 @@ def jacobian_inputs(inputs, parameters):
     M_zr_spun_part2 = M_zr_w*zeta_7
     M_zr_spun_part3 = ca.cos(M_zr_spun_part2)
     M_zr_spun = M_zr_spun_part1*M_zr_spun_part3  # [4.E75] fall of the residual moment with turn slip
-    M_zr_part1 = ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun)
+    M_zr_part1 = ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun*turn_share + (1 - turn_share)/ca.sqrt(1 + B_r**2*alpha_req**2))
     s_part1 = ca.if_else(CONVENTION > 0.5, SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01, SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)
     s = LS*UNLOADED_RADIUS*s_part1  # [4.E76] moment arm of Fx
     F_y1 = Fy - S_Vyk  # [4.E74] side force that the trail carries
@@ -529,6 +532,7 @@ def jacobian_inputs(inputs, parameters):
     omega_by_V = omega_part1*omega_part2
     omega_by_omega_part1 = V*omega_part2
     omega_by_omega_part2 = V*omega_part1
+    turn_share_by_phit_in = ca.if_else(1000000.0*ca.fabs(phit_in) < 1, -2e+18*ca.fabs(phit_in)**2*ca.sign(phit_in) + 2000000000000.0*(3 - 2000000.0*ca.fabs(phit_in))*ca.fabs(phit_in)*ca.sign(phit_in), 0)
     V_spin_by_V = ca.if_else(VXLOW > ca.fabs(V), 0, ca.if_else(CONVENTION > 0.5, 1, 0))
     V_spin_by_V_c = ca.if_else(VXLOW > ca.fabs(V), 0, ca.if_else(CONVENTION > 0.5, 0, 1))
     phi_shared1 = phi_part2*phi_part3
@@ -539,6 +543,7 @@ def jacobian_inputs(inputs, parameters):
     phi_part4_by_phi_part1 = omega*phi_shared1
     phi_part4_by_phi_part2 = phi_part3*phi_shared2
     phi_part4_by_phi_part3 = phi_part2*phi_shared2
+    zeta_0_by_zeta_0_part1 = ca.if_else(phit_in == 0, 0, 1)
     B_xphi_part1_by_kappa_in = 2*kappa_in*PDXP3**2
     B_xphi_part2_by_B_xphi_part1 = 0.5/B_xphi_part2
     B_xphi_part3_by_B_xphi_part2 = -B_xphi_part3**2
@@ -546,9 +551,11 @@ def jacobian_inputs(inputs, parameters):
     B_xphi_by_B_xphi_part4 = B_xphi_part3*PDXP1
     zeta_1_shared2 = R_0_phi**2
     zeta_1_shared3 = B_xphi**2
-    zeta_1_shared4 = (1 + zeta_1_shared2*zeta_1_shared3)**(-1.5)
-    zeta_1_by_B_xphi = ca.if_else(phit_in == 0, 0, -B_xphi*zeta_1_shared2*zeta_1_shared4)
-    zeta_1_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared4)
+    zeta_1_shared4 = 1 + zeta_1_shared2*zeta_1_shared3
+    zeta_1_shared5 = turn_share/zeta_1_shared4**1.5
+    zeta_1_by_B_xphi = ca.if_else(phit_in == 0, 0, -B_xphi*zeta_1_shared2*zeta_1_shared5)
+    zeta_1_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared5)
+    zeta_1_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_1_shared4))
     B_yphi_part1_by_tan_alpha = 2*tan_alpha*PDYP3**2
     B_yphi_part2_by_B_yphi_part1 = 0.5/B_yphi_part2
     B_yphi_part3_by_B_yphi_part2 = -B_yphi_part3**2
@@ -559,23 +566,31 @@ def jacobian_inputs(inputs, parameters):
     zeta_2_shared4 = zeta_2_shared2 + PDYP4*zeta_2_shared3
     zeta_2_shared5 = zeta_2_shared4**2
     zeta_2_shared6 = B_yphi**2
-    zeta_2_shared7 = (1 + zeta_2_shared5*zeta_2_shared6)**(-1.5)
-    zeta_2_shared8 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared7
-    zeta_2_shared9 = ca.sign(R_0_phi)
-    zeta_2_by_B_yphi = ca.if_else(phit_in == 0, 0, -B_yphi*zeta_2_shared5*zeta_2_shared7)
-    zeta_2_by_R_0_phi = ca.if_else(phit_in == 0, 0, -0.5*zeta_2_shared8*(2*zeta_2_shared9 + PDYP4*zeta_2_shared9/zeta_2_shared3))
+    zeta_2_shared7 = 1 + zeta_2_shared5*zeta_2_shared6
+    zeta_2_shared8 = turn_share/zeta_2_shared7**1.5
+    zeta_2_shared9 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared8
+    zeta_2_shared10 = ca.sign(R_0_phi)
+    zeta_2_by_B_yphi = ca.if_else(phit_in == 0, 0, -B_yphi*zeta_2_shared5*zeta_2_shared8)
+    zeta_2_by_R_0_phi = ca.if_else(phit_in == 0, 0, -0.5*zeta_2_shared9*(2*zeta_2_shared10 + PDYP4*zeta_2_shared10/zeta_2_shared3))
+    zeta_2_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_2_shared7))
     zeta_3_shared2 = R_0_phi**4
     zeta_3_shared3 = PKYP1**2
-    zeta_3_shared4 = (1 + zeta_3_shared2*zeta_3_shared3)**(-1.5)
-    zeta_3_by_R_0_phi = ca.if_else(phit_in == 0, 0, -2*zeta_3_shared3*zeta_3_shared4*R_0_phi**3)
+    zeta_3_shared4 = 1 + zeta_3_shared2*zeta_3_shared3
+    zeta_3_shared5 = turn_share/zeta_3_shared4**1.5
+    zeta_3_by_R_0_phi = ca.if_else(phit_in == 0, 0, -2*zeta_3_shared3*zeta_3_shared5*R_0_phi**3)
+    zeta_3_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_3_shared4))
     zeta_5_shared2 = R_0_phi**2
     zeta_5_shared3 = QDTP1**2
-    zeta_5_shared4 = (1 + zeta_5_shared2*zeta_5_shared3)**(-1.5)
-    zeta_5_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared4)
+    zeta_5_shared4 = 1 + zeta_5_shared2*zeta_5_shared3
+    zeta_5_shared5 = turn_share/zeta_5_shared4**1.5
+    zeta_5_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared5)
+    zeta_5_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_5_shared4))
     zeta_6_shared2 = R_0_phi**2
     zeta_6_shared3 = QBRP1**2
-    zeta_6_shared4 = (1 + zeta_6_shared2*zeta_6_shared3)**(-1.5)
-    zeta_6_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared4)
+    zeta_6_shared4 = 1 + zeta_6_shared2*zeta_6_shared3
+    zeta_6_shared5 = turn_share/zeta_6_shared4**1.5
+    zeta_6_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared5)
+    zeta_6_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_6_shared4))
     S_Hx_by_S_Hx_part1 = LHX*fade_smooth
     S_Hx_by_fade_smooth = LHX*S_Hx_part1
     mu_x_loaded_shared1 = mu_x_loaded_part2*mu_x_loaded_part3
@@ -823,7 +838,8 @@ def jacobian_inputs(inputs, parameters):
     zeta_7_imaginary_part1_by_zeta_7_above_1 = 2*zeta_7_above_1
     zeta_7_imaginary_part2_by_zeta_7_imaginary_part1 = 0.5/zeta_7_imaginary_part2
     zeta_7_imaginary_part4_by_zeta_7_imaginary_part3 = 1/zeta_7_imaginary_part3
-    zeta_8_by_zeta_8_part1 = ca.if_else(phit_in == 0, 0, 1)
+    zeta_8_part2_by_turn_share = -1 + zeta_8_part1
+    zeta_8_by_zeta_8_part2 = ca.if_else(phit_in == 0, 0, 1)
     D_r_shared1 = gamma_star*zeta_0
     D_r_shared2 = D_r_part6*LKZC
     D_r_shared3 = D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS
@@ -833,6 +849,7 @@ def jacobian_inputs(inputs, parameters):
     D_r_part7_by_D_r_part1 = LRES*zeta_2
     D_r_part7_by_D_r_part6 = D_r_shared1*LKZC
     D_r_part7_by_gamma_star = D_r_shared2*zeta_0
+    D_r_part7_by_zeta_0 = D_r_shared2*gamma_star
     D_r_part7_by_zeta_2 = D_r_part1*LRES
     D_r_part8_by_alpha_star = -ca.sin(alpha_star)
     D_r_by_D_r_part7 = D_r_part8*D_r_shared3
@@ -872,10 +889,15 @@ def jacobian_inputs(inputs, parameters):
     M_zr_spun_part3_by_M_zr_spun_part2 = -ca.sin(M_zr_spun_part2)
     M_zr_shared1 = alpha_req**2
     M_zr_shared2 = B_r**2
-    M_zr_shared3 = (1 + M_zr_shared1*M_zr_shared2)**(-1.5)
-    M_zr_part1_by_B_r = ca.if_else(phit_in == 0, -B_r*M_zr_shared1*M_zr_shared3, 0)
-    M_zr_part1_by_M_zr_spun = ca.if_else(phit_in == 0, 0, 1)
-    M_zr_part1_by_alpha_req = ca.if_else(phit_in == 0, -M_zr_shared2*M_zr_shared3*alpha_req, 0)
+    M_zr_shared3 = 1 + M_zr_shared1*M_zr_shared2
+    M_zr_shared4 = M_zr_shared3**(-1.5)
+    M_zr_shared5 = B_r*M_zr_shared1*M_zr_shared4
+    M_zr_shared7 = 1 - turn_share
+    M_zr_shared8 = M_zr_shared2*M_zr_shared4*alpha_req
+    M_zr_part1_by_B_r = ca.if_else(phit_in == 0, -M_zr_shared5, -M_zr_shared5*M_zr_shared7)
+    M_zr_part1_by_M_zr_spun = ca.if_else(phit_in == 0, 0, turn_share)
+    M_zr_part1_by_alpha_req = ca.if_else(phit_in == 0, -M_zr_shared8, -M_zr_shared7*M_zr_shared8)
+    M_zr_part1_by_turn_share = ca.if_else(phit_in == 0, 0, M_zr_spun - 1/ca.sqrt(M_zr_shared3))
     M_zr_by_D_r = M_zr_part1*fade_smooth
     M_zr_by_M_zr_part1 = D_r*fade_smooth
     M_zr_by_fade_smooth = D_r*M_zr_part1
@@ -1133,7 +1155,6 @@ def jacobian_inputs(inputs, parameters):
     dtrail_v_dB_t = alpha_teq*dtrail_v_dtrail_u
     dtrail_v_dslip_alpha_teq_part1 = dtrail_u_dslip_alpha_teq_part1*dtrail_v_dtrail_u
     dtrail_dtrail_v = dtrail_part2_dtrail_v*trail_by_trail_part2
-    dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1
     dF_y1_dkappa_in = -S_Vyk_by_S_Vyk_part4*dS_Vyk_part4_dkappa_in
     dM_x_hump_dF_z_limited = F_zx_by_F_z_limited*dM_x_hump_dF_zx
     dM_x_hump_dgamma_in = QSX7*dM_x_hump_dM_x_hump_part8
@@ -1187,9 +1208,7 @@ def jacobian_inputs(inputs, parameters):
     dB_t_dgamma_star = B_t_by_B_t_part7*dB_t_part7_dgamma_star
     dB_t_dgamma_in = B_t_by_B_t_part7*dB_t_part7_dgamma_in
     dtrail_dB_t = E_t_by_B_t*dtrail_dE_t + dtrail_dtrail_v*dtrail_v_dB_t
-    dD_r_part7_dgamma_star = D_r_part7_by_gamma_star + D_r_part7_by_D_r_part6*dD_r_part6_dgamma_star
-    dD_r_part7_ddfz = D_r_part7_by_D_r_part1*QDZ7 + D_r_part7_by_D_r_part6*dD_r_part6_ddfz
-    dD_r_part7_ddpi = D_r_part7_by_D_r_part6*dD_r_part6_ddpi
+    dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1
     dMz_part1_ds_part1 = Fx*s_by_s_part1
     dM_y_full_dF_z_limited = F_zy_by_F_z_limited*M_y_full_by_F_zy
     dM_y_full_dFx = M_y_full_by_M_y_speed*M_y_speed_by_Fx
@@ -1226,12 +1245,19 @@ def jacobian_inputs(inputs, parameters):
     dM_zphi_inf_dF_z_limited = dF_zm_dF_z_limited*dM_zphi_inf_dF_zm
     dD_rphi_dM_zphi_inf = D_Drphi_part3*D_rphi_part4 + dB_Drphi_dM_zphi_inf*dD_rphi_dB_Drphi
     dM_zr_spun_dM_zphi_inf = M_zphi90_by_M_zphi_inf*dM_zr_spun_dM_zphi90
-    dphit_in_dV = fade_by_V*phit_in_by_fade
-    dD_rphi_dphit_in = D_rphi_part1_by_phit_in*dD_rphi_dD_rphi_part1
-    dM_zr_spun_dphit_in = dM_zphi90_dphit_in*dM_zr_spun_dM_zphi90
+    dD_r_part7_dgamma_star = D_r_part7_by_gamma_star + D_r_part7_by_D_r_part6*dD_r_part6_dgamma_star
+    dD_r_part7_dturn_share = -D_r_part7_by_zeta_0*zeta_0_by_zeta_0_part1
+    dD_r_part7_ddfz = D_r_part7_by_D_r_part1*QDZ7 + D_r_part7_by_D_r_part6*dD_r_part6_ddfz
+    dD_r_part7_ddpi = D_r_part7_by_D_r_part6*dD_r_part6_ddpi
+    dD_x_dgamma_in = dD_x_dmu_x_loaded*dmu_x_loaded_dgamma_in
+    dD_x_ddfz = dD_x_dmu_x_loaded*dmu_x_loaded_ddfz
+    dD_x_ddpi = dD_x_dmu_x_loaded*dmu_x_loaded_ddpi
+    dD_x_dslide = dD_x_dmu_x_loaded*dmu_x_loaded_dslide
+    dF_x0_part2_dD_x = F_x0_part1 + dF_x0_part2_dF_x0_u*dF_x0_u_dD_x
     dzeta_1_dkappa_in = dB_xphi_dkappa_in*zeta_1_by_B_xphi
     dzeta_1_ddfz = dB_xphi_ddfz*zeta_1_by_B_xphi
     dzeta_1_dphi_part4 = dR_0_phi_dphi_part4*zeta_1_by_R_0_phi
+    dF_x0_part2_dzeta_1 = S_Vx_by_zeta_1 + D_x_by_zeta_1*dF_x0_part2_dD_x
     dF_y0_u_dfade_smooth = B_y*S_Hy_part2
     dF_y0_u_dgamma_star = S_Hy_part2_by_gamma_star*dF_y0_u_dS_Hy_part2
     dF_y0_u_ddfz = dF_y0_u_dS_Hy_part2*dS_Hy_part2_ddfz
@@ -1245,63 +1271,80 @@ def jacobian_inputs(inputs, parameters):
     dslip_alpha_req_part1_dfade_smooth = dalpha_r_dfade_smooth*dslip_alpha_req_part1_dalpha_r
     dF_y0_part2_dD_y = F_y0_part1 + dF_y0_part2_dF_y0_u*dF_y0_u_dD_y
     dB_r_dD_y = dB_r_dB_y*dB_y_dD_y
+    dslip_alpha_teq_part1_dK_yalpha = -kappa_share_by_kappa_share_part1*kappa_share_shared1
+    dslip_alpha_teq_part1_ddfz = dalpha_t_ddfz*dslip_alpha_teq_part1_dalpha_t
+    dslip_alpha_teq_part1_dgamma_star = S_Ht_part1*dslip_alpha_teq_part1_dalpha_t
+    dtrail_dslip_alpha_teq_part1 = dtrail_dtrail_v*dtrail_v_dslip_alpha_teq_part1
+    dK_yalpha_dturn_share = K_yalpha_by_zeta_3*zeta_3_by_turn_share
+    dD_t_dturn_share = D_t_by_zeta_5*zeta_5_by_turn_share
+    dB_r_dturn_share = B_r_part2*zeta_6_by_turn_share
+    dD_r_dturn_share = D_r_by_D_r_part7*dD_r_part7_dturn_share + zeta_8_by_zeta_8_part2*zeta_8_part2_by_turn_share
+    dMz_part1_dturn_share = M_zr_by_M_zr_part1*M_zr_part1_by_turn_share
+    dF_x0_part2_dturn_share = dF_x0_part2_dzeta_1*zeta_1_by_turn_share
     dD_t_ddpi = -D_t_by_D_t_part2*PPZ1
     dD_t_ddfz = D_t_by_D_t_part3*QDZ2
     dD_t_dgamma_star = D_t_by_D_t_part7*dD_t_part7_dgamma_star
     dD_t_dgamma_in = D_t_by_D_t_part7*dD_t_part7_dgamma_in
     dD_t_dF_z_limited = D_t_by_F_zm*dF_zm_dF_z_limited
     dD_t_dphi_part4 = dD_t_dR_0_phi*dR_0_phi_dphi_part4
-    dslip_alpha_teq_part1_dK_yalpha = -kappa_share_by_kappa_share_part1*kappa_share_shared1
-    dslip_alpha_teq_part1_ddfz = dalpha_t_ddfz*dslip_alpha_teq_part1_dalpha_t
-    dslip_alpha_teq_part1_dgamma_star = S_Ht_part1*dslip_alpha_teq_part1_dalpha_t
-    dtrail_dslip_alpha_teq_part1 = dtrail_dtrail_v*dtrail_v_dslip_alpha_teq_part1
+    dD_t_dphit_in = dD_t_dturn_share*turn_share_by_phit_in
     dgamma_in_dgamma = gamma_in_by_gamma_raised*gamma_raised_by_gamma
     dgamma_star_dgamma_in = gamma_star_by_gamma_in + gamma_star_by_gamma_star_part1*gamma_star_part1_by_gamma_in
     dMx_dgamma_in = Mx_by_gamma_in + Mx_by_M_x_hump*dM_x_hump_dgamma_in
     dphi_part4_dgamma_in = phi_part3_by_gamma_in*phi_part4_by_phi_part3
-    dD_x_dgamma_in = dD_x_dmu_x_loaded*dmu_x_loaded_dgamma_in
     dtrail_dgamma_in = dB_t_dgamma_in*dtrail_dB_t + dD_t_dgamma_in*trail_by_D_t
     dMz_part1_dgamma_in = dMz_part1_ds_part1*s_part1_by_gamma_in
     dD_rphi_dgamma_in = dB_Drphi_dgamma_in*dD_rphi_dB_Drphi
-    dD_x_ddfz = D_x_by_zeta_1*dzeta_1_ddfz + dD_x_dmu_x_loaded*dmu_x_loaded_ddfz
-    dD_x_ddpi = dD_x_dmu_x_loaded*dmu_x_loaded_ddpi
-    dD_x_dslide = dD_x_dmu_x_loaded*dmu_x_loaded_dslide
-    dD_x_dkappa_in = D_x_by_zeta_1*dzeta_1_dkappa_in
-    dD_x_dphi_part4 = D_x_by_zeta_1*dzeta_1_dphi_part4
-    dD_x_dgamma = dD_x_dgamma_in*dgamma_in_dgamma
-    dF_x0_part2_dD_x = F_x0_part1 + dF_x0_part2_dF_x0_u*dF_x0_u_dD_x
+    dF_x0_part2_dgamma_in = dD_x_dgamma_in*dF_x0_part2_dD_x
+    dM_zr_spun_dD_rphi = dM_zr_spun_dzeta_7_cosine*dzeta_7_cosine_dD_rphi
+    dM_zr_spun_dB_r = dM_zr_spun_dM_zr_w*dM_zr_w_dB_r
+    dM_zr_spun_dslip_alpha_req_part1 = dM_zr_spun_dM_zr_w*dM_zr_w_dslip_alpha_req_part1
+    dM_zr_spun_dG_yk = M_zphi90_by_G_yk*dM_zr_spun_dM_zphi90
+    dM_zr_spun_dphit_in = dM_zphi90_dphit_in*dM_zr_spun_dM_zphi90
+    dM_zr_spun_dmu_y_loaded = dM_zphi_inf_dmu_y_loaded*dM_zr_spun_dM_zphi_inf
+    dM_zr_spun_dF_z_limited = dM_zphi_inf_dF_z_limited*dM_zr_spun_dM_zphi_inf
+    dMz_part1_dM_zr_spun = M_zr_by_M_zr_part1*M_zr_part1_by_M_zr_spun
+    dB_r_dK_yalpha = B_y_part3*dB_r_dB_y
+    dB_r_dslide = LMUY_star_by_slide*dB_r_dLMUY_star
+    dB_r_dphi_part4 = dB_r_dR_0_phi*dR_0_phi_dphi_part4
+    dB_r_dF_z_limited = D_y_by_F_z_limited*dB_r_dD_y
+    dB_r_dmu_y_loaded = D_y_by_mu_y_loaded*dB_r_dD_y
+    dB_r_dzeta_2 = D_y_by_zeta_2*dB_r_dD_y
+    dB_r_dphit_in = dB_r_dturn_share*turn_share_by_phit_in
+    dMz_part1_dB_r = M_zr_by_M_zr_part1*M_zr_part1_by_B_r + dM_zr_spun_dB_r*dMz_part1_dM_zr_spun
     ddpi_dp = ddpi_part2_dp*dpi_part1
     dK_xkappa_ddpi = K_xkappa_by_K_xkappa_part2*K_xkappa_part2_by_dpi
     dK_yalpha_ddpi = K_yalpha_by_K_yalpha_part1*PPY1 + dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_ddpi
     dmu_y_loaded_ddpi = mu_y_loaded_by_mu_y_loaded_part3*mu_y_loaded_part3_by_dpi
     dphi_part4_ddpi = dR_e_2_ddpi*dphi_part4_dR_e_2
     dD_r_ddpi = D_r_by_D_r_part7*dD_r_part7_ddpi
-    dtrail_ddpi = dD_t_ddpi*trail_by_D_t
     dF_x0_part2_ddpi = dD_x_ddpi*dF_x0_part2_dD_x
+    dtrail_ddpi = dD_t_ddpi*trail_by_D_t
     dG_yk_ddfz = dG_yk0_v_ddfz*dG_yk_dG_yk0_v + dG_yk_dG_yk_u*dG_yk_u_ddfz + dG_yk_dG_yk_v*dG_yk_v_ddfz
     dG_yk_dkappa_in = B_ykappa*dG_yk_dG_yk_u
     dG_yk_dalpha_star = dB_ykappa_dalpha_star*dG_yk_dB_ykappa
     dG_yk_dgamma_star = dB_ykappa_dgamma_star*dG_yk_dB_ykappa
-    dM_zr_spun_dG_yk = M_zphi90_by_G_yk*dM_zr_spun_dM_zphi90
     dFy_dG_yk = F_y0*Fy_by_Fy_part1
-    dD_r_dalpha_star = D_r_by_D_r_part8*D_r_part8_by_alpha_star
-    dD_r_dF_z_limited = D_r_by_F_zm*dF_zm_dF_z_limited
-    dD_r_dgamma_star = D_r_by_D_r_part7*dD_r_part7_dgamma_star
-    dD_r_dzeta_2 = D_r_by_D_r_part7*D_r_part7_by_zeta_2
-    dD_r_ddfz = D_r_by_D_r_part7*dD_r_part7_ddfz
-    dD_r_dslide = D_r_by_LMUY_star*LMUY_star_by_slide
-    dD_r_dp = dD_r_ddpi*ddpi_dp
+    dMz_part1_dG_yk = dM_zr_spun_dG_yk*dMz_part1_dM_zr_spun
+    dslip_alpha_req_part1_dK_yalpha = dalpha_r_dK_yalpha*dslip_alpha_req_part1_dalpha_r - kappa_share_by_kappa_share_part1*kappa_share_shared1
+    dslip_alpha_req_part1_dS_Vy_part2 = dalpha_r_dS_Vy_part2*dslip_alpha_req_part1_dalpha_r
+    dslip_alpha_req_part1_dgamma_star = dalpha_r_dgamma_star*dslip_alpha_req_part1_dalpha_r
+    dslip_alpha_req_part1_ddfz = dalpha_r_ddfz*dslip_alpha_req_part1_dalpha_r
+    dslip_alpha_req_part1_dV = dslip_alpha_req_part1_dfade_smooth*fade_smooth_by_V
+    dMz_part1_dslip_alpha_req_part1 = M_zr_by_M_zr_part1*dM_zr_part1_dslip_alpha_req_part1 + dM_zr_spun_dslip_alpha_req_part1*dMz_part1_dM_zr_spun
     dK_xkappa_ddfz = K_xkappa_by_K_xkappa_part1*PKX2 + K_xkappa_by_K_xkappa_part4*dK_xkappa_part4_ddfz
     dK_xkappa_dp = dK_xkappa_ddpi*ddpi_dp
     dF_x0_part2_dK_xkappa = dF_x0_part2_dF_x0_u*dF_x0_u_dK_xkappa
     dtrail_dK_xkappa = dtrail_dslip_alpha_teq_part1*kappa_share_by_K_xkappa
+    dMz_part1_dK_xkappa = dMz_part1_dslip_alpha_req_part1*kappa_share_by_K_xkappa
     dF_x0_part2_dF_z_limited = S_Vx_by_F_z_limited + D_x_by_F_z_limited*dF_x0_part2_dD_x + K_xkappa_by_F_z_limited*dF_x0_part2_dK_xkappa
-    dF_x0_part2_ddfz = PVX2*S_Vx_by_S_Vx_part1 + S_Vx_by_zeta_1*dzeta_1_ddfz + dD_x_ddfz*dF_x0_part2_dD_x + dF_x0_part2_dF_x0_u*dF_x0_u_ddfz + dF_x0_part2_dF_x0_v*dF_x0_v_ddfz + dF_x0_part2_dK_xkappa*dK_xkappa_ddfz
+    dF_x0_part2_ddfz = PVX2*S_Vx_by_S_Vx_part1 + dD_x_ddfz*dF_x0_part2_dD_x + dF_x0_part2_dF_x0_u*dF_x0_u_ddfz + dF_x0_part2_dF_x0_v*dF_x0_v_ddfz + dF_x0_part2_dK_xkappa*dK_xkappa_ddfz + dF_x0_part2_dzeta_1*dzeta_1_ddfz
     dF_x0_part2_dslide = LMUX_star_by_slide*dF_x0_part2_dLMUX_star + dD_x_dslide*dF_x0_part2_dD_x
-    dF_x0_part2_dkappa_in = B_x*dF_x0_part2_dF_x0_u + S_Vx_by_zeta_1*dzeta_1_dkappa_in + dD_x_dkappa_in*dF_x0_part2_dD_x
-    dF_x0_part2_dphi_part4 = S_Vx_by_zeta_1*dzeta_1_dphi_part4 + dD_x_dphi_part4*dF_x0_part2_dD_x
+    dF_x0_part2_dkappa_in = B_x*dF_x0_part2_dF_x0_u + dF_x0_part2_dzeta_1*dzeta_1_dkappa_in
+    dF_x0_part2_dphi_part4 = dF_x0_part2_dzeta_1*dzeta_1_dphi_part4
     dF_x0_part2_dV = dF_x0_part2_dfade_smooth*fade_smooth_by_V
-    dF_x0_part2_dgamma = dD_x_dgamma*dF_x0_part2_dD_x
+    dF_x0_part2_dphit_in = dF_x0_part2_dturn_share*turn_share_by_phit_in
+    dF_x0_part2_dgamma = dF_x0_part2_dgamma_in*dgamma_in_dgamma
     dF_x0_part2_dp = dF_x0_part2_dK_xkappa*dK_xkappa_dp + dF_x0_part2_ddpi*ddpi_dp
     dFx_dF_x0_part2 = Fx_by_Fx_part1*dFx_part1_dF_x0_part2
     dF_y0_part2_ddfz = dF_y0_part2_dF_y0_u*dF_y0_u_ddfz + dF_y0_part2_dF_y0_v*dF_y0_v_ddfz
@@ -1313,169 +1356,161 @@ def jacobian_inputs(inputs, parameters):
     dF_y0_part2_dmu_y_loaded = D_y_by_mu_y_loaded*dF_y0_part2_dD_y
     dF_y0_part2_dzeta_2 = D_y_by_zeta_2*dF_y0_part2_dD_y
     dFy_dF_y0_part2 = Fy_by_Fy_part1*dFy_part1_dF_y0_part2
-    dtan_alpha_dalpha = dalpha_in_dalpha*tan_alpha_by_alpha_in
-    dtan_alpha_dV = dalpha_in_dV*tan_alpha_by_alpha_in
-    dalpha_star_dtan_alpha = alpha_star_by_alpha_star_part2*alpha_star_part1
-    dzeta_2_dtan_alpha = dB_yphi_dtan_alpha*zeta_2_by_B_yphi
-    dtrail_dtan_alpha = dV_c_dtan_alpha*dtrail_dV_c
-    dphi_part4_dtan_alpha = dV_c_dtan_alpha*dphi_part4_dV_c
-    dS_Vy_part2_dF_z_limited = S_Vy_part2_by_F_z_limited + S_Vygamma_by_F_z_limited
-    dS_Vy_part2_dzeta_2 = S_Vy_part2_by_zeta_2 + S_Vygamma_by_zeta_2
-    dS_Vy_part2_ddfz = PVY2*S_Vy_part2_by_S_Vy_part1 + PVY4*S_Vygamma_by_S_Vygamma_part1
-    dS_Vy_part2_dslide = LMUY_star_by_slide*dS_Vy_part2_dLMUY_star
-    dslip_alpha_req_part1_dS_Vy_part2 = dalpha_r_dS_Vy_part2*dslip_alpha_req_part1_dalpha_r
-    dFy_dS_Vy_part2 = dFy_dF_y0_part2*fade_smooth
+    dD_r_dalpha_star = D_r_by_D_r_part8*D_r_part8_by_alpha_star
+    dD_r_dD_rphi = turn_share*zeta_8_by_zeta_8_part2
+    dD_r_dF_z_limited = D_r_by_F_zm*dF_zm_dF_z_limited
+    dD_r_dslide = D_r_by_LMUY_star*LMUY_star_by_slide
+    dD_r_dgamma_star = D_r_by_D_r_part7*dD_r_part7_dgamma_star
+    dD_r_dzeta_2 = D_r_by_D_r_part7*D_r_part7_by_zeta_2
+    dD_r_ddfz = D_r_by_D_r_part7*dD_r_part7_ddfz
+    dD_r_dphit_in = dD_r_dturn_share*turn_share_by_phit_in
+    dD_r_dp = dD_r_ddpi*ddpi_dp
+    dD_rphi_dphit_in = D_rphi_part1_by_phit_in*dD_rphi_dD_rphi_part1
+    dD_rphi_ddfz = dB_Drphi_ddfz*dD_rphi_dB_Drphi
+    dD_rphi_dgamma_star = dB_Drphi_dgamma_star*dD_rphi_dB_Drphi
+    dD_rphi_dF_z_limited = dB_Drphi_dF_z_limited*dD_rphi_dB_Drphi + dD_rphi_dM_zphi_inf*dM_zphi_inf_dF_z_limited
+    dD_rphi_dmu_y_loaded = dD_rphi_dM_zphi_inf*dM_zphi_inf_dmu_y_loaded
+    dD_rphi_dgamma = dD_rphi_dgamma_in*dgamma_in_dgamma
+    dMz_part1_dD_rphi = M_zr_by_D_r*dD_r_dD_rphi + dM_zr_spun_dD_rphi*dMz_part1_dM_zr_spun
     dgamma_star_dgamma = dgamma_in_dgamma*dgamma_star_dgamma_in
     dK_yalpha_dgamma_star = K_yalpha_by_K_yalpha_part3*dK_yalpha_part3_dgamma_star + dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_dgamma_star
     dmu_y_loaded_dgamma_star = mu_y_loaded_by_mu_y_loaded_part1*mu_y_loaded_part1_by_gamma_star
     dD_Vyk_dgamma_star = D_Vyk_by_D_Vyk_part4*RVY3
     dFx_dgamma_star = dFx_dG_xa*dG_xa_dgamma_star
     dtrail_dgamma_star = dB_t_dgamma_star*dtrail_dB_t + dD_t_dgamma_star*trail_by_D_t + dE_t_dgamma_star*dtrail_dE_t + dslip_alpha_teq_part1_dgamma_star*dtrail_dslip_alpha_teq_part1
-    dMz_part1_dgamma_star = M_zr_by_D_r*dD_r_dgamma_star + dMz_part1_ds_part1*s_part1_by_gamma_star
-    dslip_alpha_req_part1_dgamma_star = S_Vygamma_by_gamma_star*dslip_alpha_req_part1_dS_Vy_part2 + dalpha_r_dgamma_star*dslip_alpha_req_part1_dalpha_r
-    dD_rphi_dgamma_star = dB_Drphi_dgamma_star*dD_rphi_dB_Drphi
-    dM_zr_spun_dgamma_star = dG_yk_dgamma_star*dM_zr_spun_dG_yk
-    dFy_dgamma_star = S_Vygamma_by_gamma_star*dFy_dS_Vy_part2 + dF_y0_part2_dgamma_star*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_dgamma_star
+    dMz_part1_dgamma_star = M_zr_by_D_r*dD_r_dgamma_star + dD_rphi_dgamma_star*dMz_part1_dD_rphi + dG_yk_dgamma_star*dMz_part1_dG_yk + dMz_part1_ds_part1*s_part1_by_gamma_star + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dgamma_star
+    dFy_dgamma_star = dF_y0_part2_dgamma_star*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_dgamma_star
+    dS_Vy_part2_ddfz = PVY2*S_Vy_part2_by_S_Vy_part1 + PVY4*S_Vygamma_by_S_Vygamma_part1
     dmu_y_loaded_ddfz = PDY2*mu_y_loaded_by_mu_y_loaded_part2
     dphi_part4_ddfz = PECP2*dphi_part4_deps_gamma_part1
     dzeta_2_ddfz = dB_yphi_ddfz*zeta_2_by_B_yphi
     dD_Vyk_ddfz = D_Vyk_by_D_Vyk_part4*RVY2
     dFx_ddfz = dF_x0_part2_ddfz*dFx_dF_x0_part2 + dFx_dG_xa*dG_xa_ddfz
     dtrail_ddfz = dB_t_ddfz*dtrail_dB_t + dD_t_ddfz*trail_by_D_t + dE_t_ddfz*dtrail_dE_t + dK_xkappa_ddfz*dtrail_dK_xkappa + dslip_alpha_teq_part1_ddfz*dtrail_dslip_alpha_teq_part1
-    dMz_part1_ddfz = M_zr_by_D_r*dD_r_ddfz + dMz_part1_ds_part1*s_part1_by_dfz
-    dslip_alpha_req_part1_ddfz = dK_xkappa_ddfz*kappa_share_by_K_xkappa + dS_Vy_part2_ddfz*dslip_alpha_req_part1_dS_Vy_part2 + dalpha_r_ddfz*dslip_alpha_req_part1_dalpha_r
-    dD_rphi_ddfz = dB_Drphi_ddfz*dD_rphi_dB_Drphi
-    dM_zr_spun_ddfz = dG_yk_ddfz*dM_zr_spun_dG_yk
-    dFy_ddfz = dF_y0_part2_ddfz*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_ddfz + dFy_dS_Vy_part2*dS_Vy_part2_ddfz
-    dD_Vyk_dF_z_limited = D_Vyk_by_F_z_limited + dD_Vyk_ddfz*dfz_part1
-    dD_Vyk_dalpha_star = D_Vyk_by_D_Vyk_part3*dD_Vyk_part3_dalpha_star
-    dD_Vyk_dmu_y_loaded = D_Vyk_by_mu_y_pressed*mu_y_pressed_by_mu_y_loaded
-    dD_Vyk_dgamma = dD_Vyk_dgamma_star*dgamma_star_dgamma
-    dMz_part1_dD_Vyk = S_Vyk_by_D_Vyk*trail
-    dFy_dD_Vyk = Fy_by_Fy_part1*S_Vyk_by_D_Vyk
-    dtrail_dV = cos_alpha_part2*trail_by_cos_alpha + dV_c_dV*dtrail_dV_c + dtan_alpha_dV*dtrail_dtan_alpha + fade_smooth_by_V*trail_by_fade_smooth
-    dtrail_dalpha_star = E_t_by_alpha_t*dtrail_dE_t + dslip_alpha_teq_part1_dalpha_t*dtrail_dslip_alpha_teq_part1
-    dtrail_dslide = LMUY_star_by_slide*dtrail_dLMUY_star
-    dtrail_dF_z_limited = K_xkappa_by_F_z_limited*dtrail_dK_xkappa + dD_t_dF_z_limited*trail_by_D_t + dfz_part1*dtrail_ddfz
-    dtrail_dphi_part4 = dD_t_dphi_part4*trail_by_D_t
+    dMz_part1_ddfz = M_zr_by_D_r*dD_r_ddfz + dD_rphi_ddfz*dMz_part1_dD_rphi + dG_yk_ddfz*dMz_part1_dG_yk + dK_xkappa_ddfz*dMz_part1_dK_xkappa + dMz_part1_ds_part1*s_part1_by_dfz + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_ddfz
+    dFy_ddfz = dF_y0_part2_ddfz*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_ddfz
+    dS_Vy_part2_dF_z_limited = S_Vy_part2_by_F_z_limited + S_Vygamma_by_F_z_limited + dS_Vy_part2_ddfz*dfz_part1
+    dS_Vy_part2_dzeta_2 = S_Vy_part2_by_zeta_2 + S_Vygamma_by_zeta_2
+    dS_Vy_part2_dslide = LMUY_star_by_slide*dS_Vy_part2_dLMUY_star
+    dS_Vy_part2_dgamma = S_Vygamma_by_gamma_star*dgamma_star_dgamma
+    dMz_part1_dS_Vy_part2 = dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dS_Vy_part2
+    dFy_dS_Vy_part2 = dFy_dF_y0_part2*fade_smooth
+    dkappa_in_dkappa = dkappa_raised_dkappa*kappa_in_by_kappa_raised
+    dkappa_in_dV = dkappa_raised_dV*kappa_in_by_kappa_raised
+    dMz_part1_dkappa_in = dG_yk_dkappa_in*dMz_part1_dG_yk + dMz_part1_dslip_alpha_req_part1*kappa_share_by_kappa_in - dF_y1_dkappa_in*trail
+    dFx_dkappa_in = dF_x0_part2_dkappa_in*dFx_dF_x0_part2 + dFx_dG_xa*dG_xa_dkappa_in
+    dFy_dkappa_in = Fy_by_Fy_part1*dFy_part1_dkappa_in + dFy_dG_yk*dG_yk_dkappa_in
     dtrail_dkappa_in = dtrail_dslip_alpha_teq_part1*kappa_share_by_kappa_in
-    dtrail_dK_yalpha = dslip_alpha_teq_part1_dK_yalpha*dtrail_dslip_alpha_teq_part1
-    dtrail_dgamma = dgamma_in_dgamma*dtrail_dgamma_in + dgamma_star_dgamma*dtrail_dgamma_star
-    dtrail_dp = dK_xkappa_dp*dtrail_dK_xkappa + ddpi_dp*dtrail_ddpi
-    dtrail_dalpha = dtan_alpha_dalpha*dtrail_dtan_alpha
+    dtan_alpha_dalpha = dalpha_in_dalpha*tan_alpha_by_alpha_in
+    dtan_alpha_dV = dalpha_in_dV*tan_alpha_by_alpha_in
+    dalpha_star_dtan_alpha = alpha_star_by_alpha_star_part2*alpha_star_part1
+    dzeta_2_dtan_alpha = dB_yphi_dtan_alpha*zeta_2_by_B_yphi
+    dtrail_dtan_alpha = dV_c_dtan_alpha*dtrail_dV_c
+    dphi_part4_dtan_alpha = dV_c_dtan_alpha*dphi_part4_dV_c
     dalpha_star_dalpha = alpha_star_by_alpha_in*dalpha_in_dalpha + dalpha_star_dtan_alpha*dtan_alpha_dalpha
     dalpha_star_dV = alpha_star_by_alpha_in*dalpha_in_dV + dalpha_star_dtan_alpha*dtan_alpha_dV
+    dD_Vyk_dalpha_star = D_Vyk_by_D_Vyk_part3*dD_Vyk_part3_dalpha_star
     dFx_dalpha_star = dFx_dG_xa*dG_xa_dalpha_star
-    dM_zr_spun_dalpha_star = dG_yk_dalpha_star*dM_zr_spun_dG_yk
-    dFy_dalpha_star = dD_Vyk_dalpha_star*dFy_dD_Vyk + dF_y0_part2_dalpha_star*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_dalpha_star
-    dMz_part1_dalpha_star = M_zr_by_D_r*dD_r_dalpha_star + dD_Vyk_dalpha_star*dMz_part1_dD_Vyk - F_y1*dtrail_dalpha_star
-    dM_zr_spun_dD_rphi = dM_zr_spun_dzeta_7_cosine*dzeta_7_cosine_dD_rphi
-    dM_zr_spun_dB_r = dM_zr_spun_dM_zr_w*dM_zr_w_dB_r
-    dM_zr_spun_dslip_alpha_req_part1 = dM_zr_spun_dM_zr_w*dM_zr_w_dslip_alpha_req_part1
-    dM_zr_spun_dmu_y_loaded = dM_zphi_inf_dmu_y_loaded*dM_zr_spun_dM_zphi_inf
-    dM_zr_spun_dF_z_limited = dM_zphi_inf_dF_z_limited*dM_zr_spun_dM_zphi_inf + dM_zr_spun_ddfz*dfz_part1
-    dM_zr_spun_dalpha = dM_zr_spun_dalpha_star*dalpha_star_dalpha + dM_zr_spun_dphit_in*phit_in_by_alpha
-    dM_zr_spun_dphit = dM_zr_spun_dphit_in*phit_in_by_phit
-    dM_zr_spun_dV = dM_zr_spun_dalpha_star*dalpha_star_dV + dM_zr_spun_dphit_in*dphit_in_dV
-    dM_zr_spun_dkappa_in = dG_yk_dkappa_in*dM_zr_spun_dG_yk
-    dM_zr_spun_dgamma = dM_zr_spun_dgamma_star*dgamma_star_dgamma
-    dMz_part1_dM_zr_spun = M_zr_by_M_zr_part1*M_zr_part1_by_M_zr_spun
-    dB_r_dK_yalpha = B_y_part3*dB_r_dB_y
-    dB_r_dslide = LMUY_star_by_slide*dB_r_dLMUY_star
-    dB_r_dphi_part4 = dB_r_dR_0_phi*dR_0_phi_dphi_part4
-    dB_r_dF_z_limited = D_y_by_F_z_limited*dB_r_dD_y
-    dB_r_dmu_y_loaded = D_y_by_mu_y_loaded*dB_r_dD_y
-    dB_r_dzeta_2 = D_y_by_zeta_2*dB_r_dD_y
-    dMz_part1_dB_r = M_zr_by_M_zr_part1*M_zr_part1_by_B_r + dM_zr_spun_dB_r*dMz_part1_dM_zr_spun
-    dD_rphi_dF_z_limited = dB_Drphi_dF_z_limited*dD_rphi_dB_Drphi + dD_rphi_dM_zphi_inf*dM_zphi_inf_dF_z_limited + dD_rphi_ddfz*dfz_part1
-    dD_rphi_dmu_y_loaded = dD_rphi_dM_zphi_inf*dM_zphi_inf_dmu_y_loaded
-    dD_rphi_dalpha = dD_rphi_dphit_in*phit_in_by_alpha
-    dD_rphi_dphit = dD_rphi_dphit_in*phit_in_by_phit
-    dD_rphi_dV = dD_rphi_dphit_in*dphit_in_dV
-    dD_rphi_dgamma = dD_rphi_dgamma_in*dgamma_in_dgamma + dD_rphi_dgamma_star*dgamma_star_dgamma
-    dMz_part1_dD_rphi = M_zr_by_D_r*zeta_8_by_zeta_8_part1 + dM_zr_spun_dD_rphi*dMz_part1_dM_zr_spun
-    dmu_y_loaded_dslide = LMUY_star_by_slide*mu_y_loaded_by_LMUY_star
-    dmu_y_loaded_dp = ddpi_dp*dmu_y_loaded_ddpi
-    dmu_y_loaded_dgamma = dgamma_star_dgamma*dmu_y_loaded_dgamma_star
-    dmu_y_loaded_dF_z_limited = dfz_part1*dmu_y_loaded_ddfz
-    dFy_dmu_y_loaded = dD_Vyk_dmu_y_loaded*dFy_dD_Vyk + dF_y0_part2_dmu_y_loaded*dFy_dF_y0_part2
-    dMz_part1_dmu_y_loaded = dB_r_dmu_y_loaded*dMz_part1_dB_r + dD_Vyk_dmu_y_loaded*dMz_part1_dD_Vyk + dD_rphi_dmu_y_loaded*dMz_part1_dD_rphi + dM_zr_spun_dmu_y_loaded*dMz_part1_dM_zr_spun
+    dtrail_dalpha_star = E_t_by_alpha_t*dtrail_dE_t + dslip_alpha_teq_part1_dalpha_t*dtrail_dslip_alpha_teq_part1
+    dFy_dalpha_star = dF_y0_part2_dalpha_star*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_dalpha_star
+    dMz_part1_dalpha_star = M_zr_by_D_r*dD_r_dalpha_star + dG_yk_dalpha_star*dMz_part1_dG_yk + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha_r
+    dtrail_dV = cos_alpha_part2*trail_by_cos_alpha + dV_c_dV*dtrail_dV_c + dalpha_star_dV*dtrail_dalpha_star + dkappa_in_dV*dtrail_dkappa_in + dtan_alpha_dV*dtrail_dtan_alpha + fade_smooth_by_V*trail_by_fade_smooth
+    dtrail_dslide = LMUY_star_by_slide*dtrail_dLMUY_star
+    dtrail_dK_yalpha = dslip_alpha_teq_part1_dK_yalpha*dtrail_dslip_alpha_teq_part1
+    dtrail_dF_z_limited = K_xkappa_by_F_z_limited*dtrail_dK_xkappa + dD_t_dF_z_limited*trail_by_D_t + dfz_part1*dtrail_ddfz
+    dtrail_dphi_part4 = dD_t_dphi_part4*trail_by_D_t
+    dtrail_dphit_in = dD_t_dphit_in*trail_by_D_t
+    dtrail_dgamma = dgamma_in_dgamma*dtrail_dgamma_in + dgamma_star_dgamma*dtrail_dgamma_star
+    dtrail_dp = dK_xkappa_dp*dtrail_dK_xkappa + ddpi_dp*dtrail_ddpi
+    dtrail_dkappa = dkappa_in_dkappa*dtrail_dkappa_in
+    dtrail_dalpha = dalpha_star_dalpha*dtrail_dalpha_star + dtan_alpha_dalpha*dtrail_dtan_alpha
     dF_z_limited_dFz = F_z_by_Fz*F_z_limited_by_F_z
+    dD_Vyk_dF_z_limited = D_Vyk_by_F_z_limited + dD_Vyk_ddfz*dfz_part1
     dMx_dF_z_limited = F_zx_by_F_z_limited*Mx_by_F_zx + Mx_by_M_x_hump*dM_x_hump_dF_z_limited
     dK_yalpha_dF_z_limited = K_yalpha_part9_by_F_z_limited*dK_yalpha_dK_yalpha_part9
     dMy_dF_z_limited = dM_y_full_dF_z_limited*dMy_dM_y_full
-    dMz_part1_dF_z_limited = M_zr_by_D_r*dD_r_dF_z_limited + dB_r_dF_z_limited*dMz_part1_dB_r + dD_Vyk_dF_z_limited*dMz_part1_dD_Vyk + dD_rphi_dF_z_limited*dMz_part1_dD_rphi + dM_zr_spun_dF_z_limited*dMz_part1_dM_zr_spun + dMz_part1_ddfz*dfz_part1 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dF_z_limited - F_y1*dtrail_dF_z_limited
-    dslip_alpha_req_part1_dF_z_limited = K_xkappa_by_F_z_limited*kappa_share_by_K_xkappa + dS_Vy_part2_dF_z_limited*dslip_alpha_req_part1_dS_Vy_part2 + dfz_part1*dslip_alpha_req_part1_ddfz
+    dMz_part1_dF_z_limited = K_xkappa_by_F_z_limited*dMz_part1_dK_xkappa + M_zr_by_D_r*dD_r_dF_z_limited + dB_r_dF_z_limited*dMz_part1_dB_r + dD_rphi_dF_z_limited*dMz_part1_dD_rphi + dM_zr_spun_dF_z_limited*dMz_part1_dM_zr_spun + dMz_part1_dS_Vy_part2*dS_Vy_part2_dF_z_limited + dMz_part1_ddfz*dfz_part1 - F_y1*dtrail_dF_z_limited
     dFx_dF_z_limited = dF_x0_part2_dF_z_limited*dFx_dF_x0_part2 + dFx_ddfz*dfz_part1
-    dFy_dF_z_limited = dD_Vyk_dF_z_limited*dFy_dD_Vyk + dF_y0_part2_dF_z_limited*dFy_dF_y0_part2 + dFy_dS_Vy_part2*dS_Vy_part2_dF_z_limited + dFy_ddfz*dfz_part1 + dFy_dmu_y_loaded*dmu_y_loaded_dF_z_limited
+    dFy_dF_z_limited = dF_y0_part2_dF_z_limited*dFy_dF_y0_part2 + dFy_dS_Vy_part2*dS_Vy_part2_dF_z_limited + dFy_ddfz*dfz_part1
+    dmu_y_loaded_dF_z_limited = dfz_part1*dmu_y_loaded_ddfz
     dphi_part4_dF_z_limited = dfz_part1*dphi_part4_ddfz
     dzeta_2_dF_z_limited = dfz_part1*dzeta_2_ddfz
-    dslip_alpha_req_part1_dK_yalpha = dalpha_r_dK_yalpha*dslip_alpha_req_part1_dalpha_r - kappa_share_by_kappa_share_part1*kappa_share_shared1
-    dslip_alpha_req_part1_dV = dalpha_star_dV*dslip_alpha_req_part1_dalpha_r + dslip_alpha_req_part1_dfade_smooth*fade_smooth_by_V
-    dslip_alpha_req_part1_dp = dK_xkappa_dp*kappa_share_by_K_xkappa
-    dslip_alpha_req_part1_dzeta_2 = dS_Vy_part2_dzeta_2*dslip_alpha_req_part1_dS_Vy_part2
-    dslip_alpha_req_part1_dslide = dS_Vy_part2_dslide*dslip_alpha_req_part1_dS_Vy_part2
-    dslip_alpha_req_part1_dgamma = dgamma_star_dgamma*dslip_alpha_req_part1_dgamma_star
-    dslip_alpha_req_part1_dalpha = dalpha_star_dalpha*dslip_alpha_req_part1_dalpha_r
-    dslip_alpha_req_part1_dFz = dF_z_limited_dFz*dslip_alpha_req_part1_dF_z_limited
-    dMz_part1_dslip_alpha_req_part1 = M_zr_by_M_zr_part1*dM_zr_part1_dslip_alpha_req_part1 + dM_zr_spun_dslip_alpha_req_part1*dMz_part1_dM_zr_spun
-    dkappa_in_dkappa = dkappa_raised_dkappa*kappa_in_by_kappa_raised
-    dkappa_in_dV = dkappa_raised_dV*kappa_in_by_kappa_raised
-    dMz_part1_dkappa_in = dM_zr_spun_dkappa_in*dMz_part1_dM_zr_spun + dMz_part1_dslip_alpha_req_part1*kappa_share_by_kappa_in - F_y1*dtrail_dkappa_in - dF_y1_dkappa_in*trail
-    dFx_dkappa_in = dF_x0_part2_dkappa_in*dFx_dF_x0_part2 + dFx_dG_xa*dG_xa_dkappa_in
-    dFy_dkappa_in = Fy_by_Fy_part1*dFy_part1_dkappa_in + dFy_dG_yk*dG_yk_dkappa_in
-    dzeta_2_dphi_part4 = dR_0_phi_dphi_part4*zeta_2_by_R_0_phi
-    dzeta_2_dalpha = dtan_alpha_dalpha*dzeta_2_dtan_alpha
-    dzeta_2_dV = dtan_alpha_dV*dzeta_2_dtan_alpha
-    dzeta_2_dFz = dF_z_limited_dFz*dzeta_2_dF_z_limited
-    dMz_part1_dzeta_2 = D_Vyk_by_zeta_2*dMz_part1_dD_Vyk + M_zr_by_D_r*dD_r_dzeta_2 + dB_r_dzeta_2*dMz_part1_dB_r + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dzeta_2
-    dFy_dzeta_2 = D_Vyk_by_zeta_2*dFy_dD_Vyk + dF_y0_part2_dzeta_2*dFy_dF_y0_part2 + dFy_dS_Vy_part2*dS_Vy_part2_dzeta_2
     dK_yalpha_dphi_part4 = dK_yalpha_dR_0_phi*dR_0_phi_dphi_part4
+    dK_yalpha_dphit_in = dK_yalpha_dturn_share*turn_share_by_phit_in
     dK_yalpha_dp = dK_yalpha_ddpi*ddpi_dp
     dK_yalpha_dgamma = dK_yalpha_dgamma_star*dgamma_star_dgamma
     dK_yalpha_dFz = dF_z_limited_dFz*dK_yalpha_dF_z_limited
-    dFy_dK_yalpha = dF_y0_part2_dK_yalpha*dFy_dF_y0_part2
     dMz_part1_dK_yalpha = dB_r_dK_yalpha*dMz_part1_dB_r + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dK_yalpha - F_y1*dtrail_dK_yalpha
+    dFy_dK_yalpha = dF_y0_part2_dK_yalpha*dFy_dF_y0_part2
+    dphit_in_dV = fade_by_V*phit_in_by_fade
+    dzeta_2_dphit_in = turn_share_by_phit_in*zeta_2_by_turn_share
+    dMz_part1_dphit_in = M_zr_by_D_r*dD_r_dphit_in + dB_r_dphit_in*dMz_part1_dB_r + dD_rphi_dphit_in*dMz_part1_dD_rphi + dK_yalpha_dphit_in*dMz_part1_dK_yalpha + dM_zr_spun_dphit_in*dMz_part1_dM_zr_spun + dMz_part1_dturn_share*turn_share_by_phit_in - F_y1*dtrail_dphit_in
+    dFx_dphit_in = dF_x0_part2_dphit_in*dFx_dF_x0_part2
+    dFy_dphit_in = dFy_dK_yalpha*dK_yalpha_dphit_in
     dslide_dV = slide_by_V + dkappa_in_dV*slide_by_kappa_in + dtan_alpha_dV*slide_by_tan_alpha
-    dslide_dalpha = dtan_alpha_dalpha*slide_by_tan_alpha
     dslide_dkappa = dkappa_in_dkappa*slide_by_kappa_in
-    dMz_part1_dslide = M_zr_by_D_r*dD_r_dslide + dB_r_dslide*dMz_part1_dB_r + dMz_part1_dmu_y_loaded*dmu_y_loaded_dslide + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dslide - F_y1*dtrail_dslide
+    dslide_dalpha = dtan_alpha_dalpha*slide_by_tan_alpha
+    dmu_y_loaded_dslide = LMUY_star_by_slide*mu_y_loaded_by_LMUY_star
+    dMz_part1_dslide = M_zr_by_D_r*dD_r_dslide + dB_r_dslide*dMz_part1_dB_r + dMz_part1_dS_Vy_part2*dS_Vy_part2_dslide - F_y1*dtrail_dslide
     dFx_dslide = dF_x0_part2_dslide*dFx_dF_x0_part2
-    dFy_dslide = dFy_dS_Vy_part2*dS_Vy_part2_dslide + dFy_dmu_y_loaded*dmu_y_loaded_dslide
+    dFy_dslide = dFy_dS_Vy_part2*dS_Vy_part2_dslide
+    dD_Vyk_dmu_y_loaded = D_Vyk_by_mu_y_pressed*mu_y_pressed_by_mu_y_loaded
+    dD_Vyk_dgamma = dD_Vyk_dgamma_star*dgamma_star_dgamma
+    dD_Vyk_dalpha = dD_Vyk_dalpha_star*dalpha_star_dalpha
+    dD_Vyk_dV = dD_Vyk_dalpha_star*dalpha_star_dV
+    dD_Vyk_dFz = dD_Vyk_dF_z_limited*dF_z_limited_dFz
+    dMz_part1_dD_Vyk = S_Vyk_by_D_Vyk*trail
+    dFy_dD_Vyk = Fy_by_Fy_part1*S_Vyk_by_D_Vyk
+    dzeta_2_dphi_part4 = dR_0_phi_dphi_part4*zeta_2_by_R_0_phi
+    dzeta_2_dalpha = dtan_alpha_dalpha*dzeta_2_dtan_alpha + dzeta_2_dphit_in*phit_in_by_alpha
+    dzeta_2_dV = dphit_in_dV*dzeta_2_dphit_in + dtan_alpha_dV*dzeta_2_dtan_alpha
+    dzeta_2_dFz = dF_z_limited_dFz*dzeta_2_dF_z_limited
+    dzeta_2_dphit = dzeta_2_dphit_in*phit_in_by_phit
+    dMz_part1_dzeta_2 = D_Vyk_by_zeta_2*dMz_part1_dD_Vyk + M_zr_by_D_r*dD_r_dzeta_2 + dB_r_dzeta_2*dMz_part1_dB_r + dMz_part1_dS_Vy_part2*dS_Vy_part2_dzeta_2
+    dFy_dzeta_2 = D_Vyk_by_zeta_2*dFy_dD_Vyk + dF_y0_part2_dzeta_2*dFy_dF_y0_part2 + dFy_dS_Vy_part2*dS_Vy_part2_dzeta_2
     dMz_part1_dFy = -trail + dMz_part1_ds_part1*s_part1_by_Fy
-    dMz_part1_dV = dD_rphi_dV*dMz_part1_dD_rphi + dM_zr_spun_dV*dMz_part1_dM_zr_spun + dMz_part1_dalpha_star*dalpha_star_dV + dMz_part1_dfade_smooth*fade_smooth_by_V + dMz_part1_dkappa_in*dkappa_in_dV + dMz_part1_dslide*dslide_dV + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dV + dMz_part1_dzeta_2*dzeta_2_dV - F_y1*dtrail_dV
-    dMz_part1_dgamma = dD_Vyk_dgamma*dMz_part1_dD_Vyk + dD_rphi_dgamma*dMz_part1_dD_rphi + dK_yalpha_dgamma*dMz_part1_dK_yalpha + dM_zr_spun_dgamma*dMz_part1_dM_zr_spun + dMz_part1_dgamma_in*dgamma_in_dgamma + dMz_part1_dgamma_star*dgamma_star_dgamma + dMz_part1_dmu_y_loaded*dmu_y_loaded_dgamma + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dgamma - F_y1*dtrail_dgamma
-    dMz_part1_dp = M_zr_by_D_r*dD_r_dp + dK_yalpha_dp*dMz_part1_dK_yalpha + dMz_part1_dmu_y_loaded*dmu_y_loaded_dp + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dp - F_y1*dtrail_dp
+    dMz_part1_dV = dD_Vyk_dV*dMz_part1_dD_Vyk + dMz_part1_dalpha_star*dalpha_star_dV + dMz_part1_dfade_smooth*fade_smooth_by_V + dMz_part1_dkappa_in*dkappa_in_dV + dMz_part1_dphit_in*dphit_in_dV + dMz_part1_dslide*dslide_dV + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dV + dMz_part1_dzeta_2*dzeta_2_dV - F_y1*dtrail_dV
+    dMz_part1_dgamma = dD_Vyk_dgamma*dMz_part1_dD_Vyk + dD_rphi_dgamma*dMz_part1_dD_rphi + dK_yalpha_dgamma*dMz_part1_dK_yalpha + dMz_part1_dS_Vy_part2*dS_Vy_part2_dgamma + dMz_part1_dgamma_in*dgamma_in_dgamma + dMz_part1_dgamma_star*dgamma_star_dgamma - F_y1*dtrail_dgamma
+    dMz_part1_dmu_y_loaded = dB_r_dmu_y_loaded*dMz_part1_dB_r + dD_Vyk_dmu_y_loaded*dMz_part1_dD_Vyk + dD_rphi_dmu_y_loaded*dMz_part1_dD_rphi + dM_zr_spun_dmu_y_loaded*dMz_part1_dM_zr_spun
     dMz_part1_dphi_part4 = dB_r_dphi_part4*dMz_part1_dB_r + dK_yalpha_dphi_part4*dMz_part1_dK_yalpha + dMz_part1_dzeta_2*dzeta_2_dphi_part4 - F_y1*dtrail_dphi_part4
-    dMz_part1_dalpha = dD_rphi_dalpha*dMz_part1_dD_rphi + dM_zr_spun_dalpha*dMz_part1_dM_zr_spun + dMz_part1_dalpha_star*dalpha_star_dalpha + dMz_part1_dslide*dslide_dalpha + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha + dMz_part1_dzeta_2*dzeta_2_dalpha - F_y1*dtrail_dalpha
-    dMz_part1_dphit = dD_rphi_dphit*dMz_part1_dD_rphi + dM_zr_spun_dphit*dMz_part1_dM_zr_spun
-    dMz_part1_dFz = dF_z_limited_dFz*dMz_part1_dF_z_limited + dK_yalpha_dFz*dMz_part1_dK_yalpha + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dFz + dMz_part1_dzeta_2*dzeta_2_dFz
-    dMz_part1_dkappa = dMz_part1_dkappa_in*dkappa_in_dkappa + dMz_part1_dslide*dslide_dkappa
+    dMz_part1_dp = M_zr_by_D_r*dD_r_dp + dK_xkappa_dp*dMz_part1_dK_xkappa + dK_yalpha_dp*dMz_part1_dK_yalpha - F_y1*dtrail_dp
+    dMz_part1_dkappa = dMz_part1_dkappa_in*dkappa_in_dkappa + dMz_part1_dslide*dslide_dkappa - F_y1*dtrail_dkappa
+    dMz_part1_dalpha = dD_Vyk_dalpha*dMz_part1_dD_Vyk + dMz_part1_dalpha_star*dalpha_star_dalpha + dMz_part1_dphit_in*phit_in_by_alpha + dMz_part1_dslide*dslide_dalpha + dMz_part1_dzeta_2*dzeta_2_dalpha - F_y1*dtrail_dalpha
+    dMz_part1_dFz = dD_Vyk_dFz*dMz_part1_dD_Vyk + dF_z_limited_dFz*dMz_part1_dF_z_limited + dK_yalpha_dFz*dMz_part1_dK_yalpha + dMz_part1_dzeta_2*dzeta_2_dFz
+    dMz_part1_dphit = dMz_part1_dphit_in*phit_in_by_phit + dMz_part1_dzeta_2*dzeta_2_dphit
+    dmu_y_loaded_dp = ddpi_dp*dmu_y_loaded_ddpi
+    dmu_y_loaded_dgamma = dgamma_star_dgamma*dmu_y_loaded_dgamma_star
+    dmu_y_loaded_dFz = dF_z_limited_dFz*dmu_y_loaded_dF_z_limited
+    dmu_y_loaded_dV = dmu_y_loaded_dslide*dslide_dV
+    dmu_y_loaded_dkappa = dmu_y_loaded_dslide*dslide_dkappa
+    dmu_y_loaded_dalpha = dmu_y_loaded_dslide*dslide_dalpha
+    dFy_dmu_y_loaded = dD_Vyk_dmu_y_loaded*dFy_dD_Vyk + dF_y0_part2_dmu_y_loaded*dFy_dF_y0_part2
+    dMz_dmu_y_loaded = Mz_by_Mz_part1*dMz_part1_dmu_y_loaded
     dphi_part4_dV = dphit_in_dV + V_spin_by_V*dphi_part4_dV_spin + dR_e_2_dV*dphi_part4_dR_e_2 + dV_c_dV*dphi_part4_dV_c + dphi_part4_dtan_alpha*dtan_alpha_dV + omega_by_V*phi_part4_by_omega
     dphi_part4_dkappa = dR_e_2_dkappa*dphi_part4_dR_e_2 + omega_by_omega_part2*phi_part4_by_omega
     dphi_part4_dFz = dF_z_limited_dFz*dphi_part4_dF_z_limited + dR_e_2_dFz*dphi_part4_dR_e_2
-    dphi_part4_dalpha = phit_in_by_alpha + dphi_part4_dtan_alpha*dtan_alpha_dalpha
     dphi_part4_dgamma = dgamma_in_dgamma*dphi_part4_dgamma_in
     dphi_part4_dp = ddpi_dp*dphi_part4_ddpi
+    dphi_part4_dalpha = phit_in_by_alpha + dphi_part4_dtan_alpha*dtan_alpha_dalpha
     dFx_dphi_part4 = dF_x0_part2_dphi_part4*dFx_dF_x0_part2
     dFy_dphi_part4 = dFy_dK_yalpha*dK_yalpha_dphi_part4 + dFy_dzeta_2*dzeta_2_dphi_part4
     dMz_dphi_part4 = Mz_by_Mz_part1*dMz_part1_dphi_part4
-    dFx_dV = dF_x0_part2_dV*dFx_dF_x0_part2 + dFx_dalpha_star*dalpha_star_dV + dFx_dkappa_in*dkappa_in_dV + dFx_dphi_part4*dphi_part4_dV + dFx_dslide*dslide_dV
+    dFx_dV = dF_x0_part2_dV*dFx_dF_x0_part2 + dFx_dalpha_star*dalpha_star_dV + dFx_dkappa_in*dkappa_in_dV + dFx_dphi_part4*dphi_part4_dV + dFx_dphit_in*dphit_in_dV + dFx_dslide*dslide_dV
     dFx_dgamma = dF_x0_part2_dgamma*dFx_dF_x0_part2 + dFx_dgamma_star*dgamma_star_dgamma + dFx_dphi_part4*dphi_part4_dgamma
     dFx_dp = dF_x0_part2_dp*dFx_dF_x0_part2 + dFx_dphi_part4*dphi_part4_dp
-    dFx_dalpha = dFx_dalpha_star*dalpha_star_dalpha + dFx_dphi_part4*dphi_part4_dalpha + dFx_dslide*dslide_dalpha
-    dFx_dFz = dF_z_limited_dFz*dFx_dF_z_limited + dFx_dphi_part4*dphi_part4_dFz
     dFx_dkappa = dFx_dkappa_in*dkappa_in_dkappa + dFx_dphi_part4*dphi_part4_dkappa + dFx_dslide*dslide_dkappa
-    dFx_dphit = dFx_dphi_part4*phit_in_by_phit
+    dFx_dalpha = dFx_dalpha_star*dalpha_star_dalpha + dFx_dphi_part4*dphi_part4_dalpha + dFx_dphit_in*phit_in_by_alpha + dFx_dslide*dslide_dalpha
+    dFx_dFz = dF_z_limited_dFz*dFx_dF_z_limited + dFx_dphi_part4*dphi_part4_dFz
+    dFx_dphit = dFx_dphi_part4*phit_in_by_phit + dFx_dphit_in*phit_in_by_phit
     dMy_dFx = dM_y_full_dFx*dMy_dM_y_full
     dMz_dFx = Mz_by_Mz_part1*s
-    dFy_dV = dF_y0_part2_dV*dFy_dF_y0_part2 + dFy_dalpha_star*dalpha_star_dV + dFy_dfade_smooth*fade_smooth_by_V + dFy_dkappa_in*dkappa_in_dV + dFy_dphi_part4*dphi_part4_dV + dFy_dslide*dslide_dV + dFy_dzeta_2*dzeta_2_dV
-    dFy_dgamma = dD_Vyk_dgamma*dFy_dD_Vyk + dFy_dK_yalpha*dK_yalpha_dgamma + dFy_dgamma_star*dgamma_star_dgamma + dFy_dmu_y_loaded*dmu_y_loaded_dgamma + dFy_dphi_part4*dphi_part4_dgamma
-    dFy_dalpha = dFy_dalpha_star*dalpha_star_dalpha + dFy_dphi_part4*dphi_part4_dalpha + dFy_dslide*dslide_dalpha + dFy_dzeta_2*dzeta_2_dalpha
+    dFy_dV = dD_Vyk_dV*dFy_dD_Vyk + dF_y0_part2_dV*dFy_dF_y0_part2 + dFy_dalpha_star*dalpha_star_dV + dFy_dfade_smooth*fade_smooth_by_V + dFy_dkappa_in*dkappa_in_dV + dFy_dmu_y_loaded*dmu_y_loaded_dV + dFy_dphi_part4*dphi_part4_dV + dFy_dphit_in*dphit_in_dV + dFy_dslide*dslide_dV + dFy_dzeta_2*dzeta_2_dV
+    dFy_dgamma = dD_Vyk_dgamma*dFy_dD_Vyk + dFy_dK_yalpha*dK_yalpha_dgamma + dFy_dS_Vy_part2*dS_Vy_part2_dgamma + dFy_dgamma_star*dgamma_star_dgamma + dFy_dmu_y_loaded*dmu_y_loaded_dgamma + dFy_dphi_part4*dphi_part4_dgamma
+    dFy_dkappa = dFy_dkappa_in*dkappa_in_dkappa + dFy_dmu_y_loaded*dmu_y_loaded_dkappa + dFy_dphi_part4*dphi_part4_dkappa + dFy_dslide*dslide_dkappa
+    dFy_dalpha = dD_Vyk_dalpha*dFy_dD_Vyk + dFy_dalpha_star*dalpha_star_dalpha + dFy_dmu_y_loaded*dmu_y_loaded_dalpha + dFy_dphi_part4*dphi_part4_dalpha + dFy_dphit_in*phit_in_by_alpha + dFy_dslide*dslide_dalpha + dFy_dzeta_2*dzeta_2_dalpha
+    dFy_dFz = dD_Vyk_dFz*dFy_dD_Vyk + dF_z_limited_dFz*dFy_dF_z_limited + dFy_dK_yalpha*dK_yalpha_dFz + dFy_dmu_y_loaded*dmu_y_loaded_dFz + dFy_dphi_part4*dphi_part4_dFz + dFy_dzeta_2*dzeta_2_dFz
     dFy_dp = dFy_dK_yalpha*dK_yalpha_dp + dFy_dmu_y_loaded*dmu_y_loaded_dp + dFy_dphi_part4*dphi_part4_dp
-    dFy_dFz = dF_z_limited_dFz*dFy_dF_z_limited + dFy_dK_yalpha*dK_yalpha_dFz + dFy_dphi_part4*dphi_part4_dFz + dFy_dzeta_2*dzeta_2_dFz
-    dFy_dkappa = dFy_dkappa_in*dkappa_in_dkappa + dFy_dphi_part4*dphi_part4_dkappa + dFy_dslide*dslide_dkappa
-    dFy_dphit = dFy_dphi_part4*phit_in_by_phit
+    dFy_dphit = dFy_dphi_part4*phit_in_by_phit + dFy_dphit_in*phit_in_by_phit + dFy_dzeta_2*dzeta_2_dphit
     dMx_dFy = Mx_by_Fy + Mx_by_M_x_hump*dM_x_hump_dFy
     dMz_dFy = Mz_by_Mz_part1*dMz_part1_dFy
 
@@ -1499,12 +1534,12 @@ def jacobian_inputs(inputs, parameters):
         dFy_dphit,
     ],
     [
-        Mz_by_Mz_part1*dMz_part1_dkappa + dFx_dkappa*dMz_dFx + dFy_dkappa*dMz_dFy + dMz_dphi_part4*dphi_part4_dkappa,
-        Mz_by_Mz_part1*dMz_part1_dalpha + dFx_dalpha*dMz_dFx + dFy_dalpha*dMz_dFy + dMz_dphi_part4*dphi_part4_dalpha,
-        Mz_by_Mz_part1*dMz_part1_dgamma + dFx_dgamma*dMz_dFx + dFy_dgamma*dMz_dFy + dMz_dphi_part4*dphi_part4_dgamma,
-        Mz_by_Mz_part1*dMz_part1_dFz + dFx_dFz*dMz_dFx + dFy_dFz*dMz_dFy + dMz_dphi_part4*dphi_part4_dFz,
-        Mz_by_Mz_part1*dMz_part1_dp + dFx_dp*dMz_dFx + dFy_dp*dMz_dFy + dMz_dphi_part4*dphi_part4_dp,
-        Mz_by_Mz_part1*dMz_part1_dV + dFx_dV*dMz_dFx + dFy_dV*dMz_dFy + dMz_dphi_part4*dphi_part4_dV,
+        Mz_by_Mz_part1*dMz_part1_dkappa + dFx_dkappa*dMz_dFx + dFy_dkappa*dMz_dFy + dMz_dmu_y_loaded*dmu_y_loaded_dkappa + dMz_dphi_part4*dphi_part4_dkappa,
+        Mz_by_Mz_part1*dMz_part1_dalpha + dFx_dalpha*dMz_dFx + dFy_dalpha*dMz_dFy + dMz_dmu_y_loaded*dmu_y_loaded_dalpha + dMz_dphi_part4*dphi_part4_dalpha,
+        Mz_by_Mz_part1*dMz_part1_dgamma + dFx_dgamma*dMz_dFx + dFy_dgamma*dMz_dFy + dMz_dmu_y_loaded*dmu_y_loaded_dgamma + dMz_dphi_part4*dphi_part4_dgamma,
+        Mz_by_Mz_part1*dMz_part1_dFz + dFx_dFz*dMz_dFx + dFy_dFz*dMz_dFy + dMz_dmu_y_loaded*dmu_y_loaded_dFz + dMz_dphi_part4*dphi_part4_dFz,
+        Mz_by_Mz_part1*dMz_part1_dp + dFx_dp*dMz_dFx + dFy_dp*dMz_dFy + dMz_dmu_y_loaded*dmu_y_loaded_dp + dMz_dphi_part4*dphi_part4_dp,
+        Mz_by_Mz_part1*dMz_part1_dV + dFx_dV*dMz_dFx + dFy_dV*dMz_dFy + dMz_dmu_y_loaded*dmu_y_loaded_dV + dMz_dphi_part4*dphi_part4_dV,
         Mz_by_Mz_part1*dMz_part1_dphit + dFx_dphit*dMz_dFx + dFy_dphit*dMz_dFy + dMz_dphi_part4*phit_in_by_phit,
     ],
     [
@@ -1625,6 +1660,7 @@ def jacobian_parameters(inputs, parameters):
     omega = V*omega_part1*omega_part2  # [2.5] wheel speed
 
     # Turn slip
+    turn_share = ca.if_else(1000000.0*ca.fabs(phit_in) < 1, 1000000000000.0*ca.fabs(phit_in)**2*(3 - 2000000.0*ca.fabs(phit_in)), 1)  # [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight
     eps_gamma_part1 = 1 + PECP2*dfz
     eps_gamma = PECP1*eps_gamma_part1  # [4.90] equivalent spin of camber
     V_spin_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
@@ -1637,22 +1673,23 @@ def jacobian_parameters(inputs, parameters):
     phi_part5 = ca.if_else(CONVENTION > 0.5, 1, -1)
     phi = phi_part4*phi_part5  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
-    zeta_0 = ca.if_else(phit_in == 0, 1, 0)  # [4.83] camber acts through its spin
+    zeta_0_part1 = 1 - turn_share
+    zeta_0 = ca.if_else(phit_in == 0, 1, zeta_0_part1)  # [4.83] camber acts through its spin
     B_xphi_part1 = 1 + PDXP3**2*kappa_in**2
     B_xphi_part2 = ca.sqrt(B_xphi_part1)
     B_xphi_part3 = 1/B_xphi_part2
     B_xphi_part4 = 1 + PDXP2*dfz
     B_xphi = B_xphi_part3*B_xphi_part4*PDXP1  # [4.106] fall of D_x with spin
-    zeta_1 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
+    zeta_1 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi_part1 = 1 + PDYP3**2*tan_alpha**2
     B_yphi_part2 = ca.sqrt(B_yphi_part1)
     B_yphi_part3 = 1/B_yphi_part2
     B_yphi_part4 = 1 + PDYP2*dfz
     B_yphi = B_yphi_part3*B_yphi_part4*PDYP1  # [4.78] fall of D_y with spin
-    zeta_2 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
-    zeta_3 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
-    zeta_5 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
-    zeta_6 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
+    zeta_2 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx_part1 = PHX1 + PHX2*dfz
@@ -1885,7 +1922,8 @@ def jacobian_parameters(inputs, parameters):
     zeta_7_imaginary_part4 = ca.log(zeta_7_imaginary_part3)
     zeta_7_imaginary = 2*zeta_7_imaginary_part4/ca.pi  # [MFeval] imaginary part of zeta_7, of which MFeval prints the real part of the result
     zeta_8_part1 = 1 + D_rphi
-    zeta_8 = ca.if_else(phit_in == 0, 1, zeta_8_part1)  # [4.92] moment by spin
+    zeta_8_part2 = 1 - turn_share + turn_share*zeta_8_part1
+    zeta_8 = ca.if_else(phit_in == 0, 1, zeta_8_part2)  # [4.92] moment by spin
     D_r_part1 = QDZ6 + QDZ7*dfz
     D_r_part2 = 1 + PPZ2*dpi
     D_r_part3 = QDZ8 + QDZ9*dfz
@@ -1931,7 +1969,7 @@ def jacobian_parameters(inputs, parameters):
     M_zr_spun_part2 = M_zr_w*zeta_7
     M_zr_spun_part3 = ca.cos(M_zr_spun_part2)
     M_zr_spun = M_zr_spun_part1*M_zr_spun_part3  # [4.E75] fall of the residual moment with turn slip
-    M_zr_part1 = ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun)
+    M_zr_part1 = ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun*turn_share + (1 - turn_share)/ca.sqrt(1 + B_r**2*alpha_req**2))
     s_part1 = ca.if_else(CONVENTION > 0.5, SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01, SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)
     s = LS*UNLOADED_RADIUS*s_part1  # [4.E76] moment arm of Fx
     F_y1 = Fy - S_Vyk  # [4.E74] side force that the trail carries
@@ -2059,6 +2097,7 @@ def jacobian_parameters(inputs, parameters):
     R_omega_2_part2_by_omega_2 = R_omega_2_shared2*R_omega_2_shared6*omega_2
     omega_part1_by_R_e_2 = -omega_part1**2
     omega_by_omega_part1 = V*omega_part2
+    turn_share_by_phit_in = ca.if_else(1000000.0*ca.fabs(phit_in) < 1, -2e+18*ca.fabs(phit_in)**2*ca.sign(phit_in) + 2000000000000.0*(3 - 2000000.0*ca.fabs(phit_in))*ca.fabs(phit_in)*ca.sign(phit_in), 0)
     V_spin_by_V_c = ca.if_else(VXLOW > ca.fabs(V), 0, ca.if_else(CONVENTION > 0.5, 0, 1))
     V_spin_by_V_spin_part2 = ca.if_else(VXLOW > ca.fabs(V), 1, 0)
     phi_shared1 = phi_part2*phi_part3
@@ -2069,6 +2108,7 @@ def jacobian_parameters(inputs, parameters):
     phi_part4_by_phi_part1 = omega*phi_shared1
     phi_part4_by_phi_part2 = phi_part3*phi_shared2
     phi_part4_by_phi_part3 = phi_part2*phi_shared2
+    zeta_0_by_zeta_0_part1 = ca.if_else(phit_in == 0, 0, 1)
     B_xphi_part1_by_PDXP3 = 2*PDXP3*kappa_in**2
     B_xphi_part1_by_kappa_in = 2*kappa_in*PDXP3**2
     B_xphi_part2_by_B_xphi_part1 = 0.5/B_xphi_part2
@@ -2078,9 +2118,11 @@ def jacobian_parameters(inputs, parameters):
     B_xphi_by_PDXP1 = B_xphi_part3*B_xphi_part4
     zeta_1_shared2 = R_0_phi**2
     zeta_1_shared3 = B_xphi**2
-    zeta_1_shared4 = (1 + zeta_1_shared2*zeta_1_shared3)**(-1.5)
-    zeta_1_by_B_xphi = ca.if_else(phit_in == 0, 0, -B_xphi*zeta_1_shared2*zeta_1_shared4)
-    zeta_1_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared4)
+    zeta_1_shared4 = 1 + zeta_1_shared2*zeta_1_shared3
+    zeta_1_shared5 = turn_share/zeta_1_shared4**1.5
+    zeta_1_by_B_xphi = ca.if_else(phit_in == 0, 0, -B_xphi*zeta_1_shared2*zeta_1_shared5)
+    zeta_1_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared5)
+    zeta_1_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_1_shared4))
     B_yphi_part1_by_PDYP3 = 2*PDYP3*tan_alpha**2
     B_yphi_part1_by_tan_alpha = 2*tan_alpha*PDYP3**2
     B_yphi_part2_by_B_yphi_part1 = 0.5/B_yphi_part2
@@ -2093,27 +2135,35 @@ def jacobian_parameters(inputs, parameters):
     zeta_2_shared4 = zeta_2_shared2 + PDYP4*zeta_2_shared3
     zeta_2_shared5 = zeta_2_shared4**2
     zeta_2_shared6 = B_yphi**2
-    zeta_2_shared7 = (1 + zeta_2_shared5*zeta_2_shared6)**(-1.5)
-    zeta_2_shared8 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared7
-    zeta_2_shared9 = ca.sign(R_0_phi)
-    zeta_2_by_B_yphi = ca.if_else(phit_in == 0, 0, -B_yphi*zeta_2_shared5*zeta_2_shared7)
-    zeta_2_by_PDYP4 = ca.if_else(phit_in == 0, 0, -zeta_2_shared3*zeta_2_shared8)
-    zeta_2_by_R_0_phi = ca.if_else(phit_in == 0, 0, -0.5*zeta_2_shared8*(2*zeta_2_shared9 + PDYP4*zeta_2_shared9/zeta_2_shared3))
+    zeta_2_shared7 = 1 + zeta_2_shared5*zeta_2_shared6
+    zeta_2_shared8 = turn_share/zeta_2_shared7**1.5
+    zeta_2_shared9 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared8
+    zeta_2_shared10 = ca.sign(R_0_phi)
+    zeta_2_by_B_yphi = ca.if_else(phit_in == 0, 0, -B_yphi*zeta_2_shared5*zeta_2_shared8)
+    zeta_2_by_PDYP4 = ca.if_else(phit_in == 0, 0, -zeta_2_shared3*zeta_2_shared9)
+    zeta_2_by_R_0_phi = ca.if_else(phit_in == 0, 0, -0.5*zeta_2_shared9*(2*zeta_2_shared10 + PDYP4*zeta_2_shared10/zeta_2_shared3))
+    zeta_2_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_2_shared7))
     zeta_3_shared2 = R_0_phi**4
     zeta_3_shared3 = PKYP1**2
-    zeta_3_shared4 = (1 + zeta_3_shared2*zeta_3_shared3)**(-1.5)
-    zeta_3_by_PKYP1 = ca.if_else(phit_in == 0, 0, -PKYP1*zeta_3_shared2*zeta_3_shared4)
-    zeta_3_by_R_0_phi = ca.if_else(phit_in == 0, 0, -2*zeta_3_shared3*zeta_3_shared4*R_0_phi**3)
+    zeta_3_shared4 = 1 + zeta_3_shared2*zeta_3_shared3
+    zeta_3_shared5 = turn_share/zeta_3_shared4**1.5
+    zeta_3_by_PKYP1 = ca.if_else(phit_in == 0, 0, -PKYP1*zeta_3_shared2*zeta_3_shared5)
+    zeta_3_by_R_0_phi = ca.if_else(phit_in == 0, 0, -2*zeta_3_shared3*zeta_3_shared5*R_0_phi**3)
+    zeta_3_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_3_shared4))
     zeta_5_shared2 = R_0_phi**2
     zeta_5_shared3 = QDTP1**2
-    zeta_5_shared4 = (1 + zeta_5_shared2*zeta_5_shared3)**(-1.5)
-    zeta_5_by_QDTP1 = ca.if_else(phit_in == 0, 0, -QDTP1*zeta_5_shared2*zeta_5_shared4)
-    zeta_5_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared4)
+    zeta_5_shared4 = 1 + zeta_5_shared2*zeta_5_shared3
+    zeta_5_shared5 = turn_share/zeta_5_shared4**1.5
+    zeta_5_by_QDTP1 = ca.if_else(phit_in == 0, 0, -QDTP1*zeta_5_shared2*zeta_5_shared5)
+    zeta_5_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared5)
+    zeta_5_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_5_shared4))
     zeta_6_shared2 = R_0_phi**2
     zeta_6_shared3 = QBRP1**2
-    zeta_6_shared4 = (1 + zeta_6_shared2*zeta_6_shared3)**(-1.5)
-    zeta_6_by_QBRP1 = ca.if_else(phit_in == 0, 0, -QBRP1*zeta_6_shared2*zeta_6_shared4)
-    zeta_6_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared4)
+    zeta_6_shared4 = 1 + zeta_6_shared2*zeta_6_shared3
+    zeta_6_shared5 = turn_share/zeta_6_shared4**1.5
+    zeta_6_by_QBRP1 = ca.if_else(phit_in == 0, 0, -QBRP1*zeta_6_shared2*zeta_6_shared5)
+    zeta_6_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared5)
+    zeta_6_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_6_shared4))
     S_Hx_by_LHX = S_Hx_part1*fade_smooth
     S_Hx_by_S_Hx_part1 = LHX*fade_smooth
     S_Hx_by_fade_smooth = LHX*S_Hx_part1
@@ -2450,7 +2500,8 @@ def jacobian_parameters(inputs, parameters):
     zeta_7_imaginary_part1_by_zeta_7_above_1 = 2*zeta_7_above_1
     zeta_7_imaginary_part2_by_zeta_7_imaginary_part1 = 0.5/zeta_7_imaginary_part2
     zeta_7_imaginary_part4_by_zeta_7_imaginary_part3 = 1/zeta_7_imaginary_part3
-    zeta_8_by_zeta_8_part1 = ca.if_else(phit_in == 0, 0, 1)
+    zeta_8_part2_by_turn_share = -1 + zeta_8_part1
+    zeta_8_by_zeta_8_part2 = ca.if_else(phit_in == 0, 0, 1)
     D_r_shared1 = gamma_star*zeta_0
     D_r_shared2 = D_r_part6*LKZC
     D_r_shared3 = D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS
@@ -2462,6 +2513,7 @@ def jacobian_parameters(inputs, parameters):
     D_r_part7_by_LKZC = D_r_part6*D_r_shared1
     D_r_part7_by_LRES = D_r_part1*zeta_2
     D_r_part7_by_gamma_star = D_r_shared2*zeta_0
+    D_r_part7_by_zeta_0 = D_r_shared2*gamma_star
     D_r_part7_by_zeta_2 = D_r_part1*LRES
     D_r_part8_by_alpha_star = -ca.sin(alpha_star)
     D_r_by_D_r_part7 = D_r_part8*D_r_shared3
@@ -2504,10 +2556,15 @@ def jacobian_parameters(inputs, parameters):
     M_zr_spun_part3_by_M_zr_spun_part2 = -ca.sin(M_zr_spun_part2)
     M_zr_shared1 = alpha_req**2
     M_zr_shared2 = B_r**2
-    M_zr_shared3 = (1 + M_zr_shared1*M_zr_shared2)**(-1.5)
-    M_zr_part1_by_B_r = ca.if_else(phit_in == 0, -B_r*M_zr_shared1*M_zr_shared3, 0)
-    M_zr_part1_by_M_zr_spun = ca.if_else(phit_in == 0, 0, 1)
-    M_zr_part1_by_alpha_req = ca.if_else(phit_in == 0, -M_zr_shared2*M_zr_shared3*alpha_req, 0)
+    M_zr_shared3 = 1 + M_zr_shared1*M_zr_shared2
+    M_zr_shared4 = M_zr_shared3**(-1.5)
+    M_zr_shared5 = B_r*M_zr_shared1*M_zr_shared4
+    M_zr_shared7 = 1 - turn_share
+    M_zr_shared8 = M_zr_shared2*M_zr_shared4*alpha_req
+    M_zr_part1_by_B_r = ca.if_else(phit_in == 0, -M_zr_shared5, -M_zr_shared5*M_zr_shared7)
+    M_zr_part1_by_M_zr_spun = ca.if_else(phit_in == 0, 0, turn_share)
+    M_zr_part1_by_alpha_req = ca.if_else(phit_in == 0, -M_zr_shared8, -M_zr_shared7*M_zr_shared8)
+    M_zr_part1_by_turn_share = ca.if_else(phit_in == 0, 0, M_zr_spun - 1/ca.sqrt(M_zr_shared3))
     M_zr_by_D_r = M_zr_part1*fade_smooth
     M_zr_by_M_zr_part1 = D_r*fade_smooth
     M_zr_by_fade_smooth = D_r*M_zr_part1
@@ -2655,8 +2712,6 @@ def jacobian_parameters(inputs, parameters):
     dM_y_backward_dVXLOW = M_y_backward_by_M_y_near_locked*dM_y_near_locked_dVXLOW
     dM_y_taper_dVXLOW = M_y_taper_by_M_y_backward*dM_y_backward_dVXLOW
     dkappa_raised_dfade = kappa_raised_by_fade + kappa*kappa_raised_by_kappa_raised_part1
-    dphit_in_dVXLOW = fade_by_VXLOW*phit_in_by_fade
-    dM_zphi90_part2_dphit_in = M_zphi90_part1_by_phit_in*M_zphi90_part2_by_M_zphi90_part1
     dkappa_raised_dVXLOW = dkappa_raised_dfade*fade_by_VXLOW
     dalpha_raised_dVXLOW = alpha_low_by_VXLOW*alpha_raised_by_alpha_low
     ddpi_part2_dPRESMIN = p_in_by_p_raised*p_raised_by_PRESMIN
@@ -2721,6 +2776,8 @@ def jacobian_parameters(inputs, parameters):
     dM_x_hump_dM_x_hump_part4 = M_x_hump_by_M_x_hump_part5*M_x_hump_part5_by_M_x_hump_part4
     dM_y_rolling_part2_dVXLOW = M_y_rolling_part2_by_M_y_taper*dM_y_taper_dVXLOW
     dMy_dM_y_rolling_part2 = M_y_rolling_by_M_y_rolling_part2*My_by_M_y_rolling
+    dphit_in_dVXLOW = fade_by_VXLOW*phit_in_by_fade
+    dM_zphi90_part2_dphit_in = M_zphi90_part1_by_phit_in*M_zphi90_part2_by_M_zphi90_part1
     dR_omega_1_part2_dUNLOADED_RADIUS = R_omega_1_part2_by_UNLOADED_RADIUS + R_omega_1_part2_by_omega_1*domega_1_dUNLOADED_RADIUS
     dR_omega_1_part2_dLONGVL = -R_omega_1_part2_by_R_omega_1_part1*R_omega_1_shared1
     dB_x_dC_x = D_x*dB_x_dB_x_part2
@@ -2752,7 +2809,6 @@ def jacobian_parameters(inputs, parameters):
     dtrail_v_dB_t = alpha_teq*dtrail_v_dtrail_u
     dtrail_v_dslip_alpha_teq_part1 = dtrail_u_dslip_alpha_teq_part1*dtrail_v_dtrail_u
     dtrail_dtrail_v = dtrail_dtrail_w*dtrail_w_dtrail_v
-    dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1
     dM_x_hump_part2_dFNOMIN = -M_x_hump_part2_by_M_x_hump_part1*M_x_hump_shared1
     dM_x_hump_dM_x_hump_part2 = dM_x_hump_dM_x_hump_part4*dM_x_hump_part4_dM_x_hump_part2
     dM_x_hump_part6_dFNOMIN = -M_x_hump_part6_by_M_x_hump_part1*M_x_hump_shared1
@@ -2785,16 +2841,20 @@ def jacobian_parameters(inputs, parameters):
     dM_zr_spun_dD_rphi = dM_zr_spun_dzeta_7_cosine*dzeta_7_cosine_dD_rphi
     dM_zr_spun_dB_r = dM_zr_spun_dM_zr_w*dM_zr_w_dB_r
     dM_zr_spun_dslip_alpha_req_part1 = dM_zr_spun_dM_zr_w*dM_zr_w_dslip_alpha_req_part1
-    dMz_part1_dM_zr_spun = M_zr_by_M_zr_part1*M_zr_part1_by_M_zr_spun
     dB_r_dQBRP1 = B_r_part2*zeta_6_by_QBRP1
     dB_r_dR_0_phi = B_r_part2*zeta_6_by_R_0_phi
-    dMz_part1_dB_r = M_zr_by_M_zr_part1*M_zr_part1_by_B_r + dM_zr_spun_dB_r*dMz_part1_dM_zr_spun
+    dB_r_dturn_share = B_r_part2*zeta_6_by_turn_share
+    dM_zr_part1_dB_r = M_zr_part1_by_B_r + M_zr_part1_by_M_zr_spun*dM_zr_spun_dB_r
     dF_y1_dS_Vyk_part3 = -S_Vyk_by_S_Vyk_part4*S_Vyk_part4_by_S_Vyk_part3
     dM_x_hump_dF_zx = M_x_hump_part2_by_F_zx*dM_x_hump_dM_x_hump_part2
     dalpha_star_dtan_alpha = alpha_star_by_alpha_star_part2*alpha_star_part1
     dtrail_dtan_alpha = dV_c_dtan_alpha*dtrail_dV_c
     dphi_part4_dtan_alpha = dV_spin_dtan_alpha*dphi_part4_dV_spin
     dB_yphi_dtan_alpha = B_yphi_part1_by_tan_alpha*dB_yphi_dB_yphi_part1
+    dB_xphi_dPDXP3 = B_xphi_part1_by_PDXP3*dB_xphi_dB_xphi_part1
+    dB_xphi_dkappa_in = B_xphi_part1_by_kappa_in*dB_xphi_dB_xphi_part1
+    dB_xphi_dPDXP2 = B_xphi_by_B_xphi_part4*dfz
+    dB_xphi_ddfz = B_xphi_by_B_xphi_part4*PDXP2
     dB_yphi_dPDYP3 = B_yphi_part1_by_PDYP3*dB_yphi_dB_yphi_part1
     dB_yphi_dPDYP2 = B_yphi_by_B_yphi_part4*dfz
     dB_yphi_ddfz = B_yphi_by_B_yphi_part4*PDYP2
@@ -2818,7 +2878,7 @@ def jacobian_parameters(inputs, parameters):
     dM_zphi90_dQCRP2 = M_zphi90_part2_by_QCRP2*dM_zphi90_dM_zphi90_part2
     dM_zphi90_dUNLOADED_RADIUS = M_zphi90_part2_by_UNLOADED_RADIUS*dM_zphi90_dM_zphi90_part2
     dM_zphi90_dVXLOW = dM_zphi90_dM_zphi90_part2*dM_zphi90_part2_dVXLOW
-    dMz_part1_dM_zphi90 = dM_zr_spun_dM_zphi90*dMz_part1_dM_zr_spun
+    dM_zr_part1_dM_zphi90 = M_zr_part1_by_M_zr_spun*dM_zr_spun_dM_zphi90
     dM_y_full_dFZMIN = F_zy_by_FZMIN*M_y_full_by_F_zy
     dM_y_full_dF_z_limited = F_zy_by_F_z_limited*M_y_full_by_F_zy
     dMy_dM_y_full = M_y_rolling_part2_by_M_y_full*dMy_dM_y_rolling_part2
@@ -2832,6 +2892,8 @@ def jacobian_parameters(inputs, parameters):
     dc_zn_ddpi = PFZ1*VERTICAL_STIFFNESS
     dR_e_1_dc_zn = -sink_by_sink_part1*sink_part1_by_c_zn
     dR_e_2_dc_zn = -sink_by_sink_part1*sink_part1_by_c_zn
+    dD_x_dmu_x_loaded = D_x_by_mu_x*mu_x_by_mu_x_loaded
+    dF_x0_v_dD_x = dB_x_dD_x*dF_x0_v_dB_x
     dE_x_part4_dPEX4 = -E_x_part1*E_x_part4_by_E_x_part2
     dE_x_part4_dPEX2 = E_x_part4_by_E_x_part3*dfz
     dE_x_part4_dPEX3 = E_x_part4_by_E_x_part3*E_x_shared1
@@ -2859,13 +2921,6 @@ def jacobian_parameters(inputs, parameters):
     dS_Vyk_part3_dkappa_in = RVY6*dS_Vyk_part3_dS_Vyk_part1
     dFy_part1_dS_Vyk_part3 = S_Vyk_by_S_Vyk_part4*S_Vyk_part4_by_S_Vyk_part3
     dMz_part1_dS_Vyk_part3 = -dF_y1_dS_Vyk_part3*trail
-    dD_r_dalpha_in = dD_r_dalpha_star*dalpha_star_dalpha_in
-    dD_rphi_dQDRP1 = D_rphi_part2*dD_rphi_dD_rphi_part3 + D_rphi_part4*dD_Drphi_dQDRP1
-    dD_rphi_dB_Drphi = D_rphi_part1_by_B_Drphi*dD_rphi_dD_rphi_part1
-    dD_rphi_dUNLOADED_RADIUS = D_rphi_part1_by_UNLOADED_RADIUS*dD_rphi_dD_rphi_part1
-    dD_rphi_dVXLOW = dD_rphi_dD_rphi_part1*dD_rphi_part1_dVXLOW
-    dD_rphi_dM_zphi_inf_signed = D_rphi_part4*dD_Drphi_dM_zphi_inf_signed
-    dMz_part1_dD_rphi = M_zr_by_D_r*zeta_8_by_zeta_8_part1 + dM_zr_spun_dD_rphi*dMz_part1_dM_zr_spun
     dM_x_hump_part8_dFy = M_x_hump_part6_by_Fy*dM_x_hump_part8_dM_x_hump_part6
     dM_x_hump_part8_dQSX9 = M_x_hump_part6_by_QSX9*dM_x_hump_part8_dM_x_hump_part6
     dM_x_hump_part8_dFNOMIN = dM_x_hump_part6_dFNOMIN*dM_x_hump_part8_dM_x_hump_part6
@@ -2877,6 +2932,12 @@ def jacobian_parameters(inputs, parameters):
     dF_y0_part2_dfade_smooth = S_Vy_part2 + dF_y0_part2_dF_y0_u*dF_y0_u_dfade_smooth
     dslip_alpha_req_part1_dfade_smooth = dalpha_r_dfade_smooth*dslip_alpha_req_part1_dalpha_r
     dF_x0_v_dfade_smooth = S_Hx_by_fade_smooth*dF_x0_v_dkappa_x
+    dturn_share_dVXLOW = dphit_in_dVXLOW*turn_share_by_phit_in
+    dM_zr_part1_dturn_share = M_zr_part1_by_turn_share + dB_r_dturn_share*dM_zr_part1_dB_r
+    dD_r_part7_dturn_share = -D_r_part7_by_zeta_0*zeta_0_by_zeta_0_part1
+    dD_r_dturn_share = zeta_8_by_zeta_8_part2*zeta_8_part2_by_turn_share
+    dK_yalpha_dturn_share = K_yalpha_by_zeta_3*zeta_3_by_turn_share
+    dD_t_dturn_share = D_t_by_zeta_5*zeta_5_by_turn_share
     dphi_part4_dR_e_2 = domega_dR_e_2*phi_part4_by_omega
     dphi_part4_dgamma_in = phi_part3_by_gamma_in*phi_part4_by_phi_part3
     dphi_part4_dVXLOW = dphit_in_dVXLOW + dV_spin_dVXLOW*dphi_part4_dV_spin
@@ -2894,7 +2955,7 @@ def jacobian_parameters(inputs, parameters):
     dB_r_part2_dLMUY_star = B_r_part1_by_LMUY_star*B_r_part2_by_B_r_part1
     dB_r_part2_dLCY = B_r_part2_by_C_y*PCY1
     dB_r_part2_dPCY1 = B_r_part2_by_C_y*LCY
-    dMz_part1_dB_r_part2 = dMz_part1_dB_r*zeta_6
+    dM_zr_part1_dB_r_part2 = dM_zr_part1_dB_r*zeta_6
     dK_zgammar0_part4_dQDZ10 = K_zgammar0_part4_by_QDZ10 + K_zgammar0_part2*K_zgammar0_part4_by_K_zgammar0_part3
     dK_zgammar0_part4_dQDZ11 = K_zgammar0_part4_by_QDZ11 + K_zgammar0_part4_by_K_zgammar0_part3*dK_zgammar0_part3_dQDZ11
     dK_zgammar0_part4_dQDZ8 = K_zgammar0_part4_by_K_zgammar0_part3 + K_zgammar0_part4_by_QDZ8
@@ -2902,26 +2963,22 @@ def jacobian_parameters(inputs, parameters):
     dK_zgammar0_part4_ddfz = K_zgammar0_part4_by_dfz + K_zgammar0_part4_by_K_zgammar0_part3*dK_zgammar0_part3_ddfz
     dK_zgammar0_part4_dgamma_star = K_zgammar0_part4_by_K_zgammar0_part3*dK_zgammar0_part3_dgamma_star
     dB_Drphi_dK_zgammar0_part4 = B_Drphi_by_K_zgammar0*K_zgammar0_by_K_zgammar0_part4
+    dD_r_dD_rphi = turn_share*zeta_8_by_zeta_8_part2
+    dD_r_dalpha_in = dD_r_dalpha_star*dalpha_star_dalpha_in
+    dD_r_dVXLOW = dD_r_dturn_share*dturn_share_dVXLOW
     dslip_alpha_req_part1_dK_yalpha = dalpha_r_dK_yalpha*dslip_alpha_req_part1_dalpha_r - kappa_share_by_kappa_share_part1*kappa_share_shared1
     dslip_alpha_req_part1_dS_Hy_part2 = dslip_alpha_req_part1_dalpha_r*fade_smooth
     dslip_alpha_req_part1_dS_Vy_part2 = dalpha_r_dS_Vy_part2*dslip_alpha_req_part1_dalpha_r
     dslip_alpha_req_part1_dalpha_in = dalpha_star_dalpha_in*dslip_alpha_req_part1_dalpha_r
     dslip_alpha_req_part1_dVXLOW = dslip_alpha_req_part1_dfade_smooth*fade_smooth_by_VXLOW
-    dMz_part1_dslip_alpha_req_part1 = M_zr_by_M_zr_part1*dM_zr_part1_dslip_alpha_req_part1 + dM_zr_spun_dslip_alpha_req_part1*dMz_part1_dM_zr_spun
+    dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_M_zr_spun*dM_zr_spun_dslip_alpha_req_part1 + M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1
     dF_zm_dF_z_limited = F_zm_by_F_z_limited + F_zl_by_F_z_limited*F_zm_by_F_zl
     dF_zm_dFZMIN = F_zl_by_FZMIN*F_zm_by_F_zl
     dM_zphi_inf_signed_dF_zm = M_zphi_inf_signed_by_F_zm + M_zphi_inf_signed_part1*dM_zphi_inf_signed_dM_zphi_inf_signed_part2
     dB_Drphi_dF_zm = B_Drphi_by_K_zgammar0*K_zgammar0_by_F_zm
     dMz_part1_dF_zm = D_r_by_F_zm*M_zr_by_D_r
-    dS_Vy_part2_dLMUY_star = LMUY_shift_by_LMUY_star*dS_Vy_part2_dLMUY_shift
-    dB_t_dLMUY_star = B_t_by_B_t_part1*B_t_part1_by_LMUY_star
-    dMz_part1_dLMUY_star = D_r_by_LMUY_star*M_zr_by_D_r + dB_r_part2_dLMUY_star*dMz_part1_dB_r_part2
     dsink_part5_dFNOMIN = dsink_part3_dFNOMIN*dsink_part5_dsink_part3 + sink_part2_by_FNOMIN*sink_part5_by_sink_part2
     dsink_part5_dBREFF = dsink_part5_dsink_part3*sink_shared1
-    dD_x_dmu_x_loaded = D_x_by_mu_x*mu_x_by_mu_x_loaded
-    dD_x_dB_xphi = D_x_by_zeta_1*zeta_1_by_B_xphi
-    dD_x_dR_0_phi = D_x_by_zeta_1*zeta_1_by_R_0_phi
-    dF_x0_v_dD_x = dB_x_dD_x*dF_x0_v_dB_x
     dE_y_part5_dPEY2 = E_y_part5_by_E_y_part1*dfz
     dE_y_part5_ddfz = E_y_part5_by_E_y_part1*PEY2
     dE_y_part5_dPEY5 = E_y_part5_by_E_y_part4*E_y_shared1
@@ -2967,16 +3024,21 @@ def jacobian_parameters(inputs, parameters):
     dD_t_dF_z01 = D_t_by_D_t_part1*D_t_part1_by_F_z01
     dM_zphi_inf_signed_dF_z01 = dM_zphi_inf_signed_dM_zphi_inf_signed_part2*dM_zphi_inf_signed_part2_dF_z01
     dMz_part1_dF_z01 = dMz_part1_ds_part1*s_part1_by_F_z01
-    dB_xphi_dPDXP3 = B_xphi_part1_by_PDXP3*dB_xphi_dB_xphi_part1
-    dB_xphi_dkappa_in = B_xphi_part1_by_kappa_in*dB_xphi_dB_xphi_part1
-    dB_xphi_dPDXP2 = B_xphi_by_B_xphi_part4*dfz
-    dB_xphi_ddfz = B_xphi_by_B_xphi_part4*PDXP2
-    dF_x0_part2_dB_xphi = F_x0_part1*dD_x_dB_xphi + S_Vx_by_zeta_1*zeta_1_by_B_xphi
-    dF_x0_v_dB_xphi = dD_x_dB_xphi*dF_x0_v_dD_x
+    dS_Vy_part2_dLMUY_star = LMUY_shift_by_LMUY_star*dS_Vy_part2_dLMUY_shift
+    dB_t_dLMUY_star = B_t_by_B_t_part1*B_t_part1_by_LMUY_star
+    dM_zr_part1_dLMUY_star = dB_r_part2_dLMUY_star*dM_zr_part1_dB_r_part2
+    dMz_part1_dLMUY_star = D_r_by_LMUY_star*M_zr_by_D_r
     dtrail_dE_t = -dtrail_dtrail_v*trail_v_part2
     dalpha_t_ddfz = QHZ2 + QHZ4*gamma_star
     dalpha_t_dQHZ4 = dfz*gamma_star
     dtrail_dalpha_t = E_t_by_alpha_t*dtrail_dE_t + dslip_alpha_teq_part1_dalpha_t*dtrail_dslip_alpha_teq_part1
+    dD_rphi_dQDRP1 = D_rphi_part2*dD_rphi_dD_rphi_part3 + D_rphi_part4*dD_Drphi_dQDRP1
+    dD_rphi_dB_Drphi = D_rphi_part1_by_B_Drphi*dD_rphi_dD_rphi_part1
+    dD_rphi_dUNLOADED_RADIUS = D_rphi_part1_by_UNLOADED_RADIUS*dD_rphi_dD_rphi_part1
+    dD_rphi_dVXLOW = dD_rphi_dD_rphi_part1*dD_rphi_part1_dVXLOW
+    dD_rphi_dM_zphi_inf_signed = D_rphi_part4*dD_Drphi_dM_zphi_inf_signed
+    dM_zr_part1_dD_rphi = M_zr_part1_by_M_zr_spun*dM_zr_spun_dD_rphi
+    dMz_part1_dD_rphi = M_zr_by_D_r*dD_r_dD_rphi
     dR_e_1_dFNOMIN = -sink_by_FNOMIN - dsink_part5_dFNOMIN*sink_by_sink_part5
     dR_e_1_dUNLOADED_RADIUS = R_omega_1_part2 + UNLOADED_RADIUS*dR_omega_1_part2_dUNLOADED_RADIUS
     dR_e_1_dQ_V1 = R_omega_1_part2_by_Q_V1*UNLOADED_RADIUS
@@ -3016,7 +3078,7 @@ def jacobian_parameters(inputs, parameters):
     dB_y_dmu_y_loaded = D_y_by_mu_y_loaded*dB_y_dD_y
     dB_y_dzeta_2 = D_y_by_zeta_2*dB_y_dD_y
     dF_y0_part2_dB_y = alpha_y*dF_y0_part2_dF_y0_u
-    dMz_part1_dB_y = B_r_part2_by_B_y*dMz_part1_dB_r_part2
+    dM_zr_part1_dB_y = B_r_part2_by_B_y*dM_zr_part1_dB_r_part2
     dG_xa_dRCX1 = G_xa0_w_part1*dG_xa_dG_xa0_w + G_xa_w_part1*dG_xa_dG_xa_w
     dG_xa_dRHX1 = dG_xa0_v_dRHX1*dG_xa_dG_xa0_v + dG_xa_dG_xa_w*dG_xa_w_dRHX1
     dG_xa_dREX1 = dE_xalpha_dREX1*dG_xa_dE_xalpha
@@ -3053,8 +3115,34 @@ def jacobian_parameters(inputs, parameters):
     dMz_part1_dgamma_star = dMz_part1_ds_part1*s_part1_by_gamma_star
     dtrail_dgamma_star = E_t_by_gamma_star*dtrail_dE_t + S_Ht_part1*dtrail_dalpha_t + dB_t_dgamma_star*dtrail_dB_t
     dFx_dgamma_star = dFx_dG_xa*dG_xa_dgamma_star
+    dF_x0_part2_dF_z_limited = S_Vx_by_F_z_limited + D_x_by_F_z_limited*F_x0_part1
+    dF_x0_part2_dzeta_1 = S_Vx_by_zeta_1 + D_x_by_zeta_1*F_x0_part1
+    dF_x0_part2_dPVX2 = S_Vx_by_S_Vx_part1*dfz
+    dF_x0_part2_ddfz = PVX2*S_Vx_by_S_Vx_part1
+    dF_x0_part2_dF_x0_v = dF_x0_part2_dF_x0_w*dF_x0_w_dF_x0_v
+    dF_x0_part2_dLMUX = LMUX_star_by_LMUX*dF_x0_part2_dLMUX_star
+    dF_x0_part2_dslide = LMUX_star_by_slide*dF_x0_part2_dLMUX_star
+    dF_x0_part2_dLCX = PCX1*dF_x0_part2_dC_x
+    dF_x0_part2_dPCX1 = LCX*dF_x0_part2_dC_x
+    dF_x0_part2_dmu_x_loaded = F_x0_part1*dD_x_dmu_x_loaded
+    dF_x0_part2_dVXLOW = S_Vx_by_fade_smooth*fade_smooth_by_VXLOW
+    dFx_dF_x0_part2 = Fx_by_Fx_part1*dFx_part1_dF_x0_part2
+    dzeta_1_dPDXP1 = B_xphi_by_PDXP1*zeta_1_by_B_xphi
+    dzeta_1_dPDXP3 = dB_xphi_dPDXP3*zeta_1_by_B_xphi
+    dzeta_1_dkappa_in = dB_xphi_dkappa_in*zeta_1_by_B_xphi
+    dzeta_1_dPDXP2 = dB_xphi_dPDXP2*zeta_1_by_B_xphi
+    dzeta_1_ddfz = dB_xphi_ddfz*zeta_1_by_B_xphi
+    dzeta_1_dVXLOW = dturn_share_dVXLOW*zeta_1_by_turn_share
+    dF_x0_v_dzeta_1 = D_x_by_zeta_1*dF_x0_v_dD_x
+    dFx_dzeta_1 = dF_x0_part2_dzeta_1*dFx_dF_x0_part2
+    dS_Hy_part2_dPHY2 = LHY*dfz
+    dS_Hy_part2_ddfz = LHY*PHY2
+    dS_Hy_part2_dgamma_in = S_Hy_part2_by_gamma_star*dgamma_star_dgamma_in
+    dF_y0_part2_dS_Hy_part2 = dF_y0_part2_dF_y0_u*dF_y0_u_dS_Hy_part2
+    dM_zr_part1_dS_Hy_part2 = dM_zr_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dS_Hy_part2
     dD_r_part7_dQDZ7 = D_r_part7_by_D_r_part1*dfz
     dD_r_part7_ddfz = D_r_part7_by_D_r_part1*QDZ7 + D_r_part7_by_D_r_part6*dD_r_part6_ddfz
+    dD_r_part7_dVXLOW = dD_r_part7_dturn_share*dturn_share_dVXLOW
     dD_r_part7_dPPZ2 = D_r_part7_by_D_r_part6*dD_r_part6_dPPZ2
     dD_r_part7_ddpi = D_r_part7_by_D_r_part6*dD_r_part6_ddpi
     dD_r_part7_dQDZ8 = D_r_part2*D_r_part7_by_D_r_part6
@@ -3064,71 +3152,31 @@ def jacobian_parameters(inputs, parameters):
     dD_r_part7_dgamma_in = dD_r_part7_dgamma_star*dgamma_star_dgamma_in
     dMz_part1_dD_r_part7 = D_r_by_D_r_part7*M_zr_by_D_r
     dS_Vy_part2_dF_z_limited = S_Vy_part2_by_F_z_limited + S_Vygamma_by_F_z_limited
-    dF_x0_part2_dF_z_limited = S_Vx_by_F_z_limited + D_x_by_F_z_limited*F_x0_part1
     dMx_dF_z_limited = F_zx_by_F_z_limited*Mx_by_F_zx + Mx_by_M_x_hump*dM_x_hump_dF_z_limited
     dMy_dF_z_limited = dM_y_full_dF_z_limited*dMy_dM_y_full
+    dF_x0_v_dF_z_limited = D_x_by_F_z_limited*dF_x0_v_dD_x
     dF_y0_part2_dF_z_limited = D_y_by_F_z_limited*F_y0_part1 + dB_y_dF_z_limited*dF_y0_part2_dB_y
     dK_yalpha_dF_z_limited = K_yalpha_part9_by_F_z_limited*dK_yalpha_dK_yalpha_part9
     dD_t_dF_z_limited = D_t_by_F_zm*dF_zm_dF_z_limited
     dM_zphi_inf_signed_dF_z_limited = dF_zm_dF_z_limited*dM_zphi_inf_signed_dF_zm
     dB_Drphi_dF_z_limited = dB_Drphi_dF_zm*dF_zm_dF_z_limited
-    dMz_part1_dF_z_limited = dB_y_dF_z_limited*dMz_part1_dB_y + dF_zm_dF_z_limited*dMz_part1_dF_zm
-    dF_x0_v_dF_z_limited = D_x_by_F_z_limited*dF_x0_v_dD_x
-    dS_Hy_part2_dPHY2 = LHY*dfz
-    dS_Hy_part2_ddfz = LHY*PHY2
-    dS_Hy_part2_dgamma_in = S_Hy_part2_by_gamma_star*dgamma_star_dgamma_in
-    dF_y0_part2_dS_Hy_part2 = dF_y0_part2_dF_y0_u*dF_y0_u_dS_Hy_part2
-    dMz_part1_dS_Hy_part2 = dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dS_Hy_part2
-    dB_Drphi_dQDRP1 = B_Drphi_by_B_Drphi_part2*B_Drphi_part2_by_QDRP1 + dB_Drphi_dD_Drphi*dD_Drphi_dQDRP1
-    dB_Drphi_dPECP1 = -dB_Drphi_dB_Drphi_part3*eps_gamma_part1
-    dB_Drphi_dPECP2 = dB_Drphi_deps_gamma_part1*dfz
-    dB_Drphi_ddfz = PECP2*dB_Drphi_deps_gamma_part1 + dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_ddfz
-    dB_Drphi_dM_zphi_inf_signed = dB_Drphi_dD_Drphi*dD_Drphi_dM_zphi_inf_signed
-    dB_Drphi_dLKZC = B_Drphi_by_K_zgammar0*K_zgammar0_by_LKZC
-    dB_Drphi_dUNLOADED_RADIUS = B_Drphi_by_K_zgammar0*K_zgammar0_by_UNLOADED_RADIUS
-    dB_Drphi_dQDZ10 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ10
-    dB_Drphi_dQDZ11 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ11
-    dB_Drphi_dQDZ8 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ8
-    dB_Drphi_dQDZ9 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ9
-    dB_Drphi_dgamma_in = K_zgammar0_part4_by_gamma_in*dB_Drphi_dK_zgammar0_part4 + dB_Drphi_dgamma_star*dgamma_star_dgamma_in
-    dB_Drphi_dFZMIN = dB_Drphi_dF_zm*dF_zm_dFZMIN
-    dB_Drphi_dFZMAX = F_z_limited_by_FZMAX*dB_Drphi_dF_z_limited
-    dMz_part1_dB_Drphi = dD_rphi_dB_Drphi*dMz_part1_dD_rphi
-    dM_zphi_inf_signed_dmu_y_loaded = dM_zphi_inf_signed_dmu_y_pressed*mu_y_pressed_by_mu_y_loaded
-    dM_zphi_inf_signed_dFZMIN = dF_zm_dFZMIN*dM_zphi_inf_signed_dF_zm
-    dM_zphi_inf_signed_dFNOMIN = LFZO*dM_zphi_inf_signed_dF_z01
-    dM_zphi_inf_signed_dLFZO = FNOMIN*dM_zphi_inf_signed_dF_z01
-    dM_zphi_inf_signed_dFZMAX = F_z_limited_by_FZMAX*dM_zphi_inf_signed_dF_z_limited
-    dMz_part1_dM_zphi_inf_signed = dB_Drphi_dM_zphi_inf_signed*dMz_part1_dB_Drphi + dD_rphi_dM_zphi_inf_signed*dMz_part1_dD_rphi + dM_zphi90_dM_zphi_inf_signed*dMz_part1_dM_zphi90
-    dD_t_dQDTP1 = D_t_by_zeta_5*zeta_5_by_QDTP1
-    dD_t_dR_0_phi = D_t_by_zeta_5*zeta_5_by_R_0_phi
+    dMz_part1_dF_z_limited = dF_zm_dF_z_limited*dMz_part1_dF_zm
+    dM_zr_part1_dF_z_limited = dB_y_dF_z_limited*dM_zr_part1_dB_y
+    dFx_dF_z_limited = dF_x0_part2_dF_z_limited*dFx_dF_x0_part2
     dD_t_dPPZ1 = -D_t_by_D_t_part2*dpi
     dD_t_ddpi = -D_t_by_D_t_part2*PPZ1
     dD_t_dQDZ2 = D_t_by_D_t_part3*dfz
     dD_t_ddfz = D_t_by_D_t_part3*QDZ2
+    dD_t_dQDTP1 = D_t_by_zeta_5*zeta_5_by_QDTP1
+    dD_t_dR_0_phi = D_t_by_zeta_5*zeta_5_by_R_0_phi
     dD_t_dQDZ3 = D_t_part4*dD_t_dD_t_part5 + dD_t_dD_t_part6*gamma_in
     dD_t_dQDZ4 = D_t_part5_by_QDZ4*dD_t_dD_t_part5 + D_t_part6_by_QDZ4*dD_t_dD_t_part6
     dD_t_dgamma_in = D_t_part6_by_gamma_in*dD_t_dD_t_part6 + dD_t_dgamma_star*dgamma_star_dgamma_in
+    dD_t_dVXLOW = dD_t_dturn_share*dturn_share_dVXLOW
     dD_t_dFZMIN = D_t_by_F_zm*dF_zm_dFZMIN
     dD_t_dFNOMIN = LFZO*dD_t_dF_z01
     dD_t_dLFZO = FNOMIN*dD_t_dF_z01
     dD_t_dFZMAX = F_z_limited_by_FZMAX*dD_t_dF_z_limited
-    dF_x0_part2_dPVX2 = S_Vx_by_S_Vx_part1*dfz
-    dF_x0_part2_ddfz = PVX2*S_Vx_by_S_Vx_part1 + dB_xphi_ddfz*dF_x0_part2_dB_xphi
-    dF_x0_part2_dF_x0_v = dF_x0_part2_dF_x0_w*dF_x0_w_dF_x0_v
-    dF_x0_part2_dLMUX = LMUX_star_by_LMUX*dF_x0_part2_dLMUX_star
-    dF_x0_part2_dslide = LMUX_star_by_slide*dF_x0_part2_dLMUX_star
-    dF_x0_part2_dR_0_phi = F_x0_part1*dD_x_dR_0_phi + S_Vx_by_zeta_1*zeta_1_by_R_0_phi
-    dF_x0_part2_dLCX = PCX1*dF_x0_part2_dC_x
-    dF_x0_part2_dPCX1 = LCX*dF_x0_part2_dC_x
-    dF_x0_part2_dVXLOW = S_Vx_by_fade_smooth*fade_smooth_by_VXLOW
-    dF_x0_part2_dmu_x_loaded = F_x0_part1*dD_x_dmu_x_loaded
-    dF_x0_part2_dPDXP1 = B_xphi_by_PDXP1*dF_x0_part2_dB_xphi
-    dF_x0_part2_dPDXP3 = dB_xphi_dPDXP3*dF_x0_part2_dB_xphi
-    dF_x0_part2_dkappa_in = dB_xphi_dkappa_in*dF_x0_part2_dB_xphi
-    dF_x0_part2_dPDXP2 = dB_xphi_dPDXP2*dF_x0_part2_dB_xphi
-    dF_x0_part2_dFZMAX = F_z_limited_by_FZMAX*dF_x0_part2_dF_z_limited
-    dFx_dF_x0_part2 = Fx_by_Fx_part1*dFx_part1_dF_x0_part2
     dmu_x_loaded_dPDX3 = mu_x_loaded_by_mu_x_loaded_part1*mu_x_loaded_part1_by_PDX3
     dmu_x_loaded_dgamma_in = mu_x_loaded_by_mu_x_loaded_part1*mu_x_loaded_part1_by_gamma_in
     dmu_x_loaded_dPDX2 = dfz*mu_x_loaded_by_mu_x_loaded_part2
@@ -3150,14 +3198,6 @@ def jacobian_parameters(inputs, parameters):
     dD_Vyk_dFZMAX = D_Vyk_by_F_z_limited*F_z_limited_by_FZMAX
     dMz_part1_dD_Vyk = S_Vyk_by_D_Vyk*trail
     dFy_dD_Vyk = Fy_by_Fy_part1*S_Vyk_by_D_Vyk
-    dkappa_in_dKPUMIN = kappa_in_by_kappa_raised*kappa_raised_by_KPUMIN
-    dkappa_in_dVXLOW = dkappa_raised_dVXLOW*kappa_in_by_kappa_raised
-    dtrail_dkappa_in = dtrail_dslip_alpha_teq_part1*kappa_share_by_kappa_in
-    dF_x0_v_dkappa_in = dF_x0_v_dkappa_x + dB_xphi_dkappa_in*dF_x0_v_dB_xphi
-    dMz_part1_dkappa_in = dMz_part1_dS_Vyk_part3*dS_Vyk_part3_dkappa_in + dMz_part1_dslip_alpha_req_part1*kappa_share_by_kappa_in
-    dG_yk_dkappa_in = dG_yk_dG_yk_w*dG_yk_w_dkappa_in
-    dFy_dkappa_in = Fy_by_Fy_part1*dFy_part1_dkappa_in
-    dFx_dkappa_in = dF_x0_part2_dkappa_in*dFx_dF_x0_part2 + dFx_dG_xa*dG_xa_dkappa_in
     dF_y0_part2_dalpha_in = dF_y0_part2_dalpha_star*dalpha_star_dalpha_in
     dF_y0_part2_dLCY = PCY1*dF_y0_part2_dC_y + dB_y_dLCY*dF_y0_part2_dB_y
     dF_y0_part2_dPCY1 = LCY*dF_y0_part2_dC_y + dB_y_dPCY1*dF_y0_part2_dB_y
@@ -3173,93 +3213,101 @@ def jacobian_parameters(inputs, parameters):
     dF_y0_part2_ddfz = dE_y_ddfz*dF_y0_part2_dE_y + dF_y0_part2_dS_Hy_part2*dS_Hy_part2_ddfz
     dF_y0_part2_dK_yalpha = B_y_part3*dF_y0_part2_dB_y
     dF_y0_part2_dgamma_in = dF_y0_part2_dS_Hy_part2*dS_Hy_part2_dgamma_in + dF_y0_part2_dgamma_star*dgamma_star_dgamma_in
-    dF_y0_part2_dFZMAX = F_z_limited_by_FZMAX*dF_y0_part2_dF_z_limited
     dF_y0_part2_dLHY = S_Hy_part1*dF_y0_part2_dS_Hy_part2
     dF_y0_part2_dLKYC = S_Hy_part2_by_LKYC*dF_y0_part2_dS_Hy_part2
     dF_y0_part2_dPHY3 = S_Hy_part2_by_PHY3*dF_y0_part2_dS_Hy_part2
     dF_y0_part2_dPHY1 = LHY*dF_y0_part2_dS_Hy_part2
     dF_y0_part2_dPHY2 = dF_y0_part2_dS_Hy_part2*dS_Hy_part2_dPHY2
+    dF_y0_part2_dFZMAX = F_z_limited_by_FZMAX*dF_y0_part2_dF_z_limited
     dFy_dF_y0_part2 = Fy_by_Fy_part1*dFy_part1_dF_y0_part2
-    dmu_y_loaded_dPDY3 = mu_y_loaded_by_mu_y_loaded_part1*mu_y_loaded_part1_by_PDY3
-    dmu_y_loaded_dPDY2 = dfz*mu_y_loaded_by_mu_y_loaded_part2
-    dmu_y_loaded_ddfz = PDY2*mu_y_loaded_by_mu_y_loaded_part2
-    dmu_y_loaded_dPPY3 = dpi*mu_y_loaded_by_mu_y_loaded_part3
-    dmu_y_loaded_dPPY4 = mu_y_loaded_by_mu_y_loaded_part3*mu_y_loaded_part3_by_PPY4
-    dmu_y_loaded_ddpi = mu_y_loaded_by_mu_y_loaded_part3*mu_y_loaded_part3_by_dpi
-    dmu_y_loaded_dLMUY = LMUY_star_by_LMUY*mu_y_loaded_by_LMUY_star
-    dmu_y_loaded_dslide = LMUY_star_by_slide*mu_y_loaded_by_LMUY_star
-    dmu_y_loaded_dgamma_in = dgamma_star_dgamma_in*dmu_y_loaded_dgamma_star
-    dMz_part1_dmu_y_loaded = dB_y_dmu_y_loaded*dMz_part1_dB_y + dD_Vyk_dmu_y_loaded*dMz_part1_dD_Vyk + dM_zphi_inf_signed_dmu_y_loaded*dMz_part1_dM_zphi_inf_signed
-    dFy_dmu_y_loaded = dD_Vyk_dmu_y_loaded*dFy_dD_Vyk + dF_y0_part2_dmu_y_loaded*dFy_dF_y0_part2
+    dkappa_in_dKPUMIN = kappa_in_by_kappa_raised*kappa_raised_by_KPUMIN
+    dkappa_in_dVXLOW = dkappa_raised_dVXLOW*kappa_in_by_kappa_raised
+    dtrail_dkappa_in = dtrail_dslip_alpha_teq_part1*kappa_share_by_kappa_in
+    dF_x0_v_dkappa_in = dF_x0_v_dkappa_x + dF_x0_v_dzeta_1*dzeta_1_dkappa_in
+    dMz_part1_dkappa_in = dMz_part1_dS_Vyk_part3*dS_Vyk_part3_dkappa_in
+    dM_zr_part1_dkappa_in = dM_zr_part1_dslip_alpha_req_part1*kappa_share_by_kappa_in
+    dG_yk_dkappa_in = dG_yk_dG_yk_w*dG_yk_w_dkappa_in
+    dFy_dkappa_in = Fy_by_Fy_part1*dFy_part1_dkappa_in
+    dFx_dkappa_in = dFx_dG_xa*dG_xa_dkappa_in + dFx_dzeta_1*dzeta_1_dkappa_in
+    dS_Vy_part2_dzeta_2 = S_Vy_part2_by_zeta_2 + S_Vygamma_by_zeta_2
+    dS_Vy_part2_dPVY4 = S_Vygamma_by_S_Vygamma_part1*dfz
+    dS_Vy_part2_ddfz = PVY2*S_Vy_part2_by_S_Vy_part1 + PVY4*S_Vygamma_by_S_Vygamma_part1
+    dS_Vy_part2_dPVY2 = S_Vy_part2_by_S_Vy_part1*dfz
+    dS_Vy_part2_dLMUY = LMUY_star_by_LMUY*dS_Vy_part2_dLMUY_star
+    dS_Vy_part2_dslide = LMUY_star_by_slide*dS_Vy_part2_dLMUY_star
+    dS_Vy_part2_dgamma_in = S_Vygamma_by_gamma_star*dgamma_star_dgamma_in
+    dS_Vy_part2_dFZMAX = F_z_limited_by_FZMAX*dS_Vy_part2_dF_z_limited
+    dM_zr_part1_dS_Vy_part2 = dM_zr_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dS_Vy_part2
+    dFy_dS_Vy_part2 = dFy_dF_y0_part2*fade_smooth
     dgamma_in_dCAMMIN = gamma_in_by_gamma_raised*gamma_raised_by_CAMMIN
     dMx_dgamma_in = Mx_by_gamma_in + Mx_by_M_x_hump*dM_x_hump_dgamma_in
     dR_0_phi_dgamma_in = dR_0_phi_dphi_part4*dphi_part4_dgamma_in
-    dMz_part1_dgamma_in = dB_Drphi_dgamma_in*dMz_part1_dB_Drphi + dD_Vyk_dgamma_in*dMz_part1_dD_Vyk + dD_r_part7_dgamma_in*dMz_part1_dD_r_part7 + dMz_part1_dS_Hy_part2*dS_Hy_part2_dgamma_in + dMz_part1_dgamma_star*dgamma_star_dgamma_in + dMz_part1_dmu_y_loaded*dmu_y_loaded_dgamma_in + dMz_part1_ds_part1*s_part1_by_gamma_in
+    dB_Drphi_dgamma_in = K_zgammar0_part4_by_gamma_in*dB_Drphi_dK_zgammar0_part4 + dB_Drphi_dgamma_star*dgamma_star_dgamma_in
+    dMz_part1_dgamma_in = dD_Vyk_dgamma_in*dMz_part1_dD_Vyk + dD_r_part7_dgamma_in*dMz_part1_dD_r_part7 + dMz_part1_dgamma_star*dgamma_star_dgamma_in + dMz_part1_ds_part1*s_part1_by_gamma_in
     dtrail_dgamma_in = dB_t_dgamma_in*dtrail_dB_t + dD_t_dgamma_in*trail_by_D_t + dgamma_star_dgamma_in*dtrail_dgamma_star
-    dS_Vy_part2_dgamma_in = S_Vygamma_by_gamma_star*dgamma_star_dgamma_in
     dK_yalpha_dgamma_in = dK_yalpha_dgamma_star*dgamma_star_dgamma_in
+    dmu_y_loaded_dgamma_in = dgamma_star_dgamma_in*dmu_y_loaded_dgamma_star
     dG_yk_dgamma_in = dG_yk_dgamma_star*dgamma_star_dgamma_in
     dFx_dgamma_in = dFx_dgamma_star*dgamma_star_dgamma_in + dFx_dmu_x_loaded*dmu_x_loaded_dgamma_in
+    dM_zr_part1_dgamma_in = dM_zr_part1_dS_Hy_part2*dS_Hy_part2_dgamma_in + dM_zr_part1_dS_Vy_part2*dS_Vy_part2_dgamma_in
     dF_x0_v_dgamma_in = dF_x0_v_dmu_x_loaded*dmu_x_loaded_dgamma_in
-    dFy_dgamma_in = dD_Vyk_dgamma_in*dFy_dD_Vyk + dF_y0_part2_dgamma_in*dFy_dF_y0_part2 + dFy_dmu_y_loaded*dmu_y_loaded_dgamma_in
+    dFy_dgamma_in = dD_Vyk_dgamma_in*dFy_dD_Vyk + dF_y0_part2_dgamma_in*dFy_dF_y0_part2 + dFy_dS_Vy_part2*dS_Vy_part2_dgamma_in
     dzeta_2_dPDYP1 = B_yphi_by_PDYP1*zeta_2_by_B_yphi
     dzeta_2_dPDYP3 = dB_yphi_dPDYP3*zeta_2_by_B_yphi
     dzeta_2_dPDYP2 = dB_yphi_dPDYP2*zeta_2_by_B_yphi
     dzeta_2_ddfz = dB_yphi_ddfz*zeta_2_by_B_yphi
     dzeta_2_dalpha_in = dB_yphi_dalpha_in*zeta_2_by_B_yphi
-    dS_Vy_part2_dzeta_2 = S_Vy_part2_by_zeta_2 + S_Vygamma_by_zeta_2
-    dMz_part1_dzeta_2 = D_Vyk_by_zeta_2*dMz_part1_dD_Vyk + D_r_part7_by_zeta_2*dMz_part1_dD_r_part7 + dB_y_dzeta_2*dMz_part1_dB_y
-    dFy_dzeta_2 = D_Vyk_by_zeta_2*dFy_dD_Vyk + dF_y0_part2_dzeta_2*dFy_dF_y0_part2
+    dzeta_2_dVXLOW = dturn_share_dVXLOW*zeta_2_by_turn_share
+    dM_zr_part1_dzeta_2 = dB_y_dzeta_2*dM_zr_part1_dB_y + dM_zr_part1_dS_Vy_part2*dS_Vy_part2_dzeta_2
+    dMz_part1_dzeta_2 = D_Vyk_by_zeta_2*dMz_part1_dD_Vyk + D_r_part7_by_zeta_2*dMz_part1_dD_r_part7
+    dFy_dzeta_2 = D_Vyk_by_zeta_2*dFy_dD_Vyk + dF_y0_part2_dzeta_2*dFy_dF_y0_part2 + dFy_dS_Vy_part2*dS_Vy_part2_dzeta_2
     dalpha_in_dALPMIN = alpha_in_by_alpha_raised*alpha_raised_by_ALPMIN
     dalpha_in_dVXLOW = alpha_in_by_alpha_raised*dalpha_raised_dVXLOW
     dslide_dalpha_in = slide_by_tan_alpha*tan_alpha_by_alpha_in
     dtrail_dalpha_in = dalpha_star_dalpha_in*dtrail_dalpha_t + dtrail_dtan_alpha*tan_alpha_by_alpha_in
-    dMz_part1_dalpha_in = M_zr_by_D_r*dD_r_dalpha_in + dD_Vyk_dalpha_in*dMz_part1_dD_Vyk + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha_in + dMz_part1_dzeta_2*dzeta_2_dalpha_in
     dR_0_phi_dalpha_in = dR_0_phi_dphi_part4*dphi_part4_dalpha_in
+    dMz_part1_dalpha_in = M_zr_by_D_r*dD_r_dalpha_in + dD_Vyk_dalpha_in*dMz_part1_dD_Vyk + dMz_part1_dzeta_2*dzeta_2_dalpha_in
+    dM_zr_part1_dalpha_in = dM_zr_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha_in + dM_zr_part1_dzeta_2*dzeta_2_dalpha_in
     dG_yk_dalpha_in = dB_ykappa_dalpha_in*dG_yk_dB_ykappa
     dFx_dalpha_in = dFx_dG_xa*dG_xa_dalpha_in
     dFy_dalpha_in = dD_Vyk_dalpha_in*dFy_dD_Vyk + dF_y0_part2_dalpha_in*dFy_dF_y0_part2 + dFy_dzeta_2*dzeta_2_dalpha_in
-    dS_Vy_part2_dalpha_in = dS_Vy_part2_dzeta_2*dzeta_2_dalpha_in
-    ddfz_dFNOMIN = LFZO*ddfz_dF_z01
-    ddfz_dLFZO = FNOMIN*ddfz_dF_z01
-    ddfz_dFZMAX = F_z_limited_by_FZMAX*dfz_part1
-    dK_xkappa_ddfz = K_xkappa_by_K_xkappa_part1*PKX2 + PKX3*dK_xkappa_dK_xkappa_part3
-    dS_Vy_part2_ddfz = PVY2*S_Vy_part2_by_S_Vy_part1 + PVY4*S_Vygamma_by_S_Vygamma_part1 + dS_Vy_part2_dzeta_2*dzeta_2_ddfz
-    dG_yk_ddfz = RHY2*dG_yk_dS_Hyk + dE_ykappa_ddfz*dG_yk_dE_ykappa + dG_yk_dG_yk_w*dG_yk_w_ddfz
-    dF_x0_v_ddfz = dB_xphi_ddfz*dF_x0_v_dB_xphi + dF_x0_v_dkappa_x*dkappa_x_ddfz + dF_x0_v_dmu_x_loaded*dmu_x_loaded_ddfz - F_x0_v_part2*dE_x_ddfz
-    dR_0_phi_ddfz = dR_0_phi_dphi_part4*dphi_part4_ddfz
-    dMz_part1_ddfz = dB_Drphi_ddfz*dMz_part1_dB_Drphi + dD_Vyk_ddfz*dMz_part1_dD_Vyk + dD_r_part7_ddfz*dMz_part1_dD_r_part7 + dMz_part1_dS_Hy_part2*dS_Hy_part2_ddfz + dMz_part1_dmu_y_loaded*dmu_y_loaded_ddfz + dMz_part1_ds_part1*s_part1_by_dfz + dMz_part1_dzeta_2*dzeta_2_ddfz
-    dtrail_ddfz = E_t_by_dfz*dtrail_dE_t + dB_t_ddfz*dtrail_dB_t + dD_t_ddfz*trail_by_D_t + dalpha_t_ddfz*dtrail_dalpha_t
-    dFx_ddfz = dF_x0_part2_ddfz*dFx_dF_x0_part2 + dFx_dG_xa*dG_xa_ddfz + dFx_dmu_x_loaded*dmu_x_loaded_ddfz
-    dFy_ddfz = dD_Vyk_ddfz*dFy_dD_Vyk + dF_y0_part2_ddfz*dFy_dF_y0_part2 + dFy_dmu_y_loaded*dmu_y_loaded_ddfz + dFy_dzeta_2*dzeta_2_ddfz
+    dM_zphi_inf_signed_dmu_y_loaded = dM_zphi_inf_signed_dmu_y_pressed*mu_y_pressed_by_mu_y_loaded
+    dM_zphi_inf_signed_dFZMIN = dF_zm_dFZMIN*dM_zphi_inf_signed_dF_zm
+    dM_zphi_inf_signed_dFNOMIN = LFZO*dM_zphi_inf_signed_dF_z01
+    dM_zphi_inf_signed_dLFZO = FNOMIN*dM_zphi_inf_signed_dF_z01
+    dM_zphi_inf_signed_dFZMAX = F_z_limited_by_FZMAX*dM_zphi_inf_signed_dF_z_limited
+    dB_Drphi_dM_zphi_inf_signed = dB_Drphi_dD_Drphi*dD_Drphi_dM_zphi_inf_signed
+    dM_zr_part1_dM_zphi_inf_signed = dD_rphi_dM_zphi_inf_signed*dM_zr_part1_dD_rphi + dM_zphi90_dM_zphi_inf_signed*dM_zr_part1_dM_zphi90
+    dMz_part1_dM_zphi_inf_signed = dD_rphi_dM_zphi_inf_signed*dMz_part1_dD_rphi
     ddpi_dNOMPRES = -dpi_part1 + dpi_part1_by_NOMPRES*dpi_part2
     ddpi_dPRESMAX = dpi_part1*p_in_by_PRESMAX
     ddpi_dPRESMIN = ddpi_part2_dPRESMIN*dpi_part1
     dK_yalpha_ddpi = K_yalpha_by_K_yalpha_part1*PPY1 + dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_ddpi
     dK_xkappa_ddpi = K_xkappa_by_K_xkappa_part2*K_xkappa_part2_by_dpi
+    dmu_y_loaded_ddpi = mu_y_loaded_by_mu_y_loaded_part3*mu_y_loaded_part3_by_dpi
     dR_0_phi_ddpi = dR_0_phi_dR_e_2*dR_e_2_ddpi
-    dMz_part1_ddpi = dD_r_part7_ddpi*dMz_part1_dD_r_part7 + dMz_part1_dmu_y_loaded*dmu_y_loaded_ddpi
+    dMz_part1_ddpi = dD_r_part7_ddpi*dMz_part1_dD_r_part7
     dtrail_ddpi = dD_t_ddpi*trail_by_D_t
     dF_x0_v_ddpi = dF_x0_v_dmu_x_loaded*dmu_x_loaded_ddpi
     dFx_ddpi = dFx_dmu_x_loaded*dmu_x_loaded_ddpi
-    dFy_ddpi = dFy_dmu_y_loaded*dmu_y_loaded_ddpi
     dF_x0_v_dK_xkappa = B_x_part3*dF_x0_v_dB_x
     dF_x0_v_dLCX = PCX1*dF_x0_v_dC_x
     dF_x0_v_dPCX1 = LCX*dF_x0_v_dC_x
     dF_x0_v_dLHX = S_Hx_by_LHX*dF_x0_v_dkappa_x
     dF_x0_v_dPHX1 = S_Hx_by_S_Hx_part1*dF_x0_v_dkappa_x
     dF_x0_v_dPHX2 = dF_x0_v_dkappa_x*dkappa_x_dPHX2
+    dF_x0_v_ddfz = dF_x0_v_dkappa_x*dkappa_x_ddfz + dF_x0_v_dmu_x_loaded*dmu_x_loaded_ddfz + dF_x0_v_dzeta_1*dzeta_1_ddfz - F_x0_v_part2*dE_x_ddfz
     dF_x0_v_dLEX = -F_x0_v_part2*dE_x_dLEX
     dF_x0_v_dPEX1 = -F_x0_v_part2*dE_x_dPEX1
     dF_x0_v_dPEX2 = -F_x0_v_part2*dE_x_dPEX2
     dF_x0_v_dPEX3 = -F_x0_v_part2*dE_x_dPEX3
     dF_x0_v_dPEX4 = -F_x0_v_part2*dE_x_dPEX4
-    dF_x0_v_dVXLOW = dF_x0_v_dfade_smooth*fade_smooth_by_VXLOW + dF_x0_v_dkappa_in*dkappa_in_dVXLOW
-    dF_x0_v_dR_0_phi = dD_x_dR_0_phi*dF_x0_v_dD_x
-    dF_x0_v_dPDXP1 = B_xphi_by_PDXP1*dF_x0_v_dB_xphi
-    dF_x0_v_dPDXP3 = dB_xphi_dPDXP3*dF_x0_v_dB_xphi
-    dF_x0_v_dPDXP2 = dB_xphi_dPDXP2*dF_x0_v_dB_xphi
-    dF_x0_v_dFZMAX = F_z_limited_by_FZMAX*dF_x0_v_dF_z_limited + dF_x0_v_ddfz*ddfz_dFZMAX
+    dF_x0_v_dVXLOW = dF_x0_v_dfade_smooth*fade_smooth_by_VXLOW + dF_x0_v_dkappa_in*dkappa_in_dVXLOW + dF_x0_v_dzeta_1*dzeta_1_dVXLOW
+    dF_x0_v_dR_0_phi = dF_x0_v_dzeta_1*zeta_1_by_R_0_phi
+    dF_x0_v_dPDXP1 = dF_x0_v_dzeta_1*dzeta_1_dPDXP1
+    dF_x0_v_dPDXP3 = dF_x0_v_dzeta_1*dzeta_1_dPDXP3
+    dF_x0_v_dPDXP2 = dF_x0_v_dzeta_1*dzeta_1_dPDXP2
+    dF_x0_v_dFZMAX = F_z_limited_by_FZMAX*dF_x0_v_dF_z_limited
     dF_x0_v_dPDX3 = dF_x0_v_dmu_x_loaded*dmu_x_loaded_dPDX3
     dF_x0_v_dPDX1 = dF_x0_v_dmu_x_loaded*mu_x_loaded_by_mu_x_loaded_part2
     dF_x0_v_dPDX2 = dF_x0_v_dmu_x_loaded*dmu_x_loaded_dPDX2
@@ -3271,35 +3319,56 @@ def jacobian_parameters(inputs, parameters):
     dF_x0_v_dKPUMIN = dF_x0_v_dkappa_in*dkappa_in_dKPUMIN
     dF_x0_v_dCAMMAX = dF_x0_v_dgamma_in*gamma_in_by_CAMMAX
     dF_x0_v_dCAMMIN = dF_x0_v_dgamma_in*dgamma_in_dCAMMIN
-    dF_x0_v_dFNOMIN = dF_x0_v_ddfz*ddfz_dFNOMIN
-    dF_x0_v_dLFZO = dF_x0_v_ddfz*ddfz_dLFZO
     dF_x0_v_dNOMPRES = dF_x0_v_ddpi*ddpi_dNOMPRES
     dF_x0_v_dPRESMAX = dF_x0_v_ddpi*ddpi_dPRESMAX
     dF_x0_v_dPRESMIN = dF_x0_v_ddpi*ddpi_dPRESMIN
     dFx_dF_x0_v = dF_x0_part2_dF_x0_v*dFx_dF_x0_part2
-    dslide_dKPUMAX = kappa_in_by_KPUMAX*slide_by_kappa_in
-    dslide_dKPUMIN = dkappa_in_dKPUMIN*slide_by_kappa_in
-    dslide_dVXLOW = dalpha_in_dVXLOW*dslide_dalpha_in + dkappa_in_dVXLOW*slide_by_kappa_in
-    dslide_dALPMAX = alpha_in_by_ALPMAX*dslide_dalpha_in
-    dslide_dALPMIN = dalpha_in_dALPMIN*dslide_dalpha_in
-    dS_Vy_part2_dslide = LMUY_star_by_slide*dS_Vy_part2_dLMUY_star
-    dMz_part1_dslide = LMUY_star_by_slide*dMz_part1_dLMUY_star + dMz_part1_dmu_y_loaded*dmu_y_loaded_dslide
-    dtrail_dslide = dB_t_dslide*dtrail_dB_t
-    dFx_dslide = dF_x0_part2_dslide*dFx_dF_x0_part2 + dF_x0_v_dslide*dFx_dF_x0_v + dFx_dmu_x_loaded*dmu_x_loaded_dslide
-    dFy_dslide = dFy_dmu_y_loaded*dmu_y_loaded_dslide
+    ddfz_dFNOMIN = LFZO*ddfz_dF_z01
+    ddfz_dLFZO = FNOMIN*ddfz_dF_z01
+    ddfz_dFZMAX = F_z_limited_by_FZMAX*dfz_part1
+    dK_xkappa_ddfz = K_xkappa_by_K_xkappa_part1*PKX2 + PKX3*dK_xkappa_dK_xkappa_part3
+    dmu_y_loaded_ddfz = PDY2*mu_y_loaded_by_mu_y_loaded_part2
+    dB_Drphi_ddfz = PECP2*dB_Drphi_deps_gamma_part1 + dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_ddfz
+    dG_yk_ddfz = RHY2*dG_yk_dS_Hyk + dE_ykappa_ddfz*dG_yk_dE_ykappa + dG_yk_dG_yk_w*dG_yk_w_ddfz
+    dR_0_phi_ddfz = dR_0_phi_dphi_part4*dphi_part4_ddfz
+    dMz_part1_ddfz = dD_Vyk_ddfz*dMz_part1_dD_Vyk + dD_r_part7_ddfz*dMz_part1_dD_r_part7 + dMz_part1_ds_part1*s_part1_by_dfz + dMz_part1_dzeta_2*dzeta_2_ddfz
+    dtrail_ddfz = E_t_by_dfz*dtrail_dE_t + dB_t_ddfz*dtrail_dB_t + dD_t_ddfz*trail_by_D_t + dalpha_t_ddfz*dtrail_dalpha_t
+    dFx_ddfz = dF_x0_part2_ddfz*dFx_dF_x0_part2 + dF_x0_v_ddfz*dFx_dF_x0_v + dFx_dG_xa*dG_xa_ddfz + dFx_dmu_x_loaded*dmu_x_loaded_ddfz + dFx_dzeta_1*dzeta_1_ddfz
+    dM_zr_part1_ddfz = dM_zr_part1_dS_Hy_part2*dS_Hy_part2_ddfz + dM_zr_part1_dS_Vy_part2*dS_Vy_part2_ddfz + dM_zr_part1_dzeta_2*dzeta_2_ddfz
+    dFy_ddfz = dD_Vyk_ddfz*dFy_dD_Vyk + dF_y0_part2_ddfz*dFy_dF_y0_part2 + dFy_dS_Vy_part2*dS_Vy_part2_ddfz + dFy_dzeta_2*dzeta_2_ddfz
     dK_xkappa_dPKX2 = K_xkappa_by_K_xkappa_part1*dfz
     dK_xkappa_dPKX3 = dK_xkappa_dK_xkappa_part3*dfz
     dK_xkappa_dPPX1 = K_xkappa_by_K_xkappa_part2*dpi
     dK_xkappa_dPPX2 = K_xkappa_by_K_xkappa_part2*K_xkappa_part2_by_PPX2
     dK_xkappa_dFZMAX = F_z_limited_by_FZMAX*K_xkappa_by_F_z_limited + dK_xkappa_ddfz*ddfz_dFZMAX
-    dK_xkappa_dFNOMIN = dK_xkappa_ddfz*ddfz_dFNOMIN
-    dK_xkappa_dLFZO = dK_xkappa_ddfz*ddfz_dLFZO
     dK_xkappa_dNOMPRES = dK_xkappa_ddpi*ddpi_dNOMPRES
     dK_xkappa_dPRESMAX = dK_xkappa_ddpi*ddpi_dPRESMAX
     dK_xkappa_dPRESMIN = dK_xkappa_ddpi*ddpi_dPRESMIN
+    dK_xkappa_dFNOMIN = dK_xkappa_ddfz*ddfz_dFNOMIN
+    dK_xkappa_dLFZO = dK_xkappa_ddfz*ddfz_dLFZO
     dtrail_dK_xkappa = dtrail_dslip_alpha_teq_part1*kappa_share_by_K_xkappa
-    dMz_part1_dK_xkappa = dMz_part1_dslip_alpha_req_part1*kappa_share_by_K_xkappa
+    dM_zr_part1_dK_xkappa = dM_zr_part1_dslip_alpha_req_part1*kappa_share_by_K_xkappa
     dFx_dK_xkappa = dF_x0_v_dK_xkappa*dFx_dF_x0_v
+    dB_Drphi_dQDRP1 = B_Drphi_by_B_Drphi_part2*B_Drphi_part2_by_QDRP1 + dB_Drphi_dD_Drphi*dD_Drphi_dQDRP1
+    dB_Drphi_dPECP1 = -dB_Drphi_dB_Drphi_part3*eps_gamma_part1
+    dB_Drphi_dPECP2 = dB_Drphi_deps_gamma_part1*dfz
+    dB_Drphi_dLKZC = B_Drphi_by_K_zgammar0*K_zgammar0_by_LKZC
+    dB_Drphi_dUNLOADED_RADIUS = B_Drphi_by_K_zgammar0*K_zgammar0_by_UNLOADED_RADIUS + M_zphi_inf_signed_by_UNLOADED_RADIUS*dB_Drphi_dM_zphi_inf_signed
+    dB_Drphi_dQDZ10 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ10
+    dB_Drphi_dQDZ11 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ11
+    dB_Drphi_dQDZ8 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ8
+    dB_Drphi_dQDZ9 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ9
+    dB_Drphi_dFZMIN = dB_Drphi_dF_zm*dF_zm_dFZMIN + dB_Drphi_dM_zphi_inf_signed*dM_zphi_inf_signed_dFZMIN
+    dB_Drphi_dFZMAX = F_z_limited_by_FZMAX*dB_Drphi_dF_z_limited + dB_Drphi_dM_zphi_inf_signed*dM_zphi_inf_signed_dFZMAX + dB_Drphi_ddfz*ddfz_dFZMAX
+    dB_Drphi_dCAMMAX = dB_Drphi_dgamma_in*gamma_in_by_CAMMAX
+    dB_Drphi_dCAMMIN = dB_Drphi_dgamma_in*dgamma_in_dCAMMIN
+    dB_Drphi_dLMP = M_zphi_inf_signed_by_LMP*dB_Drphi_dM_zphi_inf_signed
+    dB_Drphi_dQCRP1 = M_zphi_inf_signed_by_QCRP1*dB_Drphi_dM_zphi_inf_signed
+    dB_Drphi_dmu_y_loaded = dB_Drphi_dM_zphi_inf_signed*dM_zphi_inf_signed_dmu_y_loaded
+    dB_Drphi_dFNOMIN = dB_Drphi_dM_zphi_inf_signed*dM_zphi_inf_signed_dFNOMIN + dB_Drphi_ddfz*ddfz_dFNOMIN
+    dB_Drphi_dLFZO = dB_Drphi_dM_zphi_inf_signed*dM_zphi_inf_signed_dLFZO + dB_Drphi_ddfz*ddfz_dLFZO
+    dM_zr_part1_dB_Drphi = dD_rphi_dB_Drphi*dM_zr_part1_dD_rphi
+    dMz_part1_dB_Drphi = dD_rphi_dB_Drphi*dMz_part1_dD_rphi
     dG_yk_dRCY1 = G_yk0_w_part1*dG_yk_dG_yk0_w + G_yk_w_part1*dG_yk_dG_yk_w
     dG_yk_dRHY1 = dG_yk_dS_Hyk + dG_yk_dG_yk_w*dG_yk_w_dS_Hyk
     dG_yk_dRHY2 = dG_yk_dG_yk_w*dG_yk_w_dRHY2 + dG_yk_dS_Hyk*dfz
@@ -3320,34 +3389,23 @@ def jacobian_parameters(inputs, parameters):
     dG_yk_dFNOMIN = dG_yk_ddfz*ddfz_dFNOMIN
     dG_yk_dLFZO = dG_yk_ddfz*ddfz_dLFZO
     dG_yk_dFZMAX = dG_yk_ddfz*ddfz_dFZMAX
-    dMz_part1_dG_yk = M_zphi90_by_G_yk*dMz_part1_dM_zphi90
+    dM_zr_part1_dG_yk = M_zphi90_by_G_yk*dM_zr_part1_dM_zphi90
     dFy_dG_yk = F_y0*Fy_by_Fy_part1
-    dS_Vy_part2_dPVY4 = S_Vygamma_by_S_Vygamma_part1*dfz
-    dS_Vy_part2_dPVY2 = S_Vy_part2_by_S_Vy_part1*dfz
-    dS_Vy_part2_dLMUY = LMUY_star_by_LMUY*dS_Vy_part2_dLMUY_star
-    dS_Vy_part2_dFZMAX = F_z_limited_by_FZMAX*dS_Vy_part2_dF_z_limited + dS_Vy_part2_ddfz*ddfz_dFZMAX
-    dS_Vy_part2_dCAMMAX = dS_Vy_part2_dgamma_in*gamma_in_by_CAMMAX
-    dS_Vy_part2_dCAMMIN = dS_Vy_part2_dgamma_in*dgamma_in_dCAMMIN
-    dS_Vy_part2_dPDYP4 = dS_Vy_part2_dzeta_2*zeta_2_by_PDYP4
-    dS_Vy_part2_dR_0_phi = dS_Vy_part2_dzeta_2*zeta_2_by_R_0_phi
-    dS_Vy_part2_dPDYP1 = dS_Vy_part2_dzeta_2*dzeta_2_dPDYP1
-    dS_Vy_part2_dPDYP3 = dS_Vy_part2_dzeta_2*dzeta_2_dPDYP3
-    dS_Vy_part2_dPDYP2 = dS_Vy_part2_dzeta_2*dzeta_2_dPDYP2
-    dS_Vy_part2_dALPMAX = alpha_in_by_ALPMAX*dS_Vy_part2_dalpha_in + dS_Vy_part2_dslide*dslide_dALPMAX
-    dS_Vy_part2_dALPMIN = dS_Vy_part2_dalpha_in*dalpha_in_dALPMIN + dS_Vy_part2_dslide*dslide_dALPMIN
-    dS_Vy_part2_dVXLOW = dS_Vy_part2_dalpha_in*dalpha_in_dVXLOW + dS_Vy_part2_dslide*dslide_dVXLOW
-    dS_Vy_part2_dFNOMIN = dS_Vy_part2_ddfz*ddfz_dFNOMIN
-    dS_Vy_part2_dLFZO = dS_Vy_part2_ddfz*ddfz_dLFZO
-    dS_Vy_part2_dLMUV = dS_Vy_part2_dslide*slide_by_LMUV
-    dS_Vy_part2_dLONGVL = dS_Vy_part2_dslide*slide_by_LONGVL
-    dS_Vy_part2_dKPUMAX = dS_Vy_part2_dslide*dslide_dKPUMAX
-    dS_Vy_part2_dKPUMIN = dS_Vy_part2_dslide*dslide_dKPUMIN
-    dMz_part1_dS_Vy_part2 = dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dS_Vy_part2
-    dFy_dS_Vy_part2 = dFy_dF_y0_part2*fade_smooth
+    dslide_dKPUMAX = kappa_in_by_KPUMAX*slide_by_kappa_in
+    dslide_dKPUMIN = dkappa_in_dKPUMIN*slide_by_kappa_in
+    dslide_dVXLOW = dalpha_in_dVXLOW*dslide_dalpha_in + dkappa_in_dVXLOW*slide_by_kappa_in
+    dslide_dALPMAX = alpha_in_by_ALPMAX*dslide_dalpha_in
+    dslide_dALPMIN = dalpha_in_dALPMIN*dslide_dalpha_in
+    dmu_y_loaded_dslide = LMUY_star_by_slide*mu_y_loaded_by_LMUY_star
+    dM_zr_part1_dslide = LMUY_star_by_slide*dM_zr_part1_dLMUY_star + dM_zr_part1_dS_Vy_part2*dS_Vy_part2_dslide
+    dMz_part1_dslide = LMUY_star_by_slide*dMz_part1_dLMUY_star
+    dtrail_dslide = dB_t_dslide*dtrail_dB_t
+    dFx_dslide = dF_x0_part2_dslide*dFx_dF_x0_part2 + dF_x0_v_dslide*dFx_dF_x0_v + dFx_dmu_x_loaded*dmu_x_loaded_dslide
+    dFy_dslide = dFy_dS_Vy_part2*dS_Vy_part2_dslide
     dtrail_dLFZO = dD_t_dLFZO*trail_by_D_t + dK_xkappa_dLFZO*dtrail_dK_xkappa + ddfz_dLFZO*dtrail_ddfz + trail_by_trail_part1*trail_part1_by_LFZO
     dtrail_dQCZ1 = E_t_by_C_t*dtrail_dE_t + dtrail_dtrail_w*trail_w_part1
     dtrail_dK_yalpha = dslip_alpha_teq_part1_dK_yalpha*dtrail_dslip_alpha_teq_part1
-    dtrail_dVXLOW = dalpha_in_dVXLOW*dtrail_dalpha_in + dkappa_in_dVXLOW*dtrail_dkappa_in + dslide_dVXLOW*dtrail_dslide + fade_smooth_by_VXLOW*trail_by_fade_smooth
+    dtrail_dVXLOW = dD_t_dVXLOW*trail_by_D_t + dalpha_in_dVXLOW*dtrail_dalpha_in + dkappa_in_dVXLOW*dtrail_dkappa_in + dslide_dVXLOW*dtrail_dslide + fade_smooth_by_VXLOW*trail_by_fade_smooth
     dtrail_dQEZ1 = E_t_by_QEZ1*dtrail_dE_t
     dtrail_dQEZ2 = E_t_by_QEZ2*dtrail_dE_t
     dtrail_dQEZ3 = E_t_by_QEZ3*dtrail_dE_t
@@ -3366,11 +3424,11 @@ def jacobian_parameters(inputs, parameters):
     dtrail_dLMUY = dB_t_dLMUY*dtrail_dB_t
     dtrail_dLTR = D_t_by_LTR*trail_by_D_t
     dtrail_dUNLOADED_RADIUS = D_t_by_UNLOADED_RADIUS*trail_by_D_t
-    dtrail_dQDTP1 = dD_t_dQDTP1*trail_by_D_t
-    dtrail_dR_0_phi = dD_t_dR_0_phi*trail_by_D_t
     dtrail_dPPZ1 = dD_t_dPPZ1*trail_by_D_t
     dtrail_dQDZ1 = D_t_by_D_t_part3*trail_by_D_t
     dtrail_dQDZ2 = dD_t_dQDZ2*trail_by_D_t
+    dtrail_dQDTP1 = dD_t_dQDTP1*trail_by_D_t
+    dtrail_dR_0_phi = dD_t_dR_0_phi*trail_by_D_t
     dtrail_dQDZ3 = dD_t_dQDZ3*trail_by_D_t
     dtrail_dQDZ4 = dD_t_dQDZ4*trail_by_D_t
     dtrail_dFZMIN = dD_t_dFZMIN*trail_by_D_t
@@ -3385,19 +3443,20 @@ def jacobian_parameters(inputs, parameters):
     dtrail_dNOMPRES = dK_xkappa_dNOMPRES*dtrail_dK_xkappa + ddpi_dNOMPRES*dtrail_ddpi
     dtrail_dPRESMAX = dK_xkappa_dPRESMAX*dtrail_dK_xkappa + ddpi_dPRESMAX*dtrail_ddpi
     dtrail_dPRESMIN = dK_xkappa_dPRESMIN*dtrail_dK_xkappa + ddpi_dPRESMIN*dtrail_ddpi
-    dtrail_dLMUV = dtrail_dslide*slide_by_LMUV
-    dtrail_dLONGVL = dtrail_dslide*slide_by_LONGVL
     dtrail_dLKX = K_xkappa_by_LKX*dtrail_dK_xkappa
     dtrail_dPKX1 = K_xkappa_by_K_xkappa_part1*dtrail_dK_xkappa
     dtrail_dPKX2 = dK_xkappa_dPKX2*dtrail_dK_xkappa
     dtrail_dPKX3 = dK_xkappa_dPKX3*dtrail_dK_xkappa
     dtrail_dPPX1 = dK_xkappa_dPPX1*dtrail_dK_xkappa
     dtrail_dPPX2 = dK_xkappa_dPPX2*dtrail_dK_xkappa
-    dK_yalpha_dPKYP1 = K_yalpha_by_zeta_3*zeta_3_by_PKYP1
-    dK_yalpha_dR_0_phi = K_yalpha_by_zeta_3*zeta_3_by_R_0_phi
+    dtrail_dLMUV = dtrail_dslide*slide_by_LMUV
+    dtrail_dLONGVL = dtrail_dslide*slide_by_LONGVL
     dK_yalpha_dPPY1 = K_yalpha_by_K_yalpha_part1*dpi
     dK_yalpha_dPKY3 = -K_yalpha_by_K_yalpha_part3*K_yalpha_part2
     dK_yalpha_dPKY4 = K_yalpha_part10*dK_yalpha_dK_yalpha_part11
+    dK_yalpha_dPKYP1 = K_yalpha_by_zeta_3*zeta_3_by_PKYP1
+    dK_yalpha_dR_0_phi = K_yalpha_by_zeta_3*zeta_3_by_R_0_phi
+    dK_yalpha_dVXLOW = dK_yalpha_dturn_share*dturn_share_dVXLOW
     dK_yalpha_dPPY2 = dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_dPPY2
     dK_yalpha_dPKY2 = dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_dK_yalpha_part7
     dK_yalpha_dPKY5 = dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_dPKY5
@@ -3409,8 +3468,111 @@ def jacobian_parameters(inputs, parameters):
     dK_yalpha_dNOMPRES = dK_yalpha_ddpi*ddpi_dNOMPRES
     dK_yalpha_dPRESMAX = dK_yalpha_ddpi*ddpi_dPRESMAX
     dK_yalpha_dPRESMIN = dK_yalpha_ddpi*ddpi_dPRESMIN
-    dMz_part1_dK_yalpha = B_y_part3*dMz_part1_dB_y + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dK_yalpha - F_y1*dtrail_dK_yalpha
+    dM_zr_part1_dK_yalpha = B_y_part3*dM_zr_part1_dB_y + dM_zr_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dK_yalpha
     dFy_dK_yalpha = dF_y0_part2_dK_yalpha*dFy_dF_y0_part2
+    dMz_part1_dK_yalpha = -F_y1*dtrail_dK_yalpha
+    dmu_y_loaded_dPDY3 = mu_y_loaded_by_mu_y_loaded_part1*mu_y_loaded_part1_by_PDY3
+    dmu_y_loaded_dPDY2 = dfz*mu_y_loaded_by_mu_y_loaded_part2
+    dmu_y_loaded_dPPY3 = dpi*mu_y_loaded_by_mu_y_loaded_part3
+    dmu_y_loaded_dPPY4 = mu_y_loaded_by_mu_y_loaded_part3*mu_y_loaded_part3_by_PPY4
+    dmu_y_loaded_dLMUY = LMUY_star_by_LMUY*mu_y_loaded_by_LMUY_star
+    dmu_y_loaded_dCAMMAX = dmu_y_loaded_dgamma_in*gamma_in_by_CAMMAX
+    dmu_y_loaded_dCAMMIN = dgamma_in_dCAMMIN*dmu_y_loaded_dgamma_in
+    dmu_y_loaded_dNOMPRES = ddpi_dNOMPRES*dmu_y_loaded_ddpi
+    dmu_y_loaded_dPRESMAX = ddpi_dPRESMAX*dmu_y_loaded_ddpi
+    dmu_y_loaded_dPRESMIN = ddpi_dPRESMIN*dmu_y_loaded_ddpi
+    dmu_y_loaded_dFNOMIN = ddfz_dFNOMIN*dmu_y_loaded_ddfz
+    dmu_y_loaded_dLFZO = ddfz_dLFZO*dmu_y_loaded_ddfz
+    dmu_y_loaded_dFZMAX = ddfz_dFZMAX*dmu_y_loaded_ddfz
+    dmu_y_loaded_dLMUV = dmu_y_loaded_dslide*slide_by_LMUV
+    dmu_y_loaded_dLONGVL = dmu_y_loaded_dslide*slide_by_LONGVL
+    dmu_y_loaded_dKPUMAX = dmu_y_loaded_dslide*dslide_dKPUMAX
+    dmu_y_loaded_dKPUMIN = dmu_y_loaded_dslide*dslide_dKPUMIN
+    dmu_y_loaded_dVXLOW = dmu_y_loaded_dslide*dslide_dVXLOW
+    dmu_y_loaded_dALPMAX = dmu_y_loaded_dslide*dslide_dALPMAX
+    dmu_y_loaded_dALPMIN = dmu_y_loaded_dslide*dslide_dALPMIN
+    dM_zr_part1_dmu_y_loaded = dB_Drphi_dmu_y_loaded*dM_zr_part1_dB_Drphi + dB_y_dmu_y_loaded*dM_zr_part1_dB_y + dM_zphi_inf_signed_dmu_y_loaded*dM_zr_part1_dM_zphi_inf_signed
+    dMz_part1_dmu_y_loaded = dB_Drphi_dmu_y_loaded*dMz_part1_dB_Drphi + dD_Vyk_dmu_y_loaded*dMz_part1_dD_Vyk + dM_zphi_inf_signed_dmu_y_loaded*dMz_part1_dM_zphi_inf_signed
+    dFy_dmu_y_loaded = dD_Vyk_dmu_y_loaded*dFy_dD_Vyk + dF_y0_part2_dmu_y_loaded*dFy_dF_y0_part2
+    dM_zr_part1_dQBRP1 = dB_r_dQBRP1*dM_zr_part1_dB_r
+    dM_zr_part1_dR_0_phi = dB_r_dR_0_phi*dM_zr_part1_dB_r + dK_yalpha_dR_0_phi*dM_zr_part1_dK_yalpha + dM_zr_part1_dzeta_2*zeta_2_by_R_0_phi
+    dM_zr_part1_dQCRP2 = dM_zphi90_dQCRP2*dM_zr_part1_dM_zphi90
+    dM_zr_part1_dUNLOADED_RADIUS = M_zphi_inf_signed_by_UNLOADED_RADIUS*dM_zr_part1_dM_zphi_inf_signed + dB_Drphi_dUNLOADED_RADIUS*dM_zr_part1_dB_Drphi + dD_rphi_dUNLOADED_RADIUS*dM_zr_part1_dD_rphi + dM_zphi90_dUNLOADED_RADIUS*dM_zr_part1_dM_zphi90
+    dM_zr_part1_dVXLOW = dD_rphi_dVXLOW*dM_zr_part1_dD_rphi + dG_yk_dVXLOW*dM_zr_part1_dG_yk + dK_yalpha_dVXLOW*dM_zr_part1_dK_yalpha + dM_zphi90_dVXLOW*dM_zr_part1_dM_zphi90 + dM_zr_part1_dalpha_in*dalpha_in_dVXLOW + dM_zr_part1_dkappa_in*dkappa_in_dVXLOW + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dVXLOW + dM_zr_part1_dslide*dslide_dVXLOW + dM_zr_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dVXLOW + dM_zr_part1_dturn_share*dturn_share_dVXLOW + dM_zr_part1_dzeta_2*dzeta_2_dVXLOW
+    dM_zr_part1_dLKY = B_r_part2_by_LKY*dM_zr_part1_dB_r_part2 + K_yalpha_by_LKY*dM_zr_part1_dK_yalpha
+    dM_zr_part1_dQBZ10 = B_r_part2_by_QBZ10*dM_zr_part1_dB_r_part2
+    dM_zr_part1_dQBZ9 = B_r_part2_by_QBZ9*dM_zr_part1_dB_r_part2
+    dM_zr_part1_dLCY = dB_r_part2_dLCY*dM_zr_part1_dB_r_part2 + dB_y_dLCY*dM_zr_part1_dB_y
+    dM_zr_part1_dPCY1 = dB_r_part2_dPCY1*dM_zr_part1_dB_r_part2 + dB_y_dPCY1*dM_zr_part1_dB_y
+    dM_zr_part1_dLMUY = LMUY_star_by_LMUY*dM_zr_part1_dLMUY_star + dM_zr_part1_dS_Vy_part2*dS_Vy_part2_dLMUY + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dLMUY
+    dM_zr_part1_dQDRP1 = dB_Drphi_dQDRP1*dM_zr_part1_dB_Drphi + dD_rphi_dQDRP1*dM_zr_part1_dD_rphi
+    dM_zr_part1_dLHY = S_Hy_part1*dM_zr_part1_dS_Hy_part2
+    dM_zr_part1_dLKYC = S_Hy_part2_by_LKYC*dM_zr_part1_dS_Hy_part2 + S_Vygamma_by_LKYC*dM_zr_part1_dS_Vy_part2
+    dM_zr_part1_dPHY3 = S_Hy_part2_by_PHY3*dM_zr_part1_dS_Hy_part2
+    dM_zr_part1_dPHY1 = LHY*dM_zr_part1_dS_Hy_part2
+    dM_zr_part1_dPHY2 = dM_zr_part1_dS_Hy_part2*dS_Hy_part2_dPHY2
+    dM_zr_part1_dFZMAX = F_z_limited_by_FZMAX*dM_zr_part1_dF_z_limited + dB_Drphi_dFZMAX*dM_zr_part1_dB_Drphi + dG_yk_dFZMAX*dM_zr_part1_dG_yk + dK_xkappa_dFZMAX*dM_zr_part1_dK_xkappa + dK_yalpha_dFZMAX*dM_zr_part1_dK_yalpha + dM_zphi_inf_signed_dFZMAX*dM_zr_part1_dM_zphi_inf_signed + dM_zr_part1_dS_Vy_part2*dS_Vy_part2_dFZMAX + dM_zr_part1_ddfz*ddfz_dFZMAX + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dFZMAX
+    dM_zr_part1_dKPUMAX = dG_yk_dKPUMAX*dM_zr_part1_dG_yk + dM_zr_part1_dkappa_in*kappa_in_by_KPUMAX + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dKPUMAX + dM_zr_part1_dslide*dslide_dKPUMAX
+    dM_zr_part1_dKPUMIN = dG_yk_dKPUMIN*dM_zr_part1_dG_yk + dM_zr_part1_dkappa_in*dkappa_in_dKPUMIN + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dKPUMIN + dM_zr_part1_dslide*dslide_dKPUMIN
+    dM_zr_part1_dLVY = S_Vy_part2_by_LVY*dM_zr_part1_dS_Vy_part2
+    dM_zr_part1_dPVY3 = S_Vygamma_by_S_Vygamma_part1*dM_zr_part1_dS_Vy_part2
+    dM_zr_part1_dPVY4 = dM_zr_part1_dS_Vy_part2*dS_Vy_part2_dPVY4
+    dM_zr_part1_dPVY1 = S_Vy_part2_by_S_Vy_part1*dM_zr_part1_dS_Vy_part2
+    dM_zr_part1_dPVY2 = dM_zr_part1_dS_Vy_part2*dS_Vy_part2_dPVY2
+    dM_zr_part1_dCAMMAX = dB_Drphi_dCAMMAX*dM_zr_part1_dB_Drphi + dG_yk_dCAMMAX*dM_zr_part1_dG_yk + dK_yalpha_dCAMMAX*dM_zr_part1_dK_yalpha + dM_zr_part1_dgamma_in*gamma_in_by_CAMMAX + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dCAMMAX
+    dM_zr_part1_dCAMMIN = dB_Drphi_dCAMMIN*dM_zr_part1_dB_Drphi + dG_yk_dCAMMIN*dM_zr_part1_dG_yk + dK_yalpha_dCAMMIN*dM_zr_part1_dK_yalpha + dM_zr_part1_dgamma_in*dgamma_in_dCAMMIN + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dCAMMIN
+    dM_zr_part1_dPDYP4 = dM_zr_part1_dzeta_2*zeta_2_by_PDYP4
+    dM_zr_part1_dPDYP1 = dM_zr_part1_dzeta_2*dzeta_2_dPDYP1
+    dM_zr_part1_dPDYP3 = dM_zr_part1_dzeta_2*dzeta_2_dPDYP3
+    dM_zr_part1_dPDYP2 = dM_zr_part1_dzeta_2*dzeta_2_dPDYP2
+    dM_zr_part1_dALPMAX = alpha_in_by_ALPMAX*dM_zr_part1_dalpha_in + dG_yk_dALPMAX*dM_zr_part1_dG_yk + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dALPMAX + dM_zr_part1_dslide*dslide_dALPMAX
+    dM_zr_part1_dALPMIN = dG_yk_dALPMIN*dM_zr_part1_dG_yk + dM_zr_part1_dalpha_in*dalpha_in_dALPMIN + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dALPMIN + dM_zr_part1_dslide*dslide_dALPMIN
+    dM_zr_part1_dLMP = M_zphi_inf_signed_by_LMP*dM_zr_part1_dM_zphi_inf_signed + dB_Drphi_dLMP*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dQCRP1 = M_zphi_inf_signed_by_QCRP1*dM_zr_part1_dM_zphi_inf_signed + dB_Drphi_dQCRP1*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dFZMIN = dB_Drphi_dFZMIN*dM_zr_part1_dB_Drphi + dM_zphi_inf_signed_dFZMIN*dM_zr_part1_dM_zphi_inf_signed
+    dM_zr_part1_dFNOMIN = dB_Drphi_dFNOMIN*dM_zr_part1_dB_Drphi + dG_yk_dFNOMIN*dM_zr_part1_dG_yk + dK_xkappa_dFNOMIN*dM_zr_part1_dK_xkappa + dK_yalpha_dFNOMIN*dM_zr_part1_dK_yalpha + dM_zphi_inf_signed_dFNOMIN*dM_zr_part1_dM_zphi_inf_signed + dM_zr_part1_ddfz*ddfz_dFNOMIN + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dFNOMIN
+    dM_zr_part1_dLFZO = dB_Drphi_dLFZO*dM_zr_part1_dB_Drphi + dG_yk_dLFZO*dM_zr_part1_dG_yk + dK_xkappa_dLFZO*dM_zr_part1_dK_xkappa + dK_yalpha_dLFZO*dM_zr_part1_dK_yalpha + dM_zphi_inf_signed_dLFZO*dM_zr_part1_dM_zphi_inf_signed + dM_zr_part1_ddfz*ddfz_dLFZO + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dLFZO
+    dM_zr_part1_dLKX = K_xkappa_by_LKX*dM_zr_part1_dK_xkappa
+    dM_zr_part1_dPKX1 = K_xkappa_by_K_xkappa_part1*dM_zr_part1_dK_xkappa
+    dM_zr_part1_dPKX2 = dK_xkappa_dPKX2*dM_zr_part1_dK_xkappa
+    dM_zr_part1_dPKX3 = dK_xkappa_dPKX3*dM_zr_part1_dK_xkappa
+    dM_zr_part1_dPPX1 = dK_xkappa_dPPX1*dM_zr_part1_dK_xkappa
+    dM_zr_part1_dPPX2 = dK_xkappa_dPPX2*dM_zr_part1_dK_xkappa
+    dM_zr_part1_dNOMPRES = dK_xkappa_dNOMPRES*dM_zr_part1_dK_xkappa + dK_yalpha_dNOMPRES*dM_zr_part1_dK_yalpha + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dNOMPRES
+    dM_zr_part1_dPRESMAX = dK_xkappa_dPRESMAX*dM_zr_part1_dK_xkappa + dK_yalpha_dPRESMAX*dM_zr_part1_dK_yalpha + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dPRESMAX
+    dM_zr_part1_dPRESMIN = dK_xkappa_dPRESMIN*dM_zr_part1_dK_xkappa + dK_yalpha_dPRESMIN*dM_zr_part1_dK_yalpha + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dPRESMIN
+    dM_zr_part1_dPECP1 = dB_Drphi_dPECP1*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dPECP2 = dB_Drphi_dPECP2*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dLKZC = dB_Drphi_dLKZC*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dQDZ10 = dB_Drphi_dQDZ10*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dQDZ11 = dB_Drphi_dQDZ11*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dQDZ8 = dB_Drphi_dQDZ8*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dQDZ9 = dB_Drphi_dQDZ9*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dRCY1 = dG_yk_dRCY1*dM_zr_part1_dG_yk
+    dM_zr_part1_dRHY1 = dG_yk_dRHY1*dM_zr_part1_dG_yk
+    dM_zr_part1_dRHY2 = dG_yk_dRHY2*dM_zr_part1_dG_yk
+    dM_zr_part1_dREY1 = dG_yk_dREY1*dM_zr_part1_dG_yk
+    dM_zr_part1_dREY2 = dG_yk_dREY2*dM_zr_part1_dG_yk
+    dM_zr_part1_dLYKA = dG_yk_dLYKA*dM_zr_part1_dG_yk
+    dM_zr_part1_dRBY1 = dG_yk_dRBY1*dM_zr_part1_dG_yk
+    dM_zr_part1_dRBY4 = dG_yk_dRBY4*dM_zr_part1_dG_yk
+    dM_zr_part1_dRBY2 = dG_yk_dRBY2*dM_zr_part1_dG_yk
+    dM_zr_part1_dRBY3 = dG_yk_dRBY3*dM_zr_part1_dG_yk
+    dM_zr_part1_dLMUV = dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dLMUV + dM_zr_part1_dslide*slide_by_LMUV
+    dM_zr_part1_dLONGVL = dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dLONGVL + dM_zr_part1_dslide*slide_by_LONGVL
+    dM_zr_part1_dPKY1 = K_yalpha_by_PKY1*dM_zr_part1_dK_yalpha
+    dM_zr_part1_dPPY1 = dK_yalpha_dPPY1*dM_zr_part1_dK_yalpha
+    dM_zr_part1_dPKY3 = dK_yalpha_dPKY3*dM_zr_part1_dK_yalpha
+    dM_zr_part1_dPKY4 = dK_yalpha_dPKY4*dM_zr_part1_dK_yalpha
+    dM_zr_part1_dPKYP1 = dK_yalpha_dPKYP1*dM_zr_part1_dK_yalpha
+    dM_zr_part1_dPPY2 = dK_yalpha_dPPY2*dM_zr_part1_dK_yalpha
+    dM_zr_part1_dPKY2 = dK_yalpha_dPKY2*dM_zr_part1_dK_yalpha
+    dM_zr_part1_dPKY5 = dK_yalpha_dPKY5*dM_zr_part1_dK_yalpha
+    dM_zr_part1_dPDY3 = dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dPDY3
+    dM_zr_part1_dPDY1 = dM_zr_part1_dmu_y_loaded*mu_y_loaded_by_mu_y_loaded_part2
+    dM_zr_part1_dPDY2 = dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dPDY2
+    dM_zr_part1_dPPY3 = dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dPPY3
+    dM_zr_part1_dPPY4 = dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dPPY4
     dR_0_phi_dUNLOADED_RADIUS = phi + dR_0_phi_dR_e_2*dR_e_2_dUNLOADED_RADIUS
     dR_0_phi_dVXLOW = dR_0_phi_dalpha_in*dalpha_in_dVXLOW + dR_0_phi_dphi_part4*dphi_part4_dVXLOW
     dR_0_phi_dPECP1 = dR_0_phi_dphi_part4*dphi_part4_dPECP1
@@ -3428,100 +3590,62 @@ def jacobian_parameters(inputs, parameters):
     dR_0_phi_dCAMMIN = dR_0_phi_dgamma_in*dgamma_in_dCAMMIN
     dR_0_phi_dALPMAX = alpha_in_by_ALPMAX*dR_0_phi_dalpha_in
     dR_0_phi_dALPMIN = dR_0_phi_dalpha_in*dalpha_in_dALPMIN
-    dR_0_phi_dLFZO = dR_0_phi_ddfz*ddfz_dLFZO
-    dR_0_phi_dFZMAX = dR_0_phi_ddfz*ddfz_dFZMAX
     dR_0_phi_dNOMPRES = dR_0_phi_ddpi*ddpi_dNOMPRES
     dR_0_phi_dPRESMAX = dR_0_phi_ddpi*ddpi_dPRESMAX
     dR_0_phi_dPRESMIN = dR_0_phi_ddpi*ddpi_dPRESMIN
-    dMz_part1_dR_0_phi = dB_r_dR_0_phi*dMz_part1_dB_r + dK_yalpha_dR_0_phi*dMz_part1_dK_yalpha + dMz_part1_dS_Vy_part2*dS_Vy_part2_dR_0_phi + dMz_part1_dzeta_2*zeta_2_by_R_0_phi - F_y1*dtrail_dR_0_phi
-    dFx_dR_0_phi = dF_x0_part2_dR_0_phi*dFx_dF_x0_part2 + dF_x0_v_dR_0_phi*dFx_dF_x0_v
-    dFy_dR_0_phi = dFy_dK_yalpha*dK_yalpha_dR_0_phi + dFy_dS_Vy_part2*dS_Vy_part2_dR_0_phi + dFy_dzeta_2*zeta_2_by_R_0_phi
+    dR_0_phi_dLFZO = dR_0_phi_ddfz*ddfz_dLFZO
+    dR_0_phi_dFZMAX = dR_0_phi_ddfz*ddfz_dFZMAX
+    dFx_dR_0_phi = dF_x0_v_dR_0_phi*dFx_dF_x0_v + dFx_dzeta_1*zeta_1_by_R_0_phi
+    dMz_part1_dR_0_phi = M_zr_by_M_zr_part1*dM_zr_part1_dR_0_phi + dK_yalpha_dR_0_phi*dMz_part1_dK_yalpha + dMz_part1_dzeta_2*zeta_2_by_R_0_phi - F_y1*dtrail_dR_0_phi
+    dFy_dR_0_phi = dFy_dK_yalpha*dK_yalpha_dR_0_phi + dFy_dzeta_2*zeta_2_by_R_0_phi
     dMz_part1_dLS = Fx*s_by_LS
-    dMz_part1_dUNLOADED_RADIUS = D_r_by_UNLOADED_RADIUS*M_zr_by_D_r + Fx*s_by_UNLOADED_RADIUS + M_zphi_inf_signed_by_UNLOADED_RADIUS*dMz_part1_dM_zphi_inf_signed + dB_Drphi_dUNLOADED_RADIUS*dMz_part1_dB_Drphi + dD_rphi_dUNLOADED_RADIUS*dMz_part1_dD_rphi + dM_zphi90_dUNLOADED_RADIUS*dMz_part1_dM_zphi90 + dMz_part1_dR_0_phi*dR_0_phi_dUNLOADED_RADIUS - F_y1*dtrail_dUNLOADED_RADIUS
-    dMz_part1_dQBRP1 = dB_r_dQBRP1*dMz_part1_dB_r
+    dMz_part1_dUNLOADED_RADIUS = D_r_by_UNLOADED_RADIUS*M_zr_by_D_r + Fx*s_by_UNLOADED_RADIUS + M_zphi_inf_signed_by_UNLOADED_RADIUS*dMz_part1_dM_zphi_inf_signed + M_zr_by_M_zr_part1*dM_zr_part1_dUNLOADED_RADIUS + dB_Drphi_dUNLOADED_RADIUS*dMz_part1_dB_Drphi + dD_rphi_dUNLOADED_RADIUS*dMz_part1_dD_rphi + dMz_part1_dR_0_phi*dR_0_phi_dUNLOADED_RADIUS - F_y1*dtrail_dUNLOADED_RADIUS
     dMz_part1_dFy = -trail + dMz_part1_ds_part1*s_part1_by_Fy
     dMz_part1_dLVYKA = S_Vyk_by_LVYKA*trail
-    dMz_part1_dQCRP2 = dM_zphi90_dQCRP2*dMz_part1_dM_zphi90
-    dMz_part1_dVXLOW = dD_rphi_dVXLOW*dMz_part1_dD_rphi + dG_yk_dVXLOW*dMz_part1_dG_yk + dM_zphi90_dVXLOW*dMz_part1_dM_zphi90 + dMz_part1_dR_0_phi*dR_0_phi_dVXLOW + dMz_part1_dS_Vy_part2*dS_Vy_part2_dVXLOW + dMz_part1_dalpha_in*dalpha_in_dVXLOW + dMz_part1_dfade_smooth*fade_smooth_by_VXLOW + dMz_part1_dkappa_in*dkappa_in_dVXLOW + dMz_part1_dslide*dslide_dVXLOW + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dVXLOW - F_y1*dtrail_dVXLOW
     dMz_part1_dRVY5 = S_Vyk_part2*dMz_part1_dS_Vyk_part3
     dMz_part1_dRVY6 = dMz_part1_dS_Vyk_part3*dS_Vyk_part3_dRVY6
-    dMz_part1_dQDRP1 = dB_Drphi_dQDRP1*dMz_part1_dB_Drphi + dD_rphi_dQDRP1*dMz_part1_dD_rphi
-    dMz_part1_dLKY = B_r_part2_by_LKY*dMz_part1_dB_r_part2 + K_yalpha_by_LKY*dMz_part1_dK_yalpha - F_y1*dtrail_dLKY
-    dMz_part1_dQBZ10 = B_r_part2_by_QBZ10*dMz_part1_dB_r_part2
-    dMz_part1_dQBZ9 = B_r_part2_by_QBZ9*dMz_part1_dB_r_part2
-    dMz_part1_dLCY = dB_r_part2_dLCY*dMz_part1_dB_r_part2 + dB_y_dLCY*dMz_part1_dB_y
-    dMz_part1_dPCY1 = dB_r_part2_dPCY1*dMz_part1_dB_r_part2 + dB_y_dPCY1*dMz_part1_dB_y
-    dMz_part1_dFZMIN = dB_Drphi_dFZMIN*dMz_part1_dB_Drphi + dF_zm_dFZMIN*dMz_part1_dF_zm + dM_zphi_inf_signed_dFZMIN*dMz_part1_dM_zphi_inf_signed - F_y1*dtrail_dFZMIN
-    dMz_part1_dLMUY = LMUY_star_by_LMUY*dMz_part1_dLMUY_star + dMz_part1_dS_Vy_part2*dS_Vy_part2_dLMUY + dMz_part1_dmu_y_loaded*dmu_y_loaded_dLMUY - F_y1*dtrail_dLMUY
-    dMz_part1_dFNOMIN = LFZO*dMz_part1_dF_z01 + dG_yk_dFNOMIN*dMz_part1_dG_yk + dK_xkappa_dFNOMIN*dMz_part1_dK_xkappa + dK_yalpha_dFNOMIN*dMz_part1_dK_yalpha + dM_zphi_inf_signed_dFNOMIN*dMz_part1_dM_zphi_inf_signed + dMz_part1_dR_0_phi*dR_0_phi_dFNOMIN + dMz_part1_dS_Vy_part2*dS_Vy_part2_dFNOMIN + dMz_part1_ddfz*ddfz_dFNOMIN + dMz_part1_ds_part1*s_part1_by_FNOMIN - F_y1*dtrail_dFNOMIN
+    dMz_part1_dVXLOW = M_zr_by_D_r*dD_r_dVXLOW + M_zr_by_M_zr_part1*dM_zr_part1_dVXLOW + dD_r_part7_dVXLOW*dMz_part1_dD_r_part7 + dD_rphi_dVXLOW*dMz_part1_dD_rphi + dK_yalpha_dVXLOW*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dVXLOW + dMz_part1_dalpha_in*dalpha_in_dVXLOW + dMz_part1_dfade_smooth*fade_smooth_by_VXLOW + dMz_part1_dkappa_in*dkappa_in_dVXLOW + dMz_part1_dmu_y_loaded*dmu_y_loaded_dVXLOW + dMz_part1_dslide*dslide_dVXLOW + dMz_part1_dzeta_2*dzeta_2_dVXLOW - F_y1*dtrail_dVXLOW
+    dMz_part1_dFZMIN = M_zr_by_M_zr_part1*dM_zr_part1_dFZMIN + dB_Drphi_dFZMIN*dMz_part1_dB_Drphi + dF_zm_dFZMIN*dMz_part1_dF_zm + dM_zphi_inf_signed_dFZMIN*dMz_part1_dM_zphi_inf_signed - F_y1*dtrail_dFZMIN
+    dMz_part1_dFNOMIN = LFZO*dMz_part1_dF_z01 + M_zr_by_M_zr_part1*dM_zr_part1_dFNOMIN + dB_Drphi_dFNOMIN*dMz_part1_dB_Drphi + dK_yalpha_dFNOMIN*dMz_part1_dK_yalpha + dM_zphi_inf_signed_dFNOMIN*dMz_part1_dM_zphi_inf_signed + dMz_part1_dR_0_phi*dR_0_phi_dFNOMIN + dMz_part1_ddfz*ddfz_dFNOMIN + dMz_part1_dmu_y_loaded*dmu_y_loaded_dFNOMIN + dMz_part1_ds_part1*s_part1_by_FNOMIN - F_y1*dtrail_dFNOMIN
     dMz_part1_dSSZ2 = dMz_part1_ds_part1*s_part1_by_SSZ2
     dMz_part1_dSSZ3 = dMz_part1_ds_part1*s_part1_by_SSZ3
     dMz_part1_dSSZ4 = dMz_part1_ds_part1*s_part1_by_SSZ4
-    dMz_part1_dLFZO = FNOMIN*dMz_part1_dF_z01 + dG_yk_dLFZO*dMz_part1_dG_yk + dK_xkappa_dLFZO*dMz_part1_dK_xkappa + dK_yalpha_dLFZO*dMz_part1_dK_yalpha + dM_zphi_inf_signed_dLFZO*dMz_part1_dM_zphi_inf_signed + dMz_part1_dR_0_phi*dR_0_phi_dLFZO + dMz_part1_dS_Vy_part2*dS_Vy_part2_dLFZO + dMz_part1_ddfz*ddfz_dLFZO - F_y1*dtrail_dLFZO
-    dMz_part1_dLKZC = D_r_part7_by_LKZC*dMz_part1_dD_r_part7 + dB_Drphi_dLKZC*dMz_part1_dB_Drphi
+    dMz_part1_dLFZO = FNOMIN*dMz_part1_dF_z01 + M_zr_by_M_zr_part1*dM_zr_part1_dLFZO + dB_Drphi_dLFZO*dMz_part1_dB_Drphi + dK_yalpha_dLFZO*dMz_part1_dK_yalpha + dM_zphi_inf_signed_dLFZO*dMz_part1_dM_zphi_inf_signed + dMz_part1_dR_0_phi*dR_0_phi_dLFZO + dMz_part1_ddfz*ddfz_dLFZO + dMz_part1_dmu_y_loaded*dmu_y_loaded_dLFZO - F_y1*dtrail_dLFZO
+    dMz_part1_dLMUY = LMUY_star_by_LMUY*dMz_part1_dLMUY_star + M_zr_by_M_zr_part1*dM_zr_part1_dLMUY + dMz_part1_dmu_y_loaded*dmu_y_loaded_dLMUY - F_y1*dtrail_dLMUY
+    dMz_part1_dQDRP1 = M_zr_by_M_zr_part1*dM_zr_part1_dQDRP1 + dB_Drphi_dQDRP1*dMz_part1_dB_Drphi + dD_rphi_dQDRP1*dMz_part1_dD_rphi
+    dMz_part1_dLKZC = D_r_part7_by_LKZC*dMz_part1_dD_r_part7 + M_zr_by_M_zr_part1*dM_zr_part1_dLKZC + dB_Drphi_dLKZC*dMz_part1_dB_Drphi
     dMz_part1_dLRES = D_r_part7_by_LRES*dMz_part1_dD_r_part7
     dMz_part1_dQDZ6 = D_r_part7_by_D_r_part1*dMz_part1_dD_r_part7
     dMz_part1_dQDZ7 = dD_r_part7_dQDZ7*dMz_part1_dD_r_part7
     dMz_part1_dPPZ2 = dD_r_part7_dPPZ2*dMz_part1_dD_r_part7
-    dMz_part1_dQDZ8 = dB_Drphi_dQDZ8*dMz_part1_dB_Drphi + dD_r_part7_dQDZ8*dMz_part1_dD_r_part7
-    dMz_part1_dQDZ9 = dB_Drphi_dQDZ9*dMz_part1_dB_Drphi + dD_r_part7_dQDZ9*dMz_part1_dD_r_part7
-    dMz_part1_dQDZ10 = dB_Drphi_dQDZ10*dMz_part1_dB_Drphi + dD_r_part7_dQDZ10*dMz_part1_dD_r_part7
-    dMz_part1_dQDZ11 = dB_Drphi_dQDZ11*dMz_part1_dB_Drphi + dD_r_part7_dQDZ11*dMz_part1_dD_r_part7
-    dMz_part1_dFZMAX = F_z_limited_by_FZMAX*dMz_part1_dF_z_limited + dB_Drphi_dFZMAX*dMz_part1_dB_Drphi + dD_Vyk_dFZMAX*dMz_part1_dD_Vyk + dG_yk_dFZMAX*dMz_part1_dG_yk + dK_xkappa_dFZMAX*dMz_part1_dK_xkappa + dK_yalpha_dFZMAX*dMz_part1_dK_yalpha + dM_zphi_inf_signed_dFZMAX*dMz_part1_dM_zphi_inf_signed + dMz_part1_dR_0_phi*dR_0_phi_dFZMAX + dMz_part1_dS_Vy_part2*dS_Vy_part2_dFZMAX + dMz_part1_ddfz*ddfz_dFZMAX - F_y1*dtrail_dFZMAX
-    dMz_part1_dLHY = S_Hy_part1*dMz_part1_dS_Hy_part2
-    dMz_part1_dLKYC = S_Hy_part2_by_LKYC*dMz_part1_dS_Hy_part2 + S_Vygamma_by_LKYC*dMz_part1_dS_Vy_part2
-    dMz_part1_dPHY3 = S_Hy_part2_by_PHY3*dMz_part1_dS_Hy_part2
-    dMz_part1_dPHY1 = LHY*dMz_part1_dS_Hy_part2
-    dMz_part1_dPHY2 = dMz_part1_dS_Hy_part2*dS_Hy_part2_dPHY2
-    dMz_part1_dPECP1 = dB_Drphi_dPECP1*dMz_part1_dB_Drphi + dMz_part1_dR_0_phi*dR_0_phi_dPECP1
-    dMz_part1_dPECP2 = dB_Drphi_dPECP2*dMz_part1_dB_Drphi + dMz_part1_dR_0_phi*dR_0_phi_dPECP2
-    dMz_part1_dLMP = M_zphi_inf_signed_by_LMP*dMz_part1_dM_zphi_inf_signed
-    dMz_part1_dQCRP1 = M_zphi_inf_signed_by_QCRP1*dMz_part1_dM_zphi_inf_signed
+    dMz_part1_dQDZ8 = M_zr_by_M_zr_part1*dM_zr_part1_dQDZ8 + dB_Drphi_dQDZ8*dMz_part1_dB_Drphi + dD_r_part7_dQDZ8*dMz_part1_dD_r_part7
+    dMz_part1_dQDZ9 = M_zr_by_M_zr_part1*dM_zr_part1_dQDZ9 + dB_Drphi_dQDZ9*dMz_part1_dB_Drphi + dD_r_part7_dQDZ9*dMz_part1_dD_r_part7
+    dMz_part1_dQDZ10 = M_zr_by_M_zr_part1*dM_zr_part1_dQDZ10 + dB_Drphi_dQDZ10*dMz_part1_dB_Drphi + dD_r_part7_dQDZ10*dMz_part1_dD_r_part7
+    dMz_part1_dQDZ11 = M_zr_by_M_zr_part1*dM_zr_part1_dQDZ11 + dB_Drphi_dQDZ11*dMz_part1_dB_Drphi + dD_r_part7_dQDZ11*dMz_part1_dD_r_part7
+    dMz_part1_dFZMAX = F_z_limited_by_FZMAX*dMz_part1_dF_z_limited + M_zr_by_M_zr_part1*dM_zr_part1_dFZMAX + dB_Drphi_dFZMAX*dMz_part1_dB_Drphi + dD_Vyk_dFZMAX*dMz_part1_dD_Vyk + dK_yalpha_dFZMAX*dMz_part1_dK_yalpha + dM_zphi_inf_signed_dFZMAX*dMz_part1_dM_zphi_inf_signed + dMz_part1_dR_0_phi*dR_0_phi_dFZMAX + dMz_part1_ddfz*ddfz_dFZMAX + dMz_part1_dmu_y_loaded*dmu_y_loaded_dFZMAX - F_y1*dtrail_dFZMAX
     dMz_part1_dRVY4 = dD_Vyk_dRVY4*dMz_part1_dD_Vyk
     dMz_part1_dRVY1 = D_Vyk_by_D_Vyk_part4*dMz_part1_dD_Vyk
     dMz_part1_dRVY2 = dD_Vyk_dRVY2*dMz_part1_dD_Vyk
     dMz_part1_dRVY3 = dD_Vyk_dRVY3*dMz_part1_dD_Vyk
-    dMz_part1_dKPUMAX = dG_yk_dKPUMAX*dMz_part1_dG_yk + dMz_part1_dS_Vy_part2*dS_Vy_part2_dKPUMAX + dMz_part1_dkappa_in*kappa_in_by_KPUMAX + dMz_part1_dslide*dslide_dKPUMAX - F_y1*dtrail_dKPUMAX
-    dMz_part1_dKPUMIN = dG_yk_dKPUMIN*dMz_part1_dG_yk + dMz_part1_dS_Vy_part2*dS_Vy_part2_dKPUMIN + dMz_part1_dkappa_in*dkappa_in_dKPUMIN + dMz_part1_dslide*dslide_dKPUMIN - F_y1*dtrail_dKPUMIN
-    dMz_part1_dPDY3 = dMz_part1_dmu_y_loaded*dmu_y_loaded_dPDY3
-    dMz_part1_dPDY1 = dMz_part1_dmu_y_loaded*mu_y_loaded_by_mu_y_loaded_part2
-    dMz_part1_dPDY2 = dMz_part1_dmu_y_loaded*dmu_y_loaded_dPDY2
-    dMz_part1_dPPY3 = dMz_part1_dmu_y_loaded*dmu_y_loaded_dPPY3
-    dMz_part1_dPPY4 = dMz_part1_dmu_y_loaded*dmu_y_loaded_dPPY4
-    dMz_part1_dCAMMAX = dG_yk_dCAMMAX*dMz_part1_dG_yk + dK_yalpha_dCAMMAX*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dCAMMAX + dMz_part1_dS_Vy_part2*dS_Vy_part2_dCAMMAX + dMz_part1_dgamma_in*gamma_in_by_CAMMAX - F_y1*dtrail_dCAMMAX
-    dMz_part1_dCAMMIN = dG_yk_dCAMMIN*dMz_part1_dG_yk + dK_yalpha_dCAMMIN*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dCAMMIN + dMz_part1_dS_Vy_part2*dS_Vy_part2_dCAMMIN + dMz_part1_dgamma_in*dgamma_in_dCAMMIN - F_y1*dtrail_dCAMMIN
-    dMz_part1_dPDYP4 = dMz_part1_dS_Vy_part2*dS_Vy_part2_dPDYP4 + dMz_part1_dzeta_2*zeta_2_by_PDYP4
-    dMz_part1_dPDYP1 = dMz_part1_dS_Vy_part2*dS_Vy_part2_dPDYP1 + dMz_part1_dzeta_2*dzeta_2_dPDYP1
-    dMz_part1_dPDYP3 = dMz_part1_dS_Vy_part2*dS_Vy_part2_dPDYP3 + dMz_part1_dzeta_2*dzeta_2_dPDYP3
-    dMz_part1_dPDYP2 = dMz_part1_dS_Vy_part2*dS_Vy_part2_dPDYP2 + dMz_part1_dzeta_2*dzeta_2_dPDYP2
-    dMz_part1_dALPMAX = alpha_in_by_ALPMAX*dMz_part1_dalpha_in + dG_yk_dALPMAX*dMz_part1_dG_yk + dMz_part1_dR_0_phi*dR_0_phi_dALPMAX + dMz_part1_dS_Vy_part2*dS_Vy_part2_dALPMAX + dMz_part1_dslide*dslide_dALPMAX - F_y1*dtrail_dALPMAX
-    dMz_part1_dALPMIN = dG_yk_dALPMIN*dMz_part1_dG_yk + dMz_part1_dR_0_phi*dR_0_phi_dALPMIN + dMz_part1_dS_Vy_part2*dS_Vy_part2_dALPMIN + dMz_part1_dalpha_in*dalpha_in_dALPMIN + dMz_part1_dslide*dslide_dALPMIN - F_y1*dtrail_dALPMIN
-    dMz_part1_dNOMPRES = dK_xkappa_dNOMPRES*dMz_part1_dK_xkappa + dK_yalpha_dNOMPRES*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dNOMPRES + dMz_part1_ddpi*ddpi_dNOMPRES - F_y1*dtrail_dNOMPRES
-    dMz_part1_dPRESMAX = dK_xkappa_dPRESMAX*dMz_part1_dK_xkappa + dK_yalpha_dPRESMAX*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dPRESMAX + dMz_part1_ddpi*ddpi_dPRESMAX - F_y1*dtrail_dPRESMAX
-    dMz_part1_dPRESMIN = dK_xkappa_dPRESMIN*dMz_part1_dK_xkappa + dK_yalpha_dPRESMIN*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dPRESMIN + dMz_part1_ddpi*ddpi_dPRESMIN - F_y1*dtrail_dPRESMIN
-    dMz_part1_dLMUV = dMz_part1_dS_Vy_part2*dS_Vy_part2_dLMUV + dMz_part1_dslide*slide_by_LMUV - F_y1*dtrail_dLMUV
-    dMz_part1_dLONGVL = dMz_part1_dR_0_phi*dR_0_phi_dLONGVL + dMz_part1_dS_Vy_part2*dS_Vy_part2_dLONGVL + dMz_part1_dslide*slide_by_LONGVL - F_y1*dtrail_dLONGVL
-    dMz_part1_dLKX = K_xkappa_by_LKX*dMz_part1_dK_xkappa - F_y1*dtrail_dLKX
-    dMz_part1_dPKX1 = K_xkappa_by_K_xkappa_part1*dMz_part1_dK_xkappa - F_y1*dtrail_dPKX1
-    dMz_part1_dPKX2 = dK_xkappa_dPKX2*dMz_part1_dK_xkappa - F_y1*dtrail_dPKX2
-    dMz_part1_dPKX3 = dK_xkappa_dPKX3*dMz_part1_dK_xkappa - F_y1*dtrail_dPKX3
-    dMz_part1_dPPX1 = dK_xkappa_dPPX1*dMz_part1_dK_xkappa - F_y1*dtrail_dPPX1
-    dMz_part1_dPPX2 = dK_xkappa_dPPX2*dMz_part1_dK_xkappa - F_y1*dtrail_dPPX2
-    dMz_part1_dRCY1 = dG_yk_dRCY1*dMz_part1_dG_yk
-    dMz_part1_dRHY1 = dG_yk_dRHY1*dMz_part1_dG_yk
-    dMz_part1_dRHY2 = dG_yk_dRHY2*dMz_part1_dG_yk
-    dMz_part1_dREY1 = dG_yk_dREY1*dMz_part1_dG_yk
-    dMz_part1_dREY2 = dG_yk_dREY2*dMz_part1_dG_yk
-    dMz_part1_dLYKA = dG_yk_dLYKA*dMz_part1_dG_yk
-    dMz_part1_dRBY1 = dG_yk_dRBY1*dMz_part1_dG_yk
-    dMz_part1_dRBY4 = dG_yk_dRBY4*dMz_part1_dG_yk
-    dMz_part1_dRBY2 = dG_yk_dRBY2*dMz_part1_dG_yk
-    dMz_part1_dRBY3 = dG_yk_dRBY3*dMz_part1_dG_yk
-    dMz_part1_dLVY = S_Vy_part2_by_LVY*dMz_part1_dS_Vy_part2
-    dMz_part1_dPVY3 = S_Vygamma_by_S_Vygamma_part1*dMz_part1_dS_Vy_part2
-    dMz_part1_dPVY4 = dMz_part1_dS_Vy_part2*dS_Vy_part2_dPVY4
-    dMz_part1_dPVY1 = S_Vy_part2_by_S_Vy_part1*dMz_part1_dS_Vy_part2
-    dMz_part1_dPVY2 = dMz_part1_dS_Vy_part2*dS_Vy_part2_dPVY2
+    dMz_part1_dKPUMAX = M_zr_by_M_zr_part1*dM_zr_part1_dKPUMAX + dMz_part1_dkappa_in*kappa_in_by_KPUMAX + dMz_part1_dmu_y_loaded*dmu_y_loaded_dKPUMAX + dMz_part1_dslide*dslide_dKPUMAX - F_y1*dtrail_dKPUMAX
+    dMz_part1_dKPUMIN = M_zr_by_M_zr_part1*dM_zr_part1_dKPUMIN + dMz_part1_dkappa_in*dkappa_in_dKPUMIN + dMz_part1_dmu_y_loaded*dmu_y_loaded_dKPUMIN + dMz_part1_dslide*dslide_dKPUMIN - F_y1*dtrail_dKPUMIN
+    dMz_part1_dCAMMAX = M_zr_by_M_zr_part1*dM_zr_part1_dCAMMAX + dB_Drphi_dCAMMAX*dMz_part1_dB_Drphi + dK_yalpha_dCAMMAX*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dCAMMAX + dMz_part1_dgamma_in*gamma_in_by_CAMMAX + dMz_part1_dmu_y_loaded*dmu_y_loaded_dCAMMAX - F_y1*dtrail_dCAMMAX
+    dMz_part1_dCAMMIN = M_zr_by_M_zr_part1*dM_zr_part1_dCAMMIN + dB_Drphi_dCAMMIN*dMz_part1_dB_Drphi + dK_yalpha_dCAMMIN*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dCAMMIN + dMz_part1_dgamma_in*dgamma_in_dCAMMIN + dMz_part1_dmu_y_loaded*dmu_y_loaded_dCAMMIN - F_y1*dtrail_dCAMMIN
+    dMz_part1_dPDYP4 = M_zr_by_M_zr_part1*dM_zr_part1_dPDYP4 + dMz_part1_dzeta_2*zeta_2_by_PDYP4
+    dMz_part1_dPDYP1 = M_zr_by_M_zr_part1*dM_zr_part1_dPDYP1 + dMz_part1_dzeta_2*dzeta_2_dPDYP1
+    dMz_part1_dPDYP3 = M_zr_by_M_zr_part1*dM_zr_part1_dPDYP3 + dMz_part1_dzeta_2*dzeta_2_dPDYP3
+    dMz_part1_dPDYP2 = M_zr_by_M_zr_part1*dM_zr_part1_dPDYP2 + dMz_part1_dzeta_2*dzeta_2_dPDYP2
+    dMz_part1_dALPMAX = M_zr_by_M_zr_part1*dM_zr_part1_dALPMAX + alpha_in_by_ALPMAX*dMz_part1_dalpha_in + dMz_part1_dR_0_phi*dR_0_phi_dALPMAX + dMz_part1_dmu_y_loaded*dmu_y_loaded_dALPMAX + dMz_part1_dslide*dslide_dALPMAX - F_y1*dtrail_dALPMAX
+    dMz_part1_dALPMIN = M_zr_by_M_zr_part1*dM_zr_part1_dALPMIN + dMz_part1_dR_0_phi*dR_0_phi_dALPMIN + dMz_part1_dalpha_in*dalpha_in_dALPMIN + dMz_part1_dmu_y_loaded*dmu_y_loaded_dALPMIN + dMz_part1_dslide*dslide_dALPMIN - F_y1*dtrail_dALPMIN
+    dMz_part1_dLMP = M_zphi_inf_signed_by_LMP*dMz_part1_dM_zphi_inf_signed + M_zr_by_M_zr_part1*dM_zr_part1_dLMP + dB_Drphi_dLMP*dMz_part1_dB_Drphi
+    dMz_part1_dQCRP1 = M_zphi_inf_signed_by_QCRP1*dMz_part1_dM_zphi_inf_signed + M_zr_by_M_zr_part1*dM_zr_part1_dQCRP1 + dB_Drphi_dQCRP1*dMz_part1_dB_Drphi
+    dMz_part1_dNOMPRES = M_zr_by_M_zr_part1*dM_zr_part1_dNOMPRES + dK_yalpha_dNOMPRES*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dNOMPRES + dMz_part1_ddpi*ddpi_dNOMPRES + dMz_part1_dmu_y_loaded*dmu_y_loaded_dNOMPRES - F_y1*dtrail_dNOMPRES
+    dMz_part1_dPRESMAX = M_zr_by_M_zr_part1*dM_zr_part1_dPRESMAX + dK_yalpha_dPRESMAX*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dPRESMAX + dMz_part1_ddpi*ddpi_dPRESMAX + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPRESMAX - F_y1*dtrail_dPRESMAX
+    dMz_part1_dPRESMIN = M_zr_by_M_zr_part1*dM_zr_part1_dPRESMIN + dK_yalpha_dPRESMIN*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dPRESMIN + dMz_part1_ddpi*ddpi_dPRESMIN + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPRESMIN - F_y1*dtrail_dPRESMIN
+    dMz_part1_dPECP1 = M_zr_by_M_zr_part1*dM_zr_part1_dPECP1 + dB_Drphi_dPECP1*dMz_part1_dB_Drphi + dMz_part1_dR_0_phi*dR_0_phi_dPECP1
+    dMz_part1_dPECP2 = M_zr_by_M_zr_part1*dM_zr_part1_dPECP2 + dB_Drphi_dPECP2*dMz_part1_dB_Drphi + dMz_part1_dR_0_phi*dR_0_phi_dPECP2
+    dMz_part1_dLMUV = M_zr_by_M_zr_part1*dM_zr_part1_dLMUV + dMz_part1_dmu_y_loaded*dmu_y_loaded_dLMUV + dMz_part1_dslide*slide_by_LMUV - F_y1*dtrail_dLMUV
+    dMz_part1_dLONGVL = M_zr_by_M_zr_part1*dM_zr_part1_dLONGVL + dMz_part1_dR_0_phi*dR_0_phi_dLONGVL + dMz_part1_dmu_y_loaded*dmu_y_loaded_dLONGVL + dMz_part1_dslide*slide_by_LONGVL - F_y1*dtrail_dLONGVL
     dMz_part1_dQCZ1 = -F_y1*dtrail_dQCZ1
     dMz_part1_dQEZ1 = -F_y1*dtrail_dQEZ1
     dMz_part1_dQEZ2 = -F_y1*dtrail_dQEZ2
@@ -3532,6 +3656,7 @@ def jacobian_parameters(inputs, parameters):
     dMz_part1_dQHZ2 = -F_y1*dtrail_dQHZ2
     dMz_part1_dQHZ3 = -F_y1*dtrail_dQHZ3
     dMz_part1_dQHZ4 = -F_y1*dtrail_dQHZ4
+    dMz_part1_dLKY = K_yalpha_by_LKY*dMz_part1_dK_yalpha + M_zr_by_M_zr_part1*dM_zr_part1_dLKY - F_y1*dtrail_dLKY
     dMz_part1_dQBZ1 = -F_y1*dtrail_dQBZ1
     dMz_part1_dQBZ2 = -F_y1*dtrail_dQBZ2
     dMz_part1_dQBZ3 = -F_y1*dtrail_dQBZ3
@@ -3539,20 +3664,57 @@ def jacobian_parameters(inputs, parameters):
     dMz_part1_dQBZ6 = -F_y1*dtrail_dQBZ6
     dMz_part1_dQBZ4 = -F_y1*dtrail_dQBZ4
     dMz_part1_dLTR = -F_y1*dtrail_dLTR
-    dMz_part1_dQDTP1 = -F_y1*dtrail_dQDTP1
     dMz_part1_dPPZ1 = -F_y1*dtrail_dPPZ1
     dMz_part1_dQDZ1 = -F_y1*dtrail_dQDZ1
     dMz_part1_dQDZ2 = -F_y1*dtrail_dQDZ2
+    dMz_part1_dQDTP1 = -F_y1*dtrail_dQDTP1
     dMz_part1_dQDZ3 = -F_y1*dtrail_dQDZ3
     dMz_part1_dQDZ4 = -F_y1*dtrail_dQDZ4
-    dMz_part1_dPKY1 = K_yalpha_by_PKY1*dMz_part1_dK_yalpha
-    dMz_part1_dPKYP1 = dK_yalpha_dPKYP1*dMz_part1_dK_yalpha
-    dMz_part1_dPPY1 = dK_yalpha_dPPY1*dMz_part1_dK_yalpha
-    dMz_part1_dPKY3 = dK_yalpha_dPKY3*dMz_part1_dK_yalpha
-    dMz_part1_dPKY4 = dK_yalpha_dPKY4*dMz_part1_dK_yalpha
-    dMz_part1_dPPY2 = dK_yalpha_dPPY2*dMz_part1_dK_yalpha
-    dMz_part1_dPKY2 = dK_yalpha_dPKY2*dMz_part1_dK_yalpha
-    dMz_part1_dPKY5 = dK_yalpha_dPKY5*dMz_part1_dK_yalpha
+    dMz_part1_dLKX = M_zr_by_M_zr_part1*dM_zr_part1_dLKX - F_y1*dtrail_dLKX
+    dMz_part1_dPKX1 = M_zr_by_M_zr_part1*dM_zr_part1_dPKX1 - F_y1*dtrail_dPKX1
+    dMz_part1_dPKX2 = M_zr_by_M_zr_part1*dM_zr_part1_dPKX2 - F_y1*dtrail_dPKX2
+    dMz_part1_dPKX3 = M_zr_by_M_zr_part1*dM_zr_part1_dPKX3 - F_y1*dtrail_dPKX3
+    dMz_part1_dPPX1 = M_zr_by_M_zr_part1*dM_zr_part1_dPPX1 - F_y1*dtrail_dPPX1
+    dMz_part1_dPPX2 = M_zr_by_M_zr_part1*dM_zr_part1_dPPX2 - F_y1*dtrail_dPPX2
+    dMz_part1_dPKY1 = K_yalpha_by_PKY1*dMz_part1_dK_yalpha + M_zr_by_M_zr_part1*dM_zr_part1_dPKY1
+    dMz_part1_dPPY1 = M_zr_by_M_zr_part1*dM_zr_part1_dPPY1 + dK_yalpha_dPPY1*dMz_part1_dK_yalpha
+    dMz_part1_dPKY3 = M_zr_by_M_zr_part1*dM_zr_part1_dPKY3 + dK_yalpha_dPKY3*dMz_part1_dK_yalpha
+    dMz_part1_dPKY4 = M_zr_by_M_zr_part1*dM_zr_part1_dPKY4 + dK_yalpha_dPKY4*dMz_part1_dK_yalpha
+    dMz_part1_dPKYP1 = M_zr_by_M_zr_part1*dM_zr_part1_dPKYP1 + dK_yalpha_dPKYP1*dMz_part1_dK_yalpha
+    dMz_part1_dPPY2 = M_zr_by_M_zr_part1*dM_zr_part1_dPPY2 + dK_yalpha_dPPY2*dMz_part1_dK_yalpha
+    dMz_part1_dPKY2 = M_zr_by_M_zr_part1*dM_zr_part1_dPKY2 + dK_yalpha_dPKY2*dMz_part1_dK_yalpha
+    dMz_part1_dPKY5 = M_zr_by_M_zr_part1*dM_zr_part1_dPKY5 + dK_yalpha_dPKY5*dMz_part1_dK_yalpha
+    dMz_part1_dPDY3 = M_zr_by_M_zr_part1*dM_zr_part1_dPDY3 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPDY3
+    dMz_part1_dPDY1 = M_zr_by_M_zr_part1*dM_zr_part1_dPDY1 + dMz_part1_dmu_y_loaded*mu_y_loaded_by_mu_y_loaded_part2
+    dMz_part1_dPDY2 = M_zr_by_M_zr_part1*dM_zr_part1_dPDY2 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPDY2
+    dMz_part1_dPPY3 = M_zr_by_M_zr_part1*dM_zr_part1_dPPY3 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPPY3
+    dMz_part1_dPPY4 = M_zr_by_M_zr_part1*dM_zr_part1_dPPY4 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPPY4
+    dMz_part1_dQBRP1 = M_zr_by_M_zr_part1*dM_zr_part1_dQBRP1
+    dMz_part1_dQCRP2 = M_zr_by_M_zr_part1*dM_zr_part1_dQCRP2
+    dMz_part1_dQBZ10 = M_zr_by_M_zr_part1*dM_zr_part1_dQBZ10
+    dMz_part1_dQBZ9 = M_zr_by_M_zr_part1*dM_zr_part1_dQBZ9
+    dMz_part1_dLCY = M_zr_by_M_zr_part1*dM_zr_part1_dLCY
+    dMz_part1_dPCY1 = M_zr_by_M_zr_part1*dM_zr_part1_dPCY1
+    dMz_part1_dLHY = M_zr_by_M_zr_part1*dM_zr_part1_dLHY
+    dMz_part1_dLKYC = M_zr_by_M_zr_part1*dM_zr_part1_dLKYC
+    dMz_part1_dPHY3 = M_zr_by_M_zr_part1*dM_zr_part1_dPHY3
+    dMz_part1_dPHY1 = M_zr_by_M_zr_part1*dM_zr_part1_dPHY1
+    dMz_part1_dPHY2 = M_zr_by_M_zr_part1*dM_zr_part1_dPHY2
+    dMz_part1_dLVY = M_zr_by_M_zr_part1*dM_zr_part1_dLVY
+    dMz_part1_dPVY3 = M_zr_by_M_zr_part1*dM_zr_part1_dPVY3
+    dMz_part1_dPVY4 = M_zr_by_M_zr_part1*dM_zr_part1_dPVY4
+    dMz_part1_dPVY1 = M_zr_by_M_zr_part1*dM_zr_part1_dPVY1
+    dMz_part1_dPVY2 = M_zr_by_M_zr_part1*dM_zr_part1_dPVY2
+    dMz_part1_dRCY1 = M_zr_by_M_zr_part1*dM_zr_part1_dRCY1
+    dMz_part1_dRHY1 = M_zr_by_M_zr_part1*dM_zr_part1_dRHY1
+    dMz_part1_dRHY2 = M_zr_by_M_zr_part1*dM_zr_part1_dRHY2
+    dMz_part1_dREY1 = M_zr_by_M_zr_part1*dM_zr_part1_dREY1
+    dMz_part1_dREY2 = M_zr_by_M_zr_part1*dM_zr_part1_dREY2
+    dMz_part1_dLYKA = M_zr_by_M_zr_part1*dM_zr_part1_dLYKA
+    dMz_part1_dRBY1 = M_zr_by_M_zr_part1*dM_zr_part1_dRBY1
+    dMz_part1_dRBY4 = M_zr_by_M_zr_part1*dM_zr_part1_dRBY4
+    dMz_part1_dRBY2 = M_zr_by_M_zr_part1*dM_zr_part1_dRBY2
+    dMz_part1_dRBY3 = M_zr_by_M_zr_part1*dM_zr_part1_dRBY3
     dMz_part1_dQ_RE0 = dMz_part1_dR_0_phi*dR_0_phi_dQ_RE0
     dMz_part1_dQ_V1 = dMz_part1_dR_0_phi*dR_0_phi_dQ_V1
     dMz_part1_dVERTICAL_STIFFNESS = dMz_part1_dR_0_phi*dR_0_phi_dVERTICAL_STIFFNESS
@@ -3574,11 +3736,11 @@ def jacobian_parameters(inputs, parameters):
     dFx_dLMUX = dF_x0_part2_dLMUX*dFx_dF_x0_part2 + dF_x0_v_dLMUX*dFx_dF_x0_v + dFx_dmu_x_loaded*dmu_x_loaded_dLMUX
     dFx_dLCX = dF_x0_part2_dLCX*dFx_dF_x0_part2 + dF_x0_v_dLCX*dFx_dF_x0_v
     dFx_dPCX1 = dF_x0_part2_dPCX1*dFx_dF_x0_part2 + dF_x0_v_dPCX1*dFx_dF_x0_v
-    dFx_dVXLOW = dF_x0_part2_dVXLOW*dFx_dF_x0_part2 + dF_x0_v_dVXLOW*dFx_dF_x0_v + dFx_dR_0_phi*dR_0_phi_dVXLOW + dFx_dalpha_in*dalpha_in_dVXLOW + dFx_dkappa_in*dkappa_in_dVXLOW + dFx_dslide*dslide_dVXLOW
-    dFx_dPDXP1 = dF_x0_part2_dPDXP1*dFx_dF_x0_part2 + dF_x0_v_dPDXP1*dFx_dF_x0_v
-    dFx_dPDXP3 = dF_x0_part2_dPDXP3*dFx_dF_x0_part2 + dF_x0_v_dPDXP3*dFx_dF_x0_v
-    dFx_dPDXP2 = dF_x0_part2_dPDXP2*dFx_dF_x0_part2 + dF_x0_v_dPDXP2*dFx_dF_x0_v
-    dFx_dFZMAX = dF_x0_part2_dFZMAX*dFx_dF_x0_part2 + dF_x0_v_dFZMAX*dFx_dF_x0_v + dFx_dK_xkappa*dK_xkappa_dFZMAX + dFx_dR_0_phi*dR_0_phi_dFZMAX + dFx_ddfz*ddfz_dFZMAX
+    dFx_dVXLOW = dF_x0_part2_dVXLOW*dFx_dF_x0_part2 + dF_x0_v_dVXLOW*dFx_dF_x0_v + dFx_dR_0_phi*dR_0_phi_dVXLOW + dFx_dalpha_in*dalpha_in_dVXLOW + dFx_dkappa_in*dkappa_in_dVXLOW + dFx_dslide*dslide_dVXLOW + dFx_dzeta_1*dzeta_1_dVXLOW
+    dFx_dPDXP1 = dF_x0_v_dPDXP1*dFx_dF_x0_v + dFx_dzeta_1*dzeta_1_dPDXP1
+    dFx_dPDXP3 = dF_x0_v_dPDXP3*dFx_dF_x0_v + dFx_dzeta_1*dzeta_1_dPDXP3
+    dFx_dPDXP2 = dF_x0_v_dPDXP2*dFx_dF_x0_v + dFx_dzeta_1*dzeta_1_dPDXP2
+    dFx_dFZMAX = F_z_limited_by_FZMAX*dFx_dF_z_limited + dF_x0_v_dFZMAX*dFx_dF_x0_v + dFx_dK_xkappa*dK_xkappa_dFZMAX + dFx_dR_0_phi*dR_0_phi_dFZMAX + dFx_ddfz*ddfz_dFZMAX
     dFx_dPDX3 = dF_x0_v_dPDX3*dFx_dF_x0_v + dFx_dmu_x_loaded*dmu_x_loaded_dPDX3
     dFx_dPDX1 = dF_x0_v_dPDX1*dFx_dF_x0_v + dFx_dmu_x_loaded*mu_x_loaded_by_mu_x_loaded_part2
     dFx_dPDX2 = dF_x0_v_dPDX2*dFx_dF_x0_v + dFx_dmu_x_loaded*dmu_x_loaded_dPDX2
@@ -3590,8 +3752,6 @@ def jacobian_parameters(inputs, parameters):
     dFx_dCAMMIN = dF_x0_v_dCAMMIN*dFx_dF_x0_v + dFx_dR_0_phi*dR_0_phi_dCAMMIN + dFx_dgamma_in*dgamma_in_dCAMMIN
     dFx_dALPMAX = alpha_in_by_ALPMAX*dFx_dalpha_in + dFx_dR_0_phi*dR_0_phi_dALPMAX + dFx_dslide*dslide_dALPMAX
     dFx_dALPMIN = dFx_dR_0_phi*dR_0_phi_dALPMIN + dFx_dalpha_in*dalpha_in_dALPMIN + dFx_dslide*dslide_dALPMIN
-    dFx_dFNOMIN = dF_x0_v_dFNOMIN*dFx_dF_x0_v + dFx_dK_xkappa*dK_xkappa_dFNOMIN + dFx_dR_0_phi*dR_0_phi_dFNOMIN + dFx_ddfz*ddfz_dFNOMIN
-    dFx_dLFZO = dF_x0_v_dLFZO*dFx_dF_x0_v + dFx_dK_xkappa*dK_xkappa_dLFZO + dFx_dR_0_phi*dR_0_phi_dLFZO + dFx_ddfz*ddfz_dLFZO
     dFx_dNOMPRES = dF_x0_v_dNOMPRES*dFx_dF_x0_v + dFx_dK_xkappa*dK_xkappa_dNOMPRES + dFx_dR_0_phi*dR_0_phi_dNOMPRES + dFx_ddpi*ddpi_dNOMPRES
     dFx_dPRESMAX = dF_x0_v_dPRESMAX*dFx_dF_x0_v + dFx_dK_xkappa*dK_xkappa_dPRESMAX + dFx_dR_0_phi*dR_0_phi_dPRESMAX + dFx_ddpi*ddpi_dPRESMAX
     dFx_dPRESMIN = dF_x0_v_dPRESMIN*dFx_dF_x0_v + dFx_dK_xkappa*dK_xkappa_dPRESMIN + dFx_dR_0_phi*dR_0_phi_dPRESMIN + dFx_ddpi*ddpi_dPRESMIN
@@ -3603,14 +3763,16 @@ def jacobian_parameters(inputs, parameters):
     dFx_dPEX2 = dF_x0_v_dPEX2*dFx_dF_x0_v
     dFx_dPEX3 = dF_x0_v_dPEX3*dFx_dF_x0_v
     dFx_dPEX4 = dF_x0_v_dPEX4*dFx_dF_x0_v
-    dFx_dLMUV = dFx_dslide*slide_by_LMUV
-    dFx_dLONGVL = dFx_dR_0_phi*dR_0_phi_dLONGVL + dFx_dslide*slide_by_LONGVL
+    dFx_dFNOMIN = dFx_dK_xkappa*dK_xkappa_dFNOMIN + dFx_dR_0_phi*dR_0_phi_dFNOMIN + dFx_ddfz*ddfz_dFNOMIN
+    dFx_dLFZO = dFx_dK_xkappa*dK_xkappa_dLFZO + dFx_dR_0_phi*dR_0_phi_dLFZO + dFx_ddfz*ddfz_dLFZO
     dFx_dLKX = K_xkappa_by_LKX*dFx_dK_xkappa
     dFx_dPKX1 = K_xkappa_by_K_xkappa_part1*dFx_dK_xkappa
     dFx_dPKX2 = dFx_dK_xkappa*dK_xkappa_dPKX2
     dFx_dPKX3 = dFx_dK_xkappa*dK_xkappa_dPKX3
     dFx_dPPX1 = dFx_dK_xkappa*dK_xkappa_dPPX1
     dFx_dPPX2 = dFx_dK_xkappa*dK_xkappa_dPPX2
+    dFx_dLMUV = dFx_dslide*slide_by_LMUV
+    dFx_dLONGVL = dFx_dR_0_phi*dR_0_phi_dLONGVL + dFx_dslide*slide_by_LONGVL
     dFx_dUNLOADED_RADIUS = dFx_dR_0_phi*dR_0_phi_dUNLOADED_RADIUS
     dFx_dPECP1 = dFx_dR_0_phi*dR_0_phi_dPECP1
     dFx_dPECP2 = dFx_dR_0_phi*dR_0_phi_dPECP2
@@ -3626,14 +3788,12 @@ def jacobian_parameters(inputs, parameters):
     dFy_dLVYKA = Fy_by_Fy_part1*S_Vyk_by_LVYKA
     dFy_dRVY5 = Fy_by_Fy_part1*dFy_part1_dRVY5
     dFy_dRVY6 = Fy_by_Fy_part1*dFy_part1_dRVY6
-    dFy_dVXLOW = Fy_by_Fy_part1*dFy_part1_dVXLOW + dF_y0_part2_dVXLOW*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_dVXLOW + dFy_dR_0_phi*dR_0_phi_dVXLOW + dFy_dS_Vy_part2*dS_Vy_part2_dVXLOW + dFy_dalpha_in*dalpha_in_dVXLOW + dFy_dkappa_in*dkappa_in_dVXLOW + dFy_dslide*dslide_dVXLOW
+    dFy_dVXLOW = Fy_by_Fy_part1*dFy_part1_dVXLOW + dF_y0_part2_dVXLOW*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_dVXLOW + dFy_dK_yalpha*dK_yalpha_dVXLOW + dFy_dR_0_phi*dR_0_phi_dVXLOW + dFy_dalpha_in*dalpha_in_dVXLOW + dFy_dkappa_in*dkappa_in_dVXLOW + dFy_dmu_y_loaded*dmu_y_loaded_dVXLOW + dFy_dslide*dslide_dVXLOW + dFy_dzeta_2*dzeta_2_dVXLOW
     dFy_dRVY4 = dD_Vyk_dRVY4*dFy_dD_Vyk
     dFy_dRVY1 = D_Vyk_by_D_Vyk_part4*dFy_dD_Vyk
     dFy_dRVY2 = dD_Vyk_dRVY2*dFy_dD_Vyk
     dFy_dRVY3 = dD_Vyk_dRVY3*dFy_dD_Vyk
-    dFy_dFZMAX = dD_Vyk_dFZMAX*dFy_dD_Vyk + dF_y0_part2_dFZMAX*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_dFZMAX + dFy_dK_yalpha*dK_yalpha_dFZMAX + dFy_dR_0_phi*dR_0_phi_dFZMAX + dFy_dS_Vy_part2*dS_Vy_part2_dFZMAX + dFy_ddfz*ddfz_dFZMAX
-    dFy_dKPUMAX = dFy_dG_yk*dG_yk_dKPUMAX + dFy_dS_Vy_part2*dS_Vy_part2_dKPUMAX + dFy_dkappa_in*kappa_in_by_KPUMAX + dFy_dslide*dslide_dKPUMAX
-    dFy_dKPUMIN = dFy_dG_yk*dG_yk_dKPUMIN + dFy_dS_Vy_part2*dS_Vy_part2_dKPUMIN + dFy_dkappa_in*dkappa_in_dKPUMIN + dFy_dslide*dslide_dKPUMIN
+    dFy_dFZMAX = dD_Vyk_dFZMAX*dFy_dD_Vyk + dF_y0_part2_dFZMAX*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_dFZMAX + dFy_dK_yalpha*dK_yalpha_dFZMAX + dFy_dR_0_phi*dR_0_phi_dFZMAX + dFy_dS_Vy_part2*dS_Vy_part2_dFZMAX + dFy_ddfz*ddfz_dFZMAX + dFy_dmu_y_loaded*dmu_y_loaded_dFZMAX
     dFy_dLCY = dF_y0_part2_dLCY*dFy_dF_y0_part2
     dFy_dPCY1 = dF_y0_part2_dPCY1*dFy_dF_y0_part2
     dFy_dLEY = dF_y0_part2_dLEY*dFy_dF_y0_part2
@@ -3647,27 +3807,24 @@ def jacobian_parameters(inputs, parameters):
     dFy_dPHY3 = dF_y0_part2_dPHY3*dFy_dF_y0_part2
     dFy_dPHY1 = dF_y0_part2_dPHY1*dFy_dF_y0_part2
     dFy_dPHY2 = dF_y0_part2_dPHY2*dFy_dF_y0_part2
-    dFy_dPDY3 = dFy_dmu_y_loaded*dmu_y_loaded_dPDY3
-    dFy_dPDY1 = dFy_dmu_y_loaded*mu_y_loaded_by_mu_y_loaded_part2
-    dFy_dPDY2 = dFy_dmu_y_loaded*dmu_y_loaded_dPDY2
-    dFy_dPPY3 = dFy_dmu_y_loaded*dmu_y_loaded_dPPY3
-    dFy_dPPY4 = dFy_dmu_y_loaded*dmu_y_loaded_dPPY4
+    dFy_dKPUMAX = dFy_dG_yk*dG_yk_dKPUMAX + dFy_dkappa_in*kappa_in_by_KPUMAX + dFy_dmu_y_loaded*dmu_y_loaded_dKPUMAX + dFy_dslide*dslide_dKPUMAX
+    dFy_dKPUMIN = dFy_dG_yk*dG_yk_dKPUMIN + dFy_dkappa_in*dkappa_in_dKPUMIN + dFy_dmu_y_loaded*dmu_y_loaded_dKPUMIN + dFy_dslide*dslide_dKPUMIN
+    dFy_dLVY = S_Vy_part2_by_LVY*dFy_dS_Vy_part2
+    dFy_dPVY3 = S_Vygamma_by_S_Vygamma_part1*dFy_dS_Vy_part2
+    dFy_dPVY4 = dFy_dS_Vy_part2*dS_Vy_part2_dPVY4
+    dFy_dPVY1 = S_Vy_part2_by_S_Vy_part1*dFy_dS_Vy_part2
+    dFy_dPVY2 = dFy_dS_Vy_part2*dS_Vy_part2_dPVY2
     dFy_dLMUY = dFy_dS_Vy_part2*dS_Vy_part2_dLMUY + dFy_dmu_y_loaded*dmu_y_loaded_dLMUY
-    dFy_dCAMMAX = dFy_dG_yk*dG_yk_dCAMMAX + dFy_dK_yalpha*dK_yalpha_dCAMMAX + dFy_dR_0_phi*dR_0_phi_dCAMMAX + dFy_dS_Vy_part2*dS_Vy_part2_dCAMMAX + dFy_dgamma_in*gamma_in_by_CAMMAX
-    dFy_dCAMMIN = dFy_dG_yk*dG_yk_dCAMMIN + dFy_dK_yalpha*dK_yalpha_dCAMMIN + dFy_dR_0_phi*dR_0_phi_dCAMMIN + dFy_dS_Vy_part2*dS_Vy_part2_dCAMMIN + dFy_dgamma_in*dgamma_in_dCAMMIN
-    dFy_dPDYP4 = dFy_dS_Vy_part2*dS_Vy_part2_dPDYP4 + dFy_dzeta_2*zeta_2_by_PDYP4
-    dFy_dPDYP1 = dFy_dS_Vy_part2*dS_Vy_part2_dPDYP1 + dFy_dzeta_2*dzeta_2_dPDYP1
-    dFy_dPDYP3 = dFy_dS_Vy_part2*dS_Vy_part2_dPDYP3 + dFy_dzeta_2*dzeta_2_dPDYP3
-    dFy_dPDYP2 = dFy_dS_Vy_part2*dS_Vy_part2_dPDYP2 + dFy_dzeta_2*dzeta_2_dPDYP2
-    dFy_dALPMAX = alpha_in_by_ALPMAX*dFy_dalpha_in + dFy_dG_yk*dG_yk_dALPMAX + dFy_dR_0_phi*dR_0_phi_dALPMAX + dFy_dS_Vy_part2*dS_Vy_part2_dALPMAX + dFy_dslide*dslide_dALPMAX
-    dFy_dALPMIN = dFy_dG_yk*dG_yk_dALPMIN + dFy_dR_0_phi*dR_0_phi_dALPMIN + dFy_dS_Vy_part2*dS_Vy_part2_dALPMIN + dFy_dalpha_in*dalpha_in_dALPMIN + dFy_dslide*dslide_dALPMIN
-    dFy_dFNOMIN = dFy_dG_yk*dG_yk_dFNOMIN + dFy_dK_yalpha*dK_yalpha_dFNOMIN + dFy_dR_0_phi*dR_0_phi_dFNOMIN + dFy_dS_Vy_part2*dS_Vy_part2_dFNOMIN + dFy_ddfz*ddfz_dFNOMIN
-    dFy_dLFZO = dFy_dG_yk*dG_yk_dLFZO + dFy_dK_yalpha*dK_yalpha_dLFZO + dFy_dR_0_phi*dR_0_phi_dLFZO + dFy_dS_Vy_part2*dS_Vy_part2_dLFZO + dFy_ddfz*ddfz_dLFZO
-    dFy_dNOMPRES = dFy_dK_yalpha*dK_yalpha_dNOMPRES + dFy_dR_0_phi*dR_0_phi_dNOMPRES + dFy_ddpi*ddpi_dNOMPRES
-    dFy_dPRESMAX = dFy_dK_yalpha*dK_yalpha_dPRESMAX + dFy_dR_0_phi*dR_0_phi_dPRESMAX + dFy_ddpi*ddpi_dPRESMAX
-    dFy_dPRESMIN = dFy_dK_yalpha*dK_yalpha_dPRESMIN + dFy_dR_0_phi*dR_0_phi_dPRESMIN + dFy_ddpi*ddpi_dPRESMIN
-    dFy_dLMUV = dFy_dS_Vy_part2*dS_Vy_part2_dLMUV + dFy_dslide*slide_by_LMUV
-    dFy_dLONGVL = dFy_dR_0_phi*dR_0_phi_dLONGVL + dFy_dS_Vy_part2*dS_Vy_part2_dLONGVL + dFy_dslide*slide_by_LONGVL
+    dFy_dCAMMAX = dFy_dG_yk*dG_yk_dCAMMAX + dFy_dK_yalpha*dK_yalpha_dCAMMAX + dFy_dR_0_phi*dR_0_phi_dCAMMAX + dFy_dgamma_in*gamma_in_by_CAMMAX + dFy_dmu_y_loaded*dmu_y_loaded_dCAMMAX
+    dFy_dCAMMIN = dFy_dG_yk*dG_yk_dCAMMIN + dFy_dK_yalpha*dK_yalpha_dCAMMIN + dFy_dR_0_phi*dR_0_phi_dCAMMIN + dFy_dgamma_in*dgamma_in_dCAMMIN + dFy_dmu_y_loaded*dmu_y_loaded_dCAMMIN
+    dFy_dPDYP4 = dFy_dzeta_2*zeta_2_by_PDYP4
+    dFy_dPDYP1 = dFy_dzeta_2*dzeta_2_dPDYP1
+    dFy_dPDYP3 = dFy_dzeta_2*dzeta_2_dPDYP3
+    dFy_dPDYP2 = dFy_dzeta_2*dzeta_2_dPDYP2
+    dFy_dALPMAX = alpha_in_by_ALPMAX*dFy_dalpha_in + dFy_dG_yk*dG_yk_dALPMAX + dFy_dR_0_phi*dR_0_phi_dALPMAX + dFy_dmu_y_loaded*dmu_y_loaded_dALPMAX + dFy_dslide*dslide_dALPMAX
+    dFy_dALPMIN = dFy_dG_yk*dG_yk_dALPMIN + dFy_dR_0_phi*dR_0_phi_dALPMIN + dFy_dalpha_in*dalpha_in_dALPMIN + dFy_dmu_y_loaded*dmu_y_loaded_dALPMIN + dFy_dslide*dslide_dALPMIN
+    dFy_dFNOMIN = dFy_dG_yk*dG_yk_dFNOMIN + dFy_dK_yalpha*dK_yalpha_dFNOMIN + dFy_dR_0_phi*dR_0_phi_dFNOMIN + dFy_ddfz*ddfz_dFNOMIN + dFy_dmu_y_loaded*dmu_y_loaded_dFNOMIN
+    dFy_dLFZO = dFy_dG_yk*dG_yk_dLFZO + dFy_dK_yalpha*dK_yalpha_dLFZO + dFy_dR_0_phi*dR_0_phi_dLFZO + dFy_ddfz*ddfz_dLFZO + dFy_dmu_y_loaded*dmu_y_loaded_dLFZO
     dFy_dRCY1 = dFy_dG_yk*dG_yk_dRCY1
     dFy_dRHY1 = dFy_dG_yk*dG_yk_dRHY1
     dFy_dRHY2 = dFy_dG_yk*dG_yk_dRHY2
@@ -3678,20 +3835,25 @@ def jacobian_parameters(inputs, parameters):
     dFy_dRBY4 = dFy_dG_yk*dG_yk_dRBY4
     dFy_dRBY2 = dFy_dG_yk*dG_yk_dRBY2
     dFy_dRBY3 = dFy_dG_yk*dG_yk_dRBY3
-    dFy_dLVY = S_Vy_part2_by_LVY*dFy_dS_Vy_part2
-    dFy_dPVY3 = S_Vygamma_by_S_Vygamma_part1*dFy_dS_Vy_part2
-    dFy_dPVY4 = dFy_dS_Vy_part2*dS_Vy_part2_dPVY4
-    dFy_dPVY1 = S_Vy_part2_by_S_Vy_part1*dFy_dS_Vy_part2
-    dFy_dPVY2 = dFy_dS_Vy_part2*dS_Vy_part2_dPVY2
+    dFy_dLMUV = dFy_dmu_y_loaded*dmu_y_loaded_dLMUV + dFy_dslide*slide_by_LMUV
+    dFy_dLONGVL = dFy_dR_0_phi*dR_0_phi_dLONGVL + dFy_dmu_y_loaded*dmu_y_loaded_dLONGVL + dFy_dslide*slide_by_LONGVL
     dFy_dLKY = K_yalpha_by_LKY*dFy_dK_yalpha
     dFy_dPKY1 = K_yalpha_by_PKY1*dFy_dK_yalpha
-    dFy_dPKYP1 = dFy_dK_yalpha*dK_yalpha_dPKYP1
     dFy_dPPY1 = dFy_dK_yalpha*dK_yalpha_dPPY1
     dFy_dPKY3 = dFy_dK_yalpha*dK_yalpha_dPKY3
     dFy_dPKY4 = dFy_dK_yalpha*dK_yalpha_dPKY4
+    dFy_dPKYP1 = dFy_dK_yalpha*dK_yalpha_dPKYP1
     dFy_dPPY2 = dFy_dK_yalpha*dK_yalpha_dPPY2
     dFy_dPKY2 = dFy_dK_yalpha*dK_yalpha_dPKY2
     dFy_dPKY5 = dFy_dK_yalpha*dK_yalpha_dPKY5
+    dFy_dNOMPRES = dFy_dK_yalpha*dK_yalpha_dNOMPRES + dFy_dR_0_phi*dR_0_phi_dNOMPRES + dFy_dmu_y_loaded*dmu_y_loaded_dNOMPRES
+    dFy_dPRESMAX = dFy_dK_yalpha*dK_yalpha_dPRESMAX + dFy_dR_0_phi*dR_0_phi_dPRESMAX + dFy_dmu_y_loaded*dmu_y_loaded_dPRESMAX
+    dFy_dPRESMIN = dFy_dK_yalpha*dK_yalpha_dPRESMIN + dFy_dR_0_phi*dR_0_phi_dPRESMIN + dFy_dmu_y_loaded*dmu_y_loaded_dPRESMIN
+    dFy_dPDY3 = dFy_dmu_y_loaded*dmu_y_loaded_dPDY3
+    dFy_dPDY1 = dFy_dmu_y_loaded*mu_y_loaded_by_mu_y_loaded_part2
+    dFy_dPDY2 = dFy_dmu_y_loaded*dmu_y_loaded_dPDY2
+    dFy_dPPY3 = dFy_dmu_y_loaded*dmu_y_loaded_dPPY3
+    dFy_dPPY4 = dFy_dmu_y_loaded*dmu_y_loaded_dPPY4
     dFy_dUNLOADED_RADIUS = dFy_dR_0_phi*dR_0_phi_dUNLOADED_RADIUS
     dFy_dPECP1 = dFy_dR_0_phi*dR_0_phi_dPECP1
     dFy_dPECP2 = dFy_dR_0_phi*dR_0_phi_dPECP2

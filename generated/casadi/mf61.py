@@ -44,9 +44,9 @@ QUANTITIES = (
     "mu_x", "D_x", "E_x", "K_xkappa", "B_x", "S_Vx", "F_x0", "K_yalpha", "K_ygamma0", "S_Hy",
     "alpha_y", "C_y", "D_y", "E_y", "B_y", "S_Vy", "F_y0", "mu_y", "B_xalpha", "E_xalpha",
     "C_xalpha", "G_xa", "E_ykappa", "C_ykappa", "B_ykappa", "G_yk", "D_Vyk", "S_Vyk", "S_Ht",
-    "alpha_t", "alpha_r", "B_t", "C_t", "D_t", "E_t", "B_r", "D_r", "trail_0", "M_zr0", "M_z0",
-    "alpha_teq", "alpha_req", "trail", "M_zr", "s", "R_l", "rho", "c_z", "a", "b", "c_x", "c_y",
-    "sigma_x", "sigma_y", "sigma_kappa", "sigma_alpha",
+    "alpha_t", "alpha_r", "B_t", "C_t", "D_t", "E_t", "B_r", "M_zphi_inf", "D_r", "trail_0",
+    "M_zr0", "M_z0", "alpha_teq", "alpha_req", "trail", "M_zr", "s", "R_l", "rho", "c_z", "a", "b",
+    "c_x", "c_y", "sigma_x", "sigma_y", "sigma_kappa", "sigma_alpha",
 )
 FORCES = (
     "Fx", "Fy", "Mz", "Mx", "My",
@@ -186,18 +186,19 @@ def quantities(inputs, parameters):
     R_e = R_omega - sink  # [P 7] effective rolling radius
 
     # Turn slip
+    turn_share = ca.if_else(1000000.0*ca.fabs(phit_in) < 1, 1000000000000.0*ca.fabs(phit_in)**2*(3 - 2000000.0*ca.fabs(phit_in)), 1)  # [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight
     eps_gamma = PECP1*(1 + PECP2*dfz)  # [4.90] equivalent spin of camber
     V_spin = ca.if_else(VXLOW > ca.fabs(V), VXLOW*ca.if_else(V >= 0, 1, ca.sign(V)), ca.if_else(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
     phi = (phit_in + omega*(1 - eps_gamma)*ca.sin(gamma_in)/V_spin)*ca.if_else(CONVENTION > 0.5, 1, -1)  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
-    zeta_0 = ca.if_else(phit_in == 0, 1, 0)  # [4.83] camber acts through its spin
+    zeta_0 = ca.if_else(phit_in == 0, 1, 1 - turn_share)  # [4.83] camber acts through its spin
     B_xphi = PDXP1*(1 + PDXP2*dfz)/ca.sqrt(1 + PDXP3**2*kappa_in**2)  # [4.106] fall of D_x with spin
-    zeta_1 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
+    zeta_1 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi = PDYP1*(1 + PDYP2*dfz)/ca.sqrt(1 + PDYP3**2*tan_alpha**2)  # [4.78] fall of D_y with spin
-    zeta_2 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
-    zeta_3 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
-    zeta_5 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
-    zeta_6 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
+    zeta_2 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx = LHX*fade_smooth*(PHX1 + PHX2*dfz)  # [4.E17] horizontal shift
@@ -231,7 +232,7 @@ def quantities(inputs, parameters):
     S_Hyphi = D_Hyphi*ca.sign(V)*ca.sin(S_Hyphi_w)  # [4.80] shift by spin
     K_yalpha_00 = F_z01*LKY*PKY1*(1 + PPY1*dpi)*ca.sin(PKY4*ca.atan(F_z_limited/(F_z01*PKY2*(1 + PPY2*dpi))))  # [4.E25] cornering stiffness
     S_Vygamma = F_z_limited*LKYC*LMUY_shift*gamma_star*zeta_2*(PVY3 + PVY4*dfz)  # [4.E28] vertical shift by inclination
-    zeta_4 = ca.if_else(phit_in == 0, 1, 1 + S_Hyphi - S_Vygamma/K_yalpha1)  # [4.84] shift by spin
+    zeta_4 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share*(1 + S_Hyphi - S_Vygamma/K_yalpha1))  # [4.84] shift by spin
     S_Hy = fade_smooth*(-1 + zeta_4 + LHY*(PHY1 + PHY2*dfz) + zeta_0*(-S_Vygamma + K_ygamma0*gamma_star)/K_yalpha1)  # [4.E27] horizontal shift
     alpha_y = S_Hy + alpha_star  # [4.E20] slip angle, shifted
     C_y = LCY*PCY1  # [4.E21] shape factor
@@ -310,7 +311,7 @@ def quantities(inputs, parameters):
     zeta_7_beyond_1 = ca.if_else(zeta_7_cosine > 0, 0, 2)  # [4.104] zeta_7 where the size is above 1: its real part
     zeta_7 = ca.if_else(zeta_7_cosine_size >= 1, zeta_7_beyond_1, 2*ca.acos(zeta_7_below_1)/ca.pi)  # [4.104] shape factor of the residual moment with turn slip, C_r
     zeta_7_imaginary = 2*ca.log(zeta_7_above_1 + ca.sqrt(-1 + zeta_7_above_1**2))/ca.pi  # [MFeval] imaginary part of zeta_7, of which MFeval prints the real part of the result
-    zeta_8 = ca.if_else(phit_in == 0, 1, 1 + D_rphi)  # [4.92] moment by spin
+    zeta_8 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share*(1 + D_rphi))  # [4.92] moment by spin
     D_r = -1 + zeta_8 + F_zm*LMUY_star*UNLOADED_RADIUS*(LRES*zeta_2*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*zeta_0*((1 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*ca.fabs(gamma_star)))*ca.cos(alpha_star)*ca.sign(V)  # [4.E47] peak factor of the residual moment
     trail_0_u = B_t*alpha_t  # [4.1] B x
     trail_0_v = trail_0_u - E_t*(trail_0_u - ca.atan(trail_0_u))  # [4.1] B x bent by E
@@ -319,7 +320,7 @@ def quantities(inputs, parameters):
     M_zr0_w = ca.atan(B_r*alpha_r)  # [4.E75] angle of the residual moment
     M_zr0_grown = ca.exp(M_zr0_w*zeta_7_imaginary)  # [MFeval] exponential of the same
     M_zr0_spun = ca.if_else(zeta_7_cosine_size > 1, ca.if_else(CONVENTION > 0.5, 1, 0.5*M_zr0_grown + 0.5/M_zr0_grown), 1)*ca.cos(M_zr0_w*zeta_7)  # [4.E75] fall of the residual moment with turn slip
-    M_zr0 = D_r*cos_alpha*ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_r**2), M_zr0_spun)  # [4.E36] residual moment in pure slip
+    M_zr0 = D_r*cos_alpha*ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_r**2), M_zr0_spun*turn_share + (1 - turn_share)/ca.sqrt(1 + B_r**2*alpha_r**2))  # [4.E36] residual moment in pure slip
     M_z0 = M_zr0 - F_y0_00*trail_0  # [4.E31] aligning moment in pure slip
     kappa_share = K_xkappa**2*kappa_in**2/K_yalpha1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = ca.if_else(CONVENTION > 0.5, alpha_t, ca.tan(alpha_t))  # [4.E77] the same as a slip
@@ -335,7 +336,7 @@ def quantities(inputs, parameters):
     M_zr_w = ca.atan(B_r*alpha_req)  # [4.E75] angle of the residual moment
     M_zr_grown = ca.exp(M_zr_w*zeta_7_imaginary)  # [MFeval] exponential of the same
     M_zr_spun = ca.if_else(zeta_7_cosine_size > 1, ca.if_else(CONVENTION > 0.5, 1, 0.5*M_zr_grown + 0.5/M_zr_grown), 1)*ca.cos(M_zr_w*zeta_7)  # [4.E75] fall of the residual moment with turn slip
-    M_zr = D_r*fade_smooth*ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun)  # [4.E75] residual moment
+    M_zr = D_r*fade_smooth*ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun*turn_share + (1 - turn_share)/ca.sqrt(1 + B_r**2*alpha_req**2))  # [4.E75] residual moment
     s = LS*UNLOADED_RADIUS*ca.if_else(CONVENTION > 0.5, SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01, SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)  # [4.E76] moment arm of Fx
 
     # Deflection and loaded radius
@@ -416,6 +417,7 @@ def quantities(inputs, parameters):
         D_t,
         E_t,
         B_r,
+        M_zphi_inf,
         D_r,
         trail_0,
         M_zr0,
@@ -507,18 +509,19 @@ def forces(inputs, parameters):
     omega = V*(1 + kappa)/R_e_2  # [2.5] wheel speed
 
     # Turn slip
+    turn_share = ca.if_else(1000000.0*ca.fabs(phit_in) < 1, 1000000000000.0*ca.fabs(phit_in)**2*(3 - 2000000.0*ca.fabs(phit_in)), 1)  # [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight
     eps_gamma = PECP1*(1 + PECP2*dfz)  # [4.90] equivalent spin of camber
     V_spin = ca.if_else(VXLOW > ca.fabs(V), VXLOW*ca.if_else(V >= 0, 1, ca.sign(V)), ca.if_else(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
     phi = (phit_in + omega*(1 - eps_gamma)*ca.sin(gamma_in)/V_spin)*ca.if_else(CONVENTION > 0.5, 1, -1)  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
-    zeta_0 = ca.if_else(phit_in == 0, 1, 0)  # [4.83] camber acts through its spin
+    zeta_0 = ca.if_else(phit_in == 0, 1, 1 - turn_share)  # [4.83] camber acts through its spin
     B_xphi = PDXP1*(1 + PDXP2*dfz)/ca.sqrt(1 + PDXP3**2*kappa_in**2)  # [4.106] fall of D_x with spin
-    zeta_1 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
+    zeta_1 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi = PDYP1*(1 + PDYP2*dfz)/ca.sqrt(1 + PDYP3**2*tan_alpha**2)  # [4.78] fall of D_y with spin
-    zeta_2 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
-    zeta_3 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
-    zeta_5 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
-    zeta_6 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
+    zeta_2 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx = LHX*fade_smooth*(PHX1 + PHX2*dfz)  # [4.E17] horizontal shift
@@ -551,7 +554,7 @@ def forces(inputs, parameters):
     S_Hyphi_w = PHYP1*ca.atan(S_Hyphi_v)  # [4.1] angle of the Magic Formula
     S_Hyphi = D_Hyphi*ca.sign(V)*ca.sin(S_Hyphi_w)  # [4.80] shift by spin
     S_Vygamma = F_z_limited*LKYC*LMUY_shift*gamma_star*zeta_2*(PVY3 + PVY4*dfz)  # [4.E28] vertical shift by inclination
-    zeta_4 = ca.if_else(phit_in == 0, 1, 1 + S_Hyphi - S_Vygamma/K_yalpha1)  # [4.84] shift by spin
+    zeta_4 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share*(1 + S_Hyphi - S_Vygamma/K_yalpha1))  # [4.84] shift by spin
     S_Hy = fade_smooth*(-1 + zeta_4 + LHY*(PHY1 + PHY2*dfz) + zeta_0*(-S_Vygamma + K_ygamma0*gamma_star)/K_yalpha1)  # [4.E27] horizontal shift
     alpha_y = S_Hy + alpha_star  # [4.E20] slip angle, shifted
     C_y = LCY*PCY1  # [4.E21] shape factor
@@ -564,7 +567,7 @@ def forces(inputs, parameters):
     F_y0_v = F_y0_u - E_y*(F_y0_u - ca.atan(F_y0_u))  # [4.1] B x bent by E
     F_y0_w = C_y*ca.atan(F_y0_v)  # [4.1] angle of the Magic Formula
     F_y0 = (S_Vy + D_y*ca.sin(F_y0_w))*ca.if_else(SLIP_ANGLE > 0.5, 1, ca.if_else(V >= 0, 1, ca.sign(V)))  # [4.E19] side force in pure slip
-    zeta_4_g0 = ca.if_else(phit_in == 0, 1, 1 + S_Hyphi)  # [4.84] shift by spin
+    zeta_4_g0 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share*(1 + S_Hyphi))  # [4.84] shift by spin
     S_Hy_g0 = fade_smooth*(-1 + zeta_4_g0 + LHY*(PHY1 + PHY2*dfz))  # [4.E27] horizontal shift
     alpha_y_g0 = S_Hy_g0 + alpha_star  # [4.E20] slip angle, shifted
     C_y_g0 = LCY*PCY1  # [4.E21] shape factor
@@ -637,7 +640,7 @@ def forces(inputs, parameters):
     zeta_7_beyond_1 = ca.if_else(zeta_7_cosine > 0, 0, 2)  # [4.104] zeta_7 where the size is above 1: its real part
     zeta_7 = ca.if_else(zeta_7_cosine_size >= 1, zeta_7_beyond_1, 2*ca.acos(zeta_7_below_1)/ca.pi)  # [4.104] shape factor of the residual moment with turn slip, C_r
     zeta_7_imaginary = 2*ca.log(zeta_7_above_1 + ca.sqrt(-1 + zeta_7_above_1**2))/ca.pi  # [MFeval] imaginary part of zeta_7, of which MFeval prints the real part of the result
-    zeta_8 = ca.if_else(phit_in == 0, 1, 1 + D_rphi)  # [4.92] moment by spin
+    zeta_8 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share*(1 + D_rphi))  # [4.92] moment by spin
     D_r = -1 + zeta_8 + F_zm*LMUY_star*UNLOADED_RADIUS*(LRES*zeta_2*(QDZ6 + QDZ7*dfz) + LKZC*gamma_star*zeta_0*((1 + PPZ2*dpi)*(QDZ8 + QDZ9*dfz) + (QDZ10 + QDZ11*dfz)*ca.fabs(gamma_star)))*ca.cos(alpha_star)*ca.sign(V)  # [4.E47] peak factor of the residual moment
     kappa_share = K_xkappa**2*kappa_in**2/K_yalpha1**2  # [4.E77] equivalent slip angle of kappa, squared
     tan_alpha_teq = ca.if_else(CONVENTION > 0.5, alpha_t, ca.tan(alpha_t))  # [4.E77] the same as a slip
@@ -653,7 +656,7 @@ def forces(inputs, parameters):
     M_zr_w = ca.atan(B_r*alpha_req)  # [4.E75] angle of the residual moment
     M_zr_grown = ca.exp(M_zr_w*zeta_7_imaginary)  # [MFeval] exponential of the same
     M_zr_spun = ca.if_else(zeta_7_cosine_size > 1, ca.if_else(CONVENTION > 0.5, 1, 0.5*M_zr_grown + 0.5/M_zr_grown), 1)*ca.cos(M_zr_w*zeta_7)  # [4.E75] fall of the residual moment with turn slip
-    M_zr = D_r*fade_smooth*ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun)  # [4.E75] residual moment
+    M_zr = D_r*fade_smooth*ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun*turn_share + (1 - turn_share)/ca.sqrt(1 + B_r**2*alpha_req**2))  # [4.E75] residual moment
     s = LS*UNLOADED_RADIUS*ca.if_else(CONVENTION > 0.5, SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01, SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)  # [4.E76] moment arm of Fx
     G_yk_g0 = ca.cos(G_yk_g0_w)/ca.cos(G_yk_g00_w)  # [4.E74] G_yk without inclination
     F_y1 = F_y0_g0*ca.if_else(CONVENTION > 0.5, G_yk_g0, G_yk)  # [4.E74] side force that the trail carries
@@ -779,6 +782,7 @@ def slip_stiffnesses(inputs, parameters):
     omega = V*omega_part1*omega_part2  # [2.5] wheel speed
 
     # Turn slip
+    turn_share = ca.if_else(1000000.0*ca.fabs(phit_in) < 1, 1000000000000.0*ca.fabs(phit_in)**2*(3 - 2000000.0*ca.fabs(phit_in)), 1)  # [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight
     eps_gamma_part1 = 1 + PECP2*dfz
     eps_gamma = PECP1*eps_gamma_part1  # [4.90] equivalent spin of camber
     V_spin_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
@@ -791,22 +795,23 @@ def slip_stiffnesses(inputs, parameters):
     phi_part5 = ca.if_else(CONVENTION > 0.5, 1, -1)
     phi = phi_part4*phi_part5  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
-    zeta_0 = ca.if_else(phit_in == 0, 1, 0)  # [4.83] camber acts through its spin
+    zeta_0_part1 = 1 - turn_share
+    zeta_0 = ca.if_else(phit_in == 0, 1, zeta_0_part1)  # [4.83] camber acts through its spin
     B_xphi_part1 = 1 + PDXP3**2*kappa_in**2
     B_xphi_part2 = ca.sqrt(B_xphi_part1)
     B_xphi_part3 = 1/B_xphi_part2
     B_xphi_part4 = 1 + PDXP2*dfz
     B_xphi = B_xphi_part3*B_xphi_part4*PDXP1  # [4.106] fall of D_x with spin
-    zeta_1 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
+    zeta_1 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi_part1 = 1 + PDYP3**2*tan_alpha**2
     B_yphi_part2 = ca.sqrt(B_yphi_part1)
     B_yphi_part3 = 1/B_yphi_part2
     B_yphi_part4 = 1 + PDYP2*dfz
     B_yphi = B_yphi_part3*B_yphi_part4*PDYP1  # [4.78] fall of D_y with spin
-    zeta_2 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
-    zeta_3 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
-    zeta_5 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
-    zeta_6 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
+    zeta_2 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx_part1 = PHX1 + PHX2*dfz
@@ -898,7 +903,7 @@ def slip_stiffnesses(inputs, parameters):
     S_Hyphi = D_Hyphi*S_Hyphi_part1*S_Hyphi_part2  # [4.80] shift by spin
     S_Vygamma_part1 = PVY3 + PVY4*dfz
     S_Vygamma = F_z_limited*LKYC*LMUY_shift*S_Vygamma_part1*gamma_star*zeta_2  # [4.E28] vertical shift by inclination
-    zeta_4 = ca.if_else(phit_in == 0, 1, 1 + S_Hyphi - S_Vygamma/K_yalpha1)  # [4.84] shift by spin
+    zeta_4 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share*(1 + S_Hyphi - S_Vygamma/K_yalpha1))  # [4.84] shift by spin
     S_Hy_part1 = PHY1 + PHY2*dfz
     S_Hy_part2 = 1/K_yalpha1
     S_Hy_part3 = -S_Vygamma + K_ygamma0*gamma_star
@@ -936,7 +941,8 @@ def slip_stiffnesses(inputs, parameters):
     F_y0_part4 = ca.if_else(SLIP_ANGLE > 0.5, 1, F_y0_part3)
     F_y0 = F_y0_part2*F_y0_part4  # [4.E19] side force in pure slip
     zeta_4_g0_part1 = 1 + S_Hyphi
-    zeta_4_g0 = ca.if_else(phit_in == 0, 1, zeta_4_g0_part1)  # [4.84] shift by spin
+    zeta_4_g0_part2 = 1 - turn_share + turn_share*zeta_4_g0_part1
+    zeta_4_g0 = ca.if_else(phit_in == 0, 1, zeta_4_g0_part2)  # [4.84] shift by spin
     S_Hy_g0_part1 = PHY1 + PHY2*dfz
     S_Hy_g0_part2 = -1 + zeta_4_g0 + LHY*S_Hy_g0_part1
     S_Hy_g0 = S_Hy_g0_part2*fade_smooth  # [4.E27] horizontal shift
@@ -1127,7 +1133,8 @@ def slip_stiffnesses(inputs, parameters):
     zeta_7_imaginary_part4 = ca.log(zeta_7_imaginary_part3)
     zeta_7_imaginary = 2*zeta_7_imaginary_part4/ca.pi  # [MFeval] imaginary part of zeta_7, of which MFeval prints the real part of the result
     zeta_8_part1 = 1 + D_rphi
-    zeta_8 = ca.if_else(phit_in == 0, 1, zeta_8_part1)  # [4.92] moment by spin
+    zeta_8_part2 = 1 - turn_share + turn_share*zeta_8_part1
+    zeta_8 = ca.if_else(phit_in == 0, 1, zeta_8_part2)  # [4.92] moment by spin
     D_r_part1 = QDZ6 + QDZ7*dfz
     D_r_part2 = 1 + PPZ2*dpi
     D_r_part3 = QDZ8 + QDZ9*dfz
@@ -1173,7 +1180,7 @@ def slip_stiffnesses(inputs, parameters):
     M_zr_spun_part2 = M_zr_w*zeta_7
     M_zr_spun_part3 = ca.cos(M_zr_spun_part2)
     M_zr_spun = M_zr_spun_part1*M_zr_spun_part3  # [4.E75] fall of the residual moment with turn slip
-    M_zr_part1 = ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun)
+    M_zr_part1 = ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun*turn_share + (1 - turn_share)/ca.sqrt(1 + B_r**2*alpha_req**2))
     s_part1 = ca.if_else(CONVENTION > 0.5, SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01, SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)
     s = LS*UNLOADED_RADIUS*s_part1  # [4.E76] moment arm of Fx
     G_yk_g0_part1 = ca.cos(G_yk_g00_w)
@@ -1267,20 +1274,24 @@ def slip_stiffnesses(inputs, parameters):
     omega_part1_by_R_e_2 = -omega_part1**2
     omega_by_omega_part1 = V*omega_part2
     omega_by_omega_part2 = V*omega_part1
+    turn_share_by_phit_in = ca.if_else(1000000.0*ca.fabs(phit_in) < 1, -2e+18*ca.fabs(phit_in)**2*ca.sign(phit_in) + 2000000000000.0*(3 - 2000000.0*ca.fabs(phit_in))*ca.fabs(phit_in)*ca.sign(phit_in), 0)
     V_spin_by_V_c = ca.if_else(VXLOW > ca.fabs(V), 0, ca.if_else(CONVENTION > 0.5, 0, 1))
     phi_shared1 = phi_part2*phi_part3
     phi_part1_by_V_spin = -phi_part1**2
     phi_part4_by_omega = phi_part1*phi_shared1
     phi_part4_by_phi_part1 = omega*phi_shared1
+    zeta_0_by_zeta_0_part1 = ca.if_else(phit_in == 0, 0, 1)
     B_xphi_part1_by_kappa_in = 2*kappa_in*PDXP3**2
     B_xphi_part2_by_B_xphi_part1 = 0.5/B_xphi_part2
     B_xphi_part3_by_B_xphi_part2 = -B_xphi_part3**2
     B_xphi_by_B_xphi_part3 = B_xphi_part4*PDXP1
     zeta_1_shared2 = R_0_phi**2
     zeta_1_shared3 = B_xphi**2
-    zeta_1_shared4 = (1 + zeta_1_shared2*zeta_1_shared3)**(-1.5)
-    zeta_1_by_B_xphi = ca.if_else(phit_in == 0, 0, -B_xphi*zeta_1_shared2*zeta_1_shared4)
-    zeta_1_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared4)
+    zeta_1_shared4 = 1 + zeta_1_shared2*zeta_1_shared3
+    zeta_1_shared5 = turn_share/zeta_1_shared4**1.5
+    zeta_1_by_B_xphi = ca.if_else(phit_in == 0, 0, -B_xphi*zeta_1_shared2*zeta_1_shared5)
+    zeta_1_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared5)
+    zeta_1_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_1_shared4))
     B_yphi_part1_by_tan_alpha = 2*tan_alpha*PDYP3**2
     B_yphi_part2_by_B_yphi_part1 = 0.5/B_yphi_part2
     B_yphi_part3_by_B_yphi_part2 = -B_yphi_part3**2
@@ -1290,23 +1301,31 @@ def slip_stiffnesses(inputs, parameters):
     zeta_2_shared4 = zeta_2_shared2 + PDYP4*zeta_2_shared3
     zeta_2_shared5 = zeta_2_shared4**2
     zeta_2_shared6 = B_yphi**2
-    zeta_2_shared7 = (1 + zeta_2_shared5*zeta_2_shared6)**(-1.5)
-    zeta_2_shared8 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared7
-    zeta_2_shared9 = ca.sign(R_0_phi)
-    zeta_2_by_B_yphi = ca.if_else(phit_in == 0, 0, -B_yphi*zeta_2_shared5*zeta_2_shared7)
-    zeta_2_by_R_0_phi = ca.if_else(phit_in == 0, 0, -0.5*zeta_2_shared8*(2*zeta_2_shared9 + PDYP4*zeta_2_shared9/zeta_2_shared3))
+    zeta_2_shared7 = 1 + zeta_2_shared5*zeta_2_shared6
+    zeta_2_shared8 = turn_share/zeta_2_shared7**1.5
+    zeta_2_shared9 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared8
+    zeta_2_shared10 = ca.sign(R_0_phi)
+    zeta_2_by_B_yphi = ca.if_else(phit_in == 0, 0, -B_yphi*zeta_2_shared5*zeta_2_shared8)
+    zeta_2_by_R_0_phi = ca.if_else(phit_in == 0, 0, -0.5*zeta_2_shared9*(2*zeta_2_shared10 + PDYP4*zeta_2_shared10/zeta_2_shared3))
+    zeta_2_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_2_shared7))
     zeta_3_shared2 = R_0_phi**4
     zeta_3_shared3 = PKYP1**2
-    zeta_3_shared4 = (1 + zeta_3_shared2*zeta_3_shared3)**(-1.5)
-    zeta_3_by_R_0_phi = ca.if_else(phit_in == 0, 0, -2*zeta_3_shared3*zeta_3_shared4*R_0_phi**3)
+    zeta_3_shared4 = 1 + zeta_3_shared2*zeta_3_shared3
+    zeta_3_shared5 = turn_share/zeta_3_shared4**1.5
+    zeta_3_by_R_0_phi = ca.if_else(phit_in == 0, 0, -2*zeta_3_shared3*zeta_3_shared5*R_0_phi**3)
+    zeta_3_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_3_shared4))
     zeta_5_shared2 = R_0_phi**2
     zeta_5_shared3 = QDTP1**2
-    zeta_5_shared4 = (1 + zeta_5_shared2*zeta_5_shared3)**(-1.5)
-    zeta_5_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared4)
+    zeta_5_shared4 = 1 + zeta_5_shared2*zeta_5_shared3
+    zeta_5_shared5 = turn_share/zeta_5_shared4**1.5
+    zeta_5_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared5)
+    zeta_5_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_5_shared4))
     zeta_6_shared2 = R_0_phi**2
     zeta_6_shared3 = QBRP1**2
-    zeta_6_shared4 = (1 + zeta_6_shared2*zeta_6_shared3)**(-1.5)
-    zeta_6_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared4)
+    zeta_6_shared4 = 1 + zeta_6_shared2*zeta_6_shared3
+    zeta_6_shared5 = turn_share/zeta_6_shared4**1.5
+    zeta_6_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared5)
+    zeta_6_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_6_shared4))
     mu_x_loaded_shared1 = mu_x_loaded_part2*mu_x_loaded_part3
     mu_x_loaded_by_LMUX_star = mu_x_loaded_part1*mu_x_loaded_shared1
     mu_x_by_mu_x_loaded = ca.if_else(F_z_limited <= 0, 0, 1)
@@ -1336,12 +1355,15 @@ def slip_stiffnesses(inputs, parameters):
     S_Vygamma_shared3 = F_z_limited*LKYC*LMUY_shift*S_Vygamma_part1
     S_Vygamma_by_LMUY_shift = S_Vygamma_part1*S_Vygamma_shared2
     S_Vygamma_by_zeta_2 = S_Vygamma_shared3*gamma_star
-    zeta_4_by_K_yalpha1 = ca.if_else(phit_in == 0, 0, S_Vygamma/K_yalpha1**2)
-    zeta_4_by_S_Hyphi = ca.if_else(phit_in == 0, 0, 1)
-    zeta_4_by_S_Vygamma = ca.if_else(phit_in == 0, 0, -1/K_yalpha1)
+    zeta_4_shared2 = 1/K_yalpha1
+    zeta_4_by_K_yalpha1 = ca.if_else(phit_in == 0, 0, S_Vygamma*turn_share/K_yalpha1**2)
+    zeta_4_by_S_Hyphi = ca.if_else(phit_in == 0, 0, turn_share)
+    zeta_4_by_S_Vygamma = ca.if_else(phit_in == 0, 0, -turn_share*zeta_4_shared2)
+    zeta_4_by_turn_share = ca.if_else(phit_in == 0, 0, S_Hyphi - S_Vygamma*zeta_4_shared2)
     S_Hy_part2_by_K_yalpha1 = -S_Hy_part2**2
     S_Hy_part4_by_S_Hy_part2 = S_Hy_part3*zeta_0
     S_Hy_part4_by_S_Hy_part3 = S_Hy_part2*zeta_0
+    S_Hy_part4_by_zeta_0 = S_Hy_part2*S_Hy_part3
     mu_y_loaded_shared1 = mu_y_loaded_part2*mu_y_loaded_part3
     mu_y_loaded_by_LMUY_star = mu_y_loaded_part1*mu_y_loaded_shared1
     D_y_by_mu_y_loaded = F_z_limited*zeta_2
@@ -1353,7 +1375,8 @@ def slip_stiffnesses(inputs, parameters):
     F_y0_v_part1_by_F_y0_u = 1/(1 + F_y0_u**2)
     F_y0_w_part1_by_F_y0_v = 1/(1 + F_y0_v**2)
     F_y0_part1_by_F_y0_w = ca.cos(F_y0_w)
-    zeta_4_g0_by_zeta_4_g0_part1 = ca.if_else(phit_in == 0, 0, 1)
+    zeta_4_g0_part2_by_turn_share = -1 + zeta_4_g0_part1
+    zeta_4_g0_by_zeta_4_g0_part2 = ca.if_else(phit_in == 0, 0, 1)
     mu_y_loaded_g0_by_LMUY_star = mu_y_loaded_g0_part1*mu_y_loaded_g0_part2
     D_y_g0_by_mu_y_loaded_g0 = F_z_limited*zeta_2
     D_y_g0_by_zeta_2 = F_z_limited*mu_y_loaded_g0
@@ -1461,9 +1484,12 @@ def slip_stiffnesses(inputs, parameters):
     zeta_7_imaginary_part1_by_zeta_7_above_1 = 2*zeta_7_above_1
     zeta_7_imaginary_part2_by_zeta_7_imaginary_part1 = 0.5/zeta_7_imaginary_part2
     zeta_7_imaginary_part4_by_zeta_7_imaginary_part3 = 1/zeta_7_imaginary_part3
-    zeta_8_by_zeta_8_part1 = ca.if_else(phit_in == 0, 0, 1)
+    zeta_8_part2_by_turn_share = -1 + zeta_8_part1
+    zeta_8_by_zeta_8_part2 = ca.if_else(phit_in == 0, 0, 1)
+    D_r_shared2 = D_r_part6*LKZC
     D_r_shared3 = D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS
     D_r_shared5 = D_r_part7*D_r_part8*D_r_part9*F_zm
+    D_r_part7_by_zeta_0 = D_r_shared2*gamma_star
     D_r_part7_by_zeta_2 = D_r_part1*LRES
     D_r_part8_by_alpha_star = -ca.sin(alpha_star)
     D_r_by_D_r_part7 = D_r_part8*D_r_shared3
@@ -1499,10 +1525,15 @@ def slip_stiffnesses(inputs, parameters):
     M_zr_spun_part3_by_M_zr_spun_part2 = -ca.sin(M_zr_spun_part2)
     M_zr_shared1 = alpha_req**2
     M_zr_shared2 = B_r**2
-    M_zr_shared3 = (1 + M_zr_shared1*M_zr_shared2)**(-1.5)
-    M_zr_part1_by_B_r = ca.if_else(phit_in == 0, -B_r*M_zr_shared1*M_zr_shared3, 0)
-    M_zr_part1_by_M_zr_spun = ca.if_else(phit_in == 0, 0, 1)
-    M_zr_part1_by_alpha_req = ca.if_else(phit_in == 0, -M_zr_shared2*M_zr_shared3*alpha_req, 0)
+    M_zr_shared3 = 1 + M_zr_shared1*M_zr_shared2
+    M_zr_shared4 = M_zr_shared3**(-1.5)
+    M_zr_shared5 = B_r*M_zr_shared1*M_zr_shared4
+    M_zr_shared7 = 1 - turn_share
+    M_zr_shared8 = M_zr_shared2*M_zr_shared4*alpha_req
+    M_zr_part1_by_B_r = ca.if_else(phit_in == 0, -M_zr_shared5, -M_zr_shared5*M_zr_shared7)
+    M_zr_part1_by_M_zr_spun = ca.if_else(phit_in == 0, 0, turn_share)
+    M_zr_part1_by_alpha_req = ca.if_else(phit_in == 0, -M_zr_shared8, -M_zr_shared7*M_zr_shared8)
+    M_zr_part1_by_turn_share = ca.if_else(phit_in == 0, 0, M_zr_spun - 1/ca.sqrt(M_zr_shared3))
     M_zr_by_D_r = M_zr_part1*fade_smooth
     M_zr_by_M_zr_part1 = D_r*fade_smooth
     s_shared3 = 1/F_z01
@@ -1583,7 +1614,7 @@ def slip_stiffnesses(inputs, parameters):
     dF_y0_w_part1_dF_y0_u = F_y0_w_part1_by_F_y0_v*dF_y0_v_dF_y0_u
     dF_y0_w_dF_y0_u = C_y*dF_y0_w_part1_dF_y0_u
     dF_y0_part1_dF_y0_u = F_y0_part1_by_F_y0_w*dF_y0_w_dF_y0_u
-    dalpha_y_g0_dS_Hyphi = fade_smooth*zeta_4_g0_by_zeta_4_g0_part1
+    dalpha_y_g0_dzeta_4_g0_part2 = fade_smooth*zeta_4_g0_by_zeta_4_g0_part2
     dB_y_g0_part3_dD_y_g0 = B_y_g0_part3_by_B_y_g0_part2*C_y_g0
     dF_y0_g0_v_part2_dF_y0_g0_u = 1 - F_y0_g0_v_part1_by_F_y0_g0_u
     dF_y0_g0_v_dF_y0_g0_u = 1 - E_y_g0*dF_y0_g0_v_part2_dF_y0_g0_u
@@ -1634,7 +1665,6 @@ def slip_stiffnesses(inputs, parameters):
     dG_yk_g00_v_dB_ykappa_g0 = S_Hyk - E_ykappa*dG_yk_g00_v_part2_dB_ykappa_g0
     dG_yk_g00_w_part1_dB_ykappa_g0 = G_yk_g00_w_part1_by_G_yk_g00_v*dG_yk_g00_v_dB_ykappa_g0
     dG_yk_g00_w_dB_ykappa_g0 = RCY1*dG_yk_g00_w_part1_dB_ykappa_g0
-    dD_t_dR_0_phi = D_t_by_zeta_5*zeta_5_by_R_0_phi
     dM_zphi_inf_signed_dmu_y_pressed = M_zphi_inf_signed_by_M_zphi_inf_signed_part4*M_zphi_inf_signed_part4_by_mu_y_pressed
     dB_Drphi_dD_Drphi = B_Drphi_by_B_Drphi_part1*B_Drphi_part1_by_D_Drphi
     dD_rphi_part3_dD_rphi_part1 = D_rphi_part2_by_D_rphi_part1*QDRP1
@@ -1668,28 +1698,27 @@ def slip_stiffnesses(inputs, parameters):
     dM_y_backward_dkappa = M_y_backward_by_M_y_near_locked*dM_y_near_locked_dkappa
     dM_y_taper_dkappa = M_y_taper_by_M_y_backward*dM_y_backward_dkappa
     dM_y_full_dFx = M_y_full_by_M_y_full_part6*M_y_speed_by_Fx
-    dM_zphi90_dphit_in = M_zphi90_by_M_zphi90_part3*dM_zphi90_part3_dphit_in
     dalpha_in_dalpha = alpha_in_by_alpha_raised*dalpha_raised_dalpha
     dV_c_dtan_alpha = V_c_part3*dV_c_part2_dtan_alpha
     dtrail_dV_c = dcos_alpha_dV_c*trail_by_cos_alpha
     dphi_part4_dV_c = dphi_part1_dV_c*phi_part4_by_phi_part1
     dF_x0_part2_dLMUX_star = LMUX_shift_by_LMUX_star*S_Vx_by_LMUX_shift
     dD_x_dLMUX_star = D_x_by_mu_x*dmu_x_dLMUX_star
+    dphi_part4_dkappa = domega_dkappa*phi_part4_by_omega
+    dphi_part4_dtan_alpha = dV_c_dtan_alpha*dphi_part4_dV_c
+    dR_0_phi_dphi_part4 = UNLOADED_RADIUS*phi_part5
+    dtrail_dzeta_5 = D_t_by_zeta_5*trail_by_D_t
     dF_x0_u_dD_x = dB_x_dD_x*kappa_x
     dF_x0_part2_dF_x0_u = D_x*dF_x0_part1_dF_x0_u
     dD_x_dslide = LMUX_star_by_slide*dD_x_dLMUX_star
     dF_x0_part2_dD_x = F_x0_part1 + dF_x0_part2_dF_x0_u*dF_x0_u_dD_x
-    dzeta_1_dkappa_in = dB_xphi_dkappa_in*zeta_1_by_B_xphi
-    dF_x0_part2_dzeta_1 = S_Vx_by_zeta_1 + D_x_by_zeta_1*dF_x0_part2_dD_x
-    dK_yalpha_g0_dR_0_phi = K_yalpha_g0_by_zeta_3*zeta_3_by_R_0_phi
     dS_Hyphi_u_dK_yalpha_g0 = R_0_phi*dB_Hyphi_dK_yalpha_g0
-    dS_Hyphi_u_dR_0_phi = B_Hyphi + dK_yalpha_g0_dR_0_phi*dS_Hyphi_u_dK_yalpha_g0
+    dS_Hyphi_u_dzeta_3 = K_yalpha_g0_by_zeta_3*dS_Hyphi_u_dK_yalpha_g0
     dS_Hyphi_dS_Hyphi_u = S_Hyphi_by_S_Hyphi_part2*dS_Hyphi_part2_dS_Hyphi_u
-    dS_Hyphi_dR_0_phi = dS_Hyphi_dS_Hyphi_u*dS_Hyphi_u_dR_0_phi
-    dF_y0_g0_u_dS_Hyphi = B_y_g0*dalpha_y_g0_dS_Hyphi
     dS_Hy_part4_dS_Vygamma = zeta_4_by_S_Vygamma - S_Hy_part4_by_S_Hy_part3
+    dF_y0_g0_u_dzeta_4_g0_part2 = B_y_g0*dalpha_y_g0_dzeta_4_g0_part2
     dB_y_g0_dD_y_g0 = K_yalpha_g0*dB_y_g0_part3_dD_y_g0
-    dB_y_g0_dR_0_phi = B_y_g0_part3*dK_yalpha_g0_dR_0_phi
+    dB_y_g0_dzeta_3 = B_y_g0_part3*K_yalpha_g0_by_zeta_3
     dmu_y_pressed_dLMUY_star = mu_y_loaded_by_LMUY_star*mu_y_pressed_by_mu_y_loaded
     dM_zphi_inf_dmu_y_pressed = M_zphi_inf_by_M_zphi_inf_signed*dM_zphi_inf_signed_dmu_y_pressed
     dB_xalpha_dkappa_in = B_xalpha_by_B_xalpha_part3*dB_xalpha_part3_dkappa_in
@@ -1712,9 +1741,9 @@ def slip_stiffnesses(inputs, parameters):
     dM_zphi_inf_dLMUY_star = dM_zphi_inf_dmu_y_pressed*dmu_y_pressed_dLMUY_star
     dD_Drphi_dLMUY_star = D_Drphi_part3*dM_zphi_inf_dLMUY_star
     dD_rphi_part1_dD_Drphi = D_rphi_part1_by_B_Drphi*dB_Drphi_dD_Drphi
-    dD_rphi_part1_dalpha = D_rphi_part1_by_phit_in*phit_in_by_alpha
     dD_rphi_part1_dLMUY_star = dD_Drphi_dLMUY_star*dD_rphi_part1_dD_Drphi
     dD_rphi_dD_rphi_part1 = D_Drphi*dD_rphi_part4_dD_rphi_part1
+    dD_r_part7_dturn_share = -D_r_part7_by_zeta_0*zeta_0_by_zeta_0_part1
     dalpha_req_dslip_alpha_req_part1 = alpha_req_part3*dalpha_req_part2_dslip_alpha_req_part1
     dtrail_u_dslip_alpha_teq_part1 = B_t*dalpha_teq_dslip_alpha_teq_part1
     dtrail_u_dLMUY_star = alpha_teq*dB_t_dLMUY_star
@@ -1737,149 +1766,173 @@ def slip_stiffnesses(inputs, parameters):
     dMy_dM_y_rolling_part2 = M_y_rolling_by_M_y_rolling_part2*My_by_M_y_rolling
     dS_Vy_part2_dLMUY_shift = S_Vy_part2_by_LMUY_shift + S_Vygamma_by_LMUY_shift
     dS_Hy_part4_dLMUY_shift = S_Vygamma_by_LMUY_shift*dS_Hy_part4_dS_Vygamma
-    dphi_part4_dkappa = domega_dkappa*phi_part4_by_omega
-    dphi_part4_dtan_alpha = dV_c_dtan_alpha*dphi_part4_dV_c
-    dR_0_phi_dphi_part4 = UNLOADED_RADIUS*phi_part5
-    dF_x0_part2_dslide = LMUX_star_by_slide*dF_x0_part2_dLMUX_star + dD_x_dslide*dF_x0_part2_dD_x
-    dF_x0_part2_dkappa_in = B_x*dF_x0_part2_dF_x0_u + dF_x0_part2_dzeta_1*dzeta_1_dkappa_in
-    dF_x0_part2_dR_0_phi = dF_x0_part2_dzeta_1*zeta_1_by_R_0_phi
-    dFx_part1_dF_x0_part2 = F_x0_part3*G_xa
+    dzeta_1_dkappa_in = dB_xphi_dkappa_in*zeta_1_by_B_xphi
+    dF_x0_part2_dzeta_1 = S_Vx_by_zeta_1 + D_x_by_zeta_1*dF_x0_part2_dD_x
     dF_y0_u_dS_Hy_part4 = B_y*fade_smooth
     dF_y0_part2_dF_y0_u = D_y*dF_y0_part1_dF_y0_u
-    dF_y0_g0_u_dR_0_phi = alpha_y_g0*dB_y_g0_dR_0_phi + dF_y0_g0_u_dS_Hyphi*dS_Hyphi_dR_0_phi
-    dF_y0_g0_u_dD_y_g0 = alpha_y_g0*dB_y_g0_dD_y_g0
-    dF_y0_g0_part2_dF_y0_g0_u = D_y_g0*dF_y0_g0_part1_dF_y0_g0_u
-    dD_y_g0_dLMUY_star = D_y_g0_by_mu_y_loaded_g0*mu_y_loaded_g0_by_LMUY_star
-    dF_y0_g0_part2_dD_y_g0 = F_y0_g0_part1 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dD_y_g0
     dD_Vyk_dalpha_star = D_Vyk_by_D_Vyk_part3*dD_Vyk_part3_dalpha_star
     dD_Vyk_dLMUY_star = D_Vyk_by_mu_y_pressed*dmu_y_pressed_dLMUY_star
+    dFx_part1_dF_x0_part2 = F_x0_part3*G_xa
+    dFx_part1_dkappa_in = F_x0*dG_xa_dkappa_in
+    dFx_part1_dalpha_star = F_x0*dG_xa_dalpha_star
     dalpha_r_dS_Vy_part2 = alpha_r_part1*fade_smooth
     dalpha_r_dK_yalpha = S_Vy*alpha_r_part1_by_K_yalpha1
     dslip_alpha_req_part1_dalpha_r = slip_alpha_req_part1_by_tan_alpha_req*tan_alpha_req_by_alpha_r
-    dM_zphi90_dalpha = dM_zphi90_dphit_in*phit_in_by_alpha
+    dM_zphi90_dphit_in = M_zphi90_by_M_zphi90_part3*dM_zphi90_part3_dphit_in
     dM_zphi90_dLMUY_star = M_zphi90_by_M_zphi_inf*dM_zphi_inf_dLMUY_star
     dM_zr_spun_dM_zphi90 = dM_zr_spun_dzeta_7_cosine*zeta_7_cosine_by_M_zphi90
     dslip_alpha_teq_part1_dalpha_star = slip_alpha_teq_part1_by_tan_alpha_teq*tan_alpha_teq_by_alpha_t
     dslip_alpha_teq_part1_dK_yalpha = -kappa_share_by_kappa_share_part1*kappa_share_shared1
     dtrail_v_dslip_alpha_teq_part1 = dtrail_u_dslip_alpha_teq_part1*dtrail_v_dtrail_u
-    dtrail_dR_0_phi = dD_t_dR_0_phi*trail_by_D_t
-    dtrail_dtrail_v = dtrail_part2_dtrail_v*trail_by_trail_part2
-    dtrail_dtan_alpha = dV_c_dtan_alpha*dtrail_dV_c
-    dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1
     dF_y1_part1_dalpha_star = F_y1_part1_by_G_yk_g0*dG_yk_g0_dalpha_star
     dF_y1_part1_dkappa_in = F_y1_part1_by_G_yk_g0*dG_yk_g0_dkappa_in
     dMz_part1_dF_y1_part1 = -F_y0_g0*trail
-    dFx_part1_dslide = dF_x0_part2_dslide*dFx_part1_dF_x0_part2
-    dK_yalpha_dR_0_phi = K_yalpha_by_zeta_3*zeta_3_by_R_0_phi
+    dD_rphi_dphit_in = D_rphi_part1_by_phit_in*dD_rphi_dD_rphi_part1
+    dM_zr_spun_dphit_in = dM_zphi90_dphit_in*dM_zr_spun_dM_zphi90
+    dF_x0_part2_dslide = LMUX_star_by_slide*dF_x0_part2_dLMUX_star + dD_x_dslide*dF_x0_part2_dD_x
+    dF_x0_part2_dkappa_in = B_x*dF_x0_part2_dF_x0_u + dF_x0_part2_dslide*slide_by_kappa_in + dF_x0_part2_dzeta_1*dzeta_1_dkappa_in
+    dF_x0_part2_dR_0_phi = dF_x0_part2_dzeta_1*zeta_1_by_R_0_phi
+    dF_x0_part2_dturn_share = dF_x0_part2_dzeta_1*zeta_1_by_turn_share
+    dF_x0_part2_dtan_alpha = dF_x0_part2_dslide*slide_by_tan_alpha
+    dFx_dF_x0_part2 = Fx_by_Fx_part1*dFx_part1_dF_x0_part2
     dS_Hy_part4_dK_yalpha = zeta_4_by_K_yalpha1 + S_Hy_part2_by_K_yalpha1*S_Hy_part4_by_S_Hy_part2
     dslip_alpha_req_part1_dK_yalpha = dalpha_r_dK_yalpha*dslip_alpha_req_part1_dalpha_r - kappa_share_by_kappa_share_part1*kappa_share_shared1
     dtrail_v_dK_yalpha = dslip_alpha_teq_part1_dK_yalpha*dtrail_v_dslip_alpha_teq_part1
+    dS_Hyphi_dR_0_phi = B_Hyphi*dS_Hyphi_dS_Hyphi_u
+    dS_Hyphi_dzeta_3 = dS_Hyphi_dS_Hyphi_u*dS_Hyphi_u_dzeta_3
+    dF_y0_g0_u_dS_Hyphi = dF_y0_g0_u_dzeta_4_g0_part2*turn_share
     dD_y_dLMUY_star = D_y_by_mu_y_loaded*mu_y_loaded_by_LMUY_star
     dB_y_dD_y = K_yalpha*dB_y_part3_dD_y
     dS_Vy_part2_dzeta_2 = S_Vy_part2_by_zeta_2 + S_Vygamma_by_zeta_2
     dS_Vy_part2_dLMUY_star = LMUY_shift_by_LMUY_star*dS_Vy_part2_dLMUY_shift
     dslip_alpha_req_part1_dS_Vy_part2 = dalpha_r_dS_Vy_part2*dslip_alpha_req_part1_dalpha_r
-    dF_y0_g0_part2_dzeta_2 = S_Vy_g0_by_zeta_2 + D_y_g0_by_zeta_2*dF_y0_g0_part2_dD_y_g0
-    dF_y0_g0_part2_dLMUY_star = LMUY_shift_by_LMUY_star*S_Vy_g0_by_LMUY_shift + dD_y_g0_dLMUY_star*dF_y0_g0_part2_dD_y_g0
-    dF_y0_g0_part2_dalpha_star = B_y_g0*dF_y0_g0_part2_dF_y0_g0_u
-    dF_y0_g0_part2_dR_0_phi = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dR_0_phi
+    dD_y_g0_dLMUY_star = D_y_g0_by_mu_y_loaded_g0*mu_y_loaded_g0_by_LMUY_star
+    dF_y0_g0_u_dD_y_g0 = alpha_y_g0*dB_y_g0_dD_y_g0
+    dF_y0_g0_part2_dzeta_2 = S_Vy_g0_by_zeta_2 + D_y_g0_by_zeta_2*F_y0_g0_part1
+    dF_y0_g0_part2_dF_y0_g0_u = D_y_g0*dF_y0_g0_part1_dF_y0_g0_u
+    dF_y0_g0_part2_dLMUY_star = F_y0_g0_part1*dD_y_g0_dLMUY_star + LMUY_shift_by_LMUY_star*S_Vy_g0_by_LMUY_shift
     dMz_part1_dF_y0_g0_part2 = -dF_y1_dF_y0_g0_part2*trail
-    dFx_part1_dkappa_in = F_x0*dG_xa_dkappa_in + dF_x0_part2_dkappa_in*dFx_part1_dF_x0_part2 + dFx_part1_dslide*slide_by_kappa_in
-    dFx_part1_dalpha_star = F_x0*dG_xa_dalpha_star
-    dFx_part1_dR_0_phi = dF_x0_part2_dR_0_phi*dFx_part1_dF_x0_part2
-    dFx_part1_dtan_alpha = dFx_part1_dslide*slide_by_tan_alpha
     dD_rphi_dLMUY_star = D_rphi_part4*dD_Drphi_dLMUY_star + dD_rphi_dD_rphi_part1*dD_rphi_part1_dLMUY_star
-    dD_rphi_dalpha = dD_rphi_dD_rphi_part1*dD_rphi_part1_dalpha
+    dD_rphi_dalpha = dD_rphi_dphit_in*phit_in_by_alpha
+    dD_r_dD_rphi = turn_share*zeta_8_by_zeta_8_part2
     dM_zr_spun_dD_rphi = dM_zr_spun_dzeta_7_cosine*dzeta_7_cosine_dD_rphi
-    dD_r_dLMUY_star = D_r_by_LMUY_star + dD_rphi_dLMUY_star*zeta_8_by_zeta_8_part1
-    dD_r_dzeta_2 = D_r_by_D_r_part7*D_r_part7_by_zeta_2
-    dD_r_dalpha_star = D_r_by_D_r_part8*D_r_part8_by_alpha_star
-    dD_r_dalpha = dD_rphi_dalpha*zeta_8_by_zeta_8_part1
     dtrail_v_dalpha_star = dslip_alpha_teq_part1_dalpha_star*dtrail_v_dslip_alpha_teq_part1 - E_t_by_alpha_t*trail_v_part2
     dtrail_v_dLMUY_star = dtrail_u_dLMUY_star*dtrail_v_dtrail_u - dE_t_dLMUY_star*trail_v_part2
     dtrail_v_dkappa_in = dtrail_v_dslip_alpha_teq_part1*kappa_share_by_kappa_in
-    dtrail_v_dR_0_phi = dK_yalpha_dR_0_phi*dtrail_v_dK_yalpha
-    dMz_part1_dtrail_v = -F_y1*dtrail_dtrail_v
+    dtrail_v_dzeta_3 = K_yalpha_by_zeta_3*dtrail_v_dK_yalpha
+    dtrail_dtrail_v = dtrail_part2_dtrail_v*trail_by_trail_part2
+    dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1
     dF_y0_part2_dB_y = alpha_y*dF_y0_part2_dF_y0_u
     dF_y0_part2_dalpha_star = B_y*dF_y0_part2_dF_y0_u
     dF_y0_part2_dS_Hy_part4 = dF_y0_part2_dF_y0_u*dF_y0_u_dS_Hy_part4
     dF_y0_part2_dzeta_2 = D_y_by_zeta_2*F_y0_part1 + dS_Vy_part2_dzeta_2*fade_smooth
     dF_y0_part2_dLMUY_star = F_y0_part1*dD_y_dLMUY_star + dS_Vy_part2_dLMUY_star*fade_smooth
     dFy_part1_dF_y0_part2 = F_y0_part4*G_yk
+    dD_r_dLMUY_star = D_r_by_LMUY_star + dD_r_dD_rphi*dD_rphi_dLMUY_star
+    dD_r_dalpha_star = D_r_by_D_r_part8*D_r_part8_by_alpha_star
+    dD_r_dturn_share = D_r_by_D_r_part7*dD_r_part7_dturn_share + zeta_8_by_zeta_8_part2*zeta_8_part2_by_turn_share
+    dD_r_dzeta_2 = D_r_by_D_r_part7*D_r_part7_by_zeta_2
+    dD_r_dalpha = dD_r_dD_rphi*dD_rphi_dalpha
     dM_zr_spun_dB_r = dM_zr_spun_dM_zr_w*dM_zr_w_dB_r
     dM_zr_spun_dslip_alpha_req_part1 = dM_zr_spun_dM_zr_w*dM_zr_w_dslip_alpha_req_part1
     dM_zr_spun_dG_yk = M_zphi90_by_G_yk*dM_zr_spun_dM_zphi90
-    dM_zr_spun_dalpha = dD_rphi_dalpha*dM_zr_spun_dD_rphi + dM_zphi90_dalpha*dM_zr_spun_dM_zphi90
     dM_zr_spun_dLMUY_star = dD_rphi_dLMUY_star*dM_zr_spun_dD_rphi + dM_zphi90_dLMUY_star*dM_zr_spun_dM_zphi90
+    dM_zr_spun_dalpha = dD_rphi_dalpha*dM_zr_spun_dD_rphi + dM_zr_spun_dphit_in*phit_in_by_alpha
     dMz_part1_dM_zr_spun = M_zr_by_M_zr_part1*M_zr_part1_by_M_zr_spun
-    dB_r_dR_0_phi = B_r_part2*zeta_6_by_R_0_phi
-    dB_r_dB_y = B_r_part2_by_B_y*zeta_6
-    dB_r_dLMUY_star = dB_r_part2_dLMUY_star*zeta_6
-    dMz_part1_dB_r = M_zr_by_M_zr_part1*M_zr_part1_by_B_r + dM_zr_spun_dB_r*dMz_part1_dM_zr_spun
     dG_yk_dalpha_star = dB_ykappa_dalpha_star*dG_yk_dB_ykappa + dG_yk_dG_yk_u*dG_yk_u_dalpha_star
     dG_yk_dkappa_in = B_ykappa*dG_yk_dG_yk_u
     dMz_part1_dG_yk = F_y1_part1_by_G_yk*dMz_part1_dF_y1_part1 + dM_zr_spun_dG_yk*dMz_part1_dM_zr_spun
+    dB_r_dR_0_phi = B_r_part2*zeta_6_by_R_0_phi
+    dB_r_dturn_share = B_r_part2*zeta_6_by_turn_share
+    dB_r_dB_y = B_r_part2_by_B_y*zeta_6
+    dB_r_dLMUY_star = dB_r_part2_dLMUY_star*zeta_6
+    dMz_part1_dB_r = M_zr_by_M_zr_part1*M_zr_part1_by_B_r + dM_zr_spun_dB_r*dMz_part1_dM_zr_spun
     dkappa_in_dkappa = dkappa_raised_dkappa*kappa_in_by_kappa_raised
     dFy_part1_dkappa_in = F_y0*dG_yk_dkappa_in + S_Vyk_by_S_Vyk_part4*dS_Vyk_part4_dkappa_in
-    dMz_part1_dkappa_in = dF_y1_part1_dkappa_in*dMz_part1_dF_y1_part1 + dG_yk_dkappa_in*dMz_part1_dG_yk + dMz_part1_dtrail_v*dtrail_v_dkappa_in
+    dFx_dkappa_in = Fx_by_Fx_part1*dFx_part1_dkappa_in + dF_x0_part2_dkappa_in*dFx_dF_x0_part2
+    dMz_part1_dkappa_in = dF_y1_part1_dkappa_in*dMz_part1_dF_y1_part1 + dG_yk_dkappa_in*dMz_part1_dG_yk
     dLMUY_star_dkappa_in = LMUY_star_by_slide*slide_by_kappa_in
-    dFx_dkappa_in = Fx_by_Fx_part1*dFx_part1_dkappa_in
+    dtrail_dkappa_in = dtrail_dtrail_v*dtrail_v_dkappa_in
     dtan_alpha_dalpha = dalpha_in_dalpha*tan_alpha_by_alpha_in
     dalpha_star_dtan_alpha = alpha_star_by_alpha_star_part2*alpha_star_part1
     dzeta_2_dtan_alpha = dB_yphi_dtan_alpha*zeta_2_by_B_yphi
+    dtrail_dtan_alpha = dV_c_dtan_alpha*dtrail_dV_c
     dR_0_phi_dtan_alpha = dR_0_phi_dphi_part4*dphi_part4_dtan_alpha
-    dMz_part1_dtan_alpha = -F_y1*dtrail_dtan_alpha
     dLMUY_star_dtan_alpha = LMUY_star_by_slide*slide_by_tan_alpha
-    dFx_dtan_alpha = Fx_by_Fx_part1*dFx_part1_dtan_alpha
+    dFx_dtan_alpha = dF_x0_part2_dtan_alpha*dFx_dF_x0_part2
     dalpha_star_dalpha = alpha_star_by_alpha_in*dalpha_in_dalpha + dalpha_star_dtan_alpha*dtan_alpha_dalpha
     dFy_part1_dalpha_star = F_y0*dG_yk_dalpha_star + S_Vyk_by_D_Vyk*dD_Vyk_dalpha_star + dF_y0_part2_dalpha_star*dFy_part1_dF_y0_part2
-    dMz_part1_dalpha_star = M_zr_by_D_r*dD_r_dalpha_star + dF_y0_g0_part2_dalpha_star*dMz_part1_dF_y0_g0_part2 + dF_y1_part1_dalpha_star*dMz_part1_dF_y1_part1 + dG_yk_dalpha_star*dMz_part1_dG_yk + dMz_part1_dtrail_v*dtrail_v_dalpha_star
     dFx_dalpha_star = Fx_by_Fx_part1*dFx_part1_dalpha_star
-    dS_Hy_part4_dR_0_phi = dK_yalpha_dR_0_phi*dS_Hy_part4_dK_yalpha + dS_Hyphi_dR_0_phi*zeta_4_by_S_Hyphi
-    dS_Hy_part4_dzeta_2 = S_Vygamma_by_zeta_2*dS_Hy_part4_dS_Vygamma
-    dS_Hy_part4_dLMUY_star = LMUY_shift_by_LMUY_star*dS_Hy_part4_dLMUY_shift
-    dslip_alpha_req_part1_dS_Hy_part4 = dslip_alpha_req_part1_dalpha_r*fade_smooth
+    dMz_part1_dalpha_star = M_zr_by_D_r*dD_r_dalpha_star + dF_y1_part1_dalpha_star*dMz_part1_dF_y1_part1 + dG_yk_dalpha_star*dMz_part1_dG_yk
+    dtrail_dalpha_star = dtrail_dtrail_v*dtrail_v_dalpha_star
+    dB_y_dzeta_3 = B_y_part3*K_yalpha_by_zeta_3
+    dB_y_dzeta_2 = D_y_by_zeta_2*dB_y_dD_y
+    dB_y_dLMUY_star = dB_y_dD_y*dD_y_dLMUY_star
+    dFy_part1_dB_y = dF_y0_part2_dB_y*dFy_part1_dF_y0_part2
+    dMz_part1_dB_y = dB_r_dB_y*dMz_part1_dB_r
+    dF_y0_g0_u_dturn_share = dF_y0_g0_u_dzeta_4_g0_part2*zeta_4_g0_part2_by_turn_share
+    dF_y0_g0_u_dzeta_3 = alpha_y_g0*dB_y_g0_dzeta_3 + dF_y0_g0_u_dS_Hyphi*dS_Hyphi_dzeta_3
+    dF_y0_g0_u_dR_0_phi = dF_y0_g0_u_dS_Hyphi*dS_Hyphi_dR_0_phi
+    dF_y0_g0_u_dzeta_2 = D_y_g0_by_zeta_2*dF_y0_g0_u_dD_y_g0
+    dF_y0_g0_u_dLMUY_star = dD_y_g0_dLMUY_star*dF_y0_g0_u_dD_y_g0
+    dF_y0_g0_u_dalpha = B_y_g0*dalpha_star_dalpha
+    dMz_part1_dF_y0_g0_u = dF_y0_g0_part2_dF_y0_g0_u*dMz_part1_dF_y0_g0_part2
+    dturn_share_dalpha = phit_in_by_alpha*turn_share_by_phit_in
+    dS_Hy_part4_dturn_share = zeta_4_by_turn_share - S_Hy_part4_by_zeta_0*zeta_0_by_zeta_0_part1
+    dtrail_dturn_share = dtrail_dzeta_5*zeta_5_by_turn_share
+    dFx_dturn_share = dF_x0_part2_dturn_share*dFx_dF_x0_part2
+    dMz_part1_dturn_share = M_zr_by_D_r*dD_r_dturn_share + M_zr_by_M_zr_part1*M_zr_part1_by_turn_share + dB_r_dturn_share*dMz_part1_dB_r + dF_y0_g0_u_dturn_share*dMz_part1_dF_y0_g0_u
+    dtrail_dR_0_phi = dtrail_dzeta_5*zeta_5_by_R_0_phi
+    dtrail_dLMUY_star = dtrail_dtrail_v*dtrail_v_dLMUY_star
+    dtrail_dzeta_3 = dtrail_dtrail_v*dtrail_v_dzeta_3
+    dtrail_dkappa = dkappa_in_dkappa*dtrail_dkappa_in
+    dtrail_dalpha = dalpha_star_dalpha*dtrail_dalpha_star + dtan_alpha_dalpha*dtrail_dtan_alpha + dtrail_dturn_share*dturn_share_dalpha
+    dFy_part1_dzeta_2 = D_Vyk_by_zeta_2*S_Vyk_by_D_Vyk + dB_y_dzeta_2*dFy_part1_dB_y + dF_y0_part2_dzeta_2*dFy_part1_dF_y0_part2
+    dFy_part1_dLMUY_star = S_Vyk_by_D_Vyk*dD_Vyk_dLMUY_star + dB_y_dLMUY_star*dFy_part1_dB_y + dF_y0_part2_dLMUY_star*dFy_part1_dF_y0_part2
     dFy_part1_dS_Hy_part4 = dF_y0_part2_dS_Hy_part4*dFy_part1_dF_y0_part2
-    dslip_alpha_req_part1_dR_0_phi = dK_yalpha_dR_0_phi*dslip_alpha_req_part1_dK_yalpha + dS_Hy_part4_dR_0_phi*dslip_alpha_req_part1_dS_Hy_part4
-    dslip_alpha_req_part1_dzeta_2 = dS_Hy_part4_dzeta_2*dslip_alpha_req_part1_dS_Hy_part4 + dS_Vy_part2_dzeta_2*dslip_alpha_req_part1_dS_Vy_part2
-    dslip_alpha_req_part1_dLMUY_star = dS_Hy_part4_dLMUY_star*dslip_alpha_req_part1_dS_Hy_part4 + dS_Vy_part2_dLMUY_star*dslip_alpha_req_part1_dS_Vy_part2
+    dFy_part1_dkappa = dFy_part1_dkappa_in*dkappa_in_dkappa
+    dFy_part1_dalpha = dFy_part1_dalpha_star*dalpha_star_dalpha
+    dFy_part1_dzeta_3 = dB_y_dzeta_3*dFy_part1_dB_y
+    dslip_alpha_req_part1_dS_Hy_part4 = dslip_alpha_req_part1_dalpha_r*fade_smooth
+    dslip_alpha_req_part1_dzeta_3 = K_yalpha_by_zeta_3*dslip_alpha_req_part1_dK_yalpha
+    dslip_alpha_req_part1_dzeta_2 = dS_Vy_part2_dzeta_2*dslip_alpha_req_part1_dS_Vy_part2
+    dslip_alpha_req_part1_dLMUY_star = dS_Vy_part2_dLMUY_star*dslip_alpha_req_part1_dS_Vy_part2
     dslip_alpha_req_part1_dkappa = dkappa_in_dkappa*kappa_share_by_kappa_in
     dslip_alpha_req_part1_dalpha = dalpha_star_dalpha*dslip_alpha_req_part1_dalpha_r
     dMz_part1_dslip_alpha_req_part1 = M_zr_by_M_zr_part1*dM_zr_part1_dslip_alpha_req_part1 + dM_zr_spun_dslip_alpha_req_part1*dMz_part1_dM_zr_spun
     dLMUY_star_dkappa = dLMUY_star_dkappa_in*dkappa_in_dkappa
     dLMUY_star_dalpha = dLMUY_star_dtan_alpha*dtan_alpha_dalpha
-    dFy_part1_dLMUY_star = S_Vyk_by_D_Vyk*dD_Vyk_dLMUY_star + dF_y0_part2_dLMUY_star*dFy_part1_dF_y0_part2 + dFy_part1_dS_Hy_part4*dS_Hy_part4_dLMUY_star
-    dB_y_dLMUY_star = dB_y_dD_y*dD_y_dLMUY_star
-    dMz_part1_dLMUY_star = M_zr_by_D_r*dD_r_dLMUY_star + dB_r_dLMUY_star*dMz_part1_dB_r + dF_y0_g0_part2_dLMUY_star*dMz_part1_dF_y0_g0_part2 + dM_zr_spun_dLMUY_star*dMz_part1_dM_zr_spun + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dLMUY_star + dMz_part1_dtrail_v*dtrail_v_dLMUY_star
-    dFy_part1_dzeta_2 = D_Vyk_by_zeta_2*S_Vyk_by_D_Vyk + dF_y0_part2_dzeta_2*dFy_part1_dF_y0_part2 + dFy_part1_dS_Hy_part4*dS_Hy_part4_dzeta_2
-    dFy_part1_dB_y = dF_y0_part2_dB_y*dFy_part1_dF_y0_part2
-    dFy_part1_dkappa = dFy_part1_dLMUY_star*dLMUY_star_dkappa + dFy_part1_dkappa_in*dkappa_in_dkappa
-    dFy_part1_dalpha = dFy_part1_dLMUY_star*dLMUY_star_dalpha + dFy_part1_dalpha_star*dalpha_star_dalpha
-    dFy_part1_dR_0_phi = dFy_part1_dS_Hy_part4*dS_Hy_part4_dR_0_phi
-    dzeta_2_dalpha = dtan_alpha_dalpha*dzeta_2_dtan_alpha
-    dB_y_dzeta_2 = D_y_by_zeta_2*dB_y_dD_y
-    dMz_part1_dzeta_2 = M_zr_by_D_r*dD_r_dzeta_2 + dF_y0_g0_part2_dzeta_2*dMz_part1_dF_y0_g0_part2 + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dzeta_2
+    dS_Hy_part4_dLMUY_star = LMUY_shift_by_LMUY_star*dS_Hy_part4_dLMUY_shift
+    dMz_part1_dLMUY_star = M_zr_by_D_r*dD_r_dLMUY_star + dB_r_dLMUY_star*dMz_part1_dB_r + dB_y_dLMUY_star*dMz_part1_dB_y + dF_y0_g0_part2_dLMUY_star*dMz_part1_dF_y0_g0_part2 + dF_y0_g0_u_dLMUY_star*dMz_part1_dF_y0_g0_u + dM_zr_spun_dLMUY_star*dMz_part1_dM_zr_spun + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dLMUY_star - F_y1*dtrail_dLMUY_star
+    dFy_dLMUY_star = Fy_by_Fy_part1*dFy_part1_dLMUY_star
+    dzeta_2_dalpha = dtan_alpha_dalpha*dzeta_2_dtan_alpha + dturn_share_dalpha*zeta_2_by_turn_share
+    dS_Hy_part4_dzeta_2 = S_Vygamma_by_zeta_2*dS_Hy_part4_dS_Vygamma
+    dMz_part1_dzeta_2 = M_zr_by_D_r*dD_r_dzeta_2 + dB_y_dzeta_2*dMz_part1_dB_y + dF_y0_g0_part2_dzeta_2*dMz_part1_dF_y0_g0_part2 + dF_y0_g0_u_dzeta_2*dMz_part1_dF_y0_g0_u + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dzeta_2
     dFy_dzeta_2 = Fy_by_Fy_part1*dFy_part1_dzeta_2
-    dB_y_dR_0_phi = B_y_part3*dK_yalpha_dR_0_phi + dB_y_dzeta_2*zeta_2_by_R_0_phi
-    dB_y_dkappa = dB_y_dLMUY_star*dLMUY_star_dkappa
-    dB_y_dalpha = dB_y_dLMUY_star*dLMUY_star_dalpha + dB_y_dzeta_2*dzeta_2_dalpha
-    dMz_part1_dB_y = dB_r_dB_y*dMz_part1_dB_r
-    dFy_dB_y = Fy_by_Fy_part1*dFy_part1_dB_y
+    dzeta_3_dalpha = dturn_share_dalpha*zeta_3_by_turn_share
+    dS_Hy_part4_dzeta_3 = K_yalpha_by_zeta_3*dS_Hy_part4_dK_yalpha + dS_Hyphi_dzeta_3*zeta_4_by_S_Hyphi
+    dMz_part1_dzeta_3 = dB_y_dzeta_3*dMz_part1_dB_y + dF_y0_g0_u_dzeta_3*dMz_part1_dF_y0_g0_u + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dzeta_3 - F_y1*dtrail_dzeta_3
+    dFy_dzeta_3 = Fy_by_Fy_part1*dFy_part1_dzeta_3
+    dS_Hy_part4_dR_0_phi = dS_Hy_part4_dzeta_2*zeta_2_by_R_0_phi + dS_Hy_part4_dzeta_3*zeta_3_by_R_0_phi + dS_Hyphi_dR_0_phi*zeta_4_by_S_Hyphi
+    dS_Hy_part4_dalpha = dLMUY_star_dalpha*dS_Hy_part4_dLMUY_star + dS_Hy_part4_dturn_share*dturn_share_dalpha + dS_Hy_part4_dzeta_2*dzeta_2_dalpha + dS_Hy_part4_dzeta_3*dzeta_3_dalpha
+    dS_Hy_part4_dkappa = dLMUY_star_dkappa*dS_Hy_part4_dLMUY_star
+    dFy_dS_Hy_part4 = Fy_by_Fy_part1*dFy_part1_dS_Hy_part4
+    dMz_part1_dS_Hy_part4 = dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dS_Hy_part4
     dMz_part1_dFy = Fx*ds_dFy
-    dMz_part1_dR_0_phi = dB_r_dR_0_phi*dMz_part1_dB_r + dB_y_dR_0_phi*dMz_part1_dB_y + dF_y0_g0_part2_dR_0_phi*dMz_part1_dF_y0_g0_part2 + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dR_0_phi + dMz_part1_dtrail_v*dtrail_v_dR_0_phi + dMz_part1_dzeta_2*zeta_2_by_R_0_phi - F_y1*dtrail_dR_0_phi
-    dMz_part1_dalpha = M_zr_by_D_r*dD_r_dalpha + dB_y_dalpha*dMz_part1_dB_y + dLMUY_star_dalpha*dMz_part1_dLMUY_star + dM_zr_spun_dalpha*dMz_part1_dM_zr_spun + dMz_part1_dalpha_star*dalpha_star_dalpha + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha + dMz_part1_dtan_alpha*dtan_alpha_dalpha + dMz_part1_dzeta_2*dzeta_2_dalpha
-    dMz_part1_dkappa = dB_y_dkappa*dMz_part1_dB_y + dLMUY_star_dkappa*dMz_part1_dLMUY_star + dMz_part1_dkappa_in*dkappa_in_dkappa + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dkappa
+    dMz_part1_dalpha = M_zr_by_D_r*dD_r_dalpha + dF_y0_g0_u_dalpha*dMz_part1_dF_y0_g0_u + dLMUY_star_dalpha*dMz_part1_dLMUY_star + dM_zr_spun_dalpha*dMz_part1_dM_zr_spun + dMz_part1_dS_Hy_part4*dS_Hy_part4_dalpha + dMz_part1_dalpha_star*dalpha_star_dalpha + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha + dMz_part1_dturn_share*dturn_share_dalpha + dMz_part1_dzeta_2*dzeta_2_dalpha + dMz_part1_dzeta_3*dzeta_3_dalpha - F_y1*dtrail_dalpha
+    dMz_part1_dR_0_phi = dB_r_dR_0_phi*dMz_part1_dB_r + dF_y0_g0_u_dR_0_phi*dMz_part1_dF_y0_g0_u + dMz_part1_dS_Hy_part4*dS_Hy_part4_dR_0_phi + dMz_part1_dzeta_2*zeta_2_by_R_0_phi + dMz_part1_dzeta_3*zeta_3_by_R_0_phi - F_y1*dtrail_dR_0_phi
+    dMz_part1_dkappa = dLMUY_star_dkappa*dMz_part1_dLMUY_star + dMz_part1_dS_Hy_part4*dS_Hy_part4_dkappa + dMz_part1_dkappa_in*dkappa_in_dkappa + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dkappa - F_y1*dtrail_dkappa
     dR_0_phi_dkappa = dR_0_phi_dphi_part4*dphi_part4_dkappa
     dR_0_phi_dalpha = dR_0_phi_dphi_part4*phit_in_by_alpha + dR_0_phi_dtan_alpha*dtan_alpha_dalpha
-    dFx_dR_0_phi = Fx_by_Fx_part1*dFx_part1_dR_0_phi
-    dFy_dR_0_phi = Fy_by_Fy_part1*dFy_part1_dR_0_phi + dB_y_dR_0_phi*dFy_dB_y + dFy_dzeta_2*zeta_2_by_R_0_phi
+    dFx_dR_0_phi = dF_x0_part2_dR_0_phi*dFx_dF_x0_part2
+    dFy_dR_0_phi = dFy_dS_Hy_part4*dS_Hy_part4_dR_0_phi + dFy_dzeta_2*zeta_2_by_R_0_phi + dFy_dzeta_3*zeta_3_by_R_0_phi
     dMz_dR_0_phi = Mz_by_Mz_part1*dMz_part1_dR_0_phi
     dFx_dkappa = dFx_dR_0_phi*dR_0_phi_dkappa + dFx_dkappa_in*dkappa_in_dkappa
-    dFx_dalpha = dFx_dR_0_phi*dR_0_phi_dalpha + dFx_dalpha_star*dalpha_star_dalpha + dFx_dtan_alpha*dtan_alpha_dalpha
+    dFx_dalpha = dFx_dR_0_phi*dR_0_phi_dalpha + dFx_dalpha_star*dalpha_star_dalpha + dFx_dtan_alpha*dtan_alpha_dalpha + dFx_dturn_share*dturn_share_dalpha
     dMy_dFx = dM_y_rolling_part2_dFx*dMy_dM_y_rolling_part2
     dMz_dFx = Mz_by_Mz_part1*s
-    dFy_dkappa = Fy_by_Fy_part1*dFy_part1_dkappa + dB_y_dkappa*dFy_dB_y + dFy_dR_0_phi*dR_0_phi_dkappa
-    dFy_dalpha = Fy_by_Fy_part1*dFy_part1_dalpha + dB_y_dalpha*dFy_dB_y + dFy_dR_0_phi*dR_0_phi_dalpha + dFy_dzeta_2*dzeta_2_dalpha
+    dFy_dkappa = Fy_by_Fy_part1*dFy_part1_dkappa + dFy_dLMUY_star*dLMUY_star_dkappa + dFy_dR_0_phi*dR_0_phi_dkappa + dFy_dS_Hy_part4*dS_Hy_part4_dkappa
+    dFy_dalpha = Fy_by_Fy_part1*dFy_part1_dalpha + dFy_dLMUY_star*dLMUY_star_dalpha + dFy_dR_0_phi*dR_0_phi_dalpha + dFy_dS_Hy_part4*dS_Hy_part4_dalpha + dFy_dzeta_2*dzeta_2_dalpha + dFy_dzeta_3*dzeta_3_dalpha
     dMx_dFy = Mx_by_Fy + Mx_by_M_x_hump*dM_x_hump_dFy
     dMz_dFy = Mz_by_Mz_part1*dMz_part1_dFy
 
@@ -1963,11 +2016,12 @@ def relaxation(inputs, parameters):
     omega = V*(1 + kappa)/R_e_2  # [2.5] wheel speed
 
     # Turn slip
+    turn_share = ca.if_else(1000000.0*ca.fabs(phit_in) < 1, 1000000000000.0*ca.fabs(phit_in)**2*(3 - 2000000.0*ca.fabs(phit_in)), 1)  # [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight
     eps_gamma = PECP1*(1 + PECP2*dfz)  # [4.90] equivalent spin of camber
     V_spin = ca.if_else(VXLOW > ca.fabs(V), VXLOW*ca.if_else(V >= 0, 1, ca.sign(V)), ca.if_else(CONVENTION > 0.5, V, V_c))  # [4.76] speed that the spin refers to
     phi = (phit_in + omega*(1 - eps_gamma)*ca.sin(gamma_in)/V_spin)*ca.if_else(CONVENTION > 0.5, 1, -1)  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
-    zeta_3 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_3 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
 
     # Longitudinal force, pure slip
     K_xkappa = F_z_limited*LKX*(PKX1 + PKX2*dfz)*(1 + PPX1*dpi + PPX2*dpi**2)*ca.exp(PKX3*dfz)  # [4.E15] longitudinal slip stiffness

@@ -106,6 +106,7 @@ def jacobian_inputs(inputs, parameters):
     omega = V*omega_part1*omega_part2  # [2.5] wheel speed
 
     # Turn slip
+    turn_share = ca.if_else(1000000.0*ca.fabs(phit_in) < 1, 1000000000000.0*ca.fabs(phit_in)**2*(3 - 2000000.0*ca.fabs(phit_in)), 1)  # [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight
     eps_gamma_part1 = 1 + PECP2*dfz
     eps_gamma = PECP1*eps_gamma_part1  # [4.90] equivalent spin of camber
     V_spin_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
@@ -118,22 +119,23 @@ def jacobian_inputs(inputs, parameters):
     phi_part5 = ca.if_else(CONVENTION > 0.5, 1, -1)
     phi = phi_part4*phi_part5  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
-    zeta_0 = ca.if_else(phit_in == 0, 1, 0)  # [4.83] camber acts through its spin
+    zeta_0_part1 = 1 - turn_share
+    zeta_0 = ca.if_else(phit_in == 0, 1, zeta_0_part1)  # [4.83] camber acts through its spin
     B_xphi_part1 = 1 + PDXP3**2*kappa_in**2
     B_xphi_part2 = ca.sqrt(B_xphi_part1)
     B_xphi_part3 = 1/B_xphi_part2
     B_xphi_part4 = 1 + PDXP2*dfz
     B_xphi = B_xphi_part3*B_xphi_part4*PDXP1  # [4.106] fall of D_x with spin
-    zeta_1 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
+    zeta_1 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi_part1 = 1 + PDYP3**2*tan_alpha**2
     B_yphi_part2 = ca.sqrt(B_yphi_part1)
     B_yphi_part3 = 1/B_yphi_part2
     B_yphi_part4 = 1 + PDYP2*dfz
     B_yphi = B_yphi_part3*B_yphi_part4*PDYP1  # [4.78] fall of D_y with spin
-    zeta_2 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
-    zeta_3 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
-    zeta_5 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
-    zeta_6 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
+    zeta_2 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx_part1 = PHX1 + PHX2*dfz
@@ -225,7 +227,7 @@ def jacobian_inputs(inputs, parameters):
     S_Hyphi = D_Hyphi*S_Hyphi_part1*S_Hyphi_part2  # [4.80] shift by spin
     S_Vygamma_part1 = PVY3 + PVY4*dfz
     S_Vygamma = F_z_limited*LKYC*LMUY_shift*S_Vygamma_part1*gamma_star*zeta_2  # [4.E28] vertical shift by inclination
-    zeta_4 = ca.if_else(phit_in == 0, 1, 1 + S_Hyphi - S_Vygamma/K_yalpha1)  # [4.84] shift by spin
+    zeta_4 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share*(1 + S_Hyphi - S_Vygamma/K_yalpha1))  # [4.84] shift by spin
     S_Hy_part1 = PHY1 + PHY2*dfz
     S_Hy_part2 = 1/K_yalpha1
     S_Hy_part3 = -S_Vygamma + K_ygamma0*gamma_star
@@ -263,7 +265,8 @@ def jacobian_inputs(inputs, parameters):
     F_y0_part4 = ca.if_else(SLIP_ANGLE > 0.5, 1, F_y0_part3)
     F_y0 = F_y0_part2*F_y0_part4  # [4.E19] side force in pure slip
     zeta_4_g0_part1 = 1 + S_Hyphi
-    zeta_4_g0 = ca.if_else(phit_in == 0, 1, zeta_4_g0_part1)  # [4.84] shift by spin
+    zeta_4_g0_part2 = 1 - turn_share + turn_share*zeta_4_g0_part1
+    zeta_4_g0 = ca.if_else(phit_in == 0, 1, zeta_4_g0_part2)  # [4.84] shift by spin
     S_Hy_g0_part1 = PHY1 + PHY2*dfz
     S_Hy_g0_part2 = -1 + zeta_4_g0 + LHY*S_Hy_g0_part1
     S_Hy_g0 = S_Hy_g0_part2*fade_smooth  # [4.E27] horizontal shift
@@ -454,7 +457,8 @@ def jacobian_inputs(inputs, parameters):
     zeta_7_imaginary_part4 = ca.log(zeta_7_imaginary_part3)
     zeta_7_imaginary = 2*zeta_7_imaginary_part4/ca.pi  # [MFeval] imaginary part of zeta_7, of which MFeval prints the real part of the result
     zeta_8_part1 = 1 + D_rphi
-    zeta_8 = ca.if_else(phit_in == 0, 1, zeta_8_part1)  # [4.92] moment by spin
+    zeta_8_part2 = 1 - turn_share + turn_share*zeta_8_part1
+    zeta_8 = ca.if_else(phit_in == 0, 1, zeta_8_part2)  # [4.92] moment by spin
     D_r_part1 = QDZ6 + QDZ7*dfz
     D_r_part2 = 1 + PPZ2*dpi
     D_r_part3 = QDZ8 + QDZ9*dfz
@@ -500,7 +504,7 @@ def jacobian_inputs(inputs, parameters):
     M_zr_spun_part2 = M_zr_w*zeta_7
     M_zr_spun_part3 = ca.cos(M_zr_spun_part2)
     M_zr_spun = M_zr_spun_part1*M_zr_spun_part3  # [4.E75] fall of the residual moment with turn slip
-    M_zr_part1 = ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun)
+    M_zr_part1 = ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun*turn_share + (1 - turn_share)/ca.sqrt(1 + B_r**2*alpha_req**2))
     s_part1 = ca.if_else(CONVENTION > 0.5, SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01, SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)
     s = LS*UNLOADED_RADIUS*s_part1  # [4.E76] moment arm of Fx
     G_yk_g0_part1 = ca.cos(G_yk_g00_w)
@@ -630,6 +634,7 @@ def jacobian_inputs(inputs, parameters):
     omega_by_V = omega_part1*omega_part2
     omega_by_omega_part1 = V*omega_part2
     omega_by_omega_part2 = V*omega_part1
+    turn_share_by_phit_in = ca.if_else(1000000.0*ca.fabs(phit_in) < 1, -2e+18*ca.fabs(phit_in)**2*ca.sign(phit_in) + 2000000000000.0*(3 - 2000000.0*ca.fabs(phit_in))*ca.fabs(phit_in)*ca.sign(phit_in), 0)
     V_spin_by_V = ca.if_else(VXLOW > ca.fabs(V), 0, ca.if_else(CONVENTION > 0.5, 1, 0))
     V_spin_by_V_c = ca.if_else(VXLOW > ca.fabs(V), 0, ca.if_else(CONVENTION > 0.5, 0, 1))
     phi_shared1 = phi_part2*phi_part3
@@ -640,6 +645,7 @@ def jacobian_inputs(inputs, parameters):
     phi_part4_by_phi_part1 = omega*phi_shared1
     phi_part4_by_phi_part2 = phi_part3*phi_shared2
     phi_part4_by_phi_part3 = phi_part2*phi_shared2
+    zeta_0_by_zeta_0_part1 = ca.if_else(phit_in == 0, 0, 1)
     B_xphi_part1_by_kappa_in = 2*kappa_in*PDXP3**2
     B_xphi_part2_by_B_xphi_part1 = 0.5/B_xphi_part2
     B_xphi_part3_by_B_xphi_part2 = -B_xphi_part3**2
@@ -647,9 +653,11 @@ def jacobian_inputs(inputs, parameters):
     B_xphi_by_B_xphi_part4 = B_xphi_part3*PDXP1
     zeta_1_shared2 = R_0_phi**2
     zeta_1_shared3 = B_xphi**2
-    zeta_1_shared4 = (1 + zeta_1_shared2*zeta_1_shared3)**(-1.5)
-    zeta_1_by_B_xphi = ca.if_else(phit_in == 0, 0, -B_xphi*zeta_1_shared2*zeta_1_shared4)
-    zeta_1_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared4)
+    zeta_1_shared4 = 1 + zeta_1_shared2*zeta_1_shared3
+    zeta_1_shared5 = turn_share/zeta_1_shared4**1.5
+    zeta_1_by_B_xphi = ca.if_else(phit_in == 0, 0, -B_xphi*zeta_1_shared2*zeta_1_shared5)
+    zeta_1_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared5)
+    zeta_1_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_1_shared4))
     B_yphi_part1_by_tan_alpha = 2*tan_alpha*PDYP3**2
     B_yphi_part2_by_B_yphi_part1 = 0.5/B_yphi_part2
     B_yphi_part3_by_B_yphi_part2 = -B_yphi_part3**2
@@ -660,23 +668,31 @@ def jacobian_inputs(inputs, parameters):
     zeta_2_shared4 = zeta_2_shared2 + PDYP4*zeta_2_shared3
     zeta_2_shared5 = zeta_2_shared4**2
     zeta_2_shared6 = B_yphi**2
-    zeta_2_shared7 = (1 + zeta_2_shared5*zeta_2_shared6)**(-1.5)
-    zeta_2_shared8 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared7
-    zeta_2_shared9 = ca.sign(R_0_phi)
-    zeta_2_by_B_yphi = ca.if_else(phit_in == 0, 0, -B_yphi*zeta_2_shared5*zeta_2_shared7)
-    zeta_2_by_R_0_phi = ca.if_else(phit_in == 0, 0, -0.5*zeta_2_shared8*(2*zeta_2_shared9 + PDYP4*zeta_2_shared9/zeta_2_shared3))
+    zeta_2_shared7 = 1 + zeta_2_shared5*zeta_2_shared6
+    zeta_2_shared8 = turn_share/zeta_2_shared7**1.5
+    zeta_2_shared9 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared8
+    zeta_2_shared10 = ca.sign(R_0_phi)
+    zeta_2_by_B_yphi = ca.if_else(phit_in == 0, 0, -B_yphi*zeta_2_shared5*zeta_2_shared8)
+    zeta_2_by_R_0_phi = ca.if_else(phit_in == 0, 0, -0.5*zeta_2_shared9*(2*zeta_2_shared10 + PDYP4*zeta_2_shared10/zeta_2_shared3))
+    zeta_2_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_2_shared7))
     zeta_3_shared2 = R_0_phi**4
     zeta_3_shared3 = PKYP1**2
-    zeta_3_shared4 = (1 + zeta_3_shared2*zeta_3_shared3)**(-1.5)
-    zeta_3_by_R_0_phi = ca.if_else(phit_in == 0, 0, -2*zeta_3_shared3*zeta_3_shared4*R_0_phi**3)
+    zeta_3_shared4 = 1 + zeta_3_shared2*zeta_3_shared3
+    zeta_3_shared5 = turn_share/zeta_3_shared4**1.5
+    zeta_3_by_R_0_phi = ca.if_else(phit_in == 0, 0, -2*zeta_3_shared3*zeta_3_shared5*R_0_phi**3)
+    zeta_3_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_3_shared4))
     zeta_5_shared2 = R_0_phi**2
     zeta_5_shared3 = QDTP1**2
-    zeta_5_shared4 = (1 + zeta_5_shared2*zeta_5_shared3)**(-1.5)
-    zeta_5_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared4)
+    zeta_5_shared4 = 1 + zeta_5_shared2*zeta_5_shared3
+    zeta_5_shared5 = turn_share/zeta_5_shared4**1.5
+    zeta_5_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared5)
+    zeta_5_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_5_shared4))
     zeta_6_shared2 = R_0_phi**2
     zeta_6_shared3 = QBRP1**2
-    zeta_6_shared4 = (1 + zeta_6_shared2*zeta_6_shared3)**(-1.5)
-    zeta_6_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared4)
+    zeta_6_shared4 = 1 + zeta_6_shared2*zeta_6_shared3
+    zeta_6_shared5 = turn_share/zeta_6_shared4**1.5
+    zeta_6_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared5)
+    zeta_6_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_6_shared4))
     S_Hx_by_S_Hx_part1 = LHX*fade_smooth
     S_Hx_by_fade_smooth = LHX*S_Hx_part1
     mu_x_loaded_shared1 = mu_x_loaded_part2*mu_x_loaded_part3
@@ -777,12 +793,15 @@ def jacobian_inputs(inputs, parameters):
     S_Vygamma_by_S_Vygamma_part1 = LMUY_shift*S_Vygamma_shared2
     S_Vygamma_by_gamma_star = S_Vygamma_shared3*zeta_2
     S_Vygamma_by_zeta_2 = S_Vygamma_shared3*gamma_star
-    zeta_4_by_K_yalpha1 = ca.if_else(phit_in == 0, 0, S_Vygamma/K_yalpha1**2)
-    zeta_4_by_S_Hyphi = ca.if_else(phit_in == 0, 0, 1)
-    zeta_4_by_S_Vygamma = ca.if_else(phit_in == 0, 0, -1/K_yalpha1)
+    zeta_4_shared2 = 1/K_yalpha1
+    zeta_4_by_K_yalpha1 = ca.if_else(phit_in == 0, 0, S_Vygamma*turn_share/K_yalpha1**2)
+    zeta_4_by_S_Hyphi = ca.if_else(phit_in == 0, 0, turn_share)
+    zeta_4_by_S_Vygamma = ca.if_else(phit_in == 0, 0, -turn_share*zeta_4_shared2)
+    zeta_4_by_turn_share = ca.if_else(phit_in == 0, 0, S_Hyphi - S_Vygamma*zeta_4_shared2)
     S_Hy_part2_by_K_yalpha1 = -S_Hy_part2**2
     S_Hy_part4_by_S_Hy_part2 = S_Hy_part3*zeta_0
     S_Hy_part4_by_S_Hy_part3 = S_Hy_part2*zeta_0
+    S_Hy_part4_by_zeta_0 = S_Hy_part2*S_Hy_part3
     mu_y_loaded_shared1 = mu_y_loaded_part2*mu_y_loaded_part3
     mu_y_loaded_shared2 = LMUY_star*mu_y_loaded_part1
     mu_y_loaded_part1_by_gamma_star = -2*PDY3*gamma_star
@@ -817,7 +836,8 @@ def jacobian_inputs(inputs, parameters):
     F_y0_v_part1_by_F_y0_u = 1/(1 + F_y0_u**2)
     F_y0_w_part1_by_F_y0_v = 1/(1 + F_y0_v**2)
     F_y0_part1_by_F_y0_w = ca.cos(F_y0_w)
-    zeta_4_g0_by_zeta_4_g0_part1 = ca.if_else(phit_in == 0, 0, 1)
+    zeta_4_g0_part2_by_turn_share = -1 + zeta_4_g0_part1
+    zeta_4_g0_by_zeta_4_g0_part2 = ca.if_else(phit_in == 0, 0, 1)
     mu_y_loaded_g0_part2_by_dpi = PPY3 + 2*PPY4*dpi
     mu_y_loaded_g0_by_LMUY_star = mu_y_loaded_g0_part1*mu_y_loaded_g0_part2
     mu_y_loaded_g0_by_mu_y_loaded_g0_part1 = LMUY_star*mu_y_loaded_g0_part2
@@ -997,7 +1017,8 @@ def jacobian_inputs(inputs, parameters):
     zeta_7_imaginary_part1_by_zeta_7_above_1 = 2*zeta_7_above_1
     zeta_7_imaginary_part2_by_zeta_7_imaginary_part1 = 0.5/zeta_7_imaginary_part2
     zeta_7_imaginary_part4_by_zeta_7_imaginary_part3 = 1/zeta_7_imaginary_part3
-    zeta_8_by_zeta_8_part1 = ca.if_else(phit_in == 0, 0, 1)
+    zeta_8_part2_by_turn_share = -1 + zeta_8_part1
+    zeta_8_by_zeta_8_part2 = ca.if_else(phit_in == 0, 0, 1)
     D_r_shared1 = gamma_star*zeta_0
     D_r_shared2 = D_r_part6*LKZC
     D_r_shared3 = D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS
@@ -1007,6 +1028,7 @@ def jacobian_inputs(inputs, parameters):
     D_r_part7_by_D_r_part1 = LRES*zeta_2
     D_r_part7_by_D_r_part6 = D_r_shared1*LKZC
     D_r_part7_by_gamma_star = D_r_shared2*zeta_0
+    D_r_part7_by_zeta_0 = D_r_shared2*gamma_star
     D_r_part7_by_zeta_2 = D_r_part1*LRES
     D_r_part8_by_alpha_star = -ca.sin(alpha_star)
     D_r_by_D_r_part7 = D_r_part8*D_r_shared3
@@ -1046,10 +1068,15 @@ def jacobian_inputs(inputs, parameters):
     M_zr_spun_part3_by_M_zr_spun_part2 = -ca.sin(M_zr_spun_part2)
     M_zr_shared1 = alpha_req**2
     M_zr_shared2 = B_r**2
-    M_zr_shared3 = (1 + M_zr_shared1*M_zr_shared2)**(-1.5)
-    M_zr_part1_by_B_r = ca.if_else(phit_in == 0, -B_r*M_zr_shared1*M_zr_shared3, 0)
-    M_zr_part1_by_M_zr_spun = ca.if_else(phit_in == 0, 0, 1)
-    M_zr_part1_by_alpha_req = ca.if_else(phit_in == 0, -M_zr_shared2*M_zr_shared3*alpha_req, 0)
+    M_zr_shared3 = 1 + M_zr_shared1*M_zr_shared2
+    M_zr_shared4 = M_zr_shared3**(-1.5)
+    M_zr_shared5 = B_r*M_zr_shared1*M_zr_shared4
+    M_zr_shared7 = 1 - turn_share
+    M_zr_shared8 = M_zr_shared2*M_zr_shared4*alpha_req
+    M_zr_part1_by_B_r = ca.if_else(phit_in == 0, -M_zr_shared5, -M_zr_shared5*M_zr_shared7)
+    M_zr_part1_by_M_zr_spun = ca.if_else(phit_in == 0, 0, turn_share)
+    M_zr_part1_by_alpha_req = ca.if_else(phit_in == 0, -M_zr_shared8, -M_zr_shared7*M_zr_shared8)
+    M_zr_part1_by_turn_share = ca.if_else(phit_in == 0, 0, M_zr_spun - 1/ca.sqrt(M_zr_shared3))
     M_zr_by_D_r = M_zr_part1*fade_smooth
     M_zr_by_M_zr_part1 = D_r*fade_smooth
     M_zr_by_fade_smooth = D_r*M_zr_part1
@@ -1272,7 +1299,6 @@ def jacobian_inputs(inputs, parameters):
     dE_y_part5_dgamma_star = E_y_part5_by_E_y_part4*dE_y_part4_dgamma_star
     dE_y_ddfz = E_y_by_dfz + E_y_by_E_y_part5*dE_y_part5_ddfz
     dE_y_dgamma_star = E_y_by_gamma_star + E_y_by_E_y_part5*dE_y_part5_dgamma_star
-    dS_Hy_g0_part2_ddfz = LHY*PHY2
     dB_y_g0_dD_y_g0 = K_yalpha_g0*dB_y_g0_part3_dD_y_g0
     dF_y0_g0_v_dF_y0_g0_u = 1 - E_y_g0*dF_y0_g0_v_part2_dF_y0_g0_u
     dF_y0_g0_v_ddfz = -F_y0_g0_v_part2*dE_y_g0_ddfz
@@ -1337,8 +1363,10 @@ def jacobian_inputs(inputs, parameters):
     dF_y0_v_ddfz = -F_y0_v_part2*dE_y_ddfz
     dF_y0_v_dgamma_star = -F_y0_v_part2*dE_y_dgamma_star
     dF_y0_part2_dF_y0_v = D_y*dF_y0_part1_dF_y0_v
-    dalpha_y_g0_dS_Hyphi = fade_smooth*zeta_4_g0_by_zeta_4_g0_part1
-    dalpha_y_g0_ddfz = dS_Hy_g0_part2_ddfz*fade_smooth
+    dS_Hy_g0_part2_ddfz = LHY*PHY2
+    dS_Hy_g0_part2_dturn_share = zeta_4_g0_by_zeta_4_g0_part2*zeta_4_g0_part2_by_turn_share
+    dS_Hy_g0_part2_dS_Hyphi = turn_share*zeta_4_g0_by_zeta_4_g0_part2
+    dF_y0_g0_u_dS_Hy_g0_part2 = B_y_g0*fade_smooth
     dmu_y_loaded_g0_ddfz = PDY2*mu_y_loaded_g0_by_mu_y_loaded_g0_part1
     dmu_y_loaded_g0_ddpi = mu_y_loaded_g0_by_mu_y_loaded_g0_part2*mu_y_loaded_g0_part2_by_dpi
     dG_xa_v_ddfz = -G_xa_v_part2*dE_xalpha_ddfz
@@ -1377,7 +1405,6 @@ def jacobian_inputs(inputs, parameters):
     dtrail_v_dB_t = alpha_teq*dtrail_v_dtrail_u
     dtrail_v_dslip_alpha_teq_part1 = dtrail_u_dslip_alpha_teq_part1*dtrail_v_dtrail_u
     dtrail_dtrail_v = dtrail_part2_dtrail_v*trail_by_trail_part2
-    dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1
     dG_yk_g0_ddfz = dE_ykappa_ddfz*dG_yk_g0_dE_ykappa + dG_yk_g00_v_ddfz*dG_yk_g0_dG_yk_g00_v + dG_yk_g0_dG_yk_g0_u*dG_yk_g0_u_ddfz
     dG_yk_g0_dalpha_star = dG_yk_g00_v_dalpha_star*dG_yk_g0_dG_yk_g00_v + dG_yk_g0_dG_yk_g0_u*dG_yk_g0_u_dalpha_star
     dG_yk_g0_dkappa_in = B_ykappa_g0*dG_yk_g0_dG_yk_g0_u
@@ -1436,9 +1463,7 @@ def jacobian_inputs(inputs, parameters):
     dB_t_dgamma_star = B_t_by_B_t_part7*dB_t_part7_dgamma_star
     dB_t_dgamma_in = B_t_by_B_t_part7*dB_t_part7_dgamma_in
     dtrail_dB_t = E_t_by_B_t*dtrail_dE_t + dtrail_dtrail_v*dtrail_v_dB_t
-    dD_r_part7_dgamma_star = D_r_part7_by_gamma_star + D_r_part7_by_D_r_part6*dD_r_part6_dgamma_star
-    dD_r_part7_ddfz = D_r_part7_by_D_r_part1*QDZ7 + D_r_part7_by_D_r_part6*dD_r_part6_ddfz
-    dD_r_part7_ddpi = D_r_part7_by_D_r_part6*dD_r_part6_ddpi
+    dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1
     dMz_part1_ds_part1 = Fx*s_by_s_part1
     dF_zy_share_dF_z_limited = F_zy_by_F_z_limited*F_zy_share_by_F_zy
     dF_zy_share_dFz = F_z_by_Fz*dF_zy_share_dF_z
@@ -1473,6 +1498,10 @@ def jacobian_inputs(inputs, parameters):
     dM_zphi_inf_dF_z_limited = dF_zm_dF_z_limited*dM_zphi_inf_dF_zm
     dD_rphi_dM_zphi_inf = D_Drphi_part3*D_rphi_part4 + dB_Drphi_dM_zphi_inf*dD_rphi_dB_Drphi
     dM_zr_spun_dM_zphi_inf = M_zphi90_by_M_zphi_inf*dM_zr_spun_dM_zphi90
+    dD_r_part7_dgamma_star = D_r_part7_by_gamma_star + D_r_part7_by_D_r_part6*dD_r_part6_dgamma_star
+    dD_r_part7_ddfz = D_r_part7_by_D_r_part1*QDZ7 + D_r_part7_by_D_r_part6*dD_r_part6_ddfz
+    dD_r_part7_dturn_share = -D_r_part7_by_zeta_0*zeta_0_by_zeta_0_part1
+    dD_r_part7_ddpi = D_r_part7_by_D_r_part6*dD_r_part6_ddpi
     dF_y1_dF_y0_g0_part2 = F_y0_g0_part4*F_y1_part1
     dF_y1_dG_yk = F_y0_g0*F_y1_part1_by_G_yk
     dF_y1_ddfz = dF_y1_dG_yk_g0*dG_yk_g0_ddfz
@@ -1482,16 +1511,15 @@ def jacobian_inputs(inputs, parameters):
     dM_y_full_part6_dF_z_limited = dF_zy_share_dF_z_limited*dM_y_full_part6_dF_zy_share
     dM_y_full_part6_dFz = dF_zy_share_dFz*dM_y_full_part6_dF_zy_share
     dMy_dM_y_full_part6 = M_y_full_by_M_y_full_part6*dMy_dM_y_full
-    dphit_in_dV = fade_by_V*phit_in_by_fade
-    dD_rphi_dphit_in = D_rphi_part1_by_phit_in*dD_rphi_dD_rphi_part1
-    dM_zr_spun_dphit_in = dM_zphi90_dphit_in*dM_zr_spun_dM_zphi90
+    dD_x_dgamma_in = dD_x_dmu_x_loaded*dmu_x_loaded_dgamma_in
+    dD_x_ddfz = dD_x_dmu_x_loaded*dmu_x_loaded_ddfz
+    dD_x_ddpi = dD_x_dmu_x_loaded*dmu_x_loaded_ddpi
+    dD_x_dslide = dD_x_dmu_x_loaded*dmu_x_loaded_dslide
+    dF_x0_part2_dD_x = F_x0_part1 + dF_x0_part2_dF_x0_u*dF_x0_u_dD_x
     dzeta_1_dkappa_in = dB_xphi_dkappa_in*zeta_1_by_B_xphi
     dzeta_1_ddfz = dB_xphi_ddfz*zeta_1_by_B_xphi
-    dK_yalpha_g0_ddpi = K_yalpha_g0_by_K_yalpha_g0_part1*PPY1 + dK_yalpha_g0_dK_yalpha_g0_part6*dK_yalpha_g0_part6_ddpi
-    dK_yalpha_g0_dR_0_phi = K_yalpha_g0_by_zeta_3*zeta_3_by_R_0_phi
-    dK_yalpha_g0_dF_z_limited = K_yalpha_g0_part6_by_F_z_limited*dK_yalpha_g0_dK_yalpha_g0_part6
-    dF_y0_g0_u_dK_yalpha_g0 = B_y_g0_part3*alpha_y_g0
-    dS_Hyphi_dK_yalpha_g0 = dB_Hyphi_dK_yalpha_g0*dS_Hyphi_dB_Hyphi
+    dF_x0_part2_dzeta_1 = S_Vx_by_zeta_1 + D_x_by_zeta_1*dF_x0_part2_dD_x
+    dF_x0_part2_dslide = LMUX_star_by_slide*dF_x0_part2_dLMUX_star + dD_x_dslide*dF_x0_part2_dD_x
     dK_ygamma0_ddpi = K_ygamma0_by_K_ygamma0_part1*PPY5
     dK_ygamma0_ddfz = K_ygamma0_by_K_ygamma0_part2*PKY7
     dS_Hy_part4_dK_ygamma0 = S_Hy_part4_by_S_Hy_part3*gamma_star
@@ -1503,126 +1531,121 @@ def jacobian_inputs(inputs, parameters):
     dD_Vyk_ddfz = D_Vyk_by_D_Vyk_part4*RVY2
     dD_Vyk_dgamma_star = D_Vyk_by_D_Vyk_part4*RVY3
     dFy_dD_Vyk = Fy_by_Fy_part1*S_Vyk_by_D_Vyk
-    dD_t_dR_0_phi = D_t_by_zeta_5*zeta_5_by_R_0_phi
-    dD_t_ddpi = -D_t_by_D_t_part2*PPZ1
-    dD_t_ddfz = D_t_by_D_t_part3*QDZ2
-    dD_t_dgamma_star = D_t_by_D_t_part7*dD_t_part7_dgamma_star
-    dD_t_dgamma_in = D_t_by_D_t_part7*dD_t_part7_dgamma_in
-    dD_t_dF_z_limited = D_t_by_F_zm*dF_zm_dF_z_limited
     dslip_alpha_teq_part1_dK_yalpha = -kappa_share_by_kappa_share_part1*kappa_share_shared1
     dslip_alpha_teq_part1_ddfz = dalpha_t_ddfz*dslip_alpha_teq_part1_dalpha_t
     dslip_alpha_teq_part1_dgamma_star = S_Ht_part1*dslip_alpha_teq_part1_dalpha_t
     dtrail_dslip_alpha_teq_part1 = dtrail_dtrail_v*dtrail_v_dslip_alpha_teq_part1
-    dD_x_dgamma_in = dD_x_dmu_x_loaded*dmu_x_loaded_dgamma_in
-    dD_x_ddfz = D_x_by_zeta_1*dzeta_1_ddfz + dD_x_dmu_x_loaded*dmu_x_loaded_ddfz
-    dD_x_ddpi = dD_x_dmu_x_loaded*dmu_x_loaded_ddpi
-    dD_x_dslide = dD_x_dmu_x_loaded*dmu_x_loaded_dslide
-    dD_x_dR_0_phi = D_x_by_zeta_1*zeta_1_by_R_0_phi
-    dD_x_dkappa_in = D_x_by_zeta_1*dzeta_1_dkappa_in
-    dF_x0_part2_dD_x = F_x0_part1 + dF_x0_part2_dF_x0_u*dF_x0_u_dD_x
-    dF_x0_part2_dslide = LMUX_star_by_slide*dF_x0_part2_dLMUX_star + dD_x_dslide*dF_x0_part2_dD_x
-    dR_0_phi_dphi_part4 = UNLOADED_RADIUS*phi_part5
-    dB_r_dR_0_phi = B_r_part2*zeta_6_by_R_0_phi
-    dK_yalpha_dR_0_phi = K_yalpha_by_zeta_3*zeta_3_by_R_0_phi
-    dS_Hyphi_dR_0_phi = B_Hyphi*dS_Hyphi_dS_Hyphi_u + dK_yalpha_g0_dR_0_phi*dS_Hyphi_dK_yalpha_g0
-    dF_x0_part2_dR_0_phi = S_Vx_by_zeta_1*zeta_1_by_R_0_phi + dD_x_dR_0_phi*dF_x0_part2_dD_x
-    dF_y0_g0_u_dR_0_phi = dF_y0_g0_u_dK_yalpha_g0*dK_yalpha_g0_dR_0_phi
-    dtrail_dR_0_phi = dD_t_dR_0_phi*trail_by_D_t
-    dF_y0_g0_part2_ddfz = PVY2*S_Vy_g0_by_S_Vy_g0_part1 + dF_y0_g0_part2_dF_y0_g0_v*dF_y0_g0_v_ddfz
-    dF_y0_g0_part2_dF_y0_g0_u = dF_y0_g0_part2_dF_y0_g0_v*dF_y0_g0_v_dF_y0_g0_u
-    dF_y0_g0_part2_dLMUY_star = LMUY_shift_by_LMUY_star*S_Vy_g0_by_LMUY_shift
-    dMz_part1_dF_y0_g0_part2 = -dF_y1_dF_y0_g0_part2*trail
-    dF_x0_part2_dfade_smooth = S_Vx_by_fade_smooth + dF_x0_part2_dF_x0_u*dF_x0_u_dfade_smooth
-    dMz_part1_dfade_smooth = M_zr_by_fade_smooth + S_Vy_g0_by_fade_smooth*dMz_part1_dF_y0_g0_part2
-    dF_y0_part2_dfade_smooth = S_Vy_part2 + dF_y0_part2_dF_y0_u*dF_y0_u_dfade_smooth
-    dF_y0_g0_u_dfade_smooth = B_y_g0*S_Hy_g0_part2
-    dslip_alpha_req_part1_dfade_smooth = dalpha_r_dfade_smooth*dslip_alpha_req_part1_dalpha_r
-    dFy_dfade_smooth = Fy_by_Fy_part1*S_Vyk_by_fade_smooth
-    dgamma_in_dgamma = gamma_in_by_gamma_raised*gamma_raised_by_gamma
-    dgamma_star_dgamma_in = gamma_star_by_gamma_in + gamma_star_by_gamma_star_part1*gamma_star_part1_by_gamma_in
-    dMx_dgamma_in = Mx_by_gamma_in + Mx_by_M_x_hump*dM_x_hump_dgamma_in
     dphi_part4_dgamma_in = phi_part3_by_gamma_in*phi_part4_by_phi_part3
-    dtrail_dgamma_in = dB_t_dgamma_in*dtrail_dB_t + dD_t_dgamma_in*trail_by_D_t
-    dMz_part1_dgamma_in = dMz_part1_ds_part1*s_part1_by_gamma_in
-    dD_rphi_dgamma_in = dB_Drphi_dgamma_in*dD_rphi_dB_Drphi
-    dMy_dgamma_in = M_y_full_part6_by_gamma_in*dMy_dM_y_full_part6
-    dF_x0_part2_dgamma_in = dD_x_dgamma_in*dF_x0_part2_dD_x
-    dS_Hyphi_ddfz = S_Hyphi_by_D_Hyphi*dD_Hyphi_ddfz + dB_Hyphi_ddfz*dS_Hyphi_dB_Hyphi + dK_ygamma0_ddfz*dS_Hyphi_dK_ygamma0
-    dS_Hyphi_ddpi = dK_yalpha_g0_ddpi*dS_Hyphi_dK_yalpha_g0 + dK_ygamma0_ddpi*dS_Hyphi_dK_ygamma0
-    dS_Hyphi_dF_z_limited = K_ygamma0_by_F_z_limited*dS_Hyphi_dK_ygamma0 + dK_yalpha_g0_dF_z_limited*dS_Hyphi_dK_yalpha_g0
-    dS_Hyphi_dphi_part4 = dR_0_phi_dphi_part4*dS_Hyphi_dR_0_phi
-    dF_y0_g0_u_dS_Hyphi = B_y_g0*dalpha_y_g0_dS_Hyphi
+    dphi_part4_dV = V_spin_by_V*dphi_part4_dV_spin + dR_e_2_dV*dphi_part4_dR_e_2 + dV_c_dV*dphi_part4_dV_c + omega_by_V*phi_part4_by_omega
+    dphi_part4_dkappa = dR_e_2_dkappa*dphi_part4_dR_e_2 + omega_by_omega_part2*phi_part4_by_omega
+    dphi_part4_ddfz = PECP2*dphi_part4_deps_gamma_part1
+    dphi_part4_dtan_alpha = dV_c_dtan_alpha*dphi_part4_dV_c
+    dphi_part4_ddpi = dR_e_2_ddpi*dphi_part4_dR_e_2
+    dphi_part4_dFz = dR_e_2_dFz*dphi_part4_dR_e_2
+    dR_0_phi_dphi_part4 = UNLOADED_RADIUS*phi_part5
+    dF_y0_g0_u_dfade_smooth = B_y_g0*S_Hy_g0_part2
+    dF_y0_g0_u_dK_yalpha_g0 = B_y_g0_part3*alpha_y_g0
     dF_y0_g0_u_dD_y_g0 = alpha_y_g0*dB_y_g0_dD_y_g0
-    dF_y0_g0_u_ddfz = B_y_g0*dalpha_y_g0_ddfz + dF_y0_g0_u_dS_Hyphi*dS_Hyphi_ddfz
-    dF_y0_g0_u_ddpi = dF_y0_g0_u_dK_yalpha_g0*dK_yalpha_g0_ddpi + dF_y0_g0_u_dS_Hyphi*dS_Hyphi_ddpi
-    dF_y0_g0_u_dF_z_limited = dF_y0_g0_u_dK_yalpha_g0*dK_yalpha_g0_dF_z_limited + dF_y0_g0_u_dS_Hyphi*dS_Hyphi_dF_z_limited
-    dF_y0_g0_u_dphi_part4 = dF_y0_g0_u_dR_0_phi*dR_0_phi_dphi_part4 + dF_y0_g0_u_dS_Hyphi*dS_Hyphi_dphi_part4
-    dF_y0_g0_u_dV = dF_y0_g0_u_dfade_smooth*fade_smooth_by_V
-    dMz_part1_dF_y0_g0_u = dF_y0_g0_part2_dF_y0_g0_u*dMz_part1_dF_y0_g0_part2
+    dF_y0_g0_u_ddfz = dF_y0_g0_u_dS_Hy_g0_part2*dS_Hy_g0_part2_ddfz
+    dF_y0_g0_u_dturn_share = dF_y0_g0_u_dS_Hy_g0_part2*dS_Hy_g0_part2_dturn_share
+    dF_y0_g0_u_dS_Hyphi = dF_y0_g0_u_dS_Hy_g0_part2*dS_Hy_g0_part2_dS_Hyphi
+    dF_y0_g0_part2_dF_y0_g0_u = dF_y0_g0_part2_dF_y0_g0_v*dF_y0_g0_v_dF_y0_g0_u
     dD_y_g0_dLMUY_star = D_y_g0_by_mu_y_loaded_g0*mu_y_loaded_g0_by_LMUY_star
     dD_y_g0_ddfz = D_y_g0_by_mu_y_loaded_g0*dmu_y_loaded_g0_ddfz
     dD_y_g0_ddpi = D_y_g0_by_mu_y_loaded_g0*dmu_y_loaded_g0_ddpi
-    dMz_part1_dD_y_g0 = F_y0_g0_part1*dMz_part1_dF_y0_g0_part2 + dF_y0_g0_u_dD_y_g0*dMz_part1_dF_y0_g0_u
-    dD_r_dalpha_star = D_r_by_D_r_part8*D_r_part8_by_alpha_star
-    dD_r_dF_z_limited = D_r_by_F_zm*dF_zm_dF_z_limited
-    dD_r_dgamma_star = D_r_by_D_r_part7*dD_r_part7_dgamma_star
-    dD_r_dzeta_2 = D_r_by_D_r_part7*D_r_part7_by_zeta_2
-    dD_r_ddfz = D_r_by_D_r_part7*dD_r_part7_ddfz
-    dD_r_ddpi = D_r_by_D_r_part7*dD_r_part7_ddpi
-    ddpi_dp = dp_in_dp*dpi_part1
-    dK_xkappa_ddpi = K_xkappa_by_K_xkappa_part2*K_xkappa_part2_by_dpi
-    dK_yalpha_ddpi = K_yalpha_by_K_yalpha_part1*PPY1 + dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_ddpi
-    dmu_y_loaded_ddpi = mu_y_loaded_by_mu_y_loaded_part3*mu_y_loaded_part3_by_dpi
-    dphi_part4_ddpi = dR_e_2_ddpi*dphi_part4_dR_e_2
-    dS_Hy_part4_ddpi = dK_ygamma0_ddpi*dS_Hy_part4_dK_ygamma0 + dS_Hyphi_ddpi*zeta_4_by_S_Hyphi
-    dtrail_ddpi = dD_t_ddpi*trail_by_D_t
-    dF_x0_part2_ddpi = dD_x_ddpi*dF_x0_part2_dD_x
-    dMz_part1_ddpi = M_zr_by_D_r*dD_r_ddpi + dD_y_g0_ddpi*dMz_part1_dD_y_g0 + dF_y0_g0_u_ddpi*dMz_part1_dF_y0_g0_u
-    dK_xkappa_ddfz = K_xkappa_by_K_xkappa_part1*PKX2 + K_xkappa_by_K_xkappa_part4*dK_xkappa_part4_ddfz
-    dK_xkappa_dp = dK_xkappa_ddpi*ddpi_dp
-    dF_x0_part2_dK_xkappa = dF_x0_part2_dF_x0_u*dF_x0_u_dK_xkappa
-    dtrail_dK_xkappa = dtrail_dslip_alpha_teq_part1*kappa_share_by_K_xkappa
-    dF_x0_part2_dF_z_limited = S_Vx_by_F_z_limited + D_x_by_F_z_limited*dF_x0_part2_dD_x + K_xkappa_by_F_z_limited*dF_x0_part2_dK_xkappa
-    dF_x0_part2_ddfz = PVX2*S_Vx_by_S_Vx_part1 + S_Vx_by_zeta_1*dzeta_1_ddfz + dD_x_ddfz*dF_x0_part2_dD_x + dF_x0_part2_dF_x0_u*dF_x0_u_ddfz + dF_x0_part2_dF_x0_v*dF_x0_v_ddfz + dF_x0_part2_dK_xkappa*dK_xkappa_ddfz
-    dF_x0_part2_dkappa_in = B_x*dF_x0_part2_dF_x0_u + S_Vx_by_zeta_1*dzeta_1_dkappa_in + dD_x_dkappa_in*dF_x0_part2_dD_x + dF_x0_part2_dslide*slide_by_kappa_in
-    dF_x0_part2_dV = dF_x0_part2_dfade_smooth*fade_smooth_by_V + dF_x0_part2_dslide*slide_by_V
-    dF_x0_part2_dtan_alpha = dF_x0_part2_dslide*slide_by_tan_alpha
-    dF_x0_part2_dphi_part4 = dF_x0_part2_dR_0_phi*dR_0_phi_dphi_part4
-    dF_x0_part2_dgamma = dF_x0_part2_dgamma_in*dgamma_in_dgamma
-    dF_x0_part2_dp = dF_x0_part2_dK_xkappa*dK_xkappa_dp + dF_x0_part2_ddpi*ddpi_dp
-    dFx_dF_x0_part2 = Fx_by_Fx_part1*dFx_part1_dF_x0_part2
+    dF_y0_g0_part2_dD_y_g0 = F_y0_g0_part1 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dD_y_g0
+    dF_x0_part2_dfade_smooth = S_Vx_by_fade_smooth + dF_x0_part2_dF_x0_u*dF_x0_u_dfade_smooth
+    dF_y0_g0_part2_dfade_smooth = S_Vy_g0_by_fade_smooth + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dfade_smooth
+    dF_y0_part2_dfade_smooth = S_Vy_part2 + dF_y0_part2_dF_y0_u*dF_y0_u_dfade_smooth
+    dslip_alpha_req_part1_dfade_smooth = dalpha_r_dfade_smooth*dslip_alpha_req_part1_dalpha_r
+    dFy_dfade_smooth = Fy_by_Fy_part1*S_Vyk_by_fade_smooth
+    dD_t_ddpi = -D_t_by_D_t_part2*PPZ1
+    dD_t_ddfz = D_t_by_D_t_part3*QDZ2
+    dD_t_dR_0_phi = D_t_by_zeta_5*zeta_5_by_R_0_phi
+    dD_t_dturn_share = D_t_by_zeta_5*zeta_5_by_turn_share
+    dD_t_dgamma_star = D_t_by_D_t_part7*dD_t_part7_dgamma_star
+    dD_t_dgamma_in = D_t_by_D_t_part7*dD_t_part7_dgamma_in
+    dD_t_dF_z_limited = D_t_by_F_zm*dF_zm_dF_z_limited
     dM_zr_spun_dD_rphi = dM_zr_spun_dzeta_7_cosine*dzeta_7_cosine_dD_rphi
     dM_zr_spun_dB_r = dM_zr_spun_dM_zr_w*dM_zr_w_dB_r
     dM_zr_spun_dslip_alpha_req_part1 = dM_zr_spun_dM_zr_w*dM_zr_w_dslip_alpha_req_part1
     dM_zr_spun_dG_yk = M_zphi90_by_G_yk*dM_zr_spun_dM_zphi90
+    dM_zr_spun_dphit_in = dM_zphi90_dphit_in*dM_zr_spun_dM_zphi90
     dM_zr_spun_dmu_y_loaded = dM_zphi_inf_dmu_y_loaded*dM_zr_spun_dM_zphi_inf
     dM_zr_spun_dF_z_limited = dM_zphi_inf_dF_z_limited*dM_zr_spun_dM_zphi_inf
-    dM_zr_spun_dalpha = dM_zr_spun_dphit_in*phit_in_by_alpha
-    dM_zr_spun_dphit = dM_zr_spun_dphit_in*phit_in_by_phit
-    dM_zr_spun_dV = dM_zr_spun_dphit_in*dphit_in_dV
     dMz_part1_dM_zr_spun = M_zr_by_M_zr_part1*M_zr_part1_by_M_zr_spun
+    dB_r_dR_0_phi = B_r_part2*zeta_6_by_R_0_phi
+    dB_r_dturn_share = B_r_part2*zeta_6_by_turn_share
     dB_r_dLMUY_star = dB_r_part2_dLMUY_star*zeta_6
     dB_r_dK_yalpha = B_y_part3*dB_r_dB_y
     dB_r_dF_z_limited = D_y_by_F_z_limited*dB_r_dD_y
     dB_r_dmu_y_loaded = D_y_by_mu_y_loaded*dB_r_dD_y
     dB_r_dzeta_2 = D_y_by_zeta_2*dB_r_dD_y
-    dB_r_dphi_part4 = dB_r_dR_0_phi*dR_0_phi_dphi_part4
     dMz_part1_dB_r = M_zr_by_M_zr_part1*M_zr_part1_by_B_r + dM_zr_spun_dB_r*dMz_part1_dM_zr_spun
+    dslip_alpha_req_part1_dK_yalpha = dalpha_r_dK_yalpha*dslip_alpha_req_part1_dalpha_r - kappa_share_by_kappa_share_part1*kappa_share_shared1
+    dslip_alpha_req_part1_dS_Hy_part4 = dslip_alpha_req_part1_dalpha_r*fade_smooth
+    dslip_alpha_req_part1_dS_Vy_part2 = dalpha_r_dS_Vy_part2*dslip_alpha_req_part1_dalpha_r
+    dslip_alpha_req_part1_dV = dslip_alpha_req_part1_dfade_smooth*fade_smooth_by_V
+    dMz_part1_dslip_alpha_req_part1 = M_zr_by_M_zr_part1*dM_zr_part1_dslip_alpha_req_part1 + dM_zr_spun_dslip_alpha_req_part1*dMz_part1_dM_zr_spun
+    dgamma_in_dgamma = gamma_in_by_gamma_raised*gamma_raised_by_gamma
+    dgamma_star_dgamma_in = gamma_star_by_gamma_in + gamma_star_by_gamma_star_part1*gamma_star_part1_by_gamma_in
+    dMx_dgamma_in = Mx_by_gamma_in + Mx_by_M_x_hump*dM_x_hump_dgamma_in
+    dtrail_dgamma_in = dB_t_dgamma_in*dtrail_dB_t + dD_t_dgamma_in*trail_by_D_t
+    dMz_part1_dgamma_in = dMz_part1_ds_part1*s_part1_by_gamma_in
+    dD_rphi_dgamma_in = dB_Drphi_dgamma_in*dD_rphi_dB_Drphi
+    dMy_dgamma_in = M_y_full_part6_by_gamma_in*dMy_dM_y_full_part6
+    dF_x0_part2_dgamma_in = dD_x_dgamma_in*dF_x0_part2_dD_x
+    dR_0_phi_dgamma_in = dR_0_phi_dphi_part4*dphi_part4_dgamma_in
+    dK_yalpha_g0_ddpi = K_yalpha_g0_by_K_yalpha_g0_part1*PPY1 + dK_yalpha_g0_dK_yalpha_g0_part6*dK_yalpha_g0_part6_ddpi
+    dK_yalpha_g0_dF_z_limited = K_yalpha_g0_part6_by_F_z_limited*dK_yalpha_g0_dK_yalpha_g0_part6
+    dK_yalpha_g0_dR_0_phi = K_yalpha_g0_by_zeta_3*zeta_3_by_R_0_phi
+    dK_yalpha_g0_dturn_share = K_yalpha_g0_by_zeta_3*zeta_3_by_turn_share
+    dS_Hyphi_dK_yalpha_g0 = dB_Hyphi_dK_yalpha_g0*dS_Hyphi_dB_Hyphi
+    dF_y0_g0_part2_dK_yalpha_g0 = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dK_yalpha_g0
     dG_yk_dkappa_in = B_ykappa*dG_yk_dG_yk_u
     dG_yk_dalpha_star = dB_ykappa_dalpha_star*dG_yk_dB_ykappa
     dG_yk_dgamma_star = dB_ykappa_dgamma_star*dG_yk_dB_ykappa
     dG_yk_ddfz = RHY2*dG_yk_dS_Hyk + dE_ykappa_ddfz*dG_yk_dE_ykappa
     dFy_dG_yk = F_y0*Fy_by_Fy_part1
     dMz_part1_dG_yk = dM_zr_spun_dG_yk*dMz_part1_dM_zr_spun - dF_y1_dG_yk*trail
+    dS_Hy_part4_dturn_share = zeta_4_by_turn_share - S_Hy_part4_by_zeta_0*zeta_0_by_zeta_0_part1
+    dD_r_dturn_share = D_r_by_D_r_part7*dD_r_part7_dturn_share + zeta_8_by_zeta_8_part2*zeta_8_part2_by_turn_share
+    dK_yalpha_dturn_share = K_yalpha_by_zeta_3*zeta_3_by_turn_share
+    dMz_part1_dturn_share = M_zr_by_M_zr_part1*M_zr_part1_by_turn_share + dB_r_dturn_share*dMz_part1_dB_r
+    dF_x0_part2_dturn_share = dF_x0_part2_dzeta_1*zeta_1_by_turn_share
+    dF_y0_g0_part2_dturn_share = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dturn_share + dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dturn_share
+    dtrail_dturn_share = dD_t_dturn_share*trail_by_D_t
+    dS_Hyphi_dturn_share = dK_yalpha_g0_dturn_share*dS_Hyphi_dK_yalpha_g0
+    dK_xkappa_ddfz = K_xkappa_by_K_xkappa_part1*PKX2 + K_xkappa_by_K_xkappa_part4*dK_xkappa_part4_ddfz
+    dK_xkappa_ddpi = K_xkappa_by_K_xkappa_part2*K_xkappa_part2_by_dpi
+    dF_x0_part2_dK_xkappa = dF_x0_part2_dF_x0_u*dF_x0_u_dK_xkappa
+    dtrail_dK_xkappa = dtrail_dslip_alpha_teq_part1*kappa_share_by_K_xkappa
+    dMz_part1_dK_xkappa = dMz_part1_dslip_alpha_req_part1*kappa_share_by_K_xkappa
+    dF_x0_part2_dF_z_limited = S_Vx_by_F_z_limited + D_x_by_F_z_limited*dF_x0_part2_dD_x + K_xkappa_by_F_z_limited*dF_x0_part2_dK_xkappa
+    dF_x0_part2_ddfz = PVX2*S_Vx_by_S_Vx_part1 + dD_x_ddfz*dF_x0_part2_dD_x + dF_x0_part2_dF_x0_u*dF_x0_u_ddfz + dF_x0_part2_dF_x0_v*dF_x0_v_ddfz + dF_x0_part2_dK_xkappa*dK_xkappa_ddfz + dF_x0_part2_dzeta_1*dzeta_1_ddfz
+    dF_x0_part2_dkappa_in = B_x*dF_x0_part2_dF_x0_u + dF_x0_part2_dslide*slide_by_kappa_in + dF_x0_part2_dzeta_1*dzeta_1_dkappa_in
+    dF_x0_part2_ddpi = dD_x_ddpi*dF_x0_part2_dD_x + dF_x0_part2_dK_xkappa*dK_xkappa_ddpi
+    dF_x0_part2_dR_0_phi = dF_x0_part2_dzeta_1*zeta_1_by_R_0_phi
+    dF_x0_part2_dV = dF_x0_part2_dfade_smooth*fade_smooth_by_V + dF_x0_part2_dslide*slide_by_V
+    dF_x0_part2_dtan_alpha = dF_x0_part2_dslide*slide_by_tan_alpha
+    dF_x0_part2_dgamma = dF_x0_part2_dgamma_in*dgamma_in_dgamma
+    dF_x0_part2_dphit_in = dF_x0_part2_dturn_share*turn_share_by_phit_in
+    dFx_dF_x0_part2 = Fx_by_Fx_part1*dFx_part1_dF_x0_part2
+    dD_r_dalpha_star = D_r_by_D_r_part8*D_r_part8_by_alpha_star
+    dD_r_dD_rphi = turn_share*zeta_8_by_zeta_8_part2
+    dD_r_dF_z_limited = D_r_by_F_zm*dF_zm_dF_z_limited
+    dD_r_dgamma_star = D_r_by_D_r_part7*dD_r_part7_dgamma_star
+    dD_r_dzeta_2 = D_r_by_D_r_part7*D_r_part7_by_zeta_2
+    dD_r_ddfz = D_r_by_D_r_part7*dD_r_part7_ddfz
+    dD_r_ddpi = D_r_by_D_r_part7*dD_r_part7_ddpi
+    dD_r_dphit_in = dD_r_dturn_share*turn_share_by_phit_in
+    dD_rphi_dphit_in = D_rphi_part1_by_phit_in*dD_rphi_dD_rphi_part1
     dD_rphi_ddfz = dB_Drphi_ddfz*dD_rphi_dB_Drphi
     dD_rphi_dgamma_star = dB_Drphi_dgamma_star*dD_rphi_dB_Drphi
     dD_rphi_dF_z_limited = dB_Drphi_dF_z_limited*dD_rphi_dB_Drphi + dD_rphi_dM_zphi_inf*dM_zphi_inf_dF_z_limited
     dD_rphi_dmu_y_loaded = dD_rphi_dM_zphi_inf*dM_zphi_inf_dmu_y_loaded
-    dD_rphi_dalpha = dD_rphi_dphit_in*phit_in_by_alpha
-    dD_rphi_dphit = dD_rphi_dphit_in*phit_in_by_phit
-    dD_rphi_dV = dD_rphi_dphit_in*dphit_in_dV
     dD_rphi_dgamma = dD_rphi_dgamma_in*dgamma_in_dgamma
-    dMz_part1_dD_rphi = M_zr_by_D_r*zeta_8_by_zeta_8_part1 + dM_zr_spun_dD_rphi*dMz_part1_dM_zr_spun
+    dMz_part1_dD_rphi = M_zr_by_D_r*dD_r_dD_rphi + dM_zr_spun_dD_rphi*dMz_part1_dM_zr_spun
     dgamma_star_dgamma = dgamma_in_dgamma*dgamma_star_dgamma_in
     dK_yalpha_dgamma_star = K_yalpha_by_K_yalpha_part3*dK_yalpha_part3_dgamma_star + dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_dgamma_star
     dmu_y_loaded_dgamma_star = mu_y_loaded_by_mu_y_loaded_part1*mu_y_loaded_part1_by_gamma_star
@@ -1632,31 +1655,49 @@ def jacobian_inputs(inputs, parameters):
     dtrail_dgamma_star = dB_t_dgamma_star*dtrail_dB_t + dD_t_dgamma_star*trail_by_D_t + dE_t_dgamma_star*dtrail_dE_t + dslip_alpha_teq_part1_dgamma_star*dtrail_dslip_alpha_teq_part1
     dMz_part1_dgamma_star = M_zr_by_D_r*dD_r_dgamma_star + dD_rphi_dgamma_star*dMz_part1_dD_rphi + dG_yk_dgamma_star*dMz_part1_dG_yk + dMz_part1_ds_part1*s_part1_by_gamma_star
     dFy_dgamma_star = dD_Vyk_dgamma_star*dFy_dD_Vyk + dFy_dG_yk*dG_yk_dgamma_star
-    dslip_alpha_req_part1_dK_yalpha = dalpha_r_dK_yalpha*dslip_alpha_req_part1_dalpha_r - kappa_share_by_kappa_share_part1*kappa_share_shared1
-    dslip_alpha_req_part1_dS_Hy_part4 = dslip_alpha_req_part1_dalpha_r*fade_smooth
-    dslip_alpha_req_part1_dS_Vy_part2 = dalpha_r_dS_Vy_part2*dslip_alpha_req_part1_dalpha_r
-    dslip_alpha_req_part1_dV = dslip_alpha_req_part1_dfade_smooth*fade_smooth_by_V
-    dslip_alpha_req_part1_dF_z_limited = K_xkappa_by_F_z_limited*kappa_share_by_K_xkappa
-    dslip_alpha_req_part1_ddfz = dK_xkappa_ddfz*kappa_share_by_K_xkappa
-    dslip_alpha_req_part1_dp = dK_xkappa_dp*kappa_share_by_K_xkappa
-    dMz_part1_dslip_alpha_req_part1 = M_zr_by_M_zr_part1*dM_zr_part1_dslip_alpha_req_part1 + dM_zr_spun_dslip_alpha_req_part1*dMz_part1_dM_zr_spun
     dkappa_in_dkappa = dkappa_raised_dkappa*kappa_in_by_kappa_raised
     dkappa_in_dV = dkappa_raised_dV*kappa_in_by_kappa_raised
     dFx_dkappa_in = dF_x0_part2_dkappa_in*dFx_dF_x0_part2 + dFx_dG_xa*dG_xa_dkappa_in
     dFy_dkappa_in = Fy_by_Fy_part1*dFy_part1_dkappa_in + dFy_dG_yk*dG_yk_dkappa_in
     dMz_part1_dkappa_in = dG_yk_dkappa_in*dMz_part1_dG_yk + dMz_part1_dslip_alpha_req_part1*kappa_share_by_kappa_in - dF_y1_dkappa_in*trail
-    dtrail_dkappa_in = dtrail_dslip_alpha_teq_part1*kappa_share_by_kappa_in
     dLMUY_star_dkappa_in = LMUY_star_by_slide*slide_by_kappa_in
+    dtrail_dkappa_in = dtrail_dslip_alpha_teq_part1*kappa_share_by_kappa_in
+    ddpi_dp = dp_in_dp*dpi_part1
+    dK_yalpha_ddpi = K_yalpha_by_K_yalpha_part1*PPY1 + dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_ddpi
+    dmu_y_loaded_ddpi = mu_y_loaded_by_mu_y_loaded_part3*mu_y_loaded_part3_by_dpi
+    dS_Hy_part4_ddpi = dK_ygamma0_ddpi*dS_Hy_part4_dK_ygamma0
+    dS_Hyphi_ddpi = dK_yalpha_g0_ddpi*dS_Hyphi_dK_yalpha_g0 + dK_ygamma0_ddpi*dS_Hyphi_dK_ygamma0
+    dR_0_phi_ddpi = dR_0_phi_dphi_part4*dphi_part4_ddpi
+    dF_y0_g0_part2_ddpi = dD_y_g0_ddpi*dF_y0_g0_part2_dD_y_g0 + dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_ddpi
+    dtrail_ddpi = dD_t_ddpi*trail_by_D_t + dK_xkappa_ddpi*dtrail_dK_xkappa
+    dMz_part1_ddpi = M_zr_by_D_r*dD_r_ddpi + dK_xkappa_ddpi*dMz_part1_dK_xkappa
+    dFx_ddpi = dF_x0_part2_ddpi*dFx_dF_x0_part2
+    dS_Hyphi_ddfz = S_Hyphi_by_D_Hyphi*dD_Hyphi_ddfz + dB_Hyphi_ddfz*dS_Hyphi_dB_Hyphi + dK_ygamma0_ddfz*dS_Hyphi_dK_ygamma0
+    dS_Hyphi_dR_0_phi = B_Hyphi*dS_Hyphi_dS_Hyphi_u + dK_yalpha_g0_dR_0_phi*dS_Hyphi_dK_yalpha_g0
+    dS_Hyphi_dF_z_limited = K_ygamma0_by_F_z_limited*dS_Hyphi_dK_ygamma0 + dK_yalpha_g0_dF_z_limited*dS_Hyphi_dK_yalpha_g0
+    dS_Hyphi_dphit_in = dS_Hyphi_dturn_share*turn_share_by_phit_in
+    dS_Hyphi_dp = dS_Hyphi_ddpi*ddpi_dp
+    dF_y0_g0_part2_dS_Hyphi = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dS_Hyphi
+    dF_y0_g0_part2_dF_z_limited = S_Vy_g0_by_F_z_limited + D_y_g0_by_F_z_limited*dF_y0_g0_part2_dD_y_g0 + dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dF_z_limited + dF_y0_g0_part2_dS_Hyphi*dS_Hyphi_dF_z_limited
+    dF_y0_g0_part2_dzeta_2 = S_Vy_g0_by_zeta_2 + D_y_g0_by_zeta_2*dF_y0_g0_part2_dD_y_g0
+    dF_y0_g0_part2_ddfz = PVY2*S_Vy_g0_by_S_Vy_g0_part1 + dD_y_g0_ddfz*dF_y0_g0_part2_dD_y_g0 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_ddfz + dF_y0_g0_part2_dF_y0_g0_v*dF_y0_g0_v_ddfz + dF_y0_g0_part2_dS_Hyphi*dS_Hyphi_ddfz
+    dF_y0_g0_part2_dLMUY_star = LMUY_shift_by_LMUY_star*S_Vy_g0_by_LMUY_shift + dD_y_g0_dLMUY_star*dF_y0_g0_part2_dD_y_g0
+    dF_y0_g0_part2_dalpha_star = B_y_g0*dF_y0_g0_part2_dF_y0_g0_u
+    dF_y0_g0_part2_dV = dF_y0_g0_part2_dfade_smooth*fade_smooth_by_V
+    dF_y0_g0_part2_dR_0_phi = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dR_0_phi + dF_y0_g0_part2_dS_Hyphi*dS_Hyphi_dR_0_phi
+    dF_y0_g0_part2_dphit_in = dF_y0_g0_part2_dS_Hyphi*dS_Hyphi_dphit_in + dF_y0_g0_part2_dturn_share*turn_share_by_phit_in
+    dF_y0_g0_part2_dp = dF_y0_g0_part2_dS_Hyphi*dS_Hyphi_dp + dF_y0_g0_part2_ddpi*ddpi_dp
+    dMz_part1_dF_y0_g0_part2 = -dF_y1_dF_y0_g0_part2*trail
     dS_Hy_part4_ddfz = LHY*PHY2 + dK_ygamma0_ddfz*dS_Hy_part4_dK_ygamma0 + dS_Hy_part4_dS_Vygamma*dS_Vygamma_ddfz + dS_Hyphi_ddfz*zeta_4_by_S_Hyphi
     dmu_y_loaded_ddfz = PDY2*mu_y_loaded_by_mu_y_loaded_part2
     dS_Vy_part2_ddfz = dS_Vygamma_ddfz + PVY2*S_Vy_part2_by_S_Vy_part1
     dzeta_2_ddfz = dB_yphi_ddfz*zeta_2_by_B_yphi
-    dphi_part4_ddfz = PECP2*dphi_part4_deps_gamma_part1
     dF_y0_part2_ddfz = dF_y0_part2_dF_y0_v*dF_y0_v_ddfz
     dFx_ddfz = dF_x0_part2_ddfz*dFx_dF_x0_part2 + dFx_dG_xa*dG_xa_ddfz
     dtrail_ddfz = dB_t_ddfz*dtrail_dB_t + dD_t_ddfz*trail_by_D_t + dE_t_ddfz*dtrail_dE_t + dK_xkappa_ddfz*dtrail_dK_xkappa + dslip_alpha_teq_part1_ddfz*dtrail_dslip_alpha_teq_part1
-    dMz_part1_ddfz = M_zr_by_D_r*dD_r_ddfz + dD_rphi_ddfz*dMz_part1_dD_rphi + dD_y_g0_ddfz*dMz_part1_dD_y_g0 + dF_y0_g0_part2_ddfz*dMz_part1_dF_y0_g0_part2 + dF_y0_g0_u_ddfz*dMz_part1_dF_y0_g0_u + dG_yk_ddfz*dMz_part1_dG_yk + dMz_part1_ds_part1*s_part1_by_dfz + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_ddfz - dF_y1_ddfz*trail
+    dMz_part1_ddfz = M_zr_by_D_r*dD_r_ddfz + dD_rphi_ddfz*dMz_part1_dD_rphi + dF_y0_g0_part2_ddfz*dMz_part1_dF_y0_g0_part2 + dG_yk_ddfz*dMz_part1_dG_yk + dK_xkappa_ddfz*dMz_part1_dK_xkappa + dMz_part1_ds_part1*s_part1_by_dfz - dF_y1_ddfz*trail
     dFy_ddfz = dD_Vyk_ddfz*dFy_dD_Vyk + dFy_dG_yk*dG_yk_ddfz
+    dR_0_phi_ddfz = dR_0_phi_dphi_part4*dphi_part4_ddfz
     dS_Vy_part2_dF_z_limited = S_Vy_part2_by_F_z_limited + S_Vygamma_by_F_z_limited + dS_Vy_part2_ddfz*dfz_part1
     dS_Vy_part2_dzeta_2 = S_Vy_part2_by_zeta_2 + S_Vygamma_by_zeta_2
     dS_Vy_part2_dLMUY_star = dS_Vygamma_dLMUY_star + LMUY_shift_by_LMUY_star*S_Vy_part2_by_LMUY_shift
@@ -1672,107 +1713,121 @@ def jacobian_inputs(inputs, parameters):
     dF_y0_part2_dgamma = dF_y0_part2_dgamma_star*dgamma_star_dgamma + dS_Vy_part2_dgamma*fade_smooth
     dF_y0_part2_dLMUY_star = dS_Vy_part2_dLMUY_star*fade_smooth
     dFy_dF_y0_part2 = Fy_by_Fy_part1*dFy_part1_dF_y0_part2
-    dmu_y_loaded_dp = ddpi_dp*dmu_y_loaded_ddpi
     dmu_y_loaded_dgamma = dgamma_star_dgamma*dmu_y_loaded_dgamma_star
+    dmu_y_loaded_dp = ddpi_dp*dmu_y_loaded_ddpi
     dmu_y_loaded_dF_z_limited = dfz_part1*dmu_y_loaded_ddfz
     dFy_dmu_y_loaded = dD_Vyk_dmu_y_loaded*dFy_dD_Vyk + dF_y0_part2_dmu_y_loaded*dFy_dF_y0_part2
     dMz_part1_dmu_y_loaded = dB_r_dmu_y_loaded*dMz_part1_dB_r + dD_rphi_dmu_y_loaded*dMz_part1_dD_rphi + dM_zr_spun_dmu_y_loaded*dMz_part1_dM_zr_spun
-    dzeta_2_dtan_alpha = dB_yphi_dtan_alpha*zeta_2_by_B_yphi
-    dzeta_2_dphi_part4 = dR_0_phi_dphi_part4*zeta_2_by_R_0_phi
-    dzeta_2_dF_z_limited = dfz_part1*dzeta_2_ddfz
-    dS_Hy_part4_dzeta_2 = S_Vygamma_by_zeta_2*dS_Hy_part4_dS_Vygamma
-    dFy_dzeta_2 = D_Vyk_by_zeta_2*dFy_dD_Vyk + dF_y0_part2_dzeta_2*dFy_dF_y0_part2
-    dMz_part1_dzeta_2 = D_y_g0_by_zeta_2*dMz_part1_dD_y_g0 + M_zr_by_D_r*dD_r_dzeta_2 + S_Vy_g0_by_zeta_2*dMz_part1_dF_y0_g0_part2 + dB_r_dzeta_2*dMz_part1_dB_r + dMz_part1_dS_Vy_part2*dS_Vy_part2_dzeta_2
     dF_z_limited_dFz = F_z_by_Fz*F_z_limited_by_F_z
     dMx_dF_z_limited = F_zx_by_F_z_limited*Mx_by_F_zx + Mx_by_M_x_hump*dM_x_hump_dF_z_limited
     dK_yalpha_dF_z_limited = K_yalpha_part9_by_F_z_limited*dK_yalpha_dK_yalpha_part9
     dMy_dF_z_limited = dM_y_full_dF_z_limited*dMy_dM_y_full + dM_y_full_part6_dF_z_limited*dMy_dM_y_full_part6
-    dS_Hy_part4_dF_z_limited = K_ygamma0_by_F_z_limited*dS_Hy_part4_dK_ygamma0 + S_Vygamma_by_F_z_limited*dS_Hy_part4_dS_Vygamma + dS_Hy_part4_ddfz*dfz_part1 + dS_Hy_part4_dzeta_2*dzeta_2_dF_z_limited + dS_Hyphi_dF_z_limited*zeta_4_by_S_Hyphi
-    dFy_dF_z_limited = D_Vyk_by_F_z_limited*dFy_dD_Vyk + dF_y0_part2_dF_z_limited*dFy_dF_y0_part2 + dFy_ddfz*dfz_part1 + dFy_dmu_y_loaded*dmu_y_loaded_dF_z_limited + dFy_dzeta_2*dzeta_2_dF_z_limited
+    dS_Hy_part4_dF_z_limited = K_ygamma0_by_F_z_limited*dS_Hy_part4_dK_ygamma0 + S_Vygamma_by_F_z_limited*dS_Hy_part4_dS_Vygamma + dS_Hy_part4_ddfz*dfz_part1 + dS_Hyphi_dF_z_limited*zeta_4_by_S_Hyphi
+    dFy_dF_z_limited = D_Vyk_by_F_z_limited*dFy_dD_Vyk + dF_y0_part2_dF_z_limited*dFy_dF_y0_part2 + dFy_ddfz*dfz_part1 + dFy_dmu_y_loaded*dmu_y_loaded_dF_z_limited
     dtrail_dF_z_limited = K_xkappa_by_F_z_limited*dtrail_dK_xkappa + dD_t_dF_z_limited*trail_by_D_t + dfz_part1*dtrail_ddfz
-    dMz_part1_dF_z_limited = D_y_g0_by_F_z_limited*dMz_part1_dD_y_g0 + M_zr_by_D_r*dD_r_dF_z_limited + S_Vy_g0_by_F_z_limited*dMz_part1_dF_y0_g0_part2 + dB_r_dF_z_limited*dMz_part1_dB_r + dD_rphi_dF_z_limited*dMz_part1_dD_rphi + dF_y0_g0_u_dF_z_limited*dMz_part1_dF_y0_g0_u + dM_zr_spun_dF_z_limited*dMz_part1_dM_zr_spun + dMz_part1_dS_Vy_part2*dS_Vy_part2_dF_z_limited + dMz_part1_ddfz*dfz_part1 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dF_z_limited + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dF_z_limited + dMz_part1_dzeta_2*dzeta_2_dF_z_limited
+    dMz_part1_dF_z_limited = K_xkappa_by_F_z_limited*dMz_part1_dK_xkappa + M_zr_by_D_r*dD_r_dF_z_limited + dB_r_dF_z_limited*dMz_part1_dB_r + dD_rphi_dF_z_limited*dMz_part1_dD_rphi + dF_y0_g0_part2_dF_z_limited*dMz_part1_dF_y0_g0_part2 + dM_zr_spun_dF_z_limited*dMz_part1_dM_zr_spun + dMz_part1_dS_Vy_part2*dS_Vy_part2_dF_z_limited + dMz_part1_ddfz*dfz_part1 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dF_z_limited
     dFx_dF_z_limited = dF_x0_part2_dF_z_limited*dFx_dF_x0_part2 + dFx_ddfz*dfz_part1
-    dphi_part4_dF_z_limited = dfz_part1*dphi_part4_ddfz
+    dzeta_2_dF_z_limited = dfz_part1*dzeta_2_ddfz
+    dR_0_phi_dF_z_limited = dR_0_phi_ddfz*dfz_part1
     dtrail_dV = cos_alpha_part2*trail_by_cos_alpha + dV_c_dV*dtrail_dV_c + dkappa_in_dV*dtrail_dkappa_in + fade_smooth_by_V*trail_by_fade_smooth
     dtrail_dtan_alpha = dV_c_dtan_alpha*dtrail_dV_c
     dtrail_dalpha_star = E_t_by_alpha_t*dtrail_dE_t + dslip_alpha_teq_part1_dalpha_t*dtrail_dslip_alpha_teq_part1
     dtrail_dLMUY_star = dB_t_dLMUY_star*dtrail_dB_t
     dtrail_dK_yalpha = dslip_alpha_teq_part1_dK_yalpha*dtrail_dslip_alpha_teq_part1
-    dtrail_dphi_part4 = dR_0_phi_dphi_part4*dtrail_dR_0_phi
+    dtrail_dR_0_phi = dD_t_dR_0_phi*trail_by_D_t
     dtrail_dgamma = dgamma_in_dgamma*dtrail_dgamma_in + dgamma_star_dgamma*dtrail_dgamma_star
-    dtrail_dp = dK_xkappa_dp*dtrail_dK_xkappa + ddpi_dp*dtrail_ddpi
+    dtrail_dphit_in = dtrail_dturn_share*turn_share_by_phit_in
     dtrail_dkappa = dkappa_in_dkappa*dtrail_dkappa_in
+    dtrail_dp = ddpi_dp*dtrail_ddpi
     dtrail_dFz = dF_z_limited_dFz*dtrail_dF_z_limited
     dalpha_star_dtan_alpha = alpha_star_by_alpha_star_part2*alpha_star_part1
     dalpha_star_dalpha = alpha_star_by_alpha_in*dalpha_in_dalpha
     dalpha_star_dV = alpha_star_by_alpha_in*dalpha_in_dV
     dFx_dalpha_star = dFx_dG_xa*dG_xa_dalpha_star
-    dMz_part1_dalpha_star = B_y_g0*dMz_part1_dF_y0_g0_u + M_zr_by_D_r*dD_r_dalpha_star + dG_yk_dalpha_star*dMz_part1_dG_yk + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha_r - F_y1*dtrail_dalpha_star - dF_y1_dalpha_star*trail
+    dMz_part1_dalpha_star = M_zr_by_D_r*dD_r_dalpha_star + dF_y0_g0_part2_dalpha_star*dMz_part1_dF_y0_g0_part2 + dG_yk_dalpha_star*dMz_part1_dG_yk + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha_r - F_y1*dtrail_dalpha_star - dF_y1_dalpha_star*trail
     dFy_dalpha_star = dD_Vyk_dalpha_star*dFy_dD_Vyk + dF_y0_part2_dalpha_star*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_dalpha_star
     dLMUY_star_dV = LMUY_star_by_slide*slide_by_V + dLMUY_star_dkappa_in*dkappa_in_dV
     dLMUY_star_dtan_alpha = LMUY_star_by_slide*slide_by_tan_alpha
     dLMUY_star_dkappa = dLMUY_star_dkappa_in*dkappa_in_dkappa
     dS_Hy_part4_dLMUY_star = dS_Hy_part4_dS_Vygamma*dS_Vygamma_dLMUY_star
-    dMz_part1_dLMUY_star = D_r_by_LMUY_star*M_zr_by_D_r + dB_r_dLMUY_star*dMz_part1_dB_r + dD_y_g0_dLMUY_star*dMz_part1_dD_y_g0 + dF_y0_g0_part2_dLMUY_star*dMz_part1_dF_y0_g0_part2 + dMz_part1_dS_Vy_part2*dS_Vy_part2_dLMUY_star + dMz_part1_dmu_y_loaded*mu_y_loaded_by_LMUY_star - F_y1*dtrail_dLMUY_star
+    dMz_part1_dLMUY_star = D_r_by_LMUY_star*M_zr_by_D_r + dB_r_dLMUY_star*dMz_part1_dB_r + dF_y0_g0_part2_dLMUY_star*dMz_part1_dF_y0_g0_part2 + dMz_part1_dS_Vy_part2*dS_Vy_part2_dLMUY_star + dMz_part1_dmu_y_loaded*mu_y_loaded_by_LMUY_star - F_y1*dtrail_dLMUY_star
     dFy_dLMUY_star = dF_y0_part2_dLMUY_star*dFy_dF_y0_part2 + dFy_dmu_y_loaded*mu_y_loaded_by_LMUY_star
     dtan_alpha_dalpha = dalpha_in_dalpha*tan_alpha_by_alpha_in
     dtan_alpha_dV = dalpha_in_dV*tan_alpha_by_alpha_in
-    dphi_part4_dtan_alpha = dV_c_dtan_alpha*dphi_part4_dV_c
+    dzeta_2_dtan_alpha = dB_yphi_dtan_alpha*zeta_2_by_B_yphi
+    dR_0_phi_dtan_alpha = dR_0_phi_dphi_part4*dphi_part4_dtan_alpha
     dFx_dtan_alpha = dF_x0_part2_dtan_alpha*dFx_dF_x0_part2 + dFx_dalpha_star*dalpha_star_dtan_alpha
-    dS_Hy_part4_dtan_alpha = dLMUY_star_dtan_alpha*dS_Hy_part4_dLMUY_star + dS_Hy_part4_dzeta_2*dzeta_2_dtan_alpha
-    dFy_dtan_alpha = dFy_dLMUY_star*dLMUY_star_dtan_alpha + dFy_dalpha_star*dalpha_star_dtan_alpha + dFy_dzeta_2*dzeta_2_dtan_alpha
-    dMz_part1_dtan_alpha = dLMUY_star_dtan_alpha*dMz_part1_dLMUY_star + dMz_part1_dalpha_star*dalpha_star_dtan_alpha + dMz_part1_dzeta_2*dzeta_2_dtan_alpha - F_y1*dtrail_dtan_alpha
-    dK_yalpha_dphi_part4 = dK_yalpha_dR_0_phi*dR_0_phi_dphi_part4
-    dK_yalpha_dp = dK_yalpha_ddpi*ddpi_dp
+    dMz_part1_dtan_alpha = dLMUY_star_dtan_alpha*dMz_part1_dLMUY_star + dMz_part1_dalpha_star*dalpha_star_dtan_alpha - F_y1*dtrail_dtan_alpha
+    dFy_dtan_alpha = dFy_dLMUY_star*dLMUY_star_dtan_alpha + dFy_dalpha_star*dalpha_star_dtan_alpha
+    dS_Hy_part4_dtan_alpha = dLMUY_star_dtan_alpha*dS_Hy_part4_dLMUY_star
+    dMz_part1_dFy = dMz_part1_ds_part1*s_part1_by_Fy
+    dMz_part1_dV = M_zr_by_fade_smooth*fade_smooth_by_V + dF_y0_g0_part2_dV*dMz_part1_dF_y0_g0_part2 + dLMUY_star_dV*dMz_part1_dLMUY_star + dMz_part1_dalpha_star*dalpha_star_dV + dMz_part1_dkappa_in*dkappa_in_dV + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dV + dMz_part1_dtan_alpha*dtan_alpha_dV - F_y1*dtrail_dV
+    dMz_part1_dphit_in = M_zr_by_D_r*dD_r_dphit_in + dD_rphi_dphit_in*dMz_part1_dD_rphi + dF_y0_g0_part2_dphit_in*dMz_part1_dF_y0_g0_part2 + dM_zr_spun_dphit_in*dMz_part1_dM_zr_spun + dMz_part1_dturn_share*turn_share_by_phit_in - F_y1*dtrail_dphit_in
+    dMz_part1_dR_0_phi = dB_r_dR_0_phi*dMz_part1_dB_r + dF_y0_g0_part2_dR_0_phi*dMz_part1_dF_y0_g0_part2 - F_y1*dtrail_dR_0_phi
+    dMz_part1_dK_yalpha = dB_r_dK_yalpha*dMz_part1_dB_r + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dK_yalpha - F_y1*dtrail_dK_yalpha
+    dMz_part1_dzeta_2 = M_zr_by_D_r*dD_r_dzeta_2 + dB_r_dzeta_2*dMz_part1_dB_r + dF_y0_g0_part2_dzeta_2*dMz_part1_dF_y0_g0_part2 + dMz_part1_dS_Vy_part2*dS_Vy_part2_dzeta_2
+    dMz_part1_dS_Hy_part4 = dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dS_Hy_part4
+    dMz_part1_dgamma = dD_rphi_dgamma*dMz_part1_dD_rphi + dMz_part1_dS_Vy_part2*dS_Vy_part2_dgamma + dMz_part1_dgamma_in*dgamma_in_dgamma + dMz_part1_dgamma_star*dgamma_star_dgamma + dMz_part1_dmu_y_loaded*dmu_y_loaded_dgamma - F_y1*dtrail_dgamma
+    dMz_part1_dkappa = dLMUY_star_dkappa*dMz_part1_dLMUY_star + dMz_part1_dkappa_in*dkappa_in_dkappa - F_y1*dtrail_dkappa
+    dMz_part1_dp = dF_y0_g0_part2_dp*dMz_part1_dF_y0_g0_part2 + dMz_part1_ddpi*ddpi_dp + dMz_part1_dmu_y_loaded*dmu_y_loaded_dp - F_y1*dtrail_dp
+    dMz_part1_dFz = dF_z_limited_dFz*dMz_part1_dF_z_limited - F_y1*dtrail_dFz
+    dMz_part1_dalpha = dMz_part1_dalpha_star*dalpha_star_dalpha + dMz_part1_dtan_alpha*dtan_alpha_dalpha
+    dzeta_2_dphit_in = turn_share_by_phit_in*zeta_2_by_turn_share
+    dzeta_2_dFz = dF_z_limited_dFz*dzeta_2_dF_z_limited
+    dzeta_2_dalpha = dtan_alpha_dalpha*dzeta_2_dtan_alpha
+    dzeta_2_dV = dtan_alpha_dV*dzeta_2_dtan_alpha
+    dS_Hy_part4_dzeta_2 = S_Vygamma_by_zeta_2*dS_Hy_part4_dS_Vygamma
+    dFy_dzeta_2 = D_Vyk_by_zeta_2*dFy_dD_Vyk + dF_y0_part2_dzeta_2*dFy_dF_y0_part2
+    dMz_dzeta_2 = Mz_by_Mz_part1*dMz_part1_dzeta_2
+    dK_yalpha_dR_0_phi = K_yalpha_by_zeta_3*zeta_3_by_R_0_phi
+    dK_yalpha_dphit_in = dK_yalpha_dturn_share*turn_share_by_phit_in
     dK_yalpha_dgamma = dK_yalpha_dgamma_star*dgamma_star_dgamma
+    dK_yalpha_dp = dK_yalpha_ddpi*ddpi_dp
     dK_yalpha_dFz = dF_z_limited_dFz*dK_yalpha_dF_z_limited
     dS_Hy_part4_dK_yalpha = zeta_4_by_K_yalpha1 + S_Hy_part2_by_K_yalpha1*S_Hy_part4_by_S_Hy_part2
-    dMz_part1_dK_yalpha = dB_r_dK_yalpha*dMz_part1_dB_r + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dK_yalpha - F_y1*dtrail_dK_yalpha
     dFy_dK_yalpha = dF_y0_part2_dK_yalpha*dFy_dF_y0_part2
-    dMz_part1_dFy = dMz_part1_ds_part1*s_part1_by_Fy
-    dMz_part1_dV = dD_rphi_dV*dMz_part1_dD_rphi + dF_y0_g0_u_dV*dMz_part1_dF_y0_g0_u + dLMUY_star_dV*dMz_part1_dLMUY_star + dM_zr_spun_dV*dMz_part1_dM_zr_spun + dMz_part1_dalpha_star*dalpha_star_dV + dMz_part1_dfade_smooth*fade_smooth_by_V + dMz_part1_dkappa_in*dkappa_in_dV + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dV + dMz_part1_dtan_alpha*dtan_alpha_dV - F_y1*dtrail_dV
-    dMz_part1_dgamma = dD_rphi_dgamma*dMz_part1_dD_rphi + dK_yalpha_dgamma*dMz_part1_dK_yalpha + dMz_part1_dS_Vy_part2*dS_Vy_part2_dgamma + dMz_part1_dgamma_in*dgamma_in_dgamma + dMz_part1_dgamma_star*dgamma_star_dgamma + dMz_part1_dmu_y_loaded*dmu_y_loaded_dgamma - F_y1*dtrail_dgamma
-    dMz_part1_dphi_part4 = dB_r_dphi_part4*dMz_part1_dB_r + dF_y0_g0_u_dphi_part4*dMz_part1_dF_y0_g0_u + dK_yalpha_dphi_part4*dMz_part1_dK_yalpha + dMz_part1_dzeta_2*dzeta_2_dphi_part4 - F_y1*dtrail_dphi_part4
-    dMz_part1_dp = dK_yalpha_dp*dMz_part1_dK_yalpha + dMz_part1_ddpi*ddpi_dp + dMz_part1_dmu_y_loaded*dmu_y_loaded_dp + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dp - F_y1*dtrail_dp
-    dMz_part1_dalpha = dD_rphi_dalpha*dMz_part1_dD_rphi + dM_zr_spun_dalpha*dMz_part1_dM_zr_spun + dMz_part1_dalpha_star*dalpha_star_dalpha + dMz_part1_dtan_alpha*dtan_alpha_dalpha
-    dMz_part1_dphit = dD_rphi_dphit*dMz_part1_dD_rphi + dM_zr_spun_dphit*dMz_part1_dM_zr_spun
-    dMz_part1_dS_Hy_part4 = dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dS_Hy_part4
-    dMz_part1_dkappa = dLMUY_star_dkappa*dMz_part1_dLMUY_star + dMz_part1_dkappa_in*dkappa_in_dkappa - F_y1*dtrail_dkappa
-    dMz_part1_dFz = dF_z_limited_dFz*dMz_part1_dF_z_limited + dK_yalpha_dFz*dMz_part1_dK_yalpha - F_y1*dtrail_dFz
-    dS_Hy_part4_dphi_part4 = dK_yalpha_dphi_part4*dS_Hy_part4_dK_yalpha + dS_Hy_part4_dzeta_2*dzeta_2_dphi_part4 + dS_Hyphi_dphi_part4*zeta_4_by_S_Hyphi
-    dS_Hy_part4_dp = dK_yalpha_dp*dS_Hy_part4_dK_yalpha + dS_Hy_part4_ddpi*ddpi_dp
+    dMz_dK_yalpha = Mz_by_Mz_part1*dMz_part1_dK_yalpha
+    dphit_in_dV = fade_by_V*phit_in_by_fade
+    dS_Hy_part4_dphit_in = dK_yalpha_dphit_in*dS_Hy_part4_dK_yalpha + dS_Hy_part4_dturn_share*turn_share_by_phit_in + dS_Hy_part4_dzeta_2*dzeta_2_dphit_in + dS_Hyphi_dphit_in*zeta_4_by_S_Hyphi
+    dFx_dphit_in = dF_x0_part2_dphit_in*dFx_dF_x0_part2
+    dMz_dphit_in = Mz_by_Mz_part1*dMz_part1_dphit_in + dK_yalpha_dphit_in*dMz_dK_yalpha + dMz_dzeta_2*dzeta_2_dphit_in
+    dFy_dphit_in = dFy_dK_yalpha*dK_yalpha_dphit_in + dFy_dzeta_2*dzeta_2_dphit_in
     dS_Hy_part4_dgamma = dK_yalpha_dgamma*dS_Hy_part4_dK_yalpha + dS_Hy_part4_dgamma_star*dgamma_star_dgamma
-    dS_Hy_part4_dFz = dF_z_limited_dFz*dS_Hy_part4_dF_z_limited + dK_yalpha_dFz*dS_Hy_part4_dK_yalpha
-    dS_Hy_part4_dV = dLMUY_star_dV*dS_Hy_part4_dLMUY_star + dS_Hy_part4_dtan_alpha*dtan_alpha_dV
+    dS_Hy_part4_dp = dK_yalpha_dp*dS_Hy_part4_dK_yalpha + dS_Hy_part4_ddpi*ddpi_dp + dS_Hyphi_dp*zeta_4_by_S_Hyphi
+    dS_Hy_part4_dR_0_phi = dK_yalpha_dR_0_phi*dS_Hy_part4_dK_yalpha + dS_Hy_part4_dzeta_2*zeta_2_by_R_0_phi + dS_Hyphi_dR_0_phi*zeta_4_by_S_Hyphi
+    dS_Hy_part4_dFz = dF_z_limited_dFz*dS_Hy_part4_dF_z_limited + dK_yalpha_dFz*dS_Hy_part4_dK_yalpha + dS_Hy_part4_dzeta_2*dzeta_2_dFz
+    dS_Hy_part4_dV = dLMUY_star_dV*dS_Hy_part4_dLMUY_star + dS_Hy_part4_dphit_in*dphit_in_dV + dS_Hy_part4_dtan_alpha*dtan_alpha_dV + dS_Hy_part4_dzeta_2*dzeta_2_dV
     dS_Hy_part4_dkappa = dLMUY_star_dkappa*dS_Hy_part4_dLMUY_star
-    dS_Hy_part4_dalpha = dS_Hy_part4_dtan_alpha*dtan_alpha_dalpha
+    dS_Hy_part4_dalpha = dS_Hy_part4_dphit_in*phit_in_by_alpha + dS_Hy_part4_dtan_alpha*dtan_alpha_dalpha + dS_Hy_part4_dzeta_2*dzeta_2_dalpha
+    dS_Hy_part4_dphit = dS_Hy_part4_dphit_in*phit_in_by_phit
     dFy_dS_Hy_part4 = dF_y0_part2_dS_Hy_part4*dFy_dF_y0_part2
     dMz_dS_Hy_part4 = Mz_by_Mz_part1*dMz_part1_dS_Hy_part4
-    dphi_part4_dV = dphit_in_dV + V_spin_by_V*dphi_part4_dV_spin + dR_e_2_dV*dphi_part4_dR_e_2 + dV_c_dV*dphi_part4_dV_c + dphi_part4_dtan_alpha*dtan_alpha_dV + omega_by_V*phi_part4_by_omega
-    dphi_part4_dkappa = dR_e_2_dkappa*dphi_part4_dR_e_2 + omega_by_omega_part2*phi_part4_by_omega
-    dphi_part4_dFz = dF_z_limited_dFz*dphi_part4_dF_z_limited + dR_e_2_dFz*dphi_part4_dR_e_2
-    dphi_part4_dalpha = phit_in_by_alpha + dphi_part4_dtan_alpha*dtan_alpha_dalpha
-    dphi_part4_dgamma = dgamma_in_dgamma*dphi_part4_dgamma_in
-    dphi_part4_dp = ddpi_dp*dphi_part4_ddpi
-    dFx_dphi_part4 = dF_x0_part2_dphi_part4*dFx_dF_x0_part2
-    dFy_dphi_part4 = dFy_dK_yalpha*dK_yalpha_dphi_part4 + dFy_dS_Hy_part4*dS_Hy_part4_dphi_part4 + dFy_dzeta_2*dzeta_2_dphi_part4
-    dMz_dphi_part4 = Mz_by_Mz_part1*dMz_part1_dphi_part4 + dMz_dS_Hy_part4*dS_Hy_part4_dphi_part4
-    dFx_dV = dF_x0_part2_dV*dFx_dF_x0_part2 + dFx_dalpha_star*dalpha_star_dV + dFx_dkappa_in*dkappa_in_dV + dFx_dphi_part4*dphi_part4_dV + dFx_dtan_alpha*dtan_alpha_dV
-    dFx_dgamma = dF_x0_part2_dgamma*dFx_dF_x0_part2 + dFx_dgamma_star*dgamma_star_dgamma + dFx_dphi_part4*dphi_part4_dgamma
-    dFx_dp = dF_x0_part2_dp*dFx_dF_x0_part2 + dFx_dphi_part4*dphi_part4_dp
-    dFx_dkappa = dFx_dkappa_in*dkappa_in_dkappa + dFx_dphi_part4*dphi_part4_dkappa
-    dFx_dFz = dF_z_limited_dFz*dFx_dF_z_limited + dFx_dphi_part4*dphi_part4_dFz
-    dFx_dalpha = dFx_dalpha_star*dalpha_star_dalpha + dFx_dphi_part4*dphi_part4_dalpha + dFx_dtan_alpha*dtan_alpha_dalpha
-    dFx_dphit = dFx_dphi_part4*phit_in_by_phit
+    dR_0_phi_dV = dR_0_phi_dphi_part4*dphi_part4_dV + dR_0_phi_dphi_part4*dphit_in_dV + dR_0_phi_dtan_alpha*dtan_alpha_dV
+    dR_0_phi_dkappa = dR_0_phi_dphi_part4*dphi_part4_dkappa
+    dR_0_phi_dFz = dF_z_limited_dFz*dR_0_phi_dF_z_limited + dR_0_phi_dphi_part4*dphi_part4_dFz
+    dR_0_phi_dgamma = dR_0_phi_dgamma_in*dgamma_in_dgamma
+    dR_0_phi_dp = dR_0_phi_ddpi*ddpi_dp
+    dR_0_phi_dalpha = dR_0_phi_dphi_part4*phit_in_by_alpha + dR_0_phi_dtan_alpha*dtan_alpha_dalpha
+    dR_0_phi_dphit = dR_0_phi_dphi_part4*phit_in_by_phit
+    dFx_dR_0_phi = dF_x0_part2_dR_0_phi*dFx_dF_x0_part2
+    dMz_dR_0_phi = Mz_by_Mz_part1*dMz_part1_dR_0_phi + dK_yalpha_dR_0_phi*dMz_dK_yalpha + dMz_dS_Hy_part4*dS_Hy_part4_dR_0_phi + dMz_dzeta_2*zeta_2_by_R_0_phi
+    dFy_dR_0_phi = dFy_dK_yalpha*dK_yalpha_dR_0_phi + dFy_dS_Hy_part4*dS_Hy_part4_dR_0_phi + dFy_dzeta_2*zeta_2_by_R_0_phi
+    dFx_dV = dF_x0_part2_dV*dFx_dF_x0_part2 + dFx_dR_0_phi*dR_0_phi_dV + dFx_dalpha_star*dalpha_star_dV + dFx_dkappa_in*dkappa_in_dV + dFx_dphit_in*dphit_in_dV + dFx_dtan_alpha*dtan_alpha_dV
+    dFx_dgamma = dF_x0_part2_dgamma*dFx_dF_x0_part2 + dFx_dR_0_phi*dR_0_phi_dgamma + dFx_dgamma_star*dgamma_star_dgamma
+    dFx_dkappa = dFx_dR_0_phi*dR_0_phi_dkappa + dFx_dkappa_in*dkappa_in_dkappa
+    dFx_dp = dFx_dR_0_phi*dR_0_phi_dp + dFx_ddpi*ddpi_dp
+    dFx_dFz = dF_z_limited_dFz*dFx_dF_z_limited + dFx_dR_0_phi*dR_0_phi_dFz
+    dFx_dalpha = dFx_dR_0_phi*dR_0_phi_dalpha + dFx_dalpha_star*dalpha_star_dalpha + dFx_dphit_in*phit_in_by_alpha + dFx_dtan_alpha*dtan_alpha_dalpha
+    dFx_dphit = dFx_dR_0_phi*dR_0_phi_dphit + dFx_dphit_in*phit_in_by_phit
     dMy_dFx = M_y_speed_by_Fx*dMy_dM_y_full_part6
     dMz_dFx = Mz_by_Mz_part1*s
-    dFy_dV = dF_y0_part2_dV*dFy_dF_y0_part2 + dFy_dLMUY_star*dLMUY_star_dV + dFy_dS_Hy_part4*dS_Hy_part4_dV + dFy_dalpha_star*dalpha_star_dV + dFy_dfade_smooth*fade_smooth_by_V + dFy_dkappa_in*dkappa_in_dV + dFy_dphi_part4*dphi_part4_dV + dFy_dtan_alpha*dtan_alpha_dV
-    dFy_dgamma = dF_y0_part2_dgamma*dFy_dF_y0_part2 + dFy_dK_yalpha*dK_yalpha_dgamma + dFy_dS_Hy_part4*dS_Hy_part4_dgamma + dFy_dgamma_star*dgamma_star_dgamma + dFy_dmu_y_loaded*dmu_y_loaded_dgamma + dFy_dphi_part4*dphi_part4_dgamma
-    dFy_dkappa = dFy_dLMUY_star*dLMUY_star_dkappa + dFy_dS_Hy_part4*dS_Hy_part4_dkappa + dFy_dkappa_in*dkappa_in_dkappa + dFy_dphi_part4*dphi_part4_dkappa
-    dFy_dp = dFy_dK_yalpha*dK_yalpha_dp + dFy_dS_Hy_part4*dS_Hy_part4_dp + dFy_dmu_y_loaded*dmu_y_loaded_dp + dFy_dphi_part4*dphi_part4_dp
-    dFy_dFz = dF_z_limited_dFz*dFy_dF_z_limited + dFy_dK_yalpha*dK_yalpha_dFz + dFy_dS_Hy_part4*dS_Hy_part4_dFz + dFy_dphi_part4*dphi_part4_dFz
-    dFy_dalpha = dFy_dS_Hy_part4*dS_Hy_part4_dalpha + dFy_dalpha_star*dalpha_star_dalpha + dFy_dphi_part4*dphi_part4_dalpha + dFy_dtan_alpha*dtan_alpha_dalpha
-    dFy_dphit = dFy_dphi_part4*phit_in_by_phit
+    dFy_dV = dF_y0_part2_dV*dFy_dF_y0_part2 + dFy_dLMUY_star*dLMUY_star_dV + dFy_dR_0_phi*dR_0_phi_dV + dFy_dS_Hy_part4*dS_Hy_part4_dV + dFy_dalpha_star*dalpha_star_dV + dFy_dfade_smooth*fade_smooth_by_V + dFy_dkappa_in*dkappa_in_dV + dFy_dphit_in*dphit_in_dV + dFy_dtan_alpha*dtan_alpha_dV + dFy_dzeta_2*dzeta_2_dV
+    dFy_dgamma = dF_y0_part2_dgamma*dFy_dF_y0_part2 + dFy_dK_yalpha*dK_yalpha_dgamma + dFy_dR_0_phi*dR_0_phi_dgamma + dFy_dS_Hy_part4*dS_Hy_part4_dgamma + dFy_dgamma_star*dgamma_star_dgamma + dFy_dmu_y_loaded*dmu_y_loaded_dgamma
+    dFy_dkappa = dFy_dLMUY_star*dLMUY_star_dkappa + dFy_dR_0_phi*dR_0_phi_dkappa + dFy_dS_Hy_part4*dS_Hy_part4_dkappa + dFy_dkappa_in*dkappa_in_dkappa
+    dFy_dp = dFy_dK_yalpha*dK_yalpha_dp + dFy_dR_0_phi*dR_0_phi_dp + dFy_dS_Hy_part4*dS_Hy_part4_dp + dFy_dmu_y_loaded*dmu_y_loaded_dp
+    dFy_dFz = dF_z_limited_dFz*dFy_dF_z_limited + dFy_dK_yalpha*dK_yalpha_dFz + dFy_dR_0_phi*dR_0_phi_dFz + dFy_dS_Hy_part4*dS_Hy_part4_dFz + dFy_dzeta_2*dzeta_2_dFz
+    dFy_dalpha = dFy_dR_0_phi*dR_0_phi_dalpha + dFy_dS_Hy_part4*dS_Hy_part4_dalpha + dFy_dalpha_star*dalpha_star_dalpha + dFy_dphit_in*phit_in_by_alpha + dFy_dtan_alpha*dtan_alpha_dalpha + dFy_dzeta_2*dzeta_2_dalpha
+    dFy_dphit = dFy_dR_0_phi*dR_0_phi_dphit + dFy_dS_Hy_part4*dS_Hy_part4_dphit + dFy_dphit_in*phit_in_by_phit
     dMx_dFy = Mx_by_Fy + Mx_by_M_x_hump*dM_x_hump_dFy
     dMz_dFy = Mz_by_Mz_part1*dMz_part1_dFy
 
@@ -1796,13 +1851,13 @@ def jacobian_inputs(inputs, parameters):
         dFy_dphit,
     ],
     [
-        Mz_by_Mz_part1*dMz_part1_dkappa + dFx_dkappa*dMz_dFx + dFy_dkappa*dMz_dFy + dMz_dS_Hy_part4*dS_Hy_part4_dkappa + dMz_dphi_part4*dphi_part4_dkappa,
-        Mz_by_Mz_part1*dMz_part1_dalpha + dFx_dalpha*dMz_dFx + dFy_dalpha*dMz_dFy + dMz_dS_Hy_part4*dS_Hy_part4_dalpha + dMz_dphi_part4*dphi_part4_dalpha,
-        Mz_by_Mz_part1*dMz_part1_dgamma + dFx_dgamma*dMz_dFx + dFy_dgamma*dMz_dFy + dMz_dS_Hy_part4*dS_Hy_part4_dgamma + dMz_dphi_part4*dphi_part4_dgamma,
-        Mz_by_Mz_part1*dMz_part1_dFz + dFx_dFz*dMz_dFx + dFy_dFz*dMz_dFy + dMz_dS_Hy_part4*dS_Hy_part4_dFz + dMz_dphi_part4*dphi_part4_dFz,
-        Mz_by_Mz_part1*dMz_part1_dp + dFx_dp*dMz_dFx + dFy_dp*dMz_dFy + dMz_dS_Hy_part4*dS_Hy_part4_dp + dMz_dphi_part4*dphi_part4_dp,
-        Mz_by_Mz_part1*dMz_part1_dV + dFx_dV*dMz_dFx + dFy_dV*dMz_dFy + dMz_dS_Hy_part4*dS_Hy_part4_dV + dMz_dphi_part4*dphi_part4_dV,
-        Mz_by_Mz_part1*dMz_part1_dphit + dFx_dphit*dMz_dFx + dFy_dphit*dMz_dFy + dMz_dphi_part4*phit_in_by_phit,
+        Mz_by_Mz_part1*dMz_part1_dkappa + dFx_dkappa*dMz_dFx + dFy_dkappa*dMz_dFy + dMz_dR_0_phi*dR_0_phi_dkappa + dMz_dS_Hy_part4*dS_Hy_part4_dkappa,
+        Mz_by_Mz_part1*dMz_part1_dalpha + dFx_dalpha*dMz_dFx + dFy_dalpha*dMz_dFy + dMz_dR_0_phi*dR_0_phi_dalpha + dMz_dS_Hy_part4*dS_Hy_part4_dalpha + dMz_dphit_in*phit_in_by_alpha + dMz_dzeta_2*dzeta_2_dalpha,
+        Mz_by_Mz_part1*dMz_part1_dgamma + dFx_dgamma*dMz_dFx + dFy_dgamma*dMz_dFy + dK_yalpha_dgamma*dMz_dK_yalpha + dMz_dR_0_phi*dR_0_phi_dgamma + dMz_dS_Hy_part4*dS_Hy_part4_dgamma,
+        Mz_by_Mz_part1*dMz_part1_dFz + dFx_dFz*dMz_dFx + dFy_dFz*dMz_dFy + dK_yalpha_dFz*dMz_dK_yalpha + dMz_dR_0_phi*dR_0_phi_dFz + dMz_dS_Hy_part4*dS_Hy_part4_dFz + dMz_dzeta_2*dzeta_2_dFz,
+        Mz_by_Mz_part1*dMz_part1_dp + dFx_dp*dMz_dFx + dFy_dp*dMz_dFy + dK_yalpha_dp*dMz_dK_yalpha + dMz_dR_0_phi*dR_0_phi_dp + dMz_dS_Hy_part4*dS_Hy_part4_dp,
+        Mz_by_Mz_part1*dMz_part1_dV + dFx_dV*dMz_dFx + dFy_dV*dMz_dFy + dMz_dR_0_phi*dR_0_phi_dV + dMz_dS_Hy_part4*dS_Hy_part4_dV + dMz_dphit_in*dphit_in_dV + dMz_dzeta_2*dzeta_2_dV,
+        dFx_dphit*dMz_dFx + dFy_dphit*dMz_dFy + dMz_dR_0_phi*dR_0_phi_dphit + dMz_dS_Hy_part4*dS_Hy_part4_dphit + dMz_dphit_in*phit_in_by_phit,
     ],
     [
         dFy_dkappa*dMx_dFy,
@@ -1922,6 +1977,7 @@ def jacobian_parameters(inputs, parameters):
     omega = V*omega_part1*omega_part2  # [2.5] wheel speed
 
     # Turn slip
+    turn_share = ca.if_else(1000000.0*ca.fabs(phit_in) < 1, 1000000000000.0*ca.fabs(phit_in)**2*(3 - 2000000.0*ca.fabs(phit_in)), 1)  # [tirefmu] share of the equations of turn slip: 1, but less for a path that is almost straight
     eps_gamma_part1 = 1 + PECP2*dfz
     eps_gamma = PECP1*eps_gamma_part1  # [4.90] equivalent spin of camber
     V_spin_part1 = ca.if_else(V >= 0, 1, ca.sign(V))
@@ -1934,22 +1990,23 @@ def jacobian_parameters(inputs, parameters):
     phi_part5 = ca.if_else(CONVENTION > 0.5, 1, -1)
     phi = phi_part4*phi_part5  # [4.76] spin by path curvature and camber
     R_0_phi = UNLOADED_RADIUS*phi  # [4.76] spin per radius
-    zeta_0 = ca.if_else(phit_in == 0, 1, 0)  # [4.83] camber acts through its spin
+    zeta_0_part1 = 1 - turn_share
+    zeta_0 = ca.if_else(phit_in == 0, 1, zeta_0_part1)  # [4.83] camber acts through its spin
     B_xphi_part1 = 1 + PDXP3**2*kappa_in**2
     B_xphi_part2 = ca.sqrt(B_xphi_part1)
     B_xphi_part3 = 1/B_xphi_part2
     B_xphi_part4 = 1 + PDXP2*dfz
     B_xphi = B_xphi_part3*B_xphi_part4*PDXP1  # [4.106] fall of D_x with spin
-    zeta_1 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
+    zeta_1 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_xphi**2*R_0_phi**2))  # [4.105] reduction of D_x by spin
     B_yphi_part1 = 1 + PDYP3**2*tan_alpha**2
     B_yphi_part2 = ca.sqrt(B_yphi_part1)
     B_yphi_part3 = 1/B_yphi_part2
     B_yphi_part4 = 1 + PDYP2*dfz
     B_yphi = B_yphi_part3*B_yphi_part4*PDYP1  # [4.78] fall of D_y with spin
-    zeta_2 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
-    zeta_3 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
-    zeta_5 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
-    zeta_6 = ca.if_else(phit_in == 0, 1, 1/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
+    zeta_2 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + B_yphi**2*(PDYP4*ca.sqrt(1e-60 + ca.fabs(R_0_phi)) + ca.fabs(R_0_phi))**2))  # [4.77] reduction of D_y by spin
+    zeta_3 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + PKYP1**2*R_0_phi**4))  # [4.79] reduction of the cornering stiffness by spin
+    zeta_5 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QDTP1**2*R_0_phi**2))  # [4.91] reduction of the trail by spin
+    zeta_6 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share/ca.sqrt(1 + QBRP1**2*R_0_phi**2))  # [4.102] reduction of B_r by spin
 
     # Longitudinal force, pure slip
     S_Hx_part1 = PHX1 + PHX2*dfz
@@ -2041,7 +2098,7 @@ def jacobian_parameters(inputs, parameters):
     S_Hyphi = D_Hyphi*S_Hyphi_part1*S_Hyphi_part2  # [4.80] shift by spin
     S_Vygamma_part1 = PVY3 + PVY4*dfz
     S_Vygamma = F_z_limited*LKYC*LMUY_shift*S_Vygamma_part1*gamma_star*zeta_2  # [4.E28] vertical shift by inclination
-    zeta_4 = ca.if_else(phit_in == 0, 1, 1 + S_Hyphi - S_Vygamma/K_yalpha1)  # [4.84] shift by spin
+    zeta_4 = ca.if_else(phit_in == 0, 1, 1 - turn_share + turn_share*(1 + S_Hyphi - S_Vygamma/K_yalpha1))  # [4.84] shift by spin
     S_Hy_part1 = PHY1 + PHY2*dfz
     S_Hy_part2 = 1/K_yalpha1
     S_Hy_part3 = -S_Vygamma + K_ygamma0*gamma_star
@@ -2079,7 +2136,8 @@ def jacobian_parameters(inputs, parameters):
     F_y0_part4 = ca.if_else(SLIP_ANGLE > 0.5, 1, F_y0_part3)
     F_y0 = F_y0_part2*F_y0_part4  # [4.E19] side force in pure slip
     zeta_4_g0_part1 = 1 + S_Hyphi
-    zeta_4_g0 = ca.if_else(phit_in == 0, 1, zeta_4_g0_part1)  # [4.84] shift by spin
+    zeta_4_g0_part2 = 1 - turn_share + turn_share*zeta_4_g0_part1
+    zeta_4_g0 = ca.if_else(phit_in == 0, 1, zeta_4_g0_part2)  # [4.84] shift by spin
     S_Hy_g0_part1 = PHY1 + PHY2*dfz
     S_Hy_g0_part2 = -1 + zeta_4_g0 + LHY*S_Hy_g0_part1
     S_Hy_g0 = S_Hy_g0_part2*fade_smooth  # [4.E27] horizontal shift
@@ -2270,7 +2328,8 @@ def jacobian_parameters(inputs, parameters):
     zeta_7_imaginary_part4 = ca.log(zeta_7_imaginary_part3)
     zeta_7_imaginary = 2*zeta_7_imaginary_part4/ca.pi  # [MFeval] imaginary part of zeta_7, of which MFeval prints the real part of the result
     zeta_8_part1 = 1 + D_rphi
-    zeta_8 = ca.if_else(phit_in == 0, 1, zeta_8_part1)  # [4.92] moment by spin
+    zeta_8_part2 = 1 - turn_share + turn_share*zeta_8_part1
+    zeta_8 = ca.if_else(phit_in == 0, 1, zeta_8_part2)  # [4.92] moment by spin
     D_r_part1 = QDZ6 + QDZ7*dfz
     D_r_part2 = 1 + PPZ2*dpi
     D_r_part3 = QDZ8 + QDZ9*dfz
@@ -2316,7 +2375,7 @@ def jacobian_parameters(inputs, parameters):
     M_zr_spun_part2 = M_zr_w*zeta_7
     M_zr_spun_part3 = ca.cos(M_zr_spun_part2)
     M_zr_spun = M_zr_spun_part1*M_zr_spun_part3  # [4.E75] fall of the residual moment with turn slip
-    M_zr_part1 = ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun)
+    M_zr_part1 = ca.if_else(phit_in == 0, 1/ca.sqrt(1 + B_r**2*alpha_req**2), M_zr_spun*turn_share + (1 - turn_share)/ca.sqrt(1 + B_r**2*alpha_req**2))
     s_part1 = ca.if_else(CONVENTION > 0.5, SSZ1 + gamma_star*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/F_z01, SSZ1 + gamma_in*(SSZ3 + SSZ4*dfz) + Fy*SSZ2/FNOMIN)
     s = LS*UNLOADED_RADIUS*s_part1  # [4.E76] moment arm of Fx
     G_yk_g0_part1 = ca.cos(G_yk_g00_w)
@@ -2457,6 +2516,7 @@ def jacobian_parameters(inputs, parameters):
     R_omega_2_part2_by_omega_2 = R_omega_2_shared2*R_omega_2_shared6*omega_2
     omega_part1_by_R_e_2 = -omega_part1**2
     omega_by_omega_part1 = V*omega_part2
+    turn_share_by_phit_in = ca.if_else(1000000.0*ca.fabs(phit_in) < 1, -2e+18*ca.fabs(phit_in)**2*ca.sign(phit_in) + 2000000000000.0*(3 - 2000000.0*ca.fabs(phit_in))*ca.fabs(phit_in)*ca.sign(phit_in), 0)
     V_spin_by_V_c = ca.if_else(VXLOW > ca.fabs(V), 0, ca.if_else(CONVENTION > 0.5, 0, 1))
     V_spin_by_V_spin_part2 = ca.if_else(VXLOW > ca.fabs(V), 1, 0)
     phi_shared1 = phi_part2*phi_part3
@@ -2467,6 +2527,7 @@ def jacobian_parameters(inputs, parameters):
     phi_part4_by_phi_part1 = omega*phi_shared1
     phi_part4_by_phi_part2 = phi_part3*phi_shared2
     phi_part4_by_phi_part3 = phi_part2*phi_shared2
+    zeta_0_by_zeta_0_part1 = ca.if_else(phit_in == 0, 0, 1)
     B_xphi_part1_by_PDXP3 = 2*PDXP3*kappa_in**2
     B_xphi_part1_by_kappa_in = 2*kappa_in*PDXP3**2
     B_xphi_part2_by_B_xphi_part1 = 0.5/B_xphi_part2
@@ -2476,9 +2537,11 @@ def jacobian_parameters(inputs, parameters):
     B_xphi_by_PDXP1 = B_xphi_part3*B_xphi_part4
     zeta_1_shared2 = R_0_phi**2
     zeta_1_shared3 = B_xphi**2
-    zeta_1_shared4 = (1 + zeta_1_shared2*zeta_1_shared3)**(-1.5)
-    zeta_1_by_B_xphi = ca.if_else(phit_in == 0, 0, -B_xphi*zeta_1_shared2*zeta_1_shared4)
-    zeta_1_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared4)
+    zeta_1_shared4 = 1 + zeta_1_shared2*zeta_1_shared3
+    zeta_1_shared5 = turn_share/zeta_1_shared4**1.5
+    zeta_1_by_B_xphi = ca.if_else(phit_in == 0, 0, -B_xphi*zeta_1_shared2*zeta_1_shared5)
+    zeta_1_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_1_shared3*zeta_1_shared5)
+    zeta_1_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_1_shared4))
     B_yphi_part1_by_PDYP3 = 2*PDYP3*tan_alpha**2
     B_yphi_part1_by_tan_alpha = 2*tan_alpha*PDYP3**2
     B_yphi_part2_by_B_yphi_part1 = 0.5/B_yphi_part2
@@ -2491,27 +2554,35 @@ def jacobian_parameters(inputs, parameters):
     zeta_2_shared4 = zeta_2_shared2 + PDYP4*zeta_2_shared3
     zeta_2_shared5 = zeta_2_shared4**2
     zeta_2_shared6 = B_yphi**2
-    zeta_2_shared7 = (1 + zeta_2_shared5*zeta_2_shared6)**(-1.5)
-    zeta_2_shared8 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared7
-    zeta_2_shared9 = ca.sign(R_0_phi)
-    zeta_2_by_B_yphi = ca.if_else(phit_in == 0, 0, -B_yphi*zeta_2_shared5*zeta_2_shared7)
-    zeta_2_by_PDYP4 = ca.if_else(phit_in == 0, 0, -zeta_2_shared3*zeta_2_shared8)
-    zeta_2_by_R_0_phi = ca.if_else(phit_in == 0, 0, -0.5*zeta_2_shared8*(2*zeta_2_shared9 + PDYP4*zeta_2_shared9/zeta_2_shared3))
+    zeta_2_shared7 = 1 + zeta_2_shared5*zeta_2_shared6
+    zeta_2_shared8 = turn_share/zeta_2_shared7**1.5
+    zeta_2_shared9 = zeta_2_shared4*zeta_2_shared6*zeta_2_shared8
+    zeta_2_shared10 = ca.sign(R_0_phi)
+    zeta_2_by_B_yphi = ca.if_else(phit_in == 0, 0, -B_yphi*zeta_2_shared5*zeta_2_shared8)
+    zeta_2_by_PDYP4 = ca.if_else(phit_in == 0, 0, -zeta_2_shared3*zeta_2_shared9)
+    zeta_2_by_R_0_phi = ca.if_else(phit_in == 0, 0, -0.5*zeta_2_shared9*(2*zeta_2_shared10 + PDYP4*zeta_2_shared10/zeta_2_shared3))
+    zeta_2_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_2_shared7))
     zeta_3_shared2 = R_0_phi**4
     zeta_3_shared3 = PKYP1**2
-    zeta_3_shared4 = (1 + zeta_3_shared2*zeta_3_shared3)**(-1.5)
-    zeta_3_by_PKYP1 = ca.if_else(phit_in == 0, 0, -PKYP1*zeta_3_shared2*zeta_3_shared4)
-    zeta_3_by_R_0_phi = ca.if_else(phit_in == 0, 0, -2*zeta_3_shared3*zeta_3_shared4*R_0_phi**3)
+    zeta_3_shared4 = 1 + zeta_3_shared2*zeta_3_shared3
+    zeta_3_shared5 = turn_share/zeta_3_shared4**1.5
+    zeta_3_by_PKYP1 = ca.if_else(phit_in == 0, 0, -PKYP1*zeta_3_shared2*zeta_3_shared5)
+    zeta_3_by_R_0_phi = ca.if_else(phit_in == 0, 0, -2*zeta_3_shared3*zeta_3_shared5*R_0_phi**3)
+    zeta_3_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_3_shared4))
     zeta_5_shared2 = R_0_phi**2
     zeta_5_shared3 = QDTP1**2
-    zeta_5_shared4 = (1 + zeta_5_shared2*zeta_5_shared3)**(-1.5)
-    zeta_5_by_QDTP1 = ca.if_else(phit_in == 0, 0, -QDTP1*zeta_5_shared2*zeta_5_shared4)
-    zeta_5_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared4)
+    zeta_5_shared4 = 1 + zeta_5_shared2*zeta_5_shared3
+    zeta_5_shared5 = turn_share/zeta_5_shared4**1.5
+    zeta_5_by_QDTP1 = ca.if_else(phit_in == 0, 0, -QDTP1*zeta_5_shared2*zeta_5_shared5)
+    zeta_5_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_5_shared3*zeta_5_shared5)
+    zeta_5_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_5_shared4))
     zeta_6_shared2 = R_0_phi**2
     zeta_6_shared3 = QBRP1**2
-    zeta_6_shared4 = (1 + zeta_6_shared2*zeta_6_shared3)**(-1.5)
-    zeta_6_by_QBRP1 = ca.if_else(phit_in == 0, 0, -QBRP1*zeta_6_shared2*zeta_6_shared4)
-    zeta_6_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared4)
+    zeta_6_shared4 = 1 + zeta_6_shared2*zeta_6_shared3
+    zeta_6_shared5 = turn_share/zeta_6_shared4**1.5
+    zeta_6_by_QBRP1 = ca.if_else(phit_in == 0, 0, -QBRP1*zeta_6_shared2*zeta_6_shared5)
+    zeta_6_by_R_0_phi = ca.if_else(phit_in == 0, 0, -R_0_phi*zeta_6_shared3*zeta_6_shared5)
+    zeta_6_by_turn_share = ca.if_else(phit_in == 0, 0, -1 + 1/ca.sqrt(zeta_6_shared4))
     S_Hx_by_LHX = S_Hx_part1*fade_smooth
     S_Hx_by_S_Hx_part1 = LHX*fade_smooth
     S_Hx_by_fade_smooth = LHX*S_Hx_part1
@@ -2642,12 +2713,15 @@ def jacobian_parameters(inputs, parameters):
     S_Vygamma_by_S_Vygamma_part1 = LMUY_shift*S_Vygamma_shared2
     S_Vygamma_by_gamma_star = S_Vygamma_shared3*zeta_2
     S_Vygamma_by_zeta_2 = S_Vygamma_shared3*gamma_star
-    zeta_4_by_K_yalpha1 = ca.if_else(phit_in == 0, 0, S_Vygamma/K_yalpha1**2)
-    zeta_4_by_S_Hyphi = ca.if_else(phit_in == 0, 0, 1)
-    zeta_4_by_S_Vygamma = ca.if_else(phit_in == 0, 0, -1/K_yalpha1)
+    zeta_4_shared2 = 1/K_yalpha1
+    zeta_4_by_K_yalpha1 = ca.if_else(phit_in == 0, 0, S_Vygamma*turn_share/K_yalpha1**2)
+    zeta_4_by_S_Hyphi = ca.if_else(phit_in == 0, 0, turn_share)
+    zeta_4_by_S_Vygamma = ca.if_else(phit_in == 0, 0, -turn_share*zeta_4_shared2)
+    zeta_4_by_turn_share = ca.if_else(phit_in == 0, 0, S_Hyphi - S_Vygamma*zeta_4_shared2)
     S_Hy_part2_by_K_yalpha1 = -S_Hy_part2**2
     S_Hy_part4_by_S_Hy_part2 = S_Hy_part3*zeta_0
     S_Hy_part4_by_S_Hy_part3 = S_Hy_part2*zeta_0
+    S_Hy_part4_by_zeta_0 = S_Hy_part2*S_Hy_part3
     mu_y_loaded_shared1 = mu_y_loaded_part2*mu_y_loaded_part3
     mu_y_loaded_shared2 = LMUY_star*mu_y_loaded_part1
     mu_y_loaded_part1_by_PDY3 = -gamma_star**2
@@ -2693,7 +2767,8 @@ def jacobian_parameters(inputs, parameters):
     F_y0_v_part1_by_F_y0_u = 1/(1 + F_y0_u**2)
     F_y0_w_part1_by_F_y0_v = 1/(1 + F_y0_v**2)
     F_y0_part1_by_F_y0_w = ca.cos(F_y0_w)
-    zeta_4_g0_by_zeta_4_g0_part1 = ca.if_else(phit_in == 0, 0, 1)
+    zeta_4_g0_part2_by_turn_share = -1 + zeta_4_g0_part1
+    zeta_4_g0_by_zeta_4_g0_part2 = ca.if_else(phit_in == 0, 0, 1)
     mu_y_loaded_g0_part2_by_PPY4 = dpi**2
     mu_y_loaded_g0_part2_by_dpi = PPY3 + 2*PPY4*dpi
     mu_y_loaded_g0_by_LMUY_star = mu_y_loaded_g0_part1*mu_y_loaded_g0_part2
@@ -2939,7 +3014,8 @@ def jacobian_parameters(inputs, parameters):
     zeta_7_imaginary_part1_by_zeta_7_above_1 = 2*zeta_7_above_1
     zeta_7_imaginary_part2_by_zeta_7_imaginary_part1 = 0.5/zeta_7_imaginary_part2
     zeta_7_imaginary_part4_by_zeta_7_imaginary_part3 = 1/zeta_7_imaginary_part3
-    zeta_8_by_zeta_8_part1 = ca.if_else(phit_in == 0, 0, 1)
+    zeta_8_part2_by_turn_share = -1 + zeta_8_part1
+    zeta_8_by_zeta_8_part2 = ca.if_else(phit_in == 0, 0, 1)
     D_r_shared1 = gamma_star*zeta_0
     D_r_shared2 = D_r_part6*LKZC
     D_r_shared3 = D_r_part9*F_zm*LMUY_star*UNLOADED_RADIUS
@@ -2951,6 +3027,7 @@ def jacobian_parameters(inputs, parameters):
     D_r_part7_by_LKZC = D_r_part6*D_r_shared1
     D_r_part7_by_LRES = D_r_part1*zeta_2
     D_r_part7_by_gamma_star = D_r_shared2*zeta_0
+    D_r_part7_by_zeta_0 = D_r_shared2*gamma_star
     D_r_part7_by_zeta_2 = D_r_part1*LRES
     D_r_part8_by_alpha_star = -ca.sin(alpha_star)
     D_r_by_D_r_part7 = D_r_part8*D_r_shared3
@@ -2993,10 +3070,15 @@ def jacobian_parameters(inputs, parameters):
     M_zr_spun_part3_by_M_zr_spun_part2 = -ca.sin(M_zr_spun_part2)
     M_zr_shared1 = alpha_req**2
     M_zr_shared2 = B_r**2
-    M_zr_shared3 = (1 + M_zr_shared1*M_zr_shared2)**(-1.5)
-    M_zr_part1_by_B_r = ca.if_else(phit_in == 0, -B_r*M_zr_shared1*M_zr_shared3, 0)
-    M_zr_part1_by_M_zr_spun = ca.if_else(phit_in == 0, 0, 1)
-    M_zr_part1_by_alpha_req = ca.if_else(phit_in == 0, -M_zr_shared2*M_zr_shared3*alpha_req, 0)
+    M_zr_shared3 = 1 + M_zr_shared1*M_zr_shared2
+    M_zr_shared4 = M_zr_shared3**(-1.5)
+    M_zr_shared5 = B_r*M_zr_shared1*M_zr_shared4
+    M_zr_shared7 = 1 - turn_share
+    M_zr_shared8 = M_zr_shared2*M_zr_shared4*alpha_req
+    M_zr_part1_by_B_r = ca.if_else(phit_in == 0, -M_zr_shared5, -M_zr_shared5*M_zr_shared7)
+    M_zr_part1_by_M_zr_spun = ca.if_else(phit_in == 0, 0, turn_share)
+    M_zr_part1_by_alpha_req = ca.if_else(phit_in == 0, -M_zr_shared8, -M_zr_shared7*M_zr_shared8)
+    M_zr_part1_by_turn_share = ca.if_else(phit_in == 0, 0, M_zr_spun - 1/ca.sqrt(M_zr_shared3))
     M_zr_by_D_r = M_zr_part1*fade_smooth
     M_zr_by_M_zr_part1 = D_r*fade_smooth
     M_zr_by_fade_smooth = D_r*M_zr_part1
@@ -3169,8 +3251,6 @@ def jacobian_parameters(inputs, parameters):
     dM_y_backward_dVXLOW = M_y_backward_by_M_y_near_locked*dM_y_near_locked_dVXLOW
     dM_y_taper_dVXLOW = M_y_taper_by_M_y_backward*dM_y_backward_dVXLOW
     dkappa_raised_dfade = kappa_raised_by_fade + kappa*kappa_raised_by_kappa_raised_part1
-    dphit_in_dVXLOW = fade_by_VXLOW*phit_in_by_fade
-    dM_zphi90_part2_dphit_in = M_zphi90_part1_by_phit_in*M_zphi90_part2_by_M_zphi90_part1
     dkappa_raised_dVXLOW = dkappa_raised_dfade*fade_by_VXLOW
     dalpha_raised_dVXLOW = alpha_low_by_VXLOW*alpha_raised_by_alpha_low
     dV_c_dtan_alpha = V_c_part3*dV_c_part2_dtan_alpha
@@ -3250,6 +3330,8 @@ def jacobian_parameters(inputs, parameters):
     dM_y_full_part3_dNOMPRES = M_y_full_part2_by_NOMPRES*p_in
     dM_y_rolling_part2_dVXLOW = M_y_rolling_part2_by_M_y_taper*dM_y_taper_dVXLOW
     dMy_dM_y_rolling_part2 = M_y_rolling_by_M_y_rolling_part2*My_by_M_y_rolling
+    dphit_in_dVXLOW = fade_by_VXLOW*phit_in_by_fade
+    dM_zphi90_part2_dphit_in = M_zphi90_part1_by_phit_in*M_zphi90_part2_by_M_zphi90_part1
     dR_omega_1_part2_dUNLOADED_RADIUS = R_omega_1_part2_by_UNLOADED_RADIUS + R_omega_1_part2_by_omega_1*domega_1_dUNLOADED_RADIUS
     dR_omega_1_part2_dLONGVL = -R_omega_1_part2_by_R_omega_1_part1*R_omega_1_shared1
     dB_x_dC_x = D_x*dB_x_dB_x_part2
@@ -3299,7 +3381,6 @@ def jacobian_parameters(inputs, parameters):
     dtrail_v_dB_t = alpha_teq*dtrail_v_dtrail_u
     dtrail_v_dslip_alpha_teq_part1 = dtrail_u_dslip_alpha_teq_part1*dtrail_v_dtrail_u
     dtrail_dtrail_v = dtrail_dtrail_w*dtrail_w_dtrail_v
-    dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1
     dF_y1_dF_y0_g0_part2 = F_y0_g0_part4*F_y1_part1
     dF_y1_dG_yk = F_y0_g0*F_y1_part1_by_G_yk
     dF_y1_dG_yk_g0 = F_y0_g0*F_y1_part1_by_G_yk_g0
@@ -3337,15 +3418,19 @@ def jacobian_parameters(inputs, parameters):
     dM_zr_spun_dD_rphi = dM_zr_spun_dzeta_7_cosine*dzeta_7_cosine_dD_rphi
     dM_zr_spun_dB_r = dM_zr_spun_dM_zr_w*dM_zr_w_dB_r
     dM_zr_spun_dslip_alpha_req_part1 = dM_zr_spun_dM_zr_w*dM_zr_w_dslip_alpha_req_part1
-    dMz_part1_dM_zr_spun = M_zr_by_M_zr_part1*M_zr_part1_by_M_zr_spun
     dB_r_dQBRP1 = B_r_part2*zeta_6_by_QBRP1
     dB_r_dR_0_phi = B_r_part2*zeta_6_by_R_0_phi
-    dMz_part1_dB_r = M_zr_by_M_zr_part1*M_zr_part1_by_B_r + dM_zr_spun_dB_r*dMz_part1_dM_zr_spun
+    dB_r_dturn_share = B_r_part2*zeta_6_by_turn_share
+    dM_zr_part1_dB_r = M_zr_part1_by_B_r + M_zr_part1_by_M_zr_spun*dM_zr_spun_dB_r
     dM_x_hump_dF_zx = M_x_hump_part2_by_F_zx*dM_x_hump_dM_x_hump_part2
     dalpha_star_dtan_alpha = alpha_star_by_alpha_star_part2*alpha_star_part1
     dtrail_dtan_alpha = dV_c_dtan_alpha*dtrail_dV_c
     dphi_part4_dtan_alpha = dV_spin_dtan_alpha*dphi_part4_dV_spin
     dB_yphi_dtan_alpha = B_yphi_part1_by_tan_alpha*dB_yphi_dB_yphi_part1
+    dB_xphi_dPDXP3 = B_xphi_part1_by_PDXP3*dB_xphi_dB_xphi_part1
+    dB_xphi_dkappa_in = B_xphi_part1_by_kappa_in*dB_xphi_dB_xphi_part1
+    dB_xphi_dPDXP2 = B_xphi_by_B_xphi_part4*dfz
+    dB_xphi_ddfz = B_xphi_by_B_xphi_part4*PDXP2
     dB_yphi_dPDYP3 = B_yphi_part1_by_PDYP3*dB_yphi_dB_yphi_part1
     dB_yphi_dPDYP2 = B_yphi_by_B_yphi_part4*dfz
     dB_yphi_ddfz = B_yphi_by_B_yphi_part4*PDYP2
@@ -3358,9 +3443,6 @@ def jacobian_parameters(inputs, parameters):
     dK_yalpha_g0_part6_dPPY2 = dK_yalpha_g0_part6_dK_yalpha_g0_part4*dpi
     dK_yalpha_g0_part6_ddpi = PPY2*dK_yalpha_g0_part6_dK_yalpha_g0_part4
     dK_yalpha_g0_dK_yalpha_g0_part6 = dK_yalpha_g0_dK_yalpha_g0_part8*dK_yalpha_g0_part8_dK_yalpha_g0_part6
-    dS_Hy_g0_part2_dPHY2 = LHY*dfz
-    dS_Hy_g0_part2_ddfz = LHY*PHY2
-    dF_y0_g0_u_dS_Hy_g0_part2 = B_y_g0*fade_smooth
     dE_y_g0_part4_dPEY3 = -E_y_g0_part1*E_y_g0_part4_by_E_y_g0_part2
     dE_y_g0_part4_dPEY2 = E_y_g0_part4_by_E_y_g0_part3*dfz
     dE_y_g0_part4_ddfz = E_y_g0_part4_by_E_y_g0_part3*PEY2
@@ -3402,7 +3484,7 @@ def jacobian_parameters(inputs, parameters):
     dM_zphi90_dQCRP2 = M_zphi90_part2_by_QCRP2*dM_zphi90_dM_zphi90_part2
     dM_zphi90_dUNLOADED_RADIUS = M_zphi90_part2_by_UNLOADED_RADIUS*dM_zphi90_dM_zphi90_part2
     dM_zphi90_dVXLOW = dM_zphi90_dM_zphi90_part2*dM_zphi90_part2_dVXLOW
-    dMz_part1_dM_zphi90 = dM_zr_spun_dM_zphi90*dMz_part1_dM_zr_spun
+    dM_zr_part1_dM_zphi90 = M_zr_part1_by_M_zr_spun*dM_zr_spun_dM_zphi90
     dc_zn_dPFZ1 = VERTICAL_STIFFNESS*dpi
     dc_zn_ddpi = PFZ1*VERTICAL_STIFFNESS
     dR_e_1_dc_zn = -sink_by_sink_part1*sink_part1_by_c_zn
@@ -3410,6 +3492,8 @@ def jacobian_parameters(inputs, parameters):
     dphi_part4_deps_gamma_part1 = -PECP1*phi_part4_by_phi_part2
     dB_Hyphi_deps_gamma_part1 = -PECP1*dB_Hyphi_dB_Hyphi_part2
     dB_Drphi_deps_gamma_part1 = -PECP1*dB_Drphi_dB_Drphi_part3
+    dD_x_dmu_x_loaded = D_x_by_mu_x*mu_x_by_mu_x_loaded
+    dF_x0_v_dD_x = dB_x_dD_x*dF_x0_v_dB_x
     dE_x_part4_dPEX4 = -E_x_part1*E_x_part4_by_E_x_part2
     dE_x_part4_dPEX2 = E_x_part4_by_E_x_part3*dfz
     dE_x_part4_dPEX3 = E_x_part4_by_E_x_part3*E_x_shared1
@@ -3426,6 +3510,11 @@ def jacobian_parameters(inputs, parameters):
     dB_y_dC_y = D_y*dB_y_dB_y_part2
     dF_y0_part2_dC_y = F_y0_w_part1*dF_y0_part2_dF_y0_w
     dB_y_dD_y = C_y*dB_y_dB_y_part2
+    dS_Hy_g0_part2_dturn_share = zeta_4_g0_by_zeta_4_g0_part2*zeta_4_g0_part2_by_turn_share
+    dS_Hy_g0_part2_dS_Hyphi = turn_share*zeta_4_g0_by_zeta_4_g0_part2
+    dS_Hy_g0_part2_dPHY2 = LHY*dfz
+    dS_Hy_g0_part2_ddfz = LHY*PHY2
+    dF_y0_g0_u_dS_Hy_g0_part2 = B_y_g0*fade_smooth
     dF_y0_g0_u_dD_y_g0 = alpha_y_g0*dB_y_g0_dD_y_g0
     dB_xalpha_dRBX2 = B_xalpha_part1_by_RBX2*dB_xalpha_dB_xalpha_part1
     dB_xalpha_dkappa_in = B_xalpha_part1_by_kappa_in*dB_xalpha_dB_xalpha_part1
@@ -3437,13 +3526,6 @@ def jacobian_parameters(inputs, parameters):
     dE_ykappa_ddfz = E_ykappa_by_dfz + E_ykappa_by_E_ykappa_part1*REY2
     dG_yk_dE_ykappa = dG_yk_dG_yk_w*dG_yk_w_dE_ykappa - G_yk0_v_part2*dG_yk_dG_yk0_v
     dG_yk_g0_dE_ykappa = dG_yk_g0_dG_yk_g0_w*dG_yk_g0_w_dE_ykappa - G_yk_g00_v_part2*dG_yk_g0_dG_yk_g00_v
-    dD_r_dalpha_star = D_r_by_D_r_part8*D_r_part8_by_alpha_star
-    dD_rphi_dQDRP1 = D_rphi_part2*dD_rphi_dD_rphi_part3 + D_rphi_part4*dD_Drphi_dQDRP1
-    dD_rphi_dB_Drphi = D_rphi_part1_by_B_Drphi*dD_rphi_dD_rphi_part1
-    dD_rphi_dUNLOADED_RADIUS = D_rphi_part1_by_UNLOADED_RADIUS*dD_rphi_dD_rphi_part1
-    dD_rphi_dVXLOW = dD_rphi_dD_rphi_part1*dD_rphi_part1_dVXLOW
-    dD_rphi_dM_zphi_inf_signed = D_rphi_part4*dD_Drphi_dM_zphi_inf_signed
-    dMz_part1_dD_rphi = M_zr_by_D_r*zeta_8_by_zeta_8_part1 + dM_zr_spun_dD_rphi*dMz_part1_dM_zr_spun
     dM_x_hump_part8_dFy = M_x_hump_part6_by_Fy*dM_x_hump_part8_dM_x_hump_part6
     dM_x_hump_part8_dQSX9 = M_x_hump_part6_by_QSX9*dM_x_hump_part8_dM_x_hump_part6
     dM_x_hump_part8_dFNOMIN = dM_x_hump_part6_dFNOMIN*dM_x_hump_part8_dM_x_hump_part6
@@ -3475,7 +3557,7 @@ def jacobian_parameters(inputs, parameters):
     dB_r_part2_dLMUY_star = B_r_part1_by_LMUY_star*B_r_part2_by_B_r_part1
     dB_r_part2_dLCY = B_r_part2_by_C_y*PCY1
     dB_r_part2_dPCY1 = B_r_part2_by_C_y*LCY
-    dMz_part1_dB_r_part2 = dMz_part1_dB_r*zeta_6
+    dM_zr_part1_dB_r_part2 = dM_zr_part1_dB_r*zeta_6
     dK_zgammar0_part4_dQDZ10 = K_zgammar0_part4_by_QDZ10 + K_zgammar0_part2*K_zgammar0_part4_by_K_zgammar0_part3
     dK_zgammar0_part4_dQDZ11 = K_zgammar0_part4_by_QDZ11 + K_zgammar0_part4_by_K_zgammar0_part3*dK_zgammar0_part3_dQDZ11
     dK_zgammar0_part4_dQDZ8 = K_zgammar0_part4_by_K_zgammar0_part3 + K_zgammar0_part4_by_QDZ8
@@ -3483,33 +3565,29 @@ def jacobian_parameters(inputs, parameters):
     dK_zgammar0_part4_ddfz = K_zgammar0_part4_by_dfz + K_zgammar0_part4_by_K_zgammar0_part3*dK_zgammar0_part3_ddfz
     dK_zgammar0_part4_dgamma_star = K_zgammar0_part4_by_K_zgammar0_part3*dK_zgammar0_part3_dgamma_star
     dB_Drphi_dK_zgammar0_part4 = B_Drphi_by_K_zgammar0*K_zgammar0_by_K_zgammar0_part4
+    dD_r_dalpha_star = D_r_by_D_r_part8*D_r_part8_by_alpha_star
+    dD_r_dturn_share = zeta_8_by_zeta_8_part2*zeta_8_part2_by_turn_share
+    dD_r_dD_rphi = turn_share*zeta_8_by_zeta_8_part2
     dslip_alpha_req_part1_dK_yalpha = dalpha_r_dK_yalpha*dslip_alpha_req_part1_dalpha_r - kappa_share_by_kappa_share_part1*kappa_share_shared1
     dslip_alpha_req_part1_dS_Hy_part4 = dslip_alpha_req_part1_dalpha_r*fade_smooth
     dslip_alpha_req_part1_dfade_smooth = dalpha_r_dfade_smooth*dslip_alpha_req_part1_dalpha_r
     dslip_alpha_req_part1_dS_Vy_part2 = dalpha_r_dS_Vy_part2*dslip_alpha_req_part1_dalpha_r
-    dMz_part1_dslip_alpha_req_part1 = M_zr_by_M_zr_part1*dM_zr_part1_dslip_alpha_req_part1 + dM_zr_spun_dslip_alpha_req_part1*dMz_part1_dM_zr_spun
-    dalpha_star_dalpha_in = alpha_star_by_alpha_in + dalpha_star_dtan_alpha*tan_alpha_by_alpha_in
-    dD_Vyk_dalpha_star = D_Vyk_part1_by_alpha_star*dD_Vyk_dD_Vyk_part1
-    dF_y0_part2_dalpha_star = B_y*dF_y0_part2_dF_y0_u
-    dG_xa_dalpha_star = dG_xa_dG_xa_w*dG_xa_w_dalpha_star
-    dG_yk_g0_dalpha_star = dB_ykappa_g0_dalpha_star*dG_yk_g0_dB_ykappa_g0
-    dMz_part1_dalpha_star = M_zr_by_D_r*dD_r_dalpha_star + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha_r
-    dG_yk_dalpha_star = dB_ykappa_dalpha_star*dG_yk_dB_ykappa
-    dMz_part1_dfade_smooth = M_zr_by_fade_smooth + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dfade_smooth
-    dF_y0_part2_dfade_smooth = S_Vy_part2 + dF_y0_part2_dF_y0_u*dF_y0_u_dfade_smooth
-    dF_y0_g0_u_dfade_smooth = B_y_g0*S_Hy_g0_part2
-    dF_x0_v_dfade_smooth = S_Hx_by_fade_smooth*dF_x0_v_dkappa_x
+    dM_zr_part1_dslip_alpha_req_part1 = M_zr_part1_by_M_zr_spun*dM_zr_spun_dslip_alpha_req_part1 + M_zr_part1_by_alpha_req*dalpha_req_dslip_alpha_req_part1
     dF_zm_dF_z_limited = F_zm_by_F_z_limited + F_zl_by_F_z_limited*F_zm_by_F_zl
     dF_zm_dFZMIN = F_zl_by_FZMIN*F_zm_by_F_zl
     dM_zphi_inf_signed_dF_zm = M_zphi_inf_signed_by_F_zm + M_zphi_inf_signed_part1*dM_zphi_inf_signed_dM_zphi_inf_signed_part2
     dB_Drphi_dF_zm = B_Drphi_by_K_zgammar0*K_zgammar0_by_F_zm
     dMz_part1_dF_zm = D_r_by_F_zm*M_zr_by_D_r
+    dalpha_star_dalpha_in = alpha_star_by_alpha_in + dalpha_star_dtan_alpha*tan_alpha_by_alpha_in
+    dD_Vyk_dalpha_star = D_Vyk_part1_by_alpha_star*dD_Vyk_dD_Vyk_part1
+    dF_y0_part2_dalpha_star = B_y*dF_y0_part2_dF_y0_u
+    dG_xa_dalpha_star = dG_xa_dG_xa_w*dG_xa_w_dalpha_star
+    dG_yk_g0_dalpha_star = dB_ykappa_g0_dalpha_star*dG_yk_g0_dB_ykappa_g0
+    dG_yk_dalpha_star = dB_ykappa_dalpha_star*dG_yk_dB_ykappa
+    dMz_part1_dalpha_star = M_zr_by_D_r*dD_r_dalpha_star
+    dM_zr_part1_dalpha_star = dM_zr_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dalpha_r
     dsink_part5_dFNOMIN = dsink_part3_dFNOMIN*dsink_part5_dsink_part3 + sink_part2_by_FNOMIN*sink_part5_by_sink_part2
     dsink_part5_dBREFF = dsink_part5_dsink_part3*sink_shared1
-    dD_x_dmu_x_loaded = D_x_by_mu_x*mu_x_by_mu_x_loaded
-    dD_x_dB_xphi = D_x_by_zeta_1*zeta_1_by_B_xphi
-    dD_x_dR_0_phi = D_x_by_zeta_1*zeta_1_by_R_0_phi
-    dF_x0_v_dD_x = dB_x_dD_x*dF_x0_v_dB_x
     dB_Hyphi_dPECP1 = -dB_Hyphi_dB_Hyphi_part2*eps_gamma_part1
     dB_Hyphi_dPHYP1 = K_Hyphi_shared1*dB_Hyphi_dK_Hyphi_part1
     dB_Hyphi_dK_yalpha_g0 = K_Hyphi_part1_by_K_yalpha1_g0*dB_Hyphi_dK_Hyphi_part1
@@ -3541,20 +3619,27 @@ def jacobian_parameters(inputs, parameters):
     dFy_part1_dRVY5 = S_Vyk_part2*dFy_part1_dS_Vyk_part3
     dFy_part1_dRVY6 = dFy_part1_dS_Vyk_part3*dS_Vyk_part3_dRVY6
     dFy_part1_dkappa_in = dFy_part1_dS_Vyk_part3*dS_Vyk_part3_dkappa_in
-    dFy_part1_dVXLOW = S_Vyk_by_fade_smooth*fade_smooth_by_VXLOW
     dD_r_part6_dgamma_star = D_r_part4*D_r_part5_by_gamma_star
     dD_r_part6_dPPZ2 = D_r_part3*dpi
     dD_r_part6_ddpi = D_r_part3*PPZ2
     dD_r_part6_dQDZ9 = D_r_part2*dfz
     dD_r_part6_ddfz = D_r_part2*QDZ9 + D_r_part5*QDZ11
     dD_r_part6_dQDZ11 = D_r_part5*dfz
+    dF_y0_part2_dfade_smooth = S_Vy_part2 + dF_y0_part2_dF_y0_u*dF_y0_u_dfade_smooth
+    dF_y0_g0_u_dfade_smooth = B_y_g0*S_Hy_g0_part2
+    dF_x0_v_dfade_smooth = S_Hx_by_fade_smooth*dF_x0_v_dkappa_x
+    dM_zr_part1_dfade_smooth = dM_zr_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dfade_smooth
+    dFy_dfade_smooth = Fy_by_Fy_part1*S_Vyk_by_fade_smooth
     dMz_part1_ds_part1 = Fx*s_by_s_part1
-    dB_xphi_dPDXP3 = B_xphi_part1_by_PDXP3*dB_xphi_dB_xphi_part1
-    dB_xphi_dkappa_in = B_xphi_part1_by_kappa_in*dB_xphi_dB_xphi_part1
-    dB_xphi_dPDXP2 = B_xphi_by_B_xphi_part4*dfz
-    dB_xphi_ddfz = B_xphi_by_B_xphi_part4*PDXP2
-    dF_x0_part2_dB_xphi = F_x0_part1*dD_x_dB_xphi + S_Vx_by_zeta_1*zeta_1_by_B_xphi
-    dF_x0_v_dB_xphi = dD_x_dB_xphi*dF_x0_v_dD_x
+    dturn_share_dVXLOW = dphit_in_dVXLOW*turn_share_by_phit_in
+    dM_zr_part1_dturn_share = M_zr_part1_by_turn_share + dB_r_dturn_share*dM_zr_part1_dB_r
+    dS_Hy_part4_dturn_share = zeta_4_by_turn_share - S_Hy_part4_by_zeta_0*zeta_0_by_zeta_0_part1
+    dD_r_part7_dturn_share = -D_r_part7_by_zeta_0*zeta_0_by_zeta_0_part1
+    dD_t_dturn_share = D_t_by_zeta_5*zeta_5_by_turn_share
+    dK_yalpha_g0_dturn_share = K_yalpha_g0_by_zeta_3*zeta_3_by_turn_share
+    dK_yalpha_dturn_share = K_yalpha_by_zeta_3*zeta_3_by_turn_share
+    dF_y0_g0_u_dturn_share = dF_y0_g0_u_dS_Hy_g0_part2*dS_Hy_g0_part2_dturn_share
+    dMz_part1_dturn_share = M_zr_by_D_r*dD_r_dturn_share
     dD_Vyk_dmu_y_loaded = D_Vyk_by_mu_y_pressed*mu_y_pressed_by_mu_y_loaded
     dD_Vyk_dRVY4 = D_Vyk_part1_by_RVY4*dD_Vyk_dD_Vyk_part1
     dD_Vyk_dRVY2 = D_Vyk_by_D_Vyk_part4*dfz
@@ -3567,6 +3652,13 @@ def jacobian_parameters(inputs, parameters):
     dalpha_t_ddfz = QHZ2 + QHZ4*gamma_star
     dalpha_t_dQHZ4 = dfz*gamma_star
     dtrail_dalpha_t = E_t_by_alpha_t*dtrail_dE_t + dslip_alpha_teq_part1_dalpha_t*dtrail_dslip_alpha_teq_part1
+    dD_rphi_dQDRP1 = D_rphi_part2*dD_rphi_dD_rphi_part3 + D_rphi_part4*dD_Drphi_dQDRP1
+    dD_rphi_dB_Drphi = D_rphi_part1_by_B_Drphi*dD_rphi_dD_rphi_part1
+    dD_rphi_dUNLOADED_RADIUS = D_rphi_part1_by_UNLOADED_RADIUS*dD_rphi_dD_rphi_part1
+    dD_rphi_dVXLOW = dD_rphi_dD_rphi_part1*dD_rphi_part1_dVXLOW
+    dD_rphi_dM_zphi_inf_signed = D_rphi_part4*dD_Drphi_dM_zphi_inf_signed
+    dM_zr_part1_dD_rphi = M_zr_part1_by_M_zr_spun*dM_zr_spun_dD_rphi
+    dMz_part1_dD_rphi = M_zr_by_D_r*dD_r_dD_rphi
     dR_e_1_dFNOMIN = -sink_by_FNOMIN - dsink_part5_dFNOMIN*sink_by_sink_part5
     dR_e_1_dUNLOADED_RADIUS = R_omega_1_part2 + UNLOADED_RADIUS*dR_omega_1_part2_dUNLOADED_RADIUS
     dR_e_1_dQ_V1 = R_omega_1_part2_by_Q_V1*UNLOADED_RADIUS
@@ -3630,7 +3722,7 @@ def jacobian_parameters(inputs, parameters):
     dB_y_dmu_y_loaded = D_y_by_mu_y_loaded*dB_y_dD_y
     dB_y_dzeta_2 = D_y_by_zeta_2*dB_y_dD_y
     dF_y0_part2_dB_y = alpha_y*dF_y0_part2_dF_y0_u
-    dMz_part1_dB_y = B_r_part2_by_B_y*dMz_part1_dB_r_part2
+    dM_zr_part1_dB_y = B_r_part2_by_B_y*dM_zr_part1_dB_r_part2
     dG_xa_dRCX1 = G_xa0_w_part1*dG_xa_dG_xa0_w + G_xa_w_part1*dG_xa_dG_xa_w
     dG_xa_dRHX1 = dG_xa0_v_dRHX1*dG_xa_dG_xa0_v + dG_xa_dG_xa_w*dG_xa_w_dRHX1
     dG_xa_dREX1 = dE_xalpha_dREX1*dG_xa_dE_xalpha
@@ -3673,7 +3765,7 @@ def jacobian_parameters(inputs, parameters):
     dF_y0_g0_u_dLCY = PCY1*dF_y0_g0_u_dC_y_g0
     dF_y0_g0_u_dPCY1 = LCY*dF_y0_g0_u_dC_y_g0
     dF_y0_g0_u_dLHY = S_Hy_g0_part1*dF_y0_g0_u_dS_Hy_g0_part2
-    dF_y0_g0_u_dS_Hyphi = dF_y0_g0_u_dS_Hy_g0_part2*zeta_4_g0_by_zeta_4_g0_part1
+    dF_y0_g0_u_dS_Hyphi = dF_y0_g0_u_dS_Hy_g0_part2*dS_Hy_g0_part2_dS_Hyphi
     dF_y0_g0_u_dPHY1 = LHY*dF_y0_g0_u_dS_Hy_g0_part2
     dF_y0_g0_u_dPHY2 = dF_y0_g0_u_dS_Hy_g0_part2*dS_Hy_g0_part2_dPHY2
     dF_y0_g0_u_ddfz = dF_y0_g0_u_dS_Hy_g0_part2*dS_Hy_g0_part2_ddfz
@@ -3681,7 +3773,7 @@ def jacobian_parameters(inputs, parameters):
     dF_y0_g0_u_dmu_y_loaded_g0 = D_y_g0_by_mu_y_loaded_g0*dF_y0_g0_u_dD_y_g0
     dF_y0_g0_u_dzeta_2 = D_y_g0_by_zeta_2*dF_y0_g0_u_dD_y_g0
     dF_y0_g0_u_dalpha_in = B_y_g0*dalpha_star_dalpha_in
-    dF_y0_g0_u_dVXLOW = dF_y0_g0_u_dfade_smooth*fade_smooth_by_VXLOW
+    dF_y0_g0_u_dVXLOW = dF_y0_g0_u_dfade_smooth*fade_smooth_by_VXLOW + dF_y0_g0_u_dturn_share*dturn_share_dVXLOW
     dF_y0_g0_part2_dF_y0_g0_u = dF_y0_g0_part2_dF_y0_g0_w*dF_y0_g0_w_dF_y0_g0_u
     dmu_y_loaded_g0_dPDY2 = dfz*mu_y_loaded_g0_by_mu_y_loaded_g0_part1
     dmu_y_loaded_g0_ddfz = PDY2*mu_y_loaded_g0_by_mu_y_loaded_g0_part1
@@ -3689,6 +3781,20 @@ def jacobian_parameters(inputs, parameters):
     dmu_y_loaded_g0_dPPY4 = mu_y_loaded_g0_by_mu_y_loaded_g0_part2*mu_y_loaded_g0_part2_by_PPY4
     dmu_y_loaded_g0_ddpi = mu_y_loaded_g0_by_mu_y_loaded_g0_part2*mu_y_loaded_g0_part2_by_dpi
     dF_y0_g0_part2_dmu_y_loaded_g0 = D_y_g0_by_mu_y_loaded_g0*F_y0_g0_part1 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dmu_y_loaded_g0
+    dzeta_1_dPDXP1 = B_xphi_by_PDXP1*zeta_1_by_B_xphi
+    dzeta_1_dPDXP3 = dB_xphi_dPDXP3*zeta_1_by_B_xphi
+    dzeta_1_dkappa_in = dB_xphi_dkappa_in*zeta_1_by_B_xphi
+    dzeta_1_dPDXP2 = dB_xphi_dPDXP2*zeta_1_by_B_xphi
+    dzeta_1_ddfz = dB_xphi_ddfz*zeta_1_by_B_xphi
+    dzeta_1_dVXLOW = dturn_share_dVXLOW*zeta_1_by_turn_share
+    dF_x0_part2_dzeta_1 = S_Vx_by_zeta_1 + D_x_by_zeta_1*F_x0_part1
+    dF_x0_v_dzeta_1 = D_x_by_zeta_1*dF_x0_v_dD_x
+    dK_ygamma0_dPPY5 = K_ygamma0_by_K_ygamma0_part1*dpi
+    dK_ygamma0_ddpi = K_ygamma0_by_K_ygamma0_part1*PPY5
+    dK_ygamma0_dPKY7 = K_ygamma0_by_K_ygamma0_part2*dfz
+    dK_ygamma0_ddfz = K_ygamma0_by_K_ygamma0_part2*PKY7
+    dS_Hy_part4_dK_ygamma0 = S_Hy_part4_by_S_Hy_part3*gamma_star
+    dS_Hyphi_dK_ygamma0 = B_Hyphi_by_K_ygamma0*dS_Hyphi_dB_Hyphi
     dD_r_part7_dQDZ7 = D_r_part7_by_D_r_part1*dfz
     dD_r_part7_ddfz = D_r_part7_by_D_r_part1*QDZ7 + D_r_part7_by_D_r_part6*dD_r_part6_ddfz
     dD_r_part7_dPPZ2 = D_r_part7_by_D_r_part6*dD_r_part6_dPPZ2
@@ -3697,69 +3803,30 @@ def jacobian_parameters(inputs, parameters):
     dD_r_part7_dQDZ9 = D_r_part7_by_D_r_part6*dD_r_part6_dQDZ9
     dD_r_part7_dQDZ10 = D_r_part5*D_r_part7_by_D_r_part6
     dD_r_part7_dQDZ11 = D_r_part7_by_D_r_part6*dD_r_part6_dQDZ11
+    dD_r_part7_dVXLOW = dD_r_part7_dturn_share*dturn_share_dVXLOW
     dD_r_part7_dgamma_in = dD_r_part7_dgamma_star*dgamma_star_dgamma_in
     dMz_part1_dD_r_part7 = D_r_by_D_r_part7*M_zr_by_D_r
-    dK_ygamma0_dPPY5 = K_ygamma0_by_K_ygamma0_part1*dpi
-    dK_ygamma0_ddpi = K_ygamma0_by_K_ygamma0_part1*PPY5
-    dK_ygamma0_dPKY7 = K_ygamma0_by_K_ygamma0_part2*dfz
-    dK_ygamma0_ddfz = K_ygamma0_by_K_ygamma0_part2*PKY7
-    dS_Hy_part4_dK_ygamma0 = S_Hy_part4_by_S_Hy_part3*gamma_star
-    dS_Hyphi_dK_ygamma0 = B_Hyphi_by_K_ygamma0*dS_Hyphi_dB_Hyphi
-    dB_Drphi_dQDRP1 = B_Drphi_by_B_Drphi_part2*B_Drphi_part2_by_QDRP1 + dB_Drphi_dD_Drphi*dD_Drphi_dQDRP1
-    dB_Drphi_dPECP1 = -dB_Drphi_dB_Drphi_part3*eps_gamma_part1
-    dB_Drphi_dM_zphi_inf_signed = dB_Drphi_dD_Drphi*dD_Drphi_dM_zphi_inf_signed
-    dB_Drphi_dLKZC = B_Drphi_by_K_zgammar0*K_zgammar0_by_LKZC
-    dB_Drphi_dUNLOADED_RADIUS = B_Drphi_by_K_zgammar0*K_zgammar0_by_UNLOADED_RADIUS
-    dB_Drphi_dPECP2 = dB_Drphi_deps_gamma_part1*dfz
-    dB_Drphi_ddfz = PECP2*dB_Drphi_deps_gamma_part1 + dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_ddfz
-    dB_Drphi_dQDZ10 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ10
-    dB_Drphi_dQDZ11 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ11
-    dB_Drphi_dQDZ8 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ8
-    dB_Drphi_dQDZ9 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ9
-    dB_Drphi_dgamma_in = K_zgammar0_part4_by_gamma_in*dB_Drphi_dK_zgammar0_part4 + dB_Drphi_dgamma_star*dgamma_star_dgamma_in
-    dB_Drphi_dF_z_limited = dB_Drphi_dF_zm*dF_zm_dF_z_limited
-    dB_Drphi_dFZMIN = dB_Drphi_dF_zm*dF_zm_dFZMIN
-    dMz_part1_dB_Drphi = dD_rphi_dB_Drphi*dMz_part1_dD_rphi
-    dM_zphi_inf_signed_dmu_y_loaded = dM_zphi_inf_signed_dmu_y_pressed*mu_y_pressed_by_mu_y_loaded
-    dM_zphi_inf_signed_dF_z_limited = dF_zm_dF_z_limited*dM_zphi_inf_signed_dF_zm
-    dM_zphi_inf_signed_dFZMIN = dF_zm_dFZMIN*dM_zphi_inf_signed_dF_zm
-    dM_zphi_inf_signed_dFNOMIN = LFZO*dM_zphi_inf_signed_dF_z01
-    dM_zphi_inf_signed_dLFZO = FNOMIN*dM_zphi_inf_signed_dF_z01
-    dMz_part1_dM_zphi_inf_signed = dB_Drphi_dM_zphi_inf_signed*dMz_part1_dB_Drphi + dD_rphi_dM_zphi_inf_signed*dMz_part1_dD_rphi + dM_zphi90_dM_zphi_inf_signed*dMz_part1_dM_zphi90
-    dS_Vy_part2_dF_z_limited = S_Vy_part2_by_F_z_limited + S_Vygamma_by_F_z_limited
-    dF_x0_part2_dF_z_limited = S_Vx_by_F_z_limited + D_x_by_F_z_limited*F_x0_part1
-    dF_y0_g0_part2_dF_z_limited = S_Vy_g0_by_F_z_limited + D_y_g0_by_F_z_limited*F_y0_g0_part1 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dF_z_limited
-    dM_y_full_dF_z_limited = M_y_full_by_M_y_full_part6*dM_y_full_part6_dF_z_limited + M_y_full_by_M_y_full_part7*M_y_full_part7_by_F_z_limited + dF_zy_share_dF_z_limited*dM_y_full_dF_zy_share
-    dMx_dF_z_limited = F_zx_by_F_z_limited*Mx_by_F_zx + Mx_by_M_x_hump*dM_x_hump_dF_z_limited
-    dK_yalpha_g0_dF_z_limited = K_yalpha_g0_part6_by_F_z_limited*dK_yalpha_g0_dK_yalpha_g0_part6
-    dF_y0_part2_dF_z_limited = D_y_by_F_z_limited*F_y0_part1 + dB_y_dF_z_limited*dF_y0_part2_dB_y
-    dK_yalpha_dF_z_limited = K_yalpha_part9_by_F_z_limited*dK_yalpha_dK_yalpha_part9
-    dD_t_dF_z_limited = D_t_by_F_zm*dF_zm_dF_z_limited
-    dMz_part1_dF_z_limited = dB_Drphi_dF_z_limited*dMz_part1_dB_Drphi + dB_y_dF_z_limited*dMz_part1_dB_y + dF_zm_dF_z_limited*dMz_part1_dF_zm + dM_zphi_inf_signed_dF_z_limited*dMz_part1_dM_zphi_inf_signed
-    dF_x0_v_dF_z_limited = D_x_by_F_z_limited*dF_x0_v_dD_x
-    dS_Hy_part4_dF_z_limited = K_ygamma0_by_F_z_limited*dS_Hy_part4_dK_ygamma0 + S_Vygamma_by_F_z_limited*dS_Hy_part4_dS_Vygamma
-    dFy_dF_z_limited = D_Vyk_by_F_z_limited*dFy_dD_Vyk
-    dS_Hyphi_dF_z_limited = K_ygamma0_by_F_z_limited*dS_Hyphi_dK_ygamma0
-    dD_t_dQDTP1 = D_t_by_zeta_5*zeta_5_by_QDTP1
-    dD_t_dR_0_phi = D_t_by_zeta_5*zeta_5_by_R_0_phi
     dD_t_dPPZ1 = -D_t_by_D_t_part2*dpi
     dD_t_ddpi = -D_t_by_D_t_part2*PPZ1
     dD_t_dQDZ2 = D_t_by_D_t_part3*dfz
     dD_t_ddfz = D_t_by_D_t_part3*QDZ2
+    dD_t_dQDTP1 = D_t_by_zeta_5*zeta_5_by_QDTP1
+    dD_t_dR_0_phi = D_t_by_zeta_5*zeta_5_by_R_0_phi
     dD_t_dQDZ3 = D_t_part4*dD_t_dD_t_part5 + dD_t_dD_t_part6*gamma_in
     dD_t_dQDZ4 = D_t_part5_by_QDZ4*dD_t_dD_t_part5 + D_t_part6_by_QDZ4*dD_t_dD_t_part6
     dD_t_dgamma_in = D_t_part6_by_gamma_in*dD_t_dD_t_part6 + dD_t_dgamma_star*dgamma_star_dgamma_in
+    dD_t_dF_z_limited = D_t_by_F_zm*dF_zm_dF_z_limited
     dD_t_dFZMIN = D_t_by_F_zm*dF_zm_dFZMIN
+    dD_t_dVXLOW = dD_t_dturn_share*dturn_share_dVXLOW
     dD_t_dFNOMIN = LFZO*dD_t_dF_z01
     dD_t_dLFZO = FNOMIN*dD_t_dF_z01
-    dD_t_dFZMAX = F_z_limited_by_FZMAX*dD_t_dF_z_limited
     dF_y0_part2_dS_Hy_part4 = dF_y0_part2_dF_y0_u*dF_y0_u_dS_Hy_part4
     dF_y0_part2_dLCY = PCY1*dF_y0_part2_dC_y + dB_y_dLCY*dF_y0_part2_dB_y
     dF_y0_part2_dPCY1 = LCY*dF_y0_part2_dC_y + dB_y_dPCY1*dF_y0_part2_dB_y
+    dF_y0_part2_dF_z_limited = D_y_by_F_z_limited*F_y0_part1 + dB_y_dF_z_limited*dF_y0_part2_dB_y
     dF_y0_part2_dmu_y_loaded = D_y_by_mu_y_loaded*F_y0_part1 + dB_y_dmu_y_loaded*dF_y0_part2_dB_y
     dF_y0_part2_dzeta_2 = D_y_by_zeta_2*F_y0_part1 + dB_y_dzeta_2*dF_y0_part2_dB_y
     dF_y0_part2_dalpha_in = dF_y0_part2_dalpha_star*dalpha_star_dalpha_in
-    dF_y0_part2_dVXLOW = dF_y0_part2_dfade_smooth*fade_smooth_by_VXLOW
     dF_y0_part2_dLEY = dE_y_dLEY*dF_y0_part2_dE_y
     dF_y0_part2_dPEY1 = dE_y_dPEY1*dF_y0_part2_dE_y
     dF_y0_part2_dPEY2 = dE_y_dPEY2*dF_y0_part2_dE_y
@@ -3767,35 +3834,42 @@ def jacobian_parameters(inputs, parameters):
     dF_y0_part2_dPEY4 = dE_y_dPEY4*dF_y0_part2_dE_y
     dF_y0_part2_dPEY5 = dE_y_dPEY5*dF_y0_part2_dE_y
     dF_y0_part2_ddfz = dE_y_ddfz*dF_y0_part2_dE_y
+    dF_y0_part2_dVXLOW = dF_y0_part2_dfade_smooth*fade_smooth_by_VXLOW
     dF_y0_part2_dK_yalpha = B_y_part3*dF_y0_part2_dB_y
     dF_y0_part2_dgamma_in = dF_y0_part2_dgamma_star*dgamma_star_dgamma_in
-    dF_y0_part2_dFZMAX = F_z_limited_by_FZMAX*dF_y0_part2_dF_z_limited
     dFy_dF_y0_part2 = Fy_by_Fy_part1*dFy_part1_dF_y0_part2
-    dmu_y_loaded_dPDY3 = mu_y_loaded_by_mu_y_loaded_part1*mu_y_loaded_part1_by_PDY3
-    dmu_y_loaded_dPDY2 = dfz*mu_y_loaded_by_mu_y_loaded_part2
-    dmu_y_loaded_ddfz = PDY2*mu_y_loaded_by_mu_y_loaded_part2
-    dmu_y_loaded_dPPY3 = dpi*mu_y_loaded_by_mu_y_loaded_part3
-    dmu_y_loaded_dPPY4 = mu_y_loaded_by_mu_y_loaded_part3*mu_y_loaded_part3_by_PPY4
-    dmu_y_loaded_ddpi = mu_y_loaded_by_mu_y_loaded_part3*mu_y_loaded_part3_by_dpi
-    dmu_y_loaded_dgamma_in = dgamma_star_dgamma_in*dmu_y_loaded_dgamma_star
-    dFy_dmu_y_loaded = dD_Vyk_dmu_y_loaded*dFy_dD_Vyk + dF_y0_part2_dmu_y_loaded*dFy_dF_y0_part2
-    dMz_part1_dmu_y_loaded = dB_y_dmu_y_loaded*dMz_part1_dB_y + dM_zphi_inf_signed_dmu_y_loaded*dMz_part1_dM_zphi_inf_signed
+    dS_Vy_part2_dF_z_limited = S_Vy_part2_by_F_z_limited + S_Vygamma_by_F_z_limited
+    dF_x0_part2_dF_z_limited = S_Vx_by_F_z_limited + D_x_by_F_z_limited*F_x0_part1
+    dF_y0_g0_part2_dF_z_limited = S_Vy_g0_by_F_z_limited + D_y_g0_by_F_z_limited*F_y0_g0_part1 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dF_z_limited
+    dM_y_full_dF_z_limited = M_y_full_by_M_y_full_part6*dM_y_full_part6_dF_z_limited + M_y_full_by_M_y_full_part7*M_y_full_part7_by_F_z_limited + dF_zy_share_dF_z_limited*dM_y_full_dF_zy_share
+    dMx_dF_z_limited = F_zx_by_F_z_limited*Mx_by_F_zx + Mx_by_M_x_hump*dM_x_hump_dF_z_limited
+    dK_yalpha_g0_dF_z_limited = K_yalpha_g0_part6_by_F_z_limited*dK_yalpha_g0_dK_yalpha_g0_part6
+    dF_x0_v_dF_z_limited = D_x_by_F_z_limited*dF_x0_v_dD_x
+    dK_yalpha_dF_z_limited = K_yalpha_part9_by_F_z_limited*dK_yalpha_dK_yalpha_part9
+    dM_zphi_inf_signed_dF_z_limited = dF_zm_dF_z_limited*dM_zphi_inf_signed_dF_zm
+    dB_Drphi_dF_z_limited = dB_Drphi_dF_zm*dF_zm_dF_z_limited
+    dMz_part1_dF_z_limited = dF_zm_dF_z_limited*dMz_part1_dF_zm
+    dS_Hy_part4_dF_z_limited = K_ygamma0_by_F_z_limited*dS_Hy_part4_dK_ygamma0 + S_Vygamma_by_F_z_limited*dS_Hy_part4_dS_Vygamma
+    dFy_dF_z_limited = D_Vyk_by_F_z_limited*dFy_dD_Vyk + dF_y0_part2_dF_z_limited*dFy_dF_y0_part2
+    dM_zr_part1_dF_z_limited = dB_y_dF_z_limited*dM_zr_part1_dB_y
+    dS_Hyphi_dF_z_limited = K_ygamma0_by_F_z_limited*dS_Hyphi_dK_ygamma0
+    dtrail_dF_z_limited = dD_t_dF_z_limited*trail_by_D_t
     dF_x0_part2_dPVX2 = S_Vx_by_S_Vx_part1*dfz
-    dF_x0_part2_ddfz = PVX2*S_Vx_by_S_Vx_part1 + dB_xphi_ddfz*dF_x0_part2_dB_xphi
+    dF_x0_part2_ddfz = PVX2*S_Vx_by_S_Vx_part1 + dF_x0_part2_dzeta_1*dzeta_1_ddfz
     dF_x0_part2_dF_x0_v = dF_x0_part2_dF_x0_w*dF_x0_w_dF_x0_v
     dF_x0_part2_dLMUX = LMUX_star_by_LMUX*dF_x0_part2_dLMUX_star
-    dF_x0_part2_dR_0_phi = F_x0_part1*dD_x_dR_0_phi + S_Vx_by_zeta_1*zeta_1_by_R_0_phi
     dF_x0_part2_dLCX = PCX1*dF_x0_part2_dC_x
     dF_x0_part2_dPCX1 = LCX*dF_x0_part2_dC_x
-    dF_x0_part2_dVXLOW = S_Vx_by_fade_smooth*fade_smooth_by_VXLOW
     dF_x0_part2_dmu_x_loaded = F_x0_part1*dD_x_dmu_x_loaded
-    dF_x0_part2_dPDXP1 = B_xphi_by_PDXP1*dF_x0_part2_dB_xphi
-    dF_x0_part2_dPDXP3 = dB_xphi_dPDXP3*dF_x0_part2_dB_xphi
-    dF_x0_part2_dkappa_in = dB_xphi_dkappa_in*dF_x0_part2_dB_xphi + dF_x0_part2_dslide*slide_by_kappa_in
-    dF_x0_part2_dPDXP2 = dB_xphi_dPDXP2*dF_x0_part2_dB_xphi
+    dF_x0_part2_dVXLOW = S_Vx_by_fade_smooth*fade_smooth_by_VXLOW + dF_x0_part2_dzeta_1*dzeta_1_dVXLOW
     dF_x0_part2_dLMUV = dF_x0_part2_dslide*slide_by_LMUV
     dF_x0_part2_dLONGVL = dF_x0_part2_dslide*slide_by_LONGVL
+    dF_x0_part2_dkappa_in = dF_x0_part2_dslide*slide_by_kappa_in + dF_x0_part2_dzeta_1*dzeta_1_dkappa_in
     dF_x0_part2_dalpha_in = dF_x0_part2_dslide*dslide_dalpha_in
+    dF_x0_part2_dR_0_phi = dF_x0_part2_dzeta_1*zeta_1_by_R_0_phi
+    dF_x0_part2_dPDXP1 = dF_x0_part2_dzeta_1*dzeta_1_dPDXP1
+    dF_x0_part2_dPDXP3 = dF_x0_part2_dzeta_1*dzeta_1_dPDXP3
+    dF_x0_part2_dPDXP2 = dF_x0_part2_dzeta_1*dzeta_1_dPDXP2
     dF_x0_part2_dFZMAX = F_z_limited_by_FZMAX*dF_x0_part2_dF_z_limited
     dFx_dF_x0_part2 = Fx_by_Fx_part1*dFx_part1_dF_x0_part2
     dM_y_full_dQSY7 = M_y_full_by_M_y_full_part1*M_y_full_part1_by_QSY7
@@ -3818,22 +3892,22 @@ def jacobian_parameters(inputs, parameters):
     dF_x0_v_dK_xkappa = B_x_part3*dF_x0_v_dB_x
     dF_x0_v_dLCX = PCX1*dF_x0_v_dC_x
     dF_x0_v_dPCX1 = LCX*dF_x0_v_dC_x
-    dF_x0_v_dkappa_in = dF_x0_v_dkappa_x + dB_xphi_dkappa_in*dF_x0_v_dB_xphi
+    dF_x0_v_dkappa_in = dF_x0_v_dkappa_x + dF_x0_v_dzeta_1*dzeta_1_dkappa_in
     dF_x0_v_dLHX = S_Hx_by_LHX*dF_x0_v_dkappa_x
     dF_x0_v_dPHX1 = S_Hx_by_S_Hx_part1*dF_x0_v_dkappa_x
     dF_x0_v_dPHX2 = dF_x0_v_dkappa_x*dkappa_x_dPHX2
-    dF_x0_v_ddfz = dB_xphi_ddfz*dF_x0_v_dB_xphi + dF_x0_v_dkappa_x*dkappa_x_ddfz - F_x0_v_part2*dE_x_ddfz
+    dF_x0_v_ddfz = dF_x0_v_dkappa_x*dkappa_x_ddfz + dF_x0_v_dzeta_1*dzeta_1_ddfz - F_x0_v_part2*dE_x_ddfz
+    dF_x0_v_dmu_x_loaded = dD_x_dmu_x_loaded*dF_x0_v_dD_x
     dF_x0_v_dLEX = -F_x0_v_part2*dE_x_dLEX
     dF_x0_v_dPEX1 = -F_x0_v_part2*dE_x_dPEX1
     dF_x0_v_dPEX2 = -F_x0_v_part2*dE_x_dPEX2
     dF_x0_v_dPEX3 = -F_x0_v_part2*dE_x_dPEX3
     dF_x0_v_dPEX4 = -F_x0_v_part2*dE_x_dPEX4
-    dF_x0_v_dVXLOW = dF_x0_v_dfade_smooth*fade_smooth_by_VXLOW
-    dF_x0_v_dmu_x_loaded = dD_x_dmu_x_loaded*dF_x0_v_dD_x
-    dF_x0_v_dR_0_phi = dD_x_dR_0_phi*dF_x0_v_dD_x
-    dF_x0_v_dPDXP1 = B_xphi_by_PDXP1*dF_x0_v_dB_xphi
-    dF_x0_v_dPDXP3 = dB_xphi_dPDXP3*dF_x0_v_dB_xphi
-    dF_x0_v_dPDXP2 = dB_xphi_dPDXP2*dF_x0_v_dB_xphi
+    dF_x0_v_dVXLOW = dF_x0_v_dfade_smooth*fade_smooth_by_VXLOW + dF_x0_v_dzeta_1*dzeta_1_dVXLOW
+    dF_x0_v_dR_0_phi = dF_x0_v_dzeta_1*zeta_1_by_R_0_phi
+    dF_x0_v_dPDXP1 = dF_x0_v_dzeta_1*dzeta_1_dPDXP1
+    dF_x0_v_dPDXP3 = dF_x0_v_dzeta_1*dzeta_1_dPDXP3
+    dF_x0_v_dPDXP2 = dF_x0_v_dzeta_1*dzeta_1_dPDXP2
     dF_x0_v_dFZMAX = F_z_limited_by_FZMAX*dF_x0_v_dF_z_limited
     dFx_dF_x0_v = dF_x0_part2_dF_x0_v*dFx_dF_x0_part2
     dmu_x_loaded_dPDX3 = mu_x_loaded_by_mu_x_loaded_part1*mu_x_loaded_part1_by_PDX3
@@ -3853,54 +3927,89 @@ def jacobian_parameters(inputs, parameters):
     dkappa_in_dVXLOW = dkappa_raised_dVXLOW*kappa_in_by_kappa_raised
     dtrail_dkappa_in = dtrail_dslip_alpha_teq_part1*kappa_share_by_kappa_in
     dG_yk_dkappa_in = dG_yk_dG_yk_w*dG_yk_w_dkappa_in
-    dMz_part1_dkappa_in = dG_yk_g0_dkappa_in*dMz_part1_dG_yk_g0 + dMz_part1_dslip_alpha_req_part1*kappa_share_by_kappa_in
+    dM_zr_part1_dkappa_in = dM_zr_part1_dslip_alpha_req_part1*kappa_share_by_kappa_in
     dFy_dkappa_in = Fy_by_Fy_part1*dFy_part1_dkappa_in
     dLMUY_star_dkappa_in = LMUY_star_by_slide*slide_by_kappa_in
     dFx_dkappa_in = dF_x0_part2_dkappa_in*dFx_dF_x0_part2 + dF_x0_v_dkappa_in*dFx_dF_x0_v + dFx_dG_xa*dG_xa_dkappa_in + dFx_dmu_x_loaded*dmu_x_loaded_dkappa_in
-    dgamma_in_dCAMMIN = gamma_in_by_gamma_raised*gamma_raised_by_CAMMIN
-    dMx_dgamma_in = Mx_by_gamma_in + Mx_by_M_x_hump*dM_x_hump_dgamma_in
-    dR_0_phi_dgamma_in = dR_0_phi_dphi_part4*dphi_part4_dgamma_in
-    dMz_part1_dgamma_in = dB_Drphi_dgamma_in*dMz_part1_dB_Drphi + dD_r_part7_dgamma_in*dMz_part1_dD_r_part7 + dMz_part1_dgamma_star*dgamma_star_dgamma_in + dMz_part1_dmu_y_loaded*dmu_y_loaded_dgamma_in + dMz_part1_ds_part1*s_part1_by_gamma_in
-    dtrail_dgamma_in = dB_t_dgamma_in*dtrail_dB_t + dD_t_dgamma_in*trail_by_D_t + dgamma_star_dgamma_in*dtrail_dgamma_star
-    dK_yalpha_dgamma_in = dK_yalpha_dgamma_star*dgamma_star_dgamma_in
-    dS_Hy_part4_dgamma_in = dS_Hy_part4_dgamma_star*dgamma_star_dgamma_in
-    dG_yk_dgamma_in = dG_yk_dgamma_star*dgamma_star_dgamma_in
-    dS_Vy_part2_dgamma_in = S_Vygamma_by_gamma_star*dgamma_star_dgamma_in
-    dFy_dgamma_in = dF_y0_part2_dgamma_in*dFy_dF_y0_part2 + dFy_dgamma_star*dgamma_star_dgamma_in + dFy_dmu_y_loaded*dmu_y_loaded_dgamma_in
-    dFx_dgamma_in = dFx_dgamma_star*dgamma_star_dgamma_in + dFx_dmu_x_loaded*dmu_x_loaded_dgamma_in
-    dMy_dgamma_in = dM_y_full_dgamma_in*dMy_dM_y_full
-    dK_yalpha_g0_dPPY1 = K_yalpha_g0_by_K_yalpha_g0_part1*dpi
-    dK_yalpha_g0_ddpi = K_yalpha_g0_by_K_yalpha_g0_part1*PPY1 + dK_yalpha_g0_dK_yalpha_g0_part6*dK_yalpha_g0_part6_ddpi
-    dK_yalpha_g0_dPKY4 = K_yalpha_g0_part7*dK_yalpha_g0_dK_yalpha_g0_part8
-    dK_yalpha_g0_dPKYP1 = K_yalpha_g0_by_zeta_3*zeta_3_by_PKYP1
-    dK_yalpha_g0_dR_0_phi = K_yalpha_g0_by_zeta_3*zeta_3_by_R_0_phi
-    dK_yalpha_g0_dPKY2 = dK_yalpha_g0_dK_yalpha_g0_part6*dK_yalpha_g0_part6_dPKY2
-    dK_yalpha_g0_dPPY2 = dK_yalpha_g0_dK_yalpha_g0_part6*dK_yalpha_g0_part6_dPPY2
-    dK_yalpha_g0_dFNOMIN = LFZO*dK_yalpha_g0_dF_z01
-    dK_yalpha_g0_dLFZO = FNOMIN*dK_yalpha_g0_dF_z01
-    dK_yalpha_g0_dFZMAX = F_z_limited_by_FZMAX*dK_yalpha_g0_dF_z_limited
-    dS_Hyphi_dK_yalpha_g0 = dB_Hyphi_dK_yalpha_g0*dS_Hyphi_dB_Hyphi
-    dF_y0_g0_part2_dK_yalpha_g0 = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dK_yalpha_g0
+    dMz_part1_dkappa_in = dG_yk_g0_dkappa_in*dMz_part1_dG_yk_g0
     dS_Vy_part2_dzeta_2 = S_Vy_part2_by_zeta_2 + S_Vygamma_by_zeta_2
     dS_Vy_part2_dPVY2 = S_Vy_part2_by_S_Vy_part1*dfz
     dS_Vy_part2_ddfz = dS_Vygamma_ddfz + PVY2*S_Vy_part2_by_S_Vy_part1
     dS_Vy_part2_dLMUY_star = dS_Vygamma_dLMUY_star + LMUY_shift_by_LMUY_star*S_Vy_part2_by_LMUY_shift
+    dS_Vy_part2_dgamma_in = S_Vygamma_by_gamma_star*dgamma_star_dgamma_in
     dS_Vy_part2_dFZMAX = F_z_limited_by_FZMAX*dS_Vy_part2_dF_z_limited
-    dS_Vy_part2_dCAMMAX = dS_Vy_part2_dgamma_in*gamma_in_by_CAMMAX
-    dS_Vy_part2_dCAMMIN = dS_Vy_part2_dgamma_in*dgamma_in_dCAMMIN
-    dMz_part1_dS_Vy_part2 = dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dS_Vy_part2
+    dM_zr_part1_dS_Vy_part2 = dM_zr_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dS_Vy_part2
     dFy_dS_Vy_part2 = dFy_dF_y0_part2*fade_smooth
+    dM_zphi_inf_signed_dmu_y_loaded = dM_zphi_inf_signed_dmu_y_pressed*mu_y_pressed_by_mu_y_loaded
+    dM_zphi_inf_signed_dFZMIN = dF_zm_dFZMIN*dM_zphi_inf_signed_dF_zm
+    dM_zphi_inf_signed_dFNOMIN = LFZO*dM_zphi_inf_signed_dF_z01
+    dM_zphi_inf_signed_dLFZO = FNOMIN*dM_zphi_inf_signed_dF_z01
+    dM_zphi_inf_signed_dFZMAX = F_z_limited_by_FZMAX*dM_zphi_inf_signed_dF_z_limited
+    dB_Drphi_dM_zphi_inf_signed = dB_Drphi_dD_Drphi*dD_Drphi_dM_zphi_inf_signed
+    dM_zr_part1_dM_zphi_inf_signed = dD_rphi_dM_zphi_inf_signed*dM_zr_part1_dD_rphi + dM_zphi90_dM_zphi_inf_signed*dM_zr_part1_dM_zphi90
+    dMz_part1_dM_zphi_inf_signed = dD_rphi_dM_zphi_inf_signed*dMz_part1_dD_rphi
+    dF_y0_g0_part2_dzeta_2 = S_Vy_g0_by_zeta_2 + D_y_g0_by_zeta_2*F_y0_g0_part1 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dzeta_2
+    dF_y0_g0_part2_dPVY2 = S_Vy_g0_by_S_Vy_g0_part1*dfz
+    dF_y0_g0_part2_ddfz = PVY2*S_Vy_g0_by_S_Vy_g0_part1 + dE_y_g0_ddfz*dF_y0_g0_part2_dE_y_g0 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_ddfz + dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_ddfz
+    dF_y0_g0_part2_dLMUY_star = LMUY_shift_by_LMUY_star*S_Vy_g0_by_LMUY_shift + dF_y0_g0_part2_dmu_y_loaded_g0*mu_y_loaded_g0_by_LMUY_star
+    dF_y0_g0_part2_dLCY = PCY1*dF_y0_g0_part2_dC_y_g0 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dLCY
+    dF_y0_g0_part2_dPCY1 = LCY*dF_y0_g0_part2_dC_y_g0 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dPCY1
+    dF_y0_g0_part2_dLEY = dE_y_g0_dLEY*dF_y0_g0_part2_dE_y_g0
+    dF_y0_g0_part2_dPEY1 = dE_y_g0_dPEY1*dF_y0_g0_part2_dE_y_g0
+    dF_y0_g0_part2_dPEY2 = dE_y_g0_dPEY2*dF_y0_g0_part2_dE_y_g0
+    dF_y0_g0_part2_dPEY3 = dE_y_g0_dPEY3*dF_y0_g0_part2_dE_y_g0
+    dF_y0_g0_part2_dVXLOW = S_Vy_g0_by_fade_smooth*fade_smooth_by_VXLOW + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dVXLOW
+    dF_y0_g0_part2_dK_yalpha_g0 = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dK_yalpha_g0
+    dF_y0_g0_part2_dLHY = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dLHY
+    dF_y0_g0_part2_dS_Hyphi = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dS_Hyphi
+    dF_y0_g0_part2_dPHY1 = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dPHY1
+    dF_y0_g0_part2_dPHY2 = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dPHY2
+    dF_y0_g0_part2_dalpha_in = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dalpha_in
+    dF_y0_g0_part2_dPDY1 = dF_y0_g0_part2_dmu_y_loaded_g0*mu_y_loaded_g0_by_mu_y_loaded_g0_part1
+    dF_y0_g0_part2_dPDY2 = dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_dPDY2
+    dF_y0_g0_part2_dPPY3 = dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_dPPY3
+    dF_y0_g0_part2_dPPY4 = dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_dPPY4
+    dF_y0_g0_part2_ddpi = dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_ddpi
+    dF_y0_g0_part2_dFZMAX = F_z_limited_by_FZMAX*dF_y0_g0_part2_dF_z_limited
+    dMz_part1_dF_y0_g0_part2 = -dF_y1_dF_y0_g0_part2*trail
+    dgamma_in_dCAMMIN = gamma_in_by_gamma_raised*gamma_raised_by_CAMMIN
+    dMx_dgamma_in = Mx_by_gamma_in + Mx_by_M_x_hump*dM_x_hump_dgamma_in
+    dR_0_phi_dgamma_in = dR_0_phi_dphi_part4*dphi_part4_dgamma_in
+    dB_Drphi_dgamma_in = K_zgammar0_part4_by_gamma_in*dB_Drphi_dK_zgammar0_part4 + dB_Drphi_dgamma_star*dgamma_star_dgamma_in
+    dMz_part1_dgamma_in = dD_r_part7_dgamma_in*dMz_part1_dD_r_part7 + dMz_part1_dgamma_star*dgamma_star_dgamma_in + dMz_part1_ds_part1*s_part1_by_gamma_in
+    dtrail_dgamma_in = dB_t_dgamma_in*dtrail_dB_t + dD_t_dgamma_in*trail_by_D_t + dgamma_star_dgamma_in*dtrail_dgamma_star
+    dK_yalpha_dgamma_in = dK_yalpha_dgamma_star*dgamma_star_dgamma_in
+    dS_Hy_part4_dgamma_in = dS_Hy_part4_dgamma_star*dgamma_star_dgamma_in
+    dmu_y_loaded_dgamma_in = dgamma_star_dgamma_in*dmu_y_loaded_dgamma_star
+    dG_yk_dgamma_in = dG_yk_dgamma_star*dgamma_star_dgamma_in
+    dFy_dgamma_in = dF_y0_part2_dgamma_in*dFy_dF_y0_part2 + dFy_dS_Vy_part2*dS_Vy_part2_dgamma_in + dFy_dgamma_star*dgamma_star_dgamma_in
+    dFx_dgamma_in = dFx_dgamma_star*dgamma_star_dgamma_in + dFx_dmu_x_loaded*dmu_x_loaded_dgamma_in
+    dMy_dgamma_in = dM_y_full_dgamma_in*dMy_dM_y_full
+    dM_zr_part1_dgamma_in = dM_zr_part1_dS_Vy_part2*dS_Vy_part2_dgamma_in
+    dK_yalpha_g0_dPPY1 = K_yalpha_g0_by_K_yalpha_g0_part1*dpi
+    dK_yalpha_g0_ddpi = K_yalpha_g0_by_K_yalpha_g0_part1*PPY1 + dK_yalpha_g0_dK_yalpha_g0_part6*dK_yalpha_g0_part6_ddpi
+    dK_yalpha_g0_dPKY4 = K_yalpha_g0_part7*dK_yalpha_g0_dK_yalpha_g0_part8
+    dK_yalpha_g0_dPKY2 = dK_yalpha_g0_dK_yalpha_g0_part6*dK_yalpha_g0_part6_dPKY2
+    dK_yalpha_g0_dPPY2 = dK_yalpha_g0_dK_yalpha_g0_part6*dK_yalpha_g0_part6_dPPY2
+    dK_yalpha_g0_dPKYP1 = K_yalpha_g0_by_zeta_3*zeta_3_by_PKYP1
+    dK_yalpha_g0_dR_0_phi = K_yalpha_g0_by_zeta_3*zeta_3_by_R_0_phi
+    dK_yalpha_g0_dVXLOW = dK_yalpha_g0_dturn_share*dturn_share_dVXLOW
+    dK_yalpha_g0_dFNOMIN = LFZO*dK_yalpha_g0_dF_z01
+    dK_yalpha_g0_dLFZO = FNOMIN*dK_yalpha_g0_dF_z01
+    dK_yalpha_g0_dFZMAX = F_z_limited_by_FZMAX*dK_yalpha_g0_dF_z_limited
+    dS_Hyphi_dK_yalpha_g0 = dB_Hyphi_dK_yalpha_g0*dS_Hyphi_dB_Hyphi
+    dMz_part1_dK_yalpha_g0 = dF_y0_g0_part2_dK_yalpha_g0*dMz_part1_dF_y0_g0_part2
     dalpha_in_dALPMIN = alpha_in_by_alpha_raised*alpha_raised_by_ALPMIN
     dalpha_in_dVXLOW = alpha_in_by_alpha_raised*dalpha_raised_dVXLOW
     dtrail_dalpha_in = dalpha_star_dalpha_in*dtrail_dalpha_t + dtrail_dtan_alpha*tan_alpha_by_alpha_in
     dzeta_2_dalpha_in = dB_yphi_dalpha_in*zeta_2_by_B_yphi
     dR_0_phi_dalpha_in = dR_0_phi_dphi_part4*dphi_part4_dalpha_in
-    dMz_part1_dalpha_in = dG_yk_g0_dalpha_in*dMz_part1_dG_yk_g0 + dMz_part1_dalpha_star*dalpha_star_dalpha_in
     dG_yk_dalpha_in = dG_yk_dalpha_star*dalpha_star_dalpha_in
+    dMz_part1_dalpha_in = dF_y0_g0_part2_dalpha_in*dMz_part1_dF_y0_g0_part2 + dG_yk_g0_dalpha_in*dMz_part1_dG_yk_g0 + dMz_part1_dalpha_star*dalpha_star_dalpha_in
+    dM_zr_part1_dalpha_in = dM_zr_part1_dalpha_star*dalpha_star_dalpha_in
     dFy_dalpha_in = dD_Vyk_dalpha_in*dFy_dD_Vyk + dF_y0_part2_dalpha_in*dFy_dF_y0_part2
     dLMUY_star_dalpha_in = LMUY_star_by_slide*dslide_dalpha_in
     dFx_dalpha_in = dF_x0_part2_dalpha_in*dFx_dF_x0_part2 + dFx_dG_xa*dG_xa_dalpha_in + dFx_dmu_x_loaded*dmu_x_loaded_dalpha_in
-    dF_y0_g0_part2_dalpha_in = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dalpha_in
     dK_xkappa_dPKX2 = K_xkappa_by_K_xkappa_part1*dfz
     dK_xkappa_ddfz = K_xkappa_by_K_xkappa_part1*PKX2 + PKX3*dK_xkappa_dK_xkappa_part3
     dK_xkappa_dPKX3 = dK_xkappa_dK_xkappa_part3*dfz
@@ -3909,68 +4018,70 @@ def jacobian_parameters(inputs, parameters):
     dK_xkappa_ddpi = K_xkappa_by_K_xkappa_part2*K_xkappa_part2_by_dpi
     dK_xkappa_dFZMAX = F_z_limited_by_FZMAX*K_xkappa_by_F_z_limited
     dtrail_dK_xkappa = dtrail_dslip_alpha_teq_part1*kappa_share_by_K_xkappa
-    dMz_part1_dK_xkappa = dMz_part1_dslip_alpha_req_part1*kappa_share_by_K_xkappa
+    dM_zr_part1_dK_xkappa = dM_zr_part1_dslip_alpha_req_part1*kappa_share_by_K_xkappa
     dFx_dK_xkappa = dF_x0_v_dK_xkappa*dFx_dF_x0_v
-    ddfz_dFNOMIN = LFZO*ddfz_dF_z01
-    ddfz_dLFZO = FNOMIN*ddfz_dF_z01
-    ddfz_dFZMAX = F_z_limited_by_FZMAX*dfz_part1
-    dS_Hy_part4_ddfz = LHY*PHY2 + dK_ygamma0_ddfz*dS_Hy_part4_dK_ygamma0 + dS_Hy_part4_dS_Vygamma*dS_Vygamma_ddfz
-    dF_y0_g0_part2_ddfz = PVY2*S_Vy_g0_by_S_Vy_g0_part1 + dE_y_g0_ddfz*dF_y0_g0_part2_dE_y_g0 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_ddfz + dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_ddfz
-    dzeta_2_ddfz = dB_yphi_ddfz*zeta_2_by_B_yphi
-    dG_yk_ddfz = RHY2*dG_yk_dS_Hyk + dE_ykappa_ddfz*dG_yk_dE_ykappa
-    dS_Hyphi_ddfz = S_Hyphi_by_D_Hyphi*dD_Hyphi_ddfz + dB_Hyphi_ddfz*dS_Hyphi_dB_Hyphi + dK_ygamma0_ddfz*dS_Hyphi_dK_ygamma0
-    dR_0_phi_ddfz = dR_0_phi_dphi_part4*dphi_part4_ddfz
-    dMz_part1_ddfz = dB_Drphi_ddfz*dMz_part1_dB_Drphi + dD_r_part7_ddfz*dMz_part1_dD_r_part7 + dG_yk_g0_ddfz*dMz_part1_dG_yk_g0 + dK_xkappa_ddfz*dMz_part1_dK_xkappa + dMz_part1_dS_Vy_part2*dS_Vy_part2_ddfz + dMz_part1_dmu_y_loaded*dmu_y_loaded_ddfz + dMz_part1_ds_part1*s_part1_by_dfz
-    dFy_ddfz = dD_Vyk_ddfz*dFy_dD_Vyk + dF_y0_part2_ddfz*dFy_dF_y0_part2 + dFy_dS_Vy_part2*dS_Vy_part2_ddfz + dFy_dmu_y_loaded*dmu_y_loaded_ddfz
-    dtrail_ddfz = E_t_by_dfz*dtrail_dE_t + dB_t_ddfz*dtrail_dB_t + dD_t_ddfz*trail_by_D_t + dK_xkappa_ddfz*dtrail_dK_xkappa + dalpha_t_ddfz*dtrail_dalpha_t
-    dFx_ddfz = dF_x0_part2_ddfz*dFx_dF_x0_part2 + dF_x0_v_ddfz*dFx_dF_x0_v + dFx_dG_xa*dG_xa_ddfz + dFx_dK_xkappa*dK_xkappa_ddfz + dFx_dmu_x_loaded*dmu_x_loaded_ddfz
     ddpi_dNOMPRES = -dpi_part1 + dpi_part1_by_NOMPRES*dpi_part2
     ddpi_dPRESMAX = dpi_part1*p_in_by_PRESMAX
     ddpi_dPRESMIN = dp_in_dPRESMIN*dpi_part1
     dK_yalpha_ddpi = K_yalpha_by_K_yalpha_part1*PPY1 + dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_ddpi
+    dmu_y_loaded_ddpi = mu_y_loaded_by_mu_y_loaded_part3*mu_y_loaded_part3_by_dpi
     dR_0_phi_ddpi = dR_0_phi_dR_e_2*dR_e_2_ddpi
-    dF_y0_g0_part2_ddpi = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_ddpi + dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_ddpi
-    dMz_part1_ddpi = dD_r_part7_ddpi*dMz_part1_dD_r_part7 + dK_xkappa_ddpi*dMz_part1_dK_xkappa + dMz_part1_dmu_y_loaded*dmu_y_loaded_ddpi
     dS_Hy_part4_ddpi = dK_ygamma0_ddpi*dS_Hy_part4_dK_ygamma0
     dS_Hyphi_ddpi = dK_yalpha_g0_ddpi*dS_Hyphi_dK_yalpha_g0 + dK_ygamma0_ddpi*dS_Hyphi_dK_ygamma0
+    dMz_part1_ddpi = dD_r_part7_ddpi*dMz_part1_dD_r_part7 + dF_y0_g0_part2_ddpi*dMz_part1_dF_y0_g0_part2 + dK_yalpha_g0_ddpi*dMz_part1_dK_yalpha_g0
     dtrail_ddpi = dD_t_ddpi*trail_by_D_t + dK_xkappa_ddpi*dtrail_dK_xkappa
-    dFy_ddpi = dFy_dmu_y_loaded*dmu_y_loaded_ddpi
     dFx_ddpi = dFx_dK_xkappa*dK_xkappa_ddpi + dFx_dmu_x_loaded*dmu_x_loaded_ddpi
-    dF_y0_g0_part2_dzeta_2 = S_Vy_g0_by_zeta_2 + D_y_g0_by_zeta_2*F_y0_g0_part1 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dzeta_2
-    dF_y0_g0_part2_dPVY2 = S_Vy_g0_by_S_Vy_g0_part1*dfz
-    dF_y0_g0_part2_dLMUY_star = LMUY_shift_by_LMUY_star*S_Vy_g0_by_LMUY_shift + dF_y0_g0_part2_dmu_y_loaded_g0*mu_y_loaded_g0_by_LMUY_star
-    dF_y0_g0_part2_dLCY = PCY1*dF_y0_g0_part2_dC_y_g0 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dLCY
-    dF_y0_g0_part2_dPCY1 = LCY*dF_y0_g0_part2_dC_y_g0 + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dPCY1
-    dF_y0_g0_part2_dLEY = dE_y_g0_dLEY*dF_y0_g0_part2_dE_y_g0
-    dF_y0_g0_part2_dPEY1 = dE_y_g0_dPEY1*dF_y0_g0_part2_dE_y_g0
-    dF_y0_g0_part2_dPEY2 = dE_y_g0_dPEY2*dF_y0_g0_part2_dE_y_g0
-    dF_y0_g0_part2_dPEY3 = dE_y_g0_dPEY3*dF_y0_g0_part2_dE_y_g0
-    dF_y0_g0_part2_dVXLOW = S_Vy_g0_by_fade_smooth*fade_smooth_by_VXLOW + dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dVXLOW + dF_y0_g0_part2_dalpha_in*dalpha_in_dVXLOW
-    dF_y0_g0_part2_dLHY = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dLHY
-    dF_y0_g0_part2_dS_Hyphi = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dS_Hyphi
-    dF_y0_g0_part2_dPHY1 = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dPHY1
-    dF_y0_g0_part2_dPHY2 = dF_y0_g0_part2_dF_y0_g0_u*dF_y0_g0_u_dPHY2
-    dF_y0_g0_part2_dPDY1 = dF_y0_g0_part2_dmu_y_loaded_g0*mu_y_loaded_g0_by_mu_y_loaded_g0_part1
-    dF_y0_g0_part2_dPDY2 = dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_dPDY2
-    dF_y0_g0_part2_dPPY3 = dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_dPPY3
-    dF_y0_g0_part2_dPPY4 = dF_y0_g0_part2_dmu_y_loaded_g0*dmu_y_loaded_g0_dPPY4
-    dF_y0_g0_part2_dFZMAX = F_z_limited_by_FZMAX*dF_y0_g0_part2_dF_z_limited + dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dFZMAX + dF_y0_g0_part2_ddfz*ddfz_dFZMAX
-    dF_y0_g0_part2_dLKY = K_yalpha_g0_by_LKY*dF_y0_g0_part2_dK_yalpha_g0
-    dF_y0_g0_part2_dPKY1 = K_yalpha_g0_by_PKY1*dF_y0_g0_part2_dK_yalpha_g0
-    dF_y0_g0_part2_dPPY1 = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dPPY1
-    dF_y0_g0_part2_dPKY4 = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dPKY4
-    dF_y0_g0_part2_dPKYP1 = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dPKYP1
-    dF_y0_g0_part2_dR_0_phi = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dR_0_phi
-    dF_y0_g0_part2_dPKY2 = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dPKY2
-    dF_y0_g0_part2_dPPY2 = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dPPY2
-    dF_y0_g0_part2_dFNOMIN = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dFNOMIN + dF_y0_g0_part2_ddfz*ddfz_dFNOMIN
-    dF_y0_g0_part2_dLFZO = dF_y0_g0_part2_dK_yalpha_g0*dK_yalpha_g0_dLFZO + dF_y0_g0_part2_ddfz*ddfz_dLFZO
-    dF_y0_g0_part2_dALPMAX = alpha_in_by_ALPMAX*dF_y0_g0_part2_dalpha_in
-    dF_y0_g0_part2_dALPMIN = dF_y0_g0_part2_dalpha_in*dalpha_in_dALPMIN
-    dF_y0_g0_part2_dNOMPRES = dF_y0_g0_part2_ddpi*ddpi_dNOMPRES
-    dF_y0_g0_part2_dPRESMAX = dF_y0_g0_part2_ddpi*ddpi_dPRESMAX
-    dF_y0_g0_part2_dPRESMIN = dF_y0_g0_part2_ddpi*ddpi_dPRESMIN
-    dMz_part1_dF_y0_g0_part2 = -dF_y1_dF_y0_g0_part2*trail
+    dM_zr_part1_ddpi = dK_xkappa_ddpi*dM_zr_part1_dK_xkappa
+    ddfz_dFNOMIN = LFZO*ddfz_dF_z01
+    ddfz_dLFZO = FNOMIN*ddfz_dF_z01
+    ddfz_dFZMAX = F_z_limited_by_FZMAX*dfz_part1
+    dS_Hy_part4_ddfz = LHY*PHY2 + dK_ygamma0_ddfz*dS_Hy_part4_dK_ygamma0 + dS_Hy_part4_dS_Vygamma*dS_Vygamma_ddfz
+    dmu_y_loaded_ddfz = PDY2*mu_y_loaded_by_mu_y_loaded_part2
+    dzeta_2_ddfz = dB_yphi_ddfz*zeta_2_by_B_yphi
+    dG_yk_ddfz = RHY2*dG_yk_dS_Hyk + dE_ykappa_ddfz*dG_yk_dE_ykappa
+    dB_Drphi_ddfz = PECP2*dB_Drphi_deps_gamma_part1 + dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_ddfz
+    dS_Hyphi_ddfz = S_Hyphi_by_D_Hyphi*dD_Hyphi_ddfz + dB_Hyphi_ddfz*dS_Hyphi_dB_Hyphi + dK_ygamma0_ddfz*dS_Hyphi_dK_ygamma0
+    dR_0_phi_ddfz = dR_0_phi_dphi_part4*dphi_part4_ddfz
+    dMz_part1_ddfz = dD_r_part7_ddfz*dMz_part1_dD_r_part7 + dF_y0_g0_part2_ddfz*dMz_part1_dF_y0_g0_part2 + dG_yk_g0_ddfz*dMz_part1_dG_yk_g0 + dMz_part1_ds_part1*s_part1_by_dfz
+    dFy_ddfz = dD_Vyk_ddfz*dFy_dD_Vyk + dF_y0_part2_ddfz*dFy_dF_y0_part2 + dFy_dS_Vy_part2*dS_Vy_part2_ddfz
+    dtrail_ddfz = E_t_by_dfz*dtrail_dE_t + dB_t_ddfz*dtrail_dB_t + dD_t_ddfz*trail_by_D_t + dK_xkappa_ddfz*dtrail_dK_xkappa + dalpha_t_ddfz*dtrail_dalpha_t
+    dFx_ddfz = dF_x0_part2_ddfz*dFx_dF_x0_part2 + dF_x0_v_ddfz*dFx_dF_x0_v + dFx_dG_xa*dG_xa_ddfz + dFx_dK_xkappa*dK_xkappa_ddfz + dFx_dmu_x_loaded*dmu_x_loaded_ddfz
+    dM_zr_part1_ddfz = dK_xkappa_ddfz*dM_zr_part1_dK_xkappa + dM_zr_part1_dS_Vy_part2*dS_Vy_part2_ddfz
+    dB_Drphi_dQDRP1 = B_Drphi_by_B_Drphi_part2*B_Drphi_part2_by_QDRP1 + dB_Drphi_dD_Drphi*dD_Drphi_dQDRP1
+    dB_Drphi_dPECP1 = -dB_Drphi_dB_Drphi_part3*eps_gamma_part1
+    dB_Drphi_dLKZC = B_Drphi_by_K_zgammar0*K_zgammar0_by_LKZC
+    dB_Drphi_dUNLOADED_RADIUS = B_Drphi_by_K_zgammar0*K_zgammar0_by_UNLOADED_RADIUS + M_zphi_inf_signed_by_UNLOADED_RADIUS*dB_Drphi_dM_zphi_inf_signed
+    dB_Drphi_dPECP2 = dB_Drphi_deps_gamma_part1*dfz
+    dB_Drphi_dQDZ10 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ10
+    dB_Drphi_dQDZ11 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ11
+    dB_Drphi_dQDZ8 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ8
+    dB_Drphi_dQDZ9 = dB_Drphi_dK_zgammar0_part4*dK_zgammar0_part4_dQDZ9
+    dB_Drphi_dFZMIN = dB_Drphi_dF_zm*dF_zm_dFZMIN + dB_Drphi_dM_zphi_inf_signed*dM_zphi_inf_signed_dFZMIN
+    dB_Drphi_dFZMAX = F_z_limited_by_FZMAX*dB_Drphi_dF_z_limited + dB_Drphi_dM_zphi_inf_signed*dM_zphi_inf_signed_dFZMAX + dB_Drphi_ddfz*ddfz_dFZMAX
+    dB_Drphi_dLMP = M_zphi_inf_signed_by_LMP*dB_Drphi_dM_zphi_inf_signed
+    dB_Drphi_dQCRP1 = M_zphi_inf_signed_by_QCRP1*dB_Drphi_dM_zphi_inf_signed
+    dB_Drphi_dmu_y_loaded = dB_Drphi_dM_zphi_inf_signed*dM_zphi_inf_signed_dmu_y_loaded
+    dB_Drphi_dFNOMIN = dB_Drphi_dM_zphi_inf_signed*dM_zphi_inf_signed_dFNOMIN + dB_Drphi_ddfz*ddfz_dFNOMIN
+    dB_Drphi_dLFZO = dB_Drphi_dM_zphi_inf_signed*dM_zphi_inf_signed_dLFZO + dB_Drphi_ddfz*ddfz_dLFZO
+    dB_Drphi_dCAMMAX = dB_Drphi_dgamma_in*gamma_in_by_CAMMAX
+    dB_Drphi_dCAMMIN = dB_Drphi_dgamma_in*dgamma_in_dCAMMIN
+    dM_zr_part1_dB_Drphi = dD_rphi_dB_Drphi*dM_zr_part1_dD_rphi
+    dMz_part1_dB_Drphi = dD_rphi_dB_Drphi*dMz_part1_dD_rphi
+    dmu_y_loaded_dPDY3 = mu_y_loaded_by_mu_y_loaded_part1*mu_y_loaded_part1_by_PDY3
+    dmu_y_loaded_dPDY2 = dfz*mu_y_loaded_by_mu_y_loaded_part2
+    dmu_y_loaded_dPPY3 = dpi*mu_y_loaded_by_mu_y_loaded_part3
+    dmu_y_loaded_dPPY4 = mu_y_loaded_by_mu_y_loaded_part3*mu_y_loaded_part3_by_PPY4
+    dmu_y_loaded_dCAMMAX = dmu_y_loaded_dgamma_in*gamma_in_by_CAMMAX
+    dmu_y_loaded_dCAMMIN = dgamma_in_dCAMMIN*dmu_y_loaded_dgamma_in
+    dmu_y_loaded_dNOMPRES = ddpi_dNOMPRES*dmu_y_loaded_ddpi
+    dmu_y_loaded_dPRESMAX = ddpi_dPRESMAX*dmu_y_loaded_ddpi
+    dmu_y_loaded_dPRESMIN = ddpi_dPRESMIN*dmu_y_loaded_ddpi
+    dmu_y_loaded_dFNOMIN = ddfz_dFNOMIN*dmu_y_loaded_ddfz
+    dmu_y_loaded_dLFZO = ddfz_dLFZO*dmu_y_loaded_ddfz
+    dmu_y_loaded_dFZMAX = ddfz_dFZMAX*dmu_y_loaded_ddfz
+    dFy_dmu_y_loaded = dD_Vyk_dmu_y_loaded*dFy_dD_Vyk + dF_y0_part2_dmu_y_loaded*dFy_dF_y0_part2
+    dM_zr_part1_dmu_y_loaded = dB_Drphi_dmu_y_loaded*dM_zr_part1_dB_Drphi + dB_y_dmu_y_loaded*dM_zr_part1_dB_y + dM_zphi_inf_signed_dmu_y_loaded*dM_zr_part1_dM_zphi_inf_signed
+    dMz_part1_dmu_y_loaded = dB_Drphi_dmu_y_loaded*dMz_part1_dB_Drphi + dM_zphi_inf_signed_dmu_y_loaded*dMz_part1_dM_zphi_inf_signed
     dLMUY_star_dLMUV = LMUY_star_by_slide*slide_by_LMUV
     dLMUY_star_dLONGVL = LMUY_star_by_slide*slide_by_LONGVL
     dLMUY_star_dKPUMAX = dLMUY_star_dkappa_in*kappa_in_by_KPUMAX
@@ -3978,22 +4089,99 @@ def jacobian_parameters(inputs, parameters):
     dLMUY_star_dVXLOW = dLMUY_star_dalpha_in*dalpha_in_dVXLOW + dLMUY_star_dkappa_in*dkappa_in_dVXLOW
     dLMUY_star_dALPMAX = alpha_in_by_ALPMAX*dLMUY_star_dalpha_in
     dLMUY_star_dALPMIN = dLMUY_star_dalpha_in*dalpha_in_dALPMIN
-    dMz_part1_dLMUY_star = D_r_by_LMUY_star*M_zr_by_D_r + dB_r_part2_dLMUY_star*dMz_part1_dB_r_part2 + dF_y0_g0_part2_dLMUY_star*dMz_part1_dF_y0_g0_part2 + dMz_part1_dS_Vy_part2*dS_Vy_part2_dLMUY_star + dMz_part1_dmu_y_loaded*mu_y_loaded_by_LMUY_star
+    dM_zr_part1_dLMUY_star = dB_r_part2_dLMUY_star*dM_zr_part1_dB_r_part2 + dM_zr_part1_dS_Vy_part2*dS_Vy_part2_dLMUY_star + dM_zr_part1_dmu_y_loaded*mu_y_loaded_by_LMUY_star
+    dMz_part1_dLMUY_star = D_r_by_LMUY_star*M_zr_by_D_r + dF_y0_g0_part2_dLMUY_star*dMz_part1_dF_y0_g0_part2 + dMz_part1_dmu_y_loaded*mu_y_loaded_by_LMUY_star
     dS_Hy_part4_dLMUY_star = dS_Hy_part4_dS_Vygamma*dS_Vygamma_dLMUY_star
     dtrail_dLMUY_star = dB_t_dLMUY_star*dtrail_dB_t
     dFy_dLMUY_star = dFy_dS_Vy_part2*dS_Vy_part2_dLMUY_star + dFy_dmu_y_loaded*mu_y_loaded_by_LMUY_star
     dzeta_2_dPDYP1 = B_yphi_by_PDYP1*zeta_2_by_B_yphi
     dzeta_2_dPDYP3 = dB_yphi_dPDYP3*zeta_2_by_B_yphi
     dzeta_2_dPDYP2 = dB_yphi_dPDYP2*zeta_2_by_B_yphi
+    dzeta_2_dVXLOW = dalpha_in_dVXLOW*dzeta_2_dalpha_in + dturn_share_dVXLOW*zeta_2_by_turn_share
     dzeta_2_dALPMAX = alpha_in_by_ALPMAX*dzeta_2_dalpha_in
     dzeta_2_dALPMIN = dalpha_in_dALPMIN*dzeta_2_dalpha_in
-    dzeta_2_dVXLOW = dalpha_in_dVXLOW*dzeta_2_dalpha_in
     dzeta_2_dFNOMIN = ddfz_dFNOMIN*dzeta_2_ddfz
     dzeta_2_dLFZO = ddfz_dLFZO*dzeta_2_ddfz
     dzeta_2_dFZMAX = ddfz_dFZMAX*dzeta_2_ddfz
     dS_Hy_part4_dzeta_2 = S_Vygamma_by_zeta_2*dS_Hy_part4_dS_Vygamma
     dFy_dzeta_2 = D_Vyk_by_zeta_2*dFy_dD_Vyk + dF_y0_part2_dzeta_2*dFy_dF_y0_part2 + dFy_dS_Vy_part2*dS_Vy_part2_dzeta_2
-    dMz_part1_dzeta_2 = D_r_part7_by_zeta_2*dMz_part1_dD_r_part7 + dB_y_dzeta_2*dMz_part1_dB_y + dF_y0_g0_part2_dzeta_2*dMz_part1_dF_y0_g0_part2 + dMz_part1_dS_Vy_part2*dS_Vy_part2_dzeta_2
+    dM_zr_part1_dzeta_2 = dB_y_dzeta_2*dM_zr_part1_dB_y + dM_zr_part1_dS_Vy_part2*dS_Vy_part2_dzeta_2
+    dMz_part1_dzeta_2 = D_r_part7_by_zeta_2*dMz_part1_dD_r_part7 + dF_y0_g0_part2_dzeta_2*dMz_part1_dF_y0_g0_part2
+    dS_Hyphi_dPHYP1 = S_Hyphi_w_part1*dS_Hyphi_dS_Hyphi_w + dB_Hyphi_dPHYP1*dS_Hyphi_dB_Hyphi
+    dS_Hyphi_dPHYP4 = dS_Hyphi_dS_Hyphi_v*dS_Hyphi_v_dPHYP4
+    dS_Hyphi_dR_0_phi = dK_yalpha_g0_dR_0_phi*dS_Hyphi_dK_yalpha_g0 + dS_Hyphi_dS_Hyphi_v*dS_Hyphi_v_dR_0_phi
+    dS_Hyphi_dPHYP2 = D_Hyphi_part2*S_Hyphi_by_D_Hyphi + dB_Hyphi_dPHYP2*dS_Hyphi_dB_Hyphi
+    dS_Hyphi_dPHYP3 = S_Hyphi_by_D_Hyphi*dD_Hyphi_dPHYP3 + dB_Hyphi_dPHYP3*dS_Hyphi_dB_Hyphi
+    dS_Hyphi_dPECP1 = dB_Hyphi_dPECP1*dS_Hyphi_dB_Hyphi
+    dS_Hyphi_dPECP2 = dB_Hyphi_dPECP2*dS_Hyphi_dB_Hyphi
+    dS_Hyphi_dLKYC = K_ygamma0_by_LKYC*dS_Hyphi_dK_ygamma0
+    dS_Hyphi_dPPY5 = dK_ygamma0_dPPY5*dS_Hyphi_dK_ygamma0
+    dS_Hyphi_dPKY6 = K_ygamma0_by_K_ygamma0_part2*dS_Hyphi_dK_ygamma0
+    dS_Hyphi_dPKY7 = dK_ygamma0_dPKY7*dS_Hyphi_dK_ygamma0
+    dS_Hyphi_dFZMAX = F_z_limited_by_FZMAX*dS_Hyphi_dF_z_limited + dK_yalpha_g0_dFZMAX*dS_Hyphi_dK_yalpha_g0 + dS_Hyphi_ddfz*ddfz_dFZMAX
+    dS_Hyphi_dLKY = K_yalpha_g0_by_LKY*dS_Hyphi_dK_yalpha_g0
+    dS_Hyphi_dPKY1 = K_yalpha_g0_by_PKY1*dS_Hyphi_dK_yalpha_g0
+    dS_Hyphi_dPPY1 = dK_yalpha_g0_dPPY1*dS_Hyphi_dK_yalpha_g0
+    dS_Hyphi_dPKY4 = dK_yalpha_g0_dPKY4*dS_Hyphi_dK_yalpha_g0
+    dS_Hyphi_dPKY2 = dK_yalpha_g0_dPKY2*dS_Hyphi_dK_yalpha_g0
+    dS_Hyphi_dPPY2 = dK_yalpha_g0_dPPY2*dS_Hyphi_dK_yalpha_g0
+    dS_Hyphi_dPKYP1 = dK_yalpha_g0_dPKYP1*dS_Hyphi_dK_yalpha_g0
+    dS_Hyphi_dVXLOW = dK_yalpha_g0_dVXLOW*dS_Hyphi_dK_yalpha_g0
+    dS_Hyphi_dFNOMIN = dK_yalpha_g0_dFNOMIN*dS_Hyphi_dK_yalpha_g0 + dS_Hyphi_ddfz*ddfz_dFNOMIN
+    dS_Hyphi_dLFZO = dK_yalpha_g0_dLFZO*dS_Hyphi_dK_yalpha_g0 + dS_Hyphi_ddfz*ddfz_dLFZO
+    dS_Hyphi_dNOMPRES = dS_Hyphi_ddpi*ddpi_dNOMPRES
+    dS_Hyphi_dPRESMAX = dS_Hyphi_ddpi*ddpi_dPRESMAX
+    dS_Hyphi_dPRESMIN = dS_Hyphi_ddpi*ddpi_dPRESMIN
+    dMz_part1_dS_Hyphi = dF_y0_g0_part2_dS_Hyphi*dMz_part1_dF_y0_g0_part2
+    dtrail_dLFZO = dD_t_dLFZO*trail_by_D_t + ddfz_dLFZO*dtrail_ddfz + trail_by_trail_part1*trail_part1_by_LFZO
+    dtrail_dQCZ1 = E_t_by_C_t*dtrail_dE_t + dtrail_dtrail_w*trail_w_part1
+    dtrail_dK_yalpha = dslip_alpha_teq_part1_dK_yalpha*dtrail_dslip_alpha_teq_part1
+    dtrail_dVXLOW = dD_t_dVXLOW*trail_by_D_t + dLMUY_star_dVXLOW*dtrail_dLMUY_star + dalpha_in_dVXLOW*dtrail_dalpha_in + dkappa_in_dVXLOW*dtrail_dkappa_in + fade_smooth_by_VXLOW*trail_by_fade_smooth
+    dtrail_dQEZ1 = E_t_by_QEZ1*dtrail_dE_t
+    dtrail_dQEZ2 = E_t_by_QEZ2*dtrail_dE_t
+    dtrail_dQEZ3 = E_t_by_QEZ3*dtrail_dE_t
+    dtrail_dQEZ4 = E_t_by_QEZ4*dtrail_dE_t
+    dtrail_dQEZ5 = E_t_by_QEZ5*dtrail_dE_t
+    dtrail_dQHZ2 = dfz*dtrail_dalpha_t
+    dtrail_dQHZ3 = dtrail_dalpha_t*gamma_star
+    dtrail_dQHZ4 = dalpha_t_dQHZ4*dtrail_dalpha_t
+    dtrail_dLKY = B_t_by_LKY*dtrail_dB_t
+    dtrail_dQBZ1 = B_t_by_B_t_part2*dtrail_dB_t
+    dtrail_dQBZ2 = dB_t_dQBZ2*dtrail_dB_t
+    dtrail_dQBZ3 = dB_t_dQBZ3*dtrail_dB_t
+    dtrail_dQBZ5 = dB_t_dQBZ5*dtrail_dB_t
+    dtrail_dQBZ6 = dB_t_dQBZ6*dtrail_dB_t
+    dtrail_dQBZ4 = dB_t_dQBZ4*dtrail_dB_t
+    dtrail_dLTR = D_t_by_LTR*trail_by_D_t
+    dtrail_dUNLOADED_RADIUS = D_t_by_UNLOADED_RADIUS*trail_by_D_t
+    dtrail_dPPZ1 = dD_t_dPPZ1*trail_by_D_t
+    dtrail_dQDZ1 = D_t_by_D_t_part3*trail_by_D_t
+    dtrail_dQDZ2 = dD_t_dQDZ2*trail_by_D_t
+    dtrail_dQDTP1 = dD_t_dQDTP1*trail_by_D_t
+    dtrail_dR_0_phi = dD_t_dR_0_phi*trail_by_D_t
+    dtrail_dQDZ3 = dD_t_dQDZ3*trail_by_D_t
+    dtrail_dQDZ4 = dD_t_dQDZ4*trail_by_D_t
+    dtrail_dFZMIN = dD_t_dFZMIN*trail_by_D_t
+    dtrail_dFNOMIN = dD_t_dFNOMIN*trail_by_D_t + ddfz_dFNOMIN*dtrail_ddfz
+    dtrail_dFZMAX = F_z_limited_by_FZMAX*dtrail_dF_z_limited + dK_xkappa_dFZMAX*dtrail_dK_xkappa + ddfz_dFZMAX*dtrail_ddfz
+    dtrail_dKPUMAX = dLMUY_star_dKPUMAX*dtrail_dLMUY_star + dtrail_dkappa_in*kappa_in_by_KPUMAX
+    dtrail_dKPUMIN = dLMUY_star_dKPUMIN*dtrail_dLMUY_star + dkappa_in_dKPUMIN*dtrail_dkappa_in
+    dtrail_dCAMMAX = dtrail_dgamma_in*gamma_in_by_CAMMAX
+    dtrail_dCAMMIN = dgamma_in_dCAMMIN*dtrail_dgamma_in
+    dtrail_dALPMAX = alpha_in_by_ALPMAX*dtrail_dalpha_in + dLMUY_star_dALPMAX*dtrail_dLMUY_star
+    dtrail_dALPMIN = dLMUY_star_dALPMIN*dtrail_dLMUY_star + dalpha_in_dALPMIN*dtrail_dalpha_in
+    dtrail_dLKX = K_xkappa_by_LKX*dtrail_dK_xkappa
+    dtrail_dPKX1 = K_xkappa_by_K_xkappa_part1*dtrail_dK_xkappa
+    dtrail_dPKX2 = dK_xkappa_dPKX2*dtrail_dK_xkappa
+    dtrail_dPKX3 = dK_xkappa_dPKX3*dtrail_dK_xkappa
+    dtrail_dPPX1 = dK_xkappa_dPPX1*dtrail_dK_xkappa
+    dtrail_dPPX2 = dK_xkappa_dPPX2*dtrail_dK_xkappa
+    dtrail_dNOMPRES = ddpi_dNOMPRES*dtrail_ddpi
+    dtrail_dPRESMAX = ddpi_dPRESMAX*dtrail_ddpi
+    dtrail_dPRESMIN = ddpi_dPRESMIN*dtrail_ddpi
+    dtrail_dLMUY = LMUY_star_by_LMUY*dtrail_dLMUY_star
+    dtrail_dLMUV = dLMUY_star_dLMUV*dtrail_dLMUY_star
+    dtrail_dLONGVL = dLMUY_star_dLONGVL*dtrail_dLMUY_star
     dG_yk_dRCY1 = G_yk0_w_part1*dG_yk_dG_yk0_w + G_yk_w_part1*dG_yk_dG_yk_w
     dG_yk_dRHY2 = dG_yk_dS_Hyk*dfz
     dG_yk_dREY1 = dE_ykappa_dREY1*dG_yk_dE_ykappa
@@ -4013,82 +4201,78 @@ def jacobian_parameters(inputs, parameters):
     dG_yk_dFNOMIN = dG_yk_ddfz*ddfz_dFNOMIN
     dG_yk_dLFZO = dG_yk_ddfz*ddfz_dLFZO
     dG_yk_dFZMAX = dG_yk_ddfz*ddfz_dFZMAX
-    dMz_part1_dG_yk = M_zphi90_by_G_yk*dMz_part1_dM_zphi90 - dF_y1_dG_yk*trail
+    dMz_part1_dG_yk = -dF_y1_dG_yk*trail
+    dM_zr_part1_dG_yk = M_zphi90_by_G_yk*dM_zr_part1_dM_zphi90
     dFy_dG_yk = F_y0*Fy_by_Fy_part1
-    dS_Hyphi_dPHYP1 = S_Hyphi_w_part1*dS_Hyphi_dS_Hyphi_w + dB_Hyphi_dPHYP1*dS_Hyphi_dB_Hyphi
-    dS_Hyphi_dPHYP4 = dS_Hyphi_dS_Hyphi_v*dS_Hyphi_v_dPHYP4
-    dS_Hyphi_dR_0_phi = dK_yalpha_g0_dR_0_phi*dS_Hyphi_dK_yalpha_g0 + dS_Hyphi_dS_Hyphi_v*dS_Hyphi_v_dR_0_phi
-    dS_Hyphi_dPHYP2 = D_Hyphi_part2*S_Hyphi_by_D_Hyphi + dB_Hyphi_dPHYP2*dS_Hyphi_dB_Hyphi
-    dS_Hyphi_dPHYP3 = S_Hyphi_by_D_Hyphi*dD_Hyphi_dPHYP3 + dB_Hyphi_dPHYP3*dS_Hyphi_dB_Hyphi
-    dS_Hyphi_dPECP1 = dB_Hyphi_dPECP1*dS_Hyphi_dB_Hyphi
-    dS_Hyphi_dPECP2 = dB_Hyphi_dPECP2*dS_Hyphi_dB_Hyphi
-    dS_Hyphi_dLKYC = K_ygamma0_by_LKYC*dS_Hyphi_dK_ygamma0
-    dS_Hyphi_dPPY5 = dK_ygamma0_dPPY5*dS_Hyphi_dK_ygamma0
-    dS_Hyphi_dPKY6 = K_ygamma0_by_K_ygamma0_part2*dS_Hyphi_dK_ygamma0
-    dS_Hyphi_dPKY7 = dK_ygamma0_dPKY7*dS_Hyphi_dK_ygamma0
-    dS_Hyphi_dFZMAX = F_z_limited_by_FZMAX*dS_Hyphi_dF_z_limited + dK_yalpha_g0_dFZMAX*dS_Hyphi_dK_yalpha_g0 + dS_Hyphi_ddfz*ddfz_dFZMAX
-    dS_Hyphi_dLKY = K_yalpha_g0_by_LKY*dS_Hyphi_dK_yalpha_g0
-    dS_Hyphi_dPKY1 = K_yalpha_g0_by_PKY1*dS_Hyphi_dK_yalpha_g0
-    dS_Hyphi_dPPY1 = dK_yalpha_g0_dPPY1*dS_Hyphi_dK_yalpha_g0
-    dS_Hyphi_dPKY4 = dK_yalpha_g0_dPKY4*dS_Hyphi_dK_yalpha_g0
-    dS_Hyphi_dPKYP1 = dK_yalpha_g0_dPKYP1*dS_Hyphi_dK_yalpha_g0
-    dS_Hyphi_dPKY2 = dK_yalpha_g0_dPKY2*dS_Hyphi_dK_yalpha_g0
-    dS_Hyphi_dPPY2 = dK_yalpha_g0_dPPY2*dS_Hyphi_dK_yalpha_g0
-    dS_Hyphi_dFNOMIN = dK_yalpha_g0_dFNOMIN*dS_Hyphi_dK_yalpha_g0 + dS_Hyphi_ddfz*ddfz_dFNOMIN
-    dS_Hyphi_dLFZO = dK_yalpha_g0_dLFZO*dS_Hyphi_dK_yalpha_g0 + dS_Hyphi_ddfz*ddfz_dLFZO
-    dS_Hyphi_dNOMPRES = dS_Hyphi_ddpi*ddpi_dNOMPRES
-    dS_Hyphi_dPRESMAX = dS_Hyphi_ddpi*ddpi_dPRESMAX
-    dS_Hyphi_dPRESMIN = dS_Hyphi_ddpi*ddpi_dPRESMIN
-    dMz_part1_dS_Hyphi = dF_y0_g0_part2_dS_Hyphi*dMz_part1_dF_y0_g0_part2
-    dtrail_dLFZO = dD_t_dLFZO*trail_by_D_t + ddfz_dLFZO*dtrail_ddfz + trail_by_trail_part1*trail_part1_by_LFZO
-    dtrail_dQCZ1 = E_t_by_C_t*dtrail_dE_t + dtrail_dtrail_w*trail_w_part1
-    dtrail_dK_yalpha = dslip_alpha_teq_part1_dK_yalpha*dtrail_dslip_alpha_teq_part1
-    dtrail_dVXLOW = dLMUY_star_dVXLOW*dtrail_dLMUY_star + dalpha_in_dVXLOW*dtrail_dalpha_in + dkappa_in_dVXLOW*dtrail_dkappa_in + fade_smooth_by_VXLOW*trail_by_fade_smooth
-    dtrail_dQEZ1 = E_t_by_QEZ1*dtrail_dE_t
-    dtrail_dQEZ2 = E_t_by_QEZ2*dtrail_dE_t
-    dtrail_dQEZ3 = E_t_by_QEZ3*dtrail_dE_t
-    dtrail_dQEZ4 = E_t_by_QEZ4*dtrail_dE_t
-    dtrail_dQEZ5 = E_t_by_QEZ5*dtrail_dE_t
-    dtrail_dQHZ2 = dfz*dtrail_dalpha_t
-    dtrail_dQHZ3 = dtrail_dalpha_t*gamma_star
-    dtrail_dQHZ4 = dalpha_t_dQHZ4*dtrail_dalpha_t
-    dtrail_dLKY = B_t_by_LKY*dtrail_dB_t
-    dtrail_dQBZ1 = B_t_by_B_t_part2*dtrail_dB_t
-    dtrail_dQBZ2 = dB_t_dQBZ2*dtrail_dB_t
-    dtrail_dQBZ3 = dB_t_dQBZ3*dtrail_dB_t
-    dtrail_dQBZ5 = dB_t_dQBZ5*dtrail_dB_t
-    dtrail_dQBZ6 = dB_t_dQBZ6*dtrail_dB_t
-    dtrail_dQBZ4 = dB_t_dQBZ4*dtrail_dB_t
-    dtrail_dLTR = D_t_by_LTR*trail_by_D_t
-    dtrail_dUNLOADED_RADIUS = D_t_by_UNLOADED_RADIUS*trail_by_D_t
-    dtrail_dQDTP1 = dD_t_dQDTP1*trail_by_D_t
-    dtrail_dR_0_phi = dD_t_dR_0_phi*trail_by_D_t
-    dtrail_dPPZ1 = dD_t_dPPZ1*trail_by_D_t
-    dtrail_dQDZ1 = D_t_by_D_t_part3*trail_by_D_t
-    dtrail_dQDZ2 = dD_t_dQDZ2*trail_by_D_t
-    dtrail_dQDZ3 = dD_t_dQDZ3*trail_by_D_t
-    dtrail_dQDZ4 = dD_t_dQDZ4*trail_by_D_t
-    dtrail_dFZMIN = dD_t_dFZMIN*trail_by_D_t
-    dtrail_dFNOMIN = dD_t_dFNOMIN*trail_by_D_t + ddfz_dFNOMIN*dtrail_ddfz
-    dtrail_dFZMAX = dD_t_dFZMAX*trail_by_D_t + dK_xkappa_dFZMAX*dtrail_dK_xkappa + ddfz_dFZMAX*dtrail_ddfz
-    dtrail_dKPUMAX = dLMUY_star_dKPUMAX*dtrail_dLMUY_star + dtrail_dkappa_in*kappa_in_by_KPUMAX
-    dtrail_dKPUMIN = dLMUY_star_dKPUMIN*dtrail_dLMUY_star + dkappa_in_dKPUMIN*dtrail_dkappa_in
-    dtrail_dCAMMAX = dtrail_dgamma_in*gamma_in_by_CAMMAX
-    dtrail_dCAMMIN = dgamma_in_dCAMMIN*dtrail_dgamma_in
-    dtrail_dALPMAX = alpha_in_by_ALPMAX*dtrail_dalpha_in + dLMUY_star_dALPMAX*dtrail_dLMUY_star
-    dtrail_dALPMIN = dLMUY_star_dALPMIN*dtrail_dLMUY_star + dalpha_in_dALPMIN*dtrail_dalpha_in
-    dtrail_dLKX = K_xkappa_by_LKX*dtrail_dK_xkappa
-    dtrail_dPKX1 = K_xkappa_by_K_xkappa_part1*dtrail_dK_xkappa
-    dtrail_dPKX2 = dK_xkappa_dPKX2*dtrail_dK_xkappa
-    dtrail_dPKX3 = dK_xkappa_dPKX3*dtrail_dK_xkappa
-    dtrail_dPPX1 = dK_xkappa_dPPX1*dtrail_dK_xkappa
-    dtrail_dPPX2 = dK_xkappa_dPPX2*dtrail_dK_xkappa
-    dtrail_dNOMPRES = ddpi_dNOMPRES*dtrail_ddpi
-    dtrail_dPRESMAX = ddpi_dPRESMAX*dtrail_ddpi
-    dtrail_dPRESMIN = ddpi_dPRESMIN*dtrail_ddpi
-    dtrail_dLMUY = LMUY_star_by_LMUY*dtrail_dLMUY_star
-    dtrail_dLMUV = dLMUY_star_dLMUV*dtrail_dLMUY_star
-    dtrail_dLONGVL = dLMUY_star_dLONGVL*dtrail_dLMUY_star
+    dM_zr_part1_dQBRP1 = dB_r_dQBRP1*dM_zr_part1_dB_r
+    dM_zr_part1_dR_0_phi = dB_r_dR_0_phi*dM_zr_part1_dB_r + dM_zr_part1_dzeta_2*zeta_2_by_R_0_phi
+    dM_zr_part1_dQCRP2 = dM_zphi90_dQCRP2*dM_zr_part1_dM_zphi90
+    dM_zr_part1_dUNLOADED_RADIUS = M_zphi_inf_signed_by_UNLOADED_RADIUS*dM_zr_part1_dM_zphi_inf_signed + dB_Drphi_dUNLOADED_RADIUS*dM_zr_part1_dB_Drphi + dD_rphi_dUNLOADED_RADIUS*dM_zr_part1_dD_rphi + dM_zphi90_dUNLOADED_RADIUS*dM_zr_part1_dM_zphi90
+    dM_zr_part1_dVXLOW = dD_rphi_dVXLOW*dM_zr_part1_dD_rphi + dG_yk_dVXLOW*dM_zr_part1_dG_yk + dLMUY_star_dVXLOW*dM_zr_part1_dLMUY_star + dM_zphi90_dVXLOW*dM_zr_part1_dM_zphi90 + dM_zr_part1_dalpha_in*dalpha_in_dVXLOW + dM_zr_part1_dfade_smooth*fade_smooth_by_VXLOW + dM_zr_part1_dkappa_in*dkappa_in_dVXLOW + dM_zr_part1_dturn_share*dturn_share_dVXLOW + dM_zr_part1_dzeta_2*dzeta_2_dVXLOW
+    dM_zr_part1_dLKY = B_r_part2_by_LKY*dM_zr_part1_dB_r_part2
+    dM_zr_part1_dQBZ10 = B_r_part2_by_QBZ10*dM_zr_part1_dB_r_part2
+    dM_zr_part1_dQBZ9 = B_r_part2_by_QBZ9*dM_zr_part1_dB_r_part2
+    dM_zr_part1_dLCY = dB_r_part2_dLCY*dM_zr_part1_dB_r_part2 + dB_y_dLCY*dM_zr_part1_dB_y
+    dM_zr_part1_dPCY1 = dB_r_part2_dPCY1*dM_zr_part1_dB_r_part2 + dB_y_dPCY1*dM_zr_part1_dB_y
+    dM_zr_part1_dK_yalpha = B_y_part3*dM_zr_part1_dB_y + dM_zr_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dK_yalpha
+    dM_zr_part1_dS_Hy_part4 = dM_zr_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dS_Hy_part4
+    dM_zr_part1_dQDRP1 = dB_Drphi_dQDRP1*dM_zr_part1_dB_Drphi + dD_rphi_dQDRP1*dM_zr_part1_dD_rphi
+    dM_zr_part1_dFZMAX = F_z_limited_by_FZMAX*dM_zr_part1_dF_z_limited + dB_Drphi_dFZMAX*dM_zr_part1_dB_Drphi + dG_yk_dFZMAX*dM_zr_part1_dG_yk + dK_xkappa_dFZMAX*dM_zr_part1_dK_xkappa + dM_zphi_inf_signed_dFZMAX*dM_zr_part1_dM_zphi_inf_signed + dM_zr_part1_dS_Vy_part2*dS_Vy_part2_dFZMAX + dM_zr_part1_ddfz*ddfz_dFZMAX + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dFZMAX + dM_zr_part1_dzeta_2*dzeta_2_dFZMAX
+    dM_zr_part1_dKPUMAX = dG_yk_dKPUMAX*dM_zr_part1_dG_yk + dLMUY_star_dKPUMAX*dM_zr_part1_dLMUY_star + dM_zr_part1_dkappa_in*kappa_in_by_KPUMAX
+    dM_zr_part1_dKPUMIN = dG_yk_dKPUMIN*dM_zr_part1_dG_yk + dLMUY_star_dKPUMIN*dM_zr_part1_dLMUY_star + dM_zr_part1_dkappa_in*dkappa_in_dKPUMIN
+    dM_zr_part1_dLVY = S_Vy_part2_by_LVY*dM_zr_part1_dS_Vy_part2
+    dM_zr_part1_dPVY1 = S_Vy_part2_by_S_Vy_part1*dM_zr_part1_dS_Vy_part2
+    dM_zr_part1_dPVY2 = dM_zr_part1_dS_Vy_part2*dS_Vy_part2_dPVY2
+    dM_zr_part1_dLKYC = S_Vygamma_by_LKYC*dM_zr_part1_dS_Vy_part2
+    dM_zr_part1_dPVY3 = S_Vygamma_by_S_Vygamma_part1*dM_zr_part1_dS_Vy_part2
+    dM_zr_part1_dPVY4 = dM_zr_part1_dS_Vy_part2*dS_Vygamma_dPVY4
+    dM_zr_part1_dLMP = M_zphi_inf_signed_by_LMP*dM_zr_part1_dM_zphi_inf_signed + dB_Drphi_dLMP*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dQCRP1 = M_zphi_inf_signed_by_QCRP1*dM_zr_part1_dM_zphi_inf_signed + dB_Drphi_dQCRP1*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dFZMIN = dB_Drphi_dFZMIN*dM_zr_part1_dB_Drphi + dM_zphi_inf_signed_dFZMIN*dM_zr_part1_dM_zphi_inf_signed
+    dM_zr_part1_dFNOMIN = dB_Drphi_dFNOMIN*dM_zr_part1_dB_Drphi + dG_yk_dFNOMIN*dM_zr_part1_dG_yk + dM_zphi_inf_signed_dFNOMIN*dM_zr_part1_dM_zphi_inf_signed + dM_zr_part1_ddfz*ddfz_dFNOMIN + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dFNOMIN + dM_zr_part1_dzeta_2*dzeta_2_dFNOMIN
+    dM_zr_part1_dLFZO = dB_Drphi_dLFZO*dM_zr_part1_dB_Drphi + dG_yk_dLFZO*dM_zr_part1_dG_yk + dM_zphi_inf_signed_dLFZO*dM_zr_part1_dM_zphi_inf_signed + dM_zr_part1_ddfz*ddfz_dLFZO + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dLFZO + dM_zr_part1_dzeta_2*dzeta_2_dLFZO
+    dM_zr_part1_dCAMMAX = dB_Drphi_dCAMMAX*dM_zr_part1_dB_Drphi + dG_yk_dCAMMAX*dM_zr_part1_dG_yk + dM_zr_part1_dgamma_in*gamma_in_by_CAMMAX + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dCAMMAX
+    dM_zr_part1_dCAMMIN = dB_Drphi_dCAMMIN*dM_zr_part1_dB_Drphi + dG_yk_dCAMMIN*dM_zr_part1_dG_yk + dM_zr_part1_dgamma_in*dgamma_in_dCAMMIN + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dCAMMIN
+    dM_zr_part1_dALPMAX = alpha_in_by_ALPMAX*dM_zr_part1_dalpha_in + dG_yk_dALPMAX*dM_zr_part1_dG_yk + dLMUY_star_dALPMAX*dM_zr_part1_dLMUY_star + dM_zr_part1_dzeta_2*dzeta_2_dALPMAX
+    dM_zr_part1_dALPMIN = dG_yk_dALPMIN*dM_zr_part1_dG_yk + dLMUY_star_dALPMIN*dM_zr_part1_dLMUY_star + dM_zr_part1_dalpha_in*dalpha_in_dALPMIN + dM_zr_part1_dzeta_2*dzeta_2_dALPMIN
+    dM_zr_part1_dLKX = K_xkappa_by_LKX*dM_zr_part1_dK_xkappa
+    dM_zr_part1_dPKX1 = K_xkappa_by_K_xkappa_part1*dM_zr_part1_dK_xkappa
+    dM_zr_part1_dPKX2 = dK_xkappa_dPKX2*dM_zr_part1_dK_xkappa
+    dM_zr_part1_dPKX3 = dK_xkappa_dPKX3*dM_zr_part1_dK_xkappa
+    dM_zr_part1_dPPX1 = dK_xkappa_dPPX1*dM_zr_part1_dK_xkappa
+    dM_zr_part1_dPPX2 = dK_xkappa_dPPX2*dM_zr_part1_dK_xkappa
+    dM_zr_part1_dNOMPRES = dM_zr_part1_ddpi*ddpi_dNOMPRES + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dNOMPRES
+    dM_zr_part1_dPRESMAX = dM_zr_part1_ddpi*ddpi_dPRESMAX + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dPRESMAX
+    dM_zr_part1_dPRESMIN = dM_zr_part1_ddpi*ddpi_dPRESMIN + dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dPRESMIN
+    dM_zr_part1_dPECP1 = dB_Drphi_dPECP1*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dLKZC = dB_Drphi_dLKZC*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dPECP2 = dB_Drphi_dPECP2*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dQDZ10 = dB_Drphi_dQDZ10*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dQDZ11 = dB_Drphi_dQDZ11*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dQDZ8 = dB_Drphi_dQDZ8*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dQDZ9 = dB_Drphi_dQDZ9*dM_zr_part1_dB_Drphi
+    dM_zr_part1_dPDY3 = dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dPDY3
+    dM_zr_part1_dPDY1 = dM_zr_part1_dmu_y_loaded*mu_y_loaded_by_mu_y_loaded_part2
+    dM_zr_part1_dPDY2 = dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dPDY2
+    dM_zr_part1_dPPY3 = dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dPPY3
+    dM_zr_part1_dPPY4 = dM_zr_part1_dmu_y_loaded*dmu_y_loaded_dPPY4
+    dM_zr_part1_dLMUY = LMUY_star_by_LMUY*dM_zr_part1_dLMUY_star
+    dM_zr_part1_dLMUV = dLMUY_star_dLMUV*dM_zr_part1_dLMUY_star
+    dM_zr_part1_dLONGVL = dLMUY_star_dLONGVL*dM_zr_part1_dLMUY_star
+    dM_zr_part1_dPDYP4 = dM_zr_part1_dzeta_2*zeta_2_by_PDYP4
+    dM_zr_part1_dPDYP1 = dM_zr_part1_dzeta_2*dzeta_2_dPDYP1
+    dM_zr_part1_dPDYP3 = dM_zr_part1_dzeta_2*dzeta_2_dPDYP3
+    dM_zr_part1_dPDYP2 = dM_zr_part1_dzeta_2*dzeta_2_dPDYP2
+    dM_zr_part1_dRCY1 = dG_yk_dRCY1*dM_zr_part1_dG_yk
+    dM_zr_part1_dRHY1 = dG_yk_dS_Hyk*dM_zr_part1_dG_yk
+    dM_zr_part1_dRHY2 = dG_yk_dRHY2*dM_zr_part1_dG_yk
+    dM_zr_part1_dREY1 = dG_yk_dREY1*dM_zr_part1_dG_yk
+    dM_zr_part1_dREY2 = dG_yk_dREY2*dM_zr_part1_dG_yk
+    dM_zr_part1_dLYKA = dG_yk_dLYKA*dM_zr_part1_dG_yk
+    dM_zr_part1_dRBY1 = dG_yk_dRBY1*dM_zr_part1_dG_yk
+    dM_zr_part1_dRBY4 = dG_yk_dRBY4*dM_zr_part1_dG_yk
+    dM_zr_part1_dRBY2 = dG_yk_dRBY2*dM_zr_part1_dG_yk
+    dM_zr_part1_dRBY3 = dG_yk_dRBY3*dM_zr_part1_dG_yk
     dK_yalpha_dPPY1 = K_yalpha_by_K_yalpha_part1*dpi
     dK_yalpha_dPKY3 = -K_yalpha_by_K_yalpha_part3*K_yalpha_part2
     dK_yalpha_dPKY4 = K_yalpha_part10*dK_yalpha_dK_yalpha_part11
@@ -4097,6 +4281,7 @@ def jacobian_parameters(inputs, parameters):
     dK_yalpha_dPPY2 = dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_dPPY2
     dK_yalpha_dPKY2 = dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_dK_yalpha_part7
     dK_yalpha_dPKY5 = dK_yalpha_dK_yalpha_part9*dK_yalpha_part9_dPKY5
+    dK_yalpha_dVXLOW = dK_yalpha_dturn_share*dturn_share_dVXLOW
     dK_yalpha_dFNOMIN = LFZO*dK_yalpha_dF_z01
     dK_yalpha_dLFZO = FNOMIN*dK_yalpha_dF_z01
     dK_yalpha_dFZMAX = F_z_limited_by_FZMAX*dK_yalpha_dF_z_limited
@@ -4106,8 +4291,8 @@ def jacobian_parameters(inputs, parameters):
     dK_yalpha_dPRESMAX = dK_yalpha_ddpi*ddpi_dPRESMAX
     dK_yalpha_dPRESMIN = dK_yalpha_ddpi*ddpi_dPRESMIN
     dS_Hy_part4_dK_yalpha = zeta_4_by_K_yalpha1 + S_Hy_part2_by_K_yalpha1*S_Hy_part4_by_S_Hy_part2
-    dMz_part1_dK_yalpha = B_y_part3*dMz_part1_dB_y + dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dK_yalpha - F_y1*dtrail_dK_yalpha
     dFy_dK_yalpha = dF_y0_part2_dK_yalpha*dFy_dF_y0_part2
+    dMz_part1_dK_yalpha = M_zr_by_M_zr_part1*dM_zr_part1_dK_yalpha - F_y1*dtrail_dK_yalpha
     dR_0_phi_dUNLOADED_RADIUS = phi + dR_0_phi_dR_e_2*dR_e_2_dUNLOADED_RADIUS
     dR_0_phi_dVXLOW = dR_0_phi_dalpha_in*dalpha_in_dVXLOW + dR_0_phi_dphi_part4*dphi_part4_dVXLOW
     dR_0_phi_dPECP1 = dR_0_phi_dphi_part4*dphi_part4_dPECP1
@@ -4125,36 +4310,36 @@ def jacobian_parameters(inputs, parameters):
     dR_0_phi_dCAMMIN = dR_0_phi_dgamma_in*dgamma_in_dCAMMIN
     dR_0_phi_dALPMAX = alpha_in_by_ALPMAX*dR_0_phi_dalpha_in
     dR_0_phi_dALPMIN = dR_0_phi_dalpha_in*dalpha_in_dALPMIN
-    dR_0_phi_dLFZO = dR_0_phi_ddfz*ddfz_dLFZO
-    dR_0_phi_dFZMAX = dR_0_phi_ddfz*ddfz_dFZMAX
     dR_0_phi_dNOMPRES = dR_0_phi_ddpi*ddpi_dNOMPRES
     dR_0_phi_dPRESMAX = dR_0_phi_ddpi*ddpi_dPRESMAX
     dR_0_phi_dPRESMIN = dR_0_phi_ddpi*ddpi_dPRESMIN
-    dMz_part1_dR_0_phi = dB_r_dR_0_phi*dMz_part1_dB_r + dF_y0_g0_part2_dR_0_phi*dMz_part1_dF_y0_g0_part2 + dK_yalpha_dR_0_phi*dMz_part1_dK_yalpha + dMz_part1_dS_Hyphi*dS_Hyphi_dR_0_phi + dMz_part1_dzeta_2*zeta_2_by_R_0_phi - F_y1*dtrail_dR_0_phi
+    dR_0_phi_dLFZO = dR_0_phi_ddfz*ddfz_dLFZO
+    dR_0_phi_dFZMAX = dR_0_phi_ddfz*ddfz_dFZMAX
     dFx_dR_0_phi = dF_x0_part2_dR_0_phi*dFx_dF_x0_part2 + dF_x0_v_dR_0_phi*dFx_dF_x0_v
+    dMz_part1_dR_0_phi = M_zr_by_M_zr_part1*dM_zr_part1_dR_0_phi + dK_yalpha_dR_0_phi*dMz_part1_dK_yalpha + dK_yalpha_g0_dR_0_phi*dMz_part1_dK_yalpha_g0 + dMz_part1_dS_Hyphi*dS_Hyphi_dR_0_phi + dMz_part1_dzeta_2*zeta_2_by_R_0_phi - F_y1*dtrail_dR_0_phi
     dS_Hy_part4_dR_0_phi = dK_yalpha_dR_0_phi*dS_Hy_part4_dK_yalpha + dS_Hy_part4_dzeta_2*zeta_2_by_R_0_phi + dS_Hyphi_dR_0_phi*zeta_4_by_S_Hyphi
     dFy_dR_0_phi = dFy_dK_yalpha*dK_yalpha_dR_0_phi + dFy_dzeta_2*zeta_2_by_R_0_phi
     dS_Hy_part4_dPHY2 = LHY*dfz
     dS_Hy_part4_dLKYC = K_ygamma0_by_LKYC*dS_Hy_part4_dK_ygamma0 + S_Vygamma_by_LKYC*dS_Hy_part4_dS_Vygamma + dS_Hyphi_dLKYC*zeta_4_by_S_Hyphi
     dS_Hy_part4_dPVY3 = S_Vygamma_by_S_Vygamma_part1*dS_Hy_part4_dS_Vygamma
     dS_Hy_part4_dPVY4 = dS_Hy_part4_dS_Vygamma*dS_Vygamma_dPVY4
+    dS_Hy_part4_dVXLOW = dK_yalpha_dVXLOW*dS_Hy_part4_dK_yalpha + dLMUY_star_dVXLOW*dS_Hy_part4_dLMUY_star + dR_0_phi_dVXLOW*dS_Hy_part4_dR_0_phi + dS_Hy_part4_dturn_share*dturn_share_dVXLOW + dS_Hy_part4_dzeta_2*dzeta_2_dVXLOW + dS_Hyphi_dVXLOW*zeta_4_by_S_Hyphi
     dS_Hy_part4_dPPY5 = dK_ygamma0_dPPY5*dS_Hy_part4_dK_ygamma0 + dS_Hyphi_dPPY5*zeta_4_by_S_Hyphi
     dS_Hy_part4_dPKY6 = K_ygamma0_by_K_ygamma0_part2*dS_Hy_part4_dK_ygamma0 + dS_Hyphi_dPKY6*zeta_4_by_S_Hyphi
     dS_Hy_part4_dPKY7 = dK_ygamma0_dPKY7*dS_Hy_part4_dK_ygamma0 + dS_Hyphi_dPKY7*zeta_4_by_S_Hyphi
     dS_Hy_part4_dFZMAX = F_z_limited_by_FZMAX*dS_Hy_part4_dF_z_limited + dK_yalpha_dFZMAX*dS_Hy_part4_dK_yalpha + dR_0_phi_dFZMAX*dS_Hy_part4_dR_0_phi + dS_Hy_part4_ddfz*ddfz_dFZMAX + dS_Hy_part4_dzeta_2*dzeta_2_dFZMAX + dS_Hyphi_dFZMAX*zeta_4_by_S_Hyphi
     dS_Hy_part4_dCAMMAX = dK_yalpha_dCAMMAX*dS_Hy_part4_dK_yalpha + dR_0_phi_dCAMMAX*dS_Hy_part4_dR_0_phi + dS_Hy_part4_dgamma_in*gamma_in_by_CAMMAX
     dS_Hy_part4_dCAMMIN = dK_yalpha_dCAMMIN*dS_Hy_part4_dK_yalpha + dR_0_phi_dCAMMIN*dS_Hy_part4_dR_0_phi + dS_Hy_part4_dgamma_in*dgamma_in_dCAMMIN
-    dS_Hy_part4_dFNOMIN = dK_yalpha_dFNOMIN*dS_Hy_part4_dK_yalpha + dR_0_phi_dFNOMIN*dS_Hy_part4_dR_0_phi + dS_Hy_part4_ddfz*ddfz_dFNOMIN + dS_Hy_part4_dzeta_2*dzeta_2_dFNOMIN + dS_Hyphi_dFNOMIN*zeta_4_by_S_Hyphi
-    dS_Hy_part4_dLFZO = dK_yalpha_dLFZO*dS_Hy_part4_dK_yalpha + dR_0_phi_dLFZO*dS_Hy_part4_dR_0_phi + dS_Hy_part4_ddfz*ddfz_dLFZO + dS_Hy_part4_dzeta_2*dzeta_2_dLFZO + dS_Hyphi_dLFZO*zeta_4_by_S_Hyphi
     dS_Hy_part4_dNOMPRES = dK_yalpha_dNOMPRES*dS_Hy_part4_dK_yalpha + dR_0_phi_dNOMPRES*dS_Hy_part4_dR_0_phi + dS_Hy_part4_ddpi*ddpi_dNOMPRES + dS_Hyphi_dNOMPRES*zeta_4_by_S_Hyphi
     dS_Hy_part4_dPRESMAX = dK_yalpha_dPRESMAX*dS_Hy_part4_dK_yalpha + dR_0_phi_dPRESMAX*dS_Hy_part4_dR_0_phi + dS_Hy_part4_ddpi*ddpi_dPRESMAX + dS_Hyphi_dPRESMAX*zeta_4_by_S_Hyphi
     dS_Hy_part4_dPRESMIN = dK_yalpha_dPRESMIN*dS_Hy_part4_dK_yalpha + dR_0_phi_dPRESMIN*dS_Hy_part4_dR_0_phi + dS_Hy_part4_ddpi*ddpi_dPRESMIN + dS_Hyphi_dPRESMIN*zeta_4_by_S_Hyphi
+    dS_Hy_part4_dFNOMIN = dK_yalpha_dFNOMIN*dS_Hy_part4_dK_yalpha + dR_0_phi_dFNOMIN*dS_Hy_part4_dR_0_phi + dS_Hy_part4_ddfz*ddfz_dFNOMIN + dS_Hy_part4_dzeta_2*dzeta_2_dFNOMIN + dS_Hyphi_dFNOMIN*zeta_4_by_S_Hyphi
+    dS_Hy_part4_dLFZO = dK_yalpha_dLFZO*dS_Hy_part4_dK_yalpha + dR_0_phi_dLFZO*dS_Hy_part4_dR_0_phi + dS_Hy_part4_ddfz*ddfz_dLFZO + dS_Hy_part4_dzeta_2*dzeta_2_dLFZO + dS_Hyphi_dLFZO*zeta_4_by_S_Hyphi
     dS_Hy_part4_dLMUY = LMUY_star_by_LMUY*dS_Hy_part4_dLMUY_star
     dS_Hy_part4_dLMUV = dLMUY_star_dLMUV*dS_Hy_part4_dLMUY_star
     dS_Hy_part4_dLONGVL = dLMUY_star_dLONGVL*dS_Hy_part4_dLMUY_star + dR_0_phi_dLONGVL*dS_Hy_part4_dR_0_phi
     dS_Hy_part4_dKPUMAX = dLMUY_star_dKPUMAX*dS_Hy_part4_dLMUY_star
     dS_Hy_part4_dKPUMIN = dLMUY_star_dKPUMIN*dS_Hy_part4_dLMUY_star
-    dS_Hy_part4_dVXLOW = dLMUY_star_dVXLOW*dS_Hy_part4_dLMUY_star + dR_0_phi_dVXLOW*dS_Hy_part4_dR_0_phi + dS_Hy_part4_dzeta_2*dzeta_2_dVXLOW
     dS_Hy_part4_dALPMAX = dLMUY_star_dALPMAX*dS_Hy_part4_dLMUY_star + dR_0_phi_dALPMAX*dS_Hy_part4_dR_0_phi + dS_Hy_part4_dzeta_2*dzeta_2_dALPMAX
     dS_Hy_part4_dALPMIN = dLMUY_star_dALPMIN*dS_Hy_part4_dLMUY_star + dR_0_phi_dALPMIN*dS_Hy_part4_dR_0_phi + dS_Hy_part4_dzeta_2*dzeta_2_dALPMIN
     dS_Hy_part4_dPDYP4 = dS_Hy_part4_dzeta_2*zeta_2_by_PDYP4
@@ -4171,9 +4356,9 @@ def jacobian_parameters(inputs, parameters):
     dS_Hy_part4_dPKY1 = K_yalpha_by_PKY1*dS_Hy_part4_dK_yalpha + dS_Hyphi_dPKY1*zeta_4_by_S_Hyphi
     dS_Hy_part4_dPPY1 = dK_yalpha_dPPY1*dS_Hy_part4_dK_yalpha + dS_Hyphi_dPPY1*zeta_4_by_S_Hyphi
     dS_Hy_part4_dPKY4 = dK_yalpha_dPKY4*dS_Hy_part4_dK_yalpha + dS_Hyphi_dPKY4*zeta_4_by_S_Hyphi
-    dS_Hy_part4_dPKYP1 = dK_yalpha_dPKYP1*dS_Hy_part4_dK_yalpha + dS_Hyphi_dPKYP1*zeta_4_by_S_Hyphi
     dS_Hy_part4_dPKY2 = dK_yalpha_dPKY2*dS_Hy_part4_dK_yalpha + dS_Hyphi_dPKY2*zeta_4_by_S_Hyphi
     dS_Hy_part4_dPPY2 = dK_yalpha_dPPY2*dS_Hy_part4_dK_yalpha + dS_Hyphi_dPPY2*zeta_4_by_S_Hyphi
+    dS_Hy_part4_dPKYP1 = dK_yalpha_dPKYP1*dS_Hy_part4_dK_yalpha + dS_Hyphi_dPKYP1*zeta_4_by_S_Hyphi
     dS_Hy_part4_dPKY3 = dK_yalpha_dPKY3*dS_Hy_part4_dK_yalpha
     dS_Hy_part4_dPKY5 = dK_yalpha_dPKY5*dS_Hy_part4_dK_yalpha
     dS_Hy_part4_dUNLOADED_RADIUS = dR_0_phi_dUNLOADED_RADIUS*dS_Hy_part4_dR_0_phi
@@ -4184,75 +4369,47 @@ def jacobian_parameters(inputs, parameters):
     dS_Hy_part4_dDREFF = dR_0_phi_dDREFF*dS_Hy_part4_dR_0_phi
     dS_Hy_part4_dFREFF = dR_0_phi_dFREFF*dS_Hy_part4_dR_0_phi
     dS_Hy_part4_dBREFF = dR_0_phi_dBREFF*dS_Hy_part4_dR_0_phi
-    dMz_part1_dS_Hy_part4 = dMz_part1_dslip_alpha_req_part1*dslip_alpha_req_part1_dS_Hy_part4
     dFy_dS_Hy_part4 = dF_y0_part2_dS_Hy_part4*dFy_dF_y0_part2
+    dMz_part1_dS_Hy_part4 = M_zr_by_M_zr_part1*dM_zr_part1_dS_Hy_part4
     dMz_part1_dLS = Fx*s_by_LS
-    dMz_part1_dUNLOADED_RADIUS = D_r_by_UNLOADED_RADIUS*M_zr_by_D_r + Fx*s_by_UNLOADED_RADIUS + M_zphi_inf_signed_by_UNLOADED_RADIUS*dMz_part1_dM_zphi_inf_signed + dB_Drphi_dUNLOADED_RADIUS*dMz_part1_dB_Drphi + dD_rphi_dUNLOADED_RADIUS*dMz_part1_dD_rphi + dM_zphi90_dUNLOADED_RADIUS*dMz_part1_dM_zphi90 + dMz_part1_dR_0_phi*dR_0_phi_dUNLOADED_RADIUS + dMz_part1_dS_Hy_part4*dS_Hy_part4_dUNLOADED_RADIUS - F_y1*dtrail_dUNLOADED_RADIUS
-    dMz_part1_dQBRP1 = dB_r_dQBRP1*dMz_part1_dB_r
-    dMz_part1_dQCRP2 = dM_zphi90_dQCRP2*dMz_part1_dM_zphi90
-    dMz_part1_dVXLOW = dD_rphi_dVXLOW*dMz_part1_dD_rphi + dF_y0_g0_part2_dVXLOW*dMz_part1_dF_y0_g0_part2 + dG_yk_dVXLOW*dMz_part1_dG_yk + dLMUY_star_dVXLOW*dMz_part1_dLMUY_star + dM_zphi90_dVXLOW*dMz_part1_dM_zphi90 + dMz_part1_dR_0_phi*dR_0_phi_dVXLOW + dMz_part1_dS_Hy_part4*dS_Hy_part4_dVXLOW + dMz_part1_dalpha_in*dalpha_in_dVXLOW + dMz_part1_dfade_smooth*fade_smooth_by_VXLOW + dMz_part1_dkappa_in*dkappa_in_dVXLOW + dMz_part1_dzeta_2*dzeta_2_dVXLOW - F_y1*dtrail_dVXLOW
-    dMz_part1_dQDRP1 = dB_Drphi_dQDRP1*dMz_part1_dB_Drphi + dD_rphi_dQDRP1*dMz_part1_dD_rphi
-    dMz_part1_dLKY = B_r_part2_by_LKY*dMz_part1_dB_r_part2 + K_yalpha_by_LKY*dMz_part1_dK_yalpha + dF_y0_g0_part2_dLKY*dMz_part1_dF_y0_g0_part2 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dLKY + dMz_part1_dS_Hyphi*dS_Hyphi_dLKY - F_y1*dtrail_dLKY
-    dMz_part1_dQBZ10 = B_r_part2_by_QBZ10*dMz_part1_dB_r_part2
-    dMz_part1_dQBZ9 = B_r_part2_by_QBZ9*dMz_part1_dB_r_part2
-    dMz_part1_dLCY = dB_r_part2_dLCY*dMz_part1_dB_r_part2 + dB_y_dLCY*dMz_part1_dB_y + dF_y0_g0_part2_dLCY*dMz_part1_dF_y0_g0_part2
-    dMz_part1_dPCY1 = dB_r_part2_dPCY1*dMz_part1_dB_r_part2 + dB_y_dPCY1*dMz_part1_dB_y + dF_y0_g0_part2_dPCY1*dMz_part1_dF_y0_g0_part2
-    dMz_part1_dFZMIN = dB_Drphi_dFZMIN*dMz_part1_dB_Drphi + dF_zm_dFZMIN*dMz_part1_dF_zm + dM_zphi_inf_signed_dFZMIN*dMz_part1_dM_zphi_inf_signed - F_y1*dtrail_dFZMIN
-    dMz_part1_dFNOMIN = LFZO*dMz_part1_dF_z01 + dF_y0_g0_part2_dFNOMIN*dMz_part1_dF_y0_g0_part2 + dG_yk_dFNOMIN*dMz_part1_dG_yk + dK_yalpha_dFNOMIN*dMz_part1_dK_yalpha + dM_zphi_inf_signed_dFNOMIN*dMz_part1_dM_zphi_inf_signed + dMz_part1_dR_0_phi*dR_0_phi_dFNOMIN + dMz_part1_dS_Hy_part4*dS_Hy_part4_dFNOMIN + dMz_part1_dS_Hyphi*dS_Hyphi_dFNOMIN + dMz_part1_ddfz*ddfz_dFNOMIN + dMz_part1_ds_part1*s_part1_by_FNOMIN + dMz_part1_dzeta_2*dzeta_2_dFNOMIN - F_y1*dtrail_dFNOMIN
+    dMz_part1_dUNLOADED_RADIUS = D_r_by_UNLOADED_RADIUS*M_zr_by_D_r + Fx*s_by_UNLOADED_RADIUS + M_zphi_inf_signed_by_UNLOADED_RADIUS*dMz_part1_dM_zphi_inf_signed + M_zr_by_M_zr_part1*dM_zr_part1_dUNLOADED_RADIUS + dB_Drphi_dUNLOADED_RADIUS*dMz_part1_dB_Drphi + dD_rphi_dUNLOADED_RADIUS*dMz_part1_dD_rphi + dMz_part1_dR_0_phi*dR_0_phi_dUNLOADED_RADIUS + dMz_part1_dS_Hy_part4*dS_Hy_part4_dUNLOADED_RADIUS - F_y1*dtrail_dUNLOADED_RADIUS
+    dMz_part1_dFZMIN = M_zr_by_M_zr_part1*dM_zr_part1_dFZMIN + dB_Drphi_dFZMIN*dMz_part1_dB_Drphi + dF_zm_dFZMIN*dMz_part1_dF_zm + dM_zphi_inf_signed_dFZMIN*dMz_part1_dM_zphi_inf_signed - F_y1*dtrail_dFZMIN
+    dMz_part1_dVXLOW = M_zr_by_M_zr_part1*dM_zr_part1_dVXLOW + M_zr_by_fade_smooth*fade_smooth_by_VXLOW + dD_r_part7_dVXLOW*dMz_part1_dD_r_part7 + dD_rphi_dVXLOW*dMz_part1_dD_rphi + dF_y0_g0_part2_dVXLOW*dMz_part1_dF_y0_g0_part2 + dG_yk_dVXLOW*dMz_part1_dG_yk + dK_yalpha_dVXLOW*dMz_part1_dK_yalpha + dK_yalpha_g0_dVXLOW*dMz_part1_dK_yalpha_g0 + dLMUY_star_dVXLOW*dMz_part1_dLMUY_star + dMz_part1_dR_0_phi*dR_0_phi_dVXLOW + dMz_part1_dS_Hy_part4*dS_Hy_part4_dVXLOW + dMz_part1_dS_Hyphi*dS_Hyphi_dVXLOW + dMz_part1_dalpha_in*dalpha_in_dVXLOW + dMz_part1_dkappa_in*dkappa_in_dVXLOW + dMz_part1_dturn_share*dturn_share_dVXLOW + dMz_part1_dzeta_2*dzeta_2_dVXLOW - F_y1*dtrail_dVXLOW
+    dMz_part1_dFNOMIN = LFZO*dMz_part1_dF_z01 + M_zr_by_M_zr_part1*dM_zr_part1_dFNOMIN + dB_Drphi_dFNOMIN*dMz_part1_dB_Drphi + dG_yk_dFNOMIN*dMz_part1_dG_yk + dK_yalpha_dFNOMIN*dMz_part1_dK_yalpha + dK_yalpha_g0_dFNOMIN*dMz_part1_dK_yalpha_g0 + dM_zphi_inf_signed_dFNOMIN*dMz_part1_dM_zphi_inf_signed + dMz_part1_dR_0_phi*dR_0_phi_dFNOMIN + dMz_part1_dS_Hy_part4*dS_Hy_part4_dFNOMIN + dMz_part1_dS_Hyphi*dS_Hyphi_dFNOMIN + dMz_part1_ddfz*ddfz_dFNOMIN + dMz_part1_dmu_y_loaded*dmu_y_loaded_dFNOMIN + dMz_part1_ds_part1*s_part1_by_FNOMIN + dMz_part1_dzeta_2*dzeta_2_dFNOMIN - F_y1*dtrail_dFNOMIN
     dMz_part1_dFy = dMz_part1_ds_part1*s_part1_by_Fy
     dMz_part1_dSSZ2 = dMz_part1_ds_part1*s_part1_by_SSZ2
     dMz_part1_dSSZ3 = dMz_part1_ds_part1*s_part1_by_SSZ3
     dMz_part1_dSSZ4 = dMz_part1_ds_part1*s_part1_by_SSZ4
-    dMz_part1_dLFZO = FNOMIN*dMz_part1_dF_z01 + dF_y0_g0_part2_dLFZO*dMz_part1_dF_y0_g0_part2 + dG_yk_dLFZO*dMz_part1_dG_yk + dK_yalpha_dLFZO*dMz_part1_dK_yalpha + dM_zphi_inf_signed_dLFZO*dMz_part1_dM_zphi_inf_signed + dMz_part1_dR_0_phi*dR_0_phi_dLFZO + dMz_part1_dS_Hy_part4*dS_Hy_part4_dLFZO + dMz_part1_dS_Hyphi*dS_Hyphi_dLFZO + dMz_part1_ddfz*ddfz_dLFZO + dMz_part1_dzeta_2*dzeta_2_dLFZO - F_y1*dtrail_dLFZO
-    dMz_part1_dRCY1 = dG_yk_dRCY1*dMz_part1_dG_yk + dG_yk_g0_dRCY1*dMz_part1_dG_yk_g0
-    dMz_part1_dRHY1 = dG_yk_dS_Hyk*dMz_part1_dG_yk + dG_yk_g0_dS_Hyk*dMz_part1_dG_yk_g0
-    dMz_part1_dRHY2 = dG_yk_dRHY2*dMz_part1_dG_yk + dG_yk_g0_dRHY2*dMz_part1_dG_yk_g0
-    dMz_part1_dLYKA = dG_yk_dLYKA*dMz_part1_dG_yk + dG_yk_g0_dLYKA*dMz_part1_dG_yk_g0
-    dMz_part1_dRBY1 = dG_yk_dRBY1*dMz_part1_dG_yk + dG_yk_g0_dRBY1*dMz_part1_dG_yk_g0
-    dMz_part1_dRBY2 = dG_yk_dRBY2*dMz_part1_dG_yk + dG_yk_g0_dRBY2*dMz_part1_dG_yk_g0
-    dMz_part1_dRBY3 = dG_yk_dRBY3*dMz_part1_dG_yk + dG_yk_g0_dRBY3*dMz_part1_dG_yk_g0
-    dMz_part1_dREY1 = dG_yk_dREY1*dMz_part1_dG_yk + dG_yk_g0_dREY1*dMz_part1_dG_yk_g0
-    dMz_part1_dREY2 = dG_yk_dREY2*dMz_part1_dG_yk + dG_yk_g0_dREY2*dMz_part1_dG_yk_g0
-    dMz_part1_dLKZC = D_r_part7_by_LKZC*dMz_part1_dD_r_part7 + dB_Drphi_dLKZC*dMz_part1_dB_Drphi
+    dMz_part1_dQDRP1 = M_zr_by_M_zr_part1*dM_zr_part1_dQDRP1 + dB_Drphi_dQDRP1*dMz_part1_dB_Drphi + dD_rphi_dQDRP1*dMz_part1_dD_rphi
+    dMz_part1_dLFZO = FNOMIN*dMz_part1_dF_z01 + M_zr_by_M_zr_part1*dM_zr_part1_dLFZO + dB_Drphi_dLFZO*dMz_part1_dB_Drphi + dG_yk_dLFZO*dMz_part1_dG_yk + dK_yalpha_dLFZO*dMz_part1_dK_yalpha + dK_yalpha_g0_dLFZO*dMz_part1_dK_yalpha_g0 + dM_zphi_inf_signed_dLFZO*dMz_part1_dM_zphi_inf_signed + dMz_part1_dR_0_phi*dR_0_phi_dLFZO + dMz_part1_dS_Hy_part4*dS_Hy_part4_dLFZO + dMz_part1_dS_Hyphi*dS_Hyphi_dLFZO + dMz_part1_ddfz*ddfz_dLFZO + dMz_part1_dmu_y_loaded*dmu_y_loaded_dLFZO + dMz_part1_dzeta_2*dzeta_2_dLFZO - F_y1*dtrail_dLFZO
+    dMz_part1_dRCY1 = M_zr_by_M_zr_part1*dM_zr_part1_dRCY1 + dG_yk_dRCY1*dMz_part1_dG_yk + dG_yk_g0_dRCY1*dMz_part1_dG_yk_g0
+    dMz_part1_dRHY1 = M_zr_by_M_zr_part1*dM_zr_part1_dRHY1 + dG_yk_dS_Hyk*dMz_part1_dG_yk + dG_yk_g0_dS_Hyk*dMz_part1_dG_yk_g0
+    dMz_part1_dRHY2 = M_zr_by_M_zr_part1*dM_zr_part1_dRHY2 + dG_yk_dRHY2*dMz_part1_dG_yk + dG_yk_g0_dRHY2*dMz_part1_dG_yk_g0
+    dMz_part1_dLYKA = M_zr_by_M_zr_part1*dM_zr_part1_dLYKA + dG_yk_dLYKA*dMz_part1_dG_yk + dG_yk_g0_dLYKA*dMz_part1_dG_yk_g0
+    dMz_part1_dRBY1 = M_zr_by_M_zr_part1*dM_zr_part1_dRBY1 + dG_yk_dRBY1*dMz_part1_dG_yk + dG_yk_g0_dRBY1*dMz_part1_dG_yk_g0
+    dMz_part1_dRBY2 = M_zr_by_M_zr_part1*dM_zr_part1_dRBY2 + dG_yk_dRBY2*dMz_part1_dG_yk + dG_yk_g0_dRBY2*dMz_part1_dG_yk_g0
+    dMz_part1_dRBY3 = M_zr_by_M_zr_part1*dM_zr_part1_dRBY3 + dG_yk_dRBY3*dMz_part1_dG_yk + dG_yk_g0_dRBY3*dMz_part1_dG_yk_g0
+    dMz_part1_dREY1 = M_zr_by_M_zr_part1*dM_zr_part1_dREY1 + dG_yk_dREY1*dMz_part1_dG_yk + dG_yk_g0_dREY1*dMz_part1_dG_yk_g0
+    dMz_part1_dREY2 = M_zr_by_M_zr_part1*dM_zr_part1_dREY2 + dG_yk_dREY2*dMz_part1_dG_yk + dG_yk_g0_dREY2*dMz_part1_dG_yk_g0
+    dMz_part1_dLKZC = D_r_part7_by_LKZC*dMz_part1_dD_r_part7 + M_zr_by_M_zr_part1*dM_zr_part1_dLKZC + dB_Drphi_dLKZC*dMz_part1_dB_Drphi
     dMz_part1_dLRES = D_r_part7_by_LRES*dMz_part1_dD_r_part7
     dMz_part1_dQDZ6 = D_r_part7_by_D_r_part1*dMz_part1_dD_r_part7
     dMz_part1_dQDZ7 = dD_r_part7_dQDZ7*dMz_part1_dD_r_part7
     dMz_part1_dPPZ2 = dD_r_part7_dPPZ2*dMz_part1_dD_r_part7
-    dMz_part1_dQDZ8 = dB_Drphi_dQDZ8*dMz_part1_dB_Drphi + dD_r_part7_dQDZ8*dMz_part1_dD_r_part7
-    dMz_part1_dQDZ9 = dB_Drphi_dQDZ9*dMz_part1_dB_Drphi + dD_r_part7_dQDZ9*dMz_part1_dD_r_part7
-    dMz_part1_dQDZ10 = dB_Drphi_dQDZ10*dMz_part1_dB_Drphi + dD_r_part7_dQDZ10*dMz_part1_dD_r_part7
-    dMz_part1_dQDZ11 = dB_Drphi_dQDZ11*dMz_part1_dB_Drphi + dD_r_part7_dQDZ11*dMz_part1_dD_r_part7
-    dMz_part1_dPECP1 = dB_Drphi_dPECP1*dMz_part1_dB_Drphi + dMz_part1_dR_0_phi*dR_0_phi_dPECP1 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPECP1 + dMz_part1_dS_Hyphi*dS_Hyphi_dPECP1
-    dMz_part1_dPECP2 = dB_Drphi_dPECP2*dMz_part1_dB_Drphi + dMz_part1_dR_0_phi*dR_0_phi_dPECP2 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPECP2 + dMz_part1_dS_Hyphi*dS_Hyphi_dPECP2
-    dMz_part1_dLMP = M_zphi_inf_signed_by_LMP*dMz_part1_dM_zphi_inf_signed
-    dMz_part1_dQCRP1 = M_zphi_inf_signed_by_QCRP1*dMz_part1_dM_zphi_inf_signed
-    dMz_part1_dFZMAX = F_z_limited_by_FZMAX*dMz_part1_dF_z_limited + dF_y0_g0_part2_dFZMAX*dMz_part1_dF_y0_g0_part2 + dG_yk_dFZMAX*dMz_part1_dG_yk + dK_xkappa_dFZMAX*dMz_part1_dK_xkappa + dK_yalpha_dFZMAX*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dFZMAX + dMz_part1_dS_Hy_part4*dS_Hy_part4_dFZMAX + dMz_part1_dS_Hyphi*dS_Hyphi_dFZMAX + dMz_part1_dS_Vy_part2*dS_Vy_part2_dFZMAX + dMz_part1_ddfz*ddfz_dFZMAX + dMz_part1_dzeta_2*dzeta_2_dFZMAX - F_y1*dtrail_dFZMAX
-    dMz_part1_dPDY3 = dMz_part1_dmu_y_loaded*dmu_y_loaded_dPDY3
-    dMz_part1_dPDY1 = dF_y0_g0_part2_dPDY1*dMz_part1_dF_y0_g0_part2 + dMz_part1_dmu_y_loaded*mu_y_loaded_by_mu_y_loaded_part2
-    dMz_part1_dPDY2 = dF_y0_g0_part2_dPDY2*dMz_part1_dF_y0_g0_part2 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPDY2
-    dMz_part1_dPPY3 = dF_y0_g0_part2_dPPY3*dMz_part1_dF_y0_g0_part2 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPPY3
-    dMz_part1_dPPY4 = dF_y0_g0_part2_dPPY4*dMz_part1_dF_y0_g0_part2 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPPY4
-    dMz_part1_dKPUMAX = dG_yk_dKPUMAX*dMz_part1_dG_yk + dLMUY_star_dKPUMAX*dMz_part1_dLMUY_star + dMz_part1_dS_Hy_part4*dS_Hy_part4_dKPUMAX + dMz_part1_dkappa_in*kappa_in_by_KPUMAX - F_y1*dtrail_dKPUMAX
-    dMz_part1_dKPUMIN = dG_yk_dKPUMIN*dMz_part1_dG_yk + dLMUY_star_dKPUMIN*dMz_part1_dLMUY_star + dMz_part1_dS_Hy_part4*dS_Hy_part4_dKPUMIN + dMz_part1_dkappa_in*dkappa_in_dKPUMIN - F_y1*dtrail_dKPUMIN
-    dMz_part1_dCAMMAX = dG_yk_dCAMMAX*dMz_part1_dG_yk + dK_yalpha_dCAMMAX*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dCAMMAX + dMz_part1_dS_Hy_part4*dS_Hy_part4_dCAMMAX + dMz_part1_dS_Vy_part2*dS_Vy_part2_dCAMMAX + dMz_part1_dgamma_in*gamma_in_by_CAMMAX - F_y1*dtrail_dCAMMAX
-    dMz_part1_dCAMMIN = dG_yk_dCAMMIN*dMz_part1_dG_yk + dK_yalpha_dCAMMIN*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dCAMMIN + dMz_part1_dS_Hy_part4*dS_Hy_part4_dCAMMIN + dMz_part1_dS_Vy_part2*dS_Vy_part2_dCAMMIN + dMz_part1_dgamma_in*dgamma_in_dCAMMIN - F_y1*dtrail_dCAMMIN
-    dMz_part1_dLVY = S_Vy_g0_by_LVY*dMz_part1_dF_y0_g0_part2 + S_Vy_part2_by_LVY*dMz_part1_dS_Vy_part2
-    dMz_part1_dPVY1 = S_Vy_g0_by_S_Vy_g0_part1*dMz_part1_dF_y0_g0_part2 + S_Vy_part2_by_S_Vy_part1*dMz_part1_dS_Vy_part2
-    dMz_part1_dPVY2 = dF_y0_g0_part2_dPVY2*dMz_part1_dF_y0_g0_part2 + dMz_part1_dS_Vy_part2*dS_Vy_part2_dPVY2
-    dMz_part1_dLKYC = S_Vygamma_by_LKYC*dMz_part1_dS_Vy_part2 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dLKYC + dMz_part1_dS_Hyphi*dS_Hyphi_dLKYC
-    dMz_part1_dPVY3 = S_Vygamma_by_S_Vygamma_part1*dMz_part1_dS_Vy_part2 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPVY3
-    dMz_part1_dPVY4 = dMz_part1_dS_Hy_part4*dS_Hy_part4_dPVY4 + dMz_part1_dS_Vy_part2*dS_Vygamma_dPVY4
-    dMz_part1_dALPMAX = alpha_in_by_ALPMAX*dMz_part1_dalpha_in + dF_y0_g0_part2_dALPMAX*dMz_part1_dF_y0_g0_part2 + dG_yk_dALPMAX*dMz_part1_dG_yk + dLMUY_star_dALPMAX*dMz_part1_dLMUY_star + dMz_part1_dR_0_phi*dR_0_phi_dALPMAX + dMz_part1_dS_Hy_part4*dS_Hy_part4_dALPMAX + dMz_part1_dzeta_2*dzeta_2_dALPMAX - F_y1*dtrail_dALPMAX
-    dMz_part1_dALPMIN = dF_y0_g0_part2_dALPMIN*dMz_part1_dF_y0_g0_part2 + dG_yk_dALPMIN*dMz_part1_dG_yk + dLMUY_star_dALPMIN*dMz_part1_dLMUY_star + dMz_part1_dR_0_phi*dR_0_phi_dALPMIN + dMz_part1_dS_Hy_part4*dS_Hy_part4_dALPMIN + dMz_part1_dalpha_in*dalpha_in_dALPMIN + dMz_part1_dzeta_2*dzeta_2_dALPMIN - F_y1*dtrail_dALPMIN
-    dMz_part1_dLKX = K_xkappa_by_LKX*dMz_part1_dK_xkappa - F_y1*dtrail_dLKX
-    dMz_part1_dPKX1 = K_xkappa_by_K_xkappa_part1*dMz_part1_dK_xkappa - F_y1*dtrail_dPKX1
-    dMz_part1_dPKX2 = dK_xkappa_dPKX2*dMz_part1_dK_xkappa - F_y1*dtrail_dPKX2
-    dMz_part1_dPKX3 = dK_xkappa_dPKX3*dMz_part1_dK_xkappa - F_y1*dtrail_dPKX3
-    dMz_part1_dPPX1 = dK_xkappa_dPPX1*dMz_part1_dK_xkappa - F_y1*dtrail_dPPX1
-    dMz_part1_dPPX2 = dK_xkappa_dPPX2*dMz_part1_dK_xkappa - F_y1*dtrail_dPPX2
-    dMz_part1_dNOMPRES = dF_y0_g0_part2_dNOMPRES*dMz_part1_dF_y0_g0_part2 + dK_yalpha_dNOMPRES*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dNOMPRES + dMz_part1_dS_Hy_part4*dS_Hy_part4_dNOMPRES + dMz_part1_dS_Hyphi*dS_Hyphi_dNOMPRES + dMz_part1_ddpi*ddpi_dNOMPRES - F_y1*dtrail_dNOMPRES
-    dMz_part1_dPRESMAX = dF_y0_g0_part2_dPRESMAX*dMz_part1_dF_y0_g0_part2 + dK_yalpha_dPRESMAX*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dPRESMAX + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPRESMAX + dMz_part1_dS_Hyphi*dS_Hyphi_dPRESMAX + dMz_part1_ddpi*ddpi_dPRESMAX - F_y1*dtrail_dPRESMAX
-    dMz_part1_dPRESMIN = dF_y0_g0_part2_dPRESMIN*dMz_part1_dF_y0_g0_part2 + dK_yalpha_dPRESMIN*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dPRESMIN + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPRESMIN + dMz_part1_dS_Hyphi*dS_Hyphi_dPRESMIN + dMz_part1_ddpi*ddpi_dPRESMIN - F_y1*dtrail_dPRESMIN
+    dMz_part1_dQDZ8 = M_zr_by_M_zr_part1*dM_zr_part1_dQDZ8 + dB_Drphi_dQDZ8*dMz_part1_dB_Drphi + dD_r_part7_dQDZ8*dMz_part1_dD_r_part7
+    dMz_part1_dQDZ9 = M_zr_by_M_zr_part1*dM_zr_part1_dQDZ9 + dB_Drphi_dQDZ9*dMz_part1_dB_Drphi + dD_r_part7_dQDZ9*dMz_part1_dD_r_part7
+    dMz_part1_dQDZ10 = M_zr_by_M_zr_part1*dM_zr_part1_dQDZ10 + dB_Drphi_dQDZ10*dMz_part1_dB_Drphi + dD_r_part7_dQDZ10*dMz_part1_dD_r_part7
+    dMz_part1_dQDZ11 = M_zr_by_M_zr_part1*dM_zr_part1_dQDZ11 + dB_Drphi_dQDZ11*dMz_part1_dB_Drphi + dD_r_part7_dQDZ11*dMz_part1_dD_r_part7
+    dMz_part1_dFZMAX = F_z_limited_by_FZMAX*dMz_part1_dF_z_limited + M_zr_by_M_zr_part1*dM_zr_part1_dFZMAX + dB_Drphi_dFZMAX*dMz_part1_dB_Drphi + dF_y0_g0_part2_dFZMAX*dMz_part1_dF_y0_g0_part2 + dG_yk_dFZMAX*dMz_part1_dG_yk + dK_yalpha_dFZMAX*dMz_part1_dK_yalpha + dK_yalpha_g0_dFZMAX*dMz_part1_dK_yalpha_g0 + dM_zphi_inf_signed_dFZMAX*dMz_part1_dM_zphi_inf_signed + dMz_part1_dR_0_phi*dR_0_phi_dFZMAX + dMz_part1_dS_Hy_part4*dS_Hy_part4_dFZMAX + dMz_part1_dS_Hyphi*dS_Hyphi_dFZMAX + dMz_part1_ddfz*ddfz_dFZMAX + dMz_part1_dmu_y_loaded*dmu_y_loaded_dFZMAX + dMz_part1_dzeta_2*dzeta_2_dFZMAX - F_y1*dtrail_dFZMAX
+    dMz_part1_dKPUMAX = M_zr_by_M_zr_part1*dM_zr_part1_dKPUMAX + dG_yk_dKPUMAX*dMz_part1_dG_yk + dLMUY_star_dKPUMAX*dMz_part1_dLMUY_star + dMz_part1_dS_Hy_part4*dS_Hy_part4_dKPUMAX + dMz_part1_dkappa_in*kappa_in_by_KPUMAX - F_y1*dtrail_dKPUMAX
+    dMz_part1_dKPUMIN = M_zr_by_M_zr_part1*dM_zr_part1_dKPUMIN + dG_yk_dKPUMIN*dMz_part1_dG_yk + dLMUY_star_dKPUMIN*dMz_part1_dLMUY_star + dMz_part1_dS_Hy_part4*dS_Hy_part4_dKPUMIN + dMz_part1_dkappa_in*dkappa_in_dKPUMIN - F_y1*dtrail_dKPUMIN
+    dMz_part1_dLMP = M_zphi_inf_signed_by_LMP*dMz_part1_dM_zphi_inf_signed + M_zr_by_M_zr_part1*dM_zr_part1_dLMP + dB_Drphi_dLMP*dMz_part1_dB_Drphi
+    dMz_part1_dQCRP1 = M_zphi_inf_signed_by_QCRP1*dMz_part1_dM_zphi_inf_signed + M_zr_by_M_zr_part1*dM_zr_part1_dQCRP1 + dB_Drphi_dQCRP1*dMz_part1_dB_Drphi
+    dMz_part1_dLVY = M_zr_by_M_zr_part1*dM_zr_part1_dLVY + S_Vy_g0_by_LVY*dMz_part1_dF_y0_g0_part2
+    dMz_part1_dPVY1 = M_zr_by_M_zr_part1*dM_zr_part1_dPVY1 + S_Vy_g0_by_S_Vy_g0_part1*dMz_part1_dF_y0_g0_part2
+    dMz_part1_dPVY2 = M_zr_by_M_zr_part1*dM_zr_part1_dPVY2 + dF_y0_g0_part2_dPVY2*dMz_part1_dF_y0_g0_part2
+    dMz_part1_dLCY = M_zr_by_M_zr_part1*dM_zr_part1_dLCY + dF_y0_g0_part2_dLCY*dMz_part1_dF_y0_g0_part2
+    dMz_part1_dPCY1 = M_zr_by_M_zr_part1*dM_zr_part1_dPCY1 + dF_y0_g0_part2_dPCY1*dMz_part1_dF_y0_g0_part2
     dMz_part1_dLEY = dF_y0_g0_part2_dLEY*dMz_part1_dF_y0_g0_part2
     dMz_part1_dPEY1 = dF_y0_g0_part2_dPEY1*dMz_part1_dF_y0_g0_part2
     dMz_part1_dPEY2 = dF_y0_g0_part2_dPEY2*dMz_part1_dF_y0_g0_part2
@@ -4260,24 +4417,39 @@ def jacobian_parameters(inputs, parameters):
     dMz_part1_dLHY = S_Hy_part1*dMz_part1_dS_Hy_part4 + dF_y0_g0_part2_dLHY*dMz_part1_dF_y0_g0_part2
     dMz_part1_dPHY1 = LHY*dMz_part1_dS_Hy_part4 + dF_y0_g0_part2_dPHY1*dMz_part1_dF_y0_g0_part2
     dMz_part1_dPHY2 = dF_y0_g0_part2_dPHY2*dMz_part1_dF_y0_g0_part2 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPHY2
-    dMz_part1_dPKY1 = K_yalpha_by_PKY1*dMz_part1_dK_yalpha + dF_y0_g0_part2_dPKY1*dMz_part1_dF_y0_g0_part2 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPKY1 + dMz_part1_dS_Hyphi*dS_Hyphi_dPKY1
-    dMz_part1_dPPY1 = dF_y0_g0_part2_dPPY1*dMz_part1_dF_y0_g0_part2 + dK_yalpha_dPPY1*dMz_part1_dK_yalpha + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPPY1 + dMz_part1_dS_Hyphi*dS_Hyphi_dPPY1
-    dMz_part1_dPKY4 = dF_y0_g0_part2_dPKY4*dMz_part1_dF_y0_g0_part2 + dK_yalpha_dPKY4*dMz_part1_dK_yalpha + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPKY4 + dMz_part1_dS_Hyphi*dS_Hyphi_dPKY4
-    dMz_part1_dPKYP1 = dF_y0_g0_part2_dPKYP1*dMz_part1_dF_y0_g0_part2 + dK_yalpha_dPKYP1*dMz_part1_dK_yalpha + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPKYP1 + dMz_part1_dS_Hyphi*dS_Hyphi_dPKYP1
-    dMz_part1_dPKY2 = dF_y0_g0_part2_dPKY2*dMz_part1_dF_y0_g0_part2 + dK_yalpha_dPKY2*dMz_part1_dK_yalpha + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPKY2 + dMz_part1_dS_Hyphi*dS_Hyphi_dPKY2
-    dMz_part1_dPPY2 = dF_y0_g0_part2_dPPY2*dMz_part1_dF_y0_g0_part2 + dK_yalpha_dPPY2*dMz_part1_dK_yalpha + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPPY2 + dMz_part1_dS_Hyphi*dS_Hyphi_dPPY2
-    dMz_part1_dLMUY = LMUY_star_by_LMUY*dMz_part1_dLMUY_star + dMz_part1_dS_Hy_part4*dS_Hy_part4_dLMUY - F_y1*dtrail_dLMUY
-    dMz_part1_dLMUV = dLMUY_star_dLMUV*dMz_part1_dLMUY_star + dMz_part1_dS_Hy_part4*dS_Hy_part4_dLMUV - F_y1*dtrail_dLMUV
-    dMz_part1_dLONGVL = dLMUY_star_dLONGVL*dMz_part1_dLMUY_star + dMz_part1_dR_0_phi*dR_0_phi_dLONGVL + dMz_part1_dS_Hy_part4*dS_Hy_part4_dLONGVL - F_y1*dtrail_dLONGVL
-    dMz_part1_dPDYP4 = dMz_part1_dS_Hy_part4*dS_Hy_part4_dPDYP4 + dMz_part1_dzeta_2*zeta_2_by_PDYP4
-    dMz_part1_dPDYP1 = dMz_part1_dS_Hy_part4*dS_Hy_part4_dPDYP1 + dMz_part1_dzeta_2*dzeta_2_dPDYP1
-    dMz_part1_dPDYP3 = dMz_part1_dS_Hy_part4*dS_Hy_part4_dPDYP3 + dMz_part1_dzeta_2*dzeta_2_dPDYP3
-    dMz_part1_dPDYP2 = dMz_part1_dS_Hy_part4*dS_Hy_part4_dPDYP2 + dMz_part1_dzeta_2*dzeta_2_dPDYP2
-    dMz_part1_dRBY4 = dG_yk_dRBY4*dMz_part1_dG_yk
+    dMz_part1_dPDY1 = M_zr_by_M_zr_part1*dM_zr_part1_dPDY1 + dF_y0_g0_part2_dPDY1*dMz_part1_dF_y0_g0_part2 + dMz_part1_dmu_y_loaded*mu_y_loaded_by_mu_y_loaded_part2
+    dMz_part1_dPDY2 = M_zr_by_M_zr_part1*dM_zr_part1_dPDY2 + dF_y0_g0_part2_dPDY2*dMz_part1_dF_y0_g0_part2 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPDY2
+    dMz_part1_dPPY3 = M_zr_by_M_zr_part1*dM_zr_part1_dPPY3 + dF_y0_g0_part2_dPPY3*dMz_part1_dF_y0_g0_part2 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPPY3
+    dMz_part1_dPPY4 = M_zr_by_M_zr_part1*dM_zr_part1_dPPY4 + dF_y0_g0_part2_dPPY4*dMz_part1_dF_y0_g0_part2 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPPY4
+    dMz_part1_dCAMMAX = M_zr_by_M_zr_part1*dM_zr_part1_dCAMMAX + dB_Drphi_dCAMMAX*dMz_part1_dB_Drphi + dG_yk_dCAMMAX*dMz_part1_dG_yk + dK_yalpha_dCAMMAX*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dCAMMAX + dMz_part1_dS_Hy_part4*dS_Hy_part4_dCAMMAX + dMz_part1_dgamma_in*gamma_in_by_CAMMAX + dMz_part1_dmu_y_loaded*dmu_y_loaded_dCAMMAX - F_y1*dtrail_dCAMMAX
+    dMz_part1_dCAMMIN = M_zr_by_M_zr_part1*dM_zr_part1_dCAMMIN + dB_Drphi_dCAMMIN*dMz_part1_dB_Drphi + dG_yk_dCAMMIN*dMz_part1_dG_yk + dK_yalpha_dCAMMIN*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dCAMMIN + dMz_part1_dS_Hy_part4*dS_Hy_part4_dCAMMIN + dMz_part1_dgamma_in*dgamma_in_dCAMMIN + dMz_part1_dmu_y_loaded*dmu_y_loaded_dCAMMIN - F_y1*dtrail_dCAMMIN
+    dMz_part1_dLKY = K_yalpha_by_LKY*dMz_part1_dK_yalpha + K_yalpha_g0_by_LKY*dMz_part1_dK_yalpha_g0 + M_zr_by_M_zr_part1*dM_zr_part1_dLKY + dMz_part1_dS_Hy_part4*dS_Hy_part4_dLKY + dMz_part1_dS_Hyphi*dS_Hyphi_dLKY - F_y1*dtrail_dLKY
+    dMz_part1_dPKY1 = K_yalpha_by_PKY1*dMz_part1_dK_yalpha + K_yalpha_g0_by_PKY1*dMz_part1_dK_yalpha_g0 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPKY1 + dMz_part1_dS_Hyphi*dS_Hyphi_dPKY1
+    dMz_part1_dPPY1 = dK_yalpha_dPPY1*dMz_part1_dK_yalpha + dK_yalpha_g0_dPPY1*dMz_part1_dK_yalpha_g0 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPPY1 + dMz_part1_dS_Hyphi*dS_Hyphi_dPPY1
+    dMz_part1_dPKY4 = dK_yalpha_dPKY4*dMz_part1_dK_yalpha + dK_yalpha_g0_dPKY4*dMz_part1_dK_yalpha_g0 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPKY4 + dMz_part1_dS_Hyphi*dS_Hyphi_dPKY4
+    dMz_part1_dPKY2 = dK_yalpha_dPKY2*dMz_part1_dK_yalpha + dK_yalpha_g0_dPKY2*dMz_part1_dK_yalpha_g0 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPKY2 + dMz_part1_dS_Hyphi*dS_Hyphi_dPKY2
+    dMz_part1_dPPY2 = dK_yalpha_dPPY2*dMz_part1_dK_yalpha + dK_yalpha_g0_dPPY2*dMz_part1_dK_yalpha_g0 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPPY2 + dMz_part1_dS_Hyphi*dS_Hyphi_dPPY2
+    dMz_part1_dPKYP1 = dK_yalpha_dPKYP1*dMz_part1_dK_yalpha + dK_yalpha_g0_dPKYP1*dMz_part1_dK_yalpha_g0 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPKYP1 + dMz_part1_dS_Hyphi*dS_Hyphi_dPKYP1
+    dMz_part1_dALPMAX = M_zr_by_M_zr_part1*dM_zr_part1_dALPMAX + alpha_in_by_ALPMAX*dMz_part1_dalpha_in + dG_yk_dALPMAX*dMz_part1_dG_yk + dLMUY_star_dALPMAX*dMz_part1_dLMUY_star + dMz_part1_dR_0_phi*dR_0_phi_dALPMAX + dMz_part1_dS_Hy_part4*dS_Hy_part4_dALPMAX + dMz_part1_dzeta_2*dzeta_2_dALPMAX - F_y1*dtrail_dALPMAX
+    dMz_part1_dALPMIN = M_zr_by_M_zr_part1*dM_zr_part1_dALPMIN + dG_yk_dALPMIN*dMz_part1_dG_yk + dLMUY_star_dALPMIN*dMz_part1_dLMUY_star + dMz_part1_dR_0_phi*dR_0_phi_dALPMIN + dMz_part1_dS_Hy_part4*dS_Hy_part4_dALPMIN + dMz_part1_dalpha_in*dalpha_in_dALPMIN + dMz_part1_dzeta_2*dzeta_2_dALPMIN - F_y1*dtrail_dALPMIN
+    dMz_part1_dNOMPRES = M_zr_by_M_zr_part1*dM_zr_part1_dNOMPRES + dK_yalpha_dNOMPRES*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dNOMPRES + dMz_part1_dS_Hy_part4*dS_Hy_part4_dNOMPRES + dMz_part1_dS_Hyphi*dS_Hyphi_dNOMPRES + dMz_part1_ddpi*ddpi_dNOMPRES + dMz_part1_dmu_y_loaded*dmu_y_loaded_dNOMPRES - F_y1*dtrail_dNOMPRES
+    dMz_part1_dPRESMAX = M_zr_by_M_zr_part1*dM_zr_part1_dPRESMAX + dK_yalpha_dPRESMAX*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dPRESMAX + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPRESMAX + dMz_part1_dS_Hyphi*dS_Hyphi_dPRESMAX + dMz_part1_ddpi*ddpi_dPRESMAX + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPRESMAX - F_y1*dtrail_dPRESMAX
+    dMz_part1_dPRESMIN = M_zr_by_M_zr_part1*dM_zr_part1_dPRESMIN + dK_yalpha_dPRESMIN*dMz_part1_dK_yalpha + dMz_part1_dR_0_phi*dR_0_phi_dPRESMIN + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPRESMIN + dMz_part1_dS_Hyphi*dS_Hyphi_dPRESMIN + dMz_part1_ddpi*ddpi_dPRESMIN + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPRESMIN - F_y1*dtrail_dPRESMIN
+    dMz_part1_dPECP1 = M_zr_by_M_zr_part1*dM_zr_part1_dPECP1 + dB_Drphi_dPECP1*dMz_part1_dB_Drphi + dMz_part1_dR_0_phi*dR_0_phi_dPECP1 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPECP1 + dMz_part1_dS_Hyphi*dS_Hyphi_dPECP1
+    dMz_part1_dPECP2 = M_zr_by_M_zr_part1*dM_zr_part1_dPECP2 + dB_Drphi_dPECP2*dMz_part1_dB_Drphi + dMz_part1_dR_0_phi*dR_0_phi_dPECP2 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPECP2 + dMz_part1_dS_Hyphi*dS_Hyphi_dPECP2
+    dMz_part1_dPDY3 = M_zr_by_M_zr_part1*dM_zr_part1_dPDY3 + dMz_part1_dmu_y_loaded*dmu_y_loaded_dPDY3
+    dMz_part1_dLMUY = LMUY_star_by_LMUY*dMz_part1_dLMUY_star + M_zr_by_M_zr_part1*dM_zr_part1_dLMUY + dMz_part1_dS_Hy_part4*dS_Hy_part4_dLMUY - F_y1*dtrail_dLMUY
+    dMz_part1_dLMUV = M_zr_by_M_zr_part1*dM_zr_part1_dLMUV + dLMUY_star_dLMUV*dMz_part1_dLMUY_star + dMz_part1_dS_Hy_part4*dS_Hy_part4_dLMUV - F_y1*dtrail_dLMUV
+    dMz_part1_dLONGVL = M_zr_by_M_zr_part1*dM_zr_part1_dLONGVL + dLMUY_star_dLONGVL*dMz_part1_dLMUY_star + dMz_part1_dR_0_phi*dR_0_phi_dLONGVL + dMz_part1_dS_Hy_part4*dS_Hy_part4_dLONGVL - F_y1*dtrail_dLONGVL
+    dMz_part1_dPDYP4 = M_zr_by_M_zr_part1*dM_zr_part1_dPDYP4 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPDYP4 + dMz_part1_dzeta_2*zeta_2_by_PDYP4
+    dMz_part1_dPDYP1 = M_zr_by_M_zr_part1*dM_zr_part1_dPDYP1 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPDYP1 + dMz_part1_dzeta_2*dzeta_2_dPDYP1
+    dMz_part1_dPDYP3 = M_zr_by_M_zr_part1*dM_zr_part1_dPDYP3 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPDYP3 + dMz_part1_dzeta_2*dzeta_2_dPDYP3
+    dMz_part1_dPDYP2 = M_zr_by_M_zr_part1*dM_zr_part1_dPDYP2 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPDYP2 + dMz_part1_dzeta_2*dzeta_2_dPDYP2
     dMz_part1_dPHYP1 = dMz_part1_dS_Hy_part4*dS_Hy_part4_dPHYP1 + dMz_part1_dS_Hyphi*dS_Hyphi_dPHYP1
     dMz_part1_dPHYP4 = dMz_part1_dS_Hy_part4*dS_Hy_part4_dPHYP4 + dMz_part1_dS_Hyphi*dS_Hyphi_dPHYP4
     dMz_part1_dPHYP2 = dMz_part1_dS_Hy_part4*dS_Hy_part4_dPHYP2 + dMz_part1_dS_Hyphi*dS_Hyphi_dPHYP2
     dMz_part1_dPHYP3 = dMz_part1_dS_Hy_part4*dS_Hy_part4_dPHYP3 + dMz_part1_dS_Hyphi*dS_Hyphi_dPHYP3
+    dMz_part1_dLKYC = M_zr_by_M_zr_part1*dM_zr_part1_dLKYC + dMz_part1_dS_Hy_part4*dS_Hy_part4_dLKYC + dMz_part1_dS_Hyphi*dS_Hyphi_dLKYC
     dMz_part1_dPPY5 = dMz_part1_dS_Hy_part4*dS_Hy_part4_dPPY5 + dMz_part1_dS_Hyphi*dS_Hyphi_dPPY5
     dMz_part1_dPKY6 = dMz_part1_dS_Hy_part4*dS_Hy_part4_dPKY6 + dMz_part1_dS_Hyphi*dS_Hyphi_dPKY6
     dMz_part1_dPKY7 = dMz_part1_dS_Hy_part4*dS_Hy_part4_dPKY7 + dMz_part1_dS_Hyphi*dS_Hyphi_dPKY7
@@ -4298,12 +4470,25 @@ def jacobian_parameters(inputs, parameters):
     dMz_part1_dQBZ6 = -F_y1*dtrail_dQBZ6
     dMz_part1_dQBZ4 = -F_y1*dtrail_dQBZ4
     dMz_part1_dLTR = -F_y1*dtrail_dLTR
-    dMz_part1_dQDTP1 = -F_y1*dtrail_dQDTP1
     dMz_part1_dPPZ1 = -F_y1*dtrail_dPPZ1
     dMz_part1_dQDZ1 = -F_y1*dtrail_dQDZ1
     dMz_part1_dQDZ2 = -F_y1*dtrail_dQDZ2
+    dMz_part1_dQDTP1 = -F_y1*dtrail_dQDTP1
     dMz_part1_dQDZ3 = -F_y1*dtrail_dQDZ3
     dMz_part1_dQDZ4 = -F_y1*dtrail_dQDZ4
+    dMz_part1_dLKX = M_zr_by_M_zr_part1*dM_zr_part1_dLKX - F_y1*dtrail_dLKX
+    dMz_part1_dPKX1 = M_zr_by_M_zr_part1*dM_zr_part1_dPKX1 - F_y1*dtrail_dPKX1
+    dMz_part1_dPKX2 = M_zr_by_M_zr_part1*dM_zr_part1_dPKX2 - F_y1*dtrail_dPKX2
+    dMz_part1_dPKX3 = M_zr_by_M_zr_part1*dM_zr_part1_dPKX3 - F_y1*dtrail_dPKX3
+    dMz_part1_dPPX1 = M_zr_by_M_zr_part1*dM_zr_part1_dPPX1 - F_y1*dtrail_dPPX1
+    dMz_part1_dPPX2 = M_zr_by_M_zr_part1*dM_zr_part1_dPPX2 - F_y1*dtrail_dPPX2
+    dMz_part1_dRBY4 = M_zr_by_M_zr_part1*dM_zr_part1_dRBY4 + dG_yk_dRBY4*dMz_part1_dG_yk
+    dMz_part1_dQBRP1 = M_zr_by_M_zr_part1*dM_zr_part1_dQBRP1
+    dMz_part1_dQCRP2 = M_zr_by_M_zr_part1*dM_zr_part1_dQCRP2
+    dMz_part1_dQBZ10 = M_zr_by_M_zr_part1*dM_zr_part1_dQBZ10
+    dMz_part1_dQBZ9 = M_zr_by_M_zr_part1*dM_zr_part1_dQBZ9
+    dMz_part1_dPVY3 = M_zr_by_M_zr_part1*dM_zr_part1_dPVY3 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPVY3
+    dMz_part1_dPVY4 = M_zr_by_M_zr_part1*dM_zr_part1_dPVY4 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPVY4
     dMz_part1_dPKY3 = dK_yalpha_dPKY3*dMz_part1_dK_yalpha + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPKY3
     dMz_part1_dPKY5 = dK_yalpha_dPKY5*dMz_part1_dK_yalpha + dMz_part1_dS_Hy_part4*dS_Hy_part4_dPKY5
     dMz_part1_dQ_RE0 = dMz_part1_dR_0_phi*dR_0_phi_dQ_RE0 + dMz_part1_dS_Hy_part4*dS_Hy_part4_dQ_RE0
@@ -4328,11 +4513,11 @@ def jacobian_parameters(inputs, parameters):
     dFx_dLCX = dF_x0_part2_dLCX*dFx_dF_x0_part2 + dF_x0_v_dLCX*dFx_dF_x0_v
     dFx_dPCX1 = dF_x0_part2_dPCX1*dFx_dF_x0_part2 + dF_x0_v_dPCX1*dFx_dF_x0_v
     dFx_dVXLOW = dF_x0_part2_dVXLOW*dFx_dF_x0_part2 + dF_x0_v_dVXLOW*dFx_dF_x0_v + dFx_dR_0_phi*dR_0_phi_dVXLOW + dFx_dalpha_in*dalpha_in_dVXLOW + dFx_dkappa_in*dkappa_in_dVXLOW
+    dFx_dLMUV = dF_x0_part2_dLMUV*dFx_dF_x0_part2 + dFx_dmu_x_loaded*dmu_x_loaded_dLMUV
+    dFx_dLONGVL = dF_x0_part2_dLONGVL*dFx_dF_x0_part2 + dFx_dR_0_phi*dR_0_phi_dLONGVL + dFx_dmu_x_loaded*dmu_x_loaded_dLONGVL
     dFx_dPDXP1 = dF_x0_part2_dPDXP1*dFx_dF_x0_part2 + dF_x0_v_dPDXP1*dFx_dF_x0_v
     dFx_dPDXP3 = dF_x0_part2_dPDXP3*dFx_dF_x0_part2 + dF_x0_v_dPDXP3*dFx_dF_x0_v
     dFx_dPDXP2 = dF_x0_part2_dPDXP2*dFx_dF_x0_part2 + dF_x0_v_dPDXP2*dFx_dF_x0_v
-    dFx_dLMUV = dF_x0_part2_dLMUV*dFx_dF_x0_part2 + dFx_dmu_x_loaded*dmu_x_loaded_dLMUV
-    dFx_dLONGVL = dF_x0_part2_dLONGVL*dFx_dF_x0_part2 + dFx_dR_0_phi*dR_0_phi_dLONGVL + dFx_dmu_x_loaded*dmu_x_loaded_dLONGVL
     dFx_dFZMAX = dF_x0_part2_dFZMAX*dFx_dF_x0_part2 + dF_x0_v_dFZMAX*dFx_dF_x0_v + dFx_dK_xkappa*dK_xkappa_dFZMAX + dFx_dR_0_phi*dR_0_phi_dFZMAX + dFx_ddfz*ddfz_dFZMAX
     dFx_dLHX = dF_x0_v_dLHX*dFx_dF_x0_v
     dFx_dPHX1 = dF_x0_v_dPHX1*dFx_dF_x0_v
@@ -4359,11 +4544,11 @@ def jacobian_parameters(inputs, parameters):
     dFx_dPKX3 = dFx_dK_xkappa*dK_xkappa_dPKX3
     dFx_dPPX1 = dFx_dK_xkappa*dK_xkappa_dPPX1
     dFx_dPPX2 = dFx_dK_xkappa*dK_xkappa_dPPX2
-    dFx_dFNOMIN = dFx_dR_0_phi*dR_0_phi_dFNOMIN + dFx_ddfz*ddfz_dFNOMIN
-    dFx_dLFZO = dFx_dR_0_phi*dR_0_phi_dLFZO + dFx_ddfz*ddfz_dLFZO
     dFx_dNOMPRES = dFx_dR_0_phi*dR_0_phi_dNOMPRES + dFx_ddpi*ddpi_dNOMPRES
     dFx_dPRESMAX = dFx_dR_0_phi*dR_0_phi_dPRESMAX + dFx_ddpi*ddpi_dPRESMAX
     dFx_dPRESMIN = dFx_dR_0_phi*dR_0_phi_dPRESMIN + dFx_ddpi*ddpi_dPRESMIN
+    dFx_dFNOMIN = dFx_dR_0_phi*dR_0_phi_dFNOMIN + dFx_ddfz*ddfz_dFNOMIN
+    dFx_dLFZO = dFx_dR_0_phi*dR_0_phi_dLFZO + dFx_ddfz*ddfz_dLFZO
     dFx_dUNLOADED_RADIUS = dFx_dR_0_phi*dR_0_phi_dUNLOADED_RADIUS
     dFx_dPECP1 = dFx_dR_0_phi*dR_0_phi_dPECP1
     dFx_dPECP2 = dFx_dR_0_phi*dR_0_phi_dPECP2
@@ -4379,12 +4564,11 @@ def jacobian_parameters(inputs, parameters):
     dFy_dLVYKA = Fy_by_Fy_part1*S_Vyk_by_LVYKA
     dFy_dRVY5 = Fy_by_Fy_part1*dFy_part1_dRVY5
     dFy_dRVY6 = Fy_by_Fy_part1*dFy_part1_dRVY6
-    dFy_dVXLOW = Fy_by_Fy_part1*dFy_part1_dVXLOW + dF_y0_part2_dVXLOW*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_dVXLOW + dFy_dLMUY_star*dLMUY_star_dVXLOW + dFy_dR_0_phi*dR_0_phi_dVXLOW + dFy_dS_Hy_part4*dS_Hy_part4_dVXLOW + dFy_dalpha_in*dalpha_in_dVXLOW + dFy_dkappa_in*dkappa_in_dVXLOW + dFy_dzeta_2*dzeta_2_dVXLOW
+    dFy_dVXLOW = dF_y0_part2_dVXLOW*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_dVXLOW + dFy_dK_yalpha*dK_yalpha_dVXLOW + dFy_dLMUY_star*dLMUY_star_dVXLOW + dFy_dR_0_phi*dR_0_phi_dVXLOW + dFy_dS_Hy_part4*dS_Hy_part4_dVXLOW + dFy_dalpha_in*dalpha_in_dVXLOW + dFy_dfade_smooth*fade_smooth_by_VXLOW + dFy_dkappa_in*dkappa_in_dVXLOW + dFy_dzeta_2*dzeta_2_dVXLOW
     dFy_dRVY4 = dD_Vyk_dRVY4*dFy_dD_Vyk
     dFy_dRVY1 = D_Vyk_by_D_Vyk_part4*dFy_dD_Vyk
     dFy_dRVY2 = dD_Vyk_dRVY2*dFy_dD_Vyk
     dFy_dRVY3 = dD_Vyk_dRVY3*dFy_dD_Vyk
-    dFy_dFZMAX = F_z_limited_by_FZMAX*dFy_dF_z_limited + dF_y0_part2_dFZMAX*dFy_dF_y0_part2 + dFy_dG_yk*dG_yk_dFZMAX + dFy_dK_yalpha*dK_yalpha_dFZMAX + dFy_dR_0_phi*dR_0_phi_dFZMAX + dFy_dS_Hy_part4*dS_Hy_part4_dFZMAX + dFy_dS_Vy_part2*dS_Vy_part2_dFZMAX + dFy_ddfz*ddfz_dFZMAX + dFy_dzeta_2*dzeta_2_dFZMAX
     dFy_dLCY = dF_y0_part2_dLCY*dFy_dF_y0_part2
     dFy_dPCY1 = dF_y0_part2_dPCY1*dFy_dF_y0_part2
     dFy_dLEY = dF_y0_part2_dLEY*dFy_dF_y0_part2
@@ -4393,28 +4577,29 @@ def jacobian_parameters(inputs, parameters):
     dFy_dPEY3 = dF_y0_part2_dPEY3*dFy_dF_y0_part2
     dFy_dPEY4 = dF_y0_part2_dPEY4*dFy_dF_y0_part2
     dFy_dPEY5 = dF_y0_part2_dPEY5*dFy_dF_y0_part2
-    dFy_dPDY3 = dFy_dmu_y_loaded*dmu_y_loaded_dPDY3
-    dFy_dPDY1 = dFy_dmu_y_loaded*mu_y_loaded_by_mu_y_loaded_part2
-    dFy_dPDY2 = dFy_dmu_y_loaded*dmu_y_loaded_dPDY2
-    dFy_dPPY3 = dFy_dmu_y_loaded*dmu_y_loaded_dPPY3
-    dFy_dPPY4 = dFy_dmu_y_loaded*dmu_y_loaded_dPPY4
+    dFy_dFZMAX = F_z_limited_by_FZMAX*dFy_dF_z_limited + dFy_dG_yk*dG_yk_dFZMAX + dFy_dK_yalpha*dK_yalpha_dFZMAX + dFy_dR_0_phi*dR_0_phi_dFZMAX + dFy_dS_Hy_part4*dS_Hy_part4_dFZMAX + dFy_dS_Vy_part2*dS_Vy_part2_dFZMAX + dFy_ddfz*ddfz_dFZMAX + dFy_dmu_y_loaded*dmu_y_loaded_dFZMAX + dFy_dzeta_2*dzeta_2_dFZMAX
     dFy_dKPUMAX = dFy_dG_yk*dG_yk_dKPUMAX + dFy_dLMUY_star*dLMUY_star_dKPUMAX + dFy_dS_Hy_part4*dS_Hy_part4_dKPUMAX + dFy_dkappa_in*kappa_in_by_KPUMAX
     dFy_dKPUMIN = dFy_dG_yk*dG_yk_dKPUMIN + dFy_dLMUY_star*dLMUY_star_dKPUMIN + dFy_dS_Hy_part4*dS_Hy_part4_dKPUMIN + dFy_dkappa_in*dkappa_in_dKPUMIN
-    dFy_dCAMMAX = dFy_dG_yk*dG_yk_dCAMMAX + dFy_dK_yalpha*dK_yalpha_dCAMMAX + dFy_dR_0_phi*dR_0_phi_dCAMMAX + dFy_dS_Hy_part4*dS_Hy_part4_dCAMMAX + dFy_dS_Vy_part2*dS_Vy_part2_dCAMMAX + dFy_dgamma_in*gamma_in_by_CAMMAX
-    dFy_dCAMMIN = dFy_dG_yk*dG_yk_dCAMMIN + dFy_dK_yalpha*dK_yalpha_dCAMMIN + dFy_dR_0_phi*dR_0_phi_dCAMMIN + dFy_dS_Hy_part4*dS_Hy_part4_dCAMMIN + dFy_dS_Vy_part2*dS_Vy_part2_dCAMMIN + dFy_dgamma_in*dgamma_in_dCAMMIN
     dFy_dLVY = S_Vy_part2_by_LVY*dFy_dS_Vy_part2
     dFy_dPVY1 = S_Vy_part2_by_S_Vy_part1*dFy_dS_Vy_part2
     dFy_dPVY2 = dFy_dS_Vy_part2*dS_Vy_part2_dPVY2
     dFy_dLKYC = S_Vygamma_by_LKYC*dFy_dS_Vy_part2 + dFy_dS_Hy_part4*dS_Hy_part4_dLKYC
     dFy_dPVY3 = S_Vygamma_by_S_Vygamma_part1*dFy_dS_Vy_part2 + dFy_dS_Hy_part4*dS_Hy_part4_dPVY3
     dFy_dPVY4 = dFy_dS_Hy_part4*dS_Hy_part4_dPVY4 + dFy_dS_Vy_part2*dS_Vygamma_dPVY4
+    dFy_dCAMMAX = dFy_dG_yk*dG_yk_dCAMMAX + dFy_dK_yalpha*dK_yalpha_dCAMMAX + dFy_dR_0_phi*dR_0_phi_dCAMMAX + dFy_dS_Hy_part4*dS_Hy_part4_dCAMMAX + dFy_dgamma_in*gamma_in_by_CAMMAX + dFy_dmu_y_loaded*dmu_y_loaded_dCAMMAX
+    dFy_dCAMMIN = dFy_dG_yk*dG_yk_dCAMMIN + dFy_dK_yalpha*dK_yalpha_dCAMMIN + dFy_dR_0_phi*dR_0_phi_dCAMMIN + dFy_dS_Hy_part4*dS_Hy_part4_dCAMMIN + dFy_dgamma_in*dgamma_in_dCAMMIN + dFy_dmu_y_loaded*dmu_y_loaded_dCAMMIN
     dFy_dALPMAX = alpha_in_by_ALPMAX*dFy_dalpha_in + dFy_dG_yk*dG_yk_dALPMAX + dFy_dLMUY_star*dLMUY_star_dALPMAX + dFy_dR_0_phi*dR_0_phi_dALPMAX + dFy_dS_Hy_part4*dS_Hy_part4_dALPMAX + dFy_dzeta_2*dzeta_2_dALPMAX
     dFy_dALPMIN = dFy_dG_yk*dG_yk_dALPMIN + dFy_dLMUY_star*dLMUY_star_dALPMIN + dFy_dR_0_phi*dR_0_phi_dALPMIN + dFy_dS_Hy_part4*dS_Hy_part4_dALPMIN + dFy_dalpha_in*dalpha_in_dALPMIN + dFy_dzeta_2*dzeta_2_dALPMIN
-    dFy_dFNOMIN = dFy_dG_yk*dG_yk_dFNOMIN + dFy_dK_yalpha*dK_yalpha_dFNOMIN + dFy_dR_0_phi*dR_0_phi_dFNOMIN + dFy_dS_Hy_part4*dS_Hy_part4_dFNOMIN + dFy_ddfz*ddfz_dFNOMIN + dFy_dzeta_2*dzeta_2_dFNOMIN
-    dFy_dLFZO = dFy_dG_yk*dG_yk_dLFZO + dFy_dK_yalpha*dK_yalpha_dLFZO + dFy_dR_0_phi*dR_0_phi_dLFZO + dFy_dS_Hy_part4*dS_Hy_part4_dLFZO + dFy_ddfz*ddfz_dLFZO + dFy_dzeta_2*dzeta_2_dLFZO
-    dFy_dNOMPRES = dFy_dK_yalpha*dK_yalpha_dNOMPRES + dFy_dR_0_phi*dR_0_phi_dNOMPRES + dFy_dS_Hy_part4*dS_Hy_part4_dNOMPRES + dFy_ddpi*ddpi_dNOMPRES
-    dFy_dPRESMAX = dFy_dK_yalpha*dK_yalpha_dPRESMAX + dFy_dR_0_phi*dR_0_phi_dPRESMAX + dFy_dS_Hy_part4*dS_Hy_part4_dPRESMAX + dFy_ddpi*ddpi_dPRESMAX
-    dFy_dPRESMIN = dFy_dK_yalpha*dK_yalpha_dPRESMIN + dFy_dR_0_phi*dR_0_phi_dPRESMIN + dFy_dS_Hy_part4*dS_Hy_part4_dPRESMIN + dFy_ddpi*ddpi_dPRESMIN
+    dFy_dFNOMIN = dFy_dG_yk*dG_yk_dFNOMIN + dFy_dK_yalpha*dK_yalpha_dFNOMIN + dFy_dR_0_phi*dR_0_phi_dFNOMIN + dFy_dS_Hy_part4*dS_Hy_part4_dFNOMIN + dFy_ddfz*ddfz_dFNOMIN + dFy_dmu_y_loaded*dmu_y_loaded_dFNOMIN + dFy_dzeta_2*dzeta_2_dFNOMIN
+    dFy_dLFZO = dFy_dG_yk*dG_yk_dLFZO + dFy_dK_yalpha*dK_yalpha_dLFZO + dFy_dR_0_phi*dR_0_phi_dLFZO + dFy_dS_Hy_part4*dS_Hy_part4_dLFZO + dFy_ddfz*ddfz_dLFZO + dFy_dmu_y_loaded*dmu_y_loaded_dLFZO + dFy_dzeta_2*dzeta_2_dLFZO
+    dFy_dPDY3 = dFy_dmu_y_loaded*dmu_y_loaded_dPDY3
+    dFy_dPDY1 = dFy_dmu_y_loaded*mu_y_loaded_by_mu_y_loaded_part2
+    dFy_dPDY2 = dFy_dmu_y_loaded*dmu_y_loaded_dPDY2
+    dFy_dPPY3 = dFy_dmu_y_loaded*dmu_y_loaded_dPPY3
+    dFy_dPPY4 = dFy_dmu_y_loaded*dmu_y_loaded_dPPY4
+    dFy_dNOMPRES = dFy_dK_yalpha*dK_yalpha_dNOMPRES + dFy_dR_0_phi*dR_0_phi_dNOMPRES + dFy_dS_Hy_part4*dS_Hy_part4_dNOMPRES + dFy_dmu_y_loaded*dmu_y_loaded_dNOMPRES
+    dFy_dPRESMAX = dFy_dK_yalpha*dK_yalpha_dPRESMAX + dFy_dR_0_phi*dR_0_phi_dPRESMAX + dFy_dS_Hy_part4*dS_Hy_part4_dPRESMAX + dFy_dmu_y_loaded*dmu_y_loaded_dPRESMAX
+    dFy_dPRESMIN = dFy_dK_yalpha*dK_yalpha_dPRESMIN + dFy_dR_0_phi*dR_0_phi_dPRESMIN + dFy_dS_Hy_part4*dS_Hy_part4_dPRESMIN + dFy_dmu_y_loaded*dmu_y_loaded_dPRESMIN
     dFy_dLMUY = LMUY_star_by_LMUY*dFy_dLMUY_star + dFy_dS_Hy_part4*dS_Hy_part4_dLMUY
     dFy_dLMUV = dFy_dLMUY_star*dLMUY_star_dLMUV + dFy_dS_Hy_part4*dS_Hy_part4_dLMUV
     dFy_dLONGVL = dFy_dLMUY_star*dLMUY_star_dLONGVL + dFy_dR_0_phi*dR_0_phi_dLONGVL + dFy_dS_Hy_part4*dS_Hy_part4_dLONGVL

@@ -38,6 +38,7 @@ ROLES = COMMON_ROLES | {
     "relaxation_y": Role("sigma_alpha"),
     "rolling_radius": Role("R_e"),
     "loaded_radius": Role("R_l"),
+    "turning_torque": Role("M_zphi_inf"),
     "wheel_speed": Role("omega"),
 }
 CONSTRAINTS = with_extrapolation(
@@ -69,7 +70,7 @@ def _file(fittyp: tuple[int, ...], formats: tuple[str, ...], differs_from: str) 
     return PropertyFile(fittyp, formats, shared, differs_from, aliases=ALIASES)
 
 
-def _model(name: str, title: str, file: PropertyFile) -> Model:
+def _model(name: str, title: str, file: PropertyFile, carcass: tuple[str, ...] = ()) -> Model:
     return Model(
         name=name,
         title=title,
@@ -103,6 +104,7 @@ def _model(name: str, title: str, file: PropertyFile) -> Model:
         spread=SPREAD,
         refinements=REFINEMENTS,
         relaxation=("SIGX", "SIGY", "SIGC", "SIGK"),
+        own_relaxation=("SIGK", *carcass),
         low_speed="VXLOW",
     )
 
@@ -110,6 +112,8 @@ def _model(name: str, title: str, file: PropertyFile) -> Model:
 # FITTYP 5 occurs in MF-Tyre 5.0 to 5.2 sets, 6 and 21 in MF-Tyre 5.2 sets. MFeval takes 5, 51, 52 for MF6.1, whose
 # lines do without PHY3, the camber shift of such sets.
 MF52 = _model("mf52", "Magic Formula 5.2", _file((6, 5, 21, 51, 52), ("PAC2002", "MF_05", "MF-TYRE", "MF52"), "mf61"))
-MF61 = _model("mf61", "Magic Formula 6.1", _file((61, 60), ("MF61",), "mf52"))
-MF62 = _model("mf62", "Magic Formula 6.2", _file((62,), ("MF62",), "mf61"))
+# MF5.2 has coefficients of the relaxation lengths; later models derive the lengths from stiffnesses.
+CARCASS = ("LONGITUDINAL_STIFFNESS", "LATERAL_STIFFNESS")
+MF61 = _model("mf61", "Magic Formula 6.1", _file((61, 60), ("MF61",), "mf52"), CARCASS)
+MF62 = _model("mf62", "Magic Formula 6.2", _file((62,), ("MF62",), "mf61"), CARCASS)
 MODELS = (MF52, MF61, MF62)

@@ -85,7 +85,7 @@ Mzinf_ = eq("4.95", "M_zphi_inf_signed",
             "N m", "moment of turning on the spot", named=False)
 Mzinf  = eq("4.95", "M_zphi_inf",
             where(Mzinf_ <= 0, Float("1e-6"), Mzinf_),
-            "N m", "moment of turning on the spot, above 0", named=False)
+            "N m", "moment of turning on the spot, above 0")
 DDrphi = eq("4.94", "D_Drphi",
             Mzinf / sin(pi / 2 * ts.QDRP1),
             "N m", "peak of the moment by spin", named=False)

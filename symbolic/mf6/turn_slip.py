@@ -1,14 +1,17 @@
 """Turn slip: spin and the factors zeta. Pacejka (2012), eqs. (4.76)-(4.106).
 
-It acts in rows with phit; elsewhere every zeta is 1. zeta4 is with the side force, zeta7 and zeta8 with the
+It acts in rows with phit; in rows with phit = 0 every zeta is 1. zeta4 is with the side force, zeta7 and zeta8 with the
 aligning moment. With the convention tno the spin has the sign opposite to the book's phi, which S_Hyphi alone
-notices, and camber counts as spin at V_c where the book has V_cx. With the book's sign the shift by a vanishing
-spin is the camber shift of straight running; with tno's it jumps there.
+notices, and camber counts as spin at V_c where the book has V_cx.
+
+With inclination the limit of these equations for phit -> 0 is another force than that of straight running: the spin of
+camber reduces D_y and K_yalpha, and with tno's sign S_Hyphi turns around. MFeval has a mode for either. Here the two
+are interpolated below PHIT_FULL, where no measured path is distinguishable from a straight line.
 """
 
 from __future__ import annotations
 
-from sympy import Eq, Expr, atan, cos, sin, sqrt
+from sympy import Eq, Expr, Float, atan, cos, sin, sqrt
 
 from ..effects import turn_slip
 from ..functions import absolute, sgn1, where
@@ -23,14 +26,20 @@ from .rolling_radius import omega
 
 eq = Chapter("Turn slip")
 R0 = Dimension.UNLOADED_RADIUS
+#: Turn slip from which its equations act in full, 1/m: a path with a radius of 1000 km.
+PHIT_FULL = Float("1e-6")
+part = absolute(phit) / PHIT_FULL
 
 
 def turning(on: Expr | int, off: Expr | int = 1) -> Expr:
     """Return a term that is `on` in rows with turn slip and `off` in others."""
-    return turn_slip.either(where(Eq(phit, 0), off, on), off)
+    return turn_slip.either(where(Eq(phit, 0), off, turned * on + (1 - turned) * off), off)
 
 
 # fmt: off
+turned = eq("tirefmu", "turn_share",
+            where(part < 1, part**2 * (3 - 2*part), 1),
+            "1", "share of the equations of turn slip: 1, but less for a path that is almost straight", named=False)
 epsg  = eq("4.90", "eps_gamma",
            t.PECP1 * (1 + t.PECP2*dfz),
            "1", "equivalent spin of camber", named=False)

@@ -79,6 +79,9 @@ class Model:
         Refinements of the baseline that a diagnosis tries: coefficients and sizes to probe with, in adapted SAE.
     relaxation : tuple of str
         The coefficients of its relaxation lengths, which act through time only.
+    own_relaxation : tuple of str
+        The coefficient that scales relaxation lengths which follow from other coefficients, then those that must be
+        known for it. An FMU with wheel inputs uses these lengths if the tire has no relaxation.
     low_speed : str
         The coefficient below whose speed, m/s, slips are those of a standing wheel, if it has one.
     added : tuple of AddedEffect
@@ -116,6 +119,7 @@ class Model:
     spread: Mapping[str, float] = field(default_factory=dict)
     refinements: tuple[Mapping[str, float], ...] = ()
     relaxation: tuple[str, ...] = ()
+    own_relaxation: tuple[str, ...] = ()
     low_speed: str = ""
     added: tuple[AddedEffect, ...] = ()
     stored: Traversable | None = field(default=None, init=False)

@@ -65,6 +65,7 @@ def _check_coefficients(model: Model) -> None:
     named = [(f"role {role}", name) for role, own in model.roles.items() for name in own.coefficients]
     named += [("the baseline", name) for name in model.baseline]
     named += [("the relaxation lengths", name) for name in model.relaxation]
+    named += [("its own relaxation lengths", name) for name in model.own_relaxation]
     named += [("the low speed", name) for name in (model.low_speed,) if name]
     named += [("a start", name) for start in model.starts for name in start]
     for where, name in named:

@@ -201,6 +201,7 @@ def test_the_step_size_does_not_matter(wheels):
 def test_turn_rate_is_turn_slip(wheels, tires):
     host = wheels("mf61").start()
     host.set(V_x=10.0, psi_dot=0.7, omega=10.0 / 0.3)
+    settled(host)
     kappa = host.get("kappa")[0]
     expected = tires["mf61"].forces(kappa=kappa, alpha=0.0, V=10.0, phit=0.07)
     assert host.get("Mz")[0] == pytest.approx(float(expected["Mz"]), rel=1e-9)

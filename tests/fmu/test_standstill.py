@@ -1,0 +1,426 @@
+"""A wheel with velocities as inputs at rest and close to it: friction, parking, shifts, lengths, derivatives."""
+
+from __future__ import annotations
+
+import contextlib
+import zipfile
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.fmu import export
+from tirefmu.fmu.description.interface import interface
+from tirefmu.fmu.simulation.simulate import loaded
+
+from .conftest import Host
+from .quarter_car import QuarterCar
+
+OK, DISCARD, ERROR = 0, 2, 3
+LOAD = 6752.0
+
+
+@pytest.fixture(scope="module")
+def wheel_fmus(tires, compiler, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("standing")
+
+    class Fmus(dict):
+        def __missing__(self, key):
+            name, fmi = key
+            self[key] = export(tires[name], folder / f"{name}_{fmi}.fmu", fmi=fmi, inputs="wheel")
+            return self[key]
+
+    return Fmus()
+
+
+@pytest.fixture
+def wheels(wheel_fmus):
+    with contextlib.ExitStack() as stack:
+        yield lambda name, fmi=3: Host(stack.enter_context(loaded(wheel_fmus[name, fmi])))
+
+
+@pytest.fixture
+def standing(wheels):
+    """Return a function that starts a wheel at rest."""
+
+    def start(name, **inputs):
+        host = wheels(name)
+        host.initialize()
+        assert host.set(**{"V_x": 0.0, "V_y": 0.0, "omega": 0.0, **inputs}) == OK
+        assert host.call("ExitInitializationMode") == OK
+        return host
+
+    return start
+
+
+def wheel_radius(host, tire):
+    """Return the radius by which the FMU computes slips, for a wheel that turns slowly."""
+    return host.get("R_e")[0] if "R_e" in host.variables else tire.values["UNLOADED_RADIUS"]
+
+
+# ------------------------------------------------------------------ friction
+
+
+@pytest.mark.parametrize("name", ["rolling", "mf61", "first"])
+def test_the_vector_of_the_forces_is_limited_to_friction(wheels, tires, name):
+    host, rng, time = wheels(name).start(), np.random.default_rng(3), 0.0
+    host.set(Fz=1.6 * tires[name].nominal("Fz"))
+    low = host.get("LOW_SPEED")[0]
+    used = []
+    for _ in range(3000):
+        V_x = rng.uniform(-2.0, 2.0) * low
+        turning = V_x / 0.33 + rng.uniform(-10.0, 10.0) * rng.choice([0.0, 0.01, 0.1, 1.0])
+        host.set(V_x=V_x, V_y=rng.uniform(-3.0, 3.0) * rng.choice([0.0, 0.1, 1.0]), omega=turning)
+        size = rng.choice([0.01, 0.1, 1.0])
+        assert host.step(time, size) == OK
+        time += size
+        used.append(host.get("friction_use")[0])
+    assert max(used) <= 1.0 + 1e-12
+    assert np.quantile(used, 0.9) > 0.9
+
+
+def test_the_limit_of_friction_fades_out_without_a_jump(standing):
+    """The formula itself uses up to 1.08 of the friction without its shifts."""
+    host = standing("mf61", Fz=LOAD)
+    assert host.set(DEFAULT_SIGMA=0.0, SIGK=0.0) == OK  # no lag: the given slips act
+    speeds = np.linspace(1.8, 3.4, 1601)
+    used = []
+    for V_x in speeds:
+        host.set(V_x=V_x, V_y=-0.12 * V_x, omega=V_x / 0.385)
+        used.append(host.get("friction_use")[0])
+    assert np.abs(np.diff(used)).max() < 1e-3
+    assert used[0] <= 1.0 + 1e-12
+    assert used[-1] > 1.02
+
+
+# ------------------------------------------------------------------ turning on the spot
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_turning_on_the_spot_has_a_moment_up_to_the_friction_torque(standing, tires, way):
+    host = standing("mf61", Fz=LOAD)
+    torque = tires["mf61"].evaluate(pd.DataFrame({"kappa": [0.0], "Fz": [LOAD]}))["M_zphi_inf"].iloc[0]
+    assert 300.0 < torque < 800.0
+    host.set(psi_dot=way * 0.5)
+    assert host.get("Mz")[0] == 0.0
+    moments = []
+    for k in range(100):
+        assert host.step(0.02 * k, 0.02) == OK
+        Fx, Fy, Mz = host.get("Fx", "Fy", "Mz")
+        assert abs(Fx) < 1e-6
+        assert abs(Fy) < 1e-6
+        moments.append(-way * Mz)
+    assert np.all(np.diff(moments) > 0.0)
+    assert moments[-1] == pytest.approx(torque, rel=1e-3)
+    assert moments[-1] <= torque
+    # The wheel stops turning: the twist remains.  It turns back: the moment changes sign.
+    host.set(psi_dot=0.0)
+    assert host.step(2.0, 1.0) == OK
+    assert host.get("Mz")[0] == pytest.approx(-way * moments[-1], rel=1e-12)
+    host.set(psi_dot=-way * 0.5)
+    assert host.step(3.0, 2.0) == OK
+    assert host.get("Mz")[0] == pytest.approx(way * torque, rel=1e-3)
+
+
+def test_the_moment_of_turning_does_not_depend_on_the_step(standing):
+    found = []
+    for n in (1, 40):
+        host, time = standing("mf61", Fz=LOAD), 0.0
+        for psi_dot, V_x in ((0.3, 0.0), (0.3, 0.05), (-0.8, 0.002), (0.0, 0.3)):
+            host.set(psi_dot=psi_dot, V_x=V_x, omega=V_x / 0.385)
+            for _ in range(n):
+                assert host.step(time, 0.1 / n) == OK
+                time += 0.1 / n
+        found.append(host.get("Mz", "twist"))
+    np.testing.assert_allclose(found[1], found[0], rtol=1e-9)
+
+
+def test_rolling_removes_the_twist_and_turn_slip_takes_over(standing, tires):
+    host = standing("mf61", Fz=LOAD, psi_dot=0.5)
+    assert host.step(0.0, 1.0) == OK
+    host.set(V_x=5.0, omega=5.0 / 0.385)
+    assert host.step(1.0, 2.0) == OK
+    assert abs(host.get("twist")[0]) < 0.02
+    slips = dict(zip(("kappa", "alpha"), host.get("kappa", "alpha"), strict=True))
+    expected = tires["mf61"].forces(**slips, V=5.0, phit=0.1, Fz=LOAD)
+    assert host.get("Mz")[0] == pytest.approx(float(expected["Mz"]), rel=1e-9)
+
+
+# ------------------------------------------------------------------ rest
+
+
+@pytest.mark.parametrize("name", ["first", "mf52", "mf61", "mf62", "rolling"])
+@pytest.mark.parametrize("share", [0.2, 1.0, 2.0])
+def test_a_tire_at_rest_has_no_forces(standing, tires, name, share):
+    host = standing(name, Fz=share * tires[name].nominal("Fz"))
+    for time in (0.0, 1.0):
+        assert np.all(host.get(*host.outputs) == 0.0)
+        assert host.step(time, 1.0) == OK
+    # An inclined wheel at rest has an overturning moment: the load acts beside its plane.
+    host.set(gamma=0.05)
+    found = dict(zip(host.outputs, host.get(*host.outputs), strict=True))
+    assert all(value == 0.0 for key, value in found.items() if key != "Mx")
+
+
+@pytest.mark.parametrize("name", ["first", "mf61"])
+def test_shifts_fade_out_towards_rest(standing, tires, name):
+    """Without deflection the forces decrease steadily from those of the formula to 0."""
+    load = 0.2 * tires[name].nominal("Fz")
+    host = standing(name, gamma=0.05, Fz=load)
+    low, radius = host.get("LOW_SPEED")[0], wheel_radius(host, tires[name])
+    sizes = []
+    for V_x in np.linspace(1.0, 0.0, 101) * low:
+        host.set(V_x=V_x, omega=V_x / radius)
+        sizes.append(np.hypot(*host.get("Fx", "Fy")))
+    formula = tires[name].forces(kappa=0.0, alpha=0.0, gamma=0.05, Fz=load, V=low)
+    assert sizes[0] == pytest.approx(np.hypot(formula["Fx"], formula["Fy"]), rel=1e-9)
+    assert sizes[-1] == 0.0
+    assert np.all(np.diff(sizes) < 0.0)
+    assert np.abs(np.diff(sizes)).max() < 0.02 * sizes[0]
+
+
+# ------------------------------------------------------------------ relaxation lengths by default
+
+
+def test_a_tire_without_relaxation_has_default_lengths(standing, tires):
+    """The Magic Formula has its own; other tires have half the free radius."""
+    own = tires["mf61"].evaluate(pd.DataFrame({"kappa": [0.0], "Fz": [LOAD]}))[["sigma_x", "sigma_y"]].iloc[0]
+    half = 0.5 * tires["first"].values["UNLOADED_RADIUS"]
+    for name, lengths, inputs in (("mf61", own, {"Fz": LOAD}), ("first", (half, half), {})):
+        host = standing(name, **inputs)
+        assert host.get("DEFAULT_SIGMA")[0] == pytest.approx(0.5 * tires[name].values["UNLOADED_RADIUS"])
+        host.set(V_x=1e-6, V_y=0.3, omega=2.0)
+        sliding = host.get("kappa", "alpha") * 0 + (2.0 * (host.get("R_e")[0] if name == "mf61" else 2 * half), 0.3)
+        rates = host.get("der(kappa_lagged)", "der(tan_alpha_lagged)")
+        np.testing.assert_allclose(sliding / rates, lengths, rtol=1e-3)
+
+
+def test_unknown_stiffnesses_give_half_the_radius(tires):
+    given = {k: v for k, v in tires["mf61"].values.items() if k != "LONGITUDINAL_STIFFNESS"}
+    shown = interface(type(tires["mf61"])("mf61", given, effects=tires["mf61"].has), inputs="wheel")
+    assert "half of its free radius" in shown.relaxation_note
+    assert not shown.tire.lags
+    assert interface(tires["rolling"], inputs="wheel").relaxation_note == ""
+    assert interface(tires["mf61"]).relaxation_note == ""
+
+
+def test_the_lengths_are_logged_and_documented(wheels, wheel_fmus, tires, fmi):
+    host = wheels("mf61", fmi).start()
+    note = interface(tires["mf61"], inputs="wheel").relaxation_note
+    assert note.startswith("the tire has no relaxation")
+    assert host.log == [note]
+    with zipfile.ZipFile(wheel_fmus["mf61", fmi]) as archive:
+        assert note in archive.read("documentation/index.html").decode()
+    assert wheels("rolling", fmi).start().log == []
+
+
+# ------------------------------------------------------------------ derivatives
+
+
+@pytest.mark.parametrize("name", ["mf61", "rolling", "first"])
+def test_derivatives_agree_across_standstill(standing, tires, name):
+    host = standing(name, Fz=1.5 * tires[name].nominal("Fz"))
+    host.set(V_y=0.02)
+    host.step(0.0, 0.3)
+    host.set(omega=0.2)
+    host.step(0.3, 0.1)
+    unknowns = [*host.outputs, "friction_use", "der(kappa_lagged)", "der(tan_alpha_lagged)"]
+    found = {}
+    for V_x in (-1e-4, -1e-6, -0.0, 0.0, 1e-6, 1e-4):
+        host.set(V_x=V_x)
+        status, found[V_x] = host.derivative(unknowns, ["V_x"], [1.0])
+        assert status == OK
+    assert abs(found[0.0][0]) > 1.0
+    for V_x, derivatives in found.items():  # continuous, at a rate of the speed below which directions are blended
+        scale = np.abs(found[0.0]) + 1.0
+        assert np.max(np.abs(derivatives - found[0.0]) / scale) < 3.0 * abs(V_x) / 0.01 + 1e-6, V_x
+
+
+def test_derivatives_by_the_default_length_and_of_the_twist(wheels):
+    host = wheels("first").start()
+    host.set(V_x=12.0, V_y=0.5, omega=50.0)
+    _, (found,) = host.derivative(["der(tan_alpha_lagged)"], ["DEFAULT_SIGMA"], [1.0])
+    assert found == pytest.approx(-host.get("der(tan_alpha_lagged)")[0] / host.get("DEFAULT_SIGMA")[0], rel=1e-12)
+    host = wheels("mf61").start()
+    host.set(V_x=5.0, omega=5.0 / 0.385, psi_dot=-0.7)
+    host.step(0.0, 0.05)
+    for known in ("psi_dot", "V_x", "twist"):
+        status, (found,) = host.derivative(["der(twist)"], [known], [1.0])
+        assert status == OK
+        if known == "twist":
+            assert found == pytest.approx(-(0.7 / 0.1 + 5.0 / 0.1), rel=1e-12)
+            continue
+        middle, rates = host.get(known)[0], []
+        for step in (1e-5, -1e-5):
+            host.set(**{known: middle + step})
+            rates.append(host.get("der(twist)")[0])
+        host.set(**{known: middle})
+        assert found == pytest.approx((rates[0] - rates[1]) / 2e-5, rel=1e-6)
+
+
+# ------------------------------------------------------------------ a car
+
+
+#: Steps, s, and whether the host uses the FMU's derivatives.
+STEPS = ((1e-4, False), (1e-3, False), (2e-3, False), (5e-3, True), (1e-2, True), (2e-2, True))
+COARSE = (STEPS[2], STEPS[-1])
+CARS = {"mf61": (LOAD, 1.0), "first": (1100.0, 0.16), "rolling": (LOAD, 1.0)}
+
+#: One tire with every step, the others with the coarsest step of either coupling.
+DRIVES = [("mf61", *step) for step in STEPS] + [(name, *step) for name in ("first", "rolling") for step in COARSE]
+
+
+@pytest.fixture
+def car(wheels, tires):
+    def build(name, implicit, **more):
+        load, inertia = CARS[name]
+        host = wheels(name)
+        host.set(Fz=load)
+        radius = wheel_radius(host, tires[name])
+        host.call("Reset")
+        return QuarterCar(host, load, inertia, radius, implicit, **more)
+
+    return build
+
+
+def reversals(velocity, smallest):
+    """Return how often a velocity changes sign while it is above a size."""
+    return np.count_nonzero(np.diff(np.sign(velocity[np.abs(velocity) > smallest])))
+
+
+@pytest.mark.parametrize(("name", "size", "implicit"), DRIVES)
+def test_a_braked_wheel_holds_the_car_on_a_slope(car, name, size, implicit):
+    held = car(name, implicit, slope=0.1).start()
+    held.run(1.5, size, brake=1e4)
+    _, V_x, _, _, Fx, _ = held.run(0.3, size, brake=1e4)
+    assert abs(np.mean(V_x)) < 1e-7  # creep, m/s
+    assert np.ptp(Fx) < 1e-3 * held.load
+    assert Fx[-1] == pytest.approx(0.1 * held.load, rel=1e-3)
+
+
+@pytest.mark.parametrize("size", [1e-3, 5e-3, 2e-2])
+@pytest.mark.parametrize("name", CARS)
+def test_it_holds_with_forces_of_the_last_step(wheels, name, size):
+    """The weakest coupling: locked wheel, forces held over the step, inputs of its begin."""
+    load, _ = CARS[name]
+    host = wheels(name)
+    host.initialize()
+    host.set(V_x=0.0, V_y=0.0, omega=0.0, Fz=load)
+    host.call("ExitInitializationMode")
+    V_x, last = 0.0, []
+    for k in range(round(3.0 / size)):
+        host.set(V_x=V_x)
+        V_x += size * (host.get("Fx")[0] / load - 0.1) * 9.81
+        assert host.step(k * size, size) == OK
+        last.append(V_x)
+    assert np.abs(last[-10:]).max() < 1e-6
+
+
+@pytest.mark.parametrize(("name", "size", "implicit"), DRIVES)
+def test_it_brakes_to_rest_without_ringing(car, name, size, implicit):
+    """The wheel locks, the car slides, stops, springs back, and comes to rest within three swings."""
+    braked = car(name, implicit).start(V_x=2.5)
+    _, V_x, _, omega, Fx, _ = braked.run(1.5, size, brake=1e4)
+    stop = np.argmax(V_x <= 0.0)
+    assert stop > 0
+    assert omega[stop] == pytest.approx(0.0, abs=1e-9)
+    assert Fx[:stop].min() < -0.8 * braked.load
+    assert reversals(V_x, 1e-3) <= 3
+    assert np.abs(V_x[-20:]).max() < 1e-4
+    assert np.ptp(Fx[-20:]) < 1e-3 * braked.load
+
+
+@pytest.mark.parametrize(("name", "size", "implicit"), DRIVES)
+def test_launch_and_reverse(car, name, size, implicit):
+    """Torque accelerates the car and the wheel as the masses require; the reversed torque turns it around."""
+    driven = car(name, implicit).start()
+    torque = 0.15 * driven.load * driven.radius
+    expected = torque / driven.radius / (driven.load / 9.81 + driven.inertia / driven.radius**2)
+    resisted = 0.02 * 9.81
+    driven.run(0.2, size)
+    _, forward, _, omega, _, _ = driven.run(1.2, size, drive=torque)
+    assert forward[-1] == pytest.approx(1.2 * expected, abs=1.2 * resisted + 0.02 * expected + size * expected)
+    assert omega[-1] * driven.radius == pytest.approx(forward[-1], rel=0.05, abs=0.02)
+    _, back, _, omega, Fx, _ = driven.run(3.0, size, drive=-torque)
+    assert back[-1] == pytest.approx(forward[-1] - 3.0 * expected, abs=4.2 * resisted + 0.05 * expected)
+    assert reversals(back, 1e-3) == 1
+    assert np.abs(np.diff(Fx[2 * len(Fx) // 3 :])).max() < 1e-3 * driven.load
+
+
+@pytest.mark.parametrize(("size", "implicit"), COARSE)
+def test_a_pushed_car_stands_and_slides_beyond_friction(car, size, implicit):
+    pushed = car("mf61", implicit).start()
+    pushed.run(1.5, size, brake=1e4, side=0.3 * LOAD)
+    _, _, V_y, _, _, Fy = pushed.run(0.2, size, brake=1e4, side=0.3 * LOAD)
+    assert np.abs(V_y).max() < 1e-5
+    assert Fy[-1] == pytest.approx(-0.3 * LOAD, rel=1e-3)
+    _, _, V_y, _, _, Fy = pushed.run(0.4, size, brake=1e4, side=1.5 * LOAD)
+    assert V_y[-1] > 1.0
+    assert np.abs(Fy[-5:]).max() <= 1.2 * LOAD
+
+
+# ------------------------------------------------------------------ power
+
+
+def test_the_dissipated_power_is_never_negative(wheels, tires):
+    """P = F . (sliding - rate of deflection) + damper: of forces times velocities, without what the spring stores.
+
+    A second wheel without damper follows the same slips: it has the force of the spring alone.
+    """
+    host, spring = wheels("mf61"), wheels("mf61")
+    for each in (host, spring):
+        each.initialize()
+        each.set(V_x=0.0, V_y=0.0, omega=0.0, Fz=LOAD)
+    assert spring.set(LOW_SPEED_DAMPING=0.0) == OK
+    for each in (host, spring):
+        each.call("ExitInitializationMode")
+    sigma = tires["mf61"].evaluate(pd.DataFrame({"kappa": [0.0], "Fz": [LOAD]}))[["sigma_x", "sigma_y"]].iloc[0]
+    radius = host.get("R_e")[0]
+    rng, time, power = np.random.default_rng(5), 0.0, []
+    low = host.get("LOW_SPEED")[0]
+    for _ in range(1500):
+        V_x = rng.choice([0.0, 1e-3, 0.05, 0.3, 0.9]) * low * rng.choice([-1.0, 1.0])
+        motion = {"V_x": V_x, "V_y": rng.normal() * rng.choice([0.0, 0.01, 0.3]),
+                  "omega": (V_x + rng.normal() * rng.choice([0.0, 0.01, 0.5])) / radius}  # fmt: skip
+        size = rng.choice([1e-3, 1e-2, 0.1])
+        for each in (host, spring):
+            assert each.set(**motion) == OK
+            rates = each.get("der(kappa_lagged)", "der(tan_alpha_lagged)")
+        # The radius grows with the speed of the wheel: the slip shows the sliding velocity of the FMU.
+        sliding = np.array([host.get("kappa")[0] * 0.5 * (V_x**2 / low + low), motion["V_y"]])
+        force, elastic = (each.get("Fx", "Fy") * (1.0, -1.0) for each in (host, spring))
+        power.append((force @ sliding) - elastic @ (rates * sigma.to_numpy()))
+        for each in (host, spring):
+            assert each.step(time, size) == OK
+        time += size
+    assert max(power) > 1000.0
+    assert min(power) >= -1e-9 * max(power)
+
+
+@pytest.mark.parametrize("name", ["mf61", "first"])
+def test_sliding_steadily_dissipates(standing, tires, name):
+    host, rng, time, power = standing(name), np.random.default_rng(7), 0.0, []
+    host.set(Fz=tires[name].nominal("Fz"))
+    radius = wheel_radius(host, tires[name])
+    for _ in range(300):
+        V_x, V_y, slip = rng.uniform(-0.9, 0.9), rng.normal() * 0.3, rng.normal() * 0.3
+        host.set(V_x=V_x, V_y=V_y, omega=(V_x + slip) / radius)
+        assert host.step(time, 100.0) == OK
+        time += 100.0
+        kappa = (host.get("omega")[0] * radius) - V_x
+        power.append(host.get("Fx", "Fy") @ [kappa, -V_y])
+    assert min(power) >= -1e-9 * max(power)
+
+
+def test_sae_axes_turn_the_same_way(tires, compiler, tmp_path):
+    path = export(tires["mf61"], tmp_path / "sae.fmu", inputs="wheel", axes="sae")
+    with loaded(path) as slave:
+        host = Host(slave)
+        host.initialize()
+        host.set(V_x=0.0, V_y=0.0, omega=0.0, psi_dot=0.5)
+        host.call("ExitInitializationMode")
+        assert host.step(0.0, 1.0) == OK
+        Fy, Mz, twist = host.get("Fy", "Mz", "twist")
+        assert Fy == 0.0
+        assert Mz < -100.0
+        assert twist > 0.05
