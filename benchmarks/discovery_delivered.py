@@ -107,7 +107,7 @@ def _usual_rows(case: Case, result: Diagnosis) -> dict[str, npt.NDArray[np.bool_
     """Return the rows of each channel that are measured and that the diagnosis does not list as outliers."""
     found = {}
     for name, outliers in result.recording["outlier_rows"].items():
-        found[name] = case.table[name].notna().to_numpy()
+        found[name] = np.isfinite(case.table[name].to_numpy(dtype=np.float64, copy=True))
         found[name][outliers] = False
     return found
 

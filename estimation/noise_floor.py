@@ -110,6 +110,8 @@ def _inputs(table: pd.DataFrame) -> tuple[list[FloatArray], list[float]]:
         if name not in table:
             continue
         values = table[name].to_numpy(dtype=np.float64)
+        if not np.isfinite(values).all():  # not recorded here, but in another recording of the same fit
+            continue
         lower, upper = np.quantile(values, [0.005, 0.995])
         noise = noise_of(values)[0] if len(values) > 3 * LEAST_ROWS else 0.0
         if upper - lower > max(LEAST_RANGE_IN_NOISE * noise, LEAST_SHARE * float(np.abs(values).max())):
@@ -123,7 +125,7 @@ def _history(table: pd.DataFrame, t: FloatArray, step: float) -> list[FloatArray
     width = max(3, round(DIRECTION_TIME / step))
     columns = [2.0 * (t - t[0]) / max(float(t[-1] - t[0]), 1e-9) - 1.0]
     for name in SLIPS:
-        if name in table and float(np.ptp(table[name].to_numpy())) > 0.0:
+        if name in table and float(np.ptp(table[name].to_numpy(dtype=np.float64))) > 0.0:  # False with NaN
             with np.errstate(divide="ignore", invalid="ignore"):
                 slope = np.gradient(table[name].to_numpy(dtype=np.float64), t)
             slope = uniform_filter1d(np.where(np.isfinite(slope), slope, 0.0), width, mode="nearest")

@@ -28,6 +28,9 @@ FRICTION_ALIASES: Mapping[str, tuple[str, str]] = {
     "drive_brake_friction": ("friction_x", "kappa"),
     "left_right_friction": ("friction_y", "alpha"),
 }
+#: All explanations that are no effects; the last one is reported where the temperature was not recorded.
+SKEW_OF_FORCES, UNRECORDED_TEMPERATURE = "skew_of_forces", "unrecorded_temperature"
+EXPLANATIONS = (*ALIASES, *FRICTION_ALIASES, SKEW_OF_FORCES, UNRECORDED_TEMPERATURE)
 #: The slip at which such a difference has three quarters of its size, 1 or rad.
 FRICTION_ALIAS_SLIP = 0.02
 
@@ -49,7 +52,7 @@ def alias_columns(screen: Screen) -> dict[str, FloatArray]:
             response = simulator.jacobian(parameters, [leading])[:, :, 0] * parameters[simulator.index[leading]]
             changes[name] = 0.05 * response * np.tanh(named[slip] / FRICTION_ALIAS_SLIP)
     if problem.simulator.signals.timed:
-        changes["skew_of_forces"] = 0.01 * delay_response(simulator, parameters)
+        changes[SKEW_OF_FORCES] = 0.01 * delay_response(simulator, parameters)
     return {name: (problem.inverse_noise * change)[:, :, None] for name, change in changes.items()}
 
 

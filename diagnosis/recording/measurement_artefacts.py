@@ -47,8 +47,10 @@ def recording_errors(
     """
     table = recording.table
     known = {"t", "distance", *tire.inputs, *OUTPUTS}
+    waves = [i for i, name in enumerate(disturbances.names) if name.startswith("wave")]
+    turning = residual + disturbances.columns[:, :, waves] @ values[waves]
     return reported_disturbances(disturbances, values, signals) | {
-        "ripple": ripple(signals, residual, tire.values["UNLOADED_RADIUS"]),
+        "ripple": ripple(signals, turning, tire.values["UNLOADED_RADIUS"]),
         "quantisation": {name: quantisation(table[name].to_numpy(np.float64)) for name in signals.channels},
         "smoothing_windows": [2 * half + 1 for half in HALF_WIDTHS] if any(signals.input_noise.values()) else [],
         "left_aside": dict(signals.excluded_channels),

@@ -151,8 +151,11 @@ class Search:
         )
 
     def _predicts_holdout(self, structure: Structure) -> bool:
-        """Return whether structure reduces the error on the hold-out set."""
-        return self.problem.holdout_gain(self.solution, self._with_structure(structure, "structure")[1]) > 0.0
+        """Return whether structure reduces the error on the hold-out set, or in every long stretch."""
+        return (
+            bool(np.all(structure.stretch_gains > 0.0))
+            or self.problem.holdout_gain(self.solution, self._with_structure(structure, "structure")[1]) > 0.0
+        )
 
     def _with_structure(self, structure: Structure, name: str) -> tuple[LeastSquares, Solution]:
         """Return problem and solution with structure as a disturbance."""

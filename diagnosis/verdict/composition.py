@@ -15,7 +15,7 @@ from tirefmu.measurements import Recording
 from tirefmu.tires.tire import Tire
 
 from ..probing.candidates import Candidate
-from ..probing.confounding import alias_columns, correlations, separating_measurement
+from ..probing.confounding import UNRECORDED_TEMPERATURE, alias_columns, correlations, separating_measurement
 from ..probing.effect_probing import Response, Screen
 from ..recording.measurement_artefacts import recording_errors
 from ..recording.signals import FORMULA_SIGNS, Signals
@@ -31,15 +31,12 @@ from .extrapolation import extrapolations
 from .findings import Finding, Interval
 from .fit_error import delivered_residuals, fit_errors, floors_of, residual_sizes
 from .improved_tire import tire_of
-from .operating_range import uncertainty_over_spread
+from .operating_range import undetermined_change
 from .residual_location import residual_maps, time_course
 from .result import Diagnosis
 from .verdict import verdict_text
 
 FloatArray = npt.NDArray[np.float64]
-
-#: The explanation that a recording without temperature cannot exclude for a change with the distance rolled.
-UNRECORDED_TEMPERATURE = "unrecorded_temperature"
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +90,7 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     floors = floors_of(outcome.recording, after)
     errors = fit_errors(before, after, residuals, floors)
     against = (
-        reasons_against(errors, uncertainty_over_spread(settled.whitened, added)) if added or search.refinements else ()
+        reasons_against(errors, undetermined_change(settled.whitened, added)) if added or search.refinements else ()
     )
     if against:
         tire = base_tire

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..thresholds import MAX_UNCERTAINTY, MAX_WORSE_CHANNEL
+from ..thresholds import MAX_UNDETERMINED_CHANGE, MAX_WORSE, MAX_WORSE_CHANNEL
 from .fit_error import FitErrors
 
 #: The parts of a recording on which both tires are compared, as in a sentence.
 PARTS = {"train": "training rows", "holdout": "hold-out set"}
 
 
-def reasons_against(errors: FitErrors, uncertainties: Mapping[str, float]) -> tuple[str, ...]:
+def reasons_against(errors: FitErrors, undetermined: Mapping[str, float]) -> tuple[str, ...]:
     """Return the reasons why an improved tire is not delivered; none if it is not worse than the baseline tire.
 
     Parameters
     ----------
     errors : dict
         Of the delivered tires (`fit_error.fit_errors`).
-    uncertainties : mapping of str to float
-        By effect: uncertainty over the operating range, relative to the spread among tires
-        (`uncertainty_over_spread`).
+    undetermined : mapping of str to float
+        By effect: change over the operating range that the recording does not determine, relative to the spread among
+        tires (`undetermined_change`).
 
     Examples
     --------
@@ -34,17 +34,17 @@ def reasons_against(errors: FitErrors, uncertainties: Mapping[str, float]) -> tu
         if not ratios:
             continue
         worst = max(ratios, key=lambda name: ratios[name])
-        total = sum(ratio**2 for ratio in ratios.values()) / len(ratios)
-        if total > 1.0 or ratios[worst] > MAX_WORSE_CHANNEL:
+        total = (sum(ratio**2 for ratio in ratios.values()) / len(ratios)) ** 0.5
+        if total > MAX_WORSE[part] or ratios[worst] > MAX_WORSE_CHANNEL[part]:
             one, unit = errors[part][worst], "N" if worst.startswith("F") else "N m"
             reasons.append(
                 f"its residual on the {text} is larger than that of the baseline tire ({worst}: {one['after']:.3g} "
                 f"instead of {one['before']:.3g} {unit})"
             )
     reasons += [
-        f"over the operating range the recording does not determine {effect}: its uncertainty is {ratio:.1f} times its "
-        "spread among tires"
-        for effect, ratio in uncertainties.items()
-        if ratio > MAX_UNCERTAINTY
+        f"over the operating range {effect} changes a force by {ratio:.1f} times its spread among tires, which the "
+        "recording does not determine"
+        for effect, ratio in undetermined.items()
+        if ratio > MAX_UNDETERMINED_CHANGE
     ]
     return tuple(reasons)

@@ -1,4 +1,4 @@
-"""Uncertainty of identified effects over the operating range, compared with the spread among tires."""
+"""Changes by identified effects over the operating range that a recording does not determine."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy.typing as npt
 from ..probing.effect_probing import Screen
 from ..recording.signals import Signals
 from ..recording.simulation import Simulator
+from ..thresholds import MAX_UNCERTAINTY
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -54,8 +55,8 @@ def operating_points(signals: Signals) -> FloatArray:
     return np.array([[point[name] for point in points] for name in signals.names])
 
 
-def uncertainty_over_spread(whitened: Screen, effects: Mapping[str, Collection[str]]) -> dict[str, float]:
-    """Return the uncertainty of each effect over the operating range, relative to its spread among tires.
+def undetermined_change(whitened: Screen, effects: Mapping[str, Collection[str]]) -> dict[str, float]:
+    """Return the changes by effects over the operating range that a recording does not determine.
 
     Parameters
     ----------
@@ -67,10 +68,10 @@ def uncertainty_over_spread(whitened: Screen, effects: Mapping[str, Collection[s
     Returns
     -------
     dict of str to float
-        By effect: standard deviation of a force over random tires from the posterior distribution of the coefficients,
-        divided by that from their prior (`Model.prior_spread`), root mean squares over `operating_points`, in the
-        channel in which this ratio is largest. 1: the recording does not determine the effect there. Channels on which
-        the effect hardly acts are omitted.
+        By effect: root mean square change of a force over `operating_points`, relative to the effect's spread among
+        tires (`Model.prior_spread`), in the channel in which this ratio is largest. Only channels that the recording
+        does not determine: the standard deviation over random tires from the posterior distribution of the coefficients
+        exceeds `MAX_UNCERTAINTY` of that from their prior.
     """
     problem, solution = whitened.problem, whitened.solution
     signals = problem.simulator.signals
@@ -78,7 +79,7 @@ def uncertainty_over_spread(whitened: Screen, effects: Mapping[str, Collection[s
     simulator = problem.simulator.with_signals(
         replace(signals, inputs=points, rows=np.arange(points.shape[1]), timed=False)
     )
-    size = _rms(simulator.forces(solution.parameters))
+    forces, absent = simulator.forces(solution.parameters), simulator.tire.parameters()
     ratios = {}
     for effect, coefficients in effects.items():
         names = tuple(coefficients)
@@ -92,9 +93,12 @@ def uncertainty_over_spread(whitened: Screen, effects: Mapping[str, Collection[s
             for mean, matrix in ((solution.parameters[indices], covariance), (center, np.diag(deviation**2)))
         )
         posterior, prior = both
-        acts = prior > LEAST_SHARE * size
-        if acts.any():
-            ratios[effect] = float((posterior[acts] / prior[acts]).max())
+        without = solution.parameters.copy()
+        without[indices] = absent[indices]
+        change = _rms(np.nan_to_num(forces - simulator.forces(without)))
+        undetermined = (prior > LEAST_SHARE * _rms(forces)) & (posterior > MAX_UNCERTAINTY * prior)
+        if undetermined.any():
+            ratios[effect] = float((change[undetermined] / prior[undetermined]).max())
     return ratios
 
 

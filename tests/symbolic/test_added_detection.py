@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tirefmu.diagnosis.probing.confounding import ALIASES
+from tirefmu.diagnosis.probing.confounding import EXPLANATIONS
 from tirefmu.symbolic.added import effect_text, folder, library, read_effect
 from tirefmu.symbolic.added.detection_file import FORM_KEYS, INPUTS, KEYS, OUTPUTS, read_detection
 from tirefmu.symbolic.added.file import read_declared
@@ -127,7 +127,7 @@ def test_the_document_explains_every_key():
     document = (Path(__file__).parents[2] / "docs" / "effects.md").read_text(encoding="utf-8")
     for key in (*KEYS, *FORM_KEYS, "with"):
         assert f"`{key}`" in document or f"`[[diagnosis.{key}]]`" in document, key
-    for name in (*INPUTS, *OUTPUTS, *ALIASES):
+    for name in (*INPUTS, *OUTPUTS, *EXPLANATIONS):
         assert name in document, name
 
 
@@ -150,7 +150,7 @@ def test_every_other_explanation_exists_and_each_pair_is_declared_once():
     pairs = [frozenset({name, pair.other}) for name, detection in DECLARED.items() for pair in detection.confounded]
     assert len(set(pairs)) == len(pairs)
     for name in {name for pair in pairs for name in pair} | {one.contains for one in DECLARED.values() if one.contains}:
-        assert name in DECLARED or name in ALIASES
+        assert name in DECLARED or name in EXPLANATIONS
 
 
 def test_effects_agree_on_the_prior_of_a_coefficient():
