@@ -38,6 +38,8 @@ def align(search: Search) -> None:
     shifted, fitted = problem, solution
     for _ in range(STEPS):
         shifted, fitted = _shifted(shifted, fitted)
+        if abs(shifted.simulator.signals.skew) < 0.5 * MIN_SKEW:
+            return
     skew = shifted.simulator.signals.skew
     gains = before.baseline.loss - Screen(shifted, fitted).baseline.loss
     error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
