@@ -54,7 +54,8 @@ CROSS_TALK_PRIOR_SHARE = 1.0 / 3.0
 #: Largest skew between forces and inputs, s: filters and multiplexers of a bench have up to 25 ms. More is attributed
 #: to the tire. Convention.
 MAX_SKEW = 0.03
-#: Smallest skew that is corrected, s. Derived: in a sweep of 10 deg/s, 3 ms are 0.03 deg, the noise of a slip angle.
+#: Smallest skew that is corrected, s: in a sweep of 10 deg/s, 3 ms are 0.03 deg. Benchmark: increased from 1 ms after a
+#: skew of -2 ms was found in a recording with hysteresis.
 MIN_SKEW = 0.003
 #: Minimum range of an input that identifies an effect: 1, rad, rad and share of nominal load. Not recorded.
 MIN_VARIATION: Mapping[str, float] = {"kappa": 0.01, "alpha": 0.01, "gamma": 0.005, "Fz": 0.02}
@@ -99,7 +100,8 @@ EFFECT_P_OF_BLOCKS = 1e-2
 #: Minimum gain in cross-validation, in standard errors. Benchmark: increased from 1 to 1.2 and to 1.4 after false
 #: identifications in recordings without a missing effect (docs/discovery.md, "Limitations").
 EFFECT_ERRORS = 1.4
-#: Minimum gain as a share of the squared misfit. Not recorded. It also rejects weak true effects.
+#: Minimum gain as a share of the squared misfit. Decreased from 0.008, which rejected weak true effects; no study of it
+#: is recorded.
 EFFECT_GAIN = 0.003
 #: Candidates with p-values up to this multiple of `EFFECT_P` are refitted, as the nonlinear fit may gain more. Not
 #: recorded.
@@ -121,15 +123,17 @@ SEARCH_ROWS, FINAL_ITERATIONS = 2500, 6
 
 # ------------------------------------------------------------------ confirmation in the final fit
 
-#: Joint significance of an effect in the final fit, in standard deviations of a normal distribution. Convention:
-#: `benchmarks/false_names.py` measures the rate of false names that it causes.
+#: Joint significance of an effect in the final fit, in standard deviations of a normal distribution. Convention, not
+#: derived yet: `benchmarks/false_names.py` measures the rate of false names that it causes.
 CONFIRMED_Z = 4.0
-#: Long stretches (of `STRETCHES`) that an effect must predict better.
+#: Long stretches (of `STRETCHES`) that an effect must predict better. From the requirements of the diagnosis: 43 of 44
+#: true effects of an independent study passed it.
 CONFIRMED_STRETCHES = 6
-#: Smallest gain on the hold-out set, as a share of its squared misfit. Derived: the hold-out set has four to eight
-#: blocks, so that the gain of an effect that explains 1 % has a standard error of about 1 %.
+#: Smallest gain on the hold-out set, as a share of its squared misfit. The hold-out set has four to eight blocks, so
+#: that small gains are uncertain. Benchmark: decreased from 0 after it rejected a true effect with a gain of -0.0007.
 MIN_HOLDOUT_GAIN = -0.01
-#: Ratio of root mean square residuals, whitened to equal weights, above which the whitened fit is not used.
+#: Ratio of root mean square residuals, whitened to equal weights, above which the whitened fit is not used. Convention:
+#: the agreement that is required of reported residuals.
 MAX_WHITENED_MISFIT = 1.02
 
 # ------------------------------------------------------------------ unexplained structure
@@ -155,17 +159,20 @@ COEFFICIENT_BOUND_FACTOR = 10.0
 
 # ------------------------------------------------------------------ the delivered tire and the verdict
 
-#: Largest ratio of residuals, improved over baseline tire: of all channels together, and of one channel. The hold-out
-#: set has an eighth of the blocks; its mean square has a standard error of several percent. Convention.
+#: Largest ratio of residuals, improved over baseline tire: of all channels together, and of one channel. The training
+#: rows must improve. Benchmark: the limits of the hold-out set, which has few blocks, were increased from 1 and 1.05
+#: after a tire with a true effect was not delivered.
 MAX_WORSE: Mapping[str, float] = {"train": 1.0, "holdout": 1.05}
 MAX_WORSE_CHANNEL: Mapping[str, float] = {"train": 1.05, "holdout": 1.1}
 #: Largest uncertainty of an effect over the operating range, as a share of its spread among tires. Derived: above it,
 #: three quarters of the knowledge about the effect's variance come from other tires, not from the recording.
 MAX_UNCERTAINTY = 0.5
 #: Largest change of a force by an effect that the recording does not determine, in multiples of the spread among tires.
-#: Derived: a larger one is less plausible than none.
+#: Derived: a larger one is less plausible than none. Benchmark: effects that the recording determines are exempt,
+#: because true effects were larger than the spread.
 MAX_UNDETERMINED_CHANGE = 1.0
-#: Residual over noise floor above which a channel lacks something that was not identified.
+#: Residual over noise floor above which a channel lacks something that was not identified. From the requirements of the
+#: diagnosis.
 INADEQUATE = 1.5
 
 # ------------------------------------------------------------------ the report

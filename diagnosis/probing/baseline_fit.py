@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import uniform_filter1d
 
 from tirefmu.estimation.periodic_lines import periodic_lines
 from tirefmu.symbolic.declarations import Coefficient
@@ -17,9 +16,9 @@ from tirefmu.tires.tire import Tire
 
 from ..least_squares import LeastSquares, Solution
 from ..recording.disturbances import disturbances_of
+from ..recording.outliers import short_range
 from ..recording.signals import Signals
 from ..recording.simulation import Simulator
-from ..thresholds import LOCAL_ROWS, OUTLIER
 from .candidates import declared_candidate, varies
 
 FloatArray = npt.NDArray[np.float64]
@@ -212,10 +211,7 @@ def reweighted(problem: LeastSquares, solution: Solution) -> LeastSquares:
     inverse_noise = np.zeros_like(problem.inverse_noise)
     level = np.zeros(len(signals.channels))
     for i, residual in enumerate(solution.residual):
-        used = signals.present[i]
-        scatter = np.where(used, residual - uniform_filter1d(residual, LOCAL_ROWS, mode="nearest"), 0.0)
-        typical = 1.4826 * float(np.median(np.abs(scatter[used]))) + 1e-12
-        present[i] &= np.abs(scatter) < OUTLIER * 2.0 * max(typical, 1e-12)
+        scatter, present[i] = short_range(residual, signals.present[i])
         constant, proportional = _two_parts(scatter[present[i]], simulated[i][present[i]])
         deviation = np.sqrt(constant**2 + (proportional * simulated[i]) ** 2)
         level[i] = float(np.sqrt(np.mean(deviation**2)))

@@ -161,7 +161,7 @@ def excited(signals: Signals, tire: Tire, names: Sequence[str]) -> bool:
     """
     if not all(varies(signals, tire, name) for name in names):
         return False
-    inputs = [name for name in names if name != "t" and name in SLIPS]
+    inputs = [name for name in names if name in SLIPS]
     if len(inputs) < 2:
         return True
     named = signals.named()

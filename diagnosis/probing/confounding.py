@@ -50,9 +50,9 @@ def alias_columns(screen: Screen) -> dict[str, FloatArray]:
         leading = simulator.book.leading(role)
         if slip in named and leading in simulator.index:
             response = simulator.jacobian(parameters, [leading])[:, :, 0] * parameters[simulator.index[leading]]
-            changes[name] = 0.05 * response * np.tanh(named[slip] / FRICTION_ALIAS_SLIP)
+            changes[name] = response * np.tanh(named[slip] / FRICTION_ALIAS_SLIP)
     if problem.simulator.signals.timed:
-        changes[SKEW_OF_FORCES] = 0.01 * delay_response(simulator, parameters)
+        changes[SKEW_OF_FORCES] = delay_response(simulator, parameters)
     return {name: (problem.inverse_noise * change)[:, :, None] for name, change in changes.items()}
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -185,36 +185,47 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
         )
         for channel in signals.channels
     }
-    removed = {
-        channel: {
-            "offset": named[f"offset_{channel}"],
-            "drift": [v for name, v in named.items() if name.startswith("drift") and name.endswith(f"_{channel}")],
-        }
-        for channel in signals.channels
-    }
     t = signals.t[signals.rows]
-    waves = [
-        {
-            "over": line.over,
-            "frequency": line.frequency,
-            "amplitude": {
-                channel: float(np.hypot(*(named[f"wave{k}_{part}_{channel}"] for part in ("cosine", "sine"))))
-                for channel in signals.channels
-            },
-            **{
-                part: {channel: named[f"wave{k}_{part}_{channel}"] for channel in signals.channels}
-                for part in ("cosine", "sine")
-            },
-        }
-        for k, line in enumerate(disturbances.lines, start=1)
-    ]
     return {
-        "periodic": waves,
+        "periodic": _reported_waves(disturbances, named, signals.channels),
         "skew": signals.skew,
-        "removed": removed,
+        "removed": removed_from(disturbances, values, signals),
         "removed_over": [float(t[0]), float(t[-1])],
         "offset": {channel: named[f"offset_{channel}"] for channel in signals.channels},
         "drift": drift,
         "cross_talk": {name.removeprefix("cross_talk_"): v for name, v in named.items() if name.startswith("cross")},
         "input_noise": dict(signals.input_noise),
     }
+
+
+def removed_from(disturbances: Disturbances, values: FloatArray, signals: Signals) -> dict[str, dict[str, Any]]:
+    """Return what is subtracted from the residuals of each channel: offset, and drift as amplitudes of half waves.
+
+    Parameters
+    ----------
+    disturbances : Disturbances
+    values : ndarray, shape (n_disturbances,)
+    signals : Signals
+    """
+    named = dict(zip(disturbances.names, values.tolist(), strict=True))
+    return {
+        channel: {
+            "offset": named[f"offset_{channel}"],
+            "drift": [v for name, v in named.items() if name.startswith("drift") and name.endswith(f"_{channel}")],
+        }
+        for channel in signals.channels
+    }
+
+
+def _reported_waves(
+    disturbances: Disturbances, named: Mapping[str, float], channels: Sequence[str]
+) -> list[dict[str, Any]]:
+    """Return the periodic disturbances with their amplitudes."""
+    waves = []
+    for k, line in enumerate(disturbances.lines, start=1):
+        parts = {
+            part: {channel: named[f"wave{k}_{part}_{channel}"] for channel in channels} for part in ("cosine", "sine")
+        }
+        amplitude = {channel: float(np.hypot(parts["cosine"][channel], parts["sine"][channel])) for channel in channels}
+        waves.append({"over": line.over, "frequency": line.frequency, "amplitude": amplitude, **parts})
+    return waves

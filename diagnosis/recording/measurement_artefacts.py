@@ -1,4 +1,4 @@
-"""Errors of a recording: disturbances, ripple once per wheel revolution, quantisation, outliers, ignored columns."""
+"""Errors of a recording: disturbances, ripple once per wheel revolution, quantisation, ignored columns."""
 
 from __future__ import annotations
 

@@ -110,6 +110,11 @@ class Signals:
         )
         return replace(self, inputs=inputs, skew=self.skew + seconds)
 
+    def holdout_stretches(self) -> list[tuple[int, int]]:
+        """Return first and last compared row of each stretch of the hold-out set."""
+        edges = np.flatnonzero(np.diff(self.holdout.astype(int), prepend=0, append=0)).reshape(-1, 2)
+        return [(int(first), int(end) - 1) for first, end in edges]
+
     def named(self) -> dict[str, FloatArray]:
         """Return the inputs at the compared rows by name."""
         return dict(zip(self.names, self.inputs[:, self.rows], strict=True))

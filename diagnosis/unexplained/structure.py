@@ -146,14 +146,12 @@ def _stretch_gains(screen: Screen, columns: FloatArray) -> FloatArray:
     """Return the cross-validated gain of columns in each long stretch, as a share of the total squared misfit."""
     marks = np.round(np.linspace(0, screen.n_blocks, STRETCHES + 1)).astype(int)
     edges, n_columns = screen.edges[marks], columns.shape[-1]
-    baseline = regression(
-        block_sums(screen.tangent, screen.residual, edges), screen.prior_precision, screen.prior_gradient
-    )
+    baseline = screen.stretch_losses(STRETCHES)
     total = np.concatenate([screen.tangent, columns], axis=-1)
     prior = np.concatenate([screen.prior_precision, np.full(n_columns, PROBE_PRIOR**-2.0)])
     gradient = np.concatenate([screen.prior_gradient, np.zeros(n_columns)])
     extended = regression(block_sums(total, screen.residual, edges), prior, gradient)
-    return np.asarray((baseline.loss - extended.loss) / baseline.loss.sum())
+    return np.asarray((baseline - extended.loss) / baseline.sum())
 
 
 def _extended_terms(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isfinite
 from typing import Any
 
 from tirefmu.estimation.noise_floor import NoiseFloor
@@ -26,8 +27,8 @@ class Adequacy:
     over : tuple of str
         The inputs of that location.
     memory : bool
-        Whether the residual is explained by the direction in which slips change or by slow time, not by the recorded
-        inputs alone.
+        Whether the residual is above the floor and is explained by the direction in which slips change or by slow time,
+        not by the recorded inputs alone.
     """
 
     channel: str
@@ -39,18 +40,20 @@ class Adequacy:
 
     @property
     def ratio(self) -> float:
-        """Residual over noise floor."""
-        return self.residual / self.floor if self.floor > 0.0 else float("nan")
+        """Residual over noise floor; NaN if the floor is not known."""
+        return self.residual / max(self.floor, 1e-12) if isfinite(self.floor) else float("nan")
 
     @property
-    def adequate(self) -> bool:
-        """Whether the residual is near the noise floor."""
-        return not self.ratio > INADEQUATE
+    def adequate(self) -> bool | None:
+        """Whether the residual is near the noise floor; None if the floor is not known."""
+        return self.ratio <= INADEQUATE if isfinite(self.ratio) else None
 
     @property
     def rating(self) -> str:
-        """Rating by color: "green" near the floor, "amber" above it, "red" if something is missing."""
-        return "red" if not self.adequate else "amber" if self.ratio > 0.5 * (1.0 + INADEQUATE) else "green"
+        """Rating by color: "green" near the floor, "amber" above or if not known, "red" if something is missing."""
+        if self.adequate is False:
+            return "red"
+        return "green" if self.ratio <= 0.5 * (1.0 + INADEQUATE) else "amber"
 
     def __str__(self) -> str:
         """Return the sentence of the verdict."""
@@ -85,6 +88,7 @@ def adequacies(
                 f"{name} {lower:.3g} to {upper:.3g}"
                 for name, lower, upper in zip(over, worst["from"], worst["to"], strict=True)
             )
-        memory = residual <= INADEQUATE * floors[channel].floor
-        found.append(Adequacy(channel, residual, floors[channel].with_history, location, over, memory))
+        floor = floors[channel]
+        memory = INADEQUATE * floor.with_history < residual <= INADEQUATE * floor.floor
+        found.append(Adequacy(channel, residual, floor.with_history, location, over, memory))
     return tuple(found)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +18,7 @@ from tirefmu.tires.tire import Tire
 from ..probing.candidates import Candidate
 from ..probing.confounding import UNRECORDED_TEMPERATURE, alias_columns, correlations, separating_measurement
 from ..probing.effect_probing import Response, Screen
+from ..recording.disturbances import removed_from
 from ..recording.measurement_artefacts import recording_errors
 from ..recording.signals import FORMULA_SIGNS, Signals
 from ..search.effect_search import Search
@@ -113,12 +115,10 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     )
     refined = tuple(f"{one.name.removeprefix(REFINEMENT)}: {', '.join(one.form.free)}" for one in search.refinements)
     detectable, not_identifiable = detectable_sizes(search, outcome.tried, outcome.start)
-    recording = recording_errors(
-        outcome.recording, outcome.signals, search.problem.disturbances, search.solution.disturbance,
-        search.solution.residual, outcome.start,
-    )  # fmt: skip
     outliers = residuals.outlier_rows(outcome.signals.channels)
-    recording |= {"outlier_rows": outliers, "outliers": {name: len(rows) for name, rows in outliers.items()}}
+    recording = _recording_errors(outcome, final) | {
+        "outlier_rows": outliers, "outliers": {name: len(rows) for name, rows in outliers.items()},
+    }  # fmt: skip
     return Diagnosis(
         verdict=verdict_text(findings, unknown, confounded, refined, adequacy, detectable, against, recording),
         found=findings,
@@ -141,7 +141,10 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         extrapolation=extrapolations(
             search.problem, search.solution, {name: _inputs_of(outcome, name) for name in added}
         ),
-        holdout_rows=_holdout_rows(outcome.signals),
+        holdout_rows=tuple(
+            (int(outcome.signals.table_rows[first]), int(outcome.signals.table_rows[last]))
+            for first, last in outcome.signals.holdout_stretches()
+        ),
         base_tire=base_tire,
         tire=tire,
         signs=FORMULA_SIGNS,
@@ -151,9 +154,20 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     )
 
 
+def _recording_errors(outcome: SearchOutcome, final: Screen) -> dict[str, Any]:
+    """Return the errors of the recording as estimated with the delivered tire, and what the baseline tire removes."""
+    before = outcome.settled.before
+    problem, solution = final.problem, final.solution
+    errors = recording_errors(
+        outcome.recording, final.signals, problem.disturbances, solution.disturbance, solution.residual, outcome.start
+    )
+    removed = removed_from(before.problem.disturbances, before.solution.disturbance, before.signals)
+    return errors | {"removed_base": removed}
+
+
 def _unidentified(adequacy: tuple[Adequacy, ...], search: Search) -> tuple[Unknown, ...]:
     """Return the structure in channels far above their noise floor, if no effect was identified."""
-    red = [one for one in adequacy if not one.adequate]
+    red = [one for one in adequacy if one.adequate is False]
     if not red or search.found:
         return ()
     worst = max(red, key=lambda one: one.ratio)
@@ -168,14 +182,6 @@ def _inputs_of(outcome: SearchOutcome, effect: str) -> tuple[str, ...]:
     read = {symbol.name for one in added for act in one.acts for symbol in act.expression.free_symbols}
     known = outcome.tried[effect].requires if effect in outcome.tried else ()
     return tuple(name for name in outcome.signals.names if name in read or name in known)
-
-
-def _holdout_rows(signals: Signals) -> tuple[tuple[int, int], ...]:
-    """Return first and last row of each stretch of the hold-out set."""
-    edges = np.flatnonzero(np.diff(signals.holdout.astype(int), prepend=0, append=0))
-    return tuple(
-        (int(signals.table_rows[first]), int(signals.table_rows[last - 1])) for first, last in edges.reshape(-1, 2)
-    )
 
 
 def _standard_errors(screen: Screen) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import inf, isfinite
 
 from ..thresholds import MAX_UNDETERMINED_CHANGE, MAX_WORSE, MAX_WORSE_CHANNEL
 from .fit_error import FitErrors
@@ -33,9 +34,9 @@ def reasons_against(errors: FitErrors, undetermined: Mapping[str, float]) -> tup
         ratios = {name: one["after"] / one["before"] for name, one in errors[part].items() if one["before"] > 0.0}
         if not ratios:
             continue
-        worst = max(ratios, key=lambda name: ratios[name])
+        worst = max(ratios, key=lambda name: ratios[name] if isfinite(ratios[name]) else inf)
         total = (sum(ratio**2 for ratio in ratios.values()) / len(ratios)) ** 0.5
-        if total > MAX_WORSE[part] or ratios[worst] > MAX_WORSE_CHANNEL[part]:
+        if not (total <= MAX_WORSE[part] and ratios[worst] <= MAX_WORSE_CHANNEL[part]):  # NaN is worse
             one, unit = errors[part][worst], "N" if worst.startswith("F") else "N m"
             reasons.append(
                 f"its residual on the {text} is larger than that of the baseline tire ({worst}: {one['after']:.3g} "

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import uniform_filter1d
 
 from tirefmu.estimation.noise_floor import NoiseFloor, noise_floor
 from tirefmu.measurements import Recording
@@ -19,8 +18,8 @@ from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
 from ..probing.effect_probing import Screen
+from ..recording.outliers import short_range
 from ..recording.signals import FORMULA_SIGNS
-from ..thresholds import LOCAL_ROWS, OUTLIER
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -83,13 +82,12 @@ def delivered_residuals(
     """
     signals = screens[0].signals
     first, last = (_residual(tire, recording, screen, rows) for tire, screen in zip(tires, screens, strict=True))
-    used = np.stack([_without_outliers(row) for row in first])
+    used = np.stack([short_range(np.nan_to_num(row), np.isfinite(row))[1] for row in first])
     compared = np.searchsorted(rows, signals.table_rows)
     used[:, compared] &= signals.present
-    edges = np.flatnonzero(np.diff(signals.holdout.astype(int), prepend=0, append=0)).reshape(-1, 2)
     holdout = np.zeros(len(rows), dtype=bool)
-    for start, end in edges:
-        holdout[compared[start] : compared[end - 1] + 1] = True
+    for start, end in signals.holdout_stretches():
+        holdout[compared[start] : compared[end] + 1] = True
     return Residuals(rows, first, last, used, holdout, compared)
 
 
@@ -107,15 +105,6 @@ def _residual(tire: Tire, recording: Recording, screen: Screen, rows: IntArray) 
     )
     slow = disturbances.slow(signals, screen.solution.disturbance, t[rows])
     return np.asarray(measured - simulated - slow)
-
-
-def _without_outliers(residual: FloatArray) -> npt.NDArray[np.bool_]:
-    """Return which rows are measured and no outliers, by the criterion of the weights of a fit."""
-    known = np.isfinite(residual)
-    values = np.where(known, residual, 0.0)
-    scatter = values - uniform_filter1d(values, LOCAL_ROWS, mode="nearest")
-    typical = 1.4826 * float(np.median(np.abs(scatter[known]))) if known.any() else 0.0
-    return np.asarray(known & (np.abs(scatter) < OUTLIER * 2.0 * max(typical, 1e-12)))
 
 
 def floors_of(recording: Recording, screen: Screen) -> dict[str, NoiseFloor]:

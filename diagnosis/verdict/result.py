@@ -136,11 +136,14 @@ class Diagnosis:
         declarations = self.tire.book.coefficients
         offset = {name: turned_sign(value, name in reversed_names) for name, value in self.recording["offset"].items()}
         removed = {
-            name: {
-                "offset": turned_sign(one["offset"], name in reversed_names),
-                "drift": [turned_sign(value, name in reversed_names) for value in one["drift"]],
+            key: {
+                name: {
+                    "offset": turned_sign(one["offset"], name in reversed_names),
+                    "drift": [turned_sign(value, name in reversed_names) for value in one["drift"]],
+                }
+                for name, one in self.recording[key].items()
             }
-            for name, one in self.recording["removed"].items()
+            for key in ("removed", "removed_base")
         }
         periodic = [
             wave
@@ -166,8 +169,8 @@ class Diagnosis:
                 **self.recording,
                 "offset": offset,
                 "cross_talk": cross_talk,
-                "removed": removed,
                 "periodic": periodic,
+                **removed,
             },
         )
 

@@ -37,7 +37,7 @@ def verdict_text(
     parts = [_missing(findings, unknown, confounded)]
     if refined:
         parts.append(f"finer form needed of {'; '.join(refined)}")
-    red = [str(one) for one in adequacy if not one.adequate]
+    red = [str(one) for one in adequacy if one.adequate is False]
     if red:
         parts.append(f"something is missing and was not identified in {', '.join(red)}")
     parts = [part for part in parts if part] or [_nothing(adequacy, detectable)]

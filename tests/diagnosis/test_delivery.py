@@ -4,7 +4,6 @@ from copy import copy
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 import pytest
 
 import tirefmu
@@ -12,6 +11,7 @@ from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.search.confirmation import confirmation, joint_z
 from tirefmu.diagnosis.thresholds import CONFIRMED_Z, STRETCHES
+from tirefmu.diagnosis.verdict import composition
 from tirefmu.diagnosis.verdict.adequacy import Adequacy, adequacies
 from tirefmu.diagnosis.verdict.delivery import reasons_against
 from tirefmu.diagnosis.verdict.operating_range import operating_points, undetermined_change
@@ -28,7 +28,7 @@ def worn():
     return case, diagnose(table, signs=case.signs, effects=case.effects, nominal=case.nominal)
 
 
-def recomputed(diagnosis, tire, signs):
+def recomputed(diagnosis, tire, signs, removed="removed"):
     """Return the root mean square residual by channel, with the offsets and drift that the JSON lists removed."""
     table = diagnosis.rows
     computed = tirefmu.evaluate(tire, table[[name for name in table if name not in ("Fx", "Fy", "Mz")]], signs=signs)
@@ -36,9 +36,9 @@ def recomputed(diagnosis, tire, signs):
     first, last = diagnosis.recording["removed_over"]
     training = ~diagnosis.holdout_mask(len(table))
     found = {}
-    for channel, removed in diagnosis.in_signs(signs).recording["removed"].items():
-        rest = (table[channel] - computed[channel]).to_numpy() - removed["offset"]
-        for k, size in enumerate(removed["drift"], start=1):
+    for channel, listed in diagnosis.in_signs(signs).recording[removed].items():
+        rest = (table[channel] - computed[channel]).to_numpy() - listed["offset"]
+        for k, size in enumerate(listed["drift"], start=1):
             rest = rest - size * np.cos(k * np.pi * (t - first) / (last - first))
         used = training.copy()
         used[diagnosis.recording["outlier_rows"][channel]] = False
@@ -49,9 +49,20 @@ def recomputed(diagnosis, tire, signs):
 def test_the_reported_error_is_that_of_the_saved_tires(worn, tmp_path):
     case, diagnosis = worn
     diagnosis.save(tmp_path)
-    for name, when in (("base.tir", "before"), ("improved.tir", "after")):
-        errors = recomputed(diagnosis, tmp_path / name, case.signs)
-        assert errors == pytest.approx({c: one[when] for c, one in diagnosis.gap["train"].items()}, rel=0.02)
+    for name, when, removed in (("base.tir", "before", "removed_base"), ("improved.tir", "after", "removed")):
+        errors = recomputed(diagnosis, tmp_path / name, case.signs, removed)
+        assert errors == pytest.approx({c: one[when] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)
+
+
+def test_the_reported_error_of_a_tire_that_is_not_delivered_is_that_of_the_baseline_tire(worn, monkeypatch):
+    case, _ = worn
+    monkeypatch.setattr(composition, "reasons_against", lambda *_: ("a reason",))
+    diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
+    assert not diagnosis.delivered
+    assert diagnosis.tire == diagnosis.base_tire
+    assert diagnosis.verdict.endswith("The improved tire is not delivered, because a reason")
+    errors = recomputed(diagnosis, diagnosis.tire, case.signs)
+    assert errors == pytest.approx({c: one["after"] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)
 
 
 def test_the_delivered_tire_is_better_than_the_baseline_tire(worn):
@@ -88,16 +99,20 @@ def test_a_worse_tire_is_not_delivered():
     assert reasons_against({"train": good, "holdout": good}, {}) == ()
     assert "hold-out set" in reasons_against({"train": good, "holdout": bad}, {})[0]
     assert "training rows" in reasons_against({"train": bad, "holdout": good}, {})[0]
+    assert "nan" in reasons_against({"train": errors(10.0, np.nan), "holdout": good}, {})[0]
     assert "combined_Gxa" in reasons_against({"train": good, "holdout": good}, {"combined_Gxa": 1.9})[0]
 
 
 def test_a_residual_far_above_the_floor_is_inadequate():
     floors = {"Fx": NoiseFloor(10.0, 10.0), "Fy": NoiseFloor(19.0, 10.0)}
     fx, fy = adequacies({"Fx": 12.0, "Fy": 20.0}, floors, [])
-    assert (fx.adequate, fx.memory) == (True, True)
+    assert (fx.adequate, fx.memory) == (True, False)
     assert (fy.adequate, fy.memory, fy.rating) == (False, True, "red")
     assert "history" in str(fy)
     assert Adequacy("Fx", 10.0, 10.0, "", (), False).rating == "green"
+    unknown = Adequacy("Fx", 10.0, np.nan, "", (), False)
+    assert (unknown.adequate, unknown.rating) == (None, "amber")
+    assert Adequacy("Fx", 10.0, 0.0, "", (), False).adequate is False
 
 
 # ------------------------------------------------------------------ confirmation
@@ -190,5 +205,8 @@ def test_noise_of_kappa_in_pure_cornering_is_not_combined_slip():
 def test_few_rows_have_an_answer(rate, sweeps):
     case = make_case(1, ("camber_thrust",), rate=rate, sweeps=sweeps)
     diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
-    assert diagnosis.verdict
-    assert isinstance(diagnosis.rows, pd.DataFrame)
+    for one in diagnosis.gap["train"].values():
+        assert 0.0 < one["after"] <= 1.05 * one["before"]
+    assert diagnosis.delivered or diagnosis.not_delivered_because
+    errors = recomputed(diagnosis, diagnosis.tire, case.signs)
+    assert errors == pytest.approx({c: one["after"] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)

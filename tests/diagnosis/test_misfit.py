@@ -19,7 +19,7 @@ NOISE = {"Fx": 5.0, "Fy": 5.0, "Mz": 0.5}
 def test_the_noise_floor_equals_the_noise(at_true_values, table):
     recording = Recording(table, "adapted-sae", "bench")
     floors = floors_of(recording, at_true_values)
-    assert {name: one.floor for name, one in floors.items()} == pytest.approx(NOISE, rel=0.12)
+    assert {name: one.floor for name, one in floors.items()} == pytest.approx(NOISE, rel=0.1)
 
 
 def test_the_error_of_the_true_tire_is_the_noise(at_true_values, without_camber, tire, table):

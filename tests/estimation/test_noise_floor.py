@@ -36,6 +36,11 @@ def test_it_is_the_noise_whatever_smooth_function_of_the_inputs_a_model_lacks(se
         assert floor_of(table, residual).floor == pytest.approx(size, rel=0.1)
 
 
+def test_without_noise_little_of_a_smooth_function_remains():
+    table = sweeps()
+    assert floor_of(table, missing(table)).floor < 0.02 * missing(table).std()
+
+
 def test_it_is_at_most_the_residual():
     table = sweeps()
     noise = np.random.default_rng(3).normal(0.0, 5.0, len(table))

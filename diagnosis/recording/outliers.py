@@ -1,0 +1,39 @@
+"""Short-range scatter of a residual, and the rows that are outliers in it."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+from scipy.ndimage import uniform_filter1d
+
+from ..thresholds import LOCAL_ROWS, OUTLIER
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+def short_range(residual: FloatArray, used: BoolArray) -> tuple[FloatArray, BoolArray]:
+    """Return the difference of a residual from its moving average, and the rows that are used and no outliers.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (n,)
+        Finite.
+    used : ndarray of bool, shape (n,)
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        0 in rows that are not used.
+    ndarray of bool, shape (n,)
+
+    Examples
+    --------
+    >>> residual = np.random.default_rng(0).normal(size=500)
+    >>> residual[[7, 300]] = 60.0
+    >>> np.flatnonzero(~short_range(residual, np.ones(500, dtype=bool))[1]).tolist()
+    [7, 300]
+    """
+    scatter = np.where(used, residual - uniform_filter1d(residual, LOCAL_ROWS, mode="nearest"), 0.0)
+    typical = 1.4826 * float(np.median(np.abs(scatter[used]))) + 1e-12 if used.any() else 0.0
+    return scatter, np.asarray(used & (np.abs(scatter) < OUTLIER * 2.0 * typical))
