@@ -19,6 +19,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from discovery_suites import SUITES
 
 from tirefmu.diagnosis import diagnose
+from tirefmu.diagnosis.search.refits import REFINEMENT
 from tirefmu.diagnosis.thresholds import CONFIRMED_STRETCHES, MIN_HOLDOUT_GAIN
 
 #: Number of the first recording: beyond those of the benchmark.
@@ -35,7 +36,7 @@ def largest(task: tuple[str, int]) -> tuple[int, float, str]:
     passing = [
         (one.z, name)
         for name, one in {**result.confirmed, **result.rejected}.items()
-        if name in result.tire.book.effects
+        if not name.startswith(REFINEMENT)
         and one.stretches >= CONFIRMED_STRETCHES
         and one.holdout_gain > MIN_HOLDOUT_GAIN
     ]

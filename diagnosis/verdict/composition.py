@@ -40,6 +40,9 @@ from .verdict import verdict_text
 
 FloatArray = npt.NDArray[np.float64]
 
+#: The reason why a formula that improves the hold-out set is not in the delivered tire.
+NOT_DELIVERED = "the improved tire is not delivered"
+
 
 @dataclass(frozen=True, eq=False)
 class SearchOutcome:
@@ -101,6 +104,10 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     where_after = residual_maps(final)
     adequacy = adequacies(residual_sizes(final), floors, where_after)
     unknown = outcome.unknown or _unidentified(adequacy, search)
+    if against:
+        unknown = tuple(
+            replace(one, added=False, not_added_because=NOT_DELIVERED) if one.added else one for one in unknown
+        )
     findings = _in_order(outcome, unknown, _standard_errors(settled.whitened))
     confounded = confounded_with(outcome)
     next_measurement = tuple(
@@ -214,7 +221,7 @@ def _shown(response: Response, signals: Signals) -> tuple[str, ...]:
 def _finding(outcome: SearchOutcome, refit: Refit, errors: FloatArray) -> Finding:
     solution = outcome.search.solution
     quantile = float(stats.t.ppf(0.975, outcome.search.screen.n_blocks - 1))
-    coefficients = {}
+    declarations, coefficients = outcome.start.book.coefficients, {}
     for name in refit.form.free:
         i = solution.free.index(name)
         value = float(solution.parameters[outcome.search.problem.simulator.index[name]])
@@ -229,6 +236,7 @@ def _finding(outcome: SearchOutcome, refit: Refit, errors: FloatArray) -> Findin
         refit.gain_error,
         _stretches(refit, outcome.signals),
         _size(outcome, refit),
+        frozenset(name for name in refit.form.free if declarations[name].flips),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 
@@ -39,6 +39,8 @@ class Finding:
         Stretches of time with most of the evidence, s.
     size : mapping of str to (float, float)
         By channel: root mean square and largest change of the force by the effect in the recording, N and N m.
+    flips : frozenset of str
+        Coefficients whose sign depends on the convention.
     """
 
     effect: str
@@ -49,10 +51,11 @@ class Finding:
     cv_gain_se: float
     when: tuple[tuple[float, float], ...] = ()
     size: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    flips: frozenset[str] = frozenset()
 
-    def mirrored(self, names: Collection[str]) -> Finding:
-        """Return the finding with the opposite sign of some coefficients."""
-        coefficients = {name: one.mirrored() if name in names else one for name, one in self.coefficients.items()}
+    def mirrored(self) -> Finding:
+        """Return the finding in the other sign convention of coefficients."""
+        coefficients = {name: one.mirrored() if name in self.flips else one for name, one in self.coefficients.items()}
         return replace(self, coefficients=coefficients)
 
 

@@ -133,7 +133,6 @@ class Diagnosis:
         reversed_names = reversed_columns(self.signs, signs)
         if not reversed_names:
             return self
-        declarations = self.tire.book.coefficients
         offset = {name: turned_sign(value, name in reversed_names) for name, value in self.recording["offset"].items()}
         removed = {
             key: {
@@ -160,9 +159,7 @@ class Diagnosis:
         return replace(
             self,
             signs=signs,
-            found=tuple(
-                one.mirrored({name for name in one.coefficients if declarations[name].flips}) for one in self.found
-            ),
+            found=tuple(one.mirrored() for one in self.found),
             where=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where],
             where_after=[_mirrored_map(one) if one["channel"] in reversed_names else one for one in self.where_after],
             recording={
