@@ -151,7 +151,7 @@ class LeastSquares:
     def best_disturbance(self, misfit: FloatArray) -> FloatArray:
         """Return the best-fitting disturbances for a misfit."""
         weighted, matrix = self._disturbance_system
-        target = np.einsum("cn,cnq->q", self.weighted(misfit), weighted)
+        target = self.weighted(misfit).ravel() @ weighted.reshape(-1, weighted.shape[-1])
         return np.asarray(np.linalg.solve(matrix, target))
 
     def weighted(self, rows: FloatArray) -> FloatArray:

@@ -156,7 +156,7 @@ def coloured_covariance(traces: FloatArray, covariance: FloatArray) -> FloatArra
         kernel[:, :, -lags:] = covariance.transpose(1, 0, 2)[:, :, :0:-1]
     spectrum = fft.rfft(kernel, axis=-1)
     coloured = fft.irfft(np.einsum("cdf,cfm->dfm", spectrum, waves), size, axis=1)[:, :n]
-    return np.asarray(np.einsum("cnm,cnk->mk", traces, coloured).reshape(m, m))
+    return np.asarray(traces.reshape(-1, m).T @ coloured.reshape(-1, m))
 
 
 def wald_p(estimate: FloatArray, covariance: FloatArray, n_blocks: int | None = None) -> float:

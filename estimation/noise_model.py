@@ -27,6 +27,8 @@ WHITE_SHARE, WHITE_PRIOR = 0.05, 1e-3
 LEAST_POWER = 1e-6
 #: Time before the first row, s: much longer than any correlation.
 BEFORE_START = 1e9
+#: Rows of a part of the recording. The filter passes all parts at the same time and then joins them.
+ROWS_OF_PART = 64
 
 
 @dataclass(frozen=True)
@@ -121,26 +123,22 @@ class Whitening:
     def __init__(self, noise: tuple[NoiseParts, ...], t: FloatArray, root: FloatArray) -> None:
         present = root > 0.0
         typical = np.sqrt(np.sum(root**2, axis=1) / np.maximum(present.sum(axis=1), 1))
-        self._size = np.ascontiguousarray((root / np.maximum(typical, 1e-300)[:, None]).T)
+        size = root / np.maximum(typical, 1e-300)[:, None]
         steps = np.diff(t, prepend=t[0])
         typical_step = float(np.median(steps[1:]))
         steps = np.maximum(steps, typical_step)
         steps[0] = BEFORE_START
-        fading, memory = np.array([one.fading for one in noise]), np.array([one.memory for one in noise])
-        self._decay = np.stack([fading ** (steps[:, None] / typical_step), np.exp(-steps[:, None] / memory)], axis=1)
-        self._gain = np.zeros_like(self._decay)
-        variance = np.ones(self._size.shape)
-        white, start = np.array([one.white for one in noise]), np.array([[one.short, one.drift] for one in noise]).T
-        state = np.zeros((2, 2, len(noise)))
-        for k, (decay, size) in enumerate(zip(self._decay, self._size, strict=True)):
-            state = decay[:, None] * state * decay[None, :]
-            state[0, 0] += start[0] * (1.0 - decay[0] ** 2)
-            state[1, 1] += start[1] * (1.0 - decay[1] ** 2)
-            seen = state[:, 0] + state[:, 1] * size
-            variance[k] = seen[0] + seen[1] * size + white
-            self._gain[k] = np.where(present[:, k], seen / variance[k], 0.0)
-            state = state - self._gain[k][:, None] * seen[None, :]
-        self._root = np.where(present, 1.0 / np.sqrt(variance.T), 0.0)
+        decay = np.array([[one.fading ** (steps / typical_step), np.exp(-steps / one.memory)] for one in noise])
+        gain, variance = np.empty_like(decay), np.empty(root.shape)
+        for i, one in enumerate(noise):
+            gain[i], variance[i] = _kalman_gains(one, decay[i], size[i], present[i])
+        self._root = np.where(present, 1.0 / np.sqrt(variance), 0.0)
+        self._decay, self._gain = _divided(decay.transpose(2, 1, 0)), _divided(gain.transpose(2, 1, 0))
+        self._size = _divided(size.T)
+        # Each part's answer to a state of 1 at its beginning, and the states at its end.
+        states = np.zeros((2, *self._size.shape[1:], 2))
+        states[0, ..., 0] = states[1, ..., 1] = 1.0
+        self._response, self._transfer = self._filtered(np.zeros((*self._size.shape, 2)), states)
 
     def __call__(self, rows: FloatArray) -> FloatArray:
         """Return whitened rows.
@@ -152,15 +150,65 @@ class Whitening:
         """
         if rows.ndim == 2:
             return self(rows[:, :, None])[:, :, 0]
-        given = np.ascontiguousarray(rows.transpose(1, 0, 2))
-        innovation = np.empty_like(given)
-        short, drift = np.zeros(given.shape[1:]), np.zeros(given.shape[1:])
+        parts = _divided(rows.transpose(1, 0, 2))
+        innovation, ends = self._filtered(parts, np.zeros((2, *parts.shape[1:])))
+        begins, state = np.empty_like(ends), np.zeros((2, *parts.shape[2:]))
+        for k in range(parts.shape[1]):
+            begins[:, k] = state
+            state = ends[:, k] + np.einsum("icj,jcm->icm", self._transfer[:, k], state)
+        for j in range(2):
+            innovation += self._response[..., j, None] * begins[j]
+        whole = innovation.swapaxes(0, 1).reshape(-1, *parts.shape[2:])[: rows.shape[1]]
+        return np.asarray(whole.transpose(1, 0, 2) * self._root[:, :, None])
+
+    def _filtered(self, parts: FloatArray, states: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the innovations of all parts and the states at their ends.
+
+        Parameters
+        ----------
+        parts : ndarray, shape (ROWS_OF_PART, n_parts, n_channels, m)
+        states : ndarray, shape (2, n_parts, n_channels, m)
+            Short-range noise and drift at the beginning of each part.
+        """
+        innovation, (short, drift) = np.empty_like(parts), states.copy()
         decay, gain, size = self._decay[..., None], self._gain[..., None], self._size[..., None]
-        for k in range(len(given)):
-            short *= decay[k, 0]
-            drift *= decay[k, 1]
-            new = given[k] - short - size[k] * drift
+        for k, rows in enumerate(parts):
+            short *= decay[k, :, 0]
+            drift *= decay[k, :, 1]
+            new = rows - short - size[k] * drift
             innovation[k] = new
-            short += gain[k, 0] * new
-            drift += gain[k, 1] * new
-        return np.asarray(innovation.transpose(1, 0, 2) * self._root[:, :, None])
+            short += gain[k, :, 0] * new
+            drift += gain[k, :, 1] * new
+        return innovation, np.stack([short, drift])
+
+
+def _kalman_gains(
+    noise: NoiseParts, decay: FloatArray, size: FloatArray, present: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the gains of both states, shape (2, n), and the variance of each innovation of a channel.
+
+    Plain numbers: a row follows from the one before, and arrays of two states would take ten times as long.
+    """
+    gains, variances = [], []
+    short = cross = drift = 0.0
+    for a, b, weight, used in zip(*decay.tolist(), size.tolist(), present.tolist(), strict=True):
+        short = a * a * short + noise.short * (1.0 - a * a)
+        cross *= a * b
+        drift = b * b * drift + noise.drift * (1.0 - b * b)
+        seen_short, seen_drift = short + cross * weight, cross + drift * weight
+        variance = seen_short + seen_drift * weight + noise.white
+        gain = (seen_short / variance, seen_drift / variance) if used else (0.0, 0.0)
+        gains.append(gain)
+        variances.append(variance)
+        short -= gain[0] * seen_short
+        cross -= gain[0] * seen_drift
+        drift -= gain[1] * seen_drift
+    return np.array(gains).T, np.array(variances)
+
+
+def _divided(rows: FloatArray) -> FloatArray:
+    """Return rows, shape (n, ...), as parts, shape (ROWS_OF_PART, n_parts, ...), the last one filled with 0."""
+    n_parts = -(-len(rows) // ROWS_OF_PART)
+    filled = np.zeros((n_parts * ROWS_OF_PART, *rows.shape[1:]))
+    filled[: len(rows)] = rows
+    return np.ascontiguousarray(filled.reshape(n_parts, ROWS_OF_PART, *rows.shape[1:]).swapaxes(0, 1))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -132,7 +134,8 @@ class Screen:
 
     def project(self, columns: FloatArray) -> FloatArray:
         """Return columns with the baseline's tangent space projected out."""
-        cross = np.einsum("cnq,cnk->qk", self.tangent, columns)
+        q, k = self.tangent.shape[-1], columns.shape[-1]
+        cross = self.tangent.reshape(-1, q).T @ columns.reshape(-1, k)
         return np.asarray(columns - self.tangent @ (self.baseline.inverse @ cross))
 
     def learn_noise(self, responses: Mapping[int, FloatArray]) -> None:
@@ -163,8 +166,7 @@ class Screen:
             return Response(
                 columns, nothing, 1.0, 1.0, nothing + np.inf, self.baseline.loss, share, float(size.max() / rows**0.5)
             )
-        extended = np.concatenate([self.tangent, columns], axis=-1)
-        sums = self._extended(columns, extended)
+        sums = self._extended(columns)
         q = self.tangent.shape[-1]
         prior = np.concatenate([self.prior_precision, np.full(k, PROBE_PRIOR**-2.0)])
         fit = regression(sums, prior, np.concatenate([self.prior_gradient, np.zeros(k)]))
@@ -178,18 +180,23 @@ class Screen:
         error = np.sqrt(np.maximum(np.diag(coloured), np.diag(jackknife)))
         return Response(columns, estimate, p_coloured, p_blocks, error, fit.loss, share, float(size.max() / rows**0.5))
 
-    def _extended(self, columns: FloatArray, extended: FloatArray) -> BlockSums:
-        q, m = self.tangent.shape[-1], extended.shape[-1]
-        matrix = np.empty((self.n_blocks, m, m))
-        matrix[:, :q, :q] = self.sums.matrix
-        target = np.empty((self.n_blocks, m))
-        target[:, :q] = self.sums.target
-        for g, (first, last) in enumerate(zip(self.edges[:-1], self.edges[1:], strict=True)):
-            part = columns[:, first:last].reshape(-1, m - q)
-            cross = extended[:, first:last].reshape(-1, m).T @ part
-            matrix[g, :, q:], matrix[g, q:, :] = cross, cross.T
+    def _extended(self, columns: FloatArray) -> BlockSums:
+        """Return the cross products by block of the tangent space with columns appended."""
+        q, k = self.tangent.shape[-1], columns.shape[-1]
+        matrix, target = np.empty((self.n_blocks, q + k, q + k)), np.empty((self.n_blocks, q + k))
+        matrix[:, :q, :q], target[:, :q] = self.sums.matrix, self.sums.target
+        for g, (first, last) in enumerate(pairwise(self.edges.tolist())):
+            part = columns[:, first:last].reshape(-1, k)
+            cross = self._tangent_blocks[g].T @ part
+            matrix[g, :q, q:], matrix[g, q:, :q], matrix[g, q:, q:] = cross, cross.T, part.T @ part
             target[g, q:] = part.T @ self.residual[:, first:last].ravel()
         return BlockSums(matrix, target, self.sums.power)
+
+    @cached_property
+    def _tangent_blocks(self) -> list[FloatArray]:
+        """The rows of all channels of each block, one after another."""
+        q, starts = self.tangent.shape[-1], self.edges.tolist()
+        return [self.tangent[:, first:last].reshape(-1, q) for first, last in pairwise(starts)]
 
 
 def _edges(block: IntArray, inverse_noise: FloatArray) -> IntArray:

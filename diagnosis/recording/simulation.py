@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.tires.code import Code, code_for
+from tirefmu.tires.code import Code, fastest_code
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.transient import lagged
 
@@ -20,6 +21,8 @@ IntArray = npt.NDArray[np.intp]
 
 #: Rows evaluated at a time: their Jacobian stays in the processor's cache.
 CHUNK = 512
+#: Results that are remembered: those of the current and the tried parameters, each with one coefficient moved.
+REMEMBERED = 4
 
 
 @dataclass
@@ -36,21 +39,33 @@ class Simulator:
     tire: Tire
     signals: Signals
     _code: Code = field(init=False)
+    _forces: Callable[[bytes], FloatArray] = field(init=False)
+    _acting: Callable[[bytes, tuple[int, ...]], FloatArray] = field(init=False)
 
     def __post_init__(self) -> None:
         self.book, self.rescaled = self.tire.book, self.tire.rescaled
-        self._code = code_for(self.book, "c")
+        self._code = fastest_code(self.book)
         self.names = list(self.book.coefficients)
         self.index = {name: i for i, name in enumerate(self.book.parameters)}
         self._inactive = self._inactive_inputs()
         known = self._code.quantities_names
         lengths = map(self.book.quantity, ("relaxation_x", "relaxation_y"))
         self._sigma = [known.index(name) for name in lengths if name]
+        reached = self.book.reached(known[i] for i in self._sigma)
+        self._determines_lag = np.array([name in reached for name in self.book.parameters])
+        self._relaxation = np.array([self.index[name] for name in self.book.relaxation], dtype=int)
+        self._remember()
+
+    def _remember(self) -> None:
+        """Keep the most recent forces and transient slips; a step of the estimate needs them several times."""
+        self._forces = lru_cache(REMEMBERED)(self._computed_forces)
+        self._acting = lru_cache(REMEMBERED)(self._computed_acting)
 
     def with_signals(self, signals: Signals) -> Simulator:
         """Return a simulator of the same tire over other signals."""
         other = copy(self)
         other.signals = signals
+        other._remember()
         return other
 
     def _inactive_inputs(self) -> list[tuple[int, IntArray, FloatArray]]:
@@ -63,23 +78,31 @@ class Simulator:
                 inactive.append((inputs.index(name), indices, values[indices]))
         return inactive
 
-    def active_inputs(self, parameters: FloatArray) -> FloatArray:
-        """Return the inputs of all rows; inputs of on-demand effects are 0 while their coefficients are unchanged."""
-        unused = [row for row, indices, values in self._inactive if np.array_equal(parameters[indices], values)]
-        if not self.signals.inputs[unused].any():
+    def effective_inputs(self, parameters: FloatArray) -> FloatArray:
+        """Return the inputs at the compared rows, shape (n_inputs, n), with transient slips if there is relaxation.
+
+        Inputs of on-demand effects are 0 while their coefficients are unchanged.
+        """
+        unused = tuple(row for row, indices, values in self._inactive if np.array_equal(parameters[indices], values))
+        lags = self.signals.timed and self._sigma and parameters[self._relaxation].any()
+        if lags:
+            relevant = np.where(self._determines_lag, parameters, self.tire.parameters())
+            return self._acting(relevant.tobytes(), unused)
+        return self._active(unused)[:, self.signals.rows]
+
+    def _active(self, unused: tuple[int, ...]) -> FloatArray:
+        """Return the inputs of all rows, with 0 in unused ones."""
+        if not self.signals.inputs[list(unused)].any():
             return self.signals.inputs
         inputs = self.signals.inputs.copy()
-        inputs[unused] = 0.0
+        inputs[list(unused)] = 0.0
         return inputs
 
-    def effective_inputs(self, parameters: FloatArray) -> FloatArray:
-        """Return the inputs at the compared rows, shape (n_inputs, n), with transient slips if there is relaxation."""
-        signals, inputs = self.signals, self.active_inputs(parameters)
-        lags = any(parameters[self.index[name]] for name in self.book.relaxation)
-        if not signals.timed or not self._sigma or not lags:
-            return inputs[:, signals.rows]
+    def _computed_acting(self, relevant: bytes, unused: tuple[int, ...]) -> FloatArray:
+        """Return the inputs at the compared rows with transient slips, for the parameters that determine them."""
+        signals, inputs = self.signals, self._active(unused)
         named = dict(zip(signals.names, inputs, strict=True))
-        sigma = np.maximum(self._code.quantities(inputs, parameters)[self._sigma], 0.0)
+        sigma = np.maximum(self._code.quantities(inputs, np.frombuffer(relevant))[self._sigma], 0.0)
         acts = inputs.copy()
         for name, length in zip(("kappa", "alpha"), sigma, strict=True):
             if length.max() > 0.0:
@@ -97,11 +120,18 @@ class Simulator:
         shifts : mapping of str to float, optional
             Offsets added to inputs by name, as by a sensor with a zero error.
         """
-        rows = self.effective_inputs(parameters)
-        for name, shift in (shifts or {}).items():
-            rows = rows.copy()
+        if not shifts:
+            return self._forces(parameters.tobytes())
+        rows = self.effective_inputs(parameters).copy()
+        for name, shift in shifts.items():
             rows[self.signals.names.index(name)] += shift
         return self._code.forces(rows, parameters)[self.signals.output_index]
+
+    def _computed_forces(self, parameters: bytes) -> FloatArray:
+        values = np.frombuffer(parameters)
+        forces = self._code.forces(self.effective_inputs(values), values)[self.signals.output_index]
+        forces.flags.writeable = False  # shared by all callers
+        return forces
 
     def at_nominal(self, role: str, parameters: FloatArray) -> float:
         """Return the quantity of a role at nominal inputs."""
@@ -109,19 +139,30 @@ class Simulator:
         quantity = self._code.quantities_names.index(self.book.quantity(role))
         return float(self._code.quantities(point, parameters)[quantity, 0])
 
-    def jacobian(self, parameters: FloatArray, free: Sequence[str], at: FloatArray | None = None) -> FloatArray:
+    def jacobian(self, parameters: FloatArray, free: Sequence[str]) -> FloatArray:
         """Return derivatives of the forces by coefficients, shape (n_channels, n, n_free)."""
-        rows = self.effective_inputs(parameters)
-        columns = [self.index[name] for name in free]
-        parts = []
-        for start in range(0, rows.shape[1], CHUNK):
-            chunk = np.ascontiguousarray(rows[:, start : start + CHUNK])
-            parts.append(self._code.jacobian_parameters(chunk, parameters)[:, self.signals.output_index][:, :, columns])
-        jacobian = np.concatenate(parts).transpose(1, 0, 2)
+        rows = np.ascontiguousarray(self.effective_inputs(parameters))
+        entries, channel, column = self._entries(tuple(free))
+        jacobian = np.zeros((len(self.signals.channels), rows.shape[1], len(free)))
+        for part, derivatives in self._code.jacobian_chunks(rows, parameters, CHUNK):
+            jacobian[channel, part, column] = derivatives[entries]
         for i, name in enumerate(free):
             if name in self.book.relaxation and self.signals.timed:
                 step = 0.01 if self.book.coefficients[name].unit == "m" else 0.02
                 moved = parameters.copy()
                 moved[self.index[name]] += step
                 jacobian[:, :, i] = (self.forces(moved) - self.forces(parameters)) / step
-        return np.asarray(jacobian)
+        return jacobian
+
+    def _entries(self, free: tuple[str, ...]) -> tuple[IntArray, IntArray, IntArray]:
+        """Return entries of the generated Jacobian by free coefficients, and the channel and column of each."""
+        forces, coefficients = self._code.entries
+        channel_of = {int(force): i for i, force in enumerate(self.signals.output_index)}
+        chosen = [
+            (int(entry), channel_of[int(forces[entry])], i)
+            for i, name in enumerate(free)
+            for entry in np.flatnonzero(coefficients == self.names.index(name))
+            if int(forces[entry]) in channel_of
+        ]
+        entries, channels, columns = np.array(chosen, dtype=np.intp).reshape(-1, 3).T
+        return entries, channels, columns

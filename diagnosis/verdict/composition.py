@@ -91,7 +91,9 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
             added[one.effect.name] = tuple(declaration.name for declaration in one.effect.declarations)
     base_tire = tire_of(before.problem.simulator.tire, before.problem, before.solution, ())
     tire = tire_of(outcome.start, search.problem, search.solution, added)
-    residuals = delivered_residuals((base_tire, tire), outcome.recording, (before, after), outcome.signals.loaded)
+    # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
+    complete = (replace(one, added=outcome.start.added) for one in (base_tire, tire))
+    residuals = delivered_residuals(complete, outcome.recording, (before, after), outcome.signals.loaded)
     floors = floors_of(outcome.recording, after)
     errors = fit_errors(before, after, residuals, floors)
     against = (

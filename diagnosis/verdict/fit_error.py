@@ -6,7 +6,7 @@ Offsets and drift of the recording are subtracted; they are in the result (`Diag
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,13 +61,13 @@ class Residuals:
 
 
 def delivered_residuals(
-    tires: tuple[Tire, Tire], recording: Recording, screens: tuple[Screen, Screen], rows: IntArray
+    tires: Iterable[Tire], recording: Recording, screens: tuple[Screen, Screen], rows: IntArray
 ) -> Residuals:
     """Return the residuals of both tires over a recording.
 
     Parameters
     ----------
-    tires : tuple of Tire
+    tires : iterable of Tire
         Baseline tire and improved tire.
     recording : Recording
     screens : tuple of Screen

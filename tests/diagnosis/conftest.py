@@ -60,7 +60,7 @@ def problem(tire, table):
     noise = np.array([NOISE[name] for name in signals.channels])
     inverse_noise = np.where(signals.present & ~signals.holdout, 1.0 / noise[:, None], 0.0)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(simulation, "code_for", lambda book, _: code_for(book, "numpy"))  # no compilation
+        patch.setattr(simulation, "fastest_code", lambda book: code_for(book, "numpy"))  # no compilation
         simulator = Simulator(tire, signals)
     return LeastSquares(
         simulator,
