@@ -47,9 +47,9 @@ DRIFT_WAVES = 3
 OFFSET_PRIOR, DRIFT_PRIOR = 20.0, 1.0
 #: Share of the other force: upper limit of cross-talk; more is attributed to the tire. Benches have up to 3 % of Fy in
 #: Fx, in which no tire has a share of Fy that is odd in alpha. The limit of Fx in Fy is lower, as side forces generated
-#: by kappa have the shape of Fx. Cross-talk of Fy into Mz has the shape of the pneumatic trail and is not estimated.
+#: by kappa have the shape of Fx. A lever of Fy about the z axis is at most 0.4 % of the radius.
 #: Prior standard deviation, as a share of the limit. Convention.
-MAX_CROSS_TALK: Mapping[str, float] = {"Fy_in_Fx": 0.035, "Fx_in_Fy": 0.012}
+MAX_CROSS_TALK: Mapping[str, float] = {"Fy_in_Fx": 0.035, "Fx_in_Fy": 0.012, "Fy_in_Mz": 0.004}
 CROSS_TALK_PRIOR_SHARE = 1.0 / 3.0
 #: Largest skew between forces and inputs, s: filters and multiplexers of a bench have up to 25 ms. More is attributed
 #: to the tire. Convention.

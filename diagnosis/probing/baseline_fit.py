@@ -94,7 +94,9 @@ def fit_baseline(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSqu
     noise = np.array([0.02 * np.std(row[used]) + 1e-9 for row, used in zip(signals.measured, training, strict=True)])
     inverse_noise = np.where(training, 1.0 / noise[:, None], 0.0)
     center = tire.book.prior_center | ({name: tire.values[name] for name in free} if known else {})
-    problem = LeastSquares(simulator, inverse_noise, disturbances_of(signals, noise), center)
+    problem = LeastSquares(
+        simulator, inverse_noise, disturbances_of(signals, noise, tire.values["UNLOADED_RADIUS"]), center
+    )
     subsample = slice(None, None, max(1, len(signals.rows) // 1500))
     solutions = [
         problem.solve(start, free, rows=subsample, iterations=25) for start in _starts(tire, signals, free, known)
@@ -221,7 +223,7 @@ def reweighted(problem: LeastSquares, solution: Solution) -> LeastSquares:
         problem,
         simulator=simulator,
         inverse_noise=inverse_noise,
-        disturbances=disturbances_of(signals, level),
+        disturbances=disturbances_of(signals, level, problem.simulator.tire.values["UNLOADED_RADIUS"]),
     )
 
 

@@ -116,7 +116,7 @@ class Disturbances:
         )
 
 
-def disturbances_of(signals: Signals, noise: FloatArray) -> Disturbances:
+def disturbances_of(signals: Signals, noise: FloatArray, radius: float) -> Disturbances:
     """Return the disturbances that a recording may have.
 
     Parameters
@@ -124,6 +124,8 @@ def disturbances_of(signals: Signals, noise: FloatArray) -> Disturbances:
     signals : Signals
     noise : ndarray, shape (n_channels,)
         Standard deviation of each channel's noise.
+    radius : float, m
+        Unloaded radius, the length to which cross-talk of a force into a moment refers.
 
     Returns
     -------
@@ -143,7 +145,8 @@ def disturbances_of(signals: Signals, noise: FloatArray) -> Disturbances:
         source, target = pair.split("_in_")
         if {source, target} <= set(signals.channels):
             column = np.zeros((n_channels, n))
-            column[signals.channels.index(target)] = signals.measured[signals.channels.index(source)]
+            length = radius if target == "Mz" else 1.0
+            column[signals.channels.index(target)] = length * signals.measured[signals.channels.index(source)]
             names.append(f"cross_talk_{pair}")
             columns.append(column)
             deviation.append(CROSS_TALK_PRIOR_SHARE * limit)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
+from scipy.interpolate import PchipInterpolator
 
 from tirefmu.estimation.smoothing import smoothed
 from tirefmu.measurements.channels import OUTPUTS
@@ -100,14 +101,7 @@ class Signals:
         """Return the signals with inputs that are delayed by a further time, s."""
         steps = np.diff(self.t, prepend=self.t[0])
         parts = np.split(np.arange(len(self.t)), np.flatnonzero(steps < 0.0))
-        inputs = np.concatenate(
-            [
-                np.stack([np.interp(self.t[part] - seconds, self.t[part], row[part]) for row in self.inputs])
-                for part in parts
-                if len(part)
-            ],
-            axis=1,
-        )
+        inputs = np.concatenate([_delayed(self.t[part], self.inputs[:, part], seconds) for part in parts], axis=1)
         return replace(self, inputs=inputs, skew=self.skew + seconds)
 
     def holdout_stretches(self) -> list[tuple[int, int]]:
@@ -118,6 +112,18 @@ class Signals:
     def named(self) -> dict[str, FloatArray]:
         """Return the inputs at the compared rows by name."""
         return dict(zip(self.names, self.inputs[:, self.rows], strict=True))
+
+
+def _delayed(t: FloatArray, rows: FloatArray, seconds: float) -> FloatArray:
+    """Return inputs, shape (n_inputs, n), that are delayed; between rows they are monotonic cubic polynomials.
+
+    A linear interpolation would cut off the ends of sweeps that a slow recording has few rows of.
+    """
+    known = np.concatenate([[True], np.diff(t) > 0.0])
+    if known.sum() < 2:
+        return rows
+    at = np.clip(t - seconds, t[0], t[-1])
+    return np.asarray(PchipInterpolator(t[known], rows[:, known], axis=1)(at))
 
 
 def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = True) -> Signals:

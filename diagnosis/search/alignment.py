@@ -1,15 +1,17 @@
 """Alignment of forces and inputs in time: a skew of the recording is corrected before effects are searched for.
 
 A skew delays all forces by the same time, relaxation delays the response of each slip by a distance. At one speed with
-one slip they are the same. The skew is preferred, because it is a property of the bench, unless relaxation explains
-significantly more.
+one slip they are the same. Relaxation alone is compared with a skew, to which relaxation may be added: the skew is
+preferred, because it is a property of the bench, unless relaxation alone explains significantly more.
 """
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
@@ -17,64 +19,135 @@ from ..recording.skew import delay_response
 from ..thresholds import EFFECT_ERRORS, EFFECT_GAIN, MAX_SKEW, MIN_SKEW, PREFERRED_ERRORS
 from .effect_search import Search
 
+FloatArray = npt.NDArray[np.float64]
+
 #: Iterations of the estimate; each corrects the delay that the previous ones left.
 STEPS = 3
+#: Iterations of a fit with delayed inputs.
+ITERATIONS = 4
 #: Number of relaxation effects that are compared with a skew, together.
 RELAXATIONS = 2
 
 
-def align(search: Search) -> None:
-    """Correct a skew between forces and inputs if the recording has one.
+def searched(search: Search) -> tuple[Screen, Search]:
+    """Run a search over a recording whose skew is corrected.
+
+    Missing effects can hide a skew. If the search identifies relaxation, relaxation is therefore compared with a skew
+    once more, and the search is repeated with the skew corrected if the skew is preferred.
 
     Parameters
     ----------
     search : Search
-        Before its first round; its problem and solution are replaced.
+        Before its first round.
+
+    Returns
+    -------
+    before : Screen
+        Of the baseline model.
+    search : Search
+        Completed.
     """
     problem, solution = search.problem, search.solution
-    if not problem.simulator.signals.timed:
-        return
+    skew = _skew(search, problem, solution)
+    before, done = _run(search, problem, solution, skew)
+    relaxing = problem.simulator.book.relaxing_effects
+    lagging = {name for refit in done.found if refit.name in relaxing for name in refit.form.free}
+    if not lagging or skew:
+        return before, done
+    skew = _skew(done, done.problem, _without(lagging, done.problem, done.solution))
+    return _run(search, problem, solution, skew) if skew else (before, done)
+
+
+def _run(search: Search, problem: LeastSquares, solution: Solution, skew: float) -> tuple[Screen, Search]:
+    """Return the screen of the baseline model and the completed search, with a skew corrected."""
+    if skew:
+        search.progress(f"the forces are recorded {1000.0 * skew:.1f} ms after the inputs: corrected")
+        problem, solution = _delayed(problem, solution, skew)
+    run = Search(problem, solution, search.candidates, search.progress)
     before = Screen(problem, solution)
-    shifted, fitted = problem, solution
+    run.run()
+    return before, run
+
+
+def _without(names: Collection[str], problem: LeastSquares, solution: Solution) -> Solution:
+    """Return the solution without effects, given their coefficients."""
+    simulator, parameters = problem.simulator, solution.parameters.copy()
+    indices = [simulator.index[name] for name in names]
+    parameters[indices] = simulator.tire.parameters()[indices]
+    free = tuple(name for name in solution.free if name not in names)
+    return problem.solve(parameters, free, iterations=ITERATIONS)
+
+
+def _skew(search: Search, problem: LeastSquares, solution: Solution) -> float:
+    """Return the skew of a recording, s; 0 if there is none or relaxation alone explains the residual better."""
+    if not problem.simulator.signals.timed:
+        return 0.0
+    loss = Screen(problem, solution).baseline.loss
+    relaxed = _relaxed(search, problem, solution)
+    others = loss if relaxed is None else relaxed.screen.baseline.loss
+    aligned = _aligned(problem, solution)
+    significant = _significant(loss - Screen(*aligned).baseline.loss, loss)
+    if _has_skew(aligned[0]) and (significant or relaxed):
+        rest = _relaxed(search, *aligned) if relaxed else None
+        if rest is not None:
+            aligned = _aligned(rest.problem, rest.solution)
+        excess = Screen(*aligned).baseline.loss - others
+        if _has_skew(aligned[0]) and excess.sum() <= (PREFERRED_ERRORS * _error(excess) if significant else 0.0):
+            return aligned[0].simulator.signals.skew
+    if relaxed is None:
+        return 0.0
+    aligned = _aligned(relaxed.problem, relaxed.solution)
+    present = _has_skew(aligned[0]) and _significant(others - Screen(*aligned).baseline.loss, others)
+    return aligned[0].simulator.signals.skew if present else 0.0
+
+
+def _significant(gains: FloatArray, loss: FloatArray) -> bool:
+    """Return whether the gains of all blocks satisfy the criteria of an effect."""
+    return float(gains.sum()) > max(EFFECT_ERRORS * _error(gains), EFFECT_GAIN * float(loss.sum()))
+
+
+def _aligned(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution]:
+    """Return problem and solution with the skew corrected that the residual contains."""
     for _ in range(STEPS):
-        shifted, fitted = _shifted(shifted, fitted)
-        if abs(shifted.simulator.signals.skew) < 0.5 * MIN_SKEW:
-            return
-    skew = shifted.simulator.signals.skew
-    gains = before.baseline.loss - Screen(shifted, fitted).baseline.loss
-    error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
-    least = max(EFFECT_ERRORS * error, EFFECT_GAIN * float(before.baseline.loss.sum()))
-    if not MIN_SKEW < abs(skew) < MAX_SKEW or gains.sum() < least:
-        return
-    relaxed = _relaxed(search)
-    if relaxed is not None:
-        difference = (before.baseline.loss - relaxed.baseline.loss) - gains
-        error = float(np.sqrt(len(difference)) * np.std(difference, ddof=1))
-        if difference.sum() > PREFERRED_ERRORS * error:
-            return
-    search.problem, search.solution = shifted, fitted
-    search.progress(f"the forces are recorded {1000.0 * skew:.1f} ms after the inputs: corrected")
+        problem, solution = _delayed(problem, solution, _remaining_skew(problem, solution))
+        if abs(problem.simulator.signals.skew) < 0.5 * MIN_SKEW:
+            break
+    return problem, solution
 
 
-def _shifted(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution]:
-    """Return problem and solution with the inputs delayed by the skew that the residual contains."""
-    simulator = problem.simulator
-    column = delay_response(simulator, solution.parameters)[:, :, None]
+def _remaining_skew(problem: LeastSquares, solution: Solution) -> float:
+    """Return the skew that the residual contains, estimated together with the coefficients, s."""
+    column = delay_response(problem.simulator, solution.parameters)[:, :, None]
     extended = problem.disturbances.extended(("skew",), column, np.array([MAX_SKEW]))
     linear = replace(problem, disturbances=extended).solve(solution.parameters, solution.free, iterations=3)
-    delay = float(np.clip(linear.disturbance[-1], -MAX_SKEW, MAX_SKEW))
-    moved = replace(problem, simulator=simulator.with_signals(simulator.signals.delayed(delay)))
-    return moved, moved.solve(linear.parameters, solution.free, iterations=3)
+    return float(np.clip(linear.disturbance[-1], -MAX_SKEW, MAX_SKEW))
 
 
-def _relaxed(search: Search) -> Screen | None:
-    """Return the screen of the model with the relaxation effects that pass the criteria, or None."""
-    relaxing = search.problem.simulator.book.relaxing_effects
+def _delayed(problem: LeastSquares, solution: Solution, seconds: float) -> tuple[LeastSquares, Solution]:
+    """Return problem and solution with the inputs delayed."""
+    simulator = problem.simulator
+    moved = replace(problem, simulator=simulator.with_signals(simulator.signals.delayed(seconds)))
+    return moved, moved.solve(solution.parameters, solution.free, iterations=ITERATIONS)
+
+
+def _has_skew(problem: LeastSquares) -> bool:
+    return MIN_SKEW < abs(problem.simulator.signals.skew) < MAX_SKEW
+
+
+def _error(gains: FloatArray) -> float:
+    """Return the standard error of the sum of the gains of all blocks."""
+    return float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
+
+
+def _relaxed(search: Search, problem: LeastSquares, solution: Solution) -> Search | None:
+    """Return a search that has accepted the relaxation effects that pass the criteria, or None."""
+    relaxing = problem.simulator.book.relaxing_effects
     candidates = {name: one for name, one in search.candidates.items() if name in relaxing}
-    trial = Search(search.problem, search.solution, candidates, lambda sentence: None)
+    trial = Search(problem, solution, candidates, lambda sentence: None)
     for _ in range(RELAXATIONS):
         best = trial.best_effect()
         if best is None or best.name not in relaxing:
             break
         trial.accept(best)
-    return Screen(trial.problem, trial.solution) if trial.found else None
+    trial.screen = Screen(trial.problem, trial.solution)
+    return trial if trial.found else None

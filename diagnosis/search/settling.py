@@ -16,6 +16,9 @@ from .confirmation import Confirmation, confirmation
 from .effect_search import Search
 from .refits import Refit
 
+#: Number of times that the channels are weighted by their residuals and fitted.
+BALANCING = 2
+
 
 @dataclass(frozen=True, eq=False)
 class Settled:
@@ -59,8 +62,9 @@ def settle(search: Search, before: Screen) -> Settled:
     -------
     Settled
     """
-    if search.problem.disturbances.added:
-        search.problem = replace(search.problem, disturbances=search.problem.disturbances.of_recording())
+    search.problem = replace(search.problem, disturbances=search.problem.disturbances.of_recording())
+    for _ in range(BALANCING):
+        search.problem = _balanced(search.problem, search.solution)
         search.solution = search.problem.solve(
             search.solution.parameters, search.solution.free, iterations=FINAL_ITERATIONS
         )
@@ -69,6 +73,19 @@ def settle(search: Search, before: Screen) -> Settled:
     search.screen = Screen(search.problem, search.solution)
     search.last = search.probe()
     return Settled(first, search.screen, whitened, confirmed, rejected)
+
+
+def _balanced(problem: LeastSquares, solution: Solution) -> LeastSquares:
+    """Return the problem with each channel weighted by its residual, as in a fit of maximum likelihood.
+
+    The search weights a channel by its short-range noise. A channel whose formula is inexact has a larger residual; the
+    fit would then make the other channels worse for it.
+    """
+    used = problem.inverse_noise > 0.0
+    sums = np.sum((problem.inverse_noise * solution.residual) ** 2, axis=1, where=used)
+    size = np.sqrt(sums / np.maximum(used.sum(axis=1), 1))
+    relative = size / np.sqrt(np.mean(size[size > 0.0] ** 2)) if size.any() else np.ones_like(size)
+    return replace(problem, inverse_noise=problem.inverse_noise / np.where(size > 0.0, relative, 1.0)[:, None])
 
 
 def _confirmed(search: Search) -> tuple[dict[str, Confirmation], dict[str, Confirmation]]:

@@ -65,7 +65,7 @@ def problem(tire, table):
     return LeastSquares(
         simulator,
         inverse_noise,
-        disturbances_of(signals, noise),
+        disturbances_of(signals, noise, VALUES["UNLOADED_RADIUS"]),
         tire.book.prior_center | VALUES,
     )
 
