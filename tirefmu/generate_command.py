@@ -19,7 +19,7 @@ from .arguments import FILE, check_input_paths, check_output_paths, common, name
 @click.option("--functions", callback=names, default="forces,quantities,jacobian_inputs", show_default=True,
               help="Functions to print; also jacobian_parameters.")  # fmt: skip
 @click.option("--values", help="Coefficients: inline (numbers in the lines), struct (variables with default values) "
-                               "or file (read at run time).  [default: inline for a tire, struct for a model]")  # fmt: skip
+                               "or file  [default: inline for a tire, struct for a model]")  # fmt: skip
 @click.option("--only", callback=names, default="none",
               help="Forces and moments to print, such as Fy,Mz  [default: all]")  # fmt: skip
 @click.option(

@@ -53,6 +53,28 @@ def tool(name):
     return found
 
 
+#: How the self-test of each language is compiled and run; {} is the file.
+COMMANDS = {
+    "c": ("cc", "-std=c99 -O0 -Wall -Wextra -Wpedantic -Werror {} -lm -o selftest", "./selftest"),
+    "cpp": ("c++", "-std=c++17 -O0 -Wall -Wextra -Wpedantic -Werror {} -o selftest", "./selftest"),
+    "javascript": ("node", "", "node {}"),
+}
+
+
+def command_of(language, folder=None):
+    """Return the command of a language's self-test, compiled; skip the test if its program is missing."""
+    program, options, run = COMMANDS[language]
+    path = tool(program)
+    if folder is None:
+        return []
+    (source,) = (file.name for file in folder.glob("*_selftest.*") if file.suffix != ".txt")
+    if options:
+        command = [path, *options.format(source).split()]
+        built = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+        assert built.returncode == 0, built.stderr[:3000]
+    return run.format(source).split()
+
+
 def differences(command, folder):
     """Run a self-test: return its exit code and the largest difference of each function."""
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False)

@@ -1,4 +1,4 @@
-"""The C++ header: equal to NumPy, also as float, and differentiated by a type of its own user."""
+"""The C++ header with other scalar types: float, and types of automatic differentiation."""
 
 from __future__ import annotations
 
@@ -9,8 +9,6 @@ from pathlib import Path
 
 import casadi
 import pytest
-
-from tirefmu.symbolic.printers.languages.program import FUNCTIONS
 
 from .conftest import tool
 
@@ -31,21 +29,6 @@ def compiled(folder, source, *options):
 def inline(mf61, printout):
     """Return the folder of an MF6.1 tire with its values in the lines."""
     return printout(mf61, "cpp", "mf61")
-
-
-def test_values_in_the_lines(inline, assert_agrees):
-    (source,) = inline.glob("*_selftest.cpp")
-    assert_agrees(compiled(inline, source), inline, FUNCTIONS[:3])
-
-
-def test_coefficients_from_a_file(wet, printout, assert_agrees):
-    folder = printout(wet, "cpp", "wet", functions=FUNCTIONS, values="file")
-    (source,) = folder.glob("*_selftest.cpp")
-    command = compiled(folder, source)
-    assert_agrees(command, folder)
-    (values,) = folder.glob("*_coefficients.txt")
-    values.write_text("\n".join(values.read_text().splitlines()[1:]))
-    assert subprocess.run(command, cwd=folder, check=False).returncode == 1, "a coefficient is missing"
 
 
 def differentiated(folder, *options):

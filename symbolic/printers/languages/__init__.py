@@ -13,7 +13,9 @@ if TYPE_CHECKING:
 
 #: Every language and its module.
 LANGUAGES = {
+    "c": "c99",
     "cpp": "cpp",
+    "javascript": "javascript",
 }
 
 

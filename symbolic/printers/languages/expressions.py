@@ -91,6 +91,8 @@ class C99Printer(CallPrinter):
     '0.3333333333333333*atan(B_x)'
     """
 
+    names: ClassVar[dict[str, str]] = {"absolute": "fabs", **{name: f"tirefmu_{name}" for name in CallPrinter.defined}}
+
 
 class CppPrinter(CallPrinter):
     """C++ with a template parameter Scalar; functions are found by the type of their argument.
