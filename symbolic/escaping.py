@@ -148,6 +148,17 @@ def c_comment(text: str) -> str:
     return re.sub(r"(?<=\*)(?=/)|(?<=/)(?=\*)|(?<=\?)(?=\?)|(?<=/)(?=/)", " ", plain)
 
 
+def line_comment(text: str) -> str:
+    r"""Return a text for a comment up to the end of the line, after a sign and a blank: MATLAB, Julia, LaTeX.
+
+    Examples
+    --------
+    >>> line_comment("friction\nsystem('x') \\ %{")
+    "friction/x0asystem('x') / %{"
+    """
+    return ascii_text(text).replace("\\", "/")
+
+
 def c_string(text: str) -> str:
     r"""Return a C string literal with its quotes.
 

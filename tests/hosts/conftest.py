@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+import sys
 from dataclasses import replace
 
 import pytest
@@ -58,6 +59,8 @@ COMMANDS = {
     "c": ("cc", "-std=c99 -O0 -Wall -Wextra -Wpedantic -Werror {} -lm -o selftest", "./selftest"),
     "cpp": ("c++", "-std=c++17 -O0 -Wall -Wextra -Wpedantic -Werror {} -o selftest", "./selftest"),
     "javascript": ("node", "", "node {}"),
+    "matlab": ("octave-cli", "", "octave-cli --norc --no-history --quiet {}"),
+    **dict.fromkeys(("numpy", "casadi", "jax", "torch"), ("python3", "", f"{sys.executable} -W error {{}}")),
 }
 
 
@@ -65,6 +68,8 @@ def command_of(language, folder=None):
     """Return the command of a language's self-test, compiled; skip the test if its program is missing."""
     program, options, run = COMMANDS[language]
     path = tool(program)
+    if language in ("jax", "torch"):
+        pytest.importorskip(language)
     if folder is None:
         return []
     (source,) = (file.name for file in folder.glob("*_selftest.*") if file.suffix != ".txt")

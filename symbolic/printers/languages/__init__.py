@@ -13,9 +13,14 @@ if TYPE_CHECKING:
 
 #: Every language and its module.
 LANGUAGES = {
+    "numpy": "numpy",
     "c": "c99",
     "cpp": "cpp",
+    "matlab": "matlab",
     "javascript": "javascript",
+    "casadi": "casadi",
+    "jax": "jax",
+    "torch": "torch",
 }
 
 

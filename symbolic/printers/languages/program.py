@@ -147,7 +147,9 @@ def program(
     rescaling = {name for name, effect in model.effects.items() if effect.rescales}
     outputs = [quantity for quantity in model.outputs if not selection.outputs or quantity.name in selection.outputs]
     targets = [quantity.name for quantity in outputs]
-    lines = tuple(reaching(reduced(model.equations, {*effects, *rescaling}, ()), targets))
+    lines = reduced(model.equations, {*effects, *rescaling}, ())
+    if selection.outputs:
+        lines = tuple(reaching(lines, targets))
     if selection.placement == "inline":
         lines = folded(lines, values)
     quantities = [line.symbol for line in lines if line.named and line.symbol.name not in targets]
