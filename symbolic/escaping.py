@@ -159,6 +159,22 @@ def line_comment(text: str) -> str:
     return ascii_text(text).replace("\\", "/")
 
 
+def latex_text(text: str) -> str:
+    r"""Return a text for the body of a LaTeX document: no commands, no mathematics, printable ASCII.
+
+    Examples
+    --------
+    >>> print(latex_text("50% of $x_1$ \\input{f}"))
+    50\% of \$x\_1\$ /input\{f\}
+    """
+    words = {"~": "\\textasciitilde{}", "^": "\\textasciicircum{}", "<": "\\textless{}", ">": "\\textgreater{}",
+             '"': "''", "`": "'"}  # fmt: skip
+    return "".join(
+        words.get(character, f"\\{character}" if character in "#$%&_{}" else character)
+        for character in ascii_text(text).replace("\\", "/")
+    )
+
+
 def c_string(text: str) -> str:
     r"""Return a C string literal with its quotes.
 

@@ -21,6 +21,7 @@ LANGUAGES = {
     "casadi": "casadi",
     "jax": "jax",
     "torch": "torch",
+    "latex": "latex",
 }
 
 

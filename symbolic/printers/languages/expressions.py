@@ -178,7 +178,7 @@ class MatlabPrinter(CallPrinter):
     --------
     >>> x, y = sp.symbols("x y")
     >>> MatlabPrinter().doprint(2 * x * y / (1 + x**2))
-    '2.0.*x.*y./(x.^2.0 + 1.0)'
+    '2.0.*x.*y./(1.0 + x.^2.0)'
     >>> MatlabPrinter().doprint(sp.Piecewise((1, sp.And(x > 0, y > 0)), (x / 3, True)))
     'choose((x > 0.0) & (y > 0.0), 1.0, 0.3333333333333333.*x)'
     """

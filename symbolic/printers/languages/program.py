@@ -64,6 +64,8 @@ class Program:
     lines : tuple of Equation
         What the functions compute.
     routines : tuple of Routine
+    effects : tuple of str
+        The effects that the tire has.
     header : tuple of str
         Lines of the comment at the head of each file, unescaped.
     check : str
@@ -79,6 +81,7 @@ class Program:
     coefficients: Mapping[str, float]
     lines: tuple[Equation, ...]
     routines: tuple[Routine, ...]
+    effects: tuple[str, ...] = ()
     header: tuple[str, ...] = ()
     check: str = ""
 
@@ -166,7 +169,7 @@ def program(
     )
     return Program(
         identifier(name), model, selection.placement, model.inputs, tuple(outputs), dict(nominal), coefficients,
-        lines, routines,
+        lines, routines, tuple(name for name in model.effects if name in effects),
     )  # fmt: skip
 
 
@@ -179,8 +182,8 @@ def folded(lines: Sequence[Equation], values: Mapping[str, float]) -> tuple[Equa
     >>> eq, (PCX1, LCX, B) = Chapter("Fx"), sp.symbols("PCX1 LCX B", real=True)
     >>> C = eq("4.E11", "C_x", PCX1 * LCX)
     >>> _ = eq("4.1", "F_x0", sp.sin(C * B))
-    >>> [str(line.expression) for line in folded(eq.equations, {"PCX1": 1.5, "LCX": 1.0})]
-    ['1.5', 'sin(1.5*B)']
+    >>> [str(line.expression) for line in folded(eq.equations, {"PCX1": 2.0, "LCX": 1.0})]
+    ['2', 'sin(2*B)']
     """
     coefficients = {sp.Symbol(name, real=True): _number(value) for name, value in values.items()}
     known = dict(coefficients)

@@ -278,7 +278,9 @@ JAX = Library(
     filled(_FUNCTIONS, _PLAIN | {"m": "jnp"}), _JAX_DERIVATIVES, "jnp.stack(jnp.broadcast_arrays(*{}), axis=-1)",
 )  # fmt: skip
 _TORCH_FUNCTIONS = """def _tensor(value):
-    return value if isinstance(value, torch.Tensor) else torch.as_tensor(value, dtype=torch.get_default_dtype())
+    if hasattr(value, "dtype"):  # tensors and NumPy arrays keep their precision
+        return torch.as_tensor(value)
+    return torch.as_tensor(value, dtype=torch.get_default_dtype())
 
 
 def _number(value):
