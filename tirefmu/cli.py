@@ -31,6 +31,7 @@ from .arguments import (
 )
 from .diagnose_command import diagnose
 from .generate_command import generate
+from .host_commands import convert, lint
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -373,6 +374,8 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
 
 cli.add_command(diagnose)
 cli.add_command(generate)
+cli.add_command(convert)
+cli.add_command(lint)
 
 
 def main(arguments: list[str] | None = None) -> int:
