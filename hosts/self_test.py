@@ -7,11 +7,18 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.symbolic.printers.languages.program import Program
+from tirefmu.symbolic.printers.languages.program import TOLERANCE, Program
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
 
 FloatArray = npt.NDArray[np.float64]
+
+#: How much more than a change in the last digit of the coefficients an ill-conditioned result may differ.
+MARGIN = 5.0
+
+#: Quantities of MF-Tyre that lose digits if Q_FZ2 is nearly 0, as in files of MF5.2: the closed form of the deflection
+#: subtracts two almost equal numbers, and every other order of roundings gives other digits. Their size is multiplied.
+DEFLECTION, NEARLY_LINEAR, LOST = ("rho", "R_l", "c_z"), 1e-3, 1e6
 
 #: The rows of the file that a printout contains.
 ROWS = 40
@@ -36,7 +43,7 @@ def check_text(tire: Tire, program: Program, rows: int = ROWS, seed: int = 0) ->
     str
     """
     inputs = operating_conditions(tire, rows, seed)
-    results, sizes = reference(tire, program, inputs)
+    inputs, results, sizes = reference(tire, program, inputs)
     lines = [str(inputs.shape[1]), _numbers(sizes)]
     lines += [f"{_numbers(row)} {_numbers(values)}" for row, values in zip(inputs.T, results, strict=True)]
     return "\n".join(lines) + "\n"
@@ -77,34 +84,58 @@ def operating_conditions(tire: Tire, rows: int, seed: int = 0) -> FloatArray:
     return tire.effective_inputs(table.T).T
 
 
-def reference(tire: Tire, program: Program, inputs: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return results by tirefmu's NumPy code, shape (rows, n_results), and the size of each result.
+def reference(tire: Tire, program: Program, inputs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return well-conditioned rows of inputs, results by tirefmu's NumPy code, and the size of each result.
 
-    A derivative may be a small difference of large terms: its size contains a hundredth of the force per argument.
+    A derivative may be a small difference of large terms: its size contains a hundredth of the force per argument. A
+    result that is ill-conditioned, such as the deflection by a quadratic equation with a tiny leading coefficient, is
+    not known better than it changes with the last digit of the coefficients: its size is larger accordingly. Single
+    rows in which a result is ill-conditioned are omitted, such as rows next to a jump.
+
+    Returns
+    -------
+    inputs : ndarray, shape (n_inputs, n)
+    results : ndarray, shape (n, n_results)
+    sizes : ndarray, shape (n_results,)
     """
-    code, parameters = code_for(tire.book, "numpy"), tire.parameters()
-    outputs = [tire.outputs.index(quantity.name) for quantity in program.outputs]
-    forces = code.forces(inputs, parameters)[outputs]
+    parameters = tire.parameters()
     parts, sizes = [], []
+    well_conditioned = np.ones(inputs.shape[1], dtype=np.bool_)
+    forces = _results(tire, program, "forces", (), inputs, parameters)
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], len(parameters))
+    rounded = parameters * (1.0 + signs * np.finfo(float).eps)
     for routine in program.routines:
-        if routine.name == "forces":
-            values = forces.T
-        elif routine.name == "quantities":
-            index = [code.quantities_names.index(label) for label in routine.labels]
-            values = code.quantities(inputs, parameters)[index].T
-        elif routine.name == "jacobian_inputs":
-            values = code.jacobian_inputs(inputs, parameters)[:, outputs]
-        else:
-            columns = [list(tire.book.coefficients).index(label) for label in routine.labels]
-            values = code.jacobian_parameters(inputs, parameters)[:, outputs][:, :, columns]
-        parts.append(values.reshape(inputs.shape[1], -1))
-        size = _typical(parts[-1])
+        values = _results(tire, program, routine.name, routine.labels, inputs, parameters)
+        changed = _results(tire, program, routine.name, routine.labels, inputs, rounded)
+        size = _typical(values)
         if routine.name == "jacobian_inputs":
             size += _force_per(forces, np.abs(inputs).max(axis=1))
         elif routine.name == "jacobian_parameters":
             size += _force_per(forces, np.abs(np.array([program.coefficients[label] for label in routine.labels])))
+        needed = MARGIN * np.abs(changed - values) / TOLERANCE[routine.name]
+        if routine.name == "quantities" and abs(tire.values.get("Q_FZ2", 1.0)) < NEARLY_LINEAR:
+            size *= np.where(np.isin(routine.labels, DEFLECTION), LOST, 1.0)
+        size = np.maximum(size, 5 * np.median(needed, axis=0))
+        well_conditioned &= (needed <= np.maximum(size, np.abs(values))).all(axis=1)
+        parts.append(values)
         sizes.append(size)
-    return np.concatenate(parts, axis=1), np.concatenate(sizes)
+    return inputs[:, well_conditioned], np.concatenate(parts, axis=1)[well_conditioned], np.concatenate(sizes)
+
+
+def _results(
+    tire: Tire, program: Program, name: str, labels: Sequence[str], inputs: FloatArray, parameters: FloatArray
+) -> FloatArray:
+    """Return the results of one function, shape (rows, n_results)."""
+    code = code_for(tire.book, "numpy")
+    outputs = [tire.outputs.index(quantity.name) for quantity in program.outputs]
+    if name == "forces":
+        return code.forces(inputs, parameters)[outputs].T
+    if name == "quantities":
+        return code.quantities(inputs, parameters)[[code.quantities_names.index(label) for label in labels]].T
+    if name == "jacobian_inputs":
+        return code.jacobian_inputs(inputs, parameters)[:, outputs].reshape(inputs.shape[1], -1)
+    columns = [list(tire.book.coefficients).index(label) for label in labels]
+    return code.jacobian_parameters(inputs, parameters)[:, outputs][:, :, columns].reshape(inputs.shape[1], -1)
 
 
 def _typical(values: FloatArray) -> FloatArray:
@@ -116,5 +147,5 @@ def _typical(values: FloatArray) -> FloatArray:
 
 
 def _force_per(forces: FloatArray, arguments: FloatArray) -> FloatArray:
-    ratios: FloatArray = 1e-2 * _typical(forces.T)[:, None] / np.where(arguments == 0, np.inf, arguments)
+    ratios: FloatArray = 1e-2 * _typical(forces)[:, None] / np.where(arguments == 0, np.inf, arguments)
     return ratios.ravel()

@@ -5,7 +5,10 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+import tempfile
 from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
 
 import pytest
 
@@ -60,6 +63,7 @@ COMMANDS = {
     "cpp": ("c++", "-std=c++17 -O0 -Wall -Wextra -Wpedantic -Werror {} -o selftest", "./selftest"),
     "javascript": ("node", "", "node {}"),
     "matlab": ("octave-cli", "", "octave-cli --norc --no-history --quiet {}"),
+    "rust": ("rustc", "{} --extern libm=LIBM -o selftest", "./selftest"),
     **dict.fromkeys(("numpy", "casadi", "jax", "torch"), ("python3", "", f"{sys.executable} -W error {{}}")),
 }
 
@@ -70,6 +74,8 @@ def command_of(language, folder=None):
     path = tool(program)
     if language in ("jax", "torch"):
         pytest.importorskip(language)
+    if language == "rust":
+        options = options.replace("LIBM", str(libm(path)))
     if folder is None:
         return []
     (source,) = (file.name for file in folder.glob("*_selftest.*") if file.suffix != ".txt")
@@ -78,6 +84,18 @@ def command_of(language, folder=None):
         built = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         assert built.returncode == 0, built.stderr[:3000]
     return run.format(source).split()
+
+
+@lru_cache(maxsize=1)
+def libm(rustc):
+    """Return the compiled crate libm, made from Debian's source of it; skip the test if that is not installed."""
+    sources = sorted(Path("/usr/share/cargo/registry").glob("libm-*/src/lib.rs"))
+    if not sources:
+        pytest.skip("the crate libm (Debian: librust-libm-dev) is not installed")
+    target = Path(tempfile.mkdtemp()) / "liblibm.rlib"
+    command = [rustc, "--crate-type", "rlib", "--crate-name", "libm", "-O", "--cap-lints", "allow", sources[-1]]
+    subprocess.run([*command, "-o", target], check=True)
+    return target
 
 
 def differences(command, folder):

@@ -19,6 +19,7 @@ LANGUAGES = {
     "matlab": "matlab",
     "javascript": "javascript",
     "casadi": "casadi",
+    "rust": "rust",
     "jax": "jax",
     "torch": "torch",
     "latex": "latex",

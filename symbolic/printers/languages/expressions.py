@@ -60,6 +60,10 @@ class CallPrinter(PlainCPrinter):
     def _print_Float(self, expr: Any) -> str:
         return self._signed(repr(abs(float(expr))), float(expr) < 0)
 
+    def _print_Literal(self, expr: Any) -> str:
+        text = self._signed(repr(abs(expr.value)), expr.value < 0)
+        return f"({text})" if expr.value < 0 else text
+
     def _print_Pi(self, expr: Any) -> str:
         return self.number.format(self.pi)
 

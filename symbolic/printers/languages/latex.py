@@ -59,6 +59,10 @@ class BookPrinter(LatexPrinter):
     def _print_Symbol(self, expr: sp.Symbol, style: str = "plain") -> str:
         return symbol_text(expr.name)
 
+    def _print_Literal(self, expr: sp.Expr, style: str = "plain") -> str:
+        text = str(self._print(sp.Float(expr.value)))
+        return text if expr.value >= 0 else rf"\left({text}\right)"
+
     def _print_sgn(self, expr: sp.Expr, exp: str = "") -> str:
         return self._named(r"\operatorname{sgn}", expr, exp)
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
 
 import sympy as sp
 
@@ -16,6 +16,7 @@ from ...model.lines import reaching, reduced
 from ...notation import Equation
 from ...reserved import is_reserved
 from ..routines import Routine, chosen_routines
+from .literals import Literal, folded
 
 #: What can be printed, in the order of a self-test's results.
 FUNCTIONS = ("forces", "quantities", "jacobian_inputs", "jacobian_parameters")
@@ -23,8 +24,6 @@ FUNCTIONS = ("forces", "quantities", "jacobian_inputs", "jacobian_parameters")
 PLACEMENTS = ("inline", "struct", "file")
 #: Largest differences that a self-test accepts, relative to a result or its typical size.
 TOLERANCE = {"forces": 1e-12, "quantities": 1e-12, "jacobian_inputs": 1e-9, "jacobian_parameters": 1e-9}
-#: Whole numbers up to here are folded as such: a factor of 1 or 0 then disappears from a line.
-LARGEST_WHOLE = 2**31
 
 
 @dataclass(frozen=True)
@@ -156,7 +155,8 @@ def program(
     if selection.placement == "inline":
         lines = folded(lines, values)
     quantities = [line.symbol for line in lines if line.named and line.symbol.name not in targets]
-    read = {symbol.name for line in lines for symbol in line.expression.free_symbols}
+    symbols = {symbol for line in lines for symbol in line.expression.free_symbols}
+    read = {symbol.name for symbol in symbols if not isinstance(symbol, Literal)}
     read -= {line.symbol.name for line in lines}
     coefficients = {key: value for key, value in values.items() if key in read}
     routines = chosen_routines(
@@ -171,39 +171,6 @@ def program(
         identifier(name), model, selection.placement, model.inputs, tuple(outputs), dict(nominal), coefficients,
         lines, routines, tuple(name for name in model.effects if name in effects),
     )  # fmt: skip
-
-
-def folded(lines: Sequence[Equation], values: Mapping[str, float]) -> tuple[Equation, ...]:
-    """Return lines with numbers for the coefficients; a line that becomes a number is used as such.
-
-    Examples
-    --------
-    >>> from tirefmu.symbolic.notation import Chapter
-    >>> eq, (PCX1, LCX, B) = Chapter("Fx"), sp.symbols("PCX1 LCX B", real=True)
-    >>> C = eq("4.E11", "C_x", PCX1 * LCX)
-    >>> _ = eq("4.1", "F_x0", sp.sin(C * B))
-    >>> [str(line.expression) for line in folded(eq.equations, {"PCX1": 2.0, "LCX": 1.0})]
-    ['2', 'sin(2*B)']
-    """
-    coefficients = {sp.Symbol(name, real=True): _number(value) for name, value in values.items()}
-    known = dict(coefficients)
-    found: list[Equation] = []
-    for line in lines:
-        expression = line.expression.xreplace(known)
-        if expression.has(sp.zoo, sp.nan, sp.oo):
-            # A branch that is never taken may divide by a coefficient that is 0: it stays a variable of this line.
-            own = sorted(line.expression.free_symbols & coefficients.keys(), key=str)
-            new = [symbol for symbol in own if all(other.symbol != symbol for other in found)]
-            found += [replace(line, symbol=symbol, expression=known[symbol], named=False) for symbol in new]
-            expression = line.expression.xreplace({symbol: known[symbol] for symbol in known.keys() - set(own)})
-        if expression.is_Number:
-            expression = known[line.symbol] = _number(float(expression))
-        found.append(replace(line, expression=expression))
-    return tuple(found)
-
-
-def _number(value: float) -> sp.Expr:
-    return sp.Integer(int(value)) if value.is_integer() and abs(value) < LARGEST_WHOLE else sp.Float(value)
 
 
 def operations(routine: Routine) -> int:
