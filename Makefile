@@ -3,14 +3,14 @@ VENV ?= .venv
 # Tests run on all processors, those of a file on one, so that they share fixtures. PYTEST_ARGS=... replaces this.
 PYTEST_ARGS ?= -n auto --dist loadfile
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
-PACKAGES := symbolic generated tires measurements estimation fitting fmu diagnosis
+PACKAGES := symbolic generated tires measurements estimation fitting fmu diagnosis hosts
 
 # The first working Python (version managers install commands that only print a notice) that can create a venv.
 PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python; do \
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix fuzz mutants discovery recovery real wine sanitize examples perturb check generate types bench bench-fit bench-startup clean
+.PHONY: demo test matrix fuzz mutants discovery recovery real wine sanitize hosts examples perturb check generate types bench bench-fit bench-startup clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
@@ -51,6 +51,9 @@ sanitize: $(VENV)/installed-dev  ## the FMU's C code under AddressSanitizer and 
 examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, and a vehicle on four tire FMUs
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cosimulation]"
 	$(BIN)/pytest tests/examples $(PYTEST_ARGS)
+
+hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasADi symbols, JAX and PyTorch where they are installed
+	TIREFMU_HOSTS=1 $(BIN)/pytest tests/hosts $(PYTEST_ARGS)
 
 check: $(VENV)/installed-dev types  ## lint, format, types, and generated/ compared with the equations
 	$(BIN)/ruff check .

@@ -148,6 +148,33 @@ def c_comment(text: str) -> str:
     return re.sub(r"(?<=\*)(?=/)|(?<=/)(?=\*)|(?<=\?)(?=\?)|(?<=/)(?=/)", " ", plain)
 
 
+def line_comment(text: str) -> str:
+    r"""Return a text for a comment up to the end of the line, after a sign and a blank: MATLAB, Julia, LaTeX.
+
+    Examples
+    --------
+    >>> line_comment("friction\nsystem('x') \\ %{")
+    "friction/x0asystem('x') / %{"
+    """
+    return ascii_text(text).replace("\\", "/")
+
+
+def latex_text(text: str) -> str:
+    r"""Return a text for the body of a LaTeX document: no commands, no mathematics, printable ASCII.
+
+    Examples
+    --------
+    >>> print(latex_text("50% of $x_1$ \\input{f}"))
+    50\% of \$x\_1\$ /input\{f\}
+    """
+    words = {"~": "\\textasciitilde{}", "^": "\\textasciicircum{}", "<": "\\textless{}", ">": "\\textgreater{}",
+             '"': "''", "`": "'"}  # fmt: skip
+    return "".join(
+        words.get(character, f"\\{character}" if character in "#$%&_{}" else character)
+        for character in ascii_text(text).replace("\\", "/")
+    )
+
+
 def c_string(text: str) -> str:
     r"""Return a C string literal with its quotes.
 

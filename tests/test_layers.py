@@ -22,6 +22,7 @@ MAY_IMPORT = {
     "estimation": {"symbolic", "generated", "tires", "measurements"},
     "fitting": {"symbolic", "generated", "tires", "measurements", "estimation"},
     "fmu": {"symbolic", "generated", "tires", "measurements"},
+    "hosts": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting"},
     "diagnosis": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting", "fmu"},
 }
 MAY_IMPORT[TOP] = set(MAY_IMPORT)

@@ -30,6 +30,8 @@ from .arguments import (
     write_json,
 )
 from .diagnose_command import diagnose
+from .generate_command import generate
+from .host_commands import convert, lint
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -39,42 +41,6 @@ def cli() -> None:
 
     Exit codes: 0 success, 1 completed but a check failed, 2 invalid input.
     """
-
-
-@cli.command()
-@click.option(
-    "--check",
-    "only_check",
-    is_flag=True,
-    help="Change nothing; exit code 1 with a diff if generated/ is outdated.",
-)
-@common
-def generate(only_check: bool, quiet: bool, json_file: Path | None) -> int:
-    """Generate the NumPy, CasADi and C code of all models in generated/."""
-    import tirefmu.generated
-    from tirefmu.symbolic.printers import generate as printers
-
-    from .terminal import Terminal
-
-    terminal = Terminal(quiet)
-    check_output_paths(json_file)
-    folder = Path(tirefmu.generated.__file__).parent
-    if only_check:
-        diff = printers.difference(folder)
-        write_json(json_file, {"ok": not diff, "diff": diff})
-        if diff:
-            terminal.print(*diff.rstrip().split("\n"), 'generated/ is outdated: run "tirefmu generate"')
-        else:
-            terminal.print("generated/ is up to date")
-        return 1 if diff else 0
-    with terminal.working("generating code"):
-        changed = printers.write(folder)
-    write_json(json_file, {"ok": True, "changed": [path.relative_to(folder).as_posix() for path in changed]})
-    for path in changed:
-        terminal.print(f"generated/{path.relative_to(folder).as_posix()}")
-    if not changed:
-        terminal.print("generated/ was up to date")
-    return 0
 
 
 @cli.command()
@@ -407,6 +373,9 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
 
 
 cli.add_command(diagnose)
+cli.add_command(generate)
+cli.add_command(convert)
+cli.add_command(lint)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -37,6 +37,9 @@ class NumberPrinter(StrPrinter):
     def _print_Float(self, expr: Any) -> str:
         return repr(float(expr))
 
+    def _print_Literal(self, expr: Any) -> str:
+        return repr(expr.value) if expr.value >= 0 else f"({expr.value!r})"
+
 
 class ArrayPrinter(NumberPrinter, PythonCodePrinter):
     """Python text calling the elementary functions of a module; `NumpyPrinter` and `CasadiPrinter` name it."""

@@ -94,6 +94,47 @@ def routines(model: Model) -> tuple[Routine, ...]:
     return tuple(printed)
 
 
+def chosen_routines(
+    lines: Sequence[Equation],
+    names: Sequence[str],
+    outputs: Sequence[sp.Symbol],
+    inputs: Sequence[sp.Symbol],
+    coefficients: Sequence[sp.Symbol],
+    quantities: Sequence[sp.Symbol] = (),
+) -> tuple[Routine, ...]:
+    """Return some routines of given lines, for printouts outside `generated/`.
+
+    Parameters
+    ----------
+    lines : sequence of Equation
+        Without switches, as from `tirefmu.symbolic.model.lines.reduced`.
+    names : sequence of str
+        Of "forces", "quantities", "jacobian_inputs" and "jacobian_parameters".
+    outputs : sequence of sympy.Symbol
+        The forces and moments.
+    inputs, coefficients : sequence of sympy.Symbol
+        The columns of the Jacobians.
+    quantities : sequence of sympy.Symbol
+        The named quantities.
+
+    Returns
+    -------
+    tuple of Routine
+    """
+    needed = reaching(lines, [output.name for output in outputs])
+    make = {
+        "forces": lambda: _values("forces", "Forces and moments.", needed, list(outputs)),
+        "quantities": lambda: _values("quantities", "Named quantities.", lines, list(quantities)),
+        "jacobian_inputs": lambda: _derivatives(
+            "jacobian_inputs", "Derivatives of the forces by the inputs.", needed, outputs, inputs
+        ),
+        "jacobian_parameters": lambda: _derivatives(
+            "jacobian_parameters", "Derivatives of the forces by the coefficients.", needed, outputs, coefficients
+        ),
+    }
+    return tuple(make[name]() for name in names)
+
+
 def jacobians_of(routines: Sequence[Routine]) -> tuple[Routine, ...]:
     """Return the Jacobians among routines: most of the text, which is printed into files of its own.
 

@@ -1,0 +1,158 @@
+"""Which property files (.tir) other programs accept: declared per host, from public documentation.
+
+Sources: the Adams/Tire help ("Defining and Reading Tire Property Files"); the Altair MotionView/MotionSolve help
+("Reduced Tire Input Properties", quoting the MF-Tyre/MF-Swift manual); the source of Project Chrono (ChPac02Tire.cpp,
+commit 7689fbc); the behaviour of MFeval 4.3; the CarMaker FAQ of IPG. What none of them states is a note of the host.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+#: Effects that act through time: hosts have coefficients, but models of their own for it.
+TRANSIENT = ("relax_lat", "relax_lon", "relax_load")
+PRESSURE = ("pressure_stiffness", "pressure_friction", "pressure_trail", "pressure_moment")
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How a host expects the file of one model.
+
+    Attributes
+    ----------
+    entries : mapping of str to str
+        What conversion writes into [MODEL], by key.
+    formats : tuple of str
+        Accepted values of PROPERTY_FILE_FORMAT; empty: the host ignores it.
+    fittyp : tuple of int
+        Accepted values of FITTYP; empty: the host ignores it.
+    use_modes : tuple of int
+        Accepted values of USE_MODE; empty: any.
+    required : tuple of str
+        Keys that the host insists on.
+    """
+
+    entries: Mapping[str, str]
+    formats: tuple[str, ...] = ()
+    fittyp: tuple[int, ...] = ()
+    use_modes: tuple[int, ...] = ()
+    required: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Host:
+    """A program that reads property files.
+
+    Attributes
+    ----------
+    title, source : str
+    dialects : mapping of str to Dialect
+        By model; the first is that of a conversion for which no model is requested.
+    units : mapping of str to tuple of str
+        Accepted units by key of [UNITS].
+    ignored : tuple of str
+        Effects of the models that the host does not evaluate.
+    longest_line : int
+        Longest line in characters; 0: no limit known.
+    notes : tuple of str
+        What is known to differ, or is not known.
+    """
+
+    title: str
+    source: str
+    dialects: Mapping[str, Dialect]
+    units: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    ignored: tuple[str, ...] = ()
+    longest_line: int = 0
+    notes: tuple[str, ...] = ()
+
+
+#: Keys that MF-Tyre/MF-Swift insists on.
+_MF_TYRE = ("FITTYP", "UNLOADED_RADIUS", "WIDTH", "RIM_RADIUS", "FNOMIN")
+_PAC2002 = Dialect(
+    {"PROPERTY_FILE_FORMAT": "'PAC2002'", "FITTYP": "6", "USE_MODE": "14"},
+    ("PAC2002",), use_modes=(0, 1, 2, 3, 4, 10, 11, 12, 13, 14),
+    required=("UNLOADED_RADIUS", "FNOMIN", "VERTICAL_STIFFNESS"),
+)  # fmt: skip
+_FIALA = Dialect(
+    {"PROPERTY_FILE_FORMAT": "'FIALA'", "USE_MODE": "2"},
+    ("FIALA",), required=("UNLOADED_RADIUS", "WIDTH", "VERTICAL_STIFFNESS", "CSLIP", "CALPHA", "UMIN", "UMAX"),
+)  # fmt: skip
+
+
+def _mf_tyre(fittyp: int, *also: int) -> Dialect:
+    entries = {"PROPERTY_FILE_FORMAT": "'USER'", "FITTYP": str(fittyp), "USE_MODE": "124"}
+    return Dialect(entries, ("USER", "MF-TYRE", "MF-SWIFT"), (fittyp, *also), required=_MF_TYRE)
+
+
+_ALL_MF = {"mf61": _mf_tyre(61, 60), "mf62": _mf_tyre(62), "mf52": _mf_tyre(6, 21)}
+_ANY_TRANSIENT = "transient slip is computed by the host's own model, from the same coefficients"
+
+HOSTS: dict[str, Host] = {
+    "adams": Host(
+        "Adams/Tire (PAC2002, Fiala)",
+        "Adams/Tire help, Defining and Reading Tire Property Files",
+        {"mf52": _PAC2002, "fiala": _FIALA},
+        ignored=("turn_slip",),
+        notes=(_ANY_TRANSIENT, "MF6.1 and MF6.2 need the separate MF-Tyre/MF-Swift library: use --for simcenter"),
+    ),
+    "motionsolve": Host(
+        "Altair MotionSolve (MF-Tyre/MF-Swift, PAC2002, Fiala)",
+        "Altair help, Reduced Tire Input Properties",
+        {**_ALL_MF, "fiala": _FIALA},
+        notes=(_ANY_TRANSIENT,),
+    ),
+    "simcenter": Host(
+        "Simcenter Tire (MF-Tyre/MF-Swift)",
+        "MF-Tyre/MF-Swift manual, as quoted by the Altair help",
+        _ALL_MF,
+        notes=(_ANY_TRANSIENT,),
+    ),
+    "carmaker": Host(
+        "IPG CarMaker (MF5.2, MF6.1)",
+        "CarMaker FAQ; CarMaker imports a .tir with its Tire Editor or an InfoFile",
+        {"mf61": _mf_tyre(61, 60), "mf52": _mf_tyre(6, 21)},
+        notes=(
+            _ANY_TRANSIENT,
+            "the rules of the import are not public; a user of CarMaker 12 reports that it refuses FITTYP 6",
+        ),
+    ),
+    "carsim": Host(
+        "CarSim (imported .tir)",
+        "no public description of the import; the keys are those of MF-Tyre/MF-Swift",
+        {"mf61": _mf_tyre(61, 60), "mf52": _mf_tyre(6, 21)},
+        notes=(_ANY_TRANSIENT, "the rules of the import are not public: this file is not verified with CarSim"),
+    ),
+    "chrono": Host(
+        "Project Chrono (ChPac02Tire, ChFialaTire)",
+        "Project Chrono, ChPac02Tire.cpp, commit 7689fbc",
+        {
+            "mf52": Dialect(
+                {
+                    "PROPERTY_FILE_FORMAT": "'PAC2002'", "FITTYP": "6", "USE_MODE": "4", "FE_METHOD": "'NO'",
+                },
+                ("PAC2002", "MF_05"), use_modes=(3, 4),
+                required=("USE_MODE", "UNLOADED_RADIUS", "WIDTH", "FNOMIN", "VERTICAL_STIFFNESS", "VXLOW", "LONGVL"),
+            ),
+        },
+        units={"LENGTH": ("METER",), "FORCE": ("NEWTON",), "ANGLE": ("RAD", "RADIAN", "RADIANS", "DEG"),
+               "MASS": ("KG",), "TIME": ("SECOND",)},
+        ignored=("turn_slip", *TRANSIENT, *PRESSURE),
+        longest_line=200,
+        notes=(
+            "Chrono evaluates with the opposite sign of the slip angle: terms of plysteer and conicity are mirrored",
+            "inclination is limited to 3 deg, slip to -1..1; LMUY also scales the cornering stiffness",
+        ),
+    ),
+    "mfeval": Host(
+        "MFeval (MATLAB, Simulink)",
+        "MFeval 4.3: FITTYP 6 and 21 are MF5.2, 62 is MF6.2, every other value MF6.1",
+        {
+            "mf61": Dialect({"PROPERTY_FILE_FORMAT": "'USER'", "FITTYP": "61"}, fittyp=(60, 61), required=("FITTYP",)),
+            "mf62": Dialect({"PROPERTY_FILE_FORMAT": "'USER'", "FITTYP": "62"}, fittyp=(62,), required=("FITTYP",)),
+            "mf52": Dialect({"PROPERTY_FILE_FORMAT": "'USER'", "FITTYP": "6"}, fittyp=(6, 21), required=("FITTYP",)),
+        },
+        ignored=TRANSIENT,
+    ),
+}  # fmt: skip

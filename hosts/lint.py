@@ -1,0 +1,180 @@
+"""Whether a program accepts a property file, and what of the tire it does not evaluate."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from tirefmu.symbolic.errors import UnknownName
+from tirefmu.symbolic.escaping import quoted
+from tirefmu.tires import Tire
+from tirefmu.tires.property_file.reading import read_tir
+
+from .dialects import HOSTS, Dialect, Host
+
+#: Sections that other readers skip.
+OWN = "TIREFMU"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a check found.
+
+    Attributes
+    ----------
+    severity : str
+        "error": the host refuses or misreads the file. "note": it accepts the file, but something differs.
+    line : int
+        Of the file; 0: the file as a whole.
+    text : str
+    """
+
+    severity: str
+    line: int
+    text: str
+
+
+@dataclass(frozen=True)
+class _Entry:
+    line: int
+    section: str
+    key: str
+    value: str
+
+
+def host_named(name: str) -> Host:
+    """Return a host by name, or raise `UnknownName` with the nearest."""
+    if name not in HOSTS:
+        raise UnknownName("host", name, HOSTS)
+    return HOSTS[name]
+
+
+def lint(path: str | Path, host: str) -> list[Finding]:
+    """Check a property file for a host.
+
+    Parameters
+    ----------
+    path : str or Path
+    host : str
+        One of `HOSTS`.
+
+    Returns
+    -------
+    list of Finding
+        Errors first.
+
+    Raises
+    ------
+    UnknownName
+        If there is no such host.
+    TirError
+        If the file is no property file that tirefmu can read.
+
+    Examples
+    --------
+    >>> from importlib.resources import files
+    >>> path = files("tirefmu.tires.published_tires") / "trento_hoosier.tir"
+    >>> [finding.text for finding in lint(path, "chrono")]
+    ['Project Chrono (ChPac02Tire, ChFialaTire) has no mf96: convert with --model mf52']
+    """
+    rules, tire = host_named(host), read_tir(path)
+    if tire.model not in rules.dialects:
+        model = next(iter(rules.dialects))
+        return [Finding("error", 0, f"{rules.title} has no {tire.model}: convert with --model {model}")]
+    text = Path(path).read_text(encoding="utf-8", errors="replace")
+    entries = _entries(text)
+    errors = [*_model_errors(entries, rules.dialects[tire.model]), *_unit_errors(entries, rules)]
+    errors += [*_layout_errors(text, rules), *_number_errors(tire)]
+    return errors + [Finding("note", 0, note) for note in (*lost_effects(tire, rules), *rules.notes)]
+
+
+def lost_effects(tire: Tire, rules: Host) -> list[str]:
+    """Return a sentence for each effect of a tire that a host does not evaluate."""
+    added = {effect.name for effect in tire.book.added}
+    lost = []
+    for name in sorted(tire.has):
+        if name in added:
+            lost.append(f"the added effect {name} is not evaluated: the forces are those without it")
+        elif name in rules.ignored and any(tire.values[key] != tire.book.coefficients[key].neutral
+                                           for key in tire.book.owned(name)):  # fmt: skip
+            lost.append(f"{name} is not evaluated")
+    return lost
+
+
+def _entries(text: str) -> list[_Entry]:
+    """Return the entries of a file, without those of tirefmu's own sections."""
+    found, section = [], ""
+    for number, line in enumerate(text.splitlines(), 1):
+        plain = re.split(r"[$!]", line, maxsplit=1)[0].strip()
+        if plain.startswith("["):
+            section = plain.strip("[] ").upper()
+        elif "=" in plain and not section.startswith(OWN):
+            key, _, value = plain.partition("=")
+            found.append(_Entry(number, section, key.strip(), value.strip()))
+    return found
+
+
+def _model_errors(entries: list[_Entry], dialect: Dialect) -> list[Finding]:
+    """Check [MODEL] and the required keys."""
+    by_key = {entry.key.upper(): entry for entry in entries}
+    found = [Finding("error", 0, f"{key} is missing") for key in dialect.required if key not in by_key]
+    texts = {"PROPERTY_FILE_FORMAT": dialect.formats}
+    numbers = {"FITTYP": dialect.fittyp, "USE_MODE": dialect.use_modes}
+    for key, accepted in {**texts, **{key: tuple(map(str, values)) for key, values in numbers.items()}}.items():
+        entry = by_key.get(key)
+        if not accepted or (entry is None and key not in dialect.required):
+            continue
+        if entry is None:
+            continue
+        value = entry.value.strip("'\" ").upper()
+        number = str(abs(int(float(value)))) if re.fullmatch(r"-?\d+(\.0*)?", value) else value
+        if number not in accepted:
+            found.append(Finding("error", entry.line, f"{key} is {quoted(value)}: {' or '.join(accepted)} expected"))
+    return found
+
+
+def _unit_errors(entries: list[_Entry], rules: Host) -> list[Finding]:
+    found = []
+    for entry in entries:
+        accepted = rules.units.get(entry.key.upper()) if entry.section == "UNITS" else None
+        value = entry.value.strip("'\" ").upper()
+        if accepted and value not in accepted:
+            text = f"{entry.key} is {quoted(value)}: {' or '.join(accepted)} expected"
+            found.append(Finding("error", entry.line, text))
+    return found
+
+
+def _layout_errors(text: str, rules: Host) -> list[Finding]:
+    """Check what simple readers stumble over: long lines, keys in lower case, several entries with one key."""
+    found: list[Finding] = []
+    seen: dict[tuple[str, str], int] = {}
+    # A cut line of tirefmu's own sections, which are the last ones, is more lines in sections that the host skips.
+    own = text.find(f"\n[{OWN}")
+    for number, line in enumerate(text[: own if own >= 0 else None].splitlines(), 1):
+        if rules.longest_line and len(line) > rules.longest_line:
+            found.append(Finding("error", number, f"the line has {len(line)} characters: {rules.longest_line} at most"))
+        if re.search(r"[^\s=]\$", line) and not line.lstrip().startswith(("$", "!")):
+            found.append(Finding("error", number, "a comment needs a blank before $"))
+    for entry in _entries(text):
+        if entry.key != entry.key.upper():
+            found.append(Finding("error", entry.line, f"{quoted(entry.key)} is not in capital letters"))
+        if not re.match(r"[A-Z_0-9]+$", entry.key.upper()):
+            found.append(Finding("error", entry.line, f"{quoted(entry.key)} is no key"))
+        first = seen.setdefault((entry.section, entry.key), entry.line)
+        if first != entry.line:
+            found.append(Finding("error", entry.line, f"{entry.key} is in line {first} already"))
+    return found
+
+
+def _number_errors(tire: Tire) -> list[Finding]:
+    """Check values that every host divides by or takes a range from."""
+    found = [
+        Finding("error", 0, f"{key} is {tire.values[key]:g}: a positive value expected")
+        for key in ("FNOMIN", "UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "LONGVL", "NOMPRES")
+        if key in tire.values and not tire.values[key] > 0
+    ]
+    for name, (low, high) in tire.ranges.items():
+        if not low < high:
+            found.append(Finding("error", 0, f"the range of {name} is empty: {low:g} to {high:g}"))
+    return found

@@ -1,0 +1,176 @@
+"""A tire or a model printed in the language of another program, with its values and a self-test."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Sequence
+from dataclasses import replace
+from importlib.metadata import version
+from pathlib import Path
+
+from tirefmu.symbolic.errors import TirefmuError, UnknownName
+from tirefmu.symbolic.escaping import excerpt
+from tirefmu.symbolic.model.lines import reaching
+from tirefmu.symbolic.models import MODELS
+from tirefmu.symbolic.printers.languages import printer
+from tirefmu.symbolic.printers.languages.program import FUNCTIONS, PLACEMENTS, Program, Selection, operations, program
+from tirefmu.symbolic.printers.routines import chosen_routines
+from tirefmu.tires import Tire, TireLike, tire_from
+
+from .self_test import ROWS, check_text
+
+#: Load and radius of the tire that represents a model: N, m.
+SAMPLE = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
+
+
+def generate(
+    tire: TireLike,
+    language: str,
+    folder: str | Path,
+    *,
+    functions: Sequence[str] = FUNCTIONS[:3],
+    values: str | None = None,
+    only: Sequence[str] = (),
+    rows: int = ROWS,
+) -> list[Path]:
+    """Print a tire as code for another program.
+
+    Parameters
+    ----------
+    tire : Tire, str or path-like
+        A tire, a .tir file, a published tire, or a model: then with default values.
+    language : str
+    folder : str or Path
+        Created if necessary; files of the same names are replaced.
+    functions : sequence of str
+        Of "forces", "quantities", "jacobian_inputs" and "jacobian_parameters".
+    values : {"inline", "struct", "file"}, optional
+        Where the coefficients are; default: "inline" for a tire, "struct" for a model.
+    only : sequence of str
+        Forces and moments to print; all if empty.
+    rows : int
+        Rows of the self-test.
+
+    Returns
+    -------
+    list of Path
+        The written files.
+
+    Raises
+    ------
+    UnknownName
+        If a language, a function, an output or the tire does not exist.
+    TirefmuError
+        If the derivatives by coefficients are requested without coefficients, or a file cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = generate("trento_hoosier", "cpp", folder, only=["Fy"])
+    >>> [path.name for path in written]
+    ['trento_hoosier.hpp', 'trento_hoosier_selftest.cpp', 'trento_hoosier_selftest.txt']
+    """
+    files = printed(tire, language, functions=functions, values=values, only=only, rows=rows)
+    folder = Path(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=folder, prefix=".tirefmu.") as scratch:
+            for name, text in files.items():
+                (Path(scratch) / name).write_text(text, encoding="ascii", newline="\n")
+            for name in files:
+                os.replace(Path(scratch) / name, folder / name)
+    except OSError as error:
+        raise TirefmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
+    return [folder / name for name in files]
+
+
+def printed(
+    tire: TireLike,
+    language: str,
+    *,
+    functions: Sequence[str] = FUNCTIONS[:3],
+    values: str | None = None,
+    only: Sequence[str] = (),
+    rows: int = ROWS,
+) -> dict[str, str]:
+    """Return the files of `generate` as texts by name; the parameters are the same."""
+    print_files = printer(language)
+    for name in functions:
+        if name not in FUNCTIONS:
+            raise UnknownName("function", name, FUNCTIONS)
+    if not functions:
+        raise TirefmuError(f"no function: choose from {', '.join(FUNCTIONS)}")
+    if values is not None and values not in PLACEMENTS:
+        raise UnknownName("placement of values", values, PLACEMENTS)
+    given, name = _tire(tire)
+    for output in only:
+        if output not in given.outputs:
+            raise UnknownName(f"output of {given.model}", output, given.outputs)
+    placement = values or ("struct" if isinstance(tire, str) and tire in MODELS else "inline")
+    selection = Selection(tuple(functions), placement, tuple(only))
+    return print_files(program_of(given, name, selection, rows))
+
+
+def _tire(tire: TireLike) -> tuple[Tire, str]:
+    """Return a tire in ISO-W and its name."""
+    if isinstance(tire, str) and tire in MODELS:
+        return Tire(tire, SAMPLE), tire
+    given = tire_from(tire)
+    stem = tire.model if isinstance(tire, Tire) else Path(os.fspath(tire)).stem
+    return given.in_signs("iso"), stem
+
+
+def program_of(tire: Tire, name: str, selection: Selection, rows: int = ROWS) -> Program:
+    """Return what is printed of a tire: lines, header and self-test.
+
+    Parameters
+    ----------
+    tire : Tire
+        In ISO-W.
+    name : str
+    selection : Selection
+    rows : int
+
+    Returns
+    -------
+    Program
+    """
+    book = tire.book
+    parameters = dict(zip(book.coefficients, tire.parameters().tolist(), strict=False))
+    nominal = {name: tire.nominal(name) for name in tire.inputs}
+    found = program(name, book, tire.has, parameters, nominal, selection)
+    found = replace(found, header=_header(tire, found))
+    return replace(found, check=check_text(tire, found, rows))
+
+
+def _header(tire: Tire, found: Program) -> tuple[str, ...]:
+    book = tire.book
+    absent = [name for name in book.effects if name not in tire.has and not book.effects[name].optional]
+    lines = [
+        f"{book.title} ({book.name}): {', '.join(q.name for q in found.outputs)}.",
+        f"Tire: {excerpt(tire.name or 'unnamed')}. Generated by tirefmu {version('tirefmu')}; do not edit.",
+        f"Effects: {', '.join(found.effects) or 'none'}.",
+        *([f"Without: {', '.join(absent)}."] if absent else []),
+        "Units: SI (m, N, rad, s, Pa, K differences in deg C); slip kappa is a fraction.",
+        "Signs: TYDEX W axes (ISO): positive alpha gives negative Fy. Forces act at the contact point.",
+    ]
+    lines += [
+        f"Nominal inputs: {', '.join(f'{q.name} {found.nominal[q.name]:g}' for q in found.inputs)}.",
+    ]
+    if found.placement == "inline":
+        lines.append(_saved(tire, found))
+    return tuple(lines)
+
+
+def _saved(tire: Tire, found: Program) -> str:
+    """Return how many operations the values in the lines save, compared with the code for any tire of the model."""
+    outputs = [quantity.symbol for quantity in found.outputs]
+    lines = tire.book.lines()
+    general = chosen_routines(reaching(lines, [str(output) for output in outputs]), ["forces"], outputs, [], [])[0]
+    own = chosen_routines(found.lines, ["forces"], outputs, [], [])[0]
+    before, after = operations(general), operations(own)
+    return (
+        f"Values are in the lines: {after} operations for the forces, {before} in the code for any {tire.model} tire."
+    )

@@ -1,0 +1,151 @@
+"""The rows of a self-test: operating conditions and the results of tirefmu's NumPy code."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.symbolic.printers.languages.program import TOLERANCE, Program
+from tirefmu.tires import Tire
+from tirefmu.tires.code import code_for
+
+FloatArray = npt.NDArray[np.float64]
+
+#: How much more than a change in the last digit of the coefficients an ill-conditioned result may differ.
+MARGIN = 5.0
+
+#: Quantities of MF-Tyre that lose digits if Q_FZ2 is nearly 0, as in files of MF5.2: the closed form of the deflection
+#: subtracts two almost equal numbers, and every other order of roundings gives other digits. Their size is multiplied.
+DEFLECTION, NEARLY_LINEAR, LOST = ("rho", "R_l", "c_z"), 1e-3, 1e6
+
+#: The rows of the file that a printout contains.
+ROWS = 40
+
+
+def check_text(tire: Tire, program: Program, rows: int = ROWS, seed: int = 0) -> str:
+    """Return the text of a self-test's file: numbers separated by blanks.
+
+    The first is the number of rows. The second line has the typical size of each result: a difference is relative to
+    it or to the result, whichever is larger.
+    Each further line has the inputs and the results of a row.
+
+    Parameters
+    ----------
+    tire : Tire
+        In ISO-W.
+    program : Program
+    rows, seed : int
+
+    Returns
+    -------
+    str
+    """
+    inputs = operating_conditions(tire, rows, seed)
+    inputs, results, sizes = reference(tire, program, inputs)
+    lines = [str(inputs.shape[1]), _numbers(sizes)]
+    lines += [f"{_numbers(row)} {_numbers(values)}" for row, values in zip(inputs.T, results, strict=True)]
+    return "\n".join(lines) + "\n"
+
+
+def _numbers(values: Sequence[float] | FloatArray) -> str:
+    return " ".join(repr(float(value)) for value in values)
+
+
+def operating_conditions(tire: Tire, rows: int, seed: int = 0) -> FloatArray:
+    """Return operating conditions, shape (n_inputs, rows): special ones first, then random ones.
+
+    Special are zero slip, no load, a tenth and three times the nominal load, a locked and a spinning wheel, slip angles
+    up to 1.2 rad, reverse, standstill.
+    """
+    rng = np.random.default_rng(seed)
+    nominal = {name: tire.nominal(name) for name in tire.inputs}
+    load = nominal["Fz"]
+    special: list[dict[str, float]] = [
+        {}, {"Fz": 0.0}, {"Fz": -0.1 * load}, {"Fz": 0.1 * load, "alpha": 0.1}, {"Fz": 3.0 * load, "kappa": -0.1},
+        {"kappa": -1.0}, {"kappa": 2.0, "alpha": -0.2}, {"alpha": 1.2}, {"alpha": -1.2, "kappa": 0.5},
+        {"V": -10.0, "alpha": 0.1, "kappa": 0.1}, {"V": 0.0, "alpha": 0.1, "kappa": 0.1}, {"V": -3.0, "gamma": 0.1},
+        {"Fz": 0.0, "alpha": 0.1, "kappa": 0.1, "gamma": 0.1},
+    ]  # fmt: skip
+    random = {
+        "kappa": rng.uniform(-0.9, 1.5, rows),
+        "alpha": rng.uniform(-0.8, 0.8, rows),
+        "gamma": rng.uniform(-0.2, 0.2, rows),
+        "Fz": rng.uniform(0.02, 2.5, rows) * load,
+        "V": rng.uniform(-40.0, 40.0, rows),
+        "phit": rng.uniform(-0.3, 0.3, rows) * (rng.random(rows) < 0.3),
+    }
+    table = np.empty((len(tire.inputs), rows))
+    for row, name in zip(table, tire.inputs, strict=True):
+        row[:] = random.get(name, nominal[name] * rng.uniform(0.7, 1.3, rows))
+        for i, given in enumerate(special[:rows]):
+            row[i] = given.get(name, nominal[name])
+    return tire.effective_inputs(table.T).T
+
+
+def reference(tire: Tire, program: Program, inputs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return well-conditioned rows of inputs, results by tirefmu's NumPy code, and the size of each result.
+
+    A derivative may be a small difference of large terms: its size contains a hundredth of the force per argument. A
+    result that is ill-conditioned, such as the deflection by a quadratic equation with a tiny leading coefficient, is
+    not known better than it changes with the last digit of the coefficients: its size is larger accordingly. Single
+    rows in which a result is ill-conditioned are omitted, such as rows next to a jump.
+
+    Returns
+    -------
+    inputs : ndarray, shape (n_inputs, n)
+    results : ndarray, shape (n, n_results)
+    sizes : ndarray, shape (n_results,)
+    """
+    parameters = tire.parameters()
+    parts, sizes = [], []
+    well_conditioned = np.ones(inputs.shape[1], dtype=np.bool_)
+    forces = _results(tire, program, "forces", (), inputs, parameters)
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], len(parameters))
+    rounded = parameters * (1.0 + signs * np.finfo(float).eps)
+    for routine in program.routines:
+        values = _results(tire, program, routine.name, routine.labels, inputs, parameters)
+        changed = _results(tire, program, routine.name, routine.labels, inputs, rounded)
+        size = _typical(values)
+        if routine.name == "jacobian_inputs":
+            size += _force_per(forces, np.abs(inputs).max(axis=1))
+        elif routine.name == "jacobian_parameters":
+            size += _force_per(forces, np.abs(np.array([program.coefficients[label] for label in routine.labels])))
+        needed = MARGIN * np.abs(changed - values) / TOLERANCE[routine.name]
+        if routine.name == "quantities" and abs(tire.values.get("Q_FZ2", 1.0)) < NEARLY_LINEAR:
+            size *= np.where(np.isin(routine.labels, DEFLECTION), LOST, 1.0)
+        size = np.maximum(size, 5 * np.median(needed, axis=0))
+        well_conditioned &= (needed <= np.maximum(size, np.abs(values))).all(axis=1)
+        parts.append(values)
+        sizes.append(size)
+    return inputs[:, well_conditioned], np.concatenate(parts, axis=1)[well_conditioned], np.concatenate(sizes)
+
+
+def _results(
+    tire: Tire, program: Program, name: str, labels: Sequence[str], inputs: FloatArray, parameters: FloatArray
+) -> FloatArray:
+    """Return the results of one function, shape (rows, n_results)."""
+    code = code_for(tire.book, "numpy")
+    outputs = [tire.outputs.index(quantity.name) for quantity in program.outputs]
+    if name == "forces":
+        return code.forces(inputs, parameters)[outputs].T
+    if name == "quantities":
+        return code.quantities(inputs, parameters)[[code.quantities_names.index(label) for label in labels]].T
+    if name == "jacobian_inputs":
+        return code.jacobian_inputs(inputs, parameters)[:, outputs].reshape(inputs.shape[1], -1)
+    columns = [list(tire.book.coefficients).index(label) for label in labels]
+    return code.jacobian_parameters(inputs, parameters)[:, outputs][:, :, columns].reshape(inputs.shape[1], -1)
+
+
+def _typical(values: FloatArray) -> FloatArray:
+    """Return the median size of the values of each column that are not 0, 1 if all are."""
+    sizes = np.where(values == 0, np.nan, np.abs(values))
+    sizes[0, np.isnan(sizes).all(axis=0)] = 1.0
+    median: FloatArray = np.nanmedian(sizes, axis=0)
+    return median
+
+
+def _force_per(forces: FloatArray, arguments: FloatArray) -> FloatArray:
+    ratios: FloatArray = 1e-2 * _typical(forces)[:, None] / np.where(arguments == 0, np.inf, arguments)
+    return ratios.ravel()

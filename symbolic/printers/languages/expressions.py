@@ -1,0 +1,206 @@
+"""How an expression is written in the languages of other programs."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import sympy as sp
+from sympy.printing.precedence import PRECEDENCE
+
+from ..expressions import CALLED_POWERS, PlainCPrinter
+
+
+class CallPrinter(PlainCPrinter):
+    """Scalar text in which every function is a call; a language names the functions and writes choices.
+
+    Examples
+    --------
+    >>> x, y = sp.symbols("x y")
+    >>> CallPrinter().doprint(sp.Piecewise((sp.sin(x) ** 2, x > 0), (1 / y, True)))
+    '(x > 0.0 ? square(sin(x)) : 1.0/y)'
+    """
+
+    #: Names of functions that differ from SymPy's.
+    names: ClassVar[dict[str, str]] = {"absolute": "fabs"}
+    #: Prefix of the functions that the language has.
+    prefix = ""
+    #: Functions that the printout defines.
+    defined: ClassVar[frozenset[str]] = frozenset(["square", "cube", "fourth", "cubed_sqrt", "sgn", "sgn1"])
+    choice = "({condition} ? {then} : {otherwise})"
+    conjunction, disjunction, equal = " && ", " || ", "=="
+    number = "{}"
+    pi = "3.141592653589793"
+
+    def _call(self, name: str, *arguments: Any) -> str:
+        called = self.names.get(name, name)
+        prefix = "" if called in self.defined else self.prefix
+        return f"{prefix}{called}({', '.join(self._print(argument) for argument in arguments)})"
+
+    def _print_called(self, expr: Any) -> str:
+        return self._call(expr.func.__name__, *expr.args)
+
+    _print_sin = _print_cos = _print_tan = _print_atan = _print_acos = _print_exp = _print_log = _print_called
+    _print_sgn = _print_sgn1 = _print_absolute = _print_called
+
+    def _print_Pow(self, expr: Any) -> str:
+        if expr.exp == -1:
+            return f"{self._print(sp.Integer(1))}/{self.parenthesize(expr.base, PRECEDENCE['Mul'], strict=True)}"
+        called = CALLED_POWERS.get(abs(expr.exp))
+        if called is None:
+            return self._call("pow", expr.base, expr.exp)
+        text = self._call(called, expr.base)
+        return text if expr.exp > 0 else f"{self._print(sp.Integer(1))}/{text}"
+
+    def _print_Integer(self, expr: Any) -> str:
+        return self._signed(f"{abs(expr.p)}.0", expr.p < 0)
+
+    def _print_Rational(self, expr: Any) -> str:
+        return self._signed(repr(abs(expr.p / expr.q)), expr.p < 0)
+
+    def _print_Float(self, expr: Any) -> str:
+        return self._signed(repr(abs(float(expr))), float(expr) < 0)
+
+    def _print_Literal(self, expr: Any) -> str:
+        text = self._signed(repr(abs(expr.value)), expr.value < 0)
+        return f"({text})" if expr.value < 0 else text
+
+    def _print_Pi(self, expr: Any) -> str:
+        return self.number.format(self.pi)
+
+    def _signed(self, text: str, negative: bool) -> str:
+        return f"{'-' if negative else ''}{self.number.format(text)}"
+
+    def _print_Relational(self, expr: Any) -> str:
+        operator = self.equal if expr.rel_op == "==" else expr.rel_op
+        return f"{self._print(expr.lhs)} {operator} {self._print(expr.rhs)}"
+
+    def _print_And(self, expr: Any) -> str:
+        return self.conjunction.join(f"({self._print(arg)})" for arg in expr.args)
+
+    def _print_Or(self, expr: Any) -> str:
+        return self.disjunction.join(f"({self._print(arg)})" for arg in expr.args)
+
+    def _print_Piecewise(self, expr: Any) -> str:
+        (value, condition), (otherwise, _) = expr.args
+        parts = {"condition": condition, "then": value, "otherwise": otherwise}
+        return self.choice.format(**{name: self._print(part) for name, part in parts.items()})
+
+
+class C99Printer(CallPrinter):
+    """C99 in double precision with the functions of math.h.
+
+    Examples
+    --------
+    >>> C99Printer().doprint(sp.atan(sp.Symbol("B_x")) / 3)
+    '0.3333333333333333*atan(B_x)'
+    """
+
+    names: ClassVar[dict[str, str]] = {"absolute": "fabs", **{name: f"tirefmu_{name}" for name in CallPrinter.defined}}
+
+
+class CppPrinter(CallPrinter):
+    """C++ with a template parameter Scalar; functions are found by the type of their argument.
+
+    Examples
+    --------
+    >>> CppPrinter().doprint(sp.Piecewise((2, sp.Symbol("x") > 0), (sp.Symbol("x"), True)))
+    'Math::choose(x > Scalar(0.0), Scalar(2.0), x)'
+    """
+
+    names: ClassVar[dict[str, str]] = {
+        "absolute": "Math::absolute",
+        **{name: f"Math::{name}" for name in ("sgn", "sgn1", "square", "cube", "fourth", "cubed_sqrt")},
+    }
+    choice = "Math::choose({condition}, {then}, {otherwise})"
+    number = "Scalar({})"
+
+
+class JavaScriptPrinter(CallPrinter):
+    """JavaScript.
+
+    Examples
+    --------
+    >>> JavaScriptPrinter().doprint(sp.sqrt(sp.Symbol("x")) + sp.Symbol("y") ** 2)
+    'Math.sqrt(x) + square(y)'
+    """
+
+    names: ClassVar[dict[str, str]] = {"absolute": "abs"}
+    prefix = "Math."
+    equal = "==="
+
+
+class JuliaPrinter(CallPrinter):
+    """Julia: both sides of a choice are evaluated, so that it is traced by automatic differentiation.
+
+    Examples
+    --------
+    >>> JuliaPrinter().doprint(sp.Piecewise((2, sp.Symbol("x") > 0), (sp.Symbol("x"), True)))
+    'ifelse(x > 0.0, 2.0, x)'
+    """
+
+    names: ClassVar[dict[str, str]] = {"absolute": "absolute", "pow": "power"}
+    choice = "ifelse({condition}, {then}, {otherwise})"
+
+
+class RustPrinter(CallPrinter):
+    """Rust with the functions of the crate libm, which needs no standard library.
+
+    Examples
+    --------
+    >>> RustPrinter().doprint(sp.Piecewise((sp.exp(sp.Symbol("x")), sp.Symbol("x") < 0), (1, True)))
+    '(if x < 0.0 { libm::exp(x) } else { 1.0 })'
+    """
+
+    prefix = "libm::"
+    choice = "(if {condition} {{ {then} }} else {{ {otherwise} }})"
+
+
+class ModelicaPrinter(CallPrinter):
+    """Modelica.
+
+    Examples
+    --------
+    >>> ModelicaPrinter().doprint(sp.Piecewise((sp.Symbol("x") ** 2, sp.Symbol("x") < 0), (1, True)))
+    '(if x < 0.0 then x^2.0 else 1.0)'
+    """
+
+    names: ClassVar[dict[str, str]] = {"absolute": "abs"}
+    choice = "(if {condition} then {then} else {otherwise})"
+    conjunction, disjunction = " and ", " or "
+
+    def _print_Pow(self, expr: Any) -> str:
+        if expr.exp == -1 or abs(expr.exp) == sp.Rational(1, 2):
+            return super()._print_Pow(expr)
+        base, exponent = (self.parenthesize(part, PRECEDENCE["Pow"], strict=True) for part in expr.args)
+        return f"{base}^{exponent if not str(exponent).startswith('-') else f'({exponent})'}"
+
+
+class MatlabPrinter(CallPrinter):
+    """MATLAB and Octave, element by element of arrays.
+
+    Examples
+    --------
+    >>> x, y = sp.symbols("x y")
+    >>> MatlabPrinter().doprint(2 * x * y / (1 + x**2))
+    '2.0.*x.*y./(1.0 + x.^2.0)'
+    >>> MatlabPrinter().doprint(sp.Piecewise((1, sp.And(x > 0, y > 0)), (x / 3, True)))
+    'choose((x > 0.0) & (y > 0.0), 1.0, 0.3333333333333333.*x)'
+    """
+
+    names: ClassVar[dict[str, str]] = {"absolute": "abs", "sgn": "sign"}
+    choice = "choose({condition}, {then}, {otherwise})"
+    conjunction, disjunction = " & ", " | "
+    pi = "pi"
+
+    def _print_Mul(self, expr: Any) -> str:
+        # A star or a slash occurs in an operator only: arguments have no texts.
+        return str(super()._print_Mul(expr)).replace(".*", "*").replace("./", "/").replace("*", ".*").replace("/", "./")
+
+    def _print_Pow(self, expr: Any) -> str:
+        if expr.exp == -1:
+            return f"1.0./{self.parenthesize(expr.base, PRECEDENCE['Mul'], strict=True)}"
+        if abs(expr.exp) == sp.Rational(1, 2):
+            text = self._call("sqrt", expr.base)
+            return text if expr.exp > 0 else f"1.0./{text}"
+        base, exponent = (self.parenthesize(part, PRECEDENCE["Pow"], strict=True) for part in expr.args)
+        return f"{base}.^{exponent if not str(exponent).startswith('-') else f'({exponent})'}"

@@ -1,0 +1,204 @@
+"""What a printout for another program contains, before any language: lines of a tire, functions, self-test."""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+
+import sympy as sp
+
+from ...declarations import Quantity
+from ...errors import TirefmuError
+from ...model import Model
+from ...model.lines import reaching, reduced
+from ...notation import Equation
+from ...reserved import is_reserved
+from ..routines import Routine, chosen_routines
+from .literals import Literal, folded
+
+#: What can be printed, in the order of a self-test's results.
+FUNCTIONS = ("forces", "quantities", "jacobian_inputs", "jacobian_parameters")
+#: Where the values of the coefficients are: in the lines, in a structure with default values, in a file.
+PLACEMENTS = ("inline", "struct", "file")
+#: Largest differences that a self-test accepts, relative to a result or its typical size.
+TOLERANCE = {"forces": 1e-12, "quantities": 1e-12, "jacobian_inputs": 1e-9, "jacobian_parameters": 1e-9}
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What a user requests of a printout.
+
+    Attributes
+    ----------
+    functions : tuple of str
+        Of `FUNCTIONS`.
+    placement : str
+        Of `PLACEMENTS`.
+    outputs : tuple of str
+        The forces and moments; all of the model if empty.
+    """
+
+    functions: tuple[str, ...] = FUNCTIONS[:3]
+    placement: str = "inline"
+    outputs: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Program:
+    """A printout before any language.
+
+    Attributes
+    ----------
+    name : str
+        Identifier: prefix of files, functions, modules.
+    model : Model
+    placement : str
+    inputs, outputs : tuple of Quantity
+    nominal : mapping of str to float
+        The value of an absent input.
+    coefficients : mapping of str to float
+        Those that the functions read; none if the values are in the lines.
+    lines : tuple of Equation
+        What the functions compute.
+    routines : tuple of Routine
+    effects : tuple of str
+        The effects that the tire has.
+    header : tuple of str
+        Lines of the comment at the head of each file, unescaped.
+    check : str
+        The text of the self-test's file.
+    """
+
+    name: str
+    model: Model
+    placement: str
+    inputs: tuple[Quantity, ...]
+    outputs: tuple[Quantity, ...]
+    nominal: Mapping[str, float]
+    coefficients: Mapping[str, float]
+    lines: tuple[Equation, ...]
+    routines: tuple[Routine, ...]
+    effects: tuple[str, ...] = ()
+    header: tuple[str, ...] = ()
+    check: str = ""
+
+    @property
+    def input_names(self) -> list[str]:
+        """The inputs in the order of the model."""
+        return [quantity.name for quantity in self.inputs]
+
+    @property
+    def values_file(self) -> str:
+        """The name of the file with the coefficients."""
+        return f"{self.name}_coefficients.txt"
+
+    @property
+    def check_file(self) -> str:
+        """The name of the file with the self-test's rows."""
+        return f"{self.name}_selftest.txt"
+
+    def data_files(self) -> dict[str, str]:
+        """Return the files without code: the rows of the self-test, the coefficients where they are in a file."""
+        found = {self.check_file: self.check}
+        if self.placement == "file":
+            found[self.values_file] = "".join(f"{name} {value!r}\n" for name, value in self.coefficients.items())
+        return found
+
+    def sizes(self) -> list[tuple[str, int]]:
+        """Return the functions and their numbers of results, in the order of the self-test's rows."""
+        return [(routine.name, sum(map(len, routine.results))) for routine in self.routines]
+
+
+def program(
+    name: str,
+    model: Model,
+    effects: Collection[str],
+    values: Mapping[str, float],
+    nominal: Mapping[str, float],
+    selection: Selection,
+) -> Program:
+    """Return the printout of a tire, without header and self-test.
+
+    Parameters
+    ----------
+    name : str
+        Any text; it becomes an identifier.
+    model : Model
+    effects : collection of str
+        The effects that the tire has. Lines of other effects are not printed.
+    values : mapping of str to float
+        Every coefficient in ISO-W, as in the parameter vector of the generated code.
+    nominal : mapping of str to float
+        The value of each absent input.
+    selection : Selection
+
+    Returns
+    -------
+    Program
+
+    Raises
+    ------
+    TirefmuError
+        If derivatives by the coefficients are requested and the values are in the lines.
+    """
+    if selection.placement == "inline" and "jacobian_parameters" in selection.functions:
+        raise TirefmuError("jacobian_parameters needs the coefficients as variables: use --values struct or file")
+    # The parameter vector has the factor of an absent effect that changes the meaning of another coefficient.
+    rescaling = {name for name, effect in model.effects.items() if effect.rescales}
+    outputs = [quantity for quantity in model.outputs if not selection.outputs or quantity.name in selection.outputs]
+    targets = [quantity.name for quantity in outputs]
+    lines = reduced(model.equations, {*effects, *rescaling}, ())
+    if selection.outputs:
+        lines = tuple(reaching(lines, targets))
+    if selection.placement == "inline":
+        lines = folded(lines, values)
+    quantities = [line.symbol for line in lines if line.named and line.symbol.name not in targets]
+    symbols = {symbol for line in lines for symbol in line.expression.free_symbols}
+    read = {symbol.name for symbol in symbols if not isinstance(symbol, Literal)}
+    read -= {line.symbol.name for line in lines}
+    coefficients = {key: value for key, value in values.items() if key in read}
+    routines = chosen_routines(
+        lines,
+        [function for function in FUNCTIONS if function in selection.functions],
+        [quantity.symbol for quantity in outputs],
+        [quantity.symbol for quantity in model.inputs],
+        [sp.Symbol(key, real=True) for key in coefficients],
+        quantities,
+    )
+    return Program(
+        identifier(name), model, selection.placement, model.inputs, tuple(outputs), dict(nominal), coefficients,
+        lines, routines, tuple(name for name in model.effects if name in effects),
+    )  # fmt: skip
+
+
+def operations(routine: Routine) -> int:
+    """Return the number of additions, multiplications, divisions, functions and choices of a routine.
+
+    Examples
+    --------
+    >>> from ..routines import Assignment
+    >>> x, y = sp.symbols("x y")
+    >>> operations(Routine("f", "", (Assignment(y, 2 * sp.sin(x) + x + 1),), ((y,),), ("y",)))
+    4
+    """
+    return sum(
+        len(node.args) - 1 if node.is_Add or node.is_Mul else 1
+        for assignment in routine.body
+        for node in sp.preorder_traversal(assignment.expression)
+        if node.is_Add or node.is_Mul or node.is_Pow or node.is_Function
+    )
+
+
+def identifier(text: str) -> str:
+    """Return a text as an identifier of every language: lower case, digits and single underscores.
+
+    Examples
+    --------
+    >>> identifier("My Tire 205/55.tir"), identifier("2019 front"), identifier("for"), identifier("größe")
+    ('my_tire_205_55_tir', 'tire_2019_front', 'tire_for', 'gr_e')
+    """
+    plain = re.sub("[^a-z0-9]+", "_", text.lower()).strip("_")[:40].strip("_")
+    usable = plain[:1].isalpha() and not is_reserved(plain) and plain not in sys.stdlib_module_names
+    return plain if usable else f"tire_{plain}".rstrip("_")

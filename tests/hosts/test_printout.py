@@ -1,0 +1,122 @@
+"""A printout in any language: what it contains, what is refused, and texts of a file in its comments."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tirefmu.cli import main
+from tirefmu.hosts.printout import generate, printed
+from tirefmu.hosts.self_test import operating_conditions
+from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.symbolic.printers.languages import LANGUAGES
+from tirefmu.symbolic.printers.languages.program import FUNCTIONS
+
+from .conftest import HOSTILE, wet_grip
+
+PLAIN = "a plain text"
+
+
+def test_special_operating_conditions_are_among_the_rows(mf61):
+    rows = dict(zip(mf61.inputs, operating_conditions(mf61, 40), strict=True))
+    assert (rows["Fz"] == 0).any()
+    assert (rows["Fz"] < 0).any()
+    assert (rows["V"] == 0).any()
+    assert (rows["V"] < 0).any()
+    assert ((rows["kappa"] == 0) & (rows["alpha"] == 0)).any()
+    assert (rows["kappa"] == -1).any()
+    assert (np.abs(rows["alpha"]) > 1).any()
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_printout_is_ascii_with_header_and_self_test(trento, language):
+    files = printed(trento, language, rows=3, functions=["forces"])
+    assert files == printed(trento, language, rows=3, functions=["forces"])
+    assert all(text.isascii() for text in files.values())
+    source = next(iter(files.values()))
+    for part in ("Magic Formula 1996", "Fx, Fy, Mz", "tirefmu", "camber_thrust", "Units", "Signs", "Usage", "4.E20"):
+        assert part in source, part
+    assert any("selftest" in name for name in files)
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_hostile_texts_change_comments_only(wet, language):
+    """The lines of code are those of a tire with harmless texts."""
+    texts = []
+    for text in (HOSTILE, PLAIN):
+        tire = replace(wet, name=text, added=(wet_grip(text),))
+        texts.append(printed(tire, language, rows=2, functions=["forces", "quantities"], values="struct"))
+    hostile, harmless = texts
+    assert hostile.keys() == harmless.keys()
+    for name in hostile:
+        assert len(hostile[name].splitlines()) >= len(harmless[name].splitlines())
+        assert tokens(hostile[name]) == tokens(harmless[name]), name
+
+
+def tokens(text):
+    """Return the lines of a file that are no comment, without remarks at their end; of LaTeX the commands."""
+    if "\\begin{document}" in text:
+        return re.findall(r"\\(?!text)[A-Za-z]+", re.sub(r"(?m)^%.*", "", text))
+    lines = (re.split(r"\s+(?://|%|#|\$!) |\s*/\* ", line)[0].rstrip() for line in text.splitlines())
+    return [line for line in lines if line and not re.match(r"\s*(//|%|#|\*|/\*|\$!)", line)]
+
+
+def test_only_some_outputs(trento):
+    whole, part = (printed(trento, "cpp", rows=2, only=only)["mf96.hpp"] for only in ((), ("Fy",)))
+    assert "Scalar Mz" not in part
+    assert "Scalar Fx" not in part
+    assert len(part) < 0.6 * len(whole)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"language": "fortran77"}, "unknown language 'fortran77'"),
+        ({"functions": ["force"]}, "unknown function 'force': did you mean forces?"),
+        ({"functions": []}, "no function"),
+        ({"only": ["Mx"]}, "unknown output of mf96 'Mx': did you mean"),
+        ({"values": "inlined"}, "unknown placement of values 'inlined': did you mean inline?"),
+        ({"functions": ["jacobian_parameters"]}, "use --values struct or file"),
+    ],
+)
+def test_a_wrong_request_names_the_nearest(trento, tmp_path, arguments, message):
+    with pytest.raises(TirefmuError, match=re.escape(message)):
+        generate(trento, **{"language": "cpp", "folder": tmp_path / "out", **arguments})
+    assert not (tmp_path / "out").exists()
+
+
+# ------------------------------------------------------------------ the command
+
+
+def test_the_command_prints_a_model_with_all_functions(tmp_path, capsys):
+    out = tmp_path / "new" / "folder"
+    arguments = ["generate", "brush", "--language", "cpp", "-o", str(out), "--functions", ",".join(FUNCTIONS)]
+    assert main([*arguments, "--json", str(tmp_path / "r.json"), "--quiet"]) == 0
+    written = json.loads((tmp_path / "r.json").read_text())
+    assert written["files"] == [str(out / name) for name in ("brush.hpp", "brush_selftest.cpp", "brush_selftest.txt")]
+    assert "struct Coefficients" in (out / "brush.hpp").read_text()
+    assert sorted(path.name for path in out.iterdir()) == sorted(path.rpartition("/")[2] for path in written["files"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["trento_hoosier"], "TIRE needs --language"),
+        (["--language", "cpp"], "need a TIRE"),
+        (["trento_hoosier", "--check"], "takes no TIRE"),
+        (["missing.tir", "--language", "cpp", "-o", "out"], "missing.tir: no such file"),
+        (["trento", "--language", "cpp", "-o", "out"], "did you mean trento_hoosier?"),
+        (["trento_hoosier", "--language", "c++", "-o", "out"], "unknown language 'c++'"),
+    ],
+)
+def test_a_wrong_command_is_one_line(tmp_path, monkeypatch, capsys, arguments, message):
+    monkeypatch.chdir(tmp_path)
+    assert main(["generate", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,87 @@
+"""``tirefmu generate``: the code in generated/ of a checkout, or a tire as code for another program."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.symbolic.printers.languages import LANGUAGES
+
+from .arguments import FILE, check_input_paths, check_output_paths, common, names, write_json
+
+
+@click.command()
+@click.argument("tire", required=False)
+@click.option("--language", help=f"Language of the code: {', '.join(LANGUAGES)}.")
+@click.option("-o", "--output", type=FILE, help="Folder to write.")
+@click.option("--functions", callback=names, default="forces,quantities,jacobian_inputs", show_default=True,
+              help="Functions to print; also jacobian_parameters.")  # fmt: skip
+@click.option("--values", help="Coefficients: inline (numbers in the lines), struct (variables with default values) "
+                               "or file  [default: inline for a tire, struct for a model]")  # fmt: skip
+@click.option("--only", callback=names, default="none",
+              help="Forces and moments to print, such as Fy,Mz  [default: all]")  # fmt: skip
+@click.option(
+    "--check",
+    "only_check",
+    is_flag=True,
+    help="Without TIRE: change nothing; exit code 1 with a diff if generated/ is outdated.",
+)
+@common
+def generate(
+    tire: str | None, language: str | None, output: Path | None, functions: tuple[str, ...], values: str | None,
+    only: tuple[str, ...], only_check: bool, quiet: bool, json_file: Path | None,
+) -> int:  # fmt: skip
+    """Print TIRE (a .tir file, a published tire or a model) as code in a language, with a self-test.
+
+    Without TIRE: generate the NumPy, CasADi and C code of all models in generated/ of a checkout.
+    """
+    check_output_paths(json_file, folder=output)
+    if tire is None:
+        if language or output:
+            raise TirefmuError("--language and -o need a TIRE: a .tir file, a published tire or a model")
+        return _generated(only_check, quiet, json_file)
+    if only_check:
+        raise TirefmuError("--check is for generated/ of a checkout: it takes no TIRE")
+    if language is None or output is None:
+        raise TirefmuError(f"TIRE needs --language ({', '.join(LANGUAGES)}) and -o FOLDER")
+    check_input_paths(Path(tire))
+    from tirefmu.hosts.printout import generate as run
+
+    from .terminal import Terminal
+
+    terminal = Terminal(quiet)
+    with terminal.working(f"printing {language}"):
+        written = run(tire, language, output, functions=functions, values=values, only=only)
+    write_json(json_file, {"ok": True, "language": language, "files": [str(path) for path in written]})
+    for path in written:
+        terminal.print(str(path))
+    return 0
+
+
+def _generated(only_check: bool, quiet: bool, json_file: Path | None) -> int:
+    """Write generated/ or compare it with the equations."""
+    import tirefmu.generated
+    from tirefmu.symbolic.printers import generate as printers
+
+    from .terminal import Terminal
+
+    terminal = Terminal(quiet)
+    folder = Path(tirefmu.generated.__file__).parent
+    if only_check:
+        diff = printers.difference(folder)
+        write_json(json_file, {"ok": not diff, "diff": diff})
+        if diff:
+            terminal.print(*diff.rstrip().split("\n"), 'generated/ is outdated: run "tirefmu generate"')
+        else:
+            terminal.print("generated/ is up to date")
+        return 1 if diff else 0
+    with terminal.working("generating code"):
+        changed = printers.write(folder)
+    write_json(json_file, {"ok": True, "changed": [path.relative_to(folder).as_posix() for path in changed]})
+    for path in changed:
+        terminal.print(f"generated/{path.relative_to(folder).as_posix()}")
+    if not changed:
+        terminal.print("generated/ was up to date")
+    return 0
