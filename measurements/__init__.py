@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
     from .files.reading import READERS, read_recording
     from .files.writing import write_table
+    from .findings.data_findings import data_findings
+    from .findings.finding import Finding
     from .operating_conditions.grouping import Grouping, group_by_condition
     from .operating_conditions.levels import level_tolerance, levels
     from .operating_conditions.phases import Phase, phases, transitions
@@ -47,6 +49,7 @@ _ON_DEMAND = {
     "ChannelNoise": "virtual_bench.sensor_noise",
     "Condition": "operating_conditions.selection",
     "Coverage": "quality.coverage",
+    "Finding": "findings.finding",
     "Grouping": "operating_conditions.grouping",
     "Near": "operating_conditions.selection",
     "Noise": "virtual_bench.sensor_noise",
@@ -65,6 +68,7 @@ _ON_DEMAND = {
     "convention_notes": "quality.plausibility",
     "coverage": "quality.coverage",
     "coverage_notes": "quality.coverage",
+    "data_findings": "findings.data_findings",
     "exclude_rows": "quality.row_exclusion",
     "group_by_condition": "operating_conditions.grouping",
     "identity_notes": "quality.tire_identity",
@@ -96,6 +100,7 @@ __all__ = [
     "ChannelNoise",
     "Condition",
     "Coverage",
+    "Finding",
     "Grouping",
     "Near",
     "Noise",
@@ -114,6 +119,7 @@ __all__ = [
     "convention_notes",
     "coverage",
     "coverage_notes",
+    "data_findings",
     "exclude_rows",
     "group_by_condition",
     "identity_notes",

@@ -11,6 +11,7 @@ import pandas as pd
 from tirefmu.symbolic.errors import DataError, WrongType
 
 from .channels import CHANNELS, INPUTS, OUTPUTS
+from .column_names import check_names
 from .files.reading import read_recording
 from .quality.plausibility import check_plausible
 from .recording import Recording
@@ -41,8 +42,8 @@ def recording_from(table: TableLike, *, signs: str | None = None, parameter: str
     Raises
     ------
     DataError
-        If a file cannot be read, there is no row, an input is not finite, units or signs are implausible, or
-        ``signs`` contradicts that of a recording.
+        If a file cannot be read, there is no row, a column resembles an input that the table lacks, an input is not
+        finite, units or signs are implausible, or ``signs`` contradicts that of a recording.
     UnknownName
         If the signs are not one of the three conventions.
     WrongType
@@ -69,6 +70,7 @@ def recording_from(table: TableLike, *, signs: str | None = None, parameter: str
         recording = read_recording(table, signs=signs)
     else:
         raise WrongType(parameter, table, ACCEPTED)
+    check_names(map(str, recording.table.columns), recording.source)
     _check_numbers(recording)
     check_plausible(recording)
     return recording

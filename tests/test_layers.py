@@ -36,9 +36,10 @@ SUBPACKAGES = {
         "published_tires": {"property_file", "tire"},
     },
     "measurements": {
-        "files": {"channels", "recording", "thresholds", "units"},
+        "files": {"channels", "column_names", "recording", "thresholds", "units"},
         "operating_conditions": {"channels", "recording", "thresholds"},
         "virtual_bench": {"channels", "recording", "units"},
+        "findings": {"channels", "column_names", "operating_conditions", "quality", "recording", "thresholds"},
         "quality": {"channels", "operating_conditions", "recording", "thresholds"},
     },
     "fitting": {

@@ -195,7 +195,7 @@ def fit(
     check_input_paths(*tables)
     from tirefmu.fitting import assign_folds, cross_validate
     from tirefmu.fitting import fit as run
-    from tirefmu.measurements import recordings_from
+    from tirefmu.measurements import data_findings, recordings_from
 
     from .terminal import Terminal
 
@@ -217,7 +217,9 @@ def fit(
             result = replace(result, held_out=held_out)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
-    write_json(json_file, result.to_json())
+    findings = data_findings(recordings)
+    write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
+    terminal.findings(findings, printed=result.notes)
     terminal.fit_result(result)
     terminal.print(f"tire: {output}")
     if result.interrupted and finished_stages.exists():

@@ -40,7 +40,7 @@ def diagnose(
     check_input_paths(table, *others, *user_files, *([tire] if tire else []))
     from tirefmu.diagnosis import diagnose as run
     from tirefmu.diagnosis import export_and_simulate, write_report
-    from tirefmu.measurements import recordings_from
+    from tirefmu.measurements import data_findings, recordings_from
     from tirefmu.tires import tire_from
 
     from .terminal import Terminal
@@ -49,6 +49,7 @@ def diagnose(
     recording, *further = recordings_from([table, *others], signs=signs)
     for one in (recording, *further):
         one.measured()  # raises for a table without a measured output
+    terminal.findings(finding for finding in data_findings([recording]) if finding.serious)
     baseline = tire_from(tire) if tire else None
     user_effects = [user_effect(path) for path in user_files]
     tested = [*user_effects, *(candidates or ())] or None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -20,6 +20,7 @@ from .fit_tables import fit_lines, plain_table
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
     from tirefmu.fitting.solvers.interruption import Progress
+    from tirefmu.measurements import Finding
 
 
 class Terminal:
@@ -70,6 +71,17 @@ class Terminal:
                 status.update(f"{visible(stage)}: iteration {iteration}, cost {cost:.6g}")
 
             yield progress
+
+    def findings(self, findings: Iterable[Finding], printed: Collection[str] = ()) -> None:
+        """Print findings about the data: a serious one as a warning, any other as a note.
+
+        A note whose text is printed elsewhere (`printed`) is omitted; a warning never.
+        """
+        for finding in findings:
+            if finding.serious:
+                self._out.print(Text.assemble(("warning: ", "bold red"), visible(str(finding))))
+            elif finding.text not in printed:
+                self.print(f"note: {finding}")
 
     def fit_result(self, result: FitResult) -> None:
         """Print a fit: coefficients, goodness of fit, constraints, findings about the data, and status."""

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 
 from tirefmu.symbolic.errors import DataError, TirefmuError
 
-from ..channels import CHANNELS, INPUTS, channel, intended_channel, unit_in_name
+from ..channels import CHANNELS, INPUTS, channel
+from ..column_names import check_names
 from ..units import to_si
 
 #: Upper limits: columns of a table, characters of a header that may declare a unit.
@@ -64,8 +65,7 @@ class Column:
 def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     """Read the headers of a table.
 
-    Unknown columns are passed through, unless the name resembles an input that the table lacks: the nominal value would
-    silently replace that input. Names that resemble outputs are allowed, because outputs are optional.
+    Unknown columns are passed through, unless the name resembles an input that the table lacks (`check_names`).
 
     Parameters
     ----------
@@ -102,22 +102,10 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     for name, count in names.items():
         if count > 1:
             raise DataError(f"{source}: column {name!r} occurs {count} times")
-    for name in names:
-        intended = None if name in CHANNELS else intended_channel(name)
-        if intended in INPUTS and intended not in names:
-            raise DataError(f"{source}: column {name!r} is not a channel: did you mean {_suggestion(name, intended)}?")
+    check_names(names, source)
     if not any(name in CHANNELS for name in names):
         raise DataError(f"{source}: no column is a channel: known are {', '.join(CHANNELS)}")
     return columns
-
-
-def _suggestion(name: str, intended: str) -> str:
-    """Return the correct spelling of a header."""
-    suffixed = unit_in_name(name)
-    if suffixed is not None:
-        return f"'{intended} [{suffixed[1]}]'"
-    bench_degrees = channel(intended).quantity == "angle" and name in channel(intended).bench_names
-    return f"{intended} (rad; 'alpha [deg]' declares degrees)".replace("alpha", intended) if bench_degrees else intended
 
 
 def channels_in_si(

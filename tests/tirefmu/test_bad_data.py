@@ -46,6 +46,13 @@ REFUSED = {
     ),
     "all rows standing": (lambda t: [t.assign(V=0.0)], "1200 of 1200 rows excluded: standing (the wheel does not"),
     "all loads out of range": (lambda t: [t.assign(Fz=5e6)], "a.csv: Fz reaches 5e+06 N: in another unit?"),
+    "slip angle under another name": (
+        lambda t: [t.rename(columns={"alpha": "SlipAngle"})],
+        "a.csv: column 'SlipAngle' is not a channel: did you mean alpha?",
+    ),
+    "side force under another name": (
+        lambda t: [t.rename(columns={"Fy": "LateralForce"})], "column 'LateralForce' is not a channel: did you mean",
+    ),
     "load in kN": (lambda t: [t.assign(Fz=t["Fz"] / 1e3)], "a.csv: no |Fz| is above 0.9 N: in kN? declare it"),
     "load of the other sign": (
         lambda t: [t.assign(Fz=-t["Fz"])], "a.csv: Fz is negative in 100 % of the rows: SAE signs? (--signs sae)",
@@ -131,6 +138,11 @@ def test_it_is_fitted_and_reported(fitted, fault):
     assert outcome.status in (0, 1), outcome.err
     assert [line for line in outcome.out.splitlines() if line.startswith("note: ") and message in line]
     assert left == ["new.tir"]
+
+
+def test_a_missing_slip_is_the_first_line_of_the_output(fitted):
+    outcome, _ = fitted([sweeps().drop(columns="alpha")])
+    assert outcome.out.startswith("warning: a.csv: NO COLUMN alpha (slip angle): Fy and Mz cannot be fitted")
 
 
 def test_good_data_give_no_message(fitted):
