@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .quality.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
     from .quality.tire_identity import identity_notes
     from .recording import Recording
+    from .row_selection.selected import selected
     from .table_argument import TableLike, recording_from, recordings_from
     from .units import to_si
     from .virtual_bench.bench import TestedTire, VirtualBench
@@ -82,6 +83,7 @@ _ON_DEMAND = {
     "recording_from": "table_argument",
     "recordings_from": "table_argument",
     "select": "operating_conditions.selection",
+    "selected": "row_selection.selected",
     "small_tire_program": "virtual_bench.programs",
     "steady_points": "virtual_bench.programs",
     "to_si": "units",
@@ -133,6 +135,7 @@ __all__ = [
     "recording_from",
     "recordings_from",
     "select",
+    "selected",
     "small_tire_program",
     "steady_points",
     "to_si",

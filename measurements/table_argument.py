@@ -15,13 +15,16 @@ from .column_names import check_names
 from .files.reading import read_recording
 from .quality.plausibility import check_plausible
 from .recording import Recording
+from .row_selection.selected import selected
 
 #: Types that the functions of the public interface accept as a table.
 TableLike = Recording | pd.DataFrame | str | os.PathLike[str]
 ACCEPTED = "the path of a file, a DataFrame or a Recording"
 
 
-def recording_from(table: TableLike, *, signs: str | None = None, parameter: str = "table") -> Recording:
+def recording_from(
+    table: TableLike, *, signs: str | None = None, where: str | None = None, parameter: str = "table"
+) -> Recording:
     """Return the recording for a path, a DataFrame or a recording.
 
     Parameters
@@ -31,6 +34,9 @@ def recording_from(table: TableLike, *, signs: str | None = None, parameter: str
     signs : str, optional
         The convention of the table. Default: that of the format of a file (`read_recording`), ISO for a DataFrame, and
         that of a recording.
+    where : str, optional
+        Rows to select: an expression such as ``t > 120 and p in 70..90 kPa``, or a file with one
+        (`tirefmu.measurements.selected`). Default: all.
     parameter : str
         Name of the caller's parameter, for the message.
 
@@ -43,7 +49,8 @@ def recording_from(table: TableLike, *, signs: str | None = None, parameter: str
     ------
     DataError
         If a file cannot be read, there is no row, a column resembles an input that the table lacks, an input is not
-        finite, units or signs are implausible, or ``signs`` contradicts that of a recording.
+        finite, units or signs are implausible, ``signs`` contradicts that of a recording, or ``where`` is invalid or
+        selects no row.
     UnknownName
         If the signs are not one of the three conventions.
     WrongType
@@ -72,11 +79,15 @@ def recording_from(table: TableLike, *, signs: str | None = None, parameter: str
         raise WrongType(parameter, table, ACCEPTED)
     check_names(map(str, recording.table.columns), recording.source)
     _check_numbers(recording)
+    if where is not None:
+        recording = selected(recording, where)
     check_plausible(recording)
     return recording
 
 
-def recordings_from(tables: TableLike | Iterable[TableLike], *, signs: str | None = None) -> list[Recording]:
+def recordings_from(
+    tables: TableLike | Iterable[TableLike], *, signs: str | None = None, where: str | None = None
+) -> list[Recording]:
     """Return the recordings of one or several tables.
 
     Parameters
@@ -85,6 +96,8 @@ def recordings_from(tables: TableLike | Iterable[TableLike], *, signs: str | Non
         Each as for `recording_from`.
     signs : str, optional
         The convention of all tables.
+    where : str, optional
+        Rows to select in each table; an expression may distinguish them by ``file``.
 
     Returns
     -------
@@ -102,10 +115,10 @@ def recordings_from(tables: TableLike | Iterable[TableLike], *, signs: str | Non
     (1, 2)
     """
     if isinstance(tables, (Recording, pd.DataFrame, str, os.PathLike)):
-        return [recording_from(tables, signs=signs, parameter="tables")]
+        return [recording_from(tables, signs=signs, where=where, parameter="tables")]
     if not hasattr(tables, "__iter__") or isinstance(tables, (bytes, Mapping, np.ndarray)):
         raise WrongType("tables", tables, f"{ACCEPTED}, or a sequence of them")
-    return [recording_from(table, signs=signs, parameter=f"tables[{i}]") for i, table in enumerate(tables)]
+    return [recording_from(table, signs=signs, where=where, parameter=f"tables[{i}]") for i, table in enumerate(tables)]
 
 
 def _numeric(table: pd.DataFrame) -> pd.DataFrame:

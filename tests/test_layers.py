@@ -38,6 +38,7 @@ SUBPACKAGES = {
     "measurements": {
         "files": {"channels", "column_names", "recording", "thresholds", "units"},
         "operating_conditions": {"channels", "recording", "thresholds"},
+        "row_selection": {"channels", "column_names", "operating_conditions", "recording", "units"},
         "virtual_bench": {"channels", "recording", "units"},
         "findings": {"channels", "column_names", "operating_conditions", "quality", "recording", "thresholds"},
         "quality": {"channels", "operating_conditions", "recording", "thresholds"},

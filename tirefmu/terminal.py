@@ -20,7 +20,7 @@ from .fit_tables import fit_lines, plain_table
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
     from tirefmu.fitting.solvers.interruption import Progress
-    from tirefmu.measurements import Finding
+    from tirefmu.measurements import Finding, Recording
 
 
 class Terminal:
@@ -71,6 +71,12 @@ class Terminal:
                 status.update(f"{visible(stage)}: iteration {iteration}, cost {cost:.6g}")
 
             yield progress
+
+    def selection(self, *recordings: Recording) -> None:
+        """Print how many rows of each recording were selected, if rows were selected."""
+        for recording in recordings:
+            if count := recording.about.get("selected"):
+                self.print(f"{recording.source}: {count}")
 
     def findings(self, findings: Iterable[Finding], printed: Collection[str] = ()) -> None:
         """Print findings about the data: a serious one as a warning, any other as a note.
