@@ -41,6 +41,7 @@ SUBPACKAGES = {
         "row_selection": {"channels", "column_names", "operating_conditions", "recording", "units"},
         "virtual_bench": {"channels", "recording", "units"},
         "findings": {"channels", "column_names", "operating_conditions", "quality", "recording", "thresholds"},
+        "inspection": {"channels", "findings", "operating_conditions", "quality", "recording"},
         "quality": {"channels", "operating_conditions", "recording", "thresholds"},
     },
     "fitting": {

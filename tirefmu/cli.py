@@ -31,6 +31,7 @@ from .arguments import (
     write_json,
 )
 from .diagnose_command import diagnose
+from .inspect_command import inspect
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -420,6 +421,7 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
 
 
 cli.add_command(diagnose)
+cli.add_command(inspect)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -77,6 +77,16 @@ class Terminal:
         for recording in recordings:
             if count := recording.about.get("selected"):
                 self.print(f"{recording.source}: {count}")
+
+    def table(self, title: str, content: tuple[Sequence[str], Sequence[Sequence[str]]], *, most: int = 1000) -> None:
+        """Print a table of texts; rows beyond the limit are counted."""
+        header, rows = content
+        table = plain_table(*header, title=title)
+        for row in rows[:most]:
+            table.add_row(*row)
+        self._out.print(table)
+        if len(rows) > most:
+            self.print(f"and {len(rows) - most} more")
 
     def findings(self, findings: Iterable[Finding], printed: Collection[str] = ()) -> None:
         """Print findings about the data: a serious one as a warning, any other as a note.
