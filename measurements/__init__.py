@@ -12,8 +12,10 @@ if TYPE_CHECKING:
     from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
     from .files.reading import READERS, read_recording
     from .files.writing import write_table
+    from .findings.channels_read import incomplete_rows
     from .findings.data_findings import data_findings
     from .findings.finding import Finding
+    from .findings.residual_causes import residual_findings
     from .operating_conditions.grouping import Grouping, group_by_condition
     from .operating_conditions.levels import level_tolerance, levels
     from .operating_conditions.phases import Phase, phases, transitions
@@ -73,6 +75,7 @@ _ON_DEMAND = {
     "exclude_rows": "quality.row_exclusion",
     "group_by_condition": "operating_conditions.grouping",
     "identity_notes": "quality.tire_identity",
+    "incomplete_rows": "findings.channels_read",
     "kappa_sweeps": "virtual_bench.programs",
     "level_tolerance": "operating_conditions.levels",
     "levels": "operating_conditions.levels",
@@ -82,6 +85,7 @@ _ON_DEMAND = {
     "read_recording": "files.reading",
     "recording_from": "table_argument",
     "recordings_from": "table_argument",
+    "residual_findings": "findings.residual_causes",
     "select": "operating_conditions.selection",
     "selected": "row_selection.selected",
     "small_tire_program": "virtual_bench.programs",
@@ -125,6 +129,7 @@ __all__ = [
     "exclude_rows",
     "group_by_condition",
     "identity_notes",
+    "incomplete_rows",
     "kappa_sweeps",
     "level_tolerance",
     "levels",
@@ -134,6 +139,7 @@ __all__ = [
     "read_recording",
     "recording_from",
     "recordings_from",
+    "residual_findings",
     "select",
     "selected",
     "small_tire_program",

@@ -10,9 +10,11 @@ import pandas as pd
 
 from tirefmu.symbolic.errors import DataError, WrongType
 
-from .channels import CHANNELS, INPUTS, OUTPUTS
+from .channels import CHANNELS
 from .column_names import check_names
+from .files.columns import check_finite
 from .files.reading import read_recording
+from .quality.incomplete_rows import without_incomplete_rows
 from .quality.plausibility import check_plausible
 from .recording import Recording
 from .row_selection.selected import selected
@@ -43,14 +45,15 @@ def recording_from(
     Returns
     -------
     Recording
-        It has at least one row, finite inputs, outputs that are finite or NaN (not measured), and plausible units.
+        It has at least one row, finite inputs (rows without an input are excluded and counted), outputs that are
+        finite or NaN (not measured), and plausible units.
 
     Raises
     ------
     DataError
-        If a file cannot be read, there is no row, a column resembles an input that the table lacks, an input is not
-        finite, units or signs are implausible, ``signs`` contradicts that of a recording, or ``where`` is invalid or
-        selects no row.
+        If a file cannot be read, there is no row, a column resembles an input that the table lacks, a channel is
+        infinite, too many rows lack an input, units or signs are implausible, ``signs`` contradicts that of a
+        recording, or ``where`` is invalid or selects no row.
     UnknownName
         If the signs are not one of the three conventions.
     WrongType
@@ -79,6 +82,7 @@ def recording_from(
         raise WrongType(parameter, table, ACCEPTED)
     check_names(map(str, recording.table.columns), recording.source)
     _check_numbers(recording)
+    recording = without_incomplete_rows(recording)
     if where is not None:
         recording = selected(recording, where)
     check_plausible(recording)
@@ -141,8 +145,7 @@ def _check_numbers(recording: Recording) -> None:
     """Check the numbers of a table in memory. Those of a file were checked when it was read."""
     if not len(recording):
         raise DataError(f"{recording.source}: no rows")
-    for name in (*INPUTS, *OUTPUTS):
-        values = recording.table[name].to_numpy(dtype=float) if name in recording.table else np.zeros(0)
-        bad = np.flatnonzero(np.isinf(values) if name in OUTPUTS else ~np.isfinite(values))
-        if bad.size:
-            raise DataError(f"{recording.source}: row {bad[0] + 1}: {name} is {values[bad[0]]}")
+    for name in CHANNELS:
+        if name in recording.table:
+            values = recording.table[name].to_numpy(dtype=np.float64)
+            check_finite(values, name, recording.source, lambda row: f"row {row + 1}")

@@ -131,6 +131,8 @@ def evaluate(
     terminal = Terminal(quiet)
     loaded = tire_from(tire)
     recording = recording_from(table, signs=signs, where=where)
+    if incomplete := recording.about.get("incomplete"):
+        raise TirefmuError(f"{table}: {incomplete}: evaluate needs every input of every row")
     terminal.selection(recording)
     with terminal.working(f"evaluating {len(recording)} rows"):
         result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
@@ -202,7 +204,7 @@ def fit(
     check_input_paths(*tables)
     from tirefmu.fitting import assign_folds, cross_validate
     from tirefmu.fitting import fit as run
-    from tirefmu.measurements import data_findings, recordings_from
+    from tirefmu.measurements import data_findings, recordings_from, residual_findings
 
     from .terminal import Terminal
 
@@ -225,7 +227,8 @@ def fit(
             result = replace(result, held_out=held_out)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
-    findings = data_findings(recordings)
+    predicted = [result.tire.evaluate(each.table, signs=each.signs) for each in recordings]
+    findings = [*data_findings(recordings), *residual_findings(recordings, predicted)]
     write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
     terminal.findings(findings, printed=result.notes)
     terminal.fit_result(result)
@@ -332,13 +335,14 @@ def check(
     check_output_paths(json_file, folder=figures)
     check_input_paths(fmu, table)
     from tirefmu.fmu import check as run
-    from tirefmu.measurements import recording_from
+    from tirefmu.measurements import incomplete_rows, recording_from
 
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
     recording = recording_from(table, signs=signs, where=where)
     terminal.selection(recording)
+    terminal.findings(incomplete_rows(recording))
     with terminal.working(f"simulating {fmu.name} over {table.name}"):
         result = run(fmu, recording, tolerance=tolerance, timeout=timeout)
     write_json(json_file, result.to_json())

@@ -62,7 +62,8 @@ def diagnose(
     terminal.selection(recording, *further)
     for one in (recording, *further):
         one.measured()  # raises for a table without a measured output
-    terminal.findings(finding for finding in data_findings([recording]) if finding.serious)
+    shown = ("incomplete rows", "warm-up", "clock")
+    terminal.findings(each for each in data_findings([recording]) if each.serious or each.kind in shown)
     baseline = tire_from(tire) if tire else None
     user_effects = [user_effect(path) for path in user_files]
     tested = [*user_effects, *(candidates or ())] or None

@@ -42,6 +42,8 @@ def inspect(
 
     terminal = Terminal(quiet)
     recordings = recordings_from(tables, signs=signs, where=where)
+    for recording in recordings:
+        recording.measured()  # raises for a table without a measured output
     with terminal.working("inspecting"):
         inspections, findings = run(recordings)
         if selection:

@@ -80,6 +80,8 @@ class Terminal:
 
     def table(self, title: str, content: tuple[Sequence[str], Sequence[Sequence[str]]], *, most: int = 1000) -> None:
         """Print a table of texts; rows beyond the limit are counted."""
+        if self._out.quiet:
+            return  # rendering takes longer than an inspection
         header, rows = content
         table = plain_table(*header, title=title)
         for row in rows[:most]:

@@ -16,11 +16,13 @@ from tirefmu.symbolic.errors import DataError, TirefmuError
 
 from ..channels import CHANNELS, INPUTS, channel
 from ..column_names import check_names
+from ..thresholds import MOST_INCOMPLETE
 from ..units import to_si
 
 #: Upper limits: columns of a table, characters of a header that may declare a unit.
 MOST_COLUMNS, LONGEST_HEADER = 5000, 200
 _HEADER = re.compile(r"(?P<name>[^\[\]]*?)\s*\[(?P<unit>[^\[\]]*)\]")
+_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -133,8 +135,8 @@ def channels_in_si(
     Raises
     ------
     DataError
-        If there are no rows, a cell of a channel is not a number or infinite, an input is NaN, or a declared unit is
-        unknown or one of another quantity.
+        If there are no rows, a cell of a channel is not a number or infinite, more than `MOST_INCOMPLETE` of an input
+        is NaN, or a declared unit is unknown or one of another quantity.
     """
     if table.empty:
         raise DataError(f"{source}: no rows")
@@ -151,7 +153,9 @@ def channels_in_si(
 
 
 def check_finite(values: NDArray[np.float64], name: str, source: str, location: Callable[[int], str]) -> None:
-    """Check that a channel has no infinities, and an input no NaN.
+    """Check that a channel has no infinities, and an input few NaN.
+
+    Rows without an input are excluded later (`without_incomplete_rows`).
 
     Parameters
     ----------
@@ -172,13 +176,14 @@ def check_finite(values: NDArray[np.float64], name: str, source: str, location: 
     >>> check_finite(np.array([0.0, np.nan]), "alpha", "a.csv", lambda row: f"line {row + 2}")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.DataError: a.csv: line 3: alpha is NaN (1 of 2 rows)
+    tirefmu.symbolic.errors.DataError: a.csv: line 3: alpha is NaN (1 of 2 rows): up to 20 % are excluded
     """
     infinite, unknown = np.isinf(values), np.isnan(values) & (name in INPUTS)
-    for bad, kind in ((infinite, "infinite"), (unknown, "NaN")):
-        if bad.any():
+    for bad, kind, most in ((infinite, "infinite", 0.0), (unknown, "NaN", MOST_INCOMPLETE)):
+        if bad.mean() > most:
             first = location(int(np.flatnonzero(bad)[0]))
-            raise DataError(f"{source}: {first}: {name} is {kind} ({bad.sum()} of {len(values)} rows)")
+            limit = f": up to {100.0 * most:g} % are excluded" if most else ""
+            raise DataError(f"{source}: {first}: {name} is {kind} ({bad.sum()} of {len(values)} rows){limit}")
 
 
 def _numbers(cells: pd.Series, source: str, location: Callable[[int], str]) -> NDArray[np.float64]:
@@ -193,7 +198,8 @@ def _numbers(cells: pd.Series, source: str, location: Callable[[int], str]) -> N
     except (TypeError, ValueError):
         row = next(row for row, cell in enumerate(objects) if not _is_number(cell))
         shown = str(cells.iloc[row])
-        raise DataError(f"{source}: {location(row)}: column {cells.name}: {shown!r} is not a number") from None
+        hint = f": a decimal comma? write {shown.replace(',', '.')}" if _COMMA.fullmatch(shown.strip()) else ""
+        raise DataError(f"{source}: {location(row)}: column {cells.name}: {shown!r} is not a number{hint}") from None
 
 
 def _is_number(cell: Any) -> bool:

@@ -1,4 +1,4 @@
-"""Slip columns that are missing, and columns that are not read."""
+"""Slip columns that are missing, columns that are not read, rows that lack an input."""
 
 from __future__ import annotations
 
@@ -69,3 +69,18 @@ def unread_channels(recording: Recording) -> Iterator[Finding]:
             "unread columns",
             f"{recording.source}: columns that are no channels are not fitted: {', '.join(names[:MOST_NAMES])}{more}",
         )
+
+
+def incomplete_rows(recording: Recording) -> Iterator[Finding]:
+    """Yield a finding if rows were excluded because an input is NaN.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Yields
+    ------
+    Finding
+    """
+    if text := recording.about.get("incomplete"):
+        yield Finding("incomplete rows", f"{recording.source}: {text}: excluded, and rows are numbered without them")

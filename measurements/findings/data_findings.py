@@ -8,8 +8,12 @@ from ..quality.coverage import coverage_notes
 from ..quality.plausibility import convention_notes
 from ..quality.tire_identity import identity_notes
 from ..recording import Recording
-from .channels_read import missing_slips, unread_channels
+from .channels_read import incomplete_rows, missing_slips, unread_channels
+from .clock_and_units import clock_jumps, mixed_units, unlabelled_speed
+from .equal_conditions import friction_differences, stiffness_differences
 from .finding import Finding, headline_first
+from .repetition import repeated_files, repeated_rows
+from .run_order import confounded_with_order, warm_up
 
 
 def data_findings(recordings: Sequence[Recording]) -> list[Finding]:
@@ -32,6 +36,9 @@ def data_findings(recordings: Sequence[Recording]) -> list[Finding]:
     a.csv: NO COLUMN alpha (slip angle): Fy cannot be fitted, and every row counts as alpha = 0
     """
     found = [Finding("two tires", note, serious=True) for note in identity_notes(recordings)]
+    found = found or list(friction_differences(recordings))
+    found += repeated_files(recordings)
+    found += stiffness_differences(recordings)
     for recording in recordings:
         found += _findings_of(recording)
     return headline_first(found)
@@ -43,4 +50,11 @@ def _findings_of(recording: Recording) -> Iterator[Finding]:
         yield Finding("sign convention", note, serious=True)
     for note in coverage_notes(recording):
         yield Finding("coverage", note)
+    yield from incomplete_rows(recording)
+    yield from repeated_rows(recording)
+    yield from warm_up(recording)
+    yield from confounded_with_order(recording)
+    yield from clock_jumps(recording)
+    yield from mixed_units(recording)
+    yield from unlabelled_speed(recording)
     yield from unread_channels(recording)

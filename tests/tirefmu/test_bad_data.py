@@ -63,7 +63,9 @@ REFUSED = {
     ),
     "inclination in degrees": (lambda t: [t.assign(gamma=4.0)], "a.csv: gamma reaches 4 rad: in degrees?"),
     "slip in percent": (lambda t: [t.assign(kappa=100 * t["kappa"])], "a.csv: kappa reaches 20: in percent?"),
-    "NaN in an input": (lambda t: [t.assign(Fz=t["Fz"].where(t.index != 7))], "a.csv: line 9: Fz is NaN (1 of 1200"),
+    "NaN in most rows of an input": (
+        lambda t: [t.assign(Fz=t["Fz"].where(t.index % 3 == 0))], "a.csv: line 3: Fz is NaN (800 of 1200",
+    ),
     "infinity in an output": (lambda t: [t.assign(Fx=t["Fx"].where(t.index != 7, np.inf))], "a.csv: line 9: Fx is inf"),
     "one row": (lambda t: [t.iloc[:1]], "is measured over a varying slip: nothing to fit"),
     "no row": (lambda t: [t.iloc[:0]], "a.csv: no rows"),
@@ -85,6 +87,10 @@ REPORTED = {
     ),
     "moment of the other sign": (lambda t: [t.assign(Mz=-t["Mz"])], "a.csv: Mz falls with alpha at small angles"),
     "slip of the other sign": (lambda t: [t.assign(Fx=-t["Fx"])], "a.csv: Fx falls with kappa, but kappa > 0 drives"),
+    "NaN in an input": (
+        lambda t: [t.assign(Fz=t["Fz"].where(t.index != 7))],
+        "a.csv: 1 of 1200 rows lack an input: NaN in Fz (1), the first in row 8: excluded",
+    ),
     "two tires in two files": (
         lambda t: [side_alone(t), side_alone(sweeps(1.1, seed=1))], "two tires? at 900 N, mu_y is 1.4",
     ),

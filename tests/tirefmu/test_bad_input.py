@@ -21,7 +21,7 @@ def folder(tmp_path, bench_csv, published_tir, chain, monkeypatch):
     odd = {
         "names.csv": table.rename(columns={"alpha": "slip_angle", "Fz": "load"}),
         "upper.csv": table.rename(columns={"Fx": "FX", "Fy": "FY", "Mz": "MZ"}),
-        "nan.csv": table.assign(alpha=table["alpha"].where(table.index != 7)),
+        "nan.csv": table.assign(alpha=table["alpha"].where(table.index < 7)),
         "degrees.csv": table.assign(alpha=np.degrees(table["alpha"])),
         "percent.csv": table.assign(kappa=100 * table["kappa"]),
         "negative.csv": table.assign(Fz=-table["Fz"]),
