@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from .channels import CHANNELS, INPUTS, OUTPUTS, Channel, channel
     from .files.reading import READERS, read_recording
     from .files.writing import write_table
+    from .findings.channels_read import incomplete_rows
+    from .findings.data_findings import data_findings
+    from .findings.finding import Finding
+    from .findings.residual_causes import residual_findings
     from .operating_conditions.grouping import Grouping, group_by_condition
     from .operating_conditions.levels import level_tolerance, levels
     from .operating_conditions.phases import Phase, phases, transitions
@@ -22,6 +26,7 @@ if TYPE_CHECKING:
     from .quality.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
     from .quality.tire_identity import identity_notes
     from .recording import Recording
+    from .row_selection.selected import selected
     from .table_argument import TableLike, recording_from, recordings_from
     from .units import to_si
     from .virtual_bench.bench import TestedTire, VirtualBench
@@ -47,6 +52,7 @@ _ON_DEMAND = {
     "ChannelNoise": "virtual_bench.sensor_noise",
     "Condition": "operating_conditions.selection",
     "Coverage": "quality.coverage",
+    "Finding": "findings.finding",
     "Grouping": "operating_conditions.grouping",
     "Near": "operating_conditions.selection",
     "Noise": "virtual_bench.sensor_noise",
@@ -65,9 +71,11 @@ _ON_DEMAND = {
     "convention_notes": "quality.plausibility",
     "coverage": "quality.coverage",
     "coverage_notes": "quality.coverage",
+    "data_findings": "findings.data_findings",
     "exclude_rows": "quality.row_exclusion",
     "group_by_condition": "operating_conditions.grouping",
     "identity_notes": "quality.tire_identity",
+    "incomplete_rows": "findings.channels_read",
     "kappa_sweeps": "virtual_bench.programs",
     "level_tolerance": "operating_conditions.levels",
     "levels": "operating_conditions.levels",
@@ -77,7 +85,9 @@ _ON_DEMAND = {
     "read_recording": "files.reading",
     "recording_from": "table_argument",
     "recordings_from": "table_argument",
+    "residual_findings": "findings.residual_causes",
     "select": "operating_conditions.selection",
+    "selected": "row_selection.selected",
     "small_tire_program": "virtual_bench.programs",
     "steady_points": "virtual_bench.programs",
     "to_si": "units",
@@ -96,6 +106,7 @@ __all__ = [
     "ChannelNoise",
     "Condition",
     "Coverage",
+    "Finding",
     "Grouping",
     "Near",
     "Noise",
@@ -114,9 +125,11 @@ __all__ = [
     "convention_notes",
     "coverage",
     "coverage_notes",
+    "data_findings",
     "exclude_rows",
     "group_by_condition",
     "identity_notes",
+    "incomplete_rows",
     "kappa_sweeps",
     "level_tolerance",
     "levels",
@@ -126,7 +139,9 @@ __all__ = [
     "read_recording",
     "recording_from",
     "recordings_from",
+    "residual_findings",
     "select",
+    "selected",
     "small_tire_program",
     "steady_points",
     "to_si",

@@ -12,7 +12,8 @@ import pandas as pd
 from tirefmu.symbolic.errors import DataError
 from tirefmu.tires.signs import convert_signs, reversed_columns
 
-from .channels import OUTPUTS, intended_channel
+from .channels import OUTPUTS
+from .column_names import check_names
 from .summary import recording_html, recording_text
 from .thresholds import LOGGING_GAP
 
@@ -94,21 +95,19 @@ class Recording:
         Raises
         ------
         DataError
-            If there is none. The message suggests columns that look like outputs.
+            If there is none, or a column resembles an output that the table lacks (`check_names`).
 
         Examples
         --------
         >>> Recording(pd.DataFrame({"Fz": [900.0], "FX": [1.0]}), "iso", "a.csv").measured()
         Traceback (most recent call last):
         ...
-        tirefmu.symbolic.errors.DataError: a.csv: no measured output (Fx, Fy, Mz, Mx, My): is column 'FX' Fx?
+        tirefmu.symbolic.errors.DataError: a.csv: column 'FX' is not a channel: did you mean Fx?
         """
+        check_names(map(str, self.table.columns), self.source, OUTPUTS)
         found = tuple(name for name in OUTPUTS if name in self.table and self.table[name].notna().any())
         if not found:
-            similar = [(str(column), intended_channel(str(column))) for column in self.table.columns]
-            hints = [f"is column {column!r} {name}?" for column, name in similar if name in OUTPUTS and column != name]
-            hint = ": " + " ".join(hints) if hints else ""
-            raise DataError(f"{self.source}: no measured output ({', '.join(OUTPUTS)}){hint}")
+            raise DataError(f"{self.source}: no measured output ({', '.join(OUTPUTS)})")
         return found
 
     def segments(self) -> list[slice]:

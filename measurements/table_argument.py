@@ -10,17 +10,23 @@ import pandas as pd
 
 from tirefmu.symbolic.errors import DataError, WrongType
 
-from .channels import CHANNELS, INPUTS, OUTPUTS
+from .channels import CHANNELS
+from .column_names import check_names
+from .files.columns import check_finite
 from .files.reading import read_recording
+from .quality.incomplete_rows import without_incomplete_rows
 from .quality.plausibility import check_plausible
 from .recording import Recording
+from .row_selection.selected import selected
 
 #: Types that the functions of the public interface accept as a table.
 TableLike = Recording | pd.DataFrame | str | os.PathLike[str]
 ACCEPTED = "the path of a file, a DataFrame or a Recording"
 
 
-def recording_from(table: TableLike, *, signs: str | None = None, parameter: str = "table") -> Recording:
+def recording_from(
+    table: TableLike, *, signs: str | None = None, where: str | None = None, parameter: str = "table"
+) -> Recording:
     """Return the recording for a path, a DataFrame or a recording.
 
     Parameters
@@ -30,19 +36,24 @@ def recording_from(table: TableLike, *, signs: str | None = None, parameter: str
     signs : str, optional
         The convention of the table. Default: that of the format of a file (`read_recording`), ISO for a DataFrame, and
         that of a recording.
+    where : str, optional
+        Rows to select: an expression such as ``t > 120 and p in 70..90 kPa``, or a file with one
+        (`tirefmu.measurements.selected`). Default: all.
     parameter : str
         Name of the caller's parameter, for the message.
 
     Returns
     -------
     Recording
-        It has at least one row, finite inputs, outputs that are finite or NaN (not measured), and plausible units.
+        It has at least one row, finite inputs (rows without an input are excluded and counted), outputs that are
+        finite or NaN (not measured), and plausible units.
 
     Raises
     ------
     DataError
-        If a file cannot be read, there is no row, an input is not finite, units or signs are implausible, or
-        ``signs`` contradicts that of a recording.
+        If a file cannot be read, there is no row, a column resembles an input that the table lacks, a channel is
+        infinite, too many rows lack an input, units or signs are implausible, ``signs`` contradicts that of a
+        recording, or ``where`` is invalid or selects no row.
     UnknownName
         If the signs are not one of the three conventions.
     WrongType
@@ -69,12 +80,18 @@ def recording_from(table: TableLike, *, signs: str | None = None, parameter: str
         recording = read_recording(table, signs=signs)
     else:
         raise WrongType(parameter, table, ACCEPTED)
+    check_names(map(str, recording.table.columns), recording.source)
     _check_numbers(recording)
+    recording = without_incomplete_rows(recording)
+    if where is not None:
+        recording = selected(recording, where)
     check_plausible(recording)
     return recording
 
 
-def recordings_from(tables: TableLike | Iterable[TableLike], *, signs: str | None = None) -> list[Recording]:
+def recordings_from(
+    tables: TableLike | Iterable[TableLike], *, signs: str | None = None, where: str | None = None
+) -> list[Recording]:
     """Return the recordings of one or several tables.
 
     Parameters
@@ -83,6 +100,8 @@ def recordings_from(tables: TableLike | Iterable[TableLike], *, signs: str | Non
         Each as for `recording_from`.
     signs : str, optional
         The convention of all tables.
+    where : str, optional
+        Rows to select in each table; an expression may distinguish them by ``file``.
 
     Returns
     -------
@@ -100,10 +119,10 @@ def recordings_from(tables: TableLike | Iterable[TableLike], *, signs: str | Non
     (1, 2)
     """
     if isinstance(tables, (Recording, pd.DataFrame, str, os.PathLike)):
-        return [recording_from(tables, signs=signs, parameter="tables")]
+        return [recording_from(tables, signs=signs, where=where, parameter="tables")]
     if not hasattr(tables, "__iter__") or isinstance(tables, (bytes, Mapping, np.ndarray)):
         raise WrongType("tables", tables, f"{ACCEPTED}, or a sequence of them")
-    return [recording_from(table, signs=signs, parameter=f"tables[{i}]") for i, table in enumerate(tables)]
+    return [recording_from(table, signs=signs, where=where, parameter=f"tables[{i}]") for i, table in enumerate(tables)]
 
 
 def _numeric(table: pd.DataFrame) -> pd.DataFrame:
@@ -126,8 +145,7 @@ def _check_numbers(recording: Recording) -> None:
     """Check the numbers of a table in memory. Those of a file were checked when it was read."""
     if not len(recording):
         raise DataError(f"{recording.source}: no rows")
-    for name in (*INPUTS, *OUTPUTS):
-        values = recording.table[name].to_numpy(dtype=float) if name in recording.table else np.zeros(0)
-        bad = np.flatnonzero(np.isinf(values) if name in OUTPUTS else ~np.isfinite(values))
-        if bad.size:
-            raise DataError(f"{recording.source}: row {bad[0] + 1}: {name} is {values[bad[0]]}")
+    for name in CHANNELS:
+        if name in recording.table:
+            values = recording.table[name].to_numpy(dtype=np.float64)
+            check_finite(values, name, recording.source, lambda row: f"row {row + 1}")

@@ -151,3 +151,50 @@ LOWEST_KPA = 30.0
 #: Fraction of the load. If FX is larger, the wheel was driven or braked: rolling resistance and the component of the
 #: side force stay below it. Judgement.
 FREE_ROLLING_FORCE = 0.15
+
+# ---------------------------------------------------------------- incomplete rows: `quality.incomplete_rows`
+
+#: Fraction of the rows. Rows without an input are excluded up to this share; with more, the file is refused: what
+#: remains is not the test that was run. Judgement.
+MOST_INCOMPLETE = 0.2
+
+# ---------------------------------------------------------------- findings: `findings`
+
+#: Fraction of the rows. If more occur twice, the same data were joined or given twice. Judgement: rows of a recording
+#: differ by noise, so that chance repeats hardly any.
+MOST_REPEATED_ROWS = 0.01
+#: Fraction of the rows. If more occur twice, the repetition changes the weights of a fit seriously. Judgement.
+SERIOUS_REPEATED_ROWS = 0.2
+#: Rows. A shorter stretch of equal rows is chance, or the turning point of a sweep without noise. Judgement.
+SHORTEST_REPETITION = 20
+#: s, window of the running median of the tread temperature: longer than a sweep, shorter than a warm-up.
+TEMPERATURE_WINDOW = 20.0
+#: K below the later tread temperature, averaged over sweeps. A recording that starts colder warms up. Judgement: the
+#: reference changes by less over the sweeps of a warm tire at equal slip.
+COOL_TREAD = 4.0
+#: m/s. A median speed above it without a declared unit may be in km/h: common test speeds are 30 to 120 km/h, and few
+#: benches run at more than 90 km/h. Judgement.
+FAST = 25.0
+#: Relative. Levels in two units have the ratio of the units up to the control of the bench. Judgement.
+RATIO_TOLERANCE = 0.02
+#: Ratio of the largest friction at equal operating conditions. Above it two tires are probable: pressure, camber and
+#: temperature change friction by less than a fifth.
+FRICTION_RATIO = 1.3
+#: Ratio of loads, and level tolerances of all other held inputs, within which operating conditions are equal.
+EQUAL_LOAD_RATIO, EQUAL_TOLERANCES = 1.1, 2.0
+#: Largest force of a sweep: quantile of |F/Fz|, so that outliers do not matter. Judgement.
+FRICTION_QUANTILE = 0.98
+#: Fraction, and standard errors, beyond which the slip stiffness of two recordings differs. Judgement: repeated sweeps
+#: of one tire agree within 5 %.
+STIFFNESS_DIFFERENCE, DIFFERENCE_ERRORS = 0.05, 3.0
+#: rad (0.1 deg). A smaller difference of the slip angle of zero side force is that of the alignment of the wheel.
+SHIFT_DIFFERENCE = 0.0017
+#: rad, slip angle on either side of zero at which the stiffness between recordings is compared; rad, half width of
+#: the rows that are averaged there; |kappa| that counts as free rolling.
+COMPARED_ANGLE, COMPARED_WIDTH, FREE_ROLLING_SLIP = 0.02, 0.006, 0.01
+#: Rows over which the noise of a force is correlated: a tenth of a second at 100 Hz, about one wheel revolution.
+CORRELATED_ROWS = 10
+#: Fraction of the mean squared residual. A cause that explains less is not reported. Judgement.
+LEAST_EXPLAINED = 0.03
+#: K. If the tread temperature varies by less (5 to 95 %), its influence cannot be estimated. Judgement.
+LEAST_TEMPERATURE_RANGE = 3.0

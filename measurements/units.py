@@ -35,6 +35,7 @@ class Unit:
 UNITS: dict[str, Unit] = {
     **dict.fromkeys(("s", "sec", "second", "seconds"), Unit("time")),
     "ms": Unit("time", 1e-3),
+    "min": Unit("time", 60.0),
     "rad": Unit("angle"),
     **dict.fromkeys(("deg", "degree", "degrees"), Unit("angle", np.pi / 180.0)),
     **dict.fromkeys(("", "none", "1", "fraction", "unitless"), Unit("ratio")),

@@ -37,9 +37,20 @@ SUBPACKAGES = {
         "published_tires": {"property_file", "tire"},
     },
     "measurements": {
-        "files": {"channels", "recording", "thresholds", "units"},
+        "files": {"channels", "column_names", "quality", "recording", "thresholds", "units"},
         "operating_conditions": {"channels", "recording", "thresholds"},
+        "row_selection": {"channels", "column_names", "operating_conditions", "recording", "units"},
         "virtual_bench": {"channels", "recording", "units"},
+        "findings": {
+            "channels",
+            "column_names",
+            "operating_conditions",
+            "quality",
+            "recording",
+            "thresholds",
+            "units",
+        },
+        "inspection": {"channels", "findings", "operating_conditions", "quality", "recording"},
         "quality": {"channels", "operating_conditions", "recording", "thresholds"},
     },
     "fitting": {

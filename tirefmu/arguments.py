@@ -21,6 +21,12 @@ MODEL = click.option(
 )
 SIGNS = click.Choice(["iso", "sae", "adapted-sae"])
 FILE = click.Path(path_type=Path)
+#: Option of the commands that read tables.
+WHERE = click.option(
+    "--where",
+    metavar="EXPRESSION",
+    help='Rows to use, such as "t > 120 and p in 70..90 kPa", or a file with an expression (.where, .txt).',
+)
 
 
 class Pairs(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # generic since click 8.4

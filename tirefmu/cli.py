@@ -21,6 +21,7 @@ from .arguments import (
     FILE,
     MODEL,
     SIGNS,
+    WHERE,
     Numbers,
     Pairs,
     check_input_paths,
@@ -32,6 +33,7 @@ from .arguments import (
 from .diagnose_command import diagnose
 from .generate_command import generate
 from .host_commands import convert, lint
+from .inspect_command import inspect
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -62,6 +64,7 @@ def cli() -> None:
     show_default=True,
     help="MF5.2 to 6.2: alpha* and gamma* are tangent and sine, or the angles.",
 )
+@WHERE
 @click.option("--limits", is_flag=True, help="Clamp the inputs to the valid range of the tire.")
 @click.option("--mirror", is_flag=True, help="Evaluate the tire mounted on the other side of the vehicle.")
 @click.option("--steady", is_flag=True, help="No transient slip: evaluate each row independently.")
@@ -74,6 +77,7 @@ def evaluate(
     table: Path,
     output: Path,
     signs: str | None,
+    where: str | None,
     code: str,
     quiet: bool,
     json_file: Path | None,
@@ -92,7 +96,10 @@ def evaluate(
 
     terminal = Terminal(quiet)
     loaded = tire_from(tire)
-    recording = recording_from(table, signs=signs)
+    recording = recording_from(table, signs=signs, where=where)
+    if incomplete := recording.about.get("incomplete"):
+        raise TirefmuError(f"{table}: {incomplete}: evaluate needs every input of every row")
+    terminal.selection(recording)
     with terminal.working(f"evaluating {len(recording)} rows"):
         result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
         write_table(result, output)
@@ -136,6 +143,7 @@ def evaluate(
               help="Loss function: squares; huber or cauchy for data with outliers.")  # fmt: skip
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
+@WHERE
 @click.option("--all-rows", is_flag=True, help="Do not exclude rows (warm-up, transitions, outliers).")
 @click.option("--rows", default="condition", show_default=True,
               help="Weights of rows: condition (equal per operating condition), equal, or independent.")  # fmt: skip
@@ -149,7 +157,8 @@ def fit(
     tables: tuple[Path, ...], model: str | None, output: Path, start: Path | None, effects: tuple[str, ...] | None,
     without: tuple[str, ...], recipe: str | None, method: str, iterations: int | None, seed: int,
     constraint: tuple[str, ...], without_constraint: tuple[str, ...], loss: str,
-    nominal: dict[str, float] | None, signs: str | None, all_rows: bool, rows: str, resume: bool, folds: int | None,
+    nominal: dict[str, float] | None, signs: str | None, where: str | None, all_rows: bool,
+    rows: str, resume: bool, folds: int | None,
     figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
@@ -161,12 +170,13 @@ def fit(
     check_input_paths(*tables)
     from tirefmu.fitting import assign_folds, cross_validate
     from tirefmu.fitting import fit as run
-    from tirefmu.measurements import recordings_from
+    from tirefmu.measurements import data_findings, recordings_from, residual_findings
 
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
-    recordings = recordings_from(tables, signs=signs)
+    recordings = recordings_from(tables, signs=signs, where=where)
+    terminal.selection(*recordings)
     if folds:
         assign_folds(recordings, folds)  # raises before the fit if there are too few parts
     finished_stages = output.with_name(f"{output.stem}.progress.json")
@@ -183,7 +193,10 @@ def fit(
             result = replace(result, held_out=held_out)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
-    write_json(json_file, result.to_json())
+    predicted = [result.tire.evaluate(each.table, signs=each.signs) for each in recordings]
+    findings = [*data_findings(recordings), *residual_findings(recordings, predicted)]
+    write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
+    terminal.findings(findings, printed=result.notes)
     terminal.fit_result(result)
     terminal.print(f"tire: {output}")
     if result.interrupted and finished_stages.exists():
@@ -267,6 +280,7 @@ def export(
 @click.argument("fmu", type=FILE)
 @click.argument("table", type=FILE)
 @click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat and .dat, iso for tables).")
+@WHERE
 @click.option(
     "--tolerance",
     type=click.FloatRange(min=0.0),
@@ -277,8 +291,8 @@ def export(
 @click.option("--figures", type=FILE, help="Folder for figures of the data, the FMU and the error over time.")
 @common
 def check(
-    fmu: Path, table: Path, signs: str | None, tolerance: float | None, timeout: float | None, figures: Path | None,
-    quiet: bool, json_file: Path | None,
+    fmu: Path, table: Path, signs: str | None, where: str | None, tolerance: float | None, timeout: float | None,
+    figures: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Simulate FMU with fmpy over TABLE and compare with the data and with direct evaluation.
 
@@ -287,12 +301,16 @@ def check(
     check_output_paths(json_file, folder=figures)
     check_input_paths(fmu, table)
     from tirefmu.fmu import check as run
+    from tirefmu.measurements import incomplete_rows, recording_from
 
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
+    recording = recording_from(table, signs=signs, where=where)
+    terminal.selection(recording)
+    terminal.findings(incomplete_rows(recording))
     with terminal.working(f"simulating {fmu.name} over {table.name}"):
-        result = run(fmu, table, signs=signs, tolerance=tolerance, timeout=timeout)
+        result = run(fmu, recording, tolerance=tolerance, timeout=timeout)
     write_json(json_file, result.to_json())
     terminal.print(*str(result).split("\n"))
     if figures:
@@ -376,6 +394,7 @@ cli.add_command(diagnose)
 cli.add_command(generate)
 cli.add_command(convert)
 cli.add_command(lint)
+cli.add_command(inspect)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -10,7 +10,18 @@ import click
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import TirefmuError
 
-from .arguments import FILE, MODEL, SIGNS, Pairs, check_input_paths, check_output_paths, common, names, write_json
+from .arguments import (
+    FILE,
+    MODEL,
+    SIGNS,
+    WHERE,
+    Pairs,
+    check_input_paths,
+    check_output_paths,
+    common,
+    names,
+    write_json,
+)
 
 
 @click.command()
@@ -20,6 +31,7 @@ from .arguments import FILE, MODEL, SIGNS, Pairs, check_input_paths, check_outpu
 @click.option("--effects", callback=names, help="Effects of the baseline model in addition to its core, or 'none'.")
 @click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
 @click.option("--signs", type=SIGNS, help="Convention of the table (default: sae for .mat and .dat, iso for tables).")
+@WHERE
 @click.option("--candidates", callback=names, help="Test these effects only.")
 @click.option("--effect", "user_files", type=FILE, multiple=True, help="Effect file to test too; may be repeated.")
 @click.option("--holdout", "others", type=FILE, multiple=True,
@@ -30,8 +42,8 @@ from .arguments import FILE, MODEL, SIGNS, Pairs, check_input_paths, check_outpu
 def diagnose(
     table: Path, tire: Path | None, model: str | None, effects: tuple[str, ...] | None,
     nominal: dict[str, float] | None,
-    signs: str | None, candidates: tuple[str, ...] | None, user_files: tuple[Path, ...], others: tuple[Path, ...],
-    fmus: bool, output: Path, quiet: bool, json_file: Path | None,
+    signs: str | None, where: str | None, candidates: tuple[str, ...] | None, user_files: tuple[Path, ...],
+    others: tuple[Path, ...], fmus: bool, output: Path, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Identify the effect that a tire model lacks, from the recording TABLE; add it and report the smaller error."""
     check_output_paths(json_file, folder=output)
@@ -40,15 +52,18 @@ def diagnose(
     check_input_paths(table, *others, *user_files, *([tire] if tire else []))
     from tirefmu.diagnosis import diagnose as run
     from tirefmu.diagnosis import export_and_simulate, write_report
-    from tirefmu.measurements import recordings_from
+    from tirefmu.measurements import data_findings, recordings_from
     from tirefmu.tires import tire_from
 
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
-    recording, *further = recordings_from([table, *others], signs=signs)
+    recording, *further = recordings_from([table, *others], signs=signs, where=where)
+    terminal.selection(recording, *further)
     for one in (recording, *further):
         one.measured()  # raises for a table without a measured output
+    shown = ("incomplete rows", "warm-up", "clock")
+    terminal.findings(each for each in data_findings([recording]) if each.serious or each.kind in shown)
     baseline = tire_from(tire) if tire else None
     user_effects = [user_effect(path) for path in user_files]
     tested = [*user_effects, *(candidates or ())] or None

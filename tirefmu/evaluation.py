@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from tirefmu.measurements.column_names import check_names
 from tirefmu.tires import TireLike, tire_from
 
 
@@ -36,4 +37,6 @@ def evaluate(tire: TireLike, table: Any, **options: Any) -> pd.DataFrame:
     >>> evaluate("trento_hoosier", table)["Fy"].round().tolist()
     [-89.0, 1948.0]
     """
+    if isinstance(table, pd.DataFrame):
+        check_names(map(str, table.columns), "table")
     return tire_from(tire).evaluate(table, **options)

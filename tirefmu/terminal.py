@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -20,6 +20,7 @@ from .fit_tables import fit_lines, plain_table
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
     from tirefmu.fitting.solvers.interruption import Progress
+    from tirefmu.measurements import Finding, Recording
 
 
 class Terminal:
@@ -70,6 +71,35 @@ class Terminal:
                 status.update(f"{visible(stage)}: iteration {iteration}, cost {cost:.6g}")
 
             yield progress
+
+    def selection(self, *recordings: Recording) -> None:
+        """Print how many rows of each recording were selected, if rows were selected."""
+        for recording in recordings:
+            if count := recording.about.get("selected"):
+                self.print(f"{recording.source}: {count}")
+
+    def table(self, title: str, content: tuple[Sequence[str], Sequence[Sequence[str]]], *, most: int = 1000) -> None:
+        """Print a table of texts; rows beyond the limit are counted."""
+        if self._out.quiet:
+            return  # rendering takes longer than an inspection
+        header, rows = content
+        table = plain_table(*header, title=title)
+        for row in rows[:most]:
+            table.add_row(*row)
+        self._out.print(table)
+        if len(rows) > most:
+            self.print(f"and {len(rows) - most} more")
+
+    def findings(self, findings: Iterable[Finding], printed: Collection[str] = ()) -> None:
+        """Print findings about the data: a serious one as a warning, any other as a note.
+
+        A note whose text is printed elsewhere (`printed`) is omitted; a warning never.
+        """
+        for finding in findings:
+            if finding.serious:
+                self._out.print(Text.assemble(("warning: ", "bold red"), visible(str(finding))))
+            elif finding.text not in printed:
+                self.print(f"note: {finding}")
 
     def fit_result(self, result: FitResult) -> None:
         """Print a fit: coefficients, goodness of fit, constraints, findings about the data, and status."""

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from tirefmu.fitting.reporting.page import inlined, page_text, write_page
 from tirefmu.measurements import Recording, TableLike, recording_from
 from tirefmu.symbolic.errors import DataError, path_from
+from tirefmu.tires.drawing.page import inlined, page_text, write_page
 from tirefmu.tires.tire import Tire
 
 from ..verdict.result import Diagnosis

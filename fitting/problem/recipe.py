@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from importlib.resources import files
-from math import inf, isfinite, isnan, radians
+from math import inf, isfinite, isnan
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.measurements.channels import CHANNELS
+from tirefmu.measurements.row_selection.expression import parse_range, parse_selection
+from tirefmu.measurements.row_selection.rows import Rows
 from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.effects import EFFECTS
-from tirefmu.symbolic.errors import FitError, UnknownName
+from tirefmu.symbolic.errors import DataError, FitError, UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import MODELS
 from tirefmu.symbolic.models import model as model_of
@@ -25,12 +28,11 @@ from tirefmu.symbolic.models import model as model_of
 LARGEST_FILE = 1_000_000
 #: The recipes that come with the package.
 RECIPES = ("progressive", "joint", "trento", "scaling")
-UNITS = {"": 1.0, "rad": 1.0, "deg": radians(1.0), "N": 1.0, "kN": 1e3, "%": 0.01}
 #: The keys of a recipe and of a stage, with the types of their values.
 RECIPE_KEYS: dict[str, type] = {"name": str, "description": str, "models": list, "scales": bool, "stage": list}
 STAGE_KEYS: dict[str, type] = {
-    "name": str, "channels": list, "where": dict, "hold": list, "free": dict, "sections": list, "effects": list,
-    "rows": int, "weights": str, "again": list,
+    "name": str, "channels": list, "where": dict, "select": str, "hold": list, "free": dict, "sections": list,
+    "effects": list, "rows": int, "weights": str, "again": list,
 }  # fmt: skip
 KINDS = {
     bool: "true or false",
@@ -40,8 +42,6 @@ KINDS = {
     int: "a whole number",
     float: "a number",
 }
-NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-CONDITION = re.compile(rf"^\s*(?P<value>[-+]?{NUMBER})\s*\+-\s*(?P<tolerance>{NUMBER})\s*(?P<unit>\S*)\s*$")
 
 
 @dataclass(frozen=True)
@@ -64,6 +64,8 @@ class Stage:
         The fitted channels; all measured channels if empty.
     where : dict of str to list of (float, float)
         Operating conditions: values and tolerances of inputs, SI units, adapted SAE.
+    selection : Rows or None
+        Condition of the key ``select``, an expression of channels as in ``--where``, in adapted SAE.
     hold : tuple of str
         Inputs whose measured values are replaced by the nearest value in `where`.
     free : dict of str to Freed
@@ -93,17 +95,20 @@ class Stage:
     rows: int | None
     weights: str
     again: tuple[Mapping[str, float], ...] = ()
+    selection: Rows | None = None
 
     def select(self, table: pd.DataFrame) -> pd.DataFrame:
         """Return the rows of a table (adapted SAE) that meet all conditions, with held inputs at their levels."""
         chosen = np.ones(len(table), dtype=bool)
         for channel, levels in self.where.items():
-            values = table[channel].to_numpy() if channel in table else np.zeros(len(table))
+            values = _values_of(table, channel)
             chosen &= np.any([np.abs(values - value) <= tolerance for value, tolerance in levels], axis=0)
+        if self.selection is not None:
+            chosen &= self.selection.matches(lambda channel: _values_of(table, channel), "")
         rows = table[chosen]
         for channel in self.hold:
             held = np.array([value for value, _ in self.where[channel]])
-            values = rows[channel].to_numpy() if channel in rows else np.zeros(len(rows))
+            values = _values_of(rows, channel)
             nearest = np.abs(values[:, None] - held).argmin(axis=1)
             rows = rows.assign(**{channel: held[nearest]})
         return rows
@@ -212,7 +217,9 @@ def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
         name=item.get("name", "?"),
         channels=tuple(channels),
         where={
-            channel: [_condition(level, location) for level in (levels if isinstance(levels, list) else [levels])]
+            channel: [
+                _condition(level, channel, location) for level in (levels if isinstance(levels, list) else [levels])
+            ]
             for channel, levels in item.get("where", {}).items()
         },
         hold=tuple(item.get("hold", [])),
@@ -222,6 +229,7 @@ def _stage(item: dict[str, Any], book: Model, where: str) -> Stage:
         rows=rows,
         weights=weights,
         again=tuple(_values(given, f"{location}, again") for given in item.get("again", [])),
+        selection=_selection(item["select"], location) if "select" in item else None,
     )
 
 
@@ -246,12 +254,28 @@ def _freed(given: dict[str, float], location: str) -> Freed:
     return Freed(float(guess), float(lower), float(upper))
 
 
-def _condition(text: object, location: str) -> tuple[float, float]:
-    match = CONDITION.match(text) if isinstance(text, str) else None
-    if not match or match["unit"] not in UNITS:
-        raise FitError(f"{location}: {text!r} is not like '220 +- 100 N' (units: {', '.join(filter(None, UNITS))})")
-    factor = UNITS[match["unit"]]
-    return float(match["value"]) * factor, float(match["tolerance"]) * factor
+def _condition(text: object, channel: str, location: str) -> tuple[float, float]:
+    """Return value and tolerance of a range such as "220 +- 100 N"."""
+    _check_kind(text, str, f"{location}, {channel}")
+    try:
+        return parse_range(str(text), channel)
+    except DataError as error:
+        raise FitError(f"{location}: {error}") from None
+
+
+def _selection(expression: str, location: str) -> Rows:
+    try:
+        selection = parse_selection(expression)
+    except DataError as error:
+        raise FitError(f"{location}: select: {error}") from None
+    for name in sorted(selection.names() - CHANNELS.keys()):
+        raise FitError(f"{location}: select: {name} is known in --where only, a stage selects by channels")
+    return selection
+
+
+def _values_of(table: pd.DataFrame, channel: str) -> npt.NDArray[np.float64]:
+    """Return an input, or zeros if it was not recorded."""
+    return table[channel].to_numpy(dtype=np.float64) if channel in table else np.zeros(len(table))
 
 
 def _check_keys(table: dict[str, Any], keys: dict[str, type], location: str) -> None:

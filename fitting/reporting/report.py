@@ -8,11 +8,11 @@ from pathlib import Path
 
 from tirefmu.measurements import TableLike
 from tirefmu.symbolic.errors import FitError, path_from
+from tirefmu.tires.drawing.page import inlined, page_text, write_page
 
 from ..evidence.residuals import condition_text
 from ..results.fit_result import FitResult
 from .figures import draw_figures
-from .page import inlined, page_text, write_page
 from .report_text import (
     SIGNIFICANT,
     extrapolation_text,

@@ -70,8 +70,8 @@ def check(
     FmuError
         If the FMU cannot be read, loaded or run, crashes, or exceeds the time limit.
     DataError
-        If the recording cannot be read, has implausible units or signs, has a NaN in an input, or has none of the FMU's
-        inputs or outputs.
+        If the recording cannot be read, has implausible units or signs, lacks an input in too many rows, or has none of
+        the FMU's inputs or outputs.
     WrongType
         If the path or the recording is of another type.
 

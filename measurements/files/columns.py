@@ -14,12 +14,15 @@ from numpy.typing import NDArray
 
 from tirefmu.symbolic.errors import DataError, TirefmuError
 
-from ..channels import CHANNELS, INPUTS, channel, intended_channel, unit_in_name
+from ..channels import CHANNELS, INPUTS, channel
+from ..column_names import check_names
+from ..thresholds import MOST_INCOMPLETE
 from ..units import to_si
 
 #: Upper limits: columns of a table, characters of a header that may declare a unit.
 MOST_COLUMNS, LONGEST_HEADER = 5000, 200
 _HEADER = re.compile(r"(?P<name>[^\[\]]*?)\s*\[(?P<unit>[^\[\]]*)\]")
+_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -64,8 +67,7 @@ class Column:
 def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     """Read the headers of a table.
 
-    Unknown columns are passed through, unless the name resembles an input that the table lacks: the nominal value would
-    silently replace that input. Names that resemble outputs are allowed, because outputs are optional.
+    Unknown columns are passed through, unless the name resembles an input that the table lacks (`check_names`).
 
     Parameters
     ----------
@@ -102,22 +104,10 @@ def parse_header(headers: Sequence[str], source: str) -> list[Column]:
     for name, count in names.items():
         if count > 1:
             raise DataError(f"{source}: column {name!r} occurs {count} times")
-    for name in names:
-        intended = None if name in CHANNELS else intended_channel(name)
-        if intended in INPUTS and intended not in names:
-            raise DataError(f"{source}: column {name!r} is not a channel: did you mean {_suggestion(name, intended)}?")
+    check_names(names, source)
     if not any(name in CHANNELS for name in names):
         raise DataError(f"{source}: no column is a channel: known are {', '.join(CHANNELS)}")
     return columns
-
-
-def _suggestion(name: str, intended: str) -> str:
-    """Return the correct spelling of a header."""
-    suffixed = unit_in_name(name)
-    if suffixed is not None:
-        return f"'{intended} [{suffixed[1]}]'"
-    bench_degrees = channel(intended).quantity == "angle" and name in channel(intended).bench_names
-    return f"{intended} (rad; 'alpha [deg]' declares degrees)".replace("alpha", intended) if bench_degrees else intended
 
 
 def channels_in_si(
@@ -145,8 +135,8 @@ def channels_in_si(
     Raises
     ------
     DataError
-        If there are no rows, a cell of a channel is not a number or infinite, an input is NaN, or a declared unit is
-        unknown or one of another quantity.
+        If there are no rows, a cell of a channel is not a number or infinite, more than `MOST_INCOMPLETE` of an input
+        is NaN, or a declared unit is unknown or one of another quantity.
     """
     if table.empty:
         raise DataError(f"{source}: no rows")
@@ -163,7 +153,9 @@ def channels_in_si(
 
 
 def check_finite(values: NDArray[np.float64], name: str, source: str, location: Callable[[int], str]) -> None:
-    """Check that a channel has no infinities, and an input no NaN.
+    """Check that a channel has no infinities, and an input few NaN.
+
+    Rows without an input are excluded later (`without_incomplete_rows`).
 
     Parameters
     ----------
@@ -184,13 +176,14 @@ def check_finite(values: NDArray[np.float64], name: str, source: str, location: 
     >>> check_finite(np.array([0.0, np.nan]), "alpha", "a.csv", lambda row: f"line {row + 2}")
     Traceback (most recent call last):
     ...
-    tirefmu.symbolic.errors.DataError: a.csv: line 3: alpha is NaN (1 of 2 rows)
+    tirefmu.symbolic.errors.DataError: a.csv: line 3: alpha is NaN (1 of 2 rows): up to 20 % are excluded
     """
     infinite, unknown = np.isinf(values), np.isnan(values) & (name in INPUTS)
-    for bad, kind in ((infinite, "infinite"), (unknown, "NaN")):
-        if bad.any():
+    for bad, kind, most in ((infinite, "infinite", 0.0), (unknown, "NaN", MOST_INCOMPLETE)):
+        if bad.mean() > most:
             first = location(int(np.flatnonzero(bad)[0]))
-            raise DataError(f"{source}: {first}: {name} is {kind} ({bad.sum()} of {len(values)} rows)")
+            limit = f": up to {100.0 * most:g} % are excluded" if most else ""
+            raise DataError(f"{source}: {first}: {name} is {kind} ({bad.sum()} of {len(values)} rows){limit}")
 
 
 def _numbers(cells: pd.Series, source: str, location: Callable[[int], str]) -> NDArray[np.float64]:
@@ -205,7 +198,8 @@ def _numbers(cells: pd.Series, source: str, location: Callable[[int], str]) -> N
     except (TypeError, ValueError):
         row = next(row for row, cell in enumerate(objects) if not _is_number(cell))
         shown = str(cells.iloc[row])
-        raise DataError(f"{source}: {location(row)}: column {cells.name}: {shown!r} is not a number") from None
+        hint = f": a decimal comma? write {shown.replace(',', '.')}" if _COMMA.fullmatch(shown.strip()) else ""
+        raise DataError(f"{source}: {location(row)}: column {cells.name}: {shown!r} is not a number{hint}") from None
 
 
 def _is_number(cell: Any) -> bool:

@@ -81,17 +81,20 @@ def _body(path: Path, skipped: int, width: int, separator: str, as_text: Mapping
         except pd.errors.EmptyDataError:
             return pd.DataFrame(columns=list(range(width)))
         except (pd.errors.ParserError, pd.errors.ParserWarning):
-            line = _first_long_line(path, skipped, width, separator)
-            raise DataError(f"{path}: line {line}: more cells than the header's {width}") from None
+            line, cells = _first_long_line(path, skipped, width, separator)
+            # Every number with a comma is two cells.
+            hint = ": decimal commas? write decimal points" if separator == "," and width < cells <= 2 * width else ""
+            raise DataError(f"{path}: line {line}: more cells than the header's {width}{hint}") from None
 
 
-def _first_long_line(path: Path, skipped: int, width: int, separator: str) -> int:
+def _first_long_line(path: Path, skipped: int, width: int, separator: str) -> tuple[int, int]:
+    """Return the number of the first line with too many cells, and how many it has."""
     with path.open(encoding="utf-8-sig", newline="") as file:
         reader = csv.reader(file, delimiter=separator)
         for cells in reader:
             if reader.line_num > skipped and len(cells) > width:
-                return reader.line_num
-    return skipped + 1
+                return reader.line_num, len(cells)
+    return skipped + 1, width
 
 
 def _line(path: Path, skipped: int, row: int) -> int:

@@ -10,6 +10,7 @@ from pathlib import Path
 from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.tires.signs import reversed_columns
 
+from ..quality.incomplete_rows import without_incomplete_rows
 from ..recording import Recording
 from .csv_table import read_csv_table
 from .parquet_table import read_parquet_table
@@ -43,13 +44,14 @@ def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Re
     Returns
     -------
     Recording
-        In the sign convention of the file.
+        In the sign convention of the file. Rows without an input are excluded up to a share
+        (`tirefmu.measurements.quality.incomplete_rows`).
 
     Raises
     ------
     DataError
         One line with file, line (or row) and channel: a missing or empty file, an unknown extension, a cell
-        that is not a number, an unknown column that resembles a missing input, NaN in an input, ...
+        that is not a number, an unknown column that resembles a missing input, too many NaN in an input, ...
     UnknownName
         If the signs are not one of the three conventions.
 
@@ -77,4 +79,5 @@ def read_recording(path: str | PathLike[str], *, signs: str | None = None) -> Re
         raise DataError(f"{file}: not a text file (UTF-8)") from None
     except OSError as error:
         raise DataError(f"{file}: {error.strerror or error}") from None
+    recording = without_incomplete_rows(recording)
     return recording if signs is not None else replace(recording, signs=recording.about.get("signs", chosen))

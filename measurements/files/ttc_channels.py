@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from tirefmu.symbolic.errors import DataError, TirefmuError, nearest
 
 from ..channels import CHANNELS, OUTPUTS, Channel
+from ..column_names import intended_channel
 from ..recording import Recording
 from ..thresholds import FREE_ROLLING_FORCE, LOWEST_KPA
 from ..units import to_si
@@ -59,7 +60,8 @@ def bench_recording(
     Raises
     ------
     DataError
-        If a mandatory channel or every output is missing, lengths differ, a unit is unknown, or an input contains NaN.
+        If a mandatory channel or every output is missing, a name resembles a missing channel, lengths differ, a unit is
+        unknown, or an input contains NaN.
     """
     source = str(path)
     folded = {name.casefold(): values for name, values in vectors.items()}
@@ -149,6 +151,11 @@ def _check_present(folded: Collection[str], fields: list[str], source: str) -> N
             raise DataError(f"{source}: no channel {name} ({_BENCH_NAMES[name].name}){nearest(name, others)}")
     if not any(name.casefold() in folded for output in OUTPUTS for name in CHANNELS[output].bench_names):
         raise DataError(f"{source}: no channel FX, FY, MZ, MX or MY: nothing was measured")
+    for field in fields:
+        intended = None if field.upper() in _BENCH_NAMES else intended_channel(field)
+        names = CHANNELS[intended].bench_names if intended else ()
+        if names and not any(name.casefold() in folded for name in names):
+            raise DataError(f"{source}: channel {field!r} is not one of a bench file: did you mean {names[0]}?")
 
 
 def _channel(

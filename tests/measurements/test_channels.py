@@ -2,7 +2,8 @@
 
 import pytest
 
-from tirefmu.measurements.channels import CHANNELS, INPUTS, OUTPUTS, channel, intended_channel, unit_in_name
+from tirefmu.measurements.channels import CHANNELS, INPUTS, OUTPUTS, channel
+from tirefmu.measurements.column_names import intended_channel, unit_in_name
 from tirefmu.measurements.units import unit_named
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires import TABLE_INPUTS, TABLE_OUTPUTS
@@ -35,6 +36,12 @@ def test_no_alias_means_two_channels():
         ("SA", "alpha"), ("SL", "kappa"), ("FZ", "Fz"), ("ET", "t"), ("TSTC", "T"), ("slip angle", "alpha"),
         ("Camber", "gamma"), ("p_kPa", "p"), ("alpha (deg)", "alpha"), ("slip_angle_deg", "alpha"),
         ("Fz kN", "Fz"), ("FY", "Fy"), ("alpha [de[g]", "alpha"), ("Alpha\x1b[2J", "alpha"), ("load [kN] raw", "Fz"),
+        ("SlipAngle", "alpha"), ("slipAngle", "alpha"), ("SLIP_ANGLE", "alpha"), ("SlipAngel", "alpha"), 
+        ("Slip-Angle", "alpha"),
+        ("SlipAngleFL", "alpha"), ("SlipAngle_deg", "alpha"), ("slip angle deg", "alpha"), ("alpha_raw", "alpha"),
+        ("SlipRatio", "kappa"), ("CamberAngle", "gamma"), ("Preassure", "p"), ("InflationPressure", "p"),
+        ("VerticalLoad", "Fz"), ("F_z", "Fz"), ("NormalForce", "Fz"), ("LateralForce", "Fy"), ("AligningMoment", "Mz"),
+        ("TreadTemperature", "T"), ("road speed", "V"), ("Time", "t"),
     ],
 )  # fmt: skip
 def test_meant(column, expected):
@@ -44,7 +51,8 @@ def test_meant(column, expected):
 @pytest.mark.parametrize(
     "column",
     ["alpha_y", "kappa_x", "alpha__y", "Fz_in", "kappa_in", "p_in", "Et", "Vx", "F_x0", "mu_x", "rho", "2a",
-     "id", "SR", "N", "B_x", "sigma_y", "kind", "remark", "Fz0", "", "_", "Re", "lap [1]"],
+     "id", "SR", "N", "B_x", "sigma_y", "kind", "remark", "Fz0", "", "_", "Re", "lap [1]", "slide",
+     "rolling", "alpha_star", "wheel_speed", "AMBTMP", "ambient temperature", "load_ratio", "speed_sum", "tire"],
 )  # fmt: skip
 def test_not_meant(column):
     assert intended_channel(column) is None

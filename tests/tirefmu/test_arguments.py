@@ -194,3 +194,8 @@ def test_a_single_text_is_not_a_list_of_names(bench_csv):
     ):
         with pytest.raises(WrongType, match=r"^effects is 'plysteer' .* such as \['plysteer'\]$"):
             call()
+
+
+def test_a_misnamed_column_of_a_table_in_memory_is_refused():
+    with pytest.raises(DataError, match="column 'SlipAngle' is not a channel: did you mean alpha"):
+        tirefmu.evaluate("trento_hoosier", pd.DataFrame({"SlipAngle": [0.1], "Fz": 900.0}))

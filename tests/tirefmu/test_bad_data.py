@@ -46,6 +46,13 @@ REFUSED = {
     ),
     "all rows standing": (lambda t: [t.assign(V=0.0)], "1200 of 1200 rows excluded: standing (the wheel does not"),
     "all loads out of range": (lambda t: [t.assign(Fz=5e6)], "a.csv: Fz reaches 5e+06 N: in another unit?"),
+    "slip angle under another name": (
+        lambda t: [t.rename(columns={"alpha": "SlipAngle"})],
+        "a.csv: column 'SlipAngle' is not a channel: did you mean alpha?",
+    ),
+    "side force under another name": (
+        lambda t: [t.rename(columns={"Fy": "LateralForce"})], "column 'LateralForce' is not a channel: did you mean",
+    ),
     "load in kN": (lambda t: [t.assign(Fz=t["Fz"] / 1e3)], "a.csv: no |Fz| is above 0.9 N: in kN? declare it"),
     "load of the other sign": (
         lambda t: [t.assign(Fz=-t["Fz"])], "a.csv: Fz is negative in 100 % of the rows: SAE signs? (--signs sae)",
@@ -56,7 +63,9 @@ REFUSED = {
     ),
     "inclination in degrees": (lambda t: [t.assign(gamma=4.0)], "a.csv: gamma reaches 4 rad: in degrees?"),
     "slip in percent": (lambda t: [t.assign(kappa=100 * t["kappa"])], "a.csv: kappa reaches 20: in percent?"),
-    "NaN in an input": (lambda t: [t.assign(Fz=t["Fz"].where(t.index != 7))], "a.csv: line 9: Fz is NaN (1 of 1200"),
+    "NaN in most rows of an input": (
+        lambda t: [t.assign(Fz=t["Fz"].where(t.index % 3 == 0))], "a.csv: line 3: Fz is NaN (800 of 1200",
+    ),
     "infinity in an output": (lambda t: [t.assign(Fx=t["Fx"].where(t.index != 7, np.inf))], "a.csv: line 9: Fx is inf"),
     "one row": (lambda t: [t.iloc[:1]], "is measured over a varying slip: nothing to fit"),
     "no row": (lambda t: [t.iloc[:0]], "a.csv: no rows"),
@@ -78,6 +87,10 @@ REPORTED = {
     ),
     "moment of the other sign": (lambda t: [t.assign(Mz=-t["Mz"])], "a.csv: Mz falls with alpha at small angles"),
     "slip of the other sign": (lambda t: [t.assign(Fx=-t["Fx"])], "a.csv: Fx falls with kappa, but kappa > 0 drives"),
+    "NaN in an input": (
+        lambda t: [t.assign(Fz=t["Fz"].where(t.index != 7))],
+        "a.csv: 1 of 1200 rows lack an input: NaN in Fz (1), the first in row 8: excluded",
+    ),
     "two tires in two files": (
         lambda t: [side_alone(t), side_alone(sweeps(1.1, seed=1))], "two tires? at 900 N, mu_y is 1.4",
     ),
@@ -131,6 +144,11 @@ def test_it_is_fitted_and_reported(fitted, fault):
     assert outcome.status in (0, 1), outcome.err
     assert [line for line in outcome.out.splitlines() if line.startswith("note: ") and message in line]
     assert left == ["new.tir"]
+
+
+def test_a_missing_slip_is_the_first_line_of_the_output(fitted):
+    outcome, _ = fitted([sweeps().drop(columns="alpha")])
+    assert outcome.out.startswith("warning: a.csv: NO COLUMN alpha (slip angle): Fy and Mz cannot be fitted")
 
 
 def test_good_data_give_no_message(fitted):

@@ -18,7 +18,7 @@ import tirefmu.generated
 from tirefmu.measurements import read_recording
 from tirefmu.tires import read_tir
 
-COMMANDS = ("generate", "evaluate", "fit", "export", "check", "info", "draw", "demo")
+COMMANDS = ("generate", "inspect", "evaluate", "fit", "export", "check", "info", "draw", "demo")
 
 
 def strict(text):

@@ -80,7 +80,7 @@ def test_a_good_table_has_no_messages(messages):
         (lambda table: table.assign(Mz=-table["Mz"]), "Mz falls with alpha at small angles, in iso it rises"),
         (lambda table: table.assign(Fx=-table["Fx"]), "Fx falls with kappa, but kappa > 0 drives"),
         # Rows
-        (lambda table: table.assign(alpha=table["alpha"].where(table["t"] != 0.04)), "line 6: alpha is NaN (1 of 600"),
+        (lambda table: table.assign(alpha=table["alpha"].where(table.index % 2 < 1)), "line 3: alpha is NaN (300"),
         (lambda table: table.assign(Fz=0.0), "none of 600 rows can be used: 600 lifted"),
         (lambda table: table.assign(V=0.0), "none of 600 rows can be used: 600 standing"),
         (lambda table: table.assign(Fz=5e6), "Fz reaches 5e+06 N: in another unit?"),

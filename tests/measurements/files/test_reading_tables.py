@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tirefmu.measurements import check_plausible, read_recording, write_table
+from tirefmu.measurements import Recording, check_plausible, read_recording, recording_from, write_table
 from tirefmu.measurements.files.columns import MOST_COLUMNS
 from tirefmu.symbolic.errors import DataError, TirefmuError, UnknownName
 
@@ -83,6 +83,25 @@ def test_outputs_may_be_unmeasured_and_columns_unknown(written):
 
 def test_a_similar_name_is_accepted_if_the_channel_is_present(written):
     assert list(read_recording(written("p,P,Fz,FX\n1e5,3,900,4\n")).table) == ["p", "P", "Fz", "FX"]
+
+
+@pytest.mark.parametrize("column", ["SlipAngle", "F_z"])
+def test_a_column_that_looks_like_a_missing_input_is_refused_in_memory_too(written, column):
+    assert f"column {column!r} is not a channel: did you mean" in complaint(written(f"kappa,{column}\n0.1,4\n"))
+    table = pd.DataFrame({"kappa": [0.1], column: 4.0})
+    for one in (table, Recording(table, "iso", "made")):
+        with pytest.raises(DataError, match=f"column '{column}' is not a channel: did you mean"):
+            recording_from(one)
+
+
+@pytest.mark.parametrize("column", ["FX", "LateralForce", "Mz_raw"])
+def test_a_column_that_looks_like_a_missing_output_is_refused_where_outputs_are_read(column):
+    """A table to evaluate may have such a column: the reference tables of other tools have."""
+    measured = {"Fx": 1.0, "Fy": 2.0, "Mz": 3.0}
+    measured.pop({"FX": "Fx", "LateralForce": "Fy", "Mz_raw": "Mz"}[column])
+    recording = recording_from(pd.DataFrame({"kappa": [0.1], column: 4.0, **measured}))
+    with pytest.raises(DataError, match=f"column '{column}' is not a channel: did you mean"):
+        recording.measured()
 
 
 def test_trailing_separator(written):

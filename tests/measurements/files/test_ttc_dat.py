@@ -169,3 +169,9 @@ def test_lines_are_counted_as_editors_do(bench_file):
     lines[at - 1] = lines[at - 1].replace("83.0", "83.O")
     with pytest.raises(DataError, match=f"line {at}: channel P: '83.O' is not a number"):
         read_recording(bench_file(text="\n".join(lines)))
+
+
+def test_a_channel_under_another_name_is_not_ignored(bench_file):
+    renamed = bench_text().replace("\tP\t", "\tPressure\t", 1)
+    with pytest.raises(DataError, match=r"run\.dat: channel 'Pressure' is not one of a bench file: did you mean P\?"):
+        read_recording(bench_file(text=renamed))

@@ -126,8 +126,8 @@ def test_what_may_be_missing(tmp_path, missing):
         ({"drop": ["FX", "FY", "MZ", "MX"]}, "nothing was measured"),
         ({"SA": np.ones((ROWS + 1, 1))}, rf"channel SA has {ROWS + 1} rows, ET has {ROWS}"),
         (
-            {"SA": np.r_[np.ones(3), np.nan, np.ones(ROWS - 4)][:, None]},
-            r"row 4: SA: alpha is NaN \(1 of 12 rows\)",
+            {"SA": np.r_[np.ones(3), np.full(ROWS - 3, np.nan)][:, None]},
+            r"row 4: SA: alpha is NaN \(9 of 12 rows\)",
         ),
         ({"units": SI | {"FZ": "stone"}}, "channel FZ: unknown unit 'stone'"),
         ({"units": SI | {"FZ": "deg"}}, "channel FZ: unit 'deg' measures angle, not force"),

@@ -11,7 +11,8 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 
 from tirefmu.symbolic.escaping import visible
-from tirefmu.tires.drawing.style import write_whole
+
+from .style import write_whole
 
 
 def page_text(package: str, filters: Mapping[str, Callable[..., object]], **content: Any) -> str:

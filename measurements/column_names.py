@@ -1,0 +1,201 @@
+"""Names of columns that resemble a channel: which channel a name probably means, and errors for such names.
+
+A column under a wrong name would silently be ignored, and the nominal value would replace the input.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable
+
+from tirefmu.symbolic.errors import DataError, UnknownName
+
+from .channels import CHANNELS, INPUTS, channel
+from .units import unit_named
+
+#: Words in the name of a column that do not change its meaning.
+_QUALIFIERS = frozenset(
+    ("raw", "filtered", "filt", "measured", "meas", "mean", "avg", "average", "corrected", "corr", "signal", "channel")
+)
+#: Characters. A shorter name is not compared for typing errors with a channel, or with another name of one.
+SHORTEST_CHANNEL, SHORTEST_ALIAS = 4, 6
+
+# Bench names are case-sensitive: "ET" is the time, "Et" the curvature factor of the trail.
+_BENCH_NAMES = {alias: declared.name for declared in CHANNELS.values() for alias in declared.bench_names}
+#: Names in lower case without separators.
+_ALIASES = {
+    "".join(re.findall("[a-z0-9]+", alias.casefold())): declared.name
+    for declared in CHANNELS.values()
+    for alias in (declared.name, *declared.aliases)
+}
+#: Names of several words: a column contains one of them only if it is meant.
+_PHRASES = {
+    "".join(alias.split("_")): declared.name
+    for declared in CHANNELS.values()
+    for alias in declared.aliases
+    if "_" in alias
+}
+_SUFFIXED = re.compile(r"(?P<name>[\w ]+)[ _]?[ _(](?P<unit>[^()_ ]+)\)?")
+_BRACKETED = re.compile(r"(?P<name>[^\[(]+)[\[(]")
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+
+
+def intended_channel(column: str) -> str | None:
+    """Return the channel that the name of a column probably means, or None.
+
+    Recognized are names in another case or with other separators, bench names, aliases, names with a unit or a
+    qualifier ("raw", "filtered"), names that contain an alias of several words, and single typing errors. Named
+    quantities of a tire (``alpha_y``) are not channels.
+
+    Parameters
+    ----------
+    column : str
+        Name of a column that the contract does not have.
+
+    Returns
+    -------
+    str or None
+
+    Examples
+    --------
+    >>> [intended_channel(name) for name in ("Alpha", "SA", "gama", "alpha_deg", "SlipAngle", "TirePressure_kPa")]
+    ['alpha', 'alpha', 'gamma', 'alpha', 'alpha', 'p']
+    >>> intended_channel("alpha_y") is None
+    True
+    """
+    column = "".join(character for character in column if character.isprintable()).strip()
+    if column in _BENCH_NAMES:
+        return _BENCH_NAMES[column]
+    if suffixed := unit_in_name(column):
+        return suffixed[0]
+    bracketed = _BRACKETED.match(column)
+    name = bracketed["name"] if bracketed else column
+    words = [word for word in _words(name) if word not in _QUALIFIERS]
+    written = "".join(words)
+    if written in _ALIASES:
+        return _ALIASES[written]
+    if (meant := _ALIASES.get("".join(words[:-1]))) and _quantity(words[-1]) == CHANNELS[meant].quantity:
+        return meant
+    contained = next((meant for phrase, meant in _PHRASES.items() if phrase in written), None)
+    if contained is not None:
+        return contained
+    return _misspelled(name.strip().casefold(), written)
+
+
+def unit_in_name(column: str) -> tuple[str, str] | None:
+    """Return channel and unit of a name like ``alpha_deg`` or ``p (kPa)``, or None.
+
+    Parameters
+    ----------
+    column : str
+
+    Returns
+    -------
+    tuple of (str, str) or None
+
+    Examples
+    --------
+    >>> unit_in_name("p_kPa"), unit_in_name("kappa_in")
+    (('p', 'kPa'), None)
+    """
+    match = _SUFFIXED.fullmatch(column.strip())
+    if match is None:
+        return None
+    written = match["name"]
+    name = written if written in CHANNELS else _BENCH_NAMES.get(written) or _ALIASES.get("".join(_words(written)))
+    # The unit has to match the quantity: "kappa_in" is an input, not a slip in inches.
+    return (name, match["unit"]) if name is not None and _quantity(match["unit"]) == CHANNELS[name].quantity else None
+
+
+def check_names(names: Iterable[str], source: str, required: Collection[str] = INPUTS) -> None:
+    """Refuse a column whose name resembles a channel that the table lacks.
+
+    Parameters
+    ----------
+    names : iterable of str
+        The columns of a table.
+    source : str
+        The file, for the message.
+    required : collection of str
+        The channels that a caller reads. Outputs are required where data are compared with a tire
+        (`Recording.measured`); a table to evaluate may have columns such as FX as a reference.
+
+    Raises
+    ------
+    DataError
+        With the column, and the name or the header that was probably meant.
+
+    Examples
+    --------
+    >>> check_names(["alpha", "SlipAngle", "remark"], "a.csv")
+    >>> check_names(["SlipAngle", "Fz"], "a.csv")
+    Traceback (most recent call last):
+    ...
+    tirefmu.symbolic.errors.DataError: a.csv: column 'SlipAngle' is not a channel: did you mean alpha?
+    """
+    given = list(names)
+    for name in given:
+        intended = None if name in CHANNELS else intended_channel(name)
+        if intended in required and intended not in given:
+            meant = _suggestion(name, str(intended))
+            raise DataError(f"{source}: column {name!r} is not a channel: did you mean {meant}?")
+
+
+def unread_columns(names: Iterable[str]) -> list[str]:
+    """Return the columns that are no channels: they are passed through and used by effects with inputs of their own.
+
+    Parameters
+    ----------
+    names : iterable of str
+
+    Returns
+    -------
+    list of str
+
+    Examples
+    --------
+    >>> unread_columns(["alpha", "lap", "Fy"])
+    ['lap']
+    """
+    return [name for name in map(str, names) if name not in CHANNELS]
+
+
+def _suggestion(name: str, intended: str) -> str:
+    """Return the correct spelling of a header."""
+    suffixed = unit_in_name(name)
+    if suffixed is not None:
+        return f"'{intended} [{suffixed[1]}]'"
+    bench_degrees = channel(intended).quantity == "angle" and name in channel(intended).bench_names
+    return f"{intended} (rad; 'alpha [deg]' declares degrees)".replace("alpha", intended) if bench_degrees else intended
+
+
+def _words(name: str) -> list[str]:
+    return [word.casefold() for word in _WORD.findall(name)]
+
+
+def _quantity(unit: str) -> str | None:
+    try:
+        return unit_named(unit).quantity
+    except UnknownName:
+        return None
+
+
+def _misspelled(column: str, written: str) -> str | None:
+    """Return the channel with a name one typing error apart."""
+    for name in CHANNELS:
+        if len(name) >= SHORTEST_CHANNEL and _one_error_apart(column, name):
+            return name
+    near = (
+        meant for alias, meant in _ALIASES.items() if len(alias) >= SHORTEST_ALIAS and _one_error_apart(written, alias)
+    )
+    return next(near, None)
+
+
+def _one_error_apart(written: str, name: str) -> bool:
+    """Return whether one letter is wrong, missing or added, or two adjacent ones are swapped."""
+    same = next((i for i, (a, b) in enumerate(zip(written, name, strict=False)) if a != b), None)
+    if same is None:
+        return abs(len(written) - len(name)) <= 1
+    left, right = written[same:], name[same:]
+    swapped = left[1::-1] + left[2:]
+    return right in (left[1:], swapped) or left == right[1:] or left[1:] == right[1:]

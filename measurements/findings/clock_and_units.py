@@ -1,0 +1,144 @@
+"""Jumps of the clock, mixed units, and a speed that may be in km/h."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..channels import CHANNELS, CONTROLLED_INPUTS
+from ..operating_conditions.held_levels import held_levels
+from ..operating_conditions.phases import SLIP_INPUTS
+from ..recording import Recording
+from ..thresholds import EQUAL_TOLERANCES, FAST, LOAD_TOLERANCE, LOGGING_GAP, MOST_BACKWARD_STEPS, RATIO_TOLERANCE
+from ..units import PSI
+from .finding import Finding
+
+#: Ratios of two units in which a bench writes a channel.
+RATIOS: Mapping[str, Mapping[float, str]] = {
+    "V": {3.6: "m/s and km/h"},
+    "p": {1e3: "Pa and kPa", PSI: "Pa and psi", 1e5: "Pa and bar"},
+    "Fz": {1e3: "N and kN"},
+}
+
+
+def clock_jumps(recording: Recording) -> Iterator[Finding]:
+    """Yield findings on jumps of the clock: backwards, repeated times, gaps within a sweep.
+
+    A gap between two sweeps is no finding: a bench may log each sweep separately.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Yields
+    ------
+    Finding
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> rows = pd.DataFrame({"t": [0.0, 0.1, 0.2, 0.3, 9.0, 9.1], "alpha": np.linspace(0.1, 0.2, 6), "Fy": 1.0})
+    >>> print(*clock_jumps(Recording(rows, "iso", "a.csv")))
+    a.csv: t jumps forward within a sweep 1 time, most by 8.7 s at row 5: each part is a segment
+    """
+    if "t" not in recording.table or len(recording) < 2:
+        return
+    steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64))
+    backward, repeated = np.flatnonzero(steps < 0.0), int(np.count_nonzero(steps == 0.0))
+    if len(backward) > MOST_BACKWARD_STEPS * len(steps):
+        return  # `coverage_notes`
+    if repeated:
+        yield Finding("clock", f"{recording.source}: t repeats in {repeated} of {len(steps)} steps")
+    if len(backward):
+        yield _jump(recording, "back", steps, backward)
+    forward = steps[steps > 0.0]
+    gaps = np.flatnonzero(steps > LOGGING_GAP * np.median(forward)) if len(forward) else backward[:0]
+    within = np.array([row for row in gaps.tolist() if _same_sweep(recording, row)], dtype=np.intp)
+    if len(within):
+        yield _jump(recording, "forward within a sweep", steps, within)
+
+
+def _same_sweep(recording: Recording, row: int) -> bool:
+    """Return whether a row and the next one have the same held inputs, and a slip that is not at rest."""
+    table = recording.table
+    for name in (name for name in CONTROLLED_INPUTS if name in table and name not in SLIP_INPUTS):
+        before, after = table[name].iloc[row], table[name].iloc[row + 1]
+        if abs(after - before) > EQUAL_TOLERANCES * (CHANNELS[name].tolerance or LOAD_TOLERANCE * abs(before)):
+            return False
+    slips = [table[name].abs() for name in SLIP_INPUTS if name in table]
+    return any(
+        min(slip.iloc[row], slip.iloc[row + 1]) > EQUAL_TOLERANCES * (CHANNELS[str(slip.name)].tolerance or 0.0)
+        for slip in slips
+    )
+
+
+def _jump(recording: Recording, way: str, steps: NDArray[np.float64], at: NDArray[np.intp]) -> Finding:
+    largest = at[np.argmax(np.abs(steps[at]))]
+    times = "1 time" if len(at) == 1 else f"{len(at)} times"
+    size = abs(float(steps[largest]))
+    return Finding(
+        "clock",
+        f"{recording.source}: t jumps {way} {times}, most by {size:.3g} s at row {largest + 2}: each part is a segment",
+    )
+
+
+def mixed_units(recording: Recording) -> Iterator[Finding]:
+    """Yield a finding if a held input has values in two units: levels whose ratio is that of two units.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Yields
+    ------
+    Finding
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> rows = pd.DataFrame({"V": [11.0] * 50 + [39.6] * 50, "Fy": 1.0})
+    >>> print(*mixed_units(Recording(rows, "iso", "a.csv")))
+    a.csv: mixed units? V is 11 m/s in some rows and 39.6 m/s in others, the ratio of m/s and km/h
+    """
+    for name, ratios in RATIOS.items():
+        found = np.abs(held_levels(recording.table[name])) if name in recording.table else np.empty(0)
+        for (ratio, units), low, high in product(ratios.items(), found, found):
+            if low > 0.0 and abs(high / low / ratio - 1.0) < RATIO_TOLERANCE:
+                unit = CHANNELS[name].unit
+                yield Finding(
+                    "unit",
+                    f"{recording.source}: mixed units? {name} is {low:.4g} {unit} in some rows and {high:.4g} {unit} "
+                    f"in others, the ratio of {units}",
+                    serious=True,
+                )
+
+
+def unlabelled_speed(recording: Recording) -> Iterator[Finding]:
+    """Yield a finding if a speed without a declared unit is high for m/s.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Yields
+    ------
+    Finding
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> print(*unlabelled_speed(Recording(pd.DataFrame({"V": [40.0, 40.2], "Fy": 1.0}), "iso", "a.csv")))
+    a.csv: V is about 40.1 m/s (144 km/h) and declares no unit: in km/h? (declare it: 'V [km/h]' or 'V [m/s]')
+    """
+    if "V" not in recording.table or "V" in recording.about.get("declared", "").split():
+        return
+    speed = float(recording.table["V"].abs().median())
+    if speed > FAST:
+        yield Finding(
+            "unit",
+            f"{recording.source}: V is about {speed:.3g} m/s ({3.6 * speed:.3g} km/h) and declares no unit: in km/h?",
+            command="declare it: 'V [km/h]' or 'V [m/s]'",
+        )

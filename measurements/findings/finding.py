@@ -1,0 +1,50 @@
+"""A finding about recordings: one line for a reader, and its parts for a program."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a recording lacks or contradicts.
+
+    Parameters
+    ----------
+    kind : str
+        Name of the test: "missing slip", "two tires", "repeated rows", ...
+    text : str
+        One sentence with the recording and the numbers.
+    serious : bool
+        Whether a result of these data is misleading if nothing is done about it.
+    command : str
+        The command or option that investigates or corrects it; empty if there is none.
+
+    Examples
+    --------
+    >>> print(Finding("repeated rows", "a.csv: 5 of 90 rows occur twice", command='--where "sample <= 85"'))
+    a.csv: 5 of 90 rows occur twice (--where "sample <= 85")
+    """
+
+    kind: str
+    text: str
+    serious: bool = False
+    command: str = ""
+
+    def __str__(self) -> str:
+        """Return text and command in one line."""
+        return f"{self.text} ({self.command})" if self.command else self.text
+
+
+def headline_first(findings: list[Finding]) -> list[Finding]:
+    """Return the findings with the serious ones first, otherwise in the same order.
+
+    Parameters
+    ----------
+    findings : list of Finding
+
+    Returns
+    -------
+    list of Finding
+    """
+    return sorted(findings, key=lambda finding: not finding.serious)

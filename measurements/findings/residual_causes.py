@@ -1,0 +1,117 @@
+"""What the residual of a fit still contains: the temperature of the tread, and a lag of the forces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from ..channels import OUTPUTS
+from ..operating_conditions.time_series import is_time_series, sample_interval
+from ..recording import Recording
+from ..thresholds import LEAST_EXPLAINED, LEAST_TEMPERATURE_RANGE
+from .finding import Finding
+
+#: Effects that a diagnosis tests for each output.
+_LAG_EFFECT = {"Fx": "relax_lon", "Fy": "relax_lat", "Mz": "relax_lat"}
+
+
+def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.DataFrame]) -> list[Finding]:
+    """Return what the residuals of a tire show about temperature and lag.
+
+    One linear regression of the residual on F (T - mean T), whose coefficient is a relative change of the force per
+    kelvin, and on -dF/dt, whose coefficient is a delay. Each share is what only this cause explains.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+    predicted : sequence of pandas.DataFrame
+        The outputs of the fitted tire for each row of each recording, in the signs of the recording.
+
+    Returns
+    -------
+    list of Finding
+
+    Examples
+    --------
+    >>> clock = np.arange(4000) / 100.0
+    >>> alpha = 0.1 * np.sin(2.0 * np.pi * clock / 8.0)
+    >>> force = pd.DataFrame({"Fy": -9e3 * alpha})
+    >>> late = pd.DataFrame({"t": clock, "alpha": alpha, "Fy": np.interp(clock - 0.05, clock, force["Fy"])})
+    >>> print(*residual_findings([Recording(late, "iso", "a.csv")], [force]))  # doctest: +ELLIPSIS
+    a.csv: Fy lags the tire by 50 ms, which explains ... % of its mean squared residual (tirefmu diagnose ...)
+    """
+    found: list[Finding] = []
+    for recording, forces in zip(recordings, predicted, strict=True):
+        for name in OUTPUTS:
+            if name in recording.table and name in forces:
+                found += _causes(recording, name, forces[name].to_numpy(dtype=np.float64))
+    return found
+
+
+def _causes(recording: Recording, name: str, force: NDArray[np.float64]) -> Iterator[Finding]:
+    residual = recording.table[name].to_numpy(dtype=np.float64) - force
+    causes: dict[str, NDArray[np.float64]] = {}
+    if "T" in recording.table:
+        temperature = recording.table["T"].to_numpy(dtype=np.float64)
+        low, high = np.nanquantile(temperature, (0.05, 0.95))
+        if high - low > LEAST_TEMPERATURE_RANGE:
+            causes["temperature"] = force * (temperature - np.nanmean(temperature))
+    if name in _LAG_EFFECT:
+        causes["lag"] = -_rate(recording, force)
+    for kind, (coefficient, share) in _explained(residual, causes).items():
+        explains = f"explains {100.0 * share:.0f} % of its mean squared residual"
+        if share > LEAST_EXPLAINED and kind == "temperature":
+            yield Finding(
+                kind,
+                f"{recording.source}: {name} changes by {100.0 * coefficient:+.2f} % per K of tread temperature, which "
+                f"{explains}",
+                command=f"tirefmu diagnose {recording.source} --candidates temp_friction,temp_stiffness",
+            )
+        if share > LEAST_EXPLAINED and kind == "lag" and coefficient > 0.0:
+            yield Finding(
+                kind,
+                f"{recording.source}: {name} lags the tire by {1e3 * coefficient:.0f} ms, which {explains}",
+                command=f"tirefmu diagnose {recording.source} --candidates {_LAG_EFFECT[name]}",
+            )
+
+
+def _explained(
+    residual: NDArray[np.float64], causes: Mapping[str, NDArray[np.float64]]
+) -> dict[str, tuple[float, float]]:
+    """Return the regression coefficient of each cause, and the share of the mean square that only it explains."""
+    known = np.isfinite(residual)
+    for cause in causes.values():
+        known &= np.isfinite(cause)
+    r, x = residual[known], {name: cause[known] for name, cause in causes.items() if np.any(cause[known])}
+    total = float(r @ r)
+    if not total > 0.0 or not x:
+        return {}
+    columns = np.stack(list(x.values())).T
+    coefficients, least = _regression(columns, r)
+    without = [_regression(np.delete(columns, k, axis=1), r)[1] for k in range(len(x))]
+    return {
+        name: (float(coefficient), (more - least) / total)
+        for name, coefficient, more in zip(x, coefficients, without, strict=True)
+    }
+
+
+def _regression(columns: NDArray[np.float64], r: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+    """Return the coefficients of a linear regression and the remaining sum of squares."""
+    coefficients, *_ = np.linalg.lstsq(columns, r, rcond=None)
+    rest = r - columns @ coefficients
+    return np.asarray(coefficients, dtype=np.float64), float(rest @ rest)
+
+
+def _rate(recording: Recording, force: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the derivative of the force by time over a few samples; NaN where the rows are no time series."""
+    rate = np.full(len(force), np.nan)
+    for piece in recording.segments():
+        if "t" in recording.table and is_time_series(recording, piece):
+            step = sample_interval(recording, piece)
+            kernel = np.array([1.0, 1.0, 1.0, 0.0, -1.0, -1.0, -1.0]) / (12.0 * step)
+            inner = np.convolve(force[piece], kernel, mode="valid")
+            rate[piece.start + 3 : piece.stop - 3] = inner
+    return rate

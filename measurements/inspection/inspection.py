@@ -1,0 +1,261 @@
+"""What a recording contains, as tables: channels, sweeps, operating conditions, excluded rows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..channels import CHANNELS
+from ..findings.data_findings import data_findings
+from ..findings.finding import Finding
+from ..operating_conditions.grouping import group_by_condition
+from ..operating_conditions.held_levels import held_levels
+from ..operating_conditions.phases import Phase, phases
+from ..operating_conditions.time_series import sample_interval
+from ..quality.row_exclusion import RowExclusion, exclude_rows
+from ..recording import Recording
+from .drift import DRIFTING, drift
+
+#: s, time over which the speed of a sweep is measured. A sweep of a bench takes several seconds.
+RATE_TIME = 0.5
+
+
+@dataclass(frozen=True)
+class ChannelSummary:
+    """One channel of a recording, in SI units (deg C for T).
+
+    Parameters
+    ----------
+    name, meaning, unit : str
+    unit_from : str
+        "declared in the file", or why the unit was assumed.
+    rows, missing : int
+        Number of rows with a value, and without.
+    lowest, median, highest : float
+    levels : tuple of float
+        Levels at which an input was held; empty if it was swept, and for an output.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    unit_from: str
+    rows: int
+    missing: int
+    lowest: float
+    median: float
+    highest: float
+    levels: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class SweepSummary:
+    """One sweep: consecutive rows in which inputs move steadily.
+
+    Parameters
+    ----------
+    number, first, last : int
+        Number of the sweep, first and last sample, from 1, as in ``--where``.
+    moving : tuple of str
+        The swept inputs.
+    lowest, highest, rate : tuple of float
+        Range of each, and its median speed per second, in SI units.
+    held : mapping of str to float
+        Medians of the other inputs, in SI units.
+    """
+
+    number: int
+    first: int
+    last: int
+    moving: tuple[str, ...]
+    lowest: tuple[float, ...]
+    highest: tuple[float, ...]
+    rate: tuple[float, ...]
+    held: dict[str, float]
+
+
+@dataclass(frozen=True)
+class ConditionSummary:
+    """One operating condition.
+
+    Parameters
+    ----------
+    held : mapping of str to float
+        Levels of the held inputs, in SI units; Fz is the load, positive in every sign convention.
+    moving : tuple of str
+        The swept inputs; "points" for separate steady points.
+    rows, sweeps : int
+        Number of rows, and of consecutive stretches of rows.
+    seconds : float
+    drift : mapping of str to float
+        Change of p, V and T from the first to the last tenth of the rows, in SI units.
+    """
+
+    held: dict[str, float]
+    moving: tuple[str, ...]
+    rows: int
+    sweeps: int
+    seconds: float
+    drift: dict[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Inspection:
+    """The contents of one recording.
+
+    Parameters
+    ----------
+    recording : Recording
+    channels : tuple of ChannelSummary
+    interval, duration : float
+        Median step of the clock and recorded time without interruptions, s.
+    segments : int
+        Number of stretches without interruption.
+    longest_gap : float
+        s, the longest interruption; 0 without one.
+    sweeps : tuple of SweepSummary
+    conditions : tuple of ConditionSummary
+        Without the rows of transitions, sorted by pressure, camber and load.
+    exclusion : RowExclusion
+        The rows that ``fit`` would exclude.
+    """
+
+    recording: Recording
+    channels: tuple[ChannelSummary, ...]
+    interval: float
+    duration: float
+    segments: int
+    longest_gap: float
+    sweeps: tuple[SweepSummary, ...]
+    conditions: tuple[ConditionSummary, ...]
+    exclusion: RowExclusion
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the contents as JSON values."""
+        recording = self.recording
+        return {
+            "source": recording.source,
+            "rows": len(recording),
+            "signs": recording.signs,
+            "units": recording.about.get("units", ""),
+            "tire": recording.about.get("tireid", ""),
+            "selected": recording.about.get("selected", ""),
+            "sample_interval": self.interval,
+            "duration": self.duration,
+            "segments": self.segments,
+            "longest_gap": self.longest_gap,
+            "channels": [vars(each) for each in self.channels],
+            "sweeps": [vars(each) for each in self.sweeps],
+            "conditions": [vars(each) for each in self.conditions],
+            "excluded_rows": self.exclusion.counts,
+        }
+
+
+def inspect(recordings: Sequence[Recording]) -> tuple[list[Inspection], list[Finding]]:
+    """Return the contents of recordings, and what they lack or contradict.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+        Of one tire.
+
+    Returns
+    -------
+    inspections : list of Inspection
+    findings : list of Finding
+        About all recordings (`data_findings`).
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> clock = np.arange(1800) / 100.0
+    >>> alpha, load = 0.1 * np.sin(2.0 * np.pi * clock / 9.0), np.where(clock < 9.0, 900.0, 500.0)
+    >>> table = pd.DataFrame({"t": clock, "alpha": alpha, "Fz": load, "Fy": -9e3 * alpha})
+    >>> (found,), _ = inspect([Recording(table, "iso", "run.csv")])
+    >>> [(each.held, each.rows) for each in found.conditions]
+    [({'Fz': 500.0}, 900), ({'Fz': 900.0}, 900)]
+    """
+    return [_inspected(recording) for recording in recordings], data_findings(recordings)
+
+
+def _inspected(recording: Recording) -> Inspection:
+    pieces = recording.segments()
+    clock = recording.table["t"].to_numpy(dtype=np.float64) if "t" in recording.table else None
+    interval = sample_interval(recording, max(pieces, key=lambda piece: piece.stop - piece.start))
+    gaps = [clock[piece.start] - clock[piece.start - 1] for piece in pieces[1:]] if clock is not None else []
+    found = phases(recording)
+    return Inspection(
+        recording,
+        tuple(_channel(recording, name) for name in CHANNELS if name in recording.table),
+        interval,
+        interval * len(recording),
+        len(pieces),
+        float(max([0.0, *gaps])),
+        tuple(_sweeps(recording, found)),
+        tuple(_conditions(recording, found, interval)),
+        exclude_rows(recording),
+    )
+
+
+def _channel(recording: Recording, name: str) -> ChannelSummary:
+    declared, column = CHANNELS[name], recording.table[name]
+    known = column.dropna().to_numpy(dtype=np.float64)
+    low, middle, high = (float(v) for v in np.quantile(known, (0.0, 0.5, 1.0))) if len(known) else (np.nan,) * 3
+    in_file = name in recording.about.get("declared", "").split()
+    reason = "declared in the file" if in_file else recording.about.get("units") or "SI, as no unit is declared"
+    found = held_levels(column) if declared.role == "input" and name not in ("t", "T") else []
+    return ChannelSummary(
+        name, declared.meaning, declared.unit, reason, len(known), len(column) - len(known), low + 0.0, middle + 0.0,
+        high + 0.0, tuple(level + 0.0 for level in found),
+    )  # fmt: skip
+
+
+def _sweeps(recording: Recording, every: Sequence[Phase]) -> list[SweepSummary]:
+    found: list[SweepSummary] = []
+    for phase in (phase for phase in every if phase.kind == "sweep"):
+        moved = [recording.table[name].to_numpy(dtype=np.float64)[phase.rows] for name in phase.moving]
+        step = sample_interval(recording, phase.rows)
+        found.append(
+            SweepSummary(
+                len(found) + 1, phase.rows.start + 1, phase.rows.stop, phase.moving,
+                tuple(float(values.min()) for values in moved), tuple(float(values.max()) for values in moved),
+                tuple(_rate(values, step) for values in moved), dict(phase.held),
+            )
+        )  # fmt: skip
+    return found
+
+
+def _rate(values: NDArray[np.float64], step: float) -> float:
+    """Return the median speed of an input, over times that are long compared with noise."""
+    lag = min(max(1, round(RATE_TIME / step)), len(values) - 1)
+    return float(np.median(np.abs(values[lag:] - values[:-lag]))) / (lag * step) if lag else 0.0
+
+
+def _conditions(recording: Recording, every: Sequence[Phase], interval: float) -> list[ConditionSummary]:
+    groups = group_by_condition(recording)
+    steady = np.ones(len(recording), dtype=np.bool_)
+    for phase in every:
+        steady[phase.rows] = phase.kind != "transition"
+    found = []
+    for number, (held, moving) in enumerate(zip(groups.conditions, groups.moving, strict=True)):
+        rows = np.flatnonzero((groups.labels == number) & steady)
+        if not len(rows):
+            continue
+        levels = {name: abs(level) if name == "Fz" else level + 0.0 for name, level in held}
+        found.append(
+            ConditionSummary(
+                levels, moving, len(rows), _stretches(rows), interval * len(rows),
+                {name: drift(recording.table[name], rows) for name in DRIFTING if name in recording.table},
+            )
+        )  # fmt: skip
+    order = ("p", "V", "gamma", "kappa", "alpha", "Fz")
+    return sorted(found, key=lambda each: [each.held.get(name, -np.inf) for name in order])
+
+
+def _stretches(rows: NDArray[np.intp]) -> int:
+    """Return the number of stretches of consecutive rows."""
+    return int(np.count_nonzero(np.diff(rows) > 1)) + (len(rows) > 0)

@@ -1,0 +1,141 @@
+"""The tables of an inspection in the units of a test bench, the same for terminal and page."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from itertools import groupby
+
+from tirefmu.tires.drawing.style import drawn_unit, per_si
+
+from ..channels import CHANNELS
+from .inspection import Inspection, SweepSummary
+
+Table = tuple[list[str], list[list[str]]]
+#: Columns of texts; the others contain numbers.
+TEXTS = {"channel", "meaning", "unit", "unit from", "held at", "swept", "input", "speed in", "numbers", "reason"}
+
+
+def title(inspection: Inspection) -> str:
+    """Return rows, duration, rate and segments of a recording in one line."""
+    recording = inspection.recording
+    parts = [f"{len(recording)} rows", f"{recording.signs} signs"]
+    if "t" in recording.table:
+        parts.append(f"{inspection.duration:.4g} s at {1.0 / inspection.interval:.4g} Hz")
+        gap = f", longest gap {inspection.longest_gap:.3g} s" if inspection.segments > 1 else ""
+        parts.append(f"{inspection.segments} segment{'s' if inspection.segments > 1 else ''}{gap}")
+    else:
+        parts.append("no time")
+    about = recording.about
+    parts += [about[key] for key in ("tireid", "selected") if about.get(key)]
+    return ", ".join(parts)
+
+
+def all_tables(inspection: Inspection) -> list[tuple[str, str, Table]]:
+    """Return title, explanation and content of each table; empty ones are omitted."""
+    found = [
+        ("Channels", "", channel_table(inspection)),
+        ("Sweeps", "", sweep_table(inspection)),
+        (
+            "Operating conditions",
+            "Levels of the held inputs. Drift: change from the first to the last tenth of the rows.",
+            condition_table(inspection),
+        ),
+        ("Excluded from a fit", "", excluded_table(inspection)),
+    ]
+    return [each for each in found if each[2][1]]
+
+
+def channel_table(inspection: Inspection) -> Table:
+    """Return the channels: units, rows, range, levels."""
+    rows = []
+    for each in inspection.channels:
+        values = [_number(each.name, value) for value in (each.lowest, each.median, each.highest)]
+        levels = ", ".join(_number(each.name, level) for level in each.levels)
+        swept = "swept" if CHANNELS[each.name].role == "input" and each.name not in ("t", "T") else ""
+        rows.append(
+            [each.name, each.meaning, _unit(each.name), each.unit_from, str(each.rows), str(each.missing), *values,
+             levels or swept]
+        )  # fmt: skip
+    return [
+        "channel",
+        "meaning",
+        "unit",
+        "unit from",
+        "rows",
+        "missing",
+        "lowest",
+        "median",
+        "highest",
+        "held at",
+    ], rows
+
+
+def sweep_table(inspection: Inspection) -> Table:
+    """Return the kinds of sweeps: swept inputs, number, range, speed."""
+    rows = []
+    ordered = sorted(inspection.sweeps, key=lambda sweep: sweep.moving)
+    for moving, group in groupby(ordered, key=lambda sweep: sweep.moving):
+        sweeps = list(group)
+        for index, name in enumerate(moving):
+            low, high = min(s.lowest[index] for s in sweeps), max(s.highest[index] for s in sweeps)
+            rates = sorted(s.rate[index] for s in sweeps)
+            rows.append(
+                [" and ".join(moving), str(len(sweeps)), name, _number(name, low), _number(name, high),
+                 _number(name, rates[len(rates) // 2]), f"{_unit(name)}/s".replace("-/s", "1/s"), _numbers(sweeps)]
+            )  # fmt: skip
+    return ["swept", "sweeps", "input", "lowest", "highest", "speed", "speed in", "numbers"], rows
+
+
+def condition_table(inspection: Inspection) -> Table:
+    """Return the operating conditions: levels, rows, drifts."""
+    held = [name for name in CHANNELS if any(name in each.held for each in inspection.conditions)]
+    drifting = [name for name in CHANNELS if any(name in each.drift for each in inspection.conditions)]
+    header = ["swept", *(f"{name} ({_unit(name)})" for name in held), "rows", "stretches", "s"]
+    rows = []
+    for each in inspection.conditions:
+        levels = [_number(name, each.held[name]) if name in each.held else "" for name in held]
+        drifts = [_number(name, each.drift[name], sign=True) for name in drifting]
+        rows.append(
+            [
+                " and ".join(each.moving) or "-",
+                *levels,
+                str(each.rows),
+                str(each.sweeps),
+                f"{each.seconds:.1f}",
+                *drifts,
+            ]
+        )
+    return [*header, *(f"drift of {name} ({_unit(name).replace('deg C', 'K')})" for name in drifting)], rows
+
+
+def excluded_table(inspection: Inspection) -> Table:
+    """Return the rows that a fit excludes, by reason."""
+    return ["reason", "rows"], [[reason, str(rows)] for reason, rows in inspection.exclusion.counts.items()]
+
+
+def _unit(name: str) -> str:
+    return drawn_unit(name)
+
+
+def _number(name: str, value: float, *, sign: bool = False) -> str:
+    """Return a value in the unit in which figures draw the channel; 0 where it is far below its tolerance."""
+    drawn = value * per_si(name)
+    least = 1e-4 if CHANNELS[name].unit == "-" else 5e-3
+    drawn = 0.0 if abs(drawn) < least else drawn
+    return f"{drawn:+.3g}" if sign else f"{drawn:.4g}"
+
+
+def _numbers(sweeps: Sequence[SweepSummary]) -> str:
+    """Return the numbers of sweeps as ranges, as ``--where "sweep in (...)"`` takes them."""
+    runs: list[list[int]] = []
+    for number in sorted(sweep.number for sweep in sweeps):
+        if runs and number == runs[-1][1] + 1:
+            runs[-1][1] = number
+        else:
+            runs.append([number, number])
+    return _joined(f"{first}..{last}" if last > first else f"{first}" for first, last in runs)
+
+
+def _joined(texts: Iterable[str], most: int = 6) -> str:
+    given = list(texts)
+    return ", ".join(given[:most]) + (f" and {len(given) - most} more" if len(given) > most else "")

@@ -1,0 +1,53 @@
+"""Rows without an input: excluded up to a share of the rows, and counted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from tirefmu.symbolic.errors import DataError
+
+from ..channels import INPUTS
+from ..recording import Recording
+from ..thresholds import MOST_INCOMPLETE
+
+
+def without_incomplete_rows(recording: Recording) -> Recording:
+    """Return a recording without the rows in which an input is NaN.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Returns
+    -------
+    Recording
+        The same one if every row is complete. Otherwise ``about["incomplete"]`` has the numbers of rows.
+
+    Raises
+    ------
+    DataError
+        If more than `MOST_INCOMPLETE` of the rows are incomplete.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> rows = pd.DataFrame({"alpha": [0.0, np.nan, 0.1, 0.2, 0.3, 0.4], "Fy": 1.0})
+    >>> without_incomplete_rows(Recording(rows, "iso", "a.csv")).about["incomplete"]
+    '1 of 6 rows lack an input: NaN in alpha (1), the first in row 2'
+    """
+    present = [name for name in INPUTS if name in recording.table]
+    unknown = recording.table[present].isna()
+    incomplete = unknown.any(axis=1).to_numpy(dtype=np.bool_)
+    if not incomplete.any():
+        return recording
+    channels = ", ".join(f"{name} ({count})" for name, count in unknown.sum().items() if count)
+    text = (
+        f"{incomplete.sum()} of {len(recording)} rows lack an input: NaN in {channels}, "
+        f"the first in row {np.flatnonzero(incomplete)[0] + 1}"
+    )
+    if incomplete.mean() > MOST_INCOMPLETE:
+        raise DataError(f"{recording.source}: {text}: up to {100.0 * MOST_INCOMPLETE:g} % are excluded")
+    table = recording.table[~incomplete].reset_index(drop=True)
+    return replace(recording, table=table, about={**recording.about, "incomplete": text})

@@ -1,0 +1,125 @@
+"""The selected rows of a recording, by an expression or by a file that contains one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tirefmu.symbolic.errors import DataError
+
+from ..channels import CHANNELS
+from ..operating_conditions.phases import phases
+from ..recording import Recording
+from .expression import parse_selection
+from .rows import Rows
+from .tokens import LONGEST_EXPRESSION, quoted
+
+#: Extensions of files with an expression.
+SUFFIXES = (".where", ".txt")
+
+
+def selected(recording: Recording, where: str) -> Recording:
+    """Return the rows of a recording that satisfy an expression.
+
+    Parameters
+    ----------
+    recording : Recording
+    where : str
+        See `parse_selection`; or the path of a file (``.where``, ``.txt``) with an expression, in which ``#`` begins a
+        comment.
+
+    Returns
+    -------
+    Recording
+        ``about["selected"]`` has the numbers of rows.
+
+    Raises
+    ------
+    DataError
+        If the expression is invalid, a channel is missing, or no row satisfies it.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> bench = Recording(pd.DataFrame({"t": [0.0, 1.0, 2.0], "p": [70e3, 83e3, 97e3]}), "iso", "run.csv")
+    >>> selected(bench, "t > 0.5 and p in 80..90 kPa").table["p"].tolist()
+    [83000.0]
+    """
+    expression = _expression(where)
+    condition = parse_selection(expression)
+    for name in condition.names():
+        if name in CHANNELS and name not in recording.table:
+            known = ", ".join(each for each in CHANNELS if each in recording.table)
+            raise DataError(f"where {quoted(expression)}: {recording.source} has no channel {name}; it has {known}")
+    chosen = rows_of(recording, condition)
+    if not chosen.any():
+        ranges = "; ".join(_range(recording, name) for name in sorted(condition.names() - {"file"}))
+        raise DataError(
+            f"where {quoted(expression)} selects none of {len(recording)} rows of {recording.source}"
+            f"{f': {ranges}' if ranges else ''}"
+        )
+    count = f"{int(chosen.sum())} of {len(recording)} rows selected"
+    table = recording.table[chosen].reset_index(drop=True)
+    return replace(recording, table=table, about={**recording.about, "selected": count})
+
+
+def rows_of(recording: Recording, condition: Rows) -> NDArray[np.bool_]:
+    """Return for each row of a recording whether it satisfies a condition.
+
+    Parameters
+    ----------
+    recording : Recording
+    condition : Rows
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+    """
+    return condition.matches(cache(lambda name: _numbers(recording, name)), recording.source)
+
+
+def _expression(where: str) -> str:
+    """Return the expression, from a file if the text is the path of one."""
+    if not where.strip().endswith(SUFFIXES):
+        return where
+    path = Path(where.strip())
+    try:
+        with path.open("rb") as file:
+            # What is longer is refused by the parser.
+            return file.read(4 * LONGEST_EXPRESSION).decode("utf-8")
+    except OSError as error:
+        raise DataError(f"where: {path}: cannot be read ({error.strerror or error})") from None
+    except UnicodeDecodeError:
+        raise DataError(f"where: {path}: not a text file (UTF-8)") from None
+
+
+def _numbers(recording: Recording, name: str) -> NDArray[np.float64]:
+    """Return the numbers of a channel, of the load for Fz, or of a counter from 1."""
+    if name == "sample":
+        return np.arange(1.0, len(recording) + 1.0)
+    if name == "segment":
+        return _counted([(slice_.start, slice_.stop) for slice_ in recording.segments()], len(recording))
+    if name == "sweep":
+        sweeps = [(phase.rows.start, phase.rows.stop) for phase in phases(recording) if phase.kind == "sweep"]
+        return _counted(sweeps, len(recording))
+    values = recording.table[name].to_numpy(dtype=np.float64)
+    return -values if name == "Fz" and recording.signs == "sae" else values
+
+
+def _counted(stretches: list[tuple[int, int]], rows: int) -> NDArray[np.float64]:
+    """Return the number of the stretch of each row, from 1; 0 outside all of them."""
+    numbers = np.zeros(rows)
+    for number, (start, stop) in enumerate(stretches, start=1):
+        numbers[start:stop] = number
+    return numbers
+
+
+def _range(recording: Recording, name: str) -> str:
+    """Return the range of a name in a recording, with its SI unit."""
+    values = _numbers(recording, name)
+    unit = CHANNELS[name].unit if name in CHANNELS else ""
+    return f"{name} is {np.nanmin(values):.6g} to {np.nanmax(values):.6g} {unit}".rstrip(" -")

@@ -1,0 +1,187 @@
+"""Each contradiction is found where it was planted, and a sound recording has none."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.measurements import Recording, data_findings, recording_from, residual_findings
+from tirefmu.symbolic.errors import DataError
+
+STEP = 0.01
+
+
+def bench(
+    *, seed=0, friction=1.5, stiffness=20.0, shift=0.0, lag=0.0, heat=0.0, first=60.0, pressures=(83e3, 83e3), rows=900
+):
+    """Return sweeps of slip angle at two loads and two pressures at 100 Hz, in iso, with noise."""
+    sweep = np.arange(rows) * STEP
+    angle = 0.2 * np.interp(sweep / sweep[-1], [0.0, 0.25, 0.75, 1.0], [0.0, 1.0, -1.0, 0.0])
+    program = [(load, pressure) for pressure in pressures for load in (500.0, 900.0)]
+    alpha, load = np.tile(angle, len(program)), np.repeat([load for load, _ in program], rows)
+    clock, random = np.arange(len(alpha)) * STEP, np.random.default_rng(seed)
+    late = np.interp(clock - lag, clock, alpha)
+    warm = 60.0 - (60.0 - first) * np.exp(-clock / 8.0) + (5.0 * np.sin(0.37 * clock + 1.0) if heat else 0.0)
+    force = -friction * load * np.sin(1.4 * np.arctan(stiffness / 1.4 / friction * (late + shift)))
+    return pd.DataFrame(
+        {
+            "t": clock, "alpha": alpha, "gamma": 0.0, "Fz": load + random.normal(0.0, 4.0, len(alpha)),
+            "p": np.repeat([pressure for _, pressure in program], rows) + random.normal(0.0, 200.0, len(alpha)),
+            "V": 11.0, "T": warm, "Fy": force * (1.0 + heat * (warm - 60.0)) + random.normal(0.0, 5.0, len(alpha)),
+        }
+    )  # fmt: skip
+
+
+def found(*tables):
+    recordings = [recording_from(Recording(table, "iso", f"{name}.csv")) for name, table in zip("abc", tables)]  # noqa: B905
+    return data_findings(recordings)
+
+
+def kinds(*tables):
+    return {finding.kind for finding in found(*tables)}
+
+
+def test_a_sound_recording_has_no_finding():
+    assert found(bench()) == []
+
+
+def test_two_sound_recordings_of_one_tire_have_no_finding():
+    assert found(bench(), bench(seed=1)) == []
+
+
+def test_a_file_given_twice_in_any_signs():
+    twice = bench()
+    (finding,) = data_findings([Recording(twice, "iso", "a.csv"), Recording(twice, "iso", "b.csv").with_signs("sae")])
+    assert (finding.kind, finding.serious) == ("repeated rows", True)
+    assert finding.text.startswith("a.csv is given twice")
+
+
+def test_files_that_share_rows():
+    assert "a.csv shares 900 rows with b.csv" in str(found(bench(), pd.concat([bench().iloc[:900], bench(seed=1)]))[0])
+
+
+@pytest.mark.parametrize(("rows", "serious"), [(100, False), (1800, True)])
+def test_repeated_rows(rows, serious):
+    table = bench()
+    again = table.iloc[:rows].assign(t=table["t"].iloc[:rows] + 1000.0)
+    finding = next(each for each in found(pd.concat([table, again])) if each.kind == "repeated rows")
+    assert finding.serious == serious
+    assert f"{rows} of {len(table) + rows} rows repeat earlier rows in every channel but t, the first" in finding.text
+    assert f"at row {len(table) + 1}" in finding.text
+
+
+def test_a_sweep_back_without_noise_is_no_repetition():
+    there = np.linspace(-0.1, 0.1, 200)
+    alpha = np.concatenate([there, there[::-1]])
+    assert kinds(pd.DataFrame({"alpha": alpha, "Fz": 500.0, "Fy": -9e3 * alpha})) == {"coverage"}  # one load
+
+
+def test_two_tires_in_one_file_without_a_restart_of_the_clock():
+    first, second = bench(), bench(seed=1, friction=1.0)
+    (finding,) = found(pd.concat([first, second.assign(t=second["t"] + 100.0)]))[:1]
+    assert (finding.kind, finding.serious) == ("two tires", True)
+    assert "the largest |Fy|/Fz is 1.5" in finding.text
+
+
+def test_two_tires_in_two_files():
+    (finding,) = [each for each in found(bench(), bench(seed=1, friction=1.0)) if each.kind == "two tires"]
+    assert "of a.csv and 1" in finding.text
+    assert "of b.csv" in finding.text
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"stiffness": 22.0}, r"dFy/dalpha between -1.1 and 1.1 deg by \+(9|10)\.. % on average over 2 conditions"),
+        ({"shift": -0.004}, r"the zero of Fy by \+0\.2. deg"),
+    ],
+)
+def test_stiffness_and_shift_between_files(change, expected):
+    (finding,) = found(bench(), bench(seed=1, **change))
+    assert finding.kind == "stiffness between files"
+    assert finding.text.startswith("b.csv differs from a.csv at equal conditions: ")
+    assert re.search(expected, finding.text)
+
+
+def test_a_warm_up():
+    (finding,) = found(bench(first=48.0, rows=2000))
+    assert finding.kind == "warm-up"
+    # 12 K decay to 4 K within 8.8 s. The running median follows by up to its half window.
+    after = float(finding.command.split(">= ")[1].split(" s")[0])
+    assert after == pytest.approx(8.8, abs=10.0)
+    assert after > 0.0
+    assert kinds(bench(first=58.0, rows=2000)) == set()
+
+
+def test_pressures_that_were_run_one_after_another():
+    (finding,) = found(bench(pressures=(83e3, 70e3, 97e3)))
+    assert finding.kind == "run order"
+    assert "the levels of p were run one after another (83, 70, 97 kPa)" in finding.text
+    assert kinds(bench(pressures=(83e3, 70e3, 83e3))) == set()
+
+
+def test_clock_and_unit():
+    table = bench()
+    half = len(table) // 2
+    jumps = {
+        "jumps forward within a sweep 1 time, most by 50 s at row 302": table.assign(
+            t=table["t"] + 50.0 * (table.index > 300)
+        ),
+        "jumps back 1 time, most by 8.99 s at row 1801": table.assign(
+            t=table["t"] - np.where(table.index < half, 0, 9)
+        ),
+        "t repeats in 1 of 3599 steps": table.assign(t=table["t"].where(table.index != 5, 0.04)),
+        "t repeats in 3599 of 3599 steps": table.assign(t=0.0),
+        "mixed units? V is 11 m/s in some rows and 39.6 m/s in others, the ratio of m/s and km/h": table.assign(
+            V=np.where(table.index < half, 11.0, 39.6)
+        ),
+        "mixed units? p is 83 Pa in some rows and 8.3e+04 Pa in others, the ratio of Pa and kPa": table.assign(
+            p=np.where(table.index < half, 83e3, 83.0)
+        ),
+        "V is about 40 m/s (144 km/h) and declares no unit: in km/h?": table.assign(V=40.0),
+    }
+    for text, changed in jumps.items():
+        assert any(text in finding.text for finding in found(changed)), text
+
+
+def test_a_pause_between_two_sweeps_is_no_finding():
+    table = bench()
+    assert found(table.assign(t=table["t"] + 20.0 * (table.index // 900))) == []
+
+
+def test_rows_without_an_input_are_excluded_and_counted_up_to_a_share():
+    table = bench()
+    table.loc[table.index % 10 == 0, "alpha"] = np.nan
+    recording = recording_from(Recording(table, "iso", "a.csv"))
+    assert len(recording) == 0.9 * len(table)
+    assert recording.table["alpha"].notna().all()
+    (finding,) = [each for each in data_findings([recording]) if each.kind == "incomplete rows"]
+    assert "360 of 3600 rows lack an input: NaN in alpha (360), the first in row 1: excluded" in finding.text
+    table.loc[table.index % 10 < 2, "alpha"] = np.nan
+    table.loc[table.index % 10 == 2, "Fz"] = np.nan
+    with pytest.raises(
+        DataError, match=r"1080 of 3600 rows lack .* alpha \(720\), Fz \(360\).* up to 20 % are excluded"
+    ):
+        recording_from(Recording(table, "iso", "a.csv"))
+    table.loc[table.index % 10 < 3, "alpha"] = np.nan
+    with pytest.raises(DataError, match=r"row 1: alpha is NaN \(1080 of 3600 rows\)"):
+        recording_from(Recording(table, "iso", "a.csv"))
+
+
+def test_temperature_and_lag_in_the_residual():
+    sound, late, hot = bench(), bench(lag=0.06), bench(heat=-0.01)
+    predicted = sound[["Fy"]]
+    given = {
+        name: Recording(table, "iso", "a.csv") for name, table in {"sound": sound, "lag": late, "heat": hot}.items()
+    }
+    assert residual_findings([given["sound"].with_signs("sae")], [predicted]) == []
+    (lag,) = residual_findings([given["lag"]], [predicted])
+    assert lag.kind == "lag"
+    assert re.match(r"a.csv: Fy lags the tire by (5[5-9]|6[0-5]) ms, which explains 9\d % of", lag.text)
+    assert lag.command == "tirefmu diagnose a.csv --candidates relax_lat"
+    (heat,) = residual_findings([given["heat"]], [predicted])
+    assert re.match(r"a.csv: Fy changes by -(0\.9[7-9]|1\.0[0-3]) % per K of tread temperature, which", heat.text)
+    assert heat.command.endswith("--candidates temp_friction,temp_stiffness")

@@ -1,0 +1,51 @@
+"""An inspection of a run with known sweeps, conditions and drifts."""
+
+from math import radians
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.measurements import Recording
+from tirefmu.measurements.inspection.inspection import inspect
+
+
+@pytest.fixture(scope="module")
+def found(raw):
+    (inspection,), _ = inspect([raw.recording])
+    return inspection
+
+
+def test_every_sweep_is_found_with_its_speed(found):
+    assert len(found.sweeps) == 12  # four loads at three cambers
+    assert [sweep.number for sweep in found.sweeps] == list(range(1, 13))
+    for sweep in found.sweeps:
+        assert sweep.moving == ("alpha",)
+        assert sweep.rate[0] == pytest.approx(radians(4.0), rel=0.05)
+        assert sweep.highest[0] == pytest.approx(radians(12.0), rel=0.01)
+        assert sweep.lowest[0] == pytest.approx(radians(-12.0), rel=0.01)
+
+
+def test_every_condition_is_found_with_its_rows(found, raw):
+    loads = {round(each.held["Fz"], -1) for each in found.conditions}
+    cambers = {round(np.degrees(each.held["gamma"])) for each in found.conditions}
+    assert cambers == {0, 2, 4}
+    assert len(loads) == 4
+    assert sum(each.rows for each in found.conditions) == pytest.approx(np.count_nonzero(~raw.between), rel=0.03)
+    assert found.interval == pytest.approx(0.01)
+    assert (found.segments, found.longest_gap) == (1, 0.0)
+
+
+def test_drift_within_a_condition():
+    clock = np.arange(4000) / 100.0
+    alpha = 0.2 * np.sin(2.0 * np.pi * clock / 10.0)
+    rows = {"t": clock, "alpha": alpha, "Fz": 900.0, "p": 80e3 + 50.0 * clock, "T": 50.0 + 0.5 * clock, "Fy": -alpha}
+    ((inspection,), _) = inspect([Recording(pd.DataFrame(rows), "iso", "a.csv")])
+    (condition,) = inspection.conditions
+    assert condition.drift == pytest.approx({"p": 0.9 * 40.0 * 50.0, "T": 0.9 * 40.0 * 0.5}, rel=0.01)
+
+
+def test_loads_are_positive_and_other_channels_as_recorded(raw):
+    (inspection,), _ = inspect([raw.recording.with_signs("sae")])
+    assert all(each.held["Fz"] > 0.0 for each in inspection.conditions)
+    assert {each.name: each.highest for each in inspection.channels}["Fz"] < 0.0

@@ -1,0 +1,99 @@
+"""``tirefmu inspect``: what it prints, its JSON, its page, its exit codes."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+
+@pytest.fixture(scope="module")
+def inspected(command, bench_csv, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("inspect")
+    outcome = command("inspect", bench_csv, "-o", folder / "page.html", "--json", folder / "page.json")
+    page = (folder / "page.html").read_text(encoding="utf-8")
+    return outcome, json.loads((folder / "page.json").read_text(encoding="utf-8")), page
+
+
+def test_a_good_recording(inspected):
+    outcome, content, page = inspected
+    assert (outcome.status, outcome.err, content["ok"]) == (0, "", True)
+    (recording,) = content["recordings"]
+    assert recording["rows"] >= sum(each["rows"] for each in recording["conditions"])
+    by_name = {each["name"]: each for each in recording["channels"]}
+    assert by_name["Fz"]["levels"] == pytest.approx([220.0, 700.0, 1120.0], rel=0.03)
+    assert (by_name["alpha"]["unit"], by_name["p"]["unit"]) == ("rad", "Pa")
+    for text in ("Channels", "Operating conditions", "Sweeps"):
+        assert text in outcome.out
+        assert text in page
+
+
+def test_the_page_is_one_file_without_active_content(inspected):
+    page = inspected[2]
+    assert "default-src 'none'" in page
+    assert "<script" not in page
+    assert not re.findall(r'(?:src|href)="(?!data:)', page)
+    assert page.count("data:image/png;base64,") == 3
+    assert "&lt;" not in page  # no markup of the page itself was escaped
+    assert page.count("<table>") == page.count("<h3>") >= 3
+
+
+def test_rows_are_selected_and_written(command, bench_csv, tmp_path):
+    outcome = command(
+        "inspect", bench_csv, "--where", "Fz in 700 +- 100 N", "--table", tmp_path / "rows.csv", "--json", "-"
+    )
+    assert outcome.status == 0
+    rows = pd.read_csv(tmp_path / "rows.csv")
+    assert rows["Fz"].between(600.0, 800.0).all()
+    assert f"{len(rows)} of " in outcome.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("none.csv", "none.csv: no such file"),
+        ("{0} {0} --table rows.csv", "--table writes the rows of one table"),
+        ("{0} -o folder/page.html", "folder/page.html: no folder folder"),
+        ("{0} --table rows.xlsx", "rows.xlsx: unknown kind of table '.xlsx'"),
+        ("{0} --where Fz>9kN", "selects none of"),
+    ],
+)
+def test_bad_input(command, bench_csv, tmp_path, monkeypatch, arguments, message):
+    monkeypatch.chdir(tmp_path)
+    outcome = command("inspect", *arguments.format(bench_csv).split())
+    assert (outcome.status, outcome.out) == (2, "")
+    assert message in outcome.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_serious_finding_gives_exit_code_1_and_comes_first(command, tmp_path):
+    table = pd.DataFrame({"kappa": np.linspace(-0.2, 0.2, 90), "Fz": 900.0})
+    table.assign(Fx=3e3 * table["kappa"], Fy=0.0, remark="x").to_csv(tmp_path / "a.csv", index=False)
+    outcome = command("inspect", tmp_path / "a.csv", "-o", tmp_path / "page.html")
+    assert outcome.status == 1
+    assert outcome.out.startswith("warning: a.csv: NO COLUMN alpha (slip angle): Fy cannot be fitted")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert page.index("NO COLUMN alpha") < page.index("columns that are no channels are not fitted: remark")
+
+
+def test_texts_of_a_file_do_not_reach_the_page_as_markup(command, tmp_path):
+    name = tmp_path / "<img src=x>.csv"
+    pd.DataFrame({"alpha": [0.0, 0.1], "Fz": 900.0, "Fy": 1.0, "<b>lap": 1}).to_csv(name, index=False)
+    command("inspect", name, "-o", tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    assert "<img src=x>" not in page
+    assert "<b>lap" not in page
+
+
+@pytest.mark.parametrize(("command_line", "status"), [("evaluate trento_hoosier {} -o out.csv", 2), ("inspect {}", 0)])
+def test_rows_without_an_input(command, bench_csv, tmp_path, monkeypatch, command_line, status):
+    monkeypatch.chdir(tmp_path)
+    table = pd.read_csv(bench_csv)
+    table.assign(alpha=table["alpha"].where(table.index != 7)).to_csv("nan.csv", index=False)
+    outcome = command(*command_line.format("nan.csv").split())
+    assert outcome.status == status
+    assert "rows lack an input: NaN in alpha (1), the first in row 8" in outcome.out + outcome.err
+    assert not (tmp_path / "out.csv").exists()

@@ -1,0 +1,74 @@
+"""``tirefmu inspect``: what recordings contain, lack and contradict."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from tirefmu.symbolic.errors import TirefmuError
+
+from .arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, common, write_json
+
+#: Rows of a table in the terminal; page and JSON have all of them.
+MOST_ROWS = 60
+
+
+@click.command()
+@click.argument("tables", type=FILE, nargs=-1, required=True)
+@click.option("-o", "--output", type=FILE, help="HTML page with tables and figures.")
+@click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
+@WHERE
+@click.option("--table", "selection", type=FILE,
+              help="Write the selected rows of one table as CSV or Parquet, in SI units.")  # fmt: skip
+@common
+def inspect(
+    tables: tuple[Path, ...], output: Path | None, signs: str | None, where: str | None, selection: Path | None,
+    quiet: bool, json_file: Path | None,
+) -> int:  # fmt: skip
+    """Summarize TABLES: channels, sweeps, operating conditions, drifts, and what the data lack or contradict.
+
+    Exit code 1 if a finding is serious: a fit of these data would be misleading.
+    """
+    check_output_paths(output, json_file, selection)
+    check_input_paths(*tables)
+    if selection and len(tables) > 1:
+        raise TirefmuError("--table writes the rows of one table")
+    from tirefmu.measurements import recordings_from, write_table
+    from tirefmu.measurements.inspection import tables as texts
+    from tirefmu.measurements.inspection.inspection import inspect as run
+
+    from .terminal import Terminal
+
+    terminal = Terminal(quiet)
+    recordings = recordings_from(tables, signs=signs, where=where)
+    for recording in recordings:
+        recording.measured()  # raises for a table without a measured output
+    with terminal.working("inspecting"):
+        inspections, findings = run(recordings)
+        if selection:
+            write_table(recordings[0].table, selection)
+        if output:
+            from tirefmu.measurements.inspection.report import write_inspection
+
+            write_inspection(inspections, findings, output)
+    ok = not any(finding.serious for finding in findings)
+    write_json(
+        json_file,
+        {
+            "ok": ok,
+            "findings": [vars(finding) for finding in findings],
+            "recordings": [each.to_json() for each in inspections],
+        },
+    )
+    terminal.findings(findings)
+    for each in inspections:
+        terminal.heading(each.recording.source, texts.title(each))
+        for name, _, content in texts.all_tables(each):
+            terminal.table(name, content, most=MOST_ROWS)
+        for note in each.exclusion.notes[:MOST_ROWS]:
+            terminal.print(f"excluded from a fit: {note}")
+    for path, kind in ((output, "page"), (selection, "selected rows")):
+        if path:
+            terminal.print(f"{kind}: {path}")
+    return 0 if ok else 1
