@@ -119,7 +119,7 @@ def evaluate(
     """
     check_output_paths(output, json_file)
     check_input_paths(tire, table)
-    from tirefmu.measurements import recording_from, write_table
+    from tirefmu.measurements import convention_notes, recording_from, write_table
     from tirefmu.tires import tire_from
 
     from .terminal import Terminal
@@ -131,11 +131,16 @@ def evaluate(
         result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
         write_table(result, output)
     absent = [name for name in loaded.inputs if name not in recording.table]
-    summary = {"ok": True, "rows": len(result), "signs": recording.signs, **conventions, "nominal": absent}
+    warnings = convention_notes(recording)
+    summary = {
+        "ok": True, "rows": len(result), "signs": recording.signs, **conventions, "nominal": absent,
+        "warnings": warnings,
+    }  # fmt: skip
     write_json(json_file, {**summary, "output": str(output), "columns": list(result.columns)})
     terminal.print(f"{len(result)} rows, {len(result.columns)} columns, signs {recording.signs}: {output}")
     if absent:
         terminal.print(f"not in the table, nominal values used: {', '.join(absent)}")
+    terminal.print(*(f"warning: {each}" for each in warnings))
     return 0
 
 
@@ -193,14 +198,17 @@ def fit(
     """
     check_output_paths(output, json_file, report, folder=figures)
     check_input_paths(*tables)
+    from tirefmu.measurements import check_convention, recordings_from
+
+    recordings = recordings_from(tables, signs=signs)
+    for recording in recordings:  # before the slower imports
+        check_convention(recording)
     from tirefmu.fitting import assign_folds, cross_validate
     from tirefmu.fitting import fit as run
-    from tirefmu.measurements import recordings_from
 
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
-    recordings = recordings_from(tables, signs=signs)
     if folds:
         assign_folds(recordings, folds)  # raises before the fit if there are too few parts
     finished_stages = output.with_name(f"{output.stem}.progress.json")

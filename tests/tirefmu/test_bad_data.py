@@ -50,6 +50,18 @@ REFUSED = {
     "load of the other sign": (
         lambda t: [t.assign(Fz=-t["Fz"])], "a.csv: Fz is negative in 100 % of the rows: SAE signs? (--signs sae)",
     ),
+    "side force of the other sign": (
+        lambda t: [side_alone(t).assign(Fy=-side_alone(t)["Fy"])],
+        "a.csv: Fy rises with alpha, in iso it falls: the data fit adapted-sae (--signs adapted-sae)",
+    ),
+    "moment of the other sign": (
+        lambda t: [t.assign(Mz=-t["Mz"])], "a.csv: Mz falls with alpha at small angles, in iso it rises: no convention",
+    ),
+    "slip of the other sign": (lambda t: [t.assign(Fx=-t["Fx"])], "a.csv: Fx falls with kappa, in iso it rises"),
+    "forces exchanged": (
+        lambda t: [t.rename(columns={"Fx": "Fy", "Fy": "Fx"})],
+        "a.csv: Fx follows alpha and Fy does not: the columns Fx and Fy are exchanged",
+    ),
     "degrees for radians": (
         lambda t: [t.assign(alpha=np.degrees(t["alpha"]))],
         "a.csv: alpha reaches 11.46 rad: in degrees? declare it: 'alpha [deg]'",
@@ -72,12 +84,6 @@ REPORTED = {
     "one load": (lambda t: [side_alone(t).assign(Fz=900.0)], "a.csv: only one load (900 N): the influence of load"),
     "ten rows": (lambda t: [side_alone(t).iloc[::60]], "a.csv: 10 rows are fewer than a fit of one force needs"),
     "time going backwards": (lambda t: [side_alone(t).iloc[::-1]], "a.csv: t runs backwards in 599 of 599 steps"),
-    "side force of the other sign": (
-        lambda t: [side_alone(t).assign(Fy=-side_alone(t)["Fy"])],
-        "a.csv: Fy rises with alpha, in iso it falls: the data look like adapted-sae",
-    ),
-    "moment of the other sign": (lambda t: [t.assign(Mz=-t["Mz"])], "a.csv: Mz falls with alpha at small angles"),
-    "slip of the other sign": (lambda t: [t.assign(Fx=-t["Fx"])], "a.csv: Fx falls with kappa, but kappa > 0 drives"),
     "two tires in two files": (
         lambda t: [side_alone(t), side_alone(sweeps(1.1, seed=1))], "two tires? at 900 N, mu_y is 1.4",
     ),
