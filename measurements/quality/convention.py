@@ -132,7 +132,7 @@ def _expected_sign(name: str, signs: str) -> int:
     """Return the sign of the load, or of the change of a force with its slip, in a convention."""
     slip, sign = _SIGN_IN_ISO.get(name, ("", 1))
     reversed_names = REVERSED[signs]
-    return sign * (-1) ** ((name in reversed_names) + (slip in reversed_names))
+    return sign if (name in reversed_names) == (slip in reversed_names) else -sign
 
 
 def _contradicting(observed: dict[str, int], signs: str) -> list[str]:
