@@ -193,6 +193,8 @@ def fit(
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
 
+    The output starts with a verdict: usable, usable with limits, or not usable (exit code 1), with the reasons.
+
     Ctrl-C stops a fit; the best values so far are written, and the exit code is 1. NAME.progress.json, in the folder of
     the tire, has the completed stages. --resume continues after them. A completed fit deletes the file.
     """
@@ -242,7 +244,7 @@ def fit(
         with terminal.working("writing the report"):
             write_report(result, recordings, report)
         terminal.print(f"report: {report}")
-    return 0 if result.ok else 1
+    return 0 if result.verdict.usable else 1
 
 
 @cli.command()

@@ -139,6 +139,16 @@ def test_it_is_fitted_and_reported(fitted, fault):
     assert left == ["new.tir"]
 
 
+def test_a_tire_that_is_not_usable_is_written_with_exit_status_1(fitted):
+    """The second file has a tenth of the side force: no tire has both."""
+    table = side_alone(sweeps())
+    outcome, left = fitted([table, table.assign(Fy=0.1 * table["Fy"])])
+    verdict, reason, *_ = outcome.out.splitlines()
+    assert (outcome.status, verdict) == (1, "verdict: not usable")
+    assert reason.startswith("  - b.csv: Fy is not described (R2 -")
+    assert left == ["new.tir"]
+
+
 def test_good_data_give_no_message(fitted):
     outcome, _ = fitted([side_alone(sweeps()).iloc[:300], side_alone(sweeps(seed=1)).iloc[300:].assign(p=80e3)])
     notes = [line for line in outcome.out.splitlines() if line.startswith("note: ") and "only one load" not in line]
