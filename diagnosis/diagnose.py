@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
-from tirefmu.measurements import TableLike, recording_from
+from tirefmu.measurements import TableLike, check_convention, recording_from
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.added import AddedEffect, library
 from tirefmu.symbolic.errors import UnknownName, no_single_text
@@ -69,13 +69,14 @@ def diagnose(
     Raises
     ------
     DataError
-        If the recording cannot be used.
+        If the recording cannot be used, or contradicts its sign convention.
     UnknownName
         If a model, an effect, a tire or a convention does not exist.
     WrongType
         If the table or the tire is of another type.
     """
     recording = recording_from(table, signs=signs)
+    check_convention(recording)
     began = time.perf_counter()
     report = progress or (lambda sentence: None)
     no_single_text("candidates", candidates)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from tirefmu.measurements import TableLike, recordings_from
+from tirefmu.measurements import TableLike, check_convention, recordings_from
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import FitError, UnknownName, WrongType
 from tirefmu.symbolic.model import Model
@@ -117,7 +117,8 @@ def fit(
     Raises
     ------
     UnknownName, DataError, FitError
-        If an argument names something unknown, or arguments or data are inconsistent.
+        If an argument names something unknown, or arguments or data are inconsistent, in particular if the data
+        contradict their sign convention.
     WrongType
         If a table or the start has a wrong type.
 
@@ -147,6 +148,8 @@ def fit(
     recordings = recordings_from(tables, signs=signs)
     if not recordings:
         raise FitError("no table to fit")
+    for recording in recordings:
+        check_convention(recording)
     present = _effects(book, tire_given, effects, without)
     data = prepare(recordings, book, screening=screening, rows=rows)
     notes = list(data.notes)

@@ -332,9 +332,6 @@ class FitRun:
         if undetermined:
             self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
         channels = self._channels(recordings, tire, effective)
-        self._notes += [
-            f"{c.recording}: the fit does not explain {c.channel} (R2 {c.r2:.2f})" for c in channels if c.r2 < 0
-        ]
         table = self._data.assign(**{n: self._tire.nominal(n) for n in self._tire.inputs if n not in self._data})
         return FitResult(
             tire.in_signs("iso"), self._tire.signs, coefficients, channels,
@@ -398,11 +395,14 @@ class FitRun:
             rows = Rows.of(table, tire, self._fitted)
             computed = fastest_code(tire.book).forces(rows.inputs, tire.parameters())
             floors = noise_floor(table, dict(zip(tire.outputs, rows.measured.T - computed, strict=True)))
+            included = table["included"].to_numpy()
             for index, channel in enumerate(tire.outputs):
-                n, rmse, r2, uncentred = quality(rows.measured[:, index], computed[index])
+                measured = rows.measured[:, index]
+                n, rmse, r2, uncentred = quality(measured, computed[index])
                 if n:
                     floor, effective_rows = floors[channel].floor, float(effective[number, index])
+                    own = quality(measured[included], computed[index][included])[:3]
                     fitted.append(
-                        ChannelFit(name, channel, units[channel], n, rmse, r2, uncentred, floor, effective_rows)
+                        ChannelFit(name, channel, units[channel], n, rmse, r2, uncentred, floor, effective_rows, *own)
                     )
         return tuple(fitted)

@@ -20,9 +20,10 @@ if TYPE_CHECKING:
     from .operating_conditions.levels import level_tolerance, levels
     from .operating_conditions.phases import Phase, phases, transitions
     from .operating_conditions.selection import Condition, Near, near, select
+    from .quality.convention import check_convention, convention_notes, fitting_conventions
     from .quality.coverage import Coverage, coverage, coverage_notes
     from .quality.outliers import Outlier, outliers
-    from .quality.plausibility import check_plausible, convention_notes
+    from .quality.plausibility import check_plausible
     from .quality.row_exclusion import EXCLUSION_REASONS, RowExclusion, exclude_rows
     from .quality.tire_identity import identity_notes
     from .recording import Recording
@@ -66,13 +67,15 @@ _ON_DEMAND = {
     "VirtualBench": "virtual_bench.bench",
     "alpha_sweeps": "virtual_bench.programs",
     "channel": "channels",
+    "check_convention": "quality.convention",
     "check_plausible": "quality.plausibility",
     "concatenate": "virtual_bench.programs",
-    "convention_notes": "quality.plausibility",
+    "convention_notes": "quality.convention",
     "coverage": "quality.coverage",
     "coverage_notes": "quality.coverage",
     "data_findings": "findings.data_findings",
     "exclude_rows": "quality.row_exclusion",
+    "fitting_conventions": "quality.convention",
     "group_by_condition": "operating_conditions.grouping",
     "identity_notes": "quality.tire_identity",
     "incomplete_rows": "findings.channels_read",
@@ -120,6 +123,7 @@ __all__ = [
     "VirtualBench",
     "alpha_sweeps",
     "channel",
+    "check_convention",
     "check_plausible",
     "concatenate",
     "convention_notes",
@@ -127,6 +131,7 @@ __all__ = [
     "coverage_notes",
     "data_findings",
     "exclude_rows",
+    "fitting_conventions",
     "group_by_condition",
     "identity_notes",
     "incomplete_rows",

@@ -107,7 +107,7 @@ LONGEST_WARM_UP = 0.5
 #: s after a transition until the tire has settled: three relaxation lengths of 0.5 m at 5 m/s.
 SETTLING_TIME = 0.3
 
-# ---------------------------------------------------------------- plausible units and signs: `quality.plausibility`
+# --------------------------------------------------------------- signs and units: `quality.convention`, `.plausibility`
 
 #: N. If no load is larger, it is taken for kN: the smallest tires known to us run at 60 N and more. Loads of a truck
 #: tire in kN (up to 60) are not recognized.
@@ -129,6 +129,14 @@ SMALL_ANGLE = 0.05
 STRONG_CORRELATION = 0.5
 #: Standard deviation of a slip (rad or 1). Less is sensor noise (0.02 deg, 0.002 of slip) rather than a sweep.
 LEAST_SLIP_DEVIATION = 0.005
+
+#: The same correlation below which a force does not follow a slip. Judgement: noise of some hundred rows is below it.
+WEAK_CORRELATION = 0.3
+#: kappa up to which a row is taken as free rolling for the sign of Mz: Fx contributes to Mz. Judgement.
+SMALL_SLIP = 0.03
+#: Fraction of the rows. Larger and smaller forces are limited to the quantile of this fraction before the sign of their
+#: change is determined, twice the share of spikes in the tests. Judgement.
+SPIKE_QUANTILE = 0.02
 
 # ---------------------------------------------------------------- coverage: `quality.coverage`, `quality.tire_identity`
 

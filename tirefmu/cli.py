@@ -89,7 +89,7 @@ def evaluate(
     """
     check_output_paths(output, json_file)
     check_input_paths(tire, table)
-    from tirefmu.measurements import recording_from, write_table
+    from tirefmu.measurements import convention_notes, recording_from, write_table
     from tirefmu.tires import tire_from
 
     from .terminal import Terminal
@@ -104,11 +104,16 @@ def evaluate(
         result = loaded.evaluate(recording.table, signs=recording.signs, code=code, **conventions)
         write_table(result, output)
     absent = [name for name in loaded.inputs if name not in recording.table]
-    summary = {"ok": True, "rows": len(result), "signs": recording.signs, **conventions, "nominal": absent}
+    warnings = convention_notes(recording)
+    summary = {
+        "ok": True, "rows": len(result), "signs": recording.signs, **conventions, "nominal": absent,
+        "warnings": warnings,
+    }  # fmt: skip
     write_json(json_file, {**summary, "output": str(output), "columns": list(result.columns)})
     terminal.print(f"{len(result)} rows, {len(result.columns)} columns, signs {recording.signs}: {output}")
     if absent:
         terminal.print(f"not in the table, nominal values used: {', '.join(absent)}")
+    terminal.print(*(f"warning: {each}" for each in warnings))
     return 0
 
 
@@ -163,20 +168,26 @@ def fit(
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
 
+    The output starts with a verdict: usable, usable with limits, or not usable (exit code 1), with the reasons.
+
     Ctrl-C stops a fit; the best values so far are written, and the exit code is 1. NAME.progress.json, in the folder of
     the tire, has the completed stages. --resume continues after them. A completed fit deletes the file.
     """
     check_output_paths(output, json_file, report, folder=figures)
     check_input_paths(*tables)
-    from tirefmu.fitting import assign_folds, cross_validate
-    from tirefmu.fitting import fit as run
-    from tirefmu.measurements import data_findings, recordings_from, residual_findings
+    from tirefmu.measurements import check_convention, recordings_from
 
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
     recordings = recordings_from(tables, signs=signs, where=where)
+    for recording in recordings:  # before the slower imports
+        check_convention(recording)
     terminal.selection(*recordings)
+    from tirefmu.fitting import assign_folds, cross_validate
+    from tirefmu.fitting import fit as run
+    from tirefmu.measurements import data_findings, residual_findings
+
     if folds:
         assign_folds(recordings, folds)  # raises before the fit if there are too few parts
     finished_stages = output.with_name(f"{output.stem}.progress.json")
@@ -196,8 +207,7 @@ def fit(
     predicted = [result.tire.evaluate(each.table, signs=each.signs) for each in recordings]
     findings = [*data_findings(recordings), *residual_findings(recordings, predicted)]
     write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
-    terminal.findings(findings, printed=result.notes)
-    terminal.fit_result(result)
+    terminal.fit_result(result, findings)
     terminal.print(f"tire: {output}")
     if result.interrupted and finished_stages.exists():
         terminal.print(f"completed stages: {finished_stages}; to continue, run the same command with --resume")
@@ -213,7 +223,7 @@ def fit(
         with terminal.working("writing the report"):
             write_report(result, recordings, report)
         terminal.print(f"report: {report}")
-    return 0 if result.ok else 1
+    return 0 if result.verdict.usable else 1
 
 
 @cli.command()

@@ -13,6 +13,7 @@ from tirefmu.symbolic.escaping import excerpt, visible
 
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
+    from tirefmu.fitting.results.verdict import Verdict
 
 #: Columns of text; the others contain numbers.
 WORDS = {
@@ -44,8 +45,14 @@ def plain_table(*columns: str, title: str = "") -> Table:
     return table
 
 
+def verdict_lines(verdict: Verdict) -> Iterator[str]:
+    """Yield the verdict of a fit and its reasons, a line each."""
+    yield f"verdict: {verdict.word}"
+    yield from (f"  - {reason}" for reason in verdict.reasons)
+
+
 def fit_lines(result: FitResult) -> Iterator[Table | str]:
-    """Yield the tables and lines of a fit in order."""
+    """Yield the tables and lines of a fit after its verdict, in order."""
     from tirefmu.fitting.reporting.report_text import extrapolation_text, ripple_texts
 
     yield _coefficients(result)
@@ -87,13 +94,14 @@ def _channels(result: FitResult) -> Table:
     from tirefmu.fitting.reporting.report_text import interval_text, worst_text
 
     table = plain_table(
-        "recording", "channel", "rows", "RMSE", "unit", "noise floor", "R2", "R2 uncentred", "largest error",
-        title="Goodness of fit",
+        "recording", "channel", "fitted rows", "RMSE", "R2", "all rows", "RMSE", "R2", "unit", "noise floor",
+        "largest error", title="Goodness of fit, over the fitted rows and over all rows",
     )  # fmt: skip
     for c in result.channels:
+        largest = worst_text(result, c.recording, c.channel)
         table.add_row(
-            c.recording, c.channel, f"{c.rows}", f"{c.rmse:.4g}", c.unit, interval_text(c.noise_floor),
-            f"{c.r2:.5f}", f"{c.r2_uncentred:.5f}", worst_text(result, c.recording, c.channel),
+            c.recording, c.channel, f"{c.fitted_rows}", f"{c.fitted_rmse:.4g}", f"{c.fitted_r2:.5f}", f"{c.rows}",
+            f"{c.rmse:.4g}", f"{c.r2:.5f}", c.unit, interval_text(c.noise_floor), largest,
         )  # fmt: skip
     return table
 
@@ -116,10 +124,19 @@ def _held_out(result: FitResult) -> Table:
 
 
 def _stiffnesses(result: FitResult) -> Table:
-    table = plain_table("recording", "force", "load (N)", "data", "tire", "unit", "error", title="Slip stiffness")
+    table = plain_table(
+        "recording", "force", "load (N)", "data", "+- (1 sigma)", "tire", "unit", "error", title="Slip stiffness"
+    )
     for s in result.findings.stiffnesses:
         table.add_row(
-            s.recording, s.channel, f"{s.load:.0f}", f"{s.read:.5g}", f"{s.fitted:.5g}", s.unit, f"{s.off:+.1%}"
+            s.recording,
+            s.channel,
+            f"{s.load:.0f}",
+            f"{s.read:.5g}",
+            f"{s.error:.2g}",
+            f"{s.fitted:.5g}",
+            s.unit,
+            f"{s.off:+.1%}",
         )
     return table
 

@@ -15,7 +15,7 @@ from rich.text import Text
 from tirefmu.symbolic.escaping import visible
 from tirefmu.tires import Tire
 
-from .fit_tables import fit_lines, plain_table
+from .fit_tables import fit_lines, plain_table, verdict_lines
 
 if TYPE_CHECKING:
     from tirefmu.fitting import FitResult
@@ -101,8 +101,10 @@ class Terminal:
             elif finding.text not in printed:
                 self.print(f"note: {finding}")
 
-    def fit_result(self, result: FitResult) -> None:
-        """Print a fit: coefficients, goodness of fit, constraints, findings about the data, and status."""
+    def fit_result(self, result: FitResult, findings: Iterable[Finding] = ()) -> None:
+        """Print a fit: verdict, findings about the data, coefficients, goodness of fit, constraints, and status."""
+        self.print(*verdict_lines(result.verdict))
+        self.findings(findings, printed=result.notes)
         for line in fit_lines(result):
             if isinstance(line, Table):
                 self._out.print(line)

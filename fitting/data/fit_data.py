@@ -12,7 +12,6 @@ import pandas as pd
 from tirefmu.measurements import (
     EXCLUSION_REASONS,
     Recording,
-    convention_notes,
     coverage_notes,
     exclude_rows,
     group_by_condition,
@@ -119,7 +118,7 @@ def prepare(
     excluded_rows: list[ExcludedRows] = []
     for each in recordings:
         each.measured()  # raises if no output is measured, and suggests columns that may be misnamed channels
-    notes = [note for each in recordings for note in (*convention_notes(each), *coverage_notes(each))]
+    notes = [note for each in recordings for note in coverage_notes(each)]
     notes += identity_notes(recordings) or tire_notes(recordings)
     unfitted: list[str] = []
     segments = 0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import radians
 
 import numpy as np
 import numpy.typing as npt
@@ -17,12 +16,10 @@ from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.signs import convert_signs
 from tirefmu.tires.tire import Tire
 
+from .slope import SLOPE_WINDOW, read_slope
+
 FloatArray = npt.NDArray[np.float64]
 
-#: Half the width of the window in which a slope at zero slip is read: wide enough to average ripple and noise of the
-#: slip, narrow enough for a cubic.
-SLOPE_WINDOW = {"kappa": 0.04, "alpha": radians(2.0)}
-_FEWEST = 12  # rows for a slope
 _POINTS = 301  # of a curve
 _UPRIGHT = 0.2  # of a tolerance: a smaller held inclination is taken as zero
 
@@ -177,7 +174,7 @@ class Comparison:
         read = []
         for group in family.groups:
             slip, force = (group.rows[name].to_numpy(dtype=float) for name in (family.slip, family.channel))
-            slope = slope_at_zero(slip, force, SLOPE_WINDOW[family.slip])
+            slope = read_slope(slip, force, SLOPE_WINDOW[family.slip]).value
             if np.isfinite(slope):
                 read.append((abs(group.level), abs(slope)))
         return read
@@ -269,45 +266,3 @@ def _sweeps(recording: Recording, table: pd.DataFrame) -> dict[str, npt.NDArray[
             marks[rows] = np.ptp(values) > 4.0 * level_tolerance(values, name)
     rolling = table["kappa"].abs().to_numpy() <= level_tolerance(table["kappa"], "kappa")
     return {"lateral": swept["alpha"] & rolling, "longitudinal": swept["kappa"]}
-
-
-def slope_at_zero(slip: FloatArray, force: FloatArray, window: float) -> float:
-    """Read the slope of measured points at zero slip, without a tire model.
-
-    A cubic is fitted to the points in the window with tricube weights by distance from zero and Huber weights against
-    outliers: local regression after Cleveland, J. Am. Stat. Assoc. 74 (1979).
-
-    Parameters
-    ----------
-    slip, force : ndarray, shape (n,)
-        NaN is ignored.
-    window : float
-        Half width, in the unit of the slip.
-
-    Returns
-    -------
-    float
-        NaN if the points are on one side of zero, or fewer than 12.
-
-    Examples
-    --------
-    >>> slip = np.linspace(-1.0, 1.0, 201)
-    >>> round(slope_at_zero(slip, np.sin(3.0 * slip), 0.3), 2)
-    3.0
-    """
-    inside = np.isfinite(slip) & np.isfinite(force) & (np.abs(slip) < window)
-    x, y = slip[inside] / window, force[inside]
-    if len(x) < _FEWEST or x.min() > -0.5 or x.max() < 0.5:
-        return float("nan")
-    powers = x[:, None] ** np.arange(4)
-    tricube = (1.0 - np.abs(x) ** 3) ** 3
-    weight = tricube
-    slope = 0.0
-    for _ in range(20):
-        root = np.sqrt(weight)
-        coefficients = np.linalg.lstsq(powers * root[:, None], y * root, rcond=None)[0]
-        slope, residual = float(coefficients[1]), np.abs(y - powers @ coefficients)
-        knee = 1.345 * 1.4826 * float(np.median(residual))
-        # A knee of 0 means that half of the points are exact: no outlier weights.
-        weight = tricube * np.minimum(1.0, knee / np.maximum(residual, knee)) if knee > 0.0 else tricube
-    return slope / window

@@ -38,7 +38,8 @@ from tirefmu.tires.drawing.style import (
 )
 from tirefmu.tires.tire import Tire
 
-from ..evidence.curves import SLOPE_WINDOW, Comparison, Family, compare
+from ..evidence.curves import Comparison, Family, compare
+from ..evidence.slope import SLOPE_WINDOW
 from ..results.records import quality
 
 MOST_SOURCES = 30  # recordings listed below a figure

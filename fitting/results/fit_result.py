@@ -22,6 +22,7 @@ from ..evidence.residuals import Residuals
 from ..evidence.uncertainty import Direction
 from .records import ChannelFit, FittedCoefficient, HeldOut, StageFit
 from .summary import fit_html, fit_text
+from .verdict import Verdict, verdict_of
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -143,9 +144,14 @@ class FitResult:
         bounded = [c.name for c in self.coefficients if c.at_bound]
         return find(self.evidence, free, [names for names in (*known, *unseen) if names], bounded, effective)
 
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Whether the tire is usable, with the reasons in order of weight; computed at the first access."""
+        return verdict_of(self)
+
     @property
     def ok(self) -> bool:
-        """Whether all stages ran and converged and all constraints are satisfied."""
+        """Whether all stages ran and converged and all constraints are satisfied. The tire may still be not usable."""
         return (
             not self.interrupted
             and all(stage.converged for stage in self.stages)
@@ -177,7 +183,8 @@ class FitResult:
     def to_json(self) -> dict[str, Any]:
         """Return the result as JSON values; a missing bound is null."""
         plain = {
-            "ok": self.ok,
+            "ok": self.verdict.usable,
+            "verdict": vars(self.verdict),
             "status": self.status,
             "recipe": self.recipe,
             "method": self.method,

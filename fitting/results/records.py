@@ -57,10 +57,11 @@ class ChannelFit:
     ----------
     recording, channel, unit : str
     rows : int
+        All measured rows, also those that were excluded from the fit.
     rmse : float
-        In the channel's unit.
+        Over all rows, in the channel's unit.
     r2 : float
-        Coefficient of determination: 1 - residual variance over variance about the mean.
+        Coefficient of determination over all rows: 1 - residual variance over variance about the mean.
     r2_uncentred : float
         1 - sum of squared residuals over sum of squares, as in the Trento report.
     noise_floor : float
@@ -68,6 +69,9 @@ class ChannelFit:
         (`tirefmu.estimation.noise_floor`); NaN with few rows.
     effective_rows : float
         Effective sample size: the residuals of the last stage are correlated in time.
+    fitted_rows : int
+    fitted_rmse, fitted_r2 : float
+        The same over the fitted rows, without excluded ones.
     """
 
     recording: str
@@ -79,6 +83,9 @@ class ChannelFit:
     r2_uncentred: float
     noise_floor: float = nan
     effective_rows: float = nan
+    fitted_rows: int = 0
+    fitted_rmse: float = nan
+    fitted_r2: float = nan
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from tirefmu.tires.notebook import html_details, html_summary, html_table
 from tirefmu.tires.tire import Tire
 
 from .records import ChannelFit, FittedCoefficient
+from .verdict import Verdict
 
 #: Longest name of a recording, in characters, and largest number of channels that are listed.
 LONGEST_NAME, MOST_CHANNELS = 40, 12
@@ -29,6 +30,10 @@ class Summarized(Protocol):
     @property
     def status(self) -> str:
         """Status of the fit in one line."""
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the tire is usable."""
 
     @property
     def signs(self) -> str:
@@ -54,6 +59,7 @@ def fit_text(result: Summarized) -> str:
     recipe = visible(result.recipe)
     lines = [
         f"FitResult{name}: {result.tire.model} with {effects} effects, recipe {recipe}: {visible(result.status)}",
+        f"  {result.verdict.word}{''.join(f'; {visible(reason)}' for reason in result.verdict.reasons[:1])}",
         f"  {len(result.coefficients)} coefficients fitted, in {result.signs} signs; {result.seconds:.1f} s",
     ]
     for c in result.channels[:MOST_CHANNELS]:

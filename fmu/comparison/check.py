@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.measurements.quality.convention import convention_notes
 from tirefmu.measurements.table_argument import TableLike, recording_from
 from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.symbolic.escaping import excerpt
@@ -87,7 +88,9 @@ def check(
     (True, 1.0)
     """
     fmu_path = path_from(fmu_path, "fmu_path")
-    given = recording_from(recording, signs=signs, parameter="recording").with_signs("iso")
+    given = recording_from(recording, signs=signs, parameter="recording")
+    warnings = tuple(convention_notes(given))
+    given = given.with_signs("iso")
     table, segments = given.table, given.segments()
     with unpacked(fmu_path) as folder:
         description = read_description(fmu_path, folder)
@@ -122,6 +125,7 @@ def check(
         simulated=simulated,
         recording=table[[*present, *measured]].assign(t=time),
         starts=tuple(segment.start for segment in segments),
+        warnings=warnings,
     )
 
 

@@ -1,4 +1,4 @@
-"""Plausibility of a recording: implausible units and signs are errors, unusual signs of forces are notes."""
+"""Plausibility of a recording: implausible units and loads of the wrong sign are errors."""
 
 from __future__ import annotations
 
@@ -14,14 +14,12 @@ from ..thresholds import (
     BACKWARD_SLIP,
     LARGEST_BAR,
     LARGEST_PSI,
-    LEAST_SLIP_DEVIATION,
     MOST_BACKWARD_ROWS,
     MOST_WRONG_LOADS,
-    SMALL_ANGLE,
     SMALLEST_LOAD,
     SMALLEST_PRESSURE,
-    STRONG_CORRELATION,
 )
+from .convention import fitting_conventions
 
 #: The probable unit of values beyond the limits of a channel.
 _PROBABLE_UNITS = {
@@ -113,60 +111,8 @@ def _wrong_load_sign(recording: Recording) -> Iterator[str]:
     share = float(np.mean(load * expected < 0.0))
     if share > MOST_WRONG_LOADS:
         sign, advice = (
-            ("positive", "not SAE? (--signs iso or adapted-sae)")
+            ("positive", f"not SAE? (--signs {' or '.join(fitting_conventions(recording) or ('iso', 'adapted-sae'))})")
             if recording.signs == "sae"
             else ("negative", "SAE signs? (--signs sae)")
         )
         yield f"Fz is {sign} in {100.0 * share:.0f} % of the rows: {advice}"
-
-
-def convention_notes(recording: Recording) -> list[str]:
-    """Return notes on forces that seem to be in another sign convention.
-
-    Fy falls with alpha in iso and sae, and rises in adapted-sae. At small angles, Mz rises with alpha in iso and sae,
-    and falls in adapted-sae. This is no error, because unusual coefficients can cause it as well.
-
-    Parameters
-    ----------
-    recording : Recording
-
-    Returns
-    -------
-    list of str
-        One sentence per channel with an unusual sign.
-
-    Examples
-    --------
-    >>> import pandas as pd
-    >>> sweep = pd.DataFrame({"alpha": [-0.1, 0.0, 0.1], "Fy": [-900.0, 0.0, 900.0]})
-    >>> convention_notes(Recording(sweep, "iso", "a.csv"))
-    ['a.csv: Fy rises with alpha, in iso it falls: the data look like adapted-sae']
-    """
-    notes = []
-    source, signs = recording.source, recording.signs
-    side = _correlation(recording, "alpha", "Fy")
-    rises = signs == "adapted-sae"
-    if abs(side) > STRONG_CORRELATION and (side > 0.0) != rises:
-        found, expected = ("rises", "falls") if side > 0.0 else ("falls", "rises")
-        other = "iso" if rises else "adapted-sae"
-        notes.append(f"{source}: Fy {found} with alpha, in {signs} it {expected}: the data look like {other}")
-    moment = _correlation(recording, "alpha", "Mz", SMALL_ANGLE)
-    if not notes and abs(moment) > STRONG_CORRELATION and (moment > 0.0) == rises:
-        found, expected = ("rises", "falls") if moment > 0.0 else ("falls", "rises")
-        notes.append(
-            f"{source}: Mz {found} with alpha at small angles, in {signs} it {expected}: was its sign reversed?"
-        )
-    if _correlation(recording, "kappa", "Fx") < -STRONG_CORRELATION:
-        notes.append(f"{source}: Fx falls with kappa, but kappa > 0 drives in every convention")
-    return notes
-
-
-def _correlation(recording: Recording, slip: str, force: str, largest: float = np.inf) -> float:
-    """Return the correlation over the rows where the force was measured; 0 if the slip was not swept."""
-    if slip not in recording.table or force not in recording.table:
-        return 0.0
-    pair = recording.table[[slip, force]].dropna().to_numpy(dtype=np.float64)
-    pair = pair[np.abs(pair[:, 0]) <= largest]
-    if len(pair) < 3 or pair[:, 0].std() < LEAST_SLIP_DEVIATION or pair[:, 1].std() == 0.0:
-        return 0.0
-    return float(np.corrcoef(pair.T)[0, 1])

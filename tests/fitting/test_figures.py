@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
-from tirefmu.fitting.evidence.curves import compare, slope_at_zero
+from tirefmu.fitting.evidence.curves import compare
+from tirefmu.fitting.evidence.slope import read_slope
 from tirefmu.fitting.reporting.figures import data_text, draw_figures
 from tirefmu.measurements import (
     Noise,
@@ -194,7 +195,7 @@ def test_slopes_read_from_noiseless_data_are_the_derivatives(trento, channel, sl
 @given(st.lists(st.floats(-10.0, 10.0), min_size=4, max_size=4), st.floats(0.01, 10.0))
 def test_the_slope_of_a_cubic_is_read_exactly(coefficients, window):
     slip = np.linspace(-2.0, 2.0, 301) * window
-    assert slope_at_zero(slip, np.polyval(coefficients, slip), window) == pytest.approx(
+    assert read_slope(slip, np.polyval(coefficients, slip), window).value == pytest.approx(
         coefficients[2], rel=1e-6, abs=1e-6 * (1.0 + max(map(abs, coefficients)) * (1.0 + window) ** 3 / window)
     )
 
@@ -204,15 +205,15 @@ def test_outliers_hardly_change_the_slope(spoiled):
     rng = np.random.default_rng(0)
     slip = np.linspace(-1.0, 1.0, 201)
     force = 100.0 * slip + rng.normal(0.0, 1.0, len(slip))
-    clean = slope_at_zero(slip, force, 1.0)
+    clean = read_slope(slip, force, 1.0).value
     force[spoiled] += 1000.0
-    assert slope_at_zero(slip, force, 1.0) == pytest.approx(clean, abs=5.0)
+    assert read_slope(slip, force, 1.0).value == pytest.approx(clean, abs=5.0)
 
 
 def test_no_slope_is_read_from_one_side_or_from_few_points():
     slip = np.linspace(0.0, 1.0, 100)
-    assert np.isnan(slope_at_zero(slip, slip, 1.0))
-    assert np.isnan(slope_at_zero(np.linspace(-1.0, 1.0, 11), np.ones(11), 1.0))
+    assert np.isnan(read_slope(slip, slip, 1.0).value)
+    assert np.isnan(read_slope(np.linspace(-1.0, 1.0, 11), np.ones(11), 1.0).value)
 
 
 def test_measured_recordings(data_folder, tmp_path):

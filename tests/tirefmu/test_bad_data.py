@@ -57,6 +57,18 @@ REFUSED = {
     "load of the other sign": (
         lambda t: [t.assign(Fz=-t["Fz"])], "a.csv: Fz is negative in 100 % of the rows: SAE signs? (--signs sae)",
     ),
+    "side force of the other sign": (
+        lambda t: [side_alone(t).assign(Fy=-side_alone(t)["Fy"])],
+        "a.csv: Fy rises with alpha, in iso it falls: the data fit adapted-sae (--signs adapted-sae)",
+    ),
+    "moment of the other sign": (
+        lambda t: [t.assign(Mz=-t["Mz"])], "a.csv: Mz falls with alpha at small angles, in iso it rises: no convention",
+    ),
+    "slip of the other sign": (lambda t: [t.assign(Fx=-t["Fx"])], "a.csv: Fx falls with kappa, in iso it rises"),
+    "forces exchanged": (
+        lambda t: [t.rename(columns={"Fx": "Fy", "Fy": "Fx"})],
+        "a.csv: Fx follows alpha and Fy does not: the columns Fx and Fy are exchanged",
+    ),
     "degrees for radians": (
         lambda t: [t.assign(alpha=np.degrees(t["alpha"]))],
         "a.csv: alpha reaches 11.46 rad: in degrees? declare it: 'alpha [deg]'",
@@ -81,12 +93,6 @@ REPORTED = {
     "one load": (lambda t: [side_alone(t).assign(Fz=900.0)], "a.csv: only one load (900 N): the influence of load"),
     "ten rows": (lambda t: [side_alone(t).iloc[::60]], "a.csv: 10 rows are fewer than a fit of one force needs"),
     "time going backwards": (lambda t: [side_alone(t).iloc[::-1]], "a.csv: t runs backwards in 599 of 599 steps"),
-    "side force of the other sign": (
-        lambda t: [side_alone(t).assign(Fy=-side_alone(t)["Fy"])],
-        "a.csv: Fy rises with alpha, in iso it falls: the data look like adapted-sae",
-    ),
-    "moment of the other sign": (lambda t: [t.assign(Mz=-t["Mz"])], "a.csv: Mz falls with alpha at small angles"),
-    "slip of the other sign": (lambda t: [t.assign(Fx=-t["Fx"])], "a.csv: Fx falls with kappa, but kappa > 0 drives"),
     "NaN in an input": (
         lambda t: [t.assign(Fz=t["Fz"].where(t.index != 7))],
         "a.csv: 1 of 1200 rows lack an input: NaN in Fz (1), the first in row 8: excluded",
@@ -146,9 +152,21 @@ def test_it_is_fitted_and_reported(fitted, fault):
     assert left == ["new.tir"]
 
 
-def test_a_missing_slip_is_the_first_line_of_the_output(fitted):
+def test_a_missing_slip_follows_the_verdict_before_all_tables(fitted):
     outcome, _ = fitted([sweeps().drop(columns="alpha")])
-    assert outcome.out.startswith("warning: a.csv: NO COLUMN alpha (slip angle): Fy and Mz cannot be fitted")
+    headline, _ = outcome.out.split("Coefficients", 1)
+    assert headline.startswith("verdict: ")
+    assert "warning: a.csv: NO COLUMN alpha (slip angle): Fy and Mz cannot be fitted" in headline
+
+
+def test_a_tire_that_is_not_usable_is_written_with_exit_status_1(fitted):
+    """The second file has a tenth of the side force: no tire has both."""
+    table = side_alone(sweeps())
+    outcome, left = fitted([table, table.assign(Fy=0.1 * table["Fy"])])
+    verdict, reason, *_ = outcome.out.splitlines()
+    assert (outcome.status, verdict) == (1, "verdict: not usable")
+    assert reason.startswith("  - b.csv: Fy is not described (R2 -")
+    assert left == ["new.tir"]
 
 
 def test_good_data_give_no_message(fitted):

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 
+import pandas as pd
 import pytest
+
+from tirefmu.tires.signs import convert_signs
 
 
 def test_a_misspelt_constraint_is_refused_with_the_nearest_name(command, bench_csv, tmp_path):
@@ -61,3 +66,48 @@ def test_more_folds_than_conditions_are_refused_before_the_work(command, bench_c
     assert outcome.status == 2
     assert "500 folds require at least 500 operating conditions" in outcome.err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def misread(bench_csv, tmp_path_factory):
+    """Return the bench table in adapted SAE, which is read as ISO, and with exchanged forces."""
+    table, folder = pd.read_csv(bench_csv), tmp_path_factory.mktemp("misread")
+    adapted, exchanged = folder / "adapted.csv", folder / "exchanged.csv"
+    convert_signs(table, "iso", "adapted-sae").to_csv(adapted, index=False)
+    table.rename(columns={"Fx": "Fy", "Fy": "Fx"}).to_csv(exchanged, index=False)
+    return adapted, exchanged
+
+
+def test_wrong_signs_are_refused_before_the_fit(command, misread, tmp_path):
+    for table, expected in zip(
+        misread, ("the data fit adapted-sae (--signs adapted-sae)", "the columns Fx and Fy are exchanged"), strict=True
+    ):
+        for arguments in (
+            ("fit", table, "--model", "mf96", "-o", tmp_path / "t.tir"),
+            ("diagnose", table, "-o", tmp_path),
+        ):
+            outcome = command(*arguments)
+            assert outcome.status == 2
+            assert expected in outcome.err
+            assert outcome.err.count("\n") == 1
+        assert list(tmp_path.iterdir()) == []
+
+
+def test_wrong_signs_load_no_solver(misread, tmp_path):
+    """The error is fast because nothing of the fit is imported."""
+    program = (
+        "import sys; from tirefmu.cli import main; "
+        f"assert main(['fit', {str(misread[0])!r}, '-o', {str(tmp_path / 't.tir')!r}]) == 2; "
+        "assert 'casadi' not in sys.modules and 'sympy' not in sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True, capture_output=True)
+
+
+def test_evaluate_and_check_warn_in_the_same_words(command, misread, published_tir, tmp_path):
+    fmu, expected = tmp_path / "tire.fmu", "the data fit adapted-sae (--signs adapted-sae)"
+    assert command("export", published_tir, "-o", fmu).status == 0
+    for arguments in (("evaluate", published_tir, misread[0], "-o", tmp_path / "out.csv"), ("check", fmu, misread[0])):
+        outcome = command(*arguments, "--json", tmp_path / "result.json")
+        (warning,) = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["warnings"]
+        assert warning.endswith(expected)
+        assert f"warning: {warning}" in outcome.out

@@ -76,9 +76,10 @@ def test_a_good_table_has_no_messages(messages):
         (lambda table: table.assign(V=40.0 * 3.6 + 7.0), "V reaches 151 m/s: in km/h?"),
         # Signs
         (lambda table: table.assign(Fz=-table["Fz"]), "Fz is negative in 100 % of the rows: SAE signs? (--signs sae)"),
-        (lambda table: table.assign(Fy=-table["Fy"]), "Fy rises with alpha, in iso it falls: the data look like"),
+        (lambda table: table.assign(Fy=-table["Fy"]), "Fy rises with alpha, in iso it falls: no convention"),
         (lambda table: table.assign(Mz=-table["Mz"]), "Mz falls with alpha at small angles, in iso it rises"),
-        (lambda table: table.assign(Fx=-table["Fx"]), "Fx falls with kappa, but kappa > 0 drives"),
+        (lambda table: table.assign(Fx=-table["Fx"]), "Fx falls with kappa, in iso it rises: no convention"),
+        (lambda table: table.rename(columns={"Fx": "Fy", "Fy": "Fx"}), "the columns Fx and Fy are exchanged"),
         # Rows
         (lambda table: table.assign(alpha=table["alpha"].where(table.index % 2 < 1)), "line 3: alpha is NaN (300"),
         (lambda table: table.assign(Fz=0.0), "none of 600 rows can be used: 600 lifted"),

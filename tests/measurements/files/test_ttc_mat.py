@@ -220,7 +220,7 @@ def test_real_files_misread_are_noticed(measured):
     iso = measured.with_signs("iso")
     notes = convention_notes(type(iso)(iso.table, "adapted-sae", iso.source))
     assert len(notes) == 1
-    assert notes[0].endswith("the data look like iso")
+    assert notes[0].endswith("the data fit iso (--signs iso)")
 
 
 def test_real_levels(measured):

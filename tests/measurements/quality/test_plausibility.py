@@ -1,10 +1,9 @@
 """Impossible values are rejected with one line; unusual but possible values are accepted."""
 
-import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.measurements import Recording, check_plausible, convention_notes
+from tirefmu.measurements import Recording, check_plausible
 from tirefmu.symbolic.errors import DataError
 
 
@@ -63,25 +62,3 @@ def test_a_declared_unit_is_used(name, value):
 def test_declared_unit_does_not_excuse_the_sign():
     with pytest.raises(DataError, match="SAE signs"):
         check_plausible(recording(declared="Fz", Fz=[-900.0]))
-
-
-@pytest.mark.parametrize(("signs", "slope"), [("iso", -1.0), ("sae", -1.0), ("adapted-sae", 1.0)])
-def test_notes_on_the_side_force(signs, slope):
-    alpha = np.linspace(-0.2, 0.2, 101)
-    force = 900.0 * np.tanh(15.0 * alpha)
-    assert convention_notes(recording(signs, alpha=alpha, Fy=slope * force)) == []
-    assert len(convention_notes(recording(signs, alpha=alpha, Fy=-slope * force))) == 1
-
-
-def test_no_note_without_a_sweep():
-    rng = np.random.default_rng(1)
-    held = rng.normal(0.0, 3e-4, 500)
-    assert convention_notes(recording(alpha=held, Fy=1e4 * held)) == []
-    assert convention_notes(recording(alpha=np.linspace(-0.2, 0.2, 9), Fy=[np.nan] * 9)) == []
-
-
-def test_note_on_driving_slip():
-    kappa = np.linspace(-0.2, 0.2, 51)
-    notes = convention_notes(recording(kappa=kappa, Fx=-900.0 * np.tanh(20.0 * kappa)))
-    assert len(notes) == 1
-    assert "Fx falls with kappa" in notes[0]

@@ -1,0 +1,205 @@
+"""Verdict on a fit: usable, usable with limits, or not usable, with the reasons in order of weight."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import degrees
+from typing import Protocol
+
+import numpy as np
+
+from tirefmu.tires.tire import Tire
+
+from ..constraints.physical import chosen_constraints
+from ..constraints.verification import Margin
+from ..data.fit_data import EXCITED_BY, ExcludedRows
+from ..evidence.diagnostics import Findings
+from ..evidence.residuals import Residuals
+from ..evidence.slip_stiffness import SlipStiffness
+from .records import ChannelFit, FittedCoefficient
+
+USABLE, LIMITED, UNUSABLE = "usable", "usable with limits", "not usable"
+#: The forces, without which a tire is not usable.
+FORCES = ("Fx", "Fy")
+#: R2 below which a channel is described poorly; below 0 its mean is a better description.
+POOR_R2 = 0.5
+#: Relative errors of the slip stiffness: above the first, at one load and beyond two standard errors of the data, the
+#: handling of a vehicle changes noticeably; above the second, over all loads, it is that of another tire. Judgement.
+STIFFNESS_LIMIT, WRONG_STIFFNESS = 0.1, 0.5
+#: Share of the rows of a recording whose exclusion is reported. Judgement.
+MANY_EXCLUDED = 0.1
+#: Share of the largest kappa from which a row has combined slip, and share of the largest slip angle that combined slip
+#: has to reach. Judgement.
+COMBINED_KAPPA, COMBINED_ALPHA = 0.25, 0.8
+#: Largest number of names that a reason lists.
+MOST_NAMES = 8
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether a fitted tire can be used, and why not or with which limits.
+
+    Attributes
+    ----------
+    word : str
+        "usable", "usable with limits" or "not usable".
+    reasons : tuple of str
+        In order of weight; empty if the tire is usable without limits.
+    """
+
+    word: str
+    reasons: tuple[str, ...] = ()
+
+    @property
+    def usable(self) -> bool:
+        """Whether the tire is usable, possibly with limits."""
+        return self.word != UNUSABLE
+
+
+class Judged(Protocol):
+    """The attributes of a fit result that determine the verdict."""
+
+    @property
+    def ok(self) -> bool:
+        """Whether the fit converged within its constraints."""
+
+    @property
+    def status(self) -> str:
+        """Status of the fit in one line."""
+
+    @property
+    def tire(self) -> Tire:
+        """The fitted tire."""
+
+    @property
+    def coefficients(self) -> Sequence[FittedCoefficient]:
+        """The fitted coefficients."""
+
+    @property
+    def channels(self) -> Sequence[ChannelFit]:
+        """Goodness of fit by recording and channel."""
+
+    @property
+    def margins(self) -> Sequence[Margin]:
+        """Margins of the constraints."""
+
+    @property
+    def excluded_rows(self) -> Sequence[ExcludedRows]:
+        """Rows that were not fitted."""
+
+    @property
+    def findings(self) -> Findings:
+        """Diagnostics of the fit."""
+
+    @property
+    def evidence(self) -> Residuals | None:
+        """The fitted rows."""
+
+
+def verdict_of(result: Judged) -> Verdict:
+    """Return the verdict on a fit.
+
+    Parameters
+    ----------
+    result : FitResult
+
+    Returns
+    -------
+    Verdict
+    """
+    wrong = [] if result.ok else [result.status]
+    wrong += [_quality_reason(c) for c in result.channels if c.channel in FORCES and c.fitted_r2 < 0.0]
+    wrong += _wrong_stiffness(result.findings)
+    limits = [
+        *_missing_forces(result),
+        *(_quality_reason(c) for c in result.channels if c.channel in FORCES and 0.0 <= c.fitted_r2 < POOR_R2),
+        *_stiffness_reasons(result.findings),
+        *(_quality_reason(c) for c in result.channels if c.channel not in FORCES and c.fitted_r2 < 0.0),
+        *_not_imposed(result),
+        *_at_bounds(result),
+        *_excluded(result),
+        *([] if result.evidence is None else _extrapolated(result.evidence)),
+    ]
+    return Verdict(UNUSABLE if wrong else LIMITED if limits else USABLE, (*wrong, *limits))
+
+
+def _quality_reason(c: ChannelFit) -> str:
+    described = "not described" if c.fitted_r2 < 0.0 else "described poorly"
+    return f"{c.recording}: {c.channel} is {described} (R2 {c.fitted_r2:.2f} over the fitted rows)"
+
+
+def _stiffnesses(findings: Findings) -> Iterator[tuple[str, list[SlipStiffness]]]:
+    """Yield the slip stiffnesses of each force of a recording, with a text that names them."""
+    for recording, channel in dict.fromkeys((s.recording, s.channel) for s in findings.stiffnesses):
+        own = [s for s in findings.stiffnesses if (s.recording, s.channel) == (recording, channel)]
+        yield f"{recording}: the slip stiffness of {channel} differs by", own
+
+
+def _wrong_stiffness(findings: Findings) -> Iterator[str]:
+    for text, own in _stiffnesses(findings):
+        error = sum(s.fitted for s in own) / sum(s.read for s in own) - 1.0
+        if abs(error) > WRONG_STIFFNESS:
+            yield f"{text} {error:+.0%} over all loads"
+
+
+def _stiffness_reasons(findings: Findings) -> list[str]:
+    """Return the largest error at one load for each force of a recording, the largest first."""
+    worst = [(text, max(own, key=lambda s: abs(s.reliable_error))) for text, own in _stiffnesses(findings)]
+    worst = sorted(worst, key=lambda pair: -abs(pair[1].reliable_error))
+    return [f"{text} {s.off:+.0%} at {s.load:.0f} N" for text, s in worst if abs(s.reliable_error) > STIFFNESS_LIMIT]
+
+
+def _missing_forces(result: Judged) -> Iterator[str]:
+    fitted = {c.channel for c in result.channels}
+    for force in (name for name in FORCES if name in result.tire.outputs and name not in fitted):
+        yield f"{force} is not fitted: it was not measured over a varying {EXCITED_BY[force][0]}"
+
+
+def _not_imposed(result: Judged) -> Iterator[str]:
+    """Yield the default constraints on fitted channels that the fit did not enforce."""
+    fitted, imposed = {c.channel for c in result.channels}, {margin.name for margin in result.margins}
+    declared = chosen_constraints(result.tire.model)
+    expected = [each for output in fitted for each in declared.get(output, ())]
+    missing = sorted(
+        each.name for each in expected
+        if each.name not in imposed and (not each.effect or each.effect in result.tire.has)
+    )  # fmt: skip
+    if missing:
+        yield f"physical constraints not imposed: {_listed(missing)}"
+
+
+def _at_bounds(result: Judged) -> Iterator[str]:
+    names = [c.name for c in result.coefficients if c.at_bound]
+    if names:
+        yield f"{len(names)} of {len(result.coefficients)} coefficients at bounds: {_listed(names)}"
+
+
+def _excluded(result: Judged) -> Iterator[str]:
+    for recording in dict.fromkeys(rows.recording for rows in result.excluded_rows):
+        own = [rows for rows in result.excluded_rows if rows.recording == recording]
+        share = sum(rows.rows for rows in own) / own[0].of
+        if share > MANY_EXCLUDED:
+            yield f"{recording}: {share:.0%} of the rows excluded ({', '.join(rows.reason for rows in own)})"
+
+
+def _extrapolated(evidence: Residuals) -> Iterator[str]:
+    """Yield the operating conditions for which the tire is extrapolated: combined slip, other loads."""
+    table = evidence.table
+    slips = {name: np.abs(table[name].to_numpy(dtype=float)) for name in ("kappa", "alpha") if name in table}
+    if set(FORCES) <= set(evidence.channels):
+        largest = float(slips["alpha"].max())
+        driven = slips["kappa"] > COMBINED_KAPPA * slips["kappa"].max()
+        combined = float(slips["alpha"][driven].max())
+        if combined < COMBINED_ALPHA * largest:
+            yield (
+                f"combined slip is extrapolated beyond {degrees(combined):.1f} deg of slip angle "
+                f"(pure slip was measured up to {degrees(largest):.1f} deg)"
+            )
+    if len(evidence.levels.get("Fz", ())) < 2 and ("Fz" not in table or np.ptp(table["Fz"]) < 0.1 * table["Fz"].max()):
+        yield "one load: the influence of load is not determined"
+
+
+def _listed(names: Sequence[str]) -> str:
+    more = f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
+    return ", ".join(names[:MOST_NAMES]) + more
