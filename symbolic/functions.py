@@ -66,6 +66,28 @@ class absolute(sp.Function):
         return sgn(self.args[0])
 
 
+class expm1(sp.Function):
+    """e^x - 1, exact for small x.
+
+    Examples
+    --------
+    >>> expm1(sp.Integer(0)), expm1(sp.Symbol("x")).diff(sp.Symbol("x"))
+    (0, exp(x))
+    """
+
+    nargs = 1
+    is_real = True
+
+    @classmethod
+    def eval(cls, x: Any) -> Any:
+        """Return 0 at 0; leave everything else alone."""
+        return sp.Integer(0) if x.is_zero else None
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        """Return e^x."""
+        return sp.exp(self.args[0])
+
+
 def where(condition: Any, then: Any, otherwise: Any) -> sp.Expr:
     """Return `then` where the condition holds, `otherwise` elsewhere (also where something is NaN).
 

@@ -1,14 +1,16 @@
 """Transient slip: tan(alpha) and kappa lag behind their inputs by a rolled distance.
 
-d x/dt = |V| / sigma (u - x): the exact solution over each step, whatever its length; nothing changes while the
-wheel does not roll. Pacejka, Tire and Vehicle Dynamics (2012), section 7.2.1 has the single contact point model; here
-the lag acts on the slip itself.
+d x/dt = |V| / sigma (u - x): the exact solution over each step, whatever its length (`tirefmu.symbolic.laws`); nothing
+changes while the wheel does not roll. Pacejka, Tire and Vehicle Dynamics (2012), section 7.2.1 has the single contact
+point model; here the lag acts on the slip itself.
 """
 
 from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+
+from .code.modules import state_laws
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -49,16 +51,12 @@ def lagged(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray
     with np.errstate(divide="ignore"):
         rate = np.where(sigma > AT_ONCE, np.abs(speed) / np.maximum(sigma, AT_ONCE), np.inf)
     h = np.diff(t)
-    held, following = slip[:-1], slip[1:]
     with np.errstate(invalid="ignore"):
-        rolled = np.where(h > 0, h * (rate[:-1] if hold else (rate[:-1] + rate[1:]) / 2), 0.0)
-    decay = np.exp(-rolled)
-    if hold:
-        gained = held * -np.expm1(-rolled)
-    else:
-        some = (rolled > 0) & np.isfinite(rolled)
-        mean_lag = np.where(some, -np.expm1(-rolled) / np.where(some, rolled, 1.0), np.where(rolled > 0, 0.0, 1.0))
-        gained = (following - held) * (1 - mean_lag) - held * np.expm1(-rolled)
+        way = np.where(h > 0, h * (rate[:-1] if hold else (rate[:-1] + rate[1:]) / 2), 0.0)
+    following = slip[1:]
+    # A law is linear in the state.
+    gained = state_laws.lag(0.0, slip[:-1], slip[:-1] if hold else following, way)
+    decay = state_laws.lag(1.0, 0.0, 0.0, way)
     decay, gained = np.where(h < 0, 0.0, decay), np.where(h < 0, following, gained)
     acts = np.empty_like(slip)
     x = acts[0] = slip[0]
@@ -89,5 +87,5 @@ def rolled_distance(t: FloatArray, speed: FloatArray, *, hold: bool = False) -> 
     [0.0, 10.0, 40.0]
     """
     held, following = np.abs(speed[:-1]), np.abs(speed[1:])
-    mean = held if hold else (held + following) / 2
-    return np.concatenate([[0.0], np.cumsum(mean * np.maximum(np.diff(t), 0.0))])
+    rolled = state_laws.sum_linear(0.0, held, held if hold else following, np.maximum(np.diff(t), 0.0))
+    return np.concatenate([[0.0], np.cumsum(rolled)])

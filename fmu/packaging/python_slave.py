@@ -1,7 +1,7 @@
 """The tire of a pythonfmu FMU. This file is in the FMU's resources and may be edited there.
 
 It needs NumPy and pythonfmu only. The same folder has `variables.json` (the variables in the order of their value
-references) and the model's generated NumPy code.
+references), the model's generated NumPy code and `state_laws.py`, the laws by which states change.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import importlib.util
 import json
 from collections.abc import Sequence
-from math import atan, exp, expm1, inf, isfinite, nan, tan
+from math import atan, inf, isfinite, nan, tan
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -43,6 +43,7 @@ class TireSlave(Fmi2Slave):
         content = json.loads((folder / "variables.json").read_text(encoding="utf-8"))
         self.variables = content["variables"]
         self.code = _load(folder / f"{content['model']}.py")
+        self.laws = _load(folder / "state_laws.py")
         self.names = [variable["name"] for variable in self.variables]
         self.values = [variable["start"] for variable in self.variables]
         self.first_output = 1 + len(self.code.INPUTS)
@@ -69,16 +70,16 @@ class TireSlave(Fmi2Slave):
         if not (isfinite(current_time) and isfinite(step_size) and step_size > 0.0):
             self._log_error(f"the step size must be positive and finite, not {step_size:g}")
             return False
-        rolled = abs(self._input("V")) * step_size if "V" in self.code.INPUTS else 0.0
+        speed = abs(self._input("V")) if "V" in self.code.INPUTS else 0.0
         if self.lags:
             lengths = self._lengths()
             for i, (given, length) in enumerate(zip(self._given_slips(), lengths, strict=True)):
-                share = rolled / length if length > SHORTEST_LENGTH else inf
-                self.lagging[i] = exp(-share) * self.lagging[i] - expm1(-share) * given
+                share = speed * step_size / length if length > SHORTEST_LENGTH else inf
+                self.lagging[i] = float(self.laws.lag(self.lagging[i], given, given, share))
         if "distance" in self.code.INPUTS:
             index = self.names.index("distance")
             if self.variables[index]["causality"] != "input":
-                self.values[index] += rolled
+                self.values[index] = self.laws.sum_linear(self.values[index], speed, speed, step_size)
         self.values[0] = current_time + step_size
         self.outputs_known = False
         return True

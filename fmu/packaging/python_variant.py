@@ -65,6 +65,7 @@ def python_contents(
         "documentation/licenses/pythonfmu.txt": license_text.encode(),
         "resources/slavemodule.txt": slave.encode(),
         f"resources/{slave}.py": (files("tirefmu.fmu") / "packaging" / "python_slave.py").read_bytes(),
+        "resources/state_laws.py": (files("tirefmu.generated") / "numpy" / "state_laws.py").read_bytes(),
         f"resources/{tire.model}.py": (generated / "numpy" / f"{tire.model}.py").read_bytes(),
         "resources/variables.json": (json.dumps(summary, indent=1, allow_nan=False) + "\n").encode(),
         **{f"resources/pythonfmu/{path.name}": path.read_bytes() for path in installed.glob("*.py")},

@@ -24,6 +24,8 @@ CONTACT = {False: ("slip_inputs.c",), True: ("wheel_inputs.c", "standstill.c")}
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
 HEADERS = ("instance.h", "contact.h", "slips.h", "standstill.h", "terms.h", "chain_rule.h")
 CONFIG, RADIUS = "model_config.h", "rolling_radius.h"
+#: The laws of the states, equal for all models.
+LAWS = "state_laws.h"
 #: Roles of the quantities that the wrapper reads.
 ROLES = (
     "friction_x", "friction_y", "stiffness_x", "stiffness_y", "relaxation_x", "relaxation_y", "turning_torque",
@@ -82,6 +84,7 @@ def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
     found = {name: (wrapper / name).read_bytes() for name in (*own, *HEADERS)}
     found |= split_code(model, (generated / f"{model}.c").read_text(encoding="ascii"))
     found |= {name: (generated / name).read_bytes() for name in (f"{model}.h", f"{model}_operations.h")}
+    found[LAWS] = (files("tirefmu.generated") / "c" / LAWS).read_bytes()
     if shown.wheel:
         found[RADIUS] = (generated / f"{model}_{RADIUS}").read_bytes()
     return {**found, CONFIG: model_config(shown, token).encode()}

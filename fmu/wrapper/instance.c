@@ -3,6 +3,7 @@
 
 #include "contact.h"
 #include "slips.h"
+#include "state_laws.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -234,7 +235,7 @@ static Status advance(Instance *self, double size)
     memcpy(lagging, state->lagging, sizeof lagging);
     contact_find(state);
     slips_advance(state, size);
-    state->distance += state->contact.speed * size;
+    state->distance = state_sum_linear(state->distance, state->contact.speed, state->contact.speed, size);
     status = instance_expect_finite(self, state->lagging, N_LAGGING, "a lagged slip");
     if (status == STATUS_OK)
         status = instance_expect_finite(self, &state->distance, 1, "the distance");

@@ -1,9 +1,11 @@
 /* Lagged slips: dx/dt = |V| / sigma (u - x) for kappa and tan(alpha), and the twist of the contact patch.  See slips.h.
  *
- * The inputs are constant over a step, so V, sigma and u are constant and the exponential is the exact solution.  The
+ * The inputs are constant over a step, so V, sigma and u are constant and the law of a lag is the exact solution.  The
  * result does not depend on the step size.
  */
 #include "slips.h"
+
+#include "state_laws.h"
 
 #include <math.h>
 #include <string.h>
@@ -113,6 +115,9 @@ int slips_settle(State *state)
     return moved;
 }
 
+/* The lag with a constant target. */
+static double follow(double x, double target, double way) { return state_lag(x, target, target, way); }
+
 #if TWISTS
 double slips_twist(const State *state)
 {
@@ -140,8 +145,7 @@ static void advance_twist(State *state, double h)
     const double decay = slips_twist_decay(state, &by_yawing, &by_speed);
 
     if (decay > 0.0)
-        state->lagging[TWIST] =
-            exp(-decay * h) * state->lagging[TWIST] - expm1(-decay * h) * (state->contact.yawing / decay);
+        state->lagging[TWIST] = follow(state->lagging[TWIST], state->contact.yawing / decay, decay * h);
 }
 #endif
 
@@ -159,7 +163,7 @@ void slips_advance(State *state, double h)
         state->lagging[i] = bounded(state, i);
         if (contact->rolling > STANDSTILL_SPEED) {
             rolled = h * (contact->rolling / state->lengths[i]);
-            state->lagging[i] = exp(-rolled) * state->lagging[i] - expm1(-rolled) * contact->target[i];
+            state->lagging[i] = follow(state->lagging[i], contact->target[i], rolled);
         } else {
             state->lagging[i] += contact->sliding[i] * (h / state->lengths[i]);
         }

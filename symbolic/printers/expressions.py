@@ -57,7 +57,7 @@ class ArrayPrinter(NumberPrinter, PythonCodePrinter):
         return f"{self.module}.{self.other_names.get(name, name)}({', '.join(self._print(arg) for arg in expr.args)})"
 
     _print_sin = _print_cos = _print_tan = _print_atan = _print_acos = _print_Function
-    _print_exp = _print_log = _print_sgn = _print_absolute = _print_Function
+    _print_exp = _print_log = _print_sgn = _print_absolute = _print_expm1 = _print_Function
 
     def _print_sgn1(self, expr: Any) -> str:
         x = self._print(expr.args[0])
@@ -176,6 +176,9 @@ class PlainCPrinter(NumberPrinter, C99CodePrinter):
 
     def _print_absolute(self, expr: Any) -> str:
         return f"fabs({self._print(expr.args[0])})"
+
+    def _print_expm1(self, expr: Any) -> str:
+        return f"expm1({self._print(expr.args[0])})"
 
     def _print_Pi(self, expr: Any) -> str:
         return "PI"

@@ -26,6 +26,9 @@ from tirefmu.symbolic.models import MODELS
 
 from .build_cache import cached
 
+#: The laws of the states, equal for all models.
+state_laws: Any = import_module("tirefmu.generated.numpy.state_laws")
+
 
 def numpy_module(book: Model) -> ModuleType:
     """Return the NumPy module of a model; its Jacobians are loaded when one is first used."""

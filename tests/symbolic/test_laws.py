@@ -1,0 +1,110 @@
+"""The laws of states: exact, whatever the size of the step, and equal in every language."""
+
+from __future__ import annotations
+
+import ctypes
+import subprocess
+from itertools import pairwise
+
+import casadi as ca
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from tirefmu.generated.casadi import state_laws as in_casadi
+from tirefmu.generated.numpy import state_laws as laws
+from tirefmu.symbolic.laws import LAWS
+from tirefmu.symbolic.printers.laws import law_files
+from tirefmu.tires.code.compiler import find_compiler
+
+RANDOM = np.random.default_rng(4)
+
+
+def solved(rate, x, end):
+    return solve_ivp(rate, (0.0, end), [x], method="DOP853", rtol=1e-12, atol=1e-14).y[0, -1]
+
+
+@pytest.mark.parametrize("way", [0.0, 1e-9, 0.01, 0.3, 4.0])
+def test_a_lag_is_the_solution_of_its_equation(way):
+    x, u, half, end = 0.3, 1.0, 0.2, -0.7
+    straight = solved(lambda t, y: way * (u + (end - u) * t - y), x, 1.0)
+    assert laws.lag(x, u, end, way) == pytest.approx(straight, rel=1e-10)
+    slope, bend = 4 * half - 3 * u - end, 2 * (u - 2 * half + end)
+    curved = solved(lambda t, y: way * (u + slope * t + bend * t * t - y), x, 1.0)
+    assert laws.lag_curved(x, u, half, end, way) == pytest.approx(curved, rel=1e-10)
+    added = solved(lambda t, y: 0.4 * (u + slope * t + bend * t * t), x, 1.0)
+    assert laws.sum_curved(x, u, half, end, 0.4) == pytest.approx(added, rel=1e-12)
+
+
+def test_the_series_of_a_short_step_continues_the_formula():
+    arguments = (0.3, 1.0, 0.2, -0.7)
+    below, above = laws.lag_curved(*arguments, 0.05 - 1e-12), laws.lag_curved(*arguments, 0.05 + 1e-12)
+    assert below == pytest.approx(above, abs=2e-12)
+
+
+def test_without_a_length_a_state_has_its_target():
+    assert laws.lag(0.3, 1.0, -0.7, np.inf) == -0.7
+    assert laws.lag_curved(0.3, 1.0, 0.2, -0.7, np.inf) == pytest.approx(-0.7, rel=1e-14)
+
+
+def test_a_held_lag_requires_no_step_size():
+    x = 0.3
+    for _ in range(25):
+        x = laws.lag(x, 1.0, 1.0, 2.0 / 25)
+    assert x == pytest.approx(float(laws.lag(0.3, 1.0, 1.0, 2.0)), rel=1e-15)
+
+
+def test_dahl_depends_on_the_path_alone():
+    """One step against 25 along a path that turns: only the turns count."""
+    z = fine = 0.2
+    for start, end in ((0.0, 0.1), (0.1, -0.05), (-0.05, 0.02)):
+        z = laws.dahl(z, start, end, 0.03)
+        points = np.linspace(start, end, 26)
+        for a, b in pairwise(points):
+            fine = laws.dahl(fine, a, b, 0.03)
+    assert z == pytest.approx(fine, rel=1e-14)
+    assert -1.0 < z < 1.0
+
+
+@pytest.mark.parametrize("path", [((0.1, 0.0), (-0.2, 0.0)), ((0.1, 0.05), (-0.08, 0.02)), ((0.01, 0.02), (0.3, 0.1))])
+def test_the_size_of_a_slip_is_split_where_it_is_least(path):
+    """A path through or past zero in one step is the path in many: the size falls first, then grows."""
+    (a, b), (a_end, b_end) = path
+    fine, n = 0.2, 400
+    points = np.linspace((a, b), (a_end, b_end), n + 1)
+    for p, q in pairwise(points):
+        fine = laws.dahl_size(fine, *p, *q, 0.03)
+    once = laws.dahl_size(0.2, a, b, a_end, b_end, 0.03)
+    assert once == pytest.approx(float(fine), abs=1e-12)
+    one_way = laws.dahl(0.2, np.hypot(a, b), np.hypot(a_end, b_end), 0.03)
+    assert (abs(once - one_way) > 0.01) == (path[1] != (0.3, 0.1))
+
+
+@pytest.fixture(scope="module")
+def compiled(tmp_path_factory):
+    """Return the laws of the C header as a library."""
+    folder = tmp_path_factory.mktemp("laws")
+    (folder / "state_laws.h").write_text(law_files()["c/state_laws.h"], encoding="ascii")
+    called = [
+        f"double call_{law.name}({', '.join('double ' + a for a in law.arguments)})"
+        f" {{ return state_{law.name}({', '.join(law.arguments)}); }}"
+        for law in LAWS.values()
+    ]
+    (folder / "laws.c").write_text('#include "state_laws.h"\n' + "\n".join(called), encoding="ascii")
+    command = [*find_compiler(), "-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared"]
+    subprocess.run([*command, "laws.c", "-o", "laws.so", "-lm"], cwd=folder, check=True)
+    return ctypes.CDLL(str(folder / "laws.so"))
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_the_languages_agree(compiled, name):
+    n = len(LAWS[name].arguments)
+    in_c = getattr(compiled, f"call_{name}")
+    in_c.restype, in_c.argtypes = ctypes.c_double, [ctypes.c_double] * n
+    symbols = [ca.SX.sym(each) for each in LAWS[name].arguments]
+    function = ca.Function(name, symbols, [getattr(in_casadi, name)(*symbols)])
+    for _ in range(40):
+        values = [*RANDOM.uniform(-0.2, 0.2, n - 1), RANDOM.choice([0.0, 1e-4, 0.03, 0.9]) or 0.02]
+        expected = float(getattr(laws, name)(*values))
+        assert in_c(*values) == pytest.approx(expected, rel=1e-13, abs=1e-15)
+        assert float(function(*values)) == pytest.approx(expected, rel=1e-13, abs=1e-15)
