@@ -37,7 +37,10 @@ COMMANDS = {
     "casadi": ("", PYTHON),
     "jax": ("", PYTHON),
     "torch": ("", PYTHON),
-    "rust": (f"rustc -C opt-level=1 {{}} --extern libm={os.environ.get('LIBM', 'liblibm.rlib')} -o selftest", "./selftest"),
+    "rust": (
+        f"rustc -C opt-level=1 {{}} --extern libm={os.environ.get('LIBM', 'liblibm.rlib')} -o selftest",
+        "./selftest",
+    ),
 }
 #: Programs that print the time of a point in nanoseconds; @name@ is the tire, @load@ the nominal load.
 TIMED = {
