@@ -153,6 +153,17 @@ class Screen:
         self._noise = np.where(self.problem.inverse_noise > 0.0, self._noise, 0.0)
         self.covariance = autocovariance(self._noise, self.problem.inverse_noise > 0.0, lags)
 
+    def standard_errors(self) -> FloatArray:
+        """Return standard errors of coefficients and disturbances, after `learn_noise`.
+
+        They are those of the sandwich estimator for coloured noise, or the mean with the jackknife's if that is larger.
+        """
+        inverse = self.baseline.inverse
+        coloured = np.diag(inverse @ coloured_covariance(self.tangent, self.covariance) @ inverse)
+        blocks = np.maximum(np.diag(self.baseline.jackknife), 0.0)
+        # With few correlated rows the sandwich estimate can be negative. It is then ignored.
+        return np.sqrt(np.where(coloured > 0.0, np.maximum(coloured, 0.5 * (coloured + blocks)), blocks))
+
     def response(self, columns: FloatArray) -> Response:
         """Return the regression of the residual on columns of responses."""
         k = columns.shape[-1]

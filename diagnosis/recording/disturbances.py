@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -56,9 +56,15 @@ class Disturbances:
 
     def of_recording(self) -> Disturbances:
         """Return the disturbances without the columns that `extended` added."""
-        added = np.array([name in self.added for name in self.names])
-        names = tuple(name for name in self.names if name not in self.added)
-        return Disturbances(names, self.columns[:, :, ~added], self.deviation[~added], lines=self.lines)
+        return self.without(self.added)
+
+    def without(self, names: Collection[str]) -> Disturbances:
+        """Return the disturbances without some of them."""
+        remain = np.array([name not in names for name in self.names])
+        return Disturbances(
+            tuple(name for name in self.names if name not in names), self.columns[:, :, remain], self.deviation[remain],
+            self.added.difference(names), self.lines,
+        )  # fmt: skip
 
     def slow(self, signals: Signals, values: FloatArray, t: FloatArray) -> FloatArray:
         """Return offset and drift of each channel at any times, shape (n_channels, len(t)).

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,7 +11,7 @@ from tirefmu.estimation.noise_model import Whitening, noise_parts
 
 from ..least_squares import LeastSquares, Solution
 from ..probing.effect_probing import Screen
-from ..thresholds import FINAL_ITERATIONS, MAX_WHITENED_MISFIT
+from ..thresholds import CONFIRMED_Z, FINAL_ITERATIONS, MAX_WHITENED_MISFIT
 from .confirmation import Confirmation, confirmation
 from .effect_search import Search
 from .refits import Refit
@@ -62,17 +62,44 @@ def settle(search: Search, before: Screen) -> Settled:
     -------
     Settled
     """
+    unchanged = search.solution is before.solution
     search.problem = replace(search.problem, disturbances=search.problem.disturbances.of_recording())
+    search.solution = search.problem.at(search.solution.parameters, search.solution.free)
+    doubtful = _doubtful_cross_talk(search.problem, search.solution)
+    search.problem = _without(search.problem, doubtful)
     for _ in range(BALANCING):
         search.problem = _balanced(search.problem, search.solution)
         search.solution = search.problem.solve(
             search.solution.parameters, search.solution.free, iterations=FINAL_ITERATIONS
         )
     confirmed, rejected = _confirmed(search)
+    if unchanged:
+        before = Screen(search.problem, search.solution)
+    elif doubtful:
+        problem = _without(before.problem, doubtful)
+        before = Screen(
+            problem, problem.solve(before.solution.parameters, before.solution.free, iterations=FINAL_ITERATIONS)
+        )
     first, search.solution, whitened = _whitened(search.problem, search.solution, before)
     search.screen = Screen(search.problem, search.solution)
     search.last = search.probe()
     return Settled(first, search.screen, whitened, confirmed, rejected)
+
+
+def _doubtful_cross_talk(problem: LeastSquares, solution: Solution) -> tuple[str, ...]:
+    """Return the cross-talk that is not significant: it would take a part of the tire's own moment or force."""
+    screen = Screen(problem, solution)
+    screen.learn_noise({})
+    names, errors = problem.disturbances.names, screen.standard_errors()[len(solution.free) :]
+    return tuple(
+        name
+        for name, value, error in zip(names, solution.disturbance, errors, strict=True)
+        if name.startswith("cross_talk") and not abs(value) > CONFIRMED_Z * error
+    )
+
+
+def _without(problem: LeastSquares, disturbances: Collection[str]) -> LeastSquares:
+    return replace(problem, disturbances=problem.disturbances.without(disturbances))
 
 
 def _balanced(problem: LeastSquares, solution: Solution) -> LeastSquares:

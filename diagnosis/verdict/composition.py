@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 from scipy import stats
 
-from tirefmu.estimation.block_regression import coloured_covariance
 from tirefmu.measurements import Recording
 from tirefmu.tires.tire import Tire
 
@@ -110,7 +109,7 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         unknown = tuple(
             replace(one, added=False, not_added_because=NOT_DELIVERED) if one.added else one for one in unknown
         )
-    findings = _in_order(outcome, unknown, _standard_errors(settled.whitened))
+    findings = _in_order(outcome, unknown, settled.whitened.standard_errors())
     confounded = confounded_with(outcome)
     next_measurement = tuple(
         dict.fromkeys(
@@ -191,15 +190,6 @@ def _inputs_of(outcome: SearchOutcome, effect: str) -> tuple[str, ...]:
     read = {symbol.name for one in added for act in one.acts for symbol in act.expression.free_symbols}
     known = outcome.tried[effect].requires if effect in outcome.tried else ()
     return tuple(name for name in outcome.signals.names if name in read or name in known)
-
-
-def _standard_errors(screen: Screen) -> FloatArray:
-    """Return standard errors of all coefficients: sandwich estimator for coloured noise, or jackknife if larger."""
-    inverse = screen.baseline.inverse
-    coloured = np.diag(inverse @ coloured_covariance(screen.tangent, screen.covariance) @ inverse)
-    blocks = np.maximum(np.diag(screen.baseline.jackknife), 0.0)
-    # With few correlated rows the sandwich estimate can be negative. It is then ignored.
-    return np.asarray(np.sqrt(np.where(coloured > 0.0, np.maximum(coloured, 0.5 * (coloured + blocks)), blocks)))
 
 
 def _in_order(outcome: SearchOutcome, unknown: tuple[Unknown, ...], errors: FloatArray) -> tuple[Finding, ...]:
