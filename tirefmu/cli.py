@@ -206,6 +206,7 @@ def fit(
     from tirefmu.fitting import fit as run
     from tirefmu.measurements import data_findings, recordings_from, residual_findings
 
+    from .evaluation import predicted_outputs
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
@@ -227,7 +228,7 @@ def fit(
             result = replace(result, held_out=held_out)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
-    predicted = [result.tire.evaluate(each.table, signs=each.signs) for each in recordings]
+    predicted = [predicted_outputs(result.tire, each) for each in recordings]
     findings = [*data_findings(recordings), *residual_findings(recordings, predicted)]
     write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
     terminal.findings(findings, printed=result.notes)
