@@ -232,7 +232,8 @@ def fit(
     findings = [*data_findings(recordings), *residual_findings(recordings, predicted)]
     write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
     terminal.findings(findings, printed=result.notes)
-    terminal.fit_result(result)
+    warned = {finding.text for finding in findings if finding.serious}
+    terminal.fit_result(replace(result, notes=tuple(note for note in result.notes if note not in warned)))
     terminal.print(f"tire: {output}")
     if result.interrupted and finished_stages.exists():
         terminal.print(f"completed stages: {finished_stages}; to continue, run the same command with --resume")
