@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix fuzz mutants discovery recovery real wine sanitize hosts examples perturb check generate types bench bench-fit bench-startup clean
+.PHONY: demo test matrix fuzz mutants discovery awkward recovery real wine sanitize hosts examples perturb check generate types bench bench-fit bench-startup clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
@@ -34,6 +34,9 @@ perturb: $(VENV)/installed-dev  ## fits and a diagnosis have equal results with 
 
 discovery: $(VENV)/installed-dev  ## success rate of the diagnosis over made recordings: two suites, see docs/discovery.md
 	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/discovery.py $(DISCOVERY_ARGS)
+
+awkward: $(VENV)/installed-dev  ## docs/awkward_inputs.md: message and exit code of 46 awkward inputs
+	$(BIN)/python benchmarks/awkward_inputs.py --write
 
 recovery: $(VENV)/installed-dev  ## recovery of known coefficients: 100 fits per model, 50 starts; RECOVERY_ARGS=--quick for a short run
 	$(BIN)/python benchmarks/recovery.py $(RECOVERY_ARGS)

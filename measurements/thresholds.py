@@ -183,6 +183,8 @@ COOL_TREAD = 4.0
 #: m/s. A median speed above it without a declared unit may be in km/h: common test speeds are 30 to 120 km/h, and few
 #: benches run at more than 90 km/h. Judgement.
 FAST = 25.0
+#: Fraction of the largest slip. Below it a sweep is under way, above it may be at an end or turn. Judgement.
+INNER_SLIP = 0.8
 #: Relative. Levels in two units have the ratio of the units up to the control of the bench. Judgement.
 RATIO_TOLERANCE = 0.02
 #: Ratio of the largest friction at equal operating conditions. Above it two tires are probable: pressure, camber and

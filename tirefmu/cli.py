@@ -177,6 +177,7 @@ def fit(
     check_input_paths(*tables)
     from tirefmu.measurements import check_convention, recordings_from
 
+    from .evaluation import predicted_outputs
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
@@ -204,10 +205,11 @@ def fit(
             result = replace(result, held_out=held_out)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
-    predicted = [result.tire.evaluate(each.table, signs=each.signs) for each in recordings]
+    predicted = [predicted_outputs(result.tire, each) for each in recordings]
     findings = [*data_findings(recordings), *residual_findings(recordings, predicted)]
     write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
-    terminal.fit_result(result, findings)
+    warned = {finding.text for finding in findings if finding.serious}
+    terminal.fit_result(replace(result, notes=tuple(note for note in result.notes if note not in warned)), findings)
     terminal.print(f"tire: {output}")
     if result.interrupted and finished_stages.exists():
         terminal.print(f"completed stages: {finished_stages}; to continue, run the same command with --resume")

@@ -6,8 +6,13 @@ from typing import Any
 
 import pandas as pd
 
+from tirefmu.measurements.channels import OUTPUTS
 from tirefmu.measurements.column_names import check_names
-from tirefmu.tires import TireLike, tire_from
+from tirefmu.measurements.recording import Recording
+from tirefmu.tires import Tire, TireLike, tire_from
+
+#: Rows that are evaluated at a time: every named quantity of more would fill the memory.
+ROWS_AT_A_TIME = 250_000
 
 
 def evaluate(tire: TireLike, table: Any, **options: Any) -> pd.DataFrame:
@@ -40,3 +45,25 @@ def evaluate(tire: TireLike, table: Any, **options: Any) -> pd.DataFrame:
     if isinstance(table, pd.DataFrame):
         check_names(map(str, table.columns), "table")
     return tire_from(tire).evaluate(table, **options)
+
+
+def predicted_outputs(tire: Tire, recording: Recording) -> pd.DataFrame:
+    """Return the outputs of a tire for each row of a recording.
+
+    Parameters
+    ----------
+    tire : Tire
+    recording : Recording
+
+    Returns
+    -------
+    pandas.DataFrame
+        The outputs that the tire has, in the signs of the recording. Transient slips start anew every `ROWS_AT_A_TIME`
+        rows.
+    """
+    pieces = []
+    for start in range(0, len(recording), ROWS_AT_A_TIME):
+        rows = recording.table.iloc[start : start + ROWS_AT_A_TIME].reset_index(drop=True)
+        outputs = tire.evaluate(rows, signs=recording.signs)
+        pieces.append(outputs[[name for name in OUTPUTS if name in tire.outputs]])
+    return pd.concat(pieces, ignore_index=True)

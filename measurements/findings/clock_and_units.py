@@ -12,7 +12,15 @@ from ..channels import CHANNELS, CONTROLLED_INPUTS
 from ..operating_conditions.held_levels import held_levels
 from ..operating_conditions.phases import SLIP_INPUTS
 from ..recording import Recording
-from ..thresholds import EQUAL_TOLERANCES, FAST, LOAD_TOLERANCE, LOGGING_GAP, MOST_BACKWARD_STEPS, RATIO_TOLERANCE
+from ..thresholds import (
+    EQUAL_TOLERANCES,
+    FAST,
+    INNER_SLIP,
+    LOAD_TOLERANCE,
+    LOGGING_GAP,
+    MOST_BACKWARD_STEPS,
+    RATIO_TOLERANCE,
+)
 from ..units import PSI
 from .finding import Finding
 
@@ -40,7 +48,8 @@ def clock_jumps(recording: Recording) -> Iterator[Finding]:
     Examples
     --------
     >>> import pandas as pd
-    >>> rows = pd.DataFrame({"t": [0.0, 0.1, 0.2, 0.3, 9.0, 9.1], "alpha": np.linspace(0.1, 0.2, 6), "Fy": 1.0})
+    >>> clock, alpha = [0.0, 0.1, 0.2, 0.3, 9.0, 9.1], np.linspace(0.10, 0.11, 6)
+    >>> rows = pd.DataFrame({"t": [*clock, 9.2], "alpha": [*alpha, 0.2], "Fy": 1.0})
     >>> print(*clock_jumps(Recording(rows, "iso", "a.csv")))
     a.csv: t jumps forward within a sweep 1 time, most by 8.7 s at row 5: each part is a segment
     """
@@ -62,17 +71,21 @@ def clock_jumps(recording: Recording) -> Iterator[Finding]:
 
 
 def _same_sweep(recording: Recording, row: int) -> bool:
-    """Return whether a row and the next one have the same held inputs, and a slip that is not at rest."""
+    """Return whether a row and the next one have the same held inputs and the same slip, amid a sweep."""
     table = recording.table
     for name in (name for name in CONTROLLED_INPUTS if name in table and name not in SLIP_INPUTS):
         before, after = table[name].iloc[row], table[name].iloc[row + 1]
         if abs(after - before) > EQUAL_TOLERANCES * (CHANNELS[name].tolerance or LOAD_TOLERANCE * abs(before)):
             return False
-    slips = [table[name].abs() for name in SLIP_INPUTS if name in table]
-    return any(
-        min(slip.iloc[row], slip.iloc[row + 1]) > EQUAL_TOLERANCES * (CHANNELS[str(slip.name)].tolerance or 0.0)
-        for slip in slips
-    )
+    for name in (name for name in SLIP_INPUTS if name in table):
+        before, after = table[name].iloc[row], table[name].iloc[row + 1]
+        tolerance = CHANNELS[name].tolerance or 0.0
+        # A bench starts, turns and ends a sweep at zero or at an end of its range.
+        end = float(np.nanmax(table[name] * np.sign(before)))
+        inner = EQUAL_TOLERANCES * tolerance < abs(before) < INNER_SLIP * end
+        if inner and abs(after - before) <= tolerance:
+            return True
+    return False
 
 
 def _jump(recording: Recording, way: str, steps: NDArray[np.float64], at: NDArray[np.intp]) -> Finding:

@@ -40,11 +40,11 @@ def data_findings(recordings: Sequence[Recording]) -> list[Finding]:
     found += repeated_files(recordings)
     found += stiffness_differences(recordings)
     for recording in recordings:
-        found += _findings_of(recording)
+        found += _findings_of(recording, alone=len(recordings) == 1)
     return headline_first(found)
 
 
-def _findings_of(recording: Recording) -> Iterator[Finding]:
+def _findings_of(recording: Recording, *, alone: bool) -> Iterator[Finding]:
     yield from missing_slips(recording)
     for note in convention_notes(recording):
         yield Finding("sign convention", note, serious=True)
@@ -52,7 +52,7 @@ def _findings_of(recording: Recording) -> Iterator[Finding]:
         yield Finding("coverage", note)
     yield from incomplete_rows(recording)
     yield from repeated_rows(recording)
-    yield from warm_up(recording)
+    yield from warm_up(recording, alone=alone)
     yield from confounded_with_order(recording)
     yield from clock_jumps(recording)
     yield from mixed_units(recording)

@@ -41,7 +41,7 @@ def residual_findings(recordings: Sequence[Recording], predicted: Sequence[pd.Da
     >>> force = pd.DataFrame({"Fy": -9e3 * alpha})
     >>> late = pd.DataFrame({"t": clock, "alpha": alpha, "Fy": np.interp(clock - 0.05, clock, force["Fy"])})
     >>> print(*residual_findings([Recording(late, "iso", "a.csv")], [force]))  # doctest: +ELLIPSIS
-    a.csv: Fy lags the tire by 50 ms, which explains ... % of its mean squared residual (tirefmu diagnose ...)
+    a.csv: the residual of Fy is like a lag of 50 ms (... % of its mean square) (tirefmu diagnose ...)
     """
     found: list[Finding] = []
     for recording, forces in zip(recordings, predicted, strict=True):
@@ -62,18 +62,18 @@ def _causes(recording: Recording, name: str, force: NDArray[np.float64]) -> Iter
     if name in _LAG_EFFECT:
         causes["lag"] = -_rate(recording, force)
     for kind, (coefficient, share) in _explained(residual, causes).items():
-        explains = f"explains {100.0 * share:.0f} % of its mean squared residual"
+        percent = f"{100.0 * share:.0f} % of its mean square"
         if share > LEAST_EXPLAINED and kind == "temperature":
             yield Finding(
                 kind,
-                f"{recording.source}: {name} changes by {100.0 * coefficient:+.2f} % per K of tread temperature, which "
-                f"{explains}",
+                f"{recording.source}: the residual of {name} follows the tread temperature, or an input that changes "
+                f"with it, like {100.0 * coefficient:+.2f} % of {name} per K ({percent})",
                 command=f"tirefmu diagnose {recording.source} --candidates temp_friction,temp_stiffness",
             )
         if share > LEAST_EXPLAINED and kind == "lag" and coefficient > 0.0:
             yield Finding(
                 kind,
-                f"{recording.source}: {name} lags the tire by {1e3 * coefficient:.0f} ms, which {explains}",
+                f"{recording.source}: the residual of {name} is like a lag of {1e3 * coefficient:.0f} ms ({percent})",
                 command=f"tirefmu diagnose {recording.source} --candidates {_LAG_EFFECT[name]}",
             )
 

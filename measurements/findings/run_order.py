@@ -21,7 +21,7 @@ SLOW_INPUTS = {"p": (1e-3, "kPa"), "V": (1.0, "m/s")}
 MOST_POINTS = 2000
 
 
-def warm_up(recording: Recording) -> Iterator[Finding]:
+def warm_up(recording: Recording, *, alone: bool = True) -> Iterator[Finding]:
     """Yield a finding if the tread warms during the first part of a recording.
 
     The running median over sweeps is compared with the later temperatures. `exclude_rows` excludes a warm-up only if
@@ -30,6 +30,8 @@ def warm_up(recording: Recording) -> Iterator[Finding]:
     Parameters
     ----------
     recording : Recording
+    alone : bool
+        Whether it is the only recording; otherwise the suggested selection applies to its file only.
 
     Yields
     ------
@@ -53,7 +55,7 @@ def warm_up(recording: Recording) -> Iterator[Finding]:
         "warm-up",
         f"{recording.source}: warm-up: the tread is at {smooth[0]:.0f} deg C at the start, within {COOL_TREAD:g} K of "
         f"the later {later:.0f} deg C only after {end} of {len(recording)} rows",
-        command=f'--where "{crop}"',
+        command=f'--where "{crop}"' if alone else f"--where 'file != \"{recording.source}\" or {crop}'",
     )
 
 

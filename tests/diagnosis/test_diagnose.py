@@ -198,7 +198,7 @@ def test_invalid_input_raises_a_clear_error():
     with pytest.raises(DataError, match="200"):
         diagnose(case.table.head(50), signs=case.signs, nominal=case.nominal)
     broken = case.table.copy()
-    broken.loc[7, "alpha"] = np.nan
+    broken.loc[7:, "alpha"] = np.nan
     with pytest.raises(DataError, match="row 8: alpha"):
         diagnose(broken, signs=case.signs, nominal=case.nominal)
     with pytest.raises(DataError, match="no measured output"):

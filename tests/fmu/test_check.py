@@ -181,8 +181,10 @@ def test_a_long_recording(fmu, data_folder):
 
 
 def test_nan_in_an_input(fmu, table):
-    with pytest.raises(DataError, match="table: row 8: alpha is nan"):
-        check(fmu, table.assign(alpha=table["alpha"].where(table.index != 7)))
+    result = check(fmu, table.assign(alpha=table["alpha"].where(table.index != 7)))
+    assert result.rows == len(table) - 1  # the row is excluded
+    with pytest.raises(DataError, match="table: row 8: alpha is NaN"):
+        check(fmu, table.assign(alpha=table["alpha"].where(table.index < 7)))
 
 
 def test_degrees_for_radians(fmu, table):

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from tirefmu.measurements import Recording, data_findings, recording_from, residual_findings
+from tirefmu.measurements.row_selection.expression import parse_selection
 from tirefmu.symbolic.errors import DataError
 
 STEP = 0.01
@@ -114,6 +115,9 @@ def test_a_warm_up():
     assert after == pytest.approx(8.8, abs=10.0)
     assert after > 0.0
     assert kinds(bench(first=58.0, rows=2000)) == set()
+    (finding, *_) = [each for each in found(bench(first=48.0, rows=2000), bench(seed=1)) if each.kind == "warm-up"]
+    assert finding.command.startswith('--where \'file != "a.csv" or t >= ')
+    parse_selection(finding.command.removeprefix("--where '").removesuffix("'"))
 
 
 def test_pressures_that_were_run_one_after_another():
@@ -150,6 +154,9 @@ def test_clock_and_unit():
 def test_a_pause_between_two_sweeps_is_no_finding():
     table = bench()
     assert found(table.assign(t=table["t"] + 20.0 * (table.index // 900))) == []
+    ramp = np.tile(np.linspace(-0.2, 0.2, 900), 4)  # each sweep from one end to the other
+    clock = np.arange(3600) * STEP + 20.0 * (table.index // 900)
+    assert "clock" not in kinds(table.assign(t=clock, alpha=ramp, Fz=500.0))
 
 
 def test_rows_without_an_input_are_excluded_and_counted_up_to_a_share():
@@ -180,8 +187,8 @@ def test_temperature_and_lag_in_the_residual():
     assert residual_findings([given["sound"].with_signs("sae")], [predicted]) == []
     (lag,) = residual_findings([given["lag"]], [predicted])
     assert lag.kind == "lag"
-    assert re.match(r"a.csv: Fy lags the tire by (5[5-9]|6[0-5]) ms, which explains 9\d % of", lag.text)
+    assert re.match(r"a.csv: the residual of Fy is like a lag of (5[5-9]|6[0-5]) ms \(9\d % of", lag.text)
     assert lag.command == "tirefmu diagnose a.csv --candidates relax_lat"
     (heat,) = residual_findings([given["heat"]], [predicted])
-    assert re.match(r"a.csv: Fy changes by -(0\.9[7-9]|1\.0[0-3]) % per K of tread temperature, which", heat.text)
+    assert re.search(r"follows the tread temperature, .* like -(0\.9[7-9]|1\.0[0-3]) % of Fy per K", heat.text)
     assert heat.command.endswith("--candidates temp_friction,temp_stiffness")
