@@ -2,8 +2,8 @@
 
     python benchmarks/languages.py [--rows 2000] [--only c,cpp] [--models mf96,mf61] [--no-times]
 
-A language whose compiler or package is missing is marked. The tables are those of docs/languages.md. LIBM is the path of
-the compiled crate libm, for Rust.
+A language whose compiler or package is missing is marked. The tables are those of docs/languages.md. LIBM is the path
+of the compiled crate libm, for Rust.
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ TIMED = {
 #include <time.h>
 int main(void) {
     @name@_inputs in = @name@_nominal; double f[8], sum = 0.0; const clock_t start = clock();
-    for (int i = 0; i < 1000000; i++) { in.alpha = 1e-7*i; in.kappa = 2e-7*i; @name@_forces(&in, f); sum += f[0] + f[1] + f[2]; }
+    for (int i = 0; i < 1000000; i++) { in.alpha = 1e-7*i; in.kappa = 2e-7*i; @name@_forces(&in, f);
+        sum += f[0] + f[1] + f[2]; }
     printf("%.0f %g\\n", (double)(clock() - start)/CLOCKS_PER_SEC*1e3, sum); return 0; }""",
     "cpp": """#include "@name@.hpp"
 #include <cstdio>

@@ -1,8 +1,8 @@
 """Launch and stop of a wheel with a mass: the longest way in four seconds from standstill to standstill.
 
-The tire is printed as a CasADi function (`tirefmu generate --language casadi`), saved to a file and loaded from it, as
-any program with CasADi can do. The states are the speeds of the mass and of the wheel, the control is the torque. Slip is
-regularized at standstill. Run it with "python optimal_control.py".
+The tire is printed as a CasADi function (`tirefmu generate --language casadi`), saved to a file and loaded from it. The
+states are the speeds of the mass and of the wheel, the control is the torque. Slip is regularized at standstill. Run it
+with "python optimal_control.py".
 """
 
 from __future__ import annotations
