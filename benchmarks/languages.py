@@ -1,9 +1,9 @@
-"""Every language with every model: largest difference from NumPy over 2,000 rows, time per point, operations.
+"""Every model in every language: largest difference from NumPy over 2,000 rows, time per point, operations.
 
     python benchmarks/languages.py [--rows 2000] [--only c,cpp] [--models mf96,mf61] [--no-times]
 
-A language whose compiler or package is missing is marked. The tables are those of docs/languages.md. LIBM is the path of
-the compiled crate libm, for Rust.
+A language whose compiler or package is missing is marked. The tables are those of docs/languages.md. LIBM is the path
+of the compiled crate libm, for Rust.
 """
 
 from __future__ import annotations
@@ -15,10 +15,12 @@ import subprocess
 import sys
 import tempfile
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
-from tirefmu.hosts.printout import printed
-from tirefmu.symbolic.printers.languages import LANGUAGES
+from tirefmu.hosts.printout import printed, program_of
+from tirefmu.symbolic.printers.languages import LANGUAGES, printer
+from tirefmu.symbolic.printers.languages.program import FUNCTIONS, Program, Selection
 from tirefmu.tires import Tire, published, read_tir
 
 ROOT = Path(__file__).parents[1]
@@ -26,21 +28,19 @@ FIALA = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.31, "WIDTH": 0.15, "VERTICAL_STI
          "CALPHA": 6e4, "UMIN": 0.7, "UMAX": 1.1, "ROLLING_RESISTANCE": 0.004}  # fmt: skip
 BRUSH = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3, "CKAPPA": 9e4, "CALPHA": 5e4, "MUX": 1.4, "MUY": 1.1,
          "PATCH": 0.07, "NSTIFF": 0.7, "NMU": -0.12, "NPATCH": 0.6}  # fmt: skip
+LIBM = os.environ.get("LIBM", "liblibm.rlib")
 #: How the self-test of a language is compiled and run.
 PYTHON = f"{sys.executable} {{}}"
 COMMANDS = {
     "numpy": ("", PYTHON),
-    "c": ("cc -std=c99 -O1 {} -lm -o selftest", "./selftest"),
-    "cpp": ("c++ -std=c++17 -O1 {} -o selftest", "./selftest"),
+    "c": ("cc -std=c99 -O0 {} -lm -o selftest", "./selftest"),
+    "cpp": ("c++ -std=c++17 -O0 {} -o selftest", "./selftest"),
     "matlab": ("", "octave-cli --norc --no-history --quiet {}"),
     "javascript": ("", "node {}"),
     "casadi": ("", PYTHON),
     "jax": ("", PYTHON),
     "torch": ("", PYTHON),
-    "rust": (
-        f"rustc -C opt-level=1 {{}} --extern libm={os.environ.get('LIBM', 'liblibm.rlib')} -o selftest",
-        "./selftest",
-    ),
+    "rust": (f"rustc -C opt-level=0 {{}} --extern libm={LIBM} -o selftest", "./selftest"),
 }
 #: Programs that print the time of a point in nanoseconds; @name@ is the tire, @load@ the nominal load.
 TIMED = {
@@ -49,18 +49,21 @@ TIMED = {
 #include <time.h>
 int main(void) {
     @name@_inputs in = @name@_nominal; double f[8], sum = 0.0; const clock_t start = clock();
-    for (int i = 0; i < 1000000; i++) { in.alpha = 1e-7*i; in.kappa = 2e-7*i; @name@_forces(&in, f); sum += f[1]; }
+    for (int i = 0; i < 1000000; i++) { in.alpha = 1e-7*i; in.kappa = 2e-7*i; @name@_forces(&in, f);
+        sum += f[0] + f[1] + f[2]; }
     printf("%.0f %g\\n", (double)(clock() - start)/CLOCKS_PER_SEC*1e3, sum); return 0; }""",
     "cpp": """#include "@name@.hpp"
 #include <cstdio>
 #include <ctime>
 int main() {
     @name@::Inputs<double> in; double sum = 0.0; const std::clock_t start = std::clock();
-    for (int i = 0; i < 1000000; i++) { in.alpha = 1e-7*i; in.kappa = 2e-7*i; sum += @name@::forces(in).Fy; }
+    for (int i = 0; i < 1000000; i++) { in.alpha = 1e-7*i; in.kappa = 2e-7*i;
+        const auto f = @name@::forces(in); sum += f.Fx + f.Fy + f.Mz; }
     std::printf("%.0f %g\\n", double(std::clock() - start)/CLOCKS_PER_SEC*1e3, sum); }""",
     "javascript": """import { forces, NOMINAL } from "./@name@.mjs";
 let sum = 0; const inputs = { ...NOMINAL }; let start = process.cpuUsage().user;
-for (let i = 0; i < 300000; i++) { inputs.alpha = 1e-7*i; inputs.kappa = 2e-7*i; sum += forces(inputs).Fy; }
+for (let i = 0; i < 300000; i++) { inputs.alpha = 1e-7*i; inputs.kappa = 2e-7*i;
+  const f = forces(inputs); sum += f.Fx + f.Fy + f.Mz; }
 console.log(((process.cpuUsage().user - start)/300).toFixed(0), sum);""",
     "matlab": """x = (1:100000)*1e-6; start = cputime(); [Fx, Fy] = @name@_forces(x, 2*x); y = sum(Fy);
 printf('%.0f %g\\n', (cputime() - start)*1e4, y);""",
@@ -108,13 +111,20 @@ def run(command: str, folder: Path) -> str:
     return result.stdout
 
 
-def differences(tire: Tire, language: str, rows: int, placement: str) -> dict[str, str]:
+@lru_cache(maxsize=2)
+def program(name: str, placement: str, rows: int) -> Program:
+    """Return the printout of a tire: lines, functions and rows are the same in all languages."""
+    functions = FUNCTIONS if placement == "struct" else FUNCTIONS[:3]
+    tire = tires()[name].in_signs("iso")
+    return program_of(tire, tire.model, Selection(functions, placement), rows)
+
+
+def differences(found: Program, language: str) -> dict[str, str]:
     """Return the largest difference of each function of a printout."""
-    functions = ["forces", "quantities", "jacobian_inputs"] + ["jacobian_parameters"] * (placement == "struct")
     build, command = COMMANDS[language]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        files = printed(tire, language, functions=functions, values=placement, rows=rows)
+        files = printer(language)(found)
         for file, text in files.items():
             (folder / file).write_text(text)
         (source,) = (file for file in files if "_selftest." in file and not file.endswith(".txt"))
@@ -133,7 +143,7 @@ def nanoseconds(tire: Tire, language: str) -> str:
         source = f"timed{ENDINGS.get(language, '.py')}"
         (folder / source).write_text(TIMED[language].replace("@name@", tire.model))
         if build:
-            run(build.format(source).replace("-O1", "-O2"), folder)
+            run(build.format(source).replace("-O0", "-O2"), folder)
         return run(command.format(source), folder).split()[0]
 
 
@@ -141,26 +151,29 @@ def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rows", type=int, default=2000)
+    parser.add_argument("--struct-rows", type=int, default=400, help="rows with derivatives by all coefficients")
     parser.add_argument("--only", default=",".join(name for name in LANGUAGES if name in COMMANDS))
     parser.add_argument("--models", default="")
     parser.add_argument("--no-times", action="store_true")
+    parser.add_argument("--only-times", action="store_true")
     options = parser.parse_args()
     chosen = {name: tire for name, tire in tires().items() if not options.models or name in options.models.split(",")}
-    print("| language | model | inline: forces | quantities | d/d inputs | struct: forces | quantities | d/d inputs"
+    print("| model | language | inline: forces | quantities | d/d inputs | struct: forces | quantities | d/d inputs"
           " | d/d coefficients | ns per point |\n|" + "---|" * 10)  # fmt: skip
-    for language in options.only.split(","):
-        for name, tire in chosen.items():
+    for name, tire in chosen.items():
+        for language in options.only.split(","):
             cells = []
-            for placement, count in (("inline", 3), ("struct", 4)):
+            kinds = () if options.only_times else (("inline", 3, options.rows), ("struct", 4, options.struct_rows))
+            for placement, count, rows in kinds:
                 try:
-                    cells += list(differences(tire, language, options.rows, placement).values())
+                    cells += list(differences(program(name, placement, rows), language).values())
                 except (RuntimeError, OSError, subprocess.TimeoutExpired) as error:
                     cells += [f"not run: {error}"] * count
             try:
                 cells.append("" if options.no_times else nanoseconds(tire, language))
             except (RuntimeError, OSError, KeyError) as error:
-                cells.append(f"not run: {error}")
-            print(f"| {language} | {name} | {' | '.join(cells)} |", flush=True)
+                cells.append("not run" if isinstance(error, KeyError) else f"not run: {error}")
+            print(f"| {name} | {language} | {' | '.join(cells)} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -11,18 +11,18 @@ from ...errors import UnknownName
 if TYPE_CHECKING:
     from .program import Program
 
-#: Every language and its module.
+#: Every language and the function that prints it: module and name.
 LANGUAGES = {
-    "numpy": "numpy",
-    "c": "c99",
-    "cpp": "cpp",
-    "matlab": "matlab",
-    "javascript": "javascript",
-    "casadi": "casadi",
-    "rust": "rust",
-    "jax": "jax",
-    "torch": "torch",
-    "latex": "latex",
+    "numpy": "python_arrays.numpy_files",
+    "c": "c99.files",
+    "cpp": "cpp.files",
+    "matlab": "matlab.files",
+    "javascript": "javascript.files",
+    "casadi": "casadi.files",
+    "rust": "rust.files",
+    "jax": "python_arrays.jax_files",
+    "torch": "python_arrays.torch_files",
+    "latex": "latex.files",
 }
 
 
@@ -44,5 +44,6 @@ def printer(language: str) -> Callable[[Program], dict[str, str]]:
     """
     if language not in LANGUAGES:
         raise UnknownName("language", language, LANGUAGES)
-    files: Callable[[Program], dict[str, str]] = import_module(f".{LANGUAGES[language]}", __name__).files
+    module, function = LANGUAGES[language].split(".")
+    files: Callable[[Program], dict[str, str]] = getattr(import_module(f".{module}", __name__), function)
     return files

@@ -129,19 +129,6 @@ class JavaScriptPrinter(CallPrinter):
     equal = "==="
 
 
-class JuliaPrinter(CallPrinter):
-    """Julia: both sides of a choice are evaluated, so that it is traced by automatic differentiation.
-
-    Examples
-    --------
-    >>> JuliaPrinter().doprint(sp.Piecewise((2, sp.Symbol("x") > 0), (sp.Symbol("x"), True)))
-    'ifelse(x > 0.0, 2.0, x)'
-    """
-
-    names: ClassVar[dict[str, str]] = {"absolute": "absolute", "pow": "power"}
-    choice = "ifelse({condition}, {then}, {otherwise})"
-
-
 class RustPrinter(CallPrinter):
     """Rust with the functions of the crate libm, which needs no standard library.
 
@@ -153,26 +140,6 @@ class RustPrinter(CallPrinter):
 
     prefix = "libm::"
     choice = "(if {condition} {{ {then} }} else {{ {otherwise} }})"
-
-
-class ModelicaPrinter(CallPrinter):
-    """Modelica.
-
-    Examples
-    --------
-    >>> ModelicaPrinter().doprint(sp.Piecewise((sp.Symbol("x") ** 2, sp.Symbol("x") < 0), (1, True)))
-    '(if x < 0.0 then x^2.0 else 1.0)'
-    """
-
-    names: ClassVar[dict[str, str]] = {"absolute": "abs"}
-    choice = "(if {condition} then {then} else {otherwise})"
-    conjunction, disjunction = " and ", " or "
-
-    def _print_Pow(self, expr: Any) -> str:
-        if expr.exp == -1 or abs(expr.exp) == sp.Rational(1, 2):
-            return super()._print_Pow(expr)
-        base, exponent = (self.parenthesize(part, PRECEDENCE["Pow"], strict=True) for part in expr.args)
-        return f"{base}^{exponent if not str(exponent).startswith('-') else f'({exponent})'}"
 
 
 class MatlabPrinter(CallPrinter):

@@ -452,3 +452,6 @@ def _self_test(program: Program, library: Library, layout: Layout) -> str:
         },
     )
     return text.replace("expected = rows", given.get(_module_of(library), "") + "expected = rows", 1)
+
+
+numpy_files, jax_files, torch_files = map(printer_for, (NUMPY, JAX, TORCH))

@@ -177,15 +177,16 @@ def _function(program: Program, routine: Routine) -> str:
 
 def _self_test(program: Program) -> str:
     argument = ", &coefficients" if program.coefficients else ""
-    calls, ends = [], []
+    calls: list[str] = []
+    ends: list[int] = []
     for routine, (function, size) in zip(program.routines, program.sizes(), strict=True):
         ends.append(size + (ends[-1] if ends else 0))
         calls.append(f"let {function} = tire::{function}(&inputs{argument});")
         if function.startswith("jacobian_"):
             calls.append(f"{function}.iter().for_each(|row| results.extend_from_slice(row));")
         else:
-            values = ", ".join(f"{function}.{label}" for label in routine.labels)
-            calls.append(f"results.extend_from_slice(&[{values}]);")
+            members = ", ".join(f"{function}.{label}" for label in routine.labels)
+            calls.append(f"results.extend_from_slice(&[{members}]);")
     load = "    let coefficients = tire::Coefficients::default();\n"
     if program.placement == "file":
         load = (
