@@ -23,7 +23,7 @@ import pandas as pd
 
 from tirefmu.cli import main
 from tirefmu.fitting.data.fit_data import prepare
-from tirefmu.measurements import recordings_from
+from tirefmu.measurements import check_convention, recordings_from
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.models import model
 
@@ -175,7 +175,10 @@ def outcome(contents: list[Content], folder: Path, *, fit: bool = True) -> Outco
     refused = status if status == 2 else 0
     if fit and not refused:
         try:
-            prepare(recordings_from(paths), model("mf61"))
+            recordings = recordings_from(paths)
+            for each in recordings:
+                check_convention(each)
+            prepare(recordings, model("mf61"))
         except TirefmuError as error:
             refused, messages = 2, [*messages, str(error)]
     return Outcome(status, refused, tuple(message.replace(f"{folder}/", "") for message in messages))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ..quality.coverage import coverage_notes
 from ..quality.convention import convention_notes
+from ..quality.coverage import coverage_notes
 from ..quality.tire_identity import identity_notes
 from ..recording import Recording
 from .channels_read import incomplete_rows, missing_slips, unread_channels
