@@ -6,6 +6,7 @@ Mz, white and correlated over time.
 - Predictions: root mean square difference from the exact forces relative to the noise, and coverage of the 95 %
   intervals, over fits from generic values to new noise. Finite intervals of coefficients that are not at a bound count.
   The range is that of the coverage of single fits.
+- Coverage of the 95 % intervals of forces, slip stiffnesses and friction at loads and slips (`FitResult.interval`).
 - Initial values: the true tire with every coefficient multiplied by 1 +- 30 % or 60 % at random is the start tire. A
   result is good if no channel differs from the best fit by more than a tenth of the noise.
 
@@ -26,6 +27,7 @@ from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 from threadpoolctl import threadpool_limits
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "fitting"))
@@ -40,6 +42,15 @@ MODELS = ("mf96", "mf52", "mf61")
 #: s, correlation time of the noise. The sample interval is 0.1 to 0.3 s.
 CORRELATIONS = {"white": 0.0, "correlated": 1.0}
 SHARES = (0.3, 0.6)
+#: Quantities whose intervals are compared with the true tire, and the operating conditions, in adapted SAE.
+PREDICTED = ("Fx", "Fy", "Mz", "K_xkappa", "K_yalpha", "mu_x", "mu_y")
+CONDITIONS = pd.DataFrame(
+    [
+        {"Fz": load, "alpha": alpha, "kappa": kappa, "gamma": 0.02, "p": NOMINAL["p0"], "V": NOMINAL["V0"]}
+        for load in (500.0, 1100.0, 1700.0, 2600.0)
+        for alpha, kappa in ((0.01, 0.0), (0.04, 0.0), (0.15, 0.0), (0.0, 0.03), (0.0, 0.15), (0.05, 0.1))
+    ]
+)
 #: Largest difference of a good result from the best one, relative to the noise.
 GOOD = 0.1
 
@@ -53,6 +64,7 @@ class Refit:
     covered: int
     intervals: int
     seconds: float
+    predictions_covered: dict[str, int]  # by quantity, of `CONDITIONS`
 
 
 def predicted(tire: Tire, recording: Recording) -> FloatArray:
@@ -79,6 +91,17 @@ def coverage_of(result: FitResult, truth: Tire) -> tuple[int, int]:
     return inside, counted
 
 
+def predictions_covered(result: FitResult, truth: Tire) -> dict[str, int]:
+    """Return the number of intervals of each quantity that contain the true value."""
+    true = truth.in_signs("adapted-sae").evaluate(CONDITIONS, signs="adapted-sae")
+    covered = {}
+    for quantity in PREDICTED:
+        found = result.interval(quantity, CONDITIONS, signs="adapted-sae")
+        inside = (found["lower"] <= true[quantity]) & (true[quantity] <= found["upper"])
+        covered[quantity] = int(inside.sum())
+    return covered
+
+
 def refitted(model: str, correlation: float, rows: int, seed: int) -> Refit:
     """Fit a recording of the known tire with the noise of a seed, from generic values."""
     truth = known_tire(model)
@@ -87,7 +110,10 @@ def refitted(model: str, correlation: float, rows: int, seed: int) -> Refit:
     with threadpool_limits(limits=1, user_api="blas"):
         result = fit([recording], model, nominal=NOMINAL)
     seconds = time.process_time() - start
-    return Refit(result.ok, difference_of(result.tire, truth, recording), *coverage_of(result, truth), seconds)
+    return Refit(
+        result.ok, difference_of(result.tire, truth, recording), *coverage_of(result, truth), seconds,
+        predictions_covered(result, truth),
+    )  # fmt: skip
 
 
 def from_truth(model: str, rows: int) -> Tire:
@@ -118,7 +144,14 @@ def of_refits(name: str, runs: Iterable[Refit]) -> dict[str, object]:
         f"{np.median([run.intervals for run in done]):8.0f}{np.median([run.seconds for run in done]):8.2f}",
         flush=True,
     )
-    return {"name": name, "runs": [asdict(run) for run in done], "coverage": total}
+    predicted_shares = {
+        quantity: sum(run.predictions_covered[quantity] for run in done) / (len(done) * len(CONDITIONS))
+        for quantity in PREDICTED
+    }
+    print("    coverage of predictions: " + ", ".join(f"{q} {share:.1%}" for q, share in predicted_shares.items()))
+    return {
+        "name": name, "runs": [asdict(run) for run in done], "coverage": total, "predictions": predicted_shares,
+    }  # fmt: skip
 
 
 def of_ends(name: str, ends: Iterable[tuple[float, bool]]) -> dict[str, object]:

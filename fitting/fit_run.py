@@ -326,7 +326,7 @@ class FitRun:
         }
         tire = replace(self._tire, values=values, ranges=ranges, about=about)  # the same inputs in ISO
         fitted = {name: self._fitted_coefficient(name) for name in self._book.coefficients if name in self._freed}
-        intervals, directions, effective, covariance = self._uncertainty(fitted)
+        intervals, directions, effective, covariance, complete = self._uncertainty(fitted)
         coefficients = tuple(replace(c, interval=intervals.get(name, nan)) for name, c in fitted.items())
         undetermined = [c.name for c in coefficients if not c.determined]
         if undetermined:
@@ -340,6 +340,7 @@ class FitRun:
             self._fit_data.excluded_rows, self._interrupted(),
             evidence=Residuals(table, tuple(distinct([r.source for r in recordings])), self._tire, self._tire.signs),
             covariance=covariance,
+            prediction_covariance=complete,
         )  # fmt: skip
 
     def _interrupted(self) -> str:
@@ -351,14 +352,15 @@ class FitRun:
 
     def _uncertainty(
         self, fitted: Mapping[str, FittedCoefficient]
-    ) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray, pd.DataFrame]:
-        """Return intervals, directions that are not identifiable, effective sample sizes and covariance.
+    ) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray, pd.DataFrame, pd.DataFrame]:
+        """Return intervals, directions that are not identifiable, effective sample sizes, both covariances.
 
         Each value is that of the last stage that freed the coefficient or fitted the channel.
         """
         intervals: dict[str, float] = {}
         directions: tuple[Direction, ...] = ()
         covariance = pd.DataFrame(nan, index=list(fitted), columns=list(fitted))
+        complete = pd.DataFrame(0.0, index=list(fitted), columns=list(fitted))
         effective = np.full((int(self._data["recording"].max()) + 1, len(self._tire.outputs)), nan)
         for end, problem in self._ends:
             stage = self._plan.stages[end.stage].name
@@ -370,10 +372,11 @@ class FitRun:
             intervals.update({name: half for name, half in known.intervals.items() if name in last})
             block = [name for name in known.covariance.index if name in last]
             covariance.loc[block, block] = known.covariance.loc[block, block]
+            complete.loc[block, block] = known.complete.loc[block, block]
             directions += tuple(d for d in known.directions if last.intersection(d.coefficients))
             rows = effective[: len(known.effective_rows)]
             rows[known.effective_rows > 0] = known.effective_rows[known.effective_rows > 0]
-        return intervals, directions, effective, across_stages(covariance)
+        return intervals, directions, effective, across_stages(covariance), complete
 
     def _fitted_coefficient(self, name: str) -> FittedCoefficient:
         freed = self._freed[name]

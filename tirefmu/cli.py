@@ -217,7 +217,7 @@ def fit(
         from tirefmu.fitting.reporting.figures import draw_figures
 
         with terminal.working("drawing figures"):
-            drawn = draw_figures(result.tire, recordings, figures)
+            drawn = draw_figures(result, recordings, figures)
         terminal.print(f"figures: {len(drawn)} in {figures}")
     if report:
         from tirefmu.fitting.reporting.report import write_report

@@ -6,8 +6,10 @@ from collections.abc import Iterable
 from math import isfinite
 from typing import Any
 
+from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.property_file.names import MOST_SEARCHED, OWN_SECTIONS, near_miss, not_given, unit_of
+from tirefmu.tires.property_file.text import number_and_rest
 
 from .implausible import implausible
 
@@ -29,6 +31,7 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
     dict of str to Any
         Plain JSON values. ``missing`` has the assumed values of coefficients that the file lacks; ``unknown`` the
         unknown keys of the file, with the nearest coefficient; ``unused`` known keys that this model does not read;
+        ``ignored`` those of them that are coefficients of other models and not zero;
         ``tables`` the sections with lines that are not keys.
 
     Examples
@@ -69,6 +72,7 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         "missing": {name: tire.values[name] for name in not_given(tire)},
         "unknown": [{**entry, "near": near.get(entry["key"])} for entry in unknown],
         "unused": [e for e in entries if unit_of(e["key"]) is not None],
+        "ignored": [e for e in entries if _is_influential(e["key"], e["value"])],
         "tables": list(dict.fromkeys(section for section, key, _ in stored if not key)),
         "notes": list(notes),
         "implausible": [
@@ -77,3 +81,10 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         ],
         "values": dict(tire.values),
     }
+
+
+def _is_influential(key: str, value: str) -> bool:
+    """Return whether a key is a fitted coefficient of some model with a value other than zero."""
+    declared = [book.coefficients[key] for book in MODELS.values() if key in book.coefficients]
+    number, _ = number_and_rest(value)
+    return any(one.fitted for one in declared) and isfinite(number) and number != 0.0

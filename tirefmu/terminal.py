@@ -149,6 +149,8 @@ def _about_the_file(summary: Mapping[str, Any], every: bool) -> list[str]:
     lines += [f"  missing in the file, default values assumed: {names}"] if summary["missing"] else []
     unknown = [f"{e['key']} (near {e['near']})" if e["near"] else e["key"] for e in summary["unknown"]]
     lines += [f"  unknown keys: {', '.join(unknown)}"] if unknown else []
+    ignored = ", ".join(f"{entry['key']} = {entry['value']}" for entry in summary["ignored"])
+    lines += [f"  given but ignored by {summary['model']}: {ignored}"] if ignored else []
     if every:
         unused = ", ".join(f"{entry['key']} = {entry['value']}" for entry in summary["unused"])
         lines += [f"  known keys that this model does not read: {unused}"] if unused else []

@@ -67,11 +67,13 @@ def read_slope(slip: FloatArray, force: FloatArray, window: float) -> Slope:
     if len(x) < FEWEST or quarters.min() < FEWEST_IN_QUARTER:
         return Slope(nan, nan)
     powers = x[:, None] ** np.arange(4)
-    tricube = (1.0 - np.abs(x) ** 3) ** 3
-    weight, coefficients, residual = tricube, np.zeros(4), y
+    tricube: FloatArray = (1.0 - np.abs(x) ** 3) ** 3
+    coefficients: FloatArray = np.zeros(4)
+    residual, weight = y, tricube
     for _ in range(20):
         root = np.sqrt(weight)
-        coefficients = np.linalg.lstsq(powers * root[:, None], y * root, rcond=None)[0]
+        solution = np.linalg.lstsq(powers * root[:, None], y * root, rcond=None)[0]
+        coefficients = np.asarray(solution, dtype=np.float64)
         residual = y - powers @ coefficients
         knee = 1.345 * 1.4826 * float(np.median(np.abs(residual)))
         # A knee of 0 means that half of the points are exact: no outlier weights.

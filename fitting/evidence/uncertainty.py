@@ -68,12 +68,16 @@ class Uncertainty:
     covariance : pandas.DataFrame
         Of the free coefficients by name, in their units; NaN in the rows and columns of those without a finite
         interval. Half an interval is `QUANTILE` times the root of the diagonal.
+    complete : pandas.DataFrame
+        The same for predictions, without NaN: a direction that is not identifiable has the plausible deviation of one
+        size.
     """
 
     intervals: dict[str, float]
     directions: tuple[Direction, ...]
     effective_rows: FloatArray
     covariance: pd.DataFrame
+    complete: pd.DataFrame
 
 
 def across_stages(covariance: pd.DataFrame) -> pd.DataFrame:
@@ -127,7 +131,7 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str]) -> Uncer
     names = [name for name in problem.free if name not in fixed]
     unfixed = np.array([i for i, name in enumerate(problem.free) if name not in fixed], dtype=int)
     if not unfixed.size:
-        return Uncertainty({}, (), effective, pd.DataFrame(dtype=np.float64))
+        return Uncertainty({}, (), effective, pd.DataFrame(dtype=np.float64), pd.DataFrame(dtype=np.float64))
     values, vectors = np.linalg.eigh(curvature[np.ix_(unfixed, unfixed)])
     identified = values > LEAST_CURVATURE * max(float(values[-1]), 0.0)
     inverse = np.where(identified, 1.0 / np.where(identified, values, 1.0), 0.0)
@@ -148,9 +152,10 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str]) -> Uncer
     half = np.where(undetermined, np.inf, QUANTILE * np.sqrt(np.maximum(variance, 0.0)) * scale)
     covariance = vectors @ spread @ vectors.T * np.outer(scale, scale)
     np.fill_diagonal(covariance, np.maximum(variance, 0.0) * scale**2)
-    covariance[undetermined, :] = covariance[:, undetermined] = np.nan
-    named = pd.DataFrame(covariance, index=names, columns=names)
-    return Uncertainty(dict(zip(names, half.tolist(), strict=True)), directions, effective, named)
+    complete = pd.DataFrame(covariance, index=names, columns=names)
+    masked = pd.DataFrame(covariance.copy(), index=names, columns=names)
+    masked.loc[undetermined, :] = masked.loc[:, undetermined] = np.nan
+    return Uncertainty(dict(zip(names, half.tolist(), strict=True)), directions, effective, masked, complete)
 
 
 def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -40,13 +40,16 @@ from tirefmu.tires.tire import Tire
 
 from ..evidence.curves import Comparison, Family, compare
 from ..evidence.slope import SLOPE_WINDOW
+from ..results.fit_result import FitResult
+from ..results.intervals import band
 from ..results.records import quality
 
 MOST_SOURCES = 30  # recordings listed below a figure
+BANDS = "; bands: 95 % confidence intervals under noise that is correlated in time"
 
 
 def draw_figures(
-    tire: TireLike,
+    tire: TireLike | FitResult,
     recordings: TableLike | Iterable[TableLike],
     folder: str | Path,
     *,
@@ -58,7 +61,8 @@ def draw_figures(
 
     Parameters
     ----------
-    tire : Tire, path of a .tir file, or name of a published tire
+    tire : Tire, path of a .tir file, name of a published tire, or FitResult
+        With a FitResult, the curves of forces and slip stiffnesses have their 95 % bands.
     recordings : path, DataFrame or Recording, or a sequence of them
         Of any test program and sign convention.
     folder : str or Path
@@ -84,14 +88,15 @@ def draw_figures(
     DataError
         If a recording has no measured output.
     """
-    comparison = compare(tire, recordings, signs)
+    fitted = tire if isinstance(tire, FitResult) and len(tire.prediction_covariance) else None
+    comparison = compare(tire.tire if isinstance(tire, FitResult) else tire, recordings, signs)
     drawn: dict[str, Figure | None] = {
-        "pure_Fx": _families(comparison, comparison.pure("Fx", "kappa"), "Pure longitudinal force"),
-        "pure_Fy": _families(comparison, comparison.pure("Fy", "alpha"), "Pure side force"),
-        "pure_Mz": _families(comparison, comparison.pure("Mz", "alpha"), "Aligning moment at pure side slip"),
-        "combined": _families(comparison, comparison.combined(), "Forces at combined slip"),
+        "pure_Fx": _families(comparison, comparison.pure("Fx", "kappa"), "Pure longitudinal force", fitted),
+        "pure_Fy": _families(comparison, comparison.pure("Fy", "alpha"), "Pure side force", fitted),
+        "pure_Mz": _families(comparison, comparison.pure("Mz", "alpha"), "Aligning moment at pure side slip", fitted),
+        "combined": _families(comparison, comparison.combined(), "Forces at combined slip", fitted),
         "weighting": _weighting(comparison),
-        "stiffness": _stiffness(comparison, truth),
+        "stiffness": _stiffness(comparison, truth, fitted),
         "residuals": _residuals(comparison),
     }
     # All figures are rendered before the first is written: after a failure the folder is unchanged.
@@ -104,20 +109,22 @@ def draw_figures(
         raise FitError(f"{target}: figures cannot be written: {error.strerror or error}") from None
 
 
-def _families(comparison: Comparison, families: Sequence[Family], title: str) -> Figure | None:
+def _families(
+    comparison: Comparison, families: Sequence[Family], title: str, fitted: FitResult | None
+) -> Figure | None:
     """One panel for each family: measured points and curves of the tire."""
     if not families:
         return None
     figure, axes = panels(len(families), title)
     for ax, family in zip(axes, families, strict=True):
-        _draw_family(ax, comparison, family)
+        _draw_family(ax, comparison, family, fitted)
     rows = pd.concat([group.rows for family in families for group in family.groups])
-    note = "points: data; lines: the tire at the medians of each level's conditions"
+    note = "points: data; lines: the tire at the medians of each level's conditions" + BANDS * (fitted is not None)
     write_footnote(figure, comparison.signs, note, data_text(comparison, rows))
     return figure
 
 
-def _draw_family(ax: Axes, comparison: Comparison, family: Family) -> None:
+def _draw_family(ax: Axes, comparison: Comparison, family: Family, fitted: FitResult | None) -> None:
     signs, channel, slip = comparison.signs, family.channel, family.slip
     colored = list(zip(family.groups, level_colors(len(family.groups), family.by), strict=True))
     for group, color in colored:
@@ -125,6 +132,9 @@ def _draw_family(ax: Axes, comparison: Comparison, family: Family) -> None:
     for group, color in colored:
         curve = comparison.curve(group, slip)
         draw_line(ax, curve[slip] * per_si(slip), curve[channel], color, level_text(family.by, group.level))
+        if fitted is not None:
+            found = band(fitted, channel, curve, signs)
+            ax.fill_between(curve[slip] * per_si(slip), found["lower"], found["upper"], color=color, alpha=0.25, lw=0.0)
     rows = pd.concat([group.rows for group in family.groups])
     _, rmse, r2, _ = quality(rows[channel].to_numpy(), rows[f"{channel}_fit"].to_numpy())
     unit = drawn_unit(channel)
@@ -161,7 +171,7 @@ def _weighting(comparison: Comparison) -> Figure | None:
     return figure
 
 
-def _stiffness(comparison: Comparison, truth: Tire | None) -> Figure | None:
+def _stiffness(comparison: Comparison, truth: Tire | None, fitted: FitResult | None) -> Figure | None:
     """Slip stiffnesses over load with slopes read from the data, and slopes over slip."""
     book = comparison.tire.book
     kinds = [
@@ -177,7 +187,7 @@ def _stiffness(comparison: Comparison, truth: Tire | None) -> Figure | None:
         family = families[0]
         known = comparison.curve(family.groups[0], slip)
         if stiffness in known:
-            draws.append(partial(_draw_stiffness, comparison, family, stiffness, truth))
+            draws.append(partial(_draw_stiffness, comparison, family, stiffness, truth, fitted))
         if slope in known:
             draws.append(partial(_draw_slopes, comparison, family, slope, truth))
         shown.append(family)
@@ -191,18 +201,25 @@ def _stiffness(comparison: Comparison, truth: Tire | None) -> Figure | None:
         f"points: slope of the data at zero slip, read without a tire (robust local cubic within {window}); "
         f"slope over slip: of the pure curve, E held constant, positive at zero"
     )
+    note += BANDS * (fitted is not None)
     dashed = ["dashed: the true tire"] if truth is not None else []
     rows = pd.concat([group.rows for family in shown for group in family.groups])
     write_footnote(figure, comparison.signs, note, *dashed, data_text(comparison, rows))
     return figure
 
 
-def _draw_stiffness(comparison: Comparison, family: Family, quantity: str, truth: Tire | None, ax: Axes) -> None:
+def _draw_stiffness(
+    comparison: Comparison, family: Family, quantity: str, truth: Tire | None, fitted: FitResult | None, ax: Axes
+) -> None:
     sign = float(np.sign(family.groups[0].level))
     loads = np.linspace(0.0, 1.25 * max(abs(group.level) for group in family.groups), 201)[1:]
     rows = pd.concat([group.rows for group in family.groups]).assign(**{family.slip: 0.0})
-    curve = comparison.along(rows, "Fz", sign * loads)[quantity].abs() / per_si(family.slip)
-    ax.plot(loads, curve, color="C0", lw=2, label="tire")
+    curve = comparison.along(rows, "Fz", sign * loads)
+    stiffness = curve[quantity].abs() / per_si(family.slip)
+    ax.plot(loads, stiffness, color="C0", lw=2, label="tire")
+    if fitted is not None:
+        half = 1.96 * band(fitted, quantity, curve, comparison.signs)["error"] / per_si(family.slip)
+        ax.fill_between(loads, stiffness - half, stiffness + half, color="C0", alpha=0.25, lw=0.0)
     if truth is not None:
         true = comparison.along(rows, "Fz", sign * loads, truth)[quantity].abs() / per_si(family.slip)
         ax.plot(loads, true, color="k", lw=1.2, ls="--", label="true tire")

@@ -12,6 +12,7 @@ from tirefmu.tires.drawing.page import inlined, page_text, write_page
 
 from ..evidence.residuals import condition_text
 from ..results.fit_result import FitResult
+from ..results.intervals import listed_intervals
 from .figures import draw_figures
 from .report_text import (
     SIGNIFICANT,
@@ -40,7 +41,7 @@ def write_report(result: FitResult, recordings: TableLike | Iterable[TableLike],
     """
     path = path_from(path)
     with tempfile.TemporaryDirectory() as folder:
-        drawn = draw_figures(result.tire, recordings, Path(folder))
+        drawn = draw_figures(result, recordings, Path(folder))
         images = inlined(drawn)
     try:
         write_page(report_page(result, images), path)
@@ -70,5 +71,6 @@ def report_page(result: FitResult, images: Sequence[tuple[str, str]]) -> str:
     return page_text(
         "tirefmu.fitting.reporting", filters, result=result, images=images,
         differences=significant_differences(result), significant=SIGNIFICANT,
+        intervals=[each for each in listed_intervals(result) if set(each["at"]) == {"Fz"}],
         ripples=ripple_texts(result.findings.ripples), extrapolation=extrapolation_text(result),
     )  # fmt: skip

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
+from tirefmu.measurements import TableLike
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.tires.tire import Tire
 
@@ -20,6 +21,7 @@ from ..data.fit_data import ExcludedRows
 from ..evidence.diagnostics import Findings, find
 from ..evidence.residuals import Residuals
 from ..evidence.uncertainty import Direction
+from .intervals import interval, listed_intervals
 from .records import ChannelFit, FittedCoefficient, HeldOut, StageFit
 from .summary import fit_html, fit_text
 from .verdict import Verdict, verdict_of
@@ -63,6 +65,9 @@ class FitResult:
         1.96 times the root of the diagonal. Rows and columns are NaN for a coefficient without a finite interval (at a
         bound, not identifiable, or not freed by a stage with all its rows). A stage assumes that the values of earlier
         stages are known, so the covariance of coefficients of different stages (`FittedCoefficient.stage`) is 0.
+    prediction_covariance : pandas.DataFrame
+        The same without NaN, for `interval`: coefficients that are not identifiable have the plausible deviation of one
+        size, and those at a bound 0.
     """
 
     tire: Tire
@@ -81,6 +86,7 @@ class FitResult:
     held_out: tuple[HeldOut, ...] = ()
     evidence: Residuals | None = field(default=None, repr=False, compare=False)
     covariance: pd.DataFrame = field(default_factory=pd.DataFrame, compare=False)
+    prediction_covariance: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False, compare=False)
 
     @property
     def correlation(self) -> pd.DataFrame:
@@ -118,6 +124,7 @@ class FitResult:
             signs=signs,
             coefficients=tuple(c.mirrored() if declarations[c.name].flips else c for c in self.coefficients),
             covariance=self.covariance * np.outer(flips, flips),
+            prediction_covariance=self.prediction_covariance * np.outer(flips, flips),
             evidence=None if self.evidence is None else replace(self.evidence, signs=signs),
         )
 
@@ -176,6 +183,35 @@ class FitResult:
         (found,) = (c for c in self.channels if c.recording == recording and c.channel == channel)
         return found
 
+    def interval(
+        self, quantity: str, table: TableLike, *, signs: str | None = None, level: float = 0.95
+    ) -> pd.DataFrame:
+        """Return a force or a named quantity at the rows of a table with its confidence interval (delta method).
+
+        Parameters
+        ----------
+        quantity : str
+            "Fy", "K_yalpha", "mu_x", ...
+        table : path, DataFrame or Recording
+            Inputs; an absent input has its nominal value.
+        signs : str, optional
+            Convention of the table and of the result; by default that of the format, and "iso" for a DataFrame.
+        level : float
+            Confidence level.
+
+        Returns
+        -------
+        pandas.DataFrame
+            ``value``, ``error`` (standard error under time-correlated noise), ``lower`` and ``upper`` by row. The
+            intervals contain neither errors of the formula nor differences between recordings.
+
+        Raises
+        ------
+        UnknownName, FitError, DataError, WrongType
+            See `tirefmu.fitting.results.intervals.interval`.
+        """
+        return interval(self, quantity, table, signs=signs, level=level)
+
     def table(self) -> pd.DataFrame:
         """Return the coefficients as a table, one row each."""
         return pd.DataFrame([vars(coefficient) for coefficient in self.coefficients])
@@ -202,6 +238,7 @@ class FitResult:
         known = self.covariance.index[np.isfinite(np.diag(self.covariance))] if len(self.covariance) else []
         matrix = self.covariance.loc[known, known].to_numpy().tolist() if len(known) else []
         plain["covariance"] = {"coefficients": list(known), "matrix": matrix}
+        plain["intervals"] = list(listed_intervals(self))
         plain["margins_signs"] = "adapted-sae"
         plain["notes"] = list(self.notes)
         plain["interrupted"] = self.interrupted

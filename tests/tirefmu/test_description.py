@@ -160,3 +160,14 @@ def test_a_published_tire_is_reported_by_its_name(command):
     outcome = command("info", "trento_hoosier")
     assert outcome.status == 0
     assert "Magic Formula 1996" in outcome.out
+
+
+def test_coefficients_that_the_model_ignores_are_named(command, golden, tmp_path):
+    """PKY6 and PKY7 have no influence in MF5.2; a value of 0 is not worth a line."""
+    text = (golden / "MagicFormula52_Parameters.tir").read_text(encoding="utf-8")
+    section = "[LATERAL_COEFFICIENTS]"
+    path = tmp_path / "given.tir"
+    path.write_text(text.replace(section, f"{section}\nPKY6 = -0.9\nPKY7 = 0.0"), encoding="utf-8")
+    reading = read_tir_with_notes(path)
+    assert [each["key"] for each in describe(reading.tire)["ignored"]] == ["PKY6"]
+    assert "given but ignored by mf52: PKY6 = -0.9\n" in command("info", path).out

@@ -150,7 +150,13 @@ def test_the_number_of_a_model(fittyp, model, tmp_path):
         ("USER", "PHY3 = 0.1", "mf52"),
         ("USER", "Q_CAM3 = 0.1\nPKY6 = -1", "mf62"),
         ("USER", None, "no FITTYP in [MODEL], and 'USER' does not identify the model"),
-        ("TMEASY", None, "PROPERTY_FILE_FORMAT 'TMEASY' is not a model of this version: known are "),
+        ("TMEASY", None, "the file is for TMeasy, which describes each curve by its own points: tirefmu reads files"),
+        ("PAC89", None, "the file is for the Magic Formula of 1989 (PAC89)"),
+        ("PAC94", None, "the file is for the Magic Formula of 1994 (PAC94)"),
+        ("PAC_MC", None, "the file is for the Magic Formula for motorcycle tires (PAC_MC)"),
+        ("FTire", None, "the file is for FTire"),
+        ("UA", None, "the file is for the University of Arizona model (UA)"),
+        ("5.2.1", None, "the file is for the 5.2.1 tire of Adams"),
         ("PAC2003", None, "did you mean PAC2002?"),
     ],
 )
@@ -168,6 +174,12 @@ def test_a_file_without_number(form, lines, model, tmp_path):
     text = tir_text(reading.tire)
     assert f"PROPERTY_FILE_FORMAT = '{form}'" in text
     assert re.search(r"^FITTYP = (6|61|62)$", text, re.MULTILINE)
+
+
+def test_a_json_file_is_named(tmp_path):
+    path = written(tmp_path / "tire.json", '{"model": "TMeasy", "fz": [3000.0, 6000.0]}\n')
+    with pytest.raises(TirError, match="a JSON file, as of TMeasy"):
+        read_tir(path)
 
 
 @pytest.mark.parametrize(("side", "read"), [("LEFT", "left"), ("Right", "right"), ("UNKNOWN", ""), ("", "")])

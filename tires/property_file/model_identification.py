@@ -13,6 +13,18 @@ from tirefmu.symbolic.models import MODELS
 from .names import folded, model_by_coefficients
 from .text import Entry, number_and_rest, unquoted
 
+#: Formats of other tire models that occur in the field, folded, and what they are.
+OTHER_MODELS = {
+    "PAC89": "the Magic Formula of 1989 (PAC89), whose coefficients have other meanings",
+    "PAC94": "the Magic Formula of 1994 (PAC94), whose coefficients have other meanings",
+    "PACMC": "the Magic Formula for motorcycle tires (PAC_MC)",
+    "FTIRE": "FTire, a physical model without Magic Formula coefficients",
+    "UA": "the University of Arizona model (UA)",
+    "521": "the 5.2.1 tire of Adams, which interpolates tables",
+    "TMEASY": "TMeasy, which describes each curve by its own points",
+    "RMODK": "RMOD-K, a physical model without Magic Formula coefficients",
+}
+
 
 def model_of(
     entries: Mapping[tuple[str, str], Entry], own: Mapping[str, Entry], path: Path
@@ -50,6 +62,9 @@ def model_of(
         if folded(spelled) in map(folded, file.formats):
             return name, (f"no FITTYP: {name} by PROPERTY_FILE_FORMAT '{spelled}'",)
     known = {format_ for file in files.values() for format_ in (*file.formats, *file.shared_formats)}
+    other = OTHER_MODELS.get("".join(filter(str.isalnum, spelled)))
+    if other:
+        raise TirError(f"{path}:{format_.line}: the file is for {other}: tirefmu reads files of {', '.join(MODELS)}")
     if folded(spelled) not in map(folded, known):
         raise TirError(
             f"{path}:{format_.line}: PROPERTY_FILE_FORMAT {quoted(spelled)} is not a model of this version"

@@ -76,7 +76,10 @@ def read_lines(path: Path) -> list[Entry | Row]:
         content = read_bounded(path, MOST_BYTES)
     except OSError as error:
         raise TirError(f"{path}: cannot be read ({error.strerror or error})") from error
-    return parse_lines(_decoded(content), path)
+    text = _decoded(content)
+    if text.lstrip().startswith("{"):
+        raise TirError(f"{path}: a JSON file, as of TMeasy: not a .tir file")
+    return parse_lines(text, path)
 
 
 def parse_lines(text: str, path: Path) -> list[Entry | Row]:

@@ -1,0 +1,75 @@
+"""Standard errors of forces and named quantities, from the covariance of the coefficients (delta method)."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import casadi as ca
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from tirefmu.symbolic.errors import UnknownName
+from tirefmu.symbolic.model import Model
+from tirefmu.tires.code.modules import casadi_module
+from tirefmu.tires.tire import Tire
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def standard_errors(
+    tire: Tire, name: str, inputs: FloatArray, covariance: pd.DataFrame
+) -> tuple[FloatArray, FloatArray]:
+    """Return the values of a force or named quantity at rows, and their standard errors.
+
+    Parameters
+    ----------
+    tire : Tire
+    name : str
+        "Fy", "K_yalpha", ...
+    inputs : ndarray, shape (n_inputs, n)
+        In the model's order, SI, in the signs of the tire.
+    covariance : pandas.DataFrame
+        Of coefficients by name, in their units and the signs of the tire. All others are known.
+
+    Returns
+    -------
+    tuple of (ndarray, ndarray), each of shape (n,)
+        In the unit of the quantity.
+
+    Raises
+    ------
+    UnknownName
+        If the model has no such output or quantity.
+    """
+    function, reached = _with_derivatives(tire.book, name)
+    n = inputs.shape[1]
+    rows, parameters = tire.effective_inputs(inputs), tire.parameters()
+    values, slopes = function.map(n)(rows, np.repeat(parameters[:, None], n, axis=1))
+    names = [list(tire.book.parameters)[column] for column in reached]
+    shared = [i for i, each in enumerate(names) if each in covariance.index]
+    factors = np.array([tire.rescaled.get(names[i], 1.0) for i in shared])
+    jacobian = np.array(slopes).reshape(len(reached), n)[shared] * factors[:, None]
+    own = covariance.loc[[names[i] for i in shared], [names[i] for i in shared]].to_numpy()
+    variance = np.einsum("in,ij,jn->n", jacobian, own, jacobian)
+    return np.array(values).ravel(), np.sqrt(np.maximum(variance, 0.0))
+
+
+@lru_cache(maxsize=64)
+def _with_derivatives(book: Model, name: str) -> tuple[Any, tuple[int, ...]]:
+    """Return an output or a quantity with its nonzero derivatives by parameters, and these parameters."""
+    generated = casadi_module(book)
+    outputs = [quantity.name for quantity in book.outputs]
+    known = [*outputs, *generated.QUANTITIES]
+    if name not in known:
+        raise UnknownName(f"output or quantity of {book.name}", name, known)
+    inputs, parameters = ca.SX.sym("inputs", len(generated.INPUTS)), ca.SX.sym("parameters", len(generated.PARAMETERS))
+    if name in outputs:
+        value = generated.forces(inputs, parameters)[outputs.index(name)]
+    else:
+        value = generated.quantities(inputs, parameters)[generated.QUANTITIES.index(name)]
+    gradient = ca.jacobian(value, parameters)
+    reached = tuple(int(column) for column in gradient.sparsity().get_triplet()[1])
+    slopes = ca.vertcat(*gradient.nonzeros()) if reached else ca.SX(0, 1)
+    return ca.Function(f"{name}_with_derivatives", [inputs, parameters], [value, slopes]), reached

@@ -1,0 +1,156 @@
+"""Confidence intervals of what a tire is used for: forces, slip stiffnesses and friction over load and slip."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Protocol
+
+import numpy as np
+import pandas as pd
+from scipy.stats import norm
+
+from tirefmu.measurements import TableLike, recording_from
+from tirefmu.symbolic.errors import FitError
+from tirefmu.tires.signs import convert_signs
+from tirefmu.tires.tire import Tire
+
+from ..evidence.intervals import standard_errors
+from ..evidence.residuals import Residuals
+
+#: Roles of the quantities over load, and the forces over their own slip.
+OVER_LOAD = ("stiffness_x", "stiffness_y", "friction_x", "friction_y")
+OVER_SLIP = {"Fx": "kappa", "Fy": "alpha"}
+#: Number of loads and slips of the listed intervals.
+LOADS, SLIPS = 5, 9
+
+
+class Predicting(Protocol):
+    """The attributes of a fit result that determine intervals."""
+
+    @property
+    def tire(self) -> Tire:
+        """The fitted tire, in ISO."""
+
+    @property
+    def signs(self) -> str:
+        """Sign convention of the covariance."""
+
+    @property
+    def prediction_covariance(self) -> pd.DataFrame:
+        """Covariance of all coefficients."""
+
+    @property
+    def evidence(self) -> Residuals | None:
+        """The fitted rows."""
+
+
+def interval(
+    result: Predicting, quantity: str, table: TableLike, *, signs: str | None = None, level: float = 0.95
+) -> pd.DataFrame:
+    """Return a force or a named quantity at the rows of a table with its confidence interval.
+
+    Parameters
+    ----------
+    result : FitResult
+    quantity : str
+        "Fy", "K_yalpha", "mu_x", ...
+    table : path, DataFrame or Recording
+        Inputs; an absent input has its nominal value.
+    signs : str, optional
+        Convention of the table and of the result; by default that of the format, and "iso" for a DataFrame.
+    level : float
+        Confidence level, between 0 and 1.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``value``, ``error`` (standard error), ``lower`` and ``upper`` by row.
+
+    Raises
+    ------
+    FitError
+        If the level is not between 0 and 1, or the result has no covariance.
+    UnknownName
+        If the model has no such output or quantity.
+    DataError, WrongType
+        See `tirefmu.measurements.recording_from`.
+    """
+    if not 0.0 < level < 1.0:
+        raise FitError(f"confidence level {level:g} is not between 0 and 1")
+    if not len(result.prediction_covariance):
+        raise FitError("the fit has no covariance: none of its stages used all rows of its channels")
+    recording = recording_from(table, signs=signs)
+    return band(result, quantity, recording.table, recording.signs, level)
+
+
+def band(result: Predicting, quantity: str, table: pd.DataFrame, signs: str, level: float = 0.95) -> pd.DataFrame:
+    """Return the same as `interval` for a table of the program itself, without checks.
+
+    Parameters
+    ----------
+    result : FitResult
+    quantity : str
+    table : pandas.DataFrame
+    signs : str
+        Convention of the table.
+    level : float
+
+    Returns
+    -------
+    pandas.DataFrame
+    """
+    formula = "iso" if signs == "iso" else "adapted-sae"
+    tire = result.tire.in_signs(formula)
+    rows = convert_signs(table, signs, formula)
+    inputs = np.stack(
+        [rows[n].to_numpy(dtype=float) if n in rows else np.full(len(rows), tire.nominal(n)) for n in tire.inputs]
+    )
+    declarations = tire.book.coefficients
+    covariance = result.prediction_covariance
+    flips = np.array([-1.0 if formula != result.signs and declarations[n].flips else 1.0 for n in covariance.index])
+    value, error = standard_errors(tire, quantity, inputs, covariance * np.outer(flips, flips))
+    written = convert_signs(pd.DataFrame({quantity: value}), formula, signs)[quantity].to_numpy()
+    half = float(norm.ppf(0.5 + 0.5 * level)) * error
+    found = {"value": written, "error": error, "lower": written - half, "upper": written + half}
+    return pd.DataFrame(found, rows.index)
+
+
+def listed_intervals(result: Predicting) -> Iterator[dict[str, Any]]:
+    """Yield the 95 % intervals over the measured range: by load, and of the forces by load and slip, in ISO.
+
+    Parameters
+    ----------
+    result : FitResult
+
+    Yields
+    ------
+    dict
+        ``quantity``, ``at`` (the inputs that differ from the medians of the data), ``value``, ``lower``, ``upper``.
+        None without fitted rows or covariance.
+    """
+    if result.evidence is None or not len(result.prediction_covariance):
+        return
+    evidence, book = result.evidence, result.tire.book
+    table = convert_signs(evidence.table, "adapted-sae", "iso")
+    loads = np.linspace(table["Fz"].min(), table["Fz"].max(), LOADS)
+    held = {n: float(table[n].median()) for n in result.tire.inputs if n in table and n not in ("kappa", "alpha", "Fz")}
+    for role in OVER_LOAD:
+        if role in book.roles and f"F{role[-1]}" in evidence.channels:
+            rows = pd.DataFrame({"Fz": loads}).assign(**held)
+            yield from _records(result, book.quantity(role), rows, ("Fz",))
+    for force, slip in OVER_SLIP.items():
+        if force in evidence.channels:
+            slips = np.linspace(table[slip].min(), table[slip].max(), SLIPS)
+            rows = pd.DataFrame({"Fz": np.repeat(loads, SLIPS), slip: np.tile(slips, LOADS)}).assign(**held)
+            yield from _records(result, force, rows, ("Fz", slip))
+
+
+def _records(
+    result: Predicting, quantity: str, rows: pd.DataFrame, varied: tuple[str, ...]
+) -> Iterator[dict[str, Any]]:
+    found = band(result, quantity, rows, "iso")
+    for (_, at), (_, row) in zip(rows.iterrows(), found.iterrows(), strict=True):
+        yield {
+            "quantity": quantity, "at": {name: float(at[name]) for name in varied}, "value": float(row["value"]),
+            "lower": float(row["lower"]), "upper": float(row["upper"]),
+        }  # fmt: skip
