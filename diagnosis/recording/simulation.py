@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.tires.code import Code, code_for
+from tirefmu.tires.states import Simulation, equilibrium
 from tirefmu.tires.tire import Tire
-from tirefmu.tires.transient import lagged
+from tirefmu.tires.transient import Course, lagged_course
 
 from .signals import Signals
 
@@ -46,6 +47,17 @@ class Simulator:
         known = self._code.quantities_names
         lengths = map(self.book.quantity, ("relaxation_x", "relaxation_y"))
         self._sigma = [known.index(name) for name in lengths if name]
+        #: Coefficients that act through time, and the steps of their differences.
+        self._by_difference = {name: self._step(name) for name in self.book.relaxation}
+        own = {each.name for effect in self.book.added if effect.states for each in effect.declarations}
+        self._by_difference |= {name: self._step(name) for name in own - self._by_difference.keys()}
+
+    def _step(self, name: str) -> float:
+        declaration = self.book.coefficients[name]
+        if name in self.book.relaxation:
+            return 0.01 if declaration.unit == "m" else 0.02
+        span = declaration.upper - declaration.lower
+        return 1e-4 * span if np.isfinite(span) else 1e-4
 
     def with_signals(self, signals: Signals) -> Simulator:
         """Return a simulator of the same tire over other signals."""
@@ -73,20 +85,30 @@ class Simulator:
         return inputs
 
     def effective_inputs(self, parameters: FloatArray) -> FloatArray:
-        """Return the inputs at the compared rows, shape (n_inputs, n), with transient slips if there is relaxation."""
+        """Return the inputs at the compared rows, shape (n_inputs, n), with lagged slips and states."""
         signals, inputs = self.signals, self.active_inputs(parameters)
-        lags = any(parameters[self.index[name]] for name in self.book.relaxation)
-        if not signals.timed or not self._sigma or not lags:
+        if not signals.timed:
+            return equilibrium(self.book, self._code, inputs[:, signals.rows], parameters, self.book.states)
+        slips = self._lagged(inputs, parameters)
+        if not slips and not self.book.states:
             return inputs[:, signals.rows]
-        named = dict(zip(signals.names, inputs, strict=True))
+        book, code, t = self.book, self._code, signals.t
+        simulation = Simulation(book, code, t, inputs, parameters, False, slips, book.states)
+        return simulation.acting()[:, signals.rows]
+
+    def _lagged(self, inputs: FloatArray, parameters: FloatArray) -> dict[str, Course]:
+        """Return the courses of the lagged slips; none without relaxation."""
+        lags = any(parameters[self.index[name]] for name in self.book.relaxation)
+        if not self._sigma or not lags:
+            return {}
+        named = dict(zip(self.signals.names, inputs, strict=True))
         sigma = np.maximum(self._code.quantities(inputs, parameters)[self._sigma], 0.0)
-        acts = inputs.copy()
-        for name, length in zip(("kappa", "alpha"), sigma, strict=True):
-            if length.max() > 0.0:
-                slip = np.tan(named[name]) if name == "alpha" else named[name]
-                lag = lagged(signals.t, slip, named["V"], length, hold=False)
-                acts[signals.names.index(name)] = np.arctan(lag) if name == "alpha" else lag
-        return acts[:, signals.rows]
+        targets = {"kappa": named["kappa"], "alpha": np.tan(named["alpha"])}
+        return {
+            name: lagged_course(self.signals.t, target, named["V"], length, hold=False)
+            for (name, target), length in zip(targets.items(), sigma, strict=True)
+            if length.max() > 0.0
+        }
 
     def forces(self, parameters: FloatArray, shifts: Mapping[str, float] | None = None) -> FloatArray:
         """Return the forces of the measured channels, shape (n_channels, n).
@@ -119,8 +141,8 @@ class Simulator:
             parts.append(self._code.jacobian_parameters(chunk, parameters)[:, self.signals.output_index][:, :, columns])
         jacobian = np.concatenate(parts).transpose(1, 0, 2)
         for i, name in enumerate(free):
-            if name in self.book.relaxation and self.signals.timed:
-                step = 0.01 if self.book.coefficients[name].unit == "m" else 0.02
+            if name in self._by_difference and self.signals.timed:
+                step = self._by_difference[name]
                 moved = parameters.copy()
                 moved[self.index[name]] += step
                 jacobian[:, :, i] = (self.forces(moved) - self.forces(parameters)) / step
