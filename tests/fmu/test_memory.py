@@ -161,3 +161,28 @@ def test_event_indicators_are_the_velocities_of_the_slip(memory_fmus):
 def test_the_python_variant_has_no_states_of_effects(remembering, tmp_path):
     with pytest.raises(FmuError, match="has no states of effects"):
         export(remembering["direct"], tmp_path / "x.fmu", kind="pythonfmu")
+
+
+def test_wheel_inputs_have_the_same_memory(remembering, tmp_path, make_host):
+    """A wheel in steady motion starts in equilibrium and stays there; after a jump its memory is that of the slips."""
+    tire = remembering["lagged"]
+    host = make_host(export(tire, tmp_path / "wheel.fmu", inputs="wheel"))
+    host.initialize()
+    motion = {"V_x": 14.0, "V_y": 14.0 * np.tan(-0.09), "omega": 14.0 / 0.3, "Fz": 4200.0}
+    assert host.set(**motion) == OK
+    assert host.call("ExitInitializationMode") == OK
+    (before,) = host.get("tread_heat")
+    assert host.step(0.0, 0.5) == OK
+    kappa, alpha, side, work, growth, heat = host.get(
+        "kappa", "alpha", "Fy", "sliding_work", "slip_growth", "tread_heat"
+    )
+    assert growth == 0.0
+    assert work > 100.0
+    # `forces` has the friction of the new tread, which the sliding work has lowered.
+    settled = float(tire.forces(kappa=kappa, alpha=alpha, Fz=4200.0, V=14.0).Fy)
+    assert side == pytest.approx(settled * (1.0 + 0.1 * np.exp(-work / 2e4)) / 1.1, rel=2e-2)
+    assert heat == pytest.approx(before, rel=0.01)
+    assert host.set(V_y=0.0) == OK
+    assert host.step(0.5, 0.5) == OK
+    assert host.get("tread_heat")[0] < 0.96 * heat
+    assert host.get("slip_growth")[0] < -0.9
