@@ -259,8 +259,8 @@ class Model:
         --------
         >>> from tirefmu.symbolic.models import model
         >>> from tirefmu.symbolic.added import library
-        >>> [name for name, effect in library().items() if model("mf96").has_place_for(effect)]
-        ['temp_friction', 'temp_stiffness', 'wear_drift']
+        >>> [name for name, effect in library().items() if not model("mf96").has_place_for(effect)]
+        ['relax_slip', 'speed_friction']
         """
         named = self.structure.quantities.keys() | self.roles.keys()
         known = (
@@ -296,7 +296,7 @@ class Model:
         >>> from tirefmu.symbolic.added import library
         >>> warm = model("mf61").extended([library()["temp_friction"]])
         >>> warm.inputs[-1].name, sorted(warm.owned("temp_friction"))
-        ('T', ['TMU1', 'TMU2', 'TREF'])
+        ('T', ['TMU1', 'TMU2', 'TMUA', 'TREF'])
         """
         from .assembly import check_reads
 
