@@ -110,7 +110,8 @@ def _start_model(
             values |= dict.fromkeys(set(NOMINAL[name]) & book_of(model).coefficients.keys(), value)
         no_single_text("effects", effects)
         tire = Tire(model, values, effects=tuple(effects), signs=FORMULA_SIGNS)
-    known = [effect for effect in library().values() if tire.book.has_place_for(effect)]
+    declared = [effect for effect in library().values() if effect.detection]
+    known = [effect for effect in declared if tire.book.has_place_for(effect)]
     added = {effect.name: effect for effect in (*tire.added, *known, *user_defined)}
     return replace(tire.in_signs(FORMULA_SIGNS), added=tuple(added.values()), effects=tire.has)
 

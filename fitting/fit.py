@@ -12,9 +12,10 @@ import pandas as pd
 
 from tirefmu.measurements import TableLike, check_convention, recordings_from
 from tirefmu.symbolic import DEFAULT_MODEL
-from tirefmu.symbolic.errors import FitError, UnknownName, WrongType
+from tirefmu.symbolic.errors import FitError, UnknownName, WrongType, no_single_text
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import model as book_of
+from tirefmu.symbolic.models import with_library
 from tirefmu.tires import TireLike, tire_from
 from tirefmu.tires.tire import Tire
 
@@ -136,6 +137,7 @@ def fit(
     features = isinstance(start, str) and start == FEATURES and not Path(start).is_file()
     tire_given = None if start is None or features else _start_tire(start)
     book = book_of(model if model is not None else tire_given.model if tire_given else DEFAULT_MODEL)
+    book = _with_added(book, tire_given, effects)
     plan = load_recipe(recipe, book.name)
     if resume and checkpoint is None:
         raise FitError("resume requires the file of the completed stages (checkpoint)")
@@ -202,6 +204,13 @@ def _identity(data: FitData, tire: Tire, plan: Recipe, options: Mapping[str, str
     }
 
 
+def _with_added(book: Model, start: Tire | None, effects: Collection[str] | None) -> Model:
+    """Return the model with the added effects of the start tire and those of the library that are requested."""
+    no_single_text("effects", effects)
+    requested = tuple(effects) if effects is not None else tuple(start.has) if start is not None else ()
+    return book_of(book.name, with_library(book.name, requested, start.added if start is not None else ()))
+
+
 def _effects(
     book: Model, start: Tire | None, effects: Collection[str] | None, without: Collection[str]
 ) -> frozenset[str]:
@@ -229,13 +238,21 @@ def _starting_tire(
         if start.model != book.name:
             raise FitError(f"the start tire is {start.model}, not {book.name}")
         values = {**start.in_signs("adapted-sae").values, **given}
-        return Tire(book.name, values, effects=present, signs="adapted-sae", name=start.name, about=start.about)
+        return Tire(
+            book.name,
+            values,
+            effects=present,
+            signs="adapted-sae",
+            name=start.name,
+            about=start.about,
+            added=book.added,
+        )
     values = {"UNLOADED_RADIUS": 0.3, **_medians(book, data, given, notes), **given}
     if "UNLOADED_RADIUS" not in given:
         notes.append("radius R0 not given: 0.3 m (it only scales the moment coefficients)")
     if "FNOMIN" not in values:
         raise FitError("no load Fz in the data: specify --nominal Fz0=...")
-    return Tire(book.name, values, effects=present, signs="adapted-sae")
+    return Tire(book.name, values, effects=present, signs="adapted-sae", added=book.added)
 
 
 def _medians(book: Model, data: pd.DataFrame, given: Mapping[str, float], notes: list[str]) -> dict[str, float]:

@@ -22,6 +22,7 @@ from tirefmu.tires.tire import Tire
 from .constraints.physical import Constraint, chosen_constraints, operating_range
 from .constraints.verification import APPROACHED, VERIFIED, VerifiedConstraints
 from .data.fit_data import FitData
+from .data.simulated_states import with_states
 from .evidence.residuals import Residuals
 from .evidence.uncertainty import Direction, across_stages, uncertainty
 from .problem.effective_weights import effective_weights
@@ -51,6 +52,9 @@ ROUNDS = 12
 #: Strength of the regularization of scaled coefficients, by the weights of the stage: with noise weights the cost is
 #: about 1/2, with equal weights about the share of noise.
 RIDGE = {"equal": 1e-8, "noise": 1e-5}
+#: How often a stage is solved again with states that its own result has driven. States change forces by some percent
+#: and forces drive states, so that each round reduces the change by a factor of ten or more.
+STATE_ROUNDS = 2
 
 
 class FitRun:
@@ -147,6 +151,7 @@ class FitRun:
 
     def _run(self, stage: Stage) -> None:
         """Solve one stage and store its values in the tire."""
+        self._simulate_states()
         table, channels = self._table(stage)
         if not channels and not stage.free:
             return  # the recipe covers channels that were not measured
@@ -162,7 +167,19 @@ class FitRun:
         if not free:
             self._notes.append(f"stage {stage.name!r} skipped: its rows determine none of its coefficients")
             return
+        solved, ended = len(self._stages), len(self._ends)
         self._solve(stage, part, free, channels)
+        for _ in range(STATE_ROUNDS if self._tire.states else 0):
+            del self._stages[solved:], self._ends[ended:]
+            self._simulate_states()
+            rows = Rows.of(self._table(stage)[0], self._tire, channels)
+            part = rows.sample(stage.rows) if stage.rows else rows
+            self._solve(stage, part, {name: self._bounds(name, stage) for name in free}, channels)
+
+    def _simulate_states(self) -> None:
+        """Put the course of the states of effects, simulated with the present values, into the data."""
+        if self._tire.states:
+            self._data = with_states(self._fit_data, self._tire)
 
     def _channels_of(self, stage: Stage) -> list[str]:
         return [name for name in self._fitted if not stage.channels or name in stage.channels]

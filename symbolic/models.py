@@ -61,8 +61,8 @@ def model(name: str, added: Sequence[AddedEffect] = ()) -> Model:
 def with_library(name: str, effects: Collection[str], added: Sequence[AddedEffect] = ()) -> tuple[AddedEffect, ...]:
     """Return the added effects of a tire: those given, and the library where one of its effects is named.
 
-    The library comes whole, so that few models have to be printed; a model that lacks what some of it acts on or reads
-    gets what is named.
+    Effects of the library without states come together, so that few models have to be printed; a model that lacks what
+    some of them act on or read gets what is named. An effect with states comes if it is named: a state costs time.
 
     Parameters
     ----------
@@ -86,5 +86,7 @@ def with_library(name: str, effects: Collection[str], added: Sequence[AddedEffec
     named = [effect for effect in library() if effect in effects and effect not in there]
     if not named:
         return tuple(added)
-    wanted = library() if all(map(book.has_place_for, library().values())) else named
+    plain = [effect for effect in library().values() if not effect.states]
+    whole = [effect.name for effect in plain] if all(map(book.has_place_for, plain)) else []
+    wanted = [*whole, *(effect for effect in named if effect not in whole)]
     return (*added, *(library()[effect] for effect in wanted if effect not in there))

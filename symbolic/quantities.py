@@ -14,6 +14,8 @@ PHIT = Quantity("phit", "1/m", "turn slip: curvature of the path that the contac
 #: Inputs that only added effects read.
 TEMPERATURE = Quantity("T", "degC", "temperature of the tread", "TREF", 50.0)
 DISTANCE = Quantity("distance", "m", "distance rolled since the recording began", 0.0, 1000.0)
+#: The speed, for effects with states in a model that does not read it.
+OWN_SPEED = Quantity("V", "m/s", V.description, 15.0, 15.0)
 BEYOND = {quantity.name: quantity for quantity in (TEMPERATURE, DISTANCE)}
 
 FX = Quantity("Fx", "N", "longitudinal force", typical=1000.0)

@@ -55,6 +55,13 @@ _TIR_SECTIONS = frozenset(["added", "about", "ranges", "assumed", "kept_units"])
 
 _COEFFICIENT = re.compile("[A-Z][A-Z0-9]*(_[A-Z0-9]+)*")
 _EFFECT = re.compile("[A-Za-z][A-Za-z0-9]*(_[A-Za-z0-9]+)*")
+_STATE = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
+#: What a state would hide in generated code: functions of C and NumPy in lower case, arguments, results.
+_HIDDEN = re.compile(
+    "(a|f|l|ll)?(abs|sin|cos|tan|exp|log|sqrt|pow)[0-9a-z]*|(sin|cos|tan)h|j[01n]|y[01n]|(l|t)?gamma|erfc?|hypot|cbrt"
+    "|fm(a|ax|in|od)|fdim|floor|ceil|round|trunc|r?int|div|index|signgam|nan|inf|inputs|parameters|results|function"
+    "|memset|memcpy|time|square|cubed?(_.*)?|cube|fourth|sgn1?|absolute|fast_.*|lanes(_.*)?|ca|np|i|n|model|rows"
+)
 
 
 def no_coefficient(name: str) -> str:
@@ -107,6 +114,19 @@ def is_reserved(word: str) -> bool:
     (True, False)
     """
     return word in _LANGUAGE_OF
+
+
+def no_state(name: str) -> str:
+    """Return why a state cannot have a name, or an empty text where it can.
+
+    Examples
+    --------
+    >>> no_state("tread_heat"), no_state("exp"), no_state("Heat")
+    ('', 'is a name of the generated code', 'is not a word of small letters a-z, digits and single _')
+    """
+    if not _STATE.fullmatch(name):
+        return "is not a word of small letters a-z, digits and single _"
+    return "is a name of the generated code" if _HIDDEN.fullmatch(name) else _in_general(name)
 
 
 def _in_general(name: str) -> str:

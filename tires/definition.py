@@ -224,6 +224,11 @@ class TireDefinition:
         """True if slips lag behind their inputs: the tire has an effect of relaxation, such as relax_lat."""
         return bool(self.has & self.book.relaxing_effects)
 
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states of its added effects; the lagged slips and the distance are not among them."""
+        return self.book.states_of(self.has)
+
     def effective_inputs(self, rows: FloatArray) -> FloatArray:
         """Return the rows of inputs, those inputs 0 that would request an effect that the tire does not have."""
         silent = [name for effect, name in self.book.on_demand if effect not in self.has]

@@ -16,7 +16,8 @@ from .code import Code, code_for, fastest_code
 from .definition import TireDefinition
 from .forces import Forces
 from .signs import MIRRORED, TABLE_INPUTS, convert_signs, reversed_columns
-from .transient import lagged, rolled_distance
+from .states import Simulation, equilibrium
+from .transient import lagged_course, rolled_distance
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -61,7 +62,8 @@ def forces(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike], code: str 
         If an input is none of the public tables.
     """
     rows, shape = _broadcast(tire, inputs)
-    results = _code(tire.book, code, rows.shape[1]).forces(rows, tire.parameters())
+    chosen, parameters = _code(tire.book, code, rows.shape[1]), tire.parameters()
+    results = chosen.forces(equilibrium(tire.book, chosen, rows, parameters, tire.states), parameters)
     return Forces({name: row.reshape(shape) for name, row in zip(tire.outputs, results, strict=True)})
 
 
@@ -75,8 +77,8 @@ def quantities(tire: TireDefinition, inputs: Mapping[str, npt.ArrayLike]) -> dic
     array([2.61, 2.42])
     """
     rows, shape = _broadcast(tire, inputs)
-    code = _code(tire.book, "auto", rows.shape[1])
-    results = code.quantities(rows, tire.parameters())
+    code, parameters = _code(tire.book, "auto", rows.shape[1]), tire.parameters()
+    results = code.quantities(equilibrium(tire.book, code, rows, parameters, tire.states), parameters)
     return {name: row.reshape(shape) for name, row in zip(code.quantities_names, results, strict=True)}
 
 
@@ -121,14 +123,16 @@ def evaluate(
     code = _code(tire.book, language, len(table))
     parameters = tire.parameters(**conventions.options)
     columns, rows = _inputs(tire, table, conventions)
-    acting, lag = _acting(tire, table, rows, parameters, conventions, code)
-    seen = _turned(acting, tire.inputs, conventions.mirror)
+    rows = _turned(rows, tire.inputs, conventions.mirror)
+    seen, lags = _acting(tire, table, rows, parameters, conventions, code)
     outputs = _turned(code.forces(seen, parameters), tire.outputs, conventions.mirror)
+    back = dict(zip(tire.inputs, _turned(seen, tire.inputs, conventions.mirror), strict=True))
+    columns |= {name: pd.Series(back[name], table.index) for name in tire.book.states}
     quantities = dict(zip(code.quantities_names, code.quantities(seen, parameters), strict=True))
     given = table[[name for name in TABLE_INPUTS if name in table]]
-    absent = {name: columns[name] for name in tire.inputs if name not in table}
-    lag = {f"{name}_lagged": convert_signs(pd.DataFrame({name: slip}), conventions.formula, conventions.signs)[name]
-           .to_numpy() for name, slip in lag.items()}  # fmt: skip
+    absent = {name: columns[name] for name in tire.inputs if name not in table or name in tire.book.states}
+    lag = {f"{name}_lagged": convert_signs(pd.DataFrame({name: back[name]}), conventions.formula, conventions.signs)
+           [name].to_numpy() for name in lags}  # fmt: skip
     computed = {**absent, **dict(zip(tire.outputs, outputs, strict=True))}
     written = convert_signs(pd.DataFrame(computed, table.index), conventions.formula, conventions.signs)
     return pd.concat([given, written, pd.DataFrame({**lag, **quantities}, table.index)], axis=1)
@@ -167,21 +171,24 @@ def _acting(
     parameters: FloatArray,
     conventions: Conventions,
     code: Code,
-) -> tuple[FloatArray, dict[str, FloatArray]]:
-    """Return the acting inputs, with lagged slips where the tire has relaxation, and these slips by name."""
-    if "t" not in table or conventions.steady or not tire.lags:
-        return rows, {}
-    t = _finite(table["t"], "t")
-    named = dict(zip(tire.inputs, rows, strict=True))
-    sigma = dict(zip(code.quantities_names, code.quantities(rows, parameters), strict=True))
-    along, across = (sigma[tire.book.quantity(role)] for role in ("relaxation_x", "relaxation_y"))
-    hold = conventions.hold
-    lateral = lagged(t, np.tan(named["alpha"]), named["V"], across, hold=hold)
-    lag = {
-        "kappa": lagged(t, named["kappa"], named["V"], along, hold=hold),
-        "alpha": np.arctan(lateral),
-    }
-    return np.stack([lag.get(name, row) for name, row in named.items()]), lag
+) -> tuple[FloatArray, tuple[str, ...]]:
+    """Return the acting inputs, with states and lagged slips, and the names of the slips that lag."""
+    if "t" not in table or conventions.steady:
+        return equilibrium(tire.book, code, rows, parameters, tire.states), ()
+    if not tire.lags and not tire.states:
+        return rows, ()
+    t, hold = _finite(table["t"], "t"), conventions.hold
+    slips = {}
+    if tire.lags:
+        named = dict(zip(tire.inputs, rows, strict=True))
+        sigma = dict(zip(code.quantities_names, code.quantities(rows, parameters), strict=True))
+        along, across = (sigma[tire.book.quantity(role)] for role in ("relaxation_x", "relaxation_y"))
+        slips = {
+            "kappa": lagged_course(t, named["kappa"], named["V"], along, hold=hold),
+            "alpha": lagged_course(t, np.tan(named["alpha"]), named["V"], across, hold=hold),
+        }
+    simulation = Simulation(tire.book, code, t, rows, parameters, hold, slips, tire.states)
+    return simulation.acting(), tuple(slips)
 
 
 def _turned(rows: FloatArray, names: Collection[str], mirror: bool) -> FloatArray:

@@ -7,6 +7,8 @@ point model; here the lag acts on the slip itself.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
 
@@ -16,6 +18,79 @@ FloatArray = npt.NDArray[np.float64]
 
 #: Below this relaxation length a slip acts at once, m.
 AT_ONCE = 1e-6
+
+
+@dataclass(frozen=True)
+class Course:
+    """The course of a lag over a recording.
+
+    Attributes
+    ----------
+    target, rate : ndarray, shape (n,)
+        What it follows, and how fast, 1/s; infinite where it follows at once.
+    way : ndarray, shape (n - 1,)
+        Integral of the rate from row to row.
+    value : ndarray, shape (n,)
+    hold : bool
+        Targets are held from each row to the next; otherwise they are linear.
+    """
+
+    target: FloatArray
+    rate: FloatArray
+    way: FloatArray
+    value: FloatArray
+    hold: bool
+
+    def between(self, interval: npt.NDArray[np.intp], share: FloatArray) -> FloatArray:
+        """Return the values at shares (0 to 1) of the intervals that begin at the rows `interval`."""
+        first = self.target[interval]
+        last = first if self.hold else first + (self.target[interval + 1] - first) * share
+        with np.errstate(invalid="ignore"):
+            way = np.where(share > 0.0, self.way[interval] * share, 0.0)
+        return np.asarray(state_laws.lag(self.value[interval], first, last, way))
+
+
+def followed(t: FloatArray, target: FloatArray, rate: FloatArray, start: FloatArray, *, hold: bool) -> Course:
+    """Return the course of a lag.
+
+    Parameters
+    ----------
+    t : ndarray, shape (n,)
+        Time, s. Where it goes backward, a new recording begins at the start value of that row.
+    target, rate : ndarray, shape (n,)
+        As in `Course`.
+    start : ndarray, shape (n,)
+        The value with which a recording that begins at a row starts.
+    hold : bool
+
+    Returns
+    -------
+    Course
+    """
+    h = np.diff(t)
+    with np.errstate(invalid="ignore"):
+        way = np.where(h > 0, h * (rate[:-1] if hold else (rate[:-1] + rate[1:]) / 2), 0.0)
+    # A law is linear in the state.
+    gained = state_laws.lag(0.0, target[:-1], target[:-1] if hold else target[1:], way)
+    decay = state_laws.lag(1.0, 0.0, 0.0, way)
+    value = recursion(start[0], np.where(h < 0, 0.0, decay), np.where(h < 0, start[1:], gained))
+    return Course(target, rate, way, np.where(np.isinf(rate), target, value), hold)
+
+
+def recursion(start: float, decay: FloatArray, gained: FloatArray) -> FloatArray:
+    """Return x(0) = start, x(i + 1) = decay(i) x(i) + gained(i), shape (n + 1,)."""
+    values = np.empty(len(decay) + 1)
+    x = values[0] = start
+    for i in range(len(decay)):
+        x = values[i + 1] = decay[i] * x + gained[i]
+    return values
+
+
+def lagged_course(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray, *, hold: bool) -> Course:
+    """Return the course of a lagged slip; the parameters are those of `lagged`."""
+    with np.errstate(divide="ignore"):
+        rate = np.where(sigma > AT_ONCE, np.abs(speed) / np.maximum(sigma, AT_ONCE), np.inf)
+    return followed(t, slip, rate, slip, hold=hold)
 
 
 def lagged(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray, *, hold: bool) -> FloatArray:
@@ -48,21 +123,7 @@ def lagged(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray
     """
     if not (sigma > AT_ONCE).any():
         return slip
-    with np.errstate(divide="ignore"):
-        rate = np.where(sigma > AT_ONCE, np.abs(speed) / np.maximum(sigma, AT_ONCE), np.inf)
-    h = np.diff(t)
-    with np.errstate(invalid="ignore"):
-        way = np.where(h > 0, h * (rate[:-1] if hold else (rate[:-1] + rate[1:]) / 2), 0.0)
-    following = slip[1:]
-    # A law is linear in the state.
-    gained = state_laws.lag(0.0, slip[:-1], slip[:-1] if hold else following, way)
-    decay = state_laws.lag(1.0, 0.0, 0.0, way)
-    decay, gained = np.where(h < 0, 0.0, decay), np.where(h < 0, following, gained)
-    acts = np.empty_like(slip)
-    x = acts[0] = slip[0]
-    for i in range(len(h)):
-        x = acts[i + 1] = decay[i] * x + gained[i]
-    return np.where(sigma > AT_ONCE, acts, slip)
+    return lagged_course(t, slip, speed, sigma, hold=hold).value
 
 
 def rolled_distance(t: FloatArray, speed: FloatArray, *, hold: bool = False) -> FloatArray:

@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.tires.code import Code, fastest_code
+from tirefmu.tires.states import Simulation, equilibrium
 from tirefmu.tires.tire import Tire
-from tirefmu.tires.transient import lagged
+from tirefmu.tires.transient import Course, lagged_course
 
 from .signals import Signals
 
@@ -54,7 +55,18 @@ class Simulator:
         reached = self.book.reached(known[i] for i in self._sigma)
         self._determines_lag = np.array([name in reached for name in self.book.parameters])
         self._relaxation = np.array([self.index[name] for name in self.book.relaxation], dtype=int)
+        #: Coefficients that act through time, and the steps of their differences.
+        self._by_difference = {name: self._step(name) for name in self.book.relaxation}
+        own = {each.name for effect in self.book.added if effect.states for each in effect.declarations}
+        self._by_difference |= {name: self._step(name) for name in own - self._by_difference.keys()}
         self._remember()
+
+    def _step(self, name: str) -> float:
+        declaration = self.book.coefficients[name]
+        if name in self.book.relaxation:
+            return 0.01 if declaration.unit == "m" else 0.02
+        span = declaration.upper - declaration.lower
+        return 1e-4 * span if np.isfinite(span) else 1e-4
 
     def _remember(self) -> None:
         """Keep the most recent forces and transient slips; a step of the estimate needs them several times."""
@@ -79,13 +91,14 @@ class Simulator:
         return inactive
 
     def effective_inputs(self, parameters: FloatArray) -> FloatArray:
-        """Return the inputs at the compared rows, shape (n_inputs, n), with transient slips if there is relaxation.
+        """Return the inputs at the compared rows, shape (n_inputs, n), with lagged slips and states.
 
         Inputs of on-demand effects are 0 while their coefficients are unchanged.
         """
         unused = tuple(row for row, indices, values in self._inactive if np.array_equal(parameters[indices], values))
-        lags = self.signals.timed and self._sigma and parameters[self._relaxation].any()
-        if lags:
+        if self.book.states:
+            return self._with_states(parameters, self._active(unused))
+        if self.signals.timed and self._sigma and parameters[self._relaxation].any():
             relevant = np.where(self._determines_lag, parameters, self.tire.parameters())
             return self._acting(relevant.tobytes(), unused)
         return self._active(unused)[:, self.signals.rows]
@@ -99,17 +112,34 @@ class Simulator:
         return inputs
 
     def _computed_acting(self, relevant: bytes, unused: tuple[int, ...]) -> FloatArray:
-        """Return the inputs at the compared rows with transient slips, for the parameters that determine them."""
-        signals, inputs = self.signals, self._active(unused)
-        named = dict(zip(signals.names, inputs, strict=True))
-        sigma = np.maximum(self._code.quantities(inputs, np.frombuffer(relevant))[self._sigma], 0.0)
+        """Return the inputs at the compared rows with lagged slips, for the parameters that determine them."""
+        inputs = self._active(unused)
         acts = inputs.copy()
-        for name, length in zip(("kappa", "alpha"), sigma, strict=True):
-            if length.max() > 0.0:
-                slip = np.tan(named[name]) if name == "alpha" else named[name]
-                lag = lagged(signals.t, slip, named["V"], length, hold=False)
-                acts[signals.names.index(name)] = np.arctan(lag) if name == "alpha" else lag
-        return acts[:, signals.rows]
+        for name, course in self._lagged(inputs, np.frombuffer(relevant)).items():
+            acts[self.signals.names.index(name)] = np.arctan(course.value) if name == "alpha" else course.value
+        return acts[:, self.signals.rows]
+
+    def _with_states(self, parameters: FloatArray, inputs: FloatArray) -> FloatArray:
+        """Return the inputs at the compared rows with lagged slips and states."""
+        signals, book = self.signals, self.book
+        if not signals.timed:
+            return equilibrium(book, self._code, inputs[:, signals.rows], parameters, book.states)
+        slips = self._lagged(inputs, parameters)
+        simulation = Simulation(book, self._code, signals.t, inputs, parameters, False, slips, book.states)
+        return simulation.acting()[:, signals.rows]
+
+    def _lagged(self, inputs: FloatArray, parameters: FloatArray) -> dict[str, Course]:
+        """Return the courses of the lagged slips; none without relaxation."""
+        if not self._sigma or not parameters[self._relaxation].any():
+            return {}
+        named = dict(zip(self.signals.names, inputs, strict=True))
+        sigma = np.maximum(self._code.quantities(inputs, parameters)[self._sigma], 0.0)
+        targets = {"kappa": named["kappa"], "alpha": np.tan(named["alpha"])}
+        return {
+            name: lagged_course(self.signals.t, target, named["V"], length, hold=False)
+            for (name, target), length in zip(targets.items(), sigma, strict=True)
+            if length.max() > 0.0
+        }
 
     def forces(self, parameters: FloatArray, shifts: Mapping[str, float] | None = None) -> FloatArray:
         """Return the forces of the measured channels, shape (n_channels, n).
@@ -147,8 +177,8 @@ class Simulator:
         for part, derivatives in self._code.jacobian_chunks(rows, parameters, CHUNK):
             jacobian[channel, part, column] = derivatives[entries]
         for i, name in enumerate(free):
-            if name in self.book.relaxation and self.signals.timed:
-                step = 0.01 if self.book.coefficients[name].unit == "m" else 0.02
+            if name in self._by_difference and self.signals.timed:
+                step = self._by_difference[name]
                 moved = parameters.copy()
                 moved[self.index[name]] += step
                 jacobian[:, :, i] = (self.forces(moved) - self.forces(parameters)) / step

@@ -29,7 +29,7 @@ def tire_of(start: Tire, problem: LeastSquares, solution: Solution, added: Colle
     present = set(start.has) | set(added)
     if "relax_load" in present:
         present.discard("relax_lat")
-    read = {s.name for e in start.added if e.name in present for act in e.acts for s in act.expression.free_symbols}
+    read = {name for effect in start.added if effect.name in present for name in effect.reads}
     nominal = {str(quantity.nominal) for quantity in start.book.inputs if quantity.name in read}
     used = tuple(  # also effects that are off but declare the nominal value of an input
         e for e in start.added if e.name in present or nominal & {declaration.name for declaration in e.declarations}

@@ -6,13 +6,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import inf
 
+from tirefmu.symbolic.added.state import State
 from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.tires import Tire
 from tirefmu.tires.evaluation import quantities as quantities_of
 
-from .variables import TIME, Variable, feedthrough, option_variable, parameter_variable, read_inputs
+from .variables import TIME, Variable, feedthrough, is_indicator, option_variable, parameter_variable, read_inputs
 
 #: The kinds of inputs and the axes that an FMU can have.
 INPUTS = ("slip", "wheel")
@@ -95,6 +96,11 @@ class Interface:
         return any(variable.name == TWIST.name for variable in self.group("state"))
 
     @property
+    def memory(self) -> tuple[State, ...]:
+        """The states of the tire's effects, in the order of their variables."""
+        return tuple(self.tire.book.states[name] for name in self.tire.states)
+
+    @property
     def has_distance(self) -> bool:
         """True if the distance rolled is a state."""
         return any(variable.name == DISTANCE.name for variable in self.group("state"))
@@ -140,9 +146,10 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
     tire, note = with_lengths(tire) if wheel else (tire, "")
     read = read_inputs(tire)
     states = [
-        *((KAPPA_LAGGED, TAN_ALPHA_LAGGED) if tire.lags or wheel else ()),
-        *((TWIST,) if wheel and "phit" in read else ()),
-        *((DISTANCE,) if "distance" in read else ()),
+        *(_state(slip) for slip in ((KAPPA_LAGGED, TAN_ALPHA_LAGGED) if tire.lags or wheel else ())),
+        *((_state(TWIST),) if wheel and "phit" in read else ()),
+        *(_memory_state(tire, name) for name in tire.states),
+        *((_state(DISTANCE),) if "distance" in read else ()),
     ]
     hosts = _wheel_inputs(tire, read) if wheel else _slip_inputs(tire, read, bool(states))
     values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
@@ -157,7 +164,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         *hosts,
         *(Variable(q.name, "output", q.unit, q.description, nominal=q.typical, group="force") for q in book.outputs),
         *(replace(parameter, group="parameter") for parameter in parameters),
-        *(_state(state) for state in states),
+        *states,
         *(_derivative(state) for state in states),
         *extras,
     )
@@ -206,9 +213,20 @@ def with_lengths(tire: Tire) -> tuple[Tire, str]:
     )
 
 
+def _memory_state(tire: Tire, name: str) -> Variable:
+    """Return the state of an effect: in equilibrium at the start, or at a value that the host can set."""
+    state = tire.book.states[name]
+    start = None
+    if state.start or not state.settles:
+        start = float(quantities_of(tire, {})[f"{name}_start"])
+    what = state.description or f"state {name}"
+    return Variable(name, "local", state.unit, what, start=start, nominal=1.0, group="state")
+
+
 def _slip_inputs(tire: Tire, read: set[str], rolls: bool) -> list[Variable]:
     """Return the model's inputs, and the speed if only a state needs it."""
-    shown = [_input(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - {"distance"}]
+    computed = {"distance", *tire.book.states}
+    shown = [_input(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - computed]
     if rolls and "V" not in tire.inputs:
         shown.append(_input(Quantity("V", "m/s", "forward speed of the contact point", typical=SPEED), 0.0))
     return shown
@@ -220,7 +238,7 @@ def _wheel_inputs(tire: Tire, read: set[str]) -> list[Variable]:
     speed = tire.nominal("V") if "V" in tire.inputs else SPEED
     radius = float(nominal.get(tire.book.quantity("rolling_radius"), tire.values["UNLOADED_RADIUS"]))
     starts = {"V_x": speed, "V_y": 0.0, "omega": speed / radius}
-    moved = {"kappa", "alpha", "V", "phit", "distance"}
+    moved = {"kappa", "alpha", "V", "phit", "distance", *tire.book.states}
     return [
         *(_input(quantity, starts[quantity.name]) for quantity in MOTION),
         *((_input(YAWING, 0.0),) if "phit" in read else ()),
@@ -256,8 +274,9 @@ def _state(state: Quantity) -> Variable:
     )
 
 
-def _derivative(state: Quantity) -> Variable:
-    unit = {"m": "m/s", "rad": "rad/s"}.get(state.unit, "1/s")
+def _derivative(state: Variable) -> Variable:
+    over, divided, under = state.unit.partition("/")
+    unit = f"{over}/{under} s" if divided else f"{over}/s"
     return Variable(f"der({state.name})", "local", unit, f"rate of {state.name}", group="derivative")
 
 
@@ -284,6 +303,12 @@ def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
     if tire.lags or wheel:
         found.append(Variable("alpha_lagged", "local", "rad", "side slip angle from its lagged tangent",
                               group="extra", source="ALPHA_LAGGED"))  # fmt: skip
+    found += [
+        Variable(f"{name}_velocity", "local", "1/s", f"velocity of {name} along its path, with an event at 0",
+                 nominal=1.0, group="extra", source=f"FIRST_PATH + {i}")
+        for i, name in enumerate(tire.states)
+        if book.states[name].follows_a_path
+    ]  # fmt: skip
     return found + [
         Variable(name, "output", *named[name], group="extra", source=f"FIRST_QUANTITY + {name}")
         for name in chosen
@@ -296,7 +321,7 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, wheel: bool) -> t
     references = {variable.name: reference for reference, variable in enumerate(listed)}
     inputs = tuple(reference for reference, v in enumerate(listed) if v.group == "input")
     states = tuple(reference for reference, v in enumerate(listed) if v.group == "state")
-    outputs = [v.name for v in listed if v.group in ("force", "extra")]
+    outputs = [v.name for v in listed if v.group in ("force", "extra") and not is_indicator(v)]
     reached = feedthrough(book, [name for name in outputs if name not in ("kappa", "alpha", "alpha_lagged")])
     friction = (book.quantity("friction_x"), book.quantity("friction_y"))
     reached["friction_use"] = {name for known in ("Fx", "Fy", *friction) for name in reached_by(book, known)}
@@ -309,11 +334,16 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, wheel: bool) -> t
                 if name in references and listed[references[name]].group == "input"
             ]
             own = references[_stem(variable.name)]
+            if _stem(variable.name) in book.states:
+                return tuple(sorted({*inputs, *states}))
             if variable.name == f"der({TWIST.name})":
                 return tuple(sorted({*rolled, references[YAWING.name], own}))
             return tuple(rolled) if variable.name == "der(distance)" else (*inputs, own)
+        if is_indicator(variable):
+            return tuple(sorted({*inputs, *states}))
         known = reached.get(variable.name, {"kappa", "alpha"})
         lag = [r for r in states if listed[r].name == "distance" and "distance" in known]
+        lag += [r for r in states if listed[r].name in book.states]
         lag += [r for r in states if listed[r].name in LAGGED_SLIPS and known & {"kappa", "alpha"}]
         lag += [r for r in states if listed[r].name == TWIST.name and variable.name == "Mz"]
         given = inputs if wheel else [r for r in inputs if listed[r].name in known]

@@ -10,7 +10,7 @@ from math import isfinite
 from tirefmu.symbolic.escaping import xml_text
 
 from .units import base_unit
-from .variables import Variable
+from .variables import Variable, is_indicator
 
 #: Log categories of both FMI versions.
 LOG_CATEGORIES = {
@@ -92,7 +92,7 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
         },
     )
     if fmi == 2:
-        root.set("numberOfEventIndicators", "0")
+        root.set("numberOfEventIndicators", str(len(_indicators(variables))))
     if header.model_exchange:
         _append_interface_type(root, "ModelExchange", fmi, header)
     _append_interface_type(root, "CoSimulation", fmi, header)
@@ -196,6 +196,11 @@ def _by_group(variables: Sequence[Variable]) -> tuple[list[int], list[int], list
     return outputs, derivatives, computed
 
 
+def _indicators(variables: Sequence[Variable]) -> list[int]:
+    """Return the value references of the event indicators: the velocities along the paths of hystereses."""
+    return [reference for reference, variable in enumerate(variables) if is_indicator(variable)]
+
+
 def _variables_and_structure_2(root: ET.Element, variables: Sequence[Variable]) -> None:
     """Append variables and structure for FMI 2, where indices start at 1."""
     listed = ET.SubElement(root, "ModelVariables")
@@ -257,3 +262,5 @@ def _variables_and_structure_3(root: ET.Element, variables: Sequence[Variable]) 
             ET.SubElement(structure, name, {"valueReference": str(reference), "dependencies": known})
     for reference in computed:
         ET.SubElement(structure, "InitialUnknown", {"valueReference": str(reference)})
+    for reference in _indicators(variables):
+        ET.SubElement(structure, "EventIndicator", {"valueReference": str(reference)})

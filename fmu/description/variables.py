@@ -177,6 +177,11 @@ def feedthrough(book: Model, names: Iterable[str]) -> dict[str, set[str]]:
     return {name: inputs & book.reached([name]) for name in names}
 
 
+def is_indicator(variable: Variable) -> bool:
+    """Return whether a variable is an event indicator: the velocity along the path of a hysteresis."""
+    return variable.source.startswith("FIRST_PATH")
+
+
 def _input(quantity: Quantity, tire: Tire) -> Variable:
     """Return an input whose start value is the tire's nominal value."""
     start = tire.nominal(quantity.name)

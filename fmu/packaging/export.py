@@ -113,6 +113,8 @@ def export(
         raise FmuError("the pythonfmu variant has slip inputs, ISO axes and the forces only")
     requested = chosen_platforms(platforms)
     target, tire = path_from(path), tire_from(tire)
+    if kind == "pythonfmu" and tire.states:
+        raise FmuError(f"the pythonfmu variant has no states of effects ({', '.join(tire.states)}): use kind native")
     identifier = c_identifier(target.stem)
     files = contents(tire, version, identifier, kind, inputs=inputs, axes=axes, quantities=quantities)
     if kind == "pythonfmu":

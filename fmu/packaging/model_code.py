@@ -8,7 +8,7 @@ from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.printers.definitions import INCLUDES, calling_math, definitions
 
 #: Routines that a host calls at every step, and routines that it calls rarely.
-FAST = ("forces", "relaxation")
+FAST = ("forces", "relaxation", "drives")
 SMALL = ("quantities",)
 
 # A routine starts and ends in the first column.

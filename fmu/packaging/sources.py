@@ -22,7 +22,7 @@ COMMON = ("instance.c", "values.c", "derivatives.c", "terms.c", "chain_rule.c", 
 #: The files of the contact kinematics, by whether inputs are velocities; the file of the slips, by whether they lag.
 CONTACT = {False: ("slip_inputs.c",), True: ("wheel_inputs.c", "standstill.c")}
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
-HEADERS = ("instance.h", "contact.h", "slips.h", "standstill.h", "terms.h", "chain_rule.h")
+HEADERS = ("instance.h", "contact.h", "slips.h", "memory.h", "standstill.h", "terms.h", "chain_rule.h")
 CONFIG, RADIUS = "model_config.h", "rolling_radius.h"
 #: The laws of the states, equal for all models.
 LAWS = "state_laws.h"
@@ -53,7 +53,9 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     >>> c_files(2, interface(published("trento_hoosier")))[-4:]
     ('slip_inputs.c', 'direct_slips.c', 'mf96.c', 'mf96_quantities.c')
     """
-    return (*WRAPPER[fmi], *COMMON, *CONTACT[shown.wheel], SLIPS[shown.lags], *model_files(shown.tire.model))
+    memory = ("memory.c",) if shown.memory else ()
+    files = (*WRAPPER[fmi], *COMMON, *CONTACT[shown.wheel], SLIPS[shown.lags], *memory)
+    return (*files, *model_files(shown.tire.model))
 
 
 def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
@@ -140,6 +142,7 @@ def model_config(shown: Interface, token: str) -> str:
         "",
         comment("By extra output, by state."),
         *_table("EXTRAS", [_extra(variable, model) for variable in shown.group("extra")]),
+        *(_table("MEMORY_TABLE", _memory(shown)) if shown.memory else ()),
         *_table("STATE_NOMINALS", [repr(v.nominal) for v in shown.group("state")] or ["0.0"]),
     ]
     return "\n".join(lines) + "\n"
@@ -158,12 +161,17 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define N_HOST_PARAMETERS {len(shown.group('parameter'))}"
     yield f"#define N_STATES {len(shown.group('state'))}"
     yield f"#define N_EXTRAS {len(shown.group('extra'))}"
+    paths = [state for state in shown.memory if state.follows_a_path]
+    yield f"#define N_MEMORY {len(shown.memory)}"
+    yield f"#define N_INDICATORS {len(paths)}"
+    yield f"#define N_DRIVES {len(shown.tire.book.drives)}"
     relaxes = shown.lags and bool(shown.tire.book.relaxing_effects)
     yield f"#define LAGS {int(shown.lags)}"
     yield f"#define RELAXES {int(relaxes)}"
     yield f"#define TWISTS {int(shown.twists)}"
     yield f"#define WHEEL {int(shown.wheel)}"
-    for routine in ["forces", "quantities", *(["relaxation"] if relaxes else [])]:
+    optional = [name for name, used in (("relaxation", relaxes), ("drives", shown.memory)) if used]
+    for routine in ["forces", "quantities", *optional]:
         yield f"#define model_{routine} {model}_{routine}"
     for table in ("CONSTANTS", "OPERATIONS"):
         yield f"#define N_{table} {prefix}_N_{table}"
@@ -200,6 +208,23 @@ def _indices(shown: Interface) -> Iterable[str]:
             yield f"#define {name} {own.index(name)}"
 
 
+def _memory(shown: Interface) -> list[str]:
+    """Return the entries of the table of the states of effects, as declared in memory.c."""
+    book, names = shown.tire.book, [state.name for state in shown.memory]
+    prefix, laws = book.name.upper(), {"accumulation": "SUM", "hysteresis": "PATH"}
+    entries = []
+    for state in shown.memory:
+        lags = [str(names.index(name)) for name in state.drive] if state.follows_a_path else []
+        velocity, _, _, derivative = state.line_names
+        fields = [
+            f"{prefix}_{state.name}", str(book.drives.index(velocity)), laws.get(state.kind, "BALANCE"),
+            str(int(book.is_direct(state))), str(int(bool(state.start))), f"{{{', '.join([*lags, '-1', '-1'][:2])}}}",
+            f"{prefix}_{derivative}", f"{prefix}_{velocity}",
+        ]  # fmt: skip
+        entries.append(f"{{{', '.join(fields)}}}")
+    return entries
+
+
 def _inputs(shown: Interface) -> Iterable[str]:
     """Yield the tables of the model's inputs: indices of the host's inputs, values of unconnected ones, and ranges."""
     tire = shown.tire
@@ -224,6 +249,8 @@ def _kind(variable: Variable) -> str:
 def _extra(variable: Variable, model: str) -> str:
     """Return the source of an extra output, as named in the C code."""
     kind, _, name = variable.source.partition(" + ")
+    if kind == "FIRST_PATH":
+        return variable.source
     return f"{kind} + {model.upper()}_{name}" if name else kind
 
 

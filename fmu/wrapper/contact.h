@@ -27,7 +27,8 @@ void contact_settle(State *state, const double inputs[N_INPUTS], double forces[N
 /* Tangents of the model's inputs for a change of the host's values. */
 typedef struct {
     double given[N_INPUTS];  /* of contact.inputs, with the given slips */
-    double acting[N_INPUTS]; /* of the inputs with the acting slips, see slips.h */
+    double acting[N_INPUTS]; /* of the inputs with the acting slips and states, see slips.h */
+    double direct[N_INPUTS]; /* of the inputs with the given slips and states, see memory.h */
     double motion[N_MOTION];
 } Tangent;
 

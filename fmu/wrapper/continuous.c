@@ -2,6 +2,7 @@
 #include "instance.h"
 
 #include "contact.h"
+#include "memory.h"
 #include "slips.h"
 
 #include <math.h>
@@ -117,6 +118,11 @@ Status instance_set_states(Instance *self, const double states[], size_t n)
             self->state.distance = states[i];
         else
 #endif
+#if N_MEMORY > 0
+        if (FIRST_STATE + i >= FIRST_MEMORY)
+            self->state.memory[FIRST_STATE + i - FIRST_MEMORY] = states[i] * value_direction((unsigned) (FIRST_STATE + i));
+        else
+#endif
             self->state.lagging[i] = states[i] * value_direction((unsigned) (FIRST_STATE + i));
     }
     state_changed(&self->state);
@@ -135,9 +141,22 @@ Status instance_get_nominals(Instance *self, double nominals[], size_t n)
     return STATUS_OK;
 }
 
-Status instance_get_indicators(Instance *self, size_t n)
+/* The velocities along the paths of hystereses: where one changes sign, the derivative of the state jumps. */
+Status instance_get_indicators(Instance *self, double indicators[], size_t n)
 {
-    if (expect_kind(self, "event indicators") != STATUS_OK)
+#if N_MEMORY > 0
+    double rates[N_MEMORY], velocities[N_MEMORY];
+    size_t i, k = 0;
+#endif
+
+    if (expect_kind(self, "event indicators") != STATUS_OK ||
+        expect_array(self, indicators, n, N_INDICATORS, "event indicators") != STATUS_OK)
         return STATUS_ERROR;
-    return expect_array(self, NULL, n, 0, "event indicators");
+#if N_MEMORY > 0
+    memory_rates(&self->state, rates, velocities);
+    for (i = 0; i < N_MEMORY; i++)
+        if (memory_is_path(i))
+            indicators[k++] = velocities[i];
+#endif
+    return instance_expect_finite(self, indicators, n, "an event indicator");
 }

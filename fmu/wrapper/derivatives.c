@@ -9,6 +9,7 @@
 
 #include "chain_rule.h"
 #include "contact.h"
+#include "memory.h"
 #include "slips.h"
 #include "terms.h"
 
@@ -62,13 +63,20 @@ static Status expect_arrays(const Instance *self, const double seed[], size_t n_
     return instance_expect_pointer(self, sensitivity, n_sensitivity, "the sensitivity");
 }
 
-/* Compute the values of all slots with the given or the acting slips. */
+/* Compute the values of all slots with the given or the acting slips, with or without the states of effects. */
 static void find_values(State *state, Point point, double values[N_SLOTS])
 {
     double inputs[N_INPUTS];
 
-    slips_acting(state, inputs);
-    chain_values(point == GIVEN ? state->contact.inputs : inputs, state->values + FIRST_PARAMETER, 0.0, values);
+    if (point == ACTING)
+        slips_acting(state, inputs);
+    else
+        memcpy(inputs, state->contact.inputs, sizeof inputs);
+#if N_MEMORY > 0
+    if (point == DIRECT)
+        memory_fill(state, inputs);
+#endif
+    chain_values(inputs, state->values + FIRST_PARAMETER, 0.0, values);
 }
 
 static void find_radius(const State *state, Radius *radius)
@@ -92,13 +100,17 @@ static void find_tangent(State *state, const double seeds[N_VALUES], const Radiu
 {
     contact_differentiate(state, seeds, radius, tangent);
     slips_differentiate(state, seeds, tangent);
+    memcpy(tangent->direct, tangent->given, sizeof tangent->direct);
+#if N_MEMORY > 0
+    memory_differentiate(state, seeds, tangent);
+#endif
 }
 
 /* Add the terms with one kind of slips for all seeds. */
 static void add_forward(State *state, Point point, const Tangent *tangent, const double seeds[N_VALUES],
                         const unsigned unknowns[], size_t n, double sensitivity[])
 {
-    const double *inputs = point == GIVEN ? tangent->given : tangent->acting;
+    const double *inputs = point == GIVEN ? tangent->given : point == DIRECT ? tangent->direct : tangent->acting;
     double values[N_SLOTS], tangents[N_SLOTS];
     Term terms[MOST_TERMS];
     size_t i, k, count;
@@ -166,9 +178,9 @@ static double product(const double a[], const double b[], size_t n)
     return sum;
 }
 
-/* The derivative of a weighted sum of unknowns by one known, from the gradients of the three kinds of terms. */
+/* The derivative of a weighted sum of unknowns by one known, from the gradients of the kinds of terms. */
 static double weighted_derivative(State *state, unsigned known, const Radius *radius, const double given[],
-                                  const double acting[], const double motion[])
+                                  const double acting[], const double direct[], const double motion[])
 {
     double seeds[N_VALUES] = {0.0};
     const double *parameters = seeds + FIRST_PARAMETER;
@@ -178,6 +190,7 @@ static double weighted_derivative(State *state, unsigned known, const Radius *ra
     find_tangent(state, seeds, radius, &tangent);
     return product(given, tangent.given, N_INPUTS) + product(given + FIRST_PARAMETER_LEAF, parameters, N_PARAMETERS) +
            product(acting, tangent.acting, N_INPUTS) + product(acting + FIRST_PARAMETER_LEAF, parameters, N_PARAMETERS) +
+           product(direct, tangent.direct, N_INPUTS) + product(direct + FIRST_PARAMETER_LEAF, parameters, N_PARAMETERS) +
            product(motion, tangent.motion, N_MOTION);
 }
 
@@ -189,6 +202,11 @@ static void move(State *state, unsigned known, double value)
 #ifdef DISTANCE
         if (known == FIRST_DERIVATIVE - 1)
             state->distance = value;
+        else
+#endif
+#if N_MEMORY > 0
+        if (known >= FIRST_MEMORY)
+            state->memory[known - FIRST_MEMORY] = host_value(state, known);
         else
 #endif
             state->lagging[known - FIRST_STATE] = host_value(state, known);
@@ -244,6 +262,7 @@ Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_u
     find_tangent(state, seeds, &radius, &tangent);
     add_forward(state, GIVEN, &tangent, seeds, unknowns, n_unknowns, sensitivity);
     add_forward(state, ACTING, &tangent, seeds, unknowns, n_unknowns, sensitivity);
+    add_forward(state, DIRECT, &tangent, seeds, unknowns, n_unknowns, sensitivity);
     add_motion(state, &tangent, unknowns, n_unknowns, sensitivity);
     return instance_expect_finite(self, sensitivity, n_unknowns, "a derivative");
 }
@@ -252,7 +271,7 @@ Status instance_adjoint(Instance *self, const unsigned unknowns[], size_t n_unkn
                         size_t n_knowns, const double seed[], double sensitivity[])
 {
     State *state = &self->state;
-    double given[N_LEAVES], acting[N_LEAVES], motion[N_MOTION], column[N_VALUES];
+    double given[N_LEAVES], acting[N_LEAVES], direct[N_LEAVES], motion[N_MOTION], column[N_VALUES];
     Radius radius;
     size_t j;
 
@@ -270,8 +289,9 @@ Status instance_adjoint(Instance *self, const unsigned unknowns[], size_t n_unkn
     find_radius(state, &radius);
     find_gradient(state, GIVEN, unknowns, n_unknowns, seed, given);
     find_gradient(state, ACTING, unknowns, n_unknowns, seed, acting);
+    find_gradient(state, DIRECT, unknowns, n_unknowns, seed, direct);
     find_gradient(state, MOTION, unknowns, n_unknowns, seed, motion);
     for (j = 0; j < n_knowns; j++)
-        sensitivity[j] = weighted_derivative(state, knowns[j], &radius, given, acting, motion);
+        sensitivity[j] = weighted_derivative(state, knowns[j], &radius, given, acting, direct, motion);
     return instance_expect_finite(self, sensitivity, n_knowns, "a derivative");
 }

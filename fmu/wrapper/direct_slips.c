@@ -1,11 +1,16 @@
 /* Slips without lag.  See slips.h. */
 #include "slips.h"
 
+#include "memory.h"
+
 #include <string.h>
 
 void slips_acting(State *state, double inputs[N_INPUTS])
 {
     memcpy(inputs, state->contact.inputs, N_INPUTS * sizeof *inputs);
+#if N_MEMORY > 0
+    memory_fill(state, inputs);
+#endif
 }
 
 int slips_lag(State *state, size_t slip)

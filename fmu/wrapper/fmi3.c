@@ -298,7 +298,7 @@ fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance instance, fmi3Float64 
 
 fmi3Status fmi3GetEventIndicators(fmi3Instance instance, fmi3Float64 eventIndicators[], size_t nEventIndicators)
 {
-    return (fmi3Status) instance_get_indicators(instance, nEventIndicators);
+    return (fmi3Status) instance_get_indicators(instance, eventIndicators, nEventIndicators);
 }
 
 fmi3Status fmi3GetContinuousStates(fmi3Instance instance, fmi3Float64 continuousStates[],
@@ -316,7 +316,7 @@ fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance instance, fmi3Float64 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance instance, size_t *nEventIndicators)
 {
     EXPECT(nEventIndicators, "the number");
-    *nEventIndicators = 0;
+    *nEventIndicators = N_INDICATORS;
     return fmi3OK;
 }
 

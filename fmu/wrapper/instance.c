@@ -2,6 +2,7 @@
 #include "instance.h"
 
 #include "contact.h"
+#include "memory.h"
 #include "slips.h"
 #include "state_laws.h"
 
@@ -30,6 +31,9 @@ static void start_again(Instance *self)
     self->state.mode = INSTANTIATED;
 #ifdef DISTANCE
     self->state.distance = START[FIRST_STATE + N_STATES - 1];
+#endif
+#if N_MEMORY > 0
+    memcpy(self->state.memory, START + FIRST_MEMORY, sizeof self->state.memory);
 #endif
     self->warned = 0;
     memcpy(self->state.values, START, sizeof START);
@@ -217,6 +221,9 @@ Status instance_exit_initialization(Instance *self)
     if (expect_mode(self, INITIALIZATION, "the end of initialization") != STATUS_OK)
         return STATUS_ERROR;
     slips_begin(&self->state);
+#if N_MEMORY > 0
+    memory_begin(&self->state);
+#endif
     if (*RELAXATION_NOTE)
         instance_refuse(self, STATUS_OK, "%s", RELAXATION_NOTE);
     self->state.mode = self->state.kind == MODEL_EXCHANGE ? EVENT : STEPPING;
@@ -231,14 +238,28 @@ static Status advance(Instance *self, double size)
     const double distance = state->distance;
     double lagging[N_LAGGING];
     Status status;
+#if N_MEMORY > 0
+    double memory[N_MEMORY];
 
+    memcpy(memory, state->memory, sizeof memory);
+#endif
     memcpy(lagging, state->lagging, sizeof lagging);
     contact_find(state);
+#if N_MEMORY > 0
+    memory_advance(state, size);
+#else
     slips_advance(state, size);
+#endif
     state->distance = state_sum_linear(state->distance, state->contact.speed, state->contact.speed, size);
     status = instance_expect_finite(self, state->lagging, N_LAGGING, "a lagged slip");
     if (status == STATUS_OK)
         status = instance_expect_finite(self, &state->distance, 1, "the distance");
+#if N_MEMORY > 0
+    if (status == STATUS_OK)
+        status = instance_expect_finite(self, state->memory, N_MEMORY, "a state");
+    if (status != STATUS_OK)
+        memcpy(state->memory, memory, sizeof memory);
+#endif
     if (status != STATUS_OK) {
         memcpy(state->lagging, lagging, sizeof lagging);
         state->distance = distance;

@@ -21,6 +21,7 @@ enum {
     FIRST_OUTPUT = FIRST_INPUT + N_HOST_INPUTS,
     FIRST_PARAMETER = FIRST_OUTPUT + N_OUTPUTS,
     FIRST_STATE = FIRST_PARAMETER + N_HOST_PARAMETERS,
+    FIRST_MEMORY = FIRST_STATE + LAGS * 2 + TWISTS, /* the states of effects; the distance is behind them */
     FIRST_DERIVATIVE = FIRST_STATE + N_STATES,
     FIRST_EXTRA = FIRST_DERIVATIVE + N_STATES,
     N_VALUES = FIRST_EXTRA + N_EXTRAS
@@ -31,7 +32,7 @@ enum {
 enum { INDEPENDENT, INPUT, OUTPUT, PARAMETER, LOCAL, STORED, HIDDEN };
 
 /* The source of an extra output; see EXTRAS in model_config.h. */
-enum { FRICTION_USE, KAPPA_GIVEN, ALPHA_GIVEN, ALPHA_LAGGED, FIRST_QUANTITY };
+enum { FRICTION_USE, KAPPA_GIVEN, ALPHA_GIVEN, ALPHA_LAGGED, FIRST_QUANTITY, FIRST_PATH = FIRST_QUANTITY + N_QUANTITIES };
 
 /* The same numbers in FMI 2 and FMI 3. */
 typedef enum { STATUS_OK = 0, STATUS_WARNING = 1, STATUS_DISCARD = 2, STATUS_ERROR = 3 } Status;
@@ -77,6 +78,9 @@ typedef struct {
     double stop_time;
     double lagging[N_LAGGING]; /* since the end of initialization; see slips.h */
     double distance;         /* rolled, m */
+#if N_MEMORY > 0
+    double memory[N_MEMORY]; /* the states of effects; see memory.h */
+#endif
     double lengths[N_SLIPS];
     int length_is_default[N_SLIPS];
     Contact contact;
@@ -137,7 +141,7 @@ Status instance_get_states(Instance *self, double states[], size_t n);
 Status instance_set_states(Instance *self, const double states[], size_t n);
 Status instance_get_rates(Instance *self, double rates[], size_t n);
 Status instance_get_nominals(Instance *self, double nominals[], size_t n);
-Status instance_get_indicators(Instance *self, size_t n);
+Status instance_get_indicators(Instance *self, double indicators[], size_t n);
 
 /* Direct feedthrough: outputs are computed when the host reads them, once after each change.  Extra outputs need the
    model's named quantities, which are computed only if the host reads one of them. */

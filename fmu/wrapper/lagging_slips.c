@@ -5,6 +5,7 @@
  */
 #include "slips.h"
 
+#include "memory.h"
 #include "state_laws.h"
 
 #include <math.h>
@@ -90,6 +91,9 @@ void slips_acting(State *state, double inputs[N_INPUTS])
     memcpy(inputs, state->contact.inputs, N_INPUTS * sizeof *inputs);
     inputs[KAPPA] = state->contact.sense * acting(state, LONGITUDINAL);
     inputs[ALPHA] = atan(acting(state, LATERAL));
+#if N_MEMORY > 0
+    memory_fill(state, inputs);
+#endif
 }
 
 void slips_begin(State *state)

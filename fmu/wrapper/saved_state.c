@@ -72,6 +72,11 @@ static int is_state(const State *state)
     for (i = 0; i < N_LAGGING; i++)
         if (!isfinite(state->lagging[i]))
             return 0;
+#if N_MEMORY > 0
+    for (i = 0; i < N_MEMORY; i++)
+        if (!isfinite(state->memory[i]))
+            return 0;
+#endif
     return 1;
 }
 

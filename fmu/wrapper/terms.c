@@ -3,6 +3,7 @@
 
 #include "chain_rule.h"
 #include "contact.h"
+#include "memory.h"
 #include "slips.h"
 
 #include <math.h>
@@ -82,6 +83,18 @@ static size_t twist_terms(const State *state, Term terms[MOST_TERMS])
 }
 #endif
 
+#if N_MEMORY > 0
+/* The derivatives of the states of effects are behind those of slips and twist. */
+#define FIRST_MEMORY_RATE (FIRST_DERIVATIVE + FIRST_MEMORY - FIRST_STATE)
+
+static size_t memory_terms(const State *state, unsigned i, unsigned quantity, Term terms[MOST_TERMS])
+{
+    if (!state_has_begun(state))
+        return 0;
+    return add(terms, 0, memory_is_direct(i) ? DIRECT : ACTING, chain_quantity(quantity), 1.0);
+}
+#endif
+
 /* In the model's signs. */
 static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
 {
@@ -97,11 +110,19 @@ static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
     if (unknown == FIRST_DERIVATIVE + TWIST)
         return twist_terms(state, terms);
 #endif
+#if N_MEMORY > 0
+    if (unknown >= FIRST_MEMORY_RATE && unknown < FIRST_MEMORY_RATE + N_MEMORY)
+        return memory_terms(state, unknown - FIRST_MEMORY_RATE, memory_derivative(unknown - FIRST_MEMORY_RATE), terms);
+#endif
     if (unknown < FIRST_EXTRA)
         return add(terms, 0, MOTION, ROLLING, 1.0); /* of the distance */
     shown = value_shows(unknown);
     if (shown == FRICTION_USE)
         return friction_terms(state, terms);
+#if N_MEMORY > 0
+    if (shown >= FIRST_PATH)
+        return memory_terms(state, (unsigned) (shown - FIRST_PATH), memory_velocity((size_t) (shown - FIRST_PATH)), terms);
+#endif
     if (shown == KAPPA_GIVEN)
         return add(terms, 0, GIVEN, KAPPA, state->contact.sense);
     if (shown == ALPHA_GIVEN || shown == ALPHA_LAGGED)

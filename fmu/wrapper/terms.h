@@ -4,9 +4,9 @@
 
 #include "instance.h"
 
-/* The kind of a term: a slot of chain_rule.h with the given slips or with the acting slips, or an entry of a tangent's
-   `motion`, see contact.h. */
-typedef enum { GIVEN, ACTING, MOTION } Point;
+/* The kind of a term: a slot of chain_rule.h with the given slips, with the acting slips and states, or with the given
+   slips and the states, or an entry of a tangent's `motion`, see contact.h. */
+typedef enum { GIVEN, ACTING, DIRECT, MOTION } Point;
 
 typedef struct {
     Point point;

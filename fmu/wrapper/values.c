@@ -2,9 +2,11 @@
 #include "instance.h"
 
 #include "contact.h"
+#include "memory.h"
 #include "slips.h"
 
 #include <math.h>
+#include <string.h>
 
 static const char *const NAMES[] = VALUE_NAMES;
 static const double LOWER[] = LOWER_LIMITS;
@@ -62,6 +64,21 @@ Status instance_expect_known(const Instance *self, const unsigned references[], 
 
 /* ---------------------------------------------------------------- computing */
 
+#if N_MEMORY > 0
+/* Before the end of initialization a state is in equilibrium, or has its start value. */
+static void show_memory(State *state, double states[], double rates[])
+{
+    double inputs[N_INPUTS], velocities[N_MEMORY];
+    size_t i;
+
+    memcpy(inputs, state->contact.inputs, sizeof inputs);
+    memory_fill(state, inputs);
+    for (i = 0; i < N_MEMORY; i++)
+        states[i] = inputs[memory_input(i)];
+    memory_rates(state, rates, velocities);
+}
+#endif
+
 /* Write the states and their derivatives to the values, in the host's signs. */
 static void show_states(State *state)
 {
@@ -70,6 +87,9 @@ static void show_states(State *state)
     size_t i;
 
     slips_show(state, states, rates);
+#if N_MEMORY > 0
+    show_memory(state, states + FIRST_MEMORY - FIRST_STATE, rates + FIRST_MEMORY - FIRST_STATE);
+#endif
 #ifdef DISTANCE
     states[N_STATES - 1] = state->distance;
     rates[N_STATES - 1] = state->contact.speed;
@@ -116,15 +136,25 @@ void state_compute_extras(State *state)
 {
     double inputs[N_INPUTS], quantities[N_QUANTITIES], found;
     size_t i;
+#if N_MEMORY > 0
+    double rates[N_MEMORY], velocities[N_MEMORY];
+#endif
 
     if (state->extras_known)
         return;
     state_compute_outputs(state);
     slips_acting(state, inputs);
     model_quantities(inputs, state->values + FIRST_PARAMETER, quantities);
+#if N_MEMORY > 0
+    memory_rates(state, rates, velocities);
+#endif
     for (i = 0; i < N_EXTRAS; i++) {
         if (EXTRA[i] == FRICTION_USE)
             found = friction_use(state, quantities);
+#if N_MEMORY > 0
+        else if (EXTRA[i] >= FIRST_PATH)
+            found = velocities[EXTRA[i] - FIRST_PATH];
+#endif
         else if (EXTRA[i] == KAPPA_GIVEN)
             found = state->contact.sense * state->contact.inputs[KAPPA];
         else if (EXTRA[i] == ALPHA_GIVEN)
@@ -198,6 +228,19 @@ static Status expect_settable(const Instance *self, unsigned reference)
     return instance_refuse(self, STATUS_ERROR, "%s cannot be set", NAMES[reference]);
 }
 
+/* Set the start value of the distance or of the state of an effect. */
+static void store(State *state, unsigned reference, double value)
+{
+#if N_MEMORY > 0
+    if (reference < FIRST_MEMORY + N_MEMORY) {
+        state->memory[reference - FIRST_MEMORY] = value * DIRECTIONS[reference];
+        return;
+    }
+#endif
+    (void) reference;
+    state->distance = value;
+}
+
 Status instance_set(Instance *self, const unsigned references[], size_t n, const double values[])
 {
     size_t i;
@@ -221,7 +264,7 @@ Status instance_set(Instance *self, const unsigned references[], size_t n, const
     for (i = 0; i < n; i++) {
         self->state.values[references[i]] = values[i];
         if (KINDS[references[i]] == STORED)
-            self->state.distance = values[i];
+            store(&self->state, references[i], values[i]);
     }
     state_changed(&self->state);
     return STATUS_OK;

@@ -6,14 +6,15 @@ from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from ..declarations import Coefficient
-from ..errors import EffectError
+from ..errors import EffectError, nearest
 from ..escaping import quoted
-from ..reserved import no_coefficient, no_effect
+from ..reserved import no_coefficient, no_effect, no_state
 from .effect import AddedEffect
+from .state import KINDS, State
 
 #: Upper limits, in characters and in numbers of items.
 LONGEST_FILE, LONGEST_TEXT, LONGEST_UNIT = 100_000, 600, 40
-MOST_COEFFICIENTS, MOST_ACTS, MOST_EFFECTS = 50, 50, 50
+MOST_COEFFICIENTS, MOST_ACTS, MOST_EFFECTS, MOST_STATES = 50, 50, 50, 10
 
 
 def check_effect(effect: AddedEffect, location: str) -> None:
@@ -47,6 +48,9 @@ def check_effects(effects: Sequence[AddedEffect]) -> None:
         check_effect(effect, location)
         for act in effect.acts:
             formula(act.text, location)
+        for state in effect.states:
+            for key, text in state.formulas():
+                formula(text, f"{location}, state {state.name}: {key}")
         if effect.name.lower() in seen:  # keys of .tir files are not case-sensitive
             raise EffectError(f"two added effects have the name {effect.name}")
         seen.add(effect.name.lower())
@@ -62,6 +66,10 @@ def _objections(effect: AddedEffect) -> Iterator[str]:
         yield f"an effect has at most {MOST_COEFFICIENTS} coefficients, not {len(effect.declarations)}"
     if len(effect.acts) > MOST_ACTS:
         yield f"an effect has at most {MOST_ACTS} [[acts]], not {len(effect.acts)}"
+    for state in effect.states:
+        if len(state.description) > LONGEST_TEXT or len(state.unit) > LONGEST_UNIT:
+            yield f"state {state.name}: description or unit is longer than {LONGEST_TEXT} or {LONGEST_UNIT} characters"
+    yield from _state_objections(effect.states, frozenset().union(*(act.reads for act in effect.acts)))
     for declaration in effect.declarations:
         for reason in _declaration_objections(declaration):
             yield f"coefficient {reason}"
@@ -84,3 +92,21 @@ def _declaration_objections(declaration: Coefficient) -> Iterator[str]:
             yield f"{declaration.name}: {key} {value} is not between {limits}"
     if declaration.neutral is None:
         yield f"{declaration.name}: an added effect requires a neutral value for each coefficient"
+
+
+def _state_objections(states: Sequence[State], read: frozenset[str]) -> Iterator[str]:
+    """Yield why states are not valid together; `read` are the names that the acts of their effect read."""
+    if len(states) > MOST_STATES:
+        yield f"an effect has at most {MOST_STATES} states, not {len(states)}"
+    lags = {state.name for state in states if state.kind == "lag"}
+    for i, state in enumerate(states):
+        if reason := no_state(state.name):
+            yield f"state {quoted(state.name)} {reason}"
+        if state.kind not in KINDS:
+            yield f"state {state.name}: unknown kind {quoted(state.kind)}"
+        for name in state.drive if state.follows_a_path else ():
+            if name not in lags:
+                yield f"state {state.name}: drive {quoted(name)} is no lag of this effect{nearest(name, lags)}"
+        used = read.union(*(other.reads for other in (*states[:i], *states[i + 1 :])))
+        if state.name not in used:
+            yield f"state {state.name} is declared but not used"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
@@ -13,6 +12,8 @@ from typing import TYPE_CHECKING
 from ..declarations import Coefficient, Section
 from ..detection import Detection
 from ..errors import EffectError
+from .formula_names import names_in
+from .state import State
 
 if TYPE_CHECKING:
     import sympy as sp
@@ -44,9 +45,7 @@ class Act:
     @cached_property
     def reads(self) -> frozenset[str]:
         """The names that the formula reads."""
-        nodes = list(ast.walk(ast.parse(f"({self.text.strip()}\n)", mode="eval")))
-        functions = {id(node.func) for node in nodes if isinstance(node, ast.Call)}
-        return frozenset(node.id for node in nodes if isinstance(node, ast.Name) and id(node) not in functions)
+        return names_in(self.text)
 
     @cached_property
     def expression(self) -> sp.Expr:
@@ -68,6 +67,8 @@ class AddedEffect:
     acts : tuple of Act
     detection : Detection or None
         How a diagnosis detects it, if the file declares that.
+    states : tuple of State
+        Its memory: formulas read a state like an input.
     """
 
     name: str
@@ -76,6 +77,12 @@ class AddedEffect:
     declarations: tuple[Coefficient, ...]
     acts: tuple[Act, ...]
     detection: Detection | None = None
+    states: tuple[State, ...] = ()
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """The names that its acts and states read."""
+        return frozenset().union(*(act.reads for act in self.acts), *(state.reads for state in self.states))
 
     @property
     def acts_on(self) -> tuple[str, ...]:

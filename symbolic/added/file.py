@@ -35,6 +35,8 @@ from ..reserved import no_coefficient, no_effect
 from .checks import LONGEST_FILE, check_effect
 from .detection_file import detection_text, known_keys, read_detection
 from .effect import Act, AddedEffect
+from .state import State
+from .state_file import read_states, states_text
 
 #: Keys of a coefficient declaration and their types.
 DECLARATION_KEYS = {"description": str, "unit": str, "lower": float, "upper": float, "neutral": float, "start": float,
@@ -65,10 +67,12 @@ def read_effect(text: str, source: str) -> AddedEffect:
         (`tirefmu.symbolic.reserved`), or exceeds the limits of formulas and texts.
     """
     effect = _effect(_parsed(text, source), source)
-    effect = replace(effect, acts=tuple(_checked(act, f"{source}: [[acts]]") for act in effect.acts))
+    acts = tuple(_checked(act, f"{source}: [[acts]]") for act in effect.acts)
+    states = tuple(_checked_state(state, f"{source}: [states.{state.name}]") for state in effect.states)
+    effect = replace(effect, acts=acts, states=states)
     check_effect(effect, source)
     _check_sizes(effect, source)
-    if unused := {each.name for each in effect.declarations} - {name for act in effect.acts for name in act.reads}:
+    if unused := {each.name for each in effect.declarations} - effect.reads:
         raise EffectError(f"{source}: {min(unused)} is declared but not used")
     return effect
 
@@ -80,9 +84,18 @@ def _checked(act: Act, location: str) -> Act:
     return replace(act, text=formula_text(formula(act.text, location)))
 
 
+def _checked_state(state: State, location: str) -> State:
+    """Return a state with its formulas as they are written again, after the checks of formulas."""
+    from .formula import formula, formula_text  # SymPy
+
+    written = {key: formula_text(formula(text, f"{location} {key}")) for key, text in state.formulas()}
+    drive = (written.pop("drive"),) if "drive" in written else state.drive
+    return replace(state, drive=drive, **written)
+
+
 def _effect(table: dict[str, Any], source: str) -> AddedEffect:
     """Return the effect of a file, its formulas as written there."""
-    known_keys(table, ("name", "physics", "source", "coefficients", "acts", "diagnosis"), source)
+    known_keys(table, ("name", "physics", "source", "coefficients", "states", "acts", "diagnosis"), source)
     name = _text(table, "name", source)
     declarations = tuple(
         _declaration(key, declaration, source, f"TIREFMU_{name.upper()}")
@@ -100,6 +113,7 @@ def _effect(table: dict[str, Any], source: str) -> AddedEffect:
         read_detection(table["diagnosis"], source, {declaration.name for declaration in declarations})
         if "diagnosis" in table
         else None,
+        read_states(table.get("states", {}), source),
     )
 
 
@@ -172,6 +186,7 @@ def effect_text(effect: AddedEffect) -> str:
         if declaration.flips:
             fields["flips"] = "true"
         lines.append(f"{declaration.name} = {{{', '.join(f'{key} = {value}' for key, value in fields.items())}}}")
+    lines += states_text(effect.states)
     for act in effect.acts:
         lines += ["", "[[acts]]", f"on = {toml_string(act.on)}"]
         lines += [f"{act.how} = {toml_string(act.text)}"]

@@ -48,6 +48,10 @@ def assembled(
     lines = [replace(line, expression=_own(line.expression, model)) for line in written]
     for effect in added:
         lines = _acted_on(lines, effect, quantities)
+    if any(effect.states for effect in added):
+        from .state_lines import state_lines
+
+        lines += state_lines(tuple(added))
     return tuple(reaching(lines, set(outputs) | {line.symbol.name for line in lines if line.named}))
 
 
@@ -92,11 +96,16 @@ def _acted_on(lines: list[Equation], effect: AddedEffect, quantities: Mapping[st
     switch = Effect(effect.name, effect.physics, optional=True)
     changed = []
     for line in lines:
+        acts = [act for act in effect.acts if line.symbol.name in places[act.on]]
+        if acts and effect.states:
+            # In a line of its own: the structure of a line has a case for each combination of its effects.
+            before = sp.Symbol(f"{line.symbol}_without_{effect.name}", real=True)
+            changed.append(replace(line, symbol=before, named=False, acts_for=""))
+            line = replace(line, expression=before)
         expression = line.expression
-        for act in effect.acts:
-            if line.symbol.name in places[act.on]:
-                acted = expression * act.expression if act.how == "factor" else expression + act.expression
-                expression = switch.either(acted, expression)
+        for act in acts:
+            acted = expression * act.expression if act.how == "factor" else expression + act.expression
+            expression = switch.either(acted, expression)
         changed.append(replace(line, expression=expression))
     return changed
 

@@ -16,13 +16,14 @@ from typing import TYPE_CHECKING
 from ..added import AddedEffect
 from ..added.checks import check_effects
 from ..added.effect import sections_of
+from ..added.state import LINES, SLIDING_POWER, State
 from ..contract import PhysicalConstraint, PropertyFile, Role
 from ..declarations import Coefficient, Effect, Option, Quantity, Section
 from ..detection import Detection
 from ..effects import EFFECTS
 from ..errors import EffectError, ModelError, UnknownName, no_single_text
 from ..options import OPTIONS, signs
-from ..quantities import BEYOND
+from ..quantities import BEYOND, OWN_SPEED
 from .structure import Structure
 
 if TYPE_CHECKING:
@@ -258,8 +259,8 @@ class Model:
         --------
         >>> from tirefmu.symbolic.models import model
         >>> from tirefmu.symbolic.added import library
-        >>> [name for name, effect in library().items() if model("mf96").has_place_for(effect)]
-        ['temp_friction', 'temp_stiffness', 'wear_drift']
+        >>> [name for name, effect in library().items() if not model("mf96").has_place_for(effect)]
+        ['relax_slip', 'speed_friction']
         """
         named = self.structure.quantities.keys() | self.roles.keys()
         known = (
@@ -268,8 +269,8 @@ class Model:
             | {declaration.name for declaration in effect.declarations}
         )
         known |= self._declared.keys()
-        read = {name for act in effect.acts for name in act.reads}
-        return named.issuperset(effect.acts_on) and known.issuperset(read)
+        known |= {state.name for state in effect.states} | ({"V", SLIDING_POWER, *named} if effect.states else set())
+        return named.issuperset(effect.acts_on) and known.issuperset(effect.reads)
 
     def extended(self, effects: Sequence[AddedEffect]) -> Model:
         """Return this model with effects beyond the book in its lines.
@@ -295,17 +296,26 @@ class Model:
         >>> from tirefmu.symbolic.added import library
         >>> warm = model("mf61").extended([library()["temp_friction"]])
         >>> warm.inputs[-1].name, sorted(warm.owned("temp_friction"))
-        ('T', ['TMU1', 'TMU2', 'TREF'])
+        ('T', ['TMU1', 'TMU2', 'TMUA', 'TREF'])
         """
         from .assembly import check_reads
 
         check_effects(effects)
         self._check_names(effects)
-        read = {name for effect in effects for act in effect.acts for name in act.reads}
-        inputs = (*self.inputs, *(quantity for name, quantity in BEYOND.items() if name in read))
+        read = {name for effect in effects for name in effect.reads}
+        states = {state.name: state for effect in effects for state in effect.states}
+        read |= {"V"} if SLIDING_POWER in read else set()
+        own = {quantity.name for quantity in self.inputs}
+        beyond = [quantity for name, quantity in {**BEYOND, "V": OWN_SPEED}.items() if name in read - own]
+        memory = [Quantity(name, state.unit, state.description or name) for name, state in states.items()]
+        inputs = (*self.inputs, *beyond, *memory)
         extended = replace(self, inputs=inputs, sections=(*self.sections, *sections_of(effects)), added=tuple(effects))
         known = {quantity.name for quantity in inputs} | extended._declared.keys()
         check_reads(self.name, extended.equations, effects, self._quantities, known)
+        if states:
+            from .state_lines import check_state_reads
+
+            check_state_reads(self.name, effects, known | {line.symbol.name for line in extended.equations})
         return extended
 
     def _check_names(self, effects: Sequence[AddedEffect]) -> None:
@@ -316,9 +326,31 @@ class Model:
         taken = {**dict.fromkeys(quantities, "a quantity"), **dict.fromkeys(self._declared, "a coefficient")}
         taken |= {**dict.fromkeys(options, "an option"), **dict.fromkeys(EFFECTS, "an effect")}
         for effect in effects:
-            for name in (effect.name, *(declaration.name for declaration in effect.declarations)):
+            own = [declaration.name for declaration in effect.declarations]
+            own += [name for state in effect.states for name in (state.name, *state.line_names)]
+            for name in (effect.name, *own):
                 if name in taken:
                     raise EffectError(f"effect {effect.name}: {name} is {taken[name]} of {self.name} already")
+
+    @cached_property
+    def states(self) -> dict[str, State]:
+        """The states of the added effects by name, in the order of the inputs."""
+        return {state.name: state for effect in self.added for state in effect.states}
+
+    def states_of(self, effects: Collection[str]) -> tuple[str, ...]:
+        """Return the names of the states that these effects have."""
+        used = {state.name for effect in self.added if effect.name in effects for state in effect.states}
+        return tuple(name for name in self.states if name in used)
+
+    @property
+    def drives(self) -> tuple[str, ...]:
+        """The lines of all states that determine their course: three for each, the results of the routine `drives`."""
+        return tuple(line for name in self.states for line in self._lines_of(name)[:3])
+
+    def is_direct(self, state: State) -> bool:
+        """Return whether a state follows inputs alone: its course needs no force and no other state."""
+        inputs = {quantity.name for quantity in self.inputs} - self.states.keys()
+        return not state.follows_a_path and state.reads_only(inputs, self._declared)
 
     @cached_property
     def default_effects(self) -> frozenset[str]:
@@ -395,7 +427,16 @@ class Model:
         -------
         frozenset of str
         """
-        return self.structure.reached(targets, self.effects if effects is None else effects)
+        present = self.effects if effects is None else effects
+        found = self.structure.reached(targets, present)
+        needed = set(targets)
+        while behind := {line for name in found & self.states.keys() for line in self._lines_of(name)} - needed:
+            needed |= behind  # a state is an input of the lines, but depends on them
+            found = self.structure.reached(needed, present)
+        return found
+
+    def _lines_of(self, state: str) -> tuple[str, ...]:
+        return tuple(f"{state}_{ending}" for ending in LINES)
 
     def live(self, effects: Collection[str] | None = None) -> frozenset[str]:
         """Return the coefficients that reach an output with these effects; the ranges of inputs always do."""

@@ -78,6 +78,7 @@ def routines(model: Model) -> tuple[Routine, ...]:
     -------
     tuple of Routine
         quantities, forces, slip_stiffnesses, jacobian_inputs, jacobian_parameters; relaxation, where slips can lag;
+        drives, where there are states;
         if options and turn slip are in the lines, all but the first again, straight.
 
     Examples
@@ -89,6 +90,9 @@ def routines(model: Model) -> tuple[Routine, ...]:
     general, straight = model.lines(), model.lines(straight=True)
     printed = [_values("quantities", "Every named quantity of the book.", general, _named(model, general))]
     printed += _forces_and_derivatives(model, general)
+    if model.states:
+        summary = "Of each state: target, velocity of its path or flow; rate or reciprocal width; start."
+        printed.append(_values("drives", summary, general, [sp.Symbol(name, real=True) for name in model.drives]))
     if [line.expression for line in general] != [line.expression for line in straight]:
         printed += _forces_and_derivatives(model, straight, STRAIGHT)
     return tuple(printed)

@@ -161,6 +161,13 @@ def hosts(fmus):
         yield lambda name, fmi: Host(stack.enter_context(loaded(fmus[name, fmi])))
 
 
+@pytest.fixture
+def make_host():
+    """Return a function that loads an FMU by its path into a new host."""
+    with contextlib.ExitStack() as stack:
+        yield lambda path: Host(stack.enter_context(loaded(path)))
+
+
 @pytest.fixture(params=TIRES)
 def name(request):
     """Name each tire."""

@@ -72,6 +72,9 @@ class _BatchCode:
     def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._single.quantities(inputs, parameters)
 
+    def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._single.drives(inputs, parameters)
+
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return as_matrices(self._table("jacobian_inputs", inputs, parameters), len(self._module.FORCES))
 

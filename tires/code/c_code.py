@@ -35,6 +35,7 @@ class _CCode:
         self._sizes = {
             "forces": (len(metadata.FORCES),),
             "quantities": (len(metadata.QUANTITIES),),
+            "drives": (len(book.drives),),
             "jacobian_inputs": (len(metadata.FORCES), len(metadata.INPUTS)),
             "jacobian_parameters": (len(metadata.FORCES), len(metadata.COEFFICIENTS)),
         }
@@ -45,6 +46,9 @@ class _CCode:
 
     def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._rows("quantities", inputs, parameters).T
+
+    def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._rows("drives", inputs, parameters).T
 
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._rows("jacobian_inputs", inputs, parameters)

@@ -35,6 +35,9 @@ class _CasadiCode:
     def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._columns("quantities", inputs, parameters)
 
+    def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._columns("drives", inputs, parameters)
+
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._matrices("jacobian_inputs", inputs, parameters)
 

@@ -35,6 +35,9 @@ class Code(Protocol):
     def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return named quantities, shape (n_quantities, n), at inputs of shape (n_inputs, n)."""
 
+    def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        """Return the lines of `Model.drives`, shape (3 n_states, n): target, rate and start of each state."""
+
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return derivatives of the forces by the inputs, shape (n, n_forces, n_inputs)."""
 

@@ -37,6 +37,9 @@ class _NumpyCode:
     def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._rows("quantities", inputs, parameters)
 
+    def drives(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
+        return self._rows("drives", inputs, parameters)
+
     def jacobian_inputs(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return as_matrices(self._rows("jacobian_inputs", inputs, parameters), len(self._module.FORCES))
 

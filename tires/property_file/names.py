@@ -198,7 +198,14 @@ def not_given(tire: TireDefinition) -> tuple[str, ...]:
     ('PKY2',)
     """
     assumed = {name for section, _, text in tire.other_entries if section == ASSUMED for name in listed(text)}
-    return tuple(name for name in tire.book.coefficients if name in assumed or name in tire.defaulted)
+    missing = [name for name in tire.book.coefficients if name in assumed or name in tire.defaulted]
+    return tuple(name for name in missing if name not in silent_coefficients(tire))
+
+
+def silent_coefficients(tire: TireDefinition) -> frozenset[str]:
+    """Return the coefficients of added effects that a tire does not have: its file does not contain them."""
+    beyond = {effect.name for effect in tire.book.added} - tire.has
+    return tire.book.owned(*sorted(beyond)) if beyond else frozenset()
 
 
 def assumed_lines(names: Collection[str], book: Model) -> tuple[OtherEntry, ...]:

@@ -23,6 +23,7 @@ from .names import (
     in_written_order,
     model_lines,
     not_given,
+    silent_coefficients,
     written_sections,
 )
 from .units import WRITTEN
@@ -98,8 +99,7 @@ def _own_lines(tire: TireDefinition) -> Iterable[tuple[str, str, str]]:
         yield "MODEL", "TYRESIDE", f"TYRESIDE = '{tire.side.upper()}'"
     values = tire.parameters()[: len(book.coefficients)].tolist()  # options are no property of a tire
     written = dict(zip(book.coefficients, values, strict=True))
-    beyond = {effect.name for effect in book.added} - tire.has
-    silent = book.owned(*sorted(beyond)) if beyond else frozenset()
+    silent = silent_coefficients(tire)
     for section in book.sections:
         for name, declaration in section.coefficients.items():
             if name in written and name not in silent:

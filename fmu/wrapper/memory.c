@@ -1,0 +1,250 @@
+/* The states of effects.  See memory.h.
+ *
+ * Direct states and hystereses along lags have exact updates.  A state that is driven by forces is integrated in steps
+ * that grow with the time since the inputs have changed: the drive is a parabola through start, middle and end of a
+ * step, and the values there are found by iteration, as in tirefmu's evaluation of a table.
+ */
+#include "memory.h"
+
+#include "slips.h"
+#include "state_laws.h"
+
+#include <math.h>
+#include <string.h>
+
+/* First step as a share of the shortest time constant, and the ratio of a step to the one before. */
+#define FIRST_STEP 0.3
+#define GROWTH 1.2
+/* Iterations end when no value changes by more than this share; their largest number. */
+#define CONVERGED 1e-14
+#define MOST_ITERATIONS 100
+
+/* By state: the index of its input, its first line in the results of `drives`, its kind, whether it is direct, whether
+   it has a start value of its own, its lags (indices of states, -1 for none), and its named quantities. */
+typedef enum { BALANCE, SUM, PATH } Law;
+typedef struct {
+    int input, line;
+    Law law;
+    int direct, started;
+    int lags[2];
+    int derivative, velocity;
+} Memory;
+
+static const Memory TABLE[N_MEMORY] = MEMORY_TABLE;
+
+int memory_is_direct(size_t i) { return TABLE[i].direct || TABLE[i].law == PATH; }
+
+int memory_is_path(size_t i) { return TABLE[i].law == PATH; }
+
+unsigned memory_derivative(size_t i) { return (unsigned) TABLE[i].derivative; }
+
+unsigned memory_velocity(size_t i) { return (unsigned) TABLE[i].velocity; }
+
+int memory_input(size_t i) { return TABLE[i].input; }
+
+static int is_driven(size_t i) { return !memory_is_direct(i); }
+
+static double target(const double lines[], size_t i) { return lines[TABLE[i].line]; }
+
+static double rate(const double lines[], size_t i) { return lines[TABLE[i].line + 1]; }
+
+static void find_lines(const State *state, const double inputs[], double lines[])
+{
+    model_drives(inputs, state->values + FIRST_PARAMETER, lines);
+}
+
+static void put(const double memory[N_MEMORY], double inputs[N_INPUTS])
+{
+    size_t i;
+
+    for (i = 0; i < N_MEMORY; i++)
+        inputs[TABLE[i].input] = memory[i];
+}
+
+/* ---------------------------------------------------------------- start */
+
+/* Equilibrium at constant inputs for states that have one, by damped iteration; `memory` holds the others. */
+static void settle(const State *state, const double inputs[N_INPUTS], double memory[N_MEMORY])
+{
+    double filled[N_INPUTS], lines[N_DRIVES], before;
+    size_t i, k;
+    int moving = 1;
+
+    memcpy(filled, inputs, sizeof filled);
+    for (i = 0; i < N_MEMORY; i++)
+        if (TABLE[i].law == BALANCE && !TABLE[i].started)
+            memory[i] = 0.0;
+    for (k = 0; moving && k < MOST_ITERATIONS; k++) {
+        put(memory, filled);
+        find_lines(state, filled, lines);
+        moving = 0;
+        for (i = 0; i < N_MEMORY; i++) {
+            if (TABLE[i].law != BALANCE || TABLE[i].started)
+                continue;
+            before = memory[i];
+            memory[i] = k == 0 ? target(lines, i) : 0.5 * (before + target(lines, i));
+            moving |= fabs(memory[i] - before) > CONVERGED * fabs(memory[i]);
+        }
+    }
+}
+
+void memory_fill(const State *state, double inputs[N_INPUTS])
+{
+    double memory[N_MEMORY];
+
+    memcpy(memory, state->memory, sizeof memory);
+    if (!state_has_begun(state))
+        settle(state, inputs, memory);
+    put(memory, inputs);
+}
+
+void memory_begin(State *state)
+{
+    contact_find(state);
+    settle(state, state->contact.inputs, state->memory);
+}
+
+/* ---------------------------------------------------------------- steps */
+
+/* The states that forces do not drive, h seconds after a change of the inputs. */
+static void follow_inputs(const double lines[], const double start[N_MEMORY], double h, double memory[N_MEMORY])
+{
+    size_t i;
+
+    for (i = 0; i < N_MEMORY; i++) {
+        const double u = target(lines, i);
+        if (TABLE[i].direct)
+            memory[i] = TABLE[i].law == SUM ? state_sum_linear(start[i], u, u, h)
+                                            : state_lag(start[i], u, u, h > 0.0 ? rate(lines, i) * h : 0.0);
+    }
+    for (i = 0; i < N_MEMORY; i++) {
+        const int a = TABLE[i].lags[0], b = TABLE[i].lags[1];
+        if (TABLE[i].law != PATH)
+            continue;
+        memory[i] = b < 0 ? state_dahl(start[i], start[a], memory[a], 1.0 / rate(lines, i))
+                          : state_dahl_size(start[i], start[a], start[b], memory[a], memory[b], 1.0 / rate(lines, i));
+    }
+}
+
+/* A driven state at the middle and at the end of a step, from the lines at start, middle and end. */
+static void integrate(size_t i, const double lines[3][N_DRIVES], double h, double start, double *half, double *end)
+{
+    const double u[] = {target(lines[0], i), target(lines[1], i), target(lines[2], i)};
+    const double r[] = {rate(lines[0], i), rate(lines[1], i), rate(lines[2], i)};
+    const double quarter = (3.0 * u[0] + 6.0 * u[1] - u[2]) / 8.0;
+
+    if (TABLE[i].law == SUM) {
+        *half = state_sum_curved(start, u[0], quarter, u[1], 0.5 * h);
+        *end = state_sum_curved(start, u[0], u[1], u[2], h);
+    } else {
+        *half = state_lag_curved(start, u[0], quarter, u[1], h * (5.0 * r[0] + 8.0 * r[1] - r[2]) / 24.0);
+        *end = state_lag_curved(start, u[0], u[1], u[2], h * (r[0] + 4.0 * r[1] + r[2]) / 6.0);
+    }
+}
+
+/* One step of the driven states; `memory` has the other states at start, middle and end, and the driven ones at start. */
+static void step_driven(State *state, double inputs[3][N_INPUTS], double memory[3][N_MEMORY], double h)
+{
+    double lines[3][N_DRIVES], half, end;
+    size_t i, k;
+    int moving = 1;
+
+    for (i = 0; i < N_MEMORY; i++)
+        if (is_driven(i))
+            memory[1][i] = memory[2][i] = memory[0][i];
+    put(memory[0], inputs[0]);
+    find_lines(state, inputs[0], lines[0]);
+    for (k = 0; moving && k < MOST_ITERATIONS; k++) {
+        moving = 0;
+        put(memory[1], inputs[1]);
+        put(memory[2], inputs[2]);
+        find_lines(state, inputs[1], lines[1]);
+        find_lines(state, inputs[2], lines[2]);
+        for (i = 0; i < N_MEMORY; i++) {
+            if (!is_driven(i))
+                continue;
+            integrate(i, (const double(*)[N_DRIVES]) lines, h, memory[0][i], &half, &end);
+            moving |= fabs(end - memory[2][i]) > CONVERGED * fabs(end) || fabs(half - memory[1][i]) > CONVERGED * fabs(half);
+            memory[1][i] = half;
+            memory[2][i] = end;
+        }
+    }
+}
+
+/* The shortest time constant of all that moves, as a rate. */
+static double fastest(State *state, const double lines[])
+{
+    double found = 0.0;
+    LengthOrigin origin;
+    size_t i;
+
+    for (i = 0; i < N_SLIPS; i++)
+        if (slips_lag(state, i))
+            found = fmax(found, state->contact.rolling / slips_length(state, i, &origin));
+    for (i = 0; i < N_MEMORY; i++)
+        if (TABLE[i].law == BALANCE && isfinite(rate(lines, i)))
+            found = fmax(found, rate(lines, i));
+    return found;
+}
+
+void memory_advance(State *state, double h)
+{
+    double given[N_INPUTS], lines[N_DRIVES], first[N_MEMORY];
+    double inputs[3][N_INPUTS], memory[3][N_MEMORY], begin = 0.0, end = 0.0, size;
+    size_t i;
+
+    contact_find(state);
+    memcpy(given, state->contact.inputs, sizeof given);
+    find_lines(state, given, lines);
+    memcpy(first, state->memory, sizeof first);
+    memcpy(memory[2], first, sizeof first);
+    size = FIRST_STEP / fastest(state, lines);
+    for (; end < h; size *= GROWTH, begin = end) {
+        end = size < h - begin ? begin + size : h; /* also for an infinite size */
+        memcpy(memory[0], memory[2], sizeof first);
+        follow_inputs(lines, first, 0.5 * (begin + end), memory[1]);
+        follow_inputs(lines, first, end, memory[2]);
+        slips_acting(state, inputs[0]);
+        slips_advance(state, 0.5 * (end - begin));
+        slips_acting(state, inputs[1]);
+        slips_advance(state, 0.5 * (end - begin));
+        slips_acting(state, inputs[2]);
+        step_driven(state, inputs, memory, end - begin);
+    }
+    for (i = 0; i < N_MEMORY; i++)
+        state->memory[i] = memory[2][i];
+}
+
+/* ---------------------------------------------------------------- derivatives */
+
+void memory_rates(State *state, double rates[N_MEMORY], double velocities[N_MEMORY])
+{
+    double given[N_INPUTS], acting[N_INPUTS], at_given[N_DRIVES], at_acting[N_DRIVES];
+    size_t i;
+
+    contact_find(state);
+    memcpy(given, state->contact.inputs, sizeof given);
+    memory_fill(state, given);
+    slips_acting(state, acting);
+    find_lines(state, given, at_given);
+    find_lines(state, acting, at_acting);
+    for (i = 0; i < N_MEMORY; i++) {
+        const double *lines = is_driven(i) ? at_acting : at_given;
+        const double u = target(lines, i), r = rate(lines, i), x = given[TABLE[i].input];
+
+        velocities[i] = TABLE[i].law == PATH ? u : 0.0;
+        rates[i] = TABLE[i].law == SUM    ? u
+                   : TABLE[i].law == PATH ? ((u > 0.0) - (u < 0.0) - x) * fabs(u) * r
+                                          : r * (u - x);
+        if (!state_has_begun(state))
+            rates[i] = velocities[i] = 0.0;
+    }
+}
+
+void memory_differentiate(const State *state, const double seeds[N_VALUES], Tangent *tangent)
+{
+    size_t i;
+
+    for (i = 0; state_has_begun(state) && i < N_MEMORY; i++)
+        tangent->acting[TABLE[i].input] = tangent->direct[TABLE[i].input] = seeds[FIRST_MEMORY + i];
+}

@@ -1,0 +1,38 @@
+/* The states of effects: lags, sums and hystereses that the force formulas read as inputs.
+ *
+ * memory.c is part of an FMU whose tire has such states.  The generated routine `drives` computes target, rate and
+ * start of each state; state_laws.h has the laws.  A state is direct if it follows inputs alone.
+ */
+#ifndef MEMORY_H
+#define MEMORY_H
+
+#include "contact.h"
+
+#if N_MEMORY > 0
+/* Put the states into the model's inputs: their own values, or before the end of initialization their start values. */
+void memory_fill(const State *state, double inputs[N_INPUTS]);
+
+/* End of initialization: the states have their start values. */
+void memory_begin(State *state);
+
+/* Integrate the states, lagged slips included, over h > 0 seconds with constant inputs. */
+void memory_advance(State *state, double h);
+
+/* Compute the derivatives of the states, and the velocities along the paths of hystereses; 0 for other states. */
+void memory_rates(State *state, double rates[N_MEMORY], double velocities[N_MEMORY]);
+
+/* Put the seeds of the states into the tangents of the inputs; call slips_differentiate before. */
+void memory_differentiate(const State *state, const double seeds[N_VALUES], Tangent *tangent);
+
+/* Whether the derivative of a state depends on the given slips, not on the lagged ones. */
+int memory_is_direct(size_t i);
+/* Whether a state is a hysteresis. */
+int memory_is_path(size_t i);
+/* Indices of named quantities: the derivative of a state, the velocity of a hysteresis. */
+unsigned memory_derivative(size_t i);
+unsigned memory_velocity(size_t i);
+/* Index of the model's input that is the state. */
+int memory_input(size_t i);
+#endif
+
+#endif

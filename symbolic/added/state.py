@@ -1,0 +1,92 @@
+"""A state of an added effect: a memory that follows a drive by one of a few laws."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+
+from .formula_names import names_in
+
+#: By kind: the formulas that it requires besides the drive, each a tuple of alternatives, and those that it may have.
+KINDS: dict[str, tuple[tuple[tuple[str, ...], ...], tuple[str, ...]]] = {
+    "lag": ((("rate", "length"),), ("start",)),
+    "heat": ((("rate",),), ("ambient", "start")),
+    "accumulation": ((), ("start",)),
+    "hysteresis": ((("width",),), ("start",)),
+}
+#: The power that sliding turns into heat, W: formulas of states may read it like a named quantity.
+SLIDING_POWER = "sliding_power"
+#: Endings of the names of the lines that a state adds to a model: target or flow, rate, start, derivative.
+LINES = ("target", "rate", "start", "derivative")
+
+
+@dataclass(frozen=True)
+class State:
+    """A state x of an added effect.
+
+    Attributes
+    ----------
+    name, description, unit : str
+    kind : str
+        "lag": x' = rate (drive - x), with the rate |V|/length if a length is given. "heat": x' = drive - rate (x -
+        ambient). "accumulation": x' = drive. "hysteresis": dx = (sgn(ds) - x) |ds|/width, where s is the lag that the
+        drive names, or the size sqrt(a^2 + b^2) of two lags.
+    drive : tuple of str
+        A formula; of a hysteresis the names of one or two lags.
+    rate, length, width, ambient : str
+        Formulas; empty if the kind does not have them.
+    start : str
+        A formula of coefficients for the value at the start of a recording. If empty, a lag and a heat balance start in
+        equilibrium with the first row, and other states at 0.
+
+    Examples
+    --------
+    >>> late = State("late_load", "lag", ("Fz",), length="LATE", unit="N")
+    >>> sorted(late.reads), late.reads_only({"Fz", "V"}, {"LATE"})
+    (['Fz', 'LATE', 'V'], True)
+    """
+
+    name: str
+    kind: str
+    drive: tuple[str, ...]
+    rate: str = ""
+    length: str = ""
+    width: str = ""
+    ambient: str = ""
+    start: str = ""
+    description: str = ""
+    unit: str = "1"
+
+    @property
+    def line_names(self) -> tuple[str, ...]:
+        """The names of the lines that it adds to a model, in the order of `LINES`."""
+        return tuple(f"{self.name}_{ending}" for ending in LINES)
+
+    @property
+    def settles(self) -> bool:
+        """Whether it has an equilibrium at constant inputs."""
+        return self.kind in ("lag", "heat")
+
+    @property
+    def follows_a_path(self) -> bool:
+        """Whether it changes along a path, without regard to time."""
+        return self.kind == "hysteresis"
+
+    def formulas(self) -> Iterator[tuple[str, str]]:
+        """Yield key and text of each formula; the drive of a hysteresis is none."""
+        if not self.follows_a_path:
+            yield "drive", self.drive[0]
+        for key in ("rate", "length", "width", "ambient", "start"):
+            if text := getattr(self, key):
+                yield key, text
+
+    @property
+    def reads(self) -> frozenset[str]:
+        """The names that its formulas read."""
+        read = {name for _, text in self.formulas() for name in names_in(text)}
+        read |= {"V"} if self.length else set()
+        return frozenset(read.union(self.drive) if self.follows_a_path else read)
+
+    def reads_only(self, inputs: Collection[str], coefficients: Collection[str]) -> bool:
+        """Return whether it depends on inputs and coefficients alone, not on forces, quantities or other states."""
+        return self.reads <= {*inputs, *coefficients}

@@ -1,0 +1,95 @@
+"""The tables [states.NAME] of an effect file: reading, checking and writing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ..errors import EffectError, nearest
+from ..escaping import quoted, toml_string
+from ..reserved import no_state
+from .detection_file import known_keys
+from .state import KINDS, State
+
+#: Keys of the table of a state, in the order in which they are written.
+KEYS = ("kind", "drive", "rate", "length", "width", "ambient", "start", "unit", "description")
+
+
+def read_states(tables: object, source: str) -> tuple[State, ...]:
+    """Return the states of an effect file, formulas as written there.
+
+    Parameters
+    ----------
+    tables : object
+        The value of the key ``states``.
+    source : str
+        Name of the file, for messages.
+
+    Returns
+    -------
+    tuple of State
+
+    Raises
+    ------
+    EffectError
+        If a table is not that of a state.
+
+    Examples
+    --------
+    >>> (state,) = read_states({"late_load": {"kind": "lag", "drive": "Fz", "length": "LATE"}}, "example.toml")
+    >>> state.kind, state.drive
+    ('lag', ('Fz',))
+    """
+    if not isinstance(tables, dict):
+        raise EffectError(f"{source}: states is not a table of states: [states.NAME]")
+    return tuple(_state(name, table, f"{source}: [states.{name[:80]}]") for name, table in tables.items())
+
+
+def _state(name: str, table: object, location: str) -> State:
+    if reason := no_state(name):
+        raise EffectError(f"{location}: {quoted(name)} {reason}")
+    if not isinstance(table, dict):
+        raise EffectError(f"{location} is not a table")
+    known_keys(table, KEYS, location)
+    kind = table.get("kind")
+    if not isinstance(kind, str) or kind not in KINDS:
+        raise EffectError(f"{location}: kind is none of {', '.join(KINDS)}{nearest(str(kind), KINDS)}")
+    required, optional = KINDS[kind]
+    for alternatives in required:
+        if sum(key in table for key in alternatives) != 1:
+            raise EffectError(f"{location}: a {kind} requires {' or '.join(alternatives)}")
+    allowed = {"kind", "drive", "unit", "description", *optional, *(key for keys in required for key in keys)}
+    for key in table.keys() - allowed:
+        raise EffectError(f"{location}: a {kind} has no {key}")
+    texts = {key: _text(table, key, location) for key in table.keys() - {"kind", "drive"}}
+    return State(name, kind, _drive(table, kind, location), **texts)
+
+
+def _drive(table: dict[str, Any], kind: str, location: str) -> tuple[str, ...]:
+    drive = table.get("drive")
+    if kind != "hysteresis":
+        return (_text(table, "drive", location),)
+    drives = [drive] if isinstance(drive, str) else drive
+    if not isinstance(drives, list) or len(drives) not in (1, 2) or not all(isinstance(each, str) for each in drives):
+        raise EffectError(f"{location}: drive is not the name of a lag, or a list of two")
+    return tuple(drives)
+
+
+def _text(table: dict[str, Any], key: str, location: str) -> str:
+    value = table.get(key)
+    if isinstance(value, (int, float)) and not isinstance(value, bool) and key not in ("unit", "description"):
+        return repr(value)
+    if not isinstance(value, str) or not value.strip():
+        raise EffectError(f"{location}: {key} is missing or not a text")
+    return value
+
+
+def states_text(states: Sequence[State]) -> list[str]:
+    """Return the lines of the states of an effect file."""
+    lines: list[str] = []
+    for state in states:
+        drives = [toml_string(drive) for drive in state.drive]
+        lines += ["", f"[states.{state.name}]", f"kind = {toml_string(state.kind)}"]
+        lines.append(f"drive = {drives[0]}" if len(drives) == 1 else f"drive = [{', '.join(drives)}]")
+        lines += [f"{key} = {toml_string(text)}" for key in KEYS[2:] if (text := getattr(state, key))]
+    return lines

@@ -1,0 +1,116 @@
+"""The lines that the states of added effects add to a model: target, rate, start and derivative of each.
+
+The states are inputs of the model. These lines are behind all others, so a state may be driven by a force or a named
+quantity; `tirefmu.symbolic.laws` has the updates that need no more than these lines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy as sp
+
+from ..added import AddedEffect
+from ..added.formula import formula
+from ..added.state import SLIDING_POWER, State
+from ..declarations import Effect
+from ..errors import EffectError, nearest
+from ..functions import absolute, sgn
+from ..notation import Chapter, Equation
+
+#: A size below which a slip has no direction.
+NO_SLIP = sp.Float("1e-12")
+
+
+def state_lines(effects: Sequence[AddedEffect]) -> tuple[Equation, ...]:
+    """Return the lines of the states of effects; 0 if the effects of a state are off.
+
+    Parameters
+    ----------
+    effects : sequence of AddedEffect
+        Effects may share a state that they declare alike.
+
+    Returns
+    -------
+    tuple of Equation
+        A line named `SLIDING_POWER` first if a state reads it.
+    """
+    eq = Chapter("States")
+    if any(SLIDING_POWER in state.reads for effect in effects for state in effect.states):
+        kappa, alpha, V, Fx, Fy = sp.symbols("kappa alpha V Fx Fy", real=True)
+        power = absolute(Fx * V * kappa) + absolute(Fy * V * sp.sin(alpha))
+        eq("tirefmu", SLIDING_POWER, power, "W", "power that sliding turns into heat")
+    for name, owners in owners_of(effects).items():
+        _file(eq, owners[0][1], [Effect(effect.name, effect.physics, optional=True) for effect, _ in owners], name)
+    return tuple(eq.equations)
+
+
+def owners_of(effects: Sequence[AddedEffect]) -> dict[str, list[tuple[AddedEffect, State]]]:
+    """Return the states of effects by name, each with the effects that declare it.
+
+    Raises
+    ------
+    EffectError
+        If two effects declare a state of the same name differently.
+    """
+    owners: dict[str, list[tuple[AddedEffect, State]]] = {}
+    for effect in effects:
+        for state in effect.states:
+            shared = owners.setdefault(state.name, [])
+            if shared and shared[0][1] != state:
+                raise EffectError(f"state {state.name} of {effect.name} is another one in {shared[0][0].name}")
+            shared.append((effect, state))
+    return owners
+
+
+def check_state_reads(model: str, effects: Sequence[AddedEffect], known: set[str]) -> None:
+    """Raise `EffectError` if a state reads a name that a model does not have."""
+    for effect in effects:
+        for state in effect.states:
+            for name in sorted(state.reads - known):
+                raise EffectError(f"effect {effect.name}: state {state.name} reads {name!r},"
+                                  f" which {model} has not{nearest(name, known)}")  # fmt: skip
+
+
+def _file(eq: Chapter, state: State, effects: Sequence[Effect], name: str) -> None:
+    """File the four lines of a state."""
+
+    def only_with(expression: sp.Expr) -> sp.Expr:
+        term = sp.Integer(0)
+        for effect in effects:
+            term = effect.either(expression, term)
+        return term
+
+    texts = dict(state.formulas())
+    parts = {key: formula(text, f"state {name}") for key, text in texts.items()}
+    target, rate = _path(state, parts) if state.follows_a_path else _balance(state, parts)
+    x = sp.Symbol(name, real=True)
+    what, unit = state.description or name, f"{state.unit}/s" if state.unit != "1" else "1/s"
+    per_time = state.kind in ("accumulation", "hysteresis")
+    first, second, third, last = state.line_names
+    u = eq("tirefmu", first, only_with(target), unit if per_time else state.unit, f"target of {what}")
+    r = eq("tirefmu", second, only_with(rate), "1/s", f"rate of {what}")
+    eq("tirefmu", third, only_with(parts.get("start", sp.Integer(0))), state.unit, f"start of {what}")
+    derivative = {"accumulation": u, "hysteresis": (sgn(u) - x) * absolute(u) * r}.get(state.kind, r * (u - x))
+    eq("tirefmu", last, derivative, unit, f"derivative of {what}")
+
+
+def _balance(state: State, parts: dict[str, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
+    """Return target (or flow) and rate of a state that changes with time."""
+    rate = parts.get("rate", sp.Integer(0))
+    if "length" in parts:
+        rate = absolute(sp.Symbol("V", real=True)) / parts["length"]
+    if state.kind == "heat":
+        return parts.get("ambient", sp.Integer(0)) + parts["drive"] / rate, rate
+    return parts["drive"], rate
+
+
+def _path(state: State, parts: dict[str, sp.Expr]) -> tuple[sp.Expr, sp.Expr]:
+    """Return the velocity along the path and the reciprocal of the width."""
+    lags = [sp.Symbol(name, real=True) for name in state.drive]
+    velocities = [sp.Symbol(f"{lag}_rate", real=True) * (sp.Symbol(f"{lag}_target", real=True) - lag) for lag in lags]
+    velocity = velocities[0]
+    if len(lags) == 2:
+        size = sp.sqrt(lags[0] ** 2 + lags[1] ** 2 + NO_SLIP**2)
+        velocity = sum((lag * v for lag, v in zip(lags, velocities, strict=True)), sp.Integer(0)) / size
+    return velocity, 1 / parts["width"]

@@ -1,0 +1,239 @@
+"""States of added effects: their course over a recording, held or linear, and their equilibrium."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.integrate import solve_ivp
+
+from tirefmu.symbolic.added import library, read_effect
+from tirefmu.symbolic.errors import EffectError
+from tirefmu.tires import Tire, read_tir
+from tirefmu.tires.code import code_for
+from tirefmu.tires.evaluation import quantities
+from tirefmu.tires.signs import convert_signs
+
+#: Values at which each effect of the library with states has an influence.
+ACTIVE = {
+    "heat_friction": {"HMU": 5e-5, "HTAU": 6.0, "HLOAD": 0.5, "HCOOL": 0.02},
+    "heat_stiffness": {"HK": 5e-5, "HTAU": 6.0},
+    "slip_history": {"SHMU": 0.05, "SHK": 0.08},
+    "hysteresis_force": {"HFY": 0.03},
+    "load_lag": {"LLMU": 1.0, "LLK": 0.8},
+    "break_in": {"BIMU": 0.2, "BIWORK": 1e4},
+}
+#: Largest error of a held step of 0.5 s against small ones: forces drive a state, or they do not.
+BOUND = {"heat_friction": 1e-5, "heat_stiffness": 1e-5, "break_in": 1e-5}
+#: Two nodes: the tread heats the carcass, which cools to a measured temperature; friction falls with both.
+TWO_NODES = """
+name = "two_nodes"
+physics = "tread and carcass"
+[coefficients]
+TNMU = {description = "friction", unit = "1/K", lower = -0.1, upper = 0.1}
+TNHEAT = {description = "heating", unit = "K/J", lower = 0.0, upper = 0.1, neutral = 0.003}
+TNTAU = {description = "time constant of the tread", unit = "s", lower = 0.1, upper = 60.0, neutral = 2.0}
+TNBODY = {description = "time constant of the carcass", unit = "s", lower = 1.0, upper = 600.0, neutral = 40.0}
+TNFIRST = {description = "carcass at the start", unit = "degC", lower = 0.0, upper = 100.0, neutral = 30.0}
+[states.carcass]
+kind = "heat"
+drive = "(tread - carcass)/TNBODY"
+rate = "1/TNBODY"
+ambient = "T"
+start = "TNFIRST"
+unit = "degC"
+[states.tread]
+kind = "heat"
+drive = "TNHEAT*sliding_power"
+rate = "(1 + 0.01*abs(V))/TNTAU"
+ambient = "carcass"
+unit = "degC"
+[[acts]]
+on = "friction_y"
+factor = "exp(-TNMU*(tread - 50))"
+"""
+#: One model for all tests: a printed model takes seconds.
+ADDED = (*library().values(), read_effect(TWO_NODES, "two_nodes.toml"))
+BODY = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "SIGX": 0.2, "SIGY": 0.4}
+
+
+def tire_with(*effects, lags=True, **values):
+    relaxation = {"relax_lat", "relax_lon"} if lags else set()
+    given = {**BODY, **{key: value for effect in effects for key, value in ACTIVE.get(effect, {}).items()}, **values}
+    return Tire("mf61", given, effects={*effects, *relaxation}, added=ADDED)
+
+
+def levels(n=12, seed=3):
+    """Return inputs that jump every half second."""
+    rng = np.random.default_rng(seed)
+    return pd.DataFrame(
+        {
+            "t": 0.5 * np.arange(n), "alpha": rng.uniform(-0.2, 0.2, n), "kappa": rng.uniform(-0.1, 0.1, n),
+            "Fz": rng.uniform(2000.0, 6000.0, n), "V": rng.uniform(5.0, 20.0, n),
+        }
+    )  # fmt: skip
+
+
+def split(table, parts):
+    """Return the same held inputs in smaller steps."""
+    h = table["t"].iloc[1] - table["t"].iloc[0]
+    fine = table.loc[table.index.repeat(parts)].reset_index(drop=True)
+    return fine.assign(t=h / parts * np.arange(len(fine)))
+
+
+@pytest.mark.parametrize("lags", [True, False], ids=["lagged", "direct"])
+@pytest.mark.parametrize("name", ACTIVE)
+def test_held_inputs_require_no_step_size(name, lags):
+    tire, coarse = tire_with(name, lags=lags), levels()
+    once, often = tire.evaluate(coarse, hold=True), tire.evaluate(split(coarse, 20), hold=True).iloc[::20]
+    for column in (*tire.states, "Fy"):
+        difference = np.abs(once[column].to_numpy() - often[column].to_numpy()).max()
+        assert difference <= BOUND.get(name, 1e-12) * np.abs(often[column]).max(), column
+    steady = tire_with(lags=lags).evaluate(coarse, hold=True)
+    assert np.abs(steady["Fy"] - once["Fy"]).max() > 30.0  # the effect has an influence
+
+
+def smooth(n, end=3.0):
+    t = np.linspace(0.0, end, n)
+    return pd.DataFrame(
+        {
+            "t": t, "alpha": 0.15 * np.sin(2.0 * t), "kappa": 0.03 * np.sin(3.1 * t),
+            "Fz": 4000.0 + 1500.0 * np.sin(1.3 * t), "V": 15.0 + 3.0 * np.cos(t), "T": 25.0 + t,
+        }
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ["heat_friction", "slip_history", "load_lag", "break_in", "two_nodes"])
+def test_the_course_converges_to_the_differential_equations(name):
+    """Without lagged slips, the lines state_derivative are the right sides of the differential equations."""
+    tire = tire_with(name, lags=False, **({"TNMU": 0.005} if name == "two_nodes" else {}))
+    code, parameters, states = code_for(tire.book, "numpy"), tire.parameters(), tire.states
+    fine = smooth(2401)
+
+    def rates(t, x):
+        row = {each: np.interp(t, fine["t"], fine[each]) for each in fine if each != "t"} | dict(
+            zip(states, x, strict=True)
+        )
+        inputs = np.array([[row.get(each, tire.nominal(each))] for each in tire.inputs])
+        found = dict(zip(code.quantities_names, code.quantities(inputs, parameters)[:, 0], strict=True))
+        return [found[f"{each}_derivative"] for each in states]
+
+    answer = tire.evaluate(fine)
+    start = answer[list(states)].iloc[0].to_numpy(dtype=float)
+    exact = solve_ivp(rates, (0.0, 3.0), start, rtol=1e-5, atol=1e-7, max_step=0.05).y[:, -1]
+    for column, value in zip(states, exact, strict=True):
+        assert answer[column].iloc[-1] == pytest.approx(value, rel=3e-4, abs=1e-4), column
+
+
+def test_a_recording_starts_in_equilibrium_and_again_where_time_goes_back():
+    tire, table = tire_with("heat_friction", "slip_history"), levels(6)
+    steady = tire.evaluate(table, steady=True)
+    answer = tire.evaluate(table)
+    assert answer["tread_heat"].iloc[0] == pytest.approx(steady["tread_heat"].iloc[0], rel=1e-12)
+    assert np.abs(steady["tread_heat_derivative"]).max() < 1e-9 * steady["tread_heat_target"].max()
+    twice = tire.evaluate(pd.concat([table, table], ignore_index=True))
+    np.testing.assert_allclose(twice["Fy"].iloc[6:], answer["Fy"], rtol=1e-12)
+    np.testing.assert_allclose(tire.forces(**{k: table[k] for k in ("alpha", "kappa", "Fz", "V")}).Fy, steady["Fy"])
+
+
+def test_a_start_value_replaces_the_equilibrium():
+    tire = tire_with("two_nodes", TNFIRST=45.0, TNMU=0.004)
+    answer = tire.evaluate(smooth(50))
+    assert answer["carcass"].iloc[0] == 45.0
+    assert answer["tread"].iloc[0] == pytest.approx(45.0, abs=0.5)  # in equilibrium with the carcass
+    assert (np.diff(answer["carcass"][:10]) < 0.0).all()
+
+
+def test_slip_history_is_higher_while_slip_grows_whatever_the_rate():
+    tire = tire_with("slip_history", lags=False)
+    found = {}
+    for end in (4.0, 40.0):
+        t = np.linspace(0.0, end, 801)
+        alpha = 0.15 * np.sin(2.0 * np.pi * t / end)
+        answer = tire.evaluate(pd.DataFrame({"t": t, "alpha": alpha, "Fz": 4000.0, "V": 15.0}))
+        # The rising and the falling branch of each half wave at equal slip, in every second half wave.
+        found[end] = answer["Fy"].to_numpy()
+        out, back = np.abs(answer["Fy"].iloc[[100, 500]]), np.abs(answer["Fy"].iloc[[300, 700]])
+        assert (out.to_numpy() > 1.02 * back.to_numpy()).all()
+    # Ten times slower: the contact follows more closely, the loop is the same.
+    assert np.abs(found[4.0] - found[40.0]).max() < 0.03 * np.abs(found[40.0]).max()
+
+
+def test_break_in_is_not_recovered():
+    tire = tire_with("break_in")
+    t = np.linspace(0.0, 20.0, 401)
+    alpha = np.where(t < 8.0, 0.15 * np.sin(t), 0.0)
+    answer = tire.evaluate(pd.DataFrame({"t": t, "alpha": alpha, "Fz": 4000.0, "V": 15.0}))
+    assert (np.diff(answer["sliding_work"]) >= 0.0).all()
+    assert answer["mu_y"].iloc[-1] < answer["mu_y"].iloc[0]
+
+
+def test_an_effect_at_neutral_coefficients_does_nothing():
+    plain = tire_with().evaluate(smooth(40))
+    for name in ACTIVE:
+        answer = Tire("mf61", BODY, effects={name, "relax_lat", "relax_lon"}, added=ADDED).evaluate(smooth(40))
+        pd.testing.assert_frame_equal(answer[["Fx", "Fy", "Mz"]], plain[["Fx", "Fy", "Mz"]], rtol=1e-14)
+
+
+def test_two_effects_share_a_state_that_they_declare_alike():
+    tire = tire_with("heat_friction", "heat_stiffness")
+    assert tire.states == ("tread_heat",)
+    assert tire.book.owned("heat_friction", "heat_stiffness") >= {"HMU", "HK", "HTAU"}
+
+
+def test_a_tire_file_contains_the_state(tmp_path):
+    tire = tire_with("two_nodes", "slip_history", TNMU=0.004)
+    path = tmp_path / "memory.tir"
+    tire.save(path)
+    again = read_tir(path)
+    assert set(again.states) == set(tire.states)
+    table = smooth(30)
+    np.testing.assert_allclose(again.evaluate(table)["Fy"], tire.evaluate(table)["Fy"], rtol=1e-12)
+
+
+@pytest.mark.parametrize("signs", ["sae", "adapted-sae"])
+def test_the_signs_of_the_table_do_not_matter(signs):
+    tire, table = tire_with("hysteresis_force", "heat_friction"), smooth(40)
+    there = tire.evaluate(convert_signs(table, "iso", signs), signs=signs)
+    back = convert_signs(there[["Fy", "Mz"]], signs, "iso")
+    pd.testing.assert_frame_equal(back, tire.evaluate(table)[["Fy", "Mz"]], rtol=1e-9, atol=1e-9)
+
+
+LAG = '[states.late]\nkind = "lag"\ndrive = "alpha"\nlength = "OWNLEN"\n'
+HEAD = 'name = "own"\nphysics = "own"\n[coefficients]\n'
+HEAD += 'OWNLEN = {description = "x", unit = "m", neutral = 0.3}\nGAIN = {}\n'
+ACT = '[[acts]]\non = "mu_y"\nfactor = "1 + GAIN*late"\n'
+WRONG = {
+    "kind is none of lag, heat, accumulation, hysteresis: did you mean lag?": LAG.replace('"lag"', '"lagg"'),
+    "a lag requires rate or length": LAG.replace('length = "OWNLEN"', ""),
+    "a lag has no width": LAG + 'width = "OWNLEN"\n',
+    "unknown key 'lenght'": LAG.replace("length", "lenght"),
+    "unknown function '__import__'": LAG.replace('"alpha"', '"__import__(os)"'),
+    "'Late' is not a word of small letters": LAG.replace("states.late", "states.Late"),
+    "'exp' is a name of the generated code": LAG.replace("states.late", "states.exp"),
+    "drive 'alpha' is no lag of this effect": LAG.replace('"lag"', '"hysteresis"').replace("length", "width"),
+    "state other is declared but not used": LAG + LAG.replace("states.late", "states.other"),
+    "drive is missing or not a text": LAG.replace('drive = "alpha"', "drive = []"),
+}
+
+
+@pytest.mark.parametrize("message", WRONG)
+def test_a_wrong_state_is_one_clear_line(message):
+    with pytest.raises(EffectError) as error:
+        read_effect(HEAD + WRONG[message] + ACT, "own.toml")
+    assert message in str(error.value)
+    assert str(error.value).startswith("own.toml")
+    assert "\n" not in str(error.value)
+
+
+def test_a_state_that_reads_an_unknown_quantity_is_an_error():
+    effect = read_effect(HEAD + LAG.replace('"alpha"', '"K_yalfa"') + ACT, "own.toml")
+    with pytest.raises(EffectError, match="state late reads 'K_yalfa', which mf96 has not"):
+        Tire("mf96", BODY, effects=["own"], added=(effect,))
+
+
+def test_the_library_has_the_names_of_the_contract():
+    names = {*ACTIVE, "relax_slip"}
+    assert names <= library().keys()
+    assert all(library()[name].source for name in names)
+    assert quantities(tire_with("heat_friction"), {"alpha": 0.1, "Fz": 4000.0, "V": 15.0})["tread_heat_target"] > 1000.0

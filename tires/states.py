@@ -1,0 +1,332 @@
+"""The course of a tire's states over a recording, and their equilibrium.
+
+States that follow inputs alone and hystereses along lagged slips have exact updates. A state that is driven by forces,
+which depend on it in turn, is integrated in steps that grow with the time since the last change of the inputs. In each
+step the drive is a parabola through start, middle and end (a Lobatto collocation of fourth order, exact for the lag
+itself); the values at the middle and the end are found by iteration, for many steps at once.
+
+References
+----------
+Hochbruck and Ostermann, Exponential integrators, Acta Numerica (2010), section 2.2: exponential collocation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.symbolic.added.state import State
+from tirefmu.symbolic.model import Model
+
+from .code import Code
+from .code.modules import state_laws
+from .transient import Course, followed, recursion
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
+
+#: First step after a change of the inputs, as a share of the shortest time constant, and the ratio of a step to the
+#: one before. The FMU has the same numbers.
+FIRST_STEP, GROWTH = 0.3, 1.2
+#: Iterations end when no value changes by more than this share; their largest number.
+CONVERGED, MOST_ITERATIONS = 1e-13, 50
+#: Steps that are solved together at first.
+WINDOW = 4096
+
+
+@dataclass
+class Simulation:
+    """A recording over which states are simulated.
+
+    Parameters
+    ----------
+    book : Model
+    code : Code
+        Of the same model.
+    t : ndarray, shape (n,)
+        Time, s. Where it goes backward, a new recording begins.
+    rows : ndarray, shape (n_inputs, n)
+        Given inputs.
+    parameters : ndarray, shape (n_parameters,)
+    hold : bool
+        Inputs are held from each row to the next; otherwise they are linear.
+    slips : mapping of str to Course
+        The courses of kappa and tan(alpha), by input, if they lag.
+    names : collection of str
+        The states that are simulated; the others are 0.
+    """
+
+    book: Model
+    code: Code
+    t: FloatArray
+    rows: FloatArray
+    parameters: FloatArray
+    hold: bool
+    slips: Mapping[str, Course]
+    names: Collection[str]
+    _courses: dict[str, _Course] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.index = {quantity.name: i for i, quantity in enumerate(self.book.inputs)}
+        self.rows = self.rows.copy()
+        self.rows[[self.index[name] for name in self.book.states]] = 0.0
+        self.states = [state for name, state in self.book.states.items() if name in self.names]
+        self.h = np.diff(self.t)
+        for state in self.states:
+            if self.book.is_direct(state):
+                self._courses[state.name] = self._direct(state)
+        for state in self.states:
+            if state.follows_a_path:
+                self._courses[state.name] = self._hysteresis(state)
+
+    def acting(self) -> FloatArray:
+        """Return the inputs with lagged slips and states, shape (n_inputs, n)."""
+        rows = self._with_slips(self.rows, {name: course.value for name, course in self.slips.items()})
+        for name, course in self._courses.items():
+            rows[self.index[name]] = course.value
+        driven = [state for state in self.states if state.name not in self._courses]
+        if driven:
+            self._drive(rows, driven)
+        return rows
+
+    def _with_slips(self, rows: FloatArray, slips: Mapping[str, FloatArray]) -> FloatArray:
+        rows = rows.copy()
+        for name, slip in slips.items():
+            rows[self.index[name]] = np.arctan(slip) if name == "alpha" else slip
+        return rows
+
+    @cached_property
+    def _given(self) -> dict[str, FloatArray]:
+        """The lines of the states at the given inputs, with every state 0."""
+        return self._lines(self.rows)
+
+    def _lines(self, rows: FloatArray) -> dict[str, FloatArray]:
+        return dict(zip(self.book.drives, self.code.drives(rows, self.parameters), strict=True))
+
+    def _of(self, state: State) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return target, rate and start of a state at the given inputs."""
+        target, rate, start, _ = state.line_names
+        return self._given[target], self._given[rate], self._given[start]
+
+    def _direct(self, state: State) -> _Course:
+        target, rate, start = self._of(state)
+        if state.settles:
+            return followed(self.t, target, rate, start if state.start else target, hold=self.hold)
+        return _Sum(target, self.h, start, self.hold)
+
+    def _hysteresis(self, state: State) -> _Course:
+        _, rate, start = self._of(state)
+        lags = [self._courses[name] for name in state.drive]
+        return _Path(lags, rate, start, np.flatnonzero(self.h < 0.0))
+
+    # ------------------------------------------------------------ states that forces drive
+
+    def _drive(self, rows: FloatArray, driven: list[State]) -> None:
+        """Simulate states that are driven by forces, and put them into the acting rows."""
+        starts = [0, *(np.flatnonzero(self.h < 0.0) + 1).tolist(), len(self.t)]
+        at_start = equilibrium(self.book, self.code, rows[:, starts[:-1]], self.parameters, self.names, start=True)
+        indices = [self.index[state.name] for state in driven]
+        for k, (first, end) in enumerate(pairwise(starts)):
+            x = at_start[indices, k]
+            rows[indices, first] = x
+            steps = self._steps(first, end - 1, driven)
+            for chunk in np.array_split(np.arange(len(steps.h)), max(1, -(-len(steps.h) // WINDOW))):
+                x = self._solve(steps.take(chunk), driven, x, rows)
+
+    def _steps(self, first: int, last: int, driven: list[State]) -> _Steps:
+        """Return the steps from row to row: the longer ago the inputs have changed, the longer they are."""
+        # Linear inputs do not jump: lags of them need no short steps.
+        courses = (*self.slips.values(), *self._courses.values()) if self.hold else ()
+        moving = [course.rate for course in courses if isinstance(course, Course)]
+        moving += [self._of(state)[1] for state in driven if state.settles]
+        fastest = np.zeros(len(self.t))
+        for rate in moving:
+            fastest = np.maximum(fastest, np.where(np.isfinite(rate), rate, 0.0))
+        interval, rows = np.arange(first, last), self.h[first:last]
+        rate = fastest[first:last] if self.hold else np.maximum(fastest[first:last], fastest[first + 1 : last + 1])
+        growth = GROWTH - 1.0
+        number = np.maximum(1, np.ceil(np.log1p(rate * rows * growth / FIRST_STEP) / np.log(GROWTH))).astype(int)
+        interval, length = np.repeat(interval, number), np.repeat(rate * rows, number)
+        rows = np.repeat(rows, number)
+        k = np.arange(len(interval)) - np.repeat(np.cumsum(number) - number, number)
+        last_step = k == np.repeat(number, number) - 1
+        length = np.where(length > 0.0, length, 1.0)
+        begin = FIRST_STEP * (GROWTH**k - 1.0) / growth / length
+        end = np.where(last_step, 1.0, FIRST_STEP * (GROWTH ** (k + 1) - 1.0) / growth / length)
+        return _Steps(interval, begin, end, (end - begin) * rows, last_step)
+
+    def _solve(self, steps: _Steps, driven: list[State], x: FloatArray, rows: FloatArray) -> FloatArray:
+        """Solve steps, put the values at rows into the acting rows, and return the values at the end."""
+        if not len(steps.h):
+            return x
+        nodes = self._nodes(steps)
+        indices, m = [self.index[state.name] for state in driven], len(steps.h)
+        values = np.repeat(x[:, None], 3 * m, axis=1)
+        for _ in range(MOST_ITERATIONS):
+            nodes[indices] = values
+            lines = self._lines(nodes)
+            found = np.concatenate([self._integrated(*each, lines, steps.h) for each in zip(driven, x, strict=True)])
+            found = found.reshape(len(driven), 3 * m)
+            change = np.abs(found - values).max(axis=1)
+            values = found
+            if (change <= CONVERGED * np.abs(values).max(axis=1)).all():
+                break
+        else:
+            if m > 1:
+                for half in np.array_split(np.arange(m), 2):
+                    x = self._solve(steps.take(half), driven, x, rows)
+                return x
+        ends = values.reshape(len(driven), 3, m)[:, 2]
+        at = steps.interval[steps.last] + 1
+        for index, end in zip(indices, ends, strict=True):
+            rows[index, at] = end[steps.last]
+        return np.asarray(ends[:, -1])
+
+    def _integrated(self, state: State, x: float, lines: Mapping[str, FloatArray], h: FloatArray) -> FloatArray:
+        """Return the values of a state at start, middle and end of steps, shape (3, m)."""
+        target, rate, *_ = state.line_names
+        return _integrated(state, lines[target].reshape(3, -1), lines[rate].reshape(3, -1), h, x)
+
+    def _nodes(self, steps: _Steps) -> FloatArray:
+        """Return the acting inputs at start, middle and end of all steps, shape (n_inputs, 3 m)."""
+        interval = np.tile(steps.interval, 3)
+        share = np.concatenate([steps.begin, (steps.begin + steps.end) / 2, steps.end])
+        given = self.rows[:, interval]
+        if not self.hold:
+            given = given + (self.rows[:, interval + 1] - given) * share
+        nodes = self._with_slips(given, {name: course.between(interval, share) for name, course in self.slips.items()})
+        for name, course in self._courses.items():
+            nodes[self.index[name]] = course.between(interval, share)
+        return nodes
+
+
+@dataclass(frozen=True)
+class _Steps:
+    """Steps from row to row: the row at which the interval begins, shares of it, length in s, whether it ends it."""
+
+    interval: IntArray
+    begin: FloatArray
+    end: FloatArray
+    h: FloatArray
+    last: npt.NDArray[np.bool_]
+
+    def take(self, chosen: IntArray) -> _Steps:
+        """Return some of the steps."""
+        return _Steps(*(getattr(self, name)[chosen] for name in ("interval", "begin", "end", "h", "last")))
+
+
+@dataclass(frozen=True)
+class _Sum:
+    """The course of an accumulation whose flow follows the inputs."""
+
+    flow: FloatArray
+    h: FloatArray
+    start: FloatArray
+    hold: bool
+
+    @cached_property
+    def value(self) -> FloatArray:
+        last = self.flow[:-1] if self.hold else self.flow[1:]
+        gained = state_laws.sum_linear(0.0, self.flow[:-1], last, self.h)
+        back = self.h < 0.0
+        return recursion(self.start[0], np.where(back, 0.0, 1.0), np.where(back, self.start[1:], gained))
+
+    def between(self, interval: IntArray, share: FloatArray) -> FloatArray:
+        first = self.flow[interval]
+        last = first if self.hold else first + (self.flow[interval + 1] - first) * share
+        return np.asarray(state_laws.sum_linear(self.value[interval], first, last, self.h[interval] * share))
+
+
+@dataclass(frozen=True)
+class _Path:
+    """The course of a hysteresis along one lag, or along the size of two."""
+
+    lags: list[_Course]
+    rate: FloatArray
+    start: FloatArray
+    restarts: IntArray
+
+    def _law(self, z: float | FloatArray, rows: IntArray, ends: list[FloatArray]) -> FloatArray:
+        law = state_laws.dahl if len(self.lags) == 1 else state_laws.dahl_size
+        return np.asarray(law(z, *(lag.value[rows] for lag in self.lags), *ends, 1.0 / self.rate[rows]))
+
+    @cached_property
+    def value(self) -> FloatArray:
+        rows = np.arange(len(self.start) - 1)
+        ends = [lag.value[1:] for lag in self.lags]
+        gained = self._law(0.0, rows, ends)  # the law is linear in the state
+        decay = self._law(1.0, rows, ends) - gained
+        decay[self.restarts], gained[self.restarts] = 0.0, self.start[self.restarts + 1]
+        return recursion(self.start[0], decay, gained)
+
+    def between(self, interval: IntArray, share: FloatArray) -> FloatArray:
+        return self._law(self.value[interval], interval, [lag.between(interval, share) for lag in self.lags])
+
+
+_Course = Course | _Sum | _Path
+
+
+def _integrated(state: State, drive: FloatArray, rate: FloatArray, h: FloatArray, x: float) -> FloatArray:
+    """Return the values at start, middle and end of steps, shape (3, m), for drives and rates there."""
+    first, half, last = drive
+    quarter = (3.0 * first + 6.0 * half - last) / 8.0
+    if state.settles:
+        way, way_half = (
+            h * (rate[0] + 4.0 * rate[1] + rate[2]) / 6.0,
+            h * (5.0 * rate[0] + 8.0 * rate[1] - rate[2]) / 24.0,
+        )
+        decay, decay_half = (state_laws.lag(1.0, 0.0, 0.0, each) for each in (way, way_half))
+        gained = state_laws.lag_curved(0.0, first, half, last, way)
+        gained_half = state_laws.lag_curved(0.0, first, quarter, half, way_half)
+    else:
+        decay = decay_half = np.ones(len(h))
+        gained = state_laws.sum_curved(0.0, first, half, last, h)
+        gained_half = state_laws.sum_curved(0.0, first, quarter, half, h / 2.0)
+    ends = recursion(x, decay, gained)
+    return np.stack([ends[:-1], decay_half * ends[:-1] + gained_half, ends[1:]])
+
+
+def equilibrium(
+    book: Model, code: Code, rows: FloatArray, parameters: FloatArray, names: Collection[str], *, start: bool = False
+) -> FloatArray:
+    """Return inputs with every state in equilibrium at constant inputs; a state that has none is at its start value.
+
+    Parameters
+    ----------
+    book : Model
+    code : Code
+    rows : ndarray, shape (n_inputs, n)
+    parameters : ndarray, shape (n_parameters,)
+    names : collection of str
+        The states of the tire; the others are 0.
+    start : bool
+        Whether a state that declares a start value has that value, as at the begin of a recording.
+
+    Returns
+    -------
+    ndarray, shape (n_inputs, n)
+    """
+    rows = rows.copy()
+    inputs = [quantity.name for quantity in book.inputs]
+    rows[[inputs.index(name) for name in book.states]] = 0.0
+    states = [state for name, state in book.states.items() if name in names]
+    indices = [inputs.index(state.name) for state in states]
+    if not states:
+        return rows
+    for i in range(2 * MOST_ITERATIONS):
+        lines = dict(zip(book.drives, code.drives(rows, parameters), strict=True))
+        before = rows[indices]
+        for index, state in zip(indices, states, strict=True):
+            target, _, first, _ = state.line_names
+            if state.settles and not (start and state.start):
+                rows[index] = lines[target] if i == 0 else (rows[index] + lines[target]) / 2.0
+            else:
+                rows[index] = lines[first]
+        if (np.abs(rows[indices] - before) <= CONVERGED * np.abs(rows[indices])).all():
+            break
+    return rows
