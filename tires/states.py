@@ -86,6 +86,8 @@ class Simulation:
 
     def acting(self) -> FloatArray:
         """Return the inputs with lagged slips and states, shape (n_inputs, n)."""
+        if not len(self.t):
+            return self.rows
         rows = self._with_slips(self.rows, {name: course.value for name, course in self.slips.items()})
         for name, course in self._courses.items():
             rows[self.index[name]] = course.value

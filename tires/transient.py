@@ -73,6 +73,8 @@ def followed(t: FloatArray, target: FloatArray, rate: FloatArray, start: FloatAr
     # A law is linear in the state.
     gained = state_laws.lag(0.0, target[:-1], target[:-1] if hold else target[1:], way)
     decay = state_laws.lag(1.0, 0.0, 0.0, way)
+    if not len(t):
+        return Course(target, rate, way, target, hold)
     value = recursion(start[0], np.where(h < 0, 0.0, decay), np.where(h < 0, start[1:], gained))
     return Course(target, rate, way, np.where(np.isinf(rate), target, value), hold)
 
@@ -149,4 +151,4 @@ def rolled_distance(t: FloatArray, speed: FloatArray, *, hold: bool = False) -> 
     """
     held, following = np.abs(speed[:-1]), np.abs(speed[1:])
     rolled = state_laws.sum_linear(0.0, held, held if hold else following, np.maximum(np.diff(t), 0.0))
-    return np.concatenate([[0.0], np.cumsum(rolled)])
+    return np.concatenate([[0.0], np.cumsum(rolled)])[: len(t)]

@@ -159,6 +159,12 @@ def test_slip_history_is_higher_while_slip_grows_whatever_the_rate():
     assert np.abs(found[4.0] - found[40.0]).max() < 0.03 * np.abs(found[40.0]).max()
 
 
+def test_a_recording_may_have_no_row_or_one():
+    for n in (0, 1):
+        answer = tire_with("heat_friction", "slip_history", "break_in").evaluate(levels().iloc[:n])
+        assert answer["tread_heat"].shape == (n,)
+
+
 def test_break_in_is_not_recovered():
     tire = tire_with("break_in")
     t = np.linspace(0.0, 20.0, 401)
