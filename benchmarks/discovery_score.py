@@ -44,8 +44,6 @@ class Outcome:
         CPU time.
     rows : int
         Rows of the recording.
-    confirmation : bool
-        Whether nobody tunes the diagnosis on this case.
     delivered : Delivered or None
         The delivered tire; None if there is none.
     failed : str
@@ -70,7 +68,6 @@ class Outcome:
     added: bool
     seconds: float
     rows: int
-    confirmation: bool
     delivered: Delivered | None
     failed: str = ""
 
@@ -141,7 +138,6 @@ def score(suite: Suite, kind: str, number: int, case: Case, result: Diagnosis, s
         added=any(one.added for one in result.unknown),
         seconds=seconds,
         rows=len(case.table),
-        confirmation=suite.halved and number % 2 == 1,
         delivered=delivered(case, result),
     )  # fmt: skip
 
@@ -151,8 +147,7 @@ def failed(suite: Suite, kind: str, number: int, case: Case, error: Exception, s
     return Outcome(
         kind=kind, number=number, name=case.name, hidden=_hidden(case), found=(), first=False, extra=(), exact=False,
         closed=0.0, covered=0, intervals=0, reported=False, next_test=False, depends_on=(), variables=False,
-        added=False, seconds=seconds, rows=len(case.table), confirmation=suite.halved and number % 2 == 1,
-        delivered=None, failed=f"{type(error).__name__}: {error}",
+        added=False, seconds=seconds, rows=len(case.table), delivered=None, failed=f"{type(error).__name__}: {error}",
     )  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""The two suites of made recordings."""
+"""The suites of made recordings."""
 
 from __future__ import annotations
 
@@ -28,8 +28,6 @@ class Suite:
     confounded : sequence
         By number: program, hidden effect, other effects that may be identified first, effects that must be reported as
         confounded, and words of the separating measurement.
-    halved : bool
-        Whether odd numbers are a confirmation half.
     """
 
     name: str
@@ -37,10 +35,19 @@ class Suite:
     case_of: Callable[[str, int], Case]
     unknown: Mapping[str, frozenset[str]]
     confounded: Sequence[tuple[str, str, str, str, str]]
-    halved: bool
+
+
+#: Numbers of the confirmation suite, in multiples of the number of cases of the second suite. Whoever changes the
+#: diagnosis after looking at single cases of this suite increases it, so that the recordings are new ones.
+DRAW = 10
+
+
+def _drawn_again(kind: str, number: int) -> Case:
+    return second.case_of(kind, number + DRAW * second.NUMBER_OF_CASES[kind])
 
 
 SUITES = {
-    "first": Suite("first", first.NUMBER_OF_CASES, first.case_of, UNKNOWN, first.CONFOUNDED, halved=False),
-    "second": Suite("second", second.NUMBER_OF_CASES, second.case_of, second.UNKNOWN, second.CONFOUNDED, halved=True),
+    "first": Suite("first", first.NUMBER_OF_CASES, first.case_of, UNKNOWN, first.CONFOUNDED),
+    "second": Suite("second", second.NUMBER_OF_CASES, second.case_of, second.UNKNOWN, second.CONFOUNDED),
+    "confirmation": Suite("confirmation", second.NUMBER_OF_CASES, _drawn_again, second.UNKNOWN, second.CONFOUNDED),
 }

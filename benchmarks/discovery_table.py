@@ -168,13 +168,11 @@ def _kinds(outcomes: Sequence[Outcome], kinds: Sequence[str]) -> str:
     for kind in kinds:
         cases = [one for one in outcomes if one.kind == kind]
         shares = [one.closed for one in cases]
-        halves = [one.right for one in cases if one.confirmation]
-        half = f"{sum(halves)} of {len(halves)}" if halves else "-"
         closed = ("-", "-") if kind == "null" else (f"{np.median(shares):.3f}", f"{min(shares):.3f}")
-        counts = (sum(one.right for one in cases), half, sum(one.first for one in cases), sum(map(_extra, cases)))
+        counts = (sum(one.right for one in cases), sum(one.first for one in cases), sum(map(_extra, cases)))
         seconds = f"{np.median([one.seconds for one in cases]):.1f}"
         rows.append((kind, str(len(cases)), *map(str, counts), *closed, seconds))
-    head = ("kind", "cases", "right", "right, confirmation half", "right first", "wrong additional effects",
+    head = ("kind", "cases", "right", "right first", "wrong additional effects",
             "closed: median", "least", "seconds")  # fmt: skip
     return "### By kind\n\n" + _grid(head, rows)
 
