@@ -47,7 +47,8 @@ DRIFT_WAVES = 3
 OFFSET_PRIOR, DRIFT_PRIOR = 20.0, 1.0
 #: Share of the other force: upper limit of cross-talk; more is attributed to the tire. Benches have up to 3 % of Fy in
 #: Fx, in which no tire has a share of Fy that is odd in alpha. The limit of Fx in Fy is lower, as side forces generated
-#: by kappa have the shape of Fx. A lever of Fy about the z axis is at most 0.4 % of the radius.
+#: by kappa have the shape of Fx. Convention. Fy in Mz is a lever, as a share of the radius. Benchmark: the second
+#: generator has up to 0.3 %.
 #: Prior standard deviation, as a share of the limit. Convention.
 MAX_CROSS_TALK: Mapping[str, float] = {"Fy_in_Fx": 0.035, "Fx_in_Fy": 0.012, "Fy_in_Mz": 0.004}
 CROSS_TALK_PRIOR_SHARE = 1.0 / 3.0
