@@ -17,6 +17,7 @@ from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import model as book_of
 from tirefmu.symbolic.models import with_library
 from tirefmu.tires import TireLike, tire_from
+from tirefmu.tires.property_file.names import not_given
 from tirefmu.tires.tire import Tire
 
 from .constraints.physical import chosen_constraints
@@ -170,6 +171,7 @@ def fit(
         run = FitRun(
             book, tire, data, plan, interruption, notes,
             solver=solver, given=tire_given is not None, read=read, constraints=chosen, loss=loss,
+            assumed=_assumed(tire, tire_given, nominal or {}),
         )  # fmt: skip
         if resume and saved:
             run.restore(saved.load(), str(saved.path))
@@ -253,6 +255,13 @@ def _starting_tire(
     if "FNOMIN" not in values:
         raise FitError("no load Fz in the data: specify --nominal Fz0=...")
     return Tire(book.name, values, effects=present, signs="adapted-sae", added=book.added)
+
+
+def _assumed(tire: Tire, start: Tire | None, nominal: Mapping[str, float]) -> frozenset[str]:
+    """Return the coefficients whose initial values neither the caller nor the data have given."""
+    unknown = tire.defaulted if start is not None else (*tire.defaulted, "UNLOADED_RADIUS")
+    inherited = () if start is None else not_given(start)
+    return frozenset((*unknown, *inherited)) - {NOMINAL[name] for name in nominal}
 
 
 def _medians(book: Model, data: pd.DataFrame, given: Mapping[str, float], notes: list[str]) -> dict[str, float]:

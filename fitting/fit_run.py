@@ -17,6 +17,7 @@ from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.model import Model
 from tirefmu.tires.code import fastest_code
+from tirefmu.tires.property_file.names import assumed_lines, in_written_order
 from tirefmu.tires.tire import Tire
 
 from .constraints.physical import Constraint, chosen_constraints, operating_range
@@ -74,9 +75,11 @@ class FitRun:
         read: Mapping[str, float],
         constraints: Mapping[str, Sequence[Constraint]] | None = None,
         loss: str = "squares",
+        assumed: Set[str] = frozenset(),
     ) -> None:
         self._loss = loss_named(loss)
         self._given = given  # the caller gave a start tire: generic values do not replace its values
+        self._assumed = assumed  # coefficients with values that nobody has measured, unless the fit determines them
         self._read = read  # initial values read from the data; all others are generic
         self._book, self._tire, self._plan = book, tire, plan
         self._fit_data, self._data = data, data.fitted
@@ -341,7 +344,10 @@ class FitRun:
             for name, value in self._tire.values.items()
             if not declarations[name].section.endswith("_RANGE")
         }
-        tire = replace(self._tire, values=values, ranges=ranges, about=about)  # the same inputs in ISO
+        determined = {name for name, release in self._freed.items() if release.determined}
+        assumed = assumed_lines(self._assumed - determined, self._book)
+        entries = in_written_order(assumed, self._book)
+        tire = replace(self._tire, values=values, ranges=ranges, about=about, other_entries=entries)  # inputs in ISO
         fitted = {name: self._fitted_coefficient(name) for name in self._book.coefficients if name in self._freed}
         intervals, directions, effective, covariance, complete = self._uncertainty(fitted)
         coefficients = tuple(replace(c, interval=intervals.get(name, nan)) for name, c in fitted.items())

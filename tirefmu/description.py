@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from math import isfinite
 from typing import Any
 
+from tirefmu.symbolic.declarations import Coefficient
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 from tirefmu.tires.property_file.names import MOST_SEARCHED, OWN_SECTIONS, near_miss, not_given, unit_of
@@ -29,10 +30,10 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
     Returns
     -------
     dict of str to Any
-        Plain JSON values. ``missing`` has the assumed values of coefficients that the file lacks; ``unknown`` the
-        unknown keys of the file, with the nearest coefficient; ``unused`` known keys that this model does not read;
-        ``ignored`` those of them that are coefficients of other models and not zero;
-        ``tables`` the sections with lines that are not keys.
+        Plain JSON values. ``missing`` has the assumed values of coefficients that the file lacks, ``assumed`` those of
+        them that are properties without a neutral value, such as a radius; ``unknown`` the unknown keys of the file,
+        with the nearest coefficient; ``unused`` known keys that this model does not read; ``ignored`` those of them
+        that are coefficients of other models and not zero; ``tables`` the sections with lines that are not keys.
 
     Examples
     --------
@@ -54,6 +55,7 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         if key and section not in _OURS
     ]
     unknown = [entry for entry in entries if unit_of(entry["key"]) is None]
+    missing = {name: tire.values[name] for name in not_given(tire)}
     near = {entry["key"]: near_miss(entry["key"], declared) for entry in unknown[:MOST_SEARCHED]}
     return {
         "ok": True,
@@ -69,7 +71,8 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         "effects_at_neutral": idle,
         "effects_absent": [name for name in book.effects if name not in tire.has],
         "coefficients_at_neutral": at_neutral,
-        "missing": {name: tire.values[name] for name in not_given(tire)},
+        "missing": missing,
+        "assumed": {name: value for name, value in missing.items() if _is_property(declared[name], value)},
         "unknown": [{**entry, "near": near.get(entry["key"])} for entry in unknown],
         "unused": [e for e in entries if unit_of(e["key"]) is not None],
         "ignored": [e for e in entries if _is_influential(e["key"], e["value"])],
@@ -81,6 +84,11 @@ def describe(tire: Tire, notes: Iterable[str] = ()) -> dict[str, Any]:
         ],
         "values": dict(tire.values),
     }
+
+
+def _is_property(declared: Coefficient, value: float) -> bool:
+    """Return whether a value is a property of the tire, with a unit, that has no neutral value."""
+    return declared.neutral is None and not declared.fitted and declared.unit != "1" and value != 0.0
 
 
 def _is_influential(key: str, value: str) -> bool:

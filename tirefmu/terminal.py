@@ -147,6 +147,8 @@ def _about_the_file(summary: Mapping[str, Any], every: bool) -> list[str]:
     lines = [f"  {note}" for note in summary["notes"]]
     names = ", ".join(summary["missing"]) if every else f"{len(summary['missing'])} coefficients"
     lines += [f"  missing in the file, default values assumed: {names}"] if summary["missing"] else []
+    assumed = ", ".join(f"{name} = {value:g}" for name, value in summary["assumed"].items())
+    lines += [f"  assumed, not measured: {assumed}"] if assumed else []
     unknown = [f"{e['key']} (near {e['near']})" if e["near"] else e["key"] for e in summary["unknown"]]
     lines += [f"  unknown keys: {', '.join(unknown)}"] if unknown else []
     ignored = ", ".join(f"{entry['key']} = {entry['value']}" for entry in summary["ignored"])

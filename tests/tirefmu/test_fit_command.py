@@ -111,3 +111,16 @@ def test_evaluate_and_check_warn_in_the_same_words(command, misread, published_t
         (warning,) = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["warnings"]
         assert warning.endswith(expected)
         assert f"warning: {warning}" in outcome.out
+
+
+def test_values_that_nobody_measured_are_marked(command, bench_csv, tmp_path):
+    """A radius that was not given is an assumption of the fit; a fitted coefficient is not."""
+    for options, marked in ((), True), (("--nominal", "R0=0.23"), False):
+        path = tmp_path / "t.tir"
+        outcome = command("fit", bench_csv, "--model", "mf96", "--effects", "none", *options, "-o", path)
+        assert outcome.status == 0
+        section = path.read_text(encoding="utf-8").partition("[TIREFMU_ASSUMED]")[2]
+        assert ("UNLOADED_RADIUS" in section) == marked
+        assert "PDY1" not in section
+        shown = command("info", path, "--json", tmp_path / "info.json").out
+        assert ("assumed, not measured: UNLOADED_RADIUS = 0.3" in shown) == marked
