@@ -180,7 +180,7 @@ def outcome(contents: list[Content], folder: Path, *, fit: bool = True) -> Outco
                 check_convention(each)
             prepare(recordings, model("mf61"))
         except TirefmuError as error:
-            refused, messages = 2, [*messages, str(error)]
+            refused, messages = 2, list(dict.fromkeys([*messages, str(error)]))
     return Outcome(status, refused, tuple(message.replace(f"{folder}/", "") for message in messages))
 
 
