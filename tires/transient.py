@@ -67,6 +67,8 @@ def followed(t: FloatArray, target: FloatArray, rate: FloatArray, start: FloatAr
     -------
     Course
     """
+    if not len(t):
+        return Course(target, rate, t, target, hold)
     h = np.diff(t)
     with np.errstate(invalid="ignore"):
         way = np.where(h > 0, h * (rate[:-1] if hold else (rate[:-1] + rate[1:]) / 2), 0.0)

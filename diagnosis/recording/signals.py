@@ -123,7 +123,8 @@ def _delayed(t: FloatArray, rows: FloatArray, seconds: float) -> FloatArray:
     if known.sum() < 2:
         return rows
     at = np.clip(t - seconds, t[0], t[-1])
-    return np.asarray(PchipInterpolator(t[known], rows[:, known], axis=1)(at))
+    with np.errstate(over="ignore"):  # it divides by slopes, of which a held input has very small ones
+        return np.asarray(PchipInterpolator(t[known], rows[:, known], axis=1)(at))
 
 
 def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = True) -> Signals:

@@ -109,6 +109,7 @@ def test_large_cross_talk_is_not_a_disturbance(problem):
     disturbances = problem.disturbances
     values = np.full(len(disturbances.names), 1e3)
     values[disturbances.names.index("cross_talk_Fx_in_Fy")] = 0.9 * MAX_CROSS_TALK["Fx_in_Fy"]
+    values[disturbances.names.index("cross_talk_Fy_in_Mz")] = -0.9 * MAX_CROSS_TALK["Fy_in_Mz"]
     values[disturbances.names.index("cross_talk_Fy_in_Fx")] = -1.1 * MAX_CROSS_TALK["Fy_in_Fx"]
     plausible = disturbances.plausible(values)
     assert set(disturbances.names) - set(plausible.names) == {"cross_talk_Fy_in_Fx"}

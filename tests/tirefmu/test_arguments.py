@@ -190,7 +190,7 @@ def test_a_single_text_is_not_a_list_of_names(bench_csv):
     for call in (
         lambda: tirefmu.Tire("mf96", size, effects="plysteer"),
         lambda: tirefmu.fit(bench_csv, "mf96", effects="plysteer"),
-        lambda: tirefmu.diagnose(bench_csv, signs="adapted-sae", effects="plysteer"),
+        lambda: tirefmu.diagnose(bench_csv, effects="plysteer"),
     ):
         with pytest.raises(WrongType, match=r"^effects is 'plysteer' .* such as \['plysteer'\]$"):
             call()

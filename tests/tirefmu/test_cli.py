@@ -140,12 +140,14 @@ def test_without_removes_effects(command, bench_csv, tmp_path):
     assert read_tir(tmp_path / "tire.tir").has == {"load_stiffness"}
 
 
-def test_a_note_names_data_that_look_like_another_convention(command, bench_csv, tmp_path):
+def test_data_in_another_convention_are_refused(command, bench_csv, tmp_path):
     outcome = command(
         "fit", bench_csv, "--model", "mf96", "--signs", "adapted-sae", "--effects", "none", "-o", tmp_path / "odd.tir"
     )
-    assert outcome.out.count("bench.csv: Fy falls with alpha") == 1
-    assert "look like iso" in outcome.out
+    assert outcome.status == 2
+    assert outcome.err.count("bench.csv: Fy falls with alpha") == 1
+    assert "the data fit iso (--signs iso)" in outcome.err
+    assert not (tmp_path / "odd.tir").exists()
 
 
 # ------------------------------------------------------------------ evaluate

@@ -63,7 +63,8 @@ def test_a_hidden_effect_is_identified_and_written(recording, tmp_path):
 )
 def test_bad_input_is_one_line(recording, tmp_path, capsys, more, message):
     nominal = [] if "--nominal" in more else ["--nominal", "Fz0=3000,R0=0.3"]
-    assert main(["diagnose", str(recording), *nominal, *more, "-o", str(tmp_path / "answer"), "--quiet"]) == 2
+    arguments = ["diagnose", str(recording), "--signs", "adapted-sae", *nominal, *more]
+    assert main([*arguments, "-o", str(tmp_path / "answer"), "--quiet"]) == 2
     error = capsys.readouterr().err
     assert message in error
     assert len(error.strip().splitlines()) == 1
