@@ -18,6 +18,7 @@ from ..probing.effect_probing import Screen
 from ..recording.skew import delay_response
 from ..thresholds import EFFECT_ERRORS, EFFECT_GAIN, MAX_SKEW, MIN_SKEW, PREFERRED_ERRORS
 from .effect_search import Search
+from .settling import doubtful_cross_talk, without
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -25,6 +26,8 @@ FloatArray = npt.NDArray[np.float64]
 STEPS = 3
 #: Iterations of a fit with delayed inputs.
 ITERATIONS = 4
+#: The cross-talk that has nearly the shape of an effect.
+LEVER = "cross_talk_Fy_in_Mz"
 #: Number of relaxation effects that are compared with a skew, together.
 RELAXATIONS = 2
 
@@ -47,7 +50,7 @@ def searched(search: Search) -> tuple[Screen, Search]:
     search : Search
         Completed.
     """
-    problem, solution = search.problem, search.solution
+    problem, solution = _without_doubtful_lever(search.problem, search.solution)
     skew = _skew(search, problem, solution)
     before, done = _run(search, problem, solution, skew)
     relaxing = problem.simulator.book.relaxing_effects
@@ -56,6 +59,14 @@ def searched(search: Search) -> tuple[Screen, Search]:
         return before, done
     skew = _skew(done, done.problem, _without(lagging, done.problem, done.solution))
     return _run(search, problem, solution, skew) if skew else (before, done)
+
+
+def _without_doubtful_lever(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution]:
+    """Return problem and solution without a lever of Fy in Mz, unless it is significant: it resembles the trail."""
+    if LEVER not in doubtful_cross_talk(problem, solution):
+        return problem, solution
+    problem = without(problem, (LEVER,))
+    return problem, problem.solve(solution.parameters, solution.free, iterations=ITERATIONS)
 
 
 def _run(search: Search, problem: LeastSquares, solution: Solution, skew: float) -> tuple[Screen, Search]:

@@ -65,8 +65,8 @@ def settle(search: Search, before: Screen) -> Settled:
     unchanged = search.solution is before.solution
     search.problem = replace(search.problem, disturbances=search.problem.disturbances.of_recording())
     search.solution = search.problem.at(search.solution.parameters, search.solution.free)
-    doubtful = _doubtful_cross_talk(search.problem, search.solution)
-    search.problem = _without(search.problem, doubtful)
+    doubtful = doubtful_cross_talk(search.problem, search.solution)
+    search.problem = without(search.problem, doubtful)
     for _ in range(BALANCING):
         search.problem = _balanced(search.problem, search.solution)
         search.solution = search.problem.solve(
@@ -76,7 +76,7 @@ def settle(search: Search, before: Screen) -> Settled:
     if unchanged:
         before = Screen(search.problem, search.solution)
     elif doubtful:
-        problem = _without(before.problem, doubtful)
+        problem = without(before.problem, doubtful)
         before = Screen(
             problem, problem.solve(before.solution.parameters, before.solution.free, iterations=FINAL_ITERATIONS)
         )
@@ -86,8 +86,8 @@ def settle(search: Search, before: Screen) -> Settled:
     return Settled(first, search.screen, whitened, confirmed, rejected)
 
 
-def _doubtful_cross_talk(problem: LeastSquares, solution: Solution) -> tuple[str, ...]:
-    """Return the cross-talk that is not significant: it would take a part of the tire's own moment or force."""
+def doubtful_cross_talk(problem: LeastSquares, solution: Solution) -> tuple[str, ...]:
+    """Return the names of the cross-talk that is not significant: it would take a part of the tire's own forces."""
     screen = Screen(problem, solution)
     screen.learn_noise({})
     names, errors = problem.disturbances.names, screen.standard_errors()[len(solution.free) :]
@@ -98,7 +98,8 @@ def _doubtful_cross_talk(problem: LeastSquares, solution: Solution) -> tuple[str
     )
 
 
-def _without(problem: LeastSquares, disturbances: Collection[str]) -> LeastSquares:
+def without(problem: LeastSquares, disturbances: Collection[str]) -> LeastSquares:
+    """Return a problem without some of the disturbances."""
     return replace(problem, disturbances=problem.disturbances.without(disturbances))
 
 
