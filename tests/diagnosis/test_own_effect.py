@@ -109,7 +109,8 @@ def test_an_invalid_file_raises_one_line_and_writes_nothing(answered, tmp_path, 
     text = FILE.read_text(encoding="utf-8")
     assert old in text
     (tmp_path / "own.toml").write_text(text.replace(old, new), encoding="utf-8")
-    arguments = ["diagnose", str(answered[1]), "--nominal", "Fz0=3000,R0=0.3", "--effect", str(tmp_path / "own.toml")]
+    arguments = ["diagnose", str(answered[1]), "--signs", "adapted-sae", "--nominal", "Fz0=3000,R0=0.3"]
+    arguments += ["--effect", str(tmp_path / "own.toml")]
     assert main([*arguments, "-o", str(tmp_path / "answer"), "--quiet"]) == 2
     error = capsys.readouterr().err
     assert message in error
