@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from tirefmu.tires.table_argument import read_tables_with
 
 if TYPE_CHECKING:
+    from tirefmu.batch.fit_many import fit_many
     from tirefmu.diagnosis import Diagnosis, diagnose
     from tirefmu.fitting import FitResult, fit
     from tirefmu.fmu import CheckResult, check, export
@@ -39,6 +40,7 @@ _ON_DEMAND = {
     "evaluate": "evaluation",
     "export": "fmu",
     "fit": "fitting",
+    "fit_many": "batch.fit_many",
     "load": "tires:read_tir",
     "published": "tires",
     "read_recording": "measurements",
@@ -58,6 +60,7 @@ __all__ = [
     "evaluate",
     "export",
     "fit",
+    "fit_many",
     "load",
     "published",
     "read_recording",

@@ -26,6 +26,7 @@ from .arguments import (
     common,
     write_json,
 )
+from .commands.fit_many_command import fit_many
 from .diagnose_command import diagnose
 from .fit_command import fit
 from .generate_command import generate
@@ -289,6 +290,7 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
 
 
 cli.add_command(fit)
+cli.add_command(fit_many)
 cli.add_command(diagnose)
 cli.add_command(generate)
 cli.add_command(convert)
