@@ -15,6 +15,7 @@ import numpy.typing as npt
 from tirefmu.estimation.block_regression import error_of_sum
 
 from ..least_squares import LeastSquares, Solution
+from ..probing.cross_talk import without_doubtful_lever
 from ..probing.effect_probing import Screen
 from ..recording.skew import delay_response
 from ..thresholds import EFFECT_ERRORS, EFFECT_GAIN, MAX_SKEW, MIN_SKEW, PREFERRED_ERRORS
@@ -67,6 +68,7 @@ def _run(search: Search, problem: LeastSquares, solution: Solution, skew: float)
     if skew:
         search.progress(f"the forces are recorded {1000.0 * skew:.1f} ms after the inputs: corrected")
         problem, solution = _delayed(problem, solution, skew)
+    problem, solution = without_doubtful_lever(problem, solution)  # a skew would hide its significance
     run = Search(problem, solution, search.candidates, search.progress)
     before = Screen(problem, solution)
     run.run()
