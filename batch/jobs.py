@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from tirefmu.measurements.files.reading import READERS
-from tirefmu.symbolic.errors import FitError, UnknownName, path_from
+from tirefmu.symbolic.errors import FitError, path_from
 from tirefmu.symbolic.escaping import file_name, quoted
 
-#: Upper limits of a file of jobs, bytes and jobs.
-LARGEST_FILE, MOST_JOBS = 10_000_000, 100_000
+from .toml_file import check_keys, content_of
+
+#: Upper limit of the number of jobs.
+MOST_JOBS = 100_000
 #: Options of a job: the arguments of `tirefmu.fit` with their types.
 OPTIONS: Mapping[str, type] = {
     "model": str, "start": str, "effects": list, "without": list, "recipe": str, "loss": str, "method": str,
@@ -23,13 +23,6 @@ OPTIONS: Mapping[str, type] = {
 }  # fmt: skip
 #: Options that determine how the tables are read.
 READING: Mapping[str, type] = {"signs": str, "where": str}
-KINDS = {
-    str: "a text",
-    list: "a list of texts",
-    dict: "a table of numbers",
-    int: "a whole number",
-    bool: "true or false",
-}
 
 
 @dataclass(frozen=True)
@@ -92,10 +85,10 @@ def read_jobs(path: str | Path, options: Mapping[str, Any] | None = None) -> tup
         return _unique(_jobs_of_folder(path, options or {}), path)
     if options:
         raise FitError(f"{path}: [defaults] in the file sets {', '.join(options)}")
-    content = _content(path)
-    _check_keys(content, {"defaults": dict, "jobs": list}, str(path))
+    content = content_of(path)
+    check_keys(content, {"defaults": dict, "jobs": list}, str(path))
     defaults = content.get("defaults", {})
-    _check_keys(defaults, {**OPTIONS, **READING}, f"{path}, defaults")
+    check_keys(defaults, {**OPTIONS, **READING}, f"{path}, defaults")
     items = content.get("jobs", [])
     if not items or len(items) > MOST_JOBS:
         raise FitError(f"{path}: {len(items)} [[jobs]], not 1 to {MOST_JOBS}")
@@ -112,22 +105,9 @@ def _jobs_of_folder(folder: Path, options: Mapping[str, Any]) -> list[FitJob]:
     return [FitJob(file_name(one.stem), (one,), how.get("signs"), how.get("where"), others) for one in tables]
 
 
-def _content(path: Path) -> dict[str, Any]:
-    try:
-        if path.stat().st_size > LARGEST_FILE:
-            raise FitError(f"{path}: larger than {LARGEST_FILE} bytes")
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise FitError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except UnicodeDecodeError as error:
-        raise FitError(f"{path}: not a text file (UTF-8)") from error
-    except (ValueError, RecursionError) as error:  # also integers with thousands of digits
-        raise FitError(f"{path}: {error}") from error
-
-
 def _job(item: Any, defaults: Mapping[str, Any], path: Path, number: int) -> FitJob:
     location = f"{path}, job {number}"
-    _check_keys(item, {"name": str, "tables": list, **OPTIONS, **READING}, location)
+    check_keys(item, {"name": str, "tables": list, **OPTIONS, **READING}, location)
     name, tables = item.get("name"), item.get("tables")
     if not name or not tables:
         raise FitError(f"{location}: {'tables' if name else 'name'} is missing")
@@ -150,25 +130,3 @@ def _unique(jobs: Sequence[FitJob], path: Path) -> tuple[FitJob, ...]:
             raise FitError(f"{path}: two jobs have the name {quoted(job.name)}")
         known[job.name.lower()] = job
     return tuple(jobs)
-
-
-def _check_keys(table: Any, kinds: Mapping[str, type], location: str) -> None:
-    if not isinstance(table, dict):
-        raise FitError(f"{location} is not a table")
-    for key, value in table.items():
-        if key not in kinds:
-            raise UnknownName(f"key in {location}", key, kinds)
-        if not _is_of(value, kinds[key], key):
-            raise FitError(f"{location}: {key} = {quoted(value)} is not {KINDS[kinds[key]]}")
-
-
-def _is_of(value: Any, kind: type, key: str) -> bool:
-    if kind is list:
-        return isinstance(value, list) and (key == "jobs" or all(isinstance(one, str) for one in value))
-    if kind is dict:
-        return isinstance(value, dict) and (key == "defaults" or all(map(_is_number, value.values())))
-    return isinstance(value, kind) and isinstance(value, bool) == (kind is bool)
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, (int, float)) and not isinstance(value, bool) and isfinite(value)

@@ -27,6 +27,7 @@ from .arguments import (
     write_json,
 )
 from .commands.fit_many_command import fit_many
+from .commands.study_command import study
 from .diagnose_command import diagnose
 from .fit_command import fit
 from .generate_command import generate
@@ -296,6 +297,7 @@ cli.add_command(generate)
 cli.add_command(convert)
 cli.add_command(lint)
 cli.add_command(inspect)
+cli.add_command(study)
 
 
 def main(arguments: list[str] | None = None) -> int:
