@@ -67,9 +67,9 @@ class Task:
     values: tuple[Mapping[str, float], ...]
 
 
-def run_study(
+def study(
     fmu: str | Path,
-    study: str | Path | Study,
+    plan: str | Path | Study,
     folder: str | Path,
     *,
     scheduler: str | None = None,
@@ -82,7 +82,7 @@ def run_study(
     ----------
     fmu : path
         An FMU for Co-Simulation with slip inputs, such as `tirefmu.export` writes.
-    study : path or Study
+    plan : path or Study
         As for `read_study`.
     folder : path
         For ``study.parquet`` (without pyarrow ``study.csv``), and ``series-NUMBER.parquet`` if the study stores series.
@@ -106,25 +106,25 @@ def run_study(
         As for `read_study`; if a parameter or an output does not exist, or a table cannot be used.
     """
     fmu, folder = path_from(fmu), path_from(folder)
-    given = study if isinstance(study, Study) else read_study(study)
-    if given.series and not find_spec("pyarrow"):
+    plan = plan if isinstance(plan, Study) else read_study(plan)
+    if plan.series and not find_spec("pyarrow"):
         raise DataError("series are stored as Parquet: pip install 'tirefmu[parquet]'")
-    recordings = [recording_from(table, signs=given.signs) for table in given.tables]
-    tasks = list(_tasks(fmu, given, recordings))
+    recordings = [recording_from(table, signs=plan.signs) for table in plan.tables]
+    tasks = list(_tasks(fmu, plan, recordings))
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DataError(f"{folder}: cannot be created ({error.strerror or error})") from error
     done = completed_on_cluster(run, tasks, scheduler) if scheduler else completed(run, tasks, workers)
     rows: list[dict[str, Any]] = []
-    finished, total = 0, len(recordings) * len(given.values)
+    finished, total = 0, len(recordings) * len(plan.values)
     for number, outcome in done:
         task = tasks[number]
-        source = recordings[task.first // len(given.values)].source
+        source = recordings[task.first // len(plan.values)].source
         if isinstance(outcome, Lost):
             outcome = [outcome.reason] * len(task.values)
         rows += _rows(task, source, outcome)
-        if given.series:
+        if plan.series:
             _write(_series(task, outcome), folder / f"series-{task.first:07d}.parquet")
         finished += len(task.values)
         if progress:

@@ -12,7 +12,7 @@ from tirefmu.tires.table_argument import read_tables_with
 
 if TYPE_CHECKING:
     from tirefmu.batch.fit_many import fit_many
-    from tirefmu.batch.study import run_study as study
+    from tirefmu.batch.study import study
     from tirefmu.diagnosis import Diagnosis, diagnose
     from tirefmu.fitting import FitResult, fit
     from tirefmu.fmu import CheckResult, check, export
@@ -45,7 +45,7 @@ _ON_DEMAND = {
     "load": "tires:read_tir",
     "published": "tires",
     "read_recording": "measurements",
-    "study": "batch.study:run_study",
+    "study": "batch.study",
 }
 
 __all__ = [

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tirefmu.batch.study import run_study
+from tirefmu.batch.study import study
 from tirefmu.batch.study_file import read_study
 from tirefmu.cli import main
 from tirefmu.fmu import export
@@ -54,7 +54,7 @@ def folder(manoeuvre, tmp_path_factory):
 def test_each_run_is_the_tire_with_its_values(tire, fmu, folder, manoeuvre, tmp_path, monkeypatch):
     monkeypatch.setattr("tirefmu.batch.study.ROWS_OF_TASK", 4 * len(manoeuvre))  # two tasks
     counts = []
-    table = run_study(fmu, folder / "study.toml", tmp_path, workers=1, progress=lambda *each: counts.append(each))
+    table = study(fmu, folder / "study.toml", tmp_path, workers=1, progress=lambda *each: counts.append(each))
     assert counts == [(4, 6), (6, 6)]
     assert table["run"].tolist() == list(range(6))
     assert (table["reason"] == "").all()
@@ -96,7 +96,7 @@ def test_samples_fill_the_ranges_evenly(tmp_path):
 def test_an_invalid_study_is_one_line(fmu, folder, tmp_path, text, message):
     (folder / "wrong.toml").write_text(text)
     with pytest.raises(TirefmuError, match=message):
-        run_study(fmu, folder / "wrong.toml", tmp_path / "out", workers=1)
+        study(fmu, folder / "wrong.toml", tmp_path / "out", workers=1)
     assert not (tmp_path / "out").exists()
 
 

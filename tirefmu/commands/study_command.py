@@ -30,13 +30,13 @@ def study(
     check_input_paths(fmu, study_file)
     if scheduler and workers:
         raise TirefmuError("--workers is for this machine, --scheduler for a cluster")
-    from tirefmu.batch.study import run_study
+    from tirefmu.batch.study import study as run
 
     from ..terminal import Terminal
 
     terminal = Terminal(quiet)
     with terminal.working("simulating"):
-        table = run_study(
+        table = run(
             fmu, study_file, output, scheduler=scheduler, workers=workers,
             progress=lambda finished, total: terminal.print(f"{finished} of {total} runs"),
         )  # fmt: skip
