@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from tirefmu.measurements import Recording
-from tirefmu.symbolic.errors import TirefmuError, path_from
+from tirefmu.symbolic.errors import TirefmuError, UnknownName, path_from
 from tirefmu.symbolic.escaping import html_text, script_json
 from tirefmu.tires import Tire, TireLike, tire_from
 from tirefmu.tires.drawing.page import write_page
@@ -57,7 +57,9 @@ def explore(
     Raises
     ------
     TirefmuError
-        If the page cannot be written, or an interval belongs to no coefficient.
+        If the page cannot be written.
+    UnknownName
+        If an interval belongs to no coefficient of the tire's model.
 
     Examples
     --------
@@ -86,8 +88,9 @@ def page_text(
     given = [tire] if compare is None else [tire, compare]
     tires = [(tire_from(each).in_signs("iso"), _name(each)) for each in given]
     first = tires[0][0]
-    if unknown := sorted(intervals.keys() - first.book.coefficients.keys()):
-        raise TirefmuError(f"intervals of {', '.join(unknown[:5])}: the tire's model {first.model} has no such coefficient")
+    for name in intervals:
+        if name not in first.book.coefficients:
+            raise UnknownName(f"coefficient of {first.model}", name, first.book.coefficients)
     programs = [program_for_page(switchable(each)) for each, _ in tires]
     data: dict[str, Any] = {
         "tires": [

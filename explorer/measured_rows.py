@@ -77,20 +77,18 @@ def measured_rows(recordings: Sequence[Recording], inputs: Collection[str]) -> l
     return found
 
 
-def _condition(
-    source: str, held: dict[str, float], moving: tuple[str, ...], rows: pd.DataFrame
-) -> MeasuredRows:
+def _condition(source: str, held: dict[str, float], moving: tuple[str, ...], rows: pd.DataFrame) -> MeasuredRows:
     slips = [name for name in moving if name in ("kappa", "alpha")]
-    levels = {name: level for name, level in held.items() if name != "t"}
-    texts = [f"{name} {_level(name, level)}" for name, level in levels.items()]
     sweep = f"{' and '.join(slips)} swept" if slips else "points"
+    texts = [_level(name, level) for name, level in held.items() if abs(level) > (CHANNELS[name].tolerance or 0.0)]
     title = ", ".join([f"{excerpt(source, 40)}: {sweep}", *texts, f"{len(rows)} rows"])
-    return MeasuredRows(title, slips[0] if len(slips) == 1 else "", levels, rows)
+    return MeasuredRows(title, slips[0] if len(slips) == 1 else "", held, rows)
 
 
 def _level(name: str, level: float) -> str:
+    """Return a level that differs from 0, with its unit."""
     unit, scale = shown(CHANNELS[name].unit)
-    return f"{round(level * scale, 3) + 0.0:.4g} {unit}".strip()
+    return f"{name} {level * scale:.3g} {unit}".strip()
 
 
 def rows_data(conditions: Sequence[MeasuredRows], most: int = MOST_ROWS) -> dict[str, Any]:

@@ -92,11 +92,7 @@ def tire_data(
         "inputs": [_input(tire, quantity) for quantity in book.inputs if quantity.name not in book.states],
         "outputs": [{"name": q.name, "unit": q.unit, "text": q.description} for q in book.outputs],
         "roles": {role: _quantity(tire, book.quantity(role)) for role in ROLES if book.quantity(role)},
-        "states": [
-            {"name": state, "settles": declared.settles, "target": declared.line_names[0],
-             "start": declared.line_names[2], "effects": [e for e in effects if state in book.states_of([e])]}
-            for state, declared in book.states.items()
-        ],
+        "states": [_state(whole, name) for name in book.states],
         "coefficients": [
             _coefficient(declared, whole.values[key], owners[key], key in read, intervals.get(key))
             for key, declared in book.coefficients.items()
@@ -119,6 +115,14 @@ def tire_data(
 def _quantity(tire: Tire, name: str) -> dict[str, str]:
     unit, text = tire.book.structure.quantities[name]
     return {"name": name, "unit": "" if unit == "1" else unit, "text": excerpt(text)}
+
+
+def _state(tire: Tire, name: str) -> dict[str, Any]:
+    state = tire.book.states[name]
+    target, _, start, _ = state.line_names
+    effects = [effect for effect in tire.book.effects if effect in tire.has and name in tire.book.states_of([effect])]
+    return {"name": name, "settles": state.settles, "target": target, "start": start, "lines": state.line_names,
+            "effects": effects}  # fmt: skip
 
 
 def _owner(tire: Tire, name: str) -> str:
@@ -158,7 +162,9 @@ def _coefficient(
 def _input(tire: Tire, quantity: Quantity) -> dict[str, Any]:
     nominal = tire.nominal(quantity.name)
     unit, scale = shown(quantity.unit)
-    low, high = tire.ranges.get(quantity.name) or RANGES.get(quantity.name) or (SHARES[0] * nominal, SHARES[1] * nominal)
+    low, high = (
+        tire.ranges.get(quantity.name) or RANGES.get(quantity.name) or (SHARES[0] * nominal, SHARES[1] * nominal)
+    )
     return {
         "name": quantity.name, "text": quantity.description, "unit": unit, "scale": scale, "nominal": nominal,
         "low": min(low, nominal), "high": max(high, nominal),

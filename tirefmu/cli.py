@@ -31,6 +31,7 @@ from .arguments import (
     write_json,
 )
 from .diagnose_command import diagnose
+from .explore_command import explore
 from .generate_command import generate
 from .host_commands import convert, lint
 from .inspect_command import inspect
@@ -403,6 +404,7 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
 
 
 cli.add_command(diagnose)
+cli.add_command(explore)
 cli.add_command(generate)
 cli.add_command(convert)
 cli.add_command(lint)

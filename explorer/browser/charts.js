@@ -2,12 +2,14 @@
 
 /** Lines differ in colour, width and dashes; every colour has a contrast of at least 4.5 on white. */
 const STYLES = {
-  loaded: { stroke: "#595959", width: 2, dash: [2, 4] },
+  loaded: { stroke: "#3d3d3d", width: 2, dash: [3, 4] },
   other: { stroke: "#a33b00", width: 2, dash: [10, 4] },
   family: { stroke: "#4a6fa5", width: 1, dash: [] },
   now: { stroke: "#0b4f9c", width: 2.5, dash: [] },
 };
-const POINT = { color: "rgba(0, 120, 95, 0.55)", size: 3 };
+/** Measured points: bytes alpha, blue, green, red, and the side of a square in pixels of the page. */
+const POINT_COLOR = 0xa05f7800;
+const POINT_SIZE = 3;
 const CHART_HEIGHT = 260;
 const FONT = "12px system-ui, sans-serif";
 
@@ -34,8 +36,8 @@ class Chart {
 
   /** Draw curves {label, style, x, y} and points {x, y}; all curves of a chart that is no locus have the same x. */
   draw(curves, points) {
+    if (this.points?.x !== points?.x || this.points?.y !== points?.y) this.layer = null;
     this.points = points;
-    this.layer = null;
     const data = this.locus
       ? [null, ...curves.map((each) => [each.x, each.y])]
       : [curves[0].x, ...curves.map((each) => each.y)];
@@ -47,9 +49,14 @@ class Chart {
       this.plot = new uPlot(this.options(curves), data, this.box);
     }
     this.curves = curves;
+  }
+
+  /** Describe the curves in words, for those who do not see them. */
+  describe() {
+    if (!this.plot) return;
     const canvas = this.plot.ctx.canvas;
     canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", `${this.title}. ${curves.map(spanText).join(" ")}`);
+    canvas.setAttribute("aria-label", `${this.title}. ${this.curves.map(spanText).join(" ")}`);
   }
 
   options(curves) {
@@ -106,19 +113,32 @@ class Chart {
       const canvas = document.createElement("canvas");
       canvas.width = width;
       canvas.height = height;
-      const context = canvas.getContext("2d");
-      context.fillStyle = POINT.color;
-      const size = POINT.size * devicePixelRatio;
-      const [xs, ys] = [this.points.x.values, this.points.y.values];
-      for (let i = 0; i < xs.length; i += 1) {
-        const across = ((xs[i] - x.min) / (x.max - x.min)) * width;
-        const down = (1 - (ys[i] - y.min) / (y.max - y.min)) * height;
-        context.fillRect(across - size / 2, down - size / 2, size, size);
-      }
+      const across = (value) => ((value - x.min) / (x.max - x.min)) * width;
+      const down = (value) => (1 - (value - y.min) / (y.max - y.min)) * height;
+      fillSquares(canvas, this.points.x.values, across, this.points.y.values, down);
       this.layer = { key, canvas };
     }
     plot.ctx.drawImage(this.layer.canvas, left, top);
   }
+}
+
+/** Fill a square at each point of a layer. Pixels are set directly: thousands of rectangles would take a frame's time. */
+function fillSquares(canvas, xs, across, ys, down) {
+  const { width, height } = canvas;
+  const context = canvas.getContext("2d");
+  const image = context.createImageData(width, height);
+  const pixels = new Uint32Array(image.data.buffer);
+  const size = Math.round(POINT_SIZE * devicePixelRatio);
+  for (let i = 0; i < xs.length; i += 1) {
+    const left = Math.round(across(xs[i]) - size / 2);
+    const top = Math.round(down(ys[i]) - size / 2);
+    for (let row = Math.max(top, 0); row < Math.min(top + size, height); row += 1) {
+      for (let column = Math.max(left, 0); column < Math.min(left + size, width); column += 1) {
+        pixels[row * width + column] = POINT_COLOR;
+      }
+    }
+  }
+  context.putImageData(image, 0, 0);
 }
 
 /** Draw a curve whose points are in any order; nothing remains for the library to draw. */

@@ -82,7 +82,7 @@ function boundsText({ lower, upper, interval = [], other, otherName }) {
   return parts;
 }
 
-/** The coefficients of a tire: one group for the core, one for each effect, with a switch. */
+/** The coefficients of a tire: one group for the core, one for each effect, with a switch. `changed` draws. */
 class CoefficientPanel {
   constructor(host, tire, other, changed) {
     this.tire = tire;
@@ -124,6 +124,7 @@ class CoefficientPanel {
     const box = element("input", { type: "checkbox", id: `effect-${effect.name}` });
     box.addEventListener("change", () => {
       this.tire.switch(effect.name, box.checked);
+      this.show();
       changed();
     });
     this.boxes.set(effect.name, box);

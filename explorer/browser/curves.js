@@ -4,8 +4,8 @@
 const POINTS = 201;
 /** Loads of the family of curves, as shares of the selected load. */
 const FAMILY = [0.5, 0.75, 1, 1.25, 1.5];
-/** Slip angles of the curves of combined slip, as shares of the end of the range. */
-const SHARES = [0.1, 0.25, 0.5, 1];
+/** Slip angles of the curves of combined slip, deg. */
+const ANGLES = [2, 4, 8, 12];
 
 function spaced(low, high, count = POINTS) {
   return Array.from({ length: count }, (_, i) => low + ((high - low) * i) / (count - 1));
@@ -28,7 +28,7 @@ function sweep(tire, selected, name, values, results, wanted) {
   return found;
 }
 
-/** Return Fx and Fy over kappa at constant slip angles: one closed list of points for each. */
+/** Return Fx and Fy over kappa at constant slip angles: a pair of lists for each. */
 function combinedSlip(tire, selected, range, alphas) {
   const kappas = spaced(range.low, range.high);
   return alphas.map((alpha) => {

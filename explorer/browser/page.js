@@ -11,6 +11,7 @@ const inputRows = new Map();
 const find = (id) => document.getElementById(id);
 let panel = null;
 let charts = [];
+let seen = null;
 let pending = 0;
 let delayed = 0;
 
@@ -25,14 +26,17 @@ function sources() {
   const found = [{ label: "as loaded", tire: loaded, share: 1, style: "loaded" }];
   if (other) found.push({ label: other.data.name, tire: other, share: 1, style: "other" });
   for (const share of view.family ? FAMILY.filter((each) => each !== 1) : []) {
-    found.push({ label: `${share} of the load`, tire: now, share, style: "family" });
+    found.push({ label: `${share} Fz`, tire: now, share, style: "family" });
   }
   return [...found, { label: "this tire", tire: now, share: 1, style: "now" }];
 }
 
 /** Return the charts for the selected slip: an output or a quantity with a role, over an input. */
 function chartSpecs() {
-  const specs = now.data.outputs.map((each) => ({ ...each, results: "forces", of: () => each.name, over: view.over }));
+  const first = view.over === "alpha" ? ["Fy", "Mz"] : ["Fx", "Fy"];
+  const place = (each) => (first.includes(each.name) ? first.indexOf(each.name) : first.length);
+  const outputs = [...now.data.outputs].sort((a, b) => place(a) - place(b));
+  const specs = outputs.map((each) => ({ ...each, results: "forces", of: () => each.name, over: view.over }));
   const weighting = view.over === "alpha" ? "weighting_x" : "weighting_y";
   for (const role of [weighting, "stiffness_y", "stiffness_x", "friction_y", "friction_x"]) {
     const own = now.data.roles[role];
@@ -54,13 +58,13 @@ function buildCharts() {
   });
   const has = (name) => now.data.outputs.some((each) => each.name === name);
   if (has("Fx") && has("Fy")) {
-    const alphas = SHARES.map((share) => share * range("alpha").high);
-    const angles = alphas.map((alpha) => shortNumber(alpha / DEGREE)).join(", ");
-    const title = `Fy over Fx: combined slip, kappa swept at alpha ${angles} deg`;
+    const alphas = ANGLES.map((angle) => angle * DEGREE);
+    const title = `Fy over Fx: combined slip, kappa swept at alpha ${ANGLES.join(", ")} deg`;
     const chart = new Chart(host, { title, xTitle: "Fx (N)", yTitle: "Fy (N)", locus: true });
     charts.push({ chart, update: () => updateLoci(chart, alphas) });
   }
-  const seen = new IntersectionObserver((entries) => {
+  seen?.disconnect();
+  seen = new IntersectionObserver((entries) => {
     for (const entry of entries) charts.find((each) => each.chart.figure === entry.target).visible = entry.isIntersecting;
     render();
   });
@@ -118,6 +122,7 @@ function render() {
   }
   clearTimeout(delayed);
   delayed = setTimeout(() => {
+    for (const each of charts) each.chart.describe();
     showNumbers();
     showQuality();
     showStatus();
@@ -251,6 +256,7 @@ function buildKey() {
 function buildMeasured() {
   if (!measured.conditions.length) return;
   find("measured").hidden = false;
+  find("condition-choice").hidden = false;
   measured.conditions.forEach((each, i) => find("condition").append(element("option", { value: i }, each.title)));
   find("condition").addEventListener("change", () => {
     view.condition = Number(find("condition").value);
@@ -263,10 +269,7 @@ function buildMeasured() {
 
 function start() {
   find("subtitle").textContent = [now, other].filter(Boolean).map(({ data }) => `${data.name}: ${data.title} (${data.model})`).join("; ");
-  panel = new CoefficientPanel(find("coefficients"), now, other, () => {
-    panel.show();
-    render();
-  });
+  panel = new CoefficientPanel(find("coefficients"), now, other, render);
   buildInputs();
   buildKey();
   buildMeasured();

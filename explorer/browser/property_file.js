@@ -6,15 +6,16 @@ function propertyFile(tire) {
   const changed = new Set(changes.coefficients.map((each) => each.name));
   const absentAdded = tire.data.effects.filter((each) => each.added && !tire.on.has(each.name));
   const others = new Set([...tire.all].filter((name) => !absentAdded.some((each) => each.name === name)));
-  const kept = reached(tire.data.lines, tire.data.targets, others);
+  const kept = tire.live(others);
+  const contains = (name) => kept.has(name) || !tire.always.has(name);
   const lines = [];
   for (const line of tire.data.file) {
     if (typeof line === "string") lines.push(line);
     else if (line.coefficient) {
       const name = line.coefficient;
-      if (kept.has(name) || !tire.always.has(name)) lines.push(`${name} = ${tire.vector[name]}${line.rest}`);
+      if (contains(name)) lines.push(`${name} = ${tire.vector[name]}${line.rest}`);
     } else if (line.assumed) {
-      const names = line.assumed.filter((name) => !changed.has(name));
+      const names = line.assumed.filter((name) => contains(name) && !changed.has(name));
       if (names.length) lines.push(`${line.title} = '${names.join(",")}'`);
     } else if (line.effects) lines.push(...effectLines(tire));
     else if (line.changes) lines.push(`CHANGED = '${changeText(changes) || "nothing"}'`);

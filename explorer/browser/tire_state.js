@@ -34,8 +34,20 @@ class TireState {
     this.values = new Map(data.coefficients.map((each) => [each.name, each.value]));
     this.on = new Set(data.effects.filter((each) => each.on).map((each) => each.name));
     this.all = new Set(data.effects.map((each) => each.name));
-    this.always = reached(data.lines, data.targets, this.all);
+    this.always = this.live(this.all);
     this.update();
+  }
+
+  /** Return what reaches an output with a set of effects, as Model.reached does in Python. */
+  live(effects) {
+    const targets = new Set(this.data.targets);
+    for (;;) {
+      const found = reached(this.data.lines, targets, effects);
+      // A state is an input of the lines, but depends on lines of its own.
+      const behind = this.data.states.filter((each) => found.has(each.name)).flatMap((each) => each.lines);
+      if (behind.every((name) => targets.has(name))) return found;
+      for (const name of behind) targets.add(name);
+    }
   }
 
   /** Return the tire as it was loaded. */
@@ -45,7 +57,7 @@ class TireState {
 
   set(name, value) {
     this.values.set(name, value);
-    this.update();
+    this.vector = this.written();
   }
 
   switch(effect, on) {
@@ -62,7 +74,7 @@ class TireState {
 
   /** Compute what depends on coefficients and effects. */
   update() {
-    const live = reached(this.data.lines, this.data.targets, this.on);
+    const live = this.live(this.on);
     this.idle = new Set([...this.values.keys()].filter((name) => this.always.has(name) && !live.has(name)));
     this.vector = this.written();
     this.zero = this.data.effects.filter((each) => each.input && !this.on.has(each.name)).map((each) => each.input);
