@@ -33,8 +33,10 @@ from .arguments import (
 from .diagnose_command import diagnose
 from .explore_command import explore
 from .generate_command import generate
+from .help_examples import add_examples
 from .host_commands import convert, lint
 from .inspect_command import inspect
+from .list_commands import effects, models, published
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -403,12 +405,9 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
     return 0 if summary["ok"] else 1
 
 
-cli.add_command(diagnose)
-cli.add_command(explore)
-cli.add_command(generate)
-cli.add_command(convert)
-cli.add_command(lint)
-cli.add_command(inspect)
+for command in (convert, diagnose, effects, explore, generate, inspect, lint, models, published):
+    cli.add_command(command)
+add_examples(cli)
 
 
 def main(arguments: list[str] | None = None) -> int:

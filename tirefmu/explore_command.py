@@ -25,13 +25,7 @@ def explore(
     """Write a page with sliders for the coefficients, effects and inputs of TIRE, over the data of TABLES.
 
     The page is one file that needs no connection. It saves a changed tire as .tir; its address contains its state.
-
-    \b
-    Examples:
-      tirefmu explore tire.tir -o tire.html
-      tirefmu explore tire.tir run.csv --fit fit.json -o tire.html
-      tirefmu explore new.tir --compare trento_hoosier -o tires.html
-    """  # noqa: D301  (click needs the character)
+    """
     check_output_paths(output, json_file)
     check_input_paths(tire, *tables, *(path for path in (compare, fit_json) if path))
     from tirefmu.explorer.explore import explore as run
