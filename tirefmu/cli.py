@@ -30,13 +30,14 @@ from .arguments import (
     names,
     write_json,
 )
+from .commands.explore_command import explore
+from .commands.help_examples import add_examples
+from .commands.list_commands import effects, models, published
+from .commands.project_commands import init, run
 from .diagnose_command import diagnose
-from .explore_command import explore
 from .generate_command import generate
-from .help_examples import add_examples
 from .host_commands import convert, lint
 from .inspect_command import inspect
-from .list_commands import effects, models, published
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
@@ -405,7 +406,7 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
     return 0 if summary["ok"] else 1
 
 
-for command in (convert, diagnose, effects, explore, generate, inspect, lint, models, published):
+for command in (convert, diagnose, effects, explore, generate, init, inspect, lint, models, published, run):
     cli.add_command(command)
 add_examples(cli)
 

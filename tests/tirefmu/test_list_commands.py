@@ -7,9 +7,9 @@ import shlex
 
 import pytest
 
-from tirefmu.catalogue import effects
 from tirefmu.cli import cli
-from tirefmu.help_examples import EXAMPLES
+from tirefmu.commands.catalogue import effects
+from tirefmu.commands.help_examples import EXAMPLES
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import published

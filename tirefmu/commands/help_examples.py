@@ -35,6 +35,8 @@ EXAMPLES = {
     "effects": ("effects --model mf61", "effects temp_friction"),
     "models": ("models", "models --json models.json"),
     "published": ("published",),
+    "init": ("init cornering.mat drivebrake.mat --model mf61 --nominal Fz0=1100,R0=0.2", "init"),
+    "run": ("run", "run tirefmu.toml --force"),
     "demo": ("demo -o demo-output",),
 }
 

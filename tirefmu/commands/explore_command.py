@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, common, write_json
+from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, common, write_json
 
 
 @click.command()
@@ -32,7 +32,7 @@ def explore(
     from tirefmu.explorer.fit_intervals import fit_intervals
     from tirefmu.measurements import recordings_from
 
-    from .terminal import Terminal
+    from ..terminal import Terminal
 
     terminal = Terminal(quiet)
     intervals = fit_intervals(fit_json, tire) if fit_json else {}

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from .arguments import check_output_paths, common, write_json
+from ..arguments import check_output_paths, common, write_json
 
 
 @click.command()
@@ -20,8 +20,8 @@ def effects(name: str | None, model: str | None, quiet: bool, json_file: Path | 
     Kinds: default (part of the model), optional (part of it on request), library (an addition to any model).
     """
     check_output_paths(json_file)
+    from ..terminal import Terminal
     from .catalogue import effects as found_effects
-    from .terminal import Terminal
 
     found = found_effects(name, model)
     write_json(json_file, {"ok": True, "effects": found})
@@ -66,8 +66,8 @@ def _bounds(bounds: list[float | None]) -> str:
 def models(quiet: bool, json_file: Path | None) -> int:
     """List the tire models: inputs, outputs, number of coefficients, recipes of a fit."""
     check_output_paths(json_file)
+    from ..terminal import Terminal
     from .catalogue import models as found_models
-    from .terminal import Terminal
 
     found = found_models()
     write_json(json_file, {"ok": True, "models": found})
@@ -84,8 +84,8 @@ def models(quiet: bool, json_file: Path | None) -> int:
 def published(quiet: bool, json_file: Path | None) -> int:
     """List the published tires. Every command takes their names in place of a file."""
     check_output_paths(json_file)
+    from ..terminal import Terminal
     from .catalogue import published_tires
-    from .terminal import Terminal
 
     found = published_tires()
     write_json(json_file, {"ok": True, "published": found})
