@@ -80,10 +80,11 @@ def _key(step: Step) -> str:
 
 def _digests(paths: Iterable[Path]) -> dict[str, str]:
     """Return the digest of each file, also of those in folders; '' for one that does not exist."""
-    return {str(path): _digest(path) for given in paths for path in _files(given)}
+    return {str(path): _digest(path) for given in paths for path in files_of(given)}
 
 
-def _files(path: Path) -> Iterator[Path]:
+def files_of(path: Path) -> Iterator[Path]:
+    """Yield a file, or the files in a folder and below it."""
     if path.is_dir():
         yield from sorted(each for each in path.rglob("*") if each.is_file())
     else:

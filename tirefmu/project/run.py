@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
@@ -14,7 +13,7 @@ from tirefmu.tires.drawing.page import page_text, write_page
 
 from ..terminal import Terminal
 from .project_file import Project
-from .records import Records
+from .records import Records, files_of
 from .steps import Step, steps_of
 from .summaries import summary_of
 
@@ -65,6 +64,8 @@ def run_project(project: Project, command: Command, terminal: Terminal, *, force
     TirefmuError
         If a table does not exist, a folder or file cannot be written, or a step has invalid input; steps before it
         are recorded.
+    KeyboardInterrupt
+        If a step was interrupted; it is repeated by the next run.
     """
     for table in (*project.tables, *project.diagnosed):
         if not table.is_file():
@@ -95,6 +96,8 @@ def _run(step: Step, records: Records, command: Command, terminal: Terminal, for
                 status = command(step.command, ["--quiet", *step.arguments])
         except TirefmuError as error:
             raise TirefmuError(f"step {step.name}: {error}") from error
+        if _result(step).get("interrupted"):
+            raise KeyboardInterrupt  # a fit ends with the best values so far, which is no complete step
         records.add(step, status)
     return Outcome(step, status, repeated, tuple(summary_of(step.command, _result(step))))
 
@@ -113,16 +116,12 @@ def _write_index(project: Project, outcomes: Sequence[Outcome]) -> None:
 
     def links(outcome: Outcome) -> list[tuple[str, str]]:
         first = [outcome.step.page] if outcome.step.page else []
-        shown = dict.fromkeys([*first, *outcome.step.outputs])
-        return [(str(each.relative_to(folder)), _address(each, folder)) for each in shown]
+        written = [file for output in outcome.step.outputs for file in files_of(output)]
+        names = [each.relative_to(folder).as_posix() for each in dict.fromkeys([*first, *written])]
+        return [(name, "./" + quote(name)) for name in names]
 
     text = page_text("tirefmu.project", {"links": links}, title=project.path.resolve().parent.name, outcomes=outcomes)
     try:
         write_page(text, path)
     except OSError as error:
         raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from error
-
-
-def _address(path: Path, folder: Path) -> str:
-    """Return the relative address of a file or folder."""
-    return "./" + quote(path.relative_to(folder).as_posix()) + ("/" if path.is_dir() else "")

@@ -31,7 +31,7 @@ def _inspect(result: Mapping[str, Any]) -> Iterator[str]:
 
 def _fit(result: Mapping[str, Any]) -> Iterator[str]:
     yield f"verdict: {result['verdict']['word']} ({result['model']})"
-    yield from (f"- {reason}" for reason in result["verdict"]["reasons"])
+    yield from result["verdict"]["reasons"]
     for each in result["channels"]:
         quality = f"RMSE {_short(each['rmse'])} {each['unit']}, R2 {_short(each['r2'])}"
         yield f"{each['recording']}, {each['channel']}: {quality}"
