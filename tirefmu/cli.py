@@ -26,6 +26,7 @@ from .arguments import (
     common,
     write_json,
 )
+from .commands.compare_command import compare
 from .commands.explore_command import explore
 from .commands.help_examples import add_examples
 from .commands.list_commands import effects, models, published
@@ -292,7 +293,21 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
     return 0 if summary["ok"] else 1
 
 
-for command in (convert, diagnose, effects, explore, fit, generate, init, inspect, lint, models, published, run):
+for command in (
+    compare,
+    convert,
+    diagnose,
+    effects,
+    explore,
+    fit,
+    generate,
+    init,
+    inspect,
+    lint,
+    models,
+    published,
+    run,
+):
     cli.add_command(command)
 add_examples(cli)
 

@@ -27,6 +27,7 @@ EXAMPLES = {
         "explore my.tir run.csv --fit fit.json -o tire.html",
         "explore new.tir --compare trento_hoosier -o tires.html",
     ),
+    "compare": ("compare old.tir new.tir run.csv -o comparison", "compare my.tir trento_hoosier -o comparison"),
     "generate": ("generate my.tir --language cpp -o code", "generate mf61 --language matlab --only Fy,Mz -o code"),
     "convert": ("convert my.tir --for adams -o adams.tir",),
     "lint": ("lint my.tir --for carsim",),
