@@ -24,6 +24,8 @@ MAY_IMPORT = {
     "fmu": {"symbolic", "generated", "tires", "measurements"},
     "hosts": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting"},
     "batch": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting", "fmu"},
+    "comparison": {"symbolic", "generated", "tires", "measurements"},
+    "explorer": {"symbolic", "generated", "tires", "measurements"},
     "diagnosis": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting", "fmu"},
 }
 MAY_IMPORT[TOP] = set(MAY_IMPORT)
