@@ -106,9 +106,24 @@ def differences(command, folder):
     return run.returncode, {name: float(number) for name, number in lines}
 
 
+def with_faults(stored):
+    """Return the text of a self-test's file twice: its last result wrong, a result of its first row not a number.
+
+    Later rows are correct, and a comparison with NaN is false: NaN must not be lost.
+    """
+    head, sizes, first, *rows = stored.splitlines()
+    *values, last = rows[-1].split()
+    wrong = [*values, repr(float(last) + 1e-3 * max(1.0, abs(float(last))))]
+    undefined = [*first.split()[:-1], "nan"]
+    return (
+        "\n".join([head, sizes, first, *rows[:-1], " ".join(wrong), ""]),
+        "\n".join([head, sizes, " ".join(undefined), *rows, ""]),
+    )
+
+
 @pytest.fixture(scope="session")
 def assert_agrees():
-    """Return a function that runs a printout's self-test, correct and with a fault in its stored results."""
+    """Return a function that runs a printout's self-test, correct and with faults in its stored results."""
 
     def check(command, folder, functions=FUNCTIONS):
         code, found = differences(command, folder)
@@ -119,11 +134,10 @@ def assert_agrees():
         assert not (folder / "ran").exists()
         (stored,) = folder.glob("*_selftest.txt")
         correct = stored.read_text()
-        head, rows = correct.split("\n")[:-2], correct.split("\n")[-2].split()
-        rows[-1] = repr(float(rows[-1]) + 1e-3 * max(1.0, abs(float(rows[-1]))))
-        stored.write_text("\n".join([*head, " ".join(rows), ""]))
         try:
-            assert differences(command, folder)[0] == 1
+            for wrong in with_faults(correct):
+                stored.write_text(wrong)
+                assert differences(command, folder)[0] == 1
         finally:
             stored.write_text(correct)
 

@@ -270,7 +270,8 @@ def _self_test(program: Program) -> str:
             f"for (std::size_t end = k + {size}; k < end; k++) {{",
             "    const double size = std::max(sizes[k], std::abs(expected[k]));",
             "    const double difference = std::abs(results[k] - expected[k])/size;",
-            f"    largest[{i}] = difference <= largest[{i}] ? largest[{i}] : difference;",
+            f"    if (!(difference <= largest[{i}]))",
+            f"        largest[{i}] = difference >= 0.0 ? difference : HUGE_VAL; // NaN stays the largest",
             "}",
         ]
         tolerance = f"{TOLERANCE[routine.name]!r}"
