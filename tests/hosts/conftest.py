@@ -24,10 +24,11 @@ HOSTILE = '*/ -- }% """ \' #= =# \\end{document} ??/ \u2028 $(touch ran) <script
 
 
 def wet_grip(text=HOSTILE):
-    """Return a user-defined effect whose texts are a given one."""
+    """Return a user-defined effect whose texts are a given one; its formula has a power with a quotient."""
     coefficient = Coefficient(text, "1", -1.0, 1.0)
     coefficient.name = "GRIPT"
-    return AddedEffect("wet_grip", text, text, (coefficient,), (Act("friction_y", "factor", "1 + GRIPT*sin(gamma)"),))
+    formula = "1 + GRIPT*sin(gamma)*(1 + gamma**2)**(1/(2 + GRIPT))"
+    return AddedEffect("wet_grip", text, text, (coefficient,), (Act("friction_y", "factor", formula),))
 
 
 @pytest.fixture(scope="session")

@@ -150,6 +150,8 @@ class MatlabPrinter(CallPrinter):
     >>> x, y = sp.symbols("x y")
     >>> MatlabPrinter().doprint(2 * x * y / (1 + x**2))
     '2.0.*x.*y./(1.0 + x.^2.0)'
+    >>> MatlabPrinter().doprint(x ** (1 / y)), MatlabPrinter().doprint((x**y) ** (y**-2))
+    ('x.^(1.0./y)', 'x.^y.^(y.^(-2.0))')
     >>> MatlabPrinter().doprint(sp.Piecewise((1, sp.And(x > 0, y > 0)), (x / 3, True)))
     'choose((x > 0.0) & (y > 0.0), 1.0, 0.3333333333333333.*x)'
     """
@@ -169,5 +171,7 @@ class MatlabPrinter(CallPrinter):
         if abs(expr.exp) == sp.Rational(1, 2):
             text = self._call("sqrt", expr.base)
             return text if expr.exp > 0 else f"1.0./{text}"
-        base, exponent = (self.parenthesize(part, PRECEDENCE["Pow"], strict=True) for part in expr.args)
-        return f"{base}.^{exponent if not str(exponent).startswith('-') else f'({exponent})'}"
+        # Powers are read from the left: x.^y.^z is (x.^y).^z.
+        base = self.parenthesize(expr.base, PRECEDENCE["Pow"], strict=True)
+        exponent = self.parenthesize(expr.exp, PRECEDENCE["Pow"])
+        return f"{base}.^{exponent if not exponent.startswith('-') else f'({exponent})'}"
