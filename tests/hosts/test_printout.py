@@ -16,7 +16,7 @@ from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.printers.languages import LANGUAGES
 from tirefmu.symbolic.printers.languages.program import FUNCTIONS
 
-from .conftest import HOSTILE, wet_grip
+from .conftest import HOSTILE, command_of, wet_grip
 
 PLAIN = "a plain text"
 
@@ -70,6 +70,22 @@ def test_only_some_outputs(trento):
     assert "Scalar Mz" not in part
     assert "Scalar Fx" not in part
     assert len(part) < 0.6 * len(whole)
+
+
+@pytest.mark.parametrize("language", ["numpy", "casadi", "jax", "torch"])
+def test_a_tire_with_the_name_of_a_library_does_not_hide_it(trento, tmp_path, language):
+    trento.save(tmp_path / f"{language}.tir")
+    files = printed(tmp_path / f"{language}.tir", language, rows=1, functions=["forces"])
+    modules = re.findall(r"(?m)^ *(?:import|from) (\w+)", "\n".join(files.values()))
+    assert language in modules
+    assert f"{language}.py" not in files
+
+
+def test_a_tire_with_the_name_of_a_function_compiles(trento, tmp_path, assert_agrees):
+    trento.save(tmp_path / "gamma.tir")
+    command_of("cpp")
+    generate(tmp_path / "gamma.tir", "cpp", tmp_path, functions=["forces"], rows=2)
+    assert_agrees(command_of("cpp", tmp_path), tmp_path, ["forces"])
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from ...errors import TirefmuError
 from ...model import Model
 from ...model.lines import reaching, reduced
 from ...notation import Equation
-from ...reserved import is_reserved
+from ...reserved import no_state
 from ..routines import Routine, chosen_routines
 from .literals import Literal, folded
 
@@ -22,6 +22,8 @@ from .literals import Literal, folded
 FUNCTIONS = ("forces", "quantities", "jacobian_inputs", "jacobian_parameters")
 #: Where the values of the coefficients are: in the lines, in a structure with default values, in a file.
 PLACEMENTS = ("inline", "struct", "file")
+#: Modules and namespaces that printouts use, in addition to Python's own: a file of the same name would hide them.
+LIBRARIES = frozenset(["casadi", "jax", "numpy", "torch", "std", "core", "libm"])
 #: Largest differences that a self-test accepts, relative to a result or its typical size.
 TOLERANCE = {"forces": 1e-12, "quantities": 1e-12, "jacobian_inputs": 1e-9, "jacobian_parameters": 1e-9}
 
@@ -194,11 +196,15 @@ def operations(routine: Routine) -> int:
 def identifier(text: str) -> str:
     """Return a text as an identifier of every language: lower case, digits and single underscores.
 
+    It is no word of a language, no function of C, no module that a printout imports and no device of Windows.
+
     Examples
     --------
     >>> identifier("My Tire 205/55.tir"), identifier("2019 front"), identifier("for"), identifier("größe")
     ('my_tire_205_55_tir', 'tire_2019_front', 'tire_for', 'gr_e')
+    >>> identifier("numpy"), identifier("gamma"), identifier("aux")
+    ('tire_numpy', 'tire_gamma', 'tire_aux')
     """
     plain = re.sub("[^a-z0-9]+", "_", text.lower()).strip("_")[:40].strip("_")
-    usable = plain[:1].isalpha() and not is_reserved(plain) and plain not in sys.stdlib_module_names
+    usable = not no_state(plain) and plain not in sys.stdlib_module_names and plain not in LIBRARIES
     return plain if usable else f"tire_{plain}".rstrip("_")
