@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -15,10 +15,6 @@ FloatArray = npt.NDArray[np.float64]
 
 #: How much more than a change in the last digit of the coefficients an ill-conditioned result may differ.
 MARGIN = 5.0
-
-#: Quantities of MF-Tyre that lose digits if Q_FZ2 is nearly 0, as in files of MF5.2: the closed form of the deflection
-#: subtracts two almost equal numbers, and every other order of roundings gives other digits. Their size is multiplied.
-DEFLECTION, NEARLY_LINEAR, LOST = ("rho", "R_l", "c_z"), 1e-3, 1e6
 
 #: The rows of the file that a printout contains.
 ROWS = 40
@@ -113,8 +109,10 @@ def reference(tire: Tire, program: Program, inputs: FloatArray) -> tuple[FloatAr
         elif routine.name == "jacobian_parameters":
             size += _force_per(forces, np.abs(np.array([program.coefficients[label] for label in routine.labels])))
         needed = MARGIN * np.abs(changed - values) / TOLERANCE[routine.name]
-        if routine.name == "quantities" and abs(tire.values.get("Q_FZ2", 1.0)) < NEARLY_LINEAR:
-            size *= np.where(np.isin(routine.labels, DEFLECTION), LOST, 1.0)
+        if routine.name == "quantities" and tire.values.get("Q_FZ2"):
+            rounding = _rounding_of_deflection(tire, dict(zip(routine.labels, values.T, strict=True)))
+            lost = np.array([rounding.get(label, 0.0) for label in routine.labels])
+            size = np.maximum(size, MARGIN * lost / TOLERANCE[routine.name])
         size = np.maximum(size, 5 * np.median(needed, axis=0))
         well_conditioned &= (needed <= np.maximum(size, np.abs(values))).all(axis=1)
         parts.append(values)
@@ -136,6 +134,23 @@ def _results(
         return code.jacobian_inputs(inputs, parameters)[:, outputs].reshape(inputs.shape[1], -1)
     columns = [list(tire.book.coefficients).index(label) for label in labels]
     return code.jacobian_parameters(inputs, parameters)[:, outputs][:, :, columns].reshape(inputs.shape[1], -1)
+
+
+def _rounding_of_deflection(tire: Tire, quantities: Mapping[str, FloatArray]) -> dict[str, float]:
+    """Return the rounding errors of the quantities of MF-Tyre that lose digits if Q_FZ2 is small, as in files of MF5.2.
+
+    The closed form of the deflection, R0 (sqrt(Q_FZ1^2 + 4 Q_FZ2 F) - Q_FZ1) / (2 Q_FZ2), subtracts almost equal
+    numbers: every other order of roundings gives other digits, whatever the coefficients.
+    """
+    values = tire.values
+    radius = values["UNLOADED_RADIUS"]
+    linear = values["VERTICAL_STIFFNESS"] * radius / values["FNOMIN"]
+    deflection = float(np.finfo(float).eps * radius * linear / abs(values["Q_FZ2"]))
+    found = {"rho": deflection, "R_l": deflection}
+    if "rho" in quantities and "c_z" in quantities and (loaded := quantities["rho"] > 0).any():
+        # The load over the deflection.
+        found["c_z"] = float(np.max(deflection * np.abs(quantities["c_z"][loaded] / quantities["rho"][loaded])))
+    return found
 
 
 def _typical(values: FloatArray) -> FloatArray:

@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 
 from tirefmu.cli import main
-from tirefmu.hosts.printout import generate, printed
-from tirefmu.hosts.self_test import operating_conditions
+from tirefmu.hosts.printout import generate, printed, program_of
+from tirefmu.hosts.self_test import operating_conditions, reference
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.printers.languages import LANGUAGES
-from tirefmu.symbolic.printers.languages.program import FUNCTIONS
+from tirefmu.symbolic.printers.languages.program import FUNCTIONS, Selection
+from tirefmu.tires import read_tir
 
 from .conftest import HOSTILE, command_of, wet_grip
 
@@ -30,6 +31,29 @@ def test_special_operating_conditions_are_among_the_rows(mf61):
     assert ((rows["kappa"] == 0) & (rows["alpha"] == 0)).any()
     assert (rows["kappa"] == -1).any()
     assert (np.abs(rows["alpha"]) > 1).any()
+
+
+@pytest.mark.parametrize("model", ["mf96", "mf52", "mf61"])
+def test_few_rows_are_omitted_and_few_results_have_a_wider_tolerance(trento, golden, model):
+    """All special rows are compared. Only results that lose digits are compared less strictly than their size."""
+    tire = trento if model == "mf96" else read_tir(golden / f"MagicFormula{model[2:]}_Parameters.tir")
+    tire = tire.in_signs("iso")
+    found = program_of(tire, model, Selection(("forces", "quantities")), rows=1)
+    rows = operating_conditions(tire, 500)
+    inputs, results, sizes = reference(tire, found, rows)
+    assert inputs.shape[1] >= 0.99 * rows.shape[1]
+    np.testing.assert_array_equal(inputs[:, :13], rows[:, :13])
+    labels = np.array([label for routine in found.routines for label in routine.labels])
+    typical = np.array([np.median(np.abs(x[x != 0])) if x.any() else 1.0 for x in results.T])
+    assert set(labels[sizes > 1.5 * typical]) <= ({"rho", "R_l", "c_z"} if model == "mf52" else set())
+
+
+def test_the_deflection_of_a_nearly_linear_tire_is_compared_within_its_rounding(golden, printout, assert_agrees):
+    tire = read_tir(golden / "MagicFormula52_Parameters.tir")
+    for bend in (1e-2, 1e-7):
+        nearly_linear = replace(tire, values={**tire.values, "Q_FZ2": bend})
+        folder = printout(nearly_linear, "numpy", "linear", functions=["quantities"])
+        assert_agrees(command_of("numpy", folder), folder, ["quantities"])
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
