@@ -28,6 +28,7 @@ FIALA = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.31, "WIDTH": 0.15, "VERTICAL_STI
          "CALPHA": 6e4, "UMIN": 0.7, "UMAX": 1.1, "ROLLING_RESISTANCE": 0.004}  # fmt: skip
 BRUSH = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3, "CKAPPA": 9e4, "CALPHA": 5e4, "MUX": 1.4, "MUY": 1.1,
          "PATCH": 0.07, "NSTIFF": 0.7, "NMU": -0.12, "NPATCH": 0.6}  # fmt: skip
+WITH_STATES = ("heat_friction", "slip_history", "relax_lat", "relax_lon")
 LIBM = os.environ.get("LIBM", "liblibm.rlib")
 #: How the self-test of a language is compiled and run.
 PYTHON = f"{sys.executable} {{}}"
@@ -88,7 +89,7 @@ ENDINGS = {"c": ".c", "cpp": ".cpp", "javascript": ".mjs", "matlab": ".m"}
 
 
 def tires() -> dict[str, Tire]:
-    """Return a tire of every model, and one with an added effect."""
+    """Return a tire of every model, one with an added effect, and one with states."""
     golden = ROOT / "tests" / "golden"
     found = {"mf96": published("trento_hoosier")}
     for model in ("mf52", "mf61", "mf62"):
@@ -96,7 +97,10 @@ def tires() -> dict[str, Tire]:
     mf61 = found["mf61"]
     values = {**mf61.values, "TREF": 60.0, "TMU1": -0.002, "TMU2": -3e-5}
     warm = replace(mf61, values=values, effects={*mf61.has, "temp_friction"})
-    return {**found, "fiala": Tire("fiala", FIALA), "brush": Tire("brush", BRUSH), "mf61 + temp_friction": warm}
+    states = {"HMU": 4e-6, "SHMU": 0.05, "SIGX": 0.2, "SIGY": 0.4}
+    late = replace(mf61, values={**mf61.values, **states}, effects={*mf61.has, *WITH_STATES})
+    return {**found, "fiala": Tire("fiala", FIALA), "brush": Tire("brush", BRUSH), "mf61 + temp_friction": warm,
+            "mf61 + states": late}  # fmt: skip
 
 
 def run(command: str, folder: Path) -> str:
@@ -114,8 +118,8 @@ def run(command: str, folder: Path) -> str:
 @lru_cache(maxsize=2)
 def program(name: str, placement: str, rows: int) -> Program:
     """Return the printout of a tire: lines, functions and rows are the same in all languages."""
-    functions = FUNCTIONS if placement == "struct" else FUNCTIONS[:3]
     tire = tires()[name].in_signs("iso")
+    functions = (*FUNCTIONS[: 4 if placement == "struct" else 3], *(["states"] if tire.states else []))
     return program_of(tire, tire.model, Selection(functions, placement), rows)
 
 
@@ -158,15 +162,19 @@ def main() -> None:
     parser.add_argument("--only-times", action="store_true")
     options = parser.parse_args()
     chosen = {name: tire for name, tire in tires().items() if not options.models or name in options.models.split(",")}
-    print("| model | language | inline: forces | quantities | d/d inputs | struct: forces | quantities | d/d inputs"
-          " | d/d coefficients | ns per point |\n|" + "---|" * 10)  # fmt: skip
+    inline, struct = (f"{placement}: forces | quantities | d/d inputs" for placement in ("inline", "struct"))
+    print(
+        f"| model | language | {inline} | states | {struct} | d/d coefficients | states | ns per point |\n|"
+        + "---|" * 12
+    )
     for name, tire in chosen.items():
         for language in options.only.split(","):
             cells = []
-            kinds = () if options.only_times else (("inline", 3, options.rows), ("struct", 4, options.struct_rows))
+            kinds = () if options.only_times else (("inline", 4, options.rows), ("struct", 5, options.struct_rows))
             for placement, count, rows in kinds:
                 try:
-                    cells += list(differences(program(name, placement, rows), language).values())
+                    found = list(differences(program(name, placement, rows), language).values())
+                    cells += [*found, *["no states"] * (count - len(found))]
                 except (RuntimeError, OSError, subprocess.TimeoutExpired) as error:
                     cells += [f"not run: {error}"] * count
             try:

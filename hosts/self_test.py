@@ -10,6 +10,9 @@ import numpy.typing as npt
 from tirefmu.symbolic.printers.languages.program import TOLERANCE, Program
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
+from tirefmu.tires.states import equilibrium
+
+from .state_rates import state_rates
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -39,6 +42,8 @@ def check_text(tire: Tire, program: Program, rows: int = ROWS, seed: int = 0) ->
     str
     """
     inputs = operating_conditions(tire, rows, seed)
+    lagged = [quantity.name for quantity in program.inputs[len(inputs) :]]
+    inputs = np.concatenate([inputs, _lagged(lagged, rows, seed)])
     inputs, results, sizes = reference(tire, program, inputs)
     lines = [str(inputs.shape[1]), _numbers(sizes)]
     lines += [f"{_numbers(row)} {_numbers(values)}" for row, values in zip(inputs.T, results, strict=True)]
@@ -53,7 +58,7 @@ def operating_conditions(tire: Tire, rows: int, seed: int = 0) -> FloatArray:
     """Return operating conditions, shape (n_inputs, rows): special ones first, then random ones.
 
     Special are zero slip, no load, a tenth and three times the nominal load, a locked and a spinning wheel, slip angles
-    up to 1.2 rad, reverse, standstill.
+    up to 1.2 rad, reverse, standstill. States of effects are between zero and 1.5 times their equilibrium.
     """
     rng = np.random.default_rng(seed)
     nominal = {name: tire.nominal(name) for name in tire.inputs}
@@ -77,7 +82,21 @@ def operating_conditions(tire: Tire, rows: int, seed: int = 0) -> FloatArray:
         row[:] = random.get(name, nominal[name] * rng.uniform(0.7, 1.3, rows))
         for i, given in enumerate(special[:rows]):
             row[i] = given.get(name, nominal[name])
-    return tire.effective_inputs(table.T).T
+    table = tire.effective_inputs(table)
+    if not tire.states:
+        return table
+    settled = equilibrium(tire.book, code_for(tire.book, "numpy"), table, tire.parameters(), tire.states)
+    for i, name in enumerate(tire.inputs):
+        if name in tire.states:
+            state = tire.book.states[name]
+            table[i] = settled[i] * rng.uniform(0.0, 1.5, rows) if state.settles else rng.uniform(-1.0, 1.0, rows)
+    return table
+
+
+def _lagged(names: Sequence[str], rows: int, seed: int) -> FloatArray:
+    """Return lagged slips, shape (n_names, rows)."""
+    rng = np.random.default_rng([seed, 1])
+    return np.array([rng.uniform(-0.8, 0.8, rows) for _ in names]).reshape(len(names), rows)
 
 
 def reference(tire: Tire, program: Program, inputs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -125,13 +144,18 @@ def _results(
 ) -> FloatArray:
     """Return the results of one function, shape (rows, n_results)."""
     code = code_for(tire.book, "numpy")
+    if name == "states":
+        return state_rates(tire, code, inputs, parameters, labels)
+    inputs = inputs[: len(tire.inputs)]
     outputs = [tire.outputs.index(quantity.name) for quantity in program.outputs]
     if name == "forces":
         return code.forces(inputs, parameters)[outputs].T
     if name == "quantities":
         return code.quantities(inputs, parameters)[[code.quantities_names.index(label) for label in labels]].T
     if name == "jacobian_inputs":
-        return code.jacobian_inputs(inputs, parameters)[:, outputs].reshape(inputs.shape[1], -1)
+        matrix = code.jacobian_inputs(inputs, parameters)[:, outputs]
+        lagged = len(labels) - len(tire.inputs)  # the forces do not read them
+        return np.pad(matrix, ((0, 0), (0, 0), (0, lagged))).reshape(inputs.shape[1], -1)
     columns = [list(tire.book.coefficients).index(label) for label in labels]
     return code.jacobian_parameters(inputs, parameters)[:, outputs][:, :, columns].reshape(inputs.shape[1], -1)
 

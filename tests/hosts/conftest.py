@@ -44,10 +44,11 @@ def trento():
 
 @pytest.fixture(scope="session")
 def wet():
-    """Return an MF96 tire with a user-defined effect; all its texts are hostile."""
+    """Return an MF96 tire with a user-defined effect, whose texts are all hostile, and effects with states."""
     trento = published("trento_hoosier")
-    effects = {*trento.has, "wet_grip"}
-    return replace(trento, values={**trento.values, "GRIPT": 0.01}, effects=effects, name=HOSTILE, added=(wet_grip(),))
+    effects = {*trento.has, "wet_grip", "heat_friction", "slip_history"}
+    values = {**trento.values, "GRIPT": 0.01, "HMU": 1e-5, "SHMU": 0.05, "SHK": 0.1}
+    return replace(trento, values=values, effects=effects, name=HOSTILE, added=(wet_grip(),))
 
 
 def tool(name):

@@ -121,6 +121,7 @@ def test_a_tire_with_the_name_of_a_function_compiles(trento, tmp_path, assert_ag
         ({"only": ["Mx"]}, "unknown output of mf96 'Mx': did you mean"),
         ({"values": "inlined"}, "unknown placement of values 'inlined': did you mean inline?"),
         ({"functions": ["jacobian_parameters"]}, "use --values struct or file"),
+        ({"functions": ["states"]}, "states: the tire has none"),
     ],
 )
 def test_a_wrong_request_names_the_nearest(trento, tmp_path, arguments, message):
@@ -134,7 +135,7 @@ def test_a_wrong_request_names_the_nearest(trento, tmp_path, arguments, message)
 
 def test_the_command_prints_a_model_with_all_functions(tmp_path, capsys):
     out = tmp_path / "new" / "folder"
-    arguments = ["generate", "brush", "--language", "cpp", "-o", str(out), "--functions", ",".join(FUNCTIONS)]
+    arguments = ["generate", "brush", "--language", "cpp", "-o", str(out), "--functions", ",".join(FUNCTIONS[:4])]
     assert main([*arguments, "--json", str(tmp_path / "r.json"), "--quiet"]) == 0
     written = json.loads((tmp_path / "r.json").read_text())
     assert written["files"] == [str(out / name) for name in ("brush.hpp", "brush_selftest.cpp", "brush_selftest.txt")]

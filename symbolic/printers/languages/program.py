@@ -16,16 +16,17 @@ from ...model.lines import reaching, reduced
 from ...notation import Equation
 from ...reserved import no_state
 from ..routines import Routine, chosen_routines
+from ..states import lagging_slips, state_lines
 from .literals import Literal, folded
 
 #: What can be printed, in the order of a self-test's results.
-FUNCTIONS = ("forces", "quantities", "jacobian_inputs", "jacobian_parameters")
+FUNCTIONS = ("forces", "quantities", "jacobian_inputs", "jacobian_parameters", "states")
 #: Where the values of the coefficients are: in the lines, in a structure with default values, in a file.
 PLACEMENTS = ("inline", "struct", "file")
 #: Modules and namespaces that printouts use, in addition to Python's own: a file of the same name would hide them.
 LIBRARIES = frozenset(["casadi", "jax", "numpy", "torch", "std", "core", "libm"])
 #: Largest differences that a self-test accepts, relative to a result or its typical size.
-TOLERANCE = {"forces": 1e-12, "quantities": 1e-12, "jacobian_inputs": 1e-9, "jacobian_parameters": 1e-9}
+TOLERANCE = {name: 1e-9 if name.startswith("jacobian_") else 1e-12 for name in FUNCTIONS}
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ class Program:
     model : Model
     placement : str
     inputs, outputs : tuple of Quantity
+        The lagged slips are the last inputs if the states are printed.
     nominal : mapping of str to float
         The value of an absent input.
     coefficients : mapping of str to float
@@ -143,7 +145,8 @@ def program(
     Raises
     ------
     TirefmuError
-        If derivatives by the coefficients are requested and the values are in the lines.
+        If derivatives by the coefficients are requested and the values are in the lines, or states of a tire that
+        has none.
     """
     if selection.placement == "inline" and "jacobian_parameters" in selection.functions:
         raise TirefmuError("jacobian_parameters needs the coefficients as variables: use --values struct or file")
@@ -152,8 +155,12 @@ def program(
     outputs = [quantity for quantity in model.outputs if not selection.outputs or quantity.name in selection.outputs]
     targets = [quantity.name for quantity in outputs]
     lines = reduced(model.equations, {*effects, *rescaling}, ())
+    inputs, rates = model.inputs, ()
+    if "states" in selection.functions:
+        further, rates = state_lines(model, lines, effects)
+        inputs, lines = (*inputs, *lagging_slips(model, lines)), (*lines, *further)
     if selection.outputs:
-        lines = tuple(reaching(lines, targets))
+        lines = tuple(reaching(lines, [*targets, *map(str, rates)]))
     if selection.placement == "inline":
         lines = folded(lines, values)
     quantities = [line.symbol for line in lines if line.named and line.symbol.name not in targets]
@@ -165,12 +172,14 @@ def program(
         lines,
         [function for function in FUNCTIONS if function in selection.functions],
         [quantity.symbol for quantity in outputs],
-        [quantity.symbol for quantity in model.inputs],
+        [quantity.symbol for quantity in inputs],
         [sp.Symbol(key, real=True) for key in coefficients],
         quantities,
+        rates,
     )
     return Program(
-        identifier(name), model, selection.placement, model.inputs, tuple(outputs), dict(nominal), coefficients,
+        identifier(name), model, selection.placement, inputs, tuple(outputs),
+        {**nominal, **{quantity.name: 0.0 for quantity in inputs if quantity.name not in nominal}}, coefficients,
         lines, routines, tuple(name for name in model.effects if name in effects),
     )  # fmt: skip
 
