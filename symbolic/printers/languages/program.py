@@ -15,9 +15,9 @@ from ...model import Model
 from ...model.lines import reaching, reduced
 from ...notation import Equation
 from ...reserved import no_state
+from ..literals import Literal, folded
 from ..routines import Routine, chosen_routines
 from ..states import lagging_slips, state_lines
-from .literals import Literal, folded
 
 #: What can be printed, in the order of a self-test's results.
 FUNCTIONS = ("forces", "quantities", "jacobian_inputs", "jacobian_parameters", "states")
