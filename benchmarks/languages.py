@@ -1,6 +1,6 @@
 """Every model in every language: largest difference from NumPy over 2,000 rows, time per point, operations.
 
-    python benchmarks/languages.py [--rows 2000] [--only c,cpp] [--models mf96,mf61] [--no-times]
+    python benchmarks/languages.py [--rows 2000] [--only c,cpp] [--models mf96,mf61] [--functions forces] [--no-times]
 
 A language whose compiler or package is missing is marked. The tables are those of docs/languages.md. LIBM is the path
 of the compiled crate libm, for Rust.
@@ -41,6 +41,7 @@ COMMANDS = {
     "casadi": ("", PYTHON),
     "jax": ("", PYTHON),
     "torch": ("", PYTHON),
+    "modelica": ("", f"{sys.executable} {ROOT / 'benchmarks' / 'run_modelica.py'} {{}}"),
     "rust": (f"rustc -C opt-level=0 {{}} --extern libm={LIBM} -o selftest", "./selftest"),
 }
 #: Programs that print the time of a point in nanoseconds; @name@ is the tire, @load@ the nominal load.
@@ -116,15 +117,16 @@ def run(command: str, folder: Path) -> str:
 
 
 @lru_cache(maxsize=2)
-def program(name: str, placement: str, rows: int) -> Program:
+def program(name: str, placement: str, rows: int, functions: tuple[str, ...]) -> Program:
     """Return the printout of a tire: lines, functions and rows are the same in all languages."""
     tire = tires()[name].in_signs("iso")
-    functions = (*FUNCTIONS[: 4 if placement == "struct" else 3], *(["states"] if tire.states else []))
-    return program_of(tire, tire.model, Selection(functions, placement), rows)
+    possible = set(functions) - ({"jacobian_parameters"} if placement == "inline" else set())
+    possible -= set() if tire.states else {"states"}
+    return program_of(tire, tire.model, Selection(tuple(sorted(possible)), placement), rows)
 
 
 def differences(found: Program, language: str) -> dict[str, str]:
-    """Return the largest difference of each function of a printout."""
+    """Return the largest difference of each function of a printout, by name."""
     build, command = COMMANDS[language]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -157,26 +159,25 @@ def main() -> None:
     parser.add_argument("--rows", type=int, default=2000)
     parser.add_argument("--struct-rows", type=int, default=400, help="rows with derivatives by all coefficients")
     parser.add_argument("--only", default=",".join(name for name in LANGUAGES if name in COMMANDS))
+    parser.add_argument("--functions", default=",".join(FUNCTIONS))
     parser.add_argument("--models", default="")
     parser.add_argument("--no-times", action="store_true")
     parser.add_argument("--only-times", action="store_true")
     options = parser.parse_args()
     chosen = {name: tire for name, tire in tires().items() if not options.models or name in options.models.split(",")}
-    inline, struct = (f"{placement}: forces | quantities | d/d inputs" for placement in ("inline", "struct"))
-    print(
-        f"| model | language | {inline} | states | {struct} | d/d coefficients | states | ns per point |\n|"
-        + "---|" * 12
-    )
+    columns = {"inline": [name for name in FUNCTIONS if name != "jacobian_parameters"], "struct": list(FUNCTIONS)}
+    titles = [f"{placement}: {name}" for placement, names in columns.items() for name in names]
+    print(f"| model | language | {' | '.join(titles)} | ns per point |\n|{'---|' * (len(titles) + 3)}")
     for name, tire in chosen.items():
         for language in options.only.split(","):
             cells = []
-            kinds = () if options.only_times else (("inline", 4, options.rows), ("struct", 5, options.struct_rows))
-            for placement, count, rows in kinds:
+            for placement, names in () if options.only_times else columns.items():
+                rows = options.rows if placement == "inline" else options.struct_rows
                 try:
-                    found = list(differences(program(name, placement, rows), language).values())
-                    cells += [*found, *["no states"] * (count - len(found))]
+                    found = differences(program(name, placement, rows, tuple(options.functions.split(","))), language)
+                    cells += [found.get(function, "") for function in names]
                 except (RuntimeError, OSError, subprocess.TimeoutExpired) as error:
-                    cells += [f"not run: {error}"] * count
+                    cells += [f"not run: {error}"] * len(names)
             try:
                 cells.append("" if options.no_times else nanoseconds(tire, language))
             except (RuntimeError, OSError, KeyError) as error:

@@ -14,7 +14,7 @@ from .conftest import COMMANDS, command_of
 
 
 def test_every_language_has_a_command_or_a_test_of_its_own():
-    assert set(COMMANDS) | {"latex"} == set(LANGUAGES)
+    assert set(COMMANDS) | {"latex", "modelica"} == set(LANGUAGES)
 
 
 @pytest.mark.parametrize("language", COMMANDS)

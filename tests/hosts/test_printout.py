@@ -85,6 +85,7 @@ def tokens(text):
     """Return the lines of a file that are no comment, without remarks at their end; of LaTeX the commands."""
     if "\\begin{document}" in text:
         return re.findall(r"\\(?!text)[A-Za-z]+", re.sub(r"(?m)^%.*", "", text))
+    text = re.sub(r' "[^"\n]*"(?=;|\n)', "", text)  # descriptions in Modelica
     lines = (re.split(r"\s+(?://|%|#|\$!) |\s*/\* ", line)[0].rstrip() for line in text.splitlines())
     return [line for line in lines if line and not re.match(r"\s*(//|%|#|\*|/\*|\$!)", line)]
 

@@ -175,3 +175,34 @@ class MatlabPrinter(CallPrinter):
         base = self.parenthesize(expr.base, PRECEDENCE["Pow"], strict=True)
         exponent = self.parenthesize(expr.exp, PRECEDENCE["Pow"])
         return f"{base}.^{exponent if not exponent.startswith('-') else f'({exponent})'}"
+
+
+class ModelicaPrinter(CallPrinter):
+    """Modelica, with brackets around every power: the operator is not associative.
+
+    Examples
+    --------
+    >>> x, y = sp.symbols("x y")
+    >>> ModelicaPrinter().doprint(2 * x**2 / (1 + x ** (1 / y)))
+    '2.0*x^2/(1.0 + x^(1.0/y))'
+    >>> ModelicaPrinter().doprint(sp.Piecewise((1, sp.And(x > 0, y > 0)), (sp.sqrt(x) ** y, True)))
+    '(if (x > 0.0) and (y > 0.0) then 1.0 else sqrt(x)^y)'
+    """
+
+    names: ClassVar[dict[str, str]] = {"absolute": "abs", "sgn": "sign"}
+    choice = "(if {condition} then {then} else {otherwise})"
+    conjunction, disjunction = " and ", " or "
+
+    def _print_Pow(self, expr: Any) -> str:
+        if expr.exp.is_negative:
+            base = self._print(expr.base**-expr.exp) if expr.exp != -1 else self._bracketed(expr.base, "Mul")
+            return f"1.0/{base}"
+        if expr.exp == sp.Rational(1, 2):
+            return self._call("sqrt", expr.base)
+        exponent = str(expr.exp) if expr.exp.is_Integer else self._bracketed(expr.exp, "Pow")
+        return f"{self._bracketed(expr.base, 'Pow')}^{exponent}"
+
+    def _bracketed(self, expr: Any, than: str) -> str:
+        """Return the text of a part that binds more strongly than an operator."""
+        text: str = self.parenthesize(expr, PRECEDENCE[than], strict=False)
+        return f"({text})" if text.startswith("-") else text
