@@ -60,7 +60,7 @@ examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, an
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cosimulation]"
 	$(BIN)/pytest tests/examples $(PYTEST_ARGS)
 
-hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasADi symbols, JAX and PyTorch where they are installed
+hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasADi symbols, JAX, PyTorch and rumoca where they are installed
 	TIREFMU_HOSTS=1 $(BIN)/pytest tests/hosts $(PYTEST_ARGS)
 
 check: $(VENV)/installed-dev types  ## lint, format, types, and generated/ compared with the equations
