@@ -215,15 +215,19 @@ class _Parser:
 
     def _limits(self, name: str) -> tuple[float, float]:
         """Return the limits of a range or, for a counter, of one number."""
-        if name in COUNTERS and self.tokens[self.at + 1].text not in ("..", "+-", PLUS_MINUS):
-            number = self._si(name, self._value())
+        first = self._value()
+        if name in COUNTERS and self.next.text not in ("..", "+-", PLUS_MINUS):
+            number = self._si(name, first)
             return number, number
-        found = self.range(name)
+        found = self._range_from(first, name)
         return found.low, found.high
 
     def range(self, name: str) -> _Range:
         """Return ``a..b`` or ``a +- b``."""
-        first = self._value()
+        return self._range_from(self._value(), name)
+
+    def _range_from(self, first: _Value, name: str) -> _Range:
+        """Return the range that begins with a value."""
         if self._take(".."):
             last = self._value()
             low, high = self._si(name, _Value(first.number, first.unit or last.unit)), self._si(name, last)

@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tirefmu.measurements import Recording, recordings_from, selected
-from tirefmu.measurements.row_selection.expression import parse_range, parse_selection
+from tirefmu.measurements.row_selection.expression import NAMES, parse_range, parse_selection
+from tirefmu.measurements.row_selection.tokens import KEYWORDS
 from tirefmu.symbolic.errors import DataError
 
 ROWS = 600
@@ -115,7 +116,13 @@ def test_long_chains_are_read(bench):
     assert len(selected(bench, " or ".join(["segment == 1"] * 600)).table) == 300
 
 
-@given(st.text(alphabet="tp <>=.()+-0123456789kPaandorinot'\"#\n%,segmentFz", max_size=60))
+WORDS = (*NAMES, *KEYWORDS, "abs", "(", ")", "[", ",", "<", ">=", "==", "!=", "..", "+-", "-", "1", "2.5", "1e308")
+WORDS = (*WORDS, "kPa", "bar", "deg", "deg F", '"run.mat"', "#", "\n")
+
+
+@given(st.text(max_size=60) | st.lists(st.sampled_from(WORDS), max_size=12).map(" ".join))
+@example("sample in")
+@example("sweep in (1,")
 def test_any_text_is_a_selection_or_an_error(text):
     with contextlib.suppress(DataError):
         parse_selection(text)
