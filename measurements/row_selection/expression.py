@@ -14,6 +14,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, isfinite, nextafter
 
+import numpy as np
+
 from tirefmu.symbolic.errors import DataError, TirefmuError, nearest
 
 from ..channels import CHANNELS
@@ -258,7 +260,7 @@ class _Parser:
             hint = (
                 f": did you mean {meant}?" if meant else nearest(token.text, NAMES) or f": known are {', '.join(NAMES)}"
             )
-            raise self._error(f"unknown name {token.text!r}{hint}")
+            raise self._error(f"unknown name {quoted(token.text)}{hint}")
         self.at += 1
         if absolute:
             self.expect("operator", ")", "')'")
@@ -291,9 +293,13 @@ class _Parser:
         try:
             # An effect may have an input that is no channel.
             quantity = CHANNELS[name].quantity if name in CHANNELS else None
-            return float(to_si(value.number, value.unit, quantity))
+            with np.errstate(over="ignore"):
+                number = float(to_si(value.number, value.unit, quantity))
         except TirefmuError as error:
             raise self._error(f"{name}: {error}") from None
+        if not isfinite(number):
+            raise self._error("a number is too large")
+        return number
 
     def _take(self, text: str) -> bool:
         taken = self.next.text == text and self.next.kind in ("word", "operator")

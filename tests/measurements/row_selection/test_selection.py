@@ -25,7 +25,7 @@ def bench():
     second = np.arange(ROWS) >= 300
     alpha = np.tile(0.2 * np.sin(2.0 * np.pi * np.arange(300) / 300.0), 2)
     table = {"t": clock, "alpha": alpha, "Fz": np.where(second, -900.0, -500.0), "p": np.where(second, 83e3, 97e3)}
-    return Recording(pd.DataFrame({**table, "V": 40.0 / 3.6, "T": 50.0, "Fy": 1.0}), "sae", "run.mat")
+    return Recording(pd.DataFrame({**table, "V": 40.0 / 3.6, "T": 50.0, "Fy": 1.0, "Mx": np.nan}), "sae", "run.mat")
 
 
 @pytest.mark.parametrize(
@@ -92,6 +92,11 @@ def test_rows_are_those_of_the_expression(bench, expression, expected):
         ("file == run", "the name of a file, such as \"run.mat\" is expected at 'run'"),
         ("file > 3", 'a file is compared like file == "run.mat"'),
         ("t > 1e999", "a number is too large"),
+        ("p < 1e307 bar", "a number is too large"),
+        ("p in 1 +- 1e307 bar", "a number is too large"),
+        ("Mx > 1", "selects none of 600 rows of run.mat: Mx has no number"),
+        ("x" * 900 + " > 1", "unknown name 'xxxxxxxxxxxxxxxxxxx...xxxxxxxxxxxxxxxxxx': known are"),
+        ("\0.where", "cannot be read (embedded null byte)"),
         ("t > $3", "'$3' has no meaning here"),
         ("__import__('os').system('true')", "has no meaning here"),
         ("__import__ > 1", "unknown name '__import__'"),
@@ -99,7 +104,7 @@ def test_rows_are_those_of_the_expression(bench, expression, expected):
         ("t > 1 s if t else 2", "'and', 'or' or the end is expected at 'if t else 2'"),
         ("(" * 60 + "t > 1" + ")" * 60, "more than 50 nested brackets"),
         ("t > 1 or " * 2000 + "t > 1", "at most 10000 are read"),
-        ("kappa > 0", "run.mat has no channel kappa; it has t, alpha, Fz, p, V, T, Fy"),
+        ("kappa > 0", "run.mat has no channel kappa; it has t, alpha, Fz, p, V, T, Fy, Mx"),
         ("p in 70..90", "selects none of 600 rows of run.mat: p is 83000 to 97000 Pa"),
         ('file == "other.mat"', "selects none of 600 rows of run.mat"),
     ],
