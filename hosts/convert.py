@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
@@ -16,6 +16,7 @@ from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 
 from .dialects import Host
+from .lacking import acting, without
 from .lint import Finding, host_named, lint, lost_effects
 
 #: Typical dimensions where a model has none, as shares of the unloaded radius; hosts draw the tire and do not compute
@@ -36,7 +37,7 @@ class Conversion:
         What the file contains.
     model : str
     refitted : bool
-        Whether coefficients of another model were fitted to the forces of the tire.
+        Whether coefficients of another model, or without those that the host lacks, were fitted to the tire's forces.
     errors : mapping of str to float
         Root mean square of the difference of each force or moment from the tire without added effects, relative to the
         root mean square of the tire's; empty if the coefficients are those of the tire.
@@ -62,7 +63,8 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
         One of `tirefmu.hosts.dialects.HOSTS`.
     model : str, optional
         One of the models that the host has; default: that of the tire if the host has it, else the host's first. The
-        coefficients of another model than the tire's are fitted to its forces.
+        coefficients of another model than the tire's are fitted to its forces, and so are those of its own model if
+        it has coefficients that the host's model lacks.
 
     Returns
     -------
@@ -81,8 +83,9 @@ def convert(tire: TireLike, path: str | Path, host: str, model: str | None = Non
         raise TirefmuError(f"{rules.title} has no {chosen}: choose from {', '.join(rules.dialects)}")
     errors: Mapping[str, float] = {}
     lost = lost_effects(given, rules)
-    if chosen != given.model:
-        given, errors = refitted(given, chosen)
+    lacking = rules.dialects[chosen].lacking
+    if chosen != given.model or acting(given, lacking):
+        given, errors = refitted(given, chosen, lacking)
     written = _for_host(given, rules, chosen)
     write_tir(written, path)
     findings = lint(path, host)
@@ -109,13 +112,15 @@ def _for_host(tire: Tire, rules: Host, model: str) -> Tire:
     return replace(tire, values=values, other_entries=(*kept, *own, *general, *shape_lines))
 
 
-def refitted(tire: Tire, model: str) -> tuple[Tire, dict[str, float]]:
-    """Fit the coefficients of another model to the forces of a tire over its range, without its added effects.
+def refitted(tire: Tire, model: str, lacking: Collection[str] = ()) -> tuple[Tire, dict[str, float]]:
+    """Fit the coefficients of a host's model to the forces of a tire over its range, without its added effects.
 
     Parameters
     ----------
     tire : Tire
     model : str
+    lacking : collection of str
+        Coefficients of the model that stay neutral.
 
     Returns
     -------
@@ -126,13 +131,9 @@ def refitted(tire: Tire, model: str) -> tuple[Tire, dict[str, float]]:
     plain = replace(tire, effects=effects, added=())
     table = _operating_range(plain)
     truth = plain.evaluate(table, steady=True)
-    declared = MODELS[model].coefficients
-    common = {name: value for name, value in plain.values.items() if name in declared and name not in plain.defaulted}
-    common |= {key: plain.values[key] for key in ("FNOMIN", "UNLOADED_RADIUS")}
-    start = Tire(model, common)
-    measured = truth[[name for name in (*table, *start.outputs) if name in truth]]
-    found = fit(measured, model, start=start, recipe="joint", screening=False, rows="equal", effects=start.has)
-    fitted = replace(found.tire.in_signs("iso"), name=tire.name, side=tire.side, ranges=tire.ranges)
+    fitted = plain if model == tire.model else _of_model(plain, model, table, truth)
+    if acting(fitted, lacking):
+        fitted = without(fitted, lacking, table)
     ours = fitted.evaluate(table, steady=True)
     outputs = [name for name in fitted.outputs if name in truth]
     errors = {}
@@ -140,6 +141,17 @@ def refitted(tire: Tire, model: str) -> tuple[Tire, dict[str, float]]:
         size = float(np.sqrt(np.mean(truth[name] ** 2)))
         errors[name] = float(np.sqrt(np.mean((ours[name] - truth[name]) ** 2))) / size if size else 0.0
     return fitted, errors
+
+
+def _of_model(plain: Tire, model: str, table: pd.DataFrame, truth: pd.DataFrame) -> Tire:
+    """Fit another model to the forces of a tire."""
+    declared = MODELS[model].coefficients
+    common = {name: value for name, value in plain.values.items() if name in declared and name not in plain.defaulted}
+    common |= {key: plain.values[key] for key in ("FNOMIN", "UNLOADED_RADIUS")}
+    start = Tire(model, common)
+    measured = truth[[name for name in (*table, *start.outputs) if name in truth]]
+    found = fit(measured, model, start=start, recipe="joint", screening=False, rows="equal", effects=start.has)
+    return replace(found.tire.in_signs("iso"), name=plain.name, side=plain.side, ranges=plain.ranges)
 
 
 def _operating_range(tire: Tire) -> pd.DataFrame:

@@ -15,6 +15,13 @@ TRANSIENT = ("relax_lat", "relax_lon", "relax_load")
 PRESSURE = ("pressure_stiffness", "pressure_friction", "pressure_trail", "pressure_moment")
 
 
+#: Coefficients of tirefmu's MF5.2 that came with MF6.1: MFeval reads them in files of MF5.2, other programs do not.
+#: Checked with the formulas of Chrono (ChPac02Tire.cpp) and OpenTire (PAC2002_Core.py).
+SINCE_MF61 = (
+    "RBX3", "PEY5", "PKY4", "PKY5", "RBY4", "QBZ6", "QDZ10", "QDZ11", "QSX12", "QSX13", "QSX14",
+)  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Dialect:
     """How a host expects the file of one model.
@@ -31,6 +38,8 @@ class Dialect:
         Accepted values of USE_MODE; empty: any.
     required : tuple of str
         Keys that the host insists on.
+    lacking : tuple of str
+        Coefficients of tirefmu's model that the host's does not have: they must be neutral.
     """
 
     entries: Mapping[str, str]
@@ -38,6 +47,7 @@ class Dialect:
     fittyp: tuple[int, ...] = ()
     use_modes: tuple[int, ...] = ()
     required: tuple[str, ...] = ()
+    lacking: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -73,7 +83,7 @@ _MF_TYRE = ("FITTYP", "UNLOADED_RADIUS", "WIDTH", "RIM_RADIUS", "FNOMIN")
 _PAC2002 = Dialect(
     {"PROPERTY_FILE_FORMAT": "'PAC2002'", "FITTYP": "6", "USE_MODE": "14"},
     ("PAC2002",), use_modes=(0, 1, 2, 3, 4, 10, 11, 12, 13, 14),
-    required=("UNLOADED_RADIUS", "FNOMIN", "VERTICAL_STIFFNESS"),
+    required=("UNLOADED_RADIUS", "FNOMIN", "VERTICAL_STIFFNESS"), lacking=SINCE_MF61,
 )  # fmt: skip
 _FIALA = Dialect(
     {"PROPERTY_FILE_FORMAT": "'FIALA'", "USE_MODE": "2"},
@@ -83,7 +93,8 @@ _FIALA = Dialect(
 
 def _mf_tyre(fittyp: int, *also: int) -> Dialect:
     entries = {"PROPERTY_FILE_FORMAT": "'USER'", "FITTYP": str(fittyp), "USE_MODE": "124"}
-    return Dialect(entries, ("USER", "MF-TYRE", "MF-SWIFT"), (fittyp, *also), required=_MF_TYRE)
+    lacking = SINCE_MF61 if fittyp == 6 else ()
+    return Dialect(entries, ("USER", "MF-TYRE", "MF-SWIFT"), (fittyp, *also), required=_MF_TYRE, lacking=lacking)
 
 
 _ALL_MF = {"mf61": _mf_tyre(61, 60), "mf62": _mf_tyre(62), "mf52": _mf_tyre(6, 21)}
@@ -134,6 +145,7 @@ HOSTS: dict[str, Host] = {
                 },
                 ("PAC2002", "MF_05"), use_modes=(3, 4),
                 required=("USE_MODE", "UNLOADED_RADIUS", "WIDTH", "FNOMIN", "VERTICAL_STIFFNESS", "VXLOW", "LONGVL"),
+                lacking=SINCE_MF61,
             ),
         },
         units={"LENGTH": ("METER",), "FORCE": ("NEWTON",), "ANGLE": ("RAD", "RADIAN", "RADIANS", "DEG"),
@@ -143,6 +155,8 @@ HOSTS: dict[str, Host] = {
         notes=(
             "Chrono evaluates with the opposite sign of the slip angle: terms of plysteer and conicity are mirrored",
             "inclination is limited to 3 deg, slip to -1..1; LMUY also scales the cornering stiffness",
+            "B times slip is limited to 1.56: forces beyond differ (two tested tires: by up to 11 %); at kappa = 0,"
+            " USE_MODE 4 computes Mz with the trail at zero slip angle",
         ),
     ),
     "mfeval": Host(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from tirefmu.tires import Tire
 from tirefmu.tires.property_file.reading import read_tir
 
 from .dialects import HOSTS, Dialect, Host
+from .lacking import acting
 
 #: Sections that other readers skip.
 OWN = "TIREFMU"
@@ -86,6 +88,7 @@ def lint(path: str | Path, host: str) -> list[Finding]:
     entries = _entries(text)
     errors = [*_model_errors(entries, rules.dialects[tire.model]), *_unit_errors(entries, rules)]
     errors += [*_layout_errors(text, rules), *_number_errors(tire)]
+    errors += _lacking_errors(entries, tire, rules.dialects[tire.model].lacking)
     return errors + [Finding("note", 0, note) for note in (*lost_effects(tire, rules), *rules.notes)]
 
 
@@ -132,6 +135,18 @@ def _model_errors(entries: list[_Entry], dialect: Dialect) -> list[Finding]:
         if number not in accepted:
             found.append(Finding("error", entry.line, f"{key} is {quoted(value)}: {' or '.join(accepted)} expected"))
     return found
+
+
+def _lacking_errors(entries: list[_Entry], tire: Tire, lacking: Collection[str]) -> list[Finding]:
+    """Check coefficients that the host ignores."""
+    lines = {entry.key.upper(): entry.line for entry in entries}
+    neutral = {key: tire.book.coefficients[key].neutral for key in acting(tire, lacking)}
+    return [
+        Finding(
+            "error", lines.get(key, 0), f"{key} is {tire.values[key]:g}: the host lacks it, as if it were {value:g}"
+        )
+        for key, value in neutral.items()
+    ]
 
 
 def _unit_errors(entries: list[_Entry], rules: Host) -> list[Finding]:

@@ -97,6 +97,26 @@ def test_an_added_effect_is_reported_and_stays_in_a_section_of_its_own(tires, tm
     assert main(["lint", str(tmp_path / "warm.tir"), "--for", "chrono", "--quiet"]) == 1
 
 
+@pytest.mark.parametrize("host", ["adams", "mfeval"])
+def test_coefficients_that_a_host_lacks_are_replaced_by_a_fit_with_a_stated_error(tires, tmp_path, host):
+    """MFeval has the coefficients of MF6.1 in MF5.2, too; PAC2002 would ignore them."""
+    tire = replace(tires["mf52"], values={**tires["mf52"].values, "PKY4": 1.8, "RBX3": 2.0})
+    tire.save(tmp_path / "x.tir")
+    found = " ".join(finding.text for finding in errors_of(tmp_path / "x.tir", host))
+    result = convert(tire, tmp_path / "y.tir", host)
+    assert not errors_of(result.path, host)
+    written = read_tir(result.path)
+    assert ("PKY4 is 1.8: the host lacks it" in found) == ("RBX3 is 2" in found) == result.refitted == (host == "adams")
+    if not result.refitted:
+        np.testing.assert_array_equal(forces_of(written), forces_of(tire))
+        return
+    assert (written.values["PKY4"], written.values["RBX3"]) == (2.0, 0.0)
+    assert 0.0 < max(result.errors.values()) < 0.02
+    rows = {"alpha": np.linspace(-0.15, 0.15, 20), "Fz": 4000.0}
+    difference = written.forces(**rows)["Fy"] - tire.forces(**rows)["Fy"]
+    assert np.abs(difference).max() < 0.02 * np.abs(tire.forces(**rows)["Fy"]).max()
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -1,0 +1,77 @@
+"""Coefficients that the model of a host lacks: set to neutral, and the others fitted to the tire's forces again."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+from scipy.optimize import least_squares
+
+from tirefmu.tires import Tire
+from tirefmu.tires.code import code_for
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Weight of a relative change of a coefficient against the relative error of the forces: coefficients without influence
+#: keep their values.
+CHANGE = 1e-3
+
+
+def acting(tire: Tire, lacking: Collection[str]) -> list[str]:
+    """Return the coefficients among `lacking` that are not neutral in a tire."""
+    declared = tire.book.coefficients
+    return [name for name in lacking if name in declared and tire.values[name] != declared[name].neutral]
+
+
+def without(tire: Tire, lacking: Collection[str], table: pd.DataFrame) -> Tire:
+    """Return a tire in which some coefficients are neutral and all others are fitted to the forces of the tire.
+
+    Parameters
+    ----------
+    tire : Tire
+    lacking : collection of str
+    table : pandas.DataFrame
+        The operating conditions of the fit, as for `Tire.evaluate`.
+
+    Returns
+    -------
+    Tire
+    """
+    declared, code = tire.book.coefficients, code_for(tire.book, "numpy")
+    inputs = np.stack([np.broadcast_to(table.get(name, tire.nominal(name)), len(table)) for name in tire.inputs])
+    inputs = tire.effective_inputs(inputs)
+    truth = code.forces(inputs, tire.parameters())
+    sizes = np.sqrt(np.mean(truth**2, axis=1))
+    sizes[sizes == 0.0] = 1.0
+    neutral = {name: float(declared[name].neutral or 0.0) for name in acting(tire, lacking)}
+    start = replace(tire, values={**tire.values, **neutral})
+    owned = tire.book.core.union(*(tire.book.owned(name) for name in tire.has)) - {*lacking}
+    names = [name for name in declared if name in owned and declared[name].section.endswith("COEFFICIENTS")]
+    names = [name for name in names if not declared[name].section.startswith("SCALING")]
+    places = [list(declared).index(name) for name in names]
+    parameters = start.parameters()
+    at_start: FloatArray = parameters[places]
+    scale = np.maximum(np.abs(at_start), 0.1)
+
+    def vector(change: FloatArray) -> FloatArray:
+        changed = parameters.copy()
+        changed[places] = at_start + scale * change
+        return changed
+
+    def residuals(change: FloatArray) -> FloatArray:
+        forces = (code.forces(inputs, vector(change)) - truth) / sizes[:, None]
+        return np.concatenate([forces.ravel() / np.sqrt(len(table)), CHANGE * change])
+
+    def jacobian(change: FloatArray) -> FloatArray:
+        matrix = code.jacobian_parameters(inputs, vector(change))[:, :, places] * scale / sizes[None, :, None]
+        rows = matrix.transpose(1, 0, 2).reshape(-1, len(places)) / np.sqrt(len(table))
+        return np.concatenate([rows, CHANGE * np.eye(len(places))])
+
+    found = least_squares(residuals, np.zeros(len(places)), jac=jacobian, method="lm", max_nfev=200)
+    factors = start.rescaled
+    fitted = {name: float(value) / factors.get(name, 1.0)
+              for name, value in zip(names, vector(found.x)[places], strict=True)}  # fmt: skip
+    return replace(tire, values={**start.values, **fitted})
