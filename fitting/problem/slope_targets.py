@@ -57,7 +57,7 @@ def slope_residuals(targets: Sequence[SlopeTarget], code: Code, parameters: Floa
         last = first + len(each.influence)
         computed[i] = each.influence @ forces[each.output, first:last]
         first = last
-    return computed - np.array([each.slope for each in targets])
+    return np.asarray(computed - np.array([each.slope for each in targets]))
 
 
 def slope_jacobian(

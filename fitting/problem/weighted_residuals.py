@@ -236,7 +236,7 @@ class Problem:
     @property
     def _target_roots(self) -> FloatArray:
         """Roots of the weights of squared residuals of the targets."""
-        return np.sqrt(self.target_weight) / np.array([each.deviation for each in self.targets])
+        return np.asarray(np.sqrt(self.target_weight) / np.array([each.deviation for each in self.targets]))
 
     def by_output(self, x: FloatArray) -> list[tuple[int, npt.NDArray[np.int64], FloatArray, FloatArray]]:
         """Return the contribution of each weighted output: its index, its free coefficients, gradient and matrix."""
