@@ -27,6 +27,13 @@ from .arguments import (
     common,
     write_json,
 )
+from .commands.compare_command import compare
+from .commands.explore_command import explore
+from .commands.fit_many_command import fit_many
+from .commands.help_examples import add_examples
+from .commands.list_commands import effects, models, published
+from .commands.project_commands import init, run
+from .commands.study_command import study
 from .diagnose_command import diagnose
 from .fit_command import fit
 from .generate_command import generate
@@ -294,12 +301,25 @@ def demo(output: Path, quiet: bool, json_file: Path | None) -> int:
     return 0 if summary["ok"] else 1
 
 
-cli.add_command(fit)
-cli.add_command(diagnose)
-cli.add_command(generate)
-cli.add_command(convert)
-cli.add_command(lint)
-cli.add_command(inspect)
+for command in (
+    compare,
+    convert,
+    diagnose,
+    effects,
+    explore,
+    fit,
+    fit_many,
+    generate,
+    init,
+    inspect,
+    lint,
+    models,
+    published,
+    run,
+    study,
+):
+    cli.add_command(command)
+add_examples(cli)
 
 
 def main(arguments: list[str] | None = None) -> int:
