@@ -6,13 +6,14 @@ import time
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from importlib.metadata import version
+from math import inf
 from pathlib import Path
 
 import pandas as pd
 
 from tirefmu.measurements import TableLike, check_convention, recordings_from
 from tirefmu.symbolic import DEFAULT_MODEL
-from tirefmu.symbolic.errors import FitError, UnknownName, WrongType, no_single_text
+from tirefmu.symbolic.errors import FitError, TirError, UnknownName, WrongType, no_single_text
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import model as book_of
 from tirefmu.symbolic.models import with_library
@@ -33,6 +34,8 @@ from .solvers.selection import solver_for
 #: Names that --nominal accepts, and the coefficient that each sets.
 NOMINAL = {"Fz0": "FNOMIN", "R0": "UNLOADED_RADIUS", "p0": "NOMPRES", "V0": "LONGVL"}
 
+#: Default weight of a slip stiffness that is read from the data: the study in docs/stiffness.md.
+STIFFNESS_WEIGHT = 10.0
 #: Value of `start` for initial values that are read from the data.
 FEATURES = "features"
 
@@ -53,6 +56,7 @@ def fit(
     signs: str | None = None,
     screening: bool = True,
     rows: str = "condition",
+    stiffness_weight: float = STIFFNESS_WEIGHT,
     progress: Progress | None = None,
     constraints: Collection[str] = (),
     without_constraints: Collection[str] = (),
@@ -99,6 +103,9 @@ def fit(
         Weights of rows: "condition" (equal weight of every operating condition of a recording, independent of its
         number of rows), "equal" (equal weight of every row), or "independent" (as "condition", and each channel of a
         recording by its effective sample size).
+    stiffness_weight : float
+        Weight of the slip stiffness that is read from the data at each load, as a number of independent rows; 0: it is
+        not fitted (`docs/stiffness.md`).
     progress : callable, optional
         Called with stage, iteration and cost.
     constraints, without_constraints : collection of str
@@ -136,12 +143,14 @@ def fit(
     """
     began = time.perf_counter()
     features = isinstance(start, str) and start == FEATURES and not Path(start).is_file()
-    tire_given = None if start is None or features else _start_tire(start)
+    tire_given = None if start is None or features else _start_tire(start, (nominal or {}).get("R0"))
     book = book_of(model if model is not None else tire_given.model if tire_given else DEFAULT_MODEL)
     book = _with_added(book, tire_given, effects)
     plan = load_recipe(recipe, book.name)
     if resume and checkpoint is None:
         raise FitError("resume requires the file of the completed stages (checkpoint)")
+    if not 0.0 <= stiffness_weight < inf:
+        raise FitError(f"stiffness weight {stiffness_weight:g} is not a number of rows")
     chosen = chosen_constraints(book.name, constraints, without_constraints)
     solver = solver_for(method, iterations, seed)
     if method != "ipopt" and loss != "squares":
@@ -161,6 +170,7 @@ def fit(
     options = {
         "rows": rows,
         "screening": str(screening),
+        "stiffness weight": f"{stiffness_weight:g}",
         "loss": loss,
         "method": f"{method}, {iterations or 'default'} iterations, seed {seed}",
         "start": FEATURES if features else "values",
@@ -171,7 +181,7 @@ def fit(
         run = FitRun(
             book, tire, data, plan, interruption, notes,
             solver=solver, given=tire_given is not None, read=read, constraints=chosen, loss=loss,
-            assumed=_assumed(tire, tire_given, nominal or {}),
+            stiffness_weight=stiffness_weight, assumed=_assumed(tire, tire_given, nominal or {}),
         )  # fmt: skip
         if resume and saved:
             run.restore(saved.load(), str(saved.path))
@@ -183,10 +193,14 @@ def fit(
     return result
 
 
-def _start_tire(start: TireLike) -> Tire:
+def _start_tire(start: TireLike, radius: float | None) -> Tire:
     """Return the start tire; an error message for an unknown name also suggests "features"."""
     try:
         return tire_from(start, "start")
+    except TirError:
+        if radius is None:
+            raise
+        return tire_from(start, "start", radius=radius)  # a file without a radius
     except WrongType:
         raise WrongType("start", start, f"a Tire, a path, the name of a published tire or {FEATURES!r}") from None
     except UnknownName as error:

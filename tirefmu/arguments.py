@@ -46,6 +46,22 @@ class Pairs(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # generic
         return pairs
 
 
+class Radius(Pairs):
+    """``R0=number``: the free radius of a tire file without it."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number."""
+        pairs = super().convert(value, param, ctx)
+        if pairs.keys() != {"R0"}:
+            self.fail(f"{value!r} is not like R0=0.3", param, ctx)
+        return pairs["R0"]
+
+
+RADIUS = click.option(
+    "--nominal", "radius", type=Radius(), help="R0 (m) of a tire file without UNLOADED_RADIUS: --nominal R0=0.3."
+)
+
+
 class Numbers(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # as above
     """``number,number``."""
 

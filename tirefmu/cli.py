@@ -18,6 +18,7 @@ from tirefmu.symbolic.escaping import excerpt, visible
 
 from .arguments import (
     FILE,
+    RADIUS,
     SIGNS,
     WHERE,
     Numbers,
@@ -73,6 +74,7 @@ def cli() -> None:
 @click.option("--mirror", is_flag=True, help="Evaluate the tire mounted on the other side of the vehicle.")
 @click.option("--steady", is_flag=True, help="No transient slip: evaluate each row independently.")
 @click.option("--hold", is_flag=True, help="Inputs constant over each step, as in a co-simulation (default: linear).")
+@RADIUS
 @click.option("--code", type=click.Choice(["auto", "numpy", "c", "casadi", "batch"]), default="auto",
               show_default=True, help="Generated code to use.")  # fmt: skip
 @common
@@ -83,6 +85,7 @@ def evaluate(
     signs: str | None,
     where: str | None,
     code: str,
+    radius: float | None,
     quiet: bool,
     json_file: Path | None,
     **conventions: Any,
@@ -99,7 +102,7 @@ def evaluate(
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
-    loaded = tire_from(tire)
+    loaded = tire_from(tire, radius=radius)
     recording = recording_from(table, signs=signs, where=where)
     if incomplete := recording.about.get("incomplete"):
         raise TirefmuError(f"{table}: {incomplete}: evaluate needs every input of every row")
@@ -124,6 +127,7 @@ def evaluate(
 @cli.command()
 @click.argument("tire", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="FMU to write.")
+@RADIUS
 @click.option("--fmi", type=click.Choice(["2", "3"]), help="FMI version  [default: 3; pythonfmu: 2]")
 @click.option("--inputs", default="slip", show_default=True,
               help="slip: kappa, alpha, ...; wheel: velocities of the contact point and angular speed.")  # fmt: skip
@@ -147,6 +151,7 @@ def export(
     tire: Path,
     output: Path,
     fmi: str | None,
+    radius: float | None,
     inputs: str,
     axes: str,
     quantities: bool,
@@ -165,7 +170,7 @@ def export(
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
-    loaded = tire_from(tire)
+    loaded = tire_from(tire, radius=radius)
     version = int(fmi) if fmi else 3 if kind == "native" else 2
     with terminal.working("compiling" if kind == "native" else "packing"):
         written = run(
@@ -230,8 +235,9 @@ def check(
 @click.option(
     "--all", "every", is_flag=True, help="List every coefficient, assumed values, other contents of the file."
 )
+@RADIUS
 @common
-def info(tire: Path, every: bool, quiet: bool, json_file: Path | None) -> int:
+def info(tire: Path, every: bool, radius: float | None, quiet: bool, json_file: Path | None) -> int:
     """Summarize TIRE: model, ranges, effects, coefficients, warnings."""
     check_output_paths(json_file)
     check_input_paths(tire)
@@ -241,8 +247,8 @@ def info(tire: Path, every: bool, quiet: bool, json_file: Path | None) -> int:
     from .description import describe
     from .terminal import Terminal
 
-    loaded = tire_from(tire)
-    summary = describe(loaded, read_tir_with_notes(tire).notes if tire.is_file() else ())
+    loaded = tire_from(tire, radius=radius)
+    summary = describe(loaded, read_tir_with_notes(tire, radius).notes if tire.is_file() else ())
     write_json(json_file, summary)
     Terminal(quiet).tire(loaded, summary, every)
     return 0

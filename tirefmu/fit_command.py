@@ -62,6 +62,8 @@ if TYPE_CHECKING:
 @click.option("--all-rows", is_flag=True, help="Do not exclude rows (warm-up, transitions, outliers).")
 @click.option("--rows", default="condition", show_default=True,
               help="Weights of rows: condition (equal per operating condition), equal, or independent.")  # fmt: skip
+@click.option("--stiffness-weight", type=click.FloatRange(min=0.0), default=10.0, show_default=True,
+              help="Weight of the slip stiffness read from the data at each load, in rows; 0: not fitted.")  # fmt: skip
 @click.option("--resume", is_flag=True, help="Continue an interrupted fit.")
 @click.option("--cross-validate", "folds", type=click.IntRange(min=2),
               help="Also predict operating conditions out of sample, with this number of folds.")  # fmt: skip
@@ -73,7 +75,7 @@ def fit(
     without: tuple[str, ...], recipe: str | None, method: str, iterations: int | None, seed: int,
     constraint: tuple[str, ...], without_constraint: tuple[str, ...], loss: str,
     nominal: dict[str, float] | None, signs: str | None, where: str | None, all_rows: bool,
-    rows: str, resume: bool, folds: int | None,
+    rows: str, stiffness_weight: float, resume: bool, folds: int | None,
     figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
@@ -103,8 +105,8 @@ def fit(
     options: dict[str, Any] = {
         "start": None if start is None else str(start), "effects": effects, "without": without, "recipe": recipe,
         "method": method, "iterations": iterations, "seed": seed, "nominal": nominal,
-        "screening": not all_rows, "rows": rows, "loss": loss, "constraints": constraint,
-        "without_constraints": without_constraint,
+        "screening": not all_rows, "rows": rows, "stiffness_weight": stiffness_weight, "loss": loss,
+        "constraints": constraint, "without_constraints": without_constraint,
     }  # fmt: skip
     with terminal.fitting() as progress:
         result = run(recordings, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from tirefmu.symbolic.errors import UnknownName, WrongType
+from tirefmu.symbolic.errors import TireError, UnknownName, WrongType
 
 from .property_file.reading import read_tir
 from .published_tires import PUBLISHED, published
@@ -15,7 +15,7 @@ from .tire import Tire
 TireLike = Tire | str | os.PathLike[str]
 
 
-def tire_from(tire: TireLike, parameter: str = "tire") -> Tire:
+def tire_from(tire: TireLike, parameter: str = "tire", *, radius: float | None = None) -> Tire:
     """Return a tire given as such, as a .tir file, or by the name of a published one.
 
     Parameters
@@ -24,6 +24,8 @@ def tire_from(tire: TireLike, parameter: str = "tire") -> Tire:
         A str is a path if there is such a file, or if it has an extension and is not a published name.
     parameter : str
         Name of the caller's parameter, for the message.
+    radius : float, optional
+        Free radius, m, of a file without UNLOADED_RADIUS.
 
     Returns
     -------
@@ -49,12 +51,19 @@ def tire_from(tire: TireLike, parameter: str = "tire") -> Tire:
     tirefmu.symbolic.errors.UnknownName: unknown tire file or published tire 'trento': did you mean trento_hoosier?
     """
     if isinstance(tire, Tire):
+        _refuse_radius(radius, tire.name or "the tire")
         return tire
     if not isinstance(tire, (str, os.PathLike)):
         raise WrongType(parameter, tire, "a Tire, the path of a .tir file or the name of a published tire")
     path, name = Path(tire), os.fspath(tire)
     if path.is_file() or (name not in PUBLISHED and (path.suffix or path.exists())):
-        return read_tir(path)
+        return read_tir(path, radius)
     if name not in PUBLISHED:
         raise UnknownName("tire file or published tire", name, PUBLISHED)
+    _refuse_radius(radius, name)
     return published(name)
+
+
+def _refuse_radius(radius: float | None, name: str) -> None:
+    if radius is not None:
+        raise TireError(f"{name} has a radius: R0 is for a .tir file without one")

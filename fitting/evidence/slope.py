@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import nan, radians
 
 import numpy as np
@@ -34,10 +34,16 @@ class Slope:
         NaN if the rows do not determine it.
     error : float
         Its standard error under residuals that are correlated in time, also those of a curve that is not a cubic.
+    rows : ndarray of int, shape (m,)
+        The rows from which it was read.
+    influence : ndarray, shape (m,)
+        Derivative of the value by the force of these rows: ``value = influence @ force[rows]``.
     """
 
     value: float
     error: float
+    rows: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+    influence: FloatArray = field(default_factory=lambda: np.zeros(0))
 
 
 def read_slope(slip: FloatArray, force: FloatArray, window: float) -> Slope:
@@ -75,13 +81,11 @@ def read_slope(slip: FloatArray, force: FloatArray, window: float) -> Slope:
         return Slope(nan, nan)
     powers = x[:, None] ** np.arange(4)
     tricube: FloatArray = (1.0 - np.abs(x) ** 3) ** 3
-    coefficients: FloatArray = np.zeros(4)
     residual, weight = y, tricube
     for _ in range(20):
         root = np.sqrt(weight)
         solution = np.linalg.lstsq(powers * root[:, None], y * root, rcond=None)[0]
-        coefficients = np.asarray(solution, dtype=np.float64)
-        residual = y - powers @ coefficients
+        residual = y - powers @ np.asarray(solution, dtype=np.float64)
         knee = 1.345 * 1.4826 * float(np.median(np.abs(residual)))
         # A knee of 0 means that half of the points are exact: no outlier weights.
         weight = tricube * np.minimum(1.0, knee / np.maximum(np.abs(residual), knee)) if knee > 0.0 else tricube
@@ -92,7 +96,7 @@ def read_slope(slip: FloatArray, force: FloatArray, window: float) -> Slope:
     variance = float(np.sum((influence * residual) ** 2)) * len(x) / (len(x) - 4)
     variance *= max(correlation_length(residual, passes), 1.0)
     error = np.sqrt(max(variance, _autoregressive_variance(residual, powers, solve, passes)))
-    return Slope(float(coefficients[1]) / window, float(error) / window)
+    return Slope(float(influence @ y) / window, float(error) / window, inside, influence / window)
 
 
 def _autoregressive_variance(residual: FloatArray, powers: FloatArray, solve: FloatArray, passes: IntArray) -> float:

@@ -8,7 +8,8 @@ w of residuals with variance s^2 and correlation length tau has, to first order,
 where H = J^T W J is the sum of its parts H_c by recording and channel. This is the sandwich estimator of White (1980)
 with the long-run variance of Newey and West (1987). For a robust loss, s^2 is the variance of the weighted residual,
 and the mean slope of the loss reduces H (Huber). The estimator assumes that J changes more slowly than the noise, which
-is the case on a bench. Active constraints are not taken into account.
+is the case on a bench. Active constraints are not taken into account. Slopes at zero slip that are fitted as targets
+are combinations of the same residuals and are no further information.
 """
 
 from __future__ import annotations
@@ -214,10 +215,11 @@ def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, 
     """Return H, the middle of the sandwich and the effective rows by recording and channel."""
     n = len(problem.free)
     curvature, middle, effective = np.zeros((n, n)), np.zeros((n, n)), np.zeros_like(problem.weights)
+    noise_of_rows = np.zeros_like(problem.weights)
     for group in np.flatnonzero((problem.weights > 0).any(axis=1)):
         rows = problem.rows.take(np.flatnonzero(problem.rows.group == group))
         # The Jacobian of all rows with their full weights: outliers occur everywhere with equal probability.
-        part = replace(problem, rows=rows, loss=LOSSES["squares"], limits=None)
+        part = replace(problem, rows=rows, loss=LOSSES["squares"], limits=None, targets=())
         residual, present = part.residual(x), np.isfinite(rows.measured.T)
         squared_weights = _squared_weights(part, x)
         for channel, free, _, squares in part.by_output(x):
@@ -230,6 +232,13 @@ def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, 
             curvature[np.ix_(free, free)] += slope * squares
             noise = length * variance * problem.weights[group, channel]
             middle[np.ix_(free, free)] += noise * squared_weights.get(channel, squares)
+            noise_of_rows[group, channel] = noise
+    for target, slope in zip(problem.targets, problem.target_jacobian(x) if problem.targets else (), strict=True):
+        # The slope is a combination of the same residuals: its own variance, and twice its covariance with their sum.
+        weight = problem.target_weight / target.deviation**2
+        square = np.outer(slope, slope)
+        curvature += square
+        middle += square * (weight * target.error**2 + 2.0 * noise_of_rows[target.group, target.output])
     return curvature, middle, effective
 
 

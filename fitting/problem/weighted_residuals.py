@@ -20,6 +20,7 @@ from tirefmu.tires.code import Code, fastest_code, forces_of_each
 from tirefmu.tires.tire import Tire
 
 from .loss import LOSSES, Loss, robust_scale
+from .slope_targets import SlopeTarget, slope_jacobian, slope_residuals
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -122,6 +123,10 @@ class Problem:
         Loss function of the residuals.
     limits : ndarray, shape (n_groups, n_forces), optional
         Residual of each channel of a recording above which the loss is less than the square.
+    targets : tuple of SlopeTarget
+        Slopes at zero slip that are residuals, too.
+    target_weight : float
+        Weight of a squared residual of a target, in its deviations.
     columns : ndarray of int, shape (n_free,)
         Index of each free coefficient in the parameter vector of the generated code.
     reach : ndarray, shape (n_free,)
@@ -135,6 +140,8 @@ class Problem:
     scale: FloatArray
     loss: Loss = LOSSES["squares"]
     limits: FloatArray | None = None
+    targets: tuple[SlopeTarget, ...] = ()
+    target_weight: float = 0.0
     columns: npt.NDArray[np.int64] = field(init=False)
     reach: FloatArray = field(init=False)
     _code: Code = field(init=False)
@@ -169,7 +176,8 @@ class Problem:
 
     def cost(self, x: FloatArray) -> float:
         """Return half the weighted sum of squares, or of the loss."""
-        return self._at(x)[0]
+        residual = self._target_residual(self.parameters(x))
+        return self._at(x)[0] + 0.5 * float(residual @ residual)
 
     def costs(self, population: FloatArray, limits: FloatArray) -> FloatArray:
         """Return the costs of many points; the computation of a point stops when it exceeds its limit.
@@ -188,6 +196,8 @@ class Problem:
         parameters = np.repeat(self._parameters[None, :], len(population), axis=0)
         parameters[:, self.columns] = population * self.reach
         costs, remaining = np.zeros(len(population)), np.arange(len(population))
+        if self.targets:
+            costs += [0.5 * float(np.sum(self._target_residual(each) ** 2)) for each in parameters]
         for start in range(0, len(self.rows), CHUNK):
             chunk = slice(start, start + CHUNK)
             forces = forces_of_each(self._code, self._inputs[:, chunk], parameters[remaining])
@@ -208,7 +218,25 @@ class Problem:
         for _, free, own_gradient, own_matrix in self.by_output(x):
             gradient[free] += own_gradient
             matrix[np.ix_(free, free)] += own_matrix
+        if self.targets:
+            jacobian = self.target_jacobian(x)
+            gradient += jacobian.T @ self._target_residual(self.parameters(x))
+            matrix += jacobian.T @ jacobian
         return self.cost(x), gradient, matrix
+
+    def target_jacobian(self, x: FloatArray) -> FloatArray:
+        """Return the derivatives of the weighted residuals of the targets by x, shape (n_targets, n_free)."""
+        jacobian = slope_jacobian(self.targets, self._code, self.parameters(x), self.columns)
+        return jacobian * self.reach * self._target_roots[:, None]
+
+    def _target_residual(self, parameters: FloatArray) -> FloatArray:
+        """Return the weighted residuals of the targets, shape (n_targets,)."""
+        return slope_residuals(self.targets, self._code, parameters) * self._target_roots
+
+    @property
+    def _target_roots(self) -> FloatArray:
+        """Roots of the weights of squared residuals of the targets."""
+        return np.asarray(np.sqrt(self.target_weight) / np.array([each.deviation for each in self.targets]))
 
     def by_output(self, x: FloatArray) -> list[tuple[int, npt.NDArray[np.int64], FloatArray, FloatArray]]:
         """Return the contribution of each weighted output: its index, its free coefficients, gradient and matrix."""

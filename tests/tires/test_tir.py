@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import replace
 from decimal import Decimal
 
@@ -11,9 +12,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tirefmu.symbolic.errors import TirError
+from tirefmu.symbolic.errors import TireError, TirError
 from tirefmu.symbolic.models import MODELS
-from tirefmu.tires import PUBLISHED, Tire, published, read_tir, write_tir
+from tirefmu.tires import PUBLISHED, Tire, published, read_tir, tire_from, write_tir
 from tirefmu.tires.definition import RANGES
 from tirefmu.tires.property_file import reading
 from tirefmu.tires.property_file import text as form
@@ -222,6 +223,25 @@ def test_a_missing_coefficient_is_named(tmp_path):
     with pytest.raises(TirError) as caught:
         read_tir(path)
     assert str(caught.value) == f"{path}: a tire needs FNOMIN (nominal load F_z0, N)"
+
+
+def test_a_missing_radius_may_be_given(tmp_path):
+    whole = published("trento_hoosier")
+    path = tmp_path / "light.tir"
+    path.write_text(re.sub(r"UNLOADED_RADIUS = .*\n", "", tir_text(whole)), encoding="utf-8")
+    with pytest.raises(TirError, match=r"needs UNLOADED_RADIUS .*--nominal R0=\.\.\., in Python with radius="):
+        read_tir(path)
+    radius = whole.values["UNLOADED_RADIUS"]
+    assert read_tir(path, radius).values == whole.in_signs("iso").values
+    assert "UNLOADED_RADIUS is not in the file: 0.5 m was given" in read_tir_with_notes(path, 0.5).notes
+    with pytest.raises(TirError, match="radius R0 = 0 m is not a positive number"):
+        read_tir(path, 0.0)
+    complete = tmp_path / "complete.tir"
+    whole.save(complete)
+    with pytest.raises(TirError, match="the file states UNLOADED_RADIUS"):
+        read_tir(complete, 0.5)
+    with pytest.raises(TireError, match="has a radius"):
+        tire_from("trento_hoosier", radius=0.5)
 
 
 @pytest.mark.parametrize(

@@ -53,6 +53,7 @@ SECTIONS: dict[str, dict[str, Key]] = {
         "without_constraints": Key("names", "--without-constraint"),
         "loss": Key("text", "--loss"),
         "rows": Key("text", "--rows"),
+        "stiffness_weight": Key("number", "--stiffness-weight"),
         "cross_validate": Key("number", "--cross-validate"),
     },
     "export": {

@@ -50,6 +50,9 @@ from .units import unit_contradicts
 #: Sections that only hold ``KEY = value``, in addition to those of the coefficients.
 _STRICT = ("UNITS", "MODEL", *OWN_SECTIONS)
 
+#: The coefficient that a caller can give if a file lacks it.
+RADIUS = "UNLOADED_RADIUS"
+
 
 @dataclass(frozen=True)
 class TirReading:
@@ -67,7 +70,7 @@ class TirReading:
     notes: tuple[str, ...]
 
 
-def read_tir(path: str | Path) -> Tire:
+def read_tir(path: str | Path, radius: float | None = None) -> Tire:
     """Read a tire from a .tir file.
 
     Parameters
@@ -75,6 +78,8 @@ def read_tir(path: str | Path) -> Tire:
     path : str or Path
         With a FITTYP or a PROPERTY_FILE_FORMAT of a model (`PropertyFile`), such as 61 or 'PAC2002'; in any units
         that [UNITS] can declare.
+    radius : float, optional
+        Free radius, m, of a file without UNLOADED_RADIUS.
 
     Returns
     -------
@@ -84,17 +89,18 @@ def read_tir(path: str | Path) -> Tire:
     Raises
     ------
     TirError
-        If the file is missing or broken; the message names file, line and key.
+        If the file is missing or broken, or states another radius; the message names file, line and key.
     """
-    return read_tir_with_notes(path).tire
+    return read_tir_with_notes(path, radius).tire
 
 
-def read_tir_with_notes(path: str | Path) -> TirReading:
+def read_tir_with_notes(path: str | Path, radius: float | None = None) -> TirReading:
     """Read a tire from a .tir file, with notes on what the file does not state.
 
     Parameters
     ----------
     path : str or Path
+    radius : float, optional
 
     Returns
     -------
@@ -105,14 +111,14 @@ def read_tir_with_notes(path: str | Path) -> TirReading:
     TirError
         As `read_tir` does.
     """
-    return _Reader(path_from(path)).reading()
+    return _Reader(path_from(path), radius).reading()
 
 
 class _Reader:
     """The state of reading one file: entries are removed from `unread`; what remains is retained."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: Path, radius: float | None = None) -> None:
+        self.path, self.radius = path, radius
         self.notes: list[str] = []
         self.given: dict[str, Entry] = {}
         lines = read_lines(path)
@@ -144,6 +150,7 @@ class _Reader:
         self._refuse_own(own, book)
         values = dict(self._values(book))
         values |= {key.removeprefix("CORE_"): self._number(own[key], 1.0) for key in own if key.startswith("CORE_")}
+        self._add_radius(values)
         self._refuse_crossed(values)
         effects = self._effects(own, book) if "EFFECTS" in own else self._effects_by_coefficients(values, book)
         assumed = self._assume(values, book, book.default_effects if effects is None else effects)
@@ -159,6 +166,22 @@ class _Reader:
         except TirefmuError as error:
             raise TirError(f"{self.path}: {error}") from error
         return TirReading(tire, tuple(self.notes))
+
+    def _add_radius(self, values: dict[str, float]) -> None:
+        """Add the radius that the caller gives to a file without one."""
+        if self.radius is None:
+            if RADIUS not in values:
+                raise TirError(
+                    f"{self.path}: a tire needs {RADIUS} (free radius R_0, m): give it with --nominal R0=..., "
+                    "in Python with radius="
+                )
+            return
+        if not 0.0 < self.radius < math.inf:
+            raise TirError(f"{self.path}: the radius R0 = {self.radius:g} m is not a positive number")
+        if RADIUS in values:
+            raise TirError(f"{self.path}: the file states {RADIUS} = {values[RADIUS]:g} m: no other R0 can be given")
+        values[RADIUS] = self.radius
+        self.notes.append(f"{RADIUS} is not in the file: {self.radius:g} m was given")
 
     def _file(self, entry: Entry) -> None:
         earlier = self.unread.pop((entry.section, entry.key), None)

@@ -1,0 +1,75 @@
+"""Slopes at zero slip as additional residuals of a fit: linear combinations of the residuals of rows near zero slip."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.tires.code import Code
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SlopeTarget:
+    """The slope of a force at zero slip, read from rows of one operating condition.
+
+    The slope is linear in the forces: ``influence @ force``. The same combination of the computed forces is compared
+    with it, so that a curve which the reading method does not follow exactly gives no error.
+
+    Attributes
+    ----------
+    group : int
+        Number of the recording.
+    output : int
+        Index of the force.
+    inputs : ndarray, shape (n_inputs, n)
+        Of the rows near zero slip, as the generated code takes them.
+    influence : ndarray, shape (n,)
+        Derivative of the slope by the force of each row.
+    slope : float
+        Of the measured rows.
+    error : float
+        Its standard error.
+    deviation : float
+        Standard deviation that the fit assumes: the standard error, and the model-form error.
+    """
+
+    group: int
+    output: int
+    inputs: FloatArray
+    influence: FloatArray
+    slope: float
+    error: float
+    deviation: float
+
+
+def slope_residuals(targets: Sequence[SlopeTarget], code: Code, parameters: FloatArray) -> FloatArray:
+    """Return computed minus measured slope of each target, shape (n_targets,)."""
+    if not targets:
+        return np.zeros(0)
+    forces = code.forces(np.ascontiguousarray(np.concatenate([each.inputs for each in targets], axis=1)), parameters)
+    computed, first = np.zeros(len(targets)), 0
+    for i, each in enumerate(targets):
+        last = first + len(each.influence)
+        computed[i] = each.influence @ forces[each.output, first:last]
+        first = last
+    return np.asarray(computed - np.array([each.slope for each in targets]))
+
+
+def slope_jacobian(
+    targets: Sequence[SlopeTarget], code: Code, parameters: FloatArray, columns: npt.NDArray[np.int64]
+) -> FloatArray:
+    """Return the derivatives of the slopes by the parameters in some columns, shape (n_targets, n_columns)."""
+    force, coefficient = code.entries
+    index = {int(column): i for i, column in enumerate(columns)}
+    freed = np.array([index.get(int(column), -1) for column in coefficient], dtype=int)
+    jacobian = np.zeros((len(targets), len(columns)))
+    for row, each in enumerate(targets):
+        chosen = np.flatnonzero((force == each.output) & (freed >= 0))
+        for chunk, entries in code.jacobian_chunks(each.inputs, parameters, len(each.influence)):
+            jacobian[row, freed[chosen]] += entries[chosen] @ each.influence[chunk]
+    return jacobian
