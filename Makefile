@@ -3,7 +3,7 @@ VENV ?= .venv
 # Tests run on all processors, those of a file on one, so that they share fixtures. PYTEST_ARGS=... replaces this.
 PYTEST_ARGS ?= -n auto --dist loadfile
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
-PACKAGES := symbolic generated tires measurements estimation fitting fmu diagnosis hosts explorer comparison
+PACKAGES := symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer
 
 # The first working Python (version managers install commands that only print a notice) that can create a venv.
 PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python; do \
@@ -65,7 +65,7 @@ examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, an
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cosimulation]"
 	$(BIN)/pytest tests/examples $(PYTEST_ARGS)
 
-hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasADi symbols, JAX and PyTorch where they are installed
+hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasADi symbols, JAX, PyTorch and rumoca where they are installed
 	TIREFMU_HOSTS=1 $(BIN)/pytest tests/hosts $(PYTEST_ARGS)
 
 check: $(VENV)/installed-dev types  ## lint, format, types, and generated/ compared with the equations

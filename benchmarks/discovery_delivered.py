@@ -152,8 +152,9 @@ def _spread(result: Diagnosis, case: Case, channels: Sequence[str]) -> FloatArra
     The root mean square of the standard deviation over random tires, whose coefficients have the prior of the model.
     """
     tire = result.tire.in_signs(FORMULA_SIGNS)
-    names = [name for one in result.found for name in one.coefficients]
     book, rng, forces = tire.book, np.random.default_rng(0), []
+    delivered = [name for one in result.found for name in one.coefficients if name in book.coefficients]
+    names = delivered if result.delivered else []
     table = case.operating.drop(columns=list(channels))
     for _ in range(TIRES if names else 0):
         values = dict(tire.values)

@@ -16,7 +16,6 @@ from tirefmu.tires.tire import Tire
 
 from .probing.baseline_fit import fit_baseline, worse_by_smoothing
 from .probing.candidates import Candidate, candidates_for
-from .probing.cross_talk import without_doubtful_lever
 from .probing.effect_probing import Screen
 from .recording.signals import FORMULA_SIGNS, signals_of
 from .search.alignment import searched
@@ -91,7 +90,6 @@ def diagnose(
     recorded = signals_of(recording.table, start, recording.signs, smooth=False)
     if worse_by_smoothing(problem, solution, recorded):
         problem, solution = fit_baseline(start, recorded, known=tire is not None)
-    problem, solution = without_doubtful_lever(problem, solution)
     before, search = searched(Search(problem, solution, candidates_tried, report))
     unknown, start = _unknown_structure(start, search, report)
     settled = settle(search, before)

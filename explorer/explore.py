@@ -8,6 +8,7 @@ from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from hashlib import sha256
 from importlib.resources import files
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +22,13 @@ from .measured_rows import measured_rows, rows_data
 from .page_code import module_expression, program_for_page
 from .tire_data import switchable, tire_data
 
-#: The scripts of the page, in their order; the chart library has no file of ours before it.
+#: The scripts of the page, in their order, after the chart library.
 SCRIPTS = (
-    "uplot/uPlot.iife.min.js", "tire_state.js", "property_file.js", "measured_rows.js", "curves.js", "key_figures.js",
-    "charts.js", "controls.js", "page.js",
+    "tire_state.js", "property_file.js", "measured_rows.js", "curves.js", "key_figures.js", "charts.js", "controls.js",
+    "page.js",
 )  # fmt: skip
-STYLES = ("uplot/uPlot.min.css", "style.css")
+#: The chart library uPlot, as the package uplot-python installs it.
+LIBRARY, LIBRARY_SCRIPT, LIBRARY_STYLE = "uplot", "uPlot.iife.js", "uPlot.min.css"
 
 
 def explore(
@@ -57,7 +59,7 @@ def explore(
     Raises
     ------
     TirefmuError
-        If the page cannot be written.
+        If the page cannot be written, or the chart library is not installed.
     UnknownName
         If an interval belongs to no coefficient of the tire's model.
 
@@ -100,13 +102,16 @@ def page_text(
         "rows": rows_data(measured_rows(recordings, first.inputs)),
     }
     code = ",\n".join(module_expression(program) for program in programs)
-    scripts = [f"const GENERATED = [\n{code}\n];", "\n".join(_file(name) for name in SCRIPTS)]
+    scripts = [
+        f"const GENERATED = [\n{code}\n];",
+        "\n".join([_library_file(LIBRARY_SCRIPT), *map(_file, SCRIPTS)]),
+    ]
     return _filled(
         _file("page.html"),
         {
             "title": html_text(" and ".join(each["name"] for each in data["tires"])),
             "hashes": " ".join(f"'sha256-{_digest(script)}'" for script in scripts),
-            "style": "\n".join(_file(name) for name in STYLES),
+            "style": _library_file(LIBRARY_STYLE) + "\n" + _file("style.css"),
             "data": script_json(json.dumps(data, allow_nan=False, separators=(",", ":"))),
             "code": scripts[0],
             "scripts": scripts[1],
@@ -120,6 +125,16 @@ def _name(tire: TireLike) -> str:
 
 def _file(name: str) -> str:
     return (files("tirefmu.explorer") / "browser" / name).read_text(encoding="utf-8")
+
+
+def _library_file(name: str) -> str:
+    """Return the text of a file of the chart library, without importing its package."""
+    found = find_spec(LIBRARY)
+    for folder in (found.submodule_search_locations or []) if found else []:
+        path = Path(folder, "static", name)
+        if path.is_file():
+            return path.read_text(encoding="utf-8")
+    raise TirefmuError(f"{name} of the chart library is missing: pip install uplot-python")
 
 
 def _digest(script: str) -> str:

@@ -300,7 +300,11 @@ class FitRun:
         ridge: float,
         stage_type: str,
     ) -> Solution:
-        """Solve, verify the constraints on the dense grid, and solve again with the points that violate them."""
+        """Solve, verify the constraints on the dense grid, and solve again with the points that violate them.
+
+        An intermediate stage is solved again once: if its values violated a constraint, their residuals would give the
+        next stage weights for a noise that no tire with this constraint reaches.
+        """
         known = self._constraints.of(channels) + self._constraints.violated
         dense = self._constraints.of(channels, density=APPROACHED if stage_type == "intermediate" else VERIFIED)
         solve_from = partial(
@@ -315,8 +319,8 @@ class FitRun:
             if not violated:
                 break
             known = known + violated
-            if stage_type != "intermediate":
-                solution = solve_from(solution.x, constraints=known)
+            after = solve_from(solution.x, constraints=known, refine=True)
+            solution = replace(after, iterations=solution.iterations + after.iterations)
         return solution
 
     def _stage_r2(self, rows: Rows) -> float:

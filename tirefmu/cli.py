@@ -28,9 +28,11 @@ from .arguments import (
 )
 from .commands.compare_command import compare
 from .commands.explore_command import explore
+from .commands.fit_many_command import fit_many
 from .commands.help_examples import add_examples
 from .commands.list_commands import effects, models, published
 from .commands.project_commands import init, run
+from .commands.study_command import study
 from .diagnose_command import diagnose
 from .fit_command import fit
 from .generate_command import generate
@@ -300,6 +302,7 @@ for command in (
     effects,
     explore,
     fit,
+    fit_many,
     generate,
     init,
     inspect,
@@ -307,6 +310,7 @@ for command in (
     models,
     published,
     run,
+    study,
 ):
     cli.add_command(command)
 add_examples(cli)

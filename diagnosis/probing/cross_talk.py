@@ -38,3 +38,12 @@ def without_doubtful_lever(problem: LeastSquares, solution: Solution) -> tuple[L
         return problem, solution
     problem = without(problem, (LEVER,))
     return problem, problem.solve(solution.parameters, solution.free, iterations=ITERATIONS)
+
+
+def with_lever(problem: LeastSquares, source: LeastSquares) -> LeastSquares:
+    """Return a problem with the lever of another one."""
+    column = source.disturbances.names.index(LEVER)
+    disturbances = problem.disturbances.with_columns(
+        (LEVER,), source.disturbances.columns[:, :, [column]], source.disturbances.deviation[[column]]
+    )
+    return replace(problem, disturbances=disturbances)

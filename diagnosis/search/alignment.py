@@ -15,6 +15,7 @@ import numpy.typing as npt
 from tirefmu.estimation.block_regression import error_of_sum
 
 from ..least_squares import LeastSquares, Solution
+from ..probing.cross_talk import with_lever, without_doubtful_lever
 from ..probing.effect_probing import Screen
 from ..recording.skew import delay_response
 from ..thresholds import EFFECT_ERRORS, EFFECT_GAIN, MAX_SKEW, MIN_SKEW, PREFERRED_ERRORS
@@ -67,10 +68,32 @@ def _run(search: Search, problem: LeastSquares, solution: Solution, skew: float)
     if skew:
         search.progress(f"the forces are recorded {1000.0 * skew:.1f} ms after the inputs: corrected")
         problem, solution = _delayed(problem, solution, skew)
+    before, run = _completed(search, *without_doubtful_lever(problem, solution))  # a skew would hide its significance
+    rival = "" if before.problem is problem else _like_a_lever(run, problem)
+    if not rival:
+        return before, run
+    search.progress(f"a lever of the side force explains the recording as well as {rival}: the search is repeated")
+    return _completed(search, problem, solution)
+
+
+def _completed(search: Search, problem: LeastSquares, solution: Solution) -> tuple[Screen, Search]:
     run = Search(problem, solution, search.candidates, search.progress)
     before = Screen(problem, solution)
     run.run()
     return before, run
+
+
+def _like_a_lever(run: Search, source: LeastSquares) -> str:
+    """Return an identified effect of Mz alone that a lever of the side force could replace, or an empty text."""
+    loss = Screen(run.problem, run.solution).baseline.loss
+    problem = with_lever(run.problem, source)
+    for refit in run.found:
+        if refit.name in run.candidates and run.candidates[refit.name].channels == ("Mz",):
+            other = problem.solve_without(run.solution, refit.form.free, iterations=ITERATIONS)
+            excess = Screen(problem, other).baseline.loss - loss
+            if excess.sum() <= PREFERRED_ERRORS * error_of_sum(excess):
+                return refit.name
+    return ""
 
 
 def _skew(search: Search, problem: LeastSquares, solution: Solution) -> float:

@@ -76,6 +76,11 @@ def settle(search: Search, before: Screen) -> Settled:
     confirmed, rejected = _confirmed(search)
     if unchanged:
         before = Screen(search.problem, search.solution)
+    elif set(search.solution.free) == set(before.solution.free):  # all was rejected: one tire, from the baseline fit
+        search.solution = search.problem.solve(
+            before.solution.parameters, before.solution.free, iterations=FINAL_ITERATIONS
+        )
+        before = Screen(search.problem, search.solution)
     else:  # with the same weights: a channel that gives way to another one in one fit only looks better or worse
         problem = replace(without(before.problem, doubtful), inverse_noise=search.problem.inverse_noise)
         before = Screen(

@@ -80,7 +80,7 @@ class Chart {
           value: (_, value) => shortNumber(value),
         })),
       ],
-      cursor: { drag: { x: true, y: this.locus }, points: { show: !this.locus } },
+      cursor: { drag: { x: true, y: this.locus }, ...(this.locus ? { points: { show: false } } : {}) },
       legend: { show: !this.locus, live: true },
       hooks: { drawClear: [(plot) => this.drawPoints(plot)] },
     };

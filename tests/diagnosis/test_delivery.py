@@ -228,3 +228,13 @@ def test_few_rows_have_an_answer(rate, sweeps):
     assert diagnosis.delivered or diagnosis.not_delivered_because
     errors = recomputed(diagnosis, diagnosis.tire, case.signs)
     assert errors == pytest.approx({c: one["after"] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)
+
+
+def test_a_tire_without_identified_effects_is_the_baseline_tire(monkeypatch):
+    """The search found an effect, and the final fit did not confirm it: there is one tire, not two in a flat valley."""
+    monkeypatch.setattr("tirefmu.diagnosis.search.confirmation.Confirmation.passes", False)
+    case = make_case(21, ("plysteer",))
+    diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
+    assert diagnosis.rejected
+    assert not diagnosis.found
+    assert diagnosis.tire.values == diagnosis.base_tire.values

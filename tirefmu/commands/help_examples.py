@@ -12,6 +12,11 @@ EXAMPLES = {
         "fit run.csv --model mf96 --nominal Fz0=220,R0=0.23 --effects load_friction,camber_thrust -o my.tir",
         "fit run.csv --start my.tir --recipe scaling -o scaled.tir",
     ),
+    "fit-many": (
+        "fit-many jobs.toml -o tires --resume",
+        "fit-many recordings --model mf61 --nominal Fz0=1000,R0=0.25 -o tires",
+    ),
+    "study": ("study my.fmu study.toml -o results",),
     "evaluate": (
         "evaluate my.tir table.csv -o forces.csv",
         "evaluate trento_hoosier run.mat -o forces.parquet --steady",
