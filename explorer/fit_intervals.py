@@ -5,8 +5,12 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import TireLike, tire_from
+
+#: Upper limit of the file, bytes.
+LARGEST = 50_000_000
 
 
 def fit_intervals(path: Path, tire: TireLike) -> dict[str, tuple[float, float]]:
@@ -31,7 +35,7 @@ def fit_intervals(path: Path, tire: TireLike) -> dict[str, tuple[float, float]]:
     declared = tire_from(tire).book.coefficients
     intervals = {}
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(read_bounded(path, LARGEST))
         mirrored = content["signs"] != "iso"
         for each in content["coefficients"]:
             name, half = each["name"], each["interval"]

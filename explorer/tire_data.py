@@ -10,6 +10,7 @@ from typing import Any
 from tirefmu.symbolic.declarations import Coefficient, Quantity
 from tirefmu.symbolic.escaping import excerpt, file_name
 from tirefmu.tires import Tire
+from tirefmu.tires.definition import RANGES as RANGE_KEYS
 
 from .property_file_template import property_file_template
 
@@ -71,7 +72,7 @@ def tire_data(
     name : str
         Shown where the tire has no name.
     read : mapping of str to float
-        The coefficients that the page's code reads: they have sliders.
+        The coefficients that the page's code reads: they have sliders, except the ends of ranges of inputs.
     intervals : mapping of str to (float, float)
         95 % intervals of coefficients in ISO-W.
 
@@ -83,6 +84,9 @@ def tire_data(
     whole = switchable(tire)
     book = whole.book
     effects = {name: each for name, each in book.effects.items() if name in whole.has}
+    # The ends of a range are no property that a slider could change independently.
+    ends = {name for pair in RANGE_KEYS.values() for name in pair}
+    adjustable = read.keys() - ends
     owners = {name: _owner(whole, name) for name in book.coefficients}
     return {
         "name": excerpt(tire.name or name, 80),
@@ -94,7 +98,7 @@ def tire_data(
         "roles": {role: _quantity(tire, book.quantity(role)) for role in ROLES if book.quantity(role)},
         "states": [_state(whole, name) for name in book.states],
         "coefficients": [
-            _coefficient(declared, whole.values[key], owners[key], key in read, intervals.get(key))
+            _coefficient(declared, whole.values[key], owners[key], key in adjustable, intervals.get(key))
             for key, declared in book.coefficients.items()
         ],
         "effects": [

@@ -1,0 +1,72 @@
+"""The documentation: blocks of quick start and tutorials run, generated pages are complete, the site is offline."""
+
+from __future__ import annotations
+
+import os
+import re
+import runpy
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tirefmu.cli import cli, main
+from tirefmu.symbolic.models import MODELS
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+#: Pages whose blocks run in their order, in a folder of their own.
+EXECUTED = ["quick_start.md", *sorted(f"tutorials/{path.name}" for path in (DOCS / "tutorials").glob("*.md"))]
+
+
+def blocks(text):
+    """Return language and content of the fenced blocks of a page."""
+    return re.findall(r"^```(\w+)\n(.*?)^```$", text, flags=re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("page", EXECUTED)
+def test_code_blocks_run(page, tmp_path, monkeypatch, capsys):
+    """A command succeeds unless a comment states its exit codes."""
+    monkeypatch.chdir(tmp_path)
+    names = {"__name__": page}
+    found = blocks((DOCS / page).read_text(encoding="utf-8"))
+    assert {language for language, _ in found} <= {"python", "sh"}
+    assert found
+    for language, content in found:
+        if language == "python":
+            exec(compile(content, page, "exec"), names)
+            continue
+        for line in content.splitlines():
+            command, _, codes = line.partition("#")
+            program, *arguments = shlex.split(command)
+            assert program == "tirefmu"
+            accepted = {int(code) for code in re.findall(r"\d", codes)} or {0}
+            assert main(arguments) in accepted, (line, capsys.readouterr())
+
+
+def test_generated_pages_have_every_effect_model_and_command():
+    pages = runpy.run_path(str(DOCS / "reference_pages.py"))["pages"]()
+    effects = {name for book in MODELS.values() for name in book.effects}
+    assert effects <= set(re.findall(r"^## (\w+)$", pages["reference/effects.md"], flags=re.MULTILINE))
+    assert set(re.findall(r"^\| `(\w+)`", pages["reference/models.md"], flags=re.MULTILINE)) >= set(MODELS)
+    headings = re.findall(r"^## ([\w-]+)$", pages["reference/cli.md"], flags=re.MULTILINE)
+    assert headings == sorted(cli.commands)
+    for name, command in cli.commands.items():
+        section = pages["reference/cli.md"].split(f"\n## {name}\n")[1].split("\n## ")[0]
+        for parameter in command.params:
+            assert all(option in section for option in parameter.opts if option.startswith("--"))
+
+
+def test_the_site_builds_without_warnings_and_loads_nothing_from_outside(tmp_path):
+    pytest.importorskip("mkdocs", reason="mkdocs is not installed: make docs")
+    command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--site-dir", str(tmp_path)]
+    environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
+    built = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert (built.returncode, built.stdout + built.stderr) == (0, "")
+    pages = list(tmp_path.rglob("*.html"))
+    assert len(pages) > 15
+    for page in pages:
+        loaded = re.findall(r"<(?:script|link|img|iframe)\b[^>]*>", page.read_text(encoding="utf-8"))
+        assert not [tag for tag in loaded if re.search(r"""(src|href)=["']?(https?:)?//""", tag)], page
