@@ -225,8 +225,8 @@ class _Steps:
 
     def take(self, chosen: IntArray) -> _Steps:
         """Return some of the steps."""
-        arrays = (getattr(self, name)[chosen] for name in ("interval", "begin", "end", "h", "last"))
-        return _Steps(*arrays, self.halvings)
+        begin, end, h, last = self.begin[chosen], self.end[chosen], self.h[chosen], self.last[chosen]
+        return _Steps(self.interval[chosen], begin, end, h, last, self.halvings)
 
     def halves(self) -> tuple[_Steps, _Steps]:
         """Return the first and the second half of the steps; a single step is divided."""
