@@ -118,7 +118,7 @@ def error_of_sum(gains: FloatArray) -> float:
 
     Examples
     --------
-    >>> error_of_sum(np.array([1.0, 3.0]))
+    >>> round(error_of_sum(np.array([1.0, 3.0])), 12)
     2.0
     """
     return float(np.sqrt(len(gains)) * np.std(gains, ddof=1))

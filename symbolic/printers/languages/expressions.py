@@ -186,7 +186,7 @@ class ModelicaPrinter(CallPrinter):
     >>> ModelicaPrinter().doprint(2 * x**2 / (1 + x ** (1 / y)))
     '2.0*x^2/(1.0 + x^(1.0/y))'
     >>> ModelicaPrinter().doprint(sp.Piecewise((1, sp.And(x > 0, y > 0)), (sp.sqrt(x) ** y, True)))
-    '(if (x > 0.0) and (y > 0.0) then 1.0 else sqrt(x)^y)'
+    '(if (x > 0.0) and (y > 0.0) then 1.0 else x^(0.5*y))'
     """
 
     names: ClassVar[dict[str, str]] = {"absolute": "abs", "sgn": "sign"}
