@@ -120,7 +120,7 @@ def to_si(values: ArrayLike, spelling: str, quantity: str | None = None) -> NDAr
     UnknownName
         If the unit is unknown.
     DataError
-        If the unit is one of another quantity.
+        If the unit is one of another quantity, or a value is too large for a float in SI.
 
     Examples
     --------
@@ -134,6 +134,8 @@ def to_si(values: ArrayLike, spelling: str, quantity: str | None = None) -> NDAr
         raise DataError(f"unit {spelling.strip()!r} measures {unit.quantity}, not {quantity}")
     array = np.asarray(values, dtype=np.float64)
     # Without an offset the sign of a zero is preserved; a factor of 1 preserves every bit.
-    if unit.offset:
-        return np.asarray(array * unit.factor + unit.offset)
-    return np.asarray(array * unit.factor)
+    with np.errstate(over="ignore"):
+        converted = array * unit.factor + unit.offset if unit.offset else array * unit.factor
+    if np.any(np.isinf(converted) & np.isfinite(array)):
+        raise DataError(f"a value in {spelling.strip()} is too large")
+    return np.asarray(converted)

@@ -293,8 +293,7 @@ class _Parser:
         try:
             # An effect may have an input that is no channel.
             quantity = CHANNELS[name].quantity if name in CHANNELS else None
-            with np.errstate(over="ignore"):
-                number = float(to_si(value.number, value.unit, quantity))
+            number = float(to_si(value.number, value.unit, quantity))
         except TirefmuError as error:
             raise self._error(f"{name}: {error}") from None
         if not isfinite(number):

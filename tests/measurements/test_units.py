@@ -69,3 +69,9 @@ def test_an_unknown_unit_suggests_the_nearest():
 def test_a_unit_of_another_quantity_is_rejected():
     with pytest.raises(DataError, match="'kPa' measures pressure, not angle"):
         to_si([1.0], "kPa", "angle")
+
+
+def test_a_value_that_is_too_large_in_si_is_an_error():
+    assert np.isinf(to_si([np.inf], "kN")).all()
+    with pytest.raises(DataError, match="a value in kN is too large"):
+        to_si([1.0, 1e307], "kN")
