@@ -14,8 +14,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, isfinite, nextafter
 
-import numpy as np
-
 from tirefmu.symbolic.errors import DataError, TirefmuError, nearest
 
 from ..channels import CHANNELS
