@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
@@ -64,7 +65,13 @@ def completed(
 
 def _pool(workers: int) -> ProcessPoolExecutor:
     # Forked processes would inherit the threads and locks of numerical libraries.
-    return ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+    context = multiprocessing.get_context("spawn")
+    return ProcessPoolExecutor(workers, mp_context=context, initializer=_end_with_ctrl_c)
+
+
+def _end_with_ctrl_c() -> None:
+    """End this process without a message if the user interrupts the batch."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _until_a_process_ends(

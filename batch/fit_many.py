@@ -18,7 +18,7 @@ import pandas as pd
 
 from tirefmu.fitting import fit
 from tirefmu.measurements import Recording, recordings_from
-from tirefmu.symbolic.errors import DataError, TirefmuError, path_from
+from tirefmu.symbolic.errors import DataError, FitError, TirefmuError, path_from
 from tirefmu.tires import tire_from
 from tirefmu.tires.drawing.page import page_text, write_page
 from tirefmu.tires.drawing.style import write_whole
@@ -26,7 +26,7 @@ from tirefmu.tires.tire import Tire
 
 from .cluster import completed_on_cluster
 from .execution import Lost, completed
-from .jobs import FitJob, read_jobs
+from .jobs import FitJob, read_jobs, unique
 from .records import FAILED, LOST, JobResult, result_of_fit, table_of
 
 #: Called with a result and the numbers of finished and of all jobs.
@@ -111,16 +111,29 @@ def fit_many(
     Raises
     ------
     FitError, UnknownName
-        As for `read_jobs`, and if the cluster cannot be used.
+        As for `read_jobs`; if there are options for a list of jobs; if the cluster cannot be used.
     DataError
         If the folder cannot be written.
 
     Notes
     -----
     Local workers are new Python processes. A script that calls this function needs ``if __name__ == "__main__":``.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     batch = fit_many([FitJob("front", (Path("missing.csv"),))], folder)
+    >>> batch.results[0].status, batch.results[0].reasons
+    ('failed', ('missing.csv: no such file',))
     """
     folder = path_from(folder)
-    listed = tuple(jobs) if not isinstance(jobs, (str, Path)) else read_jobs(jobs, options)
+    if isinstance(jobs, (str, Path)):
+        listed = read_jobs(jobs, options)
+    elif options:
+        raise FitError(f"options of jobs are in FitJob.options: {', '.join(options)}")
+    else:
+        listed = unique(tuple(jobs), "jobs")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -192,6 +205,8 @@ def run(task: Task) -> Fitted:
         found = fit(task.recordings, options.pop("model", None), **options)
     except TirefmuError as error:
         return Fitted(JobResult(job.name, FAILED, (str(error),)))
+    if found.interrupted:
+        return Fitted(JobResult(job.name, LOST, (f"interrupted: {found.interrupted}",)))
     tire = replace(found.tire, name=found.tire.name or job.name)
     return Fitted(result_of_fit(job.name, found), tire, found.to_json())
 
@@ -202,7 +217,7 @@ def digest_of(job: FitJob) -> str:
     others = [Path(job.options[key]) for key in ("start", "recipe") if key in job.options]
     others += [Path(job.where)] if job.where else []
     for path in (*job.tables, *others):
-        with contextlib.suppress(OSError):  # the name of a recipe or a tire, or an error that the fit reports
+        with contextlib.suppress(OSError, ValueError):  # a name, an expression, or an error that the fit reports
             digest.update(repr(path.name).encode() + path.read_bytes())
     return digest.hexdigest()
 

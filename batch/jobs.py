@@ -82,7 +82,9 @@ def read_jobs(path: str | Path, options: Mapping[str, Any] | None = None) -> tup
     """
     path = path_from(path)
     if path.is_dir():
-        return _unique(_jobs_of_folder(path, options or {}), path)
+        given = {key: list(value) if isinstance(value, tuple) else value for key, value in (options or {}).items()}
+        check_keys(given, {**OPTIONS, **READING}, "options")
+        return unique(_jobs_of_folder(path, given), path)
     if options:
         raise FitError(f"{path}: [defaults] in the file sets {', '.join(options)}")
     content = content_of(path)
@@ -92,7 +94,7 @@ def read_jobs(path: str | Path, options: Mapping[str, Any] | None = None) -> tup
     items = content.get("jobs", [])
     if not items or len(items) > MOST_JOBS:
         raise FitError(f"{path}: {len(items)} [[jobs]], not 1 to {MOST_JOBS}")
-    return _unique([_job(item, defaults, path, number) for number, item in enumerate(items, start=1)], path)
+    return unique([_job(item, defaults, path, number) for number, item in enumerate(items, start=1)], path)
 
 
 def _jobs_of_folder(folder: Path, options: Mapping[str, Any]) -> list[FitJob]:
@@ -111,8 +113,6 @@ def _job(item: Any, defaults: Mapping[str, Any], path: Path, number: int) -> Fit
     name, tables = item.get("name"), item.get("tables")
     if not name or not tables:
         raise FitError(f"{location}: {'tables' if name else 'name'} is missing")
-    if file_name(name) != name:
-        raise FitError(f"{location}: name {quoted(name)} is not a file name: {file_name(name)}, for example")
     given = {**defaults, **{key: value for key, value in item.items() if key not in ("name", "tables")}}
     options = {key: given[key] for key in OPTIONS if key in given}
     for key in ("start", "recipe"):
@@ -122,11 +122,20 @@ def _job(item: Any, defaults: Mapping[str, Any], path: Path, number: int) -> Fit
     return FitJob(name, files, given.get("signs"), given.get("where"), options)
 
 
-def _unique(jobs: Sequence[FitJob], path: Path) -> tuple[FitJob, ...]:
-    """Return the jobs, unless two would write the same files, also where file names have no case."""
+def unique(jobs: Sequence[FitJob], source: str | Path) -> tuple[FitJob, ...]:
+    """Return the jobs.
+
+    Raises
+    ------
+    FitError
+        If a name is no file name, or two jobs would write the same files, also where file names have no case.
+    """
     known: dict[str, FitJob] = {}
     for job in jobs:
+        if not job.name or file_name(job.name) != job.name:
+            example = file_name(job.name, "tire")
+            raise FitError(f"{source}: name {quoted(job.name)} of a job is not a file name: {example}, for example")
         if job.name.lower() in known:
-            raise FitError(f"{path}: two jobs have the name {quoted(job.name)}")
+            raise FitError(f"{source}: two jobs have the name {quoted(job.name)}")
         known[job.name.lower()] = job
     return tuple(jobs)

@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
+import sys
 
 import pandas as pd
 import pytest
 
 from tirefmu.batch.fit_many import fit_many, run, task_of
-from tirefmu.batch.jobs import read_jobs
+from tirefmu.batch.jobs import FitJob, read_jobs
 from tirefmu.cli import main
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, write_table
+from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import published
 
 from .test_execution import cluster
@@ -127,3 +132,29 @@ def test_the_command_reports_each_tire(jobs, tmp_path, capsys):
     assert not json.loads((tmp_path / "o.json").read_text())["ok"]
     assert main(["fit-many", str(tmp_path / "none.toml"), "-o", str(tmp_path / "out")]) == 2
     assert "no such file or folder" in capsys.readouterr().err
+
+
+def test_names_that_are_no_file_names_are_refused(tmp_path):
+    for name in ("../front", "", "a/b"):
+        with pytest.raises(TirefmuError, match="is not a file name"):
+            fit_many([FitJob(name, (tmp_path / "a.csv",))], tmp_path / "out")
+    with pytest.raises(TirefmuError, match=r"options of jobs are in FitJob\.options: model"):
+        fit_many([FitJob("front", (tmp_path / "a.csv",))], tmp_path / "out", model="mf61")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no process groups with SIGINT")
+def test_an_interrupted_batch_keeps_what_is_written(jobs, tmp_path):
+    """The signal goes to all processes, as from a keyboard. Nothing is printed but one line."""
+    command = [sys.executable, "-m", "tirefmu", "fit-many", str(jobs), "-o", str(tmp_path), "--workers", "1"]
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, bufsize=1, start_new_session=True
+    )
+    assert "1 of 4" in process.stdout.readline()
+    os.killpg(process.pid, signal.SIGINT)
+    _, error = process.communicate(timeout=120)
+    assert (process.returncode, error.strip().splitlines()[-1:]) == (130, ["tirefmu: interrupted"])
+    assert "Traceback" not in error
+    finished = pd.read_csv(tmp_path / "summary.csv")["name"].tolist()
+    assert 1 <= len(finished) < 4
+    assert sorted(path.stem for path in tmp_path.glob("*.json")) == sorted(finished)

@@ -32,6 +32,8 @@ def test_each_recording_of_a_folder_is_a_job(tmp_path):
     jobs = read_jobs(tmp_path, {"model": "mf52", "signs": "sae"})
     assert [job.name for job in jobs] == ["hard", "soft"]
     assert all(job.options == {"model": "mf52"} and job.signs == "sae" for job in jobs)
+    with pytest.raises(TirefmuError, match="unknown key in options 'modle': did you mean model"):
+        read_jobs(tmp_path, {"modle": "mf52"})
 
 
 @pytest.mark.parametrize(("text", "message"), [
@@ -41,7 +43,7 @@ def test_each_recording_of_a_folder_is_a_job(tmp_path):
     (JOB.replace("name", "nam"), "unknown key in .*job 1 'nam': did you mean name"),
     (JOB.replace('tables = ["a.csv"]', ""), "job 1: tables is missing"),
     (JOB.replace('["a.csv"]', "[3]"), "tables = .* is not a list of texts"),
-    (JOB.replace("front", "../front"), "is not a file name"),
+    (JOB.replace("front", "../front"), "of a job is not a file name"),
     (JOB + JOB.replace("front", "Front"), "two jobs have the name 'Front'"),
     (JOB + "iterations = true", "iterations = 'True' is not a whole number"),
     (JOB + "nominal = {Fz0 = nan}", "nominal = .* is not a table of numbers"),
