@@ -17,6 +17,7 @@ from tirefmu.diagnosis.verdict.delivery import reasons_against
 from tirefmu.diagnosis.verdict.operating_range import operating_points, undetermined_change
 from tirefmu.estimation.noise_floor import NoiseFloor
 
+from .independent import kinds as independent
 from .suite import make_case
 
 
@@ -204,6 +205,17 @@ def test_a_lever_of_the_side_force_is_not_a_trail():
     diagnosis = diagnose(table, signs=case.signs, effects=case.effects, nominal=case.nominal)
     assert [one.effect for one in diagnosis.found] == ["camber_thrust"]
     assert diagnosis.recording["cross_talk"]["Fy_in_Mz"] == pytest.approx(0.003, rel=0.2)
+
+
+@pytest.mark.parametrize(("kind", "number"), [("null", 1032), ("single", 381)])
+def test_a_lever_that_a_skew_or_noise_hides_is_not_a_trail(kind, number):
+    """In the first recording the lever is significant only after the skew is corrected; in the second one not at all.
+
+    The trail of the second recording explains it no better than the lever.
+    """
+    case = independent.case_of(kind, number)
+    diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
+    assert tuple(one.effect for one in diagnosis.found) == case.hidden
 
 
 def test_noise_of_kappa_in_pure_cornering_is_not_combined_slip():
