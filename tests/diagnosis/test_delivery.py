@@ -1,5 +1,6 @@
 """What a diagnosis delivers is what it reports."""
 
+import sys
 from copy import copy
 from dataclasses import replace
 
@@ -10,6 +11,7 @@ import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.search.confirmation import confirmation, joint_z
+from tirefmu.diagnosis.search.settling import settle
 from tirefmu.diagnosis.thresholds import CONFIRMED_Z, STRETCHES
 from tirefmu.diagnosis.verdict import composition
 from tirefmu.diagnosis.verdict.adequacy import Adequacy, adequacies
@@ -56,12 +58,18 @@ def test_the_reported_error_is_that_of_the_saved_tires(worn, tmp_path):
 
 
 def test_the_reported_error_of_a_tire_that_is_not_delivered_is_that_of_the_baseline_tire(worn, monkeypatch):
+    """Both tires are fitted with the same weights of the channels."""
     case, _ = worn
+    settled = []
     monkeypatch.setattr(composition, "reasons_against", lambda *_: ("a reason",))
+    module = sys.modules["tirefmu.diagnosis.diagnose"]  # as an attribute of the package it is the function
+    monkeypatch.setattr(module, "settle", lambda *each: settled.append(settle(*each)) or settled[0])
     diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
     assert not diagnosis.delivered
     assert diagnosis.tire == diagnosis.base_tire
     assert diagnosis.verdict.endswith("The improved tire is not delivered, because a reason")
+    weights = [screen.problem.inverse_noise for screen in (settled[0].before, settled[0].after)]
+    np.testing.assert_array_equal(*weights)
     errors = recomputed(diagnosis, diagnosis.tire, case.signs)
     assert errors == pytest.approx({c: one["after"] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)
 
