@@ -59,6 +59,13 @@ def test_generated_pages_have_every_effect_model_and_command():
             assert all(option in section for option in parameter.opts if option.startswith("--"))
 
 
+def test_every_page_is_in_the_navigation():
+    listed = re.findall(r"^ +- ([\w/]+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    made = runpy.run_path(str(DOCS / "reference_pages.py"))["pages"]()
+    written = {path.relative_to(DOCS).as_posix() for path in DOCS.rglob("*.md")}
+    assert sorted(listed) == sorted(written | set(made))
+
+
 def test_the_site_builds_without_warnings_and_loads_nothing_from_outside(tmp_path):
     pytest.importorskip("mkdocs", reason="mkdocs is not installed: make docs")
     command = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--site-dir", str(tmp_path)]
