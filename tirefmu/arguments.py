@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from importlib.resources import files
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,8 @@ class Pairs(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # generic
                 pairs[key.strip()] = float(number)
             except ValueError:
                 self.fail(f"{part!r} is not like Fz0=1000", param, ctx)
+            if not isfinite(pairs[key.strip()]):
+                self.fail(f"{part!r} is not finite", param, ctx)
         return pairs
 
 

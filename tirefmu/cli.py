@@ -28,17 +28,17 @@ from .arguments import (
     write_json,
 )
 from .commands.compare_command import compare
+from .commands.diagnose_command import diagnose
 from .commands.explore_command import explore
+from .commands.fit_command import fit
 from .commands.fit_many_command import fit_many
+from .commands.generate_command import generate
 from .commands.help_examples import add_examples
+from .commands.host_commands import convert, lint
+from .commands.inspect_command import inspect
 from .commands.list_commands import effects, models, published
 from .commands.project_commands import init, run
 from .commands.study_command import study
-from .diagnose_command import diagnose
-from .fit_command import fit
-from .generate_command import generate
-from .host_commands import convert, lint
-from .inspect_command import inspect
 
 
 @click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})

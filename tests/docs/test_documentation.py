@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from tirefmu.cli import cli, main
+from tirefmu.project.project_file import SECTIONS
 from tirefmu.symbolic.models import MODELS
 
 ROOT = Path(__file__).parents[2]
@@ -57,6 +58,21 @@ def test_generated_pages_have_every_effect_model_and_command():
         section = pages["reference/cli.md"].split(f"\n## {name}\n")[1].split("\n## ")[0]
         for parameter in command.params:
             assert all(option in section for option in parameter.opts if option.startswith("--"))
+
+
+def test_the_page_of_the_command_line_has_every_command_and_every_key_of_a_project():
+    text = (DOCS / "command_line.md").read_text(encoding="utf-8")
+    assert set(cli.commands) <= set(re.findall(r"tirefmu ([a-z-]+)", text))
+    for section, keys in SECTIONS.items():
+        row = re.search(rf"^\| `\[{section}\]` \| (.*) \|$", text, flags=re.MULTILINE)[1]
+        assert re.findall(r"`(\w+)`", row) == list(keys)
+
+
+def test_every_page_is_in_the_navigation():
+    listed = re.findall(r"^ +- ([\w/]+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    made = runpy.run_path(str(DOCS / "reference_pages.py"))["pages"]()
+    written = {path.relative_to(DOCS).as_posix() for path in DOCS.rglob("*.md")}
+    assert sorted(listed) == sorted(written | set(made))
 
 
 def test_the_site_builds_without_warnings_and_loads_nothing_from_outside(tmp_path):

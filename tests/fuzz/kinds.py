@@ -18,7 +18,7 @@ import pandas as pd
 import pytest
 from scipy.io import savemat
 
-from tirefmu.diagnose_command import user_effect
+from tirefmu.commands.diagnose_command import user_effect
 from tirefmu.fitting.problem.recipe import RECIPES, Freed, load_recipe
 from tirefmu.fitting.results.checkpoint import Checkpoint, Ended, Release, State
 from tirefmu.fitting.results.records import StageFit

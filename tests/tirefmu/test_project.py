@@ -159,6 +159,9 @@ def test_texts_of_results_do_not_change_the_page(project, monkeypatch, text):
         ('[data]\ntables = ["a.csv"]\n[fit]\nmodle = "mf61"', "key of [fit] of PATH 'modle': did you mean model?"),
         ('[data]\ntables = ["a.csv"]\n[fit]\nnominal = {Fz0 = nan}', "expected a table of numbers"),
         ('[data]\ntables = ["a.csv"]\n[diagnose]\nrun = 1', "expected true or false"),
+        ('[data]\ntables = ["a.csv"]\n[fit]\ncross_validate = 1', "step fit: Invalid value for '--cross-validate': 1"),
+        ('[data]\ntables = ["a.csv"]\n[export]\nfmi = "9"', "PATH: step export: Invalid value for '--fmi'"),
+        ('[data]\ntables = ["tirefmu.toml"]\n[output]\nfolder = "x\\u0000"', "expected the path of a file"),
         ("[data\n", "is not TOML"),
         ("\udcff", "is not TOML"),
     ],
@@ -210,6 +213,8 @@ def test_init_and_run(command, bench_csv, tmp_path):
         (["missing.csv"], "missing.csv: no such file"),
         (["--model", "mf60", __file__], "unknown model 'mf60'"),
         (["--nominal", "Fz=1", __file__], "unknown nominal value 'Fz'"),
+        (["--nominal", "Fz0=nan", __file__], "'Fz0=nan' is not finite"),
+        (["--model", "mf96", "--effects", "camber_trust", __file__], "did you mean camber_thrust?"),
     ],
 )
 def test_init_refuses_in_one_line(command, tmp_path, arguments, message):

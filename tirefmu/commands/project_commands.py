@@ -15,6 +15,7 @@ from tirefmu.symbolic.errors import TirefmuError, UnknownName
 
 from ..arguments import FILE, MODEL, SIGNS, Pairs, check_output_paths, common, names, write_json
 
+#: The project file where none is given.
 DEFAULT = Path("tirefmu.toml")
 
 
@@ -46,12 +47,17 @@ def init(
 
     from ..project.project_file import project_text
     from ..terminal import Terminal
+    from .catalogue import effects as found_effects
 
     chosen = model or DEFAULT_MODEL
     model_of(chosen)  # raises for an unknown one
     for name in nominal or {}:
         if name not in NOMINAL:
             raise UnknownName("nominal value", name, NOMINAL)
+    possible = [each["name"] for each in found_effects(only_model=chosen)] if effects else []
+    for name in effects or ():
+        if name not in possible:
+            raise UnknownName(f"effect of {chosen}", name, possible)
     paths = [_relative(table, output.parent) for table in tables]
     output.write_text(project_text(paths, chosen, nominal or {}, effects, signs), encoding="utf-8")
     write_json(json_file, {"ok": True, "project": str(output), "tables": paths, "model": chosen})
@@ -92,9 +98,11 @@ def run(context: click.Context, project: Path, force: bool, quiet: bool, json_fi
     check_output_paths(json_file)
     from ..project.project_file import read_project
     from ..project.run import run_project
+    from ..project.steps import steps_of
     from ..terminal import Terminal
 
     group = context.find_root().command
+    assert isinstance(group, click.Group)
 
     def command(name: str, arguments: Sequence[str]) -> int:
         status: Any = group.main(args=[name, *arguments], prog_name="tirefmu", standalone_mode=False)
@@ -102,6 +110,11 @@ def run(context: click.Context, project: Path, force: bool, quiet: bool, json_fi
 
     terminal = Terminal(quiet)
     read = read_project(project)
+    for step in steps_of(read):  # a wrong option of a late step is found before the first one
+        try:
+            group.commands[step.command].make_context(step.command, list(step.arguments))
+        except click.UsageError as error:
+            raise TirefmuError(f"{project}: step {step.name}: {' '.join(error.format_message().split())}") from error
     outcomes = run_project(read, command, terminal, force=force)
     failed = [each.step.name for each in outcomes if each.status]
     steps = [

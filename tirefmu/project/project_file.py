@@ -13,8 +13,6 @@ from tirefmu.symbolic.bounded_file import read_bounded
 from tirefmu.symbolic.errors import TirefmuError, UnknownName
 from tirefmu.symbolic.escaping import quoted, toml_string
 
-#: Name of the file where none is given.
-DEFAULT_NAME = "tirefmu.toml"
 #: Upper limit of its size, bytes.
 LARGEST = 1_000_000
 #: Kinds of values, as a message names them.
@@ -182,12 +180,16 @@ def read_project(path: Path) -> Project:
 
 def _is(kind: str, value: Any) -> bool:
     if kind in ("files", "names"):
-        return isinstance(value, list) and all(isinstance(each, str) for each in value)
+        return isinstance(value, list) and all(map(_is_text, value))
     if kind == "pairs":
         return isinstance(value, dict) and all(map(_is_number, value.values()))
     if kind == "number":
         return _is_number(value)
-    return isinstance(value, bool if kind == "flag" else str)
+    return isinstance(value, bool) if kind == "flag" else _is_text(value)
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str) and "\0" not in value  # no path and no argument contains it
 
 
 def _is_number(value: Any) -> bool:

@@ -8,7 +8,7 @@ import click
 
 from tirefmu.hosts.dialects import HOSTS
 
-from .arguments import FILE, check_input_paths, check_output_paths, common, write_json
+from ..arguments import FILE, check_input_paths, check_output_paths, common, write_json
 
 FOR = click.option("--for", "host", required=True, help=f"Program that reads the file: {', '.join(HOSTS)}.")
 
@@ -29,7 +29,7 @@ def convert(tire: Path, output: Path, host: str, model: str | None, quiet: bool,
     check_input_paths(tire)
     from tirefmu.hosts.convert import convert as run
 
-    from .terminal import Terminal
+    from ..terminal import Terminal
 
     terminal = Terminal(quiet)
     with terminal.working(f"converting for {host}"):
@@ -59,7 +59,7 @@ def lint(file: Path, host: str, quiet: bool, json_file: Path | None) -> int:
     check_input_paths(file)
     from tirefmu.hosts.lint import lint as run
 
-    from .terminal import Terminal
+    from ..terminal import Terminal
 
     terminal = Terminal(quiet)
     findings = run(file, host)

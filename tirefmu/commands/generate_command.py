@@ -9,7 +9,7 @@ import click
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.printers.languages import LANGUAGES
 
-from .arguments import FILE, check_input_paths, check_output_paths, common, names, write_json
+from ..arguments import FILE, check_input_paths, check_output_paths, common, names, write_json
 
 
 @click.command()
@@ -49,7 +49,7 @@ def generate(
     check_input_paths(Path(tire))
     from tirefmu.hosts.printout import generate as run
 
-    from .terminal import Terminal
+    from ..terminal import Terminal
 
     terminal = Terminal(quiet)
     with terminal.working(f"printing {language}"):
@@ -65,7 +65,7 @@ def _generated(only_check: bool, quiet: bool, json_file: Path | None) -> int:
     import tirefmu.generated
     from tirefmu.symbolic.printers import generate as printers
 
-    from .terminal import Terminal
+    from ..terminal import Terminal
 
     terminal = Terminal(quiet)
     folder = Path(tirefmu.generated.__file__).parent

@@ -8,7 +8,7 @@ import click
 
 from tirefmu.symbolic.errors import TirefmuError
 
-from .arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, common, write_json
+from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, common, write_json
 
 #: Rows of a table in the terminal; page and JSON have all of them.
 MOST_ROWS = 60
@@ -38,7 +38,7 @@ def inspect(
     from tirefmu.measurements.inspection import tables as texts
     from tirefmu.measurements.inspection.inspection import inspect as run
 
-    from .terminal import Terminal
+    from ..terminal import Terminal
 
     terminal = Terminal(quiet)
     recordings = recordings_from(tables, signs=signs, where=where)

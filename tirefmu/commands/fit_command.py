@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .arguments import (
+from ..arguments import (
     FILE,
     MODEL,
     SIGNS,
@@ -89,7 +89,7 @@ def fit(
     check_input_paths(*tables)
     from tirefmu.measurements import check_convention, recordings_from
 
-    from .terminal import Terminal
+    from ..terminal import Terminal
 
     terminal = Terminal(quiet)
     recordings = recordings_from(tables, signs=signs, where=where)
@@ -141,7 +141,7 @@ def _findings(tire: Tire, recordings: Sequence[Recording]) -> list[Finding]:
     """Return findings about the data, and about what the tire leaves in the residual."""
     from tirefmu.measurements import data_findings, residual_findings
 
-    from .evaluation import predicted_outputs
+    from ..evaluation import predicted_outputs
 
     predicted = [predicted_outputs(tire, each) for each in recordings]
     return [*data_findings(recordings), *residual_findings(recordings, predicted)]

@@ -10,7 +10,7 @@ import click
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import TirefmuError
 
-from .arguments import (
+from ..arguments import (
     FILE,
     MODEL,
     SIGNS,
@@ -55,7 +55,7 @@ def diagnose(
     from tirefmu.measurements import check_convention, data_findings, recordings_from
     from tirefmu.tires import tire_from
 
-    from .terminal import Terminal
+    from ..terminal import Terminal
 
     terminal = Terminal(quiet)
     recording, *further = recordings_from([table, *others], signs=signs, where=where)
