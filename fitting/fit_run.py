@@ -24,13 +24,11 @@ from .constraints.verification import APPROACHED, VERIFIED, VerifiedConstraints
 from .data.fit_data import FitData
 from .data.simulated_states import with_states
 from .evidence.residuals import Residuals
-from .evidence.slip_stiffness import slope_targets
 from .evidence.uncertainty import uncertainty_of_stages
 from .problem.effective_weights import effective_weights
 from .problem.influence import generic, influence, typical_size
 from .problem.loss import loss_named
 from .problem.recipe import Freed, Recipe, Stage
-from .problem.slope_targets import SlopeTarget
 from .problem.weighted_residuals import (
     Problem,
     Rows,
@@ -44,11 +42,11 @@ from .results.checkpoint import Checkpoint, Ended, Release, State
 from .results.fit_result import FitResult
 from .results.goodness_of_fit import channel_fits
 from .results.records import FittedCoefficient, StageFit
-from .solvers.convergence import noise_of
 from .solvers.interruption import Interruption
 from .solvers.ipopt import Solution
 from .solvers.restarts import best_end
 from .solvers.selection import Solver
+from .stiffness_targets import StiffnessTargets, solve_with_targets
 
 FloatArray = npt.NDArray[np.float64]
 #: Upper limit of the rounds in which points that violate a constraint are added.
@@ -82,7 +80,7 @@ class FitRun:
         assumed: Set[str] = frozenset(),
     ) -> None:
         self._loss = loss_named(loss)
-        self._stiffness_weight = stiffness_weight
+        self._targets = StiffnessTargets(stiffness_weight)
         self._given = given  # the caller gave a start tire: generic values do not replace its values
         self._assumed = assumed  # coefficients with values that nobody has measured, unless the fit determines them
         self._read = read  # initial values read from the data; all others are generic
@@ -103,7 +101,6 @@ class FitRun:
         measured = self._data.notna().any()
         self._fitted = [quantity.name for quantity in book.outputs if measured.get(quantity.name, False)]
         self._done = 0  # completed stages of the recipe
-        self._targets: tuple[SlopeTarget, ...] | None = None
 
     def run(self, checkpoint: Checkpoint | None = None) -> None:
         """Solve the stages until a stop is requested; save each completed stage to the checkpoint."""
@@ -281,26 +278,9 @@ class FitRun:
             if self._fit_data.rows == "independent":
                 problem.weights = effective_weights(problem, start)
             if stage.rows is None:
-                problem.targets, problem.target_weight = self._slope_targets(problem, start)
+                self._targets.add(problem, start, self._data)
         problem.limits = limits_of(problem, start)
         return problem
-
-    def _slope_targets(self, problem: Problem, start: FloatArray) -> tuple[tuple[SlopeTarget, ...], float]:
-        """Return the slip stiffnesses read from the data of the fitted channels, and their weight.
-
-        A target that is off by its deviation costs as much as `stiffness_weight` independent rows off by theirs.
-        """
-        if not self._stiffness_weight:
-            return (), 0.0
-        if self._targets is None or self._tire.states:
-            groups = tuple(map(str, range(int(self._data["recording"].max()) + 1)))
-            self._targets = slope_targets(Residuals(self._data, groups, problem.tire, self._tire.signs))
-        own = tuple(
-            each for each in self._targets
-            if each.group < len(problem.weights) and problem.weights[each.group, each.output] > 0.0
-        )  # fmt: skip
-        _, rows = noise_of(problem, start)
-        return own, self._stiffness_weight / max(rows, 1.0)
 
     def _stage_type(self, stage: Stage) -> str:
         """Return the stage type: intermediate, penultimate (before a stage with all rows), or final.
@@ -336,13 +316,7 @@ class FitRun:
             self._solver, problem, lower=lower, upper=upper, ridge=ridge, stage_type=stage_type, progress=report,
             stop=self._stop,
         )  # fmt: skip
-        targets, problem.targets = problem.targets, ()
-        solution = solve_from(start, constraints=known)
-        problem.targets = targets
-        if targets and not self._stop():
-            # The targets change the solution a little, in a narrow valley: a few Gauss-Newton steps, many of IPOPT.
-            after = solve_from(solution.x, constraints=known, refine=True)
-            solution = replace(after, iterations=solution.iterations + after.iterations)
+        solution = solve_with_targets(problem, start, partial(solve_from, constraints=known), self._stop)
         for _ in range(1 if stage_type == "intermediate" else ROUNDS):
             if self._stop():
                 break
@@ -368,11 +342,8 @@ class FitRun:
         if not self._stages:
             raise FitError("no stage of the recipe found rows to fit: " + "; ".join(self._notes))
         ranges = {name: bounds for name, bounds in self._ranges.items() if name in self._data and bounds[0] < bounds[1]}
-        about = {
-            **self._tire.about,
-            "recipe": self._plan.name,
-            "data": ", ".join(r.source for r in recordings),
-        }
+        names = ", ".join(recording.source for recording in recordings)
+        about = {**self._tire.about, "recipe": self._plan.name, "data": names}
         declarations = self._book.coefficients
         values = {
             name: value

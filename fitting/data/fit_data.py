@@ -110,7 +110,7 @@ def prepare(
     DataError
         If a recording has no measured output, or every row is excluded.
     FitError
-        If no output is measured over a varying slip.
+        If no output varies over a varying slip.
     """
     if rows not in ROWS:
         raise UnknownName("weighting of rows", rows, ROWS)
@@ -128,7 +128,7 @@ def prepare(
         weight = np.ones(len(recording)) if rows == "equal" else group_by_condition(recording).weights(included)
         segment = _segment_numbers(recording) + segments
         segments = int(segment[-1]) + 1
-        table, unfitted_channels = _without_constant_slip(recording.with_signs("adapted-sae").table, included, book)
+        table, unfitted_channels = _without_information(recording.with_signs("adapted-sae").table, included, book)
         unfitted += [f"{recording.source}: {note}" for note in unfitted_channels]
         tables.append(table.assign(recording=number, segment=segment, included=included, weight=weight))
     data = pd.concat(tables, ignore_index=True)
@@ -159,10 +159,14 @@ def _segment_numbers(recording: Recording) -> npt.NDArray[np.int64]:
     return np.repeat(np.arange(len(pieces)), [piece.stop - piece.start for piece in pieces])
 
 
-def _without_constant_slip(
+def _without_information(
     table: pd.DataFrame, included: npt.NDArray[np.bool_], book: Model
 ) -> tuple[pd.DataFrame, list[str]]:
-    """Set channels to NaN whose slip does not vary in a recording; return notes on them."""
+    """Set channels to NaN that have no information in a recording: the slip or the channel does not vary.
+
+    A channel of zeros has no scale for its noise, and no Magic Formula has a constant force over a varying slip.
+    Returns notes on these channels, too.
+    """
     notes = []
     fitted = table if included.all() else table[included]
     for channel in (quantity.name for quantity in book.outputs if quantity.name in table):
@@ -170,6 +174,11 @@ def _without_constant_slip(
         if by and not any(slip in table and _width(fitted[slip]) >= LEAST_VARIATION for slip in by):
             table = table.assign(**{channel: np.nan})
             notes.append(f"{channel} is not fitted, {' or '.join(by)} does not vary there")
+            continue
+        values = fitted[channel].dropna().to_numpy(dtype=float)
+        if len(values) and np.ptp(values) == 0.0 and (by or values[0] == 0.0):
+            table = table.assign(**{channel: np.nan})
+            notes.append(f"{channel} is not fitted, it is {values[0]:.4g} in every row")
     return table, notes
 
 

@@ -364,10 +364,13 @@ def noise_weights(problem: Problem, x: FloatArray, factors: FloatArray | None = 
 
 
 def _by_channel(problem: Problem, x: FloatArray) -> Iterator[tuple[int, int, FloatArray, float]]:
-    """Yield recording, channel, residuals, and least noise of everything that has a weight."""
+    """Yield recording, channel, residuals, and least noise of everything that has a weight and is not 0 everywhere.
+
+    The rows of a stage may contain only zeros of a channel: there is no scale for its noise.
+    """
     residual, measured = problem.residual(x), problem.rows.measured.T
     for group, channel in np.argwhere(problem.weights > 0):
         present = (problem.rows.group == group) & np.isfinite(measured[channel])
-        if present.any():
-            least = LEAST_NOISE * float(np.sqrt(np.mean(measured[channel, present] ** 2)))
+        least = LEAST_NOISE * float(np.sqrt(np.mean(measured[channel, present] ** 2))) if present.any() else 0.0
+        if least > 0.0:
             yield int(group), int(channel), residual[channel, present], least

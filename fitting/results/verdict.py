@@ -153,7 +153,7 @@ def _stiffness_reasons(findings: Findings) -> list[str]:
 def _missing_forces(result: Judged) -> Iterator[str]:
     fitted = {c.channel for c in result.channels}
     for force in (name for name in FORCES if name in result.tire.outputs and name not in fitted):
-        yield f"{force} is not fitted: it was not measured over a varying {EXCITED_BY[force][0]}"
+        yield f"{force} is not fitted: no measured values vary with {EXCITED_BY[force][0]}"
 
 
 def _not_imposed(result: Judged) -> Iterator[str]:

@@ -155,7 +155,23 @@ def test_tires_without_a_common_load_are_not_compared(once):
 def test_a_channel_is_fitted_if_its_slip_varies_sufficiently(degrees, fitted):
     """A sweep of one degree determines the cornering stiffness; variation of a held slip angle does not."""
     alpha = np.radians(degrees) * np.linspace(-0.5, 0.5, 300)
-    table = pd.DataFrame({"alpha": alpha, "kappa": np.linspace(-0.1, 0.1, 300), "Fz": 700.0, "Fx": 1.0, "Fy": alpha})
+    kappa = np.linspace(-0.1, 0.1, 300)
+    table = pd.DataFrame({"alpha": alpha, "kappa": kappa, "Fz": 700.0, "Fx": kappa, "Fy": alpha})
     data = prepare([Recording(table, "adapted-sae", "small")], BOOK, screening=False)
     assert data.table["Fy"].notna().all() == fitted
     assert any("Fy is not fitted, alpha does not vary there" in note for note in data.notes) != fitted
+
+
+@pytest.mark.parametrize(("channel", "value"), [("Mz", 0.0), ("Mz", 5.0), ("Fx", 0.0), ("My", 0.0)])
+def test_a_channel_without_variance_is_not_fitted(once, channel, value):
+    """Its noise has no scale: with a weight it would reduce the forces that it depends on to zero."""
+    table = once.table.assign(kappa=once.table["alpha"], **{channel: value})
+    data = prepare([replace(once, table=table)], model("mf61"), screening=False)
+    assert data.table[channel].isna().all()
+    assert data.table["Fy"].notna().all()
+    assert any(note.endswith(f"{channel} is not fitted, it is {value:.4g} in every row") for note in data.notes)
+
+
+def test_a_constant_rolling_resistance_is_fitted(once):
+    data = prepare([replace(once, table=once.table.assign(My=-5.0))], model("mf61"), screening=False)
+    assert data.table["My"].notna().all()

@@ -85,7 +85,7 @@ def test_reasons_are_in_order_of_weight(judged, side_fit):
 def test_side_force_alone_is_a_limit(side_fit):
     result, _ = side_fit
     assert result.verdict.word == "usable with limits"
-    assert result.verdict.reasons[0] == "Fx is not fitted: it was not measured over a varying kappa"
+    assert result.verdict.reasons[0] == "Fx is not fitted: no measured values vary with kappa"
     plain = result.to_json()
     assert plain["ok"] is True
     assert plain["verdict"] == {"word": "usable with limits", "reasons": list(result.verdict.reasons)}

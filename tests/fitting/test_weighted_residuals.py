@@ -9,12 +9,14 @@ import pandas as pd
 import pytest
 
 from tirefmu.fitting.problem import weighted_residuals as module
+from tirefmu.fitting.problem.loss import LOSSES
 from tirefmu.fitting.problem.weighted_residuals import (
     LEAST_NOISE,
     Problem,
     Rows,
     emphasis,
     equal_weights,
+    limits_of,
     noise_weights,
 )
 from tirefmu.tires.code import code_for, fastest_code
@@ -159,6 +161,24 @@ def test_noise_weights_of_exact_data_are_finite(known, make):
     assert problem.cost(x) == 0.0
     expected = 1 / (60 * LEAST_NOISE**2 * np.mean(measured**2, axis=0))
     np.testing.assert_allclose(noise_weights(problem, x), expected[None, :], rtol=1e-12)
+
+
+@pytest.mark.parametrize("loss", ["squares", "huber"])
+def test_zeros_of_a_channel_without_residual_have_no_noise_weight(known, make, loss):
+    """They have no scale: the computed moment is 0, too."""
+    tire = replace(
+        known, values={**known.values, **dict.fromkeys(("QDZ1", "QDZ2", "QDZ6", "QDZ7", "QDZ8", "QDZ9"), 0.0)}
+    )
+    inputs = np.stack([{**make.anywhere(20), "kappa": np.zeros(20)}[name] for name in tire.inputs])
+    measured = 1.1 * fastest_code("mf96").forces(inputs, tire.parameters()).T
+    assert not measured[:, 2].any()
+    rows = Rows(inputs, measured, np.zeros(20, dtype=np.int64))
+    problem = Problem(tire, rows, ("PDY1",), equal_weights(rows), np.ones(1), LOSSES[loss])
+    x = np.array([tire.values["PDY1"]])
+    problem.weights = noise_weights(problem, x)
+    problem.limits = limits_of(problem, x)
+    assert problem.weights[0, 2] == 0.0 < problem.weights[0, 1]
+    assert np.isfinite(problem.cost(x))
 
 
 def test_a_swept_channel_has_a_larger_weight():

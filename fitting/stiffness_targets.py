@@ -1,0 +1,82 @@
+"""The slip stiffness read from the data as additional residuals of the stages of a fit (docs/stiffness.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+
+from .evidence.residuals import Residuals
+from .evidence.slip_stiffness import slope_targets
+from .problem.slope_targets import SlopeTarget
+from .problem.weighted_residuals import Problem
+from .solvers.convergence import noise_of
+from .solvers.ipopt import Solution
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class StiffnessTargets:
+    """The targets of the stages of one fit; they are read from the data when a stage first uses them.
+
+    Parameters
+    ----------
+    weight : float
+        A target that is off by its deviation costs as much as this number of independent rows off by theirs; 0: there
+        are no targets.
+    """
+
+    def __init__(self, weight: float) -> None:
+        self._weight = weight
+        self._read: tuple[SlopeTarget, ...] | None = None
+
+    def add(self, problem: Problem, start: FloatArray, data: pd.DataFrame) -> None:
+        """Add the targets of the channels that have a weight to a problem.
+
+        Parameters
+        ----------
+        problem : Problem
+        start : ndarray, shape (n_free,)
+            Its scaled initial values.
+        data : pandas.DataFrame
+            All fitted rows, in adapted SAE.
+        """
+        if not self._weight:
+            return
+        tire, weights = problem.tire, problem.weights
+        if self._read is None or tire.states:  # simulated states are inputs
+            groups = tuple(map(str, range(int(data["recording"].max()) + 1)))
+            self._read = slope_targets(Residuals(data, groups, tire, tire.signs))
+        problem.targets = tuple(
+            each for each in self._read if each.group < len(weights) and weights[each.group, each.output] > 0.0
+        )
+        _, rows = noise_of(problem, start)
+        problem.target_weight = self._weight / max(rows, 1.0)
+
+
+def solve_with_targets(
+    problem: Problem, start: FloatArray, solve: Callable[..., Solution], stop: Callable[[], bool]
+) -> Solution:
+    """Solve a problem without its targets, and then with them.
+
+    The targets change the solution a little, in a narrow valley: a few Gauss-Newton steps, many of IPOPT.
+
+    Parameters
+    ----------
+    problem : Problem
+    start : ndarray, shape (n_free,)
+    solve : callable
+        A solver for this problem: takes the start, and `refine` as in `tirefmu.fitting.solvers.ipopt.solve`.
+    stop : callable
+        True ends the solution after the first part.
+    """
+    targets, problem.targets = problem.targets, ()
+    first = solve(start)
+    problem.targets = targets
+    if not targets or stop():
+        return first
+    after = solve(first.x, refine=True)
+    return replace(after, iterations=first.iterations + after.iterations)
