@@ -6,7 +6,7 @@ lines are loaded when code is printed, an effect is added or an equation is show
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from importlib import import_module
@@ -17,12 +17,12 @@ from ..added import AddedEffect
 from ..added.checks import check_effects
 from ..added.effect import sections_of
 from ..added.state import LINES, State
-from ..contract import PhysicalConstraint, PropertyFile, Role
-from ..declarations import Coefficient, Effect, Option, Quantity, Section
+from ..declarations import Coefficient, Effect, Option
 from ..detection import Detection
 from ..effects import EFFECTS
 from ..errors import UnknownName, no_single_text
 from ..options import OPTIONS, signs
+from .declaration import ModelDeclaration
 from .extension import check_names, further_inputs, has_place
 from .structure import Structure, stored_structure
 
@@ -36,57 +36,11 @@ INDISPENSABLE = ("FNOMIN", "UNLOADED_RADIUS")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Model:
-    """A tire model: its lines, and all that other packages have to know of it.
+class Model(ModelDeclaration):
+    """A tire model: what it declares, and what follows from its lines.
 
     Attributes
     ----------
-    name : str
-        As on the command line: a lower-case word.
-    title : str
-    inputs, outputs : tuple of Quantity
-        kappa and alpha first, Fz among them; Fx and Fy among the outputs.
-    sections : tuple of type[Section]
-        The coefficients, by .tir section.
-    chapters : tuple of str or Chapter
-        The lines, in an order in which each uses only earlier ones: chapters, or modules of its folder that have one
-        as ``eq`` and are imported when the lines are needed.
-    results : tuple of str
-        Named quantities that are results in addition to the outputs, such as radii: a coefficient that reaches
-        one of them is not idle.
-    on_demand : tuple of (str, str)
-        Effects that act only in rows in which an input is not 0, and the input's name (turn_slip: phit).
-    own_effects : tuple of Effect
-        Effects of its lines that `tirefmu.symbolic.effects` does not have.
-    roles : mapping of str to Role
-        Which named quantity has which of `tirefmu.symbolic.contract.ROLES`; it lacks the others.
-    property_file : PropertyFile
-        How its .tir files are recognized and written.
-    constraints : mapping of str to tuple of PhysicalConstraint
-        What a fit enforces, by the output that it belongs to.
-    recipe : str
-        The default fit recipe: one of the package's, or of its own.
-    recipes : tuple of str
-        Its own recipes: ``<name>.toml`` in its folder.
-    folder : str
-        Its package, with these files: ``__name__`` of the folder's ``__init__.py``.
-    baseline : tuple of str
-        The coefficients that a tire without effects is fitted by.
-    starts : tuple of mapping of str to float
-        Several starts of the baseline in adapted SAE, against local optima; others start at generic values.
-    spread : mapping of str to float
-        Standard deviation among tires of coefficients of the baseline that a recording may leave undetermined.
-    refinements : tuple of mapping of str to float
-        Refinements of the baseline that a diagnosis tries: coefficients and sizes to probe with, in adapted SAE.
-    relaxation : tuple of str
-        The coefficients of its relaxation lengths, which act through time only.
-    own_relaxation : tuple of str
-        The coefficient that scales relaxation lengths which follow from other coefficients, then those that must be
-        known for it. An FMU with wheel inputs uses these lengths if the tire has no relaxation.
-    low_speed : str
-        The coefficient below whose speed, m/s, slips are those of a standing wheel, if it has one.
-    added : tuple of AddedEffect
-        Effects beyond the book; see `extended`.
     stored : file
         The structure that is stored with the generated code, set by `use`; a changed model has none.
 
@@ -100,29 +54,6 @@ class Model:
     ['PHY3', 'PVY3', 'PVY4']
     """
 
-    name: str
-    title: str
-    inputs: tuple[Quantity, ...]
-    outputs: tuple[Quantity, ...]
-    sections: tuple[type[Section], ...]
-    chapters: tuple[str | Chapter, ...]
-    results: tuple[str, ...] = ()
-    on_demand: tuple[tuple[str, str], ...] = ()
-    own_effects: tuple[Effect, ...] = ()
-    roles: Mapping[str, Role] = field(default_factory=dict)
-    property_file: PropertyFile = field(default_factory=PropertyFile)
-    constraints: Mapping[str, tuple[PhysicalConstraint, ...]] = field(default_factory=dict)
-    recipe: str = "joint"
-    recipes: tuple[str, ...] = ()
-    folder: str = ""
-    baseline: tuple[str, ...] = ()
-    starts: tuple[Mapping[str, float], ...] = ({},)
-    spread: Mapping[str, float] = field(default_factory=dict)
-    refinements: tuple[Mapping[str, float], ...] = ()
-    relaxation: tuple[str, ...] = ()
-    own_relaxation: tuple[str, ...] = ()
-    low_speed: str = ""
-    added: tuple[AddedEffect, ...] = ()
     stored: Traversable | None = field(default=None, init=False)
 
     def __repr__(self) -> str:

@@ -16,7 +16,7 @@ from tirefmu.symbolic.errors import TireError, TirError
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import PUBLISHED, Tire, published, read_tir, tire_from, write_tir
 from tirefmu.tires.definition import RANGES
-from tirefmu.tires.property_file import reading
+from tirefmu.tires.property_file import other_entries, reading
 from tirefmu.tires.property_file import text as form
 from tirefmu.tires.property_file.names import MOST_SEARCHED, not_given
 from tirefmu.tires.property_file.reading import read_tir_with_notes
@@ -367,7 +367,7 @@ def test_each_key_is_read_once(tmp_path, monkeypatch):
 
 def test_the_search_for_similar_names_is_bounded(tmp_path, monkeypatch):
     searched = []
-    monkeypatch.setattr(reading, "near_miss", lambda key, names: searched.append(key))
+    monkeypatch.setattr(other_entries, "near_miss", lambda key, names: searched.append(key))
     text = BASE + "[LATERAL_COEFFICIENTS]\n" + "".join(f"OTHER_{i} = {i}\n" for i in range(2 * MOST_SEARCHED))
     (tmp_path / "many.tir").write_text(text, encoding="ascii")
     result = read_tir_with_notes(tmp_path / "many.tir")

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,21 +28,15 @@ from .model_identification import model_of
 from .names import (
     ADDED,
     ASSUMED,
-    HEADER,
-    KEPT_UNITS,
-    MOST_SEARCHED,
     OWN_RANGES,
     OWN_SECTIONS,
     RANGE_SECTIONS,
     OtherEntry,
-    aliases,
     assumed_lines,
     in_written_order,
     listed,
-    model_lines,
-    near_miss,
-    unit_of,
 )
+from .other_entries import other_entries
 from .text import Entry, Row, number_and_rest, read_lines, unquoted, without_comment
 from .unit_system import unit_system
 from .units import unit_contradicts
@@ -130,7 +124,6 @@ class _Reader:
         self.sections: dict[str, list[tuple[str, str]]] = {}
         for section, key in self.unread:
             self.sections.setdefault(key, []).append((section, key))
-        self.searched = 0
         if not self.unread:
             raise TirError(f"{path}: no line 'KEY = value' found: not a .tir file")
 
@@ -159,7 +152,9 @@ class _Reader:
         about_texts = {entry.key.lower(): _text(entry, self.path) for entry in about}
         title = _text(own["NAME"], self.path) if "NAME" in own else self.path.stem
         side = self._side()
-        entries = in_written_order([*self._other_entries(book), *assumed], book)
+        others, other_notes = other_entries([*self.rows, *self.unread.values()], book, self.units, self.path)
+        self.notes += other_notes
+        entries = in_written_order([*others, *assumed], book)
         try:
             tire = Tire(name, values, effects, name=title, about=about_texts, ranges=ranges, side=side, added=added,
                         other_entries=entries)  # fmt: skip
@@ -330,53 +325,6 @@ class _Reader:
             self._take("MODEL", "TYRESIDE")
             return side
         return ""
-
-    def _other_entries(self, book: Model) -> tuple[OtherEntry, ...]:
-        """Return the remaining lines, numbers with a known unit in SI, and check their keys."""
-        lines: list[Entry | Row] = [*self.rows, *self.unread.values()]
-        titles = {section.title for section in book.sections}
-        entries: list[OtherEntry] = []
-        for line in sorted(lines, key=lambda line: line.line):
-            if isinstance(line, Row):
-                entries.append((line.section, "", line.text))
-            elif self._is_informative(line, book):
-                entries.append((line.section, line.key, self._in_si(line)))
-                self._check_key(line, book, titles)
-        if self.units.other_units and any(self._has_unknown_unit(line) for line in lines):
-            entries += [(KEPT_UNITS, key, unit) for key, unit in self.units.other_units.items()]
-            self.notes.append("other entries and tables without a known unit stay in the file's units")
-        return tuple(entries)
-
-    def _is_informative(self, entry: Entry, book: Model) -> bool:
-        expected = {"MDI_HEADER": HEADER, "MODEL": model_lines(book)}.get(entry.section, {})
-        return expected.get(entry.key, "").casefold() != entry.value.casefold() and entry.key != "FITTYP"
-
-    def _in_si(self, entry: Entry) -> str:
-        unit = unit_of(entry.key)
-        factor = self.units.factor(unit, "") if unit else 1.0
-        number, rest = number_and_rest(entry.value)
-        return entry.value if factor == 1.0 or math.isnan(number) or rest else repr(number * factor)
-
-    def _has_unknown_unit(self, line: Entry | Row) -> bool:
-        """Return whether a line holds numbers of unknown unit."""
-        if isinstance(line, Row):
-            return line.section != "SHAPE" and any(not math.isnan(number_and_rest(w)[0]) for w in line.text.split())
-        return unit_of(line.key) is None and not math.isnan(number_and_rest(line.value)[0])
-
-    def _check_key(self, entry: Entry, book: Model, titles: Collection[str]) -> None:
-        """Refuse or note a key that almost is a coefficient."""
-        if entry.section not in titles or unit_of(entry.key) is not None or entry.key in aliases():
-            return
-        self.searched += 1
-        if self.searched > MOST_SEARCHED:
-            if self.searched == MOST_SEARCHED + 1:
-                self.notes.append(f"line {entry.line}: no similar coefficients are looked for from here on")
-            return
-        near = near_miss(entry.key, book.coefficients)
-        if near and (book.property_file.strict or entry.section.startswith("TIREFMU")):
-            raise TirError(f"{self._line_of(entry)}: unknown key {entry.key} of {book.name}: did you mean {near}?")
-        if near:
-            self.notes.append(f"line {entry.line}: unknown key {entry.key} (near {near}) is stored, not used")
 
     def _refuse_rows(self, book: Model) -> None:
         strict = {*_STRICT, *(section.title for section in book.sections)}

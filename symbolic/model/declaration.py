@@ -1,0 +1,93 @@
+"""What a tire model declares: the fields of its definition, such as those in `symbolic/mf96/__init__.py`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from ..added import AddedEffect
+from ..contract import PhysicalConstraint, PropertyFile, Role
+from ..declarations import Effect, Quantity, Section
+
+if TYPE_CHECKING:
+    from ..notation import Chapter
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ModelDeclaration:
+    """What a tire model declares: its lines, and all that other packages have to know of it.
+
+    Attributes
+    ----------
+    name : str
+        As on the command line: a lower-case word.
+    title : str
+    inputs, outputs : tuple of Quantity
+        kappa and alpha first, Fz among them; Fx and Fy among the outputs.
+    sections : tuple of type[Section]
+        The coefficients, by .tir section.
+    chapters : tuple of str or Chapter
+        The lines, in an order in which each uses only earlier ones: chapters, or modules of its folder that have one
+        as ``eq`` and are imported when the lines are needed.
+    results : tuple of str
+        Named quantities that are results in addition to the outputs, such as radii: a coefficient that reaches
+        one of them is not idle.
+    on_demand : tuple of (str, str)
+        Effects that act only in rows in which an input is not 0, and the input's name (turn_slip: phit).
+    own_effects : tuple of Effect
+        Effects of its lines that `tirefmu.symbolic.effects` does not have.
+    roles : mapping of str to Role
+        Which named quantity has which of `tirefmu.symbolic.contract.ROLES`; it lacks the others.
+    property_file : PropertyFile
+        How its .tir files are recognized and written.
+    constraints : mapping of str to tuple of PhysicalConstraint
+        What a fit enforces, by the output that it belongs to.
+    recipe : str
+        The default fit recipe: one of the package's, or of its own.
+    recipes : tuple of str
+        Its own recipes: ``<name>.toml`` in its folder.
+    folder : str
+        Its package, with these files: ``__name__`` of the folder's ``__init__.py``.
+    baseline : tuple of str
+        The coefficients that a tire without effects is fitted by.
+    starts : tuple of mapping of str to float
+        Several starts of the baseline in adapted SAE, against local optima; others start at generic values.
+    spread : mapping of str to float
+        Standard deviation among tires of coefficients of the baseline that a recording may leave undetermined.
+    refinements : tuple of mapping of str to float
+        Refinements of the baseline that a diagnosis tries: coefficients and sizes to probe with, in adapted SAE.
+    relaxation : tuple of str
+        The coefficients of its relaxation lengths, which act through time only.
+    own_relaxation : tuple of str
+        The coefficient that scales relaxation lengths which follow from other coefficients, then those that must be
+        known for it. An FMU with wheel inputs uses these lengths if the tire has no relaxation.
+    low_speed : str
+        The coefficient below whose speed, m/s, slips are those of a standing wheel, if it has one.
+    added : tuple of AddedEffect
+        Effects beyond the book; see `extended`.
+    """
+
+    name: str
+    title: str
+    inputs: tuple[Quantity, ...]
+    outputs: tuple[Quantity, ...]
+    sections: tuple[type[Section], ...]
+    chapters: tuple[str | Chapter, ...]
+    results: tuple[str, ...] = ()
+    on_demand: tuple[tuple[str, str], ...] = ()
+    own_effects: tuple[Effect, ...] = ()
+    roles: Mapping[str, Role] = field(default_factory=dict)
+    property_file: PropertyFile = field(default_factory=PropertyFile)
+    constraints: Mapping[str, tuple[PhysicalConstraint, ...]] = field(default_factory=dict)
+    recipe: str = "joint"
+    recipes: tuple[str, ...] = ()
+    folder: str = ""
+    baseline: tuple[str, ...] = ()
+    starts: tuple[Mapping[str, float], ...] = ({},)
+    spread: Mapping[str, float] = field(default_factory=dict)
+    refinements: tuple[Mapping[str, float], ...] = ()
+    relaxation: tuple[str, ...] = ()
+    own_relaxation: tuple[str, ...] = ()
+    low_speed: str = ""
+    added: tuple[AddedEffect, ...] = ()

@@ -1,0 +1,101 @@
+"""Entries of a .tir file beyond its model: retained, in SI where their unit is known, with notes on similar keys."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterable
+from pathlib import Path
+
+from tirefmu.symbolic.errors import TirError
+from tirefmu.symbolic.model import Model
+
+from .names import HEADER, KEPT_UNITS, MOST_SEARCHED, OtherEntry, aliases, model_lines, near_miss, unit_of
+from .text import Entry, Row, number_and_rest
+from .unit_system import UnitSystem
+
+
+def other_entries(
+    lines: Iterable[Entry | Row], book: Model, units: UnitSystem, path: Path
+) -> tuple[tuple[OtherEntry, ...], list[str]]:
+    """Return the lines of a file that its model does not read, as they are written again.
+
+    Parameters
+    ----------
+    lines : iterable of Entry or Row
+        What remains of the file.
+    book : Model
+    units : UnitSystem
+        Of the file.
+    path : pathlib.Path
+        For messages.
+
+    Returns
+    -------
+    (tuple of OtherEntry, list of str)
+        The lines in the order of the file, and notes about them.
+
+    Raises
+    ------
+    TirError
+        If a key almost is a coefficient in a file that only tirefmu writes.
+
+    Examples
+    --------
+    >>> from tirefmu.symbolic.models import model
+    >>> inches = UnitSystem({"LENGTH": 0.0254}, {"LENGTH": "'inch'"})
+    >>> other_entries([Entry("DIMENSION", "RIM_WIDTH", "10.0", 8)], model("mf61"), inches, Path("x.tir"))
+    ((('DIMENSION', 'RIM_WIDTH', '0.254'),), [])
+    """
+    lines = sorted(lines, key=lambda line: line.line)
+    entries: list[OtherEntry] = []
+    informative: list[Entry] = []
+    for line in lines:
+        if isinstance(line, Row):
+            entries.append((line.section, "", line.text))
+        elif _is_informative(line, book):
+            entries.append((line.section, line.key, _in_si(line, units)))
+            informative.append(line)
+    notes = _notes_on_similar_keys(informative, book, path)
+    if units.other_units and any(_has_unknown_unit(line) for line in lines):
+        entries += [(KEPT_UNITS, key, unit) for key, unit in units.other_units.items()]
+        notes.append("other entries and tables without a known unit stay in the file's units")
+    return tuple(entries), notes
+
+
+def _is_informative(entry: Entry, book: Model) -> bool:
+    expected = {"MDI_HEADER": HEADER, "MODEL": model_lines(book)}.get(entry.section, {})
+    return expected.get(entry.key, "").casefold() != entry.value.casefold() and entry.key != "FITTYP"
+
+
+def _in_si(entry: Entry, units: UnitSystem) -> str:
+    unit = unit_of(entry.key)
+    factor = units.factor(unit, "") if unit else 1.0
+    number, rest = number_and_rest(entry.value)
+    return entry.value if factor == 1.0 or math.isnan(number) or rest else repr(number * factor)
+
+
+def _has_unknown_unit(line: Entry | Row) -> bool:
+    """Return whether a line holds numbers of unknown unit."""
+    if isinstance(line, Row):
+        return line.section != "SHAPE" and any(not math.isnan(number_and_rest(w)[0]) for w in line.text.split())
+    return unit_of(line.key) is None and not math.isnan(number_and_rest(line.value)[0])
+
+
+def _notes_on_similar_keys(entries: Iterable[Entry], book: Model, path: Path) -> list[str]:
+    """Return a note for each key that almost is a coefficient, or refuse it."""
+    titles = {section.title for section in book.sections}
+    notes: list[str] = []
+    for searched, entry in enumerate(entry for entry in entries if _may_be_similar(entry, titles)):
+        if searched == MOST_SEARCHED:
+            notes.append(f"line {entry.line}: no similar coefficients are looked for from here on")
+            break
+        near = near_miss(entry.key, book.coefficients)
+        if near and (book.property_file.strict or entry.section.startswith("TIREFMU")):
+            raise TirError(f"{path}:{entry.line}: unknown key {entry.key} of {book.name}: did you mean {near}?")
+        if near:
+            notes.append(f"line {entry.line}: unknown key {entry.key} (near {near}) is stored, not used")
+    return notes
+
+
+def _may_be_similar(entry: Entry, titles: Collection[str]) -> bool:
+    return entry.section in titles and unit_of(entry.key) is None and entry.key not in aliases()
