@@ -7,6 +7,7 @@ and points to the left, x forward. W axes are those of ISO 8855 and TYDEX.
 from __future__ import annotations
 
 from .declarations import Quantity
+from .quantities import FX, FY, FZ, MX, MY, MZ
 
 #: Axes of a vector.
 AXES = ("x", "y", "z")
@@ -44,6 +45,8 @@ LOADED_RADIUS = Quantity("R_l", "m", "distance of the wheel centre from the cont
 RADIUS_RATE = Quantity("R_l_rate", "m/s", "rate of the loaded radius", typical=1.0)
 CONTACT_POINT = tuple(Quantity(f"c_{a}", "m", f"position of the contact point, global {a}") for a in AXES)
 
+#: Forces and moments at the contact point, in W axes.
+CONTACT_FORCES = (FX, FY, FZ, MX, MY, MZ)
 #: Forces and moments on the wheel at its centre.
 WRENCH = (
     *(Quantity(f"F_{a}", "N", f"force on the wheel, carrier {a} axis", typical=1000.0) for a in AXES),

@@ -5,8 +5,8 @@ spin axis that is normal to the road. The W axes are x along the intersection of
 normal of the road. After Pacejka, Tire and Vehicle Dynamics (2012), section 2.2: the velocity of the contact point is
 the rate of its position, and the wheel turns relative to the W axes.
 
-The lines are functions of real numbers. `tirefmu.symbolic.printers.kinematics` prints them for NumPy, CasADi and C, in C
-with their tangents.
+The lines are functions of real numbers. `tirefmu.symbolic.printers.kinematics` prints them for NumPy, CasADi and C,
+for C with their tangents.
 """
 
 from __future__ import annotations
@@ -19,12 +19,8 @@ from sympy import Expr, Symbol, atan, sqrt
 from . import hub
 from .declarations import Quantity
 from .notation import Chapter, Equation
-from .quantities import FX, FY, FZ, MX, MY, MZ
 
 Vector = tuple[Expr, Expr, Expr]
-
-#: Forces and moments at the contact point, in W axes.
-CONTACT_FORCES = (FX, FY, FZ, MX, MY, MZ)
 
 eq = Chapter("Wheel kinematics")
 
@@ -136,7 +132,7 @@ line("Pacejka 2.2", hub.MOTION[1], dot(past, y) + gamma_dot * Rl * cos_gamma + R
 line("Pacejka 2.2", hub.MOTION[2], hub.SPIN.symbol + dot(w, s) - psi_dot * sin_gamma)
 
 # The contact forces, moved to the wheel centre.
-Fx, Fy, Fz, Mx, My, Mz = symbols(CONTACT_FORCES)
+Fx, Fy, Fz, Mx, My, Mz = symbols(hub.CONTACT_FORCES)
 force  = combined((Fx, Fy, Fz), (x, y, n))
 moment = combined((Mx, My, Mz), (x, y, n))
 arm    = eq("ISO 8855", "overturning", Rl * (Fy * cos_gamma + Fz * sin_gamma),
@@ -159,7 +155,7 @@ FUNCTIONS = (
     KinematicFunction(
         "hub_wrench",
         "Forces and moments at the wheel centre from those at the contact point.",
-        (*hub.ROTATION, *hub.NORMAL, hub.LOADED_RADIUS, *CONTACT_FORCES),
+        (*hub.ROTATION, *hub.NORMAL, hub.LOADED_RADIUS, *hub.CONTACT_FORCES),
         (*hub.WRENCH, *hub.GLOBAL_WRENCH),
     ),
 )

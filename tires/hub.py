@@ -12,6 +12,7 @@ from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.hub import (
     CARRIER,
+    CONTACT_FORCES,
     CONTACT_POINT,
     GLOBAL_WRENCH,
     LOADED_RADIUS,
@@ -23,7 +24,6 @@ from tirefmu.symbolic.hub import (
     SPIN,
     WRENCH,
 )
-from tirefmu.symbolic.quantities import FX, FY, FZ, MX, MY, MZ
 
 from .code.modules import wheel_kinematics
 
@@ -93,7 +93,7 @@ def hub_wrench(**given: ArrayLike) -> dict[str, NDArray[Any]]:
     >>> float(hub_wrench(Fx=1000.0, R_l=0.3)["M_y"])
     -300.0
     """
-    arguments = (*ROTATION, *NORMAL, LOADED_RADIUS, FX, FY, FZ, MX, MY, MZ)
+    arguments = (*ROTATION, *NORMAL, LOADED_RADIUS, *CONTACT_FORCES)
     return _call(wheel_kinematics.hub_wrench, arguments, (*WRENCH, *GLOBAL_WRENCH), given)
 
 

@@ -193,6 +193,9 @@ int state_has_begun(const State *state) { return state->mode >= STEPPING; }
 void state_changed(State *state)
 {
     state->contact_known = state->lengths_known = state->outputs_known = state->extras_known = 0;
+#if HUB
+    state->hub_known = 0;
+#endif
 }
 
 Status instance_set_experiment(Instance *self, double start, int stop_defined, double stop)
@@ -286,8 +289,8 @@ Status instance_step(Instance *self, double point, double size)
 #if N_STATES > 0
     if (advance(self, size) != STATUS_OK)
         return STATUS_DISCARD;
-#ifdef DISTANCE
-    state_changed(&self->state); /* the model reads the distance */
+#if defined DISTANCE || HUB
+    state_changed(&self->state); /* the model reads the distance; the load depends on the slips */
 #endif
     self->state.outputs_known = self->state.extras_known = 0;
 #endif
