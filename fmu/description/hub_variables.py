@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf
 
 from tirefmu.symbolic import hub
@@ -18,6 +19,17 @@ LEAST_FRICTION = 0.01
 DEFAULT_DEFLECTION = 0.06
 
 DEFLECTION = Quantity("deflection", "m", "free radius UNLOADED_RADIUS less loaded radius", typical=0.02)
+BRAKE = Quantity(
+    "brake_torque", "N m", "mean torque of the brake on the wheel in the last step, about its axis", typical=100.0
+)
+#: Inputs of a wheel that spins inside the FMU.
+TORQUES = (
+    Variable("T_drive", "input", "N m", "drive torque on the wheel about its axis", 0.0, nominal=100.0, group="input"),
+    Variable("T_brake", "input", "N m", "largest torque of the brake", 0.0, 0.0, nominal=100.0, group="input"),
+)
+WHEEL_INERTIA = Variable(
+    "WHEEL_INERTIA", "parameter", "kg m^2", "moment of inertia of the wheel about its axis", 1.0, 1e-6, inf
+)
 #: What the C code computes for the hub, in its order; see hub.h.
 RESULTS = (
     *hub.MOTION,
@@ -28,12 +40,13 @@ RESULTS = (
     DEFLECTION,
     *hub.WRENCH,
     *hub.GLOBAL_WRENCH,
+    BRAKE,
 )
 #: The results that the kinematics of the contact reads.
 READ = (*hub.MOTION, FZ)
 
 
-def hub_inputs(tire: Tire, read: set[str], speed: float, spin: float) -> list[Variable]:
+def hub_inputs(tire: Tire, read: set[str], speed: float, spin: float, *, spins: bool) -> list[Variable]:
     """Return the inputs: a freely rolling wheel with its nominal load at the start.
 
     Parameters
@@ -43,23 +56,27 @@ def hub_inputs(tire: Tire, read: set[str], speed: float, spin: float) -> list[Va
         The inputs of the model that the tire needs.
     speed, spin : float
         At the start, m/s and rad/s.
+    spins : bool
+        Whether the spin of the wheel is a state. It then is an output, whose start value can be set.
 
     Returns
     -------
     list of Variable
-        The arguments of the generated function ``wheel_motion``, then the friction of the road and the inputs of the
-        model that are no motion.
+        The arguments of the generated function ``wheel_motion``, then the friction of the road, torques, and the inputs
+        of the model that are no motion.
 
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> [variable.name for variable in hub_inputs(published("trento_hoosier"), {"Fz"}, 10.0, 40.0)][-3:]
+    >>> [variable.name for variable in hub_inputs(published("trento_hoosier"), {"Fz"}, 10.0, 40.0, spins=False)][-3:]
     ['road_vz', 'omega', 'road_mu']
     """
     starts = {"r_z": _nominal_radius(tire), "v_x": speed, "omega": spin}
     starts |= {"R_11": 1.0, "R_22": 1.0, "R_33": 1.0, "road_nz": 1.0}
     moved = {"kappa", "alpha", "V", "phit", "distance", *(q.name for q in READ), *tire.book.states}
     inputs = [input_variable(q, starts.get(q.name, 0.0)) for q in (*hub.CARRIER, *hub.ROAD, hub.SPIN)]
+    if spins:
+        inputs = [*inputs[:-1], replace(inputs[-1], causality="output"), *TORQUES]
     if tire.book.friction_scales:
         described = (hub.FRICTION.name, "input", hub.FRICTION.unit, hub.FRICTION.description)
         inputs.append(Variable(*described, start=1.0, lower=LEAST_FRICTION, nominal=1.0, group="input"))
@@ -71,18 +88,20 @@ def hub_motion() -> list[Variable]:
     return [_output(quantity, "motion") for quantity in READ]
 
 
-def hub_outputs() -> list[Variable]:
+def hub_outputs(spins: bool) -> list[Variable]:
     """Return the remaining results: radii, contact point, forces at the wheel centre."""
-    shown = [(i, quantity) for i, quantity in enumerate(RESULTS) if quantity not in READ]
+    shown = [(i, q) for i, q in enumerate(RESULTS) if q not in READ and (spins or q is not BRAKE)]
     return [_output(quantity, "extra", f"FIRST_HUB + {i}") for i, quantity in shown]
 
 
-def hub_parameters(tire: Tire) -> list[Variable]:
-    """Return the parameters of the vertical force that the tire's model does not have.
+def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
+    """Return the parameters of the vertical force that the tire's model does not have, and of the spin.
 
     Parameters
     ----------
     tire : Tire
+    spins : bool
+        As for `hub_inputs`.
 
     Returns
     -------
@@ -92,7 +111,7 @@ def hub_parameters(tire: Tire) -> list[Variable]:
     Examples
     --------
     >>> from tirefmu.tires import published
-    >>> [variable.name for variable in hub_parameters(published("trento_hoosier"))]
+    >>> [variable.name for variable in hub_parameters(published("trento_hoosier"), False)]
     ['VERTICAL_STIFFNESS', 'VERTICAL_DAMPING', 'BOTTOM_STIFF', 'BOTTOM_RADIUS']
     """
     rim = _known(tire, "RIM_RADIUS", 0.0)
@@ -105,11 +124,12 @@ def hub_parameters(tire: Tire) -> list[Variable]:
     ]
     if tire.book.quantity("loaded_radius"):
         del entries[0]
-    return [
+    found = [
         Variable(name, "parameter", unit, description, _known(tire, name, start), 0.0, inf)
         for name, unit, description, start in entries
         if name not in tire.book.coefficients
     ]
+    return [*found, WHEEL_INERTIA] if spins else found
 
 
 def default_stiffness(tire: Tire) -> float:

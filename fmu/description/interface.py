@@ -27,7 +27,9 @@ from .variables import (
 )
 
 #: The kinds of inputs and the axes that an FMU can have.
-INPUTS = ("slip", "wheel", "hub")
+INPUTS = ("slip", "wheel", "hub", "hub-torque")
+#: Those with the motion of the wheel carrier.
+HUB = ("hub", "hub-torque")
 AXES = ("iso", "sae")
 #: Axes of the FMU and the sign convention in which its tire is evaluated.
 FORMULA = {"iso": "iso", "sae": "adapted-sae"}
@@ -94,7 +96,12 @@ class Interface:
     @property
     def hub(self) -> bool:
         """True if the inputs are the motion of the wheel carrier."""
-        return self.inputs == "hub"
+        return self.inputs in HUB
+
+    @property
+    def spins(self) -> bool:
+        """True if the spin of the wheel is a state."""
+        return self.inputs == "hub-torque"
 
     @property
     def contact_inputs(self) -> list[Variable]:
@@ -129,8 +136,9 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
     ----------
     tire : Tire
         In any signs.
-    inputs : {"slip", "wheel", "hub"}
-        Slips, the velocities from which the FMU computes them, or the motion of the wheel carrier and the road.
+    inputs : {"slip", "wheel", "hub", "hub-torque"}
+        Slips, the velocities from which the FMU computes them, or the motion of the wheel carrier and the road, with
+        the spin of the wheel or with the torques that it follows from.
     axes : {"iso", "sae"}
         TYDEX W (z up), or SAE (z down, y to the right).
     quantities : bool
@@ -159,7 +167,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
     for what, given, known in (("kind of inputs", inputs, INPUTS), ("kind of axes", axes, AXES)):
         if given not in known:
             raise UnknownName(what, given, known)
-    hub = inputs == "hub"
+    hub, spins = inputs in HUB, inputs == "hub-torque"
     if hub and axes != "iso":
         raise FmuError("hub inputs have ISO axes only")
     tire = tire.in_signs(FORMULA[axes])
@@ -173,7 +181,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         *((_state(DISTANCE),) if "distance" in read else ()),
     ]
     if hub:
-        hosts = [*hub_inputs(tire, read, *free_rolling(tire)), *hub_motion()]
+        hosts = [*hub_inputs(tire, read, *free_rolling(tire), spins=spins), *hub_motion()]
     else:
         hosts = _wheel_inputs(tire, read) if wheel else _slip_inputs(tire, read, bool(states))
     values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
@@ -182,7 +190,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         *(parameter_variable(declared, values[name], tire.signs) for name, declared in book.coefficients.items()),
         *(option_variable(option, values[option.parameter]) for option in book.options),
         *(_standstill(tire) if wheel else ()),
-        *(hub_parameters(tire) if hub else ()),
+        *(hub_parameters(tire, spins) if hub else ()),
     ]
     plain = (
         TIME,
@@ -314,7 +322,7 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
     """Return the outputs in addition to the forces; `source` is their source in the C code."""
     book, wheel = tire.book, inputs != "slip"
     named = book.structure.quantities
-    own = hub_outputs() if inputs == "hub" else []
+    own = hub_outputs(inputs == "hub-torque") if inputs in HUB else []
     taken = {*book.parameters, *(q.name for q in (*book.inputs, *book.outputs, *(MOTION if wheel else ()), *own))}
     chosen = named if quantities else [name for name in map(book.quantity, ("rolling_radius", "loaded_radius")) if name]
     found = [Variable("friction_use", "output", "1", "force as a share of the friction ellipse",
@@ -346,13 +354,12 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
 def _with_structure(listed: tuple[Variable, ...], book: Model, interface_inputs: str) -> tuple[Variable, ...]:
     """Return the variables with the dependencies of outputs and derivatives, and the state of each derivative."""
     references = {variable.name: reference for reference, variable in enumerate(listed)}
-    inputs = tuple(reference for reference, v in enumerate(listed) if v.group == "input")
+    inputs = tuple(reference for reference, v in enumerate(listed) if v.causality == "input")
     states = tuple(reference for reference, v in enumerate(listed) if v.group == "state")
-    hub, wheel = interface_inputs == "hub", interface_inputs != "slip"
-    outputs = [
-        v.name for v in listed if v.group == "force" or (v.group == "extra" and v.name in book.structure.quantities)
-    ]
-    reached = feedthrough(book, outputs)
+    hub, wheel = interface_inputs in HUB, interface_inputs != "slip"
+    named = [v.name for v in listed if v.group == "extra" and not is_indicator(v)]
+    named = [*(q.name for q in book.outputs), *(name for name in named if name in book.structure.quantities)]
+    reached = feedthrough(book, named)
     friction = (book.quantity("friction_x"), book.quantity("friction_y"))
     reached["friction_use"] = {name for known in ("Fx", "Fy", *friction) for name in reached_by(book, known)}
 

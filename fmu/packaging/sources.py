@@ -28,11 +28,13 @@ COMMON = (
 CONTACT = {
     "slip": ("slip_inputs.c",),
     "wheel": ("wheel_inputs.c", "standstill.c"),
-    "hub": ("wheel_inputs.c", "standstill.c", "hub.c", "hub_derivatives.c"),
+    "hub": ("wheel_inputs.c", "standstill.c", "hub.c", "hub_derivatives.c", "root.c"),
+    "hub-torque": ("wheel_inputs.c", "standstill.c", "hub.c", "hub_derivatives.c", "root.c", "spin.c"),
 }
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
 HEADERS = (
-    "instance.h", "contact.h", "slips.h", "memory.h", "standstill.h", "hub.h", "tangents.h", "terms.h", "chain_rule.h",
+    "instance.h", "contact.h", "slips.h", "memory.h", "standstill.h", "hub.h", "spin.h", "root.h", "tangents.h",
+    "terms.h", "chain_rule.h",
 )  # fmt: skip
 CONFIG, RADIUS = "model_config.h", "rolling_radius.h"
 #: The laws of the states, equal for all models.
@@ -46,7 +48,14 @@ ROLES = (
 )  # fmt: skip
 #: Parameters that the wrapper reads: with inputs of a wheel, and with those of a hub.
 STANDSTILL = ("LOW_SPEED", "LOW_SPEED_DAMPING", "DEFAULT_SIGMA")
-VERTICAL = ("UNLOADED_RADIUS", "VERTICAL_STIFFNESS", "VERTICAL_DAMPING", "BOTTOM_STIFF", "BOTTOM_RADIUS")
+VERTICAL = (
+    "UNLOADED_RADIUS",
+    "VERTICAL_STIFFNESS",
+    "VERTICAL_DAMPING",
+    "BOTTOM_STIFF",
+    "BOTTOM_RADIUS",
+    "WHEEL_INERTIA",
+)
 
 
 def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
@@ -193,6 +202,7 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define TWISTS {int(shown.twists)}"
     yield f"#define WHEEL {int(shown.wheel)}"
     yield f"#define HUB {int(shown.hub)}"
+    yield f"#define SPIN {int(shown.spins)}"
     optional = [name for name, used in (("relaxation", relaxes), ("drives", shown.memory)) if used]
     for routine in ["forces", "quantities", *optional]:
         yield f"#define model_{routine} {model}_{routine}"
@@ -222,7 +232,8 @@ def _indices(shown: Interface) -> Iterable[str]:
         yield f"#define TURN {prefix}_phit"
     hosts = {"HOST_SPEED": ("V", "V_x"), "HOST_SIDEWAYS": ("V_y",), "HOST_YAWING": ("psi_dot",)}
     hosts["HOST_TURNING"] = ("wheel_speed",) if shown.hub else ("omega",)
-    hosts |= {"HOST_LOAD": ("Fz",), "HOST_FRICTION": ("road_mu",)} if shown.hub else {}
+    hosts |= {"HOST_LOAD": ("Fz",), "HOST_FRICTION": ("road_mu",), "HOST_SPIN": ("omega",)} if shown.hub else {}
+    hosts |= {"HOST_DRIVE": ("T_drive",), "HOST_BRAKE": ("T_brake",)} if shown.spins else {}
     for macro, names in hosts.items():
         for name in set(names) & set(inputs):
             yield f"#define {macro} {inputs.index(name)}"
@@ -275,7 +286,8 @@ def _limit(value: float) -> str:
 
 def _kind(variable: Variable) -> str:
     """Return the kind of a variable, as named in the C code."""
-    return "STORED" if variable.causality == "local" and variable.start is not None else variable.causality.upper()
+    stored = variable.causality in ("local", "output") and variable.start is not None
+    return "STORED" if stored else variable.causality.upper()
 
 
 def _extra(variable: Variable, model: str) -> str:

@@ -40,7 +40,8 @@ static Status expect_differentiable(const Instance *self, const unsigned unknown
         return STATUS_ERROR;
     for (i = 0; i < n_unknowns; i++) {
         kind = value_kind(unknowns[i]);
-        if (kind != OUTPUT && !(unknowns[i] >= FIRST_DERIVATIVE && kind == LOCAL))
+        if (kind != OUTPUT && !(unknowns[i] >= FIRST_DERIVATIVE && kind == LOCAL) &&
+            !(unknowns[i] < FIRST_OUTPUT && kind == STORED))
             return instance_refuse(self, STATUS_ERROR, "%s is neither an output nor a derivative",
                                    value_name(unknowns[i]));
     }

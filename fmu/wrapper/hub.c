@@ -2,6 +2,7 @@
 #include "hub.h"
 
 #include "contact.h"
+#include "root.h"
 #include "slips.h"
 #include "wheel_kinematics.h"
 
@@ -11,7 +12,6 @@
 /* The largest deflection at which the spring is evaluated, per free radius. */
 #define DEEPEST 0.9
 #define MOST_DOUBLINGS 60
-#define MOST_BISECTIONS 100
 /* The search ends at an error of a few units in the last place of the loaded radius. */
 #define ACCURACY 4e-16
 
@@ -20,7 +20,7 @@ static const unsigned FORCE[] = CONTACT_FORCES;
 
 /* wheel_motion reads the first inputs of the host, and its results are those of the hub. */
 typedef char motion_fits[WHEEL_MOTION_ARGUMENTS <= N_HOST_INPUTS && (int) WHEEL_MOTION_RESULTS == LOAD_RESULT ? 1 : -1];
-typedef char wrench_fits[(int) HUB_WRENCH_RESULTS == N_HUB_RESULTS - WRENCH_RESULT ? 1 : -1];
+typedef char wrench_fits[(int) HUB_WRENCH_RESULTS == BRAKE_RESULT - WRENCH_RESULT ? 1 : -1];
 
 static double parameter(const State *state, size_t i) { return state->values[FIRST_PARAMETER + i]; }
 
@@ -37,31 +37,16 @@ static double radius_under(State *state, double load)
     return quantities[LOADED_RADIUS];
 }
 
-/* The load between two others at which the loaded radius is the given one: the method of Illinois.  The model's loaded
-   radius exceeds it by `over` at the load `low`, and falls short of it by -`under` at the load `high`. */
-static double search(State *state, double radius, double low, double over, double high, double under)
-{
-    double load = high, error;
-    int i, side = 0;
+/* What find_spring solves. */
+typedef struct {
+    State *trial;
+    double radius;
+} Spring;
 
-    for (i = 0; i < MOST_BISECTIONS && high - low > ACCURACY * high; i++) {
-        load = (low * under - high * over) / (under - over);
-        if (!(load > low && load < high))
-            load = 0.5 * (low + high);
-        error = radius_under(state, load) - radius;
-        if (fabs(error) <= ACCURACY * radius)
-            return load;
-        if (error > 0.0) {
-            low = load, over = error;
-            under *= side > 0 ? 0.5 : 1.0;
-            side = 1;
-        } else {
-            high = load, under = error;
-            over *= side < 0 ? 0.5 : 1.0;
-            side = -1;
-        }
-    }
-    return load;
+static double radius_error(void *context, double load)
+{
+    Spring *spring = context;
+    return radius_under(spring->trial, load) - spring->radius;
 }
 
 static void find_spring(State *state)
@@ -70,23 +55,24 @@ static void find_spring(State *state)
     Hub *hub = &state->hub;
     State trial = *state;
     const double given = hub->results[RADIUS_RESULT], free_radius = radius_under(&trial, 0.0);
-    double low = 0.0, over, high = nominal[LOAD], under;
+    const double least = (1.0 - DEEPEST) * free_radius;
+    Spring spring = {&trial, given < least ? least : given};
+    Sample low = {0.0, free_radius - spring.radius}, high = {nominal[LOAD], 0.0};
     int i;
 
-    hub->radius = given < (1.0 - DEEPEST) * free_radius ? (1.0 - DEEPEST) * free_radius : given;
-    over = free_radius - hub->radius;
-    if (!(over > 0.0)) {
-        hub->spring = over <= 0.0 ? 0.0 : over; /* NaN remains */
+    hub->radius = spring.radius;
+    if (!(low.value > 0.0)) {
+        hub->spring = low.value <= 0.0 ? 0.0 : low.value; /* NaN remains */
         return;
     }
     for (i = 0; i < MOST_DOUBLINGS; i++) {
-        under = radius_under(&trial, high) - hub->radius;
-        if (!(under > 0.0))
+        high.value = radius_error(&spring, high.x);
+        if (!(high.value > 0.0))
             break;
-        low = high, over = under;
-        high *= 2.0;
+        low = high;
+        high.x *= 2.0;
     }
-    hub->spring = search(&trial, hub->radius, low, over, high, under);
+    hub->spring = root_between(radius_error, &spring, low, high, ACCURACY * free_radius);
 }
 #else
 static void find_spring(State *state)

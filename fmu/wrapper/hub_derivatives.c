@@ -101,6 +101,7 @@ void hub_differentiate(const State *state, double seeds[N_VALUES], double change
             seeds[FIRST_INPUT + HOST_FRICTION] * state->values[FIRST_PARAMETER + scaled[i]];
     }
     changes[LOAD_RESULT] = seeds[FIRST_INPUT + HOST_LOAD] = load_change(state, seeds, changes);
+    changes[BRAKE_RESULT] = 0.0;
     change_wrench(state, seeds, changes);
 }
 

@@ -44,7 +44,7 @@ enum {
 };
 
 /* What an FMU with hub inputs computes: the results of the generated function wheel_motion, of which the first ones are
-   MOTION, then load, deflection, and the forces of the generated function hub_wrench. */
+   MOTION, then load, deflection, the forces of the generated function hub_wrench, and the torque of the brake. */
 enum {
     N_MOTION_RESULTS = 5,
     RADIUS_RESULT = N_MOTION_RESULTS,
@@ -52,7 +52,8 @@ enum {
     LOAD_RESULT = N_MOTION_RESULTS + 5,
     DEFLECTION_RESULT,
     WRENCH_RESULT,
-    N_HUB_RESULTS = WRENCH_RESULT + 12
+    BRAKE_RESULT = WRENCH_RESULT + 12,
+    N_HUB_RESULTS
 };
 
 /* The same numbers in FMI 2 and FMI 3. */
@@ -182,6 +183,8 @@ Status instance_get_indicators(Instance *self, double indicators[], size_t n);
 /* Direct feedthrough: outputs are computed when the host reads them, once after each change.  Extra outputs need the
    model's named quantities, which are computed only if the host reads one of them. */
 void state_compute_outputs(State *state);
+/* Integrate the states of slips and effects over h seconds with constant inputs. */
+void state_integrate(State *state, double h);
 void state_compute_extras(State *state);
 
 Status instance_expect_known(const Instance *self, const unsigned references[], size_t n);

@@ -104,7 +104,7 @@ static size_t hub_terms(const State *state, unsigned result, Term terms[MOST_TER
     double by[N_OUTPUTS];
     unsigned i;
 
-    if (result < WRENCH_RESULT)
+    if (result < WRENCH_RESULT || result == BRAKE_RESULT)
         return n;
     hub_by_forces(state, result, by);
     for (i = 0; i < N_OUTPUTS; i++)
@@ -121,6 +121,8 @@ static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
 #if HUB
     if (unknown == FIRST_INPUT + HOST_LOAD)
         return hub_terms(state, LOAD_RESULT, terms);
+    if (unknown < FIRST_COMPUTED)
+        return 0; /* the spin, a state */
     if (unknown < FIRST_OUTPUT)
         return hub_terms(state, unknown - FIRST_COMPUTED, terms);
 #endif

@@ -245,9 +245,11 @@ static Status expect_settable(const Instance *self, unsigned reference)
     return instance_refuse(self, STATUS_ERROR, "%s cannot be set", NAMES[reference]);
 }
 
-/* Set the start value of the distance or of the state of an effect. */
+/* Set the start value of the distance or of the state of an effect; that of the spin is the value itself. */
 static void store(State *state, unsigned reference, double value)
 {
+    if (reference < FIRST_STATE)
+        return;
 #if N_MEMORY > 0
     if (reference < FIRST_MEMORY + N_MEMORY) {
         state->memory[reference - FIRST_MEMORY] = value * DIRECTIONS[reference];
