@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.errors import UnknownName
-from tirefmu.symbolic.hub import (
+from tirefmu.symbolic.wheel.quantities import (
     CARRIER,
     CONTACT_FORCES,
     CONTACT_POINT,

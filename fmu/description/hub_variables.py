@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from math import inf
 
-from tirefmu.symbolic import hub
 from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.quantities import FZ
+from tirefmu.symbolic.wheel import quantities as hub
 from tirefmu.tires import Tire
 from tirefmu.tires.evaluation import quantities as quantities_of
 

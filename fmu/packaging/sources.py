@@ -8,8 +8,8 @@ from importlib.resources import files
 from math import inf, isfinite
 
 from tirefmu.symbolic.escaping import c_string
-from tirefmu.symbolic.hub import CONTACT_FORCES
 from tirefmu.symbolic.printers.definitions import comment
+from tirefmu.symbolic.wheel.quantities import CONTACT_FORCES
 from tirefmu.tires import states
 from tirefmu.tires.code.modules import c_folder
 

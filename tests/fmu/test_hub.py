@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.symbolic.errors import FmuError
-from tirefmu.symbolic.hub import CARRIER, CONTACT_FORCES, GLOBAL_WRENCH, MOTION, ROAD, SPIN, WRENCH
+from tirefmu.symbolic.wheel.quantities import CARRIER, CONTACT_FORCES, GLOBAL_WRENCH, MOTION, ROAD, SPIN, WRENCH
 from tirefmu.tires.hub import hub_wrench, wheel_motion
 
 from .conftest import Host

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 from sympy import Expr, Symbol, atan, sqrt
 
-from . import hub
-from .declarations import Quantity
-from .notation import Chapter, Equation
+from ..declarations import Quantity
+from ..notation import Chapter, Equation
+from . import quantities as hub
 
 Vector = tuple[Expr, Expr, Expr]
 

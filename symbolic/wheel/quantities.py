@@ -6,8 +6,8 @@ and points to the left, x forward. W axes are those of ISO 8855 and TYDEX.
 
 from __future__ import annotations
 
-from .declarations import Quantity
-from .quantities import FX, FY, FZ, MX, MY, MZ
+from ..declarations import Quantity
+from ..quantities import FX, FY, FZ, MX, MY, MZ
 
 #: Axes of a vector.
 AXES = ("x", "y", "z")
