@@ -62,6 +62,8 @@ _HIDDEN = re.compile(
     "|fm(a|ax|in|od)|fdim|floor|ceil|round|trunc|r?int|div|index|signgam|nan|inf|inputs|parameters|results|function"
     "|memset|memcpy|time|square|cubed?(_.*)?|cube|fourth|sgn1?|absolute|fast_.*|lanes(_.*)?|ca|np|i|n|model|rows"
 )
+#: Columns of tables, variables of FMUs and lines that a state would hide.
+_PROGRAM = re.compile("t|(kappa|alpha|tan_alpha)_lagged|twist|friction_use|sliding_power")
 
 
 def no_coefficient(name: str) -> str:
@@ -126,6 +128,8 @@ def no_state(name: str) -> str:
     """
     if not _STATE.fullmatch(name):
         return "is not a word of small letters a-z, digits and single _"
+    if _PROGRAM.fullmatch(name):
+        return "is a name of the program"
     return "is a name of the generated code" if _HIDDEN.fullmatch(name) else _in_general(name)
 
 

@@ -31,10 +31,13 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
 #: First step after a change of the inputs, as a share of the shortest time constant, and the ratio of a step to the
-#: one before. The FMU has the same numbers.
+#: one before. `fmu/packaging/sources.py` prints these numbers and the next ones for the FMU.
 FIRST_STEP, GROWTH = 0.3, 1.2
-#: Iterations end when no value changes by more than this share; their largest number.
-CONVERGED, MOST_ITERATIONS = 1e-13, 50
+#: The largest number of iterations; a change of the values that is accepted then; how often a step is halved that has a
+#: larger one. The values of a step that still has a larger one are NaN.
+MOST_ITERATIONS, ACCEPTED, MOST_HALVINGS = 50, 1e-9, 20
+#: Iterations end when no value changes by more than this share.
+CONVERGED = 1e-13
 #: Steps that are solved together at first.
 WINDOW = 4096
 
@@ -179,10 +182,12 @@ class Simulation:
             if (change <= CONVERGED * np.abs(values).max(axis=1)).all():
                 break
         else:
-            if m > 1:
-                for half in np.array_split(np.arange(m), 2):
-                    x = self._solve(steps.take(half), driven, x, rows)
-                return x
+            if not (change <= ACCEPTED * np.abs(values).max(axis=1)).all():
+                if np.isfinite(x).all() and (m > 1 or steps.halvings < MOST_HALVINGS):
+                    for part in steps.halves():
+                        x = self._solve(part, driven, x, rows)
+                    return x
+                values = np.full_like(values, np.nan)
         ends = values.reshape(len(driven), 3, m)[:, 2]
         at = steps.interval[steps.last] + 1
         for index, end in zip(indices, ends, strict=True):
@@ -216,10 +221,23 @@ class _Steps:
     end: FloatArray
     h: FloatArray
     last: npt.NDArray[np.bool_]
+    halvings: int = 0
 
     def take(self, chosen: IntArray) -> _Steps:
         """Return some of the steps."""
-        return _Steps(*(getattr(self, name)[chosen] for name in ("interval", "begin", "end", "h", "last")))
+        arrays = (getattr(self, name)[chosen] for name in ("interval", "begin", "end", "h", "last"))
+        return _Steps(*arrays, self.halvings)
+
+    def halves(self) -> tuple[_Steps, _Steps]:
+        """Return the first and the second half of the steps; a single step is divided."""
+        if len(self.h) > 1:
+            first, second = np.array_split(np.arange(len(self.h)), 2)
+            return self.take(first), self.take(second)
+        middle, h, n = (self.begin + self.end) / 2, self.h / 2, self.halvings + 1
+        return (
+            _Steps(self.interval, self.begin, middle, h, np.array([False]), n),
+            _Steps(self.interval, middle, self.end, h, self.last, n),
+        )
 
 
 @dataclass(frozen=True)

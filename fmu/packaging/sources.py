@@ -9,6 +9,7 @@ from math import inf, isfinite
 
 from tirefmu.symbolic.escaping import c_string
 from tirefmu.symbolic.printers.definitions import comment
+from tirefmu.tires import states
 from tirefmu.tires.code.modules import c_folder
 
 from ..description.interface import Interface, host_input_indices
@@ -165,6 +166,8 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define N_MEMORY {len(shown.memory)}"
     yield f"#define N_INDICATORS {len(paths)}"
     yield f"#define N_DRIVES {len(shown.tire.book.drives)}"
+    for name in ("FIRST_STEP", "GROWTH", "MOST_ITERATIONS", "ACCEPTED", "MOST_HALVINGS"):
+        yield f"#define {name} {getattr(states, name)!r}"
     relaxes = shown.lags and bool(shown.tire.book.relaxing_effects)
     yield f"#define LAGS {int(shown.lags)}"
     yield f"#define RELAXES {int(relaxes)}"

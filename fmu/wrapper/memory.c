@@ -2,7 +2,9 @@
  *
  * Direct states and hystereses along lags have exact updates.  A state that is driven by forces is integrated in steps
  * that grow with the time since the inputs have changed: the drive is a parabola through start, middle and end of a
- * step, and the values there are found by iteration, as in tirefmu's evaluation of a table.
+ * step, and the values there are found by iteration, as in tirefmu's evaluation of a table.  A step whose values are not
+ * found is halved.  model_config.h has FIRST_STEP (as a share of the shortest time constant), GROWTH (the ratio of a step
+ * to the one before) and the limits of the iteration.
  */
 #include "memory.h"
 
@@ -12,12 +14,8 @@
 #include <math.h>
 #include <string.h>
 
-/* First step as a share of the shortest time constant, and the ratio of a step to the one before. */
-#define FIRST_STEP 0.3
-#define GROWTH 1.2
-/* Iterations end when no value changes by more than this share; their largest number. */
+/* Iterations end when no value changes by more than this share. */
 #define CONVERGED 1e-14
-#define MOST_ITERATIONS 100
 
 /* By state: the index of its input, its first line in the results of `drives`, its kind, whether it is direct, whether
    it has a start value of its own, its lags (indices of states, -1 for none), and its named quantities. */
@@ -74,7 +72,7 @@ static void settle(const State *state, const double inputs[N_INPUTS], double mem
     for (i = 0; i < N_MEMORY; i++)
         if (TABLE[i].law == BALANCE && !TABLE[i].started)
             memory[i] = 0.0;
-    for (k = 0; moving && k < MOST_ITERATIONS; k++) {
+    for (k = 0; moving && k < 2 * MOST_ITERATIONS; k++) {
         put(memory, filled);
         find_lines(state, filled, lines);
         moving = 0;
@@ -142,12 +140,13 @@ static void integrate(size_t i, const double lines[3][N_DRIVES], double h, doubl
     }
 }
 
-/* One step of the driven states; `memory` has the other states at start, middle and end, and the driven ones at start. */
-static void step_driven(State *state, double inputs[3][N_INPUTS], double memory[3][N_MEMORY], double h)
+/* One step of the driven states; `memory` has the other states at start, middle and end, and the driven ones at start.
+   Returns whether their values were found. */
+static int step_driven(State *state, double inputs[3][N_INPUTS], double memory[3][N_MEMORY], double h)
 {
-    double lines[3][N_DRIVES], half, end;
+    double lines[3][N_DRIVES], half, end, change = 0.0, size;
     size_t i, k;
-    int moving = 1;
+    int moving = 1, found = 1;
 
     for (i = 0; i < N_MEMORY; i++)
         if (is_driven(i))
@@ -156,6 +155,7 @@ static void step_driven(State *state, double inputs[3][N_INPUTS], double memory[
     find_lines(state, inputs[0], lines[0]);
     for (k = 0; moving && k < MOST_ITERATIONS; k++) {
         moving = 0;
+        found = 1;
         put(memory[1], inputs[1]);
         put(memory[2], inputs[2]);
         find_lines(state, inputs[1], lines[1]);
@@ -164,10 +164,54 @@ static void step_driven(State *state, double inputs[3][N_INPUTS], double memory[
             if (!is_driven(i))
                 continue;
             integrate(i, (const double(*)[N_DRIVES]) lines, h, memory[0][i], &half, &end);
-            moving |= fabs(end - memory[2][i]) > CONVERGED * fabs(end) || fabs(half - memory[1][i]) > CONVERGED * fabs(half);
+            change = fmax(fabs(end - memory[2][i]), fabs(half - memory[1][i]));
+            size = fmax(fabs(memory[0][i]), fmax(fabs(half), fabs(end)));
+            moving |= !(change <= CONVERGED * size);
+            found &= isfinite(half) && isfinite(end) && change <= ACCEPTED * size;
             memory[1][i] = half;
             memory[2][i] = end;
         }
+    }
+    return found;
+}
+
+static int is_finite(const double memory[N_MEMORY])
+{
+    size_t i;
+
+    for (i = 0; i < N_MEMORY; i++)
+        if (!isfinite(memory[i]))
+            return 0;
+    return 1;
+}
+
+/* All states and lagged slips from `begin` to `end`, seconds after a change of the inputs.  `lines` and `first` are the
+   lines and the states at that change; `memory` has the states at `begin`, then those at `end`: NaN if not found. */
+static void advance_part(State *state, const double lines[], const double first[N_MEMORY], double begin, double end,
+                         int halvings, double memory[N_MEMORY])
+{
+    const double middle = 0.5 * (begin + end);
+    double inputs[3][N_INPUTS], values[3][N_MEMORY], lagging[N_LAGGING];
+    size_t i;
+
+    memcpy(lagging, state->lagging, sizeof lagging);
+    memcpy(values[0], memory, sizeof values[0]);
+    follow_inputs(lines, first, middle, values[1]);
+    follow_inputs(lines, first, end, values[2]);
+    slips_acting(state, inputs[0]);
+    slips_advance(state, 0.5 * (end - begin));
+    slips_acting(state, inputs[1]);
+    slips_advance(state, 0.5 * (end - begin));
+    slips_acting(state, inputs[2]);
+    if (step_driven(state, inputs, values, end - begin)) {
+        memcpy(memory, values[2], sizeof values[2]);
+    } else if (halvings < MOST_HALVINGS && is_finite(memory)) {
+        memcpy(state->lagging, lagging, sizeof lagging);
+        advance_part(state, lines, first, begin, middle, halvings + 1, memory);
+        advance_part(state, lines, first, middle, end, halvings + 1, memory);
+    } else {
+        for (i = 0; i < N_MEMORY; i++)
+            memory[i] = NAN;
     }
 }
 
@@ -189,30 +233,17 @@ static double fastest(State *state, const double lines[])
 
 void memory_advance(State *state, double h)
 {
-    double given[N_INPUTS], lines[N_DRIVES], first[N_MEMORY];
-    double inputs[3][N_INPUTS], memory[3][N_MEMORY], begin = 0.0, end = 0.0, size;
-    size_t i;
+    double given[N_INPUTS], lines[N_DRIVES], first[N_MEMORY], begin = 0.0, end = 0.0, size;
 
     contact_find(state);
     memcpy(given, state->contact.inputs, sizeof given);
     find_lines(state, given, lines);
     memcpy(first, state->memory, sizeof first);
-    memcpy(memory[2], first, sizeof first);
     size = FIRST_STEP / fastest(state, lines);
     for (; end < h; size *= GROWTH, begin = end) {
         end = size < h - begin ? begin + size : h; /* also for an infinite size */
-        memcpy(memory[0], memory[2], sizeof first);
-        follow_inputs(lines, first, 0.5 * (begin + end), memory[1]);
-        follow_inputs(lines, first, end, memory[2]);
-        slips_acting(state, inputs[0]);
-        slips_advance(state, 0.5 * (end - begin));
-        slips_acting(state, inputs[1]);
-        slips_advance(state, 0.5 * (end - begin));
-        slips_acting(state, inputs[2]);
-        step_driven(state, inputs, memory, end - begin);
+        advance_part(state, lines, first, begin, end, 0, state->memory);
     }
-    for (i = 0; i < N_MEMORY; i++)
-        state->memory[i] = memory[2][i];
 }
 
 /* ---------------------------------------------------------------- derivatives */

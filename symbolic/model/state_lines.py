@@ -51,7 +51,8 @@ def owners_of(effects: Sequence[AddedEffect]) -> dict[str, list[tuple[AddedEffec
     Raises
     ------
     EffectError
-        If two effects declare a state of the same name differently.
+        If two effects declare a state of the same name differently, or a state has the name of a line, or of an FMU's
+        variable, of another.
     """
     owners: dict[str, list[tuple[AddedEffect, State]]] = {}
     for effect in effects:
@@ -60,6 +61,11 @@ def owners_of(effects: Sequence[AddedEffect]) -> dict[str, list[tuple[AddedEffec
             if shared and shared[0][1] != state:
                 raise EffectError(f"state {state.name} of {effect.name} is another one in {shared[0][0].name}")
             shared.append((effect, state))
+    taken = {
+        line: name for name, ((_, state), *_) in owners.items() for line in (*state.line_names, f"{name}_velocity")
+    }
+    for name in sorted(owners.keys() & taken.keys()):
+        raise EffectError(f"state {name} has the name of a quantity of state {taken[name]}")
     return owners
 
 

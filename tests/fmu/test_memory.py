@@ -89,6 +89,17 @@ def test_start_values_can_be_set(host):
     assert abs(rate) < 1e-9 * heat
 
 
+def test_a_long_step_with_strong_feedback_ends_in_equilibrium(host):
+    """An iteration over the whole step finds no values: the step is halved."""
+    assert host.set(HMU=5e-4, HTAU=1.0, alpha=0.0, Fz=6000.0, V=30.0) == OK
+    assert host.call("ExitInitializationMode") == OK
+    assert host.set(alpha=-0.2) == OK
+    assert host.step(0.0, 60.0) == OK
+    heat, rate = host.get("tread_heat", "der(tread_heat)")
+    assert heat > 1000.0
+    assert abs(rate) < 1e-6 * heat
+
+
 def test_a_saved_state_contains_the_memory(host):
     """Every value is the same after a step and the return to the saved state."""
     assert host.call("ExitInitializationMode") == OK

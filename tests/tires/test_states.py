@@ -93,6 +93,24 @@ def test_held_inputs_require_no_step_size(name, lags):
     assert np.abs(steady["Fy"] - once["Fy"]).max() > 30.0  # the effect has an influence
 
 
+def test_a_step_with_strong_feedback_is_halved():
+    """Friction falls so much with heat that an iteration over a long step finds no values."""
+    tire = tire_with("heat_friction", lags=False, HMU=5e-4, HTAU=1.0, HLOAD=0.0, HCOOL=0.0)
+    coarse = pd.DataFrame({"t": 60.0 * np.arange(3), "alpha": [0.0, 0.2, 0.2], "Fz": 6000.0, "V": 30.0})
+    once, often = tire.evaluate(coarse, hold=True), tire.evaluate(split(coarse, 400), hold=True).iloc[::400]
+    np.testing.assert_allclose(once["tread_heat"], often["tread_heat"], rtol=BOUND["heat_friction"])
+
+
+def test_a_state_without_a_value_is_not_a_number():
+    """A lag almost without length follows a force that falls by more than the state rises."""
+    text = HEAD + '[states.late]\nkind = "lag"\ndrive = "abs(Fy)/FNOMIN"\nlength = "1e-9*OWNLEN"\n' + ACT
+    effects = (read_effect(text, "own.toml"),)
+    tire = Tire("mf61", {**BODY, "GAIN": -5.0}, effects=["own"], added=effects)
+    missing = tire.evaluate(levels(4))["Fy"].isna()
+    assert missing.any()
+    assert missing.is_monotonic_increasing  # no value returns
+
+
 def smooth(n, end=3.0):
     t = np.linspace(0.0, end, n)
     return pd.DataFrame(
@@ -218,6 +236,8 @@ WRONG = {
     "'Late' is not a word of small letters": LAG.replace("states.late", "states.Late"),
     "'exp' is a name of the generated code": LAG.replace("states.late", "states.exp"),
     "drive 'alpha' is no lag of this effect": LAG.replace('"lag"', '"hysteresis"').replace("length", "width"),
+    "'t' is a name of the program": LAG.replace("states.late", "states.t"),
+    "'kappa_lagged' is a name of the program": LAG.replace("states.late", "states.kappa_lagged"),
     "state other is declared but not used": LAG + LAG.replace("states.late", "states.other"),
     "drive is missing or not a text": LAG.replace('drive = "alpha"', "drive = []"),
 }
@@ -236,6 +256,12 @@ def test_a_state_that_reads_an_unknown_quantity_is_an_error():
     effect = read_effect(HEAD + LAG.replace('"alpha"', '"K_yalfa"') + ACT, "own.toml")
     with pytest.raises(EffectError, match="state late reads 'K_yalfa', which mf96 has not"):
         Tire("mf96", BODY, effects=["own"], added=(effect,))
+
+
+def test_a_state_cannot_have_the_name_of_a_line_of_another():
+    text = HEAD + LAG + LAG.replace("states.late", "states.late_rate") + ACT.replace("*late", "*late*late_rate")
+    with pytest.raises(EffectError, match="state late_rate has the name of a quantity of state late"):
+        Tire("mf61", BODY, effects=["own"], added=(read_effect(text, "own.toml"),))
 
 
 def test_the_library_has_the_names_of_the_contract():
