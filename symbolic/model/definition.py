@@ -16,15 +16,15 @@ from typing import TYPE_CHECKING
 from ..added import AddedEffect
 from ..added.checks import check_effects
 from ..added.effect import sections_of
-from ..added.state import LINES, SLIDING_POWER, State
+from ..added.state import LINES, State
 from ..contract import PhysicalConstraint, PropertyFile, Role
 from ..declarations import Coefficient, Effect, Option, Quantity, Section
 from ..detection import Detection
 from ..effects import EFFECTS
-from ..errors import EffectError, ModelError, UnknownName, no_single_text
+from ..errors import UnknownName, no_single_text
 from ..options import OPTIONS, signs
-from ..quantities import BEYOND, OWN_SPEED
-from .structure import Structure
+from .extension import check_names, further_inputs, has_place
+from .structure import Structure, stored_structure
 
 if TYPE_CHECKING:
     import sympy as sp
@@ -138,7 +138,7 @@ class Model:
             If what is stored does not fit the declarations.
         """
         if self.stored is not None:
-            return self._read(self.stored)
+            return stored_structure(self.stored, self._declared)
         from .derivation import structure_of
 
         return structure_of(
@@ -153,15 +153,6 @@ class Model:
     def use(self, stored: Traversable) -> None:
         """Read the structure from a file when it is needed, instead of loading the lines."""
         object.__setattr__(self, "stored", stored)
-
-    def _read(self, stored: Traversable) -> Structure:
-        try:
-            structure = Structure.from_text(stored.read_text(encoding="ascii"))
-        except (KeyError, TypeError, ValueError):
-            raise ModelError(f'{stored} is stale: run "tirefmu generate"') from None
-        if unknown := set(structure.coefficients) - self._declared.keys():
-            raise ModelError(f'{stored} is stale, it has {min(unknown)}: run "tirefmu generate"')
-        return structure
 
     @cached_property
     def _declared(self) -> dict[str, Coefficient]:
@@ -204,7 +195,7 @@ class Model:
 
     @property
     def _quantities(self) -> dict[str, str]:
-        """The quantity that each role is."""
+        """The name of the quantity that each role is, by role."""
         return {role: declared.quantity for role, declared in self.roles.items()}
 
     @property
@@ -263,14 +254,7 @@ class Model:
         ['relax_slip', 'speed_friction']
         """
         named = self.structure.quantities.keys() | self.roles.keys()
-        known = (
-            {quantity.name for quantity in self.inputs}
-            | BEYOND.keys()
-            | {declaration.name for declaration in effect.declarations}
-        )
-        known |= self._declared.keys()
-        known |= {state.name for state in effect.states} | ({"V", SLIDING_POWER, *named} if effect.states else set())
-        return named.issuperset(effect.acts_on) and known.issuperset(effect.reads)
+        return has_place(effect, named, {quantity.name for quantity in self.inputs} | self._declared.keys())
 
     def extended(self, effects: Sequence[AddedEffect]) -> Model:
         """Return this model with effects beyond the book in its lines.
@@ -299,38 +283,18 @@ class Model:
         ('T', ['TMU1', 'TMU2', 'TMUA', 'TREF'])
         """
         from .assembly import check_reads
+        from .state_lines import check_state_reads
 
         check_effects(effects)
-        self._check_names(effects)
-        read = {name for effect in effects for name in effect.reads}
-        states = {state.name: state for effect in effects for state in effect.states}
-        read |= {"V"} if SLIDING_POWER in read else set()
-        own = {quantity.name for quantity in self.inputs}
-        beyond = [quantity for name, quantity in {**BEYOND, "V": OWN_SPEED}.items() if name in read - own]
-        memory = [Quantity(name, state.unit, state.description or name) for name, state in states.items()]
-        inputs = (*self.inputs, *beyond, *memory)
+        quantities = {quantity.name for quantity in (*self.inputs, *self.outputs)}
+        lines = {line.symbol.name for line in self.equations}
+        check_names(self.name, effects, quantities | lines, self._declared)
+        inputs = (*self.inputs, *further_inputs(effects, self.inputs))
         extended = replace(self, inputs=inputs, sections=(*self.sections, *sections_of(effects)), added=tuple(effects))
         known = {quantity.name for quantity in inputs} | extended._declared.keys()
         check_reads(self.name, extended.equations, effects, self._quantities, known)
-        if states:
-            from .state_lines import check_state_reads
-
-            check_state_reads(self.name, effects, known | {line.symbol.name for line in extended.equations})
+        check_state_reads(self.name, effects, known | {line.symbol.name for line in extended.equations})
         return extended
-
-    def _check_names(self, effects: Sequence[AddedEffect]) -> None:
-        """Raise `EffectError` where an effect or a coefficient has a name that this model uses."""
-        quantities = {quantity.name for quantity in (*self.inputs, *self.outputs, *BEYOND.values())}
-        quantities |= {line.symbol.name for line in self.equations}
-        options = {option.parameter for option in OPTIONS.values()}
-        taken = {**dict.fromkeys(quantities, "a quantity"), **dict.fromkeys(self._declared, "a coefficient")}
-        taken |= {**dict.fromkeys(options, "an option"), **dict.fromkeys(EFFECTS, "an effect")}
-        for effect in effects:
-            own = [declaration.name for declaration in effect.declarations]
-            own += [name for state in effect.states for name in (state.name, *state.line_names)]
-            for name in (effect.name, *own):
-                if name in taken:
-                    raise EffectError(f"effect {effect.name}: {name} is {taken[name]} of {self.name} already")
 
     @cached_property
     def states(self) -> dict[str, State]:

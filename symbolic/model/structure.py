@@ -10,7 +10,10 @@ import json
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from importlib.resources.abc import Traversable
 from typing import Any
+
+from ..errors import ModelError
 
 
 @dataclass(frozen=True)
@@ -142,6 +145,29 @@ class Structure:
         straight = {name: tuple(reads) for name, reads in content.pop("straight").items()}
         names = {key: tuple(value) for key, value in content.items()}
         return cls(**names, quantities=quantities, straight=straight, lines=lines)
+
+
+def stored_structure(file: Traversable, declared: Collection[str]) -> Structure:
+    """Return the structure in a file.
+
+    Parameters
+    ----------
+    file : file
+    declared : collection of str
+        Coefficients that the model declares.
+
+    Raises
+    ------
+    ModelError
+        If it does not fit the declarations.
+    """
+    try:
+        structure = Structure.from_text(file.read_text(encoding="ascii"))
+    except (KeyError, TypeError, ValueError):
+        raise ModelError(f'{file} is stale: run "tirefmu generate"') from None
+    if unknown := set(structure.coefficients).difference(declared):
+        raise ModelError(f'{file} is stale, it has {min(unknown)}: run "tirefmu generate"')
+    return structure
 
 
 def _without_names(line: dict[str, Any]) -> list[Any]:

@@ -6,7 +6,7 @@ from ...escaping import python_comment
 from ..expressions import CasadiPrinter
 from .layout import Layout, filled, wrapped
 from .program import TOLERANCE, Program
-from .python_arrays import coefficient_table, equations
+from .python_parts import coefficient_table, equations
 
 LAYOUT = Layout(CasadiPrinter(), "{name} = {value}", "# {}", python_comment)
 
