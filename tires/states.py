@@ -62,6 +62,8 @@ class Simulation:
         The courses of kappa and tan(alpha), by input, if they lag.
     names : collection of str
         The states that are simulated; the others are 0.
+    tolerance : float
+        Iterations end when no value changes by more than this share.
     """
 
     book: Model
@@ -72,6 +74,7 @@ class Simulation:
     hold: bool
     slips: Mapping[str, Course]
     names: Collection[str]
+    tolerance: float = CONVERGED
     _courses: dict[str, _Course] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -179,7 +182,7 @@ class Simulation:
             found = found.reshape(len(driven), 3 * m)
             change = np.abs(found - values).max(axis=1)
             values = found
-            if (change <= CONVERGED * np.abs(values).max(axis=1)).all():
+            if (change <= self.tolerance * np.abs(values).max(axis=1)).all():
                 break
         else:
             if not (change <= ACCEPTED * np.abs(values).max(axis=1)).all():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -31,6 +31,9 @@ from ..unexplained.structure import CORE_INPUTS, Structure, structure_of
 from .refits import REFINEMENT, Refit, Tried, distinct, preferred
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Variables of structure that may correct the form of an identified effect with states.
+PAST = {"memory", "dalpha/dt", "dkappa/dt", "dFz/dt", "T", "distance", "V"}
 
 
 @dataclass(eq=False)
@@ -141,6 +144,8 @@ class Search:
     def _varied(self) -> set[str]:
         """Return the inputs of the identified effects."""
         varied = {name for refit in self.found for name in self.candidates[refit.name].requires}
+        if any(self.candidates[refit.name].has_states for refit in self.found):
+            return varied | PAST
         return varied | {"T", "distance"} if {"distance", "T"} & varied else varied
 
     def _is_finer_form(self, structure: Structure) -> bool:
@@ -186,14 +191,24 @@ class Search:
 
     def probe(self) -> list[Tried]:
         """Estimate the noise, and return every testable form with its response."""
+        tire, identified = self.problem.simulator.tire, frozenset(refit.name for refit in self.found)
+        candidates = [candidate for name, candidate in self.candidates.items() if name not in identified]
+        refinements = [(f"{REFINEMENT}{name}", form) for name, form in refinements_for(tire, identified)]
+        return self.tested([*self.forms_of(candidates), *refinements])
+
+    def forms_of(self, candidates: Iterable[Candidate]) -> list[tuple[str, Form]]:
+        """Return the forms of candidates whose inputs vary with their names, one for each point of a grid."""
         signals, tire = self.problem.simulator.signals, self.problem.simulator.tire
-        identified = frozenset(refit.name for refit in self.found)
-        forms: list[tuple[str, Form]] = []
-        for name, candidate in self.candidates.items():
-            if name in identified or not excited(signals, tire, candidate.requires):
-                continue
-            forms += [(name, form) for form in candidate.forms]
-        forms += [(f"{REFINEMENT}{name}", form) for name, form in refinements_for(tire, identified)]
+        return [
+            (candidate.name, point)
+            for candidate in candidates
+            if excited(signals, tire, candidate.requires)
+            for form in candidate.forms
+            for point in form.points()
+        ]
+
+    def tested(self, forms: Iterable[tuple[str, Form]]) -> list[Tried]:
+        """Estimate the noise, and return the forms that can be tested with their responses."""
         tried = [(name, form) for name, declared in forms if (form := self._readable(declared))]
         columns = {i: self.screen.columns(form) for i, (_, form) in enumerate(tried)}
         self.screen.learn_noise(columns)
@@ -227,7 +242,7 @@ class Search:
     def _starts(self, form: Form, response: Response) -> list[FloatArray]:
         if not form.scalable:
             return [self.screen.probed(form, probe) for probe in form.probes]
-        start = self.solution.parameters.copy()
+        start = self.screen.probed(form, {})
         for probe, times in zip(form.probes, response.estimate, strict=True):
             for name, value in probe.items():
                 start[self.problem.simulator.index[name]] += float(np.clip(times, -3.0, 3.0)) * value
