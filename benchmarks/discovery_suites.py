@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from diagnosis.case import Case
 from diagnosis.independent import kinds as second
+from diagnosis.independent import memory_kinds as memory
 from diagnosis.suite import UNKNOWN
 
 from diagnosis import kinds as first
@@ -49,5 +50,6 @@ def _drawn_again(kind: str, number: int) -> Case:
 SUITES = {
     "first": Suite("first", first.NUMBER_OF_CASES, first.case_of, UNKNOWN, first.CONFOUNDED),
     "second": Suite("second", second.NUMBER_OF_CASES, second.case_of, second.UNKNOWN, second.CONFOUNDED),
+    "memory": Suite("memory", memory.NUMBER_OF_CASES, memory.case_of, {}, memory.CONFOUNDED),
     "confirmation": Suite("confirmation", second.NUMBER_OF_CASES, _drawn_again, second.UNKNOWN, second.CONFOUNDED),
 }
