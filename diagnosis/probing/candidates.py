@@ -148,7 +148,8 @@ def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]
         (name, form)
         for name, detection in sorted(tire.book.detections.items())
         if name in tire.has | found
-        for form in detection.refinements
+        for declared in detection.refinements
+        for form in declared.points()
     ]
 
 

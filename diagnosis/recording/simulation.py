@@ -26,7 +26,7 @@ CHUNK = 512
 #: Results that are remembered: those of the current and the tried parameters, each with one coefficient moved.
 REMEMBERED = 4
 #: Share by which the iterations of a state change its largest value last.
-STATE_TOLERANCE = 1e-6
+STATE_TOLERANCE = 1e-5
 
 
 @dataclass
@@ -47,6 +47,10 @@ class Simulator:
     _acting: Callable[[bytes, tuple[int, ...]], FloatArray] = field(init=False)
     _stateful: Callable[[bytes, tuple[int, ...], tuple[str, ...]], FloatArray] = field(init=False)
 
+    #: The latest courses of states, from which the next iteration starts, and their times.
+    _courses: dict[str, FloatArray] = field(init=False, default_factory=dict)
+    _courses_at: FloatArray | None = field(init=False, default=None)
+
     def __post_init__(self) -> None:
         self.book, self.rescaled = self.tire.book, self.tire.rescaled
         self._code = fastest_code(self.book)
@@ -59,13 +63,15 @@ class Simulator:
         self._sigma = [known.index(name) for name in lengths if name]
         reached = self.book.reached(known[i] for i in self._sigma)
         self._determines_lag = np.array([name in reached for name in self.book.parameters])
-        self._relaxation = np.array([self.index[name] for name in self.book.relaxation], dtype=int)
+        added = [effect for effect in self.book.added if effect.name in self.book.relaxing_effects]
+        own = [each for effect in added for each in effect.declarations]
+        lengths = (*self.book.relaxation, *(each.name for each in own if each.neutral == 0.0))
+        self._relaxation = np.array([self.index[name] for name in lengths], dtype=int)
         #: Coefficients that act through time, and the steps of their differences.
-        self._by_difference = {name: self._step(name) for name in self.book.relaxation}
+        self._by_difference = {name: self._step(name) for name in (*lengths, *(each.name for each in own))}
         self._sizes_of_states = dict(self._amplitudes())
         shapes = {name for effect in self.book.added for state in effect.states for name in state.reads}
-        own = self.book.coefficients.keys() & shapes
-        self._by_difference |= {name: self._step(name) for name in own - self._by_difference.keys()}
+        self._by_difference |= {name: self._step(name) for name in self.book.coefficients.keys() & shapes}
         self._remember()
 
     def _amplitudes(self) -> Iterator[tuple[str, IntArray]]:
@@ -79,7 +85,7 @@ class Simulator:
 
     def _step(self, name: str) -> float:
         declaration = self.book.coefficients[name]
-        if name in self.book.relaxation:
+        if name in self.book.relaxation or declaration.unit == "m":
             return 0.01 if declaration.unit == "m" else 0.02
         span = declaration.upper - declaration.lower
         return 1e-4 * span if np.isfinite(span) else 1e-4
@@ -150,10 +156,12 @@ class Simulator:
         signals, book, values, inputs = self.signals, self.book, np.frombuffer(parameters), self._active(unused)
         if not signals.timed:
             return equilibrium(book, self._code, inputs[:, signals.rows], values, states)
-        simulation = Simulation(
-            book, self._code, signals.t, inputs, values, False, self._lagged(inputs, values), states, STATE_TOLERANCE
-        )
-        return simulation.acting()[:, signals.rows]
+        slips = self._lagged(inputs, values)
+        simulation = Simulation(book, self._code, signals.t, inputs, values, False, slips, states)
+        guess = self._courses if signals.t is self._courses_at else {}
+        rows = simulation.acting_with_linear_drives(guess, STATE_TOLERANCE)
+        self._courses, self._courses_at = {name: rows[signals.names.index(name)] for name in states}, signals.t
+        return rows[:, signals.rows]
 
     def _lagged(self, inputs: FloatArray, parameters: FloatArray) -> dict[str, Course]:
         """Return the courses of the lagged slips; none without relaxation."""

@@ -2,8 +2,9 @@
 
 Effects with states can imitate a missing effect without states and errors of a recording, and each probe is a
 simulation. Therefore they are tested on the residual of a completed search without them. If one of them is significant
-there, the search is repeated from the baseline model with all effects. A skew of the recording is then a linear
-disturbance, estimated together with the effects, because skew and memory both separate rising from falling slip.
+there, or if unexplained structure depends on the past, the search is repeated from the baseline model with all effects. A
+skew of the recording and an error of the load that follows the direction of slip are then linear disturbances, estimated
+together with the effects, because these, too, separate growing from falling slip.
 """
 
 from __future__ import annotations
@@ -17,16 +18,20 @@ import numpy.typing as npt
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen
+from ..recording.load_error import LAGS, load_error_responses
 from ..recording.skew import delay_response
-from ..thresholds import EFFECT_ERRORS, EFFECT_GAIN, EFFECT_P, EFFECT_P_OF_BLOCKS, MAX_SKEW, MIN_SKEW
+from ..thresholds import EFFECT_GAIN, EFFECT_P, EFFECT_P_OF_BLOCKS, LOAD_ERROR_PRIOR, MAX_SKEW, MIN_SKEW
 from . import alignment
 from .effect_search import Search
 from .refits import Tried
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Name of the disturbance; iterations of a fit with another skew, and number of such fits.
-SKEW, ITERATIONS, ALIGNMENTS = "skew", 4, 2
+#: Names of the disturbances; iterations of a fit with another skew, and number of such fits.
+SKEW, LOAD_ERRORS = "skew", tuple(f"load_error_{i}" for i in range(len(LAGS)))
+ITERATIONS, ALIGNMENTS = 4, 2
+#: Variables of structure that depends on the past.
+PAST_ONLY = frozenset({"memory", "dalpha/dt", "dkappa/dt", "dFz/dt"})
 
 
 def searched(
@@ -57,17 +62,17 @@ def searched(
     if not with_states or not problem.simulator.signals.timed or not _has_memory(first, with_states):
         return before, first
     progress("the residual depends on the past: the search is repeated with effects that have states")
-    skewed, start = _with_skew(before.problem, before.solution)
-    second = Search(skewed, start, candidates, progress)
+    disturbed, start = _disturbed(before.problem, before.solution)
+    second = Search(disturbed, start, candidates, progress)
     second.run()
-    if not any(candidates[refit.name].has_states for refit in second.found):
-        return before, first
     return _aligned(problem, before, second)
 
 
 def _has_memory(search: Search, candidates: list[Candidate]) -> bool:
-    """Return whether an effect with states is significant in the residual of a search."""
-    problem, solution = _with_skew(search.problem, search.solution)
+    """Return whether structure that a search found, or an effect with states in its residual, depends on the past."""
+    if any(PAST_ONLY.intersection(structure.depends_on) for structure in search.structures):
+        return True
+    problem, solution = _disturbed(search.problem, search.solution)
     trial = Search(problem, solution, search.candidates, search.progress)
     trial.screen = Screen(problem, solution)
     tried = trial.tested(trial.forms_of(candidates))
@@ -75,24 +80,26 @@ def _has_memory(search: Search, candidates: list[Candidate]) -> bool:
 
 
 def _is_significant(screen: Screen, tried: Tried, tests: int) -> bool:
-    """Return whether a linear response satisfies the criteria of an effect."""
+    """Return whether a linear response satisfies the criteria of an effect; its gain may be less certain."""
     response, loss = tried.response, screen.baseline.loss
     gains = loss - response.loss
     error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
-    material = float(gains.sum()) > max(EFFECT_ERRORS * error, EFFECT_GAIN * float(loss.sum()))
+    material = float(gains.sum()) > max(error, EFFECT_GAIN * float(loss.sum()))
     return material and response.p_coloured * tests < EFFECT_P and response.p_blocks < EFFECT_P_OF_BLOCKS
 
 
-def _with_skew(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution]:
-    """Return problem and solution with a skew of the recording as a linear disturbance."""
-    column = delay_response(problem.simulator, solution.parameters)[:, :, None]
-    disturbances = problem.disturbances.without((SKEW,)).extended((SKEW,), column, np.array([MAX_SKEW]))
-    skewed = replace(problem, disturbances=disturbances)
-    return skewed, skewed.at(solution.parameters, solution.free)
+def _disturbed(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution]:
+    """Return problem and solution with a skew of the recording and errors of the load as linear disturbances."""
+    skew = delay_response(problem.simulator, solution.parameters)[:, :, None]
+    loads = load_error_responses(problem.simulator, solution.parameters)
+    columns, names = np.concatenate([skew, loads], axis=-1), (SKEW, *LOAD_ERRORS)
+    deviations = np.array([MAX_SKEW, *(LOAD_ERROR_PRIOR for _ in LOAD_ERRORS)])
+    disturbed = replace(problem, disturbances=problem.disturbances.without(names).extended(names, columns, deviations))
+    return disturbed, disturbed.at(solution.parameters, solution.free)
 
 
 def _aligned(recorded: LeastSquares, before: Screen, search: Search) -> tuple[Screen, Search]:
-    """Replace the disturbance by delayed inputs, if the skew is significant.
+    """Remove the disturbances, and delay the inputs if the skew is significant.
 
     Parameters
     ----------
@@ -101,15 +108,15 @@ def _aligned(recorded: LeastSquares, before: Screen, search: Search) -> tuple[Sc
     before : Screen
         Of the baseline model, possibly with a delay that was estimated without the effects with states.
     search : Search
-        Completed, with the disturbance.
+        Completed, with the disturbances.
     """
     signals, problem, solution = recorded.simulator.signals, search.problem, search.solution
     for _ in range(ALIGNMENTS):
         estimate = float(solution.disturbance[problem.disturbances.names.index(SKEW)])
         skew = float(np.clip(problem.simulator.signals.skew + estimate, -MAX_SKEW, MAX_SKEW))
         late = replace(problem, simulator=problem.simulator.with_signals(signals.delayed(skew)))
-        problem, solution = _with_skew(late, late.solve(solution.parameters, solution.free, iterations=ITERATIONS))
-    problem = replace(problem, disturbances=problem.disturbances.without((SKEW,)))
+        problem, solution = _disturbed(late, late.solve(solution.parameters, solution.free, iterations=ITERATIONS))
+    problem = replace(problem, disturbances=problem.disturbances.without((SKEW, *LOAD_ERRORS)))
     at_once = replace(problem, simulator=problem.simulator.with_signals(signals))
     fits = [one.solve(solution.parameters, solution.free, iterations=ITERATIONS) for one in (problem, at_once)]
     losses = [Screen(one, fit).baseline.loss for one, fit in zip((problem, at_once), fits, strict=True)]

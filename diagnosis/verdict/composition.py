@@ -30,7 +30,7 @@ from .delivery import reasons_against
 from .detectability import detectable_sizes
 from .extrapolation import extrapolations
 from .findings import Finding, Interval
-from .fit_error import delivered_residuals, fit_errors, floors_of, residual_sizes
+from .fit_error import delivered_residuals, fit_errors, floors_of, preprocessed, residual_sizes
 from .improved_tire import tire_of
 from .operating_range import undetermined_change
 from .residual_location import residual_maps, time_course
@@ -91,12 +91,16 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     base_tire = tire_of(before.problem.simulator.tire, before.problem, before.solution, ())
     tire = tire_of(outcome.start, search.problem, search.solution, added)
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
-    complete = (replace(one, added=outcome.start.added) for one in (base_tire, tire))
-    residuals = delivered_residuals(complete, outcome.recording, (before, after), outcome.signals.loaded)
+    complete = tuple(replace(one, added=outcome.start.added) for one in (base_tire, tire))
+    screens, loaded = (before, after), outcome.signals.loaded
+    residuals = delivered_residuals(complete, outcome.recording, screens, loaded)
     floors = floors_of(outcome.recording, after)
-    errors = fit_errors(before, after, residuals, floors)
+    errors = compared = fit_errors(before, after, residuals, floors)
+    if set(tire.states) - set(base_tire.states) and outcome.signals.timed:
+        without_noise = preprocessed(outcome.recording, outcome.signals)
+        compared = fit_errors(*screens, delivered_residuals(complete, without_noise, screens, loaded), floors)
     against = (
-        reasons_against(errors, undetermined_change(settled.whitened, added)) if added or search.refinements else ()
+        reasons_against(compared, undetermined_change(settled.whitened, added)) if added or search.refinements else ()
     )
     if against:
         tire = base_tire

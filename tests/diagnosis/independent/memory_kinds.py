@@ -113,9 +113,7 @@ def _with_temperature(
     return table.assign(T=30.0 + 6.0 * wandering + 5.0 * np.sin(2.0 * np.pi * t / 70.0) * meaningless)
 
 
-def _with_nuisances(
-    rng: np.random.Generator, table: pd.DataFrame, tire: Specimen, nuisances: set[str]
-) -> pd.DataFrame:
+def _with_nuisances(rng: np.random.Generator, table: pd.DataFrame, tire: Specimen, nuisances: set[str]) -> pd.DataFrame:
     """Return a recording whose zeros creep and whose load follows the set point with an error of the controller."""
     t = table["t"].to_numpy()
     if "creep" in nuisances:

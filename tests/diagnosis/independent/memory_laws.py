@@ -33,7 +33,7 @@ def bouc_wen(path: FloatArray, width: float, sharpness: float) -> FloatArray:
     steps = np.diff(path) / width
     values, z = [0.0], 0.0
     for step in steps.tolist():
-        for part in range(4):  # four steps of Euler
+        for _ in range(4):  # four steps of Euler
             along = 1.0 if z * step > 0.0 else -1.0
             z += 0.25 * step * (1.0 - along * abs(z) ** sharpness)
         values.append(z)
