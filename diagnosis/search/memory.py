@@ -1,9 +1,9 @@
 """The search with effects that have states, where the residual of a search without them has memory.
 
-Effects with states can imitate a missing effect without states and errors of a recording, and each probe is a
-simulation. Therefore they are tested on the residual of a completed search without them. If one of them is significant
-there, or if unexplained structure depends on the past, the search is repeated from the baseline model with all effects. A
-skew of the recording and an error of the load that follows the direction of slip are then linear disturbances, estimated
+Effects with states can imitate missing effects without states and errors of a recording, and each probe is a simulation.
+Therefore they are tested on the residual of a completed search without them. If one of them is significant there, or if
+unexplained structure depends on the past, the search is repeated from the baseline model with all effects. A skew of the
+recording and an error of the load that follows the direction of slip are then linear disturbances. They are estimated
 together with the effects, because these, too, separate growing from falling slip.
 """
 
@@ -58,8 +58,9 @@ def searched(
     at_once = {name: one for name, one in candidates.items() if not one.has_states}
     before, first = alignment.searched(Search(problem, solution, at_once, progress))
     with_states = [one for one in candidates.values() if one.has_states]
-    first.candidates = candidates
     if not with_states or not problem.simulator.signals.timed or not _has_memory(first, with_states):
+        if first.found:  # they are compared with what was found
+            first.candidates = candidates
         return before, first
     progress("the residual depends on the past: the search is repeated with effects that have states")
     disturbed, start = _disturbed(before.problem, before.solution)

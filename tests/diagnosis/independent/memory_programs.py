@@ -73,7 +73,7 @@ def _varied(rng: np.random.Generator, parts: int, rates: Sequence[float]) -> lis
         lambda: _steering(rng, 4.0),
         lambda: _braking(3.0),
     ]
-    chosen = rng.choice(len(makers), parts, p=[0.34, 0.12, 0.1, 0.22, 0.12, 0.1])
+    chosen = rng.choice(len(makers), parts, p=[0.32, 0.12, 0.1, 0.2, 0.1, 0.16])
     return [_sweep(rates[0], 1.0), *(makers[i]() for i in chosen)]
 
 
