@@ -122,6 +122,9 @@ PREFERRED_SHARE = 0.6
 #: The same for the joint gain with the effects that the next rounds would identify, and the number of those rounds.
 #: Benchmark: several missing effects were reported as unexplained structure.
 PREFERRED_JOINT_SHARE, LOOKAHEAD = 0.8, 3
+#: Share of the gain of an identified effect with states that a further effect of the past must gain. Benchmark: a
+#: hysteresis of another form was reported as two effects.
+FURTHER_MEMORY = 0.15
 #: Rows of the fits in the search; iterations of the final fit. Conventions: computing time.
 SEARCH_ROWS, FINAL_ITERATIONS = 2500, 6
 

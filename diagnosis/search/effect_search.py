@@ -18,6 +18,7 @@ from ..probing.effect_probing import Response, Screen
 from ..thresholds import (
     CONFOUNDED,
     EFFECT_P,
+    FURTHER_MEMORY,
     LOOKAHEAD,
     PREFERRED_JOINT_SHARE,
     PREFERRED_SHARE,
@@ -115,6 +116,7 @@ class Search:
         promising = [t for t in chosen if t.response.p_coloured * self.tests < REFIT_P_FACTOR * EFFECT_P]
         refits = [refit for tried in promising if (refit := self.refit(tried)) is not None]
         passing = [refit for refit in refits if refit.passes and not self._is_form_artefact(refit)]
+        passing = [refit for refit in passing if not self._is_part_of_memory(refit)]
         found = {refit.name for refit in self.found}
         return preferred(passing, self.candidates, found) if passing else None
 
@@ -188,6 +190,16 @@ class Search:
             correlations(self.screen, one.form.free, columns, {}).get(refit.name, 0.0) > CONFOUNDED
             for one in self.found
         )  # fmt: skip
+
+    def _is_part_of_memory(self, refit: Refit) -> bool:
+        """Return whether a candidate that depends on the past gains little beside an identified effect with states.
+
+        The form of such an effect is uncertain, and its error resembles a further one.
+        """
+        gains = [float(one.gains.sum()) for one in self.found if self.candidates[one.name].has_states]
+        candidate = self.candidates.get(refit.name)
+        of_past = candidate is not None and (candidate.has_states or "distance" in candidate.requires)
+        return bool(gains) and of_past and float(refit.gains.sum()) < FURTHER_MEMORY * max(gains)
 
     def probe(self) -> list[Tried]:
         """Estimate the noise, and return every testable form with its response."""

@@ -1,10 +1,10 @@
 """The search with effects that have states, where the residual of a search without them has memory.
 
-Effects with states can imitate missing effects without states and errors of a recording, and each probe is a simulation.
-Therefore they are tested on the residual of a completed search without them. If one of them is significant there, or if
-unexplained structure depends on the past, the search is repeated from the baseline model with all effects. A skew of the
-recording and an error of the load that follows the direction of slip are then linear disturbances. They are estimated
-together with the effects, because these, too, separate growing from falling slip.
+Effects with states can imitate missing effects without states and errors of a recording, and each probe is a
+simulation. Therefore they are tested on the residual of a completed search without them. If one of them is significant
+there, or if unexplained structure depends on the past, the search is repeated from the baseline model with all effects.
+A skew of the recording and an error of the load that follows the direction of slip are then linear disturbances. They
+are estimated together with the effects, because these, too, separate growing from falling slip.
 """
 
 from __future__ import annotations
