@@ -192,13 +192,13 @@ class Search:
         )  # fmt: skip
 
     def _is_part_of_memory(self, refit: Refit) -> bool:
-        """Return whether a candidate that depends on the past gains little beside an identified effect with states.
+        """Return whether a candidate that depends on the past, or on what heats, gains little beside an effect with states.
 
         The form of such an effect is uncertain, and its error resembles a further one.
         """
         gains = [float(one.gains.sum()) for one in self.found if self.candidates[one.name].has_states]
         candidate = self.candidates.get(refit.name)
-        of_past = candidate is not None and (candidate.has_states or "distance" in candidate.requires)
+        of_past = candidate is not None and (candidate.has_states or bool(PAST.intersection(candidate.requires)))
         return bool(gains) and of_past and float(refit.gains.sum()) < FURTHER_MEMORY * max(gains)
 
     def probe(self) -> list[Tried]:
