@@ -192,7 +192,7 @@ class Search:
         )  # fmt: skip
 
     def _is_part_of_memory(self, refit: Refit) -> bool:
-        """Return whether a candidate of the past, or of what heats, gains little beside an identified effect with states.
+        """Return whether a candidate of the past, or of what heats, gains little beside a found effect with states.
 
         The form of such an effect is uncertain, and its error resembles a further one.
         """
