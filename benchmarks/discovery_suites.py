@@ -38,6 +38,10 @@ class Suite:
     confounded: Sequence[tuple[str, str, str, str, str]]
 
 
+#: Structures of the first and the second suite that effects with states describe.
+NAMED = {"hysteresis": "hysteresis_force", "contact_heat": "heat_friction"}
+
+
 #: Numbers of the confirmation suite, in multiples of the number of cases of the second suite. Whoever changes the
 #: diagnosis after looking at single cases of this suite increases it, so that the recordings are new ones.
 DRAW = 10

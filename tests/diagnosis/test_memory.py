@@ -13,6 +13,8 @@ from tirefmu.diagnosis.recording.simulation import Simulator
 from tirefmu.symbolic.added import library
 from tirefmu.tires import Tire
 
+from .independent import memory_kinds
+
 BASE = ("load_friction", "load_stiffness")
 NOMINAL = {"Fz0": 4000.0, "R0": 0.31, "p0": 220e3, "V0": 16.7}
 VALUES = {
@@ -116,3 +118,14 @@ def test_a_load_error_in_the_direction_of_slip_is_no_effect():
         table.assign(Fz=table["Fz"] * (1.0 + 0.004 * direction)), signs=FORMULA_SIGNS, effects=BASE, nominal=NOMINAL
     )
     assert result.found == ()
+
+
+def test_the_memory_suite_hides_each_effect_with_the_errors_of_a_recording():
+    kinds = memory_kinds.NUMBER_OF_CASES
+    assert sum(kinds.values()) >= 40
+    assert kinds["null"] >= 12
+    case = memory_kinds.case_of("single", 2)
+    assert case.hidden == ("slip_history",)
+    pd.testing.assert_frame_equal(case.table, memory_kinds.case_of("single", 2).table)
+    assert np.isfinite(case.table.to_numpy()).all()
+    assert np.isfinite(case.test.to_numpy()).all()
