@@ -3,14 +3,14 @@ VENV ?= .venv
 # Tests run on all processors, those of a file on one, so that they share fixtures. PYTEST_ARGS=... replaces this.
 PYTEST_ARGS ?= -n auto --dist loadfile
 BIN := $(VENV)/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
-PACKAGES := symbolic generated tires measurements estimation fitting fmu diagnosis hosts
+PACKAGES := symbolic generated tires measurements estimation fitting fmu batch comparison diagnosis hosts explorer
 
 # The first working Python (version managers install commands that only print a notice) that can create a venv.
 PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python; do \
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix fuzz mutants discovery awkward recovery real wine sanitize hosts examples perturb check generate types bench bench-fit bench-startup clean
+.PHONY: demo test matrix pages fuzz mutants discovery awkward recovery real wine sanitize hosts examples perturb check generate types bench bench-fit bench-startup clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
@@ -22,6 +22,11 @@ test: $(VENV)/installed-dev  ## all tests; those on measured recordings need the
 matrix: $(VENV)/installed  ## all tests with gcc and clang, on Python 3.11 to 3.13, and with the oldest dependencies
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[matrix]"
 	$(BIN)/nox $(NOX_ARGS)
+
+pages: $(VENV)/installed-dev  ## the explorer page in Chromium: 1,000 slider settings per model, accessibility, frame times
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[browser]"
+	TIREFMU_PAGES=1 $(BIN)/pytest tests/explorer $(PYTEST_ARGS)
+	$(BIN)/python benchmarks/explorer_frames.py
 
 fuzz: $(VENV)/installed-dev  ## 10,000 mutated files of every kind that is read; a traceback is printed if a test hangs for a minute
 	TIREFMU_FUZZ=10000 $(BIN)/pytest tests/fuzz -o faulthandler_timeout=60 $(PYTEST_ARGS)
@@ -55,7 +60,7 @@ examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, an
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cosimulation]"
 	$(BIN)/pytest tests/examples $(PYTEST_ARGS)
 
-hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasADi symbols, JAX and PyTorch where they are installed
+hosts: $(VENV)/installed-dev  ## code for other programs, also with Ceres, CasADi symbols, JAX, PyTorch and rumoca where they are installed
 	TIREFMU_HOSTS=1 $(BIN)/pytest tests/hosts $(PYTEST_ARGS)
 
 check: $(VENV)/installed-dev types  ## lint, format, types, and generated/ compared with the equations

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -11,6 +11,7 @@ import pandas as pd
 from diagnosis.case import Case
 
 from tirefmu.diagnosis import Diagnosis
+from tirefmu.diagnosis.recording.signals import FORMULA_SIGNS
 from tirefmu.tires.tire import Tire
 
 FloatArray = npt.NDArray[np.float64]
@@ -19,6 +20,8 @@ FloatArray = npt.NDArray[np.float64]
 TOLERANCE = 0.02
 #: Median absolute deviation of a normal distribution with a standard deviation of 1.
 NORMAL_MEDIAN = 0.6745
+#: Number of random tires, and the share of a force below which an increase of its error does not count.
+TIRES, LEAST_SHARE = 16, 0.01
 
 
 @dataclass(frozen=True)
@@ -31,19 +34,26 @@ class Delivered:
     ----------
     recording, holdout : float
         On the training rows and the hold-out rows of the recording.
+    true_recording, true_holdout : float
+        On the same rows, against noise-free forces: noise that happens to resemble an effect does not count.
     manoeuvres, operating : float
         Against noise-free forces, on other manoeuvres and over the operating range.
     increase : float
         Largest increase of the error over the operating range, relative to the root mean square force.
+    spreads : float
+        The same relative to the spread of the identified effects among tires.
     reported : tuple of float
         Reported residual over the residual recomputed from the delivered tire, for each channel and set of rows.
     """
 
     recording: float
     holdout: float
+    true_recording: float
+    true_holdout: float
     manoeuvres: float
     operating: float
     increase: float
+    spreads: float
     reported: tuple[float, ...]
 
     @property
@@ -70,11 +80,17 @@ def delivered(case: Case, result: Diagnosis) -> Delivered:
         for part, rows in (("train", ~held), ("holdout", held))
     }
     noise = np.array([_noise(case, name) for name in channels])
+    true = {
+        part: np.array([_errors(tire, case.truth, case.signs, channels, chosen) for tire in tires])
+        for part, chosen in (("train", ~held), ("holdout", held))
+    }
     manoeuvres, operating = (
         np.array([_errors(tire, table, case.signs, channels) for tire in tires])
         for table in (case.test, case.operating)
     )
     size = np.array([_rms(case.operating[name].to_numpy()) for name in channels])
+    increase = operating[1] - operating[0]
+    spread = np.maximum(_spread(result, case, channels), LEAST_SHARE * size)
     reported = tuple(
         result.gap[part][name]["after"] / after
         for part, pairs in on_rows.items() for name, (_, after) in zip(channels, pairs, strict=True) if after > 0.0
@@ -82,9 +98,12 @@ def delivered(case: Case, result: Diagnosis) -> Delivered:
     return Delivered(
         recording=max(after / before for before, after in on_rows["train"]),
         holdout=max(after / before for before, after in on_rows["holdout"]),
+        true_recording=_worst(true["train"], noise),
+        true_holdout=_worst(true["holdout"], noise),
         manoeuvres=_worst(manoeuvres, noise),
         operating=_worst(operating, noise),
-        increase=float(((operating[1] - operating[0]) / np.maximum(size, 1e-9)).max()),
+        increase=float((increase / np.maximum(size, 1e-9)).max()),
+        spreads=float((increase / np.maximum(spread, 1e-9)).max()),
         reported=reported,
     )
 
@@ -118,10 +137,34 @@ def _noise(case: Case, channel: str) -> float:
     return float(np.median(np.abs(steps)) / NORMAL_MEDIAN / np.sqrt(2.0))
 
 
-def _errors(tire: Tire, table: pd.DataFrame, signs: str, channels: Sequence[str]) -> list[float]:
-    """Return the root mean square error of each channel against noise-free forces."""
+def _errors(
+    tire: Tire, table: pd.DataFrame, signs: str, channels: Sequence[str],
+    rows: npt.NDArray[np.bool_] | slice = slice(None),
+) -> list[float]:  # fmt: skip
+    """Return the root mean square error of each channel against noise-free forces, at some of the rows."""
     computed = tire.evaluate(table.drop(columns=list(channels)), signs=signs)
-    return [_rms((computed[name] - table[name]).to_numpy()) for name in channels]
+    return [_rms((computed[name] - table[name]).to_numpy()[rows]) for name in channels]
+
+
+def _spread(result: Diagnosis, case: Case, channels: Sequence[str]) -> FloatArray:
+    """Return the spread of each force among tires with other sizes of the identified effects, over the operating range.
+
+    The root mean square of the standard deviation over random tires, whose coefficients have the prior of the model.
+    """
+    tire = result.tire.in_signs(FORMULA_SIGNS)
+    book, rng, forces = tire.book, np.random.default_rng(0), []
+    delivered = [name for one in result.found for name in one.coefficients if name in book.coefficients]
+    names = delivered if result.delivered else []
+    table = case.operating.drop(columns=list(channels))
+    for _ in range(TIRES if names else 0):
+        values = dict(tire.values)
+        for name in names:
+            declared = book.coefficients[name]
+            center, deviation = book.prior_center.get(name, declared.default), book.prior_spread.get(name, 0.0)
+            values[name] = float(np.clip(rng.normal(center, deviation), declared.lower, declared.upper))
+        computed = replace(tire, values=values).evaluate(table, signs=case.signs)
+        forces.append(computed[list(channels)].to_numpy())
+    return np.sqrt(np.mean(np.var(forces, axis=0), axis=0)) if forces else np.zeros(len(channels))
 
 
 def _worst(errors: FloatArray, noise: FloatArray) -> float:

@@ -122,18 +122,23 @@ def _delivered(outcomes: Sequence[Outcome]) -> str:
     """Return how the delivered tire compares with the start tire and with what the diagnosis reports."""
     compared = [one.delivered for one in outcomes if one.delivered]
     rows = []
-    for what, ratios in (
-        ("on its recording, training rows", [one.recording for one in compared]),
-        ("on its recording, hold-out rows", [one.holdout for one in compared]),
-        ("on other manoeuvres, noise-free", [one.manoeuvres for one in compared]),
-        ("over the operating range, noise-free", [one.operating for one in compared]),
+    for what, required, ratios in (
+        ("on its recording, training rows", "0", [one.recording for one in compared]),
+        ("on its recording, hold-out rows", "0", [one.holdout for one in compared]),
+        ("on its training rows, noise-free", "-", [one.true_recording for one in compared]),
+        ("on its hold-out rows, noise-free", "-", [one.true_holdout for one in compared]),
+        ("on other manoeuvres, noise-free", "-", [one.manoeuvres for one in compared]),
+        ("over the operating range, noise-free", "-", [one.operating for one in compared]),
     ):
         count = sum(ratio > 1.0 + TOLERANCE for ratio in ratios)
-        rows.append((f"worse than the start tire {what}", "0", *_count_and_largest(count, ratios)))
+        rows.append((f"worse than the start tire {what}", required, *_count_and_largest(count, ratios)))
     increases = [one.increase for one in compared]
     if increases:
         rows.append(("largest increase of the error over the operating range, share of the force", "-", "-",
                      f"{max(increases):.1%}"))  # fmt: skip
+        spreads = [one.spreads for one in compared]
+        rows.append(("the same, larger than the spread of the identified effects among tires", "0",
+                     *_count_and_largest(sum(ratio > 1.0 for ratio in spreads), spreads)))  # fmt: skip
     ratios = [ratio for one in compared for ratio in one.reported]
     apart = sum(not one.consistent for one in compared)
     extremes = f"{min(ratios):.3f}, {max(ratios):.3f}" if ratios else "-"

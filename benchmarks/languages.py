@@ -1,6 +1,6 @@
 """Every model in every language: largest difference from NumPy over 2,000 rows, time per point, operations.
 
-    python benchmarks/languages.py [--rows 2000] [--only c,cpp] [--models mf96,mf61] [--no-times]
+    python benchmarks/languages.py [--rows 2000] [--only c,cpp] [--models mf96,mf61] [--functions forces] [--no-times]
 
 A language whose compiler or package is missing is marked. The tables are those of docs/languages.md. LIBM is the path
 of the compiled crate libm, for Rust.
@@ -28,6 +28,7 @@ FIALA = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.31, "WIDTH": 0.15, "VERTICAL_STI
          "CALPHA": 6e4, "UMIN": 0.7, "UMAX": 1.1, "ROLLING_RESISTANCE": 0.004}  # fmt: skip
 BRUSH = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.3, "CKAPPA": 9e4, "CALPHA": 5e4, "MUX": 1.4, "MUY": 1.1,
          "PATCH": 0.07, "NSTIFF": 0.7, "NMU": -0.12, "NPATCH": 0.6}  # fmt: skip
+WITH_STATES = ("heat_friction", "slip_history", "relax_lat", "relax_lon")
 LIBM = os.environ.get("LIBM", "liblibm.rlib")
 #: How the self-test of a language is compiled and run.
 PYTHON = f"{sys.executable} {{}}"
@@ -40,6 +41,7 @@ COMMANDS = {
     "casadi": ("", PYTHON),
     "jax": ("", PYTHON),
     "torch": ("", PYTHON),
+    "modelica": ("", f"{sys.executable} {ROOT / 'benchmarks' / 'run_modelica.py'} {{}}"),
     "rust": (f"rustc -C opt-level=0 {{}} --extern libm={LIBM} -o selftest", "./selftest"),
 }
 #: Programs that print the time of a point in nanoseconds; @name@ is the tire, @load@ the nominal load.
@@ -88,7 +90,7 @@ ENDINGS = {"c": ".c", "cpp": ".cpp", "javascript": ".mjs", "matlab": ".m"}
 
 
 def tires() -> dict[str, Tire]:
-    """Return a tire of every model, and one with an added effect."""
+    """Return a tire of every model, one with an added effect, and one with states."""
     golden = ROOT / "tests" / "golden"
     found = {"mf96": published("trento_hoosier")}
     for model in ("mf52", "mf61", "mf62"):
@@ -96,7 +98,10 @@ def tires() -> dict[str, Tire]:
     mf61 = found["mf61"]
     values = {**mf61.values, "TREF": 60.0, "TMU1": -0.002, "TMU2": -3e-5}
     warm = replace(mf61, values=values, effects={*mf61.has, "temp_friction"})
-    return {**found, "fiala": Tire("fiala", FIALA), "brush": Tire("brush", BRUSH), "mf61 + temp_friction": warm}
+    states = {"HMU": 4e-6, "SHMU": 0.05, "SIGX": 0.2, "SIGY": 0.4}
+    late = replace(mf61, values={**mf61.values, **states}, effects={*mf61.has, *WITH_STATES})
+    return {**found, "fiala": Tire("fiala", FIALA), "brush": Tire("brush", BRUSH), "mf61 + temp_friction": warm,
+            "mf61 + states": late}  # fmt: skip
 
 
 def run(command: str, folder: Path) -> str:
@@ -112,15 +117,16 @@ def run(command: str, folder: Path) -> str:
 
 
 @lru_cache(maxsize=2)
-def program(name: str, placement: str, rows: int) -> Program:
+def program(name: str, placement: str, rows: int, functions: tuple[str, ...]) -> Program:
     """Return the printout of a tire: lines, functions and rows are the same in all languages."""
-    functions = FUNCTIONS if placement == "struct" else FUNCTIONS[:3]
     tire = tires()[name].in_signs("iso")
-    return program_of(tire, tire.model, Selection(functions, placement), rows)
+    possible = set(functions) - ({"jacobian_parameters"} if placement == "inline" else set())
+    possible -= set() if tire.states else {"states"}
+    return program_of(tire, tire.model, Selection(tuple(sorted(possible)), placement), rows)
 
 
 def differences(found: Program, language: str) -> dict[str, str]:
-    """Return the largest difference of each function of a printout."""
+    """Return the largest difference of each function of a printout, by name."""
     build, command = COMMANDS[language]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -153,22 +159,25 @@ def main() -> None:
     parser.add_argument("--rows", type=int, default=2000)
     parser.add_argument("--struct-rows", type=int, default=400, help="rows with derivatives by all coefficients")
     parser.add_argument("--only", default=",".join(name for name in LANGUAGES if name in COMMANDS))
+    parser.add_argument("--functions", default=",".join(FUNCTIONS))
     parser.add_argument("--models", default="")
     parser.add_argument("--no-times", action="store_true")
     parser.add_argument("--only-times", action="store_true")
     options = parser.parse_args()
     chosen = {name: tire for name, tire in tires().items() if not options.models or name in options.models.split(",")}
-    print("| model | language | inline: forces | quantities | d/d inputs | struct: forces | quantities | d/d inputs"
-          " | d/d coefficients | ns per point |\n|" + "---|" * 10)  # fmt: skip
+    columns = {"inline": [name for name in FUNCTIONS if name != "jacobian_parameters"], "struct": list(FUNCTIONS)}
+    titles = [f"{placement}: {name}" for placement, names in columns.items() for name in names]
+    print(f"| model | language | {' | '.join(titles)} | ns per point |\n|{'---|' * (len(titles) + 3)}")
     for name, tire in chosen.items():
         for language in options.only.split(","):
             cells = []
-            kinds = () if options.only_times else (("inline", 3, options.rows), ("struct", 4, options.struct_rows))
-            for placement, count, rows in kinds:
+            for placement, names in () if options.only_times else columns.items():
+                rows = options.rows if placement == "inline" else options.struct_rows
                 try:
-                    cells += list(differences(program(name, placement, rows), language).values())
+                    found = differences(program(name, placement, rows, tuple(options.functions.split(","))), language)
+                    cells += [found.get(function, "") for function in names]
                 except (RuntimeError, OSError, subprocess.TimeoutExpired) as error:
-                    cells += [f"not run: {error}"] * count
+                    cells += [f"not run: {error}"] * len(names)
             try:
                 cells.append("" if options.no_times else nanoseconds(tire, language))
             except (RuntimeError, OSError, KeyError) as error:

@@ -113,6 +113,17 @@ def regression(sums: BlockSums, belief: FloatArray, pull: FloatArray | None = No
     return Regression(estimate, (n - 1) / n * spread.T @ spread, loss, inverse, others)
 
 
+def error_of_sum(gains: FloatArray) -> float:
+    """Return the standard error of the sum of independent gains, shape (n_blocks,).
+
+    Examples
+    --------
+    >>> error_of_sum(np.array([1.0, 3.0]))
+    2.0
+    """
+    return float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
+
+
 def autocovariance(residual: FloatArray, present: npt.NDArray[np.bool_], lags: int) -> FloatArray:
     """Return covariances of channels over time, tapered, shape (n_channels, n_channels, lags + 1).
 

@@ -25,6 +25,8 @@ from .quadratic_step import best_step
 FloatArray = npt.NDArray[np.float64]
 #: Upper limit of corrections of a step that violates constraints because they are nonlinear.
 CORRECTIONS = 2
+#: Upper limit of steps towards the constraints from a point that violates them slightly.
+RESTORING_STEPS = 5
 
 
 class Objective(Protocol):
@@ -195,6 +197,44 @@ def minimize(
                 return Minimum(x, here.cost, taken, converged=False, predicted=found.predicted, reason=reason)
             x, damped = found.x, max(found.damping * damping.down, damping.least)
     raise AssertionError("the loop returns at its last step")
+
+
+def restore(
+    objective: Objective, x: FloatArray, lower: FloatArray, upper: FloatArray, damping: float, constraints: Constraints
+) -> FloatArray | None:
+    """Return a point near x that satisfies the constraints: minimum of the quadratic model with linearized constraints.
+
+    Parameters
+    ----------
+    objective : Objective
+    x, lower, upper : ndarray, shape (n,)
+        A point that violates the constraints slightly, and the bounds.
+    damping : float
+        Multiple of the identity that is added to the Gauss-Newton matrix.
+    constraints : Constraints
+
+    Returns
+    -------
+    ndarray, shape (n,), or None
+        None if a few steps do not satisfy the constraints.
+    """
+    with threadpool_limits(limits=1, user_api="blas"):
+        for _ in range(RESTORING_STEPS):
+            values, slopes = constraints.values(x), constraints.slopes(x)
+            if constraints.satisfied(values):
+                return x
+            _, gradient, matrix = objective.derivatives(x)
+            if not all(np.isfinite(each).all() for each in (gradient, matrix, values, slopes)):
+                return None
+            rows = np.concatenate([np.eye(len(x)), slopes])
+            least = np.concatenate([lower - x, constraints.low - values])
+            most = np.concatenate([upper - x, constraints.high - values])
+            try:
+                step, _ = best_step(gradient, matrix + damping * np.eye(len(x)), rows, least, most)
+            except np.linalg.LinAlgError:
+                return None
+            x = np.clip(x + step, lower, upper)
+    return x if constraints.satisfied(constraints.values(x)) else None
 
 
 @dataclass(frozen=True, eq=False)

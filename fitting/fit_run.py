@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 import pandas as pd
 
-from tirefmu.estimation.noise_floor import noise_floor
 from tirefmu.measurements import Recording
 from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import FitError
@@ -25,7 +24,7 @@ from .constraints.verification import APPROACHED, VERIFIED, VerifiedConstraints
 from .data.fit_data import FitData
 from .data.simulated_states import with_states
 from .evidence.residuals import Residuals
-from .evidence.uncertainty import Direction, across_stages, uncertainty
+from .evidence.uncertainty import uncertainty_of_stages
 from .problem.effective_weights import effective_weights
 from .problem.influence import generic, influence, typical_size
 from .problem.loss import loss_named
@@ -41,7 +40,8 @@ from .problem.weighted_residuals import (
 )
 from .results.checkpoint import Checkpoint, Ended, Release, State
 from .results.fit_result import FitResult
-from .results.records import ChannelFit, FittedCoefficient, StageFit, quality
+from .results.goodness_of_fit import channel_fits
+from .results.records import FittedCoefficient, StageFit
 from .solvers.interruption import Interruption
 from .solvers.ipopt import Solution
 from .solvers.restarts import best_end
@@ -300,7 +300,11 @@ class FitRun:
         ridge: float,
         stage_type: str,
     ) -> Solution:
-        """Solve, verify the constraints on the dense grid, and solve again with the points that violate them."""
+        """Solve, verify the constraints on the dense grid, and solve again with the points that violate them.
+
+        An intermediate stage is solved again once: if its values violated a constraint, their residuals would give the
+        next stage weights for a noise that no tire with this constraint reaches.
+        """
         known = self._constraints.of(channels) + self._constraints.violated
         dense = self._constraints.of(channels, density=APPROACHED if stage_type == "intermediate" else VERIFIED)
         solve_from = partial(
@@ -315,8 +319,8 @@ class FitRun:
             if not violated:
                 break
             known = known + violated
-            if stage_type != "intermediate":
-                solution = solve_from(solution.x, constraints=known)
+            after = solve_from(solution.x, constraints=known, refine=True)
+            solution = replace(after, iterations=solution.iterations + after.iterations)
         return solution
 
     def _stage_r2(self, rows: Rows) -> float:
@@ -349,19 +353,26 @@ class FitRun:
         entries = in_written_order(assumed, self._book)
         tire = replace(self._tire, values=values, ranges=ranges, about=about, other_entries=entries)  # inputs in ISO
         fitted = {name: self._fitted_coefficient(name) for name in self._book.coefficients if name in self._freed}
-        intervals, directions, effective, covariance, complete = self._uncertainty(fitted)
+        ends = [(self._plan.stages[end.stage].name, problem, end.x) for end, problem in self._ends]
+        intervals, directions, effective, covariance, complete = uncertainty_of_stages(
+            ends,
+            {name: one.stage for name, one in fitted.items()},
+            {name for name, one in fitted.items() if one.at_bound},
+            (int(self._data["recording"].max()) + 1, len(self._tire.outputs)),
+        )
         coefficients = tuple(replace(c, interval=intervals.get(name, nan)) for name, c in fitted.items())
         undetermined = [c.name for c in coefficients if not c.determined]
         if undetermined:
             self._notes.append(f"not determined by these data, unchanged: {', '.join(undetermined)}")
-        channels = self._channels(recordings, tire, effective)
+        sources = distinct([recording.source for recording in recordings])
+        channels = channel_fits(self._fit_data, tire, sources, self._fitted, effective)
         table = self._data.assign(**{n: self._tire.nominal(n) for n in self._tire.inputs if n not in self._data})
         return FitResult(
             tire.in_signs("iso"), self._tire.signs, coefficients, channels,
             tuple(self._stages), self._constraints.margins(self._fitted, self._tire.parameters()),
             tuple(self._notes), seconds, self._plan.name, directions,
             self._fit_data.excluded_rows, self._interrupted(),
-            evidence=Residuals(table, tuple(distinct([r.source for r in recordings])), self._tire, self._tire.signs),
+            evidence=Residuals(table, tuple(sources), self._tire, self._tire.signs),
             covariance=covariance,
             prediction_covariance=complete,
         )  # fmt: skip
@@ -373,34 +384,6 @@ class FitRun:
             return ""
         return f"{self._interruption.where}, {self._done} of {len(self._plan.stages)} stages done"
 
-    def _uncertainty(
-        self, fitted: Mapping[str, FittedCoefficient]
-    ) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray, pd.DataFrame, pd.DataFrame]:
-        """Return intervals, directions that are not identifiable, effective sample sizes, both covariances.
-
-        Each value is that of the last stage that freed the coefficient or fitted the channel.
-        """
-        intervals: dict[str, float] = {}
-        directions: tuple[Direction, ...] = ()
-        covariance = pd.DataFrame(nan, index=list(fitted), columns=list(fitted))
-        complete = pd.DataFrame(0.0, index=list(fitted), columns=list(fitted))
-        effective = np.full((int(self._data["recording"].max()) + 1, len(self._tire.outputs)), nan)
-        for end, problem in self._ends:
-            stage = self._plan.stages[end.stage].name
-            if not any(fitted[name].stage == stage for name in problem.free):
-                continue
-            fixed = [name for name in problem.free if fitted[name].at_bound]
-            known = uncertainty(problem, end.x, fixed)
-            last = {name for name in problem.free if fitted[name].stage == stage}
-            intervals.update({name: half for name, half in known.intervals.items() if name in last})
-            block = [name for name in known.covariance.index if name in last]
-            covariance.loc[block, block] = known.covariance.loc[block, block]
-            complete.loc[block, block] = known.complete.loc[block, block]
-            directions += tuple(d for d in known.directions if last.intersection(d.coefficients))
-            rows = effective[: len(known.effective_rows)]
-            rows[known.effective_rows > 0] = known.effective_rows[known.effective_rows > 0]
-        return intervals, directions, effective, across_stages(covariance), complete
-
     def _fitted_coefficient(self, name: str) -> FittedCoefficient:
         freed = self._freed[name]
         declaration, value = self._book.coefficients[name], self._tire.values[name]
@@ -411,24 +394,3 @@ class FitRun:
         return FittedCoefficient(
             name, declaration.unit, guess, lower, upper, value, at_bound, freed.determined, freed.stage
         )
-
-    def _channels(self, recordings: Sequence[Recording], tire: Tire, effective: FloatArray) -> tuple[ChannelFit, ...]:
-        units = {quantity.name: quantity.unit for quantity in self._book.outputs}
-        all_rows = self._fit_data.table
-        fitted = []
-        for number, name in enumerate(distinct([recording.source for recording in recordings])):
-            table = all_rows[all_rows["recording"] == number]
-            rows = Rows.of(table, tire, self._fitted)
-            computed = fastest_code(tire.book).forces(rows.inputs, tire.parameters())
-            floors = noise_floor(table, dict(zip(tire.outputs, rows.measured.T - computed, strict=True)))
-            included = table["included"].to_numpy()
-            for index, channel in enumerate(tire.outputs):
-                measured = rows.measured[:, index]
-                n, rmse, r2, uncentred = quality(measured, computed[index])
-                if n:
-                    floor, effective_rows = floors[channel].floor, float(effective[number, index])
-                    own = quality(measured[included], computed[index][included])[:3]
-                    fitted.append(
-                        ChannelFit(name, channel, units[channel], n, rmse, r2, uncentred, floor, effective_rows, *own)
-                    )
-        return tuple(fitted)

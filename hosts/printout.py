@@ -44,7 +44,7 @@ def generate(
     folder : str or Path
         Created if necessary; files of the same names are replaced.
     functions : sequence of str
-        Of "forces", "quantities", "jacobian_inputs" and "jacobian_parameters".
+        Of "forces", "quantities", "jacobian_inputs", "jacobian_parameters" and "states".
     values : {"inline", "struct", "file"}, optional
         Where the coefficients are; default: "inline" for a tire, "struct" for a model.
     only : sequence of str
@@ -62,7 +62,8 @@ def generate(
     UnknownName
         If a language, a function, an output or the tire does not exist.
     TirefmuError
-        If the derivatives by coefficients are requested without coefficients, or a file cannot be written.
+        If the derivatives by coefficients are requested without coefficients, or states of a tire without states, or
+        a file cannot be written.
 
     Examples
     --------
@@ -159,9 +160,26 @@ def _header(tire: Tire, found: Program) -> tuple[str, ...]:
     lines += [
         f"Nominal inputs: {', '.join(f'{q.name} {found.nominal[q.name]:g}' for q in found.inputs)}.",
     ]
+    lines += _about_states(tire, found)
     if found.placement == "inline":
         lines.append(_saved(tire, found))
     return tuple(lines)
+
+
+def _about_states(tire: Tire, found: Program) -> list[str]:
+    """Return how states are used: they are inputs, and lagged slips act in place of the wheel's."""
+    lagged = [quantity.name for quantity in found.inputs if quantity.name not in tire.inputs]
+    states = [*lagged, *tire.states]
+    if not any(routine.name == "states" for routine in found.routines):
+        return [f"States are inputs: {', '.join(states)}. The function states has their derivatives."] if states else []
+    lines = [
+        f"States are inputs: {', '.join(states)}. NAME_dot is the derivative of NAME. After a step h of constant"
+        " inputs: NAME + NAME_dot*(1 - exp(-NAME_decay*h))/NAME_decay, or NAME + NAME_dot*h if NAME_decay is 0."
+    ]
+    acting = {"kappa_lagged": "kappa = kappa_lagged", "tan_alpha_lagged": "alpha = atan(tan_alpha_lagged)"}
+    if lagged:
+        lines.append(f"Forces at lagged slips: call forces with {', '.join(acting[name] for name in lagged)}.")
+    return lines
 
 
 def _saved(tire: Tire, found: Program) -> str:

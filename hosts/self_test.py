@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -10,15 +10,14 @@ import numpy.typing as npt
 from tirefmu.symbolic.printers.languages.program import TOLERANCE, Program
 from tirefmu.tires import Tire
 from tirefmu.tires.code import code_for
+from tirefmu.tires.states import equilibrium
+
+from .state_rates import state_rates
 
 FloatArray = npt.NDArray[np.float64]
 
 #: How much more than a change in the last digit of the coefficients an ill-conditioned result may differ.
 MARGIN = 5.0
-
-#: Quantities of MF-Tyre that lose digits if Q_FZ2 is nearly 0, as in files of MF5.2: the closed form of the deflection
-#: subtracts two almost equal numbers, and every other order of roundings gives other digits. Their size is multiplied.
-DEFLECTION, NEARLY_LINEAR, LOST = ("rho", "R_l", "c_z"), 1e-3, 1e6
 
 #: The rows of the file that a printout contains.
 ROWS = 40
@@ -43,6 +42,8 @@ def check_text(tire: Tire, program: Program, rows: int = ROWS, seed: int = 0) ->
     str
     """
     inputs = operating_conditions(tire, rows, seed)
+    lagged = [quantity.name for quantity in program.inputs[len(inputs) :]]
+    inputs = np.concatenate([inputs, _lagged(lagged, rows, seed)])
     inputs, results, sizes = reference(tire, program, inputs)
     lines = [str(inputs.shape[1]), _numbers(sizes)]
     lines += [f"{_numbers(row)} {_numbers(values)}" for row, values in zip(inputs.T, results, strict=True)]
@@ -57,7 +58,7 @@ def operating_conditions(tire: Tire, rows: int, seed: int = 0) -> FloatArray:
     """Return operating conditions, shape (n_inputs, rows): special ones first, then random ones.
 
     Special are zero slip, no load, a tenth and three times the nominal load, a locked and a spinning wheel, slip angles
-    up to 1.2 rad, reverse, standstill.
+    up to 1.2 rad, reverse, standstill. States of effects are between zero and 1.5 times their equilibrium.
     """
     rng = np.random.default_rng(seed)
     nominal = {name: tire.nominal(name) for name in tire.inputs}
@@ -81,7 +82,21 @@ def operating_conditions(tire: Tire, rows: int, seed: int = 0) -> FloatArray:
         row[:] = random.get(name, nominal[name] * rng.uniform(0.7, 1.3, rows))
         for i, given in enumerate(special[:rows]):
             row[i] = given.get(name, nominal[name])
-    return tire.effective_inputs(table.T).T
+    table = tire.effective_inputs(table)
+    if not tire.states:
+        return table
+    settled = equilibrium(tire.book, code_for(tire.book, "numpy"), table, tire.parameters(), tire.states)
+    for i, name in enumerate(tire.inputs):
+        if name in tire.states:
+            state = tire.book.states[name]
+            table[i] = settled[i] * rng.uniform(0.0, 1.5, rows) if state.settles else rng.uniform(-1.0, 1.0, rows)
+    return table
+
+
+def _lagged(names: Sequence[str], rows: int, seed: int) -> FloatArray:
+    """Return lagged slips, shape (n_names, rows)."""
+    rng = np.random.default_rng([seed, 1])
+    return np.array([rng.uniform(-0.8, 0.8, rows) for _ in names]).reshape(len(names), rows)
 
 
 def reference(tire: Tire, program: Program, inputs: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -113,8 +128,10 @@ def reference(tire: Tire, program: Program, inputs: FloatArray) -> tuple[FloatAr
         elif routine.name == "jacobian_parameters":
             size += _force_per(forces, np.abs(np.array([program.coefficients[label] for label in routine.labels])))
         needed = MARGIN * np.abs(changed - values) / TOLERANCE[routine.name]
-        if routine.name == "quantities" and abs(tire.values.get("Q_FZ2", 1.0)) < NEARLY_LINEAR:
-            size *= np.where(np.isin(routine.labels, DEFLECTION), LOST, 1.0)
+        if routine.name == "quantities" and tire.values.get("Q_FZ2"):
+            rounding = _rounding_of_deflection(tire, dict(zip(routine.labels, values.T, strict=True)))
+            lost = np.array([rounding.get(label, 0.0) for label in routine.labels])
+            size = np.maximum(size, MARGIN * lost / TOLERANCE[routine.name])
         size = np.maximum(size, 5 * np.median(needed, axis=0))
         well_conditioned &= (needed <= np.maximum(size, np.abs(values))).all(axis=1)
         parts.append(values)
@@ -127,15 +144,37 @@ def _results(
 ) -> FloatArray:
     """Return the results of one function, shape (rows, n_results)."""
     code = code_for(tire.book, "numpy")
+    if name == "states":
+        return state_rates(tire, code, inputs, parameters, labels)
+    inputs = inputs[: len(tire.inputs)]
     outputs = [tire.outputs.index(quantity.name) for quantity in program.outputs]
     if name == "forces":
         return code.forces(inputs, parameters)[outputs].T
     if name == "quantities":
         return code.quantities(inputs, parameters)[[code.quantities_names.index(label) for label in labels]].T
     if name == "jacobian_inputs":
-        return code.jacobian_inputs(inputs, parameters)[:, outputs].reshape(inputs.shape[1], -1)
+        matrix = code.jacobian_inputs(inputs, parameters)[:, outputs]
+        lagged = len(labels) - len(tire.inputs)  # the forces do not read them
+        return np.pad(matrix, ((0, 0), (0, 0), (0, lagged))).reshape(inputs.shape[1], -1)
     columns = [list(tire.book.coefficients).index(label) for label in labels]
     return code.jacobian_parameters(inputs, parameters)[:, outputs][:, :, columns].reshape(inputs.shape[1], -1)
+
+
+def _rounding_of_deflection(tire: Tire, quantities: Mapping[str, FloatArray]) -> dict[str, float]:
+    """Return the rounding errors of the quantities of MF-Tyre that lose digits if Q_FZ2 is small, as in files of MF5.2.
+
+    The closed form of the deflection, R0 (sqrt(Q_FZ1^2 + 4 Q_FZ2 F) - Q_FZ1) / (2 Q_FZ2), subtracts almost equal
+    numbers: every other order of roundings gives other digits, whatever the coefficients.
+    """
+    values = tire.values
+    radius = values["UNLOADED_RADIUS"]
+    linear = values["VERTICAL_STIFFNESS"] * radius / values["FNOMIN"]
+    deflection = float(np.finfo(float).eps * radius * linear / abs(values["Q_FZ2"]))
+    found = {"rho": deflection, "R_l": deflection}
+    if "rho" in quantities and "c_z" in quantities and (loaded := quantities["rho"] > 0).any():
+        # The load over the deflection.
+        found["c_z"] = float(np.max(deflection * np.abs(quantities["c_z"][loaded] / quantities["rho"][loaded])))
+    return found
 
 
 def _typical(values: FloatArray) -> FloatArray:

@@ -86,7 +86,8 @@ class Detection:
     Attributes
     ----------
     requires : tuple of str
-        Inputs that must all vary.
+        Inputs that must all vary, and outputs that must be measured: the cross-talk of an output can be removed only if
+        it is measured.
     channels : tuple of str
         Outputs that the effect changes, one of which must be measured; all if empty.
     forms : tuple of Form

@@ -231,6 +231,41 @@ def html_text(text: str) -> str:
     return html.escape(visible(text))
 
 
+def script_text(code: str) -> str:
+    r"""Return JavaScript for the inside of an HTML script element: it cannot end the element or start a comment.
+
+    Parameters
+    ----------
+    code : str
+        Without comments and texts: there, every sign < is a comparison or a shift.
+
+    Returns
+    -------
+    str
+
+    References
+    ----------
+    HTML Living Standard, section "Restrictions for contents of script elements".
+
+    Examples
+    --------
+    >>> script_text("a<b && c</d/.x")
+    'a< b && c< /d/.x'
+    """
+    return re.sub("<(?=[A-Za-z/!?])", "< ", code)
+
+
+def script_json(text: str) -> str:
+    r"""Return JSON for the inside of an HTML script element: it cannot end the element or start a comment.
+
+    Examples
+    --------
+    >>> print(script_json('["</script>"]'))
+    ["\u003c/script>"]
+    """
+    return text.replace("<", "\\u003c")
+
+
 def toml_string(text: str) -> str:
     r"""Return a basic string of TOML with its quotes.
 

@@ -11,6 +11,13 @@ FZ = Quantity("Fz", "N", "vertical load; positive presses the tire to the ground
 P = Quantity("p", "Pa", "inflation pressure", "INFLPRES", 2e5)
 V = Quantity("V", "m/s", "forward speed V_x of the contact point", "LONGVL", 15.0)
 PHIT = Quantity("phit", "1/m", "turn slip: curvature of the path that the contact point turns along", typical=0.1)
+#: States of a tire with relaxation.
+KAPPA_LAGGED = Quantity("kappa_lagged", "1", "lagged longitudinal slip", typical=0.1)
+TAN_ALPHA_LAGGED = Quantity(
+    "tan_alpha_lagged", "1", "lagged tangent of the side slip angle, used by the force formulas", typical=0.1
+)
+#: Below this relaxation length a slip acts at once, m.
+AT_ONCE = 1e-6
 #: Inputs that only added effects read.
 TEMPERATURE = Quantity("T", "degC", "temperature of the tread", "TREF", 50.0)
 DISTANCE = Quantity("distance", "m", "distance rolled since the recording began", 0.0, 1000.0)

@@ -107,17 +107,6 @@ def no_effect(name: str) -> str:
     return "is a section of .tir files" if name.lower() in _TIR_SECTIONS else _in_general(name)
 
 
-def is_reserved(word: str) -> bool:
-    """Return whether a lower-case word has a meaning in one of the languages.
-
-    Examples
-    --------
-    >>> is_reserved("loop"), is_reserved("front_left")
-    (True, False)
-    """
-    return word in _LANGUAGE_OF
-
-
 def no_state(name: str) -> str:
     """Return why a state cannot have a name, or an empty text where it can.
 

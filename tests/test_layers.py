@@ -23,6 +23,9 @@ MAY_IMPORT = {
     "fitting": {"symbolic", "generated", "tires", "measurements", "estimation"},
     "fmu": {"symbolic", "generated", "tires", "measurements"},
     "hosts": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting"},
+    "batch": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting", "fmu"},
+    "comparison": {"symbolic", "generated", "tires", "measurements"},
+    "explorer": {"symbolic", "generated", "tires", "measurements"},
     "diagnosis": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting", "fmu"},
 }
 MAY_IMPORT[TOP] = set(MAY_IMPORT)

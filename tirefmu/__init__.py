@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 from tirefmu.tires.table_argument import read_tables_with
 
 if TYPE_CHECKING:
+    from tirefmu.batch.fit_many import fit_many
+    from tirefmu.batch.study import study
     from tirefmu.diagnosis import Diagnosis, diagnose
     from tirefmu.fitting import FitResult, fit
     from tirefmu.fmu import CheckResult, check, export
@@ -39,9 +41,11 @@ _ON_DEMAND = {
     "evaluate": "evaluation",
     "export": "fmu",
     "fit": "fitting",
+    "fit_many": "batch.fit_many",
     "load": "tires:read_tir",
     "published": "tires",
     "read_recording": "measurements",
+    "study": "batch.study",
 }
 
 __all__ = [
@@ -58,9 +62,11 @@ __all__ = [
     "evaluate",
     "export",
     "fit",
+    "fit_many",
     "load",
     "published",
     "read_recording",
+    "study",
 ]
 
 

@@ -52,7 +52,7 @@ def diagnose(
     check_input_paths(table, *others, *user_files, *([tire] if tire else []))
     from tirefmu.diagnosis import diagnose as run
     from tirefmu.diagnosis import export_and_simulate, write_report
-    from tirefmu.measurements import data_findings, recordings_from
+    from tirefmu.measurements import check_convention, data_findings, recordings_from
     from tirefmu.tires import tire_from
 
     from .terminal import Terminal
@@ -60,6 +60,7 @@ def diagnose(
     terminal = Terminal(quiet)
     recording, *further = recordings_from([table, *others], signs=signs, where=where)
     terminal.selection(recording, *further)
+    check_convention(recording)  # before the findings, which would print the same sentence
     for one in (recording, *further):
         one.measured()  # raises for a table without a measured output
     shown = ("incomplete rows", "warm-up", "clock")

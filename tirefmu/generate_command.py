@@ -17,7 +17,7 @@ from .arguments import FILE, check_input_paths, check_output_paths, common, name
 @click.option("--language", help=f"Language of the code: {', '.join(LANGUAGES)}.")
 @click.option("-o", "--output", type=FILE, help="Folder to write.")
 @click.option("--functions", callback=names, default="forces,quantities,jacobian_inputs", show_default=True,
-              help="Functions to print; also jacobian_parameters.")  # fmt: skip
+              help="Functions to print; also jacobian_parameters and states (of relaxation and effects).")  # fmt: skip
 @click.option("--values", help="Coefficients: inline (numbers in the lines), struct (variables with default values) "
                                "or file  [default: inline for a tire, struct for a model]")  # fmt: skip
 @click.option("--only", callback=names, default="none",

@@ -12,12 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.symbolic.quantities import AT_ONCE
+
 from .code.modules import state_laws
 
 FloatArray = npt.NDArray[np.float64]
-
-#: Below this relaxation length a slip acts at once, m.
-AT_ONCE = 1e-6
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,7 @@ class Candidate:
     forms : tuple of Form
         From the simplest to the most general.
     requires : tuple of str
-        Inputs that must all vary.
+        Inputs that must all vary, and outputs that must be measured.
     channels : tuple of str
         Outputs that the effect changes.
     contains : str
@@ -164,7 +164,7 @@ def excited(signals: Signals, tire: Tire, names: Sequence[str]) -> bool:
     signals : Signals
     tire : Tire
     names : sequence of str
-        Inputs, or "t".
+        Inputs, "t", or outputs, which must be measured.
     """
     if not all(varies(signals, tire, name) for name in names):
         return False
@@ -177,9 +177,11 @@ def excited(signals: Signals, tire: Tire, names: Sequence[str]) -> bool:
 
 
 def varies(signals: Signals, tire: Tire, name: str) -> bool:
-    """Return whether an input varies by more than its noise in a recording."""
+    """Return whether an input varies by more than its noise in a recording, or an output is measured."""
     if name == "t":
         return signals.timed
+    if name in CHANNELS:
+        return name in signals.channels
     if name not in signals.recorded or name not in signals.names:
         return False
     values = signals.named()[name]

@@ -157,22 +157,25 @@ def signals_of(table: pd.DataFrame, tire: Tire, signs: str, *, smooth: bool = Tr
     given = convert_signs(table, signs, FORMULA_SIGNS)
     t, timed = _clock(given)
     columns, noise, names, outputs = {}, {}, tire.inputs, tire.outputs
+    smoothed = {}  # determines channels and rows, so that they are the same with and without smoothing
     for name in names:
-        columns[name] = _input(given, name, tire)
-        if smooth and timed and name in given and name != "distance":
-            columns[name], noise[name] = _smoothed_by_segment(columns[name], t)
+        columns[name] = smoothed[name] = _input(given, name, tire)
+        if timed and name in given and name != "distance":
+            smoothed[name], deviation = _smoothed_by_segment(columns[name], t)
+            if smooth:
+                columns[name], noise[name] = smoothed[name], deviation
     speed = columns["V"] if "V" in columns else given.get("V")  # a model or a table may lack the speed
     if "distance" not in given and "distance" in columns and timed and speed is not None:
         columns["distance"] = rolled_distance(t, np.asarray(speed, dtype=float))
     inputs = np.stack([columns[name] for name in names])
     channels = tuple(name for name in OUTPUTS if name in given and name in outputs and given[name].notna().any())
     excluded = {}
-    if len(channels) > 1 and "Fx" in channels and np.abs(columns["kappa"]).max() < MIN_KAPPA:
+    if len(channels) > 1 and "Fx" in channels and np.abs(smoothed["kappa"]).max() < MIN_KAPPA:
         excluded["Fx"] = "kappa is always 0, so the channel contains no slip curve"
         channels = tuple(name for name in channels if name != "Fx")
     if not channels:
         raise DataError(f"the recording has no measured output: one of {', '.join(outputs)} is needed")
-    loaded = np.flatnonzero(columns["Fz"] > MIN_LOAD * tire.values["FNOMIN"])
+    loaded = np.flatnonzero(smoothed["Fz"] > MIN_LOAD * tire.values["FNOMIN"])
     rows = loaded[:: max(1, -(-len(loaded) // MAX_ROWS))]
     if len(rows) < MIN_ROWS:
         raise DataError(f"the recording has {len(rows)} rows under load: a diagnosis needs at least {MIN_ROWS}")

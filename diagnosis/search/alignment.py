@@ -7,18 +7,19 @@ preferred, because it is a property of the bench, unless relaxation alone explai
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.block_regression import error_of_sum
+
 from ..least_squares import LeastSquares, Solution
+from ..probing.cross_talk import with_lever, without_doubtful_lever
 from ..probing.effect_probing import Screen
 from ..recording.skew import delay_response
 from ..thresholds import EFFECT_ERRORS, EFFECT_GAIN, MAX_SKEW, MIN_SKEW, PREFERRED_ERRORS
 from .effect_search import Search
-from .settling import doubtful_cross_talk, without
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -26,8 +27,6 @@ FloatArray = npt.NDArray[np.float64]
 STEPS = 3
 #: Iterations of a fit with delayed inputs.
 ITERATIONS = 4
-#: The cross-talk that has nearly the shape of an effect.
-LEVER = "cross_talk_Fy_in_Mz"
 #: Number of relaxation effects that are compared with a skew, together.
 RELAXATIONS = 2
 
@@ -50,23 +49,18 @@ def searched(search: Search) -> tuple[Screen, Search]:
     search : Search
         Completed.
     """
-    problem, solution = _without_doubtful_lever(search.problem, search.solution)
+    problem, solution = search.problem, search.solution
     skew = _skew(search, problem, solution)
     before, done = _run(search, problem, solution, skew)
     relaxing = problem.simulator.book.relaxing_effects
     lagging = {name for refit in done.found if refit.name in relaxing for name in refit.form.free}
     if not lagging or skew:
         return before, done
-    skew = _skew(done, done.problem, _without(lagging, done.problem, done.solution))
-    return _run(search, problem, solution, skew) if skew else (before, done)
-
-
-def _without_doubtful_lever(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution]:
-    """Return problem and solution without a lever of Fy in Mz, unless it is significant: it resembles the trail."""
-    if LEVER not in doubtful_cross_talk(problem, solution):
-        return problem, solution
-    problem = without(problem, (LEVER,))
-    return problem, problem.solve(solution.parameters, solution.free, iterations=ITERATIONS)
+    skew = _skew(done, done.problem, done.problem.solve_without(done.solution, lagging, iterations=ITERATIONS))
+    if not skew:
+        return before, done
+    search.progress("a skew explains the recording better than relaxation: the search is repeated")
+    return _run(search, problem, solution, skew)
 
 
 def _run(search: Search, problem: LeastSquares, solution: Solution, skew: float) -> tuple[Screen, Search]:
@@ -74,19 +68,32 @@ def _run(search: Search, problem: LeastSquares, solution: Solution, skew: float)
     if skew:
         search.progress(f"the forces are recorded {1000.0 * skew:.1f} ms after the inputs: corrected")
         problem, solution = _delayed(problem, solution, skew)
+    before, run = _completed(search, *without_doubtful_lever(problem, solution))  # a skew would hide its significance
+    rival = "" if before.problem is problem else _like_a_lever(run, problem)
+    if not rival:
+        return before, run
+    search.progress(f"a lever of the side force explains the recording as well as {rival}: the search is repeated")
+    return _completed(search, problem, solution)
+
+
+def _completed(search: Search, problem: LeastSquares, solution: Solution) -> tuple[Screen, Search]:
     run = Search(problem, solution, search.candidates, search.progress)
     before = Screen(problem, solution)
     run.run()
     return before, run
 
 
-def _without(names: Collection[str], problem: LeastSquares, solution: Solution) -> Solution:
-    """Return the solution without effects, given their coefficients."""
-    simulator, parameters = problem.simulator, solution.parameters.copy()
-    indices = [simulator.index[name] for name in names]
-    parameters[indices] = simulator.tire.parameters()[indices]
-    free = tuple(name for name in solution.free if name not in names)
-    return problem.solve(parameters, free, iterations=ITERATIONS)
+def _like_a_lever(run: Search, source: LeastSquares) -> str:
+    """Return an identified effect of Mz alone that a lever of the side force could replace, or an empty text."""
+    loss = Screen(run.problem, run.solution).baseline.loss
+    problem = with_lever(run.problem, source)
+    for refit in run.found:
+        if refit.name in run.candidates and run.candidates[refit.name].channels == ("Mz",):
+            other = problem.solve_without(run.solution, refit.form.free, iterations=ITERATIONS)
+            excess = Screen(problem, other).baseline.loss - loss
+            if excess.sum() <= PREFERRED_ERRORS * error_of_sum(excess):
+                return refit.name
+    return ""
 
 
 def _skew(search: Search, problem: LeastSquares, solution: Solution) -> float:
@@ -103,7 +110,7 @@ def _skew(search: Search, problem: LeastSquares, solution: Solution) -> float:
         if rest is not None:
             aligned = _aligned(rest.problem, rest.solution)
         excess = Screen(*aligned).baseline.loss - others
-        if _has_skew(aligned[0]) and excess.sum() <= (PREFERRED_ERRORS * _error(excess) if clear else 0.0):
+        if _has_skew(aligned[0]) and excess.sum() <= (PREFERRED_ERRORS * error_of_sum(excess) if clear else 0.0):
             return aligned[0].simulator.signals.skew
     if relaxed is None:
         return 0.0
@@ -114,7 +121,7 @@ def _skew(search: Search, problem: LeastSquares, solution: Solution) -> float:
 
 def significant(gains: FloatArray, loss: FloatArray) -> bool:
     """Return whether the gains of all blocks satisfy the criteria of an effect."""
-    return float(gains.sum()) > max(EFFECT_ERRORS * _error(gains), EFFECT_GAIN * float(loss.sum()))
+    return float(gains.sum()) > max(EFFECT_ERRORS * error_of_sum(gains), EFFECT_GAIN * float(loss.sum()))
 
 
 def _aligned(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution]:
@@ -143,11 +150,6 @@ def _delayed(problem: LeastSquares, solution: Solution, seconds: float) -> tuple
 
 def _has_skew(problem: LeastSquares) -> bool:
     return MIN_SKEW < abs(problem.simulator.signals.skew) < MAX_SKEW
-
-
-def _error(gains: FloatArray) -> float:
-    """Return the standard error of the sum of the gains of all blocks."""
-    return float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
 
 
 def _relaxed(search: Search, problem: LeastSquares, solution: Solution) -> Search | None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.block_regression import error_of_sum
 from tirefmu.symbolic.detection import Form
 
 from ..least_squares import LeastSquares, Solution
@@ -245,7 +246,7 @@ class Search:
         screen = Screen(self.problem, solution)
         gains = self.screen.baseline.loss - screen.baseline.loss
         total = float(self.screen.baseline.loss.sum())
-        error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
+        error = error_of_sum(gains)
         p = min(1.0, response.p_coloured * self.tests)
         return Refit(
             tried.name, form, solution, screen, p, float(gains.sum()) / total, error / total, gains, response

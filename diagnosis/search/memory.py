@@ -15,6 +15,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.block_regression import error_of_sum
+
 from ..least_squares import LeastSquares, Solution
 from ..probing.candidates import Candidate
 from ..probing.effect_probing import Screen
@@ -84,8 +86,7 @@ def _is_significant(screen: Screen, tried: Tried, tests: int) -> bool:
     """Return whether a linear response satisfies the criteria of an effect; its gain may be less certain."""
     response, loss = tried.response, screen.baseline.loss
     gains = loss - response.loss
-    error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
-    material = float(gains.sum()) > max(error, EFFECT_GAIN * float(loss.sum()))
+    material = float(gains.sum()) > max(error_of_sum(gains), EFFECT_GAIN * float(loss.sum()))
     return material and response.p_coloured * tests < EFFECT_P and response.p_blocks < EFFECT_P_OF_BLOCKS
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.estimation.block_regression import error_of_sum
 from tirefmu.symbolic.detection import Form
 
 from ..least_squares import Solution
@@ -87,7 +88,7 @@ def preferred(refits: list[Refit], candidates: Mapping[str, Candidate], found: C
         if other is best:
             continue
         difference = best.gains - other.gains
-        error = float(np.sqrt(len(difference)) * np.std(difference, ddof=1))
+        error = error_of_sum(difference)
         contains = candidates[best.name].contains == other.name if best.name in candidates else False
         stateful = _has_states(best, candidates) and not _has_states(other, candidates)
         refinement = best.name.startswith(REFINEMENT) and not other.name.startswith(REFINEMENT)

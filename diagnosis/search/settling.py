@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,8 +10,9 @@ import numpy as np
 from tirefmu.estimation.noise_model import Whitening, noise_parts
 
 from ..least_squares import LeastSquares, Solution
+from ..probing.cross_talk import doubtful_cross_talk, without
 from ..probing.effect_probing import Screen
-from ..thresholds import CONFIRMED_Z, FINAL_ITERATIONS, MAX_WHITENED_MISFIT
+from ..thresholds import FINAL_ITERATIONS, MAX_WHITENED_MISFIT
 from .confirmation import Confirmation, confirmation
 from .effect_search import Search
 from .refits import Refit
@@ -75,8 +76,13 @@ def settle(search: Search, before: Screen) -> Settled:
     confirmed, rejected = _confirmed(search)
     if unchanged:
         before = Screen(search.problem, search.solution)
-    elif doubtful:
-        problem = without(before.problem, doubtful)
+    elif set(search.solution.free) == set(before.solution.free):  # all was rejected: one tire, from the baseline fit
+        search.solution = search.problem.solve(
+            before.solution.parameters, before.solution.free, iterations=FINAL_ITERATIONS
+        )
+        before = Screen(search.problem, search.solution)
+    else:  # with the same weights: a channel that gives way to another one in one fit only looks better or worse
+        problem = replace(without(before.problem, doubtful), inverse_noise=search.problem.inverse_noise)
         before = Screen(
             problem, problem.solve(before.solution.parameters, before.solution.free, iterations=FINAL_ITERATIONS)
         )
@@ -84,23 +90,6 @@ def settle(search: Search, before: Screen) -> Settled:
     search.screen = Screen(search.problem, search.solution)
     search.last = search.probe()
     return Settled(first, search.screen, whitened, confirmed, rejected)
-
-
-def doubtful_cross_talk(problem: LeastSquares, solution: Solution) -> tuple[str, ...]:
-    """Return the names of the cross-talk that is not significant: it would take a part of the tire's own forces."""
-    screen = Screen(problem, solution)
-    screen.learn_noise({})
-    names, errors = problem.disturbances.names, screen.standard_errors()[len(solution.free) :]
-    return tuple(
-        name
-        for name, value, error in zip(names, solution.disturbance, errors, strict=True)
-        if name.startswith("cross_talk") and not abs(value) > CONFIRMED_Z * error
-    )
-
-
-def without(problem: LeastSquares, disturbances: Collection[str]) -> LeastSquares:
-    """Return a problem without some of the disturbances."""
-    return replace(problem, disturbances=problem.disturbances.without(disturbances))
 
 
 def _balanced(problem: LeastSquares, solution: Solution) -> LeastSquares:
@@ -146,11 +135,7 @@ def _remove(search: Search, refit: Refit) -> None:
     names = _coefficients(refit, search)
     search.found = [one for one in search.found if one is not refit]
     search.refinements = [one for one in search.refinements if not set(one.form.free) <= set(names)]
-    parameters, absent = search.solution.parameters.copy(), search.problem.simulator.tire.parameters()
-    for name in names:
-        parameters[search.problem.simulator.index[name]] = absent[search.problem.simulator.index[name]]
-    free = tuple(name for name in search.solution.free if name not in names)
-    search.solution = search.problem.solve(parameters, free, iterations=FINAL_ITERATIONS)
+    search.solution = search.problem.solve_without(search.solution, names, iterations=FINAL_ITERATIONS)
 
 
 def _whitened(problem: LeastSquares, solution: Solution, before: Screen) -> tuple[Screen, Solution, Screen]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from tirefmu.estimation.block_regression import block_sums, regression
+from tirefmu.estimation.block_regression import block_sums, error_of_sum, regression
 
 from ..probing.effect_probing import Response, Screen
 from ..thresholds import (
@@ -133,7 +133,7 @@ def structure_of(screen: Screen) -> Structure | None:
     location = candidates[chosen[0]][0]
     gains = screen.baseline.loss - response.loss
     total = float(screen.baseline.loss.sum())
-    error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1)) / total
+    error = error_of_sum(gains) / total
     p = min(1.0, response.p_coloured * len(candidates))
     terms = tuple(candidates[i][1] for i in chosen)
     acts = directions(screen)[location.name]
@@ -209,7 +209,7 @@ def _best(screen: Screen, response: Response, richer: list[tuple[Response, int, 
 def _adds(response: Response, more: Response, errors: float) -> float:
     """Return the cross-validated gain of an extended response; 0 if it is within `errors` standard errors."""
     gains = response.loss - more.loss
-    error = float(np.sqrt(len(gains)) * np.std(gains, ddof=1))
+    error = error_of_sum(gains)
     return float(gains.sum()) if float(gains.sum()) > errors * error else 0.0
 
 

@@ -10,7 +10,7 @@ from scipy import stats
 from tirefmu.symbolic.detection import LARGEST_IN_SIZES
 from tirefmu.tires.tire import Tire
 
-from ..probing.candidates import Candidate, excited, varies
+from ..probing.candidates import CHANNELS, Candidate, excited, varies
 from ..search.effect_search import Search
 from ..thresholds import EFFECT_P, NOT_IDENTIFIABLE
 
@@ -44,10 +44,13 @@ def detectable_sizes(
     for name, candidate in tried.items():
         if name in found:
             continue
-        constant = [needed for needed in candidate.requires if not varies(signals, start, needed)]
+        lacking = [needed for needed in candidate.requires if not varies(signals, start, needed)]
+        unmeasured = [needed for needed in lacking if needed in CHANNELS]
         responses = [one.response for one in search.last if one.name == name]
-        if constant:
-            not_identifiable[name] = f"{' and '.join(constant)} does not vary or was not recorded"
+        if unmeasured:
+            not_identifiable[name] = f"cross-talk of {' and '.join(unmeasured)}, which was not recorded, resembles it"
+        elif lacking:
+            not_identifiable[name] = f"{' and '.join(lacking)} does not vary or was not recorded"
         elif not excited(signals, start, candidate.requires):
             not_identifiable[name] = f"{' and '.join(candidate.requires)} do not vary simultaneously"
         elif not responses or not set(candidate.channels) & set(signals.channels):

@@ -215,15 +215,16 @@ def measured_values(book: Model, constraint: Constraint, points: FloatArray, par
 
 
 @lru_cache(maxsize=256)
+def value_with_slopes(book: Model, quantity: str, measure: str) -> Any:
+    """Return a function of inputs and parameters: the bounded value and its derivatives by the inputs."""
+    inputs, parameters, value = _expression(book, quantity, measure)
+    return ca.Function(f"{quantity}_{measure}_slopes", [inputs, parameters], [value, ca.gradient(value, inputs)])
+
+
+@lru_cache(maxsize=256)
 def _functions(book: Model, quantity: str, measure: str) -> tuple[Any, Any, tuple[int, ...]]:
     """Return the bounded value, the value with its nonzero derivatives, and the parameters of these derivatives."""
-    generated = casadi_module(book)
-    inputs, parameters = ca.SX.sym("inputs", len(generated.INPUTS)), ca.SX.sym("parameters", len(generated.PARAMETERS))
-    value = generated.quantities(inputs, parameters)[generated.QUANTITIES.index(quantity)]
-    if measure != "value":
-        load = inputs[generated.INPUTS.index("Fz")]
-        growth = load * ca.jacobian(value, load)
-        value = growth if measure == "growth" else growth - value
+    inputs, parameters, value = _expression(book, quantity, measure)
     gradient = ca.jacobian(value, parameters)
     reached = tuple(int(column) for column in gradient.sparsity().get_triplet()[1])
     nonzeros = ca.vertcat(*gradient.nonzeros()) if reached else ca.SX(0, 1)
@@ -233,3 +234,23 @@ def _functions(book: Model, quantity: str, measure: str) -> tuple[Any, Any, tupl
         ca.Function(f"{quantity}_{measure}_with_gradient", arguments, [value, nonzeros]),
         reached,
     )
+
+
+def _expression(book: Model, quantity: str, measure: str) -> tuple[Any, Any, Any]:
+    """Return symbols of inputs and parameters, and the bounded value."""
+    generated = casadi_module(book)
+    inputs, parameters, quantities = _quantities(book)
+    value = quantities[generated.QUANTITIES.index(quantity)]
+    if measure != "value":
+        load = inputs[generated.INPUTS.index("Fz")]
+        growth = load * ca.jacobian(value, load)
+        value = growth if measure == "growth" else growth - value
+    return inputs, parameters, value
+
+
+@lru_cache(maxsize=16)
+def _quantities(book: Model) -> tuple[Any, Any, Any]:
+    """Return symbols of inputs and parameters, and all named quantities as expressions of them."""
+    generated = casadi_module(book)
+    inputs, parameters = ca.SX.sym("inputs", len(generated.INPUTS)), ca.SX.sym("parameters", len(generated.PARAMETERS))
+    return inputs, parameters, generated.quantities(inputs, parameters)

@@ -36,6 +36,9 @@ from tirefmu.symbolic.models import model as model_of
 FloatArray = npt.NDArray[np.float64]
 #: Tolerance within which a constraint is satisfied, in the unit of the quantity.
 TOLERANCE = 1e-6
+#: Tolerances by which the bounds of a solver are narrower than those that are verified. Judgement: half a tolerance
+#: between imposed points, with a curvature of 1 per (kN)^2, is a distance of 2 N.
+NARROWED = 1.5
 #: The kinds of constraints.
 KINDS = ("signs", "curvature", "friction_falling", "stiffness_saturating", "extrapolation")
 #: Factor by which the constraints of the kind extrapolation widen the range of loads and slips.
@@ -48,8 +51,11 @@ class Constraint(PhysicalConstraint):
 
     @property
     def scaled_bounds(self) -> tuple[float, float]:
-        """Bounds of quantity / size, reduced so that the solver's tolerance holds in the quantity's unit."""
-        narrowed = TOLERANCE if self.size > 1.0 else 0.0
+        """Bounds of quantity / size, reduced by more than the tolerance, within which a solver satisfies them.
+
+        The rest is for the points between those at which the constraint is imposed.
+        """
+        narrowed = NARROWED * TOLERANCE
         return self.lower / self.size + narrowed, self.upper / self.size - narrowed
 
     @property

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 import numpy.typing as npt
@@ -12,19 +13,25 @@ from tirefmu.tires.code import fastest_code
 from tirefmu.tires.tire import Tire
 
 from .constraint_functions import measured_values
+from .local_extrema import local_extrema
 from .physical import TOLERANCE, Constraint, grid
 
 FloatArray = npt.NDArray[np.float64]
 #: Densities of the grid for verification in final and intermediate stages; largest number of points that are added at
 #: a time for a violated constraint.
 VERIFIED, APPROACHED, MOST_ADDED = 4, 2, 12
+#: Decimal digits of the margin to which the points of one extremum agree.
+EQUAL_DIGITS = 9
+#: Margin on the grid, in sizes of the constraint, below which a violation is sought between the grid points after each
+#: solution. Between two grid points the quantities change by less; the final margins are sought for all constraints.
+NEAR = 0.1
 #: A constraint and the points at which it is imposed, shape (n_inputs, n_points).
 ConstraintPoints = tuple[Constraint, FloatArray]
 
 
 @dataclass(frozen=True)
 class Margin:
-    """The smallest margin of a constraint, verified on a denser grid than it was imposed on.
+    """The smallest margin of a constraint, verified on a denser grid than it was imposed on, and between its points.
 
     Attributes
     ----------
@@ -93,11 +100,14 @@ class VerifiedConstraints:
         return pairs
 
     def violations(self, pairs: Sequence[ConstraintPoints], parameters: FloatArray) -> list[ConstraintPoints]:
-        """Return, and store, the worst point and some other points of each violated constraint."""
+        """Return, and store, the worst points of each violated constraint, also between the grid points."""
         found = []
-        for constraint, points in pairs:
-            distance = constraint.distance(self._values(constraint, points, parameters))
+        for constraint, on_grid in pairs:
+            points, values = self._with_extrema(constraint, on_grid, parameters, NEAR)
+            distance = constraint.distance(values)
             outside = np.flatnonzero(distance < -TOLERANCE)
+            # Equal values are one extremum at different values of an input without influence.
+            outside = outside[np.unique(np.round(distance[outside], EQUAL_DIGITS), return_index=True)[1]]
             if outside.size:
                 order = outside[np.argsort(distance[outside], kind="stable")]
                 some = np.unique(np.linspace(0, len(order) - 1, MOST_ADDED).astype(int))
@@ -106,15 +116,26 @@ class VerifiedConstraints:
         return found
 
     def margins(self, outputs: Sequence[str], parameters: FloatArray) -> tuple[Margin, ...]:
-        """Verify all constraints on a grid denser than the one on which they were imposed."""
+        """Verify all constraints on a grid denser than the one on which they were imposed, and between its points."""
         margins = []
-        for constraint, points in self.of(outputs, density=VERIFIED):
-            values = self._values(constraint, points, parameters)
+        for constraint, on_grid in self.of(outputs, density=VERIFIED):
+            points, values = self._with_extrema(constraint, on_grid, parameters)
             distance = constraint.distance(values)
             worst = int(np.argmin(distance))
             at = {name: float(points[i, worst]) for i, name in enumerate(self._inputs) if name in constraint.over}
             margins.append(Margin(constraint.text, float(values[worst]), float(distance[worst]), at, constraint.name))
         return tuple(margins)
+
+    def _with_extrema(
+        self, constraint: Constraint, points: FloatArray, parameters: FloatArray, near: float = inf
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the points of a grid and the values at them, with the local extrema if a margin is small."""
+        values = self._values(constraint, points, parameters)
+        distance = constraint.distance(values)
+        if np.min(distance) > near * constraint.size:
+            return points, values
+        between, extrema = local_extrema(self._book, constraint, points, distance, self._ranges, parameters)
+        return np.concatenate([points, between], axis=1), np.concatenate([values, extrema])
 
     def _values(self, constraint: Constraint, points: FloatArray, parameters: FloatArray) -> FloatArray:
         """Return the values that a constraint bounds; quantities on one grid are evaluated together."""

@@ -7,16 +7,21 @@ from math import nan, radians
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import brentq
+from scipy.signal import lfilter
 
 from tirefmu.estimation.correlation import correlation_length
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
 
 #: Half the width of the window in which a slope at zero slip is read: wide enough to average ripple and noise of the
 #: slip, narrow enough for a cubic.
 SLOPE_WINDOW = {"kappa": 0.04, "alpha": radians(2.0)}
 #: Fewest rows in a window, and in each of its quarters: without rows near zero, or on one side, no slope is read.
 FEWEST, FEWEST_IN_QUARTER = 12, 2
+#: Largest correlation of neighboring rows that is estimated: a correlation length of 200 rows, longer than a pass.
+MOST_CORRELATED = 0.99
 
 
 @dataclass(frozen=True)
@@ -39,8 +44,10 @@ def read_slope(slip: FloatArray, force: FloatArray, window: float) -> Slope:
     """Read the slope of measured points at zero slip.
 
     A cubic is fitted to the points in the window with tricube weights by distance from zero and Huber weights against
-    outliers: local regression after Cleveland, J. Am. Stat. Assoc. 74 (1979). The slope is linear in the forces; its
-    variance is that of their residuals times their correlation length.
+    outliers: local regression after Cleveland, J. Am. Stat. Assoc. 74 (1979). The slope is linear in the forces. Its
+    variance is the larger of two estimates: the variance of the residuals times their correlation length, which holds
+    for any correlation that is short compared with a pass of the slip, and that of autoregressive noise, which accounts
+    for the part of the noise that the cubic follows.
 
     Parameters
     ----------
@@ -78,8 +85,55 @@ def read_slope(slip: FloatArray, force: FloatArray, window: float) -> Slope:
         knee = 1.345 * 1.4826 * float(np.median(np.abs(residual)))
         # A knee of 0 means that half of the points are exact: no outlier weights.
         weight = tricube * np.minimum(1.0, knee / np.maximum(np.abs(residual), knee)) if knee > 0.0 else tricube
-    influence = np.linalg.pinv(powers.T @ (powers * weight[:, None]))[1] @ (powers * weight[:, None]).T
-    passes = np.cumsum(np.diff(inside, prepend=inside[0]) > 1)  # each time the slip crosses the window
+    weighted = powers * weight[:, None]
+    solve = weighted @ np.linalg.pinv(powers.T @ weighted)  # coefficients = force @ solve
+    influence = solve[:, 1]
+    passes = np.cumsum(np.diff(inside, prepend=inside[0]) > 1, dtype=np.int64)  # each time the slip crosses the window
     variance = float(np.sum((influence * residual) ** 2)) * len(x) / (len(x) - 4)
-    error = np.sqrt(variance * max(correlation_length(residual, passes), 1.0))
+    variance *= max(correlation_length(residual, passes), 1.0)
+    error = np.sqrt(max(variance, _autoregressive_variance(residual, powers, solve, passes)))
     return Slope(float(coefficients[1]) / window, float(error) / window)
+
+
+def _autoregressive_variance(residual: FloatArray, powers: FloatArray, solve: FloatArray, passes: IntArray) -> float:
+    """Return the variance of the slope under noise that is autoregressive of order 1 within each pass.
+
+    The noise has the correlation rho of neighbors for which the expected correlation of the residuals, from which the
+    cubic has taken a part, is the observed one (method of moments).
+    """
+    power = float(residual @ residual)
+    if power == 0.0:
+        return 0.0
+    starts = np.flatnonzero(np.diff(passes)) + 1
+    together = np.diff(passes) == 0
+
+    def expected(rho: float) -> tuple[float, float, float]:
+        """Return lagged and plain sum of products of the residuals, and variance of the slope, of unit noise."""
+        noise = np.concatenate([_autoregressive(piece, rho) for piece in np.split(solve, starts)])
+        inner = solve.T @ noise  # covariance of the coefficients of the cubic
+        followed = powers @ inner
+        lagged = rho - np.sum(powers[:-1] * noise[1:] + (noise - followed)[:-1] * powers[1:], axis=1)
+        plain = 1.0 - np.sum(powers * (2.0 * noise - followed), axis=1)
+        return float(np.sum(lagged[together])), float(np.sum(plain)), float(inner[1, 1])
+
+    observed = float(np.sum((residual[1:] * residual[:-1])[together])) / power
+
+    def excess(rho: float) -> float:
+        lagged, plain, _ = expected(rho)
+        return lagged / plain - observed
+
+    if excess(0.0) >= 0.0:
+        rho = 0.0
+    elif excess(MOST_CORRELATED) <= 0.0:
+        rho = MOST_CORRELATED
+    else:
+        rho = float(brentq(excess, 0.0, MOST_CORRELATED, xtol=1e-4))
+    _, plain, variance = expected(rho)
+    return power / plain * variance
+
+
+def _autoregressive(columns: FloatArray, rho: float) -> FloatArray:
+    """Return the product of the correlation matrix rho^|i - j| and columns, shape (n, m)."""
+    forward = lfilter([1.0], [1.0, -rho], columns, axis=0)
+    backward = lfilter([1.0], [1.0, -rho], columns[::-1], axis=0)[::-1]
+    return np.asarray(forward + backward - columns)

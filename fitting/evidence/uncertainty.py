@@ -13,7 +13,7 @@ is the case on a bench. Active constraints are not taken into account.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -103,6 +103,58 @@ def across_stages(covariance: pd.DataFrame) -> pd.DataFrame:
     """
     known = np.isfinite(np.diag(covariance))
     return covariance.mask(covariance.isna() & np.outer(known, known), 0.0)
+
+
+def uncertainty_of_stages(
+    ends: Sequence[tuple[str, Problem, FloatArray]],
+    last_stage: Mapping[str, str],
+    at_bound: Collection[str],
+    shape: tuple[int, int],
+) -> tuple[dict[str, float], tuple[Direction, ...], FloatArray, pd.DataFrame, pd.DataFrame]:
+    """Return the uncertainty of a fit in stages: each value is that of the last stage that freed the coefficient.
+
+    Parameters
+    ----------
+    ends : sequence of (str, Problem, ndarray)
+        Name, problem and solution of each stage, in order.
+    last_stage : mapping of str to str
+        The last stage that freed each fitted coefficient.
+    at_bound : collection of str
+    shape : tuple of int
+        Number of recordings and of outputs.
+
+    Returns
+    -------
+    intervals : dict of str to float
+        Half widths of 95 % intervals.
+    directions : tuple of Direction
+        Directions that are not identifiable.
+    effective : ndarray, shape (n_recordings, n_outputs)
+        Effective sample sizes; NaN if not fitted.
+    covariance : pandas.DataFrame
+        Of the fitted coefficients; see `across_stages`.
+    complete : pandas.DataFrame
+        As `covariance`, 0 where it is not known; see `Uncertainty.complete`.
+    """
+    names = list(last_stage)
+    intervals: dict[str, float] = {}
+    directions: tuple[Direction, ...] = ()
+    covariance = pd.DataFrame(np.nan, index=names, columns=names)
+    complete = pd.DataFrame(0.0, index=names, columns=names)
+    effective = np.full(shape, np.nan)
+    for stage, problem, x in ends:
+        last = {name for name in problem.free if last_stage[name] == stage}
+        if not last:
+            continue
+        known = uncertainty(problem, x, [name for name in problem.free if name in at_bound])
+        intervals.update({name: half for name, half in known.intervals.items() if name in last})
+        block = [name for name in known.covariance.index if name in last]
+        covariance.loc[block, block] = known.covariance.loc[block, block]
+        complete.loc[block, block] = known.complete.loc[block, block]
+        directions += tuple(d for d in known.directions if last.intersection(d.coefficients))
+        rows = effective[: len(known.effective_rows)]
+        rows[known.effective_rows > 0] = known.effective_rows[known.effective_rows > 0]
+    return intervals, directions, effective, across_stages(covariance), complete
 
 
 def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = ()) -> Uncertainty:

@@ -90,6 +90,7 @@ class Evolution:
         *,
         ridge: float = 0.0,
         stage_type: str = "final",
+        refine: bool = False,
         progress: Progress | None = None,
         stop: Callable[[], bool] = lambda: False,
     ) -> Solution:
@@ -107,6 +108,8 @@ class Evolution:
             Strength of the regularization towards the initial values, as in IPOPT's cost.
         stage_type : {"intermediate", "penultimate", "final"}
             An intermediate stage stops earlier, because a later stage continues.
+        refine : bool
+            Without effect: the search continues with its last population for every further call with one problem.
         progress : callable, optional
             Called with generation and best cost.
         stop : callable

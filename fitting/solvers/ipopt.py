@@ -20,7 +20,7 @@ from ..constraints.constraint_functions import ConstraintFunctions
 from ..constraints.physical import Constraint
 from ..problem.regularization import Ridge
 from ..problem.weighted_residuals import Problem
-from .convergence import last_steps
+from .convergence import last_steps, refined
 
 FloatArray = npt.NDArray[np.float64]
 #: The cost decreases from about 1 to 0.001; IPOPT's barrier parameters are intended for larger values.
@@ -148,6 +148,7 @@ def solve(
     *,
     ridge: float = 1e-9,
     stage_type: str = "final",
+    refine: bool = False,
     max_iterations: int = 300,
     progress: Progress | None = None,
     stop: Callable[[], bool] = lambda: False,
@@ -165,6 +166,9 @@ def solve(
         Strength of the regularization towards the initial values, for directions that are not identifiable.
     stage_type : {"intermediate", "penultimate", "final"}
         Selects the stopping window and the least gain (`LEAST_GAIN`).
+    refine : bool
+        Whether the start is the solution of the same problem with fewer constraint points. Gauss-Newton steps are then
+        tried first: IPOPT needs many iterations if the constraints at two points are almost equal.
     max_iterations : int
     progress : callable, optional
     stop : callable
@@ -179,6 +183,10 @@ def solve(
     imposed = ConstraintFunctions(problem, constraints)
     cached = _CachedCost(problem, start, ridge, progress)
     x, iterations, statuses = start, 0, list[str]()
+    if refine:
+        end = refined(cached, start, lower, upper, imposed, steps=LAST_STEPS, stop=stop)
+        if end.converged:
+            return Solution(end.x, problem.cost(end.x), end.steps, True, end.reason, "")
     for options, damping in ATTEMPTS:
         cached.damping = damping
         monitor = _IterationMonitor(len(start), imposed, stop, stage_type=stage_type)

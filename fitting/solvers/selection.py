@@ -34,6 +34,7 @@ class Solver(Protocol):
         *,
         ridge: float = ...,
         stage_type: str = ...,
+        refine: bool = ...,
         progress: Progress | None = ...,
         stop: Callable[[], bool] = ...,
     ) -> Solution:

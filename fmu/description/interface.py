@@ -10,6 +10,7 @@ from tirefmu.symbolic.added.state import State
 from tirefmu.symbolic.declarations import Quantity
 from tirefmu.symbolic.errors import UnknownName
 from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.quantities import KAPPA_LAGGED, TAN_ALPHA_LAGGED
 from tirefmu.tires import Tire
 from tirefmu.tires.evaluation import quantities as quantities_of
 
@@ -40,13 +41,8 @@ DEFAULT_SIGMA = Variable(
     "DEFAULT_SIGMA", "parameter", "m", "relaxation length of a slip for which the tire has none", 0.15, 0.0, inf
 )
 
-KAPPA_LAGGED = Quantity("kappa_lagged", "1", "lagged longitudinal slip", typical=0.1)
-TAN_ALPHA_LAGGED = Quantity(
-    "tan_alpha_lagged", "1", "lagged tangent of the side slip angle, used by the force formulas", typical=0.1
-)
 TWIST = Quantity("twist", "rad", "twist of the contact patch, by turning on the spot", typical=0.1)
 DISTANCE = Quantity("distance", "m", "distance rolled", typical=1000.0)
-
 
 LAGGED_SLIPS = frozenset({KAPPA_LAGGED.name, TAN_ALPHA_LAGGED.name})
 

@@ -13,7 +13,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from math import isfinite
@@ -64,6 +64,7 @@ def simulate(
     outputs: Sequence[str],
     runs: Sequence[slice],
     timeout: float | None = None,
+    starts: Sequence[Mapping[str, float]] = (),
 ) -> Simulation:
     """Simulate an unpacked FMU over a table in a separate process.
 
@@ -78,9 +79,11 @@ def simulate(
     inputs, outputs : sequence of str
         Names of variables.
     runs : sequence of slice
-        Consecutive rows; each run starts with a new initialization.
+        Rows of each run, which starts with a new initialization. Runs may have the same rows.
     timeout : float, optional
         Time limit, s; None for `TIME_LIMIT` and `TIME_LIMIT_PER_ROW`.
+    starts : sequence of mapping of str to float
+        Start values of real variables for each run; default: those of the FMU.
 
     Returns
     -------
@@ -91,14 +94,16 @@ def simulate(
     FmuError
         If the FMU cannot be loaded, rejects a call, crashes, ends its process, or exceeds the time limit.
     """
-    limit = TIME_LIMIT + TIME_LIMIT_PER_ROW * len(time) if timeout is None else timeout
+    simulated = sum(run.stop - run.start for run in runs)
+    limit = TIME_LIMIT + TIME_LIMIT_PER_ROW * simulated if timeout is None else timeout
     if not (isfinite(limit) and limit > 0.0):
         raise FmuError(f"timeout = {limit:g} s is not a positive finite time")
     with tempfile.TemporaryDirectory(prefix="tirefmu-", ignore_cleanup_errors=True) as name:
         scratch = Path(name)
-        job = {"fmu": str(folder), "inputs": list(inputs), "outputs": list(outputs)}
+        job: dict[str, Any] = {"fmu": str(folder), "inputs": list(inputs), "outputs": list(outputs)}
         ends = [(run.start, run.stop) for run in runs]
-        (scratch / JOB).write_text(json.dumps({**job, "runs": ends}), encoding="utf-8")
+        job |= {"runs": ends, "starts": [dict(one) for one in starts]}
+        (scratch / JOB).write_text(json.dumps(job), encoding="utf-8")
         np.savez(scratch / ARRAYS, time=time, rows=rows)
         ended = _run(scratch, limit)
         if ended is None:
@@ -110,7 +115,7 @@ def simulate(
             if "error" in answer:
                 raise FmuError(f"{path}: {excerpt(str(answer['error']).replace(f'{folder}{os.sep}', ''))}")
             found = np.load(scratch / OUTPUTS, allow_pickle=False)
-            if found.shape != (sum(end - start for start, end in ends), len(outputs)):
+            if found.shape != (simulated, len(outputs)):
                 raise ValueError(f"outputs of shape {found.shape}")
             return Simulation(found.astype(np.float64), tuple(excerpt(problem) for problem in answer["problems"]))
         except (OSError, ValueError, KeyError, TypeError, EOFError, RecursionError) as error:

@@ -14,7 +14,7 @@ import json
 import os
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -102,9 +102,12 @@ class Slave:
         known = {variable.name: variable.valueReference for variable in self.description.modelVariables}
         return [known[name] for name in names]
 
-    def begin(self, time: float) -> None:
-        """Reset the instance and initialize it at a time."""
+    def begin(self, time: float, starts: Mapping[str, float] | None = None) -> None:
+        """Reset the instance, set start values of real variables, and initialize it at a time."""
         self.fmu.reset()
+        if starts:
+            set_reals = self.fmu.setFloat64 if self.version_3 else self.fmu.setReal
+            set_reals(self.references(list(starts)), list(starts.values()))
         if self.version_3:
             self.fmu.enterInitializationMode(startTime=time)
         else:
@@ -112,8 +115,9 @@ class Slave:
             self.fmu.enterInitializationMode()
 
     def run(
-        self, rows: slice, time: FloatArray, inputs: FloatArray, input_names: Sequence[str], output_names: Sequence[str]
-    ) -> FloatArray:
+        self, rows: slice, time: FloatArray, inputs: FloatArray, input_names: Sequence[str],
+        output_names: Sequence[str], starts: Mapping[str, float] | None = None,
+    ) -> FloatArray:  # fmt: skip
         """Return the outputs of each row of inputs; inputs are constant over the step to the next row.
 
         The first row is set during initialization: states start in steady state.
@@ -126,6 +130,8 @@ class Slave:
             Not decreasing in these rows; there is no step between rows of equal time.
         inputs : ndarray, shape (n_table, n_inputs)
         input_names, output_names : sequence of str
+        starts : mapping of str to float, optional
+            Start values of other variables.
 
         Returns
         -------
@@ -148,7 +154,7 @@ class Slave:
         outputs = np.empty((len(times), n_out))
         i = 0
         try:
-            self.begin(float(times[0]))
+            self.begin(float(times[0]), starts)
             table = zip(times.tolist(), steps.tolist(), inputs[rows].tolist(), strict=True)
             for i, (now, step, row) in enumerate(table):
                 given[:] = row
@@ -196,7 +202,11 @@ def _run(job: dict[str, Any], folder: Path) -> dict[str, Any]:
     with np.load(folder / ARRAYS) as arrays:
         time, rows = arrays["time"], arrays["rows"]
     slave = Slave(fmpy.read_model_description(job["fmu"], validate=False), Path(job["fmu"]))
-    runs = [slave.run(slice(*ends), time, rows, job["inputs"], job["outputs"]) for ends in job["runs"]]
+    starts = job["starts"] or [None] * len(job["runs"])
+    runs = [
+        slave.run(slice(*ends), time, rows, job["inputs"], job["outputs"], start)
+        for ends, start in zip(job["runs"], starts, strict=True)
+    ]
     slave.fmu.freeInstance()
     np.save(folder / OUTPUTS, np.vstack(runs), allow_pickle=False)
     return {"problems": problems}

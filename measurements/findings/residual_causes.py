@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from shlex import quote
 
 import numpy as np
 import pandas as pd
@@ -68,13 +69,13 @@ def _causes(recording: Recording, name: str, force: NDArray[np.float64]) -> Iter
                 kind,
                 f"{recording.source}: the residual of {name} follows the tread temperature, or an input that changes "
                 f"with it, like {100.0 * coefficient:+.2f} % of {name} per K ({percent})",
-                command=f"tirefmu diagnose {recording.source} --candidates temp_friction,temp_stiffness",
+                command=f"tirefmu diagnose {quote(recording.source)} --candidates temp_friction,temp_stiffness",
             )
         if share > LEAST_EXPLAINED and kind == "lag" and coefficient > 0.0:
             yield Finding(
                 kind,
                 f"{recording.source}: the residual of {name} is like a lag of {1e3 * coefficient:.0f} ms ({percent})",
-                command=f"tirefmu diagnose {recording.source} --candidates {_LAG_EFFECT[name]}",
+                command=f"tirefmu diagnose {quote(recording.source)} --candidates {_LAG_EFFECT[name]}",
             )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import groupby
+from shlex import quote
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -51,11 +52,12 @@ def warm_up(recording: Recording, *, alone: bool = True) -> Iterator[Finding]:
         return
     clock = recording.table["t"].to_numpy(dtype=np.float64) if "t" in recording.table else None
     crop = f"sample > {end}" if clock is None else f"t >= {clock[end]:.6g} s"
+    text = f'file != "{recording.source}" or {crop}'
     yield Finding(
         "warm-up",
         f"{recording.source}: warm-up: the tread is at {smooth[0]:.0f} deg C at the start, within {COOL_TREAD:g} K of "
         f"the later {later:.0f} deg C only after {end} of {len(recording)} rows",
-        command=f'--where "{crop}"' if alone else f"--where 'file != \"{recording.source}\" or {crop}'",
+        command=f'--where "{crop}"' if alone else f"--where {quote(text)}",
     )
 
 

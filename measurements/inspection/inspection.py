@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import isnan
 from typing import Any
 
 import numpy as np
@@ -135,7 +136,7 @@ class Inspection:
     exclusion: RowExclusion
 
     def to_json(self) -> dict[str, Any]:
-        """Return the contents as JSON values."""
+        """Return the contents as JSON values; a range or drift without a number is null."""
         recording = self.recording
         return {
             "source": recording.source,
@@ -148,11 +149,15 @@ class Inspection:
             "duration": self.duration,
             "segments": self.segments,
             "longest_gap": self.longest_gap,
-            "channels": [vars(each) for each in self.channels],
+            "channels": [_without_nan(vars(each)) for each in self.channels],
             "sweeps": [vars(each) for each in self.sweeps],
-            "conditions": [vars(each) for each in self.conditions],
+            "conditions": [{**vars(each), "drift": _without_nan(each.drift)} for each in self.conditions],
             "excluded_rows": self.exclusion.counts,
         }
+
+
+def _without_nan(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: None if isinstance(value, float) and isnan(value) else value for name, value in values.items()}
 
 
 def inspect(recordings: Sequence[Recording]) -> tuple[list[Inspection], list[Finding]]:

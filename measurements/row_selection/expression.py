@@ -14,6 +14,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, isfinite, nextafter
 
+import numpy as np
+
 from tirefmu.symbolic.errors import DataError, TirefmuError, nearest
 
 from ..channels import CHANNELS
@@ -215,15 +217,19 @@ class _Parser:
 
     def _limits(self, name: str) -> tuple[float, float]:
         """Return the limits of a range or, for a counter, of one number."""
-        if name in COUNTERS and self.tokens[self.at + 1].text not in ("..", "+-", PLUS_MINUS):
-            number = self._si(name, self._value())
+        first = self._value()
+        if name in COUNTERS and self.next.text not in ("..", "+-", PLUS_MINUS):
+            number = self._si(name, first)
             return number, number
-        found = self.range(name)
+        found = self._range_from(first, name)
         return found.low, found.high
 
     def range(self, name: str) -> _Range:
         """Return ``a..b`` or ``a +- b``."""
-        first = self._value()
+        return self._range_from(self._value(), name)
+
+    def _range_from(self, first: _Value, name: str) -> _Range:
+        """Return the range that begins with a value."""
         if self._take(".."):
             last = self._value()
             low, high = self._si(name, _Value(first.number, first.unit or last.unit)), self._si(name, last)
@@ -254,7 +260,7 @@ class _Parser:
             hint = (
                 f": did you mean {meant}?" if meant else nearest(token.text, NAMES) or f": known are {', '.join(NAMES)}"
             )
-            raise self._error(f"unknown name {token.text!r}{hint}")
+            raise self._error(f"unknown name {quoted(token.text)}{hint}")
         self.at += 1
         if absolute:
             self.expect("operator", ")", "')'")
@@ -287,9 +293,13 @@ class _Parser:
         try:
             # An effect may have an input that is no channel.
             quantity = CHANNELS[name].quantity if name in CHANNELS else None
-            return float(to_si(value.number, value.unit, quantity))
+            with np.errstate(over="ignore"):
+                number = float(to_si(value.number, value.unit, quantity))
         except TirefmuError as error:
             raise self._error(f"{name}: {error}") from None
+        if not isfinite(number):
+            raise self._error("a number is too large")
+        return number
 
     def _take(self, text: str) -> bool:
         taken = self.next.text == text and self.next.kind in ("word", "operator")

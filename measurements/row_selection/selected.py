@@ -95,6 +95,8 @@ def _expression(where: str) -> str:
         raise DataError(f"where: {path}: cannot be read ({error.strerror or error})") from None
     except UnicodeDecodeError:
         raise DataError(f"where: {path}: not a text file (UTF-8)") from None
+    except ValueError as error:  # a zero in the path
+        raise DataError(f"where: {quoted(where)}: cannot be read ({error})") from None
 
 
 def _numbers(recording: Recording, name: str) -> NDArray[np.float64]:
@@ -121,5 +123,7 @@ def _counted(stretches: list[tuple[int, int]], rows: int) -> NDArray[np.float64]
 def _range(recording: Recording, name: str) -> str:
     """Return the range of a name in a recording, with its SI unit."""
     values = _numbers(recording, name)
+    if np.isnan(values).all():
+        return f"{name} has no number"
     unit = CHANNELS[name].unit if name in CHANNELS else ""
     return f"{name} is {np.nanmin(values):.6g} to {np.nanmax(values):.6g} {unit}".rstrip(" -")

@@ -105,6 +105,7 @@ def chosen_routines(
     inputs: Sequence[sp.Symbol],
     coefficients: Sequence[sp.Symbol],
     quantities: Sequence[sp.Symbol] = (),
+    states: Sequence[sp.Symbol] = (),
 ) -> tuple[Routine, ...]:
     """Return some routines of given lines, for printouts outside `generated/`.
 
@@ -113,13 +114,15 @@ def chosen_routines(
     lines : sequence of Equation
         Without switches, as from `tirefmu.symbolic.model.lines.reduced`.
     names : sequence of str
-        Of "forces", "quantities", "jacobian_inputs" and "jacobian_parameters".
+        Of "forces", "quantities", "jacobian_inputs", "jacobian_parameters" and "states".
     outputs : sequence of sympy.Symbol
         The forces and moments.
     inputs, coefficients : sequence of sympy.Symbol
         The columns of the Jacobians.
     quantities : sequence of sympy.Symbol
         The named quantities.
+    states : sequence of sympy.Symbol
+        The derivatives of the states and the rates at which they decay.
 
     Returns
     -------
@@ -135,6 +138,7 @@ def chosen_routines(
         "jacobian_parameters": lambda: _derivatives(
             "jacobian_parameters", "Derivatives of the forces by the coefficients.", needed, outputs, coefficients
         ),
+        "states": lambda: _values("states", "Derivatives of the states, and decay rates.", lines, list(states)),
     }
     return tuple(make[name]() for name in names)
 

@@ -188,6 +188,24 @@ def test_a_skew_is_not_relaxation():
     assert diagnosis.recording["skew"] == pytest.approx(0.02, abs=0.003)
 
 
+def test_a_skew_beside_relaxation_is_both():
+    case = make_case(62, ("relax_lat",))
+    t = case.table["t"].to_numpy()
+    late = case.table.assign(**{name: np.interp(t - 0.02, t, case.table[name]) for name in ("Fx", "Fy", "Mz")})
+    diagnosis = diagnose(late, signs=case.signs, effects=case.effects, nominal=case.nominal)
+    assert [one.effect for one in diagnosis.found] == ["relax_lat"]
+    assert diagnosis.recording["skew"] == pytest.approx(0.02, abs=0.004)
+
+
+def test_a_lever_of_the_side_force_is_not_a_trail():
+    case = make_case(63, ("camber_thrust",))
+    lever = 0.003 * case.nominal["R0"]
+    table = case.table.assign(Mz=case.table["Mz"] + lever * case.table["Fy"])
+    diagnosis = diagnose(table, signs=case.signs, effects=case.effects, nominal=case.nominal)
+    assert [one.effect for one in diagnosis.found] == ["camber_thrust"]
+    assert diagnosis.recording["cross_talk"]["Fy_in_Mz"] == pytest.approx(0.003, rel=0.2)
+
+
 def test_noise_of_kappa_in_pure_cornering_is_not_combined_slip():
     case = make_case(71, kind="cornering")
     noise = np.random.default_rng(0).normal(0.0, 2e-3, len(case.table))
@@ -210,3 +228,13 @@ def test_few_rows_have_an_answer(rate, sweeps):
     assert diagnosis.delivered or diagnosis.not_delivered_because
     errors = recomputed(diagnosis, diagnosis.tire, case.signs)
     assert errors == pytest.approx({c: one["after"] for c, one in diagnosis.gap["train"].items()}, rel=1e-6)
+
+
+def test_a_tire_without_identified_effects_is_the_baseline_tire(monkeypatch):
+    """The search found an effect, and the final fit did not confirm it: there is one tire, not two in a flat valley."""
+    monkeypatch.setattr("tirefmu.diagnosis.search.confirmation.Confirmation.passes", False)
+    case = make_case(21, ("plysteer",))
+    diagnosis = diagnose(case.table, signs=case.signs, effects=case.effects, nominal=case.nominal)
+    assert diagnosis.rejected
+    assert not diagnosis.found
+    assert diagnosis.tire.values == diagnosis.base_tire.values

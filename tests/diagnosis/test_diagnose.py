@@ -176,6 +176,7 @@ def test_what_was_not_recorded_is_not_identifiable():
     assert [one.effect for one in diagnosis.found] == ["relax_lat"]
     assert {"temp_friction", "temp_stiffness", "relax_lon"} <= set(diagnosis.not_identifiable)
     assert "T" in diagnosis.not_identifiable["temp_friction"]
+    assert diagnosis.not_identifiable["kappa_sideforce_SVyk"].startswith("cross-talk of Fx, which was not recorded")
 
 
 def test_unexplained_structure_is_reported_as_unknown():

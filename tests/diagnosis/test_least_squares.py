@@ -7,6 +7,7 @@ import pytest
 
 from tirefmu.diagnosis.least_squares import LeastSquares
 from tirefmu.diagnosis.recording.disturbances import reported_disturbances
+from tirefmu.diagnosis.search.settling import _balanced
 from tirefmu.diagnosis.thresholds import MAX_CROSS_TALK
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.models import model as book_of
@@ -103,6 +104,25 @@ def test_offsets_drifts_and_cross_talk_are_estimated(problem, tire):
     assert reported["drift"]["Fx"] < 1.0
     assert reported["cross_talk"]["Fx_in_Fy"] == pytest.approx(0.004, rel=0.15)
     assert abs(reported["cross_talk"]["Fy_in_Fx"]) < 0.0005
+
+
+def test_the_final_fit_weights_each_channel_by_its_residual(problem, at_true_values):
+    """A channel whose noise is taken to be too small has the weight of the others afterwards."""
+    factor = np.array([1.0, 4.0, 0.5])[:, None]
+    solution = at_true_values.solution
+    balanced = _balanced(replace(problem, inverse_noise=factor * problem.inverse_noise), solution)
+    used = balanced.inverse_noise > 0.0
+    sizes = np.sqrt(np.mean((balanced.inverse_noise * solution.residual) ** 2, axis=1, where=used))
+    np.testing.assert_allclose(sizes, sizes[0], rtol=1e-12)
+    ratio = balanced.inverse_noise[used] / problem.inverse_noise[used]
+    assert np.ptp(ratio.reshape(3, -1), axis=1) == pytest.approx(0.0, abs=1e-9)  # within a channel, nothing changes
+
+
+def test_a_coefficient_may_be_differentiated_twice(problem, at_true_values):
+    parameters = at_true_values.solution.parameters
+    jacobian = problem.simulator.jacobian(parameters, ("PDY1", "PDX1", "PDY1"))
+    np.testing.assert_array_equal(jacobian[:, :, 0], jacobian[:, :, 2])
+    assert np.abs(jacobian[:, :, 0]).max() > 0.0
 
 
 def test_large_cross_talk_is_not_a_disturbance(problem):

@@ -1,5 +1,7 @@
 """Preprocessing of a recording: signs, time blocks, the hold-out set, and rejected input."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -34,6 +36,28 @@ def test_blocks_are_in_order_and_every_nth_is_in_the_hold_out_set(table, tire):
     assert signals.block[-1] - apart[-1] < HOLDOUT_EVERY
     for block in range(signals.block[-1] + 1):
         assert len(set(signals.holdout[signals.block == block])) == 1
+
+
+def test_channels_and_rows_are_the_same_with_and_without_smoothing(table, tire):
+    """Noise of a slip that is 0, or of a load near 0, neither adds a channel nor removes rows."""
+    rng = np.random.default_rng(0)
+    load = table["Fz"] * np.where(np.arange(len(table)) < 400, 1e-3, 1.0) + rng.normal(0.0, 10.0, len(table))
+    noisy = table.assign(kappa=rng.normal(0.0, 0.0013, len(table)), Fz=load)
+    smooth, raw = (signals_of(noisy, tire, "adapted-sae", smooth=smooth) for smooth in (True, False))
+    assert smooth.channels == raw.channels == ("Fy", "Mz")
+    np.testing.assert_array_equal(smooth.rows, raw.rows)
+
+
+def test_delayed_inputs_are_those_of_an_earlier_time(table, tire):
+    signals = signals_of(table, tire, "adapted-sae", smooth=False)
+    names, t = list(signals.names), signals.t
+    inputs = signals.inputs.copy()
+    inputs[names.index("alpha")], inputs[names.index("Fz")] = np.sin(0.8 * t), 3000.0
+    delayed = replace(signals, inputs=inputs).delayed(0.007).delayed(0.006)
+    inner = slice(5, -5)
+    np.testing.assert_allclose(delayed.inputs[names.index("alpha")][inner], np.sin(0.8 * (t[inner] - 0.013)), atol=1e-4)
+    assert (delayed.inputs[names.index("Fz")] == 3000.0).all()
+    assert delayed.skew == pytest.approx(0.013)
 
 
 def test_a_gap_in_time_does_not_make_a_block_longer(table, tire):

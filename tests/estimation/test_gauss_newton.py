@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares, lsq_linear
 
-from tirefmu.estimation.gauss_newton import Damping, minimize
+from tirefmu.estimation.gauss_newton import Damping, minimize, restore
 from tirefmu.estimation.quadratic_step import best_step
 
 LEVENBERG = Damping(first=1e-7, least=1e-7, most=1.0, up=10.0, down=0.0, by_curvature=False, trusted=0.1)
@@ -135,6 +135,15 @@ def test_a_failed_minimization_has_a_reason():
     stopped = run(Decay(), start, LEVENBERG, stop=lambda: True)
     assert (stopped.converged, stopped.steps, stopped.reason) == (False, 0, "")
     np.testing.assert_array_equal(stopped.x, start)
+
+
+def test_a_point_is_moved_onto_the_constraints():
+    """Not farther than necessary in the metric of the cost, and not if no step can satisfy them."""
+    bounds, start = (np.full(3, -9.0), HIGH), np.array([3.0, 1.0, 0.0])
+    moved = restore(Decay(), start, *bounds, 1e-2, Curved())
+    assert Curved().satisfied(Curved().values(moved))
+    assert Decay().cost(moved) < 1.1 * run(Decay(), [1.0, 0.5, 0.0], LEVENBERG, constraints=Curved()).cost
+    assert restore(Decay(), start, start, start, 1e-2, Curved()) is None
 
 
 @pytest.mark.parametrize("seed", range(5))

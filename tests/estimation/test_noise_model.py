@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from tirefmu.estimation.noise_model import NoiseParts, Whitening, noise_parts
+from tirefmu.estimation.noise_model import ROWS_OF_PART, NoiseParts, Whitening, noise_parts
 
 STEP = 0.02
 NOISE = NoiseParts(white=0.05, short=1.0, drift=0.3, fading=0.5, memory=2.0)
@@ -18,11 +18,11 @@ def made(rng, n, size=1.0):
 
 
 def test_the_whitened_rows_square_to_the_likelihood_of_the_present_rows():
-    n, rng = 60, np.random.default_rng(0)
+    n, rng = 2 * ROWS_OF_PART + 20, np.random.default_rng(0)  # the filter joins parts, and fills the last one
     t = np.arange(n) * STEP
     t[30:] += 1.0  # a pause of the recording
     root = rng.uniform(0.5, 2.0, n)
-    root[[5, 6, 7, 40]] = 0.0
+    root[[5, 6, 7, 40, ROWS_OF_PART - 1, ROWS_OF_PART]] = 0.0
     there = root > 0.0
     size = root / np.sqrt(np.mean(root[there] ** 2))
     apart = np.abs(t[:, None] - t)

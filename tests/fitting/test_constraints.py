@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tirefmu.demo import bench_tire
+from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.constraint_functions import measured_values
 from tirefmu.fitting.constraints.physical import (
     KINDS,
@@ -141,6 +142,48 @@ def test_margins_are_distances_to_the_nearest_bound(known):
         (found,) = [each for each in margins if each.name == "curvature:E_x"]
         assert (found.margin > 0.0) == holds
         assert found.margin == pytest.approx(1.0 - found.worst, rel=1e-12)
+
+
+def with_curvature(tire, first, second, third):
+    """Return a tire whose E_x is a parabola of the load."""
+    return replace(tire, values={**tire.values, "PEX1": first, "PEX2": second, "PEX3": third, "PEX4": 0.0})
+
+
+@pytest.mark.parametrize("peak", [0.011, 0.2, 0.29])
+def test_a_margin_is_smallest_between_the_grid_points(known, peak):
+    """The largest E_x of a parabola of the load, at dfz = peak, is known exactly."""
+    ranges = {"kappa": (-0.1, 0.1), "alpha": (-0.1, 0.1), "gamma": (0.0, 0.0), "Fz": (500.0, 930.0)}
+    tire = with_curvature(known, 0.9 - peak**2, 2.0 * peak, -1.0)
+    verified = VerifiedConstraints(tire, {"Fx": [Constraint("E_x", -inf, 1.0, ("Fz", "kappa"))]}, ranges)
+    (margin,) = verified.margins(["Fx"], tire.parameters())
+    assert margin.worst == pytest.approx(0.9, abs=1e-12)
+    assert margin.at["Fz"] == pytest.approx(700.0 * (1.0 + peak), rel=1e-6)
+
+
+def test_a_violation_between_the_grid_points_is_found(known):
+    ranges = {"kappa": (-0.1, 0.1), "alpha": (-0.1, 0.1), "gamma": (0.0, 0.0), "Fz": (500.0, 930.0)}
+    tire = with_curvature(known, 1.0 + 2e-6, 0.0, -1.0)  # above 1 within 1 N of the nominal load
+    verified = VerifiedConstraints(tire, {"Fx": [Constraint("E_x", -inf, 1.0, ("Fz", "kappa"))]}, ranges)
+    ((_, points),) = verified.violations(verified.of(["Fx"], density=4), tire.parameters())
+    assert np.abs(points[known.inputs.index("Fz")] - 700.0).max() < 1.0
+
+
+def test_a_fit_satisfies_constraints_between_the_grid_points(known, make):
+    """The data have E_x up to 1.01, at a load between those of the grid."""
+    tire = with_curvature(known, 0.97, 0.4, -1.0)
+    recording = make.bench(tire, loads=(220.0, 500.0, 840.0, 1120.0), cambers=(0.0,))
+    table = recording.table.drop(columns=["Fy", "Mz"])
+    effects = ["load_friction", "load_stiffness", "load_curvature"]
+    result = fit(
+        table[np.abs(table["alpha"]) < 1e-9], "mf96", effects=effects, nominal=make.nominal, signs=recording.signs
+    )
+    loads = np.linspace(table["Fz"].abs().min(), table["Fz"].abs().max(), 100_000)
+    curvature = code_for("mf96", "numpy")
+    inputs = np.zeros((4, len(loads)))
+    inputs[known.inputs.index("Fz")], inputs[known.inputs.index("kappa")] = loads, 0.1
+    scanned = curvature.quantities(inputs, result.tire.in_signs("adapted-sae").parameters())
+    assert result.status == "converged"
+    assert 1.0 - 1e-3 < scanned[curvature.quantities_names.index("E_x")].max() <= 1.0 + TOLERANCE
 
 
 def test_every_constraint_has_a_unique_name():

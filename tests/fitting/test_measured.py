@@ -11,6 +11,7 @@ from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.physical import chosen_constraints
 from tirefmu.fitting.reporting.report_text import significant_differences
 from tirefmu.measurements import read_recording
+from tirefmu.tires.code import fastest_code
 
 FILES = ("cornering.mat", "drivebrake.mat")
 #: Upper limits of the root mean square error of one MF6.1 tire over all rows.
@@ -73,6 +74,34 @@ def test_every_constraint_is_satisfied_over_the_operating_range(measured):
     assert [margin.name for margin in measured.margins] == names
     for margin in measured.margins:
         assert margin.margin >= -1e-6, margin
+
+
+def scanned(tire, recordings):
+    """Return the largest value of each curvature factor at 400,000 random points within the range of the data."""
+    tables = [recording.with_signs("adapted-sae").table for recording in recordings]
+    tire, rng = tire.in_signs("adapted-sae"), np.random.default_rng(5)
+    inputs = np.stack(
+        [
+            rng.uniform(min(t[name].min() for t in present), max(t[name].max() for t in present), 400_000)
+            if (present := [t for t in tables if name in t])
+            else np.full(400_000, tire.nominal(name))
+            for name in tire.inputs
+        ]
+    )
+    code = fastest_code(tire.book)
+    quantities = code.quantities(inputs, tire.parameters())
+    return {name: q.max() for name, q in zip(code.quantities_names, quantities, strict=True) if name.startswith("E_")}
+
+
+@pytest.mark.parametrize("model", ["mf61", "mf52", "mf96"])
+def test_no_curvature_factor_exceeds_1_anywhere_in_the_range(measured, recordings, model):
+    """An independent scan. The lines of E in MF6.2 are those of MF6.1."""
+    result = measured if model == "mf61" else fit(recordings, model)
+    largest = scanned(result.tire, recordings)
+    assert {"E_x", "E_y", "E_t"} <= set(largest)
+    for name, value in largest.items():
+        assert value <= 1.0 + 1e-6, name
+    assert result.status == "converged"
 
 
 def test_coefficients_that_are_not_identifiable_are_reported(measured):

@@ -24,10 +24,11 @@ HOSTILE = '*/ -- }% """ \' #= =# \\end{document} ??/ \u2028 $(touch ran) <script
 
 
 def wet_grip(text=HOSTILE):
-    """Return a user-defined effect whose texts are a given one."""
+    """Return a user-defined effect whose texts are a given one; its formula has a power with a quotient."""
     coefficient = Coefficient(text, "1", -1.0, 1.0)
     coefficient.name = "GRIPT"
-    return AddedEffect("wet_grip", text, text, (coefficient,), (Act("friction_y", "factor", "1 + GRIPT*sin(gamma)"),))
+    formula = "1 + GRIPT*sin(gamma)*(1 + gamma**2)**(1/(2 + GRIPT))"
+    return AddedEffect("wet_grip", text, text, (coefficient,), (Act("friction_y", "factor", formula),))
 
 
 @pytest.fixture(scope="session")
@@ -43,10 +44,11 @@ def trento():
 
 @pytest.fixture(scope="session")
 def wet():
-    """Return an MF96 tire with a user-defined effect; all its texts are hostile."""
+    """Return an MF96 tire with a user-defined effect, whose texts are all hostile, and effects with states."""
     trento = published("trento_hoosier")
-    effects = {*trento.has, "wet_grip"}
-    return replace(trento, values={**trento.values, "GRIPT": 0.01}, effects=effects, name=HOSTILE, added=(wet_grip(),))
+    effects = {*trento.has, "wet_grip", "heat_friction", "slip_history"}
+    values = {**trento.values, "GRIPT": 0.01, "HMU": 1e-5, "SHMU": 0.05, "SHK": 0.1}
+    return replace(trento, values=values, effects=effects, name=HOSTILE, added=(wet_grip(),))
 
 
 def tool(name):
@@ -106,9 +108,24 @@ def differences(command, folder):
     return run.returncode, {name: float(number) for name, number in lines}
 
 
+def with_faults(stored):
+    """Return the text of a self-test's file twice: its last result wrong, a result of its first row not a number.
+
+    Later rows are correct, and a comparison with NaN is false: NaN must not be lost.
+    """
+    head, sizes, first, *rows = stored.splitlines()
+    *values, last = rows[-1].split()
+    wrong = [*values, repr(float(last) + 1e-3 * max(1.0, abs(float(last))))]
+    undefined = [*first.split()[:-1], "nan"]
+    return (
+        "\n".join([head, sizes, first, *rows[:-1], " ".join(wrong), ""]),
+        "\n".join([head, sizes, " ".join(undefined), *rows, ""]),
+    )
+
+
 @pytest.fixture(scope="session")
 def assert_agrees():
-    """Return a function that runs a printout's self-test, correct and with a fault in its stored results."""
+    """Return a function that runs a printout's self-test, correct and with faults in its stored results."""
 
     def check(command, folder, functions=FUNCTIONS):
         code, found = differences(command, folder)
@@ -119,11 +136,10 @@ def assert_agrees():
         assert not (folder / "ran").exists()
         (stored,) = folder.glob("*_selftest.txt")
         correct = stored.read_text()
-        head, rows = correct.split("\n")[:-2], correct.split("\n")[-2].split()
-        rows[-1] = repr(float(rows[-1]) + 1e-3 * max(1.0, abs(float(rows[-1]))))
-        stored.write_text("\n".join([*head, " ".join(rows), ""]))
         try:
-            assert differences(command, folder)[0] == 1
+            for wrong in with_faults(correct):
+                stored.write_text(wrong)
+                assert differences(command, folder)[0] == 1
         finally:
             stored.write_text(correct)
 

@@ -14,7 +14,7 @@ from .conftest import COMMANDS, command_of
 
 
 def test_every_language_has_a_command_or_a_test_of_its_own():
-    assert set(COMMANDS) | {"latex"} == set(LANGUAGES)
+    assert set(COMMANDS) | {"latex", "modelica"} == set(LANGUAGES)
 
 
 @pytest.mark.parametrize("language", COMMANDS)
@@ -29,7 +29,7 @@ def test_values_in_the_lines(language, mf61, printout, assert_agrees):
 
 @pytest.mark.parametrize("language", COMMANDS)
 def test_coefficients_from_a_file(language, wet, printout, assert_agrees):
-    """Jacobians by the coefficients, and a user-defined effect with hostile texts."""
+    """Jacobians by the coefficients, states, and a user-defined effect with hostile texts."""
     command_of(language)
     if language in ("jax", "torch") and "TIREFMU_HOSTS" not in os.environ:
         pytest.skip("traces thousands of operations: make hosts")

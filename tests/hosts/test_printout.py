@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 
 from tirefmu.cli import main
-from tirefmu.hosts.printout import generate, printed
-from tirefmu.hosts.self_test import operating_conditions
+from tirefmu.hosts.printout import generate, printed, program_of
+from tirefmu.hosts.self_test import operating_conditions, reference
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.symbolic.printers.languages import LANGUAGES
-from tirefmu.symbolic.printers.languages.program import FUNCTIONS
+from tirefmu.symbolic.printers.languages.program import FUNCTIONS, Selection
+from tirefmu.tires import read_tir
 
-from .conftest import HOSTILE, wet_grip
+from .conftest import HOSTILE, command_of, wet_grip
 
 PLAIN = "a plain text"
 
@@ -30,6 +31,29 @@ def test_special_operating_conditions_are_among_the_rows(mf61):
     assert ((rows["kappa"] == 0) & (rows["alpha"] == 0)).any()
     assert (rows["kappa"] == -1).any()
     assert (np.abs(rows["alpha"]) > 1).any()
+
+
+@pytest.mark.parametrize("model", ["mf96", "mf52", "mf61"])
+def test_few_rows_are_omitted_and_few_results_have_a_wider_tolerance(trento, golden, model):
+    """All special rows are compared. Only results that lose digits are compared less strictly than their size."""
+    tire = trento if model == "mf96" else read_tir(golden / f"MagicFormula{model[2:]}_Parameters.tir")
+    tire = tire.in_signs("iso")
+    found = program_of(tire, model, Selection(("forces", "quantities")), rows=1)
+    rows = operating_conditions(tire, 500)
+    inputs, results, sizes = reference(tire, found, rows)
+    assert inputs.shape[1] >= 0.99 * rows.shape[1]
+    np.testing.assert_array_equal(inputs[:, :13], rows[:, :13])
+    labels = np.array([label for routine in found.routines for label in routine.labels])
+    typical = np.array([np.median(np.abs(x[x != 0])) if x.any() else 1.0 for x in results.T])
+    assert set(labels[sizes > 1.5 * typical]) <= ({"rho", "R_l", "c_z"} if model == "mf52" else set())
+
+
+def test_the_deflection_of_a_nearly_linear_tire_is_compared_within_its_rounding(golden, printout, assert_agrees):
+    tire = read_tir(golden / "MagicFormula52_Parameters.tir")
+    for bend in (1e-2, 1e-7):
+        nearly_linear = replace(tire, values={**tire.values, "Q_FZ2": bend})
+        folder = printout(nearly_linear, "numpy", "linear", functions=["quantities"])
+        assert_agrees(command_of("numpy", folder), folder, ["quantities"])
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -61,6 +85,7 @@ def tokens(text):
     """Return the lines of a file that are no comment, without remarks at their end; of LaTeX the commands."""
     if "\\begin{document}" in text:
         return re.findall(r"\\(?!text)[A-Za-z]+", re.sub(r"(?m)^%.*", "", text))
+    text = re.sub(r' "[^"\n]*"(?=;|\n)', "", text)  # descriptions in Modelica
     lines = (re.split(r"\s+(?://|%|#|\$!) |\s*/\* ", line)[0].rstrip() for line in text.splitlines())
     return [line for line in lines if line and not re.match(r"\s*(//|%|#|\*|/\*|\$!)", line)]
 
@@ -72,6 +97,22 @@ def test_only_some_outputs(trento):
     assert len(part) < 0.6 * len(whole)
 
 
+@pytest.mark.parametrize("language", ["numpy", "casadi", "jax", "torch"])
+def test_a_tire_with_the_name_of_a_library_does_not_hide_it(trento, tmp_path, language):
+    trento.save(tmp_path / f"{language}.tir")
+    files = printed(tmp_path / f"{language}.tir", language, rows=1, functions=["forces"])
+    modules = re.findall(r"(?m)^ *(?:import|from) (\w+)", "\n".join(files.values()))
+    assert language in modules
+    assert f"{language}.py" not in files
+
+
+def test_a_tire_with_the_name_of_a_function_compiles(trento, tmp_path, assert_agrees):
+    trento.save(tmp_path / "gamma.tir")
+    command_of("cpp")
+    generate(tmp_path / "gamma.tir", "cpp", tmp_path, functions=["forces"], rows=2)
+    assert_agrees(command_of("cpp", tmp_path), tmp_path, ["forces"])
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -81,6 +122,7 @@ def test_only_some_outputs(trento):
         ({"only": ["Mx"]}, "unknown output of mf96 'Mx': did you mean"),
         ({"values": "inlined"}, "unknown placement of values 'inlined': did you mean inline?"),
         ({"functions": ["jacobian_parameters"]}, "use --values struct or file"),
+        ({"functions": ["states"]}, "states: the tire has none"),
     ],
 )
 def test_a_wrong_request_names_the_nearest(trento, tmp_path, arguments, message):
@@ -94,7 +136,7 @@ def test_a_wrong_request_names_the_nearest(trento, tmp_path, arguments, message)
 
 def test_the_command_prints_a_model_with_all_functions(tmp_path, capsys):
     out = tmp_path / "new" / "folder"
-    arguments = ["generate", "brush", "--language", "cpp", "-o", str(out), "--functions", ",".join(FUNCTIONS)]
+    arguments = ["generate", "brush", "--language", "cpp", "-o", str(out), "--functions", ",".join(FUNCTIONS[:4])]
     assert main([*arguments, "--json", str(tmp_path / "r.json"), "--quiet"]) == 0
     written = json.loads((tmp_path / "r.json").read_text())
     assert written["files"] == [str(out / name) for name in ("brush.hpp", "brush_selftest.cpp", "brush_selftest.txt")]

@@ -90,6 +90,7 @@ def test_wrong_signs_are_refused_before_the_fit(command, misread, tmp_path):
             assert outcome.status == 2
             assert expected in outcome.err
             assert outcome.err.count("\n") == 1
+            assert outcome.out == ""
         assert list(tmp_path.iterdir()) == []
 
 

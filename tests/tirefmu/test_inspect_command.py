@@ -69,6 +69,15 @@ def test_bad_input(command, bench_csv, tmp_path, monkeypatch, arguments, message
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_channel_without_a_number_is_null_in_the_json(command, bench_csv, tmp_path):
+    pd.read_csv(bench_csv).assign(Mx=np.nan).to_csv(tmp_path / "a.csv", index=False)
+    outcome = command("inspect", tmp_path / "a.csv", "--json", tmp_path / "a.json", "--quiet")
+    assert outcome.status == 0, outcome.err
+    (recording,) = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))["recordings"]
+    (channel,) = [each for each in recording["channels"] if each["name"] == "Mx"]
+    assert (channel["rows"], channel["lowest"], channel["highest"]) == (0, None, None)
+
+
 def test_a_serious_finding_gives_exit_code_1_and_comes_first(command, tmp_path):
     table = pd.DataFrame({"kappa": np.linspace(-0.2, 0.2, 90), "Fz": 900.0})
     table.assign(Fx=3e3 * table["kappa"], Fy=0.0, remark="x").to_csv(tmp_path / "a.csv", index=False)

@@ -9,7 +9,9 @@ from importlib.metadata import version
 import pytest
 
 import tirefmu
-from tirefmu import diagnosis, evaluation, fitting, fmu, measurements, tires
+import tirefmu.batch.fit_many
+import tirefmu.batch.study
+from tirefmu import batch, diagnosis, evaluation, fitting, fmu, measurements, tires
 from tirefmu.tires.drawing import files as drawing
 
 #: The public contract: where each name comes from.
@@ -17,6 +19,7 @@ NAMES = {
     "Tire": tires, "published": tires, "fit": fitting, "FitResult": fitting, "export": fmu, "check": fmu,
     "CheckResult": fmu, "diagnose": diagnosis, "Diagnosis": diagnosis, "read_recording": measurements,
     "Recording": measurements, "VirtualBench": measurements, "evaluate": evaluation, "draw": drawing,
+    "fit_many": batch.fit_many, "study": batch.study,
 }  # fmt: skip
 
 

@@ -39,7 +39,7 @@ def test_fit_by_a_file(command, bench_csv, tmp_path, chosen):
     )  # fmt: skip
     assert outcome.status in (0, 1), outcome.err
     fitted = json.loads((tmp_path / "fit.json").read_text(encoding="utf-8"))
-    assert {channel["rows"] for channel in fitted["channels"]} <= {chosen}
+    assert {channel["rows"] for channel in fitted["channels"]} == {chosen}
 
 
 @pytest.mark.parametrize("line", ["fit {} -o new.tir", "diagnose {} -o new", "evaluate trento_hoosier {} -o new.csv"])

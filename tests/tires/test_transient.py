@@ -11,8 +11,9 @@ from scipy.integrate import solve_ivp
 
 from tirefmu.symbolic.errors import DataError, UnknownName
 from tirefmu.symbolic.models import model
+from tirefmu.symbolic.quantities import AT_ONCE
 from tirefmu.tires import Tire
-from tirefmu.tires.transient import AT_ONCE, lagged
+from tirefmu.tires.transient import lagged
 
 SIX = ["mf52", "mf61", "mf62"]
 #: A small car's tire, with the relaxation lengths of MF5.2 in addition to SIGX and SIGY.

@@ -20,6 +20,7 @@ LANGUAGES = {
     "javascript": "javascript.files",
     "casadi": "casadi.files",
     "rust": "rust.files",
+    "modelica": "modelica.files",
     "jax": "python_arrays.jax_files",
     "torch": "python_arrays.torch_files",
     "latex": "latex.files",

@@ -92,7 +92,8 @@ int main(void)
             const double size = fmax(sizes[k], fabs(expected[k]));
             const double difference = fabs(results[k] - expected[k])/size;
             double *function = &largest[@which@];
-            *function = difference <= *function ? *function : difference;
+            if (!(difference <= *function))
+                *function = difference >= 0.0 ? difference : INFINITY; /* NaN stays the largest */
         }
     }
 @report@

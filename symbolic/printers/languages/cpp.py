@@ -206,7 +206,7 @@ def _structure(name: str, meaning: str, members: Mapping[str, str]) -> str:
 
 def _result(program: Program, routine: Routine) -> str:
     """Return the type of a function's result."""
-    if routine.name in ("forces", "quantities"):
+    if not routine.name.startswith("jacobian_"):
         units = {quantity.name: _meaning(quantity) for quantity in program.outputs}
         units |= {str(line.symbol): c_comment(f"{line.description} [{line.unit}]") for line in program.lines}
         return _structure(routine.name.capitalize(), routine.summary.rstrip("."),
@@ -270,7 +270,8 @@ def _self_test(program: Program) -> str:
             f"for (std::size_t end = k + {size}; k < end; k++) {{",
             "    const double size = std::max(sizes[k], std::abs(expected[k]));",
             "    const double difference = std::abs(results[k] - expected[k])/size;",
-            f"    largest[{i}] = difference <= largest[{i}] ? largest[{i}] : difference;",
+            f"    if (!(difference <= largest[{i}]))",
+            f"        largest[{i}] = difference >= 0.0 ? difference : HUGE_VAL; // NaN stays the largest",
             "}",
         ]
         tolerance = f"{TOLERANCE[routine.name]!r}"
@@ -299,6 +300,6 @@ def _self_test(program: Program) -> str:
 
 def _collected(routine: Routine) -> Sequence[str]:
     """Return the statements that append the results of a function to those of the row."""
-    if routine.name in ("forces", "quantities"):
+    if not routine.name.startswith("jacobian_"):
         return [f"results.push_back({routine.name}.{label});" for label in routine.labels]
     return [f"for (const auto &row : {routine.name})", "    results.insert(results.end(), row.begin(), row.end());"]

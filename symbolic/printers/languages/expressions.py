@@ -150,6 +150,8 @@ class MatlabPrinter(CallPrinter):
     >>> x, y = sp.symbols("x y")
     >>> MatlabPrinter().doprint(2 * x * y / (1 + x**2))
     '2.0.*x.*y./(1.0 + x.^2.0)'
+    >>> MatlabPrinter().doprint(x ** (1 / y)), MatlabPrinter().doprint((x**y) ** (y**-2))
+    ('x.^(1.0./y)', 'x.^y.^(y.^(-2.0))')
     >>> MatlabPrinter().doprint(sp.Piecewise((1, sp.And(x > 0, y > 0)), (x / 3, True)))
     'choose((x > 0.0) & (y > 0.0), 1.0, 0.3333333333333333.*x)'
     """
@@ -169,5 +171,38 @@ class MatlabPrinter(CallPrinter):
         if abs(expr.exp) == sp.Rational(1, 2):
             text = self._call("sqrt", expr.base)
             return text if expr.exp > 0 else f"1.0./{text}"
-        base, exponent = (self.parenthesize(part, PRECEDENCE["Pow"], strict=True) for part in expr.args)
-        return f"{base}.^{exponent if not str(exponent).startswith('-') else f'({exponent})'}"
+        # Powers are read from the left: x.^y.^z is (x.^y).^z.
+        base = self.parenthesize(expr.base, PRECEDENCE["Pow"], strict=True)
+        exponent = self.parenthesize(expr.exp, PRECEDENCE["Pow"])
+        return f"{base}.^{exponent if not exponent.startswith('-') else f'({exponent})'}"
+
+
+class ModelicaPrinter(CallPrinter):
+    """Modelica, with brackets around every power: the operator is not associative.
+
+    Examples
+    --------
+    >>> x, y = sp.symbols("x y")
+    >>> ModelicaPrinter().doprint(2 * x**2 / (1 + x ** (1 / y)))
+    '2.0*x^2/(1.0 + x^(1.0/y))'
+    >>> ModelicaPrinter().doprint(sp.Piecewise((1, sp.And(x > 0, y > 0)), (sp.sqrt(x) ** y, True)))
+    '(if (x > 0.0) and (y > 0.0) then 1.0 else sqrt(x)^y)'
+    """
+
+    names: ClassVar[dict[str, str]] = {"absolute": "abs", "sgn": "sign"}
+    choice = "(if {condition} then {then} else {otherwise})"
+    conjunction, disjunction = " and ", " or "
+
+    def _print_Pow(self, expr: Any) -> str:
+        if expr.exp.is_negative:
+            base = self._print(expr.base**-expr.exp) if expr.exp != -1 else self._bracketed(expr.base, "Mul")
+            return f"1.0/{base}"
+        if expr.exp == sp.Rational(1, 2):
+            return self._call("sqrt", expr.base)
+        exponent = str(expr.exp) if expr.exp.is_Integer else self._bracketed(expr.exp, "Pow")
+        return f"{self._bracketed(expr.base, 'Pow')}^{exponent}"
+
+    def _bracketed(self, expr: Any, than: str) -> str:
+        """Return the text of a part that binds more strongly than an operator."""
+        text: str = self.parenthesize(expr, PRECEDENCE[than], strict=False)
+        return f"({text})" if text.startswith("-") else text

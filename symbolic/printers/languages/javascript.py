@@ -81,7 +81,7 @@ for (const row of rows) {
   functions.forEach((name, f) => {
     for (const result of Object.values(tire[name](inputs@argument@)).flat()) {
       const difference = Math.abs(result - expected[k]) / Math.max(sizes[k], Math.abs(expected[k]));
-      if (!(difference <= largest[f])) largest[f] = difference;
+      if (!(difference <= largest[f])) largest[f] = difference >= 0 ? difference : Infinity; // NaN stays the largest
       k += 1;
     }
   });

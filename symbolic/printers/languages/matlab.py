@@ -166,7 +166,7 @@ def _results(program: Program, routine: Routine) -> list[str]:
     shape = f"shape = zeros(size({' + '.join(program.input_names)}));"
     if routine.name == "forces":
         return [shape, *(f"{label} = {label} + shape;" for label in routine.labels)]
-    if routine.name == "quantities":
+    if routine.name in ("quantities", "states"):
         return [shape, "result = struct();", *(f"result.{label} = {label} + shape;" for label in routine.labels)]
     if len(routine.results) == 1 and len(routine.results[0]) == 1 and routine.name == routine.labels[0]:
         return [shape, f"result = {LAYOUT.values(routine)[0]} + shape;"]
@@ -204,7 +204,7 @@ def _self_test(program: Program) -> str:
             calls += [f"results(:, {i}) = {label};" for i, label in enumerate(outputs, start)]
         else:
             keys = list(routine.labels)
-            if function != "quantities":
+            if function not in ("quantities", "states"):
                 keys = [f"{output}.{label}" for output in outputs for label in routine.labels]
             calls.append(f"answer = {name}_{function}({argument});")
             calls += [f"results(:, {i}) = answer.{key};" for i, key in enumerate(keys, start)]

@@ -14,16 +14,19 @@ from ...errors import TirefmuError
 from ...model import Model
 from ...model.lines import reaching, reduced
 from ...notation import Equation
-from ...reserved import is_reserved
+from ...reserved import no_state
+from ..literals import Literal, folded
 from ..routines import Routine, chosen_routines
-from .literals import Literal, folded
+from ..states import lagging_slips, state_lines
 
 #: What can be printed, in the order of a self-test's results.
-FUNCTIONS = ("forces", "quantities", "jacobian_inputs", "jacobian_parameters")
+FUNCTIONS = ("forces", "quantities", "jacobian_inputs", "jacobian_parameters", "states")
 #: Where the values of the coefficients are: in the lines, in a structure with default values, in a file.
 PLACEMENTS = ("inline", "struct", "file")
+#: Modules and namespaces that printouts use, in addition to Python's own: a file of the same name would hide them.
+LIBRARIES = frozenset(["casadi", "jax", "numpy", "torch", "std", "core", "libm"])
 #: Largest differences that a self-test accepts, relative to a result or its typical size.
-TOLERANCE = {"forces": 1e-12, "quantities": 1e-12, "jacobian_inputs": 1e-9, "jacobian_parameters": 1e-9}
+TOLERANCE = {name: 1e-9 if name.startswith("jacobian_") else 1e-12 for name in FUNCTIONS}
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,7 @@ class Program:
     model : Model
     placement : str
     inputs, outputs : tuple of Quantity
+        The lagged slips are the last inputs if the states are printed.
     nominal : mapping of str to float
         The value of an absent input.
     coefficients : mapping of str to float
@@ -141,7 +145,8 @@ def program(
     Raises
     ------
     TirefmuError
-        If derivatives by the coefficients are requested and the values are in the lines.
+        If derivatives by the coefficients are requested and the values are in the lines, or states of a tire that
+        has none.
     """
     if selection.placement == "inline" and "jacobian_parameters" in selection.functions:
         raise TirefmuError("jacobian_parameters needs the coefficients as variables: use --values struct or file")
@@ -150,8 +155,12 @@ def program(
     outputs = [quantity for quantity in model.outputs if not selection.outputs or quantity.name in selection.outputs]
     targets = [quantity.name for quantity in outputs]
     lines = reduced(model.equations, {*effects, *rescaling}, ())
+    inputs, rates = model.inputs, ()
+    if "states" in selection.functions:
+        further, rates = state_lines(model, lines, effects)
+        inputs, lines = (*inputs, *lagging_slips(model, lines)), (*lines, *further)
     if selection.outputs:
-        lines = tuple(reaching(lines, targets))
+        lines = tuple(reaching(lines, [*targets, *map(str, rates)]))
     if selection.placement == "inline":
         lines = folded(lines, values)
     quantities = [line.symbol for line in lines if line.named and line.symbol.name not in targets]
@@ -163,12 +172,14 @@ def program(
         lines,
         [function for function in FUNCTIONS if function in selection.functions],
         [quantity.symbol for quantity in outputs],
-        [quantity.symbol for quantity in model.inputs],
+        [quantity.symbol for quantity in inputs],
         [sp.Symbol(key, real=True) for key in coefficients],
         quantities,
+        rates,
     )
     return Program(
-        identifier(name), model, selection.placement, model.inputs, tuple(outputs), dict(nominal), coefficients,
+        identifier(name), model, selection.placement, inputs, tuple(outputs),
+        {**nominal, **{quantity.name: 0.0 for quantity in inputs if quantity.name not in nominal}}, coefficients,
         lines, routines, tuple(name for name in model.effects if name in effects),
     )  # fmt: skip
 
@@ -194,11 +205,15 @@ def operations(routine: Routine) -> int:
 def identifier(text: str) -> str:
     """Return a text as an identifier of every language: lower case, digits and single underscores.
 
+    It is no word of a language, no function of C, no module that a printout imports and no device of Windows.
+
     Examples
     --------
     >>> identifier("My Tire 205/55.tir"), identifier("2019 front"), identifier("for"), identifier("größe")
     ('my_tire_205_55_tir', 'tire_2019_front', 'tire_for', 'gr_e')
+    >>> identifier("numpy"), identifier("gamma"), identifier("aux")
+    ('tire_numpy', 'tire_gamma', 'tire_aux')
     """
     plain = re.sub("[^a-z0-9]+", "_", text.lower()).strip("_")[:40].strip("_")
-    usable = plain[:1].isalpha() and not is_reserved(plain) and plain not in sys.stdlib_module_names
+    usable = not no_state(plain) and plain not in sys.stdlib_module_names and plain not in LIBRARIES
     return plain if usable else f"tire_{plain}".rstrip("_")

@@ -55,10 +55,10 @@ def forces(coefficients=@default@, **inputs):
 '''
 _DICTIONARY = '''
 
-def quantities(coefficients=@default@, **inputs):
-    """Return the named quantities by name."""
-    values = _quantities_of(_rows(_inputs(inputs)), _coefficients(coefficients))
-    return dict(zip(QUANTITIES, values, strict=True))
+def @name@(coefficients=@default@, **inputs):
+    """Return @summary@ by name."""
+    values = @function@(_rows(_inputs(inputs)), _coefficients(coefficients))
+    return dict(zip(@labels@, values, strict=True))
 '''
 _MATRIX = '''
 
@@ -187,9 +187,9 @@ def _functions(program: Program, library: ArrayLibrary, layout: Layout) -> list[
     for name in needed:
         routine = printed.get(name) or chosen_routines(program.lines, [name], outputs, inputs, coefficients)[0]
         parts.append(equations(program, routine, PRIVATE[name], layout, library.decorator))
-    if "quantities" in printed:
-        names = layout.indented(wrapped([f'"{label}"' for label in printed["quantities"].labels]))
-        parts.append(f"\nQUANTITIES = (\n{names},\n)")
+    for name in [name for name in ("quantities", "states") if name in printed]:
+        names = layout.indented(wrapped([f'"{label}"' for label in printed[name].labels]))
+        parts.append(f"\n{name.upper()} = (\n{names},\n)")
     if "forces" in printed:
         values = {
             "n_outputs": len(outputs),
@@ -205,11 +205,10 @@ def _public(routine: Routine, default: str) -> str:
     if routine.name == "forces":
         pairs = ", ".join(f'"{label}": values[..., {i}]' for i, label in enumerate(routine.labels))
         return filled(_FORCES, {"default": default, "pairs": pairs})
-    if routine.name == "quantities":
-        return filled(_DICTIONARY, {"default": default})
-    summary = f"the derivatives of the forces by {'the inputs' if 'inputs' in routine.name else 'the coefficients'}"
+    summary = f"the {routine.summary[0].lower()}{routine.summary[1:-1]}"
     values = {"name": routine.name, "default": default, "summary": summary, "function": PRIVATE[routine.name]}
-    return filled(_MATRIX, values)
+    template = _MATRIX if routine.name.startswith("jacobian_") else _DICTIONARY
+    return filled(template, {**values, "labels": routine.name.upper()})
 
 
 def _self_test(program: Program, library: ArrayLibrary, layout: Layout) -> str:

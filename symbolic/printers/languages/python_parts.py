@@ -8,7 +8,7 @@ from .program import Program
 
 #: Names of the private functions.
 PRIVATE = {"forces": "_forces_of", "quantities": "_quantities_of", "jacobian_inputs": "_by_inputs",
-           "jacobian_parameters": "_by_coefficients"}  # fmt: skip
+           "jacobian_parameters": "_by_coefficients", "states": "_states_of"}  # fmt: skip
 
 
 def coefficient_table(program: Program, layout: Layout) -> str:

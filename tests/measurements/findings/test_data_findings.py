@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 
 import numpy as np
 import pandas as pd
@@ -117,6 +118,9 @@ def test_a_warm_up():
     assert kinds(bench(first=58.0, rows=2000)) == set()
     (finding, *_) = [each for each in found(bench(first=48.0, rows=2000), bench(seed=1)) if each.kind == "warm-up"]
     assert finding.command.startswith('--where \'file != "a.csv" or t >= ')
+    hostile = [Recording(bench(first=48.0, rows=2000), "iso", "a';$(b).csv"), Recording(bench(seed=1), "iso", "b.csv")]
+    (other, *_) = [each for each in data_findings(hostile) if each.kind == "warm-up"]
+    assert shlex.split(other.command)[1].startswith('file != "a\';$(b).csv" or t >= ')
     parse_selection(finding.command.removeprefix("--where '").removesuffix("'"))
 
 
@@ -189,6 +193,8 @@ def test_temperature_and_lag_in_the_residual():
     assert lag.kind == "lag"
     assert re.match(r"a.csv: the residual of Fy is like a lag of (5[5-9]|6[0-5]) ms \(9\d % of", lag.text)
     assert lag.command == "tirefmu diagnose a.csv --candidates relax_lat"
+    (hostile,) = residual_findings([Recording(late, "iso", "a;'$(b).csv")], [predicted])
+    assert shlex.split(hostile.command) == ["tirefmu", "diagnose", "a;'$(b).csv", "--candidates", "relax_lat"]
     (heat,) = residual_findings([given["heat"]], [predicted])
     assert re.search(r"follows the tread temperature, .* like -(0\.9[7-9]|1\.0[0-3]) % of Fy per K", heat.text)
     assert heat.command.endswith("--candidates temp_friction,temp_stiffness")

@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tirefmu.measurements import Recording, recordings_from, selected
-from tirefmu.measurements.row_selection.expression import parse_range, parse_selection
+from tirefmu.measurements.row_selection.expression import NAMES, parse_range, parse_selection
+from tirefmu.measurements.row_selection.tokens import KEYWORDS
 from tirefmu.symbolic.errors import DataError
 
 ROWS = 600
@@ -24,7 +25,7 @@ def bench():
     second = np.arange(ROWS) >= 300
     alpha = np.tile(0.2 * np.sin(2.0 * np.pi * np.arange(300) / 300.0), 2)
     table = {"t": clock, "alpha": alpha, "Fz": np.where(second, -900.0, -500.0), "p": np.where(second, 83e3, 97e3)}
-    return Recording(pd.DataFrame({**table, "V": 40.0 / 3.6, "T": 50.0, "Fy": 1.0}), "sae", "run.mat")
+    return Recording(pd.DataFrame({**table, "V": 40.0 / 3.6, "T": 50.0, "Fy": 1.0, "Mx": np.nan}), "sae", "run.mat")
 
 
 @pytest.mark.parametrize(
@@ -91,6 +92,11 @@ def test_rows_are_those_of_the_expression(bench, expression, expected):
         ("file == run", "the name of a file, such as \"run.mat\" is expected at 'run'"),
         ("file > 3", 'a file is compared like file == "run.mat"'),
         ("t > 1e999", "a number is too large"),
+        ("p < 1e307 bar", "a number is too large"),
+        ("p in 1 +- 1e307 bar", "a number is too large"),
+        ("Mx > 1", "selects none of 600 rows of run.mat: Mx has no number"),
+        ("x" * 900 + " > 1", "unknown name 'xxxxxxxxxxxxxxxxxxx...xxxxxxxxxxxxxxxxxx': known are"),
+        ("\0.where", "cannot be read (embedded null byte)"),
         ("t > $3", "'$3' has no meaning here"),
         ("__import__('os').system('true')", "has no meaning here"),
         ("__import__ > 1", "unknown name '__import__'"),
@@ -98,7 +104,7 @@ def test_rows_are_those_of_the_expression(bench, expression, expected):
         ("t > 1 s if t else 2", "'and', 'or' or the end is expected at 'if t else 2'"),
         ("(" * 60 + "t > 1" + ")" * 60, "more than 50 nested brackets"),
         ("t > 1 or " * 2000 + "t > 1", "at most 10000 are read"),
-        ("kappa > 0", "run.mat has no channel kappa; it has t, alpha, Fz, p, V, T, Fy"),
+        ("kappa > 0", "run.mat has no channel kappa; it has t, alpha, Fz, p, V, T, Fy, Mx"),
         ("p in 70..90", "selects none of 600 rows of run.mat: p is 83000 to 97000 Pa"),
         ('file == "other.mat"', "selects none of 600 rows of run.mat"),
     ],
@@ -115,7 +121,13 @@ def test_long_chains_are_read(bench):
     assert len(selected(bench, " or ".join(["segment == 1"] * 600)).table) == 300
 
 
-@given(st.text(alphabet="tp <>=.()+-0123456789kPaandorinot'\"#\n%,segmentFz", max_size=60))
+WORDS = (*NAMES, *KEYWORDS, "abs", "(", ")", "[", ",", "<", ">=", "==", "!=", "..", "+-", "-", "1", "2.5", "1e308")
+WORDS = (*WORDS, "kPa", "bar", "deg", "deg F", '"run.mat"', "#", "\n")
+
+
+@given(st.text(max_size=60) | st.lists(st.sampled_from(WORDS), max_size=12).map(" ".join))
+@example("sample in")
+@example("sweep in (1,")
 def test_any_text_is_a_selection_or_an_error(text):
     with contextlib.suppress(DataError):
         parse_selection(text)

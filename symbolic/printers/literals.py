@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import sympy as sp
 
-from ...notation import Equation
+from ..notation import Equation
 
 
 class Literal(sp.Symbol):

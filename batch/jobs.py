@@ -1,0 +1,132 @@
+"""The list of fits of a batch: a TOML file of jobs, or a folder of recordings with one job each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from tirefmu.measurements.files.reading import READERS
+from tirefmu.symbolic.errors import FitError, path_from
+from tirefmu.symbolic.escaping import file_name, quoted
+
+from .toml_file import check_keys, content_of
+
+#: Upper limit of the number of jobs.
+MOST_JOBS = 100_000
+#: Options of a job: the arguments of `tirefmu.fit` with their types.
+OPTIONS: Mapping[str, type] = {
+    "model": str, "start": str, "effects": list, "without": list, "recipe": str, "loss": str, "method": str,
+    "iterations": int, "seed": int, "nominal": dict, "screening": bool, "rows": str, "constraints": list,
+    "without_constraints": list,
+}  # fmt: skip
+#: Options that determine how the tables are read.
+READING: Mapping[str, type] = {"signs": str, "where": str}
+
+
+@dataclass(frozen=True)
+class FitJob:
+    """One fit of a batch.
+
+    Attributes
+    ----------
+    name : str
+        Name of its output files.
+    tables : tuple of Path
+        The recordings of the tire.
+    signs, where : str or None
+        As for `tirefmu.measurements.recordings_from`.
+    options : mapping of str to object
+        Arguments of `tirefmu.fit`. ``start`` is a path or a name.
+    """
+
+    name: str
+    tables: tuple[Path, ...]
+    signs: str | None = None
+    where: str | None = None
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+
+def read_jobs(path: str | Path, options: Mapping[str, Any] | None = None) -> tuple[FitJob, ...]:
+    r"""Return the jobs of a file, or of a folder.
+
+    Parameters
+    ----------
+    path : str or Path
+        A TOML file with ``[[jobs]]``, each with ``name``, ``tables`` and options, and ``[defaults]`` with options of
+        all jobs. Paths are relative to the file. Or a folder: each recording in it is a job with its name.
+    options : mapping of str to object, optional
+        Options of all jobs of a folder.
+
+    Returns
+    -------
+    tuple of FitJob
+
+    Raises
+    ------
+    FitError
+        If the file cannot be read, has no job, an invalid value, or two jobs of the same name.
+    UnknownName
+        If a key does not exist.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder, "jobs.toml")
+    ...     _ = file.write_text('[defaults]\nmodel = "mf96"\n[[jobs]]\nname = "front"\ntables = ["run7.csv"]\n')
+    ...     (job,) = read_jobs(file)
+    >>> job.name, job.tables[0].name, job.options
+    ('front', 'run7.csv', {'model': 'mf96'})
+    """
+    path = path_from(path)
+    if path.is_dir():
+        return _unique(_jobs_of_folder(path, options or {}), path)
+    if options:
+        raise FitError(f"{path}: [defaults] in the file sets {', '.join(options)}")
+    content = content_of(path)
+    check_keys(content, {"defaults": dict, "jobs": list}, str(path))
+    defaults = content.get("defaults", {})
+    check_keys(defaults, {**OPTIONS, **READING}, f"{path}, defaults")
+    items = content.get("jobs", [])
+    if not items or len(items) > MOST_JOBS:
+        raise FitError(f"{path}: {len(items)} [[jobs]], not 1 to {MOST_JOBS}")
+    return _unique([_job(item, defaults, path, number) for number, item in enumerate(items, start=1)], path)
+
+
+def _jobs_of_folder(folder: Path, options: Mapping[str, Any]) -> list[FitJob]:
+    """Return a job for each recording in a folder."""
+    tables = sorted(one for one in folder.iterdir() if one.suffix.lower() in READERS and one.is_file())
+    if not tables:
+        raise FitError(f"{folder}: no recording ({', '.join(READERS)})")
+    how = {key: options[key] for key in READING if key in options}
+    others = {key: value for key, value in options.items() if key not in READING}
+    return [FitJob(file_name(one.stem), (one,), how.get("signs"), how.get("where"), others) for one in tables]
+
+
+def _job(item: Any, defaults: Mapping[str, Any], path: Path, number: int) -> FitJob:
+    location = f"{path}, job {number}"
+    check_keys(item, {"name": str, "tables": list, **OPTIONS, **READING}, location)
+    name, tables = item.get("name"), item.get("tables")
+    if not name or not tables:
+        raise FitError(f"{location}: {'tables' if name else 'name'} is missing")
+    if file_name(name) != name:
+        raise FitError(f"{location}: name {quoted(name)} is not a file name: {file_name(name)}, for example")
+    given = {**defaults, **{key: value for key, value in item.items() if key not in ("name", "tables")}}
+    options = {key: given[key] for key in OPTIONS if key in given}
+    for key in ("start", "recipe"):
+        if key in options and (path.parent / options[key]).is_file():
+            options[key] = str(path.parent / options[key])
+    files = tuple(path.parent / table for table in tables)
+    return FitJob(name, files, given.get("signs"), given.get("where"), options)
+
+
+def _unique(jobs: Sequence[FitJob], path: Path) -> tuple[FitJob, ...]:
+    """Return the jobs, unless two would write the same files, also where file names have no case."""
+    known: dict[str, FitJob] = {}
+    for job in jobs:
+        if job.name.lower() in known:
+            raise FitError(f"{path}: two jobs have the name {quoted(job.name)}")
+        known[job.name.lower()] = job
+    return tuple(jobs)

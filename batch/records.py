@@ -1,0 +1,115 @@
+"""What a batch keeps of each fit: verdict, reasons and goodness of fit, as JSON and as rows of a table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
+from math import isfinite, nan
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tirefmu.fitting import FitResult
+
+FAILED, LOST = "failed", "lost"
+
+
+@dataclass(frozen=True)
+class JobResult:
+    """The result of one fit of a batch.
+
+    Attributes
+    ----------
+    name : str
+    status : str
+        The verdict of the fit ("usable", "usable with limits", "not usable"); "failed" for invalid data or options,
+        "lost" if the process ended or the program has an error.
+    reasons : tuple of str
+        In order of weight.
+    model : str
+    rows : int
+        Measured rows.
+    seconds : float
+        Of the fit.
+    channels : mapping of str to mapping of str to float
+        By channel over all recordings: ``rmse`` (N, N m) and the lowest ``r2``.
+    values : mapping of str to float
+        Coefficients of the tire.
+    """
+
+    name: str
+    status: str
+    reasons: tuple[str, ...] = ()
+    model: str = ""
+    rows: int = 0
+    seconds: float = 0.0
+    channels: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    values: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def usable(self) -> bool:
+        """Whether there is a usable tire."""
+        return self.status.startswith("usable")
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the result as JSON values; a number that is not finite is null."""
+        plain = asdict(self)
+        for fit in plain["channels"].values():
+            fit |= {name: value if isfinite(value) else None for name, value in fit.items()}
+        return plain
+
+    @classmethod
+    def from_json(cls, plain: Mapping[str, Any]) -> JobResult:
+        """Return the result of `to_json`; raise TypeError or KeyError for other values."""
+        channels = {
+            name: {key: nan if value is None else value for key, value in fit.items()}
+            for name, fit in plain["channels"].items()
+        }
+        return cls(**{**plain, "reasons": tuple(plain["reasons"]), "channels": channels})
+
+
+def result_of_fit(name: str, fit: FitResult) -> JobResult:
+    """Return what a batch keeps of a fit.
+
+    Parameters
+    ----------
+    name : str
+    fit : FitResult
+    """
+    rows, channels = 0, {}
+    for channel in dict.fromkeys(one.channel for one in fit.channels):
+        own = [one for one in fit.channels if one.channel == channel]
+        counts = np.array([one.rows for one in own])
+        squares = counts @ np.array([one.rmse for one in own]) ** 2
+        channels[channel] = {"rmse": float(np.sqrt(squares / counts.sum())), "r2": float(min(one.r2 for one in own))}
+        rows = max(rows, int(counts.sum()))
+    verdict = fit.verdict
+    return JobResult(
+        name, verdict.word, verdict.reasons, fit.tire.model, rows, fit.seconds, channels, dict(fit.tire.values)
+    )
+
+
+def table_of(results: Iterable[JobResult]) -> pd.DataFrame:
+    """Return a row for each job: status, reasons, model, rows, seconds, RMSE and R2 by channel, coefficients.
+
+    Parameters
+    ----------
+    results : iterable of JobResult
+
+    Examples
+    --------
+    >>> table = table_of([JobResult("front", "failed", ("front.csv: no rows",))])
+    >>> table[["name", "status", "reasons"]].to_numpy().tolist()
+    [['front', 'failed', 'front.csv: no rows']]
+    """
+    rows = []
+    for one in results:
+        row: dict[str, Any] = {
+            "name": one.name, "status": one.status, "reasons": "; ".join(one.reasons), "model": one.model,
+            "rows": one.rows, "seconds": one.seconds,
+        }  # fmt: skip
+        for channel, fit in one.channels.items():
+            row |= {f"RMSE_{channel}": fit["rmse"], f"R2_{channel}": fit["r2"]}
+        rows.append({**row, **one.values})
+    return pd.DataFrame(rows)

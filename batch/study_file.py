@@ -1,0 +1,138 @@
+"""A study: an FMU is simulated over manoeuvres with many values of its parameters. Its TOML file and its runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+from math import prod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tirefmu.symbolic.errors import FitError, path_from
+from tirefmu.symbolic.escaping import quoted
+
+from .toml_file import check_keys, content_of, is_number
+
+#: Upper limit of the number of runs.
+MOST_RUNS = 1_000_000
+KEYS: Mapping[str, type] = {
+    "tables": list, "signs": str, "outputs": list, "parameters": dict, "samples": int, "seed": int, "series": bool,
+}  # fmt: skip
+RANGE: Mapping[str, type] = {"from": float, "to": float, "count": int}
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study.
+
+    Attributes
+    ----------
+    tables : tuple of Path
+        Manoeuvres: recordings with the inputs of the FMU over time.
+    signs : str or None
+        Convention of the tables.
+    outputs : tuple of str
+        Outputs of the FMU to evaluate; all outputs of the tables' contract if empty.
+    values : tuple of mapping of str to float
+        Parameters of each run of a manoeuvre.
+    series : bool
+        Whether the outputs over time are stored, not only their statistics.
+    """
+
+    tables: tuple[Path, ...]
+    signs: str | None
+    outputs: tuple[str, ...]
+    values: tuple[Mapping[str, float], ...]
+    series: bool = False
+
+
+def read_study(path: str | Path) -> Study:
+    r"""Return the study of a TOML file.
+
+    Parameters
+    ----------
+    path : str or Path
+        With ``tables`` (relative to the file) and ``[parameters]``: of each a list of values or a range
+        ``{from = 0.5, to = 1.0, count = 6}``. All combinations are simulated; with ``samples`` a Latin hypercube of so
+        many points in the ranges (``seed``).
+
+    Returns
+    -------
+    Study
+
+    Raises
+    ------
+    FitError
+        If the file cannot be read or has an invalid value, or the study too many runs.
+    UnknownName
+        If a key does not exist.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     file = Path(folder, "study.toml")
+    ...     _ = file.write_text('tables = ["a.csv"]\n[parameters]\nLMUY = {from = 0.5, to = 1.0, count = 3}\n')
+    ...     study = read_study(file)
+    >>> study.values
+    ({'LMUY': 0.5}, {'LMUY': 0.75}, {'LMUY': 1.0})
+    """
+    path = path_from(path)
+    content = content_of(path)
+    check_keys(content, KEYS, str(path))
+    if not content.get("tables"):
+        raise FitError(f"{path}: tables is missing")
+    location = f"{path}, parameters"
+    parameters = content.get("parameters", {})
+    samples = content.get("samples")
+    if samples is None:
+        lists = {name: _levels(given, f"{location}, {name}") for name, given in parameters.items()}
+        runs = prod(map(len, lists.values()))
+    else:
+        runs = samples
+    if not 1 <= runs * len(content["tables"]) <= MOST_RUNS:
+        raise FitError(f"{path}: {runs * len(content['tables'])} runs, not 1 to {MOST_RUNS}")
+    values = (
+        [dict(zip(lists, one, strict=True)) for one in product(*lists.values())]
+        if samples is None
+        else _sampled(parameters, samples, content.get("seed", 0), location)
+    )
+    tables = tuple(path.parent / table for table in content["tables"])
+    return Study(
+        tables, content.get("signs"), tuple(content.get("outputs", ())), tuple(values), content.get("series", False)
+    )
+
+
+def _levels(given: Any, location: str) -> list[float]:
+    """Return the values of a parameter, from a list or a range."""
+    if isinstance(given, list) and given and all(map(is_number, given)):
+        return [float(one) for one in given]
+    lower, upper, count = _range(given, location)
+    if count is None or not 1 <= count <= MOST_RUNS:
+        raise FitError(f"{location}: count = {count} is not 1 to {MOST_RUNS}")
+    return [float(one) for one in np.linspace(lower, upper, count)]
+
+
+def _sampled(parameters: Mapping[str, Any], count: int, seed: int, location: str) -> list[dict[str, float]]:
+    """Return the points of a Latin hypercube in the ranges of the parameters."""
+    if not parameters:
+        raise FitError(f"{location}: samples needs at least one range")
+    ranges = [_range(given, f"{location}, {name}")[:2] for name, given in parameters.items()]
+    rng, shape = np.random.default_rng(abs(seed)), (count, len(ranges))
+    strata = rng.permuted(np.tile(np.arange(count)[:, None], (1, len(ranges))), axis=0)
+    points = (strata + rng.random(shape)) / count
+    lower, upper = np.array(ranges).T
+    return [dict(zip(parameters, row, strict=True)) for row in (lower + points * (upper - lower)).tolist()]
+
+
+def _range(given: Any, location: str) -> tuple[float, float, int | None]:
+    if not isinstance(given, dict):
+        raise FitError(f"{location} = {quoted(given)} is neither a list of numbers nor a range {{from, to, count}}")
+    check_keys(given, RANGE, location)
+    for key in ("from", "to"):
+        if key not in given:
+            raise FitError(f"{location}: {key} is missing")
+    return float(given["from"]), float(given["to"]), given.get("count")

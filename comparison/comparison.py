@@ -1,0 +1,156 @@
+"""What differs between two tires, such as an old and a new fit of the same recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tirefmu.measurements import Recording, exclude_rows
+from tirefmu.tires import Tire
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A coefficient with different values in two tires; None where the model of a tire lacks it.
+
+    Attributes
+    ----------
+    name, unit, description : str
+    first, second : float or None
+        In ISO-W.
+    """
+
+    name: str
+    unit: str
+    description: str
+    first: float | None
+    second: float | None
+
+
+@dataclass(frozen=True)
+class ChannelErrors:
+    """The errors of both tires in a channel of a recording.
+
+    Attributes
+    ----------
+    recording, channel, unit : str
+    rows : int
+        Those that a fit would use.
+    rmse, r2 : (float, float)
+        Of the first and the second tire; R2 is NaN if the measured values are constant.
+    """
+
+    recording: str
+    channel: str
+    unit: str
+    rows: int
+    rmse: tuple[float, float]
+    r2: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two tires and what differs.
+
+    Attributes
+    ----------
+    tires : (Tire, Tire)
+        In ISO-W.
+    names : (str, str)
+        Different ones.
+    effects : (tuple of str, tuple of str)
+        Effects of the first tire that the second lacks, and the reverse.
+    differences : tuple of Difference
+        Those of effects that a tire lacks are among them.
+    errors : tuple of ChannelErrors
+    """
+
+    tires: tuple[Tire, Tire]
+    names: tuple[str, str]
+    effects: tuple[tuple[str, ...], tuple[str, ...]]
+    differences: tuple[Difference, ...]
+    errors: tuple[ChannelErrors, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the comparison as JSON values."""
+        return {
+            "ok": True,
+            "tires": [{"name": n, "model": t.model} for n, t in zip(self.names, self.tires, strict=True)],
+            "effects_of_one": [list(names) for names in self.effects],
+            "coefficients": [vars(each) for each in self.differences],
+            "channels": [
+                {**vars(each), "r2": [value if np.isfinite(value) else None for value in each.r2]}
+                for each in self.errors
+            ],
+        }
+
+
+def compare(first: Tire, second: Tire, recordings: Sequence[Recording] = (), *, names: tuple[str, str]) -> Comparison:
+    """Compare two tires of any models.
+
+    Parameters
+    ----------
+    first, second : Tire
+    recordings : sequence of Recording
+        Both tires are evaluated over their rows.
+    names : (str, str)
+        Shown for the tires; numbered if they are the same.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    DataError
+        If a recording has no measured output, or an input is not finite.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> old = published("trento_hoosier")
+    >>> [each.name for each in compare(old, old.with_values(PDY1=2.5), names=("old", "new")).differences]
+    ['PDY1']
+    """
+    tires = (first.in_signs("iso"), second.in_signs("iso"))
+    if names[0] == names[1]:
+        names = (f"{names[0]} (1)", f"{names[1]} (2)")
+    errors = tuple(error for recording in recordings for error in _errors(tires, recording))
+    effects = (
+        tuple(sorted(first.has - second.has)),
+        tuple(sorted(second.has - first.has)),
+    )
+    return Comparison(tires, names, effects, tuple(_differences(*tires)), errors)
+
+
+def _differences(first: Tire, second: Tire) -> list[Difference]:
+    declared = {**second.book.coefficients, **first.book.coefficients}
+    found = []
+    for name, coefficient in declared.items():
+        values = (first.values.get(name), second.values.get(name))
+        if values[0] != values[1]:
+            found.append(Difference(name, coefficient.unit, coefficient.description, *values))
+    return found
+
+
+def _errors(tires: tuple[Tire, Tire], recording: Recording) -> list[ChannelErrors]:
+    included = exclude_rows(recording).included
+    predicted = [tire.evaluate(recording.table, signs=recording.signs) for tire in tires]
+    found = []
+    for channel in recording.measured():
+        if not all(channel in each for each in predicted):
+            continue
+        measured = recording.table[channel].to_numpy(dtype=np.float64)
+        rows = included & np.isfinite(measured)
+        if not rows.any():
+            continue
+        squares = [float(np.mean((each[channel].to_numpy()[rows] - measured[rows]) ** 2)) for each in predicted]
+        variance = float(np.var(measured[rows]))
+        r2 = [1.0 - square / variance if variance > 0.0 else np.nan for square in squares]
+        unit = next(quantity.unit for quantity in tires[0].book.outputs if quantity.name == channel)
+        rmse = (squares[0] ** 0.5, squares[1] ** 0.5)
+        found.append(ChannelErrors(recording.source, channel, unit, int(rows.sum()), rmse, (r2[0], r2[1])))
+    return found

@@ -1,0 +1,131 @@
+"""Figures of two tires: forces over slip with measured points, their slope, slip stiffness and friction over load.
+
+In the manner of figures 19 to 22 of the Trento report, which compare old and new parameters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tirefmu.measurements import Recording
+from tirefmu.symbolic.escaping import figure_text
+from tirefmu.tires import Tire
+from tirefmu.tires.drawing.style import (
+    LETTER,
+    draw_line,
+    draw_points,
+    drawn_unit,
+    finish,
+    letter,
+    level_colors,
+    level_text,
+    per_si,
+    place_legend,
+    stiffness_unit,
+    write_footnote,
+)
+
+from .comparison import Comparison
+from .sweeps import Sweep, sweeps
+
+FloatArray = npt.NDArray[np.float64]
+
+#: What is drawn over which slip.
+PAIRS = (("Fx", "kappa"), ("Fy", "alpha"), ("Mz", "alpha"))
+#: Quantities over load, by role, and the word in the title.
+ROLES = {
+    "stiffness_x": "longitudinal slip stiffness", "stiffness_y": "cornering stiffness",
+    "friction_x": "longitudinal friction", "friction_y": "lateral friction",
+}  # fmt: skip
+#: Colors and dashes of the two tires: they differ in both.
+LINES = (("#a33b00", "--"), ("#0b4f9c", "-"))
+_POINTS = 201
+
+
+def comparison_figures(comparison: Comparison, recordings: Sequence[Recording], signs: str) -> dict[str, Figure]:
+    """Return the figures of a comparison by name.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    recordings : sequence of Recording
+    signs : {"iso", "adapted-sae", "sae"}
+        Convention in which they are drawn.
+
+    Returns
+    -------
+    dict of str to Figure
+        What neither tire has is omitted.
+    """
+    measured = [recording.with_signs(signs) for recording in recordings]
+    figures = {}
+    for channel, slip in PAIRS:
+        if not all(channel in tire.outputs and slip in tire.inputs for tire in comparison.tires):
+            continue
+        found = sweeps(comparison.tires[1], slip, measured)
+        if signs == "sae" and not len(found[0].rows):
+            found = [Sweep(slip, {"Fz": -each.load}, each.low, each.high, each.rows) for each in found]
+        figures[f"{channel}_over_{slip}"] = _family(comparison, found, channel, signs, slope=False)
+        if channel != "Mz":
+            figures[f"{channel}_slope_over_{slip}"] = _family(comparison, found, channel, signs, slope=True)
+    for role, title in ROLES.items():
+        if all(tire.book.quantity(role) for tire in comparison.tires):
+            figures[f"{role}_over_load"] = _over_load(comparison, role, title, signs)
+    return figures
+
+
+def _evaluated(tire: Tire, held: dict[str, float], name: str, values: FloatArray, signs: str) -> pd.DataFrame:
+    return tire.evaluate(pd.DataFrame({**held, name: values}), signs=signs, steady=True)
+
+
+def _family(comparison: Comparison, found: Sequence[Sweep], channel: str, signs: str, *, slope: bool) -> Figure:
+    """Return a panel for each tire with a curve for each load; both have the same axes."""
+    slip = found[0].slip
+    figure = Figure(figsize=(13.0, 5.2), layout="constrained")
+    what = f"slope of {LETTER[channel]} over {LETTER[slip]}" if slope else f"{LETTER[channel]} over {LETTER[slip]}"
+    figure.suptitle(f"Pure slip: {what}", fontweight="bold")
+    unit = stiffness_unit(slip) if slope else drawn_unit(channel)
+    letters = f"d{LETTER[channel]}/d{LETTER[slip]}" if slope else LETTER[channel]
+    panels = figure.subplots(1, 2, sharex=True, sharey=True)
+    for ax, tire, name in zip(panels, comparison.tires, comparison.names, strict=True):
+        for sweep, color in zip(found, level_colors(len(found), "Fz"), strict=True):
+            x = np.linspace(sweep.low, sweep.high, _POINTS)
+            y = _evaluated(tire, sweep.held, slip, x, signs)[channel].to_numpy()
+            if slope:
+                y = np.gradient(y, x) / per_si(slip)
+            elif channel in sweep.rows:
+                draw_points(ax, sweep.rows.dropna(subset=[channel]), slip, channel, color)
+            draw_line(ax, x * per_si(slip), y, color, level_text("Fz", sweep.load))
+        finish(ax, slip, f"{letters} ({unit})")
+        ax.set_title(figure_text(name), fontsize=10)
+    place_legend(panels[1], f"load {letter(signs, 'Fz')}")
+    notes = ["points: measured at zero camber and zero other slip"] if len(found[0].rows) and not slope else []
+    write_footnote(figure, signs, *notes)
+    return figure
+
+
+def _over_load(comparison: Comparison, role: str, title: str, signs: str) -> Figure:
+    """Return a quantity of both tires over load, in one panel."""
+    figure = Figure(figsize=(7.5, 5.0), layout="constrained")
+    figure.suptitle(f"{title.capitalize()} over load", fontweight="bold")
+    ax: Axes = figure.subplots()
+    ranges = [tire.ranges.get("Fz", (0.0, 2.0 * tire.values["FNOMIN"])) for tire in comparison.tires]
+    high = max(end for _, end in ranges)
+    loads = np.linspace(max(min(start for start, _ in ranges), 0.01 * high), high, _POINTS)
+    for tire, name, (color, dashes) in zip(comparison.tires, comparison.names, LINES, strict=True):
+        quantity = tire.book.quantity(role)
+        signed = -loads if signs == "sae" else loads
+        values = _evaluated(tire, {}, "Fz", signed, signs)[quantity]
+        ax.plot(loads, values, dashes, color=color, lw=1.8, label=f"{figure_text(name)}: {figure_text(quantity)}")
+    unit = comparison.tires[0].book.structure.quantities[comparison.tires[0].book.quantity(role)][0]
+    ax.set(xlabel="load (N)", ylabel=f"{title} ({'-' if unit == '1' else unit})")
+    ax.grid(alpha=0.3)
+    ax.legend(frameon=False)
+    write_footnote(figure, signs)
+    return figure

@@ -1,0 +1,57 @@
+"""A comparison as figures and one HTML page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from tirefmu.measurements import Recording
+from tirefmu.symbolic.errors import TirefmuError, path_from
+from tirefmu.tires.drawing.page import inlined, page_text, write_page
+from tirefmu.tires.drawing.style import png, write_whole
+
+from .comparison import Comparison
+from .figures import comparison_figures
+
+
+def write_comparison(
+    comparison: Comparison, recordings: Sequence[Recording], folder: str | Path, *, signs: str = "iso"
+) -> list[Path]:
+    """Write the figures of a comparison and the page ``report.html``, which contains them.
+
+    Parameters
+    ----------
+    comparison : Comparison
+    recordings : sequence of Recording
+    folder : str or Path
+        Created if it does not exist.
+    signs : {"iso", "adapted-sae", "sae"}
+        Convention in which the figures are drawn.
+
+    Returns
+    -------
+    list of Path
+        The page first.
+
+    Raises
+    ------
+    TirefmuError
+        If a file cannot be written.
+    """
+    folder = path_from(folder, "folder")
+    # All are rendered before the first is written: a failure leaves the folder as it was.
+    images = {name: png(figure) for name, figure in comparison_figures(comparison, recordings, signs).items()}
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        drawn = [write_whole(folder / f"{name}.png", image) for name, image in images.items()]
+        page = page_text(
+            "tirefmu.comparison", {"short": _short}, comparison=comparison, images=inlined(drawn),
+        )  # fmt: skip
+        write_page(page, folder / "report.html")
+    except OSError as error:
+        raise TirefmuError(f"{folder}: cannot be written ({error.strerror or error})") from error
+    return [folder / "report.html", *drawn]
+
+
+def _short(value: float | None) -> str:
+    return "-" if value is None else f"{value:.5g}"

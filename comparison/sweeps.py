@@ -1,0 +1,87 @@
+"""Sweeps of one slip of the upright tire in recordings: at which inputs the compared curves are drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from tirefmu.measurements import CHANNELS, Recording, exclude_rows, group_by_condition
+from tirefmu.tires import Tire
+from tirefmu.tires.drawing.tire_figures import WIDEST, default_loads
+
+#: Curves of a figure; of more sweeps, those with the most rows.
+MOST = 6
+#: Sweeps with fewer rows are not drawn.
+FEWEST_ROWS = 10
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A sweep of a slip with all other inputs constant.
+
+    Attributes
+    ----------
+    slip : str
+    held : mapping of str to float
+        The other inputs, SI units, in the signs of the figure.
+    low, high : float
+        Range of the slip.
+    rows : pandas.DataFrame
+        Measured rows; empty without a recording.
+    """
+
+    slip: str
+    held: dict[str, float]
+    low: float
+    high: float
+    rows: pd.DataFrame
+
+    @property
+    def load(self) -> float:
+        """The load, N."""
+        return self.held["Fz"]
+
+
+def sweeps(tire: Tire, slip: str, recordings: Sequence[Recording]) -> list[Sweep]:
+    """Return the measured sweeps of a slip at zero of the other slip and of camber, by load.
+
+    Parameters
+    ----------
+    tire : Tire
+        Determines loads and range if no recording has such a sweep.
+    slip : str
+        "kappa" or "alpha".
+    recordings : sequence of Recording
+        All in the same convention.
+
+    Returns
+    -------
+    list of Sweep
+    """
+    found = [sweep for recording in recordings for sweep in _measured(recording, slip)]
+    most = sorted(found, key=lambda sweep: -len(sweep.rows))[:MOST]
+    if most:
+        return sorted(most, key=lambda sweep: abs(sweep.load))
+    low, high = tire.ranges.get(slip, WIDEST[slip])
+    low, high = max(low, WIDEST[slip][0]), min(high, WIDEST[slip][1])
+    return [Sweep(slip, {"Fz": load}, low, high, pd.DataFrame()) for load in default_loads(tire)]
+
+
+def _measured(recording: Recording, slip: str) -> list[Sweep]:
+    included = exclude_rows(recording).included
+    grouping = group_by_condition(recording)
+    found = []
+    for label, (held, moving) in enumerate(zip(grouping.conditions, grouping.moving, strict=True)):
+        levels = dict(held)
+        rows = recording.table[included & (grouping.labels == label)]
+        upright = all(
+            abs(level) <= (CHANNELS[name].tolerance or np.inf)
+            for name, level in levels.items()
+            if name in ("kappa", "alpha", "gamma", "phit")
+        )
+        if moving == (slip,) and upright and "Fz" in levels and len(rows) >= FEWEST_ROWS:
+            found.append(Sweep(slip, levels, float(rows[slip].min()), float(rows[slip].max()), rows))
+    return found

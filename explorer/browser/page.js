@@ -1,0 +1,297 @@
+"use strict";
+
+/** What the page shows; controls change it, `render` draws it. */
+const DATA = JSON.parse(document.getElementById("data").textContent);
+const now = new TireState(DATA.tires[0], GENERATED[0]);
+const loaded = now.original();
+const other = DATA.tires[1] ? new TireState(DATA.tires[1], GENERATED[1]) : null;
+const measured = new MeasuredRows(DATA.rows);
+const view = { inputs: {}, over: "alpha", family: false, condition: 0 };
+const inputRows = new Map();
+const find = (id) => document.getElementById(id);
+let panel = null;
+let charts = [];
+let seen = null;
+let pending = 0;
+let delayed = 0;
+
+const input = (name) => now.data.inputs.find((each) => each.name === name);
+const range = (name) => {
+  const { low, high } = input(name);
+  return name === "Fz" ? { low: Math.max(low, 0.01 * high), high } : { low, high };
+};
+
+/** Return the curves of each chart: which tire, at which share of the load, in which style. */
+function sources() {
+  const found = [{ label: "as loaded", tire: loaded, share: 1, style: "loaded" }];
+  if (other) found.push({ label: other.data.name, tire: other, share: 1, style: "other" });
+  for (const share of view.family ? FAMILY.filter((each) => each !== 1) : []) {
+    found.push({ label: `${share} Fz`, tire: now, share, style: "family" });
+  }
+  return [...found, { label: "this tire", tire: now, share: 1, style: "now" }];
+}
+
+/** Return the charts for the selected slip: an output or a quantity with a role, over an input. */
+function chartSpecs() {
+  const first = view.over === "alpha" ? ["Fy", "Mz"] : ["Fx", "Fy"];
+  const place = (each) => (first.includes(each.name) ? first.indexOf(each.name) : first.length);
+  const outputs = [...now.data.outputs].sort((a, b) => place(a) - place(b));
+  const specs = outputs.map((each) => ({ ...each, results: "forces", of: () => each.name, over: view.over }));
+  const weighting = view.over === "alpha" ? "weighting_x" : "weighting_y";
+  for (const role of [weighting, "stiffness_y", "stiffness_x", "friction_y", "friction_x"]) {
+    const own = now.data.roles[role];
+    const over = role === weighting ? view.over : "Fz";
+    if (own) specs.push({ ...own, results: "quantities", of: (tire) => tire.data.roles[role]?.name, over });
+  }
+  return specs;
+}
+
+function buildCharts() {
+  const host = find("charts");
+  host.replaceChildren();
+  charts = chartSpecs().map((spec) => {
+    const over = input(spec.over);
+    const title = `${spec.name} over ${over.name}: ${spec.text}`;
+    const unit = (each) => (each && each !== "1" ? ` (${each})` : "");
+    const chart = new Chart(host, { title, xTitle: `${over.name}${unit(over.unit)}`, yTitle: `${spec.name}${unit(spec.unit)}` });
+    return { chart, update: (shared) => updateCurves(chart, spec, shared) };
+  });
+  const has = (name) => now.data.outputs.some((each) => each.name === name);
+  if (has("Fx") && has("Fy")) {
+    const alphas = ANGLES.map((angle) => angle * DEGREE);
+    const title = `Fy over Fx: combined slip, kappa swept at alpha ${ANGLES.join(", ")} deg`;
+    const chart = new Chart(host, { title, xTitle: "Fx (N)", yTitle: "Fy (N)", locus: true });
+    charts.push({ chart, update: () => updateLoci(chart, alphas) });
+  }
+  seen?.disconnect();
+  seen = new IntersectionObserver((entries) => {
+    for (const entry of entries) charts.find((each) => each.chart.figure === entry.target).visible = entry.isIntersecting;
+    render();
+  });
+  for (const each of charts) seen.observe(each.chart.figure);
+}
+
+/** Draw a chart; `shared` has the sweeps that other charts have computed in the same frame. */
+function updateCurves(chart, spec, shared) {
+  const { scale } = input(spec.over);
+  const { low, high } = range(spec.over);
+  const xs = spaced(low, high);
+  const curves = [];
+  for (const { label, tire, share, style } of sources()) {
+    const name = spec.of(tire);
+    if (!name || !tire.data.inputs.some((each) => each.name === spec.over)) continue;
+    const inputs = { ...view.inputs, Fz: share * view.inputs.Fz };
+    if (spec.over === "Fz" && share !== 1) continue;
+    const key = `${label} ${spec.results} ${spec.over}`;
+    shared[key] ??= sweep(tire, inputs, spec.over, xs, spec.results, wantedNames(tire, spec.results));
+    if (shared[key][name]) curves.push({ label, style, x: xs.map((x) => x * scale), y: shared[key][name] });
+  }
+  chart.draw(curves, spec.results === "forces" ? measuredPoints(spec.name, spec.over) : null);
+}
+
+function wantedNames(tire, results) {
+  return results === "forces" ? tire.data.outputs.map((each) => each.name) : Object.values(tire.data.roles).map((each) => each.name);
+}
+
+function updateLoci(chart, alphas) {
+  const curves = sources().filter((each) => each.style !== "family").flatMap(({ label, tire, style }) =>
+    combinedSlip(tire, view.inputs, range("kappa"), alphas).map(([x, y], i) => ({ label: `${label} ${i}`, style, x, y })),
+  );
+  chart.draw(curves, null);
+}
+
+/** Return the measured points of the selected condition over a slip. */
+function measuredPoints(output, over) {
+  const condition = measured.conditions[view.condition];
+  const columns = condition?.columns ?? {};
+  if (!(output in columns) || !(over in columns) || (condition.slip && condition.slip !== over)) return null;
+  condition.axes ??= {};
+  condition.axes[over] ??= measuredAxis(columns[over], input(over).scale);
+  condition.axes[output] ??= measuredAxis(columns[output], 1);
+  return { x: condition.axes[over], y: condition.axes[output] };
+}
+
+/** Draw visible charts in the next frame, and what takes longer when no change has followed for a moment. */
+function render() {
+  if (!pending) {
+    pending = requestAnimationFrame(() => {
+      pending = 0;
+      const shared = {};
+      for (const each of charts) if (each.visible) each.update(shared);
+    });
+  }
+  clearTimeout(delayed);
+  delayed = setTimeout(() => {
+    for (const each of charts) each.chart.describe();
+    showNumbers();
+    showQuality();
+    showStatus();
+    writeHash();
+  }, 150);
+}
+
+function fillTable(table, head, rows) {
+  const cells = (tag, row) => row.map((cell, i) => element(tag === "td" && i === 0 ? "th" : tag, tag === "th" ? { scope: "col" } : i ? {} : { scope: "row" }, cell));
+  table.replaceChildren(
+    element("thead", {}, element("tr", {}, ...cells("th", head))),
+    element("tbody", {}, ...rows.map((row) => element("tr", {}, ...cells("td", row)))),
+  );
+}
+
+function showNumbers() {
+  const ranges = { alpha: range("alpha"), kappa: range("kappa") };
+  const shown = [["this tire", now], ["as loaded", loaded], ...(other ? [[other.data.name, other]] : [])];
+  const figures = shown.map(([, tire]) => new Map(keyFigures(tire, view.inputs, ranges).map((each) => [each.title, each])));
+  const text = (each) => (each ? `${shortNumber(each.value)}${each.end ? "*" : ""}` : "-");
+  const rows = [...figures[0].values()].map((each) => {
+    const before = figures[1].get(each.title).value;
+    const change = before ? `${shortNumber(Number((100 * (each.value / before - 1)).toFixed(2)))} %` : "-";
+    return [each.title, each.unit, ...figures.map((map) => text(map.get(each.title))), change];
+  });
+  fillTable(find("numbers"), ["Figure", "Unit", ...shown.map(([title]) => title), "Change"], rows);
+}
+
+function showQuality() {
+  if (!measured.conditions.length) return;
+  const selected = measured.conditions[view.condition];
+  const tires = [["this tire", now], ["as loaded", loaded], ...(other ? [[other.data.name, other]] : [])];
+  const rows = [];
+  for (const [title, conditions] of [["condition", [selected]], ["all rows", measured.conditions]]) {
+    const found = tires.map(([, tire]) => fitQuality(tire, conditions));
+    for (const [output, each] of found[0]) {
+      const cells = found.flatMap((map) => (map.has(output) ? [map.get(output).rmse, map.get(output).r2].map(shortNumber) : ["-", "-"]));
+      rows.push([`${output}, ${title}`, String(each.rows), ...cells]);
+    }
+  }
+  fillTable(find("quality"), ["Output", "Rows", ...tires.flatMap(([title]) => [`RMSE, ${title}`, `R2, ${title}`])], rows);
+}
+
+function showStatus() {
+  const text = changeText(now.changes());
+  find("status").textContent = text ? `Changed: ${text}.` : "Nothing is changed.";
+}
+
+/** Write the state of the page to its address: coefficients, effects, inputs and choices that differ. */
+function writeHash() {
+  const state = new URLSearchParams();
+  const changes = now.changes();
+  for (const each of changes.coefficients) state.set(each.name, now.values.get(each.name));
+  for (const each of changes.effects) state.set(`effect.${each.name}`, now.on.has(each.name) ? "on" : "off");
+  for (const each of now.data.inputs) {
+    if (view.inputs[each.name] !== each.nominal) state.set(`input.${each.name}`, view.inputs[each.name]);
+  }
+  if (view.over !== "alpha") state.set("over", view.over);
+  if (view.family) state.set("loads", "5");
+  if (view.condition) state.set("condition", view.condition);
+  const hash = `#${state}`;
+  if (hash !== location.hash && !(hash === "#" && !location.hash)) history.replaceState(null, "", hash);
+}
+
+/** Read the state of the page from its address; what is unknown or no number is ignored. */
+function readHash() {
+  now.reset();
+  for (const each of now.data.inputs) view.inputs[each.name] = each.nominal;
+  const state = new URLSearchParams(location.hash.slice(1));
+  const number = (text) => (text !== null && text.trim() !== "" && Number.isFinite(Number(text)) ? Number(text) : undefined);
+  view.condition = Math.min(Math.max(Math.trunc(number(state.get("condition")) ?? 0), 0), Math.max(measured.conditions.length - 1, 0));
+  if (measured.conditions.length) selectLevels();
+  for (const [key, text] of state) {
+    const value = number(text);
+    if (now.values.has(key) && value !== undefined) now.values.set(key, value);
+    const [kind, name] = key.split(".");
+    if (kind === "input" && name in view.inputs && value !== undefined) view.inputs[name] = value;
+    if (kind === "effect" && now.all.has(name)) text === "on" ? now.on.add(name) : now.on.delete(name);
+  }
+  now.update();
+  const slips = now.data.inputs.map((each) => each.name);
+  view.over = ["alpha", "kappa"].includes(state.get("over")) && slips.includes(state.get("over")) ? state.get("over") : view.over;
+  view.family = state.get("loads") === "5";
+}
+
+/** Set the inputs to the levels of the selected condition, and the axis to its slip. */
+function selectLevels() {
+  const condition = measured.conditions[view.condition];
+  for (const each of now.data.inputs) view.inputs[each.name] = condition.levels[each.name] ?? each.nominal;
+  if (condition.slip) view.over = condition.slip;
+}
+
+/** Show the state in all controls, and draw. */
+function showAll() {
+  panel.show();
+  for (const [name, row] of inputRows) row.show(view.inputs[name] * input(name).scale);
+  for (const radio of document.getElementsByName("over")) radio.checked = radio.value === view.over;
+  find("family").checked = view.family;
+  if (measured.conditions.length) find("condition").value = view.condition;
+  buildCharts();
+  render();
+}
+
+function buildInputs() {
+  for (const each of now.data.inputs) {
+    const { name, text, unit, scale } = each;
+    const spec = { id: `input-${name}`, label: name, text, unit, lower: each.low * scale, upper: each.high * scale, value: each.nominal * scale };
+    const row = new SliderRow(spec, (value) => {
+      view.inputs[name] = value / scale;
+      render();
+    });
+    inputRows.set(name, row);
+    find("inputs").append(row.row);
+  }
+  for (const name of ["alpha", "kappa"].filter(input)) {
+    const radio = element("input", { type: "radio", name: "over", id: `over-${name}`, value: name });
+    radio.addEventListener("change", () => {
+      view.over = name;
+      showAll();
+    });
+    find("axis").append(element("label", { class: "check", for: radio.id }, radio, ` ${name}`));
+  }
+}
+
+function buildKey() {
+  const styles = [["now", "this tire"], ["loaded", "as loaded"], ...(other ? [["other", other.data.name]] : []), ["family", "other loads"]];
+  for (const [style, text] of styles) find("key").append(element("li", {}, element("span", { class: `line ${style}`, "aria-hidden": "true" }), text));
+  if (measured.conditions.length) find("key").append(element("li", {}, element("span", { class: "point", "aria-hidden": "true" }), "measured"));
+}
+
+function buildMeasured() {
+  if (!measured.conditions.length) return;
+  find("measured").hidden = false;
+  find("condition-choice").hidden = false;
+  measured.conditions.forEach((each, i) => find("condition").append(element("option", { value: i }, each.title)));
+  find("condition").addEventListener("change", () => {
+    view.condition = Number(find("condition").value);
+    selectLevels();
+    showAll();
+  });
+  const shown = measured.rows < measured.total ? `${measured.rows} of ${measured.total} rows are in this page, selected at random` : `${measured.total} rows`;
+  find("measured-note").textContent = `${shown}. Rows that a fit would exclude are not among them. Each row is evaluated at its own inputs, in steady state.`;
+}
+
+function start() {
+  find("subtitle").textContent = [now, other].filter(Boolean).map(({ data }) => `${data.name}: ${data.title} (${data.model})`).join("; ");
+  panel = new CoefficientPanel(find("coefficients"), now, other, render);
+  buildInputs();
+  buildKey();
+  buildMeasured();
+  find("save").addEventListener("click", () => saveFile(`${now.data.file_name}.tir`, propertyFile(now)));
+  find("reset-all").addEventListener("click", () => {
+    now.reset();
+    for (const each of now.data.inputs) view.inputs[each.name] = each.nominal;
+    showAll();
+  });
+  find("family").addEventListener("change", () => {
+    view.family = find("family").checked;
+    render();
+  });
+  for (const id of ["search", "changed-only"]) {
+    find(id).addEventListener("input", () => panel.filter(find("search").value, find("changed-only").checked));
+  }
+  addEventListener("hashchange", () => {
+    readHash();
+    showAll();
+  });
+  readHash();
+  showAll();
+}
+
+start();

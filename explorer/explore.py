@@ -1,0 +1,146 @@
+"""The page of a tire: sliders for its coefficients and inputs, curves, measured points, numbers."""
+
+from __future__ import annotations
+
+import json
+import re
+from base64 import b64encode
+from collections.abc import Mapping, Sequence
+from hashlib import sha256
+from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from tirefmu.measurements import Recording
+from tirefmu.symbolic.errors import TirefmuError, UnknownName, path_from
+from tirefmu.symbolic.escaping import html_text, script_json
+from tirefmu.tires import Tire, TireLike, tire_from
+from tirefmu.tires.drawing.page import write_page
+
+from .measured_rows import measured_rows, rows_data
+from .page_code import module_expression, program_for_page
+from .tire_data import switchable, tire_data
+
+#: The scripts of the page, in their order, after the chart library.
+SCRIPTS = (
+    "tire_state.js", "property_file.js", "measured_rows.js", "curves.js", "key_figures.js", "charts.js", "controls.js",
+    "page.js",
+)  # fmt: skip
+#: The chart library uPlot, as the package uplot-python installs it.
+LIBRARY, LIBRARY_SCRIPT, LIBRARY_STYLE = "uplot", "uPlot.iife.js", "uPlot.min.css"
+
+
+def explore(
+    tire: TireLike,
+    path: str | Path,
+    *,
+    recordings: Sequence[Recording] = (),
+    compare: TireLike | None = None,
+    intervals: Mapping[str, tuple[float, float]] | None = None,
+) -> None:
+    """Write a page on which coefficients, effects and inputs of a tire can be changed.
+
+    The page is one file without connections to others: chart library, measured rows and the tire's code are in it.
+
+    Parameters
+    ----------
+    tire : Tire, str or path-like
+        A tire, a .tir file or the name of a published tire. The page is in ISO-W.
+    path : str or Path
+        The HTML file.
+    recordings : sequence of Recording
+        Their rows are drawn under the curves.
+    compare : Tire, str or path-like, optional
+        A second tire, of any model.
+    intervals : mapping of str to (float, float), optional
+        95 % intervals of coefficients in ISO-W, as in `FitResult.to_json`.
+
+    Raises
+    ------
+    TirefmuError
+        If the page cannot be written, or the chart library is not installed.
+    UnknownName
+        If an interval belongs to no coefficient of the tire's model.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     explore("trento_hoosier", Path(folder) / "tire.html")
+    ...     (Path(folder) / "tire.html").stat().st_size > 100_000
+    True
+    """
+    path = path_from(path)
+    text = page_text(tire, recordings=recordings, compare=compare, intervals=intervals or {})
+    try:
+        write_page(text, path)
+    except OSError as error:
+        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from error
+
+
+def page_text(
+    tire: TireLike,
+    *,
+    recordings: Sequence[Recording] = (),
+    compare: TireLike | None = None,
+    intervals: Mapping[str, tuple[float, float]],
+) -> str:
+    """Return the text of the page; `explore` documents the parameters."""
+    given = [tire] if compare is None else [tire, compare]
+    tires = [(tire_from(each).in_signs("iso"), _name(each)) for each in given]
+    first = tires[0][0]
+    for name in intervals:
+        if name not in first.book.coefficients:
+            raise UnknownName(f"coefficient of {first.model}", name, first.book.coefficients)
+    programs = [program_for_page(switchable(each)) for each, _ in tires]
+    data: dict[str, Any] = {
+        "tires": [
+            tire_data(each, name, program.coefficients, intervals if i == 0 else {})
+            for i, ((each, name), program) in enumerate(zip(tires, programs, strict=True))
+        ],
+        "rows": rows_data(measured_rows(recordings, first.inputs)),
+    }
+    code = ",\n".join(module_expression(program) for program in programs)
+    scripts = [
+        f"const GENERATED = [\n{code}\n];",
+        "\n".join([_library_file(LIBRARY_SCRIPT), *map(_file, SCRIPTS)]),
+    ]
+    return _filled(
+        _file("page.html"),
+        {
+            "title": html_text(" and ".join(each["name"] for each in data["tires"])),
+            "hashes": " ".join(f"'sha256-{_digest(script)}'" for script in scripts),
+            "style": _library_file(LIBRARY_STYLE) + "\n" + _file("style.css"),
+            "data": script_json(json.dumps(data, allow_nan=False, separators=(",", ":"))),
+            "code": scripts[0],
+            "scripts": scripts[1],
+        },
+    )
+
+
+def _name(tire: TireLike) -> str:
+    return tire.model if isinstance(tire, Tire) else Path(tire).stem
+
+
+def _file(name: str) -> str:
+    return (files("tirefmu.explorer") / "browser" / name).read_text(encoding="utf-8")
+
+
+def _library_file(name: str) -> str:
+    """Return the text of a file of the chart library, without importing its package."""
+    found = find_spec(LIBRARY)
+    for folder in (found.submodule_search_locations or []) if found else []:
+        path = Path(folder, "static", name)
+        if path.is_file():
+            return path.read_text(encoding="utf-8")
+    raise TirefmuError(f"{name} of the chart library is missing: pip install uplot-python")
+
+
+def _digest(script: str) -> str:
+    return b64encode(sha256(script.encode()).digest()).decode("ascii")
+
+
+def _filled(template: str, values: Mapping[str, str]) -> str:
+    """Return a template with its marks @name@ replaced simultaneously: a value that contains a mark keeps it."""
+    return re.sub("@([a-z]+)@", lambda mark: values[mark[1]], template)

@@ -1,0 +1,46 @@
+"""Intervals of coefficients from the JSON result of a fit."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.tires import TireLike, tire_from
+
+
+def fit_intervals(path: Path, tire: TireLike) -> dict[str, tuple[float, float]]:
+    """Return the 95 % intervals of a fit in ISO-W, by coefficient; those without a finite interval are absent.
+
+    Parameters
+    ----------
+    path : Path
+        Result of ``tirefmu fit --json``.
+    tire : Tire, str or path-like
+        The fitted tire.
+
+    Returns
+    -------
+    dict of str to (float, float)
+
+    Raises
+    ------
+    TirefmuError
+        If the file is not the result of a fit of a tire of this model.
+    """
+    declared = tire_from(tire).book.coefficients
+    intervals = {}
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        mirrored = content["signs"] != "iso"
+        for each in content["coefficients"]:
+            name, half = each["name"], each["interval"]
+            if half is not None:
+                value = float(each["value"]) * (-1.0 if mirrored and declared[name].flips else 1.0)
+                intervals[str(name)] = (value - float(half), value + float(half))
+    except (OSError, ValueError, TypeError, KeyError, RecursionError) as error:
+        what = f"unknown or missing entry {error}" if isinstance(error, KeyError) else str(error)
+        raise TirefmuError(f"{path}: not the JSON result of a fit of this tire's model ({what})") from error
+    if unknown := sorted(intervals.keys() - declared.keys()):
+        raise TirefmuError(f"{path}: {unknown[0]} is no coefficient of the tire's model")
+    return intervals

@@ -1,0 +1,126 @@
+"""Rows of recordings for the page: by operating condition, compact, at most as many as a page can draw."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tirefmu.measurements import CHANNELS, INPUTS, OUTPUTS, Recording, exclude_rows, group_by_condition
+from tirefmu.symbolic.escaping import excerpt
+
+from .tire_data import shown
+
+#: Rows that a page contains; of more, a random selection of each condition.
+MOST_ROWS = 20_000
+#: Conditions with fewer rows are not listed.
+FEWEST_ROWS = 5
+
+
+@dataclass(frozen=True)
+class MeasuredRows:
+    """Rows of a recording at one operating condition.
+
+    Attributes
+    ----------
+    title : str
+    slip : str
+        The swept slip; empty for none or both.
+    levels : mapping of str to float
+        Of the held inputs, in SI units.
+    table : pandas.DataFrame
+        In ISO-W.
+    """
+
+    title: str
+    slip: str
+    levels: dict[str, float]
+    table: pd.DataFrame
+
+
+def measured_rows(recordings: Sequence[Recording], inputs: Collection[str]) -> list[MeasuredRows]:
+    """Return the rows that a fit would use, by operating condition.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+    inputs : collection of str
+        Those that the tire reads.
+
+    Returns
+    -------
+    list of MeasuredRows
+        In the order of the recordings; those with the most rows first.
+
+    Raises
+    ------
+    DataError
+        If a recording has no measured output, or an input is not finite.
+    """
+    found = []
+    for recording in recordings:
+        recording = recording.with_signs("iso")
+        outputs = recording.measured()
+        columns = [name for name in INPUTS if name in recording.table and name in inputs] + list(outputs)
+        included = exclude_rows(recording).included
+        grouping = group_by_condition(recording)
+        order = np.argsort(-grouping.counts, kind="stable")
+        for label in order:
+            rows = recording.table.loc[included & (grouping.labels == label), columns]
+            if len(rows) >= FEWEST_ROWS:
+                held = dict(grouping.conditions[label])
+                found.append(_condition(recording.source, held, grouping.moving[label], rows))
+    return found
+
+
+def _condition(source: str, held: dict[str, float], moving: tuple[str, ...], rows: pd.DataFrame) -> MeasuredRows:
+    slips = [name for name in moving if name in ("kappa", "alpha")]
+    sweep = f"{' and '.join(slips)} swept" if slips else "points"
+    texts = [_level(name, level) for name, level in held.items() if abs(level) > (CHANNELS[name].tolerance or 0.0)]
+    title = ", ".join([f"{excerpt(source, 40)}: {sweep}", *texts, f"{len(rows)} rows"])
+    return MeasuredRows(title, slips[0] if len(slips) == 1 else "", held, rows)
+
+
+def _level(name: str, level: float) -> str:
+    """Return a level that differs from 0, with its unit."""
+    unit, scale = shown(CHANNELS[name].unit)
+    return f"{name} {level * scale:.3g} {unit}".strip()
+
+
+def rows_data(conditions: Sequence[MeasuredRows], most: int = MOST_ROWS) -> dict[str, Any]:
+    """Return conditions as JSON values; columns are base64 texts of little-endian 32-bit floats.
+
+    Parameters
+    ----------
+    conditions : sequence of MeasuredRows
+    most : int
+        Upper limit of the rows.
+
+    Returns
+    -------
+    dict
+        ``total``: number of all rows; ``conditions``: title, slip, levels, number of rows and columns of each.
+    """
+    total = sum(len(each.table) for each in conditions)
+    share = min(1.0, most / total) if total else 1.0
+    return {"total": total, "conditions": [_encoded(each, share) for each in conditions]}
+
+
+def _encoded(condition: MeasuredRows, share: float) -> dict[str, Any]:
+    number = max(1, int(share * len(condition.table)))
+    # Every n-th row would alias with the sweeps.
+    rows = condition.table if share == 1.0 else condition.table.sample(number, random_state=0)
+    return {
+        "title": condition.title,
+        "slip": condition.slip,
+        "levels": condition.levels,
+        "rows": len(rows),
+        "columns": {
+            name: base64.b64encode(rows[name].to_numpy(dtype="<f4").tobytes()).decode("ascii") for name in rows
+        },
+        "outputs": [name for name in OUTPUTS if name in rows],
+    }

@@ -1,0 +1,171 @@
+"""A tire as plain values for the page: coefficients, effects, inputs, outputs, and which coefficient acts when."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import degrees, isfinite
+from typing import Any
+
+from tirefmu.symbolic.declarations import Coefficient, Quantity
+from tirefmu.symbolic.escaping import excerpt, file_name
+from tirefmu.tires import Tire
+
+from .property_file_template import property_file_template
+
+#: Units of the sliders, and what converts SI values into them; other units are those of SI.
+_SHOWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3), "1": ("", 1.0), "-": ("", 1.0), "degC": ("deg C", 1.0)}
+#: Ranges of the sliders of inputs, in SI units, where neither the tire nor a recording has a range.
+RANGES = {
+    "kappa": (-0.3, 0.3), "alpha": (-0.25, 0.25), "gamma": (-0.15, 0.15), "V": (0.0, 60.0), "phit": (-0.2, 0.2),
+    "T": (0.0, 120.0), "t": (0.0, 600.0), "distance": (0.0, 5000.0),
+}  # fmt: skip
+#: Range of an input that is positive, as shares of its nominal value.
+SHARES = (0.1, 2.5)
+#: Roles of quantities that are drawn.
+ROLES = ("friction_x", "friction_y", "stiffness_x", "stiffness_y", "weighting_x", "weighting_y")
+#: Groups of coefficients that no effect owns.
+CORE = "core"
+
+
+def shown(unit: str) -> tuple[str, float]:
+    """Return the unit in which an input is shown, and what converts an SI value into it.
+
+    Examples
+    --------
+    >>> shown("Pa"), shown("N")
+    (('kPa', 0.001), ('N', 1.0))
+    """
+    return _SHOWN.get(unit, (unit, 1.0))
+
+
+def switchable(tire: Tire) -> Tire:
+    """Return a tire with the effects that can be switched: its own and all that a tire of its model has by default.
+
+    Its forces are the same: coefficients of effects that were absent have their neutral values.
+
+    Parameters
+    ----------
+    tire : Tire
+        In ISO-W.
+
+    Returns
+    -------
+    Tire
+    """
+    effects = tire.book.default_effects | tire.has
+    absent = tire.book.owned(*sorted(tire.book.effects.keys() - tire.has))
+    given = {name: value for name, value in tire.values.items() if name not in tire.defaulted or name in absent}
+    return replace(tire, values=given, effects=effects)
+
+
+def tire_data(
+    tire: Tire, name: str, read: Mapping[str, float], intervals: Mapping[str, tuple[float, float]]
+) -> dict[str, Any]:
+    """Return what the page shows of a tire.
+
+    Parameters
+    ----------
+    tire : Tire
+        In ISO-W.
+    name : str
+        Shown where the tire has no name.
+    read : mapping of str to float
+        The coefficients that the page's code reads: they have sliders.
+    intervals : mapping of str to (float, float)
+        95 % intervals of coefficients in ISO-W.
+
+    Returns
+    -------
+    dict
+        JSON values.
+    """
+    whole = switchable(tire)
+    book = whole.book
+    effects = {name: each for name, each in book.effects.items() if name in whole.has}
+    owners = {name: _owner(whole, name) for name in book.coefficients}
+    return {
+        "name": excerpt(tire.name or name, 80),
+        "file_name": file_name(tire.name or name, "tire"),
+        "model": book.name,
+        "title": book.title,
+        "inputs": [_input(tire, quantity) for quantity in book.inputs if quantity.name not in book.states],
+        "outputs": [{"name": q.name, "unit": q.unit, "text": q.description} for q in book.outputs],
+        "roles": {role: _quantity(tire, book.quantity(role)) for role in ROLES if book.quantity(role)},
+        "states": [_state(whole, name) for name in book.states],
+        "coefficients": [
+            _coefficient(declared, whole.values[key], owners[key], key in read, intervals.get(key))
+            for key, declared in book.coefficients.items()
+        ],
+        "effects": [
+            {"name": key, "text": excerpt(each.physics), "on": key in tire.has, "rescales": list(each.rescales),
+             "added": key in {added.name for added in book.added},
+             "input": dict(book.on_demand).get(key, "")}
+            for key, each in effects.items()
+        ],
+        "targets": sorted({q.name for q in book.outputs} | set(book.results)),
+        "lines": [
+            [line.name, line.effects, line.earlier, [[c.present, c.numbers, c.number, c.reads] for c in line.cases]]
+            for line in book.structure.lines
+        ],
+        "file": property_file_template(whole),
+    }  # fmt: skip
+
+
+def _quantity(tire: Tire, name: str) -> dict[str, str]:
+    unit, text = tire.book.structure.quantities[name]
+    return {"name": name, "unit": "" if unit == "1" else unit, "text": excerpt(text)}
+
+
+def _state(tire: Tire, name: str) -> dict[str, Any]:
+    state = tire.book.states[name]
+    target, _, start, _ = state.line_names
+    effects = [effect for effect in tire.book.effects if effect in tire.has and name in tire.book.states_of([effect])]
+    return {"name": name, "settles": state.settles, "target": target, "start": start, "lines": state.line_names,
+            "effects": effects}  # fmt: skip
+
+
+def _owner(tire: Tire, name: str) -> str:
+    """Return the effect under which a coefficient is listed: of several owners the one with the fewest coefficients."""
+    owned = {effect: tire.book.owned(effect) for effect in tire.book.effects if effect in tire.has}
+    owners = [effect for effect, names in owned.items() if name in names]
+    return min(owners, key=lambda effect: len(owned[effect]), default=CORE)
+
+
+def _coefficient(
+    declared: Coefficient, value: float, owner: str, read: bool, interval: tuple[float, float] | None
+) -> dict[str, Any]:
+    """Return a coefficient; the bounds are those of its slider and contain its value."""
+    lower, upper = declared.lower, declared.upper
+    if declared.flips:
+        lower, upper = -upper, -lower
+    room = abs(value) or 1.0
+    lower = lower if isfinite(lower) else min(value, 0.0) - room
+    upper = upper if isfinite(upper) else max(value, 0.0) + room
+    ends = [end for end in interval or () if isfinite(end)]
+    fitted = declared.fitted
+    return {
+        "name": declared.name,
+        "value": value,
+        "neutral": declared.neutral,
+        "unit": "" if declared.unit == "1" else declared.unit,
+        "text": excerpt(declared.description),
+        "lower": min(lower, value, *ends),
+        "upper": max(upper, value, *ends),
+        "owner": owner,
+        "group": declared.channels[0] if fitted and declared.channels else declared.section,
+        "read": read,
+        "interval": ends,
+    }
+
+
+def _input(tire: Tire, quantity: Quantity) -> dict[str, Any]:
+    nominal = tire.nominal(quantity.name)
+    unit, scale = shown(quantity.unit)
+    low, high = (
+        tire.ranges.get(quantity.name) or RANGES.get(quantity.name) or (SHARES[0] * nominal, SHARES[1] * nominal)
+    )
+    return {
+        "name": quantity.name, "text": quantity.description, "unit": unit, "scale": scale, "nominal": nominal,
+        "low": min(low, nominal), "high": max(high, nominal),
+    }  # fmt: skip

@@ -1,0 +1,109 @@
+"""Smallest margins of a constraint between grid points: local minimization over the inputs with exact derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import minimize
+
+from tirefmu.symbolic.model import Model
+
+from .constraint_functions import value_with_slopes
+from .physical import Constraint
+
+FloatArray = npt.NDArray[np.float64]
+#: Number of grid points from which the minimization starts, and their least distance as a share of the range of an
+#: input. A quantity has few extrema, and one on each side of a jump at zero slip.
+STARTS, APART = 4, 0.15
+
+
+def local_extrema(
+    book: Model,
+    constraint: Constraint,
+    points: FloatArray,
+    distance: FloatArray,
+    ranges: Mapping[str, tuple[float, float]],
+    parameters: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the points at which the margin of a constraint is locally smallest, and the bounded values there.
+
+    Parameters
+    ----------
+    book : Model
+    constraint : Constraint
+    points : ndarray, shape (n_inputs, n)
+        A grid.
+    distance : ndarray, shape (n,)
+        Margin of the constraint at the points.
+    ranges : mapping of str to (float, float)
+        Operating range of every input, in the model's order; `Constraint.within` may widen it.
+    parameters : ndarray, shape (n_parameters,)
+
+    Returns
+    -------
+    tuple of ndarray, shapes (n_inputs, n_extrema) and (n_extrema,)
+        No point has a larger margin than the grid point from which it was found.
+    """
+    within = constraint.within(ranges)
+    varied = [i for i, name in enumerate(within) if name in constraint.over and within[name][0] < within[name][1]]
+    if not varied:
+        return points[:, :0], np.zeros(0)
+    low, high = np.array(list(within.values()))[varied].T
+    found = [
+        _descend(book, constraint, points[:, start], varied, low, high - low, parameters)
+        for start in _apart(((points[varied].T - low) / (high - low)), distance)
+    ]
+    return np.stack([point for point, _ in found], axis=1), np.array([value for _, value in found])
+
+
+def _apart(scaled: FloatArray, distance: FloatArray) -> list[int]:
+    """Return the grid points with the smallest margins that are not next to each other."""
+    chosen: list[int] = []
+    left = np.array(distance)
+    for _ in range(STARTS):
+        best = int(np.argmin(left))
+        if left[best] == np.inf:
+            break
+        chosen.append(best)
+        left[np.abs(scaled - scaled[best]).max(axis=1) < APART] = np.inf
+    return chosen
+
+
+def _descend(
+    book: Model,
+    constraint: Constraint,
+    point: FloatArray,
+    varied: Sequence[int],
+    low: FloatArray,
+    width: FloatArray,
+    parameters: FloatArray,
+) -> tuple[FloatArray, float]:
+    """Return the local minimum of the margin that is reached from a point, and the value there."""
+    function = value_with_slopes(book, constraint.quantity, constraint.measure)
+
+    def at(scaled: FloatArray) -> FloatArray:
+        moved = point.copy()
+        moved[varied] = low + scaled * width
+        return moved
+
+    def evaluated(scaled: FloatArray) -> tuple[float, FloatArray]:
+        value, slopes = function(at(scaled), parameters)
+        return float(value), np.array(slopes).ravel()[varied] * width
+
+    start = (point[varied] - low) / width
+    value, _ = evaluated(start)
+    sign = 1.0 if value - constraint.lower <= constraint.upper - value else -1.0  # the nearer bound
+
+    def objective(scaled: FloatArray) -> tuple[float, FloatArray]:
+        value, slopes = evaluated(scaled)
+        return sign * value / constraint.size, sign * slopes / constraint.size
+
+    end = minimize(
+        objective, start, jac=True, method="L-BFGS-B", bounds=[(0.0, 1.0)] * len(varied),
+        options={"ftol": 1e-13, "gtol": 1e-9, "maxiter": 50},
+    )  # fmt: skip
+    if end.fun < sign * value / constraint.size:
+        return at(end.x), sign * constraint.size * float(end.fun)
+    return point, value

@@ -1,0 +1,299 @@
+"""A tire as a Modelica package: functions with derivatives, a record of coefficients, a wheel contact block."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+
+from ...declarations import Quantity
+from ...errors import TirefmuError
+from ...escaping import c_comment, python_comment
+from ..routines import Routine
+from ..states import ENDINGS
+from .expressions import ModelicaPrinter
+from .layout import Layout, filled
+from .program import TOLERANCE, Program
+
+LAYOUT = Layout(ModelicaPrinter(), "{name} := {value};", "// {}", c_comment, indent="  ")
+
+#: What acts instead of a slip that lags: its state, and the slip as the state has it.
+ACTING = {"kappa": ("kappa_lagged", "kappa_lagged"), "alpha": ("tan_alpha_lagged", "atan(tan_alpha_lagged)")}
+
+_PACKAGE = """\
+@head@
+//
+// Usage:
+//     (@outputs@) = @name@.forces(alpha = 0.05@argument@);   // other inputs have their nominal values
+// Self-test: simulate @name@_selftest from @name@_selftest.mo.
+package @name@ "@title@"
+
+@parts@
+
+  function sgn1 "Sign, 1 at 0"
+    input Real x;
+    output Real y;
+  algorithm
+    y := if x >= 0.0 then 1.0 else -1.0;
+  end sgn1;
+
+end @name@;
+"""
+
+_FUNCTION = """\
+  function @function@ "@summary@"
+@inputs@
+@outputs@
+  protected
+@locals@
+  algorithm
+@statements@
+@assigned@@annotation@
+  end @function@;"""
+
+_BLOCK = """\
+  block WheelContact "Forces of the tire@with_states@"
+@declared@
+  equation
+@equations@
+  end WheelContact;"""
+
+_SELF_TEST = """\
+@head@
+//
+// Self-test: simulate from 0 to @stop@ s. Each second is a row of stored results of tirefmu; the variables named
+// after functions are the largest differences of the row, relative to the result or its typical size. An assertion
+// stops the simulation if one exceeds the tolerance.
+model @name@_selftest
+  constant Real rows[@n_rows@, @n_inputs@] = {
+@rows@};
+  constant Real expected[@n_rows@, @n_results@] = {
+@expected@};
+  constant Real sizes[@n_results@] = {@sizes@};
+  Integer row(start = 1, fixed = true);
+@declared@
+equation
+  when time >= pre(row) then
+    row = pre(row) + 1;
+  end when;
+@equations@
+end @name@_selftest;
+"""
+
+
+def files(program: Program) -> dict[str, str]:
+    """Return the package and its self-test.
+
+    Parameters
+    ----------
+    program : Program
+
+    Returns
+    -------
+    dict of str to str
+        Text by file name.
+
+    Raises
+    ------
+    TirefmuError
+        If the coefficients are in a file: Modelica reads none without an external library.
+    """
+    if program.placement == "file":
+        raise TirefmuError("modelica reads no coefficients from a file: use --values inline or struct")
+    printed = {routine.name: routine for routine in program.routines}
+    parts = [_record(program)] if program.coefficients else []
+    parts += [_function(program, routine) for routine in program.routines]
+    if printed.keys() >= {"forces", "jacobian_inputs"}:
+        parts.append(_derivative(program, printed["jacobian_inputs"]))
+    if "forces" in printed:
+        parts.append(_block(program, printed.get("states")))
+    values = {
+        "head": LAYOUT.head(program.header),
+        "name": program.name,
+        "title": python_comment(program.model.title),
+        "outputs": ", ".join(quantity.name for quantity in program.outputs),
+        "argument": ", coefficients = coefficients" if program.coefficients else "",
+        "parts": "\n\n".join(parts),
+    }
+    return {f"{program.name}.mo": filled(_PACKAGE, values), f"{program.name}_selftest.mo": _self_test(program)}
+
+
+def _declared(kind: str, about: Quantity, value: str = "", attributes: str = "") -> str:
+    """Return the declaration of a Real with its unit and description."""
+    attributes = ", ".join(filter(None, [_unit(about.unit), attributes]))
+    text = f"{kind} Real {about.name}{f'({attributes})' if attributes else ''}{value}"
+    return f'{text} "{python_comment(about.description)}";'.strip()
+
+
+def _unit(text: str) -> str:
+    r"""Return the attribute of a unit as Modelica writes it; none for a text that is no unit.
+
+    Examples
+    --------
+    >>> _unit("N m"), _unit("1/rad^2"), _unit('mm " x')
+    ('unit = "N.m"', 'unit = "1/rad2"', '')
+    """
+    unit = text.replace("^", "").replace(" ", ".")
+    factor = "[A-Za-z]+[0-9]*"
+    known = re.fullmatch(rf"(1|{factor}(\.{factor})*)(/({factor}|\({factor}(\.{factor})+\)))?", unit)
+    return f'unit = "{unit}"' if known else ""
+
+
+def _record(program: Program) -> str:
+    declared = program.model.coefficients
+    values = program.coefficients.items()
+    members = [
+        _declared("", Quantity(key, declared[key].unit, declared[key].description), f" = {value!r}")
+        for key, value in values
+    ]
+    return f'  record Coefficients "Coefficients of the tire"\n{LAYOUT.indented(members, 2)}\n  end Coefficients;'
+
+
+def _inputs(program: Program) -> list[str]:
+    lines = [_declared("input", q, f" = {program.nominal[q.name]!r}") for q in program.inputs]
+    return [*lines, *_coefficients_input(program, " = Coefficients()")]
+
+
+def _coefficients_input(program: Program, default: str = "") -> list[str]:
+    return [f"input Coefficients coefficients{default};"] if program.coefficients else []
+
+
+def _function(program: Program, routine: Routine) -> str:
+    """Return a function; results are outputs by name, or a matrix."""
+    meanings = {str(e.symbol): Quantity(str(e.symbol), e.unit, e.description) for e in program.lines}
+    meanings |= {quantity.name: quantity for quantity in program.outputs}
+    matrix = routine.name.startswith("jacobian_")
+    used = routine.uses(list(program.coefficients))
+    assigned = [str(assignment.symbol) for assignment in routine.body]
+    inner = [*used, *(name for name in assigned if matrix or name not in routine.labels)]
+    if matrix:
+        size = f"{len(routine.results)}, {len(routine.labels)}"
+        outputs = [f'output Real result[{size}] "a row for each force, a column for each argument";']
+        rows = [", ".join(LAYOUT.printer.doprint(value) for value in row) for row in routine.results]
+        results = ["result := {", *(f"  {{{row}}}{',' if i < len(rows) - 1 else '};'}" for i, row in enumerate(rows))]
+    else:
+        outputs = [_declared("output", meanings[label]) for label in routine.labels]
+        results = []
+    body = [f"{key} := coefficients.{key};" for key in used]
+    values = {
+        "function": routine.name,
+        "summary": python_comment(routine.summary),
+        "inputs": LAYOUT.indented(_inputs(program), 2),
+        "outputs": LAYOUT.indented(outputs, 2),
+        "locals": LAYOUT.indented((f"Real {name};" for name in inner), 2),
+        "statements": "\n".join([LAYOUT.indented(body, 2), LAYOUT.statements(routine, 2)]).strip("\n"),
+        "assigned": LAYOUT.indented(results, 2),
+        "annotation": _annotation(program) if routine.name == "forces" else "",
+    }
+    return filled(_FUNCTION, values)
+
+
+def _annotation(program: Program) -> str:
+    if not any(routine.name == "jacobian_inputs" for routine in program.routines):
+        return ""
+    without = "(noDerivative = coefficients)" if program.coefficients else ""
+    return f"\n    annotation(derivative{without} = forces_der);"
+
+
+def _derivative(program: Program, jacobian: Routine) -> str:
+    """Return the function of the time derivatives of the forces, by the chain rule."""
+    names = program.input_names
+    inputs = [f"input Real {name};" for name in names] + _coefficients_input(program)
+    inputs += [f"input Real der_{name};" for name in names]
+    outputs = [f"output Real der_{quantity.name};" for quantity in program.outputs]
+    lines = [f"matrix := jacobian_inputs({', '.join(_arguments(program, names))});"]
+    for i, (quantity, row) in enumerate(zip(program.outputs, jacobian.results, strict=True), 1):
+        terms = [
+            f"matrix[{i}, {k}]*der_{name}" for k, (name, value) in enumerate(zip(names, row, strict=True), 1) if value
+        ]
+        lines.append(f"der_{quantity.name} := {' + '.join(terms) or '0.0'};")
+    values = {
+        "function": "forces_der",
+        "summary": "Derivatives of the forces by time",
+        "inputs": LAYOUT.indented(inputs, 2),
+        "outputs": LAYOUT.indented(outputs, 2),
+        "locals": f"    Real matrix[{len(program.outputs)}, {len(names)}];",
+        "statements": LAYOUT.indented(lines, 2),
+        "assigned": "",
+        "annotation": "",
+    }
+    return filled(_FUNCTION, values)
+
+
+def _arguments(program: Program, values: Iterable[str]) -> list[str]:
+    return [*values, *(["coefficients"] if program.coefficients else [])]
+
+
+def _block(program: Program, states: Routine | None) -> str:
+    """Return the block: inputs of the wheel, states that it integrates, forces at the lagged slips."""
+    names = [label.removesuffix(f"_{ENDINGS[0]}") for label in states.labels[:: len(ENDINGS)]] if states else []
+    given = [q for q in program.inputs if q.name not in names]
+    rates, equations = [], []
+    if states:
+        rates = [f"Real {label};" for label in states.labels]
+        equations = [f"({', '.join(states.labels)}) = states({', '.join(_arguments(program, program.input_names))});"]
+        equations += [f"der({name}) = {name}_{ENDINGS[0]};" for name in names]
+    acting = [ACTING[name][1] if name in ACTING and ACTING[name][0] in names else name for name in program.input_names]
+    outputs = [quantity.name for quantity in program.outputs]
+    equations.append(f"({', '.join(outputs)}) = forces({', '.join(_arguments(program, acting))});")
+    declared = ["parameter Coefficients coefficients;"] if program.coefficients else []
+    declared += [_declared("input", q, f" = {program.nominal[q.name]!r}") for q in given]
+    declared += [_declared("output", q) for q in program.outputs]
+    declared += [_declared("", q, attributes="start = 0.0, fixed = true") for q in program.inputs if q.name in names]
+    values = {
+        "with_states": " and its states" if states else "",
+        "declared": LAYOUT.indented([*declared, *rates], 2),
+        "equations": LAYOUT.indented(equations, 2),
+    }
+    return filled(_BLOCK, values)
+
+
+def _self_test(program: Program) -> str:
+    _, sizes, *rows = ([*map(float, line.split())] for line in program.check.splitlines())
+    n = len(program.inputs)
+    declared, equations, start = [], [], 0
+    given = [f"rows[row, {i}]" for i in range(1, n + 1)]
+    if program.coefficients:
+        declared.append(f"{program.name}.Coefficients coefficients;")
+    for routine, (function, size) in zip(program.routines, program.sizes(), strict=True):
+        call = f"{program.name}.{function}({', '.join(_arguments(program, given))});"
+        if function.startswith("jacobian_"):
+            declared.append(f"Real {function}_result[{len(routine.results)}, {len(routine.labels)}];")
+            equations.append(f"{function}_result = {call}")
+            shape = ((i, k) for i in range(1, len(routine.results) + 1) for k in range(1, len(routine.labels) + 1))
+            results = [f"{function}_result[{i}, {k}]" for i, k in shape]
+        else:
+            results = [f"{function}_{label}" for label in routine.labels]
+            declared += [f"Real {name};" for name in results]
+            equations.append(f"({', '.join(results)}) = {call}")
+        terms = [f"abs({name} - expected[row, {k}])/max(sizes[{k}], abs(expected[row, {k}]))"
+                 for k, name in enumerate(results, start + 1)]  # fmt: skip
+        declared.append(f"Real {function};")
+        equations.append(f"{function} = {_largest(terms)};")
+        equations.append(f'assert({function} <= {TOLERANCE[function]!r}, "{function} differ");')
+        start += size
+    values = {
+        "head": LAYOUT.head(program.header[:1]),
+        "name": program.name,
+        "stop": len(rows) - 1,
+        "n_rows": len(rows),
+        "n_inputs": n,
+        "n_results": start,
+        "rows": _matrix(row[:n] for row in rows),
+        "expected": _matrix(row[n:] for row in rows),
+        "sizes": _numbers(sizes),
+        "declared": LAYOUT.indented(declared),
+        "equations": LAYOUT.indented(equations),
+    }
+    return filled(_SELF_TEST, values)
+
+
+def _largest(terms: Sequence[str]) -> str:
+    return f"max({{{', '.join(terms)}}})"
+
+
+def _matrix(rows: Iterable[Sequence[float]]) -> str:
+    return ",\n".join(f"    {{{_numbers(row)}}}" for row in rows)
+
+
+def _numbers(values: Iterable[float]) -> str:
+    return ", ".join(map(repr, values))

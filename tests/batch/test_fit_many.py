@@ -1,0 +1,129 @@
+"""Fits of many tires: the same tires as one by one, failing tires as rows, resuming."""
+
+from __future__ import annotations
+
+import json
+
+import pandas as pd
+import pytest
+
+from tirefmu.batch.fit_many import fit_many, run, task_of
+from tirefmu.batch.jobs import read_jobs
+from tirefmu.cli import main
+from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, write_table
+from tirefmu.tires import published
+
+from .test_execution import cluster
+
+__all__ = ["cluster"]
+
+JOBS = """
+[defaults]
+model = "mf96"
+effects = ["load_friction"]
+recipe = "joint"
+iterations = 3
+nominal = {Fz0 = 700, R0 = 0.23}
+
+[[jobs]]
+name = "front"
+tables = ["bench.csv"]
+
+[[jobs]]
+name = "rear"
+tables = ["bench.csv", "other.csv"]
+
+[[jobs]]
+name = "broken"
+tables = ["missing.csv"]
+
+[[jobs]]
+name = "odd"
+tables = ["bench.csv"]
+effects = ["no_such_effect"]
+"""
+
+
+@pytest.fixture(scope="module")
+def jobs(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("jobs")
+    program = alpha_sweeps([220.0, 700.0, 1120.0], sample_rate=2.0)
+    for seed, name in ((3, "bench"), (4, "other")):
+        table = VirtualBench(published("trento_hoosier"), Noise(), seed=seed).run(program).with_signs("iso").table
+        write_table(table[["alpha", "Fz", "Fy"]], folder / f"{name}.csv")
+    (folder / "jobs.toml").write_text(JOBS)
+    return folder / "jobs.toml"
+
+
+@pytest.fixture(scope="module")
+def batch(jobs, tmp_path_factory):
+    seen = []
+    found = fit_many(jobs, tmp_path_factory.mktemp("out"), workers=2, progress=lambda *each: seen.append(each))
+    assert [(finished, of) for _, finished, of in seen] == [(1, 4), (2, 4), (3, 4), (4, 4)]
+    return found
+
+
+def test_the_tires_are_those_of_single_fits(jobs, batch, tmp_path):
+    run(task_of(read_jobs(jobs)[0])).tire.save(tmp_path / "alone.tir")
+    assert (batch.folder / "front.tir").read_bytes() == (tmp_path / "alone.tir").read_bytes()
+
+
+def test_a_tire_that_cannot_be_fitted_is_a_row_with_its_reason(batch):
+    assert [one.name for one in batch.results] == ["front", "rear", "broken", "odd"]
+    front, _, broken, odd = batch.results
+    assert front.channels["Fy"]["r2"] > 0.9
+    assert broken.status == odd.status == "failed"
+    assert "missing.csv: no such file" in broken.reasons[0]
+    assert "no_such_effect" in odd.reasons[0]
+    table = pd.read_csv(batch.folder / "summary.csv")
+    assert table["name"].tolist() == ["front", "rear", "broken", "odd"]
+    assert table["PDY1"].notna().tolist() == [True, True, False, False]
+    assert "missing.csv" in (batch.folder / "summary.html").read_text(encoding="utf-8")
+    assert not list(batch.folder.glob("broken.tir"))
+
+
+def test_resuming_computes_only_what_is_missing_lost_or_changed(jobs, batch):
+    assert fit_many(jobs, batch.folder, resume=True, progress=lambda *_: pytest.fail("computed again")).results
+    (batch.folder / "front.json").unlink()
+    lost = json.loads((batch.folder / "odd.json").read_text(encoding="utf-8"))
+    lost["result"]["status"] = "lost"
+    (batch.folder / "odd.json").write_text(json.dumps(lost), encoding="utf-8")
+    again = []
+    resumed = fit_many(jobs, batch.folder, workers=1, resume=True, progress=lambda one, *_: again.append(one.name))
+    assert sorted(again) == ["front", "odd"]
+    assert [(one.name, one.status, one.values) for one in resumed.results] == [
+        (one.name, one.status, one.values) for one in batch.results
+    ]
+    other = jobs.with_name("other.csv")
+    unchanged = other.read_bytes()
+    try:
+        other.write_bytes(unchanged[: unchanged.rstrip().rindex(b"\n") + 1])
+        fit_many(jobs, batch.folder, workers=1, resume=True, progress=lambda one, *_: again.append(one.name))
+        assert sorted(again) == ["front", "odd", "rear"]
+    finally:
+        other.write_bytes(unchanged)
+
+
+def test_a_cluster_gives_the_same_tires(jobs, batch, cluster, tmp_path):
+    fit_many(jobs, tmp_path, scheduler=cluster.scheduler_address)
+    assert (tmp_path / "front.tir").read_bytes() == (batch.folder / "front.tir").read_bytes()
+
+
+def test_the_command_reports_each_tire(jobs, tmp_path, capsys):
+    """With two jobs that fail at once: no fit."""
+    short = tmp_path / "jobs.toml"
+    short.write_text(
+        JOBS[JOBS.index("[defaults]") : JOBS.index("[[jobs]]")] + JOBS[JOBS.index('[[jobs]]\nname = "broken') :]
+    )
+    assert (
+        main(
+            ["fit-many", str(short), "-o", str(tmp_path / "out"), "--workers", "1", "--json", str(tmp_path / "o.json")]
+        )
+        == 1
+    )
+    out = capsys.readouterr().out
+    assert "broken: failed: " in out
+    assert "0 of 2 tires are usable" in out
+    assert not json.loads((tmp_path / "o.json").read_text())["ok"]
+    assert main(["fit-many", str(tmp_path / "none.toml"), "-o", str(tmp_path / "out")]) == 2
+    assert "no such file or folder" in capsys.readouterr().err

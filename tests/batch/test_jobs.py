@@ -1,0 +1,62 @@
+"""Files of jobs and folders of recordings."""
+
+from __future__ import annotations
+
+import pytest
+
+from tirefmu.batch.jobs import read_jobs
+from tirefmu.symbolic.errors import TirefmuError
+
+JOB = '[[jobs]]\nname = "front"\ntables = ["a.csv"]\n'
+
+
+def test_defaults_apply_unless_a_job_has_its_own(tmp_path):
+    (tmp_path / "start.tir").touch()
+    (tmp_path / "jobs.toml").write_text(
+        '[defaults]\nmodel = "mf96"\nsigns = "sae"\nnominal = {Fz0 = 700, R0 = 0.23}\n'
+        + JOB + '[[jobs]]\nname = "rear"\ntables = ["b.csv", "c.csv"]\nmodel = "mf61"\nwhere = "t > 5"\n'
+        + 'start = "start.tir"\nrecipe = "joint"\n'
+    )  # fmt: skip
+    front, rear = read_jobs(tmp_path / "jobs.toml")
+    assert (front.name, front.signs, front.where) == ("front", "sae", None)
+    assert front.options == {"model": "mf96", "nominal": {"Fz0": 700, "R0": 0.23}}
+    assert rear.tables == (tmp_path / "b.csv", tmp_path / "c.csv")
+    assert (rear.options["model"], rear.signs, rear.where) == ("mf61", "sae", "t > 5")
+    assert rear.options["start"] == str(tmp_path / "start.tir")
+    assert rear.options["recipe"] == "joint"
+
+
+def test_each_recording_of_a_folder_is_a_job(tmp_path):
+    for name in ("soft.csv", "hard.parquet", "notes.txt"):
+        (tmp_path / name).touch()
+    jobs = read_jobs(tmp_path, {"model": "mf52", "signs": "sae"})
+    assert [job.name for job in jobs] == ["hard", "soft"]
+    assert all(job.options == {"model": "mf52"} and job.signs == "sae" for job in jobs)
+
+
+@pytest.mark.parametrize(("text", "message"), [
+    ("", "0 \\[\\[jobs\\]\\], not 1 to"),
+    ("jobs = 3", "jobs = '3' is not a list"),
+    ("jobs = [3]", "job 1 is not a table"),
+    (JOB.replace("name", "nam"), "unknown key in .*job 1 'nam': did you mean name"),
+    (JOB.replace('tables = ["a.csv"]', ""), "job 1: tables is missing"),
+    (JOB.replace('["a.csv"]', "[3]"), "tables = .* is not a list of texts"),
+    (JOB.replace("front", "../front"), "is not a file name"),
+    (JOB + JOB.replace("front", "Front"), "two jobs have the name 'Front'"),
+    (JOB + "iterations = true", "iterations = 'True' is not a whole number"),
+    (JOB + "nominal = {Fz0 = nan}", "nominal = .* is not a table of numbers"),
+    ("[defaults]\nmodle = 'mf61'\n" + JOB, "unknown key in .*defaults 'modle': did you mean model"),
+    ("[defaults", "jobs.toml: "),
+])  # fmt: skip
+def test_an_invalid_file_is_one_line(tmp_path, text, message):
+    (tmp_path / "jobs.toml").write_text(text)
+    with pytest.raises(TirefmuError, match=message):
+        read_jobs(tmp_path / "jobs.toml")
+
+
+def test_options_belong_to_a_folder(tmp_path):
+    (tmp_path / "jobs.toml").write_text(JOB)
+    with pytest.raises(TirefmuError, match=r"\[defaults\] in the file sets model"):
+        read_jobs(tmp_path / "jobs.toml", {"model": "mf61"})
+    with pytest.raises(TirefmuError, match="no recording"):
+        read_jobs(tmp_path)

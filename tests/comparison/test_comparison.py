@@ -1,0 +1,125 @@
+"""Two tires compared: differences, errors, sweeps without mixed conditions, figures of the tires, page and command."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from math import radians
+
+import numpy as np
+import pytest
+
+from tests.hostile import HOSTILE, Skeleton
+from tirefmu.cli import main
+from tirefmu.comparison.comparison import compare
+from tirefmu.comparison.figures import comparison_figures
+from tirefmu.comparison.report import write_comparison
+from tirefmu.comparison.sweeps import sweeps
+from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps, write_table
+from tirefmu.tires import published, read_tir
+
+LOADS = (440.0, 900.0)
+
+
+@pytest.fixture(scope="module")
+def old():
+    return published("trento_hoosier")
+
+
+@pytest.fixture(scope="module")
+def new(old):
+    return replace(old.with_values(PDY1=2.5, PKY2=3.9), effects=old.has - {"camber_thrust"}, name="new tire")
+
+
+@pytest.fixture(scope="module")
+def bench(old):
+    """Return a recording without noise, in adapted SAE, at two loads, with and without camber and the other slip."""
+    alpha = alpha_sweeps(LOADS, [0.0, radians(3.0)], sample_rate=8.0)
+    return VirtualBench(old, Noise.none()).run(concatenate([alpha, kappa_sweeps(LOADS, [0.0, 0.05], sample_rate=8.0)]))
+
+
+def test_differences_are_those_of_the_values(old, new):
+    result = compare(old, new, names=("old", "new"))
+    iso = old.in_signs("iso").values, new.in_signs("iso").values
+    assert {each.name for each in result.differences} == {name for name in iso[0] if iso[0][name] != iso[1][name]}
+    assert {"PDY1", "PKY2", "PVY3"} <= {each.name for each in result.differences}
+    for each in result.differences:
+        assert (each.first, each.second) == (iso[0][each.name], iso[1][each.name])
+    assert result.effects == (("camber_thrust",), ())
+    assert compare(old, old, names=("a", "a")).differences == ()
+    assert compare(old, old, names=("a", "a")).names == ("a (1)", "a (2)")
+
+
+def test_tires_of_other_models_lack_coefficients(old, golden):
+    result = compare(old, read_tir(golden / "MagicFormula61_Parameters.tir"), names=("old", "new"))
+    values = {each.name: (each.first, each.second) for each in result.differences}
+    assert values["PPY1"][0] is None
+    assert None not in values["PDY1"]
+    json.dumps(result.to_json(), allow_nan=False)
+
+
+def test_errors_are_those_of_the_evaluation(old, new, bench):
+    result = compare(old, new, [bench.with_signs("iso")], names=("old", "new"))
+    assert [each.channel for each in result.errors] == ["Fx", "Fy", "Mz"]
+    side = result.errors[1]
+    assert 0.9 * len(bench) < side.rows <= len(bench)
+    assert side.rmse[0] < 1e-9
+    assert side.r2[0] == pytest.approx(1.0, abs=1e-12)
+    all_rows = new.evaluate(bench.table, signs=bench.signs)["Fy"] - bench.table["Fy"]
+    assert side.rmse[1] == pytest.approx(np.sqrt(np.mean(all_rows**2)), rel=0.1)
+
+
+def test_sweeps_are_upright_and_not_mixed(old, bench):
+    for slip, other in (("alpha", "kappa"), ("kappa", "alpha")):
+        found = sweeps(old, slip, [bench])
+        assert [round(each.load, -1) for each in found] == list(LOADS)
+        for sweep in found:
+            assert sweep.rows["gamma"].abs().max() < radians(1.0)
+            assert sweep.rows[other].abs().max() < 0.02
+            assert np.ptp(sweep.rows["Fz"]) < 100.0
+    assert len(sweeps(old, "alpha", [])) == 3
+
+
+@pytest.mark.parametrize("signs", ["iso", "adapted-sae", "sae"])
+def test_curves_are_those_of_the_tires(old, new, bench, signs):
+    figures = comparison_figures(compare(old, new, names=("old", "new")), [bench], signs)
+    found = sweeps(new, "alpha", [bench.with_signs(signs)])
+    for ax, tire in zip(figures["Fy_over_alpha"].axes, (old, new), strict=True):
+        curves = [line for line in ax.lines if line.get_label().endswith(" N")]
+        assert len(curves) == len(LOADS)
+        for line, sweep in zip(curves, found, strict=True):
+            x, y = line.get_data()
+            table = sweep.rows.iloc[:1].assign(**sweep.held).loc[np.zeros(len(x), int) + sweep.rows.index[0]]
+            expected = tire.evaluate(table.assign(alpha=np.radians(x)).drop(columns="t"), signs=signs)["Fy"]
+            np.testing.assert_allclose(y, expected, rtol=1e-9)
+    slopes = [line for line in figures["Fy_slope_over_alpha"].axes[1].lines if line.get_label().endswith(" N")]
+    curve = next(line for line in figures["stiffness_y_over_load"].axes[0].lines if line.get_label().startswith("new"))
+    for line, sweep in zip(slopes, found, strict=True):
+        steepest = np.abs(line.get_ydata()).max() * np.degrees(1.0)
+        assert steepest == pytest.approx(np.interp(abs(sweep.load), *np.abs(curve.get_data())), rel=0.05)
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_texts_do_not_change_the_page(old, new, bench, tmp_path, monkeypatch, text):
+    monkeypatch.setattr("tirefmu.comparison.report.comparison_figures", lambda *_: {})
+
+    def page(name):
+        result = compare(old, new, [replace(bench, source=name)], names=(name, "second"))
+        (path,) = write_comparison(result, [], tmp_path / "x")
+        return path.read_text(encoding="utf-8")
+
+    assert Skeleton(page(text)).parts == Skeleton(page("plain")).parts
+
+
+def test_the_command(bench, new, tmp_path, capsys):
+    write_table(bench.with_signs("iso").table, tmp_path / "run.csv")
+    new.save(tmp_path / "new.tir")
+    out = tmp_path / "out"
+    arguments = ["compare", "trento_hoosier", str(tmp_path / "new.tir"), str(tmp_path / "run.csv"), "-o", str(out)]
+    assert main([*arguments, "--json", str(tmp_path / "x.json")]) == 0
+    printed = capsys.readouterr().out
+    assert "effects of trento_hoosier only: camber_thrust" in printed
+    written = json.loads((tmp_path / "x.json").read_text())["files"]
+    assert sorted(path.name for path in out.iterdir()) == sorted(path.rpartition("/")[2] for path in written)
+    assert main(["compare", "trento_hoosier", str(tmp_path / "none.tir"), "-o", str(tmp_path / "y")]) == 2
+    assert not (tmp_path / "y").exists()

@@ -1,0 +1,69 @@
+"""Pages in a headless Chromium."""
+
+from __future__ import annotations
+
+import shutil
+
+import pytest
+
+from tirefmu.explorer.explore import explore
+from tirefmu.measurements import VirtualBench, alpha_sweeps, concatenate, kappa_sweeps
+from tirefmu.symbolic.models import MODELS
+from tirefmu.tires import Tire, published, read_tir
+
+FIALA = {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.31, "WIDTH": 0.15, "VERTICAL_STIFFNESS": 2e5, "CSLIP": 9e4,
+         "CALPHA": 6e4, "UMIN": 0.7, "UMAX": 1.1, "ROLLING_RESISTANCE": 0.01}  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def tires(golden):
+    """Return a tire of each model, in ISO-W."""
+    magic = {name: read_tir(golden / f"MagicFormula{name[2:]}_Parameters.tir") for name in ("mf52", "mf61", "mf62")}
+    brush = Tire("brush", {"FNOMIN": 3000.0, "UNLOADED_RADIUS": 0.31})
+    made = {**magic, "fiala": Tire("fiala", FIALA), "brush": brush, "mf96": published("trento_hoosier").in_signs("iso")}
+    assert set(made) == set(MODELS)
+    return made
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """Return a running Chromium; skip the test without it."""
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: make pages")
+    chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    if not chromium:
+        pytest.skip("chromium is not installed")
+    with playwright.sync_playwright() as running:
+        launched = running.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        yield launched
+        launched.close()
+
+
+@pytest.fixture
+def opened(browser, tmp_path):
+    """Return a function that writes a page, opens it and returns it; at the end no page has reported an error."""
+    contexts, problems = [], []
+
+    def open_page(tire, *, width=1400, height=900, fragment="", **content):
+        path = tmp_path / f"page{len(contexts)}.html"
+        explore(tire, path, **content)
+        context = browser.new_context(viewport={"width": width, "height": height}, accept_downloads=True)
+        contexts.append(context)
+        page = context.new_page()
+        page.on("console", lambda message: problems.append(f"{message.type}: {message.text}"))
+        page.on("pageerror", lambda error: problems.append(str(error)))
+        page.on("request", lambda request: None if request.url.startswith("file:") else problems.append(request.url))
+        page.goto(f"{path.as_uri()}{fragment}")
+        page.locator("#charts canvas").first.wait_for()
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert not problems
+
+
+@pytest.fixture(scope="session")
+def bench():
+    """Return a recording of sweeps at two loads, in adapted SAE."""
+    program = concatenate([alpha_sweeps([440.0, 900.0], sample_rate=10.0), kappa_sweeps([700.0], sample_rate=10.0)])
+    return VirtualBench(published("trento_hoosier"), seed=1).run(program)

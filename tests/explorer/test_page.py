@@ -1,0 +1,239 @@
+"""The page in Chromium: its numbers are NumPy's, its controls act, what it saves is the tire that it shows."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tirefmu.symbolic.models import MODELS
+from tirefmu.tires import Tire, read_tir
+from tirefmu.tires.evaluation import quantities
+
+#: Random settings of the sliders for each model: all of them with make pages.
+SETTINGS = 1000 if "TIREFMU_PAGES" in os.environ else 25
+#: Coefficients and effects that a setting changes.
+MOVED, SWITCHED = 5, 3
+
+#: Moves sliders and switches as a hand would, and returns the values that the page then has, and its forces.
+APPLY = """(settings) => settings.map(([coefficients, effects, inputs]) => {
+  const move = (row, share) => {
+    row.slider.value = row.spec.lower + share * (row.spec.upper - row.spec.lower);
+    row.slider.dispatchEvent(new Event("input"));
+  };
+  now.reset();
+  panel.show();
+  for (const name of effects) panel.boxes.get(name).click();
+  for (const [name, share] of coefficients) move(panel.rows.get(name), share);
+  for (const [name, share] of inputs) move(inputRows.get(name), share);
+  const forces = now.forces(inputsOf(now, view.inputs));
+  const plain = Object.fromEntries(Object.entries(forces).map(([name, x]) => [name, Number.isFinite(x) ? x : null]));
+  return [Object.fromEntries(now.values), [...now.on], { ...view.inputs }, plain, SAVE ? propertyFile(now) : ""];
+})"""
+
+
+def until(page, expression):
+    """Wait until an expression is true. The page's security policy forbids the library's own way to wait."""
+    end = time.monotonic() + 30.0
+    while not page.evaluate(expression):
+        assert time.monotonic() < end, expression
+        page.wait_for_timeout(50)
+
+
+def settings_of(page, count, seed=0):
+    """Return random settings: shares of the range of some sliders, and effects to switch."""
+    rng = np.random.default_rng(seed)
+    names, effects, inputs = page.evaluate("[[...panel.rows.keys()], [...panel.boxes.keys()], [...inputRows.keys()]]")
+    effects = [name for name in effects if name]
+    return [
+        [
+            [[str(name), rng.random()] for name in rng.choice(names, min(MOVED, len(names)), replace=False)],
+            [str(name) for name in rng.choice(effects, min(SWITCHED, len(effects)), replace=False)],
+            [[name, rng.random()] for name in inputs],
+        ]
+        for _ in range(count)
+    ]
+
+
+def assert_equal_forces(found, tire, inputs):
+    """Compare forces with NumPy's to 1e-9 of the force or of the load, whichever is larger."""
+    for name, value in tire.forces(code="numpy", **inputs).items():
+        expected = float(value)
+        if np.isfinite(expected):
+            assert found[name] is not None, name
+            assert abs(found[name] - expected) <= 1e-9 * max(abs(expected), inputs["Fz"]), (name, found[name], expected)
+        else:
+            assert found[name] is None, name
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_numbers_and_saved_files_are_those_of_the_tire(opened, tires, tmp_path, model):
+    """Random sliders and switches: forces equal NumPy's, and those of the saved file."""
+    tire = tires[model]
+    page = opened(tire)
+    results = page.evaluate(APPLY.replace("SAVE", "false"), settings_of(page, SETTINGS))
+    results += page.evaluate(APPLY.replace("SAVE", "true"), settings_of(page, 5, seed=1))
+    assert len({json.dumps(result[3]) for result in results}) > 0.8 * len(results)
+    for values, effects, inputs, forces, text in results:
+        changed = Tire(model, values, effects, signs="iso")
+        assert_equal_forces(forces, changed, inputs)
+        if text:
+            (tmp_path / "x.tir").write_text(text, encoding="utf-8")
+            saved = read_tir(tmp_path / "x.tir")
+            assert saved.has == changed.has
+            assert dict(saved.values) == dict(changed.values)
+            assert saved.ranges == tire.ranges
+
+
+def test_added_effects_and_their_states(opened, tires, tmp_path):
+    """Effects of the library are switched, saved and evaluated in equilibrium."""
+    values = {**tires["mf96"].values, "TREF": 60.0, "TMU1": -0.002, "TMU2": 0.0}
+    effects = {*tires["mf96"].has, "temp_friction", "heat_friction", "hysteresis_force"}
+    tire = Tire("mf96", values, effects)
+    page = opened(tire)
+    assert set(page.evaluate("now.states.map((each) => each.name)")) == set(tire.states)
+    for off in ([], ["heat_friction"], ["temp_friction", "hysteresis_force"]):
+        setting = [[["PDY1", 0.6]], off, [["alpha", 0.8], ["Fz", 0.5]]]
+        ((values, found, inputs, forces, text),) = page.evaluate(APPLY.replace("SAVE", "true"), [setting])
+        assert set(found) == effects - set(off)
+        changed = replace(tire, values=values, effects=found)
+        assert_equal_forces(forces, changed, inputs)
+        (tmp_path / "x.tir").write_text(text, encoding="utf-8")
+        assert_equal_forces(forces, read_tir(tmp_path / "x.tir"), inputs)
+
+
+def test_curves_are_drawn_from_the_tire(opened, tires):
+    """The lines of the charts are the forces and quantities over their axes, for every source."""
+    page = opened(tires["mf61"], compare=tires["mf52"])
+    page.evaluate("for (const each of charts) each.update({})")
+    drawn = page.evaluate("charts.map(({ chart }) => [chart.title, chart.curves, chart.locus])")
+    tire, nominal = tires["mf61"], {name: tires["mf61"].nominal(name) for name in tires["mf61"].inputs}
+    checked = set()
+    for title, curves, locus in drawn:
+        assert [curve["style"] for curve in curves][-1] == "now"
+        assert "other" in [curve["style"] for curve in curves]
+        name, _, over = title.split(":")[0].partition(" over ")
+        if locus:
+            continue
+        x = np.array(curves[-1]["x"]) * (np.pi / 180 if over == "alpha" else 1.0)
+        found = tire.forces(**{**nominal, over: x}) if over == "alpha" else {}
+        expected = found[name] if name in found else quantities(tire, {**nominal, over: x})[name]
+        np.testing.assert_allclose(curves[-1]["y"], expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
+        checked.add((name, over))
+    assert checked >= {("Fy", "alpha"), ("Mx", "alpha"), ("G_xa", "alpha"), ("K_yalpha", "Fz"), ("mu_x", "Fz")}
+    assert any(locus for _, _, locus in drawn)
+
+
+def test_dragging_a_slider_moves_the_curve_and_reset_restores_it(opened, tires):
+    page = opened(tires["mf96"])
+    curve = "charts[0].chart.curves.at(-1).y"
+    before = page.evaluate(curve)
+    slider = page.locator("#slider-PDY1")
+    slider.scroll_into_view_if_needed()
+    box = slider.bounding_box()
+    page.mouse.move(box["x"] + 0.3 * box["width"], box["y"] + box["height"] / 2)
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.1 * box["width"], box["y"] + box["height"] / 2, steps=4)
+    page.mouse.up()
+    until(page, f"Math.max(...{curve}) < {0.8 * max(before)}")
+    until(page, "document.getElementById('status').textContent === 'Changed: PDY1.'")
+    page.get_by_label("Reset PDY1").click()
+    until(page, f"Math.max(...{curve}) === {max(before)!r}")
+    until(page, "document.getElementById('status').textContent === 'Nothing is changed.'")
+
+
+def test_keys_and_fields_change_values(opened, tires):
+    page = opened(tires["mf96"])
+    page.locator("#slider-PDY1").focus()
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate("now.values.get('PDY1')") > tires["mf96"].values["PDY1"]
+    page.locator("#field-PDY1").fill("2.25")
+    page.locator("#field-PDY1").press("Enter")
+    assert page.evaluate("now.values.get('PDY1')") == 2.25
+    page.locator("#field-PDY1").fill("")
+    page.locator("#field-PDY1").press("Enter")
+    assert page.evaluate("now.values.get('PDY1')") == 2.25
+    page.locator("#search").fill("peak")
+    assert page.locator(".row:visible label", has_text="PCX1").count() == 0
+
+
+def test_the_save_button_and_the_address_keep_the_state(opened, tires, tmp_path):
+    fragment = "#PDY1=2.5&effect.camber_thrust=off&input.Fz=700&over=kappa&loads=5&PDX1=x&nonsense=1&input.q=1"
+    page = opened(tires["mf96"], fragment=fragment)
+    assert page.evaluate("[now.values.get('PDY1'), now.on.has('camber_thrust'), view]") == [
+        2.5, False, {"inputs": {"kappa": 0, "alpha": 0, "gamma": 0, "Fz": 700}, "over": "kappa", "family": True,
+                     "condition": 0},
+    ]  # fmt: skip
+    assert page.locator("#effect-camber_thrust").is_checked() is False
+    assert page.locator("#field-PVY3").is_disabled()
+    until(page, "!location.hash.includes('nonsense')")
+    assert page.evaluate("location.hash") == "#PDY1=2.5&effect.camber_thrust=off&input.Fz=700&over=kappa&loads=5"
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Save .tir").click()
+    download.value.save_as(tmp_path / "saved.tir")
+    saved = read_tir(tmp_path / "saved.tir")
+    expected = replace(tires["mf96"], values={**tires["mf96"].values, "PDY1": 2.5},
+                       effects=tires["mf96"].has - {"camber_thrust"})  # fmt: skip
+    assert saved == replace(expected, about=saved.about)
+    assert saved.about == {**expected.about, "changed": "PDY1, camber_thrust"}
+
+
+def test_measured_rows_and_their_residuals(opened, tires, bench):
+    """R2 and RMSE of the selected condition and of all rows are those of Python; points belong to the condition."""
+    page = opened(tires["mf96"], recordings=[bench])
+    until(page, "document.querySelectorAll('#quality tbody tr').length > 0")
+    rows = page.evaluate(
+        "[...document.querySelectorAll('#quality tbody tr')].map((r) => [...r.cells].map((c) => c.textContent))"
+    )
+    titles = page.evaluate("measured.conditions.map((each) => each.title)")
+    assert sum("alpha swept, Fz " in title for title in titles) == 2, titles
+    columns = page.evaluate(
+        "measured.conditions.map((c) => Object.fromEntries(Object.entries(c.columns).map(([k, v]) => [k, [...v]])))"
+    )
+    held = [{k: np.array(v) for k, v in condition.items()} for condition in columns]
+    assert 0.9 * len(bench) < sum(len(condition["Fy"]) for condition in held) <= len(bench)
+    for title, conditions in (("condition", held[:1]), ("all rows", held)):
+        measured = np.concatenate([condition["Fy"] for condition in conditions])
+        given = [{k: v for k, v in condition.items() if k in tires["mf96"].inputs} for condition in conditions]
+        error = np.concatenate([tires["mf96"].forces(**inputs)["Fy"] for inputs in given]) - measured
+        (row,) = [row for row in rows if row[0] == f"Fy, {title}"]
+        assert int(row[1]) == len(measured)
+        assert float(row[2]) == pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-4)
+        assert float(row[3]) == pytest.approx(1.0 - np.mean(error**2) / np.var(measured), rel=1e-4)
+    page.locator("#condition").select_option(index=titles.index(next(t for t in titles if "kappa swept" in t)))
+    assert page.evaluate("view.over") == "kappa"
+    assert page.evaluate("view.inputs.Fz") == pytest.approx(700.0, rel=0.01)
+
+
+def test_key_figures_are_those_of_the_curves(opened, tires):
+    tire = tires["mf61"]
+    page = opened(tire)
+    figures = {each["title"]: each for each in page.evaluate(
+        "keyFigures(now, view.inputs, { alpha: range('alpha'), kappa: range('kappa') })")}  # fmt: skip
+    alpha = np.linspace(*tire.ranges["alpha"], 20001)
+    side = tire.forces(alpha=alpha)["Fy"]
+    assert figures["Peak Fy, positive"]["value"] == pytest.approx(side.max(), rel=1e-3)
+    assert figures["alpha of peak Fy, positive"]["value"] == pytest.approx(np.degrees(alpha[side.argmax()]), abs=0.3)
+    step = tire.forces(alpha=[-1e-5, 1e-5])
+    stiffness = -np.diff(step["Fy"])[0] / 2e-5 * np.pi / 180
+    assert figures["Cornering stiffness -dFy/dalpha"]["value"] == pytest.approx(stiffness, rel=1e-9)
+    trail = -1000.0 * (np.diff(step["Mz"]) / np.diff(step["Fy"]))[0]
+    assert figures["Pneumatic trail -dMz/dFy at zero slip"]["value"] == pytest.approx(trail, rel=1e-6)
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (390, 844)])
+def test_accessible_and_without_sideways_scrolling(opened, tires, bench, width, height):
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed: make pages")
+    page = opened(tires["mf96"], recordings=[bench], compare=tires["mf61"], width=width, height=height,
+                  intervals={"PDY1": (2.6, 2.8)})  # fmt: skip
+    until(page, "document.querySelectorAll('#numbers tbody tr').length > 0")
+    page.locator("#slider-PDY1").scroll_into_view_if_needed()
+    page.evaluate("document.querySelectorAll('details').forEach((each) => { each.open = true; })")
+    violations = axe.Axe().run(page).response["violations"]
+    assert not violations, [(each["id"], each["nodes"][0]["html"][:200]) for each in violations]
+    assert page.evaluate("document.documentElement.scrollWidth") <= width
+    assert "95 % interval 2.6 to 2.8" in page.locator(".row", has=page.locator("#slider-PDY1")).inner_text()

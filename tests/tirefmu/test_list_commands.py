@@ -1,0 +1,63 @@
+"""Lists of effects, models and published tires; examples in the help of every command."""
+
+from __future__ import annotations
+
+import json
+import shlex
+
+import pytest
+
+from tirefmu.cli import cli
+from tirefmu.commands.catalogue import effects
+from tirefmu.commands.help_examples import EXAMPLES
+from tirefmu.symbolic.added import library
+from tirefmu.symbolic.models import MODELS
+from tirefmu.tires import published
+
+
+def test_every_effect_that_a_tire_can_have_is_listed(command):
+    listed = {each["name"]: each for each in json.loads(command("effects", "--json", "-", "--quiet").out)["effects"]}
+    assert set(listed) == {*library(), *(name for book in MODELS.values() for name in book.effects)}
+    for name, book in MODELS.items():
+        defaults = {effect for effect, each in listed.items() if each["kind"] == "default" and name in each["models"]}
+        assert defaults == book.default_effects
+    out = command("effects").out
+    assert all(name in out for name in listed)
+
+
+def test_an_effect_is_described_with_formula_coefficients_and_measurement(command):
+    out = command("effects", "temp_friction").out
+    (declared,) = effects("temp_friction")
+    for text in ("TMU1", "1/K", "-0.05 to 0.05", declared["source"], declared["formulas"][0]["factor"], "T"):
+        assert text in out
+    assert "camber_thrust" in command("effects", "--model", "mf61").out
+    assert "camber_thrust" not in command("effects", "--model", "brush").out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [(["camber_trust"], "did you mean camber_thrust?"), (["--model", "mf60"], "unknown model 'mf60'")],
+)
+def test_an_unknown_name_is_one_line(command, arguments, message):
+    outcome = command("effects", *arguments)
+    assert (outcome.status, outcome.out, outcome.err.count("\n")) == (2, "", 1)
+    assert message in outcome.err
+
+
+def test_models_and_published_tires_are_listed(command):
+    found = json.loads(command("models", "--json", "-", "--quiet").out)["models"]
+    assert [each["name"] for each in found] == list(MODELS)
+    tires = json.loads(command("published", "--json", "-", "--quiet").out)["published"]
+    assert [each["name"] for each in tires] == list(published())
+    out = command("models").out + command("published").out
+    assert all(name in out for name in (*MODELS, *published()))
+
+
+def test_every_command_has_examples_that_its_options_accept():
+    assert set(EXAMPLES) == set(cli.commands)
+    for name, lines in EXAMPLES.items():
+        assert f"tirefmu {lines[0]}" in cli.commands[name].get_help(cli.make_context("tirefmu", [name]))
+        for line in lines:
+            first, *arguments = shlex.split(line)
+            assert first == name
+            cli.commands[name].make_context(name, arguments)

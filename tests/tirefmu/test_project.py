@@ -1,0 +1,219 @@
+"""The project file: what it accepts, which steps it has, what is repeated after a change, the page over all results."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from tests.hostile import HOSTILE, Skeleton
+from tirefmu.cli import cli
+from tirefmu.project.project_file import SECTIONS, project_text, read_project
+from tirefmu.project.records import Records
+from tirefmu.project.run import run_project
+from tirefmu.project.steps import steps_of
+from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.terminal import Terminal
+
+from .conftest import EFFECTS
+
+#: A JSON result of each command with what a summary reads.
+RESULTS = {
+    "inspect": {"findings": [{"serious": True, "text": "too few loads"}]},
+    "fit": {"model": "mf96", "verdict": {"word": "usable", "reasons": ["one"]},
+            "channels": [{"recording": "a", "channel": "Fy", "rmse": 1.0, "unit": "N", "r2": None}]},
+    "explore": {"bytes": 10},
+    "export": {"fmi": 3, "inputs": "slip", "bytes": 2048},
+    "check": {"channels": {"Fy": {"rmse": 1.0, "unit": "N", "r2": 0.5}}},
+    "diagnose": {"verdict": "nothing is missing",
+                 "gap": {"holdout": {"Fy": {"before": 2.0, "after": 1.0, "floor": None}}}},
+}  # fmt: skip
+
+
+@pytest.fixture
+def project(tmp_path):
+    """Return a project with two tables; each option of the file is given."""
+    for name in ("a.csv", "b.csv"):
+        (tmp_path / name).write_text(name)
+    (tmp_path / "own.toml").write_text("recipe")
+    text = project_text(["a.csv", "b.csv"], "mf96", {"Fz0": 220.0, "R0": 0.23}, ["load_friction"], "iso")
+    text = text.replace('# recipe = "progressive"', 'recipe = "own.toml"').replace("# where", "where")
+    text = text.replace("# constraints", "constraints").replace("# tolerance", "tolerance").replace("# fmi", "fmi")
+    (tmp_path / "tirefmu.toml").write_text(text)
+    return read_project(tmp_path / "tirefmu.toml")
+
+
+class Commands:
+    """Stands for the commands: writes the outputs of a step, and remembers which were run."""
+
+    def __init__(self, project, status=None):
+        self.steps = {(step.command, *step.arguments): step for step in steps_of(project)}
+        self.status, self.ran, self.text = status or {}, [], "output"
+
+    def __call__(self, command, arguments):
+        step = self.steps[(command, *arguments[1:])]
+        self.ran.append(step.name)
+        for output in step.outputs:
+            if output.suffix:
+                output.write_text(f"{step.name} {self.text}")
+            else:
+                output.mkdir(exist_ok=True)
+                (output / "report.html").write_text(step.name)
+        step.result.write_text(json.dumps(RESULTS[command]))
+        return self.status.get(step.name, 0)
+
+
+ALL = ["inspect", "fit", "explore", "export", "check a", "check b", "diagnose a", "diagnose b"]
+
+
+def repeated(project, commands, **options):
+    commands.ran.clear()
+    outcomes = run_project(project, commands, Terminal(quiet=True), **options)
+    assert [each.step.name for each in outcomes] == ALL
+    assert [each.step.name for each in outcomes if each.repeated] == commands.ran
+    return commands.ran
+
+
+def test_the_options_of_every_step_are_accepted_by_its_command(project):
+    for step in steps_of(project):
+        context = cli.commands[step.command].make_context(step.command, list(step.arguments))
+        given = {key: value for key, value in context.params.items() if value}
+        assert given["json_file"] == step.result
+        if step.command == "fit":
+            assert given["nominal"] == {"Fz0": 220.0, "R0": 0.23}
+            assert given["effects"] == ("load_friction",)
+            assert given["recipe"] == str(project.path.parent / "own.toml")
+            assert given["where"] == "t > 120 and p in 70..90 kPa"
+
+
+def test_only_what_has_changed_is_repeated(project):
+    commands = Commands(project, {"check b": 1})
+    assert repeated(project, commands) == ALL
+    assert repeated(project, commands) == []
+    assert repeated(project, commands, force=True) == ALL
+    (project.folder / "check_a" / "report.html").unlink()
+    assert repeated(project, commands) == ["check a"]
+    (project.path.parent / "own.toml").write_text("another recipe")
+    assert repeated(project, commands) == ["fit"]  # the same tire: nothing else depends on it
+    commands.text = "another tire"
+    (project.path.parent / "b.csv").write_text("more rows")
+    assert repeated(project, commands) == ALL  # the data of the fit, and with it the tire
+    assert repeated(project, commands) == []
+
+
+def test_a_failed_check_is_remembered_and_invalid_input_stops_the_run(project, monkeypatch):
+    commands = Commands(project, {"fit": 1})
+    for _ in range(2):
+        outcomes = run_project(project, commands, Terminal(quiet=True))
+        assert [each.step.name for each in outcomes if each.status] == ["fit"]
+
+    def refuse(command, arguments):
+        raise TirefmuError("no rows")
+
+    with pytest.raises(TirefmuError, match="step inspect: no rows"):
+        run_project(project, refuse, Terminal(quiet=True), force=True)
+    assert Records.of(project.folder).status(steps_of(project)[0]) is None
+    monkeypatch.setitem(RESULTS, "fit", {**RESULTS["fit"], "interrupted": True})
+    with pytest.raises(KeyboardInterrupt):
+        run_project(project, commands, Terminal(quiet=True), force=True)
+    monkeypatch.undo()
+    assert Records.of(project.folder).status(steps_of(project)[1]) is None
+    (project.folder / "run.json").write_text("[damaged")
+    assert repeated(project, commands) == ALL
+
+
+def test_the_page_links_to_every_result(project):
+    run_project(project, Commands(project, {"fit": 1}), Terminal(quiet=True))
+    page = (project.folder / "index.html").read_text(encoding="utf-8")
+    assert "a check failed" in page
+    for step in steps_of(project):
+        for output in step.outputs:
+            file = output if output.suffix else output / "report.html"
+            assert f'href="./{file.relative_to(project.folder).as_posix()}"' in page
+    for text in ("too few loads", "verdict: usable (mf96)", "nothing is missing"):
+        assert text in page
+
+
+@pytest.mark.parametrize("text", [text for text in HOSTILE if text.encode(errors="ignore").decode() == text])
+def test_texts_of_results_do_not_change_the_page(project, monkeypatch, text):
+    def page():
+        run_project(project, Commands(project), Terminal(quiet=True), force=True)
+        return (project.folder / "index.html").read_text(encoding="utf-8")
+
+    monkeypatch.setitem(RESULTS, "inspect", {"findings": [{"serious": True, "text": "plain"}]})
+    plain = page()
+    monkeypatch.setitem(RESULTS, "inspect", {"findings": [{"serious": True, "text": text}]})
+    assert Skeleton(page()).parts == Skeleton(plain).parts
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "[data] tables is missing"),
+        ("[data]\ntables = []", "[data] tables is missing"),
+        ("[dat]\n", "unknown section of PATH 'dat': did you mean data?"),
+        ("data = 3", "data is a section"),
+        ('[data]\ntables = "a.csv"', "[data] tables is 'a.csv': expected a list of paths"),
+        ('[data]\ntables = ["a.csv"]\n[fit]\nmodle = "mf61"', "key of [fit] of PATH 'modle': did you mean model?"),
+        ('[data]\ntables = ["a.csv"]\n[fit]\nnominal = {Fz0 = nan}', "expected a table of numbers"),
+        ('[data]\ntables = ["a.csv"]\n[diagnose]\nrun = 1', "expected true or false"),
+        ("[data\n", "is not TOML"),
+        ("\udcff", "is not TOML"),
+    ],
+)  # fmt: skip
+def test_a_wrong_file_is_one_line(tmp_path, command, text, message):
+    path = tmp_path / "tirefmu.toml"
+    path.write_bytes(text.encode(errors="surrogateescape"))
+    outcome = command("run", path)
+    assert (outcome.status, outcome.err.count("\n")) == (2, 1)
+    assert message.replace("PATH", str(path)) in outcome.err
+    assert [each.name for each in tmp_path.iterdir()] == ["tirefmu.toml"]
+
+
+def test_every_key_has_an_option_of_its_command():
+    commands = {"data": "fit"}
+    for section, keys in SECTIONS.items():
+        options = {
+            option for each in cli.commands.get(commands.get(section, section), cli).params for option in each.opts
+        }
+        assert {key.option for key in keys.values() if key.option} <= options
+
+
+def test_init_and_run(command, bench_csv, tmp_path):
+    """A new project runs as it is; a second run repeats nothing."""
+    path = tmp_path / "tirefmu.toml"
+    arguments = ("init", bench_csv, "--model", "mf96", "--nominal", "Fz0=220,R0=0.23", "--effects", EFFECTS, "-o", path)
+    assert command(*arguments).status == 0
+    assert command(*arguments).err.count("exists already") == 1
+    path.write_text(path.read_text().replace("run = true", "run = false"))
+    first = command("run", path)
+    assert first.err == ""
+    assert first.status in (0, 1)
+    second = command("run", path, "--json", tmp_path / "run.json")
+    assert second.status == first.status
+    summary = json.loads((tmp_path / "run.json").read_text())
+    assert [each["name"] for each in summary["steps"]] == ["inspect", "fit", "explore", "export", "check bench"]
+    assert not any(each["repeated"] for each in summary["steps"])
+    assert summary["ok"] is (first.status == 0)
+    page = Path(summary["index"]).read_text(encoding="utf-8")
+    assert "RMSE" in page
+    for link in [part.split('"')[0] for part in page.split('href="')[1:]]:
+        assert os.path.exists(tmp_path / "results" / link)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "no bench file"),
+        (["missing.csv"], "missing.csv: no such file"),
+        (["--model", "mf60", __file__], "unknown model 'mf60'"),
+        (["--nominal", "Fz=1", __file__], "unknown nominal value 'Fz'"),
+    ],
+)
+def test_init_refuses_in_one_line(command, tmp_path, arguments, message):
+    outcome = command("init", *arguments, "-o", tmp_path / "x.toml")
+    assert (outcome.status, outcome.err.count("\n")) == (2, 1)
+    assert message in outcome.err
+    assert not list(tmp_path.iterdir())

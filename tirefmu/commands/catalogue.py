@@ -1,0 +1,133 @@
+"""What there is to choose from: effects, models, published tires, as plain values."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import Any
+
+from tirefmu.symbolic.added import AddedEffect, library
+from tirefmu.symbolic.declarations import Coefficient, Effect
+from tirefmu.symbolic.effects import EFFECTS
+from tirefmu.symbolic.errors import UnknownName
+from tirefmu.symbolic.models import MODELS, model
+from tirefmu.tires import published
+
+#: How a tire comes to have an effect: with the model, on request, or as an addition to any model.
+KINDS = ("default", "optional", "library")
+
+
+def effects(name: str | None = None, only_model: str | None = None) -> list[dict[str, Any]]:
+    """Return the effects, each with its mechanism, models, coefficients and how a diagnosis finds it.
+
+    Parameters
+    ----------
+    name : str, optional
+        Only this effect.
+    only_model : str, optional
+        Only effects that a tire of this model can have.
+
+    Returns
+    -------
+    list of dict
+        JSON values, by kind and name.
+
+    Raises
+    ------
+    UnknownName
+        If the effect or the model does not exist.
+
+    Examples
+    --------
+    >>> [found["models"] for found in effects("speed_friction")]
+    [['mf52', 'mf61', 'mf62']]
+    """
+    if only_model is not None:
+        model(only_model)  # raises for an unknown one
+    known: dict[str, Effect | AddedEffect] = {**EFFECTS, **library()}
+    for book in MODELS.values():
+        known |= {effect.name: effect for effect in book.own_effects}
+    if name is not None and name not in known:
+        raise UnknownName("effect", name, known)
+    found = [_effect(effect) for effect in known.values() if name in (None, effect.name)]
+    found = [each for each in found if only_model is None or only_model in each["models"]]
+    return sorted(found, key=lambda each: (KINDS.index(each["kind"]), each["name"]))
+
+
+def _effect(effect: Effect | AddedEffect) -> dict[str, Any]:
+    added = isinstance(effect, AddedEffect)
+    if isinstance(effect, AddedEffect):
+        models = [name for name, book in MODELS.items() if book.has_place_for(effect)]
+        coefficients = {declared.name: _coefficient(declared) for declared in effect.declarations}
+    else:
+        models = [name for name, book in MODELS.items() if effect.name in book.effects]
+        owned = [(MODELS[name], key) for name in models for key in sorted(MODELS[name].owned(effect.name))]
+        coefficients = {key: _coefficient(book.coefficients[key]) for book, key in owned}
+    optional = not added and any(MODELS[name].effects[effect.name].optional for name in models)
+    detection = effect.detection
+    return {
+        "name": effect.name,
+        "kind": "library" if added else "optional" if optional else "default",
+        "physics": effect.physics,
+        "source": getattr(effect, "source", ""),
+        "models": models,
+        "coefficients": coefficients,
+        "formulas": [{"on": act.on, act.how: act.text} for act in getattr(effect, "acts", ())],
+        "states": [state.name for state in getattr(effect, "states", ())],
+        "needs": list(detection.requires) if detection else [],
+        "channels": list(detection.channels) if detection else [],
+        "confounded_with": [each.other for each in detection.confounded] if detection else [],
+        "separate_by": detection.separate_by if detection else "",
+    }
+
+
+def _coefficient(declared: Coefficient) -> dict[str, Any]:
+    bounds = [bound if isfinite(bound) else None for bound in (declared.lower, declared.upper)]
+    return {"description": declared.description, "unit": declared.unit, "bounds": bounds}
+
+
+def models() -> list[dict[str, Any]]:
+    """Return the models: name, title, inputs, outputs, number of coefficients, effects.
+
+    Examples
+    --------
+    >>> [(found["name"], found["outputs"]) for found in models()][-1]
+    ('mf96', ['Fx', 'Fy', 'Mz'])
+    """
+    return [
+        {
+            "name": name,
+            "title": book.title,
+            "inputs": [quantity.name for quantity in book.inputs],
+            "outputs": [quantity.name for quantity in book.outputs],
+            "coefficients": len(book.coefficients),
+            "effects": sorted(book.default_effects),
+            "recipes": list(book.recipes),
+        }
+        for name, book in MODELS.items()
+    ]
+
+
+def published_tires() -> list[dict[str, Any]]:
+    """Return the published tires: name, model, nominal load and radius, ranges, source.
+
+    Examples
+    --------
+    >>> [(found["name"], found["model"]) for found in published_tires()]
+    [('trento_hoosier', 'mf96'), ('unicamp_small_tire', 'mf61')]
+    """
+    found = []
+    for name in published():
+        tire = published(name)
+        found.append(
+            {
+                "name": name,
+                "tire": tire.name,
+                "model": tire.model,
+                "Fz0": tire.values["FNOMIN"],
+                "R0": tire.values["UNLOADED_RADIUS"],
+                "signs": tire.signs,
+                "ranges": {key: list(ends) for key, ends in tire.ranges.items()},
+                "about": dict(tire.about),
+            }
+        )
+    return found

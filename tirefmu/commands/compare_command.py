@@ -1,0 +1,64 @@
+"""``tirefmu compare``: what differs between two tires."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, common, write_json
+
+
+@click.command()
+@click.argument("tire", type=FILE)
+@click.argument("tire2", type=FILE)
+@click.argument("tables", type=FILE, nargs=-1)
+@click.option("-o", "--output", type=FILE, required=True, help="Folder for report.html and the figures.")
+@click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
+@click.option("--draw-signs", type=SIGNS, default="iso", show_default=True, help="Sign convention of the figures.")
+@WHERE
+@click.option("--all", "every", is_flag=True, help="List every coefficient that differs.")
+@common
+def compare(
+    tire: Path, tire2: Path, tables: tuple[Path, ...], output: Path, signs: str | None, draw_signs: str,
+    where: str | None, every: bool, quiet: bool, json_file: Path | None,
+) -> int:  # fmt: skip
+    """Compare TIRE with TIRE2, of any models: coefficients, errors over TABLES, figures of old and new parameters."""
+    check_output_paths(json_file, folder=output)
+    check_input_paths(tire, tire2, *tables)
+    from tirefmu.comparison.comparison import compare as run
+    from tirefmu.comparison.report import write_comparison
+    from tirefmu.measurements import recordings_from
+    from tirefmu.tires import tire_from
+
+    from ..terminal import Terminal
+
+    terminal = Terminal(quiet)
+    first, second = tire_from(tire), tire_from(tire2)
+    recordings = recordings_from(tables, signs=signs, where=where) if tables else []
+    terminal.selection(*recordings)
+    with terminal.working("comparing"):
+        result = run(first, second, recordings, names=(tire.stem, tire2.stem))
+        written = write_comparison(result, recordings, output, signs=draw_signs)
+    write_json(json_file, {**result.to_json(), "files": [str(path) for path in written]})
+    for name, names in zip(result.names, result.effects, strict=True):
+        if names:
+            terminal.print(f"effects of {name} only: {', '.join(names)}")
+    quality = []
+    for each in result.errors:
+        pairs = zip(each.rmse, each.r2, strict=True)
+        numbers = [_short(number) for pair in pairs for number in pair]
+        quality.append([each.recording, each.channel, str(each.rows), *numbers])
+    if quality:
+        columns = [f"{what} {name}" for name in result.names for what in ("RMSE", "R2")]
+        terminal.table("", (["recording", "channel", "rows", *columns], quality))
+    values = [
+        [each.name, _short(each.first), _short(each.second), each.unit, each.description] for each in result.differences
+    ]
+    terminal.table("", (["coefficient", *result.names, "unit", "description"], values), most=10_000 if every else 12)
+    terminal.print(f"{len(values)} coefficients differ; report: {written[0]}")
+    return 0
+
+
+def _short(value: float | None) -> str:
+    return "-" if value is None else f"{value:.5g}"

@@ -1,0 +1,46 @@
+"""``tirefmu explore``: a page with sliders for a tire."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from ..arguments import FILE, SIGNS, WHERE, check_input_paths, check_output_paths, common, write_json
+
+
+@click.command()
+@click.argument("tire", type=FILE)
+@click.argument("tables", type=FILE, nargs=-1)
+@click.option("-o", "--output", type=FILE, required=True, help="HTML page to write.")
+@click.option("--compare", type=FILE, help="Second tire, of any model.")
+@click.option("--fit", "fit_json", type=FILE, help="Result of 'fit --json': its 95 % intervals are marked.")
+@click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
+@WHERE
+@common
+def explore(
+    tire: Path, tables: tuple[Path, ...], output: Path, compare: Path | None, fit_json: Path | None,
+    signs: str | None, where: str | None, quiet: bool, json_file: Path | None,
+) -> int:  # fmt: skip
+    """Write a page with sliders for the coefficients, effects and inputs of TIRE, over the data of TABLES.
+
+    The page is one file that needs no connection. It saves a changed tire as .tir; its address contains its state.
+    """
+    check_output_paths(output, json_file)
+    check_input_paths(tire, *tables, *(path for path in (compare, fit_json) if path))
+    from tirefmu.explorer.explore import explore as run
+    from tirefmu.explorer.fit_intervals import fit_intervals
+    from tirefmu.measurements import recordings_from
+
+    from ..terminal import Terminal
+
+    terminal = Terminal(quiet)
+    intervals = fit_intervals(fit_json, tire) if fit_json else {}
+    recordings = recordings_from(tables, signs=signs, where=where) if tables else []
+    terminal.selection(*recordings)
+    with terminal.working("writing the page"):
+        run(tire, output, recordings=recordings, compare=compare, intervals=intervals)
+    size = output.stat().st_size
+    write_json(json_file, {"ok": True, "page": str(output), "bytes": size})
+    terminal.print(f"page: {output} ({size / 1024:.0f} KB)")
+    return 0

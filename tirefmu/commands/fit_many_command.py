@@ -1,0 +1,71 @@
+"""``tirefmu fit-many``: fits of many tires, on processes of this machine or on a Dask cluster."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from tirefmu.symbolic.errors import TirefmuError
+
+from ..arguments import FILE, MODEL, SIGNS, WHERE, Pairs, check_output_paths, common, names, write_json
+
+if TYPE_CHECKING:
+    from tirefmu.batch.records import JobResult
+
+
+@click.command("fit-many")
+@click.argument("jobs", type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="Folder for tires, reports and summary.")
+@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler, such as tcp://10.0.0.5:8786  [default: this "
+                                                     "machine]")  # fmt: skip
+@click.option("--workers", type=click.IntRange(min=1), help="Processes of this machine  [default: its processors]")
+@click.option("--resume", is_flag=True, help="Keep the results of the folder that are still valid.")
+@MODEL
+@click.option("--start", help="Of a folder: tire with initial values, or 'features'.")
+@click.option("--effects", callback=names, help="Of a folder: exactly these effects, or 'none'.")
+@click.option("--without", callback=names, help="Of a folder: all effects except these.")
+@click.option("--recipe", help="Of a folder: recipe or TOML file.")
+@click.option("--nominal", type=Pairs(), help="Of a folder: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
+@click.option("--signs", type=SIGNS, help="Of a folder: convention of the tables.")
+@WHERE
+@common
+def fit_many(
+    jobs: Path, output: Path, scheduler: str | None, workers: int | None, resume: bool, quiet: bool,
+    json_file: Path | None, **options: str | tuple[str, ...] | dict[str, float] | None,
+) -> int:  # fmt: skip
+    """Fit many tires: JOBS is a TOML file, or a folder in which each recording is a tire.
+
+    A file has [[jobs]] with name, tables and options, and [defaults] with options of all jobs.
+    Options are those of tirefmu fit: model, start, effects, without, recipe, nominal, signs, where, rows, loss, method,
+    iterations, seed, screening, constraints, without_constraints.
+
+    Each tire and its report are written when the fit ends. A tire that cannot be fitted is a row of the summary with
+    its reason. Exit code 1 if a tire is not usable. Ctrl-C keeps what is written; --resume continues.
+    """
+    check_output_paths(json_file, folder=output)
+    if not jobs.exists():
+        raise TirefmuError(f"{jobs}: no such file or folder")
+    if scheduler and workers:
+        raise TirefmuError("--workers is for this machine, --scheduler for a cluster")
+    from tirefmu.batch.fit_many import fit_many as run
+
+    from ..terminal import Terminal
+
+    terminal = Terminal(quiet)
+
+    def progress(result: JobResult, finished: int, jobs: int) -> None:
+        reason = f": {result.reasons[0]}" if result.reasons else ""
+        terminal.print(f"{finished} of {jobs}  {result.name}: {result.status}{reason}")
+
+    given = {
+        key: list(value) if isinstance(value, tuple) else value for key, value in options.items() if value is not None
+    }
+    with terminal.working("fitting"):
+        batch = run(jobs, output, scheduler=scheduler, workers=workers, resume=resume, progress=progress, **given)
+    unusable = [one.name for one in batch.results if not one.usable]
+    write_json(json_file, {"ok": not unusable, "results": [one.to_json() for one in batch.results]})
+    terminal.print(f"{len(batch.results) - len(unusable)} of {len(batch.results)} tires are usable")
+    terminal.print(f"tires, reports and summary.html: {output}")
+    return 1 if unusable else 0

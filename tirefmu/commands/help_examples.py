@@ -1,0 +1,53 @@
+"""Examples at the end of each command's help."""
+
+from __future__ import annotations
+
+import click
+
+#: Command lines without the name of the program, by command.
+EXAMPLES = {
+    "inspect": ("inspect cornering.mat drivebrake.mat -o page.html", 'inspect run.csv --where "p in 70..90 kPa"'),
+    "fit": (
+        "fit cornering.mat drivebrake.mat --model mf61 -o my.tir --report fit.html",
+        "fit run.csv --model mf96 --nominal Fz0=220,R0=0.23 --effects load_friction,camber_thrust -o my.tir",
+        "fit run.csv --start my.tir --recipe scaling -o scaled.tir",
+    ),
+    "fit-many": (
+        "fit-many jobs.toml -o tires --resume",
+        "fit-many recordings --model mf61 --nominal Fz0=1000,R0=0.25 -o tires",
+    ),
+    "study": ("study my.fmu study.toml -o results",),
+    "evaluate": (
+        "evaluate my.tir table.csv -o forces.csv",
+        "evaluate trento_hoosier run.mat -o forces.parquet --steady",
+    ),
+    "export": ("export my.tir -o my.fmu", "export my.tir -o my.fmu --inputs wheel --fmi 2 --platforms all"),
+    "check": ("check my.fmu run.csv", "check my.fmu run.csv --tolerance 0.05 --figures figures"),
+    "diagnose": (
+        "diagnose run.csv --tire my.tir -o answer",
+        "diagnose run.csv --model mf61 --nominal Fz0=1100,R0=0.2 -o answer",
+    ),
+    "explore": (
+        "explore my.tir -o tire.html",
+        "explore my.tir run.csv --fit fit.json -o tire.html",
+        "explore new.tir --compare trento_hoosier -o tires.html",
+    ),
+    "compare": ("compare old.tir new.tir run.csv -o comparison", "compare my.tir trento_hoosier -o comparison"),
+    "generate": ("generate my.tir --language cpp -o code", "generate mf61 --language matlab --only Fy,Mz -o code"),
+    "convert": ("convert my.tir --for adams -o adams.tir",),
+    "lint": ("lint my.tir --for carsim",),
+    "info": ("info my.tir", "info trento_hoosier --all"),
+    "draw": ("draw my.tir -o figures", "draw unicamp_small_tire --loads 60,110,160 --format svg -o figures"),
+    "effects": ("effects --model mf61", "effects temp_friction"),
+    "models": ("models", "models --json models.json"),
+    "published": ("published",),
+    "init": ("init cornering.mat drivebrake.mat --model mf61 --nominal Fz0=1100,R0=0.2", "init"),
+    "run": ("run", "run tirefmu.toml --force"),
+    "demo": ("demo -o demo-output",),
+}
+
+
+def add_examples(group: click.Group) -> None:
+    """Put the examples at the end of the help of each command of a group."""
+    for name, lines in EXAMPLES.items():
+        group.commands[name].epilog = "\b\nExamples:\n" + "\n".join(f"  tirefmu {line}" for line in lines)

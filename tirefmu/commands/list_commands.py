@@ -1,0 +1,96 @@
+"""``tirefmu effects``, ``tirefmu models`` and ``tirefmu published``: what there is to choose from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..arguments import check_output_paths, common, write_json
+
+
+@click.command()
+@click.argument("name", required=False)
+@click.option("--model", help="Only effects that a tire of this model can have.")
+@common
+def effects(name: str | None, model: str | None, quiet: bool, json_file: Path | None) -> int:
+    """List the effects of tires, or describe the effect NAME: formula, coefficients, how to measure it.
+
+    Kinds: default (part of the model), optional (part of it on request), library (an addition to any model).
+    """
+    check_output_paths(json_file)
+    from ..terminal import Terminal
+    from .catalogue import effects as found_effects
+
+    found = found_effects(name, model)
+    write_json(json_file, {"ok": True, "effects": found})
+    terminal = Terminal(quiet)
+    if name:
+        for each in found:
+            terminal.print(*_description(each))
+            rows = [
+                [key, one["unit"], _bounds(one["bounds"]), one["description"]]
+                for key, one in each["coefficients"].items()
+            ]
+            terminal.table("", (["coefficient", "unit", "bounds", "description"], rows))
+        return 0
+    rows = [[each["name"], each["kind"], ", ".join(each["models"]), each["physics"]] for each in found]
+    terminal.table("", (["effect", "kind", "models", "description"], rows))
+    terminal.print("tirefmu effects NAME describes one")
+    return 0
+
+
+def _description(effect: dict[str, Any]) -> list[str]:
+    lines = [f"{effect['name']} ({effect['kind']}): {effect['physics']}"]
+    lines += [f"  source: {effect['source']}"] if effect["source"] else []
+    lines.append(f"  models: {', '.join(effect['models'])}")
+    for formula in effect["formulas"]:
+        lines += [
+            f"  {formula['on']} * ({formula['factor']})"
+            if "factor" in formula
+            else f"  {formula['on']} + {formula['term']}"
+        ]
+    for key, title in (("states", "states"), ("needs", "inputs that must vary to find it"), ("channels", "channels"),
+                       ("confounded_with", "confounded with")):  # fmt: skip
+        lines += [f"  {title}: {', '.join(effect[key])}"] if effect[key] else []
+    return [*lines, f"  to measure it: {effect['separate_by']}"] if effect["separate_by"] else lines
+
+
+def _bounds(bounds: list[float | None]) -> str:
+    return " to ".join("-" if bound is None else f"{bound:g}" for bound in bounds)
+
+
+@click.command()
+@common
+def models(quiet: bool, json_file: Path | None) -> int:
+    """List the tire models: inputs, outputs, number of coefficients, recipes of a fit."""
+    check_output_paths(json_file)
+    from ..terminal import Terminal
+    from .catalogue import models as found_models
+
+    found = found_models()
+    write_json(json_file, {"ok": True, "models": found})
+    rows = [
+        [each["name"], " ".join(each["inputs"]), " ".join(each["outputs"]), str(each["coefficients"]), each["title"]]
+        for each in found
+    ]
+    Terminal(quiet).table("", (["model", "inputs", "outputs", "coefficients", "description"], rows))
+    return 0
+
+
+@click.command()
+@common
+def published(quiet: bool, json_file: Path | None) -> int:
+    """List the published tires. Every command takes their names in place of a file."""
+    check_output_paths(json_file)
+    from ..terminal import Terminal
+    from .catalogue import published_tires
+
+    found = published_tires()
+    write_json(json_file, {"ok": True, "published": found})
+    rows = [[each["name"], each["model"], f"{each['Fz0']:g}", f"{each['R0']:g}", each["tire"]] for each in found]
+    terminal = Terminal(quiet)
+    terminal.table("", (["tire", "model", "Fz0 (N)", "R0 (m)", "description"], rows))
+    terminal.print("tirefmu info NAME shows source, ranges and coefficients")
+    return 0

@@ -1,0 +1,116 @@
+"""``tirefmu init`` and ``tirefmu run``: a project file, and the run of all its steps."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tirefmu.symbolic import DEFAULT_MODEL
+from tirefmu.symbolic.errors import TirefmuError, UnknownName
+
+from ..arguments import FILE, MODEL, SIGNS, Pairs, check_output_paths, common, names, write_json
+
+DEFAULT = Path("tirefmu.toml")
+
+
+@click.command()
+@click.argument("tables", type=FILE, nargs=-1)
+@MODEL
+@click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
+@click.option("--effects", callback=names, help="Exactly these effects in addition to the core, or 'none'.")
+@click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
+@click.option("-o", "--output", type=FILE, default=DEFAULT, show_default=True, help="Project file to write.")
+@common
+def init(
+    tables: tuple[Path, ...], model: str | None, nominal: dict[str, float] | None, effects: tuple[str, ...] | None,
+    signs: str | None, output: Path, quiet: bool, json_file: Path | None,
+) -> int:  # fmt: skip
+    """Write a project file for the bench files TABLES. In a terminal, without TABLES, it asks for what it needs."""
+    check_output_paths(output, json_file)
+    if output.exists():
+        raise TirefmuError(f"{output}: exists already")
+    if not tables:
+        if not sys.stdin.isatty():
+            raise TirefmuError("no bench file: name the tables, or run tirefmu init in a terminal")
+        tables, model, nominal = _asked(model, nominal)
+    for table in tables:
+        if not table.is_file():
+            raise TirefmuError(f"{table}: no such file")
+    from tirefmu.fitting.fit import NOMINAL
+    from tirefmu.symbolic.models import model as model_of
+
+    from ..project.project_file import project_text
+    from ..terminal import Terminal
+
+    chosen = model or DEFAULT_MODEL
+    model_of(chosen)  # raises for an unknown one
+    for name in nominal or {}:
+        if name not in NOMINAL:
+            raise UnknownName("nominal value", name, NOMINAL)
+    paths = [_relative(table, output.parent) for table in tables]
+    output.write_text(project_text(paths, chosen, nominal or {}, effects, signs), encoding="utf-8")
+    write_json(json_file, {"ok": True, "project": str(output), "tables": paths, "model": chosen})
+    Terminal(quiet).print(f"project: {output}; edit it and run: tirefmu run {output}")
+    return 0
+
+
+def _asked(model: str | None, nominal: dict[str, float] | None) -> tuple[tuple[Path, ...], str, dict[str, float]]:
+    """Return tables, model and nominal values as the user enters them."""
+    entered = click.prompt("Bench files, separated by blanks")
+    tables = tuple(map(Path, entered.split()))
+    model = model or click.prompt("Model", default=DEFAULT_MODEL)
+    given = dict(nominal or {})
+    for name, text in (("Fz0", "Nominal load, N"), ("R0", "Unloaded radius, m")):
+        if name not in given:
+            given[name] = click.prompt(text, type=float)
+    return tables, model, given
+
+
+def _relative(path: Path, folder: Path) -> str:
+    """Return a path as the project file has it: relative to its folder, with slashes."""
+    try:
+        return Path(os.path.relpath(path, folder)).as_posix()
+    except ValueError:  # another drive
+        return path.absolute().as_posix()
+
+
+@click.command()
+@click.argument("project", type=FILE, default=DEFAULT)
+@click.option("--force", is_flag=True, help="Repeat all steps, also those whose results are up to date.")
+@common
+@click.pass_context
+def run(context: click.Context, project: Path, force: bool, quiet: bool, json_file: Path | None) -> int:
+    """Run the project file PROJECT: inspect, fit, explore, export, check, diagnose, and a page over all results.
+
+    Only steps whose command, input files or results have changed are repeated. Exit code 1 if a check of a step failed.
+    """
+    check_output_paths(json_file)
+    from ..project.project_file import read_project
+    from ..project.run import run_project
+    from ..terminal import Terminal
+
+    group = context.find_root().command
+
+    def command(name: str, arguments: Sequence[str]) -> int:
+        status: Any = group.main(args=[name, *arguments], prog_name="tirefmu", standalone_mode=False)
+        return int(status or 0)
+
+    terminal = Terminal(quiet)
+    read = read_project(project)
+    outcomes = run_project(read, command, terminal, force=force)
+    failed = [each.step.name for each in outcomes if each.status]
+    steps = [
+        {"name": each.step.name, "ok": each.status == 0, "repeated": each.repeated, "summary": list(each.summary)}
+        for each in outcomes
+    ]
+    index = read.folder / "index.html"
+    write_json(json_file, {"ok": not failed, "index": str(index), "steps": steps})
+    terminal.print(
+        "", f"{'check failed: ' + ', '.join(failed) if failed else 'all checks passed'}; index page: {index}"
+    )
+    return 1 if failed else 0

@@ -1,0 +1,145 @@
+"""``tirefmu fit``: a tire from recordings, with its verdict, findings about the data, figures and report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .arguments import (
+    FILE,
+    MODEL,
+    SIGNS,
+    WHERE,
+    Pairs,
+    check_input_paths,
+    check_output_paths,
+    common,
+    names,
+    write_json,
+)
+
+if TYPE_CHECKING:
+    from tirefmu.measurements import Finding, Recording
+    from tirefmu.tires import Tire
+
+
+@click.command()
+@click.argument("tables", type=FILE, nargs=-1, required=True)
+@MODEL
+@click.option("-o", "--output", type=FILE, required=True, help="Tire file (.tir) to write.")
+@click.option(
+    "--start",
+    type=FILE,
+    help="Tire with initial values, or 'features' to read them from the data (default: generic).",
+)
+@click.option("--effects", callback=names, help="Exactly these effects in addition to the core, or 'none'.")
+@click.option("--without", callback=names, default="none", help="All effects except these.")
+@click.option("--recipe", help="progressive, joint, trento, scaling (of --start), one of the model's own, or a TOML "
+                               "file  [default: the model's]")  # fmt: skip
+@click.option("--method", default="ipopt", show_default=True,
+              help="ipopt, or ioa: an evolutionary algorithm without derivatives, for comparison.")  # fmt: skip
+@click.option(
+    "--iterations",
+    type=click.IntRange(min=1),
+    help="Iteration limit of a stage  [default: ipopt 300, ioa 10000]",
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of ioa's random numbers.")
+@click.option("--constraint", callback=names, default="none",
+              help="Physical constraints in addition to the default ones: extrapolation (signs and E up to "
+                   "1.5 times the range), stiffness_saturating (also K_xkappa), or all.")  # fmt: skip
+@click.option("--without-constraint", callback=names, default="none",
+              help="Physical constraints to remove: signs, curvature, friction_falling, stiffness_saturating, "
+                   "extrapolation, a single one (curvature:E_y), or all.")  # fmt: skip
+@click.option("--loss", default="squares", show_default=True,
+              help="Loss function: squares; huber or cauchy for data with outliers.")  # fmt: skip
+@click.option("--nominal", type=Pairs(), help="Nominal values: Fz0 (N), R0 (m), p0 (Pa), V0 (m/s).")
+@click.option("--signs", type=SIGNS, help="Convention of the tables (default: sae for .mat and .dat, iso for tables).")
+@WHERE
+@click.option("--all-rows", is_flag=True, help="Do not exclude rows (warm-up, transitions, outliers).")
+@click.option("--rows", default="condition", show_default=True,
+              help="Weights of rows: condition (equal per operating condition), equal, or independent.")  # fmt: skip
+@click.option("--resume", is_flag=True, help="Continue an interrupted fit.")
+@click.option("--cross-validate", "folds", type=click.IntRange(min=2),
+              help="Also predict operating conditions out of sample, with this number of folds.")  # fmt: skip
+@click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
+@click.option("--report", type=FILE, help="HTML report with tables and figures.")
+@common
+def fit(
+    tables: tuple[Path, ...], model: str | None, output: Path, start: Path | None, effects: tuple[str, ...] | None,
+    without: tuple[str, ...], recipe: str | None, method: str, iterations: int | None, seed: int,
+    constraint: tuple[str, ...], without_constraint: tuple[str, ...], loss: str,
+    nominal: dict[str, float] | None, signs: str | None, where: str | None, all_rows: bool,
+    rows: str, resume: bool, folds: int | None,
+    figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
+) -> int:  # fmt: skip
+    """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
+
+    The output starts with a verdict: usable, usable with limits, or not usable (exit code 1), with the reasons.
+
+    Ctrl-C stops a fit; the best values so far are written, and the exit code is 1. NAME.progress.json, in the folder of
+    the tire, has the completed stages. --resume continues after them. A completed fit deletes the file.
+    """
+    check_output_paths(output, json_file, report, folder=figures)
+    check_input_paths(*tables)
+    from tirefmu.measurements import check_convention, recordings_from
+
+    from .terminal import Terminal
+
+    terminal = Terminal(quiet)
+    recordings = recordings_from(tables, signs=signs, where=where)
+    for recording in recordings:  # before the slower imports
+        check_convention(recording)
+    terminal.selection(*recordings)
+    from tirefmu.fitting import assign_folds, cross_validate
+    from tirefmu.fitting import fit as run
+
+    if folds:
+        assign_folds(recordings, folds)  # raises before the fit if there are too few parts
+    finished_stages = output.with_name(f"{output.stem}.progress.json")
+    options: dict[str, Any] = {
+        "start": None if start is None else str(start), "effects": effects, "without": without, "recipe": recipe,
+        "method": method, "iterations": iterations, "seed": seed, "nominal": nominal,
+        "screening": not all_rows, "rows": rows, "loss": loss, "constraints": constraint,
+        "without_constraints": without_constraint,
+    }  # fmt: skip
+    with terminal.fitting() as progress:
+        result = run(recordings, model, progress=progress, checkpoint=finished_stages, resume=resume, **options)
+        if folds and not result.interrupted:
+            held_out = cross_validate(recordings, model, folds=folds, whole=result, progress=progress, **options)
+            result = replace(result, held_out=held_out)
+    result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
+    result.tire.save(output)
+    findings = _findings(result.tire, recordings)
+    write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
+    warned = {finding.text for finding in findings if finding.serious}
+    terminal.fit_result(replace(result, notes=tuple(note for note in result.notes if note not in warned)), findings)
+    terminal.print(f"tire: {output}")
+    if result.interrupted and finished_stages.exists():
+        terminal.print(f"completed stages: {finished_stages}; to continue, run the same command with --resume")
+    if figures:
+        from tirefmu.fitting.reporting.figures import draw_figures
+
+        with terminal.working("drawing figures"):
+            drawn = draw_figures(result, recordings, figures)
+        terminal.print(f"figures: {len(drawn)} in {figures}")
+    if report:
+        from tirefmu.fitting.reporting.report import write_report
+
+        with terminal.working("writing the report"):
+            write_report(result, recordings, report)
+        terminal.print(f"report: {report}")
+    return 0 if result.verdict.usable else 1
+
+
+def _findings(tire: Tire, recordings: Sequence[Recording]) -> list[Finding]:
+    """Return findings about the data, and about what the tire leaves in the residual."""
+    from tirefmu.measurements import data_findings, residual_findings
+
+    from .evaluation import predicted_outputs
+
+    predicted = [predicted_outputs(tire, each) for each in recordings]
+    return [*data_findings(recordings), *residual_findings(recordings, predicted)]

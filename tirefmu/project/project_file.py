@@ -1,0 +1,241 @@
+"""The project file ``tirefmu.toml``: its sections and keys, read and written."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from tirefmu.symbolic.bounded_file import read_bounded
+from tirefmu.symbolic.errors import TirefmuError, UnknownName
+from tirefmu.symbolic.escaping import quoted, toml_string
+
+#: Name of the file where none is given.
+DEFAULT_NAME = "tirefmu.toml"
+#: Upper limit of its size, bytes.
+LARGEST = 1_000_000
+#: Kinds of values, as a message names them.
+KINDS = {
+    "text": "a text",
+    "file": "the path of a file",
+    "name or file": "a name, or the path of a file",
+    "files": "a list of paths",
+    "names": "a list of names",
+    "number": "a number",
+    "pairs": "a table of numbers, such as {Fz0 = 1000.0, R0 = 0.25}",
+    "flag": "true or false",
+}
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key of the project file: the kind of its value, and the option of the command that takes it."""
+
+    kind: str
+    option: str = ""
+
+
+#: The keys of each section. Options are those of the command with the name of the section; those of [data] are options
+#: of all commands that read tables.
+SECTIONS: dict[str, dict[str, Key]] = {
+    "data": {"tables": Key("files"), "signs": Key("text", "--signs"), "where": Key("name or file", "--where")},
+    "fit": {
+        "model": Key("text", "--model"),
+        "nominal": Key("pairs", "--nominal"),
+        "effects": Key("names", "--effects"),
+        "without": Key("names", "--without"),
+        "start": Key("name or file", "--start"),
+        "recipe": Key("name or file", "--recipe"),
+        "constraints": Key("names", "--constraint"),
+        "without_constraints": Key("names", "--without-constraint"),
+        "loss": Key("text", "--loss"),
+        "rows": Key("text", "--rows"),
+        "cross_validate": Key("number", "--cross-validate"),
+    },
+    "export": {
+        "fmi": Key("text", "--fmi"),
+        "inputs": Key("text", "--inputs"),
+        "axes": Key("text", "--axes"),
+        "platforms": Key("text", "--platforms"),
+        "kind": Key("text", "--kind"),
+    },
+    "check": {"tolerance": Key("number", "--tolerance")},
+    "diagnose": {"run": Key("flag"), "tables": Key("files"), "candidates": Key("names", "--candidates")},
+    "output": {"folder": Key("file")},
+}
+
+
+@dataclass(frozen=True)
+class Project:
+    """A project.
+
+    Attributes
+    ----------
+    path : Path
+        Of the file.
+    sections : mapping of str to mapping of str to Any
+        The given values; paths are relative to the folder of the file.
+    """
+
+    path: Path
+    sections: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    def get(self, section: str, key: str, default: Any = None) -> Any:
+        """Return a value, or a default."""
+        return self.sections.get(section, {}).get(key, default)
+
+    def located(self, name: str) -> Path:
+        """Return a path of the file as seen from the current folder."""
+        return self.path.parent / name
+
+    @property
+    def tables(self) -> tuple[Path, ...]:
+        """The tables of the fit and the checks."""
+        return tuple(map(self.located, self.get("data", "tables")))
+
+    @property
+    def diagnosed(self) -> tuple[Path, ...]:
+        """The tables of the diagnosis: all, unless the file has a list of its own or none is diagnosed."""
+        if not self.get("diagnose", "run", True):
+            return ()
+        own = self.get("diagnose", "tables")
+        return self.tables if own is None else tuple(map(self.located, own))
+
+    @property
+    def folder(self) -> Path:
+        """The folder of all results."""
+        return self.located(self.get("output", "folder", "results"))
+
+    def options(self, section: str) -> list[str]:
+        """Return the options of a command: those of a section that the file has."""
+        found: list[str] = []
+        for name, key in SECTIONS[section].items():
+            value = self.get(section, name)
+            if key.option and value is not None:
+                found += [key.option, self._argument(key.kind, value)]
+        return found
+
+    def files_of(self, section: str) -> list[Path]:
+        """Return the files, other than tables, that a section names and that exist."""
+        named = [self.get(section, name) for name, key in SECTIONS[section].items() if key.kind == "name or file"]
+        return [self.located(name) for name in named if name is not None and self._is_file(name)]
+
+    def _argument(self, kind: str, value: Any) -> str:
+        if kind == "names":
+            return ",".join(value) or "none"
+        if kind == "pairs":
+            return ",".join(f"{name}={number!r}" for name, number in value.items())
+        if kind == "name or file" and self._is_file(value):
+            return str(self.located(value))
+        return str(value)
+
+    def _is_file(self, name: str) -> bool:
+        try:
+            return self.located(name).is_file()
+        except (OSError, ValueError):  # an expression is too long for a name, or has a character that no name has
+            return False
+
+
+def read_project(path: Path) -> Project:
+    """Read a project file.
+
+    Parameters
+    ----------
+    path : Path
+
+    Returns
+    -------
+    Project
+
+    Raises
+    ------
+    TirefmuError
+        If it cannot be read, is not TOML, or has no tables.
+    UnknownName
+        If a section or a key does not exist.
+    """
+    try:
+        content = tomllib.loads(read_bounded(path, LARGEST).decode("utf-8"))
+    except OSError as error:
+        raise TirefmuError(f"{path}: cannot be read ({error.strerror or error})") from error
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
+        raise TirefmuError(f"{path}: is not TOML: {error}") from error
+    for section, keys in content.items():
+        if section not in SECTIONS:
+            raise UnknownName(f"section of {path}", section, SECTIONS)
+        if not isinstance(keys, dict):
+            raise TirefmuError(f"{path}: {section} is a section: [{section}]")
+        for name, value in keys.items():
+            if name not in SECTIONS[section]:
+                raise UnknownName(f"key of [{section}] of {path}", name, SECTIONS[section])
+            if not _is(SECTIONS[section][name].kind, value):
+                kind = KINDS[SECTIONS[section][name].kind]
+                raise TirefmuError(f"{path}: [{section}] {name} is {quoted(value)}: expected {kind}")
+    if not content.get("data", {}).get("tables"):
+        raise TirefmuError(f"{path}: [data] tables is missing: the list of bench files")
+    return Project(path, content)
+
+
+def _is(kind: str, value: Any) -> bool:
+    if kind in ("files", "names"):
+        return isinstance(value, list) and all(isinstance(each, str) for each in value)
+    if kind == "pairs":
+        return isinstance(value, dict) and all(map(_is_number, value.values()))
+    if kind == "number":
+        return _is_number(value)
+    return isinstance(value, bool if kind == "flag" else str)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def project_text(
+    tables: Sequence[str], model: str, nominal: Mapping[str, float], effects: Sequence[str] | None, signs: str | None
+) -> str:
+    """Return the text of a new project file, with remarks for what may be added.
+
+    Examples
+    --------
+    >>> print(project_text(["run.csv"], "mf61", {"Fz0": 1000.0}, None, None).splitlines()[2])
+    tables = ["run.csv"]
+    """
+    listed = ", ".join(map(toml_string, tables))
+    values = ", ".join(f"{name} = {value!r}" for name, value in nominal.items())
+    chosen = None if effects is None else ", ".join(map(toml_string, effects))
+    lines = [
+        "# tirefmu run: inspects the data, fits, exports, checks, diagnoses; redoes what has changed.",
+        "[data]",
+        f"tables = [{listed}]",
+        f"signs = {toml_string(signs)}"
+        if signs
+        else '# signs = "sae"  # default: sae for .mat and .dat, iso for tables',
+        '# where = "t > 120 and p in 70..90 kPa"',
+        "",
+        "[fit]",
+        f"model = {toml_string(model)}",
+        f"nominal = {{{values}}}" if nominal else "# nominal = {Fz0 = 1000.0, R0 = 0.25, p0 = 80000.0}  # N, m, Pa",
+        f"effects = [{chosen}]"
+        if chosen is not None
+        else '# effects = ["load_friction"]  # tirefmu effects lists them',
+        '# recipe = "progressive"',
+        '# constraints = ["extrapolation"]',
+        "",
+        "[export]",
+        'inputs = "slip"  # or "wheel"',
+        '# fmi = "3"',
+        '# platforms = "all"',
+        "",
+        "[check]",
+        "# tolerance = 0.05  # share of the largest value of a channel",
+        "",
+        "[diagnose]",
+        "run = true",
+        "",
+        "[output]",
+        'folder = "results"',
+    ]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,99 @@
+"""Records of the steps that were run: a step is repeated if its command line, inputs or outputs have changed."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from hashlib import file_digest, sha256
+from importlib.metadata import version
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from tirefmu.symbolic.bounded_file import read_bounded
+from tirefmu.symbolic.errors import TirefmuError
+
+from .steps import Step
+
+#: Name of the file with the records, in the folder of the results.
+NAME = "run.json"
+LARGEST = 10_000_000
+
+
+@dataclass
+class Records:
+    """The records of a folder of results.
+
+    Attributes
+    ----------
+    path : Path
+        Of the file; a file that is missing or damaged has no record.
+    entries : dict of str to dict
+        Key, digests of the outputs and exit code of each step, by its name.
+    """
+
+    path: Path
+    entries: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, folder: Path) -> Records:
+        """Return the records in a folder."""
+        path = folder / NAME
+        try:
+            entries = json.loads(read_bounded(path, LARGEST))
+        except (OSError, ValueError, RecursionError):
+            entries = {}
+        whole = isinstance(entries, dict) and all(isinstance(each, dict) for each in entries.values())
+        return cls(path, entries if whole else {})
+
+    def status(self, step: Step) -> int | None:
+        """Return the exit code of a step whose results are up to date, or None."""
+        entry = self.entries.get(step.name, {})
+        status = entry.get("status")
+        current = entry.get("key") == _key(step) and entry.get("outputs") == _digests(step.outputs)
+        return status if current and status in (0, 1) else None
+
+    def add(self, step: Step, status: int) -> None:
+        """Record a step that has ended, and write the file."""
+        self.entries[step.name] = {"key": _key(step), "outputs": _digests(step.outputs), "status": status}
+        self._write()
+
+    def forget(self, step: Step) -> None:
+        """Remove the record of a step that begins, and write the file."""
+        if self.entries.pop(step.name, None):
+            self._write()
+
+    def _write(self) -> None:
+        try:
+            self.path.write_text(json.dumps(self.entries, indent=1) + "\n", encoding="utf-8")
+        except OSError as error:
+            raise TirefmuError(f"{self.path}: cannot be written ({error.strerror or error})") from error
+
+
+def _key(step: Step) -> str:
+    """Return a digest of what determines the results: version, equations, command line, contents of the inputs."""
+    equations = (files("tirefmu.generated") / "MANIFEST.json").read_bytes()
+    parts = [version("tirefmu"), sha256(equations).hexdigest(), step.command, step.arguments, _digests(step.inputs)]
+    return sha256(json.dumps(parts).encode()).hexdigest()
+
+
+def _digests(paths: Iterable[Path]) -> dict[str, str]:
+    """Return the digest of each file, also of those in folders; '' for one that does not exist."""
+    return {str(path): _digest(path) for given in paths for path in files_of(given)}
+
+
+def files_of(path: Path) -> Iterator[Path]:
+    """Yield a file, or the files in a folder and below it."""
+    if path.is_dir():
+        yield from sorted(each for each in path.rglob("*") if each.is_file())
+    else:
+        yield path
+
+
+def _digest(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            return file_digest(file, "sha256").hexdigest()
+    except OSError:
+        return ""

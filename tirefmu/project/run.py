@@ -1,0 +1,127 @@
+"""The run of a project: each step whose results are not up to date, then one page over all results."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+from urllib.parse import quote
+
+from tirefmu.symbolic.errors import TirefmuError
+from tirefmu.tires.drawing.page import page_text, write_page
+
+from ..terminal import Terminal
+from .project_file import Project
+from .records import Records, files_of
+from .steps import Step, steps_of
+from .summaries import summary_of
+
+#: Runs a command with arguments and returns its exit code.
+Command = Callable[[str, Sequence[str]], int]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A step of a run.
+
+    Attributes
+    ----------
+    step : Step
+    status : int
+        0: success; 1: completed, but a check failed.
+    repeated : bool
+        False if the results were up to date.
+    summary : tuple of str
+        What the step found, a line each.
+    """
+
+    step: Step
+    status: int
+    repeated: bool
+    summary: tuple[str, ...]
+
+
+def run_project(project: Project, command: Command, terminal: Terminal, *, force: bool = False) -> list[Outcome]:
+    """Run the steps of a project and write the page ``index.html``.
+
+    Parameters
+    ----------
+    project : Project
+    command : callable
+        Runs a command with arguments and returns its exit code.
+    terminal : Terminal
+        Shows the outcome of each step, a line or a few.
+    force : bool
+        Repeat also the steps whose results are up to date.
+
+    Returns
+    -------
+    list of Outcome
+
+    Raises
+    ------
+    TirefmuError
+        If a table does not exist, a folder or file cannot be written, or a step has invalid input; steps before it
+        are recorded.
+    KeyboardInterrupt
+        If a step was interrupted; it is repeated by the next run.
+    """
+    for table in (*project.tables, *project.diagnosed):
+        if not table.is_file():
+            raise TirefmuError(f"{project.path}: no such table: {table}")
+    try:
+        project.folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise TirefmuError(f"{project.folder}: cannot be created ({error.strerror or error})") from error
+    records, steps = Records.of(project.folder), steps_of(project)
+    outcomes = []
+    for number, step in enumerate(steps, 1):
+        outcome = _run(step, records, command, terminal, force)
+        outcomes.append(outcome)
+        state = ("ok" if outcome.status == 0 else "check failed") + ("" if outcome.repeated else ", up to date")
+        terminal.heading(f"{number}/{len(steps)} {step.name}:", state)
+        terminal.print(*(f"  {line}" for line in outcome.summary))
+    _write_index(project, outcomes)
+    return outcomes
+
+
+def _run(step: Step, records: Records, command: Command, terminal: Terminal, force: bool) -> Outcome:
+    status = None if force else records.status(step)
+    repeated = status is None
+    if status is None:
+        records.forget(step)
+        try:
+            with terminal.working(step.name):
+                status = command(step.command, ["--quiet", *step.arguments])
+        except TirefmuError as error:
+            raise TirefmuError(f"step {step.name}: {error}") from error
+        if _result(step).get("interrupted"):
+            raise KeyboardInterrupt  # a fit ends with the best values so far, which is no complete step
+        records.add(step, status)
+    return Outcome(step, status, repeated, tuple(summary_of(step.command, _result(step))))
+
+
+def _result(step: Step) -> dict[str, Any]:
+    try:
+        content = json.loads(step.result.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise TirefmuError(f"{step.result}: cannot be read ({error})") from error
+    return content if isinstance(content, dict) else {}
+
+
+def _write_index(project: Project, outcomes: Sequence[Outcome]) -> None:
+    path = project.folder / "index.html"
+    folder = project.folder
+
+    def links(outcome: Outcome) -> list[tuple[str, str]]:
+        first = [outcome.step.page] if outcome.step.page else []
+        written = [file for output in outcome.step.outputs for file in files_of(output)]
+        names = [each.relative_to(folder).as_posix() for each in dict.fromkeys([*first, *written])]
+        return [(name, "./" + quote(name)) for name in names]
+
+    text = page_text("tirefmu.project", {"links": links}, title=project.path.resolve().parent.name, outcomes=outcomes)
+    try:
+        write_page(text, path)
+    except OSError as error:
+        raise TirefmuError(f"{path}: cannot be written ({error.strerror or error})") from error

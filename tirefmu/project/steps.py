@@ -1,0 +1,100 @@
+"""The steps of a project: command lines with the files that they read and write."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from tirefmu.symbolic.escaping import file_name
+
+from .project_file import Project
+
+
+@dataclass(frozen=True)
+class Step:
+    """A command line of a project.
+
+    Attributes
+    ----------
+    name : str
+        Unique in the project.
+    command : str
+    arguments : tuple of str
+        After the name of the command.
+    inputs : tuple of Path
+        Files that the result depends on.
+    outputs : tuple of Path
+        Files and folders that it writes.
+    result : Path
+        Its JSON result, one of the outputs.
+    page : Path or None
+        What a reader opens first, one of the outputs or in one of them.
+    """
+
+    name: str
+    command: str
+    arguments: tuple[str, ...]
+    inputs: tuple[Path, ...]
+    outputs: tuple[Path, ...]
+    result: Path
+    page: Path | None = None
+
+
+def steps_of(project: Project) -> list[Step]:
+    """Return the steps of a project in their order.
+
+    Parameters
+    ----------
+    project : Project
+
+    Returns
+    -------
+    list of Step
+    """
+    folder, tables, data = project.folder, project.tables, project.options("data")
+    given = (*tables, *project.files_of("data"))
+    tire, fmu, fitted = folder / "tire.tir", folder / "tire.fmu", folder / "fit.json"
+    inspection, report, explorer = folder / "inspect.html", folder / "fit.html", folder / "explorer.html"
+    fit_options = [*data, *project.options("fit"), "-o", str(tire), "--report", str(report)]
+    explore_options = [*data, "--fit", str(fitted), "-o", str(explorer)]
+    steps = [
+        _step(folder, "inspect", [*data, "-o", str(inspection)], tables, given, inspection),
+        _step(folder, "fit", fit_options, tables, (*given, *project.files_of("fit")), report, tire),
+        _step(folder, "explore", explore_options, (tire, *tables), (tire, fitted, *given), explorer),
+        _step(folder, "export", [*project.options("export"), "-o", str(fmu)], (tire,), (tire,), None, fmu),
+    ]
+    for table, label in zip(tables, labels(tables), strict=True):
+        figures = folder / f"check_{label}"
+        options = [*data, *project.options("check"), "--figures", str(figures)]
+        steps.append(_step(folder, "check", options, (fmu, table), (fmu, *given), None, figures, label=label))
+    for table, label in zip(project.diagnosed, labels(project.diagnosed), strict=True):
+        answer = folder / f"diagnosis_{label}"
+        options = [*data, *project.options("diagnose"), "--tire", str(tire), "-o", str(answer)]
+        inputs = (tire, table, *project.files_of("data"))
+        steps.append(_step(folder, "diagnose", options, (table,), inputs, answer / "report.html", answer, label=label))
+    return steps
+
+
+def _step(
+    folder: Path, command: str, options: list[str], operands: tuple[Path, ...], inputs: tuple[Path, ...],
+    page: Path | None, *outputs: Path, label: str = "",
+) -> Step:  # fmt: skip
+    """Return a step that also writes its JSON result; a page that is not in an output is an output."""
+    name = f"{command} {label}".strip()
+    result = folder / f"{name.replace(' ', '_')}.json"
+    inside = page is None or page.parent in outputs
+    written = (result, *outputs) if inside else (result, page, *outputs)
+    arguments = (*options, "--json", str(result), "--", *map(str, operands))
+    return Step(name, command, arguments, inputs, tuple(path for path in written if path), result, page)
+
+
+def labels(tables: tuple[Path, ...]) -> list[str]:
+    """Return a short name for each table, part of file names; numbered where two tables have the same.
+
+    Examples
+    --------
+    >>> labels((Path("a/run 1.csv"), Path("c.mat"))), labels((Path("a/run.csv"), Path("b/run.csv")))
+    (['run_1', 'c'], ['1_run', '2_run'])
+    """
+    names = [file_name(table.stem) for table in tables]
+    return names if len(set(names)) == len(names) else [f"{i}_{name}" for i, name in enumerate(names, 1)]
