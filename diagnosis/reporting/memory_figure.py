@@ -39,7 +39,8 @@ def draw_memory(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
     -------
     Path
     """
-    states = diagnosis.tire.states
+    computed = _evaluated(diagnosis, diagnosis.tire)
+    states = [name for name in diagnosis.tire.states if np.ptp(computed[name]) > 0.0]
     figure = Figure(figsize=(13.0, 3.6 + 1.5 * len(states)), layout="constrained")
     grid = figure.add_gridspec(1 + len(states), 2, height_ratios=(2.4, *(1.0 for _ in states)))
     slip = max((n for n in (ALPHA.name, KAPPA.name) if n in diagnosis.rows), key=lambda n: np.ptp(diagnosis.rows[n]))
@@ -50,7 +51,6 @@ def draw_memory(diagnosis: Diagnosis, channel: str, path: str | Path) -> Path:
         ax.set(title=title, xlabel=f"{LETTER[slip]} ({drawn_unit(slip)})")
     left.set_ylabel(f"mean residual of {LETTER[channel]} ({drawn_unit(channel)})")
     left.legend(fontsize=8)
-    computed = _evaluated(diagnosis, diagnosis.tire)
     first: Axes | None = None
     for i, name in enumerate(states):
         ax = figure.add_subplot(grid[1 + i, :], sharex=first)
