@@ -34,8 +34,8 @@ IntArray = npt.NDArray[np.intp]
 #: one before. `fmu/packaging/sources.py` prints these numbers and the next ones for the FMU.
 FIRST_STEP, GROWTH = 0.3, 1.2
 #: The largest number of iterations; a change of the values that is accepted then; how often a step is halved that has a
-#: larger one. The values of a step that still has a larger one are NaN.
-MOST_ITERATIONS, ACCEPTED, MOST_HALVINGS = 50, 1e-9, 20
+#: larger one (more would take hours). The values of a step that still has a larger one are NaN.
+MOST_ITERATIONS, ACCEPTED, MOST_HALVINGS = 50, 1e-9, 10
 #: Iterations end when no value changes by more than this share.
 CONVERGED = 1e-13
 #: Steps that are solved together at first.

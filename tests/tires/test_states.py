@@ -105,7 +105,7 @@ def test_a_state_without_a_value_is_not_a_number():
     """A lag almost without length follows a force that falls by more than the state rises."""
     text = HEAD + '[states.late]\nkind = "lag"\ndrive = "abs(Fy)/FNOMIN"\nlength = "1e-9*OWNLEN"\n' + ACT
     effects = (read_effect(text, "own.toml"),)
-    tire = Tire("mf61", {**BODY, "GAIN": -5.0}, effects=["own"], added=effects)
+    tire = Tire("mf61", {**BODY, "GAIN": -1e5}, effects=["own"], added=effects)
     missing = tire.evaluate(levels(4))["Fy"].isna()
     assert missing.any()
     assert missing.is_monotonic_increasing  # no value returns
