@@ -195,6 +195,7 @@ class Simulation:
         end = np.where(last_step, 1.0, FIRST_STEP * (GROWTH ** (k + 1) - 1.0) / growth / length)
         return _Steps(interval, begin, end, (end - begin) * rows, last_step)
 
+    @np.errstate(over="ignore", invalid="ignore")  # of values that are not accepted
     def _solve(self, steps: _Steps, driven: list[State], x: FloatArray, rows: FloatArray) -> FloatArray:
         """Solve steps, put the values at rows into the acting rows, and return the values at the end."""
         if not len(steps.h):

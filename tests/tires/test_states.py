@@ -102,10 +102,11 @@ def test_a_step_with_strong_feedback_is_halved():
 
 
 def test_a_state_without_a_value_is_not_a_number():
-    """A lag almost without length follows a force that falls by more than the state rises."""
-    text = HEAD + '[states.late]\nkind = "lag"\ndrive = "abs(Fy)/FNOMIN"\nlength = "1e-9*OWNLEN"\n' + ACT
+    """A sum grows with the square of the force that grows with it: beyond all bounds in finite time."""
+    text = '[states.late]\nkind = "accumulation"\ndrive = "OWNLEN*(Fy/100)**2"\n'
+    text = HEAD.replace("{}", "{flips = true}") + text + '[[acts]]\non = "Fy"\nterm = "GAIN*FNOMIN*late"\n'
     effects = (read_effect(text, "own.toml"),)
-    tire = Tire("mf61", {**BODY, "GAIN": -1e5}, effects=["own"], added=effects)
+    tire = Tire("mf61", {**BODY, "GAIN": 1.0, "OWNLEN": 1.0}, effects=["own"], added=effects)
     missing = tire.evaluate(levels(4))["Fy"].isna()
     assert missing.any()
     assert missing.is_monotonic_increasing  # no value returns
