@@ -109,9 +109,15 @@ class Screen:
         return np.stack([self._column(form, probe) for probe in form.probes], axis=-1)
 
     def probed(self, form: Form, probe: Probe) -> FloatArray:
-        """Return the parameters with a probe applied; coefficients that are already fitted are shifted by it."""
+        """Return the parameters with a probe applied, at the first point of the form's grid.
+
+        Coefficients that are already fitted are shifted by the probe, and their values on the grid are ignored.
+        """
         simulator, parameters = self.problem.simulator, self.solution.parameters.copy()
         declarations = simulator.book.coefficients
+        for name, values in form.grid.items():
+            if name not in self.solution.free:
+                parameters[simulator.index[name]] = values[0]
         for name, size in probe.items():
             index, declaration = simulator.index[name], declarations[name]
             adds = counts_from_neutral(declaration) and (declaration.neutral != 0.0 or name in self.solution.free)
