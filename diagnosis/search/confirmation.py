@@ -33,16 +33,20 @@ class Confirmation:
         other stretches.
     holdout_gain : float
         Share of the squared misfit on the hold-out set that the effect removes.
+    compensated : bool
+        Whether only the fit with the effect has more cross-talk than a bench: one compensates the other.
     """
 
     z: float
     stretches: int
     holdout_gain: float
+    compensated: bool
 
     @property
     def passes(self) -> bool:
-        """Whether the effect is significant, present in nearly every stretch, and does not worsen the hold-out set."""
-        return self.z > CONFIRMED_Z and self.stretches >= CONFIRMED_STRETCHES and self.holdout_gain > MIN_HOLDOUT_GAIN
+        """Whether the effect is significant, in nearly every stretch, no worse on the hold-out set, and plausible."""
+        predicts = self.stretches >= CONFIRMED_STRETCHES and self.holdout_gain > MIN_HOLDOUT_GAIN
+        return self.z > CONFIRMED_Z and predicts and not self.compensated
 
 
 def confirmation(
@@ -76,7 +80,16 @@ def confirmation(
     response = screen.response(columns)
     size = float(response.estimate[0] / response.error[0]) if np.isfinite(response.error[0]) else 0.0
     gains = screen.stretch_losses(STRETCHES) - Screen(problem, solution).stretch_losses(STRETCHES)
-    return Confirmation(joint_z(size, len(indices)), int(np.sum(gains > 0.0)), problem.holdout_gain(without, solution))
+    return Confirmation(
+        joint_z(size, len(indices)),
+        int(np.sum(gains > 0.0)),
+        problem.holdout_gain(without, solution),
+        _has_implausible_cross_talk(problem, solution) and not _has_implausible_cross_talk(problem, without),
+    )
+
+
+def _has_implausible_cross_talk(problem: LeastSquares, solution: Solution) -> bool:
+    return bool(problem.disturbances.implausible(solution.disturbance))
 
 
 def joint_z(size: float, coefficients: int) -> float:

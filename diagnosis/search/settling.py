@@ -119,7 +119,8 @@ def _confirmed(search: Search) -> tuple[dict[str, Confirmation], dict[str, Confi
             return {refit.name: one for refit, one in judged}, rejected
         worst, evidence = min(failing, key=lambda pair: pair[1].z)
         rejected[worst.name] = evidence
-        search.progress(f"not confirmed: {worst.name} ({evidence.z:.1f} standard deviations)")
+        reason = "cross-talk would compensate it" if evidence.compensated else f"{evidence.z:.1f} standard deviations"
+        search.progress(f"not confirmed: {worst.name} ({reason})")
         _remove(search, worst)
 
 

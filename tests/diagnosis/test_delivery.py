@@ -12,7 +12,7 @@ from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.search.confirmation import confirmation, joint_z
 from tirefmu.diagnosis.search.settling import settle
-from tirefmu.diagnosis.thresholds import CONFIRMED_Z, STRETCHES
+from tirefmu.diagnosis.thresholds import CONFIRMED_Z, MAX_CROSS_TALK, STRETCHES
 from tirefmu.diagnosis.verdict import composition
 from tirefmu.diagnosis.verdict.adequacy import Adequacy, adequacies
 from tirefmu.diagnosis.verdict.delivery import reasons_against
@@ -140,6 +140,25 @@ def test_a_true_effect_is_confirmed_and_an_absent_one_is_not(at_true_values, tir
     false = confirmation(problem, solution, ("PVY3",), absent)
     assert false.z < CONFIRMED_Z
     assert not false.passes
+    assert not true.compensated
+    crossed = solution.disturbance.copy()
+    crossed[problem.disturbances.names.index("cross_talk_Fx_in_Fy")] = 1.5 * MAX_CROSS_TALK["Fx_in_Fy"]
+    doubtful = confirmation(problem, replace(solution, disturbance=crossed), ("PHY1",), absent)
+    assert doubtful.compensated  # without the effect, the cross-talk is that of a bench
+    assert not doubtful.passes
+
+
+def test_cross_talk_beyond_the_limit_with_and_without_an_effect_is_no_reason_against_it(problem, tire, at_true_values):
+    signals = problem.simulator.signals
+    index = {name: i for i, name in enumerate(signals.channels)}
+    measured = signals.measured.copy()
+    measured[index["Fy"]] += 2.0 * MAX_CROSS_TALK["Fx_in_Fy"] * signals.measured[index["Fx"]]
+    crossed = replace(problem, simulator=problem.simulator.with_signals(replace(signals, measured=measured)))
+    absent = tire.parameters()
+    absent[problem.simulator.index["PHY1"]] = 0.0
+    solution = crossed.solve(tire.parameters(), at_true_values.solution.free)
+    assert crossed.disturbances.implausible(solution.disturbance) == ("cross_talk_Fx_in_Fy",)
+    assert not confirmation(crossed, solution, ("PHY1",), absent).compensated
 
 
 def test_more_coefficients_need_a_larger_estimate():
