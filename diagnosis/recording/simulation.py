@@ -59,8 +59,8 @@ class Simulator:
         self._off = self.tire.parameters()
         self._inactive = self._inactive_inputs()
         known = self._code.quantities_names
-        lengths = map(self.book.quantity, ("relaxation_x", "relaxation_y"))
-        self._sigma = [known.index(name) for name in lengths if name]
+        quantities = map(self.book.quantity, ("relaxation_x", "relaxation_y"))
+        self._sigma = [known.index(name) for name in quantities if name]
         reached = self.book.reached(known[i] for i in self._sigma)
         self._determines_lag = np.array([name in reached for name in self.book.parameters])
         added = [effect for effect in self.book.added if effect.name in self.book.relaxing_effects]
