@@ -173,7 +173,8 @@ COEFFICIENT_BOUND_FACTOR = 10.0
 #: after a tire with a true effect was not delivered.
 MAX_WORSE: Mapping[str, float] = {"train": 1.0, "holdout": 1.05}
 MAX_WORSE_CHANNEL: Mapping[str, float] = {"train": 1.05, "holdout": 1.1}
-#: Largest uncertainty of an effect over the operating range, as a share of its spread among tires. Derived: above it,
+#: Largest uncertainty of an effect over the operating range, as a share of its spread among tires; the same for the
+#: coefficients of a refinement. Derived: above it,
 #: three quarters of the knowledge about the effect's variance come from other tires, not from the recording.
 MAX_UNCERTAINTY = 0.5
 #: Largest change of a force by an effect that the recording does not determine, in multiples of the spread among tires.

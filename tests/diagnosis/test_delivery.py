@@ -3,6 +3,7 @@
 import sys
 from copy import copy
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.probing.effect_probing import Screen
 from tirefmu.diagnosis.search.confirmation import confirmation, joint_z
-from tirefmu.diagnosis.search.settling import settle
+from tirefmu.diagnosis.search.settling import _undetermined_refinements, settle
 from tirefmu.diagnosis.thresholds import CONFIRMED_Z, MAX_CROSS_TALK, STRETCHES
 from tirefmu.diagnosis.verdict import composition
 from tirefmu.diagnosis.verdict.adequacy import Adequacy, adequacies
@@ -159,6 +160,15 @@ def test_cross_talk_beyond_the_limit_with_and_without_an_effect_is_no_reason_aga
     solution = crossed.solve(tire.parameters(), at_true_values.solution.free)
     assert crossed.disturbances.implausible(solution.disturbance) == ("cross_talk_Fx_in_Fy",)
     assert not confirmation(crossed, solution, ("PHY1",), absent).compensated
+
+
+def test_a_refinement_that_the_recording_leaves_open_remains_neutral(at_true_values):
+    problem, solution = at_true_values.problem, at_true_values.solution
+    refit = SimpleNamespace(name="refinement of core", form=SimpleNamespace(free=("PDY2", "PHY1")))
+    search = SimpleNamespace(refinements=[refit], progress=lambda text: None)
+    assert _undetermined_refinements(search, at_true_values) == []
+    noisy = replace(problem, inverse_noise=1e-4 * problem.inverse_noise)
+    assert _undetermined_refinements(search, Screen(noisy, noisy.at(solution.parameters, solution.free))) == [refit]
 
 
 def test_more_coefficients_need_a_larger_estimate():
