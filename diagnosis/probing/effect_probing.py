@@ -97,9 +97,13 @@ class Screen:
         """The number of blocks with data."""
         return len(self.edges) - 1
 
-    def stretch_losses(self, number: int) -> FloatArray:
-        """Return the squared misfit of each long stretch with the estimate from the others, shape (number,)."""
-        edges = self.edges[np.round(np.linspace(0, self.n_blocks, number + 1)).astype(int)]
+    def stretches(self, number: int) -> IntArray:
+        """Return the edges of long stretches with equal numbers of blocks, rows, shape (number + 1,)."""
+        marks: IntArray = np.round(np.linspace(0, self.n_blocks, number + 1)).astype(np.int64)
+        return np.asarray(self.edges[marks])
+
+    def stretch_losses(self, edges: IntArray) -> FloatArray:
+        """Return the squared misfit of each stretch between edges with the estimate from the others."""
         return regression(
             block_sums(self.tangent, self.residual, edges), self.prior_precision, self.prior_gradient
         ).loss

@@ -68,7 +68,12 @@ def searched(
     disturbed, start = _disturbed(before.problem, before.solution)
     second = Search(disturbed, start, candidates, progress)
     second.run()
-    return _aligned(problem, before, second)
+    late, second = _aligned(problem, before, second)
+    losses = [float(Screen(one.problem, one.solution).baseline.loss.sum()) for one in (first, second)]
+    if first.found and losses[0] <= losses[1]:
+        first.candidates = candidates
+        return before, first
+    return late, second
 
 
 def _has_memory(search: Search, candidates: list[Candidate]) -> bool:

@@ -11,7 +11,7 @@ import pytest
 import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.search.confirmation import confirmation, joint_z
+from tirefmu.diagnosis.search.confirmation import _stretches, confirmation, joint_z
 from tirefmu.diagnosis.search.settling import _undetermined_refinements, settle
 from tirefmu.diagnosis.thresholds import CONFIRMED_Z, MAX_CROSS_TALK, STRETCHES
 from tirefmu.diagnosis.verdict import composition
@@ -160,6 +160,18 @@ def test_cross_talk_beyond_the_limit_with_and_without_an_effect_is_no_reason_aga
     solution = crossed.solve(tire.parameters(), at_true_values.solution.free)
     assert crossed.disturbances.implausible(solution.disturbance) == ("cross_talk_Fx_in_Fy",)
     assert not confirmation(crossed, solution, ("PHY1",), absent).compensated
+
+
+def test_an_effect_that_ends_soon_is_judged_where_it_acts(at_true_values):
+    rows = at_true_values.problem.inverse_noise.shape
+    everywhere, early = np.ones(rows), np.zeros(rows)
+    early[:, : rows[1] // 10] = np.random.default_rng(0).uniform(0.5, 1.5, (rows[0], rows[1] // 10))
+    np.testing.assert_array_equal(_stretches(at_true_values, everywhere, 10.0), at_true_values.stretches(STRETCHES))
+    edges = _stretches(at_true_values, early, 10.0)
+    assert len(edges) == STRETCHES + 1
+    assert (edges[0], edges[-1]) == (0, rows[1])
+    shares = np.add.reduceat(np.sum(early**2, axis=0), edges[:-1])
+    np.testing.assert_allclose(shares, shares.mean(), rtol=0.1)
 
 
 def test_a_refinement_that_the_recording_leaves_open_remains_neutral(at_true_values):
