@@ -69,8 +69,7 @@ def searched(
     second = Search(disturbed, start, candidates, progress)
     second.run()
     late, second = _aligned(problem, before, second)
-    losses = [float(Screen(one.problem, one.solution).baseline.loss.sum()) for one in (first, second)]
-    if first.found and losses[0] <= losses[1]:
+    if first.found and not second.found:
         first.candidates = candidates
         return before, first
     return late, second
