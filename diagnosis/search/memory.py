@@ -4,7 +4,8 @@ Effects with states can imitate missing effects without states and errors of a r
 simulation. Therefore they are tested on the residual of a completed search without them. If one of them is significant
 there, or if unexplained structure depends on the past, the search is repeated from the baseline model with all effects.
 A skew of the recording and an error of the load that follows the direction of slip are then linear disturbances. They
-are estimated together with the effects, because these, too, separate growing from falling slip.
+are estimated together with the effects, because these, too, separate growing from falling slip. The result replaces the
+first one if it has an effect with states, or if it needs fewer effects.
 """
 
 from __future__ import annotations
@@ -69,10 +70,14 @@ def searched(
     second = Search(disturbed, start, candidates, progress)
     second.run()
     late, second = _aligned(problem, before, second)
-    if first.found and not second.found:
-        first.candidates = candidates
-        return before, first
-    return late, second
+    if any(candidates[one.name].has_states for one in second.found) or _findings(second) < _findings(first):
+        return late, second
+    first.candidates = candidates
+    return before, first
+
+
+def _findings(search: Search) -> int:
+    return len(search.found) + len(search.structures)
 
 
 def _has_memory(search: Search, candidates: list[Candidate]) -> bool:
