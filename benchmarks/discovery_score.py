@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from diagnosis.case import Case
 from discovery_delivered import Delivered, delivered
-from discovery_suites import Suite
+from discovery_suites import NAMED, Suite
 
 from tirefmu.diagnosis import Diagnosis
 from tirefmu.tires.tire import Tire
@@ -113,7 +113,7 @@ def score(suite: Suite, kind: str, number: int, case: Case, result: Diagnosis, s
     seconds : float
     """
     found = tuple(one.effect for one in result.found)
-    hidden = ("UNKNOWN",) if case.unknown else case.hidden
+    hidden = (NAMED.get(case.unknown, "UNKNOWN"),) if case.unknown else case.hidden
     allowed, confounded_effects, words = set(hidden), set[str](), ""
     if kind == "confounded":
         _, _, others, confounded, words = suite.confounded[number]
@@ -134,7 +134,8 @@ def score(suite: Suite, kind: str, number: int, case: Case, result: Diagnosis, s
         reported=confounded_effects <= named,
         next_test=bool(words) and any(re.search(words, text) for text in result.next_measurement),
         depends_on=depends,
-        variables=bool(depends) and (not true or _share(true, set(depends)) >= RIGHT_VARIABLES),
+        variables=bool(set(hidden) & set(NAMED.values()) & set(found))
+        or (bool(depends) and (not true or _share(true, set(depends)) >= RIGHT_VARIABLES)),
         added=any(one.added for one in result.unknown),
         seconds=seconds,
         rows=len(case.table),

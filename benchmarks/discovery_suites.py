@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from diagnosis.case import Case
 from diagnosis.independent import kinds as second
+from diagnosis.independent import memory_kinds as memory
 from diagnosis.suite import UNKNOWN
 
 from diagnosis import kinds as first
@@ -37,9 +38,13 @@ class Suite:
     confounded: Sequence[tuple[str, str, str, str, str]]
 
 
+#: Structures of the first and the second suite that effects with states describe.
+NAMED = {"hysteresis": "hysteresis_force", "contact_heat": "heat_friction"}
+
+
 #: Numbers of the confirmation suite, in multiples of the number of cases of the second suite. Whoever changes the
 #: diagnosis after looking at single cases of this suite increases it, so that the recordings are new ones.
-DRAW = 20
+DRAW = 21
 
 
 def _drawn_again(kind: str, number: int) -> Case:
@@ -49,5 +54,6 @@ def _drawn_again(kind: str, number: int) -> Case:
 SUITES = {
     "first": Suite("first", first.NUMBER_OF_CASES, first.case_of, UNKNOWN, first.CONFOUNDED),
     "second": Suite("second", second.NUMBER_OF_CASES, second.case_of, second.UNKNOWN, second.CONFOUNDED),
+    "memory": Suite("memory", memory.NUMBER_OF_CASES, memory.case_of, {}, memory.CONFOUNDED),
     "confirmation": Suite("confirmation", second.NUMBER_OF_CASES, _drawn_again, second.UNKNOWN, second.CONFOUNDED),
 }

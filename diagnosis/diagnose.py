@@ -18,8 +18,8 @@ from .probing.baseline_fit import fit_baseline, worse_by_smoothing
 from .probing.candidates import Candidate, candidates_for
 from .probing.effect_probing import Screen
 from .recording.signals import FORMULA_SIGNS, signals_of
-from .search.alignment import searched
 from .search.effect_search import Search
+from .search.memory import searched
 from .search.settling import settle
 from .unexplained.formula_proposal import INEXPRESSIBLE, Added, Unknown, added_if_better, effect_of, unknown_of
 from .verdict.composition import SearchOutcome, composed
@@ -90,7 +90,7 @@ def diagnose(
     recorded = signals_of(recording.table, start, recording.signs, smooth=False)
     if worse_by_smoothing(problem, solution, recorded):
         problem, solution = fit_baseline(start, recorded, known=tire is not None)
-    before, search = searched(Search(problem, solution, candidates_tried, report))
+    before, search = searched(problem, solution, candidates_tried, report)
     unknown, start = _unknown_structure(start, search, report)
     settled = settle(search, before)
     report("computing confounded explanations and detectable sizes")

@@ -23,6 +23,11 @@ WINDOW = 11
 NARROW_WINDOW, COARSE = 5, 1.5
 #: Largest difference of agreeing estimates, in standard deviations.
 AGREEMENT = 1.0
+#: Distance of a row from each prediction by its neighbors, in standard deviations, above which it is a spike.
+#: Convention: rare for normally distributed noise.
+SPIKE = 3.5
+#: Weights with which the line through five rows predicts the next one.
+LINE = np.array([-0.4, -0.1, 0.2, 0.5, 0.8])
 
 
 def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
@@ -53,6 +58,7 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
     deviation, correlation = noise_of(values)
     if deviation == 0.0 or deviation > COARSE * noise_of(values, NARROW_WINDOW)[0]:
         return values, 0.0
+    values = _without_spikes(values, deviation)
     lower, upper = values - 3.0 * deviation, values + 3.0 * deviation  # a row next to a step is not changed
     best, widening = values.copy(), np.ones(n, dtype=bool)
     for half in HALF_WIDTHS:
@@ -63,6 +69,23 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
         widening &= lower <= upper
         best[widening] = line[widening]
     return best, deviation
+
+
+def _without_spikes(values: FloatArray, deviation: float) -> FloatArray:
+    """Return values with each isolated spike replaced by the mean of its neighbors.
+
+    A spike agrees neither with the line through the rows before nor with that through the rows after it, nor with the
+    mean of its neighbors. The first row after a step and the turning point of a sweep agree with one of them.
+    """
+    n, length = len(values), len(LINE)
+    inner = values[length : n - length]
+    middle = 0.5 * (values[length - 1 : n - length - 1] + values[length + 1 : n - length + 1])
+    before = np.convolve(values, LINE[::-1], mode="valid")[: n - 2 * length]
+    after = np.convolve(values, LINE, mode="valid")[length + 1 :]
+    isolated = np.abs(inner - middle) > SPIKE * deviation * np.sqrt(1.5)
+    for line in (before, after):
+        isolated &= np.abs(inner - line) > SPIKE * deviation * np.sqrt(1.0 + LINE @ LINE)
+    return np.concatenate([values[:length], np.where(isolated, middle, inner), values[n - length :]])
 
 
 def noise_of(values: FloatArray, window: int = WINDOW) -> tuple[float, float]:

@@ -6,7 +6,8 @@ The declaration is the table ``[diagnosis]`` of an effect file (`tirefmu.symboli
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from itertools import product
 
 #: Prior standard deviation and upper limit of an effect, as a multiple of the size that its file declares.
 LARGEST_IN_SIZES = 5.0
@@ -32,6 +33,9 @@ class Form:
     holds : str
         The role of a quantity (`tirefmu.symbolic.contract.ROLES`) that a probe does not change at nominal inputs,
         because its leading coefficient is rescaled; '' for none.
+    grid : mapping of str to tuple of float
+        Further coefficients, to which the effect is not proportional, such as time constants. They are fitted as well.
+        The probes are applied at each combination of their values (`points`).
 
     Examples
     --------
@@ -44,11 +48,27 @@ class Form:
     scalable: bool = True
     given: str = ""
     holds: str = ""
+    grid: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
 
     @classmethod
-    def each(cls, sizes: Mapping[str, float], given: str = "", holds: str = "") -> Form:
+    def each(
+        cls, sizes: Mapping[str, float], given: str = "", holds: str = "",
+        grid: Mapping[str, tuple[float, ...]] | None = None,
+    ) -> Form:  # fmt: skip
         """Return the form that probes every coefficient separately."""
-        return cls(tuple(sizes), tuple({name: size} for name, size in sizes.items()), given=given, holds=holds)
+        probes = tuple({name: size} for name, size in sizes.items())
+        return cls((*sizes, *(grid or {})), probes, given=given, holds=holds, grid=grid or {})
+
+    def points(self) -> tuple[Form, ...]:
+        """Return the form at each point of its grid.
+
+        Examples
+        --------
+        >>> [form.grid for form in Form.each({"HMU": 0.1}, grid={"HTAU": (2.0, 8.0)}).points()]
+        [{'HTAU': (2.0,)}, {'HTAU': (8.0,)}]
+        """
+        points = product(*self.grid.values())
+        return tuple(replace(self, grid={n: (v,) for n, v in zip(self.grid, point, strict=True)}) for point in points)
 
 
 @dataclass(frozen=True)

@@ -82,11 +82,11 @@ def followed(t: FloatArray, target: FloatArray, rate: FloatArray, start: FloatAr
 
 def recursion(start: float, decay: FloatArray, gained: FloatArray) -> FloatArray:
     """Return x(0) = start, x(i + 1) = decay(i) x(i) + gained(i), shape (n + 1,)."""
-    values = np.empty(len(decay) + 1)
-    x = values[0] = start
-    for i in range(len(decay)):
-        x = values[i + 1] = decay[i] * x + gained[i]
-    return values
+    from scipy.linalg.blas import dtbsv  # loaded here: most evaluations have no memory
+
+    bidiagonal = np.ones((2, len(decay) + 1), order="F")
+    bidiagonal[1, :-1] = -decay
+    return np.asarray(dtbsv(1, bidiagonal, np.concatenate([[start], gained]), lower=1, diag=1))
 
 
 def lagged_course(t: FloatArray, slip: FloatArray, speed: FloatArray, sigma: FloatArray, *, hold: bool) -> Course:

@@ -105,7 +105,7 @@ def fit_baseline(tire: Tire, signals: Signals, *, known: bool) -> tuple[LeastSqu
     for _ in range(2):
         problem = reweighted(problem, best)
         trial = problem.at(best.parameters, free).disturbance
-        problem = replace(problem, disturbances=problem.disturbances.plausible(trial))
+        problem = replace(problem, disturbances=problem.disturbances.without(problem.disturbances.implausible(trial)))
         best = problem.solve(best.parameters, free, iterations=8)
     waving = _with_periodic_lines(problem, best)
     return (problem, best) if waving is problem else (waving, waving.solve(best.parameters, free, iterations=4))

@@ -36,6 +36,8 @@ class Candidate:
         Outputs that the effect changes.
     contains : str
         An effect that is a special case of this one, or ''.
+    has_states : bool
+        Whether it depends on the past by states of its own.
     """
 
     name: str
@@ -43,6 +45,7 @@ class Candidate:
     requires: tuple[str, ...]
     channels: tuple[str, ...]
     contains: str = ""
+    has_states: bool = False
 
 
 def candidates_for(tire: Tire) -> dict[str, Candidate]:
@@ -85,7 +88,9 @@ def declared_candidate(name: str, book: Model, present: frozenset[str] = frozens
     if detection and any(set(form.free) & declarations.keys() for form in detection.forms):
         forms = tuple(form for form in detection.forms if form.given in present)
         forms = forms or tuple(form for form in detection.forms if not form.given)
-        return Candidate(name, forms, detection.requires, detection.channels or CHANNELS, detection.contains)
+        stateful = any(effect.states for effect in book.added if effect.name == name)
+        channels = detection.channels or CHANNELS
+        return Candidate(name, forms, detection.requires, channels, detection.contains, stateful)
     own = name in {effect.name for effect in book.own_effects}
     if name not in book.effects or name in {effect.name for effect in book.added} or not (detection or own):
         return None
@@ -104,7 +109,8 @@ def _undeclared(name: str, book: Model) -> Candidate | None:
         if effect.name == name:
             detection = effect.detection or Detection()
             channels = detection.channels or CHANNELS
-            return Candidate(name, (_by_bounds(effect.declarations),), detection.requires, channels, detection.contains)
+            form, stateful = _by_bounds(effect.declarations), bool(effect.states)
+            return Candidate(name, (form,), detection.requires, channels, detection.contains, stateful)
     return None
 
 
@@ -142,7 +148,8 @@ def refinements_for(tire: Tire, found: frozenset[str]) -> list[tuple[str, Form]]
         (name, form)
         for name, detection in sorted(tire.book.detections.items())
         if name in tire.has | found
-        for form in detection.refinements
+        for declared in detection.refinements
+        for form in declared.points()
     ]
 
 

@@ -6,11 +6,12 @@ from collections.abc import Collection
 from dataclasses import replace
 
 from ..least_squares import LeastSquares, Solution
+from ..recording.disturbances import CROSS_TALK
 from ..thresholds import CONFIRMED_Z
 from .effect_probing import Screen
 
 #: The cross-talk that has nearly the shape of an effect, the trail.
-LEVER = "cross_talk_Fy_in_Mz"
+LEVER = f"{CROSS_TALK}Fy_in_Mz"
 #: Iterations of the fit without it.
 ITERATIONS = 4
 
@@ -23,7 +24,7 @@ def doubtful_cross_talk(problem: LeastSquares, solution: Solution) -> tuple[str,
     return tuple(
         name
         for name, value, error in zip(names, solution.disturbance, errors, strict=True)
-        if name.startswith("cross_talk") and not abs(value) > CONFIRMED_Z * error
+        if name.startswith(CROSS_TALK) and not abs(value) > CONFIRMED_Z * error
     )
 
 

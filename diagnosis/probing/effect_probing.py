@@ -97,9 +97,13 @@ class Screen:
         """The number of blocks with data."""
         return len(self.edges) - 1
 
-    def stretch_losses(self, number: int) -> FloatArray:
-        """Return the squared misfit of each long stretch with the estimate from the others, shape (number,)."""
-        edges = self.edges[np.round(np.linspace(0, self.n_blocks, number + 1)).astype(int)]
+    def stretches(self, number: int) -> IntArray:
+        """Return the edges of long stretches with equal numbers of blocks, rows, shape (number + 1,)."""
+        marks: IntArray = np.round(np.linspace(0, self.n_blocks, number + 1)).astype(np.int64)
+        return np.asarray(self.edges[marks])
+
+    def stretch_losses(self, edges: IntArray) -> FloatArray:
+        """Return the squared misfit of each stretch between edges with the estimate from the others."""
         return regression(
             block_sums(self.tangent, self.residual, edges), self.prior_precision, self.prior_gradient
         ).loss
@@ -109,9 +113,15 @@ class Screen:
         return np.stack([self._column(form, probe) for probe in form.probes], axis=-1)
 
     def probed(self, form: Form, probe: Probe) -> FloatArray:
-        """Return the parameters with a probe applied; coefficients that are already fitted are shifted by it."""
+        """Return the parameters with a probe applied, at the first point of the form's grid.
+
+        Coefficients that are already fitted are shifted by the probe, and their values on the grid are ignored.
+        """
         simulator, parameters = self.problem.simulator, self.solution.parameters.copy()
         declarations = simulator.book.coefficients
+        for name, values in form.grid.items():
+            if name not in self.solution.free:
+                parameters[simulator.index[name]] = values[0]
         for name, size in probe.items():
             index, declaration = simulator.index[name], declarations[name]
             adds = counts_from_neutral(declaration) and (declaration.neutral != 0.0 or name in self.solution.free)

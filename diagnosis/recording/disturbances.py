@@ -16,6 +16,9 @@ from .signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
 
+#: How the names of cross-talk begin, before Fx_in_Fy.
+CROSS_TALK = "cross_talk_"
+
 
 @dataclass(frozen=True, eq=False)
 class Disturbances:
@@ -45,14 +48,13 @@ class Disturbances:
         """Return the disturbances at a subset of the rows."""
         return replace(self, columns=self.columns[:, rows])
 
-    def plausible(self, values: FloatArray) -> Disturbances:
-        """Return the disturbances without cross-talk that is larger than that of a bench."""
-        plausible = np.array(
-            [not name.startswith("cross_talk") or abs(value) <= MAX_CROSS_TALK[name.removeprefix("cross_talk_")]
-             for name, value in zip(self.names, values, strict=True)]
-        )  # fmt: skip
-        names = tuple(name for name, is_plausible in zip(self.names, plausible, strict=True) if is_plausible)
-        return Disturbances(names, self.columns[:, :, plausible], self.deviation[plausible])
+    def implausible(self, values: FloatArray) -> tuple[str, ...]:
+        """Return the names of the cross-talk that is larger than that of a bench."""
+        return tuple(
+            name
+            for name, value in zip(self.names, values, strict=True)
+            if name.startswith(CROSS_TALK) and abs(value) > MAX_CROSS_TALK[name.removeprefix(CROSS_TALK)]
+        )
 
     def of_recording(self) -> Disturbances:
         """Return the disturbances without the columns that `extended` added."""
@@ -153,7 +155,7 @@ def disturbances_of(signals: Signals, noise: FloatArray, radius: float) -> Distu
             column = np.zeros((n_channels, n))
             length = radius if target == "Mz" else 1.0
             column[signals.channels.index(target)] = length * signals.measured[signals.channels.index(source)]
-            names.append(f"cross_talk_{pair}")
+            names.append(f"{CROSS_TALK}{pair}")
             columns.append(column)
             deviation.append(CROSS_TALK_PRIOR_SHARE * limit)
     return Disturbances(tuple(names), np.stack(columns, axis=-1), np.array(deviation))
@@ -202,7 +204,7 @@ def reported_disturbances(disturbances: Disturbances, values: FloatArray, signal
         "removed_over": [float(t[0]), float(t[-1])],
         "offset": {channel: named[f"offset_{channel}"] for channel in signals.channels},
         "drift": drift,
-        "cross_talk": {name.removeprefix("cross_talk_"): v for name, v in named.items() if name.startswith("cross")},
+        "cross_talk": {name.removeprefix(CROSS_TALK): v for name, v in named.items() if name.startswith(CROSS_TALK)},
         "input_noise": dict(signals.input_noise),
     }
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -10,6 +10,7 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
+from tirefmu.symbolic.model.state_lines import owners_of
 from tirefmu.tires.code import Code, fastest_code
 from tirefmu.tires.states import Simulation, equilibrium
 from tirefmu.tires.tire import Tire
@@ -24,6 +25,8 @@ IntArray = npt.NDArray[np.intp]
 CHUNK = 512
 #: Results that are remembered: those of the current and the tried parameters, each with one coefficient moved.
 REMEMBERED = 4
+#: Share by which the iterations of a state change its largest value last.
+STATE_TOLERANCE = 1e-5
 
 
 @dataclass
@@ -42,28 +45,47 @@ class Simulator:
     _code: Code = field(init=False)
     _forces: Callable[[bytes], FloatArray] = field(init=False)
     _acting: Callable[[bytes, tuple[int, ...]], FloatArray] = field(init=False)
+    _stateful: Callable[[bytes, tuple[int, ...], tuple[str, ...]], FloatArray] = field(init=False)
+
+    #: The latest courses of states, from which the next iteration starts, and their times.
+    _courses: dict[str, FloatArray] = field(init=False, default_factory=dict)
+    _courses_at: FloatArray | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         self.book, self.rescaled = self.tire.book, self.tire.rescaled
         self._code = fastest_code(self.book)
         self.names = list(self.book.coefficients)
         self.index = {name: i for i, name in enumerate(self.book.parameters)}
+        self._off = self.tire.parameters()
         self._inactive = self._inactive_inputs()
         known = self._code.quantities_names
-        lengths = map(self.book.quantity, ("relaxation_x", "relaxation_y"))
-        self._sigma = [known.index(name) for name in lengths if name]
+        quantities = map(self.book.quantity, ("relaxation_x", "relaxation_y"))
+        self._sigma = [known.index(name) for name in quantities if name]
         reached = self.book.reached(known[i] for i in self._sigma)
         self._determines_lag = np.array([name in reached for name in self.book.parameters])
-        self._relaxation = np.array([self.index[name] for name in self.book.relaxation], dtype=int)
+        added = [effect for effect in self.book.added if effect.name in self.book.relaxing_effects]
+        own = [each for effect in added for each in effect.declarations]
+        lengths = (*self.book.relaxation, *(each.name for each in own if each.neutral == 0.0))
+        self._relaxation = np.array([self.index[name] for name in lengths], dtype=int)
         #: Coefficients that act through time, and the steps of their differences.
-        self._by_difference = {name: self._step(name) for name in self.book.relaxation}
-        own = {each.name for effect in self.book.added if effect.states for each in effect.declarations}
-        self._by_difference |= {name: self._step(name) for name in own - self._by_difference.keys()}
+        self._by_difference = {name: self._step(name) for name in (*lengths, *(each.name for each in own))}
+        self._sizes_of_states = dict(self._amplitudes())
+        shapes = {name for effect in self.book.added for state in effect.states for name in state.reads}
+        self._by_difference |= {name: self._step(name) for name in self.book.coefficients.keys() & shapes}
         self._remember()
+
+    def _amplitudes(self) -> Iterator[tuple[str, IntArray]]:
+        """Yield each state of an effect that the tire lacks, with the coefficients without which it does not act."""
+        for name, owners in owners_of(self.book.added).items():
+            if not self.tire.has.isdisjoint(effect.name for effect, _ in owners):
+                continue
+            read = {one for effect, _ in owners for state in effect.states for one in state.reads}
+            own = [each.name for effect, _ in owners for each in effect.declarations if each.name not in read]
+            yield name, np.array([self.index[one] for one in own])
 
     def _step(self, name: str) -> float:
         declaration = self.book.coefficients[name]
-        if name in self.book.relaxation:
+        if name in self.book.relaxation or declaration.unit == "m":
             return 0.01 if declaration.unit == "m" else 0.02
         span = declaration.upper - declaration.lower
         return 1e-4 * span if np.isfinite(span) else 1e-4
@@ -72,6 +94,7 @@ class Simulator:
         """Keep the most recent forces and transient slips; a step of the estimate needs them several times."""
         self._forces = lru_cache(REMEMBERED)(self._computed_forces)
         self._acting = lru_cache(REMEMBERED)(self._computed_acting)
+        self._stateful = lru_cache(REMEMBERED)(self._with_states)
 
     def with_signals(self, signals: Signals) -> Simulator:
         """Return a simulator of the same tire over other signals."""
@@ -96,8 +119,8 @@ class Simulator:
         Inputs of on-demand effects are 0 while their coefficients are unchanged.
         """
         unused = tuple(row for row, indices, values in self._inactive if np.array_equal(parameters[indices], values))
-        if self.book.states:
-            return self._with_states(parameters, self._active(unused))
+        if acting := self._acting_states(parameters):
+            return self._stateful(parameters.tobytes(), unused, acting)
         if self.signals.timed and self._sigma and parameters[self._relaxation].any():
             relevant = np.where(self._determines_lag, parameters, self.tire.parameters())
             return self._acting(relevant.tobytes(), unused)
@@ -119,14 +142,26 @@ class Simulator:
             acts[self.signals.names.index(name)] = np.arctan(course.value) if name == "alpha" else course.value
         return acts[:, self.signals.rows]
 
-    def _with_states(self, parameters: FloatArray, inputs: FloatArray) -> FloatArray:
+    def _acting_states(self, parameters: FloatArray) -> tuple[str, ...]:
+        """Return the names of the states whose effects are not switched off."""
+        return tuple(
+            name
+            for name in self.book.states
+            if name not in self._sizes_of_states
+            or not np.array_equal(parameters[self._sizes_of_states[name]], self._off[self._sizes_of_states[name]])
+        )
+
+    def _with_states(self, parameters: bytes, unused: tuple[int, ...], states: tuple[str, ...]) -> FloatArray:
         """Return the inputs at the compared rows with lagged slips and states."""
-        signals, book = self.signals, self.book
+        signals, book, values, inputs = self.signals, self.book, np.frombuffer(parameters), self._active(unused)
         if not signals.timed:
-            return equilibrium(book, self._code, inputs[:, signals.rows], parameters, book.states)
-        slips = self._lagged(inputs, parameters)
-        simulation = Simulation(book, self._code, signals.t, inputs, parameters, False, slips, book.states)
-        return simulation.acting()[:, signals.rows]
+            return equilibrium(book, self._code, inputs[:, signals.rows], values, states)
+        slips = self._lagged(inputs, values)
+        simulation = Simulation(book, self._code, signals.t, inputs, values, False, slips, states)
+        guess = self._courses if signals.t is self._courses_at else {}
+        rows = simulation.acting_with_linear_drives(guess, STATE_TOLERANCE)
+        self._courses, self._courses_at = {name: rows[signals.names.index(name)] for name in states}, signals.t
+        return rows[:, signals.rows]
 
     def _lagged(self, inputs: FloatArray, parameters: FloatArray) -> dict[str, Course]:
         """Return the courses of the lagged slips; none without relaxation."""

@@ -15,6 +15,7 @@ from tirefmu.tires.tire import Tire
 
 from ..verdict.result import Diagnosis
 from .curves_figure import draw_curves
+from .memory_figure import draw_memory
 from .residual_figure import draw_residual_location
 
 
@@ -76,12 +77,14 @@ def report_page(diagnosis: Diagnosis, recording: Recording, simulated: Mapping[s
     with tempfile.TemporaryDirectory() as folder:
         maps = inlined(_maps(diagnosis, Path(folder)))
         curves = inlined([draw_curves(diagnosis, name, Path(folder, f"{name}.png")) for name in diagnosis.time_course])
+        memory = inlined(_memory(diagnosis, Path(folder)))
     return page_text(
         "tirefmu.diagnosis.reporting",
         {"number": lambda value: "-" if value is None or value != value else f"{value:.4g}"},
         diagnosis=diagnosis,
         maps=maps,
         curves=curves,
+        memory=memory,
         changes=changed_lines(diagnosis.base_tire, diagnosis.tire),
         recording=recording,
         simulated=simulated or {},
@@ -118,6 +121,15 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
             formulas = [f"{line.acts_for or name} = {lines[name]}" for lines in (old, new)]
             changed.append(ChangedLine(line.number, line.description, *formulas))
     return tuple(changed)
+
+
+def _memory(diagnosis: Diagnosis, folder: Path) -> list[Path]:
+    """Draw the memory of the improved tire in the channel that its effects with states change most; none without."""
+    stateful = {effect.name for effect in diagnosis.tire.added if effect.states}
+    channels = [one.channels[0] for one in diagnosis.found if one.effect in stateful and one.channels]
+    if not diagnosis.tire.states or "t" not in diagnosis.rows or not channels:
+        return []
+    return [draw_memory(diagnosis, name, folder / f"memory_{name}.png") for name in dict.fromkeys(channels)]
 
 
 def _maps(diagnosis: Diagnosis, folder: Path) -> list[Path]:

@@ -104,22 +104,22 @@ def _skew(search: Search, problem: LeastSquares, solution: Solution) -> float:
     relaxed = _relaxed(search, problem, solution)
     others = loss if relaxed is None else relaxed.screen.baseline.loss
     aligned = _aligned(problem, solution)
-    significant = _significant(loss - Screen(*aligned).baseline.loss, loss)
-    if _has_skew(aligned[0]) and (significant or relaxed):
+    clear = significant(loss - Screen(*aligned).baseline.loss, loss)
+    if _has_skew(aligned[0]) and (clear or relaxed):
         rest = _relaxed(search, *aligned) if relaxed else None
         if rest is not None:
             aligned = _aligned(rest.problem, rest.solution)
         excess = Screen(*aligned).baseline.loss - others
-        if _has_skew(aligned[0]) and excess.sum() <= (PREFERRED_ERRORS * error_of_sum(excess) if significant else 0.0):
+        if _has_skew(aligned[0]) and excess.sum() <= (PREFERRED_ERRORS * error_of_sum(excess) if clear else 0.0):
             return aligned[0].simulator.signals.skew
     if relaxed is None:
         return 0.0
     aligned = _aligned(relaxed.problem, relaxed.solution)
-    present = _has_skew(aligned[0]) and _significant(others - Screen(*aligned).baseline.loss, others)
+    present = _has_skew(aligned[0]) and significant(others - Screen(*aligned).baseline.loss, others)
     return aligned[0].simulator.signals.skew if present else 0.0
 
 
-def _significant(gains: FloatArray, loss: FloatArray) -> bool:
+def significant(gains: FloatArray, loss: FloatArray) -> bool:
     """Return whether the gains of all blocks satisfy the criteria of an effect."""
     return float(gains.sum()) > max(EFFECT_ERRORS * error_of_sum(gains), EFFECT_GAIN * float(loss.sum()))
 

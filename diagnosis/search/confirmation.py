@@ -14,6 +14,7 @@ from ..probing.effect_probing import Screen
 from ..thresholds import CONFIRMED_STRETCHES, CONFIRMED_Z, MIN_HOLDOUT_GAIN, STRETCHES
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
 
 #: Iterations of the fit without an effect.
 ITERATIONS = 6
@@ -29,20 +30,24 @@ class Confirmation:
         Joint significance of all coefficients of the effect under coloured noise and over blocks of time, as the number
         of standard deviations of a normal distribution with the same p-value.
     stretches : int
-        Number of long stretches of the recording (of `STRETCHES`) that the effect predicts better, estimated from the
-        other stretches.
+        Number of stretches of the recording (of `STRETCHES`) that the effect predicts better, estimated from the other
+        stretches. They are equally long, or contain equal shares of the effect if it acts in few of these.
     holdout_gain : float
         Share of the squared misfit on the hold-out set that the effect removes.
+    compensated : bool
+        Whether only the fit with the effect has more cross-talk than a bench: one compensates the other.
     """
 
     z: float
     stretches: int
     holdout_gain: float
+    compensated: bool
 
     @property
     def passes(self) -> bool:
-        """Whether the effect is significant, present in nearly every stretch, and does not worsen the hold-out set."""
-        return self.z > CONFIRMED_Z and self.stretches >= CONFIRMED_STRETCHES and self.holdout_gain > MIN_HOLDOUT_GAIN
+        """Whether the effect is significant, in nearly every stretch, no worse on the hold-out set, and plausible."""
+        predicts = self.stretches >= CONFIRMED_STRETCHES and self.holdout_gain > MIN_HOLDOUT_GAIN
+        return self.z > CONFIRMED_Z and predicts and not self.compensated
 
 
 def confirmation(
@@ -75,8 +80,34 @@ def confirmation(
     screen.learn_noise({0: columns})
     response = screen.response(columns)
     size = float(response.estimate[0] / response.error[0]) if np.isfinite(response.error[0]) else 0.0
-    gains = screen.stretch_losses(STRETCHES) - Screen(problem, solution).stretch_losses(STRETCHES)
-    return Confirmation(joint_z(size, len(indices)), int(np.sum(gains > 0.0)), problem.holdout_gain(without, solution))
+    z = joint_z(size, len(indices))
+    edges = _stretches(screen, columns[:, :, 0], z)
+    gains = screen.stretch_losses(edges) - Screen(problem, solution).stretch_losses(edges)
+    return Confirmation(
+        z,
+        int(np.sum(gains > 0.0)),
+        problem.holdout_gain(without, solution),
+        _has_implausible_cross_talk(problem, solution) and not _has_implausible_cross_talk(problem, without),
+    )
+
+
+def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:
+    """Return the edges of the stretches in which an effect with a change of the weighted forces is judged.
+
+    A stretch in which the significance of the effect would be less than one standard deviation says nothing about it.
+    If too many are of that kind, as for an effect that ends soon, the stretches contain equal shares of the effect.
+    """
+    edges = screen.stretches(STRETCHES)
+    evidence = np.cumsum(np.sum(change**2, axis=0))
+    shares = np.diff(np.concatenate([[0.0], evidence])[edges]) / max(float(evidence[-1]), 1e-300)
+    if np.sum(z**2 * shares > 1.0) >= CONFIRMED_STRETCHES:
+        return edges
+    inner = np.searchsorted(evidence, np.linspace(0.0, evidence[-1], STRETCHES + 1)[1:-1]) + 1
+    return np.unique(np.concatenate([edges[:1], inner, edges[-1:]]))
+
+
+def _has_implausible_cross_talk(problem: LeastSquares, solution: Solution) -> bool:
+    return bool(problem.disturbances.implausible(solution.disturbance))
 
 
 def joint_z(size: float, coefficients: int) -> float:

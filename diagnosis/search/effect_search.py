@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from ..probing.effect_probing import Response, Screen
 from ..thresholds import (
     CONFOUNDED,
     EFFECT_P,
+    FURTHER_MEMORY,
     LOOKAHEAD,
     PREFERRED_JOINT_SHARE,
     PREFERRED_SHARE,
@@ -32,6 +33,9 @@ from ..unexplained.structure import CORE_INPUTS, Structure, structure_of
 from .refits import REFINEMENT, Refit, Tried, distinct, preferred
 
 FloatArray = npt.NDArray[np.float64]
+
+#: Variables of structure that may correct the form of an identified effect with states.
+PAST = {"memory", "dalpha/dt", "dkappa/dt", "dFz/dt", "T", "distance", "V"}
 
 
 @dataclass(eq=False)
@@ -113,6 +117,7 @@ class Search:
         promising = [t for t in chosen if t.response.p_coloured * self.tests < REFIT_P_FACTOR * EFFECT_P]
         refits = [refit for tried in promising if (refit := self.refit(tried)) is not None]
         passing = [refit for refit in refits if refit.passes and not self._is_form_artefact(refit)]
+        passing = [refit for refit in passing if not self._is_part_of_memory(refit)]
         found = {refit.name for refit in self.found}
         return preferred(passing, self.candidates, found) if passing else None
 
@@ -142,6 +147,8 @@ class Search:
     def _varied(self) -> set[str]:
         """Return the inputs of the identified effects."""
         varied = {name for refit in self.found for name in self.candidates[refit.name].requires}
+        if any(self.candidates[refit.name].has_states for refit in self.found):
+            return varied | PAST
         return varied | {"T", "distance"} if {"distance", "T"} & varied else varied
 
     def _is_finer_form(self, structure: Structure) -> bool:
@@ -185,16 +192,36 @@ class Search:
             for one in self.found
         )  # fmt: skip
 
+    def _is_part_of_memory(self, refit: Refit) -> bool:
+        """Return whether a candidate of the past, or of what heats, gains little beside a found effect with states.
+
+        The form of such an effect is uncertain, and its error resembles a further one.
+        """
+        gains = [float(one.gains.sum()) for one in self.found if self.candidates[one.name].has_states]
+        candidate = self.candidates.get(refit.name)
+        of_past = candidate is not None and (candidate.has_states or bool(PAST.intersection(candidate.requires)))
+        return bool(gains) and of_past and float(refit.gains.sum()) < FURTHER_MEMORY * max(gains)
+
     def probe(self) -> list[Tried]:
         """Estimate the noise, and return every testable form with its response."""
+        tire, identified = self.problem.simulator.tire, frozenset(refit.name for refit in self.found)
+        candidates = [candidate for name, candidate in self.candidates.items() if name not in identified]
+        refinements = [(f"{REFINEMENT}{name}", form) for name, form in refinements_for(tire, identified)]
+        return self.tested([*self.forms_of(candidates), *refinements])
+
+    def forms_of(self, candidates: Iterable[Candidate]) -> list[tuple[str, Form]]:
+        """Return the forms of candidates whose inputs vary with their names, one for each point of a grid."""
         signals, tire = self.problem.simulator.signals, self.problem.simulator.tire
-        identified = frozenset(refit.name for refit in self.found)
-        forms: list[tuple[str, Form]] = []
-        for name, candidate in self.candidates.items():
-            if name in identified or not excited(signals, tire, candidate.requires):
-                continue
-            forms += [(name, form) for form in candidate.forms]
-        forms += [(f"{REFINEMENT}{name}", form) for name, form in refinements_for(tire, identified)]
+        return [
+            (candidate.name, point)
+            for candidate in candidates
+            if excited(signals, tire, candidate.requires)
+            for form in candidate.forms
+            for point in form.points()
+        ]
+
+    def tested(self, forms: Iterable[tuple[str, Form]]) -> list[Tried]:
+        """Estimate the noise, and return the forms that can be tested with their responses."""
         tried = [(name, form) for name, declared in forms if (form := self._readable(declared))]
         columns = {i: self.screen.columns(form) for i, (_, form) in enumerate(tried)}
         self.screen.learn_noise(columns)
@@ -228,7 +255,7 @@ class Search:
     def _starts(self, form: Form, response: Response) -> list[FloatArray]:
         if not form.scalable:
             return [self.screen.probed(form, probe) for probe in form.probes]
-        start = self.solution.parameters.copy()
+        start = self.screen.probed(form, {})
         for probe, times in zip(form.probes, response.estimate, strict=True):
             for name, value in probe.items():
                 start[self.problem.simulator.index[name]] += float(np.clip(times, -3.0, 3.0)) * value

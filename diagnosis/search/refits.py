@@ -72,8 +72,9 @@ def preferred(refits: list[Refit], candidates: Mapping[str, Candidate], found: C
     """Return the best of several refits that pass.
 
     The one with the largest gain is preferred. A refinement of the baseline model must exceed an effect, and an effect
-    another that it contains, by `PREFERRED_ERRORS` standard errors of the difference. A refinement of an effect that
-    was identified in this recording has no such disadvantage, because the form of that effect is uncertain.
+    another that it contains, by `PREFERRED_ERRORS` standard errors of the difference; so must an effect with states one
+    without. A refinement of an effect that was identified in this recording has no such disadvantage, because the form
+    of that effect is uncertain.
 
     Parameters
     ----------
@@ -89,11 +90,16 @@ def preferred(refits: list[Refit], candidates: Mapping[str, Candidate], found: C
         difference = best.gains - other.gains
         error = error_of_sum(difference)
         contains = candidates[best.name].contains == other.name if best.name in candidates else False
+        stateful = _has_states(best, candidates) and not _has_states(other, candidates)
         refinement = best.name.startswith(REFINEMENT) and not other.name.startswith(REFINEMENT)
         refinement = refinement and best.name.removeprefix(REFINEMENT) not in found
-        if (contains or refinement) and difference.sum() < PREFERRED_ERRORS * error:
+        if (contains or refinement or stateful) and difference.sum() < PREFERRED_ERRORS * error:
             best = other
     return best
+
+
+def _has_states(refit: Refit, candidates: Mapping[str, Candidate]) -> bool:
+    return refit.name in candidates and candidates[refit.name].has_states
 
 
 def distinct(tried: list[Tried]) -> list[Tried]:

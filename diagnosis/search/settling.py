@@ -12,7 +12,7 @@ from tirefmu.estimation.noise_model import Whitening, noise_parts
 from ..least_squares import LeastSquares, Solution
 from ..probing.cross_talk import doubtful_cross_talk, without
 from ..probing.effect_probing import Screen
-from ..thresholds import FINAL_ITERATIONS, MAX_WHITENED_MISFIT
+from ..thresholds import FINAL_ITERATIONS, MAX_UNCERTAINTY, MAX_WHITENED_MISFIT
 from .confirmation import Confirmation, confirmation
 from .effect_search import Search
 from .refits import Refit
@@ -86,7 +86,15 @@ def settle(search: Search, before: Screen) -> Settled:
         before = Screen(
             problem, problem.solve(before.solution.parameters, before.solution.free, iterations=FINAL_ITERATIONS)
         )
-    first, search.solution, whitened = _whitened(search.problem, search.solution, before)
+    first, solution, whitened = _whitened(search.problem, search.solution, before)
+    if undetermined := _undetermined_refinements(search, whitened):
+        for refit in undetermined:
+            rejected[refit.name] = confirmed[refit.name]
+            _remove(search, refit)
+        confirmed, others = _confirmed(search)
+        rejected |= others
+        first, solution, whitened = _whitened(search.problem, search.solution, before)
+    search.solution = solution
     search.screen = Screen(search.problem, search.solution)
     search.last = search.probe()
     return Settled(first, search.screen, whitened, confirmed, rejected)
@@ -119,8 +127,22 @@ def _confirmed(search: Search) -> tuple[dict[str, Confirmation], dict[str, Confi
             return {refit.name: one for refit, one in judged}, rejected
         worst, evidence = min(failing, key=lambda pair: pair[1].z)
         rejected[worst.name] = evidence
-        search.progress(f"not confirmed: {worst.name} ({evidence.z:.1f} standard deviations)")
+        reason = "cross-talk would compensate it" if evidence.compensated else f"{evidence.z:.1f} standard deviations"
+        search.progress(f"not confirmed: {worst.name} ({reason})")
         _remove(search, worst)
+
+
+def _undetermined_refinements(search: Search, whitened: Screen) -> list[Refit]:
+    """Return the refinements all of whose coefficients the recording leaves open: these remain neutral."""
+    problem, free = whitened.problem, whitened.solution.free
+    deviations = dict(zip(free, np.sqrt(np.diag(whitened.baseline.inverse)), strict=False))  # then the disturbances
+    undetermined = []
+    for refit in search.refinements:
+        posterior, prior = np.array([deviations[name] for name in refit.form.free]), problem.prior(refit.form.free)[1]
+        if np.all(posterior > MAX_UNCERTAINTY * prior):
+            search.progress(f"not determined by the recording: {refit.name}")
+            undetermined.append(refit)
+    return undetermined
 
 
 def _coefficients(refit: Refit, search: Search) -> tuple[str, ...]:

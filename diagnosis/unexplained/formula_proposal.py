@@ -126,9 +126,7 @@ def unknown_of(structure: Structure, effect: AddedEffect | None, added: Added | 
 
 
 #: The reason why a formula with a rate or a memory is not added.
-INEXPRESSIBLE = (
-    "it depends on the rate or history of an input, which an effect file cannot contain (current inputs only)"
-)
+INEXPRESSIBLE = "it depends on the rate or history of an input, in a form that no effect with states has"
 #: Measurement that determines the form of structure that depends on a rate. Relaxation depends on the distance rolled,
 #: a delay on time, friction within the carcass on the direction only.
 _MEASUREMENTS = {

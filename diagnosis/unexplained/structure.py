@@ -144,9 +144,8 @@ def structure_of(screen: Screen) -> Structure | None:
 
 def _stretch_gains(screen: Screen, columns: FloatArray) -> FloatArray:
     """Return the cross-validated gain of columns in each long stretch, as a share of the total squared misfit."""
-    marks = np.round(np.linspace(0, screen.n_blocks, STRETCHES + 1)).astype(int)
-    edges, n_columns = screen.edges[marks], columns.shape[-1]
-    baseline = screen.stretch_losses(STRETCHES)
+    edges, n_columns = screen.stretches(STRETCHES), columns.shape[-1]
+    baseline = screen.stretch_losses(edges)
     total = np.concatenate([screen.tangent, columns], axis=-1)
     prior = np.concatenate([screen.prior_precision, np.full(n_columns, PROBE_PRIOR**-2.0)])
     gradient = np.concatenate([screen.prior_gradient, np.zeros(n_columns)])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -30,7 +30,7 @@ from .delivery import reasons_against
 from .detectability import detectable_sizes
 from .extrapolation import extrapolations
 from .findings import Finding, Interval
-from .fit_error import delivered_residuals, fit_errors, floors_of, residual_sizes
+from .fit_error import delivered_residuals, fit_errors, floors_of, preprocessed, residual_sizes
 from .improved_tire import tire_of
 from .operating_range import undetermined_change
 from .residual_location import residual_maps, time_course
@@ -91,12 +91,16 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
     base_tire = tire_of(before.problem.simulator.tire, before.problem, before.solution, ())
     tire = tire_of(outcome.start, search.problem, search.solution, added)
     # The equations of all effects are compiled already; those of the delivered tires alone would take seconds.
-    complete = (replace(one, added=outcome.start.added) for one in (base_tire, tire))
-    residuals = delivered_residuals(complete, outcome.recording, (before, after), outcome.signals.loaded)
+    complete = tuple(replace(one, added=outcome.start.added) for one in (base_tire, tire))
+    screens, loaded = (before, after), outcome.signals.loaded
+    residuals = delivered_residuals(complete, outcome.recording, screens, loaded)
     floors = floors_of(outcome.recording, after)
-    errors = fit_errors(before, after, residuals, floors)
+    errors = compared = fit_errors(before, after, residuals, floors)
+    if set(tire.states) - set(base_tire.states) and outcome.signals.timed:
+        without_noise = preprocessed(outcome.recording, outcome.signals)
+        compared = fit_errors(*screens, delivered_residuals(complete, without_noise, screens, loaded), floors)
     against = (
-        reasons_against(errors, undetermined_change(settled.whitened, added)) if added or search.refinements else ()
+        reasons_against(compared, undetermined_change(settled.whitened, added)) if added or search.refinements else ()
     )
     if against:
         tire = base_tire
@@ -122,7 +126,8 @@ def composed(outcome: SearchOutcome, began: float) -> Diagnosis:
         )
     )
     refined = tuple(f"{one.name.removeprefix(REFINEMENT)}: {', '.join(one.form.free)}" for one in search.refinements)
-    detectable, not_identifiable = detectable_sizes(search, outcome.tried, outcome.start)
+    tested = {name: one for name, one in outcome.tried.items() if name in search.candidates}
+    detectable, not_identifiable = detectable_sizes(search, tested, outcome.start)
     outliers = residuals.outlier_rows(outcome.signals.channels)
     recording = _recording_errors(outcome, final) | {
         "outlier_rows": outliers, "outliers": {name: len(rows) for name, rows in outliers.items()},
@@ -268,17 +273,18 @@ def confounded_with(outcome: SearchOutcome) -> dict[str, dict[str, float]]:
     """Return the confounded explanations of each identified effect, with their correlation."""
     search, screen = outcome.search, outcome.search.screen
     names = {refit.name for refit in search.found}
-    others = {
-        name: np.concatenate([tried.response.columns for tried in search.last if tried.name == name], axis=-1)
-        for name in outcome.tried if name not in names and any(tried.name == name for tried in search.last)
-    }  # fmt: skip
+    others = _alternatives(search, outcome.tried.keys() - names)
     confounded = {}
     for refit in search.found:
         found = {
             other.name: screen.tangent[:, :, [search.solution.free.index(name) for name in other.form.free]]
             for other in search.found if other is not refit
         }  # fmt: skip
-        size = correlations(screen, refit.form.free, {**others, **alias_columns(screen)}, found)
+        correlated = correlations(screen, refit.form.free, {**others, **alias_columns(screen)}, found)
+        size: dict[str, float] = {}
+        for key, value in correlated.items():
+            name = key.partition(" ")[0]
+            size[name] = max(value, size.get(name, 0.0))
         confounded[refit.name] = {
             name: value
             for name, value in size.items()
@@ -287,3 +293,18 @@ def confounded_with(outcome: SearchOutcome) -> dict[str, dict[str, float]]:
         if "distance" in outcome.tried[refit.name].requires and "T" not in outcome.signals.recorded:
             confounded[refit.name][UNRECORDED_TEMPERATURE] = 1.0
     return {name: others for name, others in confounded.items() if others}
+
+
+def _alternatives(search: Search, names: Collection[str]) -> dict[str, FloatArray]:
+    """Return the weighted responses of effects that were not identified, by name.
+
+    Each point of a grid is an explanation of its own, since only one value of a time constant is right: its key is the
+    name, a space and a number.
+    """
+    columns: dict[str, FloatArray] = {}
+    for i, tried in enumerate(search.last):
+        if tried.name in names:
+            key = f"{tried.name} {i}" if tried.form.grid else tried.name
+            parts = [columns[key]] if key in columns else []
+            columns[key] = np.concatenate([*parts, tried.response.columns], axis=-1)
+    return columns

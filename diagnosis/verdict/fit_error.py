@@ -7,10 +7,11 @@ Offsets and drift of the recording are subtracted; they are in the result (`Diag
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
+import pandas as pd
 
 from tirefmu.estimation.noise_floor import NoiseFloor, noise_floor
 from tirefmu.measurements import Recording
@@ -19,7 +20,7 @@ from tirefmu.tires.tire import Tire
 
 from ..probing.effect_probing import Screen
 from ..recording.outliers import short_range
-from ..recording.signals import FORMULA_SIGNS
+from ..recording.signals import FORMULA_SIGNS, Signals
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -89,6 +90,30 @@ def delivered_residuals(
     for start, end in signals.holdout_stretches():
         holdout[compared[start] : compared[end] + 1] = True
     return Residuals(rows, first, last, used, holdout, compared)
+
+
+def preprocessed(recording: Recording, signals: Signals) -> Recording:
+    """Return a recording with the inputs of the computation, without noise and skew.
+
+    A state that follows the direction of slip follows noise of the slip, too. Whether a tire with states is better is
+    therefore decided with these inputs.
+
+    Parameters
+    ----------
+    recording : Recording
+        With time.
+    signals : Signals
+        Of this recording.
+    """
+    table, t = recording.table, recording.table["t"].to_numpy(dtype=np.float64)
+    if (np.diff(t) < 0.0).any():
+        return recording
+    inputs = {
+        name: np.interp(t, signals.t, values)
+        for name, values in zip(signals.names, signals.inputs, strict=True)
+        if name in table
+    }
+    return replace(recording, table=table.assign(**convert_signs(pd.DataFrame(inputs), FORMULA_SIGNS, recording.signs)))
 
 
 def _residual(tire: Tire, recording: Recording, screen: Screen, rows: IntArray) -> FloatArray:

@@ -21,11 +21,11 @@ from ..reserved import LONGEST_NAME, no_coefficient, no_effect
 from .checks import LONGEST_TEXT, MOST_COEFFICIENTS
 
 #: Upper limits of counts, and of the magnitude of a size and its reciprocal.
-MOST_FORMS, MOST_PROBES, MOST_PAIRS, LARGEST_SIZE = 10, 10, 20, 1e12
+MOST_FORMS, MOST_PROBES, MOST_PAIRS, LARGEST_SIZE, MOST_POINTS = 10, 10, 20, 1e12, 20
 INPUTS = ("t", *(quantity.name for quantity in (KAPPA, ALPHA, GAMMA, FZ, P, V, PHIT)), *BEYOND)
 OUTPUTS = tuple(quantity.name for quantity in (FX, FY, MZ, MX, MY))
 KEYS = ("requires", "channels", "contains", "spread", "separate_by", "forms", "refinements", "confounded")
-FORM_KEYS = ("free", "starts", "sizes", "given", "holds")
+FORM_KEYS = ("free", "starts", "sizes", "given", "holds", "grid")
 
 
 def read_detection(table: object, location: str, own: Collection[str] | None = None) -> Detection:
@@ -102,6 +102,9 @@ def _form_lines(form: Form) -> Iterable[str]:
             yield f"{key} = {toml_string(text)}"
     if form.scalable:
         yield f"sizes = {_inline({name: size for probe in form.probes for name, size in probe.items()})}"
+        if form.grid:
+            points = (f"{name} = [{', '.join(repr(float(v)) for v in values)}]" for name, values in form.grid.items())
+            yield f"grid = {{{', '.join(points)}}}"
     else:
         yield f"free = {_list(form.free)}"
         yield f"starts = [{', '.join(_inline(probe) for probe in form.probes)}]"
@@ -163,7 +166,10 @@ def _form(table: object, location: str) -> Form:
     if ("sizes" in given) == ("starts" in given) or ("free" in given) != ("starts" in given):
         raise EffectError(f"{location}: either sizes, or free and starts are required")
     if "sizes" in given:
-        return Form.each(_sizes(given["sizes"], f"{location} sizes", least=1), present, holds)
+        sizes = _sizes(given["sizes"], f"{location} sizes", least=1)
+        return Form.each(sizes, present, holds, _grid(given.get("grid", {}), f"{location} grid", sizes))
+    if "grid" in given:
+        raise EffectError(f"{location}: grid requires sizes")
     starts, free = given["starts"], given["free"]
     if not isinstance(free, list) or not 1 <= len(free) <= MOST_COEFFICIENTS:
         raise EffectError(f"{location}: free is not a list of 1 to {MOST_COEFFICIENTS} coefficients")
@@ -175,6 +181,24 @@ def _form(table: object, location: str) -> Form:
         if name not in free:
             raise EffectError(f"{location}: starts contains {name}, which is not in free{nearest(name, free)}")
     return Form(tuple(free), probes, False, present, holds)
+
+
+def _grid(table: object, location: str, sizes: Collection[str]) -> dict[str, tuple[float, ...]]:
+    """Return the values of each coefficient of a grid."""
+    if not isinstance(table, dict) or len(table) > MOST_COEFFICIENTS:
+        raise EffectError(f"{location} is not a table of at most {MOST_COEFFICIENTS} coefficients and lists of numbers")
+    points = 1
+    for name, values in table.items():
+        if name in sizes:
+            raise EffectError(f"{location}: {quoted(name)} is also in sizes")
+        if not isinstance(values, list) or not values:
+            raise EffectError(f"{location}: {quoted(name)} is not a list of numbers")
+        points *= len(values)
+        if points > MOST_POINTS:
+            raise EffectError(f"{location} has more than {MOST_POINTS} points")
+        for value in values:
+            _sizes({name: value}, location)
+    return {name: tuple(map(float, values)) for name, values in table.items()}
 
 
 def _sizes(table: object, location: str, *, least: int = 0, positive: bool = False) -> dict[str, float]:

@@ -323,8 +323,8 @@ class Model(ModelDeclaration):
         frozenset of str
         """
         present = self.effects if effects is None else effects
-        found = self.structure.reached(targets, present)
         needed = set(targets)
+        found = self.structure.reached(needed, present)
         while behind := {line for name in found & self.states.keys() for line in self._lines_of(name)} - needed:
             needed |= behind  # a state is an input of the lines, but depends on them
             found = self.structure.reached(needed, present)

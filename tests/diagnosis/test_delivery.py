@@ -3,6 +3,7 @@
 import sys
 from copy import copy
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +11,9 @@ import pytest
 import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.search.confirmation import confirmation, joint_z
-from tirefmu.diagnosis.search.settling import settle
-from tirefmu.diagnosis.thresholds import CONFIRMED_Z, STRETCHES
+from tirefmu.diagnosis.search.confirmation import _stretches, confirmation, joint_z
+from tirefmu.diagnosis.search.settling import _undetermined_refinements, settle
+from tirefmu.diagnosis.thresholds import CONFIRMED_Z, MAX_CROSS_TALK, STRETCHES
 from tirefmu.diagnosis.verdict import composition
 from tirefmu.diagnosis.verdict.adequacy import Adequacy, adequacies
 from tirefmu.diagnosis.verdict.delivery import reasons_against
@@ -140,6 +141,46 @@ def test_a_true_effect_is_confirmed_and_an_absent_one_is_not(at_true_values, tir
     false = confirmation(problem, solution, ("PVY3",), absent)
     assert false.z < CONFIRMED_Z
     assert not false.passes
+    assert not true.compensated
+    crossed = solution.disturbance.copy()
+    crossed[problem.disturbances.names.index("cross_talk_Fx_in_Fy")] = 1.5 * MAX_CROSS_TALK["Fx_in_Fy"]
+    doubtful = confirmation(problem, replace(solution, disturbance=crossed), ("PHY1",), absent)
+    assert doubtful.compensated  # without the effect, the cross-talk is that of a bench
+    assert not doubtful.passes
+
+
+def test_cross_talk_beyond_the_limit_with_and_without_an_effect_is_no_reason_against_it(problem, tire, at_true_values):
+    signals = problem.simulator.signals
+    index = {name: i for i, name in enumerate(signals.channels)}
+    measured = signals.measured.copy()
+    measured[index["Fy"]] += 2.0 * MAX_CROSS_TALK["Fx_in_Fy"] * signals.measured[index["Fx"]]
+    crossed = replace(problem, simulator=problem.simulator.with_signals(replace(signals, measured=measured)))
+    absent = tire.parameters()
+    absent[problem.simulator.index["PHY1"]] = 0.0
+    solution = crossed.solve(tire.parameters(), at_true_values.solution.free)
+    assert crossed.disturbances.implausible(solution.disturbance) == ("cross_talk_Fx_in_Fy",)
+    assert not confirmation(crossed, solution, ("PHY1",), absent).compensated
+
+
+def test_an_effect_that_ends_soon_is_judged_where_it_acts(at_true_values):
+    rows = at_true_values.problem.inverse_noise.shape
+    everywhere, early = np.ones(rows), np.zeros(rows)
+    early[:, : rows[1] // 10] = np.random.default_rng(0).uniform(0.5, 1.5, (rows[0], rows[1] // 10))
+    np.testing.assert_array_equal(_stretches(at_true_values, everywhere, 10.0), at_true_values.stretches(STRETCHES))
+    edges = _stretches(at_true_values, early, 10.0)
+    assert len(edges) == STRETCHES + 1
+    assert (edges[0], edges[-1]) == (0, rows[1])
+    shares = np.add.reduceat(np.sum(early**2, axis=0), edges[:-1])
+    np.testing.assert_allclose(shares, shares.mean(), rtol=0.1)
+
+
+def test_a_refinement_that_the_recording_leaves_open_remains_neutral(at_true_values):
+    problem, solution = at_true_values.problem, at_true_values.solution
+    refit = SimpleNamespace(name="refinement of core", form=SimpleNamespace(free=("PDY2", "PHY1")))
+    search = SimpleNamespace(refinements=[refit], progress=lambda text: None)
+    assert _undetermined_refinements(search, at_true_values) == []
+    noisy = replace(problem, inverse_noise=1e-4 * problem.inverse_noise)
+    assert _undetermined_refinements(search, Screen(noisy, noisy.at(solution.parameters, solution.free))) == [refit]
 
 
 def test_more_coefficients_need_a_larger_estimate():

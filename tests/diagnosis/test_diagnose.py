@@ -179,14 +179,11 @@ def test_what_was_not_recorded_is_not_identifiable():
     assert diagnosis.not_identifiable["kappa_sideforce_SVyk"].startswith("cross-talk of Fx, which was not recorded")
 
 
-def test_unexplained_structure_is_reported_as_unknown():
+def test_a_force_that_follows_the_direction_of_slip_is_a_hysteresis():
+    """Its law is another one: the rate of slip behind a lag."""
     case = make_case(41, unknown="hysteresis")
     diagnosis = answer(case)
-    assert [one.effect for one in diagnosis.found] == ["UNKNOWN"]
-    assert "dalpha/dt" in diagnosis.unknown[0].depends_on
-    assert not diagnosis.unknown[0].added
-    assert "current inputs only" in diagnosis.unknown[0].not_added_because
-    assert any("at three rates" in text for text in diagnosis.next_measurement)
+    assert diagnosis.found[0].effect == "hysteresis_force"
     assert squared_error(diagnosis.tire, case, diagnosis) <= 1.001 * squared_error(diagnosis.base_tire, case, diagnosis)
 
 

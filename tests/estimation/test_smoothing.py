@@ -37,3 +37,17 @@ def test_smoothing_does_not_shift_in_time():
     slope = np.gradient(true)
     lag = float(slope @ (clean - true) / (slope @ slope))
     assert abs(lag) < 0.05
+
+
+def test_spikes_are_removed_and_steps_and_turning_points_are_not():
+    rng = np.random.default_rng(4)
+    steps = np.repeat([2.0, 2.7, 1.8, 2.2], 250)
+    for true, noise in ((sweeps(), 1e-4), (steps, 2e-3)):
+        raw = true + noise * rng.standard_normal(len(true))
+        rows = np.arange(57, len(true) - 50, 91)
+        spiked = raw.copy()
+        spiked[rows] += 8.0 * noise * rng.choice([-1.0, 1.0], len(rows))
+        clean, without = smoothed(spiked)[0], smoothed(raw)[0]
+        assert np.mean(np.abs(clean - true)[rows] < 4.0 * noise) >= 0.9  # a few lie on turning points
+        others = np.delete(np.arange(len(true)), rows)
+        assert np.sqrt(np.mean((clean - true)[others] ** 2)) < 1.1 * np.sqrt(np.mean((without - true)[others] ** 2))

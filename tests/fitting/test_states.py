@@ -16,7 +16,7 @@ def test_coefficients_of_memory_are_found():
     """The start tire heats its tread otherwise: the fit simulates the states again with its own result."""
     t = np.linspace(0.0, 16.0, 900)
     table = pd.DataFrame({"t": t, "alpha": 0.16 * np.sin(1.6 * t), "Fz": 3000.0 + 80.0 * t, "V": 12.0})
-    truth = Tire("mf61", {**VALUES, "HMU": 6e-5, "SHMU": 0.05}, effects=EFFECTS)
+    truth = Tire("mf61", {**VALUES, "HMU": 0.24, "SHMU": 0.05}, effects=EFFECTS)
     table["Fy"] = truth.evaluate(table)["Fy"]
     start = Tire("mf61", {**VALUES, "PDY1": 0.9, "PKY1": -17.0}, effects=EFFECTS)
     result = fit(table, start=start, screening=False)

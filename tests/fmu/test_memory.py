@@ -18,8 +18,8 @@ from tirefmu.tires import Tire
 OK, ERROR = 0, 3
 EFFECTS = ("heat_friction", "slip_history", "break_in", "load_lag")
 VALUES = {
-    "FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "SIGX": 0.2, "SIGY": 0.4, "HMU": 5e-5, "HTAU": 6.0, "SHMU": 0.05,
-    "SHK": 0.08, "BIMU": 0.1, "BIWORK": 2e4, "LLMU": 0.5, "LLK": 0.5,
+    "FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "SIGX": 0.2, "SIGY": 0.4, "HMU": 0.2, "HTAU": 6.0, "SHMU": 0.05,
+    "SHK": 0.08, "BIMU": 0.1, "BIWORK": 5.0, "LLMU": 0.5, "LLK": 0.5,
 }  # fmt: skip
 POINT = {"kappa": 0.03, "alpha": -0.09, "Fz": 4200.0, "V": 14.0}
 #: Slips that lag and slips that act at once.
@@ -91,12 +91,12 @@ def test_start_values_can_be_set(host):
 
 def test_a_long_step_with_strong_feedback_ends_in_equilibrium(host):
     """An iteration over the whole step finds no values: the step is halved."""
-    assert host.set(HMU=5e-4, HTAU=1.0, alpha=0.0, Fz=6000.0, V=30.0) == OK
+    assert host.set(HMU=2.0, HTAU=1.0, alpha=0.0, Fz=6000.0, V=30.0) == OK
     assert host.call("ExitInitializationMode") == OK
     assert host.set(alpha=-0.2) == OK
     assert host.step(0.0, 60.0) == OK
     heat, rate = host.get("tread_heat", "der(tread_heat)")
-    assert heat > 1000.0
+    assert heat > 0.25
     assert abs(rate) < 1e-6 * heat
 
 

@@ -39,6 +39,7 @@ starts = [{WET1 = 0.1}, {WET1 = 0.1, WET2 = 1.0}]
 given = "speed_friction"
 holds = "stiffness_y"
 sizes = {WET1 = 0.1}
+grid = {WET2 = [0.5, 2.0]}
 [[diagnosis.refinements]]
 sizes = {WET2 = -0.5}
 [[diagnosis.confounded]]
@@ -73,6 +74,11 @@ def test_a_user_file_has_the_keys_of_a_library_file_and_survives_a_round_trip():
         ("{WET2 = 0.5}", "{WET2 = -0.5}", "WET2 = -0.5 is not a positive number"),
         ("{WET2 = 0.5}", "{WET3 = 0.5}", "WET3 is not a coefficient of this effect: did you mean WET"),
         ("sizes = {WET1 = 0.1}", "sizes = {WET1 = 0}", "WET1 = 0 is not a number other than 0"),
+        ("{WET2 = [0.5, 2.0]}", "{WET1 = [1]}", "'WET1' is also in sizes"),
+        ("{WET2 = [0.5, 2.0]}", "{WET2 = []}", "'WET2' is not a list of numbers"),
+        ("{WET2 = [0.5, 2.0]}", "{WET2 = [nan]}", "is not a number other than 0"),
+        ("{WET2 = [0.5, 2.0]}", f"{{WET2 = {[1.0] * 21}}}", "has more than 20 points"),
+        ("{WET2 = [0.5, 2.0]}", "{wet = [1]}", "'wet' is not a word of capital letters"),
         ("sizes = {WET1 = 0.1}", "sizes = {WET1 = nan}", "WET1 = nan is not a number"),
         ("sizes = {WET1 = 0.1}", "sizes = {WET1 = inf}", "WET1 = inf is not a number"),
         ("sizes = {WET1 = 0.1}", "sizes = {WET1 = true}", "WET1 = True is not a number"),

@@ -1,0 +1,142 @@
+"""The search with effects that have states, where the residual of a search without them has memory.
+
+Effects with states can imitate missing effects without states and errors of a recording, and each probe is a
+simulation. Therefore they are tested on the residual of a completed search without them. If one of them is significant
+there, or if unexplained structure depends on the past, the search is repeated from the baseline model with all effects.
+A skew of the recording and an error of the load that follows the direction of slip are then linear disturbances. They
+are estimated together with the effects, because these, too, separate growing from falling slip. The result replaces the
+first one if it has an effect with states, or if it needs fewer effects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.estimation.block_regression import error_of_sum
+
+from ..least_squares import LeastSquares, Solution
+from ..probing.candidates import Candidate
+from ..probing.effect_probing import Screen
+from ..recording.load_error import LAGS, load_error_responses
+from ..recording.skew import delay_response
+from ..thresholds import EFFECT_GAIN, EFFECT_P, EFFECT_P_OF_BLOCKS, LOAD_ERROR_PRIOR, MAX_SKEW, MIN_SKEW
+from . import alignment
+from .effect_search import Search
+from .refits import Tried
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Names of the disturbances; iterations of a fit with another skew, and number of such fits.
+SKEW, LOAD_ERRORS = "skew", tuple(f"load_error_{i}" for i in range(len(LAGS)))
+ITERATIONS, ALIGNMENTS = 4, 2
+#: Variables of structure that depends on the past.
+PAST_ONLY = frozenset({"memory", "dalpha/dt", "dkappa/dt", "dFz/dt"})
+
+
+def searched(
+    problem: LeastSquares, solution: Solution, candidates: Mapping[str, Candidate], progress: Callable[[str], None]
+) -> tuple[Screen, Search]:
+    """Search for missing effects.
+
+    Parameters
+    ----------
+    problem : LeastSquares
+    solution : Solution
+        Of the baseline model.
+    candidates : mapping of str to Candidate
+    progress : callable
+        Called with a sentence at each step.
+
+    Returns
+    -------
+    before : Screen
+        Of the baseline model.
+    search : Search
+        Completed.
+    """
+    at_once = {name: one for name, one in candidates.items() if not one.has_states}
+    before, first = alignment.searched(Search(problem, solution, at_once, progress))
+    with_states = [one for one in candidates.values() if one.has_states]
+    if not with_states or not problem.simulator.signals.timed or not _has_memory(first, with_states):
+        if first.found:  # they are compared with what was found
+            first.candidates = candidates
+        return before, first
+    progress("the residual depends on the past: the search is repeated with effects that have states")
+    disturbed, start = _disturbed(before.problem, before.solution)
+    second = Search(disturbed, start, candidates, progress)
+    second.run()
+    late, second = _aligned(problem, before, second)
+    if any(candidates[one.name].has_states for one in second.found) or _findings(second) < _findings(first):
+        return late, second
+    first.candidates = candidates
+    return before, first
+
+
+def _findings(search: Search) -> int:
+    return len(search.found) + len(search.structures)
+
+
+def _has_memory(search: Search, candidates: list[Candidate]) -> bool:
+    """Return whether structure that a search found, or an effect with states in its residual, depends on the past."""
+    if any(PAST_ONLY.intersection(structure.depends_on) for structure in search.structures):
+        return True
+    problem, solution = _disturbed(search.problem, search.solution)
+    trial = Search(problem, solution, search.candidates, search.progress)
+    trial.screen = Screen(problem, solution)
+    tried = trial.tested(trial.forms_of(candidates))
+    return any(_is_significant(trial.screen, one, len(tried)) for one in tried)
+
+
+def _is_significant(screen: Screen, tried: Tried, tests: int) -> bool:
+    """Return whether a linear response satisfies the criteria of an effect; its gain may be less certain."""
+    response, loss = tried.response, screen.baseline.loss
+    gains = loss - response.loss
+    material = float(gains.sum()) > max(error_of_sum(gains), EFFECT_GAIN * float(loss.sum()))
+    return material and response.p_coloured * tests < EFFECT_P and response.p_blocks < EFFECT_P_OF_BLOCKS
+
+
+def _disturbed(problem: LeastSquares, solution: Solution) -> tuple[LeastSquares, Solution]:
+    """Return problem and solution with a skew of the recording and errors of the load as linear disturbances."""
+    skew = delay_response(problem.simulator, solution.parameters)[:, :, None]
+    loads = load_error_responses(problem.simulator, solution.parameters)
+    columns, names = np.concatenate([skew, loads], axis=-1), (SKEW, *LOAD_ERRORS)
+    deviations = np.array([MAX_SKEW, *(LOAD_ERROR_PRIOR for _ in LOAD_ERRORS)])
+    disturbed = replace(problem, disturbances=problem.disturbances.without(names).extended(names, columns, deviations))
+    return disturbed, disturbed.at(solution.parameters, solution.free)
+
+
+def _aligned(recorded: LeastSquares, before: Screen, search: Search) -> tuple[Screen, Search]:
+    """Remove the disturbances, and delay the inputs if the skew is significant.
+
+    Parameters
+    ----------
+    recorded : LeastSquares
+        Of the signals without a delay.
+    before : Screen
+        Of the baseline model, possibly with a delay that was estimated without the effects with states.
+    search : Search
+        Completed, with the disturbances.
+    """
+    signals, problem, solution = recorded.simulator.signals, search.problem, search.solution
+    for _ in range(ALIGNMENTS):
+        estimate = float(solution.disturbance[problem.disturbances.names.index(SKEW)])
+        skew = float(np.clip(problem.simulator.signals.skew + estimate, -MAX_SKEW, MAX_SKEW))
+        late = replace(problem, simulator=problem.simulator.with_signals(signals.delayed(skew)))
+        problem, solution = _disturbed(late, late.solve(solution.parameters, solution.free, iterations=ITERATIONS))
+    problem = replace(problem, disturbances=problem.disturbances.without((SKEW, *LOAD_ERRORS)))
+    at_once = replace(problem, simulator=problem.simulator.with_signals(signals))
+    fits = [one.solve(solution.parameters, solution.free, iterations=ITERATIONS) for one in (problem, at_once)]
+    losses = [Screen(one, fit).baseline.loss for one, fit in zip((problem, at_once), fits, strict=True)]
+    skew = problem.simulator.signals.skew
+    if not (MIN_SKEW < abs(skew) < MAX_SKEW and alignment.significant(losses[1] - losses[0], losses[1])):
+        problem, fits, skew = at_once, fits[1:], 0.0
+    search.progress(f"the forces are recorded {1000.0 * skew:.1f} ms after the inputs" + " (corrected)" * bool(skew))
+    search.problem, search.solution = problem, fits[0]
+    if before.problem.simulator.signals.skew != skew:
+        base = replace(before.problem, simulator=problem.simulator)
+        before = Screen(base, base.solve(before.solution.parameters, before.solution.free, iterations=ITERATIONS))
+    return before, search

@@ -1,0 +1,118 @@
+"""Effects with memory in forms that are not the library's: what the past of a program changes in the forces.
+
+Each law integrates its memory over a program at the internal rate and returns the factors and terms of `Change`. Heat
+and wear follow the sliding power of the forces that the law gets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from .formulas import FloatArray, Inputs
+from .tires import Specimen
+
+Forces = Mapping[str, FloatArray]
+Changes = Mapping[str, FloatArray | float]
+
+
+def follow(t: FloatArray, target: FloatArray, rate: FloatArray) -> FloatArray:
+    """Return a first-order lag by implicit midpoint steps, in equilibrium at the start."""
+    h = 0.5 * np.diff(t)
+    middle, half = 0.5 * (target[1:] + target[:-1]), 0.5 * h * (rate[1:] + rate[:-1])
+    values, state = [float(target[0])], float(target[0])
+    for wanted, a in zip(middle.tolist(), half.tolist(), strict=True):
+        state += 2.0 * a / (1.0 + a) * (wanted - state)
+        values.append(state)
+    return np.asarray(values)
+
+
+def bouc_wen(path: FloatArray, width: float, sharpness: float) -> FloatArray:
+    """Return the hysteresis dz = (1 - |z|^n sgn(z ds)) ds/width along a path, shape (n,)."""
+    steps = np.diff(path) / width
+    values, z = [0.0], 0.0
+    for step in steps.tolist():
+        for _ in range(4):  # four steps of Euler
+            along = 1.0 if z * step > 0.0 else -1.0
+            z += 0.25 * step * (1.0 - along * abs(z) ** sharpness)
+        values.append(z)
+    return np.clip(np.asarray(values), -1.0, 1.0)
+
+
+def sliding(tire: Specimen, x: Inputs, force: Forces) -> FloatArray:
+    """Return the sliding power over nominal load, m/s."""
+    power = np.abs(force["Fy"] * np.sin(x["alpha"])) + np.abs(force["Fx"] * x["kappa"])
+    return np.asarray(power * x["V"] / tire.load)
+
+
+def _friction(factor: FloatArray) -> Changes:
+    return {"friction_x": factor, "friction_y": factor}
+
+
+def _stiffness(factor: FloatArray) -> Changes:
+    return {"stiffness_x": factor, "stiffness_y": factor}
+
+
+def heat_friction(size: float, tire: Specimen, x: Inputs, force: Forces) -> Changes:
+    """A surface heats a carcass; friction is a rational function of the temperature of the surface."""
+    power = sliding(tire, x, force) * (x["Fz"] / tire.load) ** -0.3
+    cooling = (x["V"] / tire.speed) ** 0.5
+    surface = follow(x["t"], power / cooling, cooling / 2.5)
+    carcass = follow(x["t"], surface, np.full(len(power), 1.0 / 18.0))
+    return _friction(1.0 / (1.0 + 0.16 * size * (0.75 * surface + 0.25 * carcass)))
+
+
+def heat_stiffness(size: float, tire: Specimen, x: Inputs, force: Forces) -> Changes:
+    """The modulus falls with the temperature of the tread and saturates."""
+    cooling = 0.6 + 0.4 * x["V"] / tire.speed
+    heat = follow(x["t"], sliding(tire, x, force) / cooling, cooling / 6.0)
+    return _stiffness(1.0 - 0.3 * size * np.tanh(heat / 1.2))
+
+
+def slip_history(size: float, tire: Specimen, x: Inputs, force: Forces) -> Changes:
+    """A Bouc-Wen element along the size of the slip that the contact has followed."""
+    rate = np.abs(x["V"]) / (0.15 * tire.radius)
+    slips = [follow(x["t"], one, rate) for one in (np.tan(x["alpha"]), x["kappa"])]
+    z = bouc_wen(np.hypot(*slips), 0.025, 2.0)
+    return {**_friction(1.0 + 0.04 * size * z), **_stiffness(1.0 + 0.05 * size * z)}
+
+
+def hysteresis_force(size: float, tire: Specimen, x: Inputs, force: Forces) -> Changes:
+    """Inner friction of the carcass: a Bouc-Wen element that grows less than the load."""
+    z = bouc_wen(follow(x["t"], np.tan(x["alpha"]), np.abs(x["V"]) / (0.2 * tire.radius)), 0.015, 2.0)
+    return {"side_force": 0.035 * size * tire.load * (x["Fz"] / tire.load) ** 0.8 * z}
+
+
+def break_in(size: float, tire: Specimen, x: Inputs, force: Forces) -> Changes:
+    """Friction of the new tread falls as a rational function of the work of sliding."""
+    step = np.diff(x["t"], prepend=x["t"][0])
+    work = np.cumsum(step * sliding(tire, x, force))
+    return _friction(1.0 + 0.12 * size / (1.0 + work / 4.0) ** 1.5)
+
+
+def load_lag(size: float, tire: Specimen, x: Inputs, force: Forces) -> Changes:
+    """Two lags, one behind the other: the contact carries the load that it had some distance ago."""
+    rate = np.abs(x["V"]) / (0.7 * tire.radius * size)
+    late = follow(x["t"], follow(x["t"], x["Fz"], rate), rate)
+    ratio = np.clip(late / np.maximum(x["Fz"], 1.0), 0.2, 3.0)
+    return {"friction_y": ratio, "stiffness_y": ratio**0.8}
+
+
+#: Laws by the name of the effect in the library.
+LAWS: Mapping[str, Callable[[float, Specimen, Inputs, Forces], Changes]] = {
+    "heat_friction": heat_friction, "heat_stiffness": heat_stiffness, "slip_history": slip_history,
+    "hysteresis_force": hysteresis_force, "break_in": break_in, "load_lag": load_lag,
+}  # fmt: skip
+
+
+def relaxed_slip(size: float, tire: Specimen, x: Inputs) -> FloatArray:
+    """Return the slip angle that acts: the relaxation length falls with the slip that acts, as a hyperbolic cosine."""
+    h, demand, speed = np.diff(x["t"]), np.tan(x["alpha"]), np.abs(x["V"])
+    state, values = float(demand[0]), [float(demand[0])]
+    for i in range(len(h)):
+        length = 2.0 * size * tire.radius / np.cosh(min(abs(state) / 0.045, 30.0)) + 0.02 * tire.radius
+        way = h[i] * speed[i] / length
+        state = demand[i + 1] + (state - demand[i + 1]) * float(np.exp(-way))
+        values.append(state)
+    return np.arctan(np.asarray(values))

@@ -1,0 +1,131 @@
+"""Effects with states: their simulation in a diagnosis, errors of a recording that resemble them, and their search."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tirefmu.diagnosis import diagnose, write_report
+from tirefmu.diagnosis.recording.load_error import load_error_responses
+from tirefmu.diagnosis.recording.signals import FORMULA_SIGNS, signals_of
+from tirefmu.diagnosis.recording.simulation import Simulator
+from tirefmu.symbolic.added import library
+from tirefmu.tires import Tire
+
+from .independent import memory_kinds
+
+BASE = ("load_friction", "load_stiffness")
+NOMINAL = {"Fz0": 4000.0, "R0": 0.31, "p0": 220e3, "V0": 16.7}
+VALUES = {
+    "FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.31, "NOMPRES": 220e3, "INFLPRES": 220e3, "LONGVL": 16.7, "PCY1": 1.4,
+    "PDY1": 1.05, "PDY2": -0.15, "PEY1": -0.4, "PKY1": 21.0, "PKY2": 1.8, "QBZ1": 8.0, "QCZ1": 1.1, "QDZ1": 0.11,
+}  # fmt: skip
+ADDED = tuple(effect for effect in library().values() if effect.detection)
+SLIP_HISTORY = {"SHMU": 0.04, "SHK": 0.05, "SHWID": 0.025, "SHLEN": 0.05}
+
+
+def tire_with(*effects, **values):
+    return Tire("mf61", VALUES | values, effects=(*BASE, *effects), signs=FORMULA_SIGNS, added=ADDED)
+
+
+def program():
+    """Return sweeps at two rates and three loads, with rests, at 25 Hz."""
+    parts = []
+    for k, load in enumerate((4000.0, 2200.0, 5600.0, 3000.0, 5000.0, 2200.0, 4000.0, 5600.0)):
+        seconds = 4.0 if k % 2 else 9.0
+        phase = np.arange(0.0, 1.0, 0.04 / seconds)
+        alpha = np.concatenate([0.2 * (-1.0) ** (k // 2) * np.sin(2.0 * np.pi * phase), np.zeros(25)])
+        parts.append(pd.DataFrame({"alpha": alpha, "Fz": load}))
+    table = pd.concat(parts, ignore_index=True).assign(V=16.7)
+    table.insert(0, "t", 0.04 * np.arange(len(table)))
+    return table
+
+
+def recorded(tire, seed=1):
+    """Return program and forces with noise."""
+    table, rng = program(), np.random.default_rng(seed)
+    forces = tire.evaluate(table, signs=FORMULA_SIGNS)[["Fy", "Mz"]]
+    return table.assign(
+        **{
+            name: values + 0.006 * values.abs().max() * rng.standard_normal(len(table))
+            for name, values in forces.items()
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {"HMU": 0.15, "HTAU": 4.0, "HSLOW": 0.5, "HBODY": 15.0},
+        {"BIMU": 0.1, "BIWORK": 5.0},
+        {**SLIP_HISTORY, "LLMU": 0.7, "SIGY": 0.3},
+        {"RSIG": 0.5, "RSLIP": 0.08},
+    ],
+    ids=["heat", "work", "direct", "relaxation"],
+)
+def test_a_diagnosis_simulates_the_states_as_an_evaluation_does(values):
+    """Drives are linear between rows: the error is of second order in their distance."""
+    table = recorded(tire_with())
+    effects = [effect.name for effect in ADDED if {each.name for each in effect.declarations} & values.keys()]
+    effects += ["relax_lat"] if "SIGY" in values else []
+    start = tire_with()
+    simulator = Simulator(start, signals_of(table, start, FORMULA_SIGNS, smooth=False))
+    parameters = start.parameters()
+    for name, value in values.items():
+        parameters[simulator.index[name]] = value
+    forces = simulator.forces(parameters)[list(simulator.signals.channels).index("Fy")]
+    exact = tire_with(*effects, **values).evaluate(program(), signs=FORMULA_SIGNS)["Fy"].to_numpy()
+    np.testing.assert_allclose(forces, exact, atol=2e-3 * np.abs(exact).max())
+    without = simulator.forces(start.parameters())[list(simulator.signals.channels).index("Fy")]
+    assert np.abs(forces - without).max() > 0.01 * np.abs(exact).max()
+    assert np.array_equal(forces, Simulator(start, simulator.signals).forces(parameters)[0])  # whatever was before
+
+
+def test_what_lengths_depend_on_may_be_asked_for_by_a_generator():
+    book = tire_with().book
+    assert book.reached(name for name in ("sigma_kappa", "sigma_alpha")) == book.reached(["sigma_kappa", "sigma_alpha"])
+
+
+def test_the_response_to_a_load_error_follows_the_direction_of_slip():
+    tire = tire_with()
+    signals = signals_of(recorded(tire), tire, FORMULA_SIGNS, smooth=False)
+    simulator = Simulator(tire, signals)
+    at_once = load_error_responses(simulator, tire.parameters())[0, :, 0]
+    growing = np.gradient(np.abs(signals.named()["alpha"]), signals.t) > 0.05
+    falling = np.gradient(np.abs(signals.named()["alpha"]), signals.t) < -0.05
+    side = np.sign(signals.named()["alpha"])
+    assert np.mean((side * at_once)[growing] > 0.0) > 0.95
+    assert np.mean((side * at_once)[falling] < 0.0) > 0.95
+
+
+def test_the_history_of_slip_is_identified_and_shown(tmp_path):
+    table = recorded(tire_with("slip_history", **SLIP_HISTORY))
+    result = diagnose(table, signs=FORMULA_SIGNS, effects=BASE, nominal=NOMINAL)
+    assert [one.effect for one in result.found] == ["slip_history"]
+    assert result.delivered
+    found = result.in_signs(FORMULA_SIGNS).found[0].coefficients
+    assert found["SHMU"].value == pytest.approx(0.04, abs=0.012)
+    assert result.gap["holdout"]["Fy"]["after"] < 0.5 * result.gap["holdout"]["Fy"]["before"]
+    page = write_report(result, table.assign(Fy=table["Fy"]), tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "<h2>Memory</h2>" in page
+
+
+def test_a_load_error_in_the_direction_of_slip_is_no_effect():
+    table = recorded(tire_with())
+    direction = np.tanh(np.gradient(np.abs(table["alpha"]), table["t"]) / 0.05)
+    result = diagnose(
+        table.assign(Fz=table["Fz"] * (1.0 + 0.004 * direction)), signs=FORMULA_SIGNS, effects=BASE, nominal=NOMINAL
+    )
+    assert result.found == ()
+
+
+def test_the_memory_suite_hides_each_effect_with_the_errors_of_a_recording():
+    kinds = memory_kinds.NUMBER_OF_CASES
+    assert sum(kinds.values()) >= 40
+    assert kinds["null"] >= 12
+    case = memory_kinds.case_of("single", 2)
+    assert case.hidden == ("slip_history",)
+    pd.testing.assert_frame_equal(case.table, memory_kinds.case_of("single", 2).table)
+    assert np.isfinite(case.table.to_numpy()).all()
+    assert np.isfinite(case.test.to_numpy()).all()
