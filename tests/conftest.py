@@ -9,8 +9,10 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-# Set before matplotlib is imported; commands that a test starts inherit it.
+# Set before NumPy and matplotlib are imported; commands that a test starts inherit it.
 os.environ["MPLBACKEND"] = "Agg"
+# Tests run on all processors: threads of BLAS would only wait for one another, which takes most of their time.
+os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 # Derandomized: a commit has the same result everywhere. No deadline and no health check of speed, because machines may
 # be busy. (pytest --hypothesis-profile=default draws new examples.)
