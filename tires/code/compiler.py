@@ -29,7 +29,7 @@ from .build_cache import cached
 #: Characters of a compiler's line that a message quotes.
 LONGEST_LINE = 300
 FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-fvisibility=hidden")
-#: For the Jacobians row by row: half the time of -O2 to compile, 7 % slower; the second one fuses multiplications (GCC).
+#: For the Jacobians row by row: half the time of -O2 to compile, 7 % slower; the second fuses multiplications (GCC).
 QUICKLY = ("-O1", "-fexpensive-optimizations")
 
 
