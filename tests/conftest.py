@@ -37,6 +37,17 @@ def compiled_code(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         yield folder / "compiled"
 
 
+@pytest.fixture(scope="session", autouse=True)
+def coarse_figures() -> Iterator[None]:
+    """Draw figures with fewer pixels, whose number is not tested: they take most of the time of a report."""
+    from tirefmu.tires.drawing import files, style
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(style, "DPI", 40)
+        patch.setattr(files, "DPI", 40)
+        yield
+
+
 @pytest.fixture(scope="session")
 def golden() -> Path:
     """Return the folder of reference numbers; the header of each file states the source."""

@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from base64 import b64encode
 
 import numpy as np
 import pandas as pd
@@ -47,6 +48,14 @@ def test_no_files_but_the_requested_files(chain):
     requested = {"fitted.tir", "fit.json", "report.html", "figures"}
     assert files == requested | {f"fmi{fmi}.fmu" for fmi in "23"} | {f"check{fmi}.json" for fmi in "23"}
     assert {path.suffix for path in (folder / "figures").iterdir()} == {".png"}
+
+
+def test_the_report_shows_the_figures_of_the_folder(chain):
+    page = (chain[0] / "report.html").read_text(encoding="utf-8")
+    images = [path.read_bytes() for path in (chain[0] / "figures").iterdir()]
+    assert page.count("data:image/png;base64,") == len(images)
+    for image in images:
+        assert b64encode(image).decode() in page
 
 
 def test_the_fit_is_the_same_everywhere(chain):
