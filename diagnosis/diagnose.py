@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
+from threadpoolctl import threadpool_limits
+
 from tirefmu.measurements import TableLike, check_convention, recording_from
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.added import AddedEffect, library
@@ -85,16 +87,19 @@ def diagnose(
     start = _start_model(model, effects, nominal, None if tire is None else tire_from(tire), user_defined)
     candidates_tried = _chosen(candidates_for(start), selected)
     signals = signals_of(recording.table, start, recording.signs)
-    report("fitting the baseline model")
-    problem, solution = fit_baseline(start, signals, known=tire is not None)
-    recorded = signals_of(recording.table, start, recording.signs, smooth=False)
-    if worse_by_smoothing(problem, solution, recorded):
-        problem, solution = fit_baseline(start, recorded, known=tire is not None)
-    before, search = searched(problem, solution, candidates_tried, report)
-    unknown, start = _unknown_structure(start, search, report)
-    settled = settle(search, before)
-    report("computing confounded explanations and detectable sizes")
-    return composed(SearchOutcome(recording, start, candidates_tried, settled, search, unknown), began).in_signs("iso")
+    with threadpool_limits(limits=1, user_api="blas"):  # the matrices are too small for threads
+        report("fitting the baseline model")
+        problem, solution = fit_baseline(start, signals, known=tire is not None)
+        recorded = signals_of(recording.table, start, recording.signs, smooth=False)
+        if worse_by_smoothing(problem, solution, recorded):
+            problem, solution = fit_baseline(start, recorded, known=tire is not None)
+        before, search = searched(problem, solution, candidates_tried, report)
+        unknown, start = _unknown_structure(start, search, report)
+        settled = settle(search, before)
+        report("computing confounded explanations and detectable sizes")
+        return composed(SearchOutcome(recording, start, candidates_tried, settled, search, unknown), began).in_signs(
+            "iso"
+        )
 
 
 def _start_model(

@@ -45,6 +45,8 @@ def visible(text: str) -> str:
     >>> print(visible("a\x1b[2Jb\u2028c °C"))
     a\x1b[2Jb\u2028c °C
     """
+    if text.isprintable():  # at once, because pages contain images as text of megabytes
+        return text
     return "".join(character if character.isprintable() else _escape(character) for character in text)
 
 

@@ -9,8 +9,10 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-# Set before matplotlib is imported; commands that a test starts inherit it.
+# Set before NumPy and matplotlib are imported; commands that a test starts inherit it.
 os.environ["MPLBACKEND"] = "Agg"
+# Tests run on all processors: threads of BLAS would only wait for one another, which takes most of their time.
+os.environ["OMP_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 # Derandomized: a commit has the same result everywhere. No deadline and no health check of speed, because machines may
 # be busy. (pytest --hypothesis-profile=default draws new examples.)
@@ -33,6 +35,17 @@ def compiled_code(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("TIREFMU_CACHE", str(folder / "compiled"))
         yield folder / "compiled"
+
+
+@pytest.fixture(scope="session", autouse=True)
+def coarse_figures() -> Iterator[None]:
+    """Draw figures with fewer pixels, whose number is not tested: they take most of the time of a report."""
+    from tirefmu.tires.drawing import files, style
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(style, "DPI", 40)
+        patch.setattr(files, "DPI", 40)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -24,7 +24,12 @@ from .report_text import (
 )
 
 
-def write_report(result: FitResult, recordings: TableLike | Iterable[TableLike], path: str | Path) -> None:
+def write_report(
+    result: FitResult,
+    recordings: TableLike | Iterable[TableLike],
+    path: str | Path,
+    figures: Sequence[Path] | None = None,
+) -> None:
     """Write the report of a fit.
 
     Parameters
@@ -33,6 +38,8 @@ def write_report(result: FitResult, recordings: TableLike | Iterable[TableLike],
     recordings : path, DataFrame or Recording, or a sequence of them
         The fitted recordings, for the figures.
     path : str or Path
+    figures : sequence of Path, optional
+        The files that `draw_figures` has written for them; otherwise they are drawn, which takes seconds.
 
     Raises
     ------
@@ -41,8 +48,7 @@ def write_report(result: FitResult, recordings: TableLike | Iterable[TableLike],
     """
     path = path_from(path)
     with tempfile.TemporaryDirectory() as folder:
-        drawn = draw_figures(result, recordings, Path(folder))
-        images = inlined(drawn)
+        images = inlined(draw_figures(result, recordings, Path(folder)) if figures is None else figures)
     try:
         write_page(report_page(result, images), path)
     except OSError as error:

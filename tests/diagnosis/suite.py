@@ -145,7 +145,8 @@ def _tire(rng: np.random.Generator, effects: tuple[str, ...], strength: float) -
             values[name] = about(size, 0.15) * own * sign
     if "load_stiffness" not in effects:
         values["PKY1"] *= 0.75
-    return Tire("mf61", values, effects=effects, signs="adapted-sae", added=tuple(library().values()))
+    added = tuple(effect for effect in library().values() if effect.detection)  # the model that a diagnosis prints
+    return Tire("mf61", values, effects=effects, signs="adapted-sae", added=added)
 
 
 def _answer(tire: Tire, table: pd.DataFrame, unknown: str, bent: str) -> pd.DataFrame:

@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from tirefmu.cli import main
 from tirefmu.diagnosis import diagnose
@@ -91,6 +92,18 @@ def test_ripple_quantisation_and_uninformative_channels_are_reported():
     assert list(answer.recording["left_aside"]) == ["Fx"]
     holdout = answer.holdout_mask(len(table))
     assert 0.05 < holdout.mean() < 0.2
+
+
+def test_a_diagnosis_computes_with_one_thread_of_blas():
+    threads = set()
+
+    def first(sentence):
+        threads.update(each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas")
+        raise InterruptedError
+
+    with threadpool_limits(limits=2, user_api="blas"), pytest.raises(InterruptedError):
+        diagnose(measured(hidden(), sweeps()), signs="adapted-sae", nominal=NOMINAL, progress=first)
+    assert threads <= {1}
 
 
 def test_noise_is_not_reported_as_ripple():

@@ -59,6 +59,12 @@ def trento():
     return compare(TIRE, [run(trento_program())])
 
 
+@pytest.fixture
+def unrendered(monkeypatch):
+    """Do not render the figures: which are drawn is the same."""
+    monkeypatch.setattr("tirefmu.fitting.reporting.figures.png", lambda figure: b"")
+
+
 def test_every_figure_is_complete_and_reproducible(bench, tmp_path):
     first = draw_figures(TIRE, [bench], tmp_path / "a", prefix="fit_", truth=TIRE)
     second = draw_figures(TIRE, [bench], tmp_path / "b", prefix="fit_", truth=TIRE)
@@ -77,19 +83,19 @@ def test_every_figure_is_complete_and_reproducible(bench, tmp_path):
     ],
     ids=["cornering only", "driving only", "combined only"],
 )
-def test_figures_without_data_are_omitted(program, drawn, tmp_path):
+def test_figures_without_data_are_omitted(program, drawn, tmp_path, unrendered):
     paths = draw_figures(TIRE, [run(program)], tmp_path)
     assert [path.stem for path in paths] == drawn
 
 
-def test_a_channel_that_was_not_measured_is_omitted(bench, tmp_path):
+def test_a_channel_that_was_not_measured_is_omitted(bench, tmp_path, unrendered):
     blind = replace(bench, table=bench.table.drop(columns="Mz").assign(Fy=np.nan))
     assert [path.stem for path in draw_figures(TIRE, [blind], tmp_path)] == [
         "pure_Fx", "combined", "weighting", "stiffness", "residuals",
     ]  # fmt: skip
 
 
-def test_invalid_input_writes_no_file(bench, tmp_path):
+def test_invalid_input_writes_no_file(bench, tmp_path, unrendered):
     blocked = tmp_path / "file"
     blocked.write_text("mine")
     with pytest.raises(FitError, match="figures cannot be written"):

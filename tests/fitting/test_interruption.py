@@ -11,8 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from tirefmu.fitting import fit
+from tirefmu.fitting.fit_run import FitRun
 from tirefmu.fitting.results.checkpoint import Checkpoint
 from tirefmu.fitting.solvers.interruption import Interruption
 from tirefmu.symbolic.errors import FitError
@@ -99,6 +101,19 @@ def test_an_exception_of_the_progress_callback_is_raised(recording, make):
 
     with pytest.raises(ValueError, match="mine"):
         fit([recording], "mf96", effects=make.effects, nominal=make.nominal, progress=wrong)
+
+
+def test_a_fit_computes_with_one_thread_of_blas(recording, make, monkeypatch):
+    threads = set()
+
+    def look(run, stage):
+        threads.update(each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas")
+        raise InterruptedError
+
+    monkeypatch.setattr(FitRun, "_run", look)
+    with threadpool_limits(limits=2, user_api="blas"), pytest.raises(InterruptedError):
+        fit([recording], "mf96", effects=make.effects, nominal=make.nominal)
+    assert threads <= {1}
 
 
 def test_a_second_interrupt_is_not_delayed():

@@ -132,9 +132,9 @@ def test_the_file_is_self_contained(side_fit, tmp_path):
 def test_a_report_that_cannot_be_written(side_fit, tmp_path):
     result, recording = side_fit
     with pytest.raises(FitError, match=r"no/report\.html: cannot be written"):
-        write_report(result, [recording], tmp_path / "no" / "report.html")
+        write_report(result, [recording], tmp_path / "no" / "report.html", figures=[])
     taken = tmp_path / "taken.html"
     taken.mkdir()
     with pytest.raises(FitError, match="cannot be written"):
-        write_report(result, [recording], taken)
+        write_report(result, [recording], taken, figures=[])
     assert [file.name for file in tmp_path.iterdir()] == ["taken.html"]

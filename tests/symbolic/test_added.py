@@ -22,6 +22,8 @@ on = "mu_y"
 factor = "1 + HMU1*(p - NOMPRES)"
 """
 LIBRARY = tuple(library())
+#: The whole library in its order: a model that other tests print and compile, too.
+ADDED = tuple(library().values())
 VALUES = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
 TABLE = pd.DataFrame(
     {"t": np.arange(6) * 0.1, "alpha": 0.1, "kappa": 0.05, "Fz": 3000.0, "V": 20.0, "T": np.linspace(30, 80, 6)}
@@ -39,7 +41,7 @@ def test_a_file_written_and_read_is_the_same_effect(name):
 
 @pytest.mark.parametrize("name", LIBRARY)
 def test_an_effect_owns_its_coefficients(name):
-    book = model("mf61", tuple(library().values()))
+    book = model("mf61", ADDED)
     declared = {each: {declaration.name for declaration in library()[each].declarations} for each in LIBRARY}
     assert book.owned(name) <= declared[name]
     assert book.owned(*LIBRARY) == set().union(*declared.values())
@@ -48,7 +50,8 @@ def test_an_effect_owns_its_coefficients(name):
 
 def test_with_every_added_effect_at_neutral_a_model_is_itself():
     plain = Tire("mf61", VALUES).evaluate(TABLE)
-    added = Tire("mf61", VALUES, effects=[*model("mf61").default_effects, *LIBRARY]).evaluate(TABLE)
+    effects = [*model("mf61").default_effects, *LIBRARY]
+    added = Tire("mf61", VALUES, effects=effects, added=ADDED).evaluate(TABLE)
     for name in ("Fx", "Fy", "Mz", "Mx", "My", "mu_y", "K_yalpha"):
         np.testing.assert_array_equal(added[name], plain[name])
 
@@ -56,7 +59,7 @@ def test_with_every_added_effect_at_neutral_a_model_is_itself():
 @pytest.mark.parametrize("code", ["numpy", "c", "casadi"])
 def test_each_has_the_effect_that_its_file_describes(code):
     values = VALUES | {"TMU1": -2e-3, "TMU2": 1e-5, "TREF": 50.0, "TK1": -1e-3, "VMU1": -0.1, "WMU1": -1e-3}
-    tire = Tire("mf61", values, effects=LIBRARY)
+    tire = Tire("mf61", values, effects=LIBRARY, added=ADDED)
     answer, plain = tire.evaluate(TABLE, code=code), Tire("mf61", VALUES, effects=()).evaluate(TABLE, code=code)
     warm, rolled, faster = TABLE["T"] - 50.0, TABLE["t"] * 20.0, (20.0 - 16.7) / 16.7
     grip = (1 - 2e-3 * warm + 1e-5 * warm**2) * (1 - 1e-3 * rolled) * (1 - 0.1 * faster)
@@ -69,7 +72,8 @@ def test_each_has_the_effect_that_its_file_describes(code):
 
 def test_a_users_own_effect_acts():
     effect = read_effect(OWN, "own.toml")
-    tire = Tire("mf61", VALUES | {"HMU1": 1e-6}, effects=["grip_by_humidity"], added=(effect,))
+    effects = ["grip_by_humidity", "temp_friction"]  # the model of the last test of this file
+    tire = Tire("mf61", VALUES | {"HMU1": 1e-6}, effects=effects, added=(effect,))
     pressed = TABLE.assign(p=3e5)
     ratio = tire.evaluate(pressed)["mu_y"] / Tire("mf61", VALUES, effects=()).evaluate(pressed)["mu_y"]
     np.testing.assert_allclose(ratio, 1 + 1e-6 * (3e5 - 2.2e5), rtol=1e-12)

@@ -11,6 +11,7 @@ import pytest
 
 from tirefmu.cli import main
 from tirefmu.demo import bench_tire
+from tirefmu.fmu import export
 from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, concatenate, kappa_sweeps, write_table
 from tirefmu.tires import published
 
@@ -46,6 +47,12 @@ def published_tir(tmp_path_factory):
     path = tmp_path_factory.mktemp("tires") / "trento.tir"
     published("trento_hoosier").save(path)
     return path
+
+
+@pytest.fixture(scope="session")
+def published_fmu(tmp_path_factory):
+    """Return the FMU of the published tire."""
+    return export(published("trento_hoosier"), tmp_path_factory.mktemp("fmus") / "trento.fmu")
 
 
 @pytest.fixture(scope="session")

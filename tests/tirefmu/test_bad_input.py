@@ -10,13 +10,13 @@ import pandas as pd
 import pytest
 
 
-@pytest.fixture
-def folder(tmp_path, bench_csv, published_tir, chain, monkeypatch):
-    """Return a working folder with one file of each kind, and unusual ones."""
-    monkeypatch.chdir(tmp_path)
-    shutil.copy(bench_csv, "good.csv")
-    shutil.copy(published_tir, "good.tir")
-    shutil.copy(chain[0] / "fmi3.fmu", "good.fmu")
+@pytest.fixture(scope="module")
+def files(tmp_path_factory, bench_csv, published_tir, published_fmu):
+    """Return a folder with one file of each kind, and unusual ones."""
+    folder = tmp_path_factory.mktemp("files")
+    shutil.copy(bench_csv, folder / "good.csv")
+    shutil.copy(published_tir, folder / "good.tir")
+    shutil.copy(published_fmu, folder / "good.fmu")
     table = pd.read_csv(bench_csv)
     odd = {
         "names.csv": table.rename(columns={"alpha": "slip_angle", "Fz": "load"}),
@@ -28,21 +28,28 @@ def folder(tmp_path, bench_csv, published_tir, chain, monkeypatch):
         "still.csv": table.assign(alpha=0.0, kappa=0.0),
     }
     for name, content in odd.items():
-        content.to_csv(name, index=False)
-    Path("empty.csv").write_text("", encoding="utf-8")
-    Path("rows.csv").write_text("alpha,Fz,Fy\n", encoding="utf-8")
-    Path("text.csv").write_text("alpha,Fz,Fy\n0.1,high,-800\n", encoding="utf-8")
-    Path("notes.txt").write_text("nothing\n", encoding="utf-8")
-    lines = Path("good.tir").read_text(encoding="utf-8").splitlines()
+        content.to_csv(folder / name, index=False)
+    (folder / "empty.csv").write_text("", encoding="utf-8")
+    (folder / "rows.csv").write_text("alpha,Fz,Fy\n", encoding="utf-8")
+    (folder / "text.csv").write_text("alpha,Fz,Fy\n0.1,high,-800\n", encoding="utf-8")
+    (folder / "notes.txt").write_text("nothing\n", encoding="utf-8")
+    lines = (folder / "good.tir").read_text(encoding="utf-8").splitlines()
     (position,) = (i for i, line in enumerate(lines) if line.startswith("PDY1 "))
     for name, line in (("broken.tir", "PDY1 2.7"), ("word.tir", "PDY1 = much"), ("unknown.tir", "PDYI = 2.7")):
-        Path(name).write_text("\n".join([*lines[:position], line, *lines[position + 1 :]]), encoding="utf-8")
-    Path("cross.toml").write_text(
+        (folder / name).write_text("\n".join([*lines[:position], line, *lines[position + 1 :]]), encoding="utf-8")
+    (folder / "cross.toml").write_text(
         '[[stage]]\nname = "one"\n[stage.free]\nPDY1 = { lower = 3, upper = 2 }\n', encoding="utf-8"
     )
-    Path("broken.toml").write_text("[[stage]\n", encoding="utf-8")
-    Path("taken").mkdir()
-    return tmp_path
+    (folder / "broken.toml").write_text("[[stage]\n", encoding="utf-8")
+    (folder / "taken").mkdir()
+    return folder
+
+
+@pytest.fixture
+def folder(files, tmp_path, monkeypatch):
+    """Return a working folder with a copy of the files."""
+    monkeypatch.chdir(tmp_path)
+    return Path(shutil.copytree(files, tmp_path, dirs_exist_ok=True))
 
 
 FIT = ("-o", "new.tir", "--report", "new.html", "--figures", "new", "--json", "new.json")

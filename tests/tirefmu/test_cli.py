@@ -7,7 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
-from pathlib import Path
+from base64 import b64encode
 
 import numpy as np
 import pandas as pd
@@ -16,6 +16,8 @@ import pytest
 import tirefmu
 import tirefmu.generated
 from tirefmu.measurements import read_recording
+from tirefmu.symbolic.models import MODELS
+from tirefmu.symbolic.printers import generate
 from tirefmu.tires import read_tir
 
 COMMANDS = ("generate", "inspect", "evaluate", "fit", "export", "check", "info", "draw", "demo")
@@ -46,6 +48,14 @@ def test_no_files_but_the_requested_files(chain):
     requested = {"fitted.tir", "fit.json", "report.html", "figures"}
     assert files == requested | {f"fmi{fmi}.fmu" for fmi in "23"} | {f"check{fmi}.json" for fmi in "23"}
     assert {path.suffix for path in (folder / "figures").iterdir()} == {".png"}
+
+
+def test_the_report_shows_the_figures_of_the_folder(chain):
+    page = (chain[0] / "report.html").read_text(encoding="utf-8")
+    images = [path.read_bytes() for path in (chain[0] / "figures").iterdir()]
+    assert page.count("data:image/png;base64,") == len(images)
+    for image in images:
+        assert b64encode(image).decode() in page
 
 
 def test_the_fit_is_the_same_everywhere(chain):
@@ -214,7 +224,6 @@ def test_evaluate_writes_the_convention_of_the_table(command, chain, bench_csv, 
 def test_json_is_the_only_standard_output(chain, command, bench_csv, published_tir, tmp_path):
     folder, _ = chain
     calls = [
-        ("generate", "--check"),
         ("evaluate", published_tir, bench_csv, "-o", tmp_path / "o.csv"),
         ("fit", bench_csv, "--model", "mf96", "--effects", "none", "-o", tmp_path / "t.tir"),
         ("export", published_tir, "-o", tmp_path / "t.fmu"),
@@ -231,7 +240,6 @@ def test_json_is_the_only_standard_output(chain, command, bench_csv, published_t
 def test_quiet_prints_nothing(chain, bench_csv, published_tir, tmp_path, capfd):
     folder, _ = chain
     calls = [
-        ["generate", "--check"],
         ["evaluate", published_tir, bench_csv, "-o", tmp_path / "o.csv"],
         [
             "fit",
@@ -281,21 +289,31 @@ def test_help_names_every_command(command):
 # ------------------------------------------------------------------ generate
 
 
+@pytest.fixture(scope="module")
+def smallest(tmp_path_factory):
+    """Return generated code of the smallest model of the Magic Formula only; test_committed.py prints all models."""
+    folder = tmp_path_factory.mktemp("smallest")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(generate, "MODELS", {"mf96": MODELS["mf96"]})
+        generate.write(folder)
+        yield folder
+
+
 @pytest.fixture
-def generated(tmp_path, monkeypatch):
-    """Return a copy of the generated code that the command uses instead of the original."""
+def generated(smallest, tmp_path, monkeypatch):
+    """Return a copy of generated code that the command uses instead of the original."""
     folder = tmp_path / "generated"
-    shutil.copytree(Path(tirefmu.generated.__file__).parent, folder, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(smallest, folder)
     monkeypatch.setattr(tirefmu.generated, "__file__", str(folder / "__init__.py"))
     return folder
 
 
-def test_the_committed_code_is_what_the_book_generates(command):
+def test_code_that_is_what_the_book_generates_passes(command, generated):
     outcome = command("generate", "--check")
     assert outcome.status == 0, outcome.out
 
 
-def test_a_planted_edit_is_found_shown_and_repaired(command, generated):
+def test_a_planted_edit_is_found_shown_and_repaired(command, generated, capfd):
     source = generated / "c" / "mf96.c"
     right = source.read_text(encoding="utf-8")
     source.write_text(right.replace("sin(", "cos(", 1), encoding="utf-8")
@@ -316,6 +334,10 @@ def test_a_planted_edit_is_found_shown_and_repaired(command, generated):
     assert source.read_text(encoding="utf-8") == right
     assert command("generate", "--check").status == 0
     assert "up to date" in command("generate").out
+    reported = command("generate", "--check", "--quiet", "--json", "-")
+    assert (strict(reported.out)["ok"], reported.err) == (True, "")
+    assert tirefmu.cli.main(["generate", "--check", "--quiet"]) == 0
+    assert capfd.readouterr() == ("", "")
 
 
 def test_a_missing_and_a_stray_file_are_found(command, generated):

@@ -38,19 +38,14 @@ def small():
     return published("unicamp_small_tire")
 
 
-@pytest.fixture(autouse=True)
-def coarse(monkeypatch):
-    """Draw with fewer pixels, whose number is not tested here."""
-    monkeypatch.setattr(files, "DPI", 40)
-
-
 @pytest.mark.parametrize(
     ("tire", "loads"),
     [(published("unicamp_small_tire"), None), (published("trento_hoosier"), [500.0])]
     + [(generic(model), [1000.0]) for model in MODELS],
     ids=["unicamp_small_tire", "trento_hoosier", *MODELS],
 )
-def test_every_model_and_published_tire_is_drawn(tire, loads, tmp_path):
+def test_every_model_and_published_tire_is_drawn(tire, loads, tmp_path, monkeypatch):
+    monkeypatch.setattr(drawing, "default_loads", lambda tire: (60.0,))  # each load takes seconds to draw
     drawn = files.draw(tire, tmp_path / "new" / "folder", loads=loads)
     loads = loads or drawing.default_loads(tire)
     names = ["pure.png", *(f"surfaces_{load:g}N.png" for load in loads), "combined.png"]

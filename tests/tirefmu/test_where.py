@@ -23,10 +23,9 @@ def test_evaluate(command, published_tir, bench_csv, tmp_path, chosen):
     assert len(pd.read_csv(tmp_path / "out.csv")) == chosen
 
 
-def test_check(command, chain, bench_csv, tmp_path, chosen):
-    folder, _ = chain
+def test_check(command, published_fmu, bench_csv, tmp_path, chosen):
     path = tmp_path / "check.json"
-    outcome = command("check", folder / "fmi3.fmu", bench_csv, "--where", WHERE, "--json", path)
+    outcome = command("check", published_fmu, bench_csv, "--where", WHERE, "--json", path)
     assert outcome.status == 0, outcome.err
     assert f"{chosen} of " in outcome.out
 

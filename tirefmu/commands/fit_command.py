@@ -122,6 +122,7 @@ def fit(
     terminal.print(f"tire: {output}")
     if result.interrupted and finished_stages.exists():
         terminal.print(f"completed stages: {finished_stages}; to continue, run the same command with --resume")
+    drawn = None
     if figures:
         from tirefmu.fitting.reporting.figures import draw_figures
 
@@ -132,7 +133,7 @@ def fit(
         from tirefmu.fitting.reporting.report import write_report
 
         with terminal.working("writing the report"):
-            write_report(result, recordings, report)
+            write_report(result, recordings, report, drawn)
         terminal.print(f"report: {report}")
     return 0 if result.verdict.usable else 1
 

@@ -29,6 +29,8 @@ from .build_cache import cached
 #: Characters of a compiler's line that a message quotes.
 LONGEST_LINE = 300
 FLAGS = ("-std=c99", "-O2", "-fno-math-errno", "-fvisibility=hidden")
+#: For the Jacobians row by row: half the time of -O2 to compile, 7 % slower; the second fuses multiplications (GCC).
+QUICKLY = ("-O1", "-fexpensive-optimizations")
 
 
 class CompilerError(TirefmuError):
@@ -267,11 +269,12 @@ def compiled_model(model: str, folder: Path | None = None, *, jacobians: bool = 
     with as_file(files("tirefmu.generated") / "c") as generated:
         sources = folder or generated
         source, header = sources / f"{name}.c", sources / f"{model}.h"
-        own = ["-fvisibility=default", "-ffp-contract=fast", f"-march={instruction_set()}"]
+        own = ["-fvisibility=default", "-ffp-contract=fast", *(QUICKLY if jacobians else [])]
+        fast = [*own, f"-march={instruction_set()}"]
         try:
-            return loaded_library(name, [source], headers=[header], flags=own, machine=processor())
+            return loaded_library(name, [source], headers=[header], flags=fast, machine=processor())
         except CompilerError:  # not every compiler supports its own machine
-            return loaded_library(name, [source], headers=[header], flags=own[:2])
+            return loaded_library(name, [source], headers=[header], flags=own)
 
 
 def _run(command: list[str]) -> None:

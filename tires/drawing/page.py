@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -43,7 +43,7 @@ def page_text(package: str, filters: Mapping[str, Callable[..., object]], **cont
     return template.render(**content)
 
 
-def inlined(images: list[Path]) -> list[tuple[str, str]]:
+def inlined(images: Sequence[Path]) -> list[tuple[str, str]]:
     """Return name and base64 text of each image."""
     return [(image.stem, base64.b64encode(image.read_bytes()).decode("ascii")) for image in images]
 
