@@ -78,7 +78,10 @@ def report_page(diagnosis: Diagnosis, recording: Recording, simulated: Mapping[s
         curves = inlined([draw_curves(diagnosis, name, Path(folder, f"{name}.png")) for name in diagnosis.time_course])
     return page_text(
         "tirefmu.diagnosis.reporting",
-        {"number": lambda value: "-" if value is None or value != value else f"{value:.4g}"},
+        {
+            "number": lambda value: "-" if value is None or value != value else f"{value:.4g}",
+            "rating": {"green": "good", "amber": "limited", "red": "bad"}.__getitem__,
+        },
         diagnosis=diagnosis,
         maps=maps,
         curves=curves,
