@@ -15,12 +15,13 @@ from tirefmu.symbolic.escaping import visible
 
 from .style import write_whole
 
-
 #: What every page shares: its frame with the style, and tables and figures that scroll on a narrow screen.
 FRAME, PARTS, STYLE = "page.html", "parts.html", "page.css"
 
 
-def page_text(package: str, filters: Mapping[str, Callable[..., object]], **content: Any) -> str:
+def page_text(
+    package: str, filters: Mapping[str, Callable[..., object]], *, template: str = "report.html", **content: Any
+) -> str:
     """Return the text of a package's report.
 
     All texts are escaped, and control characters and marks of the writing direction are made visible. The content
@@ -29,10 +30,11 @@ def page_text(package: str, filters: Mapping[str, Callable[..., object]], **cont
     Parameters
     ----------
     package : str
-        Package with the template ``report.html``, which extends ``page.html`` of this package:
-        "tirefmu.fitting.reporting", "tirefmu.diagnosis.reporting".
+        Package with the template: "tirefmu.fitting.reporting", "tirefmu.diagnosis.reporting".
     filters : mapping of str to callable
         Filters of the template by name.
+    template : str
+        File of the package; it extends ``page.html`` of this one.
     **content
         Variables of the template.
 
@@ -45,8 +47,8 @@ def page_text(package: str, filters: Mapping[str, Callable[..., object]], **cont
         loader=DictLoader({name: _shared(name) for name in (FRAME, PARTS, STYLE)}),
     )  # fmt: skip
     environment.filters |= filters
-    template = environment.from_string((files(package) / "report.html").read_text(encoding="utf-8"))
-    return template.render(**content)
+    source = (files(package) / template).read_text(encoding="utf-8")
+    return environment.from_string(source).render(**content)
 
 
 def style_sheet() -> str:
