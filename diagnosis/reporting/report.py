@@ -8,8 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from markupsafe import Markup
+
 from tirefmu.measurements import Recording, TableLike, recording_from
 from tirefmu.symbolic.errors import DataError, path_from
+from tirefmu.symbolic.printers.mathml import equation_mathml
 from tirefmu.tires.drawing.page import inlined, page_text, write_page
 from tirefmu.tires.tire import Tire
 
@@ -20,12 +23,13 @@ from .residual_figure import draw_residual_location
 
 @dataclass(frozen=True)
 class ChangedLine:
-    """An equation of the model before and after an effect was added."""
+    """An equation of the model before and after an effect was added; `mathml` has the latter for a page."""
 
     number: str
     description: str
     before: str
     after: str
+    mathml: str
 
 
 def write_report(
@@ -80,6 +84,7 @@ def report_page(diagnosis: Diagnosis, recording: Recording, simulated: Mapping[s
         "tirefmu.diagnosis.reporting",
         {
             "number": lambda value: "-" if value is None or value != value else f"{value:.4g}",
+            "typeset": Markup,  # MathML of the program, with escaped texts
             "rating": {"green": "good", "amber": "limited", "red": "bad"}.__getitem__,
         },
         diagnosis=diagnosis,
@@ -119,7 +124,8 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
         name = line.symbol.name
         if gained.intersection(effects[name]) and old[name] != new[name] and not line.variant:
             formulas = [f"{line.acts_for or name} = {lines[name]}" for lines in (old, new)]
-            changed.append(ChangedLine(line.number, line.description, *formulas))
+            typeset = equation_mathml(line.acts_for or line.symbol, new[name])
+            changed.append(ChangedLine(line.number, line.description, *formulas, typeset))
     return tuple(changed)
 
 
