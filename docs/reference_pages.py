@@ -59,7 +59,7 @@ def effects_page() -> str:
     """Return the page of all effects, each with formula, source, coefficients and measurement."""
     lines = ["# Effects", "", "`tirefmu effects NAME` shows the same in a terminal.", ""]
     for effect in effects():
-        lines += [f"## {effect['name']}", "", f"{_plain(effect['physics']).capitalize()}.", ""]
+        lines += [f"## {effect['name']}", "", f"{_sentence(effect['physics'])}.", ""]
         facts = {
             "kind": effect["kind"],
             "models": ", ".join(effect["models"]),
@@ -117,7 +117,7 @@ def equations_page(book: Model) -> str:
             chapter = line.chapter
             lines += ["", f"## {_plain(chapter)}", ""]
         unit = f", {line.unit}" if line.unit not in ("", "1") else ""
-        about = f"{_plain(line.description or 'step').capitalize()} [{_plain(line.number)}{_plain(unit)}]"
+        about = f"{_sentence(line.description or 'step')} [{_plain(line.number)}{_plain(unit)}]"
         lines += [f"{about}:", "", _equation(line.symbol, written[line.symbol.name]), ""]
     return "\n".join(lines)
 
@@ -219,6 +219,11 @@ def cli_page() -> str:
         context = click.Context(command, info_name=name, parent=parent, max_content_width=100, terminal_width=100)
         lines += [f"## {name}", "", "```text", command.get_help(context), "```", ""]
     return "\n".join(lines)
+
+
+def _sentence(text: str) -> str:
+    """Return a text for Markdown that starts with a capital letter."""
+    return _plain(text[:1].upper() + text[1:])
 
 
 def _plain(text: str) -> str:

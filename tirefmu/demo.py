@@ -193,18 +193,19 @@ def _fmus(
         with terminal.working(f"building and checking FMI {fmi}.0"):
             export(full.tire, path, fmi=fmi)
             result = check(path, recording)
-            write_check(result, page := folder / f"check_fmi{fmi}.html")
         checks[path.name] = result.ok
         errors = ", ".join(f"{c.name} {c.rmse:.3g} {c.unit}" for c in result.channels)
         lines.append(
             f"FMI {fmi}.0: RMSE {errors}; difference from direct evaluation {result.evaluation_difference:.1e}; "
             f"{'valid' if not result.problems else 'invalid'}"
         )
-        files += [page, path]
+        files.append(path)
         terminal.print(f"  {lines[-1]}: {path}")
-    drawn = draw_check(result, folder / "figures", prefix="check_")
+    with terminal.working("writing the report"):
+        write_check(result, page := folder / "check.html")
+        drawn = draw_check(result, folder / "figures", prefix="check_")
     shown = tuple(path for path in drawn if path.stem == "check_Fy")
-    chapters.append(Chapter("The FMU over the data", tuple(f"{line}." for line in lines), shown, tuple(files)))
+    chapters.append(Chapter("The FMU over the data", tuple(f"{line}." for line in lines), shown, (page, *files)))
     return checks
 
 

@@ -35,7 +35,7 @@ def test_the_end_to_end_workflow(command, tmp_path):
     # The reported files exist.
     files = {"bench.csv", "truth.tir", "trento.tir", "joint.tir", "without_camber_thrust.tir", "missing_effect.png"}
     made = {"figures", "diagnosis", "tire_fmi2.fmu", "tire_fmi3.fmu"}
-    made |= {"index.html", "inspection.html", "explorer.html", "check_fmi2.html", "check_fmi3.html"}
+    made |= {"index.html", "inspection.html", "explorer.html", "check.html"}
     assert files | made == {path.name for path in folder.iterdir()}
     for name in files | {"figures", "tire_fmi2.fmu", "tire_fmi3.fmu"}:
         assert str(folder / name) in outcome.out or name.endswith(".tir"), name
