@@ -6,6 +6,7 @@ MkDocs calls `on_files` before it builds the site.
 from __future__ import annotations
 
 import inspect
+import json
 import re
 from functools import cached_property
 from pathlib import Path
@@ -40,6 +41,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
     for name, text in pages().items():
         files.append(File.generated(config, name, content=text))
+    for path in sorted((ROOT / "docs" / "tutorials").glob("*.md")):
+        text = json.dumps(notebook(path.read_text(encoding="utf-8")), indent=1)
+        files.append(File.generated(config, f"tutorials/{path.stem}.ipynb", content=text))
     return files
 
 
@@ -53,6 +57,33 @@ def pages() -> dict[str, str]:
         **{f"reference/equations/{name}.md": equations_page(book) for name, book in MODELS.items()},
         "changelog.md": (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"),
     }
+
+
+def notebook(text: str) -> dict[str, Any]:
+    """Return a tutorial as a Jupyter notebook: its blocks are cells, commands of the shell with an exclamation mark.
+
+    Parameters
+    ----------
+    text : str
+        Markdown with blocks of the languages ``python`` and ``sh``.
+
+    Returns
+    -------
+    dict of str to Any
+        JSON of the notebook format 4.5.
+    """
+    cells = []
+    for part in re.split(r"^(```\w+\n.*?^```\n)", text, flags=re.MULTILINE | re.DOTALL):
+        block = re.match(r"```(\w+)\n(.*)```", part, flags=re.DOTALL)
+        source = block[2].strip() if block else part.strip()
+        if block and block[1] == "sh":
+            source = "\n".join(f"!{line}" for line in source.splitlines())
+        if source:
+            kind: dict[str, Any] = {"cell_type": "code", "execution_count": None, "outputs": []}
+            cell = kind if block else {"cell_type": "markdown"}
+            cells.append({**cell, "id": f"cell{len(cells)}", "metadata": {}, "source": source})
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    return {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
 
 
 def effects_page() -> str:
