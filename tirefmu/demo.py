@@ -158,7 +158,7 @@ def _fits(
         explore(results["joint"].tire, folder / "explorer.html", recordings=[recording])
     terminal.print(f"  {len(drawn)} figures: {folder / 'figures'}")
     shown = tuple(folder / "figures" / f"joint_{name}.png" for name in ("pure_Fy", "stiffness"))
-    files = (folder / "explorer.html", folder / "joint.tir", folder / "trento.tir", *drawn)
+    files = (folder / "explorer.html", folder / "joint.tir", folder / "trento.tir")
     chapters.append(Chapter("The fit", tuple(f"{line}." for line in lines), shown, files))
     return results["joint"], results["trento"]
 
@@ -188,7 +188,7 @@ def _fmus(
 ) -> dict[str, bool]:
     terminal.heading("3 FMU.", "Export, and simulation over the recording with fmpy")
     checks, lines, files = {}, [], []
-    for fmi in (3, 2):
+    for fmi in (2, 3):
         path = folder / f"tire_fmi{fmi}.fmu"
         with terminal.working(f"building and checking FMI {fmi}.0"):
             export(full.tire, path, fmi=fmi)

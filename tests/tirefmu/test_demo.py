@@ -44,7 +44,7 @@ def test_the_end_to_end_workflow(command, tmp_path):
     assert "All checks passed" in page
     assert page.count("data:image/png;base64,") == 7
     linked = re.findall(r'href="([^"]+)"', page)
-    assert len(linked) > 20
+    assert len(linked) > 12
     assert all((folder / address).is_file() for address in linked)
     figures = {path.name for path in (folder / "figures").iterdir()}
     assert {name.removeprefix("joint_") for name in figures if name.startswith("joint_")} == {
