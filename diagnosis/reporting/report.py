@@ -12,7 +12,6 @@ from markupsafe import Markup
 
 from tirefmu.measurements import Recording, TableLike, recording_from
 from tirefmu.symbolic.errors import DataError, path_from
-from tirefmu.symbolic.printers.mathml import equation_mathml
 from tirefmu.tires.drawing.page import inlined, page_text, write_page
 from tirefmu.tires.tire import Tire
 
@@ -115,6 +114,8 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     >>> [line.after for line in changed_lines(plain, richer)][0]
     'mu_x = LMUX_star*(PDX1 + PDX2*dfz)*(-PDX3*gamma_in**2 + 1)'
     """
+    from tirefmu.symbolic.printers.mathml import equation_mathml  # loads SymPy
+
     gained = after.has - before.has
     old = after.book.as_written(before.has & after.book.effects.keys())
     new = after.book.as_written(after.has)
@@ -123,9 +124,11 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     for line in after.book.equations:
         name = line.symbol.name
         if gained.intersection(effects[name]) and old[name] != new[name] and not line.variant:
-            formulas = [f"{line.acts_for or name} = {lines[name]}" for lines in (old, new)]
-            typeset = equation_mathml(line.acts_for or line.symbol, new[name])
-            changed.append(ChangedLine(line.number, line.description, *formulas, typeset))
+            written = line.acts_for or name
+            first, second = (f"{written} = {lines[name]}" for lines in (old, new))
+            changed.append(
+                ChangedLine(line.number, line.description, first, second, equation_mathml(written, new[name]))
+            )
     return tuple(changed)
 
 

@@ -131,7 +131,8 @@ def friction_over_load(comparison: Comparison, fitted: FitResult | None) -> Figu
     for ax, family in zip(axes, shown, strict=True):
         _draw_friction(ax, comparison, family, fitted)
     note = "points: largest median of |force| / load of the data over parts of the slip range; line: the tire over the "
-    note += "slip range of all loads; where the data do not reach the peak, points are below the line"
+    note += "slip range of all loads; points are below it where the data do not reach the peak, "
+    note += "and slightly above under noise, as the largest of several medians"
     rows = pd.concat([group.rows for family in shown for group in family.groups])
     write_footnote(figure, comparison.signs, note + BANDS * (fitted is not None), data_text(comparison, rows))
     return figure

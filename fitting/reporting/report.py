@@ -80,10 +80,11 @@ def report_page(result: FitResult, images: Sequence[tuple[str, str]], origin: Se
         "number": lambda value: f"{value:.5g}",
         "known": interval_text,
         "condition": condition_text,
-        "worst": worst_text,
     }
+    errors = [(c.recording, c.channel, worst_text(result, c.recording, c.channel)) for c in result.channels]
+    largest = [each for each in errors if each[2]]
     return page_text(
-        "tirefmu.fitting.reporting", filters, result=result, images=images,
+        "tirefmu.fitting.reporting", filters, result=result, images=images, largest=largest,
         differences=significant_differences(result), significant=SIGNIFICANT,
         intervals=[each for each in listed_intervals(result) if set(each["at"]) == {"Fz"}],
         ripples=ripple_texts(result.findings.ripples), extrapolation=extrapolation_text(result),
