@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix pages docs fuzz mutants discovery awkward recovery real wine sanitize hosts examples perturb check generate types bench bench-fit bench-startup clean
+.PHONY: demo test matrix pages docs release fuzz mutants discovery awkward recovery real wine sanitize hosts examples perturb check generate types bench bench-fit bench-startup clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
@@ -27,6 +27,9 @@ docs: $(VENV)/installed-dev  ## the documentation site in build/site, without co
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[docs]"
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
 	$(BIN)/pytest tests/docs $(PYTEST_ARGS)
+
+release: $(VENV)/installed-dev  ## wheel and sdist in dist/, and the demo of the wheel in a clean environment
+	TIREFMU_RELEASE="$(CURDIR)/dist" $(BIN)/pytest tests/test_release.py tests/test_wheel.py
 
 pages: $(VENV)/installed-dev  ## the explorer page in Chromium: 1,000 slider settings per model, accessibility, frame times
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[browser]"

@@ -1,24 +1,38 @@
-"""Pages of the documentation that are made from declarations: effects, models, published tires, the command line.
+"""Pages of the documentation that are made from the code: effects, models, equations, the command line, Python names.
 
 MkDocs calls `on_files` before it builds the site.
 """
 
 from __future__ import annotations
 
+import inspect
+import json
+import re
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
+import sympy
 
+import tirefmu
 from tirefmu.cli import cli
 from tirefmu.commands.catalogue import effects, models, published_tires
+from tirefmu.symbolic.added import library
 from tirefmu.symbolic.escaping import html_text
+from tirefmu.symbolic.model import Model
+from tirefmu.symbolic.models import MODELS
+from tirefmu.symbolic.printers.mathml import equation_mathml
 
 if TYPE_CHECKING:
     from mkdocs.config.defaults import MkDocsConfig
     from mkdocs.structure.files import Files
 
 ROOT = Path(__file__).parents[1]
+#: Number of equations that the entry of an effect lists for each model.
+MOST_LINES = 6
+#: Longest signature in one line.
+WIDEST = 90
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
@@ -27,6 +41,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
     for name, text in pages().items():
         files.append(File.generated(config, name, content=text))
+    for path in sorted((ROOT / "docs" / "tutorials").glob("*.md")):
+        text = json.dumps(notebook(path.read_text(encoding="utf-8")), indent=1)
+        files.append(File.generated(config, f"tutorials/{path.stem}.ipynb", content=text))
     return files
 
 
@@ -36,19 +53,48 @@ def pages() -> dict[str, str]:
         "reference/effects.md": effects_page(),
         "reference/models.md": models_page(),
         "reference/cli.md": cli_page(),
+        "reference/python.md": python_page(),
+        **{f"reference/equations/{name}.md": equations_page(book) for name, book in MODELS.items()},
         "changelog.md": (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"),
     }
+
+
+def notebook(text: str) -> dict[str, Any]:
+    """Return a tutorial as a Jupyter notebook: its blocks are cells, commands of the shell with an exclamation mark.
+
+    Parameters
+    ----------
+    text : str
+        Markdown with blocks of the languages ``python`` and ``sh``.
+
+    Returns
+    -------
+    dict of str to Any
+        JSON of the notebook format 4.5.
+    """
+    cells = []
+    for part in re.split(r"^(```\w+\n.*?^```\n)", text, flags=re.MULTILINE | re.DOTALL):
+        block = re.match(r"```(\w+)\n(.*)```", part, flags=re.DOTALL)
+        source = block[2].strip() if block else part.strip()
+        if block and block[1] == "sh":
+            source = "\n".join(f"!{line}" for line in source.splitlines())
+        if source:
+            kind: dict[str, Any] = {"cell_type": "code", "execution_count": None, "outputs": []}
+            cell = kind if block else {"cell_type": "markdown"}
+            cells.append({**cell, "id": f"cell{len(cells)}", "metadata": {}, "source": source})
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    return {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
 
 
 def effects_page() -> str:
     """Return the page of all effects, each with formula, source, coefficients and measurement."""
     lines = ["# Effects", "", "`tirefmu effects NAME` shows the same in a terminal.", ""]
     for effect in effects():
-        lines += [f"## {effect['name']}", "", f"{_plain(effect['physics']).capitalize()}.", ""]
+        lines += [f"## {effect['name']}", "", f"{_sentence(effect['physics'])}.", ""]
         facts = {
             "kind": effect["kind"],
             "models": ", ".join(effect["models"]),
-            "source": effect["source"],
+            "source": effect["source"] or "the equations of the models, see below",
             "states": ", ".join(effect["states"]),
             "inputs that must vary": ", ".join(effect["needs"]),
             "channels": ", ".join(effect["channels"]),
@@ -56,15 +102,124 @@ def effects_page() -> str:
             "measurement": effect["separate_by"],
         }
         lines += [f"- {key}: {_plain(text)}" for key, text in facts.items() if text]
-        for formula in effect["formulas"]:
-            sign, text = ("*", formula["factor"]) if "factor" in formula else ("+", formula["term"])
-            lines.append(f"- formula: `{formula['on']} {sign} ({text})`")
+        lines += _formulas(effect)
         lines += ["", "| coefficient | unit | description |", "|---|---|---|"]
         lines += [
             f"| {name} | {one['unit']} | {_plain(one['description'])} |" for name, one in effect["coefficients"].items()
         ]
         lines.append("")
     return "\n".join(lines)
+
+
+def _formulas(effect: dict[str, Any]) -> list[str]:
+    """Return the formulas of an effect: what it adds, or the equations of models that it is part of."""
+    added = library().get(effect["name"])
+    if added is None:
+        lines = []
+        for model in effect["models"]:
+            changed = [line for line in MODELS[model].structure.lines if effect["name"] in line.effects]
+            numbers = {line.symbol.name: line.number for line in MODELS[model].equations}
+            named = ", ".join(f"{_plain(line.name)} ({_plain(numbers[line.name])})" for line in changed[:MOST_LINES])
+            more = f" and {len(changed) - MOST_LINES} more" if len(changed) > MOST_LINES else ""
+            lines.append(f"- [equations of {model}](equations/{model}.md): {named}{more}")
+        return lines
+    lines = []
+    for act in added.acts:
+        before = sympy.Symbol(act.on)
+        after = before * act.expression if act.how == "factor" else before + act.expression
+        lines += ["", _equation(f"{act.on}_new", after)]
+    return lines
+
+
+def equations_page(book: Model) -> str:
+    """Return the book of equations of a model: every line with number, description and unit."""
+    lines = [
+        f"# Equations: {_plain(book.title)}",
+        "",
+        "All effects of the model are on; options have their default. Coefficients are upright. In brackets: number",
+        "in the source and unit. `tirefmu generate TIRE --language latex -o FOLDER` prints the equations of one tire.",
+    ]
+    written = book.as_written(book.effects)
+    chapter = ""
+    for line in book.equations:
+        if line.variant:
+            continue
+        if line.chapter != chapter:
+            chapter = line.chapter
+            lines += ["", f"## {_plain(chapter)}", ""]
+        unit = f", {line.unit}" if line.unit not in ("", "1") else ""
+        about = f"{_sentence(line.description or 'step')} [{_plain(line.number)}{_plain(unit)}]"
+        lines += [f"{about}:", "", _equation(line.symbol, written[line.symbol.name]), ""]
+    return "\n".join(lines)
+
+
+def _equation(symbol: sympy.Symbol | str, expression: sympy.Expr) -> str:
+    return f'<div style="overflow-x: auto">{equation_mathml(symbol, expression)}</div>'
+
+
+def python_page() -> str:
+    """Return the page of the public names of Python with their docstrings."""
+    lines = ["# Python", "", "The names of `import tirefmu`. The examples run as tests.", ""]
+    for name in tirefmu.__all__:
+        public = getattr(tirefmu, name)
+        lines += [f"## {name}", "", *_documented(name, public)]
+        if inspect.isclass(public):
+            for key, member in vars(public).items():
+                function = getattr(member, "__func__", member)
+                if not key.startswith("_") and inspect.isfunction(function):
+                    lines += [f"### {name}.{key}", "", *_documented(f"{name}.{key}", function)]
+                elif not key.startswith("_") and isinstance(member, (property, cached_property)):
+                    lines += [f"### {name}.{key}", "", *_sections(inspect.getdoc(member) or ""), ""]
+    return "\n".join(lines)
+
+
+def _documented(name: str, public: Any) -> list[str]:
+    """Return signature and docstring."""
+    try:
+        given = inspect.signature(public)
+    except ValueError:  # a class without a signature
+        return _sections(inspect.getdoc(public) or "")
+    parts: list[str] = []
+    for one in given.parameters.values():
+        if one.kind is inspect.Parameter.KEYWORD_ONLY and "*" not in parts:
+            parts.append("*")
+        if one.name != "self":
+            parts.append(re.sub("'([^']*)'", r"\1", str(one), count=1))
+    returned = "" if given.return_annotation in (inspect.Signature.empty, "None") else f" -> {given.return_annotation}"
+    signature = f"{name}({', '.join(parts)}){returned}"
+    if len(signature) > WIDEST:
+        signature = f"{name}(\n    " + ",\n    ".join(parts) + f",\n){returned}"
+    return ["```python", signature, "```", "", *_sections(inspect.getdoc(public) or ""), ""]
+
+
+def _sections(docstring: str) -> list[str]:
+    """Return a numpydoc docstring as Markdown: sections as bold lines, examples as code, the rest as it is."""
+    lines: list[str] = []
+    title, code = "", False
+    given = docstring.splitlines()
+    for line, following in zip(given, [*given[1:], ""], strict=True):
+        if following and set(following) == {"-"}:
+            title = line
+            lines += ["", f"**{title}**", ""]
+        elif line and set(line) == {"-"}:
+            continue
+        elif title == "Examples":
+            if bool(line) != code:
+                lines += ["```python" if line else "```"]
+                code = bool(line)
+            lines += [line] if line else [""]
+        elif title and line and not line.startswith(" "):  # a parameter, a result or an error
+            parameter, _, kind = line.partition(" : ")
+            lines += ["", f"- `{parameter}`" + (f": {_plain(kind)}" if kind else ""), ""]
+        else:
+            lines.append(_prose(line))
+    return [*lines, "```"] if code else lines
+
+
+def _prose(line: str) -> str:
+    """Return a line of a docstring: code in single or double backticks stays code."""
+    parts = re.split(r"(`+[^`]+`+)", line)
+    return "".join(f"`{part.strip('`')}`" if i % 2 else _plain(part) for i, part in enumerate(parts))
 
 
 def models_page() -> str:
@@ -95,6 +250,11 @@ def cli_page() -> str:
         context = click.Context(command, info_name=name, parent=parent, max_content_width=100, terminal_width=100)
         lines += [f"## {name}", "", "```text", command.get_help(context), "```", ""]
     return "\n".join(lines)
+
+
+def _sentence(text: str) -> str:
+    """Return a text for Markdown that starts with a capital letter."""
+    return _plain(text[:1].upper() + text[1:])
 
 
 def _plain(text: str) -> str:

@@ -16,7 +16,7 @@ from tirefmu.measurements import Recording
 from tirefmu.symbolic.errors import TirefmuError, UnknownName, path_from
 from tirefmu.symbolic.escaping import html_text, script_json
 from tirefmu.tires import Tire, TireLike, tire_from
-from tirefmu.tires.drawing.page import write_page
+from tirefmu.tires.drawing.page import style_sheet, write_page
 
 from .measured_rows import measured_rows, rows_data
 from .page_code import module_expression, program_for_page
@@ -24,8 +24,8 @@ from .tire_data import switchable, tire_data
 
 #: The scripts of the page, in their order, after the chart library.
 SCRIPTS = (
-    "tire_state.js", "property_file.js", "measured_rows.js", "curves.js", "key_figures.js", "charts.js", "controls.js",
-    "page.js",
+    "tire_state.js", "property_file.js", "measured_rows.js", "curves.js", "key_figures.js", "charts.js", "surface.js",
+    "controls.js", "page.js",
 )  # fmt: skip
 #: The chart library uPlot, as the package uplot-python installs it.
 LIBRARY, LIBRARY_SCRIPT, LIBRARY_STYLE = "uplot", "uPlot.iife.js", "uPlot.min.css"
@@ -111,7 +111,7 @@ def page_text(
         {
             "title": html_text(" and ".join(each["name"] for each in data["tires"])),
             "hashes": " ".join(f"'sha256-{_digest(script)}'" for script in scripts),
-            "style": _library_file(LIBRARY_STYLE) + "\n" + _file("style.css"),
+            "style": "\n".join([_library_file(LIBRARY_STYLE), style_sheet(), _file("style.css")]),
             "data": script_json(json.dumps(data, allow_nan=False, separators=(",", ":"))),
             "code": scripts[0],
             "scripts": scripts[1],

@@ -13,6 +13,7 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from tirefmu.measurements import TableLike, check_convention, recordings_from
+from tirefmu.measurements.provenance import table_digest
 from tirefmu.symbolic import DEFAULT_MODEL
 from tirefmu.symbolic.errors import FitError, TirError, UnknownName, WrongType, no_single_text
 from tirefmu.symbolic.model import Model
@@ -27,7 +28,7 @@ from .data.fit_data import FitData, prepare
 from .data.initial_values import starts_from
 from .fit_run import FitRun
 from .problem.recipe import Recipe, load_recipe
-from .results.checkpoint import Checkpoint, fingerprint
+from .results.checkpoint import Checkpoint
 from .results.fit_result import FitResult
 from .solvers.interruption import Interruption, Progress
 from .solvers.selection import solver_for
@@ -213,7 +214,7 @@ def _identity(data: FitData, tire: Tire, plan: Recipe, options: Mapping[str, str
     """Return the inputs of a fit by the names that a user knows."""
     return {
         "version of tirefmu": version("tirefmu"),
-        "data": fingerprint(data.table.drop(columns=["included", "weight"])),
+        "data": table_digest(data.table.drop(columns=["included", "weight"])),
         "model": tire.model,
         "effects": ",".join(sorted(tire.has)),
         "recipe": repr(plan),

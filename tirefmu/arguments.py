@@ -30,6 +30,11 @@ WHERE = click.option(
 )
 
 
+def command_line() -> str:
+    """Return the command line of the running command, which `main` passes on."""
+    return str(click.get_current_context().obj or "")
+
+
 class Pairs(click.ParamType):  # type: ignore[type-arg,unused-ignore]  # generic since click 8.4
     """``name=number,name=number``."""
 

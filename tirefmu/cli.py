@@ -7,6 +7,7 @@ A command imports its packages when it runs and its files exist: SymPy, pandas, 
 from __future__ import annotations
 
 import io
+import shlex
 import sys
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ from .arguments import (
     Numbers,
     check_input_paths,
     check_output_paths,
+    command_line,
     common,
     write_json,
 )
@@ -201,16 +203,17 @@ def export(
 @click.option("--timeout", type=click.FloatRange(min=0.0, min_open=True), metavar="SECONDS",
               help="Time limit of the simulation  [default: 60, plus 0.005 per row]")  # fmt: skip
 @click.option("--figures", type=FILE, help="Folder for figures of the data, the FMU and the error over time.")
+@click.option("--report", type=FILE, help="HTML report: verdict, goodness of fit, errors over time and inputs.")
 @common
 def check(
     fmu: Path, table: Path, signs: str | None, where: str | None, tolerance: float | None, timeout: float | None,
-    figures: Path | None, quiet: bool, json_file: Path | None,
+    figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Simulate FMU with fmpy over TABLE and compare with the data and with direct evaluation.
 
     FMU runs in a separate process: a crash or a hang is reported as an error. It is native code with your permissions.
     """
-    check_output_paths(json_file, folder=figures)
+    check_output_paths(json_file, report, folder=figures)
     check_input_paths(fmu, table)
     from tirefmu.fmu import check as run
     from tirefmu.measurements import incomplete_rows, recording_from
@@ -229,6 +232,12 @@ def check(
         from tirefmu.fmu.comparison.figures import draw_check
 
         terminal.print(f"figures: {len(draw_check(result, figures))} in {figures}")
+    if report:
+        from tirefmu.fmu.comparison.report import write_check
+
+        with terminal.working("writing the report"):
+            write_check(result, report, command=command_line())
+        terminal.print(f"report: {report}")
     return 0 if result.ok else 1
 
 
@@ -346,7 +355,8 @@ def main(arguments: list[str] | None = None) -> int:
         sys.stdout.reconfigure(errors="backslashreplace")  # for encodings that lack a character of a file name
     try:
         given = sys.argv[1:] if arguments is None else arguments
-        status = cli.main(args=given or ["--help"], prog_name="tirefmu", standalone_mode=False)
+        command = shlex.join(["tirefmu", *given])
+        status = cli.main(args=given or ["--help"], prog_name="tirefmu", standalone_mode=False, obj=command)
     except TirefmuError as error:
         return _invalid(str(error))
     except click.ClickException as error:

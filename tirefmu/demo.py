@@ -11,14 +11,22 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.diagnosis import diagnose, draw_residual_maps, export_and_simulate, residual_map, write_report
+from tirefmu.diagnosis.reporting.curves_figure import draw_curves
+from tirefmu.explorer.explore import explore
 from tirefmu.fitting import FitResult, fit
 from tirefmu.fitting.reporting.figures import draw_figures
 from tirefmu.fmu import check, export
+from tirefmu.fmu.comparison.figures import draw_check
+from tirefmu.fmu.comparison.report import write_check
 from tirefmu.measurements import Noise, Recording, VirtualBench, trento_program, write_table
+from tirefmu.measurements.inspection.figures import draw_inspection
+from tirefmu.measurements.inspection.inspection import inspect
+from tirefmu.measurements.inspection.report import write_inspection
 from tirefmu.symbolic.errors import TirefmuError
 from tirefmu.tires import Tire, published
 
 from .arguments import write_json
+from .demo_page import Chapter, draw_gap, write_demo_page
 from .terminal import Terminal
 
 FloatArray = npt.NDArray[np.float64]
@@ -81,15 +89,16 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
     except OSError as error:
         raise TirefmuError(f"{folder}: cannot be created ({error.strerror or error})") from error
     truth = bench_tire()
-    recording = _bench(truth, folder, terminal)
-    full, staged = _fits(truth, recording, folder, terminal)
-    checks = _fmus(full, recording, folder, terminal)
-    reduced, missing = _missing_effect(full, recording, folder, terminal)
-    diagnosis = _diagnosis(reduced, recording, folder / "diagnosis", terminal)
+    chapters: list[Chapter] = []
+    recording = _bench(truth, folder, terminal, chapters)
+    full, staged = _fits(truth, recording, folder, terminal, chapters)
+    checks = _fmus(full, recording, folder, terminal, chapters)
+    reduced, missing = _missing_effect(full, recording, folder, terminal, chapters)
+    diagnosis = _diagnosis(reduced, recording, folder, terminal, chapters)
     seconds = time.perf_counter() - began
-    start = folder / "diagnosis" / "report.html"
-    terminal.print("", f"Completed in {seconds:.0f} s. Results are in {folder}; the report is {start}")
     ok = full.ok and all(checks.values()) and missing["flat_with_effect"] and diagnosis["ok"]
+    start = write_demo_page(chapters, folder, ok, seconds)
+    terminal.print("", f"Completed in {seconds:.0f} s. Results are in {folder}; start with {start}")
     return {
         "ok": bool(ok),
         "seconds": seconds,
@@ -101,40 +110,56 @@ def run(folder: Path, terminal: Terminal) -> dict[str, Any]:
     }
 
 
-def _bench(truth: Tire, folder: Path, terminal: Terminal) -> Recording:
+def _bench(truth: Tire, folder: Path, terminal: Terminal, chapters: list[Chapter]) -> Recording:
     terminal.heading("1 Virtual bench.", "A tire similar to the Hoosier, measured as in the Trento report")
     with terminal.working("running the virtual bench"):
         recording = VirtualBench(truth, Noise(), seed=SEED).run(trento_program())
         write_table(recording.table, folder / "bench.csv")
         truth.save(folder / "truth.tir")
+        inspections, findings = inspect([recording])
+        figures = folder / "figures"
+        figures.mkdir(exist_ok=True)
+        drawn = draw_inspection(inspections[0], figures)
+        write_inspection(inspections, findings, folder / "inspection.html")
     table = recording.table
-    terminal.print(
-        f"  {len(table)} rows, loads {table.Fz.min():.0f} .. {table.Fz.max():.0f} N, "
-        f"{np.degrees(table.gamma.max()):.0f} deg camber, with noise and drift: {folder / 'bench.csv'}"
+    text = (
+        f"{len(table)} rows, loads {table.Fz.min():.0f} .. {table.Fz.max():.0f} N, "
+        f"{np.degrees(table.gamma.max()):.0f} deg camber, with noise and drift"
     )
+    terminal.print(f"  {text}: {folder / 'bench.csv'}")
+    files = (folder / "inspection.html", folder / "bench.csv", folder / "truth.tir")
+    chapters.append(Chapter("The data", (f"{text}.",), tuple(drawn[:1]), files))
     return recording
 
 
-def _fits(truth: Tire, recording: Recording, folder: Path, terminal: Terminal) -> tuple[FitResult, FitResult]:
+def _fits(
+    truth: Tire, recording: Recording, folder: Path, terminal: Terminal, chapters: list[Chapter]
+) -> tuple[FitResult, FitResult]:
     terminal.heading("2 Fit.", "The thirteen stages of the report, and all coefficients simultaneously")
     nominal = {"Fz0": truth.values["FNOMIN"], "R0": truth.values["UNLOADED_RADIUS"]}
-    results = {}
+    results, lines = {}, []
     for recipe in ("trento", "joint"):
         with terminal.fitting() as progress:
             result = fit([recording], "mf96", recipe=recipe, nominal=nominal, progress=progress)
         result.tire.save(folder / f"{recipe}.tir")
         results[recipe] = result
         errors = ", ".join(f"{c.channel} {c.rmse:.3g} {c.unit} (R2 {c.r2:.4f})" for c in result.channels)
-        terminal.print(f"  {recipe}: RMSE {errors}; {result.status}, {result.seconds:.1f} s")
+        lines.append(f"{recipe}: RMSE {errors}; {result.status}, {result.seconds:.1f} s")
+        terminal.print(f"  {lines[-1]}")
     for line in _stiffness_lines(truth, results):
-        terminal.print(line)
+        lines.append(line)
+        terminal.print(f"  {line}")
     with terminal.working("drawing figures"):
         drawn = [
             path
             for recipe, result in results.items()
             for path in draw_figures(result.tire, [recording], folder / "figures", prefix=f"{recipe}_", truth=truth)
         ]
+        explore(results["joint"].tire, folder / "explorer.html", recordings=[recording])
     terminal.print(f"  {len(drawn)} figures: {folder / 'figures'}")
+    shown = tuple(folder / "figures" / f"joint_{name}.png" for name in ("pure_Fy", "stiffness"))
+    files = (folder / "explorer.html", folder / "joint.tir", folder / "trento.tir")
+    chapters.append(Chapter("The fit", tuple(f"{line}." for line in lines), shown, files))
     return results["joint"], results["trento"]
 
 
@@ -150,7 +175,7 @@ def _stiffness_lines(truth: Tire, results: dict[str, FitResult]) -> list[str]:
             parts.append(
                 f"{recipe} " + ", ".join(f"{e:+.1f} % at {n:.0f} N" for e, n in zip(errors, loads, strict=True))
             )
-        lines.append(f"  {name}, error: {'; '.join(parts)}")
+        lines.append(f"{name}, error: {'; '.join(parts)}")
     return lines
 
 
@@ -158,25 +183,34 @@ def _stiffness(tire: Tire, name: str, loads: FloatArray) -> Any:
     return tire.evaluate(pd.DataFrame({"Fz": loads}), signs="adapted-sae")[name].to_numpy()
 
 
-def _fmus(full: FitResult, recording: Recording, folder: Path, terminal: Terminal) -> dict[str, bool]:
+def _fmus(
+    full: FitResult, recording: Recording, folder: Path, terminal: Terminal, chapters: list[Chapter]
+) -> dict[str, bool]:
     terminal.heading("3 FMU.", "Export, and simulation over the recording with fmpy")
-    checks = {}
-    for fmi in (3, 2):
+    checks, lines, files = {}, [], []
+    for fmi in (2, 3):
         path = folder / f"tire_fmi{fmi}.fmu"
         with terminal.working(f"building and checking FMI {fmi}.0"):
             export(full.tire, path, fmi=fmi)
             result = check(path, recording)
         checks[path.name] = result.ok
         errors = ", ".join(f"{c.name} {c.rmse:.3g} {c.unit}" for c in result.channels)
-        terminal.print(
-            f"  FMI {fmi}.0: RMSE {errors}; difference from direct evaluation {result.evaluation_difference:.1e}; "
-            f"{'valid' if not result.problems else 'invalid'}: {path}"
+        lines.append(
+            f"FMI {fmi}.0: RMSE {errors}; difference from direct evaluation {result.evaluation_difference:.1e}; "
+            f"{'valid' if not result.problems else 'invalid'}"
         )
+        files.append(path)
+        terminal.print(f"  {lines[-1]}: {path}")
+    with terminal.working("writing the report"):
+        write_check(result, page := folder / "check.html")
+        drawn = draw_check(result, folder / "figures", prefix="check_")
+    shown = tuple(path for path in drawn if path.stem == "check_Fy")
+    chapters.append(Chapter("The FMU over the data", tuple(f"{line}." for line in lines), shown, (page, *files)))
     return checks
 
 
 def _missing_effect(
-    full: FitResult, recording: Recording, folder: Path, terminal: Terminal
+    full: FitResult, recording: Recording, folder: Path, terminal: Terminal, chapters: list[Chapter]
 ) -> tuple[Tire, dict[str, Any]]:
     terminal.heading("4 A missing effect.", "The same fit without camber thrust")
     with terminal.fitting() as progress:
@@ -190,10 +224,14 @@ def _missing_effect(
     (_, before), (_, after) = maps
     worst = [float(abs(m.worst.mean)) for m in (before, after)]
     rmse = [next(c.rmse for c in result.channels if c.channel == "Fy") for result in (reduced, full)]
-    terminal.print(
-        f"  Fy RMSE {rmse[0]:.3g} N without, {rmse[1]:.3g} N with; largest mean residual over (alpha, gamma) "
-        f"{worst[0]:.3g} N without, {worst[1]:.3g} N with: {folder / 'missing_effect.png'}"
+    text = (
+        f"Fy RMSE {rmse[0]:.3g} N without, {rmse[1]:.3g} N with; largest mean residual over (alpha, gamma) "
+        f"{worst[0]:.3g} N without, {worst[1]:.3g} N with"
     )
+    picture = folder / "missing_effect.png"
+    terminal.print(f"  {text}: {picture}")
+    texts = ("The same fit without camber thrust leaves a pattern in the residuals.", f"{text}.")
+    chapters.append(Chapter("A tire without one effect", texts, (picture,), (folder / "without_camber_thrust.tir",)))
     return reduced.tire, {
         "effect": "camber_thrust",
         "channel": "Fy",
@@ -205,8 +243,11 @@ def _missing_effect(
     }
 
 
-def _diagnosis(start: Tire, recording: Recording, folder: Path, terminal: Terminal) -> dict[str, Any]:
+def _diagnosis(
+    start: Tire, recording: Recording, main: Path, terminal: Terminal, chapters: list[Chapter]
+) -> dict[str, Any]:
     """Diagnose the reduced tire, without information about the removed effect."""
+    folder = main / "diagnosis"
     terminal.heading("5 Diagnosis.", "Which effect does the reduced tire lack? All known effects are tested")
     with terminal.working("diagnosing"):
         result = diagnose(recording.table, signs=recording.signs, tire=start)
@@ -228,6 +269,18 @@ def _diagnosis(start: Tire, recording: Recording, folder: Path, terminal: Termin
         f"{gap['floor']:.3g} N; report with both simulated FMUs: {folder / 'report.html'}"
     )
     found = [one.effect for one in result.found]
+    figures = [
+        draw_curves(result, "Fy", main / "figures" / "diagnosis_curves.png"),
+        draw_gap(result.gap["holdout"], main / "figures" / "diagnosis_gap.png"),
+    ]
+    written_files = [folder / name for name in ("report.html", "improved.tir", "improved.fmu", "base.tir", "base.fmu")]
+    texts = (
+        "The diagnosis tests all known effects without information about the removed one.",
+        result.verdict,
+        f"Identified: {', '.join(found) or 'nothing'}.",
+    )
+    files = tuple(path for path in written_files if path.is_file())
+    chapters.append(Chapter("The missing effect, found", texts, tuple(figures), files))
     return {"ok": found == ["camber_thrust"] and simulated["ok"], "found": found, "gap": gap, "simulated": simulated}
 
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from markupsafe import Markup
+
 from tirefmu.measurements import Recording, TableLike, recording_from
 from tirefmu.symbolic.errors import DataError, path_from
 from tirefmu.tires.drawing.page import inlined, page_text, write_page
@@ -21,12 +23,13 @@ from .residual_figure import draw_residual_location
 
 @dataclass(frozen=True)
 class ChangedLine:
-    """An equation of the model before and after an effect was added."""
+    """An equation of the model before and after an effect was added; `mathml` has the latter for a page."""
 
     number: str
     description: str
     before: str
     after: str
+    mathml: str
 
 
 def write_report(
@@ -80,7 +83,11 @@ def report_page(diagnosis: Diagnosis, recording: Recording, simulated: Mapping[s
         memory = inlined(_memory(diagnosis, Path(folder)))
     return page_text(
         "tirefmu.diagnosis.reporting",
-        {"number": lambda value: "-" if value is None or value != value else f"{value:.4g}"},
+        {
+            "number": lambda value: "-" if value is None or value != value else f"{value:.4g}",
+            "typeset": Markup,  # MathML of the program, with escaped texts
+            "rating": {"green": "good", "amber": "limited", "red": "bad"}.__getitem__,
+        },
         diagnosis=diagnosis,
         maps=maps,
         curves=curves,
@@ -110,6 +117,8 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     >>> [line.after for line in changed_lines(plain, richer)][0]
     'mu_x = LMUX_star*(PDX1 + PDX2*dfz)*(-PDX3*gamma_in**2 + 1)'
     """
+    from tirefmu.symbolic.printers.mathml import equation_mathml  # loads SymPy
+
     gained = after.has - before.has
     old = after.book.as_written(before.has & after.book.effects.keys())
     new = after.book.as_written(after.has)
@@ -118,8 +127,11 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     for line in after.book.equations:
         name = line.symbol.name
         if gained.intersection(effects[name]) and old[name] != new[name] and not line.variant:
-            formulas = [f"{line.acts_for or name} = {lines[name]}" for lines in (old, new)]
-            changed.append(ChangedLine(line.number, line.description, *formulas))
+            written = line.acts_for or name
+            first, second = (f"{written} = {lines[name]}" for lines in (old, new))
+            changed.append(
+                ChangedLine(line.number, line.description, first, second, equation_mathml(written, new[name]))
+            )
     return tuple(changed)
 
 

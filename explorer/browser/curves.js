@@ -36,3 +36,9 @@ function combinedSlip(tire, selected, range, alphas) {
     return [Fx, Fy];
   });
 }
+
+/** Return results over alpha and kappa: a list of rows, one for each kappa, for each wanted force. */
+function overSlips(tire, selected, alphas, kappas, wanted) {
+  const rows = kappas.map((kappa) => sweep(tire, { ...selected, kappa }, "alpha", alphas, "forces", wanted));
+  return Object.fromEntries(wanted.map((name) => [name, rows.map((row) => row[name])]));
+}

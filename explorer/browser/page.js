@@ -63,6 +63,12 @@ function buildCharts() {
     const chart = new Chart(host, { title, xTitle: "Fx (N)", yTitle: "Fy (N)", locus: true });
     charts.push({ chart, update: () => updateLoci(chart, alphas) });
   }
+  const shown = now.data.outputs.filter((each) => ["Fx", "Fy"].includes(each.name) && input("kappa") && input("alpha"));
+  for (const { name, text, unit } of shown) {
+    const title = `${name} over kappa and alpha: ${text} of this tire`;
+    const chart = new Surface(host, { title, xTitle: "alpha (deg)", yTitle: "kappa", zTitle: `${name} (${unit})` });
+    charts.push({ chart, update: () => {}, settle: (shared) => updateSurface(chart, name, shared) });
+  }
   seen?.disconnect();
   seen = new IntersectionObserver((entries) => {
     for (const entry of entries) charts.find((each) => each.chart.figure === entry.target).visible = entry.isIntersecting;
@@ -100,6 +106,15 @@ function updateLoci(chart, alphas) {
   chart.draw(curves, null);
 }
 
+/** Draw a surface; `shared` has the forces that other surfaces have computed for the same state. */
+function updateSurface(chart, name, shared) {
+  const [alphas, kappas] = ["alpha", "kappa"].map((slip) => spaced(range(slip).low, range(slip).high, SURFACE_POINTS));
+  const wanted = now.data.outputs.map((each) => each.name);
+  shared.surfaces ??= overSlips(now, view.inputs, alphas, kappas, wanted);
+  const { scale } = input("alpha");
+  chart.draw(alphas.map((alpha) => alpha * scale), kappas, shared.surfaces[name]);
+}
+
 /** Return the measured points of the selected condition over a slip. */
 function measuredPoints(output, over) {
   const condition = measured.conditions[view.condition];
@@ -122,7 +137,11 @@ function render() {
   }
   clearTimeout(delayed);
   delayed = setTimeout(() => {
-    for (const each of charts) each.chart.describe();
+    const shared = {};
+    for (const each of charts) {
+      if (each.visible) each.settle?.(shared);
+      each.chart.describe();
+    }
     showNumbers();
     showQuality();
     showStatus();

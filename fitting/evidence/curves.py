@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy.typing as npt
 import pandas as pd
 
 from tirefmu.measurements import OUTPUTS, Recording, TableLike, level_tolerance, levels, recordings_from
+from tirefmu.measurements.operating_conditions.held_levels import held_levels
 from tirefmu.measurements.recording import distinct
 from tirefmu.symbolic.errors import FitError
 from tirefmu.tires import TireLike, tire_from
@@ -21,6 +22,8 @@ from .slope import SLOPE_WINDOW, read_slope
 FloatArray = npt.NDArray[np.float64]
 
 _POINTS = 301  # of a curve
+#: Inputs that a program may set to several levels in addition to load and inclination: one panel has one level of each.
+FURTHER = ("p", "V")
 _UPRIGHT = 0.2  # of a tolerance: a smaller held inclination is taken as zero
 
 
@@ -78,22 +81,32 @@ class Comparison:
         """The measured outputs that the tire computes."""
         return tuple(name for name in OUTPUTS if f"{name}_fit" in self.table)
 
+    def residuals(self) -> dict[str, FloatArray]:
+        """Return measured minus computed for each channel; NaN if not measured."""
+        return {name: (self.table[name] - self.table[f"{name}_fit"]).to_numpy(dtype=float) for name in self.channels}
+
     def tolerance(self, channel: str) -> float:
         """Return the tolerance of the levels of a channel."""
         return level_tolerance(self.table[channel], channel)
 
     def pure(self, channel: str, slip: str) -> list[Family]:
-        """Return the families of pure slip: by load at the smallest inclination, by inclination at the nominal load."""
+        """Return the families of pure slip: by load at the smallest inclination, by inclination at the nominal load.
+
+        Both are at the pressure and the speed with the most rows; with several of these, families by them follow.
+        """
         rows = self._measured(channel, "lateral" if slip == "alpha" else "longitudinal")
         if slip == "kappa":
             rows = self._near(rows, "alpha", 0.0)
         if rows.empty:
             return []
-        camber, load = self._smallest(rows, "gamma"), self._reference_load(rows)
-        upright, loaded = self._near(rows, "gamma", camber), self._near(rows, "Fz", load)
-        per_load = Family(channel, slip, "Fz", self.groups(upright, "Fz"), {"gamma": camber})
-        per_camber = Family(channel, slip, "gamma", self.groups(loaded, "gamma"), {"Fz": load})
-        return [per_load, per_camber] if len(per_camber.groups) > 1 else [per_load]
+        held = self._main_levels(rows)
+        main = self._at(rows, held)
+        levels = held | {"gamma": self._smallest(main, "gamma"), "Fz": self._reference_load(main)}
+        families = []
+        for by in ("Fz", "gamma", *held):
+            others = {name: level for name, level in levels.items() if name != by}
+            families.append(Family(channel, slip, by, self.groups(self._at(rows, others), by), others))
+        return [families[0], *(family for family in families[1:] if len(family.groups) > 1)]
 
     def combined(self) -> list[Family]:
         """Return the families of combined slip over kappa; empty without a held nonzero slip angle.
@@ -106,6 +119,8 @@ class Comparison:
             rows = self._measured(channel, "longitudinal")
             if rows.empty:
                 continue
+            held = self._main_levels(rows)
+            rows = self._at(rows, held)
             camber, load, angle = (
                 self._smallest(rows, "gamma"),
                 self._reference_load(rows),
@@ -115,13 +130,13 @@ class Comparison:
             angles = self.groups(self._near(upright, "Fz", load), "alpha")
             if abs(angle) <= self.tolerance("alpha"):
                 continue
-            families.append(Family(channel, "kappa", "alpha", angles, {"Fz": load, "gamma": camber}))
+            families.append(Family(channel, "kappa", "alpha", angles, {"Fz": load, "gamma": camber} | held))
             if channel == "Fy":
                 loads = self.groups(self._near(upright, "alpha", angle), "Fz")
                 cambers = self.groups(self._near(loaded, "alpha", angle), "gamma")
-                families.append(Family(channel, "kappa", "Fz", loads, {"alpha": angle, "gamma": camber}))
+                families.append(Family(channel, "kappa", "Fz", loads, {"alpha": angle, "gamma": camber} | held))
                 if len(cambers) > 1:
-                    families.append(Family(channel, "kappa", "gamma", cambers, {"alpha": angle, "Fz": load}))
+                    families.append(Family(channel, "kappa", "gamma", cambers, {"alpha": angle, "Fz": load} | held))
         return [family for family in families if family.groups]
 
     def groups(self, rows: pd.DataFrame, channel: str) -> tuple[Group, ...]:
@@ -162,11 +177,15 @@ class Comparison:
         An inclination within the offset of a sensor is replaced by zero, because formulas with sign(gamma) are
         discontinuous there.
         """
-        names = [name for name in ("kappa", "alpha", "gamma", "Fz", *self.tire.inputs) if name != channel]
+        return self.over(rows, {channel: values}, tire)
+
+    def over(self, rows: pd.DataFrame, columns: Mapping[str, FloatArray], tire: Tire | None = None) -> pd.DataFrame:
+        """Return the same for columns of several inputs."""
+        names = [name for name in ("kappa", "alpha", "gamma", "Fz", *self.tire.inputs) if name not in columns]
         held = {name: float(rows[name].median()) for name in dict.fromkeys(names)}
         if "gamma" in held and abs(held["gamma"]) <= _UPRIGHT * self.tolerance("gamma"):
             held["gamma"] = 0.0
-        table = pd.DataFrame({channel: values}).assign(**held)
+        table = pd.DataFrame(columns).assign(**held)
         return (tire or self.tire).evaluate(table, signs=self.signs)
 
     def slopes_at_zero(self, family: Family) -> list[tuple[float, float]]:
@@ -184,6 +203,21 @@ class Comparison:
         if channel not in self.channels:
             return self.table[:0]
         return self.table[self.table[sweep] & self.table[channel].notna()]
+
+    def _main_levels(self, rows: pd.DataFrame) -> dict[str, float]:
+        """Return the level with the most rows of each further input that has several levels."""
+        found = {}
+        for name in FURTHER:
+            known = held_levels(rows[name]) if name in rows else []
+            if len(known) > 1:
+                rows_at = {level: len(self._near(rows, name, level)) for level in known}
+                found[name] = max(rows_at, key=rows_at.__getitem__)
+        return found
+
+    def _at(self, rows: pd.DataFrame, levels: Mapping[str, float]) -> pd.DataFrame:
+        for name, level in levels.items():
+            rows = self._near(rows, name, level)
+        return rows
 
     def _near(self, rows: pd.DataFrame, channel: str, value: float) -> pd.DataFrame:
         return rows[(rows[channel] - value).abs() <= self.tolerance(channel)]

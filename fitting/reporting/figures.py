@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from functools import partial
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +10,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from tirefmu.measurements import TableLike, levels
+from tirefmu.measurements import TableLike
 from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.escaping import figure_text
 from tirefmu.tires import TireLike
+from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
 from tirefmu.tires.drawing.style import (
     LETTER,
     LEVEL,
@@ -32,20 +32,17 @@ from tirefmu.tires.drawing.style import (
     place_legend,
     png,
     some_of,
-    stiffness_unit,
     write_footnote,
     write_whole,
 )
 from tirefmu.tires.tire import Tire
 
 from ..evidence.curves import Comparison, Family, compare
-from ..evidence.slope import SLOPE_WINDOW
 from ..results.fit_result import FitResult
 from ..results.intervals import band
 from ..results.records import quality
-
-MOST_SOURCES = 30  # recordings listed below a figure
-BANDS = "; bands: 95 % confidence intervals under noise that is correlated in time"
+from .captions import BANDS, data_text
+from .load_figures import friction_over_load, stiffness_over_load
 
 
 def draw_figures(
@@ -78,8 +75,8 @@ def draw_figures(
     Returns
     -------
     list of Path
-        Of ``pure_Fx``, ``pure_Fy``, ``pure_Mz``, ``combined``, ``weighting``, ``stiffness`` and
-        ``residuals`` those for which there are data.
+        Of ``pure_Fx``, ``pure_Fy``, ``pure_Mz``, ``combined``, ``weighting``, ``stiffness``, ``friction``,
+        ``residuals_over_inputs`` and ``residuals`` (over time) those for which there are data.
 
     Raises
     ------
@@ -96,7 +93,11 @@ def draw_figures(
         "pure_Mz": _families(comparison, comparison.pure("Mz", "alpha"), "Aligning moment at pure side slip", fitted),
         "combined": _families(comparison, comparison.combined(), "Forces at combined slip", fitted),
         "weighting": _weighting(comparison),
-        "stiffness": _stiffness(comparison, truth, fitted),
+        "stiffness": stiffness_over_load(comparison, truth, fitted),
+        "friction": friction_over_load(comparison, fitted),
+        "residuals_over_inputs": residuals_over_inputs(
+            comparison.table, comparison.residuals(), comparison.signs, data_text(comparison, comparison.table)
+        ),
         "residuals": _residuals(comparison),
     }
     # All figures are rendered before the first is written: after a failure the folder is unchanged.
@@ -171,89 +172,6 @@ def _weighting(comparison: Comparison) -> Figure | None:
     return figure
 
 
-def _stiffness(comparison: Comparison, truth: Tire | None, fitted: FitResult | None) -> Figure | None:
-    """Slip stiffnesses over load with slopes read from the data, and slopes over slip."""
-    book = comparison.tire.book
-    kinds = [
-        (channel, slip, book.quantity(f"stiffness_{channel[1]}"), book.quantity(f"slope_{channel[1]}"))
-        for channel, slip in (("Fx", "kappa"), ("Fy", "alpha"))
-    ]
-    shown: list[Family] = []
-    draws: list[Callable[[Axes], None]] = []
-    for channel, slip, stiffness, slope in kinds:
-        families = comparison.pure(channel, slip)
-        if not families:
-            continue
-        family = families[0]
-        known = comparison.curve(family.groups[0], slip)
-        if stiffness in known:
-            draws.append(partial(_draw_stiffness, comparison, family, stiffness, truth, fitted))
-        if slope in known:
-            draws.append(partial(_draw_slopes, comparison, family, slope, truth))
-        shown.append(family)
-    if not draws:
-        return None
-    figure, axes = panels(len(draws), "Slip stiffness")
-    for ax, draw in zip(axes, draws, strict=True):
-        draw(ax)
-    window = f"±{np.degrees(SLOPE_WINDOW['alpha']):g} deg or ±{SLOPE_WINDOW['kappa']:g}"
-    note = (
-        f"points: slope of the data at zero slip, read without a tire (robust local cubic within {window}); "
-        f"slope over slip: of the pure curve, E held constant, positive at zero"
-    )
-    note += BANDS * (fitted is not None)
-    dashed = ["dashed: the true tire"] if truth is not None else []
-    rows = pd.concat([group.rows for family in shown for group in family.groups])
-    write_footnote(figure, comparison.signs, note, *dashed, data_text(comparison, rows))
-    return figure
-
-
-def _draw_stiffness(
-    comparison: Comparison, family: Family, quantity: str, truth: Tire | None, fitted: FitResult | None, ax: Axes
-) -> None:
-    sign = float(np.sign(family.groups[0].level))
-    loads = np.linspace(0.0, 1.25 * max(abs(group.level) for group in family.groups), 201)[1:]
-    rows = pd.concat([group.rows for group in family.groups]).assign(**{family.slip: 0.0})
-    curve = comparison.along(rows, "Fz", sign * loads)
-    stiffness = curve[quantity].abs() / per_si(family.slip)
-    ax.plot(loads, stiffness, color="C0", lw=2, label="tire")
-    if fitted is not None:
-        half = 1.96 * band(fitted, quantity, curve, comparison.signs)["error"] / per_si(family.slip)
-        ax.fill_between(loads, stiffness - half, stiffness + half, color="C0", alpha=0.25, lw=0.0)
-    if truth is not None:
-        true = comparison.along(rows, "Fz", sign * loads, truth)[quantity].abs() / per_si(family.slip)
-        ax.plot(loads, true, color="k", lw=1.2, ls="--", label="true tire")
-    read = np.array(comparison.slopes_at_zero(family)).reshape(-1, 2)
-    slopes = read[:, 1] / per_si(family.slip)
-    if len(read):
-        ax.plot(read[:, 0], slopes, "o", color="C3", ms=6, mec="white", label="slope of the data")
-    symbol = {"kappa": r"$|K_{x\kappa}|$", "alpha": r"$|K_{y\alpha}|$"}[family.slip]
-    ax.set_title(f"{symbol} over load, {held_text(comparison.signs, family.held)}", fontsize=9)
-    ax.set(xlabel=f"load {letter(comparison.signs, 'Fz')} (N)")
-    ax.set(ylabel=f"{symbol} ({stiffness_unit(family.slip)})", xlim=(0.0, loads[-1]))
-    ax.set_ylim(bottom=0.0)
-    ax.grid(alpha=0.3)
-    place_legend(ax)
-
-
-def _draw_slopes(comparison: Comparison, family: Family, quantity: str, truth: Tire | None, ax: Axes) -> None:
-    scale = per_si(family.slip)
-    for group, color in zip(family.groups, level_colors(len(family.groups), "Fz"), strict=True):
-        curve = comparison.curve(group, family.slip)
-        x, slope = curve[family.slip].to_numpy(), curve[quantity].to_numpy()
-        # Positive where the force grows in magnitude with the slip, in every convention.
-        sign = np.sign(slope[np.abs(x).argmin()])
-        draw_line(ax, x * scale, sign * slope / scale, color, level_text("Fz", group.level))
-        if truth is not None:
-            true = comparison.curve(group, family.slip, truth)[quantity].to_numpy()
-            ax.plot(x * scale, sign * true / scale, "k--", lw=0.8, zorder=4)
-    force, slip = LETTER[family.channel].strip("$"), LETTER[family.slip].strip("$")
-    held = held_text(comparison.signs, family.held)
-    ax.set_title(f"slope over {LETTER[family.slip]} per load, {held}", fontsize=9)
-    finish(ax, family.slip, rf"$\partial {force} / \partial {slip}$ ({stiffness_unit(family.slip)})")
-    place_legend(ax, f"load {letter(comparison.signs, 'Fz')}")
-
-
 def _residuals(comparison: Comparison) -> Figure:
     """Residuals over time and their histogram, for each recording and measured channel."""
     table = comparison.table
@@ -292,18 +210,3 @@ def _draw_residual(over_time: Axes, spread: Axes, source: str, channel: str, row
     for ax in (over_time, spread):
         ax.axhline(0.0, color="k", lw=0.8)
         ax.grid(alpha=0.3)
-
-
-def data_text(comparison: Comparison, rows: pd.DataFrame) -> str:
-    """Return the recordings of the rows and their inflation pressures as a text."""
-    numbers = sorted(set(rows["recording"].tolist()))
-    sources = [figure_text(name) for name in dict.fromkeys(comparison.sources[number] for number in numbers)]
-    text = f"data: {', '.join(sources[:MOST_SOURCES])}"
-    if len(sources) > MOST_SOURCES:
-        text += f" and {len(sources) - MOST_SOURCES} more"
-    if "p" not in rows or rows["p"].isna().all():
-        return text
-    held = [f"{level / 1000.0:.0f}" for level in levels(rows["p"])]
-    span = " to ".join(f"{value / 1000.0:.0f}" for value in (rows["p"].min(), rows["p"].max()))
-    together = "" if len(held) == 1 else ", drawn together"
-    return f"{text}; inflation pressure {', '.join(held) or span} kPa{together}"

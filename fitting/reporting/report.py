@@ -6,7 +6,11 @@ import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
-from tirefmu.measurements import TableLike
+import numpy as np
+import pandas as pd
+
+from tirefmu.measurements import TableLike, recordings_from
+from tirefmu.measurements.provenance import provenance
 from tirefmu.symbolic.errors import FitError, path_from
 from tirefmu.tires.drawing.page import inlined, page_text, write_page
 
@@ -23,12 +27,17 @@ from .report_text import (
     worst_text,
 )
 
+#: Magnitude from which a correlation of two coefficients is listed, and the largest number of listed pairs.
+CORRELATED, MOST_PAIRS = 0.9, 20
+
 
 def write_report(
     result: FitResult,
     recordings: TableLike | Iterable[TableLike],
     path: str | Path,
     figures: Sequence[Path] | None = None,
+    *,
+    command: str = "",
 ) -> None:
     """Write the report of a fit.
 
@@ -36,10 +45,12 @@ def write_report(
     ----------
     result : FitResult
     recordings : path, DataFrame or Recording, or a sequence of them
-        The fitted recordings, for the figures.
+        The fitted recordings, for the figures and the provenance.
     path : str or Path
     figures : sequence of Path, optional
         The files that `draw_figures` has written for them; otherwise they are drawn, which takes seconds.
+    command : str
+        The command line, for the provenance.
 
     Raises
     ------
@@ -47,15 +58,16 @@ def write_report(
         If the file cannot be written.
     """
     path = path_from(path)
+    given = recordings_from(recordings)
     with tempfile.TemporaryDirectory() as folder:
-        images = inlined(draw_figures(result, recordings, Path(folder)) if figures is None else figures)
+        images = inlined(draw_figures(result, given, Path(folder)) if figures is None else figures)
     try:
-        write_page(report_page(result, images), path)
+        write_page(report_page(result, images, provenance(given, command)), path)
     except OSError as error:
         raise FitError(f"{path}: cannot be written ({error.strerror or error})") from error
 
 
-def report_page(result: FitResult, images: Sequence[tuple[str, str]]) -> str:
+def report_page(result: FitResult, images: Sequence[tuple[str, str]], origin: Sequence[tuple[str, str]] = ()) -> str:
     """Return the page's text.
 
     Parameters
@@ -63,6 +75,8 @@ def report_page(result: FitResult, images: Sequence[tuple[str, str]]) -> str:
     result : FitResult
     images : sequence of (str, str)
         Name and base64 text of each figure (PNG).
+    origin : sequence of (str, str)
+        The provenance.
 
     Returns
     -------
@@ -72,11 +86,42 @@ def report_page(result: FitResult, images: Sequence[tuple[str, str]]) -> str:
         "number": lambda value: f"{value:.5g}",
         "known": interval_text,
         "condition": condition_text,
-        "worst": worst_text,
     }
+    errors = [(c.recording, c.channel, worst_text(result, c.recording, c.channel)) for c in result.channels]
+    largest = [each for each in errors if each[2]]
     return page_text(
-        "tirefmu.fitting.reporting", filters, result=result, images=images,
+        "tirefmu.fitting.reporting", filters, result=result, images=images, largest=largest,
         differences=significant_differences(result), significant=SIGNIFICANT,
         intervals=[each for each in listed_intervals(result) if set(each["at"]) == {"Fz"}],
         ripples=ripple_texts(result.findings.ripples), extrapolation=extrapolation_text(result),
+        correlations=correlated_pairs(result.correlation), correlated=CORRELATED, origin=origin,
     )  # fmt: skip
+
+
+def correlated_pairs(correlation: pd.DataFrame) -> list[tuple[str, str, float]]:
+    """Return the pairs of coefficients with the largest correlations, from `CORRELATED` in magnitude.
+
+    Parameters
+    ----------
+    correlation : pandas.DataFrame
+        As in `FitResult.correlation`; NaN for unknown ones.
+
+    Returns
+    -------
+    list of (str, str, float)
+        In decreasing magnitude.
+
+    Examples
+    --------
+    >>> names = ["PKY1", "PKY2", "PDY1"]
+    >>> correlated_pairs(pd.DataFrame([[1, 0.95, 0.2], [0.95, 1, -0.3], [0.2, -0.3, 1]], names, names))
+    [('PKY1', 'PKY2', 0.95)]
+    """
+    names = list(correlation.index)
+    values = correlation.to_numpy(dtype=float)
+    pairs = [
+        (names[i], names[j], float(values[i, j]))
+        for i, j in zip(*np.triu_indices(len(names), 1), strict=True)
+        if abs(values[i, j]) >= CORRELATED
+    ]
+    return sorted(pairs, key=lambda pair: -abs(pair[2]))[:MOST_PAIRS]

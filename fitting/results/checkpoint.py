@@ -14,7 +14,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
-import pandas as pd
 
 from tirefmu.symbolic.errors import FitError
 
@@ -93,7 +92,7 @@ class Checkpoint:
     ----------
     path : Path
     identity : mapping of str to str
-        Inputs of the fit by the names that a user knows (data, model, recipe, ...); see `fingerprint`.
+        Inputs of the fit by the names that a user knows (data, model, recipe, ...); see `measurements.provenance`.
 
     Examples
     --------
@@ -175,25 +174,6 @@ class Checkpoint:
     def remove(self) -> None:
         """Remove the file, if there is one."""
         self.path.unlink(missing_ok=True)
-
-
-def fingerprint(table: pd.DataFrame) -> str:
-    """Return a hash of a table.
-
-    Parameters
-    ----------
-    table : pandas.DataFrame
-        With numbers only.
-
-    Returns
-    -------
-    str
-    """
-    digest = hashlib.sha256()
-    for name in sorted(map(str, table.columns)):
-        digest.update(name.encode())
-        digest.update(np.ascontiguousarray(table[name].to_numpy(dtype=np.float64)).tobytes())
-    return digest.hexdigest()
 
 
 def _plain(value: Any) -> Any:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+import tirefmu
 from tirefmu.cli import cli, main
 from tirefmu.project.project_file import SECTIONS
 from tirefmu.symbolic.models import MODELS
@@ -20,6 +21,15 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 #: Pages whose blocks run in their order, in a folder of their own.
 EXECUTED = ["quick_start.md", *sorted(f"tutorials/{path.name}" for path in (DOCS / "tutorials").glob("*.md"))]
+
+
+GENERATED = runpy.run_path(str(DOCS / "reference_pages.py"))
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def notebook(page):
+    """Return the notebook of a page."""
+    return GENERATED["notebook"]((DOCS / page).read_text(encoding="utf-8"))
 
 
 def blocks(text):
@@ -32,26 +42,65 @@ def test_code_blocks_run(page, tmp_path, monkeypatch, capsys):
     """A command succeeds unless a comment states its exit codes."""
     monkeypatch.chdir(tmp_path)
     names = {"__name__": page}
-    found = blocks((DOCS / page).read_text(encoding="utf-8"))
-    assert {language for language, _ in found} <= {"python", "sh"}
-    assert found
-    for language, content in found:
-        if language == "python":
-            exec(compile(content, page, "exec"), names)
+    cells = [cell["source"] for cell in notebook(page)["cells"] if cell["cell_type"] == "code"]
+    assert cells
+    if page == "quick_start.md":  # the README continues with its files
+        cells += [content for language, content in blocks(README) if language == "python"]
+    for cell in cells:
+        if not cell.startswith("!"):
+            exec(compile(cell, page, "exec"), names)
             continue
-        for line in content.splitlines():
-            command, _, codes = line.partition("#")
+        for line in cell.splitlines():
+            command, _, codes = line.removeprefix("!").partition("#")
             program, *arguments = shlex.split(command)
             assert program == "tirefmu"
             accepted = {int(code) for code in re.findall(r"\d", codes)} or {0}
             assert main(arguments) in accepted, (line, capsys.readouterr())
 
 
+def test_a_notebook_has_the_text_and_the_blocks_of_its_page():
+    format_of_notebooks = pytest.importorskip("nbformat")
+    for page in EXECUTED:
+        text, made = (DOCS / page).read_text(encoding="utf-8"), notebook(page)
+        format_of_notebooks.validate(made)
+        sources = ["\n".join(line.removeprefix("!") for line in cell["source"].splitlines()) for cell in made["cells"]]
+        assert all(source in text for source in sources)
+        assert {language for language, _ in blocks(text)} <= {"python", "sh"}
+        assert sum(cell["cell_type"] == "code" for cell in made["cells"]) == len(blocks(text))
+
+
+def test_the_commands_of_the_readme_are_those_of_pages_that_run():
+    run = {
+        line
+        for page in EXECUTED
+        for _, content in blocks((DOCS / page).read_text("utf-8"))
+        for line in content.split("\n")
+    }
+    written = [line for language, content in blocks(README) if language == "sh" for line in content.splitlines()]
+    assert len(written) > 4
+    assert set(written) <= run
+
+
+def test_the_readme_names_commands_targets_and_files_that_exist():
+    targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE))
+    assert set(re.findall(r"\bmake ([a-z-]+)", README)) <= targets
+    assert set(re.findall(r"`tirefmu ([a-z-]+)", README)) <= set(cli.commands)
+    files = re.findall(r"`((?:docs/)?\w+\.(?:md|cff))`", README) + re.findall(r"\]\(([\w/.]+)\)", README)
+    assert len(files) > 8
+    assert [name for name in files if not (ROOT / name).is_file()] == []
+
+
 def test_generated_pages_have_every_effect_model_and_command():
-    pages = runpy.run_path(str(DOCS / "reference_pages.py"))["pages"]()
+    pages = GENERATED["pages"]()
     effects = {name for book in MODELS.values() for name in book.effects}
     assert effects <= set(re.findall(r"^## (\w+)$", pages["reference/effects.md"], flags=re.MULTILINE))
     assert set(re.findall(r"^\| `(\w+)`", pages["reference/models.md"], flags=re.MULTILINE)) >= set(MODELS)
+    for name, book in MODELS.items():  # every equation, typeset
+        page = pages[f"reference/equations/{name}.md"]
+        shown = [line for line in book.equations if not line.variant]
+        assert page.count("<math") == len(shown)
+        assert {line.chapter for line in shown} == set(re.findall(r"^## (.*)$", page, flags=re.MULTILINE))
+    assert set(re.findall(r"^## (\w+)$", pages["reference/python.md"], flags=re.MULTILINE)) == set(tirefmu.__all__)
     headings = re.findall(r"^## ([\w-]+)$", pages["reference/cli.md"], flags=re.MULTILINE)
     assert headings == sorted(cli.commands)
     for name, command in cli.commands.items():
@@ -70,7 +119,7 @@ def test_the_page_of_the_command_line_has_every_command_and_every_key_of_a_proje
 
 def test_every_page_is_in_the_navigation():
     listed = re.findall(r"^ +- ([\w/]+\.md)$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), flags=re.MULTILINE)
-    made = runpy.run_path(str(DOCS / "reference_pages.py"))["pages"]()
+    made = GENERATED["pages"]()
     written = {path.relative_to(DOCS).as_posix() for path in DOCS.rglob("*.md")}
     assert sorted(listed) == sorted(written | set(made))
 

@@ -106,6 +106,22 @@ def test_added_effects_and_their_states(opened, tires, tmp_path):
         assert_equal_forces(forces, read_tir(tmp_path / "x.tir"), inputs)
 
 
+def test_surfaces_are_drawn_from_the_tire(opened, tires):
+    """The values are NumPy's, alpha along the rows; arrow keys turn the surface."""
+    tire = tires["mf96"]
+    page = opened(tire)
+    page.evaluate("inputRows.get('Fz').show(500); view.inputs.Fz = 500; charts.forEach((each) => each.settle?.({}))")
+    drawn = page.evaluate("charts.filter((each) => each.settle).map(({ chart }) => chart.data)")
+    for name, surface in zip(("Fx", "Fy"), drawn, strict=True):
+        alpha, kappa = np.meshgrid(np.radians(surface["xs"]), surface["ys"])
+        expected = tire.forces(alpha=alpha.ravel(), kappa=kappa.ravel(), Fz=500.0, code="numpy")[name]
+        assert np.ravel(surface["rows"]) == pytest.approx(expected, rel=1e-9, abs=1e-6)
+    canvas = page.locator("canvas.surface").first
+    before = canvas.evaluate("(each) => each.toDataURL()")
+    canvas.press("ArrowLeft")
+    assert canvas.evaluate("(each) => each.toDataURL()") != before
+
+
 def test_curves_are_drawn_from_the_tire(opened, tires):
     """The lines of the charts are the forces and quantities over their axes, for every source."""
     page = opened(tires["mf61"], compare=tires["mf52"])

@@ -12,7 +12,9 @@ from matplotlib.figure import Figure
 
 from tirefmu.fitting.evidence.curves import compare
 from tirefmu.fitting.evidence.slope import read_slope
-from tirefmu.fitting.reporting.figures import data_text, draw_figures
+from tirefmu.fitting.reporting.captions import data_text
+from tirefmu.fitting.reporting.figures import draw_figures
+from tirefmu.fitting.reporting.load_figures import _largest_friction
 from tirefmu.measurements import (
     Noise,
     Recording,
@@ -32,7 +34,8 @@ from tirefmu.tires.drawing import style
 from ..hostile import HOSTILE
 
 TIRE = published("trento_hoosier")
-ALL = ["pure_Fx", "pure_Fy", "pure_Mz", "combined", "weighting", "stiffness", "residuals"]
+RESIDUALS = ["residuals_over_inputs", "residuals"]
+ALL = ["pure_Fx", "pure_Fy", "pure_Mz", "combined", "weighting", "stiffness", "friction", *RESIDUALS]
 LATERAL = alpha_sweeps([220.0, 700.0, 1120.0], [0.0, radians(2.0)], sample_rate=50.0)
 DRIVEN = kappa_sweeps([220.0, 700.0], [0.0, radians(6.0)], [0.0, radians(2.0)], sample_rate=50.0)
 
@@ -77,9 +80,9 @@ def test_every_figure_is_complete_and_reproducible(bench, tmp_path):
 @pytest.mark.parametrize(
     ("program", "drawn"),
     [
-        (LATERAL, ["pure_Fy", "pure_Mz", "stiffness", "residuals"]),
-        (kappa_sweeps([220.0, 700.0], sample_rate=50.0), ["pure_Fx", "stiffness", "residuals"]),
-        (kappa_sweeps([220.0], [radians(6.0)], sample_rate=50.0), ["combined", "weighting", "residuals"]),
+        (LATERAL, ["pure_Fy", "pure_Mz", "stiffness", "friction", *RESIDUALS]),
+        (kappa_sweeps([220.0, 700.0], sample_rate=50.0), ["pure_Fx", "stiffness", "friction", *RESIDUALS]),
+        (kappa_sweeps([220.0], [radians(6.0)], sample_rate=50.0), ["combined", "weighting", *RESIDUALS]),
     ],
     ids=["cornering only", "driving only", "combined only"],
 )
@@ -91,7 +94,7 @@ def test_figures_without_data_are_omitted(program, drawn, tmp_path, unrendered):
 def test_a_channel_that_was_not_measured_is_omitted(bench, tmp_path, unrendered):
     blind = replace(bench, table=bench.table.drop(columns="Mz").assign(Fy=np.nan))
     assert [path.stem for path in draw_figures(TIRE, [blind], tmp_path)] == [
-        "pure_Fx", "combined", "weighting", "stiffness", "residuals",
+        "pure_Fx", "combined", "weighting", "stiffness", "friction", *RESIDUALS,
     ]  # fmt: skip
 
 
@@ -134,6 +137,18 @@ def test_one_segment_without_a_clock_still_shows_its_levels():
     comparison = compare(TIRE, [replace(recording, table=recording.table.drop(columns="t"))])
     (angles,) = (f.groups for f in comparison.combined() if (f.channel, f.by) == ("Fx", "alpha"))
     assert np.degrees([group.level for group in angles]) == pytest.approx([0.0, 6.0], abs=0.01)
+
+
+def test_a_panel_has_one_pressure(bench):
+    """The larger recording gives the pressure of the panels by load; both pressures have a panel of their own."""
+    soft, hard = (replace(bench, table=bench.table.assign(p=p)) for p in (55e3, 83e3))
+    some = replace(soft, table=soft.table[:2000])
+    comparison = compare(TIRE, [some, hard])
+    families = {family.by: family for family in comparison.pure("Fy", "alpha")}
+    assert families["Fz"].held["p"] == families["gamma"].held["p"] == 83e3
+    for group in families["Fz"].groups + families["gamma"].groups:
+        assert set(group.rows["p"]) == {83e3}
+    assert [group.level for group in families["p"].groups] == [55e3, 83e3]
 
 
 def test_groups_are_disjoint_and_have_equal_conditions(bench):
@@ -220,6 +235,15 @@ def test_no_slope_is_read_from_one_side_or_from_few_points():
     slip = np.linspace(0.0, 1.0, 100)
     assert np.isnan(read_slope(slip, slip, 1.0).value)
     assert np.isnan(read_slope(np.linspace(-1.0, 1.0, 11), np.ones(11), 1.0).value)
+
+
+def test_the_friction_read_from_data_is_that_of_the_tire(trento):
+    """Without noise the points are on the line, but for the median of a part of the slip range."""
+    for channel, slip in (("Fx", "kappa"), ("Fy", "alpha")):
+        family = trento.pure(channel, slip)[0]
+        for group in family.groups:
+            exact = (group.rows[channel] / group.rows["Fz"]).abs().max()
+            assert _largest_friction(group, family) == pytest.approx(exact, rel=0.03)
 
 
 def test_measured_recordings(data_folder, tmp_path):

@@ -16,6 +16,7 @@ from tirefmu.fitting.evidence.slip_stiffness import SlipStiffness
 from tirefmu.fitting.evidence.undetermined import Undetermined
 from tirefmu.fitting.reporting.report import report_page, write_report
 from tirefmu.fitting.results.records import HeldOut
+from tirefmu.measurements.provenance import provenance, table_digest
 from tirefmu.symbolic.errors import FitError
 from tirefmu.symbolic.escaping import visible
 
@@ -66,6 +67,17 @@ def test_the_page_contains_the_result(side_fit):
         assert margin.constraint in text
     for note in result.notes:
         assert " ".join(note.split()) in text
+
+
+def test_the_provenance_identifies_the_data(side_fit):
+    """The digest is that of the values: a changed value has another one."""
+    _, recording = side_fit
+    text = Page(report_page(side_fit[0], [], provenance([recording], "tirefmu fit run.csv"))).text
+    assert "tirefmu fit run.csv" in text
+    assert table_digest(recording.table) in text
+    changed = recording.table.copy()
+    changed.iloc[0, 0] += 1e-9
+    assert table_digest(changed) not in text
 
 
 def test_a_violated_constraint_is_on_the_page(side_fit):

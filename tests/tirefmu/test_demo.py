@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import pytest
 
@@ -34,9 +35,17 @@ def test_the_end_to_end_workflow(command, tmp_path):
     # The reported files exist.
     files = {"bench.csv", "truth.tir", "trento.tir", "joint.tir", "without_camber_thrust.tir", "missing_effect.png"}
     made = {"figures", "diagnosis", "tire_fmi2.fmu", "tire_fmi3.fmu"}
+    made |= {"index.html", "inspection.html", "explorer.html", "check.html"}
     assert files | made == {path.name for path in folder.iterdir()}
     for name in files | {"figures", "tire_fmi2.fmu", "tire_fmi3.fmu"}:
         assert str(folder / name) in outcome.out or name.endswith(".tir"), name
+    # The page links to files that exist, and has a picture of each step.
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert "All checks passed" in page
+    assert page.count("data:image/png;base64,") == 7
+    linked = re.findall(r'href="([^"]+)"', page)
+    assert len(linked) > 12
+    assert all((folder / address).is_file() for address in linked)
     figures = {path.name for path in (folder / "figures").iterdir()}
     assert {name.removeprefix("joint_") for name in figures if name.startswith("joint_")} == {
         name.removeprefix("trento_") for name in figures if name.startswith("trento_")

@@ -93,7 +93,7 @@ def test_only_what_has_changed_is_repeated(project):
     assert repeated(project, commands) == ALL
     assert repeated(project, commands) == []
     assert repeated(project, commands, force=True) == ALL
-    (project.folder / "check_a" / "report.html").unlink()
+    (project.folder / "check_a.html").unlink()
     assert repeated(project, commands) == ["check a"]
     (project.path.parent / "own.toml").write_text("another recipe")
     assert repeated(project, commands) == ["fit"]  # the same tire: nothing else depends on it
@@ -127,7 +127,7 @@ def test_a_failed_check_is_remembered_and_invalid_input_stops_the_run(project, m
 def test_the_page_links_to_every_result(project):
     run_project(project, Commands(project, {"fit": 1}), Terminal(quiet=True))
     page = (project.folder / "index.html").read_text(encoding="utf-8")
-    assert "a check failed" in page
+    assert "A check failed" in page
     for step in steps_of(project):
         for output in step.outputs:
             file = output if output.suffix else output / "report.html"

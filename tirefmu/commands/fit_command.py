@@ -17,6 +17,7 @@ from ..arguments import (
     Pairs,
     check_input_paths,
     check_output_paths,
+    command_line,
     common,
     names,
     write_json,
@@ -133,7 +134,7 @@ def fit(
         from tirefmu.fitting.reporting.report import write_report
 
         with terminal.working("writing the report"):
-            write_report(result, recordings, report, drawn)
+            write_report(result, recordings, report, drawn, command=command_line())
         terminal.print(f"report: {report}")
     return 0 if result.verdict.usable else 1
 

@@ -64,9 +64,9 @@ def steps_of(project: Project) -> list[Step]:
         _step(folder, "export", [*project.options("export"), "-o", str(fmu)], (tire,), (tire,), None, fmu),
     ]
     for table, label in zip(tables, labels(tables), strict=True):
-        figures = folder / f"check_{label}"
-        options = [*data, *project.options("check"), "--figures", str(figures)]
-        steps.append(_step(folder, "check", options, (fmu, table), (fmu, *given), None, figures, label=label))
+        page = folder / f"check_{label}.html"
+        options = [*data, *project.options("check"), "--report", str(page)]
+        steps.append(_step(folder, "check", options, (fmu, table), (fmu, *given), page, label=label))
     for table, label in zip(project.diagnosed, labels(project.diagnosed), strict=True):
         answer = folder / f"diagnosis_{label}"
         options = [*data, *project.options("diagnose"), "--tire", str(tire), "-o", str(answer)]

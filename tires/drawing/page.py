@@ -8,14 +8,20 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, StrictUndefined
+from jinja2 import DictLoader, Environment, StrictUndefined
+from markupsafe import Markup
 
 from tirefmu.symbolic.escaping import visible
 
 from .style import write_whole
 
+#: What every page shares: its frame with the style, and tables and figures that scroll on a narrow screen.
+FRAME, PARTS, STYLE = "page.html", "parts.html", "page.css"
 
-def page_text(package: str, filters: Mapping[str, Callable[..., object]], **content: Any) -> str:
+
+def page_text(
+    package: str, filters: Mapping[str, Callable[..., object]], *, template: str = "report.html", **content: Any
+) -> str:
     """Return the text of a package's report.
 
     All texts are escaped, and control characters and marks of the writing direction are made visible. The content
@@ -24,9 +30,11 @@ def page_text(package: str, filters: Mapping[str, Callable[..., object]], **cont
     Parameters
     ----------
     package : str
-        Package with the template ``report.html``: "tirefmu.fitting.reporting", "tirefmu.diagnosis.reporting".
+        Package with the template: "tirefmu.fitting.reporting", "tirefmu.diagnosis.reporting".
     filters : mapping of str to callable
         Filters of the template by name.
+    template : str
+        File of the package; it extends ``page.html`` of this one.
     **content
         Variables of the template.
 
@@ -35,12 +43,26 @@ def page_text(package: str, filters: Mapping[str, Callable[..., object]], **cont
     str
     """
     environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True,
-        finalize=lambda value: visible(str(value)),
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, finalize=_visible,
+        loader=DictLoader({name: _shared(name) for name in (FRAME, PARTS, STYLE)}),
     )  # fmt: skip
     environment.filters |= filters
-    template = environment.from_string((files(package) / "report.html").read_text(encoding="utf-8"))
-    return template.render(**content)
+    source = (files(package) / template).read_text(encoding="utf-8")
+    return environment.from_string(source).render(**content)
+
+
+def style_sheet() -> str:
+    """Return the style that all pages share."""
+    return _shared(STYLE)
+
+
+def _shared(name: str) -> str:
+    return (files(__package__) / name).read_text(encoding="utf-8")
+
+
+def _visible(value: object) -> str:
+    """Return a value as text without invisible characters; what a macro has written has been escaped already."""
+    return value if isinstance(value, Markup) else visible(str(value))
 
 
 def inlined(images: Sequence[Path]) -> list[tuple[str, str]]:

@@ -29,7 +29,7 @@ SHOWN = 3000  # points of a group; more would only cover each other
 LETTER = {"kappa": r"$\kappa$", "alpha": r"$\alpha$", "gamma": r"$\gamma$", "Fz": "$F_z$"}
 LETTER |= {"t": "$t$", "p": "$p$", "V": "$V$", "T": "$T$", "phit": r"$\varphi_t$"}
 LETTER |= {"Fx": "$F_x$", "Fy": "$F_y$", "Mz": "$M_z$", "Mx": "$M_x$", "My": "$M_y$"}
-LEVEL = {"Fz": "load", "gamma": "camber", "alpha": "slip angle"}
+LEVEL = {"Fz": "load", "gamma": "camber", "alpha": "slip angle", "p": "pressure", "V": "speed"}
 _UNITS = {"t": "s"} | {each.name: each.unit for each in vars(quantities).values() if isinstance(each, Quantity)}
 _WRITTEN = {"1": "-", "degC": "deg C"}
 _DRAWN = {"rad": ("deg", degrees(1.0)), "Pa": ("kPa", 1e-3)}
@@ -61,7 +61,7 @@ def level_text(channel: str, level: float) -> str:
     """Return a level in its drawn unit; loads by magnitude."""
     if channel == "Fz":
         return f"{abs(level):.0f} N"
-    return f"{round(degrees(level), 1) + 0.0:.3g} deg"  # + 0.0: no -0
+    return f"{round(level * per_si(channel), 1) + 0.0:.3g} {drawn_unit(channel)}"  # + 0.0: no -0
 
 
 def letter(signs: str, channel: str) -> str:

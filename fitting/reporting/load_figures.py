@@ -1,0 +1,172 @@
+"""Figures over load: slip stiffnesses with slopes read from the data, and friction with the largest measured forces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from tirefmu.tires.drawing.style import (
+    LETTER,
+    draw_line,
+    finish,
+    held_text,
+    letter,
+    level_colors,
+    level_text,
+    panels,
+    per_si,
+    place_legend,
+    stiffness_unit,
+    write_footnote,
+)
+from tirefmu.tires.tire import Tire
+
+from ..evidence.curves import Comparison, Family, Group
+from ..evidence.slope import SLOPE_WINDOW
+from ..results.fit_result import FitResult
+from ..results.intervals import band
+from .captions import BANDS, data_text
+
+#: Parts of the slip range of a measured friction, and the smallest number of rows of a part.
+FRICTION_PARTS, FRICTION_ROWS = 25, 5
+#: Loads and slips at which the friction of the tire is evaluated.
+FRICTION_LOADS, FRICTION_SLIPS = 41, 101
+
+
+def stiffness_over_load(comparison: Comparison, truth: Tire | None, fitted: FitResult | None) -> Figure | None:
+    """Slip stiffnesses over load with slopes read from the data, and slopes over slip."""
+    book = comparison.tire.book
+    kinds = [
+        (channel, slip, book.quantity(f"stiffness_{channel[1]}"), book.quantity(f"slope_{channel[1]}"))
+        for channel, slip in (("Fx", "kappa"), ("Fy", "alpha"))
+    ]
+    shown: list[Family] = []
+    draws: list[Callable[[Axes], None]] = []
+    for channel, slip, stiffness, slope in kinds:
+        families = comparison.pure(channel, slip)
+        if not families:
+            continue
+        family = families[0]
+        known = comparison.curve(family.groups[0], slip)
+        if stiffness in known:
+            draws.append(partial(_draw_stiffness, comparison, family, stiffness, truth, fitted))
+        if slope in known:
+            draws.append(partial(_draw_slopes, comparison, family, slope, truth))
+        shown.append(family)
+    if not draws:
+        return None
+    figure, axes = panels(len(draws), "Slip stiffness")
+    for ax, draw in zip(axes, draws, strict=True):
+        draw(ax)
+    window = f"±{np.degrees(SLOPE_WINDOW['alpha']):g} deg or ±{SLOPE_WINDOW['kappa']:g}"
+    note = (
+        f"points: slope of the data at zero slip, read without a tire (robust local cubic within {window}); "
+        f"slope over slip: of the pure curve, E held constant, positive at zero"
+    )
+    note += BANDS * (fitted is not None)
+    dashed = ["dashed: the true tire"] if truth is not None else []
+    rows = pd.concat([group.rows for family in shown for group in family.groups])
+    write_footnote(figure, comparison.signs, note, *dashed, data_text(comparison, rows))
+    return figure
+
+
+def _draw_stiffness(
+    comparison: Comparison, family: Family, quantity: str, truth: Tire | None, fitted: FitResult | None, ax: Axes
+) -> None:
+    sign = float(np.sign(family.groups[0].level))
+    loads = np.linspace(0.0, 1.25 * max(abs(group.level) for group in family.groups), 201)[1:]
+    rows = pd.concat([group.rows for group in family.groups]).assign(**{family.slip: 0.0})
+    curve = comparison.along(rows, "Fz", sign * loads)
+    stiffness = curve[quantity].abs() / per_si(family.slip)
+    ax.plot(loads, stiffness, color="C0", lw=2, label="tire")
+    if fitted is not None:
+        half = 1.96 * band(fitted, quantity, curve, comparison.signs)["error"] / per_si(family.slip)
+        ax.fill_between(loads, stiffness - half, stiffness + half, color="C0", alpha=0.25, lw=0.0)
+    if truth is not None:
+        true = comparison.along(rows, "Fz", sign * loads, truth)[quantity].abs() / per_si(family.slip)
+        ax.plot(loads, true, color="k", lw=1.2, ls="--", label="true tire")
+    read = np.array(comparison.slopes_at_zero(family)).reshape(-1, 2)
+    slopes = read[:, 1] / per_si(family.slip)
+    if len(read):
+        ax.plot(read[:, 0], slopes, "o", color="C3", ms=6, mec="white", label="slope of the data")
+    symbol = {"kappa": r"$|K_{x\kappa}|$", "alpha": r"$|K_{y\alpha}|$"}[family.slip]
+    ax.set_title(f"{symbol} over load, {held_text(comparison.signs, family.held)}", fontsize=9)
+    ax.set(xlabel=f"load {letter(comparison.signs, 'Fz')} (N)")
+    ax.set(ylabel=f"{symbol} ({stiffness_unit(family.slip)})", xlim=(0.0, loads[-1]))
+    ax.set_ylim(bottom=0.0)
+    ax.grid(alpha=0.3)
+    place_legend(ax)
+
+
+def _draw_slopes(comparison: Comparison, family: Family, quantity: str, truth: Tire | None, ax: Axes) -> None:
+    scale = per_si(family.slip)
+    for group, color in zip(family.groups, level_colors(len(family.groups), "Fz"), strict=True):
+        curve = comparison.curve(group, family.slip)
+        x, slope = curve[family.slip].to_numpy(), curve[quantity].to_numpy()
+        # Positive where the force grows in magnitude with the slip, in every convention.
+        sign = np.sign(slope[np.abs(x).argmin()])
+        draw_line(ax, x * scale, sign * slope / scale, color, level_text("Fz", group.level))
+        if truth is not None:
+            true = comparison.curve(group, family.slip, truth)[quantity].to_numpy()
+            ax.plot(x * scale, sign * true / scale, "k--", lw=0.8, zorder=4)
+    force, slip = LETTER[family.channel].strip("$"), LETTER[family.slip].strip("$")
+    held = held_text(comparison.signs, family.held)
+    ax.set_title(f"slope over {LETTER[family.slip]} per load, {held}", fontsize=9)
+    finish(ax, family.slip, rf"$\partial {force} / \partial {slip}$ ({stiffness_unit(family.slip)})")
+    place_legend(ax, f"load {letter(comparison.signs, 'Fz')}")
+
+
+def friction_over_load(comparison: Comparison, fitted: FitResult | None) -> Figure | None:
+    """Largest force over load within the measured slip range, of the data and of the tire."""
+    families = [comparison.pure(channel, slip)[:1] for channel, slip in (("Fx", "kappa"), ("Fy", "alpha"))]
+    shown = [family for found in families for family in found]
+    if not shown:
+        return None
+    figure, axes = panels(len(shown), "Friction")
+    for ax, family in zip(axes, shown, strict=True):
+        _draw_friction(ax, comparison, family, fitted)
+    note = "points: largest median of |force| / load of the data over parts of the slip range; line: the tire over the "
+    note += "slip range of all loads; points are below it where the data do not reach the peak, "
+    note += "and slightly above under noise, as the largest of several medians"
+    rows = pd.concat([group.rows for family in shown for group in family.groups])
+    write_footnote(figure, comparison.signs, note + BANDS * (fitted is not None), data_text(comparison, rows))
+    return figure
+
+
+def _draw_friction(ax: Axes, comparison: Comparison, family: Family, fitted: FitResult | None) -> None:
+    channel, slip = family.channel, family.slip
+    measured = [(abs(group.level), _largest_friction(group, family)) for group in family.groups]
+    rows = pd.concat([group.rows for group in family.groups])
+    sign, top = float(np.sign(family.groups[0].level)), 1.25 * max(load for load, _ in measured)
+    loads = np.linspace(0.0, top, FRICTION_LOADS)[1:]
+    slips = np.linspace(rows[slip].min(), rows[slip].max(), FRICTION_SLIPS)
+    grid = {"Fz": sign * np.repeat(loads, len(slips)), slip: np.tile(slips, len(loads))}
+    curves = comparison.over(rows, grid)
+    largest = curves[channel].abs().to_numpy().reshape(len(loads), -1).argmax(axis=1)
+    peaks = curves.iloc[np.arange(len(loads)) * len(slips) + largest]
+    friction = peaks[channel].abs().to_numpy() / loads
+    ax.plot(loads, friction, color="C0", lw=2, label="tire")
+    if fitted is not None:
+        half = 1.96 * band(fitted, channel, peaks, comparison.signs)["error"].to_numpy() / loads
+        ax.fill_between(loads, friction - half, friction + half, color="C0", alpha=0.25, lw=0.0)
+    ax.plot(*np.transpose(measured), "o", color="C3", ms=6, mec="white", label="data")
+    symbol = f"largest |{LETTER[channel]}| / |{LETTER['Fz']}|"
+    ax.set_title(f"{symbol} over load, {held_text(comparison.signs, family.held)}", fontsize=9)
+    ax.set(xlabel=f"load {letter(comparison.signs, 'Fz')} (N)", ylabel=f"{symbol} (-)", xlim=(0.0, loads[-1]))
+    ax.grid(alpha=0.3)
+    place_legend(ax)
+
+
+def _largest_friction(group: Group, family: Family) -> float:
+    """Return the largest median of |force| / load over parts of the slip range."""
+    slip = group.rows[family.slip].to_numpy(dtype=float)
+    friction = (group.rows[family.channel] / group.rows["Fz"]).abs().to_numpy(dtype=float)
+    edges = np.linspace(slip.min(), slip.max(), FRICTION_PARTS + 1)[1:-1]
+    part = np.digitize(slip, edges)
+    medians = [np.median(friction[part == i]) for i in np.unique(part) if (part == i).sum() >= FRICTION_ROWS]
+    return float(max(medians, default=np.nan))

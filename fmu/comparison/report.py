@@ -1,0 +1,79 @@
+"""The check of an FMU as one HTML page: verdict, goodness of fit, error over time and over the inputs, provenance."""
+
+from __future__ import annotations
+
+import base64
+import tempfile
+from pathlib import Path
+
+from tirefmu.measurements import Recording
+from tirefmu.measurements.provenance import provenance
+from tirefmu.symbolic.errors import FmuError, path_from
+from tirefmu.tires.drawing.page import inlined, page_text, write_page
+from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
+from tirefmu.tires.drawing.style import png
+
+from .figures import draw_check
+from .result import EVALUATION_TOLERANCE, CheckResult
+
+
+def write_check(result: CheckResult, path: str | Path, *, command: str = "") -> None:
+    """Write the page of a check.
+
+    Parameters
+    ----------
+    result : CheckResult
+    path : str or Path
+    command : str
+        The command line, for the provenance.
+
+    Raises
+    ------
+    FmuError
+        If the file cannot be written.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> from tirefmu.fmu import check, export
+    >>> from tirefmu.tires import published
+    >>> table = pd.DataFrame({"alpha": [-0.1, 0.0, 0.1], "Fz": 900.0, "Fy": [2100.0, 10.0, -2000.0]})
+    >>> result = check(export(published("trento_hoosier"), "tire.fmu"), table)
+    >>> write_check(result, "check.html")
+    >>> "Check passed" in Path("check.html").read_text(encoding="utf-8")
+    True
+    """
+    path = path_from(path)
+    try:
+        write_page(check_page(result, command), path)
+    except OSError as error:
+        raise FmuError(f"{path}: cannot be written ({error.strerror or error})") from error
+
+
+def check_page(result: CheckResult, command: str = "") -> str:
+    """Return the text of the page, figures included."""
+    with tempfile.TemporaryDirectory() as folder:
+        images = inlined(draw_check(result, folder))
+    errors = {
+        c.name: result.recording[c.name].to_numpy() - result.simulated[c.name].to_numpy() for c in result.channels
+    }
+    residuals = residuals_over_inputs(result.recording, errors, "iso")
+    return page_text(
+        "tirefmu.fmu.comparison", {"number": lambda value: f"{value:.4g}"}, result=result, images=images,
+        reasons=_reasons(result), limit=EVALUATION_TOLERANCE, inputs=list(result.channels[0].worst.condition),
+        residuals="" if residuals is None else base64.b64encode(png(residuals)).decode("ascii"),
+        origin=provenance([Recording(result.recording, "iso", result.source)], command),
+    )  # fmt: skip
+
+
+def _reasons(result: CheckResult) -> list[str]:
+    """Return why a check failed."""
+    reasons = [f"The FMU is invalid: {problem}" for problem in result.problems]
+    difference = result.evaluation_difference
+    if difference is not None and not difference <= EVALUATION_TOLERANCE:
+        reasons.append(f"The FMU differs from direct evaluation of its tire by {difference:.1e}.")
+    for channel in result.channels:
+        if result.tolerance is not None and not channel.relative_rmse <= result.tolerance:
+            share = f"{channel.relative_rmse:.2%} of its largest value, more than {result.tolerance:.2%}"
+            reasons.append(f"The error of {channel.name} is {share}.")
+    return reasons

@@ -1,0 +1,95 @@
+"""Residuals over each input: points and the mean with its scatter, which is flat for an adequate tire."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .style import LETTER, drawn_unit, letter, per_si, some_of, write_footnote
+
+FloatArray = npt.NDArray[np.float64]
+
+#: Inputs in the order of the columns of panels.
+INPUTS = ("alpha", "kappa", "Fz", "gamma", "p", "V", "T")
+#: Smallest range of an input as a share of its magnitude: the noise of a held input gives no panel.
+LEAST_RANGE = 0.02
+#: Bins of a panel with equal numbers of rows, and the smallest number of rows of a bin.
+BINS, LEAST_ROWS = 16, 5
+
+
+def residuals_over_inputs(
+    table: pd.DataFrame, residuals: Mapping[str, FloatArray], signs: str, *notes: str
+) -> Figure | None:
+    """Draw residuals over every input that varies: a row of panels per channel, a column per input.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Inputs.
+    residuals : mapping of str to ndarray, shape (n,)
+        Measured minus computed per channel; NaN if not measured.
+    signs : str
+        Convention of table and residuals.
+    *notes : str
+        Further sentences of the footnote.
+
+    Returns
+    -------
+    Figure or None
+        None if no input varies or nothing was measured.
+
+    Examples
+    --------
+    >>> table = pd.DataFrame({"alpha": np.linspace(-0.1, 0.1, 50), "Fz": 900.0})
+    >>> figure = residuals_over_inputs(table, {"Fy": np.sin(40.0 * table["alpha"].to_numpy())}, "iso")
+    >>> len(figure.axes)
+    1
+    """
+    inputs = [name for name in INPUTS if name in table and _varies(table[name])]
+    measured = [name for name, values in residuals.items() if np.isfinite(values).any()]
+    if not inputs or not measured:
+        return None
+    figure = Figure(figsize=(2.7 * len(inputs) + 1.0, 1.0 + 2.1 * len(measured)), layout="constrained")
+    figure.suptitle("Residuals over the inputs: data minus tire", fontweight="bold")
+    grid = figure.subplots(len(measured), len(inputs), squeeze=False, sharey="row", sharex="col")
+    for axes, channel in zip(grid, measured, strict=True):
+        values = residuals[channel]
+        limit = 1.15 * float(np.nanquantile(np.abs(values), 0.995)) or 1.0
+        axes[0].set(ylabel=f"{LETTER[channel]} ({drawn_unit(channel)})", ylim=(-limit, limit))
+        for ax, name in zip(axes, inputs, strict=True):
+            _draw(ax, table[name].to_numpy(dtype=np.float64) * per_si(name), values)
+    for ax, name in zip(grid[-1], inputs, strict=True):
+        ax.set_xlabel(f"{letter(signs, name)} ({drawn_unit(name)})")
+    note = "line: mean of rows with similar input; bars: their standard deviation; the axes contain 99.5 % of the rows"
+    write_footnote(figure, signs, note, *notes)
+    return figure
+
+
+def _varies(column: pd.Series) -> bool:
+    values = column.to_numpy(dtype=np.float64)
+    return bool(np.nanmax(values) - np.nanmin(values) > LEAST_RANGE * np.nanmax(np.abs(values)))
+
+
+def _draw(ax: Axes, x: FloatArray, residual: FloatArray) -> None:
+    known = np.isfinite(residual) & np.isfinite(x)
+    few = some_of(pd.DataFrame({"x": x[known], "y": residual[known]}))
+    ax.plot(few["x"], few["y"], ".", ms=1.5, mew=0.0, color="0.6")
+    parts = [(x[rows], residual[rows]) for rows in _bins(x, known)]
+    if parts:
+        center, mean, spread = np.transpose([(np.median(a), b.mean(), b.std()) for a, b in parts])
+        ax.errorbar(center, mean, spread, color="C0", lw=1.4, elinewidth=0.8, marker="o", ms=3, zorder=3)
+    ax.axhline(0.0, color="k", lw=0.8)
+    ax.grid(alpha=0.3)
+
+
+def _bins(x: FloatArray, known: npt.NDArray[np.bool_]) -> Sequence[npt.NDArray[np.intp]]:
+    """Return the rows of bins with about equal numbers of rows; rows with equal input share one."""
+    edges = np.unique(np.quantile(x[known], np.linspace(0.0, 1.0, BINS + 1)))
+    number = np.searchsorted(edges[1:-1], x, side="right")
+    found = [np.flatnonzero(known & (number == i)) for i in range(max(len(edges) - 1, 1))]
+    return [rows for rows in found if len(rows) >= LEAST_ROWS]
