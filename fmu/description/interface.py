@@ -286,7 +286,9 @@ def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
     book = tire.book
     named = book.structure.quantities
     taken = {*book.parameters, *(q.name for q in (*book.inputs, *book.outputs, *(MOTION if wheel else ())))}
-    chosen = named if quantities else [name for name in map(book.quantity, ("rolling_radius", "loaded_radius")) if name]
+    # The radii are first: without the other quantities, variables have the same value references.
+    radii = [name for name in map(book.quantity, ("rolling_radius", "loaded_radius")) if name]
+    chosen = dict.fromkeys([*radii, *named]) if quantities else radii
     found = [Variable("friction_use", "output", "1", "force as a share of the friction ellipse",
                       nominal=1.0, group="extra", source="FRICTION_USE")]  # fmt: skip
     if wheel:

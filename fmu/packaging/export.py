@@ -19,13 +19,14 @@ from tirefmu.symbolic.reserved import C_KEYWORDS
 from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 
 from ..description.documentation import LICENSE, header_license, index_html
-from ..description.interface import AXES, INPUTS, interface
-from ..description.model_description import Header, model_description
+from ..description.interface import AXES, INPUTS, Interface, interface
+from ..description.model_description import Header, model_description, with_token
 from ..description.terminals_and_icons import pictures
 from ..description.variables import variables
-from .binaries import binaries, chosen_platforms
+from .binaries import binaries, chosen_platforms, host_platform
+from .prebuilt import VALUES_FILE, generic, has_prebuilt, prebuilt_binary, values_file
 from .python_variant import python_contents
-from .sources import build_description, c_files, sources
+from .sources import VALUES, build_description, c_files, sources, tire_values
 
 VERSIONS = (2, 3)
 AXES_NAMES = {"iso": "ISO-W", "sae": "SAE"}
@@ -50,7 +51,7 @@ def export(
     parameter, and so are the conventions of `Tire.evaluate` (0 for the first value, 1 for the second). Outputs depend
     on the present inputs. In a tire with a relax_* effect the slips have a first-order lag from step to step, as in
     `evaluate` with ``hold=True``; they start in steady state at the end of initialization. A tire in other signs than
-    those of the axes is converted. Equal tires and the same compiler give equal bytes.
+    those of the axes is converted. Equal tires and the same binaries or compiler give equal bytes.
 
     Parameters
     ----------
@@ -71,9 +72,10 @@ def export(
         ``pythonfmu`` (FMI 2) contains Python instead of C: it needs Python with NumPy, and its files in ``resources``
         may be edited. It contains pythonfmu's binaries and has no directional derivatives.
     platforms : str or iterable of str
-        For native FMUs. ``host``: this machine, with the system's compiler. ``all``, or FMI 3 names (x86_64-linux,
-        aarch64-linux, x86_64-windows, x86_64-darwin, aarch64-darwin): with ziglang, the package's extra `cross`; on
-        Linux for a C library of 2012 or later.
+        For native FMUs. ``host``: this machine. ``all``, or FMI 3 names (x86_64-linux, aarch64-linux,
+        x86_64-windows, x86_64-darwin, aarch64-darwin); on Linux for a C library of 2012 or later. A tire without
+        added effects needs no compiler where the installation contains binaries, as wheels do. Otherwise the system's
+        compiler builds for this machine, and ziglang, the package's extra `cross`, for the others.
 
     Returns
     -------
@@ -116,14 +118,26 @@ def export(
     if kind == "pythonfmu" and tire.states:
         raise FmuError(f"the pythonfmu variant has no states of effects ({', '.join(tire.states)}): use kind native")
     identifier = c_identifier(target.stem)
-    files = contents(tire, version, identifier, kind, inputs=inputs, axes=axes, quantities=quantities)
-    if kind == "pythonfmu":
-        _write_zip(target, files)
-        return target
-    code = {name.removeprefix("sources/"): text for name, text in files.items() if name.endswith((".c", ".h"))}
-    libraries = binaries(code, tire.model, fmi_headers(), version, identifier, requested)
-    _write_zip(target, {**files, **libraries})
+    shown = interface(tire, inputs=inputs, axes=axes, quantities=quantities)
+    files, token = _described(tire, shown, version, identifier, kind)
+    if kind == "native":
+        ready, values = _prebuilt(tire, shown, token, requested)
+        code = {name.removeprefix("sources/"): text for name, text in files.items() if name.endswith((".c", ".h"))}
+        files |= values | binaries(code, tire.model, fmi_headers(), version, identifier, requested, ready)
+    _write_zip(target, files)
     return target
+
+
+def _prebuilt(
+    tire: Tire, shown: Interface, token: str, requested: Iterable[str]
+) -> tuple[dict[str, bytes], dict[str, bytes]]:
+    """Return the binaries that were built beforehand, by platform, and the file of values that they read."""
+    if not has_prebuilt():
+        return {}, {}
+    found = generic(tire, inputs=shown.inputs, axes=shown.axes)
+    names = {host_platform() if name == "host" else name for name in requested}
+    ready = {name: content for name in names if (content := prebuilt_binary(found.structure, name)) is not None}
+    return ready, {VALUES_FILE: values_file(found, token, len(shown.variables))} if ready else {}
 
 
 def fmi_version(fmi: Any) -> int:
@@ -199,8 +213,12 @@ def contents(
     >>> sorted(contents(published("trento_hoosier"), 2, "tire"))[:2]
     ['documentation/index.html', 'documentation/licenses/fmi-headers.txt']
     """
-    native, written_in = kind == "native", tire.signs
-    shown = interface(tire, inputs=inputs, axes=axes, quantities=quantities)
+    return _described(tire, interface(tire, inputs=inputs, axes=axes, quantities=quantities), fmi, identifier, kind)[0]
+
+
+def _described(tire: Tire, shown: Interface, fmi: int, identifier: str, kind: str) -> tuple[dict[str, bytes], str]:
+    """Return the files of an FMU without binaries, and its token."""
+    native, written_in, inputs, axes = kind == "native", tire.signs, shown.inputs, shown.axes
     name, iso = tire.name or identifier, tire.in_signs("iso")
     listed = shown.variables if native else variables(iso)
     rewritten = "" if written_in == shown.tire.signs else f", converted from {written_in} signs"
@@ -211,8 +229,9 @@ def contents(
 
     # The token connects description and binary; it depends on everything that determines the FMU's behaviour.
     blank = sources(fmi, shown, "") if native else {}
-    token = fingerprint({**blank, "modelDescription.xml": model_description(fmi, header, listed, "")})
-    description = model_description(fmi, header, listed, token)
+    blank_description = model_description(fmi, header, listed, "")
+    token = fingerprint({**blank, "modelDescription.xml": blank_description})
+    description = with_token(fmi, blank_description, token)
     packaged = {
         "modelDescription.xml": description,
         "documentation/index.html": index_html(iso, header, listed),
@@ -221,13 +240,14 @@ def contents(
         "resources/tire.tir": _tir(iso),
     }
     if not native:
-        return packaged | python_contents(iso, identifier, token, description, listed)
-    packaged |= {f"sources/{file}": text for file, text in sources(fmi, shown, token).items()}
+        return packaged | python_contents(iso, identifier, token, description, listed), token
+    code = {**blank, VALUES: tire_values(shown, token).encode()}
+    packaged |= {f"sources/{file}": text for file, text in code.items()}
     packaged["resources/interface.json"] = (json.dumps({"inputs": inputs, "axes": axes}) + "\n").encode()
     packaged |= pictures(fmi, listed)
     if fmi == 3:
         packaged["sources/buildDescription.xml"] = build_description(identifier, header.sources)
-    return packaged
+    return packaged, token
 
 
 def c_identifier(name: str) -> str:
