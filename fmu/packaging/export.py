@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import io
 import json
 import os
 import re
@@ -108,9 +109,7 @@ def export(
     version = max(KINDS[kind]) if fmi is None else fmi_version(fmi)
     if version not in KINDS[kind]:
         raise FmuError(f"the {kind} variant supports FMI {KINDS[kind][0]} only, not FMI {version}")
-    for what, given, known in (("inputs", inputs, INPUTS), ("axes", axes, AXES)):
-        if given not in known:
-            raise FmuError(f"{what} {given!r} are unknown: known are {', '.join(known)}")
+    checked_interface(inputs, axes)
     if kind == "pythonfmu" and (inputs, axes, quantities) != ("slip", "iso", False):
         raise FmuError("the pythonfmu variant has slip inputs, ISO axes and the forces only")
     requested = chosen_platforms(platforms)
@@ -124,7 +123,7 @@ def export(
         ready, values = _prebuilt(tire, shown, token, requested)
         code = {name.removeprefix("sources/"): text for name, text in files.items() if name.endswith((".c", ".h"))}
         files |= values | binaries(code, tire.model, fmi_headers(), version, identifier, requested, ready)
-    _write_zip(target, files)
+    write_zip(target, files)
     return target
 
 
@@ -138,6 +137,23 @@ def _prebuilt(
     names = {host_platform() if name == "host" else name for name in requested}
     ready = {name: content for name in names if (content := prebuilt_binary(found.structure, name)) is not None}
     return ready, {VALUES_FILE: values_file(found, token, len(shown.variables))} if ready else {}
+
+
+def checked_interface(inputs: str, axes: str) -> None:
+    """Check that inputs and axes exist.
+
+    Raises
+    ------
+    FmuError
+        If one does not.
+
+    Examples
+    --------
+    >>> checked_interface("slip", "iso")
+    """
+    for what, given, known in (("inputs", inputs, INPUTS), ("axes", axes, AXES)):
+        if given not in known:
+            raise FmuError(f"{what} {given!r} are unknown: known are {', '.join(known)}")
 
 
 def fmi_version(fmi: Any) -> int:
@@ -321,18 +337,31 @@ def _tir(tire: Tire) -> bytes:
         return path.read_bytes()
 
 
-def _write_zip(target: Path, files: Mapping[str, bytes]) -> None:
+def write_zip(target: Path, files: Mapping[str, bytes]) -> None:
     """Write an archive completely or not at all; the same files give the same bytes."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
+            entry.create_system = 3  # Unix on every system, so that permissions are stored
+            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
+            archive.writestr(entry, files[name], zipfile.ZIP_DEFLATED, 9)
+    write_file(target, content.getvalue())
+
+
+def write_file(target: Path, content: bytes) -> None:
+    """Write a file completely or not at all.
+
+    Raises
+    ------
+    FmuError
+        If it cannot be written.
+    """
     partial: Path | None = None
     try:
-        with tempfile.NamedTemporaryFile(dir=target.parent, suffix=".fmu", delete=False) as file:
+        with tempfile.NamedTemporaryFile(dir=target.parent, suffix=target.suffix, delete=False) as file:
             partial = Path(file.name)
-            with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-                for name in sorted(files):
-                    entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
-                    entry.create_system = 3  # Unix on every system, so that permissions are stored
-                    entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
-                    archive.writestr(entry, files[name], zipfile.ZIP_DEFLATED, 9)
+            file.write(content)
         partial.chmod(0o644)
         os.replace(partial, target)
     except OSError as error:
