@@ -77,7 +77,8 @@ def export_system(
     components: list[Component] = []
     for name, tire in zip(names, loaded, strict=True):
         same = next((done for done, other in zip(components, loaded, strict=False) if _equal(other, tire)), None)
-        stem = c_identifier(f"{name}_{tire.name or tire.model}")
+        stem = c_identifier(tire.name or tire.model)
+        stem = f"{stem}_{name}" if f"resources/{stem}.fmu" in files else stem
         fmu, mapping = (same.fmu, same.mapping) if same else (f"resources/{stem}.fmu", f"resources/{stem}.ssm")
         variables = interface(tire, **options).variables
         components.append(Component(name, fmu, f"resources/{name}.ssv", mapping, variables))
