@@ -5,25 +5,26 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
+import lzma
 import os
+import shutil
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
-from tirefmu.tires.code.compiler import suffix
 
 from ..description.interface import AXES, INPUTS
 from . import prebuilt
 from .binaries import binary, chosen_platforms, host_platform
-from .cross_compiler import PLATFORMS, ziglang
+from .cross_compiler import ziglang
 from .export import fmi_headers
 from .prebuilt import MANIFEST, Generic, generic
 
 
-def every_generic(models: Iterable[str]) -> Iterator[tuple[str, Generic]]:
-    """Yield each set of variables that tires without added effects can have, with a name.
+def every_generic(models: Iterable[str]) -> Iterator[Generic]:
+    """Yield each set of variables that tires without added effects can have.
 
     Parameters
     ----------
@@ -31,14 +32,12 @@ def every_generic(models: Iterable[str]) -> Iterator[tuple[str, Generic]]:
 
     Yields
     ------
-    str
-        Such as ``mf61-wheel-iso-relaxation``.
     Generic
 
     Examples
     --------
-    >>> [name for name, _ in every_generic(["brush"])]
-    ['brush-slip-iso', 'brush-slip-sae', 'brush-wheel-iso', 'brush-wheel-sae']
+    >>> [(each.shown.inputs, each.shown.axes) for each in every_generic(["brush"])][:3]
+    [('slip', 'iso'), ('slip', 'sae'), ('wheel', 'iso')]
     """
     for name in models:
         book, found = MODELS[name], set()
@@ -50,16 +49,17 @@ def every_generic(models: Iterable[str]) -> Iterator[tuple[str, Generic]]:
             shape = generic(Tire(name, values, effects=effects), inputs=inputs, axes=axes)
             if shape.structure not in found:
                 found.add(shape.structure)
-                words = [name, inputs, axes, *(["relaxation"] if lags else []), *(on_demand if turns else [])]
-                yield "-".join(words), shape
+                yield shape
 
 
-def build(shapes: Iterable[tuple[str, Generic]], platforms: Iterable[str]) -> int:
-    """Build the binaries, and write the list of their digests.
+def build(shapes: Iterable[Generic], platforms: Iterable[str]) -> int:
+    """Build the binaries, and write them and the list of their digests; other files of the folder are removed.
+
+    The binaries of a model for a platform are compressed together, because they differ little.
 
     Parameters
     ----------
-    shapes : iterable of tuple of str and Generic
+    shapes : iterable of Generic
         As from `every_generic`.
     platforms : iterable of str
         As from `chosen_platforms`: ``host`` with the system's compiler, others with ziglang.
@@ -67,35 +67,34 @@ def build(shapes: Iterable[tuple[str, Generic]], platforms: Iterable[str]) -> in
     Returns
     -------
     int
-        Number of binaries. Other files of the folder are removed.
+        Number of binaries.
 
     Raises
     ------
     FmuError
         If there is no compiler, or it fails.
     """
-    folder, platforms = prebuilt.FOLDER, list(platforms)
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / MANIFEST).unlink(missing_ok=True)
-    headers, entries = fmi_headers(), {}
+    folder, headers, jobs = prebuilt.FOLDER, fmi_headers(), list(product(shapes, platforms))
 
-    def built(job: tuple[str, Generic, str]) -> None:
-        name, shape, platform = job
+    def built(job: tuple[Generic, str]) -> bytes:
+        shape, platform = job
         cross = None if platform == "host" else ziglang(platform)
-        content = binary(shape.sources, shape.shown.tire.model, headers, cross)
-        named = host_platform() if cross is None else platform
-        system = PLATFORMS[named].system
-        file = f"{name}-{named}{suffix(system)}"
-        (folder / file).write_bytes(content)
-        digest = hashlib.sha256(content).hexdigest()
-        entries[f"{shape.structure} {named}"] = {"file": file, "sha256": digest}
+        return binary(shape.sources, shape.shown.tire.model, headers, cross)
 
-    jobs = [(*shape, platform) for shape in shapes for platform in platforms]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        list(pool.map(built, jobs))
-    for path in folder.iterdir():
-        if path.name not in {entry["file"] for entry in entries.values()}:
-            path.unlink()
+        contents = list(pool.map(built, jobs))
+    packs: dict[str, bytes] = {}
+    entries: dict[str, dict[str, str | int]] = {}
+    for (shape, platform), content in zip(jobs, contents, strict=True):
+        named = host_platform() if platform == "host" else platform
+        file = f"{shape.shown.tire.model}-{named}.xz"
+        place = {"file": file, "start": len(packs.get(file, b"")), "size": len(content)}
+        entries[f"{shape.structure} {named}"] = {**place, "sha256": hashlib.sha256(content).hexdigest()}
+        packs[file] = packs.get(file, b"") + content
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    for file, pack in packs.items():
+        (folder / file).write_bytes(lzma.compress(pack, preset=9 | lzma.PRESET_EXTREME))
     (folder / MANIFEST).write_text(json.dumps(entries, indent=1, sort_keys=True) + "\n", encoding="ascii")
     return len(entries)
 

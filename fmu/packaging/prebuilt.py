@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import lzma
 import struct
 import sys
 from dataclasses import dataclass
@@ -154,7 +155,7 @@ def prebuilt_binary(structure: str, platform: str) -> bytes | None:
     Raises
     ------
     FmuError
-        If the file is missing or differs from its digest.
+        If the file is missing or damaged, or the binary differs from its digest.
 
     Examples
     --------
@@ -166,8 +167,11 @@ def prebuilt_binary(structure: str, platform: str) -> bytes | None:
     entry = json.loads((FOLDER / MANIFEST).read_text(encoding="ascii")).get(f"{structure} {platform}")
     if entry is None:
         return None
-    path = FOLDER / entry["file"]
-    content = path.read_bytes() if path.is_file() else b""
+    path, end = FOLDER / entry["file"], entry["start"] + entry["size"]
+    try:
+        content = lzma.LZMADecompressor().decompress(path.read_bytes(), end)[entry["start"] :]
+    except (OSError, lzma.LZMAError):
+        content = b""
     if hashlib.sha256(content).hexdigest() != entry["sha256"]:
         raise FmuError(f"{path} is missing or differs from its digest: install tirefmu again, or delete its folder")
     return content
