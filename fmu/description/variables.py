@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from math import inf, isfinite
 
 from tirefmu.symbolic.declarations import Coefficient, Option, Quantity
@@ -209,7 +210,12 @@ def feedthrough(book: Model, names: Iterable[str]) -> dict[str, set[str]]:
     dict of str to set of str
     """
     inputs = {quantity.name for quantity in book.inputs}
-    return {name: inputs & book.reached([name]) for name in names}
+    return {name: inputs & _reached(book, name) for name in names}
+
+
+@lru_cache(maxsize=1024)
+def _reached(book: Model, name: str) -> frozenset[str]:
+    return frozenset(book.reached([name]))
 
 
 def is_indicator(variable: Variable) -> bool:

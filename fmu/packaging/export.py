@@ -345,7 +345,7 @@ def write_zip(target: Path, files: Mapping[str, bytes]) -> None:
             entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
             entry.create_system = 3  # Unix on every system, so that permissions are stored
             entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
-            archive.writestr(entry, files[name], zipfile.ZIP_DEFLATED, 9)
+            archive.writestr(entry, files[name], zipfile.ZIP_DEFLATED, 6)
     write_file(target, content.getvalue())
 
 
