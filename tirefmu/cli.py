@@ -133,7 +133,8 @@ def evaluate(
 @click.option("--fmi", type=click.Choice(["2", "3"]),
               help="FMI version; 2 is SSP 1.0, 3 is SSP 2.0  [default: 3; pythonfmu, ssv, --ssp: 2]")  # fmt: skip
 @click.option("--inputs", default="slip", show_default=True,
-              help="slip: kappa, alpha, ...; wheel: velocities of the contact point and angular speed.")  # fmt: skip
+              help="slip: kappa, alpha, ...; wheel: velocities of the contact point and angular speed; hub: motion of"
+              " the wheel carrier, spin, road; hub-torque: drive and brake torque in place of the spin.")  # fmt: skip
 @click.option("--axes", type=click.Choice(["iso", "sae"]), default="iso", show_default=True, help="Axes of the FMU.")
 @click.option("--quantities", is_flag=True, help="Every named quantity is an output.")
 @click.option(
@@ -200,13 +201,14 @@ def export(
     summary = {"ok": True, what: str(written), "fmi": version, "inputs": inputs, "kind": kind, "bytes": size}
     write_json(json_file, summary)
     tires_of = f"{len(loaded)} tire{'s' if len(loaded) > 1 else ''}, " if ssp else ""
+    both = kind == "native" and inputs != "hub-torque"
     form = {
         "ssp": f"SSP {version - 1}.0, FMI {version}.0",
         "ssv": f"SSP {version - 1}.0 parameter set",
-        "fmu": f"FMI {version}.0 Co-Simulation{' and Model Exchange' if kind == 'native' else ''}, {kind}",
+        "fmu": f"FMI {version}.0 Co-Simulation{' and Model Exchange' if both else ''}, {kind}",
     }[what]
     terminal.print(f"{form}, {tires_of}{inputs} inputs, {size / 1024:.0f} KB: {written}")
-    if inputs == "wheel" and (note := with_lengths(loaded[0])[1]):
+    if inputs != "slip" and (note := with_lengths(loaded[0])[1]):
         terminal.print(f"note: {note}")
     return 0
 

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 
+from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.models import MODELS
 from tirefmu.tires import Tire
 
@@ -46,7 +47,10 @@ def every_generic(models: Iterable[str]) -> Iterator[Generic]:
         values = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3}
         for inputs, axes, lags, turns in product(INPUTS, AXES, (False, True), (False, True)):
             effects = [*(relaxation if lags else ()), *(on_demand if turns else ())]
-            shape = generic(Tire(name, values, effects=effects), inputs=inputs, axes=axes)
+            try:
+                shape = generic(Tire(name, values, effects=effects), inputs=inputs, axes=axes)
+            except FmuError:  # hub inputs have ISO axes only
+                continue
             if shape.structure not in found:
                 found.add(shape.structure)
                 yield shape
