@@ -92,7 +92,7 @@ def build(shapes: Iterable[Generic], platforms: Iterable[str]) -> int:
     for (shape, platform), content in zip(jobs, contents, strict=True):
         named = host_platform() if platform == "host" else platform
         file = f"{shape.shown.tire.model}-{named}.xz"
-        place = {"file": file, "start": len(packs.get(file, b"")), "size": len(content)}
+        place: dict[str, str | int] = {"file": file, "start": len(packs.get(file, b"")), "size": len(content)}
         entries[f"{shape.structure} {named}"] = {**place, "sha256": hashlib.sha256(content).hexdigest()}
         packs[file] = packs.get(file, b"") + content
     shutil.rmtree(folder, ignore_errors=True)
