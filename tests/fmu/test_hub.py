@@ -78,8 +78,8 @@ def test_its_kinematics_is_that_of_python_and_its_tire_that_of_wheel_inputs(host
     for host in (hub, wheel):
         host.initialize()
     for step in range(12):
-        # Slow, fast, and in reverse.
-        given = {key: value * (1.0, 0.01, -1.0)[step % 3 * (key in ("v_x", "omega"))] for key, value in
+        # Fast, slow, in reverse, and up to 80 m/s.
+        given = {key: value * (1.0, 0.01, -1.0, 4.0)[step % 4 * (key in ("v_x", "omega"))] for key, value in
                  pose(rng, radius).items()}  # fmt: skip
         assert hub.set(**given) == OK
         motion = wheel_motion(**dict(zip(MOVED, hub.get(*MOVED), strict=True)))
