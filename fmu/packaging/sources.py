@@ -51,6 +51,7 @@ ROLES = (
 #: Parameters that the wrapper reads: with inputs of a wheel, and with those of a hub.
 STANDSTILL = ("LOW_SPEED", "LOW_SPEED_DAMPING", "DEFAULT_SIGMA")
 VERTICAL = (
+    "FNOMIN",
     "UNLOADED_RADIUS",
     "VERTICAL_STIFFNESS",
     "VERTICAL_DAMPING",
