@@ -10,7 +10,7 @@ PYTHON ?= $(shell for python in python3.13 python3.12 python3.11 python3 python;
 	$$python -c 'import ensurepip, sys, venv; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 \
 	&& echo $$python && break; done)
 
-.PHONY: demo test matrix pages docs release fuzz mutants discovery awkward recovery real wine sanitize hosts examples perturb check generate types bench bench-fit bench-startup clean
+.PHONY: demo test matrix pages docs release fuzz mutants discovery awkward recovery real wine prebuilt wheel sanitize hosts examples perturb check generate types bench bench-fit bench-startup clean
 .NOTPARALLEL:
 
 demo: $(VENV)/installed  ## the full workflow on the built-in virtual bench
@@ -61,8 +61,15 @@ wine: $(VENV)/installed-dev  ## the FMU's Windows binary under wine64 compared w
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cross]"
 	TIREFMU_WINE=1 $(BIN)/pytest tests/fmu/test_wine.py $(PYTEST_ARGS)
 
-sanitize: $(VENV)/installed-dev  ## the FMU's C code under AddressSanitizer and UBSan, with invalid calls of a C host
-	TIREFMU_SANITIZE=1 $(BIN)/pytest tests/fmu/test_robustness.py $(PYTEST_ARGS)
+prebuilt: $(VENV)/installed  ## FMU binaries of every model for every platform in fmu/prebuilt: export needs no compiler
+	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cross]"
+	$(BIN)/python -m tirefmu.fmu.packaging.prebuilding $(PREBUILT_ARGS)
+
+wheel: $(VENV)/installed prebuilt  ## the wheel with these binaries in dist
+	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
+
+sanitize: $(VENV)/installed-dev  ## the FMU's C code under AddressSanitizer and UBSan: invalid calls, malformed values
+	TIREFMU_SANITIZE=1 $(BIN)/pytest tests/fmu/test_robustness.py tests/fmu/test_prebuilt.py $(PYTEST_ARGS)
 
 examples: $(VENV)/installed-dev  ## FMUs in fmpy, libcosim, ecos and fmutool, and a vehicle on four tire FMUs
 	@$(BIN)/python -m pip install --quiet --no-build-isolation --editable ".[cosimulation]"

@@ -4,6 +4,7 @@
  */
 #define _POSIX_C_SOURCE 200809L
 #include "model_config.h"
+#include "tire_values.h"
 
 #include "fmi3Functions.h"
 

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .comparison.check import check
     from .comparison.result import Channel, CheckResult, WorstPoint
     from .packaging.export import export
+    from .packaging.system import export_parameters, export_system
 
 #: The module of each name.
 _ON_DEMAND = {
@@ -20,9 +21,11 @@ _ON_DEMAND = {
     "WorstPoint": "comparison.result",
     "check": "comparison.check",
     "export": "packaging.export",
+    "export_parameters": "packaging.system",
+    "export_system": "packaging.system",
 }
 
-__all__ = ["Channel", "CheckResult", "WorstPoint", "check", "export"]
+__all__ = ["Channel", "CheckResult", "WorstPoint", "check", "export", "export_parameters", "export_system"]
 
 
 def __getattr__(name: str) -> Any:

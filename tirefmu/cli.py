@@ -127,10 +127,13 @@ def evaluate(
 
 
 @cli.command()
-@click.argument("tire", type=FILE)
-@click.option("-o", "--output", type=FILE, required=True, help="FMU to write.")
+@click.argument("tires", metavar="TIRE...", type=FILE, nargs=-1, required=True)
+@click.option("-o", "--output", type=FILE, help="FMU to write; with --kind ssv the parameter set.")
+@click.option("--ssp", type=FILE, metavar="FILE",
+              help="Write a system of the tires (SSP): FMUs, parameter sets. Four are FL, FR, RL, RR.")  # fmt: skip
 @RADIUS
-@click.option("--fmi", type=click.Choice(["2", "3"]), help="FMI version  [default: 3; pythonfmu: 2]")
+@click.option("--fmi", type=click.Choice(["2", "3"]),
+              help="FMI version; 2 is SSP 1.0, 3 is SSP 2.0  [default: 3; pythonfmu, ssv, --ssp: 2]")  # fmt: skip
 @click.option("--inputs", default="slip", show_default=True,
               help="slip: kappa, alpha, ...; wheel: velocities of the contact point and angular speed; hub: motion of"
               " the wheel carrier, spin, road; hub-torque: drive and brake torque in place of the spin.")  # fmt: skip
@@ -138,21 +141,22 @@ def evaluate(
 @click.option("--quantities", is_flag=True, help="Every named quantity is an output.")
 @click.option(
     "--kind",
-    type=click.Choice(["native", "pythonfmu"]),
+    type=click.Choice(["native", "pythonfmu", "ssv"]),
     default="native",
     show_default=True,
-    help="C, or editable Python.",
+    help="C, editable Python, or the parameter set of SSP with the coefficients only.",
 )
 @click.option(
     "--platforms",
     default="host",
     show_default=True,
-    help="host, all, or FMI 3 names separated by commas (x86_64-windows, ...); all but host need ziglang.",
+    help="host, all, or FMI 3 names separated by commas (x86_64-windows, ...); to compile for others needs ziglang.",
 )
 @common
 def export(
-    tire: Path,
-    output: Path,
+    tires: tuple[Path, ...],
+    output: Path | None,
+    ssp: Path | None,
     fmi: str | None,
     radius: float | None,
     inputs: str,
@@ -163,29 +167,50 @@ def export(
     quiet: bool,
     json_file: Path | None,
 ) -> int:
-    """Export TIRE as an FMU: native (Co-Simulation and Model Exchange, no Python), or with editable Python."""
-    check_output_paths(output, json_file)
-    check_input_paths(tire)
-    from tirefmu.fmu import export as run
+    """Export TIRE as an FMU: native (Co-Simulation and Model Exchange, no Python), or with editable Python.
+
+    Several tires are exported as a system with --ssp.
+    """
+    target = output or ssp
+    if target is None or (output and ssp):
+        raise TirefmuError("export writes one file: give -o or --ssp")
+    if output and len(tires) > 1:
+        raise TirefmuError("several tires are one file as a system only: give --ssp instead of -o")
+    if ssp and kind != "native":
+        raise TirefmuError(f"--ssp packs native FMUs, not kind {kind}")
+    check_output_paths(target, json_file)
+    check_input_paths(*tires)
+    from tirefmu.fmu import export as export_fmu
+    from tirefmu.fmu import export_parameters, export_system
     from tirefmu.fmu.description.interface import with_lengths
     from tirefmu.tires import tire_from
 
     from .terminal import Terminal
 
     terminal = Terminal(quiet)
-    loaded = tire_from(tire, radius=radius)
-    version = int(fmi) if fmi else 3 if kind == "native" else 2
+    loaded = [tire_from(tire, radius=radius) for tire in tires]
+    version = int(fmi) if fmi else 3 if kind == "native" and not ssp else 2
+    shared: dict[str, Any] = {"fmi": version, "inputs": inputs, "axes": axes}
     with terminal.working("compiling" if kind == "native" else "packing"):
-        written = run(
-            loaded, output, fmi=version, inputs=inputs, axes=axes, quantities=quantities, kind=kind, platforms=platforms
-        )
+        if ssp:
+            written = export_system(loaded, target, **shared, quantities=quantities, platforms=platforms)
+        elif kind == "ssv":
+            written = export_parameters(loaded[0], target, **shared)
+        else:
+            written = export_fmu(loaded[0], target, **shared, quantities=quantities, kind=kind, platforms=platforms)
     size = written.stat().st_size
-    summary = {"ok": True, "fmu": str(written), "fmi": version, "inputs": inputs, "kind": kind, "bytes": size}
+    what = "ssp" if ssp else "ssv" if kind == "ssv" else "fmu"
+    summary = {"ok": True, what: str(written), "fmi": version, "inputs": inputs, "kind": kind, "bytes": size}
     write_json(json_file, summary)
+    tires_of = f"{len(loaded)} tire{'s' if len(loaded) > 1 else ''}, " if ssp else ""
     both = kind == "native" and inputs != "hub-torque"
-    interfaces = "Co-Simulation and Model Exchange" if both else "Co-Simulation"
-    terminal.print(f"FMI {version}.0 {interfaces}, {kind}, {inputs} inputs, {size / 1024:.0f} KB: {written}")
-    if inputs != "slip" and (note := with_lengths(loaded)[1]):
+    form = {
+        "ssp": f"SSP {version - 1}.0, FMI {version}.0",
+        "ssv": f"SSP {version - 1}.0 parameter set",
+        "fmu": f"FMI {version}.0 Co-Simulation{' and Model Exchange' if both else ''}, {kind}",
+    }[what]
+    terminal.print(f"{form}, {tires_of}{inputs} inputs, {size / 1024:.0f} KB: {written}")
+    if inputs != "slip" and (note := with_lengths(loaded[0])[1]):
         terminal.print(f"note: {note}")
     return 0
 

@@ -324,7 +324,9 @@ def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
     named = book.structure.quantities
     own = hub_outputs(inputs == "hub-torque") if inputs in HUB else []
     taken = {*book.parameters, *(q.name for q in (*book.inputs, *book.outputs, *(MOTION if wheel else ()), *own))}
-    chosen = named if quantities else [name for name in map(book.quantity, ("rolling_radius", "loaded_radius")) if name]
+    # The radii are first: without the other quantities, variables have the same value references.
+    radii = [name for name in map(book.quantity, ("rolling_radius", "loaded_radius")) if name]
+    chosen = dict.fromkeys([*radii, *named]) if quantities else radii
     found = [Variable("friction_use", "output", "1", "force as a share of the friction ellipse",
                       nominal=1.0, group="extra", source="FRICTION_USE")]  # fmt: skip
     if wheel:

@@ -20,6 +20,9 @@ LOG_CATEGORIES = {
     "logStatusError": "a call was rejected: not allowed, not supported, or with a pointer that is NULL",
 }
 
+#: The value of fmiVersion, and the attribute with the token, by FMI version.
+VERSION_ATTRIBUTES = {2: ("2.0", "guid"), 3: ("3.0", "instantiationToken")}
+
 
 @dataclass(frozen=True)
 class Header:
@@ -78,8 +81,7 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
     >>> 'modelName="a &lt; b"' in text
     True
     """
-    versions = {2: ("2.0", "guid"), 3: ("3.0", "instantiationToken")}
-    version, token_name = versions[fmi]
+    version, token_name = VERSION_ATTRIBUTES[fmi]
     root = ET.Element(
         "fmiModelDescription",
         {
@@ -108,6 +110,18 @@ def model_description(fmi: int, header: Header, variables: Sequence[Variable], t
     else:
         _variables_and_structure_3(root, variables)
     return xml_bytes(root)
+
+
+def with_token(fmi: int, description: bytes, token: str) -> bytes:
+    """Return a model description that was written without token with one.
+
+    Examples
+    --------
+    >>> with_token(2, b'<a guid=""/>', "{1}")
+    b'<a guid="{1}"/>'
+    """
+    name = VERSION_ATTRIBUTES[fmi][1]
+    return description.replace(f'{name}=""'.encode(), f'{name}="{token}"'.encode(), 1)
 
 
 def xml_bytes(root: ET.Element) -> bytes:

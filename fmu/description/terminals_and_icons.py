@@ -6,6 +6,7 @@ import struct
 import xml.etree.ElementTree as ET
 import zlib
 from collections.abc import Sequence
+from functools import cache
 
 from .model_description import xml_bytes
 from .variables import Variable
@@ -45,6 +46,7 @@ def pictures(fmi: int, variables: Sequence[Variable]) -> dict[str, bytes]:
     return {"terminalsAndIcons/icon.png": icon(), "terminalsAndIcons/terminalsAndIcons.xml": terminals(variables)}
 
 
+@cache
 def icon() -> bytes:
     r"""Return a wheel as a PNG file, with a transparent background.
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
-from math import inf
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import inf, isfinite
 
 from tirefmu.symbolic.declarations import Coefficient, Option, Quantity
 from tirefmu.symbolic.model import Model
@@ -116,6 +117,41 @@ def variables(tire: Tire) -> tuple[Variable, ...]:
     )
 
 
+def with_ranges(listed: Iterable[Variable], tire: Tire) -> tuple[Variable, ...]:
+    """Return variables with the tire's valid range in the description of each input.
+
+    The range is not declared as minimum and maximum: a host could refuse values that the FMU accepts with a warning.
+
+    Parameters
+    ----------
+    listed : iterable of Variable
+    tire : Tire
+        In the signs of the FMU's formula.
+
+    Returns
+    -------
+    tuple of Variable
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> tire = published("trento_hoosier")
+    >>> with_ranges([Variable("Fz", "input", "N", "vertical load")], tire)[0].description
+    'vertical load; valid from 120 to 1220 N'
+    """
+
+    def shown(variable: Variable) -> Variable:
+        low, high = tire.ranges.get(variable.name, (-inf, inf))
+        if variable.causality != "input" or not (isfinite(low) and isfinite(high)):
+            return variable
+        if variable.reversed:
+            low, high = 0.0 - high, 0.0 - low
+        unit = "" if variable.unit == "1" else f" {variable.unit}"
+        return replace(variable, description=f"{variable.description}; valid from {low:g} to {high:g}{unit}")
+
+    return tuple(map(shown, listed))
+
+
 def read_inputs(tire: Tire) -> set[str]:
     """Return the model inputs that the FMU of a tire needs.
 
@@ -174,7 +210,12 @@ def feedthrough(book: Model, names: Iterable[str]) -> dict[str, set[str]]:
     dict of str to set of str
     """
     inputs = {quantity.name for quantity in book.inputs}
-    return {name: inputs & book.reached([name]) for name in names}
+    return {name: inputs & _reached(book, name) for name in names}
+
+
+@lru_cache(maxsize=1024)
+def _reached(book: Model, name: str) -> frozenset[str]:
+    return frozenset(book.reached([name]))
 
 
 def is_indicator(variable: Variable) -> bool:

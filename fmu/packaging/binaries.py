@@ -145,7 +145,13 @@ def binary_path(fmi: int, identifier: str, platform: str | None = None) -> str:
 
 
 def binaries(
-    sources: Mapping[str, bytes], model: str, include: Path, fmi: int, identifier: str, platforms: Iterable[str]
+    sources: Mapping[str, bytes],
+    model: str,
+    include: Path,
+    fmi: int,
+    identifier: str,
+    platforms: Iterable[str],
+    ready: Mapping[str, bytes] | None = None,
 ) -> dict[str, bytes]:
     """Return the shared libraries of an FMU by their paths inside it.
 
@@ -163,6 +169,8 @@ def binaries(
         The model identifier.
     platforms : iterable of str
         As from `chosen_platforms`.
+    ready : mapping of str to bytes, optional
+        Binaries that need no compiler, by FMI 3's name of the platform.
 
     Returns
     -------
@@ -174,17 +182,20 @@ def binaries(
     FmuError
         If there is no compiler, or it fails; the message has its errors.
     """
-    requested = list(platforms)
+    requested, ready = list(platforms), ready or {}
     if requested == ["host"]:
-        return {binary_path(fmi, identifier): _host_binary(sources, model, include)}
-    compilers = {name: None if name == "host" else ziglang(name) for name in requested}
+        return {binary_path(fmi, identifier): ready.get(host_platform()) or _host_binary(sources, model, include)}
+    names = {name: host_platform() if name == "host" else name for name in requested}
+    compilers = {name: None if name == "host" else ziglang(name) for name, named in names.items() if named not in ready}
     # Two in parallel: a compiler waits for the disk, and zig needs long for its first build for Windows.
     with ThreadPoolExecutor(2) as pool:
         jobs = {
             host_platform() if cross is None else name: pool.submit(binary, sources, model, include, cross)
             for name, cross in sorted(compilers.items(), key=lambda item: not item[0].endswith("windows"))
         }
-        built = {name: job.result() for name, job in sorted(jobs.items())}
+        compiled = {name: job.result() for name, job in jobs.items()}
+    built = {**{name: ready[name] for name in names.values() if name in ready}, **compiled}
+    built = dict(sorted(built.items()))
     packed = {binary_path(fmi, identifier, name): library for name, library in built.items()}
     if fmi == 2 and "aarch64-darwin" in built:
         # Many hosts search FMI 2's single folder for macOS only: it receives one binary for both processors.

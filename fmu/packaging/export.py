@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import io
 import json
 import os
 import re
@@ -19,13 +20,14 @@ from tirefmu.symbolic.reserved import C_KEYWORDS
 from tirefmu.tires import Tire, TireLike, tire_from, write_tir
 
 from ..description.documentation import LICENSE, header_license, index_html
-from ..description.interface import AXES, INPUTS, interface
-from ..description.model_description import Header, model_description
+from ..description.interface import AXES, INPUTS, Interface, interface
+from ..description.model_description import Header, model_description, with_token
 from ..description.terminals_and_icons import pictures
-from ..description.variables import variables
-from .binaries import binaries, chosen_platforms
+from ..description.variables import variables, with_ranges
+from .binaries import binaries, chosen_platforms, host_platform
+from .prebuilt import VALUES_FILE, generic, has_prebuilt, prebuilt_binary, values_file
 from .python_variant import python_contents
-from .sources import build_description, c_files, sources
+from .sources import VALUES, build_description, c_files, sources, tire_values
 
 VERSIONS = (2, 3)
 AXES_NAMES = {"iso": "ISO-W", "sae": "SAE"}
@@ -50,7 +52,7 @@ def export(
     parameter, and so are the conventions of `Tire.evaluate` (0 for the first value, 1 for the second). Outputs depend
     on the present inputs. In a tire with a relax_* effect the slips have a first-order lag from step to step, as in
     `evaluate` with ``hold=True``; they start in steady state at the end of initialization. A tire in other signs than
-    those of the axes is converted. Equal tires and the same compiler give equal bytes.
+    those of the axes is converted. Equal tires and the same binaries or compiler give equal bytes.
 
     Parameters
     ----------
@@ -74,9 +76,10 @@ def export(
         ``pythonfmu`` (FMI 2) contains Python instead of C: it needs Python with NumPy, and its files in ``resources``
         may be edited. It contains pythonfmu's binaries and has no directional derivatives.
     platforms : str or iterable of str
-        For native FMUs. ``host``: this machine, with the system's compiler. ``all``, or FMI 3 names (x86_64-linux,
-        aarch64-linux, x86_64-windows, x86_64-darwin, aarch64-darwin): with ziglang, the package's extra `cross`; on
-        Linux for a C library of 2012 or later.
+        For native FMUs. ``host``: this machine. ``all``, or FMI 3 names (x86_64-linux, aarch64-linux,
+        x86_64-windows, x86_64-darwin, aarch64-darwin); on Linux for a C library of 2012 or later. A tire without
+        added effects needs no compiler where the installation contains binaries, as wheels do. Otherwise the system's
+        compiler builds for this machine, and ziglang, the package's extra `cross`, for the others.
 
     Returns
     -------
@@ -109,9 +112,7 @@ def export(
     version = max(KINDS[kind]) if fmi is None else fmi_version(fmi)
     if version not in KINDS[kind]:
         raise FmuError(f"the {kind} variant supports FMI {KINDS[kind][0]} only, not FMI {version}")
-    for what, given, known in (("inputs", inputs, INPUTS), ("axes", axes, AXES)):
-        if given not in known:
-            raise FmuError(f"{what} {given!r} are unknown: known are {', '.join(known)}")
+    checked_interface(inputs, axes)
     if kind == "pythonfmu" and (inputs, axes, quantities) != ("slip", "iso", False):
         raise FmuError("the pythonfmu variant has slip inputs, ISO axes and the forces only")
     requested = chosen_platforms(platforms)
@@ -119,14 +120,43 @@ def export(
     if kind == "pythonfmu" and tire.states:
         raise FmuError(f"the pythonfmu variant has no states of effects ({', '.join(tire.states)}): use kind native")
     identifier = c_identifier(target.stem)
-    files = contents(tire, version, identifier, kind, inputs=inputs, axes=axes, quantities=quantities)
-    if kind == "pythonfmu":
-        _write_zip(target, files)
-        return target
-    code = {name.removeprefix("sources/"): text for name, text in files.items() if name.endswith((".c", ".h"))}
-    libraries = binaries(code, tire.model, fmi_headers(), version, identifier, requested)
-    _write_zip(target, {**files, **libraries})
+    shown = interface(tire, inputs=inputs, axes=axes, quantities=quantities)
+    files, token = _described(tire, shown, version, identifier, kind)
+    if kind == "native":
+        ready, values = _prebuilt(tire, shown, token, requested)
+        code = {name.removeprefix("sources/"): text for name, text in files.items() if name.endswith((".c", ".h"))}
+        files |= values | binaries(code, tire.model, fmi_headers(), version, identifier, requested, ready)
+    write_zip(target, files)
     return target
+
+
+def _prebuilt(
+    tire: Tire, shown: Interface, token: str, requested: Iterable[str]
+) -> tuple[dict[str, bytes], dict[str, bytes]]:
+    """Return the binaries that were built beforehand, by platform, and the file of values that they read."""
+    if not has_prebuilt():
+        return {}, {}
+    found = generic(tire, inputs=shown.inputs, axes=shown.axes)
+    names = {host_platform() if name == "host" else name for name in requested}
+    ready = {name: content for name in names if (content := prebuilt_binary(found.structure, name)) is not None}
+    return ready, {VALUES_FILE: values_file(found, token, len(shown.variables))} if ready else {}
+
+
+def checked_interface(inputs: str, axes: str) -> None:
+    """Check that inputs and axes exist.
+
+    Raises
+    ------
+    FmuError
+        If one does not.
+
+    Examples
+    --------
+    >>> checked_interface("slip", "iso")
+    """
+    for what, given, known in (("inputs", inputs, INPUTS), ("axes", axes, AXES)):
+        if given not in known:
+            raise FmuError(f"{what} {given!r} are unknown: known are {', '.join(known)}")
 
 
 def fmi_version(fmi: Any) -> int:
@@ -202,10 +232,14 @@ def contents(
     >>> sorted(contents(published("trento_hoosier"), 2, "tire"))[:2]
     ['documentation/index.html', 'documentation/licenses/fmi-headers.txt']
     """
-    native, written_in = kind == "native", tire.signs
-    shown = interface(tire, inputs=inputs, axes=axes, quantities=quantities)
+    return _described(tire, interface(tire, inputs=inputs, axes=axes, quantities=quantities), fmi, identifier, kind)[0]
+
+
+def _described(tire: Tire, shown: Interface, fmi: int, identifier: str, kind: str) -> tuple[dict[str, bytes], str]:
+    """Return the files of an FMU without binaries, and its token."""
+    native, written_in, inputs, axes = kind == "native", tire.signs, shown.inputs, shown.axes
     name, iso = tire.name or identifier, tire.in_signs("iso")
-    listed = shown.variables if native else variables(iso)
+    listed = with_ranges(shown.variables, shown.tire) if native else with_ranges(variables(iso), iso)
     rewritten = "" if written_in == shown.tire.signs else f", converted from {written_in} signs"
     assumed = "Tire with relaxation lengths by default" if shown.relaxation_note else "Steady-state tire"
     what = "Tire with relaxation" if tire.lags else assumed
@@ -214,8 +248,9 @@ def contents(
 
     # The token connects description and binary; it depends on everything that determines the FMU's behaviour.
     blank = sources(fmi, shown, "") if native else {}
-    token = fingerprint({**blank, "modelDescription.xml": model_description(fmi, header, listed, "")})
-    description = model_description(fmi, header, listed, token)
+    blank_description = model_description(fmi, header, listed, "")
+    token = fingerprint({**blank, "modelDescription.xml": blank_description})
+    description = with_token(fmi, blank_description, token)
     packaged = {
         "modelDescription.xml": description,
         "documentation/index.html": index_html(iso, header, listed),
@@ -224,13 +259,14 @@ def contents(
         "resources/tire.tir": _tir(iso),
     }
     if not native:
-        return packaged | python_contents(iso, identifier, token, description, listed)
-    packaged |= {f"sources/{file}": text for file, text in sources(fmi, shown, token).items()}
+        return packaged | python_contents(iso, identifier, token, description, listed), token
+    code = {**blank, VALUES: tire_values(shown, token).encode()}
+    packaged |= {f"sources/{file}": text for file, text in code.items()}
     packaged["resources/interface.json"] = (json.dumps({"inputs": inputs, "axes": axes}) + "\n").encode()
     packaged |= pictures(fmi, listed)
     if fmi == 3:
         packaged["sources/buildDescription.xml"] = build_description(identifier, header.sources)
-    return packaged
+    return packaged, token
 
 
 def c_identifier(name: str) -> str:
@@ -304,18 +340,31 @@ def _tir(tire: Tire) -> bytes:
         return path.read_bytes()
 
 
-def _write_zip(target: Path, files: Mapping[str, bytes]) -> None:
+def write_zip(target: Path, files: Mapping[str, bytes]) -> None:
     """Write an archive completely or not at all; the same files give the same bytes."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w") as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
+            entry.create_system = 3  # Unix on every system, so that permissions are stored
+            entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
+            archive.writestr(entry, files[name], zipfile.ZIP_DEFLATED, 6)
+    write_file(target, content.getvalue())
+
+
+def write_file(target: Path, content: bytes) -> None:
+    """Write a file completely or not at all.
+
+    Raises
+    ------
+    FmuError
+        If it cannot be written.
+    """
     partial: Path | None = None
     try:
-        with tempfile.NamedTemporaryFile(dir=target.parent, suffix=".fmu", delete=False) as file:
+        with tempfile.NamedTemporaryFile(dir=target.parent, suffix=target.suffix, delete=False) as file:
             partial = Path(file.name)
-            with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
-                for name in sorted(files):
-                    entry = zipfile.ZipInfo(name, date_time=(1980, 1, 1, 0, 0, 0))
-                    entry.create_system = 3  # Unix on every system, so that permissions are stored
-                    entry.external_attr = (0o755 if name.startswith("binaries/") else 0o644) << 16
-                    archive.writestr(entry, files[name], zipfile.ZIP_DEFLATED, 9)
+            file.write(content)
         partial.chmod(0o644)
         os.replace(partial, target)
     except OSError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 
 from tirefmu.symbolic.errors import FmuError
 from tirefmu.symbolic.printers.definitions import INCLUDES, calling_math, definitions
@@ -26,6 +27,7 @@ def model_files(model: str) -> tuple[str, str]:
     return f"{model}.c", f"{model}_quantities.c"
 
 
+@lru_cache(maxsize=8)
 def split_code(model: str, code: str) -> dict[str, bytes]:
     r"""Return the two files made of a model's generated C code.
 

@@ -1,4 +1,4 @@
-"""The C sources of a tire's FMU: the wrapper, the model's generated code, and the header with the tire's values."""
+"""The C sources of a tire's FMU: the wrapper, the model's generated code, the headers of variables and values."""
 
 from __future__ import annotations
 
@@ -33,10 +33,12 @@ CONTACT = {
 }
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
 HEADERS = (
-    "instance.h", "contact.h", "slips.h", "memory.h", "standstill.h", "hub.h", "spin.h", "root.h", "tangents.h",
-    "terms.h", "chain_rule.h",
+    "instance.h", "tire.h", "contact.h", "slips.h", "memory.h", "standstill.h", "hub.h", "spin.h", "root.h",
+    "tangents.h", "terms.h", "chain_rule.h",
 )  # fmt: skip
-CONFIG, RADIUS = "model_config.h", "rolling_radius.h"
+CONFIG, VALUES, RADIUS = "model_config.h", "tire_values.h", "rolling_radius.h"
+#: The source of the tire's values: compiled for one tire, or read from a file of the FMU.
+BUILT_IN, FROM_FILE = "built_in_tire.c", "tire_file.c"
 #: The laws of the states, equal for all models.
 LAWS = "state_laws.h"
 #: The functions of the kinematics of hub inputs, equal for all models.
@@ -49,6 +51,7 @@ ROLES = (
 #: Parameters that the wrapper reads: with inputs of a wheel, and with those of a hub.
 STANDSTILL = ("LOW_SPEED", "LOW_SPEED_DAMPING", "DEFAULT_SIGMA")
 VERTICAL = (
+    "FNOMIN",
     "UNLOADED_RADIUS",
     "VERTICAL_STIFFNESS",
     "VERTICAL_DAMPING",
@@ -79,9 +82,35 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     >>> c_files(2, interface(published("trento_hoosier")))[-4:]
     ('slip_inputs.c', 'direct_slips.c', 'mf96.c', 'mf96_quantities.c')
     """
+    return (*WRAPPER[fmi], BUILT_IN, *_common_files(shown))
+
+
+def _common_files(shown: Interface) -> tuple[str, ...]:
+    """Return the C files that do not depend on the FMI version."""
     memory = ("memory.c",) if shown.memory else ()
-    files = (*WRAPPER[fmi], *COMMON, *CONTACT[shown.inputs], SLIPS[shown.lags], *memory)
+    files = (*COMMON, *CONTACT[shown.inputs], SLIPS[shown.lags], *memory)
     return (*files, *model_files(shown.tire.model))
+
+
+def generic_files(shown: Interface) -> tuple[str, ...]:
+    """Return the names of the files of a binary for every tire with the same variables, and for both FMI versions.
+
+    Parameters
+    ----------
+    shown : Interface
+
+    Returns
+    -------
+    tuple of str
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> from ..description.interface import interface
+    >>> generic_files(interface(published("trento_hoosier")))[:4]
+    ('fmi2.c', 'fmi3.c', 'fmi3_not_offered.c', 'tire_file.c')
+    """
+    return (*(file for files in WRAPPER.values() for file in files), FROM_FILE, *_common_files(shown))
 
 
 def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
@@ -104,11 +133,28 @@ def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
     --------
     >>> from tirefmu.tires import published
     >>> from ..description.interface import interface
-    >>> sorted(sources(2, interface(published("trento_hoosier")), "{1}"))[:5]
-    ['chain_rule.c', 'chain_rule.h', 'contact.h', 'continuous.c', 'derivatives.c']
+    >>> sorted(sources(2, interface(published("trento_hoosier")), "{1}"))[:4]
+    ['built_in_tire.c', 'chain_rule.c', 'chain_rule.h', 'contact.h']
+    """
+    code = code_files(c_files(fmi, shown), shown)
+    return {**code, CONFIG: model_config(shown).encode(), VALUES: tire_values(shown, token).encode()}
+
+
+def code_files(names: Iterable[str], shown: Interface) -> dict[str, bytes]:
+    """Return C files and their headers, without those that are written for the tire.
+
+    Parameters
+    ----------
+    names : iterable of str
+        As from `c_files` or `generic_files`.
+    shown : Interface
+
+    Returns
+    -------
+    dict of str to bytes
     """
     wrapper, generated, model = files("tirefmu.fmu") / "wrapper", c_folder(shown.tire.book), shown.tire.model
-    own = [name for name in c_files(fmi, shown) if name not in model_files(model)]
+    own = [name for name in names if name not in model_files(model)]
     found = {name: (wrapper / name).read_bytes() for name in (*own, *HEADERS)}
     found |= split_code(model, (generated / f"{model}.c").read_text(encoding="ascii"))
     found |= {name: (generated / name).read_bytes() for name in (f"{model}.h", f"{model}_operations.h")}
@@ -117,16 +163,17 @@ def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
         found[KINEMATICS] = (files("tirefmu.generated") / "c" / KINEMATICS).read_bytes()
     if shown.wheel:
         found[RADIUS] = (generated / f"{model}_{RADIUS}").read_bytes()
-    return {**found, CONFIG: model_config(shown, token).encode()}
+    return found
 
 
-def model_config(shown: Interface, token: str) -> str:
-    """Return the header that configures the wrapper for a model and a tire.
+def tire_values(shown: Interface, token: str) -> str:
+    """Return the header with the values of the tire, for a binary that is compiled for it.
 
     Parameters
     ----------
     shown : Interface
     token : str
+        As in the model description.
 
     Returns
     -------
@@ -136,29 +183,62 @@ def model_config(shown: Interface, token: str) -> str:
     --------
     >>> from tirefmu.tires import published
     >>> from ..description.interface import interface
-    >>> print(model_config(interface(published("trento_hoosier")), "{1}").splitlines()[7])
+    >>> print(tire_values(interface(published("trento_hoosier")), "{1}").splitlines()[1])
     #define INSTANTIATION_TOKEN "{1}"
+    """
+    listed = shown.variables
+    tables = {
+        "START_VALUES": [repr(float(variable.start or 0.0)) for variable in listed],
+        "LOWER_LIMITS": [repr(float(v.lower)) if isfinite(v.lower) else "-DBL_MAX" for v in listed],
+        "UPPER_LIMITS": [repr(float(v.upper)) if isfinite(v.upper) else "DBL_MAX" for v in listed],
+        "INPUT_RANGES": [f"{{{_limit(low)}, {_limit(high)}}}" for low, high in input_ranges(shown)],
+    }
+    lines = [
+        comment("Written by tirefmu for one tire."),
+        f"#define INSTANTIATION_TOKEN {c_string(token)}",
+        f"#define RELAXATION_NOTE {c_string(shown.relaxation_note)}",
+        *(line for name, entries in tables.items() for line in _table(name, entries)),
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def input_ranges(shown: Interface) -> list[tuple[float, float]]:
+    """Return the valid range of each input of the model; infinite where the tire has none."""
+    return [shown.tire.ranges.get(name, (-inf, inf)) for name in shown.tire.inputs]
+
+
+def model_config(shown: Interface) -> str:
+    """Return the header that configures the wrapper for a model and its variables; equal for most tires of a model.
+
+    Parameters
+    ----------
+    shown : Interface
+
+    Returns
+    -------
+    str
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> from ..description.interface import interface
+    >>> print(model_config(interface(published("trento_hoosier"))).splitlines()[6])
+    #define N_INPUTS MF96_N_INPUTS
     """
     listed, model = shown.variables, shown.tire.model
     tables = {
         "VALUE_NAMES": [c_string(variable.name) for variable in listed],
         "VALUE_KINDS": [_kind(variable) for variable in listed],
         "VALUE_DIRECTIONS": ["-1" if variable.reversed else "1" for variable in listed],
-        "START_VALUES": [repr(float(variable.start or 0.0)) for variable in listed],
-        "LOWER_LIMITS": [repr(float(v.lower)) if isfinite(v.lower) else "-DBL_MAX" for v in listed],
-        "UPPER_LIMITS": [repr(float(v.upper)) if isfinite(v.upper) else "DBL_MAX" for v in listed],
         "NOMINAL_VALUES": [repr(float(variable.nominal)) for variable in listed],
     }
     lines = [
-        comment("Written by tirefmu for one tire."),
-        "#include <float.h>",
+        comment("Written by tirefmu for a model and its variables."),
         "#include <math.h>",
         "",
         f'#include "{model}.h"',
         f'#include "{model}_operations.h"',
         "",
-        f"#define INSTANTIATION_TOKEN {c_string(token)}",
-        f"#define RELAXATION_NOTE {c_string(shown.relaxation_note)}",
         *_sizes(shown),
         *_indices(shown),
         "",
@@ -269,15 +349,19 @@ def _memory(shown: Interface) -> list[str]:
 
 
 def _inputs(shown: Interface) -> Iterable[str]:
-    """Yield the tables of the model's inputs: indices of the host's inputs, values of unconnected ones, and ranges."""
-    tire = shown.tire
-    on_demand = {name for _, name in tire.book.on_demand}
-    unconnected = [0.0 if name in on_demand else tire.nominal(name) for name in tire.inputs]
-    ranges = [tire.ranges.get(name, (-inf, inf)) for name in tire.inputs]
+    """Yield the tables of the model's inputs: indices of the host's inputs, and values of unconnected ones.
+
+    A value that is not read is 0: the nominal values of a tire would make the header one of this tire only.
+    """
+    tire, indices = shown.tire, host_input_indices(shown)
+    computed = {name for _, name in tire.book.on_demand} | ({"kappa", "alpha", "V"} if shown.wheel else set())
+    unconnected = [
+        tire.nominal(name) if index < 0 and name not in computed else 0.0
+        for name, index in zip(tire.inputs, indices, strict=True)
+    ]
     yield from _table("MODEL_INPUT_NAMES", [c_string(name) for name in tire.inputs])
-    yield from _table("HOST_INPUT_INDICES", [str(index) for index in host_input_indices(shown)])
+    yield from _table("HOST_INPUT_INDICES", [str(index) for index in indices])
     yield from _table("UNCONNECTED_INPUTS", [repr(float(value)) for value in unconnected])
-    yield from _table("INPUT_RANGES", [f"{{{_limit(low)}, {_limit(high)}}}" for low, high in ranges])
 
 
 def _limit(value: float) -> str:

@@ -32,8 +32,8 @@ fmi3Instance fmi3InstantiateCoSimulation(fmi3String instanceName, fmi3String ins
                                          fmi3IntermediateUpdateCallback intermediateUpdate)
 {
     Instance *self =
-        instance_create(instanceName, instantiationToken, CO_SIMULATION, log_message, (void (*)(void)) logMessage,
-                        instanceEnvironment);
+        instance_create(instanceName, instantiationToken, resourcePath, CO_SIMULATION, log_message,
+                        (void (*)(void)) logMessage, instanceEnvironment);
 
     if (self && eventModeUsed) {
         instance_refuse(self, STATUS_ERROR, "this FMU has no event mode");
@@ -48,8 +48,8 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String in
                                           fmi3InstanceEnvironment instanceEnvironment,
                                           fmi3LogMessageCallback logMessage)
 {
-    return instance_create(instanceName, instantiationToken, MODEL_EXCHANGE, log_message, (void (*)(void)) logMessage,
-                           instanceEnvironment);
+    return instance_create(instanceName, instantiationToken, resourcePath, MODEL_EXCHANGE, log_message,
+                           (void (*)(void)) logMessage, instanceEnvironment);
 }
 
 fmi3Instance fmi3InstantiateScheduledExecution(fmi3String instanceName, fmi3String instantiationToken,

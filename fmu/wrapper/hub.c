@@ -51,13 +51,12 @@ static double radius_error(void *context, double load)
 
 static void find_spring(State *state)
 {
-    static const double nominal[] = UNCONNECTED_INPUTS;
     Hub *hub = &state->hub;
     State trial = *state;
     const double given = hub->results[RADIUS_RESULT], free_radius = radius_under(&trial, 0.0);
     const double least = (1.0 - DEEPEST) * free_radius;
     Spring spring = {&trial, given < least ? least : given};
-    Sample low = {0.0, free_radius - spring.radius}, high = {nominal[LOAD], 0.0};
+    Sample low = {0.0, free_radius - spring.radius}, high = {parameter(state, OWN_FNOMIN), 0.0};
     int i;
 
     hub->radius = spring.radius;

@@ -13,10 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double START[] = START_VALUES;
-
-typedef char starts_are_complete[sizeof START / sizeof *START == N_VALUES ? 1 : -1];
-
 /* Whether two times differ by rounding of the host only. */
 static int same_time(double a, double b) { return fabs(a - b) <= 1e-9 * (1.0 + fabs(b)); }
 
@@ -27,24 +23,24 @@ static void start_again(Instance *self)
     const int kind = self->state.kind;
 
     memset(&self->state, 0, sizeof self->state); /* padding too: equal states have equal bytes */
-    memcpy(self->state.token, INSTANTIATION_TOKEN, sizeof INSTANTIATION_TOKEN);
+    memcpy(self->state.token, self->tire.token, sizeof self->state.token);
     self->state.kind = kind;
     self->state.mode = INSTANTIATED;
 #ifdef DISTANCE
-    self->state.distance = START[FIRST_STATE + N_STATES - 1];
+    self->state.distance = self->tire.starts[FIRST_STATE + N_STATES - 1];
 #endif
 #if N_MEMORY > 0
-    memcpy(self->state.memory, START + FIRST_MEMORY, sizeof self->state.memory);
+    memcpy(self->state.memory, self->tire.starts + FIRST_MEMORY, sizeof self->state.memory);
 #endif
     self->warned = 0;
-    memcpy(self->state.values, START, sizeof START);
+    memcpy(self->state.values, self->tire.starts, sizeof self->state.values);
 }
 
-Instance *instance_create(const char *name, const char *token, Kind kind, LogCallback *log_message,
-                          void (*logger)(void), void *environment)
+Instance *instance_create(const char *name, const char *token, const char *resources, Kind kind,
+                          LogCallback *log_message, void (*logger)(void), void *environment)
 {
     Instance *self = calloc(1, sizeof *self);
-    const char *given_name = name ? name : "";
+    const char *given_name = name ? name : "", *problem;
 
     if (!self)
         return NULL;
@@ -59,7 +55,13 @@ Instance *instance_create(const char *name, const char *token, Kind kind, LogCal
         return NULL;
     }
     strcpy(self->name, given_name);
-    if (!token || strcmp(token, INSTANTIATION_TOKEN) != 0) {
+    problem = tire_find(resources, &self->tire);
+    if (problem) {
+        instance_refuse(self, STATUS_ERROR, "%s", problem);
+        instance_free(self);
+        return NULL;
+    }
+    if (!token || strcmp(token, self->tire.token) != 0) {
         instance_refuse(self, STATUS_ERROR, "the token of the model description differs from the token of this binary");
         instance_free(self);
         return NULL;
@@ -233,8 +235,8 @@ Status instance_exit_initialization(Instance *self)
 #if N_MEMORY > 0
     memory_begin(&self->state);
 #endif
-    if (*RELAXATION_NOTE)
-        instance_refuse(self, STATUS_OK, "%s", RELAXATION_NOTE);
+    if (*self->tire.note)
+        instance_refuse(self, STATUS_OK, "%s", self->tire.note);
     self->state.mode = self->state.kind == MODEL_EXCHANGE ? EVENT : STEPPING;
     return STATUS_OK;
 }

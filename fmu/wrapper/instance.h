@@ -28,6 +28,8 @@ enum {
     N_VALUES = FIRST_EXTRA + N_EXTRAS
 };
 
+#include "tire.h"
+
 /* The kind of a value: a stored one can be set until initialization ends; a hidden one is not visible to the host and
    has its start value. */
 enum { INDEPENDENT, INPUT, OUTPUT, PARAMETER, LOCAL, STORED, HIDDEN };
@@ -103,7 +105,7 @@ typedef struct {
 
 /* Everything that changes in an instance.  It has no pointers: a copy is a saved state, the bytes a serialized one. */
 typedef struct {
-    char token[sizeof INSTANTIATION_TOKEN]; /* identifies the FMU of a serialized state */
+    char token[TOKEN_SIZE]; /* identifies the FMU of a serialized state */
     int kind, mode;
     /* Whether computed values are valid for the present inputs, parameters, states and mode. */
     int contact_known, lengths_known, outputs_known, extras_known;
@@ -131,6 +133,7 @@ typedef void LogCallback(const Instance *self, Status status, const char *catego
 
 struct Instance {
     State state;
+    Tire tire;
     LogCallback *log_message;
     void (*logger)(void); /* the host's function; `log_message` converts its type */
     void *environment;
@@ -139,8 +142,8 @@ struct Instance {
     int warned;
 };
 
-Instance *instance_create(const char *name, const char *token, Kind kind, LogCallback *log_message,
-                          void (*logger)(void), void *environment);
+Instance *instance_create(const char *name, const char *token, const char *resources, Kind kind,
+                          LogCallback *log_message, void (*logger)(void), void *environment);
 void instance_free(Instance *self);
 
 /* Log why a call is rejected, or with STATUS_OK an assumption; returns `status`.  `self` may be NULL: then nothing is logged. */

@@ -58,11 +58,11 @@ Status instance_serialize(Instance *self, const void *saved, void *bytes, size_t
 }
 
 /* The bytes are untrusted: accept only what a saved state can contain. */
-static int is_state(const State *state)
+static int is_state(const Instance *self, const State *state)
 {
     size_t i;
 
-    if (memcmp(state->token, INSTANTIATION_TOKEN, sizeof INSTANTIATION_TOKEN) != 0 || state->mode < INSTANTIATED ||
+    if (memcmp(state->token, self->tire.token, sizeof state->token) != 0 || state->mode < INSTANTIATED ||
         state->mode > TERMINATED || (state->kind != CO_SIMULATION && state->kind != MODEL_EXCHANGE) ||
         state->stop_time != state->stop_time || !isfinite(state->distance))
         return 0;
@@ -87,7 +87,7 @@ Status instance_deserialize(Instance *self, const void *bytes, size_t size, void
     if (!self || !bytes || !slot || size != sizeof state)
         return instance_refuse(self, STATUS_ERROR, "a state takes %lu bytes", (unsigned long) sizeof state);
     memcpy(&state, bytes, sizeof state);
-    if (!is_state(&state))
+    if (!is_state(self, &state))
         return instance_refuse(self, STATUS_ERROR, "the bytes are not a serialized state of this FMU");
     if (!*slot && !(*slot = malloc(sizeof state)))
         return instance_refuse(self, STATUS_ERROR, "no memory for the state");

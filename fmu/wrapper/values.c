@@ -10,25 +10,20 @@
 #include <string.h>
 
 static const char *const NAMES[] = VALUE_NAMES;
-static const double LOWER[] = LOWER_LIMITS;
-static const double UPPER[] = UPPER_LIMITS;
 static const double NOMINAL[] = NOMINAL_VALUES;
 static const unsigned char KINDS[] = VALUE_KINDS;
 static const int EXTRA[] = EXTRAS;
 /* -1 where host and model use opposite signs. */
 static const signed char DIRECTIONS[] = VALUE_DIRECTIONS;
-static const double RANGES[][2] = INPUT_RANGES;
 static const char *const MODEL_INPUTS[] = MODEL_INPUT_NAMES;
 
 /* The generated header and the model's code must have the same number of values. */
 #define HAS(table, n) (sizeof(table) / sizeof *(table) == (n) ? 1 : -1)
 typedef char names_are_complete[HAS(NAMES, N_VALUES)];
-typedef char limits_are_complete[HAS(LOWER, N_VALUES) + HAS(UPPER, N_VALUES) - 1];
 typedef char sizes_are_complete[HAS(NOMINAL, N_VALUES)];
 typedef char kinds_are_complete[HAS(KINDS, N_VALUES)];
 typedef char directions_are_complete[HAS(DIRECTIONS, N_VALUES)];
 typedef char extras_are_complete[HAS(EXTRA, N_EXTRAS)];
-typedef char ranges_are_complete[HAS(RANGES, N_INPUTS)];
 
 const char *value_name(unsigned reference) { return NAMES[reference]; }
 
@@ -67,7 +62,7 @@ Status instance_expect_known(const Instance *self, const unsigned references[], 
     if (instance_expect_pointer(self, references, n, "value references") != STATUS_OK)
         return STATUS_ERROR;
     for (i = 0; i < n; i++)
-        if (references[i] >= N_VALUES || KINDS[references[i]] == HIDDEN)
+        if (references[i] >= self->tire.count || KINDS[references[i]] == HIDDEN)
             return instance_refuse(self, STATUS_ERROR, "there is no value reference %u", references[i]);
     return STATUS_OK;
 }
@@ -188,6 +183,7 @@ void state_compute_extras(State *state)
 /* Log once that an input is outside the valid range of the tire. */
 static void watch_range(Instance *self)
 {
+    double (*ranges)[2] = self->tire.ranges;
     size_t i;
     double x;
 
@@ -195,10 +191,10 @@ static void watch_range(Instance *self)
         return;
     for (i = 0; i < N_INPUTS; i++) {
         x = self->state.contact.inputs[i];
-        if (x < RANGES[i][0] || x > RANGES[i][1]) {
+        if (x < ranges[i][0] || x > ranges[i][1]) {
             self->warned = 1;
             instance_refuse(self, STATUS_WARNING, "%s = %g is outside %g ... %g, the valid range of the tire",
-                            MODEL_INPUTS[i], x, RANGES[i][0], RANGES[i][1]);
+                            MODEL_INPUTS[i], x, ranges[i][0], ranges[i][1]);
             return;
         }
     }
@@ -276,9 +272,9 @@ Status instance_set(Instance *self, const unsigned references[], size_t n, const
             return STATUS_ERROR;
         if (!isfinite(values[i]))
             return instance_refuse(self, STATUS_DISCARD, "%s must be finite, not %g", NAMES[r], values[i]);
-        if (values[i] < LOWER[r] || values[i] > UPPER[r])
+        if (values[i] < self->tire.lower[r] || values[i] > self->tire.upper[r])
             return instance_refuse(self, STATUS_DISCARD, "%s = %g is outside %g ... %g", NAMES[r], values[i],
-                                   LOWER[r], UPPER[r]);
+                                   self->tire.lower[r], self->tire.upper[r]);
     }
     for (i = 0; i < n; i++) {
         self->state.values[references[i]] = values[i];

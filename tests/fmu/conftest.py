@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from fmpy.fmi1 import FMICallException
 
+from tirefmu.fmu.packaging import prebuilt
 from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.symbolic.models import MODELS
@@ -112,6 +113,14 @@ class Host:
         else:
             sizes = (a, len(a), b, len(b), seeds, found)
         return self.call("GetDirectionalDerivative", *sizes), np.array(found)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiled_here(tmp_path_factory):
+    """Tests compile what they test, even where binaries were built beforehand."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(prebuilt, "FOLDER", tmp_path_factory.mktemp("prebuilt"))
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -2,6 +2,7 @@
  *
  *     host LIBRARY TOKEN [LIBRARY TOKEN ...]
  *
+ * The environment variable RESOURCES is the path of the resources as the standard passes it.
  * FMI is 2 or 3.  Not linked with the math library: an FMU has to bring what it needs.
  */
 #ifdef _WIN32
@@ -42,11 +43,13 @@ typedef struct {
 static void *start(Loaded loaded, const char *token)
 {
 #if FMI == 2
-    void *instance = CALL(loaded, Instantiate)("host", fmi2CoSimulation, token, NULL, &callbacks, 0, 0);
+    void *instance = CALL(loaded, Instantiate)("host", fmi2CoSimulation, token, getenv("RESOURCES"),
+                                                   &callbacks, 0, 0);
     CALL(loaded, SetupExperiment)(instance, 0, 0.0, 0.0, 0, 0.0);
     CALL(loaded, EnterInitializationMode)(instance);
 #else
-    void *instance = CALL(loaded, InstantiateCoSimulation)("host", token, NULL, 0, 0, 0, 0, NULL, 0, NULL, log_3, NULL);
+    void *instance = CALL(loaded, InstantiateCoSimulation)("host", token, getenv("RESOURCES"), 0, 0, 0, 0, NULL,
+                                                                0, NULL, log_3, NULL);
     CALL(loaded, EnterInitializationMode)(instance, 0, 0.0, 0.0, 0, 0.0);
 #endif
     CALL(loaded, ExitInitializationMode)(instance);

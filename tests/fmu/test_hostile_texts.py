@@ -50,7 +50,7 @@ def files_of(tire):
     header = Header(tire.name, "tire", tire.name, ("a.c",))
     described = [model_description(version, header, shown.variables, "{1}") for version in (2, 3)]
     page = index_html(tire, header, shown.variables).decode()
-    return [*described, terminals(shown.variables)], page, model_config(shown, "{1}")
+    return [*described, terminals(shown.variables)], page, model_config(shown)
 
 
 def structure(xml):

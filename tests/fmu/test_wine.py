@@ -12,7 +12,7 @@ import pytest
 from fmpy import read_model_description
 
 from tirefmu.fmu import export
-from tirefmu.fmu.packaging import cross_compiler
+from tirefmu.fmu.packaging import cross_compiler, prebuilding, prebuilt
 from tirefmu.fmu.packaging.binaries import binary_path
 from tirefmu.fmu.packaging.export import fmi_headers
 
@@ -40,16 +40,29 @@ def host(folder, platform, fmi):
     return program
 
 
+@pytest.mark.parametrize("packed", [False, True], ids=["compiled", "packed"])
 @pytest.mark.parametrize("name", ["first", "mf61"])
-def test_windows_computes_the_same_digits(wine, tires, fmi, name, tmp_path):
+def test_windows_computes_the_same_digits(wine, tires, fmi, name, packed, tmp_path, monkeypatch):
+    if packed:
+        monkeypatch.setattr(prebuilt, "FOLDER", tmp_path / "prebuilt")
+        prebuilding.build([prebuilt.generic(tires[name])], PLATFORMS)
+        monkeypatch.setenv("CC", "no-such-compiler")
     fmu = export(tires[name], tmp_path / "tire.fmu", fmi=fmi, platforms=PLATFORMS)
     printed = {}
     for platform in PLATFORMS:
+        windows, unpacked = platform.endswith("windows"), tmp_path / "100 %, é"
         with zipfile.ZipFile(fmu) as archive:
             library = archive.extract(binary_path(fmi, "tire", platform), tmp_path)
-        runner = [wine] if platform.endswith("windows") else []
+            archive.extractall(unpacked)
+        # A path in the environment has the code page of Windows: the URI tests UTF-8, the path ASCII.
+        if fmi == 3:
+            shutil.copytree(unpacked / "resources", tmp_path / "resources", dirs_exist_ok=True)
+            resources = f"{'Z:' if windows else ''}{tmp_path}/resources/"
+        else:
+            resources = (unpacked / "resources").as_uri().replace("file://", "file:///Z:" if windows else "file://")
+        runner = [wine] if windows else []
         command = [*runner, str(host(tmp_path, platform, fmi)), str(library), read_model_description(str(fmu)).guid]
-        environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine")}
+        environment = {**os.environ, "WINEDEBUG": "-all", "WINEPREFIX": str(tmp_path / "wine"), "RESOURCES": resources}
         done = subprocess.run(command, capture_output=True, text=True, check=False, env=environment)
         assert done.returncode == 0, done.stdout + done.stderr
         printed[platform] = [[float(word) for word in line.split()] for line in done.stdout.splitlines()]

@@ -21,7 +21,11 @@ EXAMPLES = {
         "evaluate my.tir table.csv -o forces.csv",
         "evaluate trento_hoosier run.mat -o forces.parquet --steady",
     ),
-    "export": ("export my.tir -o my.fmu", "export my.tir -o my.fmu --inputs wheel --fmi 2 --platforms all"),
+    "export": (
+        "export my.tir -o my.fmu",
+        "export my.tir -o my.fmu --inputs wheel --fmi 2 --platforms all",
+        "export front.tir front.tir rear.tir rear.tir --ssp car.ssp",
+    ),
     "check": ("check my.fmu run.csv", "check my.fmu run.csv --tolerance 0.05 --figures figures"),
     "diagnose": (
         "diagnose run.csv --tire my.tir -o answer",

@@ -1,0 +1,207 @@
+"""The files of a system of FMUs by the SSP standard: structure (.ssd), parameter values (.ssv), mapping (.ssm)."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from .model_description import xml_bytes
+from .units import base_unit
+from .variables import Variable
+
+#: Version of SSP and the type of real variables, by FMI version: SSP 1.0 knows the types of FMI 2 only.
+SSP_VERSIONS = {2: ("1.0", "Real"), 3: ("2.0", "Float64")}
+#: The namespaces have these names in SSP 2.0, too.
+NAMESPACES = {
+    prefix: f"http://ssp-standard.org/SSP1/SystemStructure{name}"
+    for prefix, name in {
+        "ssc": "Common",
+        "ssd": "Description",
+        "ssm": "ParameterMapping",
+        "ssv": "ParameterValues",
+    }.items()
+}
+MEDIA = {
+    "fmu": "application/x-fmu-sharedlibrary",
+    "ssv": "application/x-ssp-parameter-set",
+    "ssm": "application/x-ssp-parameter-mapping",
+}
+
+
+@dataclass(frozen=True)
+class Component:
+    """A tire in a system.
+
+    Attributes
+    ----------
+    name : str
+        Unique in the system.
+    fmu, values, mapping : str
+        Paths of the FMU, the parameter set and its mapping inside the archive.
+    variables : tuple of Variable
+        Of the FMU.
+    """
+
+    name: str
+    fmu: str
+    values: str
+    mapping: str
+    variables: tuple[Variable, ...]
+
+    @property
+    def connectors(self) -> list[Variable]:
+        """Inputs and outputs."""
+        return [variable for variable in self.variables if variable.causality in ("input", "output")]
+
+
+def parameters(variables: Iterable[Variable]) -> list[Variable]:
+    """Return the parameters among variables.
+
+    Examples
+    --------
+    >>> parameters([Variable("PDY1", "parameter", "1", "friction"), Variable("Fz", "input", "N", "load")])[0].name
+    'PDY1'
+    """
+    return [variable for variable in variables if variable.causality == "parameter"]
+
+
+def parameter_set(fmi: int, name: str, variables: Iterable[Variable]) -> bytes:
+    """Return a parameter set with the start values of the parameters among variables.
+
+    Parameters
+    ----------
+    fmi : int
+        2 for SSP 1.0, 3 for SSP 2.0.
+    name : str
+    variables : iterable of Variable
+
+    Returns
+    -------
+    bytes
+
+    References
+    ----------
+    SSP 1.0, section 6 (ParameterSet).
+
+    Examples
+    --------
+    >>> print(parameter_set(2, "tire", [Variable("PDY1", "parameter", "1", "friction", 0.9)]).decode())
+    ... # doctest: +ELLIPSIS
+    <?xml version='1.0' encoding='utf-8'?>
+    <ssv:ParameterSet ... version="1.0" name="tire" generationTool="tirefmu">
+      <ssv:Parameters>
+        <ssv:Parameter name="PDY1" description="friction">
+          <ssv:Real value="0.9" unit="1" />
+    ...
+    """
+    version, kind = SSP_VERSIONS[fmi]
+    root = _root("ssv:ParameterSet", ("ssv", "ssc"), version, name)
+    listed, chosen = ET.SubElement(root, "ssv:Parameters"), parameters(variables)
+    for variable in chosen:
+        about = {"name": variable.name, "description": variable.description}
+        element = ET.SubElement(listed, "ssv:Parameter", about)
+        ET.SubElement(element, f"ssv:{kind}", {"value": repr(float(variable.start or 0.0)), "unit": variable.unit})
+    _append_units(root, "ssv", chosen)
+    return xml_bytes(root)
+
+
+def parameter_mapping(fmi: int, variables: Iterable[Variable]) -> bytes:
+    """Return the mapping of a parameter set of a tire to the parameters of its FMU, which have the same names.
+
+    Parameters
+    ----------
+    fmi : int
+        2 for SSP 1.0, 3 for SSP 2.0.
+    variables : iterable of Variable
+
+    Returns
+    -------
+    bytes
+
+    References
+    ----------
+    SSP 1.0, section 7 (ParameterMapping).
+
+    Examples
+    --------
+    >>> b'source="PDY1" target="PDY1"' in parameter_mapping(2, [Variable("PDY1", "parameter", "1", "friction")])
+    True
+    """
+    root = _root("ssm:ParameterMapping", ("ssm", "ssc"), SSP_VERSIONS[fmi][0])
+    for variable in parameters(variables):
+        ET.SubElement(root, "ssm:MappingEntry", {"source": variable.name, "target": variable.name})
+    return xml_bytes(root)
+
+
+def system_structure(fmi: int, name: str, components: Sequence[Component]) -> bytes:
+    """Return SystemStructure.ssd of a system of tires; the system has the inputs and outputs of every tire.
+
+    Parameters
+    ----------
+    fmi : int
+        2 for SSP 1.0, 3 for SSP 2.0.
+    name : str
+    components : sequence of Component
+
+    Returns
+    -------
+    bytes
+        The connector of a tire's variable, such as Fz of FL, is FL_Fz.
+
+    References
+    ----------
+    SSP 1.0, section 5 (SystemStructureDescription).
+
+    Examples
+    --------
+    >>> load = Variable("Fz", "input", "N", "vertical load")
+    >>> written = system_structure(2, "car", [Component("FL", "t.fmu", "FL.ssv", "t.ssm", (load,))])
+    >>> b'<ssd:Connection startConnector="FL_Fz" endElement="FL" endConnector="Fz" />' in written
+    True
+    """
+    version, kind = SSP_VERSIONS[fmi]
+    root = _root("ssd:SystemStructureDescription", ("ssd", "ssc", "ssv", "ssm"), version, name)
+    system = ET.SubElement(root, "ssd:System", {"name": name})
+    connectors = ET.SubElement(system, "ssd:Connectors")
+    elements = ET.SubElement(system, "ssd:Elements")
+    connections = ET.SubElement(system, "ssd:Connections")
+    for tire in components:
+        source = {"name": tire.name, "type": MEDIA["fmu"], "source": tire.fmu, "implementation": "CoSimulation"}
+        component = ET.SubElement(elements, "ssd:Component", source)
+        own = ET.SubElement(component, "ssd:Connectors")
+        for variable in tire.connectors:
+            outside = f"{tire.name}_{variable.name}"
+            _append_connector(own, variable.name, variable, kind)
+            _append_connector(connectors, outside, variable, kind)
+            inner = {"Element": tire.name, "Connector": variable.name}
+            into = variable.causality == "input"
+            ends = ({"Connector": outside}, inner) if into else (inner, {"Connector": outside})
+            named = {f"{end}{key}": text for end, keys in zip(("start", "end"), ends, strict=True)
+                     for key, text in keys.items()}  # fmt: skip
+            ET.SubElement(connections, "ssd:Connection", named)
+        bindings = ET.SubElement(component, "ssd:ParameterBindings")
+        binding = ET.SubElement(bindings, "ssd:ParameterBinding", {"type": MEDIA["ssv"], "source": tire.values})
+        ET.SubElement(binding, "ssd:ParameterMapping", {"type": MEDIA["ssm"], "source": tire.mapping})
+    _append_units(root, "ssd", [variable for tire in components for variable in tire.connectors])
+    ET.SubElement(root, "ssd:DefaultExperiment", {"startTime": "0.0", "stopTime": "1.0"})
+    return xml_bytes(root)
+
+
+def _root(tag: str, prefixes: Sequence[str], version: str, name: str = "") -> ET.Element:
+    spaces = {f"xmlns:{prefix}": NAMESPACES[prefix] for prefix in prefixes}
+    named = {"name": name} if name else {}
+    return ET.Element(tag, {**spaces, "version": version, **named, "generationTool": "tirefmu"})
+
+
+def _append_connector(parent: ET.Element, name: str, variable: Variable, kind: str) -> None:
+    described = {"name": name, "kind": variable.causality, "description": variable.description}
+    connector = ET.SubElement(parent, "ssd:Connector", described)
+    ET.SubElement(connector, f"ssc:{kind}", {"unit": variable.unit})
+
+
+def _append_units(root: ET.Element, prefix: str, variables: Iterable[Variable]) -> None:
+    units = ET.SubElement(root, f"{prefix}:Units")
+    for unit in dict.fromkeys(variable.unit for variable in variables):
+        element = ET.SubElement(units, "ssc:Unit", {"name": unit})
+        ET.SubElement(element, "ssc:BaseUnit", {name: repr(power) for name, power in base_unit(unit).items()})

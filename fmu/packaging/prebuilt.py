@@ -1,0 +1,177 @@
+"""Binaries built beforehand: each serves every tire of a model with the same variables, and needs no compiler.
+
+The values of the tire are in a file of the FMU (`values_file`), which the binary reads when it is instantiated. A
+binary is found by the digest of its C sources: it is never used for other sources, such as those of an added effect or
+of another version of tirefmu. ``make prebuilt`` builds the binaries (`prebuilding`); a wheel contains them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import lzma
+import struct
+import sys
+from dataclasses import dataclass
+from importlib.resources import files
+from math import isfinite
+from pathlib import Path
+
+from tirefmu.symbolic.errors import FmuError
+from tirefmu.tires import Tire
+
+from ..description.interface import Interface, interface
+from .sources import CONFIG, code_files, generic_files, input_ranges, model_config
+
+#: The folder of the binaries, and the file with their digests in it.
+FOLDER = Path(str(files("tirefmu.fmu"))) / "prebuilt"
+MANIFEST = "manifest.json"
+#: The file of the values inside an FMU, and its format, as in wrapper/tire_file.c and wrapper/tire.h.
+VALUES_FILE = "resources/tire_values.bin"
+_FORMAT = b"TIREFMU1"
+_TEXT_SIZES = (48, 256)
+
+
+@dataclass(frozen=True)
+class Generic:
+    """What the tires that share a binary have in common.
+
+    Attributes
+    ----------
+    shown : Interface
+        With all named quantities as outputs: an FMU without them has the first variables of this list.
+    sources : dict of str to bytes
+        C files and headers by name.
+    structure : str
+        SHA-256 digest of the sources, by which the binary accepts a file of values.
+    """
+
+    shown: Interface
+    sources: dict[str, bytes]
+    structure: str
+
+
+def generic(tire: Tire, *, inputs: str = "slip", axes: str = "iso") -> Generic:
+    """Return what a tire shares with the other tires of its model that have the same variables.
+
+    Parameters
+    ----------
+    tire : Tire
+    inputs, axes
+        As in `export`.
+
+    Returns
+    -------
+    Generic
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from tirefmu.tires import published
+    >>> tire = published("trento_hoosier")
+    >>> other = replace(tire, values={**tire.values, "PDY1": 3.0})
+    >>> generic(tire).structure == generic(other).structure != generic(tire, axes="sae").structure
+    True
+    """
+    shown = interface(tire, inputs=inputs, axes=axes, quantities=True)
+    sources = {**code_files(generic_files(shown), shown), CONFIG: model_config(shown).encode()}
+    digest = hashlib.sha256()
+    for name, content in sorted(sources.items()):
+        digest.update(b"%s %d\n%s" % (name.encode(), len(content), content))
+    structure = digest.hexdigest()
+    sources[CONFIG] += f'#define STRUCTURE "{structure}"\n'.encode()
+    return Generic(shown, sources, structure)
+
+
+def values_file(found: Generic, token: str, count: int) -> bytes:
+    """Return the file with the values of a tire, little-endian.
+
+    Parameters
+    ----------
+    found : Generic
+        Of the tire.
+    token : str
+        As in the model description.
+    count : int
+        Number of variables in the model description.
+
+    Returns
+    -------
+    bytes
+
+    Raises
+    ------
+    FmuError
+        If a text is too long for the file.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> values_file(generic(published("trento_hoosier")), "{1}", 100)[:8]
+    b'TIREFMU1'
+    """
+    listed, largest = found.shown.variables, sys.float_info.max
+    texts = []
+    for text, size in zip((token, found.shown.relaxation_note), _TEXT_SIZES, strict=True):
+        if len(text.encode()) >= size:
+            raise FmuError(f"{text[:40]}... is too long for {VALUES_FILE}")
+        texts.append(text.encode().ljust(size, b"\0"))
+    numbers = [
+        *(float(variable.start or 0.0) for variable in listed),
+        *(float(variable.lower) if isfinite(variable.lower) else -largest for variable in listed),
+        *(float(variable.upper) if isfinite(variable.upper) else largest for variable in listed),
+        *(limit for limits in input_ranges(found.shown) for limit in limits),
+    ]
+    body = struct.pack(f"<Q{len(numbers)}d", count, *numbers)
+    return b"".join([_FORMAT, found.structure.encode(), *texts, body])
+
+
+def has_prebuilt() -> bool:
+    """Return whether the installation contains binaries.
+
+    Examples
+    --------
+    >>> has_prebuilt() in (True, False)
+    True
+    """
+    return (FOLDER / MANIFEST).is_file()
+
+
+def prebuilt_binary(structure: str, platform: str) -> bytes | None:
+    """Return a binary that was built beforehand.
+
+    Parameters
+    ----------
+    structure : str
+        As of `generic`.
+    platform : str
+        FMI 3's name.
+
+    Returns
+    -------
+    bytes or None
+        None if there is none for these sources and this platform.
+
+    Raises
+    ------
+    FmuError
+        If the file is missing or damaged, or the binary differs from its digest.
+
+    Examples
+    --------
+    >>> prebuilt_binary("another structure", "x86_64-linux") is None
+    True
+    """
+    if not has_prebuilt():
+        return None
+    entry = json.loads((FOLDER / MANIFEST).read_text(encoding="ascii")).get(f"{structure} {platform}")
+    if entry is None:
+        return None
+    path, end = FOLDER / entry["file"], entry["start"] + entry["size"]
+    try:
+        content = lzma.LZMADecompressor().decompress(path.read_bytes(), end)[entry["start"] :]
+    except (OSError, lzma.LZMAError):
+        content = b""
+    if hashlib.sha256(content).hexdigest() != entry["sha256"]:
+        raise FmuError(f"{path} is missing or differs from its digest: install tirefmu again, or delete its folder")
+    return content
