@@ -170,6 +170,21 @@ static void put_block(size_t n, size_t stride, const double block[], double resu
         undone[i] = sum[i] != 0.0; /* NaN differs from everything */
 }
 
+/* Put n rows of `count` chosen results into a table; a row in which one is not finite is marked as undone. */
+static void put_chosen(size_t n, size_t stride, const double block[], size_t count, const size_t chosen[],
+    double results[], unsigned char undone[])
+{
+    double sum[BLOCK] = {0.0};
+    for (size_t k = 0; k < count; k++) {
+        const double *result = block + chosen[k]*STRIDE;
+        for (size_t i = 0; i < BLOCK; i++)
+            sum[i] += 0.0*result[i];
+        memcpy(results + k*stride, result, n*sizeof(double));
+    }
+    for (size_t i = 0; i < n; i++)
+        undone[i] = sum[i] != 0.0;
+}
+
 /* Weighted least squares: of each force J^T W J, J^T W r and r^T W r, accumulated while the derivatives of PANEL rows are
    in the processor's cache. A panel has the weighted derivatives of one force, coefficient by coefficient, STEP numbers
    apart, and the weighted residuals last. */
@@ -1431,6 +1446,23 @@ void mf96_batch_jacobian_parameters(size_t n, size_t stride, const double inputs
         take_block(m, stride, inputs + start, aligned(columns));
         jacobian_parameters_kernel(aligned(columns), parameters, aligned(block));
         put_block(m, stride, aligned(block), results + start, undone + start);
+    }
+}
+
+void mf96_batch_chosen_derivatives(size_t n, size_t stride, const double inputs[],
+    const double parameters[], size_t count, const size_t chosen[], double results[],
+    unsigned char undone[]);
+
+void mf96_batch_chosen_derivatives(size_t n, size_t stride, const double inputs[],
+    const double parameters[], size_t count, const size_t chosen[], double results[],
+    unsigned char undone[])
+{
+    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*STRIDE + 8];
+    for (size_t start = 0; start < n; start += BLOCK) {
+        const size_t m = n - start < BLOCK ? n - start : BLOCK;
+        take_block(m, stride, inputs + start, aligned(columns));
+        jacobian_parameters_kernel(aligned(columns), parameters, aligned(block));
+        put_chosen(m, stride, aligned(block), count, chosen, results + start, undone + start);
     }
 }
 

@@ -33,3 +33,18 @@ static void put_block(size_t n, size_t stride, const double block[], double resu
     for (size_t i = 0; i < n; i++)
         undone[i] = sum[i] != 0.0; /* NaN differs from everything */
 }
+
+/* Put n rows of `count` chosen results into a table; a row in which one is not finite is marked as undone. */
+static void put_chosen(size_t n, size_t stride, const double block[], size_t count, const size_t chosen[],
+    double results[], unsigned char undone[])
+{
+    double sum[BLOCK] = {0.0};
+    for (size_t k = 0; k < count; k++) {
+        const double *result = block + chosen[k]*STRIDE;
+        for (size_t i = 0; i < BLOCK; i++)
+            sum[i] += 0.0*result[i];
+        memcpy(results + k*stride, result, n*sizeof(double));
+    }
+    for (size_t i = 0; i < n; i++)
+        undone[i] = sum[i] != 0.0;
+}

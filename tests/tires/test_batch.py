@@ -9,6 +9,7 @@ from tirefmu.symbolic.models import MODELS
 from tirefmu.tires.code import (
     MANY_ROWS,
     WeightedRows,
+    chosen_derivatives,
     code_for,
     fastest_code,
     kernel,
@@ -108,6 +109,8 @@ def test_chunks_are_the_entries_in_turn(model, parameters, language):
         assert [part.stop - part.start for part, _ in chunks] == [64, 64, inputs.shape[1] - 128]
         whole = code.jacobian_entries(inputs, parameters)
         np.testing.assert_array_equal(np.concatenate([entries for _, entries in chunks], axis=1), whole)
+        chosen = np.arange(len(whole))[-2::-3]
+        np.testing.assert_array_equal(chosen_derivatives(code, inputs, parameters, chosen), whole[chosen])
 
 
 def test_rows_outside_the_range_of_the_kernels(model, parameters):

@@ -11,7 +11,7 @@ from tirefmu.symbolic.model import Model
 
 from .c_code import c_code
 from .interface import Code, as_matrices, chunks_of, jacobian_entries_of, slices, straight_rows
-from .kernel import Kernel
+from .kernel import ChosenDerivatives, Kernel
 from .modules import numpy_module
 from .normal_equations import Equations, EquationsKernel, WeightedRows, equations_by_chunks
 
@@ -48,6 +48,28 @@ def forces_of_each(code: Code, inputs: FloatArray, population: FloatArray) -> Fl
     return np.stack([code.forces(inputs, parameters) for parameters in population])
 
 
+def chosen_derivatives(
+    code: Code, inputs: FloatArray, parameters: FloatArray, entries: npt.NDArray[np.intp]
+) -> FloatArray:
+    """Return some derivatives of the forces by coefficients.
+
+    Parameters
+    ----------
+    code : Code
+    inputs : ndarray, shape (n_inputs, n)
+    parameters : ndarray, shape (n_parameters,)
+    entries : ndarray of int, shape (n_chosen,)
+        Indices into `Code.entries`.
+
+    Returns
+    -------
+    ndarray, shape (n_chosen, n)
+    """
+    if isinstance(code, _BatchCode):
+        return code.chosen_derivatives(inputs, parameters, entries)
+    return code.jacobian_entries(inputs, parameters)[entries]
+
+
 def normal_equations(code: Code, rows: WeightedRows, parameters: FloatArray) -> Equations:
     """Return the normal equations of weighted least squares in chosen coefficients, force by force.
 
@@ -77,6 +99,7 @@ class _BatchCode:
         self.entries = jacobian_entries_of(self._module)
         self._kernels: dict[str, Kernel] = {}
         self._equations: EquationsKernel | None = None
+        self._chosen: ChosenDerivatives | None = None
         self._kernel("forces")  # raises CompilerError here rather than at the first use
 
     def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
@@ -88,6 +111,18 @@ class _BatchCode:
         undone |= ~straight
         for i in np.flatnonzero(undone.any(axis=1)):
             results[i][:, undone[i]] = self._single.forces(inputs[:, undone[i]], population[i])
+        return results
+
+    def chosen_derivatives(
+        self, inputs: FloatArray, parameters: FloatArray, entries: npt.NDArray[np.intp]
+    ) -> FloatArray:
+        if not straight_rows(self._book, inputs, parameters).all():
+            return self.jacobian_entries(inputs, parameters)[entries]
+        if self._chosen is None:
+            self._chosen = ChosenDerivatives(self._book)
+        results, undone = self._chosen(inputs, parameters, entries)
+        if undone.any():
+            results[:, undone] = self._row_by_row("jacobian_parameters", inputs[:, undone], parameters)[entries]
         return results
 
     def normal_equations(self, rows: WeightedRows, parameters: FloatArray) -> Equations:

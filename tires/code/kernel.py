@@ -125,6 +125,38 @@ class Kernel:
         return results, undone
 
 
+class ChosenDerivatives:
+    """Some entries of the Jacobian by coefficients: the others are not written out.
+
+    Parameters
+    ----------
+    book : Model
+
+    Raises
+    ------
+    CompilerError
+        If it cannot be compiled.
+    """
+
+    def __init__(self, book: Model) -> None:
+        self._call = getattr(loaded_kernel(book, "jacobian_parameters"), f"{book.name}_batch_chosen_derivatives")
+        self._call.restype = None
+        self._call.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 2, ctypes.c_size_t,
+                               *[ctypes.c_void_p] * 3]  # fmt: skip
+
+    def __call__(
+        self, inputs: FloatArray, parameters: FloatArray, entries: npt.NDArray[np.intp]
+    ) -> tuple[FloatArray, BoolArray]:
+        """Return the entries, shape (n_chosen, n), and which rows have none."""
+        columns = np.ascontiguousarray(inputs, dtype=np.float64)
+        values = np.ascontiguousarray(parameters, dtype=np.float64)
+        chosen, n = np.ascontiguousarray(entries, dtype=np.uintp), columns.shape[1]
+        results, undone = np.empty((len(chosen), n)), np.empty(n, dtype=np.bool_)
+        into, given, which, out, marks = (array.ctypes.data for array in (columns, values, chosen, results, undone))
+        self._call(n, n, into, given, len(chosen), which, out, marks)
+        return results, undone
+
+
 def loaded_kernel(book: Model, routine: str) -> ctypes.CDLL:
     """Return the library of a routine's kernel, built by the first flags that the compiler takes.
 
