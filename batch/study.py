@@ -91,6 +91,7 @@ def study(
     workers : int, optional
         Number of local processes. Default: one for each processor.
     progress : callable, optional
+        Called with the numbers of finished and of all runs.
 
     Returns
     -------
@@ -104,6 +105,14 @@ def study(
         If the file is not such an FMU.
     FitError, UnknownName, DataError
         As for `read_study`; if a parameter or an output does not exist, or a table cannot be used.
+
+    Examples
+    --------
+    docs/many_tires.md has a study with its results.
+
+    >>> study("tire.fmu", "missing.toml", "runs")
+    Traceback (most recent call last):
+    tirefmu.symbolic.errors.FitError: missing.toml: cannot be read (No such file or directory)
     """
     fmu, folder = path_from(fmu), path_from(folder)
     plan = plan if isinstance(plan, Study) else read_study(plan)

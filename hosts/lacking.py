@@ -39,6 +39,18 @@ def without(tire: Tire, lacking: Collection[str], table: pd.DataFrame) -> Tire:
     Returns
     -------
     Tire
+
+    Examples
+    --------
+    Without the tire's QDZ2 the trail no longer changes with load; its mean is that of the table.
+
+    >>> from tirefmu.tires import Tire
+    >>> side = {"FNOMIN": 4000.0, "UNLOADED_RADIUS": 0.3, "PCY1": 1.3, "PDY1": 1.0, "PKY1": 20.0}
+    >>> tire = Tire("mf96", {**side, "QBZ1": 8.0, "QCZ1": 1.1, "QDZ1": 0.1, "QDZ2": 0.02})
+    >>> table = pd.DataFrame({"alpha": np.linspace(-0.1, 0.1, 41), "Fz": 5000.0})
+    >>> fitted = without(tire, ["QDZ2"], table)
+    >>> fitted.values["QDZ2"], round(fitted.values["QDZ1"], 3)
+    (0.0, 0.105)
     """
     declared, code = tire.book.coefficients, code_for(tire.book, "numpy")
     inputs = np.stack([np.broadcast_to(table.get(name, tire.nominal(name)), len(table)) for name in tire.inputs])
