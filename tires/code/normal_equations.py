@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg.blas import dsyrk
 
 from tirefmu.symbolic.model import Model
 
@@ -68,17 +67,15 @@ def equations_by_chunks(code: Code, rows: WeightedRows, parameters: FloatArray) 
     Equations
     """
     gradients = [np.zeros(len(entries)) for entries in rows.entries]
-    matrices = [np.zeros((len(entries), len(entries)), order="F") for entries in rows.entries]
+    matrices = [np.zeros((len(entries), len(entries))) for entries in rows.entries]
     for chunk, jacobian in code.jacobian_chunks(rows.inputs, parameters, CHUNK):
         for force, entries in enumerate(rows.entries):
             here = np.flatnonzero(rows.roots[force, chunk])
             if len(here) and len(entries):
                 weighted = jacobian[np.ix_(entries, here)] * rows.roots[force, chunk][here]
                 gradients[force] += weighted @ rows.residuals[force, chunk][here]
-                dsyrk(1.0, weighted.T, beta=1.0, c=matrices[force], trans=1, overwrite_c=1)  # the upper triangle
-    return [
-        (gradient, np.triu(upper) + np.triu(upper, 1).T) for gradient, upper in zip(gradients, matrices, strict=True)
-    ]
+                matrices[force] += weighted @ weighted.T
+    return list(zip(gradients, matrices, strict=True))
 
 
 class EquationsKernel:
