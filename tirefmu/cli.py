@@ -130,7 +130,8 @@ def evaluate(
 @RADIUS
 @click.option("--fmi", type=click.Choice(["2", "3"]), help="FMI version  [default: 3; pythonfmu: 2]")
 @click.option("--inputs", default="slip", show_default=True,
-              help="slip: kappa, alpha, ...; wheel: velocities of the contact point and angular speed.")  # fmt: skip
+              help="slip: kappa, alpha, ...; wheel: velocities of the contact point and angular speed; hub: motion of"
+              " the wheel carrier, spin, road; hub-torque: drive and brake torque in place of the spin.")  # fmt: skip
 @click.option("--axes", type=click.Choice(["iso", "sae"]), default="iso", show_default=True, help="Axes of the FMU.")
 @click.option("--quantities", is_flag=True, help="Every named quantity is an output.")
 @click.option(
@@ -179,9 +180,10 @@ def export(
     size = written.stat().st_size
     summary = {"ok": True, "fmu": str(written), "fmi": version, "inputs": inputs, "kind": kind, "bytes": size}
     write_json(json_file, summary)
-    interfaces = "Co-Simulation and Model Exchange" if kind == "native" else "Co-Simulation"
+    both = kind == "native" and inputs != "hub-torque"
+    interfaces = "Co-Simulation and Model Exchange" if both else "Co-Simulation"
     terminal.print(f"FMI {version}.0 {interfaces}, {kind}, {inputs} inputs, {size / 1024:.0f} KB: {written}")
-    if inputs == "wheel" and (note := with_lengths(loaded)[1]):
+    if inputs != "slip" and (note := with_lengths(loaded)[1]):
         terminal.print(f"note: {note}")
     return 0
 

@@ -50,7 +50,7 @@ def axes_of_inputs(folder: Path, fmu_path: str | os.PathLike[str]) -> str:
         raise FmuError(f"{source}: not an object")
     if interface.get("inputs", "slip") != "slip":
         raise FmuError(
-            f"{fmu_path}: its inputs are velocities of the wheel, but a recording has slips: export it with slip inputs"
+            f"{fmu_path}: its inputs are the motion of the wheel, but a recording has slips: export it with slip inputs"
         )
     axes = interface.get("axes", "iso")
     if axes not in ("iso", "sae"):

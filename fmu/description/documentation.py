@@ -121,13 +121,31 @@ def _how_to_connect(inputs: Sequence[Variable]) -> Iterable[str]:
     yield "Forces and moments act on the wheel at its contact point, in the wheel's own axes (TYDEX W where the"
     yield "sentence above states ISO axes). The FMU rejects a value that is not finite and does not change its state."
     yield "An unconnected input has its start value. Fz is load, positive in ISO axes; at Fz = 0 all forces are 0.</p>"
-    if "V_x" in names:
+    if "r_x" in names:
+        yield from _hub("T_drive" in names)
+        yield from _standstill(True)
+    elif "V_x" in names:
         yield "<p>V_x and V_y are the velocity of the contact point, which moves with the wheel's centre, in the plane"
         yield "of the road: along the wheel plane and across it. omega is the angular speed of the wheel, 0 if locked."
         yield "Apply Fx at the loaded radius R_l, if it is an output, in the wheel's equation of motion.</p>"
         yield from _standstill("psi_dot" in names)
     else:
         yield "<p>kappa = (omega R_e - V_x)/|V_x|, tan(alpha) = V_y/|V_x|.</p>"
+
+
+def _hub(spins: bool) -> Iterable[str]:
+    """Yield the section about the wheel carrier and the road."""
+    yield "<p>r is the position of the wheel centre; R_11 to R_33 the orientation of the wheel carrier, whose columns"
+    yield "are its axes in global axes: x forward, y to the left along the spin axis, z up. Velocities v and w are in"
+    yield "global axes. The road is a plane: its height road_z at r_x, r_y, its normal, and its velocity. On an uneven"
+    yield "road, give the plane that touches the road near the contact point c_x, c_y, c_z. Forces F and moments M act"
+    yield "on the wheel at its centre, in the axes of the carrier and in global axes. The load is that at which the"
+    yield "loaded radius of the model is the distance R_l of the wheel centre from the contact point, with"
+    yield "VERTICAL_DAMPING and, below BOTTOM_RADIUS, with BOTTOM_STIFF in addition; it is constant over a step.</p>"
+    if spins:
+        yield "<p>The spin omega, relative to the carrier, is a state: it follows from T_drive, M_y and a brake, which"
+        yield "holds the wheel or slows it by T_brake. The carrier has the moments M_x and M_z, and -brake_torque about"
+        yield "its y axis in place of M_y. Gyroscopic moments of the wheel are those of the host.</p>"
 
 
 def _standstill(turns: bool) -> Iterable[str]:

@@ -8,16 +8,28 @@ from math import inf
 
 from tirefmu.symbolic.added.state import State
 from tirefmu.symbolic.declarations import Quantity
-from tirefmu.symbolic.errors import UnknownName
+from tirefmu.symbolic.errors import FmuError, UnknownName
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.quantities import KAPPA_LAGGED, TAN_ALPHA_LAGGED
 from tirefmu.tires import Tire
 from tirefmu.tires.evaluation import quantities as quantities_of
 
-from .variables import TIME, Variable, feedthrough, is_indicator, option_variable, parameter_variable, read_inputs
+from .hub_variables import hub_inputs, hub_motion, hub_outputs, hub_parameters
+from .variables import (
+    TIME,
+    Variable,
+    feedthrough,
+    input_variable,
+    is_indicator,
+    option_variable,
+    parameter_variable,
+    read_inputs,
+)
 
 #: The kinds of inputs and the axes that an FMU can have.
-INPUTS = ("slip", "wheel")
+INPUTS = ("slip", "wheel", "hub", "hub-torque")
+#: Those with the motion of the wheel carrier.
+HUB = ("hub", "hub-torque")
 AXES = ("iso", "sae")
 #: Axes of the FMU and the sign convention in which its tire is evaluated.
 FORMULA = {"iso": "iso", "sae": "adapted-sae"}
@@ -60,8 +72,8 @@ class Interface:
     axes : str
         One of `AXES`.
     variables : tuple of Variable
-        In the order of their value references: ``time``, inputs, forces, parameters, states, their derivatives,
-        extra outputs.
+        In the order of their value references: ``time``, inputs, the motion of the wheel that hub inputs determine,
+        forces, parameters, states, their derivatives, extra outputs.
     relaxation_note : str
         The relaxation lengths assumed for a tire that has none; empty if none are assumed.
     """
@@ -73,13 +85,28 @@ class Interface:
     relaxation_note: str = ""
 
     def group(self, name: str) -> list[Variable]:
-        """Return the variables of a group: input, force, parameter, state, derivative or extra."""
+        """Return the variables of a group: input, motion, force, parameter, state, derivative or extra."""
         return [variable for variable in self.variables if variable.group == name]
 
     @property
     def wheel(self) -> bool:
-        """True if the inputs are velocities."""
-        return self.inputs == "wheel"
+        """True if the FMU computes slips from velocities."""
+        return self.inputs != "slip"
+
+    @property
+    def hub(self) -> bool:
+        """True if the inputs are the motion of the wheel carrier."""
+        return self.inputs in HUB
+
+    @property
+    def spins(self) -> bool:
+        """True if the spin of the wheel is a state."""
+        return self.inputs == "hub-torque"
+
+    @property
+    def contact_inputs(self) -> list[Variable]:
+        """The variables that the contact kinematics reads: inputs, and the motion computed from those of a hub."""
+        return [*self.group("input"), *self.group("motion")]
 
     @property
     def lags(self) -> bool:
@@ -109,8 +136,9 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
     ----------
     tire : Tire
         In any signs.
-    inputs : {"slip", "wheel"}
-        Slips, or the velocities from which the FMU computes them.
+    inputs : {"slip", "wheel", "hub", "hub-torque"}
+        Slips, the velocities from which the FMU computes them, or the motion of the wheel carrier and the road, with
+        the spin of the wheel or with the torques that it follows from.
     axes : {"iso", "sae"}
         TYDEX W (z up), or SAE (z down, y to the right).
     quantities : bool
@@ -127,6 +155,8 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
     ------
     UnknownName
         If inputs or axes do not exist.
+    FmuError
+        If hub inputs have other axes than ISO.
 
     Examples
     --------
@@ -137,8 +167,11 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
     for what, given, known in (("kind of inputs", inputs, INPUTS), ("kind of axes", axes, AXES)):
         if given not in known:
             raise UnknownName(what, given, known)
+    hub, spins = inputs in HUB, inputs == "hub-torque"
+    if hub and axes != "iso":
+        raise FmuError("hub inputs have ISO axes only")
     tire = tire.in_signs(FORMULA[axes])
-    book, wheel = tire.book, inputs == "wheel"
+    book, wheel = tire.book, inputs != "slip"
     tire, note = with_lengths(tire) if wheel else (tire, "")
     read = read_inputs(tire)
     states = [
@@ -147,13 +180,17 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         *(_memory_state(tire, name) for name in tire.states),
         *((_state(DISTANCE),) if "distance" in read else ()),
     ]
-    hosts = _wheel_inputs(tire, read) if wheel else _slip_inputs(tire, read, bool(states))
+    if hub:
+        hosts = [*hub_inputs(tire, read, *free_rolling(tire), spins=spins), *hub_motion()]
+    else:
+        hosts = _wheel_inputs(tire, read) if wheel else _slip_inputs(tire, read, bool(states))
     values = dict(zip(book.parameters, tire.parameters().tolist(), strict=True))
-    extras = _extras(tire, wheel, quantities)
+    extras = _extras(tire, inputs, quantities)
     parameters = [
         *(parameter_variable(declared, values[name], tire.signs) for name, declared in book.coefficients.items()),
         *(option_variable(option, values[option.parameter]) for option in book.options),
         *(_standstill(tire) if wheel else ()),
+        *(hub_parameters(tire, spins) if hub else ()),
     ]
     plain = (
         TIME,
@@ -169,7 +206,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         replace(v, reversed=True, start=None if v.start is None else -v.start) if _stem(v.name) in reverse else v
         for v in plain
     )
-    return Interface(tire, inputs, axes, _with_structure(turned, book, wheel), note)
+    return Interface(tire, inputs, axes, _with_structure(turned, book, inputs), note)
 
 
 def with_lengths(tire: Tire) -> tuple[Tire, str]:
@@ -222,29 +259,29 @@ def _memory_state(tire: Tire, name: str) -> Variable:
 def _slip_inputs(tire: Tire, read: set[str], rolls: bool) -> list[Variable]:
     """Return the model's inputs, and the speed if only a state needs it."""
     computed = {"distance", *tire.book.states}
-    shown = [_input(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - computed]
+    shown = [input_variable(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - computed]
     if rolls and "V" not in tire.inputs:
-        shown.append(_input(Quantity("V", "m/s", "forward speed of the contact point", typical=SPEED), 0.0))
+        shown.append(input_variable(Quantity("V", "m/s", "forward speed of the contact point", typical=SPEED), 0.0))
     return shown
 
 
 def _wheel_inputs(tire: Tire, read: set[str]) -> list[Variable]:
     """Return the wheel's motion, free rolling at the start, and the remaining inputs of the model."""
-    nominal = quantities_of(tire.in_signs("iso"), {"kappa": 0.0})
-    speed = tire.nominal("V") if "V" in tire.inputs else SPEED
-    radius = float(nominal.get(tire.book.quantity("rolling_radius"), tire.values["UNLOADED_RADIUS"]))
-    starts = {"V_x": speed, "V_y": 0.0, "omega": speed / radius}
+    speed, spin = free_rolling(tire)
+    starts = {"V_x": speed, "V_y": 0.0, "omega": spin}
     moved = {"kappa", "alpha", "V", "phit", "distance", *tire.book.states}
     return [
-        *(_input(quantity, starts[quantity.name]) for quantity in MOTION),
-        *((_input(YAWING, 0.0),) if "phit" in read else ()),
-        *(_input(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - moved),
+        *(input_variable(quantity, starts[quantity.name]) for quantity in MOTION),
+        *((input_variable(YAWING, 0.0),) if "phit" in read else ()),
+        *(input_variable(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - moved),
     ]
 
 
-def _input(quantity: Quantity, start: float) -> Variable:
-    described = (quantity.name, "input", quantity.unit, quantity.description)
-    return Variable(*described, start=start, nominal=quantity.typical, group="input")
+def free_rolling(tire: Tire) -> tuple[float, float]:
+    """Return speed, m/s, and spin, rad/s, of the freely rolling wheel at the nominal operating condition."""
+    nominal = quantities_of(tire.in_signs("iso"), {"kappa": 0.0})
+    speed = tire.nominal("V") if "V" in tire.inputs else SPEED
+    return speed, speed / float(nominal.get(tire.book.quantity("rolling_radius"), tire.values["UNLOADED_RADIUS"]))
 
 
 def _standstill(tire: Tire) -> tuple[Variable, ...]:
@@ -281,11 +318,12 @@ def _stem(name: str) -> str:
     return name.removeprefix("der(").removesuffix(")")
 
 
-def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
+def _extras(tire: Tire, inputs: str, quantities: bool) -> list[Variable]:
     """Return the outputs in addition to the forces; `source` is their source in the C code."""
-    book = tire.book
+    book, wheel = tire.book, inputs != "slip"
     named = book.structure.quantities
-    taken = {*book.parameters, *(q.name for q in (*book.inputs, *book.outputs, *(MOTION if wheel else ())))}
+    own = hub_outputs(inputs == "hub-torque") if inputs in HUB else []
+    taken = {*book.parameters, *(q.name for q in (*book.inputs, *book.outputs, *(MOTION if wheel else ()), *own))}
     chosen = named if quantities else [name for name in map(book.quantity, ("rolling_radius", "loaded_radius")) if name]
     found = [Variable("friction_use", "output", "1", "force as a share of the friction ellipse",
                       nominal=1.0, group="extra", source="FRICTION_USE")]  # fmt: skip
@@ -296,6 +334,7 @@ def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
             Variable("alpha", "output", "rad", "side slip angle from the wheel's motion", nominal=0.1, group="extra",
                      source="ALPHA_GIVEN"),
         ]  # fmt: skip
+    found += own
     if tire.lags or wheel:
         found.append(Variable("alpha_lagged", "local", "rad", "side slip angle from its lagged tangent",
                               group="extra", source="ALPHA_LAGGED"))  # fmt: skip
@@ -312,17 +351,21 @@ def _extras(tire: Tire, wheel: bool, quantities: bool) -> list[Variable]:
     ]
 
 
-def _with_structure(listed: tuple[Variable, ...], book: Model, wheel: bool) -> tuple[Variable, ...]:
+def _with_structure(listed: tuple[Variable, ...], book: Model, interface_inputs: str) -> tuple[Variable, ...]:
     """Return the variables with the dependencies of outputs and derivatives, and the state of each derivative."""
     references = {variable.name: reference for reference, variable in enumerate(listed)}
-    inputs = tuple(reference for reference, v in enumerate(listed) if v.group == "input")
+    inputs = tuple(reference for reference, v in enumerate(listed) if v.causality == "input")
     states = tuple(reference for reference, v in enumerate(listed) if v.group == "state")
-    outputs = [v.name for v in listed if v.group in ("force", "extra") and not is_indicator(v)]
-    reached = feedthrough(book, [name for name in outputs if name not in ("kappa", "alpha", "alpha_lagged")])
+    hub, wheel = interface_inputs in HUB, interface_inputs != "slip"
+    named = [v.name for v in listed if v.group == "extra" and not is_indicator(v)]
+    named = [*(q.name for q in book.outputs), *(name for name in named if name in book.structure.quantities)]
+    reached = feedthrough(book, named)
     friction = (book.quantity("friction_x"), book.quantity("friction_y"))
     reached["friction_use"] = {name for known in ("Fx", "Fy", *friction) for name in reached_by(book, known)}
 
     def depends(variable: Variable) -> tuple[int, ...]:
+        if hub:  # the load depends on the slips, and everything on the load
+            return tuple(sorted({*inputs, *states}))
         if variable.group == "derivative":
             rolled = [
                 references[name]
@@ -347,7 +390,7 @@ def _with_structure(listed: tuple[Variable, ...], book: Model, wheel: bool) -> t
 
     return tuple(
         replace(v, depends=depends(v), derivative_of=references[_stem(v.name)] if v.group == "derivative" else None)
-        if v.group in ("force", "extra", "derivative") and v.causality != "hidden"
+        if v.group in ("motion", "force", "extra", "derivative") and v.causality != "hidden"
         else v
         for v in listed
     )
@@ -359,7 +402,7 @@ def reached_by(book: Model, name: str) -> set[str]:
 
 
 def host_input_indices(shown: Interface) -> list[int]:
-    """Return for every input of the model the index of the host's input with its value; -1 if there is none."""
-    indices: Mapping[str, int] = {variable.name: i for i, variable in enumerate(shown.group("input"))}
+    """Return for every input of the model the index of the variable with its value; -1 if there is none."""
+    indices: Mapping[str, int] = {variable.name: i for i, variable in enumerate(shown.contact_inputs)}
     own = {"omega"} if shown.wheel else set()
     return [indices[name] if name in indices.keys() - own else -1 for name in shown.tire.inputs]

@@ -191,7 +191,7 @@ def _by_group(variables: Sequence[Variable]) -> tuple[list[int], list[int], list
     computed = [
         reference
         for reference, v in enumerate(variables)
-        if reference in (*outputs, *derivatives) or (reference in states and v.start is None)
+        if reference in derivatives or (reference in (*outputs, *states) and v.start is None)
     ]
     return outputs, derivatives, computed
 

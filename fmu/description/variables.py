@@ -188,6 +188,12 @@ def _input(quantity: Quantity, tire: Tire) -> Variable:
     return Variable(quantity.name, "input", quantity.unit, quantity.description, start=start, nominal=quantity.typical)
 
 
+def input_variable(quantity: Quantity, start: float) -> Variable:
+    """Return an input of a native FMU."""
+    described = (quantity.name, "input", quantity.unit, quantity.description)
+    return Variable(*described, start=start, nominal=quantity.typical, group="input")
+
+
 def _hidden(quantity: Quantity) -> Variable:
     """Return a hidden input that this tire does not read, with the value 0."""
     return Variable(quantity.name, "hidden", quantity.unit, quantity.description, start=0.0)

@@ -59,10 +59,13 @@ def export(
         The file to write. Its name is the model identifier as far as C allows.
     fmi : {3, 2, "3.0", "2.0"}, optional
         Version of the standard, as a number or a text; None for the latest version that the kind supports.
-    inputs : {"slip", "wheel"}
+    inputs : {"slip", "wheel", "hub", "hub-torque"}
         ``slip``: kappa, alpha, gamma, Fz and so on, as the model reads them. ``wheel``: velocities V_x and V_y of
         the contact point and the angular speed omega of the wheel. The FMU computes slips and rolling radius, also at
         standstill and in reverse. A tire without relaxation has default relaxation lengths there; the FMU logs them.
+        ``hub``: position, orientation and velocities of the wheel carrier, spin of the wheel and the road. The FMU
+        computes contact point, load and slips, and the forces at the wheel centre. ``hub-torque``: the spin follows
+        from drive and brake torque (Co-Simulation only).
     axes : {"iso", "sae"}
         TYDEX W (z up), or SAE (z down, y to the right), as `signs` of `Tire.evaluate`.
     quantities : bool
@@ -207,7 +210,7 @@ def contents(
     assumed = "Tire with relaxation lengths by default" if shown.relaxation_note else "Steady-state tire"
     what = "Tire with relaxation" if tire.lags else assumed
     sentence = f"{what} {name}: {tire.book.title}; {inputs} inputs; {AXES_NAMES[axes]} axes{rewritten}"
-    header = Header(name, identifier, sentence, c_files(fmi, shown), native, shown.relaxation_note)
+    header = Header(name, identifier, sentence, c_files(fmi, shown), native and not shown.spins, shown.relaxation_note)
 
     # The token connects description and binary; it depends on everything that determines the FMU's behaviour.
     blank = sources(fmi, shown, "") if native else {}

@@ -9,6 +9,7 @@ from math import inf, isfinite
 
 from tirefmu.symbolic.escaping import c_string
 from tirefmu.symbolic.printers.definitions import comment
+from tirefmu.symbolic.wheel.quantities import CONTACT_FORCES
 from tirefmu.tires import states
 from tirefmu.tires.code.modules import c_folder
 
@@ -19,18 +20,42 @@ from .model_code import model_files, split_code
 
 #: The translation units of the wrapper, by FMI version.
 WRAPPER = {2: ("fmi2.c",), 3: ("fmi3.c", "fmi3_not_offered.c")}
-COMMON = ("instance.c", "values.c", "derivatives.c", "terms.c", "chain_rule.c", "continuous.c", "saved_state.c")
-#: The files of the contact kinematics, by whether inputs are velocities; the file of the slips, by whether they lag.
-CONTACT = {False: ("slip_inputs.c",), True: ("wheel_inputs.c", "standstill.c")}
+COMMON = (
+    "instance.c", "values.c", "derivatives.c", "tangents.c", "terms.c", "chain_rule.c", "continuous.c",
+    "saved_state.c",
+)  # fmt: skip
+#: The files of the contact kinematics, by the kind of inputs; the file of the slips, by whether they lag.
+CONTACT = {
+    "slip": ("slip_inputs.c",),
+    "wheel": ("wheel_inputs.c", "standstill.c"),
+    "hub": ("wheel_inputs.c", "standstill.c", "hub.c", "hub_derivatives.c", "root.c"),
+    "hub-torque": ("wheel_inputs.c", "standstill.c", "hub.c", "hub_derivatives.c", "root.c", "spin.c"),
+}
 SLIPS = {False: "direct_slips.c", True: "lagging_slips.c"}
-HEADERS = ("instance.h", "contact.h", "slips.h", "memory.h", "standstill.h", "terms.h", "chain_rule.h")
+HEADERS = (
+    "instance.h", "contact.h", "slips.h", "memory.h", "standstill.h", "hub.h", "spin.h", "root.h", "tangents.h",
+    "terms.h", "chain_rule.h",
+)  # fmt: skip
 CONFIG, RADIUS = "model_config.h", "rolling_radius.h"
 #: The laws of the states, equal for all models.
 LAWS = "state_laws.h"
+#: The functions of the kinematics of hub inputs, equal for all models.
+KINEMATICS = "wheel_kinematics.h"
 #: Roles of the quantities that the wrapper reads.
 ROLES = (
     "friction_x", "friction_y", "stiffness_x", "stiffness_y", "relaxation_x", "relaxation_y", "turning_torque",
+    "loaded_radius",
 )  # fmt: skip
+#: Parameters that the wrapper reads: with inputs of a wheel, and with those of a hub.
+STANDSTILL = ("LOW_SPEED", "LOW_SPEED_DAMPING", "DEFAULT_SIGMA")
+VERTICAL = (
+    "UNLOADED_RADIUS",
+    "VERTICAL_STIFFNESS",
+    "VERTICAL_DAMPING",
+    "BOTTOM_STIFF",
+    "BOTTOM_RADIUS",
+    "WHEEL_INERTIA",
+)
 
 
 def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
@@ -55,7 +80,7 @@ def c_files(fmi: int, shown: Interface) -> tuple[str, ...]:
     ('slip_inputs.c', 'direct_slips.c', 'mf96.c', 'mf96_quantities.c')
     """
     memory = ("memory.c",) if shown.memory else ()
-    files = (*WRAPPER[fmi], *COMMON, *CONTACT[shown.wheel], SLIPS[shown.lags], *memory)
+    files = (*WRAPPER[fmi], *COMMON, *CONTACT[shown.inputs], SLIPS[shown.lags], *memory)
     return (*files, *model_files(shown.tire.model))
 
 
@@ -88,6 +113,8 @@ def sources(fmi: int, shown: Interface, token: str) -> dict[str, bytes]:
     found |= split_code(model, (generated / f"{model}.c").read_text(encoding="ascii"))
     found |= {name: (generated / name).read_bytes() for name in (f"{model}.h", f"{model}_operations.h")}
     found[LAWS] = (files("tirefmu.generated") / "c" / LAWS).read_bytes()
+    if shown.hub:
+        found[KINEMATICS] = (files("tirefmu.generated") / "c" / KINEMATICS).read_bytes()
     if shown.wheel:
         found[RADIUS] = (generated / f"{model}_{RADIUS}").read_bytes()
     return {**found, CONFIG: model_config(shown, token).encode()}
@@ -158,7 +185,8 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define N_PARAMETERS {prefix}_N_PARAMETERS"
     yield f"#define N_COEFFICIENTS {prefix}_N_COEFFICIENTS"
     yield f"#define N_QUANTITIES {prefix}_N_QUANTITIES"
-    yield f"#define N_HOST_INPUTS {len(shown.group('input'))}"
+    yield f"#define N_HOST_INPUTS {len(shown.contact_inputs)}"
+    yield f"#define N_COMPUTED_INPUTS {len(shown.group('motion'))}"
     yield f"#define N_HOST_PARAMETERS {len(shown.group('parameter'))}"
     yield f"#define N_STATES {len(shown.group('state'))}"
     yield f"#define N_EXTRAS {len(shown.group('extra'))}"
@@ -173,6 +201,8 @@ def _sizes(shown: Interface) -> Iterable[str]:
     yield f"#define RELAXES {int(relaxes)}"
     yield f"#define TWISTS {int(shown.twists)}"
     yield f"#define WHEEL {int(shown.wheel)}"
+    yield f"#define HUB {int(shown.hub)}"
+    yield f"#define SPIN {int(shown.spins)}"
     optional = [name for name, used in (("relaxation", relaxes), ("drives", shown.memory)) if used]
     for routine in ["forces", "quantities", *optional]:
         yield f"#define model_{routine} {model}_{routine}"
@@ -197,18 +227,28 @@ def _indices(shown: Interface) -> Iterable[str]:
         if tire.book.quantity(role):
             yield f"#define {role.upper()} {prefix}_{tire.book.quantity(role)}"
     yield f"#define SIDE_FORCE_SENSE {-1.0 if tire.signs == 'iso' else 1.0}"
-    inputs = [variable.name for variable in shown.group("input")]
-    if "psi_dot" in inputs:
+    inputs = [variable.name for variable in shown.contact_inputs]
+    if shown.twists:
         yield f"#define TURN {prefix}_phit"
-    hosts = {"HOST_SPEED": ("V", "V_x"), "HOST_SIDEWAYS": ("V_y",), "HOST_TURNING": ("omega",)}
-    hosts["HOST_YAWING"] = ("psi_dot",)
+    hosts = {"HOST_SPEED": ("V", "V_x"), "HOST_SIDEWAYS": ("V_y",), "HOST_YAWING": ("psi_dot",)}
+    hosts["HOST_TURNING"] = ("wheel_speed",) if shown.hub else ("omega",)
+    hosts |= {"HOST_LOAD": ("Fz",), "HOST_FRICTION": ("road_mu",), "HOST_SPIN": ("omega",)} if shown.hub else {}
+    hosts |= {"HOST_DRIVE": ("T_drive",), "HOST_BRAKE": ("T_brake",)} if shown.spins else {}
     for macro, names in hosts.items():
         for name in set(names) & set(inputs):
             yield f"#define {macro} {inputs.index(name)}"
-    if shown.wheel:
-        own = [variable.name for variable in shown.group("parameter")]
-        for name in ("LOW_SPEED", "LOW_SPEED_DAMPING", "DEFAULT_SIGMA"):
-            yield f"#define {name} {own.index(name)}"
+    own = [variable.name for variable in shown.group("parameter")]
+    for name in STANDSTILL if shown.wheel else ():
+        yield f"#define {name} {own.index(name)}"
+    for name in [name for name in VERTICAL if name in own and shown.hub]:
+        yield f"#define OWN_{name} {own.index(name)}"
+    if shown.hub:
+        forces = [q.name for q in CONTACT_FORCES]
+        yield from _table("CONTACT_FORCES", [str(forces.index(name)) for name in tire.outputs])
+        scales = [f"{prefix}_{name}" for name in tire.book.friction_scales]
+        yield from _table("FRICTION_PARAMETERS", [*scales, "-1"])
+        if not scales:
+            yield "#define HOST_FRICTION 0"  # not read
 
 
 def _memory(shown: Interface) -> list[str]:
@@ -246,13 +286,14 @@ def _limit(value: float) -> str:
 
 def _kind(variable: Variable) -> str:
     """Return the kind of a variable, as named in the C code."""
-    return "STORED" if variable.causality == "local" and variable.start is not None else variable.causality.upper()
+    stored = variable.causality in ("local", "output") and variable.start is not None
+    return "STORED" if stored else variable.causality.upper()
 
 
 def _extra(variable: Variable, model: str) -> str:
     """Return the source of an extra output, as named in the C code."""
     kind, _, name = variable.source.partition(" + ")
-    if kind == "FIRST_PATH":
+    if kind in ("FIRST_PATH", "FIRST_HUB"):
         return variable.source
     return f"{kind} + {model.upper()}_{name}" if name else kind
 

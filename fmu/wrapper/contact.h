@@ -45,6 +45,8 @@ void contact_differentiate(const State *state, const double seeds[N_VALUES], con
 
 /* An input or a wheel parameter in the model's signs. */
 double host_value(const State *state, size_t reference);
+/* The parameters as the model reads them: with hub inputs, the friction of the road scales some of them. */
+const double *model_parameters(const State *state);
 double value_direction(unsigned reference);
 
 #endif

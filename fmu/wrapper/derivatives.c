@@ -9,9 +9,9 @@
 
 #include "chain_rule.h"
 #include "contact.h"
-#include "memory.h"
+#include "hub.h"
 #include "slips.h"
-#include "terms.h"
+#include "tangents.h"
 
 #include <string.h>
 
@@ -40,7 +40,8 @@ static Status expect_differentiable(const Instance *self, const unsigned unknown
         return STATUS_ERROR;
     for (i = 0; i < n_unknowns; i++) {
         kind = value_kind(unknowns[i]);
-        if (kind != OUTPUT && !(unknowns[i] >= FIRST_DERIVATIVE && kind == LOCAL))
+        if (kind != OUTPUT && !(unknowns[i] >= FIRST_DERIVATIVE && kind == LOCAL) &&
+            !(unknowns[i] < FIRST_OUTPUT && kind == STORED))
             return instance_refuse(self, STATUS_ERROR, "%s is neither an output nor a derivative",
                                    value_name(unknowns[i]));
     }
@@ -63,47 +64,13 @@ static Status expect_arrays(const Instance *self, const double seed[], size_t n_
     return instance_expect_pointer(self, sensitivity, n_sensitivity, "the sensitivity");
 }
 
-/* Compute the values of all slots with the given or the acting slips, with or without the states of effects. */
-static void find_values(State *state, Point point, double values[N_SLOTS])
+/* The tangents for seeds; with hub inputs, complete the seeds by those of the motion and of the model's parameters. */
+static void prepare(State *state, double seeds[N_VALUES], const Radius *radius, Tangent *tangent)
 {
-    double inputs[N_INPUTS];
-
-    if (point == ACTING)
-        slips_acting(state, inputs);
-    else
-        memcpy(inputs, state->contact.inputs, sizeof inputs);
-#if N_MEMORY > 0
-    if (point == DIRECT)
-        memory_fill(state, inputs);
+#if HUB
+    hub_differentiate(state, seeds, tangent->motion + HUB_CHANGE);
 #endif
-    chain_values(inputs, state->values + FIRST_PARAMETER, 0.0, values);
-}
-
-static void find_radius(const State *state, Radius *radius)
-{
-#if WHEEL
-    double values[N_SLOTS], adjoints[N_SLOTS] = {0.0};
-
-    chain_values(state->contact.inputs, state->values + FIRST_PARAMETER,
-                 host_value(state, FIRST_INPUT + HOST_TURNING), values);
-    adjoints[ROLLING_RADIUS] = 1.0;
-    chain_backward(values, adjoints);
-    radius->length = values[ROLLING_RADIUS];
-    memcpy(radius->by, adjoints, sizeof radius->by);
-#else
-    (void) state;
-    memset(radius, 0, sizeof *radius);
-#endif
-}
-
-static void find_tangent(State *state, const double seeds[N_VALUES], const Radius *radius, Tangent *tangent)
-{
-    contact_differentiate(state, seeds, radius, tangent);
-    slips_differentiate(state, seeds, tangent);
-    memcpy(tangent->direct, tangent->given, sizeof tangent->direct);
-#if N_MEMORY > 0
-    memory_differentiate(state, seeds, tangent);
-#endif
+    tangent_find(state, seeds, radius, tangent);
 }
 
 /* Add the terms with one kind of slips for all seeds. */
@@ -122,7 +89,7 @@ static void add_forward(State *state, Point point, const Tangent *tangent, const
             if (terms[k].point != point)
                 continue;
             if (!carried) {
-                find_values(state, point, values);
+                tangent_find_values(state, point, values);
                 memcpy(tangents, inputs, N_INPUTS * sizeof *inputs);
                 memcpy(tangents + FIRST_PARAMETER_LEAF, seeds + FIRST_PARAMETER, N_PARAMETERS * sizeof *seeds);
                 tangents[TURNING_LEAF] = 0.0;
@@ -162,7 +129,7 @@ static void find_gradient(State *state, Point point, const unsigned unknowns[], 
                 adjoints[terms[k].slot] += terms[k].factor * weights[i];
     }
     if (point != MOTION) {
-        find_values(state, point, values);
+        tangent_find_values(state, point, values);
         chain_backward(values, adjoints);
     }
     memcpy(gradient, adjoints, (point == MOTION ? N_MOTION : N_LEAVES) * sizeof *gradient);
@@ -187,7 +154,7 @@ static double weighted_derivative(State *state, unsigned known, const Radius *ra
     Tangent tangent;
 
     seeds[known] = value_direction(known);
-    find_tangent(state, seeds, radius, &tangent);
+    prepare(state, seeds, radius, &tangent);
     return product(given, tangent.given, N_INPUTS) + product(given + FIRST_PARAMETER_LEAF, parameters, N_PARAMETERS) +
            product(acting, tangent.acting, N_INPUTS) + product(acting + FIRST_PARAMETER_LEAF, parameters, N_PARAMETERS) +
            product(direct, tangent.direct, N_INPUTS) + product(direct + FIRST_PARAMETER_LEAF, parameters, N_PARAMETERS) +
@@ -258,8 +225,8 @@ Status instance_derivative(Instance *self, const unsigned unknowns[], size_t n_u
         return instance_expect_finite(self, sensitivity, n_unknowns, "a derivative");
     for (j = 0; j < n_knowns; j++)
         seeds[knowns[j]] += seed[j] * value_direction(knowns[j]);
-    find_radius(state, &radius);
-    find_tangent(state, seeds, &radius, &tangent);
+    tangent_find_radius(state, &radius);
+    prepare(state, seeds, &radius, &tangent);
     add_forward(state, GIVEN, &tangent, seeds, unknowns, n_unknowns, sensitivity);
     add_forward(state, ACTING, &tangent, seeds, unknowns, n_unknowns, sensitivity);
     add_forward(state, DIRECT, &tangent, seeds, unknowns, n_unknowns, sensitivity);
@@ -286,7 +253,7 @@ Status instance_adjoint(Instance *self, const unsigned unknowns[], size_t n_unkn
     }
     if (!contact_is_smooth(state))
         return instance_expect_finite(self, sensitivity, n_knowns, "a derivative");
-    find_radius(state, &radius);
+    tangent_find_radius(state, &radius);
     find_gradient(state, GIVEN, unknowns, n_unknowns, seed, given);
     find_gradient(state, ACTING, unknowns, n_unknowns, seed, acting);
     find_gradient(state, DIRECT, unknowns, n_unknowns, seed, direct);

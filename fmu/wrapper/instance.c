@@ -4,6 +4,7 @@
 #include "contact.h"
 #include "memory.h"
 #include "slips.h"
+#include "spin.h"
 #include "state_laws.h"
 
 #include <math.h>
@@ -60,6 +61,11 @@ Instance *instance_create(const char *name, const char *token, Kind kind, LogCal
     strcpy(self->name, given_name);
     if (!token || strcmp(token, INSTANTIATION_TOKEN) != 0) {
         instance_refuse(self, STATUS_ERROR, "the token of the model description differs from the token of this binary");
+        instance_free(self);
+        return NULL;
+    }
+    if (SPIN && kind == MODEL_EXCHANGE) {
+        instance_refuse(self, STATUS_ERROR, "this FMU is for Co-Simulation only");
         instance_free(self);
         return NULL;
     }
@@ -193,6 +199,9 @@ int state_has_begun(const State *state) { return state->mode >= STEPPING; }
 void state_changed(State *state)
 {
     state->contact_known = state->lengths_known = state->outputs_known = state->extras_known = 0;
+#if HUB
+    state->hub_known = 0;
+#endif
 }
 
 Status instance_set_experiment(Instance *self, double start, int stop_defined, double stop)
@@ -231,39 +240,42 @@ Status instance_exit_initialization(Instance *self)
 }
 
 #if N_STATES > 0
+void state_integrate(State *state, double h)
+{
+    contact_find(state);
+#if N_MEMORY > 0
+    memory_advance(state, h);
+#else
+    slips_advance(state, h);
+#endif
+    state->distance = state_sum_linear(state->distance, state->contact.speed, state->contact.speed, h);
+}
+
 /* Integrate the states, which remain unchanged if one would not be finite. */
 static Status advance(Instance *self, double size)
 {
     State *state = &self->state;
-    const double distance = state->distance;
-    double lagging[N_LAGGING];
+    const State before = *state;
     Status status;
-#if N_MEMORY > 0
-    double memory[N_MEMORY];
 
-    memcpy(memory, state->memory, sizeof memory);
-#endif
-    memcpy(lagging, state->lagging, sizeof lagging);
-    contact_find(state);
-#if N_MEMORY > 0
-    memory_advance(state, size);
+#if SPIN
+    spin_advance(state, size);
 #else
-    slips_advance(state, size);
+    state_integrate(state, size);
 #endif
-    state->distance = state_sum_linear(state->distance, state->contact.speed, state->contact.speed, size);
     status = instance_expect_finite(self, state->lagging, N_LAGGING, "a lagged slip");
     if (status == STATUS_OK)
         status = instance_expect_finite(self, &state->distance, 1, "the distance");
 #if N_MEMORY > 0
     if (status == STATUS_OK)
         status = instance_expect_finite(self, state->memory, N_MEMORY, "a state");
-    if (status != STATUS_OK)
-        memcpy(state->memory, memory, sizeof memory);
 #endif
-    if (status != STATUS_OK) {
-        memcpy(state->lagging, lagging, sizeof lagging);
-        state->distance = distance;
-    }
+#if SPIN
+    if (status == STATUS_OK)
+        status = instance_expect_finite(self, state->values + FIRST_INPUT + HOST_SPIN, 1, "the spin");
+#endif
+    if (status != STATUS_OK)
+        *state = before;
     return status;
 }
 #endif
@@ -286,8 +298,8 @@ Status instance_step(Instance *self, double point, double size)
 #if N_STATES > 0
     if (advance(self, size) != STATUS_OK)
         return STATUS_DISCARD;
-#ifdef DISTANCE
-    state_changed(&self->state); /* the model reads the distance */
+#if defined DISTANCE || HUB
+    state_changed(&self->state); /* the model reads the distance; the load depends on the slips */
 #endif
     self->state.outputs_known = self->state.extras_known = 0;
 #endif

@@ -18,6 +18,7 @@
 enum {
     TIME = 0,
     FIRST_INPUT = 1,
+    FIRST_COMPUTED = FIRST_INPUT + N_HOST_INPUTS - N_COMPUTED_INPUTS, /* motion of the wheel, for hub inputs */
     FIRST_OUTPUT = FIRST_INPUT + N_HOST_INPUTS,
     FIRST_PARAMETER = FIRST_OUTPUT + N_OUTPUTS,
     FIRST_STATE = FIRST_PARAMETER + N_HOST_PARAMETERS,
@@ -32,7 +33,28 @@ enum {
 enum { INDEPENDENT, INPUT, OUTPUT, PARAMETER, LOCAL, STORED, HIDDEN };
 
 /* The source of an extra output; see EXTRAS in model_config.h. */
-enum { FRICTION_USE, KAPPA_GIVEN, ALPHA_GIVEN, ALPHA_LAGGED, FIRST_QUANTITY, FIRST_PATH = FIRST_QUANTITY + N_QUANTITIES };
+enum {
+    FRICTION_USE,
+    KAPPA_GIVEN,
+    ALPHA_GIVEN,
+    ALPHA_LAGGED,
+    FIRST_QUANTITY,
+    FIRST_PATH = FIRST_QUANTITY + N_QUANTITIES,
+    FIRST_HUB = FIRST_PATH + N_MEMORY
+};
+
+/* What an FMU with hub inputs computes: the results of the generated function wheel_motion, of which the first ones are
+   MOTION, then load, deflection, the forces of the generated function hub_wrench, and the torque of the brake. */
+enum {
+    N_MOTION_RESULTS = 5,
+    RADIUS_RESULT = N_MOTION_RESULTS,
+    RADIUS_RATE_RESULT,
+    LOAD_RESULT = N_MOTION_RESULTS + 5,
+    DEFLECTION_RESULT,
+    WRENCH_RESULT,
+    BRAKE_RESULT = WRENCH_RESULT + 12,
+    N_HUB_RESULTS
+};
 
 /* The same numbers in FMI 2 and FMI 3. */
 typedef enum { STATUS_OK = 0, STATUS_WARNING = 1, STATUS_DISCARD = 2, STATUS_ERROR = 3 } Status;
@@ -46,14 +68,15 @@ typedef enum { INSTANTIATED, INITIALIZATION, STEPPING, EVENT, CONTINUOUS, TERMIN
 enum { LONGITUDINAL, LATERAL, N_SLIPS, TWIST = N_SLIPS, N_LAGGING = N_SLIPS + TWISTS };
 
 /* What the rates of lagged quantities depend on in addition to the model: |V|, sliding velocities, the yaw rate, the
-   default relaxation length, and the lagged quantities. */
+   default relaxation length, and the lagged quantities; then the results for the hub at constant contact forces. */
 enum {
     ROLLING,
     SLIDING,
     YAWING = SLIDING + N_SLIPS,
     DEFAULT_LENGTH,
     LAGGING,
-    N_MOTION = LAGGING + N_LAGGING
+    HUB_CHANGE = LAGGING + N_LAGGING,
+    N_MOTION = HUB_CHANGE + HUB * N_HUB_RESULTS
 };
 
 /* The kinematics at the contact point; see contact.h. */
@@ -68,12 +91,26 @@ typedef struct {
     double yawing;
 } Contact;
 
+#if HUB
+/* The wheel at its hub; see hub.h. */
+typedef struct {
+    double results[N_HUB_RESULTS];
+    double spring; /* load without damping and bottoming, N */
+    double radius; /* loaded radius at which the spring is evaluated, m */
+    double parameters[N_PARAMETERS];
+} Hub;
+#endif
+
 /* Everything that changes in an instance.  It has no pointers: a copy is a saved state, the bytes a serialized one. */
 typedef struct {
     char token[sizeof INSTANTIATION_TOKEN]; /* identifies the FMU of a serialized state */
     int kind, mode;
     /* Whether computed values are valid for the present inputs, parameters, states and mode. */
     int contact_known, lengths_known, outputs_known, extras_known;
+#if HUB
+    int hub_known;
+    Hub hub;
+#endif
     int stop_defined;
     double stop_time;
     double lagging[N_LAGGING]; /* since the end of initialization; see slips.h */
@@ -146,6 +183,8 @@ Status instance_get_indicators(Instance *self, double indicators[], size_t n);
 /* Direct feedthrough: outputs are computed when the host reads them, once after each change.  Extra outputs need the
    model's named quantities, which are computed only if the host reads one of them. */
 void state_compute_outputs(State *state);
+/* Integrate the states of slips and effects over h seconds with constant inputs. */
+void state_integrate(State *state, double h);
 void state_compute_extras(State *state);
 
 Status instance_expect_known(const Instance *self, const unsigned references[], size_t n);

@@ -49,7 +49,7 @@ static void find_lengths(State *state)
     if (state->lengths_known)
         return;
 #if RELAXES
-    model_relaxation(state->contact.inputs, state->values + FIRST_PARAMETER, state->lengths);
+    model_relaxation(state->contact.inputs, model_parameters(state), state->lengths);
 #else
     memset(state->lengths, 0, sizeof state->lengths);
 #endif

@@ -48,7 +48,7 @@ static double rate(const double lines[], size_t i) { return lines[TABLE[i].line 
 
 static void find_lines(const State *state, const double inputs[], double lines[])
 {
-    model_drives(inputs, state->values + FIRST_PARAMETER, lines);
+    model_drives(inputs, model_parameters(state), lines);
 }
 
 static void put(const double memory[N_MEMORY], double inputs[N_INPUTS])

@@ -67,7 +67,7 @@ static int is_state(const State *state)
         state->stop_time != state->stop_time || !isfinite(state->distance))
         return 0;
     for (i = 0; i < FIRST_STATE; i++)
-        if ((i < FIRST_OUTPUT || i >= FIRST_PARAMETER) && !isfinite(state->values[i]))
+        if ((i < FIRST_COMPUTED || i >= FIRST_PARAMETER) && !isfinite(state->values[i]))
             return 0;
     for (i = 0; i < N_LAGGING; i++)
         if (!isfinite(state->lagging[i]))

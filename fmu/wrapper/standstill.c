@@ -51,7 +51,7 @@ static void blend(const State *state, const double inputs[N_INPUTS], double forc
     memcpy(turned, inputs, sizeof turned);
     turned[SPEED] = -inputs[SPEED];
     turned[KAPPA] = -inputs[KAPPA];
-    model_forces(turned, state->values + FIRST_PARAMETER, other);
+    model_forces(turned, model_parameters(state), other);
     for (i = 0; i < N_OUTPUTS; i++)
         forces[i] = share * forces[i] + (1.0 - share) * other[i];
 #else
@@ -67,7 +67,7 @@ static void find_without_slip(const State *state, const double inputs[N_INPUTS],
 
     memcpy(straight, inputs, sizeof straight);
     straight[KAPPA] = straight[ALPHA] = 0.0;
-    model_forces(straight, state->values + FIRST_PARAMETER, forces);
+    model_forces(straight, model_parameters(state), forces);
     blend(state, straight, forces);
 }
 
@@ -166,7 +166,7 @@ void contact_settle(State *state, const double inputs[N_INPUTS], double forces[N
     blend(state, inputs, forces);
     if (state->contact.speed < standstill_speed(state))
         fade_shifts(state, inputs, forces);
-    model_quantities(inputs, state->values + FIRST_PARAMETER, quantities);
+    model_quantities(inputs, model_parameters(state), quantities);
     limit_to_friction(state, quantities, forces);
 #if TWISTS
     forces[ALIGNING_MOMENT] +=

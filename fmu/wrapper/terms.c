@@ -3,6 +3,7 @@
 
 #include "chain_rule.h"
 #include "contact.h"
+#include "hub.h"
 #include "memory.h"
 #include "slips.h"
 
@@ -26,7 +27,7 @@ static size_t friction_terms(State *state, Term terms[MOST_TERMS])
     size_t i, n = 0;
 
     slips_acting(state, inputs);
-    model_quantities(inputs, state->values + FIRST_PARAMETER, quantities);
+    model_quantities(inputs, model_parameters(state), quantities);
     for (i = 0; i < N_SLIPS; i++)
         if (load > 0.0 && quantities[friction[i]] != 0.0)
             share[i] = host_value(state, FIRST_OUTPUT + force[i]) / (quantities[friction[i]] * load);
@@ -95,11 +96,36 @@ static size_t memory_terms(const State *state, unsigned i, unsigned quantity, Te
 }
 #endif
 
+#if HUB
+/* A result for the hub: a sum over the contact forces, and the change at constant forces. */
+static size_t hub_terms(const State *state, unsigned result, Term terms[MOST_TERMS])
+{
+    size_t n = add(terms, 0, MOTION, HUB_CHANGE + result, 1.0);
+    double by[N_OUTPUTS];
+    unsigned i;
+
+    if (result < WRENCH_RESULT || result == BRAKE_RESULT)
+        return n;
+    hub_by_forces(state, result, by);
+    for (i = 0; i < N_OUTPUTS; i++)
+        n = add(terms, n, ACTING, chain_force(i), by[i]);
+    return n;
+}
+#endif
+
 /* In the model's signs. */
 static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
 {
     int shown;
 
+#if HUB
+    if (unknown == FIRST_INPUT + HOST_LOAD)
+        return hub_terms(state, LOAD_RESULT, terms);
+    if (unknown < FIRST_COMPUTED)
+        return 0; /* the spin, a state */
+    if (unknown < FIRST_OUTPUT)
+        return hub_terms(state, unknown - FIRST_COMPUTED, terms);
+#endif
     if (unknown < FIRST_PARAMETER)
         return add(terms, 0, ACTING, chain_force(unknown - FIRST_OUTPUT), 1.0);
 #if LAGS
@@ -119,6 +145,10 @@ static size_t find(State *state, unsigned unknown, Term terms[MOST_TERMS])
     shown = value_shows(unknown);
     if (shown == FRICTION_USE)
         return friction_terms(state, terms);
+#if HUB
+    if (shown >= FIRST_HUB)
+        return hub_terms(state, (unsigned) (shown - FIRST_HUB), terms);
+#endif
 #if N_MEMORY > 0
     if (shown >= FIRST_PATH)
         return memory_terms(state, (unsigned) (shown - FIRST_PATH), memory_velocity((size_t) (shown - FIRST_PATH)), terms);

@@ -14,7 +14,8 @@ typedef struct {
     double factor;
 } Term;
 
-enum { MOST_TERMS = 5 };
+/* The most terms of an unknown other than a force at a hub, which has one for each output of the model and one more. */
+enum { FEW_TERMS = 5, MOST_TERMS = FEW_TERMS > N_OUTPUTS ? FEW_TERMS : N_OUTPUTS + 1 };
 
 /* Find the terms of an unknown, in the host's signs.  Returns their number.  Call state_compute_outputs before. */
 size_t terms_find(State *state, unsigned unknown, Term terms[MOST_TERMS]);

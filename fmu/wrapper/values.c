@@ -2,6 +2,7 @@
 #include "instance.h"
 
 #include "contact.h"
+#include "hub.h"
 #include "memory.h"
 #include "slips.h"
 
@@ -48,6 +49,15 @@ double value_direction(unsigned reference) { return DIRECTIONS[reference]; }
 double host_value(const State *state, size_t reference)
 {
     return state->values[reference] * DIRECTIONS[reference];
+}
+
+const double *model_parameters(const State *state)
+{
+#if HUB
+    return state->hub.parameters;
+#else
+    return state->values + FIRST_PARAMETER;
+#endif
 }
 
 Status instance_expect_known(const Instance *self, const unsigned references[], size_t n)
@@ -112,10 +122,13 @@ void state_compute_outputs(State *state)
         return;
     contact_find(state);
     slips_acting(state, inputs);
-    model_forces(inputs, state->values + FIRST_PARAMETER, forces);
+    model_forces(inputs, model_parameters(state), forces);
     contact_settle(state, inputs, forces);
     for (i = 0; i < N_OUTPUTS; i++)
         forces[i] *= DIRECTIONS[FIRST_OUTPUT + i];
+#if HUB
+    hub_add_forces(state);
+#endif
     show_states(state);
     state->outputs_known = 1;
 }
@@ -144,13 +157,17 @@ void state_compute_extras(State *state)
         return;
     state_compute_outputs(state);
     slips_acting(state, inputs);
-    model_quantities(inputs, state->values + FIRST_PARAMETER, quantities);
+    model_quantities(inputs, model_parameters(state), quantities);
 #if N_MEMORY > 0
     memory_rates(state, rates, velocities);
 #endif
     for (i = 0; i < N_EXTRAS; i++) {
         if (EXTRA[i] == FRICTION_USE)
             found = friction_use(state, quantities);
+#if HUB
+        else if (EXTRA[i] >= FIRST_HUB)
+            found = state->hub.results[EXTRA[i] - FIRST_HUB];
+#endif
 #if N_MEMORY > 0
         else if (EXTRA[i] >= FIRST_PATH)
             found = velocities[EXTRA[i] - FIRST_PATH];
@@ -228,9 +245,11 @@ static Status expect_settable(const Instance *self, unsigned reference)
     return instance_refuse(self, STATUS_ERROR, "%s cannot be set", NAMES[reference]);
 }
 
-/* Set the start value of the distance or of the state of an effect. */
+/* Set the start value of the distance or of the state of an effect; that of the spin is the value itself. */
 static void store(State *state, unsigned reference, double value)
 {
+    if (reference < FIRST_STATE)
+        return;
 #if N_MEMORY > 0
     if (reference < FIRST_MEMORY + N_MEMORY) {
         state->memory[reference - FIRST_MEMORY] = value * DIRECTIONS[reference];

@@ -11,6 +11,7 @@
 #include "contact.h"
 
 #include "chain_rule.h"
+#include "hub.h"
 #include "rolling_radius.h"
 #include "standstill.h"
 
@@ -36,7 +37,7 @@ static void find_bounds(State *state, double reference)
         contact->bounds[i] = HUGE_VAL;
     if (near <= 0.0)
         return;
-    model_quantities(contact->inputs, state->values + FIRST_PARAMETER, found);
+    model_quantities(contact->inputs, model_parameters(state), found);
     for (i = 0; i < N_SLIPS; i++) {
         contact->friction[i] = fabs(found[friction[i]]) * load;
         contact->stiffness[i] = fabs(found[stiffness[i]]);
@@ -58,12 +59,14 @@ static double rolling_speed(double speed)
 void contact_find(State *state)
 {
     Contact *contact = &state->contact;
-    const double *parameters = state->values + FIRST_PARAMETER;
-    double forward, turning, reference;
+        double forward, turning, reference;
     size_t i;
 
     if (state->contact_known)
         return;
+#if HUB
+    hub_find(state);
+#endif
     for (i = 0; i < N_INPUTS; i++)
         contact->inputs[i] =
             HOST_INDEX[i] < 0 ? UNCONNECTED[i] : host_value(state, FIRST_INPUT + (size_t) HOST_INDEX[i]);
@@ -83,7 +86,7 @@ void contact_find(State *state)
         contact->sense = -1.0;
     contact->inputs[SPEED] = contact->speed < LOWEST_SPEED ? contact->sense * LOWEST_SPEED : forward;
 #endif
-    contact->sliding[LONGITUDINAL] = turning * rolling_radius(contact->inputs, turning, parameters) - forward;
+    contact->sliding[LONGITUDINAL] = turning * rolling_radius(contact->inputs, turning, model_parameters(state)) - forward;
     contact->sliding[LATERAL] = host_value(state, FIRST_INPUT + HOST_SIDEWAYS);
     for (i = 0; i < N_SLIPS; i++)
         contact->target[i] =

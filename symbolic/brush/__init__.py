@@ -44,5 +44,6 @@ BRUSH = Model(
         }
     ),
     baseline=("CKAPPA", "CALPHA", "MUX", "MUY", "PATCH"),
+    friction_scales=("MUX", "MUY"),
 )
 MODELS = (BRUSH,)

@@ -55,5 +55,6 @@ FIALA = Model(
     },
     baseline=("WIDTH", "CSLIP", "CALPHA", "UMIN", "UMAX"),
     relaxation=("REL_LEN_LON", "REL_LEN_LAT"),
+    friction_scales=("UMIN", "UMAX"),
 )
 MODELS = (FIALA,)

@@ -26,5 +26,6 @@ MF96 = Model(
     starts=STARTS,
     spread=SPREAD,
     refinements=REFINEMENTS,
+    friction_scales=("LMUX", "LMUY"),
 )
 MODELS = (MF96,)

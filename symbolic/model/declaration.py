@@ -64,6 +64,8 @@ class ModelDeclaration:
         known for it. An FMU with wheel inputs uses these lengths if the tire has no relaxation.
     low_speed : str
         The coefficient below whose speed, m/s, slips are those of a standing wheel, if it has one.
+    friction_scales : tuple of str
+        The coefficients to which friction is proportional: a road with another friction multiplies each of them.
     added : tuple of AddedEffect
         Effects beyond the book; see `extended`.
     """
@@ -90,4 +92,5 @@ class ModelDeclaration:
     relaxation: tuple[str, ...] = ()
     own_relaxation: tuple[str, ...] = ()
     low_speed: str = ""
+    friction_scales: tuple[str, ...] = ()
     added: tuple[AddedEffect, ...] = ()

@@ -67,6 +67,7 @@ def _check_coefficients(model: Model) -> None:
     named += [("the relaxation lengths", name) for name in model.relaxation]
     named += [("its own relaxation lengths", name) for name in model.own_relaxation]
     named += [("the low speed", name) for name in (model.low_speed,) if name]
+    named += [("the scales of friction", name) for name in model.friction_scales]
     named += [("a start", name) for start in model.starts for name in start]
     for where, name in named:
         if name not in declarations:

@@ -14,6 +14,7 @@ from ..model.verification import verify
 from ..models import MODELS
 from .batch import batch_sources
 from .c import c_header, c_sources
+from .kinematics import kinematic_files
 from .laws import law_files
 from .operations import c_operations
 from .python import CASADI, HEADER, NUMPY, python_modules
@@ -32,7 +33,7 @@ def render() -> dict[str, str]:
     --------
     render_model : the files of one model.
     """
-    files = law_files()
+    files = law_files() | kinematic_files()
     models = [_from_lines(model) for model in MODELS.values()]
     for model in models:
         files |= render_model(model)

@@ -7,6 +7,7 @@ import ctypes
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from tirefmu.fmu import export
 from tirefmu.fmu.simulation.simulate import loaded
@@ -64,14 +65,14 @@ def test_they_are_the_generated_jacobians(hosts, tires, name):
 
 @pytest.fixture(scope="module")
 def turned(tires, compiler, tmp_path_factory):
-    """Return FMUs with all outputs, in SAE axes."""
+    """Return FMUs with all outputs, in SAE axes where they exist."""
     folder = tmp_path_factory.mktemp("turned")
 
     class Fmus(dict):
         def __missing__(self, key):
             name, inputs = key
-            path = folder / f"{name}_{inputs}.fmu"
-            self[key] = export(tires[name], path, inputs=inputs, axes="sae", quantities=True)
+            path, axes = folder / f"{name}_{inputs}.fmu", "iso" if inputs == "hub" else "sae"
+            self[key] = export(tires[name], path, inputs=inputs, axes=axes, quantities=True)
             return self[key]
 
     return Fmus()
@@ -83,15 +84,28 @@ STEPS = {"omega": 1e-3, "V_x": 1e-4, "V_y": 1e-4, "Fz": 1.0, "p": 10.0, "V": 1e-
 EDGES = {"gamma": 0.02}
 
 
-@pytest.mark.parametrize("inputs", ["slip", "wheel"])
+#: Motions before and after a step, by the kind of inputs. With hub inputs the wheel is inclined, steered and bounces.
+TURNED = Rotation.from_euler("ZXY", [0.3, 0.05, 0.4]).as_matrix()
+HUB = {f"R_{i + 1}{j + 1}": TURNED[i, j] for i in range(3) for j in range(3)}
+HUB |= {"v_x": 12.0, "v_y": 3.0, "v_z": 0.1, "w_x": 0.1, "w_y": 0.05, "w_z": 0.2, "omega": 32.0, "road_z": 0.02}
+HUB |= {"road_nx": 0.02, "road_ny": 0.03, "road_vx": 0.3, "road_vy": -0.1, "road_vz": 0.05, "road_mu": 0.9}
+WHEEL = {"V_x": 12.0, "V_y": -0.4, "omega": 41.0, "psi_dot": 0.2}
+MOVED = {
+    "slip": (POINTS[0], {name: 0.9 * value for name, value in POINTS[0].items()}),
+    "wheel": (WHEEL, {name: 0.9 * value for name, value in WHEEL.items()}),
+    "hub": (HUB, {"v_x": 11.0, "omega": 28.0}),
+}
+
+
+@pytest.mark.parametrize("inputs", ["slip", "wheel", "hub"])
 @pytest.mark.parametrize("name", ["first", "mf61", "rolling", "mf62"])
 def test_they_are_differences_of_the_outputs(turned, name, inputs):
     with contextlib.ExitStack() as stack:
         host = Host(stack.enter_context(loaded(turned[name, inputs]))).start()
-        moved = {"V_x": 12.0, "V_y": -0.4, "omega": 41.0, "psi_dot": 0.2} if inputs == "wheel" else POINTS[0]
-        assert host.set(**{k: v for k, v in (moved | EDGES).items() if k in host.inputs}) == OK
+        before, after = MOVED[inputs]
+        assert host.set(**{k: v for k, v in (before | EDGES).items() if k in host.inputs}) == OK
         host.step(0.0, 0.02)
-        assert host.set(**{k: 0.9 * v for k, v in moved.items() if k in host.inputs}) == OK
+        assert host.set(**{k: v for k, v in after.items() if k in host.inputs}) == OK
         rates = [known for known in host.variables if known.startswith("der(")]
         unknowns = [*host.outputs, *host.extras, *rates, *(["alpha_lagged"] if rates else [])]
         knowns = [*host.inputs, "PDY1", "PKX1", "UNLOADED_RADIUS"]

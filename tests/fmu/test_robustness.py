@@ -77,3 +77,28 @@ def test_nothing_else_is_reported(results):
     _, errors, status = results
     assert errors == ""
     assert status == 0
+
+
+@pytest.mark.parametrize("inputs", ["hub", "hub-torque"])
+def test_random_calls_with_hub_inputs(tires, compiler, tmp_path, inputs):
+    """No call crashes, returns a value that is not finite, or changes the state when it is refused."""
+    files = contents(tires["first"], 3, "tire", inputs=inputs)
+    sources = {name.removeprefix("sources/"): text for name, text in files.items() if name.startswith("sources/")}
+    for name, text in sources.items():
+        (tmp_path / name).write_bytes(text)
+    (token,) = re.findall(rb'instantiationToken="([^"]+)"', files["modelDescription.xml"])
+    shown = interface(tires["first"], inputs=inputs)
+    program, sanitized = tmp_path / "fuzz", bool(os.environ.get("TIREFMU_SANITIZE"))
+    command = [
+        *compiler, "-std=gnu99", "-O1", *(SANITIZERS if sanitized else ()), f"-I{tmp_path}", f"-I{fmi_headers()}",
+        str(SOURCE.with_name("fuzz_hub.c")), *(str(tmp_path / name) for name in sources if name.endswith(".c")),
+        "-o", str(program), "-lm",
+    ]  # fmt: skip
+    built = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert built.returncode == 0, built.stderr
+    numbers = map(str, (20_000, len(shown.contact_inputs) + 1, len(shown.variables)))
+    done = subprocess.run([str(program), token.decode(), *numbers], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    accepted, refused = map(int, re.findall(r"\d+", done.stdout))
+    assert accepted > 5000
+    assert refused > 1000

@@ -208,7 +208,7 @@ def test_turn_rate_is_turn_slip(wheels, tires):
 
 
 def test_check_needs_slips(wheel_fmus):
-    with pytest.raises(FmuError, match="its inputs are velocities of the wheel"):
+    with pytest.raises(FmuError, match="its inputs are the motion of the wheel"):
         check(wheel_fmus["mf61", 3], pd.DataFrame({"Fz": [4000.0], "alpha": [0.1], "Fy": [0.0]}))
 
 

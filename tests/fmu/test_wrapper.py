@@ -24,7 +24,7 @@ OUTPUTS = ("Fx", "Fy", "Mz")
 
 
 @pytest.mark.parametrize("optimization", ["-O0", "-O2"])
-@pytest.mark.parametrize("inputs", ["slip", "wheel"])
+@pytest.mark.parametrize("inputs", ["slip", "wheel", "hub-torque"])
 @pytest.mark.parametrize("name", ["second", "rolling"])
 def test_compiles_without_a_warning(compiler, tires, fmi, tmp_path, optimization, name, inputs):
     tire = tires[name]

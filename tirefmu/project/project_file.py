@@ -228,7 +228,7 @@ def project_text(
         '# constraints = ["extrapolation"]',
         "",
         "[export]",
-        'inputs = "slip"  # or "wheel"',
+        'inputs = "slip"  # or "wheel", "hub", "hub-torque"',
         '# fmi = "3"',
         '# platforms = "all"',
         "",

@@ -28,6 +28,8 @@ from .build_cache import cached
 
 #: The laws of the states, equal for all models.
 state_laws: Any = import_module("tirefmu.generated.numpy.state_laws")
+#: The functions of wheel kinematics, equal for all models.
+wheel_kinematics: Any = import_module("tirefmu.generated.numpy.wheel_kinematics")
 
 
 def numpy_module(book: Model) -> ModuleType:

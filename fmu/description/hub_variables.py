@@ -1,0 +1,165 @@
+"""The variables of a native FMU with hub inputs: motion of the carrier, road, forces at the wheel centre."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf
+
+from tirefmu.symbolic.declarations import Quantity
+from tirefmu.symbolic.quantities import FZ
+from tirefmu.symbolic.wheel import quantities as hub
+from tirefmu.tires import Tire
+from tirefmu.tires.evaluation import quantities as quantities_of
+
+from .variables import Variable, input_variable
+
+#: The least friction of a road relative to that of the tire: the formulas divide by it.
+LEAST_FRICTION = 0.01
+#: Deflection by the nominal load, per free radius, of a tire without equations of deflection.
+DEFAULT_DEFLECTION = 0.06
+
+DEFLECTION = Quantity("deflection", "m", "free radius UNLOADED_RADIUS less loaded radius", typical=0.02)
+BRAKE = Quantity(
+    "brake_torque", "N m", "mean torque of the brake on the wheel in the last step, about its axis", typical=100.0
+)
+#: Inputs of a wheel that spins inside the FMU.
+TORQUES = (
+    Variable("T_drive", "input", "N m", "drive torque on the wheel about its axis", 0.0, nominal=100.0, group="input"),
+    Variable("T_brake", "input", "N m", "largest torque of the brake", 0.0, 0.0, nominal=100.0, group="input"),
+)
+WHEEL_INERTIA = Variable(
+    "WHEEL_INERTIA", "parameter", "kg m^2", "moment of inertia of the wheel about its axis", 1.0, 1e-6, inf
+)
+#: What the C code computes for the hub, in its order; see hub.h.
+RESULTS = (
+    *hub.MOTION,
+    hub.LOADED_RADIUS,
+    hub.RADIUS_RATE,
+    *hub.CONTACT_POINT,
+    FZ,
+    DEFLECTION,
+    *hub.WRENCH,
+    *hub.GLOBAL_WRENCH,
+    BRAKE,
+)
+#: The results that the kinematics of the contact reads.
+READ = (*hub.MOTION, FZ)
+
+
+def hub_inputs(tire: Tire, read: set[str], speed: float, spin: float, *, spins: bool) -> list[Variable]:
+    """Return the inputs: a freely rolling wheel with its nominal load at the start.
+
+    Parameters
+    ----------
+    tire : Tire
+    read : set of str
+        The inputs of the model that the tire needs.
+    speed, spin : float
+        At the start, m/s and rad/s.
+    spins : bool
+        Whether the spin of the wheel is a state. It then is an output, whose start value can be set.
+
+    Returns
+    -------
+    list of Variable
+        The arguments of the generated function ``wheel_motion``, then the friction of the road, torques, and the inputs
+        of the model that are no motion.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> [variable.name for variable in hub_inputs(published("trento_hoosier"), {"Fz"}, 10.0, 40.0, spins=False)][-3:]
+    ['road_vz', 'omega', 'road_mu']
+    """
+    starts = {"r_z": _nominal_radius(tire), "v_x": speed, "omega": spin}
+    starts |= {"R_11": 1.0, "R_22": 1.0, "R_33": 1.0, "road_nz": 1.0}
+    moved = {"kappa", "alpha", "V", "phit", "distance", *(q.name for q in READ), *tire.book.states}
+    inputs = [input_variable(q, starts.get(q.name, 0.0)) for q in (*hub.CARRIER, *hub.ROAD, hub.SPIN)]
+    if spins:
+        inputs = [*inputs[:-1], replace(inputs[-1], causality="output"), *TORQUES]
+    if tire.book.friction_scales:
+        described = (hub.FRICTION.name, "input", hub.FRICTION.unit, hub.FRICTION.description)
+        inputs.append(Variable(*described, start=1.0, lower=LEAST_FRICTION, nominal=1.0, group="input"))
+    return inputs + [input_variable(q, tire.nominal(q.name)) for q in tire.book.inputs if q.name in read - moved]
+
+
+def hub_motion() -> list[Variable]:
+    """Return the motion of the wheel at its contact point and its load, which are outputs."""
+    return [_output(quantity, "motion") for quantity in READ]
+
+
+def hub_outputs(spins: bool) -> list[Variable]:
+    """Return the remaining results: radii, contact point, forces at the wheel centre."""
+    shown = [(i, q) for i, q in enumerate(RESULTS) if q not in READ and (spins or q is not BRAKE)]
+    return [_output(quantity, "extra", f"FIRST_HUB + {i}") for i, quantity in shown]
+
+
+def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
+    """Return the parameters of the vertical force that the tire's model does not have, and of the spin.
+
+    Parameters
+    ----------
+    tire : Tire
+    spins : bool
+        As for `hub_inputs`.
+
+    Returns
+    -------
+    list of Variable
+        Values come from the entries of the tire's file, if it has them.
+
+    Examples
+    --------
+    >>> from tirefmu.tires import published
+    >>> [variable.name for variable in hub_parameters(published("trento_hoosier"), False)]
+    ['VERTICAL_STIFFNESS', 'VERTICAL_DAMPING', 'BOTTOM_STIFF', 'BOTTOM_RADIUS']
+    """
+    rim = _known(tire, "RIM_RADIUS", 0.0)
+    radius = rim + _known(tire, "BOTTOM_OFFST", 0.0) if rim > 0.0 else 0.5 * tire.values["UNLOADED_RADIUS"]
+    entries = [
+        ("VERTICAL_STIFFNESS", "N/m", "vertical stiffness", default_stiffness(tire)),
+        ("VERTICAL_DAMPING", "N s/m", "vertical damping", 50.0),
+        ("BOTTOM_STIFF", "N/m", "stiffness of the rim on the road", 0.0),
+        ("BOTTOM_RADIUS", "m", "loaded radius at which the rim touches the road", radius),
+    ]
+    if tire.book.quantity("loaded_radius"):
+        del entries[0]
+    found = [
+        Variable(name, "parameter", unit, description, _known(tire, name, start), 0.0, inf)
+        for name, unit, description, start in entries
+        if name not in tire.book.coefficients
+    ]
+    return [*found, WHEEL_INERTIA] if spins else found
+
+
+def default_stiffness(tire: Tire) -> float:
+    """Return the vertical stiffness of a tire whose model has none, N/m."""
+    return tire.values["FNOMIN"] / (DEFAULT_DEFLECTION * tire.values["UNLOADED_RADIUS"])
+
+
+def _nominal_radius(tire: Tire) -> float:
+    """Return the loaded radius of the freely rolling wheel at its nominal load."""
+    role = tire.book.quantity("loaded_radius")
+    if role:
+        return float(quantities_of(tire.in_signs("iso"), {"kappa": 0.0})[role])
+    stiffness = _known(tire, "VERTICAL_STIFFNESS", default_stiffness(tire))
+    return tire.values["UNLOADED_RADIUS"] - tire.nominal("Fz") / stiffness
+
+
+def _known(tire: Tire, name: str, default: float) -> float:
+    """Return a value of the tire, or of the entries of its file that the model does not use."""
+    if name in tire.values:
+        return tire.values[name]
+    for _, key, text in tire.other_entries:
+        if key == name:
+            try:
+                value = float(text)
+            except ValueError:
+                return default
+            return value if 0.0 <= value < inf else default
+    return default
+
+
+def _output(quantity: Quantity, group: str, source: str = "") -> Variable:
+    described = (quantity.name, "output", quantity.unit, quantity.description)
+    return Variable(*described, nominal=quantity.typical, group=group, source=source)

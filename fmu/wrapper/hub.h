@@ -1,0 +1,30 @@
+/* The wheel at its hub, for hub inputs: its motion at the contact point, its load, and the forces at its centre.
+ *
+ * The equations of motion and forces are the generated functions of wheel_kinematics.h.  The load is the sum of
+ * - the spring: the load at which the model's loaded radius is the distance of the wheel centre from the contact point,
+ *   for the acting slips.  A model without a loaded radius has the linear spring VERTICAL_STIFFNESS;
+ * - the damper: VERTICAL_DAMPING times the rate of the loaded radius, while the spring is in contact;
+ * - the rim, once the loaded radius is less than BOTTOM_RADIUS: BOTTOM_STIFF.
+ * A load below 0 is 0.
+ */
+#ifndef HUB_H
+#define HUB_H
+
+#include "instance.h"
+
+#if HUB
+/* Compute the motion of the wheel and its load, which are values, and the model's parameters. */
+void hub_find(State *state);
+/* Compute the forces at the wheel centre from those at the contact point. */
+void hub_add_forces(State *state);
+/* The arguments of hub_wrench. */
+void hub_arguments(const State *state, double arguments[]);
+
+/* Replace the seeds of the model's parameters and of what hub_find computes by those that follow from the seeds of the
+   host's values, and compute the changes of the hub's results at constant contact forces except for the load. */
+void hub_differentiate(const State *state, double seeds[N_VALUES], double changes[N_HUB_RESULTS]);
+/* The derivatives of a result by the model's forces at the contact point. */
+void hub_by_forces(const State *state, unsigned result, double by[N_OUTPUTS]);
+#endif
+
+#endif

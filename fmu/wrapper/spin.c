@@ -1,0 +1,102 @@
+/* The spin of the wheel as a state.  See spin.h. */
+#include "spin.h"
+
+#include "contact.h"
+#include "root.h"
+
+#include <math.h>
+
+/* The oscillation of the wheel on the tire's spring takes some 30 ms, s. */
+#define LONGEST_PART 1e-3
+/* A longer step has longer parts, so that it ends. */
+#define MOST_PARTS 10000
+/* The error of a torque balance at which its solution ends, relative to the terms in it. */
+#define ACCURACY 1e-13
+#define LEAST_SPIN 1e-3
+#define MOST_DOUBLINGS 60
+/* The moment about the spin axis, the fifth result of hub_wrench. */
+enum { SPIN_MOMENT = WRENCH_RESULT + 4 };
+
+/* A part of a step, and the state at its end for the spin tried last. */
+typedef struct {
+    const State *begin;
+    State *end;
+    double size, gain, brake;
+} Part;
+
+static double spin_of(const State *state) { return state->values[FIRST_INPUT + HOST_SPIN]; }
+
+/* By how much the spin that the torques cause at the end of a part exceeds the given one. */
+static double excess(void *context, double spin)
+{
+    Part *part = context;
+    State *end = part->end;
+    double torque;
+
+    *end = *part->begin;
+    end->values[FIRST_INPUT + HOST_SPIN] = spin;
+    end->values[FIRST_INPUT + HOST_TURNING] += spin - spin_of(part->begin);
+    end->contact_known = end->lengths_known = 0;
+    state_integrate(end, part->size);
+    end->outputs_known = end->extras_known = 0;
+    state_compute_outputs(end);
+    torque = end->values[FIRST_INPUT + HOST_DRIVE] + end->hub.results[SPIN_MOMENT] + part->brake;
+    return spin_of(part->begin) + part->gain * torque - spin;
+}
+
+/* The spin at the end of a part. */
+static double solve(Part *part)
+{
+    const double start = spin_of(part->begin);
+    const double moment = part->begin->hub.results[SPIN_MOMENT];
+    const double accuracy = ACCURACY * (LEAST_SPIN + fabs(start) + part->gain * fabs(moment));
+    Sample a = {start, 0.0}, b;
+    int i;
+
+    a.value = excess(part, a.x);
+    if (!(fabs(a.value) > accuracy))
+        return a.x;
+    /* The moment falls with the spin, so that the solution is between the ends, unless the tire slides. */
+    b.x = start + a.value;
+    b.value = excess(part, b.x);
+    for (i = 0; i < MOST_DOUBLINGS && b.value * a.value > 0.0; i++) {
+        b.x += b.x - start;
+        b.value = excess(part, b.x);
+    }
+    if (!(fabs(b.value) > accuracy))
+        return b.x;
+    return root_between(excess, part, a, b, accuracy);
+}
+
+/* Returns the torque of the brake. */
+static double advance_part(State *state, double size)
+{
+    const double capacity = state->values[FIRST_INPUT + HOST_BRAKE];
+    const double gain = size / state->values[FIRST_PARAMETER + OWN_WHEEL_INERTIA];
+    State begin = *state;
+    Part part = {NULL, state, size, gain, 0.0};
+    double free_spin;
+
+    part.begin = &begin;
+    if (capacity > 0.0) {
+        free_spin = excess(&part, 0.0);
+        if (fabs(free_spin) <= gain * capacity)
+            return -free_spin / gain; /* held; `state` is the one at zero spin */
+        part.brake = free_spin > 0.0 ? -capacity : capacity;
+    }
+    solve(&part);
+    return part.brake;
+}
+
+void spin_advance(State *state, double h)
+{
+    const double wanted = ceil(h / LONGEST_PART);
+    const int parts = wanted < MOST_PARTS ? (int) wanted : MOST_PARTS;
+    double braked = 0.0;
+    int i;
+
+    state_compute_outputs(state);
+    for (i = 0; i < parts; i++)
+        braked += advance_part(state, h / parts);
+    state->hub.results[BRAKE_RESULT] = braked / parts;
+}

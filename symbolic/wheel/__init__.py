@@ -1,0 +1,1 @@
+"""The wheel around a tire: its kinematics at a wheel carrier and a road, equal for all models."""

@@ -1,0 +1,111 @@
+/* A host that calls an FMU with hub inputs at random: values of every size, steps, saved states, derivatives.
+ *
+ *     fuzz_hub TOKEN CALLS END_OF_INPUTS NUMBER_OF_VALUES
+ *
+ * Prints how many calls were accepted and refused.  Exits with 1 if an accepted call returns a value that is not finite, or
+ * if a refused call changes the state.
+ */
+#include "fmi3Functions.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST = 2000 };
+
+static unsigned long long seed = 1;
+
+static double uniform(void)
+{
+    seed = seed * 6364136223846793005ull + 1442695040888963407ull;
+    return (double) (seed >> 11) / 9007199254740992.0;
+}
+
+/* Mostly of the size of a wheel's motion; also huge, tiny, zero and not finite. */
+static double wild(void)
+{
+    static const double special[] = {0.0, 1e300, -1e300, 1e-300, NAN, INFINITY, -1.0, 1e9};
+    const double kind = uniform();
+
+    if (kind < 0.1)
+        return special[(int) (uniform() * 8.0)];
+    return (2.0 * uniform() - 1.0) * (kind < 0.4 ? 1.0 : kind < 0.7 ? 30.0 : kind < 0.9 ? 0.3 : 1e6);
+}
+
+static unsigned char before[sizeof(double) * 4 * MOST], after[sizeof before];
+
+static size_t bytes_of(fmi3Instance tire, unsigned char bytes[])
+{
+    fmi3FMUState state = NULL;
+    size_t size = 0;
+
+    fmi3GetFMUState(tire, &state);
+    fmi3SerializedFMUStateSize(tire, state, &size);
+    if (size > sizeof before || fmi3SerializeFMUState(tire, state, bytes, size) != fmi3OK)
+        exit(2);
+    fmi3FreeFMUState(tire, &state);
+    return size;
+}
+
+int main(int argc, char *argv[])
+{
+    const long calls = argc == 5 ? strtol(argv[2], NULL, 10) : 0;
+    const unsigned end_of_inputs = argc == 5 ? (unsigned) atoi(argv[3]) : 0;
+    const int n = argc == 5 ? atoi(argv[4]) : 0;
+    fmi3Instance tire = fmi3InstantiateCoSimulation("t", argv[1], "", fmi3False, fmi3False, fmi3False, fmi3False, NULL, 0,
+                                                    NULL, NULL, NULL);
+    long accepted = 0, refused = 0, i;
+    fmi3FMUState saved = NULL;
+    double time = 0.0;
+
+    if (!tire || n > MOST)
+        return 2;
+    fmi3EnterInitializationMode(tire, fmi3False, 0.0, 0.0, fmi3False, 0.0);
+    fmi3ExitInitializationMode(tire);
+    fmi3GetFMUState(tire, &saved);
+    for (i = 0; i < calls; i++) {
+        const double choice = uniform();
+        const fmi3ValueReference a = (fmi3ValueReference) (uniform() * n);
+        const fmi3ValueReference b = (fmi3ValueReference) (uniform() * (choice < 0.55 ? end_of_inputs : (unsigned) n));
+        const double one = 1.0;
+        const size_t size = bytes_of(tire, before);
+        fmi3Boolean flags[3];
+        double value = 0.0, last;
+        fmi3Status status;
+
+        if (choice < 0.6) {
+            value = wild();
+            status = fmi3SetFloat64(tire, &b, 1, &value, 1);
+            value = 0.0;
+        } else if (choice < 0.85) {
+            status = fmi3GetFloat64(tire, &a, 1, &value, 1);
+        } else if (choice < 0.95) {
+            const double step = 0.02 * uniform();
+            status = fmi3DoStep(tire, time, step, fmi3True, flags, flags + 1, flags + 2, &last);
+            time += status == fmi3OK ? step : 0.0;
+        } else if (choice < 0.99) {
+            status = fmi3GetDirectionalDerivative(tire, &a, 1, &b, 1, &one, 1, &value, 1);
+        } else {
+            status = fmi3SetFMUState(tire, saved);
+            time = 0.0;
+        }
+        if (status == fmi3OK || status == fmi3Warning) {
+            accepted++;
+            if (!isfinite(value)) {
+                printf("call %ld: value reference %u is %g\n", i, a, value);
+                return 1;
+            }
+        } else {
+            refused++;
+            if (bytes_of(tire, after) != size || memcmp(before, after, size) != 0) {
+                printf("call %ld was refused and has changed the state\n", i);
+                return 1;
+            }
+        }
+    }
+    fmi3FreeFMUState(tire, &saved);
+    fmi3FreeInstance(tire);
+    printf("%ld accepted, %ld refused\n", accepted, refused);
+    return 0;
+}
