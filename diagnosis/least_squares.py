@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg import cho_factor, cho_solve
 
 from tirefmu.estimation.gauss_newton import Damping, minimize
 from tirefmu.estimation.noise_model import Whitening
@@ -158,9 +159,9 @@ class LeastSquares:
 
     def best_disturbance(self, misfit: FloatArray) -> FloatArray:
         """Return the best-fitting disturbances for a misfit."""
-        weighted, matrix = self._disturbance_system
+        weighted, factor = self._disturbance_system
         target = self.weighted(misfit).ravel() @ weighted.reshape(-1, weighted.shape[-1])
-        return np.asarray(np.linalg.solve(matrix, target))
+        return np.asarray(cho_solve(factor, target, check_finite=False))
 
     def weighted(self, rows: FloatArray) -> FloatArray:
         """Return rows divided by their noise, shape (n_channels, n) or (n_channels, n, m)."""
@@ -168,10 +169,11 @@ class LeastSquares:
         return self.whitening(over) if self.whitening else np.asarray(over)
 
     @cached_property
-    def _disturbance_system(self) -> tuple[FloatArray, FloatArray]:
+    def _disturbance_system(self) -> tuple[FloatArray, tuple[FloatArray, bool]]:
+        """Weighted columns of the disturbances, and the Cholesky factor of their Gauss-Newton matrix."""
         weighted = self.weighted(self.disturbances.columns)
         flat = weighted.reshape(-1, weighted.shape[-1])
-        return weighted, flat.T @ flat + np.diag(self.disturbances.deviation**-2)
+        return weighted, cho_factor(flat.T @ flat + np.diag(self.disturbances.deviation**-2))
 
     def _cost(self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray) -> float:
         residual = self.misfit(parameters) - self.disturbances.columns @ disturbance
@@ -192,15 +194,18 @@ class LeastSquares:
         self, parameters: FloatArray, free: Sequence[str], disturbance: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """Return Gauss-Newton matrix and descent direction in the coefficients, the disturbances eliminated."""
-        tangent = self.tangent(parameters, free)
-        residual = self.weighted(self.misfit(parameters) - self.disturbances.columns @ disturbance)
-        n, (center, deviation) = len(free), self.prior(free)
-        full, slope = tangent.T @ tangent, tangent.T @ residual.ravel()
-        full += np.diag(np.concatenate([deviation, self.disturbances.deviation]) ** -2)
+        jacobian = self.weighted(self.simulator.jacobian(parameters, free)).reshape(-1, len(free))
+        weighted, factor = self._disturbance_system
+        columns = weighted.reshape(-1, weighted.shape[-1])
+        residual = self.weighted(self.misfit(parameters) - self.disturbances.columns @ disturbance).ravel()
+        center, deviation = self.prior(free)
         values = parameters[[self.simulator.index[name] for name in free]]
-        slope -= np.concatenate([(values - center) / deviation**2, disturbance / self.disturbances.deviation**2])
-        inner = np.linalg.solve(full[n:, n:], np.column_stack([full[n:, :n], slope[n:]]))
-        return full[:n, :n] - full[:n, n:] @ inner[:, :n], slope[:n] - full[:n, n:] @ inner[:, n]
+        slope = jacobian.T @ residual - (values - center) / deviation**2
+        along = columns.T @ residual - disturbance / self.disturbances.deviation**2
+        cross = columns.T @ jacobian
+        inner = cho_solve(factor, np.column_stack([cross, along]), check_finite=False)
+        matrix = jacobian.T @ jacobian + np.diag(deviation**-2.0)
+        return matrix - cross.T @ inner[:, :-1], slope - cross.T @ inner[:, -1]
 
     def _subsampled(self, rows: slice | None) -> LeastSquares:
         if rows is None:

@@ -23,8 +23,11 @@ import numpy.typing as npt
 from tirefmu.symbolic.errors import DataError
 
 FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.intp]
 #: Batch sizes: numbers of rows that are summed before autocovariances are computed; fewest sums for a batch size.
 STRETCHES, FEWEST_SUMS = (1, 4, 16, 64), 200
+#: Numbers, with zeros appended to segments, that are transformed at a time.
+MOST_VALUES = 1_000_000
 
 
 def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = None) -> float:
@@ -67,17 +70,17 @@ def correlation_length(residual: npt.ArrayLike, segment: npt.ArrayLike | None = 
     if power == 0.0:
         return 1.0
     numbers = np.zeros(len(values)) if segment is None else np.asarray(segment)
-    edges = np.flatnonzero(np.diff(numbers)) + 1
-    pieces = np.split(np.where(known, values, 0.0), edges), np.split(known.astype(np.float64), edges)
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(numbers)) + 1, [len(values)]])
     longest = 1.0
     for stretch in STRETCHES:
-        sums, rows = ([_summed(piece, stretch) for piece in each] for each in pieces)
-        if stretch > 1 and sum(map(len, sums)) < FEWEST_SUMS:
+        sums, lengths = _summed(np.where(known, values, 0.0), edges, stretch)
+        rows, _ = _summed(known.astype(np.float64), edges, stretch)
+        if stretch > 1 and len(sums) < FEWEST_SUMS:
             break
         # Variance of a sum relative to that of a sum of independent rows.
-        counted = sum(float(np.sum(each)) for each in rows)
-        excess = sum(float(np.sum(each**2)) for each in sums) / (power * counted) if counted else 0.0
-        longest = max(longest, excess * _geyer(sums, [(each > 0.0).astype(np.float64) for each in rows]))
+        counted = float(np.sum(rows))
+        excess = float(np.mean(sums**2)) * len(sums) / (power * counted) if counted else 0.0
+        longest = max(longest, excess * _geyer(sums, rows > 0.0, lengths))
     return longest
 
 
@@ -111,21 +114,25 @@ def effective_sample_size(residual: npt.ArrayLike, segment: npt.ArrayLike | None
     return float(np.isfinite(values).sum() / correlation_length(values, segment))
 
 
-def _summed(values: FloatArray, stretch: int) -> FloatArray:
-    """Return sums over batches of rows, without an incomplete batch."""
-    whole = len(values) // stretch * stretch
-    return np.asarray(values[:whole].reshape(-1, stretch).sum(axis=1))
+def _summed(values: FloatArray, edges: IntArray, stretch: int) -> tuple[FloatArray, IntArray]:
+    """Return sums over batches of rows, without the incomplete batch of each segment; and their number by segment."""
+    lengths = np.diff(edges) // stretch
+    within = np.arange(len(values)) - np.repeat(edges[:-1], np.diff(edges))
+    whole = within < np.repeat(lengths * stretch, np.diff(edges))
+    return np.asarray(values[whole].reshape(-1, stretch).sum(axis=1)), lengths
 
 
-def _geyer(pieces: list[FloatArray], known: list[FloatArray]) -> float:
+def _geyer(values: FloatArray, known: npt.NDArray[np.bool_], lengths: IntArray) -> float:
     """Return the initial monotone sequence estimate over segments with 0 for unknown values."""
-    products, pairs = np.zeros((2, max(len(piece) for piece in pieces)))
-    for piece, mask in zip(pieces, known, strict=True):
-        if len(piece):
-            products[: len(piece)] += _autocorrelation(piece)
-            pairs[: len(piece)] += np.round(_autocorrelation(mask))
+    if not lengths.any():
+        return 1.0
+    products = _autocorrelation(values, lengths)
     if products[0] <= 0.0:
         return 1.0
+    if known.all():
+        pairs = np.cumsum(np.cumsum(np.bincount(lengths)[:0:-1]))[::-1].astype(np.float64)
+    else:
+        pairs = np.round(_autocorrelation(known.astype(np.float64), lengths))
     rho = np.where(pairs > 0, products / np.maximum(pairs, 1.0), 0.0) / (products[0] / pairs[0])
     couples = rho[: len(rho) // 2 * 2].reshape(-1, 2).sum(axis=1)
     # Sums of few pairs are noisy: the sequence is made monotone as well.
@@ -134,8 +141,19 @@ def _geyer(pieces: list[FloatArray], known: list[FloatArray]) -> float:
     return max(1.0, float(2.0 * falling.sum() - 1.0))
 
 
-def _autocorrelation(values: FloatArray) -> FloatArray:
-    """Return sum over i of v_i v_(i+k) for each lag k, by fast transforms."""
-    size = 2 ** int(np.ceil(np.log2(2 * len(values))))
-    spectrum = np.fft.rfft(values, size)
-    return np.asarray(np.fft.irfft(spectrum * np.conj(spectrum), size)[: len(values)])
+def _autocorrelation(values: FloatArray, lengths: IntArray) -> FloatArray:
+    """Return sum over i of v_i v_(i+k) for each lag k within segments, by fast transforms of equal size."""
+    starts, sums = np.cumsum(lengths) - lengths, np.zeros(lengths.max())
+    sizes = 2 ** np.ceil(np.log2(2 * np.maximum(lengths, 1))).astype(np.intp)
+    for size in np.unique(sizes[lengths > 0]).tolist():
+        members = np.flatnonzero((sizes == size) & (lengths > 0))
+        step = max(MOST_VALUES // size, 1)
+        for some in (members[first : first + step] for first in range(0, len(members), step)):
+            padded = np.zeros((len(some), size))
+            for row, start, length in zip(padded, starts[some], lengths[some], strict=True):
+                row[:length] = values[start : start + length]
+            spectrum = np.fft.rfft(padded)
+            power = np.sum(spectrum.real**2 + spectrum.imag**2, axis=0)
+            lags = lengths[some].max()
+            sums[:lags] += np.fft.irfft(power, size)[:lags]
+    return sums

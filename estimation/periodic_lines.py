@@ -139,7 +139,7 @@ def _ratios(rows: FloatArray, size: int) -> FloatArray:
     """Return the power at each frequency relative to the median of its neighborhood."""
     power = np.abs(fft.rfft(rows, size, axis=1)) ** 2
     width = 2 * NEIGHBORHOOD * FINER + 1
-    typical = median_filter(power, size=(1, width), mode="nearest")
+    typical = np.stack([median_filter(row, size=width, mode="nearest") for row in power])
     return np.asarray(power / np.maximum(typical, 1e-12 * power.max(axis=1, keepdims=True) + 1e-300))
 
 

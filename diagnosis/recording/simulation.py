@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from tirefmu.symbolic.model.state_lines import owners_of
-from tirefmu.tires.code import Code, fastest_code
+from tirefmu.tires.code import Code, chosen_derivatives, fastest_code
 from tirefmu.tires.states import Simulation, equilibrium
 from tirefmu.tires.tire import Tire
 from tirefmu.tires.transient import Course, lagged_course
@@ -21,8 +21,6 @@ from .signals import Signals
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.intp]
 
-#: Rows evaluated at a time: their Jacobian stays in the processor's cache.
-CHUNK = 512
 #: Results that are remembered: those of the current and the tried parameters, each with one coefficient moved.
 REMEMBERED = 4
 #: Share by which the iterations of a state change its largest value last.
@@ -209,8 +207,7 @@ class Simulator:
         rows = np.ascontiguousarray(self.effective_inputs(parameters))
         entries, channel, column = self._entries(tuple(free))
         jacobian = np.zeros((len(self.signals.channels), rows.shape[1], len(free)))
-        for part, derivatives in self._code.jacobian_chunks(rows, parameters, CHUNK):
-            jacobian[channel, part, column] = derivatives[entries]
+        jacobian[channel, :, column] = chosen_derivatives(self._code, rows, parameters, entries)
         for i, name in enumerate(free):
             if name in self._by_difference and self.signals.timed:
                 step = self._by_difference[name]

@@ -43,7 +43,8 @@ def tire_notes(recordings: Sequence[Recording]) -> list[str]:
     >>> tire_notes([Recording(sweep, "iso", "a.csv"), Recording(other, "iso", "b.csv")])
     ['two tires? at 900 N, mu_y is 1.66 in a.csv and 0.998 in b.csv']
     """
-    read = [(label, _read(table)) for recording in recordings for label, table in _parts(recording)]
+    parts = [part for recording in recordings for part in _parts(recording)]
+    read = [(label, _read(table)) for label, table in parts] if len(parts) > 1 else []
     notes = []
     for (one, first), (other, second) in combinations(read, 2):
         found = [

@@ -12,11 +12,10 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 import pandas as pd
-from scipy.linalg.blas import dsyrk
 
 from tirefmu.measurements.operating_conditions.held_levels import held_levels
 from tirefmu.symbolic.model import Model
-from tirefmu.tires.code import Code, fastest_code, forces_of_each
+from tirefmu.tires.code import Code, WeightedRows, fastest_code, forces_of_each, normal_equations
 from tirefmu.tires.tire import Tire
 
 from .loss import LOSSES, Loss, robust_scale
@@ -241,26 +240,14 @@ class Problem:
     def by_output(self, x: FloatArray) -> list[tuple[int, npt.NDArray[np.int64], FloatArray, FloatArray]]:
         """Return the contribution of each weighted output: its index, its free coefficients, gradient and matrix."""
         _, root, residual = self._at(x)
-        outputs = [(o, present, *self._entries[o]) for o, present in self._present if self._entries[o][0].size]
-        gradients = [np.zeros(len(entries)) for _, _, entries, _ in outputs]
-        matrices = [np.zeros((len(entries), len(entries)), order="F") for _, _, entries, _ in outputs]
-        for chunk, jacobian in self._code.jacobian_chunks(self._inputs, self.parameters(x), CHUNK):
-            for k, (output, present, entries, _) in enumerate(outputs):
-                first, last = np.searchsorted(present, (chunk.start, chunk.stop))
-                if first == last:
-                    continue
-                here = present[first:last]
-                # Rows without a weight are omitted: their derivatives may not be finite.
-                every = len(here) == jacobian.shape[1]
-                weighted = jacobian[entries] if every else jacobian[np.ix_(entries, here - chunk.start)]
-                rows = chunk if every else here
-                weighted *= root[output, rows]
-                gradients[k] += weighted @ residual[output, rows]
-                dsyrk(1.0, weighted.T, beta=1.0, c=matrices[k], trans=1, overwrite_c=1)  # the upper triangle
+        rows = WeightedRows(self._inputs, [entries for entries, _ in self._entries], root, residual)
         parts = []
-        for (output, _, _, free), gradient, squares in zip(outputs, gradients, matrices, strict=True):
-            reach, matrix = self.reach[free], np.triu(squares) + np.triu(squares, 1).T
-            parts.append((output, free, gradient * reach, matrix * np.outer(reach, reach)))
+        weighted = {output for output, _ in self._present}
+        equations = normal_equations(self._code, rows, self.parameters(x))
+        for output, ((entries, free), (gradient, matrix)) in enumerate(zip(self._entries, equations, strict=True)):
+            if output in weighted and entries.size:
+                reach = self.reach[free]
+                parts.append((output, free, gradient * reach, matrix * np.outer(reach, reach)))
         return parts
 
     def residual(self, x: FloatArray) -> FloatArray:

@@ -137,6 +137,9 @@ static inline lanes lanes_pow(lanes x, lanes y)
 
 #define BLOCK 64
 
+/* Distance of two results of a block. With BLOCK, hundreds of results would share a few lines of the cache. */
+#define STRIDE (BLOCK + 8)
+
 /* The first place in an array that begins a cache line; the array has 8 numbers to spare. */
 static double *aligned(double *array)
 {
@@ -158,8 +161,8 @@ static void put_block(size_t n, size_t stride, const double block[], double resu
     double sum[BLOCK] = {0.0};
     for (size_t k = 0; k < N_RESULTS; k++) {
         for (size_t i = 0; i < BLOCK; i++)
-            sum[i] += 0.0*block[k*BLOCK + i];
-        memcpy(results + k*stride, block + k*BLOCK, n*sizeof(double));
+            sum[i] += 0.0*block[k*STRIDE + i];
+        memcpy(results + k*stride, block + k*STRIDE, n*sizeof(double));
     }
     for (size_t i = 0; i < n; i++)
         undone[i] = sum[i] != 0.0; /* NaN differs from everything */
@@ -217,9 +220,9 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes trail = D_t*(F_y_sliding*arm_sliding + F_y_sticking*(1.0 - 4.0*psi))/(F_y_sliding + F_y_sticking); /* [3.2.1] pneumatic trail */
         const lanes Mz = -Fy*trail; /* [3.2.1] aligning moment */
 
-        *(lanes_in_array *)(results + 0*BLOCK + i) = Fx;
-        *(lanes_in_array *)(results + 1*BLOCK + i) = Fy;
-        *(lanes_in_array *)(results + 2*BLOCK + i) = Mz;
+        *(lanes_in_array *)(results + 0*STRIDE + i) = Fx;
+        *(lanes_in_array *)(results + 1*STRIDE + i) = Fy;
+        *(lanes_in_array *)(results + 2*STRIDE + i) = Mz;
     }
 }
 
@@ -229,7 +232,7 @@ void brush_batch_forces(size_t n, size_t stride, const double inputs[],
 void brush_batch_forces(size_t n, size_t stride, const double inputs[],
     const double parameters[], double results[], unsigned char undone[])
 {
-    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*BLOCK + 8];
+    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*STRIDE + 8];
     for (size_t start = 0; start < n; start += BLOCK) {
         const size_t m = n - start < BLOCK ? n - start : BLOCK;
         take_block(m, stride, inputs + start, aligned(columns));

@@ -149,6 +149,9 @@ static inline lanes lanes_pow(lanes x, lanes y)
 
 #define BLOCK 64
 
+/* Distance of two results of a block. With BLOCK, hundreds of results would share a few lines of the cache. */
+#define STRIDE (BLOCK + 8)
+
 /* The first place in an array that begins a cache line; the array has 8 numbers to spare. */
 static double *aligned(double *array)
 {
@@ -170,8 +173,8 @@ static void put_block(size_t n, size_t stride, const double block[], double resu
     double sum[BLOCK] = {0.0};
     for (size_t k = 0; k < N_RESULTS; k++) {
         for (size_t i = 0; i < BLOCK; i++)
-            sum[i] += 0.0*block[k*BLOCK + i];
-        memcpy(results + k*stride, block + k*BLOCK, n*sizeof(double));
+            sum[i] += 0.0*block[k*STRIDE + i];
+        memcpy(results + k*stride, block + k*STRIDE, n*sizeof(double));
     }
     for (size_t i = 0; i < n; i++)
         undone[i] = sum[i] != 0.0; /* NaN differs from everything */
@@ -393,15 +396,15 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes dFy_dFz = dF_y_sticking_dFz*dFy_dF_y_sticking + dFy_dload_ratio*dload_ratio_dFz + dFy_dpsi*dpsi_dFz + dFy_dsliding*dsliding_dFz;
         const lanes dFy_dkappa = dF_y_sticking_dkappa*dFy_dF_y_sticking + dFy_dpsi*dpsi_dkappa + dFy_dsliding*dsliding_dkappa;
 
-        *(lanes_in_array *)(results + 0*BLOCK + i) = Fx_by_Fx_part2*Fx_part1 + dFx_dpsi*dpsi_dkappa + dFx_dsliding*dsliding_dkappa + dFx_dsticking*dsticking_dkappa;
-        *(lanes_in_array *)(results + 1*BLOCK + i) = dFx_dpsi*dpsi_dalpha + dFx_dsliding*dsliding_dalpha;
-        *(lanes_in_array *)(results + 2*BLOCK + i) = dFx_dload_ratio*dload_ratio_dFz + dFx_dpsi*dpsi_dFz + dFx_dsliding*dsliding_dFz;
-        *(lanes_in_array *)(results + 3*BLOCK + i) = dFy_dkappa;
-        *(lanes_in_array *)(results + 4*BLOCK + i) = dFy_dalpha;
-        *(lanes_in_array *)(results + 5*BLOCK + i) = dFy_dFz;
-        *(lanes_in_array *)(results + 6*BLOCK + i) = dF_y_sticking_dkappa*dMz_dF_y_sticking + dMz_dpsi*dpsi_dkappa + dMz_dsliding*dsliding_dkappa - dFy_dkappa*trail;
-        *(lanes_in_array *)(results + 7*BLOCK + i) = dMz_dpsi*dpsi_dalpha + dMz_dsliding*dsliding_dalpha - dFy_dalpha*trail;
-        *(lanes_in_array *)(results + 8*BLOCK + i) = dF_y_sticking_dFz*dMz_dF_y_sticking + dMz_dload_ratio*dload_ratio_dFz + dMz_dpsi*dpsi_dFz + dMz_dsliding*dsliding_dFz - dFy_dFz*trail;
+        *(lanes_in_array *)(results + 0*STRIDE + i) = Fx_by_Fx_part2*Fx_part1 + dFx_dpsi*dpsi_dkappa + dFx_dsliding*dsliding_dkappa + dFx_dsticking*dsticking_dkappa;
+        *(lanes_in_array *)(results + 1*STRIDE + i) = dFx_dpsi*dpsi_dalpha + dFx_dsliding*dsliding_dalpha;
+        *(lanes_in_array *)(results + 2*STRIDE + i) = dFx_dload_ratio*dload_ratio_dFz + dFx_dpsi*dpsi_dFz + dFx_dsliding*dsliding_dFz;
+        *(lanes_in_array *)(results + 3*STRIDE + i) = dFy_dkappa;
+        *(lanes_in_array *)(results + 4*STRIDE + i) = dFy_dalpha;
+        *(lanes_in_array *)(results + 5*STRIDE + i) = dFy_dFz;
+        *(lanes_in_array *)(results + 6*STRIDE + i) = dF_y_sticking_dkappa*dMz_dF_y_sticking + dMz_dpsi*dpsi_dkappa + dMz_dsliding*dsliding_dkappa - dFy_dkappa*trail;
+        *(lanes_in_array *)(results + 7*STRIDE + i) = dMz_dpsi*dpsi_dalpha + dMz_dsliding*dsliding_dalpha - dFy_dalpha*trail;
+        *(lanes_in_array *)(results + 8*STRIDE + i) = dF_y_sticking_dFz*dMz_dF_y_sticking + dMz_dload_ratio*dload_ratio_dFz + dMz_dpsi*dpsi_dFz + dMz_dsliding*dsliding_dFz - dFy_dFz*trail;
     }
 }
 
@@ -411,7 +414,7 @@ void brush_batch_jacobian_inputs(size_t n, size_t stride, const double inputs[],
 void brush_batch_jacobian_inputs(size_t n, size_t stride, const double inputs[],
     const double parameters[], double results[], unsigned char undone[])
 {
-    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*BLOCK + 8];
+    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*STRIDE + 8];
     for (size_t start = 0; start < n; start += BLOCK) {
         const size_t m = n - start < BLOCK ? n - start : BLOCK;
         take_block(m, stride, inputs + start, aligned(columns));

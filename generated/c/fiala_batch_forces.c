@@ -113,6 +113,9 @@ static inline lanes lanes_tan(lanes x)
 
 #define BLOCK 64
 
+/* Distance of two results of a block. With BLOCK, hundreds of results would share a few lines of the cache. */
+#define STRIDE (BLOCK + 8)
+
 /* The first place in an array that begins a cache line; the array has 8 numbers to spare. */
 static double *aligned(double *array)
 {
@@ -134,8 +137,8 @@ static void put_block(size_t n, size_t stride, const double block[], double resu
     double sum[BLOCK] = {0.0};
     for (size_t k = 0; k < N_RESULTS; k++) {
         for (size_t i = 0; i < BLOCK; i++)
-            sum[i] += 0.0*block[k*BLOCK + i];
-        memcpy(results + k*stride, block + k*BLOCK, n*sizeof(double));
+            sum[i] += 0.0*block[k*STRIDE + i];
+        memcpy(results + k*stride, block + k*STRIDE, n*sizeof(double));
     }
     for (size_t i = 0; i < n; i++)
         undone[i] = sum[i] != 0.0; /* NaN differs from everything */
@@ -182,10 +185,10 @@ static void forces_kernel(const double inputs[], const double parameters[], doub
         const lanes Fy = choose(Fz <= 1e-06, each(0.0), F_y_limit*sliding_y*(3.0 + lanes_square(sliding_y) - 3.0*lanes_absolute(sliding_y))); /* [Adams] side force */
         const lanes Mz = choose(Fz <= 1e-06, each(0.0), -3.0*F_y_limit*sliding_y*t_0*lanes_cube(1.0 - lanes_absolute(sliding_y))); /* [Adams] aligning moment */
 
-        *(lanes_in_array *)(results + 0*BLOCK + i) = Fx;
-        *(lanes_in_array *)(results + 1*BLOCK + i) = Fy;
-        *(lanes_in_array *)(results + 2*BLOCK + i) = Mz;
-        *(lanes_in_array *)(results + 3*BLOCK + i) = My;
+        *(lanes_in_array *)(results + 0*STRIDE + i) = Fx;
+        *(lanes_in_array *)(results + 1*STRIDE + i) = Fy;
+        *(lanes_in_array *)(results + 2*STRIDE + i) = Mz;
+        *(lanes_in_array *)(results + 3*STRIDE + i) = My;
     }
 }
 
@@ -195,7 +198,7 @@ void fiala_batch_forces(size_t n, size_t stride, const double inputs[],
 void fiala_batch_forces(size_t n, size_t stride, const double inputs[],
     const double parameters[], double results[], unsigned char undone[])
 {
-    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*BLOCK + 8];
+    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*STRIDE + 8];
     for (size_t start = 0; start < n; start += BLOCK) {
         const size_t m = n - start < BLOCK ? n - start : BLOCK;
         take_block(m, stride, inputs + start, aligned(columns));

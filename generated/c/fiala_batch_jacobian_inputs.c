@@ -113,6 +113,9 @@ static inline lanes lanes_tan(lanes x)
 
 #define BLOCK 64
 
+/* Distance of two results of a block. With BLOCK, hundreds of results would share a few lines of the cache. */
+#define STRIDE (BLOCK + 8)
+
 /* The first place in an array that begins a cache line; the array has 8 numbers to spare. */
 static double *aligned(double *array)
 {
@@ -134,8 +137,8 @@ static void put_block(size_t n, size_t stride, const double block[], double resu
     double sum[BLOCK] = {0.0};
     for (size_t k = 0; k < N_RESULTS; k++) {
         for (size_t i = 0; i < BLOCK; i++)
-            sum[i] += 0.0*block[k*BLOCK + i];
-        memcpy(results + k*stride, block + k*BLOCK, n*sizeof(double));
+            sum[i] += 0.0*block[k*STRIDE + i];
+        memcpy(results + k*stride, block + k*STRIDE, n*sizeof(double));
     }
     for (size_t i = 0; i < n; i++)
         undone[i] = sum[i] != 0.0; /* NaN differs from everything */
@@ -231,22 +234,22 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes dMz_dF_y_limit = Mz_by_F_y_limit + Mz_by_sliding_y*sliding_y_by_F_y_limit;
         const lanes dFy_dF_y_limit = Fy_by_Fy_part3*Fy_part3_by_F_y_limit + dFy_dsliding_y*sliding_y_by_F_y_limit;
 
-        *(lanes_in_array *)(results + 0*BLOCK + i) = Fx_by_F_x_linear*K_xkappa + dFx_dS_s_alpha*dS_s_alpha_dkappa;
-        *(lanes_in_array *)(results + 1*BLOCK + i) = dFx_dS_s_alpha*dS_s_alpha_dalpha;
-        *(lanes_in_array *)(results + 2*BLOCK + i) = F_z_by_Fz*dFx_dF_z;
-        *(lanes_in_array *)(results + 3*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 4*BLOCK + i) = dF_y_limit_dkappa*dFy_dF_y_limit;
-        *(lanes_in_array *)(results + 5*BLOCK + i) = dF_y_limit_dalpha*dFy_dF_y_limit + dFy_dsliding_y*dsliding_y_dalpha;
-        *(lanes_in_array *)(results + 6*BLOCK + i) = dF_y_limit_dFz*dFy_dF_y_limit;
-        *(lanes_in_array *)(results + 7*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 8*BLOCK + i) = dF_y_limit_dkappa*dMz_dF_y_limit;
-        *(lanes_in_array *)(results + 9*BLOCK + i) = Mz_by_sliding_y*dsliding_y_dalpha + dF_y_limit_dalpha*dMz_dF_y_limit;
-        *(lanes_in_array *)(results + 10*BLOCK + i) = dF_y_limit_dFz*dMz_dF_y_limit;
-        *(lanes_in_array *)(results + 11*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 12*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 13*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 14*BLOCK + i) = F_z_by_Fz*dMy_dF_z;
-        *(lanes_in_array *)(results + 15*BLOCK + i) = each(0.0);
+        *(lanes_in_array *)(results + 0*STRIDE + i) = Fx_by_F_x_linear*K_xkappa + dFx_dS_s_alpha*dS_s_alpha_dkappa;
+        *(lanes_in_array *)(results + 1*STRIDE + i) = dFx_dS_s_alpha*dS_s_alpha_dalpha;
+        *(lanes_in_array *)(results + 2*STRIDE + i) = F_z_by_Fz*dFx_dF_z;
+        *(lanes_in_array *)(results + 3*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 4*STRIDE + i) = dF_y_limit_dkappa*dFy_dF_y_limit;
+        *(lanes_in_array *)(results + 5*STRIDE + i) = dF_y_limit_dalpha*dFy_dF_y_limit + dFy_dsliding_y*dsliding_y_dalpha;
+        *(lanes_in_array *)(results + 6*STRIDE + i) = dF_y_limit_dFz*dFy_dF_y_limit;
+        *(lanes_in_array *)(results + 7*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 8*STRIDE + i) = dF_y_limit_dkappa*dMz_dF_y_limit;
+        *(lanes_in_array *)(results + 9*STRIDE + i) = Mz_by_sliding_y*dsliding_y_dalpha + dF_y_limit_dalpha*dMz_dF_y_limit;
+        *(lanes_in_array *)(results + 10*STRIDE + i) = dF_y_limit_dFz*dMz_dF_y_limit;
+        *(lanes_in_array *)(results + 11*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 12*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 13*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 14*STRIDE + i) = F_z_by_Fz*dMy_dF_z;
+        *(lanes_in_array *)(results + 15*STRIDE + i) = each(0.0);
     }
 }
 
@@ -256,7 +259,7 @@ void fiala_batch_jacobian_inputs(size_t n, size_t stride, const double inputs[],
 void fiala_batch_jacobian_inputs(size_t n, size_t stride, const double inputs[],
     const double parameters[], double results[], unsigned char undone[])
 {
-    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*BLOCK + 8];
+    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*STRIDE + 8];
     for (size_t start = 0; start < n; start += BLOCK) {
         const size_t m = n - start < BLOCK ? n - start : BLOCK;
         take_block(m, stride, inputs + start, aligned(columns));

@@ -162,6 +162,9 @@ static inline lanes lanes_exp(lanes x)
 
 #define BLOCK 64
 
+/* Distance of two results of a block. With BLOCK, hundreds of results would share a few lines of the cache. */
+#define STRIDE (BLOCK + 8)
+
 /* The first place in an array that begins a cache line; the array has 8 numbers to spare. */
 static double *aligned(double *array)
 {
@@ -183,8 +186,8 @@ static void put_block(size_t n, size_t stride, const double block[], double resu
     double sum[BLOCK] = {0.0};
     for (size_t k = 0; k < N_RESULTS; k++) {
         for (size_t i = 0; i < BLOCK; i++)
-            sum[i] += 0.0*block[k*BLOCK + i];
-        memcpy(results + k*stride, block + k*BLOCK, n*sizeof(double));
+            sum[i] += 0.0*block[k*STRIDE + i];
+        memcpy(results + k*stride, block + k*STRIDE, n*sizeof(double));
     }
     for (size_t i = 0; i < n; i++)
         undone[i] = sum[i] != 0.0; /* NaN differs from everything */
@@ -1146,41 +1149,41 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes dMx_dFy = Mx_by_Fy + Mx_by_M_x_hump*dM_x_hump_dFy;
         const lanes dMz_dFy = Mz_by_Mz_part1*dMz_part1_dFy;
 
-        *(lanes_in_array *)(results + 0*BLOCK + i) = dFx_dkappa;
-        *(lanes_in_array *)(results + 1*BLOCK + i) = dFx_dalpha;
-        *(lanes_in_array *)(results + 2*BLOCK + i) = dFx_dgamma;
-        *(lanes_in_array *)(results + 3*BLOCK + i) = dFx_dFz;
-        *(lanes_in_array *)(results + 4*BLOCK + i) = dFx_dp;
-        *(lanes_in_array *)(results + 5*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 6*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 7*BLOCK + i) = dFy_dkappa;
-        *(lanes_in_array *)(results + 8*BLOCK + i) = dFy_dalpha;
-        *(lanes_in_array *)(results + 9*BLOCK + i) = dFy_dgamma;
-        *(lanes_in_array *)(results + 10*BLOCK + i) = dFy_dFz;
-        *(lanes_in_array *)(results + 11*BLOCK + i) = dFy_dp;
-        *(lanes_in_array *)(results + 12*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 13*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 14*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dkappa + dFx_dkappa*dMz_dFx + dFy_dkappa*dMz_dFy;
-        *(lanes_in_array *)(results + 15*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dalpha + dFx_dalpha*dMz_dFx + dFy_dalpha*dMz_dFy;
-        *(lanes_in_array *)(results + 16*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dgamma + dFx_dgamma*dMz_dFx + dFy_dgamma*dMz_dFy;
-        *(lanes_in_array *)(results + 17*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dFz + dFx_dFz*dMz_dFx + dFy_dFz*dMz_dFy;
-        *(lanes_in_array *)(results + 18*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dp + dFx_dp*dMz_dFx + dFy_dp*dMz_dFy;
-        *(lanes_in_array *)(results + 19*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dV;
-        *(lanes_in_array *)(results + 20*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 21*BLOCK + i) = dFy_dkappa*dMx_dFy;
-        *(lanes_in_array *)(results + 22*BLOCK + i) = dFy_dalpha*dMx_dFy;
-        *(lanes_in_array *)(results + 23*BLOCK + i) = Mx_by_gamma + Mx_by_M_x_hump*dM_x_hump_dgamma + dFy_dgamma*dMx_dFy;
-        *(lanes_in_array *)(results + 24*BLOCK + i) = F_z_by_Fz*dMx_dF_z + dFy_dFz*dMx_dFy;
-        *(lanes_in_array *)(results + 25*BLOCK + i) = Mx_by_dpi*dpi_part1 + dFy_dp*dMx_dFy;
-        *(lanes_in_array *)(results + 26*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 27*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 28*BLOCK + i) = dFx_dkappa*dMy_dFx + dM_y_rolling_part2_dkappa*dMy_dM_y_rolling_part2;
-        *(lanes_in_array *)(results + 29*BLOCK + i) = dFx_dalpha*dMy_dFx;
-        *(lanes_in_array *)(results + 30*BLOCK + i) = dFx_dgamma*dMy_dFx;
-        *(lanes_in_array *)(results + 31*BLOCK + i) = F_z_by_Fz*dMy_dF_z + dFx_dFz*dMy_dFx;
-        *(lanes_in_array *)(results + 32*BLOCK + i) = dFx_dp*dMy_dFx;
-        *(lanes_in_array *)(results + 33*BLOCK + i) = dM_y_rolling_part2_dV*dMy_dM_y_rolling_part2;
-        *(lanes_in_array *)(results + 34*BLOCK + i) = each(0.0);
+        *(lanes_in_array *)(results + 0*STRIDE + i) = dFx_dkappa;
+        *(lanes_in_array *)(results + 1*STRIDE + i) = dFx_dalpha;
+        *(lanes_in_array *)(results + 2*STRIDE + i) = dFx_dgamma;
+        *(lanes_in_array *)(results + 3*STRIDE + i) = dFx_dFz;
+        *(lanes_in_array *)(results + 4*STRIDE + i) = dFx_dp;
+        *(lanes_in_array *)(results + 5*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 6*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 7*STRIDE + i) = dFy_dkappa;
+        *(lanes_in_array *)(results + 8*STRIDE + i) = dFy_dalpha;
+        *(lanes_in_array *)(results + 9*STRIDE + i) = dFy_dgamma;
+        *(lanes_in_array *)(results + 10*STRIDE + i) = dFy_dFz;
+        *(lanes_in_array *)(results + 11*STRIDE + i) = dFy_dp;
+        *(lanes_in_array *)(results + 12*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 13*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 14*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dkappa + dFx_dkappa*dMz_dFx + dFy_dkappa*dMz_dFy;
+        *(lanes_in_array *)(results + 15*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dalpha + dFx_dalpha*dMz_dFx + dFy_dalpha*dMz_dFy;
+        *(lanes_in_array *)(results + 16*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dgamma + dFx_dgamma*dMz_dFx + dFy_dgamma*dMz_dFy;
+        *(lanes_in_array *)(results + 17*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dFz + dFx_dFz*dMz_dFx + dFy_dFz*dMz_dFy;
+        *(lanes_in_array *)(results + 18*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dp + dFx_dp*dMz_dFx + dFy_dp*dMz_dFy;
+        *(lanes_in_array *)(results + 19*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dV;
+        *(lanes_in_array *)(results + 20*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 21*STRIDE + i) = dFy_dkappa*dMx_dFy;
+        *(lanes_in_array *)(results + 22*STRIDE + i) = dFy_dalpha*dMx_dFy;
+        *(lanes_in_array *)(results + 23*STRIDE + i) = Mx_by_gamma + Mx_by_M_x_hump*dM_x_hump_dgamma + dFy_dgamma*dMx_dFy;
+        *(lanes_in_array *)(results + 24*STRIDE + i) = F_z_by_Fz*dMx_dF_z + dFy_dFz*dMx_dFy;
+        *(lanes_in_array *)(results + 25*STRIDE + i) = Mx_by_dpi*dpi_part1 + dFy_dp*dMx_dFy;
+        *(lanes_in_array *)(results + 26*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 27*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 28*STRIDE + i) = dFx_dkappa*dMy_dFx + dM_y_rolling_part2_dkappa*dMy_dM_y_rolling_part2;
+        *(lanes_in_array *)(results + 29*STRIDE + i) = dFx_dalpha*dMy_dFx;
+        *(lanes_in_array *)(results + 30*STRIDE + i) = dFx_dgamma*dMy_dFx;
+        *(lanes_in_array *)(results + 31*STRIDE + i) = F_z_by_Fz*dMy_dF_z + dFx_dFz*dMy_dFx;
+        *(lanes_in_array *)(results + 32*STRIDE + i) = dFx_dp*dMy_dFx;
+        *(lanes_in_array *)(results + 33*STRIDE + i) = dM_y_rolling_part2_dV*dMy_dM_y_rolling_part2;
+        *(lanes_in_array *)(results + 34*STRIDE + i) = each(0.0);
     }
 }
 
@@ -1190,7 +1193,7 @@ void mf52_batch_jacobian_inputs(size_t n, size_t stride, const double inputs[],
 void mf52_batch_jacobian_inputs(size_t n, size_t stride, const double inputs[],
     const double parameters[], double results[], unsigned char undone[])
 {
-    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*BLOCK + 8];
+    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*STRIDE + 8];
     for (size_t start = 0; start < n; start += BLOCK) {
         const size_t m = n - start < BLOCK ? n - start : BLOCK;
         take_block(m, stride, inputs + start, aligned(columns));

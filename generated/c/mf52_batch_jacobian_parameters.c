@@ -10,6 +10,7 @@
 
 #define N_INPUTS MF52_N_INPUTS
 #define N_RESULTS 464
+#define N_FORCES MF52_N_FORCES
 
 #define PI 3.14159265358979323846
 
@@ -164,6 +165,9 @@ static inline lanes lanes_exp(lanes x)
 
 #define BLOCK 64
 
+/* Distance of two results of a block. With BLOCK, hundreds of results would share a few lines of the cache. */
+#define STRIDE (BLOCK + 8)
+
 /* The first place in an array that begins a cache line; the array has 8 numbers to spare. */
 static double *aligned(double *array)
 {
@@ -185,11 +189,165 @@ static void put_block(size_t n, size_t stride, const double block[], double resu
     double sum[BLOCK] = {0.0};
     for (size_t k = 0; k < N_RESULTS; k++) {
         for (size_t i = 0; i < BLOCK; i++)
-            sum[i] += 0.0*block[k*BLOCK + i];
-        memcpy(results + k*stride, block + k*BLOCK, n*sizeof(double));
+            sum[i] += 0.0*block[k*STRIDE + i];
+        memcpy(results + k*stride, block + k*STRIDE, n*sizeof(double));
     }
     for (size_t i = 0; i < n; i++)
         undone[i] = sum[i] != 0.0; /* NaN differs from everything */
+}
+
+/* Put n rows of `count` chosen results into a table; a row in which one is not finite is marked as undone. */
+static void put_chosen(size_t n, size_t stride, const double block[], size_t count, const size_t chosen[],
+    double results[], unsigned char undone[])
+{
+    double sum[BLOCK] = {0.0};
+    for (size_t k = 0; k < count; k++) {
+        const double *result = block + chosen[k]*STRIDE;
+        for (size_t i = 0; i < BLOCK; i++)
+            sum[i] += 0.0*result[i];
+        memcpy(results + k*stride, result, n*sizeof(double));
+    }
+    for (size_t i = 0; i < n; i++)
+        undone[i] = sum[i] != 0.0;
+}
+
+/* Weighted least squares: of each force J^T W J, J^T W r and r^T W r, accumulated while the derivatives of PANEL rows are
+   in the processor's cache. A panel has the weighted derivatives of one force, coefficient by coefficient, STEP numbers
+   apart, and the weighted residuals last. */
+
+#define PANEL (4*BLOCK)
+
+/* Not a multiple of the size of a page, which would put all coefficients into a few lines of the cache. */
+#define STEP (PANEL + 8)
+
+/* Rows and columns of a tile of the matrix, whose sums are in registers. */
+#define TILE_ROWS 4
+
+#define TILE_COLUMNS 3
+
+/* Rows of a panel and of a matrix for n derivatives and the residuals: whole tiles. */
+static size_t whole_tiles(size_t n)
+{
+    const size_t both = TILE_ROWS*TILE_COLUMNS;
+    return (n + 1 + both - 1)/both*both;
+}
+
+static inline lanes lanes_at(const double array[])
+{
+    return *(const lanes_in_array *)array;
+}
+
+static inline double sum_of_lanes(lanes x)
+{
+    double sum = 0.0;
+    for (int i = 0; i < LANES; i++)
+        sum += x[i];
+    return sum;
+}
+
+/* Add the products of TILE_ROWS rows a and TILE_COLUMNS rows b of a panel to a tile of its matrix. */
+static void add_tile(const double a[], const double b[], size_t size, double matrix[])
+{
+    lanes s00 = {0.0}, s01 = {0.0}, s02 = {0.0}, s10 = {0.0}, s11 = {0.0}, s12 = {0.0};
+    lanes s20 = {0.0}, s21 = {0.0}, s22 = {0.0}, s30 = {0.0}, s31 = {0.0}, s32 = {0.0};
+    for (size_t i = 0; i < PANEL; i += LANES) {
+        const lanes b0 = lanes_at(b + i), b1 = lanes_at(b + STEP + i), b2 = lanes_at(b + 2*STEP + i);
+        const lanes a0 = lanes_at(a + i), a1 = lanes_at(a + STEP + i);
+        const lanes a2 = lanes_at(a + 2*STEP + i), a3 = lanes_at(a + 3*STEP + i);
+        s00 += a0*b0, s01 += a0*b1, s02 += a0*b2;
+        s10 += a1*b0, s11 += a1*b1, s12 += a1*b2;
+        s20 += a2*b0, s21 += a2*b1, s22 += a2*b2;
+        s30 += a3*b0, s31 += a3*b1, s32 += a3*b2;
+    }
+    const lanes sums[TILE_ROWS*TILE_COLUMNS] = {s00, s01, s02, s10, s11, s12, s20, s21, s22, s30, s31, s32};
+    for (size_t k = 0; k < TILE_ROWS*TILE_COLUMNS; k++)
+        matrix[k/TILE_COLUMNS*size + k%TILE_COLUMNS] += sum_of_lanes(sums[k]);
+}
+
+/* Fill BLOCK rows of a panel, n of them with the weighted derivatives that `entries` chooses. A row without a weight is
+   0, whatever its derivatives are; `sum` becomes NaN in a row of which a weighted derivative is not finite. */
+static void fill_panel(size_t n, const double derivatives[], size_t count, const size_t entries[],
+    const double roots[], const double residuals[], double panel[], double sum[])
+{
+    double weights[BLOCK] = {0.0};
+    memcpy(weights, roots, n*sizeof(double));
+    for (size_t k = 0; k < count; k++)
+        for (size_t i = 0; i < BLOCK; i += LANES) {
+            const lanes weight = lanes_at(weights + i), weighted = lanes_at(derivatives + entries[k]*STRIDE + i)*weight;
+            const lanes used = (lanes)((lane_bits)weighted & (weight != 0.0));
+            *(lanes_in_array *)(panel + k*STEP + i) = used;
+            *(lanes_in_array *)(sum + i) = lanes_at(sum + i) + 0.0*used;
+        }
+    for (size_t i = 0; i < BLOCK; i++)
+        panel[count*STEP + i] = i < n && weights[i] != 0.0 ? residuals[i] : 0.0;
+}
+
+/* Return whether any of n weights is not 0. */
+static int any_weight(size_t n, const double roots[])
+{
+    for (size_t i = 0; i < n; i++)
+        if (roots[i] != 0.0)
+            return 1;
+    return 0;
+}
+
+/* Fill BLOCK rows of the panels of all forces that have a weight among m rows; a row with derivatives that are not
+   finite is marked as undone, and 0. */
+static void fill_panels(size_t n, size_t stride, const double derivatives[], const int weighted[],
+    const size_t first[], const size_t entries[], const double roots[], const double residuals[], double panels[],
+    unsigned char undone[])
+{
+    double sum[BLOCK] = {0.0}, *panel = panels;
+    for (size_t force = 0; force < N_FORCES; force++) {
+        const size_t count = first[force + 1] - first[force];
+        if (weighted[force])
+            fill_panel(n, derivatives, count, entries + first[force], roots + force*stride, residuals + force*stride,
+                panel, sum);
+        panel += whole_tiles(count)*STEP;
+    }
+    for (size_t i = 0; i < n; i++) {
+        undone[i] = sum[i] != 0.0; /* NaN differs from everything */
+        if (undone[i])
+            for (double *row = panels; row < panel; row += STEP)
+                row[i] = 0.0;
+    }
+}
+
+/* Add the lower triangles of the matrices of all forces that have a weight: the last row of each is J^T W r, r^T W r. */
+static void add_panels(const int weighted[], const size_t first[], const double panels[], double matrices[])
+{
+    for (size_t force = 0; force < N_FORCES; force++) {
+        const size_t count = first[force + 1] - first[force], size = whole_tiles(count);
+        for (size_t j = 0; j <= count && weighted[force]; j += TILE_ROWS)
+            for (size_t k = 0; k <= count && k < j + TILE_ROWS; k += TILE_COLUMNS)
+                add_tile(panels + j*STEP, panels + k*STEP, size, matrices + j*size + k);
+        panels += size*STEP;
+        matrices += size*size;
+    }
+}
+
+/* Add the normal equations of n rows. `first` and `entries` choose the derivatives of each force; `roots` are the roots
+   of the weights, `residuals` are weighted, both force by force. `panels` is memory of 0 for the panels of all forces. */
+static void add_normal_equations(void (*kernel)(const double[], const double[], double[]), size_t n, size_t stride,
+    const double inputs[], const double parameters[], const size_t first[], const size_t entries[],
+    const double roots[], const double residuals[], double panels[], double matrices[], unsigned char undone[])
+{
+    double columns[N_INPUTS*BLOCK + 8], derivatives[N_RESULTS*STRIDE + 8];
+    for (size_t start = 0; start < n; start += PANEL) {
+        int weighted[N_FORCES];
+        for (size_t force = 0; force < N_FORCES; force++)
+            weighted[force] = any_weight(n - start < PANEL ? n - start : PANEL, roots + force*stride + start);
+        for (size_t block = 0; block < PANEL; block += BLOCK) {
+            const size_t at = start + block < n ? start + block : n, m = n - at < BLOCK ? n - at : BLOCK;
+            if (m > 0) {
+                take_block(m, stride, inputs + at, aligned(columns));
+                kernel(aligned(columns), parameters, aligned(derivatives));
+            }
+            fill_panels(m, stride, aligned(derivatives), weighted, first, entries, roots + at, residuals + at,
+                panels + block, undone + at);
+        }
+        add_panels(weighted, first, panels, matrices);
+    }
 }
 
 /* Derivatives of the forces by the coefficients. */
@@ -1469,470 +1627,470 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dMx_dFy = Mx_by_Fy + Mx_by_M_x_hump*dM_x_hump_dFy;
         const lanes dMz_dFy = Mz_by_Mz_part1*dMz_part1_dFy;
 
-        *(lanes_in_array *)(results + 0*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 1*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 2*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 3*BLOCK + i) = dFx_dNOMPRES;
-        *(lanes_in_array *)(results + 4*BLOCK + i) = dFx_dFNOMIN;
-        *(lanes_in_array *)(results + 5*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 6*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 7*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 8*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 9*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 10*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 11*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 12*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 13*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 14*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 15*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 16*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 17*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 18*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 19*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 20*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 21*BLOCK + i) = dFx_dLFZO;
-        *(lanes_in_array *)(results + 22*BLOCK + i) = dFx_dLCX;
-        *(lanes_in_array *)(results + 23*BLOCK + i) = dFx_dLMUX;
-        *(lanes_in_array *)(results + 24*BLOCK + i) = dFx_dLEX;
-        *(lanes_in_array *)(results + 25*BLOCK + i) = dFx_dLKX;
-        *(lanes_in_array *)(results + 26*BLOCK + i) = dFx_dLHX;
-        *(lanes_in_array *)(results + 27*BLOCK + i) = dFx_dLVX;
-        *(lanes_in_array *)(results + 28*BLOCK + i) = dFx_dLXAL;
-        *(lanes_in_array *)(results + 29*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 30*BLOCK + i) = dFx_dPCX1;
-        *(lanes_in_array *)(results + 31*BLOCK + i) = dFx_dPDX1;
-        *(lanes_in_array *)(results + 32*BLOCK + i) = dFx_dPDX2;
-        *(lanes_in_array *)(results + 33*BLOCK + i) = dFx_dPDX3;
-        *(lanes_in_array *)(results + 34*BLOCK + i) = dFx_dPEX1;
-        *(lanes_in_array *)(results + 35*BLOCK + i) = dFx_dPEX2;
-        *(lanes_in_array *)(results + 36*BLOCK + i) = dFx_dPEX3;
-        *(lanes_in_array *)(results + 37*BLOCK + i) = dFx_dPEX4;
-        *(lanes_in_array *)(results + 38*BLOCK + i) = dFx_dPKX1;
-        *(lanes_in_array *)(results + 39*BLOCK + i) = dFx_dPKX2;
-        *(lanes_in_array *)(results + 40*BLOCK + i) = dFx_dPKX3;
-        *(lanes_in_array *)(results + 41*BLOCK + i) = dFx_dPHX1;
-        *(lanes_in_array *)(results + 42*BLOCK + i) = dFx_dPHX2;
-        *(lanes_in_array *)(results + 43*BLOCK + i) = dFx_dPVX1;
-        *(lanes_in_array *)(results + 44*BLOCK + i) = dFx_dPVX2;
-        *(lanes_in_array *)(results + 45*BLOCK + i) = dFx_dPPX1;
-        *(lanes_in_array *)(results + 46*BLOCK + i) = dFx_dPPX2;
-        *(lanes_in_array *)(results + 47*BLOCK + i) = dFx_dPPX3;
-        *(lanes_in_array *)(results + 48*BLOCK + i) = dFx_dPPX4;
-        *(lanes_in_array *)(results + 49*BLOCK + i) = dFx_dRBX1;
-        *(lanes_in_array *)(results + 50*BLOCK + i) = dFx_dRBX2;
-        *(lanes_in_array *)(results + 51*BLOCK + i) = dFx_dRBX3;
-        *(lanes_in_array *)(results + 52*BLOCK + i) = dFx_dRCX1;
-        *(lanes_in_array *)(results + 53*BLOCK + i) = dFx_dREX1;
-        *(lanes_in_array *)(results + 54*BLOCK + i) = dFx_dREX2;
-        *(lanes_in_array *)(results + 55*BLOCK + i) = dFx_dRHX1;
-        *(lanes_in_array *)(results + 56*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 57*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 58*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 59*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 60*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 61*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 62*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 63*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 64*BLOCK + i) = dFy_dNOMPRES;
-        *(lanes_in_array *)(results + 65*BLOCK + i) = dFy_dFNOMIN;
-        *(lanes_in_array *)(results + 66*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 67*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 68*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 69*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 70*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 71*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 72*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 73*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 74*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 75*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 76*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 77*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 78*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 79*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 80*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 81*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 82*BLOCK + i) = dFy_dLFZO;
-        *(lanes_in_array *)(results + 83*BLOCK + i) = dFy_dLCY;
-        *(lanes_in_array *)(results + 84*BLOCK + i) = dFy_dLMUY;
-        *(lanes_in_array *)(results + 85*BLOCK + i) = dFy_dLEY;
-        *(lanes_in_array *)(results + 86*BLOCK + i) = dFy_dLKY;
-        *(lanes_in_array *)(results + 87*BLOCK + i) = dFy_dLKYC;
-        *(lanes_in_array *)(results + 88*BLOCK + i) = dFy_dLHY;
-        *(lanes_in_array *)(results + 89*BLOCK + i) = dFy_dLVY;
-        *(lanes_in_array *)(results + 90*BLOCK + i) = dFy_dLYKA;
-        *(lanes_in_array *)(results + 91*BLOCK + i) = dFy_dLVYKA;
-        *(lanes_in_array *)(results + 92*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 93*BLOCK + i) = dFy_dPCY1;
-        *(lanes_in_array *)(results + 94*BLOCK + i) = dFy_dPDY1;
-        *(lanes_in_array *)(results + 95*BLOCK + i) = dFy_dPDY2;
-        *(lanes_in_array *)(results + 96*BLOCK + i) = dFy_dPDY3;
-        *(lanes_in_array *)(results + 97*BLOCK + i) = dFy_dPEY1;
-        *(lanes_in_array *)(results + 98*BLOCK + i) = dFy_dPEY2;
-        *(lanes_in_array *)(results + 99*BLOCK + i) = dFy_dPEY3;
-        *(lanes_in_array *)(results + 100*BLOCK + i) = dFy_dPEY4;
-        *(lanes_in_array *)(results + 101*BLOCK + i) = dFy_dPEY5;
-        *(lanes_in_array *)(results + 102*BLOCK + i) = dFy_dPKY1;
-        *(lanes_in_array *)(results + 103*BLOCK + i) = dFy_dPKY2;
-        *(lanes_in_array *)(results + 104*BLOCK + i) = dFy_dPKY3;
-        *(lanes_in_array *)(results + 105*BLOCK + i) = dFy_dPKY4;
-        *(lanes_in_array *)(results + 106*BLOCK + i) = dFy_dPKY5;
-        *(lanes_in_array *)(results + 107*BLOCK + i) = dFy_dPHY1;
-        *(lanes_in_array *)(results + 108*BLOCK + i) = dFy_dPHY2;
-        *(lanes_in_array *)(results + 109*BLOCK + i) = dFy_dPHY3;
-        *(lanes_in_array *)(results + 110*BLOCK + i) = dFy_dPVY1;
-        *(lanes_in_array *)(results + 111*BLOCK + i) = dFy_dPVY2;
-        *(lanes_in_array *)(results + 112*BLOCK + i) = dFy_dPVY3;
-        *(lanes_in_array *)(results + 113*BLOCK + i) = dFy_dPVY4;
-        *(lanes_in_array *)(results + 114*BLOCK + i) = dFy_dPPY1;
-        *(lanes_in_array *)(results + 115*BLOCK + i) = dFy_dPPY2;
-        *(lanes_in_array *)(results + 116*BLOCK + i) = dFy_dPPY3;
-        *(lanes_in_array *)(results + 117*BLOCK + i) = dFy_dPPY4;
-        *(lanes_in_array *)(results + 118*BLOCK + i) = dFy_dRBY1;
-        *(lanes_in_array *)(results + 119*BLOCK + i) = dFy_dRBY2;
-        *(lanes_in_array *)(results + 120*BLOCK + i) = dFy_dRBY3;
-        *(lanes_in_array *)(results + 121*BLOCK + i) = dFy_dRBY4;
-        *(lanes_in_array *)(results + 122*BLOCK + i) = dFy_dRCY1;
-        *(lanes_in_array *)(results + 123*BLOCK + i) = dFy_dREY1;
-        *(lanes_in_array *)(results + 124*BLOCK + i) = dFy_dREY2;
-        *(lanes_in_array *)(results + 125*BLOCK + i) = dFy_dRHY1;
-        *(lanes_in_array *)(results + 126*BLOCK + i) = dFy_dRHY2;
-        *(lanes_in_array *)(results + 127*BLOCK + i) = dFy_dRVY1;
-        *(lanes_in_array *)(results + 128*BLOCK + i) = dFy_dRVY2;
-        *(lanes_in_array *)(results + 129*BLOCK + i) = dFy_dRVY3;
-        *(lanes_in_array *)(results + 130*BLOCK + i) = dFy_dRVY4;
-        *(lanes_in_array *)(results + 131*BLOCK + i) = dFy_dRVY5;
-        *(lanes_in_array *)(results + 132*BLOCK + i) = dFy_dRVY6;
-        *(lanes_in_array *)(results + 133*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 134*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 135*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 136*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 137*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 138*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 139*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 140*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 141*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 142*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dUNLOADED_RADIUS;
-        *(lanes_in_array *)(results + 143*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dNOMPRES + dFx_dNOMPRES*dMz_dFx + dFy_dNOMPRES*dMz_dFy;
-        *(lanes_in_array *)(results + 144*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dFNOMIN + dFx_dFNOMIN*dMz_dFx + dFy_dFNOMIN*dMz_dFy;
-        *(lanes_in_array *)(results + 145*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 146*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 147*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 148*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 149*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 150*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 151*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 152*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 153*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 154*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 155*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 156*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 157*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 158*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 159*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 160*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 161*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 162*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dLFZO + dFx_dLFZO*dMz_dFx + dFy_dLFZO*dMz_dFy;
-        *(lanes_in_array *)(results + 163*BLOCK + i) = dFx_dLCX*dMz_dFx;
-        *(lanes_in_array *)(results + 164*BLOCK + i) = dFx_dLMUX*dMz_dFx;
-        *(lanes_in_array *)(results + 165*BLOCK + i) = dFx_dLEX*dMz_dFx;
-        *(lanes_in_array *)(results + 166*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dLKX + dFx_dLKX*dMz_dFx;
-        *(lanes_in_array *)(results + 167*BLOCK + i) = dFx_dLHX*dMz_dFx;
-        *(lanes_in_array *)(results + 168*BLOCK + i) = dFx_dLVX*dMz_dFx;
-        *(lanes_in_array *)(results + 169*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dLCY + dFy_dLCY*dMz_dFy;
-        *(lanes_in_array *)(results + 170*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dLMUY + dFy_dLMUY*dMz_dFy;
-        *(lanes_in_array *)(results + 171*BLOCK + i) = dFy_dLEY*dMz_dFy;
-        *(lanes_in_array *)(results + 172*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dLKY + dFy_dLKY*dMz_dFy;
-        *(lanes_in_array *)(results + 173*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dLKYC + dFy_dLKYC*dMz_dFy;
-        *(lanes_in_array *)(results + 174*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dLKZC;
-        *(lanes_in_array *)(results + 175*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dLHY + dFy_dLHY*dMz_dFy;
-        *(lanes_in_array *)(results + 176*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dLVY + dFy_dLVY*dMz_dFy;
-        *(lanes_in_array *)(results + 177*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dLTR;
-        *(lanes_in_array *)(results + 178*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dLRES;
-        *(lanes_in_array *)(results + 179*BLOCK + i) = dFx_dLXAL*dMz_dFx;
-        *(lanes_in_array *)(results + 180*BLOCK + i) = dFy_dLYKA*dMz_dFy;
-        *(lanes_in_array *)(results + 181*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dLVYKA + dFy_dLVYKA*dMz_dFy;
-        *(lanes_in_array *)(results + 182*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dLS;
-        *(lanes_in_array *)(results + 183*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 184*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 185*BLOCK + i) = dFx_dPCX1*dMz_dFx;
-        *(lanes_in_array *)(results + 186*BLOCK + i) = dFx_dPDX1*dMz_dFx;
-        *(lanes_in_array *)(results + 187*BLOCK + i) = dFx_dPDX2*dMz_dFx;
-        *(lanes_in_array *)(results + 188*BLOCK + i) = dFx_dPDX3*dMz_dFx;
-        *(lanes_in_array *)(results + 189*BLOCK + i) = dFx_dPEX1*dMz_dFx;
-        *(lanes_in_array *)(results + 190*BLOCK + i) = dFx_dPEX2*dMz_dFx;
-        *(lanes_in_array *)(results + 191*BLOCK + i) = dFx_dPEX3*dMz_dFx;
-        *(lanes_in_array *)(results + 192*BLOCK + i) = dFx_dPEX4*dMz_dFx;
-        *(lanes_in_array *)(results + 193*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPKX1 + dFx_dPKX1*dMz_dFx;
-        *(lanes_in_array *)(results + 194*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPKX2 + dFx_dPKX2*dMz_dFx;
-        *(lanes_in_array *)(results + 195*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPKX3 + dFx_dPKX3*dMz_dFx;
-        *(lanes_in_array *)(results + 196*BLOCK + i) = dFx_dPHX1*dMz_dFx;
-        *(lanes_in_array *)(results + 197*BLOCK + i) = dFx_dPHX2*dMz_dFx;
-        *(lanes_in_array *)(results + 198*BLOCK + i) = dFx_dPVX1*dMz_dFx;
-        *(lanes_in_array *)(results + 199*BLOCK + i) = dFx_dPVX2*dMz_dFx;
-        *(lanes_in_array *)(results + 200*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPPX1 + dFx_dPPX1*dMz_dFx;
-        *(lanes_in_array *)(results + 201*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPPX2 + dFx_dPPX2*dMz_dFx;
-        *(lanes_in_array *)(results + 202*BLOCK + i) = dFx_dPPX3*dMz_dFx;
-        *(lanes_in_array *)(results + 203*BLOCK + i) = dFx_dPPX4*dMz_dFx;
-        *(lanes_in_array *)(results + 204*BLOCK + i) = dFx_dRBX1*dMz_dFx;
-        *(lanes_in_array *)(results + 205*BLOCK + i) = dFx_dRBX2*dMz_dFx;
-        *(lanes_in_array *)(results + 206*BLOCK + i) = dFx_dRBX3*dMz_dFx;
-        *(lanes_in_array *)(results + 207*BLOCK + i) = dFx_dRCX1*dMz_dFx;
-        *(lanes_in_array *)(results + 208*BLOCK + i) = dFx_dREX1*dMz_dFx;
-        *(lanes_in_array *)(results + 209*BLOCK + i) = dFx_dREX2*dMz_dFx;
-        *(lanes_in_array *)(results + 210*BLOCK + i) = dFx_dRHX1*dMz_dFx;
-        *(lanes_in_array *)(results + 211*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPCY1 + dFy_dPCY1*dMz_dFy;
-        *(lanes_in_array *)(results + 212*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPDY1 + dFy_dPDY1*dMz_dFy;
-        *(lanes_in_array *)(results + 213*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPDY2 + dFy_dPDY2*dMz_dFy;
-        *(lanes_in_array *)(results + 214*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPDY3 + dFy_dPDY3*dMz_dFy;
-        *(lanes_in_array *)(results + 215*BLOCK + i) = dFy_dPEY1*dMz_dFy;
-        *(lanes_in_array *)(results + 216*BLOCK + i) = dFy_dPEY2*dMz_dFy;
-        *(lanes_in_array *)(results + 217*BLOCK + i) = dFy_dPEY3*dMz_dFy;
-        *(lanes_in_array *)(results + 218*BLOCK + i) = dFy_dPEY4*dMz_dFy;
-        *(lanes_in_array *)(results + 219*BLOCK + i) = dFy_dPEY5*dMz_dFy;
-        *(lanes_in_array *)(results + 220*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPKY1 + dFy_dPKY1*dMz_dFy;
-        *(lanes_in_array *)(results + 221*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPKY2 + dFy_dPKY2*dMz_dFy;
-        *(lanes_in_array *)(results + 222*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPKY3 + dFy_dPKY3*dMz_dFy;
-        *(lanes_in_array *)(results + 223*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPKY4 + dFy_dPKY4*dMz_dFy;
-        *(lanes_in_array *)(results + 224*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPKY5 + dFy_dPKY5*dMz_dFy;
-        *(lanes_in_array *)(results + 225*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPHY1 + dFy_dPHY1*dMz_dFy;
-        *(lanes_in_array *)(results + 226*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPHY2 + dFy_dPHY2*dMz_dFy;
-        *(lanes_in_array *)(results + 227*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPHY3 + dFy_dPHY3*dMz_dFy;
-        *(lanes_in_array *)(results + 228*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPVY1 + dFy_dPVY1*dMz_dFy;
-        *(lanes_in_array *)(results + 229*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPVY2 + dFy_dPVY2*dMz_dFy;
-        *(lanes_in_array *)(results + 230*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPVY3 + dFy_dPVY3*dMz_dFy;
-        *(lanes_in_array *)(results + 231*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPVY4 + dFy_dPVY4*dMz_dFy;
-        *(lanes_in_array *)(results + 232*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPPY1 + dFy_dPPY1*dMz_dFy;
-        *(lanes_in_array *)(results + 233*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPPY2 + dFy_dPPY2*dMz_dFy;
-        *(lanes_in_array *)(results + 234*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPPY3 + dFy_dPPY3*dMz_dFy;
-        *(lanes_in_array *)(results + 235*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPPY4 + dFy_dPPY4*dMz_dFy;
-        *(lanes_in_array *)(results + 236*BLOCK + i) = dFy_dRBY1*dMz_dFy;
-        *(lanes_in_array *)(results + 237*BLOCK + i) = dFy_dRBY2*dMz_dFy;
-        *(lanes_in_array *)(results + 238*BLOCK + i) = dFy_dRBY3*dMz_dFy;
-        *(lanes_in_array *)(results + 239*BLOCK + i) = dFy_dRBY4*dMz_dFy;
-        *(lanes_in_array *)(results + 240*BLOCK + i) = dFy_dRCY1*dMz_dFy;
-        *(lanes_in_array *)(results + 241*BLOCK + i) = dFy_dREY1*dMz_dFy;
-        *(lanes_in_array *)(results + 242*BLOCK + i) = dFy_dREY2*dMz_dFy;
-        *(lanes_in_array *)(results + 243*BLOCK + i) = dFy_dRHY1*dMz_dFy;
-        *(lanes_in_array *)(results + 244*BLOCK + i) = dFy_dRHY2*dMz_dFy;
-        *(lanes_in_array *)(results + 245*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dRVY1 + dFy_dRVY1*dMz_dFy;
-        *(lanes_in_array *)(results + 246*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dRVY2 + dFy_dRVY2*dMz_dFy;
-        *(lanes_in_array *)(results + 247*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dRVY3 + dFy_dRVY3*dMz_dFy;
-        *(lanes_in_array *)(results + 248*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dRVY4 + dFy_dRVY4*dMz_dFy;
-        *(lanes_in_array *)(results + 249*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dRVY5 + dFy_dRVY5*dMz_dFy;
-        *(lanes_in_array *)(results + 250*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dRVY6 + dFy_dRVY6*dMz_dFy;
-        *(lanes_in_array *)(results + 251*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQBZ1;
-        *(lanes_in_array *)(results + 252*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQBZ2;
-        *(lanes_in_array *)(results + 253*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQBZ3;
-        *(lanes_in_array *)(results + 254*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQBZ4;
-        *(lanes_in_array *)(results + 255*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQBZ5;
-        *(lanes_in_array *)(results + 256*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 257*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQBZ9;
-        *(lanes_in_array *)(results + 258*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQBZ10;
-        *(lanes_in_array *)(results + 259*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQCZ1;
-        *(lanes_in_array *)(results + 260*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQDZ1;
-        *(lanes_in_array *)(results + 261*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQDZ2;
-        *(lanes_in_array *)(results + 262*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQDZ3;
-        *(lanes_in_array *)(results + 263*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQDZ4;
-        *(lanes_in_array *)(results + 264*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQDZ6;
-        *(lanes_in_array *)(results + 265*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQDZ7;
-        *(lanes_in_array *)(results + 266*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQDZ8;
-        *(lanes_in_array *)(results + 267*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQDZ9;
-        *(lanes_in_array *)(results + 268*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQDZ10;
-        *(lanes_in_array *)(results + 269*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQDZ11;
-        *(lanes_in_array *)(results + 270*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQEZ1;
-        *(lanes_in_array *)(results + 271*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQEZ2;
-        *(lanes_in_array *)(results + 272*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQEZ3;
-        *(lanes_in_array *)(results + 273*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQEZ4;
-        *(lanes_in_array *)(results + 274*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQEZ5;
-        *(lanes_in_array *)(results + 275*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQHZ1;
-        *(lanes_in_array *)(results + 276*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQHZ2;
-        *(lanes_in_array *)(results + 277*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQHZ3;
-        *(lanes_in_array *)(results + 278*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dQHZ4;
-        *(lanes_in_array *)(results + 279*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPPZ1;
-        *(lanes_in_array *)(results + 280*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dPPZ2;
-        *(lanes_in_array *)(results + 281*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_ds_part3;
-        *(lanes_in_array *)(results + 282*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dSSZ2;
-        *(lanes_in_array *)(results + 283*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dSSZ3;
-        *(lanes_in_array *)(results + 284*BLOCK + i) = Mz_by_Mz_part1*dMz_part1_dSSZ4;
-        *(lanes_in_array *)(results + 285*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 286*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 287*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 288*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 289*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 290*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 291*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 292*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 293*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 294*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 295*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 296*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 297*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 298*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 299*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 300*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 301*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 302*BLOCK + i) = Mx_by_UNLOADED_RADIUS;
-        *(lanes_in_array *)(results + 303*BLOCK + i) = Mx_by_dpi*ddpi_dNOMPRES + dFy_dNOMPRES*dMx_dFy;
-        *(lanes_in_array *)(results + 304*BLOCK + i) = Mx_by_FNOMIN + Mx_by_M_x_hump*dM_x_hump_dFNOMIN + dFy_dFNOMIN*dMx_dFy;
-        *(lanes_in_array *)(results + 305*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 306*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 307*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 308*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 309*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 310*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 311*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 312*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 313*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 314*BLOCK + i) = F_zx_by_FZMIN*Mx_by_F_zx + Mx_by_M_x_hump*dM_x_hump_dFZMIN;
-        *(lanes_in_array *)(results + 315*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 316*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 317*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 318*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 319*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 320*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 321*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 322*BLOCK + i) = dFy_dLFZO*dMx_dFy;
-        *(lanes_in_array *)(results + 323*BLOCK + i) = dFy_dLCY*dMx_dFy;
-        *(lanes_in_array *)(results + 324*BLOCK + i) = dFy_dLMUY*dMx_dFy;
-        *(lanes_in_array *)(results + 325*BLOCK + i) = dFy_dLEY*dMx_dFy;
-        *(lanes_in_array *)(results + 326*BLOCK + i) = dFy_dLKY*dMx_dFy;
-        *(lanes_in_array *)(results + 327*BLOCK + i) = dFy_dLKYC*dMx_dFy;
-        *(lanes_in_array *)(results + 328*BLOCK + i) = dFy_dLHY*dMx_dFy;
-        *(lanes_in_array *)(results + 329*BLOCK + i) = dFy_dLVY*dMx_dFy;
-        *(lanes_in_array *)(results + 330*BLOCK + i) = dFy_dLYKA*dMx_dFy;
-        *(lanes_in_array *)(results + 331*BLOCK + i) = dFy_dLVYKA*dMx_dFy;
-        *(lanes_in_array *)(results + 332*BLOCK + i) = Mx_by_LMX;
-        *(lanes_in_array *)(results + 333*BLOCK + i) = Mx_by_LVMX;
-        *(lanes_in_array *)(results + 334*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 335*BLOCK + i) = Mx_by_QSX1;
-        *(lanes_in_array *)(results + 336*BLOCK + i) = Mx_by_QSX2;
-        *(lanes_in_array *)(results + 337*BLOCK + i) = Mx_by_QSX3;
-        *(lanes_in_array *)(results + 338*BLOCK + i) = M_x_hump_by_QSX4*Mx_by_M_x_hump;
-        *(lanes_in_array *)(results + 339*BLOCK + i) = Mx_by_M_x_hump*dM_x_hump_dQSX5;
-        *(lanes_in_array *)(results + 340*BLOCK + i) = Mx_by_M_x_hump*dM_x_hump_dQSX6;
-        *(lanes_in_array *)(results + 341*BLOCK + i) = Mx_by_M_x_hump*dM_x_hump_dQSX7;
-        *(lanes_in_array *)(results + 342*BLOCK + i) = Mx_by_M_x_hump*dM_x_hump_dQSX8;
-        *(lanes_in_array *)(results + 343*BLOCK + i) = Mx_by_M_x_hump*dM_x_hump_dQSX9;
-        *(lanes_in_array *)(results + 344*BLOCK + i) = Mx_by_QSX10;
-        *(lanes_in_array *)(results + 345*BLOCK + i) = Mx_by_QSX11;
-        *(lanes_in_array *)(results + 346*BLOCK + i) = Mx_by_QSX12;
-        *(lanes_in_array *)(results + 347*BLOCK + i) = Mx_by_QSX13;
-        *(lanes_in_array *)(results + 348*BLOCK + i) = Mx_by_QSX14;
-        *(lanes_in_array *)(results + 349*BLOCK + i) = Mx_by_PPMX1;
-        *(lanes_in_array *)(results + 350*BLOCK + i) = dFy_dPCY1*dMx_dFy;
-        *(lanes_in_array *)(results + 351*BLOCK + i) = dFy_dPDY1*dMx_dFy;
-        *(lanes_in_array *)(results + 352*BLOCK + i) = dFy_dPDY2*dMx_dFy;
-        *(lanes_in_array *)(results + 353*BLOCK + i) = dFy_dPDY3*dMx_dFy;
-        *(lanes_in_array *)(results + 354*BLOCK + i) = dFy_dPEY1*dMx_dFy;
-        *(lanes_in_array *)(results + 355*BLOCK + i) = dFy_dPEY2*dMx_dFy;
-        *(lanes_in_array *)(results + 356*BLOCK + i) = dFy_dPEY3*dMx_dFy;
-        *(lanes_in_array *)(results + 357*BLOCK + i) = dFy_dPEY4*dMx_dFy;
-        *(lanes_in_array *)(results + 358*BLOCK + i) = dFy_dPEY5*dMx_dFy;
-        *(lanes_in_array *)(results + 359*BLOCK + i) = dFy_dPKY1*dMx_dFy;
-        *(lanes_in_array *)(results + 360*BLOCK + i) = dFy_dPKY2*dMx_dFy;
-        *(lanes_in_array *)(results + 361*BLOCK + i) = dFy_dPKY3*dMx_dFy;
-        *(lanes_in_array *)(results + 362*BLOCK + i) = dFy_dPKY4*dMx_dFy;
-        *(lanes_in_array *)(results + 363*BLOCK + i) = dFy_dPKY5*dMx_dFy;
-        *(lanes_in_array *)(results + 364*BLOCK + i) = dFy_dPHY1*dMx_dFy;
-        *(lanes_in_array *)(results + 365*BLOCK + i) = dFy_dPHY2*dMx_dFy;
-        *(lanes_in_array *)(results + 366*BLOCK + i) = dFy_dPHY3*dMx_dFy;
-        *(lanes_in_array *)(results + 367*BLOCK + i) = dFy_dPVY1*dMx_dFy;
-        *(lanes_in_array *)(results + 368*BLOCK + i) = dFy_dPVY2*dMx_dFy;
-        *(lanes_in_array *)(results + 369*BLOCK + i) = dFy_dPVY3*dMx_dFy;
-        *(lanes_in_array *)(results + 370*BLOCK + i) = dFy_dPVY4*dMx_dFy;
-        *(lanes_in_array *)(results + 371*BLOCK + i) = dFy_dPPY1*dMx_dFy;
-        *(lanes_in_array *)(results + 372*BLOCK + i) = dFy_dPPY2*dMx_dFy;
-        *(lanes_in_array *)(results + 373*BLOCK + i) = dFy_dPPY3*dMx_dFy;
-        *(lanes_in_array *)(results + 374*BLOCK + i) = dFy_dPPY4*dMx_dFy;
-        *(lanes_in_array *)(results + 375*BLOCK + i) = dFy_dRBY1*dMx_dFy;
-        *(lanes_in_array *)(results + 376*BLOCK + i) = dFy_dRBY2*dMx_dFy;
-        *(lanes_in_array *)(results + 377*BLOCK + i) = dFy_dRBY3*dMx_dFy;
-        *(lanes_in_array *)(results + 378*BLOCK + i) = dFy_dRBY4*dMx_dFy;
-        *(lanes_in_array *)(results + 379*BLOCK + i) = dFy_dRCY1*dMx_dFy;
-        *(lanes_in_array *)(results + 380*BLOCK + i) = dFy_dREY1*dMx_dFy;
-        *(lanes_in_array *)(results + 381*BLOCK + i) = dFy_dREY2*dMx_dFy;
-        *(lanes_in_array *)(results + 382*BLOCK + i) = dFy_dRHY1*dMx_dFy;
-        *(lanes_in_array *)(results + 383*BLOCK + i) = dFy_dRHY2*dMx_dFy;
-        *(lanes_in_array *)(results + 384*BLOCK + i) = dFy_dRVY1*dMx_dFy;
-        *(lanes_in_array *)(results + 385*BLOCK + i) = dFy_dRVY2*dMx_dFy;
-        *(lanes_in_array *)(results + 386*BLOCK + i) = dFy_dRVY3*dMx_dFy;
-        *(lanes_in_array *)(results + 387*BLOCK + i) = dFy_dRVY4*dMx_dFy;
-        *(lanes_in_array *)(results + 388*BLOCK + i) = dFy_dRVY5*dMx_dFy;
-        *(lanes_in_array *)(results + 389*BLOCK + i) = dFy_dRVY6*dMx_dFy;
-        *(lanes_in_array *)(results + 390*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 391*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 392*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 393*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 394*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 395*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 396*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 397*BLOCK + i) = dM_y_speed_dLONGVL*dMy_dM_y_speed;
-        *(lanes_in_array *)(results + 398*BLOCK + i) = dM_y_rolling_part2_dVXLOW*dMy_dM_y_rolling_part2;
-        *(lanes_in_array *)(results + 399*BLOCK + i) = M_y_full_by_UNLOADED_RADIUS*dMy_dM_y_full;
-        *(lanes_in_array *)(results + 400*BLOCK + i) = dFx_dNOMPRES*dMy_dFx;
-        *(lanes_in_array *)(results + 401*BLOCK + i) = dFx_dFNOMIN*dMy_dFx + dM_y_speed_dFNOMIN*dMy_dM_y_speed;
-        *(lanes_in_array *)(results + 402*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 403*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 404*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 405*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 406*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 407*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 408*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 409*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 410*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 411*BLOCK + i) = dM_y_full_dFZMIN*dMy_dM_y_full;
-        *(lanes_in_array *)(results + 412*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 413*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 414*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 415*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 416*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 417*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 418*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 419*BLOCK + i) = dFx_dLFZO*dMy_dFx;
-        *(lanes_in_array *)(results + 420*BLOCK + i) = dFx_dLCX*dMy_dFx;
-        *(lanes_in_array *)(results + 421*BLOCK + i) = dFx_dLMUX*dMy_dFx;
-        *(lanes_in_array *)(results + 422*BLOCK + i) = dFx_dLEX*dMy_dFx;
-        *(lanes_in_array *)(results + 423*BLOCK + i) = dFx_dLKX*dMy_dFx;
-        *(lanes_in_array *)(results + 424*BLOCK + i) = dFx_dLHX*dMy_dFx;
-        *(lanes_in_array *)(results + 425*BLOCK + i) = dFx_dLVX*dMy_dFx;
-        *(lanes_in_array *)(results + 426*BLOCK + i) = dFx_dLXAL*dMy_dFx;
-        *(lanes_in_array *)(results + 427*BLOCK + i) = M_y_full_by_LMY*dMy_dM_y_full;
-        *(lanes_in_array *)(results + 428*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 429*BLOCK + i) = dFx_dPCX1*dMy_dFx;
-        *(lanes_in_array *)(results + 430*BLOCK + i) = dFx_dPDX1*dMy_dFx;
-        *(lanes_in_array *)(results + 431*BLOCK + i) = dFx_dPDX2*dMy_dFx;
-        *(lanes_in_array *)(results + 432*BLOCK + i) = dFx_dPDX3*dMy_dFx;
-        *(lanes_in_array *)(results + 433*BLOCK + i) = dFx_dPEX1*dMy_dFx;
-        *(lanes_in_array *)(results + 434*BLOCK + i) = dFx_dPEX2*dMy_dFx;
-        *(lanes_in_array *)(results + 435*BLOCK + i) = dFx_dPEX3*dMy_dFx;
-        *(lanes_in_array *)(results + 436*BLOCK + i) = dFx_dPEX4*dMy_dFx;
-        *(lanes_in_array *)(results + 437*BLOCK + i) = dFx_dPKX1*dMy_dFx;
-        *(lanes_in_array *)(results + 438*BLOCK + i) = dFx_dPKX2*dMy_dFx;
-        *(lanes_in_array *)(results + 439*BLOCK + i) = dFx_dPKX3*dMy_dFx;
-        *(lanes_in_array *)(results + 440*BLOCK + i) = dFx_dPHX1*dMy_dFx;
-        *(lanes_in_array *)(results + 441*BLOCK + i) = dFx_dPHX2*dMy_dFx;
-        *(lanes_in_array *)(results + 442*BLOCK + i) = dFx_dPVX1*dMy_dFx;
-        *(lanes_in_array *)(results + 443*BLOCK + i) = dFx_dPVX2*dMy_dFx;
-        *(lanes_in_array *)(results + 444*BLOCK + i) = dFx_dPPX1*dMy_dFx;
-        *(lanes_in_array *)(results + 445*BLOCK + i) = dFx_dPPX2*dMy_dFx;
-        *(lanes_in_array *)(results + 446*BLOCK + i) = dFx_dPPX3*dMy_dFx;
-        *(lanes_in_array *)(results + 447*BLOCK + i) = dFx_dPPX4*dMy_dFx;
-        *(lanes_in_array *)(results + 448*BLOCK + i) = dFx_dRBX1*dMy_dFx;
-        *(lanes_in_array *)(results + 449*BLOCK + i) = dFx_dRBX2*dMy_dFx;
-        *(lanes_in_array *)(results + 450*BLOCK + i) = dFx_dRBX3*dMy_dFx;
-        *(lanes_in_array *)(results + 451*BLOCK + i) = dFx_dRCX1*dMy_dFx;
-        *(lanes_in_array *)(results + 452*BLOCK + i) = dFx_dREX1*dMy_dFx;
-        *(lanes_in_array *)(results + 453*BLOCK + i) = dFx_dREX2*dMy_dFx;
-        *(lanes_in_array *)(results + 454*BLOCK + i) = dFx_dRHX1*dMy_dFx;
-        *(lanes_in_array *)(results + 455*BLOCK + i) = dMy_dM_y_speed;
-        *(lanes_in_array *)(results + 456*BLOCK + i) = M_y_speed_by_QSY2*dMy_dM_y_speed;
-        *(lanes_in_array *)(results + 457*BLOCK + i) = M_y_speed_part3*dMy_dM_y_speed;
-        *(lanes_in_array *)(results + 458*BLOCK + i) = M_y_speed_by_QSY4*dMy_dM_y_speed;
-        *(lanes_in_array *)(results + 459*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 460*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 461*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 462*BLOCK + i) = each(0.0);
-        *(lanes_in_array *)(results + 463*BLOCK + i) = each(0.0);
+        *(lanes_in_array *)(results + 0*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 1*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 2*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 3*STRIDE + i) = dFx_dNOMPRES;
+        *(lanes_in_array *)(results + 4*STRIDE + i) = dFx_dFNOMIN;
+        *(lanes_in_array *)(results + 5*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 6*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 7*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 8*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 9*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 10*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 11*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 12*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 13*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 14*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 15*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 16*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 17*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 18*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 19*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 20*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 21*STRIDE + i) = dFx_dLFZO;
+        *(lanes_in_array *)(results + 22*STRIDE + i) = dFx_dLCX;
+        *(lanes_in_array *)(results + 23*STRIDE + i) = dFx_dLMUX;
+        *(lanes_in_array *)(results + 24*STRIDE + i) = dFx_dLEX;
+        *(lanes_in_array *)(results + 25*STRIDE + i) = dFx_dLKX;
+        *(lanes_in_array *)(results + 26*STRIDE + i) = dFx_dLHX;
+        *(lanes_in_array *)(results + 27*STRIDE + i) = dFx_dLVX;
+        *(lanes_in_array *)(results + 28*STRIDE + i) = dFx_dLXAL;
+        *(lanes_in_array *)(results + 29*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 30*STRIDE + i) = dFx_dPCX1;
+        *(lanes_in_array *)(results + 31*STRIDE + i) = dFx_dPDX1;
+        *(lanes_in_array *)(results + 32*STRIDE + i) = dFx_dPDX2;
+        *(lanes_in_array *)(results + 33*STRIDE + i) = dFx_dPDX3;
+        *(lanes_in_array *)(results + 34*STRIDE + i) = dFx_dPEX1;
+        *(lanes_in_array *)(results + 35*STRIDE + i) = dFx_dPEX2;
+        *(lanes_in_array *)(results + 36*STRIDE + i) = dFx_dPEX3;
+        *(lanes_in_array *)(results + 37*STRIDE + i) = dFx_dPEX4;
+        *(lanes_in_array *)(results + 38*STRIDE + i) = dFx_dPKX1;
+        *(lanes_in_array *)(results + 39*STRIDE + i) = dFx_dPKX2;
+        *(lanes_in_array *)(results + 40*STRIDE + i) = dFx_dPKX3;
+        *(lanes_in_array *)(results + 41*STRIDE + i) = dFx_dPHX1;
+        *(lanes_in_array *)(results + 42*STRIDE + i) = dFx_dPHX2;
+        *(lanes_in_array *)(results + 43*STRIDE + i) = dFx_dPVX1;
+        *(lanes_in_array *)(results + 44*STRIDE + i) = dFx_dPVX2;
+        *(lanes_in_array *)(results + 45*STRIDE + i) = dFx_dPPX1;
+        *(lanes_in_array *)(results + 46*STRIDE + i) = dFx_dPPX2;
+        *(lanes_in_array *)(results + 47*STRIDE + i) = dFx_dPPX3;
+        *(lanes_in_array *)(results + 48*STRIDE + i) = dFx_dPPX4;
+        *(lanes_in_array *)(results + 49*STRIDE + i) = dFx_dRBX1;
+        *(lanes_in_array *)(results + 50*STRIDE + i) = dFx_dRBX2;
+        *(lanes_in_array *)(results + 51*STRIDE + i) = dFx_dRBX3;
+        *(lanes_in_array *)(results + 52*STRIDE + i) = dFx_dRCX1;
+        *(lanes_in_array *)(results + 53*STRIDE + i) = dFx_dREX1;
+        *(lanes_in_array *)(results + 54*STRIDE + i) = dFx_dREX2;
+        *(lanes_in_array *)(results + 55*STRIDE + i) = dFx_dRHX1;
+        *(lanes_in_array *)(results + 56*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 57*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 58*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 59*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 60*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 61*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 62*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 63*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 64*STRIDE + i) = dFy_dNOMPRES;
+        *(lanes_in_array *)(results + 65*STRIDE + i) = dFy_dFNOMIN;
+        *(lanes_in_array *)(results + 66*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 67*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 68*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 69*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 70*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 71*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 72*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 73*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 74*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 75*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 76*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 77*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 78*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 79*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 80*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 81*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 82*STRIDE + i) = dFy_dLFZO;
+        *(lanes_in_array *)(results + 83*STRIDE + i) = dFy_dLCY;
+        *(lanes_in_array *)(results + 84*STRIDE + i) = dFy_dLMUY;
+        *(lanes_in_array *)(results + 85*STRIDE + i) = dFy_dLEY;
+        *(lanes_in_array *)(results + 86*STRIDE + i) = dFy_dLKY;
+        *(lanes_in_array *)(results + 87*STRIDE + i) = dFy_dLKYC;
+        *(lanes_in_array *)(results + 88*STRIDE + i) = dFy_dLHY;
+        *(lanes_in_array *)(results + 89*STRIDE + i) = dFy_dLVY;
+        *(lanes_in_array *)(results + 90*STRIDE + i) = dFy_dLYKA;
+        *(lanes_in_array *)(results + 91*STRIDE + i) = dFy_dLVYKA;
+        *(lanes_in_array *)(results + 92*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 93*STRIDE + i) = dFy_dPCY1;
+        *(lanes_in_array *)(results + 94*STRIDE + i) = dFy_dPDY1;
+        *(lanes_in_array *)(results + 95*STRIDE + i) = dFy_dPDY2;
+        *(lanes_in_array *)(results + 96*STRIDE + i) = dFy_dPDY3;
+        *(lanes_in_array *)(results + 97*STRIDE + i) = dFy_dPEY1;
+        *(lanes_in_array *)(results + 98*STRIDE + i) = dFy_dPEY2;
+        *(lanes_in_array *)(results + 99*STRIDE + i) = dFy_dPEY3;
+        *(lanes_in_array *)(results + 100*STRIDE + i) = dFy_dPEY4;
+        *(lanes_in_array *)(results + 101*STRIDE + i) = dFy_dPEY5;
+        *(lanes_in_array *)(results + 102*STRIDE + i) = dFy_dPKY1;
+        *(lanes_in_array *)(results + 103*STRIDE + i) = dFy_dPKY2;
+        *(lanes_in_array *)(results + 104*STRIDE + i) = dFy_dPKY3;
+        *(lanes_in_array *)(results + 105*STRIDE + i) = dFy_dPKY4;
+        *(lanes_in_array *)(results + 106*STRIDE + i) = dFy_dPKY5;
+        *(lanes_in_array *)(results + 107*STRIDE + i) = dFy_dPHY1;
+        *(lanes_in_array *)(results + 108*STRIDE + i) = dFy_dPHY2;
+        *(lanes_in_array *)(results + 109*STRIDE + i) = dFy_dPHY3;
+        *(lanes_in_array *)(results + 110*STRIDE + i) = dFy_dPVY1;
+        *(lanes_in_array *)(results + 111*STRIDE + i) = dFy_dPVY2;
+        *(lanes_in_array *)(results + 112*STRIDE + i) = dFy_dPVY3;
+        *(lanes_in_array *)(results + 113*STRIDE + i) = dFy_dPVY4;
+        *(lanes_in_array *)(results + 114*STRIDE + i) = dFy_dPPY1;
+        *(lanes_in_array *)(results + 115*STRIDE + i) = dFy_dPPY2;
+        *(lanes_in_array *)(results + 116*STRIDE + i) = dFy_dPPY3;
+        *(lanes_in_array *)(results + 117*STRIDE + i) = dFy_dPPY4;
+        *(lanes_in_array *)(results + 118*STRIDE + i) = dFy_dRBY1;
+        *(lanes_in_array *)(results + 119*STRIDE + i) = dFy_dRBY2;
+        *(lanes_in_array *)(results + 120*STRIDE + i) = dFy_dRBY3;
+        *(lanes_in_array *)(results + 121*STRIDE + i) = dFy_dRBY4;
+        *(lanes_in_array *)(results + 122*STRIDE + i) = dFy_dRCY1;
+        *(lanes_in_array *)(results + 123*STRIDE + i) = dFy_dREY1;
+        *(lanes_in_array *)(results + 124*STRIDE + i) = dFy_dREY2;
+        *(lanes_in_array *)(results + 125*STRIDE + i) = dFy_dRHY1;
+        *(lanes_in_array *)(results + 126*STRIDE + i) = dFy_dRHY2;
+        *(lanes_in_array *)(results + 127*STRIDE + i) = dFy_dRVY1;
+        *(lanes_in_array *)(results + 128*STRIDE + i) = dFy_dRVY2;
+        *(lanes_in_array *)(results + 129*STRIDE + i) = dFy_dRVY3;
+        *(lanes_in_array *)(results + 130*STRIDE + i) = dFy_dRVY4;
+        *(lanes_in_array *)(results + 131*STRIDE + i) = dFy_dRVY5;
+        *(lanes_in_array *)(results + 132*STRIDE + i) = dFy_dRVY6;
+        *(lanes_in_array *)(results + 133*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 134*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 135*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 136*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 137*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 138*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 139*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 140*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 141*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 142*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dUNLOADED_RADIUS;
+        *(lanes_in_array *)(results + 143*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dNOMPRES + dFx_dNOMPRES*dMz_dFx + dFy_dNOMPRES*dMz_dFy;
+        *(lanes_in_array *)(results + 144*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dFNOMIN + dFx_dFNOMIN*dMz_dFx + dFy_dFNOMIN*dMz_dFy;
+        *(lanes_in_array *)(results + 145*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 146*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 147*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 148*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 149*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 150*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 151*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 152*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 153*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 154*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 155*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 156*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 157*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 158*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 159*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 160*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 161*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 162*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dLFZO + dFx_dLFZO*dMz_dFx + dFy_dLFZO*dMz_dFy;
+        *(lanes_in_array *)(results + 163*STRIDE + i) = dFx_dLCX*dMz_dFx;
+        *(lanes_in_array *)(results + 164*STRIDE + i) = dFx_dLMUX*dMz_dFx;
+        *(lanes_in_array *)(results + 165*STRIDE + i) = dFx_dLEX*dMz_dFx;
+        *(lanes_in_array *)(results + 166*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dLKX + dFx_dLKX*dMz_dFx;
+        *(lanes_in_array *)(results + 167*STRIDE + i) = dFx_dLHX*dMz_dFx;
+        *(lanes_in_array *)(results + 168*STRIDE + i) = dFx_dLVX*dMz_dFx;
+        *(lanes_in_array *)(results + 169*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dLCY + dFy_dLCY*dMz_dFy;
+        *(lanes_in_array *)(results + 170*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dLMUY + dFy_dLMUY*dMz_dFy;
+        *(lanes_in_array *)(results + 171*STRIDE + i) = dFy_dLEY*dMz_dFy;
+        *(lanes_in_array *)(results + 172*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dLKY + dFy_dLKY*dMz_dFy;
+        *(lanes_in_array *)(results + 173*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dLKYC + dFy_dLKYC*dMz_dFy;
+        *(lanes_in_array *)(results + 174*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dLKZC;
+        *(lanes_in_array *)(results + 175*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dLHY + dFy_dLHY*dMz_dFy;
+        *(lanes_in_array *)(results + 176*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dLVY + dFy_dLVY*dMz_dFy;
+        *(lanes_in_array *)(results + 177*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dLTR;
+        *(lanes_in_array *)(results + 178*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dLRES;
+        *(lanes_in_array *)(results + 179*STRIDE + i) = dFx_dLXAL*dMz_dFx;
+        *(lanes_in_array *)(results + 180*STRIDE + i) = dFy_dLYKA*dMz_dFy;
+        *(lanes_in_array *)(results + 181*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dLVYKA + dFy_dLVYKA*dMz_dFy;
+        *(lanes_in_array *)(results + 182*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dLS;
+        *(lanes_in_array *)(results + 183*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 184*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 185*STRIDE + i) = dFx_dPCX1*dMz_dFx;
+        *(lanes_in_array *)(results + 186*STRIDE + i) = dFx_dPDX1*dMz_dFx;
+        *(lanes_in_array *)(results + 187*STRIDE + i) = dFx_dPDX2*dMz_dFx;
+        *(lanes_in_array *)(results + 188*STRIDE + i) = dFx_dPDX3*dMz_dFx;
+        *(lanes_in_array *)(results + 189*STRIDE + i) = dFx_dPEX1*dMz_dFx;
+        *(lanes_in_array *)(results + 190*STRIDE + i) = dFx_dPEX2*dMz_dFx;
+        *(lanes_in_array *)(results + 191*STRIDE + i) = dFx_dPEX3*dMz_dFx;
+        *(lanes_in_array *)(results + 192*STRIDE + i) = dFx_dPEX4*dMz_dFx;
+        *(lanes_in_array *)(results + 193*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPKX1 + dFx_dPKX1*dMz_dFx;
+        *(lanes_in_array *)(results + 194*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPKX2 + dFx_dPKX2*dMz_dFx;
+        *(lanes_in_array *)(results + 195*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPKX3 + dFx_dPKX3*dMz_dFx;
+        *(lanes_in_array *)(results + 196*STRIDE + i) = dFx_dPHX1*dMz_dFx;
+        *(lanes_in_array *)(results + 197*STRIDE + i) = dFx_dPHX2*dMz_dFx;
+        *(lanes_in_array *)(results + 198*STRIDE + i) = dFx_dPVX1*dMz_dFx;
+        *(lanes_in_array *)(results + 199*STRIDE + i) = dFx_dPVX2*dMz_dFx;
+        *(lanes_in_array *)(results + 200*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPPX1 + dFx_dPPX1*dMz_dFx;
+        *(lanes_in_array *)(results + 201*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPPX2 + dFx_dPPX2*dMz_dFx;
+        *(lanes_in_array *)(results + 202*STRIDE + i) = dFx_dPPX3*dMz_dFx;
+        *(lanes_in_array *)(results + 203*STRIDE + i) = dFx_dPPX4*dMz_dFx;
+        *(lanes_in_array *)(results + 204*STRIDE + i) = dFx_dRBX1*dMz_dFx;
+        *(lanes_in_array *)(results + 205*STRIDE + i) = dFx_dRBX2*dMz_dFx;
+        *(lanes_in_array *)(results + 206*STRIDE + i) = dFx_dRBX3*dMz_dFx;
+        *(lanes_in_array *)(results + 207*STRIDE + i) = dFx_dRCX1*dMz_dFx;
+        *(lanes_in_array *)(results + 208*STRIDE + i) = dFx_dREX1*dMz_dFx;
+        *(lanes_in_array *)(results + 209*STRIDE + i) = dFx_dREX2*dMz_dFx;
+        *(lanes_in_array *)(results + 210*STRIDE + i) = dFx_dRHX1*dMz_dFx;
+        *(lanes_in_array *)(results + 211*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPCY1 + dFy_dPCY1*dMz_dFy;
+        *(lanes_in_array *)(results + 212*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPDY1 + dFy_dPDY1*dMz_dFy;
+        *(lanes_in_array *)(results + 213*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPDY2 + dFy_dPDY2*dMz_dFy;
+        *(lanes_in_array *)(results + 214*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPDY3 + dFy_dPDY3*dMz_dFy;
+        *(lanes_in_array *)(results + 215*STRIDE + i) = dFy_dPEY1*dMz_dFy;
+        *(lanes_in_array *)(results + 216*STRIDE + i) = dFy_dPEY2*dMz_dFy;
+        *(lanes_in_array *)(results + 217*STRIDE + i) = dFy_dPEY3*dMz_dFy;
+        *(lanes_in_array *)(results + 218*STRIDE + i) = dFy_dPEY4*dMz_dFy;
+        *(lanes_in_array *)(results + 219*STRIDE + i) = dFy_dPEY5*dMz_dFy;
+        *(lanes_in_array *)(results + 220*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPKY1 + dFy_dPKY1*dMz_dFy;
+        *(lanes_in_array *)(results + 221*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPKY2 + dFy_dPKY2*dMz_dFy;
+        *(lanes_in_array *)(results + 222*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPKY3 + dFy_dPKY3*dMz_dFy;
+        *(lanes_in_array *)(results + 223*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPKY4 + dFy_dPKY4*dMz_dFy;
+        *(lanes_in_array *)(results + 224*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPKY5 + dFy_dPKY5*dMz_dFy;
+        *(lanes_in_array *)(results + 225*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPHY1 + dFy_dPHY1*dMz_dFy;
+        *(lanes_in_array *)(results + 226*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPHY2 + dFy_dPHY2*dMz_dFy;
+        *(lanes_in_array *)(results + 227*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPHY3 + dFy_dPHY3*dMz_dFy;
+        *(lanes_in_array *)(results + 228*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPVY1 + dFy_dPVY1*dMz_dFy;
+        *(lanes_in_array *)(results + 229*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPVY2 + dFy_dPVY2*dMz_dFy;
+        *(lanes_in_array *)(results + 230*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPVY3 + dFy_dPVY3*dMz_dFy;
+        *(lanes_in_array *)(results + 231*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPVY4 + dFy_dPVY4*dMz_dFy;
+        *(lanes_in_array *)(results + 232*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPPY1 + dFy_dPPY1*dMz_dFy;
+        *(lanes_in_array *)(results + 233*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPPY2 + dFy_dPPY2*dMz_dFy;
+        *(lanes_in_array *)(results + 234*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPPY3 + dFy_dPPY3*dMz_dFy;
+        *(lanes_in_array *)(results + 235*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPPY4 + dFy_dPPY4*dMz_dFy;
+        *(lanes_in_array *)(results + 236*STRIDE + i) = dFy_dRBY1*dMz_dFy;
+        *(lanes_in_array *)(results + 237*STRIDE + i) = dFy_dRBY2*dMz_dFy;
+        *(lanes_in_array *)(results + 238*STRIDE + i) = dFy_dRBY3*dMz_dFy;
+        *(lanes_in_array *)(results + 239*STRIDE + i) = dFy_dRBY4*dMz_dFy;
+        *(lanes_in_array *)(results + 240*STRIDE + i) = dFy_dRCY1*dMz_dFy;
+        *(lanes_in_array *)(results + 241*STRIDE + i) = dFy_dREY1*dMz_dFy;
+        *(lanes_in_array *)(results + 242*STRIDE + i) = dFy_dREY2*dMz_dFy;
+        *(lanes_in_array *)(results + 243*STRIDE + i) = dFy_dRHY1*dMz_dFy;
+        *(lanes_in_array *)(results + 244*STRIDE + i) = dFy_dRHY2*dMz_dFy;
+        *(lanes_in_array *)(results + 245*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dRVY1 + dFy_dRVY1*dMz_dFy;
+        *(lanes_in_array *)(results + 246*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dRVY2 + dFy_dRVY2*dMz_dFy;
+        *(lanes_in_array *)(results + 247*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dRVY3 + dFy_dRVY3*dMz_dFy;
+        *(lanes_in_array *)(results + 248*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dRVY4 + dFy_dRVY4*dMz_dFy;
+        *(lanes_in_array *)(results + 249*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dRVY5 + dFy_dRVY5*dMz_dFy;
+        *(lanes_in_array *)(results + 250*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dRVY6 + dFy_dRVY6*dMz_dFy;
+        *(lanes_in_array *)(results + 251*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQBZ1;
+        *(lanes_in_array *)(results + 252*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQBZ2;
+        *(lanes_in_array *)(results + 253*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQBZ3;
+        *(lanes_in_array *)(results + 254*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQBZ4;
+        *(lanes_in_array *)(results + 255*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQBZ5;
+        *(lanes_in_array *)(results + 256*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 257*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQBZ9;
+        *(lanes_in_array *)(results + 258*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQBZ10;
+        *(lanes_in_array *)(results + 259*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQCZ1;
+        *(lanes_in_array *)(results + 260*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQDZ1;
+        *(lanes_in_array *)(results + 261*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQDZ2;
+        *(lanes_in_array *)(results + 262*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQDZ3;
+        *(lanes_in_array *)(results + 263*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQDZ4;
+        *(lanes_in_array *)(results + 264*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQDZ6;
+        *(lanes_in_array *)(results + 265*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQDZ7;
+        *(lanes_in_array *)(results + 266*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQDZ8;
+        *(lanes_in_array *)(results + 267*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQDZ9;
+        *(lanes_in_array *)(results + 268*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQDZ10;
+        *(lanes_in_array *)(results + 269*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQDZ11;
+        *(lanes_in_array *)(results + 270*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQEZ1;
+        *(lanes_in_array *)(results + 271*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQEZ2;
+        *(lanes_in_array *)(results + 272*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQEZ3;
+        *(lanes_in_array *)(results + 273*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQEZ4;
+        *(lanes_in_array *)(results + 274*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQEZ5;
+        *(lanes_in_array *)(results + 275*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQHZ1;
+        *(lanes_in_array *)(results + 276*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQHZ2;
+        *(lanes_in_array *)(results + 277*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQHZ3;
+        *(lanes_in_array *)(results + 278*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dQHZ4;
+        *(lanes_in_array *)(results + 279*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPPZ1;
+        *(lanes_in_array *)(results + 280*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dPPZ2;
+        *(lanes_in_array *)(results + 281*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_ds_part3;
+        *(lanes_in_array *)(results + 282*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dSSZ2;
+        *(lanes_in_array *)(results + 283*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dSSZ3;
+        *(lanes_in_array *)(results + 284*STRIDE + i) = Mz_by_Mz_part1*dMz_part1_dSSZ4;
+        *(lanes_in_array *)(results + 285*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 286*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 287*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 288*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 289*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 290*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 291*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 292*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 293*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 294*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 295*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 296*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 297*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 298*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 299*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 300*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 301*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 302*STRIDE + i) = Mx_by_UNLOADED_RADIUS;
+        *(lanes_in_array *)(results + 303*STRIDE + i) = Mx_by_dpi*ddpi_dNOMPRES + dFy_dNOMPRES*dMx_dFy;
+        *(lanes_in_array *)(results + 304*STRIDE + i) = Mx_by_FNOMIN + Mx_by_M_x_hump*dM_x_hump_dFNOMIN + dFy_dFNOMIN*dMx_dFy;
+        *(lanes_in_array *)(results + 305*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 306*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 307*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 308*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 309*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 310*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 311*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 312*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 313*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 314*STRIDE + i) = F_zx_by_FZMIN*Mx_by_F_zx + Mx_by_M_x_hump*dM_x_hump_dFZMIN;
+        *(lanes_in_array *)(results + 315*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 316*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 317*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 318*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 319*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 320*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 321*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 322*STRIDE + i) = dFy_dLFZO*dMx_dFy;
+        *(lanes_in_array *)(results + 323*STRIDE + i) = dFy_dLCY*dMx_dFy;
+        *(lanes_in_array *)(results + 324*STRIDE + i) = dFy_dLMUY*dMx_dFy;
+        *(lanes_in_array *)(results + 325*STRIDE + i) = dFy_dLEY*dMx_dFy;
+        *(lanes_in_array *)(results + 326*STRIDE + i) = dFy_dLKY*dMx_dFy;
+        *(lanes_in_array *)(results + 327*STRIDE + i) = dFy_dLKYC*dMx_dFy;
+        *(lanes_in_array *)(results + 328*STRIDE + i) = dFy_dLHY*dMx_dFy;
+        *(lanes_in_array *)(results + 329*STRIDE + i) = dFy_dLVY*dMx_dFy;
+        *(lanes_in_array *)(results + 330*STRIDE + i) = dFy_dLYKA*dMx_dFy;
+        *(lanes_in_array *)(results + 331*STRIDE + i) = dFy_dLVYKA*dMx_dFy;
+        *(lanes_in_array *)(results + 332*STRIDE + i) = Mx_by_LMX;
+        *(lanes_in_array *)(results + 333*STRIDE + i) = Mx_by_LVMX;
+        *(lanes_in_array *)(results + 334*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 335*STRIDE + i) = Mx_by_QSX1;
+        *(lanes_in_array *)(results + 336*STRIDE + i) = Mx_by_QSX2;
+        *(lanes_in_array *)(results + 337*STRIDE + i) = Mx_by_QSX3;
+        *(lanes_in_array *)(results + 338*STRIDE + i) = M_x_hump_by_QSX4*Mx_by_M_x_hump;
+        *(lanes_in_array *)(results + 339*STRIDE + i) = Mx_by_M_x_hump*dM_x_hump_dQSX5;
+        *(lanes_in_array *)(results + 340*STRIDE + i) = Mx_by_M_x_hump*dM_x_hump_dQSX6;
+        *(lanes_in_array *)(results + 341*STRIDE + i) = Mx_by_M_x_hump*dM_x_hump_dQSX7;
+        *(lanes_in_array *)(results + 342*STRIDE + i) = Mx_by_M_x_hump*dM_x_hump_dQSX8;
+        *(lanes_in_array *)(results + 343*STRIDE + i) = Mx_by_M_x_hump*dM_x_hump_dQSX9;
+        *(lanes_in_array *)(results + 344*STRIDE + i) = Mx_by_QSX10;
+        *(lanes_in_array *)(results + 345*STRIDE + i) = Mx_by_QSX11;
+        *(lanes_in_array *)(results + 346*STRIDE + i) = Mx_by_QSX12;
+        *(lanes_in_array *)(results + 347*STRIDE + i) = Mx_by_QSX13;
+        *(lanes_in_array *)(results + 348*STRIDE + i) = Mx_by_QSX14;
+        *(lanes_in_array *)(results + 349*STRIDE + i) = Mx_by_PPMX1;
+        *(lanes_in_array *)(results + 350*STRIDE + i) = dFy_dPCY1*dMx_dFy;
+        *(lanes_in_array *)(results + 351*STRIDE + i) = dFy_dPDY1*dMx_dFy;
+        *(lanes_in_array *)(results + 352*STRIDE + i) = dFy_dPDY2*dMx_dFy;
+        *(lanes_in_array *)(results + 353*STRIDE + i) = dFy_dPDY3*dMx_dFy;
+        *(lanes_in_array *)(results + 354*STRIDE + i) = dFy_dPEY1*dMx_dFy;
+        *(lanes_in_array *)(results + 355*STRIDE + i) = dFy_dPEY2*dMx_dFy;
+        *(lanes_in_array *)(results + 356*STRIDE + i) = dFy_dPEY3*dMx_dFy;
+        *(lanes_in_array *)(results + 357*STRIDE + i) = dFy_dPEY4*dMx_dFy;
+        *(lanes_in_array *)(results + 358*STRIDE + i) = dFy_dPEY5*dMx_dFy;
+        *(lanes_in_array *)(results + 359*STRIDE + i) = dFy_dPKY1*dMx_dFy;
+        *(lanes_in_array *)(results + 360*STRIDE + i) = dFy_dPKY2*dMx_dFy;
+        *(lanes_in_array *)(results + 361*STRIDE + i) = dFy_dPKY3*dMx_dFy;
+        *(lanes_in_array *)(results + 362*STRIDE + i) = dFy_dPKY4*dMx_dFy;
+        *(lanes_in_array *)(results + 363*STRIDE + i) = dFy_dPKY5*dMx_dFy;
+        *(lanes_in_array *)(results + 364*STRIDE + i) = dFy_dPHY1*dMx_dFy;
+        *(lanes_in_array *)(results + 365*STRIDE + i) = dFy_dPHY2*dMx_dFy;
+        *(lanes_in_array *)(results + 366*STRIDE + i) = dFy_dPHY3*dMx_dFy;
+        *(lanes_in_array *)(results + 367*STRIDE + i) = dFy_dPVY1*dMx_dFy;
+        *(lanes_in_array *)(results + 368*STRIDE + i) = dFy_dPVY2*dMx_dFy;
+        *(lanes_in_array *)(results + 369*STRIDE + i) = dFy_dPVY3*dMx_dFy;
+        *(lanes_in_array *)(results + 370*STRIDE + i) = dFy_dPVY4*dMx_dFy;
+        *(lanes_in_array *)(results + 371*STRIDE + i) = dFy_dPPY1*dMx_dFy;
+        *(lanes_in_array *)(results + 372*STRIDE + i) = dFy_dPPY2*dMx_dFy;
+        *(lanes_in_array *)(results + 373*STRIDE + i) = dFy_dPPY3*dMx_dFy;
+        *(lanes_in_array *)(results + 374*STRIDE + i) = dFy_dPPY4*dMx_dFy;
+        *(lanes_in_array *)(results + 375*STRIDE + i) = dFy_dRBY1*dMx_dFy;
+        *(lanes_in_array *)(results + 376*STRIDE + i) = dFy_dRBY2*dMx_dFy;
+        *(lanes_in_array *)(results + 377*STRIDE + i) = dFy_dRBY3*dMx_dFy;
+        *(lanes_in_array *)(results + 378*STRIDE + i) = dFy_dRBY4*dMx_dFy;
+        *(lanes_in_array *)(results + 379*STRIDE + i) = dFy_dRCY1*dMx_dFy;
+        *(lanes_in_array *)(results + 380*STRIDE + i) = dFy_dREY1*dMx_dFy;
+        *(lanes_in_array *)(results + 381*STRIDE + i) = dFy_dREY2*dMx_dFy;
+        *(lanes_in_array *)(results + 382*STRIDE + i) = dFy_dRHY1*dMx_dFy;
+        *(lanes_in_array *)(results + 383*STRIDE + i) = dFy_dRHY2*dMx_dFy;
+        *(lanes_in_array *)(results + 384*STRIDE + i) = dFy_dRVY1*dMx_dFy;
+        *(lanes_in_array *)(results + 385*STRIDE + i) = dFy_dRVY2*dMx_dFy;
+        *(lanes_in_array *)(results + 386*STRIDE + i) = dFy_dRVY3*dMx_dFy;
+        *(lanes_in_array *)(results + 387*STRIDE + i) = dFy_dRVY4*dMx_dFy;
+        *(lanes_in_array *)(results + 388*STRIDE + i) = dFy_dRVY5*dMx_dFy;
+        *(lanes_in_array *)(results + 389*STRIDE + i) = dFy_dRVY6*dMx_dFy;
+        *(lanes_in_array *)(results + 390*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 391*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 392*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 393*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 394*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 395*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 396*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 397*STRIDE + i) = dM_y_speed_dLONGVL*dMy_dM_y_speed;
+        *(lanes_in_array *)(results + 398*STRIDE + i) = dM_y_rolling_part2_dVXLOW*dMy_dM_y_rolling_part2;
+        *(lanes_in_array *)(results + 399*STRIDE + i) = M_y_full_by_UNLOADED_RADIUS*dMy_dM_y_full;
+        *(lanes_in_array *)(results + 400*STRIDE + i) = dFx_dNOMPRES*dMy_dFx;
+        *(lanes_in_array *)(results + 401*STRIDE + i) = dFx_dFNOMIN*dMy_dFx + dM_y_speed_dFNOMIN*dMy_dM_y_speed;
+        *(lanes_in_array *)(results + 402*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 403*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 404*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 405*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 406*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 407*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 408*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 409*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 410*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 411*STRIDE + i) = dM_y_full_dFZMIN*dMy_dM_y_full;
+        *(lanes_in_array *)(results + 412*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 413*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 414*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 415*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 416*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 417*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 418*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 419*STRIDE + i) = dFx_dLFZO*dMy_dFx;
+        *(lanes_in_array *)(results + 420*STRIDE + i) = dFx_dLCX*dMy_dFx;
+        *(lanes_in_array *)(results + 421*STRIDE + i) = dFx_dLMUX*dMy_dFx;
+        *(lanes_in_array *)(results + 422*STRIDE + i) = dFx_dLEX*dMy_dFx;
+        *(lanes_in_array *)(results + 423*STRIDE + i) = dFx_dLKX*dMy_dFx;
+        *(lanes_in_array *)(results + 424*STRIDE + i) = dFx_dLHX*dMy_dFx;
+        *(lanes_in_array *)(results + 425*STRIDE + i) = dFx_dLVX*dMy_dFx;
+        *(lanes_in_array *)(results + 426*STRIDE + i) = dFx_dLXAL*dMy_dFx;
+        *(lanes_in_array *)(results + 427*STRIDE + i) = M_y_full_by_LMY*dMy_dM_y_full;
+        *(lanes_in_array *)(results + 428*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 429*STRIDE + i) = dFx_dPCX1*dMy_dFx;
+        *(lanes_in_array *)(results + 430*STRIDE + i) = dFx_dPDX1*dMy_dFx;
+        *(lanes_in_array *)(results + 431*STRIDE + i) = dFx_dPDX2*dMy_dFx;
+        *(lanes_in_array *)(results + 432*STRIDE + i) = dFx_dPDX3*dMy_dFx;
+        *(lanes_in_array *)(results + 433*STRIDE + i) = dFx_dPEX1*dMy_dFx;
+        *(lanes_in_array *)(results + 434*STRIDE + i) = dFx_dPEX2*dMy_dFx;
+        *(lanes_in_array *)(results + 435*STRIDE + i) = dFx_dPEX3*dMy_dFx;
+        *(lanes_in_array *)(results + 436*STRIDE + i) = dFx_dPEX4*dMy_dFx;
+        *(lanes_in_array *)(results + 437*STRIDE + i) = dFx_dPKX1*dMy_dFx;
+        *(lanes_in_array *)(results + 438*STRIDE + i) = dFx_dPKX2*dMy_dFx;
+        *(lanes_in_array *)(results + 439*STRIDE + i) = dFx_dPKX3*dMy_dFx;
+        *(lanes_in_array *)(results + 440*STRIDE + i) = dFx_dPHX1*dMy_dFx;
+        *(lanes_in_array *)(results + 441*STRIDE + i) = dFx_dPHX2*dMy_dFx;
+        *(lanes_in_array *)(results + 442*STRIDE + i) = dFx_dPVX1*dMy_dFx;
+        *(lanes_in_array *)(results + 443*STRIDE + i) = dFx_dPVX2*dMy_dFx;
+        *(lanes_in_array *)(results + 444*STRIDE + i) = dFx_dPPX1*dMy_dFx;
+        *(lanes_in_array *)(results + 445*STRIDE + i) = dFx_dPPX2*dMy_dFx;
+        *(lanes_in_array *)(results + 446*STRIDE + i) = dFx_dPPX3*dMy_dFx;
+        *(lanes_in_array *)(results + 447*STRIDE + i) = dFx_dPPX4*dMy_dFx;
+        *(lanes_in_array *)(results + 448*STRIDE + i) = dFx_dRBX1*dMy_dFx;
+        *(lanes_in_array *)(results + 449*STRIDE + i) = dFx_dRBX2*dMy_dFx;
+        *(lanes_in_array *)(results + 450*STRIDE + i) = dFx_dRBX3*dMy_dFx;
+        *(lanes_in_array *)(results + 451*STRIDE + i) = dFx_dRCX1*dMy_dFx;
+        *(lanes_in_array *)(results + 452*STRIDE + i) = dFx_dREX1*dMy_dFx;
+        *(lanes_in_array *)(results + 453*STRIDE + i) = dFx_dREX2*dMy_dFx;
+        *(lanes_in_array *)(results + 454*STRIDE + i) = dFx_dRHX1*dMy_dFx;
+        *(lanes_in_array *)(results + 455*STRIDE + i) = dMy_dM_y_speed;
+        *(lanes_in_array *)(results + 456*STRIDE + i) = M_y_speed_by_QSY2*dMy_dM_y_speed;
+        *(lanes_in_array *)(results + 457*STRIDE + i) = M_y_speed_part3*dMy_dM_y_speed;
+        *(lanes_in_array *)(results + 458*STRIDE + i) = M_y_speed_by_QSY4*dMy_dM_y_speed;
+        *(lanes_in_array *)(results + 459*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 460*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 461*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 462*STRIDE + i) = each(0.0);
+        *(lanes_in_array *)(results + 463*STRIDE + i) = each(0.0);
     }
 }
 
@@ -1942,11 +2100,40 @@ void mf52_batch_jacobian_parameters(size_t n, size_t stride, const double inputs
 void mf52_batch_jacobian_parameters(size_t n, size_t stride, const double inputs[],
     const double parameters[], double results[], unsigned char undone[])
 {
-    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*BLOCK + 8];
+    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*STRIDE + 8];
     for (size_t start = 0; start < n; start += BLOCK) {
         const size_t m = n - start < BLOCK ? n - start : BLOCK;
         take_block(m, stride, inputs + start, aligned(columns));
         jacobian_parameters_kernel(aligned(columns), parameters, aligned(block));
         put_block(m, stride, aligned(block), results + start, undone + start);
     }
+}
+
+void mf52_batch_chosen_derivatives(size_t n, size_t stride, const double inputs[],
+    const double parameters[], size_t count, const size_t chosen[], double results[],
+    unsigned char undone[]);
+
+void mf52_batch_chosen_derivatives(size_t n, size_t stride, const double inputs[],
+    const double parameters[], size_t count, const size_t chosen[], double results[],
+    unsigned char undone[])
+{
+    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*STRIDE + 8];
+    for (size_t start = 0; start < n; start += BLOCK) {
+        const size_t m = n - start < BLOCK ? n - start : BLOCK;
+        take_block(m, stride, inputs + start, aligned(columns));
+        jacobian_parameters_kernel(aligned(columns), parameters, aligned(block));
+        put_chosen(m, stride, aligned(block), count, chosen, results + start, undone + start);
+    }
+}
+
+void mf52_batch_normal_equations(size_t n, size_t stride, const double inputs[],
+    const double parameters[], const size_t first[], const size_t entries[], const double roots[],
+    const double residuals[], double panels[], double matrices[], unsigned char undone[]);
+
+void mf52_batch_normal_equations(size_t n, size_t stride, const double inputs[],
+    const double parameters[], const size_t first[], const size_t entries[], const double roots[],
+    const double residuals[], double panels[], double matrices[], unsigned char undone[])
+{
+    add_normal_equations(jacobian_parameters_kernel, n, stride, inputs, parameters, first, entries, roots,
+        residuals, panels, matrices, undone);
 }

@@ -138,6 +138,9 @@ static inline lanes lanes_exp(lanes x)
 
 #define BLOCK 64
 
+/* Distance of two results of a block. With BLOCK, hundreds of results would share a few lines of the cache. */
+#define STRIDE (BLOCK + 8)
+
 /* The first place in an array that begins a cache line; the array has 8 numbers to spare. */
 static double *aligned(double *array)
 {
@@ -159,8 +162,8 @@ static void put_block(size_t n, size_t stride, const double block[], double resu
     double sum[BLOCK] = {0.0};
     for (size_t k = 0; k < N_RESULTS; k++) {
         for (size_t i = 0; i < BLOCK; i++)
-            sum[i] += 0.0*block[k*BLOCK + i];
-        memcpy(results + k*stride, block + k*BLOCK, n*sizeof(double));
+            sum[i] += 0.0*block[k*STRIDE + i];
+        memcpy(results + k*stride, block + k*STRIDE, n*sizeof(double));
     }
     for (size_t i = 0; i < n; i++)
         undone[i] = sum[i] != 0.0; /* NaN differs from everything */
@@ -806,18 +809,18 @@ static void jacobian_inputs_kernel(const double inputs[], const double parameter
         const lanes dFy_dgamma = Fy_by_Fy_part1*dFy_part1_dgamma + dD_Vyk_dgamma*dFy_dD_Vyk;
         const lanes dMz_dFy = Mz_by_Mz_part2*dMz_part2_dFy;
 
-        *(lanes_in_array *)(results + 0*BLOCK + i) = dFx_dkappa;
-        *(lanes_in_array *)(results + 1*BLOCK + i) = dFx_dalpha;
-        *(lanes_in_array *)(results + 2*BLOCK + i) = dFx_dgamma;
-        *(lanes_in_array *)(results + 3*BLOCK + i) = dFx_dFz;
-        *(lanes_in_array *)(results + 4*BLOCK + i) = dFy_dkappa;
-        *(lanes_in_array *)(results + 5*BLOCK + i) = dFy_dalpha;
-        *(lanes_in_array *)(results + 6*BLOCK + i) = dFy_dgamma;
-        *(lanes_in_array *)(results + 7*BLOCK + i) = dFy_dFz;
-        *(lanes_in_array *)(results + 8*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dkappa + dFx_dkappa*dMz_dFx + dFy_dkappa*dMz_dFy;
-        *(lanes_in_array *)(results + 9*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dalpha + dFx_dalpha*dMz_dFx + dFy_dalpha*dMz_dFy;
-        *(lanes_in_array *)(results + 10*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dgamma + dFx_dgamma*dMz_dFx + dFy_dgamma*dMz_dFy;
-        *(lanes_in_array *)(results + 11*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dFz + dFx_dFz*dMz_dFx + dFy_dFz*dMz_dFy;
+        *(lanes_in_array *)(results + 0*STRIDE + i) = dFx_dkappa;
+        *(lanes_in_array *)(results + 1*STRIDE + i) = dFx_dalpha;
+        *(lanes_in_array *)(results + 2*STRIDE + i) = dFx_dgamma;
+        *(lanes_in_array *)(results + 3*STRIDE + i) = dFx_dFz;
+        *(lanes_in_array *)(results + 4*STRIDE + i) = dFy_dkappa;
+        *(lanes_in_array *)(results + 5*STRIDE + i) = dFy_dalpha;
+        *(lanes_in_array *)(results + 6*STRIDE + i) = dFy_dgamma;
+        *(lanes_in_array *)(results + 7*STRIDE + i) = dFy_dFz;
+        *(lanes_in_array *)(results + 8*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dkappa + dFx_dkappa*dMz_dFx + dFy_dkappa*dMz_dFy;
+        *(lanes_in_array *)(results + 9*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dalpha + dFx_dalpha*dMz_dFx + dFy_dalpha*dMz_dFy;
+        *(lanes_in_array *)(results + 10*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dgamma + dFx_dgamma*dMz_dFx + dFy_dgamma*dMz_dFy;
+        *(lanes_in_array *)(results + 11*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dFz + dFx_dFz*dMz_dFx + dFy_dFz*dMz_dFy;
     }
 }
 
@@ -827,7 +830,7 @@ void mf96_batch_jacobian_inputs(size_t n, size_t stride, const double inputs[],
 void mf96_batch_jacobian_inputs(size_t n, size_t stride, const double inputs[],
     const double parameters[], double results[], unsigned char undone[])
 {
-    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*BLOCK + 8];
+    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*STRIDE + 8];
     for (size_t start = 0; start < n; start += BLOCK) {
         const size_t m = n - start < BLOCK ? n - start : BLOCK;
         take_block(m, stride, inputs + start, aligned(columns));

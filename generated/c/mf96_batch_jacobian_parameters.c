@@ -10,6 +10,7 @@
 
 #define N_INPUTS MF96_N_INPUTS
 #define N_RESULTS 169
+#define N_FORCES MF96_N_FORCES
 
 static inline double square(double x) { return x*x; }
 
@@ -138,6 +139,9 @@ static inline lanes lanes_exp(lanes x)
 
 #define BLOCK 64
 
+/* Distance of two results of a block. With BLOCK, hundreds of results would share a few lines of the cache. */
+#define STRIDE (BLOCK + 8)
+
 /* The first place in an array that begins a cache line; the array has 8 numbers to spare. */
 static double *aligned(double *array)
 {
@@ -159,11 +163,165 @@ static void put_block(size_t n, size_t stride, const double block[], double resu
     double sum[BLOCK] = {0.0};
     for (size_t k = 0; k < N_RESULTS; k++) {
         for (size_t i = 0; i < BLOCK; i++)
-            sum[i] += 0.0*block[k*BLOCK + i];
-        memcpy(results + k*stride, block + k*BLOCK, n*sizeof(double));
+            sum[i] += 0.0*block[k*STRIDE + i];
+        memcpy(results + k*stride, block + k*STRIDE, n*sizeof(double));
     }
     for (size_t i = 0; i < n; i++)
         undone[i] = sum[i] != 0.0; /* NaN differs from everything */
+}
+
+/* Put n rows of `count` chosen results into a table; a row in which one is not finite is marked as undone. */
+static void put_chosen(size_t n, size_t stride, const double block[], size_t count, const size_t chosen[],
+    double results[], unsigned char undone[])
+{
+    double sum[BLOCK] = {0.0};
+    for (size_t k = 0; k < count; k++) {
+        const double *result = block + chosen[k]*STRIDE;
+        for (size_t i = 0; i < BLOCK; i++)
+            sum[i] += 0.0*result[i];
+        memcpy(results + k*stride, result, n*sizeof(double));
+    }
+    for (size_t i = 0; i < n; i++)
+        undone[i] = sum[i] != 0.0;
+}
+
+/* Weighted least squares: of each force J^T W J, J^T W r and r^T W r, accumulated while the derivatives of PANEL rows are
+   in the processor's cache. A panel has the weighted derivatives of one force, coefficient by coefficient, STEP numbers
+   apart, and the weighted residuals last. */
+
+#define PANEL (4*BLOCK)
+
+/* Not a multiple of the size of a page, which would put all coefficients into a few lines of the cache. */
+#define STEP (PANEL + 8)
+
+/* Rows and columns of a tile of the matrix, whose sums are in registers. */
+#define TILE_ROWS 4
+
+#define TILE_COLUMNS 3
+
+/* Rows of a panel and of a matrix for n derivatives and the residuals: whole tiles. */
+static size_t whole_tiles(size_t n)
+{
+    const size_t both = TILE_ROWS*TILE_COLUMNS;
+    return (n + 1 + both - 1)/both*both;
+}
+
+static inline lanes lanes_at(const double array[])
+{
+    return *(const lanes_in_array *)array;
+}
+
+static inline double sum_of_lanes(lanes x)
+{
+    double sum = 0.0;
+    for (int i = 0; i < LANES; i++)
+        sum += x[i];
+    return sum;
+}
+
+/* Add the products of TILE_ROWS rows a and TILE_COLUMNS rows b of a panel to a tile of its matrix. */
+static void add_tile(const double a[], const double b[], size_t size, double matrix[])
+{
+    lanes s00 = {0.0}, s01 = {0.0}, s02 = {0.0}, s10 = {0.0}, s11 = {0.0}, s12 = {0.0};
+    lanes s20 = {0.0}, s21 = {0.0}, s22 = {0.0}, s30 = {0.0}, s31 = {0.0}, s32 = {0.0};
+    for (size_t i = 0; i < PANEL; i += LANES) {
+        const lanes b0 = lanes_at(b + i), b1 = lanes_at(b + STEP + i), b2 = lanes_at(b + 2*STEP + i);
+        const lanes a0 = lanes_at(a + i), a1 = lanes_at(a + STEP + i);
+        const lanes a2 = lanes_at(a + 2*STEP + i), a3 = lanes_at(a + 3*STEP + i);
+        s00 += a0*b0, s01 += a0*b1, s02 += a0*b2;
+        s10 += a1*b0, s11 += a1*b1, s12 += a1*b2;
+        s20 += a2*b0, s21 += a2*b1, s22 += a2*b2;
+        s30 += a3*b0, s31 += a3*b1, s32 += a3*b2;
+    }
+    const lanes sums[TILE_ROWS*TILE_COLUMNS] = {s00, s01, s02, s10, s11, s12, s20, s21, s22, s30, s31, s32};
+    for (size_t k = 0; k < TILE_ROWS*TILE_COLUMNS; k++)
+        matrix[k/TILE_COLUMNS*size + k%TILE_COLUMNS] += sum_of_lanes(sums[k]);
+}
+
+/* Fill BLOCK rows of a panel, n of them with the weighted derivatives that `entries` chooses. A row without a weight is
+   0, whatever its derivatives are; `sum` becomes NaN in a row of which a weighted derivative is not finite. */
+static void fill_panel(size_t n, const double derivatives[], size_t count, const size_t entries[],
+    const double roots[], const double residuals[], double panel[], double sum[])
+{
+    double weights[BLOCK] = {0.0};
+    memcpy(weights, roots, n*sizeof(double));
+    for (size_t k = 0; k < count; k++)
+        for (size_t i = 0; i < BLOCK; i += LANES) {
+            const lanes weight = lanes_at(weights + i), weighted = lanes_at(derivatives + entries[k]*STRIDE + i)*weight;
+            const lanes used = (lanes)((lane_bits)weighted & (weight != 0.0));
+            *(lanes_in_array *)(panel + k*STEP + i) = used;
+            *(lanes_in_array *)(sum + i) = lanes_at(sum + i) + 0.0*used;
+        }
+    for (size_t i = 0; i < BLOCK; i++)
+        panel[count*STEP + i] = i < n && weights[i] != 0.0 ? residuals[i] : 0.0;
+}
+
+/* Return whether any of n weights is not 0. */
+static int any_weight(size_t n, const double roots[])
+{
+    for (size_t i = 0; i < n; i++)
+        if (roots[i] != 0.0)
+            return 1;
+    return 0;
+}
+
+/* Fill BLOCK rows of the panels of all forces that have a weight among m rows; a row with derivatives that are not
+   finite is marked as undone, and 0. */
+static void fill_panels(size_t n, size_t stride, const double derivatives[], const int weighted[],
+    const size_t first[], const size_t entries[], const double roots[], const double residuals[], double panels[],
+    unsigned char undone[])
+{
+    double sum[BLOCK] = {0.0}, *panel = panels;
+    for (size_t force = 0; force < N_FORCES; force++) {
+        const size_t count = first[force + 1] - first[force];
+        if (weighted[force])
+            fill_panel(n, derivatives, count, entries + first[force], roots + force*stride, residuals + force*stride,
+                panel, sum);
+        panel += whole_tiles(count)*STEP;
+    }
+    for (size_t i = 0; i < n; i++) {
+        undone[i] = sum[i] != 0.0; /* NaN differs from everything */
+        if (undone[i])
+            for (double *row = panels; row < panel; row += STEP)
+                row[i] = 0.0;
+    }
+}
+
+/* Add the lower triangles of the matrices of all forces that have a weight: the last row of each is J^T W r, r^T W r. */
+static void add_panels(const int weighted[], const size_t first[], const double panels[], double matrices[])
+{
+    for (size_t force = 0; force < N_FORCES; force++) {
+        const size_t count = first[force + 1] - first[force], size = whole_tiles(count);
+        for (size_t j = 0; j <= count && weighted[force]; j += TILE_ROWS)
+            for (size_t k = 0; k <= count && k < j + TILE_ROWS; k += TILE_COLUMNS)
+                add_tile(panels + j*STEP, panels + k*STEP, size, matrices + j*size + k);
+        panels += size*STEP;
+        matrices += size*size;
+    }
+}
+
+/* Add the normal equations of n rows. `first` and `entries` choose the derivatives of each force; `roots` are the roots
+   of the weights, `residuals` are weighted, both force by force. `panels` is memory of 0 for the panels of all forces. */
+static void add_normal_equations(void (*kernel)(const double[], const double[], double[]), size_t n, size_t stride,
+    const double inputs[], const double parameters[], const size_t first[], const size_t entries[],
+    const double roots[], const double residuals[], double panels[], double matrices[], unsigned char undone[])
+{
+    double columns[N_INPUTS*BLOCK + 8], derivatives[N_RESULTS*STRIDE + 8];
+    for (size_t start = 0; start < n; start += PANEL) {
+        int weighted[N_FORCES];
+        for (size_t force = 0; force < N_FORCES; force++)
+            weighted[force] = any_weight(n - start < PANEL ? n - start : PANEL, roots + force*stride + start);
+        for (size_t block = 0; block < PANEL; block += BLOCK) {
+            const size_t at = start + block < n ? start + block : n, m = n - at < BLOCK ? n - at : BLOCK;
+            if (m > 0) {
+                take_block(m, stride, inputs + at, aligned(columns));
+                kernel(aligned(columns), parameters, aligned(derivatives));
+            }
+            fill_panels(m, stride, aligned(derivatives), weighted, first, entries, roots + at, residuals + at,
+                panels + block, undone + at);
+        }
+        add_panels(weighted, first, panels, matrices);
+    }
 }
 
 /* Derivatives of the forces by the coefficients. */
@@ -1104,175 +1262,175 @@ static void jacobian_parameters_kernel(const double inputs[], const double param
         const lanes dFy_dPKY3 = dF_y0_dPKY3*dFy_dF_y0;
         const lanes dMz_dFy = Mz_by_Mz_part2*dMz_part2_dFy;
 
-        *(lanes_in_array *)(results + 0*BLOCK + i) = dFx_dFNOMIN;
-        *(lanes_in_array *)(results + 1*BLOCK + i) = dFx_dLFZ0;
-        *(lanes_in_array *)(results + 2*BLOCK + i) = dFx_dLCX;
-        *(lanes_in_array *)(results + 3*BLOCK + i) = dFx_dLMUX;
-        *(lanes_in_array *)(results + 4*BLOCK + i) = dFx_dLEX;
-        *(lanes_in_array *)(results + 5*BLOCK + i) = dFx_dLKXK;
-        *(lanes_in_array *)(results + 6*BLOCK + i) = dFx_dLHX;
-        *(lanes_in_array *)(results + 7*BLOCK + i) = dFx_dLVX;
-        *(lanes_in_array *)(results + 8*BLOCK + i) = dFx_dLGAMMAY;
-        *(lanes_in_array *)(results + 9*BLOCK + i) = dFx_dLXA;
-        *(lanes_in_array *)(results + 10*BLOCK + i) = dFx_dPCX1;
-        *(lanes_in_array *)(results + 11*BLOCK + i) = dFx_dPDX1;
-        *(lanes_in_array *)(results + 12*BLOCK + i) = dFx_dPDX2;
-        *(lanes_in_array *)(results + 13*BLOCK + i) = dFx_dPDX3;
-        *(lanes_in_array *)(results + 14*BLOCK + i) = dFx_dPEX1;
-        *(lanes_in_array *)(results + 15*BLOCK + i) = dFx_dPEX2;
-        *(lanes_in_array *)(results + 16*BLOCK + i) = dFx_dPEX3;
-        *(lanes_in_array *)(results + 17*BLOCK + i) = dFx_dPEX4;
-        *(lanes_in_array *)(results + 18*BLOCK + i) = dFx_dPKX1;
-        *(lanes_in_array *)(results + 19*BLOCK + i) = dFx_dPKX2;
-        *(lanes_in_array *)(results + 20*BLOCK + i) = dFx_dPKX3;
-        *(lanes_in_array *)(results + 21*BLOCK + i) = dFx_dPHX1;
-        *(lanes_in_array *)(results + 22*BLOCK + i) = dFx_dPHX2;
-        *(lanes_in_array *)(results + 23*BLOCK + i) = dFx_dPVX1;
-        *(lanes_in_array *)(results + 24*BLOCK + i) = dFx_dPVX2;
-        *(lanes_in_array *)(results + 25*BLOCK + i) = dFx_dRBX1;
-        *(lanes_in_array *)(results + 26*BLOCK + i) = dFx_dRBX2;
-        *(lanes_in_array *)(results + 27*BLOCK + i) = dFx_dRCX1;
-        *(lanes_in_array *)(results + 28*BLOCK + i) = dFx_dRHX1;
-        *(lanes_in_array *)(results + 29*BLOCK + i) = dFy_dFNOMIN;
-        *(lanes_in_array *)(results + 30*BLOCK + i) = dFy_dLFZ0;
-        *(lanes_in_array *)(results + 31*BLOCK + i) = dFy_dLCY;
-        *(lanes_in_array *)(results + 32*BLOCK + i) = dFy_dLMUY;
-        *(lanes_in_array *)(results + 33*BLOCK + i) = dFy_dLEY;
-        *(lanes_in_array *)(results + 34*BLOCK + i) = dFy_dLKA;
-        *(lanes_in_array *)(results + 35*BLOCK + i) = dFy_dLHY;
-        *(lanes_in_array *)(results + 36*BLOCK + i) = dFy_dLVY;
-        *(lanes_in_array *)(results + 37*BLOCK + i) = dFy_dLGAMMAY;
-        *(lanes_in_array *)(results + 38*BLOCK + i) = dFy_dLYK;
-        *(lanes_in_array *)(results + 39*BLOCK + i) = dFy_dLVYK;
-        *(lanes_in_array *)(results + 40*BLOCK + i) = dFy_dPCY1;
-        *(lanes_in_array *)(results + 41*BLOCK + i) = dFy_dPDY1;
-        *(lanes_in_array *)(results + 42*BLOCK + i) = dFy_dPDY2;
-        *(lanes_in_array *)(results + 43*BLOCK + i) = dFy_dPDY3;
-        *(lanes_in_array *)(results + 44*BLOCK + i) = dFy_dPEY1;
-        *(lanes_in_array *)(results + 45*BLOCK + i) = dFy_dPEY2;
-        *(lanes_in_array *)(results + 46*BLOCK + i) = dFy_dPEY3;
-        *(lanes_in_array *)(results + 47*BLOCK + i) = dFy_dPEY4;
-        *(lanes_in_array *)(results + 48*BLOCK + i) = dFy_dPKY1;
-        *(lanes_in_array *)(results + 49*BLOCK + i) = dFy_dPKY2;
-        *(lanes_in_array *)(results + 50*BLOCK + i) = dFy_dPKY3;
-        *(lanes_in_array *)(results + 51*BLOCK + i) = dFy_dPHY1;
-        *(lanes_in_array *)(results + 52*BLOCK + i) = dFy_dPHY2;
-        *(lanes_in_array *)(results + 53*BLOCK + i) = dFy_dPHY3;
-        *(lanes_in_array *)(results + 54*BLOCK + i) = dFy_dPVY1;
-        *(lanes_in_array *)(results + 55*BLOCK + i) = dFy_dPVY2;
-        *(lanes_in_array *)(results + 56*BLOCK + i) = dFy_dPVY3;
-        *(lanes_in_array *)(results + 57*BLOCK + i) = dFy_dPVY4;
-        *(lanes_in_array *)(results + 58*BLOCK + i) = dFy_dRBY1;
-        *(lanes_in_array *)(results + 59*BLOCK + i) = dFy_dRBY2;
-        *(lanes_in_array *)(results + 60*BLOCK + i) = dFy_dRBY3;
-        *(lanes_in_array *)(results + 61*BLOCK + i) = dFy_dRCY1;
-        *(lanes_in_array *)(results + 62*BLOCK + i) = dFy_dRHY1;
-        *(lanes_in_array *)(results + 63*BLOCK + i) = dFy_dRVY1;
-        *(lanes_in_array *)(results + 64*BLOCK + i) = dFy_dRVY2;
-        *(lanes_in_array *)(results + 65*BLOCK + i) = dFy_dRVY3;
-        *(lanes_in_array *)(results + 66*BLOCK + i) = dFy_dRVY4;
-        *(lanes_in_array *)(results + 67*BLOCK + i) = dFy_dRVY5;
-        *(lanes_in_array *)(results + 68*BLOCK + i) = dFy_dRVY6;
-        *(lanes_in_array *)(results + 69*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dUNLOADED_RADIUS;
-        *(lanes_in_array *)(results + 70*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dFNOMIN + dFx_dFNOMIN*dMz_dFx + dFy_dFNOMIN*dMz_dFy;
-        *(lanes_in_array *)(results + 71*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dLFZ0 + dFx_dLFZ0*dMz_dFx + dFy_dLFZ0*dMz_dFy;
-        *(lanes_in_array *)(results + 72*BLOCK + i) = dFx_dLCX*dMz_dFx;
-        *(lanes_in_array *)(results + 73*BLOCK + i) = dFx_dLMUX*dMz_dFx;
-        *(lanes_in_array *)(results + 74*BLOCK + i) = dFx_dLEX*dMz_dFx;
-        *(lanes_in_array *)(results + 75*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dLKXK + dFx_dLKXK*dMz_dFx;
-        *(lanes_in_array *)(results + 76*BLOCK + i) = dFx_dLHX*dMz_dFx;
-        *(lanes_in_array *)(results + 77*BLOCK + i) = dFx_dLVX*dMz_dFx;
-        *(lanes_in_array *)(results + 78*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dLCY + dFy_dLCY*dMz_dFy;
-        *(lanes_in_array *)(results + 79*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dLMUY + dFy_dLMUY*dMz_dFy;
-        *(lanes_in_array *)(results + 80*BLOCK + i) = dFy_dLEY*dMz_dFy;
-        *(lanes_in_array *)(results + 81*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dLKA + dFy_dLKA*dMz_dFy;
-        *(lanes_in_array *)(results + 82*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dLHY + dFy_dLHY*dMz_dFy;
-        *(lanes_in_array *)(results + 83*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dLVY + dFy_dLVY*dMz_dFy;
-        *(lanes_in_array *)(results + 84*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dLGAMMAY + dFx_dLGAMMAY*dMz_dFx + dFy_dLGAMMAY*dMz_dFy;
-        *(lanes_in_array *)(results + 85*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dLKY;
-        *(lanes_in_array *)(results + 86*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dLT;
-        *(lanes_in_array *)(results + 87*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dLMR;
-        *(lanes_in_array *)(results + 88*BLOCK + i) = dFx_dLXA*dMz_dFx;
-        *(lanes_in_array *)(results + 89*BLOCK + i) = dFy_dLYK*dMz_dFy;
-        *(lanes_in_array *)(results + 90*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dLVYK + dFy_dLVYK*dMz_dFy;
-        *(lanes_in_array *)(results + 91*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dLS;
-        *(lanes_in_array *)(results + 92*BLOCK + i) = dFx_dPCX1*dMz_dFx;
-        *(lanes_in_array *)(results + 93*BLOCK + i) = dFx_dPDX1*dMz_dFx;
-        *(lanes_in_array *)(results + 94*BLOCK + i) = dFx_dPDX2*dMz_dFx;
-        *(lanes_in_array *)(results + 95*BLOCK + i) = dFx_dPDX3*dMz_dFx;
-        *(lanes_in_array *)(results + 96*BLOCK + i) = dFx_dPEX1*dMz_dFx;
-        *(lanes_in_array *)(results + 97*BLOCK + i) = dFx_dPEX2*dMz_dFx;
-        *(lanes_in_array *)(results + 98*BLOCK + i) = dFx_dPEX3*dMz_dFx;
-        *(lanes_in_array *)(results + 99*BLOCK + i) = dFx_dPEX4*dMz_dFx;
-        *(lanes_in_array *)(results + 100*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPKX1 + dFx_dPKX1*dMz_dFx;
-        *(lanes_in_array *)(results + 101*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPKX2 + dFx_dPKX2*dMz_dFx;
-        *(lanes_in_array *)(results + 102*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPKX3 + dFx_dPKX3*dMz_dFx;
-        *(lanes_in_array *)(results + 103*BLOCK + i) = dFx_dPHX1*dMz_dFx;
-        *(lanes_in_array *)(results + 104*BLOCK + i) = dFx_dPHX2*dMz_dFx;
-        *(lanes_in_array *)(results + 105*BLOCK + i) = dFx_dPVX1*dMz_dFx;
-        *(lanes_in_array *)(results + 106*BLOCK + i) = dFx_dPVX2*dMz_dFx;
-        *(lanes_in_array *)(results + 107*BLOCK + i) = dFx_dRBX1*dMz_dFx;
-        *(lanes_in_array *)(results + 108*BLOCK + i) = dFx_dRBX2*dMz_dFx;
-        *(lanes_in_array *)(results + 109*BLOCK + i) = dFx_dRCX1*dMz_dFx;
-        *(lanes_in_array *)(results + 110*BLOCK + i) = dFx_dRHX1*dMz_dFx;
-        *(lanes_in_array *)(results + 111*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPCY1 + dFy_dPCY1*dMz_dFy;
-        *(lanes_in_array *)(results + 112*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPDY1 + dFy_dPDY1*dMz_dFy;
-        *(lanes_in_array *)(results + 113*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPDY2 + dFy_dPDY2*dMz_dFy;
-        *(lanes_in_array *)(results + 114*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPDY3 + dFy_dPDY3*dMz_dFy;
-        *(lanes_in_array *)(results + 115*BLOCK + i) = dFy_dPEY1*dMz_dFy;
-        *(lanes_in_array *)(results + 116*BLOCK + i) = dFy_dPEY2*dMz_dFy;
-        *(lanes_in_array *)(results + 117*BLOCK + i) = dFy_dPEY3*dMz_dFy;
-        *(lanes_in_array *)(results + 118*BLOCK + i) = dFy_dPEY4*dMz_dFy;
-        *(lanes_in_array *)(results + 119*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPKY1 + dFy_dPKY1*dMz_dFy;
-        *(lanes_in_array *)(results + 120*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPKY2 + dFy_dPKY2*dMz_dFy;
-        *(lanes_in_array *)(results + 121*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPKY3 + dFy_dPKY3*dMz_dFy;
-        *(lanes_in_array *)(results + 122*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dS_Hy_part1 + dFy_dPHY1*dMz_dFy;
-        *(lanes_in_array *)(results + 123*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPHY2 + dFy_dPHY2*dMz_dFy;
-        *(lanes_in_array *)(results + 124*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPHY3 + dFy_dPHY3*dMz_dFy;
-        *(lanes_in_array *)(results + 125*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dS_Vy_part2 + dFy_dPVY1*dMz_dFy;
-        *(lanes_in_array *)(results + 126*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPVY2 + dFy_dPVY2*dMz_dFy;
-        *(lanes_in_array *)(results + 127*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPVY3 + dFy_dPVY3*dMz_dFy;
-        *(lanes_in_array *)(results + 128*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dPVY4 + dFy_dPVY4*dMz_dFy;
-        *(lanes_in_array *)(results + 129*BLOCK + i) = dFy_dRBY1*dMz_dFy;
-        *(lanes_in_array *)(results + 130*BLOCK + i) = dFy_dRBY2*dMz_dFy;
-        *(lanes_in_array *)(results + 131*BLOCK + i) = dFy_dRBY3*dMz_dFy;
-        *(lanes_in_array *)(results + 132*BLOCK + i) = dFy_dRCY1*dMz_dFy;
-        *(lanes_in_array *)(results + 133*BLOCK + i) = dFy_dRHY1*dMz_dFy;
-        *(lanes_in_array *)(results + 134*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dRVY1 + dFy_dRVY1*dMz_dFy;
-        *(lanes_in_array *)(results + 135*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dRVY2 + dFy_dRVY2*dMz_dFy;
-        *(lanes_in_array *)(results + 136*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dRVY3 + dFy_dRVY3*dMz_dFy;
-        *(lanes_in_array *)(results + 137*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dRVY4 + dFy_dRVY4*dMz_dFy;
-        *(lanes_in_array *)(results + 138*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dRVY5 + dFy_dRVY5*dMz_dFy;
-        *(lanes_in_array *)(results + 139*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dRVY6 + dFy_dRVY6*dMz_dFy;
-        *(lanes_in_array *)(results + 140*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQBZ1;
-        *(lanes_in_array *)(results + 141*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQBZ2;
-        *(lanes_in_array *)(results + 142*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQBZ3;
-        *(lanes_in_array *)(results + 143*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQBZ4;
-        *(lanes_in_array *)(results + 144*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQBZ5;
-        *(lanes_in_array *)(results + 145*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQBZ9;
-        *(lanes_in_array *)(results + 146*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQBZ10;
-        *(lanes_in_array *)(results + 147*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQCZ1;
-        *(lanes_in_array *)(results + 148*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQDZ1;
-        *(lanes_in_array *)(results + 149*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQDZ2;
-        *(lanes_in_array *)(results + 150*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQDZ3;
-        *(lanes_in_array *)(results + 151*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQDZ4;
-        *(lanes_in_array *)(results + 152*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dD_r_part2;
-        *(lanes_in_array *)(results + 153*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQDZ7;
-        *(lanes_in_array *)(results + 154*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQDZ8;
-        *(lanes_in_array *)(results + 155*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQDZ9;
-        *(lanes_in_array *)(results + 156*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQEZ1;
-        *(lanes_in_array *)(results + 157*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQEZ2;
-        *(lanes_in_array *)(results + 158*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQEZ3;
-        *(lanes_in_array *)(results + 159*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQEZ4;
-        *(lanes_in_array *)(results + 160*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQEZ5;
-        *(lanes_in_array *)(results + 161*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQHZ1;
-        *(lanes_in_array *)(results + 162*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQHZ2;
-        *(lanes_in_array *)(results + 163*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQHZ3;
-        *(lanes_in_array *)(results + 164*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dQHZ4;
-        *(lanes_in_array *)(results + 165*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_ds_part3;
-        *(lanes_in_array *)(results + 166*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dSSZ2;
-        *(lanes_in_array *)(results + 167*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dSSZ3;
-        *(lanes_in_array *)(results + 168*BLOCK + i) = Mz_by_Mz_part2*dMz_part2_dSSZ4;
+        *(lanes_in_array *)(results + 0*STRIDE + i) = dFx_dFNOMIN;
+        *(lanes_in_array *)(results + 1*STRIDE + i) = dFx_dLFZ0;
+        *(lanes_in_array *)(results + 2*STRIDE + i) = dFx_dLCX;
+        *(lanes_in_array *)(results + 3*STRIDE + i) = dFx_dLMUX;
+        *(lanes_in_array *)(results + 4*STRIDE + i) = dFx_dLEX;
+        *(lanes_in_array *)(results + 5*STRIDE + i) = dFx_dLKXK;
+        *(lanes_in_array *)(results + 6*STRIDE + i) = dFx_dLHX;
+        *(lanes_in_array *)(results + 7*STRIDE + i) = dFx_dLVX;
+        *(lanes_in_array *)(results + 8*STRIDE + i) = dFx_dLGAMMAY;
+        *(lanes_in_array *)(results + 9*STRIDE + i) = dFx_dLXA;
+        *(lanes_in_array *)(results + 10*STRIDE + i) = dFx_dPCX1;
+        *(lanes_in_array *)(results + 11*STRIDE + i) = dFx_dPDX1;
+        *(lanes_in_array *)(results + 12*STRIDE + i) = dFx_dPDX2;
+        *(lanes_in_array *)(results + 13*STRIDE + i) = dFx_dPDX3;
+        *(lanes_in_array *)(results + 14*STRIDE + i) = dFx_dPEX1;
+        *(lanes_in_array *)(results + 15*STRIDE + i) = dFx_dPEX2;
+        *(lanes_in_array *)(results + 16*STRIDE + i) = dFx_dPEX3;
+        *(lanes_in_array *)(results + 17*STRIDE + i) = dFx_dPEX4;
+        *(lanes_in_array *)(results + 18*STRIDE + i) = dFx_dPKX1;
+        *(lanes_in_array *)(results + 19*STRIDE + i) = dFx_dPKX2;
+        *(lanes_in_array *)(results + 20*STRIDE + i) = dFx_dPKX3;
+        *(lanes_in_array *)(results + 21*STRIDE + i) = dFx_dPHX1;
+        *(lanes_in_array *)(results + 22*STRIDE + i) = dFx_dPHX2;
+        *(lanes_in_array *)(results + 23*STRIDE + i) = dFx_dPVX1;
+        *(lanes_in_array *)(results + 24*STRIDE + i) = dFx_dPVX2;
+        *(lanes_in_array *)(results + 25*STRIDE + i) = dFx_dRBX1;
+        *(lanes_in_array *)(results + 26*STRIDE + i) = dFx_dRBX2;
+        *(lanes_in_array *)(results + 27*STRIDE + i) = dFx_dRCX1;
+        *(lanes_in_array *)(results + 28*STRIDE + i) = dFx_dRHX1;
+        *(lanes_in_array *)(results + 29*STRIDE + i) = dFy_dFNOMIN;
+        *(lanes_in_array *)(results + 30*STRIDE + i) = dFy_dLFZ0;
+        *(lanes_in_array *)(results + 31*STRIDE + i) = dFy_dLCY;
+        *(lanes_in_array *)(results + 32*STRIDE + i) = dFy_dLMUY;
+        *(lanes_in_array *)(results + 33*STRIDE + i) = dFy_dLEY;
+        *(lanes_in_array *)(results + 34*STRIDE + i) = dFy_dLKA;
+        *(lanes_in_array *)(results + 35*STRIDE + i) = dFy_dLHY;
+        *(lanes_in_array *)(results + 36*STRIDE + i) = dFy_dLVY;
+        *(lanes_in_array *)(results + 37*STRIDE + i) = dFy_dLGAMMAY;
+        *(lanes_in_array *)(results + 38*STRIDE + i) = dFy_dLYK;
+        *(lanes_in_array *)(results + 39*STRIDE + i) = dFy_dLVYK;
+        *(lanes_in_array *)(results + 40*STRIDE + i) = dFy_dPCY1;
+        *(lanes_in_array *)(results + 41*STRIDE + i) = dFy_dPDY1;
+        *(lanes_in_array *)(results + 42*STRIDE + i) = dFy_dPDY2;
+        *(lanes_in_array *)(results + 43*STRIDE + i) = dFy_dPDY3;
+        *(lanes_in_array *)(results + 44*STRIDE + i) = dFy_dPEY1;
+        *(lanes_in_array *)(results + 45*STRIDE + i) = dFy_dPEY2;
+        *(lanes_in_array *)(results + 46*STRIDE + i) = dFy_dPEY3;
+        *(lanes_in_array *)(results + 47*STRIDE + i) = dFy_dPEY4;
+        *(lanes_in_array *)(results + 48*STRIDE + i) = dFy_dPKY1;
+        *(lanes_in_array *)(results + 49*STRIDE + i) = dFy_dPKY2;
+        *(lanes_in_array *)(results + 50*STRIDE + i) = dFy_dPKY3;
+        *(lanes_in_array *)(results + 51*STRIDE + i) = dFy_dPHY1;
+        *(lanes_in_array *)(results + 52*STRIDE + i) = dFy_dPHY2;
+        *(lanes_in_array *)(results + 53*STRIDE + i) = dFy_dPHY3;
+        *(lanes_in_array *)(results + 54*STRIDE + i) = dFy_dPVY1;
+        *(lanes_in_array *)(results + 55*STRIDE + i) = dFy_dPVY2;
+        *(lanes_in_array *)(results + 56*STRIDE + i) = dFy_dPVY3;
+        *(lanes_in_array *)(results + 57*STRIDE + i) = dFy_dPVY4;
+        *(lanes_in_array *)(results + 58*STRIDE + i) = dFy_dRBY1;
+        *(lanes_in_array *)(results + 59*STRIDE + i) = dFy_dRBY2;
+        *(lanes_in_array *)(results + 60*STRIDE + i) = dFy_dRBY3;
+        *(lanes_in_array *)(results + 61*STRIDE + i) = dFy_dRCY1;
+        *(lanes_in_array *)(results + 62*STRIDE + i) = dFy_dRHY1;
+        *(lanes_in_array *)(results + 63*STRIDE + i) = dFy_dRVY1;
+        *(lanes_in_array *)(results + 64*STRIDE + i) = dFy_dRVY2;
+        *(lanes_in_array *)(results + 65*STRIDE + i) = dFy_dRVY3;
+        *(lanes_in_array *)(results + 66*STRIDE + i) = dFy_dRVY4;
+        *(lanes_in_array *)(results + 67*STRIDE + i) = dFy_dRVY5;
+        *(lanes_in_array *)(results + 68*STRIDE + i) = dFy_dRVY6;
+        *(lanes_in_array *)(results + 69*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dUNLOADED_RADIUS;
+        *(lanes_in_array *)(results + 70*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dFNOMIN + dFx_dFNOMIN*dMz_dFx + dFy_dFNOMIN*dMz_dFy;
+        *(lanes_in_array *)(results + 71*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dLFZ0 + dFx_dLFZ0*dMz_dFx + dFy_dLFZ0*dMz_dFy;
+        *(lanes_in_array *)(results + 72*STRIDE + i) = dFx_dLCX*dMz_dFx;
+        *(lanes_in_array *)(results + 73*STRIDE + i) = dFx_dLMUX*dMz_dFx;
+        *(lanes_in_array *)(results + 74*STRIDE + i) = dFx_dLEX*dMz_dFx;
+        *(lanes_in_array *)(results + 75*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dLKXK + dFx_dLKXK*dMz_dFx;
+        *(lanes_in_array *)(results + 76*STRIDE + i) = dFx_dLHX*dMz_dFx;
+        *(lanes_in_array *)(results + 77*STRIDE + i) = dFx_dLVX*dMz_dFx;
+        *(lanes_in_array *)(results + 78*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dLCY + dFy_dLCY*dMz_dFy;
+        *(lanes_in_array *)(results + 79*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dLMUY + dFy_dLMUY*dMz_dFy;
+        *(lanes_in_array *)(results + 80*STRIDE + i) = dFy_dLEY*dMz_dFy;
+        *(lanes_in_array *)(results + 81*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dLKA + dFy_dLKA*dMz_dFy;
+        *(lanes_in_array *)(results + 82*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dLHY + dFy_dLHY*dMz_dFy;
+        *(lanes_in_array *)(results + 83*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dLVY + dFy_dLVY*dMz_dFy;
+        *(lanes_in_array *)(results + 84*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dLGAMMAY + dFx_dLGAMMAY*dMz_dFx + dFy_dLGAMMAY*dMz_dFy;
+        *(lanes_in_array *)(results + 85*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dLKY;
+        *(lanes_in_array *)(results + 86*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dLT;
+        *(lanes_in_array *)(results + 87*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dLMR;
+        *(lanes_in_array *)(results + 88*STRIDE + i) = dFx_dLXA*dMz_dFx;
+        *(lanes_in_array *)(results + 89*STRIDE + i) = dFy_dLYK*dMz_dFy;
+        *(lanes_in_array *)(results + 90*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dLVYK + dFy_dLVYK*dMz_dFy;
+        *(lanes_in_array *)(results + 91*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dLS;
+        *(lanes_in_array *)(results + 92*STRIDE + i) = dFx_dPCX1*dMz_dFx;
+        *(lanes_in_array *)(results + 93*STRIDE + i) = dFx_dPDX1*dMz_dFx;
+        *(lanes_in_array *)(results + 94*STRIDE + i) = dFx_dPDX2*dMz_dFx;
+        *(lanes_in_array *)(results + 95*STRIDE + i) = dFx_dPDX3*dMz_dFx;
+        *(lanes_in_array *)(results + 96*STRIDE + i) = dFx_dPEX1*dMz_dFx;
+        *(lanes_in_array *)(results + 97*STRIDE + i) = dFx_dPEX2*dMz_dFx;
+        *(lanes_in_array *)(results + 98*STRIDE + i) = dFx_dPEX3*dMz_dFx;
+        *(lanes_in_array *)(results + 99*STRIDE + i) = dFx_dPEX4*dMz_dFx;
+        *(lanes_in_array *)(results + 100*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPKX1 + dFx_dPKX1*dMz_dFx;
+        *(lanes_in_array *)(results + 101*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPKX2 + dFx_dPKX2*dMz_dFx;
+        *(lanes_in_array *)(results + 102*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPKX3 + dFx_dPKX3*dMz_dFx;
+        *(lanes_in_array *)(results + 103*STRIDE + i) = dFx_dPHX1*dMz_dFx;
+        *(lanes_in_array *)(results + 104*STRIDE + i) = dFx_dPHX2*dMz_dFx;
+        *(lanes_in_array *)(results + 105*STRIDE + i) = dFx_dPVX1*dMz_dFx;
+        *(lanes_in_array *)(results + 106*STRIDE + i) = dFx_dPVX2*dMz_dFx;
+        *(lanes_in_array *)(results + 107*STRIDE + i) = dFx_dRBX1*dMz_dFx;
+        *(lanes_in_array *)(results + 108*STRIDE + i) = dFx_dRBX2*dMz_dFx;
+        *(lanes_in_array *)(results + 109*STRIDE + i) = dFx_dRCX1*dMz_dFx;
+        *(lanes_in_array *)(results + 110*STRIDE + i) = dFx_dRHX1*dMz_dFx;
+        *(lanes_in_array *)(results + 111*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPCY1 + dFy_dPCY1*dMz_dFy;
+        *(lanes_in_array *)(results + 112*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPDY1 + dFy_dPDY1*dMz_dFy;
+        *(lanes_in_array *)(results + 113*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPDY2 + dFy_dPDY2*dMz_dFy;
+        *(lanes_in_array *)(results + 114*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPDY3 + dFy_dPDY3*dMz_dFy;
+        *(lanes_in_array *)(results + 115*STRIDE + i) = dFy_dPEY1*dMz_dFy;
+        *(lanes_in_array *)(results + 116*STRIDE + i) = dFy_dPEY2*dMz_dFy;
+        *(lanes_in_array *)(results + 117*STRIDE + i) = dFy_dPEY3*dMz_dFy;
+        *(lanes_in_array *)(results + 118*STRIDE + i) = dFy_dPEY4*dMz_dFy;
+        *(lanes_in_array *)(results + 119*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPKY1 + dFy_dPKY1*dMz_dFy;
+        *(lanes_in_array *)(results + 120*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPKY2 + dFy_dPKY2*dMz_dFy;
+        *(lanes_in_array *)(results + 121*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPKY3 + dFy_dPKY3*dMz_dFy;
+        *(lanes_in_array *)(results + 122*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dS_Hy_part1 + dFy_dPHY1*dMz_dFy;
+        *(lanes_in_array *)(results + 123*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPHY2 + dFy_dPHY2*dMz_dFy;
+        *(lanes_in_array *)(results + 124*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPHY3 + dFy_dPHY3*dMz_dFy;
+        *(lanes_in_array *)(results + 125*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dS_Vy_part2 + dFy_dPVY1*dMz_dFy;
+        *(lanes_in_array *)(results + 126*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPVY2 + dFy_dPVY2*dMz_dFy;
+        *(lanes_in_array *)(results + 127*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPVY3 + dFy_dPVY3*dMz_dFy;
+        *(lanes_in_array *)(results + 128*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dPVY4 + dFy_dPVY4*dMz_dFy;
+        *(lanes_in_array *)(results + 129*STRIDE + i) = dFy_dRBY1*dMz_dFy;
+        *(lanes_in_array *)(results + 130*STRIDE + i) = dFy_dRBY2*dMz_dFy;
+        *(lanes_in_array *)(results + 131*STRIDE + i) = dFy_dRBY3*dMz_dFy;
+        *(lanes_in_array *)(results + 132*STRIDE + i) = dFy_dRCY1*dMz_dFy;
+        *(lanes_in_array *)(results + 133*STRIDE + i) = dFy_dRHY1*dMz_dFy;
+        *(lanes_in_array *)(results + 134*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dRVY1 + dFy_dRVY1*dMz_dFy;
+        *(lanes_in_array *)(results + 135*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dRVY2 + dFy_dRVY2*dMz_dFy;
+        *(lanes_in_array *)(results + 136*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dRVY3 + dFy_dRVY3*dMz_dFy;
+        *(lanes_in_array *)(results + 137*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dRVY4 + dFy_dRVY4*dMz_dFy;
+        *(lanes_in_array *)(results + 138*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dRVY5 + dFy_dRVY5*dMz_dFy;
+        *(lanes_in_array *)(results + 139*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dRVY6 + dFy_dRVY6*dMz_dFy;
+        *(lanes_in_array *)(results + 140*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQBZ1;
+        *(lanes_in_array *)(results + 141*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQBZ2;
+        *(lanes_in_array *)(results + 142*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQBZ3;
+        *(lanes_in_array *)(results + 143*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQBZ4;
+        *(lanes_in_array *)(results + 144*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQBZ5;
+        *(lanes_in_array *)(results + 145*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQBZ9;
+        *(lanes_in_array *)(results + 146*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQBZ10;
+        *(lanes_in_array *)(results + 147*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQCZ1;
+        *(lanes_in_array *)(results + 148*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQDZ1;
+        *(lanes_in_array *)(results + 149*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQDZ2;
+        *(lanes_in_array *)(results + 150*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQDZ3;
+        *(lanes_in_array *)(results + 151*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQDZ4;
+        *(lanes_in_array *)(results + 152*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dD_r_part2;
+        *(lanes_in_array *)(results + 153*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQDZ7;
+        *(lanes_in_array *)(results + 154*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQDZ8;
+        *(lanes_in_array *)(results + 155*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQDZ9;
+        *(lanes_in_array *)(results + 156*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQEZ1;
+        *(lanes_in_array *)(results + 157*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQEZ2;
+        *(lanes_in_array *)(results + 158*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQEZ3;
+        *(lanes_in_array *)(results + 159*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQEZ4;
+        *(lanes_in_array *)(results + 160*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQEZ5;
+        *(lanes_in_array *)(results + 161*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQHZ1;
+        *(lanes_in_array *)(results + 162*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQHZ2;
+        *(lanes_in_array *)(results + 163*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQHZ3;
+        *(lanes_in_array *)(results + 164*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dQHZ4;
+        *(lanes_in_array *)(results + 165*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_ds_part3;
+        *(lanes_in_array *)(results + 166*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dSSZ2;
+        *(lanes_in_array *)(results + 167*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dSSZ3;
+        *(lanes_in_array *)(results + 168*STRIDE + i) = Mz_by_Mz_part2*dMz_part2_dSSZ4;
     }
 }
 
@@ -1282,11 +1440,40 @@ void mf96_batch_jacobian_parameters(size_t n, size_t stride, const double inputs
 void mf96_batch_jacobian_parameters(size_t n, size_t stride, const double inputs[],
     const double parameters[], double results[], unsigned char undone[])
 {
-    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*BLOCK + 8];
+    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*STRIDE + 8];
     for (size_t start = 0; start < n; start += BLOCK) {
         const size_t m = n - start < BLOCK ? n - start : BLOCK;
         take_block(m, stride, inputs + start, aligned(columns));
         jacobian_parameters_kernel(aligned(columns), parameters, aligned(block));
         put_block(m, stride, aligned(block), results + start, undone + start);
     }
+}
+
+void mf96_batch_chosen_derivatives(size_t n, size_t stride, const double inputs[],
+    const double parameters[], size_t count, const size_t chosen[], double results[],
+    unsigned char undone[]);
+
+void mf96_batch_chosen_derivatives(size_t n, size_t stride, const double inputs[],
+    const double parameters[], size_t count, const size_t chosen[], double results[],
+    unsigned char undone[])
+{
+    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*STRIDE + 8];
+    for (size_t start = 0; start < n; start += BLOCK) {
+        const size_t m = n - start < BLOCK ? n - start : BLOCK;
+        take_block(m, stride, inputs + start, aligned(columns));
+        jacobian_parameters_kernel(aligned(columns), parameters, aligned(block));
+        put_chosen(m, stride, aligned(block), count, chosen, results + start, undone + start);
+    }
+}
+
+void mf96_batch_normal_equations(size_t n, size_t stride, const double inputs[],
+    const double parameters[], const size_t first[], const size_t entries[], const double roots[],
+    const double residuals[], double panels[], double matrices[], unsigned char undone[]);
+
+void mf96_batch_normal_equations(size_t n, size_t stride, const double inputs[],
+    const double parameters[], const size_t first[], const size_t entries[], const double roots[],
+    const double residuals[], double panels[], double matrices[], unsigned char undone[])
+{
+    add_normal_equations(jacobian_parameters_kernel, n, stride, inputs, parameters, first, entries, roots,
+        residuals, panels, matrices, undone);
 }

@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from ..channels import OUTPUTS
-from ..operating_conditions.time_series import is_time_series, sample_interval
+from ..operating_conditions.time_series import segments_of
 from ..recording import Recording
 from ..thresholds import LEAST_EXPLAINED, LEAST_TEMPERATURE_RANGE
 from .finding import Finding
@@ -109,10 +109,9 @@ def _regression(columns: NDArray[np.float64], r: NDArray[np.float64]) -> tuple[N
 def _rate(recording: Recording, force: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the derivative of the force by time over a few samples; NaN where the rows are no time series."""
     rate = np.full(len(force), np.nan)
-    for piece in recording.segments():
-        if "t" in recording.table and is_time_series(recording, piece):
-            step = sample_interval(recording, piece)
-            kernel = np.array([1.0, 1.0, 1.0, 0.0, -1.0, -1.0, -1.0]) / (12.0 * step)
-            inner = np.convolve(force[piece], kernel, mode="valid")
-            rate[piece.start + 3 : piece.stop - 3] = inner
+    for segment in segments_of(recording) if "t" in recording.table else ():
+        if segment.is_series:
+            rows = segment.rows
+            kernel = np.array([1.0, 1.0, 1.0, 0.0, -1.0, -1.0, -1.0]) / (12.0 * segment.interval)
+            rate[rows.start + 3 : rows.stop - 3] = np.convolve(force[rows], kernel, mode="valid")
     return rate

@@ -140,14 +140,13 @@ def _levels_of(series: Sequence[Phase], recording: Recording, name: str) -> NDAr
 
 def _extents(recording: Recording, labels: NDArray[np.intp], keys: Sequence[_Key]) -> NDArray[np.float64]:
     """Return the swept range of each condition in level tolerances, 1 at least."""
+    columns = {name: recording.table[name].to_numpy(dtype=np.float64) for name in {n for m, _ in keys for n in m}}
+    tolerances = {name: level_tolerance(values, name) or 1.0 for name, values in columns.items()}
+    order = np.argsort(labels, kind="stable")
+    starts = np.searchsorted(labels[order], np.arange(len(keys) + 1))
     extents = []
-    for number, (moving, _) in enumerate(keys):
-        rows = np.flatnonzero(labels == number)
-        ranges = [
-            np.ptp(recording.table[name].to_numpy(dtype=np.float64)[rows])
-            / (level_tolerance(recording.table[name], name) or 1.0)
-            for name in moving
-        ]
+    for (moving, _), start, stop in zip(keys, starts[:-1], starts[1:], strict=True):
+        ranges = [np.ptp(columns[name][order[start:stop]]) / tolerances[name] for name in moving]
         extents.append(max([1.0, *ranges]))
     return np.array(extents)
 

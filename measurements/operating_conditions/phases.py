@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -22,7 +22,7 @@ from ..thresholds import (
     SWEEP_WINDOW,
 )
 from .levels import level_tolerance, levels
-from .time_series import is_time_series, sample_interval
+from .time_series import Segment, segments_of
 
 #: Inputs to which a tire responds with a force curve. A bench sweeps them from a level and back to it.
 SLIP_INPUTS = ("kappa", "alpha", "phit")
@@ -78,17 +78,20 @@ def phases(recording: Recording) -> list[Phase]:
     """
     inputs = _inputs(recording)
     columns = {each.name: recording.table[each.name].to_numpy(dtype=np.float64) for each in inputs}
+    segments = _merged_segments(recording)
+    series = [segment for segment in segments if segment.is_series]
+    of_inputs = [iter(_motions(each, series)) for each in inputs]
     found: list[Phase] = []
-    for segment, is_series in _merged_segments(recording):
-        if not is_series:
-            found.append(Phase(segment, "points", (), _medians(columns, inputs, segment)))
+    for segment in segments:
+        if not segment.is_series:
+            found.append(Phase(segment.rows, "points", (), _medians(columns, inputs, segment.rows)))
             continue
-        motions = [_motion(each, segment, sample_interval(recording, segment)) for each in inputs]
-        state = np.stack([np.zeros(segment.stop - segment.start), *(motion.moving for motion in motions)])
+        motions = [next(of_input) for of_input in of_inputs]
+        state = np.stack([np.zeros(len(segment)), *(motion.moving for motion in motions)])
         cuts = np.flatnonzero((state[:, 1:] != state[:, :-1]).any(axis=0)) + 1
         edges = {0, *cuts.tolist(), *(jump for motion in motions for jump in motion.jumps), state.shape[1]}
         for start, stop in pairwise(sorted(edges)):
-            rows = slice(segment.start + start, segment.start + stop)
+            rows = slice(segment.rows.start + start, segment.rows.start + stop)
             moving = tuple(each.name for each, motion in zip(inputs, motions, strict=True) if motion.moving[start])
             between = any(motion.between[start] for motion in motions)
             kind = "transition" if between else "sweep" if moving else "plateau"
@@ -112,17 +115,16 @@ def transitions(recording: Recording, *, settling: float = 0.0) -> NDArray[np.ob
         Name of the input, or "".
     """
     found = np.full(len(recording), "", dtype=object)
-    inputs = [each for each in _inputs(recording) if len(each.held)]
-    for segment in recording.segments():
-        if not is_time_series(recording, segment):
+    series = [segment for segment in segments_of(recording) if segment.is_series]
+    for each in _inputs(recording):
+        if not len(each.held):
             continue
-        step = sample_interval(recording, segment)
-        for each in inputs:
-            motion = _motion(each, segment, step)
+        for segment, motion in zip(series, _motions(each, series), strict=True):
             between = motion.between.copy()
             between[[jump for jump in motion.jumps if settling]] = True
-            rows = found[segment]
-            rows[_extended(between, int(np.ceil(round(settling / step, 6)))) & (rows == "")] = each.name
+            if between.any():
+                rows = found[segment.rows]
+                rows[_extended(between, int(np.ceil(round(settling / segment.interval, 6)))) & (rows == "")] = each.name
     return found
 
 
@@ -174,15 +176,14 @@ def _levels_with_stay(values: NDArray[np.float64], tolerance: float) -> NDArray[
     return np.array([value for value, stay in zip(found, stays, strict=True) if stay >= FEWEST_STAY_ROWS])
 
 
-def _merged_segments(recording: Recording) -> list[tuple[slice, bool]]:
-    """Return the segments and whether each is a time series; consecutive ones that are not are merged."""
-    found: list[tuple[slice, bool]] = []
-    for segment in recording.segments():
-        is_series = is_time_series(recording, segment)
-        if found and not is_series and not found[-1][1]:
-            found[-1] = (slice(found[-1][0].start, segment.stop), False)
+def _merged_segments(recording: Recording) -> list[Segment]:
+    """Return the segments; consecutive ones that are no time series are merged."""
+    found: list[Segment] = []
+    for segment in segments_of(recording):
+        if found and not segment.is_series and not found[-1].is_series:
+            found[-1] = replace(segment, rows=slice(found[-1].rows.start, segment.rows.stop))
         else:
-            found.append((segment, is_series))
+            found.append(segment)
     return found
 
 
@@ -190,11 +191,42 @@ def _medians(columns: Mapping[str, NDArray[np.float64]], inputs: Sequence[_Input
     return {each.name: float(np.median(columns[each.name][rows])) for each in inputs}
 
 
-def _motion(each: _Input, segment: slice, step: float) -> _Motion:
-    smooth = median_filter(each.values[segment], size=round(PHASE_SMOOTHING / step) | 1, mode="nearest")
+def _motions(each: _Input, series: Sequence[Segment]) -> Iterator[_Motion]:
+    """Yield the motion of an input in each segment."""
+    smooth = _smoothed(each.values, series)
     if not len(each.held):
-        return _swept_motion(smooth, each.tolerance, step)
-    between, nearest = _between_levels(smooth, each.held, each.tolerance)
+        for segment in series:
+            yield _swept_motion(smooth[segment.rows], each.tolerance, segment.interval)
+        return
+    offset = np.abs(smooth[:, None] - each.held)
+    nearest, distance = offset.argmin(axis=1), offset.min(axis=1)
+    for segment in series:
+        yield _held_motion(each, nearest[segment.rows], distance[segment.rows], segment.interval)
+
+
+def _smoothed(values: NDArray[np.float64], series: Sequence[Segment]) -> NDArray[np.float64]:
+    """Return the running median in each segment, by one pass over all segments with equal windows.
+
+    A segment with NaN has a pass of its own: the filter carries NaN beyond its window.
+    """
+    smooth = values.copy()
+    passes: dict[tuple[int, int], list[slice]] = {}
+    for segment in series:
+        whole = np.isfinite(values[segment.rows]).all()
+        key = round(PHASE_SMOOTHING / segment.interval) | 1, -1 if whole else segment.rows.start
+        passes.setdefault(key, []).append(segment.rows)
+    for (size, _), slices in passes.items():
+        pieces = [np.pad(values[rows], size // 2, mode="edge") for rows in slices]
+        medians = median_filter(np.concatenate(pieces), size=size)
+        end = 0
+        for rows, piece in zip(slices, pieces, strict=True):
+            end += len(piece)
+            smooth[rows] = medians[end - len(piece) + size // 2 : end - size // 2]
+    return smooth
+
+
+def _held_motion(each: _Input, nearest: NDArray[np.intp], distance: NDArray[np.float64], step: float) -> _Motion:
+    between = _between_levels(nearest, distance, each.held, each.tolerance)
     # A transition that passes a level does not end there. A sweep does not end where it turns, although many rows are
     # near the turning point.
     turning = round(2.0 * SWEEP_WINDOW / step)
@@ -218,37 +250,35 @@ def _swept_motion(smooth: NDArray[np.float64], tolerance: float, step: float) ->
 
 def _closed(rows: NDArray[np.bool_], longest: int, *, ends: bool) -> NDArray[np.bool_]:
     """Return the rows with shorter gaps filled; gaps at the two ends only on request."""
-    edges = [0, *(np.flatnonzero(np.diff(rows)) + 1).tolist(), len(rows)]
     closed = rows.copy()
-    for start, stop in pairwise(edges if rows.any() else ()):
-        if stop - start < longest and (ends or 0 < start < stop < len(rows)):
-            closed[start:stop] = True
+    if rows.any():
+        edges = [0, *(np.flatnonzero(np.diff(rows)) + 1).tolist(), len(rows)]
+        for start, stop in pairwise(edges):
+            if stop - start < longest and (ends or 0 < start < stop < len(rows)):
+                closed[start:stop] = True
     return closed
 
 
 def _between_levels(
-    smooth: NDArray[np.float64], held: NDArray[np.float64], tolerance: float
-) -> tuple[NDArray[np.bool_], NDArray[np.intp]]:
-    """Return the rows between two levels, and the nearest level of each row.
+    nearest: NDArray[np.intp], distance: NDArray[np.float64], held: NDArray[np.float64], tolerance: float
+) -> NDArray[np.bool_]:
+    """Return the rows between two levels, given the nearest level of each row and the distance to it.
 
     A held load deviates by more than its tolerance while the slip is swept: the deviation alone is no transition. A
     transition is where the nearest level changes, from the last row at the old level to the first row at the new one.
     Rows that are far from every level belong to a transition as well, for instance at the ends of a segment.
     """
-    distance = np.abs(smooth[:, None] - held)
-    nearest = distance.argmin(axis=1)
-    away = distance.min(axis=1) > tolerance
-    between = np.zeros(len(smooth), dtype=np.bool_)
+    away = distance > tolerance
+    between = np.zeros(len(nearest), dtype=np.bool_)
     for change in np.flatnonzero(np.diff(nearest)):
         start, stop = change, change + 1
         while start >= 0 and away[start]:
             start -= 1
-        while stop < len(smooth) and away[stop]:
+        while stop < len(nearest) and away[stop]:
             stop += 1
         between[start + 1 : stop] = True
     spacing = np.diff(held).min() if len(held) > 1 else np.inf
-    far = distance.min(axis=1) > min(FAR_FROM_LEVELS * tolerance, max(spacing, 2.0 * tolerance))
-    return between | far, nearest
+    return between | (distance > min(FAR_FROM_LEVELS * tolerance, max(spacing, 2.0 * tolerance)))
 
 
 def _links(between: NDArray[np.bool_], nearest: NDArray[np.intp], longest: int) -> NDArray[np.bool_]:

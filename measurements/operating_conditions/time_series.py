@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ..channels import CONTROLLED_INPUTS
 from ..recording import Recording
@@ -16,53 +20,100 @@ from ..thresholds import (
 from .levels import level_tolerance
 
 
-def is_time_series(recording: Recording, segment: slice) -> bool:
-    """Return whether the rows of a segment are a time series rather than separate steady points.
+@dataclass(frozen=True)
+class Segment:
+    """Consecutive rows that were logged without interruption.
+
+    Parameters
+    ----------
+    rows : slice
+    is_series : bool
+        Whether the rows are a time series rather than separate steady points.
+    interval : float
+        Sample interval, s.
+    """
+
+    rows: slice
+    is_series: bool
+    interval: float
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return int(self.rows.stop - self.rows.start)
+
+
+def segments_of(recording: Recording) -> list[Segment]:
+    """Return the segments of a recording with their kind and sample interval.
+
+    A recording has hundreds of segments: each channel is compared with its tolerance once, for all of them.
 
     Parameters
     ----------
     recording : Recording
-    segment : slice
 
     Returns
     -------
-    bool
+    list of Segment
+        In the order of the rows. Together they contain every row once.
 
     Examples
     --------
     >>> import pandas as pd
     >>> steps = Recording(pd.DataFrame({"kappa": np.tile([0.0, 0.2, -0.2], 20)}), "iso", "points.csv")
-    >>> is_time_series(steps, slice(0, 60))
-    False
+    >>> segments_of(steps)
+    [Segment(rows=slice(0, 60, None), is_series=False, interval=0.01)]
     """
-    if segment.stop - segment.start < FEWEST_SERIES_ROWS:
-        return False
-    if sample_interval(recording, segment) > LONGEST_SAMPLE_INTERVAL:
-        return False
-    for name in CONTROLLED_INPUTS:
-        if name in recording.table:
-            values = recording.table[name].to_numpy(dtype=np.float64)
-            jumps = np.abs(np.diff(values[segment])) > JUMP_TOLERANCES * level_tolerance(values, name)
-            if jumps.mean() > MOST_JUMPS:
-                return False
-    return True
+    pieces = recording.segments()
+    clock = _clock(recording)
+    intervals = [_interval(clock, piece) for piece in pieces]
+    jumping = _jumping(recording, pieces)
+    return [
+        Segment(
+            piece,
+            piece.stop - piece.start >= FEWEST_SERIES_ROWS and interval <= LONGEST_SAMPLE_INTERVAL and not jumps,
+            interval,
+        )
+        for piece, interval, jumps in zip(pieces, intervals, jumping, strict=True)
+    ]
 
 
-def sample_interval(recording: Recording, segment: slice) -> float:
-    """Return the median step of the clock in a segment.
+def sample_interval(recording: Recording, rows: slice) -> float:
+    """Return the median step of the clock in consecutive rows.
 
     Parameters
     ----------
     recording : Recording
-    segment : slice
+    rows : slice
 
     Returns
     -------
     float, s
         0.01 s (100 Hz) if no clock was recorded.
     """
-    if "t" not in recording.table or segment.stop - segment.start < 2:
+    return _interval(_clock(recording), rows)
+
+
+def _clock(recording: Recording) -> NDArray[np.float64] | None:
+    return recording.table["t"].to_numpy(dtype=np.float64) if "t" in recording.table else None
+
+
+def _interval(clock: NDArray[np.float64] | None, rows: slice) -> float:
+    if clock is None or rows.stop - rows.start < 2:
         return DEFAULT_SAMPLE_INTERVAL
-    steps = np.diff(recording.table["t"].to_numpy(dtype=np.float64)[segment])
+    steps = np.diff(clock[rows])
     forward = steps[steps > 0.0]
     return float(np.median(forward)) if len(forward) else DEFAULT_SAMPLE_INTERVAL
+
+
+def _jumping(recording: Recording, pieces: Sequence[slice]) -> list[bool]:
+    """Return for each segment whether an input jumps too often from one row to the next for a time series."""
+    first = np.array([piece.start for piece in pieces], dtype=np.intp)
+    last = np.array([piece.stop for piece in pieces], dtype=np.intp) - 1
+    jumping = np.zeros(len(pieces), dtype=np.bool_)
+    for name in CONTROLLED_INPUTS:
+        if name in recording.table and len(pieces):
+            values = recording.table[name].to_numpy(dtype=np.float64)
+            jumps = np.abs(np.diff(values)) > JUMP_TOLERANCES * level_tolerance(values, name)
+            counted = np.concatenate([[0], np.cumsum(jumps)])  # jumps before each row
+            jumping |= (counted[last] - counted[first]) / np.maximum(last - first, 1) > MOST_JUMPS
+    return [bool(each) for each in jumping]

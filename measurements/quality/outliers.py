@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import median_filter
 
 from ..channels import CHANNELS
-from ..operating_conditions.time_series import is_time_series, sample_interval
+from ..operating_conditions.time_series import Segment, segments_of
 from ..recording import Recording
 from ..thresholds import (
     FEWEST_WINDOW_ROWS,
@@ -21,6 +22,9 @@ from ..thresholds import (
     SCATTER_WINDOW,
     SIGMA_PER_DEVIATION,
 )
+
+#: Slopes that are held in memory at a time.
+MOST_SLOPES = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -77,51 +81,71 @@ def outliers(recording: Recording, *, sigmas: float = OUTLIER_SIGMAS) -> list[Ou
     >>> [str(outlier) for outlier in outliers(bench)]
     ['row 71: Fy is 900 N, the running median is 74.57']
     """
+    series = [segment for segment in segments_of(recording) if segment.is_series]
+    series = [segment for segment in series if FEWEST_WINDOW_ROWS * segment.interval <= LONGEST_MEDIAN_SPAN]
     found = []
-    series = [segment for segment in recording.segments() if is_time_series(recording, segment)]
     for name in CHANNELS:
         if name == "t" or name not in recording.table:
             continue
         values = recording.table[name].to_numpy(dtype=np.float64)
         tolerance = CHANNELS[name].tolerance or 0.0
+        median = _running_median(values, series)
         for segment in series:
-            step = sample_interval(recording, segment)
-            if FEWEST_WINDOW_ROWS * step > LONGEST_MEDIAN_SPAN:
-                continue
-            median = _running_median(values[segment], step)
-            for row in np.flatnonzero(_far(values[segment], median, step, sigmas, tolerance)).tolist():
-                at = segment.start + row
-                found.append(Outlier(at, name, float(values[at]), float(median[row])))
+            own = segment.rows
+            for row in np.flatnonzero(_far(values[own], median[own], segment.interval, sigmas, tolerance)).tolist():
+                at = own.start + row
+                found.append(Outlier(at, name, float(values[at]), float(median[at])))
     return found
 
 
-def _running_median(values: NDArray[np.float64], step: float) -> NDArray[np.float64]:
-    """Return the running median, and a straight line where its window extends beyond an end."""
-    whole = _interpolated(values)
-    size = _window(step, OUTLIER_WINDOW, len(values))
-    median = median_filter(whole, size=size, mode="nearest")
-    median[: size // 2] = _robust_line(whole[:size])[: size // 2]
-    median[-(size // 2) :] = _robust_line(whole[-size:])[-(size // 2) :]
-    return np.asarray(median)
+def _running_median(values: NDArray[np.float64], series: Sequence[Segment]) -> NDArray[np.float64]:
+    """Return the running median in segments, and a straight line where its window extends beyond an end.
+
+    One pass over all rows for all segments with equal windows: windows that extend into another segment are replaced.
+    """
+    median = np.full(len(values), np.nan)
+    whole = values.copy()
+    by_size: dict[int, list[slice]] = {}
+    for segment in series:
+        if not np.isfinite(values[segment.rows]).any():  # NaN would spread to the windows of other segments
+            continue
+        whole[segment.rows] = _interpolated(values[segment.rows])
+        by_size.setdefault(_window(segment.interval, OUTLIER_WINDOW, len(segment)), []).append(segment.rows)
+    for size, slices in by_size.items():
+        rows = np.concatenate([np.arange(each.start, each.stop) for each in slices])
+        median[rows] = median_filter(whole[rows], size=size, mode="nearest")
+        half = size // 2
+        heads = np.array([np.arange(each.start, each.start + size) for each in slices])
+        tails = np.array([np.arange(each.stop - size, each.stop) for each in slices])
+        median[heads[:, :half]] = _robust_lines(whole[heads])[:, :half]
+        median[tails[:, -half:]] = _robust_lines(whole[tails])[:, -half:]
+    return median
 
 
 def _interpolated(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the values with NaN replaced by linear interpolation, so that it does not affect the median."""
     known = np.isfinite(values)
+    if known.all():
+        return values
     rows = np.arange(len(values))
-    return np.interp(rows, rows[known], values[known]) if known.any() else values
+    return np.interp(rows, rows[known], values[known])
 
 
 def _window(step: float, time: float, rows: int) -> int:
     return min(max(FEWEST_WINDOW_ROWS, round(time / step)), rows - 1) | 1
 
 
-def _robust_line(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the line of median slope through equally spaced values (Theil-Sen estimator)."""
-    rows = np.arange(len(values))
-    first, second = np.triu_indices(len(values), 1)
-    slope = np.median((values[second] - values[first]) / (second - first))
-    return np.asarray(slope * rows + np.median(values - slope * rows))
+def _robust_lines(windows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the lines of median slope through equally spaced values (Theil-Sen estimator), one line a row."""
+    rows = np.arange(windows.shape[1])
+    first, second = np.triu_indices(windows.shape[1], 1)
+    lines = np.empty_like(windows)
+    step = max(MOST_SLOPES // max(len(first), 1), 1)
+    for some in (slice(start, start + step) for start in range(0, len(windows), step)):
+        values = windows[some]
+        slope = np.median((values[:, second] - values[:, first]) / (second - first), axis=1)[:, None]
+        lines[some] = slope * rows + np.median(values - slope * rows, axis=1)[:, None]
+    return lines
 
 
 def _far(
@@ -131,10 +155,16 @@ def _far(
     if known.sum() < FEWEST_WINDOW_ROWS:
         return np.zeros(len(values), dtype=np.bool_)
     deviation = np.abs(values - median)
+    largest, none = float(deviation[known].max()), np.zeros(len(values), dtype=np.bool_)
+    if largest <= tolerance:
+        return none
+    limit = sigmas * SIGMA_PER_DEVIATION * float(np.median(deviation[known]))
+    if largest <= limit:
+        return none
     low, high = np.quantile(median[known], (0.05, 0.95))
     rounding = np.finfo(np.float64).eps * float(np.abs(median[known]).max())
     least = max(tolerance, LEAST_DEVIATION * float(high - low), rounding)
-    far = known & (deviation > max(sigmas * SIGMA_PER_DEVIATION * float(np.median(deviation[known])), least))
+    far = known & (deviation > max(limit, least))
     if far.any():  # the local scatter takes long to compute and is rarely needed
         size = _window(step, SCATTER_WINDOW, len(deviation))
         far &= deviation > sigmas * SIGMA_PER_DEVIATION * median_filter(

@@ -18,7 +18,9 @@ def batch_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]
     The exported ``<model>_batch_<routine>`` takes n rows whose columns lie `stride` numbers apart, inputs and results
     alike. It holds for rows without turn slip under default options, and marks the rows for which it gave no finite
     result: the caller computes them one by one. Of `jacobian_parameters` it gives the entries that are not 0
-    everywhere, row by row (`tirefmu.symbolic.printers.routines.entries`).
+    everywhere, row by row (`tirefmu.symbolic.printers.routines.entries`); its library also exports
+    ``<model>_batch_chosen_derivatives``, some of them, and ``<model>_batch_normal_equations``, which uses them where
+    they are (`normal_equations.h`).
 
     Parameters
     ----------
@@ -43,6 +45,9 @@ def batch_sources(model: Model, routines: tuple[Routine, ...]) -> dict[str, str]
 def _source(model: Model, routine: Routine, values: list[object]) -> str:
     code = f"{_kernel(model, routine, values)}\n\n{_exported(model, routine)}"
     sizes = f"#define N_INPUTS {model.name.upper()}_N_INPUTS\n#define N_RESULTS {len(values)}"
+    if routine.name == "jacobian_parameters":
+        code += f"\n\n{_chosen_derivatives(model, routine)}\n\n{_normal_equations(model)}"
+        sizes += f"\n#define N_FORCES {model.name.upper()}_N_FORCES"
     parts = [
         heading(model, "a kernel in C with vector types"),
         f'#include "{model.name}.h"\n\n{INCLUDES}',
@@ -63,7 +68,7 @@ def _kernel(model: Model, routine: Routine, values: list[object]) -> str:
     before = [*parameters_read(model, routine), *statements(fixed)]
     loop = [f"const lanes {name} = *(const lanes_in_array *)(inputs + {prefix}_{name}*BLOCK + i);" for name in inputs]
     loop += [*statements(rows, printer, "lanes"), ""]
-    loop += [f"*(lanes_in_array *)(results + {k}*BLOCK + i) = {printer.in_lanes(v)};" for k, v in enumerate(values)]
+    loop += [f"*(lanes_in_array *)(results + {k}*STRIDE + i) = {printer.in_lanes(v)};" for k, v in enumerate(values)]
     return (
         f"{comment(routine.summary)}\n"
         f"static void {routine.name}_kernel(const double inputs[], const double parameters[], double results[])\n{{\n"
@@ -85,17 +90,42 @@ def _indented(lines: list[str], by: int) -> str:
 
 
 def _exported(model: Model, routine: Routine) -> str:
-    head = (
-        f"void {model.name}_batch_{routine.name}(size_t n, size_t stride, const double inputs[],\n"
-        "    const double parameters[], double results[], unsigned char undone[])"
+    arguments = "const double parameters[], double results[], unsigned char undone[]"
+    put = "put_block(m, stride, aligned(block), results + start, undone + start);"
+    return _by_blocks(model, routine, routine.name, arguments, put)
+
+
+def _chosen_derivatives(model: Model, routine: Routine) -> str:
+    arguments = (
+        "const double parameters[], size_t count, const size_t chosen[], double results[],\n    unsigned char undone[]"
     )
+    put = "put_chosen(m, stride, aligned(block), count, chosen, results + start, undone + start);"
+    return _by_blocks(model, routine, "chosen_derivatives", arguments, put)
+
+
+def _by_blocks(model: Model, routine: Routine, name: str, arguments: str, put: str) -> str:
+    """Print an exported function that computes block after block and puts each into the results."""
+    head = f"void {model.name}_batch_{name}(size_t n, size_t stride, const double inputs[],\n    {arguments})"
     return (
         f"{head};\n\n{head}\n{{\n"
-        "    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*BLOCK + 8];\n"
+        "    double columns[N_INPUTS*BLOCK + 8], block[N_RESULTS*STRIDE + 8];\n"
         "    for (size_t start = 0; start < n; start += BLOCK) {\n"
         "        const size_t m = n - start < BLOCK ? n - start : BLOCK;\n"
         "        take_block(m, stride, inputs + start, aligned(columns));\n"
         f"        {routine.name}_kernel(aligned(columns), parameters, aligned(block));\n"
-        "        put_block(m, stride, aligned(block), results + start, undone + start);\n"
+        f"        {put}\n"
         "    }\n}"
+    )
+
+
+def _normal_equations(model: Model) -> str:
+    head = (
+        f"void {model.name}_batch_normal_equations(size_t n, size_t stride, const double inputs[],\n"
+        "    const double parameters[], const size_t first[], const size_t entries[], const double roots[],\n"
+        "    const double residuals[], double panels[], double matrices[], unsigned char undone[])"
+    )
+    return (
+        f"{head};\n\n{head}\n{{\n"
+        "    add_normal_equations(jacobian_parameters_kernel, n, stride, inputs, parameters, first, entries, roots,\n"
+        "        residuals, panels, matrices, undone);\n}"
     )

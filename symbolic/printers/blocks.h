@@ -3,6 +3,9 @@
 
 #define BLOCK 64
 
+/* Distance of two results of a block. With BLOCK, hundreds of results would share a few lines of the cache. */
+#define STRIDE (BLOCK + 8)
+
 /* The first place in an array that begins a cache line; the array has 8 numbers to spare. */
 static double *aligned(double *array)
 {
@@ -24,9 +27,24 @@ static void put_block(size_t n, size_t stride, const double block[], double resu
     double sum[BLOCK] = {0.0};
     for (size_t k = 0; k < N_RESULTS; k++) {
         for (size_t i = 0; i < BLOCK; i++)
-            sum[i] += 0.0*block[k*BLOCK + i];
-        memcpy(results + k*stride, block + k*BLOCK, n*sizeof(double));
+            sum[i] += 0.0*block[k*STRIDE + i];
+        memcpy(results + k*stride, block + k*STRIDE, n*sizeof(double));
     }
     for (size_t i = 0; i < n; i++)
         undone[i] = sum[i] != 0.0; /* NaN differs from everything */
+}
+
+/* Put n rows of `count` chosen results into a table; a row in which one is not finite is marked as undone. */
+static void put_chosen(size_t n, size_t stride, const double block[], size_t count, const size_t chosen[],
+    double results[], unsigned char undone[])
+{
+    double sum[BLOCK] = {0.0};
+    for (size_t k = 0; k < count; k++) {
+        const double *result = block + chosen[k]*STRIDE;
+        for (size_t i = 0; i < BLOCK; i++)
+            sum[i] += 0.0*result[i];
+        memcpy(results + k*stride, result, n*sizeof(double));
+    }
+    for (size_t i = 0; i < n; i++)
+        undone[i] = sum[i] != 0.0;
 }

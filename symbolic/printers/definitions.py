@@ -17,7 +17,7 @@ from ..escaping import c_comment
 INCLUDES = "#include <float.h>\n#include <math.h>\n#include <stdint.h>\n#include <string.h>"
 #: The headers, in the order in which they are printed.
 PLAIN = ("arithmetic.h", "elementary.h")
-KERNEL = (*PLAIN, "lanes.h", "blocks.h")
+KERNEL = (*PLAIN, "lanes.h", "blocks.h", "normal_equations.h")
 
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _DEFINED = re.compile(r"^#define (\w+)|^typedef \w+ (\w+)|^static [^([]*?(\w+)[(\[]", re.MULTILINE)

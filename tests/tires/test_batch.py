@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 
 from tirefmu.symbolic.models import MODELS
-from tirefmu.tires.code import MANY_ROWS, code_for, fastest_code, kernel, numpy_code, selection
+from tirefmu.tires.code import (
+    MANY_ROWS,
+    WeightedRows,
+    chosen_derivatives,
+    code_for,
+    fastest_code,
+    kernel,
+    normal_equations,
+    numpy_code,
+    selection,
+)
 from tirefmu.tires.code.compiler import CompilerError
 from tirefmu.tires.code.kernel import BLOCK
 
@@ -99,6 +109,8 @@ def test_chunks_are_the_entries_in_turn(model, parameters, language):
         assert [part.stop - part.start for part, _ in chunks] == [64, 64, inputs.shape[1] - 128]
         whole = code.jacobian_entries(inputs, parameters)
         np.testing.assert_array_equal(np.concatenate([entries for _, entries in chunks], axis=1), whole)
+        chosen = np.arange(len(whole))[-2::-3]
+        np.testing.assert_array_equal(chosen_derivatives(code, inputs, parameters, chosen), whole[chosen])
 
 
 def test_rows_outside_the_range_of_the_kernels(model, parameters):
@@ -112,6 +124,29 @@ def test_rows_outside_the_range_of_the_kernels(model, parameters):
     assert_same(
         model, code_for(model, "batch").forces(rows, parameters), code_for(model, "numpy").forces(rows, parameters)
     )
+
+
+@pytest.mark.parametrize("n", [1, 4 * BLOCK + 1])
+def test_normal_equations_are_sums_over_rows(model, parameters, n):
+    """Also of a row beyond the range of the kernels; a row without a weight has no influence, whatever it contains."""
+    rows, code = rows_of(model, n), code_for(model, "batch")
+    rng, n_forces = np.random.default_rng(2), len(MODELS[model].outputs)
+    roots = np.where(np.arange(n) % 7 == 5, 0.0, rng.uniform(0.5, 2.0, (n_forces, n)))
+    roots[-1] = 0.0  # a force that was not measured
+    residuals = roots * rng.normal(size=(n_forces, n))
+    rows[row_of(model, "alpha"), 6::90] = 2e7
+    rows[row_of(model, "Fz"), 5::70] = residuals[:, 5::70] = np.nan
+    entries = [np.flatnonzero(code.entries[0] == force)[1::2] for force in range(n_forces)]
+    found = normal_equations(code, WeightedRows(rows, entries, roots, residuals), parameters)
+    jacobian = np.where(
+        np.isnan(rows[row_of(model, "Fz")]), 0.0, code_for(model, "c").jacobian_entries(rows, parameters)
+    )
+    for (gradient, matrix), chosen, root, residual in zip(found, entries, roots, residuals, strict=True):
+        weighted, r = jacobian[chosen] * root, np.where(root > 0, residual, 0.0)
+        lengths = np.sqrt(np.sum(weighted**2, axis=1))
+        error = ROUNDING * np.max(lengths, initial=0.0)  # of a derivative
+        assert (np.abs(matrix - weighted @ weighted.T) <= error * np.add.outer(lengths, lengths)).all()
+        assert (np.abs(gradient - weighted @ r) <= error * np.sqrt(r @ r)).all()
 
 
 @pytest.mark.parametrize("name", [name for name in MODELS if MODELS[name].options])

@@ -11,8 +11,9 @@ from tirefmu.symbolic.model import Model
 
 from .c_code import c_code
 from .interface import Code, as_matrices, chunks_of, jacobian_entries_of, slices, straight_rows
-from .kernel import Kernel
+from .kernel import ChosenDerivatives, Kernel
 from .modules import numpy_module
+from .normal_equations import Equations, EquationsKernel, WeightedRows, equations_by_chunks
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -47,6 +48,47 @@ def forces_of_each(code: Code, inputs: FloatArray, population: FloatArray) -> Fl
     return np.stack([code.forces(inputs, parameters) for parameters in population])
 
 
+def chosen_derivatives(
+    code: Code, inputs: FloatArray, parameters: FloatArray, entries: npt.NDArray[np.intp]
+) -> FloatArray:
+    """Return some derivatives of the forces by coefficients.
+
+    Parameters
+    ----------
+    code : Code
+    inputs : ndarray, shape (n_inputs, n)
+    parameters : ndarray, shape (n_parameters,)
+    entries : ndarray of int, shape (n_chosen,)
+        Indices into `Code.entries`.
+
+    Returns
+    -------
+    ndarray, shape (n_chosen, n)
+    """
+    if isinstance(code, _BatchCode):
+        return code.chosen_derivatives(inputs, parameters, entries)
+    return code.jacobian_entries(inputs, parameters)[entries]
+
+
+def normal_equations(code: Code, rows: WeightedRows, parameters: FloatArray) -> Equations:
+    """Return the normal equations of weighted least squares in chosen coefficients, force by force.
+
+    Parameters
+    ----------
+    code : Code
+    rows : WeightedRows
+    parameters : ndarray, shape (n_parameters,)
+
+    Returns
+    -------
+    list of (ndarray of shape (n,), ndarray of shape (n, n))
+        Gradient J^T W r and matrix J^T W J of each force.
+    """
+    if isinstance(code, _BatchCode):
+        return code.normal_equations(rows, parameters)
+    return equations_by_chunks(code, rows, parameters)
+
+
 class _BatchCode:
     """Kernels for whole tables; what they do not cover is computed row by row in C."""
 
@@ -56,6 +98,8 @@ class _BatchCode:
         self.quantities_names: tuple[str, ...] = self._module.QUANTITIES
         self.entries = jacobian_entries_of(self._module)
         self._kernels: dict[str, Kernel] = {}
+        self._equations: EquationsKernel | None = None
+        self._chosen: ChosenDerivatives | None = None
         self._kernel("forces")  # raises CompilerError here rather than at the first use
 
     def forces(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
@@ -68,6 +112,30 @@ class _BatchCode:
         for i in np.flatnonzero(undone.any(axis=1)):
             results[i][:, undone[i]] = self._single.forces(inputs[:, undone[i]], population[i])
         return results
+
+    def chosen_derivatives(
+        self, inputs: FloatArray, parameters: FloatArray, entries: npt.NDArray[np.intp]
+    ) -> FloatArray:
+        if not straight_rows(self._book, inputs, parameters).all():
+            return self.jacobian_entries(inputs, parameters)[entries]
+        if self._chosen is None:
+            self._chosen = ChosenDerivatives(self._book)
+        results, undone = self._chosen(inputs, parameters, entries)
+        if undone.any():
+            results[:, undone] = self._row_by_row("jacobian_parameters", inputs[:, undone], parameters)[entries]
+        return results
+
+    def normal_equations(self, rows: WeightedRows, parameters: FloatArray) -> Equations:
+        straight = straight_rows(self._book, rows.inputs, parameters)
+        if not straight.all():
+            return equations_by_chunks(self, rows, parameters)
+        if self._equations is None:
+            self._equations = EquationsKernel(self._book)
+        equations, undone = self._equations(rows, parameters)
+        if undone.any():
+            others = equations_by_chunks(self._single, rows.take(np.flatnonzero(undone)), parameters)
+            equations = [(g + h, m + o) for (g, m), (h, o) in zip(equations, others, strict=True)]
+        return equations
 
     def quantities(self, inputs: FloatArray, parameters: FloatArray) -> FloatArray:
         return self._single.quantities(inputs, parameters)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -54,10 +53,7 @@ class Kernel:
 
     def __init__(self, book: Model, routine: str, n_results: int) -> None:
         self._n_results = n_results
-        name = f"{book.name}_batch_{routine}"
-        folder = c_folder(book)
-        library = _loaded(name, folder / f"{name}.c", folder / f"{book.name}.h")
-        self._call = getattr(library, name)
+        self._call = getattr(loaded_kernel(book, routine), f"{book.name}_batch_{routine}")
         self._call.restype = None
         self._call.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 4]
 
@@ -129,14 +125,54 @@ class Kernel:
         return results, undone
 
 
-def _loaded(name: str, source: Path, header: Path) -> ctypes.CDLL:
-    """Return the library of a kernel by the first flags that the compiler takes."""
+class ChosenDerivatives:
+    """Some entries of the Jacobian by coefficients: the others are not written out.
+
+    Parameters
+    ----------
+    book : Model
+
+    Raises
+    ------
+    CompilerError
+        If it cannot be compiled.
+    """
+
+    def __init__(self, book: Model) -> None:
+        self._call = getattr(loaded_kernel(book, "jacobian_parameters"), f"{book.name}_batch_chosen_derivatives")
+        self._call.restype = None
+        self._call.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 2, ctypes.c_size_t,
+                               *[ctypes.c_void_p] * 3]  # fmt: skip
+
+    def __call__(
+        self, inputs: FloatArray, parameters: FloatArray, entries: npt.NDArray[np.intp]
+    ) -> tuple[FloatArray, BoolArray]:
+        """Return the entries, shape (n_chosen, n), and which rows have none."""
+        columns = np.ascontiguousarray(inputs, dtype=np.float64)
+        values = np.ascontiguousarray(parameters, dtype=np.float64)
+        chosen, n = np.ascontiguousarray(entries, dtype=np.uintp), columns.shape[1]
+        results, undone = np.empty((len(chosen), n)), np.empty(n, dtype=np.bool_)
+        into, given, which, out, marks = (array.ctypes.data for array in (columns, values, chosen, results, undone))
+        self._call(n, n, into, given, len(chosen), which, out, marks)
+        return results, undone
+
+
+def loaded_kernel(book: Model, routine: str) -> ctypes.CDLL:
+    """Return the library of a routine's kernel, built by the first flags that the compiler takes.
+
+    Raises
+    ------
+    CompilerError
+        If there is no compiler, or none of the flags suits it.
+    """
+    name, folder = f"{book.name}_batch_{routine}", c_folder(book)
     refused = CompilerError(f"{name}: no compiler")
     for chosen in FLAGS:
         try:
             return loaded_library(
-                name, [source], headers=[header], flags=["-fvisibility=default", *chosen], machine=processor()
-            )
+                name, [folder / f"{name}.c"], headers=[folder / f"{book.name}.h"],
+                flags=["-fvisibility=default", *chosen], machine=processor(),
+            )  # fmt: skip
         except CompilerError as error:
             refused = error
     raise refused
