@@ -23,11 +23,11 @@ WINDOW = 11
 NARROW_WINDOW, COARSE = 5, 1.5
 #: Largest difference of agreeing estimates, in standard deviations.
 AGREEMENT = 1.0
-#: Distance of a row from each prediction by its neighbors, in standard deviations, above which it is a spike.
+#: Distance of a row from the line through its four neighbors above which it is a spike, in standard deviations.
 #: Convention: rare for normally distributed noise.
 SPIKE = 3.5
-#: Weights with which the line through five rows predicts the next one.
-LINE = np.array([-0.4, -0.1, 0.2, 0.5, 0.8])
+#: Largest distance of the neighbors themselves. Derived: below it, the turning point of a parabola is no spike.
+STRAIGHT = 2.0
 
 
 def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
@@ -72,20 +72,14 @@ def smoothed(values: FloatArray) -> tuple[FloatArray, float]:
 
 
 def _without_spikes(values: FloatArray, deviation: float) -> FloatArray:
-    """Return values with each isolated spike replaced by the mean of its neighbors.
-
-    A spike agrees neither with the line through the rows before nor with that through the rows after it, nor with the
-    mean of its neighbors. The first row after a step and the turning point of a sweep agree with one of them.
-    """
-    n, length = len(values), len(LINE)
-    inner = values[length : n - length]
-    middle = 0.5 * (values[length - 1 : n - length - 1] + values[length + 1 : n - length + 1])
-    before = np.convolve(values, LINE[::-1], mode="valid")[: n - 2 * length]
-    after = np.convolve(values, LINE, mode="valid")[length + 1 :]
-    isolated = np.abs(inner - middle) > SPIKE * deviation * np.sqrt(1.5)
-    for line in (before, after):
-        isolated &= np.abs(inner - line) > SPIKE * deviation * np.sqrt(1.0 + LINE @ LINE)
-    return np.concatenate([values[:length], np.where(isolated, middle, inner), values[n - length :]])
+    """Return values with each isolated spike replaced by the mean of its four neighbors, which lie on a line."""
+    neighbors = np.stack([values[:-4], values[1:-3], values[3:-1], values[4:]])
+    mean, places = neighbors.mean(axis=0), np.array([-2.0, -1.0, 1.0, 2.0])[:, None]
+    slope = np.sum(places * neighbors, axis=0) / np.sum(places**2)
+    is_straight = np.abs(neighbors - mean - slope * places).max(axis=0) < STRAIGHT * deviation
+    inner = values[2:-2]
+    is_spike = is_straight & (np.abs(inner - mean) > SPIKE * deviation * np.sqrt(1.25))
+    return np.concatenate([values[:2], np.where(is_spike, mean, inner), values[-2:]])
 
 
 def noise_of(values: FloatArray, window: int = WINDOW) -> tuple[float, float]:

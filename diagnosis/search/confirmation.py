@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -36,22 +36,38 @@ class Confirmation:
         Share of the squared misfit on the hold-out set that the effect removes.
     compensated : bool
         Whether only the fit with the effect has more cross-talk than a bench: one compensates the other.
+    within_noise : bool
+        Whether an effect with states changes each force less than the noise of the inputs does. It may then be a filter
+        of this noise, which a tire does not follow.
     """
 
     z: float
     stretches: int
     holdout_gain: float
     compensated: bool
+    within_noise: bool
 
     @property
     def passes(self) -> bool:
         """Whether the effect is significant, in nearly every stretch, no worse on the hold-out set, and plausible."""
         predicts = self.stretches >= CONFIRMED_STRETCHES and self.holdout_gain > MIN_HOLDOUT_GAIN
-        return self.z > CONFIRMED_Z and predicts and not self.compensated
+        return self.z > CONFIRMED_Z and predicts and not (self.compensated or self.within_noise)
+
+    @property
+    def reason_against(self) -> str:
+        """Why the effect is not confirmed, in a few words."""
+        if self.compensated:
+            return "cross-talk would compensate it"
+        return "noise of the inputs explains it" if self.within_noise else f"{self.z:.1f} standard deviations"
 
 
 def confirmation(
-    problem: LeastSquares, solution: Solution, coefficients: Collection[str], absent: FloatArray
+    problem: LeastSquares,
+    solution: Solution,
+    coefficients: Collection[str],
+    absent: FloatArray,
+    *,
+    has_states: bool = False,
 ) -> Confirmation:
     """Compare a fit with the fit without an effect.
 
@@ -64,6 +80,8 @@ def confirmation(
         Free coefficients of the effect.
     absent : ndarray, shape (n_parameters,)
         Parameters without the effect; only the values of `coefficients` are used.
+    has_states : bool
+        Whether the effect has states.
 
     Returns
     -------
@@ -88,7 +106,23 @@ def confirmation(
         int(np.sum(gains > 0.0)),
         problem.holdout_gain(without, solution),
         _has_implausible_cross_talk(problem, solution) and not _has_implausible_cross_talk(problem, without),
+        has_states and bool(np.all(_rms(change) < _change_by_noise(problem, solution))),
     )
+
+
+def _change_by_noise(problem: LeastSquares, solution: Solution) -> FloatArray:
+    """Return the root mean square change of each force by the noise of all inputs, shape (n_channels,)."""
+    signals, forces = problem.simulator.signals, problem.simulator.forces(solution.parameters)
+    squares = np.zeros(len(forces))
+    for name, deviation in signals.input_noise.items():
+        inputs = signals.inputs + deviation * (np.array(signals.names) == name)[:, None]
+        noisy = problem.simulator.with_signals(replace(signals, inputs=inputs))
+        squares += _rms(noisy.forces(solution.parameters) - forces) ** 2
+    return np.asarray(np.sqrt(squares))
+
+
+def _rms(rows: FloatArray) -> FloatArray:
+    return np.asarray(np.sqrt(np.mean(np.nan_to_num(rows) ** 2, axis=1)))
 
 
 def _stretches(screen: Screen, change: FloatArray, z: float) -> IntArray:

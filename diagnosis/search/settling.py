@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from tirefmu.estimation.noise_model import Whitening, noise_parts
 
@@ -16,6 +17,8 @@ from ..thresholds import FINAL_ITERATIONS, MAX_UNCERTAINTY, MAX_WHITENED_MISFIT
 from .confirmation import Confirmation, confirmation
 from .effect_search import Search
 from .refits import Refit
+
+FloatArray = npt.NDArray[np.float64]
 
 #: Number of times that the channels are weighted by their residuals and fitted.
 BALANCING = 2
@@ -118,18 +121,20 @@ def _confirmed(search: Search) -> tuple[dict[str, Confirmation], dict[str, Confi
     rejected: dict[str, Confirmation] = {}
     absent = search.problem.simulator.tire.parameters()
     while True:
-        judged = [
-            (refit, confirmation(search.problem, search.solution, _coefficients(refit, search), absent))
-            for refit in [*search.found, *search.refinements]
-        ]
+        judged = [(refit, _evidence(search, refit, absent)) for refit in [*search.found, *search.refinements]]
         failing = [(refit, one) for refit, one in judged if not one.passes]
         if not failing:
             return {refit.name: one for refit, one in judged}, rejected
         worst, evidence = min(failing, key=lambda pair: pair[1].z)
         rejected[worst.name] = evidence
-        reason = "cross-talk would compensate it" if evidence.compensated else f"{evidence.z:.1f} standard deviations"
-        search.progress(f"not confirmed: {worst.name} ({reason})")
+        search.progress(f"not confirmed: {worst.name} ({evidence.reason_against})")
         _remove(search, worst)
+
+
+def _evidence(search: Search, refit: Refit, absent: FloatArray) -> Confirmation:
+    candidate = search.candidates.get(refit.name)
+    has_states = candidate is not None and candidate.has_states
+    return confirmation(search.problem, search.solution, _coefficients(refit, search), absent, has_states=has_states)
 
 
 def _undetermined_refinements(search: Search, whitened: Screen) -> list[Refit]:

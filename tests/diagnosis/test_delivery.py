@@ -162,6 +162,23 @@ def test_cross_talk_beyond_the_limit_with_and_without_an_effect_is_no_reason_aga
     assert not confirmation(crossed, solution, ("PHY1",), absent).compensated
 
 
+@pytest.mark.parametrize(("load_noise", "expected"), [(0.01, False), (500.0, True)])
+def test_an_effect_with_states_that_is_smaller_than_the_noise_of_the_inputs_is_a_filter(
+    problem, tire, at_true_values, load_noise, expected
+):
+    noisy = replace(problem.simulator.signals, input_noise={"Fz": load_noise})
+    other = replace(problem, simulator=problem.simulator.with_signals(noisy))
+    absent = tire.parameters()
+    absent[problem.simulator.index["PHY1"]] = 0.0
+    free = at_true_values.solution.free
+    judged = [
+        confirmation(other, other.at(tire.parameters(), free), ("PHY1",), absent, has_states=states)
+        for states in (True, False)
+    ]
+    assert [one.within_noise for one in judged] == [expected, False]
+    assert [one.passes for one in judged] == [not expected, True]
+
+
 def test_an_effect_that_ends_soon_is_judged_where_it_acts(at_true_values):
     rows = at_true_values.problem.inverse_noise.shape
     everywhere, early = np.ones(rows), np.zeros(rows)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tirefmu.estimation.smoothing import smoothed
+from tirefmu.estimation.smoothing import _without_spikes, smoothed
 
 
 def sweeps(n=3000):
@@ -51,3 +51,14 @@ def test_spikes_are_removed_and_steps_and_turning_points_are_not():
         assert np.mean(np.abs(clean - true)[rows] < 4.0 * noise) >= 0.9  # a few lie on turning points
         others = np.delete(np.arange(len(true)), rows)
         assert np.sqrt(np.mean((clean - true)[others] ** 2)) < 1.1 * np.sqrt(np.mean((without - true)[others] ** 2))
+
+
+def test_fast_changes_of_a_coarse_channel_are_no_spikes():
+    rng = np.random.default_rng(5)
+    coarse = np.cumsum(rng.standard_normal(2000)) * np.repeat(rng.integers(0, 2, 100), 20)
+    raw = coarse + 1e-3 * rng.standard_normal(2000)
+    changed = np.flatnonzero(_without_spikes(raw, 1e-3) != raw)
+    assert len(changed) < 4
+    apex = -1e-3 * np.linspace(0.5, 3.0, 50)[:, None] * np.arange(-5, 6) ** 2.0
+    for one in apex:
+        np.testing.assert_array_equal(_without_spikes(one, 1e-3), one)
