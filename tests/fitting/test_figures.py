@@ -251,7 +251,7 @@ def test_measured_recordings(data_folder, tmp_path):
     comparison = compare(TIRE, recordings)
     assert comparison.signs == "sae"
     lateral, drive = comparison.pure("Fy", "alpha"), comparison.pure("Fx", "kappa")
-    assert [len(family.groups) for family in (*lateral, *drive)] == [5, 3, 4, 3]
+    assert [len(family.groups) for family in (*lateral, *drive)] == [5, 3, 3, 4, 3, 3]
     assert [len(family.groups) for family in comparison.combined()] == [3, 3, 4, 3]
     for family in (lateral[0], drive[0]):
         stiffness = [slope for _, slope in comparison.slopes_at_zero(family)]

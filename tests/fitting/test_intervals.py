@@ -62,7 +62,7 @@ def test_bands_are_drawn_and_reported(noisy, known, make, tmp_path):
     with_bands = draw_figures(noisy, recording, tmp_path / "a")
     without = draw_figures(noisy.tire, recording, tmp_path / "b")
     for one, two in zip(with_bands, without, strict=True):
-        assert (one.read_bytes() != two.read_bytes()) == (one.stem in ("pure_Fy", "stiffness"))
+        assert (one.read_bytes() != two.read_bytes()) == (one.stem in ("pure_Fy", "stiffness", "friction"))
     assert "Intervals over load" in report_page(noisy, [])
 
 

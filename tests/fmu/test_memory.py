@@ -188,10 +188,10 @@ def test_wheel_inputs_have_the_same_memory(remembering, tmp_path, make_host):
         "kappa", "alpha", "Fy", "sliding_work", "slip_growth", "tread_heat"
     )
     assert growth == 0.0
-    assert work > 100.0
+    assert work > 0.02  # m: 100 J over the nominal load
     # `forces` has the friction of the new tread, which the sliding work has lowered.
     settled = float(tire.forces(kappa=kappa, alpha=alpha, Fz=4200.0, V=14.0).Fy)
-    assert side == pytest.approx(settled * (1.0 + 0.1 * np.exp(-work / 2e4)) / 1.1, rel=2e-2)
+    assert side == pytest.approx(settled * (1.0 + 0.1 * np.exp(-work / 5.0)) / 1.1, rel=2e-2)
     assert heat == pytest.approx(before, rel=0.01)
     assert host.set(V_y=0.0) == OK
     assert host.step(0.5, 0.5) == OK

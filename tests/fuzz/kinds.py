@@ -238,7 +238,7 @@ def fmu_seeds() -> list[bytes]:
         parts = contents(published("trento_hoosier"), fmi, "tire")
         with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
             for name in ("modelDescription.xml", "resources/interface.json", "resources/tire.tir"):
-                archive.writestr(name, parts[name])
+                archive.writestr(zipfile.ZipInfo(name), parts[name], zipfile.ZIP_DEFLATED)
         files.append(content.getvalue())
     return files
 

@@ -103,8 +103,8 @@ def equation_mathml(symbol: sp.Symbol | str, expression: sp.Expr) -> str:
 
     Examples
     --------
-    >>> equation_mathml("mu_y", 2 * sp.Symbol("PDY1"))[22:39]
-    '<mrow><msub><mi>'
+    >>> equation_mathml("mu_y", 2 * sp.Symbol("PDY1"))[:38]
+    '<math display="block"><mrow><msub><mi>'
     """
     printer = BookMathML({"mul_symbol": "dot"})
     left = symbol if isinstance(symbol, sp.Symbol) else sp.Symbol(symbol)
