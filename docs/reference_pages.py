@@ -20,9 +20,9 @@ from tirefmu.cli import cli
 from tirefmu.commands.catalogue import effects, models, published_tires
 from tirefmu.symbolic.added import library
 from tirefmu.symbolic.escaping import html_text
-from tirefmu.symbolic.mathml import equation_mathml
 from tirefmu.symbolic.model import Model
 from tirefmu.symbolic.models import MODELS
+from tirefmu.symbolic.printers.pages.mathml import equation_mathml
 
 if TYPE_CHECKING:
     from mkdocs.config.defaults import MkDocsConfig

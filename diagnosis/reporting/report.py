@@ -117,7 +117,7 @@ def changed_lines(before: Tire, after: Tire) -> tuple[ChangedLine, ...]:
     >>> [line.after for line in changed_lines(plain, richer)][0]
     'mu_x = LMUX_star*(PDX1 + PDX2*dfz)*(-PDX3*gamma_in**2 + 1)'
     """
-    from tirefmu.symbolic.mathml import equation_mathml  # loads SymPy
+    from tirefmu.symbolic.printers.pages.mathml import equation_mathml  # loads SymPy
 
     gained = after.has - before.has
     old = after.book.as_written(before.has & after.book.effects.keys())
