@@ -97,9 +97,8 @@ def diagnose(
         unknown, start = _unknown_structure(start, search, report)
         settled = settle(search, before)
         report("computing confounded explanations and detectable sizes")
-        return composed(SearchOutcome(recording, start, candidates_tried, settled, search, unknown), began).in_signs(
-            "iso"
-        )
+        outcome = SearchOutcome(recording, start, candidates_tried, settled, search, unknown)
+        return composed(outcome, began).in_signs("iso")
 
 
 def _start_model(

@@ -55,10 +55,16 @@ class Confirmation:
 
     @property
     def reason_against(self) -> str:
-        """Why the effect is not confirmed, in a few words."""
+        """Why an effect that does not pass is not confirmed, in a few words."""
         if self.compensated:
             return "cross-talk would compensate it"
-        return "noise of the inputs explains it" if self.within_noise else f"{self.z:.1f} standard deviations"
+        if self.within_noise:
+            return "noise of the inputs explains it"
+        if self.z <= CONFIRMED_Z:
+            return f"{self.z:.1f} standard deviations"
+        if self.stretches < CONFIRMED_STRETCHES:
+            return f"it predicts {self.stretches} of {STRETCHES} stretches better"
+        return "it worsens the hold-out set"
 
 
 def confirmation(
@@ -106,7 +112,7 @@ def confirmation(
         int(np.sum(gains > 0.0)),
         problem.holdout_gain(without, solution),
         _has_implausible_cross_talk(problem, solution) and not _has_implausible_cross_talk(problem, without),
-        has_states and bool(np.all(_rms(change) < _change_by_noise(problem, solution))),
+        has_states and bool(np.all(_rms(change) <= _change_by_noise(problem, solution))),
     )
 
 

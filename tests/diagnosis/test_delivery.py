@@ -11,7 +11,7 @@ import pytest
 import tirefmu
 from tirefmu.diagnosis.diagnose import diagnose
 from tirefmu.diagnosis.probing.effect_probing import Screen
-from tirefmu.diagnosis.search.confirmation import _stretches, confirmation, joint_z
+from tirefmu.diagnosis.search.confirmation import Confirmation, _stretches, confirmation, joint_z
 from tirefmu.diagnosis.search.settling import _undetermined_refinements, settle
 from tirefmu.diagnosis.thresholds import CONFIRMED_Z, MAX_CROSS_TALK, STRETCHES
 from tirefmu.diagnosis.verdict import composition
@@ -177,6 +177,21 @@ def test_an_effect_with_states_that_is_smaller_than_the_noise_of_the_inputs_is_a
     ]
     assert [one.within_noise for one in judged] == [expected, False]
     assert [one.passes for one in judged] == [not expected, True]
+
+
+def test_the_reason_against_an_effect_is_the_criterion_that_it_misses():
+    good = Confirmation(10.0, STRETCHES, 0.1, compensated=False, within_noise=False)
+    assert good.passes
+    changes = {
+        "2.0 standard deviations": {"z": 2.0},
+        "it predicts 3 of 8 stretches better": {"stretches": 3},
+        "it worsens the hold-out set": {"holdout_gain": -0.5},
+        "cross-talk would compensate it": {"compensated": True},
+        "noise of the inputs explains it": {"within_noise": True},
+    }
+    for reason, change in changes.items():
+        bad = replace(good, **change)
+        assert (bad.passes, bad.reason_against) == (False, reason)
 
 
 def test_an_effect_that_ends_soon_is_judged_where_it_acts(at_true_values):
