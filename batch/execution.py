@@ -70,8 +70,9 @@ def _pool(workers: int) -> ProcessPoolExecutor:
 
 
 def _end_with_ctrl_c() -> None:
-    """End this process without a message if the user interrupts the batch."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """End this process without a message if the user interrupts the batch; in the background nobody does."""
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def _until_a_process_ends(
