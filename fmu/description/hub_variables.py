@@ -10,6 +10,7 @@ from tirefmu.symbolic.quantities import FZ
 from tirefmu.symbolic.wheel import quantities as hub
 from tirefmu.tires import Tire
 from tirefmu.tires.evaluation import quantities as quantities_of
+from tirefmu.tires.property_file.text import number_and_rest
 
 from .variables import Variable, input_variable
 
@@ -117,24 +118,25 @@ def hub_parameters(tire: Tire, spins: bool) -> list[Variable]:
     rim = _known(tire, "RIM_RADIUS", 0.0)
     radius = rim + _known(tire, "BOTTOM_OFFST", 0.0) if rim > 0.0 else 0.5 * tire.values["UNLOADED_RADIUS"]
     entries = [
-        ("VERTICAL_STIFFNESS", "N/m", "vertical stiffness", default_stiffness(tire)),
-        ("VERTICAL_DAMPING", "N s/m", "vertical damping", 50.0),
-        ("BOTTOM_STIFF", "N/m", "stiffness of the rim on the road", 0.0),
-        ("BOTTOM_RADIUS", "m", "loaded radius at which the rim touches the road", radius),
+        ("VERTICAL_STIFFNESS", "N/m", "vertical stiffness", _stiffness(tire)),
+        ("VERTICAL_DAMPING", "N s/m", "vertical damping", _known(tire, "VERTICAL_DAMPING", 50.0)),
+        ("BOTTOM_STIFF", "N/m", "stiffness of the rim on the road", _known(tire, "BOTTOM_STIFF", 0.0)),
+        ("BOTTOM_RADIUS", "m", "loaded radius at which the rim touches the road", _known(tire, "BOTTOM_RADIUS", radius)),
     ]
     if tire.book.quantity("loaded_radius"):
         del entries[0]
     found = [
-        Variable(name, "parameter", unit, description, _known(tire, name, start), 0.0, inf)
+        Variable(name, "parameter", unit, description, start, 0.0, inf)
         for name, unit, description, start in entries
         if name not in tire.book.coefficients
     ]
     return [*found, WHEEL_INERTIA] if spins else found
 
 
-def default_stiffness(tire: Tire) -> float:
-    """Return the vertical stiffness of a tire whose model has none, N/m."""
-    return tire.values["FNOMIN"] / (DEFAULT_DEFLECTION * tire.values["UNLOADED_RADIUS"])
+def _stiffness(tire: Tire) -> float:
+    """Return the vertical stiffness of a tire whose model has none, N/m; a file without a value may state 0."""
+    default = tire.values["FNOMIN"] / (DEFAULT_DEFLECTION * tire.values["UNLOADED_RADIUS"])
+    return _known(tire, "VERTICAL_STIFFNESS", default) or default
 
 
 def _nominal_radius(tire: Tire) -> float:
@@ -142,8 +144,7 @@ def _nominal_radius(tire: Tire) -> float:
     role = tire.book.quantity("loaded_radius")
     if role:
         return float(quantities_of(tire.in_signs("iso"), {"kappa": 0.0})[role])
-    stiffness = _known(tire, "VERTICAL_STIFFNESS", default_stiffness(tire))
-    return tire.values["UNLOADED_RADIUS"] - tire.nominal("Fz") / stiffness
+    return tire.values["UNLOADED_RADIUS"] - tire.nominal("Fz") / _stiffness(tire)
 
 
 def _known(tire: Tire, name: str, default: float) -> float:
@@ -152,11 +153,8 @@ def _known(tire: Tire, name: str, default: float) -> float:
         return tire.values[name]
     for _, key, text in tire.other_entries:
         if key == name:
-            try:
-                value = float(text)
-            except ValueError:
-                return default
-            return value if 0.0 <= value < inf else default
+            value, _ = number_and_rest(text)
+            return value if value >= 0.0 else default
     return default
 
 

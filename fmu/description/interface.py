@@ -156,7 +156,7 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
     UnknownName
         If inputs or axes do not exist.
     FmuError
-        If hub inputs have other axes than ISO.
+        If hub inputs have other axes than ISO, or the radius of a wheel or the nominal load at a hub is not positive.
 
     Examples
     --------
@@ -172,6 +172,9 @@ def interface(tire: Tire, *, inputs: str = "slip", axes: str = "iso", quantities
         raise FmuError("hub inputs have ISO axes only")
     tire = tire.in_signs(FORMULA[axes])
     book, wheel = tire.book, inputs != "slip"
+    for needed in (*(("UNLOADED_RADIUS",) if wheel else ()), *(("FNOMIN",) if hub else ())):
+        if not tire.values[needed] > 0.0:
+            raise FmuError(f"{inputs} inputs need {needed} > 0, not {tire.values[needed]:g}")
     tire, note = with_lengths(tire) if wheel else (tire, "")
     read = read_inputs(tire)
     states = [

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -10,6 +11,7 @@ import pytest
 from fmpy.validation import validate_fmu
 from scipy.spatial.transform import Rotation
 
+from tirefmu.fmu.description.interface import interface
 from tirefmu.fmu.packaging.export import export
 from tirefmu.fmu.simulation.simulate import loaded
 from tirefmu.symbolic.errors import FmuError
@@ -169,6 +171,28 @@ def test_a_road_at_the_hub_or_a_wheel_without_a_plane_is_no_number(host_of):
 def test_it_has_iso_axes_only(tires, tmp_path):
     with pytest.raises(FmuError, match="ISO axes only"):
         export(tires["first"], tmp_path / "x.fmu", inputs="hub", axes="sae")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"), [("2e5 N/m", 2e5), ("1.5D5", 1.5e5), ("0", None), ("-5", None), ("soft", None)]
+)
+def test_an_entry_of_the_file_without_a_usable_number_is_the_default(tires, text, expected):
+    def starts(**changed):
+        shown = interface(replace(tires["first"], **changed), inputs="hub").variables
+        return {variable.name: variable.start for variable in shown if variable.name in ("r_z", "VERTICAL_STIFFNESS")}
+
+    found, default = starts(other_entries=(("VERTICAL", "VERTICAL_STIFFNESS", text),)), starts(other_entries=())
+    stiffness = expected or default["VERTICAL_STIFFNESS"]
+    assert found["VERTICAL_STIFFNESS"] == stiffness
+    values = tires["first"].values
+    assert found["r_z"] == pytest.approx(values["UNLOADED_RADIUS"] - values["FNOMIN"] / stiffness)
+
+
+@pytest.mark.parametrize("name", ["UNLOADED_RADIUS", "FNOMIN"])
+def test_a_wheel_without_size_is_one_line(tires, tmp_path, name):
+    tire = replace(tires["first"], values={**tires["first"].values, name: 0.0})
+    with pytest.raises(FmuError, match=f"hub inputs need {name} > 0, not 0"):
+        export(tire, tmp_path / "x.fmu", inputs="hub")
 
 
 def test_the_motion_is_an_output(host_of):
