@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from tirefmu.tires.drawing.residual_panels import residuals_over_inputs
 from tirefmu.tires.drawing.style import png
@@ -44,3 +45,10 @@ def test_no_figure_without_an_input_or_a_channel():
     table = pd.DataFrame({"alpha": SLIP, "T": np.nan})
     assert residuals_over_inputs(table, {"Fy": np.full(ROWS, np.nan)}, "iso") is None
     assert residuals_over_inputs(table.assign(alpha=0.1), {"Fy": SLIP}, "iso") is None
+
+
+def test_each_level_of_an_input_has_its_mean():
+    loads = np.resize([200.0, 700.0, 900.0], ROWS)
+    (ax,) = residuals_over_inputs(pd.DataFrame({"Fz": loads}), {"Fy": loads / 100.0}, "iso").axes
+    (means,) = (line for line in ax.lines if line.get_marker() == "o")
+    assert np.array(means.get_xydata()) == pytest.approx(np.array([[200.0, 2.0], [700.0, 7.0], [900.0, 9.0]]))

@@ -103,6 +103,7 @@ def _draw(ax: Axes, x: FloatArray, residual: FloatArray) -> None:
 def _bins(x: FloatArray, known: npt.NDArray[np.bool_]) -> Sequence[npt.NDArray[np.intp]]:
     """Return the rows of bins with about equal numbers of rows; rows with equal input share one."""
     edges = np.unique(np.quantile(x[known], np.linspace(0.0, 1.0, BINS + 1)))
-    number = np.searchsorted(edges[1:-1], x, side="right")
-    found = [np.flatnonzero(known & (number == i)) for i in range(max(len(edges) - 1, 1))]
+    # The largest value begins a bin too: otherwise the two highest levels of a held input would share one.
+    number = np.searchsorted(edges, x, side="right")
+    found = [np.flatnonzero(known & (number == i)) for i in range(1, len(edges) + 1)]
     return [rows for rows in found if len(rows) >= LEAST_ROWS]
