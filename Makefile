@@ -93,6 +93,9 @@ bench: $(VENV)/installed  ## time per point: CasADi, SymPy, NumPy, C and the bat
 bench-fit: $(VENV)/installed  ## time of a fit compared with SciPy's trf; time and memory up to a million rows
 	$(BIN)/python benchmarks/fitting.py $(BENCH_ARGS)
 
+bench-startup: $(VENV)/installed  ## CPU time of short commands, of the first fit and the first diagnosis of a process
+	$(BIN)/python benchmarks/startup.py $(BENCH_ARGS)
+
 # The packages are sub-packages of tirefmu only when installed; type checkers read this tree of links instead.
 types:
 	@rm -rf .types && mkdir -p .types/tirefmu

@@ -36,7 +36,7 @@ BLOCK_LENGTH = 2.5
 MIN_BLOCKS, MAX_BLOCKS = 12, 60
 #: Minimum number of blocks with measured outputs; with fewer, their scatter has too few degrees of freedom. Convention.
 MIN_MEASURED_BLOCKS = 8
-#: Every n-th block is in the hold-out set, which no decision uses. Convention.
+#: Every n-th block is in the hold-out set, which no fit uses. Convention.
 HOLDOUT_EVERY = 8
 #: Longitudinal slip, 1. Below it Fx contains drag and offset only, as its peak is near 0.1. Not recorded.
 MIN_KAPPA = 0.004

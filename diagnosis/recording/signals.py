@@ -66,7 +66,7 @@ class Signals:
         False if a channel was not measured or is an outlier.
     block : ndarray of int, shape (n,)
     holdout : ndarray of bool, shape (n,)
-        Rows of the hold-out set, which no decision uses.
+        Rows of the hold-out set, which no fit uses; effects, formulas and the delivered tire are checked on them.
     recorded : frozenset of str
         Inputs that the recording contains; the others have their nominal values.
     input_noise : mapping of str to float

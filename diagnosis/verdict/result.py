@@ -73,7 +73,7 @@ class Diagnosis:
     extrapolation : tuple of Extrapolation
         Measured ranges of the inputs of identified effects, and the change of the improved model outside them.
     holdout_rows : tuple of (int, int)
-        First and last row, counted from 0, of each stretch of the hold-out set, which no decision uses.
+        First and last row, counted from 0, of each stretch of the hold-out set, which no fit uses.
     base_tire, tire : Tire
         The baseline model and the improved one, fitted to the training rows.
     signs : str

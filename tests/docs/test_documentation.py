@@ -25,6 +25,10 @@ EXECUTED = ["quick_start.md", *sorted(f"tutorials/{path.name}" for path in (DOCS
 
 GENERATED = runpy.run_path(str(DOCS / "reference_pages.py"))
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+MAKEFILE = (ROOT / "Makefile").read_text(encoding="utf-8")
+#: Targets of the Makefile with a rule; `make` accepts a name that is only listed as .PHONY and does nothing.
+TARGETS = set(re.findall(r"^([a-z-]+):", MAKEFILE, flags=re.MULTILINE))
 
 
 def notebook(page):
@@ -82,12 +86,16 @@ def test_the_commands_of_the_readme_are_those_of_pages_that_run():
 
 
 def test_the_readme_names_commands_targets_and_files_that_exist():
-    targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), flags=re.MULTILINE))
-    assert set(re.findall(r"\bmake ([a-z-]+)", README)) <= targets
+    assert set(re.findall(r"\bmake ([a-z-]+)", README)) <= TARGETS
     assert set(re.findall(r"`tirefmu ([a-z-]+)", README)) <= set(cli.commands)
     files = re.findall(r"`((?:docs/)?\w+\.(?:md|cff))`", README) + re.findall(r"\]\(([\w/.]+)\)", README)
     assert len(files) > 8
     assert [name for name in files if not (ROOT / name).is_file()] == []
+
+
+def test_every_target_of_make_has_a_rule_and_is_explained():
+    assert set(re.search(r"^\.PHONY: (.*)$", MAKEFILE, flags=re.MULTILINE)[1].split()) == TARGETS
+    assert set(re.findall(r"^\| `make ([a-z-]+)`", CONTRIBUTING, flags=re.MULTILINE)) == TARGETS
 
 
 def test_generated_pages_have_every_effect_model_and_command():
