@@ -31,10 +31,11 @@ from known_tires import CHANNELS, NAMED, NOMINAL, SIZES, VALUES, known_tire, rec
 from tirefmu.fitting import fit
 from tirefmu.fitting.constraints.constraint_functions import ConstraintFunctions
 from tirefmu.fitting.constraints.physical import chosen_constraints, grid, operating_range
-from tirefmu.fitting.problem.weighted_residuals import CHUNK, Problem, Rows
+from tirefmu.fitting.problem.weighted_residuals import Problem, Rows
 from tirefmu.fitting.solvers.ipopt import solve
 from tirefmu.measurements import Recording
 from tirefmu.tires import Tire
+from tirefmu.tires.code import CHUNK
 
 FloatArray = npt.NDArray[np.float64]
 MODEL = "mf61"

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from tirefmu.symbolic.declarations import Coefficient
-from tirefmu.tires.code import fastest_code
+from tirefmu.tires.code import CHUNK, fastest_code
 from tirefmu.tires.tire import Tire
 
-from .weighted_residuals import CHUNK, Rows
+from .weighted_residuals import Rows
 
 
 def generic(declaration: Coefficient) -> float:

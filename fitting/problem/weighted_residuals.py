@@ -15,7 +15,7 @@ import pandas as pd
 
 from tirefmu.measurements.operating_conditions.held_levels import held_levels
 from tirefmu.symbolic.model import Model
-from tirefmu.tires.code import Code, WeightedRows, fastest_code, forces_of_each, normal_equations
+from tirefmu.tires.code import CHUNK, Code, WeightedRows, fastest_code, forces_of_each, normal_equations
 from tirefmu.tires.tire import Tire
 
 from .loss import LOSSES, Loss, robust_scale
@@ -23,8 +23,6 @@ from .slope_targets import SlopeTarget, slope_jacobian, slope_residuals
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Rows evaluated at a time: their Jacobian, 4 kB per row, fits in the processor cache.
-CHUNK = 256
 #: Least noise of a channel, relative to its root mean square.
 LEAST_NOISE = 1e-4
 #: The slip of each channel, and the weight factor of recordings that sweep it.

@@ -9,6 +9,7 @@ import os
 import platform
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from tirefmu.fitting import fit
 from tirefmu.fitting.problem import influence, weighted_residuals
 from tirefmu.measurements import Noise, Recording, read_recording
 from tirefmu.tires.code import kernel, selection
+from tirefmu.tires.code.normal_equations import equations_by_chunks
 
 from ..diagnosis.suite import make_case
 
@@ -49,7 +51,9 @@ def kernels(machine):
 
 @contextmanager
 def chunks(rows):
+    """Sum over chunks of rows, with the matrix products of NumPy instead of the kernel's."""
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(weighted_residuals, "normal_equations", partial(equations_by_chunks, size=rows))
         for module in (weighted_residuals, influence):
             patch.setattr(module, "CHUNK", rows)
         yield

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -20,6 +21,7 @@ from tirefmu.fitting.problem.weighted_residuals import (
     noise_weights,
 )
 from tirefmu.tires.code import code_for, fastest_code
+from tirefmu.tires.code.normal_equations import equations_by_chunks
 
 FREE = ("PCX1", "PDX2", "PKX1", "RBX1", "PCY1", "PKY1", "PKY2", "PVY3", "PHY1", "RBY2", "QBZ1", "QDZ8", "QBZ9")
 
@@ -94,8 +96,10 @@ def test_gradient_is_the_slope_of_the_cost(problem, x):
 def test_the_sum_over_chunks_is_the_total(problem, x, monkeypatch):
     whole = problem.derivatives(x)
     monkeypatch.setattr(module, "CHUNK", 7)
+    monkeypatch.setattr(module, "normal_equations", partial(equations_by_chunks, size=7))
     for one, other in zip(whole, problem.derivatives(x), strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-12)
+    np.testing.assert_allclose(problem.costs(x[None, :], np.array([np.inf])), whole[0], rtol=1e-12)
 
 
 def test_parameters_are_those_of_the_tire(problem):

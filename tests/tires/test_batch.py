@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+from importlib.resources import files
+
 import numpy as np
 import pytest
 
@@ -19,6 +22,7 @@ from tirefmu.tires.code import (
 )
 from tirefmu.tires.code.compiler import CompilerError
 from tirefmu.tires.code.kernel import BLOCK
+from tirefmu.tires.code.normal_equations import STEP, TILE
 
 #: Rounding of the terms of a force, relative to the largest force.
 ROUNDING = 1e-12
@@ -133,6 +137,7 @@ def test_normal_equations_are_sums_over_rows(model, parameters, n):
     rng, n_forces = np.random.default_rng(2), len(MODELS[model].outputs)
     roots = np.where(np.arange(n) % 7 == 5, 0.0, rng.uniform(0.5, 2.0, (n_forces, n)))
     roots[-1] = 0.0  # a force that was not measured
+    roots[0, 4 * BLOCK :] = 0.0  # a force without weight in the second panel
     residuals = roots * rng.normal(size=(n_forces, n))
     rows[row_of(model, "alpha"), 6::90] = 2e7
     rows[row_of(model, "Fz"), 5::70] = residuals[:, 5::70] = np.nan
@@ -147,6 +152,16 @@ def test_normal_equations_are_sums_over_rows(model, parameters, n):
         error = ROUNDING * np.max(lengths, initial=0.0)  # of a derivative
         assert (np.abs(matrix - weighted @ weighted.T) <= error * np.add.outer(lengths, lengths)).all()
         assert (np.abs(gradient - weighted @ r) <= error * np.sqrt(r @ r)).all()
+
+
+def test_the_memory_of_the_normal_equations_has_the_size_that_the_kernel_uses():
+    printers, sizes = files("tirefmu.symbolic.printers"), {}
+    for header in ("blocks.h", "normal_equations.h"):
+        text = (printers / header).read_text(encoding="ascii")
+        for name, expression in re.findall(r"^#define (\w+) (.+)$", text, re.MULTILINE):
+            sizes[name] = eval(expression, {}, sizes)
+    assert (STEP, TILE) == (sizes["STEP"], sizes["TILE_ROWS"] * sizes["TILE_COLUMNS"])
+    assert sizes["BLOCK"] == BLOCK
 
 
 @pytest.mark.parametrize("name", [name for name in MODELS if MODELS[name].options])

@@ -2,10 +2,11 @@
 
 from .batch_code import chosen_derivatives, forces_of_each, normal_equations
 from .interface import Code
-from .normal_equations import WeightedRows
+from .normal_equations import CHUNK, WeightedRows
 from .selection import LANGUAGES, MANY_ROWS, code_for, fastest_code
 
 __all__ = [
+    "CHUNK",
     "LANGUAGES",
     "MANY_ROWS",
     "Code",

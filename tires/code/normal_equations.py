@@ -18,7 +18,7 @@ FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.intp]
 
-#: Rows whose Jacobian is evaluated at a time: 4 kB each, it fits in the processor cache.
+#: Rows evaluated at a time: their Jacobian, 4 kB per row, fits in the processor cache.
 CHUNK = 256
 #: Distance of two derivatives in a panel, and rows of whole tiles, as in `symbolic/printers/normal_equations.h`.
 STEP, TILE = 264, 12
@@ -53,7 +53,7 @@ class WeightedRows:
 Equations = list[tuple[FloatArray, FloatArray]]
 
 
-def equations_by_chunks(code: Code, rows: WeightedRows, parameters: FloatArray) -> Equations:
+def equations_by_chunks(code: Code, rows: WeightedRows, parameters: FloatArray, size: int = CHUNK) -> Equations:
     """Return the normal equations from the Jacobian of a few rows at a time.
 
     Parameters
@@ -61,6 +61,8 @@ def equations_by_chunks(code: Code, rows: WeightedRows, parameters: FloatArray) 
     code : Code
     rows : WeightedRows
     parameters : ndarray, shape (n_parameters,)
+    size : int
+        Rows of a chunk.
 
     Returns
     -------
@@ -68,7 +70,7 @@ def equations_by_chunks(code: Code, rows: WeightedRows, parameters: FloatArray) 
     """
     gradients = [np.zeros(len(entries)) for entries in rows.entries]
     matrices = [np.zeros((len(entries), len(entries))) for entries in rows.entries]
-    for chunk, jacobian in code.jacobian_chunks(rows.inputs, parameters, CHUNK):
+    for chunk, jacobian in code.jacobian_chunks(rows.inputs, parameters, size):
         for force, entries in enumerate(rows.entries):
             here = np.flatnonzero(rows.roots[force, chunk])
             if len(here) and len(entries):
