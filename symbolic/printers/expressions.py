@@ -12,7 +12,6 @@ from sympy.printing.precedence import PRECEDENCE
 from sympy.printing.pycode import PythonCodePrinter
 from sympy.printing.str import StrPrinter
 
-
 #: Texts that a printer remembers: those of a model, whose routines share most of their statements.
 REMEMBERED = 8192
 
