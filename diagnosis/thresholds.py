@@ -104,6 +104,9 @@ EFFECT_P_OF_BLOCKS = 1e-2
 #: Minimum gain in cross-validation, in standard errors. Benchmark: increased from 1 to 1.2 and to 1.4 after false
 #: identifications in recordings without a missing effect (docs/discovery.md, "Limitations").
 EFFECT_ERRORS = 1.4
+#: Largest share of one block in that sum of gains; larger gains are reduced. Convention: at least five blocks gain;
+#: five equal gains among 50 blocks have 2.3 standard errors.
+LARGEST_SHARE = 0.2
 #: Minimum gain as a share of the squared misfit. Decreased from 0.008, which rejected weak true effects; no study of it
 #: is recorded.
 EFFECT_GAIN = 0.003
