@@ -97,3 +97,10 @@ def test_the_response_at_a_location_equals_finite_differences(at_true_values):
             changes.append(simulator.forces(moved))
         expected = (changes[0] - changes[1]) / 2e-5
         np.testing.assert_allclose(acts[name], expected, atol=1e-4 * np.abs(expected).max())
+
+
+def test_no_feature_names_an_input_that_was_not_recorded(problem):
+    signals, tire = problem.simulator.signals, problem.simulator.tire
+    assert "V" not in signals.recorded
+    named = {name for part in features(signals, tire) for feature in part for name in feature.depends_on}
+    assert named <= signals.recorded | {"dalpha/dt", "dkappa/dt", "dFz/dt", "memory"}
