@@ -40,13 +40,14 @@ MIN_MEASURED_BLOCKS = 8
 HOLDOUT_EVERY = 8
 #: Longitudinal slip, 1. Below it Fx contains drag and offset only, as its peak is near 0.1. Not recorded.
 MIN_KAPPA = 0.004
-#: Least and largest number of half waves of drift over the recording. Between them, half the number of sweeps from side
-#: to side: drift is slower than sweeps, so that it is not confounded with slip curves. Benchmark: with three, the zero
-#: of a channel that drifted together with the pressure was an unexplained effect of the pressure.
-MIN_DRIFT_WAVES, MAX_DRIFT_WAVES = 3, 12
-#: Prior standard deviations of offset (practically free) and of the k-th half wave of drift times k, in noise standard
-#: deviations. The quotient is derived: a random walk has it. The size is a convention.
-OFFSET_PRIOR, DRIFT_PRIOR = 20.0, 2.0
+#: Half waves of drift over the recording: slower than sweeps, so that drift is not confounded with slip curves. Not
+#: recorded.
+DRIFT_WAVES = 3
+#: Prior standard deviations of offset (practically free) and drift, in noise standard deviations. Not recorded.
+OFFSET_PRIOR, DRIFT_PRIOR = 20.0, 1.0
+#: Drift that may explain structure: largest number of half waves, and prior standard deviation of the k-th one times k,
+#: in noise standard deviations. The quotient is derived: a random walk has it. The size and the number are conventions.
+FAST_DRIFT_WAVES, FAST_DRIFT_PRIOR = 12, 2.0
 #: Share of the other force: upper limit of cross-talk; more is attributed to the tire. Benches have up to 3 % of Fy in
 #: Fx, in which no tire has a share of Fy that is odd in alpha. The limit of Fx in Fy is lower, as side forces generated
 #: by kappa have the shape of Fx. Convention. Fy in Mz is a lever, as a share of the radius. Benchmark: the second

@@ -11,14 +11,7 @@ import numpy.typing as npt
 
 from tirefmu.estimation.periodic_lines import Line
 
-from ..thresholds import (
-    CROSS_TALK_PRIOR_SHARE,
-    DRIFT_PRIOR,
-    MAX_CROSS_TALK,
-    MAX_DRIFT_WAVES,
-    MIN_DRIFT_WAVES,
-    OFFSET_PRIOR,
-)
+from ..thresholds import CROSS_TALK_PRIOR_SHARE, DRIFT_PRIOR, DRIFT_WAVES, MAX_CROSS_TALK, OFFSET_PRIOR
 from .signals import Signals
 
 FloatArray = npt.NDArray[np.float64]
@@ -155,7 +148,7 @@ def disturbances_of(signals: Signals, noise: FloatArray, radius: float) -> Distu
             column[i] = wave
             names.append(f"{_slow_name(k)}_{channel}")
             columns.append(column)
-            deviation.append(noise[i] * (OFFSET_PRIOR if k == 0 else DRIFT_PRIOR / k))
+            deviation.append(noise[i] * (OFFSET_PRIOR if k == 0 else DRIFT_PRIOR))
     for pair, limit in MAX_CROSS_TALK.items():
         source, target = pair.split("_in_")
         if {source, target} <= set(signals.channels):
@@ -174,19 +167,13 @@ def _slow_name(k: int) -> str:
 
 def _slow_waves(signals: Signals, t: FloatArray) -> list[FloatArray]:
     """Return a constant and half waves of drift over the recording, at any times."""
+    return [np.ones(len(t)), *(half_wave(k, signals, t) for k in range(1, 1 + DRIFT_WAVES if signals.timed else 1))]
+
+
+def half_wave(k: int, signals: Signals, t: FloatArray) -> FloatArray:
+    """Return a cosine of k half waves over the recording, at any times t, shape (n,), in s."""
     first, last = (float(signals.t[signals.rows[i]]) for i in (0, -1))
-    phase = np.pi * (t - first) / max(last - first, 1e-9)
-    count = _number_of_half_waves(signals) if signals.timed else 0
-    return [np.ones(len(t)), *(np.cos(k * phase) for k in range(1, 1 + count))]
-
-
-def _number_of_half_waves(signals: Signals) -> int:
-    """Return the number of half waves of drift: fewer than sweeps of the slips from side to side."""
-    named, reversals = signals.named(), 0
-    for slip in (named["alpha"], named["kappa"]):
-        large = slip[np.abs(slip) > 0.5 * np.abs(slip).max()]
-        reversals += int(np.count_nonzero(np.diff(np.sign(large))))
-    return int(np.clip(reversals // 2, MIN_DRIFT_WAVES, MAX_DRIFT_WAVES))
+    return np.asarray(np.cos(k * np.pi * (t - first) / max(last - first, 1e-9)))
 
 
 def reported_disturbances(disturbances: Disturbances, values: FloatArray, signals: Signals) -> dict[str, Any]:

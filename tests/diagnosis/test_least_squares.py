@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tirefmu.diagnosis.least_squares import LeastSquares
-from tirefmu.diagnosis.recording.disturbances import disturbances_of, reported_disturbances
+from tirefmu.diagnosis.recording.disturbances import reported_disturbances
 from tirefmu.diagnosis.search.settling import _balanced
 from tirefmu.diagnosis.thresholds import MAX_CROSS_TALK
 from tirefmu.symbolic.added import library
@@ -104,16 +104,6 @@ def test_offsets_drifts_and_cross_talk_are_estimated(problem, tire):
     assert reported["drift"]["Fx"] < 1.0
     assert reported["cross_talk"]["Fx_in_Fy"] == pytest.approx(0.004, rel=0.15)
     assert abs(reported["cross_talk"]["Fy_in_Fx"]) < 0.0005
-
-
-@pytest.mark.parametrize(("sweeps", "half_waves"), [(1, 3), (8, 7), (100, 12)])
-def test_drift_is_slower_than_sweeps_and_has_the_sizes_of_a_random_walk(problem, sweeps, half_waves):
-    signals = problem.simulator.signals
-    inputs = np.zeros_like(signals.inputs)
-    inputs[signals.names.index("alpha")] = 0.2 * np.sin(2.0 * np.pi * sweeps * signals.t / signals.t[-1] + 0.1)
-    swept = disturbances_of(replace(signals, inputs=inputs), np.ones(len(signals.channels)), 0.3)
-    drift = swept.deviation[[name.startswith("drift") and name.endswith("_Fy") for name in swept.names]]
-    np.testing.assert_allclose(drift, drift[0] / np.arange(1, half_waves + 1))
 
 
 def test_the_final_fit_weights_each_channel_by_its_residual(problem, at_true_values):
