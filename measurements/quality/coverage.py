@@ -113,7 +113,8 @@ def coverage_notes(recording: Recording) -> list[str]:
     load = by_name.get("Fz")
     if load is None and len(recording):
         notes.append(
-            f"{source}: no column Fz: every row is evaluated at the nominal load, which a fit requires (--nominal Fz0=...)"
+            f"{source}: no column Fz: every row is evaluated at the nominal load, "
+            "which a fit requires (--nominal Fz0=...)"
         )
     if load is not None and not _varies(load):
         median = float(np.abs(table["Fz"]).median())
