@@ -24,10 +24,10 @@ from tirefmu.tires.drawing.page import page_text, write_page
 from tirefmu.tires.drawing.style import write_whole
 from tirefmu.tires.tire import Tire
 
-from .cluster import completed_on_cluster
-from .execution import Lost, completed
+from .execution import Lost
 from .jobs import FitJob, read_jobs, unique
 from .records import FAILED, LOST, JobResult, result_of_fit, table_of
+from .workers import results as outcomes
 
 #: Called with a result and the numbers of finished and of all jobs.
 Progress = Callable[[JobResult, int, int], None]
@@ -175,8 +175,7 @@ def _fitted(jobs: Sequence[FitJob], scheduler: str | None, workers: int | None) 
             numbers.append(number)
             yield task
 
-    done = completed_on_cluster(run, tasks(), scheduler) if scheduler else completed(run, tasks(), workers)
-    for place, outcome in done:
+    for place, outcome in outcomes(run, tasks(), scheduler, workers):
         if isinstance(outcome, Lost):
             outcome = Fitted(JobResult(jobs[numbers[place]].name, LOST, (outcome.reason,)))
         yield numbers[place], outcome

@@ -64,6 +64,7 @@ SUBPACKAGES = {
         "solvers": {"problem", "constraints"},
         "evidence": {"problem"},
         "results": {"data", "problem", "constraints", "evidence"},
+        "resampling": {"problem", "constraints", "solvers", "evidence", "results"},
         "reporting": {"constraints", "evidence", "results"},
     },
     "fmu": {

@@ -12,6 +12,7 @@ from tirefmu.tires.table_argument import read_tables_with
 
 if TYPE_CHECKING:
     from tirefmu.batch.fit_many import fit_many
+    from tirefmu.batch.intervals import bootstrap, profile
     from tirefmu.batch.study import study
     from tirefmu.diagnosis import Diagnosis, diagnose
     from tirefmu.fitting import FitResult, fit
@@ -35,6 +36,7 @@ _ON_DEMAND = {
     "Tire": "tires",
     "TirefmuError": "symbolic.errors",
     "VirtualBench": "measurements",
+    "bootstrap": "batch.intervals",
     "check": "fmu",
     "diagnose": "diagnosis",
     "draw": "tires.drawing.files",
@@ -43,6 +45,7 @@ _ON_DEMAND = {
     "fit": "fitting",
     "fit_many": "batch.fit_many",
     "load": "tires:read_tir",
+    "profile": "batch.intervals",
     "published": "tires",
     "read_recording": "measurements",
     "study": "batch.study",
@@ -56,6 +59,7 @@ __all__ = [
     "Tire",
     "TirefmuError",
     "VirtualBench",
+    "bootstrap",
     "check",
     "diagnose",
     "draw",
@@ -64,6 +68,7 @@ __all__ = [
     "fit",
     "fit_many",
     "load",
+    "profile",
     "published",
     "read_recording",
     "study",

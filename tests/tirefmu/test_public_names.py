@@ -10,6 +10,7 @@ import pytest
 
 import tirefmu
 import tirefmu.batch.fit_many
+import tirefmu.batch.intervals
 import tirefmu.batch.study
 from tirefmu import batch, diagnosis, evaluation, fitting, fmu, measurements, tires
 from tirefmu.tires.drawing import files as drawing
@@ -19,7 +20,7 @@ NAMES = {
     "Tire": tires, "published": tires, "fit": fitting, "FitResult": fitting, "export": fmu, "check": fmu,
     "CheckResult": fmu, "diagnose": diagnosis, "Diagnosis": diagnosis, "read_recording": measurements,
     "Recording": measurements, "VirtualBench": measurements, "evaluate": evaluation, "draw": drawing,
-    "fit_many": batch.fit_many, "study": batch.study,
+    "fit_many": batch.fit_many, "study": batch.study, "bootstrap": batch.intervals, "profile": batch.intervals,
 }  # fmt: skip
 
 
