@@ -23,7 +23,7 @@ MAY_IMPORT = {
     "fitting": {"symbolic", "generated", "tires", "measurements", "estimation"},
     "fmu": {"symbolic", "generated", "tires", "measurements"},
     "hosts": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting"},
-    "batch": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting", "fmu"},
+    "batch": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting", "fmu", "diagnosis"},
     "comparison": {"symbolic", "generated", "tires", "measurements"},
     "explorer": {"symbolic", "generated", "tires", "measurements"},
     "diagnosis": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting", "fmu"},

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from tirefmu.tires.table_argument import read_tables_with
 
 if TYPE_CHECKING:
+    from tirefmu.batch.diagnose_many import diagnose_many
     from tirefmu.batch.fit_many import fit_many
     from tirefmu.batch.intervals import bootstrap, profile
     from tirefmu.batch.study import study
@@ -39,6 +40,7 @@ _ON_DEMAND = {
     "bootstrap": "batch.intervals",
     "check": "fmu",
     "diagnose": "diagnosis",
+    "diagnose_many": "batch.diagnose_many",
     "draw": "tires.drawing.files",
     "evaluate": "evaluation",
     "export": "fmu",
@@ -62,6 +64,7 @@ __all__ = [
     "bootstrap",
     "check",
     "diagnose",
+    "diagnose_many",
     "draw",
     "evaluate",
     "export",

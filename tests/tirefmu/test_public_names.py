@@ -9,6 +9,7 @@ from importlib.metadata import version
 import pytest
 
 import tirefmu
+import tirefmu.batch.diagnose_many
 import tirefmu.batch.fit_many
 import tirefmu.batch.intervals
 import tirefmu.batch.study
@@ -21,6 +22,7 @@ NAMES = {
     "CheckResult": fmu, "diagnose": diagnosis, "Diagnosis": diagnosis, "read_recording": measurements,
     "Recording": measurements, "VirtualBench": measurements, "evaluate": evaluation, "draw": drawing,
     "fit_many": batch.fit_many, "study": batch.study, "bootstrap": batch.intervals, "profile": batch.intervals,
+    "diagnose_many": batch.diagnose_many,
 }  # fmt: skip
 
 
