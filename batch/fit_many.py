@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
-import json
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from importlib.metadata import version
-from importlib.util import find_spec
-from io import BytesIO
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pandas as pd
@@ -21,13 +19,11 @@ from tirefmu.measurements import Recording, recordings_from
 from tirefmu.symbolic.errors import DataError, FitError, TirefmuError, path_from
 from tirefmu.tires import tire_from
 from tirefmu.tires.drawing.page import page_text, write_page
-from tirefmu.tires.drawing.style import write_whole
 from tirefmu.tires.tire import Tire
 
-from .cluster import completed_on_cluster
-from .execution import Lost, completed
 from .jobs import FitJob, read_jobs, unique
-from .records import FAILED, LOST, JobResult, result_of_fit, table_of
+from .records import JobResult, result_of_fit, table_of
+from .resumable import FAILED, LOST, Kind, Outcome, compute, write_table
 
 #: Called with a result and the numbers of finished and of all jobs.
 Progress = Callable[[JobResult, int, int], None]
@@ -62,15 +58,6 @@ class Task:
     job: FitJob
     recordings: tuple[Recording, ...]
     start: Tire | str | None
-
-
-@dataclass(frozen=True)
-class Fitted:
-    """What a worker returns: the result, the tire, and the fit as JSON values."""
-
-    result: JobResult
-    tire: Tire | None = None
-    report: dict[str, Any] | None = None
 
 
 def fit_many(
@@ -134,54 +121,11 @@ def fit_many(
         raise FitError(f"options of jobs are in FitJob.options: {', '.join(options)}")
     else:
         listed = unique(tuple(jobs), "jobs")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise DataError(f"{folder}: cannot be created ({error.strerror or error})") from error
-    digests = [digest_of(job) for job in listed]
-    results = {
-        number: kept for number, job in enumerate(listed)
-        if resume and (kept := _kept(folder, job, digests[number]))
-    }  # fmt: skip
-    pending = [number for number in range(len(listed)) if number not in results]
-
-    def finish(number: int, fitted: Fitted) -> None:
-        _write(folder, digests[number], fitted)
-        results[number] = fitted.result
-        if progress:
-            progress(fitted.result, len(results), len(listed))
-
-    try:
-        for number, fitted in _fitted([listed[number] for number in pending], scheduler, workers):
-            finish(pending[number], fitted)
-    finally:
-        batch = Batch(tuple(results[number] for number in sorted(results)), folder)
-        _write_summary(batch)
-    return batch
-
-
-def _fitted(jobs: Sequence[FitJob], scheduler: str | None, workers: int | None) -> Iterator[tuple[int, Fitted]]:
-    """Yield number and result of each job; data that cannot be read are a result."""
-    numbers: list[int] = []
-    unreadable: list[tuple[int, Fitted]] = []
-
-    def tasks() -> Iterator[Task]:
-        for number, job in enumerate(jobs):
-            try:
-                task = task_of(job)
-            except TirefmuError as error:
-                unreadable.append((number, Fitted(JobResult(job.name, FAILED, (str(error),)))))
-                continue
-            numbers.append(number)
-            yield task
-
-    done = completed_on_cluster(run, tasks(), scheduler) if scheduler else completed(run, tasks(), workers)
-    for place, outcome in done:
-        if isinstance(outcome, Lost):
-            outcome = Fitted(JobResult(jobs[numbers[place]].name, LOST, (outcome.reason,)))
-        yield numbers[place], outcome
-        yield from (unreadable.pop(0) for _ in range(len(unreadable)))
-    yield from unreadable
+    results = compute(
+        FITS, listed, folder, scheduler=scheduler, workers=workers, resume=resume, progress=progress,
+        summarize=lambda found: _write_summary(Batch(found, folder)),
+    )  # fmt: skip
+    return Batch(results, folder)
 
 
 def task_of(job: FitJob) -> Task:
@@ -197,18 +141,22 @@ def task_of(job: FitJob) -> Task:
     return Task(job, tuple(recordings_from(job.tables, signs=job.signs, where=job.where)), given)
 
 
-def run(task: Task) -> Fitted:
+def run(task: Task) -> Outcome[JobResult]:
     """Fit the tire of a task, in any process."""
     job = task.job
     options = {**job.options, "start": task.start}
     try:
         found = fit(task.recordings, options.pop("model", None), **options)
     except TirefmuError as error:
-        return Fitted(JobResult(job.name, FAILED, (str(error),)))
+        return Outcome(JobResult(job.name, FAILED, (str(error),)))
     if found.interrupted:
-        return Fitted(JobResult(job.name, LOST, (f"interrupted: {found.interrupted}",)))
+        return Outcome(JobResult(job.name, LOST, (f"interrupted: {found.interrupted}",)))
     tire = replace(found.tire, name=found.tire.name or job.name)
-    return Fitted(result_of_fit(job.name, found), tire, found.to_json())
+    with TemporaryDirectory(prefix="tirefmu-") as scratch:
+        path = Path(scratch, f"{job.name}.tir")
+        tire.save(path)
+        files = {path.name: path.read_bytes()}
+    return Outcome(result_of_fit(job.name, found), files, {"fit": found.to_json()})
 
 
 def digest_of(job: FitJob) -> str:
@@ -222,41 +170,15 @@ def digest_of(job: FitJob) -> str:
     return digest.hexdigest()
 
 
-def _kept(folder: Path, job: FitJob, digest: str) -> JobResult | None:
-    """Return the result of the same job that a folder has, or None."""
-    try:
-        plain = json.loads((folder / f"{job.name}.json").read_text(encoding="utf-8"))
-        result = JobResult.from_json(plain["result"])
-        complete = plain["digest"] == digest and result.name == job.name and result.status != LOST
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return None
-    exists = result.status == FAILED or (folder / f"{job.name}.tir").is_file()
-    return result if complete and exists else None
-
-
-def _write(folder: Path, digest: str, fitted: Fitted) -> None:
-    """Write tire and report of a job; the report last, as it says that both are complete."""
-    tire, report = (folder / f"{fitted.result.name}{suffix}" for suffix in (".tir", ".json"))
-    plain = {"digest": digest, "result": fitted.result.to_json(), "fit": fitted.report}
-    try:
-        report.unlink(missing_ok=True)
-        if fitted.tire:
-            fitted.tire.save(tire)
-        else:
-            tire.unlink(missing_ok=True)
-        write_whole(report, json.dumps(plain, indent=1).encode("utf-8"))
-    except OSError as error:
-        raise DataError(f"{folder}: cannot be written ({error.strerror or error})") from error
+#: How fits are computed and stored.
+FITS: Kind[FitJob, Task, JobResult] = Kind(
+    task_of, run, digest_of, JobResult, JobResult.from_json, lambda folder, name: [folder / f"{name}.tir"]
+)
 
 
 def _write_summary(batch: Batch) -> None:
-    table = batch.table
+    write_table(batch.table, batch.folder, "summary")
     try:
-        write_whole(batch.folder / "summary.csv", table.to_csv(index=False).encode("utf-8"))
-        if find_spec("pyarrow"):
-            buffer = BytesIO()
-            table.to_parquet(buffer)
-            write_whole(batch.folder / "summary.parquet", buffer.getvalue())
         write_page(_page(batch), batch.folder / "summary.html")
     except OSError as error:
         raise DataError(f"{batch.folder}: cannot be written ({error.strerror or error})") from error

@@ -11,6 +11,7 @@ from tirefmu.measurements.files.reading import READERS
 from tirefmu.symbolic.errors import FitError, path_from
 from tirefmu.symbolic.escaping import file_name, quoted
 
+from .resumable import Job
 from .toml_file import check_keys, content_of
 
 #: Upper limit of the number of jobs.
@@ -122,7 +123,7 @@ def _job(item: Any, defaults: Mapping[str, Any], path: Path, number: int) -> Fit
     return FitJob(name, files, given.get("signs"), given.get("where"), options)
 
 
-def unique(jobs: Sequence[FitJob], source: str | Path) -> tuple[FitJob, ...]:
+def unique(jobs: Sequence[Job], source: str | Path) -> tuple[Job, ...]:
     """Return the jobs.
 
     Raises
@@ -130,7 +131,7 @@ def unique(jobs: Sequence[FitJob], source: str | Path) -> tuple[FitJob, ...]:
     FitError
         If a name is no file name, or two jobs would write the same files, also where file names have no case.
     """
-    known: dict[str, FitJob] = {}
+    known: dict[str, Job] = {}
     for job in jobs:
         if not job.name or file_name(job.name) != job.name:
             example = file_name(job.name, "tire")

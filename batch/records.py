@@ -12,8 +12,6 @@ import pandas as pd
 
 from tirefmu.fitting import FitResult
 
-FAILED, LOST = "failed", "lost"
-
 
 @dataclass(frozen=True)
 class JobResult:

@@ -23,9 +23,9 @@ from tirefmu.symbolic.errors import DataError, FmuError, UnknownName, path_from
 from tirefmu.tires.drawing.style import write_whole
 from tirefmu.tires.signs import convert_signs
 
-from .cluster import completed_on_cluster
-from .execution import Lost, completed
+from .execution import Lost
 from .study_file import Study, read_study
+from .workers import results
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -124,10 +124,9 @@ def study(
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DataError(f"{folder}: cannot be created ({error.strerror or error})") from error
-    done = completed_on_cluster(run, tasks, scheduler) if scheduler else completed(run, tasks, workers)
     rows: list[dict[str, Any]] = []
     finished, total = 0, len(recordings) * len(plan.values)
-    for number, outcome in done:
+    for number, outcome in results(run, tasks, scheduler, workers):
         task = tasks[number]
         source = recordings[task.first // len(plan.values)].source
         if isinstance(outcome, Lost):

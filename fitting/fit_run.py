@@ -42,6 +42,7 @@ from .results.checkpoint import Checkpoint, Ended, Release, State
 from .results.fit_result import FitResult
 from .results.goodness_of_fit import channel_fits
 from .results.records import FittedCoefficient, StageFit
+from .results.solved_stage import SolvedStage
 from .solvers.interruption import Interruption
 from .solvers.ipopt import Solution
 from .solvers.restarts import best_end
@@ -377,7 +378,16 @@ class FitRun:
             evidence=Residuals(table, tuple(sources), self._tire, self._tire.signs),
             covariance=covariance,
             prediction_covariance=complete,
+            solved=tuple(self._solved(end, problem) for end, problem in self._ends),
         )  # fmt: skip
+
+    def _solved(self, end: Ended, problem: Problem) -> SolvedStage:
+        """Return the record of a stage from which it can be solved again."""
+        stage = self._plan.stages[end.stage]
+        table, channels = self._table(stage)
+        constraints = self._constraints.of(channels) + self._constraints.violated
+        last = {name for name, release in self._freed.items() if release.determined and release.stage == stage.name}
+        return SolvedStage.of(stage.name, end, problem, constraints, RIDGE[stage.weights], table.index, last)
 
     def _interrupted(self) -> str:
         """Return where the fit was stopped and how many stages are complete; empty if it is complete."""

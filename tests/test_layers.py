@@ -23,7 +23,7 @@ MAY_IMPORT = {
     "fitting": {"symbolic", "generated", "tires", "measurements", "estimation"},
     "fmu": {"symbolic", "generated", "tires", "measurements"},
     "hosts": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting"},
-    "batch": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting", "fmu"},
+    "batch": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting", "fmu", "diagnosis"},
     "comparison": {"symbolic", "generated", "tires", "measurements"},
     "explorer": {"symbolic", "generated", "tires", "measurements"},
     "diagnosis": {"symbolic", "generated", "tires", "measurements", "estimation", "fitting", "fmu"},
@@ -64,6 +64,7 @@ SUBPACKAGES = {
         "solvers": {"problem", "constraints"},
         "evidence": {"problem"},
         "results": {"data", "problem", "constraints", "evidence"},
+        "resampling": {"problem", "constraints", "solvers", "evidence", "results"},
         "reporting": {"constraints", "evidence", "results"},
     },
     "fmu": {

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 from tirefmu.tires.table_argument import read_tables_with
 
 if TYPE_CHECKING:
+    from tirefmu.batch.diagnose_many import diagnose_many
     from tirefmu.batch.fit_many import fit_many
+    from tirefmu.batch.intervals import bootstrap, profile
     from tirefmu.batch.study import study
     from tirefmu.diagnosis import Diagnosis, diagnose
     from tirefmu.fitting import FitResult, fit
@@ -35,14 +37,17 @@ _ON_DEMAND = {
     "Tire": "tires",
     "TirefmuError": "symbolic.errors",
     "VirtualBench": "measurements",
+    "bootstrap": "batch.intervals",
     "check": "fmu",
     "diagnose": "diagnosis",
+    "diagnose_many": "batch.diagnose_many",
     "draw": "tires.drawing.files",
     "evaluate": "evaluation",
     "export": "fmu",
     "fit": "fitting",
     "fit_many": "batch.fit_many",
     "load": "tires:read_tir",
+    "profile": "batch.intervals",
     "published": "tires",
     "read_recording": "measurements",
     "study": "batch.study",
@@ -56,14 +61,17 @@ __all__ = [
     "Tire",
     "TirefmuError",
     "VirtualBench",
+    "bootstrap",
     "check",
     "diagnose",
+    "diagnose_many",
     "draw",
     "evaluate",
     "export",
     "fit",
     "fit_many",
     "load",
+    "profile",
     "published",
     "read_recording",
     "study",

@@ -54,9 +54,11 @@ def verdict_lines(verdict: Verdict) -> Iterator[str]:
 
 def fit_lines(result: FitResult) -> Iterator[Table | str]:
     """Yield the tables and lines of a fit after its verdict, in order."""
-    from tirefmu.fitting.reporting.report_text import extrapolation_text, ripple_texts
+    from tirefmu.fitting.reporting.report_text import bootstrap_summary, extrapolation_text, ripple_texts
 
     yield _coefficients(result)
+    if result.bootstrap:
+        yield bootstrap_summary(result.bootstrap)
     yield _channels(result)
     if result.held_out:
         yield _held_out(result)
@@ -78,16 +80,19 @@ def fit_lines(result: FitResult) -> Iterator[Table | str]:
 
 
 def _coefficients(result: FitResult) -> Table:
-    from tirefmu.fitting.reporting.report_text import interval_text
+    from tirefmu.fitting.reporting.report_text import bootstrap_text, interval_text, profile_text
 
+    further = ["bootstrap (95 %)"] * bool(result.bootstrap) + ["profile (95 %)"] * bool(result.profiles)
     table = plain_table(
-        "coefficient", "initial", "lower", "upper", "value", "+- (95 %)", "unit", "",
+        "coefficient", "initial", "lower", "upper", "value", "+- (95 %)", *further, "unit", "",
         title=f"Coefficients ({result.signs} signs)",
     )  # fmt: skip
     for c in result.coefficients:
         remark = "at bound" if c.at_bound else "" if c.determined else "not determined"
         numbers = (f"{v:.5g}" for v in (c.guess, c.lower, c.upper, c.value))
-        table.add_row(c.name, *numbers, interval_text(c.interval), c.unit, remark)
+        resampled = [bootstrap_text(result, c.name)] * bool(result.bootstrap)
+        resampled += [profile_text(result, c.name)] * bool(result.profiles)
+        table.add_row(c.name, *numbers, interval_text(c.interval), *resampled, c.unit, remark)
     return table
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -61,6 +61,12 @@ class Terminal:
         """Show the current activity until it ends."""
         with self._status.status(visible(what)):
             yield
+
+    @contextmanager
+    def counting(self, what: str) -> Iterator[Callable[[int, int], None]]:
+        """Show how many parts of a computation are finished."""
+        with self._status.status(visible(what)) as status:
+            yield lambda finished, all_parts: status.update(f"{visible(what)}: {finished} of {all_parts}")
 
     @contextmanager
     def fitting(self) -> Iterator[Progress]:

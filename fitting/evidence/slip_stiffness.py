@@ -173,7 +173,9 @@ def slope_targets(residuals: Residuals) -> tuple[SlopeTarget, ...]:
     return tuple(
         SlopeTarget(
             each.recording, residuals.tire.outputs.index(each.channel), np.ascontiguousarray(inputs[:, each.rows]),
-            each.influence, each.value, each.error, float(np.hypot(each.error, MODEL_ERROR * each.value)),
+            each.influence, residuals.table[each.channel].to_numpy(dtype=float)[each.rows],
+            residuals.table.index.to_numpy()[each.rows], each.value, each.error,
+            float(np.hypot(each.error, MODEL_ERROR * each.value)),
         )
         for each in read_stiffnesses(residuals)
     )  # fmt: skip

@@ -183,7 +183,7 @@ def uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str] = ()) -> U
 
 
 def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str]) -> Uncertainty:
-    curvature, middle, effective = _sandwich(problem, x)
+    curvature, middle, effective = sandwich(problem, x)
     names = [name for name in problem.free if name not in fixed]
     unfixed = np.array([i for i, name in enumerate(problem.free) if name not in fixed], dtype=int)
     if not unfixed.size:
@@ -214,7 +214,7 @@ def _uncertainty(problem: Problem, x: FloatArray, fixed: Sequence[str]) -> Uncer
     return Uncertainty(dict(zip(names, half.tolist(), strict=True)), directions, effective, masked, complete)
 
 
-def _sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def sandwich(problem: Problem, x: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return H, the middle of the sandwich and the effective rows by recording and channel."""
     n = len(problem.free)
     curvature, middle, effective = np.zeros((n, n)), np.zeros((n, n)), np.zeros_like(problem.weights)

@@ -43,6 +43,10 @@ class Loss:
     weight: Callable[[FloatArray], FloatArray]
     slope: Callable[[FloatArray], FloatArray]
 
+    def __reduce__(self) -> tuple[Callable[[str], Loss], tuple[str]]:
+        """Let other processes find the loss by its name: the functions cannot be sent."""
+        return loss_named, (self.name,)
+
 
 #: The losses by name.
 LOSSES = {

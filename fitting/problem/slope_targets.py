@@ -30,6 +30,10 @@ class SlopeTarget:
         Of the rows near zero slip, as the generated code takes them.
     influence : ndarray, shape (n,)
         Derivative of the slope by the force of each row.
+    force : ndarray, shape (n,)
+        The measured force of each row.
+    rows : ndarray of int, shape (n,)
+        Number of each row, counted over all rows of all recordings.
     slope : float
         Of the measured rows.
     error : float
@@ -42,6 +46,8 @@ class SlopeTarget:
     output: int
     inputs: FloatArray
     influence: FloatArray
+    force: FloatArray
+    rows: npt.NDArray[np.int64]
     slope: float
     error: float
     deviation: float

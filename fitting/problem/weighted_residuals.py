@@ -6,7 +6,7 @@ All signs are adapted SAE, the convention of the bounds in declarations and reci
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import lru_cache
 
 import numpy as np
@@ -164,6 +164,10 @@ class Problem:
         self._root = np.zeros_like(self._measured)
         self._present: list[tuple[int, npt.NDArray[np.int64]]] = []
         self._latest: tuple[FloatArray, float, FloatArray, FloatArray] | None = None
+
+    def __reduce__(self) -> tuple[type[Problem], tuple[object, ...]]:
+        """Let other processes build the problem from its arguments: compiled code cannot be sent."""
+        return Problem, tuple(getattr(self, each.name) for each in fields(self) if each.init)
 
     def parameters(self, x: FloatArray) -> FloatArray:
         """Return the complete parameter vector for scaled free values x."""

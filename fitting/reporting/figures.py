@@ -43,6 +43,7 @@ from ..results.intervals import band
 from ..results.records import quality
 from .captions import BANDS, data_text
 from .load_figures import friction_over_load, stiffness_over_load
+from .profile_figure import profile_curves
 
 
 def draw_figures(
@@ -76,7 +77,7 @@ def draw_figures(
     -------
     list of Path
         Of ``pure_Fx``, ``pure_Fy``, ``pure_Mz``, ``combined``, ``weighting``, ``stiffness``, ``friction``,
-        ``residuals_over_inputs`` and ``residuals`` (over time) those for which there are data.
+        ``residuals_over_inputs``, ``residuals`` (over time) and ``profile_likelihood`` those for which there are data.
 
     Raises
     ------
@@ -99,6 +100,7 @@ def draw_figures(
             comparison.table, comparison.residuals(), comparison.signs, data_text(comparison, comparison.table)
         ),
         "residuals": _residuals(comparison),
+        "profile_likelihood": profile_curves(tire) if isinstance(tire, FitResult) and tire.profiles else None,
     }
     # All figures are rendered before the first is written: after a failure the folder is unchanged.
     images = {f"{prefix}{name}.png": png(figure) for name, figure in drawn.items() if figure is not None}

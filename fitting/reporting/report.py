@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +21,11 @@ from ..results.intervals import listed_intervals
 from .figures import draw_figures
 from .report_text import (
     SIGNIFICANT,
+    bootstrap_summary,
+    bootstrap_text,
     extrapolation_text,
     interval_text,
+    profile_text,
     ripple_texts,
     significant_differences,
     worst_text,
@@ -86,6 +90,8 @@ def report_page(result: FitResult, images: Sequence[tuple[str, str]], origin: Se
         "number": lambda value: f"{value:.5g}",
         "known": interval_text,
         "condition": condition_text,
+        "bootstrap": partial(bootstrap_text, result),
+        "profile": partial(profile_text, result),
     }
     errors = [(c.recording, c.channel, worst_text(result, c.recording, c.channel)) for c in result.channels]
     largest = [each for each in errors if each[2]]
@@ -93,6 +99,7 @@ def report_page(result: FitResult, images: Sequence[tuple[str, str]], origin: Se
         "tirefmu.fitting.reporting", filters, result=result, images=images, largest=largest,
         differences=significant_differences(result), significant=SIGNIFICANT,
         intervals=[each for each in listed_intervals(result) if set(each["at"]) == {"Fz"}],
+        bootstrap=bootstrap_summary(result.bootstrap) if result.bootstrap else "",
         ripples=ripple_texts(result.findings.ripples), extrapolation=extrapolation_text(result),
         correlations=correlated_pairs(result.correlation), correlated=CORRELATED, origin=origin,
     )  # fmt: skip

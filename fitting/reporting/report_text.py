@@ -12,6 +12,7 @@ from ..evidence.consistency import Disagreement
 from ..evidence.residuals import condition_text
 from ..evidence.ripple import Ripple
 from ..results.fit_result import FitResult
+from ..results.resampled import Bootstrap
 
 #: Number of standard deviations above which a difference within the data is reported.
 SIGNIFICANT = 4.0
@@ -35,6 +36,35 @@ def interval_text(half: float) -> str:
     ('0.0123', 'not identifiable', '')
     """
     return "not identifiable" if isinf(half) else f"{half:.3g}" if isfinite(half) else ""
+
+
+def bootstrap_text(result: FitResult, name: str) -> str:
+    """Return the percentile interval of a coefficient; empty if it has none."""
+    found = result.bootstrap.interval(name) if result.bootstrap else None
+    return f"{found.lower:.5g} to {found.upper:.5g}" if found and isfinite(found.lower) else ""
+
+
+def bootstrap_summary(bootstrap: Bootstrap) -> str:
+    """Return how the percentile intervals were computed, in one sentence."""
+    failed = f"; {bootstrap.failed} more did not converge" if bootstrap.failed else ""
+    return (
+        f"bootstrap: percentiles 2.5 and 97.5 of {bootstrap.replicates} fits with random weights of "
+        f"{bootstrap.sweeps} sweeps, seed {bootstrap.seed}{failed}"
+    )
+
+
+def profile_text(result: FitResult, name: str) -> str:
+    """Return the interval of a coefficient from its profile likelihood; empty if it has none.
+
+    An end at which the likelihood has not decreased enough is followed by the reason.
+    """
+    found = next((each for each in result.profiles if each.name == name), None)
+    if found is None:
+        return ""
+    ends = ((found.lower, found.lower_end), (found.upper, found.upper_end))
+    texts = [f"{value:.5g}" if end == "likelihood" else f"{value:.5g} ({end})" if isfinite(value) else "?"
+             for value, end in ends]  # fmt: skip
+    return " to ".join(texts)
 
 
 def worst_text(result: FitResult, recording: str, channel: str) -> str:

@@ -23,6 +23,8 @@ from ..evidence.residuals import Residuals
 from ..evidence.uncertainty import Direction
 from .intervals import interval, listed_intervals
 from .records import ChannelFit, FittedCoefficient, HeldOut, StageFit
+from .resampled import Bootstrap, Profile
+from .solved_stage import SolvedStage
 from .summary import fit_html, fit_text
 from .verdict import Verdict, verdict_of
 
@@ -68,6 +70,12 @@ class FitResult:
     prediction_covariance : pandas.DataFrame
         The same without NaN, for `interval`: coefficients that are not identifiable have the plausible deviation of one
         size, and those at a bound 0.
+    bootstrap : Bootstrap or None
+        Percentile intervals, if requested.
+    profiles : tuple of Profile
+        Profile likelihoods, if requested.
+    solved : tuple of SolvedStage
+        The solutions of the stages with all their rows, for bootstrap and profiles; always in adapted SAE.
     """
 
     tire: Tire
@@ -87,6 +95,9 @@ class FitResult:
     evidence: Residuals | None = field(default=None, repr=False, compare=False)
     covariance: pd.DataFrame = field(default_factory=pd.DataFrame, compare=False)
     prediction_covariance: pd.DataFrame = field(default_factory=pd.DataFrame, repr=False, compare=False)
+    bootstrap: Bootstrap | None = None
+    profiles: tuple[Profile, ...] = ()
+    solved: tuple[SolvedStage, ...] = field(default=(), repr=False, compare=False)
 
     @property
     def correlation(self) -> pd.DataFrame:
@@ -126,6 +137,8 @@ class FitResult:
             covariance=self.covariance * np.outer(flips, flips),
             prediction_covariance=self.prediction_covariance * np.outer(flips, flips),
             evidence=None if self.evidence is None else replace(self.evidence, signs=signs),
+            bootstrap=self.bootstrap and self.bootstrap.mirrored(lambda name: declarations[name].flips),
+            profiles=tuple(one.mirrored() if declarations[one.name].flips else one for one in self.profiles),
         )
 
     def __repr__(self) -> str:
@@ -239,6 +252,8 @@ class FitResult:
         matrix = self.covariance.loc[known, known].to_numpy().tolist() if len(known) else []
         plain["covariance"] = {"coefficients": list(known), "matrix": matrix}
         plain["intervals"] = list(listed_intervals(self))
+        plain["bootstrap"] = self.bootstrap and self.bootstrap.to_json()
+        plain["profiles"] = [vars(each) for each in self.profiles]
         plain["margins_signs"] = "adapted-sae"
         plain["notes"] = list(self.notes)
         plain["interrupted"] = self.interrupted

@@ -68,9 +68,8 @@ def batch(jobs, tmp_path_factory):
     return found
 
 
-def test_the_tires_are_those_of_single_fits(jobs, batch, tmp_path):
-    run(task_of(read_jobs(jobs)[0])).tire.save(tmp_path / "alone.tir")
-    assert (batch.folder / "front.tir").read_bytes() == (tmp_path / "alone.tir").read_bytes()
+def test_the_tires_are_those_of_single_fits(jobs, batch):
+    assert run(task_of(read_jobs(jobs)[0])).files == {"front.tir": (batch.folder / "front.tir").read_bytes()}
 
 
 def test_a_tire_that_cannot_be_fitted_is_a_row_with_its_reason(batch):

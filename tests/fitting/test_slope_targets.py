@@ -26,7 +26,10 @@ def with_targets(problem, deviation=0.05, weight=1.0):
         slope = read_slope(alpha[own], force[own], SLOPE_WINDOW["alpha"])
         inputs = np.ascontiguousarray(problem.rows.inputs[:, own[slope.rows]])
         size = np.hypot(slope.error, deviation * slope.value)
-        targets.append(SlopeTarget(0, 1, inputs, slope.influence, slope.value, slope.error, float(size)))
+        rows = own[slope.rows]
+        targets.append(
+            SlopeTarget(0, 1, inputs, slope.influence, force[rows], rows, slope.value, slope.error, float(size))
+        )
     return replace(problem, targets=tuple(targets), target_weight=weight)
 
 

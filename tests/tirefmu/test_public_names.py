@@ -9,7 +9,9 @@ from importlib.metadata import version
 import pytest
 
 import tirefmu
+import tirefmu.batch.diagnose_many
 import tirefmu.batch.fit_many
+import tirefmu.batch.intervals
 import tirefmu.batch.study
 from tirefmu import batch, diagnosis, evaluation, fitting, fmu, measurements, tires
 from tirefmu.tires.drawing import files as drawing
@@ -19,7 +21,8 @@ NAMES = {
     "Tire": tires, "published": tires, "fit": fitting, "FitResult": fitting, "export": fmu, "check": fmu,
     "CheckResult": fmu, "diagnose": diagnosis, "Diagnosis": diagnosis, "read_recording": measurements,
     "Recording": measurements, "VirtualBench": measurements, "evaluate": evaluation, "draw": drawing,
-    "fit_many": batch.fit_many, "study": batch.study,
+    "fit_many": batch.fit_many, "study": batch.study, "bootstrap": batch.intervals, "profile": batch.intervals,
+    "diagnose_many": batch.diagnose_many,
 }  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from importlib import import_module
 from importlib.resources import files
 
 import numpy as np
@@ -88,6 +89,21 @@ def test_jacobians(model, parameters, routine):
     forces = np.abs(code_for(model, "numpy").forces(rows, parameters)).max(axis=1)
     terms = np.maximum(np.abs(expected).max(axis=0) * sizes, forces[:, None])
     assert np.max(np.abs(answer - expected) * sizes / terms) < ROUNDING
+
+
+def test_derivatives_by_inputs_do_not_depend_on_the_chunks(monkeypatch):
+    model, book = "mf61", MODELS["mf61"]
+    rows, values = (
+        rows_of(model, 300),
+        np.array([0.3 if name == "UNLOADED_RADIUS" else 0.5 for name in book.parameters]),
+    )
+    values[len(book.coefficients) :] = 0.0  # options
+    rows[row_of(model, "alpha"), [5, 150]] = np.nan, 1e9  # no result, and outside the range of the kernel
+    whole = code_for(model, "batch").jacobian_inputs(rows, values)
+    monkeypatch.setattr(import_module("tirefmu.tires.code.batch_code"), "ROWS_IN_CACHE", 64)
+    np.testing.assert_array_equal(code_for(model, "batch").jacobian_inputs(rows, values), whole)
+    assert whole.shape == (300, len(book.outputs), len(book.inputs))
+    assert code_for(model, "batch").jacobian_inputs(rows[:, :0], values).shape == (0, *whole.shape[1:])
 
 
 def test_the_entries_are_all_nonzero_derivatives(model, parameters):

@@ -25,7 +25,7 @@ from ..arguments import (
 
 
 @click.command()
-@click.argument("table", type=FILE)
+@click.argument("tables", type=FILE, nargs=-1, required=True)
 @click.option("--tire", type=FILE, help="Tire as baseline model, instead of --model, --effects and --nominal.")
 @MODEL
 @click.option("--effects", callback=names, help="Effects of the baseline model in addition to its core, or 'none'.")
@@ -37,19 +37,43 @@ from ..arguments import (
 @click.option("--holdout", "others", type=FILE, multiple=True,
               help="Hold-out recording for the simulation of both tires; may be repeated.")  # fmt: skip
 @click.option("--fmu/--no-fmu", "fmus", default=True, show_default=True, help="Export and simulate both tires.")
+@click.option("--workers", type=click.IntRange(min=1), help="Of several recordings: processes  [default: processors]")
+@click.option("--scheduler", metavar="ADDRESS", help="Of several recordings: Dask scheduler.")
+@click.option("--resume", is_flag=True, help="Of several recordings: keep the results of the folder that are valid.")
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for diagnosis.json, report.html, tires, FMUs.")
 @common
 def diagnose(
-    table: Path, tire: Path | None, model: str | None, effects: tuple[str, ...] | None,
+    tables: tuple[Path, ...], tire: Path | None, model: str | None, effects: tuple[str, ...] | None,
     nominal: dict[str, float] | None,
     signs: str | None, where: str | None, candidates: tuple[str, ...] | None, user_files: tuple[Path, ...],
-    others: tuple[Path, ...], fmus: bool, output: Path, quiet: bool, json_file: Path | None,
+    others: tuple[Path, ...], fmus: bool, workers: int | None, scheduler: str | None, resume: bool, output: Path,
+    quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
-    """Identify the effect that a tire model lacks, from the recording TABLE; add it and report the smaller error."""
+    """Identify the effect that a tire model lacks, from a recording; add it and report the smaller error.
+
+    TABLES are one recording, or several recordings and folders of recordings. Each of several is diagnosed separately:
+    its results are in a folder with its name, and summary.html has all. A recording that cannot be diagnosed is a row
+    of the summary with its reason (exit code 1).
+    """
     check_output_paths(json_file, folder=output)
     if others and not fmus:
         raise TirefmuError("--holdout needs the FMUs; remove --no-fmu")
-    check_input_paths(table, *others, *user_files, *([tire] if tire else []))
+    if scheduler and workers:
+        raise TirefmuError("--workers is for this machine, --scheduler for a cluster")
+    check_input_paths(*others, *user_files, *([tire] if tire else []))
+    if len(tables) > 1 or tables[0].is_dir():
+        if others:
+            raise TirefmuError("--holdout is for one recording")
+        options = {
+            "tire": tire, "model": model, "effects": effects or (), "nominal": nominal, "signs": signs, "where": where,
+            "candidates": [*map(user_effect, user_files), *(candidates or ())] or None, "fmus": fmus,
+            "workers": workers, "scheduler": scheduler, "resume": resume,
+        }  # fmt: skip
+        return _diagnose_many(tables, output, options, quiet, json_file)
+    if workers or scheduler or resume:
+        raise TirefmuError("--workers, --scheduler and --resume are for several recordings")
+    (table,) = tables
+    check_input_paths(table)
     from tirefmu.diagnosis import diagnose as run
     from tirefmu.diagnosis import export_and_simulate, write_report
     from tirefmu.measurements import check_convention, data_findings, recordings_from
@@ -92,6 +116,29 @@ def diagnose(
     written_names = [*written.values(), *proposed]
     terminal.print(f"files: {output / 'report.html'}, diagnosis.json, {', '.join(written_names)}")
     return 0 if ok else 1
+
+
+def _diagnose_many(
+    tables: tuple[Path, ...], output: Path, options: dict[str, Any], quiet: bool, json_file: Path | None
+) -> int:
+    """Diagnose several recordings and return the exit code."""
+    from tirefmu.batch.diagnose_many import DiagnosisResult, diagnose_many
+
+    from ..terminal import Terminal
+
+    terminal = Terminal(quiet)
+
+    def progress(one: DiagnosisResult, finished: int, recordings: int) -> None:
+        text = one.verdict if one.complete else "; ".join((one.status, *one.reasons))
+        terminal.print(f"{finished} of {recordings}  {one.name}: {text}")
+
+    with terminal.working("diagnosing"):
+        results = diagnose_many(tables, output, progress=progress, **options)
+    complete = all(one.complete for one in results)
+    write_json(json_file, {"ok": complete, "results": [one.to_json() for one in results]})
+    terminal.print(f"{sum(one.complete for one in results)} of {len(results)} recordings diagnosed")
+    terminal.print(f"reports, tires and summary.html: {output}")
+    return 0 if complete else 1
 
 
 def _error_lines(summary: dict[str, Any]) -> list[str]:

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from tirefmu.symbolic.errors import TirefmuError
+
 from ..arguments import (
     FILE,
     MODEL,
@@ -48,7 +50,13 @@ if TYPE_CHECKING:
     type=click.IntRange(min=1),
     help="Iteration limit of a stage  [default: ipopt 300, ioa 10000]",
 )
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Seed of ioa's random numbers.")
+@click.option(
+    "--seed",
+    type=click.IntRange(min=0),
+    default=0,
+    show_default=True,
+    help="Seed of the random numbers of ioa and --bootstrap.",
+)
 @click.option("--constraint", callback=names, default="none",
               help="Physical constraints in addition to the default ones: extrapolation (signs and E up to "
                    "1.5 times the range), stiffness_saturating (also K_xkappa), or all.")  # fmt: skip
@@ -69,6 +77,13 @@ if TYPE_CHECKING:
 @click.option("--resume", is_flag=True, help="Continue an interrupted fit.")
 @click.option("--cross-validate", "folds", type=click.IntRange(min=2),
               help="Also predict operating conditions out of sample, with this number of folds.")  # fmt: skip
+@click.option("--bootstrap", "replicates", type=int, metavar="N",
+              help="Percentile intervals from N fits with random weights of sweeps (200 or more).")  # fmt: skip
+@click.option("--profile", "profiled", callback=names, default="none",
+              help="Intervals from the profile likelihood of these coefficients: PKY1,PDY1.")  # fmt: skip
+@click.option("--workers", type=click.IntRange(min=1),
+              help="Processes for --bootstrap and --profile  [default: the processors]")  # fmt: skip
+@click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler for --bootstrap and --profile.")
 @click.option("--figures", type=FILE, help="Folder for figures of the fit against the data.")
 @click.option("--report", type=FILE, help="HTML report with tables and figures.")
 @common
@@ -78,6 +93,7 @@ def fit(
     constraint: tuple[str, ...], without_constraint: tuple[str, ...], loss: str,
     nominal: dict[str, float] | None, signs: str | None, where: str | None, all_rows: bool,
     rows: str, stiffness_weight: float, resume: bool, folds: int | None,
+    replicates: int | None, profiled: tuple[str, ...], workers: int | None, scheduler: str | None,
     figures: Path | None, report: Path | None, quiet: bool, json_file: Path | None,
 ) -> int:  # fmt: skip
     """Fit a tire to TABLES (bench files, CSV, Parquet) under physical constraints.
@@ -88,6 +104,8 @@ def fit(
     the tire, has the completed stages. --resume continues after them. A completed fit deletes the file.
     """
     check_output_paths(output, json_file, report, folder=figures)
+    if scheduler and workers:
+        raise TirefmuError("--workers is for this machine, --scheduler for a cluster")
     check_input_paths(*tables)
     from tirefmu.measurements import check_convention, recordings_from
 
@@ -98,9 +116,11 @@ def fit(
     for recording in recordings:  # before the slower imports
         check_convention(recording)
     terminal.selection(*recordings)
+    from tirefmu.batch.intervals import bootstrap, check_intervals, profile
     from tirefmu.fitting import assign_folds, cross_validate
     from tirefmu.fitting import fit as run
 
+    check_intervals(recordings, replicates, profiled, model)
     if folds:
         assign_folds(recordings, folds)  # raises before the fit if there are too few parts
     finished_stages = output.with_name(f"{output.stem}.progress.json")
@@ -117,6 +137,13 @@ def fit(
             result = replace(result, held_out=held_out)
     result = replace(result, tire=replace(result.tire, name=result.tire.name or output.stem))
     result.tire.save(output)
+    spread: dict[str, Any] = {"scheduler": scheduler, "workers": workers}
+    if replicates and not result.interrupted:
+        with terminal.counting("bootstrap") as counted:
+            result = bootstrap(result, recordings, replicates, seed=seed, progress=counted, **spread)
+    if profiled and not result.interrupted:
+        with terminal.counting("profile likelihood") as counted:
+            result = profile(result, profiled, progress=counted, **spread)
     findings = _findings(result.tire, recordings)
     write_json(json_file, {**result.to_json(), "data_findings": [vars(finding) for finding in findings]})
     warned = {finding.text for finding in findings if finding.serious}

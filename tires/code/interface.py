@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from types import ModuleType
 from typing import Protocol
 
@@ -66,13 +67,21 @@ def straight_rows(book: Model, inputs: FloatArray, parameters: FloatArray) -> np
     -------
     ndarray of bool, shape (n,)
     """
-    module = numpy_module(book)  # has the names without a pass over the lines
-    chosen = dict(zip(module.PARAMETERS, parameters, strict=True))
-    if any(chosen[name] != 0 for name in module.STRAIGHT_OPTIONS):
+    options, requesting = _deciding(book)
+    if parameters[options].any():
         return np.zeros(inputs.shape[1], dtype=np.bool_)
-    names = [quantity.name for quantity in book.inputs]
-    requesting = [names.index(name) for _, name in book.on_demand]
+    if not requesting:
+        return np.ones(inputs.shape[1], dtype=np.bool_)
     return np.asarray((inputs[requesting] == 0).all(axis=0), dtype=np.bool_)
+
+
+@lru_cache(maxsize=64)
+def _deciding(book: Model) -> tuple[npt.NDArray[np.intp], list[int]]:
+    """Return the indices of the parameters and of the inputs that have to be 0 in straight rows."""
+    module = numpy_module(book)  # has the names without a pass over the lines
+    parameters, inputs = list(module.PARAMETERS), [quantity.name for quantity in book.inputs]
+    options = np.array([parameters.index(name) for name in module.STRAIGHT_OPTIONS], dtype=np.intp)
+    return options, [inputs.index(name) for _, name in book.on_demand]
 
 
 def jacobian_entries_of(module: ModuleType) -> npt.NDArray[np.intp]:

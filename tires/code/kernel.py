@@ -52,7 +52,7 @@ class Kernel:
     """
 
     def __init__(self, book: Model, routine: str, n_results: int) -> None:
-        self._n_results = n_results
+        self.n_results = n_results
         self._call = getattr(loaded_kernel(book, routine), f"{book.name}_batch_{routine}")
         self._call.restype = None
         self._call.argtypes = [ctypes.c_size_t, ctypes.c_size_t, *[ctypes.c_void_p] * 4]
@@ -80,22 +80,25 @@ class Kernel:
         columns = np.ascontiguousarray(inputs, dtype=np.float64)
         values = np.ascontiguousarray(parameters, dtype=np.float64)
         n = columns.shape[1]
-        results = np.empty((self._n_results, n)) if into is None else into
+        results = np.empty((self.n_results, n)) if into is None else into
         undone = np.empty(n, dtype=np.bool_)
+        # With a hundred rows, every object that a call makes counts: no attribute ctypes, no closure.
+        given, out, marks, coefficients = (
+            array.__array_interface__["data"][0] for array in (columns, results, undone, values)
+        )
         share = -(-n // (BLOCK * max(threads, 1))) * BLOCK
+        if n <= share:
+            if n:
+                self._call(n, n, given, coefficients, out, marks)
+            return results, undone
 
         def run(start: int) -> None:
-            addresses = (array.ctypes.data + start * array.itemsize for array in (columns, results, undone))
-            into, out, marks = addresses
-            self._call(min(share, n - start), n, into, values.ctypes.data, out, marks)
+            size = columns.itemsize * start
+            self._call(min(share, n - start), n, given + size, coefficients, out + size, marks + start)
 
-        starts = range(0, n, share) if n else range(0)
-        if len(starts) <= 1:
-            for start in starts:
-                run(start)
-        else:
-            with ThreadPoolExecutor(len(starts)) as pool:  # a call through ctypes lets the other threads run
-                list(pool.map(run, starts))
+        starts = range(0, n, share)
+        with ThreadPoolExecutor(len(starts)) as pool:  # a call through ctypes lets the other threads run
+            list(pool.map(run, starts))
         return results, undone
 
     def each(self, inputs: FloatArray, population: FloatArray) -> tuple[FloatArray, BoolArray]:
@@ -114,7 +117,7 @@ class Kernel:
         columns = np.ascontiguousarray(inputs, dtype=np.float64)
         values = np.ascontiguousarray(population, dtype=np.float64)
         n, vectors = columns.shape[1], len(values)
-        results, undone = np.empty((vectors, self._n_results, n)), np.empty((vectors, n), dtype=np.bool_)
+        results, undone = np.empty((vectors, self.n_results, n)), np.empty((vectors, n), dtype=np.bool_)
         if not n:
             return results, undone
         into, given, out, marks = (array.ctypes.data for array in (columns, values, results, undone))

@@ -1,0 +1,273 @@
+"""Diagnoses of many recordings: a folder of results for each, and a summary."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from importlib.metadata import version
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import pandas as pd
+
+from tirefmu.diagnosis import diagnose, export_and_simulate, write_report
+from tirefmu.measurements import Recording, recording_from
+from tirefmu.measurements.files.reading import READERS
+from tirefmu.symbolic.added import AddedEffect
+from tirefmu.symbolic.errors import DataError, FitError, TirefmuError, path_from
+from tirefmu.symbolic.escaping import file_name
+from tirefmu.tires import Tire, TireLike, tire_from
+from tirefmu.tires.drawing.page import page_text, write_page
+
+from .jobs import unique
+from .resumable import FAILED, Kind, Outcome, compute, write_table
+
+#: States of a diagnosis: complete; complete, but an FMU does not match direct evaluation.
+DIAGNOSED, DIFFERS = "diagnosed", "FMU differs"
+
+
+@dataclass(frozen=True)
+class DiagnosisResult:
+    """The result of one diagnosis of a batch.
+
+    Attributes
+    ----------
+    name : str
+    status : str
+        "diagnosed", "FMU differs" (from direct evaluation), "failed" for invalid data or options, or "lost".
+    reasons : tuple of str
+    verdict, rating : str
+        As in the diagnosis: a sentence, and "green", "amber" or "red".
+    found : tuple of str
+        The identified effects.
+    delivered : bool
+    rows : int
+    seconds : float
+    errors : mapping of str to mapping
+        By channel, on the hold-out set: error ``before`` and ``after``, and noise ``floor``.
+    """
+
+    name: str
+    status: str
+    reasons: tuple[str, ...] = ()
+    verdict: str = ""
+    rating: str = ""
+    found: tuple[str, ...] = ()
+    delivered: bool = False
+    rows: int = 0
+    seconds: float = 0.0
+    errors: Mapping[str, Mapping[str, float | None]] = field(default_factory=dict)
+
+    @property
+    def complete(self) -> bool:
+        """Whether the recording was diagnosed and the FMUs match."""
+        return self.status == DIAGNOSED
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the result as JSON values."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, plain: Mapping[str, Any]) -> DiagnosisResult:
+        """Return the result of `to_json`; raise TypeError or KeyError for other values."""
+        return cls(**{**plain, "reasons": tuple(plain["reasons"]), "found": tuple(plain["found"])})
+
+
+#: Called with a result and the numbers of finished and of all recordings.
+Progress = Callable[[DiagnosisResult, int, int], None]
+
+
+@dataclass(frozen=True)
+class DiagnosisJob:
+    """One diagnosis: the recording, the options of `tirefmu.diagnose`, and whether FMUs are exported and simulated."""
+
+    name: str
+    table: Path
+    signs: str | None
+    where: str | None
+    tire: Tire | None
+    options: Mapping[str, Any]
+    fmus: bool
+
+
+@dataclass(frozen=True)
+class Task:
+    """A job with its data: what a worker needs."""
+
+    job: DiagnosisJob
+    recording: Recording
+
+
+def diagnose_many(
+    tables: str | Path | Sequence[str | Path],
+    folder: str | Path,
+    *,
+    tire: TireLike | None = None,
+    model: str | None = None,
+    effects: Sequence[str] = (),
+    nominal: Mapping[str, float] | None = None,
+    candidates: Sequence[AddedEffect | str] | None = None,
+    signs: str | None = None,
+    where: str | None = None,
+    fmus: bool = True,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    resume: bool = False,
+    progress: Progress | None = None,
+) -> tuple[DiagnosisResult, ...]:
+    """Diagnose many recordings.
+
+    Parameters
+    ----------
+    tables : path, or sequence of paths
+        Recordings, or folders of recordings.
+    folder : path
+        For the results; it is created.
+    tire, model, effects, nominal, candidates
+        As for `tirefmu.diagnose`, for all recordings.
+    signs, where : str, optional
+        As for `tirefmu.measurements.recordings_from`.
+    fmus : bool
+        Whether to export and simulate both tires.
+    scheduler : str, optional
+        Address of a Dask scheduler. Default: processes of this machine.
+    workers : int, optional
+        Number of local processes. Default: one for each processor.
+    resume : bool
+        Keep the results that the folder has of recordings with the same data, options and version.
+    progress : callable, optional
+        Called with each result and the numbers of finished and of all recordings.
+
+    Returns
+    -------
+    tuple of DiagnosisResult
+        Of each recording. The folder has ``NAME/`` with what ``tirefmu diagnose`` writes, ``NAME.json``,
+        ``summary.csv`` (and ``summary.parquet`` with pyarrow), and ``summary.html``.
+
+    Raises
+    ------
+    FitError
+        If there is no recording, two have the same name, or the cluster cannot be used.
+    DataError
+        If the folder cannot be written.
+
+    Notes
+    -----
+    Local workers are new Python processes. A script that calls this function needs ``if __name__ == "__main__":``.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     (result,) = diagnose_many("missing.csv", folder, tire="trento_hoosier")
+    >>> result.status, result.reasons
+    ('failed', ('missing.csv: no such file',))
+    """
+    folder = path_from(folder)
+    given = [tables] if isinstance(tables, (str, Path)) else list(tables)
+    files = [one for path in given for one in _recordings_in(path_from(path))]
+    options = {"effects": tuple(effects), "nominal": nominal, "candidates": candidates}
+    options |= {} if model is None else {"model": model}
+    baseline = None if tire is None else tire_from(tire)
+    jobs = [DiagnosisJob(file_name(one.stem), one, signs, where, baseline, options, fmus) for one in files]
+    return compute(
+        DIAGNOSES, unique(jobs, "recordings"), folder, scheduler=scheduler, workers=workers, resume=resume,
+        progress=progress, summarize=lambda results: _write_summary(results, folder),
+    )  # fmt: skip
+
+
+def task_of(job: DiagnosisJob) -> Task:
+    """Return a job with its data; raise TirefmuError if the file cannot be used."""
+    return Task(job, recording_from(job.table, signs=job.signs, where=job.where))
+
+
+def run(task: Task) -> Outcome[DiagnosisResult]:
+    """Diagnose the recording of a task, in any process."""
+    job, recording = task.job, task.recording
+    with TemporaryDirectory(prefix="tirefmu-") as scratch:
+        folder = Path(scratch, job.name)
+        try:
+            result = diagnose(recording, tire=job.tire, **job.options)
+            path = result.save(folder)
+            written = {"tire": "improved.tir", "base_tire": "base.tir"}
+            simulated = export_and_simulate(result, recording, folder) if job.fmus else {}
+            written |= {"fmu": "improved.fmu", "base_fmu": "base.fmu"} if job.fmus else {}
+            content = {**result.to_json(**written), "simulated": simulated}
+            path.write_text(json.dumps(content, indent=2, allow_nan=False, default=str) + "\n", encoding="utf-8")
+            write_report(result, recording, folder / "report.html", simulated)
+        except TirefmuError as error:
+            return Outcome(DiagnosisResult(job.name, FAILED, (str(error),)))
+        files = {f"{job.name}/{one.name}": one.read_bytes() for one in sorted(folder.iterdir())}
+    errors = {channel: {key: gap[key] for key in ("before", "after", "floor")}
+              for channel, gap in content["gap"]["holdout"].items()}  # fmt: skip
+    found = DiagnosisResult(
+        job.name, DIAGNOSED if simulated.get("ok", True) else DIFFERS, tuple(content["not_delivered_because"]),
+        result.verdict, result.rating, tuple(one.effect for one in result.found), result.delivered, len(recording),
+        result.seconds, errors,
+    )  # fmt: skip
+    return Outcome(found, files)
+
+
+def digest_of(job: DiagnosisJob) -> str:
+    """Return a digest of what determines the result of a job: version, options, tire, and the recording."""
+    tire = job.tire and (job.tire.model, sorted(job.tire.values.items()), sorted(job.tire.has), job.tire.added)
+    options = sorted(job.options.items())
+    digest = hashlib.sha256(repr((version("tirefmu"), job.signs, job.where, job.fmus, tire, options)).encode())
+    for path in (job.table, *([Path(job.where)] if job.where else [])):
+        with contextlib.suppress(OSError, ValueError):  # an expression, or an error that the task reports
+            digest.update(repr(path.name).encode() + path.read_bytes())
+    return digest.hexdigest()
+
+
+def table_of(results: Sequence[DiagnosisResult]) -> pd.DataFrame:
+    """Return a row for each recording: status, verdict, effects, and errors by channel.
+
+    Examples
+    --------
+    >>> table_of([DiagnosisResult("run7", "failed", ("run7.csv: no rows",))])["reasons"].tolist()
+    ['run7.csv: no rows']
+    """
+    rows = []
+    for one in results:
+        row: dict[str, Any] = {**one.to_json(), "reasons": "; ".join(one.reasons), "found": ", ".join(one.found)}
+        for channel, error in row.pop("errors").items():
+            row |= {f"{channel}_{key}": value for key, value in error.items()}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _recordings_in(path: Path) -> list[Path]:
+    """Return the recordings in a folder, or the path of one."""
+    if not path.is_dir():
+        return [path]
+    found = sorted(one for one in path.iterdir() if one.suffix.lower() in READERS and one.is_file())
+    if not found:
+        raise FitError(f"{path}: no recording ({', '.join(READERS)})")
+    return found
+
+
+def _earlier(folder: Path, name: str) -> list[Path]:
+    """Return the files of an earlier run; what others have put there remains."""
+    kinds = ("*.tir", "*.fmu", "*.toml", "diagnosis.json", "report.html")
+    return [path for kind in kinds for path in (folder / name).glob(kind)]
+
+
+def _write_summary(results: Sequence[DiagnosisResult], folder: Path) -> None:
+    write_table(table_of(results), folder, "summary")
+    channels = list(dict.fromkeys(channel for one in results for channel in one.errors))
+    numbers = {"number": lambda value: "" if value is None else f"{value:.4g}"}
+    text = page_text("tirefmu.batch", numbers, template="diagnoses.html", results=results, channels=channels)
+    try:
+        write_page(text, folder / "summary.html")
+    except OSError as error:
+        raise DataError(f"{folder}: cannot be written ({error.strerror or error})") from error
+
+
+#: How diagnoses are computed and stored.
+DIAGNOSES: Kind[DiagnosisJob, Task, DiagnosisResult] = Kind(
+    task_of, run, digest_of, DiagnosisResult, DiagnosisResult.from_json, _earlier
+)

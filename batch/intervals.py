@@ -1,0 +1,165 @@
+"""Intervals of a fit by bootstrap and by profile likelihood, computed on several processes or a Dask cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+
+import numpy as np
+
+from tirefmu.fitting import FitResult
+from tirefmu.fitting.resampling.bootstrap import (
+    ReplicateTask,
+    bootstrap_of,
+    check_replicates,
+    replicate_tasks,
+    replicates_of,
+)
+from tirefmu.fitting.resampling.profile import profiles_of, side_of, side_tasks
+from tirefmu.measurements import Recording, TableLike, recordings_from
+from tirefmu.symbolic.errors import UnknownName, no_single_text
+from tirefmu.symbolic.models import model as model_named
+
+from .workers import all_results
+
+#: Called with the numbers of finished and of all replicates, or sides of profiles.
+Progress = Callable[[int, int], None]
+
+
+def check_intervals(
+    recordings: Sequence[Recording], replicates: int | None, coefficients: Sequence[str], model: str | None
+) -> None:
+    """Raise for intervals that cannot be computed, before a fit.
+
+    Raises
+    ------
+    FitError
+        If there are too few replicates or sweeps.
+    UnknownName
+        If the model does not have a coefficient; without a model, this is seen after the fit.
+    """
+    if replicates is not None:
+        check_replicates(replicates, recordings)
+    known = model_named(model).coefficients if model is not None and coefficients else None
+    for name in coefficients:
+        if known is not None and name not in known:
+            raise UnknownName("coefficient", name, known)
+
+
+def bootstrap(
+    result: FitResult,
+    tables: TableLike | Iterable[TableLike],
+    replicates: int = 200,
+    *,
+    signs: str | None = None,
+    seed: int = 0,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> FitResult:
+    """Return a fit with percentile intervals of its coefficients, from a block bootstrap by sweeps.
+
+    Parameters
+    ----------
+    result : FitResult
+    tables : path, DataFrame or Recording, or a sequence of them
+        The data of the fit, in the same order.
+    replicates : int
+        Number of repetitions of the fit with random weights of sweeps (`tirefmu.fitting.resampling.bootstrap`).
+    signs : str, optional
+        As for the fit.
+    seed : int
+        Equal seeds give equal intervals, whatever computes them.
+    scheduler : str, optional
+        Address of a Dask scheduler. Default: processes of this machine.
+    workers : int, optional
+        Number of local processes. Default: one for each processor.
+    progress : callable, optional
+        Called with the numbers of finished and of all replicates.
+
+    Returns
+    -------
+    FitResult
+        With `FitResult.bootstrap`.
+
+    Raises
+    ------
+    FitError
+        If there are too few replicates or sweeps, the tables are not those of the fit, or too few replicates converge.
+
+    Notes
+    -----
+    Local workers are new Python processes. A script that calls this function needs ``if __name__ == "__main__":``.
+
+    Examples
+    --------
+    docs/is_my_fit_good.md has an example.
+
+    >>> import tirefmu
+    >>> tirefmu.bootstrap(None, [], replicates=5)
+    Traceback (most recent call last):
+    tirefmu.symbolic.errors.FitError: 5 bootstrap replicates: at least 40 are required
+    """
+    recordings = recordings_from(tables, signs=signs)
+    tasks = replicate_tasks(result, recordings, replicates, seed)
+    done = 0
+
+    def finished(task: ReplicateTask) -> None:
+        nonlocal done
+        done += len(task.numbers)
+        if progress:
+            progress(done, replicates)
+
+    found = all_results(replicates_of, tasks, scheduler, workers, finished)
+    return bootstrap_of(result, tasks, np.concatenate(found))
+
+
+def profile(
+    result: FitResult,
+    coefficients: Sequence[str],
+    *,
+    scheduler: str | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> FitResult:
+    """Return a fit with the profile likelihoods of some coefficients.
+
+    Parameters
+    ----------
+    result : FitResult
+    coefficients : sequence of str
+    scheduler, workers
+        As for `bootstrap`.
+    progress : callable, optional
+        Called with the numbers of finished and of all sides of curves.
+
+    Returns
+    -------
+    FitResult
+        With `FitResult.profiles`.
+
+    Raises
+    ------
+    UnknownName
+        If a coefficient was not fitted.
+    FitError
+        If no stage with all its rows determined a coefficient.
+
+    Examples
+    --------
+    docs/is_my_fit_good.md has an example.
+
+    >>> profile(None, "PKY1")
+    Traceback (most recent call last):
+    tirefmu.symbolic.errors.WrongType: coefficients is 'PKY1' (str): it has to be a list of names, such as ['PKY1']
+    """
+    no_single_text("coefficients", coefficients)
+    tasks = side_tasks(result, coefficients)
+    done = 0
+
+    def finished(task: object) -> None:
+        nonlocal done
+        done += 1
+        if progress:
+            progress(done, len(tasks))
+
+    return profiles_of(result, tasks, all_results(side_of, tasks, scheduler, workers, finished))

@@ -1,0 +1,214 @@
+"""Batches of which every result is written as it finishes, and of which a repetition computes only what is missing."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib.util import find_spec
+from io import BytesIO
+from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar
+
+import pandas as pd
+
+from tirefmu.symbolic.errors import DataError, TirefmuError
+from tirefmu.tires.drawing.style import write_whole
+
+from .execution import Lost
+from .workers import results as outcomes_of
+
+#: States of a job without a result: invalid data or options; its process ended, or the program has an error.
+FAILED, LOST = "failed", "lost"
+
+
+class Named(Protocol):
+    """A job."""
+
+    @property
+    def name(self) -> str:
+        """Name of its output files."""
+
+
+class Stored(Protocol):
+    """The result of a job as it is stored."""
+
+    @property
+    def name(self) -> str:
+        """Of the job."""
+
+    @property
+    def status(self) -> str:
+        """`FAILED`, `LOST`, or another word for a result."""
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the result as JSON values."""
+
+
+Job = TypeVar("Job", bound=Named)
+Task = TypeVar("Task")
+Result = TypeVar("Result", bound=Stored)
+
+
+@dataclass(frozen=True)
+class Outcome(Generic[Result]):
+    """What a worker returns.
+
+    Attributes
+    ----------
+    result : Stored
+    files : mapping of str to bytes
+        Contents of the output files by path in the folder of the batch.
+    report : mapping of str to object
+        Further JSON values for NAME.json.
+    """
+
+    result: Result
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    report: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Kind(Generic[Job, Task, Result]):
+    """How the jobs of a batch are computed and stored.
+
+    Attributes
+    ----------
+    task_of : callable
+        Returns a job with its data; raises TirefmuError if a file cannot be used.
+    run : callable
+        Computes a task in any process: a function of a module.
+    digest_of : callable
+        Returns a digest of what determines the result of a job.
+    without : callable
+        Returns the result of a job with name, status and reasons only.
+    from_json : callable
+        Returns the result of `Stored.to_json`.
+    earlier : callable
+        Returns the output files that earlier runs have left for a job, by folder and name.
+    """
+
+    task_of: Callable[[Job], Task]
+    run: Callable[[Task], Outcome[Result]]
+    digest_of: Callable[[Job], str]
+    without: Callable[[str, str, tuple[str, ...]], Result]
+    from_json: Callable[[Mapping[str, Any]], Result]
+    earlier: Callable[[Path, str], Sequence[Path]]
+
+
+def compute(
+    kind: Kind[Job, Task, Result], jobs: Sequence[Job], folder: Path, *, scheduler: str | None, workers: int | None,
+    resume: bool, progress: Callable[[Result, int, int], None] | None,
+    summarize: Callable[[tuple[Result, ...]], None],
+) -> tuple[Result, ...]:  # fmt: skip
+    """Compute the jobs of a batch.
+
+    Parameters
+    ----------
+    kind : Kind
+    jobs : sequence
+    folder : Path
+        For the results; it is created.
+    scheduler, workers
+        As for `workers.results`.
+    resume : bool
+        Keep the results that the folder has of the same jobs. Only lost jobs are computed again.
+    progress : callable or None
+        Called with each result and the numbers of finished and of all jobs.
+    summarize : callable
+        Called with the results in the order of the jobs, also if the batch is interrupted.
+
+    Returns
+    -------
+    tuple
+
+    Raises
+    ------
+    DataError
+        If the folder cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DataError(f"{folder}: cannot be created ({error.strerror or error})") from error
+    digests = [kind.digest_of(job) for job in jobs]
+    results = {
+        number: kept for number, job in enumerate(jobs)
+        if resume and (kept := _kept(kind, folder, job, digests[number]))
+    }  # fmt: skip
+    pending = [number for number in range(len(jobs)) if number not in results]
+    try:
+        for number, outcome in _outcomes(kind, [jobs[number] for number in pending], scheduler, workers):
+            _write(kind, folder, digests[pending[number]], outcome)
+            results[pending[number]] = outcome.result
+            if progress:
+                progress(outcome.result, len(results), len(jobs))
+    finally:
+        ordered = tuple(results[number] for number in sorted(results))
+        summarize(ordered)
+    return ordered
+
+
+def write_table(table: pd.DataFrame, folder: Path, name: str) -> None:
+    """Write a table as CSV, and with pyarrow as Parquet."""
+    try:
+        write_whole(folder / f"{name}.csv", table.to_csv(index=False).encode("utf-8"))
+        if find_spec("pyarrow"):
+            buffer = BytesIO()
+            table.to_parquet(buffer)
+            write_whole(folder / f"{name}.parquet", buffer.getvalue())
+    except OSError as error:
+        raise DataError(f"{folder}: cannot be written ({error.strerror or error})") from error
+
+
+def _outcomes(
+    kind: Kind[Job, Task, Result], jobs: Sequence[Job], scheduler: str | None, workers: int | None
+) -> Iterator[tuple[int, Outcome[Result]]]:
+    """Yield number and outcome of each job; data that cannot be read are an outcome."""
+    numbers: list[int] = []
+    unreadable: list[tuple[int, Outcome[Result]]] = []
+
+    def tasks() -> Iterator[Task]:
+        for number, job in enumerate(jobs):
+            try:
+                task = kind.task_of(job)
+            except TirefmuError as error:
+                unreadable.append((number, Outcome(kind.without(job.name, FAILED, (str(error),)))))
+                continue
+            numbers.append(number)
+            yield task
+
+    for place, found in outcomes_of(kind.run, tasks(), scheduler, workers):
+        if isinstance(found, Lost):
+            found = Outcome(kind.without(jobs[numbers[place]].name, LOST, (found.reason,)))
+        yield numbers[place], found
+        yield from (unreadable.pop(0) for _ in range(len(unreadable)))
+    yield from unreadable
+
+
+def _kept(kind: Kind[Job, Task, Result], folder: Path, job: Job, digest: str) -> Result | None:
+    """Return the result of the same job that a folder has, or None."""
+    try:
+        plain = json.loads((folder / f"{job.name}.json").read_text(encoding="utf-8"))
+        result = kind.from_json(plain["result"])
+        same = plain["digest"] == digest and result.name == job.name and result.status != LOST
+        complete = same and all((folder / name).is_file() for name in plain["files"])
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return None
+    return result if complete else None
+
+
+def _write(kind: Kind[Job, Task, Result], folder: Path, digest: str, outcome: Outcome[Result]) -> None:
+    """Write the files of a job; NAME.json last, as it states that all are complete."""
+    name = outcome.result.name
+    plain = {"digest": digest, "result": outcome.result.to_json(), "files": sorted(outcome.files), **outcome.report}
+    try:
+        (folder / f"{name}.json").unlink(missing_ok=True)
+        for earlier in kind.earlier(folder, name):
+            earlier.unlink(missing_ok=True)
+        for path, content in outcome.files.items():
+            (folder / path).parent.mkdir(exist_ok=True)
+            write_whole(folder / path, content)
+        write_whole(folder / f"{name}.json", json.dumps(plain, indent=1).encode("utf-8"))
+    except OSError as error:
+        raise DataError(f"{folder}: cannot be written ({error.strerror or error})") from error

@@ -1,0 +1,69 @@
+"""Where independent tasks are computed: on processes of this machine, or on a Dask cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TypeVar
+
+from tirefmu.symbolic.errors import FitError
+
+from .cluster import completed_on_cluster
+from .execution import Lost, completed
+
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+
+
+def results(
+    function: Callable[[Task], Result], tasks: Iterable[Task], scheduler: str | None, workers: int | None
+) -> Iterator[tuple[int, Result | Lost]]:
+    """Yield number and result of each task as it finishes.
+
+    Parameters
+    ----------
+    function : callable
+        Of a module that other processes can import.
+    tasks : iterable
+        Read as they are needed.
+    scheduler : str or None
+        Address of a Dask scheduler, or None for processes of this machine.
+    workers : int or None
+        Number of local processes; by default one for each processor.
+
+    Yields
+    ------
+    tuple of int and result
+        `Lost` if a task has no result.
+    """
+    return completed_on_cluster(function, tasks, scheduler) if scheduler else completed(function, tasks, workers)
+
+
+def all_results(
+    function: Callable[[Task], Result], tasks: Sequence[Task], scheduler: str | None, workers: int | None,
+    finished: Callable[[Task], None],
+) -> list[Result]:  # fmt: skip
+    """Return the result of every task, in their order.
+
+    Parameters
+    ----------
+    function, tasks, scheduler, workers
+        As for `results`.
+    finished : callable
+        Called with each task that has a result.
+
+    Returns
+    -------
+    list
+
+    Raises
+    ------
+    FitError
+        If a task has no result.
+    """
+    found: dict[int, Result] = {}
+    for number, outcome in results(function, tasks, scheduler, workers):
+        if isinstance(outcome, Lost):
+            raise FitError(f"a part of the computation has no result: {outcome.reason}")
+        found[number] = outcome
+        finished(tasks[number])
+    return [found[number] for number in range(len(tasks))]

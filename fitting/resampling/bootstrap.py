@@ -1,0 +1,229 @@
+"""Block bootstrap of a fit by sweeps: the fit is repeated with random weights of sweeps.
+
+Rows of a sweep are correlated, sweeps hardly. A draw of sweeps with replacement would often contain no sweep at some
+operating condition, and then several coefficients are not determined. Therefore each sweep has a random weight instead
+of a random count: exponentially distributed with mean 1 (Rubin, The Bayesian bootstrap, 1981; Xu et al., Applications
+of the fractional-random-weight bootstrap, 2020). Its variance is that of the counts of a draw, so the replicates have
+the same covariance to first order: the sandwich estimator with sweeps as clusters. It assumes no correlation length.
+
+Each replicate starts at the solution of the fit. The weights of channels, the bounds and the points at which physical
+constraints are imposed are those of the fit, and so are the states of effects. A stage takes the coefficients of
+earlier stages from the fit, as the linear analysis does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.measurements import Recording, group_by_condition, phases
+from tirefmu.measurements.operating_conditions.held_levels import MOST_LEVELS
+from tirefmu.symbolic.errors import FitError
+
+from ..constraints.constraint_functions import ConstraintFunctions
+from ..problem.slope_targets import SlopeTarget
+from ..results.fit_result import FitResult
+from ..results.resampled import Bootstrap, BootstrapInterval
+from ..results.solved_stage import SolvedStage
+from ..solvers.convergence import STEP_TOLERANCE
+from .near_solution import cost_of_a_row, solve_near
+
+FloatArray = npt.NDArray[np.float64]
+IntArray = npt.NDArray[np.int64]
+#: Fewest sweeps, and fewest replicates: with fewer, percentiles 2.5 and 97.5 are the extremes or beyond.
+FEWEST_SWEEPS, FEWEST_REPLICATES = 10, 40
+#: Replicates of a task: starting it takes less time than they do.
+REPLICATES_OF_TASK = 10
+
+
+@dataclass(frozen=True, eq=False)
+class ReplicateTask:
+    """Some replicates: what a worker needs.
+
+    Attributes
+    ----------
+    stages : tuple of SolvedStage
+    sweeps : ndarray of int, shape (n,)
+        Number of the sweep of each row of all recordings.
+    seed : int
+    numbers : range
+        Numbers of the replicates. A replicate depends on the seed and its own number only.
+    """
+
+    stages: tuple[SolvedStage, ...]
+    sweeps: IntArray
+    seed: int
+    numbers: range
+
+
+def sweeps_of(recordings: Sequence[Recording]) -> IntArray:
+    """Return the number of the sweep of each row, counted over all recordings.
+
+    A held condition and the change to the next level count as sweeps. In rows that are no time series, a sweep is a
+    stretch of rows in one operating condition.
+
+    Parameters
+    ----------
+    recordings : sequence of Recording
+
+    Returns
+    -------
+    ndarray of int, shape (n,)
+    """
+    numbers, first = [], 0
+    for recording in recordings:
+        starts = np.zeros(len(recording), dtype=np.int64)
+        found = phases(recording)
+        starts[[phase.rows.start for phase in found]] = 1
+        if any(phase.kind == "points" for phase in found):
+            changes = np.diff(group_by_condition(recording, most_levels=MOST_LEVELS).labels) != 0
+            for phase in found:
+                if phase.kind == "points":
+                    own = np.arange(phase.rows.start + 1, phase.rows.stop)
+                    starts[own] = changes[own - 1]
+        numbers.append(np.cumsum(starts) - 1 + first)
+        first = int(numbers[-1][-1]) + 1
+    return np.concatenate(numbers)
+
+
+def replicate_tasks(
+    result: FitResult, recordings: Sequence[Recording], replicates: int, seed: int
+) -> list[ReplicateTask]:
+    """Return the tasks of a bootstrap.
+
+    Parameters
+    ----------
+    result : FitResult
+    recordings : sequence of Recording
+        The data of the fit.
+    replicates, seed : int
+
+    Returns
+    -------
+    list of ReplicateTask
+
+    Raises
+    ------
+    FitError
+        If there are too few replicates or sweeps, the fit has no solution, or it is of other data.
+    """
+    check_replicates(replicates)
+    stages = tuple(stage for stage in result.solved if stage.determined)
+    if not stages:
+        raise FitError("bootstrap: no stage of the fit used all of its rows")
+    sweeps = sweeps_of(recordings)
+    if max(int(stage.rows.max()) for stage in stages) >= len(sweeps):
+        raise FitError("bootstrap: the tables are not those of the fit")
+    _check_sweeps(_weighted(stages, sweeps), "the fitted rows")
+    firsts = range(0, replicates, REPLICATES_OF_TASK)
+    return [
+        ReplicateTask(stages, sweeps, seed, range(first, min(first + REPLICATES_OF_TASK, replicates)))
+        for first in firsts
+    ]
+
+
+def check_replicates(replicates: int, recordings: Sequence[Recording] = ()) -> None:
+    """Raise FitError for too few replicates, or too few sweeps in all rows of recordings, before a fit."""
+    if replicates < FEWEST_REPLICATES:
+        raise FitError(f"{replicates} bootstrap replicates: at least {FEWEST_REPLICATES} are required")
+    if recordings:
+        _check_sweeps(int(sweeps_of(recordings)[-1]) + 1, "the recordings")
+
+
+def replicates_of(task: ReplicateTask) -> FloatArray:
+    """Compute the replicates of a task, in any process.
+
+    Returns
+    -------
+    ndarray, shape (n_replicates, n_coefficients)
+        In the order of `coefficient_names`; a row of NaN for a replicate that did not converge.
+    """
+    imposed = [ConstraintFunctions(stage.problem, stage.constraints) for stage in task.stages]
+    tolerances = [STEP_TOLERANCE**2 * len(stage.x) * cost_of_a_row(stage) for stage in task.stages]
+    count = int(task.sweeps.max()) + 1
+    found = np.full((len(task.numbers), len(coefficient_names(task.stages))), np.nan)
+    for row, number in zip(found, task.numbers, strict=True):
+        drawn = np.random.default_rng([task.seed, number]).exponential(size=count)
+        weights = drawn[task.sweeps]
+        values: dict[str, float] = {}
+        for stage, constraints, tolerance in zip(task.stages, imposed, tolerances, strict=True):
+            solved = _replicate(stage, constraints, weights, tolerance)
+            if solved is None:
+                break
+            values |= {name: value for name, value in solved.items() if name in stage.determined}
+        else:
+            row[:] = list(values.values())
+    return found
+
+
+def coefficient_names(stages: Sequence[SolvedStage]) -> list[str]:
+    """Return the coefficients of the replicates, in their order."""
+    return [name for stage in stages for name in stage.problem.free if name in stage.determined]
+
+
+def bootstrap_of(result: FitResult, tasks: Sequence[ReplicateTask], replicates: FloatArray) -> FitResult:
+    """Return a fit with the intervals of its bootstrap.
+
+    Parameters
+    ----------
+    result : FitResult
+    tasks : sequence of ReplicateTask
+    replicates : ndarray, shape (n_replicates, n_coefficients)
+        Of `replicates_of`, in adapted SAE.
+
+    Returns
+    -------
+    FitResult
+
+    Raises
+    ------
+    FitError
+        If too few replicates converged.
+    """
+    converged = replicates[np.isfinite(replicates).all(axis=1)]
+    if len(converged) < FEWEST_REPLICATES:
+        raise FitError(f"bootstrap: {len(converged)} of {len(replicates)} replicates converged: too few for intervals")
+    stages, sweeps = tasks[0].stages, tasks[0].sweeps
+    lower, upper = np.percentile(converged, [2.5, 97.5], axis=0)
+    deviation = converged.std(axis=0, ddof=1)
+    free = {one.name for one in result.coefficients if not np.isinf(one.interval)}
+    names = coefficient_names(stages)
+    intervals = tuple(
+        BootstrapInterval(name, *((low, high, sd) if name in free else (np.nan,) * 3))
+        for name, low, high, sd in zip(names, lower.tolist(), upper.tolist(), deviation.tolist(), strict=True)
+    )
+    failed = len(replicates) - len(converged)
+    found = Bootstrap(len(converged), failed, _weighted(stages, sweeps), tasks[0].seed, intervals)
+    return replace(result.in_signs("adapted-sae"), bootstrap=found).in_signs(result.signs)
+
+
+def _weighted(stages: Sequence[SolvedStage], sweeps: IntArray) -> int:
+    """Return the number of sweeps with fitted rows."""
+    return len(np.unique(sweeps[np.concatenate([stage.rows for stage in stages])]))
+
+
+def _check_sweeps(count: int, where: str) -> None:
+    if count < FEWEST_SWEEPS:
+        raise FitError(f"bootstrap: {count} sweeps in {where}, at least {FEWEST_SWEEPS} are required")
+
+
+def _replicate(
+    stage: SolvedStage, imposed: ConstraintFunctions, weights: FloatArray, tolerance: float
+) -> dict[str, float] | None:
+    """Return the free values of a stage for weights of all rows; None if the solver did not converge."""
+    problem, factor = stage.problem, weights[stage.rows]
+    rows = replace(problem.rows, weight=problem.rows.weight * factor / factor.mean())
+    targets = tuple(_reweighted(target, weights[target.rows]) for target in problem.targets)
+    weighted = replace(problem, rows=rows, targets=targets)
+    x = solve_near(stage, weighted, imposed, stage.x, tolerance)
+    return None if x is None else dict(zip(problem.free, (x * problem.scale).tolist(), strict=True))
+
+
+def _reweighted(target: SlopeTarget, weights: FloatArray) -> SlopeTarget:
+    """Return the slope that the weighted rows give: the influence of each row is multiplied by its weight."""
+    size = np.abs(target.influence)
+    influence = target.influence * weights * (size.sum() / (size @ weights))
+    return replace(target, influence=influence, slope=float(influence @ target.force))

@@ -1,0 +1,60 @@
+"""A stage solved again from its own solution, with other weights of rows or other bounds.
+
+A few Gauss-Newton steps suffice, except along curved constraints, where no step is accepted: there IPOPT continues.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from tirefmu.estimation.gauss_newton import minimize, restore
+
+from ..constraints.constraint_functions import ConstraintFunctions
+from ..problem.regularization import Ridge
+from ..problem.weighted_residuals import Problem
+from ..results.solved_stage import SolvedStage
+from ..solvers.convergence import DAMPING, RESTORING_DAMPING, noise_of
+from ..solvers.ipopt import LAST_STEPS, solve
+
+FloatArray = npt.NDArray[np.float64]
+
+
+def cost_of_a_row(stage: SolvedStage) -> float:
+    """Return the cost of one independent row with the noise of the solution; see `solvers.convergence`."""
+    least, rows = noise_of(stage.problem, stage.x)
+    return max(stage.problem.cost(stage.x), least) / max(rows, 1.0)
+
+
+def solve_near(
+    stage: SolvedStage, problem: Problem, imposed: ConstraintFunctions, start: FloatArray, tolerance: float,
+    *, lower: FloatArray | None = None, upper: FloatArray | None = None,
+) -> FloatArray | None:  # fmt: skip
+    """Solve a problem that differs little from that of a stage.
+
+    Parameters
+    ----------
+    stage : SolvedStage
+    problem : Problem
+    imposed : ConstraintFunctions
+    start : ndarray, shape (n_free,)
+        Scaled free values, within the bounds.
+    tolerance : float
+        Predicted reduction of the cost at which a point is the optimum.
+    lower, upper : ndarray, shape (n_free,), optional
+        Other bounds than those of the stage.
+
+    Returns
+    -------
+    ndarray, shape (n_free,), or None
+        None if no optimum is found, in particular if the constraints cannot be satisfied.
+    """
+    least, most = stage.lower if lower is None else lower, stage.upper if upper is None else upper
+    cost = Ridge(problem, stage.x, stage.ridge)
+    feasible = restore(cost, start, least, most, RESTORING_DAMPING, imposed)
+    near = start if feasible is None else feasible
+    end = minimize(cost, near, least, most, lambda x, value: tolerance, DAMPING, steps=LAST_STEPS, constraints=imposed)
+    if end.converged:
+        return end.x
+    solution = solve(problem, near, least, most, list(stage.constraints), ridge=stage.ridge)
+    return solution.x if solution.converged else None

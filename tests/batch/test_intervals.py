@@ -1,0 +1,88 @@
+"""Bootstrap and profiles of a fit on several processes and on a cluster, and from the command line."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from tirefmu.batch.intervals import bootstrap, profile
+from tirefmu.cli import main
+from tirefmu.fitting import fit
+from tirefmu.measurements import Noise, VirtualBench, alpha_sweeps, read_recording, write_table
+from tirefmu.symbolic.errors import FitError
+from tirefmu.tires import published
+
+from .test_execution import cluster
+
+__all__ = ["cluster"]
+EFFECTS = ["load_friction", "load_stiffness", "load_curvature", "plysteer", "conicity"]
+OPTIONS = {"effects": EFFECTS, "recipe": "joint", "nominal": {"Fz0": 700.0, "R0": 0.23}}
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory):
+    """Return the file of a recording of ten sweeps."""
+    program = alpha_sweeps([220.0, 400.0, 700.0, 900.0, 1120.0] * 2, sample_rate=6.0)
+    recorded = VirtualBench(published("trento_hoosier"), Noise(), seed=3).run(program).with_signs("iso").table
+    path = tmp_path_factory.mktemp("bench") / "bench.csv"
+    write_table(recorded[["t", "alpha", "Fz", "Fy"]], path)
+    return path
+
+
+def test_the_intervals_are_those_of_any_number_and_kind_of_workers(table, cluster):
+    recording = read_recording(table)
+    result = fit(recording, "mf96", **OPTIONS)
+    seen = []
+    local = bootstrap(result, recording, 40, seed=2, workers=1, progress=lambda *each: seen.append(each))
+    assert seen == [(10, 40), (20, 40), (30, 40), (40, 40)]
+    other = bootstrap(result, recording, 40, seed=2, scheduler=cluster.scheduler_address)
+    assert local.bootstrap == other.bootstrap
+    one, two = (profile(result, ["PDY1", "PKY1"], workers=workers).profiles for workers in (1, 2))
+    assert one == two
+    assert [each.name for each in one] == ["PDY1", "PKY1"]
+
+
+def test_the_command_shows_the_intervals_next_to_the_linear_ones(table, tmp_path, capsys):
+    status = main([
+        "fit", str(table), "--model", "mf96", "--effects", ",".join(EFFECTS), "--recipe", "joint", "--nominal",
+        "Fz0=700,R0=0.23", "-o", str(tmp_path / "a.tir"), "--bootstrap", "40", "--profile", "PDY1", "--workers", "1",
+        "--json", str(tmp_path / "a.json"), "--report", str(tmp_path / "a.html"),
+    ])  # fmt: skip
+    out = capsys.readouterr().out
+    assert status == 0, out
+    assert "bootstrap: percentiles 2.5 and 97.5 of 40 fits with random weights of 10 sweeps, seed 0" in out
+    plain = json.loads((tmp_path / "a.json").read_text())
+    linear = {one["name"]: one for one in plain["coefficients"]}["PDY1"]
+    percentiles = {one["name"]: one for one in plain["bootstrap"]["intervals"]}["PDY1"]
+    assert percentiles["lower"] < linear["value"] < percentiles["upper"]
+    shown = f"{percentiles['lower']:.5g} to {percentiles['upper']:.5g}"
+    (curve,) = plain["profiles"]
+    assert len(curve["values"]) == len(curve["deviances"]) > 8
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    for text in (shown, f"{curve['lower']:.5g} to {curve['upper']:.5g}"):
+        assert text in out
+        assert text in page
+    assert "profile likelihood" in page
+
+
+def test_intervals_that_cannot_be_computed_are_refused_before_the_fit(table, tmp_path, capsys):
+    target = tmp_path / "a.tir"
+    for options, message in (
+        (["--bootstrap", "5"], "5 bootstrap replicates: at least 40 are required"),
+        (["--bootstrap", "50", "--where", "t < 30"], "sweeps in the recordings, at least 10 are required"),
+        (["--profile", "PKY"], "unknown coefficient 'PKY'"),
+        (["--workers", "2", "--scheduler", "tcp://127.0.0.1:1"], "--workers is for this machine"),
+    ):
+        assert main(["fit", str(table), "--model", "mf96", "-o", str(target), *options]) == 2
+        error = capsys.readouterr().err
+        assert message in error
+        assert len(error.strip().splitlines()) == 1
+        assert not target.exists()
+
+
+def test_a_cluster_that_does_not_answer_is_an_error(table):
+    recording = read_recording(table)
+    result = fit(recording, "mf96", iterations=1, **OPTIONS)
+    with pytest.raises(FitError, match="no scheduler answers"):
+        bootstrap(result, recording, 40, scheduler="tcp://127.0.0.1:1")

@@ -1,0 +1,148 @@
+"""Bootstrap and profile likelihood: the laws that connect them with the linear analysis."""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tirefmu.fitting import fit
+from tirefmu.fitting.evidence.uncertainty import QUANTILE, sandwich
+from tirefmu.fitting.resampling.bootstrap import (
+    FEWEST_SWEEPS,
+    bootstrap_of,
+    check_replicates,
+    replicate_tasks,
+    replicates_of,
+    sweeps_of,
+)
+from tirefmu.fitting.resampling.profile import profiles_of, side_of, side_tasks
+from tirefmu.measurements import Noise
+from tirefmu.symbolic.errors import FitError, UnknownName
+
+
+@pytest.fixture(scope="module")
+def noisy(known, make):
+    """Return a fit of twelve sweeps with noise, and their recording."""
+    recording = make.sideways(known, noise=Noise())
+    return fit([recording], "mf96", effects=make.effects, nominal=make.nominal, recipe="joint"), recording
+
+
+@pytest.fixture(scope="module")
+def replicated(noisy):
+    """Return the tasks of a bootstrap and its replicates."""
+    result, recording = noisy
+    tasks = replicate_tasks(result, [recording], 60, seed=3)
+    return tasks, np.concatenate([replicates_of(task) for task in tasks])
+
+
+def profiled(result, *names):
+    tasks = side_tasks(result, names)
+    return profiles_of(result, tasks, [side_of(task) for task in tasks])
+
+
+def test_a_sweep_is_a_block(noisy):
+    sweeps = sweeps_of([noisy[1]] * 2)
+    assert len(np.unique(sweeps)) == 24
+    assert (np.diff(sweeps) >= 0).all()
+
+
+def test_the_replicates_have_the_covariance_of_sweeps_as_clusters(noisy, replicated):
+    """To first order: H^-1 (sum over sweeps of g g') H^-1, with the gradient g of each sweep. 60 replicates: 9 %."""
+    result, tasks, values = noisy[0], *replicated
+    (stage,) = tasks[0].stages
+    problem = stage.problem
+    curvature = sandwich(problem, stage.x)[0] + stage.ridge * np.eye(len(stage.x))
+    gradients = []
+    for sweep in np.unique(tasks[0].sweeps):
+        weight = np.where(tasks[0].sweeps[stage.rows] == sweep, problem.rows.weight, 0.0)
+        own = replace(problem, rows=replace(problem.rows, weight=weight), targets=())
+        gradients.append(own.derivatives(stage.x)[1])
+    changes = np.linalg.solve(curvature, np.array(gradients).T) * problem.scale[:, None]
+    expected = dict(zip(problem.free, np.sqrt(np.sum(changes**2, axis=1)), strict=True))
+    found = dict(zip(problem.free, values.std(axis=0, ddof=1), strict=True))
+    inside = [one.name for one in result.coefficients if np.isfinite(one.interval)]
+    ratios = np.array([found[name] / expected[name] for name in inside])
+    assert len(ratios) > 8
+    assert 0.8 < np.median(ratios) < 1.25
+
+
+def test_a_replicate_depends_on_its_number_only(noisy, replicated):
+    """So the results are those of any number of workers; a task can be sent to another process."""
+    tasks, values = replicated
+    task = pickle.loads(pickle.dumps(tasks[1]))
+    single = replicates_of(replace(task, numbers=task.numbers[4:5]))
+    np.testing.assert_array_equal(single[0], values[task.numbers[4]])
+    other = replicates_of(replace(task, seed=4, numbers=task.numbers[4:5]))
+    assert not np.array_equal(other, single)
+
+
+def test_percentiles_are_those_of_converged_replicates_in_the_signs_of_the_result(noisy, replicated):
+    result, tasks, values = noisy[0], *replicated
+    values = values.copy()
+    values[7] = np.nan
+    found = bootstrap_of(result, tasks, values)
+    assert (found.bootstrap.replicates, found.bootstrap.failed, found.bootstrap.sweeps) == (59, 1, 12)
+    free = tasks[0].stages[0].problem.free
+    column = np.delete(values[:, free.index("PKY1")], 7)  # adapted SAE, where the stiffness is positive
+    interval = found.bootstrap.interval("PKY1")
+    np.testing.assert_allclose([-interval.upper, -interval.lower], np.percentile(column, [2.5, 97.5]))
+    assert found.in_signs("adapted-sae").bootstrap.interval("PKY1").lower == -interval.upper
+    assert found.to_json()["bootstrap"]["intervals"][0].keys() == {"name", "lower", "upper", "deviation"}
+    values[10:] = np.nan
+    with pytest.raises(FitError, match="9 of 60 replicates converged"):
+        bootstrap_of(result, tasks, values)
+
+
+def test_a_bootstrap_needs_sweeps_and_replicates(noisy, known, make):
+    result, recording = noisy
+    with pytest.raises(FitError, match="5 bootstrap replicates: at least 40"):
+        replicate_tasks(result, [recording], 5, 0)
+    short = make.sideways(known, loads=(500.0, 800.0), cambers=(0.0, 2.0))
+    with pytest.raises(FitError, match=f"4 sweeps in the recordings, at least {FEWEST_SWEEPS} are"):
+        check_replicates(100, [short])
+    with pytest.raises(FitError, match="the tables are not those of the fit"):
+        replicate_tasks(result, [short], 100, 0)
+    with pytest.raises(FitError, match="no stage of the fit used all of its rows"):
+        replicate_tasks(replace(result, solved=()), [recording], 100, 0)
+
+
+def test_a_profile_of_a_nearly_linear_coefficient_is_its_standard_error(noisy):
+    result = noisy[0]
+    (found,) = profiled(result, "PDY1").profiles
+    (linear,) = (one for one in result.coefficients if one.name == "PDY1")
+    assert (found.lower_end, found.upper_end) == ("likelihood", "likelihood")
+    assert found.upper - found.lower == pytest.approx(2.0 * linear.interval, rel=0.05)
+    assert found.lower < linear.value < found.upper
+    roots = np.sqrt(found.deviances)
+    distance = np.abs(np.array(found.values) - found.value) * QUANTILE / linear.interval
+    np.testing.assert_allclose(roots, distance, rtol=0.1, atol=0.05)
+
+
+def test_a_profile_ends_at_a_bound(noisy):
+    result = noisy[0]
+    tasks = side_tasks(result, ["PDY1"])
+    j = tasks[0].stage.problem.free.index("PDY1")
+    lower = tasks[0].stage.lower.copy()
+    lower[j] = tasks[0].stage.x[j] - 1e-4
+    bounded = replace(tasks[0], stage=replace(tasks[0].stage, lower=lower))
+    side = side_of(bounded)
+    assert side.end == "bound"
+    assert side.values[-1] == pytest.approx(lower[j] * tasks[0].stage.problem.scale[j], rel=1e-9)
+
+
+def test_a_profile_is_mirrored_with_its_coefficient(noisy):
+    found = profiled(noisy[0], "PKY1")
+    (iso,), (adapted,) = found.profiles, found.in_signs("adapted-sae").profiles
+    assert (adapted.lower, adapted.upper) == (-iso.upper, -iso.lower)
+    assert adapted.values == tuple(-value for value in reversed(iso.values))
+
+
+def test_only_fitted_coefficients_have_a_profile(noisy):
+    result = noisy[0]
+    with pytest.raises(UnknownName, match="unknown fitted coefficient 'PKY'"):
+        side_tasks(result, ["PKY"])
+    with pytest.raises(FitError, match="profile of PKY1: no stage with all of its rows"):
+        side_tasks(replace(result, solved=()), ["PKY1"])
