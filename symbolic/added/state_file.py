@@ -60,12 +60,13 @@ def _state(name: str, table: object, location: str) -> State:
     if not isinstance(kind, str) or kind not in KINDS:
         raise EffectError(f"{location}: kind is none of {', '.join(KINDS)}{nearest(str(kind), KINDS)}")
     required, optional = KINDS[kind]
+    article = "an" if kind[0] in "ao" else "a"
     for alternatives in required:
         if sum(key in table for key in alternatives) != 1:
-            raise EffectError(f"{location}: a {kind} requires {' or '.join(alternatives)}")
+            raise EffectError(f"{location}: {article} {kind} requires {' or '.join(alternatives)}")
     allowed = {"kind", "drive", "unit", "description", *optional, *(key for keys in required for key in keys)}
     for key in table.keys() - allowed:
-        raise EffectError(f"{location}: a {kind} has no {key}")
+        raise EffectError(f"{location}: {article} {kind} has no {key}")
     texts = {key: _text(table, key, location) for key in table.keys() - {"kind", "drive"}}
     return State(name, kind, _drive(table, kind, location), **texts)
 
